@@ -1,0 +1,1 @@
+set(LTE_CUDA_ENABLED OFF)

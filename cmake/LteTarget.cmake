@@ -1,0 +1,47 @@
+# Flags as INTERFACE targets, and the two functions every folder uses.
+add_library(lte_warnings INTERFACE)
+add_library(lte::warnings ALIAS lte_warnings)
+target_compile_options(lte_warnings INTERFACE
+  $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wvla>
+  $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<BOOL:${LTE_WERROR}>>:-Werror>)
+if(LTE_SANITIZE)
+  add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-fsanitize=address,undefined> $<$<COMPILE_LANGUAGE:CXX>:-fno-omit-frame-pointer>
+                      $<$<COMPILE_LANGUAGE:CXX>:-fno-sanitize=vptr>)
+  add_link_options(-fsanitize=address,undefined)
+endif()
+
+# lte_add_library(NAME [SHARED] SOURCES ... DEPS ... [PRIVATE_DEPS ...]): target lte_NAME, alias lte::NAME.
+function(lte_add_library name)
+  cmake_parse_arguments(arg "SHARED" "" "SOURCES;DEPS;PRIVATE_DEPS" ${ARGN})
+  set(kind STATIC)
+  if(arg_SHARED)
+    set(kind SHARED)
+  endif()
+  add_library(lte_${name} ${kind} ${arg_SOURCES})
+  add_library(lte::${name} ALIAS lte_${name})
+  set_target_properties(lte_${name} PROPERTIES EXPORT_NAME ${name} DEFINE_SYMBOL "")
+  target_include_directories(lte_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+                                                $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(lte_${name} PUBLIC ${arg_DEPS} PRIVATE $<BUILD_INTERFACE:lte::warnings> ${arg_PRIVATE_DEPS})
+  set_property(GLOBAL APPEND PROPERTY LTE_LIBRARIES lte_${name})
+endfunction()
+
+# lte_add_tool(NAME SOURCE DEPS ...): an executable in build/bin.
+function(lte_add_tool name source)
+  add_executable(${name} ${source})
+  target_link_libraries(${name} PRIVATE lte::warnings ${ARGN})
+  set_target_properties(${name} PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
+  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endfunction()
+
+# lte_add_test(FOLDER SOURCES ... DEPS ... [LABELS ...]): one executable and one ctest entry a folder.
+function(lte_add_test folder)
+  cmake_parse_arguments(arg "TORCH" "" "SOURCES;DEPS;LABELS" ${ARGN})
+  set(name lte_${folder}_test)
+  add_executable(${name} ${arg_SOURCES})
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(${name} PRIVATE lte::warnings ${arg_DEPS} GTest::gtest GTest::gmock GTest::gtest_main)
+  target_compile_definitions(${name} PRIVATE LTE_SOURCE_DIR="${PROJECT_SOURCE_DIR}" LTE_BINARY_DIR="${CMAKE_BINARY_DIR}")
+  add_test(NAME ${folder} COMMAND ${name} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+  set_tests_properties(${folder} PROPERTIES TIMEOUT 600 LABELS "${arg_LABELS}")
+endfunction()

@@ -1,0 +1,60 @@
+// Configuration: a YAML file, its `parent:` chain, and key=value overrides, read strictly.
+//
+// Reading marks keys as known; finish() then reports the first unknown one with the nearest known name. So a struct's
+// reader is the only place that lists its keys.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace lte {
+
+class Config {
+ public:
+  /// An empty configuration: every read returns its default.
+  Config();
+
+  /// Reads `path`; a `parent:` key names a file relative to it whose keys are the defaults (maps merge, everything else
+  /// replaces). Then applies `overrides`, each "a.b=value" with a YAML value.
+  /// @throws lte::Error naming file and line, or the override.
+  static Config load(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
+
+  /// From YAML text; `name` stands for the file in messages.
+  static Config parse(const std::string& text, const std::string& name);
+
+  /// Sub-map of `key` (empty if absent). Shares the bookkeeping of known keys with its parent.
+  Config at(const std::string& key) const;
+  bool has(const std::string& key) const;
+
+  /// Overwrites `*value` if `key` is present, and marks it as known.
+  /// @throws lte::Error naming file, full key, expected type and the text found.
+  void read(const std::string& key, bool* value) const;
+  void read(const std::string& key, int* value) const;
+  void read(const std::string& key, int64_t* value) const;
+  void read(const std::string& key, uint64_t* value) const;
+  void read(const std::string& key, float* value) const;
+  void read(const std::string& key, double* value) const;
+  void read(const std::string& key, std::string* value) const;
+  void read(const std::string& key, std::vector<int64_t>* value) const;
+  void read(const std::string& key, std::vector<double>* value) const;
+  void read(const std::string& key, std::vector<std::string>* value) const;
+
+  /// @throws lte::Error for the first key that no read() or at() asked for, with the nearest known name.
+  void finish() const;
+
+  /// The merged tree as YAML: what --print-config shows and checkpoints store.
+  std::string to_yaml() const;
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;
+  std::string prefix_;
+};
+
+/// The candidate with the smallest edit distance to `word`, or "" if none is near.
+std::string nearest_name(const std::string& word, const std::vector<std::string>& candidates);
+
+}  // namespace lte

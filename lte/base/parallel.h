@@ -1,0 +1,17 @@
+// Threads for the parts that do not link LibTorch. Results must not depend on how work is split: pass seeds, not state.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+namespace lte {
+
+/// 0 restores the default: every hardware thread. Set once at start-up (--threads).
+void set_num_threads(int threads);
+int num_threads();
+
+/// Calls `body(begin, end)` over disjoint chunks of at most `grain` that cover [0, count), on num_threads() threads.
+/// Chunks are handed out in order. The first exception is rethrown here after all threads have stopped.
+void parallel_for(int64_t count, int64_t grain, const std::function<void(int64_t, int64_t)>& body);
+
+}  // namespace lte

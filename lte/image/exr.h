@@ -1,0 +1,27 @@
+// OpenEXR, linear, with named layers for AOVs.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lte/image/image.h"
+
+namespace lte::image {
+
+/// One layer. An empty name gives channels R, G, B (or Y for one channel); "albedo" gives albedo.R, albedo.G, albedo.B;
+/// a one-channel "depth" gives depth.Z; "normal" and "position" give .X, .Y, .Z. All layers have one size.
+struct Layer {
+  std::string name;
+  const Image* image = nullptr;
+};
+
+/// Writes float32 channels with ZIP compression, atomically.
+/// @throws lte::Error if sizes differ, a layer has neither 1 nor 3 channels, or the file cannot be written.
+void write_exr(const std::filesystem::path& path, const std::vector<Layer>& layers);
+
+/// The channels of one layer (empty name: R, G, B or Y) as an image of 3 or 1 channels.
+/// @throws lte::Error naming the file if it is not EXR, or naming the layers it has.
+Image read_exr(const std::filesystem::path& path, const std::string& layer = "");
+
+}  // namespace lte::image

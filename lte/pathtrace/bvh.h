@@ -1,0 +1,55 @@
+// The Embree BVH of a scene: one geometry a mesh, one Embree instance a placement.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "lte/base/math.h"
+#include "lte/scene/scene.h"
+
+namespace lte::pathtrace {
+
+struct Ray {
+  Vec3 origin;
+  Vec3 direction;  ///< any length; t counts in its units
+  float t_min = 0, t_max = INFINITY;
+};
+
+struct Hit {
+  float t = INFINITY;
+  int instance = scene::kNone;  ///< kNone for a miss
+  uint32_t triangle = 0;
+  float u = 0, v = 0;
+  Vec3 normal;  ///< world, unit, geometric, front side (mirroring transforms accounted for)
+
+  bool valid() const { return instance != scene::kNone; }
+};
+
+/// Keeps a reference to the scene, which must outlive it. Queries are const and thread-safe.
+class Bvh {
+ public:
+  /// @throws lte::Error if Embree fails (out of memory).
+  explicit Bvh(const scene::Scene& scene);
+  ~Bvh();
+  Bvh(const Bvh&) = delete;
+  Bvh& operator=(const Bvh&) = delete;
+
+  Hit intersect(const Ray& ray) const;
+  bool occluded(const Ray& ray) const;
+
+  const scene::Scene& scene() const { return scene_; }
+  const Bounds& bounds() const { return bounds_; }
+
+ private:
+  const scene::Scene& scene_;
+  Bounds bounds_;
+  struct Handles;
+  std::unique_ptr<Handles> handles_;
+};
+
+/// A point moved off its surface along `side` (unit, towards the hemisphere the ray leaves into), so that a ray from it
+/// does not meet its own triangle: offset in units of the last place of the coordinates (Wächter and Binder 2019).
+Vec3 offset_origin(const Vec3& position, const Vec3& side);
+
+}  // namespace lte::pathtrace

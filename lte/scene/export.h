@@ -1,0 +1,14 @@
+// Scene export, so that any glTF viewer opens what the generator makes.
+#pragma once
+
+#include <filesystem>
+
+#include "lte/scene/scene.h"
+
+namespace lte::scene {
+
+/// Writes a .glb (binary glTF 2.0): meshes, instances as nodes, base colours, textures as PNG, emission with
+/// KHR_materials_emissive_strength, punctual lights, cameras. Atomic. load_scene() of the file gives the same scene.
+void write_glb(const std::filesystem::path& path, const Scene& scene);
+
+}  // namespace lte::scene

@@ -1,0 +1,125 @@
+// A scene in memory: meshes stored once, instances that place them, materials, textures, lights, cameras.
+//
+// Units and frames (DESIGN: world space is the file's own; glTF: metres, Y up). Radiance in W sr^-1 m^-2, linear Rec.709.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lte/base/math.h"
+#include "lte/scene/texture.h"
+
+namespace lte::scene {
+
+inline constexpr int kNone = -1;
+
+/// A texture as a material uses it: image, wrap modes, UV set and KHR_texture_transform.
+struct TextureRef {
+  int texture = kNone;  ///< index into Scene::textures, kNone for none
+  int uv_set = 0;       ///< 0 or 1
+  Wrap wrap_u = Wrap::Repeat, wrap_v = Wrap::Repeat;
+  Vec2 offset{0, 0}, scale{1, 1};
+  float rotation = 0;  ///< radians, counter-clockwise as KHR_texture_transform has it
+
+  /// UV after offset * rotation * scale.
+  Vec2 transform(const Vec2& uv) const;
+};
+
+struct Material {
+  std::string name;
+  Rgb base_color{1, 1, 1};  ///< linear factor
+  TextureRef base_color_texture;
+  Rgb emission{0, 0, 0};  ///< radiance factor, KHR_materials_emissive_strength included
+  TextureRef emission_texture;
+  bool double_sided = false;  ///< decides whether emission leaves the back face too
+
+  bool emissive() const { return max_component(emission) > 0; }
+};
+
+/// Triangles of one material, in their own frame.
+struct Mesh {
+  std::string name;
+  std::vector<Vec3> positions;
+  std::vector<std::array<uint32_t, 3>> triangles;  ///< counter-clockwise seen from the front
+  std::array<std::vector<Vec2>, 2> uvs;            ///< empty or one a vertex
+  std::vector<Rgb> colors;                         ///< COLOR_0, linear; empty or one a vertex
+  int material = 0;                                ///< index into Scene::materials; always valid
+};
+
+/// A mesh placed in the world. A mirroring transform flips the winding, so that front stays front.
+struct Instance {
+  int mesh = 0;
+  Affine to_world;
+  int light_group = kNone;  ///< group of its emission, kNone if it does not emit
+};
+
+enum class LightKind { Point, Spot, Directional };
+
+/// KHR_lights_punctual: intensity in W/sr (directional: W/m²), no photometric factor.
+struct PunctualLight {
+  std::string name;
+  LightKind kind = LightKind::Point;
+  Vec3 position;
+  Vec3 direction{0, 0, -1};  ///< unit, the way light travels; spot and directional
+  Rgb intensity;
+  float range = std::numeric_limits<float>::infinity();  ///< metres, as the extension's windowing has it
+  float inner_cone = 0, outer_cone = 0.785398163f;       ///< radians, spot only
+  int light_group = kNone;
+};
+
+/// Perspective camera. Pixel (0, 0) is the top left; the image plane spans vfov vertically.
+struct Camera {
+  std::string name;
+  Vec3 origin, target{0, 0, -1}, up{0, 1, 0};
+  float vfov = 45;  ///< degrees
+
+  /// Unit direction through the image point (x, y) in [0, 1]², (0, 0) top left.
+  Vec3 direction(float x, float y, float aspect) const;
+};
+
+struct Scene {
+  std::string name;  ///< file stem
+  std::vector<Mesh> meshes;
+  std::vector<Instance> instances;
+  std::vector<Material> materials;  ///< never empty: entry 0 may be the default
+  std::vector<std::shared_ptr<const Texture>> textures;
+  std::vector<PunctualLight> lights;
+  std::vector<Camera> cameras;
+  /// One a luminaire: an emissive instance or a punctual light. Names for people.
+  std::vector<std::string> light_groups;
+  /// What the importer met and does not understand, e.g. "extension KHR_materials_sheen (3 materials)".
+  std::vector<std::string> ignored;
+
+  int64_t triangle_count() const;  ///< instanced
+  Bounds bounds() const;           ///< world, of all instanced vertices
+};
+
+/// The appearance of one surface point; see DESIGN section 5.
+struct Surface {
+  Vec3 position;  ///< world
+  Vec3 normal;    ///< world, unit, geometric, front side
+  Rgb albedo;     ///< [0, 1]
+  Rgb emission;   ///< radiance that leaves the front
+  int light_group = kNone;
+  bool emits_back = false;
+};
+
+/// Evaluates barycentric (u, v) of a triangle: position = (1−u−v) p0 + u p1 + v p2.
+/// @param footprint  edge in world metres of the square to average textures over; 0 for the finest level
+/// @note A triangle without area gets normal 0.
+Surface evaluate_surface(const Scene& scene, int instance, uint32_t triangle, float u, float v, float footprint);
+
+/// Appearance alone, cheaper: what a path needs at a hit whose normal Embree gave.
+void evaluate_appearance(const Scene& scene, int instance, uint32_t triangle, float u, float v, float footprint,
+                         Rgb* albedo, Rgb* emission);
+
+/// Emission of `material` can leave the side that `cos_theta` (dot of outward direction and front normal) names.
+inline bool emits_toward(const Material& material, float cos_theta) {
+  return material.emissive() && (cos_theta > 0 || material.double_sided);
+}
+
+}  // namespace lte::scene
