@@ -1,0 +1,17 @@
+# install and find_package(lte): libraries, headers, tools, shipped assets, and a package file that finds the rest.
+include(CMakePackageConfigHelpers)
+get_property(lte_libraries GLOBAL PROPERTY LTE_LIBRARIES)
+if(LTE_TORCH)
+  list(APPEND lte_libraries lte_torch)
+endif()
+install(TARGETS ${lte_libraries} EXPORT lteTargets
+  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+  INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(DIRECTORY lte DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h" PATTERN "cpu" EXCLUDE PATTERN "cuda" EXCLUDE)
+install(DIRECTORY assets/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lte)
+install(EXPORT lteTargets NAMESPACE lte:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/lte)
+configure_package_config_file(cmake/lteConfig.cmake.in ${PROJECT_BINARY_DIR}/lteConfig.cmake
+  INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/lte)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/lteConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/lteConfig.cmake ${PROJECT_BINARY_DIR}/lteConfigVersion.cmake
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/lte)

@@ -7,8 +7,8 @@
 
 namespace lte {
 
-/// Bad input or a failed resource. The message is one line that says what, expected and got, and names the file, key
-/// or flag; a tool's main prints it and exits with 1.
+/// Bad input or a failed resource. The message is one line that says what, expected and got, and
+/// names the file, key or flag; a tool's main prints it and exits with 1.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -25,7 +25,7 @@ std::string concat(const Args&... args) {
 }  // namespace lte
 
 /// Throws lte::Error with the concatenated arguments unless `condition` holds.
-#define LTE_CHECK(condition, ...)                                  \
-  do {                                                             \
+#define LTE_CHECK(condition, ...)                                     \
+  do {                                                                \
     if (!(condition)) throw ::lte::Error(::lte::concat(__VA_ARGS__)); \
   } while (false)

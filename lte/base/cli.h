@@ -17,14 +17,15 @@ struct CommonOptions {
   std::string json;  ///< where the machine-readable result goes; empty: nowhere
 };
 
-/// Adds --threads, --quiet, --log-file, --version, and --json unless `with_json` is false. Name the group in the help.
+/// Adds --threads, --quiet, --log-file, --version, and --json unless `with_json` is false. Name the
+/// group in the help.
 void add_common_options(CLI::App& app, CommonOptions* options, bool with_json = true);
 
 /// Applies threads, verbosity and log file.
 void apply_common_options(const CommonOptions& options);
 
-/// Parses and runs: 0 on success, 2 on wrong usage, 1 with one line "tool: what went wrong" on standard error when
-/// `body` throws. Installs the signal cleanup of file.h.
+/// Parses and runs: 0 on success, 2 on wrong usage, 1 with one line "tool: what went wrong" on
+/// standard error when `body` throws. Installs the signal cleanup of file.h.
 int run_tool(CLI::App& app, int argc, char** argv, const std::function<void()>& body);
 
 /// "0.1.0".

@@ -1,7 +1,7 @@
 // Configuration: a YAML file, its `parent:` chain, and key=value overrides, read strictly.
 //
-// Reading marks keys as known; finish() then reports the first unknown one with the nearest known name. So a struct's
-// reader is the only place that lists its keys.
+// Reading marks keys as known; finish() then reports the first unknown one with the nearest known
+// name. So a struct's reader is the only place that lists its keys.
 #pragma once
 
 #include <cstdint>
@@ -17,10 +17,12 @@ class Config {
   /// An empty configuration: every read returns its default.
   Config();
 
-  /// Reads `path`; a `parent:` key names a file relative to it whose keys are the defaults (maps merge, everything else
-  /// replaces). Then applies `overrides`, each "a.b=value" with a YAML value.
+  /// Reads `path`; a `parent:` key names a file relative to it whose keys are the defaults (maps
+  /// merge, everything else replaces). Then applies `overrides`, each "a.b=value" with a YAML
+  /// value.
   /// @throws lte::Error naming file and line, or the override.
-  static Config load(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
+  static Config load(const std::filesystem::path& path,
+                     const std::vector<std::string>& overrides = {});
 
   /// From YAML text; `name` stands for the file in messages.
   static Config parse(const std::string& text, const std::string& name);
@@ -42,7 +44,8 @@ class Config {
   void read(const std::string& key, std::vector<double>* value) const;
   void read(const std::string& key, std::vector<std::string>* value) const;
 
-  /// @throws lte::Error for the first key that no read() or at() asked for, with the nearest known name.
+  /// @throws lte::Error for the first key that no read() or at() asked for, with the nearest known
+  /// name.
   void finish() const;
 
   /// The merged tree as YAML: what --print-config shows and checkpoints store.

@@ -9,9 +9,10 @@
 
 namespace lte {
 
-/// A file that appears whole or not at all: bytes go to a temporary name beside it; commit() flushes, fsyncs and
-/// renames. Without commit() the destructor removes the temporary, and the handler that install_signal_cleanup() sets
-/// does so on Ctrl-C. Every failure throws lte::Error that names `path` and the system's reason (permission, disk full).
+/// A file that appears whole or not at all: bytes go to a temporary name beside it; commit()
+/// flushes, fsyncs and renames. Without commit() the destructor removes the temporary, and the
+/// handler that install_signal_cleanup() sets does so on Ctrl-C. Every failure throws lte::Error
+/// that names `path` and the system's reason (permission, disk full).
 class AtomicFile {
  public:
   explicit AtomicFile(const std::filesystem::path& path);
@@ -23,7 +24,8 @@ class AtomicFile {
   void write(std::string_view text) { write(text.data(), text.size()); }
   void commit();
 
-  /// For libraries that insist on a file name: the temporary, already created. commit() renames it all the same.
+  /// For libraries that insist on a file name: the temporary, already created. commit() renames it
+  /// all the same.
   const std::filesystem::path& temporary_path() const { return temporary_; }
 
  private:
@@ -37,7 +39,8 @@ void write_file(const std::filesystem::path& path, std::string_view text);
 /// @throws lte::Error if it cannot be read or is larger than `limit_bytes`.
 std::string read_file(const std::filesystem::path& path, size_t limit_bytes = size_t{1} << 30);
 
-/// Makes SIGINT and SIGTERM remove the temporaries of unfinished AtomicFiles and exit with 128 + the signal's number.
+/// Makes SIGINT and SIGTERM remove the temporaries of unfinished AtomicFiles and exit with 128 +
+/// the signal's number.
 void install_signal_cleanup();
 
 /// Read-only memory map.

@@ -1,4 +1,5 @@
-// Lines for people on standard error, and into --log-file where one is given. Libraries log; only mains print results.
+// Lines for people on standard error, and into --log-file where one is given. Libraries log; only
+// mains print results.
 #pragma once
 
 #include <string>

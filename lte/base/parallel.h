@@ -1,4 +1,5 @@
-// Threads for the parts that do not link LibTorch. Results must not depend on how work is split: pass seeds, not state.
+// Threads for the parts that do not link LibTorch. Results must not depend on how work is split:
+// pass seeds, not state.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +11,9 @@ namespace lte {
 void set_num_threads(int threads);
 int num_threads();
 
-/// Calls `body(begin, end)` over disjoint chunks of at most `grain` that cover [0, count), on num_threads() threads.
-/// Chunks are handed out in order. The first exception is rethrown here after all threads have stopped.
+/// Calls `body(begin, end)` over disjoint chunks of at most `grain` that cover [0, count), on
+/// num_threads() threads. Chunks are handed out in order. The first exception is rethrown here
+/// after all threads have stopped.
 void parallel_for(int64_t count, int64_t grain, const std::function<void(int64_t, int64_t)>& body);
 
 }  // namespace lte

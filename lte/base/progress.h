@@ -1,4 +1,5 @@
-// Progress with rate and time left: a bar on a terminal, a plain line every few seconds otherwise, nothing under --quiet.
+// Progress with rate and time left: a bar on a terminal, a plain line every few seconds otherwise,
+// nothing under --quiet.
 #pragma once
 
 #include <atomic>

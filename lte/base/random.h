@@ -1,5 +1,5 @@
-// Counter-based random numbers: the n-th number of a stream depends on (seed, stream, n) alone, so results do not
-// depend on threads or on order.
+// Counter-based random numbers: the n-th number of a stream depends on (seed, stream, n) alone, so
+// results do not depend on threads or on order.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,8 @@ constexpr uint64_t mix_bits(uint64_t x) {
 }
 
 constexpr uint64_t hash_combine(uint64_t a, uint64_t b) {
-  return mix_bits(a ^ (mix_bits(b + 0x9e3779b97f4a7c15ULL) + 0x9e3779b97f4a7c15ULL + (a << 6) + (a >> 2)));
+  return mix_bits(
+      a ^ (mix_bits(b + 0x9e3779b97f4a7c15ULL) + 0x9e3779b97f4a7c15ULL + (a << 6) + (a >> 2)));
 }
 
 /// PCG32 (O'Neill 2014) whose stream is chosen by (seed, stream).

@@ -1,4 +1,5 @@
-// The safetensors container: a JSON header with names, dtypes, shapes and string metadata, then raw little-endian data.
+// The safetensors container: a JSON header with names, dtypes, shapes and string metadata, then raw
+// little-endian data.
 //
 // Data sets, weights and checkpoints share it, so that Python reads them without us. Format:
 // u64 header length | header JSON | data; offsets are relative to the data's start.
@@ -24,15 +25,25 @@ const char* dtype_name(DType dtype);
 template <typename T>
 constexpr DType dtype_of();
 template <>
-constexpr DType dtype_of<float>() { return DType::F32; }
+constexpr DType dtype_of<float>() {
+  return DType::F32;
+}
 template <>
-constexpr DType dtype_of<double>() { return DType::F64; }
+constexpr DType dtype_of<double>() {
+  return DType::F64;
+}
 template <>
-constexpr DType dtype_of<int32_t>() { return DType::I32; }
+constexpr DType dtype_of<int32_t>() {
+  return DType::I32;
+}
 template <>
-constexpr DType dtype_of<int64_t>() { return DType::I64; }
+constexpr DType dtype_of<int64_t>() {
+  return DType::I64;
+}
 template <>
-constexpr DType dtype_of<uint8_t>() { return DType::U8; }
+constexpr DType dtype_of<uint8_t>() {
+  return DType::U8;
+}
 
 /// A borrowed, contiguous tensor.
 struct TensorView {
@@ -44,13 +55,18 @@ struct TensorView {
   size_t size_bytes() const { return static_cast<size_t>(numel()) * dtype_size(dtype); }
 };
 
-/// Collects tensors (borrowed: they must outlive write()) and writes them sorted by name, aligned to 64 bytes.
+/// Collects tensors (borrowed: they must outlive write()) and writes them. The data starts at a
+/// multiple of 64 bytes; in it the tensors follow one another without gaps, which the format wants,
+/// wide elements first and then by name, so that each is aligned to its element.
 class SafetensorsWriter {
  public:
+  /// @throws lte::Error if the name was added before or is "__metadata__", the shape has a negative
+  ///         size or overflows, or there is no data.
   void add(const std::string& name, const TensorView& tensor);
   template <typename T>
   void add(const std::string& name, std::vector<int64_t> shape, const T* data) {
-    add(name, TensorView{dtype_of<T>(), std::move(shape), reinterpret_cast<const std::byte*>(data)});
+    add(name,
+        TensorView{dtype_of<T>(), std::move(shape), reinterpret_cast<const std::byte*>(data)});
   }
   void set_metadata(const std::string& key, const std::string& value) { metadata_[key] = value; }
 
@@ -63,8 +79,9 @@ class SafetensorsWriter {
   std::map<std::string, std::string> metadata_;
 };
 
-/// A mapped file whose header has been checked in full: JSON well formed, dtypes known, shapes non-negative and without
-/// overflow, ranges inside the file and as long as shape times dtype says.
+/// A mapped file whose header has been checked in full: JSON well formed and without repeated keys,
+/// dtypes known, shapes non-negative and without overflow, ranges as long as shape times dtype
+/// says, tiling the data without hole or overlap, and each aligned to its element.
 class SafetensorsFile {
  public:
   /// @throws lte::Error naming `path` if it is missing, truncated or not safetensors.
@@ -88,7 +105,8 @@ class SafetensorsFile {
   }
 
  private:
-  const TensorView& checked(const std::string& name, DType dtype, const std::vector<int64_t>& shape) const;
+  const TensorView& checked(const std::string& name, DType dtype,
+                            const std::vector<int64_t>& shape) const;
 
   std::filesystem::path path_;
   std::shared_ptr<const MappedFile> file_;

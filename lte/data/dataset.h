@@ -24,25 +24,31 @@ struct DatasetEntry {
   int64_t scene_points = 0, query_points = 0;
 };
 
-/// The content of dataset.json: {"format":"lte-dataset","version":1,"tool":..,"seed":..,"scale":s,"scenes":[..]}.
+/// The content of dataset.json:
+/// {"format":"lte-dataset","version":1,"tool":..,"seed":..,"scale":s,"scenes":[..]}.
 struct DatasetInfo {
   int version = 1;
   std::string tool_version;
   uint64_t seed = 0;
-  double scale = 16.0;  ///< s, metres: an upper bound on scene extent; network space is (p − b_min)/s
+  double scale =
+      16.0;  ///< s, metres: an upper bound on scene extent; network space is (p − b_min)/s
   std::vector<DatasetEntry> scenes;
 };
 
 /// Atomic.
 void write_dataset_info(const std::filesystem::path& directory, const DatasetInfo& info);
 
-/// @throws lte::Error naming the file and the key if dataset.json is missing, malformed, of a newer version, names a
+/// @throws lte::Error naming the file and the key if dataset.json is missing, malformed, of a newer
+/// version, names a
 ///         scene twice or one whose file is missing.
 DatasetInfo read_dataset_info(const std::filesystem::path& directory);
 
 std::filesystem::path scene_path(const std::filesystem::path& directory, const std::string& name);
 
-/// The split of a scene from the hash of (seed, index) alone, so that shards agree: `val_share` and `test_share` of all.
+/// The split of a scene from (seed, index) alone, so that shards agree: `val_share` and
+/// `test_share` of all, met to within a scene or two by any run of consecutive indices
+/// (golden-ratio sequence from a start that `seed` gives).
+/// @throws lte::Error if a share is negative or both together exceed 1.
 Split assign_split(uint64_t seed, int64_t index, double val_share, double test_share);
 
 /// Entries of one split, in file order.

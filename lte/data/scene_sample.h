@@ -1,4 +1,5 @@
-// One baked scene: scene points, query points, ground truth by light group, and views. DESIGN section 6.
+// One baked scene: scene points, query points, ground truth by light group, and views. DESIGN
+// section 6.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +11,16 @@
 
 namespace lte::data {
 
-/// A G-buffer of primary hits with reference irradiance, so that evaluation needs neither Embree nor the scene.
-/// Stored as view<k>_position, ... [H, W, 3] and view<k>_mask [H, W] uint8.
+/// A G-buffer of primary hits with reference irradiance, so that evaluation needs neither Embree
+/// nor the scene. Stored as view<k>_position, ... [H, W, 3] and view<k>_mask [H, W] uint8.
 struct View {
   int width = 0, height = 0;
-  std::vector<Vec3> position, normal, albedo;   ///< [H * W]; zero where mask is 0
-  std::vector<uint8_t> mask;                    ///< [H * W]
-  std::vector<Rgb> direct, indirect;            ///< [G, H * W], irradiance at unit gain
-  std::vector<float> variance;                  ///< [H * W], of the mean indirect irradiance
-  std::vector<Rgb> path_traced_64;              ///< [H * W], indirect irradiance with 64 rays a pixel: the rival
+  std::vector<Vec3> position, normal, albedo;  ///< [H * W]; zero where mask is 0
+  std::vector<uint8_t> mask;                   ///< [H * W]
+  std::vector<Rgb> direct, indirect;           ///< [G, H * W], irradiance at unit gain
+  std::vector<float> variance;                 ///< [H * W], of the mean indirect irradiance
+  std::vector<Rgb>
+      path_traced_64;  ///< [H * W], indirect irradiance with 64 rays a pixel: the rival
 };
 
 struct SceneSample {
@@ -29,26 +31,30 @@ struct SceneSample {
   std::vector<int32_t> scene_light;  ///< light group, −1 for none
   // Query points, [N]
   std::vector<Vec3> query_position, query_normal, query_albedo;
-  int64_t light_groups = 0;              ///< G
-  std::vector<Rgb> direct, indirect;     ///< [G, N], irradiance in W/m² at unit gain
-  std::vector<float> variance;           ///< [N], of the mean indirect irradiance
-  std::vector<Rgb> path_traced_64;       ///< [N], indirect irradiance with 64 rays: the rival (may be empty)
+  int64_t light_groups = 0;           ///< G
+  std::vector<Rgb> direct, indirect;  ///< [G, N], irradiance in W/m² at unit gain
+  std::vector<float> variance;        ///< [N], of the mean indirect irradiance
+  std::vector<Rgb>
+      path_traced_64;  ///< [N], indirect irradiance with 64 rays: the rival (may be empty)
   std::vector<View> views;
   // Where it came from
   uint64_t seed = 0;
   int64_t rays = 0;
   int max_depth = 5;
-  Vec3 bounds_low, bounds_high;          ///< world, of the scene
+  Vec3 bounds_low, bounds_high;  ///< world, of the scene
 
   int64_t scene_points() const { return static_cast<int64_t>(scene_position.size()); }
   int64_t query_points() const { return static_cast<int64_t>(query_position.size()); }
 };
 
-/// Atomic; metadata: format "lte-scene", version, name, seed, rays, max_depth, bounds.
-/// @throws lte::Error if array lengths disagree or the file cannot be written.
+/// Atomic; metadata: format "lte-scene", version, name, seed, rays, max_depth, views, bounds.
+/// Values are held to what read_scene_sample() accepts.
+/// @throws lte::Error if array lengths disagree, a value is out of range or the file cannot be
+/// written.
 void write_scene_sample(const std::filesystem::path& path, const SceneSample& sample);
 
-/// @throws lte::Error naming file, tensor and index of the first offender: truncated, foreign, wrong shape, non-finite,
+/// @throws lte::Error naming file, tensor and index of the first offender: truncated, foreign,
+/// wrong shape, non-finite,
 ///         negative irradiance, light group out of range, normal not unit.
 SceneSample read_scene_sample(const std::filesystem::path& path);
 

@@ -9,15 +9,17 @@
 
 namespace lte::image {
 
-/// One layer. An empty name gives channels R, G, B (or Y for one channel); "albedo" gives albedo.R, albedo.G, albedo.B;
-/// a one-channel "depth" gives depth.Z; "normal" and "position" give .X, .Y, .Z. All layers have one size.
+/// One layer. An empty name gives channels R, G, B (or Y for one channel); "albedo" gives albedo.R,
+/// albedo.G, albedo.B; a one-channel "depth" gives depth.Z; "normal" and "position" give .X, .Y,
+/// .Z. All layers have one size.
 struct Layer {
   std::string name;
   const Image* image = nullptr;
 };
 
 /// Writes float32 channels with ZIP compression, atomically.
-/// @throws lte::Error if sizes differ, a layer has neither 1 nor 3 channels, or the file cannot be written.
+/// @throws lte::Error if sizes differ, a layer has neither 1 nor 3 channels, or the file cannot be
+/// written.
 void write_exr(const std::filesystem::path& path, const std::vector<Layer>& layers);
 
 /// The channels of one layer (empty name: R, G, B or Y) as an image of 3 or 1 channels.

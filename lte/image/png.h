@@ -16,7 +16,8 @@ void write_png(const std::filesystem::path& path, const Image& display);
 /// The same bytes in memory, for reports that embed pictures.
 std::vector<unsigned char> encode_png(const Image& display);
 
-/// An 8- or 16-bit picture file's values / max, not linearised, in memory order; 3 channels (or 4 with alpha).
+/// An 8- or 16-bit picture file's values / max, not linearised, in memory order; 3 channels (or 4
+/// with alpha).
 /// @throws lte::Error naming the file if it cannot be decoded or declares more than `limit_pixels`.
 Image read_png(const std::filesystem::path& path, int64_t limit_pixels = int64_t{1} << 28);
 

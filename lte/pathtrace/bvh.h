@@ -41,15 +41,27 @@ class Bvh {
   const scene::Scene& scene() const { return scene_; }
   const Bounds& bounds() const { return bounds_; }
 
+  /// What the transport of this folder reads directly: Embree's scene and a record an instance
+  /// (embree_scene.h).
+  struct Handles;
+  const Handles& handles() const { return *handles_; }
+
  private:
   const scene::Scene& scene_;
   Bounds bounds_;
-  struct Handles;
   std::unique_ptr<Handles> handles_;
 };
 
-/// A point moved off its surface along `side` (unit, towards the hemisphere the ray leaves into), so that a ray from it
-/// does not meet its own triangle: offset in units of the last place of the coordinates (Wächter and Binder 2019).
-Vec3 offset_origin(const Vec3& position, const Vec3& side);
+/// A point moved off its surface along `side` (unit, towards the hemisphere the ray leaves into),
+/// so that a ray from it does not meet its own triangle: by 2^-20 of its largest coordinate or of
+/// `magnitude`, several times the rounding of a point sampled on triangles of such coordinates.
+/// @param magnitude  e.g. half the extent of the scene: a point near the origin of a large triangle
+/// is
+///                   no more exact than the triangle's corners
+Vec3 offset_origin(const Vec3& position, const Vec3& side, float magnitude = 0);
+
+/// Where ray tracing puts its origin: zero for scenes around theirs; the centre of the bounds for
+/// scenes so far off that float coordinates are coarse, whose paths are then as exact as anywhere.
+Vec3 frame_origin(const Bounds& bounds);
 
 }  // namespace lte::pathtrace

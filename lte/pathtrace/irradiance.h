@@ -1,4 +1,5 @@
-// Irradiance at points by path tracing: the ground truth of training and the reference of every error figure.
+// Irradiance at points by path tracing: the ground truth of training and the reference of every
+// error figure.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +13,10 @@
 namespace lte::pathtrace {
 
 struct IrradianceOptions {
-  int rays = 1024;       ///< cosine-weighted, stratified paths a point; rounded up to a full stratification
-  int max_depth = 5;     ///< surface hits after leaving the point; 1 is direct light (DESIGN section 5)
+  int rays =
+      1024;  ///< cosine-weighted, stratified paths a point; rounded up to a full stratification
+  int max_depth =
+      5;  ///< surface hits after leaving the point; 1 is direct light (DESIGN section 5)
   uint64_t seed = 0;
   /// First bounce from which Russian roulette may end a path. Unbiased whatever its value.
   int roulette_depth = 3;
@@ -26,11 +29,12 @@ struct Irradiance {
   int64_t groups = 0, points = 0;
   std::vector<Rgb> direct;    ///< [groups, points]: depth 1
   std::vector<Rgb> indirect;  ///< [groups, points]: depths 2 to max_depth
-  /// [points]: variance of the *mean* of indirect irradiance summed over groups, averaged over colour channels.
+  /// [points]: variance of the *mean* of indirect irradiance summed over groups, averaged over
+  /// colour channels.
   std::vector<float> variance;
   /// [points]: the same of total irradiance, by colour channel.
   std::vector<Rgb> variance_total;
-  int64_t rays = 0;        ///< paths a point
+  int64_t rays = 0;         ///< paths a point
   int64_t rays_traced = 0;  ///< intersect and occluded calls in all
 
   Rgb total(int64_t point) const;  ///< sum over groups of direct + indirect
@@ -38,12 +42,13 @@ struct Irradiance {
   Rgb indirect_sum(int64_t point) const;
 };
 
-/// Estimates irradiance over the hemisphere around `normals[i]` at `positions[i]`, in parallel. Point i draws from stream
-/// (seed, first_index + i), so the result depends neither on threads nor on how a set is cut into calls.
-/// Next-event estimation and hemisphere sampling are combined by the balance heuristic. `normals` must be unit vectors.
+/// Estimates irradiance over the hemisphere around `normals[i]` at `positions[i]`, in parallel.
+/// Point i draws from stream (seed, first_index + i), so the result depends neither on threads nor
+/// on how a set is cut into calls. Next-event estimation and hemisphere sampling are combined by
+/// the balance heuristic. `normals` must be unit vectors.
 /// @throws lte::Error if sizes differ, a value is not finite, or options are out of range.
-Irradiance estimate_irradiance(const Bvh& bvh, const Lights& lights, std::span<const Vec3> positions,
-                               std::span<const Vec3> normals, const IrradianceOptions& options,
-                               int64_t first_index = 0);
+Irradiance estimate_irradiance(const Bvh& bvh, const Lights& lights,
+                               std::span<const Vec3> positions, std::span<const Vec3> normals,
+                               const IrradianceOptions& options, int64_t first_index = 0);
 
 }  // namespace lte::pathtrace

@@ -10,16 +10,19 @@
 
 namespace lte::pathtrace {
 
-/// Primary hits through pixel centres. Normals face the camera: irradiance is that of the visible side.
+/// Primary hits through pixel centres. Normals face the camera: irradiance is that of the visible
+/// side.
 struct GBuffer {
   int width = 0, height = 0;
   std::vector<Vec3> position, normal;  ///< [height * width]
   std::vector<Rgb> albedo;             ///< [height * width]
   std::vector<Rgb> emission;           ///< radiance towards the camera
-  std::vector<float> depth;            ///< distance along the view direction; INFINITY for background
-  std::vector<uint8_t> mask;           ///< 1 where a surface was hit
+  std::vector<float> depth;   ///< distance along the camera's axis; INFINITY for background
+  std::vector<uint8_t> mask;  ///< 1 where a surface was hit
 };
 
+/// Albedo and emission are filtered over the pixel's footprint.
+/// @throws lte::Error if a size is not positive or the camera is degenerate.
 GBuffer trace_gbuffer(const Bvh& bvh, const scene::Camera& camera, int width, int height);
 
 struct RenderOptions {
@@ -28,13 +31,16 @@ struct RenderOptions {
   uint64_t seed = 0;
 };
 
-/// Radiance towards the camera by path tracing; [height, width, 3]. The result depends neither on threads nor on tiles.
-image::Image render_reference(const Bvh& bvh, const Lights& lights, const scene::Camera& camera, int width,
-                              int height, const RenderOptions& options);
+/// Radiance towards the camera by path tracing; [height, width, 3]. The result depends neither on
+/// threads nor on tiles.
+/// @throws lte::Error if a size or an option is not positive or the camera is degenerate.
+image::Image render_reference(const Bvh& bvh, const Lights& lights, const scene::Camera& camera,
+                              int width, int height, const RenderOptions& options);
 
-/// A view from inside the largest free space at eye height that sees much of the scene: candidates are scored by the
-/// spread of hit distances, by the share of pixels that meet a front face, and by staying clear of surfaces.
-/// Deterministic. Falls back to a view of the bounding box from outside if no point is enclosed.
+/// A view from inside the largest free space at eye height that sees much of the scene: candidates
+/// are scored by the spread of hit distances, by the share of pixels that meet a front face, and by
+/// staying clear of surfaces. Deterministic. Falls back to a view of the bounding box from outside
+/// if no point is enclosed.
 scene::Camera auto_camera(const Bvh& bvh, uint64_t seed = 0);
 
 }  // namespace lte::pathtrace

@@ -1,4 +1,5 @@
-// Area-weighted sampling of surface points: the paper's scene points and query points (section 3.2).
+// Area-weighted sampling of surface points: the paper's scene points and query points
+// (section 3.2).
 #pragma once
 
 #include <cstdint>
@@ -20,18 +21,19 @@ struct SurfaceSamples {
 
 struct SamplerOptions {
   uint64_t seed = 0;
-  /// Share of points that is guaranteed to emissive surfaces, so that a small luminaire is never missed; their `area`
-  /// stays true. 0 for plain area weighting, as for query points.
+  /// Share of points that is guaranteed to emissive surfaces, so that a small luminaire is never
+  /// missed; their `area` stays true. 0 for plain area weighting, as for query points.
   double emissive_share = 0.0;
-  /// Points over which textures are averaged stand for area/count; false samples the finest level (query points).
+  /// Points over which textures are averaged stand for area/count; false samples the finest level
+  /// (query points).
   bool filter_footprint = true;
-  /// Adds one small emissive sample for each point and spot light (DESIGN section 5): emission such that
-  /// emission * area * pi equals the light's power over 4 pi.
+  /// Adds one small emissive sample for each point and spot light (DESIGN section 5): emission such
+  /// that emission * area * pi equals the light's power over 4 pi.
   bool punctual_lights = true;
 };
 
-/// Exactly `count` points, stratified over the total area in instance order (one uniform variate a stratum), so equal
-/// areas get equal numbers to within one. The same for any number of threads.
+/// Exactly `count` points, stratified over the total area in instance order (one uniform variate a
+/// stratum), so equal areas get equal numbers to within one. The same for any number of threads.
 /// @throws lte::Error if the scene has no area or `count` < 1.
 SurfaceSamples sample_surface(const Scene& scene, int64_t count, const SamplerOptions& options);
 

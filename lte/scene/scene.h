@@ -1,6 +1,8 @@
-// A scene in memory: meshes stored once, instances that place them, materials, textures, lights, cameras.
+// A scene in memory: meshes stored once, instances that place them, materials, textures, lights,
+// cameras.
 //
-// Units and frames (DESIGN: world space is the file's own; glTF: metres, Y up). Radiance in W sr^-1 m^-2, linear Rec.709.
+// Units and frames (DESIGN: world space is the file's own; glTF: metres, Y up). Radiance in W sr^-1
+// m^-2, linear Rec.709.
 #pragma once
 
 #include <array>
@@ -66,8 +68,9 @@ struct PunctualLight {
   Vec3 position;
   Vec3 direction{0, 0, -1};  ///< unit, the way light travels; spot and directional
   Rgb intensity;
-  float range = std::numeric_limits<float>::infinity();  ///< metres, as the extension's windowing has it
-  float inner_cone = 0, outer_cone = 0.785398163f;       ///< radians, spot only
+  float range =
+      std::numeric_limits<float>::infinity();       ///< metres, as the extension's windowing has it
+  float inner_cone = 0, outer_cone = 0.785398163f;  ///< radians, spot only
   int light_group = kNone;
 };
 
@@ -91,7 +94,8 @@ struct Scene {
   std::vector<Camera> cameras;
   /// One a luminaire: an emissive instance or a punctual light. Names for people.
   std::vector<std::string> light_groups;
-  /// What the importer met and does not understand, e.g. "extension KHR_materials_sheen (3 materials)".
+  /// What the importer met and does not understand, e.g. "extension KHR_materials_sheen (3
+  /// materials)".
   std::vector<std::string> ignored;
 
   int64_t triangle_count() const;  ///< instanced
@@ -109,15 +113,18 @@ struct Surface {
 };
 
 /// Evaluates barycentric (u, v) of a triangle: position = (1−u−v) p0 + u p1 + v p2.
-/// @param footprint  edge in world metres of the square to average textures over; 0 for the finest level
+/// @param footprint  edge in world metres of the square to average textures over; 0 for the finest
+/// level
 /// @note A triangle without area gets normal 0.
-Surface evaluate_surface(const Scene& scene, int instance, uint32_t triangle, float u, float v, float footprint);
+Surface evaluate_surface(const Scene& scene, int instance, uint32_t triangle, float u, float v,
+                         float footprint);
 
 /// Appearance alone, cheaper: what a path needs at a hit whose normal Embree gave.
-void evaluate_appearance(const Scene& scene, int instance, uint32_t triangle, float u, float v, float footprint,
-                         Rgb* albedo, Rgb* emission);
+void evaluate_appearance(const Scene& scene, int instance, uint32_t triangle, float u, float v,
+                         float footprint, Rgb* albedo, Rgb* emission);
 
-/// Emission of `material` can leave the side that `cos_theta` (dot of outward direction and front normal) names.
+/// Emission of `material` can leave the side that `cos_theta` (dot of outward direction and front
+/// normal) names.
 inline bool emits_toward(const Material& material, float cos_theta) {
   return material.emissive() && (cos_theta > 0 || material.double_sided);
 }

@@ -19,16 +19,19 @@ class Texture {
   int width() const { return levels_.front().width; }
   int height() const { return levels_.front().height; }
   size_t size_bytes() const;
+  /// [height, width, 3], as they came.
+  const std::vector<uint8_t>& texels() const { return levels_.front().coded; }
+  bool srgb() const { return srgb_; }
 
-  /// Bilinear lookup in the two mip levels around `footprint` texels of level 0 (<= 1: the finest), blended. UV (0, 0) is
-  /// the top left of the picture, as in glTF.
+  /// Bilinear lookup in the two mip levels around `footprint` texels of level 0 (<= 1: the finest),
+  /// blended. UV (0, 0) is the top left of the picture, as in glTF.
   Rgb sample(const Vec2& uv, Wrap wrap_u, Wrap wrap_v, float footprint) const;
 
  private:
   struct Level {
     int width, height;
-    std::vector<uint8_t> coded;   ///< level 0: texels as they came
-    std::vector<uint16_t> half;   ///< coarser levels: linear, 16-bit fixed point of [0, 1]
+    std::vector<uint8_t> coded;  ///< level 0: texels as they came
+    std::vector<uint16_t> half;  ///< coarser levels: linear, 16-bit fixed point of [0, 1]
   };
   Rgb texel(const Level& level, int x, int y) const;
   Rgb bilinear(const Level& level, const Vec2& uv, Wrap wrap_u, Wrap wrap_v) const;

@@ -1,0 +1,209 @@
+#include "datagen/bake.h"
+
+#include <algorithm>
+#include <optional>
+#include <span>
+
+#include "lte/base/check.h"
+#include "lte/base/progress.h"
+#include "lte/base/random.h"
+#include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/irradiance.h"
+#include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/render.h"
+#include "lte/scene/sampler.h"
+
+namespace lte::datagen {
+namespace {
+
+constexpr int64_t kBlock = 4096;  // points between two looks at the progress
+constexpr int kRivalRays = 64;
+
+/// Independent seeds of one scene's random streams.
+enum class Stream : uint64_t { ScenePoints = 1, QueryPoints, Queries, QueriesRival, View };
+
+uint64_t stream_seed(uint64_t seed, Stream stream, int64_t index = 0) {
+  return hash_combine(hash_combine(seed, static_cast<uint64_t>(stream)),
+                      static_cast<uint64_t>(index));
+}
+
+void in_range(const char* key, double value, double low, double high) {
+  LTE_CHECK(value >= low && value <= high, key, ": expected a value in [", low, ", ", high,
+            "], got ", value);
+}
+
+/// Path-traces points of one scene in blocks. `Progress` sees paths, of all points and purposes.
+class Baker {
+ public:
+  Baker(const scene::Scene& scene, const BakeOptions& options, bool show_progress)
+      : options_(options), bvh_(scene), lights_(scene) {
+    if (!show_progress) return;
+    const int64_t rival = options.path_tracing_64 ? kRivalRays : 0;
+    const ViewOptions& views = options.views;
+    progress_.emplace("baking " + scene.name,
+                      options.query_points * (options.rays + rival) +
+                          views.count * views.width * views.height * (views.rays + rival),
+                      "paths");
+  }
+
+  const pathtrace::Bvh& bvh() const { return bvh_; }
+  int groups() const { return lights_.groups(); }
+
+  /// Irradiance at points, spread to `slots` of arrays of `slot_count` (all of them if empty).
+  void irradiance(const std::vector<Vec3>& position, const std::vector<Vec3>& normal, int64_t rays,
+                  uint64_t seed, const std::vector<size_t>& slots, size_t slot_count,
+                  std::vector<Rgb>* direct, std::vector<Rgb>* indirect,
+                  std::vector<float>* variance) {
+    const auto G = static_cast<size_t>(groups());
+    direct->assign(G * slot_count, {});
+    indirect->assign(G * slot_count, {});
+    variance->assign(slot_count, 0);
+    in_blocks(position, normal, rays, seed, [&](const pathtrace::Irradiance& block, size_t first) {
+      const auto P = static_cast<size_t>(block.points);
+      for (size_t i = 0; i < P; ++i) {
+        const size_t slot = slots.empty() ? first + i : slots[first + i];
+        (*variance)[slot] = block.variance[i];
+        for (size_t g = 0; g < G; ++g) {
+          (*direct)[g * slot_count + slot] = block.direct[g * P + i];
+          (*indirect)[g * slot_count + slot] = block.indirect[g * P + i];
+        }
+      }
+    });
+  }
+
+  /// Indirect irradiance of all groups with few rays.
+  std::vector<Rgb> rival(const std::vector<Vec3>& position, const std::vector<Vec3>& normal,
+                         uint64_t seed, const std::vector<size_t>& slots, size_t slot_count) {
+    std::vector<Rgb> out(slot_count);
+    in_blocks(position, normal, kRivalRays, seed,
+              [&](const pathtrace::Irradiance& block, size_t first) {
+                for (int64_t i = 0; i < block.points; ++i) {
+                  const size_t at = first + static_cast<size_t>(i);
+                  out[slots.empty() ? at : slots[at]] = block.indirect_sum(i);
+                }
+              });
+    return out;
+  }
+
+ private:
+  template <typename Use>
+  void in_blocks(const std::vector<Vec3>& position, const std::vector<Vec3>& normal, int64_t rays,
+                 uint64_t seed, const Use& use) {
+    pathtrace::IrradianceOptions options;
+    options.rays = static_cast<int>(rays);
+    options.max_depth = options_.max_depth;
+    options.seed = seed;
+    const auto total = static_cast<int64_t>(position.size());
+    for (int64_t first = 0; first < total; first += kBlock) {
+      const auto at = static_cast<size_t>(first),
+                 size = static_cast<size_t>(std::min(kBlock, total - first));
+      use(pathtrace::estimate_irradiance(bvh_, lights_, std::span(position).subspan(at, size),
+                                         std::span(normal).subspan(at, size), options, first),
+          at);
+      if (progress_) progress_->advance(static_cast<int64_t>(size) * rays);
+    }
+  }
+
+  const BakeOptions& options_;
+  pathtrace::Bvh bvh_;
+  pathtrace::Lights lights_;
+  std::optional<Progress> progress_;
+};
+
+void sample_points(const scene::Scene& scene, const BakeOptions& options, data::SceneSample* out) {
+  scene::SamplerOptions sampler;
+  sampler.seed = stream_seed(options.seed, Stream::ScenePoints);
+  sampler.emissive_share = options.emissive_share;
+  scene::SurfaceSamples points = scene::sample_surface(scene, options.scene_points, sampler);
+  out->scene_position = std::move(points.position);
+  out->scene_normal = std::move(points.normal);
+  out->scene_albedo = std::move(points.albedo);
+  out->scene_emission = std::move(points.emission);
+  out->scene_area = std::move(points.area);
+  out->scene_light.assign(points.light_group.begin(), points.light_group.end());
+
+  sampler = {};
+  sampler.seed = stream_seed(options.seed, Stream::QueryPoints);
+  sampler.filter_footprint = false;
+  sampler.punctual_lights = false;
+  points = scene::sample_surface(scene, options.query_points, sampler);
+  out->query_position = std::move(points.position);
+  out->query_normal = std::move(points.normal);
+  out->query_albedo = std::move(points.albedo);
+}
+
+data::View bake_view(Baker* baker, const BakeOptions& options, int64_t index) {
+  const uint64_t seed = stream_seed(options.seed, Stream::View, index);
+  const scene::Camera camera = pathtrace::auto_camera(baker->bvh(), seed);
+  pathtrace::GBuffer hits =
+      pathtrace::trace_gbuffer(baker->bvh(), camera, static_cast<int>(options.views.width),
+                               static_cast<int>(options.views.height));
+  const size_t pixels = hits.mask.size();
+  std::vector<size_t> slots;
+  std::vector<Vec3> position, normal;
+  for (size_t i = 0; i < pixels; ++i) {
+    if (!hits.mask[i]) {
+      hits.position[i] = hits.normal[i] = hits.albedo[i] = {};
+      continue;
+    }
+    slots.push_back(i);
+    position.push_back(hits.position[i]);
+    normal.push_back(hits.normal[i]);
+  }
+  data::View view;
+  view.width = hits.width;
+  view.height = hits.height;
+  baker->irradiance(position, normal, options.views.rays, hash_combine(seed, 1), slots, pixels,
+                    &view.direct, &view.indirect, &view.variance);
+  if (options.path_tracing_64)
+    view.path_traced_64 = baker->rival(position, normal, hash_combine(seed, 2), slots, pixels);
+  view.position = std::move(hits.position);
+  view.normal = std::move(hits.normal);
+  view.albedo = std::move(hits.albedo);
+  view.mask = std::move(hits.mask);
+  return view;
+}
+
+}  // namespace
+
+void check_bake_options(const BakeOptions& options) {
+  in_range("scene_points", static_cast<double>(options.scene_points), 1, 1e9);
+  in_range("query_points", static_cast<double>(options.query_points), 1, 1e9);
+  in_range("rays", static_cast<double>(options.rays), 1, 1e8);
+  in_range("max_depth", options.max_depth, 1, 1000);
+  in_range("emissive_share", options.emissive_share, 0, 1);
+  in_range("views.count", static_cast<double>(options.views.count), 0, 1000);
+  in_range("views.width", static_cast<double>(options.views.width), 1, 16384);
+  in_range("views.height", static_cast<double>(options.views.height), 1, 16384);
+  in_range("views.rays", static_cast<double>(options.views.rays), 1, 1e8);
+}
+
+data::SceneSample bake_scene(const scene::Scene& scene, const BakeOptions& options,
+                             bool show_progress) {
+  check_bake_options(options);
+  data::SceneSample sample;
+  sample.name = scene.name;
+  sample.seed = options.seed;
+  sample.rays = options.rays;
+  sample.max_depth = options.max_depth;
+  const Bounds bounds = scene.bounds();
+  sample.bounds_low = bounds.low;
+  sample.bounds_high = bounds.high;
+  sample_points(scene, options, &sample);
+
+  Baker baker(scene, options, show_progress);
+  sample.light_groups = baker.groups();
+  const size_t N = sample.query_position.size();
+  baker.irradiance(sample.query_position, sample.query_normal, options.rays,
+                   stream_seed(options.seed, Stream::Queries), {}, N, &sample.direct,
+                   &sample.indirect, &sample.variance);
+  if (options.path_tracing_64) {
+    sample.path_traced_64 = baker.rival(sample.query_position, sample.query_normal,
+                                        stream_seed(options.seed, Stream::QueriesRival), {}, N);
+  }
+  for (int64_t k = 0; k < options.views.count; ++k)
+    sample.views.push_back(bake_view(&baker, options, k));
+  return sample;
+}
+
+}  // namespace lte::datagen

@@ -1,0 +1,39 @@
+// From a scene in memory to a scene sample: points, ground truth by light group, views.
+#pragma once
+
+#include <cstdint>
+
+#include "lte/data/scene_sample.h"
+#include "lte/scene/scene.h"
+
+namespace lte::datagen {
+
+/// `views:` in the YAML config.
+struct ViewOptions {
+  int64_t count = 1;
+  int64_t width = 96, height = 72;
+  int64_t rays = 512;  ///< paths a pixel
+};
+
+struct BakeOptions {
+  int64_t scene_points = 20000;
+  int64_t query_points = 100000;
+  int64_t rays = 1024;  ///< paths a query point
+  int max_depth = 5;
+  double emissive_share = 0.1;  ///< of scene points, guaranteed to luminaires
+  bool path_tracing_64 = true;  ///< also bake the rival: 64 independent paths a point
+  ViewOptions views;
+  uint64_t seed = 1;
+};
+
+/// @throws lte::Error naming the key that is out of range.
+void check_bake_options(const BakeOptions& options);
+
+/// Samples and path-traces. The same sample for the same scene and options, whatever the number of
+/// threads.
+/// @param show_progress  print points done, rate and time left
+/// @throws lte::Error if the scene has no surface or options are out of range.
+data::SceneSample bake_scene(const scene::Scene& scene, const BakeOptions& options,
+                             bool show_progress);
+
+}  // namespace lte::datagen

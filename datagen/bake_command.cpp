@@ -1,0 +1,67 @@
+#include <memory>
+
+#include "datagen/bake.h"
+#include "datagen/commands.h"
+#include "datagen/info.h"
+#include "lte/base/check.h"
+#include "lte/base/cli.h"
+#include "lte/base/log.h"
+
+namespace lte::datagen {
+namespace {
+
+struct Flags {
+  CommonOptions common;
+  BakeOptions bake;
+  std::string scene, out;
+  bool validate_only = false;
+};
+
+void run(const Flags& flags) {
+  apply_common_options(flags.common);
+  check_bake_options(flags.bake);
+  const scene::Scene scene = load_and_report(flags.scene);
+  if (flags.validate_only) return print_validation(flags.scene, scene);
+  LTE_CHECK(!flags.out.empty(), "--out is missing: name the .safetensors file to write");
+  const data::SceneSample sample = bake_scene(scene, flags.bake, true);
+  data::write_scene_sample(flags.out, sample);
+  log_info(flags.out, ": ", sample.scene_points(), " scene points, ", sample.query_points(),
+           " query points, ", sample.light_groups, " light groups, ", sample.views.size(),
+           " views");
+  write_json(flags.common.json, sample_info(sample).dump(2));
+}
+
+}  // namespace
+
+void add_bake_command(CLI::App& app, CommandBody* body) {
+  auto flags = std::make_shared<Flags>();
+  BakeOptions& bake = flags->bake;
+  CLI::App* command =
+      app.add_subcommand("bake", "Sample and path-trace one scene into a sample file");
+  command->add_option("scene", flags->scene, "Scene: .gltf or .glb")->required();
+  command->add_option("--out", flags->out, "Sample file to write, .safetensors");
+  command->add_option("--scene-points", bake.scene_points, "M, points that describe the scene")
+      ->capture_default_str();
+  command->add_option("--queries", bake.query_points, "N, points with ground truth")
+      ->capture_default_str();
+  command->add_option("--rays", bake.rays, "Paths a query point")->capture_default_str();
+  command->add_option("--max-depth", bake.max_depth, "Surface hits of a path; 1 is direct light")
+      ->capture_default_str();
+  command->add_option("--views", bake.views.count, "Number of views")->capture_default_str();
+  command->add_option("--view-width", bake.views.width, "Pixels")->capture_default_str();
+  command->add_option("--view-height", bake.views.height, "Pixels")->capture_default_str();
+  command->add_option("--view-rays", bake.views.rays, "Paths a pixel of a view")
+      ->capture_default_str();
+  command->add_option("--seed", bake.seed, "Seed of points and paths")->capture_default_str();
+  command->add_flag("--validate-only", flags->validate_only, "Check the scene and stop");
+  add_common_options(*command, &flags->common);
+  command->footer(
+      "Examples:\n"
+      "  lte_datagen bake room.glb --out room.safetensors\n"
+      "  lte_datagen bake room.glb --out room.safetensors --scene-points 4096 --queries 8192 "
+      "--rays 256 --views 2\n"
+      "  lte_datagen bake room.glb --validate-only");
+  command->callback([=] { *body = [flags] { run(*flags); }; });
+}
+
+}  // namespace lte::datagen

@@ -1,0 +1,78 @@
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "datagen/commands.h"
+#include "datagen/info.h"
+#include "lte/base/check.h"
+#include "lte/base/cli.h"
+#include "lte/base/file.h"
+#include "lte/base/log.h"
+#include "lte/scene/load.h"
+
+namespace lte::datagen {
+namespace {
+
+struct Flags {
+  CommonOptions common;
+  std::string path;
+  bool deep = false, validate_only = false;
+};
+
+Json describe(const Flags& flags) {
+  const std::filesystem::path path = flags.path;
+  LTE_CHECK(std::filesystem::exists(path), flags.path, ": no such file or directory");
+  if (std::filesystem::is_directory(path))
+    return dataset_info(path, flags.deep || flags.validate_only);
+  if (path.extension() == ".safetensors") return sample_info(data::read_scene_sample(path));
+  return scene_info(scene::load_scene(path));
+}
+
+void run(const Flags& flags) {
+  apply_common_options(flags.common);
+  const Json info = describe(flags);
+  write_json(flags.common.json, info.dump(2));
+  if (flags.validate_only) {
+    std::printf("%s: valid %s\n", flags.path.c_str(), info["kind"].get<std::string>().c_str());
+  } else {
+    std::fputs(to_text(info).c_str(), stdout);
+  }
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& app, CommandBody* body) {
+  auto flags = std::make_shared<Flags>();
+  CLI::App* command =
+      app.add_subcommand("info", "Say what a scene, a sample file or a data set holds");
+  command
+      ->add_option("path", flags->path,
+                   "Scene (.gltf, .glb), sample file (.safetensors) or data-set directory")
+      ->required();
+  command->add_flag("--deep", flags->deep, "Of a data set, read and check every sample file");
+  command->add_flag("--validate-only", flags->validate_only, "Check everything and print one line");
+  add_common_options(*command, &flags->common);
+  command->footer(
+      "Examples:\n"
+      "  lte_datagen info room.glb\n"
+      "  lte_datagen info rooms/scenes/room_00000.safetensors --json info.json\n"
+      "  lte_datagen info rooms --deep");
+  command->callback([=] { *body = [flags] { run(*flags); }; });
+}
+
+scene::Scene load_and_report(const std::string& path) {
+  scene::Scene scene = scene::load_scene(path);
+  for (const std::string& what : scene.ignored) log_warning(path, ": ignored: ", what);
+  return scene;
+}
+
+void print_validation(const std::string& path, const scene::Scene& scene) {
+  std::printf("%s: valid scene, %lld triangles, %zu light groups\n", path.c_str(),
+              static_cast<long long>(scene.triangle_count()), scene.light_groups.size());
+}
+
+void write_json(const std::string& path, const std::string& text) {
+  if (!path.empty()) write_file(path, text + "\n");
+}
+
+}  // namespace lte::datagen

@@ -1,0 +1,19 @@
+// Where the files that ship with lte lie: weights, scenes, the small test set.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace lte::infer {
+
+/// The first that exists of $LTE_ASSETS/`relative`, <executable>/../share/lte/`relative`
+/// (installed), <executable>/../../assets/`relative` (build/bin of the source tree), and the source
+/// tree that was compiled. With LTE_ASSETS set, only that is looked at.
+/// @param instead  the flag that names such a file by hand, for the message
+/// @throws lte::Error that lists where it looked.
+std::filesystem::path asset_path(const std::string& relative, const std::string& instead);
+
+/// `checkpoint`, or the shipped model if it is empty.
+std::filesystem::path checkpoint_or_shipped(const std::string& checkpoint);
+
+}  // namespace lte::infer

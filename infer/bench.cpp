@@ -1,0 +1,66 @@
+#include "infer/bench.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include <ATen/ATen.h>
+#include <ATen/Parallel.h>
+#include <nlohmann/json.hpp>
+
+#include "lte/base/file.h"
+#include "lte/base/timer.h"
+
+namespace lte::infer {
+
+BenchResult time_repeats(const std::string& name, int64_t n, int repeats,
+                         const std::function<void()>& work) {
+  work();
+  std::vector<double> seconds;
+  for (int i = 0; i < std::max(1, repeats); ++i) {
+    const Timer timer;
+    work();
+    seconds.push_back(timer.seconds());
+  }
+  std::sort(seconds.begin(), seconds.end());
+  BenchResult result{name, n, seconds.front(), seconds[seconds.size() / 2], {}};
+  result.figures["peak_rss_mb"] = peak_rss_mb();
+  result.figures["threads"] = at::get_num_threads();
+  return result;
+}
+
+double measure_gemm_gflops() {
+  // The shape of the decoder's largest product; the output is kept, as a fresh one costs page
+  // faults.
+  const int64_t rows = 16'384, inner = 128, columns = 512;
+  const at::Tensor a = at::rand({rows, inner}), b = at::rand({inner, columns});
+  at::Tensor out = at::empty({rows, columns});
+  const BenchResult result = time_repeats("gemm", rows, 9, [&] { at::mm_out(out, a, b); });
+  return 2e-9 * static_cast<double>(rows * inner * columns) / result.seconds_min;
+}
+
+std::string bench_json(const std::vector<BenchResult>& results) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const BenchResult& result : results) {
+    nlohmann::json row{{"name", result.name},
+                       {"n", result.n},
+                       {"seconds_min", result.seconds_min},
+                       {"seconds_median", result.seconds_median}};
+    for (const auto& [key, value] : result.figures) row[key] = value;
+    rows.push_back(row);
+  }
+  return rows.dump(1) + "\n";
+}
+
+void print_bench_table(const std::vector<BenchResult>& results) {
+  std::printf("%-34s %10s %12s %12s\n", "name", "n", "min s", "median s");
+  for (const BenchResult& result : results) {
+    std::printf("%-34s %10lld %12.5f %12.5f", result.name.c_str(), static_cast<long long>(result.n),
+                result.seconds_min, result.seconds_median);
+    for (const auto& [key, value] : result.figures) {
+      if (key != "threads") std::printf("  %s %.4g", key.c_str(), value);
+    }
+    std::printf("\n");
+  }
+}
+
+}  // namespace lte::infer

@@ -1,0 +1,51 @@
+// lte_bench: run time of every stage, and run time against error. Each figure is one row of JSON.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace lte::infer {
+
+/// One measurement: warm-up, then `repeats` timed runs.
+struct BenchResult {
+  std::string name;
+  int64_t n = 0;  ///< size of the problem: points, queries or rays
+  double seconds_min = 0, seconds_median = 0;
+  std::map<std::string, double> figures;  ///< what else was measured, e.g. gflops, peak_rss
+};
+
+struct BenchOptions {
+  int repeats = 5;
+  int64_t channels = 128;         ///< D of the benchmarked network
+  int64_t scene_points = 20'000;  ///< M
+  int64_t queries = 512 * 512;
+  std::string scene;              ///< glTF file of the pathtrace and pareto benchmarks
+  std::string checkpoint;         ///< pareto: the model whose error is measured
+  int width = 160, height = 120;  ///< pareto: view
+  int reference_rays = 4096;      ///< pareto: rays a pixel of the reference
+};
+
+/// Runs `work` once to warm up, then `repeats` times.
+BenchResult time_repeats(const std::string& name, int64_t n, int repeats,
+                         const std::function<void()>& work);
+
+/// Sustained fp32 GEMM rate of this machine in this process, GFLOP/s: the limit the network is held
+/// to.
+double measure_gemm_gflops();
+
+std::vector<BenchResult> bench_ops(const BenchOptions& options);
+std::vector<BenchResult> bench_encoder(const BenchOptions& options);
+std::vector<BenchResult> bench_decoder(const BenchOptions& options);
+/// Path tracing against bare Embree calls on the same rays.
+std::vector<BenchResult> bench_pathtrace(const BenchOptions& options);
+/// Error (relative MSE of indirect irradiance over a view) against run time: path tracing at 1 to
+/// 1,024 rays a pixel, the network at several numbers of scene points.
+std::vector<BenchResult> bench_pareto(const BenchOptions& options);
+
+std::string bench_json(const std::vector<BenchResult>& results);
+void print_bench_table(const std::vector<BenchResult>& results);
+
+}  // namespace lte::infer

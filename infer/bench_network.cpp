@@ -1,0 +1,95 @@
+// lte_bench ops, encoder and decoder: what needs neither a scene nor Embree.
+#include <ATen/ATen.h>
+#include <ATen/core/grad_mode.h>
+
+#include "infer/bench.h"
+#include "infer/synthetic_room.h"
+#include "lte/base/file.h"
+#include "lte/ops/farthest_point.h"
+#include "lte/ops/knn.h"
+#include "lte/ops/neighbour_sums.h"
+#include "lte/ops/serialize.h"
+#include "lte/ops/submanifold_conv.h"
+
+namespace lte::infer {
+namespace {
+
+at::Tensor cells_of(const at::Tensor& position, double spacing) {
+  const at::Tensor low = std::get<0>(position.min(0));
+  return ((position - low) / spacing).floor().to(at::kInt).contiguous();
+}
+
+nn::LightTransportModel untrained_model(int64_t channels) {
+  nn::ModelConfig config;
+  config.channels = channels;
+  nn::LightTransportModel model(config);
+  model->eval();
+  return model;
+}
+
+}  // namespace
+
+std::vector<BenchResult> bench_ops(const BenchOptions& options) {
+  const at::NoGradGuard no_grad;
+  std::vector<BenchResult> results;
+  const auto run = [&](const std::string& name, int64_t n, const std::function<void()>& work) {
+    results.push_back(time_repeats(name, n, options.repeats, work));
+  };
+  const int64_t M = options.scene_points, m = std::max<int64_t>(1, M / 4), Q = options.queries,
+                D = options.channels;
+  const at::Tensor points = synthetic_room(M, 1).position;
+  const at::Tensor latents = points.slice(0, 0, m).contiguous();
+  const at::Tensor queries = synthetic_room(Q, 2).position;
+  const at::Tensor cells = cells_of(latents, 0.15);
+
+  run("farthest_point_sampling M -> M/2", M, [&] { ops::farthest_point_sampling(points, M / 2); });
+  run("knn M in M, k = 32", M, [&] { ops::knn(points, points, 32); });
+  run("knn queries in M/4, k = 32", Q, [&] { ops::knn(queries, latents, 32); });
+  run("curve_codes hilbert", m, [&] { ops::curve_codes(cells, ops::Curve::Hilbert); });
+  run("convolution_pairs 3x3x3", m, [&] { ops::convolution_pairs(cells, 3); });
+
+  const auto [pairs, begin] = ops::convolution_pairs(cells, 3);
+  const at::Tensor input = at::rand({m, D}), weight = at::rand({27, D, D});
+  run("submanifold_conv 3x3x3 D -> D", m,
+      [&] { ops::submanifold_conv(input, weight, {}, pairs, begin); });
+  results.back().figures["gflops"] =
+      2e-9 * static_cast<double>(pairs.size(1) * D * D) / results.back().seconds_min;
+
+  const int64_t layers = 6, hidden_width = 64, block = std::min<int64_t>(Q, 8192);
+  const at::Tensor index =
+      std::get<0>(ops::knn(queries.slice(0, 0, block).contiguous(), latents, 32));
+  const at::Tensor table = ops::neighbour_table(at::rand({layers, m, D}), at::rand({layers, m, D}));
+  const at::Tensor hidden = at::rand({block, index.size(1), hidden_width});
+  const at::Tensor gamma = at::rand({D, hidden_width}), bias = at::rand({D});
+  run("neighbour_sums_inference 6 layers", block,
+      [&] { ops::neighbour_sums_inference(table, hidden, gamma, bias, index); });
+  return results;
+}
+
+std::vector<BenchResult> bench_encoder(const BenchOptions& options) {
+  const at::NoGradGuard no_grad;
+  nn::LightTransportModel model = untrained_model(options.channels);
+  const nn::PointSet points = synthetic_room(options.scene_points, 1);
+  BenchResult result =
+      time_repeats("encode", options.scene_points, options.repeats, [&] { model->encode(points); });
+  result.figures["channels"] = static_cast<double>(options.channels);
+  result.figures["gemm_gflops_measured"] = measure_gemm_gflops();
+  return {result};
+}
+
+std::vector<BenchResult> bench_decoder(const BenchOptions& options) {
+  const at::NoGradGuard no_grad;
+  nn::LightTransportModel model = untrained_model(options.channels);
+  const nn::Embedding embedding = model->encode(synthetic_room(options.scene_points, 1));
+  const nn::PointSet surface = synthetic_room(options.queries, 2);
+  const nn::QuerySet queries{surface.position, surface.normal, surface.albedo};
+  const double before_mb = current_rss_mb();
+  BenchResult result = time_repeats("decode", options.queries, options.repeats,
+                                    [&] { model->decode(embedding, queries); });
+  result.figures["channels"] = static_cast<double>(options.channels);
+  result.figures["rss_above_model_mb"] = peak_rss_mb() - before_mb;
+  result.figures["gemm_gflops_measured"] = measure_gemm_gflops();
+  return {result};
+}
+
+}  // namespace lte::infer

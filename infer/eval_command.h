@@ -1,0 +1,22 @@
+// What lte_eval does between its command line and its exit code.
+#pragma once
+
+#include <string>
+
+#include "infer/tool_options.h"
+
+namespace lte::infer {
+
+struct EvalRequest {
+  std::string config, checkpoint, data, split, baselines, report;
+  std::string fit_baselines, out;
+  ToolOptions tool;
+};
+
+void add_eval_options(CLI::App& app, EvalRequest* request);
+
+/// Evaluates and prints a table; or, with --fit-baselines, writes a baselines file.
+/// @throws lte::Error for bad input, CLI::ValidationError for flags that do not go together.
+void run_eval(const EvalRequest& request);
+
+}  // namespace lte::infer

@@ -1,0 +1,158 @@
+#include "infer/predictor.h"
+
+#include <charconv>
+#include <cstring>
+#include <optional>
+
+#include <ATen/core/grad_mode.h>
+#include <c10/util/Exception.h>
+
+#include "infer/tensors.h"
+#include "lte/base/check.h"
+#include "lte/base/safetensors.h"
+#include "lte/nn/checkpoint.h"
+#include "lte/nn/model.h"
+
+namespace lte::infer {
+namespace {
+
+constexpr int64_t kDefaultScenePoints = 20'000;
+// Keeps the rescaled extent under s after rounding.
+constexpr double kShrinkMargin = 1e-5;
+
+int64_t scene_points_of(const std::filesystem::path& checkpoint) {
+  const SafetensorsFile file(checkpoint);
+  const auto found = file.metadata().find("scene_points");
+  if (found == file.metadata().end()) return kDefaultScenePoints;
+  const std::string& text = found->second;
+  int64_t count = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
+  LTE_CHECK(error == std::errc() && end == text.data() + text.size() && count >= 0,
+            checkpoint.string(), ": metadata scene_points is \"", text, "\", expected a number");
+  if (count == 0) return kDefaultScenePoints;
+  return count;
+}
+
+/// Runs `body`, turning LibTorch's errors, whose text carries a stack, into one line.
+template <typename Body>
+auto one_line_errors(const Body& body) {
+  try {
+    return body();
+  } catch (const c10::Error& error) {
+    const std::string text = error.what_without_backtrace();
+    throw Error(text.substr(0, text.find('\n')));
+  }
+}
+
+nn::PointSet to_point_set(const ScenePoints& points, std::span<const Vec3> position,
+                          const at::Device& device) {
+  return {borrow(position).to(device), borrow(points.normal).to(device),
+          borrow(points.albedo).to(device), borrow(points.emission).to(device),
+          borrow(points.area).to(device)};
+}
+
+void check_sizes(const ScenePoints& points) {
+  const size_t size = points.position.size();
+  LTE_CHECK(size > 0, "a scene needs at least one scene point");
+  LTE_CHECK(points.normal.size() == size && points.albedo.size() == size &&
+                points.emission.size() == size && points.area.size() == size,
+            "scene point arrays differ in length: ", size, " positions, ", points.normal.size(),
+            " normals, ", points.albedo.size(), " albedos, ", points.emission.size(),
+            " emissions, ", points.area.size(), " areas");
+}
+
+}  // namespace
+
+struct Predictor::State {
+  explicit State(nn::LightTransportModel loaded) : model(std::move(loaded)) {}
+
+  nn::LightTransportModel model;
+  at::Device device{at::kCPU};
+  int64_t scene_points = kDefaultScenePoints;
+  std::optional<nn::Embedding> embedding;
+  // World -> what the network was shown: (p − low) shrink.
+  Vec3 low;
+  double shrink = 1;
+
+  std::vector<Vec3> moved(std::span<const Vec3> positions) const {
+    std::vector<Vec3> out(positions.begin(), positions.end());
+    for (Vec3& p : out) p = (p - low) * static_cast<float>(shrink);
+    return out;
+  }
+};
+
+double radiance_scalar(const ScenePoints& points) {
+  check_sizes(points);
+  return nn::radiance_scalar(to_point_set(points, points.position, at::kCPU));
+}
+
+Predictor Predictor::load(const std::filesystem::path& checkpoint, Device device) {
+  auto state = std::make_shared<State>(one_line_errors([&] { return nn::load_model(checkpoint); }));
+  state->scene_points = scene_points_of(checkpoint);
+  state->device = at::Device(device == Device::Cuda ? at::kCUDA : at::kCPU);
+  state->model->to(state->device);
+  state->model->eval();
+  return Predictor(std::move(state));
+}
+
+bool Predictor::predicts_total() const { return state_->model->config().target == "total"; }
+double Predictor::scale() const { return state_->model->config().scale; }
+int64_t Predictor::scene_points() const { return state_->scene_points; }
+int64_t Predictor::parameters() const { return nn::count_parameters(state_->model).total; }
+double Predictor::shrink() const { return state_->shrink; }
+
+double Predictor::radiance() const {
+  LTE_CHECK(state_->embedding.has_value(), "no scene has been embedded");
+  return state_->embedding->radiance;
+}
+
+void Predictor::check_fits(const Bounds& bounds, bool rescale) const {
+  const double extent = max_component(bounds.extent());
+  LTE_CHECK(extent <= scale() || rescale, "the scene spans ", extent,
+            " m, the model knows scenes up to ", scale(),
+            " m: pass --rescale to shrink it for the network");
+}
+
+void Predictor::embed(const ScenePoints& points, bool rescale) {
+  check_sizes(points);
+  Bounds bounds;
+  for (const Vec3& p : points.position) bounds.extend(p);
+  const double extent = max_component(bounds.extent());
+  const bool too_large = extent > scale();
+  check_fits(bounds, rescale);
+  state_->low = too_large ? bounds.low : Vec3{};
+  state_->shrink = too_large ? scale() / extent * (1 - kShrinkMargin) : 1;
+  const std::vector<Vec3> shown = too_large ? state_->moved(points.position) : std::vector<Vec3>();
+  const at::NoGradGuard no_grad;
+  state_->embedding = one_line_errors([&] {
+    return state_->model->encode(to_point_set(
+        points, too_large ? std::span<const Vec3>(shown) : points.position, state_->device));
+  });
+}
+
+std::vector<Rgb> Predictor::predict(const QueryPoints& queries, int64_t chunk) const {
+  LTE_CHECK(state_->embedding.has_value(), "no scene has been embedded");
+  LTE_CHECK(chunk > 0, "chunk is ", chunk, ", expected a positive number");
+  LTE_CHECK(queries.normal.size() == queries.position.size() &&
+                queries.albedo.size() == queries.position.size(),
+            "query arrays differ in length: ", queries.position.size(), " positions, ",
+            queries.normal.size(), " normals, ", queries.albedo.size(), " albedos");
+  const at::NoGradGuard no_grad;
+  std::vector<Rgb> out(queries.position.size());
+  for (int64_t begin = 0; begin < queries.size(); begin += chunk) {
+    const QueryPoints part = queries.slice(begin, std::min(chunk, queries.size() - begin));
+    const std::vector<Vec3> shown =
+        state_->shrink == 1 ? std::vector<Vec3>() : state_->moved(part.position);
+    const nn::QuerySet set{
+        borrow(shown.empty() ? part.position : std::span<const Vec3>(shown)).to(state_->device),
+        borrow(part.normal).to(state_->device), borrow(part.albedo).to(state_->device)};
+    const at::Tensor irradiance = one_line_errors([&] {
+      return state_->model->decode(*state_->embedding, set).to(at::kCPU, at::kFloat).contiguous();
+    });
+    std::memcpy(static_cast<void*>(out.data() + begin), irradiance.const_data_ptr<float>(),
+                sizeof(Rgb) * part.position.size());
+  }
+  return out;
+}
+
+}  // namespace lte::infer

@@ -1,0 +1,49 @@
+// Error figures of one prediction, and how those of many scenes are put together. docs/metrics.md
+// has the formulas.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lte/base/math.h"
+#include "lte/image/image.h"
+
+namespace lte::infer {
+
+inline constexpr std::array<const char*, 4> kPointMetrics = {"mse", "psnr", "relmse", "logrel"};
+inline constexpr std::array<const char*, 4> kViewMetrics = {"mse", "psnr", "ssim", "relmse"};
+
+/// In the order of the names above; NaN where there was nothing to measure.
+struct Score {
+  std::array<double, 4> points, views;
+  Score();
+};
+
+/// The scores of each predictor, in order of display.
+using Scores = std::vector<std::pair<std::string, Score>>;
+
+/// Brings the 99th percentile of the reference's luminance to 1, so that white is the brightest of
+/// what matters; 1 for a black reference.
+double white_exposure(std::span<const Rgb> reference);
+
+/// Irradiance over the emission scalar, at points.
+std::array<double, 4> score_points(std::span<const Rgb> prediction, std::span<const Rgb> reference);
+
+/// One view: values of the pixels whose mask is set, in row order.
+std::array<double, 4> score_view(std::span<const Rgb> prediction, std::span<const Rgb> reference,
+                                 std::span<const uint8_t> mask, int width, int height);
+
+/// Values of the masked pixels put back into a picture that is black elsewhere.
+image::Image fill_mask(std::span<const Rgb> values, std::span<const uint8_t> mask, int width,
+                       int height);
+
+/// Over scenes, each figure by itself; NaN entries are left out. Only predictors that every scene
+/// has.
+Scores mean_scores(const std::vector<Scores>& scenes);
+Scores median_scores(const std::vector<Scores>& scenes);
+
+}  // namespace lte::infer

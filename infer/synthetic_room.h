@@ -1,0 +1,14 @@
+// A stand-in for a scene where only time and agreement matter, not light.
+#pragma once
+
+#include <cstdint>
+
+#include "lte/nn/model.h"
+
+namespace lte::infer {
+
+/// `count` points on the surfaces of a furnished box room with a ceiling lamp, float32 on the CPU.
+/// Deterministic.
+nn::PointSet synthetic_room(int64_t count, uint64_t seed);
+
+}  // namespace lte::infer

@@ -1,0 +1,27 @@
+// TorchScript source of the network of lte/nn for one configuration.
+#pragma once
+
+#include <string>
+
+#include "lte/nn/config.h"
+
+namespace lte::infer {
+
+/// The attribute that holds a parameter: "encoder.down0.1.mlp.hidden.weight" ->
+/// "encoder_down0_1_mlp_hidden_weight".
+std::string torchscript_attribute(const std::string& parameter);
+
+/// Methods of the exported module besides those of torchscript_ops():
+///
+///     encode(points: Tensor) -> Dict[str, Tensor]            points [M, 13]: position, normal,
+///     albedo, emission, area decode(embedding: Dict[str, Tensor], queries: Tensor) -> Tensor
+///     queries [Q, 9]: position, normal, albedo;
+///                                                                          result [Q, 3]
+///                                                                          irradiance, W/m²
+///     forward(points: Tensor, queries: Tensor) -> Tensor
+///
+/// World space, float32, the units of nn::PointSet. The embedding has position [m, 3], features [m,
+/// D], table, origin [3], spacing [] and radiance [].
+std::string torchscript_network(const nn::ModelConfig& config);
+
+}  // namespace lte::infer

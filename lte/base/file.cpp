@@ -1,0 +1,230 @@
+#include "lte/base/file.h"
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <fstream>
+#include <string>
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "lte/base/check.h"
+
+namespace lte {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Names of the temporaries that exist now. A signal handler may touch neither the heap nor a lock,
+/// hence fixed buffers and one atomic state each.
+class Registry {
+ public:
+  /// A file beyond the registry's capacity is still removed by its destructor, only not on a
+  /// signal.
+  void add(const std::string& name) {
+    if (name.size() >= kNameSize) return;
+    for (Slot& slot : slots_) {
+      int expected = kFree;
+      if (!slot.state.compare_exchange_strong(expected, kFilling)) continue;
+      std::memcpy(slot.name.data(), name.c_str(), name.size() + 1);
+      slot.state = kReady;
+      return;
+    }
+  }
+
+  void remove(const std::string& name) {
+    for (Slot& slot : slots_) {
+      if (slot.state == kReady && name == slot.name.data()) {
+        slot.state = kFree;
+        return;
+      }
+    }
+  }
+
+  /// Async-signal-safe.
+  void unlink_all() {
+    for (Slot& slot : slots_) {
+      if (slot.state == kReady) ::unlink(slot.name.data());
+    }
+  }
+
+ private:
+  static constexpr size_t kNameSize = 4096;
+  enum State { kFree, kFilling, kReady };
+  struct Slot {
+    std::atomic<int> state{kFree};
+    std::array<char, kNameSize> name{};
+  };
+  std::array<Slot, 64> slots_;
+};
+static_assert(std::atomic<int>::is_always_lock_free, "the signal handler reads these");
+
+Registry g_registry;
+
+extern "C" void remove_temporaries_and_exit(int signal) {
+  g_registry.unlink_all();
+  _exit(128 + signal);
+}
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what, int error) {
+  throw Error(concat(path.string(), ": ", what, ": ", std::strerror(error)));
+}
+
+/// Where `path` points, so that a symbolic link survives; the new name itself if nothing is there.
+fs::path resolve(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_symlink(path, error)) {
+    const fs::path target = fs::weakly_canonical(path, error);
+    if (!error) return target;
+  }
+  const fs::path absolute = fs::absolute(path, error);
+  return error ? path : absolute;
+}
+
+/// Makes the rename durable. Some file systems cannot sync a directory, which is no reason to fail.
+void sync_directory(const fs::path& directory) {
+  const int fd = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return;
+  ::fsync(fd);
+  ::close(fd);
+}
+
+double status_mb(const std::string& field) {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    double kilobytes = 0;
+    if (word == field && status >> kilobytes) return kilobytes / 1024.0;
+  }
+  return 0;
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(const fs::path& path) : path_(path) {
+  static std::atomic<uint64_t> counter{0};
+  const fs::path target = resolve(path);
+  struct stat info {};
+  const bool exists = ::stat(target.c_str(), &info) == 0;
+  LTE_CHECK(!exists || !S_ISDIR(info.st_mode), path.string(), ": cannot write: is a directory");
+  LTE_CHECK(target.has_filename(), path.string(), ": cannot write: not the name of a file");
+  if (exists && !S_ISREG(info.st_mode)) {
+    // A device or pipe cannot be replaced by a file of that name: write straight into it.
+    temporary_ = path_;
+    file_ = std::fopen(path_.c_str(), "we");
+    if (file_ == nullptr) fail(path_, "cannot write", errno);
+    return;
+  }
+  path_ = target;
+  temporary_ = target.parent_path() / concat(".", target.filename().string(), ".tmp-", ::getpid(),
+                                             "-", counter.fetch_add(1));
+  // Registered first: a signal between the two lines finds nothing to remove, not a file that
+  // nobody knows.
+  g_registry.add(temporary_.string());
+  const int fd = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (fd >= 0) file_ = ::fdopen(fd, "wb");
+  if (file_ == nullptr) {
+    const int error = errno;
+    if (fd >= 0) ::close(fd), ::unlink(temporary_.c_str());
+    g_registry.remove(temporary_.string());
+    fail(path, error == ENOENT ? "cannot create: its directory does not exist" : "cannot create",
+         error);
+  }
+}
+
+AtomicFile::~AtomicFile() {
+  if (file_ == nullptr) return;
+  std::fclose(file_);
+  if (temporary_ == path_) return;
+  ::unlink(temporary_.c_str());
+  g_registry.remove(temporary_.string());
+}
+
+void AtomicFile::write(const void* bytes, size_t size) {
+  LTE_CHECK(file_ != nullptr, path_.string(), ": cannot write: already committed");
+  if (size > 0 && std::fwrite(bytes, 1, size, file_) != size) fail(path_, "cannot write", errno);
+}
+
+void AtomicFile::commit() {
+  LTE_CHECK(file_ != nullptr, path_.string(), ": cannot write: already committed");
+  const bool direct = temporary_ == path_;
+  // On failure file_ stays open and the destructor cleans up.
+  if (std::fflush(file_) != 0) fail(path_, "cannot write", errno);
+  if (!direct && ::fsync(::fileno(file_)) != 0) fail(path_, "cannot write", errno);
+  if (!direct && ::rename(temporary_.c_str(), path_.c_str()) != 0) {
+    fail(path_, "cannot rename the finished file", errno);
+  }
+  const int closed = std::fclose(file_);
+  const int error = errno;
+  file_ = nullptr;
+  if (!direct) {
+    g_registry.remove(temporary_.string());
+    sync_directory(path_.parent_path());
+  }
+  if (closed != 0) fail(path_, "cannot write", error);
+}
+
+void write_file(const fs::path& path, std::string_view text) {
+  AtomicFile file(path);
+  file.write(text);
+  file.commit();
+}
+
+std::string read_file(const fs::path& path, size_t limit_bytes) {
+  LTE_CHECK(!fs::is_directory(path), path.string(), ": cannot read: is a directory");
+  std::FILE* file = std::fopen(path.c_str(), "rbe");
+  if (file == nullptr) fail(path, "cannot read", errno);
+  std::string text;
+  std::array<char, 65536> buffer;
+  size_t got = 0;
+  while ((got = std::fread(buffer.data(), 1, buffer.size(), file)) > 0 &&
+         text.size() <= limit_bytes) {
+    text.append(buffer.data(), got);
+  }
+  const int error = std::ferror(file) != 0 ? errno : 0;
+  std::fclose(file);
+  if (error != 0) fail(path, "cannot read", error);
+  LTE_CHECK(text.size() <= limit_bytes, path.string(), ": is larger than the limit of ",
+            limit_bytes, " bytes");
+  return text;
+}
+
+void install_signal_cleanup() {
+  struct sigaction action {};
+  action.sa_handler = remove_temporaries_and_exit;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+MappedFile::MappedFile(const fs::path& path) {
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) fail(path, "cannot read", errno);
+  struct stat info {};
+  const bool regular = ::fstat(fd, &info) == 0 && S_ISREG(info.st_mode);
+  size_ = regular ? static_cast<size_t>(info.st_size) : 0;
+  void* data = nullptr;
+  int error = 0;
+  if (size_ > 0) {  // mmap refuses an empty range
+    data = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, fd, 0);
+    if (data == MAP_FAILED) error = errno;
+  }
+  ::close(fd);
+  LTE_CHECK(regular, path.string(), ": cannot read: not a regular file");
+  if (error != 0) fail(path, "cannot map", error);
+  data_ = static_cast<const std::byte*>(data);
+}
+
+MappedFile::~MappedFile() {
+  if (data_ != nullptr) ::munmap(const_cast<std::byte*>(data_), size_);
+}
+
+double peak_rss_mb() { return status_mb("VmHWM:"); }
+
+double current_rss_mb() { return status_mb("VmRSS:"); }
+
+}  // namespace lte

@@ -1,0 +1,94 @@
+#include "lte/image/tonemap.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace lte::image {
+namespace {
+
+/// Seen at once, and in no rendering by itself.
+constexpr Rgb kInvalid{1, 0, 1};
+
+void check_channels(const Image& picture, const char* who) {
+  LTE_CHECK(picture.channels == 1 || picture.channels == 3, who, ": expected 1 or 3 channels, got ",
+            picture.channels);
+}
+
+Rgb color_at(const Image& picture, int x, int y) {
+  const float* p = picture.at(x, y);
+  return picture.channels == 1 ? Rgb{p[0], p[0], p[0]} : Rgb{p[0], p[1], p[2]};
+}
+
+/// A new picture of 3 channels with `color(x, y)` in each pixel.
+template <typename Color>
+Image fill(const Image& like, const Color& color) {
+  Image out(like.width, like.height, 3);
+  for (int y = 0; y < like.height; ++y) {
+    for (int x = 0; x < like.width; ++x) out.set_rgb(x, y, color(x, y));
+  }
+  return out;
+}
+
+}  // namespace
+
+float linear_to_srgb(float linear) {
+  if (!(linear > 0)) return 0;
+  if (linear >= 1) return 1;
+  return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
+}
+
+float srgb_to_linear(float encoded) {
+  if (!(encoded > 0)) return 0;
+  if (encoded >= 1) return 1;
+  return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
+}
+
+float auto_exposure(const Image& linear, float percentile, float target) {
+  check_channels(linear, "auto exposure");
+  LTE_CHECK(percentile >= 0 && percentile <= 1 && target > 0,
+            "auto exposure: expected a percentile in [0, 1] and a "
+            "positive target, got ",
+            percentile, " and ", target);
+  std::vector<float> values;
+  for (int y = 0; y < linear.height; ++y) {
+    for (int x = 0; x < linear.width; ++x) {
+      const float value = luminance(color_at(linear, x, y));
+      if (value > 0 && std::isfinite(value)) values.push_back(value);
+    }
+  }
+  if (values.empty()) return 1;
+  const auto rank =
+      std::lround(static_cast<double>(percentile) * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + rank, values.end());
+  return std::min(target / values[static_cast<size_t>(rank)], std::numeric_limits<float>::max());
+}
+
+Image tonemap(const Image& linear, float exposure) {
+  check_channels(linear, "tone mapping");
+  return fill(linear, [&](int x, int y) {
+    const Rgb color = color_at(linear, x, y);
+    if (!is_finite(color)) return kInvalid;
+    return Rgb{linear_to_srgb(exposure * color.x), linear_to_srgb(exposure * color.y),
+               linear_to_srgb(exposure * color.z)};
+  });
+}
+
+Image heat_map(const Image& scalar, float max) {
+  LTE_CHECK(scalar.channels == 1, "heat map: expected 1 channel, got ", scalar.channels);
+  LTE_CHECK(max >= 0, "heat map: expected a maximum of 0 or more, got ", max);
+  constexpr std::array<Rgb, 5> kStops{Rgb{0, 0, 0}, Rgb{0, 0, 1}, Rgb{0, 1, 0}, Rgb{1, 1, 0},
+                                      Rgb{1, 0, 0}};
+  return fill(scalar, [&](int x, int y) {
+    const float value = *scalar.at(x, y);
+    if (!std::isfinite(value)) return kInvalid;
+    const float place = max > 0 ? 4 * std::clamp(value / max, 0.0f, 1.0f) : 0.0f;
+    const size_t stop = std::min<size_t>(3, static_cast<size_t>(place));
+    const float blend = place - static_cast<float>(stop);
+    return kStops[stop] * (1 - blend) + kStops[stop + 1] * blend;
+  });
+}
+
+}  // namespace lte::image

@@ -1,0 +1,182 @@
+#include "lte/nn/model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lte/nn/nearest_neighbour_embedding.h"
+#include "lte/nn/point_transformer.h"
+#include "lte/nn/query_decoder.h"
+#include "lte/ops/neighbour_sums.h"
+
+namespace lte::nn {
+namespace {
+
+/// Network-space positions of a room span a few tenths; normals and albedos span one. This puts them on a par for the MLPs.
+constexpr double kPositionGain = 4;
+/// Queries are meant to lie in the scene; beyond this much of the scale outside, the query MLP is told no more.
+constexpr double kPositionLimit = 4;
+/// Queries decoded at a time: their intermediates are some 60 MB at D = 128 and stay in the outer caches' reach.
+constexpr int64_t kQueryBlock = 4096;
+
+/// @throws c10::Error unless `t` is [rows, 3] or [rows], and every value finite, naming the first row that is not.
+void check_rows(const at::Tensor& t, int64_t rows, bool triple, const char* what, const char* name) {
+  const bool shape_ok = t.defined() && t.dim() == (triple ? 2 : 1) && t.size(0) == rows &&
+                        (!triple || t.size(1) == 3);
+  TORCH_CHECK(shape_ok, what, ": ", name, " must be [", rows, triple ? ", 3]" : "]", ", got ",
+              t.defined() ? c10::str(t.sizes()) : std::string("nothing"));
+  const at::Tensor finite = triple ? t.isfinite().all(1) : t.isfinite();
+  if (finite.all().item<bool>()) return;
+  const int64_t row = finite.logical_not().nonzero()[0][0].item<int64_t>();
+  TORCH_CHECK(false, what, ": ", name, " of row ", row, " is not finite");
+}
+
+/// @throws c10::Error naming the first row with a value outside [low, high].
+void check_range(const at::Tensor& t, double low, double high, const char* what, const char* name) {
+  const at::Tensor bad = (t < low).logical_or(t > high);
+  if (!bad.any().item<bool>()) return;
+  const int64_t row = bad.nonzero()[0][0].item<int64_t>();
+  TORCH_CHECK(false, what, ": ", name, " of row ", row, " is outside [", low, ", ", high, "]");
+}
+
+void check_surface(const at::Tensor& position, const at::Tensor& normal, const at::Tensor& albedo,
+                   const char* what) {
+  TORCH_CHECK(position.defined() && position.dim() == 2, what, ": position must be [N, 3]");
+  const int64_t rows = position.size(0);
+  check_rows(position, rows, true, what, "position");
+  check_rows(normal, rows, true, what, "normal");
+  check_rows(albedo, rows, true, what, "albedo");
+  check_range(normal, -1.01, 1.01, what, "normal");
+  check_range(albedo, 0, 16, what, "albedo");
+}
+
+void check_points(const PointSet& points) {
+  check_surface(points.position, points.normal, points.albedo, "scene points");
+  const int64_t rows = points.position.size(0);
+  TORCH_CHECK(rows >= 1, "scene points: there are none");
+  check_rows(points.emission, rows, true, "scene points", "emission");
+  check_rows(points.area, rows, false, "scene points", "area");
+  check_range(points.emission, 0, INFINITY, "scene points", "emission");
+  check_range(points.area, 0, INFINITY, "scene points", "area");
+}
+
+/// log(1 + e/a): emission over its mean spans four decades, from dim panels to bare bulbs.
+at::Tensor compressed_emission(const at::Tensor& emission, double radiance) {
+  if (radiance == 0) return at::zeros_like(emission);
+  return at::log1p(emission.to(at::kDouble).div(radiance)).to(emission.scalar_type());
+}
+
+at::Tensor surface_attributes(const at::Tensor& position, const at::Tensor& normal,
+                              const at::Tensor& albedo) {
+  const at::Tensor p = position.clamp(-kPositionLimit, kPositionLimit).mul(kPositionGain);
+  return at::cat({p, normal, albedo}, 1);
+}
+
+}  // namespace
+
+struct LightTransportModelImpl::Parts {
+  NearestNeighbourEmbedding nne{nullptr};
+  PointTransformer encoder{nullptr};
+  QueryDecoder decoder{nullptr};
+
+  /// [Q, 3] over the emission scalar. Give either the table or keys and values.
+  at::Tensor decode(const Embedding& embedding, const QuerySet& queries, const at::Tensor& keys,
+                    const at::Tensor& values) {
+    const at::Tensor position = (queries.position - embedding.origin).div(embedding.scale);
+    const auto near = decoder->neighbourhood(position, embedding.position, embedding.spacing);
+    const at::Tensor attributes = surface_attributes(position, queries.normal, queries.albedo);
+    return keys.defined() ? decoder->forward(attributes, near, keys, values)
+                          : decoder->infer(attributes, near, embedding.table);
+  }
+};
+
+double radiance_scalar(const PointSet& points) {
+  const at::Tensor emission = points.emission.to(at::kDouble).mean(1);
+  const at::Tensor area = points.area.to(at::kDouble);
+  const double total_area = area.sum().item<double>();
+  const double mean = total_area > 0 ? at::dot(emission, area).item<double>() / total_area
+                                     : emission.mean().item<double>();
+  return mean > 0 ? mean : 1;
+}
+
+LightTransportModelImpl::LightTransportModelImpl(const ModelConfig& config)
+    : config_(config), parts_(std::make_shared<Parts>()) {
+  const int64_t latent = config.channels * (config.decoder_widths.empty() ? config.encoder_widths[0]
+                                                                          : config.decoder_widths[0]);
+  parts_->nne = register_module("nne", NearestNeighbourEmbedding(config.channels));
+  parts_->encoder = register_module("encoder", PointTransformer(config));
+  parts_->decoder = register_module("decoder", QueryDecoder(latent, config));
+}
+
+Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order_seed) {
+  check_points(points);
+  Embedding embedding;
+  embedding.scale = config_.scale;
+  embedding.origin = std::get<0>(points.position.min(0));
+  const at::Tensor position = (points.position - embedding.origin).div(config_.scale);
+  const double extent = position.max().item<double>();
+  TORCH_CHECK(extent <= 1.001, "scene points: the scene is ", extent * config_.scale,
+              " m wide, more than the model's scale of ", config_.scale,
+              " m; --rescale shrinks it to fit");
+  const bool black = points.emission.max().item<double>() == 0;
+  embedding.radiance = black ? 0 : radiance_scalar(points);
+
+  const EncoderPlan plan = make_encoder_plan(position.to(at::kFloat).contiguous(), config_,
+                                             is_training(), order_seed);
+  const at::Tensor attributes =
+      at::cat({surface_attributes(position, points.normal, points.albedo),
+               compressed_emission(points.emission, embedding.radiance)},
+              1);
+  embedding.position = plan.position;
+  embedding.spacing = plan.spacing;
+  embedding.features = parts_->encoder->forward(parts_->nne->forward(attributes, plan), plan);
+  if (!at::GradMode::is_enabled() && embedding.features.scalar_type() == at::kFloat) {
+    const auto [keys, values] = parts_->decoder->keys_and_values(embedding.features);
+    embedding.table = ops::neighbour_table(keys, values);
+  }
+  return embedding;
+}
+
+at::Tensor LightTransportModelImpl::decode_normalized(const Embedding& embedding,
+                                                      const QuerySet& queries) {
+  check_surface(queries.position, queries.normal, queries.albedo, "query points");
+  if (!at::GradMode::is_enabled() && embedding.table.defined()) {
+    return parts_->decode(embedding, queries, {}, {});
+  }
+  const auto [keys, values] = parts_->decoder->keys_and_values(embedding.features);
+  return parts_->decode(embedding, queries, keys, values);
+}
+
+at::Tensor LightTransportModelImpl::decode(const Embedding& embedding, const QuerySet& queries) {
+  const at::NoGradGuard no_grad;
+  check_surface(queries.position, queries.normal, queries.albedo, "query points");
+  const int64_t Q = queries.position.size(0);
+  // Light is linear: without emission there is no irradiance, whatever the network would say.
+  if (embedding.radiance == 0) return at::zeros_like(queries.position);
+  at::Tensor out = at::empty({Q, 3}, embedding.features.options());
+  at::Tensor keys, values;
+  if (!embedding.table.defined()) {
+    std::tie(keys, values) = parts_->decoder->keys_and_values(embedding.features);
+  }
+  for (int64_t begin = 0; begin < Q; begin += kQueryBlock) {
+    const int64_t count = std::min(kQueryBlock, Q - begin);
+    const QuerySet block = {queries.position.narrow(0, begin, count),
+                            queries.normal.narrow(0, begin, count),
+                            queries.albedo.narrow(0, begin, count)};
+    out.narrow(0, begin, count).copy_(parts_->decode(embedding, block, keys, values));
+  }
+  return out.mul_(embedding.radiance);
+}
+
+ParameterCounts count_parameters(const LightTransportModel& model) {
+  ParameterCounts counts;
+  for (const auto& item : model->named_parameters()) {
+    const int64_t n = item.value().numel();
+    counts.total += n;
+    if (item.key().rfind("nne.", 0) == 0) counts.nne += n;
+    if (item.key().rfind("encoder.", 0) == 0) counts.encoder += n;
+    if (item.key().rfind("decoder.", 0) == 0) counts.decoder += n;
+  }
+  return counts;
+}
+
+}  // namespace lte::nn

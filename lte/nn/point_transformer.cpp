@@ -1,0 +1,71 @@
+#include "lte/nn/point_transformer.h"
+
+#include <string>
+#include <utility>
+
+namespace lte::nn {
+
+StageImpl::StageImpl(int64_t depth, int64_t channels, const ModelConfig& config) {
+  for (int64_t i = 0; i < depth; ++i) {
+    blocks_.push_back(register_module(std::to_string(i), TransformerBlock(channels, config)));
+  }
+}
+
+at::Tensor StageImpl::forward(at::Tensor x, const StagePlan& plan) {
+  for (size_t i = 0; i < blocks_.size(); ++i) x = blocks_[i]->forward(x, plan, i);
+  return x;
+}
+
+PointTransformerImpl::PointTransformerImpl(const ModelConfig& config) {
+  const int64_t D = config.channels;
+  const auto down_width = [&](size_t s) { return config.encoder_widths[s] * D; };
+  const auto up_width = [&](size_t s) { return config.decoder_widths[s] * D; };
+  const size_t stages = config.encoder_depths.size();
+
+  if (config.stem == "linear") {
+    stem_linear_ = register_module("stem", torch::nn::Linear(D, down_width(0)));
+  } else {
+    const int64_t kernel = config.stem == "conv5" ? 5 : 3;
+    stem_conv_ = register_module("stem", SubmanifoldConv(kernel, D, down_width(0), false));
+  }
+  stem_norm_ = register_module("stem_norm", layer_norm(down_width(0)));
+  for (size_t s = 0; s < stages; ++s) {
+    const std::string number = std::to_string(s);
+    if (s > 0) {
+      pool_.push_back(register_module("pool" + number, Pooling(down_width(s - 1), down_width(s))));
+    }
+    down_.push_back(
+        register_module("down" + number, Stage(config.encoder_depths[s], down_width(s), config)));
+  }
+  for (size_t s = 0; s + 1 < stages; ++s) {
+    const std::string number = std::to_string(s);
+    const int64_t below = s + 2 < stages ? up_width(s + 1) : down_width(s + 1);
+    unpool_.push_back(
+        register_module("unpool" + number, Unpooling(below, down_width(s), up_width(s))));
+    up_.push_back(
+        register_module("up" + number, Stage(config.decoder_depths[s], up_width(s), config)));
+  }
+  norm_ = register_module("norm", layer_norm(stages > 1 ? up_width(0) : down_width(0)));
+}
+
+at::Tensor PointTransformerImpl::forward(const at::Tensor& x, const EncoderPlan& plan) {
+  const at::Tensor stem =
+      stem_conv_ ? stem_conv_->forward(x, plan.stem_pairs, plan.stem_tap_begin)
+                 : stem_linear_->forward(x);
+  std::vector<at::Tensor> skip = {at::gelu(stem_norm_->forward(stem))};
+  for (size_t s = 0; s < down_.size(); ++s) {
+    const StagePlan& stage = plan.stages[s];
+    if (s > 0) {
+      skip.push_back(pool_[s - 1]->forward(skip.back(), stage.cluster, stage.points()));
+    }
+    skip[s] = down_[s]->forward(skip[s], stage);
+  }
+  at::Tensor y = skip.back();
+  for (size_t s = up_.size(); s-- > 0;) {
+    y = unpool_[s]->forward(y, skip[s], plan.stages[s + 1].cluster);
+    y = up_[s]->forward(y, plan.stages[s]);
+  }
+  return norm_->forward(y);
+}
+
+}  // namespace lte::nn

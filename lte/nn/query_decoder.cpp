@@ -1,0 +1,106 @@
+#include "lte/nn/query_decoder.h"
+
+#include <cmath>
+#include <string>
+
+#include "lte/nn/transformer_block.h"
+#include "lte/ops/knn.h"
+#include "lte/ops/neighbour_sums.h"
+
+namespace lte::nn {
+
+QueryLayerImpl::QueryLayerImpl(int64_t latent, const ModelConfig& config)
+    : dropout_(config.dropout),
+      norm1_(register_module("norm1", layer_norm(config.channels))),
+      norm2_(register_module("norm2", layer_norm(config.channels))),
+      query_(register_module("query", torch::nn::Linear(config.channels, config.channels))),
+      key_(register_module("key", torch::nn::Linear(latent, config.channels))),
+      value_(register_module("value", torch::nn::Linear(latent, config.channels))),
+      output_(register_module("output", torch::nn::Linear(config.channels, config.channels))) {
+  // Two branches a layer add up: this keeps the sum of all of them O(1).
+  const double branch = 1 / std::sqrt(2.0 * static_cast<double>(config.query_layers));
+  const int64_t D = config.channels;
+  for (torch::nn::Linear* linear : {&query_, &key_, &value_}) initialize(*linear, 1);
+  initialize(output_, branch);
+  ffn_ = register_module("ffn", Mlp(D, config.ffn_ratio * D, D, config.dropout, branch));
+}
+
+std::tuple<at::Tensor, at::Tensor> QueryLayerImpl::keys_and_values(const at::Tensor& latent) {
+  return {key_->forward(latent), value_->forward(latent)};
+}
+
+at::Tensor QueryLayerImpl::forward(const at::Tensor& G, const at::Tensor& S1, const at::Tensor& S2,
+                                   int64_t neighbours) {
+  const at::Tensor query = query_->forward(norm1_->forward(G));
+  const at::Tensor attended =
+      at::addcmul(S2, query, S1).mul_(1 / static_cast<double>(neighbours));
+  const at::Tensor branch = at::dropout(output_->forward(attended), dropout_, is_training());
+  const at::Tensor sum = G + branch;
+  return sum + ffn_->forward(norm2_->forward(sum));
+}
+
+QueryDecoderImpl::QueryDecoderImpl(int64_t latent, const ModelConfig& config)
+    : neighbours_(config.query_neighbours) {
+  const int64_t D = config.channels;
+  point_ = register_module("point", Mlp(9, D, D));
+  gamma_ = register_module("gamma", Mlp(3, config.gamma_hidden, D));
+  for (int64_t i = 0; i < config.query_layers; ++i) {
+    layers_.push_back(register_module("layer" + std::to_string(i), QueryLayer(latent, config)));
+  }
+  norm_ = register_module("norm", layer_norm(D));
+  head_ = register_module("head", Mlp(D, D, 3, 0, 0.1));
+  const at::NoGradGuard no_grad;
+  const double mean = config.output_mean;  // softplus^-1, in the form that does not overflow
+  head_->output()->bias.fill_(mean + std::log(-std::expm1(-mean)));
+}
+
+std::tuple<at::Tensor, at::Tensor> QueryDecoderImpl::keys_and_values(const at::Tensor& latent) {
+  std::vector<at::Tensor> keys, values;
+  for (QueryLayer& layer : layers_) {
+    auto [key, value] = layer->keys_and_values(latent);
+    keys.push_back(key);
+    values.push_back(value);
+  }
+  return {at::stack(keys), at::stack(values)};
+}
+
+QueryDecoderImpl::Neighbourhood QueryDecoderImpl::neighbourhood(const at::Tensor& query,
+                                                                const at::Tensor& anchor,
+                                                                double spacing) const {
+  Neighbourhood near;
+  near.index = std::get<0>(ops::knn(query.to(at::kFloat).contiguous(), anchor, neighbours_));
+  const int64_t Q = near.index.size(0), K = near.index.size(1);
+  const at::Tensor at_anchor =
+      anchor.to(query.scalar_type()).index_select(0, near.index.reshape({-1})).view({Q, K, 3});
+  near.offset =
+      (query.unsqueeze(1) - at_anchor).mul_(1 / spacing).clamp_(-kOffsetLimit, kOffsetLimit);
+  return near;
+}
+
+at::Tensor QueryDecoderImpl::forward(const at::Tensor& attributes, const Neighbourhood& near,
+                                     const at::Tensor& keys, const at::Tensor& values) {
+  const at::Tensor position = gamma_->forward(near.offset);
+  const auto [S1, S2] = ops::neighbour_sums(keys, values, position, near.index);
+  return run_layers(attributes, S1, S2, near.index.size(1));
+}
+
+at::Tensor QueryDecoderImpl::infer(const at::Tensor& attributes, const Neighbourhood& near,
+                                   const at::Tensor& table) {
+  const at::Tensor hidden = gamma_->hidden_activations(near.offset);
+  const torch::nn::Linear& last = gamma_->output();
+  const auto [S1, S2] =
+      ops::neighbour_sums_inference(table, hidden, last->weight, last->bias, near.index);
+  return run_layers(attributes, S1, S2, near.index.size(1));
+}
+
+at::Tensor QueryDecoderImpl::run_layers(const at::Tensor& attributes, const at::Tensor& S1,
+                                        const at::Tensor& S2, int64_t neighbours) {
+  at::Tensor G = point_->forward(attributes);
+  for (size_t l = 0; l < layers_.size(); ++l) {
+    const auto layer = static_cast<int64_t>(l);
+    G = layers_[l]->forward(G, S1.select(0, layer), S2.select(0, layer), neighbours);
+  }
+  return at::softplus(head_->forward(norm_->forward(G)));
+}
+
+}  // namespace lte::nn

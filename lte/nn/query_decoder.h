@@ -1,0 +1,84 @@
+// Local query decoder (the paper's section 3.4): irradiance at a surface point from the κ latents nearest to it.
+//
+// A layer's vector cross-attention is Σ_κ (W_q G − k_κ + P_κ) ⊙ (v_κ + P_κ) = W_q G ⊙ S1 + S2 with sums S1 and S2 that no
+// query feature enters (DESIGN section 7, identity 1), so one pass over the neighbours serves all layers.
+#pragma once
+
+#include <cstdint>
+#include <tuple>
+#include <vector>
+
+#include <ATen/core/Tensor.h>
+#include <torch/nn/modules/linear.h>
+#include <torch/nn/modules/normalization.h>
+
+#include "lte/nn/config.h"
+#include "lte/nn/mlp.h"
+
+namespace lte::nn {
+
+/// One layer: G += W_o (W_q LN(G) ⊙ S1 + S2) / κ; G += FFN(LN(G)).
+/// Parameters: `norm1.*`, `query.*`, `key.*`, `value.*`, `output.*`, `norm2.*`, `ffn.*`.
+class QueryLayerImpl : public torch::nn::Module {
+ public:
+  QueryLayerImpl(int64_t latent, const ModelConfig& config);
+
+  /// W_k F and W_v F, each [m, D].
+  std::tuple<at::Tensor, at::Tensor> keys_and_values(const at::Tensor& latent);
+
+  /// @param G   [Q, D]
+  /// @param S1  [Q, D], the sum Σ (v + P), and S2 likewise Σ (P − k) ⊙ (v + P)
+  /// @param neighbours  κ, by which the sums are divided
+  at::Tensor forward(const at::Tensor& G, const at::Tensor& S1, const at::Tensor& S2,
+                     int64_t neighbours);
+
+ private:
+  double dropout_;
+  torch::nn::LayerNorm norm1_{nullptr}, norm2_{nullptr};
+  torch::nn::Linear query_{nullptr}, key_{nullptr}, value_{nullptr}, output_{nullptr};
+  Mlp ffn_{nullptr};
+};
+TORCH_MODULE(QueryLayer);
+
+/// Parameters: `point.*` (H, 9 -> D -> D), `gamma.*` (γ, 3 -> h -> D, shared by the layers), `layerI.*`, `norm.*`, `head.*`
+/// (D -> D -> 3).
+class QueryDecoderImpl : public torch::nn::Module {
+ public:
+  /// @param latent  width of the latents
+  QueryDecoderImpl(int64_t latent, const ModelConfig& config);
+
+  /// Keys and values of all layers, each [L, m, D].
+  std::tuple<at::Tensor, at::Tensor> keys_and_values(const at::Tensor& latent);
+
+  /// The queries' own 9 inputs and their nearest latents, apart from the differentiable part.
+  struct Neighbourhood {
+    at::Tensor index;   ///< [Q, κ] int64, κ = min(query_neighbours, m)
+    at::Tensor offset;  ///< [Q, κ, 3]: (p_j − p_κ) / spacing, limited to ±kOffsetLimit
+  };
+  /// @param query    [Q, 3] network space, @param anchor [m, 3] float32, likewise
+  Neighbourhood neighbourhood(const at::Tensor& query, const at::Tensor& anchor,
+                              double spacing) const;
+
+  /// @param attributes  [Q, 9]: position (network space), normal, albedo
+  /// @return  [Q, 3], non-negative, differentiable
+  at::Tensor forward(const at::Tensor& attributes, const Neighbourhood& near, const at::Tensor& keys,
+                     const at::Tensor& values);
+
+  /// forward() from ops::neighbour_table; float32, no gradients.
+  at::Tensor infer(const at::Tensor& attributes, const Neighbourhood& near, const at::Tensor& table);
+
+ private:
+  at::Tensor run_layers(const at::Tensor& attributes, const at::Tensor& S1, const at::Tensor& S2,
+                        int64_t neighbours);
+
+  int64_t neighbours_;
+  Mlp point_{nullptr}, gamma_{nullptr}, head_{nullptr};
+  torch::nn::LayerNorm norm_{nullptr};
+  std::vector<QueryLayer> layers_;
+};
+TORCH_MODULE(QueryDecoder);
+
+/// Offsets beyond this many spacings say "far" and no more, so that a query far outside the scene stays finite.
+inline constexpr double kOffsetLimit = 64;
+
+}  // namespace lte::nn

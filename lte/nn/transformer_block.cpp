@@ -1,0 +1,113 @@
+#include "lte/nn/transformer_block.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <torch/nn/init.h>
+
+#include "lte/ops/submanifold_conv.h"
+
+namespace lte::nn {
+
+torch::nn::LayerNorm layer_norm(int64_t channels) {
+  return torch::nn::LayerNorm(torch::nn::LayerNormOptions({channels}));
+}
+
+PatchAttentionImpl::PatchAttentionImpl(int64_t channels, int64_t heads, double dropout)
+    : heads_(heads),
+      dropout_(dropout),
+      qkv_(register_module("qkv", torch::nn::Linear(channels, 3 * channels))),
+      proj_(register_module("proj", torch::nn::Linear(channels, channels))) {}
+
+at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, const PatchMap& map,
+                                       int64_t patch_size) {
+  const int64_t n = x.size(0), C = x.size(1);
+  const bool one_patch = !map.gather.defined();
+  at::Tensor qkv = qkv_->forward(x);
+  if (!one_patch) qkv = qkv.index_select(0, map.gather);
+  const int64_t length = one_patch ? n : patch_size;
+  // [3, patches, heads, length, C / heads]
+  qkv = qkv.view({-1, length, 3, heads_, C / heads_}).permute({2, 0, 3, 1, 4});
+  at::Tensor out = at::scaled_dot_product_attention(qkv[0], qkv[1], qkv[2]);
+  out = out.transpose(1, 2).reshape({-1, C});
+  if (!one_patch) out = out.index_select(0, map.inverse);
+  return at::dropout(proj_->forward(out), dropout_, is_training());
+}
+
+SubmanifoldConvImpl::SubmanifoldConvImpl(int64_t kernel, int64_t inputs, int64_t outputs,
+                                         bool with_bias) {
+  const int64_t taps = kernel * kernel * kernel;
+  // The bound of a dense convolution: U(±1/sqrt(fan_in)).
+  const double bound = 1 / std::sqrt(static_cast<double>(taps * inputs));
+  weight_ = register_parameter("weight", at::empty({taps, inputs, outputs}).uniform_(-bound, bound));
+  if (with_bias) bias_ = register_parameter("bias", at::empty({outputs}).uniform_(-bound, bound));
+}
+
+at::Tensor SubmanifoldConvImpl::forward(const at::Tensor& x, const at::Tensor& pairs,
+                                        const at::Tensor& tap_begin) {
+  return ops::submanifold_conv(x, weight_, bias_, pairs, tap_begin);
+}
+
+TransformerBlockImpl::TransformerBlockImpl(int64_t channels, const ModelConfig& config)
+    : patch_size_(config.patch_size),
+      conv_(register_module("conv", SubmanifoldConv(3, channels, channels, true))),
+      conv_linear_(register_module("conv_linear", torch::nn::Linear(channels, channels))),
+      conv_norm_(register_module("conv_norm", layer_norm(channels))),
+      norm1_(register_module("norm1", layer_norm(channels))),
+      norm2_(register_module("norm2", layer_norm(channels))) {
+  const int64_t heads = std::max<int64_t>(1, channels / config.head_width);
+  attention_ =
+      register_module("attention", PatchAttention(channels, heads, config.dropout));
+  mlp_ = register_module("mlp", Mlp(channels, 4 * channels, channels, config.dropout, 0.5));
+}
+
+at::Tensor TransformerBlockImpl::forward(const at::Tensor& input, const StagePlan& stage,
+                                         size_t order) {
+  at::Tensor x = conv_->forward(input, stage.pairs, stage.tap_begin);
+  x = input + conv_norm_->forward(conv_linear_->forward(x));
+  const PatchMap& map = stage.patches[order % stage.patches.size()];
+  x = x + attention_->forward(norm1_->forward(x), map, patch_size_);
+  return x + mlp_->forward(norm2_->forward(x));
+}
+
+PoolingImpl::PoolingImpl(int64_t inputs, int64_t outputs)
+    : linear_(register_module("linear", torch::nn::Linear(inputs, outputs))),
+      norm_(register_module("norm", layer_norm(outputs))) {}
+
+at::Tensor cluster_argmax(const at::Tensor& x, const at::Tensor& cluster, int64_t clusters) {
+  const at::NoGradGuard no_grad;
+  const int64_t n = x.size(0), C = x.size(1);
+  const at::Tensor target = cluster.unsqueeze(1).expand({n, C});
+  const double lowest = -std::numeric_limits<double>::infinity();
+  const at::Tensor top =
+      at::full({clusters, C}, lowest, x.options()).scatter_reduce(0, target, x, "amax");
+  // "Not below" instead of "equal", so that a NaN stays visible.
+  const at::Tensor below = x < top.index_select(0, cluster);
+  const at::Tensor row = at::arange(n, cluster.options()).unsqueeze(1).expand({n, C});
+  return at::full({clusters, C}, n, cluster.options())
+      .scatter_reduce(0, target, row.masked_fill(below, n), "amin");
+}
+
+at::Tensor PoolingImpl::forward(const at::Tensor& fine, const at::Tensor& cluster,
+                                int64_t clusters) {
+  const at::Tensor x = linear_->forward(fine);
+  // A gather: each gradient goes to one row, and no two to the same, so the sum needs no order.
+  const at::Tensor pooled = x.gather(0, cluster_argmax(x, cluster, clusters));
+  return at::gelu(norm_->forward(pooled));
+}
+
+UnpoolingImpl::UnpoolingImpl(int64_t coarse, int64_t skip, int64_t outputs)
+    : coarse_(register_module("coarse", torch::nn::Linear(coarse, outputs))),
+      skip_(register_module("skip", torch::nn::Linear(skip, outputs))),
+      coarse_norm_(register_module("coarse_norm", layer_norm(outputs))),
+      skip_norm_(register_module("skip_norm", layer_norm(outputs))) {}
+
+at::Tensor UnpoolingImpl::forward(const at::Tensor& coarse, const at::Tensor& skip,
+                                  const at::Tensor& cluster) {
+  const at::Tensor up = at::gelu(coarse_norm_->forward(coarse_->forward(coarse)));
+  const at::Tensor across = at::gelu(skip_norm_->forward(skip_->forward(skip)));
+  return up.index_select(0, cluster) + across;
+}
+
+}  // namespace lte::nn

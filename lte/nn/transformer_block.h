@@ -1,0 +1,98 @@
+// PTV3's parts: patch attention, sparse convolution, the block, pooling and unpooling (PTV3.md, sections 1 and 2).
+#pragma once
+
+#include <cstdint>
+
+#include <ATen/core/Tensor.h>
+#include <torch/nn/modules/linear.h>
+#include <torch/nn/modules/normalization.h>
+
+#include "lte/nn/mlp.h"
+#include "lte/nn/serialization/encoder_plan.h"
+
+namespace lte::nn {
+
+/// Multi-head attention within patches of consecutive points along a curve; over all points if there is one patch.
+/// Parameters: `qkv.{weight,bias}` (rows: q, k, v; within each heads, then channels of a head), `proj.{weight,bias}`.
+class PatchAttentionImpl : public torch::nn::Module {
+ public:
+  PatchAttentionImpl(int64_t channels, int64_t heads, double dropout);
+
+  /// @param x  [n, C]; @return [n, C]
+  at::Tensor forward(const at::Tensor& x, const PatchMap& map, int64_t patch_size);
+
+ private:
+  int64_t heads_;
+  double dropout_;
+  torch::nn::Linear qkv_{nullptr}, proj_{nullptr};
+};
+TORCH_MODULE(PatchAttention);
+
+/// ops::submanifold_conv with its parameters: `weight` [taps, Cin, Cout] and, if asked for, `bias` [Cout].
+class SubmanifoldConvImpl : public torch::nn::Module {
+ public:
+  SubmanifoldConvImpl(int64_t kernel, int64_t inputs, int64_t outputs, bool with_bias);
+
+  at::Tensor forward(const at::Tensor& x, const at::Tensor& pairs, const at::Tensor& tap_begin);
+
+ private:
+  at::Tensor weight_, bias_;
+};
+TORCH_MODULE(SubmanifoldConv);
+
+/// x += LN(Linear(conv(x))); x += Attention(LN(x)); x += MLP(LN(x)).
+/// Parameters: `conv.*`, `conv_linear.*`, `conv_norm.*`, `norm1.*`, `attention.*`, `norm2.*`, `mlp.*`.
+class TransformerBlockImpl : public torch::nn::Module {
+ public:
+  TransformerBlockImpl(int64_t channels, const ModelConfig& config);
+
+  /// @param order  which of the stage's patch maps to use, modulo their number
+  at::Tensor forward(const at::Tensor& input, const StagePlan& stage, size_t order);
+
+ private:
+  int64_t patch_size_;
+  SubmanifoldConv conv_{nullptr};
+  torch::nn::Linear conv_linear_{nullptr};
+  torch::nn::LayerNorm conv_norm_{nullptr}, norm1_{nullptr}, norm2_{nullptr};
+  PatchAttention attention_{nullptr};
+  Mlp mlp_{nullptr};
+};
+TORCH_MODULE(TransformerBlock);
+
+/// Linear, maximum over the members of each cluster, LN, GELU. Parameters: `linear.*`, `norm.*`.
+class PoolingImpl : public torch::nn::Module {
+ public:
+  PoolingImpl(int64_t inputs, int64_t outputs);
+
+  /// @param fine     [n, Cin]
+  /// @param cluster  [n] int64 in [0, clusters), each cluster inhabited
+  /// @return         [clusters, Cout]
+  at::Tensor forward(const at::Tensor& fine, const at::Tensor& cluster, int64_t clusters);
+
+ private:
+  torch::nn::Linear linear_{nullptr};
+  torch::nn::LayerNorm norm_{nullptr};
+};
+TORCH_MODULE(Pooling);
+
+/// GELU(LN(Linear(coarse)))[cluster] + GELU(LN(Linear(skip))).
+/// Parameters: `coarse.*`, `coarse_norm.*`, `skip.*`, `skip_norm.*`.
+class UnpoolingImpl : public torch::nn::Module {
+ public:
+  UnpoolingImpl(int64_t coarse, int64_t skip, int64_t outputs);
+
+  at::Tensor forward(const at::Tensor& coarse, const at::Tensor& skip, const at::Tensor& cluster);
+
+ private:
+  torch::nn::Linear coarse_{nullptr}, skip_{nullptr};
+  torch::nn::LayerNorm coarse_norm_{nullptr}, skip_norm_{nullptr};
+};
+TORCH_MODULE(Unpooling);
+
+/// Row of each cluster's maximum by channel, [clusters, C] int64; ties go to the lowest row.
+at::Tensor cluster_argmax(const at::Tensor& x, const at::Tensor& cluster, int64_t clusters);
+
+/// LayerNorm over the last axis.
+torch::nn::LayerNorm layer_norm(int64_t channels);
+
+}  // namespace lte::nn

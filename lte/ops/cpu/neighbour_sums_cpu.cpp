@@ -1,0 +1,282 @@
+// Neighbour sums on the CPU: interleaving of the tables, tiles of queries for the kernels, and their gradients.
+#include <algorithm>
+#include <cstring>
+#include <vector>
+
+#include <ATen/Dispatch.h>
+#include <ATen/Parallel.h>
+#include <ATen/ops/constant_pad_nd.h>
+#include <ATen/ops/empty.h>
+#include <ATen/ops/empty_like.h>
+#include <torch/library.h>
+
+#include "lte/ops/arguments.h"
+#include "lte/ops/cpu/kernels.h"
+
+namespace lte::ops {
+namespace {
+
+/// Queries of a tile: their positions, 256 KiB at 32 neighbours and 128 channels, stay in the second-level cache.
+constexpr int64_t kTile = 16;
+constexpr int64_t kPair = 2 * kBlock;
+
+int64_t blocks_of(int64_t channels) { return (channels + kBlock - 1) / kBlock; }
+
+/// Rows [begin, end) of two [L, n, C] tensors as [n, blocks, L, 2, kBlock], which starts at row `begin`.
+template <typename T>
+void interleave(const T* first, const T* second, int64_t L, int64_t n, int64_t C, int64_t begin,
+                int64_t end, T* out) {
+  for (int64_t row = begin; row < end; ++row) {
+    for (int64_t c = 0; c < C; c += kBlock) {
+      const int64_t count = std::min(kBlock, C - c);
+      for (int64_t l = 0; l < L; ++l, out += kPair) {
+        const int64_t from = (l * n + row) * C + c;
+        std::copy_n(first + from, count, out);
+        std::fill(out + count, out + kBlock, T{0});
+        std::copy_n(second + from, count, out + kBlock);
+        std::fill(out + kBlock + count, out + kPair, T{0});
+      }
+    }
+  }
+}
+
+template <typename T>
+void deinterleave(const T* in, int64_t L, int64_t n, int64_t C, int64_t begin, int64_t end,
+                  T* first, T* second) {
+  for (int64_t row = begin; row < end; ++row) {
+    for (int64_t c = 0; c < C; c += kBlock) {
+      const int64_t count = std::min(kBlock, C - c);
+      for (int64_t l = 0; l < L; ++l, in += kPair) {
+        const int64_t to = (l * n + row) * C + c;
+        std::copy_n(in, count, first + to);
+        std::copy_n(in + kBlock, count, second + to);
+      }
+    }
+  }
+}
+
+at::Tensor interleaved(const at::Tensor& first, const at::Tensor& second) {
+  const int64_t L = first.size(0), n = first.size(1), C = first.size(2);
+  at::Tensor out = at::empty({n, blocks_of(C), L, 2, kBlock}, first.options());
+  AT_DISPATCH_FLOATING_TYPES(first.scalar_type(), "neighbour_table", [&] {
+    const auto* a = first.const_data_ptr<scalar_t>();
+    const auto* b = second.const_data_ptr<scalar_t>();
+    auto* to = out.data_ptr<scalar_t>();
+    at::parallel_for(0, n, 64, [&](int64_t begin, int64_t end) {
+      interleave(a, b, L, n, C, begin, end, to + begin * blocks_of(C) * L * kPair);
+    });
+  });
+  return out;
+}
+
+void check_table_args(const at::Tensor& keys, const at::Tensor& values, const char* op) {
+  TORCH_CHECK(keys.dim() == 3, op, ": keys must be [L, m, C], got ", keys.sizes());
+  TORCH_CHECK(values.sizes() == keys.sizes(), op, ": values must have the shape of keys, ",
+              keys.sizes(), ", got ", values.sizes());
+  TORCH_CHECK((keys.scalar_type() == at::kFloat || keys.scalar_type() == at::kDouble) &&
+                  values.scalar_type() == keys.scalar_type(),
+              op, ": keys and values must both be float32 or float64, got ", keys.scalar_type(),
+              " and ", values.scalar_type());
+}
+
+void check_index(const at::Tensor& index, int64_t m, const char* op) {
+  TORCH_CHECK(index.dim() == 2 && index.scalar_type() == at::kLong, op,
+              ": index must be [Q, K] int64, got ", index.sizes(), " ", index.scalar_type());
+  TORCH_CHECK(index.numel() < (int64_t{1} << 31), op, ": index has 2^31 entries or more: ",
+              index.numel());
+  const auto* latent = index.const_data_ptr<int64_t>();
+  const int64_t K = std::max<int64_t>(index.size(1), 1);
+  const int64_t bad = first_row(index.numel(), [&](int64_t i) { return latent[i] < 0 || latent[i] >= m; });
+  TORCH_CHECK(bad == index.numel(), op, ": index of query ", bad / K, ", neighbour ", bad % K,
+              " is ", latent[bad], ", outside the ", m, " latents");
+}
+
+void check_sums_args(const at::Tensor& keys, const at::Tensor& values, const at::Tensor& position,
+                     const at::Tensor& index) {
+  const char* op = "neighbour_sums";
+  check_table_args(keys, values, op);
+  check_index(index, keys.size(1), op);
+  TORCH_CHECK(position.dim() == 3 && position.size(0) == index.size(0) &&
+                  position.size(1) == index.size(1) && position.size(2) == keys.size(2) &&
+                  position.scalar_type() == keys.scalar_type(),
+              op, ": position must be [", index.size(0), ", ", index.size(1), ", ", keys.size(2),
+              "] of the keys' dtype, got ", position.sizes(), " ", position.scalar_type());
+}
+
+/// `position` with its channels padded to whole blocks; itself if they are.
+at::Tensor padded(const at::Tensor& position) {
+  const int64_t C = position.size(2), width = blocks_of(C) * kBlock;
+  if (width == C) return position.contiguous();
+  return at::constant_pad_nd(position, {0, width - C});
+}
+
+std::tuple<at::Tensor, at::Tensor> neighbour_sums_cpu(const at::Tensor& keys,
+                                                      const at::Tensor& values,
+                                                      const at::Tensor& position,
+                                                      const at::Tensor& any_index) {
+  const at::Tensor index = any_index.contiguous();
+  check_sums_args(keys, values, position, index);
+  const int64_t L = keys.size(0), C = keys.size(2), Q = index.size(0), K = index.size(1);
+  const int64_t blocks = blocks_of(C), width = blocks * kBlock;
+  const at::Tensor table = interleaved(keys.contiguous(), values.contiguous());
+  const at::Tensor p = padded(position);
+  at::Tensor sum1 = at::empty({L, Q, C}, keys.options()), sum2 = at::empty_like(sum1);
+  AT_DISPATCH_FLOATING_TYPES(keys.scalar_type(), "neighbour_sums", [&] {
+    const auto* entries = table.const_data_ptr<scalar_t>();
+    const auto* latent = index.const_data_ptr<int64_t>();
+    const auto* from = p.const_data_ptr<scalar_t>();
+    auto* out1 = sum1.data_ptr<scalar_t>();
+    auto* out2 = sum2.data_ptr<scalar_t>();
+    at::parallel_for(0, Q, kTile, [&](int64_t begin, int64_t end) {
+      std::vector<scalar_t> tile(kTile * blocks * L * kPair);
+      for (int64_t q = begin; q < end; q += kTile) {
+        const int64_t count = std::min(kTile, end - q);
+        sum_kernels<scalar_t>().sums(entries, blocks, L, latent + q * K, count, K, from + q * K * width,
+                                     width, kBlock, tile.data());
+        deinterleave(tile.data(), L, Q, C, q, q + count, out1, out2);
+      }
+    });
+  });
+  return {sum1, sum2};
+}
+
+/// Pairs by latent: those of j are rows[start[j] .. start[j + 1]), ascending.
+struct PairsByLatent {
+  std::vector<int32_t> rows;
+  std::vector<int64_t> start;
+
+  PairsByLatent(const int64_t* index, int64_t count, int64_t m) : rows(count), start(m + 1) {
+    for (int64_t i = 0; i < count; ++i) ++start[index[i] + 1];
+    for (int64_t j = 0; j < m; ++j) start[j + 1] += start[j];
+    std::vector<int64_t> next(start.begin(), start.end() - 1);
+    for (int64_t i = 0; i < count; ++i) rows[next[index[i]]++] = static_cast<int32_t>(i);
+  }
+};
+
+std::tuple<at::Tensor, at::Tensor, at::Tensor> neighbour_sums_backward_cpu(
+    const at::Tensor& grad1, const at::Tensor& grad2, const at::Tensor& keys,
+    const at::Tensor& values, const at::Tensor& position, const at::Tensor& any_index) {
+  const at::Tensor index = any_index.contiguous();
+  check_sums_args(keys, values, position, index);
+  const int64_t L = keys.size(0), m = keys.size(1), C = keys.size(2);
+  const int64_t Q = index.size(0), K = index.size(1);
+  TORCH_CHECK(grad1.sizes() == at::IntArrayRef({L, Q, C}) && grad2.sizes() == grad1.sizes(),
+              "neighbour_sums_backward: gradients must be [", L, ", ", Q, ", ", C, "], got ",
+              grad1.sizes(), " and ", grad2.sizes());
+  const int64_t blocks = blocks_of(C), width = blocks * kBlock, entry = blocks * L * kPair;
+  const at::Tensor table = interleaved(keys.contiguous(), values.contiguous());
+  const at::Tensor grad = interleaved(grad1.contiguous(), grad2.contiguous());
+  const at::Tensor p = padded(position);
+  at::Tensor by_keys = at::empty({L, m, C}, keys.options()), by_values = at::empty_like(by_keys);
+  at::Tensor by_position = at::empty({Q, K, width}, keys.options());
+  AT_DISPATCH_FLOATING_TYPES(keys.scalar_type(), "neighbour_sums_backward", [&] {
+    const SumKernels<scalar_t>& kernels = sum_kernels<scalar_t>();
+    const auto* entries = table.const_data_ptr<scalar_t>();
+    const auto* g = grad.const_data_ptr<scalar_t>();
+    const auto* from = p.const_data_ptr<scalar_t>();
+    const auto* latent = index.const_data_ptr<int64_t>();
+    auto* to = by_position.data_ptr<scalar_t>();
+    at::parallel_for(0, Q, kTile, [&](int64_t begin, int64_t end) {
+      for (int64_t q = begin; q < end; q += kTile) {
+        kernels.position_gradient(entries, g + q * entry, blocks, L, latent + q * K,
+                                  std::min(kTile, end - q), K, from + q * K * width,
+                                  to + q * K * width);
+      }
+    });
+    const PairsByLatent pairs(latent, Q * K, m);
+    auto* to_keys = by_keys.data_ptr<scalar_t>();
+    auto* to_values = by_values.data_ptr<scalar_t>();
+    at::parallel_for(0, m, 16, [&](int64_t begin, int64_t end) {
+      std::vector<scalar_t> gradient(entry);
+      for (int64_t j = begin; j < end; ++j) {
+        kernels.table_gradient(entries + j * entry, g, blocks, L, pairs.rows.data() + pairs.start[j],
+                               pairs.start[j + 1] - pairs.start[j], K, from, gradient.data());
+        deinterleave(gradient.data(), L, m, C, j, j + 1, to_keys, to_values);
+      }
+    });
+  });
+  return {by_keys, by_values, width == C ? by_position : by_position.narrow(2, 0, C).contiguous()};
+}
+
+at::Tensor neighbour_table_cpu(const at::Tensor& keys, const at::Tensor& values) {
+  check_table_args(keys, values, "neighbour_table");
+  return interleaved(keys.contiguous(), values.contiguous());
+}
+
+void check_inference_args(const at::Tensor& table, const at::Tensor& hidden,
+                          const at::Tensor& weight, const at::Tensor& bias,
+                          const at::Tensor& index) {
+  const char* op = "neighbour_sums_inference";
+  TORCH_CHECK(weight.dim() == 2 && bias.dim() == 1 && bias.size(0) == weight.size(0), op,
+              ": weight must be [C, H] and bias [C], got ", weight.sizes(), " and ", bias.sizes());
+  TORCH_CHECK(table.dim() == 5 && table.size(1) == blocks_of(weight.size(0)) &&
+                  table.size(3) == 2 && table.size(4) == kBlock && table.is_contiguous(),
+              op, ": table must come from neighbour_table() at C = ", weight.size(0), ", got ",
+              table.sizes());
+  check_index(index, table.size(0), op);
+  TORCH_CHECK(hidden.dim() == 3 && hidden.size(0) == index.size(0) &&
+                  hidden.size(1) == index.size(1) && hidden.size(2) == weight.size(1),
+              op, ": hidden must be [", index.size(0), ", ", index.size(1), ", ", weight.size(1),
+              "], got ", hidden.sizes());
+  for (const at::Tensor& t : {table, hidden, weight, bias}) {
+    TORCH_CHECK(t.scalar_type() == at::kFloat, op, ": table, hidden, weight and bias must be ",
+                "float32, got ", t.scalar_type());
+  }
+}
+
+/// [C, H] as [blocks, H, kBlock], so that a product reads one run of channels for each activation; and the bias.
+void pack_projection(const at::Tensor& weight, const at::Tensor& bias, std::vector<float>& packed,
+                     std::vector<float>& packed_bias) {
+  const int64_t C = weight.size(0), H = weight.size(1);
+  const at::Tensor w = weight.contiguous(), b = bias.contiguous();
+  packed.assign(blocks_of(C) * H * kBlock, 0.0f);
+  packed_bias.assign(blocks_of(C) * kBlock, 0.0f);
+  for (int64_t c = 0; c < C; ++c) {
+    packed_bias[c] = b.const_data_ptr<float>()[c];
+    for (int64_t h = 0; h < H; ++h) {
+      packed[(c / kBlock * H + h) * kBlock + c % kBlock] = w.const_data_ptr<float>()[c * H + h];
+    }
+  }
+}
+
+std::tuple<at::Tensor, at::Tensor> neighbour_sums_inference_cpu(const at::Tensor& table,
+                                                                const at::Tensor& any_hidden,
+                                                                const at::Tensor& weight,
+                                                                const at::Tensor& bias,
+                                                                const at::Tensor& any_index) {
+  const at::Tensor index = any_index.contiguous(), hidden = any_hidden.contiguous();
+  check_inference_args(table, hidden, weight, bias, index);
+  const int64_t L = table.size(2), blocks = table.size(1), C = weight.size(0), H = weight.size(1);
+  const int64_t Q = index.size(0), K = index.size(1);
+  std::vector<float> packed, packed_bias;
+  pack_projection(weight, bias, packed, packed_bias);
+  at::Tensor sum1 = at::empty({L, Q, C}, table.options()), sum2 = at::empty_like(sum1);
+  const auto* entries = table.const_data_ptr<float>();
+  const auto* activation = hidden.const_data_ptr<float>();
+  const auto* latent = index.const_data_ptr<int64_t>();
+  auto* out1 = sum1.data_ptr<float>();
+  auto* out2 = sum2.data_ptr<float>();
+  at::parallel_for(0, Q, kTile, [&](int64_t begin, int64_t end) {
+    const SumKernels<float>& kernels = sum_kernels<float>();
+    std::vector<float> position(kTile * K * blocks * kBlock), tile(kTile * blocks * L * kPair);
+    for (int64_t q = begin; q < end; q += kTile) {
+      const int64_t count = std::min(kTile, end - q), rows = count * K;
+      kernels.project(activation + q * K * H, rows, H, packed.data(), packed_bias.data(), blocks,
+                      position.data());
+      kernels.sums(entries, blocks, L, latent + q * K, count, K, position.data(), kBlock, rows * kBlock,
+                   tile.data());
+      deinterleave(tile.data(), L, Q, C, q, q + count, out1, out2);
+    }
+  });
+  return {sum1, sum2};
+}
+
+}  // namespace
+}  // namespace lte::ops
+
+TORCH_LIBRARY_IMPL(lte, CPU, m) {
+  m.impl("neighbour_sums", lte::ops::neighbour_sums_cpu);
+  m.impl("neighbour_sums_backward", lte::ops::neighbour_sums_backward_cpu);
+  m.impl("neighbour_table", lte::ops::neighbour_table_cpu);
+  m.impl("neighbour_sums_inference", lte::ops::neighbour_sums_inference_cpu);
+}

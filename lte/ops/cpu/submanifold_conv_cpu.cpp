@@ -1,0 +1,229 @@
+// Submanifold convolution on the CPU: gather, multiply, scatter, tap by tap.
+//
+// The forward pass gives every thread blocks of output rows and works a block through all taps while it is in the cache.
+// The blocks are the same for any number of threads, and every product runs on one thread, so results do not depend on it.
+#include <algorithm>
+#include <cstring>
+#include <vector>
+
+#include <ATen/Dispatch.h>
+#include <ATen/Parallel.h>
+#include <ATen/core/LegacyTypeDispatch.h>
+#include <ATen/ops/addmm.h>
+#include <ATen/ops/empty.h>
+#include <ATen/ops/mm.h>
+#include <ATen/ops/zeros.h>
+#include <ATen/ops/zeros_like.h>
+#include <torch/library.h>
+
+#include "lte/ops/arguments.h"
+
+namespace lte::ops {
+namespace {
+
+constexpr int64_t kRows = 512;  ///< output rows of a block
+
+struct Pairs {
+  const int32_t *output, *input;
+  const int64_t* begin;  ///< of each tap
+  int64_t count, taps;
+};
+
+Pairs check_pairs(const at::Tensor& pairs, const at::Tensor& tap_begin, int64_t taps, int64_t N) {
+  const char* op = "submanifold_conv";
+  TORCH_CHECK(pairs.dim() == 2 && pairs.size(0) == 2 && pairs.scalar_type() == at::kInt &&
+                  pairs.is_contiguous(),
+              op, ": pairs must be [2, P] int32, contiguous, got ", pairs.sizes(), " ",
+              pairs.scalar_type());
+  TORCH_CHECK(tap_begin.dim() == 1 && tap_begin.size(0) == taps + 1 &&
+                  tap_begin.scalar_type() == at::kLong && tap_begin.is_contiguous(),
+              op, ": tap_begin must be [taps + 1] int64 with the weight's ", taps, " taps, got ",
+              tap_begin.sizes(), " ", tap_begin.scalar_type());
+  const int64_t P = pairs.size(1);
+  const auto* rows = pairs.const_data_ptr<int32_t>();
+  const auto* begin = tap_begin.const_data_ptr<int64_t>();
+  TORCH_CHECK(begin[0] == 0 && begin[taps] == P && std::is_sorted(begin, begin + taps + 1), op,
+              ": tap_begin does not divide the ", P, " pairs");
+  const int64_t bad =
+      first_row(2 * P, [&](int64_t i) { return rows[i] < 0 || rows[i] >= N; });
+  TORCH_CHECK(bad == 2 * P, op, ": pair ", bad % std::max<int64_t>(P, 1), " names row ", rows[bad],
+              " of an input of ", N, " rows");
+  for (int64_t tap = 0; tap < taps; ++tap) {
+    TORCH_CHECK(std::is_sorted(rows + begin[tap], rows + begin[tap + 1]), op, ": pairs of tap ", tap,
+                " are not sorted by output");
+  }
+  return {rows, rows + P, begin, P, taps};
+}
+
+void check_conv_args(const at::Tensor& input, const at::Tensor& weight) {
+  const char* op = "submanifold_conv";
+  TORCH_CHECK(input.dim() == 2, op, ": input must be [N, Cin], got ", input.sizes());
+  TORCH_CHECK(weight.dim() == 3 && weight.size(1) == input.size(1), op,
+              ": weight must be [taps, Cin, Cout] with Cin = ", input.size(1), ", got ",
+              weight.sizes());
+  TORCH_CHECK((input.scalar_type() == at::kFloat || input.scalar_type() == at::kDouble) &&
+                  weight.scalar_type() == input.scalar_type(),
+              op, ": input and weight must both be float32 or float64, got ", input.scalar_type(),
+              " and ", weight.scalar_type());
+}
+
+template <typename T>
+void gather(const T* from, int64_t C, const int32_t* rows, int64_t count, T* to) {
+  for (int64_t i = 0; i < count; ++i) {
+    std::memcpy(to + i * C, from + rows[i] * C, C * sizeof(T));
+  }
+}
+
+template <typename T>
+void add_row(const T* from, int64_t C, T* to) {
+  for (int64_t c = 0; c < C; ++c) to[c] += from[c];
+}
+
+/// out[to] += in[from] W over the pairs whose output lies in [first, last).
+template <typename T>
+void convolve_rows(const at::Tensor& input, const at::Tensor& weight, const Pairs& pairs,
+                   int64_t first, int64_t last, at::Tensor& gathered, at::Tensor& product, T* out) {
+  const int64_t Cin = input.size(1), Cout = weight.size(2);
+  const auto* in = input.const_data_ptr<T>();
+  for (int64_t tap = 0; tap < pairs.taps; ++tap) {
+    const int32_t* tap_first = pairs.output + pairs.begin[tap];
+    const int32_t* tap_last = pairs.output + pairs.begin[tap + 1];
+    const int32_t* from = std::lower_bound(tap_first, tap_last, first);
+    const int64_t count = std::lower_bound(from, tap_last, last) - from;
+    if (count == 0) continue;
+    const int32_t* rows = pairs.input + (from - pairs.output);
+    at::Tensor to = product.narrow(0, 0, count);
+    // Pairs of the centre tap are the identity: its rows are read in place.
+    const bool identity = rows[0] == from[0] && rows[count - 1] == from[count - 1] &&
+                          rows[count - 1] - rows[0] == count - 1 && std::equal(rows, rows + count, from);
+    if (identity) {
+      at::mm_out(to, input.narrow(0, rows[0], count), weight.select(0, tap));
+    } else {
+      gather(in, Cin, rows, count, gathered.data_ptr<T>());
+      at::mm_out(to, gathered.narrow(0, 0, count), weight.select(0, tap));
+    }
+    const auto* value = product.const_data_ptr<T>();
+    for (int64_t i = 0; i < count; ++i) add_row(value + i * Cout, Cout, out + from[i] * Cout);
+  }
+}
+
+at::Tensor submanifold_conv_cpu(const at::Tensor& any_input, const at::Tensor& weight,
+                                const std::optional<at::Tensor>& bias, const at::Tensor& pairs,
+                                const at::Tensor& tap_begin) {
+  check_conv_args(any_input, weight);
+  const at::Tensor input = any_input.contiguous();
+  const int64_t N = input.size(0), Cout = weight.size(2);
+  const Pairs p = check_pairs(pairs, tap_begin, weight.size(0), N);
+  const bool has_bias = bias.has_value() && bias->defined();
+  TORCH_CHECK(!has_bias || (bias->dim() == 1 && bias->size(0) == Cout &&
+                            bias->scalar_type() == input.scalar_type() && bias->is_contiguous()),
+              "submanifold_conv: bias must be [", Cout, "] of the input's dtype");
+  at::Tensor out = at::empty({N, Cout}, input.options());
+  AT_DISPATCH_FLOATING_TYPES(input.scalar_type(), "submanifold_conv", [&] {
+    auto* to = out.data_ptr<scalar_t>();
+    const auto* b = has_bias ? bias->const_data_ptr<scalar_t>() : nullptr;
+    const int64_t blocks = (N + kRows - 1) / kRows;
+    at::parallel_for(0, blocks, 1, [&](int64_t begin, int64_t end) {
+      const at::AutoDispatchBelowADInplaceOrView below;
+      at::Tensor gathered = at::empty({kRows, input.size(1)}, input.options());
+      at::Tensor product = at::empty({kRows, Cout}, input.options());
+      for (int64_t block = begin; block < end; ++block) {
+        const int64_t first = block * kRows, last = std::min(N, first + kRows);
+        for (int64_t row = first; row < last; ++row) {
+          if (b != nullptr) std::memcpy(to + row * Cout, b, Cout * sizeof(scalar_t));
+          else std::fill_n(to + row * Cout, Cout, scalar_t{0});
+        }
+        convolve_rows(input, weight, p, first, last, gathered, product, to);
+      }
+    });
+  });
+  return out;
+}
+
+/// Tap by tap: several outputs may read one input, so threads own ranges of input rows and each scans all pairs.
+template <typename T>
+void input_gradient(const at::Tensor& grad, const at::Tensor& weight, const Pairs& pairs,
+                    at::Tensor& out) {
+  const int64_t N = grad.size(0), Cin = weight.size(1), Cout = weight.size(2);
+  const int64_t blocks = (N + kRows - 1) / kRows;
+  const auto* g = grad.const_data_ptr<T>();
+  auto* to = out.data_ptr<T>();
+  at::parallel_for(0, blocks, 1, [&](int64_t begin, int64_t end) {
+    const at::AutoDispatchBelowADInplaceOrView below;
+    at::Tensor gathered = at::empty({kRows, Cout}, grad.options());
+    at::Tensor product = at::empty({kRows, Cin}, grad.options());
+    std::vector<int32_t> from, target;
+    const auto flush = [&](int64_t tap) {
+      const auto count = static_cast<int64_t>(from.size());
+      if (count == 0) return;
+      gather(g, Cout, from.data(), count, gathered.data_ptr<T>());
+      at::Tensor result = product.narrow(0, 0, count);
+      at::mm_out(result, gathered.narrow(0, 0, count), weight.select(0, tap).t());
+      const auto* value = product.const_data_ptr<T>();
+      for (int64_t i = 0; i < count; ++i) add_row(value + i * Cin, Cin, to + target[i] * Cin);
+      from.clear();
+      target.clear();
+    };
+    for (int64_t block = begin; block < end; ++block) {
+      const int64_t first = block * kRows, last = std::min(N, first + kRows);
+      for (int64_t tap = 0; tap < pairs.taps; ++tap) {
+        for (int64_t i = pairs.begin[tap]; i < pairs.begin[tap + 1]; ++i) {
+          if (pairs.input[i] < first || pairs.input[i] >= last) continue;
+          from.push_back(pairs.output[i]);
+          target.push_back(pairs.input[i]);
+          if (static_cast<int64_t>(from.size()) == kRows) flush(tap);
+        }
+        flush(tap);
+      }
+    }
+  });
+}
+
+/// Weights of a tap: gathered inputs, transposed, times gathered gradients. Threads own taps.
+template <typename T>
+void weight_gradient(const at::Tensor& grad, const at::Tensor& input, const Pairs& pairs,
+                     at::Tensor& out) {
+  const int64_t Cin = input.size(1), Cout = grad.size(1);
+  constexpr int64_t kDepth = 2048;  // pairs gathered at once
+  at::parallel_for(0, pairs.taps, 1, [&](int64_t begin, int64_t end) {
+    const at::AutoDispatchBelowADInplaceOrView below;
+    at::Tensor inputs = at::empty({kDepth, Cin}, input.options());
+    at::Tensor grads = at::empty({kDepth, Cout}, input.options());
+    for (int64_t tap = begin; tap < end; ++tap) {
+      at::Tensor to = out.select(0, tap);
+      for (int64_t i = pairs.begin[tap]; i < pairs.begin[tap + 1]; i += kDepth) {
+        const int64_t count = std::min(kDepth, pairs.begin[tap + 1] - i);
+        gather(input.const_data_ptr<T>(), Cin, pairs.input + i, count, inputs.data_ptr<T>());
+        gather(grad.const_data_ptr<T>(), Cout, pairs.output + i, count, grads.data_ptr<T>());
+        at::addmm_out(to, to, inputs.narrow(0, 0, count).t(), grads.narrow(0, 0, count));
+      }
+    }
+  });
+}
+
+std::tuple<at::Tensor, at::Tensor> submanifold_conv_backward_cpu(
+    const at::Tensor& any_grad, const at::Tensor& any_input, const at::Tensor& weight,
+    const at::Tensor& pairs, const at::Tensor& tap_begin, bool need_input, bool need_weight) {
+  check_conv_args(any_input, weight);
+  const at::Tensor grad = any_grad.contiguous(), input = any_input.contiguous();
+  TORCH_CHECK(grad.dim() == 2 && grad.size(0) == input.size(0) && grad.size(1) == weight.size(2) &&
+                  grad.scalar_type() == input.scalar_type(),
+              "submanifold_conv_backward: grad must be [", input.size(0), ", ", weight.size(2),
+              "] of the input's dtype, got ", grad.sizes());
+  const Pairs p = check_pairs(pairs, tap_begin, weight.size(0), input.size(0));
+  at::Tensor by_input = need_input ? at::zeros_like(input) : at::empty({0}, input.options());
+  at::Tensor by_weight = need_weight ? at::zeros(weight.sizes(), weight.options()) : at::empty({0}, input.options());
+  AT_DISPATCH_FLOATING_TYPES(input.scalar_type(), "submanifold_conv_backward", [&] {
+    if (need_input) input_gradient<scalar_t>(grad, weight, p, by_input);
+    if (need_weight) weight_gradient<scalar_t>(grad, input, p, by_weight);
+  });
+  return {by_input, by_weight};
+}
+
+}  // namespace
+}  // namespace lte::ops
+
+TORCH_LIBRARY_IMPL(lte, CPU, m) {
+  m.impl("submanifold_conv", lte::ops::submanifold_conv_cpu);
+  m.impl("submanifold_conv_backward", lte::ops::submanifold_conv_backward_cpu);
+}

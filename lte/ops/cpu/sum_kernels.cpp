@@ -1,0 +1,196 @@
+// Sums over neighbours in the interleaved layout of kernels.h, and the small matrix product that feeds them.
+#include "lte/ops/cpu/kernels.h"
+#include "lte/ops/cpu/vector.h"
+
+namespace lte::ops::LTE_ISA {
+namespace {
+
+/// Layers whose accumulators fit the registers: two and three vectors a layer, of 32 or 16.
+constexpr int kSumGroup = 6;
+constexpr int kGradientGroup = kVectorBytes == 64 ? 6 : 3;
+constexpr int64_t kPair = 2 * kBlock;
+
+/// One query, one run of lanes, layers [0, LAYERS) from `table`.
+template <typename T, int LAYERS>
+void sum_group(const T* table, int64_t stride, const int64_t* index, int64_t K, const T* position,
+               int64_t row_stride, T* out) {
+  Vector<T> s1[LAYERS] = {}, s2[LAYERS] = {};
+  for (int64_t i = 0; i < K; ++i) {
+    const T* entry = table + index[i] * stride;
+    const Vector<T> p = load(position + i * row_stride);
+#pragma GCC unroll 8
+    for (int l = 0; l < LAYERS; ++l) {
+      const Vector<T> value = load(entry + l * kPair + kBlock) + p;
+      s1[l] += value;
+      s2[l] += (p - load(entry + l * kPair)) * value;
+    }
+  }
+#pragma GCC unroll 8
+  for (int l = 0; l < LAYERS; ++l) {
+    store(out + l * kPair, s1[l]);
+    store(out + l * kPair + kBlock, s2[l]);
+  }
+}
+
+template <typename T>
+using SumGroup = void (*)(const T*, int64_t, const int64_t*, int64_t, const T*, int64_t, T*);
+template <typename T>
+constexpr SumGroup<T> kSumGroups[kSumGroup + 1] = {
+    nullptr,         sum_group<T, 1>, sum_group<T, 2>, sum_group<T, 3>,
+    sum_group<T, 4>, sum_group<T, 5>, sum_group<T, 6>};
+
+template <typename T>
+void sums(const T* table, int64_t blocks, int64_t layers, const int64_t* index, int64_t queries,
+          int64_t K, const T* position, int64_t row_stride, int64_t block_stride, T* out) {
+  const int64_t run = layers * kPair, stride = blocks * run;
+  // Blocks outside, queries inside: neighbouring queries find each other's latents in the first-level cache.
+  for (int64_t b = 0; b < blocks; ++b) {
+    for (int64_t q = 0; q < queries; ++q) {
+      const T* p = position + q * K * row_stride + b * block_stride;
+      for (int64_t l = 0; l < layers; l += kSumGroup) {
+        const int64_t group = layers - l < kSumGroup ? layers - l : kSumGroup;
+        for (int64_t lane = 0; lane < kBlock; lane += kLanes<T>) {
+          kSumGroups<T>[group](table + b * run + l * kPair + lane, stride, index + q * K, K,
+                               p + lane, row_stride, out + q * stride + b * run + l * kPair + lane);
+        }
+      }
+    }
+  }
+}
+
+template <typename T>
+void position_gradient(const T* table, const T* grad, int64_t blocks, int64_t layers,
+                       const int64_t* index, int64_t queries, int64_t K, const T* position,
+                       T* out) {
+  const int64_t run = layers * kPair, stride = blocks * run, row_stride = blocks * kBlock;
+  for (int64_t b = 0; b < blocks; ++b) {
+    for (int64_t q = 0; q < queries; ++q) {
+      for (int64_t lane = 0; lane < kBlock; lane += kLanes<T>) {
+        const T* g = grad + q * stride + b * run + lane;
+        Vector<T> g1{}, g2{};
+        for (int64_t l = 0; l < layers; ++l) {
+          g1 += load(g + l * kPair);
+          g2 += load(g + l * kPair + kBlock);
+        }
+        g2 += g2;
+        for (int64_t i = 0; i < K; ++i) {
+          const int64_t row = (q * K + i) * row_stride + b * kBlock + lane;
+          const T* entry = table + index[q * K + i] * stride + b * run + lane;
+          Vector<T> sum = g1 + g2 * load(position + row);
+          for (int64_t l = 0; l < layers; ++l) {
+            sum += load(g + l * kPair + kBlock) *
+                   (load(entry + l * kPair + kBlock) - load(entry + l * kPair));
+          }
+          store(out + row, sum);
+        }
+      }
+    }
+  }
+}
+
+/// With A1 = Σ g1, A2 = Σ g2 and B = Σ g2 ⊙ P over the rows: dk = −(A2 ⊙ v + B), dv = A1 + B − A2 ⊙ k.
+template <typename T, int LAYERS>
+void gradient_group(const T* entry, const T* grad, int64_t stride, const int32_t* rows,
+                    int64_t count, int64_t K, const T* position, int64_t row_stride, T* out) {
+  Vector<T> a1[LAYERS] = {}, a2[LAYERS] = {}, b[LAYERS] = {};
+  for (int64_t i = 0; i < count; ++i) {
+    const T* g = grad + rows[i] / K * stride;
+    const Vector<T> p = load(position + rows[i] * row_stride);
+#pragma GCC unroll 8
+    for (int l = 0; l < LAYERS; ++l) {
+      const Vector<T> g2 = load(g + l * kPair + kBlock);
+      a1[l] += load(g + l * kPair);
+      a2[l] += g2;
+      b[l] += g2 * p;
+    }
+  }
+#pragma GCC unroll 8
+  for (int l = 0; l < LAYERS; ++l) {
+    const Vector<T> k = load(entry + l * kPair), v = load(entry + l * kPair + kBlock);
+    store(out + l * kPair, -(a2[l] * v + b[l]));
+    store(out + l * kPair + kBlock, a1[l] + b[l] - a2[l] * k);
+  }
+}
+
+template <typename T>
+using GradientGroup = void (*)(const T*, const T*, int64_t, const int32_t*, int64_t, int64_t,
+                               const T*, int64_t, T*);
+template <typename T>
+constexpr GradientGroup<T> kGradientGroups[7] = {
+    nullptr,              gradient_group<T, 1>, gradient_group<T, 2>, gradient_group<T, 3>,
+    gradient_group<T, 4>, gradient_group<T, 5>, gradient_group<T, 6>};
+
+template <typename T>
+void table_gradient(const T* entry, const T* grad, int64_t blocks, int64_t layers,
+                    const int32_t* rows, int64_t count, int64_t K, const T* position, T* out) {
+  const int64_t run = layers * kPair;
+  for (int64_t b = 0; b < blocks; ++b) {
+    for (int64_t l = 0; l < layers; l += kGradientGroup) {
+      const int64_t group = layers - l < kGradientGroup ? layers - l : kGradientGroup;
+      for (int64_t lane = 0; lane < kBlock; lane += kLanes<T>) {
+        const int64_t at = b * run + l * kPair + lane;
+        kGradientGroups<T>[group](entry + at, grad + at, blocks * run, rows, count, K,
+                                  position + b * kBlock + lane, blocks * kBlock, out + at);
+      }
+    }
+  }
+}
+
+/// ROWS rows times all lanes of one block.
+template <typename T, int ROWS>
+void project_rows(const T* hidden, int64_t H, const T* weight, const T* bias, T* out) {
+  constexpr int kVectors = kBlock / kLanes<T>;
+  Vector<T> sum[ROWS][kVectors];
+#pragma GCC unroll 16
+  for (int r = 0; r < ROWS; ++r) {
+#pragma GCC unroll 8
+    for (int v = 0; v < kVectors; ++v) sum[r][v] = load(bias + v * kLanes<T>);
+  }
+  for (int64_t h = 0; h < H; ++h) {
+    Vector<T> w[kVectors];
+#pragma GCC unroll 8
+    for (int v = 0; v < kVectors; ++v) w[v] = load(weight + h * kBlock + v * kLanes<T>);
+#pragma GCC unroll 16
+    for (int r = 0; r < ROWS; ++r) {
+      const Vector<T> x = splat(hidden[r * H + h]);
+#pragma GCC unroll 8
+      for (int v = 0; v < kVectors; ++v) sum[r][v] += x * w[v];
+    }
+  }
+#pragma GCC unroll 16
+  for (int r = 0; r < ROWS; ++r) {
+#pragma GCC unroll 8
+    for (int v = 0; v < kVectors; ++v) store(out + r * kBlock + v * kLanes<T>, sum[r][v]);
+  }
+}
+
+template <typename T>
+void project(const T* hidden, int64_t rows, int64_t H, const T* weight, const T* bias,
+             int64_t blocks, T* out) {
+  constexpr int kVectors = kBlock / kLanes<T>;
+  constexpr int kRows = kVectors == 1 ? 16 : kVectors == 2 ? 4 : 2;
+  int64_t r = 0;
+  for (; r + kRows <= rows; r += kRows) {
+    for (int64_t b = 0; b < blocks; ++b) {
+      project_rows<T, kRows>(hidden + r * H, H, weight + b * H * kBlock, bias + b * kBlock,
+                             out + (b * rows + r) * kBlock);
+    }
+  }
+  for (; r < rows; ++r) {
+    for (int64_t b = 0; b < blocks; ++b) {
+      project_rows<T, 1>(hidden + r * H, H, weight + b * H * kBlock, bias + b * kBlock,
+                         out + (b * rows + r) * kBlock);
+    }
+  }
+}
+
+}  // namespace
+
+extern const SumKernels<float> kFloatSums;
+extern const SumKernels<double> kDoubleSums;
+const SumKernels<float> kFloatSums{sums<float>, position_gradient<float>, table_gradient<float>,
+                                   project<float>};
+const SumKernels<double> kDoubleSums{sums<double>, position_gradient<double>,
+                                     table_gradient<double>, project<double>};
+
+}  // namespace lte::ops::LTE_ISA

@@ -1,0 +1,95 @@
+#include "lte/ops/submanifold_conv.h"
+
+#include <array>
+#include <optional>
+
+#include <ATen/core/dispatch/Dispatcher.h>
+#include <torch/csrc/autograd/custom_function.h>
+#include <torch/library.h>
+
+TORCH_LIBRARY_FRAGMENT(lte, m) {
+  m.def("convolution_pairs(Tensor cells, int kernel) -> (Tensor, Tensor)");
+  m.def(
+      "submanifold_conv(Tensor input, Tensor weight, Tensor? bias, Tensor pairs, Tensor tap_begin) "
+      "-> Tensor");
+  // Gradients by input and weight; those not needed come back empty.
+  m.def(
+      "submanifold_conv_backward(Tensor grad, Tensor input, Tensor weight, Tensor pairs, "
+      "Tensor tap_begin, bool need_input, bool need_weight) -> (Tensor, Tensor)");
+}
+
+namespace lte::ops {
+namespace {
+
+using torch::autograd::AutogradContext;
+using torch::autograd::variable_list;
+
+at::Tensor call_forward(const at::Tensor& input, const at::Tensor& weight,
+                        const std::optional<at::Tensor>& bias, const at::Tensor& pairs,
+                        const at::Tensor& tap_begin) {
+  using Signature = at::Tensor(const at::Tensor&, const at::Tensor&,
+                               const std::optional<at::Tensor>&, const at::Tensor&,
+                               const at::Tensor&);
+  static const auto op = c10::Dispatcher::singleton()
+                             .findSchemaOrThrow("lte::submanifold_conv", "")
+                             .typed<Signature>();
+  return op.call(input, weight, bias, pairs, tap_begin);
+}
+
+class SubmanifoldConv : public torch::autograd::Function<SubmanifoldConv> {
+ public:
+  static at::Tensor forward(AutogradContext* context, const at::Tensor& input,
+                            const at::Tensor& weight, const std::optional<at::Tensor>& bias,
+                            const at::Tensor& pairs, const at::Tensor& tap_begin) {
+    const at::AutoDispatchBelowADInplaceOrView below;
+    context->save_for_backward({input, weight, pairs, tap_begin});
+    return call_forward(input, weight, bias, pairs, tap_begin);
+  }
+
+  static variable_list backward(AutogradContext* context, const variable_list& grads) {
+    using Signature = std::tuple<at::Tensor, at::Tensor>(
+        const at::Tensor&, const at::Tensor&, const at::Tensor&, const at::Tensor&,
+        const at::Tensor&, bool, bool);
+    static const auto op = c10::Dispatcher::singleton()
+                               .findSchemaOrThrow("lte::submanifold_conv_backward", "")
+                               .typed<Signature>();
+    const variable_list saved = context->get_saved_variables();
+    const at::Tensor grad = grads[0].contiguous();
+    const auto [input, weight] =
+        op.call(grad, saved[0], saved[1], saved[2], saved[3], context->needs_input_grad(0),
+                context->needs_input_grad(1));
+    const at::Tensor bias = context->needs_input_grad(2) ? grad.sum(0) : at::Tensor();
+    return {context->needs_input_grad(0) ? input : at::Tensor(),
+            context->needs_input_grad(1) ? weight : at::Tensor(), bias, at::Tensor(),
+            at::Tensor()};
+  }
+};
+
+at::Tensor submanifold_conv_autograd(const at::Tensor& input, const at::Tensor& weight,
+                                     const std::optional<at::Tensor>& bias,
+                                     const at::Tensor& pairs, const at::Tensor& tap_begin) {
+  return SubmanifoldConv::apply(input, weight, bias, pairs, tap_begin);
+}
+
+}  // namespace
+
+std::tuple<at::Tensor, at::Tensor> convolution_pairs(const at::Tensor& cells, int64_t kernel) {
+  using Signature = std::tuple<at::Tensor, at::Tensor>(const at::Tensor&, int64_t);
+  static const auto op = c10::Dispatcher::singleton()
+                             .findSchemaOrThrow("lte::convolution_pairs", "")
+                             .typed<Signature>();
+  return op.call(cells, kernel);
+}
+
+at::Tensor submanifold_conv(const at::Tensor& input, const at::Tensor& weight,
+                            const at::Tensor& bias, const at::Tensor& pairs,
+                            const at::Tensor& tap_begin) {
+  return call_forward(input, weight, bias.defined() ? std::optional(bias) : std::nullopt, pairs,
+                      tap_begin);
+}
+
+}  // namespace lte::ops
+
+TORCH_LIBRARY_IMPL(lte, Autograd, m) {
+  m.impl("submanifold_conv", lte::ops::submanifold_conv_autograd);
+}

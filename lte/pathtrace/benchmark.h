@@ -1,0 +1,29 @@
+// How fast paths are traced, beside the bare Embree calls on the very same rays: what the path
+// tracer itself costs.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "lte/base/math.h"
+#include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/irradiance.h"
+#include "lte/pathtrace/lights.h"
+
+namespace lte::pathtrace {
+
+struct TraceRates {
+  double path_rays_per_s =
+      0;  ///< intersect and occluded calls of estimate_irradiance(), by its wall time
+  double bare_rays_per_s = 0;  ///< the same calls in the same order and nothing else
+  int64_t rays = 0;
+};
+
+/// Times estimate_irradiance(), then records its rays (about 32 bytes each: choose points and rays
+/// for memory) and replays them on as many threads. Each of both is repeated until it has run for
+/// `seconds`; the best run counts.
+TraceRates measure_trace_rates(const Bvh& bvh, const Lights& lights,
+                               std::span<const Vec3> positions, std::span<const Vec3> normals,
+                               const IrradianceOptions& options, double seconds = 1.0);
+
+}  // namespace lte::pathtrace

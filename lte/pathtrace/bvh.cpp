@@ -1,0 +1,175 @@
+#include "lte/pathtrace/bvh.h"
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+
+#include "lte/base/check.h"
+#include "lte/base/parallel.h"
+#include "lte/pathtrace/embree_scene.h"
+
+namespace lte::pathtrace {
+namespace {
+
+void check_device(RTCDevice device, const char* what) {
+  const RTCError error = rtcGetDeviceError(device);
+  LTE_CHECK(error == RTC_ERROR_NONE, "Embree failed while ", what, ": ",
+            error == RTC_ERROR_OUT_OF_MEMORY ? "out of memory" : "error ",
+            error == RTC_ERROR_OUT_OF_MEMORY ? std::string() : std::to_string(error));
+}
+
+/// Embree reads 16 bytes at each 12-byte vertex, so the last one would be read past its vector:
+/// Embree keeps a padded copy of the positions and shares the indices, three times as large.
+RTCScene build_mesh(RTCDevice device, const scene::Mesh& mesh) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                           sizeof(Vec3), mesh.positions.size());
+  if (vertices == nullptr) rtcReleaseGeometry(geometry);
+  LTE_CHECK(vertices != nullptr, "Embree failed: no memory for the ", mesh.positions.size(),
+            " vertices of mesh ", mesh.name);
+  std::memcpy(vertices, mesh.positions.data(), mesh.positions.size() * sizeof(Vec3));
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                             mesh.triangles.data(), 0, sizeof(mesh.triangles[0]),
+                             mesh.triangles.size());
+  rtcCommitGeometry(geometry);
+  RTCScene scene = rtcNewScene(device);
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  rtcAttachGeometry(scene, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(scene);
+  return scene;
+}
+
+/// Rows of the inverse transpose, false if the transform is singular or not finite. In double: a
+/// determinant is a product of three scales and leaves the float range long before a scale does.
+bool inverse_transpose(const Affine& transform, std::array<Vec3, 3>* rows) {
+  const auto& m = transform.m;
+  double cofactor[3][3];
+  for (int i = 0; i < 3; ++i) {
+    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+    for (int j = 0; j < 3; ++j) {
+      const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+      cofactor[i][j] =
+          static_cast<double>(m[i1][j1]) * m[i2][j2] - static_cast<double>(m[i1][j2]) * m[i2][j1];
+    }
+  }
+  const double determinant =
+      m[0][0] * cofactor[0][0] + m[0][1] * cofactor[0][1] + m[0][2] * cofactor[0][2];
+  if (determinant == 0 || !std::isfinite(determinant)) return false;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      (*rows)[i][j] = static_cast<float>(cofactor[i][j] / determinant);
+    }
+    if (!is_finite((*rows)[i])) return false;
+  }
+  return true;
+}
+
+InstanceRecord make_record(const scene::Scene& scene, int index, const Vec3& origin) {
+  InstanceRecord record;
+  const scene::Instance& instance = scene.instances[index];
+  const scene::Mesh& mesh = scene.meshes[instance.mesh];
+  if (mesh.triangles.empty() || !inverse_transpose(instance.to_world, &record.normal_rows)) {
+    return record;
+  }
+  record.mesh = &mesh;
+  record.to_frame = instance.to_world;
+  for (int row = 0; row < 3; ++row) {
+    auto& m = record.to_frame.m[row];
+    m[3] = static_cast<float>(static_cast<double>(m[3]) - origin[row]);
+    record.scale = std::max(record.scale, std::fabs(m[0]) + std::fabs(m[1]) + std::fabs(m[2]));
+    record.translation = std::max(record.translation, std::fabs(m[3]));
+  }
+  const scene::Material& material = scene.materials[mesh.material];
+  scene::evaluate_appearance(scene, index, 0, 0, 0, 0, &record.albedo, &record.emission);
+  record.uniform = material.base_color_texture.texture == scene::kNone &&
+                   material.emission_texture.texture == scene::kNone && mesh.colors.empty();
+  record.emissive = material.emissive();
+  record.two_sided = material.double_sided;
+  record.light_group = instance.light_group;
+  return record;
+}
+
+void attach_instance(Bvh::Handles* handles, int index, int mesh) {
+  RTCGeometry geometry = rtcNewGeometry(handles->device, RTC_GEOMETRY_TYPE_INSTANCE);
+  rtcSetGeometryInstancedScene(geometry, handles->meshes[mesh]);
+  rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR,
+                          handles->instances[index].to_frame.m.data());
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometryByID(handles->top, geometry, static_cast<unsigned>(index));
+  rtcReleaseGeometry(geometry);
+}
+
+}  // namespace
+
+Bvh::Handles::~Handles() {
+  if (top != nullptr) rtcReleaseScene(top);
+  for (RTCScene mesh : meshes) {
+    if (mesh != nullptr) rtcReleaseScene(mesh);
+  }
+  if (device != nullptr) rtcReleaseDevice(device);
+}
+
+Bvh::Bvh(const scene::Scene& scene)
+    : scene_(scene), bounds_(scene.bounds()), handles_(std::make_unique<Handles>()) {
+  Handles& h = *handles_;
+  h.origin = frame_origin(bounds_);
+  h.device = rtcNewDevice(("threads=" + std::to_string(num_threads())).c_str());
+  LTE_CHECK(h.device != nullptr, "Embree failed to start: error ", rtcGetDeviceError(nullptr));
+  h.top = rtcNewScene(h.device);
+  rtcSetSceneFlags(h.top, RTC_SCENE_FLAG_ROBUST);
+  h.meshes.resize(scene.meshes.size(), nullptr);
+  h.instances.reserve(scene.instances.size());
+  for (size_t i = 0; i < scene.instances.size(); ++i) {
+    const int mesh = scene.instances[i].mesh;
+    h.instances.push_back(make_record(scene, static_cast<int>(i), h.origin));
+    if (h.instances.back().mesh == nullptr) continue;
+    if (h.meshes[mesh] == nullptr) h.meshes[mesh] = build_mesh(h.device, scene.meshes[mesh]);
+    attach_instance(&h, static_cast<int>(i), mesh);
+  }
+  rtcCommitScene(h.top);
+  check_device(h.device, "building the bounding volume hierarchy");
+}
+
+Bvh::~Bvh() = default;
+
+Hit Bvh::intersect(const Ray& ray) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRayHit query;
+  set_ray(&query.ray, ray.origin - handles_->origin, ray.direction, ray.t_min, ray.t_max);
+  query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(handles_->top, &context, &query);
+  Hit hit;
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
+  hit.t = query.ray.tfar;
+  hit.instance = static_cast<int>(query.hit.instID[0]);
+  hit.triangle = query.hit.primID;
+  hit.u = query.hit.u;
+  hit.v = query.hit.v;
+  hit.normal = frame_normal(handles_->instances[hit.instance],
+                            {query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z});
+  return hit;
+}
+
+bool Bvh::occluded(const Ray& ray) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRay query;
+  set_ray(&query, ray.origin - handles_->origin, ray.direction, ray.t_min, ray.t_max);
+  rtcOccluded1(handles_->top, &context, &query);
+  return query.tfar < 0;
+}
+
+Vec3 offset_origin(const Vec3& position, const Vec3& side, float magnitude) {
+  return position + side * (0x1p-20f * std::max(max_component(abs(position)), magnitude));
+}
+
+Vec3 frame_origin(const Bounds& bounds) {
+  if (bounds.empty()) return {};
+  const Vec3 center = bounds.center();
+  const bool far_off = max_component(abs(center)) > 4 * max_component(bounds.extent());
+  return far_off && is_finite(center) ? center : Vec3{};
+}
+
+}  // namespace lte::pathtrace

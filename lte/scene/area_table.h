@@ -1,0 +1,37 @@
+// Prefix sums of triangle areas: from a fraction of the area to the triangle there.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "lte/scene/scene.h"
+
+namespace lte::scene {
+
+/// The instanced triangles of some instances of a scene in a row, in order. Keeps no reference to
+/// the scene.
+class AreaTable {
+ public:
+  struct Place {
+    int instance = 0;
+    uint32_t triangle = 0;
+    double fraction = 0;  ///< of the triangle's area that lies before the place, [0, 1)
+  };
+
+  AreaTable(const Scene& scene, std::vector<int> instances);
+
+  /// m², summed in double.
+  double total() const { return ends_.empty() ? 0.0 : ends_.back(); }
+
+  /// The place that has area `target` before it, target in [0, total()). Never in a triangle
+  /// without area.
+  Place locate(double target) const;
+
+ private:
+  std::vector<int> instances_;
+  std::vector<int64_t> first_;  ///< index of each instance's first triangle, then their number
+  std::vector<double> ends_;    ///< area up to and with each triangle
+  int64_t last_ = 0;            ///< last triangle that has area
+};
+
+}  // namespace lte::scene

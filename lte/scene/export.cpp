@@ -1,0 +1,212 @@
+#include "lte/scene/export.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "lte/base/check.h"
+#include "lte/image/png.h"
+#include "lte/image/tonemap.h"
+#include "lte/scene/glb_writer.h"
+
+namespace lte::scene {
+namespace {
+
+using Json = nlohmann::json;
+
+Json to_json(const Vec3& v) { return {v.x, v.y, v.z}; }
+Json to_json(const Vec2& v) { return {v.x, v.y}; }
+
+/// Column-major 4x4, as glTF has it.
+Json to_matrix(const Affine& a) {
+  Json out = Json::array();
+  for (size_t col = 0; col < 4; ++col) {
+    for (size_t row = 0; row < 3; ++row) out.push_back(a.m[row][col]);
+    out.push_back(col == 3 ? 1 : 0);
+  }
+  return out;
+}
+
+/// A frame at `origin` that looks along `forward`: the -Z of cameras and lights.
+Affine looking(const Vec3& origin, const Vec3& forward, const Vec3& up) {
+  const Vec3 z = normalize(-forward);
+  Vec3 x = cross(up, z), y;
+  if (!(length(x) > 1e-6f)) make_frame(z, &x, &y);
+  x = normalize(x);
+  y = cross(z, x);
+  Affine out;
+  out.m = {{{x.x, y.x, z.x, origin.x}, {x.y, y.y, z.y, origin.y}, {x.z, y.z, z.z, origin.z}}};
+  return out;
+}
+
+/// glTF pictures carry the sRGB curve; a linear texture is brought onto it.
+std::vector<unsigned char> to_png(const Texture& texture) {
+  image::Image picture(texture.width(), texture.height(), 3);
+  for (size_t i = 0; i < picture.pixels.size(); ++i) {
+    const float value = static_cast<float>(texture.texels()[i]) / 255.0f;
+    picture.pixels[i] = texture.srgb() ? value : image::linear_to_srgb(value);
+  }
+  return image::encode_png(picture);
+}
+
+int wrap_code(Wrap wrap) {
+  if (wrap == Wrap::ClampToEdge) return 33071;
+  return wrap == Wrap::MirroredRepeat ? 33648 : 10497;
+}
+
+class Exporter {
+ public:
+  explicit Exporter(const Scene& scene) : scene_(scene) {}
+
+  void write(const std::filesystem::path& path) {
+    json()["asset"] = {{"version", "2.0"}, {"generator", "lte"}};
+    json()["extensionsUsed"] = Json::array();
+    for (const auto& texture : scene_.textures) add_image(*texture);
+    for (const Material& material : scene_.materials)
+      json()["materials"].push_back(to_json_material(material));
+    for (const Mesh& mesh : scene_.meshes) add_mesh(mesh);
+    for (const Instance& instance : scene_.instances) add_instance(instance);
+    for (const PunctualLight& light : scene_.lights) add_light(light);
+    for (const Camera& camera : scene_.cameras) add_camera(camera);
+    Json roots = Json::array();
+    for (size_t i = 0; i < json()["nodes"].size(); ++i) roots.push_back(i);
+    json()["scenes"] = {{{"name", scene_.name}, {"nodes", std::move(roots)}}};
+    json()["scene"] = 0;
+    writer_.write(path);
+  }
+
+ private:
+  Json& json() { return writer_.json(); }
+
+  void use_extension(const char* name) {
+    Json& used = json()["extensionsUsed"];
+    if (std::find(used.begin(), used.end(), name) == used.end()) used.push_back(name);
+  }
+
+  void add_image(const Texture& texture) {
+    const std::vector<unsigned char> png = to_png(texture);
+    json()["images"].push_back(
+        {{"bufferView", writer_.add_bytes(png.data(), png.size())}, {"mimeType", "image/png"}});
+  }
+
+  /// Index of the element of `list` that equals `element`, which is added if there is none.
+  size_t intern(const char* list, const Json& element) {
+    Json& items = json()[list];
+    for (size_t i = 0; i < items.size(); ++i) {
+      if (items[i] == element) return i;
+    }
+    items.push_back(element);
+    return items.size() - 1;
+  }
+
+  Json to_json_ref(const TextureRef& ref) {
+    const size_t sampler =
+        intern("samplers", {{"wrapS", wrap_code(ref.wrap_u)}, {"wrapT", wrap_code(ref.wrap_v)}});
+    Json out{{"index", intern("textures", {{"source", ref.texture}, {"sampler", sampler}})}};
+    if (ref.uv_set != 0) out["texCoord"] = ref.uv_set;
+    const bool plain =
+        ref.offset.x == 0 && ref.offset.y == 0 && ref.scale.x == 1 && ref.scale.y == 1;
+    if (!plain || ref.rotation != 0) {
+      use_extension("KHR_texture_transform");
+      out["extensions"]["KHR_texture_transform"] = {{"offset", to_json(ref.offset)},
+                                                    {"scale", to_json(ref.scale)},
+                                                    {"rotation", ref.rotation}};
+    }
+    return out;
+  }
+
+  Json to_json_material(const Material& material) {
+    const Rgb& base = material.base_color;
+    Json pbr{{"baseColorFactor", {base.x, base.y, base.z, 1}},
+             {"metallicFactor", 0},
+             {"roughnessFactor", 1}};
+    if (material.base_color_texture.texture != kNone)
+      pbr["baseColorTexture"] = to_json_ref(material.base_color_texture);
+    Json out{{"name", material.name}, {"pbrMetallicRoughness", std::move(pbr)}};
+    if (material.double_sided) out["doubleSided"] = true;
+    if (!material.emissive()) return out;
+    // A power of two as strength: factor * strength gives back the very same floats.
+    const float peak = max_component(material.emission);
+    const float strength = peak > 1 ? std::exp2(std::ceil(std::log2(peak))) : 1.0f;
+    out["emissiveFactor"] = to_json(material.emission / strength);
+    if (strength != 1) {
+      use_extension("KHR_materials_emissive_strength");
+      out["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"] = strength;
+    }
+    if (material.emission_texture.texture != kNone)
+      out["emissiveTexture"] = to_json_ref(material.emission_texture);
+    return out;
+  }
+
+  void add_mesh(const Mesh& mesh) {
+    Json attributes{{"POSITION", writer_.add_positions(mesh.positions)}};
+    for (size_t set = 0; set < mesh.uvs.size(); ++set) {
+      if (!mesh.uvs[set].empty())
+        attributes[concat("TEXCOORD_", set)] = writer_.add_vectors(mesh.uvs[set]);
+    }
+    if (!mesh.colors.empty()) attributes["COLOR_0"] = writer_.add_vectors(mesh.colors);
+    json()["meshes"].push_back({{"name", mesh.name},
+                                {"primitives",
+                                 {{{"attributes", std::move(attributes)},
+                                   {"indices", writer_.add_indices(mesh.triangles)},
+                                   {"material", mesh.material}}}}});
+  }
+
+  void add_instance(const Instance& instance) {
+    Json node{{"mesh", instance.mesh}, {"matrix", to_matrix(instance.to_world)}};
+    if (instance.light_group != kNone)
+      node["name"] = scene_.light_groups[static_cast<size_t>(instance.light_group)];
+    json()["nodes"].push_back(std::move(node));
+  }
+
+  void add_light(const PunctualLight& light) {
+    use_extension("KHR_lights_punctual");
+    // The peak as intensity, and a power of two at that, so that products are exact; colours are
+    // then within [0, 1].
+    const float peak = max_component(light.intensity);
+    const float intensity = peak > 0 ? std::exp2(std::ceil(std::log2(peak))) : 0.0f;
+    Json out{{"name", light.name}, {"intensity", intensity}};
+    if (peak > 0) out["color"] = to_json(light.intensity / intensity);
+    if (std::isfinite(light.range)) out["range"] = light.range;
+    out["type"] = light.kind == LightKind::Point  ? "point"
+                  : light.kind == LightKind::Spot ? "spot"
+                                                  : "directional";
+    if (light.kind == LightKind::Spot) {
+      out["spot"] = {{"innerConeAngle", light.inner_cone}, {"outerConeAngle", light.outer_cone}};
+    }
+    Json& lights = json()["extensions"]["KHR_lights_punctual"]["lights"];
+    lights.push_back(std::move(out));
+    Json node{{"name", light.name},
+              {"matrix", to_matrix(looking(light.position, light.direction, {0, 1, 0}))}};
+    node["extensions"]["KHR_lights_punctual"]["light"] = lights.size() - 1;
+    json()["nodes"].push_back(std::move(node));
+  }
+
+  void add_camera(const Camera& camera) {
+    const double yfov = double{camera.vfov} * (M_PI / 180.0);
+    json()["cameras"].push_back({{"name", camera.name},
+                                 {"type", "perspective"},
+                                 {"perspective", {{"yfov", yfov}, {"znear", 0.01}}}});
+    json()["nodes"].push_back(
+        {{"name", camera.name},
+         {"camera", json()["cameras"].size() - 1},
+         {"matrix", to_matrix(looking(camera.origin, camera.target - camera.origin, camera.up))}});
+  }
+
+  const Scene& scene_;
+  GlbWriter writer_;
+};
+
+}  // namespace
+
+void write_glb(const std::filesystem::path& path, const Scene& scene) {
+  try {
+    Exporter(scene).write(path);
+  } catch (const Json::exception& error) {  // a name that is not UTF-8
+    throw Error(concat(path.string(), ": cannot be written as JSON: ", error.what()));
+  }
+}
+
+}  // namespace lte::scene

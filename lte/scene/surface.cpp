@@ -1,0 +1,110 @@
+// Appearance at a point of a triangle.
+#include "lte/scene/scene.h"
+#include "lte/scene/triangle.h"
+
+namespace lte::scene {
+namespace {
+
+struct Barycentric {
+  float w, u, v;
+
+  template <typename T>
+  T mix(const T& a, const T& b, const T& c) const {
+    return a * w + b * u + c * v;
+  }
+};
+
+Vec2 interpolate(const Barycentric& b, const Vec2& a0, const Vec2& a1, const Vec2& a2) {
+  return {a0.x * b.w + a1.x * b.u + a2.x * b.v, a0.y * b.w + a1.y * b.u + a2.y * b.v};
+}
+
+/// One texture lookup on one triangle.
+class TextureLookup {
+ public:
+  TextureLookup(const Scene& scene, const Instance& instance, uint32_t triangle, float footprint)
+      : scene_(scene),
+        instance_(instance),
+        mesh_(scene.meshes[instance.mesh]),
+        triangle_(triangle),
+        footprint_(footprint) {}
+
+  /// White where there is no texture or the mesh lacks its UV set: the factor alone stays.
+  Rgb operator()(const TextureRef& ref, const Barycentric& b) const {
+    if (ref.texture == kNone) return {1, 1, 1};
+    const std::vector<Vec2>& uvs = mesh_.uvs[ref.uv_set];
+    if (uvs.empty()) return {1, 1, 1};
+    const std::array<uint32_t, 3>& corner = mesh_.triangles[triangle_];
+    const Vec2 a = ref.transform(uvs[corner[0]]), c = ref.transform(uvs[corner[1]]),
+               d = ref.transform(uvs[corner[2]]);
+    const Texture& texture = *scene_.textures[ref.texture];
+    return texture.sample(interpolate(b, a, c, d), ref.wrap_u, ref.wrap_v,
+                          texels(texture, a, c, d));
+  }
+
+ private:
+  /// Edge in texels of the square that covers footprint² world metres, by the ratio of the
+  /// triangle's areas.
+  float texels(const Texture& texture, const Vec2& a, const Vec2& b, const Vec2& c) const {
+    if (!(footprint_ > 0)) return 0;
+    const double world = area(world_triangle(mesh_, instance_.to_world, triangle_));
+    if (!(world > 0)) return 0;
+    const double uv = 0.5 * std::abs((double{b.x} - a.x) * (double{c.y} - a.y) -
+                                     (double{c.x} - a.x) * (double{b.y} - a.y));
+    return static_cast<float>(std::sqrt(uv * texture.width() * texture.height() / world) *
+                              footprint_);
+  }
+
+  const Scene& scene_;
+  const Instance& instance_;
+  const Mesh& mesh_;
+  uint32_t triangle_;
+  float footprint_;
+};
+
+Rgb saturate(const Rgb& c) { return min(max(c, {0, 0, 0}), {1, 1, 1}); }
+
+}  // namespace
+
+void evaluate_appearance(const Scene& scene, int instance, uint32_t triangle, float u, float v,
+                         float footprint, Rgb* albedo, Rgb* emission) {
+  const Instance& placed = scene.instances[instance];
+  const Mesh& mesh = scene.meshes[placed.mesh];
+  const Material& material = scene.materials[mesh.material];
+  const TextureLookup lookup(scene, placed, triangle, footprint);
+  const Barycentric b{1 - u - v, u, v};
+  Rgb color = material.base_color * lookup(material.base_color_texture, b);
+  if (!mesh.colors.empty()) {
+    const std::array<uint32_t, 3>& corner = mesh.triangles[triangle];
+    color *= b.mix(mesh.colors[corner[0]], mesh.colors[corner[1]], mesh.colors[corner[2]]);
+  }
+  *albedo = saturate(color);
+  *emission =
+      material.emissive() ? material.emission * lookup(material.emission_texture, b) : Rgb{};
+}
+
+Surface evaluate_surface(const Scene& scene, int instance, uint32_t triangle, float u, float v,
+                         float footprint) {
+  const Instance& placed = scene.instances[instance];
+  const Mesh& mesh = scene.meshes[placed.mesh];
+  const WorldTriangle corners = world_triangle(mesh, placed.to_world, triangle);
+  const Barycentric b{1 - u - v, u, v};
+
+  Surface surface;
+  surface.position = b.mix(corners.p0, corners.p1, corners.p2);
+  const AreaVector cross = area_vector(corners);
+  const double norm = cross.norm();
+  if (norm > 0) {
+    const double sign = placed.to_world.determinant() < 0 ? -1 : 1;
+    surface.normal = {static_cast<float>(sign * cross.x / norm),
+                      static_cast<float>(sign * cross.y / norm),
+                      static_cast<float>(sign * cross.z / norm)};
+  }
+  evaluate_appearance(scene, instance, triangle, u, v, footprint, &surface.albedo,
+                      &surface.emission);
+  const Material& material = scene.materials[mesh.material];
+  surface.light_group = material.emissive() ? placed.light_group : kNone;
+  surface.emits_back = material.emissive() && material.double_sided;
+  return surface;
+}
+
+}  // namespace lte::scene

@@ -1,0 +1,169 @@
+#include "lte/scene/texture.h"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "lte/base/check.h"
+#include "lte/image/tonemap.h"
+
+namespace lte::scene {
+namespace {
+
+/// Linear value of each 8-bit code.
+const std::array<float, 256>& decode_table(bool srgb) {
+  static const auto tables = [] {
+    std::array<std::array<float, 256>, 2> out{};
+    for (int code = 0; code < 256; ++code) {
+      const float value = static_cast<float>(code) / 255.0f;
+      out[0][code] = value;
+      out[1][code] = image::srgb_to_linear(value);
+    }
+    return out;
+  }();
+  return tables[srgb ? 1 : 0];
+}
+
+/// The source texels under one texel of the next level, weighted by overlap: two for even sizes,
+/// three for odd ones, so that the mean of a level is that of the picture.
+struct Taps {
+  int first = 0, count = 0;
+  std::array<float, 4> weight{};
+};
+
+std::vector<Taps> box_taps(int from, int to) {
+  std::vector<Taps> out(static_cast<size_t>(to));
+  const double ratio = static_cast<double>(from) / to;
+  for (int i = 0; i < to; ++i) {
+    const double low = i * ratio, high = (i + 1) * ratio;
+    Taps& taps = out[static_cast<size_t>(i)];
+    taps.first = static_cast<int>(low);
+    for (int x = taps.first; x < from && x < high && taps.count < 4; ++x) {
+      const double overlap = std::min(high, x + 1.0) - std::max<double>(low, x);
+      taps.weight[static_cast<size_t>(taps.count++)] = static_cast<float>(overlap / ratio);
+    }
+  }
+  return out;
+}
+
+/// Halves a picture in both directions (a side of 1 stays). `read(x, y, c)` is the source.
+template <typename Read>
+std::vector<float> halve(int width, int height, int new_width, int new_height, const Read& read) {
+  const std::vector<Taps> columns = box_taps(width, new_width), rows = box_taps(height, new_height);
+  std::vector<float> out(static_cast<size_t>(new_width) * static_cast<size_t>(new_height) * 3);
+  size_t next = 0;
+  for (const Taps& row : rows) {
+    for (const Taps& column : columns) {
+      std::array<float, 3> sum{};
+      for (int j = 0; j < row.count; ++j) {
+        for (int i = 0; i < column.count; ++i) {
+          const float weight =
+              row.weight[static_cast<size_t>(j)] * column.weight[static_cast<size_t>(i)];
+          for (int c = 0; c < 3; ++c) {
+            sum[static_cast<size_t>(c)] += weight * read(column.first + i, row.first + j, c);
+          }
+        }
+      }
+      for (const float value : sum) out[next++] = value;
+    }
+  }
+  return out;
+}
+
+std::vector<uint16_t> to_fixed(const std::vector<float>& linear) {
+  std::vector<uint16_t> out(linear.size());
+  for (size_t i = 0; i < linear.size(); ++i) {
+    out[i] = static_cast<uint16_t>(std::lround(std::clamp(linear[i], 0.0f, 1.0f) * 65535.0f));
+  }
+  return out;
+}
+
+/// Folds a coordinate into one period, [0, 1]; anything that is not finite becomes 0.
+float fold(float t, Wrap wrap) {
+  if (!std::isfinite(t)) return 0;
+  if (wrap == Wrap::ClampToEdge) return std::clamp(t, 0.0f, 1.0f);
+  if (wrap == Wrap::Repeat) return t - std::floor(t);
+  const float period = t - 2 * std::floor(t / 2);
+  return period > 1 ? 2 - period : period;
+}
+
+/// A neighbour's index in [-1, size] brought into the picture. A mirrored edge meets itself, as a
+/// clamped one does.
+int fold_index(int i, int size, Wrap wrap) {
+  if (wrap != Wrap::Repeat) return std::clamp(i, 0, size - 1);
+  return i < 0 ? i + size : i >= size ? i - size : i;
+}
+
+}  // namespace
+
+Texture::Texture(int width, int height, std::vector<uint8_t> texels, bool srgb) : srgb_(srgb) {
+  LTE_CHECK(width > 0 && height > 0, "texture: size must be positive, got ", width, "x", height);
+  LTE_CHECK(texels.size() == static_cast<size_t>(width) * static_cast<size_t>(height) * 3,
+            "texture: expected 3 bytes for each of ", width, "x", height, " texels, got ",
+            texels.size());
+  levels_.push_back({width, height, std::move(texels), {}});
+  const std::array<float, 256>& table = decode_table(srgb_);
+  std::vector<float> linear;  // the last level before rounding, so that errors do not add up
+  while (width > 1 || height > 1) {
+    const int new_width = std::max(1, width / 2), new_height = std::max(1, height / 2);
+    const auto index = [width](int x, int y, int c) {
+      return (static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)) * 3 +
+             static_cast<size_t>(c);
+    };
+    if (levels_.size() == 1) {
+      const std::vector<uint8_t>& coded = levels_.front().coded;
+      linear = halve(width, height, new_width, new_height,
+                     [&](int x, int y, int c) { return table[coded[index(x, y, c)]]; });
+    } else {
+      linear = halve(width, height, new_width, new_height,
+                     [&](int x, int y, int c) { return linear[index(x, y, c)]; });
+    }
+    width = new_width, height = new_height;
+    levels_.push_back({width, height, {}, to_fixed(linear)});
+  }
+}
+
+size_t Texture::size_bytes() const {
+  size_t bytes = 0;
+  for (const Level& level : levels_)
+    bytes += level.coded.size() + level.half.size() * sizeof(uint16_t);
+  return bytes;
+}
+
+Rgb Texture::texel(const Level& level, int x, int y) const {
+  const size_t at =
+      (static_cast<size_t>(y) * static_cast<size_t>(level.width) + static_cast<size_t>(x)) * 3;
+  if (level.half.empty()) {
+    const std::array<float, 256>& table = decode_table(srgb_);
+    return {table[level.coded[at]], table[level.coded[at + 1]], table[level.coded[at + 2]]};
+  }
+  constexpr float kScale = 1.0f / 65535.0f;
+  return {static_cast<float>(level.half[at]) * kScale,
+          static_cast<float>(level.half[at + 1]) * kScale,
+          static_cast<float>(level.half[at + 2]) * kScale};
+}
+
+Rgb Texture::bilinear(const Level& level, const Vec2& uv, Wrap wrap_u, Wrap wrap_v) const {
+  const float x = fold(uv.x, wrap_u) * static_cast<float>(level.width) - 0.5f;
+  const float y = fold(uv.y, wrap_v) * static_cast<float>(level.height) - 0.5f;
+  const float left = std::floor(x), top = std::floor(y);
+  const float fx = x - left, fy = y - top;
+  const int x0 = fold_index(static_cast<int>(left), level.width, wrap_u);
+  const int x1 = fold_index(static_cast<int>(left) + 1, level.width, wrap_u);
+  const int y0 = fold_index(static_cast<int>(top), level.height, wrap_v);
+  const int y1 = fold_index(static_cast<int>(top) + 1, level.height, wrap_v);
+  return (texel(level, x0, y0) * (1 - fx) + texel(level, x1, y0) * fx) * (1 - fy) +
+         (texel(level, x0, y1) * (1 - fx) + texel(level, x1, y1) * fx) * fy;
+}
+
+Rgb Texture::sample(const Vec2& uv, Wrap wrap_u, Wrap wrap_v, float footprint) const {
+  if (!(footprint > 1) || levels_.size() == 1) return bilinear(levels_.front(), uv, wrap_u, wrap_v);
+  const float coarsest = static_cast<float>(levels_.size() - 1);
+  const float lod = std::min(std::log2(footprint), coarsest);
+  const auto fine = static_cast<size_t>(lod);
+  const float blend = lod - static_cast<float>(fine);
+  const Rgb a = bilinear(levels_[fine], uv, wrap_u, wrap_v);
+  return blend > 0 ? a * (1 - blend) + bilinear(levels_[fine + 1], uv, wrap_u, wrap_v) * blend : a;
+}
+
+}  // namespace lte::scene

@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# The whole chain on 2 cores: rooms, path-traced ground truth, training, evaluation on unseen rooms, rendering, export.
+# Ends with out/demo/report.html.
+#
+#   scripts/demo.sh           at most 10 minutes after set-up and build
+#   scripts/demo.sh --quick   at most 3 minutes, smaller in everything
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+scenes=160 steps=1500 size=384x288 spp=256 held_out=0.1
+case "${1:-}" in
+  --quick) scenes=40 steps=150 size=192x144 spp=64 held_out=0.2 ;;
+  "") ;;
+  *) echo "usage: scripts/demo.sh [--quick]"; [ "$1" = --help ] && exit 0 || exit 2 ;;
+esac
+
+scripts/build.sh release
+readonly bin=$PWD/build/bin out=out/demo
+readonly data=$out/data run=$out/run
+rm -rf "$out"
+mkdir -p "$out"
+step() { printf '\n== %s (%d s)\n' "$1" "$SECONDS"; }
+
+SECONDS=0
+step "1/6 generating and baking $scenes furnished rooms"
+"$bin/lte_datagen" generate --config configs/data/demo.yaml --out "$data" --scenes "$scenes" \
+  --set "val_share=$held_out" --set "test_share=$held_out"
+
+step "2/6 training for $steps steps"
+"$bin/lte_train" --config configs/train/demo.yaml --out "$run" --set "data.path=$data" --set "train.steps=$steps"
+
+step "3/6 evaluating on rooms it has not seen"
+"$bin/lte_eval" --fit-baselines "$data" --out "$run/model.baselines.json"
+"$bin/lte_eval" --checkpoint "$run/model.safetensors" --data "$data" --split test --report "$out/eval" --json "$out/eval.json"
+
+step "4/6 rendering an unseen room and a Cornell box, predicted and path-traced"
+"$bin/lte_datagen" generate --config configs/data/demo.yaml --out "$out/unseen" --scenes 1 --seed 990017 --glb
+cp "$out"/unseen/scenes/*.glb "$out/room.glb"
+cp assets/scenes/cornell_box.glb "$out/cornell.glb"
+for scene in room cornell; do
+  # The shipped model and the one just trained look at the same view; the reference fixes the exposure of all three.
+  "$bin/lte_render" "$out/$scene.glb" --mode reference --spp "$spp" --size "$size" --out "$out/${scene}_reference.exr" \
+    --json "$out/${scene}_reference.json"
+  exposure=$(sed -n 's/.*"exposure": *\([0-9.e+-]*\).*/\1/p' "$out/${scene}_reference.json")
+  "$bin/lte_render" "$out/$scene.glb" --mode reference --spp "$spp" --size "$size" --exposure "$exposure" \
+    --out "$out/${scene}_reference.png" --quiet
+  for model in shipped trained; do
+    checkpoint=$run/model.safetensors
+    [ $model = shipped ] && checkpoint=assets/models/lte-demo.safetensors
+    "$bin/lte_render" "$out/$scene.glb" --checkpoint "$checkpoint" --size "$size" --out "$out/${scene}_$model.exr" \
+      --json "$out/${scene}_$model.json"
+    "$bin/lte_render" "$out/$scene.glb" --checkpoint "$checkpoint" --size "$size" --exposure "$exposure" \
+      --out "$out/${scene}_$model.png" --quiet
+  done
+done
+
+step "5/6 exporting TorchScript"
+"$bin/lte_export" --checkpoint "$run/model.safetensors" --out "$out/model.pt" --portable --verify
+
+step "6/6 writing the report"
+python3 scripts/report.py "$out"
+printf '\nDone in %d s: open %s/report.html\n' "$SECONDS" "$out"

@@ -1,0 +1,54 @@
+#!/usr/bin/env bash
+# Everything lte needs on Debian 12: packages, and LibTorch in .venv. Idempotent; takes a second when nothing is to do.
+#
+#   scripts/setup.sh            packages, LibTorch
+#   LTE_SKIP_APT=1 ...          never touch the system's packages
+#   Torch_ROOT=/opt/libtorch .. use this LibTorch instead of the wheel
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+readonly torch_version=2.11.0
+readonly packages=(build-essential cmake ninja-build ccache pkg-config python3 python3-venv
+  libembree-dev libopenexr-dev libtinygltf-dev libstb-dev libflann-dev libcli11-dev libyaml-cpp-dev
+  nlohmann-json3-dev libgtest-dev libgmock-dev libbenchmark-dev)
+
+say() { printf 'setup: %s\n' "$*"; }
+fail() { printf 'setup: %s\n' "$*" >&2; exit 1; }
+
+missing_packages() {
+  for package in "${packages[@]}"; do
+    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || echo "$package"
+  done
+}
+
+install_packages() {
+  local missing; missing=$(missing_packages)
+  if [ -z "$missing" ]; then say "packages: all there"; return; fi
+  [ -z "${LTE_SKIP_APT:-}" ] || fail "LTE_SKIP_APT is set and these packages are missing:" $missing
+  local as_root=()
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || fail "not root and no sudo; install as root: apt-get install" $missing
+    as_root=(sudo)
+  fi
+  say "packages: installing" $missing
+  "${as_root[@]}" apt-get update -qq
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null
+}
+
+install_torch() {
+  if [ -n "${Torch_ROOT:-}" ]; then say "LibTorch: $Torch_ROOT (Torch_ROOT)"; return; fi
+  local marker=.venv/lte-torch-$torch_version
+  if [ -e "$marker" ]; then say "LibTorch: $torch_version in .venv"; return; fi
+  say "LibTorch: installing torch $torch_version into .venv (1.3 GB)"
+  # The system's python3, so that the wheel does not depend on whichever version manager is active.
+  local python=python3; [ -x /usr/bin/python3 ] && python=/usr/bin/python3
+  "$python" -m venv .venv
+  # libtorch_cpu of the wheel names these two CUDA libraries; nothing else of CUDA is needed on the CPU.
+  .venv/bin/pip install --quiet --disable-pip-version-check --no-deps "torch==$torch_version" \
+    'nvidia-cuda-runtime==13.0.*' 'nvidia-cuda-cupti==13.0.*'
+  touch "$marker"
+}
+
+if command -v dpkg-query >/dev/null; then install_packages; else say "packages: not Debian, see README for the list"; fi
+install_torch
+say "done"

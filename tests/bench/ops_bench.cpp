@@ -1,0 +1,156 @@
+// Times of the operators at the sizes of DESIGN section 7, and FLANN beside knn. Not run by ctest.
+//   lte_ops_microbench --benchmark_filter=Knn        at::set_num_threads: OMP_NUM_THREADS
+#include <benchmark/benchmark.h>
+
+#include <ATen/ATen.h>
+#if defined(LTE_HAS_FLANN)
+#include <flann/flann.hpp>
+#endif
+
+#include "lte/ops/farthest_point.h"
+#include "lte/ops/knn.h"
+#include "lte/ops/neighbour_sums.h"
+#include "lte/ops/serialize.h"
+#include "lte/ops/submanifold_conv.h"
+
+namespace {
+
+using namespace lte::ops;  // NOLINT: a file of its own
+
+/// N points on the walls, floor and ceiling of a room of 10 x 3 x 8 m.
+at::Tensor room(int64_t N) {
+  at::manual_seed(1);
+  at::Tensor p = at::rand({N, 3});
+  const at::Tensor axis = at::randint(3, {N, 1});
+  p.scatter_(1, axis, p.gather(1, axis).round());
+  return (p * at::tensor({10.f, 3.f, 8.f})).contiguous();
+}
+
+/// Q points seen by a pinhole camera, row by row.
+at::Tensor camera_hits(int64_t edge) {
+  const at::Tensor line = (at::arange(edge) + 0.5f) / edge * 2 - 1;
+  const auto grid = at::meshgrid({line, line}, "ij");
+  const at::Tensor direction =
+      at::stack({grid[1], -grid[0], at::ones_like(grid[0])}, 2).view({-1, 3});
+  const at::Tensor origin = at::tensor({5.f, 1.5f, 0.5f}), extent = at::tensor({10.f, 3.f, 8.f});
+  const at::Tensor wall = at::where(direction.gt(0), extent, at::zeros({3}));
+  const at::Tensor t = std::get<0>(((wall - origin) / direction).min(1, true));
+  return (origin + direction * t).contiguous();
+}
+
+void Knn(benchmark::State& state, const at::Tensor& queries, int64_t N) {
+  const at::Tensor points = room(N);
+  for (auto _ : state) benchmark::DoNotOptimize(knn(queries, points, 32));
+}
+BENCHMARK_CAPTURE(Knn, camera_262144_in_5000, camera_hits(512), 5000)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(Knn, shuffled_262144_in_5000, room(262144), 5000)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(Knn, scene_20000_in_20000, room(20000), 20000)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+#if defined(LTE_HAS_FLANN)
+void Flann(benchmark::State& state, const at::Tensor& queries, int64_t N) {
+  const at::Tensor points = room(N);
+  const auto Q = static_cast<size_t>(queries.size(0));
+  at::Tensor index = at::empty({queries.size(0), 32}, at::kInt), distance = at::empty({queries.size(0), 32});
+  flann::Matrix<float> data(points.data_ptr<float>(), static_cast<size_t>(N), 3);
+  flann::Matrix<float> asked(queries.data_ptr<float>(), Q, 3), to(distance.data_ptr<float>(), Q, 32);
+  flann::Matrix<int> ids(index.data_ptr<int>(), Q, 32);
+  flann::SearchParams parameters(flann::FLANN_CHECKS_UNLIMITED);
+  parameters.cores = 0;  // all
+  for (auto _ : state) {
+    flann::KDTreeSingleIndex<flann::L2_Simple<float>> tree(data);
+    tree.buildIndex();
+    tree.knnSearch(asked, ids, to, 32, parameters);
+  }
+}
+BENCHMARK_CAPTURE(Flann, camera_262144_in_5000, camera_hits(512), 5000)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(Flann, scene_20000_in_20000, room(20000), 20000)->Unit(benchmark::kMillisecond)->UseRealTime();
+#endif
+
+void FarthestPoint(benchmark::State& state) {
+  const at::Tensor points = room(state.range(0));
+  for (auto _ : state) benchmark::DoNotOptimize(farthest_point_sampling(points, state.range(0) / 2));
+}
+BENCHMARK(FarthestPoint)->Arg(20000)->Arg(200000)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+void CurveCodes(benchmark::State& state) {
+  const at::Tensor cells = at::randint(1 << 16, {262144, 3}, at::kInt);
+  const auto curve = static_cast<Curve>(state.range(0));
+  for (auto _ : state) benchmark::DoNotOptimize(curve_codes(cells, curve));
+}
+BENCHMARK(CurveCodes)->Arg(0)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+/// Cells of 5,000 points at 0.8 of their spacing, as the encoder makes them.
+at::Tensor scene_cells() {
+  const at::Tensor points = room(20000);
+  const auto [index, distance] = farthest_point_sampling(points, 5000);
+  const float grid = 0.8f * distance[4999].sqrt().item<float>();
+  return (points.index_select(0, index) / grid).to(at::kInt).contiguous();
+}
+
+void ConvolutionPairs(benchmark::State& state) {
+  const at::Tensor cells = scene_cells();
+  for (auto _ : state) benchmark::DoNotOptimize(convolution_pairs(cells, state.range(0)));
+}
+BENCHMARK(ConvolutionPairs)->Arg(3)->Arg(5)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+void SubmanifoldConv(benchmark::State& state, bool backward) {
+  const int64_t kernel = state.range(0), C = 128;
+  const auto [pairs, begin] = convolution_pairs(scene_cells(), kernel);
+  at::Tensor input = at::randn({5000, C}), weight = at::randn({kernel * kernel * kernel, C, C});
+  if (backward) input.requires_grad_(), weight.requires_grad_();
+  for (auto _ : state) {
+    const at::Tensor out = submanifold_conv(input, weight, at::Tensor(), pairs, begin);
+    if (backward) out.backward(out.detach());
+  }
+  state.counters["taps"] = static_cast<double>(pairs.size(1)) / 5000;
+  const double flops = 2.0 * static_cast<double>(pairs.size(1) * C * C) * (backward ? 3 : 1);
+  state.counters["flop"] = benchmark::Counter(flops, benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK_CAPTURE(SubmanifoldConv, forward, false)->Arg(3)->Arg(5)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(SubmanifoldConv, with_backward, true)->Arg(3)->Arg(5)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+void MatrixProduct(benchmark::State& state) {  // what the machine can do
+  const at::Tensor a = at::randn({32768, 128}), b = at::randn({128, 128});
+  at::Tensor out = at::empty({32768, 128});
+  for (auto _ : state) at::mm_out(out, a, b);
+  state.counters["flop"] = benchmark::Counter(2.0 * 32768 * 128 * 128, benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK(MatrixProduct)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+constexpr int64_t kLayers = 6, kChannels = 128, kHidden = 64, kNeighbours = 32, kLatents = 5000;
+
+void NeighbourSumsInference(benchmark::State& state) {
+  const at::Tensor queries = camera_hits(512), points = room(kLatents);
+  const at::Tensor index = std::get<0>(knn(queries, points, kNeighbours));
+  const at::Tensor table = neighbour_table(at::randn({kLayers, kLatents, kChannels}),
+                                           at::randn({kLayers, kLatents, kChannels}));
+  // One block of activations, used again for each block of queries: all of them are 2 GiB.
+  const int64_t block = 16384;
+  const at::Tensor hidden = at::randn({block, kNeighbours, kHidden});
+  const at::Tensor weight = at::randn({kChannels, kHidden}), bias = at::randn({kChannels});
+  for (auto _ : state) {
+    for (int64_t q = 0; q < queries.size(0); q += block) {
+      benchmark::DoNotOptimize(
+          neighbour_sums_inference(table, hidden, weight, bias, index.narrow(0, q, block)));
+    }
+  }
+}
+BENCHMARK(NeighbourSumsInference)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+void NeighbourSumsTraining(benchmark::State& state) {
+  const int64_t Q = 8192;
+  const at::Tensor index = std::get<0>(knn(room(Q), room(kLatents), kNeighbours));
+  at::Tensor keys = at::randn({kLayers, kLatents, kChannels}).requires_grad_();
+  at::Tensor values = at::randn({kLayers, kLatents, kChannels}).requires_grad_();
+  at::Tensor position = at::randn({Q, kNeighbours, kChannels}).requires_grad_();
+  const at::Tensor grad = at::randn({kLayers, Q, kChannels});
+  for (auto _ : state) {
+    const auto [sum1, sum2] = neighbour_sums(keys, values, position, index);
+    if (state.range(0) != 0) (sum1 + sum2).backward(grad);
+  }
+}
+BENCHMARK(NeighbourSumsTraining)->Arg(0)->Arg(1)->ArgName("backward")->Unit(benchmark::kMillisecond)->UseRealTime();
+
+}  // namespace
+
+BENCHMARK_MAIN();

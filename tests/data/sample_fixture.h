@@ -1,0 +1,108 @@
+// A small valid scene sample, and a folder of its own for each test.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "lte/base/check.h"
+#include "lte/base/random.h"
+#include "lte/data/scene_sample.h"
+
+namespace lte::data::test {
+
+class Folder : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::path(::testing::TempDir()) /
+              concat("lte_", info->test_suite_name(), "_", info->name());
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path folder_;
+};
+
+/// The line with which `body` fails; "" if it does not.
+inline std::string error_of(const std::function<void()>& body) {
+  try {
+    body();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+inline std::vector<Vec3> random_vectors(Rng* rng, size_t count, float low, float high) {
+  std::vector<Vec3> out(count);
+  for (Vec3& v : out) {
+    v.x = rng->uniform(low, high);
+    v.y = rng->uniform(low, high);
+    v.z = rng->uniform(low, high);
+  }
+  return out;
+}
+
+inline std::vector<Vec3> random_units(Rng* rng, size_t count) {
+  std::vector<Vec3> out = random_vectors(rng, count, 0.1f, 1.0f);
+  for (Vec3& v : out) v = normalize(v);
+  return out;
+}
+
+inline View make_view(Rng* rng, int width, int height, size_t groups) {
+  View view;
+  view.width = width;
+  view.height = height;
+  const size_t pixels = static_cast<size_t>(width) * static_cast<size_t>(height);
+  view.position = random_vectors(rng, pixels, -2, 2);
+  view.normal = random_units(rng, pixels);
+  view.albedo = random_vectors(rng, pixels, 0, 1);
+  view.mask.assign(pixels, 1);
+  view.direct = random_vectors(rng, groups * pixels, 0, 5);
+  view.indirect = random_vectors(rng, groups * pixels, 0, 5);
+  view.variance.assign(pixels, 0.25f);
+  view.path_traced_64 = random_vectors(rng, pixels, 0, 5);
+  view.mask[1] = 0;  // one background pixel
+  view.position[1] = view.normal[1] = view.albedo[1] = {};
+  for (size_t g = 0; g < groups; ++g)
+    view.direct[g * pixels + 1] = view.indirect[g * pixels + 1] = {};
+  view.path_traced_64[1] = {};
+  return view;
+}
+
+inline SceneSample make_sample(int64_t scene_points = 8, int64_t query_points = 6,
+                               int64_t groups = 2) {
+  Rng rng(11);
+  const auto M = static_cast<size_t>(scene_points), N = static_cast<size_t>(query_points);
+  const auto G = static_cast<size_t>(groups);
+  SceneSample sample;
+  sample.name = "room";
+  sample.scene_position = random_vectors(&rng, M, -2, 2);
+  sample.scene_normal = random_units(&rng, M);
+  sample.scene_albedo = random_vectors(&rng, M, 0, 1);
+  sample.scene_emission = random_vectors(&rng, M, 0, 9);
+  sample.scene_area.assign(M, 0.5f);
+  sample.scene_light.assign(M, -1);
+  if (G > 0) sample.scene_light[0] = static_cast<int32_t>(G) - 1;
+  sample.query_position = random_vectors(&rng, N, -2, 2);
+  sample.query_normal = random_units(&rng, N);
+  sample.query_albedo = random_vectors(&rng, N, 0, 1);
+  sample.light_groups = groups;
+  sample.direct = random_vectors(&rng, G * N, 0, 5);
+  sample.indirect = random_vectors(&rng, G * N, 0, 5);
+  sample.variance.assign(N, 0.125f);
+  sample.path_traced_64 = random_vectors(&rng, N, 0, 5);
+  sample.views.push_back(make_view(&rng, 4, 3, G));
+  sample.seed = 0xffffffffffffffffULL;
+  sample.rays = 256;
+  sample.max_depth = 5;
+  sample.bounds_low = {-2.1f, -0.1f, 1.0f / 3};
+  sample.bounds_high = {2, 3, 4};
+  return sample;
+}
+
+}  // namespace lte::data::test

@@ -1,0 +1,166 @@
+#include "datagen/bake.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "datagen/room.h"
+#include "lte/base/file.h"
+#include "lte/base/parallel.h"
+#include "tests/data/sample_fixture.h"
+#include "tests/datagen/scenes.h"
+
+namespace lte::datagen::test {
+namespace {
+
+using data::test::error_of;
+using ::testing::HasSubstr;
+
+class Bake : public data::test::Folder {
+ protected:
+  static scene::Scene room() {
+    RoomConfig config;
+    config.texture_sizes = {8};
+    return generate_room(config, 3, "room").scene;
+  }
+  std::string bytes(const data::SceneSample& sample) const {
+    data::write_scene_sample(folder_ / "sample.safetensors", sample);
+    return read_file(folder_ / "sample.safetensors");
+  }
+};
+
+TEST_F(Bake, FurnaceGivesTheClosedForm) {
+  BakeOptions options = tiny_bake();
+  options.max_depth = 3;
+  options.rays = 1024;
+  options.views.rays = 1024;
+  const data::SceneSample sample = bake_scene(furnace(2, 0.5f), options, false);
+  ASSERT_EQ(sample.light_groups, 1);
+  const float direct = furnace_irradiance(2, 0.5f, 0, 0),
+              indirect = furnace_irradiance(2, 0.5f, 1, 2);
+  const auto check = [&](const Rgb& d, const Rgb& i) {
+    EXPECT_NEAR(d.x, direct, 0.03f * direct);
+    EXPECT_NEAR(i.y, indirect, 0.03f * indirect);
+  };
+  for (size_t i = 0; i < sample.direct.size(); ++i) check(sample.direct[i], sample.indirect[i]);
+  double rival = 0;
+  for (const Rgb& value : sample.path_traced_64)
+    rival += value.x / static_cast<double>(sample.path_traced_64.size());
+  EXPECT_NEAR(rival, indirect, 0.03 * indirect);
+  ASSERT_EQ(sample.views.size(), 1u);
+  for (size_t i = 0; i < sample.views[0].mask.size(); ++i) {
+    ASSERT_EQ(sample.views[0].mask[i], 1);
+    check(sample.views[0].direct[i], sample.views[0].indirect[i]);
+  }
+}
+
+TEST_F(Bake, HasTheSizesAskedForAndPassesTheReader) {
+  const BakeOptions options = tiny_bake();
+  const scene::Scene scene = room();
+  const auto path = folder_ / "room.safetensors";
+  data::write_scene_sample(path, bake_scene(scene, options, false));
+  const data::SceneSample sample = data::read_scene_sample(path);
+  EXPECT_EQ(sample.name, "room");
+  EXPECT_EQ(sample.scene_points(), options.scene_points);
+  EXPECT_EQ(sample.query_points(), options.query_points);
+  EXPECT_EQ(sample.light_groups, static_cast<int64_t>(scene.light_groups.size()));
+  EXPECT_EQ(sample.rays, options.rays);
+  EXPECT_EQ(sample.seed, options.seed);
+  EXPECT_EQ(sample.bounds_high, scene.bounds().high);
+  ASSERT_EQ(sample.views.size(), 1u);
+  EXPECT_EQ(sample.views[0].width, 8);
+  EXPECT_EQ(sample.views[0].height, 6);
+}
+
+TEST_F(Bake, EveryLightGroupHasScenePoints) {
+  const scene::Scene scene = room();
+  const data::SceneSample sample = bake_scene(scene, tiny_bake(), false);
+  std::vector<int> points(scene.light_groups.size());
+  for (size_t i = 0; i < sample.scene_light.size(); ++i) {
+    const int group = sample.scene_light[i];
+    EXPECT_EQ(group >= 0, max_component(sample.scene_emission[i]) > 0);
+    if (group >= 0) ++points[static_cast<size_t>(group)];
+  }
+  for (const int count : points) EXPECT_GT(count, 0);
+}
+
+TEST_F(Bake, SameBytesWhateverTheThreadsAndOthersForAnotherSeed) {
+  const scene::Scene scene = room();
+  BakeOptions options = tiny_bake();
+  set_num_threads(1);
+  const std::string one = bytes(bake_scene(scene, options, false));
+  set_num_threads(3);
+  const std::string three = bytes(bake_scene(scene, options, false));
+  set_num_threads(0);
+  EXPECT_EQ(one, three);
+  options.seed = 2;
+  EXPECT_NE(one, bytes(bake_scene(scene, options, false)));
+}
+
+TEST_F(Bake, RivalIsIndependentOfTheTruth) {
+  BakeOptions options = tiny_bake();
+  options.rays = 64;
+  const data::SceneSample sample = bake_scene(room(), options, false);
+  ASSERT_EQ(sample.path_traced_64.size(), sample.query_position.size());
+  size_t equal = 0, lit = 0;
+  for (size_t i = 0; i < sample.path_traced_64.size(); ++i) {
+    Rgb sum;
+    for (int64_t g = 0; g < sample.light_groups; ++g)
+      sum += sample.indirect[static_cast<size_t>(g) * sample.query_position.size() + i];
+    if (sum.x == 0) continue;
+    ++lit;
+    equal += sum == sample.path_traced_64[i];
+  }
+  EXPECT_GT(lit, 20u);
+  EXPECT_EQ(equal, 0u);
+}
+
+TEST_F(Bake, ViewsOfOpenScenesAreZeroOutsideTheMask) {
+  scene::Scene scene = furnace(1, 0.5f);
+  scene.meshes.clear();
+  const int mesh =
+      add_meshes(&scene, "floor", {{{-1, 0, -1}, {1, 0.1f, 1}, 0, kAllFaces, 0, false}})[0];
+  scene.instances = {{mesh, {}, 0}};
+  const data::SceneSample sample = bake_scene(scene, tiny_bake(), false);
+  const data::View& view = sample.views.at(0);
+  size_t background = 0;
+  for (size_t i = 0; i < view.mask.size(); ++i) {
+    if (view.mask[i]) continue;
+    ++background;
+    EXPECT_EQ(view.position[i], Vec3{});
+    EXPECT_EQ(view.direct[i], Rgb{});
+    EXPECT_EQ(view.path_traced_64[i], Rgb{});
+  }
+  EXPECT_GT(background, 0u);
+  EXPECT_LT(background, view.mask.size());
+}
+
+TEST_F(Bake, SwitchesLeaveTensorsOut) {
+  BakeOptions options = tiny_bake();
+  options.path_tracing_64 = false;
+  options.views.count = 0;
+  const data::SceneSample sample = bake_scene(furnace(1, 0.5f), options, false);
+  EXPECT_TRUE(sample.path_traced_64.empty());
+  EXPECT_TRUE(sample.views.empty());
+}
+
+TEST_F(Bake, OptionsOutOfRangeAreNamed) {
+  const auto error = [](auto change) {
+    BakeOptions options = tiny_bake();
+    change(&options);
+    return error_of([&] { check_bake_options(options); });
+  };
+  EXPECT_EQ(error([](BakeOptions*) {}), "");
+  EXPECT_THAT(error([](BakeOptions* o) { o->scene_points = 0; }), HasSubstr("scene_points"));
+  EXPECT_THAT(error([](BakeOptions* o) { o->query_points = -1; }), HasSubstr("query_points"));
+  EXPECT_THAT(error([](BakeOptions* o) { o->rays = 0; }), HasSubstr("rays"));
+  EXPECT_THAT(error([](BakeOptions* o) { o->max_depth = 0; }), HasSubstr("max_depth"));
+  EXPECT_THAT(error([](BakeOptions* o) { o->emissive_share = std::nan(""); }),
+              HasSubstr("emissive_share"));
+  EXPECT_THAT(error([](BakeOptions* o) { o->views.width = 0; }), HasSubstr("views.width"));
+  EXPECT_THAT(error([](BakeOptions* o) { o->views.rays = 0; }), HasSubstr("views.rays"));
+}
+
+}  // namespace
+}  // namespace lte::datagen::test

@@ -1,0 +1,228 @@
+// The built tool from outside: exit codes, one-line messages, and what a kill leaves behind.
+#include <csignal>
+#include <cstdio>
+#include <map>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+
+#include "lte/base/file.h"
+#include "lte/data/dataset.h"
+#include "lte/scene/export.h"
+#include "tests/data/sample_fixture.h"
+#include "tests/datagen/scenes.h"
+
+namespace lte::datagen::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+struct Outcome {
+  int code = -1;
+  std::string output, error;
+};
+
+class Command : public data::test::Folder {
+ protected:
+  void SetUp() override {
+    Folder::SetUp();
+    write_file(folder_ / "tiny.yaml", to_yaml(tiny_config()));
+    scene::write_glb(folder_ / "box.glb", furnace(2, 0.5f));
+  }
+
+  /// Runs `lte_datagen <arguments>` in the test's folder.
+  Outcome run(const std::string& arguments, const std::string& before = "") const {
+    const std::string line = concat("cd '", folder_.string(), "' && ", before, "'", LTE_BINARY_DIR,
+                                    "/bin/lte_datagen' ", arguments, " > out.txt 2> err.txt");
+    const int status = std::system(line.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(folder_ / "out.txt"),
+            read_file(folder_ / "err.txt")};
+  }
+
+  /// Expects the exit code and one line on standard error that holds `part`.
+  void expect_failure(int code, const std::string& part, const Outcome& outcome) const {
+    EXPECT_EQ(outcome.code, code) << outcome.error;
+    EXPECT_THAT(outcome.error, AllOf(HasSubstr("lte_datagen: "), HasSubstr(part)));
+    EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
+  }
+
+  std::map<std::string, std::string> files(const std::string& out) const {
+    std::map<std::string, std::string> all;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / out))
+      if (entry.is_regular_file())
+        all[std::filesystem::relative(entry.path(), folder_ / out).string()] =
+            read_file(entry.path());
+    return all;
+  }
+};
+
+TEST_F(Command, HelpAndVersionSucceedAndHelpHasExamples) {
+  EXPECT_THAT(run("--version").output, HasSubstr("lte_datagen 0."));
+  for (const char* command : {"", "generate", "bake", "probe", "info"}) {
+    const Outcome outcome = run(concat(command, " --help"));
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_THAT(outcome.output, HasSubstr(*command ? "Examples:" : "generate --help")) << command;
+  }
+}
+
+TEST_F(Command, WrongUsageExitsWithTwo) {
+  EXPECT_EQ(run("").code, 2);
+  EXPECT_EQ(run("bakery").code, 2);
+  EXPECT_EQ(run("bake").code, 2);
+  EXPECT_EQ(run("generate --out x").code, 2);
+  EXPECT_EQ(run("bake box.glb --out x.safetensors --rays many").code, 2);
+  EXPECT_THAT(run("bake box.glb --outt x.safetensors").error, HasSubstr("--out"));
+}
+
+TEST_F(Command, GenerateMakesADatasetAndReportsIt) {
+  const Outcome outcome =
+      run("generate --config tiny.yaml --out rooms --scenes 2 --json r.json --quiet --glb");
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_EQ(outcome.error, "");
+  EXPECT_EQ(nlohmann::json::parse(read_file(folder_ / "r.json"))["baked"], 2);
+  EXPECT_EQ(data::read_dataset_info(folder_ / "rooms").scenes.size(), 2u);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "rooms/scenes/room_00001.glb"));
+  const Outcome info = run("info rooms --deep --json i.json");
+  EXPECT_EQ(info.code, 0) << info.error;
+  EXPECT_THAT(info.output, HasSubstr("scenes: 2"));
+  EXPECT_EQ(nlohmann::json::parse(read_file(folder_ / "i.json"))["kind"], "dataset");
+}
+
+TEST_F(Command, PrintConfigShowsOverridesAndWritesNothing) {
+  const Outcome outcome =
+      run("generate --config tiny.yaml --print-config --scenes 3 --seed 9 --set rays=77");
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  const DatagenConfig config = read_datagen_config(Config::parse(outcome.output, "printed"));
+  EXPECT_EQ(config.scenes, 3);
+  EXPECT_EQ(config.seed, 9u);
+  EXPECT_EQ(config.bake.rays, 77);
+}
+
+TEST_F(Command, GenerateNamesBadConfigsAndPlaces) {
+  expect_failure(1, "none.yaml", run("generate --config none.yaml --out x"));
+  write_file(folder_ / "key.yaml", "parent: tiny.yaml\nscene_pionts: 4\n");
+  expect_failure(1, "scene_points", run("generate --config key.yaml --out x"));
+  write_file(folder_ / "type.yaml", "parent: tiny.yaml\nrays: lots\n");
+  expect_failure(1, "rays", run("generate --config type.yaml --out x"));
+  write_file(folder_ / "range.yaml", "parent: tiny.yaml\nrays: 0\n");
+  expect_failure(1, "range.yaml: rays", run("generate --config range.yaml --out x"));
+  expect_failure(1, "--shard", run("generate --config tiny.yaml --out x --shard 3/3"));
+  expect_failure(1, "--shard", run("generate --config tiny.yaml --out x --shard 1"));
+  expect_failure(1, "--out is missing", run("generate --config tiny.yaml"));
+  expect_failure(1, "box.glb/x", run("generate --config tiny.yaml --out box.glb/x"));
+  expect_failure(1, "/proc/none", run("generate --config tiny.yaml --out /proc/none"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "x"));
+}
+
+TEST_F(Command, BakeWritesASampleAndNamesBadInput) {
+  const std::string small =
+      " --scene-points 32 --queries 16 --rays 8 --views 1 --view-width 8 --view-height 8"
+      " --view-rays 8 --quiet ";
+  EXPECT_EQ(run("bake box.glb --out box.safetensors" + small).code, 0);
+  EXPECT_EQ(data::read_scene_sample(folder_ / "box.safetensors").query_points(), 16);
+  EXPECT_THAT(run("info box.safetensors").output, HasSubstr("query_points: 16"));
+  EXPECT_THAT(run("info box.glb").output, HasSubstr("triangles: 12"));
+  EXPECT_THAT(run("bake box.glb --validate-only").output, HasSubstr("valid scene, 12 triangles"));
+
+  expect_failure(1, "none.glb", run("bake none.glb --out a.safetensors" + small));
+  const std::string bytes = read_file(folder_ / "box.glb");
+  write_file(folder_ / "cut.glb", bytes.substr(0, bytes.size() / 2));
+  expect_failure(1, "cut.glb", run("bake cut.glb --out a.safetensors" + small));
+  expect_failure(1, "cut.glb", run("bake cut.glb --validate-only --quiet"));
+  expect_failure(1, "rays", run("bake box.glb --out a.safetensors --rays 0 --quiet"));
+  expect_failure(1, "--out is missing", run("bake box.glb --quiet"));
+  expect_failure(1, "tiny.yaml/a.safetensors",
+                 run("bake box.glb --out tiny.yaml/a.safetensors" + small));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "a.safetensors"));
+}
+
+TEST_F(Command, FullDiskIsAnErrorAndLeavesNothing) {
+  // ulimit counts blocks of 1024 bytes; with the signal ignored, write fails as it does on a full
+  // disk.
+  const Outcome outcome =
+      run("bake box.glb --out a.safetensors --scene-points 4096 --queries 64 --rays 8 --views 0 "
+          "--quiet",
+          "trap '' XFSZ && ulimit -f 16 && ");
+  expect_failure(1, "a.safetensors", outcome);
+  for (const auto& entry : std::filesystem::directory_iterator(folder_))
+    EXPECT_THAT(entry.path().filename().string(), Not(HasSubstr("safetensors")));
+}
+
+TEST_F(Command, ProbeWritesColumnsAndNamesBadInput) {
+  write_file(folder_ / "points.csv", "px,py,pz,nx,ny,nz\n0.5,0,0.5,0,1,0\n0.2,1,0.5,0,-1,0\n");
+  const Outcome outcome = run("probe box.glb --points points.csv --out out.csv --rays 64 --quiet");
+  EXPECT_EQ(outcome.code, 0) << outcome.error;
+  const std::string text = read_file(folder_ / "out.csv");
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3);
+  EXPECT_EQ(
+      run("probe box.glb --points points.csv --out again.csv --rays 64 --quiet --threads 1").code,
+      0);
+  EXPECT_EQ(read_file(folder_ / "again.csv"), text);
+  EXPECT_THAT(
+      run("probe box.glb --points points.csv --out c.csv --target-error 1e-5 --rays 64").error,
+      HasSubstr("2 of 2 points are above --target-error"));
+
+  write_file(folder_ / "bad.csv", "px,py,pz,nx,ny,nz\n0.5,0,0.5,0,up,0\n");
+  expect_failure(1, "bad.csv: line 2, column ny",
+                 run("probe box.glb --points bad.csv --out b.csv --quiet"));
+  expect_failure(1, "none.csv", run("probe box.glb --points none.csv --out b.csv --quiet"));
+  expect_failure(1, "none.glb", run("probe none.glb --points points.csv --out b.csv --quiet"));
+  expect_failure(1, "--points is missing", run("probe box.glb --out b.csv --quiet"));
+  expect_failure(1, "tiny.yaml/b.csv",
+                 run("probe box.glb --points points.csv --out tiny.yaml/b.csv --quiet"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "b.csv"));
+}
+
+TEST_F(Command, InfoNamesBadInput) {
+  expect_failure(1, "none", run("info none"));
+  expect_failure(1, "dataset.json", run("info ."));
+  write_file(folder_ / "cut.safetensors", "12345678{");
+  expect_failure(1, "cut.safetensors", run("info cut.safetensors"));
+  expect_failure(1, "tiny.yaml", run("info tiny.yaml"));
+}
+
+TEST_F(Command, ConcurrentShardsGiveTheWholeDataset) {
+  ASSERT_EQ(run("generate --config tiny.yaml --out whole --quiet").code, 0);
+  const std::string tool = concat(
+      "'", LTE_BINARY_DIR, "/bin/lte_datagen' generate --config tiny.yaml --out shards --quiet");
+  const std::string both =
+      concat("cd '", folder_.string(), "' && { ", tool, " --shard 0/2 & A=$!; ", tool,
+             " --shard 1/2 & B=$!; wait $A && wait $B; }");
+  ASSERT_EQ(std::system(both.c_str()), 0);
+  EXPECT_EQ(files("shards"), files("whole"));
+}
+
+TEST_F(Command, AKillLosesTheSceneInWorkAtMost) {
+  const std::string arguments =
+      "generate --config tiny.yaml --quiet --scenes 6 --set rays=20000 --out ";
+  ASSERT_EQ(run(arguments + "whole").code, 0);
+  for (const char* signal : {"TERM", "KILL"}) {
+    const std::string out = concat("killed_", signal);
+    // Waits for the first finished scene, kills, and reports what is left of the process.
+    const std::string line =
+        concat("cd '", folder_.string(), "' && { '", LTE_BINARY_DIR, "/bin/lte_datagen' ",
+               arguments, out, " & P=$!; while [ ! -e ", out,
+               "/scenes/room_00000.safetensors ] && kill -0 $P 2>/dev/null; do "
+               "sleep 0.01; done; kill -",
+               signal, " $P; wait $P; true; }");
+    write_file(folder_ / "kill.sh", line);
+    ASSERT_EQ(
+        std::system(concat("bash '", (folder_ / "kill.sh").string(), "' 2> /dev/null").c_str()), 0);
+    const auto whole = files("whole");
+    for (const auto& [name, bytes] : files(out)) {
+      if (name == "dataset.json" || !whole.count(name)) continue;
+      EXPECT_EQ(bytes, whole.at(name)) << name << " after " << signal;
+    }
+    EXPECT_EQ(run(arguments + out + " --resume").code, 0);
+    for (const auto& [name, bytes] : whole)
+      EXPECT_EQ(files(out).at(name), bytes) << name << " after " << signal;
+  }
+}
+
+}  // namespace
+}  // namespace lte::datagen::test

@@ -1,0 +1,81 @@
+#include "datagen/config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/data/sample_fixture.h"
+#include "tests/datagen/scenes.h"
+
+namespace lte::datagen::test {
+namespace {
+
+using data::test::error_of;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+std::string error_in(const std::string& yaml) {
+  return error_of([&] { read_datagen_config(Config::parse(yaml, "test.yaml")); });
+}
+
+TEST(DatagenConfig, WrittenAndReadAgainIsTheSame) {
+  const std::string text = to_yaml(tiny_config());
+  EXPECT_EQ(to_yaml(read_datagen_config(Config::parse(text, "test.yaml"))), text);
+  const std::string defaults = to_yaml(DatagenConfig{});
+  EXPECT_EQ(to_yaml(read_datagen_config(Config::parse(defaults, "test.yaml"))), defaults);
+  EXPECT_NE(defaults, text);
+}
+
+TEST(DatagenConfig, ShippedFilesAreValidAndRoomsIsComplete) {
+  const std::string folder = std::string(LTE_SOURCE_DIR) + "/configs/data/";
+  const DatagenConfig rooms = load_datagen_config(folder + "rooms.yaml");
+  EXPECT_EQ(rooms.bake.scene_points, 20000);
+  EXPECT_EQ(rooms.bake.query_points, 100000);
+  EXPECT_EQ(rooms.bake.rays, 1024);
+  EXPECT_EQ(load_datagen_config(folder + "rooms_small.yaml").bake.scene_points, 4096);
+  EXPECT_EQ(load_datagen_config(folder + "demo.yaml").bake.scene_points, 2048);
+  const Config yaml = Config::load(folder + "rooms.yaml");
+  const Config all = Config::parse(to_yaml(rooms), "all");
+  for (const char* key :
+       {"scenes", "seed", "scale", "val_share", "test_share", "evaluation_splits", "scene_points",
+        "query_points", "rays", "max_depth", "emissive_share", "path_tracing_64"}) {
+    EXPECT_TRUE(yaml.has(key)) << key;
+  }
+  for (const char* key : {"count", "width", "height", "rays"})
+    EXPECT_TRUE(yaml.at("views").has(key)) << key;
+  for (const char* key : {"width_m", "depth_m", "height_m", "furniture", "lights", "radiance",
+                          "two_room_share", "texture_sizes"}) {
+    EXPECT_TRUE(yaml.at("rooms").has(key)) << key;
+    EXPECT_TRUE(all.at("rooms").has(key)) << key;
+  }
+}
+
+TEST(DatagenConfig, OverridesApply) {
+  const std::string file = std::string(LTE_SOURCE_DIR) + "/configs/data/demo.yaml";
+  const DatagenConfig config = load_datagen_config(file, {"views.rays=7", "rooms.lights=[2, 2]"});
+  EXPECT_EQ(config.bake.views.rays, 7);
+  EXPECT_EQ(config.rooms.lights.low, 2);
+}
+
+TEST(DatagenConfig, UnknownAndIllTypedKeysAreNamed) {
+  EXPECT_THAT(error_in("scene_point: 3"), AllOf(HasSubstr("test.yaml"), HasSubstr("scene_points")));
+  EXPECT_THAT(error_in("rooms: {width: [3, 4]}"), HasSubstr("width_m"));
+  EXPECT_THAT(error_in("rays: many"), AllOf(HasSubstr("rays"), HasSubstr("many")));
+  EXPECT_THAT(error_in("views: {rays: []}"), HasSubstr("views.rays"));
+}
+
+TEST(DatagenConfig, ValuesOutOfRangeAreNamed) {
+  EXPECT_THAT(error_in("scenes: 0"), HasSubstr("scenes"));
+  EXPECT_THAT(error_in("rays: 0"), HasSubstr("rays"));
+  EXPECT_THAT(error_in("rooms: {height_m: [2, 3]}"), HasSubstr("rooms.height_m"));
+  EXPECT_THAT(error_in("rooms: {width_m: [4, 3]}"), HasSubstr("rooms.width_m"));
+  EXPECT_THAT(error_in("rooms: {width_m: [3, 4, 5]}"),
+              AllOf(HasSubstr("rooms.width_m"), HasSubstr("3 numbers")));
+  EXPECT_THAT(error_in("rooms: {lights: [0, 1]}"), HasSubstr("rooms.lights"));
+  EXPECT_THAT(error_in("rooms: {texture_sizes: []}"), HasSubstr("rooms.texture_sizes"));
+  EXPECT_THAT(error_in("val_share: 0.6\ntest_share: 0.6"), HasSubstr("val_share"));
+  EXPECT_THAT(error_in("evaluation_splits: [exam]"), HasSubstr("\"exam\""));
+  EXPECT_THAT(error_in("scale: 8"), AllOf(HasSubstr("scale"), HasSubstr("14.2")));
+}
+
+}  // namespace
+}  // namespace lte::datagen::test

@@ -1,0 +1,185 @@
+// Scores, their statistics, and a whole evaluation of made-up scenes.
+#include "infer/evaluate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "infer/eval_report.h"
+#include "lte/base/check.h"
+#include "lte/image/png.h"
+#include "tests/infer/fixture.h"
+
+namespace lte::infer {
+namespace {
+
+TEST(Scores, AreTheirFormulasOnSmallNumbers) {
+  // 99 % of the references are at most 2: white is 2.
+  std::vector<Rgb> reference(200, Rgb{2, 2, 2}), prediction = reference;
+  for (size_t i = 0; i < 50; ++i) prediction[i] = {3, 3, 3};
+  const std::array<double, 4> score = score_points(prediction, reference);
+  EXPECT_NEAR(score[0], 0.25, 1e-6);
+  EXPECT_NEAR(score[1], 10 * std::log10(4 / 0.25), 1e-5);
+  EXPECT_NEAR(score[2], 0.25 / 4.01, 1e-6);
+  EXPECT_NEAR(score[3],
+              0.25 * std::pow((std::log(4.0) - std::log(3.0)) / (std::log(3.0) + 0.01), 2), 1e-6);
+  EXPECT_NEAR(white_exposure(reference), 0.5, 1e-6);
+  EXPECT_EQ(white_exposure(std::vector<Rgb>(5)), 1) << "a black reference";
+}
+
+TEST(Scores, PsnrDoesNotChangeWithTheUnitOfLight) {
+  std::vector<Rgb> reference, prediction;
+  for (int i = 0; i < 300; ++i) {
+    const auto x = static_cast<float>(i);
+    reference.push_back({x, x + 1, 2 * x}), prediction.push_back({x + 2, x, x});
+  }
+  const double before = score_points(prediction, reference)[1];
+  for (Rgb& value : reference) value *= 1000;
+  for (Rgb& value : prediction) value *= 1000;
+  EXPECT_NEAR(score_points(prediction, reference)[1], before, 1e-4);
+}
+
+TEST(Scores, OfAPerfectViewAreBestAndMaskedPixelsDoNotCount) {
+  const int width = 16, height = 12;
+  std::vector<uint8_t> mask(size_t{16} * 12, 1);
+  std::vector<Rgb> values;
+  for (size_t i = 0; i < mask.size(); ++i) {
+    if (i % 5 == 0) {
+      mask[i] = 0;
+    } else {
+      values.push_back(Rgb{1, 2, 3} * static_cast<float>(i % 7));
+    }
+  }
+  const std::array<double, 4> score = score_view(values, values, mask, width, height);
+  EXPECT_EQ(score[0], 0);
+  EXPECT_EQ(score[1], 100) << "the cap";
+  EXPECT_NEAR(score[2], 1, 1e-6);
+  EXPECT_EQ(score[3], 0);
+  const image::Image picture = fill_mask(values, mask, width, height);
+  EXPECT_EQ(picture.rgb(5, 0), Rgb{});
+  EXPECT_EQ(picture.rgb(6, 0), (Rgb{6, 12, 18}));
+}
+
+TEST(Scores, MeanAndMedianAreOverScenesWithoutTheMissing) {
+  std::vector<Scores> scenes(3);
+  const double values[] = {1, 2, 9};
+  for (size_t i = 0; i < 3; ++i) {
+    Score neural, rare;
+    neural.points[0] = values[i];
+    if (i < 2) neural.views[2] = values[i];
+    scenes[i].emplace_back("neural", neural);
+    if (i == 1) scenes[i].emplace_back("rare", rare);
+  }
+  const Scores mean = mean_scores(scenes), median = median_scores(scenes);
+  ASSERT_EQ(mean.size(), 1u) << "a predictor that some scenes lack is left out";
+  EXPECT_EQ(mean[0].second.points[0], 4);
+  EXPECT_EQ(median[0].second.points[0], 2);
+  EXPECT_EQ(mean[0].second.views[2], 1.5);
+  EXPECT_EQ(median[0].second.views[2], 1.5);
+  EXPECT_TRUE(std::isnan(mean[0].second.points[1]));
+}
+
+class Evaluation : public testing::Test {
+ protected:
+  Evaluation() {
+    test::write_random_dataset(folder_ / "data");
+    test::save_tiny_model(folder_ / "tiny.safetensors");
+    settings_.data = folder_ / "data";
+  }
+  Predictor predictor() const { return Predictor::load(folder_ / "tiny.safetensors", Device::Cpu); }
+
+  test::ScratchFolder folder_;
+  EvalSettings settings_;
+};
+
+TEST_F(Evaluation, WritesTheStructureThatOtherProgramsRead) {
+  Predictor model = predictor();
+  const EvalResult result = evaluate(settings_, &model, fit_baselines(settings_.data));
+  const nlohmann::json json = nlohmann::json::parse(eval_json(result, "model", "data"));
+  EXPECT_EQ(json.at("split"), "test");
+  EXPECT_EQ(json.at("scenes"), 2);
+  ASSERT_EQ(json.at("per_scene").size(), 2u);
+  EXPECT_EQ(json.at("per_scene")[0].at("name"), "test0");
+  for (const char* name :
+       {"neural", "path_tracing_64", "constant_mean", "nearest_point", "blurred_direct"}) {
+    const nlohmann::json& entry = json.at("metrics").at(name);
+    for (const char* metric : {"mse", "psnr", "relmse", "logrel"})
+      EXPECT_TRUE(entry.at("points").at(metric).is_number());
+    for (const char* metric : {"mse", "psnr", "ssim", "relmse"})
+      EXPECT_TRUE(entry.at("views").at(metric).is_number());
+    double sum = 0;
+    for (const nlohmann::json& scene : json.at("per_scene")) {
+      sum += scene.at("metrics").at(name).at("points").at("mse").get<double>();
+    }
+    EXPECT_NEAR(entry.at("points").at("mse").get<double>(), sum / 2, 1e-9);
+    EXPECT_NEAR(json.at("median").at(name).at("points").at("mse").get<double>(), sum / 2, 1e-9);
+  }
+}
+
+TEST_F(Evaluation, ComparesIndirectIrradianceOverTheEmissionScalar) {
+  Predictor model = predictor();
+  const EvalResult result = evaluate(settings_, &model, fit_baselines(settings_.data));
+  const data::SceneSample sample =
+      data::read_scene_sample(data::scene_path(settings_.data, "test0"));
+  const size_t N = sample.query_position.size();
+  double error = 0;
+  for (size_t i = 0; i < N; ++i) {
+    const Rgb difference = sample.path_traced_64[i] - (sample.indirect[i] + sample.indirect[N + i]);
+    error += dot(difference, difference) / (3.0 * static_cast<double>(N));
+  }
+  const SceneResult& scene = result.scenes[0];
+  error /= scene.radiance * scene.radiance;
+  EXPECT_EQ(scene.scores[1].first, "path_tracing_64");
+  EXPECT_NEAR(scene.scores[1].second.points[0], error, 1e-4 * error);
+  EXPECT_NEAR(scene.reference_noise, 1e-4 / (scene.radiance * scene.radiance), 1e-8);
+}
+
+TEST_F(Evaluation, ShowsEachViewToItsSinkAsAContactSheet) {
+  Predictor model = predictor();
+  int views = 0;
+  settings_.on_view = [&](const ViewPicture& picture) {
+    ++views;
+    EXPECT_EQ(picture.reference.size(), picture.neural.size());
+    write_contact_sheet(folder_.path(), picture);
+  };
+  const EvalResult result = evaluate(settings_, &model, fit_baselines(settings_.data));
+  EXPECT_EQ(views, 4);
+  const image::Image sheet = image::read_png(folder_ / "test1_view1.png");
+  EXPECT_EQ(sheet.height, 12);
+  EXPECT_EQ(sheet.width, 3 * 16 + 8);
+  std::istringstream csv(eval_csv(result));
+  std::string line;
+  int lines = 0;
+  for (; std::getline(csv, line); ++lines) {
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), 9) << line;
+  }
+  EXPECT_EQ(lines, 1 + 2 * 5);
+  EXPECT_THAT(eval_table(result), testing::HasSubstr("median over scenes"));
+}
+
+TEST_F(Evaluation, RefusesAnotherScaleAndAnEmptySplit) {
+  Predictor model = predictor();
+  const Baselines baselines = fit_baselines(settings_.data);
+  const auto message = [&] {
+    try {
+      evaluate(settings_, &model, baselines);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing was thrown");
+  };
+  settings_.split = data::Split::Val;
+  EXPECT_THAT(message(),
+              testing::AllOf(testing::HasSubstr("val"), testing::HasSubstr("train 2, test 2")));
+  test::write_random_dataset(folder_ / "other", /*scale=*/8);
+  settings_.data = folder_ / "other";
+  EXPECT_THAT(message(), testing::AllOf(testing::HasSubstr("8"), testing::HasSubstr("16"),
+                                        testing::HasSubstr("scale")));
+}
+
+}  // namespace
+}  // namespace lte::infer

@@ -1,0 +1,215 @@
+// The binaries: exit codes, one line on failure, nothing half-written.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+
+#include "lte/base/file.h"
+#include "lte/image/exr.h"
+#include "lte/image/png.h"
+#include "lte/scene/export.h"
+#include "tests/infer/fixture.h"
+#include "tests/support/scenes.h"
+
+namespace lte::infer {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+struct Outcome {
+  int code = -1;
+  std::string text;  ///< both streams
+};
+
+Outcome run_tool(const std::string& tool, const std::string& arguments) {
+  const std::string command =
+      std::string(LTE_BINARY_DIR) + "/bin/" + tool + " " + arguments + " 2>&1";
+  Outcome out;
+  std::FILE* pipe = popen(command.c_str(), "r");
+  if (!pipe) return out;
+  char buffer[4096];
+  for (size_t n; (n = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) out.text.append(buffer, n);
+  const int status = pclose(pipe);
+  out.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return out;
+}
+
+/// A failure that a user can act on: this exit code, one line, and these words in it.
+void expect_failure(const Outcome& run, int code, const testing::Matcher<std::string>& words) {
+  EXPECT_EQ(run.code, code) << run.text;
+  EXPECT_THAT(run.text, words);
+  EXPECT_EQ(std::count(run.text.begin(), run.text.end(), '\n'), 1) << run.text;
+}
+
+class Tools : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new test::ScratchFolder();
+    scene::Scene room = test::furnished_room();
+    room.cameras.push_back({"inside", {2, 1.6f, 2.8f}, {2, 1, 0}, {0, 1, 0}, 70});
+    scene::write_glb(*folder_ / "room.glb", room);
+    scene::Scene dark = test::lit_floor();
+    for (scene::Material& material : dark.materials) material.emission = {};
+    for (scene::Instance& instance : dark.instances) instance.light_group = scene::kNone;
+    dark.light_groups.clear();
+    scene::write_glb(*folder_ / "dark.glb", dark);
+    test::save_tiny_model(*folder_ / "tiny.safetensors");
+    test::write_random_dataset(*folder_ / "data");
+  }
+  static void TearDownTestSuite() {
+    delete folder_;
+    folder_ = nullptr;
+  }
+  static std::string at(const std::string& name) { return (*folder_ / name).string(); }
+  static Outcome render(const std::string& rest) {
+    return run_tool("lte_render", at("room.glb") + " --quiet --size 24x16 --checkpoint " +
+                                      at("tiny.safetensors") + " " + rest);
+  }
+  static Outcome eval(const std::string& rest) {
+    return run_tool("lte_eval", "--quiet --checkpoint " + at("tiny.safetensors") + " --data " +
+                                    at("data") + " " + rest);
+  }
+  static test::ScratchFolder* folder_;
+};
+test::ScratchFolder* Tools::folder_ = nullptr;
+
+TEST_F(Tools, RenderWritesPictureAndTimes) {
+  const Outcome done = render("--out " + at("a.exr") + " --json " + at("a.json"));
+  ASSERT_EQ(done.code, 0) << done.text;
+  for (const char* layer : {"", "albedo", "normal", "depth", "direct", "indirect", "emission"}) {
+    EXPECT_EQ(image::read_exr(at("a.exr"), layer).width, 24);
+  }
+  const nlohmann::json json = nlohmann::json::parse(read_file(at("a.json")));
+  for (const char* stage :
+       {"load", "sample", "encode", "primary", "decode", "direct", "write", "total"}) {
+    EXPECT_TRUE(json.at("seconds").at(stage).is_number()) << stage;
+  }
+  EXPECT_GT(json.at("peak_rss_mb").get<double>(), 1);
+  EXPECT_GT(json.at("exposure").get<double>(), 0);
+}
+
+TEST_F(Tools, TheSameSeedGivesTheSamePictureAndExposureIsRespected) {
+  ASSERT_EQ(render("--out " + at("b1.png") + " --exposure 0.5").code, 0);
+  ASSERT_EQ(render("--out " + at("b2.png") + " --exposure 0.5").code, 0);
+  ASSERT_EQ(render("--out " + at("b3.png") + " --exposure 0.05").code, 0);
+  EXPECT_EQ(read_file(at("b1.png")), read_file(at("b2.png")));
+  EXPECT_NE(read_file(at("b1.png")), read_file(at("b3.png")));
+}
+
+TEST_F(Tools, AWrongCommandLineIsUsage) {
+  expect_failure(render("--out " + at("c.png") + " --size 0x16"), 2, HasSubstr("--size"));
+  expect_failure(render("--out " + at("c.png") + " --size 12"), 2, HasSubstr("--size"));
+  expect_failure(render("--out " + at("c.jpg")), 2, HasSubstr("--out"));
+  expect_failure(render(""), 2, HasSubstr("--out"));
+  expect_failure(render("--out " + at("c.png") + " --output glow"), 2, HasSubstr("--output"));
+  expect_failure(render("--out " + at("c.png") + " --exposure -1"), 2, HasSubstr("--exposure"));
+  expect_failure(eval("--split all"), 2, HasSubstr("--split"));
+  expect_failure(eval(""), 2, HasSubstr("--split"));
+  expect_failure(eval("--fit-baselines " + at("data")), 2, HasSubstr("--out"));
+  EXPECT_FALSE(std::filesystem::exists(at("c.png")));
+}
+
+TEST_F(Tools, BadInputIsOneLineThatNamesTheFile) {
+  const std::string out = "--quiet --size 24x16 --out " + at("d.png");
+  expect_failure(run_tool("lte_render", at("none.glb") + " " + out), 1, HasSubstr("none.glb"));
+  expect_failure(render("--out " + at("none/d.png")), 1, HasSubstr("none/d.png"));
+  expect_failure(render("--out " + at("d.png") + " --json " + at("none/d.json")), 1,
+                 HasSubstr("none/d.json"));
+  expect_failure(render("--out " + at("d.png") + " --camera " + at("none.json")), 1,
+                 HasSubstr("none.json"));
+  write_file(at("garbage.safetensors"),
+             "not a model at all, but long enough to have a header length");
+  expect_failure(run_tool("lte_render", at("room.glb") + " " + out + " --checkpoint " +
+                                            at("garbage.safetensors")),
+                 1, HasSubstr("garbage.safetensors"));
+  expect_failure(run_tool("lte_eval", "--quiet --split test --checkpoint " +
+                                          at("garbage.safetensors") + " --data " + at("data")),
+                 1, HasSubstr("garbage.safetensors"));
+  expect_failure(run_tool("lte_eval", "--quiet --split test --checkpoint " +
+                                          at("tiny.safetensors") + " --data " + at("none")),
+                 1, HasSubstr("none"));
+  expect_failure(render("--out " + at("d.png") + " --max-memory 1"), 1, HasSubstr("--max-memory"));
+  EXPECT_FALSE(std::filesystem::exists(at("d.png")));
+}
+
+TEST_F(Tools, ASceneLargerThanTheModelKnowsOffersRescale) {
+  test::TinyModel small;
+  small.scale = 2;
+  test::save_tiny_model(at("small.safetensors"), small);
+  const std::string common =
+      at("room.glb") + " --quiet --size 24x16 --checkpoint " + at("small.safetensors");
+  expect_failure(run_tool("lte_render", common + " --out " + at("e.png")), 1,
+                 HasSubstr("--rescale"));
+  expect_failure(run_tool("lte_render", common + " --validate-only"), 1, HasSubstr("--rescale"));
+  const Outcome done = run_tool("lte_render", common + " --rescale --out " + at("e.png"));
+  EXPECT_EQ(done.code, 0) << done.text;
+}
+
+TEST_F(Tools, ValidateOnlyWritesNothingAndADarkSceneIsAWarning) {
+  const std::vector<std::string> before = folder_->names();
+  EXPECT_EQ(render("--validate-only").code, 0);
+  EXPECT_EQ(folder_->names(), before);
+  const Outcome dark =
+      run_tool("lte_render", at("dark.glb") + " --size 24x16 --out " + at("dark.png"));
+  EXPECT_EQ(dark.code, 0) << dark.text;
+  EXPECT_THAT(dark.text, HasSubstr("nothing emits light"));
+  EXPECT_THAT(image::read_png(at("dark.png")).pixels, testing::Each(0.0f));
+}
+
+TEST_F(Tools, EvalWritesItsJsonAndReport) {
+  const Outcome done = eval("--split test --report " + at("report") + " --json " + at("eval.json"));
+  ASSERT_EQ(done.code, 0) << done.text;
+  EXPECT_THAT(done.text, AllOf(HasSubstr("neural"), HasSubstr("mean over scenes")));
+  EXPECT_TRUE(nlohmann::json::parse(read_file(at("eval.json"))).at("metrics").contains("neural"));
+  EXPECT_TRUE(std::filesystem::exists(at("report/metrics.csv")));
+  EXPECT_TRUE(std::filesystem::exists(at("report/test0_view0.png")));
+}
+
+TEST_F(Tools, FittedBaselinesStandInForTheTrainingSplit) {
+  test::write_random_dataset(at("more"), 16);
+  ASSERT_EQ(
+      run_tool("lte_eval", "--quiet --fit-baselines " + at("more") + " --out " + at("fit.json"))
+          .code,
+      0);
+  const Outcome fitted =
+      eval("--split test --baselines " + at("fit.json") + " --json " + at("f1.json"));
+  const Outcome implicit = eval("--split test --json " + at("f2.json"));
+  ASSERT_EQ(fitted.code, 0) << fitted.text;
+  ASSERT_EQ(implicit.code, 0) << implicit.text;
+  const auto metrics = [](const std::string& path) {
+    return nlohmann::json::parse(read_file(path)).at("metrics");
+  };
+  EXPECT_EQ(metrics(at("f1.json")), metrics(at("f2.json")));
+  expect_failure(eval("--split test --baselines " + at("none.json")), 1, HasSubstr("none.json"));
+}
+
+TEST_F(Tools, NoBaselinesAndNoTrainingScenesIsSaidWithTheRemedy) {
+  data::DatasetInfo info = data::read_dataset_info(at("data"));
+  std::erase_if(info.scenes,
+                [](const data::DatasetEntry& entry) { return entry.split == data::Split::Train; });
+  std::filesystem::copy(at("data"), at("test_only"), std::filesystem::copy_options::recursive);
+  data::write_dataset_info(at("test_only"), info);
+  expect_failure(run_tool("lte_eval", "--quiet --split test --checkpoint " +
+                                          at("tiny.safetensors") + " --data " + at("test_only")),
+                 1, HasSubstr("--fit-baselines"));
+}
+
+TEST_F(Tools, HelpShowsExamplesAndVersionIsPrinted) {
+  for (const char* tool : {"lte_render", "lte_eval"}) {
+    const Outcome help = run_tool(tool, "--help"), version = run_tool(tool, "--version");
+    EXPECT_EQ(help.code, 0);
+    EXPECT_THAT(help.text,
+                AllOf(HasSubstr("Examples:"), HasSubstr("--max-memory"), HasSubstr("--device")));
+    EXPECT_EQ(version.code, 0);
+    EXPECT_THAT(version.text, HasSubstr(tool));
+  }
+}
+
+}  // namespace
+}  // namespace lte::infer

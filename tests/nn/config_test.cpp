@@ -1,0 +1,64 @@
+#include "lte/nn/config.h"
+
+#include <gtest/gtest.h>
+
+#include "support.h"
+
+namespace lte::nn {
+namespace {
+
+ModelConfig parse(const std::string& yaml) {
+  const Config config = Config::parse(yaml, "test.yaml");
+  const ModelConfig model = ModelConfig::read(config);
+  config.finish();
+  return model;
+}
+
+TEST(ModelConfig, YamlRoundTripKeepsEveryField) {
+  ModelConfig config = test::tiny_config();
+  config.nne_neighbours = 7;
+  config.grid_per_spacing = 1.0 / 3;
+  config.dropout = 0.125;
+  config.ffn_ratio = 3;
+  config.target = "total";
+  config.scale = 12.345678901234567;
+  config.output_mean = 1e-3;
+  const std::string yaml = config.to_yaml();
+  const ModelConfig back = parse(yaml);
+  EXPECT_EQ(back.to_yaml(), yaml);
+  EXPECT_EQ(back.scale, config.scale);
+  EXPECT_EQ(back.grid_per_spacing, config.grid_per_spacing);
+  EXPECT_EQ(back.encoder_depths, config.encoder_depths);
+  EXPECT_EQ(back.target, "total");
+  EXPECT_NE(yaml, ModelConfig{}.to_yaml());
+}
+
+TEST(ModelConfig, ErrorsNameTheKey) {
+  for (const auto& [yaml, key] : std::vector<std::pair<std::string, std::string>>{
+           {"channels: 0", "channels"},
+           {"nne_neighbours: 0", "nne_neighbours"},
+           {"head_width: 0", "head_width"},
+           {"patch_size: -1", "patch_size"},
+           {"query_neighbours: 0", "query_neighbours"},
+           {"query_layers: 0", "query_layers"},
+           {"gamma_hidden: 0", "gamma_hidden"},
+           {"ffn_ratio: 0", "ffn_ratio"},
+           {"encoder_depths: []", "encoder_depths"},
+           {"encoder_depths: [1, -1, 1, 1, 1]", "encoder_depths"},
+           {"encoder_widths: [1, 2]", "encoder_widths"},
+           {"decoder_depths: [1]", "decoder_depths"},
+           {"decoder_widths: [1, 1, 0, 1]", "decoder_widths"},
+           {"channels: 100", "head_width"},
+           {"stem: conv7", "stem"},
+           {"target: direct", "target"},
+           {"grid_per_spacing: 0", "grid_per_spacing"},
+           {"dropout: 1", "dropout"},
+           {"scale: -1", "scale"},
+           {"output_mean: 0", "output_mean"},
+           {"chanels: 64", "channels"}}) {
+    test::expect_error([&, text = yaml] { parse(text); }, {key});
+  }
+}
+
+}  // namespace
+}  // namespace lte::nn

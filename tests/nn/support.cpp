@@ -1,0 +1,124 @@
+#include "support.h"
+
+#include <gtest/gtest.h>
+
+namespace lte::test {
+
+nn::ModelConfig tiny_config() {
+  nn::ModelConfig config;
+  config.channels = 16;
+  config.nne_neighbours = 4;
+  config.encoder_depths = {1, 1, 2};
+  config.encoder_widths = {1, 1, 2};
+  config.decoder_depths = {2, 1};
+  config.decoder_widths = {1, 2};
+  config.head_width = 8;
+  config.patch_size = 8;
+  config.stem = "conv3";
+  config.dropout = 0;
+  config.query_neighbours = 5;
+  config.query_layers = 2;
+  config.gamma_hidden = 8;
+  return config;
+}
+
+namespace {
+
+void random_surface(int64_t rows, uint64_t seed, at::Tensor* position, at::Tensor* normal,
+                    at::Tensor* albedo) {
+  torch::manual_seed(seed);
+  const at::Tensor size = torch::tensor({64, 48, 80});  // sixteenths of a metre
+  *position = (torch::rand({rows, 3}) * size).round();
+  *normal = torch::zeros({rows, 3});
+  const at::Tensor axis = torch::randint(3, {rows}), far = torch::randint(2, {rows});
+  for (int64_t i = 0; i < rows; ++i) {
+    const int64_t a = axis[i].item<int64_t>();
+    const bool high = far[i].item<int64_t>() == 1;
+    position->index_put_({i, a}, high ? size[a].item<double>() : 0.0);
+    normal->index_put_({i, a}, high ? -1.0 : 1.0);
+  }
+  position->div_(16);
+  *albedo = torch::rand({rows, 3});
+}
+
+}  // namespace
+
+nn::PointSet box_scene(int64_t M, uint64_t seed) {
+  nn::PointSet points;
+  random_surface(M, seed, &points.position, &points.normal, &points.albedo);
+  const at::Tensor lit = torch::arange(M).remainder(10).eq(0).unsqueeze(1);
+  points.emission = torch::where(lit, 5 + 10 * torch::rand({M, 3}), torch::zeros({M, 3}));
+  points.area = 0.01 + torch::rand({M}) * 0.01;
+  return points;
+}
+
+nn::QuerySet box_queries(int64_t Q, uint64_t seed) {
+  nn::QuerySet queries;
+  random_surface(Q, seed, &queries.position, &queries.normal, &queries.albedo);
+  return queries;
+}
+
+nn::PointSet as_double(nn::PointSet points) {
+  for (at::Tensor* t : {&points.position, &points.normal, &points.albedo, &points.emission,
+                        &points.area}) {
+    *t = t->to(at::kDouble);
+  }
+  return points;
+}
+
+nn::QuerySet as_double(nn::QuerySet queries) {
+  for (at::Tensor* t : {&queries.position, &queries.normal, &queries.albedo}) {
+    *t = t->to(at::kDouble);
+  }
+  return queries;
+}
+
+void randomize(torch::nn::Module& module, uint64_t seed) {
+  const at::NoGradGuard no_grad;
+  torch::manual_seed(seed);
+  for (at::Tensor parameter : module.parameters()) {
+    const double fan = parameter.dim() > 1 ? static_cast<double>(parameter.size(-1)) : 4.0;
+    parameter.normal_(0, 1 / std::sqrt(fan));
+  }
+}
+
+double relative_difference(const at::Tensor& a, const at::Tensor& b) {
+  const at::Tensor reference = b.to(at::kDouble);
+  return ((a.to(at::kDouble) - reference).norm() / (reference.norm() + 1e-30)).item<double>();
+}
+
+void expect_gradients_match(const std::function<at::Tensor()>& f,
+                            const std::vector<at::Tensor>& inputs, double tolerance) {
+  constexpr double kStep = 1e-6;
+  const auto gradients = torch::autograd::grad({f()}, inputs);
+  const at::NoGradGuard no_grad;
+  for (size_t i = 0; i < inputs.size(); ++i) {
+    at::Tensor x = inputs[i];
+    const at::Tensor direction = torch::randn_like(x);
+    x.add_(direction, kStep);
+    const double above = f().item<double>();
+    x.sub_(direction, 2 * kStep);
+    const double below = f().item<double>();
+    x.add_(direction, kStep);
+    const double numeric = (above - below) / (2 * kStep);
+    const double analytic = (gradients[i] * direction).sum().item<double>();
+    const double scale = 1 + std::abs(numeric);
+    EXPECT_NEAR(analytic, numeric, tolerance * scale) << "input " << i << " of shape " << x.sizes();
+    EXPECT_NE(analytic, 0) << "input " << i << " of shape " << x.sizes() << " has no influence";
+  }
+}
+
+void expect_error(const std::function<void()>& body, const std::vector<std::string>& parts) {
+  try {
+    body();
+  } catch (const std::exception& error) {
+    const std::string message = error.what();
+    for (const std::string& part : parts) {
+      EXPECT_NE(message.find(part), std::string::npos) << "no \"" << part << "\" in: " << message;
+    }
+    return;
+  }
+  ADD_FAILURE() << "nothing was thrown; expected \"" << (parts.empty() ? "" : parts[0]) << '"';
+}
+
+}  // namespace lte::test

@@ -1,0 +1,161 @@
+#include "lte/nn/transformer_block.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "lte/nn/nearest_neighbour_embedding.h"
+#include "lte/ops/knn.h"
+#include "support.h"
+
+namespace lte::nn {
+namespace {
+
+/// One point at a time, with an explicit softmax over its patch's slots.
+at::Tensor naive_attention(const at::Tensor& x, PatchAttention& attention,
+                           const std::vector<std::vector<int64_t>>& patches,
+                           const at::Tensor& patch_of, int64_t heads) {
+  const auto p = attention->named_parameters();
+  const int64_t C = x.size(1), width = C / heads;
+  const at::Tensor qkv = x.matmul(p["qkv.weight"].t()) + p["qkv.bias"];
+  at::Tensor out = torch::zeros_like(x);
+  for (int64_t i = 0; i < x.size(0); ++i) {
+    const auto& members = patches[static_cast<size_t>(patch_of[i].item<int64_t>())];
+    const at::Tensor rows = qkv.index_select(0, torch::tensor(members));
+    for (int64_t h = 0; h < heads; ++h) {
+      const at::Tensor q = qkv[i].slice(0, h * width, (h + 1) * width);
+      const at::Tensor k = rows.slice(1, C + h * width, C + (h + 1) * width);
+      const at::Tensor v = rows.slice(1, 2 * C + h * width, 2 * C + (h + 1) * width);
+      const at::Tensor w = torch::softmax(k.matmul(q) / std::sqrt(double(width)), 0);
+      out[i].slice(0, h * width, (h + 1) * width).copy_(w.matmul(v));
+    }
+  }
+  return out.matmul(p["proj.weight"].t()) + p["proj.bias"];
+}
+
+TEST(PatchAttention, MatchesAnExplicitSoftmaxOverEachPatch) {
+  const at::NoGradGuard no_grad;
+  constexpr int64_t n = 22, K = 8, C = 12, H = 3;
+  PatchAttention attention(C, H, 0.0);
+  test::randomize(*attention, 5);
+  attention->to(at::kDouble);
+  attention->eval();
+  const at::Tensor x = torch::randn({n, C}, at::kDouble);
+  const at::Tensor order = torch::randperm(n);
+  const PatchMap map = make_patch_map(order, K);
+  // Slots 0..7, 8..15, and 16..21 with the two borrowed from slots 14 and 15.
+  std::vector<std::vector<int64_t>> patches(3);
+  at::Tensor patch_of = torch::empty({n}, at::kLong);
+  for (int64_t slot = 0; slot < n; ++slot) {
+    patches[static_cast<size_t>(slot / K)].push_back(order[slot].item<int64_t>());
+    patch_of[order[slot].item<int64_t>()] = slot / K;
+  }
+  for (const int64_t slot : {14, 15}) patches[2].push_back(order[slot].item<int64_t>());
+  const at::Tensor expected = naive_attention(x, attention, patches, patch_of, H);
+  EXPECT_LT(test::relative_difference(attention->forward(x, map, K), expected), 1e-12);
+
+  // A single patch: everyone sees everyone.
+  std::vector<std::vector<int64_t>> all(1);
+  for (int64_t i = 0; i < n; ++i) all[0].push_back(i);
+  const at::Tensor global = naive_attention(x, attention, all, torch::zeros({n}, at::kLong), H);
+  EXPECT_LT(test::relative_difference(attention->forward(x, PatchMap{}, 1024), global), 1e-12);
+}
+
+TEST(ClusterArgmax, MatchesLoopsAndGivesTiesToTheLowestRow) {
+  torch::manual_seed(6);
+  const int64_t n = 60, C = 5, clusters = 9;
+  const at::Tensor x = torch::randint(4, {n, C}).to(at::kFloat);  // many ties
+  at::Tensor cluster = torch::randint(clusters, {n});
+  cluster.narrow(0, 0, clusters).copy_(torch::arange(clusters));
+  const at::Tensor got = cluster_argmax(x, cluster, clusters);
+  for (int64_t c = 0; c < clusters; ++c) {
+    for (int64_t j = 0; j < C; ++j) {
+      int64_t best = -1;
+      for (int64_t i = 0; i < n; ++i) {
+        if (cluster[i].item<int64_t>() != c) continue;
+        if (best < 0 || x[i][j].item<float>() > x[best][j].item<float>()) best = i;
+      }
+      EXPECT_EQ(got[c][j].item<int64_t>(), best) << "cluster " << c << " channel " << j;
+    }
+  }
+}
+
+StagePlan some_stage(int64_t n, const ModelConfig& config) {
+  torch::manual_seed(8);
+  return make_stages(torch::randint(6, {n, 3}, at::kInt), config, false, 0)[0];
+}
+
+TEST(TransformerBlock, GradientsMatchFiniteDifferences) {
+  const ModelConfig config = test::tiny_config();
+  const StagePlan stage = some_stage(19, config);  // three patches, some points in one cell
+  TransformerBlock block(8, config);
+  test::randomize(*block, 7);
+  block->to(at::kDouble);
+  const at::Tensor x = torch::randn({19, 8}, at::kDouble).requires_grad_();
+  const at::Tensor weight = torch::randn({19, 8}, at::kDouble);
+  std::vector<at::Tensor> inputs = block->parameters();
+  inputs.push_back(x);
+  test::expect_gradients_match([&] { return (block->forward(x, stage, 0) * weight).sum(); }, inputs);
+}
+
+TEST(Pooling, GradientsMatchFiniteDifferencesDownAndUp) {
+  Pooling pool(6, 8);
+  Unpooling unpool(8, 6, 5);
+  test::randomize(*pool, 9);
+  test::randomize(*unpool, 10);
+  pool->to(at::kDouble);
+  unpool->to(at::kDouble);
+  const at::Tensor cluster = torch::tensor({0, 2, 1, 1, 0, 2, 2});
+  const at::Tensor x = torch::randn({7, 6}, at::kDouble).requires_grad_();
+  std::vector<at::Tensor> inputs = pool->parameters();
+  for (const at::Tensor& p : unpool->parameters()) inputs.push_back(p);
+  inputs.push_back(x);
+  const at::Tensor weight = torch::randn({7, 5}, at::kDouble);
+  test::expect_gradients_match(
+      [&] { return (unpool->forward(pool->forward(x, cluster, 3), x, cluster) * weight).sum(); },
+      inputs);
+}
+
+TEST(NeighbourMax, IsTheMaximumOverConcatenatedPairs) {
+  constexpr int64_t n = 2100, m = 1050, D = 6, k = 5;  // more centres than one block of inference
+  NeighbourMax module(D);
+  test::randomize(*module, 12);
+  module->to(at::kDouble);
+  const at::Tensor dense = torch::randn({n, D}, at::kDouble);
+  const at::Tensor center = dense.narrow(0, 0, m);
+  const at::Tensor index = torch::randint(n, {m, k});
+  const auto p = module->named_parameters();
+  const at::Tensor x_k = dense.index({index}), x_l = center.unsqueeze(1).expand({m, k, D});
+  const at::Tensor pair = torch::cat({x_k - x_l, x_l}, 2);
+  const at::Tensor hidden = torch::gelu(torch::linear(pair, p["hidden.weight"], p["hidden.bias"]));
+  const at::Tensor expected = std::get<0>(
+      torch::linear(hidden, p["output.weight"], p["output.bias"]).max(1));
+  EXPECT_LT(test::relative_difference(module->forward(dense, center, index), expected), 1e-12);
+  const at::NoGradGuard no_grad;
+  EXPECT_LT(test::relative_difference(module->forward(dense, center, index), expected), 1e-12);
+}
+
+TEST(NearestNeighbourEmbedding, GradientsMatchFiniteDifferences) {
+  torch::manual_seed(13);
+  const EncoderPlan plan = make_encoder_plan(torch::rand({21, 3}), test::tiny_config(), false, 0);
+  NearestNeighbourEmbedding module(6);
+  test::randomize(*module, 14);
+  module->to(at::kDouble);
+  const at::Tensor x = torch::randn({21, 12}, at::kDouble).requires_grad_();
+  const at::Tensor weight = torch::randn({plan.position.size(0), 6}, at::kDouble);
+  std::vector<at::Tensor> inputs = module->parameters();
+  inputs.push_back(x);
+  test::expect_gradients_match([&] { return (module->forward(x, plan) * weight).sum(); }, inputs);
+}
+
+TEST(Mlp, DropoutActsWhileTrainingOnly) {
+  torch::manual_seed(15);
+  Mlp mlp(4, 64, 4, 0.5);
+  const at::Tensor x = torch::randn({10, 4});
+  EXPECT_FALSE(torch::equal(mlp->forward(x), mlp->forward(x)));
+  mlp->eval();
+  EXPECT_TRUE(torch::equal(mlp->forward(x), mlp->forward(x)));
+}
+
+}  // namespace
+}  // namespace lte::nn

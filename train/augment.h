@@ -1,0 +1,48 @@
+// Exact symmetries of light transport: new training examples without new rendering (DESIGN section
+// 7, identity 7).
+//
+// Irradiance is a functional of geometry, albedo and emission that commutes with rigid motions and
+// reflections of space (only distances and angles enter), with permutations of the colour channels
+// (each is transported by itself), and is linear in the emission of each luminaire. So applying one
+// draw to scene points, queries and reference alike gives another true example.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "lte/base/math.h"
+#include "lte/base/random.h"
+#include "train/config.h"
+
+namespace lte::train {
+
+/// One element of the symmetry group. The default is the identity for a scene without luminaires.
+struct Symmetry {
+  float cosine = 1, sine = 0;  ///< of the angle about +Y
+  bool mirror = false;         ///< x -> −x before the rotation
+  std::array<int, 3> channels = {
+      0, 1, 2};            ///< channel i of the result is channel channels[i] of the source
+  std::vector<Rgb> gains;  ///< [G], of each luminaire, before the permutation
+
+  /// Of positions and normals alike: the map is linear and orthogonal.
+  Vec3 space(Vec3 v) const {
+    if (mirror) v.x = -v.x;
+    return {cosine * v.x + sine * v.z, v.y, cosine * v.z - sine * v.x};
+  }
+  Rgb colour(const Rgb& c) const { return {c[channels[0]], c[channels[1]], c[channels[2]]}; }
+  /// Emission or irradiance of light group `group`; −1 (no luminaire) has unit gain.
+  Rgb light(const Rgb& c, int32_t group) const {
+    return colour(group < 0 ? c : c * gains[static_cast<size_t>(group)]);
+  }
+};
+
+Symmetry identity_symmetry(int64_t light_groups);
+
+/// Draws what `config` switches on. A rotation by which `bounds`' footprint would outgrow
+/// `largest_extent` (the network's cube of side s) is replaced by the nearest quarter turn, which
+/// never does.
+Symmetry draw_symmetry(const AugmentConfig& config, int64_t light_groups, const Bounds& bounds,
+                       double largest_extent, Rng* rng);
+
+}  // namespace lte::train

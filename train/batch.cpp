@@ -1,0 +1,96 @@
+#include "train/batch.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include <ATen/ops/mean.h>
+
+#include "lte/base/random.h"
+
+namespace lte::train {
+namespace {
+
+// Streams of random numbers that must not meet.
+constexpr uint64_t kOrderStream = 1, kExampleStream = 2, kValidationStream = 3, kMeanStream = 4;
+
+}  // namespace
+
+size_t EpochOrder::scene_at(uint64_t position) {
+  const uint64_t epoch = position / scenes_;
+  if (epoch != epoch_) {
+    epoch_ = epoch;
+    order_.resize(scenes_);
+    std::iota(order_.begin(), order_.end(), size_t{0});
+    Rng rng(seed_, hash_combine(kOrderStream, epoch));
+    for (size_t i = scenes_ - 1; i > 0; --i) std::swap(order_[i], order_[rng.below(i + 1)]);
+  }
+  return order_[position % scenes_];
+}
+
+BatchLoader::BatchLoader(const TrainConfig& config, double scale, SceneStore* store)
+    : config_(config), scale_(scale), store_(store), order_(config.seed, store->size()) {}
+
+BatchLoader::~BatchLoader() {
+  if (next_.valid()) next_.wait();
+}
+
+std::vector<Example> BatchLoader::make(int64_t step) {
+  std::vector<Example> examples;
+  const int64_t count = config_.train.scenes_per_step;
+  for (int64_t slot = 0; slot < count; ++slot) {
+    const auto position = static_cast<uint64_t>(step * count + slot);
+    const auto scene = store_->get(order_.scene_at(position));
+    Rng rng(config_.seed, hash_combine(kExampleStream, position));
+    const Symmetry symmetry =
+        draw_symmetry(config_.augment, scene->light_groups, scene->bounds, scale_, &rng);
+    examples.push_back(make_example(*scene, symmetry, config_.data.scene_points,
+                                    config_.data.queries_per_scene, &rng));
+  }
+  return examples;
+}
+
+std::vector<Example> BatchLoader::take(int64_t step) {
+  std::vector<Example> examples;
+  if (next_.valid()) {
+    std::vector<Example> made = next_.get();
+    if (next_step_ == step) examples = std::move(made);
+  }
+  if (examples.empty()) examples = make(step);
+  next_step_ = step + 1;
+  if (next_step_ < config_.train.steps) {
+    next_ = std::async(std::launch::async, [this, step] { return make(step + 1); });
+  }
+  return examples;
+}
+
+std::vector<Example> validation_examples(const TrainConfig& config, SceneStore* store) {
+  const size_t wanted = static_cast<size_t>(config.train.validation_scenes);
+  const size_t count = wanted == 0 ? store->size() : std::min(wanted, store->size());
+  std::vector<Example> examples;
+  for (size_t i = 0; i < count; ++i) {
+    const auto scene = store->get(i);
+    Rng rng(kValidationStream, i);  // not the run's seed: runs are compared on the same queries
+    examples.push_back(make_example(*scene, identity_symmetry(scene->light_groups),
+                                    config.data.scene_points, config.train.validation_queries,
+                                    &rng));
+  }
+  return examples;
+}
+
+double mean_target(const TrainConfig& config, SceneStore* store) {
+  constexpr size_t kScenes = 64;
+  const size_t count = std::min(kScenes, store->size());
+  double sum = 0;
+  for (size_t i = 0; i < count; ++i) {
+    const auto scene = store->get(i * store->size() / count);
+    Rng rng(config.seed, hash_combine(kMeanStream, i));
+    sum += make_example(*scene, identity_symmetry(scene->light_groups), config.data.scene_points,
+                        config.data.queries_per_scene, &rng)
+               .target.mean()
+               .item<double>();
+  }
+  return sum / static_cast<double>(count);
+}
+
+}  // namespace lte::train

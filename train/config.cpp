@@ -1,0 +1,144 @@
+#include "train/config.h"
+
+#include <cmath>
+#include <map>
+#include <sstream>
+
+#include "lte/base/check.h"
+
+namespace lte::train {
+namespace {
+
+DataConfig read_data(const Config& config) {
+  DataConfig data;
+  config.read("root", &data.root);
+  config.read("scene_points", &data.scene_points);
+  config.read("queries_per_scene", &data.queries_per_scene);
+  config.read("cache_mb", &data.cache_mb);
+  LTE_CHECK(data.scene_points >= 0, "data.scene_points: expected 0 (all) or more, got ",
+            data.scene_points);
+  LTE_CHECK(data.queries_per_scene >= 0, "data.queries_per_scene: expected 0 (all) or more, got ",
+            data.queries_per_scene);
+  LTE_CHECK(data.cache_mb >= 0, "data.cache_mb: expected 0 (keep nothing) or more, got ",
+            data.cache_mb);
+  return data;
+}
+
+AugmentConfig read_augment(const Config& config) {
+  AugmentConfig augment;
+  config.read("rotate", &augment.rotate);
+  config.read("mirror", &augment.mirror);
+  config.read("permute_colours", &augment.permute_colours);
+  config.read("gain", &augment.gain);
+  config.read("tint", &augment.tint);
+  constexpr double kMost = 1e3;  // keeps products of both within float32 for any sane radiance
+  LTE_CHECK(augment.gain >= 1 && augment.gain <= kMost, "augment.gain: expected 1 (off) to ", kMost,
+            ", got ", augment.gain);
+  LTE_CHECK(augment.tint >= 1 && augment.tint <= kMost, "augment.tint: expected 1 (off) to ", kMost,
+            ", got ", augment.tint);
+  return augment;
+}
+
+void check_at_least(const char* key, int64_t value, int64_t least) {
+  LTE_CHECK(value >= least, key, ": expected ", least, " or more, got ", value);
+}
+
+void check_optim(const OptimConfig& train) {
+  check_at_least("train.steps", train.steps, 1);
+  check_at_least("train.scenes_per_step", train.scenes_per_step, 1);
+  check_at_least("train.warmup_steps", train.warmup_steps, 0);
+  check_at_least("train.log_every", train.log_every, 1);
+  check_at_least("train.checkpoint_every", train.checkpoint_every, 1);
+  check_at_least("train.validate_every", train.validate_every, 1);
+  check_at_least("train.validation_scenes", train.validation_scenes, 0);
+  check_at_least("train.validation_queries", train.validation_queries, 0);
+  LTE_CHECK(train.learning_rate > 0, "train.learning_rate: expected a positive number, got ",
+            train.learning_rate);
+  LTE_CHECK(train.min_learning_rate >= 0 && train.min_learning_rate <= train.learning_rate,
+            "train.min_learning_rate: expected 0 to train.learning_rate (", train.learning_rate,
+            "), got ", train.min_learning_rate);
+  LTE_CHECK(train.weight_decay >= 0, "train.weight_decay: expected 0 or more, got ",
+            train.weight_decay);
+  LTE_CHECK(train.beta1 >= 0 && train.beta1 < 1, "train.beta1: expected 0 to below 1, got ",
+            train.beta1);
+  LTE_CHECK(train.beta2 >= 0 && train.beta2 < 1, "train.beta2: expected 0 to below 1, got ",
+            train.beta2);
+  LTE_CHECK(train.clip_norm >= 0, "train.clip_norm: expected 0 (off) or more, got ",
+            train.clip_norm);
+  LTE_CHECK(train.ema_decay >= 0 && train.ema_decay < 1,
+            "train.ema_decay: expected 0 (off) to below 1, got ", train.ema_decay);
+}
+
+OptimConfig read_optim(const Config& config) {
+  OptimConfig train;
+  config.read("steps", &train.steps);
+  config.read("scenes_per_step", &train.scenes_per_step);
+  config.read("learning_rate", &train.learning_rate);
+  config.read("min_learning_rate", &train.min_learning_rate);
+  config.read("warmup_steps", &train.warmup_steps);
+  config.read("weight_decay", &train.weight_decay);
+  config.read("beta1", &train.beta1);
+  config.read("beta2", &train.beta2);
+  config.read("clip_norm", &train.clip_norm);
+  config.read("ema_decay", &train.ema_decay);
+  config.read("log_every", &train.log_every);
+  config.read("checkpoint_every", &train.checkpoint_every);
+  config.read("validate_every", &train.validate_every);
+  config.read("validation_scenes", &train.validation_scenes);
+  config.read("validation_queries", &train.validation_queries);
+  check_optim(train);
+  return train;
+}
+
+nn::LossConfig read_loss(const Config& config) {
+  nn::LossConfig loss;
+  config.read("epsilon", &loss.epsilon);
+  config.read("detach_denominator", &loss.detach_denominator);
+  LTE_CHECK(loss.epsilon > 0, "loss.epsilon: expected a positive number, got ", loss.epsilon);
+  return loss;
+}
+
+/// The keys and values of a configuration's YAML, which is flat: one "key: value" a line.
+std::map<std::string, std::string> flat_yaml(const std::string& yaml) {
+  std::map<std::string, std::string> values;
+  std::istringstream lines(yaml);
+  for (std::string line; std::getline(lines, line);) {
+    const size_t colon = line.find(": ");
+    if (colon != std::string::npos) values[line.substr(0, colon)] = line.substr(colon + 2);
+  }
+  return values;
+}
+
+}  // namespace
+
+TrainConfig TrainConfig::read(const Config& config) {
+  TrainConfig out;
+  config.read("seed", &out.seed);
+  config.read("output", &out.output);
+  out.data = read_data(config.at("data"));
+  out.augment = read_augment(config.at("augment"));
+  out.train = read_optim(config.at("train"));
+  out.loss = read_loss(config.at("loss"));
+  const Config model = config.at("model");
+  out.has_scale = model.has("scale");
+  out.has_output_mean = model.has("output_mean");
+  out.model = nn::ModelConfig::read(model);
+  config.finish();
+  return out;
+}
+
+std::vector<std::string> model_differences(const nn::ModelConfig& now,
+                                           const nn::ModelConfig& before) {
+  const auto values = flat_yaml(now.to_yaml()), old_values = flat_yaml(before.to_yaml());
+  std::vector<std::string> differences;
+  for (const auto& [key, value] : values) {
+    const auto old = old_values.find(key);
+    if (key == "scale" || key == "output_mean" || (old != old_values.end() && old->second == value))
+      continue;
+    differences.push_back(
+        concat(key, " (", value, ", was ", old == old_values.end() ? "absent" : old->second, ")"));
+  }
+  return differences;
+}
+
+}  // namespace lte::train

@@ -1,0 +1,70 @@
+// Everything that fixes a training run: `data:`, `augment:`, `train:`, `loss:` and `model:` of the
+// YAML configuration. docs/training.md explains each key.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lte/base/config.h"
+#include "lte/nn/config.h"
+#include "lte/nn/loss.h"
+
+namespace lte::train {
+
+struct DataConfig {
+  std::string root;                  ///< directory with dataset.json
+  int64_t scene_points = 20'000;     ///< M; a file with more is subsampled afresh each step; 0: all
+  int64_t queries_per_scene = 8192;  ///< drawn afresh each step; 0: all
+  int64_t cache_mb = 4096;           ///< memory for scenes kept between steps
+};
+
+/// Exact symmetries of light transport (augment.h); each is off at the value in brackets.
+struct AugmentConfig {
+  bool rotate = true;           ///< about the vertical (Y) axis [false]
+  bool mirror = true;           ///< across a vertical plane [false]
+  bool permute_colours = true;  ///< permutes R, G and B [false]
+  double gain = 4.0;  ///< each luminaire's brightness times g, log-uniform in [1/gain, gain] [1]
+  double tint = 2.0;  ///< the same for each channel of each luminaire by itself [1]
+};
+
+struct OptimConfig {
+  int64_t steps = 2'000'000;
+  int64_t scenes_per_step = 3;
+  double learning_rate = 2e-4;      ///< at its highest, after warm-up
+  double min_learning_rate = 2e-6;  ///< the cosine's floor, reached at the last step
+  int64_t warmup_steps = 2000;
+  double weight_decay = 1e-4;  ///< of matrices and filters; biases and norms have none
+  double beta1 = 0.9, beta2 = 0.999;
+  double clip_norm = 1.0;  ///< of the whole gradient; 0: no clipping
+  double ema_decay = 0.0;  ///< of the averaged weights; 0: none are kept
+  int64_t log_every = 50;  ///< steps a line of log.jsonl
+  int64_t checkpoint_every = 1000;
+  int64_t validate_every = 1000;
+  int64_t validation_scenes = 32;     ///< the first ones of the split; 0: all
+  int64_t validation_queries = 8192;  ///< of each, the same every time; 0: all
+};
+
+struct TrainConfig {
+  uint64_t seed = 1;
+  std::string output;  ///< run directory
+  DataConfig data;
+  AugmentConfig augment;
+  OptimConfig train;
+  nn::LossConfig loss;
+  nn::ModelConfig model;
+  bool has_scale = false;        ///< model.scale is given, and must be the data set's
+  bool has_output_mean = false;  ///< model.output_mean is given, and is taken rather than measured
+
+  /// Reads every key and refuses those it does not know.
+  /// @throws lte::Error naming the key: unknown, ill-typed or out of range.
+  static TrainConfig read(const Config& config);
+};
+
+/// Keys under `model:` in which two configurations differ, "channels (64, was 128)" each; without
+/// scale and output_mean, which come from the data.
+std::vector<std::string> model_differences(const nn::ModelConfig& now,
+                                           const nn::ModelConfig& before);
+
+}  // namespace lte::train

@@ -1,0 +1,36 @@
+// What a configuration amounts to, without data and without training: parameters, shapes, memory.
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "lte/nn/model.h"
+#include "train/config.h"
+
+namespace lte::train {
+
+/// Bytes a training process needs, by kind. Weights and moments are exact; activations are those
+/// that the backward pass of one scene keeps, counted from the layers' shapes, and hold to about a
+/// third.
+struct MemoryEstimate {
+  double weights = 0, gradients = 0, moments = 0, average = 0;
+  double activations = 0;
+  double examples = 0;     ///< scene points, queries and reference of two steps: this and the next
+  double scene_cache = 0;  ///< at most: data.cache_mb; less for a small data set
+  /// Without the cache, which depends on the data.
+  double total() const { return weights + gradients + moments + average + activations + examples; }
+};
+
+/// `data.scene_points` or `data.queries_per_scene` of 0 (all) count as the defaults, as the files
+/// are not read.
+MemoryEstimate estimate_memory(const TrainConfig& config, int64_t parameters);
+
+/// {"parameters":{total,nne,encoder,decoder}, "modules":{..}, "shapes":{..}, "memory_mb":{..},
+/// "training":{..}}.
+nlohmann::ordered_json dry_run(const TrainConfig& config);
+
+/// The same as a table for people.
+std::string dry_run_table(const nlohmann::ordered_json& report);
+
+}  // namespace lte::train

@@ -1,0 +1,136 @@
+#include "train/example.h"
+
+#include <algorithm>
+#include <map>
+
+#include <ATen/ops/empty.h>
+
+#include "lte/base/check.h"
+
+namespace lte::train {
+namespace {
+
+/// [rows, 3] of value(row).
+template <typename Value>
+at::Tensor triples(const std::vector<int64_t>& rows, const Value& value) {
+  at::Tensor out = at::empty({static_cast<int64_t>(rows.size()), 3}, at::kFloat);
+  auto* values = reinterpret_cast<Vec3*>(out.data_ptr<float>());
+  for (size_t i = 0; i < rows.size(); ++i) values[i] = value(static_cast<size_t>(rows[i]));
+  return out;
+}
+
+/// Rows by light group.
+std::map<int32_t, std::vector<int64_t>> classes_of(const TrainingScene& scene) {
+  std::map<int32_t, std::vector<int64_t>> classes;
+  for (size_t i = 0; i < scene.light.size(); ++i)
+    classes[scene.light[i]].push_back(static_cast<int64_t>(i));
+  return classes;
+}
+
+/// Area of each kept point: that of its class stays what it was, so the emission scalar does not
+/// jump with the draw.
+at::Tensor areas(const TrainingScene& scene, const std::vector<int64_t>& rows) {
+  std::map<int32_t, double> all, kept;
+  for (size_t i = 0; i < scene.area.size(); ++i) all[scene.light[i]] += scene.area[i];
+  for (const int64_t row : rows)
+    kept[scene.light[static_cast<size_t>(row)]] += scene.area[static_cast<size_t>(row)];
+  at::Tensor out = at::empty({static_cast<int64_t>(rows.size())}, at::kFloat);
+  auto* values = out.data_ptr<float>();
+  const bool whole = rows.size() == scene.area.size();
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const auto row = static_cast<size_t>(rows[i]);
+    const double share = kept[scene.light[row]];
+    const double factor = whole || share <= 0 ? 1.0 : all[scene.light[row]] / share;
+    values[i] = static_cast<float>(scene.area[row] * factor);
+  }
+  return out;
+}
+
+nn::PointSet gather_points(const TrainingScene& scene, const Symmetry& symmetry,
+                           const std::vector<int64_t>& rows) {
+  nn::PointSet points;
+  points.position = triples(rows, [&](size_t i) { return symmetry.space(scene.position[i]); });
+  points.normal = triples(rows, [&](size_t i) { return symmetry.space(scene.normal[i]); });
+  points.albedo = triples(rows, [&](size_t i) { return symmetry.colour(scene.albedo[i]); });
+  points.emission =
+      triples(rows, [&](size_t i) { return symmetry.light(scene.emission[i], scene.light[i]); });
+  points.area = areas(scene, rows);
+  return points;
+}
+
+}  // namespace
+
+Example Example::to(at::Device device) const {
+  Example out = *this;
+  for (at::Tensor* tensor : {&out.points.position, &out.points.normal, &out.points.albedo,
+                             &out.points.emission, &out.points.area, &out.queries.position,
+                             &out.queries.normal, &out.queries.albedo, &out.target}) {
+    *tensor = tensor->to(device);
+  }
+  return out;
+}
+
+std::vector<int64_t> draw_rows(int64_t rows, int64_t count, Rng* rng) {
+  const bool all = count == 0 || count >= rows;
+  const int64_t taken = all ? rows : count;
+  // A random start makes every row equally likely although the runs differ in length by one.
+  const int64_t start = all ? 0 : static_cast<int64_t>(rng->below(static_cast<uint64_t>(rows)));
+  std::vector<int64_t> drawn(static_cast<size_t>(taken));
+  for (int64_t i = 0; i < taken; ++i) {
+    const auto begin = static_cast<int64_t>(static_cast<Wide>(i) * static_cast<Wide>(rows) /
+                                            static_cast<Wide>(taken));
+    const auto end = static_cast<int64_t>(static_cast<Wide>(i + 1) * static_cast<Wide>(rows) /
+                                          static_cast<Wide>(taken));
+    const int64_t pick =
+        all ? begin : begin + static_cast<int64_t>(rng->below(static_cast<uint64_t>(end - begin)));
+    drawn[static_cast<size_t>(i)] = (start + pick) % rows;
+  }
+  std::sort(drawn.begin(), drawn.end());
+  return drawn;
+}
+
+std::vector<int64_t> draw_scene_rows(const TrainingScene& scene, int64_t count, Rng* rng) {
+  const int64_t rows = scene.scene_points();
+  if (count == 0 || count >= rows) return draw_rows(rows, 0, rng);
+  std::vector<int64_t> drawn;
+  for (const auto& [group, members] : classes_of(scene)) {
+    const auto size = static_cast<int64_t>(members.size());
+    const int64_t share = std::max<int64_t>(1, (size * count + rows / 2) / rows);
+    for (const int64_t i : draw_rows(size, share, rng))
+      drawn.push_back(members[static_cast<size_t>(i)]);
+  }
+  std::sort(drawn.begin(), drawn.end());
+  return drawn;
+}
+
+Example make_example(const TrainingScene& scene, const Symmetry& symmetry, int64_t scene_points,
+                     int64_t queries, Rng* rng) {
+  LTE_CHECK(static_cast<int64_t>(symmetry.gains.size()) == scene.light_groups, scene.name, ": ",
+            scene.light_groups, " light groups, but ", symmetry.gains.size(), " gains");
+  Example example;
+  example.scene = scene.name;
+  example.points = gather_points(scene, symmetry, draw_scene_rows(scene, scene_points, rng));
+  const std::vector<int64_t> rows = draw_rows(scene.query_points(), queries, rng);
+  example.queries.position =
+      triples(rows, [&](size_t i) { return symmetry.space(scene.query_position[i]); });
+  example.queries.normal =
+      triples(rows, [&](size_t i) { return symmetry.space(scene.query_normal[i]); });
+  example.queries.albedo =
+      triples(rows, [&](size_t i) { return symmetry.colour(scene.query_albedo[i]); });
+  const auto N = static_cast<size_t>(scene.query_points());
+  const double radiance = nn::radiance_scalar(example.points);
+  example.target = triples(rows, [&](size_t i) {
+    std::array<double, 3> sum{};
+    for (int64_t g = 0; g < scene.light_groups; ++g) {
+      const Rgb part =
+          symmetry.light(scene.target[static_cast<size_t>(g) * N + i], static_cast<int32_t>(g));
+      for (int c = 0; c < 3; ++c) sum[static_cast<size_t>(c)] += part[c];
+    }
+    return Rgb{static_cast<float>(sum[0] / radiance), static_cast<float>(sum[1] / radiance),
+               static_cast<float>(sum[2] / radiance)};
+  });
+  example.seed = rng->next_u64();
+  return example;
+}
+
+}  // namespace lte::train

@@ -1,0 +1,70 @@
+// The weight update: AdamW with clipping of the gradient's norm, and an optional moving average of
+// the weights.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lte/base/safetensors.h"
+#include "lte/nn/model.h"
+#include "train/config.h"
+
+namespace torch::optim {
+class AdamW;
+}
+
+namespace lte::train {
+
+class Optimizer {
+ public:
+  /// Weight decay applies to parameters of two dimensions or more; biases and norms are left alone.
+  /// The averaged weights start as the model's weights of now.
+  Optimizer(const OptimConfig& config, const nn::LightTransportModel& model);
+  ~Optimizer();
+  Optimizer(const Optimizer&) = delete;
+  Optimizer& operator=(const Optimizer&) = delete;
+
+  void zero_gradients();
+  /// L2 norm of the whole gradient; not finite if any entry is not.
+  double gradient_norm() const;
+  /// Scales the gradient down to clip_norm if `norm` exceeds it, then updates weights and their
+  /// average.
+  /// @param step  steps done before this one: it decides learning rate and averaging rate
+  void update(int64_t step, double norm);
+
+  bool has_average() const { return !average_.empty(); }
+  /// Exchanges the model's weights and their average, without copying. No-op without an average.
+  void swap_average();
+
+  /// Everything that the next update depends on: "exp_avg.NAME", "exp_avg_sq.NAME", "average.NAME",
+  /// and "updates", [P] int64 in the order of the parameters.
+  std::map<std::string, at::Tensor> state() const;
+  /// @throws lte::Error naming file and tensor if one is missing or of another shape.
+  void load_state(const SafetensorsFile& file);
+
+ private:
+  OptimConfig config_;
+  std::vector<std::string> names_;
+  std::vector<at::Tensor> parameters_;
+  std::vector<at::Tensor> average_;  ///< empty without averaging
+  std::unique_ptr<torch::optim::AdamW> adam_;
+};
+
+/// Exchanges weights and average while it lives.
+class AverageScope {
+ public:
+  explicit AverageScope(Optimizer* optimizer) : optimizer_(optimizer) {
+    optimizer_->swap_average();
+  }
+  ~AverageScope() { optimizer_->swap_average(); }
+  AverageScope(const AverageScope&) = delete;
+  AverageScope& operator=(const AverageScope&) = delete;
+
+ private:
+  Optimizer* optimizer_;
+};
+
+}  // namespace lte::train

@@ -1,0 +1,88 @@
+#include "train/run.h"
+
+#include <cmath>
+
+#include <ATen/Parallel.h>
+#include <nlohmann/json.hpp>
+
+#include "lte/base/check.h"
+#include "lte/base/file.h"
+#include "train/device.h"
+#include "train/dry_run.h"
+#include "train/trainer.h"
+
+namespace lte::train {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Config load(const RunOptions& options) {
+  std::vector<std::string> overrides = options.overrides;
+  if (options.seed) overrides.push_back("seed=" + std::to_string(*options.seed));
+  // In quotes: a path may hold what YAML takes for syntax.
+  if (!options.output.empty()) overrides.push_back("output=" + Json(options.output).dump());
+  return Config::load(options.config, overrides);
+}
+
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json summary_json(const TrainConfig& config, const TrainSummary& summary) {
+  Json json = {{"output", config.output},
+               {"model", model_path(config.output).string()},
+               {"step", summary.step},
+               {"steps", config.train.steps},
+               {"finished", summary.step >= config.train.steps},
+               {"loss", summary.loss},
+               {"best_val_loss", number_or_null(summary.best_loss)},
+               {"seconds", summary.seconds},
+               {"peak_rss_mb", peak_rss_mb()}};
+  if (summary.validation) {
+    for (const auto& [name, value] : summary.validation->fields())
+      json[name] = number_or_null(value);
+  }
+  return json;
+}
+
+std::string summary_text(const TrainConfig& config, const TrainSummary& summary) {
+  const std::string model = model_path(config.output).string();
+  if (summary.step < config.train.steps) {
+    return concat(model, ": stopped ", summary.signal != 0 ? "by a signal " : "", "after step ",
+                  summary.step, " of ", config.train.steps, "; go on with --resume\n");
+  }
+  const bool validated = std::isfinite(summary.best_loss);
+  const std::string best = validated ? concat(", best validation loss ", summary.best_loss, " in ",
+                                              best_model_path(config.output).string())
+                                     : "";
+  return concat(model, ": ", summary.step, " steps", best, "\n");
+}
+
+}  // namespace
+
+RunResult run(const RunOptions& options) {
+  const Config yaml = load(options);
+  const TrainConfig config = TrainConfig::read(yaml);
+  if (options.threads > 0) at::set_num_threads(options.threads);
+  RunResult result;
+  if (options.print_config) {
+    result.text = yaml.to_yaml();
+    return result;
+  }
+  if (options.dry_run) {
+    const Json report = dry_run(config);
+    if (!options.json.empty()) write_file(options.json, report.dump(2) + "\n");
+    result.text = dry_run_table(report);
+    return result;
+  }
+  if (options.validate_only) {
+    result.text = check_run_data(config);
+    return result;
+  }
+  Trainer trainer(config, yaml.to_yaml(), choose_device(options.device), options.resume);
+  const TrainSummary summary = trainer.run(options.stop_after);
+  if (!options.json.empty()) write_file(options.json, summary_json(config, summary).dump(2) + "\n");
+  result.text = summary_text(config, summary);
+  result.signal = summary.signal;
+  return result;
+}
+
+}  // namespace lte::train

@@ -1,0 +1,31 @@
+// What lte_train does between parsing its arguments and printing.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lte::train {
+
+struct RunOptions {
+  std::string config;                  ///< YAML file
+  std::vector<std::string> overrides;  ///< --set key=value
+  std::optional<uint64_t> seed;        ///< --seed, over the key `seed`
+  std::string output;                  ///< --out, over the key `output`; empty: the key
+  std::string device = "cpu";
+  std::string json;        ///< result for machines; empty: none
+  int64_t stop_after = 0;  ///< steps of this session; 0: all
+  int threads = 0;         ///< of LibTorch; 0: its default
+  bool resume = false, dry_run = false, print_config = false, validate_only = false;
+};
+
+struct RunResult {
+  std::string text;  ///< for standard output
+  int signal = 0;    ///< that ended training early, after a checkpoint; else 0
+};
+
+/// @throws lte::Error with one line for the user.
+RunResult run(const RunOptions& options);
+
+}  // namespace lte::train

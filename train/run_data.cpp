@@ -1,0 +1,66 @@
+#include "train/run_data.h"
+
+#include <algorithm>
+
+#include "lte/base/check.h"
+#include "lte/base/math.h"
+#include "lte/base/progress.h"
+#include "lte/base/random.h"
+
+namespace lte::train {
+namespace {
+
+uint64_t names_fingerprint(const std::vector<data::DatasetEntry>& entries) {
+  uint64_t hash = entries.size();
+  for (const data::DatasetEntry& entry : entries) {
+    for (const char letter : entry.name)
+      hash = hash_combine(hash, static_cast<unsigned char>(letter));
+    hash = hash_combine(hash, '/');
+  }
+  return hash;
+}
+
+}  // namespace
+
+RunData open_run_data(const TrainConfig& config) {
+  LTE_CHECK(!config.data.root.empty(),
+            "data.root: names no data set; give the directory that lte_datagen generate wrote, "
+            "e.g. --set "
+            "data.root=data/rooms");
+  const std::filesystem::path root = config.data.root;
+  const data::DatasetInfo info = data::read_dataset_info(root);
+  LTE_CHECK(!config.has_scale || config.model.scale == info.scale,
+            "model.scale: ", config.model.scale, " differs from the data set's ", info.scale, " (",
+            (root / "dataset.json").string(), "); leave the key out to take the data set's");
+  std::vector<data::DatasetEntry> train = data::entries_of(info, data::Split::Train);
+  LTE_CHECK(!train.empty(), (root / "dataset.json").string(),
+            ": no scene is in the split \"train\"");
+  const uint64_t fingerprint = names_fingerprint(train);
+  const size_t cache_bytes = static_cast<size_t>(config.data.cache_mb) << 20;
+  return {info.scale, SceneStore(root, std::move(train), config.model.target, cache_bytes),
+          SceneStore(root, data::entries_of(info, data::Split::Val), config.model.target, 0),
+          fingerprint};
+}
+
+std::string check_run_data(const TrainConfig& config) {
+  RunData data = open_run_data(config);
+  int64_t points = 0, queries = 0;
+  lte::Progress progress("checking", static_cast<int64_t>(data.train.size() + data.val.size()),
+                         "scenes");
+  for (SceneStore* store : {&data.train, &data.val}) {
+    for (size_t i = 0; i < store->size(); ++i) {
+      const auto scene = store->get(i);
+      const float extent = max_component(scene->bounds.extent());
+      LTE_CHECK(extent <= static_cast<float>(data.scale), "scene ", scene->name, ": ", extent,
+                " m wide, which exceeds the data set's scale of ", data.scale, " m");
+      points += scene->scene_points();
+      queries += scene->query_points();
+      progress.advance();
+    }
+  }
+  return concat(config.data.root, ": ", data.train.size(), " scenes to train on, ", data.val.size(),
+                " to validate on, ", points, " scene points, ", queries, " queries, scale ",
+                data.scale, " m: valid\n");
+}
+
+}  // namespace lte::train

@@ -1,0 +1,44 @@
+#include "train/run_log.h"
+
+#include <cerrno>
+#include <cstring>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "lte/base/check.h"
+#include "lte/base/file.h"
+
+namespace lte::train {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string kept_lines(const std::string& text, int64_t resume_step) {
+  std::string kept;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const Json json = Json::parse(line, nullptr, false);
+    if (!json.is_object() || !json.contains("step") || !json["step"].is_number_integer()) continue;
+    if (json["step"].get<int64_t>() <= resume_step) kept += line + '\n';
+  }
+  return kept;
+}
+
+}  // namespace
+
+RunLog::RunLog(std::filesystem::path path, int64_t resume_step) : path_(std::move(path)) {
+  const bool keep = resume_step > 0 && std::filesystem::exists(path_);
+  write_file(path_, keep ? kept_lines(read_file(path_), resume_step) : "");
+  out_.open(path_, std::ios::app);
+  LTE_CHECK(out_, path_.string(), ": cannot append: ", std::strerror(errno));
+}
+
+void RunLog::write(int64_t step, const std::vector<std::pair<std::string, double>>& fields) {
+  Json json = {{"step", step}};
+  for (const auto& [name, value] : fields) json[name] = value;
+  out_ << json.dump() << '\n' << std::flush;
+  LTE_CHECK(out_, path_.string(), ": cannot append: ", std::strerror(errno));
+}
+
+}  // namespace lte::train

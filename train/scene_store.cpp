@@ -1,0 +1,74 @@
+#include "train/scene_store.h"
+
+#include <utility>
+
+#include "lte/base/check.h"
+
+namespace lte::train {
+namespace {
+
+template <typename T>
+size_t bytes_of(const std::vector<T>& values) {
+  return values.size() * sizeof(T);
+}
+
+}  // namespace
+
+size_t TrainingScene::size_bytes() const {
+  return bytes_of(position) + bytes_of(normal) + bytes_of(albedo) + bytes_of(emission) +
+         bytes_of(area) + bytes_of(light) + bytes_of(query_position) + bytes_of(query_normal) +
+         bytes_of(query_albedo) + bytes_of(target);
+}
+
+TrainingScene read_training_scene(const std::filesystem::path& path, const std::string& name,
+                                  const std::string& target) {
+  data::SceneSample sample = data::read_scene_sample(path);
+  TrainingScene scene;
+  scene.name = name;
+  scene.position = std::move(sample.scene_position);
+  scene.normal = std::move(sample.scene_normal);
+  scene.albedo = std::move(sample.scene_albedo);
+  scene.emission = std::move(sample.scene_emission);
+  scene.area = std::move(sample.scene_area);
+  scene.light = std::move(sample.scene_light);
+  scene.query_position = std::move(sample.query_position);
+  scene.query_normal = std::move(sample.query_normal);
+  scene.query_albedo = std::move(sample.query_albedo);
+  scene.light_groups = sample.light_groups;
+  scene.target = std::move(sample.indirect);
+  if (target == "total") {
+    for (size_t i = 0; i < scene.target.size(); ++i) scene.target[i] += sample.direct[i];
+  }
+  for (const Vec3& p : scene.position) scene.bounds.extend(p);
+  return scene;
+}
+
+SceneStore::SceneStore(std::filesystem::path root, std::vector<data::DatasetEntry> entries,
+                       std::string target, size_t cache_bytes)
+    : root_(std::move(root)),
+      entries_(std::move(entries)),
+      target_(std::move(target)),
+      cache_bytes_(cache_bytes) {}
+
+std::shared_ptr<const TrainingScene> SceneStore::get(size_t index) {
+  const auto found = slots_.find(index);
+  if (found != slots_.end()) {
+    uses_.splice(uses_.begin(), uses_, found->second.use);
+    return found->second.scene;
+  }
+  const std::string& name = entries_.at(index).name;
+  auto scene = std::make_shared<const TrainingScene>(
+      read_training_scene(data::scene_path(root_, name), name, target_));
+  uses_.push_front(index);
+  slots_[index] = {scene, uses_.begin()};
+  cached_bytes_ += scene->size_bytes();
+  while (cached_bytes_ > cache_bytes_ && uses_.size() > 1) {
+    const auto oldest = slots_.find(uses_.back());
+    cached_bytes_ -= oldest->second.scene->size_bytes();
+    slots_.erase(oldest);
+    uses_.pop_back();
+  }
+  return scene;
+}
+
+}  // namespace lte::train

@@ -1,0 +1,79 @@
+// The training loop.
+//
+// A step encodes its scenes one after another and adds up their gradients, so that no scene's
+// result depends on its batch mates and memory does not grow with scenes_per_step.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lte/base/progress.h"
+#include "lte/base/timer.h"
+#include "train/batch.h"
+#include "train/checkpoint.h"
+#include "train/run_data.h"
+#include "train/run_log.h"
+#include "train/validate.h"
+
+namespace lte::train {
+
+struct TrainSummary {
+  int64_t step = 0;      ///< steps done, over all sessions
+  double loss = 0;       ///< of the last step of this session
+  double best_loss = 0;  ///< lowest validation loss; infinite if there was none
+  double seconds = 0;    ///< over all sessions
+  int signal = 0;        ///< that ended the run early; 0 if it came to its end
+  std::optional<ValidationResult> validation;  ///< the last of this session
+};
+
+class Trainer {
+ public:
+  /// Opens the data, and makes the model or takes it from the run's checkpoint.
+  /// @param config_text  the whole configuration as YAML, kept in the checkpoint and the models
+  /// @throws lte::Error if there is nothing to resume, the configuration does not fit the
+  /// checkpoint, or a new run would
+  ///         overwrite one.
+  Trainer(const TrainConfig& config, std::string config_text, at::Device device, bool resume);
+
+  /// Trains to the last step, the first signal, or `stop_after` steps of this session, and leaves a
+  /// checkpoint and model.safetensors in each case.
+  /// @param stop_after  0: no such limit
+  /// @throws lte::Error naming step and scene when loss or gradient is not finite; the last
+  /// checkpoint stays.
+  TrainSummary run(int64_t stop_after = 0);
+
+ private:
+  void start_new();
+  void resume();
+  void train_step();
+  double accumulate(const Example& stored);
+  [[noreturn]] void fail_on_gradient(const std::vector<Example>& examples);
+  void after_step(int64_t queries, double norm);
+  void validate_now();
+  void save();
+  void save_model_file(const std::filesystem::path& path);
+
+  TrainConfig config_;
+  std::string config_text_;
+  at::Device device_;
+  std::filesystem::path output_;
+  RunData data_;
+  nn::LightTransportModel model_{nullptr};
+  std::unique_ptr<Optimizer> optimizer_;
+  std::unique_ptr<RunLog> log_;
+  std::unique_ptr<BatchLoader> loader_;
+  std::vector<Example> validation_;
+  RunProgress progress_;
+  TrainSummary summary_;
+  Timer window_timer_;
+  double seconds_before_ = 0;  ///< of earlier sessions
+  int64_t window_queries_ = 0;
+  int64_t saved_step_ = -1;  ///< of this session's last checkpoint
+  Timer session_timer_;
+};
+
+}  // namespace lte::train
