@@ -122,13 +122,12 @@ void Generator::prepare() {
             options_.shard_count);
   check_datagen_config(config_);
   std::error_code error;
-  const bool used = fs::is_directory(out, error) && !fs::is_empty(out, error);
-  LTE_CHECK(!used || fs::exists(config_path(out)), out.string(),
-            ": not empty and not a data set; --out expects a new or an empty directory");
   LTE_CHECK(!fs::exists(out, error) || fs::is_directory(out, error), out.string(),
             ": exists and is not a directory; --out expects a directory");
   make_directory(out);
-  const DirectoryLock lock(out);
+  const DirectoryLock lock(out);  // before looking: another shard may be writing config.yaml
+  LTE_CHECK(fs::is_empty(out) || fs::exists(config_path(out)), out.string(),
+            ": not empty and not a data set; --out expects a new or an empty directory");
   if (fs::exists(config_path(out))) {
     const int64_t there = check_same_config(config_, out);
     if (!options_.resume) {

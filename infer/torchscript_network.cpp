@@ -219,14 +219,11 @@ std::string encoder(const nn::ModelConfig& config) {
 
 constexpr const char* kEncode = R"SCRIPT(
 def encode(self, points: Tensor) -> Dict[str, Tensor]:
-    if points.dim() != 2 or points.size(0) < 1 or points.size(1) != 13:
-        raise Exception('points must be [M, 13]: position, normal, albedo, emission, area')
-    if not bool(torch.all(torch.isfinite(points))):
-        raise Exception('points: a value is not finite')
+    assert points.dim() == 2 and points.size(0) >= 1 and points.size(1) == 13, 'points must be [M, 13]: position, normal, albedo, emission, area'
+    assert bool(torch.all(torch.isfinite(points))), 'points: a value is not finite'
     origin = torch.amin(points[:, 0:3], [0])
     position = ((points[:, 0:3] - origin) / {scale}).contiguous()
-    if float(torch.max(position)) > 1.001:
-        raise Exception('points: the scene is larger than the scale of the model, {scale} m')
+    assert float(torch.max(position)) <= 1.001, 'points: the scene is larger than the scale of the model, {scale} m'
     emission = points[:, 9:12].to(7)
     area = points[:, 12].to(7)
     radiance = torch.mean(emission)
@@ -280,10 +277,8 @@ def decode_block(self, embedding: Dict[str, Tensor], queries: Tensor) -> Tensor:
     return torch.softplus(self.mlp(g, self.decoder_head_hidden_weight, self.decoder_head_hidden_bias, self.decoder_head_output_weight, self.decoder_head_output_bias))
 
 def decode(self, embedding: Dict[str, Tensor], queries: Tensor) -> Tensor:
-    if queries.dim() != 2 or queries.size(1) != 9:
-        raise Exception('queries must be [Q, 9]: position, normal, albedo')
-    if not bool(torch.all(torch.isfinite(queries))):
-        raise Exception('queries: a value is not finite')
+    assert queries.dim() == 2 and queries.size(1) == 9, 'queries must be [Q, 9]: position, normal, albedo'
+    assert bool(torch.all(torch.isfinite(queries))), 'queries: a value is not finite'
     out: List[Tensor] = [torch.zeros([0, 3], dtype=6, device=queries.device)]
     begin = 0
     while begin < queries.size(0):

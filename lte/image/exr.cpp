@@ -25,6 +25,8 @@ namespace {
 /// Bounds what a hostile header can make us allocate.
 constexpr int64_t kMaxPixels = int64_t{1} << 28;
 constexpr int kMaxSide = 1 << 20;
+/// Rows read at once; the tallest compressed block of OpenEXR.
+constexpr int64_t kStrip = 256;
 
 /// Collects the file in memory: OpenEXR's own stream swallows the errors of the last flush (a full
 /// disk).
@@ -155,11 +157,22 @@ Image read_layer(const std::string& path, Imf::IStream& stream, const std::strin
     LTE_CHECK(channel->xSampling == 1 && channel->ySampling == 1, path, ": channel ", name,
               " is subsampled, which is not supported");
   }
-  Image image(static_cast<int>(width), static_cast<int>(height), static_cast<int>(names.size()));
+  Image image;
+  image.width = static_cast<int>(width);
+  image.height = static_cast<int>(height);
+  image.channels = static_cast<int>(names.size());
+  const size_t row = static_cast<size_t>(width) * names.size();
+  image.pixels.reserve(row * static_cast<size_t>(height));
   Imf::FrameBuffer buffer;
   add_slices(names, window, image.pixels.data(), &buffer);
   file.setFrameBuffer(buffer);
-  file.readPixels(window.min.y, window.max.y);
+  // Strip by strip, so that a small file with a large header fails before the memory is touched.
+  for (int64_t begin = 0; begin < height; begin += kStrip) {
+    const int64_t end = std::min(begin + kStrip, height);
+    image.pixels.resize(row * static_cast<size_t>(end));
+    file.readPixels(static_cast<int>(window.min.y + begin),
+                    static_cast<int>(window.min.y + end - 1));
+  }
   return image;
 }
 

@@ -34,8 +34,8 @@ inline void check_triples(const at::Tensor& t, at::ScalarType dtype, const char*
   TORCH_CHECK(t.scalar_type() == dtype, op, ": ", name, " must be ", c10::toString(dtype), ", got ",
               c10::toString(t.scalar_type()));
   TORCH_CHECK(t.is_contiguous(), op, ": ", name, " must be contiguous");
-  TORCH_CHECK(t.size(0) < (int64_t{1} << 31), op, ": ", name, " has 2^31 rows or more: ",
-              t.size(0));
+  TORCH_CHECK(t.size(0) < (int64_t{1} << 31), op, ": ", name,
+              " has 2^31 rows or more: ", t.size(0));
 }
 
 /// CPU tensors only.

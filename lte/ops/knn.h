@@ -8,14 +8,18 @@
 
 namespace lte::ops {
 
-/// The k nearest points of every query by Euclidean distance, nearest first; equal distances by lower index.
+/// The k nearest points of every query by Euclidean distance, nearest first; equal distances by
+/// lower index.
 ///
 /// @param queries  [Q, 3] float32, contiguous, finite
 /// @param points   [N, 3] float32, contiguous, finite, N >= 1 unless Q == 0
 /// @param k        >= 1
-/// @return  indices [Q, min(k, N)] int64 into `points`, and squared distances [Q, min(k, N)] float32
+/// @return  indices [Q, min(k, N)] int64 into `points`, and squared distances [Q, min(k, N)]
+/// float32
 /// @throws c10::Error on a wrong shape, dtype, layout or `k`, or non-finite input (naming the row)
-/// @note The result depends on neither the number of threads nor the order of queries. Not differentiable.
-std::tuple<at::Tensor, at::Tensor> knn(const at::Tensor& queries, const at::Tensor& points, int64_t k);
+/// @note The result depends on neither the number of threads nor the order of queries. Not
+/// differentiable.
+std::tuple<at::Tensor, at::Tensor> knn(const at::Tensor& queries, const at::Tensor& points,
+                                       int64_t k);
 
 }  // namespace lte::ops

@@ -12,8 +12,8 @@ enum class Curve : int64_t { Z = 0, ZTransposed = 1, Hilbert = 2, HilbertTranspo
 
 inline constexpr int64_t kCurveBits = 16;
 
-/// Position of each cell along a curve. Bit i of x lands on bit 3i+2 of the Z code, y on 3i+1, z on 3i; Hilbert is
-/// Skilling's (2004) construction in the same axis order.
+/// Position of each cell along a curve. Bit i of x lands on bit 3i+2 of the Z code, y on 3i+1, z on
+/// 3i; Hilbert is Skilling's (2004) construction in the same axis order.
 ///
 /// @param cells  [N, 3] int32, contiguous, in [0, 2^bits)
 /// @param bits   bits an axis, 1 to 21

@@ -27,9 +27,9 @@ using torch::autograd::variable_list;
 at::Tensor call_forward(const at::Tensor& input, const at::Tensor& weight,
                         const std::optional<at::Tensor>& bias, const at::Tensor& pairs,
                         const at::Tensor& tap_begin) {
-  using Signature = at::Tensor(const at::Tensor&, const at::Tensor&,
-                               const std::optional<at::Tensor>&, const at::Tensor&,
-                               const at::Tensor&);
+  using Signature =
+      at::Tensor(const at::Tensor&, const at::Tensor&, const std::optional<at::Tensor>&,
+                 const at::Tensor&, const at::Tensor&);
   static const auto op = c10::Dispatcher::singleton()
                              .findSchemaOrThrow("lte::submanifold_conv", "")
                              .typed<Signature>();
@@ -47,9 +47,9 @@ class SubmanifoldConv : public torch::autograd::Function<SubmanifoldConv> {
   }
 
   static variable_list backward(AutogradContext* context, const variable_list& grads) {
-    using Signature = std::tuple<at::Tensor, at::Tensor>(
-        const at::Tensor&, const at::Tensor&, const at::Tensor&, const at::Tensor&,
-        const at::Tensor&, bool, bool);
+    using Signature =
+        std::tuple<at::Tensor, at::Tensor>(const at::Tensor&, const at::Tensor&, const at::Tensor&,
+                                           const at::Tensor&, const at::Tensor&, bool, bool);
     static const auto op = c10::Dispatcher::singleton()
                                .findSchemaOrThrow("lte::submanifold_conv_backward", "")
                                .typed<Signature>();
@@ -60,14 +60,13 @@ class SubmanifoldConv : public torch::autograd::Function<SubmanifoldConv> {
                 context->needs_input_grad(1));
     const at::Tensor bias = context->needs_input_grad(2) ? grad.sum(0) : at::Tensor();
     return {context->needs_input_grad(0) ? input : at::Tensor(),
-            context->needs_input_grad(1) ? weight : at::Tensor(), bias, at::Tensor(),
-            at::Tensor()};
+            context->needs_input_grad(1) ? weight : at::Tensor(), bias, at::Tensor(), at::Tensor()};
   }
 };
 
 at::Tensor submanifold_conv_autograd(const at::Tensor& input, const at::Tensor& weight,
-                                     const std::optional<at::Tensor>& bias,
-                                     const at::Tensor& pairs, const at::Tensor& tap_begin) {
+                                     const std::optional<at::Tensor>& bias, const at::Tensor& pairs,
+                                     const at::Tensor& tap_begin) {
   return SubmanifoldConv::apply(input, weight, bias, pairs, tap_begin);
 }
 

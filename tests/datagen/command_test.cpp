@@ -199,7 +199,7 @@ TEST_F(Command, ConcurrentShardsGiveTheWholeDataset) {
 
 TEST_F(Command, AKillLosesTheSceneInWorkAtMost) {
   const std::string arguments =
-      "generate --config tiny.yaml --quiet --scenes 6 --set rays=20000 --out ";
+      "generate --config tiny.yaml --quiet --scenes 6 --set rays=1500 --out ";
   ASSERT_EQ(run(arguments + "whole").code, 0);
   for (const char* signal : {"TERM", "KILL"}) {
     const std::string out = concat("killed_", signal);

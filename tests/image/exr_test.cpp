@@ -91,6 +91,15 @@ TEST(Exr, LayersHaveTheChannelsOfTheContract) {
   EXPECT_EQ(read_exr(dir / "a.exr", "depth").channels, 1);
 }
 
+TEST(Exr, ReadsPicturesTallerThanAStrip) {
+  const TempDir dir;
+  for (const int height : {255, 256, 257, 700}) {
+    const Image picture = random_image(3, height, 3, 1);
+    write_exr(dir / "a.exr", {{"", &picture}});
+    EXPECT_EQ(read_exr(dir / "a.exr").pixels, picture.pixels) << height;
+  }
+}
+
 TEST(Exr, OneChannelWithoutNameIsLuminance) {
   const TempDir dir;
   const Image grey = random_image(3, 2, 1, 1);
@@ -202,6 +211,9 @@ TEST(Exr, RefusesHostileSizes) {
     EXPECT_THAT(error_of([&] { read_exr(dir / "bad.exr"); }), HasSubstr("bad.exr"))
         << x << ", " << y;
   }
+  // Within the limits, but hardly any pixels follow.
+  write_file(dir / "bad.exr", with_window(good, (1 << 14) - 1, (1 << 14) - 1));
+  EXPECT_THAT(error_of([&] { read_exr(dir / "bad.exr"); }), HasSubstr("bad.exr"));
   EXPECT_LT(peak_rss_mb(), 1000) << "refused before anything was allocated";
 }
 

@@ -120,7 +120,7 @@ scene::Scene lit_floor() {
 }
 
 scene::Camera downward_camera() { return {"down", {0, 1.5f, 0}, {0, 0, 0}, {0, 0, -1}, 60}; }
-scene::Camera outside_camera() { return {"outside", {0, 1, 6}, {0, 1, 0}, {0, 1, 0}, 50}; }
+scene::Camera outside_camera() { return {"outside", {0, 0.3f, 3.5f}, {0, 1.2f, 0}, {0, 1, 0}, 70}; }
 
 data::SceneSample random_sample(const std::string& name, uint64_t seed) {
   Rng rng(seed);

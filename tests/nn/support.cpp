@@ -3,6 +3,16 @@
 #include <gtest/gtest.h>
 
 namespace lte::test {
+namespace {
+
+/// Thousands of operations on a few dozen rows: starting threads for each would take longer than the work.
+class OneThread : public ::testing::Environment {
+  void SetUp() override { at::set_num_threads(1); }
+};
+const ::testing::Environment* const kOneThread =
+    ::testing::AddGlobalTestEnvironment(new OneThread);  // owned by GoogleTest
+
+}  // namespace
 
 nn::ModelConfig tiny_config() {
   nn::ModelConfig config;

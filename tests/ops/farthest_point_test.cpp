@@ -46,8 +46,8 @@ TEST(FarthestPoint, PicksTheEndsThenTheMiddleOfALine) {
   points.select(1, 0).copy_(at::arange(5));
   const auto [index, distance] = farthest_point_sampling(points, 5);
   EXPECT_TRUE(at::equal(index, at::tensor({0, 4, 2, 1, 3})));
-  EXPECT_TRUE(at::equal(
-      distance, at::tensor({std::numeric_limits<float>::infinity(), 16.f, 4.f, 1.f, 1.f})));
+  EXPECT_TRUE(at::equal(distance,
+                        at::tensor({std::numeric_limits<float>::infinity(), 16.f, 4.f, 1.f, 1.f})));
 }
 
 TEST(FarthestPoint, MatchesBruteForceAtEverySize) {
@@ -108,8 +108,11 @@ TEST(FarthestPoint, RefusesBadInput) {
   EXPECT_TRUE(throws_saying([&] { farthest_point_sampling(good, -1); }, "count must be 0 to 4"));
   EXPECT_TRUE(throws_saying([&] { farthest_point_sampling(at::zeros({4, 4}), 1); }, "[N, 3]"));
   EXPECT_TRUE(throws_saying([&] { farthest_point_sampling(good.to(at::kDouble), 1); }, "Float"));
-  EXPECT_TRUE(throws_saying([&] { farthest_point_sampling(at::zeros({3, 4}).t(), 1); },
-                            "contiguous"));
+  EXPECT_TRUE(throws_saying(
+      [&] {
+        farthest_point_sampling(at::zeros({3, 4}).t(), 1);
+      },
+      "contiguous"));
   at::Tensor bad = good.clone();
   bad[2][0] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_TRUE(throws_saying([&] { farthest_point_sampling(bad, 1); }, "row 2 of points"));

@@ -13,7 +13,9 @@
 
 namespace lte::ops::test {
 
-inline at::Generator generator(uint64_t seed) { return at::make_generator<at::CPUGeneratorImpl>(seed); }
+inline at::Generator generator(uint64_t seed) {
+  return at::make_generator<at::CPUGeneratorImpl>(seed);
+}
 
 inline at::Tensor uniform(at::IntArrayRef shape, uint64_t seed, at::ScalarType dtype = at::kFloat) {
   return at::rand(shape, generator(seed), at::TensorOptions().dtype(dtype));
@@ -46,7 +48,7 @@ inline std::vector<std::pair<std::string, at::Tensor>> awkward_points(int64_t N)
           {"coincident", at::full({N, 3}, 1.5f)},
           {"far", base + 1e6f},
           {"outlier", outlier},
-          {"tiny", base * 1e-25f},     // squares underflow
+          {"tiny", base * 1e-25f},          // squares underflow
           {"huge", base * 1e30f - 5e29f}};  // squares overflow
 }
 

@@ -79,7 +79,8 @@ TEST(Knn, MatchesBruteForceOnAwkwardPoints) {
   for (const auto& [name, points] : test::awkward_points(1500)) {
     expect_exact(points, points, 32, name + ", every point a query");
     const at::Tensor near = (points + points * test::normal({1500, 3}, 3, at::kFloat) * 1e-3f)
-                                .narrow(0, 0, 400).contiguous();
+                                .narrow(0, 0, 400)
+                                .contiguous();
     expect_exact(near, points, 9, name + ", queries beside them");
     expect_exact(test::uniform({100, 3}, 4), points, 40, name + ", queries in the unit cube");
   }
@@ -89,6 +90,14 @@ TEST(Knn, MatchesBruteForceForManyNeighbours) {
   const at::Tensor points = test::uniform({2000, 3}, 1);
   for (const int64_t k : {255, 256, 257, 1999, 2000, 2001}) {
     expect_exact(points.narrow(0, 0, 20), points, k, "k " + std::to_string(k));
+  }
+}
+
+TEST(Knn, MatchesBruteForceForManyMoreQueriesThanPoints) {
+  // Packets of queries that share candidates, repeated queries among them.
+  const at::Tensor dense = test::uniform({20000, 3}, 5).mul(60).floor().div(60);
+  for (const auto& [name, points] : test::awkward_points(300)) {
+    expect_exact(dense.narrow(0, 0, name == "uniform" ? 20000 : 2000), points, 32, name);
   }
 }
 

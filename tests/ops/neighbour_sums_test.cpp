@@ -104,7 +104,9 @@ TEST(NeighbourSums, AGradientByOneSumAloneIsComplete) {
 
 TEST(NeighbourSums, AcceptStridedInputs) {
   const Inputs in = make_inputs({2, 6, 20, 9, 4});
-  const auto strided = [](const at::Tensor& t) { return t.transpose(0, 2).contiguous().transpose(0, 2); };
+  const auto strided = [](const at::Tensor& t) {
+    return t.transpose(0, 2).contiguous().transpose(0, 2);
+  };
   const auto plain = neighbour_sums(in.keys, in.values, in.position, in.index);
   const auto other = neighbour_sums(strided(in.keys), strided(in.values), strided(in.position),
                                     in.index.t().contiguous().t());
@@ -170,8 +172,10 @@ TEST(NeighbourSums, RefuseBadInput) {
                         const at::Tensor& i) { return [=] { neighbour_sums(k, v, p, i); }; };
   EXPECT_TRUE(throws_saying(sums(in.keys[0], in.values, in.position, in.index), "[L, m, C]"));
   EXPECT_TRUE(throws_saying(sums(in.keys, in.values[0], in.position, in.index), "shape of keys"));
-  EXPECT_TRUE(throws_saying(sums(in.keys, in.values.to(at::kDouble), in.position, in.index), "float64"));
-  EXPECT_TRUE(throws_saying(sums(in.keys, in.values, in.position[0], in.index), "position must be"));
+  EXPECT_TRUE(
+      throws_saying(sums(in.keys, in.values.to(at::kDouble), in.position, in.index), "float64"));
+  EXPECT_TRUE(
+      throws_saying(sums(in.keys, in.values, in.position[0], in.index), "position must be"));
   EXPECT_TRUE(throws_saying(sums(in.keys, in.values, in.position, in.index[0]), "[Q, K] int64"));
   EXPECT_TRUE(throws_saying(sums(in.keys, in.values, in.position, in.index.to(at::kInt)), "int64"));
   at::Tensor index = in.index.clone();
@@ -193,9 +197,12 @@ TEST(NeighbourSums, InferenceRefusesBadInput) {
   EXPECT_TRUE(throws_saying(sums(in.keys, hidden, weight, bias, in.index), "neighbour_table()"));
   EXPECT_TRUE(throws_saying(sums(table, hidden[0], weight, bias, in.index), "hidden must be"));
   EXPECT_TRUE(throws_saying(sums(table, hidden, weight, at::ones({19}), in.index), "bias [C]"));
-  EXPECT_TRUE(throws_saying(sums(table, hidden, at::ones({60, 5}), at::ones({60}), in.index), "C = 60"));
-  EXPECT_TRUE(throws_saying(sums(table, hidden.to(at::kDouble), weight, bias, in.index), "float32"));
-  EXPECT_TRUE(throws_saying(sums(table, hidden, weight, bias, in.index + 6), "outside the 6 latents"));
+  EXPECT_TRUE(
+      throws_saying(sums(table, hidden, at::ones({60, 5}), at::ones({60}), in.index), "C = 60"));
+  EXPECT_TRUE(
+      throws_saying(sums(table, hidden.to(at::kDouble), weight, bias, in.index), "float32"));
+  EXPECT_TRUE(
+      throws_saying(sums(table, hidden, weight, bias, in.index + 6), "outside the 6 latents"));
 }
 
 }  // namespace

@@ -25,8 +25,8 @@ at::Tensor cells_of(std::vector<int32_t> values) {
 
 TEST(CurveCodes, EqualPublishedValues) {
   // z and the transposed z by hand; Hilbert also agrees with the numpy-hilbert-curve package.
-  const at::Tensor cells = cells_of({1, 2, 3, 5, 3, 6, 100, 200, 300, 1023, 0, 511, 65535, 1,
-                                     32768, 12345, 54321, 33333});
+  const at::Tensor cells = cells_of(
+      {1, 2, 3, 5, 3, 6, 100, 200, 300, 1023, 0, 511, 65535, 1, 32768, 12345, 54321, 33333});
   const std::vector<int64_t> expected[] = {
       {29, 350, 22710080, 632740717, 196027215923494, 116962831366215},
       {43, 238, 26839744, 325957339, 115605794006166, 195030304420935},
@@ -63,7 +63,8 @@ TEST(CurveCodes, VisitEveryCellOnce) {
 TEST(CurveCodes, HilbertStepsToAFaceNeighbour) {
   for (const int64_t bits : {1, 2, 4, 5}) {
     const at::Tensor cells = all_cells(bits);
-    const at::Tensor path = cells.index_select(0, curve_codes(cells, Curve::Hilbert, bits).argsort());
+    const at::Tensor path =
+        cells.index_select(0, curve_codes(cells, Curve::Hilbert, bits).argsort());
     const at::Tensor steps = path.diff(1, 0).abs().sum(1);
     EXPECT_TRUE(steps.eq(1).all().item<bool>()) << bits << " bits";
   }
@@ -72,7 +73,8 @@ TEST(CurveCodes, HilbertStepsToAFaceNeighbour) {
 TEST(CurveCodes, DroppingABitOfTheCellDropsThreeOfTheCode) {
   const at::Tensor cells = test::integers(1 << 16, {500, 3}, 5, at::kInt);
   for (const Curve curve : kCurves) {
-    const at::Tensor coarse = curve_codes(at::bitwise_right_shift(cells, 1).contiguous(), curve, 15);
+    const at::Tensor coarse =
+        curve_codes(at::bitwise_right_shift(cells, 1).contiguous(), curve, 15);
     EXPECT_TRUE(at::equal(at::bitwise_right_shift(curve_codes(cells, curve, 16), 3), coarse));
   }
 }
@@ -81,8 +83,8 @@ TEST(CurveCodes, TransposedSwapsXAndY) {
   const at::Tensor cells = test::integers(1 << 16, {500, 3}, 6, at::kInt);
   const at::Tensor swapped = cells.index_select(1, at::tensor({1, 0, 2})).contiguous();
   EXPECT_TRUE(at::equal(curve_codes(cells, Curve::ZTransposed), curve_codes(swapped, Curve::Z)));
-  EXPECT_TRUE(
-      at::equal(curve_codes(cells, Curve::HilbertTransposed), curve_codes(swapped, Curve::Hilbert)));
+  EXPECT_TRUE(at::equal(curve_codes(cells, Curve::HilbertTransposed),
+                        curve_codes(swapped, Curve::Hilbert)));
 }
 
 TEST(CurveCodes, NoCellsGiveNoCodes) {
@@ -93,8 +95,11 @@ TEST(CurveCodes, RefuseBadInput) {
   const at::Tensor good = at::zeros({4, 3}, at::kInt);
   EXPECT_TRUE(throws_saying([&] { curve_codes(good.narrow(1, 0, 2), Curve::Z); }, "[N, 3]"));
   EXPECT_TRUE(throws_saying([&] { curve_codes(good.to(at::kLong), Curve::Z); }, "Int"));
-  EXPECT_TRUE(throws_saying([&] { curve_codes(at::zeros({3, 4}, at::kInt).t(), Curve::Z); },
-                            "contiguous"));
+  EXPECT_TRUE(throws_saying(
+      [&] {
+        curve_codes(at::zeros({3, 4}, at::kInt).t(), Curve::Z);
+      },
+      "contiguous"));
   EXPECT_TRUE(throws_saying([&] { curve_codes(good, Curve::Z, 0); }, "bits"));
   EXPECT_TRUE(throws_saying([&] { curve_codes(good, Curve::Z, 22); }, "bits"));
   EXPECT_TRUE(throws_saying([&] { curve_codes(good, static_cast<Curve>(4)); }, "curve must be"));

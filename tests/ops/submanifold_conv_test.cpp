@@ -45,7 +45,8 @@ std::vector<std::array<int64_t, 3>> expected_pairs(const at::Tensor& cells, int6
   std::map<std::array<int64_t, 3>, int64_t> first;
   const at::Tensor wide = cells.to(at::kLong);
   const auto* c = wide.const_data_ptr<int64_t>();
-  for (int64_t i = 0; i < cells.size(0); ++i) first.insert({{c[3 * i], c[3 * i + 1], c[3 * i + 2]}, i});
+  for (int64_t i = 0; i < cells.size(0); ++i)
+    first.insert({{c[3 * i], c[3 * i + 1], c[3 * i + 2]}, i});
   std::vector<std::array<int64_t, 3>> pairs;  // tap, output, input
   for (int64_t tap = 0; tap < kernel * kernel * kernel; ++tap) {
     const int64_t d[3] = {tap / (kernel * kernel) - kernel / 2, tap / kernel % kernel - kernel / 2,
@@ -160,9 +161,12 @@ TEST(SubmanifoldConv, GradientsAreFiniteDifferencesWithSharedCells) {
     return (submanifold_conv(x, w, b, pairs, tap_begin) * probe).sum();
   };
   loss(input, weight, bias).backward();
-  const auto by_input = test::numerical_gradient([&](auto& x) { return loss(x, weight, bias); }, input);
-  const auto by_weight = test::numerical_gradient([&](auto& w) { return loss(input, w, bias); }, weight);
-  const auto by_bias = test::numerical_gradient([&](auto& b) { return loss(input, weight, b); }, bias);
+  const auto by_input =
+      test::numerical_gradient([&](auto& x) { return loss(x, weight, bias); }, input);
+  const auto by_weight =
+      test::numerical_gradient([&](auto& w) { return loss(input, w, bias); }, weight);
+  const auto by_bias =
+      test::numerical_gradient([&](auto& b) { return loss(input, weight, b); }, bias);
   EXPECT_LT(test::relative_error(input.grad(), by_input), 1e-8);
   EXPECT_LT(test::relative_error(weight.grad(), by_weight), 1e-8);
   EXPECT_LT(test::relative_error(bias.grad(), by_bias), 1e-8);
@@ -170,12 +174,12 @@ TEST(SubmanifoldConv, GradientsAreFiniteDifferencesWithSharedCells) {
 
 TEST(SubmanifoldConv, WorksWithoutBiasAndWithoutPoints) {
   const auto [pairs, tap_begin] = convolution_pairs(at::empty({0, 3}, at::kInt), 3);
-  const at::Tensor none = submanifold_conv(at::empty({0, 4}), at::ones({27, 4, 6}), at::Tensor(),
-                                           pairs, tap_begin);
+  const at::Tensor none =
+      submanifold_conv(at::empty({0, 4}), at::ones({27, 4, 6}), at::Tensor(), pairs, tap_begin);
   EXPECT_EQ(none.sizes(), (at::IntArrayRef{0, 6}));
   const auto [one, one_begin] = convolution_pairs(at::zeros({1, 3}, at::kInt), 3);
-  const at::Tensor sum = submanifold_conv(at::ones({1, 4}), at::ones({27, 4, 6}), at::Tensor(), one,
-                                          one_begin);
+  const at::Tensor sum =
+      submanifold_conv(at::ones({1, 4}), at::ones({27, 4, 6}), at::Tensor(), one, one_begin);
   EXPECT_TRUE(at::equal(sum, at::full({1, 6}, 4.0f)));
 }
 
@@ -198,9 +202,8 @@ TEST(SubmanifoldConv, RefusesBadInput) {
   const at::Tensor pairs = pairs_, begin = begin_, none;
   const at::Tensor input = at::ones({1, 4}), weight = at::ones({27, 4, 6});
   const auto conv = [&](const at::Tensor& x, const at::Tensor& w, const at::Tensor& b,
-                        const at::Tensor& p, const at::Tensor& t) {
-    return [=] { submanifold_conv(x, w, b, p, t); };
-  };
+                        const at::Tensor& p,
+                        const at::Tensor& t) { return [=] { submanifold_conv(x, w, b, p, t); }; };
   EXPECT_TRUE(throws_saying(conv(at::ones({4}), weight, none, pairs, begin), "[N, Cin]"));
   EXPECT_TRUE(throws_saying(conv(at::ones({1, 5}), weight, none, pairs, begin), "Cin = 5"));
   EXPECT_TRUE(throws_saying(conv(input, weight.to(at::kDouble), none, pairs, begin), "float64"));

@@ -180,6 +180,20 @@ TEST_F(Load, ReadsSignedNormalizedShorts) {
   EXPECT_EQ(mesh.uvs[0][1].x, -1) << "the most negative code is clamped";
 }
 
+TEST_F(Load, ReadsQuantizedPositions) {
+  GltfBuilder builder;
+  const int view =
+      builder.view(std::vector<int16_t>{0, 0, 0, 0, 32767, 0, 0, 0, 0, 32767, 0, 0}, 8);
+  builder.json["accessors"] = {{{"bufferView", view},
+                                {"componentType", 5122},
+                                {"normalized", true},
+                                {"count", 3},
+                                {"type", "VEC3"}}};
+  builder.json["extensionsRequired"] = {"KHR_mesh_quantization"};
+  builder.mesh({{"attributes", {{"POSITION", 0}}}});
+  expect_unit_triangle(load(builder));
+}
+
 TEST_F(Load, FollowsStridesAndOffsets) {
   // Interleaved position and uv, 20 bytes a vertex, after 4 bytes of something else.
   GltfBuilder builder;

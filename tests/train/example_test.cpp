@@ -43,7 +43,8 @@ TEST(DrawRows, AreDistinctAscendingAndInRange) {
 }
 
 TEST(DrawRows, EveryRowIsEquallyLikely) {
-  // 7 of 10: runs of one and of two rows, which without the random start would be drawn with probability 1 and 1/2.
+  // 7 of 10: runs of one and of two rows, which without the random start would be drawn with
+  // probability 1 and 1/2.
   Rng rng(2);
   constexpr int kDraws = 20'000;
   std::vector<int> hits(10, 0);
@@ -58,7 +59,8 @@ TEST(DrawSceneRows, KeepsEveryLuminaireAndTheProportions) {
   Rng rng(3);
   for (int draw = 0; draw < 20; ++draw) {
     std::map<int32_t, int> kept;
-    for (const int64_t row : draw_scene_rows(scene, 100, &rng)) ++kept[scene.light[static_cast<size_t>(row)]];
+    for (const int64_t row : draw_scene_rows(scene, 100, &rng))
+      ++kept[scene.light[static_cast<size_t>(row)]];
     EXPECT_EQ(kept[0], 1);  // three in a thousand, of a hundred: still there
     EXPECT_EQ(kept[1], 5);
     EXPECT_EQ(kept[-1], 95);
@@ -89,7 +91,8 @@ TEST(MakeExample, ABlackSceneHasATargetOfZero) {
   for (Rgb& emission : scene.emission) emission = {};
   for (Rgb& target : scene.target) target = {};
   Rng rng(6);
-  EXPECT_EQ(make_example(scene, identity_symmetry(2), 50, 0, &rng).target.abs().max().item<double>(), 0);
+  EXPECT_EQ(
+      make_example(scene, identity_symmetry(2), 50, 0, &rng).target.abs().max().item<double>(), 0);
 }
 
 TEST(SceneStore, DropsTheLeastRecentlyUsed) {
@@ -112,8 +115,10 @@ TEST(SceneStore, TotalIsDirectPlusIndirect) {
   const test::TempDir dir;
   test::write_dataset(dir.path(), 1, 0);
   const data::SceneSample sample = data::read_scene_sample(data::scene_path(dir.path(), "room0"));
-  const TrainingScene total = read_training_scene(data::scene_path(dir.path(), "room0"), "room0", "total");
-  const TrainingScene indirect = read_training_scene(data::scene_path(dir.path(), "room0"), "room0", "indirect");
+  const TrainingScene total =
+      read_training_scene(data::scene_path(dir.path(), "room0"), "room0", "total");
+  const TrainingScene indirect =
+      read_training_scene(data::scene_path(dir.path(), "room0"), "room0", "indirect");
   for (size_t i = 0; i < sample.direct.size(); ++i) {
     EXPECT_EQ(total.target[i], sample.direct[i] + sample.indirect[i]);
     EXPECT_EQ(indirect.target[i], sample.indirect[i]);

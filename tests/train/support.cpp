@@ -1,7 +1,6 @@
 #include "tests/train/support.h"
 
 #include <cstdlib>
-
 #include <fstream>
 
 #include "lte/base/check.h"
@@ -30,9 +29,9 @@ float form_factor(const Vec3& p, const Vec3& n, const Vec3& q, const Vec3& m) {
   return a * b / (r2 * r2);
 }
 
-std::vector<Rgb> gather(const std::vector<Vec3>& at, const std::vector<Vec3>& at_normal, const std::vector<Vec3>& from,
-                        const std::vector<Vec3>& from_normal, const std::vector<Rgb>& radiance,
-                        const std::vector<float>& area) {
+std::vector<Rgb> gather(const std::vector<Vec3>& at, const std::vector<Vec3>& at_normal,
+                        const std::vector<Vec3>& from, const std::vector<Vec3>& from_normal,
+                        const std::vector<Rgb>& radiance, const std::vector<float>& area) {
   std::vector<Rgb> out(at.size());
   for (size_t i = 0; i < at.size(); ++i) {
     for (size_t j = 0; j < from.size(); ++j) {
@@ -60,8 +59,9 @@ TempDir::~TempDir() {
 }
 
 Transport transport(const std::vector<Vec3>& position, const std::vector<Vec3>& normal,
-                    const std::vector<Rgb>& albedo, const std::vector<Rgb>& emission, const std::vector<float>& area,
-                    const std::vector<Vec3>& query_position, const std::vector<Vec3>& query_normal) {
+                    const std::vector<Rgb>& albedo, const std::vector<Rgb>& emission,
+                    const std::vector<float>& area, const std::vector<Vec3>& query_position,
+                    const std::vector<Vec3>& query_normal) {
   Transport out;
   out.direct = gather(query_position, query_normal, position, normal, emission, area);
   std::vector<Rgb> reflected = gather(position, normal, position, normal, emission, area);
@@ -76,13 +76,15 @@ data::SceneSample box_sample(uint64_t seed, int64_t points, int64_t queries) {
   sample.light_groups = 2;
   sample.seed = seed;
   sample.bounds_high = kRoom;
-  const float area = 2 * (kRoom.x * kRoom.y + kRoom.y * kRoom.z + kRoom.z * kRoom.x) / static_cast<float>(points);
+  const float area =
+      2 * (kRoom.x * kRoom.y + kRoom.y * kRoom.z + kRoom.z * kRoom.x) / static_cast<float>(points);
   for (int64_t i = 0; i < points; ++i) {
     Vec3 p, n;
     wall_point(&rng, &p, &n);
     const int group = i < 8 ? 0 : i < 16 ? 1 : -1;
     if (group >= 0) {  // under the ceiling, facing down
-      p = {rng.uniform(0.5f, 1.0f) + 2.0f * static_cast<float>(group), 2.9f, rng.uniform(1.0f, 4.0f)};
+      p = {rng.uniform(0.5f, 1.0f) + 2.0f * static_cast<float>(group), 2.9f,
+           rng.uniform(1.0f, 4.0f)};
       n = {0, -1, 0};
     }
     sample.scene_position.push_back(p);
@@ -101,9 +103,11 @@ data::SceneSample box_sample(uint64_t seed, int64_t points, int64_t queries) {
   }
   for (int group = 0; group < 2; ++group) {
     std::vector<Rgb> emission = sample.scene_emission;
-    for (size_t i = 0; i < emission.size(); ++i) emission[i] *= sample.scene_light[i] == group ? 1.0f : 0.0f;
-    const Transport part = transport(sample.scene_position, sample.scene_normal, sample.scene_albedo, emission,
-                                     sample.scene_area, sample.query_position, sample.query_normal);
+    for (size_t i = 0; i < emission.size(); ++i)
+      emission[i] *= sample.scene_light[i] == group ? 1.0f : 0.0f;
+    const Transport part =
+        transport(sample.scene_position, sample.scene_normal, sample.scene_albedo, emission,
+                  sample.scene_area, sample.query_position, sample.query_normal);
     sample.direct.insert(sample.direct.end(), part.direct.begin(), part.direct.end());
     sample.indirect.insert(sample.indirect.end(), part.indirect.begin(), part.indirect.end());
   }
@@ -122,24 +126,25 @@ void write_dataset(const std::filesystem::path& root, int train, int val,
     sample.name = concat("room", i);
     if (edit) edit(i, &sample);
     data::write_scene_sample(data::scene_path(root, sample.name), sample);
-    info.scenes.push_back({sample.name, i < train ? data::Split::Train : data::Split::Val, sample.seed,
-                           sample.scene_points(), sample.query_points()});
+    info.scenes.push_back({sample.name, i < train ? data::Split::Train : data::Split::Val,
+                           sample.seed, sample.scene_points(), sample.query_points()});
   }
   data::write_dataset_info(root, info);
 }
 
 std::string tiny_yaml(const std::filesystem::path& root, const std::filesystem::path& output) {
-  return concat("seed: 5\noutput: ", output.string(), "\ndata: {root: ", root.string(),
-                ", scene_points: 192, queries_per_scene: 96}\n",
-                "model: {channels: 32, nne_neighbours: 6, encoder_depths: [1, 1], encoder_widths: [1, 1], ",
-                "decoder_depths: [1], decoder_widths: [1], patch_size: 16, stem: conv3, dropout: 0.1, ",
-                "query_neighbours: 6, query_layers: 2, gamma_hidden: 16}\n",
-                "train: {steps: 8, scenes_per_step: 2, learning_rate: 2.0e-3, min_learning_rate: 1.0e-4, ",
-                "warmup_steps: 2, ema_decay: 0.9, log_every: 2, checkpoint_every: 3, validate_every: 4}\n");
+  return concat(
+      "seed: 5\noutput: ", output.string(), "\ndata: {root: ", root.string(),
+      ", scene_points: 192, queries_per_scene: 96}\n",
+      "model: {channels: 32, nne_neighbours: 6, encoder_depths: [1, 1], encoder_widths: [1, 1], ",
+      "decoder_depths: [1], decoder_widths: [1], patch_size: 16, stem: conv3, dropout: 0.1, ",
+      "query_neighbours: 6, query_layers: 2, gamma_hidden: 16}\n",
+      "train: {steps: 8, scenes_per_step: 2, learning_rate: 2.0e-3, min_learning_rate: 1.0e-4, ",
+      "warmup_steps: 2, ema_decay: 0.9, log_every: 2, checkpoint_every: 3, validate_every: 4}\n");
 }
 
-train::TrainConfig tiny_config(const std::filesystem::path& root, const std::filesystem::path& output,
-                               const std::string& extra) {
+train::TrainConfig tiny_config(const std::filesystem::path& root,
+                               const std::filesystem::path& output, const std::string& extra) {
   const TempDir dir;
   const std::filesystem::path base = dir / "base.yaml", file = dir / "cfg.yaml";
   std::ofstream(base) << tiny_yaml(root, output);
@@ -150,7 +155,8 @@ train::TrainConfig tiny_config(const std::filesystem::path& root, const std::fil
 std::vector<Vec3> triples_of(const at::Tensor& tensor) {
   std::vector<Vec3> out;
   const float* values = tensor.const_data_ptr<float>();
-  for (int64_t i = 0; i < tensor.size(0); ++i) out.push_back({values[3 * i], values[3 * i + 1], values[3 * i + 2]});
+  for (int64_t i = 0; i < tensor.size(0); ++i)
+    out.push_back({values[3 * i], values[3 * i + 1], values[3 * i + 2]});
   return out;
 }
 
@@ -159,7 +165,8 @@ void expect_error(const std::function<void()>& body, const std::vector<std::stri
     body();
   } catch (const std::exception& error) {
     for (const std::string& part : parts) {
-      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what() << "\nlacks: " << part;
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos)
+          << error.what() << "\nlacks: " << part;
     }
     return;
   }

@@ -27,9 +27,10 @@ class TempDir {
   std::filesystem::path path_;
 };
 
-/// A box room of `points` random surface points, two luminaires of eight points under its ceiling, and `queries` query
-/// points on its walls. Direct irradiance of a query is the sum over emitting points, indirect one bounce off all
-/// points, as transport() computes them: nothing is hidden between points, so this is an exact functional of them.
+/// A box room of `points` random surface points, two luminaires of eight points under its ceiling,
+/// and `queries` query points on its walls. Direct irradiance of a query is the sum over emitting
+/// points, indirect one bounce off all points, as transport() computes them: nothing is hidden
+/// between points, so this is an exact functional of them.
 data::SceneSample box_sample(uint64_t seed, int64_t points = 256, int64_t queries = 200);
 
 /// Direct and one-bounce irradiance at queries, from emitting and reflecting points.
@@ -37,17 +38,19 @@ struct Transport {
   std::vector<Rgb> direct, indirect;
 };
 Transport transport(const std::vector<Vec3>& position, const std::vector<Vec3>& normal,
-                    const std::vector<Rgb>& albedo, const std::vector<Rgb>& emission, const std::vector<float>& area,
-                    const std::vector<Vec3>& query_position, const std::vector<Vec3>& query_normal);
+                    const std::vector<Rgb>& albedo, const std::vector<Rgb>& emission,
+                    const std::vector<float>& area, const std::vector<Vec3>& query_position,
+                    const std::vector<Vec3>& query_normal);
 
-/// Writes `train` + `val` box rooms, named room0, room1, ...; `edit` may change each before it is written.
+/// Writes `train` + `val` box rooms, named room0, room1, ...; `edit` may change each before it is
+/// written.
 void write_dataset(const std::filesystem::path& root, int train, int val,
                    const std::function<void(int, data::SceneSample*)>& edit = {});
 
 /// Smallest network that has every part, some steps, no augmentation off.
 std::string tiny_yaml(const std::filesystem::path& root, const std::filesystem::path& output);
-train::TrainConfig tiny_config(const std::filesystem::path& root, const std::filesystem::path& output,
-                               const std::string& extra = "");
+train::TrainConfig tiny_config(const std::filesystem::path& root,
+                               const std::filesystem::path& output, const std::string& extra = "");
 
 /// [N] triples of a [N, 3] float tensor.
 std::vector<Vec3> triples_of(const at::Tensor& tensor);

@@ -1,4 +1,5 @@
-// The neighbour map of a submanifold convolution on the CPU: one merge of sorted cells with themselves, shifted, a tap.
+// The neighbour map of a submanifold convolution on the CPU: one merge of sorted cells with
+// themselves, shifted, a tap.
 #include <algorithm>
 #include <numeric>
 #include <vector>
@@ -26,9 +27,8 @@ struct SortedCells {
     for (int64_t i = 0; i < N; ++i) keys[i] = pack(cells + 3 * i, half);
     std::vector<int32_t> order(N);
     std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(), [&](int32_t a, int32_t b) {
-      return keys[a] != keys[b] ? keys[a] < keys[b] : a < b;
-    });
+    std::sort(order.begin(), order.end(),
+              [&](int32_t a, int32_t b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
     for (const int32_t row : order) {
       if (key.empty() || key.back() != keys[row]) {
         key.push_back(keys[row]);
@@ -43,7 +43,8 @@ struct SortedCells {
   }
 };
 
-/// Input row of every distinct cell for the tap at key distance `shift`, or -1. Adding a constant keeps the order.
+/// Input row of every distinct cell for the tap at key distance `shift`, or -1. Adding a constant
+/// keeps the order.
 void match(const SortedCells& cells, int64_t shift, std::vector<int32_t>& input) {
   const auto n = static_cast<int64_t>(cells.key.size());
   int64_t other = 0;
@@ -73,7 +74,8 @@ std::tuple<at::Tensor, at::Tensor> convolution_pairs_cpu(const at::Tensor& cells
     for (int64_t tap = begin; tap < end; ++tap) {
       const int64_t dx = tap / (kernel * kernel) - half, dy = tap / kernel % kernel - half,
                     dz = tap % kernel - half;
-      const int64_t shift = ((dx * (int64_t{1} << kFieldBits)) + dy) * (int64_t{1} << kFieldBits) + dz;
+      const int64_t shift =
+          ((dx * (int64_t{1} << kFieldBits)) + dy) * (int64_t{1} << kFieldBits) + dz;
       if (shift != 0) match(sorted, shift, input);
       for (int32_t row = 0; row < N; ++row) {
         const int32_t from = shift == 0 ? row : input[sorted.slot[row]];

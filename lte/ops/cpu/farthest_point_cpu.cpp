@@ -1,4 +1,5 @@
-// Farthest point sampling on the CPU: exact, but a pick only visits the buckets of points it can come nearer to.
+// Farthest point sampling on the CPU: exact, but a pick only visits the buckets of points it can
+// come nearer to.
 #include <limits>
 #include <vector>
 
@@ -18,9 +19,15 @@ constexpr float kPicked = -1;  ///< below every distance: a point is picked once
 class Sampler {
  public:
   explicit Sampler(const KdTree& tree)
-      : tree_(tree), kernels_(point_kernels()), count_(static_cast<int64_t>(tree.leaves.size())),
-        stride_(count_ + KdTree::kPadding), box_(6 * stride_), reach_(stride_, kPicked),
-        farthest_(count_), row_(count_), visit_(stride_ + KdTree::kPadding),
+      : tree_(tree),
+        kernels_(point_kernels()),
+        count_(static_cast<int64_t>(tree.leaves.size())),
+        stride_(count_ + KdTree::kPadding),
+        box_(6 * stride_),
+        reach_(stride_, kPicked),
+        farthest_(count_),
+        row_(count_),
+        visit_(stride_ + KdTree::kPadding),
         distance_(tree.index.size() + KdTree::kPadding, std::numeric_limits<float>::infinity()) {
     for (int64_t b = 0; b < count_; ++b) {
       const KdTree::Node& node = bucket(b);
@@ -51,16 +58,17 @@ class Sampler {
     const int64_t position = farthest_[picked];
     const float point[3] = {tree_.x[position], tree_.y[position], tree_.z[position]};
     distance_[position] = kPicked;
-    reach_[picked] = std::numeric_limits<float>::infinity();  // visit it even if all else there coincides
+    reach_[picked] =
+        std::numeric_limits<float>::infinity();  // visit it even if all else there coincides
     // A bucket with nothing farther than the distance of its box cannot change.
     const int64_t visits =
         kernels_.reached(box_.data(), stride_, count_, point, reach_.data(), visit_.data());
     for (int64_t i = 0; i < visits; ++i) {
       const int64_t b = visit_[i], begin = bucket(b).begin;
       int64_t first = 0;
-      reach_[b] = kernels_.relax(tree_.x.data() + begin, tree_.y.data() + begin,
-                                 tree_.z.data() + begin, bucket(b).end - begin, point,
-                                 distance_.data() + begin, &first);
+      reach_[b] =
+          kernels_.relax(tree_.x.data() + begin, tree_.y.data() + begin, tree_.z.data() + begin,
+                         bucket(b).end - begin, point, distance_.data() + begin, &first);
       farthest_[b] = begin + first;
       row_[b] = tree_.index[farthest_[b]];
     }
@@ -76,7 +84,7 @@ class Sampler {
   std::vector<int64_t> farthest_;   ///< position of the point at that distance
   std::vector<int32_t> row_;        ///< and its row
   std::vector<int32_t> visit_;
-  std::vector<float> distance_;     ///< of every position to the picks so far
+  std::vector<float> distance_;  ///< of every position to the picks so far
 };
 
 std::tuple<at::Tensor, at::Tensor> farthest_point_sampling_cpu(const at::Tensor& points,

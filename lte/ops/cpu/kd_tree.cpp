@@ -20,8 +20,8 @@ void fit_bounds(KdTree::Node& node, const float* points, const std::vector<int32
   }
 }
 
-/// Where to cut: near the middle, on a multiple of the leaf size, and never between equal coordinates, so that `split`
-/// sends every point to its own side.
+/// Where to cut: near the middle, on a multiple of the leaf size, and never between equal
+/// coordinates, so that `split` sends every point to its own side.
 int32_t partition(const KdTree::Node& node, const float* points, std::vector<int32_t>& index,
                   int leaf_size, int axis) {
   const auto coordinate = [&](int32_t row) { return points[3 * static_cast<int64_t>(row) + axis]; };

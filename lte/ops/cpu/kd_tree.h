@@ -14,18 +14,19 @@ struct KdTree {
     int32_t parent;         ///< -1 for the root
     int32_t left;           ///< children left and left + 1; -1 for a leaf
     int32_t axis;
-    float split;            ///< a point with coordinate[axis] < split belongs to the left child
+    float split;  ///< a point with coordinate[axis] < split belongs to the left child
   };
 
-  std::vector<Node> nodes;        ///< nodes[0] is the root; empty without points
-  std::vector<int32_t> leaves;    ///< node numbers in the order of their points
-  std::vector<float> x, y, z;     ///< coordinates in leaf order, and kPadding more that may be read
-  std::vector<int32_t> index;     ///< original row of each; ascending inside a leaf
+  std::vector<Node> nodes;      ///< nodes[0] is the root; empty without points
+  std::vector<int32_t> leaves;  ///< node numbers in the order of their points
+  std::vector<float> x, y, z;   ///< coordinates in leaf order, and kPadding more that may be read
+  std::vector<int32_t> index;   ///< original row of each; ascending inside a leaf
 
   static constexpr int kPadding = 16;
 
-  /// Median splits of the widest axis; all leaves but the last of a subtree hold `leaf_size` points. Points that
-  /// coincide are not split: such a leaf may be larger, and keeps its `max_coincident` lowest rows only.
+  /// Median splits of the widest axis; all leaves but the last of a subtree hold `leaf_size`
+  /// points. Points that coincide are not split: such a leaf may be larger, and keeps its
+  /// `max_coincident` lowest rows only.
   ///
   /// @param points  [count, 3], finite
   KdTree(const float* points, int64_t count, int leaf_size,
@@ -40,8 +41,8 @@ struct KdTree {
   }
 };
 
-/// Squared distance from a point to a node's bounds. Every step rounds monotonically and in the order of the point
-/// kernels, so it never exceeds the computed distance of a point inside.
+/// Squared distance from a point to a node's bounds. Every step rounds monotonically and in the
+/// order of the point kernels, so it never exceeds the computed distance of a point inside.
 inline float box_distance2(const KdTree::Node& node, const float* point) {
   float d[3];
   for (int axis = 0; axis < 3; ++axis) {

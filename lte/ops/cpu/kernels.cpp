@@ -6,10 +6,10 @@
 
 #include <c10/util/Exception.h>
 
-#define LTE_DECLARE_KERNELS(isa)            \
-  namespace lte::ops::isa {                 \
-  extern const PointKernels kPointKernels;  \
-  extern const SumKernels<float> kFloatSums; \
+#define LTE_DECLARE_KERNELS(isa)               \
+  namespace lte::ops::isa {                    \
+  extern const PointKernels kPointKernels;     \
+  extern const SumKernels<float> kFloatSums;   \
   extern const SumKernels<double> kDoubleSums; \
   }
 

@@ -1,9 +1,10 @@
 // k nearest neighbours on the CPU: queries in packets that share one list of candidates.
 //
-// Queries are sorted by the k-d tree's leaf, then along a curve inside it. The first query of a packet, its leader, walks the
-// tree; r is the distance of its k-th neighbour. A query at distance d from the leader finds its k nearest within r + d of
-// itself, so within r + 2 d of the leader: one walk with the packet's largest d collects candidates for all of it.
-// Ranking candidates by counting has no branches to mispredict. No result depends on how queries are grouped.
+// Queries are sorted by the k-d tree's leaf, then along a curve inside it. The first query of a
+// packet, its leader, walks the tree; r is the distance of its k-th neighbour. A query at distance
+// d from the leader finds its k nearest within r + d of itself, so within r + 2 d of the leader:
+// one walk with the packet's largest d collects candidates for all of it. Ranking candidates by
+// counting has no branches to mispredict. No result depends on how queries are grouped.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -24,9 +25,9 @@ namespace {
 
 constexpr int kLeafSize = 16;
 constexpr int64_t kMaxPacket = 64;
-constexpr float kPacketReach = 0.6f;   ///< of r: how far from the leader a packet extends
-constexpr int64_t kMaxRanked = 256;    ///< counting is quadratic: longer lists are sorted
-constexpr int64_t kChunk = 512;        ///< queries a thread takes at once
+constexpr float kPacketReach = 0.6f;  ///< of r: how far from the leader a packet extends
+constexpr int64_t kMaxRanked = 256;   ///< counting is quadratic: longer lists are sorted
+constexpr int64_t kChunk = 512;       ///< queries a thread takes at once
 
 void check_knn_args(const at::Tensor& queries, const at::Tensor& points, int64_t k) {
   check_triples(queries, at::kFloat, "knn", "queries");
@@ -44,18 +45,24 @@ struct Candidates {
   std::vector<int32_t> id;
   int64_t count = 0;
 
-  explicit Candidates(int64_t capacity)
-      : x(capacity), y(capacity), z(capacity), id(capacity) {}
+  explicit Candidates(int64_t capacity) : x(capacity), y(capacity), z(capacity), id(capacity) {}
 };
 
 /// One thread's working memory and the search itself.
 class PacketSearch {
  public:
   PacketSearch(const KdTree& tree, int64_t k)
-      : tree_(tree), kernels_(point_kernels()), k_(k), candidates_(tree.index.size() + 32),
-        distance_(tree.index.size() + 32), selected_distance_(distance_.size()),
-        position_(distance_.size()), selected_id_(distance_.size()), rank_(distance_.size()),
-        ordered_(distance_.size()), previous_(k) {}
+      : tree_(tree),
+        kernels_(point_kernels()),
+        k_(k),
+        candidates_(tree.index.size() + 32),
+        distance_(tree.index.size() + 32),
+        selected_distance_(distance_.size()),
+        position_(distance_.size()),
+        selected_id_(distance_.size()),
+        rank_(distance_.size()),
+        ordered_(distance_.size()),
+        previous_(k) {}
 
   /// Searches for queries order[0 .. count), which lie in leaves leaf[order[i]].
   void run(const float* queries, const int32_t* order, const int32_t* leaf, int64_t count,
@@ -82,7 +89,9 @@ class PacketSearch {
   }
 
  private:
-  static bool same(const float* a, const float* b) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
+  static bool same(const float* a, const float* b) {
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+  }
 
   /// The k-th smallest of distance_[0, count).
   float kth_smallest(int64_t count) {
@@ -100,8 +109,8 @@ class PacketSearch {
     }
     while (tree_.nodes[node].end - tree_.nodes[node].begin < k_) node = tree_.nodes[node].parent;
     const int64_t begin = tree_.nodes[node].begin, count = tree_.nodes[node].end - begin;
-    kernels_.distances(tree_.x.data() + begin, tree_.y.data() + begin, tree_.z.data() + begin, count,
-                       leader, distance_.data());
+    kernels_.distances(tree_.x.data() + begin, tree_.y.data() + begin, tree_.z.data() + begin,
+                       count, leader, distance_.data());
     collect(leader, kth_smallest(count));
     compute_distances(leader);
     return kth_smallest(candidates_.count);
@@ -122,8 +131,10 @@ class PacketSearch {
       if (!(d2 <= limit)) break;
       farthest = std::max(farthest, d2);
     }
-    // Rounding of the distances is a few parts in 10^7, and denormal squares are lost: both covered.
-    const double reach = std::sqrt(static_cast<double>(r2)) + 2 * std::sqrt(static_cast<double>(farthest));
+    // Rounding of the distances is a few parts in 10^7, and denormal squares are lost: both
+    // covered.
+    const double reach =
+        std::sqrt(static_cast<double>(r2)) + 2 * std::sqrt(static_cast<double>(farthest));
     collect(leader, static_cast<float>(reach * reach * (1 + 1e-5) + 1e-36));
     return end;
   }
@@ -160,8 +171,10 @@ class PacketSearch {
                        candidates_.count, query, distance_.data());
   }
 
-  /// The k nearest candidates in order. Without a bound, the k results of the packet's previous query give one.
-  void search(const float* query, const float* known_bound, int64_t* out_index, float* out_distance) {
+  /// The k nearest candidates in order. Without a bound, the k results of the packet's previous
+  /// query give one.
+  void search(const float* query, const float* known_bound, int64_t* out_index,
+              float* out_distance) {
     compute_distances(query);
     float bound = known_bound != nullptr ? *known_bound : 0;
     if (known_bound == nullptr) {
@@ -258,7 +271,8 @@ std::tuple<at::Tensor, at::Tensor> knn_cpu(const at::Tensor& queries, const at::
   const KdTree tree(points.const_data_ptr<float>(), N, kLeafSize, K);
   const auto* q = queries.const_data_ptr<float>();
   std::vector<int32_t> leaf(Q), leaf_number(tree.nodes.size());
-  for (size_t i = 0; i < tree.leaves.size(); ++i) leaf_number[tree.leaves[i]] = static_cast<int32_t>(i);
+  for (size_t i = 0; i < tree.leaves.size(); ++i)
+    leaf_number[tree.leaves[i]] = static_cast<int32_t>(i);
   const int place_bits = tree.leaves.size() < (1u << 23) ? 9 : 0;
   std::vector<uint32_t> key(Q);
   at::parallel_for(0, Q, kGrain, [&](int64_t begin, int64_t end) {

@@ -1,4 +1,5 @@
-// Neighbour sums on the CPU: interleaving of the tables, tiles of queries for the kernels, and their gradients.
+// Neighbour sums on the CPU: interleaving of the tables, tiles of queries for the kernels, and
+// their gradients.
 #include <algorithm>
 #include <cstring>
 #include <vector>
@@ -16,13 +17,15 @@
 namespace lte::ops {
 namespace {
 
-/// Queries of a tile: their positions, 256 KiB at 32 neighbours and 128 channels, stay in the second-level cache.
+/// Queries of a tile: their positions, 256 KiB at 32 neighbours and 128 channels, stay in the
+/// second-level cache.
 constexpr int64_t kTile = 16;
 constexpr int64_t kPair = 2 * kBlock;
 
 int64_t blocks_of(int64_t channels) { return (channels + kBlock - 1) / kBlock; }
 
-/// Rows [begin, end) of two [L, n, C] tensors as [n, blocks, L, 2, kBlock], which starts at row `begin`.
+/// Rows [begin, end) of two [L, n, C] tensors as [n, blocks, L, 2, kBlock], which starts at row
+/// `begin`.
 template <typename T>
 void interleave(const T* first, const T* second, int64_t L, int64_t n, int64_t C, int64_t begin,
                 int64_t end, T* out) {
@@ -82,11 +85,12 @@ void check_table_args(const at::Tensor& keys, const at::Tensor& values, const ch
 void check_index(const at::Tensor& index, int64_t m, const char* op) {
   TORCH_CHECK(index.dim() == 2 && index.scalar_type() == at::kLong, op,
               ": index must be [Q, K] int64, got ", index.sizes(), " ", index.scalar_type());
-  TORCH_CHECK(index.numel() < (int64_t{1} << 31), op, ": index has 2^31 entries or more: ",
-              index.numel());
+  TORCH_CHECK(index.numel() < (int64_t{1} << 31), op,
+              ": index has 2^31 entries or more: ", index.numel());
   const auto* latent = index.const_data_ptr<int64_t>();
   const int64_t K = std::max<int64_t>(index.size(1), 1);
-  const int64_t bad = first_row(index.numel(), [&](int64_t i) { return latent[i] < 0 || latent[i] >= m; });
+  const int64_t bad =
+      first_row(index.numel(), [&](int64_t i) { return latent[i] < 0 || latent[i] >= m; });
   TORCH_CHECK(bad == index.numel(), op, ": index of query ", bad / K, ", neighbour ", bad % K,
               " is ", latent[bad], ", outside the ", m, " latents");
 }
@@ -131,8 +135,8 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums_cpu(const at::Tensor& keys,
       std::vector<scalar_t> tile(kTile * blocks * L * kPair);
       for (int64_t q = begin; q < end; q += kTile) {
         const int64_t count = std::min(kTile, end - q);
-        sum_kernels<scalar_t>().sums(entries, blocks, L, latent + q * K, count, K, from + q * K * width,
-                                     width, kBlock, tile.data());
+        sum_kernels<scalar_t>().sums(entries, blocks, L, latent + q * K, count, K,
+                                     from + q * K * width, width, kBlock, tile.data());
         deinterleave(tile.data(), L, Q, C, q, q + count, out1, out2);
       }
     });
@@ -189,7 +193,8 @@ std::tuple<at::Tensor, at::Tensor, at::Tensor> neighbour_sums_backward_cpu(
     at::parallel_for(0, m, 16, [&](int64_t begin, int64_t end) {
       std::vector<scalar_t> gradient(entry);
       for (int64_t j = begin; j < end; ++j) {
-        kernels.table_gradient(entries + j * entry, g, blocks, L, pairs.rows.data() + pairs.start[j],
+        kernels.table_gradient(entries + j * entry, g, blocks, L,
+                               pairs.rows.data() + pairs.start[j],
                                pairs.start[j + 1] - pairs.start[j], K, from, gradient.data());
         deinterleave(gradient.data(), L, m, C, j, j + 1, to_keys, to_values);
       }
@@ -224,7 +229,8 @@ void check_inference_args(const at::Tensor& table, const at::Tensor& hidden,
   }
 }
 
-/// [C, H] as [blocks, H, kBlock], so that a product reads one run of channels for each activation; and the bias.
+/// [C, H] as [blocks, H, kBlock], so that a product reads one run of channels for each activation;
+/// and the bias.
 void pack_projection(const at::Tensor& weight, const at::Tensor& bias, std::vector<float>& packed,
                      std::vector<float>& packed_bias) {
   const int64_t C = weight.size(0), H = weight.size(1);
@@ -263,8 +269,8 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums_inference_cpu(const at::Tensor
       const int64_t count = std::min(kTile, end - q), rows = count * K;
       kernels.project(activation + q * K * H, rows, H, packed.data(), packed_bias.data(), blocks,
                       position.data());
-      kernels.sums(entries, blocks, L, latent + q * K, count, K, position.data(), kBlock, rows * kBlock,
-                   tile.data());
+      kernels.sums(entries, blocks, L, latent + q * K, count, K, position.data(), kBlock,
+                   rows * kBlock, tile.data());
       deinterleave(tile.data(), L, Q, C, q, q + count, out1, out2);
     }
   });

@@ -35,8 +35,8 @@ int64_t select(const float* value, int64_t count, float bound, int32_t* out) {
   __m512i position = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   for (int64_t i = 0; i < count; i += 16) {
     const auto tail = static_cast<__mmask16>(count - i < 16 ? (1u << (count - i)) - 1 : 0xffffu);
-    const __mmask16 keep =
-        _mm512_mask_cmp_ps_mask(tail, _mm512_loadu_ps(value + i), _mm512_set1_ps(bound), _CMP_LE_OQ);
+    const __mmask16 keep = _mm512_mask_cmp_ps_mask(tail, _mm512_loadu_ps(value + i),
+                                                   _mm512_set1_ps(bound), _CMP_LE_OQ);
     // Compressed in a register: compressing straight to memory is slow on some processors.
     _mm512_storeu_si512(out + found, _mm512_maskz_compress_epi32(keep, position));
     found += __builtin_popcount(keep);

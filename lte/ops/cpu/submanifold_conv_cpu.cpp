@@ -1,7 +1,8 @@
 // Submanifold convolution on the CPU: gather, multiply, scatter, tap by tap.
 //
-// The forward pass gives every thread blocks of output rows and works a block through all taps while it is in the cache.
-// The blocks are the same for any number of threads, and every product runs on one thread, so results do not depend on it.
+// The forward pass gives every thread blocks of output rows and works a block through all taps
+// while it is in the cache. The blocks are the same for any number of threads, and every product
+// runs on one thread, so results do not depend on it.
 #include <algorithm>
 #include <cstring>
 #include <vector>
@@ -44,13 +45,12 @@ Pairs check_pairs(const at::Tensor& pairs, const at::Tensor& tap_begin, int64_t 
   const auto* begin = tap_begin.const_data_ptr<int64_t>();
   TORCH_CHECK(begin[0] == 0 && begin[taps] == P && std::is_sorted(begin, begin + taps + 1), op,
               ": tap_begin does not divide the ", P, " pairs");
-  const int64_t bad =
-      first_row(2 * P, [&](int64_t i) { return rows[i] < 0 || rows[i] >= N; });
+  const int64_t bad = first_row(2 * P, [&](int64_t i) { return rows[i] < 0 || rows[i] >= N; });
   TORCH_CHECK(bad == 2 * P, op, ": pair ", bad % std::max<int64_t>(P, 1), " names row ", rows[bad],
               " of an input of ", N, " rows");
   for (int64_t tap = 0; tap < taps; ++tap) {
-    TORCH_CHECK(std::is_sorted(rows + begin[tap], rows + begin[tap + 1]), op, ": pairs of tap ", tap,
-                " are not sorted by output");
+    TORCH_CHECK(std::is_sorted(rows + begin[tap], rows + begin[tap + 1]), op, ": pairs of tap ",
+                tap, " are not sorted by output");
   }
   return {rows, rows + P, begin, P, taps};
 }
@@ -95,7 +95,8 @@ void convolve_rows(const at::Tensor& input, const at::Tensor& weight, const Pair
     at::Tensor to = product.narrow(0, 0, count);
     // Pairs of the centre tap are the identity: its rows are read in place.
     const bool identity = rows[0] == from[0] && rows[count - 1] == from[count - 1] &&
-                          rows[count - 1] - rows[0] == count - 1 && std::equal(rows, rows + count, from);
+                          rows[count - 1] - rows[0] == count - 1 &&
+                          std::equal(rows, rows + count, from);
     if (identity) {
       at::mm_out(to, input.narrow(0, rows[0], count), weight.select(0, tap));
     } else {
@@ -130,8 +131,10 @@ at::Tensor submanifold_conv_cpu(const at::Tensor& any_input, const at::Tensor& w
       for (int64_t block = begin; block < end; ++block) {
         const int64_t first = block * kRows, last = std::min(N, first + kRows);
         for (int64_t row = first; row < last; ++row) {
-          if (b != nullptr) std::memcpy(to + row * Cout, b, Cout * sizeof(scalar_t));
-          else std::fill_n(to + row * Cout, Cout, scalar_t{0});
+          if (b != nullptr)
+            std::memcpy(to + row * Cout, b, Cout * sizeof(scalar_t));
+          else
+            std::fill_n(to + row * Cout, Cout, scalar_t{0});
         }
         convolve_rows(input, weight, p, first, last, gathered, product, to);
       }
@@ -140,7 +143,8 @@ at::Tensor submanifold_conv_cpu(const at::Tensor& any_input, const at::Tensor& w
   return out;
 }
 
-/// Tap by tap: several outputs may read one input, so threads own ranges of input rows and each scans all pairs.
+/// Tap by tap: several outputs may read one input, so threads own ranges of input rows and each
+/// scans all pairs.
 template <typename T>
 void input_gradient(const at::Tensor& grad, const at::Tensor& weight, const Pairs& pairs,
                     at::Tensor& out) {
@@ -212,7 +216,8 @@ std::tuple<at::Tensor, at::Tensor> submanifold_conv_backward_cpu(
               "] of the input's dtype, got ", grad.sizes());
   const Pairs p = check_pairs(pairs, tap_begin, weight.size(0), input.size(0));
   at::Tensor by_input = need_input ? at::zeros_like(input) : at::empty({0}, input.options());
-  at::Tensor by_weight = need_weight ? at::zeros(weight.sizes(), weight.options()) : at::empty({0}, input.options());
+  at::Tensor by_weight =
+      need_weight ? at::zeros(weight.sizes(), weight.options()) : at::empty({0}, input.options());
   AT_DISPATCH_FLOATING_TYPES(input.scalar_type(), "submanifold_conv_backward", [&] {
     if (need_input) input_gradient<scalar_t>(grad, weight, p, by_input);
     if (need_weight) weight_gradient<scalar_t>(grad, input, p, by_weight);

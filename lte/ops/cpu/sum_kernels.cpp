@@ -1,4 +1,5 @@
-// Sums over neighbours in the interleaved layout of kernels.h, and the small matrix product that feeds them.
+// Sums over neighbours in the interleaved layout of kernels.h, and the small matrix product that
+// feeds them.
 #include "lte/ops/cpu/kernels.h"
 #include "lte/ops/cpu/vector.h"
 
@@ -43,7 +44,8 @@ template <typename T>
 void sums(const T* table, int64_t blocks, int64_t layers, const int64_t* index, int64_t queries,
           int64_t K, const T* position, int64_t row_stride, int64_t block_stride, T* out) {
   const int64_t run = layers * kPair, stride = blocks * run;
-  // Blocks outside, queries inside: neighbouring queries find each other's latents in the first-level cache.
+  // Blocks outside, queries inside: neighbouring queries find each other's latents in the
+  // first-level cache.
   for (int64_t b = 0; b < blocks; ++b) {
     for (int64_t q = 0; q < queries; ++q) {
       const T* p = position + q * K * row_stride + b * block_stride;
@@ -88,7 +90,8 @@ void position_gradient(const T* table, const T* grad, int64_t blocks, int64_t la
   }
 }
 
-/// With A1 = Σ g1, A2 = Σ g2 and B = Σ g2 ⊙ P over the rows: dk = −(A2 ⊙ v + B), dv = A1 + B − A2 ⊙ k.
+/// With A1 = Σ g1, A2 = Σ g2 and B = Σ g2 ⊙ P over the rows: dk = −(A2 ⊙ v + B), dv = A1 + B − A2 ⊙
+/// k.
 template <typename T, int LAYERS>
 void gradient_group(const T* entry, const T* grad, int64_t stride, const int32_t* rows,
                     int64_t count, int64_t K, const T* position, int64_t row_stride, T* out) {
@@ -116,9 +119,13 @@ template <typename T>
 using GradientGroup = void (*)(const T*, const T*, int64_t, const int32_t*, int64_t, int64_t,
                                const T*, int64_t, T*);
 template <typename T>
-constexpr GradientGroup<T> kGradientGroups[7] = {
-    nullptr,              gradient_group<T, 1>, gradient_group<T, 2>, gradient_group<T, 3>,
-    gradient_group<T, 4>, gradient_group<T, 5>, gradient_group<T, 6>};
+constexpr GradientGroup<T> kGradientGroups[7] = {nullptr,
+                                                 gradient_group<T, 1>,
+                                                 gradient_group<T, 2>,
+                                                 gradient_group<T, 3>,
+                                                 gradient_group<T, 4>,
+                                                 gradient_group<T, 5>,
+                                                 gradient_group<T, 6>};
 
 template <typename T>
 void table_gradient(const T* entry, const T* grad, int64_t blocks, int64_t layers,

@@ -1,7 +1,8 @@
-// Vectors of the instruction set that a kernel file is being compiled for, as compiler extensions of GCC and Clang.
+// Vectors of the instruction set that a kernel file is being compiled for, as compiler extensions
+// of GCC and Clang.
 //
-// Only kernel files include this. They use no inline function of the standard library: the linker could keep the copy
-// that was compiled for AVX-512 and hand it to everybody.
+// Only kernel files include this. They use no inline function of the standard library: the linker
+// could keep the copy that was compiled for AVX-512 and hand it to everybody.
 #pragma once
 
 #include <cstdint>

@@ -1,0 +1,96 @@
+#include "train/config.h"
+
+#include "tests/train/support.h"
+
+namespace lte::train {
+namespace {
+
+TrainConfig parsed(const std::string& yaml) {
+  return TrainConfig::read(Config::parse(yaml, "cfg.yaml"));
+}
+
+TEST(TrainConfig, BaseYamlHoldsTheDefaultsOfTheCode) {
+  const std::filesystem::path base = std::filesystem::path(LTE_SOURCE_DIR) / "configs/base.yaml";
+  const TrainConfig file = TrainConfig::read(Config::load(base)), code;
+  EXPECT_EQ(file.model.to_yaml(), code.model.to_yaml());
+  EXPECT_EQ(file.data.scene_points, code.data.scene_points);
+  EXPECT_EQ(file.data.queries_per_scene, code.data.queries_per_scene);
+  EXPECT_EQ(file.data.cache_mb, code.data.cache_mb);
+  EXPECT_EQ(file.augment.gain, code.augment.gain);
+  EXPECT_EQ(file.augment.tint, code.augment.tint);
+  EXPECT_EQ(file.train.steps, code.train.steps);
+  EXPECT_EQ(file.train.scenes_per_step, code.train.scenes_per_step);
+  EXPECT_EQ(file.train.learning_rate, code.train.learning_rate);
+  EXPECT_EQ(file.train.min_learning_rate, code.train.min_learning_rate);
+  EXPECT_EQ(file.train.warmup_steps, code.train.warmup_steps);
+  EXPECT_EQ(file.train.weight_decay, code.train.weight_decay);
+  EXPECT_EQ(file.train.clip_norm, code.train.clip_norm);
+  EXPECT_EQ(file.train.ema_decay, code.train.ema_decay);
+  EXPECT_EQ(file.train.validation_scenes, code.train.validation_scenes);
+  EXPECT_EQ(file.loss.epsilon, code.loss.epsilon);
+  EXPECT_FALSE(file.has_scale) << "the data set decides";
+}
+
+TEST(TrainConfig, EveryShippedConfigurationIsValid) {
+  int files = 0;
+  for (const char* folder : {"configs/model", "configs/train"}) {
+    for (const auto& entry :
+         std::filesystem::directory_iterator(std::filesystem::path(LTE_SOURCE_DIR) / folder)) {
+      EXPECT_NO_THROW(TrainConfig::read(Config::load(entry.path()))) << entry.path();
+      ++files;
+    }
+  }
+  EXPECT_GE(files, 4);
+}
+
+TEST(TrainConfig, UnknownKeysNameTheNearest) {
+  test::expect_error([] { parsed("train: {learing_rate: 1}\n"); },
+                     {"cfg.yaml:1", "train.learing_rate", "train.learning_rate"});
+  test::expect_error([] { parsed("model: {chanels: 1}\n"); }, {"model.chanels", "model.channels"});
+  test::expect_error([] { parsed("traim: {steps: 1}\n"); }, {"traim", "train"});
+}
+
+TEST(TrainConfig, ValuesOutOfRangeNameTheKey) {
+  for (const char* bad : {"train: {steps: 0}",
+                          "train: {scenes_per_step: 0}",
+                          "train: {learning_rate: 0}",
+                          "train: {clip_norm: -1}",
+                          "train: {min_learning_rate: 1}",
+                          "train: {ema_decay: 1}",
+                          "train: {beta1: 1}",
+                          "train: {beta2: -0.1}",
+                          "train: {weight_decay: -1}",
+                          "train: {log_every: 0}",
+                          "train: {checkpoint_every: 0}",
+                          "train: {validate_every: 0}",
+                          "train: {validation_scenes: -1}",
+                          "train: {warmup_steps: -1}",
+                          "data: {scene_points: -1}",
+                          "data: {queries_per_scene: -1}",
+                          "data: {cache_mb: -1}",
+                          "augment: {gain: 0.5}",
+                          "augment: {tint: 1e9}",
+                          "loss: {epsilon: 0}"}) {
+    const std::string text = bad;
+    const size_t brace = text.find('{');
+    const std::string key = text.substr(0, text.find(':')) + "." +
+                            text.substr(brace + 1, text.find(':', brace) - brace - 1);
+    test::expect_error([&] { parsed(text + "\n"); }, {key});
+  }
+}
+
+TEST(ModelDifferences, NameKeysButNotWhatTheDataDecide) {
+  nn::ModelConfig a, b;
+  EXPECT_TRUE(model_differences(a, b).empty());
+  b.scale = 3;
+  b.output_mean = 0.25;
+  EXPECT_TRUE(model_differences(a, b).empty());
+  b.channels = 64;
+  b.encoder_depths = {1, 1};
+  EXPECT_EQ(model_differences(a, b),
+            (std::vector<std::string>{"channels (128, was 64)",
+                                      "encoder_depths ([2, 2, 2, 6, 2], was [1, 1])"}));
+}
+
+}  // namespace
+}  // namespace lte::train

@@ -1,0 +1,224 @@
+#include "train/trainer.h"
+
+#include <cmath>
+#include <fstream>
+
+#include <nlohmann/json.hpp>
+
+#include "lte/base/safetensors.h"
+#include "lte/nn/checkpoint.h"
+#include "tests/train/support.h"
+
+namespace lte::train {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+class TrainerTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    data_ = new test::TempDir;
+    test::write_dataset(data_->path(), 4, 2);
+  }
+  static void TearDownTestSuite() { delete data_; }
+
+  TrainConfig config(const std::string& run, const std::string& extra = "") const {
+    return test::tiny_config(data_->path(), dir_ / run, extra);
+  }
+  static TrainSummary train(const TrainConfig& config, bool resume = false,
+                            int64_t stop_after = 0) {
+    return Trainer(config, "note: of the test\n", at::kCPU, resume).run(stop_after);
+  }
+
+  test::TempDir dir_;
+  static test::TempDir* data_;
+};
+test::TempDir* TrainerTest::data_ = nullptr;
+
+/// Tensors equal bit for bit; metadata may differ (it names the run directory).
+void expect_same_tensors(const fs::path& a, const fs::path& b) {
+  const SafetensorsFile first(a), second(b);
+  ASSERT_EQ(first.tensors().size(), second.tensors().size());
+  for (const auto& [name, tensor] : first.tensors()) {
+    const TensorView& other = second.at(name);
+    ASSERT_EQ(tensor.shape, other.shape) << name;
+    EXPECT_EQ(std::memcmp(tensor.data, other.data, tensor.size_bytes()), 0) << name;
+  }
+}
+
+/// Lines of the log without what a clock or a meter gives.
+std::vector<Json> log_values(const fs::path& run) {
+  std::vector<Json> lines;
+  for (const std::string& text : test::lines_of(run / "log.jsonl")) {
+    Json json = Json::parse(text);
+    for (const char* measured : {"queries_per_s", "seconds", "rss_mb", "val_seconds"})
+      json.erase(measured);
+    lines.push_back(json);
+  }
+  return lines;
+}
+
+TEST_F(TrainerTest, LossFalls) {
+  const TrainConfig run =
+      config("run", "train: {steps: 60, warmup_steps: 5, validate_every: 30, log_every: 10}\n");
+  const TrainSummary summary = train(run);
+  EXPECT_EQ(summary.step, 60);
+  const std::vector<Json> log = log_values(dir_ / "run");
+  const double first = log.front().at("loss").get<double>();
+  double last = 0, first_val = 0;
+  for (const Json& line : log) {
+    if (line.contains("loss")) last = line.at("loss").get<double>();
+    if (line.contains("val_loss") && first_val == 0) first_val = line.at("val_loss").get<double>();
+  }
+  EXPECT_LT(last, 0.7 * first);
+  EXPECT_LE(summary.best_loss, first_val);
+}
+
+TEST_F(TrainerTest, ResumedEqualsUninterruptedBitForBit) {
+  train(config("straight"));
+  EXPECT_EQ(train(config("pieces"), false, 3).step,
+            3);  // in the middle of a line of the log, and of an epoch
+  EXPECT_EQ(train(config("pieces"), true, 2).step, 5);
+  EXPECT_EQ(train(config("pieces"), true).step, 8);
+  for (const char* file :
+       {"checkpoint.safetensors", "model.safetensors", "model_best.safetensors"}) {
+    expect_same_tensors(dir_ / "straight" / file, dir_ / "pieces" / file);
+  }
+  EXPECT_EQ(log_values(dir_ / "straight"), log_values(dir_ / "pieces"));
+}
+
+TEST_F(TrainerTest, ACrashAfterTheCheckpointLosesNothing) {
+  train(config("straight"));
+  train(config("crashed"), false, 3);
+  // As if steps 4 and 5 had been done and logged, and then the power had failed in a line and
+  // before the model file.
+  std::ofstream(dir_ / "crashed/log.jsonl", std::ios::app)
+      << "{\"step\":4,\"loss\":9}\n{\"step\":5,\"va";
+  fs::remove(dir_ / "crashed/model.safetensors");
+  train(config("crashed"), true);
+  expect_same_tensors(dir_ / "straight/model.safetensors", dir_ / "crashed/model.safetensors");
+  EXPECT_EQ(log_values(dir_ / "straight"), log_values(dir_ / "crashed"));
+}
+
+TEST_F(TrainerTest, LogHasEveryLineItPromises) {
+  train(config("run"));
+  const std::vector<std::string> lines = test::lines_of(dir_ / "run/log.jsonl");
+  std::vector<int64_t> train_steps, val_steps;
+  for (const std::string& text : lines) {
+    const Json line = Json::parse(text);
+    const bool val = line.contains("val_loss");
+    (val ? val_steps : train_steps).push_back(line.at("step").get<int64_t>());
+    const std::vector<const char*> keys =
+        val ? std::vector<const char*>{"val_loss", "val_loss_median", "val_mse",
+                                       "val_psnr", "val_relmse",      "val_bias"}
+            : std::vector<const char*>{"loss",          "lr",      "grad_norm",
+                                       "queries_per_s", "seconds", "rss_mb"};
+    for (const char* key : keys)
+      EXPECT_TRUE(line.contains(key) && line.at(key).is_number()) << key << ": " << text;
+  }
+  EXPECT_EQ(train_steps, (std::vector<int64_t>{2, 4, 6, 8}));
+  EXPECT_EQ(val_steps, (std::vector<int64_t>{4, 8}));
+}
+
+TEST_F(TrainerTest, ModelFileIsTheAveragedOneAndSaysWhereItCameFrom) {
+  const TrainSummary summary = train(config("run"));
+  nn::LightTransportModel model = nn::load_model(dir_ / "run/model.safetensors");
+  EXPECT_EQ(model->config().scale, 8) << "the data set's";
+  const TrainConfig run = config("run");
+  RunData data = open_run_data(run);
+  const ValidationResult again =
+      validate(model, validation_examples(run, &data.val), run.loss, at::kCPU);
+  EXPECT_NEAR(again.loss, summary.validation->loss, 1e-6 * again.loss);
+  const SafetensorsFile file(dir_ / "run/model.safetensors");
+  EXPECT_EQ(file.metadata("config"), "note: of the test\n");
+  EXPECT_EQ(file.metadata("step"), "8");
+}
+
+TEST_F(TrainerTest, AFirstOutputNearTheMeanOfTheReference) {
+  const TrainSummary summary =
+      train(config("run", "train: {steps: 1, learning_rate: 1.0e-9, min_learning_rate: 0}\n"));
+  EXPECT_LT(std::abs(summary.validation->bias), 0.4)
+      << "without it the bias is that of softplus(0)";
+}
+
+TEST_F(TrainerTest, AnOverflowingLossStopsWithStepAndSceneAndKeepsTheCheckpoint) {
+  const test::TempDir bad;
+  // Valid float32 each, but their sum over two luminaires is not.
+  test::write_dataset(bad.path(), 2, 0, [](int i, data::SceneSample* sample) {
+    if (i == 1)
+      std::fill(sample->indirect.begin(), sample->indirect.end(), Rgb{3e38f, 3e38f, 3e38f});
+  });
+  TrainConfig run =
+      config("run", "train: {scenes_per_step: 1, checkpoint_every: 1}\nmodel: {output_mean: 1}\n");
+  run.data.root = bad.path().string();
+  test::expect_error([&] { train(run); },
+                     {"step ", "scene room1", "the loss is not finite", "no update"});
+  // Whichever came first, nothing of the bad scene is in what stays.
+  if (!fs::exists(dir_ / "run/checkpoint.safetensors")) return;
+  EXPECT_EQ(read_checkpoint_header(dir_ / "run/checkpoint.safetensors").progress.step, 1);
+}
+
+TEST_F(TrainerTest, ASceneLargerThanTheScaleIsNamed) {
+  const test::TempDir bad;
+  test::write_dataset(bad.path(), 1, 0,
+                      [](int, data::SceneSample* sample) { sample->scene_position[20].x = 30; });
+  TrainConfig run = config("run");
+  run.data.root = bad.path().string();
+  test::expect_error([&] { train(run); }, {"step 1", "scene room0", "scale"});
+}
+
+TEST_F(TrainerTest, RefusesToOverwriteARun) {
+  train(config("run"), false, 1);
+  test::expect_error([&] { train(config("run")); },
+                     {"checkpoint.safetensors", "--resume", "--out"});
+}
+
+TEST_F(TrainerTest, RefusesToResumeNothing) {
+  test::expect_error([&] { train(config("run"), true); },
+                     {"checkpoint.safetensors", "nothing to resume"});
+}
+
+TEST_F(TrainerTest, RefusesToResumeWithAnotherModelSeedOrScale) {
+  train(config("run"), false, 1);
+  test::expect_error([&] { train(config("run", "model: {channels: 64}\n"), true); },
+                     {"checkpoint.safetensors", "model.channels (64, was 32)"});
+  test::expect_error([&] { train(config("run", "model: {target: total}\n"), true); },
+                     {"model.target"});
+  test::expect_error([&] { train(config("run", "seed: 6\n"), true); }, {"seed"});
+  test::expect_error([&] { train(config("run", "model: {scale: 9}\n"), true); },
+                     {"model.scale", "9", "8"});
+}
+
+TEST_F(TrainerTest, MoreStepsMayBeAddedAndAFinishedRunStaysAsItIs) {
+  train(config("run"));
+  const TrainSummary again = train(config("run"), true);
+  EXPECT_EQ(again.step, 8);
+  EXPECT_EQ(train(config("run", "train: {steps: 10}\n"), true).step, 10);
+}
+
+TEST_F(TrainerTest, DamagedCheckpointsAreNamed) {
+  train(config("run"), false, 1);
+  const fs::path path = dir_ / "run/checkpoint.safetensors";
+  fs::copy(path, dir_ / "whole");
+  fs::resize_file(path, fs::file_size(path) / 2);
+  test::expect_error([&] { train(config("run"), true); }, {"checkpoint.safetensors"});
+  fs::copy(dir_ / "run/model.safetensors", path, fs::copy_options::overwrite_existing);
+  test::expect_error([&] { train(config("run"), true); },
+                     {"checkpoint.safetensors", "not a checkpoint"});
+}
+
+TEST_F(TrainerTest, EmptyOrMissingDataAreNamed) {
+  TrainConfig run = config("run");
+  run.data.root = "";
+  test::expect_error([&] { train(run); }, {"data.root"});
+  run.data.root = (dir_ / "none").string();
+  test::expect_error([&] { train(run); }, {"none"});
+  const test::TempDir only_val;
+  test::write_dataset(only_val.path(), 0, 1);
+  run.data.root = only_val.path().string();
+  test::expect_error([&] { train(run); }, {"dataset.json", "train"});
+}
+
+}  // namespace
+}  // namespace lte::train
