@@ -24,6 +24,8 @@ constexpr std::array<std::pair<const char*, Output>, 7> kOutputs{
      {"depth", Output::Depth}}};
 // Neighbouring pixels read the same latents: square tiles keep them in the cache.
 constexpr int kTile = 8;
+// As in baked training data, so that the network sees luminaires as densely as it has learnt to.
+constexpr double kEmissiveShare = 0.1;
 // Estimates keep two colours a point and light group: blocks bound that memory.
 constexpr int64_t kEstimateBlock = int64_t{1} << 21;
 
@@ -95,6 +97,7 @@ Mode parse_mode(const std::string& word) {
 scene::SamplerOptions scene_point_options(uint64_t seed) {
   scene::SamplerOptions options;
   options.seed = seed;
+  options.emissive_share = kEmissiveShare;
   return options;
 }
 

@@ -13,8 +13,8 @@ namespace {
 
 constexpr int64_t kFormatVersion = 1;
 
-/// Keys that may differ between a file and the model that takes its weights: the same weights mean the same under them, or
-/// are meant to be tuned further.
+/// Keys that may differ between a file and the model that takes its weights: the same weights mean
+/// the same under them, or are meant to be tuned further.
 const std::vector<std::string> kTunable = {"dropout", "target", "output_mean", "patch_size"};
 
 ModelConfig read_config(const SafetensorsFile& file) {

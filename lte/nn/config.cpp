@@ -53,8 +53,8 @@ void check(const ModelConfig& c) {
   for (const auto* widths : {&c.encoder_widths, &c.decoder_widths}) {
     for (const int64_t width : *widths) {
       const int64_t channels = width * c.channels;
-      LTE_CHECK(channels % std::max<int64_t>(1, channels / c.head_width) == 0,
-                "model.head_width ", c.head_width, " does not divide the stage width ", channels);
+      LTE_CHECK(channels % std::max<int64_t>(1, channels / c.head_width) == 0, "model.head_width ",
+                c.head_width, " does not divide the stage width ", channels);
     }
   }
   LTE_CHECK(c.stem == "conv5" || c.stem == "conv3" || c.stem == "linear",

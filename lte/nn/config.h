@@ -1,4 +1,5 @@
-// Everything that fixes the network's shape. Field names are the keys of `model:` in the YAML configuration.
+// Everything that fixes the network's shape. Field names are the keys of `model:` in the YAML
+// configuration.
 #pragma once
 
 #include <cstdint>
@@ -10,24 +11,25 @@
 namespace lte::nn {
 
 struct ModelConfig {
-  int64_t channels = 128;        ///< D; every width scales with it
-  int64_t nne_neighbours = 32;   ///< k of the nearest-neighbour embedding
+  int64_t channels = 128;       ///< D; every width scales with it
+  int64_t nne_neighbours = 32;  ///< k of the nearest-neighbour embedding
   std::vector<int64_t> encoder_depths = {2, 2, 2, 6, 2};
   std::vector<int64_t> encoder_widths = {1, 1, 1, 2, 2};  ///< in units of D
   std::vector<int64_t> decoder_depths = {2, 2, 2, 2};     ///< PTV3's decoder, shallow to deep
   std::vector<int64_t> decoder_widths = {1, 1, 2, 2};     ///< in units of D
-  int64_t head_width = 32;       ///< channels a head; heads = max(1, width / head_width)
+  int64_t head_width = 32;  ///< channels a head; heads = max(1, width / head_width)
   int64_t patch_size = 1024;
-  std::string stem = "conv5";    ///< conv5 | conv3 | linear
-  double grid_per_spacing = 0.8; ///< serialization grid over the spacing of the m points
-  double dropout = 0.1;          ///< after attention projections and inside MLPs while training
-  int64_t query_neighbours = 32; ///< κ
+  std::string stem = "conv5";     ///< conv5 | conv3 | linear
+  double grid_per_spacing = 0.8;  ///< serialization grid over the spacing of the m points
+  double dropout = 0.1;           ///< after attention projections and inside MLPs while training
+  int64_t query_neighbours = 32;  ///< κ
   int64_t query_layers = 6;
-  int64_t gamma_hidden = 64;     ///< h of γ
+  int64_t gamma_hidden = 64;  ///< h of γ
   int64_t ffn_ratio = 4;
   std::string target = "indirect";  ///< indirect | total: what the output means
-  double scale = 16.0;           ///< s, metres: network space is (p − b_min)/s
-  double output_mean = 1.0;      ///< training mean of the normalized target; sets the output bias at initialization
+  double scale = 16.0;              ///< s, metres: network space is (p − b_min)/s
+  double output_mean =
+      1.0;  ///< training mean of the normalized target; sets the output bias at initialization
 
   /// Marks its keys as known. @throws lte::Error for values out of range, naming the key.
   static ModelConfig read(const Config& config);

@@ -11,8 +11,10 @@ struct LossConfig {
 };
 
 /// mean(((log(Î + 1) − log(I + 1)) / (log(Î + 1) + ε))²).
-/// @param predicted  [Q, 3], non-negative, irradiance over the emission scalar; @param target the same, reference
+/// @param predicted  [Q, 3], non-negative, irradiance over the emission scalar; @param target the
+/// same, reference
 /// @return scalar, differentiable in `predicted`
-at::Tensor log_relative_loss(const at::Tensor& predicted, const at::Tensor& target, const LossConfig& config);
+at::Tensor log_relative_loss(const at::Tensor& predicted, const at::Tensor& target,
+                             const LossConfig& config);
 
 }  // namespace lte::nn

@@ -7,12 +7,12 @@
 
 namespace lte::nn {
 
-/// Weights from N(0, gain² / inputs), biases from U(±1/sqrt(inputs)), so that inputs of unit variance leave with
-/// variance gain² and the kinks of a hidden layer lie at different places.
+/// Weights from N(0, gain² / inputs), biases from U(±1/sqrt(inputs)), so that inputs of unit
+/// variance leave with variance gain² and the kinks of a hidden layer lie at different places.
 void initialize(torch::nn::Linear& linear, double gain);
 
-/// Linear(inputs -> hidden), GELU, Linear(hidden -> outputs), with dropout after either layer while training.
-/// Parameters: `hidden.{weight,bias}`, `output.{weight,bias}`.
+/// Linear(inputs -> hidden), GELU, Linear(hidden -> outputs), with dropout after either layer while
+/// training. Parameters: `hidden.{weight,bias}`, `output.{weight,bias}`.
 class MlpImpl : public torch::nn::Module {
  public:
   /// @param output_gain  of the last layer; the first has sqrt(2), which GELU halves

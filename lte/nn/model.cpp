@@ -11,15 +11,20 @@
 namespace lte::nn {
 namespace {
 
-/// Network-space positions of a room span a few tenths; normals and albedos span one. This puts them on a par for the MLPs.
+/// Network-space positions of a room span a few tenths; normals and albedos span one. This puts
+/// them on a par for the MLPs.
 constexpr double kPositionGain = 4;
-/// Queries are meant to lie in the scene; beyond this much of the scale outside, the query MLP is told no more.
+/// Queries are meant to lie in the scene; beyond this much of the scale outside, the query MLP is
+/// told no more.
 constexpr double kPositionLimit = 4;
-/// Queries decoded at a time: their intermediates are some 60 MB at D = 128 and stay in the outer caches' reach.
+/// Queries decoded at a time: their intermediates are some 60 MB at D = 128 and stay in the outer
+/// caches' reach.
 constexpr int64_t kQueryBlock = 4096;
 
-/// @throws c10::Error unless `t` is [rows, 3] or [rows], and every value finite, naming the first row that is not.
-void check_rows(const at::Tensor& t, int64_t rows, bool triple, const char* what, const char* name) {
+/// @throws c10::Error unless `t` is [rows, 3] or [rows], and every value finite, naming the first
+/// row that is not.
+void check_rows(const at::Tensor& t, int64_t rows, bool triple, const char* what,
+                const char* name) {
   const bool shape_ok = t.defined() && t.dim() == (triple ? 2 : 1) && t.size(0) == rows &&
                         (!triple || t.size(1) == 3);
   TORCH_CHECK(shape_ok, what, ": ", name, " must be [", rows, triple ? ", 3]" : "]", ", got ",
@@ -100,8 +105,9 @@ double radiance_scalar(const PointSet& points) {
 
 LightTransportModelImpl::LightTransportModelImpl(const ModelConfig& config)
     : config_(config), parts_(std::make_shared<Parts>()) {
-  const int64_t latent = config.channels * (config.decoder_widths.empty() ? config.encoder_widths[0]
-                                                                          : config.decoder_widths[0]);
+  const int64_t latent =
+      config.channels *
+      (config.decoder_widths.empty() ? config.encoder_widths[0] : config.decoder_widths[0]);
   parts_->nne = register_module("nne", NearestNeighbourEmbedding(config.channels));
   parts_->encoder = register_module("encoder", PointTransformer(config));
   parts_->decoder = register_module("decoder", QueryDecoder(latent, config));
@@ -120,12 +126,11 @@ Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order
   const bool black = points.emission.max().item<double>() == 0;
   embedding.radiance = black ? 0 : radiance_scalar(points);
 
-  const EncoderPlan plan = make_encoder_plan(position.to(at::kFloat).contiguous(), config_,
-                                             is_training(), order_seed);
-  const at::Tensor attributes =
-      at::cat({surface_attributes(position, points.normal, points.albedo),
-               compressed_emission(points.emission, embedding.radiance)},
-              1);
+  const EncoderPlan plan =
+      make_encoder_plan(position.to(at::kFloat).contiguous(), config_, is_training(), order_seed);
+  const at::Tensor attributes = at::cat({surface_attributes(position, points.normal, points.albedo),
+                                         compressed_emission(points.emission, embedding.radiance)},
+                                        1);
   embedding.position = plan.position;
   embedding.spacing = plan.spacing;
   embedding.features = parts_->encoder->forward(parts_->nne->forward(attributes, plan), plan);

@@ -1,4 +1,5 @@
-// The whole network: scene points -> light transport embedding -> irradiance at query points (the paper's section 3).
+// The whole network: scene points -> light transport embedding -> irradiance at query points (the
+// paper's section 3).
 #pragma once
 
 #include <cstdint>
@@ -29,16 +30,20 @@ struct QuerySet {
 
 /// The light transport embedding of one scene: everything decode() needs.
 struct Embedding {
-  at::Tensor position;    ///< [m, 3] network space
-  at::Tensor features;    ///< [m, D]
-  at::Tensor origin;      ///< [3] world, b_min
-  double scale = 1;       ///< s, metres
-  double spacing = 1;     ///< of the m points, network space: the last insertion distance of farthest point sampling
-  double radiance = 1;    ///< the scene's emission scalar a: emission is divided by it, irradiance multiplied
-  at::Tensor table;       ///< [L, m, 3, D] of ops::neighbour_table, made by encode() outside training; else undefined
+  at::Tensor position;  ///< [m, 3] network space
+  at::Tensor features;  ///< [m, D]
+  at::Tensor origin;    ///< [3] world, b_min
+  double scale = 1;     ///< s, metres
+  double spacing = 1;   ///< of the m points, network space: the last insertion distance of farthest
+                        ///< point sampling
+  double radiance =
+      1;  ///< the scene's emission scalar a: emission is divided by it, irradiance multiplied
+  at::Tensor table;  ///< [L, m, 3, D] of ops::neighbour_table, made by encode() outside training;
+                     ///< else undefined
 };
 
-/// The emission scalar: area-weighted mean emission over points and channels; 1 for a scene without emission.
+/// The emission scalar: area-weighted mean emission over points and channels; 1 for a scene without
+/// emission.
 double radiance_scalar(const PointSet& points);
 
 /// Parameters: `nne.*`, `encoder.*`, `decoder.*` (checkpoint names; do not rename).
@@ -46,17 +51,19 @@ class LightTransportModelImpl : public torch::nn::Module {
  public:
   explicit LightTransportModelImpl(const ModelConfig& config);
 
-  /// Embeds one scene. Differentiable in the parameters; under NoGradGuard it also makes the decoder's table.
-  /// In training mode the curve orders are drawn from `order_seed`; in evaluation they are fixed.
-  /// @throws c10::Error naming the first row that is not finite, or a scene larger than `scale` (offering --rescale)
+  /// Embeds one scene. Differentiable in the parameters; under NoGradGuard it also makes the
+  /// decoder's table. In training mode the curve orders are drawn from `order_seed`; in evaluation
+  /// they are fixed.
+  /// @throws c10::Error naming the first row that is not finite, or a scene larger than `scale`
+  /// (offering --rescale)
   Embedding encode(const PointSet& points, uint64_t order_seed = 0);
 
   /// Irradiance over the emission scalar: what the loss sees.
   /// @return [Q, 3], non-negative
   at::Tensor decode_normalized(const Embedding& embedding, const QuerySet& queries);
 
-  /// Irradiance in W/m², [Q, 3]. Works through queries in blocks, so memory does not grow with Q beyond the output.
-  /// Independent of block size and of the other queries to rounding.
+  /// Irradiance in W/m², [Q, 3]. Works through queries in blocks, so memory does not grow with Q
+  /// beyond the output. Independent of block size and of the other queries to rounding.
   at::Tensor decode(const Embedding& embedding, const QuerySet& queries);
 
   const ModelConfig& config() const { return config_; }

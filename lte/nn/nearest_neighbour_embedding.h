@@ -1,4 +1,5 @@
-// Nearest-neighbour embedding (the paper's section 3.3, equations 1 to 3): M raw points -> m = M/4 features.
+// Nearest-neighbour embedding (the paper's section 3.3, equations 1 to 3): M raw points -> m = M/4
+// features.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +13,9 @@ namespace lte::nn {
 
 /// max over k of G(concat(X_k − X̃_l, X̃_l)), G a perceptron 2D -> D -> D.
 ///
-/// G's first layer is linear, so it is applied to points instead of pairs: W concat(X_k − X̃_l, X̃_l) = W_a X_k +
-/// (W_b − W_a) X̃_l with W = [W_a | W_b]. Only its activation and the second layer see pairs.
-/// Parameters: those of Mlp; `hidden.weight` is [D, 2D].
+/// G's first layer is linear, so it is applied to points instead of pairs: W concat(X_k − X̃_l, X̃_l)
+/// = W_a X_k + (W_b − W_a) X̃_l with W = [W_a | W_b]. Only its activation and the second layer see
+/// pairs. Parameters: those of Mlp; `hidden.weight` is [D, 2D].
 class NeighbourMaxImpl : public torch::nn::Module {
  public:
   explicit NeighbourMaxImpl(int64_t channels);
@@ -23,15 +24,18 @@ class NeighbourMaxImpl : public torch::nn::Module {
   /// @param center     [m, D] features of the sparser set
   /// @param neighbour  [m, k] int64 into `dense`
   /// @return           [m, D]
-  /// @note Without gradients it works through the centres in blocks, so that no [m, k, D] tensor exists.
-  at::Tensor forward(const at::Tensor& dense, const at::Tensor& center, const at::Tensor& neighbour);
+  /// @note Without gradients it works through the centres in blocks, so that no [m, k, D] tensor
+  /// exists.
+  at::Tensor forward(const at::Tensor& dense, const at::Tensor& center,
+                     const at::Tensor& neighbour);
 
  private:
   torch::nn::Linear hidden_{nullptr}, output_{nullptr};
 };
 TORCH_MODULE(NeighbourMax);
 
-/// F, then two halvings. Parameters: `point.*` (F, 12 -> D -> D), `first.*` and `second.*` (G of either halving).
+/// F, then two halvings. Parameters: `point.*` (F, 12 -> D -> D), `first.*` and `second.*` (G of
+/// either halving).
 class NearestNeighbourEmbeddingImpl : public torch::nn::Module {
  public:
   explicit NearestNeighbourEmbeddingImpl(int64_t channels);

@@ -49,9 +49,8 @@ PointTransformerImpl::PointTransformerImpl(const ModelConfig& config) {
 }
 
 at::Tensor PointTransformerImpl::forward(const at::Tensor& x, const EncoderPlan& plan) {
-  const at::Tensor stem =
-      stem_conv_ ? stem_conv_->forward(x, plan.stem_pairs, plan.stem_tap_begin)
-                 : stem_linear_->forward(x);
+  const at::Tensor stem = stem_conv_ ? stem_conv_->forward(x, plan.stem_pairs, plan.stem_tap_begin)
+                                     : stem_linear_->forward(x);
   std::vector<at::Tensor> skip = {at::gelu(stem_norm_->forward(stem))};
   for (size_t s = 0; s < down_.size(); ++s) {
     const StagePlan& stage = plan.stages[s];

@@ -1,5 +1,5 @@
-// Point Transformer V3 as the paper's light transport encoder uses it (section 3.3): a U-Net of transformer blocks over
-// grids that halve their resolution, from m features back to m latents.
+// Point Transformer V3 as the paper's light transport encoder uses it (section 3.3): a U-Net of
+// transformer blocks over grids that halve their resolution, from m features back to m latents.
 #pragma once
 
 #include <vector>
@@ -20,22 +20,23 @@ class StageImpl : public torch::nn::Module {
 };
 TORCH_MODULE(Stage);
 
-/// Parameters: `stem.*`, `stem_norm.*`, `downS.*` (stage S of the encoder), `poolS.*` (into stage S >= 1), `unpoolS.*` and
-/// `upS.*` (back at stage S), `norm.*`.
+/// Parameters: `stem.*`, `stem_norm.*`, `downS.*` (stage S of the encoder), `poolS.*` (into stage S
+/// >= 1), `unpoolS.*` and `upS.*` (back at stage S), `norm.*`.
 class PointTransformerImpl : public torch::nn::Module {
  public:
   explicit PointTransformerImpl(const ModelConfig& config);
 
-  /// @param x  [m, D]; @return [m, decoder_widths[0] * D], or of the only stage's width if there is one
+  /// @param x  [m, D]; @return [m, decoder_widths[0] * D], or of the only stage's width if there is
+  /// one
   at::Tensor forward(const at::Tensor& x, const EncoderPlan& plan);
 
  private:
-  SubmanifoldConv stem_conv_{nullptr};       ///< either this
-  torch::nn::Linear stem_linear_{nullptr};   ///< or this
+  SubmanifoldConv stem_conv_{nullptr};      ///< either this
+  torch::nn::Linear stem_linear_{nullptr};  ///< or this
   torch::nn::LayerNorm stem_norm_{nullptr}, norm_{nullptr};
   std::vector<Stage> down_, up_;
-  std::vector<Pooling> pool_;                ///< pool_[s] leads from stage s to s + 1
-  std::vector<Unpooling> unpool_;            ///< unpool_[s] leads from stage s + 1 to s
+  std::vector<Pooling> pool_;      ///< pool_[s] leads from stage s to s + 1
+  std::vector<Unpooling> unpool_;  ///< unpool_[s] leads from stage s + 1 to s
 };
 TORCH_MODULE(PointTransformer);
 

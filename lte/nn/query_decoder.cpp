@@ -32,8 +32,7 @@ std::tuple<at::Tensor, at::Tensor> QueryLayerImpl::keys_and_values(const at::Ten
 at::Tensor QueryLayerImpl::forward(const at::Tensor& G, const at::Tensor& S1, const at::Tensor& S2,
                                    int64_t neighbours) {
   const at::Tensor query = query_->forward(norm1_->forward(G));
-  const at::Tensor attended =
-      at::addcmul(S2, query, S1).mul_(1 / static_cast<double>(neighbours));
+  const at::Tensor attended = at::addcmul(S2, query, S1).mul_(1 / static_cast<double>(neighbours));
   const at::Tensor branch = at::dropout(output_->forward(attended), dropout_, is_training());
   const at::Tensor sum = G + branch;
   return sum + ffn_->forward(norm2_->forward(sum));

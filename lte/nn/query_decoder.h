@@ -1,7 +1,9 @@
-// Local query decoder (the paper's section 3.4): irradiance at a surface point from the κ latents nearest to it.
+// Local query decoder (the paper's section 3.4): irradiance at a surface point from the κ latents
+// nearest to it.
 //
-// A layer's vector cross-attention is Σ_κ (W_q G − k_κ + P_κ) ⊙ (v_κ + P_κ) = W_q G ⊙ S1 + S2 with sums S1 and S2 that no
-// query feature enters (DESIGN section 7, identity 1), so one pass over the neighbours serves all layers.
+// A layer's vector cross-attention is Σ_κ (W_q G − k_κ + P_κ) ⊙ (v_κ + P_κ) = W_q G ⊙ S1 + S2 with
+// sums S1 and S2 that no query feature enters (docs/model.md, identity 1), so one pass over the
+// neighbours serves all layers.
 #pragma once
 
 #include <cstdint>
@@ -40,8 +42,8 @@ class QueryLayerImpl : public torch::nn::Module {
 };
 TORCH_MODULE(QueryLayer);
 
-/// Parameters: `point.*` (H, 9 -> D -> D), `gamma.*` (γ, 3 -> h -> D, shared by the layers), `layerI.*`, `norm.*`, `head.*`
-/// (D -> D -> 3).
+/// Parameters: `point.*` (H, 9 -> D -> D), `gamma.*` (γ, 3 -> h -> D, shared by the layers),
+/// `layerI.*`, `norm.*`, `head.*` (D -> D -> 3).
 class QueryDecoderImpl : public torch::nn::Module {
  public:
   /// @param latent  width of the latents
@@ -61,11 +63,12 @@ class QueryDecoderImpl : public torch::nn::Module {
 
   /// @param attributes  [Q, 9]: position (network space), normal, albedo
   /// @return  [Q, 3], non-negative, differentiable
-  at::Tensor forward(const at::Tensor& attributes, const Neighbourhood& near, const at::Tensor& keys,
-                     const at::Tensor& values);
+  at::Tensor forward(const at::Tensor& attributes, const Neighbourhood& near,
+                     const at::Tensor& keys, const at::Tensor& values);
 
   /// forward() from ops::neighbour_table; float32, no gradients.
-  at::Tensor infer(const at::Tensor& attributes, const Neighbourhood& near, const at::Tensor& table);
+  at::Tensor infer(const at::Tensor& attributes, const Neighbourhood& near,
+                   const at::Tensor& table);
 
  private:
   at::Tensor run_layers(const at::Tensor& attributes, const at::Tensor& S1, const at::Tensor& S2,
@@ -78,7 +81,8 @@ class QueryDecoderImpl : public torch::nn::Module {
 };
 TORCH_MODULE(QueryDecoder);
 
-/// Offsets beyond this many spacings say "far" and no more, so that a query far outside the scene stays finite.
+/// Offsets beyond this many spacings say "far" and no more, so that a query far outside the scene
+/// stays finite.
 inline constexpr double kOffsetLimit = 64;
 
 }  // namespace lte::nn

@@ -40,7 +40,8 @@ SubmanifoldConvImpl::SubmanifoldConvImpl(int64_t kernel, int64_t inputs, int64_t
   const int64_t taps = kernel * kernel * kernel;
   // The bound of a dense convolution: U(±1/sqrt(fan_in)).
   const double bound = 1 / std::sqrt(static_cast<double>(taps * inputs));
-  weight_ = register_parameter("weight", at::empty({taps, inputs, outputs}).uniform_(-bound, bound));
+  weight_ =
+      register_parameter("weight", at::empty({taps, inputs, outputs}).uniform_(-bound, bound));
   if (with_bias) bias_ = register_parameter("bias", at::empty({outputs}).uniform_(-bound, bound));
 }
 
@@ -57,8 +58,7 @@ TransformerBlockImpl::TransformerBlockImpl(int64_t channels, const ModelConfig& 
       norm1_(register_module("norm1", layer_norm(channels))),
       norm2_(register_module("norm2", layer_norm(channels))) {
   const int64_t heads = std::max<int64_t>(1, channels / config.head_width);
-  attention_ =
-      register_module("attention", PatchAttention(channels, heads, config.dropout));
+  attention_ = register_module("attention", PatchAttention(channels, heads, config.dropout));
   mlp_ = register_module("mlp", Mlp(channels, 4 * channels, channels, config.dropout, 0.5));
 }
 

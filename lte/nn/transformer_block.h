@@ -1,4 +1,5 @@
-// PTV3's parts: patch attention, sparse convolution, the block, pooling and unpooling (PTV3.md, sections 1 and 2).
+// PTV3's parts: patch attention, sparse convolution, the block, pooling and unpooling (PTV3.md,
+// sections 1 and 2).
 #pragma once
 
 #include <cstdint>
@@ -12,8 +13,9 @@
 
 namespace lte::nn {
 
-/// Multi-head attention within patches of consecutive points along a curve; over all points if there is one patch.
-/// Parameters: `qkv.{weight,bias}` (rows: q, k, v; within each heads, then channels of a head), `proj.{weight,bias}`.
+/// Multi-head attention within patches of consecutive points along a curve; over all points if
+/// there is one patch. Parameters: `qkv.{weight,bias}` (rows: q, k, v; within each heads, then
+/// channels of a head), `proj.{weight,bias}`.
 class PatchAttentionImpl : public torch::nn::Module {
  public:
   PatchAttentionImpl(int64_t channels, int64_t heads, double dropout);
@@ -28,7 +30,8 @@ class PatchAttentionImpl : public torch::nn::Module {
 };
 TORCH_MODULE(PatchAttention);
 
-/// ops::submanifold_conv with its parameters: `weight` [taps, Cin, Cout] and, if asked for, `bias` [Cout].
+/// ops::submanifold_conv with its parameters: `weight` [taps, Cin, Cout] and, if asked for, `bias`
+/// [Cout].
 class SubmanifoldConvImpl : public torch::nn::Module {
  public:
   SubmanifoldConvImpl(int64_t kernel, int64_t inputs, int64_t outputs, bool with_bias);
@@ -41,7 +44,8 @@ class SubmanifoldConvImpl : public torch::nn::Module {
 TORCH_MODULE(SubmanifoldConv);
 
 /// x += LN(Linear(conv(x))); x += Attention(LN(x)); x += MLP(LN(x)).
-/// Parameters: `conv.*`, `conv_linear.*`, `conv_norm.*`, `norm1.*`, `attention.*`, `norm2.*`, `mlp.*`.
+/// Parameters: `conv.*`, `conv_linear.*`, `conv_norm.*`, `norm1.*`, `attention.*`, `norm2.*`,
+/// `mlp.*`.
 class TransformerBlockImpl : public torch::nn::Module {
  public:
   TransformerBlockImpl(int64_t channels, const ModelConfig& config);

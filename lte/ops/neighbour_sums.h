@@ -1,9 +1,10 @@
-// The gather-reduce of the query decoder's factored vector attention (DESIGN section 7, identities
-// 1 to 3).
+// The gather-reduce of the query decoder's factored vector attention (the paper's equation 8).
 //
-// Σ_κ (q − k_κ + P_κ) ⊙ (v_κ + P_κ) = q ⊙ S1 + S2 with S1 = Σ (v_κ + P_κ), S2 = Σ (P_κ − k_κ) ⊙
-// (v_κ + P_κ), so that both sums of all layers are made in one pass over the neighbours before any
-// layer runs.
+//   Σ_κ (q − k_κ + P_κ) ⊙ (v_κ + P_κ) = q ⊙ S1 + S2
+//   with S1 = Σ (v_κ + P_κ) and S2 = Σ (P_κ − k_κ) ⊙ (v_κ + P_κ)
+//
+// There is no softmax over κ, so the query factors out: both sums of all layers are made in one
+// pass over the neighbours, before any layer runs.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +19,7 @@ namespace lte::ops {
 /// @param position  [Q, K, C], P = γ(p_j − p_κ), shared by the layers
 /// @param index     [Q, K] int64, the neighbours of each query, in [0, m)
 /// @return  S1 and S2, each [L, Q, C], NOT yet scaled by 1/K; differentiable in keys, values and
-/// position
+///          position
 /// @throws c10::Error on a wrong shape, dtype, layout, or an index out of range
 /// @note No [Q, K, C] temporary besides `position`. Deterministic, gradients included.
 std::tuple<at::Tensor, at::Tensor> neighbour_sums(const at::Tensor& keys, const at::Tensor& values,
@@ -28,8 +29,8 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums(const at::Tensor& keys, const 
 /// What inference gathers, made once an embedding: keys and values interleaved so that one query
 /// reads one run of memory from a latent for a block of channels and all layers.
 ///
-/// @return  [m, ⌈C/16⌉, L, 2, 16]: k, then v, of 16 channels; channels past C are zero. Opaque to
-/// callers.
+/// @return  [m, ⌈C/16⌉, L, 2, 16]: k, then v, of 16 channels; channels past C are zero.
+///          Opaque to callers.
 at::Tensor neighbour_table(const at::Tensor& keys, const at::Tensor& values);
 
 /// neighbour_sums() from the table; not differentiable, float32, and fused with γ's last layer so
@@ -41,9 +42,8 @@ at::Tensor neighbour_table(const at::Tensor& keys, const at::Tensor& values);
 /// @param index   [Q, K] int64
 /// @return  S1 and S2, each [L, Q, C], not yet scaled by 1/K
 /// @throws c10::Error as neighbour_sums()
-/// @note Each query's result is the same bits whatever other queries there are. Blocks of a few
-/// thousand queries keep the
-///       results in memory that the allocator reuses; fresh pages cost as much as the sums.
+/// @note Each query's result is the same bits whatever other queries there are.
+/// @note Blocks of some 4,096 queries keep the results in memory that the allocator reuses.
 std::tuple<at::Tensor, at::Tensor> neighbour_sums_inference(const at::Tensor& table,
                                                             const at::Tensor& hidden,
                                                             const at::Tensor& weight,

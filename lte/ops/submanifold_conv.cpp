@@ -55,10 +55,12 @@ class SubmanifoldConv : public torch::autograd::Function<SubmanifoldConv> {
                                .typed<Signature>();
     const variable_list saved = context->get_saved_variables();
     const at::Tensor grad = grads[0].contiguous();
+    // Counted over tensor arguments: without a bias, 2 is `pairs`, which needs none.
+    const bool need_bias = context->needs_input_grad(2);
     const auto [input, weight] =
         op.call(grad, saved[0], saved[1], saved[2], saved[3], context->needs_input_grad(0),
                 context->needs_input_grad(1));
-    const at::Tensor bias = context->needs_input_grad(2) ? grad.sum(0) : at::Tensor();
+    const at::Tensor bias = need_bias ? grad.sum(0) : at::Tensor();
     return {context->needs_input_grad(0) ? input : at::Tensor(),
             context->needs_input_grad(1) ? weight : at::Tensor(), bias, at::Tensor(), at::Tensor()};
   }

@@ -15,7 +15,8 @@ namespace lte::ops {
 /// Points that share a cell: every point is an output; as an input the cell is represented by its
 /// lowest-indexed point, except that the centre tap of each point reads the point itself.
 ///
-/// @param cells  [N, 3] int32, contiguous, in [0, 2^20)
+/// @param cells   [N, 3] int32, contiguous, in [0, 2^20)
+/// @param kernel  odd, 1 to 31
 /// @return  pairs [2, P] int32 (row 0 output, row 1 input) sorted by tap, then by output; and
 /// tap_begin [taps + 1] int64
 ///          on the CPU

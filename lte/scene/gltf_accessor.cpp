@@ -11,7 +11,7 @@ namespace {
 
 /// An accessor without a buffer view is all zeros. No file needs many, and a count costs a hostile
 /// one nothing.
-constexpr uint64_t kMaxZeros = uint64_t{1} << 24;
+constexpr uint64_t kMaxZeros = uint64_t{1} << 20;
 
 template <typename T>
 T read(const std::byte* at) {
@@ -37,13 +37,14 @@ size_t component_size(int type) {
 }
 
 /// `view` from `offset` on, after a check that `count` elements of `size` bytes, `stride` apart,
-/// lie in it.
+/// lie in it. Written so that no sum or product can wrap, whatever the file says.
 Bytes elements(Bytes view, uint64_t offset, uint64_t count, uint64_t stride, uint64_t size,
                const std::string& what) {
   if (count == 0) return {};
-  const uint64_t end = offset + stride * (count - 1) + size;
-  LTE_CHECK(end <= view.size(), what, ": its accessor ends at byte ", end, " of a buffer view of ",
-            view.size(), " bytes (count ", count, ", stride ", stride, ")");
+  LTE_CHECK(offset <= view.size() && size <= view.size() - offset &&
+                count - 1 <= (view.size() - offset - size) / stride,
+            what, ": ", count, " elements of ", size, " bytes, ", stride, " apart from byte ",
+            offset, " on, do not fit into a buffer view of ", view.size(), " bytes");
   return view.subspan(offset);
 }
 
@@ -89,6 +90,8 @@ void Accessor::apply_sparse(const Context& context, const tinygltf::Accessor& ac
   if (!accessor.sparse.isSparse) return;
 
   const auto& sparse = accessor.sparse;
+  LTE_CHECK(sparse.count >= 0 && static_cast<uint64_t>(sparse.count) <= count_, what_, ": ",
+            sparse.count, " sparse values for ", count_, " elements");
   const auto count = static_cast<uint64_t>(sparse.count);
   const size_t index_size = component_size(sparse.indices.componentType);
   const Bytes indices = elements(context.buffers.view(sparse.indices.bufferView),

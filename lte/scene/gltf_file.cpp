@@ -74,6 +74,8 @@ int nesting(std::string_view json) {
 }
 
 Json parse_json(const std::string& name, std::string_view json) {
+  if (json.starts_with("\xEF\xBB\xBF"))
+    json.remove_prefix(3);  // a byte order mark, which some editors leave
   const size_t start = json.find_first_not_of(" \t\r\n");
   LTE_CHECK(start != std::string_view::npos && json[start] == '{', name,
             ": not a glTF file (neither the magic of a .glb nor a JSON object)");

@@ -55,6 +55,8 @@ class Accessor {
   /// @throws lte::Error if elements lie outside the buffer view, or zeros are asked for beyond
   /// reason.
   Accessor(const Context& context, int index, const std::string& what);
+  Accessor(const Accessor&) = delete;
+  Accessor& operator=(const Accessor&) = delete;
 
   size_t count() const { return count_; }
   int components() const { return components_; }

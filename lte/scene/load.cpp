@@ -62,7 +62,16 @@ void add_instances(const Context& context, const std::vector<Placement>& placeme
   LTE_CHECK(triangles > 0, context.file.name, ": the scene has no triangles");
 }
 
-/// Lights and cameras. `lights` is the file's KHR_lights_punctual reference of each node.
+void add_camera(const Context& context, Camera camera, const std::string& type, Scene* scene) {
+  if (type != "perspective") {
+    context.notes.add("orthographic projection", "camera");
+  } else if (length(cross(camera.target - camera.origin, camera.up)) < 1e-5f) {
+    context.notes.add("transform without a view direction", "camera");
+  } else {
+    scene->cameras.push_back(std::move(camera));
+  }
+}
+
 void add_lights_and_cameras(const Context& context, const std::vector<Placement>& placements,
                             Scene* scene) {
   for (const Placement& placement : placements) {
@@ -71,11 +80,7 @@ void add_lights_and_cameras(const Context& context, const std::vector<Placement>
     if (node.skin >= 0) context.notes.add("skin", "node");
     if (node.camera >= 0) {
       const tinygltf::Camera& camera = context.model.cameras[static_cast<size_t>(node.camera)];
-      if (camera.type == "perspective") {
-        scene->cameras.push_back(gltf::make_camera(camera, node, placement.to_world));
-      } else {
-        context.notes.add("orthographic projection", "camera");
-      }
+      add_camera(context, gltf::make_camera(camera, node, placement.to_world), camera.type, scene);
     }
     const auto punctual = node.extensions.find("KHR_lights_punctual");
     if (punctual == node.extensions.end() || !punctual->second.Has("light")) continue;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "lte/base/safetensors.h"
+
 #include "support.h"
 
 namespace lte::nn {
@@ -74,15 +75,17 @@ TEST_F(Checkpoint, RefusesWhatIsNotThisModel) {
                      {"edited.safetensors", kName});
   test::expect_error(load(edited([](auto& t, auto&) { t["decoder.extra"] = t[kName]; })),
                      {"edited.safetensors", "superfluous", "decoder.extra"});
-  test::expect_error(load(edited([](auto& t, auto&) { std::swap(t[kName].shape[0], t[kName].shape[1]); })),
-                     {"edited.safetensors", kName});
+  test::expect_error(
+      load(edited([](auto& t, auto&) { std::swap(t[kName].shape[0], t[kName].shape[1]); })),
+      {"edited.safetensors", kName});
   test::expect_error(load(edited([](auto&, auto& m) { m["model_config"] += "depth: 3\n"; })),
                      {"edited.safetensors", "depth"});
   std::vector<float> bad(24, 1.0f);
   bad[5] = std::numeric_limits<float>::quiet_NaN();
-  test::expect_error(
-      load(edited([&](auto& t, auto&) { t[kName].data = reinterpret_cast<const std::byte*>(bad.data()); })),
-      {"edited.safetensors", kName, "not finite"});
+  test::expect_error(load(edited([&](auto& t, auto&) {
+                       t[kName].data = reinterpret_cast<const std::byte*>(bad.data());
+                     })),
+                     {"edited.safetensors", kName, "not finite"});
 }
 
 TEST_F(Checkpoint, WeightsOfAnotherConfigurationAreRefusedByName) {

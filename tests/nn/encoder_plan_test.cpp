@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "lte/ops/serialize.h"
+
 #include "support.h"
 
 namespace lte::nn {
@@ -86,7 +87,9 @@ TEST(EncoderPlan, ShuffleIsDrawnFromTheSeed) {
   const ModelConfig config = test::tiny_config();
   std::set<std::vector<int64_t>> first;
   for (uint64_t seed = 0; seed < 40; ++seed) {
-    const auto order = [&] { return list(make_stages(cells, config, true, seed)[0].patches[0].gather); };
+    const auto order = [&] {
+      return list(make_stages(cells, config, true, seed)[0].patches[0].gather);
+    };
     EXPECT_EQ(order(), order());
     first.insert(order());
   }
@@ -94,7 +97,8 @@ TEST(EncoderPlan, ShuffleIsDrawnFromTheSeed) {
 }
 
 TEST(EncoderPlan, SpacingIsThatOfTheSparsestSetAndCoincidentPointsHaveOne) {
-  const at::Tensor line = torch::arange(17).to(at::kFloat).unsqueeze(1).mul(torch::tensor({{1.0f, 0.0f, 0.0f}})) / 16;
+  const at::Tensor line =
+      torch::arange(17).to(at::kFloat).unsqueeze(1).mul(torch::tensor({{1.0f, 0.0f, 0.0f}})) / 16;
   const EncoderPlan plan = make_encoder_plan(line, test::tiny_config(), false, 0);
   EXPECT_EQ(plan.position.size(0), 5);  // 17 -> 9 -> 5: ends, middle, quarters
   EXPECT_FLOAT_EQ(static_cast<float>(plan.spacing), 0.25f);
@@ -106,7 +110,8 @@ TEST(EncoderPlan, SpacingIsThatOfTheSparsestSetAndCoincidentPointsHaveOne) {
 
 TEST(GridCells, GridGrowsWhereSixteenBitsWouldNotDo) {
   double grid = 1e-7;
-  const at::Tensor cells = grid_cells(torch::tensor({{0.0f, 0.0f, 0.0f}, {1.0f, 0.5f, 0.0f}}), &grid);
+  const at::Tensor cells =
+      grid_cells(torch::tensor({{0.0f, 0.0f, 0.0f}, {1.0f, 0.5f, 0.0f}}), &grid);
   EXPECT_GT(grid, 1e-7);
   EXPECT_EQ(cells.max().item<int>(), 65535);
   grid = 0.25;

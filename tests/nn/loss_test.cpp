@@ -36,15 +36,23 @@ TEST(LogRelativeLoss, DetachedDenominatorIsAConstant) {
   const at::Tensor gradient =
       torch::autograd::grad({log_relative_loss(predicted, target, config)}, {predicted})[0];
   const double denominator = std::log(3.0) + 0.5;
-  const double expected = 2 * (std::log(3.0) - std::log(2.0)) / 3.0 / (denominator * denominator) / 3;
+  const double expected =
+      2 * (std::log(3.0) - std::log(2.0)) / 3.0 / (denominator * denominator) / 3;
   EXPECT_NEAR(gradient[0][0].item<double>(), expected, 1e-14);
 }
 
 TEST(LogRelativeLoss, RefusesWhatItCannotAverage) {
   const at::Tensor one = torch::ones({1, 3});
-  test::expect_error([&] { log_relative_loss(one, torch::ones({2, 3}), {}); }, {"[1, 3]", "[2, 3]"});
-  test::expect_error([] { log_relative_loss(torch::ones({0, 3}), torch::ones({0, 3}), {}); },
-                     {"no samples"});
+  test::expect_error(
+      [&] {
+        log_relative_loss(one, torch::ones({2, 3}), {});
+      },
+      {"[1, 3]", "[2, 3]"});
+  test::expect_error(
+      [] {
+        log_relative_loss(torch::ones({0, 3}), torch::ones({0, 3}), {});
+      },
+      {"no samples"});
   test::expect_error([&] { log_relative_loss(one, one, {.epsilon = 0}); }, {"epsilon"});
 }
 

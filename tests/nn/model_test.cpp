@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "lte/nn/loss.h"
+
 #include "support.h"
 
 namespace lte::nn {
@@ -25,18 +26,21 @@ at::Tensor irradiance(LightTransportModel& model, const PointSet& points, const 
 TEST(Model, ParameterCountsFollowTheFormulasAndThePaper) {
   const auto block = [](int64_t C) { return 40 * C * C + 17 * C; };
   const auto linear = [](int64_t in, int64_t out) { return (in + 1) * out; };
-  for (const auto& [D, paper_millions] : {std::pair<int64_t, double>(64, 10.5), {128, 42.0}, {256, 167.7}}) {
+  for (const auto& [D, paper_millions] :
+       {std::pair<int64_t, double>(64, 10.5), {128, 42.0}, {256, 167.7}}) {
     ModelConfig config;
     config.channels = D;
     const ParameterCounts counts = count_parameters(LightTransportModel(config));
     const int64_t nne = linear(12, D) + linear(D, D) + 2 * (linear(2 * D, D) + linear(D, D));
     const auto pool = [&](int64_t in, int64_t out) { return in * out + 3 * out; };
     const int64_t pools = pool(D, D) * 2 + pool(D, 2 * D) + pool(2 * D, 2 * D);
-    const auto unpool = [](int64_t in, int64_t skip, int64_t out) { return (in + skip) * out + 6 * out; };
+    const auto unpool = [](int64_t in, int64_t skip, int64_t out) {
+      return (in + skip) * out + 6 * out;
+    };
     const int64_t unpools = unpool(2 * D, 2 * D, 2 * D) + unpool(2 * D, D, 2 * D) +
                             unpool(2 * D, D, D) + unpool(D, D, D);
-    const int64_t encoder = 125 * D * D + 2 * D + 6 * block(D) + 8 * block(2 * D) + pools + unpools +
-                            4 * block(D) + 4 * block(2 * D) + 2 * D;
+    const int64_t encoder = 125 * D * D + 2 * D + 6 * block(D) + 8 * block(2 * D) + pools +
+                            unpools + 4 * block(D) + 4 * block(2 * D) + 2 * D;
     const int64_t layer = 4 * linear(D, D) + linear(D, 4 * D) + linear(4 * D, D) + 4 * D;
     const int64_t decoder = linear(9, D) + linear(D, D) + linear(3, 64) + linear(64, D) +
                             6 * layer + 2 * D + linear(D, D) + linear(D, 3);
@@ -87,7 +91,8 @@ TEST(Model, MovingTheWholeSceneChangesNothing) {
   const QuerySet queries = test::box_queries(40, 4);
   const at::Tensor here = irradiance(model, points, queries);
   // Sixteenths of a metre stay exact in float32 up to 2^20 m.
-  for (const auto& offset : {torch::tensor({3.5f, -8.25f, 100.0f}), torch::tensor({1e6f, -1e6f, 1e6f})}) {
+  for (const auto& offset :
+       {torch::tensor({3.5f, -8.25f, 100.0f}), torch::tensor({1e6f, -1e6f, 1e6f})}) {
     PointSet moved = points;
     QuerySet asked = queries;
     moved.position = points.position + offset;
@@ -102,9 +107,9 @@ TEST(Model, QueriesDoNotSeeEachOther) {
   const Embedding embedding = model->encode(test::box_scene(200, 5));
   const QuerySet queries = test::box_queries(5000, 6);  // more than a block
   const auto pick = [&](const at::Tensor& index) {
-    return model->decode(embedding, {queries.position.index_select(0, index),
-                                     queries.normal.index_select(0, index),
-                                     queries.albedo.index_select(0, index)});
+    return model->decode(
+        embedding, {queries.position.index_select(0, index), queries.normal.index_select(0, index),
+                    queries.albedo.index_select(0, index)});
   };
   const at::Tensor all = model->decode(embedding, queries);
   const at::Tensor order = torch::randperm(5000);
@@ -113,7 +118,8 @@ TEST(Model, QueriesDoNotSeeEachOther) {
     const at::Tensor few = torch::arange(begin, std::min<int64_t>(begin + 13, 5000));
     EXPECT_LT(test::relative_difference(pick(few), all.index_select(0, few)), 1e-6);
   }
-  EXPECT_EQ(model->decode(embedding, test::box_queries(0, 1)).sizes(), (std::vector<int64_t>{0, 3}));
+  EXPECT_EQ(model->decode(embedding, test::box_queries(0, 1)).sizes(),
+            (std::vector<int64_t>{0, 3}));
 }
 
 TEST(Model, DecodeIsTheNormalizedAnswerTimesTheScalar) {
@@ -123,7 +129,9 @@ TEST(Model, DecodeIsTheNormalizedAnswerTimesTheScalar) {
   EXPECT_FALSE(embedding.table.defined());
   const at::Tensor expected = model->decode_normalized(embedding, queries) * embedding.radiance;
   EXPECT_LT(test::relative_difference(model->decode(embedding, queries), expected), 1e-5);
-  EXPECT_LT(test::relative_difference(irradiance(model, test::box_scene(200, 5), queries), expected), 1e-5);
+  EXPECT_LT(
+      test::relative_difference(irradiance(model, test::box_scene(200, 5), queries), expected),
+      1e-5);
 }
 
 TEST(Model, AnyNumberAndArrangementOfPointsGivesFiniteIrradiance) {
@@ -157,7 +165,8 @@ TEST(Model, ExtremeButFiniteInputStaysFinite) {
   points.emission.mul_(1e30f);
   points.area.narrow(0, 0, 50).fill_(1e-30f);
   QuerySet queries = test::box_queries(4, 12);
-  queries.position = torch::tensor({{1e6f, 0.0f, 0.0f}, {-1e30f, 0.0f, 0.0f}, {0.0f, 3e4f, 0.0f}, {0.0f, 0.0f, 0.0f}});
+  queries.position = torch::tensor(
+      {{1e6f, 0.0f, 0.0f}, {-1e30f, 0.0f, 0.0f}, {0.0f, 3e4f, 0.0f}, {0.0f, 0.0f, 0.0f}});
   EXPECT_TRUE(irradiance(model, points, queries).isfinite().all().item<bool>());
 }
 
@@ -197,7 +206,8 @@ TEST(Model, BadInputIsRefusedWithItsPlace) {
   const Embedding embedding = model->encode(test::box_scene(20, 13));
   QuerySet queries = test::box_queries(9, 14);
   queries.position[6][1] = NAN;
-  test::expect_error([&] { model->decode(embedding, queries); }, {"query points", "position", "row 6"});
+  test::expect_error([&] { model->decode(embedding, queries); },
+                     {"query points", "position", "row 6"});
   test::expect_error([&] { model->decode_normalized(embedding, queries); }, {"row 6"});
   PointSet uneven = test::box_scene(20, 13);
   uneven.albedo = torch::rand({19, 3});
@@ -240,7 +250,8 @@ TEST(Model, LearnsOneBatchByHeart) {
   double first = 0, last = 0;
   for (int step = 0; step < 250; ++step) {
     const Embedding embedding = model->encode(points, static_cast<uint64_t>(step));
-    const at::Tensor loss = log_relative_loss(model->decode_normalized(embedding, queries), target, {});
+    const at::Tensor loss =
+        log_relative_loss(model->decode_normalized(embedding, queries), target, {});
     optimizer.zero_grad();
     loss.backward();
     optimizer.step();

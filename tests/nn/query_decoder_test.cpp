@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "lte/ops/neighbour_sums.h"
+
 #include "reference_decoder.h"
 #include "support.h"
 
@@ -42,7 +43,8 @@ struct Case {
 };
 
 TEST(QueryDecoder, FactoredFormIsThePairwiseEquationsGradientsIncluded) {
-  for (const auto& [dtype, tolerance] : {std::pair(at::kFloat, 1e-5), std::pair(at::kDouble, 1e-11)}) {
+  for (const auto& [dtype, tolerance] :
+       {std::pair(at::kFloat, 1e-5), std::pair(at::kDouble, 1e-11)}) {
     for (const int64_t m : {1, 3, 40}) {  // fewer latents than neighbours, and more
       Case c(50, m, dtype);
       const at::Tensor got = c.factored(), expected = c.reference();
@@ -88,7 +90,8 @@ TEST(QueryDecoder, StartsAtTheTrainingMeanWithPositionsAsStrongAsKeys) {
   decoder->eval();
   const at::NoGradGuard no_grad;
   // A plane sampled with unit spacing, as farthest point sampling leaves it.
-  const at::Tensor anchor = torch::cartesian_prod({torch::arange(30), torch::arange(30)}).to(at::kFloat);
+  const at::Tensor anchor =
+      torch::cartesian_prod({torch::arange(30), torch::arange(30)}).to(at::kFloat);
   const at::Tensor grid = torch::cat({anchor, torch::zeros({900, 1})}, 1).contiguous();
   const at::Tensor query = torch::cat({10 + 10 * torch::rand({200, 2}), torch::zeros({200, 1})}, 1);
   const auto near = decoder->neighbourhood(query, grid, 1.0);
@@ -97,8 +100,8 @@ TEST(QueryDecoder, StartsAtTheTrainingMeanWithPositionsAsStrongAsKeys) {
   const double key_std = keys.std().item<double>();
   EXPECT_NEAR(key_std, 1, 0.2);
   const auto parameters = decoder->named_parameters();
-  const at::Tensor hidden = torch::gelu(torch::linear(near.offset, parameters["gamma.hidden.weight"],
-                                                      parameters["gamma.hidden.bias"]));
+  const at::Tensor hidden = torch::gelu(torch::linear(
+      near.offset, parameters["gamma.hidden.weight"], parameters["gamma.hidden.bias"]));
   const at::Tensor P = torch::linear(hidden, parameters["gamma.output.weight"]);
   EXPECT_GT(P.std().item<double>(), 0.5);
   EXPECT_LT(P.std().item<double>(), 2);

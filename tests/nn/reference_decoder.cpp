@@ -12,7 +12,9 @@ at::Tensor linear(const Parameters& p, const std::string& name, const at::Tensor
   return torch::matmul(x, p.at(name + ".weight").t()) + p.at(name + ".bias");
 }
 
-at::Tensor exact_gelu(const at::Tensor& x) { return 0.5 * x * (1 + torch::erf(x / std::sqrt(2.0))); }
+at::Tensor exact_gelu(const at::Tensor& x) {
+  return 0.5 * x * (1 + torch::erf(x / std::sqrt(2.0)));
+}
 
 at::Tensor perceptron(const Parameters& p, const std::string& name, const at::Tensor& x) {
   return linear(p, name + ".output", exact_gelu(linear(p, name + ".hidden", x)));

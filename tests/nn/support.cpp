@@ -5,7 +5,8 @@
 namespace lte::test {
 namespace {
 
-/// Thousands of operations on a few dozen rows: starting threads for each would take longer than the work.
+/// Thousands of operations on a few dozen rows: starting threads for each would take longer than
+/// the work.
 class OneThread : public ::testing::Environment {
   void SetUp() override { at::set_num_threads(1); }
 };
@@ -69,8 +70,8 @@ nn::QuerySet box_queries(int64_t Q, uint64_t seed) {
 }
 
 nn::PointSet as_double(nn::PointSet points) {
-  for (at::Tensor* t : {&points.position, &points.normal, &points.albedo, &points.emission,
-                        &points.area}) {
+  for (at::Tensor* t :
+       {&points.position, &points.normal, &points.albedo, &points.emission, &points.area}) {
     *t = t->to(at::kDouble);
   }
   return points;

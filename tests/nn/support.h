@@ -14,7 +14,8 @@ namespace lte::test {
 /// Three stages, patches of 8: every path of the network runs on a few dozen points.
 nn::ModelConfig tiny_config();
 
-/// M points on the walls of a 4 x 3 x 5 m box, a tenth of them emitting. Positions are multiples of 1/16 m.
+/// M points on the walls of a 4 x 3 x 5 m box, a tenth of them emitting. Positions are multiples of
+/// 1/16 m.
 nn::PointSet box_scene(int64_t M, uint64_t seed);
 nn::QuerySet box_queries(int64_t Q, uint64_t seed);
 nn::PointSet as_double(nn::PointSet points);
@@ -26,8 +27,8 @@ void randomize(torch::nn::Module& module, uint64_t seed);
 /// |a − b| / |b| in the Euclidean norm.
 double relative_difference(const at::Tensor& a, const at::Tensor& b);
 
-/// Compares the derivative of `f` along one random direction in each of `inputs` (double, requiring gradients) with a
-/// central difference.
+/// Compares the derivative of `f` along one random direction in each of `inputs` (double, requiring
+/// gradients) with a central difference.
 void expect_gradients_match(const std::function<at::Tensor()>& f,
                             const std::vector<at::Tensor>& inputs, double tolerance = 1e-6);
 

@@ -6,6 +6,7 @@
 
 #include "lte/nn/nearest_neighbour_embedding.h"
 #include "lte/ops/knn.h"
+
 #include "support.h"
 
 namespace lte::nn {
@@ -95,7 +96,8 @@ TEST(TransformerBlock, GradientsMatchFiniteDifferences) {
   const at::Tensor weight = torch::randn({19, 8}, at::kDouble);
   std::vector<at::Tensor> inputs = block->parameters();
   inputs.push_back(x);
-  test::expect_gradients_match([&] { return (block->forward(x, stage, 0) * weight).sum(); }, inputs);
+  test::expect_gradients_match([&] { return (block->forward(x, stage, 0) * weight).sum(); },
+                               inputs);
 }
 
 TEST(Pooling, GradientsMatchFiniteDifferencesDownAndUp) {
@@ -128,8 +130,8 @@ TEST(NeighbourMax, IsTheMaximumOverConcatenatedPairs) {
   const at::Tensor x_k = dense.index({index}), x_l = center.unsqueeze(1).expand({m, k, D});
   const at::Tensor pair = torch::cat({x_k - x_l, x_l}, 2);
   const at::Tensor hidden = torch::gelu(torch::linear(pair, p["hidden.weight"], p["hidden.bias"]));
-  const at::Tensor expected = std::get<0>(
-      torch::linear(hidden, p["output.weight"], p["output.bias"]).max(1));
+  const at::Tensor expected =
+      std::get<0>(torch::linear(hidden, p["output.weight"], p["output.bias"]).max(1));
   EXPECT_LT(test::relative_difference(module->forward(dense, center, index), expected), 1e-12);
   const at::NoGradGuard no_grad;
   EXPECT_LT(test::relative_difference(module->forward(dense, center, index), expected), 1e-12);

@@ -201,15 +201,15 @@ TEST_F(LoadError, VertexIndicesPastTheEnd) {
 
 TEST_F(LoadError, ElementsOutsideTheirBytes) {
   expect([](GltfBuilder& b) { b.json["accessors"][0]["count"] = 4; }, "POSITION",
-         "ends at byte 48");
+         "do not fit into a buffer view of 36");
   expect([](GltfBuilder& b) { b.json["accessors"][0]["count"] = 1'000'000'000'000; }, "POSITION",
-         "ends at byte");
+         "do not fit into a buffer view of 36");
   expect([](GltfBuilder& b) { b.json["accessors"][0]["count"] = 1e18; }, "accessors[0].count",
          "integer");
   expect([](GltfBuilder& b) { b.json["accessors"][0]["count"] = -3; }, "accessors[0].count",
          "integer");
   expect([](GltfBuilder& b) { b.json["accessors"][0]["byteOffset"] = 4; }, "POSITION",
-         "ends at byte 40");
+         "do not fit into a buffer view of 36");
   expect(
       [](GltfBuilder& b) {
         b.json["accessors"][0].erase("bufferView"), b.json["accessors"][0]["count"] = 1 << 30;
@@ -239,7 +239,12 @@ TEST_F(LoadError, SparseIndicesPastTheEnd) {
     };
   };
   expect(sparse(3, 1), "POSITION", "sparse index 0 is 3");
-  expect(sparse(0, 3), "POSITION", "ends at byte 3 of a buffer view of 1");
+  expect(sparse(0, 3), "POSITION", "do not fit into a buffer view of 1 bytes");
+  expect(
+      [&](GltfBuilder& b) {
+        sparse(0, 1)(b), b.json["accessors"][0]["sparse"]["values"]["byteOffset"] = 4294967292;
+      },
+      "POSITION", "do not fit");
   expect(sparse(0, 4), "accessors[0].sparse", "exceeds");
 }
 

@@ -135,6 +135,15 @@ TEST_F(LoadNode, ReadsPerspectiveCameras) {
   EXPECT_THAT(scene.ignored, ElementsAre("orthographic projection (1 camera)"));
 }
 
+TEST_F(LoadNode, LeavesOutACameraThatSeesNothing) {
+  nodes() = {{{"mesh", 0}}, {{"camera", 0}, {"scale", {0, 0, 0}}}};
+  builder_.json["cameras"] = {
+      {{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 0.1}}}}};
+  const Scene scene = load();
+  EXPECT_TRUE(scene.cameras.empty());
+  EXPECT_THAT(scene.ignored, ElementsAre("transform without a view direction (1 camera)"));
+}
+
 TEST_F(LoadNode, ReadsPunctualLights) {
   builder_.json["extensions"]["KHR_lights_punctual"]["lights"] = {
       {{"type", "point"}, {"intensity", 10}, {"color", {1, 0.5, 0}}, {"range", 7}},

@@ -18,11 +18,12 @@ namespace lte::nn {
 namespace {
 
 constexpr int64_t kCurves = 4;
-/// Below this spacing (network space; 16 µm at s = 16 m) relative positions are noise of float32 coordinates.
+/// Below this spacing (network space; 16 µm at s = 16 m) relative positions are noise of float32
+/// coordinates.
 constexpr double kMinimumSpacing = 1e-6;
 
-/// The insertion distance of the last pick, or the last usable one before it: coincident points come last, at distance 0,
-/// and the first pick has no distance. The whole scale if there is none.
+/// The insertion distance of the last pick, or the last usable one before it: coincident points
+/// come last, at distance 0, and the first pick has no distance. The whole scale if there is none.
 double spacing_of(const at::Tensor& distance2, int64_t count) {
   const at::Tensor host = distance2.narrow(0, 0, count).to(at::kCPU, at::kDouble);
   const auto* d2 = host.const_data_ptr<double>();
@@ -49,7 +50,8 @@ int64_t deepest(const ModelConfig& config, size_t stage) {
   return stage < config.decoder_depths.size() ? std::max(down, config.decoder_depths[stage]) : down;
 }
 
-/// Merges the points whose cells share the next coarser cell. Clusters are numbered along the Z curve.
+/// Merges the points whose cells share the next coarser cell. Clusters are numbered along the Z
+/// curve.
 StagePlan pool(const at::Tensor& cells, int64_t bits) {
   const at::Tensor code = ops::curve_codes(cells, ops::Curve::Z, bits).bitwise_right_shift(3);
   const auto [sorted, order] = at::sort(code, /*stable=*/true, /*dim=*/0, /*descending=*/false);

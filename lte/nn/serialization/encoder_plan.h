@@ -1,6 +1,7 @@
-// All integer metadata of one scene, made once before the network runs: which points survive farthest point sampling, whose
-// neighbours are whose, grid cells, curve orders, pooling clusters and convolution pairs. With it the network itself is a
-// fixed sequence of tensor operations without a host synchronization (PTV3.md, sections 1.3 and 8).
+// All integer metadata of one scene, made once before the network runs: which points survive
+// farthest point sampling, whose neighbours are whose, grid cells, curve orders, pooling clusters
+// and convolution pairs. With it the network itself is a fixed sequence of tensor operations
+// without a host synchronization.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +13,9 @@
 
 namespace lte::nn {
 
-/// How a stage's points are cut into attention patches along one curve. With at most `patch_size` points there is a single
-/// patch, attention does not depend on order, and both tensors stay undefined.
+/// How a stage's points are cut into attention patches along one curve. With at most `patch_size`
+/// points there is a single patch, attention does not depend on order, and both tensors stay
+/// undefined.
 struct PatchMap {
   at::Tensor gather;   ///< [patches * patch_size] int64: the point in each slot, padding included
   at::Tensor inverse;  ///< [n] int64: the slot of each point
@@ -21,35 +23,40 @@ struct PatchMap {
 
 /// One resolution of PTV3.
 struct StagePlan {
-  at::Tensor cells;                  ///< [n, 3] int32 grid cells
-  at::Tensor pairs, tap_begin;       ///< ops::convolution_pairs of the 3^3 kernel, shared by all blocks of the stage
-  std::vector<PatchMap> patches;     ///< one a curve in use; block i takes patches[i mod size]
-  at::Tensor cluster;                ///< [points of the finer stage] int64 in [0, n); undefined for stage 0
+  at::Tensor cells;  ///< [n, 3] int32 grid cells
+  at::Tensor pairs,
+      tap_begin;  ///< ops::convolution_pairs of the 3^3 kernel, shared by all blocks of the stage
+  std::vector<PatchMap> patches;  ///< one a curve in use; block i takes patches[i mod size]
+  at::Tensor cluster;  ///< [points of the finer stage] int64 in [0, n); undefined for stage 0
 
   int64_t points() const { return cells.size(0); }
 };
 
 struct EncoderPlan {
-  at::Tensor first_picks;            ///< [m1] int64, m1 = ceil(M/2): points that stay after the first halving
-  at::Tensor first_neighbours;       ///< [m1, min(k, M)] int64, among all M
-  at::Tensor second_neighbours;      ///< [m, min(k, m1)] int64, among the m1; the m are the first of the m1
-  at::Tensor position;               ///< [m, 3] float32, network space
-  double spacing = 1;                ///< of the m points, network space, > 0
-  double grid = 1;                   ///< edge of a cell, network space
+  at::Tensor first_picks;  ///< [m1] int64, m1 = ceil(M/2): points that stay after the first halving
+  at::Tensor first_neighbours;  ///< [m1, min(k, M)] int64, among all M
+  at::Tensor
+      second_neighbours;  ///< [m, min(k, m1)] int64, among the m1; the m are the first of the m1
+  at::Tensor position;    ///< [m, 3] float32, network space
+  double spacing = 1;     ///< of the m points, network space, > 0
+  double grid = 1;        ///< edge of a cell, network space
   at::Tensor stem_pairs, stem_tap_begin;  ///< undefined for a linear stem
   std::vector<StagePlan> stages;
 };
 
 /// @param position    [M, 3] float32, network space, non-negative, M >= 1
-/// @param shuffle     draw each stage's curve rows from `order_seed` (training) instead of the fixed ones
+/// @param shuffle     draw each stage's curve rows from `order_seed` (training) instead of the
+/// fixed ones
 EncoderPlan make_encoder_plan(const at::Tensor& position, const ModelConfig& config, bool shuffle,
                               uint64_t order_seed);
 
-/// Cells of `position` (network space, non-negative) on a grid of edge >= `*grid`, which grows where 16 bits would not do.
+/// Cells of `position` (network space, non-negative) on a grid of edge >= `*grid`, which grows
+/// where 16 bits would not do.
 at::Tensor grid_cells(const at::Tensor& position, double* grid);
 
-/// Slots of the points of `order` ([n] int64, n > patch_size) in patches of equal size. The empty slots of the last patch
-/// repeat the same slots of the one before, so that its points see real neighbours and no mask is needed.
+/// Slots of the points of `order` ([n] int64, n > patch_size) in patches of equal size. The empty
+/// slots of the last patch repeat the same slots of the one before, so that its points see real
+/// neighbours and no mask is needed.
 PatchMap make_patch_map(const at::Tensor& order, int64_t patch_size);
 
 /// Stage 0 from `cells`, then one halving of the grid a stage. Public for tests.

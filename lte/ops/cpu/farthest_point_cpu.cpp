@@ -58,8 +58,8 @@ class Sampler {
     const int64_t position = farthest_[picked];
     const float point[3] = {tree_.x[position], tree_.y[position], tree_.z[position]};
     distance_[position] = kPicked;
-    reach_[picked] =
-        std::numeric_limits<float>::infinity();  // visit it even if all else there coincides
+    // Visits the pick's own bucket even if all else in it coincides with the pick.
+    reach_[picked] = std::numeric_limits<float>::infinity();
     // A bucket with nothing farther than the distance of its box cannot change.
     const int64_t visits =
         kernels_.reached(box_.data(), stride_, count_, point, reach_.data(), visit_.data());

@@ -1,10 +1,10 @@
 // k nearest neighbours on the CPU: queries in packets that share one list of candidates.
 //
 // Queries are sorted by the k-d tree's leaf, then along a curve inside it. The first query of a
-// packet, its leader, walks the tree; r is the distance of its k-th neighbour. A query at distance
-// d from the leader finds its k nearest within r + d of itself, so within r + 2 d of the leader:
-// one walk with the packet's largest d collects candidates for all of it. Ranking candidates by
-// counting has no branches to mispredict. No result depends on how queries are grouped.
+// packet, its leader, walks the tree; within r it has k neighbours. A query at distance d from
+// the leader then has k within r + d of itself, so within r + 2 d of the leader: one walk with the
+// packet's largest d collects candidates for all of it. Ranking candidates by counting has no
+// branches to mispredict. No result depends on how queries are grouped.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -131,8 +131,7 @@ class PacketSearch {
       if (!(d2 <= limit)) break;
       farthest = std::max(farthest, d2);
     }
-    // Rounding of the distances is a few parts in 10^7, and denormal squares are lost: both
-    // covered.
+    // Covers the rounding of distances, a few parts in 10^7, and squares lost to underflow.
     const double reach =
         std::sqrt(static_cast<double>(r2)) + 2 * std::sqrt(static_cast<double>(farthest));
     collect(leader, static_cast<float>(reach * reach * (1 + 1e-5) + 1e-36));
@@ -271,8 +270,9 @@ std::tuple<at::Tensor, at::Tensor> knn_cpu(const at::Tensor& queries, const at::
   const KdTree tree(points.const_data_ptr<float>(), N, kLeafSize, K);
   const auto* q = queries.const_data_ptr<float>();
   std::vector<int32_t> leaf(Q), leaf_number(tree.nodes.size());
-  for (size_t i = 0; i < tree.leaves.size(); ++i)
+  for (size_t i = 0; i < tree.leaves.size(); ++i) {
     leaf_number[tree.leaves[i]] = static_cast<int32_t>(i);
+  }
   const int place_bits = tree.leaves.size() < (1u << 23) ? 9 : 0;
   std::vector<uint32_t> key(Q);
   at::parallel_for(0, Q, kGrain, [&](int64_t begin, int64_t end) {

@@ -1,4 +1,5 @@
-// CUDA twin of farthest_point_sampling: one persistent block that keeps every point's distance in global memory.
+// CUDA twin of farthest_point_sampling: one persistent block that keeps every point's distance in
+// global memory.
 #include <tuple>
 
 #include <ATen/core/Tensor.h>
@@ -9,7 +10,7 @@
 #include <c10/cuda/CUDAStream.h>
 #include <torch/library.h>
 
-#include "lte/ops/point_checks.h"
+#include "lte/ops/arguments.h"
 
 namespace lte::ops {
 namespace {
@@ -45,8 +46,8 @@ __device__ Candidate block_farthest(Candidate mine) {
   return winner;
 }
 
-__global__ void farthest_point_kernel(const float* points, float* nearest, int64_t* picks, float* insertion, int64_t N,
-                                      int64_t count) {
+__global__ void farthest_point_kernel(const float* points, float* nearest, int64_t* picks,
+                                      float* insertion, int64_t N, int64_t count) {
   int64_t last = 0;
   if (threadIdx.x == 0) picks[0] = 0, insertion[0] = INFINITY;
   for (int64_t pick = 1; pick < count; ++pick) {
@@ -68,8 +69,11 @@ __global__ void farthest_point_kernel(const float* points, float* nearest, int64
   }
 }
 
-std::tuple<at::Tensor, at::Tensor> farthest_point_sampling_cuda(const at::Tensor& points, int64_t count) {
-  check_farthest_point_args(points, count);
+std::tuple<at::Tensor, at::Tensor> farthest_point_sampling_cuda(const at::Tensor& points,
+                                                                int64_t count) {
+  check_triples(points, at::kFloat, "farthest_point_sampling", "points");
+  TORCH_CHECK(count >= 0 && count <= points.size(0), "farthest_point_sampling: count must be 0 to ",
+              points.size(0), ", got ", count);
   const c10::cuda::CUDAGuard guard(points.device());
   at::Tensor picks = at::empty({count}, points.options().dtype(at::kLong));
   at::Tensor insertion = at::empty({count}, points.options());
@@ -84,6 +88,8 @@ std::tuple<at::Tensor, at::Tensor> farthest_point_sampling_cuda(const at::Tensor
 
 }  // namespace
 
-TORCH_LIBRARY_IMPL(lte, CUDA, m) { m.impl("farthest_point_sampling", farthest_point_sampling_cuda); }
+TORCH_LIBRARY_IMPL(lte, CUDA, m) {
+  m.impl("farthest_point_sampling", farthest_point_sampling_cuda);
+}
 
 }  // namespace lte::ops

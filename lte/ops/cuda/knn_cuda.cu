@@ -1,7 +1,7 @@
 // CUDA twin of knn: exact, by brute force over shared-memory tiles, one thread a query.
 //
-// Points are scanned in ascending index and a candidate enters only if it is strictly nearer than the k-th so far, so
-// equal distances resolve to the lower index as on the CPU.
+// Points are scanned in ascending index and a candidate enters only if it is strictly nearer than
+// the k-th so far, so equal distances resolve to the lower index as on the CPU.
 #include <tuple>
 
 #include <ATen/core/Tensor.h>
@@ -11,21 +11,22 @@
 #include <c10/cuda/CUDAStream.h>
 #include <torch/library.h>
 
-#include "lte/ops/point_checks.h"
+#include "lte/ops/arguments.h"
 
 namespace lte::ops {
 namespace {
 
 constexpr int kThreads = 128;
 
-/// Distances must not be contracted to fused multiply-adds: the CPU's are not, and ties depend on the last bit.
+/// Distances must not be contracted to fused multiply-adds: the CPU's are not, and ties depend on
+/// the last bit.
 __device__ float squared_distance(float dx, float dy, float dz) {
   return __fadd_rn(__fadd_rn(__fmul_rn(dx, dx), __fmul_rn(dy, dy)), __fmul_rn(dz, dz));
 }
 
 /// Lists live in the output rows: [Q, k], kept sorted by insertion.
-__global__ void knn_kernel(const float* queries, const float* points, int64_t* index, float* dist2, int64_t Q, int64_t N,
-                           int k) {
+__global__ void knn_kernel(const float* queries, const float* points, int64_t* index, float* dist2,
+                           int64_t Q, int64_t N, int k) {
   __shared__ float tile[3 * kThreads];
   const int64_t q = static_cast<int64_t>(blockIdx.x) * kThreads + threadIdx.x;
   const bool active = q < Q;
@@ -56,14 +57,20 @@ __global__ void knn_kernel(const float* queries, const float* points, int64_t* i
   }
 }
 
-std::tuple<at::Tensor, at::Tensor> knn_cuda(const at::Tensor& queries, const at::Tensor& points, int64_t k) {
-  check_knn_args(queries, points, k);
+std::tuple<at::Tensor, at::Tensor> knn_cuda(const at::Tensor& queries, const at::Tensor& points,
+                                            int64_t k) {
+  check_triples(queries, at::kFloat, "knn", "queries");
+  check_triples(points, at::kFloat, "knn", "points");
+  TORCH_CHECK(k >= 1, "knn: k must be at least 1, got ", k);
+  TORCH_CHECK(points.size(0) >= 1 || queries.size(0) == 0, "knn: no points for ", queries.size(0),
+              " queries");
   const c10::cuda::CUDAGuard guard(points.device());
   const int64_t Q = queries.size(0), N = points.size(0), columns = std::min(k, N);
   at::Tensor index = at::empty({Q, columns}, points.options().dtype(at::kLong));
   at::Tensor dist2 = at::empty({Q, columns}, points.options());
   if (Q == 0 || columns == 0) return {index, dist2};
-  knn_kernel<<<static_cast<unsigned>((Q + kThreads - 1) / kThreads), kThreads, 0, c10::cuda::getCurrentCUDAStream()>>>(
+  knn_kernel<<<static_cast<unsigned>((Q + kThreads - 1) / kThreads), kThreads, 0,
+               c10::cuda::getCurrentCUDAStream()>>>(
       queries.const_data_ptr<float>(), points.const_data_ptr<float>(), index.data_ptr<int64_t>(),
       dist2.data_ptr<float>(), Q, N, static_cast<int>(columns));
   C10_CUDA_KERNEL_LAUNCH_CHECK();

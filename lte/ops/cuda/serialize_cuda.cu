@@ -13,7 +13,8 @@ namespace {
 
 constexpr int kThreads = 256;
 
-__global__ void curve_codes_kernel(const int32_t* cells, int64_t* codes, int64_t N, int curve, int bits) {
+__global__ void curve_codes_kernel(const int32_t* cells, int64_t* codes, int64_t N, int curve,
+                                   int bits) {
   const int64_t i = static_cast<int64_t>(blockIdx.x) * kThreads + threadIdx.x;
   if (i < N) codes[i] = curve_code(cells + 3 * i, static_cast<Curve>(curve), bits);
 }
@@ -25,8 +26,9 @@ at::Tensor curve_codes_cuda(const at::Tensor& cells, int64_t curve, int64_t bits
   const int64_t N = cells.size(0);
   if (N == 0) return codes;
   curve_codes_kernel<<<static_cast<unsigned>((N + kThreads - 1) / kThreads), kThreads, 0,
-                       c10::cuda::getCurrentCUDAStream()>>>(cells.const_data_ptr<int32_t>(), codes.data_ptr<int64_t>(),
-                                                            N, static_cast<int>(curve), static_cast<int>(bits));
+                       c10::cuda::getCurrentCUDAStream()>>>(
+      cells.const_data_ptr<int32_t>(), codes.data_ptr<int64_t>(), N, static_cast<int>(curve),
+      static_cast<int>(bits));
   C10_CUDA_KERNEL_LAUNCH_CHECK();
   return codes;
 }
