@@ -182,6 +182,7 @@ EvalResult evaluate(const EvalSettings& settings, Predictor* predictor,
   Progress progress("evaluating", static_cast<int64_t>(entries.size()), "scenes");
   for (const data::DatasetEntry& entry : entries) {
     data::SceneSample sample = data::read_scene_sample(data::scene_path(settings.data, entry.name));
+    data::drop_unreached_queries(&sample);
     sample.name = entry.name;
     result.scenes.push_back(evaluate_scene(settings, sample, predictor, baselines));
     scores.push_back(result.scenes.back().scores);
@@ -200,7 +201,9 @@ Baselines fit_baselines(const std::filesystem::path& directory) {
   BaselineFit fit;
   Progress progress("fitting baselines", static_cast<int64_t>(entries.size()), "scenes");
   for (const data::DatasetEntry& entry : entries) {
-    fit.add(data::read_scene_sample(data::scene_path(directory, entry.name)));
+    data::SceneSample sample = data::read_scene_sample(data::scene_path(directory, entry.name));
+    data::drop_unreached_queries(&sample);
+    fit.add(sample);
     progress.advance();
   }
   return fit.finish();

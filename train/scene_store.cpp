@@ -23,6 +23,7 @@ size_t TrainingScene::size_bytes() const {
 TrainingScene read_training_scene(const std::filesystem::path& path, const std::string& name,
                                   const std::string& target) {
   data::SceneSample sample = data::read_scene_sample(path);
+  data::drop_unreached_queries(&sample);
   TrainingScene scene;
   scene.name = name;
   scene.position = std::move(sample.scene_position);

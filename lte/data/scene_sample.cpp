@@ -189,4 +189,35 @@ SceneSample read_scene_sample(const std::filesystem::path& path) {
   return sample;
 }
 
+int64_t drop_unreached_queries(SceneSample* sample) {
+  const auto N = static_cast<size_t>(sample->query_points());
+  const auto G = static_cast<size_t>(sample->light_groups);
+  std::vector<size_t> kept;
+  for (size_t i = 0; i < N; ++i) {
+    bool reached = false;
+    for (size_t g = 0; g < G && !reached; ++g) {
+      reached = max_component(sample->direct[g * N + i]) > 0 ||
+                max_component(sample->indirect[g * N + i]) > 0;
+    }
+    if (reached) kept.push_back(i);
+  }
+  if (kept.empty() || kept.size() == N) return 0;
+  const auto compact = [&](auto& values, size_t rows) {
+    if (values.empty()) return;
+    for (size_t row = 0; row < rows; ++row) {
+      for (size_t k = 0; k < kept.size(); ++k)
+        values[row * kept.size() + k] = values[row * N + kept[k]];
+    }
+    values.resize(rows * kept.size());
+  };
+  for (auto* triples : {&sample->query_position, &sample->query_normal, &sample->query_albedo,
+                        &sample->path_traced_64}) {
+    compact(*triples, 1);
+  }
+  compact(sample->direct, G);
+  compact(sample->indirect, G);
+  compact(sample->variance, 1);
+  return static_cast<int64_t>(N - kept.size());
+}
+
 }  // namespace lte::data

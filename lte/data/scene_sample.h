@@ -58,4 +58,12 @@ void write_scene_sample(const std::filesystem::path& path, const SceneSample& sa
 ///         negative irradiance, light group out of range, normal not unit.
 SceneSample read_scene_sample(const std::filesystem::path& path);
 
+/// Removes the query points that no traced path has connected to a light (direct and indirect
+/// irradiance exactly zero in every group): the insides of closed furniture and the like, one point
+/// in ten of a furnished room. Nobody sees them, and a relative loss would spend most of its
+/// gradient on telling their zero from a small number. A sample without light, or without any
+/// reached point, stays as it is.
+/// @return  how many were removed
+int64_t drop_unreached_queries(SceneSample* sample);
+
 }  // namespace lte::data

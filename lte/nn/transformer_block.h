@@ -1,5 +1,4 @@
-// PTV3's parts: patch attention, sparse convolution, the block, pooling and unpooling (PTV3.md,
-// sections 1 and 2).
+// PTV3's parts: patch attention, sparse convolution, the block, pooling and unpooling.
 #pragma once
 
 #include <cstdint>

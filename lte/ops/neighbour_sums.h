@@ -1,4 +1,4 @@
-// The gather-reduce of the query decoder's factored vector attention (the paper's equation 8).
+// The gather-reduce of the query decoder's factored vector attention (the paper's section 3.4).
 //
 //   Σ_κ (q − k_κ + P_κ) ⊙ (v_κ + P_κ) = q ⊙ S1 + S2
 //   with S1 = Σ (v_κ + P_κ) and S2 = Σ (P_κ − k_κ) ⊙ (v_κ + P_κ)

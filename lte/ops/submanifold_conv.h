@@ -1,5 +1,5 @@
 // Submanifold sparse convolution: outputs only where there are inputs (Graham and van der Maaten
-// 2017), as gather-GEMM- scatter by tap over a neighbour map that all blocks of a stage share.
+// 2017), as gather-GEMM-scatter by tap over a neighbour map that all blocks of a stage share.
 #pragma once
 
 #include <cstdint>
@@ -9,17 +9,15 @@
 
 namespace lte::ops {
 
-/// The pairs of a kernel of odd edge `kernel`: input cell = output cell + (tap − kernel/2), tap
-/// index
-/// ((dx * kernel) + dy) * kernel + dz with dx, dy, dz from 0.
+/// The pairs of a kernel of odd edge `kernel`: input cell = output cell + (tap − kernel/2), with
+/// tap index ((dx * kernel) + dy) * kernel + dz and dx, dy, dz from 0.
 /// Points that share a cell: every point is an output; as an input the cell is represented by its
 /// lowest-indexed point, except that the centre tap of each point reads the point itself.
 ///
 /// @param cells   [N, 3] int32, contiguous, in [0, 2^20)
 /// @param kernel  odd, 1 to 31
-/// @return  pairs [2, P] int32 (row 0 output, row 1 input) sorted by tap, then by output; and
-/// tap_begin [taps + 1] int64
-///          on the CPU
+/// @return  pairs [2, P] int32 (row 0 output, row 1 input) sorted by tap, then by output;
+///          and tap_begin [taps + 1] int64 on the CPU
 /// @throws c10::Error on a wrong shape, dtype, range or an even kernel
 std::tuple<at::Tensor, at::Tensor> convolution_pairs(const at::Tensor& cells, int64_t kernel);
 

@@ -76,6 +76,38 @@ TEST_F(SceneSampleFile, KeepsOptionalTensorsOptionalAndBlackScenesEmpty) {
   expect_equal(read_scene_sample(path()), sample);
 }
 
+TEST(DropUnreachedQueries, RemovesWhatNoGroupLightsAndKeepsTheRest) {
+  SceneSample sample;
+  sample.light_groups = 2;
+  for (int i = 0; i < 4; ++i) {
+    const float x = static_cast<float>(i);
+    sample.query_position.push_back({x, 0, 0});
+    sample.query_normal.push_back({0, 1, 0});
+    sample.query_albedo.push_back({x, x, x});
+    sample.variance.push_back(x);
+  }
+  // Point 0 has indirect light of group 1 only, point 2 direct light of group 0 only; 1 and 3 have
+  // none.
+  sample.direct = {{}, {}, {5, 0, 0}, {}, {}, {}, {}, {}};
+  sample.indirect = {{}, {}, {}, {}, {0, 0, 7}, {}, {}, {}};
+  EXPECT_EQ(drop_unreached_queries(&sample), 2);
+  EXPECT_EQ(sample.query_position, (std::vector<Vec3>{{0, 0, 0}, {2, 0, 0}}));
+  EXPECT_EQ(sample.variance, (std::vector<float>{0, 2}));
+  EXPECT_EQ(sample.direct, (std::vector<Rgb>{{}, {5, 0, 0}, {}, {}}));
+  EXPECT_EQ(sample.indirect, (std::vector<Rgb>{{}, {}, {0, 0, 7}, {}}));
+  EXPECT_EQ(drop_unreached_queries(&sample), 0);
+}
+
+TEST(DropUnreachedQueries, KeepsABlackSceneWhole) {
+  SceneSample sample;
+  sample.light_groups = 1;
+  sample.query_position = sample.query_normal = sample.query_albedo = {{0, 1, 0}};
+  sample.direct = sample.indirect = {{}};
+  sample.variance = {0};
+  EXPECT_EQ(drop_unreached_queries(&sample), 0);
+  EXPECT_EQ(sample.query_points(), 1);
+}
+
 TEST_F(SceneSampleFile, SameSampleGivesSameBytes) {
   write_scene_sample(path(), make_sample());
   const std::string first = read_file(path());

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <ATen/ops/from_blob.h>
 #include <torch/csrc/jit/api/module.h>
 #include <torch/csrc/jit/serialization/import.h>
 

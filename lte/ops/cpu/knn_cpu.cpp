@@ -1,10 +1,10 @@
 // k nearest neighbours on the CPU: queries in packets that share one list of candidates.
 //
 // Queries are sorted by the k-d tree's leaf, then along a curve inside it. The first query of a
-// packet, its leader, walks the tree; within r it has k neighbours. A query at distance d from
-// the leader then has k within r + d of itself, so within r + 2 d of the leader: one walk with the
-// packet's largest d collects candidates for all of it. Ranking candidates by counting has no
-// branches to mispredict. No result depends on how queries are grouped.
+// packet, its leader, has k neighbours within r. A query at distance d from the leader then has k
+// within r + d of itself, so within r + 2 d of the leader: one walk of the tree with the packet's
+// largest d collects candidates for all of it. Ranking candidates by counting has no branches to
+// mispredict. No result depends on how queries are grouped.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
