@@ -7,7 +7,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/file.h"
-#include "train/device.h"
+#include "lte/nn/device.h"
 #include "train/dry_run.h"
 #include "train/trainer.h"
 
@@ -77,7 +77,7 @@ RunResult run(const RunOptions& options) {
     result.text = check_run_data(config);
     return result;
   }
-  Trainer trainer(config, yaml.to_yaml(), choose_device(options.device), options.resume);
+  Trainer trainer(config, yaml.to_yaml(), nn::choose_device(options.device), options.resume);
   const TrainSummary summary = trainer.run(options.stop_after);
   if (!options.json.empty()) write_file(options.json, summary_json(config, summary).dump(2) + "\n");
   result.text = summary_text(config, summary);

@@ -224,8 +224,10 @@ void Trainer::save() {
 
 void Trainer::save_model_file(const std::filesystem::path& path) {
   const AverageScope averaged(optimizer_.get());
-  std::map<std::string, std::string> extra = {{"config", config_text_},
-                                              {"step", std::to_string(progress_.step)}};
+  std::map<std::string, std::string> extra = {
+      {"config", config_text_},
+      {"step", std::to_string(progress_.step)},
+      {"scene_points", std::to_string(config_.data.scene_points)}};
   if (summary_.validation) extra["val_loss"] = concat(summary_.validation->loss);
   nn::save_model(path, model_, extra);
 }

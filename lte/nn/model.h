@@ -38,7 +38,7 @@ struct Embedding {
                         ///< point sampling
   double radiance =
       1;  ///< the scene's emission scalar a: emission is divided by it, irradiance multiplied
-  at::Tensor table;  ///< [L, m, 3, D] of ops::neighbour_table, made by encode() outside training;
+  at::Tensor table;  ///< ops::neighbour_table of all layers, made by encode() outside training;
                      ///< else undefined
 };
 
