@@ -30,7 +30,6 @@ endfunction()
 function(lte_add_tool name source)
   add_executable(${name} ${source})
   target_link_libraries(${name} PRIVATE lte::warnings ${ARGN})
-  set_target_properties(${name} PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endfunction()
 

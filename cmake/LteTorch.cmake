@@ -33,6 +33,8 @@ foreach(dir ${lte_nvidia_libs})
   target_link_options(lte_torch INTERFACE $<BUILD_INTERFACE:LINKER:-rpath-link,${dir}>)
 endforeach()
 list(APPEND CMAKE_BUILD_RPATH ${lte_torch_rpath})
+# Installed tools find our libraries beside them and LibTorch where it was when they were built.
+set(CMAKE_INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}" ${lte_torch_rpath})
 message(STATUS "LibTorch: ${LTE_TORCH_ROOT}")
 
 include(LteCuda)

@@ -38,20 +38,17 @@ step "4/6 rendering an unseen room and a Cornell box, predicted and path-traced"
 cp "$out"/unseen/scenes/*.glb "$out/room.glb"
 cp assets/scenes/cornell_box.glb "$out/cornell.glb"
 for scene in room cornell; do
-  # The shipped model and the one just trained look at the same view; the reference fixes the exposure of all three.
-  "$bin/lte_render" "$out/$scene.glb" --mode reference --spp "$spp" --size "$size" --out "$out/${scene}_reference.exr" \
+  # The reference fixes the exposure of all three pictures of a scene.
+  "$bin/lte_render" "$out/$scene.glb" --mode reference --spp "$spp" --size "$size" --out "$out/${scene}_reference.png" \
     --json "$out/${scene}_reference.json"
   exposure=$(sed -n 's/.*"exposure": *\([0-9.e+-]*\).*/\1/p' "$out/${scene}_reference.json")
-  "$bin/lte_render" "$out/$scene.glb" --mode reference --spp "$spp" --size "$size" --exposure "$exposure" \
-    --out "$out/${scene}_reference.png" --quiet
   for model in shipped trained; do
     checkpoint=$run/model.safetensors
     [ $model = shipped ] && checkpoint=assets/models/lte-demo.safetensors
-    "$bin/lte_render" "$out/$scene.glb" --checkpoint "$checkpoint" --size "$size" --out "$out/${scene}_$model.exr" \
-      --json "$out/${scene}_$model.json"
     "$bin/lte_render" "$out/$scene.glb" --checkpoint "$checkpoint" --size "$size" --exposure "$exposure" \
-      --out "$out/${scene}_$model.png" --quiet
+      --out "$out/${scene}_$model.png" --json "$out/${scene}_$model.json"
   done
+  "$bin/lte_render" "$out/$scene.glb" --size "$size" --out "$out/$scene.exr" --quiet
 done
 
 step "5/6 exporting TorchScript"
