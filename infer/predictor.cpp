@@ -103,7 +103,8 @@ double Predictor::shrink() const { return state_->shrink; }
 
 double Predictor::radiance() const {
   LTE_CHECK(state_->embedding.has_value(), "no scene has been embedded");
-  return state_->embedding->radiance;
+  const double mean = state_->embedding->radiance.mean().item<double>();
+  return mean > 0 ? mean : 1;
 }
 
 void Predictor::check_fits(const Bounds& bounds, bool rescale) const {

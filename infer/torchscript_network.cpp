@@ -226,12 +226,10 @@ def encode(self, points: Tensor) -> Dict[str, Tensor]:
     assert float(torch.max(position)) <= 1.001, 'points: the scene is larger than the scale of the model, {scale} m'
     emission = points[:, 9:12].to(7)
     area = points[:, 12].to(7)
-    radiance = torch.mean(emission)
+    radiance = torch.mean(emission, [0])
     if float(torch.sum(area)) > 0.0:
-        radiance = torch.dot(torch.mean(emission, [1]), area) / torch.sum(area)
-    compressed = torch.zeros_like(position)
-    if float(radiance) > 0.0:
-        compressed = torch.log1p(emission / radiance).to(6)
+        radiance = torch.mv(torch.t(emission), area) / torch.sum(area)
+    compressed = torch.log1p(emission / torch.where(radiance > 0.0, radiance, torch.ones_like(radiance))).to(6)
     x = torch.cat([self.attributes(position, points[:, 3:6], points[:, 6:9]), compressed], 1)
 
     first_count = (position.size(0) + 1) // 2

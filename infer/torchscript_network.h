@@ -21,7 +21,7 @@ std::string torchscript_attribute(const std::string& parameter);
 ///     forward(points: Tensor, queries: Tensor) -> Tensor
 ///
 /// World space, float32, the units of nn::PointSet. The embedding has position [m, 3], features [m,
-/// D], table, origin [3], spacing [] and radiance [].
+/// D], table, origin [3], spacing [] and radiance [3].
 std::string torchscript_network(const nn::ModelConfig& config);
 
 }  // namespace lte::infer

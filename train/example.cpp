@@ -1,6 +1,7 @@
 #include "train/example.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 
 #include <ATen/ops/empty.h>
@@ -118,7 +119,12 @@ Example make_example(const TrainingScene& scene, const Symmetry& symmetry, int64
   example.queries.albedo =
       triples(rows, [&](size_t i) { return symmetry.colour(scene.query_albedo[i]); });
   const auto N = static_cast<size_t>(scene.query_points());
-  const double radiance = nn::radiance_scalar(example.points);
+  const at::Tensor radiance = nn::channel_radiance(example.points);
+  std::array<double, 3> factor{};  // a channel without emission has no irradiance either
+  for (size_t c = 0; c < 3; ++c) {
+    const double mean = radiance[static_cast<int64_t>(c)].item<double>();
+    factor[c] = mean > 0 ? 1 / mean : 0;
+  }
   example.target = triples(rows, [&](size_t i) {
     std::array<double, 3> sum{};
     for (int64_t g = 0; g < scene.light_groups; ++g) {
@@ -126,8 +132,8 @@ Example make_example(const TrainingScene& scene, const Symmetry& symmetry, int64
           symmetry.light(scene.target[static_cast<size_t>(g) * N + i], static_cast<int32_t>(g));
       for (int c = 0; c < 3; ++c) sum[static_cast<size_t>(c)] += part[c];
     }
-    return Rgb{static_cast<float>(sum[0] / radiance), static_cast<float>(sum[1] / radiance),
-               static_cast<float>(sum[2] / radiance)};
+    return Rgb{static_cast<float>(sum[0] * factor[0]), static_cast<float>(sum[1] * factor[1]),
+               static_cast<float>(sum[2] * factor[2])};
   });
   example.seed = rng->next_u64();
   return example;

@@ -64,10 +64,11 @@ void check_points(const PointSet& points) {
   check_range(points.area, 0, INFINITY, "scene points", "area");
 }
 
-/// log(1 + e/a): emission over its mean spans four decades, from dim panels to bare bulbs.
-at::Tensor compressed_emission(const at::Tensor& emission, double radiance) {
-  if (radiance == 0) return at::zeros_like(emission);
-  return at::log1p(emission.to(at::kDouble).div(radiance)).to(emission.scalar_type());
+/// log(1 + e/a) by channel: emission over its mean spans four decades, from dim panels to bare
+/// bulbs.
+at::Tensor compressed_emission(const at::Tensor& emission, const at::Tensor& radiance) {
+  const at::Tensor a = radiance.to(emission.device());
+  return at::log1p(emission.to(at::kDouble).div(at::where(a > 0, a, 1))).to(emission.scalar_type());
 }
 
 at::Tensor surface_attributes(const at::Tensor& position, const at::Tensor& normal,
@@ -94,12 +95,17 @@ struct LightTransportModelImpl::Parts {
   }
 };
 
-double radiance_scalar(const PointSet& points) {
-  const at::Tensor emission = points.emission.to(at::kDouble).mean(1);
+at::Tensor channel_radiance(const PointSet& points) {
+  const at::Tensor emission = points.emission.to(at::kDouble);
   const at::Tensor area = points.area.to(at::kDouble);
   const double total_area = area.sum().item<double>();
-  const double mean = total_area > 0 ? at::dot(emission, area).item<double>() / total_area
-                                     : emission.mean().item<double>();
+  const at::Tensor mean =
+      total_area > 0 ? at::mv(emission.t(), area).div(total_area) : emission.mean(0);
+  return mean.to(at::kCPU);
+}
+
+double radiance_scalar(const PointSet& points) {
+  const double mean = channel_radiance(points).mean().item<double>();
   return mean > 0 ? mean : 1;
 }
 
@@ -123,8 +129,7 @@ Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order
   TORCH_CHECK(extent <= 1.001, "scene points: the scene is ", extent * config_.scale,
               " m wide, more than the model's scale of ", config_.scale,
               " m; --rescale shrinks it to fit");
-  const bool black = points.emission.max().item<double>() == 0;
-  embedding.radiance = black ? 0 : radiance_scalar(points);
+  embedding.radiance = channel_radiance(points);
 
   const EncoderPlan plan =
       make_encoder_plan(position.to(at::kFloat).contiguous(), config_, is_training(), order_seed);
@@ -156,7 +161,7 @@ at::Tensor LightTransportModelImpl::decode(const Embedding& embedding, const Que
   check_surface(queries.position, queries.normal, queries.albedo, "query points");
   const int64_t Q = queries.position.size(0);
   // Light is linear: without emission there is no irradiance, whatever the network would say.
-  if (embedding.radiance == 0) return at::zeros_like(queries.position);
+  if (embedding.radiance.max().item<double>() == 0) return at::zeros_like(queries.position);
   at::Tensor out = at::empty({Q, 3}, embedding.features.options());
   at::Tensor keys, values;
   if (!embedding.table.defined()) {
@@ -169,7 +174,7 @@ at::Tensor LightTransportModelImpl::decode(const Embedding& embedding, const Que
                             queries.albedo.narrow(0, begin, count)};
     out.narrow(0, begin, count).copy_(parts_->decode(embedding, block, keys, values));
   }
-  return out.mul_(embedding.radiance);
+  return out.mul_(embedding.radiance.to(out.options()));
 }
 
 ParameterCounts count_parameters(const LightTransportModel& model) {

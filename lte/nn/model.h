@@ -36,8 +36,8 @@ struct Embedding {
   double scale = 1;     ///< s, metres
   double spacing = 1;   ///< of the m points, network space: the last insertion distance of farthest
                         ///< point sampling
-  double radiance =
-      1;  ///< the scene's emission scalar a: emission is divided by it, irradiance multiplied
+  at::Tensor radiance;  ///< [3] float64, channel_radiance() of the scene: emission is divided by
+                        ///< it, irradiance multiplied
   at::Tensor table;  ///< ops::neighbour_table of all layers, made by encode() outside training;
                      ///< else undefined
 };
@@ -45,6 +45,11 @@ struct Embedding {
 /// The emission scalar: area-weighted mean emission over points and channels; 1 for a scene without
 /// emission.
 double radiance_scalar(const PointSet& points);
+
+/// The same by colour channel, [3] float64 on the CPU; 0 for a channel without emission. No surface
+/// moves light from one channel to another, so each channel of irradiance is linear in the same
+/// channel of emission.
+at::Tensor channel_radiance(const PointSet& points);
 
 /// Parameters: `nne.*`, `encoder.*`, `decoder.*` (checkpoint names; do not rename).
 class LightTransportModelImpl : public torch::nn::Module {

@@ -83,6 +83,22 @@ TEST(Model, RadianceScalarIsTheAreaWeightedMean) {
   points.emission = torch::tensor({{3.0f, 0.0f, 0.0f}, {0.0f, 6.0f, 6.0f}});
   points.area = torch::tensor({1.0f, 3.0f});
   EXPECT_NEAR(radiance_scalar(points), (1.0 * 1 + 4.0 * 3) / 4, 1e-12);
+  const at::Tensor expected = torch::tensor({3.0 / 4, 18.0 / 4, 18.0 / 4}, at::kDouble);
+  EXPECT_TRUE(at::allclose(channel_radiance(points), expected, 0, 1e-12));
+}
+
+TEST(Model, ChannelsScaleApart) {
+  LightTransportModel model = random_model();
+  const QuerySet queries = test::box_queries(40, 2);
+  PointSet points = test::box_scene(60, 1);
+  const at::Tensor once = irradiance(model, points, queries);
+  points.emission = points.emission * torch::tensor({4.0f, 0.5f, 1.0f});
+  const at::Tensor tinted = irradiance(model, points, queries);
+  EXPECT_TRUE(torch::equal(tinted, once * torch::tensor({4.0f, 0.5f, 1.0f})));
+  points.emission.select(1, 1).zero_();
+  const at::Tensor without_green = irradiance(model, points, queries);
+  EXPECT_EQ(without_green.select(1, 1).abs().max().item<float>(), 0);
+  EXPECT_GT(without_green.select(1, 0).min().item<float>(), 0);
 }
 
 TEST(Model, MovingTheWholeSceneChangesNothing) {
@@ -127,7 +143,8 @@ TEST(Model, DecodeIsTheNormalizedAnswerTimesTheScalar) {
   const QuerySet queries = test::box_queries(64, 6);
   const Embedding embedding = model->encode(test::box_scene(200, 5));
   EXPECT_FALSE(embedding.table.defined());
-  const at::Tensor expected = model->decode_normalized(embedding, queries) * embedding.radiance;
+  const at::Tensor expected =
+      model->decode_normalized(embedding, queries) * embedding.radiance.to(at::kFloat);
   EXPECT_LT(test::relative_difference(model->decode(embedding, queries), expected), 1e-5);
   EXPECT_LT(
       test::relative_difference(irradiance(model, test::box_scene(200, 5), queries), expected),

@@ -155,7 +155,9 @@ TEST(Augment, TransportOfTheTransformedSceneIsTheTransformedTransport) {
         for (size_t i = 0; i < expected.size(); ++i) expected[i] += again.direct[i];
       }
       std::vector<Rgb> made = test::triples_of(example.target);
-      for (Rgb& value : made) value *= static_cast<float>(nn::radiance_scalar(example.points));
+      const at::Tensor radiance = nn::channel_radiance(example.points).to(at::kFloat);
+      const auto* a = radiance.const_data_ptr<float>();
+      for (Rgb& value : made) value *= Rgb{a[0], a[1], a[2]};
       EXPECT_LT(worst(made, expected), 2e-5) << target << ", draw " << draw;
     }
   }
@@ -168,7 +170,7 @@ TEST(Augment, TargetIsLinearInTheGainOfEachLuminaire) {
   Rng rng(9);
   const Example example = make_example(scene, symmetry, 0, 0, &rng);
   const std::vector<Rgb> made =
-      test::triples_of(example.target * nn::radiance_scalar(example.points));
+      test::triples_of(example.target * nn::channel_radiance(example.points).to(at::kFloat));
   const size_t N = static_cast<size_t>(scene.query_points());
   std::vector<Rgb> expected(N);
   for (size_t i = 0; i < N; ++i) {
