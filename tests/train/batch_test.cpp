@@ -106,12 +106,14 @@ TEST_F(BatchLoaderTest, MeanTargetIsThatOfTheReference) {
   double expected = 0;
   for (int i = 0; i < 3; ++i) {
     const data::SceneSample sample = test::box_sample(static_cast<uint64_t>(i));
-    double sum = 0, emission = 0;
-    for (const Rgb& value : sample.indirect) sum += value.x + value.y + value.z;
-    for (const Rgb& value : sample.scene_emission) emission += value.x + value.y + value.z;
-    const double mean_emission =
-        emission / (3.0 * static_cast<double>(sample.scene_points()));  // equal areas
-    expected += sum / (3.0 * static_cast<double>(sample.query_points())) / mean_emission / 3;
+    for (int c = 0; c < 3; ++c) {
+      double sum = 0, emission = 0;
+      for (const Rgb& value : sample.indirect) sum += value[c];
+      for (const Rgb& value : sample.scene_emission) emission += value[c];
+      const double mean_emission =
+          emission / static_cast<double>(sample.scene_points());  // equal areas
+      expected += sum / static_cast<double>(sample.query_points()) / mean_emission / 9;
+    }
   }
   EXPECT_NEAR(mean_target(config, &data.train), expected, 1e-4 * expected);
 }

@@ -78,12 +78,14 @@ TEST(MakeExample, SubsamplingKeepsAreaAndEmissionScalar) {
   EXPECT_NEAR(nn::radiance_scalar(part.points), nn::radiance_scalar(whole.points), 1e-5);
 }
 
-TEST(MakeExample, TargetIsTheSumOverTheEmissionScalar) {
+TEST(MakeExample, TargetIsTheSumOverTheEmissionOfItsChannel) {
   const TrainingScene scene = uneven_scene();
   Rng rng(5);
   const Example example = make_example(scene, identity_symmetry(2), 0, 0, &rng);
-  const double scalar = (0.03 * 100 + 0.5 * 4) / (0.53 + 94.7);  // area-weighted mean emission
-  EXPECT_NEAR(example.target[0][0].item<double>(), 3 / scalar, 1e-3);
+  for (int c = 0; c < 3; ++c) {
+    const double mean = (0.03 * 100 + 0.5 * 2 * (c + 1)) / (0.53 + 94.7);  // area-weighted
+    EXPECT_NEAR(example.target[0][c].item<double>(), 3 / mean, 1e-3);
+  }
 }
 
 TEST(MakeExample, ABlackSceneHasATargetOfZero) {
