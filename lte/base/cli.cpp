@@ -24,7 +24,8 @@ constexpr int kWrongUsage = 2;
 std::string one_line(const std::exception& error) {
   if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) return "out of memory";
   std::string text = error.what();
-  text.erase(0, text.find_first_not_of(" \r\n"));  // messages of TorchScript begin with an empty line
+  text.erase(0,
+             text.find_first_not_of(" \r\n"));  // messages of TorchScript begin with an empty line
   if (dynamic_cast<const Error*>(&error) == nullptr) text = text.substr(0, text.find('\n'));
   std::replace(text.begin(), text.end(), '\n', ' ');
   std::replace(text.begin(), text.end(), '\r', ' ');

@@ -38,8 +38,8 @@ struct Embedding {
                         ///< point sampling
   at::Tensor radiance;  ///< [3] float64, channel_radiance() of the scene: emission is divided by
                         ///< it, irradiance multiplied
-  at::Tensor table;  ///< ops::neighbour_table of all layers, made by encode() outside training;
-                     ///< else undefined
+  at::Tensor table;     ///< ops::neighbour_table of all layers, made by encode() outside training;
+                        ///< else undefined
 };
 
 /// The emission scalar: area-weighted mean emission over points and channels; 1 for a scene without
