@@ -7,7 +7,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-scenes=160 steps=1500 size=384x288 spp=256 held_out=0.1
+scenes=160 steps=1000 size=384x288 spp=256 held_out=0.1
 case "${1:-}" in
   --quick) scenes=40 steps=150 size=192x144 spp=64 held_out=0.2 ;;
   "") ;;
