@@ -17,12 +17,6 @@
 namespace lte::train {
 namespace {
 
-/// LibTorch's messages go on with a backtrace.
-std::string first_line(const std::exception& error) {
-  const std::string text = error.what();
-  return text.substr(0, text.find('\n'));
-}
-
 std::string joined(const std::vector<std::string>& parts) {
   std::string text;
   for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
@@ -42,6 +36,7 @@ Trainer::Trainer(const TrainConfig& config, std::string config_text, at::Device 
   config_.model.scale = data_.scale;
   resume_run ? resume() : start_new();
   model_->train();
+  gradients_ = std::make_unique<SceneGradients>(config_, model_, device_);
   log_ = std::make_unique<RunLog>(output_ / "log.jsonl", progress_.step);
   write_file(output_ / "config.yaml", config_text_);
   loader_ = std::make_unique<BatchLoader>(config_, data_.scale, &data_.train);
@@ -128,12 +123,9 @@ TrainSummary Trainer::run(int64_t stop_after) {
 void Trainer::train_step() {
   const std::vector<Example> examples = loader_->take(progress_.step);
   optimizer_->zero_gradients();
-  double loss = 0;
+  const double loss = gradients_->accumulate(examples, progress_.step + 1);
   int64_t queries = 0;
-  for (const Example& example : examples) {
-    loss += accumulate(example) / static_cast<double>(examples.size());
-    queries += example.target.size(0);
-  }
+  for (const Example& example : examples) queries += example.target.size(0);
   const double norm = optimizer_->gradient_norm();
   if (!std::isfinite(norm)) fail_on_gradient(examples);
   optimizer_->update(progress_.step, norm);
@@ -145,29 +137,12 @@ void Trainer::train_step() {
   after_step(queries, norm);
 }
 
-double Trainer::accumulate(const Example& stored) {
-  try {
-    const Example example = stored.to(device_);
-    torch::manual_seed(example.seed);  // dropout: of the example, whatever was drawn before
-    const nn::Embedding embedding = model_->encode(example.points, example.seed);
-    const at::Tensor loss = nn::log_relative_loss(
-        model_->decode_normalized(embedding, example.queries), example.target, config_.loss);
-    const double value = loss.item<double>();
-    LTE_CHECK(std::isfinite(value), "the loss is not finite (", value, ")");
-    (loss / static_cast<double>(config_.train.scenes_per_step)).backward();
-    return value;
-  } catch (const std::exception& error) {
-    throw Error(concat("step ", progress_.step + 1, ": scene ", stored.scene, ": ",
-                       first_line(error), "; no update was made, the last checkpoint stays"));
-  }
-}
-
 void Trainer::fail_on_gradient(const std::vector<Example>& examples) {
   // Only now is it worth asking which scene it was.
   std::string culprits;
   for (const Example& example : examples) {
     optimizer_->zero_gradients();
-    accumulate(example);
+    gradients_->accumulate({example}, progress_.step + 1);
     if (!std::isfinite(optimizer_->gradient_norm()))
       culprits += (culprits.empty() ? "" : ", ") + example.scene;
   }

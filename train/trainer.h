@@ -1,7 +1,7 @@
 // The training loop.
 //
-// A step encodes its scenes one after another and adds up their gradients, so that no scene's
-// result depends on its batch mates and memory does not grow with scenes_per_step.
+// A step encodes each of its scenes by itself and adds up their gradients, so that no scene's result
+// depends on its batch mates and memory grows with threads, not with scenes_per_step.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +17,7 @@
 #include "train/checkpoint.h"
 #include "train/run_data.h"
 #include "train/run_log.h"
+#include "train/scene_gradients.h"
 #include "train/validate.h"
 
 namespace lte::train {
@@ -50,7 +51,6 @@ class Trainer {
   void start_new();
   void resume();
   void train_step();
-  double accumulate(const Example& stored);
   [[noreturn]] void fail_on_gradient(const std::vector<Example>& examples);
   void after_step(int64_t queries, double norm);
   void validate_now();
@@ -64,6 +64,7 @@ class Trainer {
   RunData data_;
   nn::LightTransportModel model_{nullptr};
   std::unique_ptr<Optimizer> optimizer_;
+  std::unique_ptr<SceneGradients> gradients_;
   std::unique_ptr<RunLog> log_;
   std::unique_ptr<BatchLoader> loader_;
   std::vector<Example> validation_;

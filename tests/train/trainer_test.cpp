@@ -106,6 +106,16 @@ TEST_F(TrainerTest, ResumedEqualsUninterruptedBitForBit) {
   EXPECT_EQ(log_values(dir_ / "straight"), log_values(dir_ / "pieces"));
 }
 
+TEST_F(TrainerTest, ScenesBesideEachOtherGiveTheBitsOfScenesOneByOne) {
+  // Three scenes on two threads: a full round, and one with a thread to spare.
+  const std::string three = "model: {dropout: 0}\ntrain: {scenes_per_step: 3}\n";
+  train(config("one", three));
+  at::set_num_threads(2);
+  train(config("two", three));
+  at::set_num_threads(1);
+  expect_same_tensors(dir_ / "one/checkpoint.safetensors", dir_ / "two/checkpoint.safetensors");
+}
+
 TEST_F(TrainerTest, ACrashAfterTheCheckpointLosesNothing) {
   train(config("straight"));
   train(config("crashed"), false, 3);
