@@ -6,7 +6,7 @@
 
 namespace lte::nn {
 
-void initialize(torch::nn::Linear& linear, double gain) {
+void initialize(Linear& linear, double gain) {
   const double scale = 1 / std::sqrt(static_cast<double>(linear->options.in_features()));
   torch::nn::init::normal_(linear->weight, 0, gain * scale);
   if (linear->bias.defined()) torch::nn::init::uniform_(linear->bias, -scale, scale);
@@ -15,14 +15,14 @@ void initialize(torch::nn::Linear& linear, double gain) {
 MlpImpl::MlpImpl(int64_t inputs, int64_t hidden, int64_t outputs, double dropout,
                  double output_gain)
     : dropout_(dropout),
-      hidden_(register_module("hidden", torch::nn::Linear(inputs, hidden))),
-      output_(register_module("output", torch::nn::Linear(hidden, outputs))) {
+      hidden_(register_module("hidden", Linear(inputs, hidden))),
+      output_(register_module("output", Linear(hidden, outputs))) {
   initialize(hidden_, std::sqrt(2.0));
   initialize(output_, output_gain);
 }
 
 at::Tensor MlpImpl::hidden_activations(const at::Tensor& x) {
-  return at::gelu(hidden_->forward(x));
+  return ops::linear_gelu(x, hidden_->weight, hidden_->bias);
 }
 
 at::Tensor MlpImpl::forward(const at::Tensor& x) {

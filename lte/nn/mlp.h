@@ -3,13 +3,13 @@
 
 #include <cstdint>
 
-#include <torch/nn/modules/linear.h>
+#include "lte/nn/linear.h"
 
 namespace lte::nn {
 
 /// Weights from N(0, gain² / inputs), biases from U(±1/sqrt(inputs)), so that inputs of unit
 /// variance leave with variance gain² and the kinks of a hidden layer lie at different places.
-void initialize(torch::nn::Linear& linear, double gain);
+void initialize(Linear& linear, double gain);
 
 /// Linear(inputs -> hidden), GELU, Linear(hidden -> outputs), with dropout after either layer while
 /// training. Parameters: `hidden.{weight,bias}`, `output.{weight,bias}`.
@@ -26,12 +26,12 @@ class MlpImpl : public torch::nn::Module {
   /// GELU of the first layer, [..., hidden]: for callers that fuse the second.
   at::Tensor hidden_activations(const at::Tensor& x);
 
-  torch::nn::Linear& hidden() { return hidden_; }
-  torch::nn::Linear& output() { return output_; }
+  Linear& hidden() { return hidden_; }
+  Linear& output() { return output_; }
 
  private:
   double dropout_;
-  torch::nn::Linear hidden_{nullptr}, output_{nullptr};
+  Linear hidden_{nullptr}, output_{nullptr};
 };
 TORCH_MODULE(Mlp);
 

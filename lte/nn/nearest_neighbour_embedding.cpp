@@ -13,8 +13,8 @@ constexpr int64_t kBlock = 1024;
 }  // namespace
 
 NeighbourMaxImpl::NeighbourMaxImpl(int64_t channels)
-    : hidden_(register_module("hidden", torch::nn::Linear(2 * channels, channels))),
-      output_(register_module("output", torch::nn::Linear(channels, channels))) {
+    : hidden_(register_module("hidden", Linear(2 * channels, channels))),
+      output_(register_module("output", Linear(channels, channels))) {
   initialize(hidden_, std::sqrt(2.0));
   initialize(output_, 1);
 }
@@ -22,8 +22,8 @@ NeighbourMaxImpl::NeighbourMaxImpl(int64_t channels)
 at::Tensor NeighbourMaxImpl::forward(const at::Tensor& dense, const at::Tensor& center,
                                      const at::Tensor& neighbour) {
   const std::vector<at::Tensor> weight = hidden_->weight.chunk(2, 1);  // W_a, W_b
-  const at::Tensor of_dense = at::linear(dense, weight[0]);
-  const at::Tensor of_center = at::linear(center, weight[1] - weight[0], hidden_->bias);
+  const at::Tensor of_dense = ops::linear(dense, weight[0]);
+  const at::Tensor of_center = ops::linear(center, weight[1] - weight[0], hidden_->bias);
   const int64_t m = neighbour.size(0), k = neighbour.size(1), D = of_dense.size(1);
   const auto block = [&](int64_t begin, int64_t count) {
     const at::Tensor index = neighbour.narrow(0, begin, count).reshape({-1});

@@ -30,7 +30,7 @@ class NeighbourMaxImpl : public torch::nn::Module {
                      const at::Tensor& neighbour);
 
  private:
-  torch::nn::Linear hidden_{nullptr}, output_{nullptr};
+  Linear hidden_{nullptr}, output_{nullptr};
 };
 TORCH_MODULE(NeighbourMax);
 

@@ -23,7 +23,7 @@ PointTransformerImpl::PointTransformerImpl(const ModelConfig& config) {
   const size_t stages = config.encoder_depths.size();
 
   if (config.stem == "linear") {
-    stem_linear_ = register_module("stem", torch::nn::Linear(D, down_width(0)));
+    stem_linear_ = register_module("stem", Linear(D, down_width(0)));
   } else {
     const int64_t kernel = config.stem == "conv5" ? 5 : 3;
     stem_conv_ = register_module("stem", SubmanifoldConv(kernel, D, down_width(0), false));

@@ -31,8 +31,8 @@ class PointTransformerImpl : public torch::nn::Module {
   at::Tensor forward(const at::Tensor& x, const EncoderPlan& plan);
 
  private:
-  SubmanifoldConv stem_conv_{nullptr};      ///< either this
-  torch::nn::Linear stem_linear_{nullptr};  ///< or this
+  SubmanifoldConv stem_conv_{nullptr};  ///< either this
+  Linear stem_linear_{nullptr};         ///< or this
   torch::nn::LayerNorm stem_norm_{nullptr}, norm_{nullptr};
   std::vector<Stage> down_, up_;
   std::vector<Pooling> pool_;      ///< pool_[s] leads from stage s to s + 1

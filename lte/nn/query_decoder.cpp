@@ -13,14 +13,14 @@ QueryLayerImpl::QueryLayerImpl(int64_t latent, const ModelConfig& config)
     : dropout_(config.dropout),
       norm1_(register_module("norm1", layer_norm(config.channels))),
       norm2_(register_module("norm2", layer_norm(config.channels))),
-      query_(register_module("query", torch::nn::Linear(config.channels, config.channels))),
-      key_(register_module("key", torch::nn::Linear(latent, config.channels))),
-      value_(register_module("value", torch::nn::Linear(latent, config.channels))),
-      output_(register_module("output", torch::nn::Linear(config.channels, config.channels))) {
+      query_(register_module("query", Linear(config.channels, config.channels))),
+      key_(register_module("key", Linear(latent, config.channels))),
+      value_(register_module("value", Linear(latent, config.channels))),
+      output_(register_module("output", Linear(config.channels, config.channels))) {
   // Two branches a layer add up: this keeps the sum of all of them O(1).
   const double branch = 1 / std::sqrt(2.0 * static_cast<double>(config.query_layers));
   const int64_t D = config.channels;
-  for (torch::nn::Linear* linear : {&query_, &key_, &value_}) initialize(*linear, 1);
+  for (Linear* linear : {&query_, &key_, &value_}) initialize(*linear, 1);
   initialize(output_, branch);
   ffn_ = register_module("ffn", Mlp(D, config.ffn_ratio * D, D, config.dropout, branch));
 }
@@ -86,7 +86,7 @@ at::Tensor QueryDecoderImpl::forward(const at::Tensor& attributes, const Neighbo
 at::Tensor QueryDecoderImpl::infer(const at::Tensor& attributes, const Neighbourhood& near,
                                    const at::Tensor& table) {
   const at::Tensor hidden = gamma_->hidden_activations(near.offset);
-  const torch::nn::Linear& last = gamma_->output();
+  const Linear& last = gamma_->output();
   const auto [S1, S2] =
       ops::neighbour_sums_inference(table, hidden, last->weight, last->bias, near.index);
   return run_layers(attributes, S1, S2, near.index.size(1));

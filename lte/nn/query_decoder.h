@@ -11,10 +11,10 @@
 #include <vector>
 
 #include <ATen/core/Tensor.h>
-#include <torch/nn/modules/linear.h>
 #include <torch/nn/modules/normalization.h>
 
 #include "lte/nn/config.h"
+#include "lte/nn/linear.h"
 #include "lte/nn/mlp.h"
 
 namespace lte::nn {
@@ -37,7 +37,7 @@ class QueryLayerImpl : public torch::nn::Module {
  private:
   double dropout_;
   torch::nn::LayerNorm norm1_{nullptr}, norm2_{nullptr};
-  torch::nn::Linear query_{nullptr}, key_{nullptr}, value_{nullptr}, output_{nullptr};
+  Linear query_{nullptr}, key_{nullptr}, value_{nullptr}, output_{nullptr};
   Mlp ffn_{nullptr};
 };
 TORCH_MODULE(QueryLayer);

@@ -17,8 +17,8 @@ torch::nn::LayerNorm layer_norm(int64_t channels) {
 PatchAttentionImpl::PatchAttentionImpl(int64_t channels, int64_t heads, double dropout)
     : heads_(heads),
       dropout_(dropout),
-      qkv_(register_module("qkv", torch::nn::Linear(channels, 3 * channels))),
-      proj_(register_module("proj", torch::nn::Linear(channels, channels))) {}
+      qkv_(register_module("qkv", Linear(channels, 3 * channels))),
+      proj_(register_module("proj", Linear(channels, channels))) {}
 
 at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, const PatchMap& map,
                                        int64_t patch_size) {
@@ -53,7 +53,7 @@ at::Tensor SubmanifoldConvImpl::forward(const at::Tensor& x, const at::Tensor& p
 TransformerBlockImpl::TransformerBlockImpl(int64_t channels, const ModelConfig& config)
     : patch_size_(config.patch_size),
       conv_(register_module("conv", SubmanifoldConv(3, channels, channels, true))),
-      conv_linear_(register_module("conv_linear", torch::nn::Linear(channels, channels))),
+      conv_linear_(register_module("conv_linear", Linear(channels, channels))),
       conv_norm_(register_module("conv_norm", layer_norm(channels))),
       norm1_(register_module("norm1", layer_norm(channels))),
       norm2_(register_module("norm2", layer_norm(channels))) {
@@ -72,7 +72,7 @@ at::Tensor TransformerBlockImpl::forward(const at::Tensor& input, const StagePla
 }
 
 PoolingImpl::PoolingImpl(int64_t inputs, int64_t outputs)
-    : linear_(register_module("linear", torch::nn::Linear(inputs, outputs))),
+    : linear_(register_module("linear", Linear(inputs, outputs))),
       norm_(register_module("norm", layer_norm(outputs))) {}
 
 at::Tensor cluster_argmax(const at::Tensor& x, const at::Tensor& cluster, int64_t clusters) {
@@ -98,8 +98,8 @@ at::Tensor PoolingImpl::forward(const at::Tensor& fine, const at::Tensor& cluste
 }
 
 UnpoolingImpl::UnpoolingImpl(int64_t coarse, int64_t skip, int64_t outputs)
-    : coarse_(register_module("coarse", torch::nn::Linear(coarse, outputs))),
-      skip_(register_module("skip", torch::nn::Linear(skip, outputs))),
+    : coarse_(register_module("coarse", Linear(coarse, outputs))),
+      skip_(register_module("skip", Linear(skip, outputs))),
       coarse_norm_(register_module("coarse_norm", layer_norm(outputs))),
       skip_norm_(register_module("skip_norm", layer_norm(outputs))) {}
 

@@ -4,9 +4,9 @@
 #include <cstdint>
 
 #include <ATen/core/Tensor.h>
-#include <torch/nn/modules/linear.h>
 #include <torch/nn/modules/normalization.h>
 
+#include "lte/nn/linear.h"
 #include "lte/nn/mlp.h"
 #include "lte/nn/serialization/encoder_plan.h"
 
@@ -25,7 +25,7 @@ class PatchAttentionImpl : public torch::nn::Module {
  private:
   int64_t heads_;
   double dropout_;
-  torch::nn::Linear qkv_{nullptr}, proj_{nullptr};
+  Linear qkv_{nullptr}, proj_{nullptr};
 };
 TORCH_MODULE(PatchAttention);
 
@@ -55,7 +55,7 @@ class TransformerBlockImpl : public torch::nn::Module {
  private:
   int64_t patch_size_;
   SubmanifoldConv conv_{nullptr};
-  torch::nn::Linear conv_linear_{nullptr};
+  Linear conv_linear_{nullptr};
   torch::nn::LayerNorm conv_norm_{nullptr}, norm1_{nullptr}, norm2_{nullptr};
   PatchAttention attention_{nullptr};
   Mlp mlp_{nullptr};
@@ -73,7 +73,7 @@ class PoolingImpl : public torch::nn::Module {
   at::Tensor forward(const at::Tensor& fine, const at::Tensor& cluster, int64_t clusters);
 
  private:
-  torch::nn::Linear linear_{nullptr};
+  Linear linear_{nullptr};
   torch::nn::LayerNorm norm_{nullptr};
 };
 TORCH_MODULE(Pooling);
@@ -87,7 +87,7 @@ class UnpoolingImpl : public torch::nn::Module {
   at::Tensor forward(const at::Tensor& coarse, const at::Tensor& skip, const at::Tensor& cluster);
 
  private:
-  torch::nn::Linear coarse_{nullptr}, skip_{nullptr};
+  Linear coarse_{nullptr}, skip_{nullptr};
   torch::nn::LayerNorm coarse_norm_{nullptr}, skip_norm_{nullptr};
 };
 TORCH_MODULE(Unpooling);
