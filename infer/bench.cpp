@@ -9,6 +9,7 @@
 
 #include "lte/base/file.h"
 #include "lte/base/timer.h"
+#include "lte/ops/linear.h"
 
 namespace lte::infer {
 
@@ -29,12 +30,10 @@ BenchResult time_repeats(const std::string& name, int64_t n, int repeats,
 }
 
 double measure_gemm_gflops() {
-  // The shape of the decoder's largest product; the output is kept, as a fresh one costs page
-  // faults.
-  const int64_t rows = 16'384, inner = 128, columns = 512;
-  const at::Tensor a = at::rand({rows, inner}), b = at::rand({inner, columns});
-  at::Tensor out = at::empty({rows, columns});
-  const BenchResult result = time_repeats("gemm", rows, 9, [&] { at::mm_out(out, a, b); });
+  // The decoder's largest product at the size of its blocks.
+  const int64_t rows = 4096, inner = 128, columns = 512;
+  const at::Tensor a = at::rand({rows, inner}), b = at::rand({columns, inner});
+  const BenchResult result = time_repeats("gemm", rows, 31, [&] { ops::linear(a, b); });
   return 2e-9 * static_cast<double>(rows * inner * columns) / result.seconds_min;
 }
 

@@ -1,6 +1,7 @@
 // Times of the operators at the sizes of DESIGN section 7, and FLANN beside knn. Not run by ctest.
 //   lte_ops_microbench --benchmark_filter=Knn        at::set_num_threads: OMP_NUM_THREADS
 #include <ATen/ATen.h>
+#include <ATen/core/grad_mode.h>
 #include <benchmark/benchmark.h>
 #if defined(LTE_HAS_FLANN)
 #include <flann/flann.hpp>
@@ -8,6 +9,7 @@
 
 #include "lte/ops/farthest_point.h"
 #include "lte/ops/knn.h"
+#include "lte/ops/linear.h"
 #include "lte/ops/neighbour_sums.h"
 #include "lte/ops/serialize.h"
 #include "lte/ops/submanifold_conv.h"
@@ -129,54 +131,38 @@ BENCHMARK_CAPTURE(SubmanifoldConv, with_backward, true)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
-void MatrixProduct(benchmark::State& state) {  // what the machine can do
-  const at::Tensor a = at::randn({32768, 128}), b = at::randn({128, 128});
-  at::Tensor out = at::empty({32768, 128});
-  for (auto _ : state) at::mm_out(out, a, b);
-  state.counters["flop"] =
-      benchmark::Counter(2.0 * 32768 * 128 * 128, benchmark::Counter::kIsIterationInvariantRate);
-}
-BENCHMARK(MatrixProduct)->Unit(benchmark::kMillisecond)->UseRealTime();
-
-constexpr int64_t kLayers = 6, kChannels = 128, kHidden = 64, kNeighbours = 32, kLatents = 5000;
-
-void NeighbourSumsInference(benchmark::State& state) {
-  const at::Tensor queries = camera_hits(512), points = room(kLatents);
-  const at::Tensor index = std::get<0>(knn(queries, points, kNeighbours));
-  const at::Tensor table = neighbour_table(at::randn({kLayers, kLatents, kChannels}),
-                                           at::randn({kLayers, kLatents, kChannels}));
-  // One block of activations, used again for each block of queries: all of them are 2 GiB; results
-  // this small stay in the allocator.
-  const int64_t block = 4096;
-  const at::Tensor hidden = at::randn({block, kNeighbours, kHidden});
-  const at::Tensor weight = at::randn({kChannels, kHidden}), bias = at::randn({kChannels});
+/// A layer of the decoder on one block of queries, C -> 4C with its activation: ours, and ATen's.
+void Dense(benchmark::State& state, bool aten) {
+  const at::NoGradGuard no_grad;
+  const int64_t Q = 4096, C = state.range(0);
+  const at::Tensor x = at::randn({Q, C}), weight = at::randn({4 * C, C}), bias = at::randn({4 * C});
   for (auto _ : state) {
-    for (int64_t q = 0; q < queries.size(0); q += block) {
-      benchmark::DoNotOptimize(
-          neighbour_sums_inference(table, hidden, weight, bias, index.narrow(0, q, block)));
-    }
+    benchmark::DoNotOptimize(aten ? at::gelu(at::linear(x, weight, bias))
+                                  : linear_gelu(x, weight, bias));
   }
+  state.counters["flop"] = benchmark::Counter(2.0 * static_cast<double>(Q * C * 4 * C),
+                                              benchmark::Counter::kIsIterationInvariantRate);
 }
-BENCHMARK(NeighbourSumsInference)->Unit(benchmark::kMillisecond)->UseRealTime();
-
-void NeighbourSumsTraining(benchmark::State& state) {
-  const int64_t Q = 8192;
-  const at::Tensor index = std::get<0>(knn(room(Q), room(kLatents), kNeighbours));
-  at::Tensor keys = at::randn({kLayers, kLatents, kChannels}).requires_grad_();
-  at::Tensor values = at::randn({kLayers, kLatents, kChannels}).requires_grad_();
-  at::Tensor position = at::randn({Q, kNeighbours, kChannels}).requires_grad_();
-  const at::Tensor grad = at::randn({kLayers, Q, kChannels});
-  for (auto _ : state) {
-    const auto [sum1, sum2] = neighbour_sums(keys, values, position, index);
-    if (state.range(0) != 0) (sum1 + sum2).backward(grad);
-  }
-}
-BENCHMARK(NeighbourSumsTraining)
-    ->Arg(0)
-    ->Arg(1)
-    ->ArgName("backward")
+BENCHMARK_CAPTURE(Dense, lte, false)
+    ->Arg(64)
+    ->Arg(128)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
+BENCHMARK_CAPTURE(Dense, aten, true)
+    ->Arg(64)
+    ->Arg(128)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+void MatrixProduct(benchmark::State& state, bool aten) {  // what the machine can do
+  const at::NoGradGuard no_grad;
+  const at::Tensor a = at::randn({4096, 128}), b = at::randn({128, 128});
+  for (auto _ : state) benchmark::DoNotOptimize(aten ? at::mm(a, b.t()) : lte::ops::linear(a, b));
+  state.counters["flop"] =
+      benchmark::Counter(2.0 * 4096 * 128 * 128, benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK_CAPTURE(MatrixProduct, lte, false)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(MatrixProduct, aten, true)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 }  // namespace
 
