@@ -33,10 +33,11 @@ void check_size(const std::string& name, int64_t width, int64_t height, int64_t 
             height, " pixels exceed the limit of ", limit_pixels);
 }
 
-/// TGA as bytes, HDR as floats: `load` is stbi_load_from_memory or stbi_loadf_from_memory.
+/// TGA as bytes, HDR as floats: `load` is stbi_load_from_memory or stbi_loadf_from_memory, `most`
+/// what stands for 1.
 template <typename Load>
 Image decode(const std::string& name, std::string_view bytes, int64_t limit_pixels,
-             const Load& load, float scale) {
+             const Load& load, float most) {
   LTE_CHECK(bytes.size() <= std::numeric_limits<int>::max(), name, ": ", bytes.size(),
             " bytes are too many for one picture");
   const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
@@ -50,7 +51,7 @@ Image decode(const std::string& name, std::string_view bytes, int64_t limit_pixe
   LTE_CHECK(raw != nullptr, name, ": cannot decode: ", stbi_failure_reason());
   Image image(width, height, 3);
   for (size_t i = 0; i < image.pixels.size(); ++i)
-    image.pixels[i] = static_cast<float>(raw[i]) * scale;
+    image.pixels[i] = static_cast<float>(raw[i]) / most;
   return image;
 }
 
@@ -120,10 +121,10 @@ Picture read_picture(const std::filesystem::path& path, int64_t limit_pixels) {
   if (bytes.starts_with("PF") || bytes.starts_with("Pf"))
     return {decode_pfm(name, bytes, limit_pixels), false};
   if (bytes.starts_with("#?"))
-    return {decode(name, bytes, limit_pixels, stbi_loadf_from_memory, 1.0f), false};
+    return {decode(name, bytes, limit_pixels, stbi_loadf_from_memory, 1), false};
   LTE_CHECK(has_extension(path, ".tga"), name,
             ": none of PNG, JPEG, TGA, OpenEXR, PFM and Radiance HDR");
-  return {decode(name, bytes, limit_pixels, stbi_load_from_memory, 1.0f / 255), true};
+  return {decode(name, bytes, limit_pixels, stbi_load_from_memory, 255), true};
 }
 
 }  // namespace lte::image
