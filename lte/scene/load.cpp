@@ -135,9 +135,12 @@ Scene import(const std::filesystem::path& path, const LoadLimits& limits) {
 Scene load_scene(const std::filesystem::path& path, const LoadLimits& limits) {
   const std::string extension = format_extension(path);
   try {
-    if (extension == ".pbrt") return pbrt::load_pbrt_scene(path, limits);
-    if (extension == ".ply") return load_ply_scene(path, limits);
-    return import(path, limits);
+    if (extension != ".pbrt" && extension != ".ply") return import(path, limits);
+    Scene scene =
+        extension == ".pbrt" ? pbrt::load_pbrt_scene(path, limits) : load_ply_scene(path, limits);
+    if (path.stem().has_extension() && format_extension(path.stem()) == extension)
+      scene.name = path.stem().stem().string();  // "room" of "room.pbrt.gz"
+    return scene;
   } catch (const Error&) {
     throw;
   } catch (const std::bad_alloc&) {

@@ -131,26 +131,24 @@ void ImageTable::decode(Picture* picture) const {
   const image::Image& image = file.image;
   const auto pixels = static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
   const auto channels = static_cast<size_t>(image.channels);
-  std::vector<float> rgb(pixels * 3);
-  for (size_t i = 0; i < pixels; ++i) {
-    for (size_t c = 0; c < 3; ++c) {
-      const float value = image.pixels[i * channels + (channels >= 3 ? c : 0)];
-      if (!std::isfinite(value))
-        fail(picture->at, picture->path, ": pixel ", i % static_cast<size_t>(image.width), ", ",
-             i / static_cast<size_t>(image.width), " is not finite");
-      rgb[i * 3 + c] = std::max(0.0f, value);
-    }
-  }
+  const auto value = [&](size_t pixel, size_t c) {
+    return image.pixels[pixel * channels + (channels >= 3 ? c : 0)];
+  };
   if (file.coded && !picture->encoding.starts_with("gamma")) {
-    std::vector<uint8_t> texels(rgb.size());
-    std::transform(rgb.begin(), rgb.end(), texels.begin(), to_byte);
+    std::vector<uint8_t> texels(pixels * 3);
+    for (size_t i = 0; i < texels.size(); ++i) texels[i] = to_byte(value(i / 3, i % 3));
     picture->texture = std::make_shared<const Texture>(image.width, image.height, std::move(texels),
                                                        picture->encoding == "sRGB");
     return;
   }
-  if (file.coded) {
-    const double gamma = gamma_of(picture->encoding, picture->at);
-    for (float& value : rgb) value = static_cast<float>(std::pow(value, gamma));
+  const double gamma = file.coded ? gamma_of(picture->encoding, picture->at) : 1;
+  std::vector<float> rgb(pixels * 3);
+  for (size_t i = 0; i < rgb.size(); ++i) {
+    const float texel = value(i / 3, i % 3);
+    if (!std::isfinite(texel))
+      fail(picture->at, picture->path, ": pixel ", i / 3 % static_cast<size_t>(image.width), ", ",
+           i / 3 / static_cast<size_t>(image.width), " is not finite");
+    rgb[i] = file.coded ? static_cast<float>(std::pow(texel, gamma)) : std::max(0.0f, texel);
   }
   picture->texture = quantize(rgb, image.width, image.height, &picture->gain);
 }

@@ -176,6 +176,7 @@ TEST_F(Ply, LoadsAsAScene) {
   EXPECT_EQ(surface.normal.z, 1);
   write_file(dir_ / "M.PLY.gz", gzip(ascii_sample()));
   EXPECT_EQ(load_scene(dir_ / "M.PLY.gz").triangle_count(), 3);
+  EXPECT_EQ(load_scene(dir_ / "M.PLY.gz").name, "M");
 }
 
 double signed_area(const std::vector<Vec3>& p, const std::vector<Triangle>& triangles,
