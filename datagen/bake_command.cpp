@@ -38,7 +38,7 @@ void add_bake_command(CLI::App& app, CommandBody* body) {
   BakeOptions& bake = flags->bake;
   CLI::App* command =
       app.add_subcommand("bake", "Sample and path-trace one scene into a sample file");
-  command->add_option("scene", flags->scene, "Scene: .gltf or .glb")->required();
+  command->add_option("scene", flags->scene, "Scene: .gltf, .glb, .pbrt or .ply")->required();
   command->add_option("--out", flags->out, "Sample file to write, .safetensors");
   command->add_option("--scene-points", bake.scene_points, "M, points that describe the scene")
       ->capture_default_str();

@@ -46,8 +46,9 @@ void add_info_command(CLI::App& app, CommandBody* body) {
   CLI::App* command =
       app.add_subcommand("info", "Say what a scene, a sample file or a data set holds");
   command
-      ->add_option("path", flags->path,
-                   "Scene (.gltf, .glb), sample file (.safetensors) or data-set directory")
+      ->add_option(
+          "path", flags->path,
+          "Scene (.gltf, .glb, .pbrt, .ply), sample file (.safetensors) or data-set directory")
       ->required();
   command->add_flag("--deep", flags->deep, "Of a data set, read and check every sample file");
   command->add_flag("--validate-only", flags->validate_only, "Check everything and print one line");

@@ -50,7 +50,7 @@ void add_probe_command(CLI::App& app, CommandBody* body) {
   auto flags = std::make_shared<Flags>();
   CLI::App* command =
       app.add_subcommand("probe", "Path-trace irradiance at the points of a CSV file");
-  command->add_option("scene", flags->scene, "Scene: .gltf or .glb")->required();
+  command->add_option("scene", flags->scene, "Scene: .gltf, .glb, .pbrt or .ply")->required();
   command->add_option("--points", flags->points,
                       "CSV file with the header px,py,pz,nx,ny,nz, world space");
   command->add_option("--out", flags->out, "CSV file to write");

@@ -164,7 +164,7 @@ void render_to_file(const RenderRequest& request, const scene::Camera& camera, R
 }  // namespace
 
 void add_render_options(CLI::App& app, RenderRequest* r) {
-  app.add_option("scene", r->scene, "Scene to render: .gltf or .glb")->required();
+  app.add_option("scene", r->scene, "Scene to render: .gltf, .glb, .pbrt or .ply")->required();
   app.add_option("--out", r->out, "Picture to write: .exr (linear, with layers) or .png")
       ->check(CLI::Validator(check_picture, "FILE.exr|FILE.png"));
   app.add_option("--checkpoint", r->checkpoint, "Model; by default the shipped one");

@@ -139,6 +139,7 @@ Camera make_camera(const tinygltf::Camera& camera, const tinygltf::Node& node,
   out.origin = to_world.point({0, 0, 0});
   out.target = out.origin + normalize(to_world.vector({0, 0, -1}));
   out.up = normalize(to_world.vector({0, 1, 0}));
+  out.mirrored = dot(cross(out.target - out.origin, out.up), to_world.vector({1, 0, 0})) < 0;
   out.vfov = static_cast<float>(camera.perspective.yfov * 180.0 / M_PI);
   return out;
 }

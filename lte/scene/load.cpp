@@ -1,11 +1,15 @@
 #include "lte/scene/load.h"
 
+#include <cctype>
 #include <exception>
 #include <new>
 #include <utility>
 
 #include "lte/base/check.h"
 #include "lte/scene/gltf_import.h"
+#include "lte/scene/pbrt_import.h"
+#include "lte/scene/ply.h"
+#include "lte/scene/world_check.h"
 
 namespace lte::scene {
 namespace {
@@ -13,25 +17,6 @@ namespace {
 using gltf::Context;
 using gltf::MeshTable;
 using gltf::Placement;
-
-/// Corner vertices must stay finite in the world; boxes stand for their vertices, as they contain
-/// them.
-void check_world_positions(const Context& context, const Scene& scene) {
-  std::vector<Bounds> boxes(scene.meshes.size());
-  for (size_t i = 0; i < scene.meshes.size(); ++i) {
-    for (const Vec3& p : scene.meshes[i].positions) boxes[i].extend(p);
-  }
-  for (const Instance& instance : scene.instances) {
-    const Bounds& box = boxes[static_cast<size_t>(instance.mesh)];
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vec3 p{(corner & 1 ? box.high : box.low).x, (corner & 2 ? box.high : box.low).y,
-                   (corner & 4 ? box.high : box.low).z};
-      LTE_CHECK(is_finite(instance.to_world.point(p)), context.file.name, ": mesh \"",
-                scene.meshes[static_cast<size_t>(instance.mesh)].name,
-                "\" lies beyond the range of float in the world");
-    }
-  }
-}
 
 std::string node_name(const Context& context, const Placement& placement,
                       const std::string& fallback) {
@@ -102,6 +87,16 @@ void note_document(const gltf::Json& json, gltf::Notes* notes) {
   }
 }
 
+/// In lower case; of "room.pbrt.gz" that of "room.pbrt".
+std::string format_extension(const std::filesystem::path& path) {
+  const auto lower = [](std::string text) {
+    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return text;
+  };
+  const std::string extension = lower(path.extension().string());
+  return extension == ".gz" ? lower(path.stem().extension().string()) : extension;
+}
+
 Scene import(const std::filesystem::path& path, const LoadLimits& limits) {
   gltf::File file = gltf::open_file(path);
   gltf::check_document(file);
@@ -128,7 +123,7 @@ Scene import(const std::filesystem::path& path, const LoadLimits& limits) {
     scene.materials.back().name = "default";
   }
   add_instances(context, placements, table, &scene);
-  check_world_positions(context, scene);
+  check_world_positions(context.file.name, scene);
   add_lights_and_cameras(context, placements, &scene);
   scene.textures = gltf::read_textures(context, &buffers, &scene.materials);
   scene.ignored = notes.lines();
@@ -138,14 +133,23 @@ Scene import(const std::filesystem::path& path, const LoadLimits& limits) {
 }  // namespace
 
 Scene load_scene(const std::filesystem::path& path, const LoadLimits& limits) {
+  const std::string extension = format_extension(path);
   try {
-    return import(path, limits);
+    if (extension != ".pbrt" && extension != ".ply") return import(path, limits);
+    Scene scene =
+        extension == ".pbrt" ? pbrt::load_pbrt_scene(path, limits) : load_ply_scene(path, limits);
+    if (path.stem().has_extension() && format_extension(path.stem()) == extension)
+      scene.name = path.stem().stem().string();  // "room" of "room.pbrt.gz"
+    return scene;
   } catch (const Error&) {
     throw;
   } catch (const std::bad_alloc&) {
     throw Error(concat(path.string(), ": out of memory while loading"));
   } catch (const std::exception& error) {  // nlohmann's own, which name no file
-    throw Error(concat(path.string(), ": not a valid glTF document: ", error.what()));
+    const char* format = extension == ".pbrt"  ? "PBRT scene"
+                         : extension == ".ply" ? "PLY mesh"
+                                               : "glTF document";
+    throw Error(concat(path.string(), ": not a valid ", format, ": ", error.what()));
   }
 }
 

@@ -78,7 +78,8 @@ struct PunctualLight {
 struct Camera {
   std::string name;
   Vec3 origin, target{0, 0, -1}, up{0, 1, 0};
-  float vfov = 45;  ///< degrees
+  float vfov = 45;        ///< degrees
+  bool mirrored = false;  ///< left and right change places, as for a camera of a left-handed frame
 
   /// Unit direction through the image point (x, y) in [0, 1]², (0, 0) top left.
   Vec3 direction(float x, float y, float aspect) const;
