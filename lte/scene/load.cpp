@@ -6,6 +6,7 @@
 
 #include "lte/base/check.h"
 #include "lte/scene/gltf_import.h"
+#include "lte/scene/obj_import.h"
 
 namespace lte::scene {
 namespace {
@@ -132,10 +133,17 @@ Scene import(const std::filesystem::path& path, const LoadLimits& limits) {
   return scene;
 }
 
+bool has_extension(const std::filesystem::path& path, const char* extension) {
+  std::string own = path.extension().string();
+  for (char& c : own) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return own == extension;
+}
+
 }  // namespace
 
 Scene load_scene(const std::filesystem::path& path, const LoadLimits& limits) {
   try {
+    if (has_extension(path, ".obj")) return obj::import(path, limits);
     return import(path, limits);
   } catch (const Error&) {
     throw;
