@@ -13,14 +13,14 @@ namespace {
 struct Flags {
   CommonOptions common;
   BakeOptions bake;
-  std::string scene, out;
+  std::string scene, out, cleanup;
   bool validate_only = false;
 };
 
 void run(const Flags& flags) {
   apply_common_options(flags.common);
   check_bake_options(flags.bake);
-  const scene::Scene scene = load_and_report(flags.scene);
+  const scene::Scene scene = load_and_report(flags.scene, flags.cleanup);
   if (flags.validate_only) return print_validation(flags.scene, scene);
   LTE_CHECK(!flags.out.empty(), "--out is missing: name the .safetensors file to write");
   const data::SceneSample sample = bake_scene(scene, flags.bake, true);
@@ -38,7 +38,7 @@ void add_bake_command(CLI::App& app, CommandBody* body) {
   BakeOptions& bake = flags->bake;
   CLI::App* command =
       app.add_subcommand("bake", "Sample and path-trace one scene into a sample file");
-  command->add_option("scene", flags->scene, "Scene: .gltf, .glb, .pbrt or .ply")->required();
+  command->add_option("scene", flags->scene, concat("Scene: ", kSceneFormats))->required();
   command->add_option("--out", flags->out, "Sample file to write, .safetensors");
   command->add_option("--scene-points", bake.scene_points, "M, points that describe the scene")
       ->capture_default_str();
@@ -53,6 +53,7 @@ void add_bake_command(CLI::App& app, CommandBody* body) {
   command->add_option("--view-rays", bake.views.rays, "Paths a pixel of a view")
       ->capture_default_str();
   command->add_option("--seed", bake.seed, "Seed of points and paths")->capture_default_str();
+  add_cleanup_option(*command, &flags->cleanup);
   command->add_flag("--validate-only", flags->validate_only, "Check the scene and stop");
   add_common_options(*command, &flags->common);
   command->footer(

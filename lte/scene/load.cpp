@@ -7,6 +7,7 @@
 
 #include "lte/base/check.h"
 #include "lte/scene/gltf_import.h"
+#include "lte/scene/obj_import.h"
 #include "lte/scene/pbrt_import.h"
 #include "lte/scene/ply.h"
 #include "lte/scene/world_check.h"
@@ -28,20 +29,21 @@ void add_instances(const Context& context, const std::vector<Placement>& placeme
                    const MeshTable& table, Scene* scene) {
   int64_t triangles = 0;
   for (const Placement& placement : placements) {
-    const int gltf_mesh = context.model.nodes[static_cast<size_t>(placement.node)].mesh;
-    if (gltf_mesh < 0) continue;
-    for (const int index : table.of_gltf[static_cast<size_t>(gltf_mesh)]) {
+    if (placement.shape == kNone) continue;
+    for (const int index : table.of_shape[static_cast<size_t>(placement.shape)]) {
       const Mesh& mesh = scene->meshes[static_cast<size_t>(index)];
-      triangles += static_cast<int64_t>(mesh.triangles.size());
-      LTE_CHECK(triangles <= context.limits.triangles, context.file.name,
-                ": instances have more than ", context.limits.triangles, " triangles, at nodes[",
-                placement.node, "]");
-      Instance instance{index, placement.to_world, kNone};
-      if (scene->materials[static_cast<size_t>(mesh.material)].emissive()) {
-        instance.light_group = static_cast<int>(scene->light_groups.size());
-        scene->light_groups.push_back(node_name(context, placement, mesh.name));
+      for (const Affine& to_world : gltf::instance_transforms(context, placement)) {
+        triangles += static_cast<int64_t>(mesh.triangles.size());
+        LTE_CHECK(triangles <= context.limits.triangles, context.file.name,
+                  ": instances have more than ", context.limits.triangles, " triangles, at nodes[",
+                  placement.node, "]");
+        Instance instance{index, to_world, kNone};
+        if (scene->materials[static_cast<size_t>(mesh.material)].emissive()) {
+          instance.light_group = static_cast<int>(scene->light_groups.size());
+          scene->light_groups.push_back(node_name(context, placement, mesh.name));
+        }
+        scene->instances.push_back(instance);
       }
-      scene->instances.push_back(instance);
     }
   }
   LTE_CHECK(triangles > 0, context.file.name, ": the scene has no triangles");
@@ -62,7 +64,6 @@ void add_lights_and_cameras(const Context& context, const std::vector<Placement>
   for (const Placement& placement : placements) {
     const tinygltf::Node& node = context.model.nodes[static_cast<size_t>(placement.node)];
     gltf::note_extensions(node.extensions, "node", &context.notes);
-    if (node.skin >= 0) context.notes.add("skin", "node");
     if (node.camera >= 0) {
       const tinygltf::Camera& camera = context.model.cameras[static_cast<size_t>(node.camera)];
       add_camera(context, gltf::make_camera(camera, node, placement.to_world), camera.type, scene);
@@ -109,13 +110,10 @@ Scene import(const std::filesystem::path& path, const LoadLimits& limits) {
 
   Scene scene;
   scene.name = path.stem().string();
-  const std::vector<Placement> placements = gltf::place_nodes(context);
-  std::vector<bool> used(model.meshes.size());
-  for (const Placement& placement : placements) {
-    const int mesh = model.nodes[static_cast<size_t>(placement.node)].mesh;
-    if (mesh >= 0) used[static_cast<size_t>(mesh)] = true;
-  }
-  MeshTable table = gltf::read_meshes(context, used);
+  scene.unit = "metre, as glTF has it";
+  std::vector<Placement> placements = gltf::place_nodes(context);
+  const std::vector<gltf::Shape> shapes = gltf::find_shapes(context, &placements);
+  MeshTable table = gltf::read_meshes(context, shapes, placements);
   scene.meshes = std::move(table.meshes);
   scene.materials = gltf::read_materials(context);
   if (table.needs_default_material || scene.materials.empty()) {
@@ -135,6 +133,7 @@ Scene import(const std::filesystem::path& path, const LoadLimits& limits) {
 Scene load_scene(const std::filesystem::path& path, const LoadLimits& limits) {
   const std::string extension = format_extension(path);
   try {
+    if (extension == ".obj") return obj::import(path, limits);
     if (extension != ".pbrt" && extension != ".ply") return import(path, limits);
     Scene scene =
         extension == ".pbrt" ? pbrt::load_pbrt_scene(path, limits) : load_ply_scene(path, limits);
@@ -146,10 +145,7 @@ Scene load_scene(const std::filesystem::path& path, const LoadLimits& limits) {
   } catch (const std::bad_alloc&) {
     throw Error(concat(path.string(), ": out of memory while loading"));
   } catch (const std::exception& error) {  // nlohmann's own, which name no file
-    const char* format = extension == ".pbrt"  ? "PBRT scene"
-                         : extension == ".ply" ? "PLY mesh"
-                                               : "glTF document";
-    throw Error(concat(path.string(), ": not a valid ", format, ": ", error.what()));
+    throw Error(concat(path.string(), ": not a valid scene: ", error.what()));
   }
 }
 

@@ -12,6 +12,7 @@
 #include "lte/image/tonemap.h"
 #include "lte/scene/compressed_file.h"
 #include "lte/scene/ply_header.h"
+#include "lte/scene/triangulate.h"
 
 namespace lte::scene {
 namespace {

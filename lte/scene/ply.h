@@ -36,11 +36,6 @@ PlyMesh read_ply(const std::filesystem::path& path, const LoadLimits& limits = {
 /// A scene of that one mesh: its colours are the albedo; 0.5 where it has none.
 Scene load_ply_scene(const std::filesystem::path& path, const LoadLimits& limits);
 
-/// Splits a polygon in space into triangles of its own winding, appended to `out`.
-/// @param corners  3 or more, indices into `positions`; at most kMaxPolygonCorners
-void triangulate_polygon(const std::vector<Vec3>& positions, const std::vector<uint32_t>& corners,
-                         std::vector<std::array<uint32_t, 3>>* out);
-
 inline constexpr size_t kMaxPolygonCorners = 4096;  ///< ear clipping takes quadratic time
 
 }  // namespace lte::scene

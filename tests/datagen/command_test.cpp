@@ -141,6 +141,24 @@ TEST_F(Command, BakeWritesASampleAndNamesBadInput) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "a.safetensors"));
 }
 
+TEST_F(Command, ReadsObjAndCleansUp) {
+  write_file(folder_ / "two.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 2 3 1\nf 1 2 2\n");
+  EXPECT_THAT(run("info two.obj").output,
+              AllOf(HasSubstr("triangles: 3\n"), HasSubstr("unit: metre, assumed"),
+                    HasSubstr("  duplicate_triangles: 1\n"), HasSubstr("degenerate_triangles: 1")));
+  EXPECT_THAT(run("info two.obj --cleanup all").output,
+              AllOf(HasSubstr("triangles: 1\n"), HasSubstr("removed_triangles: 2")));
+  for (const char* command : {"bake", "probe", "info"}) {
+    EXPECT_THAT(run(concat(command, " two.obj --validate-only")).output, HasSubstr("valid scene"));
+    expect_failure(1, "\"everything\"",
+                   run(concat(command, " two.obj --validate-only --cleanup everything")));
+    write_file(folder_ / "bad.obj", "v 0 0 0\nf 1 2 3\n");
+    expect_failure(1, "bad.obj: line 2", run(concat(command, " bad.obj --validate-only --quiet")));
+  }
+  EXPECT_THAT(run("probe two.obj --validate-only --cleanup duplicates,degenerate").output,
+              HasSubstr("valid scene, 1 triangles"));
+}
+
 TEST_F(Command, FullDiskIsAnErrorAndLeavesNothing) {
   // ulimit counts blocks of 1024 bytes; with the signal ignored, write fails as it does on a full
   // disk.

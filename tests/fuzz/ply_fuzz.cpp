@@ -1,8 +1,11 @@
-// Feeds bytes to the PLY reader, gzip included.
-#include "tests/fuzz/fuzz_file.h"
+// PLY, gzip included.
+#include <cstddef>
+#include <cstdint>
+
+#include "tests/fuzz/load.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  static const std::filesystem::path folder = lte::fuzz::folder();
-  lte::fuzz::load(folder / "input.ply", data, size);
+  lte::fuzz::write("scene.ply", {reinterpret_cast<const char*>(data), size});
+  lte::fuzz::load("scene.ply");
   return 0;
 }
