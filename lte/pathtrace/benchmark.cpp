@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <vector>
 
 #include "lte/base/parallel.h"
@@ -58,7 +59,54 @@ double best_seconds(double budget, const Body& body) {
   return best;
 }
 
+/// Mean squared error over points and channels of estimates with seeds 1 to `repeats`, less the
+/// reference's variance.
+double mean_squared_error(const Bvh& bvh, const Lights& lights, std::span<const Vec3> positions,
+                          std::span<const Vec3> normals, IrradianceOptions options, int repeats,
+                          const Irradiance& reference) {
+  double sum = 0;
+  for (int repeat = 1; repeat <= repeats; ++repeat) {
+    options.seed = static_cast<uint64_t>(repeat);
+    const Irradiance e = estimate_irradiance(bvh, lights, positions, normals, options);
+    for (int64_t i = 0; i < e.points; ++i) {
+      const Rgb d = e.indirect_sum(i) - reference.indirect_sum(i);
+      sum += dot(d, d) / 3 - reference.variance[static_cast<size_t>(i)];
+    }
+  }
+  return sum / (static_cast<double>(repeats) * static_cast<double>(positions.size()));
+}
+
 }  // namespace
+
+std::vector<SamplingError> measure_sampling(const Bvh& bvh, const Lights& lights,
+                                            std::span<const Vec3> positions,
+                                            std::span<const Vec3> normals,
+                                            const IrradianceOptions& options,
+                                            std::span<const int> rays, int reference_rays,
+                                            int repeats) {
+  IrradianceOptions tracing = options;
+  tracing.rays = reference_rays;
+  tracing.seed = 0;
+  const Irradiance reference = estimate_irradiance(bvh, lights, positions, normals, tracing);
+  double mean = 0;
+  for (int64_t i = 0; i < reference.points; ++i) {
+    const Rgb value = reference.indirect_sum(i);
+    mean += (value.x + value.y + value.z) / (3 * static_cast<double>(reference.points));
+  }
+  std::vector<SamplingError> out;
+  for (const int count : rays) {
+    tracing.rays = count;
+    double error[2];
+    for (const Sampling sampling : {Sampling::Random, Sampling::Sobol}) {
+      tracing.sampling = sampling;
+      error[sampling == Sampling::Sobol] =
+          mean_squared_error(bvh, lights, positions, normals, tracing, repeats, reference);
+    }
+    out.push_back(
+        {count, std::sqrt(error[0]) / mean, std::sqrt(error[1]) / mean, error[0] / error[1]});
+  }
+  return out;
+}
 
 TraceRates measure_trace_rates(const Bvh& bvh, const Lights& lights,
                                std::span<const Vec3> positions, std::span<const Vec3> normals,

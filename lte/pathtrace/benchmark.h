@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "lte/base/math.h"
 #include "lte/pathtrace/bvh.h"
@@ -25,5 +26,23 @@ struct TraceRates {
 TraceRates measure_trace_rates(const Bvh& bvh, const Lights& lights,
                                std::span<const Vec3> positions, std::span<const Vec3> normals,
                                const IrradianceOptions& options, double seconds = 1.0);
+
+/// Error of indirect irradiance with independent random numbers and with the stratified ones.
+struct SamplingError {
+  int64_t rays = 0;  ///< paths a point, of both
+  /// Root mean square over points and channels, relative to the mean.
+  double rmse_random = 0, rmse_stratified = 0;
+  double rays_ratio =
+      0;  ///< paths that random numbers need for the stratified ones' error, by theirs
+};
+
+/// Estimates the points with each number of paths, `repeats` times with other seeds, against a
+/// reference of `reference_rays` whose own variance is subtracted.
+std::vector<SamplingError> measure_sampling(const Bvh& bvh, const Lights& lights,
+                                            std::span<const Vec3> positions,
+                                            std::span<const Vec3> normals,
+                                            const IrradianceOptions& options,
+                                            std::span<const int> rays, int reference_rays,
+                                            int repeats);
 
 }  // namespace lte::pathtrace

@@ -26,8 +26,8 @@ double variance_of_mean(double sum, double squares, int count) {
 
 Batches plan_batches(int rays) {
   if (rays <= 8) return {std::max(rays, 2), 1};
-  const int count = rays < 256 ? 8 : 16;
-  const int block = rays <= 64 ? 1 : rays < 256 ? 8 : 4;
+  const int count = rays < 4096 ? 8 : 16;
+  const int block = rays <= 64 ? 1 : 64 / count;
   const int size = (rays + count - 1) / count;
   return {count, (size + block - 1) / block * block};
 }

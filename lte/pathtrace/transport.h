@@ -11,9 +11,9 @@
 #include <cstdint>
 
 #include "lte/base/math.h"
-#include "lte/base/random.h"
 #include "lte/pathtrace/embree_scene.h"
 #include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/path_sampler.h"
 
 namespace lte::pathtrace {
 
@@ -59,12 +59,6 @@ inline Vec3 cosine_direction(const Vec3& normal, const Vec2& u, float* pdf) {
   return tangent * (radius * around.x) + bitangent * (radius * around.y) + normal * cosine;
 }
 
-inline double random_choice(Rng& rng) { return rng.next_u32() * 0x1p-32; }
-inline Vec2 random_pair(Rng& rng) {
-  const float x = rng.uniform();
-  return {x, rng.uniform()};
-}
-
 template <typename Recorder>
 class Transport {
  public:
@@ -101,7 +95,7 @@ class Transport {
 
   /// Traces a path to its end. The first hit has depth 1.
   template <typename Sink>
-  void follow(PathState path, Rng& rng, Sink& sink) {
+  void follow(PathState path, PathSampler& sampler, Sink& sink) {
     for (int depth = 1; depth <= max_depth_; ++depth) {
       // The last ray can only find an area light.
       if (depth == max_depth_ && !lights_.has_area_lights()) return;
@@ -109,7 +103,7 @@ class Transport {
       recorder_.nearest(path.origin, path.direction);
       ++rays_traced_;
       if (!intersect(handles_.top, path.origin, path.direction, &hit)) return;
-      if (!shade(hit, depth, &path, rng, sink)) return;
+      if (!shade(hit, depth, &path, sampler, sink)) return;
     }
   }
 
@@ -119,7 +113,7 @@ class Transport {
 
   /// Emission, next-event estimation and the next direction at a hit; false ends the path.
   template <typename Sink>
-  bool shade(const RTCRayHit& hit, int depth, PathState* path, Rng& rng, Sink& sink) {
+  bool shade(const RTCRayHit& hit, int depth, PathState* path, PathSampler& sampler, Sink& sink) {
     const auto instance = static_cast<int>(hit.hit.instID[0]);
     const InstanceRecord& record = handles_.instances[instance];
     const bool last = depth == max_depth_;
@@ -143,12 +137,13 @@ class Transport {
     if (!(max_component(path->throughput) > 0)) return false;
     const Vec3 side = cos_front >= 0 ? point.normal : -point.normal;
     const Vec3 origin = point.position + side * point.offset;
-    const double u_choice = random_choice(rng);
-    const Vec2 u_point = random_pair(rng);
+    const double u_choice = sampler.light_choice(depth);
+    const Vec2 u_point = sampler.light_point(depth);
     sample_light(origin, side, path->throughput, u_choice, u_point, depth + 1, sink);
-    if (depth >= roulette_depth_ && !survive(&path->throughput, rng)) return false;
+    if (depth >= roulette_depth_ && !survive(&path->throughput, sampler.roulette(depth)))
+      return false;
     path->origin = origin;
-    path->direction = cosine_direction(side, random_pair(rng), &path->pdf);
+    path->direction = cosine_direction(side, sampler.direction(depth), &path->pdf);
     return true;
   }
 
@@ -160,10 +155,10 @@ class Transport {
     return pdf / (pdf + light_pdf);
   }
 
-  static bool survive(Rgb* throughput, Rng& rng) {
+  static bool survive(Rgb* throughput, float u) {
     const float probability = max_component(*throughput);
     if (probability >= 1) return true;
-    if (rng.uniform() >= probability) return false;
+    if (u >= probability) return false;
     *throughput *= 1 / probability;
     return true;
   }

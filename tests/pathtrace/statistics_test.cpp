@@ -5,9 +5,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
-#include "lte/base/random.h"
 #include "lte/pathtrace/irradiance.h"
-#include "lte/pathtrace/low_discrepancy.h"
 #include "tests/support/scenes.h"
 
 namespace lte::pathtrace {
@@ -277,33 +275,6 @@ TEST(Estimate, NamesWhatItRefuses) {
   EXPECT_THAT([&] { room.estimate(options); }, message("normal 2"));
   room.normals.pop_back();
   EXPECT_THAT([&] { room.estimate(options); }, message("4 normals"));
-}
-
-/// Each aligned block of 2^k points has one point in each of its elementary intervals: a (0,
-/// 2)-sequence.
-TEST(PointSet, StratifiesAlignedBlocks) {
-  Rng rng(12);
-  for (int trial = 0; trial < 20; ++trial) {
-    const PointSet points(rng);
-    for (uint32_t block = 0; block < 4; ++block) {
-      for (int split = 0; split <= 4; ++split) {  // 2^split columns by 2^(4 − split) rows
-        std::vector<int> cells(16), light_cells(16), choices(16);
-        for (uint32_t i = 16 * block; i < 16 * (block + 1); ++i) {
-          const auto cell = [split](const Vec2& p) {
-            const int column = static_cast<int>(p.x * static_cast<float>(1 << split));
-            const int row = static_cast<int>(p.y * static_cast<float>(16 >> split));
-            return static_cast<size_t>(column * (16 >> split) + row);
-          };
-          ++cells[cell(points.direction(i))];
-          ++light_cells[cell(points.light_point(i))];
-          ++choices[static_cast<size_t>(points.light_choice(i) * 16)];
-        }
-        EXPECT_EQ(cells, std::vector<int>(16, 1));
-        EXPECT_EQ(light_cells, std::vector<int>(16, 1));
-        EXPECT_EQ(choices, std::vector<int>(16, 1));
-      }
-    }
-  }
 }
 
 }  // namespace
