@@ -45,6 +45,15 @@ void add_bake_command(CLI::App& app, CommandBody* body) {
   command->add_option("--queries", bake.query_points, "N, points with ground truth")
       ->capture_default_str();
   command->add_option("--rays", bake.rays, "Paths a query point")->capture_default_str();
+  command
+      ->add_option("--target-error", bake.target_error,
+                   "Standard error of indirect irradiance, relative to its mean over the query "
+                   "points, that decides how many paths each takes, e.g. 0.02; 0: --rays each")
+      ->capture_default_str();
+  command->add_option("--min-rays", bake.min_rays, "Paths a query point at least, with a target")
+      ->capture_default_str();
+  command->add_option("--max-rays", bake.max_rays, "Paths a query point at most, with a target")
+      ->capture_default_str();
   command->add_option("--max-depth", bake.max_depth, "Surface hits of a path; 1 is direct light")
       ->capture_default_str();
   command->add_option("--views", bake.views.count, "Number of views")->capture_default_str();
@@ -60,6 +69,7 @@ void add_bake_command(CLI::App& app, CommandBody* body) {
       "  lte_datagen bake room.glb --out room.safetensors\n"
       "  lte_datagen bake room.glb --out room.safetensors --scene-points 4096 --queries 8192 "
       "--rays 256 --views 2\n"
+      "  lte_datagen bake room.glb --out room.safetensors --target-error 0.02\n"
       "  lte_datagen bake room.glb --validate-only");
   command->callback([=] { *body = [flags] { run(*flags); }; });
 }

@@ -108,6 +108,7 @@ Json sample_info(const data::SceneSample& sample) {
           {"light_groups", sample.light_groups},
           {"views", views},
           {"rays", sample.rays},
+          {"target_error", sample.target_error},
           {"max_depth", sample.max_depth},
           {"seed", sample.seed},
           {"area_m2", area},

@@ -27,6 +27,7 @@
 #include "lte/image/metrics.h"
 #include "lte/image/png.h"
 #include "lte/image/tonemap.h"
+#include "lte/pathtrace/adaptive.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/pathtrace/render.h"
 #include "lte/scene/export.h"

@@ -6,29 +6,14 @@
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/pathtrace/irradiance.h"
-#include "tests/support/scenes.h"
+#include "tests/support/room.h"
 
 namespace lte::pathtrace {
 namespace {
 
+using test::Room;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-
-/// A room with its BVH, lights, and a few points on floor, wall and box.
-struct Room {
-  explicit Room(scene::Scene s = test::furnished_room())
-      : scene(std::move(s)), bvh(scene), lights(scene) {}
-
-  Irradiance estimate(const IrradianceOptions& options, int64_t first_index = 0) const {
-    return estimate_irradiance(bvh, lights, positions, normals, options, first_index);
-  }
-
-  scene::Scene scene;
-  Bvh bvh;
-  Lights lights;
-  std::vector<Vec3> positions{{2, 0, 1}, {0, 1.2f, 2}, {0.9f, 1.1f, 1}, {3.2f, 0, 0.4f}, {4, 2, 1}};
-  std::vector<Vec3> normals{{0, 1, 0}, {1, 0, 0}, {0, 1, 0}, {0, 1, 0}, {-1, 0, 0}};
-};
 
 void expect_equal(const Irradiance& a, const Irradiance& b) {
   EXPECT_EQ(a.direct, b.direct);
