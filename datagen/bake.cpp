@@ -5,12 +5,14 @@
 #include <span>
 
 #include "lte/base/check.h"
+#include "lte/base/log.h"
 #include "lte/base/progress.h"
 #include "lte/base/random.h"
 #include "lte/pathtrace/adaptive.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/reach.h"
 #include "lte/pathtrace/render.h"
 #include "lte/scene/sampler.h"
 
@@ -21,7 +23,7 @@ constexpr int64_t kBlock = 4096;  // points between two looks at the progress
 constexpr int kRivalRays = 64;
 
 /// Independent seeds of one scene's random streams.
-enum class Stream : uint64_t { ScenePoints = 1, QueryPoints, Queries, QueriesRival, View };
+enum class Stream : uint64_t { ScenePoints = 1, QueryPoints, Queries, QueriesRival, View, Reach };
 
 uint64_t stream_seed(uint64_t seed, Stream stream, int64_t index = 0) {
   return hash_combine(hash_combine(seed, static_cast<uint64_t>(stream)),
@@ -133,11 +135,29 @@ class Baker {
   std::optional<Progress> progress_;
 };
 
-void sample_points(const scene::Scene& scene, const BakeOptions& options, data::SceneSample* out) {
+/// Points where light reaches them, or all over the surface.
+scene::SurfaceSamples draw_points(const pathtrace::Bvh& bvh, const BakeOptions& options,
+                                  int64_t count, const scene::SamplerOptions& sampler,
+                                  pathtrace::Sides sides, int64_t* pruned) {
+  if (!options.prune) return scene::sample_surface(bvh.scene(), count, sampler);
+  pathtrace::PruneCounts counts;
+  scene::SurfaceSamples points = pathtrace::sample_reached_surface(
+      bvh, count, sampler, sides,
+      {options.max_depth, stream_seed(options.seed, Stream::Reach, static_cast<int64_t>(sides))},
+      &counts);
+  *pruned = counts.pruned;
+  if (points.size() < count)
+    log_warning(bvh.scene().name, ": light reaches so little of the surface that only ",
+                points.size(), " of ", count, " points were found");
+  return points;
+}
+
+void sample_points(const pathtrace::Bvh& bvh, const BakeOptions& options, data::SceneSample* out) {
   scene::SamplerOptions sampler;
   sampler.seed = stream_seed(options.seed, Stream::ScenePoints);
   sampler.emissive_share = options.emissive_share;
-  scene::SurfaceSamples points = scene::sample_surface(scene, options.scene_points, sampler);
+  scene::SurfaceSamples points = draw_points(bvh, options, options.scene_points, sampler,
+                                             pathtrace::Sides::Either, &out->pruned_scene_points);
   out->scene_position = std::move(points.position);
   out->scene_normal = std::move(points.normal);
   out->scene_albedo = std::move(points.albedo);
@@ -149,7 +169,8 @@ void sample_points(const scene::Scene& scene, const BakeOptions& options, data::
   sampler.seed = stream_seed(options.seed, Stream::QueryPoints);
   sampler.filter_footprint = false;
   sampler.punctual_lights = false;
-  points = scene::sample_surface(scene, options.query_points, sampler);
+  points = draw_points(bvh, options, options.query_points, sampler, pathtrace::Sides::Front,
+                       &out->pruned_query_points);
   out->query_position = std::move(points.position);
   out->query_normal = std::move(points.normal);
   out->query_albedo = std::move(points.albedo);
@@ -216,9 +237,9 @@ data::SceneSample bake_scene(const scene::Scene& scene, const BakeOptions& optio
   const Bounds bounds = scene.bounds();
   sample.bounds_low = bounds.low;
   sample.bounds_high = bounds.high;
-  sample_points(scene, options, &sample);
 
   Baker baker(scene, options, show_progress);
+  sample_points(baker.bvh(), options, &sample);
   sample.light_groups = baker.groups();
   const size_t N = sample.query_position.size();
   const uint64_t queries = stream_seed(options.seed, Stream::Queries);

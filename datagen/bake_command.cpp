@@ -27,7 +27,8 @@ void run(const Flags& flags) {
   data::write_scene_sample(flags.out, sample);
   log_info(flags.out, ": ", sample.scene_points(), " scene points, ", sample.query_points(),
            " query points, ", sample.light_groups, " light groups, ", sample.views.size(),
-           " views");
+           " views; ", sample.pruned_scene_points, " and ", sample.pruned_query_points,
+           " more points that light cannot reach were left out");
   write_json(flags.common.json, sample_info(sample).dump(2));
 }
 
@@ -62,6 +63,7 @@ void add_bake_command(CLI::App& app, CommandBody* body) {
   command->add_option("--view-rays", bake.views.rays, "Paths a pixel of a view")
       ->capture_default_str();
   command->add_option("--seed", bake.seed, "Seed of points and paths")->capture_default_str();
+  command->add_flag("!--no-prune", bake.prune, "Also draw points that light cannot reach");
   command->add_flag("--validate-only", flags->validate_only, "Check the scene and stop");
   add_common_options(*command, &flags->common);
   command->footer(

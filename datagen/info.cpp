@@ -105,6 +105,8 @@ Json sample_info(const data::SceneSample& sample) {
           {"name", sample.name},
           {"scene_points", sample.scene_points()},
           {"query_points", sample.query_points()},
+          {"pruned_scene_points", sample.pruned_scene_points},
+          {"pruned_query_points", sample.pruned_query_points},
           {"light_groups", sample.light_groups},
           {"views", views},
           {"rays", sample.rays},

@@ -29,6 +29,7 @@
 #include "lte/image/tonemap.h"
 #include "lte/pathtrace/adaptive.h"
 #include "lte/pathtrace/irradiance.h"
+#include "lte/pathtrace/reach.h"
 #include "lte/pathtrace/render.h"
 #include "lte/scene/export.h"
 #include "lte/scene/load.h"

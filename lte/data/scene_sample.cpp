@@ -140,6 +140,10 @@ void write_scene_sample(const std::filesystem::path& path, const SceneSample& sa
   writer.set_metadata("rays", std::to_string(sample.rays));
   if (sample.target_error > 0)
     writer.set_metadata("target_error", nlohmann::json(sample.target_error).dump());
+  if (sample.pruned_scene_points > 0)
+    writer.set_metadata("pruned_scene_points", std::to_string(sample.pruned_scene_points));
+  if (sample.pruned_query_points > 0)
+    writer.set_metadata("pruned_query_points", std::to_string(sample.pruned_query_points));
   writer.set_metadata("max_depth", std::to_string(sample.max_depth));
   writer.set_metadata("views", std::to_string(sample.views.size()));
   const Vec3 &low = sample.bounds_low, &high = sample.bounds_high;
@@ -175,6 +179,10 @@ SceneSample read_scene_sample(const std::filesystem::path& path) {
   sample.rays = static_cast<int64_t>(rays);
   sample.max_depth = static_cast<int>(max_depth);
   sample.target_error = optional_number(file, "target_error");
+  for (const auto& [key, count] : {std::pair{"pruned_scene_points", &sample.pruned_scene_points},
+                                   std::pair{"pruned_query_points", &sample.pruned_query_points}}) {
+    if (file.metadata().contains(key)) *count = static_cast<int64_t>(metadata_integer(file, key));
+  }
   read_bounds(file, &sample);
 
   read(file, "scene_position", {-1}, &sample.scene_position);

@@ -43,6 +43,8 @@ struct SceneSample {
   int64_t rays = 0;         ///< paths a query point; their mean where they differ
   double target_error = 0;  ///< that decided them, relative to the mean; 0 for a fixed number
   int max_depth = 5;
+  /// Points drawn besides those above and left out, as light cannot reach them.
+  int64_t pruned_scene_points = 0, pruned_query_points = 0;
   Vec3 bounds_low, bounds_high;  ///< world, of the scene
 
   int64_t scene_points() const { return static_cast<int64_t>(scene_position.size()); }

@@ -8,6 +8,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/random.h"
+#include "lte/pathtrace/irradiance_kernel.h"
 
 namespace lte::pathtrace {
 namespace {
@@ -242,8 +243,7 @@ AdaptiveIrradiance estimate_adaptive(const Bvh& bvh, const Lights& lights,
             "target_error must be a positive number, got ", options.target_error);
   LTE_CHECK(options.min_rays >= 2 && options.min_rays <= options.max_rays,
             "min_rays must be 2 to max_rays (", options.max_rays, "), got ", options.min_rays);
-  LTE_CHECK(positions.size() == normals.size(), "irradiance needs one normal a position: got ",
-            positions.size(), " positions and ", normals.size(), " normals");
+  check_points(positions, normals);
   return Estimator(bvh, lights, positions, normals, options, done).run();
 }
 

@@ -22,9 +22,11 @@ struct Batches {
 /// whole blocks of the sequence. More batches know the variance better and stratify less.
 Batches plan_batches(int rays);
 
-/// @throws lte::Error naming the first offending point or option.
-void check_irradiance_input(const Bvh& bvh, const Lights& lights, std::span<const Vec3> positions,
-                            std::span<const Vec3> normals, const IrradianceOptions& options);
+/// @throws lte::Error naming the first offending point: not finite, or a normal that is not unit.
+void check_points(std::span<const Vec3> positions, std::span<const Vec3> normals);
+
+/// @throws lte::Error naming the first option out of range.
+void check_irradiance_options(const IrradianceOptions& options);
 
 /// Sums of one point: by group, and by batch for the variance.
 class PointSums {
@@ -72,6 +74,7 @@ void trace_point(Transport<Recorder>& transport, const Lights& lights, const Vec
                              sampler.light_point(0), 1, sums);
       PathState path;
       path.origin = position;
+      path.normal = normal;
       path.direction = cosine_direction(normal, sampler.direction(0), &path.pdf);
       transport.follow(path, sampler, sums);
     }
@@ -84,7 +87,9 @@ template <typename RecorderOf>
 Irradiance run_irradiance(const Bvh& bvh, const Lights& lights, std::span<const Vec3> positions,
                           std::span<const Vec3> normals, const IrradianceOptions& options,
                           int64_t first_index, const RecorderOf& recorder_of) {
-  check_irradiance_input(bvh, lights, positions, normals, options);
+  LTE_CHECK(&bvh.scene() == &lights.scene(), "the BVH and the lights are of two scenes");
+  check_irradiance_options(options);
+  check_points(positions, normals);
   const Batches batches = plan_batches(options.rays);
   const int max_depth = options.direct_only ? 1 : options.max_depth;
   const Vec3 frame = bvh.handles().origin;

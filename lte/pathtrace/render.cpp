@@ -153,7 +153,7 @@ image::Image render_reference(const Bvh& bvh, const Lights& lights, const scene:
         const Vec3 direction = camera.direction(
             (static_cast<float>(x) + jitter.x) / static_cast<float>(width),
             (static_cast<float>(y) + jitter.y) / static_cast<float>(height), aspect);
-        transport.follow(PathState{origin, direction}, sampler, sum);
+        transport.follow(PathState{origin, direction, {}}, sampler, sum);
       }
       out.set_rgb(x, y, sum.mean(options.spp));
     }

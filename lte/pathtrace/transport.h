@@ -25,6 +25,7 @@ struct NoRecorder {
 /// Where a path stands before its next ray.
 struct PathState {
   Vec3 origin, direction;  ///< relative to the frame origin; direction is unit
+  Vec3 normal;             ///< at the origin, of the side that the path left; zero for a camera
   Rgb throughput{1, 1, 1};
   float pdf = 0;  ///< solid-angle density of `direction`; 0 if no light sample competes with it (a
                   ///< camera ray)
@@ -79,7 +80,7 @@ class Transport {
   template <typename Sink>
   void sample_light(const Vec3& origin, const Vec3& normal, const Rgb& weight, double u_choice,
                     const Vec2& u_point, int depth, Sink& sink) {
-    const LightSample light = lights_.sample_in_frame(origin, u_choice, u_point);
+    const LightSample light = lights_.sample_in_frame(origin, normal, u_choice, u_point);
     const float cos_surface = dot(normal, light.direction);
     if (!(light.pdf > 0) || !(cos_surface > 0)) return;
     const float bsdf_pdf = cos_surface * (1 / kPi);
@@ -128,8 +129,8 @@ class Transport {
     const float cos_front = -dot(point.normal, path->direction);
     if (record.emissive && (cos_front > 0 || record.two_sided)) {
       const float distance = hit.ray.tfar;
-      const float weight = light_weight(instance, hit.hit.primID, distance * distance,
-                                        std::fabs(cos_front), path->pdf);
+      const float weight =
+          light_weight(*path, instance, hit.hit.primID, distance * distance, std::fabs(cos_front));
       sink.add(record.light_group, depth, path->throughput * emission * weight);
     }
     if (last) return false;
@@ -143,16 +144,18 @@ class Transport {
     if (depth >= roulette_depth_ && !survive(&path->throughput, sampler.roulette(depth)))
       return false;
     path->origin = origin;
+    path->normal = side;
     path->direction = cosine_direction(side, sampler.direction(depth), &path->pdf);
     return true;
   }
 
   /// Balance heuristic for a light met by hitting it.
-  float light_weight(int instance, uint32_t triangle, float distance2, float cos_light,
-                     float pdf) const {
-    if (!(pdf > 0)) return 1;
-    const float light_pdf = lights_.pdf(instance, triangle, distance2, cos_light);
-    return pdf / (pdf + light_pdf);
+  float light_weight(const PathState& path, int instance, uint32_t triangle, float distance2,
+                     float cos_light) const {
+    if (!(path.pdf > 0)) return 1;
+    const float light_pdf =
+        lights_.pdf(path.origin, path.normal, instance, triangle, distance2, cos_light);
+    return path.pdf / (path.pdf + light_pdf);
   }
 
   static bool survive(Rgb* throughput, float u) {

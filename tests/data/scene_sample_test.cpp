@@ -55,6 +55,8 @@ void expect_equal(const SceneSample& a, const SceneSample& b) {
   EXPECT_EQ(a.seed, b.seed);
   EXPECT_EQ(a.rays, b.rays);
   EXPECT_EQ(a.target_error, b.target_error);
+  EXPECT_EQ(a.pruned_scene_points, b.pruned_scene_points);
+  EXPECT_EQ(a.pruned_query_points, b.pruned_query_points);
   EXPECT_EQ(a.max_depth, b.max_depth);
   EXPECT_EQ(a.bounds_low, b.bounds_low);
   EXPECT_EQ(a.bounds_high, b.bounds_high);
@@ -68,6 +70,7 @@ TEST_F(SceneSampleFile, ComesBackBitForBit) {
   sample.views.push_back(make_view(&rng, 2, 5, 2));
   sample.query_rays = {64, 4096, 128, 64, 256, 320};
   sample.target_error = 0.02;
+  sample.pruned_scene_points = 7, sample.pruned_query_points = 1;
   write_scene_sample(path(), sample);
   expect_equal(read_scene_sample(path()), sample);
 }
@@ -283,6 +286,7 @@ TEST_F(SceneSampleFile, BadMetadataIsNamed) {
                                           {"rays", "-5"},
                                           {"max_depth", "0"},
                                           {"target_error", "-0.1"},
+                                          {"pruned_query_points", "few"},
                                           {"views", "99999"},
                                           {"bounds", "[0, 0, 0, 1]"},
                                           {"bounds", "[0, 0, 0, 1, 1, null]"}}) {

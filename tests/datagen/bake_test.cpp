@@ -136,6 +136,36 @@ TEST_F(Bake, ViewsOfOpenScenesAreZeroOutsideTheMask) {
   EXPECT_LT(background, view.mask.size());
 }
 
+TEST_F(Bake, PrunesPointsThatLightCannotReachUnlessToldNotTo) {
+  BakeOptions options = tiny_bake();
+  options.query_points = 200;
+  options.path_tracing_64 = false;
+  options.views.count = 0;
+  const auto dark = [](const data::SceneSample& sample) {
+    const size_t N = sample.query_position.size();
+    size_t count = 0;
+    for (size_t i = 0; i < N; ++i) {
+      bool lit = false;
+      for (size_t k = i; k < sample.direct.size(); k += N)
+        lit = lit || max_component(sample.direct[k] + sample.indirect[k]) > 0;
+      count += lit ? 0 : 1;
+    }
+    return count;
+  };
+  const data::SceneSample pruned = bake_scene(room(), options, false);
+  EXPECT_GT(pruned.pruned_query_points, 0);
+  EXPECT_EQ(pruned.query_points(), 200);
+  EXPECT_EQ(pruned.scene_points(), options.scene_points);
+  data::write_scene_sample(folder_ / "a.safetensors", pruned);
+  EXPECT_EQ(data::read_scene_sample(folder_ / "a.safetensors").pruned_query_points,
+            pruned.pruned_query_points);
+  options.prune = false;
+  const data::SceneSample whole = bake_scene(room(), options, false);
+  EXPECT_EQ(whole.pruned_query_points, 0);
+  EXPECT_EQ(whole.query_points(), 200);
+  EXPECT_GT(dark(whole), dark(pruned) + 5);
+}
+
 TEST_F(Bake, TargetErrorDecidesThePathsAndIsRecorded) {
   BakeOptions options = tiny_bake();
   options.target_error = 0.1;

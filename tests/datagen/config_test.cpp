@@ -37,7 +37,7 @@ TEST(DatagenConfig, ShippedFilesAreValidAndRoomsIsComplete) {
   const Config all = Config::parse(to_yaml(rooms), "all");
   for (const char* key : {"scenes", "seed", "scale", "val_share", "test_share", "evaluation_splits",
                           "scene_points", "query_points", "rays", "target_error", "min_rays",
-                          "max_rays", "max_depth", "emissive_share", "path_tracing_64"}) {
+                          "max_rays", "max_depth", "prune", "emissive_share", "path_tracing_64"}) {
     EXPECT_TRUE(yaml.has(key)) << key;
   }
   for (const char* key : {"count", "width", "height", "rays"})
