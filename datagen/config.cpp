@@ -19,7 +19,11 @@ void visit(Io& io, C& config) {
   io("scene_points", config.bake.scene_points);
   io("query_points", config.bake.query_points);
   io("rays", config.bake.rays);
+  io("target_error", config.bake.target_error);
+  io("min_rays", config.bake.min_rays);
+  io("max_rays", config.bake.max_rays);
   io("max_depth", config.bake.max_depth);
+  io("prune", config.bake.prune);
   io("emissive_share", config.bake.emissive_share);
   io("path_tracing_64", config.bake.path_tracing_64);
   io.section("views");

@@ -149,7 +149,10 @@ bool Generator::is_done(int64_t index) const {
   if (!fs::exists(path)) return false;
   try {
     const data::SceneSample sample = data::read_scene_sample(path);
-    if (sample.seed == scene_seed(config_.seed, index) && sample.rays == config_.bake.rays &&
+    const bool same_rays = config_.bake.target_error > 0
+                               ? sample.target_error == config_.bake.target_error
+                               : sample.query_rays.empty() && sample.rays == config_.bake.rays;
+    if (sample.seed == scene_seed(config_.seed, index) && same_rays &&
         sample.scene_points() == config_.bake.scene_points &&
         sample.query_points() == config_.bake.query_points)
       return true;

@@ -35,9 +35,9 @@ TEST(DatagenConfig, ShippedFilesAreValidAndRoomsIsComplete) {
   EXPECT_EQ(load_datagen_config(folder + "demo.yaml").bake.scene_points, 2048);
   const Config yaml = Config::load(folder + "rooms.yaml");
   const Config all = Config::parse(to_yaml(rooms), "all");
-  for (const char* key :
-       {"scenes", "seed", "scale", "val_share", "test_share", "evaluation_splits", "scene_points",
-        "query_points", "rays", "max_depth", "emissive_share", "path_tracing_64"}) {
+  for (const char* key : {"scenes", "seed", "scale", "val_share", "test_share", "evaluation_splits",
+                          "scene_points", "query_points", "rays", "target_error", "min_rays",
+                          "max_rays", "max_depth", "prune", "emissive_share", "path_tracing_64"}) {
     EXPECT_TRUE(yaml.has(key)) << key;
   }
   for (const char* key : {"count", "width", "height", "rays"})
