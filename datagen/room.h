@@ -6,17 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "datagen/range.h"
 #include "lte/base/math.h"
 #include "lte/scene/scene.h"
 
 namespace lte::datagen {
-
-struct Range {
-  double low = 0, high = 0;
-};
-struct CountRange {
-  int64_t low = 0, high = 0;
-};
 
 /// `rooms:` in the YAML config.
 struct RoomConfig {
