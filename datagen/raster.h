@@ -1,6 +1,7 @@
 // What procedural textures are drawn with: periodic noise and the rasterizer.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -21,6 +22,8 @@ struct AlbedoRange {
 Rgb clamp_albedo(const Rgb& color, const AlbedoRange& range = {});
 
 inline Rgb mix(const Rgb& a, const Rgb& b, float t) { return a * (1 - t) + b * t; }
+
+inline float fraction(float x) { return x - std::floor(x); }
 
 /// The texture whose texel at (u, v) in [0, 1)², its centre, is `color(u, v)`, a linear albedo.
 TexturePtr rasterize(int size, const std::function<Rgb(float, float)>& color,

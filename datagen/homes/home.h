@@ -7,6 +7,7 @@
 
 #include "datagen/homes/floor_plan.h"
 #include "datagen/homes/piece.h"
+#include "datagen/light_rules.h"
 #include "datagen/range.h"
 #include "lte/scene/scene.h"
 
@@ -16,7 +17,7 @@ namespace lte::datagen::homes {
 struct HomeConfig {
   CountRange rooms{1, 6};
   Range height_m{2.4, 3.0};
-  Range detail{0.8, 2.0};
+  Range detail{1.0, 2.4};
   Range radiance{4, 30};
   double daylight_share = 0.5;
   double lit_share = 0.7;
@@ -24,9 +25,6 @@ struct HomeConfig {
   std::vector<int64_t> texture_sizes{512, 1024};
 };
 
-inline constexpr float kLightWallGap = 0.4f;    ///< metres between a ceiling light and any wall
-inline constexpr float kLightTallGap = 0.3f;    ///< metres, sideways, between it and a tall thing
-inline constexpr float kLightHeadroom = 0.7f;   ///< metres below the ceiling from which it is tall
 inline constexpr float kDoorClearance = 0.75f;  ///< metres kept free on both sides of a doorway
 inline constexpr float kWallGap = 0.03f;        ///< metres between furniture and a wall
 inline constexpr float kWindowGap = 0.3f;       ///< metres in front of a window, above its sill

@@ -10,7 +10,7 @@ namespace {
 constexpr float kPanelArea = 0.36f;
 
 Rgb lamp_radiance(Kit* kit, float area) {
-  const float share = kit->draw(0.12f, 0.4f);
+  const float share = kit->draw(0.05f, 0.18f);
   return Palette::tint(kit->draw(0.5f, 1)) * (kit->radiance * share * kPanelArea / area);
 }
 
@@ -41,7 +41,7 @@ void add_shade(Kit* kit, Piece* piece, const Vec3& at, float low_radius, float t
                            ? kit->palette->emitter("shade", lamp_radiance(kit, area))
                            : (kit->chance(0.6f) ? kit->palette->bedding() : kit->palette->accent());
   kit->turned(piece, loop, material, at, true);
-  add_bulb(kit, piece, at + Vec3{0, 0.45f * h, 0}, std::min(0.04f, 0.4f * top_radius),
+  add_bulb(kit, piece, at + Vec3{0, 0.45f * h, 0}, std::min(0.055f, 0.45f * top_radius),
            lit && !glows);
   const int metal = kit->palette->metal();
   for (int i = 0; i < 3; ++i) {

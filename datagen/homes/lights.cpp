@@ -43,8 +43,8 @@ void light_room(Stage* stage, Kit* kit, int room, bool on) {
   const float length = std::max(r.inner.width(), r.inner.depth()),
               breadth = std::min(r.inner.width(), r.inner.depth());
   const int lights = length > 4.2f ? kit->count(1, 2) : 1;
-  const float long_free = length / static_cast<float>(lights) - 2 * kLightWallGap,
-              short_free = breadth - 2 * kLightWallGap;
+  const float long_free = length / static_cast<float>(lights) - 2 * kLightWallDistance,
+              short_free = breadth - 2 * kLightWallDistance;
   const float a = std::min(kit->draw(0.3f, 1.2f), long_free),
               b = std::min(kit->draw(0.25f, 0.6f), short_free), thick = kit->draw(0.01f, 0.02f);
   // Near the middle of its share of the ceiling.

@@ -1,5 +1,5 @@
-// Ceiling lights: rectangles flush with the ceiling, at least kLightWallGap from walls (the paper's
-// supplement, lighting heuristics); furniture placed later keeps clear of them. And spots.
+// Ceiling lights: rectangles flush with the ceiling, at least kLightWallDistance from walls (the
+// paper's supplement, lighting heuristics); furniture placed later keeps clear of them. And spots.
 #pragma once
 
 #include "datagen/homes/stage.h"

@@ -111,7 +111,7 @@ void cut_window(FloorPlan* plan, int room, Side side, Rng* rng) {
   const auto [low, high] = wall_span(plan->rooms[static_cast<size_t>(room)], side);
   const bool small = type == RoomType::Bathroom;
   const float margin = 0.3f, free = high - low - 2 * margin;
-  const float width = std::min(free, small ? rng->uniform(0.5f, 0.8f) : rng->uniform(1.0f, 2.1f));
+  const float width = std::min(free, small ? rng->uniform(0.5f, 0.8f) : rng->uniform(1.2f, 2.5f));
   const float tall =
       type == RoomType::Living ? rng->uniform(0.35f, 0.9f) : rng->uniform(0.85f, 0.95f);
   const float sill = small ? 1.4f : (type == RoomType::Kitchen ? 1.08f : tall);

@@ -184,12 +184,6 @@ int Palette::black() {
 int Palette::mirror() {
   return shared("mirror", 1, [this] { return add("mirror", {0.72f, 0.75f, 0.76f}); });
 }
-int Palette::wicker() {
-  return shared("wicker", 1, [this] {
-    const Rgb base = make_color(0.09f, 0.55f, draw(0.25f, 0.4f));
-    return add("wicker", weave(size(), base, base * 0.6f, 12, &rng_), {0.18f, 0.18f});
-  });
-}
 int Palette::trim() {
   return shared("trim", 1, [this] {
     return add("trim", Rgb{1, 0.99f, 0.97f} * draw(0.68f, 0.8f));
@@ -209,9 +203,9 @@ int Palette::wall_paint() {
     const int repeats = count(3, 6);
     return add("wallpaper", wallpaper(size(), ground, figure, repeats, &rng_), {1, 1});
   }
-  const Rgb base = kind < 0.45f ? scheme_color(0.5f, 0.25f, 0.55f)
-                   : kind < 0.7f
-                       ? scheme_color(0.2f, 0.5f, 0.75f)
+  const Rgb base = kind < 0.35f ? scheme_color(0.42f, 0.25f, 0.55f)
+                   : kind < 0.6f
+                       ? scheme_color(0.16f, 0.5f, 0.75f)
                        : make_color(draw(0.07f, 0.14f), draw(0, 0.15f), draw(0.6f, 0.78f));
   return add("wall", plaster(size(), base, &rng_), {2, 2});
 }

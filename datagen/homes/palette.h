@@ -46,8 +46,7 @@ class Palette {
   int screen();  ///< dark
   int black();   ///< dark plastic
   int mirror();  ///< pale plain
-  int wicker();
-  int trim();  ///< skirting, frames
+  int trim();    ///< skirting, frames
   int ceiling();
   int wall_paint();  ///< paint, plaster or paper, new at every call
   int wall_tiles();

@@ -26,12 +26,6 @@ Bounds Piece::bounds() const {
   return all;
 }
 
-int64_t Piece::triangle_count() const {
-  int64_t count = 0;
-  for (const auto& [material, mesh] : meshes) count += static_cast<int64_t>(mesh.triangles.size());
-  return count;
-}
-
 OrientedBox oriented_box(const Bounds& local, const Affine& at) {
   OrientedBox box;
   const Vec3 centre = at.point(local.center()), half = local.extent() * 0.5f;

@@ -30,7 +30,6 @@ struct Piece {
   /// Adds all of another piece but its tops.
   void add(const Piece& other, const Affine& at);
   Bounds bounds() const;
-  int64_t triangle_count() const;
 };
 
 /// A box turned about y: how placed things are compared.

@@ -63,8 +63,8 @@ bool Placer::clear_of_lights(const OrientedBox& box) const {
   if (box.high <= height() - kLightHeadroom) return true;
   for (const Bounds& light : stage_->plan().ceiling_lights) {
     Bounds zone = light;
-    zone.low = zone.low - Vec3{kLightTallGap, kLightHeadroom, kLightTallGap};
-    zone.high = zone.high + Vec3{kLightTallGap, 0, kLightTallGap};
+    zone.low = zone.low - Vec3{kLightTallDistance, kLightHeadroom, kLightTallDistance};
+    zone.high = zone.high + Vec3{kLightTallDistance, 0, kLightTallDistance};
     if (!apart(box, straight(zone), 0)) return false;
   }
   return true;

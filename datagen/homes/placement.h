@@ -47,7 +47,6 @@ class Placer {
   Affine at_wall(const Asset& asset, Side side, float along, float gap = kWallGap) const;
   std::vector<Side> all_sides();  ///< in random order
   bool has_opening(Side side, OpeningKind kind) const;
-  void reserve(const OrientedBox& zone) { zones_.push_back(zone); }
   Affine where(int piece) const {
     return stage_->plan().pieces[static_cast<size_t>(piece)].to_world;
   }

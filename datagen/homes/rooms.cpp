@@ -8,17 +8,21 @@ namespace lte::datagen::homes {
 
 void Furnisher::bedroom() {
   const Rect& r = placer_.inner();
-  const bool two = std::min(r.width(), r.depth()) > 2.8f && kit_->chance(0.8f);
-  Piece bed_piece = make_bed(kit_, two);
-  const Bounds bed_box = bed_piece.bounds();
-  const auto bed = put(std::move(bed_piece), [&](const Asset& a) {
-    PlaceOptions options;
-    options.front = 0.45f;
-    if (const auto index =
-            placer_.against_wall(a, sides_without(OpeningKind::Doorway), true, options))
-      return index;
-    return placer_.against_wall(a, placer_.all_sides(), false, {});
-  });
+  bool two = std::min(r.width(), r.depth()) > 2.8f && kit_->chance(0.8f);
+  std::optional<int> bed;
+  Bounds bed_box;
+  for (int attempt = 0; attempt < 3 && !bed; ++attempt, two = false) {  // at last a single bed
+    Piece piece = make_bed(kit_, two);
+    bed_box = piece.bounds();
+    bed = put(std::move(piece), [&](const Asset& a) {
+      PlaceOptions options;
+      options.front = 0.45f;
+      if (const auto index =
+              placer_.against_wall(a, sides_without(OpeningKind::Doorway), true, options))
+        return index;
+      return placer_.against_wall(a, placer_.all_sides(), attempt > 0, {});
+    });
+  }
   if (bed) {
     const Affine at = placer_.where(*bed);
     for (const float side : {-1.0f, 1.0f}) {
@@ -66,11 +70,16 @@ void Furnisher::living_room() {
   PlaceOptions front;
   front.front = 0.5f;
   const int seats = std::max(r.width(), r.depth()) > 4 ? kit_->count(2, 3) : 2;
-  Piece sofa_piece = make_sofa(kit_, seats);
-  const Bounds sofa_box = sofa_piece.bounds();
-  const auto sofa = put(std::move(sofa_piece), [&](const Asset& a) {
-    return placer_.against_wall(a, sides_without(OpeningKind::Doorway), true, front);
-  });
+  std::optional<int> sofa;
+  Bounds sofa_box;
+  for (int attempt = 0; attempt < 3 && !sofa; ++attempt) {
+    Piece piece = make_sofa(kit_, attempt == 0 ? seats : 2);
+    sofa_box = piece.bounds();
+    sofa = put(std::move(piece), [&](const Asset& a) {
+      return placer_.against_wall(a, sides_without(OpeningKind::Doorway), true,
+                                  attempt < 2 ? front : PlaceOptions{});
+    });
+  }
   if (sofa) {
     const Affine at = placer_.where(*sofa);
     const auto [side, along] = wall_of(*sofa);

@@ -6,8 +6,6 @@
 namespace lte::datagen::homes {
 namespace {
 
-float fraction(float x) { return x - std::floor(x); }
-
 /// A rosette of `petals` about the middle of the unit square: 1 inside, 0 outside.
 float rosette(float x, float y, int petals, float radius) {
   const float r = std::hypot(x, y), phi = std::atan2(y, x);

@@ -112,7 +112,7 @@ TexturePtr book_spines(int size, int count, Rng* rng) {
   };
   std::vector<Spine> spines(static_cast<size_t>(count));
   for (Spine& s : spines) {
-    s.cover = any_color(rng, 0.9f, 0.04f, 0.6f);
+    s.cover = any_color(rng, 0.65f, 0.04f, 0.5f);
     s.ink = luminance(s.cover) > 0.25f ? Rgb{0.05f, 0.04f, 0.04f} : Rgb{0.7f, 0.6f, 0.35f};
     s.top = rng->uniform(0.04f, 0.12f), s.bottom = rng->uniform(0.86f, 0.96f);
     s.title_low = rng->uniform(0.2f, 0.35f), s.title_high = rng->uniform(0.5f, 0.75f);

@@ -6,8 +6,6 @@
 namespace lte::datagen::homes {
 namespace {
 
-float fraction(float x) { return x - std::floor(x); }
-
 /// 0 to 1 over the ring from early wood to late wood, which ends sharply.
 class Rings {
  public:
