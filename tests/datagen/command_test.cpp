@@ -12,6 +12,7 @@
 #include "lte/base/file.h"
 #include "lte/data/dataset.h"
 #include "lte/scene/export.h"
+#include "lte/scene/load.h"
 #include "tests/data/sample_fixture.h"
 #include "tests/datagen/scenes.h"
 
@@ -67,6 +68,28 @@ TEST_F(Command, HelpAndVersionSucceedAndHelpHasExamples) {
     const Outcome outcome = run(concat(command, " --help"));
     EXPECT_EQ(outcome.code, 0);
     EXPECT_THAT(outcome.output, HasSubstr(*command ? "Examples:" : "generate --help")) << command;
+  }
+}
+
+TEST_F(Command, GeneratesHomesFromTheShippedConfig) {
+  const Outcome outcome = run(concat(
+      "generate --config '", LTE_SOURCE_DIR,
+      "/configs/data/homes.yaml' --out homes --scenes 2 --glb "
+      "--set rays=4 --set scene_points=256 --set query_points=128 --set views.count=0 "
+      "--set path_tracing_64=false --set 'homes.rooms=[1, 2]' --set 'homes.detail=[0.4, 0.4]' "
+      "--set 'homes.texture_sizes=[16]'"));
+  ASSERT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_EQ(data::read_dataset_info(folder_ / "homes").scenes.size(), 2u);
+  EXPECT_EQ(run("info homes --deep").code, 0);
+  for (const char* name : {"room_00000", "room_00001"}) {
+    const scene::Scene home =
+        scene::load_scene(folder_ / "homes" / "scenes" / concat(name, ".glb"));
+    EXPECT_GT(home.triangle_count(), 2000);
+    EXPECT_FALSE(home.cameras.empty());
+    EXPECT_TRUE(home.ignored.empty());
+    const data::SceneSample sample =
+        data::read_scene_sample(folder_ / "homes" / "scenes" / concat(name, ".safetensors"));
+    EXPECT_EQ(sample.light_groups, static_cast<int64_t>(home.light_groups.size()));
   }
 }
 
