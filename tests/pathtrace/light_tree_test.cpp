@@ -95,7 +95,7 @@ TEST(LightTree, LeavesOutOnlyWhatCannotShineHere) {
 TEST(LightTree, EmptyAndSingle) {
   uint32_t light = 7;
   float probability = 0;
-  EXPECT_FALSE(LightTree({}).sample({}, {}, 0.5, &light, &probability));
+  EXPECT_FALSE(LightTree(std::vector<LightCluster>{}).sample({}, {}, 0.5, &light, &probability));
   LightCluster only;
   only.bounds.extend({0, 0, 0});
   only.power = 2;
