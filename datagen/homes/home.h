@@ -17,7 +17,7 @@ namespace lte::datagen::homes {
 struct HomeConfig {
   CountRange rooms{1, 6};
   Range height_m{2.4, 3.0};
-  Range detail{1.0, 2.4};
+  Range detail{1.8, 3.0};
   Range radiance{4, 30};
   double daylight_share = 0.5;
   double lit_share = 0.7;
