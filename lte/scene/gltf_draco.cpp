@@ -43,10 +43,13 @@ bool read_counts(Bytes bytes, Counts* counts) {
     return read_count(header, &buffer, &counts->triangles) &&
            read_count(header, &buffer, &counts->points);
   }
-  // Edgebreaker: a byte for the kind of traversal, vertices (fewer than the points, as those on
-  // seams are several points), triangles.
+  // Edgebreaker: a byte for the kind of traversal, before 2.2 the vertices that splits add,
+  // vertices (fewer than the points, as those on seams are several points), triangles.
   uint8_t traversal = 0;
-  return buffer.Decode(&traversal) && read_count(header, &buffer, &counts->points) &&
+  uint32_t added = 0;
+  const bool has_added = header.version_major == 2 && header.version_minor < 2;
+  return buffer.Decode(&traversal) && (!has_added || read_count(header, &buffer, &added)) &&
+         read_count(header, &buffer, &counts->points) &&
          read_count(header, &buffer, &counts->triangles);
 }
 
@@ -115,6 +118,10 @@ std::vector<std::byte> DracoMesh::attribute(int id, const std::string& name, int
   LTE_CHECK(found->num_components() == components, what, " has ",
             static_cast<int>(found->num_components()), " components, but its accessor ",
             components);
+  const bool floats =
+      found->data_type() == draco::DT_FLOAT32 || found->data_type() == draco::DT_FLOAT64;
+  LTE_CHECK(!floats || component_type == 5126, what,
+            " holds floats, but its accessor integers");  // which libdraco would cut off
   const auto points = static_cast<uint32_t>(this->points());
   LTE_CHECK(found->is_mapping_identity() || found->indices_map_size() >= points, what,
             " does not cover the points");

@@ -197,7 +197,8 @@ TEST_F(LoadDraco, NamesWhatIsWrong) {
   expect([](GltfBuilder& b) { b.json["accessors"][0]["count"] = 5; }, "and 5");
   expect([](GltfBuilder& b) { b.json["accessors"][1]["type"] = "VEC4"; },
          "has 2 components, but its accessor 4");
-  expect([](GltfBuilder& b) { b.json["accessors"][0]["componentType"] = test::kByte; }, "POSITION");
+  expect([](GltfBuilder& b) { b.json["accessors"][0]["componentType"] = test::kByte; },
+         "POSITION holds floats, but its accessor integers");
   expect([](GltfBuilder& b) { b.json["meshes"][0]["primitives"][0].erase("indices"); },
          "no indices");
   expect([](GltfBuilder& b) { b.json["meshes"][0]["primitives"][0]["mode"] = 5; }, "mode 5");
