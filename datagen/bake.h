@@ -25,7 +25,7 @@ struct BakeOptions {
   double target_error = 0;
   int64_t min_rays = 64, max_rays = 4096;
   int max_depth = 5;
-  bool prune = true;  ///< draw points only where light can reach them (lte/pathtrace/reach.h)
+  bool prune = false;  ///< draw points only where light can reach them (lte/pathtrace/reach.h)
   double emissive_share = 0.1;  ///< of scene points, guaranteed to luminaires
   bool path_tracing_64 = true;  ///< also bake the rival: 64 independent paths a point
   ViewOptions views;

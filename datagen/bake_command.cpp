@@ -64,7 +64,7 @@ void add_bake_command(CLI::App& app, CommandBody* body) {
       ->capture_default_str();
   command->add_option("--seed", bake.seed, "Seed of points and paths")->capture_default_str();
   add_cleanup_option(*command, &flags->cleanup);
-  command->add_flag("!--no-prune", bake.prune, "Also draw points that light cannot reach");
+  command->add_flag("--prune", bake.prune, "Draw points only where light can reach them");
   command->add_flag("--validate-only", flags->validate_only, "Check the scene and stop");
   add_common_options(*command, &flags->common);
   command->footer(

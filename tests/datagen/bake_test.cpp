@@ -152,6 +152,7 @@ TEST_F(Bake, PrunesPointsThatLightCannotReachUnlessToldNotTo) {
     }
     return count;
   };
+  options.prune = true;
   const data::SceneSample pruned = bake_scene(room(), options, false);
   EXPECT_GT(pruned.pruned_query_points, 0);
   EXPECT_EQ(pruned.query_points(), 200);
