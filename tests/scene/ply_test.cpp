@@ -9,6 +9,7 @@
 
 #include "lte/base/file.h"
 #include "lte/image/tonemap.h"
+#include "lte/scene/triangulate.h"
 #include "tests/base/temp_dir.h"
 
 namespace lte::scene {
