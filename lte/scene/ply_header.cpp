@@ -45,7 +45,7 @@ class Reader {
   Reader(const std::string& name, std::string_view text) : name_(name), text_(text) {}
 
   Header read() {
-    LTE_CHECK(text_.starts_with("ply") && (next_line() && split(line_).size() == 1), name_,
+    LTE_CHECK(next_line() && split(line_) == std::vector<std::string_view>{"ply"}, name_,
               ": not a PLY file (its first line is not \"ply\")");
     bool has_format = false;
     while (true) {

@@ -250,10 +250,10 @@ TEST_F(PbrtError, NestingAndCountsHaveLimits) {
          "scene.pbrt:2: Shape \"loopsubdiv\": 2000000 levels make", limits);
   std::string many;
   for (int i = 0; i < 50; ++i) many += "Material \"diffuse\" Shape \"sphere\"\n";
-  expect(many, "scene.pbrt:21: more than 100000 triangles", limits);
+  expect(many, "scene.pbrt:22: more than 100000 triangles", limits);
   std::string instances = "ObjectBegin \"o\" Shape \"sphere\" ObjectEnd\n";
   for (int i = 0; i < 50; ++i) instances += "ObjectInstance \"o\"\n";
-  expect(instances, "scene.pbrt:22: instances have more than 100000 triangles", limits);
+  expect(instances, "scene.pbrt:23: instances have more than 100000 triangles", limits);
   // Textures of textures: 2^60 pictures in 60 lines.
   std::string textures = "Texture \"t0\" \"spectrum\" \"checkerboard\"\n";
   for (int i = 1; i < 60; ++i) {

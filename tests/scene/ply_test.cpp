@@ -265,14 +265,14 @@ TEST_F(Ply, CountsThatTheFileCannotHold) {
 
 TEST_F(Ply, BrokenBodies) {
   EXPECT_THAT(error(small("3", "1", "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n")),
-              HasSubstr("m.ply:12: face 0: index 3, but there are 3 vertices"));
+              HasSubstr("m.ply:13: face 0: index 3, but there are 3 vertices"));
   EXPECT_THAT(error(small("3", "1", "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n")), HasSubstr("index -1"));
   EXPECT_THAT(error(small("3", "1", "0 0 0\n1 0 0\n0 1 0\n3 0 1 1.5\n")), HasSubstr("index 1.5"));
   EXPECT_THAT(error(small("3", "1", "0 0 0\nnan 0 0\n0 1 0\n3 0 1 2\n")),
-              HasSubstr("m.ply:10: vertex 1 is not finite"));
+              HasSubstr("m.ply:11: vertex 1 is not finite"));
   EXPECT_THAT(error(small("3", "1", "0 0 0\n1e99 0 0\n0 1 0\n3 0 1 2\n")), HasSubstr("not finite"));
   EXPECT_THAT(error(small("3", "1", "0 0 0\n1 zero 0\n0 1 0\n3 0 1 2\n")),
-              HasSubstr("m.ply:10: expected a number"));
+              HasSubstr("m.ply:11: expected a number"));
   EXPECT_THAT(error(small("3", "0", "0 0 0\n1 0 0\n0 1 0\n")), HasSubstr("no faces"));
   EXPECT_THAT(error(small("3", "1", "0 0 0\n1 0 0\n0 1 0\n2 0 1\n")), HasSubstr("no faces"));
   EXPECT_THAT(error("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n"),
