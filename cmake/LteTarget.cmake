@@ -9,6 +9,13 @@ if(LTE_SANITIZE)
                       $<$<COMPILE_LANGUAGE:CXX>:-fno-sanitize=vptr>)
   add_link_options(-fsanitize=address,undefined)
 endif()
+if(LTE_FUZZ)
+  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    message(FATAL_ERROR "LTE_FUZZ=ON needs clang (-DCMAKE_CXX_COMPILER=clang++), not ${CMAKE_CXX_COMPILER_ID}")
+  endif()
+  add_compile_options(-fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined -fno-sanitize=vptr)
+  add_link_options(-fsanitize=address,undefined)
+endif()
 
 # lte_add_library(NAME [SHARED] SOURCES ... DEPS ... [PRIVATE_DEPS ...]): target lte_NAME, alias lte::NAME.
 function(lte_add_library name)

@@ -5,11 +5,14 @@
 #include <span>
 
 #include "lte/base/check.h"
+#include "lte/base/log.h"
 #include "lte/base/progress.h"
 #include "lte/base/random.h"
+#include "lte/pathtrace/adaptive.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/reach.h"
 #include "lte/pathtrace/render.h"
 #include "lte/scene/sampler.h"
 
@@ -20,7 +23,7 @@ constexpr int64_t kBlock = 4096;  // points between two looks at the progress
 constexpr int kRivalRays = 64;
 
 /// Independent seeds of one scene's random streams.
-enum class Stream : uint64_t { ScenePoints = 1, QueryPoints, Queries, QueriesRival, View };
+enum class Stream : uint64_t { ScenePoints = 1, QueryPoints, Queries, QueriesRival, View, Reach };
 
 uint64_t stream_seed(uint64_t seed, Stream stream, int64_t index = 0) {
   return hash_combine(hash_combine(seed, static_cast<uint64_t>(stream)),
@@ -40,10 +43,11 @@ class Baker {
     if (!show_progress) return;
     const int64_t rival = options.path_tracing_64 ? kRivalRays : 0;
     const ViewOptions& views = options.views;
-    progress_.emplace("baking " + scene.name,
-                      options.query_points * (options.rays + rival) +
-                          views.count * views.width * views.height * (views.rays + rival),
-                      "paths");
+    const int64_t pixels = views.count * views.width * views.height;
+    const int64_t paths =
+        options.query_points * (options.rays + rival) + pixels * (views.rays + rival);
+    // How many paths a target takes is not known before.
+    progress_.emplace("baking " + scene.name, options.target_error > 0 ? 0 : paths, "paths");
   }
 
   const pathtrace::Bvh& bvh() const { return bvh_; }
@@ -69,6 +73,27 @@ class Baker {
         }
       }
     });
+  }
+
+  /// The query points' irradiance with as many paths a point as options ask for.
+  void adaptive(uint64_t seed, data::SceneSample* sample) {
+    pathtrace::AdaptiveOptions options;
+    options.target_error = options_.target_error;
+    options.min_rays = static_cast<int>(options_.min_rays);
+    options.max_rays = static_cast<int>(options_.max_rays);
+    options.max_depth = options_.max_depth;
+    options.seed = seed;
+    pathtrace::AdaptiveIrradiance estimate =
+        pathtrace::estimate_adaptive(bvh_, lights_, sample->query_position, sample->query_normal,
+                                     options, [this](int64_t paths) {
+                                       if (progress_) progress_->advance(paths);
+                                     });
+    sample->direct = std::move(estimate.irradiance.direct);
+    sample->indirect = std::move(estimate.irradiance.indirect);
+    sample->variance = std::move(estimate.irradiance.variance);
+    sample->query_rays = std::move(estimate.rays);
+    sample->rays = estimate.irradiance.rays;
+    sample->target_error = options_.target_error;
   }
 
   /// Indirect irradiance of all groups with few rays.
@@ -110,11 +135,29 @@ class Baker {
   std::optional<Progress> progress_;
 };
 
-void sample_points(const scene::Scene& scene, const BakeOptions& options, data::SceneSample* out) {
+/// Points where light reaches them, or all over the surface.
+scene::SurfaceSamples draw_points(const pathtrace::Bvh& bvh, const BakeOptions& options,
+                                  int64_t count, const scene::SamplerOptions& sampler,
+                                  pathtrace::Sides sides, int64_t* pruned) {
+  if (!options.prune) return scene::sample_surface(bvh.scene(), count, sampler);
+  pathtrace::PruneCounts counts;
+  scene::SurfaceSamples points = pathtrace::sample_reached_surface(
+      bvh, count, sampler, sides,
+      {options.max_depth, stream_seed(options.seed, Stream::Reach, static_cast<int64_t>(sides))},
+      &counts);
+  *pruned = counts.pruned;
+  if (points.size() < count)
+    log_warning(bvh.scene().name, ": light reaches so little of the surface that only ",
+                points.size(), " of ", count, " points were found");
+  return points;
+}
+
+void sample_points(const pathtrace::Bvh& bvh, const BakeOptions& options, data::SceneSample* out) {
   scene::SamplerOptions sampler;
   sampler.seed = stream_seed(options.seed, Stream::ScenePoints);
   sampler.emissive_share = options.emissive_share;
-  scene::SurfaceSamples points = scene::sample_surface(scene, options.scene_points, sampler);
+  scene::SurfaceSamples points = draw_points(bvh, options, options.scene_points, sampler,
+                                             pathtrace::Sides::Either, &out->pruned_scene_points);
   out->scene_position = std::move(points.position);
   out->scene_normal = std::move(points.normal);
   out->scene_albedo = std::move(points.albedo);
@@ -126,7 +169,8 @@ void sample_points(const scene::Scene& scene, const BakeOptions& options, data::
   sampler.seed = stream_seed(options.seed, Stream::QueryPoints);
   sampler.filter_footprint = false;
   sampler.punctual_lights = false;
-  points = scene::sample_surface(scene, options.query_points, sampler);
+  points = draw_points(bvh, options, options.query_points, sampler, pathtrace::Sides::Front,
+                       &out->pruned_query_points);
   out->query_position = std::move(points.position);
   out->query_normal = std::move(points.normal);
   out->query_albedo = std::move(points.albedo);
@@ -169,13 +213,17 @@ data::View bake_view(Baker* baker, const BakeOptions& options, int64_t index) {
 void check_bake_options(const BakeOptions& options) {
   in_range("scene_points", static_cast<double>(options.scene_points), 1, 1e9);
   in_range("query_points", static_cast<double>(options.query_points), 1, 1e9);
-  in_range("rays", static_cast<double>(options.rays), 1, 1e8);
+  in_range("rays", static_cast<double>(options.rays), 1, 6e7);
+  in_range("target_error", options.target_error, 0, 1e3);
+  in_range("min_rays", static_cast<double>(options.min_rays), 2, 6e7);
+  in_range("max_rays", static_cast<double>(options.max_rays), static_cast<double>(options.min_rays),
+           6e7);
   in_range("max_depth", options.max_depth, 1, 1000);
   in_range("emissive_share", options.emissive_share, 0, 1);
   in_range("views.count", static_cast<double>(options.views.count), 0, 1000);
   in_range("views.width", static_cast<double>(options.views.width), 1, 16384);
   in_range("views.height", static_cast<double>(options.views.height), 1, 16384);
-  in_range("views.rays", static_cast<double>(options.views.rays), 1, 1e8);
+  in_range("views.rays", static_cast<double>(options.views.rays), 1, 6e7);
 }
 
 data::SceneSample bake_scene(const scene::Scene& scene, const BakeOptions& options,
@@ -189,14 +237,18 @@ data::SceneSample bake_scene(const scene::Scene& scene, const BakeOptions& optio
   const Bounds bounds = scene.bounds();
   sample.bounds_low = bounds.low;
   sample.bounds_high = bounds.high;
-  sample_points(scene, options, &sample);
 
   Baker baker(scene, options, show_progress);
+  sample_points(baker.bvh(), options, &sample);
   sample.light_groups = baker.groups();
   const size_t N = sample.query_position.size();
-  baker.irradiance(sample.query_position, sample.query_normal, options.rays,
-                   stream_seed(options.seed, Stream::Queries), {}, N, &sample.direct,
-                   &sample.indirect, &sample.variance);
+  const uint64_t queries = stream_seed(options.seed, Stream::Queries);
+  if (options.target_error > 0) {
+    baker.adaptive(queries, &sample);
+  } else {
+    baker.irradiance(sample.query_position, sample.query_normal, options.rays, queries, {}, N,
+                     &sample.direct, &sample.indirect, &sample.variance);
+  }
   if (options.path_tracing_64) {
     sample.path_traced_64 = baker.rival(sample.query_position, sample.query_normal,
                                         stream_seed(options.seed, Stream::QueriesRival), {}, N);

@@ -18,8 +18,14 @@ struct ViewOptions {
 struct BakeOptions {
   int64_t scene_points = 20000;
   int64_t query_points = 100000;
-  int64_t rays = 1024;  ///< paths a query point
+  int64_t rays = 1024;  ///< paths a query point, unless target_error decides
+  /// Standard error of indirect irradiance at query points, relative to its mean over them, that
+  /// decides between min_rays and max_rays paths a point (lte/pathtrace/adaptive.h); 0: `rays`
+  /// each.
+  double target_error = 0;
+  int64_t min_rays = 64, max_rays = 4096;
   int max_depth = 5;
+  bool prune = false;  ///< draw points only where light can reach them (lte/pathtrace/reach.h)
   double emissive_share = 0.1;  ///< of scene points, guaranteed to luminaires
   bool path_tracing_64 = true;  ///< also bake the rival: 64 independent paths a point
   ViewOptions views;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "datagen/bake.h"
+#include "datagen/homes/home.h"
 #include "datagen/room.h"
 #include "lte/base/config.h"
 
@@ -22,8 +23,11 @@ struct DatagenConfig {
   /// Splits whose scenes also get views and the rival (`path_tracing_64`); training itself reads
   /// neither.
   std::vector<std::string> evaluation_splits{"train", "val", "test"};
+  /// What makes the scenes: `boxes` (configured by `rooms`) or `homes`.
+  std::string generator = "boxes";
   BakeOptions bake;  ///< keys at the top level and under `views`; its seed is drawn scene by scene
   RoomConfig rooms;
+  homes::HomeConfig homes;
 };
 
 /// Reads every key, checks ranges, and refuses unknown keys.
@@ -35,7 +39,8 @@ DatagenConfig load_datagen_config(const std::filesystem::path& path,
 /// @throws lte::Error naming the key that is out of range.
 void check_datagen_config(const DatagenConfig& config);
 
-/// The whole configuration, defaults included; reading it gives the same again.
+/// The whole configuration, defaults included, of the generator that is used; reading it gives the
+/// same again. `boxes` is not named, so older data sets keep their config.yaml.
 std::string to_yaml(const DatagenConfig& config);
 
 }  // namespace lte::datagen

@@ -149,7 +149,10 @@ bool Generator::is_done(int64_t index) const {
   if (!fs::exists(path)) return false;
   try {
     const data::SceneSample sample = data::read_scene_sample(path);
-    if (sample.seed == scene_seed(config_.seed, index) && sample.rays == config_.bake.rays &&
+    const bool same_rays = config_.bake.target_error > 0
+                               ? sample.target_error == config_.bake.target_error
+                               : sample.query_rays.empty() && sample.rays == config_.bake.rays;
+    if (sample.seed == scene_seed(config_.seed, index) && same_rays &&
         sample.scene_points() == config_.bake.scene_points &&
         sample.query_points() == config_.bake.query_points)
       return true;
@@ -168,11 +171,11 @@ void Generator::make_scene(int64_t index) {
   const bool wants_glb = options_.glb && !(done && fs::exists(glb));
   if (done) ++result_.kept;
   if (done && !wants_glb) return;
-  const Room room = generate_room(config_.rooms, seed, name);
-  const Vec3 extent = room.scene.bounds().extent();
+  const scene::Scene scene = generate_scene(config_, seed, name);
+  const Vec3 extent = scene.bounds().extent();
   LTE_CHECK(max_component(extent) <= config_.scale, name, ": extent ", max_component(extent),
             " m exceeds scale ", config_.scale, " m");
-  if (wants_glb) export_glb(room.scene);
+  if (wants_glb) export_glb(scene);
   if (done) return;
   BakeOptions bake = config_.bake;
   bake.seed = seed;
@@ -182,13 +185,13 @@ void Generator::make_scene(int64_t index) {
     bake.views.count = 0;
     bake.path_tracing_64 = false;
   }
-  data::write_scene_sample(path_of(index), bake_scene(room.scene, bake, false));
+  data::write_scene_sample(path_of(index), bake_scene(scene, bake, false));
   ++result_.baked;
 }
 
-/// With the cameras that the views were taken by, so that a viewer opens at a sensible place.
+/// With cameras, so that a viewer opens at a sensible place: the generator's, or the first view's.
 void Generator::export_glb(scene::Scene scene) const {
-  {
+  if (scene.cameras.empty()) {
     const scene::Scene geometry = scene;
     const pathtrace::Bvh bvh(geometry);
     scene.cameras = {pathtrace::auto_camera(bvh, 0)};
@@ -217,6 +220,11 @@ void Generator::write_index() {
 
 GenerateResult generate_dataset(const DatagenConfig& config, const GenerateOptions& options) {
   return Generator(config, options).run();
+}
+
+scene::Scene generate_scene(const DatagenConfig& config, uint64_t seed, const std::string& name) {
+  if (config.generator == "homes") return homes::generate_home(config.homes, seed, name).scene;
+  return generate_room(config.rooms, seed, name).scene;
 }
 
 std::string scene_name(int64_t index) {

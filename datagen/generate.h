@@ -33,6 +33,9 @@ struct GenerateResult {
 ///         and `resume` is not set, or a file cannot be written.
 GenerateResult generate_dataset(const DatagenConfig& config, const GenerateOptions& options);
 
+/// The scene that the configured generator makes of a seed.
+scene::Scene generate_scene(const DatagenConfig& config, uint64_t seed, const std::string& name);
+
 /// "room_00042".
 std::string scene_name(int64_t index);
 /// The seed that makes scene `index` of a data set.

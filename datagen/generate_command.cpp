@@ -81,7 +81,8 @@ void add_generate_command(CLI::App& app, CommandBody* body) {
       "Examples:\n"
       "  lte_datagen generate --config configs/data/rooms_small.yaml --out rooms\n"
       "  lte_datagen generate --config configs/data/rooms.yaml --out rooms --shard 0/4 --resume\n"
-      "  lte_datagen generate --config configs/data/demo.yaml --out demo --scenes 8 --glb");
+      "  lte_datagen generate --config configs/data/demo.yaml --out demo --scenes 8 --glb\n"
+      "  lte_datagen generate --config configs/data/homes.yaml --out homes --scenes 8 --glb");
   command->callback([=] {
     flags->has_scenes = scenes->count() > 0;
     flags->has_seed = seed->count() > 0;

@@ -69,29 +69,107 @@ std::vector<Rgb> group_powers(const scene::Scene& scene) {
   return powers;
 }
 
-Json scene_info(const scene::Scene& scene) {
-  size_t texture_bytes = 0;
-  for (const auto& texture : scene.textures) texture_bytes += texture->size_bytes();
+namespace {
+
+Json texture_list(const scene::Scene& scene) {
+  std::vector<int> uses(scene.textures.size());
+  for (const scene::Material& material : scene.materials) {
+    for (const scene::TextureRef* ref : {&material.base_color_texture, &material.emission_texture})
+      if (ref->texture != scene::kNone) ++uses[static_cast<size_t>(ref->texture)];
+  }
+  Json list = Json::array();
+  for (size_t i = 0; i < uses.size(); ++i) {
+    const scene::Texture& texture = *scene.textures[i];
+    list.push_back({{"width", texture.width()},
+                    {"height", texture.height()},
+                    {"bytes", texture.size_bytes()},
+                    {"uses", uses[i]}});
+  }
+  return list;
+}
+
+Json camera_list(const scene::Scene& scene) {
+  Json list = Json::array();
+  for (const scene::Camera& camera : scene.cameras) {
+    list.push_back({{"name", camera.name},
+                    {"origin", vec(camera.origin)},
+                    {"target", vec(camera.target)},
+                    {"vfov", camera.vfov}});
+  }
+  return list;
+}
+
+Json group_list(const scene::Scene& scene) {
+  std::vector<const char*> kinds(scene.light_groups.size(), "surface");
+  for (const scene::PunctualLight& light : scene.lights) {
+    if (light.light_group == scene::kNone) continue;
+    kinds[static_cast<size_t>(light.light_group)] = light.kind == scene::LightKind::Point ? "point"
+                                                    : light.kind == scene::LightKind::Spot
+                                                        ? "spot"
+                                                        : "directional";
+  }
   Json groups = Json::array();
   const std::vector<Rgb> powers = group_powers(scene);
   for (size_t g = 0; g < powers.size(); ++g)
-    groups.push_back({{"name", scene.light_groups[g]}, {"power_w", vec(powers[g])}});
+    groups.push_back(
+        {{"name", scene.light_groups[g]}, {"kind", kinds[g]}, {"power_w", vec(powers[g])}});
+  return groups;
+}
+
+Json scene_info_without_geometry(const scene::Scene& scene) {
+  size_t texture_bytes = 0;
+  for (const auto& texture : scene.textures) texture_bytes += texture->size_bytes();
+  int64_t stored = 0;
+  for (const scene::Mesh& mesh : scene.meshes)
+    stored += static_cast<int64_t>(mesh.triangles.size());
   const Bounds bounds = scene.bounds();
   return {{"kind", "scene"},
           {"name", scene.name},
           {"triangles", scene.triangle_count()},
+          {"stored_triangles", stored},
           {"meshes", scene.meshes.size()},
           {"instances", scene.instances.size()},
           {"materials", scene.materials.size()},
           {"textures", scene.textures.size()},
           {"texture_bytes", texture_bytes},
+          {"texture_list", texture_list(scene)},
           {"punctual_lights", scene.lights.size()},
           {"cameras", scene.cameras.size()},
+          {"camera_list", camera_list(scene)},
           {"area_m2", scene::surface_area(scene)},
           {"bounds", bounds_json(bounds.low, bounds.high)},
-          {"light_groups", groups},
+          {"unit", scene.unit},
+          {"light_groups", group_list(scene)},
           {"ignored", scene.ignored}};
 }
+
+}  // namespace
+
+Json cleanup_info(const scene::CleanupReport& report) {
+  if (!report.inspected)
+    return {{"not_inspected", concat("more than ", scene::kMaxInspected, " triangles")}};
+  return {{"degenerate_triangles", report.degenerate_triangles},
+          {"duplicate_triangles", report.duplicate_triangles},
+          {"opposite_triangles", report.opposite_triangles},
+          {"conflicting_triangles", report.conflicting_triangles},
+          {"near_duplicate_vertices", report.near_duplicate_vertices},
+          {"duplicate_meshes", report.duplicate_meshes},
+          {"open_edges", report.open_edges},
+          {"open_edge_length_m", report.open_edge_length_m},
+          {"branching_edges", report.branching_edges},
+          {"flipped_edges", report.flipped_edges},
+          {"closed_shells", report.closed_shells},
+          {"inward_shells", report.inward_shells},
+          {"removed_triangles", report.removed_triangles}};
+}
+
+Json scene_info(const scene::Scene& scene, const scene::CleanupReport& report) {
+  Json info = scene_info_without_geometry(scene);
+  info["geometry"] = cleanup_info(report);
+  return info;
+}
+
+Json scene_info(const scene::Scene& scene) { return scene_info(scene, scene::inspect(scene)); }
 
 Json sample_info(const data::SceneSample& sample) {
   double area = 0;
@@ -105,9 +183,12 @@ Json sample_info(const data::SceneSample& sample) {
           {"name", sample.name},
           {"scene_points", sample.scene_points()},
           {"query_points", sample.query_points()},
+          {"pruned_scene_points", sample.pruned_scene_points},
+          {"pruned_query_points", sample.pruned_query_points},
           {"light_groups", sample.light_groups},
           {"views", views},
           {"rays", sample.rays},
+          {"target_error", sample.target_error},
           {"max_depth", sample.max_depth},
           {"seed", sample.seed},
           {"area_m2", area},
@@ -160,6 +241,10 @@ std::string to_text(const Json& info) {
     if (value.is_array() && !value.empty() && !value[0].is_number()) {
       text += concat(key, ":\n");
       for (const Json& item : value) text += concat("  ", plain(item), "\n");
+    } else if (value.is_object()) {
+      text += concat(key, ":\n");
+      for (const auto& [name, item] : value.items())
+        text += concat("  ", name, ": ", plain(item), "\n");
     } else {
       text += concat(key, ": ", plain(value), "\n");
     }

@@ -6,14 +6,21 @@
 #include <nlohmann/json.hpp>
 
 #include "lte/data/scene_sample.h"
+#include "lte/scene/cleanup.h"
 #include "lte/scene/scene.h"
 
 namespace lte::datagen {
 
 using Json = nlohmann::ordered_json;
 
-/// {"kind":"scene","name","triangles",..,"light_groups":[{"name","power_w":[r,g,b]}],"bounds","ignored"}.
+/// {"kind":"scene","name","triangles","stored_triangles",..,"texture_list":[{"width","height","bytes",
+/// "uses"}],"camera_list","light_groups":[{"name","kind","power_w":[r,g,b]}],"bounds","unit",
+/// "ignored","geometry":{..}}, the last as `report` has it.
+Json scene_info(const scene::Scene& scene, const scene::CleanupReport& report);
+/// The same with a report of its own.
 Json scene_info(const scene::Scene& scene);
+/// {"degenerate_triangles","duplicate_triangles",..}: the fields of the report.
+Json cleanup_info(const scene::CleanupReport& report);
 /// {"kind":"sample","name","scene_points","query_points",..}.
 Json sample_info(const data::SceneSample& sample);
 /// {"kind":"dataset","scenes","splits":{..},..}; reads dataset.json alone unless `deep`, which

@@ -15,7 +15,7 @@ namespace {
 
 struct Flags {
   CommonOptions common;
-  std::string path;
+  std::string path, cleanup;
   bool deep = false, validate_only = false;
 };
 
@@ -25,7 +25,9 @@ Json describe(const Flags& flags) {
   if (std::filesystem::is_directory(path))
     return dataset_info(path, flags.deep || flags.validate_only);
   if (path.extension() == ".safetensors") return sample_info(data::read_scene_sample(path));
-  return scene_info(scene::load_scene(path));
+  scene::Scene scene = scene::load_scene(path);
+  const scene::CleanupOptions cleanup = scene::parse_cleanup(flags.cleanup);
+  return cleanup.any() ? scene_info(scene, scene::clean_up(&scene, cleanup)) : scene_info(scene);
 }
 
 void run(const Flags& flags) {
@@ -46,23 +48,38 @@ void add_info_command(CLI::App& app, CommandBody* body) {
   CLI::App* command =
       app.add_subcommand("info", "Say what a scene, a sample file or a data set holds");
   command
-      ->add_option("path", flags->path,
-                   "Scene (.gltf, .glb), sample file (.safetensors) or data-set directory")
+      ->add_option(
+          "path", flags->path,
+          concat("Scene (", kSceneFormats, "), sample file (.safetensors) or data-set directory"))
       ->required();
+  add_cleanup_option(*command, &flags->cleanup);
   command->add_flag("--deep", flags->deep, "Of a data set, read and check every sample file");
   command->add_flag("--validate-only", flags->validate_only, "Check everything and print one line");
   add_common_options(*command, &flags->common);
   command->footer(
       "Examples:\n"
       "  lte_datagen info room.glb\n"
+      "  lte_datagen info room.obj --cleanup degenerate,duplicates\n"
       "  lte_datagen info rooms/scenes/room_00000.safetensors --json info.json\n"
       "  lte_datagen info rooms --deep");
   command->callback([=] { *body = [flags] { run(*flags); }; });
 }
 
-scene::Scene load_and_report(const std::string& path) {
+void add_cleanup_option(CLI::App& app, std::string* list) {
+  app.add_option("--cleanup", *list,
+                 "What of a scene's geometry to put right first: a list of degenerate, duplicates, "
+                 "shells, vertices, meshes; or all; by default none");
+}
+
+scene::Scene load_and_report(const std::string& path, const std::string& cleanup) {
+  const scene::CleanupOptions options = scene::parse_cleanup(cleanup);
   scene::Scene scene = scene::load_scene(path);
   for (const std::string& what : scene.ignored) log_warning(path, ": ignored: ", what);
+  if (options.any()) {
+    const scene::CleanupReport report = scene::clean_up(&scene, options);
+    log_info(path, ": clean-up took ", report.removed_triangles, " triangles; found ",
+             cleanup_info(report).dump());
+  }
   return scene;
 }
 

@@ -1,11 +1,9 @@
 #include "datagen/probe.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <map>
 #include <span>
 #include <sstream>
 
@@ -13,6 +11,7 @@
 #include "lte/base/file.h"
 #include "lte/base/progress.h"
 #include "lte/base/random.h"
+#include "lte/pathtrace/adaptive.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/pathtrace/lights.h"
@@ -22,10 +21,8 @@ namespace {
 
 constexpr const char* kHeader = "px,py,pz,nx,ny,nz";
 constexpr const char* kColumns[6] = {"px", "py", "pz", "nx", "ny", "nz"};
-constexpr int64_t kPilotRays = 64;
-constexpr int64_t kBlock = 4096;
-/// The pilot knows the variance only roughly; this much more keeps most points below the target.
-constexpr double kSafety = 1.3;
+constexpr int kPilotRays = 64;
+constexpr size_t kBlock = 4096;  // points between two looks at the progress
 
 std::vector<std::string> split(const std::string& line) {
   std::vector<std::string> fields(1);
@@ -50,57 +47,53 @@ float parse_number(const std::string& where, const char* column, const std::stri
   return static_cast<float>(value);
 }
 
-struct Tracer {
-  pathtrace::Bvh bvh;
-  pathtrace::Lights lights;
-  const ProbePoints& points;
-  ProbeResult& result;
-
-  /// Estimates `which` points with `rays` paths and stores the outcome.
-  void run(const std::vector<size_t>& which, int64_t rays, int max_depth, uint64_t seed,
-           Progress* progress) {
-    pathtrace::IrradianceOptions options;
-    options.rays = static_cast<int>(rays);
-    options.max_depth = max_depth;
-    options.seed = seed;
-    for (size_t first = 0; first < which.size(); first += kBlock) {
-      const size_t count = std::min<size_t>(kBlock, which.size() - first);
-      std::vector<Vec3> position, normal;
-      for (size_t i = 0; i < count; ++i) {
-        position.push_back(points.position[which[first + i]]);
-        normal.push_back(points.normal[which[first + i]]);
-      }
-      const auto block = pathtrace::estimate_irradiance(bvh, lights, position, normal, options,
-                                                        static_cast<int64_t>(first));
-      for (size_t i = 0; i < count; ++i) {
-        const size_t at = which[first + i];
-        const auto local = static_cast<int64_t>(i);
-        const Rgb& variance = block.variance_total[i];
-        result.total[at] = block.total(local);
-        result.direct[at] = block.direct_sum(local);
-        result.standard_error[at] = {std::sqrt(variance.x), std::sqrt(variance.y),
-                                     std::sqrt(variance.z)};
-        result.rays[at] = block.rays;
-      }
-      progress->advance(static_cast<int64_t>(count));
-    }
-  }
-};
-
-/// Standard error over mean, both averaged over colour; infinite where nothing has arrived yet.
-double relative_error(const ProbeResult& result, size_t i) {
-  const Rgb &total = result.total[i], &error = result.standard_error[i];
-  const double mean = total.x + total.y + total.z;
-  return mean > 0 ? (error.x + error.y + error.z) / mean : INFINITY;
+/// Point i of `estimate` as point `at` of the result.
+void store(const pathtrace::Irradiance& estimate, int64_t i, int64_t rays, size_t at,
+           ProbeResult* result) {
+  const Rgb& variance = estimate.variance_total[static_cast<size_t>(i)];
+  result->total[at] = estimate.total(i);
+  result->direct[at] = estimate.direct_sum(i);
+  result->standard_error[at] = {std::sqrt(variance.x), std::sqrt(variance.y),
+                                std::sqrt(variance.z)};
+  result->rays[at] = rays;
 }
 
-/// The rays that the pilot's error asks for: a power of two, so that points share runs.
-int64_t wanted_rays(const ProbeResult& pilot, size_t i, const ProbeOptions& options) {
-  const double ratio = relative_error(pilot, i) / options.target_error;
-  const double rays = kSafety * static_cast<double>(pilot.rays[i]) * ratio * ratio;
-  if (!(rays < static_cast<double>(options.rays))) return options.rays;
-  const auto rounded = std::bit_ceil(static_cast<uint64_t>(std::max<double>(rays, kPilotRays)));
-  return std::min(options.rays, static_cast<int64_t>(rounded));
+void probe_fixed(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                 const ProbePoints& points, const ProbeOptions& options, ProbeResult* result) {
+  pathtrace::IrradianceOptions tracing;
+  tracing.rays = static_cast<int>(options.rays);
+  tracing.max_depth = options.max_depth;
+  tracing.seed = hash_combine(options.seed, 2);
+  const size_t N = points.position.size();
+  Progress progress("probing", static_cast<int64_t>(N), "points");
+  for (size_t first = 0; first < N; first += kBlock) {
+    const size_t count = std::min(kBlock, N - first);
+    const auto block = pathtrace::estimate_irradiance(
+        bvh, lights, std::span(points.position).subspan(first, count),
+        std::span(points.normal).subspan(first, count), tracing, static_cast<int64_t>(first));
+    for (size_t i = 0; i < count; ++i)
+      store(block, static_cast<int64_t>(i), block.rays, first + i, result);
+    progress.advance(static_cast<int64_t>(count));
+  }
+}
+
+void probe_adaptive(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                    const ProbePoints& points, const ProbeOptions& options, ProbeResult* result) {
+  pathtrace::AdaptiveOptions tracing;
+  tracing.scale = pathtrace::ErrorScale::OwnTotal;
+  tracing.target_error = options.target_error;
+  tracing.max_rays = static_cast<int>(std::max<int64_t>(2, options.rays));
+  tracing.min_rays = std::min(kPilotRays, tracing.max_rays);
+  tracing.max_depth = options.max_depth;
+  tracing.seed = options.seed;
+  const size_t N = points.position.size();
+  Progress progress("probing", 0, "paths");
+  const pathtrace::AdaptiveIrradiance estimate =
+      pathtrace::estimate_adaptive(bvh, lights, points.position, points.normal, tracing,
+                                   [&progress](int64_t paths) { progress.advance(paths); });
+  for (size_t i = 0; i < N; ++i)
+    store(estimate.irradiance, static_cast<int64_t>(i), estimate.rays[i], i, result);
+  result->missed = estimate.missed;
 }
 
 }  // namespace
@@ -150,30 +143,12 @@ ProbeResult probe(const scene::Scene& scene, const ProbePoints& points,
   result.direct.resize(N);
   result.standard_error.resize(N);
   result.rays.resize(N);
-  std::vector<size_t> all(N);
-  for (size_t i = 0; i < N; ++i) all[i] = i;
-  Tracer tracer{pathtrace::Bvh(scene), pathtrace::Lights(scene), points, result};
-
+  const pathtrace::Bvh bvh(scene);
+  const pathtrace::Lights lights(scene);
   if (options.target_error == 0) {
-    Progress progress("probing", static_cast<int64_t>(N), "points");
-    tracer.run(all, options.rays, options.max_depth, hash_combine(options.seed, 2), &progress);
-    return result;
-  }
-  {
-    Progress progress("pilot", static_cast<int64_t>(N), "points");
-    tracer.run(all, std::min(kPilotRays, options.rays), options.max_depth,
-               hash_combine(options.seed, 1), &progress);
-  }
-  std::map<int64_t, std::vector<size_t>> runs;
-  for (size_t i = 0; i < N; ++i) runs[wanted_rays(result, i, options)].push_back(i);
-  Progress progress("probing", static_cast<int64_t>(N), "points");
-  for (const auto& [rays, which] : runs)
-    tracer.run(which, rays, options.max_depth,
-               hash_combine(options.seed, 2 + static_cast<uint64_t>(rays)), &progress);
-  for (size_t i = 0; i < N; ++i) {
-    // No light at all after every ray that was allowed is an answer, not a miss.
-    const bool dark = result.total[i] == Rgb{};
-    if (!dark && relative_error(result, i) > options.target_error) ++result.missed;
+    probe_fixed(bvh, lights, points, options, &result);
+  } else {
+    probe_adaptive(bvh, lights, points, options, &result);
   }
   return result;
 }

@@ -35,8 +35,10 @@ struct ProbeResult {
   int64_t missed = 0;         ///< points above the target when the cap was reached
 };
 
-/// With a target, a pilot run measures the variance and an independent run of as many rays as that
-/// asks for makes the estimate: choosing the count from the same samples would bias it.
+/// With a target, a pilot decides how many fresh paths the estimate is made of
+/// (lte/pathtrace/adaptive.h, ErrorScale::OwnTotal): choosing the count from the same samples would
+/// bias it. Standard errors are from the spread of independently scrambled point sets,
+/// stratification included.
 /// @throws lte::Error if options are out of range.
 ProbeResult probe(const scene::Scene& scene, const ProbePoints& points,
                   const ProbeOptions& options);

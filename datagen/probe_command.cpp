@@ -17,13 +17,13 @@ constexpr int64_t kDefaultCap = 65536;
 struct Flags {
   CommonOptions common;
   ProbeOptions probe;
-  std::string scene, points, out;
+  std::string scene, points, out, cleanup;
   bool has_rays = false, validate_only = false;
 };
 
 void run(Flags* flags) {
   apply_common_options(flags->common);
-  const scene::Scene scene = load_and_report(flags->scene);
+  const scene::Scene scene = load_and_report(flags->scene, flags->cleanup);
   if (flags->validate_only) return print_validation(flags->scene, scene);
   LTE_CHECK(!flags->points.empty(),
             "--points is missing: name a CSV file with the header px,py,pz,nx,ny,nz");
@@ -50,7 +50,7 @@ void add_probe_command(CLI::App& app, CommandBody* body) {
   auto flags = std::make_shared<Flags>();
   CLI::App* command =
       app.add_subcommand("probe", "Path-trace irradiance at the points of a CSV file");
-  command->add_option("scene", flags->scene, "Scene: .gltf or .glb")->required();
+  command->add_option("scene", flags->scene, concat("Scene: ", kSceneFormats))->required();
   command->add_option("--points", flags->points,
                       "CSV file with the header px,py,pz,nx,ny,nz, world space");
   command->add_option("--out", flags->out, "CSV file to write");
@@ -66,6 +66,7 @@ void add_probe_command(CLI::App& app, CommandBody* body) {
       "--target-error", flags->probe.target_error,
       "Relative standard error of total irradiance to reach, e.g. 0.01; 0: fixed --rays");
   command->add_option("--seed", flags->probe.seed, "Seed of the paths")->capture_default_str();
+  add_cleanup_option(*command, &flags->cleanup);
   command->add_flag("--validate-only", flags->validate_only, "Check the scene and stop");
   add_common_options(*command, &flags->common);
   command->footer(

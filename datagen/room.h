@@ -6,17 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "datagen/light_rules.h"
+#include "datagen/range.h"
 #include "lte/base/math.h"
 #include "lte/scene/scene.h"
 
 namespace lte::datagen {
-
-struct Range {
-  double low = 0, high = 0;
-};
-struct CountRange {
-  int64_t low = 0, high = 0;
-};
 
 /// `rooms:` in the YAML config.
 struct RoomConfig {
@@ -30,11 +25,6 @@ struct RoomConfig {
 };
 
 inline constexpr double kMaxPartitionThickness = 0.2;  ///< metres
-inline constexpr float kLightWallDistance = 0.4f;      ///< metres between a light and any wall
-inline constexpr float kLightTallDistance =
-    0.3f;  ///< metres, sideways, between a light and a tall object
-inline constexpr float kLightHeadroom =
-    0.7f;  ///< metres below the ceiling from which an object is tall
 
 /// A piece of furniture as it stands in the world.
 struct PlacedPiece {

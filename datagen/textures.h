@@ -1,15 +1,11 @@
 // Procedural albedo textures, all tileable but for pictures.
 #pragma once
 
-#include <memory>
-
+#include "datagen/raster.h"
 #include "lte/base/math.h"
 #include "lte/base/random.h"
-#include "lte/scene/texture.h"
 
 namespace lte::datagen {
-
-using TexturePtr = std::shared_ptr<const scene::Texture>;
 
 /// Colours are linear albedos; `size` texels an edge. Every texel lies in [0.01, 0.95].
 TexturePtr make_planks(int size, const Rgb& wood, int planks, Rng* rng);

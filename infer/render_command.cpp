@@ -164,7 +164,7 @@ void render_to_file(const RenderRequest& request, const scene::Camera& camera, R
 }  // namespace
 
 void add_render_options(CLI::App& app, RenderRequest* r) {
-  app.add_option("scene", r->scene, "Scene to render: .gltf or .glb")->required();
+  app.add_option("scene", r->scene, "Scene to render: .gltf, .glb or .obj")->required();
   app.add_option("--out", r->out, "Picture to write: .exr (linear, with layers) or .png")
       ->check(CLI::Validator(check_picture, "FILE.exr|FILE.png"));
   app.add_option("--checkpoint", r->checkpoint, "Model; by default the shipped one");
@@ -225,7 +225,11 @@ void run_render(const RenderRequest& request) {
   std::optional<Predictor> predictor = load_network(request, renderer);
   renderer.seconds().load = total.seconds();
   if (predictor) predictor->check_fits(scene.bounds(), request.rescale);
-  if (request.validate_only) return log_info(request.scene, ": valid");
+  if (request.validate_only) {  // as lte_datagen says it, and under --quiet too: it is the result
+    std::printf("%s: valid scene, %lld triangles, %zu light groups\n", request.scene.c_str(),
+                static_cast<long long>(scene.triangle_count()), scene.light_groups.size());
+    return;
+  }
   if (predictor) embed(request, std::move(*predictor), &renderer);
   render_to_file(request, camera, &renderer, total);
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes assets/scenes/cornell_box.glb: the Cornell box with its measured geometry, in metres, Y up.
+"""Writes assets/scenes/cornell_box.glb and .pbrt: the Cornell box with its measured geometry, in metres, Y up.
 
 Coordinates: https://www.graphics.cornell.edu/online/box/data.html (millimetres there). Reflectances and emission are the
 usual linear RGB renditions of its spectra. The light hangs 0.5 mm under the ceiling instead of in a hole in it.
@@ -16,6 +16,8 @@ MATERIALS = [("white", (0.73, 0.73, 0.73)), ("red", (0.63, 0.065, 0.05)), ("gree
 EMISSION = (17.0, 12.0, 4.0)
 EMISSIVE_STRENGTH = 32.0  # a power of two: factors are then exact
 ROOM_CENTRE = (278.0, 274.4, 279.6)
+CAMERA = (0.278, 0.273, -0.8)  # metres; looks along +z from 0.8 m before the open side
+YFOV = 2 * math.atan(0.0125 / 0.035)  # 35 mm lens, 25 mm film
 
 WALLS = [
     ("floor", WHITE, [(552.8, 0, 0), (0, 0, 0), (0, 0, 559.2), (549.6, 0, 559.2)]),
@@ -90,8 +92,8 @@ def document():
         meshes.append({"name": name, "primitives": [{"attributes": {"POSITION": position}, "indices": indices,
                                                      "material": material}]})
         nodes.append({"name": name, "mesh": len(meshes) - 1})
-    # Looks along +z from 0.8 m before the open side: a half turn about y of glTF's -z. 35 mm lens, 25 mm film.
-    nodes.append({"name": "camera", "camera": 0, "translation": [0.278, 0.273, -0.8], "rotation": [0, 1, 0, 0]})
+    # A half turn about y of glTF's -z.
+    nodes.append({"name": "camera", "camera": 0, "translation": list(CAMERA), "rotation": [0, 1, 0, 0]})
     materials = [{"name": name, "pbrMetallicRoughness": {"baseColorFactor": [*color, 1], "metallicFactor": 0}}
                  for name, color in MATERIALS]
     materials[LIGHT]["emissiveFactor"] = [value / EMISSIVE_STRENGTH for value in EMISSION]
@@ -102,16 +104,43 @@ def document():
         "scene": 0, "scenes": [{"name": "cornell_box", "nodes": list(range(len(nodes)))}],
         "nodes": nodes, "meshes": meshes, "materials": materials,
         "cameras": [{"name": "camera", "type": "perspective",
-                     "perspective": {"yfov": 2 * math.atan(0.0125 / 0.035), "aspectRatio": 1, "znear": 0.01}}],
+                     "perspective": {"yfov": YFOV, "aspectRatio": 1, "znear": 0.01}}],
         "accessors": glb.accessors, "bufferViews": glb.views,
         "buffers": [{"byteLength": len(glb.binary)}],
     }, bytes(glb.binary)
 
 
+def numbers(values):
+    """Shortest digits that read back as the same double; no trailing .0."""
+    return " ".join(repr(float(value)).removesuffix(".0") for value in values)
+
+
+def pbrt_document():
+    """The same scene in PBRT v4. Scale -1 1 1 turns pbrt's left-handed camera into ours."""
+    eye = CAMERA
+    target = (eye[0], eye[1], eye[2] + 1)
+    lines = ["# The Cornell box in metres, Y up; written by scripts/make_cornell_box.py.", "Scale -1 1 1",
+             f"LookAt {numbers(eye)}  {numbers(target)}  0 1 0",
+             f'Camera "perspective" "float fov" {numbers([math.degrees(YFOV)])}',
+             'Film "rgb" "integer xresolution" 512 "integer yresolution" 512', "WorldBegin"]
+    for name, color in MATERIALS:
+        lines.append(f'MakeNamedMaterial "{name}" "string type" "diffuse" "rgb reflectance" [{numbers(color)}]')
+    for name, material, quads in surfaces():
+        points = [value / 1000 for quad in quads for point in quad for value in point]
+        indices = [4 * i + k for i in range(len(quads)) for k in (0, 1, 2, 0, 2, 3)]
+        lines += ["", f"# {name}", "AttributeBegin", f'  NamedMaterial "{MATERIALS[material][0]}"']
+        if material == LIGHT:
+            lines.append(f'  AreaLightSource "diffuse" "rgb L" [{numbers(EMISSION)}]')
+        lines += [f'  Shape "trianglemesh" "point3 P" [{numbers(points)}]', f'    "integer indices" [{numbers(indices)}]',
+                  "AttributeEnd"]
+    return "\n".join(lines) + "\n"
+
+
 def main():
     default = pathlib.Path(__file__).resolve().parent.parent / "assets" / "scenes" / "cornell_box.glb"
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--out", type=pathlib.Path, default=default, help="default: assets/scenes/cornell_box.glb")
+    parser.add_argument("--out", type=pathlib.Path, default=default,
+                        help="the .glb, beside which the .pbrt is put; default: assets/scenes/cornell_box.glb")
     path = parser.parse_args().out
     scene, binary = document()
     text = json.dumps(scene, separators=(",", ":")).encode()
@@ -120,7 +149,10 @@ def main():
     path.write_bytes(struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(binary)) +
                      struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(binary), b"BIN\0") +
                      binary)
-    print(f"{path}: {path.stat().st_size} bytes")
+    pbrt = path.with_suffix(".pbrt")
+    pbrt.write_text(pbrt_document())
+    for file in (path, pbrt):
+        print(f"{file}: {file.stat().st_size} bytes")
 
 
 if __name__ == "__main__":

@@ -40,6 +40,12 @@ class Checker {
                 i, " is ", values[i], "; expected a finite value that is not negative");
   }
 
+  void non_negative(const std::string& tensor, const std::vector<int32_t>& values) const {
+    for (size_t i = 0; i < values.size(); ++i)
+      LTE_CHECK(values[i] >= 0, file_, ": tensor ", tensor, ": entry ", i, " is ", values[i],
+                "; expected a count that is not negative");
+  }
+
   void albedo(const std::string& tensor, const std::vector<Rgb>& values) const {
     non_negative(tensor, values);
     for (size_t i = 0; i < values.size(); ++i)
@@ -108,6 +114,8 @@ void check_query_points(const Checker& check, const SceneSample& sample) {
   check.size("direct", sample.direct, G * N);
   check.size("indirect", sample.indirect, G * N);
   check.size("variance", sample.variance, N);
+  if (!sample.query_rays.empty()) check.size("query_rays", sample.query_rays, N);
+  check.non_negative("query_rays", sample.query_rays);
   if (!sample.path_traced_64.empty()) check.size("path_traced_64", sample.path_traced_64, N);
   check.finite("query_position", sample.query_position);
   check.unit("query_normal", sample.query_normal, nullptr);

@@ -92,6 +92,16 @@ uint64_t metadata_integer(const SafetensorsFile& file, const std::string& key) {
   }
 }
 
+/// A metadata value that files may lack: 0 then.
+double optional_number(const SafetensorsFile& file, const std::string& key) {
+  const auto found = file.metadata().find(key);
+  if (found == file.metadata().end()) return 0;
+  const auto json = nlohmann::json::parse(found->second, nullptr, false);
+  LTE_CHECK(json.is_number() && json.get<double>() >= 0, file.path().string(), ": metadata ", key,
+            ": expected a number that is not negative, got \"", found->second, "\"");
+  return json.get<double>();
+}
+
 void read_bounds(const SafetensorsFile& file, SceneSample* sample) {
   const std::string& text = file.metadata("bounds");
   const auto json = nlohmann::json::parse(text, nullptr, false);
@@ -128,6 +138,12 @@ void write_scene_sample(const std::filesystem::path& path, const SceneSample& sa
   writer.set_metadata("name", sample.name);
   writer.set_metadata("seed", std::to_string(sample.seed));
   writer.set_metadata("rays", std::to_string(sample.rays));
+  if (sample.target_error > 0)
+    writer.set_metadata("target_error", nlohmann::json(sample.target_error).dump());
+  if (sample.pruned_scene_points > 0)
+    writer.set_metadata("pruned_scene_points", std::to_string(sample.pruned_scene_points));
+  if (sample.pruned_query_points > 0)
+    writer.set_metadata("pruned_query_points", std::to_string(sample.pruned_query_points));
   writer.set_metadata("max_depth", std::to_string(sample.max_depth));
   writer.set_metadata("views", std::to_string(sample.views.size()));
   const Vec3 &low = sample.bounds_low, &high = sample.bounds_high;
@@ -144,6 +160,7 @@ void write_scene_sample(const std::filesystem::path& path, const SceneSample& sa
   add(&writer, "direct", {G, N}, sample.direct);
   add(&writer, "indirect", {G, N}, sample.indirect);
   writer.add("variance", {N}, sample.variance.data());
+  if (!sample.query_rays.empty()) writer.add("query_rays", {N}, sample.query_rays.data());
   if (!sample.path_traced_64.empty()) add(&writer, "path_traced_64", {N}, sample.path_traced_64);
   for (size_t k = 0; k < sample.views.size(); ++k) add_view(&writer, k, G, sample.views[k]);
   writer.write(path);
@@ -161,6 +178,11 @@ SceneSample read_scene_sample(const std::filesystem::path& path) {
             ": metadata rays ", rays, " or max_depth ", max_depth, " is out of range");
   sample.rays = static_cast<int64_t>(rays);
   sample.max_depth = static_cast<int>(max_depth);
+  sample.target_error = optional_number(file, "target_error");
+  for (const auto& [key, count] : {std::pair{"pruned_scene_points", &sample.pruned_scene_points},
+                                   std::pair{"pruned_query_points", &sample.pruned_query_points}}) {
+    if (file.metadata().contains(key)) *count = static_cast<int64_t>(metadata_integer(file, key));
+  }
   read_bounds(file, &sample);
 
   read(file, "scene_position", {-1}, &sample.scene_position);
@@ -180,6 +202,7 @@ SceneSample read_scene_sample(const std::filesystem::path& path) {
   read(file, "direct", {G, N}, &sample.direct);
   read(file, "indirect", {G, N}, &sample.indirect);
   read(file, "variance", {N}, &sample.variance);
+  if (file.contains("query_rays")) read(file, "query_rays", {N}, &sample.query_rays);
   if (file.contains("path_traced_64")) read(file, "path_traced_64", {N}, &sample.path_traced_64);
   const uint64_t views = metadata_integer(file, "views");
   LTE_CHECK(views <= kMaxViews, path.string(), ": metadata views: ", views, " is above the cap of ",
@@ -217,6 +240,7 @@ int64_t drop_unreached_queries(SceneSample* sample) {
   compact(sample->direct, G);
   compact(sample->indirect, G);
   compact(sample->variance, 1);
+  compact(sample->query_rays, 1);
   return static_cast<int64_t>(N - kept.size());
 }
 

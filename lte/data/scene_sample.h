@@ -34,13 +34,17 @@ struct SceneSample {
   int64_t light_groups = 0;           ///< G
   std::vector<Rgb> direct, indirect;  ///< [G, N], irradiance in W/m² at unit gain
   std::vector<float> variance;        ///< [N], of the mean indirect irradiance
+  std::vector<int32_t> query_rays;    ///< [N], paths a point where they differ, else empty
   std::vector<Rgb>
       path_traced_64;  ///< [N], indirect irradiance with 64 rays: the rival (may be empty)
   std::vector<View> views;
   // Where it came from
   uint64_t seed = 0;
-  int64_t rays = 0;
+  int64_t rays = 0;         ///< paths a query point; their mean where they differ
+  double target_error = 0;  ///< that decided them, relative to the mean; 0 for a fixed number
   int max_depth = 5;
+  /// Points drawn besides those above and left out, as light cannot reach them.
+  int64_t pruned_scene_points = 0, pruned_query_points = 0;
   Vec3 bounds_low, bounds_high;  ///< world, of the scene
 
   int64_t scene_points() const { return static_cast<int64_t>(scene_position.size()); }

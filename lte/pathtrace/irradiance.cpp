@@ -26,29 +26,30 @@ double variance_of_mean(double sum, double squares, int count) {
 
 Batches plan_batches(int rays) {
   if (rays <= 8) return {std::max(rays, 2), 1};
-  const int count = rays < 256 ? 8 : 16;
-  const int block = rays <= 64 ? 1 : rays < 256 ? 8 : 4;
+  const int count = rays < 4096 ? 8 : 16;
+  const int block = rays <= 64 ? 1 : 64 / count;
   const int size = (rays + count - 1) / count;
   return {count, (size + block - 1) / block * block};
 }
 
-void check_irradiance_input(const Bvh& bvh, const Lights& lights, std::span<const Vec3> positions,
-                            std::span<const Vec3> normals, const IrradianceOptions& options) {
-  LTE_CHECK(&bvh.scene() == &lights.scene(), "the BVH and the lights are of two scenes");
+void check_points(std::span<const Vec3> positions, std::span<const Vec3> normals) {
   LTE_CHECK(positions.size() == normals.size(), "irradiance needs one normal a position: got ",
             positions.size(), " positions and ", normals.size(), " normals");
-  LTE_CHECK(options.rays >= 1 && options.rays <= kMaxRays, "rays must be 1 to ", kMaxRays, ", got ",
-            options.rays);
-  LTE_CHECK(options.max_depth >= 1 && options.max_depth <= kMaxDepth, "max_depth must be 1 to ",
-            kMaxDepth, ", got ", options.max_depth);
-  LTE_CHECK(options.roulette_depth >= 1, "roulette_depth must be at least 1, got ",
-            options.roulette_depth);
   for (size_t i = 0; i < positions.size(); ++i) {
     LTE_CHECK(is_finite(positions[i]), "position ", i, " is not finite");
     LTE_CHECK(is_finite(normals[i]), "normal ", i, " is not finite");
     LTE_CHECK(std::fabs(dot(normals[i], normals[i]) - 1) < 1e-3f, "normal ", i,
               " is not a unit vector: its length is ", length(normals[i]));
   }
+}
+
+void check_irradiance_options(const IrradianceOptions& options) {
+  LTE_CHECK(options.rays >= 1 && options.rays <= kMaxRays, "rays must be 1 to ", kMaxRays, ", got ",
+            options.rays);
+  LTE_CHECK(options.max_depth >= 1 && options.max_depth <= kMaxDepth, "max_depth must be 1 to ",
+            kMaxDepth, ", got ", options.max_depth);
+  LTE_CHECK(options.roulette_depth >= 1, "roulette_depth must be at least 1, got ",
+            options.roulette_depth);
 }
 
 void PointSums::finish_batch(int size) {

@@ -9,6 +9,7 @@
 #include "lte/base/math.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/path_sampler.h"
 
 namespace lte::pathtrace {
 
@@ -22,12 +23,13 @@ struct IrradianceOptions {
   int roulette_depth = 3;
   /// Only direct light (depth 1) is wanted: the same values as with paths, which are left out.
   bool direct_only = false;
+  Sampling sampling = Sampling::Sobol;  ///< Random: to measure what stratification saves
 };
 
 /// Irradiance E = ∫ L cosθ dω by light group at unit gain, linear Rec.709, W/m².
 ///
 /// The paths of a point are cut into batches, each a point set of its own scrambling: 8 of them, 16
-/// from 256 rays on, as many as there are rays below 8. Batches are independent, so the spread of
+/// from 4,096 rays on, as many as there are rays below 8. Batches are independent, so the spread of
 /// their means is an unbiased estimate of the variance, stratification included. From so few it is
 /// itself known to 53 % (8 batches) or 37 % (16): average it over points before relying on it.
 struct Irradiance {

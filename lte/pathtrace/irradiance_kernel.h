@@ -7,7 +7,7 @@
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/pathtrace/irradiance.h"
-#include "lte/pathtrace/low_discrepancy.h"
+#include "lte/pathtrace/path_sampler.h"
 #include "lte/pathtrace/transport.h"
 
 namespace lte::pathtrace {
@@ -18,13 +18,15 @@ struct Batches {
   int count = 0, size = 0;
 };
 
-/// Few rays: up to 8 batches, so that a variance exists. Many: 8 or 16 batches of whole blocks of
-/// the (0, 2)-sequence.
+/// Few rays: up to 8 batches, so that a variance exists. Many: 8 batches, 16 from 4,096 rays on, of
+/// whole blocks of the sequence. More batches know the variance better and stratify less.
 Batches plan_batches(int rays);
 
-/// @throws lte::Error naming the first offending point or option.
-void check_irradiance_input(const Bvh& bvh, const Lights& lights, std::span<const Vec3> positions,
-                            std::span<const Vec3> normals, const IrradianceOptions& options);
+/// @throws lte::Error naming the first offending point: not finite, or a normal that is not unit.
+void check_points(std::span<const Vec3> positions, std::span<const Vec3> normals);
+
+/// @throws lte::Error naming the first option out of range.
+void check_irradiance_options(const IrradianceOptions& options);
 
 /// Sums of one point: by group, and by batch for the variance.
 class PointSums {
@@ -59,22 +61,22 @@ class PointSums {
 /// Paths from one point. @param position  relative to the frame origin, already off the surface
 template <typename Recorder>
 void trace_point(Transport<Recorder>& transport, const Lights& lights, const Vec3& position,
-                 const Vec3& normal, const Batches& batches, uint64_t seed, uint64_t stream,
-                 PointSums& sums) {
+                 const Vec3& normal, const Batches& batches, Sampling sampling, uint64_t seed,
+                 uint64_t stream, PointSums& sums) {
   sums.start_point();
-  // Two streams, so that the first vertex does not depend on how far paths go: direct light is the
-  // same at any depth.
-  Rng scrambles(seed, stream), rng(mix_bits(seed + 1), stream);
+  PathSampler sampler(sampling, seed, stream);
   const Rgb white{1, 1, 1};
   for (int batch = 0; batch < batches.count; ++batch) {
-    const PointSet points(scrambles);
-    for (uint32_t i = 0; i < static_cast<uint32_t>(batches.size) && !lights.empty(); ++i) {
-      transport.sample_light(position, normal, white, points.light_choice(i), points.light_point(i),
-                             1, sums);
+    sampler.start_set(batches.size);
+    for (int i = 0; i < batches.size && !lights.empty(); ++i) {
+      sampler.next_path();
+      transport.sample_light(position, normal, white, sampler.light_choice(0),
+                             sampler.light_point(0), 1, sums);
       PathState path;
       path.origin = position;
-      path.direction = cosine_direction(normal, points.direction(i), &path.pdf);
-      transport.follow(path, rng, sums);
+      path.normal = normal;
+      path.direction = cosine_direction(normal, sampler.direction(0), &path.pdf);
+      transport.follow(path, sampler, sums);
     }
     sums.finish_batch(batches.size);
   }
@@ -85,7 +87,9 @@ template <typename RecorderOf>
 Irradiance run_irradiance(const Bvh& bvh, const Lights& lights, std::span<const Vec3> positions,
                           std::span<const Vec3> normals, const IrradianceOptions& options,
                           int64_t first_index, const RecorderOf& recorder_of) {
-  check_irradiance_input(bvh, lights, positions, normals, options);
+  LTE_CHECK(&bvh.scene() == &lights.scene(), "the BVH and the lights are of two scenes");
+  check_irradiance_options(options);
+  check_points(positions, normals);
   const Batches batches = plan_batches(options.rays);
   const int max_depth = options.direct_only ? 1 : options.max_depth;
   const Vec3 frame = bvh.handles().origin;
@@ -108,7 +112,7 @@ Irradiance run_irradiance(const Bvh& bvh, const Lights& lights, std::span<const 
       // The offset follows the world coordinates: their rounding is what puts a point behind its
       // surface.
       const Vec3 origin = offset_origin(positions[i], normals[i], half_extent) - frame;
-      trace_point(transport, lights, origin, normals[i], batches, options.seed,
+      trace_point(transport, lights, origin, normals[i], batches, options.sampling, options.seed,
                   static_cast<uint64_t>(first_index + i), sums);
       sums.store(batches, i, &out);
       rays_traced += transport.rays_traced();

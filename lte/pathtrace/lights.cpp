@@ -12,6 +12,9 @@ namespace {
 /// Texture taps a side of the grid that estimates the mean emission of a textured triangle.
 constexpr int kTaps = 4;
 
+/// Emitters beyond which a tree draws them: its walk costs about as much as a shadow ray.
+constexpr size_t kTreeThreshold = 32;
+
 /// Share of a textured triangle's weight that ignores the texture, so that a bright texel between
 /// the taps is still drawn. The estimate stays unbiased whatever the weights are, as long as no
 /// emitting point has weight zero.
@@ -73,39 +76,7 @@ double punctual_power(const scene::PunctualLight& light, const Bounds& bounds) {
 
 }  // namespace
 
-AliasTable::AliasTable(const std::vector<double>& weights) {
-  double total = 0;
-  for (const double weight : weights) total += weight;
-  if (!(total > 0)) return;
-  const size_t count = weights.size();
-  threshold_.resize(count);
-  probability_.resize(count);
-  alias_.resize(count);
-  std::vector<double> scaled(count);
-  std::vector<uint32_t> small, large;
-  for (uint32_t i = 0; i < count; ++i) {
-    probability_[i] = static_cast<float>(weights[i] / total);
-    scaled[i] = weights[i] / total * static_cast<double>(count);
-    alias_[i] = i;
-    (scaled[i] < 1 ? small : large).push_back(i);
-  }
-  while (!small.empty() && !large.empty()) {
-    const uint32_t low = small.back(), high = large.back();
-    small.pop_back();
-    threshold_[low] = static_cast<float>(scaled[low]);
-    alias_[low] = high;
-    scaled[high] -= 1 - scaled[low];
-    if (scaled[high] < 1) {
-      large.pop_back();
-      small.push_back(high);
-    }
-  }
-  // What is left is 1 up to rounding, except entries without weight, which must stay undrawable.
-  for (const uint32_t i : large) threshold_[i] = 1;
-  for (const uint32_t i : small) threshold_[i] = weights[i] > 0 ? 1.0f : 0.0f;
-}
-
-Lights::Lights(const scene::Scene& scene)
+Lights::Lights(const scene::Scene& scene, LightChoice choice)
     : scene_(scene),
       groups_(static_cast<int>(scene.light_groups.size())),
       first_of_instance_(scene.instances.size(), -1) {
@@ -131,11 +102,79 @@ Lights::Lights(const scene::Scene& scene)
     groups_ = std::max(groups_, light.light_group + 1);
     weights.push_back(punctual_power(light, bounds));
   }
+  if (choice == LightChoice::EachGroup) equalize_groups(&weights);
+  uses_tree_ = choice == LightChoice::Tree ||
+               (choice == LightChoice::Automatic && weights.size() > kTreeThreshold);
+  if (uses_tree_) build_tree(weights);
   table_ = AliasTable(weights);
   if (table_.empty()) {  // all black or without area: nothing to find by sampling or by hitting
     std::fill(first_of_instance_.begin(), first_of_instance_.end(), -1);
     triangles_.clear();
   }
+}
+
+void Lights::equalize_groups(std::vector<double>* weights) const {
+  const auto group_of = [this](size_t i) {
+    const int group = i < triangles_.size() ? triangles_[i].light_group
+                                            : scene_.lights[i - triangles_.size()].light_group;
+    return static_cast<size_t>(group);
+  };
+  std::vector<double> totals(static_cast<size_t>(groups_));
+  for (size_t i = 0; i < weights->size(); ++i) totals[group_of(i)] += (*weights)[i];
+  for (size_t i = 0; i < weights->size(); ++i) {
+    const double total = totals[group_of(i)];
+    if (total > 0) (*weights)[i] /= total;
+  }
+}
+
+void Lights::build_tree(const std::vector<double>& weights) {
+  std::vector<LightCluster> clusters(weights.size());
+  for (size_t i = 0; i < weights.size(); ++i) {
+    LightCluster& cluster = clusters[i];
+    if (i < triangles_.size()) {
+      const EmissiveTriangle& light = triangles_[i];
+      for (const Vec3& corner : {light.p0, light.p0 + light.edge1, light.p0 + light.edge2})
+        cluster.bounds.extend(corner);
+      cluster.axis = light.normal;
+      cluster.two_sided = light.two_sided;
+      cluster.cos_e = 0;
+      cluster.power = static_cast<float>(weights[i] / (light.two_sided ? 2 * kPi : kPi));
+      continue;
+    }
+    const scene::PunctualLight& light = scene_.lights[i - triangles_.size()];
+    cluster.bounds.extend(light.position - origin_);
+    if (light.kind == scene::LightKind::Directional) {
+      if (weights[i] > 0) directional_.push_back(static_cast<uint32_t>(i));
+      continue;
+    }
+    cluster.power = luminance(light.intensity);
+    cluster.axis = light.direction;
+    const bool spot = light.kind == scene::LightKind::Spot;
+    cluster.cos_o = spot ? 1.0f : -1.0f;
+    cluster.cos_e = spot ? std::cos(light.outer_cone) - 1e-4f : 0.0f;
+  }
+  tree_ = LightTree(clusters);
+  const auto count = static_cast<float>(directional_.size());
+  directional_share_ = tree_.empty() ? 1.0f : count / (count + 1);
+}
+
+/// An entry of the table for the point; false if no light can reach it.
+bool Lights::choose(const Vec3& position, const Vec3& normal, double u, uint32_t* index,
+                    float* probability) const {
+  if (!uses_tree_) {
+    *index = table_.sample(u, probability);
+    return true;
+  }
+  if (u < directional_share_) {
+    const double place = u / directional_share_ * static_cast<double>(directional_.size());
+    *index = directional_[std::min(static_cast<size_t>(place), directional_.size() - 1)];
+    *probability = directional_share_ / static_cast<float>(directional_.size());
+    return true;
+  }
+  u = (u - directional_share_) / (1 - directional_share_);
+  if (!tree_.sample(position, normal, u, index, probability)) return false;
+  *probability *= 1 - directional_share_;
+  return true;
 }
 
 double Lights::add_triangle(int instance, uint32_t triangle) {
@@ -233,11 +272,12 @@ LightSample Lights::sample_punctual(const scene::PunctualLight& light, const Vec
   return sample;
 }
 
-LightSample Lights::sample_in_frame(const Vec3& position, double u_choice,
+LightSample Lights::sample_in_frame(const Vec3& position, const Vec3& normal, double u_choice,
                                     const Vec2& u_point) const {
   if (table_.empty()) return {};
   float probability = 0;
-  const uint32_t index = table_.sample(u_choice, &probability);
+  uint32_t index = 0;
+  if (!choose(position, normal, u_choice, &index, &probability)) return {};
   LightSample sample = index < triangles_.size()
                            ? sample_triangle(triangles_[index], position, u_point)
                            : sample_punctual(scene_.lights[index - triangles_.size()], position);

@@ -1,14 +1,13 @@
-// Internal: Owen-scrambled Sobol points in padded pairs (Burley, Practical Hash-based Owen
-// Scrambling, JCGT 2020).
+// Internal: the Sobol sequence and its Owen scrambling by hashing (Burley, Practical Hash-based
+// Owen Scrambling, JCGT 2020).
 #pragma once
 
+#include <array>
 #include <cstdint>
-
-#include "lte/base/math.h"
 
 namespace lte::pathtrace {
 
-inline uint32_t reverse_bits(uint32_t x) {
+constexpr uint32_t reverse_bits(uint32_t x) {
   x = __builtin_bswap32(x);
   x = ((x & 0x0f0f0f0fu) << 4) | ((x >> 4) & 0x0f0f0f0fu);
   x = ((x & 0x33333333u) << 2) | ((x >> 2) & 0x33333333u);
@@ -32,42 +31,71 @@ inline uint32_t owen_scramble(uint32_t x, uint32_t seed) {
 
 inline float to_unit(uint32_t x) { return static_cast<float>(x >> 8) * 0x1p-24f; }
 
-/// Second dimension of the Sobol sequence, whose generator matrix is Pascal's triangle mod 2;
-/// bit-reversed.
-inline uint32_t sobol_second_reversed(uint32_t index) {
-  uint32_t x = index;
-  x ^= (x & 0xaaaaaaaau) >> 1;
-  x ^= (x & 0xccccccccu) >> 2;
-  x ^= (x & 0xf0f0f0f0u) >> 4;
-  x ^= (x & 0xff00ff00u) >> 8;
-  x ^= (x & 0xffff0000u) >> 16;
-  return x;
+inline constexpr int kSobolDimensions = 26;
+
+/// One dimension's primitive polynomial, without its first and last coefficient, and the initial
+/// direction numbers: new-joe-kuo-6.21201 (Joe and Kuo 2008).
+struct SobolPolynomial {
+  int degree;  ///< 0 for the first dimension, the van der Corput sequence
+  uint32_t coefficients;
+  std::array<uint32_t, 7> initial;
+};
+
+inline constexpr std::array<SobolPolynomial, kSobolDimensions> kSobolPolynomials{{
+    {0, 0, {}},
+    {1, 0, {1}},
+    {2, 1, {1, 3}},
+    {3, 1, {1, 3, 1}},
+    {3, 2, {1, 1, 1}},
+    {4, 1, {1, 1, 3, 3}},
+    {4, 4, {1, 3, 5, 13}},
+    {5, 2, {1, 1, 5, 5, 17}},
+    {5, 4, {1, 1, 5, 5, 5}},
+    {5, 7, {1, 1, 7, 11, 19}},
+    {5, 11, {1, 1, 5, 1, 1}},
+    {5, 13, {1, 1, 1, 3, 11}},
+    {5, 14, {1, 3, 5, 5, 31}},
+    {6, 1, {1, 3, 3, 9, 7, 49}},
+    {6, 13, {1, 1, 1, 15, 21, 21}},
+    {6, 16, {1, 3, 1, 13, 27, 49}},
+    {6, 19, {1, 1, 1, 15, 7, 5}},
+    {6, 22, {1, 3, 1, 15, 13, 25}},
+    {6, 25, {1, 1, 5, 5, 19, 61}},
+    {7, 1, {1, 3, 7, 11, 23, 15, 103}},
+    {7, 4, {1, 3, 7, 13, 13, 15, 69}},
+    {7, 7, {1, 1, 3, 13, 7, 35, 63}},
+    {7, 8, {1, 3, 5, 9, 1, 25, 53}},
+    {7, 14, {1, 3, 1, 13, 9, 35, 107}},
+    {7, 19, {1, 3, 1, 5, 27, 61, 31}},
+    {7, 21, {1, 1, 5, 11, 19, 41, 61}},
+}};
+
+/// Bit-reversed direction numbers, [bit of the index][dimension]: what a set bit of the index
+/// flips.
+using SobolMatrix = std::array<std::array<uint32_t, kSobolDimensions>, 32>;
+
+constexpr SobolMatrix make_sobol_matrix() {
+  SobolMatrix matrix{};
+  for (int d = 0; d < kSobolDimensions; ++d) {
+    const SobolPolynomial& p = kSobolPolynomials[d];
+    std::array<uint32_t, 32> v{};
+    for (int k = 0; k < 32; ++k) {
+      if (p.degree == 0) {
+        v[k] = 1u << (31 - k);
+      } else if (k < p.degree) {
+        v[k] = p.initial[k] << (31 - k);
+      } else {
+        v[k] = v[k - p.degree] ^ (v[k - p.degree] >> p.degree);
+        for (int j = 1; j < p.degree; ++j) {
+          if ((p.coefficients >> (p.degree - 1 - j)) & 1) v[k] ^= v[k - j];
+        }
+      }
+      matrix[k][d] = reverse_bits(v[k]);
+    }
+  }
+  return matrix;
 }
 
-/// Five dimensions of one randomized point set: a pair for the first direction, a pair and a single
-/// for a light sample. Any aligned block of 2^k points has one in each elementary interval of each
-/// pair.
-class PointSet {
- public:
-  template <typename Random>
-  explicit PointSet(Random& random) {
-    for (uint32_t& seed : seeds_) seed = random.next_u32();
-  }
-  Vec2 direction(uint32_t index) const { return pair(index, seeds_[0], seeds_[1]); }
-  Vec2 light_point(uint32_t index) const {
-    return pair(owen_scramble(index, seeds_[2]), seeds_[3], seeds_[4]);
-  }
-  double light_choice(uint32_t index) const {
-    const uint32_t shuffled = owen_scramble(index, seeds_[5]);
-    return reverse_bits(scramble_reversed(shuffled, seeds_[6])) * 0x1p-32;
-  }
-
- private:
-  static Vec2 pair(uint32_t index, uint32_t seed_x, uint32_t seed_y) {
-    return {to_unit(reverse_bits(scramble_reversed(index, seed_x))),
-            to_unit(reverse_bits(scramble_reversed(sobol_second_reversed(index), seed_y)))};
-  }
-  uint32_t seeds_[7];
-};
+inline constexpr SobolMatrix kSobolMatrix = make_sobol_matrix();
 
 }  // namespace lte::pathtrace

@@ -4,7 +4,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
-#include "lte/pathtrace/low_discrepancy.h"
+#include "lte/pathtrace/path_sampler.h"
 #include "lte/pathtrace/transport.h"
 
 namespace lte::pathtrace {
@@ -144,15 +144,16 @@ image::Image render_reference(const Bvh& bvh, const Lights& lights, const scene:
     Transport transport(bvh, lights, options.max_depth, kRouletteDepth, none);
     for (int64_t pixel = begin * width; pixel < end * width; ++pixel) {
       const auto x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
-      Rng scrambles(options.seed, pixel), rng(mix_bits(options.seed + 1), pixel);
-      const PointSet points(scrambles);
+      PathSampler sampler(Sampling::Sobol, options.seed, static_cast<uint64_t>(pixel));
+      sampler.start_set(options.spp);
       PixelSum sum;
       for (int i = 0; i < options.spp; ++i) {
-        const Vec2 jitter = points.direction(i);
+        sampler.next_path();
+        const Vec2 jitter = sampler.direction(0);
         const Vec3 direction = camera.direction(
             (static_cast<float>(x) + jitter.x) / static_cast<float>(width),
             (static_cast<float>(y) + jitter.y) / static_cast<float>(height), aspect);
-        transport.follow(PathState{origin, direction}, rng, sum);
+        transport.follow(PathState{origin, direction, {}}, sampler, sum);
       }
       out.set_rgb(x, y, sum.mean(options.spp));
     }

@@ -11,9 +11,9 @@
 #include <cstdint>
 
 #include "lte/base/math.h"
-#include "lte/base/random.h"
 #include "lte/pathtrace/embree_scene.h"
 #include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/path_sampler.h"
 
 namespace lte::pathtrace {
 
@@ -25,6 +25,7 @@ struct NoRecorder {
 /// Where a path stands before its next ray.
 struct PathState {
   Vec3 origin, direction;  ///< relative to the frame origin; direction is unit
+  Vec3 normal;             ///< at the origin, of the side that the path left; zero for a camera
   Rgb throughput{1, 1, 1};
   float pdf = 0;  ///< solid-angle density of `direction`; 0 if no light sample competes with it (a
                   ///< camera ray)
@@ -59,12 +60,6 @@ inline Vec3 cosine_direction(const Vec3& normal, const Vec2& u, float* pdf) {
   return tangent * (radius * around.x) + bitangent * (radius * around.y) + normal * cosine;
 }
 
-inline double random_choice(Rng& rng) { return rng.next_u32() * 0x1p-32; }
-inline Vec2 random_pair(Rng& rng) {
-  const float x = rng.uniform();
-  return {x, rng.uniform()};
-}
-
 template <typename Recorder>
 class Transport {
  public:
@@ -85,7 +80,7 @@ class Transport {
   template <typename Sink>
   void sample_light(const Vec3& origin, const Vec3& normal, const Rgb& weight, double u_choice,
                     const Vec2& u_point, int depth, Sink& sink) {
-    const LightSample light = lights_.sample_in_frame(origin, u_choice, u_point);
+    const LightSample light = lights_.sample_in_frame(origin, normal, u_choice, u_point);
     const float cos_surface = dot(normal, light.direction);
     if (!(light.pdf > 0) || !(cos_surface > 0)) return;
     const float bsdf_pdf = cos_surface * (1 / kPi);
@@ -101,7 +96,7 @@ class Transport {
 
   /// Traces a path to its end. The first hit has depth 1.
   template <typename Sink>
-  void follow(PathState path, Rng& rng, Sink& sink) {
+  void follow(PathState path, PathSampler& sampler, Sink& sink) {
     for (int depth = 1; depth <= max_depth_; ++depth) {
       // The last ray can only find an area light.
       if (depth == max_depth_ && !lights_.has_area_lights()) return;
@@ -109,7 +104,7 @@ class Transport {
       recorder_.nearest(path.origin, path.direction);
       ++rays_traced_;
       if (!intersect(handles_.top, path.origin, path.direction, &hit)) return;
-      if (!shade(hit, depth, &path, rng, sink)) return;
+      if (!shade(hit, depth, &path, sampler, sink)) return;
     }
   }
 
@@ -119,7 +114,7 @@ class Transport {
 
   /// Emission, next-event estimation and the next direction at a hit; false ends the path.
   template <typename Sink>
-  bool shade(const RTCRayHit& hit, int depth, PathState* path, Rng& rng, Sink& sink) {
+  bool shade(const RTCRayHit& hit, int depth, PathState* path, PathSampler& sampler, Sink& sink) {
     const auto instance = static_cast<int>(hit.hit.instID[0]);
     const InstanceRecord& record = handles_.instances[instance];
     const bool last = depth == max_depth_;
@@ -134,8 +129,8 @@ class Transport {
     const float cos_front = -dot(point.normal, path->direction);
     if (record.emissive && (cos_front > 0 || record.two_sided)) {
       const float distance = hit.ray.tfar;
-      const float weight = light_weight(instance, hit.hit.primID, distance * distance,
-                                        std::fabs(cos_front), path->pdf);
+      const float weight =
+          light_weight(*path, instance, hit.hit.primID, distance * distance, std::fabs(cos_front));
       sink.add(record.light_group, depth, path->throughput * emission * weight);
     }
     if (last) return false;
@@ -143,27 +138,30 @@ class Transport {
     if (!(max_component(path->throughput) > 0)) return false;
     const Vec3 side = cos_front >= 0 ? point.normal : -point.normal;
     const Vec3 origin = point.position + side * point.offset;
-    const double u_choice = random_choice(rng);
-    const Vec2 u_point = random_pair(rng);
+    const double u_choice = sampler.light_choice(depth);
+    const Vec2 u_point = sampler.light_point(depth);
     sample_light(origin, side, path->throughput, u_choice, u_point, depth + 1, sink);
-    if (depth >= roulette_depth_ && !survive(&path->throughput, rng)) return false;
+    if (depth >= roulette_depth_ && !survive(&path->throughput, sampler.roulette(depth)))
+      return false;
     path->origin = origin;
-    path->direction = cosine_direction(side, random_pair(rng), &path->pdf);
+    path->normal = side;
+    path->direction = cosine_direction(side, sampler.direction(depth), &path->pdf);
     return true;
   }
 
   /// Balance heuristic for a light met by hitting it.
-  float light_weight(int instance, uint32_t triangle, float distance2, float cos_light,
-                     float pdf) const {
-    if (!(pdf > 0)) return 1;
-    const float light_pdf = lights_.pdf(instance, triangle, distance2, cos_light);
-    return pdf / (pdf + light_pdf);
+  float light_weight(const PathState& path, int instance, uint32_t triangle, float distance2,
+                     float cos_light) const {
+    if (!(path.pdf > 0)) return 1;
+    const float light_pdf =
+        lights_.pdf(path.origin, path.normal, instance, triangle, distance2, cos_light);
+    return path.pdf / (path.pdf + light_pdf);
   }
 
-  static bool survive(Rgb* throughput, Rng& rng) {
+  static bool survive(Rgb* throughput, float u) {
     const float probability = max_component(*throughput);
     if (probability >= 1) return true;
-    if (rng.uniform() >= probability) return false;
+    if (u >= probability) return false;
     *throughput *= 1 / probability;
     return true;
   }

@@ -189,10 +189,13 @@ class Exporter {
     json()["cameras"].push_back({{"name", camera.name},
                                  {"type", "perspective"},
                                  {"perspective", {{"yfov", yfov}, {"znear", 0.01}}}});
-    json()["nodes"].push_back(
-        {{"name", camera.name},
-         {"camera", json()["cameras"].size() - 1},
-         {"matrix", to_matrix(looking(camera.origin, camera.target - camera.origin, camera.up))}});
+    Affine frame = looking(camera.origin, camera.target - camera.origin, camera.up);
+    if (camera.mirrored) {
+      for (std::array<float, 4>& row : frame.m) row[0] = -row[0];
+    }
+    json()["nodes"].push_back({{"name", camera.name},
+                               {"camera", json()["cameras"].size() - 1},
+                               {"matrix", to_matrix(frame)}});
   }
 
   const Scene& scene_;

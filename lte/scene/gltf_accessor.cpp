@@ -2,16 +2,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
+#include <utility>
 
 #include "lte/base/check.h"
 #include "lte/scene/gltf_import.h"
 
 namespace lte::scene::gltf {
 namespace {
-
-/// An accessor without a buffer view is all zeros. No file needs many, and a count costs a hostile
-/// one nothing.
-constexpr uint64_t kMaxZeros = uint64_t{1} << 20;
 
 template <typename T>
 T read(const std::byte* at) {
@@ -50,17 +48,35 @@ Bytes elements(Bytes view, uint64_t offset, uint64_t count, uint64_t stride, uin
 
 }  // namespace
 
-Accessor::Accessor(const Context& context, int index, const std::string& what)
-    : what_(concat(context.file.name, ": ", what)) {
+const tinygltf::Accessor& Accessor::set_types(const Context& context, int index, bool matrix) {
   const tinygltf::Accessor& accessor = context.model.accessors[static_cast<size_t>(index)];
   type_ = accessor.componentType;
   components_ = tinygltf::GetNumComponentsInType(static_cast<uint32_t>(accessor.type));
-  LTE_CHECK(components_ <= 4 && accessor.type != TINYGLTF_TYPE_MAT2, what_,
-            ": a matrix cannot be an attribute");
+  if (matrix) {
+    LTE_CHECK(accessor.type == TINYGLTF_TYPE_MAT4 && type_ == TINYGLTF_COMPONENT_TYPE_FLOAT, what_,
+              " must hold MAT4 of floats");
+  } else {
+    LTE_CHECK(components_ <= 4 && accessor.type != TINYGLTF_TYPE_MAT2, what_,
+              ": a matrix cannot be an attribute");
+  }
   normalized_ = accessor.normalized;
+  stride_ = component_size(type_) * static_cast<size_t>(components_);
+  return accessor;
+}
+
+Accessor::Accessor(const Context& context, int index, const std::string& what,
+                   std::vector<std::byte> bytes, size_t count)
+    : what_(concat(context.file.name, ": ", what)), count_(count), copy_(std::move(bytes)) {
+  set_types(context, index, /*matrix=*/false);
+  data_ = copy_.data();
+}
+
+Accessor::Accessor(const Context& context, int index, const std::string& what,
+                   const AccessorUse& use)
+    : what_(concat(context.file.name, ": ", what)) {
+  const tinygltf::Accessor& accessor = set_types(context, index, use.matrix);
   count_ = accessor.count;
-  const size_t size = component_size(type_) * static_cast<size_t>(components_);
-  stride_ = size;
+  const size_t size = stride_;
   Bytes dense;
   if (accessor.bufferView >= 0) {
     const tinygltf::BufferView& view =
@@ -71,8 +87,8 @@ Accessor::Accessor(const Context& context, int index, const std::string& what)
     dense = elements(context.buffers.view(accessor.bufferView), accessor.byteOffset, count_,
                      stride_, size, what_);
   } else {
-    LTE_CHECK(count_ <= kMaxZeros, what_, ": an accessor without bufferView has ", count_,
-              " elements, more than the ", kMaxZeros, " that are allowed");
+    LTE_CHECK(count_ <= use.zeros, what_, ": an accessor without bufferView has ", count_,
+              " elements, more than the ", use.zeros, " that are allowed");
   }
   data_ = dense.data();
   if (accessor.bufferView < 0 || accessor.sparse.isSparse) apply_sparse(context, accessor, dense);
@@ -139,5 +155,31 @@ std::vector<uint32_t> Accessor::read_indices() const {
   for (size_t i = 0; i < count_; ++i) out[i] = read_index(element(i), type_);
   return out;
 }
+
+template <typename T>
+std::vector<T> gather(const Accessor& accessor, int components, const std::vector<uint32_t>& kept) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  LTE_CHECK(accessor.components() >= components, accessor.what(), " has ", accessor.components(),
+            " components, expected ", components);
+  std::vector<T> out(kept.empty() ? accessor.count() : kept.size());
+  const bool whole = kept.empty() && accessor.component_type() == TINYGLTF_COMPONENT_TYPE_FLOAT;
+  for (size_t i = 0; i < out.size(); ++i) {
+    const size_t source = kept.empty() ? i : kept[i];
+    float* values = &out[i].x;
+    bool finite = true;
+    if (whole) {
+      std::memcpy(values, accessor.element(source), sizeof(T));
+      for (int c = 0; c < components; ++c) finite &= std::isfinite(values[c]);
+    } else {
+      for (int c = 0; c < components; ++c)
+        finite &= std::isfinite(values[c] = accessor.value(source, c));
+    }
+    LTE_CHECK(finite, accessor.what(), ": vertex ", source, " is not finite");
+  }
+  return out;
+}
+
+template std::vector<Vec2> gather(const Accessor&, int, const std::vector<uint32_t>&);
+template std::vector<Vec3> gather(const Accessor&, int, const std::vector<uint32_t>&);
 
 }  // namespace lte::scene::gltf

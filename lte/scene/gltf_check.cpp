@@ -85,6 +85,10 @@ void check_material(const Element& material) {
   check_non_negative(pbr, "baseColorFactor");
   check_texture_info(pbr, "baseColorTexture");
   check_texture_info(pbr, "metallicRoughnessTexture");
+  const Element glossy = material.at("extensions").at("KHR_materials_pbrSpecularGlossiness");
+  glossy.numbers("diffuseFactor", 4);
+  check_non_negative(glossy, "diffuseFactor");
+  check_texture_info(glossy, "diffuseTexture");
   pbr.number("metallicFactor");
   check_texture_info(material, "normalTexture");
   check_texture_info(material, "occlusionTexture");
@@ -105,17 +109,60 @@ void check_material(const Element& material) {
   material.text("alphaMode");
 }
 
-void check_primitive(const Element& primitive) {
-  primitive.require(primitive.has("attributes"), " has no attributes");
-  const Element attributes = primitive.at("attributes");
+void check_attributes(const Element& attributes) {
   for (const auto& [name, value] : attributes.json().items()) {
     attributes.check_index(value, "." + name, "accessors");
+  }
+}
+
+void check_primitive(const Element& primitive) {
+  primitive.require(primitive.has("attributes"), " has no attributes");
+  check_attributes(primitive.at("attributes"));
+  primitive.each("targets", check_attributes);
+  const Element draco = primitive.at("extensions").at("KHR_draco_mesh_compression");
+  if (!draco.json().empty()) {
+    draco.needs_index("bufferView", "bufferViews");
+    draco.require(draco.has("attributes"), " has no attributes");
+    for (const auto& [name, value] : draco.at("attributes").json().items())
+      draco.at("attributes").natural(name.c_str());
   }
   primitive.index("indices", "accessors");
   primitive.index("material", "materials");
   primitive.natural("mode");
   if (primitive.has("mode"))
     primitive.require(primitive.json()["mode"] <= 6, ".mode must be 0 to 6");
+}
+
+/// Morph weights belong to the targets of a mesh, which all of its primitives have alike.
+void check_mesh(const Element& mesh) {
+  mesh.each("primitives", check_primitive);
+  const Json none = Json::array();
+  const Json& primitives = mesh.has("primitives") ? mesh.json()["primitives"] : none;
+  const auto targets = [&](size_t k) {
+    return primitives[k].contains("targets") ? primitives[k]["targets"].size() : 0;
+  };
+  for (size_t k = 1; k < primitives.size(); ++k) {
+    mesh.require(targets(k) == targets(0), ".primitives[", k, "] has ", targets(k),
+                 " morph targets, but primitives[0] has ", targets(0));
+  }
+  mesh.numbers("weights", primitives.empty() ? 0 : targets(0));
+}
+
+void check_node_pose(const Element& node) {
+  node.index("skin", "skins");
+  if (!node.has("weights")) return;
+  node.require(node.has("mesh"), " has weights, but no mesh");
+  const Json& mesh = node.root()["meshes"][node.json()["mesh"].get<size_t>()];
+  const Json::json_pointer targets("/primitives/0/targets");
+  node.numbers("weights", mesh.contains(targets) ? mesh[targets].size() : 0);
+}
+
+void check_skin(const Element& skin) {
+  skin.require(skin.has("joints"), " has no joints");
+  skin.indices("joints", "nodes");
+  skin.require(!skin.json()["joints"].empty(), ".joints is empty");
+  skin.index("inverseBindMatrices", "accessors");
+  skin.index("skeleton", "nodes");
 }
 
 void check_node(const Element& node) {
@@ -127,6 +174,8 @@ void check_node(const Element& node) {
   node.numbers("rotation", 4);
   node.numbers("scale", 3);
   node.text("name");
+  check_node_pose(node);
+  check_attributes(node.at("extensions").at("EXT_mesh_gpu_instancing").at("attributes"));
   const Element punctual = node.at("extensions").at("KHR_lights_punctual");
   if (!punctual.has("light")) return;
   const Json::json_pointer lights("/extensions/KHR_lights_punctual/lights");
@@ -183,8 +232,9 @@ void check_asset(const File& file, const Element& root) {
   root.require(root.json()["extensionsRequired"].is_array(), "extensionsRequired must be an array");
   for (const Json& item : root.json()["extensionsRequired"]) {
     root.require(item.is_string(), "extensionsRequired must hold strings");
-    LTE_CHECK(is_supported_extension(item.get<std::string>()), file.name, ": requires extension ",
-              item.get<std::string>(), ", which lte lacks");
+    const auto& name = item.get_ref<const std::string&>();
+    LTE_CHECK(is_supported_extension(name) || !dropped_with(name).empty(), file.name,
+              ": requires extension ", name, ", which lte lacks");
   }
 }
 
@@ -221,10 +271,12 @@ void check_document(const File& file) {
   });
   root.each("textures", [](const Element& texture) {
     texture.index("source", "images");
+    texture.at("extensions").at("EXT_texture_webp").index("source", "images");
     texture.index("sampler", "samplers");
   });
   root.each("materials", check_material);
-  root.each("meshes", [](const Element& mesh) { mesh.each("primitives", check_primitive); });
+  root.each("meshes", check_mesh);
+  root.each("skins", check_skin);
   root.each("cameras", check_camera);
   root.at("extensions").at("KHR_lights_punctual").each("lights", check_light);
   root.each("nodes", check_node);

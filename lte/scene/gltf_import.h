@@ -1,7 +1,7 @@
 // The parts of the glTF importer, and what they share.
 #pragma once
 
-#include <map>
+#include <compare>
 #include <memory>
 #include <string>
 #include <utility>
@@ -9,25 +9,15 @@
 
 #include <tiny_gltf.h>
 
+#include "lte/base/check.h"
 #include "lte/scene/gltf_file.h"
 #include "lte/scene/load.h"
+#include "lte/scene/notes.h"
 #include "lte/scene/scene.h"
 
 namespace lte::scene::gltf {
 
-/// Counts of what the importer leaves out, for Scene::ignored.
-class Notes {
- public:
-  /// @param what  e.g. "extension KHR_materials_sheen"
-  /// @param unit  what is counted, singular, e.g. "material"
-  void add(const std::string& what, const std::string& unit, int64_t count = 1) {
-    counts_[{what, unit}] += count;
-  }
-  std::vector<std::string> lines() const;
-
- private:
-  std::map<std::pair<std::string, std::string>, int64_t> counts_;
-};
+using scene::Notes;
 
 /// What every part reads, and the notes it adds to.
 struct Context {
@@ -38,8 +28,8 @@ struct Context {
   Notes& notes;
 };
 
-/// The document as tinygltf understands it, without buffers, images, animations and skins, which it
-/// never sees.
+/// The document as tinygltf understands it, without buffers, images and animations, which it never
+/// sees.
 /// @note Leaves only "images" in file->json: embedded buffers may be most of a document, and are
 /// decoded by now.
 tinygltf::Model parse_model(File* file);
@@ -48,13 +38,25 @@ tinygltf::Model parse_model(File* file);
 void note_extensions(const tinygltf::ExtensionMap& extensions, const std::string& unit,
                      Notes* notes);
 
-/// Elements of an accessor where they lie in the file, or, for sparse ones, in a copy.
+/// What a use of an accessor allows.
+struct AccessorUse {
+  bool matrix = false;  ///< MAT4 is wanted; otherwise matrices are refused
+  /// Elements that may be zeros without a byte in the file. No file needs many, and a count costs a
+  /// hostile one nothing.
+  uint64_t zeros = uint64_t{1} << 20;
+};
+
+/// Elements of an accessor where they lie in the file, or, for sparse or compressed ones, in a
+/// copy.
 class Accessor {
  public:
   /// @param what  the attribute that uses it, for messages: "meshes[0].primitives[1].POSITION"
   /// @throws lte::Error if elements lie outside the buffer view, or zeros are asked for beyond
   /// reason.
-  Accessor(const Context& context, int index, const std::string& what);
+  Accessor(const Context& context, int index, const std::string& what, const AccessorUse& use = {});
+  /// The accessor's types over `count` elements that lie tightly in `bytes` instead.
+  Accessor(const Context& context, int index, const std::string& what, std::vector<std::byte> bytes,
+           size_t count);
   Accessor(const Accessor&) = delete;
   Accessor& operator=(const Accessor&) = delete;
 
@@ -74,6 +76,7 @@ class Accessor {
   std::vector<uint32_t> read_indices() const;
 
  private:
+  const tinygltf::Accessor& set_types(const Context& context, int index, bool matrix);
   void apply_sparse(const Context& context, const tinygltf::Accessor& accessor, Bytes dense);
 
   std::string what_;
@@ -84,17 +87,91 @@ class Accessor {
   std::vector<std::byte> copy_;
 };
 
+/// The first `components` floats of the elements that `kept` names, or of all if it is empty.
+/// @throws lte::Error naming the first element that is not finite.
+template <typename T>
+std::vector<T> gather(const Accessor& accessor, int components, const std::vector<uint32_t>& kept);
+
+/// The same, of an attribute that must have one element for each of `vertices`.
+template <typename T>
+std::vector<T> gather_vertices(const Accessor& accessor, int components, size_t vertices,
+                               const std::vector<uint32_t>& kept) {
+  LTE_CHECK(accessor.count() == vertices, accessor.what(), " has ", accessor.count(),
+            " elements, but there are ", vertices, " vertices");
+  return gather<T>(accessor, components, kept);
+}
+
+/// Where the vertices of a primitive come from: its accessors, or KHR_draco_mesh_compression.
+class PrimitiveSource {
+ public:
+  /// @throws lte::Error if the compressed data are broken or larger than the accessors say.
+  PrimitiveSource(const Context& context, const tinygltf::Primitive& primitive, std::string place);
+  ~PrimitiveSource();
+
+  bool has(const std::string& attribute) const;
+  /// @param attribute  one that has() knows
+  std::unique_ptr<Accessor> attribute(const std::string& attribute) const;
+  /// Vertex numbers in drawing order, all of them below `vertices`.
+  std::vector<uint32_t> order(size_t vertices) const;
+  const std::string& place() const { return place_; }
+
+ private:
+  class Compressed;
+  const Context& context_;
+  const tinygltf::Primitive& primitive_;
+  std::string place_;
+  std::unique_ptr<Compressed> compressed_;
+};
+
+/// A mesh of the file in the pose that a node gives it at rest; nodes that agree share one.
+struct Shape {
+  int mesh = 0;
+  std::vector<double> weights;  ///< of morph targets; empty if none has an effect
+  int skin = kNone;             ///< its vertices are then in the world already
+  auto operator<=>(const Shape&) const = default;
+};
+
+/// A node that is part of the scene.
+struct Placement {
+  int node = 0;
+  Affine to_world;
+  int shape = kNone;     ///< index into the shapes that find_shapes() returns
+  bool skinned = false;  ///< that shape is in the world already
+};
+
+/// What the nodes show, in the order of their meshes in the file; sets Placement::shape and
+/// ::skinned.
+std::vector<Shape> find_shapes(const Context& context, std::vector<Placement>* placements);
+
+/// The rest pose of a skin: joint to world times inverse bind matrix, one a joint.
+/// @throws lte::Error naming a joint that is not in the scene, or a matrix that is not affine.
+std::vector<Affine> joint_matrices(const Context& context, int skin,
+                                   const std::vector<Placement>& placements);
+
+/// One primitive whose mesh is under construction.
+struct Deformation {
+  const Context& context;
+  const tinygltf::Primitive& primitive;
+  const PrimitiveSource& source;
+  size_t vertices = 0;                ///< in the file
+  const std::vector<uint32_t>& kept;  ///< those in the mesh; empty for all
+};
+
+/// Adds the morph targets, weighted, to positions, texture coordinates and colours.
+void apply_morph(const Deformation& deformation, const std::vector<double>& weights, Mesh* mesh);
+/// Brings the positions into the world. Triangles that the joints mirror are turned around.
+void apply_skin(const Deformation& deformation, const std::vector<Affine>& joints, Mesh* mesh);
+
 /// Meshes of the file, one a triangle primitive, in the order of the file.
 struct MeshTable {
   std::vector<Mesh> meshes;
-  std::vector<std::vector<int>>
-      of_gltf;  ///< indices into `meshes` for each mesh of the file; empty if unused
+  std::vector<std::vector<int>> of_shape;  ///< indices into `meshes` for each shape
   bool needs_default_material =
       false;  ///< some mesh has `material` == number of materials of the file
 };
 
-/// Converts the meshes that `used` marks.
-MeshTable read_meshes(const Context& context, const std::vector<bool>& used);
+MeshTable read_meshes(const Context& context, const std::vector<Shape>& shapes,
+                      const std::vector<Placement>& placements);
 
 /// All materials of the file. TextureRef::texture is an index into the file's images; see
 /// read_textures().
@@ -105,16 +182,14 @@ std::vector<Material> read_materials(const Context& context);
 std::vector<std::shared_ptr<const Texture>> read_textures(const Context& context, Buffers* buffers,
                                                           std::vector<Material>* materials);
 
-/// A node that is part of the scene.
-struct Placement {
-  int node = 0;
-  Affine to_world;
-};
-
 /// Nodes of the default scene, depth first in the order of the file.
 /// @throws lte::Error for a cycle, a node with two parents, excessive depth or a transform that is
 /// not finite and affine.
 std::vector<Placement> place_nodes(const Context& context);
+
+/// Where a node puts its mesh: once, or as EXT_mesh_gpu_instancing lists.
+/// @throws lte::Error if the lists differ in length or hold what is not finite.
+std::vector<Affine> instance_transforms(const Context& context, const Placement& placement);
 
 Camera make_camera(const tinygltf::Camera& camera, const tinygltf::Node& node,
                    const Affine& to_world);

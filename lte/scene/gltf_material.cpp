@@ -21,13 +21,21 @@ Vec2 to_vec2(const tinygltf::Value& values) {
           static_cast<float>(values.Get(1).GetNumberAsDouble())};
 }
 
+/// The WebP picture comes first: the other one is for readers that lack it.
+int to_image(const tinygltf::Texture& texture) {
+  const auto webp = texture.extensions.find("EXT_texture_webp");
+  if (webp == texture.extensions.end() || !webp->second.Has("source")) return texture.source;
+  return webp->second.Get("source").GetNumberAsInt();
+}
+
 /// Texture reference with the file's image as its index; kNone if lte cannot follow it.
 TextureRef to_ref(const Context& context, const tinygltf::TextureInfo& info) {
   TextureRef ref;
   if (info.index < 0) return ref;
   const tinygltf::Texture& texture = context.model.textures[static_cast<size_t>(info.index)];
-  if (texture.source < 0) {
-    context.notes.add("texture without a PNG or JPEG source", "use");
+  const int image = to_image(texture);
+  if (image < 0) {
+    context.notes.add("texture without a PNG, JPEG or WebP source", "use");
     return ref;
   }
   ref.uv_set = info.texCoord;
@@ -44,11 +52,11 @@ TextureRef to_ref(const Context& context, const tinygltf::TextureInfo& info) {
       ref.rotation = static_cast<float>(transform.Get("rotation").GetNumberAsDouble());
     if (transform.Has("texCoord")) ref.uv_set = transform.Get("texCoord").GetNumberAsInt();
   }
-  if (ref.uv_set > 1 || ref.uv_set < 0) {
-    context.notes.add("texture coordinates beyond TEXCOORD_1", "use");
+  if (ref.uv_set >= kUvSets || ref.uv_set < 0) {
+    context.notes.add(concat("texture coordinates beyond TEXCOORD_", kUvSets - 1), "use");
     return {};
   }
-  ref.texture = texture.source;
+  ref.texture = image;
   return ref;
 }
 
@@ -64,6 +72,36 @@ void note_ignored(const tinygltf::Material& material, Notes* notes) {
     notes->add("metallicFactor", "material");
 }
 
+/// Texture of an extension, which tinygltf keeps as JSON.
+tinygltf::TextureInfo to_info(const tinygltf::Value& value) {
+  tinygltf::TextureInfo info;
+  info.index = value.Get("index").GetNumberAsInt();
+  if (value.Has("texCoord")) info.texCoord = value.Get("texCoord").GetNumberAsInt();
+  if (value.Has("extensions") && value.Get("extensions").Has("KHR_texture_transform")) {
+    info.extensions["KHR_texture_transform"] = value.Get("extensions").Get("KHR_texture_transform");
+  }
+  return info;
+}
+
+/// The older specular-glossiness model keeps the colour of a surface apart; it comes first, as it
+/// does for every reader that has it.
+void read_base_color(const Context& context, const tinygltf::Material& source, Material* material) {
+  const auto glossy = source.extensions.find("KHR_materials_pbrSpecularGlossiness");
+  if (glossy == source.extensions.end()) {
+    material->base_color = to_rgb(source.pbrMetallicRoughness.baseColorFactor, {1, 1, 1});
+    material->base_color_texture = to_ref(context, source.pbrMetallicRoughness.baseColorTexture);
+    return;
+  }
+  if (glossy->second.Has("diffuseFactor")) {
+    for (int c = 0; c < 3; ++c) {
+      material->base_color[c] =
+          static_cast<float>(glossy->second.Get("diffuseFactor").Get(c).GetNumberAsDouble());
+    }
+  }
+  if (glossy->second.Has("diffuseTexture"))
+    material->base_color_texture = to_ref(context, to_info(glossy->second.Get("diffuseTexture")));
+}
+
 }  // namespace
 
 std::vector<Material> read_materials(const Context& context) {
@@ -73,8 +111,7 @@ std::vector<Material> read_materials(const Context& context) {
     note_ignored(source, &context.notes);
     Material material;
     material.name = source.name.empty() ? concat("material ", i) : source.name;
-    material.base_color = to_rgb(source.pbrMetallicRoughness.baseColorFactor, {1, 1, 1});
-    material.base_color_texture = to_ref(context, source.pbrMetallicRoughness.baseColorTexture);
+    read_base_color(context, source, &material);
     material.double_sided = source.doubleSided;
     material.emission = to_rgb(source.emissiveFactor, {0, 0, 0});
     const auto strength = source.extensions.find("KHR_materials_emissive_strength");

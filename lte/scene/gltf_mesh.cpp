@@ -1,8 +1,6 @@
 // Triangle primitives to meshes.
-#include <algorithm>
-#include <cmath>
 #include <cstring>
-#include <numeric>
+#include <string_view>
 #include <utility>
 
 #include "lte/base/check.h"
@@ -34,44 +32,65 @@ std::vector<std::array<uint32_t, 3>> assemble(const std::vector<uint32_t>& order
   return out;
 }
 
+/// The number n of an attribute TEXCOORD_n that a mesh has room for, or kNone.
+int uv_set_of(const std::string& attribute) {
+  constexpr std::string_view kPrefix = "TEXCOORD_";
+  if (!attribute.starts_with(kPrefix) || attribute.size() != kPrefix.size() + 1) return kNone;
+  const int set = attribute.back() - '0';
+  return set >= 0 && set < kUvSets ? set : kNone;
+}
+
 class MeshReader {
  public:
-  MeshReader(const Context& context, MeshTable* table) : context_(context), table_(table) {}
+  MeshReader(const Context& context, const std::vector<Placement>& placements, MeshTable* table)
+      : context_(context), placements_(placements), table_(table) {}
 
-  void read(int gltf_mesh) {
-    const tinygltf::Mesh& mesh = context_.model.meshes[static_cast<size_t>(gltf_mesh)];
+  void read(const Shape& shape) {
+    table_->of_shape.emplace_back();
+    joints_.clear();
+    if (shape.skin != kNone) joints_ = joint_matrices(context_, shape.skin, placements_);
+    const tinygltf::Mesh& mesh = context_.model.meshes[static_cast<size_t>(shape.mesh)];
     note_extensions(mesh.extensions, "mesh", &context_.notes);
     for (size_t k = 0; k < mesh.primitives.size(); ++k) {
-      const std::string place = concat("meshes[", gltf_mesh, "].primitives[", k, "]");
-      std::string name = mesh.name.empty() ? concat("mesh ", gltf_mesh) : mesh.name;
+      const std::string place = concat("meshes[", shape.mesh, "].primitives[", k, "]");
+      std::string name = mesh.name.empty() ? concat("mesh ", shape.mesh) : mesh.name;
       if (mesh.primitives.size() > 1) name += concat("/", k);
-      read_primitive(mesh.primitives[k], gltf_mesh, place, std::move(name));
+      read_primitive(mesh.primitives[k], shape, place, std::move(name));
     }
   }
 
  private:
-  void read_primitive(const tinygltf::Primitive& primitive, int gltf_mesh, const std::string& place,
-                      std::string name) {
+  /// Whether it draws triangles; what does not is noted.
+  bool has_triangles(const tinygltf::Primitive& primitive) {
     Notes& notes = context_.notes;
     note_extensions(primitive.extensions, "primitive", &notes);
-    if (!primitive.targets.empty()) notes.add("morph targets", "primitive");
     if (primitive.mode < TINYGLTF_MODE_TRIANGLES) {
       notes.add(primitive.mode == TINYGLTF_MODE_POINTS ? "points" : "lines", "primitive");
-      return;
+      return false;
     }
-    const auto position = primitive.attributes.find("POSITION");
-    if (position == primitive.attributes.end()) {
+    if (primitive.attributes.count("POSITION") == 0) {
       notes.add("no POSITION", "primitive");
-      return;
+      return false;
     }
-    const Accessor positions(context_, position->second, place + ".POSITION");
-    std::vector<uint32_t> order = read_order(primitive, positions, place);
-    if (primitive.mode == TINYGLTF_MODE_TRIANGLES && order.size() % 3 != 0)
-      notes.add("incomplete triangle", "primitive");
-    triangles_ +=
-        static_cast<int64_t>(order.size() / (primitive.mode == TINYGLTF_MODE_TRIANGLES ? 3 : 1));
+    return true;
+  }
+
+  void count_triangles(size_t corners, int mode, const std::string& place) {
+    if (mode == TINYGLTF_MODE_TRIANGLES && corners % 3 != 0)
+      context_.notes.add("incomplete triangle", "primitive");
+    triangles_ += static_cast<int64_t>(corners / (mode == TINYGLTF_MODE_TRIANGLES ? 3 : 1));
     LTE_CHECK(triangles_ <= context_.limits.triangles, context_.file.name, ": more than ",
               context_.limits.triangles, " triangles, at ", place);
+  }
+
+  void read_primitive(const tinygltf::Primitive& primitive, const Shape& shape,
+                      const std::string& place, std::string name) {
+    if (!has_triangles(primitive)) return;
+    const PrimitiveSource source(context_, primitive, place);
+    const std::unique_ptr<Accessor> positions = source.attribute("POSITION");
+    const size_t vertices = positions->count();
+    std::vector<uint32_t> order = source.order(vertices);
+    count_triangles(order.size(), primitive.mode, place);
 
     Mesh mesh;
     mesh.name = std::move(name);
@@ -80,49 +99,30 @@ class MeshReader {
       mesh.material = static_cast<int>(context_.model.materials.size());
       table_->needs_default_material = true;
     }
-    const std::vector<uint32_t> kept = compact(positions.count(), &order);
+    const std::vector<uint32_t> kept = compact(vertices, &order);
     mesh.triangles = assemble(order, primitive.mode);
     if (mesh.triangles.empty()) return;
-    mesh.positions = gather<Vec3>(positions, 3, kept);
-    read_attributes(primitive, positions.count(), kept, place, &mesh);
-    table_->of_gltf[static_cast<size_t>(gltf_mesh)].push_back(
-        static_cast<int>(table_->meshes.size()));
+    mesh.positions = gather<Vec3>(*positions, 3, kept);
+    read_attributes(source, primitive, vertices, kept, &mesh);
+    const Deformation deformation{context_, primitive, source, vertices, kept};
+    if (!shape.weights.empty()) apply_morph(deformation, shape.weights, &mesh);
+    if (shape.skin != kNone) apply_skin(deformation, joints_, &mesh);
+    table_->of_shape.back().push_back(static_cast<int>(table_->meshes.size()));
     table_->meshes.push_back(std::move(mesh));
   }
 
-  void read_attributes(const tinygltf::Primitive& primitive, size_t vertices,
-                       const std::vector<uint32_t>& kept, const std::string& place, Mesh* mesh) {
+  void read_attributes(const PrimitiveSource& source, const tinygltf::Primitive& primitive,
+                       size_t vertices, const std::vector<uint32_t>& kept, Mesh* mesh) const {
     for (const auto& [name, index] : primitive.attributes) {
-      const bool uv = name == "TEXCOORD_0" || name == "TEXCOORD_1";
-      if (!uv && name != "COLOR_0") continue;
-      const Accessor accessor(context_, index, place + "." + name);
-      LTE_CHECK(accessor.count() == vertices, accessor.what(), " has ", accessor.count(),
-                " elements, but there are ", vertices, " vertices");
-      if (uv) {
-        mesh->uvs[name.back() == '0' ? 0 : 1] = gather<Vec2>(accessor, 2, kept);
+      const int set = uv_set_of(name);
+      if (set == kNone && name != "COLOR_0") continue;
+      const std::unique_ptr<Accessor> accessor = source.attribute(name);
+      if (set != kNone) {
+        mesh->uvs[static_cast<size_t>(set)] = gather_vertices<Vec2>(*accessor, 2, vertices, kept);
       } else {
-        mesh->colors = gather<Rgb>(accessor, 3, kept);
+        mesh->colors = gather_vertices<Rgb>(*accessor, 3, vertices, kept);
       }
     }
-  }
-
-  /// Vertex numbers in drawing order, all of them checked.
-  std::vector<uint32_t> read_order(const tinygltf::Primitive& primitive, const Accessor& positions,
-                                   const std::string& place) const {
-    LTE_CHECK(positions.count() < kUnset, context_.file.name, ": ", place, " has ",
-              positions.count(), " vertices");
-    if (primitive.indices < 0) {
-      std::vector<uint32_t> order(positions.count());
-      std::iota(order.begin(), order.end(), 0u);
-      return order;
-    }
-    const Accessor indices(context_, primitive.indices, place + ".indices");
-    std::vector<uint32_t> order = indices.read_indices();
-    const auto bad = std::find_if(order.begin(), order.end(),
-                                  [&](uint32_t i) { return i >= positions.count(); });
-    LTE_CHECK(bad == order.end(), context_.file.name, ": ", place, ": index ", bad - order.begin(),
-              " is ", *bad, ", but there are ", positions.count(), " vertices");
-    return order;
   }
 
   /// Many primitives may share one large vertex array: where a primitive uses fewer vertices than
@@ -144,47 +144,21 @@ class MeshReader {
     return kept;
   }
 
-  /// The first `components` floats of the kept elements.
-  /// @throws lte::Error naming the first element that is not finite.
-  template <typename T>
-  std::vector<T> gather(const Accessor& accessor, int components,
-                        const std::vector<uint32_t>& kept) const {
-    static_assert(std::is_trivially_copyable_v<T>);
-    LTE_CHECK(accessor.components() >= components, accessor.what(), " has ", accessor.components(),
-              " components, expected ", components);
-    std::vector<T> out(kept.empty() ? accessor.count() : kept.size());
-    const bool whole = kept.empty() && accessor.component_type() == TINYGLTF_COMPONENT_TYPE_FLOAT;
-    for (size_t i = 0; i < out.size(); ++i) {
-      const size_t source = kept.empty() ? i : kept[i];
-      float* values = &out[i].x;
-      bool finite = true;
-      if (whole) {
-        std::memcpy(values, accessor.element(source), sizeof(T));
-        for (int c = 0; c < components; ++c) finite &= std::isfinite(values[c]);
-      } else {
-        for (int c = 0; c < components; ++c)
-          finite &= std::isfinite(values[c] = accessor.value(source, c));
-      }
-      LTE_CHECK(finite, accessor.what(), ": vertex ", source, " is not finite");
-    }
-    return out;
-  }
-
   const Context& context_;
+  const std::vector<Placement>& placements_;
   MeshTable* table_;
+  std::vector<Affine> joints_;  ///< of the shape at work
   int64_t triangles_ = 0;
   std::vector<uint32_t> new_number_;
 };
 
 }  // namespace
 
-MeshTable read_meshes(const Context& context, const std::vector<bool>& used) {
+MeshTable read_meshes(const Context& context, const std::vector<Shape>& shapes,
+                      const std::vector<Placement>& placements) {
   MeshTable table;
-  table.of_gltf.resize(context.model.meshes.size());
-  MeshReader reader(context, &table);
-  for (size_t i = 0; i < used.size(); ++i) {
-    if (used[i]) reader.read(static_cast<int>(i));
-  }
+  MeshReader reader(context, placements, &table);
+  for (const Shape& shape : shapes) reader.read(shape);
   return table;
 }
 

@@ -49,6 +49,13 @@ Transform from_trs(const std::array<double, 3>& t, const std::array<double, 4>& 
   return out;
 }
 
+std::array<double, 4> unit(std::array<double, 4> q, const std::string& where) {
+  const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  LTE_CHECK(norm > 0, where, " is the zero quaternion");
+  for (double& value : q) value /= norm;
+  return q;
+}
+
 Transform local_transform(const tinygltf::Node& node, const std::string& where) {
   if (!node.matrix.empty()) {
     const std::vector<double>& m = node.matrix;
@@ -61,11 +68,18 @@ Transform local_transform(const tinygltf::Node& node, const std::string& where) 
   if (!node.scale.empty()) std::copy_n(node.scale.begin(), 3, s.begin());
   if (!node.rotation.empty()) {
     std::copy_n(node.rotation.begin(), 4, q.begin());
-    const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    LTE_CHECK(norm > 0, where, ".rotation is the zero quaternion");
-    for (double& value : q) value /= norm;
+    q = unit(q, where + ".rotation");
   }
   return from_trs(t, q, s);
+}
+
+Affine to_affine(const Transform& transform) {
+  Affine out;
+  for (size_t row = 0; row < 3; ++row) {
+    for (size_t col = 0; col < 4; ++col)
+      out.m[row][col] = static_cast<float>(transform.m[row][col]);
+  }
+  return out;
 }
 
 class Walk {
@@ -91,13 +105,10 @@ class Walk {
     state = State::Open;
     const tinygltf::Node& node = context_.model.nodes[static_cast<size_t>(index)];
     const Transform world = parent * local_transform(node, where);
-    Placement placement{index, {}};
-    for (size_t row = 0; row < 3; ++row) {
-      for (size_t col = 0; col < 4; ++col) {
-        const auto value = static_cast<float>(world.m[row][col]);
+    const Placement placement{index, to_affine(world), kNone, false};
+    for (const auto& row : placement.to_world.m) {
+      for (const float value : row)
         LTE_CHECK(std::isfinite(value), where, ": its transform to the world is not finite");
-        placement.to_world.m[row][col] = value;
-      }
     }
     out_.push_back(placement);
     for (const int child : node.children) visit(child, world, depth + 1);
@@ -107,6 +118,62 @@ class Walk {
   const Context& context_;
   std::vector<State> state_;
   std::vector<Placement> out_;
+};
+
+/// EXT_mesh_gpu_instancing of a node: TRANSLATION, ROTATION and SCALE, one an instance.
+class InstanceList {
+ public:
+  InstanceList(const Context& context, int node, const tinygltf::Value& attributes)
+      : where_(concat("nodes[", node, "].EXT_mesh_gpu_instancing")), file_(context.file.name) {
+    constexpr std::array<std::pair<const char*, int>, 3> kParts{
+        {{"TRANSLATION", 3}, {"ROTATION", 4}, {"SCALE", 3}}};
+    for (size_t k = 0; k < kParts.size(); ++k) {
+      const auto& [name, components] = kParts[k];
+      if (!attributes.Has(name)) continue;
+      parts_[k] = std::make_unique<Accessor>(context, attributes.Get(name).GetNumberAsInt(),
+                                             concat(where_, ".", name));
+      LTE_CHECK(parts_[k]->components() == components, parts_[k]->what(), " has ",
+                parts_[k]->components(), " components, expected ", components);
+      LTE_CHECK(count_ == kUnknown || count_ == parts_[k]->count(), parts_[k]->what(), " has ",
+                parts_[k]->count(), " elements, but another attribute ", count_);
+      count_ = parts_[k]->count();
+    }
+    LTE_CHECK(count_ != kUnknown, file_, ": ", where_, " has none of TRANSLATION, ROTATION, SCALE");
+    LTE_CHECK(static_cast<int64_t>(count_) <= context.limits.triangles, file_, ": ", where_,
+              " has ", count_, " instances, more than ", context.limits.triangles);
+  }
+
+  std::vector<Affine> transforms(const Affine& to_world) const {
+    std::vector<Affine> out;
+    out.reserve(count_);
+    for (size_t i = 0; i < count_; ++i) {
+      std::array<double, 3> t{0, 0, 0}, s{1, 1, 1};
+      std::array<double, 4> q{0, 0, 0, 1};
+      read(0, i, &t), read(1, i, &q), read(2, i, &s);
+      const Affine placed =
+          to_world *
+          to_affine(from_trs(t, unit(q, concat(file_, ": ", where_, ".ROTATION[", i, "]")), s));
+      for (const auto& row : placed.m) {
+        for (const float value : row)
+          LTE_CHECK(std::isfinite(value), file_, ": ", where_, ": instance ", i, " is not finite");
+      }
+      out.push_back(placed);
+    }
+    return out;
+  }
+
+ private:
+  static constexpr size_t kUnknown = ~size_t{0};
+
+  template <size_t N>
+  void read(size_t part, size_t i, std::array<double, N>* values) const {
+    if (!parts_[part]) return;
+    for (size_t c = 0; c < N; ++c) (*values)[c] = parts_[part]->value(i, static_cast<int>(c));
+  }
+
+  std::string where_, file_;
+  std::array<std::unique_ptr<Accessor>, 3> parts_;
+  size_t count_ = kUnknown;
 };
 
 std::vector<int> root_nodes(const Context& context) {
@@ -132,6 +199,16 @@ std::vector<Placement> place_nodes(const Context& context) {
   return Walk(context).run(root_nodes(context));
 }
 
+std::vector<Affine> instance_transforms(const Context& context, const Placement& placement) {
+  const tinygltf::Node& node = context.model.nodes[static_cast<size_t>(placement.node)];
+  const auto instancing = node.extensions.find("EXT_mesh_gpu_instancing");
+  if (placement.skinned) return {Affine{}};
+  if (instancing == node.extensions.end() || !instancing->second.Has("attributes"))
+    return {placement.to_world};
+  return InstanceList(context, placement.node, instancing->second.Get("attributes"))
+      .transforms(placement.to_world);
+}
+
 Camera make_camera(const tinygltf::Camera& camera, const tinygltf::Node& node,
                    const Affine& to_world) {
   Camera out;
@@ -139,6 +216,7 @@ Camera make_camera(const tinygltf::Camera& camera, const tinygltf::Node& node,
   out.origin = to_world.point({0, 0, 0});
   out.target = out.origin + normalize(to_world.vector({0, 0, -1}));
   out.up = normalize(to_world.vector({0, 1, 0}));
+  out.mirrored = dot(cross(out.target - out.origin, out.up), to_world.vector({1, 0, 0})) < 0;
   out.vfov = static_cast<float>(camera.perspective.yfov * 180.0 / M_PI);
   return out;
 }

@@ -1,51 +1,32 @@
 // Images to textures.
-#include <algorithm>
 #include <map>
-
-// Static, as another library of the program may carry its own copy; and only the two formats that
-// glTF has: every other decoder is one more door for a broken file.
-#define STB_IMAGE_STATIC
-#define STB_IMAGE_IMPLEMENTATION
-#define STBI_ONLY_PNG
-#define STBI_ONLY_JPEG
-#define STBI_NO_STDIO
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"
-#include <stb_image.h>
-#pragma GCC diagnostic pop
+#include <string_view>
+#include <utility>
 
 #include "lte/base/check.h"
-#include "lte/base/parallel.h"
 #include "lte/scene/gltf_import.h"
+#include "lte/scene/texture_file.h"
 
 namespace lte::scene::gltf {
 namespace {
 
-bool starts_with(Bytes bytes, std::initializer_list<uint8_t> magic) {
-  return bytes.size() >= magic.size() &&
-         std::equal(magic.begin(), magic.end(), bytes.begin(),
-                    [](uint8_t a, std::byte b) { return static_cast<std::byte>(a) == b; });
+bool starts_with(Bytes bytes, std::string_view magic) {
+  return std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size())
+      .starts_with(magic);
 }
 
-/// @param where  file and element, for messages
-std::shared_ptr<const Texture> decode(Bytes bytes, int64_t limit_pixels, const std::string& where) {
-  LTE_CHECK(starts_with(bytes, {0x89, 'P', 'N', 'G'}) || starts_with(bytes, {0xff, 0xd8}), where,
-            ": neither PNG nor JPEG");
-  LTE_CHECK(bytes.size() <= INT32_MAX, where, ": ", bytes.size(),
-            " bytes are too many for one image");
-  const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
-  const int size = static_cast<int>(bytes.size());
-  int width = 0, height = 0, channels = 0;
-  LTE_CHECK(stbi_info_from_memory(data, size, &width, &height, &channels) == 1, where,
-            ": broken image header");
-  LTE_CHECK(int64_t{width} * height <= limit_pixels, where, ": ", width, "x", height,
-            " pixels exceed the limit of ", limit_pixels);
-  const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
-      stbi_load_from_memory(data, size, &width, &height, &channels, 3), stbi_image_free);
-  LTE_CHECK(pixels != nullptr, where, ": cannot decode the image: ", stbi_failure_reason());
-  std::vector<uint8_t> texels(
-      pixels.get(), pixels.get() + static_cast<size_t>(width) * static_cast<size_t>(height) * 3);
-  return std::make_shared<const Texture>(width, height, std::move(texels), /*srgb=*/true);
+/// For each image the first one of the same bytes: exporters list a picture once for every use.
+std::vector<int> first_of_each(const Json& images) {
+  std::map<std::string, int> firsts;
+  std::vector<int> out;
+  for (const Json& image : images) {
+    const auto number = static_cast<int>(out.size());
+    const Json& source = image.contains("bufferView") ? image["bufferView"] : image["uri"];
+    const bool inside =
+        source.is_string() && source.get_ref<const std::string&>().starts_with("data:");
+    out.push_back(inside ? number : firsts.emplace(source.dump(), number).first->second);
+  }
+  return out;
 }
 
 }  // namespace
@@ -53,30 +34,29 @@ std::shared_ptr<const Texture> decode(Bytes bytes, int64_t limit_pixels, const s
 std::vector<std::shared_ptr<const Texture>> read_textures(const Context& context, Buffers* buffers,
                                                           std::vector<Material>* materials) {
   std::map<int, int> texture_of_image;  // ordered: textures come in the order of the file
-  for (const Material& material : *materials) {
-    for (const TextureRef* ref : {&material.base_color_texture, &material.emission_texture}) {
-      if (ref->texture != kNone) texture_of_image[ref->texture] = 0;
+  const std::vector<int> first = first_of_each(context.file.json["images"]);
+  for (Material& material : *materials) {
+    for (TextureRef* ref : {&material.base_color_texture, &material.emission_texture}) {
+      if (ref->texture == kNone) continue;
+      ref->texture = first[static_cast<size_t>(ref->texture)];
+      texture_of_image[ref->texture] = 0;
     }
   }
-  std::vector<std::pair<int, Bytes>> sources;
+  std::vector<EncodedPicture> pictures;
   for (auto& [image, texture] : texture_of_image) {
-    texture = static_cast<int>(sources.size());
-    sources.emplace_back(image, buffers->image(image));
+    texture = static_cast<int>(pictures.size());
+    pictures.push_back({buffers->image(image), concat(context.file.name, ": images[", image, "]")});
+    const Bytes bytes = pictures.back().bytes;
+    LTE_CHECK(starts_with(bytes, "\x89PNG") || starts_with(bytes, "\xff\xd8") ||
+                  starts_with(bytes, "RIFF"),
+              pictures.back().where, ": neither PNG nor JPEG nor WebP");
   }
-  std::vector<std::shared_ptr<const Texture>> textures(sources.size());
-  parallel_for(static_cast<int64_t>(sources.size()), 1, [&](int64_t begin, int64_t end) {
-    for (int64_t i = begin; i < end; ++i) {
-      const auto& [image, bytes] = sources[static_cast<size_t>(i)];
-      textures[static_cast<size_t>(i)] = decode(bytes, context.limits.texture_pixels,
-                                                concat(context.file.name, ": images[", image, "]"));
-    }
-  });
   for (Material& material : *materials) {
     for (TextureRef* ref : {&material.base_color_texture, &material.emission_texture}) {
       if (ref->texture != kNone) ref->texture = texture_of_image[ref->texture];
     }
   }
-  return textures;
+  return decode_textures(pictures, context.limits);
 }
 
 }  // namespace lte::scene::gltf

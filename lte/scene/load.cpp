@@ -1,11 +1,16 @@
 #include "lte/scene/load.h"
 
+#include <cctype>
 #include <exception>
 #include <new>
 #include <utility>
 
 #include "lte/base/check.h"
 #include "lte/scene/gltf_import.h"
+#include "lte/scene/obj_import.h"
+#include "lte/scene/pbrt_import.h"
+#include "lte/scene/ply.h"
+#include "lte/scene/world_check.h"
 
 namespace lte::scene {
 namespace {
@@ -13,25 +18,6 @@ namespace {
 using gltf::Context;
 using gltf::MeshTable;
 using gltf::Placement;
-
-/// Corner vertices must stay finite in the world; boxes stand for their vertices, as they contain
-/// them.
-void check_world_positions(const Context& context, const Scene& scene) {
-  std::vector<Bounds> boxes(scene.meshes.size());
-  for (size_t i = 0; i < scene.meshes.size(); ++i) {
-    for (const Vec3& p : scene.meshes[i].positions) boxes[i].extend(p);
-  }
-  for (const Instance& instance : scene.instances) {
-    const Bounds& box = boxes[static_cast<size_t>(instance.mesh)];
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vec3 p{(corner & 1 ? box.high : box.low).x, (corner & 2 ? box.high : box.low).y,
-                   (corner & 4 ? box.high : box.low).z};
-      LTE_CHECK(is_finite(instance.to_world.point(p)), context.file.name, ": mesh \"",
-                scene.meshes[static_cast<size_t>(instance.mesh)].name,
-                "\" lies beyond the range of float in the world");
-    }
-  }
-}
 
 std::string node_name(const Context& context, const Placement& placement,
                       const std::string& fallback) {
@@ -43,20 +29,21 @@ void add_instances(const Context& context, const std::vector<Placement>& placeme
                    const MeshTable& table, Scene* scene) {
   int64_t triangles = 0;
   for (const Placement& placement : placements) {
-    const int gltf_mesh = context.model.nodes[static_cast<size_t>(placement.node)].mesh;
-    if (gltf_mesh < 0) continue;
-    for (const int index : table.of_gltf[static_cast<size_t>(gltf_mesh)]) {
+    if (placement.shape == kNone) continue;
+    for (const int index : table.of_shape[static_cast<size_t>(placement.shape)]) {
       const Mesh& mesh = scene->meshes[static_cast<size_t>(index)];
-      triangles += static_cast<int64_t>(mesh.triangles.size());
-      LTE_CHECK(triangles <= context.limits.triangles, context.file.name,
-                ": instances have more than ", context.limits.triangles, " triangles, at nodes[",
-                placement.node, "]");
-      Instance instance{index, placement.to_world, kNone};
-      if (scene->materials[static_cast<size_t>(mesh.material)].emissive()) {
-        instance.light_group = static_cast<int>(scene->light_groups.size());
-        scene->light_groups.push_back(node_name(context, placement, mesh.name));
+      for (const Affine& to_world : gltf::instance_transforms(context, placement)) {
+        triangles += static_cast<int64_t>(mesh.triangles.size());
+        LTE_CHECK(triangles <= context.limits.triangles, context.file.name,
+                  ": instances have more than ", context.limits.triangles, " triangles, at nodes[",
+                  placement.node, "]");
+        Instance instance{index, to_world, kNone};
+        if (scene->materials[static_cast<size_t>(mesh.material)].emissive()) {
+          instance.light_group = static_cast<int>(scene->light_groups.size());
+          scene->light_groups.push_back(node_name(context, placement, mesh.name));
+        }
+        scene->instances.push_back(instance);
       }
-      scene->instances.push_back(instance);
     }
   }
   LTE_CHECK(triangles > 0, context.file.name, ": the scene has no triangles");
@@ -77,7 +64,6 @@ void add_lights_and_cameras(const Context& context, const std::vector<Placement>
   for (const Placement& placement : placements) {
     const tinygltf::Node& node = context.model.nodes[static_cast<size_t>(placement.node)];
     gltf::note_extensions(node.extensions, "node", &context.notes);
-    if (node.skin >= 0) context.notes.add("skin", "node");
     if (node.camera >= 0) {
       const tinygltf::Camera& camera = context.model.cameras[static_cast<size_t>(node.camera)];
       add_camera(context, gltf::make_camera(camera, node, placement.to_world), camera.type, scene);
@@ -102,6 +88,16 @@ void note_document(const gltf::Json& json, gltf::Notes* notes) {
   }
 }
 
+/// In lower case; of "room.pbrt.gz" that of "room.pbrt".
+std::string format_extension(const std::filesystem::path& path) {
+  const auto lower = [](std::string text) {
+    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return text;
+  };
+  const std::string extension = lower(path.extension().string());
+  return extension == ".gz" ? lower(path.stem().extension().string()) : extension;
+}
+
 Scene import(const std::filesystem::path& path, const LoadLimits& limits) {
   gltf::File file = gltf::open_file(path);
   gltf::check_document(file);
@@ -114,13 +110,10 @@ Scene import(const std::filesystem::path& path, const LoadLimits& limits) {
 
   Scene scene;
   scene.name = path.stem().string();
-  const std::vector<Placement> placements = gltf::place_nodes(context);
-  std::vector<bool> used(model.meshes.size());
-  for (const Placement& placement : placements) {
-    const int mesh = model.nodes[static_cast<size_t>(placement.node)].mesh;
-    if (mesh >= 0) used[static_cast<size_t>(mesh)] = true;
-  }
-  MeshTable table = gltf::read_meshes(context, used);
+  scene.unit = "metre, as glTF has it";
+  std::vector<Placement> placements = gltf::place_nodes(context);
+  const std::vector<gltf::Shape> shapes = gltf::find_shapes(context, &placements);
+  MeshTable table = gltf::read_meshes(context, shapes, placements);
   scene.meshes = std::move(table.meshes);
   scene.materials = gltf::read_materials(context);
   if (table.needs_default_material || scene.materials.empty()) {
@@ -128,7 +121,7 @@ Scene import(const std::filesystem::path& path, const LoadLimits& limits) {
     scene.materials.back().name = "default";
   }
   add_instances(context, placements, table, &scene);
-  check_world_positions(context, scene);
+  check_world_positions(context.file.name, scene);
   add_lights_and_cameras(context, placements, &scene);
   scene.textures = gltf::read_textures(context, &buffers, &scene.materials);
   scene.ignored = notes.lines();
@@ -138,14 +131,21 @@ Scene import(const std::filesystem::path& path, const LoadLimits& limits) {
 }  // namespace
 
 Scene load_scene(const std::filesystem::path& path, const LoadLimits& limits) {
+  const std::string extension = format_extension(path);
   try {
-    return import(path, limits);
+    if (extension == ".obj") return obj::import(path, limits);
+    if (extension != ".pbrt" && extension != ".ply") return import(path, limits);
+    Scene scene =
+        extension == ".pbrt" ? pbrt::load_pbrt_scene(path, limits) : load_ply_scene(path, limits);
+    if (path.stem().has_extension() && format_extension(path.stem()) == extension)
+      scene.name = path.stem().stem().string();  // "room" of "room.pbrt.gz"
+    return scene;
   } catch (const Error&) {
     throw;
   } catch (const std::bad_alloc&) {
     throw Error(concat(path.string(), ": out of memory while loading"));
   } catch (const std::exception& error) {  // nlohmann's own, which name no file
-    throw Error(concat(path.string(), ": not a valid glTF document: ", error.what()));
+    throw Error(concat(path.string(), ": not a valid scene: ", error.what()));
   }
 }
 

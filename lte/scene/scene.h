@@ -18,11 +18,13 @@
 namespace lte::scene {
 
 inline constexpr int kNone = -1;
+/// UV sets of a mesh: as many as Blender has.
+inline constexpr int kUvSets = 8;
 
 /// A texture as a material uses it: image, wrap modes, UV set and KHR_texture_transform.
 struct TextureRef {
   int texture = kNone;  ///< index into Scene::textures, kNone for none
-  int uv_set = 0;       ///< 0 or 1
+  int uv_set = 0;       ///< 0 to kUvSets - 1
   Wrap wrap_u = Wrap::Repeat, wrap_v = Wrap::Repeat;
   Vec2 offset{0, 0}, scale{1, 1};
   float rotation = 0;  ///< radians, counter-clockwise as KHR_texture_transform has it
@@ -47,7 +49,7 @@ struct Mesh {
   std::string name;
   std::vector<Vec3> positions;
   std::vector<std::array<uint32_t, 3>> triangles;  ///< counter-clockwise seen from the front
-  std::array<std::vector<Vec2>, 2> uvs;            ///< empty or one a vertex
+  std::array<std::vector<Vec2>, kUvSets> uvs;      ///< each empty or one a vertex
   std::vector<Rgb> colors;                         ///< COLOR_0, linear; empty or one a vertex
   int material = 0;                                ///< index into Scene::materials; always valid
 };
@@ -78,7 +80,8 @@ struct PunctualLight {
 struct Camera {
   std::string name;
   Vec3 origin, target{0, 0, -1}, up{0, 1, 0};
-  float vfov = 45;  ///< degrees
+  float vfov = 45;        ///< degrees
+  bool mirrored = false;  ///< left and right change places, as for a camera of a left-handed frame
 
   /// Unit direction through the image point (x, y) in [0, 1]², (0, 0) top left.
   Vec3 direction(float x, float y, float aspect) const;
@@ -86,6 +89,8 @@ struct Camera {
 
 struct Scene {
   std::string name;  ///< file stem
+  /// What a unit of length is taken to be, and on whose word.
+  std::string unit = "metre";
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
   std::vector<Material> materials;  ///< never empty: entry 0 may be the default

@@ -50,9 +50,13 @@ void expect_equal(const SceneSample& a, const SceneSample& b) {
   EXPECT_EQ(a.direct, b.direct);
   EXPECT_EQ(a.indirect, b.indirect);
   EXPECT_EQ(a.variance, b.variance);
+  EXPECT_EQ(a.query_rays, b.query_rays);
   EXPECT_EQ(a.path_traced_64, b.path_traced_64);
   EXPECT_EQ(a.seed, b.seed);
   EXPECT_EQ(a.rays, b.rays);
+  EXPECT_EQ(a.target_error, b.target_error);
+  EXPECT_EQ(a.pruned_scene_points, b.pruned_scene_points);
+  EXPECT_EQ(a.pruned_query_points, b.pruned_query_points);
   EXPECT_EQ(a.max_depth, b.max_depth);
   EXPECT_EQ(a.bounds_low, b.bounds_low);
   EXPECT_EQ(a.bounds_high, b.bounds_high);
@@ -64,6 +68,9 @@ TEST_F(SceneSampleFile, ComesBackBitForBit) {
   SceneSample sample = make_sample();
   Rng rng(3);
   sample.views.push_back(make_view(&rng, 2, 5, 2));
+  sample.query_rays = {64, 4096, 128, 64, 256, 320};
+  sample.target_error = 0.02;
+  sample.pruned_scene_points = 7, sample.pruned_query_points = 1;
   write_scene_sample(path(), sample);
   expect_equal(read_scene_sample(path()), sample);
 }
@@ -85,6 +92,7 @@ TEST(DropUnreachedQueries, RemovesWhatNoGroupLightsAndKeepsTheRest) {
     sample.query_normal.push_back({0, 1, 0});
     sample.query_albedo.push_back({x, x, x});
     sample.variance.push_back(x);
+    sample.query_rays.push_back(i);
   }
   // Point 0 has indirect light of group 1 only, point 2 direct light of group 0 only; 1 and 3 have
   // none.
@@ -93,6 +101,7 @@ TEST(DropUnreachedQueries, RemovesWhatNoGroupLightsAndKeepsTheRest) {
   EXPECT_EQ(drop_unreached_queries(&sample), 2);
   EXPECT_EQ(sample.query_position, (std::vector<Vec3>{{0, 0, 0}, {2, 0, 0}}));
   EXPECT_EQ(sample.variance, (std::vector<float>{0, 2}));
+  EXPECT_EQ(sample.query_rays, (std::vector<int32_t>{0, 2}));
   EXPECT_EQ(sample.direct, (std::vector<Rgb>{{}, {5, 0, 0}, {}, {}}));
   EXPECT_EQ(sample.indirect, (std::vector<Rgb>{{}, {}, {0, 0, 7}, {}}));
   EXPECT_EQ(drop_unreached_queries(&sample), 0);
@@ -276,6 +285,8 @@ TEST_F(SceneSampleFile, BadMetadataIsNamed) {
        std::map<std::string, std::string>{{"seed", "one"},
                                           {"rays", "-5"},
                                           {"max_depth", "0"},
+                                          {"target_error", "-0.1"},
+                                          {"pruned_query_points", "few"},
                                           {"views", "99999"},
                                           {"bounds", "[0, 0, 0, 1]"},
                                           {"bounds", "[0, 0, 0, 1, 1, null]"}}) {

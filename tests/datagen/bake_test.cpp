@@ -136,6 +136,58 @@ TEST_F(Bake, ViewsOfOpenScenesAreZeroOutsideTheMask) {
   EXPECT_LT(background, view.mask.size());
 }
 
+TEST_F(Bake, PrunesPointsThatLightCannotReachUnlessToldNotTo) {
+  BakeOptions options = tiny_bake();
+  options.query_points = 200;
+  options.path_tracing_64 = false;
+  options.views.count = 0;
+  const auto dark = [](const data::SceneSample& sample) {
+    const size_t N = sample.query_position.size();
+    size_t count = 0;
+    for (size_t i = 0; i < N; ++i) {
+      bool lit = false;
+      for (size_t k = i; k < sample.direct.size(); k += N)
+        lit = lit || max_component(sample.direct[k] + sample.indirect[k]) > 0;
+      count += lit ? 0 : 1;
+    }
+    return count;
+  };
+  options.prune = true;
+  const data::SceneSample pruned = bake_scene(room(), options, false);
+  EXPECT_GT(pruned.pruned_query_points, 0);
+  EXPECT_EQ(pruned.query_points(), 200);
+  EXPECT_EQ(pruned.scene_points(), options.scene_points);
+  data::write_scene_sample(folder_ / "a.safetensors", pruned);
+  EXPECT_EQ(data::read_scene_sample(folder_ / "a.safetensors").pruned_query_points,
+            pruned.pruned_query_points);
+  options.prune = false;
+  const data::SceneSample whole = bake_scene(room(), options, false);
+  EXPECT_EQ(whole.pruned_query_points, 0);
+  EXPECT_EQ(whole.query_points(), 200);
+  EXPECT_GT(dark(whole), dark(pruned) + 5);
+}
+
+TEST_F(Bake, TargetErrorDecidesThePathsAndIsRecorded) {
+  BakeOptions options = tiny_bake();
+  options.target_error = 0.1;
+  options.max_rays = 256;
+  data::write_scene_sample(folder_ / "a.safetensors", bake_scene(room(), options, false));
+  const data::SceneSample sample = data::read_scene_sample(folder_ / "a.safetensors");
+  EXPECT_EQ(sample.target_error, 0.1);
+  ASSERT_EQ(sample.query_rays.size(), sample.query_position.size());
+  double mean = 0;
+  for (const int32_t rays : sample.query_rays) {
+    EXPECT_GE(rays, 64);
+    EXPECT_LE(rays, 256);
+    mean += rays / static_cast<double>(sample.query_rays.size());
+  }
+  EXPECT_EQ(sample.rays, std::llround(mean));
+  options.target_error = 0;
+  const data::SceneSample fixed = bake_scene(room(), options, false);
+  EXPECT_TRUE(fixed.query_rays.empty());
+  EXPECT_EQ(fixed.rays, options.rays);
+}
+
 TEST_F(Bake, SwitchesLeaveTensorsOut) {
   BakeOptions options = tiny_bake();
   options.path_tracing_64 = false;
@@ -155,6 +207,9 @@ TEST_F(Bake, OptionsOutOfRangeAreNamed) {
   EXPECT_THAT(error([](BakeOptions* o) { o->scene_points = 0; }), HasSubstr("scene_points"));
   EXPECT_THAT(error([](BakeOptions* o) { o->query_points = -1; }), HasSubstr("query_points"));
   EXPECT_THAT(error([](BakeOptions* o) { o->rays = 0; }), HasSubstr("rays"));
+  EXPECT_THAT(error([](BakeOptions* o) { o->target_error = -1; }), HasSubstr("target_error"));
+  EXPECT_THAT(error([](BakeOptions* o) { o->min_rays = 1; }), HasSubstr("min_rays"));
+  EXPECT_THAT(error([](BakeOptions* o) { o->max_rays = 8; }), HasSubstr("max_rays"));
   EXPECT_THAT(error([](BakeOptions* o) { o->max_depth = 0; }), HasSubstr("max_depth"));
   EXPECT_THAT(error([](BakeOptions* o) { o->emissive_share = std::nan(""); }),
               HasSubstr("emissive_share"));

@@ -12,6 +12,7 @@
 #include "lte/base/file.h"
 #include "lte/data/dataset.h"
 #include "lte/scene/export.h"
+#include "lte/scene/load.h"
 #include "tests/data/sample_fixture.h"
 #include "tests/datagen/scenes.h"
 
@@ -67,6 +68,28 @@ TEST_F(Command, HelpAndVersionSucceedAndHelpHasExamples) {
     const Outcome outcome = run(concat(command, " --help"));
     EXPECT_EQ(outcome.code, 0);
     EXPECT_THAT(outcome.output, HasSubstr(*command ? "Examples:" : "generate --help")) << command;
+  }
+}
+
+TEST_F(Command, GeneratesHomesFromTheShippedConfig) {
+  const Outcome outcome = run(concat(
+      "generate --config '", LTE_SOURCE_DIR,
+      "/configs/data/homes.yaml' --out homes --scenes 2 --glb "
+      "--set rays=4 --set scene_points=256 --set query_points=128 --set views.count=0 "
+      "--set path_tracing_64=false --set 'homes.rooms=[1, 2]' --set 'homes.detail=[0.4, 0.4]' "
+      "--set 'homes.texture_sizes=[16]'"));
+  ASSERT_EQ(outcome.code, 0) << outcome.error;
+  EXPECT_EQ(data::read_dataset_info(folder_ / "homes").scenes.size(), 2u);
+  EXPECT_EQ(run("info homes --deep").code, 0);
+  for (const char* name : {"room_00000", "room_00001"}) {
+    const scene::Scene home =
+        scene::load_scene(folder_ / "homes" / "scenes" / concat(name, ".glb"));
+    EXPECT_GT(home.triangle_count(), 2000);
+    EXPECT_FALSE(home.cameras.empty());
+    EXPECT_TRUE(home.ignored.empty());
+    const data::SceneSample sample =
+        data::read_scene_sample(folder_ / "homes" / "scenes" / concat(name, ".safetensors"));
+    EXPECT_EQ(sample.light_groups, static_cast<int64_t>(home.light_groups.size()));
   }
 }
 
@@ -139,6 +162,24 @@ TEST_F(Command, BakeWritesASampleAndNamesBadInput) {
   expect_failure(1, "tiny.yaml/a.safetensors",
                  run("bake box.glb --out tiny.yaml/a.safetensors" + small));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "a.safetensors"));
+}
+
+TEST_F(Command, ReadsObjAndCleansUp) {
+  write_file(folder_ / "two.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 2 3 1\nf 1 2 2\n");
+  EXPECT_THAT(run("info two.obj").output,
+              AllOf(HasSubstr("triangles: 3\n"), HasSubstr("unit: metre, assumed"),
+                    HasSubstr("  duplicate_triangles: 1\n"), HasSubstr("degenerate_triangles: 1")));
+  EXPECT_THAT(run("info two.obj --cleanup all").output,
+              AllOf(HasSubstr("triangles: 1\n"), HasSubstr("removed_triangles: 2")));
+  for (const char* command : {"bake", "probe", "info"}) {
+    EXPECT_THAT(run(concat(command, " two.obj --validate-only")).output, HasSubstr("valid scene"));
+    expect_failure(1, "\"everything\"",
+                   run(concat(command, " two.obj --validate-only --cleanup everything")));
+    write_file(folder_ / "bad.obj", "v 0 0 0\nf 1 2 3\n");
+    expect_failure(1, "bad.obj: line 2", run(concat(command, " bad.obj --validate-only --quiet")));
+  }
+  EXPECT_THAT(run("probe two.obj --validate-only --cleanup duplicates,degenerate").output,
+              HasSubstr("valid scene, 1 triangles"));
 }
 
 TEST_F(Command, FullDiskIsAnErrorAndLeavesNothing) {

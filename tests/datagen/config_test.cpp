@@ -35,9 +35,9 @@ TEST(DatagenConfig, ShippedFilesAreValidAndRoomsIsComplete) {
   EXPECT_EQ(load_datagen_config(folder + "demo.yaml").bake.scene_points, 2048);
   const Config yaml = Config::load(folder + "rooms.yaml");
   const Config all = Config::parse(to_yaml(rooms), "all");
-  for (const char* key :
-       {"scenes", "seed", "scale", "val_share", "test_share", "evaluation_splits", "scene_points",
-        "query_points", "rays", "max_depth", "emissive_share", "path_tracing_64"}) {
+  for (const char* key : {"scenes", "seed", "scale", "val_share", "test_share", "evaluation_splits",
+                          "scene_points", "query_points", "rays", "target_error", "min_rays",
+                          "max_rays", "max_depth", "prune", "emissive_share", "path_tracing_64"}) {
     EXPECT_TRUE(yaml.has(key)) << key;
   }
   for (const char* key : {"count", "width", "height", "rays"})
@@ -47,6 +47,30 @@ TEST(DatagenConfig, ShippedFilesAreValidAndRoomsIsComplete) {
     EXPECT_TRUE(yaml.at("rooms").has(key)) << key;
     EXPECT_TRUE(all.at("rooms").has(key)) << key;
   }
+}
+
+TEST(DatagenConfig, HomesNamesItsGeneratorAndEveryKey) {
+  const std::string folder = std::string(LTE_SOURCE_DIR) + "/configs/data/";
+  const DatagenConfig homes = load_datagen_config(folder + "homes.yaml");
+  EXPECT_EQ(homes.generator, "homes");
+  EXPECT_EQ(homes.bake.scene_points, 20000);
+  const homes::HomeConfig defaults;
+  EXPECT_EQ(homes.homes.rooms.high, defaults.rooms.high);
+  EXPECT_EQ(homes.homes.detail.low, defaults.detail.low);
+  EXPECT_EQ(homes.homes.detail.high, defaults.detail.high);
+  const Config yaml = Config::load(folder + "homes.yaml");
+  for (const char* key : {"rooms", "height_m", "detail", "radiance", "daylight_share", "lit_share",
+                          "clutter", "texture_sizes"})
+    EXPECT_TRUE(yaml.at("homes").has(key)) << key;
+  const std::string text = to_yaml(homes);
+  EXPECT_EQ(to_yaml(read_datagen_config(Config::parse(text, "test.yaml"))), text);
+}
+
+TEST(DatagenConfig, BoxesAreWrittenWithoutAWordOfHomes) {
+  const std::string boxes = to_yaml(DatagenConfig{});
+  EXPECT_EQ(boxes.find("homes"), std::string::npos);
+  EXPECT_EQ(boxes.find("generator"), std::string::npos);
+  EXPECT_TRUE(boxes.starts_with("scenes: 1000\n"));
 }
 
 TEST(DatagenConfig, OverridesApply) {
@@ -74,6 +98,12 @@ TEST(DatagenConfig, ValuesOutOfRangeAreNamed) {
   EXPECT_THAT(error_in("rooms: {texture_sizes: []}"), HasSubstr("rooms.texture_sizes"));
   EXPECT_THAT(error_in("val_share: 0.6\ntest_share: 0.6"), HasSubstr("val_share"));
   EXPECT_THAT(error_in("evaluation_splits: [exam]"), HasSubstr("\"exam\""));
+  EXPECT_THAT(error_in("generator: houses"), AllOf(HasSubstr("generator"), HasSubstr("homes")));
+  EXPECT_THAT(error_in("generator: homes\nhomes: {rooms: [1, 7]}"), HasSubstr("homes.rooms"));
+  EXPECT_THAT(error_in("generator: homes\nhomes: {detail: [0.1, 1]}"), HasSubstr("homes.detail"));
+  EXPECT_THAT(error_in("generator: homes\nscale: 15"),
+              AllOf(HasSubstr("scale"), HasSubstr("15.5")));
+  EXPECT_THAT(error_in("homes: {room: [1, 2]}"), HasSubstr("rooms"));
   EXPECT_THAT(error_in("scale: 8"), AllOf(HasSubstr("scale"), HasSubstr("14.2")));
 }
 

@@ -155,6 +155,24 @@ TEST_F(Generate, GlbIsTheSceneThatWasBaked) {
   EXPECT_EQ(loaded.cameras.size(), 1u);
 }
 
+TEST_F(Generate, HomesAreTheSameBytesAndAnotherConfigurationIsRefused) {
+  DatagenConfig config = tiny_config();
+  config.generator = "homes";
+  config.scenes = 2;
+  config.homes.rooms = {1, 2};
+  config.homes.detail = {0.3, 0.3};
+  config.homes.texture_sizes = {8};
+  set_num_threads(1);
+  generate("a", config);
+  set_num_threads(3);
+  generate("b", config);
+  EXPECT_EQ(files("a"), files("b"));
+  config.homes.clutter = 0;
+  EXPECT_THAT(error_of([&] { generate("a", config, true); }), HasSubstr("clutter"));
+  config.generator = "boxes";
+  EXPECT_THAT(error_of([&] { generate("a", config, true); }), HasSubstr("generator: \"homes\""));
+}
+
 TEST_F(Generate, RefusesForeignUsedAndDifferentDirectories) {
   std::filesystem::create_directories(folder_ / "photos");
   write_file(folder_ / "photos" / "cat.jpg", "meow");

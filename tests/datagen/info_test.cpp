@@ -66,6 +66,31 @@ TEST(Info, SceneSaysWhatItHolds) {
   EXPECT_THAT(to_text(info), HasSubstr("triangles: 12\n"));
 }
 
+TEST(Info, ListsTexturesCamerasUnitAndFaults) {
+  scene::Scene scene = furnace(2, 0.5f);
+  scene.unit = "metre, assumed";
+  scene.textures = {
+      std::make_shared<scene::Texture>(4, 2, std::vector<uint8_t>(24), /*srgb=*/true)};
+  scene.materials[0].base_color_texture.texture = 0;
+  scene.cameras.resize(1);
+  scene.cameras[0].name = "door";
+  scene::Instance twin = scene.instances[0];
+  scene.instances.push_back(twin);
+  const Json info = scene_info(scene);
+  EXPECT_EQ(info["triangles"], 24);
+  EXPECT_EQ(info["stored_triangles"], 12);
+  EXPECT_EQ(info["unit"], "metre, assumed");
+  EXPECT_EQ(info["texture_list"][0]["width"], 4);
+  EXPECT_EQ(info["texture_list"][0]["height"], 2);
+  EXPECT_EQ(info["texture_list"][0]["bytes"], scene.textures[0]->size_bytes());
+  EXPECT_EQ(info["texture_list"][0]["uses"], 1);
+  EXPECT_EQ(info["camera_list"][0]["name"], "door");
+  EXPECT_EQ(info["light_groups"][0]["kind"], "surface");
+  EXPECT_EQ(info["geometry"]["duplicate_triangles"], 12);
+  EXPECT_EQ(info["geometry"]["inward_shells"], 1);
+  EXPECT_THAT(to_text(info), HasSubstr("  duplicate_triangles: 12\n"));
+}
+
 TEST(Info, SampleMeansAreOverPointsAndGroupsSummed) {
   data::SceneSample sample = data::test::make_sample(4, 2, 2);
   sample.direct = {{1, 0, 0}, {3, 0, 0}, {10, 0, 0}, {20, 0, 0}};

@@ -70,20 +70,20 @@ TEST(Lights, SampledDensityIsThatOfTheHit) {
   int compared = 0;
   for (int i = 0; i < 500; ++i) {
     const LightSample sample =
-        lights.sample(position, draw(rng), Vec2{rng.uniform(), rng.uniform()});
+        lights.sample(position, {}, draw(rng), Vec2{rng.uniform(), rng.uniform()});
     if (!(sample.pdf > 0)) continue;
     const Hit hit = bvh.intersect({position, sample.direction});
     ASSERT_TRUE(hit.valid());
     if (scene.instances[hit.instance].light_group == scene::kNone) continue;  // occluded
     EXPECT_EQ(scene.instances[hit.instance].light_group, sample.light_group);
     EXPECT_NEAR(hit.t, sample.distance, 1e-4f);
-    const float pdf = lights.pdf(hit.instance, hit.triangle, hit.t * hit.t,
+    const float pdf = lights.pdf(position, {}, hit.instance, hit.triangle, hit.t * hit.t,
                                  std::fabs(dot(hit.normal, sample.direction)));
     EXPECT_NEAR(pdf, sample.pdf, 1e-3f * sample.pdf);
     ++compared;
   }
   EXPECT_GT(compared, 400);
-  EXPECT_EQ(lights.pdf(0, 0, 1, 1), 0) << "a wall is not in the table";
+  EXPECT_EQ(lights.pdf(position, {}, 0, 0, 1, 1), 0) << "a wall is not in the table";
 }
 
 /// The mean of radiance · cosine / pdf over samples is the irradiance of the polygon, mirrored and
@@ -104,7 +104,7 @@ TEST(Lights, SamplesIntegrateToTheClosedForm) {
   constexpr int kSamples = 200'000;
   for (int i = 0; i < kSamples; ++i) {
     const LightSample sample =
-        lights.sample(position, draw(rng), Vec2{rng.uniform(), rng.uniform()});
+        lights.sample(position, {}, draw(rng), Vec2{rng.uniform(), rng.uniform()});
     if (sample.pdf > 0) sum += sample.radiance.x * dot(sample.direction, normal) / sample.pdf;
   }
   const std::vector<Vec3> polygon{transform.point(corner), transform.point(corner + edge1),
@@ -120,9 +120,9 @@ TEST(Lights, EmitFromTheFrontAloneUnlessDoubleSided) {
     const int material = add_material(&scene, {0, 0, 0}, {1, 1, 1}, double_sided);
     add_quad(&scene, {-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, material);  // front: −y
     const Lights lights(scene);
-    EXPECT_GT(lights.sample({0, 0, 0}, 0.3, {0.4f, 0.6f}).pdf, 0);
-    EXPECT_EQ(lights.sample({0, 2, 0}, 0.3, {0.4f, 0.6f}).pdf > 0, double_sided);
-    EXPECT_EQ(lights.sample({5, 1, 0}, 0.3, {0.4f, 0.6f}).pdf, 0) << "edge on";
+    EXPECT_GT(lights.sample({0, 0, 0}, {}, 0.3, {0.4f, 0.6f}).pdf, 0);
+    EXPECT_EQ(lights.sample({0, 2, 0}, {}, 0.3, {0.4f, 0.6f}).pdf > 0, double_sided);
+    EXPECT_EQ(lights.sample({5, 1, 0}, {}, 0.3, {0.4f, 0.6f}).pdf, 0) << "edge on";
   }
 }
 
@@ -132,7 +132,7 @@ TEST(Lights, BlackScenesHaveNone) {
   test::add_point_light(&scene, {0, 0, 1}, {0, 0, 0});
   const Lights lights(scene);
   EXPECT_TRUE(lights.empty());
-  EXPECT_EQ(lights.sample({0, 0, 1}, 0.5, {0.5f, 0.5f}).pdf, 0);
+  EXPECT_EQ(lights.sample({0, 0, 1}, {}, 0.5, {0.5f, 0.5f}).pdf, 0);
 }
 
 TEST(Lights, RefuseEmissionWithoutAGroup) {
@@ -148,7 +148,7 @@ TEST(Lights, PunctualLightsFollowTheExtension) {
   scene::Scene scene;
   test::add_point_light(&scene, {0, 2, 0}, {8, 4, 2});
   scene::PunctualLight& light = scene.lights[0];
-  const auto at = [&](const Vec3& p) { return Lights(scene).sample(p, 0.5, {0.5f, 0.5f}); };
+  const auto at = [&](const Vec3& p) { return Lights(scene).sample(p, {}, 0.5, {0.5f, 0.5f}); };
 
   EXPECT_EQ(at({0, 0, 0}).radiance, (Rgb{2, 1, 0.5f})) << "inverse square of 2 m";
   EXPECT_TRUE(at({0, 0, 0}).delta);

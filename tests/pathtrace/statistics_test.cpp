@@ -5,32 +5,15 @@
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
-#include "lte/base/random.h"
 #include "lte/pathtrace/irradiance.h"
-#include "lte/pathtrace/low_discrepancy.h"
-#include "tests/support/scenes.h"
+#include "tests/support/room.h"
 
 namespace lte::pathtrace {
 namespace {
 
+using test::Room;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-
-/// A room with its BVH, lights, and a few points on floor, wall and box.
-struct Room {
-  explicit Room(scene::Scene s = test::furnished_room())
-      : scene(std::move(s)), bvh(scene), lights(scene) {}
-
-  Irradiance estimate(const IrradianceOptions& options, int64_t first_index = 0) const {
-    return estimate_irradiance(bvh, lights, positions, normals, options, first_index);
-  }
-
-  scene::Scene scene;
-  Bvh bvh;
-  Lights lights;
-  std::vector<Vec3> positions{{2, 0, 1}, {0, 1.2f, 2}, {0.9f, 1.1f, 1}, {3.2f, 0, 0.4f}, {4, 2, 1}};
-  std::vector<Vec3> normals{{0, 1, 0}, {1, 0, 0}, {0, 1, 0}, {0, 1, 0}, {-1, 0, 0}};
-};
 
 void expect_equal(const Irradiance& a, const Irradiance& b) {
   EXPECT_EQ(a.direct, b.direct);
@@ -277,33 +260,6 @@ TEST(Estimate, NamesWhatItRefuses) {
   EXPECT_THAT([&] { room.estimate(options); }, message("normal 2"));
   room.normals.pop_back();
   EXPECT_THAT([&] { room.estimate(options); }, message("4 normals"));
-}
-
-/// Each aligned block of 2^k points has one point in each of its elementary intervals: a (0,
-/// 2)-sequence.
-TEST(PointSet, StratifiesAlignedBlocks) {
-  Rng rng(12);
-  for (int trial = 0; trial < 20; ++trial) {
-    const PointSet points(rng);
-    for (uint32_t block = 0; block < 4; ++block) {
-      for (int split = 0; split <= 4; ++split) {  // 2^split columns by 2^(4 − split) rows
-        std::vector<int> cells(16), light_cells(16), choices(16);
-        for (uint32_t i = 16 * block; i < 16 * (block + 1); ++i) {
-          const auto cell = [split](const Vec2& p) {
-            const int column = static_cast<int>(p.x * static_cast<float>(1 << split));
-            const int row = static_cast<int>(p.y * static_cast<float>(16 >> split));
-            return static_cast<size_t>(column * (16 >> split) + row);
-          };
-          ++cells[cell(points.direction(i))];
-          ++light_cells[cell(points.light_point(i))];
-          ++choices[static_cast<size_t>(points.light_choice(i) * 16)];
-        }
-        EXPECT_EQ(cells, std::vector<int>(16, 1));
-        EXPECT_EQ(light_cells, std::vector<int>(16, 1));
-        EXPECT_EQ(choices, std::vector<int>(16, 1));
-      }
-    }
-  }
 }
 
 }  // namespace

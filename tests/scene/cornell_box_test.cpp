@@ -102,5 +102,35 @@ TEST_F(CornellBox, CameraLooksIntoTheOpenSide) {
   EXPECT_GT(left.x, 0.1) << "the red wall, at large x, is on the left of the picture";
 }
 
+/// The same numbers in another format: triangle by triangle, in the order of the file.
+TEST_F(CornellBox, PbrtTwinIsTheSameScene) {
+  const Scene twin = load_scene(std::string(LTE_SOURCE_DIR) + "/assets/scenes/cornell_box.pbrt");
+  EXPECT_THAT(twin.ignored, ::testing::IsEmpty());
+  ASSERT_EQ(twin.instances.size(), scene_.instances.size());
+  for (size_t i = 0; i < scene_.instances.size(); ++i) {
+    const Mesh& mesh = scene_.meshes[static_cast<size_t>(scene_.instances[i].mesh)];
+    const Mesh& other = twin.meshes[static_cast<size_t>(twin.instances[i].mesh)];
+    EXPECT_EQ(other.positions, mesh.positions) << mesh.name;
+    EXPECT_EQ(other.triangles, mesh.triangles) << mesh.name;
+    EXPECT_EQ(twin.instances[i].light_group, scene_.instances[i].light_group);
+    for (uint32_t triangle = 0; triangle < mesh.triangles.size(); ++triangle) {
+      const Surface a = evaluate_surface(scene_, static_cast<int>(i), triangle, 0.3f, 0.3f, 0);
+      const Surface b = evaluate_surface(twin, static_cast<int>(i), triangle, 0.3f, 0.3f, 0);
+      EXPECT_EQ(a.position, b.position);
+      EXPECT_EQ(a.normal, b.normal);
+      EXPECT_EQ(a.albedo, b.albedo);
+      EXPECT_EQ(a.emission, b.emission);
+      EXPECT_EQ(a.emits_back, b.emits_back);
+    }
+  }
+  ASSERT_EQ(twin.cameras.size(), 1u);
+  for (const float x : {0.0f, 0.5f, 1.0f}) {
+    const Vec3 a = scene_.cameras[0].direction(x, 0.25f, 1);
+    const Vec3 b = twin.cameras[0].direction(x, 0.25f, 1);
+    EXPECT_LT(length(a - b), 1e-6f);
+  }
+  EXPECT_LT(length(scene_.cameras[0].origin - twin.cameras[0].origin), 1e-6f);
+}
+
 }  // namespace
 }  // namespace lte::scene

@@ -125,6 +125,8 @@ Scene rich_scene() {
   camera.name = "door", camera.origin = {0.2f, 1.6f, 0.2f}, camera.target = {3, 1, 2},
   camera.vfov = 63;
   scene.cameras.push_back(camera);
+  camera.name = "mirror", camera.mirrored = true;
+  scene.cameras.push_back(camera);
   return scene;
 }
 

@@ -356,9 +356,9 @@ TEST_F(LoadError, IllTypedMembers) {
 TEST_F(LoadError, RequiredExtensionsThatWeLack) {
   expect(
       [](GltfBuilder& b) {
-        b.json["extensionsRequired"] = {"KHR_texture_transform", "KHR_draco_mesh_compression"};
+        b.json["extensionsRequired"] = {"KHR_texture_transform", "EXT_meshopt_compression"};
       },
-      "requires extension KHR_draco_mesh_compression", "lte lacks");
+      "requires extension EXT_meshopt_compression", "lte lacks");
 }
 
 TEST_F(LoadError, NodesThatAreNoTree) {

@@ -163,6 +163,18 @@ TEST_F(LoadMaterial, DecodesAnImageOnceAndOnlyIfUsed) {
   EXPECT_EQ(scene.materials[0].emission_texture.texture, kNone);
 }
 
+TEST_F(LoadMaterial, DecodesAPictureOnceThatIsListedTwice) {
+  start({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}},
+         {"emissiveFactor", {1, 1, 1}},
+         {"emissiveTexture", {{"index", 1}}}});
+  builder_.json["textures"] = {{{"source", 0}}, {{"source", 1}}};
+  builder_.json["images"] = {{{"uri", "p.png"}}, {{"uri", "p.png"}}};
+  test::write_text(dir_ / "p.png", png({51, 51, 51, 51, 51, 51}));
+  const Scene scene = load();
+  EXPECT_EQ(scene.textures.size(), 1u);
+  EXPECT_EQ(scene.materials[0].emission_texture.texture, 0);
+}
+
 TEST_F(LoadMaterial, ReadsJpegFromABufferViewAndPngFromAFile) {
   start({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
   builder_.json["materials"].push_back(
@@ -191,17 +203,59 @@ TEST_F(LoadMaterial, ReadsAGlbWithAnImageInside) {
               ElementsAre(1, 2, 3, 4, 5, 6));
 }
 
+TEST_F(LoadMaterial, EachTextureHasItsOwnUvSet) {
+  // TEXCOORD_3 is the first texel everywhere and TEXCOORD_7 the second; the colour takes the one
+  // that KHR_texture_transform names in place of the reference's own.
+  const Json transform{{"texCoord", 7}};
+  start({{"pbrMetallicRoughness",
+          {{"baseColorTexture",
+            {{"index", 0},
+             {"texCoord", 3},
+             {"extensions", {{"KHR_texture_transform", transform}}}}}}},
+         {"emissiveFactor", {1, 1, 1}},
+         {"emissiveTexture", {{"index", 0}, {"texCoord", 3}}}});
+  Json& attributes = builder_.json["meshes"][0]["primitives"][0]["attributes"];
+  attributes["TEXCOORD_3"] = builder_.floats({0.25f, 0.5f, 0.25f, 0.5f, 0.25f, 0.5f}, "VEC2");
+  attributes["TEXCOORD_7"] = builder_.accessor(
+      std::vector<uint8_t>{191, 128, 191, 128, 191, 128, 0, 0}, test::kUnsignedByte, "VEC2", true);
+  builder_.json["accessors"].back()["count"] = 3;
+  builder_.json["textures"] = {{{"source", 0}}};
+  add_png({255, 0, 0, 0, 0, 255});
+  const Surface surface = evaluate_surface(load(), 0, 0, 0.3f, 0.3f, 0);
+  EXPECT_NEAR(surface.emission.x, 1, 1e-3);
+  EXPECT_NEAR(surface.emission.z, 0, 1e-3);
+  EXPECT_NEAR(surface.albedo.x, 0, 5e-3);
+  EXPECT_NEAR(surface.albedo.z, 1, 5e-3);
+}
+
+TEST_F(LoadMaterial, SpecularGlossinessGivesItsDiffuseColour) {
+  start({{"pbrMetallicRoughness", {{"baseColorFactor", {1, 0, 0, 1}}}},
+         {"extensions",
+          {{"KHR_materials_pbrSpecularGlossiness",
+            {{"diffuseFactor", {0.5, 0.25, 1, 1}},
+             {"diffuseTexture", {{"index", 0}, {"texCoord", 1}}}}}}}});
+  builder_.json["textures"] = {{{"source", 0}}};
+  add_png({255, 0, 0, 0, 0, 255});
+  const Scene scene = load();
+  EXPECT_EQ(scene.materials[0].base_color, (Rgb{0.5f, 0.25f, 1}));
+  EXPECT_EQ(scene.materials[0].base_color_texture.texture, 0);
+  EXPECT_EQ(scene.materials[0].base_color_texture.uv_set, 1);
+  EXPECT_THAT(scene.ignored,
+              ElementsAre("KHR_materials_pbrSpecularGlossiness: dropped specular and glossiness "
+                          "(the diffuse colour is kept) (1 material)"));
+}
+
 TEST_F(LoadMaterial, NotesTexturesItCannotFollow) {
   start({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}},
          {"emissiveFactor", {1, 1, 1}},
-         {"emissiveTexture", {{"index", 1}, {"texCoord", 2}}}});
-  builder_.json["textures"] = {{{"extensions", {{"EXT_texture_webp", {{"source", 0}}}}}},
+         {"emissiveTexture", {{"index", 1}, {"texCoord", 8}}}});
+  builder_.json["textures"] = {{{"extensions", {{"KHR_texture_basisu", {{"source", 0}}}}}},
                                {{"source", 0}}};
   add_png({1, 2, 3, 4, 5, 6});
   const Scene scene = load();
   EXPECT_TRUE(scene.textures.empty());
-  EXPECT_THAT(scene.ignored, ElementsAre("texture coordinates beyond TEXCOORD_1 (1 use)",
-                                         "texture without a PNG or JPEG source (1 use)"));
+  EXPECT_THAT(scene.ignored, ElementsAre("texture coordinates beyond TEXCOORD_7 (1 use)",
+                                         "texture without a PNG, JPEG or WebP source (1 use)"));
 }
 
 TEST_F(LoadMaterial, NumbersLightGroupsByInstanceThenLight) {

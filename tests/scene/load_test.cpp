@@ -247,6 +247,24 @@ TEST_F(Load, SparseWithoutAViewStartsFromZeros) {
   expect_unit_triangle(load(builder));
 }
 
+TEST_F(Load, ReadsIndicesThatAreSparseAlone) {
+  GltfBuilder builder;
+  Json primitive = builder.triangle();
+  const int at = builder.view(std::vector<uint8_t>{1, 2}),
+            values = builder.view(std::vector<uint16_t>{1, 2});
+  builder.json["accessors"].push_back(
+      {{"componentType", test::kUnsignedShort},
+       {"count", 3},
+       {"type", "SCALAR"},
+       {"sparse",
+        {{"count", 2},
+         {"indices", {{"bufferView", at}, {"componentType", test::kUnsignedByte}}},
+         {"values", {{"bufferView", values}}}}}});
+  primitive["indices"] = builder.json["accessors"].size() - 1;
+  builder.mesh(primitive);
+  expect_unit_triangle(load(builder));
+}
+
 TEST_F(Load, KeepsOnlyTheVerticesThatAPrimitiveUses) {
   GltfBuilder builder;
   std::vector<float> values;
@@ -284,7 +302,6 @@ TEST_F(Load, KeepsDegenerateTriangles) {
 TEST_F(Load, NotesWhatItLeavesOut) {
   GltfBuilder builder;
   Json primitive = builder.triangle();
-  primitive["targets"] = {{{"POSITION", 0}}};
   primitive["extensions"] = {{"KHR_materials_variants", {{"mappings", Json::array()}}}};
   primitive["material"] = 0;
   builder.mesh(primitive);
@@ -292,8 +309,6 @@ TEST_F(Load, NotesWhatItLeavesOut) {
                                     "EXT_something"};
   builder.json["extensions"] = {{"EXT_something", Json::object()}};
   builder.json["animations"] = {{{"channels", Json::array()}, {"samplers", Json::array()}}};
-  builder.json["skins"] = {{{"joints", {0}}}};
-  builder.json["nodes"][0]["skin"] = 0;
   builder.json["images"] = {{{"uri", "absent.png"}}};
   builder.json["textures"] = {{{"source", 0}}};
   builder.json["materials"] = {
@@ -306,12 +321,70 @@ TEST_F(Load, NotesWhatItLeavesOut) {
       {{"extensions", {{"KHR_materials_sheen", Json::object()}}}}};
   EXPECT_THAT(
       load(builder).ignored,
-      ElementsAre("alphaMode MASK (1 material)", "animations (1 animation)",
-                  "extension EXT_something (1 file)", "extension KHR_materials_sheen (2 materials)",
-                  "extension KHR_materials_variants (1 primitive)",
-                  "metallic-roughness texture (1 material)", "metallicFactor (1 material)",
-                  "morph targets (1 primitive)", "normal map (1 material)",
-                  "occlusion texture (1 material)", "skin (1 node)"));
+      ElementsAre("KHR_materials_sheen: dropped sheen (2 materials)",
+                  "KHR_materials_variants: dropped material variants (the default one is kept) "
+                  "(1 primitive)",
+                  "alphaMode MASK (1 material)", "animations (1 animation)",
+                  "extension EXT_something (1 file)", "metallic-roughness texture (1 material)",
+                  "metallicFactor (1 material)", "normal map (1 material)",
+                  "occlusion texture (1 material)"));
+}
+
+TEST_F(Load, TakesFilesThatRequireAppearanceItDrops) {
+  GltfBuilder builder;
+  Json primitive = builder.triangle();
+  primitive["material"] = 0;
+  builder.mesh(primitive);
+  const std::vector<std::string> names{"KHR_materials_clearcoat", "KHR_materials_ior",
+                                       "KHR_materials_specular",  "KHR_materials_transmission",
+                                       "KHR_materials_unlit",     "KHR_materials_volume"};
+  for (const std::string& name : names) {
+    builder.json["extensionsRequired"].push_back(name);
+    builder.json["materials"][0]["extensions"][name] = Json::object();
+  }
+  builder.json["materials"].push_back(builder.json["materials"][0]);
+  const Scene scene = load(builder);
+  ASSERT_EQ(scene.ignored.size(), names.size())
+      << "one line each, whatever the number of materials";
+  for (size_t i = 0; i < names.size(); ++i) {
+    EXPECT_THAT(scene.ignored[i], HasSubstr(names[i] + ": dropped "));
+    EXPECT_THAT(scene.ignored[i], HasSubstr("(2 materials)"));
+  }
+  builder.json["extensionsRequired"].push_back("EXT_meshopt_compression");
+  EXPECT_THAT(test::error_of([&] { load(builder); }), HasSubstr("EXT_meshopt_compression"));
+}
+
+TEST_F(Load, ReadsQuantizedAttributesOfEveryKind) {
+  // KHR_mesh_quantization: positions as normalized and plain bytes and shorts, padded to 4 bytes.
+  GltfBuilder builder;
+  builder.json["extensionsRequired"] = {"KHR_mesh_quantization"};
+  const auto add = [&](const Json& position) {
+    builder.json["accessors"].push_back(position);
+    builder.mesh({{"attributes", {{"POSITION", builder.json["accessors"].size() - 1}}}});
+  };
+  const int bytes =
+      builder.view(std::vector<int8_t>{127, -127, 0, 9, -128, 64, 1, 9, 0, 0, 0, 9}, 4);
+  const int shorts =
+      builder.view(std::vector<uint16_t>{65535, 0, 13107, 9, 1, 2, 3, 9, 0, 0, 0, 9}, 8);
+  for (const bool normalized : {true, false}) {
+    add({{"bufferView", bytes},
+         {"componentType", test::kByte},
+         {"count", 3},
+         {"type", "VEC3"},
+         {"normalized", normalized}});
+    add({{"bufferView", shorts},
+         {"componentType", test::kUnsignedShort},
+         {"count", 3},
+         {"type", "VEC3"},
+         {"normalized", normalized}});
+  }
+  const Scene scene = load(builder);
+  EXPECT_EQ(scene.meshes[0].positions[0], (Vec3{1, -1, 0}));
+  EXPECT_EQ(scene.meshes[0].positions[1], (Vec3{-1, 64 / 127.0f, 1 / 127.0f}));
+  EXPECT_EQ(scene.meshes[1].positions[0].x, 1);
+  EXPECT_NEAR(scene.meshes[1].positions[0].z, 0.2, 1e-7);
+  EXPECT_EQ(scene.meshes[2].positions[1], (Vec3{-128, 64, 1}));
+  EXPECT_EQ(scene.meshes[3].positions[0], (Vec3{65535, 0, 13107}));
 }
 
 TEST_F(Load, ReadsMillionsOfTriangles) {

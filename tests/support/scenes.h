@@ -161,4 +161,27 @@ inline scene::Scene furnished_room() {
   return scene;
 }
 
+/// A hall of 20 m with 10 x 10 small lamps under its ceiling, a spot, a sun and a bulb.
+inline scene::Scene hall_of_lamps() {
+  scene::Scene scene;
+  scene.name = "hall";
+  const int grey = add_material(&scene, {0.5f, 0.5f, 0.5f});
+  const int lamp = add_material(&scene, {0, 0, 0}, {50, 40, 30});
+  add_instance(&scene, box_mesh({0, 0, 0}, {20, 3, 20}, grey, true));
+  scene::Mesh lamps;
+  lamps.material = lamp;
+  for (int i = 0; i < 100; ++i) {
+    append_quad(
+        &lamps,
+        {2.0f * static_cast<float>(i % 10) + 0.9f, 2.9f, 2.0f * static_cast<float>(i / 10) + 0.9f},
+        {0.1f, 0, 0}, {0, 0, 0.1f});
+  }
+  add_instance(&scene, std::move(lamps));
+  add_point_light(&scene, {4, 1, 4}, {0.5f, 0.5f, 0.5f});
+  add_point_light(&scene, {12, 2, 4}, {2, 2, 2});
+  scene.lights[1].kind = scene::LightKind::Spot;
+  scene.lights[1].direction = {0, -1, 0};
+  return scene;
+}
+
 }  // namespace lte::test

@@ -1,0 +1,14 @@
+// The building itself: floors, walls, ceilings, skirting, door frames, windows, ceiling lights.
+#pragma once
+
+#include "datagen/homes/stage.h"
+
+namespace lte::datagen::homes {
+
+/// Floors, ceilings and walls with their holes, and skirting along them.
+void build_shell(Stage* stage, Kit* kit);
+/// Reveals and frames of doorways, the entrance's leaf, windows with panes, frames and sills.
+/// @param daylight  radiance of the panes, 0 for closed ones
+void build_openings(Stage* stage, Kit* kit, const Rgb& daylight);
+
+}  // namespace lte::datagen::homes

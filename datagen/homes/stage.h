@@ -1,0 +1,52 @@
+// A home in the making: puts pieces into the scene and keeps the plan of where they are.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "datagen/homes/home.h"
+#include "datagen/homes/kit.h"
+
+namespace lte::datagen::homes {
+
+/// A piece whose triangles are in the scene; it may be placed more than once.
+struct Asset {
+  std::string name;
+  Bounds bounds;
+  std::vector<Bounds> solids, tops;
+  bool by_parts = false;
+  std::vector<PointLight> point_lights;
+  std::vector<int> meshes;
+};
+
+class Stage {
+ public:
+  explicit Stage(Home* home) : home_(home) {}
+
+  HomePlan& plan() { return home_->plan; }
+  const HomePlan& plan() const { return home_->plan; }
+  scene::Scene& scene() { return home_->scene; }
+
+  /// Moves the piece's triangles into the scene.
+  Asset load(Piece&& piece);
+  /// An asset without triangles, to try places with.
+  static Asset outline(const Piece& piece);
+
+  /// Instances the asset: each emissive mesh and point light becomes a light group. Returns the
+  /// index in the plan.
+  int place(const Asset& asset, int room, const Affine& to_world, int parent = -1);
+  /// Gives the triangles to what was placed as an outline.
+  void fill(int placed, Piece&& piece);
+  /// As place(), for what belongs to the building and is no piece of furniture.
+  void build(Piece&& piece);
+
+ private:
+  void instance(const Asset& asset, const std::string& name, const Affine& to_world);
+  int add_group(const std::string& name);
+
+  Home* home_;
+};
+
+PlacedPiece placed(const Asset& asset, int room, const Affine& to_world, int parent);
+
+}  // namespace lte::datagen::homes

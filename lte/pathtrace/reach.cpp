@@ -1,0 +1,276 @@
+#include "lte/pathtrace/reach.h"
+
+#include <array>
+#include <cmath>
+#include <unordered_map>
+
+#include "lte/base/check.h"
+#include "lte/base/parallel.h"
+#include "lte/base/random.h"
+#include "lte/pathtrace/irradiance_kernel.h"
+
+namespace lte::pathtrace {
+namespace {
+
+constexpr int kRounds[] = {4, 16, 64};
+constexpr int64_t kGrain = 16;
+constexpr size_t kMaxVertices = 16;  // of a dark point's paths, for condition 2
+constexpr int kMaxNeighbours = 40;   // points that a vertex looks for
+constexpr double kSearchRadius = 2;  // in units of the spacing of points
+constexpr double kMaxOversampling = 8;
+constexpr int64_t kProbePoints = 256;  // that estimate the reached share of the surface
+
+struct LightFound {
+  bool lit = false;
+  void add(int, int, const Rgb& value) { lit = lit || max_component(value) > 0; }
+};
+
+/// Keeps where paths go on from: points just off their surfaces, relative to the frame.
+struct VertexLog {
+  std::vector<Vec3>* vertices;
+  size_t limit;
+  void nearest(const Vec3& origin, const Vec3&) {
+    if (vertices->size() < limit) vertices->push_back(origin);
+  }
+  void shadow(const Vec3&, const Vec3&, float) {}
+};
+
+/// Points by cubic cells of one edge.
+class PointGrid {
+ public:
+  PointGrid(float edge, const Vec3& low) : edge_(edge), low_(low) {}
+  void add(const Vec3& p, uint32_t index) { cells_[key(cell(p))].push_back(index); }
+  /// Calls `use(index)` for the points of the 27 cells around `p` until it returns true.
+  template <typename Use>
+  bool any_near(const Vec3& p, const Use& use) const {
+    const std::array<int64_t, 3> c = cell(p);
+    for (int64_t x = -1; x <= 1; ++x) {
+      for (int64_t y = -1; y <= 1; ++y) {
+        for (int64_t z = -1; z <= 1; ++z) {
+          const auto found = cells_.find(key({c[0] + x, c[1] + y, c[2] + z}));
+          if (found == cells_.end()) continue;
+          for (const uint32_t index : found->second)
+            if (use(index)) return true;
+        }
+      }
+    }
+    return false;
+  }
+
+ private:
+  std::array<int64_t, 3> cell(const Vec3& p) const {
+    const auto along = [this](float x) {
+      return static_cast<int64_t>(std::clamp(std::floor(x / edge_), -1e6f, 1e6f));
+    };
+    return {along(p.x - low_.x), along(p.y - low_.y), along(p.z - low_.z)};
+  }
+  static uint64_t key(const std::array<int64_t, 3>& c) {
+    return (static_cast<uint64_t>(c[0] + (1 << 20)) << 42) ^
+           (static_cast<uint64_t>(c[1] + (1 << 20)) << 21) ^
+           static_cast<uint64_t>(c[2] + (1 << 20));
+  }
+  float edge_;
+  Vec3 low_;
+  std::unordered_map<uint64_t, std::vector<uint32_t>> cells_;
+};
+
+class Reach {
+ public:
+  Reach(const Bvh& bvh, std::span<const Vec3> positions, std::span<const Vec3> normals, Sides sides,
+        const ReachOptions& options)
+      : bvh_(bvh),
+        lights_(bvh.scene(), LightChoice::EachGroup),
+        positions_(positions),
+        normals_(normals),
+        sides_(sides),
+        options_(options),
+        half_extent_(0.5f * max_component(bvh.bounds().extent())),
+        keep_(positions.size()),
+        origin_(positions.size()),
+        vertices_(positions.size()),
+        front_vertices_(positions.size()) {}
+
+  std::vector<uint8_t> run() {
+    if (lights_.empty()) return std::vector<uint8_t>(positions_.size(), 1);
+    for (const int paths : kRounds) {
+      parallel_for(static_cast<int64_t>(keep_.size()), kGrain, [&](int64_t begin, int64_t end) {
+        for (int64_t i = begin; i < end; ++i)
+          if (!keep_[static_cast<size_t>(i)]) trace(static_cast<size_t>(i), paths);
+      });
+    }
+    spread();
+    return std::move(keep_);
+  }
+
+ private:
+  Vec3 start(size_t i, const Vec3& side) const {
+    return offset_origin(positions_[i], side, half_extent_) - bvh_.handles().origin;
+  }
+
+  /// Condition 1 for one point; its vertices stay for condition 2.
+  void trace(size_t i, int paths) {
+    vertices_[i].clear();
+    front_vertices_[i] = SIZE_MAX;
+    for (const Vec3& side : {normals_[i], -normals_[i]}) {
+      origin_[i] = start(i, side);
+      if (finds_light(origin_[i], side, paths, i)) {
+        keep_[i] = 1;
+        vertices_[i] = {};
+        return;
+      }
+      if (sides_ == Sides::Front) return;
+      front_vertices_[i] = std::min(front_vertices_[i], vertices_[i].size());
+    }
+  }
+
+  bool finds_light(const Vec3& origin, const Vec3& side, int paths, size_t i) {
+    VertexLog log{&vertices_[i], vertices_[i].size() + kMaxVertices};
+    constexpr int kNoRoulette = 1 << 20;
+    Transport transport(bvh_, lights_, options_.max_depth, kNoRoulette, log);
+    PathSampler sampler(Sampling::Sobol, hash_combine(options_.seed, static_cast<uint64_t>(paths)),
+                        i);
+    sampler.start_set(paths);
+    LightFound found;
+    for (int p = 0; p < paths && !found.lit; ++p) {
+      sampler.next_path();
+      transport.sample_light(origin, side, {1, 1, 1}, sampler.light_choice(0),
+                             sampler.light_point(0), 1, found);
+      PathState path;
+      path.origin = origin;
+      path.normal = side;
+      path.direction = cosine_direction(side, sampler.direction(0), &path.pdf);
+      transport.follow(path, sampler, found);
+    }
+    return found.lit;
+  }
+
+  /// Condition 2: round by round, dark points look for those that the last round kept.
+  void spread() {
+    const double area = std::max(scene::surface_area(bvh_.scene()), 1e-30);
+    const auto radius = static_cast<float>(
+        kSearchRadius * std::sqrt(area / static_cast<double>(std::max<size_t>(1, keep_.size()))));
+    const Vec3 low = bvh_.bounds().low - bvh_.handles().origin;
+    std::vector<uint32_t> fresh, dark;
+    for (uint32_t i = 0; i < keep_.size(); ++i) (keep_[i] ? fresh : dark).push_back(i);
+    while (!fresh.empty() && !dark.empty()) {
+      PointGrid grid(radius, low);
+      for (const uint32_t i : fresh) grid.add(origin_[i], i);
+      std::vector<uint8_t> found(dark.size());
+      parallel_for(static_cast<int64_t>(dark.size()), kGrain, [&](int64_t begin, int64_t end) {
+        for (int64_t k = begin; k < end; ++k)
+          found[static_cast<size_t>(k)] = sees_kept(dark[static_cast<size_t>(k)], grid) ? 1 : 0;
+      });
+      fresh.clear();
+      std::vector<uint32_t> rest;
+      for (size_t k = 0; k < dark.size(); ++k) (found[k] ? fresh : rest).push_back(dark[k]);
+      for (const uint32_t i : fresh) keep_[i] = 1;
+      dark = std::move(rest);
+    }
+  }
+
+  /// Also settles which side of the point the way goes out from.
+  bool sees_kept(uint32_t i, const PointGrid& grid) {
+    for (size_t k = 0; k < vertices_[i].size(); ++k) {
+      const Vec3& vertex = vertices_[i][k];
+      int tried = 0;
+      bool seen = false;
+      grid.any_near(vertex, [&](uint32_t j) {
+        seen = !occluded(bvh_.handles().top, vertex, origin_[j] - vertex, 1);
+        return seen || ++tried == kMaxNeighbours;
+      });
+      if (!seen) continue;
+      origin_[i] = start(i, k < front_vertices_[i] ? normals_[i] : -normals_[i]);
+      return true;
+    }
+    return false;
+  }
+
+  const Bvh& bvh_;
+  const Lights lights_;
+  std::span<const Vec3> positions_, normals_;
+  const Sides sides_;
+  const ReachOptions& options_;
+  const float half_extent_;
+  std::vector<uint8_t> keep_;
+  std::vector<Vec3> origin_;  ///< off the side that light reaches, relative to the frame
+  std::vector<std::vector<Vec3>>
+      vertices_;  ///< of dark points: of the front's paths, then the back's
+  std::vector<size_t> front_vertices_;
+};
+
+/// Keeps of each array what `kept` lists.
+template <typename T>
+void gather(const std::vector<size_t>& kept, std::vector<T>* values) {
+  for (size_t k = 0; k < kept.size(); ++k) (*values)[k] = (*values)[kept[k]];
+  values->resize(kept.size());
+}
+
+void gather(const std::vector<size_t>& kept, scene::SurfaceSamples* samples) {
+  gather(kept, &samples->position), gather(kept, &samples->normal);
+  gather(kept, &samples->albedo), gather(kept, &samples->emission);
+  gather(kept, &samples->area), gather(kept, &samples->light_group);
+}
+
+/// Indices of the samples to keep.
+std::vector<size_t> kept_samples(const Bvh& bvh, const scene::SurfaceSamples& samples, Sides sides,
+                                 const ReachOptions& options) {
+  const std::vector<uint8_t> keep = reached(bvh, samples.position, samples.normal, sides, options);
+  std::vector<size_t> kept;
+  for (size_t i = 0; i < keep.size(); ++i) {
+    const bool emits = sides == Sides::Either && samples.light_group[i] != scene::kNone;
+    if (keep[i] || emits) kept.push_back(i);
+  }
+  return kept;
+}
+
+}  // namespace
+
+std::vector<uint8_t> reached(const Bvh& bvh, std::span<const Vec3> positions,
+                             std::span<const Vec3> normals, Sides sides,
+                             const ReachOptions& options) {
+  IrradianceOptions check;
+  check.max_depth = options.max_depth;
+  check_points(positions, normals);
+  check_irradiance_options(check);
+  return Reach(bvh, positions, normals, sides, options).run();
+}
+
+scene::SurfaceSamples sample_reached_surface(const Bvh& bvh, int64_t count,
+                                             const scene::SamplerOptions& sampler, Sides sides,
+                                             const ReachOptions& options, PruneCounts* counts) {
+  scene::SamplerOptions plain = sampler;
+  plain.emissive_share = 0;
+  plain.punctual_lights = false;
+  const scene::SurfaceSamples probe = scene::sample_surface(bvh.scene(), kProbePoints, plain);
+  const auto found = static_cast<double>(kept_samples(bvh, probe, sides, options).size());
+  const double share = std::max(1.0, found) / kProbePoints;
+  // Three standard errors of the share more than it asks for.
+  const double error = std::sqrt((1 - share) / (share * kProbePoints));
+  double oversampling = (1 + 3 * error) / share;
+  for (;;) {
+    oversampling = std::min(oversampling, kMaxOversampling);
+    const auto drawn = static_cast<int64_t>(std::ceil(static_cast<double>(count) * oversampling));
+    scene::SurfaceSamples samples = scene::sample_surface(bvh.scene(), drawn, sampler);
+    std::vector<size_t> kept = kept_samples(bvh, samples, sides, options);
+    const auto left = static_cast<int64_t>(kept.size());
+    if (left < count && oversampling < kMaxOversampling) {
+      oversampling *=
+          1.05 * static_cast<double>(count) / static_cast<double>(std::max<int64_t>(1, left));
+      continue;
+    }
+    if (left == 0) return scene::sample_surface(bvh.scene(), count, sampler);
+    counts->drawn = drawn;
+    counts->pruned = drawn - left;
+    if (left > count) {  // evenly, to stay as stratified as it was
+      for (int64_t k = 0; k < count; ++k)
+        kept[static_cast<size_t>(k)] = kept[static_cast<size_t>(k * left / count)];
+      kept.resize(static_cast<size_t>(count));
+    }
+    gather(kept, &samples);
+    const float scale = static_cast<float>(left) / static_cast<float>(kept.size());
+    for (float& area : samples.area) area *= scale;
+    return samples;
+  }
+}
+
+}  // namespace lte::pathtrace

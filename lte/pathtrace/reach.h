@@ -1,0 +1,57 @@
+// Which points light can reach: closed interiors of furniture, floors under carpets and the like
+// cost as much as any other point and have nothing to say.
+//
+// A point is kept if
+//   1. any of up to 84 paths from it (4, then 16, then 64, as long as all were dark) carries
+//   light,
+//      each of at most `max_depth` hits, with a light sample at every vertex that draws all light
+//      groups alike, so that a faint lamp in a closed room is found beside bright ones outside; or
+//   2. a vertex of those paths sees a point nearby that is kept: then there is a way for light to
+//   it,
+//      if perhaps a longer one. This spreads from kept points until nothing changes.
+// Both conditions keep only what is truly connected to a light, and the rest is pruned: it errs
+// where light comes in through an opening that none of 84 paths from any point of a pocket finds.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lte/pathtrace/bvh.h"
+#include "lte/scene/sampler.h"
+
+namespace lte::pathtrace {
+
+struct ReachOptions {
+  int max_depth = 5;
+  uint64_t seed = 0;
+};
+
+/// Which side of its surface makes a point worth keeping.
+enum class Sides {
+  Front,   ///< the one its normal points to: query points
+  Either,  ///< surfaces reflect on both: scene points
+};
+
+/// @return  [points]: 1 to keep, 0 for what light does not reach. All 1 in a scene without light.
+/// @throws lte::Error if sizes differ, a value is not finite, or an option is out of range.
+/// @note The same for any number of threads.
+std::vector<uint8_t> reached(const Bvh& bvh, std::span<const Vec3> positions,
+                             std::span<const Vec3> normals, Sides sides,
+                             const ReachOptions& options);
+
+/// Points that were drawn and left out.
+struct PruneCounts {
+  int64_t drawn = 0, pruned = 0;
+};
+
+/// scene::sample_surface() over the surfaces that light reaches: more points are drawn, so that
+/// `count` are left. Emissive and punctual ones always stay. `area` is shared out among those kept:
+/// its sum is the area that light reaches.
+/// @note Where less than an eighth of the surface is reached, fewer than `count` come back; where
+/// none is, or nothing shines, `count` unpruned ones.
+scene::SurfaceSamples sample_reached_surface(const Bvh& bvh, int64_t count,
+                                             const scene::SamplerOptions& sampler, Sides sides,
+                                             const ReachOptions& options, PruneCounts* counts);
+
+}  // namespace lte::pathtrace

@@ -1,0 +1,14 @@
+// Wavefront OBJ to a scene.
+#pragma once
+
+#include <filesystem>
+
+#include "lte/scene/load.h"
+
+namespace lte::scene::obj {
+
+/// One mesh and one instance for the faces of one object in one material. OBJ has no unit: metres.
+/// @throws lte::Error naming file and line; see read_obj() and read_mtl().
+Scene import(const std::filesystem::path& path, const LoadLimits& limits);
+
+}  // namespace lte::scene::obj

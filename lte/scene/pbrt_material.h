@@ -1,0 +1,36 @@
+// PBRT's materials as albedo.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lte/scene/pbrt_texture.h"
+#include "lte/scene/pbrt_world.h"
+
+namespace lte::scene::pbrt {
+
+class MaterialTable {
+ public:
+  MaterialTable(const World& world, const TextureTable& textures, const Files& files, Notes* notes)
+      : world_(world), textures_(textures), files_(files), notes_(notes) {}
+
+  /// The albedo of World::materials[index]; nullptr for one that is not seen: pbrt's "interface".
+  /// @throws lte::Error with file and line for a material that is named but never made, or a
+  /// mixture of itself.
+  TexturePtr albedo(int index) { return follow(index, 0); }
+
+ private:
+  TexturePtr follow(int index, int depth);
+  TexturePtr build(const MaterialDef& def, int depth);
+  TexturePtr mixture(const MaterialDef& def, int depth);
+  TexturePtr conductor(const Params& params, const std::string& prefix);
+
+  const World& world_;
+  const TextureTable& textures_;
+  const Files& files_;
+  Notes* notes_;
+  std::map<int, TexturePtr> built_;
+};
+
+}  // namespace lte::scene::pbrt

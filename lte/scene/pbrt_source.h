@@ -1,0 +1,81 @@
+// Where things stand in PBRT files, what is said about them, and the words the files are made of.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <ostream>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "lte/base/check.h"
+
+namespace lte::scene::pbrt {
+
+/// A line of a file. The name is interned in the Files of the import, and lives as long.
+struct Location {
+  const std::string* file = nullptr;
+  int line = 0;
+};
+/// As "scene.pbrt:12".
+std::ostream& operator<<(std::ostream& out, const Location& at);
+
+template <typename... Args>
+[[noreturn]] void fail(const Location& at, const Args&... args) {
+  throw Error(concat(at, ": ", args...));
+}
+
+/// Text of a file as a message may quote it: short, on one line, printable.
+std::string quote(std::string_view text);
+
+/// What the importer leaves out or changes, with the first place of each, for Scene::ignored.
+class Notes {
+ public:
+  /// @param what  e.g. "alpha of a shape"; equal texts are counted together
+  void add(const std::string& what, const Location& at);
+  /// "alpha of a shape (scene.pbrt:12)" or "... (3 times, first at scene.pbrt:12)", in order of
+  /// first appearance. Beyond 1,000 different lines the rest is only counted.
+  std::vector<std::string> lines() const;
+
+ private:
+  struct Entry {
+    int64_t count = 0;
+    Location first;
+    size_t order = 0;
+  };
+  std::map<std::string, Entry> entries_;
+  int64_t dropped_ = 0;
+};
+
+struct Token {
+  enum Kind { End, Word, String, Open, Close };
+  Kind kind = End;
+  std::string_view text;  ///< a string's without its quotes; valid until the next token is read
+  Location at;
+};
+
+/// Splits the text of one file. Comments and white space are skipped.
+class Tokenizer {
+ public:
+  /// @param name, text  must outlive the tokenizer
+  Tokenizer(const std::string* name, std::string_view text);
+
+  /// @throws lte::Error for an unterminated string, an unknown escape, a byte that no text file
+  /// has.
+  Token next();
+  Location at() const { return {name_, line_}; }
+
+ private:
+  void skip_blank();
+  Token read_string();
+
+  const std::string* name_;
+  std::string_view text_;
+  size_t place_ = 0;
+  int line_ = 1;
+  std::string unescaped_;
+};
+
+}  // namespace lte::scene::pbrt

@@ -1,0 +1,90 @@
+#include "lte/scene/shells.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "lte/scene/disjoint_sets.h"
+
+namespace lte::scene {
+namespace {
+
+/// Two places, the lower one first, and which way the triangle passes the edge.
+struct Edge {
+  uint32_t low, high;
+  uint32_t triangle;
+  bool rising;
+  bool same_place(const Edge& b) const { return low == b.low && high == b.high; }
+};
+
+std::vector<Edge> sorted_edges(const WorldTopology& topology, const std::vector<bool>& covered) {
+  std::vector<Edge> edges;
+  edges.reserve(topology.triangles.size() * 3);
+  for (uint32_t i = 0; i < topology.triangles.size(); ++i) {
+    if (covered[i]) continue;
+    const auto& place = topology.triangles[i].place;
+    for (size_t k = 0; k < 3; ++k) {
+      const uint32_t a = place[k], b = place[(k + 1) % 3];
+      edges.push_back({std::min(a, b), std::max(a, b), i, a < b});
+    }
+  }
+  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
+    return std::pair(a.low, a.high) < std::pair(b.low, b.high);
+  });
+  return edges;
+}
+
+/// Six times the volume under a triangle, seen from `origin`.
+double volume(const WorldTopology& topology, const PlacedTriangle& t, const Vec3& origin) {
+  std::array<std::array<double, 3>, 3> p;
+  for (size_t k = 0; k < 3; ++k) {
+    for (int c = 0; c < 3; ++c)
+      p[k][static_cast<size_t>(c)] = double{topology.places[t.place[k]][c]} - origin[c];
+  }
+  return p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) -
+         p[0][1] * (p[1][0] * p[2][2] - p[1][2] * p[2][0]) +
+         p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0]);
+}
+
+}  // namespace
+
+void count_shells(const WorldTopology& topology, const std::vector<bool>& covered,
+                  CleanupReport* report) {
+  DisjointSets sets(topology.triangles.size());          // connected by edges
+  std::vector<bool> spoiled(topology.triangles.size());  // a triangle of no closed shell
+  {
+    const std::vector<Edge> edges = sorted_edges(topology, covered);
+    for (size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
+      size_t rising = 0;
+      for (; end < edges.size() && edges[end].same_place(edges[begin]); ++end) {
+        rising += edges[end].rising ? 1 : 0;
+        sets.join(edges[begin].triangle, edges[end].triangle);
+      }
+      const size_t count = end - begin;
+      const Edge& edge = edges[begin];
+      if (count == 1) {
+        ++report->open_edges;
+        report->open_edge_length_m +=
+            length(topology.places[edge.high] - topology.places[edge.low]);
+      }
+      if (count > 2) ++report->branching_edges;
+      if (count == 2 && rising != 1) ++report->flipped_edges;
+      if (count != 2 || rising != 1) spoiled[edge.triangle] = true;
+    }
+  }
+  std::vector<double> volumes(topology.triangles.size());
+  for (uint32_t i = 0; i < topology.triangles.size(); ++i) {
+    if (covered[i]) continue;
+    const uint32_t root = sets.root(i);
+    if (spoiled[i]) spoiled[root] = true;
+    volumes[root] +=
+        volume(topology, topology.triangles[i], topology.places[topology.triangles[root].place[0]]);
+  }
+  for (uint32_t i = 0; i < topology.triangles.size(); ++i) {
+    if (covered[i] || sets.root(i) != i || spoiled[i]) continue;
+    ++report->closed_shells;
+    if (volumes[i] < 0) ++report->inward_shells;
+  }
+}
+
+}  // namespace lte::scene

@@ -1,0 +1,29 @@
+// Pictures of scene files to textures.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lte/scene/load.h"
+#include "lte/scene/texture.h"
+
+namespace lte::scene {
+
+/// A picture as it lies in a file.
+struct EncodedPicture {
+  std::span<const std::byte> bytes;
+  std::string where;  ///< file and element, for messages
+};
+
+/// Decodes PNG, JPEG, WebP, TGA and BMP, told apart by content, in parallel; colours carry the sRGB
+/// curve, alpha is dropped. Sizes are read from every header, and held against the limits, before
+/// anything is decoded.
+/// @throws lte::Error naming the picture: none of these formats, damaged, animated, or larger than
+/// the limits of one texture or of all.
+std::vector<std::shared_ptr<const Texture>> decode_textures(
+    const std::vector<EncodedPicture>& pictures, const LoadLimits& limits);
+
+}  // namespace lte::scene

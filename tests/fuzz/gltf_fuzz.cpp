@@ -1,0 +1,11 @@
+// glTF: a .gltf or .glb as it is.
+#include <cstddef>
+#include <cstdint>
+
+#include "tests/fuzz/load.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  lte::fuzz::write("scene.glb", {reinterpret_cast<const char*>(data), size});
+  lte::fuzz::load("scene.glb");
+  return 0;
+}

@@ -1,0 +1,55 @@
+// Loads bytes as a scene file, as every fuzz target does.
+#pragma once
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
+
+#include <unistd.h>
+
+#include "lte/base/check.h"
+#include "lte/base/parallel.h"
+#include "lte/scene/cleanup.h"
+#include "lte/scene/load.h"
+
+namespace lte::fuzz {
+
+/// A folder of this process, in memory where the system has such a place.
+inline const std::filesystem::path& folder() {
+  static const std::filesystem::path path = [] {
+    const std::filesystem::path shared = "/dev/shm";
+    std::error_code ignored;
+    const auto root =
+        std::filesystem::exists(shared, ignored) ? shared : std::filesystem::temp_directory_path();
+    std::filesystem::path own = root / concat("lte-fuzz-", getpid());
+    std::filesystem::create_directories(own);
+    set_num_threads(1);
+    return own;
+  }();
+  return path;
+}
+
+inline void write(const std::string& name, std::string_view bytes) {
+  std::ofstream(folder() / name, std::ios::binary) << bytes;
+}
+
+/// An lte::Error that names the file is a good answer; anything else is a finding.
+inline void load(const std::string& name) {
+  scene::LoadLimits limits;
+  limits.triangles = 100'000;
+  limits.texture_pixels = 1 << 16;
+  limits.total_texture_pixels = 1 << 18;
+  limits.includes = 8;
+  limits.text_bytes = 1 << 18;
+  try {
+    scene::Scene scene = scene::load_scene(folder() / name, limits);
+    scene::clean_up(&scene, scene::parse_cleanup("all"));
+  } catch (const Error& error) {
+    const std::string_view what = error.what();
+    if (what.find(folder().string()) == what.npos || what.find('\n') != what.npos) std::abort();
+  }
+}
+
+}  // namespace lte::fuzz
