@@ -87,7 +87,10 @@ void Kit::fronts(Piece* piece, const Vec3& low, const Vec3& high, int columns, i
       // Doors open from the middle of a pair; drawers from their centre.
       const float hx =
           drawers ? (x0 + x1) / 2 : (c % 2 == 0 && columns > 1 ? x1 - 0.04f : x0 + 0.04f);
-      const float hy = drawers ? (y0 + y1) / 2 : (high.y > 1.4f ? 1.05f : y1 - 0.12f);
+      const float hy = drawers ? (y0 + y1) / 2
+                               : (low.y > 1       ? y0 + 0.12f
+                                  : high.y > 1.4f ? 1.05f
+                                                  : y1 - 0.12f);
       const float z = low.z + kThick;
       const int metal = palette->metal();
       if (knobs) {

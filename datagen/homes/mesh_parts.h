@@ -40,7 +40,8 @@ Mesh cushion(const Vec3& size, int turn, float seam_m = 0.006f);
 /// instead, such as a lampshade's or a bowl's wall.
 Mesh lathe(const std::vector<Vec2>& profile, int turn, bool ring = false);
 
-/// Catmull-Rom curve through the points, `steps` chords a span; the ends are kept.
+/// Catmull-Rom curve through the points, `steps` chords a span; the ends are kept. A profile stays
+/// within the box of each span's ends.
 std::vector<Vec2> smooth(const std::vector<Vec2>& points, int steps);
 std::vector<Vec3> smooth(const std::vector<Vec3>& points, int steps);
 

@@ -35,7 +35,7 @@ float add_pot(Kit* kit, Piece* plant, float radius, float height) {
                {0.86f * r, 0.78f * h},
                {0, 0.76f * h}},
               kit->palette->pot(), {}, false, 2);
-  kit->turned(plant, {{0, 0.77f * h}, {0.86f * r, 0.79f * h}, {0.85f * r, soil - 0.01f}, {0, soil}},
+  kit->turned(plant, {{0, 0.77f * h}, {0.86f * r, 0.79f * h}, {0.85f * r, 0.84f * h}, {0, soil}},
               kit->palette->soil(), {}, false, 1);
   return soil;
 }

@@ -42,7 +42,13 @@ float distance(const Vec2& a, const Vec2& b) { return std::hypot(a.x - b.x, a.y 
 
 std::vector<Vec2> smooth(const std::vector<Vec2>& points, int steps) {
   std::vector<Vec2> out = catmull_rom(points, steps);
-  for (Vec2& p : out) p.x = std::max(p.x, 0.0f);  // a profile never crosses its axis
+  if (out.size() == points.size()) return out;
+  for (size_t i = 0; i < out.size(); ++i) {  // no overshoot, so feet stay on the floor
+    const size_t span = i / static_cast<size_t>(steps);
+    const Vec2 &a = points[span], &b = points[std::min(span + 1, points.size() - 1)];
+    out[i] = {std::clamp(out[i].x, std::min(a.x, b.x), std::max(a.x, b.x)),
+              std::clamp(out[i].y, std::min(a.y, b.y), std::max(a.y, b.y))};
+  }
   return out;
 }
 
