@@ -7,7 +7,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-scenes=160 steps=1000 size=384x288 spp=256 held_out=0.1
+scenes=160 steps=1800 size=384x288 spp=256 held_out=0.1
 case "${1:-}" in
   --quick) scenes=40 steps=150 size=192x144 spp=64 held_out=0.2 ;;
   "") ;;
@@ -27,8 +27,7 @@ step "1/6 generating and baking $scenes furnished rooms"
   --set "val_share=$held_out" --set "test_share=$held_out"
 
 step "2/6 training for $steps steps"
-# A network this small gains nothing from a second thread.
-"$bin/lte_train" --threads 1 --config configs/train/demo.yaml --out "$run" --set "data.root=$data" --set "train.steps=$steps"
+"$bin/lte_train" --config configs/train/demo.yaml --out "$run" --set "data.root=$data" --set "train.steps=$steps"
 
 step "3/6 evaluating on rooms it has not seen"
 "$bin/lte_eval" --fit-baselines "$data" --out "$run/model.baselines.json"
