@@ -58,9 +58,6 @@ class PathSampler {
                    shuffled(1 + v));
       }
     }
-    for (int i = 0; i < kValues; ++i) {
-      values_[i] = reverse_bits(scramble_reversed(values_[i], scramble_seeds_[i]));
-    }
     ++index_;
   }
 
@@ -95,7 +92,9 @@ class PathSampler {
 
   uint32_t bits(int vertex, int slot) {
     const bool stratified = vertex < kStratifiedVertices && sampling_ == Sampling::Sobol;
-    return stratified ? values_[slot] : rng_.next_u32();
+    if (!stratified) return rng_.next_u32();
+    // Only now: most paths end before they have asked for all.
+    return reverse_bits(scramble_reversed(values_[slot], scramble_seeds_[slot]));
   }
   Vec2 pair(int vertex, int slot) {
     const float x = to_unit(bits(vertex, slot));
@@ -106,7 +105,7 @@ class PathSampler {
   Rng scrambles_, rng_;
   bool joint_ = false;
   uint32_t index_ = 0, mask_ = 0;
-  std::array<uint32_t, kValues> scramble_seeds_{}, values_{};
+  std::array<uint32_t, kValues> scramble_seeds_{}, values_{};  ///< values before their scrambling
   std::array<uint32_t, kStratifiedVertices + 1> shuffle_seeds_{};
 };
 
