@@ -158,6 +158,13 @@ void emit(const ConfigTree& tree, YAML::Emitter* out) {
 
 }  // namespace
 
+ConfigTree::ConfigTree() = default;
+ConfigTree::ConfigTree(const ConfigTree& other) = default;
+ConfigTree::ConfigTree(ConfigTree&& other) noexcept = default;
+ConfigTree& ConfigTree::operator=(const ConfigTree& other) = default;
+ConfigTree& ConfigTree::operator=(ConfigTree&& other) noexcept = default;
+ConfigTree::~ConfigTree() = default;
+
 std::string shown(const ConfigTree& tree) {
   switch (tree.kind) {
     case ConfigTree::Kind::Null:

@@ -22,6 +22,14 @@ struct ConfigTree {
   std::vector<std::pair<std::string, ConfigTree>> entries;
   std::string where;  ///< "cfg.yaml:12", or the override
 
+  // Defined where the type is complete: clang would ask for pairs of it here.
+  ConfigTree();
+  ConfigTree(const ConfigTree& other);
+  ConfigTree(ConfigTree&& other) noexcept;
+  ConfigTree& operator=(const ConfigTree& other);
+  ConfigTree& operator=(ConfigTree&& other) noexcept;
+  ~ConfigTree();
+
   const ConfigTree* find(std::string_view key) const {
     for (const auto& [name, value] : entries) {
       if (name == key) return &value;
