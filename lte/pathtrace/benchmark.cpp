@@ -1,62 +1,37 @@
 #include "lte/pathtrace/benchmark.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
+#include <functional>
 #include <vector>
 
-#include "lte/base/parallel.h"
 #include "lte/base/timer.h"
 #include "lte/pathtrace/irradiance_kernel.h"
+#include "lte/pathtrace/ray_replay.h"
 
 namespace lte::pathtrace {
 namespace {
 
-struct LoggedRay {
-  Vec3 origin, direction;
-  float t_max;  ///< negative marks a nearest-hit query
+/// One of the things whose times are compared.
+struct Contender {
+  std::function<void()> run;
+  double best_seconds = INFINITY, spent_seconds = 0;
 };
 
-struct RayLog {
-  void nearest(const Vec3& origin, const Vec3& direction) {
-    rays.push_back({origin, direction, -1});
-  }
-  void shadow(const Vec3& origin, const Vec3& direction, float t_max) {
-    rays.push_back({origin, direction, t_max});
-  }
-  std::vector<LoggedRay> rays;
-};
-
-/// Bare calls; the sum keeps the compiler from dropping them.
-int64_t replay(RTCScene top, const std::vector<RayLog>& logs) {
-  std::atomic<int64_t> hits{0};
-  parallel_for(static_cast<int64_t>(logs.size()), 4, [&](int64_t begin, int64_t end) {
-    int64_t found = 0;
-    for (int64_t i = begin; i < end; ++i) {
-      for (const LoggedRay& ray : logs[static_cast<size_t>(i)].rays) {
-        if (ray.t_max < 0) {
-          RTCRayHit hit;
-          found += intersect(top, ray.origin, ray.direction, &hit) ? 1 : 0;
-        } else {
-          found += occluded(top, ray.origin, ray.direction, ray.t_max) ? 1 : 0;
-        }
-      }
+/// Turn by turn, so that a busy moment of the machine does not fall on one of them alone.
+void race(double budget, std::vector<Contender>* contenders) {
+  for (bool all_done = false; !all_done;) {
+    all_done = true;
+    for (Contender& contender : *contenders) {
+      if (contender.spent_seconds >= budget) continue;
+      const Timer timer;
+      contender.run();
+      const double seconds = timer.seconds();
+      contender.best_seconds = std::min(contender.best_seconds, seconds);
+      contender.spent_seconds += seconds;
+      all_done = false;
     }
-    hits += found;
-  });
-  return hits;
-}
-
-template <typename Body>
-double best_seconds(double budget, const Body& body) {
-  double best = INFINITY;
-  const Timer all;
-  do {
-    const Timer timer;
-    body();
-    best = std::min(best, timer.seconds());
-  } while (all.seconds() < budget);
-  return best;
+  }
 }
 
 /// One way of estimating.
@@ -133,22 +108,40 @@ std::vector<ErrorGain> measure_light_tree(const Bvh& bvh, std::span<const Vec3> 
       .run({Sampling::Sobol, LightChoice::Power}, {Sampling::Sobol, LightChoice::Tree});
 }
 
+double TraceRates::best_bare_rays_per_s() const {
+  double best = 0;
+  for (const BareRate& rate : bare) best = std::max(best, rate.rays_per_s);
+  return best;
+}
+
 TraceRates measure_trace_rates(const Bvh& bvh, const Lights& lights,
                                std::span<const Vec3> positions, std::span<const Vec3> normals,
                                const IrradianceOptions& options, double seconds) {
   TraceRates rates;
-  const double path_seconds = best_seconds(seconds, [&] {
-    rates.rays = estimate_irradiance(bvh, lights, positions, normals, options).rays_traced;
-  });
   std::vector<RayLog> logs(positions.size());
-  run_irradiance(bvh, lights, positions, normals, options, 0,
-                 [&logs](int64_t i) -> RayLog& { return logs[static_cast<size_t>(i)]; });
-  std::atomic<int64_t> hits{0};
-  const double bare_seconds =
-      best_seconds(seconds, [&] { hits += replay(bvh.handles().top, logs); });
-  const auto count = static_cast<double>(rates.rays);
-  rates.path_rays_per_s = count / path_seconds;
-  rates.bare_rays_per_s = count / bare_seconds;
+  rates.rays =
+      run_irradiance(bvh, lights, positions, normals, options, 0, [&logs](int64_t i) -> RayLog& {
+        return logs[static_cast<size_t>(i)];
+      }).rays_traced;
+  std::vector<RayLog> sorted = logs;
+  sort_rays(bvh.bounds(), &sorted);
+  std::vector<Contender> contenders;
+  contenders.push_back({[&] { estimate_irradiance(bvh, lights, positions, normals, options); }});
+  int64_t stopped = 0;
+  for (const auto* order : {&logs, &sorted}) {
+    for (const EntryPoint entry : kEntryPoints) {
+      rates.bare.push_back({name_of(entry), order == &sorted, 0});
+      contenders.push_back(
+          {[&stopped, &bvh, order, entry] { stopped += replay(bvh, *order, entry); }});
+    }
+  }
+  race(seconds, &contenders);
+  const auto rate_of = [&rates](const Contender& c) {
+    return static_cast<double>(rates.rays) / c.best_seconds;
+  };
+  rates.path_rays_per_s = rate_of(contenders[0]);
+  for (size_t i = 0; i < rates.bare.size(); ++i)
+    rates.bare[i].rays_per_s = rate_of(contenders[i + 1]);
   return rates;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "lte/base/math.h"
@@ -13,16 +14,26 @@
 
 namespace lte::pathtrace {
 
-struct TraceRates {
-  double path_rays_per_s =
-      0;  ///< intersect and occluded calls of estimate_irradiance(), by its wall time
-  double bare_rays_per_s = 0;  ///< the same calls in the same order and nothing else
-  int64_t rays = 0;
+/// The rays of the path tracer through one of Embree's entry points and nothing else.
+struct BareRate {
+  std::string entry_point;  ///< e.g. "rtcIntersect8"; shadow rays through its rtcOccluded twin
+  bool sorted = false;  ///< rays of a point by direction octant and Morton code; sorting not timed
+  double rays_per_s = 0;
 };
 
-/// Times estimate_irradiance(), then records its rays (about 32 bytes each: choose points and rays
-/// for memory) and replays them on as many threads. Each of both is repeated until it has run for
-/// `seconds`; the best run counts.
+struct TraceRates {
+  /// Intersect and occluded calls of estimate_irradiance(), by its wall time.
+  double path_rays_per_s = 0;
+  int64_t rays = 0;
+  std::vector<BareRate> bare;  ///< the path tracer's own entry point first
+
+  double best_bare_rays_per_s() const;
+};
+
+/// Times estimate_irradiance(), then records its rays (28 bytes each: choose points and rays for
+/// memory) and replays them on as many threads through each of Embree's entry points, in the path
+/// tracer's order and sorted. Path tracer and replays take turns until each has run for `seconds`;
+/// the best run of each counts.
 TraceRates measure_trace_rates(const Bvh& bvh, const Lights& lights,
                                std::span<const Vec3> positions, std::span<const Vec3> normals,
                                const IrradianceOptions& options, double seconds = 1.0);

@@ -17,6 +17,9 @@ struct Flags {
   std::vector<std::string> scenes;
   GainOptions gain;
   int64_t points = 64;
+  bool rates = false;
+  int64_t rate_points = 1000;
+  double seconds = 1;
 };
 
 using Measure = std::vector<ErrorGain> (*)(const Bvh&, std::span<const Vec3>, std::span<const Vec3>,
@@ -34,7 +37,33 @@ void table(const scene::Scene& scene, const Flags& flags, const char* what, Meas
   }
 }
 
+/// The path tracer beside bare Embree, a line an entry point.
+void rates(const scene::Scene& scene, const Flags& flags) {
+  const Bvh bvh(scene);
+  const Lights lights(scene);
+  const scene::SurfaceSamples points = scene::sample_surface(scene, flags.rate_points, {.seed = 7});
+  IrradianceOptions options;
+  options.rays = 256;
+  const TraceRates measured =
+      measure_trace_rates(bvh, lights, points.position, points.normal, options, flags.seconds);
+  std::printf("| %s | path tracer | %.1f | |\n", scene.name.c_str(),
+              1e-6 * measured.path_rays_per_s);
+  for (const BareRate& rate : measured.bare) {
+    std::printf("| %s | %s%s | %.1f | %.2f |\n", scene.name.c_str(), rate.entry_point.c_str(),
+                rate.sorted ? ", sorted" : "", 1e-6 * rate.rays_per_s,
+                measured.path_rays_per_s / rate.rays_per_s);
+  }
+}
+
+void run_rates(const Flags& flags) {
+  std::puts(
+      "| scene | | million rays/s | share of the path tracer |\n"
+      "|---|---|---:|---:|");
+  for (const std::string& path : flags.scenes) rates(scene::load_scene(path), flags);
+}
+
 void run(const Flags& flags) {
+  if (flags.rates) return run_rates(flags);
   std::puts(
       "| gain of | scene | rays | RMSE without, % | RMSE with, % | rays ratio |\n"
       "|---|---|---|---|---|---|");
@@ -57,6 +86,10 @@ int main(int argc, char** argv) {
   app.add_option("--rays", flags.gain.rays, "Paths a point to compare at")->capture_default_str();
   app.add_option("--points", flags.points, "Points over the surfaces")->capture_default_str();
   app.add_option("--repeats", flags.gain.repeats, "Runs with other seeds")->capture_default_str();
+  app.add_flag("--rates", flags.rates, "Rays a second beside bare Embree instead");
+  app.add_option("--rate-points", flags.rate_points, "Points of --rates, 256 paths each")
+      ->capture_default_str();
+  app.add_option("--seconds", flags.seconds, "--rates: least time for each")->capture_default_str();
   app.add_option("--reference-rays", flags.gain.reference_rays)->capture_default_str();
   return lte::run_tool(app, argc, argv, [&flags] { lte::pathtrace::run(flags); });
 }

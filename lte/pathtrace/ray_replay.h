@@ -1,0 +1,52 @@
+// Internal: recorded rays handed to Embree through each of its entry points, and nothing else: what
+// the path tracer is held against.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "lte/base/math.h"
+#include "lte/pathtrace/bvh.h"
+
+namespace lte::pathtrace {
+
+/// Rays by component, as packets are filled from them.
+struct RayArrays {
+  std::vector<float> origin[3], direction[3];
+  std::vector<float> t_max;
+
+  size_t size() const { return t_max.size(); }
+  void add(const Vec3& o, const Vec3& d, float t);
+};
+
+/// A Recorder (transport.h): the rays of one query point, nearest hits and shadows apart.
+struct RayLog {
+  void nearest(const Vec3& origin, const Vec3& direction) {
+    nearest_rays.add(origin, direction, INFINITY);
+  }
+  void shadow(const Vec3& origin, const Vec3& direction, float t_max) {
+    shadow_rays.add(origin, direction, t_max);
+  }
+  RayArrays nearest_rays, shadow_rays;
+};
+
+/// How Embree is asked.
+enum class EntryPoint { One, Packet4, Packet8, Packet16, Stream };
+inline constexpr EntryPoint kEntryPoints[] = {EntryPoint::One, EntryPoint::Packet4,
+                                              EntryPoint::Packet8, EntryPoint::Packet16,
+                                              EntryPoint::Stream};
+
+/// E.g. "rtcIntersect8".
+std::string name_of(EntryPoint entry);
+
+/// Traces all rays of the logs on num_threads() threads, log by log: its nearest rays, then its
+/// shadow rays, in their order.
+/// @return  how many were stopped by a surface
+int64_t replay(const Bvh& bvh, const std::vector<RayLog>& logs, EntryPoint entry);
+
+/// Reorders each log's rays by the octant of their direction, then along the Morton curve of their
+/// origins and, among equal ones, of their directions: what makes rays side by side coherent.
+void sort_rays(const Bounds& bounds, std::vector<RayLog>* logs);
+
+}  // namespace lte::pathtrace
