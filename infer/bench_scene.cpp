@@ -4,6 +4,7 @@
 #include "infer/predictor.h"
 #include "infer/renderer.h"
 #include "lte/base/check.h"
+#include "lte/base/parallel.h"
 #include "lte/base/timer.h"
 #include "lte/image/metrics.h"
 #include "lte/pathtrace/benchmark.h"
@@ -57,21 +58,23 @@ std::vector<BenchResult> bench_pathtrace(const BenchOptions& options) {
   const scene::SurfaceSamples points = scene::sample_surface(scene, 2'000, {.seed = 7});
   pathtrace::IrradianceOptions tracing;
   tracing.rays = 256;
-  BenchResult result;
-  const auto measured = [&] {
-    const pathtrace::TraceRates rates =
-        pathtrace::measure_trace_rates(bvh, lights, points.position, points.normal, tracing);
-    result.figures["path_mrays_per_s"] = 1e-6 * rates.path_rays_per_s;
-    result.figures["bare_mrays_per_s"] = 1e-6 * rates.bare_rays_per_s;
-    result.figures["share_of_bare"] = rates.path_rays_per_s / rates.bare_rays_per_s;
-    result.n = rates.rays;
+  const pathtrace::TraceRates rates =
+      pathtrace::measure_trace_rates(bvh, lights, points.position, points.normal, tracing);
+  std::vector<BenchResult> results;
+  const auto add = [&](const std::string& name, double rays_per_s) {
+    const double seconds = static_cast<double>(rates.rays) / rays_per_s;
+    BenchResult row{name, rates.rays, seconds, seconds, {}};
+    row.figures["mrays_per_s"] = 1e-6 * rays_per_s;
+    row.figures["threads"] = num_threads();
+    results.push_back(row);
   };
-  const BenchResult timing = time_repeats("pathtrace irradiance", 0, 1, measured);
-  result.name = timing.name;
-  result.seconds_min = result.seconds_median =
-      static_cast<double>(result.n) / (1e6 * result.figures["path_mrays_per_s"]);
-  result.figures.insert(timing.figures.begin(), timing.figures.end());
-  return {result};
+  add("pathtrace irradiance", rates.path_rays_per_s);
+  results.back().figures["peak_rss_mb"] = peak_rss_mb();
+  for (const pathtrace::BareRate& rate : rates.bare) {
+    add("bare " + rate.entry_point + (rate.sorted ? ", sorted" : ""), rate.rays_per_s);
+    results.back().figures["share_of_pathtrace"] = rates.path_rays_per_s / rate.rays_per_s;
+  }
+  return results;
 }
 
 std::vector<BenchResult> bench_pareto(const BenchOptions& options) {

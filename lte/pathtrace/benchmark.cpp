@@ -119,10 +119,9 @@ TraceRates measure_trace_rates(const Bvh& bvh, const Lights& lights,
                                const IrradianceOptions& options, double seconds) {
   TraceRates rates;
   std::vector<RayLog> logs(positions.size());
-  rates.rays =
-      run_irradiance(bvh, lights, positions, normals, options, 0, [&logs](int64_t i) -> RayLog& {
-        return logs[static_cast<size_t>(i)];
-      }).rays_traced;
+  rates.rays = run_irradiance(bvh, lights, positions, normals, options, 0, [&logs](int64_t i) {
+                 return &logs[static_cast<size_t>(i)];
+               }).rays_traced;
   std::vector<RayLog> sorted = logs;
   sort_rays(bvh.bounds(), &sorted);
   std::vector<Contender> contenders;

@@ -7,6 +7,7 @@
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/pathtrace/embree_scene.h"
+#include "lte/pathtrace/ray_packets.h"
 
 namespace lte::pathtrace {
 namespace {
@@ -116,6 +117,7 @@ Bvh::Bvh(const scene::Scene& scene)
   h.origin = frame_origin(bounds_);
   h.device = rtcNewDevice(("threads=" + std::to_string(num_threads())).c_str());
   LTE_CHECK(h.device != nullptr, "Embree failed to start: error ", rtcGetDeviceError(nullptr));
+  h.packet_width = native_packet_width(h.device);
   h.top = rtcNewScene(h.device);
   rtcSetSceneFlags(h.top, RTC_SCENE_FLAG_ROBUST);
   h.meshes.resize(scene.meshes.size(), nullptr);

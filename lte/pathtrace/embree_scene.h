@@ -38,6 +38,7 @@ struct Bvh::Handles {
   std::vector<RTCScene> meshes;  ///< null for meshes without triangles
   std::vector<InstanceRecord> instances;
   Vec3 origin;
+  int packet_width = 4;  ///< rays that Embree takes at once on this machine
 
   Handles() = default;
   ~Handles();

@@ -13,9 +13,9 @@
 #include <bit>
 #include <cstdint>
 
-#include "lte/base/math.h"
 #include "lte/base/random.h"
 #include "lte/pathtrace/low_discrepancy.h"
+#include "lte/pathtrace/path_block.h"
 
 namespace lte::pathtrace {
 
@@ -25,88 +25,74 @@ enum class Sampling {
   Random  ///< independent: what the gain is measured against
 };
 
+/// The numbers that lanes need at one vertex, 32 bits each: to_unit() makes them floats.
+struct LightNumbers {
+  alignas(64) uint32_t point_x[kBlock], point_y[kBlock], choice[kBlock];
+};
+struct DirectionNumbers {
+  alignas(64) uint32_t x[kBlock], y[kBlock];
+};
+
+/// The paths of a block are numbered as they are added. A path's numbers depend on its stream, set
+/// and place in the set alone, neither on the block nor on how far any path goes.
 class PathSampler {
  public:
   /// Vertex 0 is the query point; from this one on numbers are independent.
   static constexpr int kStratifiedVertices = 5;
   static constexpr int kJointSize = 64;
 
-  /// Two streams, so that the first vertex does not depend on how far paths go: direct light is the
-  /// same at any depth.
-  PathSampler(Sampling sampling, uint64_t seed, uint64_t stream)
-      : sampling_(sampling), scrambles_(seed, stream), rng_(mix_bits(seed + 1), stream) {}
+  /// @param set_size  paths of each randomized point set
+  PathSampler(Sampling sampling, int set_size);
 
-  /// A new set of `size` paths, scrambled independently of those before.
-  void start_set(int size) {
-    for (uint32_t& seed : scramble_seeds_) seed = scrambles_.next_u32();
-    for (uint32_t& seed : shuffle_seeds_) seed = scrambles_.next_u32();
-    joint_ = size >= kJointSize;
-    mask_ = std::bit_ceil(static_cast<uint32_t>(size)) - 1;
-    index_ = 0;
-  }
+  /// What is drawn from here on belongs to (seed, stream). A set has to be started next.
+  void start_stream(uint64_t seed, uint64_t stream);
+  /// The next paths belong to a new set, scrambled independently of those before.
+  void start_set();
+  /// Takes the next path of the set into the block; up to kBlock of them.
+  void add_path();
+  /// Empties the block. The set goes on.
+  void clear();
 
-  /// Before each path of the set.
-  void next_path() {
-    if (sampling_ == Sampling::Random) return;
-    values_.fill(0);
-    add_points(0, 3, shuffled(0));
-    if (joint_) {
-      add_points(kFirst, kSobolDimensions, index_);
-    } else {
-      for (int v = 0; v < kStratifiedVertices; ++v) {
-        add_points(kFirst + v * kPerVertex, std::min(kPerVertex, kValues - kFirst - v * kPerVertex),
-                   shuffled(1 + v));
-      }
-    }
-    ++index_;
-  }
+  int paths() const { return paths_; }
 
-  Vec2 direction(int vertex) { return pair(vertex, kFirst + vertex * kPerVertex); }
-  Vec2 light_point(int vertex) {
-    return pair(vertex, vertex == 0 ? 0 : kFirst + (vertex - 1) * kPerVertex + 2);
-  }
-  double light_choice(int vertex) {
-    return bits(vertex, vertex == 0 ? 2 : kFirst + (vertex - 1) * kPerVertex + 4) * 0x1p-32;
-  }
-  /// At vertex 1 or later.
-  float roulette(int vertex) {
-    return to_unit(bits(vertex, kFirst + (vertex - 1) * kPerVertex + 5));
-  }
+  /// Numbers of a light sample at vertex `vertex`, for the paths `path[0 ... count)`.
+  void light(int vertex, const int32_t* path, int count, LightNumbers* out);
+  /// Of the direction out of a vertex.
+  void direction(int vertex, const int32_t* path, int count, DirectionNumbers* out);
+  /// Of the roulette at vertex 1 or later.
+  void roulette(int vertex, const int32_t* path, int count, uint32_t* out);
 
  private:
   static constexpr int kFirst = 3;  // after the light sample at vertex 0
   static constexpr int kPerVertex = 6;
-  static constexpr int kValues = kFirst + kSobolDimensions;
+  static constexpr int kSlots = kFirst + kSobolDimensions;
   static_assert(kSobolDimensions == (kStratifiedVertices - 1) * kPerVertex + 2);
 
-  /// A permutation of the set that keeps its aligned blocks together.
-  uint32_t shuffled(int set) const { return owen_scramble(index_, shuffle_seeds_[set]) & mask_; }
-
-  /// The first `count` dimensions of Sobol point `index`, bit-reversed, to values_[at ...].
-  void add_points(int at, int count, uint32_t index) {
-    for (; index != 0; index &= index - 1) {
-      const auto& row = kSobolMatrix[std::countr_zero(index)];
-      for (int d = 0; d < count; ++d) values_[at + d] ^= row[d];
-    }
-  }
-
-  uint32_t bits(int vertex, int slot) {
-    const bool stratified = vertex < kStratifiedVertices && sampling_ == Sampling::Sobol;
-    if (!stratified) return rng_.next_u32();
-    // Only now: most paths end before they have asked for all.
-    return reverse_bits(scramble_reversed(values_[slot], scramble_seeds_[slot]));
-  }
-  Vec2 pair(int vertex, int slot) {
-    const float x = to_unit(bits(vertex, slot));
-    return {x, to_unit(bits(vertex, slot + 1))};
-  }
+  /// Numbers first ... first + count - 1 of the six that belong together: the direction out of a
+  /// vertex, and light sample and roulette at the next, `vertex`; or the three at the query point.
+  void draw(int vertex, int first, int numbers, const int32_t* path, int count,
+            uint32_t* const* out);
 
   const Sampling sampling_;
-  Rng scrambles_, rng_;
-  bool joint_ = false;
-  uint32_t index_ = 0, mask_ = 0;
-  std::array<uint32_t, kValues> scramble_seeds_{}, values_{};  ///< values before their scrambling
-  std::array<uint32_t, kStratifiedVertices + 1> shuffle_seeds_{};
+  const bool joint_;
+  const uint32_t last_index_;  ///< of sets, after a shuffle too
+  Rng scrambles_;
+  uint64_t independent_ = 0;  ///< start of the stream of independent numbers
+  uint32_t index_ = 0;        ///< of the next path in its set
+  uint64_t number_ = 0;       ///< of the next path in its stream
+  int paths_ = 0, sets_ = 0;
+
+  std::array<uint32_t, kBlock> index_of_path_;
+  std::array<int32_t, kBlock> set_of_path_;
+  std::array<uint64_t, kBlock> key_of_path_;
+  /// By set of the block.
+  std::array<std::array<uint32_t, kBlock + 1>, kSlots> scramble_seeds_;
+  std::array<std::array<uint32_t, kBlock + 1>, kStratifiedVertices + 1> shuffle_seeds_;
+
+  // Of the lanes at work.
+  alignas(64) std::array<uint32_t, kBlock> lane_index_, lane_shuffled_;
+  alignas(64) std::array<int32_t, kBlock> lane_set_;
+  alignas(64) std::array<uint64_t, kBlock> lane_key_;
 };
 
 }  // namespace lte::pathtrace

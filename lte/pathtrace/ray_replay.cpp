@@ -6,36 +6,13 @@
 
 #include "lte/base/parallel.h"
 #include "lte/pathtrace/embree_scene.h"
+#include "lte/pathtrace/ray_packets.h"
 
 namespace lte::pathtrace {
 namespace {
 
 /// Rays a stream call takes: enough to be sorted by Embree, few enough to stay in the cache.
 constexpr size_t kStream = 256;
-
-template <int N>
-struct Packet;
-template <>
-struct Packet<4> {
-  using Hits = RTCRayHit4;
-  using Rays = RTCRay4;
-  static constexpr auto kIntersect = rtcIntersect4;
-  static constexpr auto kOccluded = rtcOccluded4;
-};
-template <>
-struct Packet<8> {
-  using Hits = RTCRayHit8;
-  using Rays = RTCRay8;
-  static constexpr auto kIntersect = rtcIntersect8;
-  static constexpr auto kOccluded = rtcOccluded8;
-};
-template <>
-struct Packet<16> {
-  using Hits = RTCRayHit16;
-  using Rays = RTCRay16;
-  static constexpr auto kIntersect = rtcIntersect16;
-  static constexpr auto kOccluded = rtcOccluded16;
-};
 
 Vec3 vector_at(const std::vector<float>* components, size_t i) {
   return {components[0][i], components[1][i], components[2][i]};
@@ -74,11 +51,7 @@ void fill(const RayArrays& rays, size_t first, Rays* out, int* valid) {
   copy(rays.origin[2], out->org_z), copy(rays.direction[0], out->dir_x);
   copy(rays.direction[1], out->dir_y), copy(rays.direction[2], out->dir_z);
   copy(rays.t_max, out->tfar);
-  for (size_t lane = 0; lane < N; ++lane) {
-    out->tnear[lane] = out->time[lane] = 0;
-    out->mask[lane] = ~0u, out->id[lane] = out->flags[lane] = 0;
-    valid[lane] = first + lane <= last ? -1 : 0;
-  }
+  for (size_t lane = 0; lane < N; ++lane) valid[lane] = first + lane <= last ? -1 : 0;
 }
 
 template <int N>
@@ -87,8 +60,9 @@ int64_t trace_packets(RTCScene top, const RayLog& log) {
   alignas(64) int valid[N];
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
+  typename Packet<N>::Hits packet;
+  set_constants(&packet.ray);
   for (size_t i = 0; i < log.nearest_rays.size(); i += N) {
-    typename Packet<N>::Hits packet;
     fill<N>(log.nearest_rays, i, &packet.ray, valid);
     for (int lane = 0; lane < N; ++lane)
       packet.hit.geomID[lane] = packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
@@ -96,11 +70,12 @@ int64_t trace_packets(RTCScene top, const RayLog& log) {
     for (int lane = 0; lane < N; ++lane)
       found += valid[lane] && packet.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID ? 1 : 0;
   }
+  typename Packet<N>::Rays shadows;
+  set_constants(&shadows);
   for (size_t i = 0; i < log.shadow_rays.size(); i += N) {
-    typename Packet<N>::Rays packet;
-    fill<N>(log.shadow_rays, i, &packet, valid);
-    Packet<N>::kOccluded(valid, top, &context, &packet);
-    for (int lane = 0; lane < N; ++lane) found += valid[lane] && packet.tfar[lane] < 0 ? 1 : 0;
+    fill<N>(log.shadow_rays, i, &shadows, valid);
+    Packet<N>::kOccluded(valid, top, &context, &shadows);
+    for (int lane = 0; lane < N; ++lane) found += valid[lane] && shadows.tfar[lane] < 0 ? 1 : 0;
   }
   return found;
 }
@@ -186,6 +161,16 @@ void RayArrays::add(const Vec3& o, const Vec3& d, float t) {
     direction[axis].push_back(d[axis]);
   }
   t_max.push_back(t);
+}
+
+void RayLog::nearest(int, const PathBlock& rays) {
+  for (int lane = 0; lane < rays.size; ++lane)
+    nearest_rays.add(rays.origin.at(lane), rays.direction.at(lane), INFINITY);
+}
+
+void RayLog::shadow(const ShadowBlock& rays) {
+  for (int lane = 0; lane < rays.size; ++lane)
+    shadow_rays.add(rays.origin.at(lane), rays.direction.at(lane), rays.t_max[lane]);
 }
 
 std::string name_of(EntryPoint entry) {

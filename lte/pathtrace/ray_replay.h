@@ -8,6 +8,7 @@
 
 #include "lte/base/math.h"
 #include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/transport.h"
 
 namespace lte::pathtrace {
 
@@ -20,14 +21,11 @@ struct RayArrays {
   void add(const Vec3& o, const Vec3& d, float t);
 };
 
-/// A Recorder (transport.h): the rays of one query point, nearest hits and shadows apart.
-struct RayLog {
-  void nearest(const Vec3& origin, const Vec3& direction) {
-    nearest_rays.add(origin, direction, INFINITY);
-  }
-  void shadow(const Vec3& origin, const Vec3& direction, float t_max) {
-    shadow_rays.add(origin, direction, t_max);
-  }
+/// The rays of one query point, nearest hits and shadows apart.
+struct RayLog : public RayRecorder {
+  void nearest(int depth, const PathBlock& rays) override;
+  void shadow(const ShadowBlock& rays) override;
+
   RayArrays nearest_rays, shadow_rays;
 };
 

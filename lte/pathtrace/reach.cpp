@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <memory>
 #include <unordered_map>
 
 #include "lte/base/check.h"
@@ -14,25 +15,28 @@ namespace {
 
 constexpr int kRounds[] = {4, 16, 64};
 constexpr int64_t kGrain = 16;
-constexpr size_t kMaxVertices = 16;  // of a dark point's paths, for condition 2
-constexpr int kMaxNeighbours = 40;   // points that a vertex looks for
-constexpr double kSearchRadius = 2;  // in units of the spacing of points
+constexpr int kVerticesPerDepth = 4;  // of a dark point's paths, for condition 2
+constexpr int kMaxNeighbours = 40;    // points that a vertex looks for
+constexpr double kSearchRadius = 2;   // in units of the spacing of points
 constexpr double kMaxOversampling = 8;
 constexpr int64_t kProbePoints = 256;  // that estimate the reached share of the surface
 
-struct LightFound {
+struct LightFound : public LightSink {
+  void add(int, std::span<const Contribution> contributions) override {
+    for (const Contribution& c : contributions) lit = lit || max_component(c.value) > 0;
+  }
   bool lit = false;
-  void add(int, int, const Rgb& value) { lit = lit || max_component(value) > 0; }
 };
 
-/// Keeps where paths go on from: points just off their surfaces, relative to the frame.
-struct VertexLog {
-  std::vector<Vec3>* vertices;
-  size_t limit;
-  void nearest(const Vec3& origin, const Vec3&) {
-    if (vertices->size() < limit) vertices->push_back(origin);
+/// Keeps some of where paths go on from, of each depth alike: points just off their surfaces,
+/// relative to the frame. The first is the point itself.
+struct VertexLog : public RayRecorder {
+  void nearest(int depth, const PathBlock& rays) override {
+    const int count = std::min(depth == 1 ? 1 : kVerticesPerDepth, rays.size);
+    for (int lane = 0; lane < count; ++lane) vertices->push_back(rays.origin.at(lane));
   }
-  void shadow(const Vec3&, const Vec3&, float) {}
+  void shadow(const ShadowBlock&) override {}
+  std::vector<Vec3>* vertices = nullptr;
 };
 
 /// Points by cubic cells of one edge.
@@ -124,23 +128,18 @@ class Reach {
   }
 
   bool finds_light(const Vec3& origin, const Vec3& side, int paths, size_t i) {
-    VertexLog log{&vertices_[i], vertices_[i].size() + kMaxVertices};
     constexpr int kNoRoulette = 1 << 20;
-    Transport transport(bvh_, lights_, options_.max_depth, kNoRoulette, log);
-    PathSampler sampler(Sampling::Sobol, hash_combine(options_.seed, static_cast<uint64_t>(paths)),
-                        i);
-    sampler.start_set(paths);
     LightFound found;
-    for (int p = 0; p < paths && !found.lit; ++p) {
-      sampler.next_path();
-      transport.sample_light(origin, side, {1, 1, 1}, sampler.light_choice(0),
-                             sampler.light_point(0), 1, found);
-      PathState path;
-      path.origin = origin;
-      path.normal = side;
-      path.direction = cosine_direction(side, sampler.direction(0), &path.pdf);
-      transport.follow(path, sampler, found);
-    }
+    VertexLog log;
+    log.vertices = &vertices_[i];
+    const auto transport =
+        std::make_unique<Transport>(bvh_, lights_, options_.max_depth, kNoRoulette, found);
+    transport->record(&log);
+    const auto sampler = std::make_unique<PathSampler>(Sampling::Sobol, paths);
+    sampler->start_stream(hash_combine(options_.seed, static_cast<uint64_t>(paths)), i);
+    sampler->start_set();
+    for (int p = 0; p < paths; ++p) sampler->add_path();
+    transport->trace_from_surface(origin, side, *sampler);
     return found.lit;
   }
 

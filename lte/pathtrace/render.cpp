@@ -1,6 +1,10 @@
 #include "lte/pathtrace/render.h"
 
+#include <array>
 #include <cmath>
+#include <memory>
+#include <numeric>
+#include <vector>
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
@@ -98,13 +102,82 @@ class GBufferTracer {
   float pixel_angle_;
 };
 
-struct PixelSum {
-  double x = 0, y = 0, z = 0;
-  void add(int, int, const Rgb& value) { x += value.x, y += value.y, z += value.z; }
-  Rgb mean(int count) const {
-    return {static_cast<float>(x / count), static_cast<float>(y / count),
-            static_cast<float>(z / count)};
+/// Traces one row of pixels, in blocks that may hold several pixels or a part of one.
+class RowTracer : public LightSink {
+ public:
+  RowTracer(const Bvh& bvh, const Lights& lights, const scene::Camera& camera,
+            const RenderOptions& options, image::Image* out)
+      : camera_(camera),
+        options_(options),
+        out_(out),
+        origin_(camera.origin - bvh.handles().origin),
+        sampler_(Sampling::Sobol, options.spp),
+        transport_(bvh, lights, options.max_depth, kRouletteDepth, *this),
+        sums_(static_cast<size_t>(out->width)) {}
+
+  void trace_row(int y) {
+    std::fill(sums_.begin(), sums_.end(), Sum{});
+    for (int x = 0; x < out_->width; ++x) {
+      const auto pixel =
+          static_cast<uint64_t>(y) * static_cast<uint64_t>(out_->width) + static_cast<uint64_t>(x);
+      sampler_.start_stream(options_.seed, pixel);
+      sampler_.start_set();
+      for (int i = 0; i < options_.spp; ++i) {
+        if (sampler_.paths() == kBlock) flush(y);
+        pixel_[static_cast<size_t>(sampler_.paths())] = x;
+        sampler_.add_path();
+      }
+    }
+    flush(y);
+    for (int x = 0; x < out_->width; ++x) {
+      const Sum& sum = sums_[static_cast<size_t>(x)];
+      const double count = options_.spp;
+      out_->set_rgb(x, y,
+                    {static_cast<float>(sum.x / count), static_cast<float>(sum.y / count),
+                     static_cast<float>(sum.z / count)});
+    }
   }
+
+  void add(int, std::span<const Contribution> contributions) override {
+    for (const Contribution& c : contributions) {
+      Sum& sum = sums_[static_cast<size_t>(pixel_[static_cast<size_t>(c.path)])];
+      sum.x += c.value.x, sum.y += c.value.y, sum.z += c.value.z;
+    }
+  }
+
+ private:
+  static constexpr int kRouletteDepth = 4;  // that of irradiance, counted from the camera
+  struct Sum {
+    double x = 0, y = 0, z = 0;
+  };
+
+  void flush(int y) {
+    const int count = sampler_.paths();
+    std::array<int32_t, kBlock> all;
+    std::iota(all.begin(), all.end(), 0);
+    sampler_.direction(0, all.data(), count, &jitter_);
+    const auto width = static_cast<float>(out_->width), height = static_cast<float>(out_->height);
+    for (int lane = 0; lane < count; ++lane) {
+      const auto x = static_cast<float>(pixel_[static_cast<size_t>(lane)]);
+      transport_.start().origin.put(lane, origin_);
+      transport_.start().direction.put(
+          lane, camera_.direction((x + to_unit(jitter_.x[lane])) / width,
+                                  (static_cast<float>(y) + to_unit(jitter_.y[lane])) / height,
+                                  width / height));
+    }
+    transport_.trace_from_camera(sampler_);
+    sampler_.clear();
+  }
+
+  const scene::Camera& camera_;
+  const RenderOptions& options_;
+  image::Image* out_;
+  const Vec3 origin_;
+  PathSampler sampler_;
+  Transport transport_;
+  DirectionNumbers jitter_;
+  std::array<int32_t, kBlock> pixel_;
+  std::vector<Sum> sums_;
 };
 
 }  // namespace
@@ -134,29 +207,11 @@ image::Image render_reference(const Bvh& bvh, const Lights& lights, const scene:
   LTE_CHECK(&bvh.scene() == &lights.scene(), "the BVH and the lights are of two scenes");
   LTE_CHECK(options.spp >= 1, "spp must be at least 1, got ", options.spp);
   LTE_CHECK(options.max_depth >= 1, "max_depth must be at least 1, got ", options.max_depth);
-  constexpr int kRouletteDepth = 4;  // that of irradiance, counted from the camera
   image::Image out(width, height, 3);
   if (lights.empty()) return out;
-  const Vec3 origin = camera.origin - bvh.handles().origin;
-  const float aspect = static_cast<float>(width) / static_cast<float>(height);
   parallel_for(height, 1, [&](int64_t begin, int64_t end) {
-    NoRecorder none;
-    Transport transport(bvh, lights, options.max_depth, kRouletteDepth, none);
-    for (int64_t pixel = begin * width; pixel < end * width; ++pixel) {
-      const auto x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
-      PathSampler sampler(Sampling::Sobol, options.seed, static_cast<uint64_t>(pixel));
-      sampler.start_set(options.spp);
-      PixelSum sum;
-      for (int i = 0; i < options.spp; ++i) {
-        sampler.next_path();
-        const Vec2 jitter = sampler.direction(0);
-        const Vec3 direction = camera.direction(
-            (static_cast<float>(x) + jitter.x) / static_cast<float>(width),
-            (static_cast<float>(y) + jitter.y) / static_cast<float>(height), aspect);
-        transport.follow(PathState{origin, direction, {}}, sampler, sum);
-      }
-      out.set_rgb(x, y, sum.mean(options.spp));
-    }
+    const auto tracer = std::make_unique<RowTracer>(bvh, lights, camera, options, &out);
+    for (int64_t y = begin; y < end; ++y) tracer->trace_row(static_cast<int>(y));
   });
   return out;
 }

@@ -5,7 +5,6 @@
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
-#include "lte/pathtrace/benchmark.h"
 #include "lte/pathtrace/irradiance.h"
 #include "tests/support/closed_forms.h"
 #include "tests/support/scenes.h"
@@ -224,19 +223,6 @@ TEST(AutoCamera, LooksFromOutsideWhereNothingEncloses) {
   }
   const scene::Scene empty;
   EXPECT_TRUE(is_finite(auto_camera(Bvh(empty)).target));
-}
-
-TEST(TraceRates, CountTheRaysOfTheEstimate) {
-  const scene::Scene scene = test::furnished_room();
-  const Bvh bvh(scene);
-  const Lights lights(scene);
-  const std::vector<Vec3> positions{{2, 0, 1}, {0, 1.2f, 2}}, normals{{0, 1, 0}, {1, 0, 0}};
-  IrradianceOptions options;
-  options.rays = 64;
-  const TraceRates rates = measure_trace_rates(bvh, lights, positions, normals, options, 0.01);
-  EXPECT_EQ(rates.rays, estimate_irradiance(bvh, lights, positions, normals, options).rays_traced);
-  EXPECT_GT(rates.path_rays_per_s, 0);
-  EXPECT_GT(rates.bare_rays_per_s, 0);
 }
 
 }  // namespace
