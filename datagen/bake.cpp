@@ -1,6 +1,7 @@
 #include "datagen/bake.h"
 
 #include <algorithm>
+#include <atomic>
 #include <optional>
 #include <span>
 
@@ -23,7 +24,15 @@ constexpr int64_t kBlock = 4096;  // points between two looks at the progress
 constexpr int kRivalRays = 64;
 
 /// Independent seeds of one scene's random streams.
-enum class Stream : uint64_t { ScenePoints = 1, QueryPoints, Queries, QueriesRival, View, Reach };
+enum class Stream : uint64_t {
+  ScenePoints = 1,
+  QueryPoints,
+  Queries,
+  QueriesRival,
+  View,
+  Reach,
+  Cameras
+};
 
 uint64_t stream_seed(uint64_t seed, Stream stream, int64_t index = 0) {
   return hash_combine(hash_combine(seed, static_cast<uint64_t>(stream)),
@@ -75,6 +84,9 @@ class Baker {
     });
   }
 
+  /// Paths started so far.
+  int64_t paths() const { return paths_; }
+
   /// The query points' irradiance with as many paths a point as options ask for.
   void adaptive(uint64_t seed, data::SceneSample* sample) {
     pathtrace::AdaptiveOptions options;
@@ -85,9 +97,7 @@ class Baker {
     options.seed = seed;
     pathtrace::AdaptiveIrradiance estimate =
         pathtrace::estimate_adaptive(bvh_, lights_, sample->query_position, sample->query_normal,
-                                     options, [this](int64_t paths) {
-                                       if (progress_) progress_->advance(paths);
-                                     });
+                                     options, [this](int64_t paths) { count(paths); });
     sample->direct = std::move(estimate.irradiance.direct);
     sample->indirect = std::move(estimate.irradiance.indirect);
     sample->variance = std::move(estimate.irradiance.variance);
@@ -111,6 +121,11 @@ class Baker {
   }
 
  private:
+  void count(int64_t paths) {
+    paths_ += paths;
+    if (progress_) progress_->advance(paths);
+  }
+
   template <typename Use>
   void in_blocks(const std::vector<Vec3>& position, const std::vector<Vec3>& normal, int64_t rays,
                  uint64_t seed, const Use& use) {
@@ -125,7 +140,7 @@ class Baker {
       use(pathtrace::estimate_irradiance(bvh_, lights_, std::span(position).subspan(at, size),
                                          std::span(normal).subspan(at, size), options, first),
           at);
-      if (progress_) progress_->advance(static_cast<int64_t>(size) * rays);
+      count(static_cast<int64_t>(size) * rays);
     }
   }
 
@@ -133,6 +148,7 @@ class Baker {
   pathtrace::Bvh bvh_;
   pathtrace::Lights lights_;
   std::optional<Progress> progress_;
+  std::atomic<int64_t> paths_{0};
 };
 
 /// Points where light reaches them, or all over the surface.
@@ -176,9 +192,19 @@ void sample_points(const pathtrace::Bvh& bvh, const BakeOptions& options, data::
   out->query_albedo = std::move(points.albedo);
 }
 
+/// Each of those given once, in an order that the seed draws, and automatic ones after them.
+scene::Camera view_camera(const pathtrace::Bvh& bvh, const BakeOptions& options, int64_t index) {
+  const auto given = static_cast<int64_t>(options.view_cameras.size());
+  if (index >= given)
+    return pathtrace::auto_camera(bvh, stream_seed(options.seed, Stream::View, index));
+  const uint64_t first = stream_seed(options.seed, Stream::Cameras) % static_cast<uint64_t>(given);
+  return options
+      .view_cameras[(first + static_cast<uint64_t>(index)) % static_cast<uint64_t>(given)];
+}
+
 data::View bake_view(Baker* baker, const BakeOptions& options, int64_t index) {
   const uint64_t seed = stream_seed(options.seed, Stream::View, index);
-  const scene::Camera camera = pathtrace::auto_camera(baker->bvh(), seed);
+  const scene::Camera camera = view_camera(baker->bvh(), options, index);
   pathtrace::GBuffer hits =
       pathtrace::trace_gbuffer(baker->bvh(), camera, static_cast<int>(options.views.width),
                                static_cast<int>(options.views.height));
@@ -227,7 +253,7 @@ void check_bake_options(const BakeOptions& options) {
 }
 
 data::SceneSample bake_scene(const scene::Scene& scene, const BakeOptions& options,
-                             bool show_progress) {
+                             bool show_progress, int64_t* rays) {
   check_bake_options(options);
   data::SceneSample sample;
   sample.name = scene.name;
@@ -255,6 +281,7 @@ data::SceneSample bake_scene(const scene::Scene& scene, const BakeOptions& optio
   }
   for (int64_t k = 0; k < options.views.count; ++k)
     sample.views.push_back(bake_view(&baker, options, k));
+  if (rays != nullptr) *rays = baker.paths();
   return sample;
 }
 

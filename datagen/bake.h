@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "lte/data/scene_sample.h"
 #include "lte/scene/scene.h"
@@ -29,6 +30,8 @@ struct BakeOptions {
   double emissive_share = 0.1;  ///< of scene points, guaranteed to luminaires
   bool path_tracing_64 = true;  ///< also bake the rival: 64 independent paths a point
   ViewOptions views;
+  /// Views take these in a random order; empty, or once they are used up: automatic cameras.
+  std::vector<scene::Camera> view_cameras;
   uint64_t seed = 1;
 };
 
@@ -38,8 +41,9 @@ void check_bake_options(const BakeOptions& options);
 /// Samples and path-traces. The same sample for the same scene and options, whatever the number of
 /// threads.
 /// @param show_progress  print points done, rate and time left
+/// @param rays  if not null, takes the number of paths that were started, whatever for
 /// @throws lte::Error if the scene has no surface or options are out of range.
 data::SceneSample bake_scene(const scene::Scene& scene, const BakeOptions& options,
-                             bool show_progress);
+                             bool show_progress, int64_t* rays = nullptr);
 
 }  // namespace lte::datagen

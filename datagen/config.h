@@ -14,7 +14,7 @@
 
 namespace lte::datagen {
 
-/// The names match the YAML keys; configs/data/rooms.yaml explains them.
+/// The names match the YAML keys; configs/data/rooms.yaml and boxes.yaml explain them.
 struct DatagenConfig {
   int64_t scenes = 1000;
   uint64_t seed = 1;

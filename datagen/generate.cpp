@@ -1,25 +1,13 @@
 #include "datagen/generate.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <sstream>
-#include <system_error>
-
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
+#include <vector>
 
 #include "datagen/room.h"
 #include "lte/base/check.h"
-#include "lte/base/cli.h"
-#include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/base/progress.h"
-#include "lte/base/random.h"
 #include "lte/base/timer.h"
-#include "lte/data/dataset.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/render.h"
 #include "lte/scene/export.h"
@@ -29,212 +17,189 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kIndexSeconds = 10;  // dataset.json is at most that old when a run is killed
-
-/// Keeps other shards out of the directory's list. The system drops the lock when a process dies.
-class DirectoryLock {
- public:
-  explicit DirectoryLock(const fs::path& directory)
-      : fd_(::open(directory.c_str(), O_RDONLY | O_DIRECTORY)) {
-    LTE_CHECK(fd_ >= 0, directory.string(), ": cannot open: ", std::strerror(errno));
-    // A file system without locks (some network ones) still serves shards that end one after
-    // another.
-    if (::flock(fd_, LOCK_EX) != 0)
-      log_warning(directory.string(), ": cannot lock: ", std::strerror(errno));
-  }
-  ~DirectoryLock() { ::close(fd_); }
-  DirectoryLock(const DirectoryLock&) = delete;
-  DirectoryLock& operator=(const DirectoryLock&) = delete;
-
- private:
-  int fd_;
-};
-
-fs::path config_path(const fs::path& out) { return out / "config.yaml"; }
-
-void make_directory(const fs::path& path) {
-  std::error_code error;
-  fs::create_directories(path, error);
-  LTE_CHECK(!error, path.string(), ": cannot make the directory: ", error.message());
-}
-
-/// @throws lte::Error unless the data set that is there was made with the same settings but for the
-/// number of scenes.
-int64_t check_same_config(const DatagenConfig& config, const fs::path& out) {
-  DatagenConfig there = load_datagen_config(config_path(out));
-  const int64_t scenes = there.scenes;
-  there.scenes = config.scenes;
-  std::istringstream ours(to_yaml(config)), theirs(to_yaml(there));
-  std::string a, b;
-  while (std::getline(ours, a) && std::getline(theirs, b))
-    LTE_CHECK(a == b, out.string(), ": was made with another configuration (", b, " there, ", a,
-              " now); use another --out");
-  return scenes;
-}
-
-class Generator {
- public:
-  Generator(const DatagenConfig& config, const GenerateOptions& options)
-      : config_(config), options_(options), listed_scenes_(config.scenes) {}
-
-  GenerateResult run() {
-    prepare();
-    const int64_t own =
-        (config_.scenes - options_.shard_index + options_.shard_count - 1) / options_.shard_count;
-    {
-      Progress progress("generating", std::max<int64_t>(own, 0), "scenes");
-      for (int64_t i = options_.shard_index; i < config_.scenes; i += options_.shard_count) {
-        make_scene(i);
-        progress.advance();
-        if (since_index_.seconds() > kIndexSeconds) write_index();
-      }
-    }
-    write_index();
-    result_.seconds = timer_.seconds();
-    return result_;
-  }
-
- private:
-  void prepare();
-  void make_scene(int64_t index);
-  bool is_done(int64_t index) const;
-  void export_glb(scene::Scene scene) const;
-  void write_index();
-  data::Split split_of(int64_t index) const {
-    return data::assign_split(config_.seed, index, config_.val_share, config_.test_share);
-  }
-  fs::path path_of(int64_t index) const {
-    return data::scene_path(options_.out, scene_name(index));
-  }
-
-  const DatagenConfig& config_;
-  const GenerateOptions& options_;
-  int64_t listed_scenes_;
-  GenerateResult result_;
-  Timer timer_, since_index_;
-};
-
-void Generator::prepare() {
-  const fs::path& out = options_.out;
-  LTE_CHECK(options_.shard_count >= 1 && options_.shard_index >= 0 &&
-                options_.shard_index < options_.shard_count,
-            "--shard: expected I/N with 0 <= I < N, got ", options_.shard_index, "/",
-            options_.shard_count);
-  check_datagen_config(config_);
-  std::error_code error;
-  LTE_CHECK(!fs::exists(out, error) || fs::is_directory(out, error), out.string(),
-            ": exists and is not a directory; --out expects a directory");
-  make_directory(out);
-  const DirectoryLock lock(out);  // before looking: another shard may be writing config.yaml
-  LTE_CHECK(fs::is_empty(out) || fs::exists(config_path(out)), out.string(),
-            ": not empty and not a data set; --out expects a new or an empty directory");
-  if (fs::exists(config_path(out))) {
-    const int64_t there = check_same_config(config_, out);
-    if (!options_.resume) {
-      for (int64_t i = options_.shard_index; i < config_.scenes; i += options_.shard_count)
-        LTE_CHECK(!fs::exists(path_of(i)), path_of(i).string(),
-                  ": is there already; pass --resume to keep what is done, or another --out");
-    }
-    listed_scenes_ = std::max(there, config_.scenes);
-  }
-  DatagenConfig written = config_;
-  written.scenes = listed_scenes_;
-  write_file(config_path(out), to_yaml(written));
-  make_directory(out / "scenes");
-}
-
-/// A scene that is there counts if it reads without fault and is the one that would be made.
-bool Generator::is_done(int64_t index) const {
-  const fs::path path = path_of(index);
-  if (!fs::exists(path)) return false;
-  try {
-    const data::SceneSample sample = data::read_scene_sample(path);
-    const bool same_rays = config_.bake.target_error > 0
-                               ? sample.target_error == config_.bake.target_error
-                               : sample.query_rays.empty() && sample.rays == config_.bake.rays;
-    if (sample.seed == scene_seed(config_.seed, index) && same_rays &&
-        sample.scene_points() == config_.bake.scene_points &&
-        sample.query_points() == config_.bake.query_points)
-      return true;
-    log_warning(path.string(), ": is another scene; made again");
-  } catch (const Error& error) {
-    log_warning(error.what(), "; made again");
-  }
-  return false;
-}
-
-void Generator::make_scene(int64_t index) {
-  const uint64_t seed = scene_seed(config_.seed, index);
-  const std::string name = scene_name(index);
-  const fs::path glb = fs::path(path_of(index)).replace_extension(".glb");
-  const bool done = options_.resume && is_done(index);
-  const bool wants_glb = options_.glb && !(done && fs::exists(glb));
-  if (done) ++result_.kept;
-  if (done && !wants_glb) return;
-  const scene::Scene scene = generate_scene(config_, seed, name);
-  const Vec3 extent = scene.bounds().extent();
-  LTE_CHECK(max_component(extent) <= config_.scale, name, ": extent ", max_component(extent),
-            " m exceeds scale ", config_.scale, " m");
-  if (wants_glb) export_glb(scene);
-  if (done) return;
-  BakeOptions bake = config_.bake;
-  bake.seed = seed;
-  const auto& evaluated = config_.evaluation_splits;
-  if (std::find(evaluated.begin(), evaluated.end(), data::split_name(split_of(index))) ==
-      evaluated.end()) {
-    bake.views.count = 0;
-    bake.path_tracing_64 = false;
-  }
-  data::write_scene_sample(path_of(index), bake_scene(scene, bake, false));
-  ++result_.baked;
-}
-
 /// With cameras, so that a viewer opens at a sensible place: the generator's, or the first view's.
-void Generator::export_glb(scene::Scene scene) const {
+void export_glb(const fs::path& path, scene::Scene scene) {
   if (scene.cameras.empty()) {
     const scene::Scene geometry = scene;
     const pathtrace::Bvh bvh(geometry);
     scene.cameras = {pathtrace::auto_camera(bvh, 0)};
   }
-  scene::write_glb(options_.out / "scenes" / (scene.name + ".glb"), scene);
+  scene::write_glb(path, scene);
 }
 
-/// Lists what is there, whoever made it: the last shard to end lists everything.
-void Generator::write_index() {
-  const DirectoryLock lock(options_.out);
-  data::DatasetInfo info;
-  info.tool_version = version();
-  info.seed = config_.seed;
-  info.scale = config_.scale;
-  for (int64_t i = 0; i < listed_scenes_; ++i) {
-    if (!fs::exists(path_of(i))) continue;
-    info.scenes.push_back({scene_name(i), split_of(i), scene_seed(config_.seed, i),
-                           config_.bake.scene_points, config_.bake.query_points});
+class Generator {
+ public:
+  Generator(const DatagenConfig& config, const GenerateOptions& options,
+            const SceneMaker& make_scene)
+      : config_(config),
+        options_(options),
+        make_scene_(
+            make_scene
+                ? make_scene
+                : [&config](
+                      uint64_t seed,
+                      const std::string& name) { return generate_scene(config, seed, name); }),
+        folder_(config, options.out) {}
+
+  GenerateResult run() {
+    folder_.prepare(options_.shard, options_.resume);
+    Manifest manifest(options_.out, options_.shard);
+    manifest.begin(config_.seed, to_yaml(config_));
+    folder_.remove_leftovers(options_.shard);
+    const std::vector<int64_t> todo = keep_what_is_there();
+    make(todo, &manifest);
+    manifest.end(result_.baked, result_.kept, result_.failed, timer_.seconds());
+    const FolderState state = folder_.state();
+    result_.planned = folder_.planned();
+    result_.missing = static_cast<int64_t>(state.missing.size());
+    if (state.missing.empty()) result_.listed = folder_.write_index(state);
+    result_.seconds = timer_.seconds();
+    return result_;
   }
-  result_.listed = static_cast<int64_t>(info.scenes.size());
-  data::write_dataset_info(options_.out, info);
-  since_index_.restart();
+
+ private:
+  std::vector<int64_t> keep_what_is_there();
+  void make(const std::vector<int64_t>& todo, Manifest* manifest);
+  SceneRecord attempt(int64_t index) const;
+  void make_scene(int64_t index, SceneRecord* record) const;
+  BakeOptions bake_options(int64_t index, const scene::Scene& scene) const;
+  fs::path glb_path(int64_t index) const {
+    return folder_.scene_path(index).replace_extension(".glb");
+  }
+
+  const DatagenConfig& config_;
+  const GenerateOptions& options_;
+  const SceneMaker make_scene_;
+  DatasetFolder folder_;
+  GenerateResult result_;
+  Timer timer_;
+  int64_t timed_ = 0;         // of the kept scenes, those whose seconds are known
+  double timed_seconds_ = 0;  // theirs together
+};
+
+/// The scenes of this shard that are still to be made. What was made without a .glb gets one.
+std::vector<int64_t> Generator::keep_what_is_there() {
+  const SceneRecords records = read_manifests(options_.out);
+  std::vector<int64_t> todo;
+  for (int64_t i = options_.shard.index; i < config_.scenes; i += options_.shard.count) {
+    const auto found = records.find(i);
+    const SceneRecord* record = found == records.end() ? nullptr : &found->second;
+    const bool done = options_.resume && folder_.is_done(i, record);
+    if (done) ++result_.kept;
+    if (done && record != nullptr && record->error.empty()) {
+      ++timed_;
+      timed_seconds_ += record->seconds;
+    }
+    if (!done) {
+      todo.push_back(i);
+    } else if (options_.glb && !fs::exists(glb_path(i))) {
+      export_glb(glb_path(i), make_scene_(scene_seed(config_.seed, i), scene_name(i)));
+    }
+  }
+  return todo;
+}
+
+void Generator::make(const std::vector<int64_t>& todo, Manifest* manifest) {
+  const auto total = static_cast<int64_t>(todo.size());
+  Progress progress("generating", result_.kept + total, "scenes");
+  progress.resume(result_.kept, timed_, timed_seconds_);
+  int in_a_row = 0;
+  for (const int64_t i : todo) {
+    const SceneRecord record = attempt(i);
+    manifest->add(record);
+    progress.advance();
+    if (record.error.empty()) {
+      ++result_.baked;
+      in_a_row = 0;
+      continue;
+    }
+    const std::string what = concat(record.name, ": ", record.error);
+    if (result_.failed++ == 0) result_.first_error = what;
+    log_warning(what);
+    LTE_CHECK(!options_.strict, what, "; --strict ends the run");
+    LTE_CHECK(++in_a_row < kFailuresInARow, what, "; ", kFailuresInARow,
+              " scenes in a row failed, so the run ends");
+  }
+}
+
+/// What went wrong goes into the record.
+SceneRecord Generator::attempt(int64_t index) const {
+  SceneRecord record;
+  record.index = index;
+  record.name = scene_name(index);
+  record.split = data::split_name(folder_.split_of(index));
+  record.seed = scene_seed(config_.seed, index);
+  const Timer timer;
+  try {
+    make_scene(index, &record);
+  } catch (const std::exception& error) {  // lte::Error, std::bad_alloc, ...
+    record.error = *error.what() != '\0' ? error.what() : "unknown fault";
+  }
+  record.seconds = timer.seconds();
+  return record;
+}
+
+void Generator::make_scene(int64_t index, SceneRecord* record) const {
+  const Timer timer;
+  const scene::Scene scene = make_scene_(record->seed, record->name);
+  record->generate_s = timer.seconds();
+  record->triangles = scene.triangle_count();
+  const Vec3 extent = scene.bounds().extent();
+  LTE_CHECK(max_component(extent) <= config_.scale, "extent ", max_component(extent),
+            " m exceeds scale ", config_.scale, " m");
+  if (options_.glb) export_glb(glb_path(index), scene);
+  const Timer bake_timer;
+  const fs::path path = folder_.scene_path(index);
+  const data::SceneSample sample =
+      bake_scene(scene, bake_options(index, scene), false, &record->rays);
+  // dataset.json promises these counts of every scene.
+  LTE_CHECK(sample.scene_points() == config_.bake.scene_points &&
+                sample.query_points() == config_.bake.query_points,
+            "light reaches so little of the surface that only ", sample.scene_points(),
+            " scene and ", sample.query_points(), " query points were found");
+  data::write_scene_sample(path, sample);
+  record->bake_s = bake_timer.seconds();
+  record->bytes = static_cast<int64_t>(fs::file_size(path));
+}
+
+BakeOptions Generator::bake_options(int64_t index, const scene::Scene& scene) const {
+  BakeOptions bake = config_.bake;
+  bake.seed = scene_seed(config_.seed, index);
+  bake.view_cameras = scene.cameras;
+  const auto& evaluated = config_.evaluation_splits;
+  if (std::find(evaluated.begin(), evaluated.end(), data::split_name(folder_.split_of(index))) ==
+      evaluated.end()) {
+    bake.views.count = 0;
+    bake.path_tracing_64 = false;
+  }
+  return bake;
 }
 
 }  // namespace
 
-GenerateResult generate_dataset(const DatagenConfig& config, const GenerateOptions& options) {
-  return Generator(config, options).run();
+GenerateResult generate_dataset(const DatagenConfig& config, const GenerateOptions& options,
+                                const SceneMaker& make_scene) {
+  return Generator(config, options, make_scene).run();
+}
+
+GenerateResult merge_dataset(const fs::path& out) {
+  LTE_CHECK(fs::exists(config_path(out)), out.string(),
+            ": not a data set of lte_datagen generate: it has no config.yaml");
+  const DatagenConfig config = load_datagen_config(config_path(out));
+  DatasetFolder folder(config, out);
+  const FolderState state = folder.state();
+  GenerateResult result;
+  result.planned = config.scenes;
+  result.missing = static_cast<int64_t>(state.missing.size());
+  result.failed = static_cast<int64_t>(state.failed.size());
+  if (!state.failed.empty()) result.first_error = state.failed.front();
+  result.listed = folder.write_index(state);
+  return result;
 }
 
 scene::Scene generate_scene(const DatagenConfig& config, uint64_t seed, const std::string& name) {
   if (config.generator == "homes") return homes::generate_home(config.homes, seed, name).scene;
   return generate_room(config.rooms, seed, name).scene;
-}
-
-std::string scene_name(int64_t index) {
-  char text[32];
-  std::snprintf(text, sizeof text, "room_%05lld", static_cast<long long>(index));
-  return text;
-}
-
-uint64_t scene_seed(uint64_t dataset_seed, int64_t index) {
-  return hash_combine(dataset_seed, static_cast<uint64_t>(index));
 }
 
 }  // namespace lte::datagen

@@ -6,7 +6,9 @@
 #include <csignal>
 #include <cstring>
 #include <fstream>
+#include <random>
 #include <string>
+#include <system_error>
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -94,6 +96,14 @@ void sync_directory(const fs::path& directory) {
   ::close(fd);
 }
 
+constexpr const char* kTemporaryMark = ".tmp-";
+
+/// Of this process: on a shared file system processes of several machines have one number.
+const std::string& process_token() {
+  static const std::string token = concat(::getpid(), "-", std::random_device{}());
+  return token;
+}
+
 double status_mb(const std::string& field) {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;) {
@@ -120,8 +130,8 @@ AtomicFile::AtomicFile(const fs::path& path) : path_(path) {
     return;
   }
   path_ = target;
-  temporary_ = target.parent_path() / concat(".", target.filename().string(), ".tmp-", ::getpid(),
-                                             "-", counter.fetch_add(1));
+  temporary_ = target.parent_path() / concat(".", target.filename().string(), kTemporaryMark,
+                                             process_token(), "-", counter.fetch_add(1));
   // Registered first: a signal between the two lines finds nothing to remove, not a file that
   // nobody knows.
   g_registry.add(temporary_.string());
@@ -191,6 +201,17 @@ std::string read_file(const fs::path& path, size_t limit_bytes) {
   LTE_CHECK(text.size() <= limit_bytes, path.string(), ": is larger than the limit of ",
             limit_bytes, " bytes");
   return text;
+}
+
+void make_directory(const fs::path& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  LTE_CHECK(!error, path.string(), ": cannot make the directory: ", error.message());
+}
+
+std::string temporary_of(const std::string& name) {
+  const size_t mark = name.rfind(kTemporaryMark);
+  return !name.starts_with('.') || mark == std::string::npos ? "" : name.substr(1, mark - 1);
 }
 
 void install_signal_cleanup() {

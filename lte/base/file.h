@@ -39,6 +39,14 @@ void write_file(const std::filesystem::path& path, std::string_view text);
 /// @throws lte::Error if it cannot be read or is larger than `limit_bytes`.
 std::string read_file(const std::filesystem::path& path, size_t limit_bytes = size_t{1} << 30);
 
+/// With its parents; no fault if it is there.
+/// @throws lte::Error naming the path and the system's reason.
+void make_directory(const std::filesystem::path& path);
+
+/// The name of the file that `name` is a temporary of, as AtomicFile gives them; empty if it is
+/// none.
+std::string temporary_of(const std::string& name);
+
 /// Makes SIGINT and SIGTERM remove the temporaries of unfinished AtomicFiles and exit with 128 +
 /// the signal's number.
 void install_signal_cleanup();

@@ -63,6 +63,12 @@ Progress::Progress(std::string label, int64_t total, std::string unit)
 
 Progress::~Progress() { finish(); }
 
+void Progress::resume(int64_t done, int64_t timed, double seconds) {
+  earlier_ = done;
+  earlier_timed_ = timed;
+  earlier_seconds_ = seconds;
+}
+
 void Progress::advance(int64_t units) {
   done_.fetch_add(units, std::memory_order_relaxed);
   const int64_t now = milliseconds(timer_);
@@ -88,14 +94,17 @@ void Progress::print(bool last) {
     return;
   }
   if (log_level() < LogLevel::Info) return;
-  std::string counts = concat(done, " ", unit_);
+  const int64_t all = earlier_ + done;
+  std::string counts = concat(all, " ", unit_);
   std::string left;
   double fraction = 0;
   if (total_ > 0) {
-    fraction = std::min(1.0, static_cast<double>(done) / static_cast<double>(total_));
-    counts = concat(static_cast<int>(100 * fraction), "% ", done, "/", total_, " ", unit_);
-    const auto remaining = static_cast<double>(std::max<int64_t>(total_ - done, 0));
-    if (done > 0) left = concat(", ", clock_time(remaining / rate), " left");
+    fraction = std::min(1.0, static_cast<double>(all) / static_cast<double>(total_));
+    counts = concat(static_cast<int>(100 * fraction), "% ", all, "/", total_, " ", unit_);
+    const auto remaining = static_cast<double>(std::max<int64_t>(total_ - all, 0));
+    const auto timed = static_cast<double>(earlier_timed_ + done);
+    if (timed > 0)
+      left = concat(", ", clock_time(remaining * (earlier_seconds_ + seconds) / timed), " left");
   }
   if (terminal_) {
     const std::string line =

@@ -22,6 +22,9 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
+  /// Work that an earlier run has done: `done` units, of which `timed` took `seconds` and count in
+  /// the time left. Before the first advance().
+  void resume(int64_t done, int64_t timed, double seconds);
   void advance(int64_t units = 1);
   void finish();
 
@@ -30,7 +33,9 @@ class Progress {
 
   std::string label_, unit_;
   int64_t total_;
-  std::atomic<int64_t> done_{0};
+  int64_t earlier_ = 0, earlier_timed_ = 0;
+  double earlier_seconds_ = 0;
+  std::atomic<int64_t> done_{0};  // by this run
   std::atomic<int64_t> next_print_ms_{0};
   std::mutex mutex_;
   Timer timer_;

@@ -1,5 +1,6 @@
 #include "lte/data/dataset.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -7,6 +8,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/file.h"
+#include "lte/base/log.h"
 #include "lte/base/random.h"
 
 namespace lte::data {
@@ -87,10 +89,12 @@ Split parse_split(const std::string& word) {
 }
 
 void write_dataset_info(const std::filesystem::path& directory, const DatasetInfo& info) {
-  std::string text =
-      concat("{\n\"format\": ", Json(kFormat).dump(), ",\n\"version\": ", kVersion,
-             ",\n\"tool\": ", Json(info.tool_version).dump(), ",\n\"seed\": ", info.seed,
-             ",\n\"scale\": ", Json(info.scale).dump(), ",\n\"scenes\": [");
+  std::string text = concat(
+      "{\n\"format\": ", Json(kFormat).dump(), ",\n\"version\": ", kVersion,
+      ",\n\"tool\": ", Json(info.tool_version).dump(), ",\n\"seed\": ", info.seed,
+      ",\n\"scale\": ", Json(info.scale).dump(), ",\n\"pruned\": ", info.pruned ? "true" : "false",
+      ",\n\"planned\": ", std::max(info.planned, static_cast<int64_t>(info.scenes.size())),
+      ",\n\"scenes\": [");
   const char* separator = "\n";
   for (const DatasetEntry& entry : info.scenes) {  // one line a scene, for people and for diff
     LTE_CHECK(valid_name(entry.name), info_path(directory).string(), ": \"", entry.name,
@@ -108,6 +112,10 @@ DatasetInfo read_dataset_info(const std::filesystem::path& directory) {
   const std::string file = info_path(directory).string();
   LTE_CHECK(std::filesystem::is_directory(directory), directory.string(),
             ": no such data-set directory");
+  LTE_CHECK(std::filesystem::exists(file) || !std::filesystem::exists(directory / "config.yaml"),
+            file,
+            ": missing: the data set is unfinished; lte_datagen generate --resume makes the rest, "
+            "--merge lists what is there");
   LTE_CHECK(std::filesystem::exists(file), file,
             ": missing; is this a data set? lte_datagen generate makes one");
   const Json json = Json::parse(read_file(file), nullptr, false);
@@ -125,6 +133,11 @@ DatasetInfo read_dataset_info(const std::filesystem::path& directory) {
   LTE_CHECK(scale.is_number() && std::isfinite(scale.get<double>()) && scale.get<double>() > 0,
             file, ": key \"scale\": expected a positive number, got ", scale.dump());
   info.scale = scale.get<double>();
+  if (const auto found = json.find("pruned"); found != json.end()) {
+    LTE_CHECK(found->is_boolean(), file, ": key \"pruned\": expected true or false, got ",
+              found->dump());
+    info.pruned = found->get<bool>();
+  }
   const Json& scenes = member(file, json, "scenes");
   LTE_CHECK(scenes.is_array(), file, ": key \"scenes\": expected a list");
   std::set<std::string> names;
@@ -137,6 +150,14 @@ DatasetInfo read_dataset_info(const std::filesystem::path& directory) {
               scene_path(directory, name).string(),
               " is missing; lte_datagen generate --resume makes it again");
   }
+  const auto listed = static_cast<int64_t>(info.scenes.size());
+  info.planned = listed;
+  if (json.contains("planned"))
+    info.planned = static_cast<int64_t>(count_of(file, json, "planned"));
+  LTE_CHECK(info.planned >= listed, file, ": key \"planned\": ", info.planned, ", but ", listed,
+            " scenes are listed");
+  if (info.planned > listed)
+    log_warning(file, ": unfinished: lists ", listed, " of ", info.planned, " scenes");
   return info;
 }
 

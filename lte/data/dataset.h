@@ -25,13 +25,20 @@ struct DatasetEntry {
 };
 
 /// The content of dataset.json:
-/// {"format":"lte-dataset","version":1,"tool":..,"seed":..,"scale":s,"scenes":[..]}.
+/// {"format":"lte-dataset","version":1,"tool":..,"seed":..,"scale":s,"pruned":..,"planned":..,
+/// "scenes":[..]}.
 struct DatasetInfo {
   int version = 1;
   std::string tool_version;
   uint64_t seed = 0;
   double scale =
       16.0;  ///< s, metres: an upper bound on scene extent; network space is (p − b_min)/s
+  /// Whether points were drawn only where light can reach them: then inference has to draw its
+  /// scene points so too. False for files that do not say.
+  bool pruned = false;
+  /// Scenes that there are to be, at least as many as are listed. The number listed for files that
+  /// do not say.
+  int64_t planned = 0;
   std::vector<DatasetEntry> scenes;
 };
 
@@ -40,7 +47,7 @@ void write_dataset_info(const std::filesystem::path& directory, const DatasetInf
 
 /// @throws lte::Error naming the file and the key if dataset.json is missing, malformed, of a newer
 /// version, names a
-///         scene twice or one whose file is missing.
+///         scene twice or one whose file is missing. Warns if fewer scenes are listed than planned.
 DatasetInfo read_dataset_info(const std::filesystem::path& directory);
 
 std::filesystem::path scene_path(const std::filesystem::path& directory, const std::string& name);

@@ -1,0 +1,33 @@
+// A file that one process at a time holds and appends lines to.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+namespace lte {
+
+/// The system drops the lock when the process ends, however it does. Locks are those of flock(2),
+/// which network file systems mount-wide may lack: then a warning is logged and nobody is refused.
+class LockedFile {
+ public:
+  /// Makes the file if it is missing.
+  /// @throws lte::Error if it cannot be opened for writing.
+  explicit LockedFile(const std::filesystem::path& path);
+  ~LockedFile();
+  LockedFile(const LockedFile&) = delete;
+  LockedFile& operator=(const LockedFile&) = delete;
+
+  /// Whether another holder had it first; this one may then read, and should not write.
+  bool busy() const { return busy_; }
+
+  /// In one write and to the disk, so that a kill cuts at most the last line short.
+  /// @throws lte::Error naming the file.
+  void append(std::string_view text);
+
+ private:
+  std::filesystem::path path_;
+  int fd_;
+  bool busy_ = false;
+};
+
+}  // namespace lte
