@@ -4,6 +4,7 @@
 #include "infer/predictor.h"
 #include "infer/renderer.h"
 #include "lte/base/check.h"
+#include "lte/base/file.h"
 #include "lte/base/parallel.h"
 #include "lte/base/timer.h"
 #include "lte/image/metrics.h"

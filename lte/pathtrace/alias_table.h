@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "lte/pathtrace/path_kernels.h"
+
 namespace lte::pathtrace {
 
 /// Walker/Vose alias table: O(1) draws from a discrete distribution.
@@ -23,6 +25,9 @@ class AliasTable {
     const uint32_t index = position - cell < threshold_[cell] ? cell : alias_[cell];
     *probability = probability_[index];
     return index;
+  }
+  AliasColumns columns() const {
+    return {threshold_.data(), probability_.data(), alias_.data(), static_cast<uint32_t>(size())};
   }
   float probability(uint32_t index) const { return probability_[index]; }
 

@@ -5,6 +5,7 @@
 
 #include "lte/base/check.h"
 #include "lte/pathtrace/embree_scene.h"
+#include "lte/pathtrace/square_to_triangle.h"
 
 namespace lte::pathtrace {
 namespace {
@@ -19,14 +20,6 @@ constexpr size_t kTreeThreshold = 32;
 /// the taps is still drawn. The estimate stays unbiased whatever the weights are, as long as no
 /// emitting point has weight zero.
 constexpr double kTextureFloor = 0.1;
-
-/// Heitz's low-distortion map of the unit square onto barycentrics (2019), without a branch that
-/// half of all samples would mispredict.
-Vec3 square_to_triangle(const Vec2& u) {
-  const float x = u.x * 0.5f, y = u.y * 0.5f, offset = y - x;
-  const float b1 = x - std::min(offset, 0.0f), b2 = y + std::max(offset, 0.0f);
-  return {1 - b1 - b2, b1, b2};
-}
 
 double mean_textured_luminance(const scene::Scene& scene, int instance, uint32_t triangle,
                                double area) {
@@ -107,6 +100,12 @@ Lights::Lights(const scene::Scene& scene, LightChoice choice)
                (choice == LightChoice::Automatic && weights.size() > kTreeThreshold);
   if (uses_tree_) build_tree(weights);
   table_ = AliasTable(weights);
+  only_plain_triangles_ = scene.lights.empty() && !table_.empty();
+  for (const EmissiveTriangle& t : triangles_) {
+    only_plain_triangles_ = only_plain_triangles_ && !t.textured;
+    triangle_lights_.push_back({t.p0, t.edge1, t.edge2, t.normal, t.emission, t.area, t.offset,
+                                t.two_sided ? 1.0f : 0.0f});
+  }
   if (table_.empty()) {  // all black or without area: nothing to find by sampling or by hitting
     std::fill(first_of_instance_.begin(), first_of_instance_.end(), -1);
     triangles_.clear();

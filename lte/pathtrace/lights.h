@@ -7,6 +7,9 @@
 #include "lte/base/math.h"
 #include "lte/pathtrace/alias_table.h"
 #include "lte/pathtrace/light_tree.h"
+#include "lte/pathtrace/path_block.h"
+#include "lte/pathtrace/path_kernels.h"
+#include "lte/pathtrace/path_sampler.h"
 #include "lte/scene/scene.h"
 
 namespace lte::pathtrace {
@@ -68,6 +71,10 @@ class Lights {
   LightSample sample_in_frame(const Vec3& position, const Vec3& normal, double u_choice,
                               const Vec2& u_point) const;
 
+  /// The same for a block: each lane from its position and normal, and from its numbers.
+  void sample_lanes(const Lanes3& position, const Lanes3& normal, const LightNumbers& numbers,
+                    int count, LightBlock* out) const;
+
   /// Solid-angle pdf with which sample_in_frame(position, normal) makes the direction that met
   /// `triangle` of `instance` at squared distance `distance2` under `cos_light` (absolute cosine at
   /// the light). 0 if it is not drawn.
@@ -96,9 +103,11 @@ class Lights {
   Vec3 origin_;
   int groups_ = 0;
   std::vector<EmissiveTriangle> triangles_;
-  AliasTable table_;  ///< emissive triangles, then punctual lights
-  LightTree tree_;    ///< the same, without directional ones; if uses_tree_
+  std::vector<TriangleLight> triangle_lights_;  ///< of triangles_, for blocks
+  AliasTable table_;                            ///< emissive triangles, then punctual lights
+  LightTree tree_;  ///< the same, without directional ones; if uses_tree_
   bool uses_tree_ = false;
+  bool only_plain_triangles_ = false;  ///< neither textured ones nor punctual lights
   std::vector<uint32_t> directional_;  ///< entries of the table
   float directional_share_ = 0;        ///< of draws, with the tree
   std::vector<int64_t>

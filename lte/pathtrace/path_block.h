@@ -50,4 +50,13 @@ struct ShadowBlock {
   alignas(64) int32_t light_group[kBlock], path[kBlock];
 };
 
+/// One sample of light for each lane (LightSample, lights.h).
+struct LightBlock {
+  Lanes3 direction, radiance;
+  alignas(64) float distance[kBlock];
+  /// As LightSample::pdf, 0 where nothing arrives; negated for delta lights.
+  alignas(64) float pdf[kBlock];
+  alignas(64) int32_t light_group[kBlock];
+};
+
 }  // namespace lte::pathtrace

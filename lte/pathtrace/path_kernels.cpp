@@ -4,10 +4,12 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "lte/base/random.h"
 #include "lte/pathtrace/hemisphere.h"
 #include "lte/pathtrace/low_discrepancy.h"
+#include "lte/pathtrace/square_to_triangle.h"
 #include "lte/pathtrace/vector_clones.h"
 
 namespace lte::pathtrace {
@@ -95,19 +97,83 @@ void cosine_directions(const uint32_t* __restrict u, const uint32_t* __restrict 
 }
 
 LTE_VECTOR_CLONES
-void weigh_diffuse(const Lanes3& __restrict throughput, const Lanes3& __restrict normal,
-                   const Lanes3& __restrict direction, const float* __restrict light_pdf, int count,
-                   Lanes3* __restrict radiance) {
+void draw_entries(const float* __restrict threshold, const float* __restrict probabilities,
+                  const uint32_t* __restrict alias, uint32_t size, const uint32_t* __restrict u,
+                  int count, uint32_t* __restrict entry, float* __restrict probability) {
+  alignas(64) float within[kBlock];
+  for (int i = 0; i < count; ++i) {
+    entry[i] = static_cast<uint32_t>((uint64_t{u[i]} * size) >> 32);
+    within[i] = to_unit(u[i] * size);  // what is left of the product
+  }
+  for (int i = 0; i < count; ++i) {
+    const uint32_t cell = entry[i], other = alias[cell];
+    const uint32_t drawn = within[i] < threshold[cell] ? cell : other;
+    entry[i] = drawn;
+    probability[i] = probabilities[drawn];
+  }
+}
+
+void draw_entries(const AliasColumns& table, const uint32_t* u, int count, uint32_t* entry,
+                  float* probability) {
+  draw_entries(table.threshold, table.probability, table.alias, table.size, u, count, entry,
+               probability);
+}
+
+LTE_VECTOR_CLONES
+void sample_triangles(const float* __restrict lights, const uint32_t* __restrict entry,
+                      const float* __restrict probability, const uint32_t* __restrict u,
+                      const uint32_t* __restrict v, int count, const Lanes3& __restrict position,
+                      LightBlock* __restrict out) {
+  constexpr uint32_t kStride = sizeof(TriangleLight) / sizeof(float);
+  constexpr float kMax = std::numeric_limits<float>::max();
+  for (int i = 0; i < count; ++i) {
+    const uint32_t at = entry[i] * kStride;
+    const auto vector = [lights, at](uint32_t k) {
+      return Vec3{lights[at + k], lights[at + k + 1], lights[at + k + 2]};
+    };
+    const Vec3 b = square_to_triangle({to_unit(u[i]), to_unit(v[i])});
+    const Vec3 n = vector(9);
+    Vec3 offset = vector(0) + vector(3) * b.y + vector(6) * b.z -
+                  Vec3{position.x[i], position.y[i], position.z[i]};
+    const Rgb emission = vector(12);
+    const float area = lights[at + 15], apart = lights[at + 16], back = lights[at + 17];
+    const float height = -dot(n, offset), side = std::copysign(1.0f, height);
+    offset += n * (side * apart);
+    const float distance2 = dot(offset, offset), distance = std::sqrt(distance2);
+    const Vec3 direction = offset * (1 / distance);
+    const float cosine = -side * dot(n, direction);
+    float pdf = distance2 / (area * cosine) * probability[i];
+    pdf = std::max(height, -height * back) > 0 ? pdf : 0.0f;  // on a side that emits,
+    pdf = cosine > 0 ? pdf : 0.0f;  // farther than the offset, which would turn the side around,
+    pdf = pdf <= kMax ? pdf : 0.0f;
+    out->direction.x[i] = direction.x;
+    out->direction.y[i] = direction.y;
+    out->direction.z[i] = direction.z;
+    out->radiance.x[i] = emission.x;
+    out->radiance.y[i] = emission.y;
+    out->radiance.z[i] = emission.z;
+    out->distance[i] = distance;
+    out->pdf[i] = pdf;
+  }
+}
+
+void sample_triangles(const TriangleLight* lights, const uint32_t* entry, const float* probability,
+                      const uint32_t* u, const uint32_t* v, int count, const Lanes3& position,
+                      LightBlock* out) {
+  static_assert(sizeof(TriangleLight) == 18 * sizeof(float));
+  sample_triangles(&lights->p0.x, entry, probability, u, v, count, position, out);
+}
+
+LTE_VECTOR_CLONES
+void weigh_diffuse(const Lanes3& __restrict normal, const Lanes3& __restrict direction,
+                   const float* __restrict pdf, int count, float* __restrict weight) {
   for (int i = 0; i < count; ++i) {
     const float cosine =
         normal.x[i] * direction.x[i] + normal.y[i] * direction.y[i] + normal.z[i] * direction.z[i];
     const float bsdf_pdf = cosine * (1 / kPi);
-    const float pdf = light_pdf[i];
-    const float density = pdf < 0 ? -pdf : pdf + bsdf_pdf;
-    const float weight = (pdf != 0) & (cosine > 0) ? bsdf_pdf / density : 0.0f;
-    radiance->x[i] = throughput.x[i] * radiance->x[i] * weight;
-    radiance->y[i] = throughput.y[i] * radiance->y[i] * weight;
-    radiance->z[i] = throughput.z[i] * radiance->z[i] * weight;
+    const float density = pdf[i] < 0 ? -pdf[i] : pdf[i] + bsdf_pdf;
+    const float ratio = bsdf_pdf / density;
+    weight[i] = (pdf[i] != 0) & (cosine > 0) ? ratio : 0.0f;
   }
 }
 

@@ -31,12 +31,37 @@ void independent_numbers(const uint64_t* keys, int count, uint64_t counter, uint
 void cosine_directions(const uint32_t* u, const uint32_t* v, int count, const Lanes3& normal,
                        Lanes3* direction, float* pdf);
 
-/// Light samples at diffuse surfaces, weighted by the balance heuristic:
-/// value = throughput × radiance × cosine / π / density, zero where nothing arrives.
-/// @param radiance  in; `value` out
-/// @param light_pdf  as LightSample::pdf; negated for delta lights, which nothing else can meet
-void weigh_diffuse(const Lanes3& throughput, const Lanes3& normal, const Lanes3& direction,
-                   const float* light_pdf, int count, Lanes3* radiance);
+/// An emissive triangle as samples of it need it (EmissiveTriangle, lights.h): floats alone, so
+/// that lanes can gather them.
+struct TriangleLight {
+  Vec3 p0, edge1, edge2, normal;
+  Rgb emission;
+  float area, offset;
+  float back;  ///< 1 if it emits from its back too, else 0
+};
+
+/// The columns of an alias table (alias_table.h).
+struct AliasColumns {
+  const float *threshold, *probability;
+  const uint32_t* alias;
+  uint32_t size;
+};
+
+/// Draws entries with one number of 32 bits each.
+void draw_entries(const AliasColumns& table, const uint32_t* u, int count, uint32_t* entry,
+                  float* probability);
+
+/// Points on the triangles `entry` from the numbers u and v, seen from `position`.
+/// @param probability  with which the triangle was chosen
+void sample_triangles(const TriangleLight* lights, const uint32_t* entry, const float* probability,
+                      const uint32_t* u, const uint32_t* v, int count, const Lanes3& position,
+                      LightBlock* out);
+
+/// What light samples are multiplied by at diffuse surfaces of albedo 1, by the balance heuristic:
+/// cosine / π / density, 0 where nothing arrives.
+/// @param pdf  as LightBlock::pdf
+void weigh_diffuse(const Lanes3& normal, const Lanes3& direction, const float* pdf, int count,
+                   float* weight);
 
 /// Russian roulette by the largest channel: scales the throughput of survivors.
 /// @param survives  [count] 0 or 1

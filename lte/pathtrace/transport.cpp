@@ -130,18 +130,9 @@ void Transport::add_emission(int lane, const Rgb& emission, float cos_front) {
 /// Next-event estimation at the vertex where the paths stand.
 void Transport::sample_lights(int vertex, PathSampler& sampler) {
   sampler.light(vertex, paths_.path, paths_.size, &light_numbers_);
-  for (int lane = 0; lane < paths_.size; ++lane) {
-    const LightSample light = lights_.sample_in_frame(
-        paths_.origin.at(lane), paths_.normal.at(lane), light_numbers_.choice[lane] * 0x1p-32,
-        {to_unit(light_numbers_.point_x[lane]), to_unit(light_numbers_.point_y[lane])});
-    shadows_.direction.put(lane, light.direction);
-    shadows_.value.put(lane, light.radiance);
-    shadows_.t_max[lane] = light.distance * kShadowLength;
-    shadows_.light_group[lane] = light.light_group;
-    light_pdf_[lane] = !(light.pdf > 0) ? 0.0f : light.delta ? -light.pdf : light.pdf;
-  }
-  weigh_diffuse(paths_.throughput, paths_.normal, shadows_.direction, light_pdf_, paths_.size,
-                &shadows_.value);
+  lights_.sample_lanes(paths_.origin, paths_.normal, light_numbers_, paths_.size, &light_samples_);
+  weigh_diffuse(paths_.normal, light_samples_.direction, light_samples_.pdf, paths_.size,
+                light_weight_);
   cast_shadows(vertex + 1);
 }
 
@@ -149,14 +140,16 @@ void Transport::sample_lights(int vertex, PathSampler& sampler) {
 void Transport::cast_shadows(int depth) {
   int kept = 0;
   for (int lane = 0; lane < paths_.size; ++lane) {
-    const Rgb value = shadows_.value.at(lane);
-    if (!(max_component(value) > 0)) continue;
+    // Without a branch: half of the samples may lie behind a surface.
+    const Rgb value =
+        paths_.throughput.at(lane) * light_samples_.radiance.at(lane) * light_weight_[lane];
     shadows_.origin.put(kept, paths_.origin.at(lane));
-    shadows_.direction.put(kept, shadows_.direction.at(lane));
+    shadows_.direction.put(kept, light_samples_.direction.at(lane));
     shadows_.value.put(kept, value);
-    shadows_.t_max[kept] = shadows_.t_max[lane];
-    shadows_.light_group[kept] = shadows_.light_group[lane];
-    shadows_.path[kept++] = paths_.path[lane];
+    shadows_.t_max[kept] = light_samples_.distance[lane] * kShadowLength;
+    shadows_.light_group[kept] = light_samples_.light_group[lane];
+    shadows_.path[kept] = paths_.path[lane];
+    kept += max_component(value) > 0 ? 1 : 0;
   }
   shadows_.size = kept;
   if (recorder_ != nullptr) recorder_->shadow(shadows_);

@@ -83,12 +83,13 @@ class Transport {
 
   PathBlock paths_;
   HitBlock hits_;
+  LightBlock light_samples_;
   ShadowBlock shadows_;
   LightNumbers light_numbers_;
   DirectionNumbers direction_numbers_;
   alignas(64) uint32_t roulette_numbers_[kBlock];
   alignas(64) int32_t flags_[kBlock];
-  alignas(64) float light_pdf_[kBlock];
+  alignas(64) float light_weight_[kBlock];
   int contribution_count_ = 0;
   Contribution contributions_[kBlock];
 };

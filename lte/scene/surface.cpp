@@ -34,18 +34,19 @@ class TextureLookup {
     const std::vector<Vec2>& uvs = mesh_.uvs[ref.uv_set];
     if (uvs.empty()) return {1, 1, 1};
     const std::array<uint32_t, 3>& corner = mesh_.triangles[triangle_];
-    const Vec2 a = ref.transform(uvs[corner[0]]), c = ref.transform(uvs[corner[1]]),
-               d = ref.transform(uvs[corner[2]]);
+    const Vec2 a = uvs[corner[0]], c = uvs[corner[1]], d = uvs[corner[2]];
     const Texture& texture = *scene_.textures[ref.texture];
-    return texture.sample(interpolate(b, a, c, d), ref.wrap_u, ref.wrap_v,
-                          texels(texture, a, c, d));
+    const Vec2 uv = ref.transform(interpolate(b, a, c, d));
+    const float edge = footprint_ > 0 ? texels(texture, ref, a, c, d) : 0;
+    return texture.sample(uv, ref.wrap_u, ref.wrap_v, edge);
   }
 
  private:
   /// Edge in texels of the square that covers footprint² world metres, by the ratio of the
   /// triangle's areas.
-  float texels(const Texture& texture, const Vec2& a, const Vec2& b, const Vec2& c) const {
-    if (!(footprint_ > 0)) return 0;
+  float texels(const Texture& texture, const TextureRef& ref, const Vec2& uv0, const Vec2& uv1,
+               const Vec2& uv2) const {
+    const Vec2 a = ref.transform(uv0), b = ref.transform(uv1), c = ref.transform(uv2);
     const double world = area(world_triangle(mesh_, instance_.to_world, triangle_));
     if (!(world > 0)) return 0;
     const double uv = 0.5 * std::abs((double{b.x} - a.x) * (double{c.y} - a.y) -

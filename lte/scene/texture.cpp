@@ -78,12 +78,19 @@ std::vector<uint16_t> to_fixed(const std::vector<float>& linear) {
   return out;
 }
 
+/// std::floor(), which is a call on machines of the baseline. Floats from 2^23 on are whole.
+float whole_below(float t) {
+  if (!(std::fabs(t) < 0x1p23f)) return t;
+  const auto towards_zero = static_cast<float>(static_cast<int>(t));
+  return towards_zero > t ? towards_zero - 1 : towards_zero;
+}
+
 /// Folds a coordinate into one period, [0, 1]; anything that is not finite becomes 0.
 float fold(float t, Wrap wrap) {
   if (!std::isfinite(t)) return 0;
   if (wrap == Wrap::ClampToEdge) return std::clamp(t, 0.0f, 1.0f);
-  if (wrap == Wrap::Repeat) return t - std::floor(t);
-  const float period = t - 2 * std::floor(t / 2);
+  if (wrap == Wrap::Repeat) return t - whole_below(t);
+  const float period = t - 2 * whole_below(t / 2);
   return period > 1 ? 2 - period : period;
 }
 
@@ -96,7 +103,8 @@ int fold_index(int i, int size, Wrap wrap) {
 
 }  // namespace
 
-Texture::Texture(int width, int height, std::vector<uint8_t> texels, bool srgb) : srgb_(srgb) {
+Texture::Texture(int width, int height, std::vector<uint8_t> texels, bool srgb)
+    : srgb_(srgb), decode_(decode_table(srgb).data()) {
   LTE_CHECK(width > 0 && height > 0, "texture: size must be positive, got ", width, "x", height);
   LTE_CHECK(texels.size() == static_cast<size_t>(width) * static_cast<size_t>(height) * 3,
             "texture: expected 3 bytes for each of ", width, "x", height, " texels, got ",
@@ -130,30 +138,28 @@ size_t Texture::size_bytes() const {
   return bytes;
 }
 
-Rgb Texture::texel(const Level& level, int x, int y) const {
-  const size_t at =
-      (static_cast<size_t>(y) * static_cast<size_t>(level.width) + static_cast<size_t>(x)) * 3;
-  if (level.half.empty()) {
-    const std::array<float, 256>& table = decode_table(srgb_);
-    return {table[level.coded[at]], table[level.coded[at + 1]], table[level.coded[at + 2]]};
-  }
-  constexpr float kScale = 1.0f / 65535.0f;
-  return {static_cast<float>(level.half[at]) * kScale,
-          static_cast<float>(level.half[at + 1]) * kScale,
-          static_cast<float>(level.half[at + 2]) * kScale};
-}
-
 Rgb Texture::bilinear(const Level& level, const Vec2& uv, Wrap wrap_u, Wrap wrap_v) const {
   const float x = fold(uv.x, wrap_u) * static_cast<float>(level.width) - 0.5f;
   const float y = fold(uv.y, wrap_v) * static_cast<float>(level.height) - 0.5f;
-  const float left = std::floor(x), top = std::floor(y);
+  const float left = whole_below(x), top = whole_below(y);
   const float fx = x - left, fy = y - top;
   const int x0 = fold_index(static_cast<int>(left), level.width, wrap_u);
   const int x1 = fold_index(static_cast<int>(left) + 1, level.width, wrap_u);
   const int y0 = fold_index(static_cast<int>(top), level.height, wrap_v);
   const int y1 = fold_index(static_cast<int>(top) + 1, level.height, wrap_v);
-  return (texel(level, x0, y0) * (1 - fx) + texel(level, x1, y0) * fx) * (1 - fy) +
-         (texel(level, x0, y1) * (1 - fx) + texel(level, x1, y1) * fx) * fy;
+  const auto blend = [&](const auto* texels, const auto& linear) {
+    const auto texel = [&](int column, int row) {
+      const auto* at = texels + 3 * (static_cast<size_t>(row) * static_cast<size_t>(level.width) +
+                                     static_cast<size_t>(column));
+      return Rgb{linear(at[0]), linear(at[1]), linear(at[2])};
+    };
+    return (texel(x0, y0) * (1 - fx) + texel(x1, y0) * fx) * (1 - fy) +
+           (texel(x0, y1) * (1 - fx) + texel(x1, y1) * fx) * fy;
+  };
+  if (level.half.empty())
+    return blend(level.coded.data(), [this](uint8_t code) { return decode_[code]; });
+  constexpr float kScale = 1.0f / 65535.0f;
+  return blend(level.half.data(), [](uint16_t x16) { return static_cast<float>(x16) * kScale; });
 }
 
 Rgb Texture::sample(const Vec2& uv, Wrap wrap_u, Wrap wrap_v, float footprint) const {

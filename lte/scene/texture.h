@@ -33,11 +33,11 @@ class Texture {
     std::vector<uint8_t> coded;  ///< level 0: texels as they came
     std::vector<uint16_t> half;  ///< coarser levels: linear, 16-bit fixed point of [0, 1]
   };
-  Rgb texel(const Level& level, int x, int y) const;
   Rgb bilinear(const Level& level, const Vec2& uv, Wrap wrap_u, Wrap wrap_v) const;
 
   std::vector<Level> levels_;
   bool srgb_;
+  const float* decode_;  ///< linear value of each code of level 0; of static storage
 };
 
 }  // namespace lte::scene
