@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lte/base/check.h"
+#include "lte/scene/buckets.h"
 #include "lte/scene/cleanup_apply.h"
 #include "lte/scene/mesh_twins.h"
 #include "lte/scene/shells.h"
@@ -82,15 +83,25 @@ class Inspection {
   }
 
   void find_coincident() {
-    std::vector<std::pair<std::array<uint32_t, 3>, uint32_t>> order;
-    order.reserve(covered_.size());
-    for (uint32_t i = 0; i < covered_.size(); ++i) {
-      if (!covered_[i]) order.emplace_back(sorted(topology_.triangles[i].place), i);
-    }
-    std::sort(order.begin(), order.end());
-    for (size_t begin = 0, end = 0; begin < order.size(); begin = end) {
-      while (end < order.size() && order[end].first == order[begin].first) ++end;
-      for (size_t k = begin + 1; k < end; ++k) judge(order[begin].second, order[k].second);
+    struct Corners {
+      uint32_t middle, high, triangle;
+      auto operator<=>(const Corners&) const = default;
+      bool same_place(const Corners& b) const { return middle == b.middle && high == b.high; }
+    };
+    Buckets<Corners> by_lowest(topology_.places.size(), [&](const auto& use) {
+      for (uint32_t i = 0; i < covered_.size(); ++i) {
+        if (covered_[i]) continue;
+        const auto [low, middle, high] = sorted(topology_.triangles[i].place);
+        use(low, {middle, high, i});
+      }
+    });
+    by_lowest.for_each([](std::span<Corners> bucket) { std::sort(bucket.begin(), bucket.end()); });
+    for (size_t low = 0; low < by_lowest.size(); ++low) {
+      const std::span<const Corners> all = by_lowest[low];
+      for (size_t first = 0, k = 0; k < all.size(); ++k) {
+        if (!all[k].same_place(all[first])) first = k;
+        if (k > first) judge(all[first].triangle, all[k].triangle);
+      }
     }
   }
 
