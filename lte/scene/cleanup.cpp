@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lte/base/check.h"
+#include "lte/base/parallel.h"
 #include "lte/scene/buckets.h"
 #include "lte/scene/cleanup_apply.h"
 #include "lte/scene/mesh_twins.h"
@@ -19,6 +20,7 @@ namespace {
 
 /// Height over longest edge below which float knows no normal.
 constexpr double kThin = 1e-7;
+constexpr int64_t kGrain = 65536;
 
 const Material& material_of(const Scene& scene, const PlacedTriangle& t) {
   const Mesh& mesh =
@@ -71,11 +73,15 @@ class Inspection {
  private:
   /// Those with two corners in one place count as such only for edges and shells.
   void find_degenerate() {
-    for (size_t i = 0; i < topology_.triangles.size(); ++i) {
-      const PlacedTriangle& t = topology_.triangles[i];
-      const auto& [a, b, c] = t.place;
+    std::vector<uint8_t> thin(topology_.triangles.size());
+    parallel_for(static_cast<int64_t>(thin.size()), kGrain, [&](int64_t begin, int64_t end) {
+      for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
+        thin[i] = is_degenerate(scene_, topology_.triangles[i]) ? 1 : 0;
+    });
+    for (size_t i = 0; i < thin.size(); ++i) {
+      const auto& [a, b, c] = topology_.triangles[i].place;
       covered_[i] = a == b || b == c || c == a;
-      if (!is_degenerate(scene_, t)) continue;
+      if (thin[i] == 0) continue;
       ++report_.degenerate_triangles;
       covered_[i] = true;
       remove_[i] = options_.degenerate;

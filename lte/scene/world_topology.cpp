@@ -204,18 +204,25 @@ WorldTopology build_topology(const Scene& scene, double tolerance) {
   const std::vector<uint32_t> place = join_near(positions, tolerance, &out.places);
   for (uint32_t& number : out.place_of_vertex) number = place[number];
   out.near_duplicates = static_cast<int64_t>(positions.size() - out.places.size());
-  out.triangles.reserve(static_cast<size_t>(scene.triangle_count()));
+  out.triangles.resize(static_cast<size_t>(scene.triangle_count()));
+  size_t first = 0;
   for (size_t i = 0; i < scene.instances.size(); ++i) {
     const Mesh& mesh = scene.meshes[static_cast<size_t>(scene.instances[i].mesh)];
     const bool mirrored = scene.instances[i].to_world.determinant() < 0;
     const auto instance = static_cast<int>(i);
-    for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-      const auto& [a, b, c] = mesh.triangles[t];
-      PlacedTriangle placed{
-          {out.place(instance, a), out.place(instance, b), out.place(instance, c)}, instance, t};
-      if (mirrored) std::swap(placed.place[1], placed.place[2]);
-      out.triangles.push_back(placed);
-    }
+    const auto place = [&](int64_t begin, int64_t end) {
+      for (auto t = static_cast<size_t>(begin); t < static_cast<size_t>(end); ++t) {
+        const auto& [a, b, c] = mesh.triangles[t];
+        PlacedTriangle placed{
+            {out.place(instance, a), out.place(instance, b), out.place(instance, c)},
+            instance,
+            static_cast<uint32_t>(t)};
+        if (mirrored) std::swap(placed.place[1], placed.place[2]);
+        out.triangles[first + t] = placed;
+      }
+    };
+    parallel_for(static_cast<int64_t>(mesh.triangles.size()), 16 * kGrain, place);
+    first += mesh.triangles.size();
   }
   return out;
 }
