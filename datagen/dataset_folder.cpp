@@ -98,7 +98,7 @@ void DatasetFolder::remove_leftovers(const Shard& shard) const {
     if (!of.empty() && own.count(stem_of(of)) > 0) remove_quietly(entry.path());
   }
   // The file system's own clock: that of the manifest that this run has just written to.
-  fs::file_time_type now{};
+  auto now = fs::file_time_type::min();
   for (const auto& entry : fs::directory_iterator(manifest_folder(out_)))
     now = std::max(now, entry.last_write_time());
   for (const auto& entry : fs::directory_iterator(out_)) {

@@ -222,6 +222,8 @@ Json dataset_info(const std::filesystem::path& directory, bool deep) {
   for (const auto& [split, count] : splits) split_counts[data::split_name(split)] = count;
   return {{"kind", "dataset"},
           {"scenes", info.scenes.size()},
+          {"planned", info.planned},
+          {"pruned", info.pruned},
           {"splits", split_counts},
           {"scene_points", scene_points},
           {"query_points", query_points},

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "lte/base/check.h"
+#include "lte/base/parallel.h"
+#include "lte/scene/buckets.h"
 #include "lte/scene/cleanup_apply.h"
 #include "lte/scene/mesh_twins.h"
 #include "lte/scene/shells.h"
@@ -18,6 +20,7 @@ namespace {
 
 /// Height over longest edge below which float knows no normal.
 constexpr double kThin = 1e-7;
+constexpr int64_t kGrain = 65536;
 
 const Material& material_of(const Scene& scene, const PlacedTriangle& t) {
   const Mesh& mesh =
@@ -70,11 +73,15 @@ class Inspection {
  private:
   /// Those with two corners in one place count as such only for edges and shells.
   void find_degenerate() {
-    for (size_t i = 0; i < topology_.triangles.size(); ++i) {
-      const PlacedTriangle& t = topology_.triangles[i];
-      const auto& [a, b, c] = t.place;
+    std::vector<uint8_t> thin(topology_.triangles.size());
+    parallel_for(static_cast<int64_t>(thin.size()), kGrain, [&](int64_t begin, int64_t end) {
+      for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
+        thin[i] = is_degenerate(scene_, topology_.triangles[i]) ? 1 : 0;
+    });
+    for (size_t i = 0; i < thin.size(); ++i) {
+      const auto& [a, b, c] = topology_.triangles[i].place;
       covered_[i] = a == b || b == c || c == a;
-      if (!is_degenerate(scene_, t)) continue;
+      if (thin[i] == 0) continue;
       ++report_.degenerate_triangles;
       covered_[i] = true;
       remove_[i] = options_.degenerate;
@@ -82,15 +89,25 @@ class Inspection {
   }
 
   void find_coincident() {
-    std::vector<std::pair<std::array<uint32_t, 3>, uint32_t>> order;
-    order.reserve(covered_.size());
-    for (uint32_t i = 0; i < covered_.size(); ++i) {
-      if (!covered_[i]) order.emplace_back(sorted(topology_.triangles[i].place), i);
-    }
-    std::sort(order.begin(), order.end());
-    for (size_t begin = 0, end = 0; begin < order.size(); begin = end) {
-      while (end < order.size() && order[end].first == order[begin].first) ++end;
-      for (size_t k = begin + 1; k < end; ++k) judge(order[begin].second, order[k].second);
+    struct Corners {
+      uint32_t middle, high, triangle;
+      auto operator<=>(const Corners&) const = default;
+      bool same_place(const Corners& b) const { return middle == b.middle && high == b.high; }
+    };
+    Buckets<Corners> by_lowest(topology_.places.size(), [&](const auto& use) {
+      for (uint32_t i = 0; i < covered_.size(); ++i) {
+        if (covered_[i]) continue;
+        const auto [low, middle, high] = sorted(topology_.triangles[i].place);
+        use(low, {middle, high, i});
+      }
+    });
+    by_lowest.for_each([](std::span<Corners> bucket) { std::sort(bucket.begin(), bucket.end()); });
+    for (size_t low = 0; low < by_lowest.size(); ++low) {
+      const std::span<const Corners> all = by_lowest[low];
+      for (size_t first = 0, k = 0; k < all.size(); ++k) {
+        if (!all[k].same_place(all[first])) first = k;
+        if (k > first) judge(all[first].triangle, all[k].triangle);
+      }
     }
   }
 

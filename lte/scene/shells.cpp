@@ -4,32 +4,36 @@
 #include <cmath>
 #include <utility>
 
+#include "lte/scene/buckets.h"
 #include "lte/scene/disjoint_sets.h"
 
 namespace lte::scene {
 namespace {
 
-/// Two places, the lower one first, and which way the triangle passes the edge.
+/// From the place whose bucket it is in to a higher one, and which way the triangle passes it.
 struct Edge {
-  uint32_t low, high;
-  uint32_t triangle;
-  bool rising;
-  bool same_place(const Edge& b) const { return low == b.low && high == b.high; }
+  uint32_t high;
+  uint32_t triangle : 31;
+  uint32_t rising : 1;
 };
+static_assert(kMaxInspected < int64_t{1} << 31, "triangles are numbered in 31 bits");
 
-std::vector<Edge> sorted_edges(const WorldTopology& topology, const std::vector<bool>& covered) {
-  std::vector<Edge> edges;
-  edges.reserve(topology.triangles.size() * 3);
-  for (uint32_t i = 0; i < topology.triangles.size(); ++i) {
-    if (covered[i]) continue;
-    const auto& place = topology.triangles[i].place;
-    for (size_t k = 0; k < 3; ++k) {
-      const uint32_t a = place[k], b = place[(k + 1) % 3];
-      edges.push_back({std::min(a, b), std::max(a, b), i, a < b});
+/// Of each place those to higher ones, these rising.
+Buckets<Edge> sorted_edges(const WorldTopology& topology, const std::vector<bool>& covered) {
+  Buckets<Edge> edges(topology.places.size(), [&](const auto& use) {
+    for (uint32_t i = 0; i < topology.triangles.size(); ++i) {
+      if (covered[i]) continue;
+      const auto& place = topology.triangles[i].place;
+      for (size_t k = 0; k < 3; ++k) {
+        const uint32_t a = place[k], b = place[(k + 1) % 3];
+        use(std::min(a, b), {std::max(a, b), i, a < b});
+      }
     }
-  }
-  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
-    return std::pair(a.low, a.high) < std::pair(b.low, b.high);
+  });
+  edges.for_each([](std::span<Edge> bucket) {
+    std::sort(bucket.begin(), bucket.end(), [](const Edge& a, const Edge& b) {
+      return std::pair(a.high, a.triangle) < std::pair(b.high, b.triangle);
+    });
   });
   return edges;
 }
@@ -53,23 +57,25 @@ void count_shells(const WorldTopology& topology, const std::vector<bool>& covere
   DisjointSets sets(topology.triangles.size());          // connected by edges
   std::vector<bool> spoiled(topology.triangles.size());  // a triangle of no closed shell
   {
-    const std::vector<Edge> edges = sorted_edges(topology, covered);
-    for (size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
-      size_t rising = 0;
-      for (; end < edges.size() && edges[end].same_place(edges[begin]); ++end) {
-        rising += edges[end].rising ? 1 : 0;
-        sets.join(edges[begin].triangle, edges[end].triangle);
+    Buckets<Edge> places = sorted_edges(topology, covered);
+    for (size_t low = 0; low < places.size(); ++low) {
+      const std::span<const Edge> edges = places[low];
+      for (size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
+        size_t rising = 0;
+        for (; end < edges.size() && edges[end].high == edges[begin].high; ++end) {
+          rising += edges[end].rising;
+          sets.join(edges[begin].triangle, edges[end].triangle);
+        }
+        const size_t count = end - begin;
+        const Edge& edge = edges[begin];
+        if (count == 1) {
+          ++report->open_edges;
+          report->open_edge_length_m += length(topology.places[edge.high] - topology.places[low]);
+        }
+        if (count > 2) ++report->branching_edges;
+        if (count == 2 && rising != 1) ++report->flipped_edges;
+        if (count != 2 || rising != 1) spoiled[edge.triangle] = true;
       }
-      const size_t count = end - begin;
-      const Edge& edge = edges[begin];
-      if (count == 1) {
-        ++report->open_edges;
-        report->open_edge_length_m +=
-            length(topology.places[edge.high] - topology.places[edge.low]);
-      }
-      if (count > 2) ++report->branching_edges;
-      if (count == 2 && rising != 1) ++report->flipped_edges;
-      if (count != 2 || rising != 1) spoiled[edge.triangle] = true;
     }
   }
   std::vector<double> volumes(topology.triangles.size());

@@ -65,6 +65,31 @@ TEST_F(Dataset, InfoComesBack) {
   }
 }
 
+TEST_F(Dataset, PruningAndThePlanComeBackAndOlderFilesHaveNeither) {
+  DatasetInfo written = example();
+  make(written);
+  EXPECT_FALSE(read_dataset_info(folder_).pruned);
+  EXPECT_EQ(read_dataset_info(folder_).planned, 4);
+  written.pruned = true;
+  written.planned = 9;
+  make(written);
+  EXPECT_TRUE(read_dataset_info(folder_).pruned);
+  EXPECT_EQ(read_dataset_info(folder_).planned, 9);
+  patch("\"pruned\": false,\n\"planned\": 4,\n", "");
+  EXPECT_FALSE(read_dataset_info(folder_).pruned);
+  EXPECT_EQ(read_dataset_info(folder_).planned, 4);
+  patch("\"pruned\": false", "\"pruned\": 0");
+  EXPECT_THAT(error(), HasSubstr("\"pruned\""));
+  patch("\"planned\": 4", "\"planned\": 3");
+  EXPECT_THAT(error(), AllOf(HasSubstr("\"planned\": 3"), HasSubstr("4 scenes are listed")));
+}
+
+TEST_F(Dataset, AnUnfinishedDatasetSaysSo) {
+  std::filesystem::create_directories(folder_ / "scenes");
+  write_file(folder_ / "config.yaml", "scenes: 4\n");
+  EXPECT_THAT(error(), AllOf(HasSubstr("unfinished"), HasSubstr("--resume"), HasSubstr("--merge")));
+}
+
 TEST_F(Dataset, EntriesOfASplitKeepFileOrder) {
   const auto train = entries_of(example(), Split::Train);
   ASSERT_EQ(train.size(), 2u);

@@ -55,7 +55,7 @@ class Command : public data::test::Folder {
   std::map<std::string, std::string> files(const std::string& out) const {
     std::map<std::string, std::string> all;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / out))
-      if (entry.is_regular_file())
+      if (entry.is_regular_file() && entry.path().extension() != ".jsonl")
         all[std::filesystem::relative(entry.path(), folder_ / out).string()] =
             read_file(entry.path());
     return all;
@@ -74,7 +74,7 @@ TEST_F(Command, HelpAndVersionSucceedAndHelpHasExamples) {
 TEST_F(Command, GeneratesHomesFromTheShippedConfig) {
   const Outcome outcome = run(concat(
       "generate --config '", LTE_SOURCE_DIR,
-      "/configs/data/homes.yaml' --out homes --scenes 2 --glb "
+      "/configs/data/rooms.yaml' --out homes --scenes 2 --glb "
       "--set rays=4 --set scene_points=256 --set query_points=128 --set views.count=0 "
       "--set path_tracing_64=false --set 'homes.rooms=[1, 2]' --set 'homes.detail=[0.4, 0.4]' "
       "--set 'homes.texture_sizes=[16]'"));
@@ -98,6 +98,7 @@ TEST_F(Command, WrongUsageExitsWithTwo) {
   EXPECT_EQ(run("bakery").code, 2);
   EXPECT_EQ(run("bake").code, 2);
   EXPECT_EQ(run("generate --out x").code, 2);
+  EXPECT_EQ(run("generate --config tiny.yaml --out x --merge").code, 2);
   EXPECT_EQ(run("bake box.glb --out x.safetensors --rays many").code, 2);
   EXPECT_THAT(run("bake box.glb --outt x.safetensors").error, HasSubstr("--out"));
 }
@@ -134,8 +135,11 @@ TEST_F(Command, GenerateNamesBadConfigsAndPlaces) {
   expect_failure(1, "rays", run("generate --config type.yaml --out x"));
   write_file(folder_ / "range.yaml", "parent: tiny.yaml\nrays: 0\n");
   expect_failure(1, "range.yaml: rays", run("generate --config range.yaml --out x"));
-  expect_failure(1, "--shard", run("generate --config tiny.yaml --out x --shard 3/3"));
-  expect_failure(1, "--shard", run("generate --config tiny.yaml --out x --shard 1"));
+  for (const char* shard : {"3/3", "3/2", "0/0", "-1/2", "1", "x", "1/", "/2", "1/2/3", "1/2 "})
+    expect_failure(1, concat("--shard: expected I/N with 0 <= I < N, got \"", shard, "\""),
+                   run(concat("generate --config tiny.yaml --out x --shard '", shard, "'")));
+  expect_failure(1, "none/config.yaml", run("generate --out none --resume"));
+  expect_failure(1, "none", run("generate --out none --merge"));
   expect_failure(1, "--out is missing", run("generate --config tiny.yaml"));
   expect_failure(1, "box.glb/x", run("generate --config tiny.yaml --out box.glb/x"));
   expect_failure(1, "/proc/none", run("generate --config tiny.yaml --out /proc/none"));
@@ -238,6 +242,40 @@ TEST_F(Command, ConcurrentShardsGiveTheWholeDataset) {
   EXPECT_EQ(files("shards"), files("whole"));
 }
 
+TEST_F(Command, ResumeAndMergeNeedNoConfig) {
+  ASSERT_EQ(run("generate --config tiny.yaml --out whole --quiet").code, 0);
+  ASSERT_EQ(run("generate --config tiny.yaml --out part --shard 0/2 --quiet").code, 0);
+  expect_failure(1, "unfinished", run("info part"));
+  const Outcome merged = run("generate --out part --merge");
+  EXPECT_EQ(merged.code, 0);
+  EXPECT_THAT(merged.error, HasSubstr("2 of 5 scenes are missing"));
+  EXPECT_THAT(run("info part").output, HasSubstr("planned: 5"));
+  ASSERT_EQ(run("generate --out part --resume --json r.json").code, 0);
+  const auto result = nlohmann::json::parse(read_file(folder_ / "r.json"));
+  EXPECT_EQ(result["kept"], 3);
+  EXPECT_EQ(result["baked"], 2);
+  EXPECT_EQ(files("part"), files("whole"));
+}
+
+TEST_F(Command, AFailedSceneIsCountedAndTheExitCodeSaysSo) {
+  ASSERT_EQ(run("generate --config tiny.yaml --out whole --quiet").code, 0);
+  ASSERT_EQ(run("generate --config tiny.yaml --out a --shard 0/2 --quiet").code, 0);
+  // A directory in place of its file: the scene cannot be written.
+  std::filesystem::create_directory(folder_ / "a/scenes/room_00001.safetensors");
+  const Outcome outcome = run("generate --config tiny.yaml --out a --resume --json r.json");
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.error, AllOf(HasSubstr("1 scenes failed"), HasSubstr("room_00001: ")));
+  const auto result = nlohmann::json::parse(read_file(folder_ / "r.json"));
+  EXPECT_EQ(result["failed"], 1);
+  EXPECT_EQ(result["baked"], 1);
+  EXPECT_EQ(result["listed"], 4);
+  EXPECT_THAT(run("generate --config tiny.yaml --out a --resume --strict").error,
+              HasSubstr("--strict"));
+  std::filesystem::remove(folder_ / "a/scenes/room_00001.safetensors");
+  EXPECT_EQ(run("generate --config tiny.yaml --out a --resume").code, 0);
+  EXPECT_EQ(files("a"), files("whole"));
+}
+
 TEST_F(Command, AKillLosesTheSceneInWorkAtMost) {
   const std::string arguments =
       "generate --config tiny.yaml --quiet --scenes 6 --set rays=1500 --out ";
@@ -260,8 +298,7 @@ TEST_F(Command, AKillLosesTheSceneInWorkAtMost) {
       EXPECT_EQ(bytes, whole.at(name)) << name << " after " << signal;
     }
     EXPECT_EQ(run(arguments + out + " --resume").code, 0);
-    for (const auto& [name, bytes] : whole)
-      EXPECT_EQ(files(out).at(name), bytes) << name << " after " << signal;
+    EXPECT_EQ(files(out), whole) << "after " << signal;  // no temporary is left either
   }
 }
 

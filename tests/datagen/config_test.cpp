@@ -25,21 +25,28 @@ TEST(DatagenConfig, WrittenAndReadAgainIsTheSame) {
   EXPECT_NE(defaults, text);
 }
 
-TEST(DatagenConfig, ShippedFilesAreValidAndRoomsIsComplete) {
+constexpr const char* kCommonKeys[] = {
+    "scenes",       "seed",      "scale",    "val_share",     "test_share",   "evaluation_splits",
+    "scene_points", "rays",      "min_rays", "query_points",  "target_error", "path_tracing_64",
+    "max_rays",     "max_depth", "prune",    "emissive_share"};
+
+TEST(DatagenConfig, ShippedFilesAreValidAndBoxesIsComplete) {
   const std::string folder = std::string(LTE_SOURCE_DIR) + "/configs/data/";
-  const DatagenConfig rooms = load_datagen_config(folder + "rooms.yaml");
+  const DatagenConfig rooms = load_datagen_config(folder + "boxes.yaml");
+  EXPECT_EQ(rooms.generator, "boxes");
   EXPECT_EQ(rooms.bake.scene_points, 20000);
   EXPECT_EQ(rooms.bake.query_points, 100000);
   EXPECT_EQ(rooms.bake.rays, 1024);
+  for (const char* child : {"rooms_small", "demo", "rooms_test", "shipped"}) {
+    const DatagenConfig config = load_datagen_config(concat(folder, child, ".yaml"));
+    EXPECT_EQ(config.generator, "boxes") << child;
+    EXPECT_FALSE(config.bake.prune) << child;
+  }
   EXPECT_EQ(load_datagen_config(folder + "rooms_small.yaml").bake.scene_points, 4096);
   EXPECT_EQ(load_datagen_config(folder + "demo.yaml").bake.scene_points, 2048);
-  const Config yaml = Config::load(folder + "rooms.yaml");
+  const Config yaml = Config::load(folder + "boxes.yaml");
   const Config all = Config::parse(to_yaml(rooms), "all");
-  for (const char* key : {"scenes", "seed", "scale", "val_share", "test_share", "evaluation_splits",
-                          "scene_points", "query_points", "rays", "target_error", "min_rays",
-                          "max_rays", "max_depth", "prune", "emissive_share", "path_tracing_64"}) {
-    EXPECT_TRUE(yaml.has(key)) << key;
-  }
+  for (const char* key : kCommonKeys) EXPECT_TRUE(yaml.has(key)) << key;
   for (const char* key : {"count", "width", "height", "rays"})
     EXPECT_TRUE(yaml.at("views").has(key)) << key;
   for (const char* key : {"width_m", "depth_m", "height_m", "furniture", "lights", "radiance",
@@ -49,21 +56,35 @@ TEST(DatagenConfig, ShippedFilesAreValidAndRoomsIsComplete) {
   }
 }
 
-TEST(DatagenConfig, HomesNamesItsGeneratorAndEveryKey) {
+TEST(DatagenConfig, RoomsAreHomesAndNameEveryKey) {
   const std::string folder = std::string(LTE_SOURCE_DIR) + "/configs/data/";
-  const DatagenConfig homes = load_datagen_config(folder + "homes.yaml");
+  const DatagenConfig homes = load_datagen_config(folder + "rooms.yaml");
   EXPECT_EQ(homes.generator, "homes");
-  EXPECT_EQ(homes.bake.scene_points, 20000);
+  EXPECT_TRUE(homes.bake.prune);
   const homes::HomeConfig defaults;
   EXPECT_EQ(homes.homes.rooms.high, defaults.rooms.high);
   EXPECT_EQ(homes.homes.detail.low, defaults.detail.low);
   EXPECT_EQ(homes.homes.detail.high, defaults.detail.high);
-  const Config yaml = Config::load(folder + "homes.yaml");
+  const Config yaml = Config::load(folder + "rooms.yaml");
+  for (const char* key : kCommonKeys) EXPECT_TRUE(yaml.has(key)) << key;
+  for (const char* key : {"count", "width", "height", "rays"})
+    EXPECT_TRUE(yaml.at("views").has(key)) << key;
   for (const char* key : {"rooms", "height_m", "detail", "radiance", "daylight_share", "lit_share",
                           "clutter", "texture_sizes"})
     EXPECT_TRUE(yaml.at("homes").has(key)) << key;
   const std::string text = to_yaml(homes);
   EXPECT_EQ(to_yaml(read_datagen_config(Config::parse(text, "test.yaml"))), text);
+}
+
+TEST(DatagenConfig, PaperHasThePapersCounts) {
+  const DatagenConfig paper =
+      load_datagen_config(std::string(LTE_SOURCE_DIR) + "/configs/data/paper.yaml");
+  EXPECT_EQ(paper.generator, "homes");
+  EXPECT_EQ(paper.scenes, 13900);
+  EXPECT_EQ(paper.bake.scene_points, 20000);
+  EXPECT_EQ(paper.bake.query_points, 2'000'000);
+  EXPECT_EQ(paper.bake.rays, 1024);
+  EXPECT_EQ(paper.bake.max_depth, 5);
 }
 
 TEST(DatagenConfig, BoxesAreWrittenWithoutAWordOfHomes) {
