@@ -195,6 +195,23 @@ std::vector<uint32_t> join_near(const std::vector<Vec3>& positions, double toler
   return place;
 }
 
+/// Numbers places anew in the order in which vertices meet them: what is near on a surface is then
+/// near in memory, and the passes over triangles that follow are several times faster.
+void number_by_vertices(WorldTopology* topology) {
+  std::vector<uint32_t> number(topology->places.size(), UINT32_MAX);
+  std::vector<Vec3> places;
+  places.reserve(number.size());
+  for (uint32_t& place : topology->place_of_vertex) {
+    uint32_t& own = number[place];
+    if (own == UINT32_MAX) {
+      own = static_cast<uint32_t>(places.size());
+      places.push_back(topology->places[place]);
+    }
+    place = own;
+  }
+  topology->places = std::move(places);
+}
+
 }  // namespace
 
 WorldTopology build_topology(const Scene& scene, double tolerance) {
@@ -204,13 +221,14 @@ WorldTopology build_topology(const Scene& scene, double tolerance) {
   const std::vector<uint32_t> place = join_near(positions, tolerance, &out.places);
   for (uint32_t& number : out.place_of_vertex) number = place[number];
   out.near_duplicates = static_cast<int64_t>(positions.size() - out.places.size());
+  number_by_vertices(&out);
   out.triangles.resize(static_cast<size_t>(scene.triangle_count()));
   size_t first = 0;
   for (size_t i = 0; i < scene.instances.size(); ++i) {
     const Mesh& mesh = scene.meshes[static_cast<size_t>(scene.instances[i].mesh)];
     const bool mirrored = scene.instances[i].to_world.determinant() < 0;
     const auto instance = static_cast<int>(i);
-    const auto place = [&](int64_t begin, int64_t end) {
+    const auto fill = [&](int64_t begin, int64_t end) {
       for (auto t = static_cast<size_t>(begin); t < static_cast<size_t>(end); ++t) {
         const auto& [a, b, c] = mesh.triangles[t];
         PlacedTriangle placed{
@@ -221,7 +239,7 @@ WorldTopology build_topology(const Scene& scene, double tolerance) {
         out.triangles[first + t] = placed;
       }
     };
-    parallel_for(static_cast<int64_t>(mesh.triangles.size()), 16 * kGrain, place);
+    parallel_for(static_cast<int64_t>(mesh.triangles.size()), 16 * kGrain, fill);
     first += mesh.triangles.size();
   }
   return out;
