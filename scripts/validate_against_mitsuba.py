@@ -16,10 +16,13 @@ rays, without Russian roulette.
 Prints a line a scene: relative bias of the irradiance summed over points, with its standard error; the share of points
 and channels within two standard errors (expect about 95 %); the bias in standard errors; and the bias of direct light
 alone, whose error the tool does not state. Exits with 1 if a bias of the total exceeds --max-bias.
+
+--time prints what both take for the same error instead (mitsuba_timing.py); --rays 4096 --samples 4096 do.
 """
 import argparse
 import csv
 import json
+import os
 import pathlib
 import struct
 import subprocess
@@ -27,6 +30,8 @@ import sys
 import tempfile
 
 import numpy as np
+
+import mitsuba_timing
 
 COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 DTYPES = {5121: np.uint8, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
@@ -294,6 +299,17 @@ def compare(name, ours, total, direct):
     return bias
 
 
+def time_scenes(mi, args):
+    """Prints the table of mitsuba_timing.py."""
+    mitsuba_timing.print_header()
+    for path in map(pathlib.Path, args.scenes):
+        with tempfile.TemporaryDirectory() as folder:
+            scene = MitsubaScene(mi, Glb(path), folder)
+            positions, normals = scene.draw_points(args.points, args.seed)
+            mitsuba_timing.compare_times(mi, scene.scene, path, positions, normals, args)
+    return 0
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenes", nargs="+", metavar="SCENE.glb")
@@ -304,6 +320,9 @@ def main():
     parser.add_argument("--depth", type=int, default=5)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--max-bias", type=float, default=0.005, help="exit with 1 above this relative bias")
+    parser.add_argument("--time", action="store_true", help="compare run time at equal error instead")
+    parser.add_argument("--threads", type=int, default=os.cpu_count(), help="of both, with --time")
+    parser.add_argument("--repeats", type=int, default=8, help="runs of both with seeds of their own, with --time")
     args = parser.parse_args()
     try:
         import mitsuba as mi
@@ -311,6 +330,8 @@ def main():
     except ImportError as error:
         raise SystemExit(f"Mitsuba is not usable ({error}); see --help for how to install it")
     mi.set_log_level(mi.LogLevel.Error)
+    if args.time:
+        return time_scenes(mi, args)
     print("| scene | points | bias of total, % | within 2 σ, % | z | bias of direct, % |")
     print("|---|---|---|---|---|---|")
     failed = False

@@ -1,0 +1,47 @@
+// Light samples for blocks of paths: plain emissive triangles all at once, the others one by one.
+#include <algorithm>
+#include <span>
+
+#include "lte/pathtrace/lights.h"
+
+namespace lte::pathtrace {
+
+void Lights::sample_lanes(const Lanes3& position, const Lanes3& normal, const LightNumbers& numbers,
+                          int count, LightBlock* out) const {
+  alignas(64) uint32_t entry[kBlock] = {};
+  alignas(64) float probability[kBlock] = {};
+  int others[kBlock], other_count = 0;
+  if (!uses_tree_ && only_plain_triangles_) {
+    draw_entries(table_.columns(), numbers.choice, count, entry, probability);
+  } else {
+    for (int lane = 0; lane < count; ++lane) {
+      const bool chosen = !table_.empty() &&
+                          choose(position.at(lane), normal.at(lane), numbers.choice[lane] * 0x1p-32,
+                                 &entry[lane], &probability[lane]);
+      if (chosen && entry[lane] < triangles_.size() && !triangles_[entry[lane]].textured) continue;
+      if (chosen) others[other_count++] = lane;  // drawn again below, from the same numbers
+      entry[lane] = 0;
+      probability[lane] = 0;
+    }
+  }
+  if (triangles_.empty()) {
+    std::fill_n(out->pdf, count, 0.0f);
+  } else {
+    sample_triangles(triangle_lights_.data(), entry, probability, numbers.point_x, numbers.point_y,
+                     count, position, out);
+    for (int lane = 0; lane < count; ++lane)
+      out->light_group[lane] = triangles_[entry[lane]].light_group;
+  }
+  for (const int lane : std::span(others, static_cast<size_t>(other_count))) {
+    const LightSample light =
+        sample_in_frame(position.at(lane), normal.at(lane), numbers.choice[lane] * 0x1p-32,
+                        {to_unit(numbers.point_x[lane]), to_unit(numbers.point_y[lane])});
+    out->direction.put(lane, light.direction);
+    out->radiance.put(lane, light.radiance);
+    out->distance[lane] = light.distance;
+    out->pdf[lane] = !(light.pdf > 0) ? 0.0f : light.delta ? -light.pdf : light.pdf;
+    out->light_group[lane] = light.light_group;
+  }
+}
+
+}  // namespace lte::pathtrace
