@@ -185,6 +185,7 @@ void sample_points(const pathtrace::Bvh& bvh, const BakeOptions& options, data::
   sampler.seed = stream_seed(options.seed, Stream::QueryPoints);
   sampler.filter_footprint = false;
   sampler.punctual_lights = false;
+  sampler.environment_share = 0;
   points = draw_points(bvh, options, options.query_points, sampler, pathtrace::Sides::Front,
                        &out->pruned_query_points);
   out->query_position = std::move(points.position);

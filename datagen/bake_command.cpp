@@ -12,15 +12,16 @@ namespace {
 
 struct Flags {
   CommonOptions common;
+  SceneOptions options;
   BakeOptions bake;
-  std::string scene, out, cleanup;
+  std::string scene, out;
   bool validate_only = false;
 };
 
 void run(const Flags& flags) {
   apply_common_options(flags.common);
   check_bake_options(flags.bake);
-  const scene::Scene scene = load_and_report(flags.scene, flags.cleanup);
+  const scene::Scene scene = load_and_report(flags.scene, flags.options);
   if (flags.validate_only) return print_validation(flags.scene, scene);
   LTE_CHECK(!flags.out.empty(), "--out is missing: name the .safetensors file to write");
   const data::SceneSample sample = bake_scene(scene, flags.bake, true);
@@ -63,7 +64,7 @@ void add_bake_command(CLI::App& app, CommandBody* body) {
   command->add_option("--view-rays", bake.views.rays, "Paths a pixel of a view")
       ->capture_default_str();
   command->add_option("--seed", bake.seed, "Seed of points and paths")->capture_default_str();
-  add_cleanup_option(*command, &flags->cleanup);
+  add_scene_options(*command, &flags->options);
   command->add_flag("--prune", bake.prune, "Draw points only where light can reach them");
   command->add_flag("--validate-only", flags->validate_only, "Check the scene and stop");
   add_common_options(*command, &flags->common);
@@ -73,6 +74,7 @@ void add_bake_command(CLI::App& app, CommandBody* body) {
       "  lte_datagen bake room.glb --out room.safetensors --scene-points 4096 --queries 8192 "
       "--rays 256 --views 2\n"
       "  lte_datagen bake room.glb --out room.safetensors --target-error 0.02\n"
+      "  lte_datagen bake house.glb --out house.safetensors --environment sky.exr\n"
       "  lte_datagen bake room.glb --validate-only");
   command->callback([=] { *body = [flags] { run(*flags); }; });
 }

@@ -20,12 +20,19 @@ void add_info_command(CLI::App& app, CommandBody* body);
 
 inline constexpr const char* kSceneFormats = ".gltf, .glb, .pbrt, .obj or .ply";
 
-/// Adds --cleanup: what of a scene's geometry to put right before it is used.
-void add_cleanup_option(CLI::App& app, std::string* list);
+/// What is done to a scene between loading and use.
+struct SceneOptions {
+  std::string cleanup;          ///< list of what of its geometry to put right
+  std::string environment;      ///< "R,G,B" or a picture; empty: the scene's own
+  double environment_turn = 0;  ///< degrees about +Y
+};
 
-/// Loads a scene, puts right what `cleanup` lists, and says what of the scene is not understood, as
+/// Adds --cleanup, --environment and --environment-turn.
+void add_scene_options(CLI::App& app, SceneOptions* options);
+
+/// Loads a scene, does to it what `options` say, and says what of it is not understood, as
 /// warnings.
-scene::Scene load_and_report(const std::string& path, const std::string& cleanup);
+scene::Scene load_and_report(const std::string& path, const SceneOptions& options);
 
 /// --validate-only: one line on standard output if the scene can be used.
 void print_validation(const std::string& path, const scene::Scene& scene);

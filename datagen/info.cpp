@@ -5,6 +5,7 @@
 
 #include "lte/base/check.h"
 #include "lte/data/dataset.h"
+#include "lte/scene/dome.h"
 #include "lte/scene/sampler.h"
 
 namespace lte::datagen {
@@ -54,6 +55,21 @@ Rgb light_power(const scene::PunctualLight& light) {
   return light.intensity * (2 * kPi * ((1 - inner) + (inner - outer) / 3));
 }
 
+/// What enters the sphere around the scene.
+Rgb environment_power(const scene::Scene& scene) {
+  const float radius = scene::dome_of(scene).radius;
+  return scene::fluence(*scene.environment) * (kPi * radius * radius);
+}
+
+Json environment_info(const scene::Environment& environment) {
+  const Rgb mean = scene::fluence(environment) / (4 * kPi);
+  if (!environment.map) return {{"kind", "constant"}, {"mean_radiance", vec(mean)}};
+  const bool square = environment.map->mapping() == scene::SphereMapping::EqualArea;
+  return {{"kind", square ? "equal-area picture" : "equirectangular picture"},
+          {"size", {environment.map->width(), environment.map->height()}},
+          {"mean_radiance", vec(mean)}};
+}
+
 }  // namespace
 
 std::vector<Rgb> group_powers(const scene::Scene& scene) {
@@ -66,6 +82,8 @@ std::vector<Rgb> group_powers(const scene::Scene& scene) {
   for (const scene::PunctualLight& light : scene.lights)
     if (light.light_group != scene::kNone)
       powers[static_cast<size_t>(light.light_group)] += light_power(light);
+  if (scene.environment && scene.environment->light_group != scene::kNone)
+    powers[static_cast<size_t>(scene.environment->light_group)] += environment_power(scene);
   return powers;
 }
 
@@ -108,6 +126,8 @@ Json group_list(const scene::Scene& scene) {
                                                         ? "spot"
                                                         : "directional";
   }
+  if (scene.environment && scene.environment->light_group != scene::kNone)
+    kinds[static_cast<size_t>(scene.environment->light_group)] = "environment";
   Json groups = Json::array();
   const std::vector<Rgb> powers = group_powers(scene);
   for (size_t g = 0; g < powers.size(); ++g)
@@ -165,6 +185,7 @@ Json cleanup_info(const scene::CleanupReport& report) {
 
 Json scene_info(const scene::Scene& scene, const scene::CleanupReport& report) {
   Json info = scene_info_without_geometry(scene);
+  if (scene.environment) info["environment"] = environment_info(*scene.environment);
   info["geometry"] = cleanup_info(report);
   return info;
 }

@@ -8,25 +8,38 @@
 #include "lte/base/cli.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
+#include "lte/scene/environment_file.h"
 #include "lte/scene/load.h"
 
 namespace lte::datagen {
 namespace {
 
+void apply_environment(const SceneOptions& options, scene::Scene* scene) {
+  LTE_CHECK(!options.environment.empty() || options.environment_turn == 0,
+            "--environment-turn needs --environment");
+  if (!options.environment.empty())
+    scene::set_environment(options.environment, options.environment_turn, scene);
+}
+
 struct Flags {
   CommonOptions common;
-  std::string path, cleanup;
+  SceneOptions scene;
+  std::string path;
   bool deep = false, validate_only = false;
 };
 
 Json describe(const Flags& flags) {
   const std::filesystem::path path = flags.path;
+  const bool is_scene = !std::filesystem::is_directory(path) && path.extension() != ".safetensors";
   LTE_CHECK(std::filesystem::exists(path), flags.path, ": no such file or directory");
+  LTE_CHECK(is_scene || flags.scene.environment.empty(), flags.path,
+            ": --environment is for scenes, not for what is baked already");
   if (std::filesystem::is_directory(path))
     return dataset_info(path, flags.deep || flags.validate_only);
-  if (path.extension() == ".safetensors") return sample_info(data::read_scene_sample(path));
+  if (!is_scene) return sample_info(data::read_scene_sample(path));
   scene::Scene scene = scene::load_scene(path);
-  const scene::CleanupOptions cleanup = scene::parse_cleanup(flags.cleanup);
+  apply_environment(flags.scene, &scene);
+  const scene::CleanupOptions cleanup = scene::parse_cleanup(flags.scene.cleanup);
   return cleanup.any() ? scene_info(scene, scene::clean_up(&scene, cleanup)) : scene_info(scene);
 }
 
@@ -52,7 +65,7 @@ void add_info_command(CLI::App& app, CommandBody* body) {
           "path", flags->path,
           concat("Scene (", kSceneFormats, "), sample file (.safetensors) or data-set directory"))
       ->required();
-  add_cleanup_option(*command, &flags->cleanup);
+  add_scene_options(*command, &flags->scene);
   command->add_flag("--deep", flags->deep, "Of a data set, read and check every sample file");
   command->add_flag("--validate-only", flags->validate_only, "Check everything and print one line");
   add_common_options(*command, &flags->common);
@@ -60,21 +73,29 @@ void add_info_command(CLI::App& app, CommandBody* body) {
       "Examples:\n"
       "  lte_datagen info room.glb\n"
       "  lte_datagen info room.obj --cleanup degenerate,duplicates\n"
+      "  lte_datagen info house.glb --environment sky.exr\n"
       "  lte_datagen info rooms/scenes/room_00000.safetensors --json info.json\n"
       "  lte_datagen info rooms --deep");
   command->callback([=] { *body = [flags] { run(*flags); }; });
 }
 
-void add_cleanup_option(CLI::App& app, std::string* list) {
-  app.add_option("--cleanup", *list,
+void add_scene_options(CLI::App& app, SceneOptions* options) {
+  app.add_option("--cleanup", options->cleanup,
                  "What of a scene's geometry to put right first: a list of degenerate, duplicates, "
                  "shells, vertices, meshes; or all; by default none");
+  app.add_option("--environment", options->environment,
+                 "Light from all around, in the place of the scene's own: constant radiance R,G,B, "
+                 "or an equirectangular picture (.exr, .hdr, .pfm; .png, .jpg), Y up, +X in its "
+                 "middle");
+  app.add_option("--environment-turn", options->environment_turn,
+                 "Degrees by which to turn it about +Y, counter-clockwise from above");
 }
 
-scene::Scene load_and_report(const std::string& path, const std::string& cleanup) {
-  const scene::CleanupOptions options = scene::parse_cleanup(cleanup);
+scene::Scene load_and_report(const std::string& path, const SceneOptions& flags) {
+  const scene::CleanupOptions options = scene::parse_cleanup(flags.cleanup);
   scene::Scene scene = scene::load_scene(path);
   for (const std::string& what : scene.ignored) log_warning(path, ": ignored: ", what);
+  apply_environment(flags, &scene);
   if (options.any()) {
     const scene::CleanupReport report = scene::clean_up(&scene, options);
     log_info(path, ": clean-up took ", report.removed_triangles, " triangles; found ",

@@ -16,14 +16,15 @@ constexpr int64_t kDefaultCap = 65536;
 
 struct Flags {
   CommonOptions common;
+  SceneOptions options;
   ProbeOptions probe;
-  std::string scene, points, out, cleanup;
+  std::string scene, points, out;
   bool has_rays = false, validate_only = false;
 };
 
 void run(Flags* flags) {
   apply_common_options(flags->common);
-  const scene::Scene scene = load_and_report(flags->scene, flags->cleanup);
+  const scene::Scene scene = load_and_report(flags->scene, flags->options);
   if (flags->validate_only) return print_validation(flags->scene, scene);
   LTE_CHECK(!flags->points.empty(),
             "--points is missing: name a CSV file with the header px,py,pz,nx,ny,nz");
@@ -66,13 +67,14 @@ void add_probe_command(CLI::App& app, CommandBody* body) {
       "--target-error", flags->probe.target_error,
       "Relative standard error of total irradiance to reach, e.g. 0.01; 0: fixed --rays");
   command->add_option("--seed", flags->probe.seed, "Seed of the paths")->capture_default_str();
-  add_cleanup_option(*command, &flags->cleanup);
+  add_scene_options(*command, &flags->options);
   command->add_flag("--validate-only", flags->validate_only, "Check the scene and stop");
   add_common_options(*command, &flags->common);
   command->footer(
       "Examples:\n"
       "  lte_datagen probe room.glb --points points.csv --out irradiance.csv --rays 4096\n"
-      "  lte_datagen probe room.glb --points points.csv --out irradiance.csv --target-error 0.01");
+      "  lte_datagen probe room.glb --points points.csv --out irradiance.csv --target-error 0.01\n"
+      "  lte_datagen probe house.glb --points points.csv --out irradiance.csv --environment 1,1,1");
   command->callback([=] {
     flags->has_rays = rays->count() > 0;
     *body = [flags] { run(flags.get()); };

@@ -14,6 +14,8 @@
 #include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/base/timer.h"
+#include "lte/scene/dome.h"
+#include "lte/scene/environment_file.h"
 #include "lte/scene/load.h"
 
 namespace lte::infer {
@@ -65,7 +67,9 @@ void print_settings(const RenderRequest& r) {
             << "\nout: " << quoted(r.out) << "\noutput: " << r.output << "\nmode: " << r.mode
             << "\nspp: " << r.spp << "\nmax_depth: " << r.max_depth
             << "\ndirect_samples: " << r.direct_samples << "\nscene_points: " << r.scene_points
-            << "\nseed: " << r.seed << "\nrescale: " << (r.rescale ? "true" : "false")
+            << "\nenvironment: " << quoted(r.environment)
+            << "\nenvironment_turn: " << r.environment_turn << "\nseed: " << r.seed
+            << "\nrescale: " << (r.rescale ? "true" : "false")
             << "\nexposure: " << (r.exposure ? std::to_string(*r.exposure) : "auto")
             << "\ndevice: " << quoted(r.tool.device) << "\nthreads: " << r.tool.common.threads
             << "\nmax_memory: " << r.tool.max_memory_mb << '\n';
@@ -145,7 +149,8 @@ void render_to_file(const RenderRequest& request, const scene::Camera& camera, R
                      kFloatsPerPixel * 4 * settings.width * settings.height / (1 << 20),
                      concat("--size ", request.size));
   const Frame frame = renderer->render(camera, settings);
-  if (frame.background == int64_t{settings.width} * settings.height) {
+  if (frame.background == int64_t{settings.width} * settings.height &&
+      !renderer->has_environment()) {
     log_warning(request.scene, ": the camera sees no surface; the picture is black");
   }
   const double exposure = request.exposure.value_or(frame_exposure(frame, settings.output));
@@ -195,6 +200,12 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
       ->check(CLI::Range(int64_t{0}, int64_t{1} << 28));
   app.add_flag("--rescale", r->rescale,
                "Shrink a scene larger than the model knows, for the network only");
+  app.add_option("--environment", r->environment,
+                 "Light from all around, in the place of the scene's own: constant radiance R,G,B, "
+                 "or an equirectangular picture (.exr, .hdr, .pfm; .png, .jpg), Y up, +X in its "
+                 "middle");
+  app.add_option("--environment-turn", r->environment_turn,
+                 "Degrees by which to turn it about +Y, counter-clockwise from above");
   app.add_option("--exposure", r->exposure,
                  "Factor before the display curve of a PNG; by default from the picture")
       ->check(CLI::PositiveNumber);
@@ -215,7 +226,11 @@ void run_render(const RenderRequest& request) {
   check_writable(request.out);
   check_writable(request.tool.common.json);
   const Timer total;
-  const scene::Scene scene = scene::load_scene(request.scene);
+  scene::Scene scene = scene::load_scene(request.scene);
+  LTE_CHECK(!request.environment.empty() || request.environment_turn == 0,
+            "--environment-turn needs --environment");
+  if (!request.environment.empty())
+    scene::set_environment(request.environment, request.environment_turn, &scene);
   describe(scene, request.scene);
   Renderer renderer(scene);
   const scene::Camera camera = choose_camera(request, scene, renderer.bvh());
@@ -224,7 +239,7 @@ void run_render(const RenderRequest& request) {
   check_memory(request.tool, "loading the scene");
   std::optional<Predictor> predictor = load_network(request, renderer);
   renderer.seconds().load = total.seconds();
-  if (predictor) predictor->check_fits(scene.bounds(), request.rescale);
+  if (predictor) predictor->check_fits(scene::point_bounds(scene), request.rescale);
   if (request.validate_only) {  // as lte_datagen says it, and under --quiet too: it is the result
     std::printf("%s: valid scene, %lld triangles, %zu light groups\n", request.scene.c_str(),
                 static_cast<long long>(scene.triangle_count()), scene.light_groups.size());

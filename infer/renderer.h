@@ -77,6 +77,7 @@ class Renderer {
   bool needs_network(const RenderSettings& settings) const;
 
   bool has_light() const { return !lights_.empty(); }
+  bool has_environment() const { return lights_.has_environment(); }
   const pathtrace::Bvh& bvh() const { return bvh_; }
   const pathtrace::Lights& lights() const { return lights_; }
   StageSeconds& seconds() { return seconds_; }

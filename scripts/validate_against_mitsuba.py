@@ -13,9 +13,14 @@ evenly over the surfaces, on the front side, and estimates on both sides with D 
 share: direct light by its emitter sampling at the point, the rest by its `path` integrator along cosine-distributed
 rays, without Russian roulette.
 
-Prints a line a scene: relative bias of the irradiance summed over points, with its standard error; the share of points
-and channels within two standard errors (expect about 95 %); the bias in standard errors; and the bias of direct light
-alone, whose error the tool does not state. Exits with 1 if a bias of the total exceeds --max-bias.
+The same scene in another format, for our side alone, is named behind a comma: room.glb,room.pbrt. --environment lights
+scenes from all around: constant R,G,B or an equirectangular .pfm.
+
+Prints a line a scene: relative bias of the irradiance summed over points, with its standard error; the bias in standard
+errors; the bias of direct light alone, whose error the tool does not state; and of the residuals (difference over standard
+error of each point and channel) the mean, the variance and the share below two. --runs takes several independent runs of
+our side, so that its errors are known well enough for residuals to be those of a unit normal (expect 0, 1 and 95.4 %).
+Exits with 1 if a bias of the total exceeds --max-bias.
 
 --time prints what both take for the same error instead (mitsuba_timing.py); --rays 4096 --samples 4096 do.
 """
@@ -92,9 +97,25 @@ def local_matrix(node):
     return out
 
 
+def middle_of(glb):
+    """Of scenes far from the origin; else zero."""
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for node, world in glb.nodes():
+        for primitive in glb.json["meshes"][node["mesh"]]["primitives"] if "mesh" in node else []:
+            local = glb.accessor(primitive["attributes"]["POSITION"]).astype(float)
+            points = local @ world[:3, :3].T + world[:3, 3]
+            low, high = np.minimum(low, points.min(0)), np.maximum(high, points.max(0))
+    middle = np.round((low + high) / 2)
+    return middle if np.abs(middle).max() > 16 * (high - low).max() else np.zeros(3)
+
+
+def texture_transform(ref):
+    return ref.get("extensions", {}).get("KHR_texture_transform", {})
+
+
 def transformed_uv(uv, ref):
     """KHR_texture_transform: translation * rotation * scale, rotation counter-clockwise with v pointing down."""
-    t = ref.get("extensions", {}).get("KHR_texture_transform", {})
+    t = texture_transform(ref)
     angle = t.get("rotation", 0.0)
     c, s = np.cos(angle), np.sin(angle)
     scaled = uv * np.array(t.get("scale", [1, 1]))
@@ -104,10 +125,13 @@ def transformed_uv(uv, ref):
 class MitsubaScene:
     """Builds the scene for Mitsuba, and keeps the triangles from which points are drawn."""
 
-    def __init__(self, mi, glb, folder):
+    def __init__(self, mi, glb, folder, environment=""):
         self.mi, self.glb, self.folder = mi, glb, pathlib.Path(folder)
         self.parts = {"type": "scene"}
         self.triangles = []
+        self.shift = middle_of(glb)  # Mitsuba calculates in floats, and has no frame of its own
+        if environment:
+            self.parts["environment"] = self.sky(environment)
         for node, world in glb.nodes():
             if "mesh" in node:
                 for primitive in glb.json["meshes"][node["mesh"]]["primitives"]:
@@ -122,7 +146,7 @@ class MitsubaScene:
         intensity = np.array(light.get("color", [1, 1, 1])) * light.get("intensity", 1.0)
         value = {"type": "rgb", "value": [float(v) for v in intensity]}
         if light["type"] == "point" and "range" not in light:
-            part = {"type": "point", "position": [float(v) for v in world[:3, 3]], "intensity": value}
+            part = {"type": "point", "position": [float(v) for v in world[:3, 3] - self.shift], "intensity": value}
         elif light["type"] == "directional":
             direction = -world[:3, 2] / np.linalg.norm(world[:3, 2])
             part = {"type": "directional", "direction": [float(v) for v in direction], "irradiance": value}
@@ -133,8 +157,9 @@ class MitsubaScene:
     def add_primitive(self, primitive, world):
         attributes = primitive["attributes"]
         local = self.glb.accessor(attributes["POSITION"]).astype(float)
-        positions = (local @ world[:3, :3].T + world[:3, 3]).astype(np.float32)
-        faces = self.glb.accessor(primitive["indices"]).reshape(-1, 3).astype(np.int32)
+        positions = local @ world[:3, :3].T + (world[:3, 3] - self.shift)
+        corners = self.glb.accessor(primitive["indices"]) if "indices" in primitive else np.arange(len(local))
+        faces = corners.reshape(-1, 3).astype(np.int32)
         if np.linalg.det(world[:3, :3]) < 0:
             faces = faces[:, ::-1]
         self.triangles.append(positions[faces])
@@ -147,8 +172,9 @@ class MitsubaScene:
             raise SystemExit("base colour and emission with different texture coordinates are not supported")
         ref = base or glow
         uv = None
-        if ref and f"TEXCOORD_{ref.get('texCoord', 0)}" in attributes:
-            uv = transformed_uv(self.glb.accessor(attributes[f"TEXCOORD_{ref.get('texCoord', 0)}"]).astype(float), ref)
+        uv_set = f"TEXCOORD_{texture_transform(ref).get('texCoord', ref.get('texCoord', 0))}" if ref else ""
+        if uv_set in attributes:
+            uv = transformed_uv(self.glb.accessor(attributes[uv_set]).astype(float), ref)
         colors = self.glb.accessor(attributes["COLOR_0"])[:, :3] if "COLOR_0" in attributes else None
         factor = np.array(pbr.get("baseColorFactor", [1, 1, 1, 1])[:3], float)
         if base and colors is not None and not np.all(colors == 1):
@@ -160,11 +186,33 @@ class MitsubaScene:
         shape = {"type": "ply", "face_normals": True, "bsdf": {"type": "twosided", "bsdf": {
             "type": "diffuse", "reflectance": reflectance}}}
         if emission.max() > 0:
-            if material.get("doubleSided"):
-                raise SystemExit("double-sided emission has no twin in Mitsuba")
             shape["emitter"] = {"type": "area", "radiance": self.color(glow, emission, uv)}
+            if material.get("doubleSided"):  # Mitsuba's shine from their fronts: a second one behind the first
+                behind = self.offset_back(positions, faces)
+                back = {**shape, "filename": str(self.write_ply(behind, faces[:, ::-1], uv, colors, "back"))}
+                self.parts[f"back{len(self.parts)}"] = back
         shape["filename"] = str(self.write_ply(positions, faces, uv, colors))
         self.parts[f"shape{len(self.parts)}"] = shape
+
+    @staticmethod
+    def offset_back(positions, faces):
+        """Vertices 0.1 mm behind their faces; flat surfaces alone stay closed."""
+        normals = np.zeros_like(positions)
+        normal = np.cross(positions[faces[:, 1]] - positions[faces[:, 0]], positions[faces[:, 2]] - positions[faces[:, 0]])
+        for k in range(3):
+            np.add.at(normals, faces[:, k], normal)
+        return positions - 1e-4 * normals / np.linalg.norm(normals, axis=1, keepdims=True)
+
+    def sky(self, text):
+        """Constant, or an equirectangular picture whose texels are constant: ours has +X in its middle, Mitsuba's -Z at
+        its edge, and interpolates, hence the many texels for one."""
+        if len(text.split(",")) == 3:
+            return {"type": "constant", "radiance": {"type": "rgb", "value": [float(v) for v in text.split(",")]}}
+        mi = self.mi
+        texels = np.array(mi.Bitmap(text).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, srgb_gamma=False))
+        texels = np.roll(texels, -texels.shape[1] // 4, axis=1)
+        many = max(1, 4096 // texels.shape[1])
+        return {"type": "envmap", "bitmap": mi.Bitmap(texels.repeat(many, 0).repeat(many, 1))}
 
     def color(self, ref, factor, uv):
         """A constant, or the texture decoded to linear and multiplied by the factor."""
@@ -183,14 +231,14 @@ class MitsubaScene:
         return {"type": "bitmap", "bitmap": mi.Bitmap(texels.astype(np.float32)), "raw": True,
                 "wrap_mode": WRAPS[wraps.pop()]}
 
-    def write_ply(self, positions, faces, uv, colors):
+    def write_ply(self, positions, faces, uv, colors, name="mesh"):
         """Binary PLY; Mitsuba takes u, v as texture coordinates and r, g, b as the attribute vertex_color."""
         columns, names = [positions], ["x", "y", "z"]
         if uv is not None:
             columns, names = columns + [uv], names + ["u", "v"]
         if colors is not None:
             columns, names = columns + [colors], names + ["r", "g", "b"]
-        path = self.folder / f"mesh{len(self.parts)}.ply"
+        path = self.folder / f"{name}{len(self.parts)}.ply"
         header = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(positions)}\n"
         header += "".join(f"property float {name}\n" for name in names)
         header += f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
@@ -200,7 +248,7 @@ class MitsubaScene:
         return path
 
     def draw_points(self, count, seed):
-        """Uniform over the area; normals are the fronts'."""
+        """Uniform over the area, less `self.shift`; normals are the fronts'."""
         rng = np.random.default_rng(seed)
         a, b, c = (self.triangles[:, i].astype(float) for i in range(3))
         normals = np.cross(b - a, c - a)
@@ -265,7 +313,7 @@ def mitsuba_irradiance(mi, scene, positions, normals, depth, samples, seed):
     return direct, total
 
 
-def probe(datagen, scene_path, positions, normals, args):
+def probe(datagen, scene_path, positions, normals, args, seed):
     """Runs our tool on the points; {"direct", "total", "stderr"} as arrays."""
     with tempfile.TemporaryDirectory() as folder:
         given, result = pathlib.Path(folder) / "in.csv", pathlib.Path(folder) / "out.csv"
@@ -273,12 +321,21 @@ def probe(datagen, scene_path, positions, normals, args):
             file.write("px,py,pz,nx,ny,nz\n")
             for row in np.hstack([positions, normals]):
                 file.write(",".join(f"{v:.9g}" for v in row) + "\n")
+        sky = ["--environment", args.environment] if args.environment else []
         subprocess.run([datagen, "probe", str(scene_path), "--points", str(given), "--out", str(result), "--rays",
-                        str(args.rays), "--max-depth", str(args.depth), "--quiet"], check=True)
+                        str(args.rays), "--max-depth", str(args.depth), "--seed", str(seed), "--quiet", *sky], check=True)
         with open(result, newline="") as file:
             rows = list(csv.DictReader(file))
     return {kind: np.array([[float(row[f"{kind}_{c}"]) for c in "rgb"] for row in rows])
             for kind in ("total", "direct", "stderr")}
+
+
+def probe_runs(datagen, scene_path, positions, normals, args):
+    """The mean of independent runs, whose stated variances are averaged too."""
+    runs = [probe(datagen, scene_path, positions, normals, args, args.seed + k) for k in range(args.runs)]
+    out = {kind: np.mean([run[kind] for run in runs], 0) for kind in ("total", "direct")}
+    out["stderr"] = np.sqrt(np.mean([run["stderr"] ** 2 for run in runs], 0) / args.runs)
+    return out
 
 
 def relative_bias(ours, theirs):
@@ -293,9 +350,10 @@ def compare(name, ours, total, direct):
     error = np.sqrt(ours["stderr"] ** 2 + total.variance())
     bias_error = np.sqrt((error.sum(1) ** 2).sum()) / reference.sum()
     lit = error > 0
-    within = (np.abs(ours["total"] - reference)[lit] < 2 * error[lit]).mean()
-    print(f"| {name} | {len(error)} | {100 * bias:+.3f} ± {100 * bias_error:.3f} | {100 * within:.1f} | "
-          f"{bias / bias_error:+.1f} | {100 * relative_bias(ours['direct'], direct):+.3f} |", flush=True)
+    residual = (ours["total"] - reference)[lit] / error[lit]
+    print(f"| {name} | {len(error)} | {100 * bias:+.3f} ± {100 * bias_error:.3f} | {bias / bias_error:+.1f} | "
+          f"{100 * relative_bias(ours['direct'], direct):+.3f} | {residual.mean():+.3f} | {residual.var():.3f} | "
+          f"{100 * (np.abs(residual) < 2).mean():.1f} |", flush=True)
     return bias
 
 
@@ -312,7 +370,9 @@ def time_scenes(mi, args):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("scenes", nargs="+", metavar="SCENE.glb")
+    parser.add_argument("scenes", nargs="+", metavar="SCENE.glb[,OURS]")
+    parser.add_argument("--environment", default="", help="constant R,G,B or an equirectangular picture, for both sides")
+    parser.add_argument("--runs", type=int, default=1, help="independent runs of our side")
     parser.add_argument("--datagen", required=True, help="path of lte_datagen")
     parser.add_argument("--points", type=int, default=256)
     parser.add_argument("--rays", type=int, default=8192, help="our paths a point")
@@ -332,16 +392,18 @@ def main():
     mi.set_log_level(mi.LogLevel.Error)
     if args.time:
         return time_scenes(mi, args)
-    print("| scene | points | bias of total, % | within 2 σ, % | z | bias of direct, % |")
-    print("|---|---|---|---|---|---|")
+    print("| scene | points | bias of total, % | z | bias of direct, % | residuals: mean | variance | below 2, % |")
+    print("|---|---|---|---|---|---|---|---|")
     failed = False
-    for path in map(pathlib.Path, args.scenes):
+    for name in args.scenes:
+        path, _, ours_path = name.partition(",")
+        path, ours_path = pathlib.Path(path), ours_path or path
         with tempfile.TemporaryDirectory() as folder:
-            scene = MitsubaScene(mi, Glb(path), folder)
+            scene = MitsubaScene(mi, Glb(path), folder, args.environment)
             positions, normals = scene.draw_points(args.points, args.seed)
-            ours = probe(args.datagen, path, positions, normals, args)
+            ours = probe_runs(args.datagen, ours_path, positions + scene.shift, normals, args)
             direct, total = mitsuba_irradiance(mi, scene.scene, positions, normals, args.depth, args.samples, args.seed)
-        bias = compare(path.stem, ours, total, direct)
+        bias = compare(pathlib.Path(ours_path).name, ours, total, direct)
         failed |= abs(bias) > args.max_bias
     return 1 if failed else 0
 

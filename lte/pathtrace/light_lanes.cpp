@@ -11,15 +11,21 @@ void Lights::sample_lanes(const Lanes3& position, const Lanes3& normal, const Li
   alignas(64) uint32_t entry[kBlock] = {};
   alignas(64) float probability[kBlock] = {};
   int others[kBlock], other_count = 0;
-  if (!uses_tree_ && only_plain_triangles_) {
+  if (!uses_tree_ && only_plain_triangles_ && environment_share_ == 0) {
     draw_entries(table_.columns(), numbers.choice, count, entry, probability);
   } else {
     for (int lane = 0; lane < count; ++lane) {
-      const bool chosen = !table_.empty() &&
-                          choose(position.at(lane), normal.at(lane), numbers.choice[lane] * 0x1p-32,
-                                 &entry[lane], &probability[lane]);
-      if (chosen && entry[lane] < triangles_.size() && !triangles_[entry[lane]].textured) continue;
-      if (chosen) others[other_count++] = lane;  // drawn again below, from the same numbers
+      double u = numbers.choice[lane] * 0x1p-32;
+      bool other = u < environment_share_;
+      if (!other) {
+        u = (u - environment_share_) / (1 - environment_share_);
+        const bool chosen = !table_.empty() && choose(position.at(lane), normal.at(lane), u,
+                                                      &entry[lane], &probability[lane]);
+        other = chosen && (entry[lane] >= triangles_.size() || triangles_[entry[lane]].textured);
+        probability[lane] *= 1 - environment_share_;
+        if (chosen && !other) continue;
+      }
+      if (other) others[other_count++] = lane;  // drawn again below, from the same numbers
       entry[lane] = 0;
       probability[lane] = 0;
     }

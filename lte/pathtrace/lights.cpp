@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "lte/base/check.h"
 #include "lte/pathtrace/embree_scene.h"
@@ -20,6 +21,9 @@ constexpr size_t kTreeThreshold = 32;
 /// the taps is still drawn. The estimate stays unbiased whatever the weights are, as long as no
 /// emitting point has weight zero.
 constexpr double kTextureFloor = 0.1;
+
+/// Limits of the share of draws that an environment gets beside other lights.
+constexpr double kLeastShare = 0.1, kMostShare = 0.5;
 
 double mean_textured_luminance(const scene::Scene& scene, int instance, uint32_t triangle,
                                double area) {
@@ -96,6 +100,7 @@ Lights::Lights(const scene::Scene& scene, LightChoice choice)
     weights.push_back(punctual_power(light, bounds));
   }
   if (choice == LightChoice::EachGroup) equalize_groups(&weights);
+  if (scene.environment) add_environment(bounds, choice, weights);
   uses_tree_ = choice == LightChoice::Tree ||
                (choice == LightChoice::Automatic && weights.size() > kTreeThreshold);
   if (uses_tree_) build_tree(weights);
@@ -109,6 +114,26 @@ Lights::Lights(const scene::Scene& scene, LightChoice choice)
   if (table_.empty()) {  // all black or without area: nothing to find by sampling or by hitting
     std::fill(first_of_instance_.begin(), first_of_instance_.end(), -1);
     triangles_.clear();
+  }
+}
+
+void Lights::add_environment(const Bounds& bounds, LightChoice choice,
+                             const std::vector<double>& weights) {
+  const scene::Environment& environment = *scene_.environment;
+  LTE_CHECK(environment.light_group != scene::kNone, "the environment has no light group");
+  groups_ = std::max(groups_, environment.light_group + 1);
+  environment_ = EnvironmentSampler(environment);
+  const double others = std::accumulate(weights.begin(), weights.end(), 0.0);
+  if (environment_.black()) return;
+  if (!(others > 0)) {
+    environment_share_ = 1;
+  } else if (choice == LightChoice::EachGroup) {
+    environment_share_ = static_cast<float>(1 / (1 + others));
+  } else {
+    const double radius = length(bounds.extent()) / 2;
+    const double power = kPi * radius * radius * environment_.luminance();
+    environment_share_ =
+        static_cast<float>(std::clamp(power / (power + others), kLeastShare, kMostShare));
   }
 }
 
@@ -271,8 +296,23 @@ LightSample Lights::sample_punctual(const scene::PunctualLight& light, const Vec
   return sample;
 }
 
+LightSample Lights::sample_environment(const Vec3& normal, const Vec2& u_point) const {
+  const EnvironmentSample drawn = environment_.sample(normal, u_point);
+  LightSample sample;
+  sample.direction = drawn.direction;
+  sample.distance = INFINITY;
+  sample.radiance = drawn.radiance;
+  sample.pdf = environment_share_ * drawn.pdf;
+  sample.light_group = environment_.light_group();
+  return sample;
+}
+
 LightSample Lights::sample_in_frame(const Vec3& position, const Vec3& normal, double u_choice,
                                     const Vec2& u_point) const {
+  if (environment_share_ > 0) {
+    if (u_choice < environment_share_) return sample_environment(normal, u_point);
+    u_choice = (u_choice - environment_share_) / (1 - environment_share_);
+  }
   if (table_.empty()) return {};
   float probability = 0;
   uint32_t index = 0;
@@ -280,7 +320,7 @@ LightSample Lights::sample_in_frame(const Vec3& position, const Vec3& normal, do
   LightSample sample = index < triangles_.size()
                            ? sample_triangle(triangles_[index], position, u_point)
                            : sample_punctual(scene_.lights[index - triangles_.size()], position);
-  sample.pdf *= probability;
+  sample.pdf *= probability * (1 - environment_share_);
   return sample;
 }
 

@@ -1,4 +1,4 @@
-// Light sampling: emissive triangles by power, and punctual lights.
+// Light sampling: emissive triangles, punctual lights, and the environment beside them.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +6,7 @@
 
 #include "lte/base/math.h"
 #include "lte/pathtrace/alias_table.h"
+#include "lte/pathtrace/environment_sampler.h"
 #include "lte/pathtrace/light_tree.h"
 #include "lte/pathtrace/path_block.h"
 #include "lte/pathtrace/path_kernels.h"
@@ -31,15 +32,18 @@ struct EmissiveTriangle {
 /// One sample of light arriving at a point.
 struct LightSample {
   Vec3 direction;      ///< unit, towards the light
-  float distance = 0;  ///< INFINITY for directional lights
-  Rgb radiance;        ///< area lights: L; punctual: intensity / distance² (irradiance at normal
-                       ///< incidence)
-  float pdf = 0;  ///< area: per solid angle; punctual: the discrete probability of having chosen it
+  float distance = 0;  ///< INFINITY for directional lights and the environment
+  Rgb radiance;   ///< area lights, environment: L; punctual: intensity / distance² (irradiance
+                  ///< at normal incidence)
+  float pdf = 0;  ///< area, environment: per solid angle; punctual: the discrete probability of
+                  ///< having chosen it
   bool delta = false;  ///< punctual: hemisphere sampling cannot meet it
   int light_group = scene::kNone;
 };
 
-/// How a light is drawn.
+/// How a light is drawn. An environment is drawn beside the others: in proportion to its power
+/// through the scene's bounding sphere, but with 1/10 to 1/2 of draws, as nobody knows how much of
+/// it gets in; with EachGroup as often as any group.
 enum class LightChoice {
   Automatic,  ///< Power for up to 32 emissive triangles and punctual lights, Tree for more
   Power,      ///< in proportion to its power
@@ -55,8 +59,16 @@ class Lights {
   /// @throws lte::Error if an emissive instance or a punctual light has no light group.
   explicit Lights(const scene::Scene& scene, LightChoice choice = LightChoice::Automatic);
 
-  bool empty() const { return table_.empty(); }
-  bool has_area_lights() const { return !triangles_.empty(); }
+  bool empty() const { return table_.empty() && environment_.black(); }
+  /// Whether a ray can find light by itself: area lights or an environment.
+  bool can_be_hit() const { return !triangles_.empty() || has_environment(); }
+  bool has_environment() const { return !environment_.black(); }
+  const EnvironmentSampler& environment() const { return environment_; }
+  /// Solid-angle density with which sample_in_frame() makes the direction of `seen`, which
+  /// environment().towards() gave.
+  float environment_pdf(const EnvironmentSample& seen) const {
+    return environment_share_ * seen.pdf;
+  }
   int groups() const { return groups_; }
   const scene::Scene& scene() const { return scene_; }
 
@@ -86,11 +98,16 @@ class Lights {
     const float probability =
         uses_tree_ ? (1 - directional_share_) * tree_.probability(position, normal, index)
                    : table_.probability(index);
-    return probability * distance2 / (triangles_[index].area * cos_light);
+    return (1 - environment_share_) * probability * distance2 /
+           (triangles_[index].area * cos_light);
   }
 
  private:
   double add_triangle(int instance, uint32_t triangle);
+  void add_environment(const Bounds& bounds, LightChoice choice,
+                       const std::vector<double>& weights);
+  LightSample sample_environment(const Vec3& normal, const Vec2& u_point) const;
+  /// Brings the weight of each group that has any to 1.
   void equalize_groups(std::vector<double>* weights) const;
   void build_tree(const std::vector<double>& weights);
   bool choose(const Vec3& position, const Vec3& normal, double u, uint32_t* index,
@@ -110,6 +127,8 @@ class Lights {
   bool only_plain_triangles_ = false;  ///< neither textured ones nor punctual lights
   std::vector<uint32_t> directional_;  ///< entries of the table
   float directional_share_ = 0;        ///< of draws, with the tree
+  EnvironmentSampler environment_;
+  float environment_share_ = 0;  ///< of draws
   std::vector<int64_t>
       first_of_instance_;  ///< index of an instance's first emissive triangle, −1 for none
 };

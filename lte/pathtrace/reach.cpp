@@ -9,6 +9,7 @@
 #include "lte/base/parallel.h"
 #include "lte/base/random.h"
 #include "lte/pathtrace/irradiance_kernel.h"
+#include "lte/scene/dome.h"
 
 namespace lte::pathtrace {
 namespace {
@@ -222,21 +223,10 @@ std::vector<size_t> kept_samples(const Bvh& bvh, const scene::SurfaceSamples& sa
   return kept;
 }
 
-}  // namespace
-
-std::vector<uint8_t> reached(const Bvh& bvh, std::span<const Vec3> positions,
-                             std::span<const Vec3> normals, Sides sides,
-                             const ReachOptions& options) {
-  IrradianceOptions check;
-  check.max_depth = options.max_depth;
-  check_points(positions, normals);
-  check_irradiance_options(check);
-  return Reach(bvh, positions, normals, sides, options).run();
-}
-
-scene::SurfaceSamples sample_reached_surface(const Bvh& bvh, int64_t count,
-                                             const scene::SamplerOptions& sampler, Sides sides,
-                                             const ReachOptions& options, PruneCounts* counts) {
+/// sample_reached_surface() without the environment.
+scene::SurfaceSamples sample_in_scene(const Bvh& bvh, int64_t count,
+                                      const scene::SamplerOptions& sampler, Sides sides,
+                                      const ReachOptions& options, PruneCounts* counts) {
   scene::SamplerOptions plain = sampler;
   plain.emissive_share = 0;
   plain.punctual_lights = false;
@@ -270,6 +260,31 @@ scene::SurfaceSamples sample_reached_surface(const Bvh& bvh, int64_t count,
     for (float& area : samples.area) area *= scale;
     return samples;
   }
+}
+
+}  // namespace
+
+std::vector<uint8_t> reached(const Bvh& bvh, std::span<const Vec3> positions,
+                             std::span<const Vec3> normals, Sides sides,
+                             const ReachOptions& options) {
+  IrradianceOptions check;
+  check.max_depth = options.max_depth;
+  check_points(positions, normals);
+  check_irradiance_options(check);
+  return Reach(bvh, positions, normals, sides, options).run();
+}
+
+scene::SurfaceSamples sample_reached_surface(const Bvh& bvh, int64_t count,
+                                             const scene::SamplerOptions& sampler, Sides sides,
+                                             const ReachOptions& options, PruneCounts* counts) {
+  // The environment's points are no surface: light neither reaches them nor goes on from there.
+  const int64_t dome = scene::dome_points(bvh.scene(), count, sampler);
+  scene::SamplerOptions surfaces = sampler;
+  surfaces.environment_share = 0;
+  scene::SurfaceSamples samples =
+      sample_in_scene(bvh, count - dome, surfaces, sides, options, counts);
+  scene::append_dome_points(bvh.scene(), dome, &samples);
+  return samples;
 }
 
 }  // namespace lte::pathtrace

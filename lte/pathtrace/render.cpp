@@ -77,6 +77,10 @@ class GBufferTracer {
     const RTCHit8& hit = packet.hit;
     if (hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) {
       out_->depth[i] = INFINITY;
+      if (bvh_.scene().environment) {
+        out_->emission[i] = bvh_.scene().environment->radiance_from(
+            {packet.ray.dir_x[lane], packet.ray.dir_y[lane], packet.ray.dir_z[lane]});
+      }
       return;
     }
     const auto instance = static_cast<int>(hit.instID[0][lane]);

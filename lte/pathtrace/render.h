@@ -16,7 +16,7 @@ struct GBuffer {
   int width = 0, height = 0;
   std::vector<Vec3> position, normal;  ///< [height * width]
   std::vector<Rgb> albedo;             ///< [height * width]
-  std::vector<Rgb> emission;           ///< radiance towards the camera
+  std::vector<Rgb> emission;  ///< radiance towards the camera, the environment's for background
   std::vector<float> depth;   ///< distance along the camera's axis; INFINITY for background
   std::vector<uint8_t> mask;  ///< 1 where a surface was hit
 };

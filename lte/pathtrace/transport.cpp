@@ -49,9 +49,9 @@ void Transport::trace_from_camera(PathSampler& sampler) {
 /// The first hit has depth 1.
 void Transport::follow(PathSampler& sampler) {
   for (int depth = 1; depth <= max_depth_ && paths_.size > 0; ++depth) {
-    // The last ray can only find an area light.
+    // The last ray can only find an area light or the environment.
     const bool last = depth == max_depth_;
-    if (last && !lights_.has_area_lights()) return;
+    if (last && !lights_.can_be_hit()) return;
     if (recorder_ != nullptr) recorder_->nearest(depth, paths_);
     rays_traced_ += paths_.size;
     intersect(handles_.top, handles_.packet_width, paths_.origin, paths_.direction, paths_.size,
@@ -70,7 +70,10 @@ void Transport::shade(int depth) {
   int kept = 0;
   for (int lane = 0; lane < paths_.size; ++lane) {
     const int instance = hits_.instance[lane];
-    if (instance == scene::kNone) continue;
+    if (instance == scene::kNone) {
+      if (lights_.has_environment()) add_environment(lane);
+      continue;
+    }
     const InstanceRecord& record = handles_.instances[static_cast<size_t>(instance)];
     const uint32_t triangle = hits_.triangle[lane];
     const float u = hits_.u[lane], v = hits_.v[lane];
@@ -96,7 +99,10 @@ void Transport::shade(int depth) {
 void Transport::collect_emission(int depth) {
   for (int lane = 0; lane < paths_.size; ++lane) {
     const int instance = hits_.instance[lane];
-    if (instance == scene::kNone) continue;
+    if (instance == scene::kNone) {
+      if (lights_.has_environment()) add_environment(lane);
+      continue;
+    }
     const InstanceRecord& record = handles_.instances[static_cast<size_t>(instance)];
     if (!record.emissive) continue;
     Rgb albedo, emission = record.emission;
@@ -125,6 +131,17 @@ void Transport::add_emission(int lane, const Rgb& emission, float cos_front) {
   }
   contributions_[contribution_count_++] = {paths_.throughput.at(lane) * emission * weight,
                                            record.light_group, paths_.path[lane]};
+}
+
+/// What a ray that leaves the scene brings, weighted by the balance heuristic.
+void Transport::add_environment(int lane) {
+  const EnvironmentSampler& environment = lights_.environment();
+  const EnvironmentSample seen =
+      environment.towards(paths_.normal.at(lane), paths_.direction.at(lane));
+  const float pdf = paths_.pdf[lane];
+  const float weight = pdf > 0 ? pdf / (pdf + lights_.environment_pdf(seen)) : 1.0f;
+  contributions_[contribution_count_++] = {paths_.throughput.at(lane) * seen.radiance * weight,
+                                           environment.light_group(), paths_.path[lane]};
 }
 
 /// Next-event estimation at the vertex where the paths stand.

@@ -66,6 +66,7 @@ class Transport {
   void shade(int depth);
   void collect_emission(int depth);
   void add_emission(int lane, const Rgb& emission, float cos_front);
+  void add_environment(int lane);
   void sample_lights(int vertex, PathSampler& sampler);
   void cast_shadows(int depth);
   void play(int vertex, PathSampler& sampler);

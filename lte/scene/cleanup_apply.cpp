@@ -31,6 +31,7 @@ void drop_empty_groups(Scene* scene) {
   const auto each = [&](const auto& visit) {
     for (Instance& instance : scene->instances) visit(&instance.light_group);
     for (PunctualLight& light : scene->lights) visit(&light.light_group);
+    if (scene->environment) visit(&scene->environment->light_group);
   };
   each([&](const int* group) {
     if (*group != kNone) used[static_cast<size_t>(*group)] = true;

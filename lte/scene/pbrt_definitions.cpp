@@ -88,6 +88,11 @@ void Builder::area_light_source(Call& call) {
 void Builder::light_source(Call& call) {
   need_world(call);
   const std::string type = call.strings[0];
+  if (type == "infinite") {
+    add_infinite_light(params(call, "light"), current(call.at), *files_, &world_.notes,
+                       &world_.infinite);
+    return;
+  }
   std::optional<PunctualLight> light =
       build_light(type, params(call, "light"), current(call.at), *files_, &world_.notes);
   if (light) world_.lights.push_back(std::move(*light));

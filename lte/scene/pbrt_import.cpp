@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "lte/scene/environment_file.h"
 #include "lte/scene/pbrt_builder.h"
 #include "lte/scene/pbrt_image.h"
 #include "lte/scene/pbrt_material.h"
@@ -66,6 +67,8 @@ class Importer {
       scene_.light_groups.push_back(light.name);
       scene_.lights.push_back(std::move(light));
     }
+    if (world_.infinite) scene_.environment = to_environment(std::move(*world_.infinite));
+    add_environment_group(&scene_);
     if (world_.camera) scene_.cameras.push_back(*world_.camera);
     finish_materials();
     scene_.ignored = world_.notes.lines();

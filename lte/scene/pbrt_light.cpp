@@ -23,13 +23,6 @@ Aim aim(const Params& params, const Affine& to_world) {
   return {to_world.point(from), normalize(along)};
 }
 
-/// The color of "I" or "L" (white where it is left out) times "scale".
-Rgb color(const Params& params, const std::string& name, const Files& files, Notes* notes) {
-  const Parameter* parameter = params.find(name);
-  const Rgb rgb = parameter != nullptr ? to_illuminant(*parameter, files, notes) : Rgb{1, 1, 1};
-  return rgb * static_cast<float>(params.number("scale", 1));
-}
-
 /// pbrt-v4's "power" and "illuminance": where given, the colour is scaled by it over what a source
 /// of unit strength has. The magnitude of an rgb colour stays in, as it does there.
 void scale_to(const Params& params, const std::string& name, double unit, Rgb* color) {
@@ -39,11 +32,17 @@ void scale_to(const Params& params, const std::string& name, double unit, Rgb* c
 
 }  // namespace
 
+Rgb light_color(const Params& params, const std::string& name, const Files& files, Notes* notes) {
+  const Parameter* parameter = params.find(name);
+  const Rgb rgb = parameter != nullptr ? to_illuminant(*parameter, files, notes) : Rgb{1, 1, 1};
+  return rgb * static_cast<float>(params.number("scale", 1));
+}
+
 std::optional<PunctualLight> build_light(const std::string& type, const Params& params,
                                          const Transform& to_world, const Files& files,
                                          Notes* notes) {
   if (type != "point" && type != "spot" && type != "distant") {
-    notes->add(type == "infinite" || type == "goniometric" || type == "projection"
+    notes->add(type == "goniometric" || type == "projection"
                    ? "LightSource " + quote(type) + ": not supported, ignored"
                    : "unknown LightSource " + quote(type),
                params.at());
@@ -54,13 +53,13 @@ std::optional<PunctualLight> build_light(const std::string& type, const Params& 
   out.name = concat(type, " light ", params.at());
   if (type == "point") {
     out.position = affine.point(params.point("from", {0, 0, 0}));
-    out.intensity = color(params, "I", files, notes);
+    out.intensity = light_color(params, "I", files, notes);
     scale_to(params, "power", 4 * M_PI, &out.intensity);
   } else if (type == "distant") {
     const Aim line = aim(params, affine);
     out.kind = LightKind::Directional;
     out.direction = line.direction;
-    out.intensity = color(params, "L", files, notes);
+    out.intensity = light_color(params, "L", files, notes);
     scale_to(params, "illuminance", 1, &out.intensity);
   } else {
     const Aim line = aim(params, affine);
@@ -72,7 +71,7 @@ std::optional<PunctualLight> build_light(const std::string& type, const Params& 
     out.position = line.origin, out.direction = line.direction;
     out.outer_cone = static_cast<float>(cone * kDegree);
     out.inner_cone = static_cast<float>(inner * kDegree);
-    out.intensity = color(params, "I", files, notes);
+    out.intensity = light_color(params, "I", files, notes);
     const double start = std::cos(inner * kDegree), end = std::cos(cone * kDegree);
     scale_to(params, "power", 2 * M_PI * ((1 - start) + (start - end) / 2), &out.intensity);
     if (inner < cone)

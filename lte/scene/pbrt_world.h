@@ -1,12 +1,14 @@
 // What a PBRT scene defines, before materials and textures are followed.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "lte/image/image.h"
 #include "lte/scene/load.h"
 #include "lte/scene/pbrt_files.h"
 #include "lte/scene/pbrt_params.h"
@@ -39,6 +41,14 @@ struct ShapeDef {
   Location at;
 };
 
+/// The infinite lights of a scene, as one: L(ω) = constant + picture(ω).
+struct InfiniteLight {
+  Rgb constant{0, 0, 0};
+  std::optional<image::Image> picture;  ///< radiance, "scale" and "illuminance" included
+  SphereMapping mapping = SphereMapping::EqualArea;
+  std::array<Vec3, 3> axes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< of the picture, in the world
+};
+
 /// A shape, or an object of several, in the world.
 struct Placement {
   int shape = kNone;
@@ -56,6 +66,7 @@ struct World {
   std::vector<Placement> placements;
   std::map<std::string, std::vector<Placement>> objects;
   std::vector<PunctualLight> lights;
+  std::optional<InfiniteLight> infinite;
   std::optional<Camera> camera;
   Notes notes;
 };
@@ -84,6 +95,15 @@ inline constexpr double kChordError = 1e-3;
 std::optional<PunctualLight> build_light(const std::string& type, const Params& params,
                                          const Transform& to_world, const Files& files,
                                          Notes* notes);
+
+/// The color of "I" or "L" of a light (white where it is left out) times its "scale".
+Rgb light_color(const Params& params, const std::string& name, const Files& files, Notes* notes);
+
+/// Adds a LightSource "infinite" to those before. A second picture cannot be added (noted).
+void add_infinite_light(const Params& params, const Transform& to_world, const Files& files,
+                        Notes* notes, std::optional<InfiniteLight>* lights);
+/// The environment that they make, without a light group.
+Environment to_environment(InfiniteLight light);
 
 /// The camera of the Camera and Film directives (either may be missing).
 /// @param world_to_camera  current transform at the Camera directive

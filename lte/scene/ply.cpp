@@ -241,8 +241,6 @@ class Reader {
 
   void read_corners(const Property& property, int64_t face, std::vector<uint32_t>* corners) {
     const size_t length = list_length(property, face, "face");
-    LTE_CHECK(length <= kMaxPolygonCorners, body_.where(), ": face ", face, " has ", length,
-              " corners, more than ", kMaxPolygonCorners);
     corners->resize(length);
     for (uint32_t& corner : *corners) {
       const double index = body_.next(property.type);

@@ -36,6 +36,4 @@ PlyMesh read_ply(const std::filesystem::path& path, const LoadLimits& limits = {
 /// A scene of that one mesh: its colours are the albedo; 0.5 where it has none.
 Scene load_ply_scene(const std::filesystem::path& path, const LoadLimits& limits);
 
-inline constexpr size_t kMaxPolygonCorners = 4096;  ///< ear clipping takes quadratic time
-
 }  // namespace lte::scene

@@ -40,6 +40,11 @@ std::vector<std::string_view> split(std::string_view line) {
   return words;
 }
 
+/// "Created" begins a line that Blender 2.4 writes without "comment" before it.
+bool is_comment(std::string_view word) {
+  return word == "comment" || word == "obj_info" || word == "Created";
+}
+
 class Reader {
  public:
   Reader(const std::string& name, std::string_view text) : name_(name), text_(text) {}
@@ -51,7 +56,7 @@ class Reader {
     while (true) {
       LTE_CHECK(next_line(), name_, ":", out_.lines, ": the PLY header has no \"end_header\"");
       const std::vector<std::string_view> words = split(line_);
-      if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
+      if (words.empty() || is_comment(words[0])) continue;
       if (words[0] == "end_header") break;
       if (words[0] == "format") {
         read_format(words);

@@ -7,6 +7,7 @@
 #include "lte/base/parallel.h"
 #include "lte/base/random.h"
 #include "lte/scene/area_table.h"
+#include "lte/scene/dome.h"
 
 namespace lte::scene {
 namespace {
@@ -134,12 +135,8 @@ SurfaceSamples make_samples(int64_t count) {
   return out;
 }
 
-}  // namespace
-
-SurfaceSamples sample_surface(const Scene& scene, int64_t count, const SamplerOptions& options) {
-  LTE_CHECK(count >= 1, "sample_surface: at least 1 point is needed, got ", count);
-  LTE_CHECK(options.emissive_share >= 0 && options.emissive_share < 1,
-            "sample_surface: emissive_share must be in [0, 1), got ", options.emissive_share);
+/// sample_surface() without the environment.
+SurfaceSamples sample_in_scene(const Scene& scene, int64_t count, const SamplerOptions& options) {
   const std::vector<const PunctualLight*> lights = local_lights(scene, options);
   const int64_t surface = count - static_cast<int64_t>(lights.size());
   LTE_CHECK(surface >= 1, "sample_surface: ", count, " points cannot hold ", lights.size(),
@@ -168,6 +165,28 @@ SurfaceSamples sample_surface(const Scene& scene, int64_t count, const SamplerOp
   check_area(scene, total);
   fill(scene, all, 0, surface, options, &samples);
   fill_lights(lights, static_cast<float>(total / static_cast<double>(count)), surface, &samples);
+  return samples;
+}
+
+}  // namespace
+
+int64_t dome_points(const Scene& scene, int64_t count, const SamplerOptions& options) {
+  if (!scene.environment || options.environment_share == 0) return 0;
+  const double wanted = static_cast<double>(count) * options.environment_share;
+  return std::max<int64_t>(1, std::llround(wanted));
+}
+
+SurfaceSamples sample_surface(const Scene& scene, int64_t count, const SamplerOptions& options) {
+  LTE_CHECK(count >= 1, "sample_surface: at least 1 point is needed, got ", count);
+  LTE_CHECK(options.emissive_share >= 0 && options.emissive_share < 1,
+            "sample_surface: emissive_share must be in [0, 1), got ", options.emissive_share);
+  LTE_CHECK(options.environment_share >= 0 && options.environment_share < 1,
+            "sample_surface: environment_share must be in [0, 1), got ", options.environment_share);
+  const int64_t dome = dome_points(scene, count, options);
+  LTE_CHECK(dome < count, "sample_surface: ", count, " points cannot hold the environment and the ",
+            "surfaces of scene ", scene.name);
+  SurfaceSamples samples = sample_in_scene(scene, count - dome, options);
+  append_dome_points(scene, dome, &samples);
   return samples;
 }
 

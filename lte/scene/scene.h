@@ -9,10 +9,12 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "lte/base/math.h"
+#include "lte/scene/environment.h"
 #include "lte/scene/texture.h"
 
 namespace lte::scene {
@@ -96,8 +98,9 @@ struct Scene {
   std::vector<Material> materials;  ///< never empty: entry 0 may be the default
   std::vector<std::shared_ptr<const Texture>> textures;
   std::vector<PunctualLight> lights;
+  std::optional<Environment> environment;
   std::vector<Camera> cameras;
-  /// One a luminaire: an emissive instance or a punctual light. Names for people.
+  /// One a luminaire: an emissive instance, a punctual light or the environment. Names for people.
   std::vector<std::string> light_groups;
   /// What the importer met and does not understand, e.g. "extension KHR_materials_sheen (3
   /// materials)".

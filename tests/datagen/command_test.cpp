@@ -223,6 +223,30 @@ TEST_F(Command, ProbeWritesColumnsAndNamesBadInput) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "b.csv"));
 }
 
+/// Of the outside of the closed box: pi times the radiance of the sky.
+TEST_F(Command, EnvironmentsLightAnyScene) {
+  write_file(folder_ / "points.csv", "px,py,pz,nx,ny,nz\n0.5,1,0.5,0,1,0\n");
+  const std::string probe = "probe box.glb --points points.csv --out out.csv --rays 8 --quiet ";
+  EXPECT_EQ(run(probe + "--environment 1,2,3").code, 0);
+  EXPECT_THAT(read_file(folder_ / "out.csv"), HasSubstr(",3.14159"));
+  EXPECT_THAT(read_file(folder_ / "out.csv"), HasSubstr(",6.28318"));
+  EXPECT_THAT(run("info box.glb --environment 1,2,3").output,
+              HasSubstr("\"name\":\"environment\",\"kind\":\"environment\""));
+  const Outcome bake =
+      run("bake box.glb --out sky.safetensors --scene-points 100 --queries 20 --rays 8 --views 0 "
+          "--environment 1,1,1 --quiet");
+  EXPECT_EQ(bake.code, 0) << bake.error;
+  const data::SceneSample sample = data::read_scene_sample(folder_ / "sky.safetensors");
+  EXPECT_EQ(sample.scene_points(), 100);
+  EXPECT_EQ(sample.light_groups, 2);
+  EXPECT_EQ(std::count(sample.scene_light.begin(), sample.scene_light.end(), 1), 5);
+
+  expect_failure(1, "--environment 1,2", run(probe + "--environment 1,2"));
+  expect_failure(1, "sky.exr", run(probe + "--environment sky.exr"));
+  expect_failure(1, "--environment-turn needs", run(probe + "--environment-turn 3"));
+  expect_failure(1, "baked already", run("info sky.safetensors --environment 1,1,1"));
+}
+
 TEST_F(Command, InfoNamesBadInput) {
   expect_failure(1, "none", run("info none"));
   expect_failure(1, "dataset.json", run("info ."));

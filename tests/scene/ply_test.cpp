@@ -248,6 +248,13 @@ TEST_F(Ply, BrokenHeaders) {
   EXPECT_THAT(error("ply\nformat ascii 1.0\nend_header\n"), HasSubstr("no element \"vertex\""));
 }
 
+TEST_F(Ply, TakesTheHeaderLineOfBlender247) {
+  std::string text = small("3", "1");
+  text.insert(text.find("element vertex"),
+              "Created by Blender3D 247 - www.blender.org, source file:\n");
+  EXPECT_EQ(read(text).faces, 1);
+}
+
 TEST_F(Ply, CountsThatTheFileCannotHold) {
   EXPECT_THAT(error(small("4000000000", "1")),
               HasSubstr("truncated, the header promises 4000000000"));

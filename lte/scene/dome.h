@@ -1,0 +1,29 @@
+// Dome points: the environment of a scene as emissive samples of its bounding sphere, for the
+// network, which knows light by points alone.
+#pragma once
+
+#include <cstdint>
+
+#include "lte/scene/sampler.h"
+#include "lte/scene/scene.h"
+
+namespace lte::scene {
+
+/// The sphere around the scene's bounding box.
+struct Dome {
+  Vec3 center;
+  float radius = 0;  ///< metres
+};
+Dome dome_of(const Scene& scene);
+
+/// World bounds of everything that scene points lie on: the surfaces, and the dome of a scene with
+/// an environment.
+Bounds point_bounds(const Scene& scene);
+
+/// Appends `count` points spread evenly over the dome, normals inwards, black, each with the mean
+/// radiance of the environment over its share of the sphere of directions, and with 1/count of the
+/// dome's area. Over all points Σ emission · 4π / count is exactly the environment's fluence: no
+/// light of a picture is lost, however few the points are.
+void append_dome_points(const Scene& scene, int64_t count, SurfaceSamples* samples);
+
+}  // namespace lte::scene
