@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 #include <ATen/ATen.h>
 #include <ATen/Parallel.h>
@@ -13,6 +14,32 @@
 
 namespace lte::infer {
 
+namespace {
+
+BenchResult result_of(const std::string& name, int64_t n, std::vector<double> seconds) {
+  std::sort(seconds.begin(), seconds.end());
+  BenchResult result{name, n, seconds.front(), seconds[seconds.size() / 2], {}};
+  result.figures["peak_rss_mb"] = peak_rss_mb();
+  result.figures["peak_rss"] = peak_rss_mb() * 1024 * 1024;
+  result.figures["flops"] = 0;
+  result.figures["threads"] = at::get_num_threads();
+  return result;
+}
+
+}  // namespace
+
+BenchResult time_once(const std::string& name, int64_t n, const std::function<void()>& work) {
+  const Timer timer;
+  work();
+  return result_of(name, n, {timer.seconds()});
+}
+
+void add_limit(BenchResult& result, double flops, double gemm_gflops) {
+  result.figures["flops"] = flops;
+  result.figures["gemm_gflops_measured"] = gemm_gflops;
+  result.figures["times_gemm_limit"] = result.seconds_min * 1e9 * gemm_gflops / flops;
+}
+
 BenchResult time_repeats(const std::string& name, int64_t n, int repeats,
                          const std::function<void()>& work) {
   work();
@@ -22,11 +49,7 @@ BenchResult time_repeats(const std::string& name, int64_t n, int repeats,
     work();
     seconds.push_back(timer.seconds());
   }
-  std::sort(seconds.begin(), seconds.end());
-  BenchResult result{name, n, seconds.front(), seconds[seconds.size() / 2], {}};
-  result.figures["peak_rss_mb"] = peak_rss_mb();
-  result.figures["threads"] = at::get_num_threads();
-  return result;
+  return result_of(name, n, std::move(seconds));
 }
 
 double measure_gemm_gflops() {
@@ -56,7 +79,7 @@ void print_bench_table(const std::vector<BenchResult>& results) {
     std::printf("%-34s %10lld %12.5f %12.5f", result.name.c_str(), static_cast<long long>(result.n),
                 result.seconds_min, result.seconds_median);
     for (const auto& [key, value] : result.figures) {
-      if (key != "threads") std::printf("  %s %.4g", key.c_str(), value);
+      if (key != "threads" && key != "peak_rss") std::printf("  %s %.4g", key.c_str(), value);
     }
     std::printf("\n");
   }

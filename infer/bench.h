@@ -32,6 +32,13 @@ struct BenchOptions {
 BenchResult time_repeats(const std::string& name, int64_t n, int repeats,
                          const std::function<void()>& work);
 
+/// Runs `work` once, cold: for peers that take minutes.
+BenchResult time_once(const std::string& name, int64_t n, const std::function<void()>& work);
+
+/// Adds `flops`, and how many times as long it took as a product of as many at the rate
+/// `gemm_gflops`.
+void add_limit(BenchResult& result, double flops, double gemm_gflops);
+
 /// Sustained fp32 GEMM rate of this machine in this process, GFLOP/s: the limit the network is held
 /// to.
 double measure_gemm_gflops();

@@ -3,6 +3,7 @@
 #include <ATen/core/grad_mode.h>
 
 #include "infer/bench.h"
+#include "infer/network_flops.h"
 #include "infer/synthetic_room.h"
 #include "lte/base/file.h"
 #include "lte/ops/farthest_point.h"
@@ -32,8 +33,10 @@ nn::LightTransportModel untrained_model(int64_t channels) {
 std::vector<BenchResult> bench_ops(const BenchOptions& options) {
   const at::NoGradGuard no_grad;
   std::vector<BenchResult> results;
+  const double gemm_gflops = measure_gemm_gflops();
   const auto run = [&](const std::string& name, int64_t n, const std::function<void()>& work) {
     results.push_back(time_repeats(name, n, options.repeats, work));
+    results.back().figures["gemm_gflops_measured"] = gemm_gflops;
   };
   const int64_t M = options.scene_points, m = std::max<int64_t>(1, M / 4), Q = options.queries,
                 D = options.channels;
@@ -52,8 +55,7 @@ std::vector<BenchResult> bench_ops(const BenchOptions& options) {
   const at::Tensor input = at::rand({m, D}), weight = at::rand({27, D, D});
   run("submanifold_conv 3x3x3 D -> D", m,
       [&] { ops::submanifold_conv(input, weight, {}, pairs, begin); });
-  results.back().figures["gflops"] =
-      2e-9 * static_cast<double>(pairs.size(1) * D * D) / results.back().seconds_min;
+  add_limit(results.back(), 2 * static_cast<double>(pairs.size(1) * D * D), gemm_gflops);
 
   const int64_t layers = 6, hidden_width = 64, block = std::min<int64_t>(Q, 8192);
   const at::Tensor index =
@@ -63,6 +65,8 @@ std::vector<BenchResult> bench_ops(const BenchOptions& options) {
   const at::Tensor gamma = at::rand({D, hidden_width}), bias = at::rand({D});
   run("neighbour_sums_inference 6 layers", block,
       [&] { ops::neighbour_sums_inference(table, hidden, gamma, bias, index); });
+  add_limit(results.back(),
+            2 * static_cast<double>(index.numel() * D * (hidden_width + 2 * layers)), gemm_gflops);
   return results;
 }
 
@@ -73,7 +77,12 @@ std::vector<BenchResult> bench_encoder(const BenchOptions& options) {
   BenchResult result =
       time_repeats("encode", options.scene_points, options.repeats, [&] { model->encode(points); });
   result.figures["channels"] = static_cast<double>(options.channels);
-  result.figures["gemm_gflops_measured"] = measure_gemm_gflops();
+  const at::Tensor position =
+      (points.position - std::get<0>(points.position.min(0))).div(model->config().scale);
+  const nn::EncoderPlan plan =
+      nn::make_encoder_plan(position.contiguous(), model->config(), false, 0);
+  add_limit(result, encoder_flops(model->config(), plan, options.scene_points),
+            measure_gemm_gflops());
   return {result};
 }
 
@@ -88,7 +97,10 @@ std::vector<BenchResult> bench_decoder(const BenchOptions& options) {
                                     [&] { model->decode(embedding, queries); });
   result.figures["channels"] = static_cast<double>(options.channels);
   result.figures["rss_above_model_mb"] = peak_rss_mb() - before_mb;
-  result.figures["gemm_gflops_measured"] = measure_gemm_gflops();
+  add_limit(result,
+            static_cast<double>(options.queries) *
+                decoder_flops(model->config(), embedding.position.size(0)),
+            measure_gemm_gflops());
   return {result};
 }
 

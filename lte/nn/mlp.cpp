@@ -25,6 +25,10 @@ at::Tensor MlpImpl::hidden_activations(const at::Tensor& x) {
   return ops::linear_gelu(x, hidden_->weight, hidden_->bias);
 }
 
+void MlpImpl::append_weights(std::vector<at::Tensor>& weights) const {
+  weights.insert(weights.end(), {hidden_->weight, hidden_->bias, output_->weight, output_->bias});
+}
+
 at::Tensor MlpImpl::forward(const at::Tensor& x) {
   if (!is_training() || dropout_ == 0) return output_->forward(hidden_activations(x));
   const at::Tensor hidden = at::dropout(hidden_activations(x), dropout_, true);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "lte/nn/linear.h"
 
@@ -25,6 +26,9 @@ class MlpImpl : public torch::nn::Module {
 
   /// GELU of the first layer, [..., hidden]: for callers that fuse the second.
   at::Tensor hidden_activations(const at::Tensor& x);
+
+  /// Appends weight and bias of either layer.
+  void append_weights(std::vector<at::Tensor>& weights) const;
 
   Linear& hidden() { return hidden_; }
   Linear& output() { return output_; }

@@ -7,6 +7,7 @@
 #include "lte/nn/point_transformer.h"
 #include "lte/nn/query_decoder.h"
 #include "lte/ops/neighbour_sums.h"
+#include "lte/ops/query_decoder.h"
 
 namespace lte::nn {
 namespace {
@@ -17,9 +18,9 @@ constexpr double kPositionGain = 4;
 /// Queries are meant to lie in the scene; beyond this much of the scale outside, the query MLP is
 /// told no more.
 constexpr double kPositionLimit = 4;
-/// Queries decoded at a time: their intermediates are some 60 MB at D = 128 and stay in the outer
-/// caches' reach.
-constexpr int64_t kQueryBlock = 4096;
+/// Queries decoded at a time. From a table on the CPU their neighbours are all that is kept, 50 MB;
+/// else the intermediates are some 60 MB at D = 128 and stay in the outer caches' reach.
+constexpr int64_t kTableBlock = int64_t{1} << 17, kQueryBlock = 4096;
 
 /// @throws c10::Error unless `t` is [rows, 3] or [rows], and every value finite, naming the first
 /// row that is not.
@@ -88,10 +89,23 @@ struct LightTransportModelImpl::Parts {
   at::Tensor decode(const Embedding& embedding, const QuerySet& queries, const at::Tensor& keys,
                     const at::Tensor& values) {
     const at::Tensor position = (queries.position - embedding.origin).div(embedding.scale);
-    const auto near = decoder->neighbourhood(position, embedding.position, embedding.spacing);
     const at::Tensor attributes = surface_attributes(position, queries.normal, queries.albedo);
-    return keys.defined() ? decoder->forward(attributes, near, keys, values)
-                          : decoder->infer(attributes, near, embedding.table);
+    if (!keys.defined()) {
+      return decoder->infer(attributes, position, embedding.position, embedding.spacing,
+                            embedding.table);
+    }
+    const auto near = decoder->neighbourhood(position, embedding.position, embedding.spacing);
+    return decoder->forward(attributes, near, keys, values);
+  }
+
+  /// decode() from the table, the queries taken in an order in which neighbours share latents.
+  at::Tensor decode_ordered(const Embedding& embedding, const QuerySet& queries) {
+    const at::Tensor order = ops::spatial_order(queries.position.contiguous());
+    const QuerySet ordered = {queries.position.index_select(0, order),
+                              queries.normal.index_select(0, order),
+                              queries.albedo.index_select(0, order)};
+    const at::Tensor answer = decode(embedding, ordered, {}, {});
+    return at::empty_like(answer).index_copy_(0, order, answer);
   }
 };
 
@@ -167,12 +181,16 @@ at::Tensor LightTransportModelImpl::decode(const Embedding& embedding, const Que
   if (!embedding.table.defined()) {
     std::tie(keys, values) = parts_->decoder->keys_and_values(embedding.features);
   }
-  for (int64_t begin = 0; begin < Q; begin += kQueryBlock) {
-    const int64_t count = std::min(kQueryBlock, Q - begin);
+  const bool ordered = !keys.defined() && queries.position.device().is_cpu();
+  const int64_t size = ordered ? kTableBlock : kQueryBlock;
+  for (int64_t begin = 0; begin < Q; begin += size) {
+    const int64_t count = std::min(size, Q - begin);
     const QuerySet block = {queries.position.narrow(0, begin, count),
                             queries.normal.narrow(0, begin, count),
                             queries.albedo.narrow(0, begin, count)};
-    out.narrow(0, begin, count).copy_(parts_->decode(embedding, block, keys, values));
+    out.narrow(0, begin, count)
+        .copy_(ordered ? parts_->decode_ordered(embedding, block)
+                       : parts_->decode(embedding, block, keys, values));
   }
   return out.mul_(embedding.radiance.to(out.options()));
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "lte/ops/neighbour_max.h"
+
 namespace lte::nn {
 namespace {
 
@@ -24,6 +26,10 @@ at::Tensor NeighbourMaxImpl::forward(const at::Tensor& dense, const at::Tensor& 
   const std::vector<at::Tensor> weight = hidden_->weight.chunk(2, 1);  // W_a, W_b
   const at::Tensor of_dense = ops::linear(dense, weight[0]);
   const at::Tensor of_center = ops::linear(center, weight[1] - weight[0], hidden_->bias);
+  if (!at::GradMode::is_enabled() && dense.device().is_cpu() && dense.scalar_type() == at::kFloat) {
+    return ops::neighbour_max_inference(of_dense, of_center, neighbour, output_->weight,
+                                        output_->bias);
+  }
   const int64_t m = neighbour.size(0), k = neighbour.size(1), D = of_dense.size(1);
   const auto block = [&](int64_t begin, int64_t count) {
     const at::Tensor index = neighbour.narrow(0, begin, count).reshape({-1});

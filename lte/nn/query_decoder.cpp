@@ -6,6 +6,7 @@
 #include "lte/nn/transformer_block.h"
 #include "lte/ops/knn.h"
 #include "lte/ops/neighbour_sums.h"
+#include "lte/ops/query_decoder.h"
 
 namespace lte::nn {
 
@@ -38,6 +39,12 @@ at::Tensor QueryLayerImpl::forward(const at::Tensor& G, const at::Tensor& S1, co
   return sum + ffn_->forward(norm2_->forward(sum));
 }
 
+void QueryLayerImpl::append_weights(std::vector<at::Tensor>& weights) const {
+  weights.insert(weights.end(), {norm1_->weight, norm1_->bias, query_->weight, query_->bias,
+                                 output_->weight, output_->bias, norm2_->weight, norm2_->bias});
+  ffn_->append_weights(weights);
+}
+
 QueryDecoderImpl::QueryDecoderImpl(int64_t latent, const ModelConfig& config)
     : neighbours_(config.query_neighbours) {
   const int64_t D = config.channels;
@@ -63,11 +70,15 @@ std::tuple<at::Tensor, at::Tensor> QueryDecoderImpl::keys_and_values(const at::T
   return {at::stack(keys), at::stack(values)};
 }
 
+at::Tensor QueryDecoderImpl::nearest(const at::Tensor& query, const at::Tensor& anchor) const {
+  return std::get<0>(ops::knn(query.to(at::kFloat).contiguous(), anchor, neighbours_));
+}
+
 QueryDecoderImpl::Neighbourhood QueryDecoderImpl::neighbourhood(const at::Tensor& query,
                                                                 const at::Tensor& anchor,
                                                                 double spacing) const {
   Neighbourhood near;
-  near.index = std::get<0>(ops::knn(query.to(at::kFloat).contiguous(), anchor, neighbours_));
+  near.index = nearest(query, anchor);
   const int64_t Q = near.index.size(0), K = near.index.size(1);
   const at::Tensor at_anchor =
       anchor.to(query.scalar_type()).index_select(0, near.index.reshape({-1})).view({Q, K, 3});
@@ -83,8 +94,25 @@ at::Tensor QueryDecoderImpl::forward(const at::Tensor& attributes, const Neighbo
   return run_layers(attributes, S1, S2, near.index.size(1));
 }
 
-at::Tensor QueryDecoderImpl::infer(const at::Tensor& attributes, const Neighbourhood& near,
+std::vector<at::Tensor> QueryDecoderImpl::weights() const {
+  std::vector<at::Tensor> weights;
+  point_->append_weights(weights);
+  gamma_->append_weights(weights);
+  for (const QueryLayer& layer : layers_) layer->append_weights(weights);
+  weights.insert(weights.end(), {norm_->weight, norm_->bias});
+  head_->append_weights(weights);
+  return weights;
+}
+
+at::Tensor QueryDecoderImpl::infer(const at::Tensor& attributes, const at::Tensor& query,
+                                   const at::Tensor& anchor, double spacing,
                                    const at::Tensor& table) {
+  if (table.device().is_cpu() && !is_training()) {  // dropout needs the layers one by one
+    const ops::QueryNeighbourhood near{query, anchor, nearest(query, anchor), 1 / spacing,
+                                       kOffsetLimit};
+    return ops::query_decoder_inference(attributes, near, table, weights());
+  }
+  const Neighbourhood near = neighbourhood(query, anchor, spacing);
   const at::Tensor hidden = gamma_->hidden_activations(near.offset);
   const Linear& last = gamma_->output();
   const auto [S1, S2] =

@@ -34,6 +34,9 @@ class QueryLayerImpl : public torch::nn::Module {
   at::Tensor forward(const at::Tensor& G, const at::Tensor& S1, const at::Tensor& S2,
                      int64_t neighbours);
 
+  /// Appends what forward() reads, in the order of ops::query_decoder_inference().
+  void append_weights(std::vector<at::Tensor>& weights) const;
+
  private:
   double dropout_;
   torch::nn::LayerNorm norm1_{nullptr}, norm2_{nullptr};
@@ -66,11 +69,16 @@ class QueryDecoderImpl : public torch::nn::Module {
   at::Tensor forward(const at::Tensor& attributes, const Neighbourhood& near,
                      const at::Tensor& keys, const at::Tensor& values);
 
-  /// forward() from ops::neighbour_table; float32, no gradients.
-  at::Tensor infer(const at::Tensor& attributes, const Neighbourhood& near,
-                   const at::Tensor& table);
+  /// forward() from ops::neighbour_table; float32, no gradients. On the CPU everything is one
+  /// operator.
+  /// @param query  [Q, 3], @param anchor [m, 3] and @param spacing as for neighbourhood()
+  at::Tensor infer(const at::Tensor& attributes, const at::Tensor& query, const at::Tensor& anchor,
+                   double spacing, const at::Tensor& table);
 
  private:
+  at::Tensor nearest(const at::Tensor& query, const at::Tensor& anchor) const;
+  /// What ops::query_decoder_inference() reads.
+  std::vector<at::Tensor> weights() const;
   at::Tensor run_layers(const at::Tensor& attributes, const at::Tensor& S1, const at::Tensor& S2,
                         int64_t neighbours);
 

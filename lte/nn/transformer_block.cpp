@@ -6,6 +6,7 @@
 
 #include <torch/nn/init.h>
 
+#include "lte/ops/patch_attention.h"
 #include "lte/ops/submanifold_conv.h"
 
 namespace lte::nn {
@@ -25,6 +26,12 @@ at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, const PatchMap& map,
   const int64_t n = x.size(0), C = x.size(1);
   const bool one_patch = !map.gather.defined();
   at::Tensor qkv = qkv_->forward(x);
+  const bool inference = !at::GradMode::is_enabled() && !is_training();
+  if (inference && qkv.device().is_cpu() && qkv.scalar_type() == at::kFloat &&
+      C / heads_ <= ops::kWidestHead) {
+    return proj_->forward(
+        ops::patch_attention_inference(qkv, map.gather, map.inverse, heads_, patch_size));
+  }
   if (!one_patch) qkv = qkv.index_select(0, map.gather);
   const int64_t length = one_patch ? n : patch_size;
   // [3, patches, heads, length, C / heads]

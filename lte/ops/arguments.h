@@ -38,6 +38,20 @@ inline void check_triples(const at::Tensor& t, at::ScalarType dtype, const char*
               " has 2^31 rows or more: ", t.size(0));
 }
 
+/// [Q, K] int64 on the CPU, entries in [0, m).
+inline void check_neighbours(const at::Tensor& index, int64_t Q, int64_t m, const char* op) {
+  TORCH_CHECK(index.dim() == 2 && index.size(0) == Q && index.scalar_type() == at::kLong, op,
+              ": index must be [Q, K] int64, got ", index.sizes(), " ", index.scalar_type());
+  TORCH_CHECK(index.numel() < (int64_t{1} << 31), op,
+              ": index has 2^31 entries or more: ", index.numel());
+  const auto* latent = index.const_data_ptr<int64_t>();
+  const int64_t K = index.size(1) > 0 ? index.size(1) : 1;
+  const int64_t bad =
+      first_row(index.numel(), [&](int64_t i) { return latent[i] < 0 || latent[i] >= m; });
+  TORCH_CHECK(bad == index.numel(), op, ": index of query ", bad / K, ", neighbour ", bad % K,
+              " is ", latent[bad], ", outside the ", m, " latents");
+}
+
 /// CPU tensors only.
 inline void check_finite_rows(const at::Tensor& t, const char* op, const char* name) {
   const auto* p = t.const_data_ptr<float>();

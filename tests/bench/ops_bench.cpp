@@ -1,4 +1,5 @@
-// Times of the operators at the sizes of DESIGN section 7, and FLANN beside knn. Not run by ctest.
+// Times of the operators at the sizes of DESIGN section 7, and FLANN and nanoflann beside knn. Not
+// run by ctest.
 //   lte_ops_microbench --benchmark_filter=Knn        at::set_num_threads: OMP_NUM_THREADS
 #include <ATen/ATen.h>
 #include <ATen/core/grad_mode.h>
@@ -7,6 +8,9 @@
 #include <flann/flann.hpp>
 #endif
 
+#if defined(LTE_HAS_NANOFLANN)
+#include "tests/bench/nanoflann_knn.h"
+#endif
 #include "lte/ops/farthest_point.h"
 #include "lte/ops/knn.h"
 #include "lte/ops/linear.h"
@@ -75,6 +79,26 @@ BENCHMARK_CAPTURE(Flann, camera_262144_in_5000, camera_hits(512), 5000)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 BENCHMARK_CAPTURE(Flann, scene_20000_in_20000, room(20000), 20000)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+#endif
+
+#if defined(LTE_HAS_NANOFLANN)
+void Nanoflann(benchmark::State& state, const at::Tensor& queries, int64_t N) {
+  const at::Tensor points = room(N);
+  const auto leaf_size = static_cast<size_t>(state.range(0));
+  for (auto _ : state) lte::bench::nanoflann_knn(queries, points, 32, leaf_size);
+}
+BENCHMARK_CAPTURE(Nanoflann, camera_262144_in_5000, camera_hits(512), 5000)
+    ->Arg(8)
+    ->Arg(16)
+    ->Arg(32)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(Nanoflann, shuffled_262144_in_5000, room(262144), 5000)
+    ->Arg(8)
+    ->Arg(16)
+    ->Arg(32)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 #endif

@@ -68,8 +68,8 @@ TEST(QueryDecoder, InferenceAgreesWithTraining) {
   const at::Tensor expected = c.reference();
   const at::NoGradGuard no_grad;
   const auto [keys, values] = c.decoder->keys_and_values(c.latent);
-  const auto near = c.decoder->neighbourhood(c.position, c.anchor, c.spacing);
-  const at::Tensor got = c.decoder->infer(c.attributes, near, ops::neighbour_table(keys, values));
+  const at::Tensor got = c.decoder->infer(c.attributes, c.position, c.anchor, c.spacing,
+                                          ops::neighbour_table(keys, values));
   EXPECT_LT(test::relative_difference(got, expected), 1e-5);
 }
 

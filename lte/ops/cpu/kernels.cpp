@@ -9,6 +9,7 @@
 #define LTE_DECLARE_KERNELS(isa)               \
   namespace lte::ops::isa {                    \
   extern const PointKernels kPointKernels;     \
+  extern const DenseKernels kDenseKernels;     \
   extern const SumKernels<float> kFloatSums;   \
   extern const SumKernels<double> kDoubleSums; \
   }
@@ -25,6 +26,7 @@ namespace {
 struct Isa {
   const char* name;
   const PointKernels* points;
+  const DenseKernels* dense;
   const SumKernels<float>* float_sums;
   const SumKernels<double>* double_sums;
 };
@@ -40,13 +42,16 @@ Isa choose() {
                           __builtin_cpu_supports("avx512dq") &&
                           __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
   if (has_avx512 && (wanted.empty() || wanted == "avx512")) {
-    return {"avx512", &avx512::kPointKernels, &avx512::kFloatSums, &avx512::kDoubleSums};
+    return {"avx512", &avx512::kPointKernels, &avx512::kDenseKernels, &avx512::kFloatSums,
+            &avx512::kDoubleSums};
   }
   if (has_avx2 && wanted != "baseline") {
-    return {"avx2", &avx2::kPointKernels, &avx2::kFloatSums, &avx2::kDoubleSums};
+    return {"avx2", &avx2::kPointKernels, &avx2::kDenseKernels, &avx2::kFloatSums,
+            &avx2::kDoubleSums};
   }
 #endif
-  return {"baseline", &baseline::kPointKernels, &baseline::kFloatSums, &baseline::kDoubleSums};
+  return {"baseline", &baseline::kPointKernels, &baseline::kDenseKernels, &baseline::kFloatSums,
+          &baseline::kDoubleSums};
 }
 
 const Isa& isa() {
@@ -57,6 +62,7 @@ const Isa& isa() {
 }  // namespace
 
 const PointKernels& point_kernels() { return *isa().points; }
+const DenseKernels& dense_kernels() { return *isa().dense; }
 const char* cpu_isa() { return isa().name; }
 template <typename T>
 const SumKernels<T>& sum_kernels() {

@@ -54,14 +54,55 @@ struct SumKernels {
   /// it. `position` is [rows, blocks * kBlock], `entry` the latent's own row of the table.
   void (*table_gradient)(const T* entry, const T* grad, int64_t blocks, int64_t layers,
                          const int32_t* rows, int64_t count, int64_t K, const T* position, T* out);
-  /// out[b][r] = bias_b + Σ_h hidden[r][h] weight[b][h], blocks of [kBlock] channels.
-  void (*project)(const T* hidden, int64_t rows, int64_t H, const T* weight, const T* bias,
-                  int64_t blocks, T* out);
+  /// sums() of positions that exist for one query and block at a time: P = bias + Σ_h hidden[h]
+  /// weight[b][h], `weight` [blocks, H, kBlock]. `hidden` holds [H, rows] of each query, rows being
+  /// K rounded up to a multiple of kBlock; `position` has room for [rows, kBlock].
+  void (*projected_sums)(const T* table, int64_t blocks, int64_t layers, const int64_t* index,
+                         int64_t queries, int64_t K, const T* hidden, int64_t H, const T* weight,
+                         const T* bias, T* position, T* out);
+};
+
+/// Floats from one row of a tile to the next. Wider rows continue in further panels of the tile.
+inline constexpr int64_t kPanel = 128;
+/// LayerNorm's, as LibTorch's default.
+inline constexpr float kNormEpsilon = 1e-5f;
+
+/// Dense layers on tiles of rows, float32. Each row's result is the same bits whatever rows there
+/// are besides.
+struct DenseKernels {
+  /// out[r] (+)= bias + Σ_k x[r][k] w[k] over `blocks` blocks of columns, K <= kPanel; without
+  /// `bias`, 0. Weights of block b and input k start at weight + b * block_stride + k * row_stride.
+  void (*multiply)(const float* x, int64_t rows, int64_t K, const float* weight, int64_t row_stride,
+                   int64_t block_stride, const float* bias, int64_t blocks, bool add, float* out);
+  /// x = GELU(x), the exact form, to 10^-6.
+  void (*activate)(float* x, int64_t rows, int64_t blocks);
+  /// out = GELU(a + b) over `count` columns of one row.
+  void (*activate_sum)(const float* a, const float* b, int64_t count, float* out);
+  /// out = max(out, x), and out += x, over `count` columns of one row.
+  void (*maximize)(const float* x, int64_t count, float* out);
+  void (*accumulate)(const float* x, int64_t count, float* out);
+  /// Norm over the channels of each row. Columns past `channels`, to a whole block, are zero, and
+  /// gain and bias too.
+  void (*layer_norm)(const float* x, int64_t rows, int64_t panel_stride, int64_t channels,
+                     const float* gain, const float* bias, float* out);
+  /// x = exp(x − the row's largest) over the first `count` columns of each row; inverse_sum[r]: one
+  /// over the sum of row r.
+  void (*exponentiate)(float* x, int64_t rows, int64_t panel_stride, int64_t count,
+                       float* inverse_sum);
+  /// out = (query ⊙ S1 + S2) * scale. S1 and S2 of row r and block b: sums + r * row_stride + b *
+  /// block_stride, S2 kBlock further.
+  void (*attend)(const float* query, int64_t rows, int64_t blocks, const float* sums,
+                 int64_t row_stride, int64_t block_stride, float scale, float* out);
+  /// GELU of a layer 3 -> H, transposed: offset [3, pairs] -> out [H, pairs]; weight [H, 4], the
+  /// bias last; `pairs` a multiple of kBlock.
+  void (*hidden_positions)(const float* offset, int64_t pairs, const float* weight, int64_t H,
+                           float* out);
 };
 
 /// Of the best instruction set that the processor has: avx512, avx2 or baseline. The environment
 /// variable LTE_CPU_ISA names a lesser one, for tests; read once.
 const PointKernels& point_kernels();
+const DenseKernels& dense_kernels();
 template <typename T>
 const SumKernels<T>& sum_kernels();
 const char* cpu_isa();

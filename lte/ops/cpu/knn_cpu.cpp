@@ -18,6 +18,7 @@
 #include "lte/ops/arguments.h"
 #include "lte/ops/cpu/kd_tree.h"
 #include "lte/ops/cpu/kernels.h"
+#include "lte/ops/cpu/radix_sort.h"
 #include "lte/ops/serialize_kernel.h"
 
 namespace lte::ops {
@@ -240,23 +241,6 @@ uint32_t place_in_leaf(const KdTree::Node& node, const float* query) {
     cell[axis] = at >= 0 ? static_cast<int32_t>(std::min(at, 7.0f)) : 0;
   }
   return static_cast<uint32_t>(z_code(cell[0], cell[1], cell[2]));
-}
-
-/// Stable radix sort of rows by key.
-std::vector<int32_t> sort_rows(const std::vector<uint32_t>& key) {
-  constexpr int kDigit = 11;
-  std::vector<int32_t> rows(key.size()), other(key.size());
-  std::iota(rows.begin(), rows.end(), 0);
-  const uint32_t top = key.empty() ? 0 : *std::max_element(key.begin(), key.end());
-  for (int shift = 0; shift < 32 && top >> shift != 0; shift += kDigit) {
-    std::vector<int64_t> start((1 << kDigit) + 1);
-    const auto digit = [&](int32_t row) { return key[row] >> shift & ((1 << kDigit) - 1); };
-    for (const int32_t row : rows) ++start[digit(row) + 1];
-    std::partial_sum(start.begin(), start.end(), start.begin());
-    for (const int32_t row : rows) other[start[digit(row)]++] = row;
-    rows.swap(other);
-  }
-  return rows;
 }
 
 std::tuple<at::Tensor, at::Tensor> knn_cpu(const at::Tensor& queries, const at::Tensor& points,

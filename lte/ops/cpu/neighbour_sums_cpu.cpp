@@ -13,6 +13,7 @@
 
 #include "lte/ops/arguments.h"
 #include "lte/ops/cpu/kernels.h"
+#include "lte/ops/cpu/packed_linear.h"
 
 namespace lte::ops {
 namespace {
@@ -21,8 +22,6 @@ namespace {
 /// second-level cache.
 constexpr int64_t kTile = 16;
 constexpr int64_t kPair = 2 * kBlock;
-
-int64_t blocks_of(int64_t channels) { return (channels + kBlock - 1) / kBlock; }
 
 /// Rows [begin, end) of two [L, n, C] tensors as [n, blocks, L, 2, kBlock], which starts at row
 /// `begin`.
@@ -82,24 +81,11 @@ void check_table_args(const at::Tensor& keys, const at::Tensor& values, const ch
               " and ", values.scalar_type());
 }
 
-void check_index(const at::Tensor& index, int64_t m, const char* op) {
-  TORCH_CHECK(index.dim() == 2 && index.scalar_type() == at::kLong, op,
-              ": index must be [Q, K] int64, got ", index.sizes(), " ", index.scalar_type());
-  TORCH_CHECK(index.numel() < (int64_t{1} << 31), op,
-              ": index has 2^31 entries or more: ", index.numel());
-  const auto* latent = index.const_data_ptr<int64_t>();
-  const int64_t K = std::max<int64_t>(index.size(1), 1);
-  const int64_t bad =
-      first_row(index.numel(), [&](int64_t i) { return latent[i] < 0 || latent[i] >= m; });
-  TORCH_CHECK(bad == index.numel(), op, ": index of query ", bad / K, ", neighbour ", bad % K,
-              " is ", latent[bad], ", outside the ", m, " latents");
-}
-
 void check_sums_args(const at::Tensor& keys, const at::Tensor& values, const at::Tensor& position,
                      const at::Tensor& index) {
   const char* op = "neighbour_sums";
   check_table_args(keys, values, op);
-  check_index(index, keys.size(1), op);
+  check_neighbours(index, index.size(0), keys.size(1), op);
   TORCH_CHECK(position.dim() == 3 && position.size(0) == index.size(0) &&
                   position.size(1) == index.size(1) && position.size(2) == keys.size(2) &&
                   position.scalar_type() == keys.scalar_type(),
@@ -218,7 +204,7 @@ void check_inference_args(const at::Tensor& table, const at::Tensor& hidden,
                   table.size(3) == 2 && table.size(4) == kBlock && table.is_contiguous(),
               op, ": table must come from neighbour_table() at C = ", weight.size(0), ", got ",
               table.sizes());
-  check_index(index, table.size(0), op);
+  check_neighbours(index, index.size(0), table.size(0), op);
   TORCH_CHECK(hidden.dim() == 3 && hidden.size(0) == index.size(0) &&
                   hidden.size(1) == index.size(1) && hidden.size(2) == weight.size(1),
               op, ": hidden must be [", index.size(0), ", ", index.size(1), ", ", weight.size(1),
@@ -229,19 +215,11 @@ void check_inference_args(const at::Tensor& table, const at::Tensor& hidden,
   }
 }
 
-/// [C, H] as [blocks, H, kBlock], so that a product reads one run of channels for each activation;
-/// and the bias.
-void pack_projection(const at::Tensor& weight, const at::Tensor& bias, std::vector<float>& packed,
-                     std::vector<float>& packed_bias) {
-  const int64_t C = weight.size(0), H = weight.size(1);
-  const at::Tensor w = weight.contiguous(), b = bias.contiguous();
-  packed.assign(blocks_of(C) * H * kBlock, 0.0f);
-  packed_bias.assign(blocks_of(C) * kBlock, 0.0f);
-  for (int64_t c = 0; c < C; ++c) {
-    packed_bias[c] = b.const_data_ptr<float>()[c];
-    for (int64_t h = 0; h < H; ++h) {
-      packed[(c / kBlock * H + h) * kBlock + c % kBlock] = w.const_data_ptr<float>()[c * H + h];
-    }
+/// [K, H] as [H, rows], rows past K zero.
+void transpose(const float* hidden, int64_t K, int64_t H, int64_t rows, float* out) {
+  for (int64_t h = 0; h < H; ++h, out += rows) {
+    for (int64_t i = 0; i < K; ++i) out[i] = hidden[i * H + h];
+    std::fill(out + K, out + rows, 0.0f);
   }
 }
 
@@ -254,8 +232,7 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums_inference_cpu(const at::Tensor
   check_inference_args(table, hidden, weight, bias, index);
   const int64_t L = table.size(2), blocks = table.size(1), C = weight.size(0), H = weight.size(1);
   const int64_t Q = index.size(0), K = index.size(1);
-  std::vector<float> packed, packed_bias;
-  pack_projection(weight, bias, packed, packed_bias);
+  const PackedLinear gamma(weight, bias);
   at::Tensor sum1 = at::empty({L, Q, C}, table.options()), sum2 = at::empty_like(sum1);
   const auto* entries = table.const_data_ptr<float>();
   const auto* activation = hidden.const_data_ptr<float>();
@@ -264,13 +241,16 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums_inference_cpu(const at::Tensor
   auto* out2 = sum2.data_ptr<float>();
   at::parallel_for(0, Q, kTile, [&](int64_t begin, int64_t end) {
     const SumKernels<float>& kernels = sum_kernels<float>();
-    std::vector<float> position(kTile * K * blocks * kBlock), tile(kTile * blocks * L * kPair);
+    const int64_t rows = blocks_of(K) * kBlock;
+    std::vector<float> transposed(kTile * H * rows), position(rows * kBlock),
+        tile(kTile * blocks * L * kPair);
     for (int64_t q = begin; q < end; q += kTile) {
-      const int64_t count = std::min(kTile, end - q), rows = count * K;
-      kernels.project(activation + q * K * H, rows, H, packed.data(), packed_bias.data(), blocks,
-                      position.data());
-      kernels.sums(entries, blocks, L, latent + q * K, count, K, position.data(), kBlock,
-                   rows * kBlock, tile.data());
+      const int64_t count = std::min(kTile, end - q);
+      for (int64_t i = 0; i < count; ++i) {
+        transpose(activation + (q + i) * K * H, K, H, rows, transposed.data() + i * H * rows);
+      }
+      kernels.projected_sums(entries, blocks, L, latent + q * K, count, K, transposed.data(), H,
+                             gamma.weight.data(), gamma.bias.data(), position.data(), tile.data());
       deinterleave(tile.data(), L, Q, C, q, q + count, out1, out2);
     }
   });

@@ -1,7 +1,8 @@
 // Submanifold convolution on the CPU: gather, multiply, scatter, tap by tap.
 //
 // The forward pass gives every thread blocks of output rows and works a block through all taps
-// while it is in the cache. The blocks are the same for any number of threads, and every product
+// while it is in the cache. float32 runs through the dense kernels, other types and odd widths
+// through ATen's products. The blocks are the same for any number of threads, and every product
 // runs on one thread, so results do not depend on it.
 #include <algorithm>
 #include <cstring>
@@ -18,6 +19,7 @@
 #include <torch/library.h>
 
 #include "lte/ops/arguments.h"
+#include "lte/ops/cpu/packed_linear.h"
 
 namespace lte::ops {
 namespace {
@@ -108,6 +110,74 @@ void convolve_rows(const at::Tensor& input, const at::Tensor& weight, const Pair
   }
 }
 
+/// Output columns of one panel for rows [first, last), by the dense kernels: runs of pairs are
+/// gathered into a tile, multiplied and added to their rows. float32, Cout a multiple of kBlock.
+class TileConvolution {
+ public:
+  TileConvolution(const at::Tensor& input, const at::Tensor& weight, const Pairs& pairs, float* out)
+      : in_(input.const_data_ptr<float>()),
+        weight_(weight.const_data_ptr<float>()),
+        Cin_(input.size(1)),
+        Cout_(weight.size(2)),
+        pairs_(pairs),
+        out_(out),
+        gathered_(kTileRows, Cin_),
+        product_(kTileRows, kPanel) {}
+
+  void run(int64_t first, int64_t last, int64_t panel) {
+    for (int64_t tap = 0; tap < pairs_.taps; ++tap) {
+      const int32_t* tap_last = pairs_.output + pairs_.begin[tap + 1];
+      const int32_t* from = std::lower_bound(pairs_.output + pairs_.begin[tap], tap_last, first);
+      const int32_t* to = std::lower_bound(from, tap_last, last);
+      for (; from < to; from += kTileRows) {
+        add_product(from, std::min<int64_t>(kTileRows, to - from), tap, panel);
+      }
+    }
+  }
+
+ private:
+  void add_product(const int32_t* output, int64_t count, int64_t tap, int64_t panel) {
+    const int32_t* rows = pairs_.input + (output - pairs_.output);
+    const int64_t column = panel * kPanel, columns = std::min(kPanel, Cout_ - column);
+    for (int64_t k = 0; k < Cin_; k += kPanel) {
+      const int64_t inputs = std::min(kPanel, Cin_ - k);
+      float* tile = gathered_.panel(k / kPanel);
+      for (int64_t i = 0; i < count; ++i) {
+        std::memcpy(tile + i * kPanel, in_ + rows[i] * Cin_ + k, inputs * sizeof(float));
+      }
+      dense_kernels().multiply(tile, count, inputs, weight_ + (tap * Cin_ + k) * Cout_ + column,
+                               Cout_, kBlock, nullptr, columns / kBlock, k > 0, product_.panel(0));
+    }
+    for (int64_t i = 0; i < count; ++i) {
+      dense_kernels().accumulate(product_.panel(0) + i * kPanel, columns,
+                                 out_ + output[i] * Cout_ + column);
+    }
+  }
+
+  static constexpr int64_t kTileRows = 96;
+  const float *in_, *weight_;
+  int64_t Cin_, Cout_;
+  const Pairs& pairs_;
+  float* out_;
+  Tile gathered_, product_;
+};
+
+/// out += the convolution. Threads own blocks of rows and panels of columns: stages with few points
+/// have wide features.
+void convolve_tiles(const at::Tensor& input, const at::Tensor& weight, const Pairs& pairs,
+                    float* out) {
+  constexpr int64_t kBlockRows = 256;  // the weights of a tap are read once for so many
+  const int64_t N = input.size(0), panels = panels_of(weight.size(2));
+  const int64_t blocks = (N + kBlockRows - 1) / kBlockRows;
+  at::parallel_for(0, blocks * panels, 1, [&](int64_t begin, int64_t end) {
+    TileConvolution convolution(input, weight, pairs, out);
+    for (int64_t i = begin; i < end; ++i) {
+      const int64_t first = i % blocks * kBlockRows;
+      convolution.run(first, std::min(N, first + kBlockRows), i / blocks);
+    }
+  });
+}
+
 at::Tensor submanifold_conv_cpu(const at::Tensor& any_input, const at::Tensor& weight,
                                 const std::optional<at::Tensor>& bias, const at::Tensor& pairs,
                                 const at::Tensor& tap_begin) {
@@ -120,9 +190,17 @@ at::Tensor submanifold_conv_cpu(const at::Tensor& any_input, const at::Tensor& w
                             bias->scalar_type() == input.scalar_type() && bias->is_contiguous()),
               "submanifold_conv: bias must be [", Cout, "] of the input's dtype");
   at::Tensor out = at::empty({N, Cout}, input.options());
+  if (has_bias) {
+    out.copy_(*bias);
+  } else {
+    out.zero_();
+  }
+  if (input.scalar_type() == at::kFloat && Cout % kBlock == 0) {
+    convolve_tiles(input, weight.contiguous(), p, out.data_ptr<float>());
+    return out;
+  }
   AT_DISPATCH_FLOATING_TYPES(input.scalar_type(), "submanifold_conv", [&] {
     auto* to = out.data_ptr<scalar_t>();
-    const auto* b = has_bias ? bias->const_data_ptr<scalar_t>() : nullptr;
     const int64_t blocks = (N + kRows - 1) / kRows;
     at::parallel_for(0, blocks, 1, [&](int64_t begin, int64_t end) {
       const at::AutoDispatchBelowADInplaceOrView below;
@@ -130,12 +208,6 @@ at::Tensor submanifold_conv_cpu(const at::Tensor& any_input, const at::Tensor& w
       at::Tensor product = at::empty({kRows, Cout}, input.options());
       for (int64_t block = begin; block < end; ++block) {
         const int64_t first = block * kRows, last = std::min(N, first + kRows);
-        for (int64_t row = first; row < last; ++row) {
-          if (b != nullptr)
-            std::memcpy(to + row * Cout, b, Cout * sizeof(scalar_t));
-          else
-            std::fill_n(to + row * Cout, Cout, scalar_t{0});
-        }
         convolve_rows(input, weight, p, first, last, gathered, product, to);
       }
     });

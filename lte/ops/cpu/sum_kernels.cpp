@@ -40,6 +40,19 @@ constexpr SumGroup<T> kSumGroups[kSumGroup + 1] = {
     nullptr,         sum_group<T, 1>, sum_group<T, 2>, sum_group<T, 3>,
     sum_group<T, 4>, sum_group<T, 5>, sum_group<T, 6>};
 
+/// One query, one block, all layers.
+template <typename T>
+void sum_query(const T* table, int64_t stride, int64_t layers, const int64_t* index, int64_t K,
+               const T* position, int64_t row_stride, T* out) {
+  for (int64_t l = 0; l < layers; l += kSumGroup) {
+    const int64_t group = layers - l < kSumGroup ? layers - l : kSumGroup;
+    for (int64_t lane = 0; lane < kBlock; lane += kLanes<T>) {
+      kSumGroups<T>[group](table + l * kPair + lane, stride, index, K, position + lane, row_stride,
+                           out + l * kPair + lane);
+    }
+  }
+}
+
 template <typename T>
 void sums(const T* table, int64_t blocks, int64_t layers, const int64_t* index, int64_t queries,
           int64_t K, const T* position, int64_t row_stride, int64_t block_stride, T* out) {
@@ -48,14 +61,9 @@ void sums(const T* table, int64_t blocks, int64_t layers, const int64_t* index, 
   // first-level cache.
   for (int64_t b = 0; b < blocks; ++b) {
     for (int64_t q = 0; q < queries; ++q) {
-      const T* p = position + q * K * row_stride + b * block_stride;
-      for (int64_t l = 0; l < layers; l += kSumGroup) {
-        const int64_t group = layers - l < kSumGroup ? layers - l : kSumGroup;
-        for (int64_t lane = 0; lane < kBlock; lane += kLanes<T>) {
-          kSumGroups<T>[group](table + b * run + l * kPair + lane, stride, index + q * K, K,
-                               p + lane, row_stride, out + q * stride + b * run + l * kPair + lane);
-        }
-      }
+      sum_query(table + b * run, stride, layers, index + q * K, K,
+                position + q * K * row_stride + b * block_stride, row_stride,
+                out + q * stride + b * run);
     }
   }
 }
@@ -143,9 +151,10 @@ void table_gradient(const T* entry, const T* grad, int64_t blocks, int64_t layer
   }
 }
 
-/// ROWS rows times all lanes of one block.
+/// ROWS positions of one block from the transposed activations [H, stride].
 template <typename T, int ROWS>
-void project_rows(const T* hidden, int64_t H, const T* weight, const T* bias, T* out) {
+void project_rows(const T* hidden, int64_t stride, int64_t H, const T* weight, const T* bias,
+                  T* out) {
   constexpr int kVectors = kBlock / kLanes<T>;
   Vector<T> sum[ROWS][kVectors];
 #pragma GCC unroll 16
@@ -159,7 +168,7 @@ void project_rows(const T* hidden, int64_t H, const T* weight, const T* bias, T*
     for (int v = 0; v < kVectors; ++v) w[v] = load(weight + h * kBlock + v * kLanes<T>);
 #pragma GCC unroll 16
     for (int r = 0; r < ROWS; ++r) {
-      const Vector<T> x = splat(hidden[r * H + h]);
+      const Vector<T> x = splat(hidden[h * stride + r]);
 #pragma GCC unroll 8
       for (int v = 0; v < kVectors; ++v) sum[r][v] += x * w[v];
     }
@@ -172,21 +181,22 @@ void project_rows(const T* hidden, int64_t H, const T* weight, const T* bias, T*
 }
 
 template <typename T>
-void project(const T* hidden, int64_t rows, int64_t H, const T* weight, const T* bias,
-             int64_t blocks, T* out) {
+void projected_sums(const T* table, int64_t blocks, int64_t layers, const int64_t* index,
+                    int64_t queries, int64_t K, const T* hidden, int64_t H, const T* weight,
+                    const T* bias, T* position, T* out) {
   constexpr int kVectors = kBlock / kLanes<T>;
   constexpr int kRows = kVectors == 1 ? 16 : kVectors == 2 ? 4 : 2;
-  int64_t r = 0;
-  for (; r + kRows <= rows; r += kRows) {
-    for (int64_t b = 0; b < blocks; ++b) {
-      project_rows<T, kRows>(hidden + r * H, H, weight + b * H * kBlock, bias + b * kBlock,
-                             out + (b * rows + r) * kBlock);
-    }
-  }
-  for (; r < rows; ++r) {
-    for (int64_t b = 0; b < blocks; ++b) {
-      project_rows<T, 1>(hidden + r * H, H, weight + b * H * kBlock, bias + b * kBlock,
-                         out + (b * rows + r) * kBlock);
+  const int64_t run = layers * kPair, stride = blocks * run;
+  const int64_t rows = (K + kBlock - 1) / kBlock * kBlock;
+  // Blocks outside, as in sums().
+  for (int64_t b = 0; b < blocks; ++b) {
+    for (int64_t q = 0; q < queries; ++q) {
+      for (int64_t r = 0; r < rows; r += kRows) {
+        project_rows<T, kRows>(hidden + q * H * rows + r, rows, H, weight + b * H * kBlock,
+                               bias + b * kBlock, position + r * kBlock);
+      }
+      sum_query(table + b * run, stride, layers, index + q * K, K, position, kBlock,
+                out + q * stride + b * run);
     }
   }
 }
@@ -196,8 +206,8 @@ void project(const T* hidden, int64_t rows, int64_t H, const T* weight, const T*
 extern const SumKernels<float> kFloatSums;
 extern const SumKernels<double> kDoubleSums;
 const SumKernels<float> kFloatSums{sums<float>, position_gradient<float>, table_gradient<float>,
-                                   project<float>};
+                                   projected_sums<float>};
 const SumKernels<double> kDoubleSums{sums<double>, position_gradient<double>,
-                                     table_gradient<double>, project<double>};
+                                     table_gradient<double>, projected_sums<double>};
 
 }  // namespace lte::ops::LTE_ISA

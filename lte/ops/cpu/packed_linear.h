@@ -1,0 +1,68 @@
+// Weights of dense layers as the dense kernels read them, and such layers over tiles of rows.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include <ATen/core/Tensor.h>
+
+#include "lte/ops/cpu/kernels.h"
+
+namespace lte::ops {
+
+inline int64_t blocks_of(int64_t channels) { return (channels + kBlock - 1) / kBlock; }
+inline int64_t panels_of(int64_t channels) { return (channels + kPanel - 1) / kPanel; }
+
+/// y = x Wᵀ + b, packed so that a product reads one run of memory for each block of outputs.
+struct PackedLinear {
+  int64_t inputs = 0, outputs = 0, blocks = 0;
+  std::vector<float> weight;  ///< [blocks, inputs, kBlock], zero past `outputs`
+  std::vector<float> bias;    ///< [blocks * kBlock]
+
+  PackedLinear() = default;
+  /// @param w  [outputs, inputs] float32 on the CPU, @param b [outputs]
+  PackedLinear(const at::Tensor& w, const at::Tensor& b);
+};
+
+/// A tile of `rows` rows at most, each as long as `channels`: panels of kPanel columns, one after
+/// the other.
+class Tile {
+ public:
+  Tile(int64_t rows, int64_t channels)
+      : rows_(rows), values_(static_cast<size_t>(panels_of(channels) * rows * kPanel)) {}
+
+  float* panel(int64_t p) { return values_.data() + p * panel_stride(); }
+  const float* panel(int64_t p) const { return values_.data() + p * panel_stride(); }
+  int64_t panel_stride() const { return rows_ * kPanel; }
+
+ private:
+  int64_t rows_;
+  std::vector<float> values_;
+};
+
+/// Panel `p` of the outputs: to (+)= b + W x over all inputs. One `to` panel is [rows, kPanel].
+inline void dense_panel(const PackedLinear& layer, const Tile& x, int64_t rows, int64_t p, bool add,
+                        float* to) {
+  const int64_t first = p * (kPanel / kBlock);
+  const int64_t blocks = std::min(layer.blocks - first, kPanel / kBlock);
+  for (int64_t k = 0; k < layer.inputs; k += kPanel) {
+    dense_kernels().multiply(
+        x.panel(k / kPanel), rows, std::min(kPanel, layer.inputs - k),
+        layer.weight.data() + (first * layer.inputs + k) * kBlock, kBlock, layer.inputs * kBlock,
+        k == 0 ? layer.bias.data() + first * kBlock : nullptr, blocks, add || k > 0, to);
+  }
+}
+
+/// out (+)= W x + b.
+inline void dense(const PackedLinear& layer, const Tile& x, int64_t rows, bool add, Tile& out) {
+  for (int64_t p = 0; p < panels_of(layer.outputs); ++p) {
+    dense_panel(layer, x, rows, p, add, out.panel(p));
+  }
+}
+
+/// out (+)= W2 GELU(W1 x + b1) + b2, by panels of the hidden layer: `hidden` is one panel.
+void perceptron(const PackedLinear& first, const PackedLinear& second, const Tile& x, int64_t rows,
+                bool add, Tile& hidden, Tile& out);
+
+}  // namespace lte::ops

@@ -1,0 +1,22 @@
+// The second half of the nearest-neighbour embedding's G, pair by pair but never in memory: GELU,
+// dense layer, maximum over the neighbours (the paper's equations 2 and 3).
+#pragma once
+
+#include <ATen/core/Tensor.h>
+
+namespace lte::ops {
+
+/// max over k of W GELU(dense[neighbour[l][k]] + center[l]) + b.
+///
+/// @param dense      [n, C] float32
+/// @param center     [m, C] float32
+/// @param neighbour  [m, k] int64 in [0, n), k >= 1
+/// @param weight     [O, C] float32, @param bias [O]
+/// @return  [m, O]
+/// @throws c10::Error on a wrong shape, dtype, or an index out of range
+/// @note CPU only; not differentiable. Each row is the same bits whatever other rows there are.
+at::Tensor neighbour_max_inference(const at::Tensor& dense, const at::Tensor& center,
+                                   const at::Tensor& neighbour, const at::Tensor& weight,
+                                   const at::Tensor& bias);
+
+}  // namespace lte::ops

@@ -1,0 +1,44 @@
+// The query decoder's forward pass in one operator: what nn::QueryDecoder computes, by tiles of
+// queries whose every intermediate stays in the caches of one core (docs/model.md, "Local query
+// decoder").
+#pragma once
+
+#include <cstdint>
+
+#include <ATen/core/Tensor.h>
+#include <ATen/core/TensorBody.h>
+
+namespace lte::ops {
+
+/// Where the queries are and what is near them.
+struct QueryNeighbourhood {
+  at::Tensor position;  ///< [Q, 3] float32
+  at::Tensor anchor;    ///< [m, 3] float32, of the latents
+  at::Tensor index;     ///< [Q, K] int64, the latents near each query, in [0, m)
+  double scale = 1;     ///< offsets are (position − anchor) * scale,
+  double limit = 1;     ///< limited to ±limit
+};
+
+/// @param attributes  [Q, A] float32, what the queries' own MLP sees
+/// @param table       of neighbour_table() with L layers and C channels, float32
+/// @param weights     pairs of weight and bias, float32: `point.hidden`, `point.output`,
+///                    `gamma.hidden` [H, 3], `gamma.output` [C, H]; of each layer `norm1`, `query`,
+///                    `output`, `norm2`, `ffn.hidden`, `ffn.output`; then `norm`, `head.hidden`,
+///                    `head.output` [O, .]. Dense weights are [outputs, inputs].
+/// @return  [Q, O], softplus of the head
+/// @throws c10::Error on a wrong shape, dtype or number of weights, or an index out of range
+/// @note CPU only; not differentiable. Each query's result is the same bits whatever other queries
+///       there are, in whatever order. Queries in the order of spatial_order() run fastest.
+/// @note Some 2 MB of working memory a thread at C = 128 and L = 6, and a copy of the weights.
+at::Tensor query_decoder_inference(const at::Tensor& attributes, const QueryNeighbourhood& near,
+                                   const at::Tensor& table, at::TensorList weights);
+
+/// An order in which consecutive points are near each other: along the Z curve of 1,024 cells an
+/// axis.
+///
+/// @param points  [N, 3] float32, contiguous, finite, on the CPU
+/// @return  [N] int64, a permutation
+/// @note O(N), stable: points of one cell keep their order.
+at::Tensor spatial_order(const at::Tensor& points);
+
+}  // namespace lte::ops

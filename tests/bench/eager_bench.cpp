@@ -1,0 +1,99 @@
+// lte beside the plain PyTorch form of the same network, same weights, same points, in one run:
+//   lte_eager_bench [--queries 16384] [--json F]        the peer takes 0.3 ms a query on two cores
+#include <string>
+#include <vector>
+
+#include <ATen/ATen.h>
+#include <ATen/core/grad_mode.h>
+#include <CLI/CLI.hpp>
+
+#include "infer/bench.h"
+#include "infer/device.h"
+#include "infer/synthetic_room.h"
+#include "lte/base/cli.h"
+#include "lte/base/file.h"
+#include "tests/bench/eager_network.h"
+
+namespace lte::bench {
+namespace {
+
+struct Options {
+  int64_t channels = 128, scene_points = 20'000, queries = 16'384;
+  std::vector<int64_t> blocks = {1024, 8192};
+  int repeats = 3;
+};
+
+/// Largest difference, over the largest value.
+double difference(const at::Tensor& a, const at::Tensor& b) {
+  return ((a - b).abs().max() / b.abs().max()).item<double>();
+}
+
+/// Adds ours and the peer's row, with the ratio of their times and the difference of their results.
+void add_pair(std::vector<infer::BenchResult>& rows, const char* name, int64_t n, int repeats,
+              const std::function<at::Tensor()>& ours, const std::function<at::Tensor()>& eager) {
+  at::Tensor a, b;
+  rows.push_back(infer::time_repeats(name, n, repeats, [&] { a = ours(); }));
+  const double seconds = rows.back().seconds_min;
+  infer::BenchResult peer =
+      infer::time_once(std::string(name) + ", eager", n, [&] { b = eager(); });
+  peer.figures["times_slower"] = peer.seconds_min / seconds;
+  peer.figures["max_relative_difference"] = difference(a, b);
+  rows.push_back(peer);
+}
+
+std::vector<infer::BenchResult> run(const Options& options) {
+  const at::NoGradGuard no_grad;
+  at::manual_seed(1);
+  nn::ModelConfig config;
+  config.channels = options.channels;
+  nn::LightTransportModel model(config);
+  model->eval();
+  const EagerNetwork eager(model);
+  const nn::PointSet points = infer::synthetic_room(options.scene_points, 1);
+  const nn::PointSet surface = infer::synthetic_room(options.queries, 2);
+  const nn::QuerySet queries{surface.position, surface.normal, surface.albedo};
+  const at::Tensor position =
+      ((points.position - std::get<0>(points.position.min(0))) / config.scale).contiguous();
+  const nn::EncoderPlan plan = nn::make_encoder_plan(position, config, false, 0);
+
+  std::vector<infer::BenchResult> rows;
+  nn::Embedding embedding;
+  add_pair(
+      rows, "encode", options.scene_points, options.repeats,
+      [&] {
+        embedding = model->encode(points);
+        return embedding.features;
+      },
+      [&] { return eager.encode(points, plan); });
+  const at::Tensor radiance = embedding.radiance.to(at::kFloat);
+  for (const int64_t block : options.blocks) {
+    add_pair(
+        rows, ("decode, blocks of " + std::to_string(block)).c_str(), options.queries,
+        options.repeats, [&] { return model->decode(embedding, queries); },
+        [&] { return eager.decode(embedding, queries, block).mul(radiance); });
+  }
+  return rows;
+}
+
+}  // namespace
+}  // namespace lte::bench
+
+int main(int argc, char** argv) {
+  CLI::App app{"Times lte beside the plain PyTorch form of its network.", "lte_eager_bench"};
+  lte::bench::Options options;
+  lte::CommonOptions common;
+  lte::add_common_options(app, &common);
+  app.add_option("--channels", options.channels, "D")->check(CLI::PositiveNumber);
+  app.add_option("--scene-points", options.scene_points, "M")->check(CLI::PositiveNumber);
+  app.add_option("--queries", options.queries, "Query points")->check(CLI::PositiveNumber);
+  app.add_option("--blocks", options.blocks, "Queries the peer takes at a time; several are tried")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--repeats", options.repeats, "Timed runs of ours")->check(CLI::PositiveNumber);
+  return lte::run_tool(app, argc, argv, [&] {
+    lte::apply_common_options(common);
+    lte::infer::set_torch_threads(common.threads);
+    const auto rows = lte::bench::run(options);
+    lte::infer::print_bench_table(rows);
+    if (!common.json.empty()) lte::write_file(common.json, lte::infer::bench_json(rows));
+  });
+}

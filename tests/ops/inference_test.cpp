@@ -1,0 +1,209 @@
+// The operators that inference alone calls, against their definitions in float64.
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "lte/ops/neighbour_max.h"
+#include "lte/ops/neighbour_sums.h"
+#include "lte/ops/patch_attention.h"
+#include "lte/ops/query_decoder.h"
+
+#include "fixtures.h"
+
+namespace lte::ops {
+namespace {
+
+at::Tensor floats(at::IntArrayRef shape, uint64_t seed) {
+  return test::normal(shape, seed, at::kFloat);
+}
+
+double relative_error(const at::Tensor& got, const at::Tensor& expected) {
+  return ((got.to(at::kDouble) - expected).norm() / expected.norm()).item<double>();
+}
+
+TEST(NeighbourMax, IsTheMaximumOfThePerceptronOverPairs) {
+  // Sizes about a block of columns, a panel and a tile of rows.
+  for (const auto& [C, O, k, m] : {std::array<int64_t, 4>{1, 1, 1, 1},
+                                   {17, 5, 3, 50},
+                                   {128, 128, 32, 37},
+                                   {130, 257, 7, 20},
+                                   {16, 32, 200, 3}}) {
+    const at::Tensor dense = floats({60, C}, 1), center = floats({m, C}, 2),
+                     weight = floats({O, C}, 3), bias = floats({O}, 4),
+                     neighbour = test::integers(60, {m, k}, 5);
+    const at::Tensor pair =
+        at::gelu((dense.index_select(0, neighbour.view({-1})).view({m, k, C}) + center.unsqueeze(1))
+                     .to(at::kDouble));
+    const at::Tensor expected =
+        at::amax(at::linear(pair, weight.to(at::kDouble), bias.to(at::kDouble)), {1});
+    const at::Tensor got = neighbour_max_inference(dense, center, neighbour, weight, bias);
+    EXPECT_LT(relative_error(got, expected), 1e-6) << "C " << C << ", O " << O << ", k " << k;
+    const at::Tensor one = test::with_threads(
+        1, [&] { return neighbour_max_inference(dense, center, neighbour, weight, bias); });
+    EXPECT_TRUE(at::equal(got, one));
+  }
+}
+
+TEST(NeighbourMax, RefusesBadInput) {
+  const at::Tensor x = floats({4, 3}, 1), w = floats({3, 3}, 2), b = floats({3}, 3);
+  EXPECT_TRUE(test::throws_saying(
+      [&] {
+        neighbour_max_inference(x, x, test::integers(4, {4, 2}, 4).add(4), w, b);
+      },
+      "outside the 4 latents"));
+  EXPECT_TRUE(test::throws_saying(
+      [&] {
+        neighbour_max_inference(x, x, test::integers(4, {4, 0}, 4), w, b);
+      },
+      "over no neighbours"));
+  EXPECT_TRUE(test::throws_saying(
+      [&] {
+        neighbour_max_inference(x, x, test::integers(4, {4, 2}, 4), floats({3, 5}, 2), b);
+      },
+      "dense and center"));
+}
+
+at::Tensor attention_reference(const at::Tensor& qkv, int64_t heads) {
+  const int64_t n = qkv.size(0), C = qkv.size(1) / 3;
+  const at::Tensor parts = qkv.to(at::kDouble).view({n, 3, heads, C / heads}).permute({1, 2, 0, 3});
+  const double scale = 1 / std::sqrt(static_cast<double>(C / heads));
+  const at::Tensor weight = at::softmax(at::matmul(parts[0], parts[1].transpose(1, 2)) * scale, -1);
+  return at::matmul(weight, parts[2]).transpose(0, 1).reshape({n, C});
+}
+
+TEST(PatchAttention, IsSoftmaxAttentionInOnePatch) {
+  for (const auto& [n, C, heads] : {std::array<int64_t, 3>{1, 4, 1},
+                                    {15, 6, 2},
+                                    {16, 32, 1},
+                                    {17, 40, 2},
+                                    {95, 128, 4},
+                                    {129, 64, 2},
+                                    {300, 128, 1}}) {
+    const at::Tensor qkv = 2 * floats({n, 3 * C}, 6);
+    const at::Tensor got = patch_attention_inference(qkv, {}, {}, heads, 1);
+    EXPECT_LT(relative_error(got, attention_reference(qkv, heads)), 2e-6)
+        << "n " << n << ", C " << C << ", heads " << heads;
+  }
+}
+
+TEST(PatchAttention, TakesEachPointsOwnSlotOfItsPatch) {
+  // Ten points in patches of four: slots 8 and 9 are the last points, 10 and 11 repeat slots 6, 7.
+  const at::Tensor order = at::tensor({3, 1, 4, 0, 5, 9, 2, 6, 8, 7}, at::kLong);
+  const at::Tensor gather = at::cat({order, order.slice(0, 6, 8)});
+  const at::Tensor inverse = at::empty_like(order).scatter_(0, order, at::arange(10, at::kLong));
+  const at::Tensor qkv = floats({10, 24}, 7);
+  const at::Tensor got = patch_attention_inference(qkv, gather, inverse, 2, 4);
+  for (int64_t patch = 0; patch < 3; ++patch) {
+    const at::Tensor slots = gather.slice(0, 4 * patch, 4 * patch + 4);
+    const at::Tensor expected = attention_reference(qkv.index_select(0, slots), 2);
+    const int64_t own = patch < 2 ? 4 : 2;
+    EXPECT_LT(
+        relative_error(got.index_select(0, slots.slice(0, 0, own)), expected.slice(0, 0, own)),
+        1e-6);
+  }
+}
+
+TEST(PatchAttention, SurvivesScoresBeyondTheRangeOfExp) {
+  const at::Tensor qkv = floats({70, 48}, 8);
+  qkv.narrow(1, 0, 32).mul_(100);
+  const at::Tensor got = patch_attention_inference(qkv, {}, {}, 1, 1);
+  EXPECT_TRUE(got.isfinite().all().item<bool>());
+  EXPECT_LT(relative_error(got, attention_reference(qkv, 1)), 2e-3);  // rounding of scores of 10^4
+}
+
+TEST(PatchAttention, RefusesBadInput) {
+  const at::Tensor qkv = floats({4, 12}, 9), slots = at::arange(4, at::kLong);
+  EXPECT_TRUE(test::throws_saying([&] { patch_attention_inference(qkv, {}, {}, 3, 1); }, "heads"));
+  EXPECT_TRUE(
+      test::throws_saying([&] { patch_attention_inference(qkv, slots, {}, 1, 4); }, "go together"));
+  EXPECT_TRUE(test::throws_saying([&] { patch_attention_inference(qkv, slots, slots, 1, 3); },
+                                  "no whole patches"));
+  EXPECT_TRUE(test::throws_saying([&] { patch_attention_inference(qkv, slots + 1, slots, 1, 4); },
+                                  "entry 3 of gather"));
+}
+
+TEST(SpatialOrder, IsAPermutationThatKeepsNeighboursTogether) {
+  for (const auto& [name, points] : test::awkward_points(3000)) {
+    const at::Tensor order = spatial_order(points);
+    EXPECT_TRUE(at::equal(std::get<0>(order.sort()), at::arange(3000, at::kLong))) << name;
+  }
+  EXPECT_EQ(spatial_order(at::empty({0, 3})).size(0), 0);
+  const at::Tensor points = test::uniform({3000, 3}, 10);
+  const auto path = [](const at::Tensor& p) {
+    return (p.slice(0, 1) - p.slice(0, 0, -1)).norm(2, 1).sum().item<double>();
+  };
+  EXPECT_LT(path(points.index_select(0, spatial_order(points))), 0.2 * path(points));
+  EXPECT_TRUE(test::throws_saying(
+      [&] { spatial_order(points * std::numeric_limits<float>::infinity()); }, "not finite"));
+}
+
+/// Weights of a decoder of C channels, L layers, A attributes and one hidden width.
+std::vector<at::Tensor> decoder_weights(int64_t A, int64_t C, int64_t L, int64_t hidden) {
+  std::vector<at::Tensor> w;
+  uint64_t seed = 100;
+  const auto linear = [&](int64_t in, int64_t out) {
+    w.push_back(floats({out, in}, seed++) / std::sqrt(static_cast<double>(in)));
+    w.push_back(floats({out}, seed++));
+  };
+  const auto norm = [&] {
+    w.push_back(floats({C}, seed++));
+    w.push_back(floats({C}, seed++));
+  };
+  linear(A, hidden), linear(hidden, C), linear(3, hidden), linear(hidden, C);
+  for (int64_t l = 0; l < L; ++l) {
+    norm(), linear(C, C), linear(C, C), norm(), linear(C, hidden), linear(hidden, C);
+  }
+  norm(), linear(C, hidden), linear(hidden, 3);
+  return w;
+}
+
+TEST(QueryDecoderInference, EachQueryIsTheSameBitsInAnyCompany) {
+  const int64_t Q = 250, m = 40, K = 9, C = 20, L = 3;
+  const auto weights = decoder_weights(9, C, L, 150);
+  const at::Tensor keys = floats({L, m, C}, 11), values = floats({L, m, C}, 12);
+  const at::Tensor table = neighbour_table(keys, values);
+  const at::Tensor attributes = floats({Q, 9}, 13);
+  const QueryNeighbourhood near{test::uniform({Q, 3}, 14), test::uniform({m, 3}, 15),
+                                test::integers(m, {Q, K}, 16), 10, 64};
+  const auto some = [&](const at::Tensor& rows) {
+    const QueryNeighbourhood part{near.position.index_select(0, rows), near.anchor,
+                                  near.index.index_select(0, rows), near.scale, near.limit};
+    return query_decoder_inference(attributes.index_select(0, rows), part, table, weights);
+  };
+  const at::Tensor all = query_decoder_inference(attributes, near, table, weights);
+  EXPECT_EQ(all.sizes(), (at::IntArrayRef{Q, 3}));
+  EXPECT_GE(all.min().item<float>(), 0);
+  const at::Tensor order = at::arange(Q - 1, -1, -1, at::kLong);
+  EXPECT_TRUE(at::equal(some(order), all.index_select(0, order)));
+  for (const int64_t row : {0, 1, 95, 96, 249}) {
+    EXPECT_TRUE(at::equal(some(at::tensor({row}, at::kLong))[0], all[row])) << row;
+  }
+  const at::Tensor one = test::with_threads(
+      1, [&] { return query_decoder_inference(attributes, near, table, weights); });
+  EXPECT_TRUE(at::equal(one, all));
+}
+
+TEST(QueryDecoderInference, RefusesBadInput) {
+  auto weights = decoder_weights(9, 20, 2, 30);
+  const at::Tensor table = neighbour_table(floats({2, 5, 20}, 11), floats({2, 5, 20}, 12));
+  QueryNeighbourhood near{test::uniform({4, 3}, 14), test::uniform({5, 3}, 15),
+                          test::integers(5, {4, 3}, 16), 1, 64};
+  const auto call = [&](int64_t width = 9) {
+    return [&, width] { query_decoder_inference(floats({4, width}, 1), near, table, weights); };
+  };
+  EXPECT_NO_THROW(call()());
+  EXPECT_TRUE(test::throws_saying(call(8), "point.hidden"));
+  near.index[3][1] = 5;
+  EXPECT_TRUE(test::throws_saying(call(), "query 3, neighbour 1"));
+  near.index[3][1] = 0;
+  near.anchor = test::uniform({6, 3}, 15);
+  EXPECT_TRUE(test::throws_saying(call(), "neighbour_table()"));
+  near.anchor = test::uniform({5, 3}, 15);
+  weights[10] = floats({20, 19}, 1);
+  EXPECT_TRUE(test::throws_saying(call(), "query"));
+  weights.pop_back();
+  EXPECT_TRUE(test::throws_saying(call(), "layers have"));
+}
+
+}  // namespace
+}  // namespace lte::ops
