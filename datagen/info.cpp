@@ -92,7 +92,8 @@ namespace {
 Json texture_list(const scene::Scene& scene) {
   std::vector<int> uses(scene.textures.size());
   for (const scene::Material& material : scene.materials) {
-    for (const scene::TextureRef* ref : {&material.base_color_texture, &material.emission_texture})
+    for (const scene::TextureRef* ref : {&material.base_color_texture, &material.emission_texture,
+                                         &material.metallic_roughness_texture})
       if (ref->texture != scene::kNone) ++uses[static_cast<size_t>(ref->texture)];
   }
   Json list = Json::array();

@@ -3,6 +3,8 @@
 
 Coordinates: https://www.graphics.cornell.edu/online/box/data.html (millimetres there). Reflectances and emission are the
 usual linear RGB renditions of its spectra. The light hangs 0.5 mm under the ceiling instead of in a hole in it.
+
+--metal makes the blocks and two walls of rough metal (GGX): roughness 0.1, 0.3 and 0.6, and one half metal.
 """
 import argparse
 import json
@@ -13,6 +15,8 @@ import struct
 WHITE, RED, GREEN, LIGHT = range(4)
 MATERIALS = [("white", (0.73, 0.73, 0.73)), ("red", (0.63, 0.065, 0.05)), ("green", (0.14, 0.45, 0.091)),
              ("light", (0.78, 0.78, 0.78))]
+METALS = {"short block": ("gold", (1.0, 0.77, 0.34), 1, 0.3), "tall block": ("silver", (0.95, 0.93, 0.88), 1, 0.1),
+          "back wall": ("steel", (0.56, 0.57, 0.58), 1, 0.6), "right wall": ("half metal", (0.14, 0.45, 0.091), 0.5, 0.3)}
 EMISSION = (17.0, 12.0, 4.0)
 EMISSIVE_STRENGTH = 32.0  # a power of two: factors are then exact
 ROOM_CENTRE = (278.0, 274.4, 279.6)
@@ -61,6 +65,22 @@ def surfaces():
         yield name, WHITE, [facing(quad, subtract(quad[0], centre)) for quad in quads]
 
 
+def materials(metal):
+    """(name, colour, metallic, roughness), and a function from a surface's name and its usual material to the number."""
+    table = [(name, color, 0, 1) for name, color in MATERIALS]
+    if not metal:
+        return table, lambda surface, usual: usual
+    number = {surface: len(table) + i for i, surface in enumerate(METALS)}
+    return table + list(METALS.values()), lambda surface, usual: number.get(surface, usual)
+
+
+def gltf_material(name, color, metallic, roughness):
+    pbr = {"baseColorFactor": [*color, 1], "metallicFactor": metallic}
+    if metallic:
+        pbr["roughnessFactor"] = roughness
+    return {"name": name, "pbrMetallicRoughness": pbr}
+
+
 class Glb:
     def __init__(self):
         self.binary = bytearray()
@@ -84,25 +104,25 @@ class Glb:
         return position, indices
 
 
-def document():
+def document(metal):
     glb = Glb()
+    table, number_of = materials(metal)
     meshes, nodes = [], []
     for name, material, quads in surfaces():
         position, indices = glb.add_quads(quads)
         meshes.append({"name": name, "primitives": [{"attributes": {"POSITION": position}, "indices": indices,
-                                                     "material": material}]})
+                                                     "material": number_of(name, material)}]})
         nodes.append({"name": name, "mesh": len(meshes) - 1})
     # A half turn about y of glTF's -z.
     nodes.append({"name": "camera", "camera": 0, "translation": list(CAMERA), "rotation": [0, 1, 0, 0]})
-    materials = [{"name": name, "pbrMetallicRoughness": {"baseColorFactor": [*color, 1], "metallicFactor": 0}}
-                 for name, color in MATERIALS]
-    materials[LIGHT]["emissiveFactor"] = [value / EMISSIVE_STRENGTH for value in EMISSION]
-    materials[LIGHT]["extensions"] = {"KHR_materials_emissive_strength": {"emissiveStrength": EMISSIVE_STRENGTH}}
+    gltf_materials = [gltf_material(*entry) for entry in table]
+    gltf_materials[LIGHT]["emissiveFactor"] = [value / EMISSIVE_STRENGTH for value in EMISSION]
+    gltf_materials[LIGHT]["extensions"] = {"KHR_materials_emissive_strength": {"emissiveStrength": EMISSIVE_STRENGTH}}
     return {
         "asset": {"version": "2.0", "generator": "lte scripts/make_cornell_box.py"},
         "extensionsUsed": ["KHR_materials_emissive_strength"],
         "scene": 0, "scenes": [{"name": "cornell_box", "nodes": list(range(len(nodes)))}],
-        "nodes": nodes, "meshes": meshes, "materials": materials,
+        "nodes": nodes, "meshes": meshes, "materials": gltf_materials,
         "cameras": [{"name": "camera", "type": "perspective",
                      "perspective": {"yfov": YFOV, "aspectRatio": 1, "znear": 0.01}}],
         "accessors": glb.accessors, "bufferViews": glb.views,
@@ -115,7 +135,19 @@ def numbers(values):
     return " ".join(repr(float(value)).removesuffix(".0") for value in values)
 
 
-def pbrt_document():
+def pbrt_materials(name, color, metallic, roughness):
+    """Lines of MakeNamedMaterial; a mix of two is named as the whole. pbrt's alpha is the square of our roughness."""
+    diffuse = f'"string type" "diffuse" "rgb reflectance" [{numbers(color)}]'
+    metal = (f'"string type" "conductor" "rgb reflectance" [{numbers(color)}] '
+             f'"float roughness" {numbers([roughness ** 2])} "bool remaproughness" false')
+    if metallic in (0, 1):
+        return [f'MakeNamedMaterial "{name}" {metal if metallic else diffuse}']
+    return [f'MakeNamedMaterial "{name} 0" {diffuse}', f'MakeNamedMaterial "{name} 1" {metal}',
+            f'MakeNamedMaterial "{name}" "string type" "mix" "string materials" ["{name} 0" "{name} 1"] '
+            f'"float amount" {numbers([metallic])}']
+
+
+def pbrt_document(metal):
     """The same scene in PBRT v4. Scale -1 1 1 turns pbrt's left-handed camera into ours."""
     eye = CAMERA
     target = (eye[0], eye[1], eye[2] + 1)
@@ -123,12 +155,13 @@ def pbrt_document():
              f"LookAt {numbers(eye)}  {numbers(target)}  0 1 0",
              f'Camera "perspective" "float fov" {numbers([math.degrees(YFOV)])}',
              'Film "rgb" "integer xresolution" 512 "integer yresolution" 512', "WorldBegin"]
-    for name, color in MATERIALS:
-        lines.append(f'MakeNamedMaterial "{name}" "string type" "diffuse" "rgb reflectance" [{numbers(color)}]')
+    table, number_of = materials(metal)
+    for entry in table:
+        lines += pbrt_materials(*entry)
     for name, material, quads in surfaces():
         points = [value / 1000 for quad in quads for point in quad for value in point]
         indices = [4 * i + k for i in range(len(quads)) for k in (0, 1, 2, 0, 2, 3)]
-        lines += ["", f"# {name}", "AttributeBegin", f'  NamedMaterial "{MATERIALS[material][0]}"']
+        lines += ["", f"# {name}", "AttributeBegin", f'  NamedMaterial "{table[number_of(name, material)][0]}"']
         if material == LIGHT:
             lines.append(f'  AreaLightSource "diffuse" "rgb L" [{numbers(EMISSION)}]')
         lines += [f'  Shape "trianglemesh" "point3 P" [{numbers(points)}]', f'    "integer indices" [{numbers(indices)}]',
@@ -141,8 +174,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=pathlib.Path, default=default,
                         help="the .glb, beside which the .pbrt is put; default: assets/scenes/cornell_box.glb")
-    path = parser.parse_args().out
-    scene, binary = document()
+    parser.add_argument("--metal", action="store_true", help="blocks and two walls of rough metal; needs --out")
+    args = parser.parse_args()
+    path = args.out
+    if args.metal and path == default:
+        parser.error("--metal: name another file with --out; the default one is the shipped scene")
+    scene, binary = document(args.metal)
     text = json.dumps(scene, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -150,7 +187,7 @@ def main():
                      struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(binary), b"BIN\0") +
                      binary)
     pbrt = path.with_suffix(".pbrt")
-    pbrt.write_text(pbrt_document())
+    pbrt.write_text(pbrt_document(args.metal))
     for file in (path, pbrt):
         print(f"{file}: {file.stat().st_size} bytes")
 

@@ -11,7 +11,7 @@ not found, set DRJIT_LIBLLVM_PATH to its file.
 Reads .glb files by itself (the subset that lte writes: one buffer, float attributes, embedded pictures), draws points
 evenly over the surfaces, on the front side, and estimates on both sides with D hits after leaving the point. Mitsuba's
 share: direct light by its emitter sampling at the point, the rest by its `path` integrator along cosine-distributed
-rays, without Russian roulette.
+rays, without Russian roulette. Metals are described in mitsuba_metal.py.
 
 The same scene in another format, for our side alone, is named behind a comma: room.glb,room.pbrt. --environment lights
 scenes from all around: constant R,G,B or an equirectangular .pfm.
@@ -36,6 +36,7 @@ import tempfile
 
 import numpy as np
 
+from mitsuba_metal import register_conductor, surface_bsdf
 import mitsuba_timing
 
 COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
@@ -125,8 +126,8 @@ def transformed_uv(uv, ref):
 class MitsubaScene:
     """Builds the scene for Mitsuba, and keeps the triangles from which points are drawn."""
 
-    def __init__(self, mi, glb, folder, environment=""):
-        self.mi, self.glb, self.folder = mi, glb, pathlib.Path(folder)
+    def __init__(self, mi, glb, folder, environment="", plain_metal=False):
+        self.mi, self.glb, self.folder, self.plain_metal = mi, glb, pathlib.Path(folder), plain_metal
         self.parts = {"type": "scene"}
         self.triangles = []
         self.shift = middle_of(glb)  # Mitsuba calculates in floats, and has no frame of its own
@@ -183,8 +184,8 @@ class MitsubaScene:
         if colors is not None and not base:
             reflectance = {"type": "mesh_attribute", "name": "vertex_color"}
             colors = (colors * factor).astype(np.float32)
-        shape = {"type": "ply", "face_normals": True, "bsdf": {"type": "twosided", "bsdf": {
-            "type": "diffuse", "reflectance": reflectance}}}
+        shape = {"type": "ply", "face_normals": True, "bsdf": {"type": "twosided", "bsdf": surface_bsdf(
+            pbr, reflectance, self.plain_metal)}}
         if emission.max() > 0:
             shape["emitter"] = {"type": "area", "radiance": self.color(glow, emission, uv)}
             if material.get("doubleSided"):  # Mitsuba's shine from their fronts: a second one behind the first
@@ -383,10 +384,13 @@ def main():
     parser.add_argument("--time", action="store_true", help="compare run time at equal error instead")
     parser.add_argument("--threads", type=int, default=os.cpu_count(), help="of both, with --time")
     parser.add_argument("--repeats", type=int, default=8, help="runs of both with seeds of their own, with --time")
+    parser.add_argument("--plain-metal", action="store_true",
+                        help="metal as Mitsuba's own roughconductor: another masking and no Fresnel, so a bias is expected")
     args = parser.parse_args()
     try:
         import mitsuba as mi
         mi.set_variant("llvm_ad_rgb")
+        register_conductor(mi)
     except ImportError as error:
         raise SystemExit(f"Mitsuba is not usable ({error}); see --help for how to install it")
     mi.set_log_level(mi.LogLevel.Error)
@@ -399,7 +403,7 @@ def main():
         path, _, ours_path = name.partition(",")
         path, ours_path = pathlib.Path(path), ours_path or path
         with tempfile.TemporaryDirectory() as folder:
-            scene = MitsubaScene(mi, Glb(path), folder, args.environment)
+            scene = MitsubaScene(mi, Glb(path), folder, args.environment, args.plain_metal)
             positions, normals = scene.draw_points(args.points, args.seed)
             ours = probe_runs(args.datagen, ours_path, positions + scene.shift, normals, args)
             direct, total = mitsuba_irradiance(mi, scene.scene, positions, normals, args.depth, args.samples, args.seed)

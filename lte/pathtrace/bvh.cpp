@@ -83,8 +83,12 @@ InstanceRecord make_record(const scene::Scene& scene, int index, const Vec3& ori
   }
   const scene::Material& material = scene.materials[mesh.material];
   scene::evaluate_appearance(scene, index, 0, 0, 0, 0, &record.albedo, &record.emission);
+  record.gloss = scene::evaluate_gloss(scene, index, 0, 0, 0, 0);
   record.uniform = material.base_color_texture.texture == scene::kNone &&
-                   material.emission_texture.texture == scene::kNone && mesh.colors.empty();
+                   material.emission_texture.texture == scene::kNone &&
+                   material.metallic_roughness_texture.texture == scene::kNone &&
+                   mesh.colors.empty();
+  record.glossy = material.metallic > 0;
   record.emissive = material.emissive();
   record.two_sided = material.double_sided;
   record.light_group = instance.light_group;

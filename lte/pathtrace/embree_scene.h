@@ -27,7 +27,9 @@ struct InstanceRecord {
   float scale = 0;        ///< largest row sum of |M|
   float translation = 0;  ///< largest |translation|
   Rgb albedo, emission;   ///< valid if `uniform`
+  scene::Gloss gloss;     ///< likewise
   bool uniform = false;   ///< no texture and no vertex colours
+  bool glossy = false;    ///< metal, at least in places
   bool emissive = false, two_sided = false;
   int light_group = scene::kNone;
 };

@@ -24,6 +24,7 @@ Transport::Transport(const Bvh& bvh, const Lights& lights, int max_depth, int ro
 
 void Transport::trace_from_surface(const Vec3& position, const Vec3& normal, PathSampler& sampler) {
   paths_.size = sampler.paths();
+  metal_.clear();
   for (int lane = 0; lane < paths_.size; ++lane) {
     paths_.origin.put(lane, position);
     paths_.normal.put(lane, normal);
@@ -64,10 +65,11 @@ void Transport::follow(PathSampler& sampler) {
   }
 }
 
-/// Emission where rays have met something, and from there on the path's lane: origin, side and
-/// throughput. Closes up the lanes of paths that end.
+/// Emission where rays have met something, and from there on the path's lane: origin, side, and
+/// throughput with the albedo of diffuse vertices. Closes up the lanes of paths that end.
 void Transport::shade(int depth) {
   int kept = 0;
+  metal_.clear();
   for (int lane = 0; lane < paths_.size; ++lane) {
     const int instance = hits_.instance[lane];
     if (instance == scene::kNone) {
@@ -83,9 +85,20 @@ void Transport::shade(int depth) {
     const SurfacePoint point = surface_point(record, triangle, u, v, hits_.normal.at(lane));
     const float cos_front = -dot(point.normal, paths_.direction.at(lane));
     if (record.emissive) add_emission(lane, emission, cos_front);
-    const Rgb throughput = paths_.throughput.at(lane) * albedo;
-    if (!(max_component(throughput) > 0)) continue;
     const Vec3 side = cos_front >= 0 ? point.normal : -point.normal;
+    const scene::Gloss gloss = record.uniform || !record.glossy
+                                   ? record.gloss
+                                   : scene::evaluate_gloss(scene_, instance, triangle, u, v, 0);
+    Rgb throughput = paths_.throughput.at(lane);
+    if (gloss.metallic > 0) {
+      metal_of_[kept] = static_cast<int32_t>(metal_.size());
+      metal_.emplace_back(albedo, gloss.metallic, gloss.roughness, side,
+                          -paths_.direction.at(lane));
+    } else {
+      metal_of_[kept] = scene::kNone;
+      throughput *= albedo;
+    }
+    if (!(max_component(throughput) > 0)) continue;
     paths_.origin.put(kept, point.position + side * point.offset);
     paths_.normal.put(kept, side);
     paths_.throughput.put(kept, throughput);
@@ -150,7 +163,20 @@ void Transport::sample_lights(int vertex, PathSampler& sampler) {
   lights_.sample_lanes(paths_.origin, paths_.normal, light_numbers_, paths_.size, &light_samples_);
   weigh_diffuse(paths_.normal, light_samples_.direction, light_samples_.pdf, paths_.size,
                 light_weight_);
+  if (!metal_.empty()) weigh_metal();
   cast_shadows(vertex + 1);
+}
+
+/// The same at metallic vertices, whose reflectance has a colour of its own.
+void Transport::weigh_metal() {
+  for (int lane = 0; lane < paths_.size; ++lane) {
+    if (metal_of_[lane] == scene::kNone || light_weight_[lane] == 0) continue;
+    const Scattering to_light =
+        metal_[static_cast<size_t>(metal_of_[lane])].evaluate(light_samples_.direction.at(lane));
+    const float pdf = light_samples_.pdf[lane];
+    light_weight_[lane] = 1 / (pdf < 0 ? -pdf : pdf + to_light.pdf);
+    light_samples_.radiance.put(lane, light_samples_.radiance.at(lane) * to_light.value);
+  }
 }
 
 /// Closes up the light samples that bring something, and delivers those that arrive.
@@ -198,6 +224,7 @@ void Transport::move_lane(int from, int to) {
   paths_.normal.put(to, paths_.normal.at(from));
   paths_.throughput.put(to, paths_.throughput.at(from));
   paths_.path[to] = paths_.path[from];
+  metal_of_[to] = metal_of_[from];
 }
 
 /// The next directions.
@@ -205,6 +232,29 @@ void Transport::scatter(int vertex, PathSampler& sampler) {
   sampler.direction(vertex, paths_.path, paths_.size, &direction_numbers_);
   cosine_directions(direction_numbers_.x, direction_numbers_.y, paths_.size, paths_.normal,
                     &paths_.direction, paths_.pdf);
+  if (!metal_.empty()) scatter_metal();
+}
+
+/// The same at metallic vertices; closes up the lanes of paths that are lost there.
+void Transport::scatter_metal() {
+  int kept = 0;
+  for (int lane = 0; lane < paths_.size; ++lane) {
+    Vec3 direction = paths_.direction.at(lane);
+    Rgb throughput = paths_.throughput.at(lane);
+    float pdf = paths_.pdf[lane];
+    if (metal_of_[lane] != scene::kNone) {
+      const ScatteringSample next = metal_[static_cast<size_t>(metal_of_[lane])].sample(
+          {to_unit(direction_numbers_.x[lane]), to_unit(direction_numbers_.y[lane])});
+      direction = next.direction, pdf = next.pdf;
+      throughput *= next.weight;
+      if (!(pdf > 0 && max_component(throughput) > 0)) continue;
+    }
+    move_lane(lane, kept);
+    paths_.throughput.put(kept, throughput);
+    paths_.direction.put(kept, direction);
+    paths_.pdf[kept++] = pdf;
+  }
+  paths_.size = kept;
 }
 
 void Transport::deliver(int depth) {

@@ -1,16 +1,20 @@
 // Internal: the light transport that irradiance and images share. A path is a random walk over
-// diffuse surfaces with next-event estimation at each vertex; both ways of meeting a light are
-// weighted by the balance heuristic.
+// diffuse and metallic surfaces with next-event estimation at each vertex; both ways of meeting a
+// light are weighted by the balance heuristic.
 //
 // Paths advance in blocks (path_block.h): at each depth all nearest hits, then shading, then all
 // light samples and their shadow rays, then the next directions. A query point is treated as a
 // white diffuse vertex whose reflected radiance is E / π, so irradiance needs no code of its own.
+// Metallic vertices (bsdf.h) are the exception among the lanes and go one by one. They draw the
+// same numbers as diffuse ones.
 #pragma once
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "lte/base/math.h"
+#include "lte/pathtrace/bsdf.h"
 #include "lte/pathtrace/embree_scene.h"
 #include "lte/pathtrace/lights.h"
 #include "lte/pathtrace/path_block.h"
@@ -68,9 +72,11 @@ class Transport {
   void add_emission(int lane, const Rgb& emission, float cos_front);
   void add_environment(int lane);
   void sample_lights(int vertex, PathSampler& sampler);
+  void weigh_metal();
   void cast_shadows(int depth);
   void play(int vertex, PathSampler& sampler);
   void scatter(int vertex, PathSampler& sampler);
+  void scatter_metal();
   void move_lane(int from, int to);
   void deliver(int depth);
 
@@ -83,6 +89,8 @@ class Transport {
   int64_t rays_traced_ = 0;
 
   PathBlock paths_;
+  std::vector<GlossyBsdf> metal_;         ///< metallic vertices where paths stand
+  alignas(64) int32_t metal_of_[kBlock];  ///< lane's index into metal_, kNone if it is diffuse
   HitBlock hits_;
   LightBlock light_samples_;
   ShadowBlock shadows_;

@@ -1,6 +1,8 @@
 #include "lte/scene/export.h"
 
 #include <cmath>
+#include <map>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -18,6 +20,8 @@ using Json = nlohmann::json;
 
 Json to_json(const Vec3& v) { return {v.x, v.y, v.z}; }
 Json to_json(const Vec2& v) { return {v.x, v.y}; }
+/// A whole number without a point behind it.
+Json to_json(float v) { return v == 0 || v == 1 ? Json(static_cast<int>(v)) : Json(v); }
 
 /// Column-major 4x4, as glTF has it.
 Json to_matrix(const Affine& a) {
@@ -41,12 +45,15 @@ Affine looking(const Vec3& origin, const Vec3& forward, const Vec3& up) {
   return out;
 }
 
-/// glTF pictures carry the sRGB curve; a linear texture is brought onto it.
-std::vector<unsigned char> to_png(const Texture& texture) {
+/// glTF's colours carry the sRGB curve, its other pictures do not; a texture that has it otherwise
+/// is brought onto or off the curve.
+std::vector<unsigned char> to_png(const Texture& texture, bool color) {
   image::Image picture(texture.width(), texture.height(), 3);
   for (size_t i = 0; i < picture.pixels.size(); ++i) {
     const float value = static_cast<float>(texture.texels()[i]) / 255.0f;
-    picture.pixels[i] = texture.srgb() ? value : image::linear_to_srgb(value);
+    picture.pixels[i] = texture.srgb() == color ? value
+                        : color                 ? image::linear_to_srgb(value)
+                                                : image::srgb_to_linear(value);
   }
   return image::encode_png(picture);
 }
@@ -63,7 +70,7 @@ class Exporter {
   void write(const std::filesystem::path& path) {
     json()["asset"] = {{"version", "2.0"}, {"generator", "lte"}};
     json()["extensionsUsed"] = Json::array();
-    for (const auto& texture : scene_.textures) add_image(*texture);
+    add_images();
     for (const Material& material : scene_.materials)
       json()["materials"].push_back(to_json_material(material));
     for (const Mesh& mesh : scene_.meshes) add_mesh(mesh);
@@ -85,10 +92,31 @@ class Exporter {
     if (std::find(used.begin(), used.end(), name) == used.end()) used.push_back(name);
   }
 
-  void add_image(const Texture& texture) {
-    const std::vector<unsigned char> png = to_png(texture);
+  void add_image(const Texture& texture, bool color) {
+    const std::vector<unsigned char> png = to_png(texture, color);
     json()["images"].push_back(
         {{"bufferView", writer_.add_bytes(png.data(), png.size())}, {"mimeType", "image/png"}});
+  }
+
+  /// One a texture, in their order; behind them those that serve as colours and otherwise too.
+  void add_images() {
+    std::set<int> colors, others;
+    for (const Material& material : scene_.materials) {
+      colors.insert({material.base_color_texture.texture, material.emission_texture.texture});
+      others.insert(material.metallic_roughness_texture.texture);
+    }
+    others.erase(kNone);
+    for (size_t i = 0; i < scene_.textures.size(); ++i) {
+      const auto index = static_cast<int>(i);
+      const bool color = colors.contains(index) || !others.contains(index);
+      if (!color) linear_image_[index] = index;
+      add_image(*scene_.textures[i], color);
+    }
+    for (const int index : others) {
+      if (!linear_image_.try_emplace(index, static_cast<int>(json()["images"].size())).second)
+        continue;
+      add_image(*scene_.textures[static_cast<size_t>(index)], /*color=*/false);
+    }
   }
 
   /// Index of the element of `list` that equals `element`, which is added if there is none.
@@ -101,10 +129,12 @@ class Exporter {
     return items.size() - 1;
   }
 
-  Json to_json_ref(const TextureRef& ref) {
+  Json to_json_ref(const TextureRef& ref) { return to_json_ref(ref, ref.texture); }
+
+  Json to_json_ref(const TextureRef& ref, int image) {
     const size_t sampler =
         intern("samplers", {{"wrapS", wrap_code(ref.wrap_u)}, {"wrapT", wrap_code(ref.wrap_v)}});
-    Json out{{"index", intern("textures", {{"source", ref.texture}, {"sampler", sampler}})}};
+    Json out{{"index", intern("textures", {{"source", image}, {"sampler", sampler}})}};
     if (ref.uv_set != 0) out["texCoord"] = ref.uv_set;
     const bool plain =
         ref.offset.x == 0 && ref.offset.y == 0 && ref.scale.x == 1 && ref.scale.y == 1;
@@ -120,10 +150,12 @@ class Exporter {
   Json to_json_material(const Material& material) {
     const Rgb& base = material.base_color;
     Json pbr{{"baseColorFactor", {base.x, base.y, base.z, 1}},
-             {"metallicFactor", 0},
-             {"roughnessFactor", 1}};
+             {"metallicFactor", to_json(material.metallic)},
+             {"roughnessFactor", to_json(material.roughness)}};
     if (material.base_color_texture.texture != kNone)
       pbr["baseColorTexture"] = to_json_ref(material.base_color_texture);
+    if (const TextureRef& ref = material.metallic_roughness_texture; ref.texture != kNone)
+      pbr["metallicRoughnessTexture"] = to_json_ref(ref, linear_image_.at(ref.texture));
     Json out{{"name", material.name}, {"pbrMetallicRoughness", std::move(pbr)}};
     if (material.double_sided) out["doubleSided"] = true;
     if (!material.emissive()) return out;
@@ -200,6 +232,7 @@ class Exporter {
 
   const Scene& scene_;
   GlbWriter writer_;
+  std::map<int, int> linear_image_;  ///< of the textures that hold no colours
 };
 
 }  // namespace

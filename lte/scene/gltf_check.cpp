@@ -90,6 +90,7 @@ void check_material(const Element& material) {
   check_non_negative(glossy, "diffuseFactor");
   check_texture_info(glossy, "diffuseTexture");
   pbr.number("metallicFactor");
+  pbr.number("roughnessFactor");
   check_texture_info(material, "normalTexture");
   check_texture_info(material, "occlusionTexture");
   check_texture_info(material, "emissiveTexture");

@@ -1,4 +1,6 @@
 // Materials and the way they refer to textures.
+#include <algorithm>
+
 #include "lte/base/check.h"
 #include "lte/scene/gltf_import.h"
 
@@ -63,13 +65,11 @@ TextureRef to_ref(const Context& context, const tinygltf::TextureInfo& info) {
 void note_ignored(const tinygltf::Material& material, Notes* notes) {
   const tinygltf::PbrMetallicRoughness& pbr = material.pbrMetallicRoughness;
   note_extensions(material.extensions, "material", notes);
-  if (pbr.metallicRoughnessTexture.index >= 0) notes->add("metallic-roughness texture", "material");
+  if (pbr.metallicRoughnessTexture.index >= 0 && !(pbr.metallicFactor > 0))
+    notes->add("metallic-roughness texture without metallicFactor", "material");
   if (material.normalTexture.index >= 0) notes->add("normal map", "material");
   if (material.occlusionTexture.index >= 0) notes->add("occlusion texture", "material");
   if (material.alphaMode != "OPAQUE") notes->add("alphaMode " + material.alphaMode, "material");
-  // The default of metallicFactor is 1, and most files that leave it out mean no metal.
-  if (material.values.count("metallicFactor") > 0 && pbr.metallicFactor > 0)
-    notes->add("metallicFactor", "material");
 }
 
 /// Texture of an extension, which tinygltf keeps as JSON.
@@ -83,13 +83,25 @@ tinygltf::TextureInfo to_info(const tinygltf::Value& value) {
   return info;
 }
 
+/// Metal as the specification's defaults have it: a file that says nothing means metallicFactor 1,
+/// roughnessFactor 1. What is no metal is Lambertian, without the specification's dielectric coat.
+void read_metal(const Context& context, const tinygltf::PbrMetallicRoughness& source,
+                Material* material) {
+  const auto unit = [](double value) { return static_cast<float>(std::clamp(value, 0.0, 1.0)); };
+  material->metallic = unit(source.metallicFactor);
+  material->roughness = unit(source.roughnessFactor);
+  if (material->metallic > 0)
+    material->metallic_roughness_texture = to_ref(context, source.metallicRoughnessTexture);
+}
+
 /// The older specular-glossiness model keeps the colour of a surface apart; it comes first, as it
 /// does for every reader that has it.
-void read_base_color(const Context& context, const tinygltf::Material& source, Material* material) {
+void read_surface(const Context& context, const tinygltf::Material& source, Material* material) {
   const auto glossy = source.extensions.find("KHR_materials_pbrSpecularGlossiness");
   if (glossy == source.extensions.end()) {
     material->base_color = to_rgb(source.pbrMetallicRoughness.baseColorFactor, {1, 1, 1});
     material->base_color_texture = to_ref(context, source.pbrMetallicRoughness.baseColorTexture);
+    read_metal(context, source.pbrMetallicRoughness, material);
     return;
   }
   if (glossy->second.Has("diffuseFactor")) {
@@ -111,7 +123,7 @@ std::vector<Material> read_materials(const Context& context) {
     note_ignored(source, &context.notes);
     Material material;
     material.name = source.name.empty() ? concat("material ", i) : source.name;
-    read_base_color(context, source, &material);
+    read_surface(context, source, &material);
     material.double_sided = source.doubleSided;
     material.emission = to_rgb(source.emissiveFactor, {0, 0, 0});
     const auto strength = source.extensions.find("KHR_materials_emissive_strength");

@@ -1,4 +1,5 @@
 // Images to textures.
+#include <array>
 #include <map>
 #include <string_view>
 #include <utility>
@@ -13,6 +14,13 @@ namespace {
 bool starts_with(Bytes bytes, std::string_view magic) {
   return std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size())
       .starts_with(magic);
+}
+
+/// The references of a material, and whether they are to colours.
+std::array<std::pair<TextureRef*, bool>, 3> references(Material* material) {
+  return {{{&material->base_color_texture, true},
+           {&material->emission_texture, true},
+           {&material->metallic_roughness_texture, false}}};
 }
 
 /// For each image the first one of the same bytes: exporters list a picture once for every use.
@@ -33,27 +41,30 @@ std::vector<int> first_of_each(const Json& images) {
 
 std::vector<std::shared_ptr<const Texture>> read_textures(const Context& context, Buffers* buffers,
                                                           std::vector<Material>* materials) {
-  std::map<int, int> texture_of_image;  // ordered: textures come in the order of the file
+  // By image and its being colours; ordered: textures come in the order of the file.
+  std::map<std::pair<int, bool>, int> texture_of_image;
   const std::vector<int> first = first_of_each(context.file.json["images"]);
   for (Material& material : *materials) {
-    for (TextureRef* ref : {&material.base_color_texture, &material.emission_texture}) {
+    for (const auto& [ref, color] : references(&material)) {
       if (ref->texture == kNone) continue;
       ref->texture = first[static_cast<size_t>(ref->texture)];
-      texture_of_image[ref->texture] = 0;
+      texture_of_image[{ref->texture, color}] = 0;
     }
   }
   std::vector<EncodedPicture> pictures;
-  for (auto& [image, texture] : texture_of_image) {
+  for (auto& [use, texture] : texture_of_image) {
+    const auto& [image, color] = use;
     texture = static_cast<int>(pictures.size());
-    pictures.push_back({buffers->image(image), concat(context.file.name, ": images[", image, "]")});
+    pictures.push_back(
+        {buffers->image(image), concat(context.file.name, ": images[", image, "]"), color});
     const Bytes bytes = pictures.back().bytes;
     LTE_CHECK(starts_with(bytes, "\x89PNG") || starts_with(bytes, "\xff\xd8") ||
                   starts_with(bytes, "RIFF"),
               pictures.back().where, ": neither PNG nor JPEG nor WebP");
   }
   for (Material& material : *materials) {
-    for (TextureRef* ref : {&material.base_color_texture, &material.emission_texture}) {
-      if (ref->texture != kNone) ref->texture = texture_of_image[ref->texture];
+    for (const auto& [ref, color] : references(&material)) {
+      if (ref->texture != kNone) ref->texture = texture_of_image[{ref->texture, color}];
     }
   }
   return decode_textures(pictures, context.limits);

@@ -119,6 +119,7 @@ Scene import(const std::filesystem::path& path, const LoadLimits& limits) {
   if (table.needs_default_material || scene.materials.empty()) {
     scene.materials.emplace_back();
     scene.materials.back().name = "default";
+    scene.materials.back().metallic = 1;  // as the specification has it (3.9)
   }
   add_instances(context, placements, table, &scene);
   check_world_positions(context.file.name, scene);

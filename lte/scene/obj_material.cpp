@@ -15,12 +15,13 @@ namespace {
 
 constexpr size_t kMaxBytes = size_t{1} << 28;
 constexpr float kGrey = 0.5f;
+constexpr float kRoughness = 0.5f;  ///< of a metal without Pr
 
-/// What a statement says that a Lambertian surface cannot show. Values of zero say nothing.
+/// What a statement says that our surfaces cannot show. Values of zero say nothing.
 struct Lost {
   std::string_view keyword, what;
 };
-constexpr std::array<Lost, 15> kLost{{{"Ks", "Ks, specular colour"},
+constexpr std::array<Lost, 14> kLost{{{"Ks", "Ks, specular colour"},
                                       {"map_Ks", "map_Ks, specular map"},
                                       {"map_Ns", "map_Ns, gloss map"},
                                       {"map_d", "map_d, opacity map (surfaces are opaque)"},
@@ -30,7 +31,6 @@ constexpr std::array<Lost, 15> kLost{{{"Ks", "Ks, specular colour"},
                                       {"norm", "normal map"},
                                       {"disp", "displacement map"},
                                       {"refl", "reflection map"},
-                                      {"Pm", "Pm, metallic"},
                                       {"map_Pm", "map_Pm, metallic map"},
                                       {"map_Pr", "map_Pr, roughness map"},
                                       {"Ps", "Ps, sheen"},
@@ -86,7 +86,7 @@ class MtlReader {
     open_ = true;
     material_ = Material{};
     material_.name = std::move(name);
-    has_kd_ = has_ke_ = false;
+    has_kd_ = has_ke_ = has_pr_ = false;
     map_kd_ = map_ke_ = MapLine{};
     lost_.clear();
   }
@@ -102,13 +102,17 @@ class MtlReader {
       map_kd_ = read_map();
     } else if (keyword == "map_Ke") {
       map_ke_ = read_map();
+    } else if (keyword == "Pm" || keyword == "Pr") {
+      const float value = std::clamp(statements_.number(keyword == "Pm" ? "Pm" : "Pr"), 0.0f, 1.0f);
+      (keyword == "Pm" ? material_.metallic : material_.roughness) = value;
+      has_pr_ |= keyword == "Pr";
     } else if (keyword == "d" || keyword == "Tr") {
       read_opacity(keyword);
     } else if (keyword == "illum") {
       const std::string_view model = statements_.word();
       const std::string_view named = "3456789";
       if (model.size() == 1 && named.find(model[0]) != std::string_view::npos)
-        lost_.insert(concat("illum ", model, ", mirrors or glass (surfaces are matt and opaque)"));
+        lost_.insert(concat("illum ", model, ", mirrors or glass (only Pm makes metal)"));
     } else {
       const auto found = std::find_if(kLost.begin(), kLost.end(),
                                       [&](const Lost& lost) { return lost.keyword == keyword; });
@@ -214,6 +218,10 @@ class MtlReader {
       notes_->add("Kd of 0 beside a map_Kd", "material");
       material_.base_color = {1, 1, 1};
     }
+    if (material_.metallic > 0 && !has_pr_) {
+      material_.roughness = kRoughness;
+      lost_.insert("Pm without Pr (roughness 0.5 taken)");
+    }
     if (!has_ke_ && !map_ke_.file.empty()) material_.emission = {1, 1, 1};
     if (material_.emissive()) {
       material_.emission_texture = to_ref(map_ke_);
@@ -229,7 +237,7 @@ class MtlReader {
   Statements statements_;
   Notes* notes_;
   MaterialLibrary* library_;
-  bool open_ = false, has_kd_ = false, has_ke_ = false;
+  bool open_ = false, has_kd_ = false, has_ke_ = false, has_pr_ = false;
   Material material_;
   MapLine map_kd_, map_ke_;
   std::set<std::string> lost_;

@@ -130,6 +130,8 @@ class Importer {
         def.type == def.name && def.at.file != nullptr ? concat(def.name, " ", def.at) : def.name;
     material.base_color = appearance.factor;
     material.base_color_texture = appearance.texture;
+    const Gloss gloss = materials_.gloss(shape.material);
+    material.metallic = gloss.metallic, material.roughness = gloss.roughness;
     bool shareable = true;
     if (shape.area_light != kNone) shareable = add_emission(shape, to_world, &material);
     const int index = static_cast<int>(scene_.materials.size());

@@ -42,6 +42,12 @@ struct Material {
   Rgb emission{0, 0, 0};  ///< radiance factor, KHR_materials_emissive_strength included
   TextureRef emission_texture;
   bool double_sided = false;  ///< decides whether emission leaves the back face too
+  /// [0, 1]: share of a rough conductor that reflects the base colour at normal incidence (GGX,
+  /// Schlick's Fresnel); the rest is Lambertian with the base colour as albedo.
+  float metallic = 0;
+  float roughness = 1;  ///< [0, 1], of the conductor: α = roughness²
+  /// Linear: G times `roughness`, B times `metallic`.
+  TextureRef metallic_roughness_texture;
 
   bool emissive() const { return max_component(emission) > 0; }
 };
@@ -110,12 +116,18 @@ struct Scene {
   Bounds bounds() const;           ///< world, of all instanced vertices
 };
 
+/// As in Material, texture included.
+struct Gloss {
+  float metallic = 0, roughness = 1;
+};
+
 /// The appearance of one surface point; see DESIGN section 5.
 struct Surface {
   Vec3 position;  ///< world
   Vec3 normal;    ///< world, unit, geometric, front side
   Rgb albedo;     ///< [0, 1]
   Rgb emission;   ///< radiance that leaves the front
+  Gloss gloss;
   int light_group = kNone;
   bool emits_back = false;
 };
@@ -130,6 +142,10 @@ Surface evaluate_surface(const Scene& scene, int instance, uint32_t triangle, fl
 /// Appearance alone, cheaper: what a path needs at a hit whose normal Embree gave.
 void evaluate_appearance(const Scene& scene, int instance, uint32_t triangle, float u, float v,
                          float footprint, Rgb* albedo, Rgb* emission);
+
+/// How metallic and how rough a surface is: cheap, and apart, as few are metal at all.
+Gloss evaluate_gloss(const Scene& scene, int instance, uint32_t triangle, float u, float v,
+                     float footprint);
 
 /// Emission of `material` can leave the side that `cos_theta` (dot of outward direction and front
 /// normal) names.

@@ -83,6 +83,17 @@ void evaluate_appearance(const Scene& scene, int instance, uint32_t triangle, fl
       material.emissive() ? material.emission * lookup(material.emission_texture, b) : Rgb{};
 }
 
+Gloss evaluate_gloss(const Scene& scene, int instance, uint32_t triangle, float u, float v,
+                     float footprint) {
+  const Instance& placed = scene.instances[instance];
+  const Material& material = scene.materials[scene.meshes[placed.mesh].material];
+  if (material.metallic_roughness_texture.texture == kNone)
+    return {material.metallic, material.roughness};
+  const TextureLookup lookup(scene, placed, triangle, footprint);
+  const Rgb texel = lookup(material.metallic_roughness_texture, {1 - u - v, u, v});
+  return {material.metallic * texel.z, material.roughness * texel.y};
+}
+
 Surface evaluate_surface(const Scene& scene, int instance, uint32_t triangle, float u, float v,
                          float footprint) {
   const Instance& placed = scene.instances[instance];
@@ -102,6 +113,7 @@ Surface evaluate_surface(const Scene& scene, int instance, uint32_t triangle, fl
   }
   evaluate_appearance(scene, instance, triangle, u, v, footprint, &surface.albedo,
                       &surface.emission);
+  surface.gloss = evaluate_gloss(scene, instance, triangle, u, v, footprint);
   const Material& material = scene.materials[mesh.material];
   surface.light_group = material.emissive() ? placed.light_group : kNone;
   surface.emits_back = material.emissive() && material.double_sided;

@@ -86,7 +86,7 @@ std::vector<uint8_t> decode_stb(const EncodedPicture& picture, Size* size) {
 std::shared_ptr<const Texture> decode(const EncodedPicture& picture, Size size) {
   std::vector<uint8_t> texels =
       is_webp(picture) ? decode_webp(picture, &size) : decode_stb(picture, &size);
-  return std::make_shared<const Texture>(size.width, size.height, std::move(texels), /*srgb=*/true);
+  return std::make_shared<const Texture>(size.width, size.height, std::move(texels), picture.srgb);
 }
 
 }  // namespace

@@ -16,10 +16,11 @@ namespace lte::scene {
 struct EncodedPicture {
   std::span<const std::byte> bytes;
   std::string where;  ///< file and element, for messages
+  bool srgb = true;   ///< of colours; false for values that are linear as they stand
 };
 
-/// Decodes PNG, JPEG, WebP, TGA and BMP, told apart by content, in parallel; colours carry the sRGB
-/// curve, alpha is dropped. Sizes are read from every header, and held against the limits, before
+/// Decodes PNG, JPEG, WebP, TGA and BMP, told apart by content, in parallel; alpha is
+/// dropped. Sizes are read from every header, and held against the limits, before
 /// anything is decoded.
 /// @throws lte::Error naming the picture: none of these formats, damaged, animated, or larger than
 /// the limits of one texture or of all.

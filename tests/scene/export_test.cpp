@@ -56,11 +56,16 @@ void expect_equal(const Scene& a, const Scene& b) {
     EXPECT_EQ(a.materials[i].double_sided, b.materials[i].double_sided);
     expect_equal(a.materials[i].base_color_texture, b.materials[i].base_color_texture);
     expect_equal(a.materials[i].emission_texture, b.materials[i].emission_texture);
+    EXPECT_EQ(a.materials[i].metallic, b.materials[i].metallic);
+    EXPECT_EQ(a.materials[i].roughness, b.materials[i].roughness);
+    expect_equal(a.materials[i].metallic_roughness_texture,
+                 b.materials[i].metallic_roughness_texture);
   }
   ASSERT_EQ(a.textures.size(), b.textures.size());
   for (size_t i = 0; i < a.textures.size(); ++i) {
     EXPECT_EQ(a.textures[i]->width(), b.textures[i]->width());
     EXPECT_EQ(a.textures[i]->texels(), b.textures[i]->texels());
+    EXPECT_EQ(a.textures[i]->srgb(), b.textures[i]->srgb());
   }
   ASSERT_EQ(a.lights.size(), b.lights.size());
   for (size_t i = 0; i < a.lights.size(); ++i) {
@@ -96,6 +101,11 @@ Scene rich_scene() {
   scene.textures.push_back(std::make_shared<const Texture>(5, 3, texels, true));
   scene.textures.push_back(
       std::make_shared<const Texture>(1, 1, std::vector<uint8_t>{250, 3, 77}, true));
+  scene.textures.push_back(
+      std::make_shared<const Texture>(1, 1, std::vector<uint8_t>{0, 130, 255}, false));
+  scene.materials[1].metallic = 0.3f, scene.materials[1].roughness = 0.7f;
+  scene.materials[2].metallic = 1, scene.materials[2].roughness = 0;
+  scene.materials[2].metallic_roughness_texture.texture = 2;
   TextureRef ref;
   ref.texture = 1, ref.uv_set = 1, ref.wrap_u = Wrap::ClampToEdge,
   ref.wrap_v = Wrap::MirroredRepeat;

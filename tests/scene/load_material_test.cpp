@@ -146,7 +146,9 @@ TEST_F(LoadMaterial, ReadsWrapModesAndTransform) {
 
 TEST_F(LoadMaterial, DecodesAnImageOnceAndOnlyIfUsed) {
   start({{"pbrMetallicRoughness",
-          {{"baseColorTexture", {{"index", 0}}}, {"metallicRoughnessTexture", {{"index", 2}}}}},
+          {{"baseColorTexture", {{"index", 0}}},
+           {"metallicFactor", 0},
+           {"metallicRoughnessTexture", {{"index", 2}}}}},
          {"normalTexture", {{"index", 2}}},
          {"emissiveTexture", {{"index", 2}}}});  // without emissiveFactor it has no effect
   builder_.json["materials"].push_back(
@@ -243,6 +245,48 @@ TEST_F(LoadMaterial, SpecularGlossinessGivesItsDiffuseColour) {
   EXPECT_THAT(scene.ignored,
               ElementsAre("KHR_materials_pbrSpecularGlossiness: dropped specular and glossiness "
                           "(the diffuse colour is kept) (1 material)"));
+}
+
+/// glTF 2.0, 5.22.4 and 5.22.5: both are 1 where a file says nothing.
+TEST_F(LoadMaterial, MetalFollowsTheSpecification) {
+  start(Json::object());
+  builder_.json["materials"].push_back(
+      {{"pbrMetallicRoughness", {{"metallicFactor", 0.25}, {"roughnessFactor", 0.5}}}});
+  builder_.json["materials"].push_back(
+      {{"pbrMetallicRoughness", {{"metallicFactor", 7}, {"roughnessFactor", -1}}}});
+  builder_.json["materials"].push_back({{"pbrMetallicRoughness", {{"metallicFactor", 0}}}});
+  builder_.json["materials"].push_back(
+      {{"extensions", {{"KHR_materials_pbrSpecularGlossiness", Json::object()}}}});
+  builder_.mesh(builder_.triangle());  // has no material at all
+  const Scene scene = load();
+  ASSERT_EQ(scene.materials.size(), 6u);
+  const auto expect = [&](size_t i, float metallic, float roughness) {
+    EXPECT_EQ(scene.materials[i].metallic, metallic) << i;
+    EXPECT_EQ(scene.materials[i].roughness, roughness) << i;
+  };
+  expect(0, 1, 1);
+  expect(1, 0.25f, 0.5f);
+  expect(2, 1, 0);
+  expect(3, 0, 1);
+  expect(4, 0, 1);
+  expect(5, 1, 1);
+}
+
+TEST_F(LoadMaterial, MetalTextureIsLinear) {
+  start({{"pbrMetallicRoughness",
+          {{"metallicFactor", 0.5},
+           {"baseColorTexture", {{"index", 0}}},
+           {"metallicRoughnessTexture", {{"index", 0}}}}}});
+  builder_.json["textures"] = {{{"source", 0}}};
+  add_png({200, 51, 102, 0, 255, 0});
+  const Scene scene = load();
+  ASSERT_EQ(scene.textures.size(), 2u) << "colours on the sRGB curve, and the rest";
+  EXPECT_THAT(scene.ignored, ::testing::IsEmpty());
+  const Surface surface =
+      evaluate_surface(scene, 0, 0, 0.25f, 0.5f, 0);  // the first texel's centre
+  EXPECT_NEAR(surface.gloss.roughness, 51 / 255.0, 1e-5);
+  EXPECT_NEAR(surface.gloss.metallic, 0.5 * 102 / 255.0, 1e-5);
+  EXPECT_NEAR(surface.albedo.y, decode(51), 1e-5);
 }
 
 TEST_F(LoadMaterial, NotesTexturesItCannotFollow) {

@@ -317,7 +317,7 @@ TEST_F(Load, NotesWhatItLeavesOut) {
        {"normalTexture", {{"index", 0}}},
        {"occlusionTexture", {{"index", 0}}},
        {"pbrMetallicRoughness",
-        {{"metallicFactor", 0.5}, {"metallicRoughnessTexture", {{"index", 0}}}}}},
+        {{"metallicFactor", 0}, {"metallicRoughnessTexture", {{"index", 0}}}}}},
       {{"extensions", {{"KHR_materials_sheen", Json::object()}}}}};
   EXPECT_THAT(
       load(builder).ignored,
@@ -325,9 +325,9 @@ TEST_F(Load, NotesWhatItLeavesOut) {
                   "KHR_materials_variants: dropped material variants (the default one is kept) "
                   "(1 primitive)",
                   "alphaMode MASK (1 material)", "animations (1 animation)",
-                  "extension EXT_something (1 file)", "metallic-roughness texture (1 material)",
-                  "metallicFactor (1 material)", "normal map (1 material)",
-                  "occlusion texture (1 material)"));
+                  "extension EXT_something (1 file)",
+                  "metallic-roughness texture without metallicFactor (1 material)",
+                  "normal map (1 material)", "occlusion texture (1 material)"));
 }
 
 TEST_F(Load, TakesFilesThatRequireAppearanceItDrops) {

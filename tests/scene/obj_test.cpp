@@ -157,6 +157,21 @@ TEST_F(Obj, TheLowerLeftOfThePictureIsTheOriginOfUv) {
   EXPECT_EQ(evaluate_surface(scene, 0, 1, 0.3f, 0.3f, 0).albedo, (Rgb{0, 1, 0}));
 }
 
+TEST_F(Obj, ReadsMetalAndRoughness) {
+  write("m.mtl",
+        "newmtl a\nKd 1\nPm 1\nPr 0.3\nnewmtl b\nPm 0.4\nnewmtl c\nPr 0.2\nmap_Pr r.png\n");
+  const Scene scene = load(std::string("mtllib m.mtl\n") + kTriangle +
+                           "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\nusemtl c\nf 1 2 3\n");
+  ASSERT_EQ(scene.materials.size(), 3u);
+  EXPECT_EQ(scene.materials[0].metallic, 1);
+  EXPECT_EQ(scene.materials[0].roughness, 0.3f);
+  EXPECT_EQ(scene.materials[1].metallic, 0.4f);
+  EXPECT_EQ(scene.materials[1].roughness, 0.5f);
+  EXPECT_EQ(scene.materials[2].metallic, 0);
+  EXPECT_THAT(scene.ignored, ElementsAre("Pm without Pr (roughness 0.5 taken) (1 material)",
+                                         "map_Pr, roughness map (1 material)"));
+}
+
 TEST_F(Obj, NotesWhatItLeavesOut) {
   write("m.mtl",
         "newmtl a\nKd 1\nKs 0 0 0\nd 1.0\nTr 0\nillum 2\n"
@@ -171,7 +186,7 @@ TEST_F(Obj, NotesWhatItLeavesOut) {
       ElementsAre("Ks, specular colour (1 material)", "bump map (1 material)",
                   "d or Tr, transparency (surfaces are opaque) (1 material)",
                   "free-form curves and surfaces (1 statement)",
-                  "illum 7, mirrors or glass (surfaces are matt and opaque) (1 material)",
+                  "illum 7, mirrors or glass (only Pm makes metal) (1 material)",
                   "lines (1 statement)", "material given twice, the later one (1 material)",
                   "mtllib \"far.mtl\", which is not there (1 file)", "points (1 statement)",
                   "texture \"gone.png\", which is not there (1 use)", "unknown statements (1 line)",

@@ -1,4 +1,6 @@
-// PBRT: materials and values to albedo.
+// PBRT: materials and values to albedo and metal.
+#include <cmath>
+
 #include "lte/scene/spectrum.h"
 #include "tests/scene/pbrt_fixture.h"
 
@@ -57,7 +59,7 @@ TEST_F(PbrtMaterial, WhatIsLeftOutIsNoted) {
 
 TEST_F(PbrtMaterial, ConductorsReflectAtNormalIncidence) {
   const Rgb copper = albedo("Material \"conductor\" \"float roughness\" 0.1");
-  EXPECT_THAT(notes_, ElementsAre(HasSubstr("roughness left out")));
+  EXPECT_THAT(notes_, IsEmpty());
   EXPECT_EQ(copper, *named_conductor("Cu"));
   EXPECT_EQ(albedo("Material \"conductor\" \"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" "
                    "\"metal-Au-k\""),
@@ -74,7 +76,56 @@ TEST_F(PbrtMaterial, ConductorsReflectAtNormalIncidence) {
   EXPECT_EQ(albedo("Material \"conductor\" \"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" "
                    "\"metal-Ag-k\""),
             (Rgb{.5f, .5f, .5f}));
-  EXPECT_THAT(notes_, ElementsAre(HasSubstr("roughness"), HasSubstr("not known here")));
+  EXPECT_THAT(notes_, ElementsAre(HasSubstr("not known here")));
+}
+
+TEST_F(PbrtMaterial, ConductorsAreRoughMetal) {
+  const auto roughness = [&](const std::string& directive) {
+    const Scene scene = load_world(directive + "\n" + kTriangle);
+    notes_ = ignored(scene);
+    EXPECT_EQ(material_of(scene).metallic, 1);
+    return material_of(scene).roughness;
+  };
+  // pbrt-v4: alpha is the square root of what the file says, unless remaproughness is false; and
+  // alpha here is the square of the roughness.
+  EXPECT_NEAR(roughness("Material \"conductor\" \"float roughness\" .0625"), .5, 1e-6);
+  EXPECT_THAT(notes_, IsEmpty());
+  EXPECT_NEAR(roughness("Material \"conductor\" \"float roughness\" .25 "
+                        "\"bool remaproughness\" false"),
+              .5, 1e-6);
+  EXPECT_EQ(roughness("Material \"conductor\""), 0);
+  EXPECT_NEAR(roughness("Material \"conductor\" \"float uroughness\" .04 \"float vroughness\" .01"),
+              std::pow(.04 * .01, 1 / 8.0), 1e-6);
+  EXPECT_THAT(notes_, ElementsAre(HasSubstr("anisotropic roughness")));
+  EXPECT_NEAR(roughness("Material \"coatedconductor\" \"float conductor.roughness\" .0625 "
+                        "\"float interface.roughness\" 1"),
+              .5, 1e-6);
+  EXPECT_THAT(notes_,
+              ElementsAre(HasSubstr("coating is left out"), HasSubstr("interface.roughness")));
+  // pbrt-v3's polynomial: at roughness 1 its logarithm is 0.
+  EXPECT_NEAR(roughness("Material \"metal\" \"float roughness\" 1"), 1, 1e-6);
+  EXPECT_NEAR(roughness("Material \"metal\" \"float roughness\" .01"),
+              std::sqrt(1.62142 - .819955 * 4.605170 + .1734 * 21.207592 - .0171201 * 97.664578 +
+                        .000640711 * 449.762),
+              1e-4);
+  EXPECT_EQ(roughness("Material \"mirror\""), 0);
+  EXPECT_NEAR(roughness("Texture \"t\" \"float\" \"checkerboard\"\n"
+                        "Material \"conductor\" \"texture roughness\" \"t\""),
+              std::sqrt(.3), 1e-6);
+  EXPECT_THAT(notes_, ElementsAre(HasSubstr("texture of a conductor's roughness")));
+}
+
+TEST_F(PbrtMaterial, MixturesShareOutMetal) {
+  const Scene scene = load_world(
+      "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"rgb reflectance\" [1 0 0]\n"
+      "MakeNamedMaterial \"b\" \"string type\" \"conductor\" \"rgb reflectance\" [0 1 0] "
+      "\"float roughness\" .0625\n"
+      "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .25\n" +
+      kTriangle);
+  EXPECT_NEAR(material_of(scene).metallic, .25, 1e-6);
+  EXPECT_NEAR(material_of(scene).roughness, .5, 1e-6);
+  expect_near(material_of(scene).base_color, {.75f, .25f, 0});
+  EXPECT_THAT(ignored(scene), ElementsAre(HasSubstr("mix with a metal")));
 }
 
 TEST_F(PbrtMaterial, NamedOnesMayBeUsedBeforeTheyAreMade) {

@@ -46,6 +46,13 @@ inline int add_material(scene::Scene* scene, const Rgb& albedo, const Rgb& emiss
   return static_cast<int>(scene->materials.size()) - 1;
 }
 
+inline int add_metal(scene::Scene* scene, const Rgb& color, float roughness, float metallic = 1) {
+  const int index = add_material(scene, color);
+  scene->materials.back().metallic = metallic;
+  scene->materials.back().roughness = roughness;
+  return index;
+}
+
 /// Appends a parallelogram; its front is on the side of edge1 × edge2. UV runs along the edges from
 /// (0, 0) to (1, 1).
 inline void append_quad(scene::Mesh* mesh, const Vec3& corner, const Vec3& edge1,
