@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "datagen/bake_incident.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/progress.h"
@@ -31,7 +32,9 @@ enum class Stream : uint64_t {
   QueriesRival,
   View,
   Reach,
-  Cameras
+  Cameras,
+  IncidentPoints,
+  Incident
 };
 
 uint64_t stream_seed(uint64_t seed, Stream stream, int64_t index = 0) {
@@ -53,13 +56,14 @@ class Baker {
     const int64_t rival = options.path_tracing_64 ? kRivalRays : 0;
     const ViewOptions& views = options.views;
     const int64_t pixels = views.count * views.width * views.height;
-    const int64_t paths =
-        options.query_points * (options.rays + rival) + pixels * (views.rays + rival);
+    const int64_t paths = options.query_points * (options.rays + rival) +
+                          pixels * (views.rays + rival) + incident_paths(options.incident);
     // How many paths a target takes is not known before.
     progress_.emplace("baking " + scene.name, options.target_error > 0 ? 0 : paths, "paths");
   }
 
   const pathtrace::Bvh& bvh() const { return bvh_; }
+  const pathtrace::Lights& lights() const { return lights_; }
   int groups() const { return lights_.groups(); }
 
   /// Irradiance at points, spread to `slots` of arrays of `slot_count` (all of them if empty).
@@ -120,12 +124,12 @@ class Baker {
     return out;
   }
 
- private:
   void count(int64_t paths) {
     paths_ += paths;
     if (progress_) progress_->advance(paths);
   }
 
+ private:
   template <typename Use>
   void in_blocks(const std::vector<Vec3>& position, const std::vector<Vec3>& normal, int64_t rays,
                  uint64_t seed, const Use& use) {
@@ -168,6 +172,11 @@ scene::SurfaceSamples draw_points(const pathtrace::Bvh& bvh, const BakeOptions& 
   return points;
 }
 
+bool has_metal(const scene::Scene& scene) {
+  return std::any_of(scene.materials.begin(), scene.materials.end(),
+                     [](const scene::Material& material) { return material.metallic > 0; });
+}
+
 void sample_points(const pathtrace::Bvh& bvh, const BakeOptions& options, data::SceneSample* out) {
   scene::SamplerOptions sampler;
   sampler.seed = stream_seed(options.seed, Stream::ScenePoints);
@@ -180,6 +189,12 @@ void sample_points(const pathtrace::Bvh& bvh, const BakeOptions& options, data::
   out->scene_emission = std::move(points.emission);
   out->scene_area = std::move(points.area);
   out->scene_light.assign(points.light_group.begin(), points.light_group.end());
+  if (has_metal(bvh.scene())) {
+    for (const scene::Gloss& gloss : points.gloss) {
+      out->scene_metallic.push_back(gloss.metallic);
+      out->scene_roughness.push_back(gloss.roughness);
+    }
+  }
 
   sampler = {};
   sampler.seed = stream_seed(options.seed, Stream::QueryPoints);
@@ -191,6 +206,21 @@ void sample_points(const pathtrace::Bvh& bvh, const BakeOptions& options, data::
   out->query_position = std::move(points.position);
   out->query_normal = std::move(points.normal);
   out->query_albedo = std::move(points.albedo);
+}
+
+void bake_incident_points(Baker* baker, const BakeOptions& options, data::SceneSample* out) {
+  if (options.incident.points == 0) return;
+  scene::SamplerOptions sampler;
+  sampler.seed = stream_seed(options.seed, Stream::IncidentPoints);
+  sampler.filter_footprint = false;
+  sampler.punctual_lights = false;
+  sampler.environment_share = 0;
+  int64_t pruned = 0;
+  const scene::SurfaceSamples points = draw_points(baker->bvh(), options, options.incident.points,
+                                                   sampler, pathtrace::Sides::Front, &pruned);
+  out->incident = bake_incident(baker->bvh(), baker->lights(), points, options.incident,
+                                options.max_depth, stream_seed(options.seed, Stream::Incident),
+                                [baker](int64_t paths) { baker->count(paths); });
 }
 
 /// Each of those given once, in an order that the seed draws, and automatic ones after them.
@@ -251,6 +281,11 @@ void check_bake_options(const BakeOptions& options) {
   in_range("views.width", static_cast<double>(options.views.width), 1, 16384);
   in_range("views.height", static_cast<double>(options.views.height), 1, 16384);
   in_range("views.rays", static_cast<double>(options.views.rays), 1, 6e7);
+  in_range("incident.points", static_cast<double>(options.incident.points), 0, 1e7);
+  in_range("incident.bins", static_cast<double>(options.incident.bins), 2, 1024);
+  LTE_CHECK(options.incident.bins % 2 == 0, "incident.bins: expected an even number, got ",
+            options.incident.bins);
+  in_range("incident.samples", static_cast<double>(options.incident.samples), 1, 1e6);
 }
 
 data::SceneSample bake_scene(const scene::Scene& scene, const BakeOptions& options,
@@ -282,6 +317,7 @@ data::SceneSample bake_scene(const scene::Scene& scene, const BakeOptions& optio
   }
   for (int64_t k = 0; k < options.views.count; ++k)
     sample.views.push_back(bake_view(&baker, options, k));
+  bake_incident_points(&baker, options, &sample);
   if (rays != nullptr) *rays = baker.paths();
   return sample;
 }

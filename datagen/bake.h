@@ -16,6 +16,14 @@ struct ViewOptions {
   int64_t rays = 512;  ///< paths a pixel
 };
 
+/// `incident:` in the YAML config: radiance by direction at points of their own
+/// (lte/pathtrace/incident.h).
+struct IncidentBakeOptions {
+  int64_t points = 0;    ///< 0 for none
+  int64_t bins = 32;     ///< bins × bins directions
+  int64_t samples = 64;  ///< paths a direction
+};
+
 struct BakeOptions {
   int64_t scene_points = 20000;
   int64_t query_points = 100000;
@@ -30,6 +38,7 @@ struct BakeOptions {
   double emissive_share = 0.1;  ///< of scene points, guaranteed to luminaires
   bool path_tracing_64 = true;  ///< also bake the rival: 64 independent paths a point
   ViewOptions views;
+  IncidentBakeOptions incident;
   /// Views take these in a random order; empty, or once they are used up: automatic cameras.
   std::vector<scene::Camera> view_cameras;
   uint64_t seed = 1;

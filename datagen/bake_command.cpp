@@ -28,7 +28,8 @@ void run(const Flags& flags) {
   data::write_scene_sample(flags.out, sample);
   log_info(flags.out, ": ", sample.scene_points(), " scene points, ", sample.query_points(),
            " query points, ", sample.light_groups, " light groups, ", sample.views.size(),
-           " views; ", sample.pruned_scene_points, " and ", sample.pruned_query_points,
+           " views, ", sample.incident.points(), " points with incident radiance; ",
+           sample.pruned_scene_points, " and ", sample.pruned_query_points,
            " more points that light cannot reach were left out");
   write_json(flags.common.json, sample_info(sample).dump(2));
 }
@@ -63,6 +64,16 @@ void add_bake_command(CLI::App& app, CommandBody* body) {
   command->add_option("--view-height", bake.views.height, "Pixels")->capture_default_str();
   command->add_option("--view-rays", bake.views.rays, "Paths a pixel of a view")
       ->capture_default_str();
+  command
+      ->add_option("--incident-points", bake.incident.points,
+                   "Points with incident radiance by direction, for glossy surfaces; 0 for none")
+      ->capture_default_str();
+  command
+      ->add_option("--incident-bins", bake.incident.bins,
+                   "Directions are bins x bins cells of the hemisphere; even")
+      ->capture_default_str();
+  command->add_option("--incident-samples", bake.incident.samples, "Paths a cell")
+      ->capture_default_str();
   command->add_option("--seed", bake.seed, "Seed of points and paths")->capture_default_str();
   add_scene_options(*command, &flags->options);
   command->add_flag("--prune", bake.prune, "Draw points only where light can reach them");
@@ -75,6 +86,7 @@ void add_bake_command(CLI::App& app, CommandBody* body) {
       "--rays 256 --views 2\n"
       "  lte_datagen bake room.glb --out room.safetensors --target-error 0.02\n"
       "  lte_datagen bake house.glb --out house.safetensors --environment sky.exr\n"
+      "  lte_datagen bake room.glb --out room.safetensors --incident-points 256\n"
       "  lte_datagen bake room.glb --validate-only");
   command->callback([=] { *body = [flags] { run(*flags); }; });
 }

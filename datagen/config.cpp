@@ -62,6 +62,13 @@ void visit(Io& io, C& config) {
   io("width", config.bake.views.width);
   io("height", config.bake.views.height);
   io("rays", config.bake.views.rays);
+  // Not named where there are none, so that older data sets keep their config.yaml.
+  if (io.covers(config.bake.incident.points > 0)) {
+    io.section("incident");
+    io("points", config.bake.incident.points);
+    io("bins", config.bake.incident.bins);
+    io("samples", config.bake.incident.samples);
+  }
   if (io.covers(config.generator == kBoxes)) visit_rooms(io, config);
   if (io.covers(config.generator == kHomes)) visit_homes(io, config.homes);
 }

@@ -218,6 +218,12 @@ Json sample_info(const data::SceneSample& sample) {
           {"mean_indirect", vec(mean(sample.indirect, N))},
           {"mean_standard_error", std::sqrt(variance / N)},
           {"path_traced_64", !sample.path_traced_64.empty()},
+          {"metal", !sample.scene_metallic.empty()},
+          {"incident",
+           {{"points", sample.incident.points()},
+            {"bins", sample.incident.bins},
+            {"samples", sample.incident.samples},
+            {"bytes", sample.incident.size_bytes()}}},
           {"bounds", bounds_json(sample.bounds_low, sample.bounds_high)}};
 }
 

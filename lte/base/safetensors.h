@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "lte/base/file.h"
+#include "lte/base/half.h"
 
 namespace lte {
 
@@ -24,6 +25,10 @@ size_t dtype_size(DType dtype);
 const char* dtype_name(DType dtype);
 template <typename T>
 constexpr DType dtype_of();
+template <>
+constexpr DType dtype_of<Half>() {
+  return DType::F16;
+}
 template <>
 constexpr DType dtype_of<float>() {
   return DType::F32;

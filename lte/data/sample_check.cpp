@@ -46,6 +46,26 @@ class Checker {
                 "; expected a count that is not negative");
   }
 
+  void non_negative(const std::string& tensor, const std::vector<Half>& values) const {
+    for (size_t i = 0; i < values.size(); ++i) {
+      LTE_CHECK(is_finite(values[i]) && to_float(values[i]) >= 0, file_, ": tensor ", tensor,
+                ": value ", i, " is ", to_float(values[i]),
+                "; expected a finite value that is not negative");
+    }
+  }
+
+  void share(const std::string& tensor, const std::vector<float>& values) const {
+    for (size_t i = 0; i < values.size(); ++i)
+      LTE_CHECK(values[i] >= 0 && values[i] <= 1, file_, ": tensor ", tensor, ": entry ", i, " is ",
+                values[i], "; expected a value in [0, 1]");
+  }
+
+  void positive(const std::string& tensor, const std::vector<float>& values) const {
+    for (size_t i = 0; i < values.size(); ++i)
+      LTE_CHECK(std::isfinite(values[i]) && values[i] > 0, file_, ": tensor ", tensor, ": entry ",
+                i, " is ", values[i], "; expected a finite value above 0");
+  }
+
   void albedo(const std::string& tensor, const std::vector<Rgb>& values) const {
     non_negative(tensor, values);
     for (size_t i = 0; i < values.size(); ++i)
@@ -61,6 +81,13 @@ class Checker {
       if (std::abs(length(values[i]) - 1) > kUnitTolerance)
         fail(tensor, i, values[i], "is not a unit vector");
     }
+  }
+
+  void perpendicular(const std::string& tensor, const std::vector<Vec3>& values,
+                     const std::vector<Vec3>& normals) const {
+    for (size_t i = 0; i < values.size(); ++i)
+      if (std::abs(dot(values[i], normals[i])) > kUnitTolerance)
+        fail(tensor, i, values[i], "is not perpendicular to the normal");
   }
 
   void light(const std::vector<int32_t>& values, int64_t groups) const {
@@ -105,6 +132,37 @@ void check_scene_points(const Checker& check, const SceneSample& sample) {
   check.non_negative("scene_emission", sample.scene_emission);
   check.non_negative("scene_area", sample.scene_area);
   check.light(sample.scene_light, sample.light_groups);
+  if (sample.scene_metallic.empty() && sample.scene_roughness.empty()) return;
+  check.size("scene_metallic", sample.scene_metallic, M);
+  check.size("scene_roughness", sample.scene_roughness, M);
+  check.share("scene_metallic", sample.scene_metallic);
+  check.share("scene_roughness", sample.scene_roughness);
+}
+
+void check_incident(const Checker& check, const IncidentField& field, int64_t G) {
+  const int64_t P = field.points(), cells = int64_t{field.bins} * field.bins;
+  check.size("incident_normal", field.normal, P);
+  check.size("incident_tangent", field.tangent, P);
+  check.size("incident_albedo", field.albedo, P);
+  check.size("incident_metallic", field.metallic, P);
+  check.size("incident_roughness", field.roughness, P);
+  check.size("incident_scale", field.scale, P);
+  check.size("incident_direct", field.direct, G * P * cells * 3);
+  check.size("incident_indirect", field.indirect, G * P * cells * 3);
+  check.size("incident_direction", field.direction, cells);
+  check.size("incident_pdf", field.pdf, cells);
+  check.finite("incident_position", field.position);
+  check.unit("incident_normal", field.normal, nullptr);
+  check.unit("incident_tangent", field.tangent, nullptr);
+  check.perpendicular("incident_tangent", field.tangent, field.normal);
+  check.albedo("incident_albedo", field.albedo);
+  check.share("incident_metallic", field.metallic);
+  check.share("incident_roughness", field.roughness);
+  check.positive("incident_scale", field.scale);
+  check.non_negative("incident_direct", field.direct);
+  check.non_negative("incident_indirect", field.indirect);
+  check.unit("incident_direction", field.direction, nullptr);
+  check.positive("incident_pdf", field.pdf);
 }
 
 void check_query_points(const Checker& check, const SceneSample& sample) {
@@ -169,6 +227,7 @@ void check_sample(const std::string& file, const SceneSample& sample) {
   const Checker check(file);
   check_scene_points(check, sample);
   check_query_points(check, sample);
+  if (!sample.incident.empty()) check_incident(check, sample.incident, sample.light_groups);
   for (size_t k = 0; k < sample.views.size(); ++k) {
     const View& view = sample.views[k];
     LTE_CHECK(view.width >= 1 && view.height >= 1, file, ": view ", k,

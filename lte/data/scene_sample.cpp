@@ -154,6 +154,10 @@ void write_scene_sample(const std::filesystem::path& path, const SceneSample& sa
   add(&writer, "scene_emission", {M}, sample.scene_emission);
   writer.add("scene_area", {M}, sample.scene_area.data());
   writer.add("scene_light", {M}, sample.scene_light.data());
+  if (!sample.scene_metallic.empty()) {
+    writer.add("scene_metallic", {M}, sample.scene_metallic.data());
+    writer.add("scene_roughness", {M}, sample.scene_roughness.data());
+  }
   add(&writer, "query_position", {N}, sample.query_position);
   add(&writer, "query_normal", {N}, sample.query_normal);
   add(&writer, "query_albedo", {N}, sample.query_albedo);
@@ -163,6 +167,7 @@ void write_scene_sample(const std::filesystem::path& path, const SceneSample& sa
   if (!sample.query_rays.empty()) writer.add("query_rays", {N}, sample.query_rays.data());
   if (!sample.path_traced_64.empty()) add(&writer, "path_traced_64", {N}, sample.path_traced_64);
   for (size_t k = 0; k < sample.views.size(); ++k) add_view(&writer, k, G, sample.views[k]);
+  if (!sample.incident.empty()) add_incident(&writer, G, sample.incident);
   writer.write(path);
 }
 
@@ -197,6 +202,10 @@ SceneSample read_scene_sample(const std::filesystem::path& path) {
   read(file, "scene_emission", {M}, &sample.scene_emission);
   read(file, "scene_area", {M}, &sample.scene_area);
   read(file, "scene_light", {M}, &sample.scene_light);
+  if (file.contains("scene_metallic")) {
+    read(file, "scene_metallic", {M}, &sample.scene_metallic);
+    read(file, "scene_roughness", {M}, &sample.scene_roughness);
+  }
   read(file, "query_normal", {N}, &sample.query_normal);
   read(file, "query_albedo", {N}, &sample.query_albedo);
   read(file, "direct", {G, N}, &sample.direct);
@@ -208,6 +217,7 @@ SceneSample read_scene_sample(const std::filesystem::path& path) {
   LTE_CHECK(views <= kMaxViews, path.string(), ": metadata views: ", views, " is above the cap of ",
             kMaxViews);
   for (size_t k = 0; k < views; ++k) sample.views.push_back(read_view(file, k, G));
+  sample.incident = read_incident(file, G);
   check_sample(path.string(), sample);
   return sample;
 }

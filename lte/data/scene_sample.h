@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lte/base/math.h"
+#include "lte/data/incident_field.h"
 
 namespace lte::data {
 
@@ -29,6 +30,8 @@ struct SceneSample {
   std::vector<Vec3> scene_position, scene_normal, scene_albedo, scene_emission;
   std::vector<float> scene_area;     ///< m²
   std::vector<int32_t> scene_light;  ///< light group, −1 for none
+  /// As scene::Material has them; both empty where nothing is metal.
+  std::vector<float> scene_metallic, scene_roughness;
   // Query points, [N]
   std::vector<Vec3> query_position, query_normal, query_albedo;
   int64_t light_groups = 0;           ///< G
@@ -38,6 +41,7 @@ struct SceneSample {
   std::vector<Rgb>
       path_traced_64;  ///< [N], indirect irradiance with 64 rays: the rival (may be empty)
   std::vector<View> views;
+  IncidentField incident;  ///< at points of its own; may be empty
   // Where it came from
   uint64_t seed = 0;
   int64_t rays = 0;         ///< paths a query point; their mean where they differ

@@ -208,7 +208,7 @@ void gather(const std::vector<size_t>& kept, std::vector<T>* values) {
 void gather(const std::vector<size_t>& kept, scene::SurfaceSamples* samples) {
   gather(kept, &samples->position), gather(kept, &samples->normal);
   gather(kept, &samples->albedo), gather(kept, &samples->emission);
-  gather(kept, &samples->area), gather(kept, &samples->light_group);
+  gather(kept, &samples->gloss), gather(kept, &samples->area), gather(kept, &samples->light_group);
 }
 
 /// Indices of the samples to keep.

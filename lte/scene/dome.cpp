@@ -146,6 +146,7 @@ void append_dome_points(const Scene& scene, int64_t count, SurfaceSamples* sampl
     samples->position.push_back(dome.center + direction * dome.radius);
     samples->normal.push_back(normalize(-direction));
     samples->albedo.push_back({0, 0, 0});
+    samples->gloss.push_back({});
     samples->emission.push_back(means[static_cast<size_t>(i)]);
     samples->area.push_back(area);
     samples->light_group.push_back(environment.light_group);

@@ -64,6 +64,7 @@ void fill(const Scene& scene, const AreaTable& table, int64_t begin, int64_t cou
       samples->normal[at] = surface.normal;
       samples->albedo[at] = surface.albedo;
       samples->emission[at] = surface.emission;
+      samples->gloss[at] = surface.gloss;
       samples->area[at] = area;
       samples->light_group[at] = surface.light_group;
     }
@@ -131,6 +132,7 @@ SurfaceSamples make_samples(int64_t count) {
   const auto n = static_cast<size_t>(count);
   SurfaceSamples out;
   out.position.resize(n), out.normal.resize(n), out.albedo.resize(n), out.emission.resize(n);
+  out.gloss.resize(n);
   out.area.resize(n), out.light_group.resize(n, kNone);
   return out;
 }

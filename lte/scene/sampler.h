@@ -13,6 +13,7 @@ namespace lte::scene {
 struct SurfaceSamples {
   std::vector<Vec3> position, normal;
   std::vector<Rgb> albedo, emission;
+  std::vector<Gloss> gloss;
   std::vector<float> area;       ///< m² that the point stands for
   std::vector<int> light_group;  ///< kNone unless emissive
 

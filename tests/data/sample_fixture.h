@@ -74,6 +74,27 @@ inline View make_view(Rng* rng, int width, int height, size_t groups) {
   return view;
 }
 
+inline IncidentField make_incident(Rng* rng, size_t points, int bins, size_t groups) {
+  IncidentField field;
+  field.bins = bins;
+  field.samples = 16;
+  const size_t cells = static_cast<size_t>(bins) * static_cast<size_t>(bins);
+  field.position = random_vectors(rng, points, -2, 2);
+  field.normal.assign(points, {0, 1, 0});
+  field.tangent.assign(points, {0.6f, 0, 0.8f});
+  field.albedo = random_vectors(rng, points, 0, 1);
+  field.metallic.assign(points, 1);
+  field.roughness.assign(points, 0.3f);
+  field.scale.assign(points, 0.25f);
+  for (size_t i = 0; i < groups * points * cells * 3; ++i) {
+    field.direct.push_back(to_half(rng->uniform(0, 60000)));
+    field.indirect.push_back(to_half(rng->uniform(0, 1)));
+  }
+  field.direction = random_units(rng, cells);
+  field.pdf.assign(cells, 0.2f);
+  return field;
+}
+
 inline SceneSample make_sample(int64_t scene_points = 8, int64_t query_points = 6,
                                int64_t groups = 2) {
   Rng rng(11);

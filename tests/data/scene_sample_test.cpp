@@ -75,6 +75,88 @@ TEST_F(SceneSampleFile, ComesBackBitForBit) {
   expect_equal(read_scene_sample(path()), sample);
 }
 
+TEST_F(SceneSampleFile, MetalAndIncidentRadianceComeBackBitForBit) {
+  SceneSample sample = make_sample();
+  Rng rng(4);
+  sample.scene_metallic.assign(8, 0.5f);
+  sample.scene_roughness.assign(8, 0.1f);
+  sample.incident = make_incident(&rng, 3, 4, 2);
+  write_scene_sample(path(), sample);
+  const SceneSample back = read_scene_sample(path());
+  expect_equal(back, sample);
+  EXPECT_EQ(back.scene_metallic, sample.scene_metallic);
+  EXPECT_EQ(back.scene_roughness, sample.scene_roughness);
+  const IncidentField &a = back.incident, &b = sample.incident;
+  EXPECT_EQ(a.bins, b.bins);
+  EXPECT_EQ(a.samples, b.samples);
+  EXPECT_EQ(a.position, b.position);
+  EXPECT_EQ(a.normal, b.normal);
+  EXPECT_EQ(a.tangent, b.tangent);
+  EXPECT_EQ(a.albedo, b.albedo);
+  EXPECT_EQ(a.metallic, b.metallic);
+  EXPECT_EQ(a.roughness, b.roughness);
+  EXPECT_EQ(a.scale, b.scale);
+  EXPECT_EQ(a.direct, b.direct);
+  EXPECT_EQ(a.indirect, b.indirect);
+  EXPECT_EQ(a.direction, b.direction);
+  EXPECT_EQ(a.pdf, b.pdf);
+  const SafetensorsFile file(path());
+  EXPECT_EQ(file.at("incident_indirect").dtype, DType::F16);
+  EXPECT_EQ(file.at("incident_direct").shape, (std::vector<int64_t>{2, 3, 4, 4, 3}));
+  EXPECT_EQ(file.at("incident_direction").shape, (std::vector<int64_t>{4, 4, 3}));
+  EXPECT_EQ(file.at("incident_scale").shape, (std::vector<int64_t>{3}));
+}
+
+TEST_F(SceneSampleFile, BadMetalAndIncidentRadianceAreRefused) {
+  const auto error = [&](const std::function<void(SceneSample*)>& damage) {
+    SceneSample sample = make_sample();
+    Rng rng(4);
+    sample.incident = make_incident(&rng, 3, 4, 2);
+    damage(&sample);
+    return error_of([&] { write_scene_sample(path(), sample); });
+  };
+  EXPECT_EQ(error([](SceneSample*) {}), "");
+  EXPECT_THAT(error([](SceneSample* s) { s->scene_metallic = {1}; }), HasSubstr("scene_metallic"));
+  EXPECT_THAT(error([](SceneSample* s) {
+                s->scene_metallic.assign(8, 0);
+                s->scene_roughness.assign(8, 2);
+              }),
+              HasSubstr("scene_roughness"));
+  EXPECT_THAT(error([](SceneSample* s) { s->incident.direct[7] = Half{0x7c00}; }),
+              AllOf(HasSubstr("incident_direct"), HasSubstr("value 7")));
+  EXPECT_THAT(error([](SceneSample* s) { s->incident.indirect[5] = to_half(-1); }),
+              AllOf(HasSubstr("incident_indirect"), HasSubstr("value 5")));
+  EXPECT_THAT(error([](SceneSample* s) { s->incident.scale[2] = 0; }), HasSubstr("incident_scale"));
+  EXPECT_THAT(error([](SceneSample* s) {
+                s->incident.tangent[1] = {0, 1, 0};
+              }),
+              HasSubstr("perpendicular"));
+  EXPECT_THAT(error([](SceneSample* s) { s->incident.direct.pop_back(); }),
+              HasSubstr("incident_direct"));
+  EXPECT_THAT(error([](SceneSample* s) { s->incident.roughness[0] = NAN; }),
+              HasSubstr("incident_roughness"));
+}
+
+/// 2^-11 of a value, down to 2^-39 of the point's largest, whatever that is.
+TEST(HalfScale, KeepsElevenBitsAtAnyMagnitude) {
+  Rng rng(8);
+  for (const float largest : {1e-30f, 1e-6f, 1.0f, 65504.0f, 1e6f, 3e38f}) {
+    const float scale = half_scale(largest);
+    int exponent = 0;
+    EXPECT_EQ(std::frexp(scale, &exponent), 0.5f) << "a power of two";
+    EXPECT_LT(largest / scale, 32768.0f);
+    for (int i = 0; i < 1000; ++i) {
+      const float value = largest * std::exp2(-rng.uniform(0, 30));
+      const Half half = to_half(value / scale);
+      ASSERT_TRUE(is_finite(half));
+      const double back = double{to_float(half)} * scale;
+      ASSERT_NEAR(back, value, std::max(double{value} / 2048, std::ldexp(largest, -39)));
+    }
+  }
+  EXPECT_EQ(half_scale(0), 1);
+  EXPECT_THAT(error_of([] { half_scale(INFINITY); }), HasSubstr("finite"));
+}
+
 TEST_F(SceneSampleFile, KeepsOptionalTensorsOptionalAndBlackScenesEmpty) {
   SceneSample sample = make_sample(3, 2, 0);
   sample.path_traced_64.clear();

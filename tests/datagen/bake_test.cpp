@@ -188,6 +188,51 @@ TEST_F(Bake, TargetErrorDecidesThePathsAndIsRecorded) {
   EXPECT_EQ(fixed.rays, options.rays);
 }
 
+/// The cells of a point sum to its irradiance, and the file keeps them.
+TEST_F(Bake, IncidentRadianceSumsToIrradiance) {
+  BakeOptions options = tiny_bake();
+  options.incident = {3, 8, 32};
+  options.max_depth = 3;
+  const data::SceneSample baked = bake_scene(furnace(3000, 0.5f), options, false);
+  bytes(baked);
+  const data::SceneSample sample = data::read_scene_sample(folder_ / "sample.safetensors");
+  const data::IncidentField& field = sample.incident;
+  ASSERT_EQ(field.points(), 3);
+  ASSERT_EQ(field.bins, 8);
+  EXPECT_TRUE(sample.scene_metallic.empty());
+  double turn = 0;
+  for (const float pdf : field.pdf) turn += 1 / (64 * double{pdf});
+  EXPECT_NEAR(turn, 2 * M_PI, 1e-4);
+  for (size_t i = 0; i < 3; ++i) {
+    double direct = 0, indirect = 0;
+    for (size_t k = 0; k < 64; ++k) {
+      const size_t at = (i * 64 + k) * 3;
+      direct += kPi / 64 * field.scale[i] * to_float(field.direct[at]);
+      indirect += kPi / 64 * field.scale[i] * to_float(field.indirect[at]);
+    }
+    EXPECT_NEAR(direct, furnace_irradiance(3000, 0.5f, 0, 0), 5e-4 * direct);
+    EXPECT_NEAR(indirect, furnace_irradiance(3000, 0.5f, 1, 2), 0.03 * indirect);
+  }
+}
+
+TEST_F(Bake, MetalIsRecordedAndOtherTensorsStay) {
+  scene::Scene scene = room();
+  const data::SceneSample matt = bake_scene(scene, tiny_bake(), false);
+  EXPECT_TRUE(matt.scene_metallic.empty());
+  EXPECT_TRUE(matt.incident.empty());
+  scene.materials[0].metallic = 1, scene.materials[0].roughness = 0.25f;
+  const data::SceneSample metal = bake_scene(scene, tiny_bake(), false);
+  ASSERT_EQ(metal.scene_metallic.size(), metal.scene_position.size());
+  EXPECT_EQ(metal.scene_position, matt.scene_position);
+  EXPECT_EQ(metal.query_position, matt.query_position);
+  EXPECT_NE(metal.indirect, matt.indirect);
+  int found = 0;
+  for (size_t i = 0; i < metal.scene_metallic.size(); ++i)
+    found += metal.scene_metallic[i] == 1 && metal.scene_roughness[i] == 0.25f;
+  EXPECT_GT(found, 0);
+  EXPECT_LT(found, 64);
+}
+
 TEST_F(Bake, SwitchesLeaveTensorsOut) {
   BakeOptions options = tiny_bake();
   options.path_tracing_64 = false;

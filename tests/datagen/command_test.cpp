@@ -168,6 +168,20 @@ TEST_F(Command, BakeWritesASampleAndNamesBadInput) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "a.safetensors"));
 }
 
+TEST_F(Command, BakeStoresIncidentRadianceAndInfoShowsIt) {
+  const std::string bake =
+      "bake box.glb --out b.safetensors --scene-points 16 --queries 8 --rays 8 --views 0 ";
+  ASSERT_EQ(run(bake + "--incident-points 2 --incident-bins 4 --incident-samples 8 --quiet").code,
+            0);
+  ASSERT_EQ(run("info b.safetensors --json info.json").code, 0);
+  const auto incident = nlohmann::json::parse(read_file(folder_ / "info.json"))["incident"];
+  EXPECT_EQ(incident["points"], 2);
+  EXPECT_EQ(incident["bins"], 4);
+  EXPECT_EQ(incident["samples"], 8);
+  EXPECT_GT(incident["bytes"], 2 * 2 * 16 * 3 * 2);
+  expect_failure(1, "incident.bins", run(bake + "--incident-points 2 --incident-bins 5"));
+}
+
 TEST_F(Command, ReadsObjAndCleansUp) {
   write_file(folder_ / "two.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 2 3 1\nf 1 2 2\n");
   EXPECT_THAT(run("info two.obj").output,

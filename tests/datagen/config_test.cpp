@@ -94,6 +94,15 @@ TEST(DatagenConfig, BoxesAreWrittenWithoutAWordOfHomes) {
   EXPECT_TRUE(boxes.starts_with("scenes: 1000\n"));
 }
 
+TEST(DatagenConfig, IncidentIsWrittenOnlyWhereItIsAskedFor) {
+  DatagenConfig config;
+  EXPECT_EQ(to_yaml(config).find("incident"), std::string::npos);
+  config.bake.incident = {100, 16, 8};
+  const std::string text = to_yaml(config);
+  EXPECT_NE(text.find("incident:\n  points: 100\n  bins: 16\n  samples: 8\n"), std::string::npos);
+  EXPECT_EQ(to_yaml(read_datagen_config(Config::parse(text, "test.yaml"))), text);
+}
+
 TEST(DatagenConfig, OverridesApply) {
   const std::string file = std::string(LTE_SOURCE_DIR) + "/configs/data/demo.yaml";
   const DatagenConfig config = load_datagen_config(file, {"views.rays=7", "rooms.lights=[2, 2]"});
@@ -117,6 +126,10 @@ TEST(DatagenConfig, ValuesOutOfRangeAreNamed) {
               AllOf(HasSubstr("rooms.width_m"), HasSubstr("3 numbers")));
   EXPECT_THAT(error_in("rooms: {lights: [0, 1]}"), HasSubstr("rooms.lights"));
   EXPECT_THAT(error_in("rooms: {texture_sizes: []}"), HasSubstr("rooms.texture_sizes"));
+  EXPECT_THAT(error_in("incident: {points: -1}"), HasSubstr("incident.points"));
+  EXPECT_THAT(error_in("incident: {bins: 5}"),
+              AllOf(HasSubstr("incident.bins"), HasSubstr("even")));
+  EXPECT_THAT(error_in("incident: {samples: 0}"), HasSubstr("incident.samples"));
   EXPECT_THAT(error_in("val_share: 0.6\ntest_share: 0.6"), HasSubstr("val_share"));
   EXPECT_THAT(error_in("evaluation_splits: [exam]"), HasSubstr("\"exam\""));
   EXPECT_THAT(error_in("generator: houses"), AllOf(HasSubstr("generator"), HasSubstr("homes")));
