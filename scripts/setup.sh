@@ -11,7 +11,7 @@ readonly torch_version=2.11.0
 readonly packages=(build-essential cmake ninja-build ccache pkg-config python3 python3-venv
   libembree-dev libopenexr-dev libtinygltf-dev libstb-dev zlib1g-dev libdraco-dev libwebp-dev libflann-dev libcli11-dev
   libyaml-cpp-dev
-  nlohmann-json3-dev libgtest-dev libgmock-dev libbenchmark-dev)
+  nlohmann-json3-dev libgloo-dev libgtest-dev libgmock-dev libbenchmark-dev)
 
 say() { printf 'setup: %s\n' "$*"; }
 fail() { printf 'setup: %s\n' "$*" >&2; exit 1; }

@@ -28,8 +28,13 @@ size_t EpochOrder::scene_at(uint64_t position) {
   return order_[position % scenes_];
 }
 
-BatchLoader::BatchLoader(const TrainConfig& config, double scale, SceneStore* store)
-    : config_(config), scale_(scale), store_(store), order_(config.seed, store->size()) {}
+BatchLoader::BatchLoader(const TrainConfig& config, double scale, SceneStore* store,
+                         const World& world)
+    : config_(config),
+      scale_(scale),
+      store_(store),
+      world_(world),
+      order_(config.seed, store->size()) {}
 
 BatchLoader::~BatchLoader() {
   if (next_.valid()) next_.wait();
@@ -38,7 +43,7 @@ BatchLoader::~BatchLoader() {
 std::vector<Example> BatchLoader::make(int64_t step) {
   std::vector<Example> examples;
   const int64_t count = config_.train.scenes_per_step;
-  for (int64_t slot = 0; slot < count; ++slot) {
+  for (int64_t slot = world_.rank; slot < count; slot += world_.size) {
     const auto position = static_cast<uint64_t>(step * count + slot);
     const auto scene = store_->get(order_.scene_at(position));
     Rng rng(config_.seed, hash_combine(kExampleStream, position));

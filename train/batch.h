@@ -9,6 +9,7 @@
 #include "train/config.h"
 #include "train/example.h"
 #include "train/scene_store.h"
+#include "train/world.h"
 
 namespace lte::train {
 
@@ -27,12 +28,13 @@ class EpochOrder {
   std::vector<size_t> order_;
 };
 
-/// Makes the examples of a step; those of the next are made by another thread while the model
-/// works.
+/// Makes this process's examples of a step, every `world.size`-th beginning with its rank: all
+/// processes together have those that one alone would have. Those of the next are made by another
+/// thread while the model works.
 class BatchLoader {
  public:
   /// @param scale  s, metres: what a rotated scene must fit into
-  BatchLoader(const TrainConfig& config, double scale, SceneStore* store);
+  BatchLoader(const TrainConfig& config, double scale, SceneStore* store, const World& world = {});
   ~BatchLoader();
   BatchLoader(const BatchLoader&) = delete;
   BatchLoader& operator=(const BatchLoader&) = delete;
@@ -46,6 +48,7 @@ class BatchLoader {
   TrainConfig config_;
   double scale_;
   SceneStore* store_;
+  World world_;
   EpochOrder order_;
   std::future<std::vector<Example>> next_;
   int64_t next_step_ = -1;

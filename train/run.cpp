@@ -1,15 +1,19 @@
 #include "train/run.h"
 
+#include <chrono>
 #include <cmath>
+#include <memory>
 
 #include <ATen/Parallel.h>
 #include <nlohmann/json.hpp>
 
 #include "lte/base/check.h"
 #include "lte/base/file.h"
+#include "lte/base/log.h"
 #include "lte/nn/device.h"
 #include "train/dry_run.h"
 #include "train/trainer.h"
+#include "train/world.h"
 
 namespace lte::train {
 namespace {
@@ -77,11 +81,26 @@ RunResult run(const RunOptions& options) {
     result.text = check_run_data(config);
     return result;
   }
-  Trainer trainer(config, yaml.to_yaml(), nn::choose_device(options.device), options.resume);
-  const TrainSummary summary = trainer.run(options.stop_after);
+  const World world = world_from_environment();
+  const at::Device device = nn::choose_device(options.device, world.local_rank);
+  std::unique_ptr<ProcessGroup> group;
+  if (world.size > 1) {
+    group =
+        std::make_unique<ProcessGroup>(world, device, std::chrono::seconds(config.train.timeout_s));
+    log_info("rank ", world.rank, " of ", world.size);
+  }
+  TrainSummary summary;
+  try {
+    Trainer trainer(config, yaml.to_yaml(), device, options.resume, group.get());
+    summary = trainer.run(options.stop_after);
+  } catch (const std::exception& error) {
+    if (!group) throw;
+    group->explain(error);
+  }
+  result.signal = summary.signal;
+  if (!world.leads()) return result;
   if (!options.json.empty()) write_file(options.json, summary_json(config, summary).dump(2) + "\n");
   result.text = summary_text(config, summary);
-  result.signal = summary.signal;
   return result;
 }
 

@@ -43,13 +43,17 @@ nn::LightTransportModel replica_of(const nn::LightTransportModel& model) {
 }  // namespace
 
 SceneGradients::SceneGradients(const TrainConfig& config, const nn::LightTransportModel& model,
-                               at::Device device)
+                               at::Device device, ProcessGroup* group)
     : loss_(config.loss),
       weight_(1 / static_cast<double>(config.train.scenes_per_step)),
       device_(device),
       models_({model}) {
   const int threads = at::get_num_threads();
-  const bool one_by_one = !device.is_cpu() || config.model.dropout > 0;
+  if (group) {
+    processes_ = group->world().size;
+    reducer_ = std::make_unique<GradientReducer>(*group, model->parameters());
+  }
+  const bool one_by_one = !device.is_cpu() || config.model.dropout > 0 || reducer_;
   const int beside =
       one_by_one ? 1 : std::min(threads, static_cast<int>(config.train.scenes_per_step));
   threads_per_scene_ = std::max(1, threads / beside);
@@ -68,6 +72,8 @@ double SceneGradients::accumulate(const std::vector<Example>& examples, int64_t 
         return run(worker, examples[begin + worker], step);
       }));
     }
+    const bool last = begin + count == examples.size();
+    if (reducer_ && last) reducer_->reduce_next_backward();
     loss += weight_ * run(0, examples[begin], step);
     // In the order of the scenes, so that the sums are those of one thread.
     for (size_t worker = 1; worker < count; ++worker) {
@@ -89,7 +95,7 @@ double SceneGradients::run(size_t worker, const Example& stored, int64_t step) {
         model->decode_normalized(embedding, example.queries), example.target, loss_);
     const double value = loss.item<double>();
     LTE_CHECK(std::isfinite(value), "the loss is not finite (", value, ")");
-    (loss * weight_).backward();
+    (loss * (weight_ * processes_)).backward();  // reduced to the mean over processes
     return value;
   } catch (const std::exception& error) {
     throw Error(concat("step ", step, ": scene ", stored.scene, ": ", first_line(error),

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <utility>
 
+#include <ATen/ops/tensor.h>
 #include <torch/types.h>
 #include <torch/utils.h>
 
@@ -26,24 +28,32 @@ std::string joined(const std::vector<std::string>& parts) {
 }  // namespace
 
 Trainer::Trainer(const TrainConfig& config, std::string config_text, at::Device device,
-                 bool resume_run)
+                 bool resume_run, ProcessGroup* group)
     : config_(config),
       config_text_(std::move(config_text)),
       device_(device),
+      group_(group),
       output_(config.output),
       data_(open_run_data(config)) {
   LTE_CHECK(!config_.output.empty(), "output: names no run directory; give it with --out RUN_DIR");
+  const World world = group_ ? group_->world() : World{};
+  LTE_CHECK(config_.train.scenes_per_step >= world.size,
+            "train.scenes_per_step: ", config_.train.scenes_per_step,
+            " scenes cannot be shared out among ", world.size,
+            " processes; it counts those of all processes together");
   config_.model.scale = data_.scale;
   resume_run ? resume() : start_new();
   model_->train();
-  gradients_ = std::make_unique<SceneGradients>(config_, model_, device_);
+  if (group_) agree_on_start();
+  gradients_ = std::make_unique<SceneGradients>(config_, model_, device_, group_);
+  loader_ = std::make_unique<BatchLoader>(config_, data_.scale, &data_.train, world);
+  seconds_before_ = progress_.seconds;
+  if (!leads()) return;
   log_ = std::make_unique<RunLog>(output_ / "log.jsonl", progress_.step);
   write_file(output_ / "config.yaml", config_text_);
-  loader_ = std::make_unique<BatchLoader>(config_, data_.scale, &data_.train);
   validation_ = validation_examples(config_, &data_.val);
   if (validation_.empty())
     log_warning(config_.data.root, ": the split \"val\" is empty; the run is not validated");
-  seconds_before_ = progress_.seconds;
 }
 
 void Trainer::start_new() {
@@ -51,7 +61,7 @@ void Trainer::start_new() {
       !std::filesystem::exists(checkpoint_path(output_)), checkpoint_path(output_).string(),
       ": a run is there already; go on with --resume, or choose another directory with --out");
   std::error_code error;
-  std::filesystem::create_directories(output_, error);
+  if (leads()) std::filesystem::create_directories(output_, error);
   LTE_CHECK(!error, output_.string(), ": cannot create the run directory: ", error.message());
   constexpr double kLeastMean =
       1e-3;  // a split that is all but black must not push the output's bias to −infinity
@@ -94,6 +104,29 @@ void Trainer::resume() {
   log_info("resumed ", path.string(), " at step ", progress_.step, " of ", config_.train.steps);
 }
 
+/// All processes must have read the same data set and checkpoint; the weights are those of rank 0.
+void Trainer::agree_on_start() {
+  const auto mine = at::tensor({progress_.step, static_cast<int64_t>(data_.fingerprint),
+                                static_cast<int64_t>(config_.train.steps)},
+                               at::kLong);
+  at::Tensor leaders = mine.to(device_, /*non_blocking=*/false, /*copy=*/true);
+  group_->broadcast({leaders});
+  leaders = leaders.cpu();
+  const auto differs = [&](int64_t i) {
+    return mine[i].item<int64_t>() != leaders[i].item<int64_t>();
+  };
+  LTE_CHECK(!differs(0), output_.string(), ": rank ", group_->world().rank, " starts at step ",
+            progress_.step, " and rank 0 at ", leaders[0].item<int64_t>(),
+            "; the run directory must be one that all processes see");
+  LTE_CHECK(!differs(1), config_.data.root, ": the training split of rank ", group_->world().rank,
+            " is not that of rank 0");
+  LTE_CHECK(!differs(2), "train.steps: rank ", group_->world().rank, " has ", config_.train.steps,
+            " and rank 0 ", leaders[2].item<int64_t>());
+  group_->broadcast(model_->parameters());
+}
+
+bool Trainer::told_to_stop() const { return (group_ ? agreed_signal_ : interrupt_signal()) != 0; }
+
 TrainSummary Trainer::run(int64_t stop_after) {
   const InterruptGuard guard;
   const int64_t first = progress_.step, steps = config_.train.steps;
@@ -102,30 +135,46 @@ TrainSummary Trainer::run(int64_t stop_after) {
     // The end of an earlier session may have been cut off between the checkpoint and the model
     // made from it.
     log_info(output_.string(), ": all ", steps, " steps were done before");
-    save_model_file(model_path(output_));
+    if (leads()) save_model_file(model_path(output_));
   } else {
-    lte::Progress line("training", end - first, "steps");
-    session_timer_.restart();
-    window_timer_.restart();
-    while (progress_.step < end && interrupt_signal() == 0) {
-      train_step();
-      line.advance();
-    }
-    if (saved_step_ != progress_.step) save();
+    train_steps(end);
   }
   summary_.step = progress_.step;
   summary_.best_loss = progress_.best_loss;
   summary_.seconds = progress_.seconds;
-  summary_.signal = progress_.step < end ? interrupt_signal() : 0;
+  if (progress_.step < end) summary_.signal = group_ ? agreed_signal_ : interrupt_signal();
   return summary_;
 }
 
+void Trainer::train_steps(int64_t end) {
+  lte::Progress line("training", end - progress_.step, "steps");
+  session_timer_.restart();
+  window_timer_.restart();
+  while (progress_.step < end && !told_to_stop()) {
+    train_step();
+    line.advance();
+  }
+  if (leads() && saved_step_ != progress_.step) save();
+  // Rank 0 keeps the store: it must not leave before the others.
+  if (group_) group_->wait_for_all();
+}
+
 void Trainer::train_step() {
+  if (group_) group_->begin_step(progress_.step + 1);
   const std::vector<Example> examples = loader_->take(progress_.step);
   optimizer_->zero_gradients();
-  const double loss = gradients_->accumulate(examples, progress_.step + 1);
+  double loss = gradients_->accumulate(examples, progress_.step + 1);
   int64_t queries = 0;
   for (const Example& example : examples) queries += example.target.size(0);
+  if (group_) {
+    // A signal to one of the processes ends all of them after the same step.
+    const std::vector<double> sums =
+        group_->sum({loss, static_cast<double>(queries), interrupt_signal() == SIGINT ? 1.0 : 0.0,
+                     interrupt_signal() == SIGTERM ? 1.0 : 0.0});
+    loss = sums[0];
+    queries = static_cast<int64_t>(sums[1]);
+    agreed_signal_ = sums[2] > 0 ? SIGINT : sums[3] > 0 ? SIGTERM : 0;
+  }
   const double norm = optimizer_->gradient_norm();
   if (!std::isfinite(norm)) fail_on_gradient(examples);
   optimizer_->update(progress_.step, norm);
@@ -142,7 +191,7 @@ void Trainer::fail_on_gradient(const std::vector<Example>& examples) {
   std::string culprits;
   for (const Example& example : examples) {
     optimizer_->zero_gradients();
-    gradients_->accumulate({example}, progress_.step + 1);
+    gradients_->accumulate_alone(example, progress_.step + 1);
     if (!std::isfinite(optimizer_->gradient_norm()))
       culprits += (culprits.empty() ? "" : ", ") + example.scene;
   }
@@ -155,6 +204,7 @@ void Trainer::fail_on_gradient(const std::vector<Example>& examples) {
 void Trainer::after_step(int64_t queries, double norm) {
   const int64_t step = progress_.step;
   const bool last = step == config_.train.steps;
+  if (!leads()) return;
   window_queries_ += queries;
   if (step % config_.train.log_every == 0 || last) {
     log_->write(step,

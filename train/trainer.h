@@ -1,7 +1,7 @@
 // The training loop.
 //
-// A step encodes each of its scenes by itself and adds up their gradients, so that no scene's result
-// depends on its batch mates and memory grows with threads, not with scenes_per_step.
+// A step encodes each of its scenes by itself and adds up their gradients, so that no scene's
+// result depends on its batch mates and memory grows with threads, not with scenes_per_step.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +15,7 @@
 #include "lte/base/timer.h"
 #include "train/batch.h"
 #include "train/checkpoint.h"
+#include "train/process_group.h"
 #include "train/run_data.h"
 #include "train/run_log.h"
 #include "train/scene_gradients.h"
@@ -38,18 +39,25 @@ class Trainer {
   /// @throws lte::Error if there is nothing to resume, the configuration does not fit the
   /// checkpoint, or a new run would
   ///         overwrite one.
-  Trainer(const TrainConfig& config, std::string config_text, at::Device device, bool resume);
+  /// @param group  of a run of several processes, which then all make a Trainer; rank 0 alone
+  /// writes the run directory, which all must see. Null: this process is alone
+  Trainer(const TrainConfig& config, std::string config_text, at::Device device, bool resume,
+          ProcessGroup* group = nullptr);
 
   /// Trains to the last step, the first signal, or `stop_after` steps of this session, and leaves a
   /// checkpoint and model.safetensors in each case.
   /// @param stop_after  0: no such limit
-  /// @throws lte::Error naming step and scene when loss or gradient is not finite; the last
-  /// checkpoint stays.
+  /// @throws lte::Error naming step and scene when loss or gradient is not finite, or the rank that
+  /// keeps the others from going on; the last checkpoint stays.
   TrainSummary run(int64_t stop_after = 0);
 
  private:
   void start_new();
   void resume();
+  void agree_on_start();
+  bool leads() const { return !group_ || group_->world().leads(); }
+  bool told_to_stop() const;
+  void train_steps(int64_t end);
   void train_step();
   [[noreturn]] void fail_on_gradient(const std::vector<Example>& examples);
   void after_step(int64_t queries, double norm);
@@ -60,12 +68,13 @@ class Trainer {
   TrainConfig config_;
   std::string config_text_;
   at::Device device_;
+  ProcessGroup* group_;
   std::filesystem::path output_;
   RunData data_;
   nn::LightTransportModel model_{nullptr};
   std::unique_ptr<Optimizer> optimizer_;
   std::unique_ptr<SceneGradients> gradients_;
-  std::unique_ptr<RunLog> log_;
+  std::unique_ptr<RunLog> log_;  ///< of rank 0
   std::unique_ptr<BatchLoader> loader_;
   std::vector<Example> validation_;
   RunProgress progress_;
@@ -73,6 +82,7 @@ class Trainer {
   Timer window_timer_;
   double seconds_before_ = 0;  ///< of earlier sessions
   int64_t window_queries_ = 0;
+  int agreed_signal_ = 0;    ///< that any process of a group was sent
   int64_t saved_step_ = -1;  ///< of this session's last checkpoint
   Timer session_timer_;
 };

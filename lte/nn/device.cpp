@@ -1,6 +1,7 @@
 #include "lte/nn/device.h"
 
 #include <ATen/Context.h>
+#include <c10/core/impl/VirtualGuardImpl.h>
 
 #include "lte/base/check.h"
 #include "lte/base/log.h"
@@ -17,7 +18,7 @@ std::string cuda_obstacle() {
 
 }  // namespace
 
-c10::Device choose_device(const std::string& request) {
+c10::Device choose_device(const std::string& request, int gpu) {
   const std::string obstacle = cuda_obstacle();
   LTE_CHECK(request.empty() || request == "cpu" || request == "cuda", "--device ", request,
             ": expected cpu or cuda");
@@ -26,7 +27,13 @@ c10::Device choose_device(const std::string& request) {
   const bool cpu = request == "cpu" || !obstacle.empty();
   const std::string reason = request.empty() ? (cpu ? obstacle : "found") : "asked for";
   log_info("device: ", cpu ? "cpu" : "cuda", " (", reason, ")");
-  return cpu ? c10::Device(c10::kCPU) : c10::Device(c10::kCUDA);
+  if (cpu) return c10::kCPU;
+  const c10::impl::VirtualGuardImpl cuda(c10::kCUDA);
+  LTE_CHECK(gpu < cuda.deviceCount(), "--device cuda: there is no GPU ", gpu, " here, only ",
+            cuda.deviceCount());
+  const c10::Device device(c10::kCUDA, static_cast<c10::DeviceIndex>(gpu));
+  cuda.setDevice(device);
+  return device;
 }
 
 }  // namespace lte::nn

@@ -7,8 +7,11 @@
 
 namespace lte::nn {
 
-/// "cpu", "cuda", or "" to take cuda where it can be had; logs which one was taken and why.
-/// @throws lte::Error if "cuda" is asked for and cannot be had: there is no silent fallback.
-c10::Device choose_device(const std::string& request);
+/// "cpu", "cuda", or "" to take cuda where it can be had; logs which one was taken and why. A GPU
+/// becomes the current one of this thread.
+/// @param gpu  which of the machine's
+/// @throws lte::Error if "cuda" is asked for and cannot be had, or there is no such GPU: there is
+/// no silent fallback.
+c10::Device choose_device(const std::string& request, int gpu = 0);
 
 }  // namespace lte::nn

@@ -8,13 +8,11 @@
 #include <thread>
 #include <vector>
 
-#include <fcntl.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "lte/base/file.h"
 #include "tests/train/support.h"
+#include "tests/train/tool_process.h"
 #include "train/checkpoint.h"
 
 namespace lte::train {
@@ -39,34 +37,12 @@ class TrainTool : public testing::Test {
 
   void SetUp() override { std::ofstream(config_) << test::tiny_yaml(data_->path(), dir_ / "run"); }
 
-  pid_t start(const Args& args) const {
-    const std::string tool = std::string(LTE_BINARY_DIR) + "/bin/lte_train";
-    std::vector<char*> argv = {const_cast<char*>(tool.c_str())};
-    for (const std::string& arg : args) argv.push_back(const_cast<char*>(arg.c_str()));
-    argv.push_back(nullptr);
-    const std::string out = (dir_ / "stdout").string(), err = (dir_ / "stderr").string();
-    const pid_t child = fork();
-    if (child == 0) {
-      dup2(open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
-      dup2(open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
-      execv(tool.c_str(), argv.data());
-      _exit(127);
-    }
-    return child;
-  }
-
-  static int wait_for(pid_t child) {
-    int status = 0;
-    waitpid(child, &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-  }
+  test::ToolProcess start(const Args& args) const { return {args, dir_ / "tool"}; }
 
   Outcome tool(const Args& args) const {
-    Outcome outcome;
-    outcome.status = wait_for(start(args));
-    outcome.out = read_file(dir_ / "stdout");
-    outcome.err = read_file(dir_ / "stderr");
-    return outcome;
+    test::ToolProcess child = start(args);
+    const int status = child.wait();
+    return {status, child.out(), child.err()};
   }
 
   /// Runs until the log has `lines` lines, or half a minute.
@@ -178,10 +154,11 @@ TEST_F(TrainTool, CudaIsNeverReplacedSilently) {
 TEST_F(TrainTool, ASignalFinishesTheStepAndLeavesACheckpoint) {
   for (const int signal : {SIGINT, SIGTERM}) {
     fs::remove_all(dir_ / "run");
-    const pid_t child = start({"--config", config_, "--quiet", "--set", "train.steps=1000000"});
+    test::ToolProcess child =
+        start({"--config", config_, "--quiet", "--set", "train.steps=1000000"});
     await_log(2);
-    kill(child, signal);
-    EXPECT_EQ(wait_for(child), 128 + signal);
+    kill(child.id(), signal);
+    EXPECT_EQ(child.wait(), 128 + signal);
     const int64_t step = read_checkpoint_header(checkpoint_path(dir_ / "run")).progress.step;
     EXPECT_GE(step, 4);
     EXPECT_TRUE(fs::exists(model_path(dir_ / "run")));
@@ -194,10 +171,10 @@ TEST_F(TrainTool, ASignalFinishesTheStepAndLeavesACheckpoint) {
 
 TEST_F(TrainTool, KilledOutrightItGoesOnFromTheLastCheckpoint) {
   const Args args = {"--config", config_, "--quiet", "--set", "train.steps=30"};
-  const pid_t child = start(args);
+  test::ToolProcess child = start(args);
   await_log(4);
-  kill(child, SIGKILL);
-  wait_for(child);
+  kill(child.id(), SIGKILL);
+  child.wait();
   Args resume = args;
   resume.push_back("--resume");
   const Outcome resumed = tool(resume);
