@@ -27,6 +27,8 @@ class Predictor {
   bool predicts_total() const;   ///< the output is total irradiance, not indirect
   double scale() const;          ///< s, metres: the largest scene extent that the network knows
   int64_t scene_points() const;  ///< M of the training, 20,000 if the checkpoint does not say
+  /// Training saw scene points only where light reaches them.
+  bool scene_points_pruned() const;
   int64_t parameters() const;
 
   /// @throws lte::Error, offering --rescale, if `bounds` span more than s and `rescale` is false.

@@ -69,7 +69,7 @@ void print_settings(const RenderRequest& r) {
             << "\ndirect_samples: " << r.direct_samples << "\nscene_points: " << r.scene_points
             << "\nenvironment: " << quoted(r.environment)
             << "\nenvironment_turn: " << r.environment_turn << "\nseed: " << r.seed
-            << "\nrescale: " << (r.rescale ? "true" : "false")
+            << "\nprune: " << quoted(r.prune) << "\nrescale: " << (r.rescale ? "true" : "false")
             << "\nexposure: " << (r.exposure ? std::to_string(*r.exposure) : "auto")
             << "\ndevice: " << quoted(r.tool.device) << "\nthreads: " << r.tool.common.threads
             << "\nmax_memory: " << r.tool.max_memory_mb << '\n';
@@ -95,7 +95,8 @@ void describe(const scene::Scene& scene, const std::string& path) {
 }
 
 nlohmann::json to_json(const RenderRequest& request, const RenderSettings& settings,
-                       const Frame& frame, const StageSeconds& s, double exposure, double total) {
+                       const Renderer& renderer, const Frame& frame, const StageSeconds& s,
+                       double exposure, double total) {
   return {{"scene", request.scene},
           {"out", request.out},
           {"output", request.output},
@@ -104,6 +105,7 @@ nlohmann::json to_json(const RenderRequest& request, const RenderSettings& setti
           {"exposure", exposure},
           {"background_pixels", frame.background},
           {"decoded_pixels", frame.queries},
+          {"pruned_scene_points", renderer.pruned_points().pruned},
           {"seconds",
            {{"load", s.load},
             {"sample", s.sample},
@@ -137,7 +139,10 @@ std::optional<Predictor> load_network(const RenderRequest& request, const Render
 }
 
 void embed(const RenderRequest& request, Predictor predictor, Renderer* renderer) {
-  renderer->embed(std::move(predictor), {request.scene_points, request.seed, request.rescale});
+  std::optional<bool> prune;
+  if (request.prune != "auto") prune = request.prune == "on";
+  renderer->embed(std::move(predictor),
+                  {request.scene_points, request.seed, request.rescale, prune});
   check_memory(request.tool, "encoding the scene (lower --scene-points)");
 }
 
@@ -160,7 +165,7 @@ void render_to_file(const RenderRequest& request, const scene::Camera& camera, R
   seconds.write = write.seconds();
   if (!request.tool.common.json.empty()) {
     const nlohmann::json json =
-        to_json(request, settings, frame, seconds, exposure, total.seconds());
+        to_json(request, settings, *renderer, frame, seconds, exposure, total.seconds());
     write_file(request.tool.common.json, json.dump(2) + '\n');
   }
   print_times(request, seconds, exposure, total.seconds());
@@ -169,7 +174,8 @@ void render_to_file(const RenderRequest& request, const scene::Camera& camera, R
 }  // namespace
 
 void add_render_options(CLI::App& app, RenderRequest* r) {
-  app.add_option("scene", r->scene, "Scene to render: .gltf, .glb or .obj")->required();
+  app.add_option("scene", r->scene, "Scene to render: .gltf, .glb, .pbrt, .obj or .ply")
+      ->required();
   app.add_option("--out", r->out, "Picture to write: .exr (linear, with layers) or .png")
       ->check(CLI::Validator(check_picture, "FILE.exr|FILE.png"));
   app.add_option("--checkpoint", r->checkpoint, "Model; by default the shipped one");
@@ -198,6 +204,10 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
   app.add_option("--scene-points", r->scene_points,
                  "Scene points shown to the network; 0 for as many as in training")
       ->check(CLI::Range(int64_t{0}, int64_t{1} << 28));
+  app.add_option("--prune", r->prune,
+                 "Show the network only surfaces that light reaches; auto: as in its training")
+      ->check(CLI::IsMember({"auto", "on", "off"}))
+      ->capture_default_str();
   app.add_flag("--rescale", r->rescale,
                "Shrink a scene larger than the model knows, for the network only");
   app.add_option("--environment", r->environment,

@@ -17,6 +17,7 @@ struct RenderRequest {
   int64_t scene_points = 0;
   uint64_t seed = 0;
   bool rescale = false, validate_only = false;
+  std::string prune = "auto";
   std::string environment;      ///< "R,G,B" or a picture; empty: the scene's own
   double environment_turn = 0;  ///< degrees about +Y
   std::optional<double> exposure;

@@ -149,8 +149,14 @@ void Renderer::embed(Predictor predictor, const EmbedSettings& settings) {
   Timer timer;
   const int64_t count =
       settings.scene_points > 0 ? settings.scene_points : predictor.scene_points();
+  const scene::SamplerOptions sampler = scene_point_options(settings.seed);
+  const pathtrace::ReachOptions reach{pathtrace::ReachOptions().max_depth, settings.seed};
+  pruned_points_ = {};
   const scene::SurfaceSamples samples =
-      scene::sample_surface(scene_, count, scene_point_options(settings.seed));
+      settings.prune.value_or(predictor.scene_points_pruned())
+          ? pathtrace::sample_reached_surface(bvh_, count, sampler, pathtrace::Sides::Either, reach,
+                                              &pruned_points_)
+          : scene::sample_surface(scene_, count, sampler);
   seconds_.sample = timer.seconds();
   timer.restart();
   predictor.embed(

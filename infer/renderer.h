@@ -10,6 +10,7 @@
 #include "lte/image/image.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/reach.h"
 #include "lte/pathtrace/render.h"
 #include "lte/scene/sampler.h"
 #include "lte/scene/scene.h"
@@ -39,6 +40,9 @@ struct EmbedSettings {
   int64_t scene_points = 0;  ///< M; 0 for that of the model's training
   uint64_t seed = 0;
   bool rescale = false;
+  /// Draw scene points only where light reaches them (pathtrace/reach.h); by default as in the
+  /// model's training.
+  std::optional<bool> prune;
 };
 
 /// Wall-clock seconds by stage; `load` and `write` belong to the caller.
@@ -81,6 +85,8 @@ class Renderer {
   const pathtrace::Bvh& bvh() const { return bvh_; }
   const pathtrace::Lights& lights() const { return lights_; }
   StageSeconds& seconds() { return seconds_; }
+  /// Of the last embed(); zeros if it did not prune.
+  const pathtrace::PruneCounts& pruned_points() const { return pruned_points_; }
 
  private:
   struct Queries;
@@ -96,6 +102,7 @@ class Renderer {
   pathtrace::Lights lights_;
   std::optional<Predictor> predictor_;
   StageSeconds seconds_;
+  pathtrace::PruneCounts pruned_points_;
 };
 
 /// How scene points are drawn wherever a scene is shown to the network.

@@ -37,7 +37,8 @@ RunData open_run_data(const TrainConfig& config) {
             ": no scene is in the split \"train\"");
   const uint64_t fingerprint = names_fingerprint(train);
   const size_t cache_bytes = static_cast<size_t>(config.data.cache_mb) << 20;
-  return {info.scale, SceneStore(root, std::move(train), config.model.target, cache_bytes),
+  return {info.scale, info.pruned,
+          SceneStore(root, std::move(train), config.model.target, cache_bytes),
           SceneStore(root, data::entries_of(info, data::Split::Val), config.model.target, 0),
           fingerprint};
 }

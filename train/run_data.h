@@ -12,6 +12,7 @@ namespace lte::train {
 
 struct RunData {
   double scale = 0;       ///< s, metres
+  bool pruned = false;    ///< points were drawn only where light reaches them
   SceneStore train, val;  ///< val may be empty
   uint64_t fingerprint =
       0;  ///< of the training split's names, in order: what the order of examples depends on

@@ -252,7 +252,8 @@ void Trainer::save_model_file(const std::filesystem::path& path) {
   std::map<std::string, std::string> extra = {
       {"config", config_text_},
       {"step", std::to_string(progress_.step)},
-      {"scene_points", std::to_string(config_.data.scene_points)}};
+      {"scene_points", std::to_string(config_.data.scene_points)},
+      {"scene_points_pruned", data_.pruned ? "true" : "false"}};
   if (summary_.validation) extra["val_loss"] = concat(summary_.validation->loss);
   nn::save_model(path, model_, extra);
 }

@@ -102,7 +102,9 @@ void save_tiny_model(const fs::path& path, const TinyModel& tiny) {
   config.scale = tiny.scale;
   at::manual_seed(tiny.seed);
   const nn::LightTransportModel model(config);
-  nn::save_model(path, model, {{"scene_points", std::to_string(tiny.scene_points)}});
+  nn::save_model(path, model,
+                 {{"scene_points", std::to_string(tiny.scene_points)},
+                  {"scene_points_pruned", tiny.pruned ? "true" : "false"}});
 }
 
 std::vector<Vec3> lit_floor_light() {

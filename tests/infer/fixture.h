@@ -34,6 +34,7 @@ struct TinyModel {
   std::string target = "indirect";
   double scale = 16;
   int64_t scene_points = 300;
+  bool pruned = false;
   uint64_t seed = 1;
 };
 

@@ -2,6 +2,7 @@
 #include "infer/renderer.h"
 
 #include <cmath>
+#include <optional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -194,6 +195,29 @@ TEST(Renderer, RescaleShowsTheNetworkTheSceneThatItKnows) {
   }
   EXPECT_GT(power, 0);
   EXPECT_LT(error, 0.02 * power);
+}
+
+TEST(Renderer, PrunesScenePointsAsInTrainingUnlessToldOtherwise) {
+  scene::Scene scene = lit_floor();
+  // Half the surface lies in the dark below the floor.
+  const int grey = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
+  test::add_instance(&scene, test::box_mesh({-1, -1.5f, -1}, {1, -0.5f, 1}, grey, false));
+  for (const bool trained_pruned : {false, true}) {
+    test::TinyModel tiny;
+    tiny.pruned = trained_pruned;
+    for (const std::optional<bool> prune : {std::optional<bool>(), {false}, {true}}) {
+      EmbedSettings embed;
+      embed.prune = prune;
+      const Embedded embedded(scene, tiny, embed);
+      const pathtrace::PruneCounts& counts = embedded.renderer.pruned_points();
+      if (prune.value_or(trained_pruned)) {
+        EXPECT_NEAR(static_cast<double>(counts.pruned) / static_cast<double>(counts.drawn),
+                    16.0 / 33, 0.1);
+      } else {
+        EXPECT_EQ(counts.drawn, 0);
+      }
+    }
+  }
 }
 
 TEST(Renderer, WithoutLightAllLightIsBlackAndNoModelIsNeeded) {

@@ -161,6 +161,7 @@ TEST_F(TrainerTest, ModelFileIsTheAveragedOneAndSaysWhereItCameFrom) {
   const SafetensorsFile file(dir_ / "run/model.safetensors");
   EXPECT_EQ(file.metadata("config"), "note: of the test\n");
   EXPECT_EQ(file.metadata("step"), "8");
+  EXPECT_EQ(file.metadata("scene_points_pruned"), "false") << "as dataset.json says";
 }
 
 TEST_F(TrainerTest, AFirstOutputNearTheMeanOfTheReference) {
