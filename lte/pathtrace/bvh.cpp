@@ -66,20 +66,30 @@ bool inverse_transpose(const Affine& transform, std::array<Vec3, 3>* rows) {
   return true;
 }
 
+/// The instance's transform, but to the frame.
+Affine to_frame(const scene::Instance& instance, const Vec3& origin) {
+  Affine out = instance.to_world;
+  for (int row = 0; row < 3; ++row)
+    out.m[row][3] = static_cast<float>(static_cast<double>(out.m[row][3]) - origin[row]);
+  return out;
+}
+
+Float4 column(const auto& rows, int k) { return {rows[0][k], rows[1][k], rows[2][k], 0}; }
+
 InstanceRecord make_record(const scene::Scene& scene, int index, const Vec3& origin) {
   InstanceRecord record;
   const scene::Instance& instance = scene.instances[index];
   const scene::Mesh& mesh = scene.meshes[instance.mesh];
-  if (mesh.triangles.empty() || !inverse_transpose(instance.to_world, &record.normal_rows)) {
-    return record;
-  }
-  record.mesh = &mesh;
-  record.to_frame = instance.to_world;
-  for (int row = 0; row < 3; ++row) {
-    auto& m = record.to_frame.m[row];
-    m[3] = static_cast<float>(static_cast<double>(m[3]) - origin[row]);
-    record.scale = std::max(record.scale, std::fabs(m[0]) + std::fabs(m[1]) + std::fabs(m[2]));
-    record.translation = std::max(record.translation, std::fabs(m[3]));
+  std::array<Vec3, 3> normal_rows;
+  if (mesh.triangles.empty() || !inverse_transpose(instance.to_world, &normal_rows)) return record;
+  record.triangles = mesh.triangles.data();
+  const Affine transform = to_frame(instance, origin);
+  for (int k = 0; k < 4; ++k) record.columns[k] = column(transform.m, k);
+  for (int k = 0; k < 3; ++k) record.normal_columns[k] = column(normal_rows, k);
+  for (const auto& row : transform.m) {
+    record.scale =
+        std::max(record.scale, std::fabs(row[0]) + std::fabs(row[1]) + std::fabs(row[2]));
+    record.translation = std::max(record.translation, std::fabs(row[3]));
   }
   const scene::Material& material = scene.materials[mesh.material];
   scene::evaluate_appearance(scene, index, 0, 0, 0, 0, &record.albedo, &record.emission);
@@ -95,11 +105,10 @@ InstanceRecord make_record(const scene::Scene& scene, int index, const Vec3& ori
   return record;
 }
 
-void attach_instance(Bvh::Handles* handles, int index, int mesh) {
+void attach_instance(Bvh::Handles* handles, int index, int mesh, const Affine& transform) {
   RTCGeometry geometry = rtcNewGeometry(handles->device, RTC_GEOMETRY_TYPE_INSTANCE);
   rtcSetGeometryInstancedScene(geometry, handles->meshes[mesh]);
-  rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR,
-                          handles->instances[index].to_frame.m.data());
+  rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, transform.m.data());
   rtcCommitGeometry(geometry);
   rtcAttachGeometryByID(handles->top, geometry, static_cast<unsigned>(index));
   rtcReleaseGeometry(geometry);
@@ -129,9 +138,12 @@ Bvh::Bvh(const scene::Scene& scene)
   for (size_t i = 0; i < scene.instances.size(); ++i) {
     const int mesh = scene.instances[i].mesh;
     h.instances.push_back(make_record(scene, static_cast<int>(i), h.origin));
-    if (h.instances.back().mesh == nullptr) continue;
+    InstanceRecord& record = h.instances.back();
+    if (record.triangles == nullptr) continue;
     if (h.meshes[mesh] == nullptr) h.meshes[mesh] = build_mesh(h.device, scene.meshes[mesh]);
-    attach_instance(&h, static_cast<int>(i), mesh);
+    record.positions = static_cast<const float*>(
+        rtcGetGeometryBufferData(rtcGetGeometry(h.meshes[mesh], 0), RTC_BUFFER_TYPE_VERTEX, 0));
+    attach_instance(&h, static_cast<int>(i), mesh, to_frame(scene.instances[i], h.origin));
   }
   rtcCommitScene(h.top);
   check_device(h.device, "building the bounding volume hierarchy");

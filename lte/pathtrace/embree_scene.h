@@ -2,7 +2,10 @@
 // frame origin.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 #include <embree3/rtcore.h>
@@ -18,12 +21,24 @@ namespace lte::pathtrace {
 /// (Pharr et al., Physically Based Rendering 3.9).
 inline constexpr float kSurfaceError = 0x1p-19f;
 
+/// Four floats that are added and multiplied at once. A vector is in the first three; the fourth is
+/// whatever lies behind it in memory.
+using Float4 = float __attribute__((vector_size(16)));
+
+inline Float4 load_float4(const float* from) {
+  Float4 out;
+  std::memcpy(&out, from, sizeof(out));
+  return out;
+}
+
 /// What a hit needs to know of its instance, in one place.
 struct InstanceRecord {
-  const scene::Mesh* mesh = nullptr;  ///< null for an instance that is not traced
-  Affine to_frame;
-  std::array<Vec3, 3>
-      normal_rows;        ///< inverse transpose: keeps the front of mirrored instances in front
+  Float4 columns[4] = {};  ///< of the transform to the frame, translation last
+  /// Of its inverse transpose, which keeps the front of mirrored instances in front.
+  Float4 normal_columns[3] = {};
+  const std::array<uint32_t, 3>* triangles = nullptr;  ///< null for an instance that is not traced
+  const float* positions =
+      nullptr;            ///< Embree's copy, padded so that the last vertex can be loaded
   float scale = 0;        ///< largest row sum of |M|
   float translation = 0;  ///< largest |translation|
   Rgb albedo, emission;   ///< valid if `uniform`
@@ -85,23 +100,28 @@ inline bool occluded(RTCScene top, const Vec3& origin, const Vec3& direction, fl
 
 inline Vec3 abs(const Vec3& a) { return {std::fabs(a.x), std::fabs(a.y), std::fabs(a.z)}; }
 
+/// Unit normal of the front from Embree's.
 inline Vec3 frame_normal(const InstanceRecord& record, const Vec3& n) {
-  const Vec3 front{dot(record.normal_rows[0], n), dot(record.normal_rows[1], n),
-                   dot(record.normal_rows[2], n)};
-  return front * (1 / length(front));
+  const Float4* columns = record.normal_columns;
+  const Float4 front = columns[0] * n.x + columns[1] * n.y + columns[2] * n.z;
+  const Vec3 scaled{front[0], front[1], front[2]};
+  return scaled * (1 / length(scaled));
 }
 
 /// The point from its barycentrics: its error depends on the triangle's coordinates, not on the
 /// length of the ray.
 inline SurfacePoint surface_point(const InstanceRecord& record, uint32_t triangle, float u, float v,
                                   const Vec3& geometric_normal) {
-  const auto& corners = record.mesh->triangles[triangle];
-  const Vec3* positions = record.mesh->positions.data();
-  const Vec3 a = positions[corners[0]] * (1 - u - v);
-  const Vec3 b = positions[corners[1]] * u;
-  const Vec3 c = positions[corners[2]] * v;
-  const float magnitude = max_component(abs(a) + abs(b) + abs(c));
-  return {record.to_frame.point(a + b + c), frame_normal(record, geometric_normal),
+  const auto& corners = record.triangles[triangle];
+  const auto corner = [&](int k) { return load_float4(record.positions + size_t{3} * corners[k]); };
+  const auto absolute = [](const Float4& x) { return x < 0 ? -x : x; };
+  const Float4 a = corner(0) * (1 - u - v), b = corner(1) * u, c = corner(2) * v;
+  const Float4 p = a + b + c, size = absolute(a) + absolute(b) + absolute(c);
+  const Float4 placed = record.columns[0] * p[0] + record.columns[1] * p[1] +
+                        record.columns[2] * p[2] + record.columns[3];
+  const float magnitude = std::max({size[0], size[1], size[2]});
+  return {{placed[0], placed[1], placed[2]},
+          frame_normal(record, geometric_normal),
           kSurfaceError * (magnitude * record.scale + record.translation)};
 }
 
