@@ -89,7 +89,7 @@ void Builder::light_source(Call& call) {
   need_world(call);
   const std::string type = call.strings[0];
   if (type == "infinite") {
-    add_infinite_light(params(call, "light"), current(call.at), *files_, &world_.notes,
+    add_infinite_light(params(call, "light"), current(call.at), *files_, limits_, &world_.notes,
                        &world_.infinite);
     return;
   }

@@ -1,4 +1,5 @@
 // LightSource "infinite": constant radiance, or a picture of all directions.
+#include <algorithm>
 #include <cmath>
 
 #include "lte/image/picture.h"
@@ -38,11 +39,12 @@ std::array<Vec3, 3> latitude_axes(const std::array<Vec3, 3>& axes) {
 }
 
 /// Linear radiance, three channels.
-image::Image read_radiance(const std::string& file, const Params& params, const Files& files) {
+image::Image read_radiance(const std::string& file, const Params& params, const Files& files,
+                           const LoadLimits& limits) {
   const std::string path = files.find(file, params.at()).string();
   const image::Picture picture = [&] {
     try {
-      return image::read_picture(path, EnvironmentMap::kMaxTexels);
+      return image::read_picture(path, std::min(limits.texture_pixels, EnvironmentMap::kMaxTexels));
     } catch (const Error& error) {
       fail(params.at(), error.what());
     }
@@ -78,9 +80,9 @@ double pbrt_illuminance(const image::Image& image) {
 
 /// @param latitude  pbrt-v3's mapping, and its "L", which scales the picture
 void add_picture(const std::string& file, bool latitude, const Params& params,
-                 const Transform& to_world, const Files& files, Notes* notes,
-                 InfiniteLight* light) {
-  image::Image picture = read_radiance(file, params, files);
+                 const Transform& to_world, const Files& files, const LoadLimits& limits,
+                 Notes* notes, InfiniteLight* light) {
+  image::Image picture = read_radiance(file, params, files, limits);
   if (!latitude && picture.width != picture.height)
     fail(params.at(), params.what(), ": ", quote(file), " is ", picture.width, "x", picture.height,
          "; pbrt-v4 has square pictures, of its equal-area mapping");
@@ -109,7 +111,8 @@ void add_picture(const std::string& file, bool latitude, const Params& params,
 }  // namespace
 
 void add_infinite_light(const Params& params, const Transform& to_world, const Files& files,
-                        Notes* notes, std::optional<InfiniteLight>* lights) {
+                        const LoadLimits& limits, Notes* notes,
+                        std::optional<InfiniteLight>* lights) {
   const std::string square = params.text("filename", ""), latitude = params.text("mapname", "");
   const std::string& file = square.empty() ? latitude : square;
   if (!square.empty() && params.has("L"))
@@ -128,7 +131,7 @@ void add_infinite_light(const Params& params, const Transform& to_world, const F
   } else if (light.picture) {
     notes->add("second infinite light with a picture: ignored", params.at());
   } else {
-    add_picture(file, square.empty(), params, to_world, files, notes, &light);
+    add_picture(file, square.empty(), params, to_world, files, limits, notes, &light);
   }
   note_unused(params, notes);
   *lights = std::move(light);

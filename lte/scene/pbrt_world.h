@@ -101,7 +101,8 @@ Rgb light_color(const Params& params, const std::string& name, const Files& file
 
 /// Adds a LightSource "infinite" to those before. A second picture cannot be added (noted).
 void add_infinite_light(const Params& params, const Transform& to_world, const Files& files,
-                        Notes* notes, std::optional<InfiniteLight>* lights);
+                        const LoadLimits& limits, Notes* notes,
+                        std::optional<InfiniteLight>* lights);
 /// The environment that they make, without a light group.
 Environment to_environment(InfiniteLight light);
 

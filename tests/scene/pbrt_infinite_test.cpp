@@ -119,6 +119,16 @@ TEST_F(PbrtInfinite, PortalsAreNoted) {
                                   "directions (scene.pbrt:2)"));
 }
 
+TEST_F(PbrtInfinite, PicturesKeepToTheLimitOfTextures) {
+  write_picture(0, 0, {1, 1, 1});
+  LoadLimits limits;
+  limits.texture_pixels = 3;
+  EXPECT_THAT(
+      error("WorldBegin\nLightSource \"infinite\" \"string filename\" \"sky.exr\"\n" + kTriangle,
+            limits),
+      HasSubstr("exceed the limit of 3"));
+}
+
 TEST_F(PbrtInfinite, BrokenOnesAreErrorsWithAPlace) {
   write_picture(0, 0, {1, 1, 1});
   EXPECT_THAT(failure("\"string filename\" \"sky.exr\" \"rgb L\" [1 1 1]"),
