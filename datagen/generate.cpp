@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include <malloc.h>
+
 #include "datagen/room.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
@@ -25,6 +27,13 @@ void export_glb(const fs::path& path, scene::Scene scene) {
     scene.cameras = {pathtrace::auto_camera(bvh, 0)};
   }
   scene::write_glb(path, scene);
+}
+
+/// Gives back what the last scene held: the heap would keep the largest one's memory, and more.
+void release_free_memory() {
+#ifdef __GLIBC__
+  ::malloc_trim(0);
+#endif
 }
 
 class Generator {
@@ -106,6 +115,7 @@ void Generator::make(const std::vector<int64_t>& todo, Manifest* manifest) {
   int in_a_row = 0;
   for (const int64_t i : todo) {
     const SceneRecord record = attempt(i);
+    release_free_memory();
     manifest->add(record);
     progress.advance();
     if (record.error.empty()) {

@@ -10,13 +10,33 @@ namespace {
 
 constexpr float kEye = 1.5f, kLook = 0.85f, kVfov = 58;
 
+float weight_of(const PlacedPiece& piece) {
+  return piece.box.half.x * piece.box.half.y * (piece.box.high - piece.box.low);
+}
+
+/// The share, by volume, of what stands in a room that is in view.
+float share_in_view(const HomePlan& plan, int room, const Vec2& eye, const Vec2& at) {
+  constexpr float kHalfWidth = 0.6f;  // radians
+  const float middle = std::atan2(at.y - eye.y, at.x - eye.x);
+  float seen = 0, total = 0;
+  for (const PlacedPiece& piece : plan.pieces) {
+    if (piece.room != room || piece.parent >= 0) continue;
+    const float weight = weight_of(piece);
+    const Vec2 to{piece.box.centre.x - eye.x, piece.box.centre.y - eye.y};
+    const float angle = std::remainder(std::atan2(to.y, to.x) - middle, 2 * kPi);
+    total += weight;
+    if (std::abs(angle) < kHalfWidth && std::hypot(to.x, to.y) > 0.8f) seen += weight;
+  }
+  return total > 0 ? seen / total : 0;
+}
+
 /// The middle of what stands in a room, weighted by volume.
 Vec2 subject(const HomePlan& plan, int room) {
   Vec2 sum{};
   float total = 0;
   for (const PlacedPiece& piece : plan.pieces) {
     if (piece.room != room || piece.parent >= 0) continue;
-    const float weight = piece.box.half.x * piece.box.half.y * (piece.box.high - piece.box.low);
+    const float weight = weight_of(piece);
     sum = {sum.x + weight * piece.box.centre.x, sum.y + weight * piece.box.centre.y};
     total += weight;
   }
@@ -87,7 +107,7 @@ std::vector<scene::Camera> room_cameras(const HomePlan& plan) {
     Vec2 eye{};
     for (const Vec2& p : steps.empty() ? std::vector<Vec2>{} : grid.reachable(steps[0])) {
       if (std::hypot(p.x - at.x, p.y - at.y) < 0.5f) continue;
-      const float score = view_score(r.inner, tall, p, at);
+      const float score = view_score(r.inner, tall, p, at) + 4 * share_in_view(plan, room, p, at);
       if (score > best) best = score, eye = p;
     }
     if (best == 0) continue;

@@ -54,6 +54,15 @@ TEST(Log, NamesALogFileThatCannotBeOpened) {
               HasSubstr("no/log"));
 }
 
+TEST(Progress, EarlierWorkIsNotInTheRate) {
+  const std::string text = stderr_of(LogLevel::Info, [] {
+    Progress progress("baking", 1000, "points");
+    progress.resume(990, 100, 1e6);
+    progress.advance(5);
+  });
+  EXPECT_THAT(text, StartsWith("baking: 5 points in"));
+}
+
 TEST(Progress, EndsWithOneLineOfTotals) {
   const auto work = [] {
     Progress progress("baking", 1000, "points");

@@ -150,7 +150,7 @@ TEST(HalfScale, KeepsElevenBitsAtAnyMagnitude) {
       const Half half = to_half(value / scale);
       ASSERT_TRUE(is_finite(half));
       const double back = double{to_float(half)} * scale;
-      ASSERT_NEAR(back, value, std::max(double{value} / 2048, std::ldexp(largest, -39)));
+      ASSERT_NEAR(back, value, std::max(double{value} / 2048, double{std::ldexp(largest, -39)}));
     }
   }
   EXPECT_EQ(half_scale(0), 1);

@@ -30,6 +30,27 @@ class Bake : public data::test::Folder {
   }
 };
 
+TEST_F(Bake, ViewsTakeTheGivenCamerasFirst) {
+  BakeOptions options = tiny_bake();
+  options.views.count = 3;
+  // From the middle of the unit cube to opposite walls.
+  const auto towards = [](float x) {
+    return scene::Camera{"", {0.5f, 0.5f, 0.5f}, {x, 0.5f, 0.5f}, {0, 1, 0}, 30};
+  };
+  options.view_cameras = {towards(0), towards(1)};
+  int64_t rays = 0;
+  const data::SceneSample sample = bake_scene(furnace(2, 0.5f), options, false, &rays);
+  ASSERT_EQ(sample.views.size(), 3u);
+  std::vector<float> walls;
+  for (int v = 0; v < 2; ++v) {
+    const data::View& view = sample.views[static_cast<size_t>(v)];
+    for (const Vec3& p : view.position) EXPECT_NEAR(p.x, view.position[0].x, 1e-5f);
+    walls.push_back(std::round(view.position[0].x));
+  }
+  EXPECT_THAT(walls, ::testing::UnorderedElementsAre(0.0f, 1.0f));
+  EXPECT_GE(rays, (48 + 2 * 48) * (8 + 64));
+}
+
 TEST_F(Bake, FurnaceGivesTheClosedForm) {
   BakeOptions options = tiny_bake();
   options.max_depth = 3;

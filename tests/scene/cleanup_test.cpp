@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -266,6 +267,27 @@ TEST(Cleanup, ReadsItsSwitches) {
   EXPECT_FALSE(some.degenerate || some.duplicates || some.vertices);
   EXPECT_THAT(test::error_of([] { parse_cleanup("degenerate,shels"); }),
               AllOf(HasSubstr("--cleanup"), HasSubstr("\"shels\""), HasSubstr("shells")));
+}
+
+TEST(Cleanup, FindsNearVerticesWhereverTheyLie) {
+  // Each of many vertices has one partner half a tolerance away, across whatever boundary.
+  constexpr double kTolerance = 1e-5;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> place(0, 1);
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 1, 1}};  // the diagonal
+  const auto step = static_cast<float>(0.5 * kTolerance * std::sqrt(3.0));
+  constexpr int kPairs = 20000;
+  for (int i = 0; i < kPairs; ++i) {
+    const Vec3 p{place(random), place(random), place(random)};
+    Vec3 q = p;
+    (i % 3 == 0 ? q.x : i % 3 == 1 ? q.y : q.z) += step;
+    mesh.positions.push_back(p);
+    mesh.positions.push_back(q);
+  }
+  mesh.triangles = {{0, 1, 2}};
+  EXPECT_EQ(inspect(one(mesh), kTolerance).near_duplicate_vertices, kPairs);
+  EXPECT_EQ(inspect(one(mesh), kTolerance / 4).near_duplicate_vertices, 0);
 }
 
 }  // namespace
