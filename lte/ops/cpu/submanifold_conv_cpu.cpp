@@ -95,16 +95,8 @@ void convolve_rows(const at::Tensor& input, const at::Tensor& weight, const Pair
     if (count == 0) continue;
     const int32_t* rows = pairs.input + (from - pairs.output);
     at::Tensor to = product.narrow(0, 0, count);
-    // Pairs of the centre tap are the identity: its rows are read in place.
-    const bool identity = rows[0] == from[0] && rows[count - 1] == from[count - 1] &&
-                          rows[count - 1] - rows[0] == count - 1 &&
-                          std::equal(rows, rows + count, from);
-    if (identity) {
-      at::mm_out(to, input.narrow(0, rows[0], count), weight.select(0, tap));
-    } else {
-      gather(in, Cin, rows, count, gathered.data_ptr<T>());
-      at::mm_out(to, gathered.narrow(0, 0, count), weight.select(0, tap));
-    }
+    gather(in, Cin, rows, count, gathered.data_ptr<T>());
+    at::mm_out(to, gathered.narrow(0, 0, count), weight.select(0, tap));
     const auto* value = product.const_data_ptr<T>();
     for (int64_t i = 0; i < count; ++i) add_row(value + i * Cout, Cout, out + from[i] * Cout);
   }
