@@ -22,7 +22,7 @@ struct BareRate {
 };
 
 struct TraceRates {
-  /// Intersect and occluded calls of estimate_irradiance(), by its wall time.
+  /// Intersect and occluded calls of estimate_irradiance(), by processor time a thread.
   double path_rays_per_s = 0;
   int64_t rays = 0;
   std::vector<BareRate> bare;  ///< the path tracer's own entry point first
