@@ -74,7 +74,10 @@ Affine to_frame(const scene::Instance& instance, const Vec3& origin) {
   return out;
 }
 
-Float4 column(const auto& rows, int k) { return {rows[0][k], rows[1][k], rows[2][k], 0}; }
+Float4 column(const auto& rows, int k) {
+  const float x = rows[0][k], y = rows[1][k], z = rows[2][k];
+  return Float4{x, y, z, 0};
+}
 
 InstanceRecord make_record(const scene::Scene& scene, int index, const Vec3& origin) {
   InstanceRecord record;
