@@ -2,8 +2,8 @@
 // (section 5.3 and supplementary section 4).
 //
 // At a point, L(ω) is the radiance that arrives from direction ω. It follows the depth convention
-// of irradiance: depth 1 is the emission of the surface that the direction meets, depth d has d
-// surface hits. A punctual light has no radiance in any direction and counts from depth 2 on,
+// of irradiance: depth 1 is the emission of what the direction meets, environment included; depth d
+// has d surface hits. A punctual light has no radiance in any direction and counts from depth 2 on,
 // through the surfaces that it lights; so ∫ L cosθ dω is irradiance.h's E, but for the direct share
 // of punctual lights.
 #pragma once

@@ -238,7 +238,7 @@ TEST(Incident, ReflectorSamplesGiveWhatTheMetalShows) {
     add_quad(&scene, {1.5f, 0.01f, 2.5f}, {1, 0, 0}, {0, 0, -1}, metal);
     const Bvh bvh(scene);
     const Lights lights(scene);
-    const Vec3 position{2, 0.01f, 2}, normal{0, 1, 0}, eye{3.6f, 1.4f, 2.7f};
+    const Vec3 position{2, 0.01f, 2}, normal{0, 1, 0}, eye{1.2f, 1.6f, 2.8f};
     const Vec3 outgoing = normalize(eye - position);
     IncidentSampler sampler(bvh, lights);
     Rng rng(6);
