@@ -1,7 +1,9 @@
 // The built tool from outside: exit codes, one-line messages, and what a kill leaves behind.
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <map>
+#include <numbers>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -240,10 +242,15 @@ TEST_F(Command, ProbeWritesColumnsAndNamesBadInput) {
 /// Of the outside of the closed box: pi times the radiance of the sky.
 TEST_F(Command, EnvironmentsLightAnyScene) {
   write_file(folder_ / "points.csv", "px,py,pz,nx,ny,nz\n0.5,1,0.5,0,1,0\n");
-  const std::string probe = "probe box.glb --points points.csv --out out.csv --rays 8 --quiet ";
+  const std::string probe = "probe box.glb --points points.csv --out out.csv --rays 16384 --quiet ";
   EXPECT_EQ(run(probe + "--environment 1,2,3").code, 0);
-  EXPECT_THAT(read_file(folder_ / "out.csv"), HasSubstr(",3.14159"));
-  EXPECT_THAT(read_file(folder_ / "out.csv"), HasSubstr(",6.28318"));
+  // The lamp inside gets a share of the light samples: that is the noise.
+  std::array<double, 3> total{};
+  const std::string csv = read_file(folder_ / "out.csv");
+  const char* row = csv.c_str() + csv.find('\n') + 1;
+  ASSERT_EQ(
+      std::sscanf(row, "%*f,%*f,%*f,%*f,%*f,%*f,%lf,%lf,%lf", &total[0], &total[1], &total[2]), 3);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(total[c] / (c + 1), std::numbers::pi, 0.03);
   EXPECT_THAT(run("info box.glb --environment 1,2,3").output,
               HasSubstr("\"name\":\"environment\",\"kind\":\"environment\""));
   const Outcome bake =

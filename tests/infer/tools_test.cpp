@@ -192,6 +192,7 @@ TEST_F(Tools, NoBaselinesAndNoTrainingScenesIsSaidWithTheRemedy) {
   data::DatasetInfo info = data::read_dataset_info(at("data"));
   std::erase_if(info.scenes,
                 [](const data::DatasetEntry& entry) { return entry.split == data::Split::Train; });
+  info.planned = static_cast<int64_t>(info.scenes.size());
   std::filesystem::copy(at("data"), at("test_only"), std::filesystem::copy_options::recursive);
   data::write_dataset_info(at("test_only"), info);
   expect_failure(run_tool("lte_eval", "--quiet --split test --checkpoint " +
