@@ -10,7 +10,7 @@ not found, set DRJIT_LIBLLVM_PATH to its file.
 
 Reads .glb files by itself (the subset that lte writes: one buffer, float attributes, embedded pictures), draws points
 evenly over the surfaces, on the front side, and estimates on both sides with D hits after leaving the point. Mitsuba's
-share: direct light by its emitter sampling at the point, the rest by its `path` integrator along cosine-distributed
+share: direct light by its emitter sampling and hits at the point, balanced, the rest by its `path` integrator along cosine-distributed
 rays, without Russian roulette. Metals are described in mitsuba_metal.py.
 
 The same scene in another format, for our side alone, is named behind a comma: room.glb,room.pbrt. --environment lights
@@ -282,7 +282,7 @@ class Moments:
 
 
 def mitsuba_irradiance(mi, scene, positions, normals, depth, samples, seed):
-    """Moments of (direct, total) irradiance. Total is direct by emitter sampling plus hits 2 to depth."""
+    """Moments of (direct, total) irradiance. Total is direct by emitter sampling and hits, plus hits 2 to depth."""
     import drjit as dr
     integrator = mi.load_dict({"type": "path", "max_depth": depth, "rr_depth": 100000})
     per_pass = max(1, min(samples, (1 << 21) // len(positions)))
@@ -301,10 +301,16 @@ def mitsuba_irradiance(mi, scene, positions, normals, depth, samples, seed):
         si.sh_frame = mi.Frame3f(si.n)
         ds, weight = scene.sample_emitter_direction(si, sampler.next_2d(), True)
         cosine = dr.dot(ds.d, si.n)
-        near = dr.select((ds.pdf > 0) & (cosine > 0), weight * cosine, 0)
+        # Points beside a lamp: light samples alone have no finite variance there, hence the balance heuristic.
+        share = dr.select(ds.delta, 1, ds.pdf / (ds.pdf + cosine * dr.inv_pi))
+        near = dr.select((ds.pdf > 0) & (cosine > 0), weight * (cosine * share), 0)
         ray = si.spawn_ray(si.sh_frame.to_world(mi.warp.square_to_cosine_hemisphere(sampler.next_2d())))
         first = scene.ray_intersect(ray)
         emitted = first.emitter(scene).eval(first)
+        met = mi.DirectionSample3f(scene, first, si)
+        light_pdf = scene.pdf_emitter_direction(si, met, dr.neq(first.emitter(scene), None))
+        pdf = dr.dot(ray.d, si.n) * dr.inv_pi
+        near += dr.pi * emitted * dr.select(pdf > 0, pdf / (pdf + light_pdf), 0)
         radiance, _, _ = integrator.sample(scene, sampler, mi.RayDifferential3f(ray))
         far = dr.pi * (radiance - emitted)
         shape = (len(positions), per_pass, 3)

@@ -1,6 +1,8 @@
 // What the path tracer's sampling saves: error with and without it, and paths at equal error, as
 // Markdown tables.
 #include <cstdio>
+#include <ctime>
+#include <numeric>
 
 #include <CLI/CLI.hpp>
 
@@ -17,7 +19,7 @@ struct Flags {
   std::vector<std::string> scenes;
   GainOptions gain;
   int64_t points = 64;
-  bool rates = false;
+  bool rates = false, roulette = false;
   int64_t rate_points = 1000;
   double seconds = 1;
 };
@@ -62,7 +64,56 @@ void run_rates(const Flags& flags) {
   for (const std::string& path : flags.scenes) rates(scene::load_scene(path), flags);
 }
 
+struct Cost {
+  double seconds = 0, rays = 0, variance = 0;  ///< sums over seeds; variance of indirect irradiance
+};
+
+Cost measure_roulette(const Bvh& bvh, const Lights& lights, const scene::SurfaceSamples& points,
+                      int max_depth, int roulette_depth, const Flags& flags) {
+  Cost cost;
+  for (int seed = 0; seed < flags.gain.repeats; ++seed) {
+    IrradianceOptions options;
+    options.rays = 256;
+    options.max_depth = max_depth;
+    options.roulette_depth = roulette_depth;
+    options.seed = static_cast<uint64_t>(seed);
+    const std::clock_t start = std::clock();
+    const Irradiance light =
+        estimate_irradiance(bvh, lights, points.position, points.normal, options);
+    cost.seconds += static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+    cost.rays += static_cast<double>(light.rays_traced);
+    cost.variance += std::accumulate(light.variance.begin(), light.variance.end(), 0.0);
+  }
+  return cost;
+}
+
+/// Russian roulette from each vertex on, beside paths that all go on to the last hit.
+void roulette(const scene::Scene& scene, const Flags& flags) {
+  const Bvh bvh(scene);
+  const Lights lights(scene);
+  const scene::SurfaceSamples points = scene::sample_surface(scene, flags.rate_points, {.seed = 7});
+  for (const int max_depth : {5, 16}) {
+    const Cost without = measure_roulette(bvh, lights, points, max_depth, max_depth, flags);
+    for (const int from : {1, 2, 3}) {
+      const Cost with = measure_roulette(bvh, lights, points, max_depth, from, flags);
+      const double seconds = with.seconds / without.seconds,
+                   variance = with.variance / without.variance;
+      std::printf("| %s | %d | %d | %.2f | %.2f | %.2f | %.2f |\n", scene.name.c_str(), max_depth,
+                  from, with.rays / without.rays, seconds, variance, 1 / (seconds * variance));
+      std::fflush(stdout);
+    }
+  }
+}
+
+void run_roulette(const Flags& flags) {
+  std::puts(
+      "| scene | depth | roulette from vertex | rays | processor time | variance | gain at equal "
+      "error |\n|---|---:|---:|---:|---:|---:|---:|");
+  for (const std::string& path : flags.scenes) roulette(scene::load_scene(path), flags);
+}
+
 void run(const Flags& flags) {
+  if (flags.roulette) return run_roulette(flags);
   if (flags.rates) return run_rates(flags);
   std::puts(
       "| gain of | scene | rays | RMSE without, % | RMSE with, % | rays ratio |\n"
@@ -87,7 +138,9 @@ int main(int argc, char** argv) {
   app.add_option("--points", flags.points, "Points over the surfaces")->capture_default_str();
   app.add_option("--repeats", flags.gain.repeats, "Runs with other seeds")->capture_default_str();
   app.add_flag("--rates", flags.rates, "Rays a second beside bare Embree instead");
-  app.add_option("--rate-points", flags.rate_points, "Points of --rates, 256 paths each")
+  app.add_flag("--roulette", flags.roulette, "What Russian roulette saves instead");
+  app.add_option("--rate-points", flags.rate_points,
+                 "Points of --rates and --roulette, 256 paths each")
       ->capture_default_str();
   app.add_option("--seconds", flags.seconds, "--rates: least time for each")->capture_default_str();
   app.add_option("--reference-rays", flags.gain.reference_rays)->capture_default_str();
