@@ -6,7 +6,7 @@ namespace lte::ops::LTE_ISA {
 namespace {
 
 using Float = Vector<float>;
-using Int = Vector<int32_t>;
+using Bits = Vector<uint32_t>;
 constexpr int kVectors = static_cast<int>(kBlock) / kLanes<float>;  ///< of one block of columns
 /// Rows and blocks of columns whose sums stay in the registers: 24 of 32, or 12 or 8 of 16.
 constexpr int kRows = kVectors == 1 ? 12 : kVectors == 2 ? 6 : 2;
@@ -200,7 +200,7 @@ Float exponential(const Float& x) {
   p = p * r + splat(1.6666665459e-1f);
   p = p * r + splat(5.0000001201e-1f);
   p = p * r * r + r + splat(1.0f);
-  Int bits, shift;
+  Bits bits, shift;  // unsigned: what overflows below -87 is thrown away
   __builtin_memcpy(&bits, &p, sizeof bits);
   __builtin_memcpy(&shift, &whole, sizeof shift);
   bits += shift << 23;
