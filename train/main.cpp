@@ -3,6 +3,7 @@
 #include <string>
 
 #include "lte/base/cli.h"
+#include "lte/base/memory.h"
 #include "train/run.h"
 
 namespace {
@@ -47,6 +48,7 @@ int main(int argc, char** argv) {
   int signal = 0;
   const int status = lte::run_tool(app, argc, argv, [&] {
     lte::apply_common_options(common);
+    lte::keep_freed_memory();
     options.json = common.json;
     options.threads = common.threads;
     const lte::train::RunResult result = lte::train::run(options);

@@ -3,12 +3,15 @@
 #include <cmath>
 #include <utility>
 
+#include <ATen/ops/_foreach_add.h>
 #include <ATen/ops/_foreach_mul.h>
 #include <ATen/ops/_foreach_norm.h>
+#include <ATen/ops/_fused_adamw.h>
 #include <ATen/ops/lerp.h>
 #include <ATen/ops/stack.h>
 #include <ATen/ops/tensor.h>
-#include <torch/optim/adamw.h>
+#include <ATen/ops/zeros.h>
+#include <ATen/ops/zeros_like.h>
 
 #include "train/schedule.h"
 #include "train/tensor_io.h"
@@ -16,64 +19,66 @@
 namespace lte::train {
 namespace {
 
-using torch::optim::AdamWOptions;
-using torch::optim::AdamWParamState;
-using torch::optim::OptimizerParamGroup;
-
-std::unique_ptr<torch::optim::AdamW> make_adam(const OptimConfig& config,
-                                               const std::vector<at::Tensor>& parameters) {
-  std::vector<at::Tensor> decayed, plain;
-  for (const at::Tensor& parameter : parameters)
-    (parameter.dim() >= 2 ? decayed : plain).push_back(parameter);
-  AdamWOptions options(config.learning_rate);
-  options.betas({config.beta1, config.beta2}).weight_decay(config.weight_decay);
-  AdamWOptions plain_options = options;
-  plain_options.weight_decay(0);
-  std::vector<OptimizerParamGroup> groups;
-  groups.emplace_back(decayed, std::make_unique<AdamWOptions>(options));
-  groups.emplace_back(plain, std::make_unique<AdamWOptions>(plain_options));
-  return std::make_unique<torch::optim::AdamW>(groups, options);
-}
+/// The paper names none; PyTorch's.
+constexpr double kAdamEpsilon = 1e-8;
 
 }  // namespace
 
 Optimizer::Optimizer(const OptimConfig& config, const nn::LightTransportModel& model)
     : config_(config) {
   for (const auto& item : model->named_parameters()) {
+    const at::Tensor& parameter = item.value();
     names_.push_back(item.key());
-    parameters_.push_back(item.value());
+    parameters_.push_back(parameter);
+    first_moments_.push_back(at::zeros_like(parameter.detach()));
+    second_moments_.push_back(at::zeros_like(parameter.detach()));
+    updates_.push_back(at::zeros({}, parameter.options().requires_grad(false)));
+    if (config_.ema_decay > 0) average_.push_back(parameter.detach().clone());
   }
-  if (config_.ema_decay > 0) {
-    for (const at::Tensor& parameter : parameters_) average_.push_back(parameter.detach().clone());
-  }
-  adam_ = make_adam(config_, parameters_);
 }
 
-Optimizer::~Optimizer() = default;
+void Optimizer::zero_gradients() {
+  for (at::Tensor& parameter : parameters_) parameter.mutable_grad().reset();
+}
 
-void Optimizer::zero_gradients() { adam_->zero_grad(); }
-
-double Optimizer::gradient_norm() const {
-  const torch::NoGradGuard no_grad;
+std::vector<at::Tensor> Optimizer::gradients() const {
   std::vector<at::Tensor> gradients;
   for (const at::Tensor& parameter : parameters_) {
     if (parameter.grad().defined()) gradients.push_back(parameter.grad());
   }
-  if (gradients.empty()) return 0;
-  return at::stack(at::_foreach_norm(gradients)).to(at::kDouble).norm().item<double>();
+  return gradients;
+}
+
+double Optimizer::gradient_norm() const {
+  const torch::NoGradGuard no_grad;
+  const std::vector<at::Tensor> all = gradients();
+  if (all.empty()) return 0;
+  return at::stack(at::_foreach_norm(all)).to(at::kDouble).norm().item<double>();
 }
 
 void Optimizer::update(int64_t step, double norm) {
   const torch::NoGradGuard no_grad;
   if (config_.clip_norm > 0 && norm > config_.clip_norm) {
-    std::vector<at::Tensor> gradients;
-    for (const at::Tensor& parameter : parameters_) {
-      if (parameter.grad().defined()) gradients.push_back(parameter.grad());
-    }
-    at::_foreach_mul_(gradients, config_.clip_norm / norm);
+    at::_foreach_mul_(gradients(), config_.clip_norm / norm);
   }
-  for (auto& group : adam_->param_groups()) group.options().set_lr(learning_rate(config_, step));
-  adam_->step();
+  const double rate = learning_rate(config_, step);
+  // Biases and norms do not decay.
+  for (const bool matrices : {true, false}) {
+    std::vector<at::Tensor> weights, gradients, first, second, updates;
+    for (size_t i = 0; i < parameters_.size(); ++i) {
+      if (!parameters_[i].grad().defined() || (parameters_[i].dim() >= 2) != matrices) continue;
+      weights.push_back(parameters_[i]);
+      gradients.push_back(parameters_[i].grad());
+      first.push_back(first_moments_[i]);
+      second.push_back(second_moments_[i]);
+      updates.push_back(updates_[i]);
+    }
+    if (weights.empty()) continue;
+    at::_foreach_add_(updates, 1);
+    at::_fused_adamw_(weights, gradients, first, second, {}, updates, rate, config_.beta1,
+                      config_.beta2, matrices ? config_.weight_decay : 0, kAdamEpsilon,
+                      /*amsgrad=*/false, /*maximize=*/false);
+  }
   if (average_.empty()) return;
   const double weight = 1 - ema_decay(config_, step);
   for (size_t i = 0; i < average_.size(); ++i) average_[i].lerp_(parameters_[i], weight);
@@ -89,15 +94,11 @@ void Optimizer::swap_average() {
 
 std::map<std::string, at::Tensor> Optimizer::state() const {
   std::map<std::string, at::Tensor> tensors;
-  std::vector<int64_t> updates(names_.size(), 0);
+  std::vector<int64_t> updates;
   for (size_t i = 0; i < names_.size(); ++i) {
-    const auto found = adam_->state().find(parameters_[i].unsafeGetTensorImpl());
-    if (found != adam_->state().end()) {
-      const auto& moments = static_cast<const AdamWParamState&>(*found->second);
-      updates[i] = moments.step();
-      tensors["exp_avg." + names_[i]] = moments.exp_avg();
-      tensors["exp_avg_sq." + names_[i]] = moments.exp_avg_sq();
-    }
+    updates.push_back(updates_[i].item<int64_t>());
+    tensors["exp_avg." + names_[i]] = first_moments_[i];
+    tensors["exp_avg_sq." + names_[i]] = second_moments_[i];
     if (has_average()) tensors["average." + names_[i]] = average_[i];
   }
   tensors["updates"] = at::tensor(updates, at::kLong);
@@ -108,20 +109,15 @@ void Optimizer::load_state(const SafetensorsFile& file) {
   const torch::NoGradGuard no_grad;
   const auto updates = file.values<int64_t>("updates", {static_cast<int64_t>(names_.size())});
   for (size_t i = 0; i < names_.size(); ++i) {
-    const at::Tensor& parameter = parameters_[i];
     if (has_average() && file.contains("average." + names_[i])) {
       read_tensor(file, "average." + names_[i], average_[i]);
     } else if (has_average()) {
-      average_[i].copy_(parameter);  // averaging was switched on for the resumed part
+      average_[i].copy_(parameters_[i]);  // averaging was switched on for the resumed part
     }
-    if (updates[i] == 0) continue;  // never had a gradient, so no moments yet
-    auto moments = std::make_unique<AdamWParamState>();
-    moments->step(updates[i]);
-    moments->exp_avg(at::empty_like(parameter));
-    moments->exp_avg_sq(at::empty_like(parameter));
-    read_tensor(file, "exp_avg." + names_[i], moments->exp_avg());
-    read_tensor(file, "exp_avg_sq." + names_[i], moments->exp_avg_sq());
-    adam_->state()[parameter.unsafeGetTensorImpl()] = std::move(moments);
+    updates_[i].fill_(updates[i]);
+    if (updates[i] == 0) continue;  // files of earlier versions have no moments then
+    read_tensor(file, "exp_avg." + names_[i], first_moments_[i]);
+    read_tensor(file, "exp_avg_sq." + names_[i], second_moments_[i]);
   }
 }
 

@@ -4,17 +4,12 @@
 
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "lte/base/safetensors.h"
 #include "lte/nn/model.h"
 #include "train/config.h"
-
-namespace torch::optim {
-class AdamW;
-}
 
 namespace lte::train {
 
@@ -23,7 +18,6 @@ class Optimizer {
   /// Weight decay applies to parameters of two dimensions or more; biases and norms are left alone.
   /// The averaged weights start as the model's weights of now.
   Optimizer(const OptimConfig& config, const nn::LightTransportModel& model);
-  ~Optimizer();
   Optimizer(const Optimizer&) = delete;
   Optimizer& operator=(const Optimizer&) = delete;
 
@@ -46,11 +40,15 @@ class Optimizer {
   void load_state(const SafetensorsFile& file);
 
  private:
+  /// Of the parameters that have one.
+  std::vector<at::Tensor> gradients() const;
+
   OptimConfig config_;
   std::vector<std::string> names_;
   std::vector<at::Tensor> parameters_;
+  std::vector<at::Tensor> first_moments_, second_moments_;
+  std::vector<at::Tensor> updates_;  ///< of each parameter, float32 []: what the fused kernel takes
   std::vector<at::Tensor> average_;  ///< empty without averaging
-  std::unique_ptr<torch::optim::AdamW> adam_;
 };
 
 /// Exchanges weights and average while it lives.

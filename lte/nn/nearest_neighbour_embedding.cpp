@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "lte/ops/gelu.h"
 #include "lte/ops/neighbour_max.h"
 
 namespace lte::nn {
@@ -34,7 +35,7 @@ at::Tensor NeighbourMaxImpl::forward(const at::Tensor& dense, const at::Tensor& 
   const auto block = [&](int64_t begin, int64_t count) {
     const at::Tensor index = neighbour.narrow(0, begin, count).reshape({-1});
     at::Tensor pair = of_dense.index_select(0, index).view({count, k, D});
-    pair = at::gelu(pair + of_center.narrow(0, begin, count).unsqueeze(1));
+    pair = ops::gelu(pair + of_center.narrow(0, begin, count).unsqueeze(1));
     return at::amax(output_->forward(pair), {1});
   };
   if (at::GradMode::is_enabled()) return block(0, m);

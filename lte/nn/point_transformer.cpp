@@ -3,6 +3,8 @@
 #include <string>
 #include <utility>
 
+#include "lte/ops/gelu.h"
+
 namespace lte::nn {
 
 StageImpl::StageImpl(int64_t depth, int64_t channels, const ModelConfig& config) {
@@ -51,7 +53,7 @@ PointTransformerImpl::PointTransformerImpl(const ModelConfig& config) {
 at::Tensor PointTransformerImpl::forward(const at::Tensor& x, const EncoderPlan& plan) {
   const at::Tensor stem = stem_conv_ ? stem_conv_->forward(x, plan.stem_pairs, plan.stem_tap_begin)
                                      : stem_linear_->forward(x);
-  std::vector<at::Tensor> skip = {at::gelu(stem_norm_->forward(stem))};
+  std::vector<at::Tensor> skip = {ops::gelu(stem_norm_->forward(stem))};
   for (size_t s = 0; s < down_.size(); ++s) {
     const StagePlan& stage = plan.stages[s];
     if (s > 0) {

@@ -6,6 +6,7 @@
 
 #include <torch/nn/init.h>
 
+#include "lte/ops/gelu.h"
 #include "lte/ops/patch_attention.h"
 #include "lte/ops/submanifold_conv.h"
 
@@ -101,7 +102,7 @@ at::Tensor PoolingImpl::forward(const at::Tensor& fine, const at::Tensor& cluste
   const at::Tensor x = linear_->forward(fine);
   // A gather: each gradient goes to one row, and no two to the same, so the sum needs no order.
   const at::Tensor pooled = x.gather(0, cluster_argmax(x, cluster, clusters));
-  return at::gelu(norm_->forward(pooled));
+  return ops::gelu(norm_->forward(pooled));
 }
 
 UnpoolingImpl::UnpoolingImpl(int64_t coarse, int64_t skip, int64_t outputs)
@@ -112,8 +113,8 @@ UnpoolingImpl::UnpoolingImpl(int64_t coarse, int64_t skip, int64_t outputs)
 
 at::Tensor UnpoolingImpl::forward(const at::Tensor& coarse, const at::Tensor& skip,
                                   const at::Tensor& cluster) {
-  const at::Tensor up = at::gelu(coarse_norm_->forward(coarse_->forward(coarse)));
-  const at::Tensor across = at::gelu(skip_norm_->forward(skip_->forward(skip)));
+  const at::Tensor up = ops::gelu(coarse_norm_->forward(coarse_->forward(coarse)));
+  const at::Tensor across = ops::gelu(skip_norm_->forward(skip_->forward(skip)));
   return up.index_select(0, cluster) + across;
 }
 

@@ -6,10 +6,11 @@
 #include <ATen/Context.h>
 #include <ATen/core/List.h>
 #include <ATen/core/dispatch/Dispatcher.h>
-#include <ATen/ops/gelu.h>
 #include <ATen/ops/linear.h>
 #include <ATen/ops/mm.h>
 #include <torch/csrc/autograd/custom_function.h>
+
+#include "lte/ops/gelu.h"
 
 namespace lte::ops {
 namespace {
@@ -109,7 +110,7 @@ at::Tensor linear(const at::Tensor& x, const at::Tensor& weight, const at::Tenso
 
 at::Tensor linear_gelu(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias) {
   const bool fused = suits_fused(x, weight, kLeastForward) && !wants_gradient(x, weight, bias);
-  return fused ? call_fused(x, weight, if_defined(bias), true) : at::gelu(linear(x, weight, bias));
+  return fused ? call_fused(x, weight, if_defined(bias), true) : ops::gelu(linear(x, weight, bias));
 }
 
 }  // namespace lte::ops

@@ -150,6 +150,33 @@ TEST(SubmanifoldConv, Float32IsCloseToFloat64) {
   EXPECT_LT(test::relative_error(single, exact), 1e-5);
 }
 
+TEST(SubmanifoldConv, Float32GradientsAreCloseToFloat64) {
+  struct Case {
+    int64_t N, edge, kernel, inputs, outputs;
+    bool shared;
+  };
+  // One pair a tap and hundreds, channels of one panel and of several, cells with several points.
+  for (const Case& c : {Case{1, 4, 3, 16, 16, false}, Case{2000, 16, 3, 64, 48, false},
+                        Case{700, 9, 5, 32, 32, false}, Case{500, 5, 3, 160, 144, true}}) {
+    const at::Tensor cells =
+        c.shared ? test::integers(c.edge, {c.N, 3}, 28, at::kInt) : distinct_cells(c.N, c.edge, 28);
+    const auto [pairs, tap_begin] = convolution_pairs(cells, c.kernel);
+    const int64_t taps = c.kernel * c.kernel * c.kernel;
+    std::vector<at::Tensor> gradients[2];
+    for (const auto dtype : {at::kDouble, at::kFloat}) {
+      at::Tensor input = test::normal({c.N, c.inputs}, 29).to(dtype).requires_grad_(),
+                 weight = test::normal({taps, c.inputs, c.outputs}, 30).to(dtype).requires_grad_();
+      const at::Tensor probe = test::normal({c.N, c.outputs}, 31).to(dtype);
+      (submanifold_conv(input, weight, {}, pairs, tap_begin) * probe).sum().backward();
+      gradients[dtype == at::kFloat] = {input.grad(), weight.grad()};
+    }
+    for (const size_t i : {0, 1}) {
+      EXPECT_LT(test::relative_error(gradients[1][i], gradients[0][i]), 1e-5)
+          << "gradient " << i << " of " << c.N << " points, " << c.inputs << " channels";
+    }
+  }
+}
+
 TEST(SubmanifoldConv, GradientsAreFiniteDifferencesWithSharedCells) {
   const at::Tensor cells = test::integers(3, {30, 3}, 32, at::kInt);
   const auto [pairs, tap_begin] = convolution_pairs(cells, 3);

@@ -80,10 +80,12 @@ void multiply(const float* x, int64_t rows, int64_t K, const float* weight, int6
   }
 }
 
-/// erf by a ratio of polynomials, to 2 units in the last place; ±1 outside [-4, 4].
-Float gelu(const Float& x) {
-  const Float limit = splat(4.0f);
-  Float z = x * splat(0.70710678118654752f);
+/// erf(x / sqrt 2), by a ratio of polynomials to 2 units in the last place; `z`: x / sqrt 2 clamped
+/// to ±kErfLimit, from where on it is ±1 but for 2e-8.
+constexpr float kErfLimit = 4.0f;
+Float erf_of(const Float& x, Float& z) {
+  const Float limit = splat(kErfLimit);
+  z = x * splat(0.70710678118654752f);
   z = z < limit ? z : limit;
   z = z > -limit ? z : -limit;
   const Float s = z * z;
@@ -97,10 +99,15 @@ Float gelu(const Float& x) {
   q = q * s + splat(-1.68282697438203e-03f);
   q = q * s + splat(-7.37332916720468e-03f);
   q = q * s + splat(-1.42647390514189e-02f);
-  const Float erf = z * p / q, half = x * splat(0.5f);
+  return z * p / q;
+}
+
+Float gelu(const Float& x) {
+  Float z;
+  const Float erf = erf_of(x, z), half = x * splat(0.5f);
   const Float inside = half + half * erf;
-  const Float upper = z < limit ? inside : x;
-  return z > -limit ? upper : Float{};
+  const Float upper = z < splat(kErfLimit) ? inside : x;
+  return z > splat(-kErfLimit) ? upper : Float{};
 }
 
 void activate(float* x, int64_t rows, int64_t blocks) {
@@ -246,6 +253,28 @@ void exponentiate(float* x, int64_t rows, int64_t panel_stride, int64_t count, f
   }
 }
 
+/// Φ(x) + x φ(x), of the normal distribution.
+Float gelu_slope(const Float& x) {
+  Float z;
+  const Float erf = erf_of(x, z), half = splat(0.5f);
+  const Float density = exponential(x * x * splat(-0.5f)) * splat(0.398942280401432678f);
+  const Float inside = half + half * erf + x * density;
+  const Float upper = z < splat(kErfLimit) ? inside : splat(1.0f) + x * density;
+  return z > splat(-kErfLimit) ? upper : x * density;
+}
+
+void activate_row(const float* x, int64_t count, float* out) {
+  over_row(
+      count, [&](int64_t i) { store(out + i, gelu(load(x + i))); },
+      [&](int64_t i) { out[i] = gelu(splat(x[i]))[0]; });
+}
+
+void activate_gradient(const float* x, const float* grad, int64_t count, float* out) {
+  over_row(
+      count, [&](int64_t i) { store(out + i, load(grad + i) * gelu_slope(load(x + i))); },
+      [&](int64_t i) { out[i] = grad[i] * gelu_slope(splat(x[i]))[0]; });
+}
+
 void attend(const float* query, int64_t rows, int64_t blocks, const float* sums, int64_t row_stride,
             int64_t block_stride, float scale, float* out) {
   const Float factor = splat(scale);
@@ -276,8 +305,8 @@ void hidden_positions(const float* offset, int64_t pairs, const float* weight, i
 }  // namespace
 
 extern const DenseKernels kDenseKernels;
-const DenseKernels kDenseKernels{multiply,     activate,   activate_sum,
-                                 maximize,     accumulate, layer_norm,
-                                 exponentiate, attend,     hidden_positions};
+const DenseKernels kDenseKernels{multiply,     activate, activate_row,    activate_gradient,
+                                 activate_sum, maximize, accumulate,      layer_norm,
+                                 exponentiate, attend,   hidden_positions};
 
 }  // namespace lte::ops::LTE_ISA

@@ -76,6 +76,9 @@ struct DenseKernels {
                    int64_t block_stride, const float* bias, int64_t blocks, bool add, float* out);
   /// x = GELU(x), the exact form, to 10^-6.
   void (*activate)(float* x, int64_t rows, int64_t blocks);
+  /// out = GELU(x), and out = grad ⊙ GELU'(x), over `count` columns of one row.
+  void (*activate_row)(const float* x, int64_t count, float* out);
+  void (*activate_gradient)(const float* x, const float* grad, int64_t count, float* out);
   /// out = GELU(a + b) over `count` columns of one row.
   void (*activate_sum)(const float* a, const float* b, int64_t count, float* out);
   /// out = max(out, x), and out += x, over `count` columns of one row.

@@ -19,6 +19,7 @@
 #include <torch/library.h>
 
 #include "lte/ops/arguments.h"
+#include "lte/ops/cpu/convolution_tiles.h"
 #include "lte/ops/cpu/packed_linear.h"
 
 namespace lte::ops {
@@ -26,13 +27,8 @@ namespace {
 
 constexpr int64_t kRows = 512;  ///< output rows of a block
 
-struct Pairs {
-  const int32_t *output, *input;
-  const int64_t* begin;  ///< of each tap
-  int64_t count, taps;
-};
-
-Pairs check_pairs(const at::Tensor& pairs, const at::Tensor& tap_begin, int64_t taps, int64_t N) {
+ConvolutionPairs check_pairs(const at::Tensor& pairs, const at::Tensor& tap_begin, int64_t taps,
+                             int64_t N) {
   const char* op = "submanifold_conv";
   TORCH_CHECK(pairs.dim() == 2 && pairs.size(0) == 2 && pairs.scalar_type() == at::kInt &&
                   pairs.is_contiguous(),
@@ -83,7 +79,7 @@ void add_row(const T* from, int64_t C, T* to) {
 
 /// out[to] += in[from] W over the pairs whose output lies in [first, last).
 template <typename T>
-void convolve_rows(const at::Tensor& input, const at::Tensor& weight, const Pairs& pairs,
+void convolve_rows(const at::Tensor& input, const at::Tensor& weight, const ConvolutionPairs& pairs,
                    int64_t first, int64_t last, at::Tensor& gathered, at::Tensor& product, T* out) {
   const int64_t Cin = input.size(1), Cout = weight.size(2);
   const auto* in = input.const_data_ptr<T>();
@@ -102,81 +98,13 @@ void convolve_rows(const at::Tensor& input, const at::Tensor& weight, const Pair
   }
 }
 
-/// Output columns of one panel for rows [first, last), by the dense kernels: runs of pairs are
-/// gathered into a tile, multiplied and added to their rows. float32, Cout a multiple of kBlock.
-class TileConvolution {
- public:
-  TileConvolution(const at::Tensor& input, const at::Tensor& weight, const Pairs& pairs, float* out)
-      : in_(input.const_data_ptr<float>()),
-        weight_(weight.const_data_ptr<float>()),
-        Cin_(input.size(1)),
-        Cout_(weight.size(2)),
-        pairs_(pairs),
-        out_(out),
-        gathered_(kTileRows, Cin_),
-        product_(kTileRows, kPanel) {}
-
-  void run(int64_t first, int64_t last, int64_t panel) {
-    for (int64_t tap = 0; tap < pairs_.taps; ++tap) {
-      const int32_t* tap_last = pairs_.output + pairs_.begin[tap + 1];
-      const int32_t* from = std::lower_bound(pairs_.output + pairs_.begin[tap], tap_last, first);
-      const int32_t* to = std::lower_bound(from, tap_last, last);
-      for (; from < to; from += kTileRows) {
-        add_product(from, std::min<int64_t>(kTileRows, to - from), tap, panel);
-      }
-    }
-  }
-
- private:
-  void add_product(const int32_t* output, int64_t count, int64_t tap, int64_t panel) {
-    const int32_t* rows = pairs_.input + (output - pairs_.output);
-    const int64_t column = panel * kPanel, columns = std::min(kPanel, Cout_ - column);
-    for (int64_t k = 0; k < Cin_; k += kPanel) {
-      const int64_t inputs = std::min(kPanel, Cin_ - k);
-      float* tile = gathered_.panel(k / kPanel);
-      for (int64_t i = 0; i < count; ++i) {
-        std::memcpy(tile + i * kPanel, in_ + rows[i] * Cin_ + k, inputs * sizeof(float));
-      }
-      dense_kernels().multiply(tile, count, inputs, weight_ + (tap * Cin_ + k) * Cout_ + column,
-                               Cout_, kBlock, nullptr, columns / kBlock, k > 0, product_.panel(0));
-    }
-    for (int64_t i = 0; i < count; ++i) {
-      dense_kernels().accumulate(product_.panel(0) + i * kPanel, columns,
-                                 out_ + output[i] * Cout_ + column);
-    }
-  }
-
-  static constexpr int64_t kTileRows = 96;
-  const float *in_, *weight_;
-  int64_t Cin_, Cout_;
-  const Pairs& pairs_;
-  float* out_;
-  Tile gathered_, product_;
-};
-
-/// out += the convolution. Threads own blocks of rows and panels of columns: stages with few points
-/// have wide features.
-void convolve_tiles(const at::Tensor& input, const at::Tensor& weight, const Pairs& pairs,
-                    float* out) {
-  constexpr int64_t kBlockRows = 256;  // the weights of a tap are read once for so many
-  const int64_t N = input.size(0), panels = panels_of(weight.size(2));
-  const int64_t blocks = (N + kBlockRows - 1) / kBlockRows;
-  at::parallel_for(0, blocks * panels, 1, [&](int64_t begin, int64_t end) {
-    TileConvolution convolution(input, weight, pairs, out);
-    for (int64_t i = begin; i < end; ++i) {
-      const int64_t first = i % blocks * kBlockRows;
-      convolution.run(first, std::min(N, first + kBlockRows), i / blocks);
-    }
-  });
-}
-
 at::Tensor submanifold_conv_cpu(const at::Tensor& any_input, const at::Tensor& weight,
                                 const std::optional<at::Tensor>& bias, const at::Tensor& pairs,
                                 const at::Tensor& tap_begin) {
   check_conv_args(any_input, weight);
   const at::Tensor input = any_input.contiguous();
   const int64_t N = input.size(0), Cout = weight.size(2);
-  const Pairs p = check_pairs(pairs, tap_begin, weight.size(0), N);
+  const ConvolutionPairs p = check_pairs(pairs, tap_begin, weight.size(0), N);
   const bool has_bias = bias.has_value() && bias->defined();
   TORCH_CHECK(!has_bias || (bias->dim() == 1 && bias->size(0) == Cout &&
                             bias->scalar_type() == input.scalar_type() && bias->is_contiguous()),
@@ -187,8 +115,10 @@ at::Tensor submanifold_conv_cpu(const at::Tensor& any_input, const at::Tensor& w
   } else {
     out.zero_();
   }
-  if (input.scalar_type() == at::kFloat && Cout % kBlock == 0) {
-    convolve_tiles(input, weight.contiguous(), p, out.data_ptr<float>());
+  if (input.scalar_type() == at::kFloat && suits_tiles(Cout)) {
+    const at::Tensor w = weight.contiguous();
+    convolve_tiles({input.const_data_ptr<float>(), N, input.size(1)}, w.const_data_ptr<float>(),
+                   Cout, p, out.data_ptr<float>());
     return out;
   }
   AT_DISPATCH_FLOATING_TYPES(input.scalar_type(), "submanifold_conv", [&] {
@@ -210,7 +140,7 @@ at::Tensor submanifold_conv_cpu(const at::Tensor& any_input, const at::Tensor& w
 /// Tap by tap: several outputs may read one input, so threads own ranges of input rows and each
 /// scans all pairs.
 template <typename T>
-void input_gradient(const at::Tensor& grad, const at::Tensor& weight, const Pairs& pairs,
+void input_gradient(const at::Tensor& grad, const at::Tensor& weight, const ConvolutionPairs& pairs,
                     at::Tensor& out) {
   const int64_t N = grad.size(0), Cin = weight.size(1), Cout = weight.size(2);
   const int64_t blocks = (N + kRows - 1) / kRows;
@@ -249,7 +179,7 @@ void input_gradient(const at::Tensor& grad, const at::Tensor& weight, const Pair
 
 /// Weights of a tap: gathered inputs, transposed, times gathered gradients. Threads own taps.
 template <typename T>
-void weight_gradient(const at::Tensor& grad, const at::Tensor& input, const Pairs& pairs,
+void weight_gradient(const at::Tensor& grad, const at::Tensor& input, const ConvolutionPairs& pairs,
                      at::Tensor& out) {
   const int64_t Cin = input.size(1), Cout = grad.size(1);
   constexpr int64_t kDepth = 2048;  // pairs gathered at once
@@ -278,10 +208,23 @@ std::tuple<at::Tensor, at::Tensor> submanifold_conv_backward_cpu(
                   grad.scalar_type() == input.scalar_type(),
               "submanifold_conv_backward: grad must be [", input.size(0), ", ", weight.size(2),
               "] of the input's dtype, got ", grad.sizes());
-  const Pairs p = check_pairs(pairs, tap_begin, weight.size(0), input.size(0));
+  const ConvolutionPairs p = check_pairs(pairs, tap_begin, weight.size(0), input.size(0));
   at::Tensor by_input = need_input ? at::zeros_like(input) : at::empty({0}, input.options());
   at::Tensor by_weight =
       need_weight ? at::zeros(weight.sizes(), weight.options()) : at::empty({0}, input.options());
+  const int64_t Cin = weight.size(1), Cout = weight.size(2);
+  if (input.scalar_type() == at::kFloat && suits_tiles(Cin) && suits_tiles(Cout)) {
+    const ConvolutionRows g{grad.const_data_ptr<float>(), grad.size(0), Cout};
+    if (need_input) {
+      const at::Tensor w = weight.contiguous();
+      input_gradient_tiles(g, w.const_data_ptr<float>(), Cin, p, by_input.data_ptr<float>());
+    }
+    if (need_weight) {
+      weight_gradient_tiles({input.const_data_ptr<float>(), input.size(0), Cin}, g, p,
+                            by_weight.data_ptr<float>());
+    }
+    return {by_input, by_weight};
+  }
   AT_DISPATCH_FLOATING_TYPES(input.scalar_type(), "submanifold_conv_backward", [&] {
     if (need_input) input_gradient<scalar_t>(grad, weight, p, by_input);
     if (need_weight) weight_gradient<scalar_t>(grad, input, p, by_weight);

@@ -1,0 +1,192 @@
+#include "lte/ops/cpu/convolution_tiles.h"
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+#include <vector>
+
+#include <ATen/Parallel.h>
+
+#include "lte/ops/cpu/packed_linear.h"
+
+namespace lte::ops {
+namespace {
+
+/// Output columns of one panel for rows [first, last).
+class TileConvolution {
+ public:
+  TileConvolution(const ConvolutionRows& input, const float* weight, int64_t outputs,
+                  const ConvolutionPairs& pairs, float* out)
+      : in_(input.values),
+        weight_(weight),
+        Cin_(input.C),
+        Cout_(outputs),
+        pairs_(pairs),
+        out_(out),
+        gathered_(kTileRows, Cin_),
+        product_(kTileRows, kPanel) {}
+
+  void run(int64_t first, int64_t last, int64_t panel) {
+    for (int64_t tap = 0; tap < pairs_.taps; ++tap) {
+      const int32_t* tap_last = pairs_.output + pairs_.begin[tap + 1];
+      const int32_t* from = std::lower_bound(pairs_.output + pairs_.begin[tap], tap_last, first);
+      const int32_t* to = std::lower_bound(from, tap_last, last);
+      for (; from < to; from += kTileRows) {
+        add_product(from, std::min<int64_t>(kTileRows, to - from), tap, panel);
+      }
+    }
+  }
+
+ private:
+  void add_product(const int32_t* output, int64_t count, int64_t tap, int64_t panel) {
+    const int32_t* rows = pairs_.input + (output - pairs_.output);
+    const int64_t column = panel * kPanel, columns = std::min(kPanel, Cout_ - column);
+    for (int64_t k = 0; k < Cin_; k += kPanel) {
+      const int64_t inputs = std::min(kPanel, Cin_ - k);
+      float* tile = gathered_.panel(k / kPanel);
+      for (int64_t i = 0; i < count; ++i) {
+        std::memcpy(tile + i * kPanel, in_ + rows[i] * Cin_ + k, inputs * sizeof(float));
+      }
+      dense_kernels().multiply(tile, count, inputs, weight_ + (tap * Cin_ + k) * Cout_ + column,
+                               Cout_, kBlock, nullptr, columns / kBlock, k > 0, product_.panel(0));
+    }
+    for (int64_t i = 0; i < count; ++i) {
+      dense_kernels().accumulate(product_.panel(0) + i * kPanel, columns,
+                                 out_ + output[i] * Cout_ + column);
+    }
+  }
+
+  static constexpr int64_t kTileRows = 96;
+  const float *in_, *weight_;
+  int64_t Cin_, Cout_;
+  const ConvolutionPairs& pairs_;
+  float* out_;
+  Tile gathered_, product_;
+};
+
+/// The pairs with input and output exchanged, those of a tap sorted by what was the input.
+class ReversedPairs {
+ public:
+  explicit ReversedPairs(const ConvolutionPairs& pairs)
+      : output_(pairs.count), input_(pairs.count), pairs_(pairs) {
+    std::vector<int64_t> order;
+    for (int64_t tap = 0; tap < pairs.taps; ++tap) {
+      const int64_t begin = pairs.begin[tap], count = pairs.begin[tap + 1] - begin;
+      order.resize(count);
+      std::iota(order.begin(), order.end(), begin);
+      std::stable_sort(order.begin(), order.end(),
+                       [&](int64_t a, int64_t b) { return pairs.input[a] < pairs.input[b]; });
+      for (int64_t i = 0; i < count; ++i) {
+        output_[begin + i] = pairs.input[order[i]];
+        input_[begin + i] = pairs.output[order[i]];
+      }
+    }
+  }
+
+  ConvolutionPairs pairs() const {
+    return {output_.data(), input_.data(), pairs_.begin, pairs_.count, pairs_.taps};
+  }
+
+ private:
+  std::vector<int32_t> output_, input_;
+  const ConvolutionPairs& pairs_;
+};
+
+/// Columns of a tap's weight gradient for one panel of outputs.
+class TapGradient {
+ public:
+  TapGradient(const ConvolutionRows& input, const ConvolutionRows& grad,
+              const ConvolutionPairs& pairs, float* out)
+      : input_(input),
+        grad_(grad),
+        pairs_(pairs),
+        out_(out),
+        transposed_(static_cast<size_t>(input.C * kPanel)),
+        gradient_(static_cast<size_t>(kPanel * kPanel)),
+        product_(static_cast<size_t>(input.C * kPanel)) {}
+
+  void run(int64_t tap, int64_t panel) {
+    const int64_t column = panel * kPanel, columns = std::min(kPanel, grad_.C - column);
+    const int64_t begin = pairs_.begin[tap], end = pairs_.begin[tap + 1];
+    for (int64_t i = begin; i < end; i += kPanel) {
+      const int64_t count = std::min(kPanel, end - i);
+      gather(i, count, column, columns);
+      dense_kernels().multiply(transposed_.data(), input_.C, count, gradient_.data(), kPanel,
+                               kBlock, nullptr, columns / kBlock, i > begin, product_.data());
+    }
+    if (begin == end) return;
+    for (int64_t c = 0; c < input_.C; ++c) {
+      dense_kernels().accumulate(product_.data() + c * kPanel, columns,
+                                 out_ + (tap * input_.C + c) * grad_.C + column);
+    }
+  }
+
+ private:
+  void gather(int64_t first, int64_t count, int64_t column, int64_t columns) {
+    for (int64_t i = 0; i < count; ++i) {
+      const float* from = input_.values + pairs_.input[first + i] * input_.C;
+      for (int64_t c = 0; c < input_.C; ++c) transposed_[c * kPanel + i] = from[c];
+      std::memcpy(gradient_.data() + i * kPanel,
+                  grad_.values + pairs_.output[first + i] * grad_.C + column,
+                  columns * sizeof(float));
+    }
+  }
+
+  ConvolutionRows input_, grad_;
+  const ConvolutionPairs& pairs_;
+  float* out_;
+  std::vector<float> transposed_;  ///< [input.C, kPanel], a column a pair
+  std::vector<float> gradient_;    ///< [kPanel, kPanel], a row a pair
+  std::vector<float> product_;     ///< [input.C, kPanel]
+};
+
+/// [taps, rows, columns] -> [taps, columns, rows], of the taps that have pairs.
+std::vector<float> transposed_taps(const float* weight, int64_t rows, int64_t columns,
+                                   const ConvolutionPairs& pairs) {
+  std::vector<float> out(static_cast<size_t>(pairs.taps * rows * columns));
+  at::parallel_for(0, pairs.taps, 1, [&](int64_t begin, int64_t end) {
+    for (int64_t tap = begin; tap < end; ++tap) {
+      if (pairs.begin[tap] == pairs.begin[tap + 1]) continue;
+      const float* from = weight + tap * rows * columns;
+      float* to = out.data() + tap * rows * columns;
+      for (int64_t r = 0; r < rows; ++r) {
+        for (int64_t c = 0; c < columns; ++c) to[c * rows + r] = from[r * columns + c];
+      }
+    }
+  });
+  return out;
+}
+
+}  // namespace
+
+void convolve_tiles(const ConvolutionRows& input, const float* weight, int64_t outputs,
+                    const ConvolutionPairs& pairs, float* out) {
+  // Threads own blocks of rows and panels of columns: stages with few points have wide features.
+  constexpr int64_t kBlockRows = 256;  // the weights of a tap are read once for so many
+  const int64_t blocks = (input.N + kBlockRows - 1) / kBlockRows;
+  at::parallel_for(0, blocks * panels_of(outputs), 1, [&](int64_t begin, int64_t end) {
+    TileConvolution convolution(input, weight, outputs, pairs, out);
+    for (int64_t i = begin; i < end; ++i) {
+      const int64_t first = i % blocks * kBlockRows;
+      convolution.run(first, std::min(input.N, first + kBlockRows), i / blocks);
+    }
+  });
+}
+
+void input_gradient_tiles(const ConvolutionRows& grad, const float* weight, int64_t inputs,
+                          const ConvolutionPairs& pairs, float* out) {
+  const ReversedPairs reversed(pairs);
+  const std::vector<float> transposed = transposed_taps(weight, inputs, grad.C, pairs);
+  convolve_tiles(grad, transposed.data(), inputs, reversed.pairs(), out);
+}
+
+void weight_gradient_tiles(const ConvolutionRows& input, const ConvolutionRows& grad,
+                           const ConvolutionPairs& pairs, float* out) {
+  const int64_t panels = panels_of(grad.C);
+  at::parallel_for(0, pairs.taps * panels, 1, [&](int64_t begin, int64_t end) {
+    TapGradient gradient(input, grad, pairs, out);
+    for (int64_t i = begin; i < end; ++i) gradient.run(i / panels, i % panels);
+  });
+}
+
+}  // namespace lte::ops

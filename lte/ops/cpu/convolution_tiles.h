@@ -1,0 +1,42 @@
+// Submanifold convolution and its gradients by the dense kernels: runs of pairs are gathered into
+// tiles that stay in the cache, multiplied and added to their rows.
+//
+// float32, with whole blocks of channels. Blocks of work are the same for any number of threads, so
+// results do not depend on it.
+#pragma once
+
+#include <cstdint>
+
+#include "lte/ops/cpu/kernels.h"
+
+namespace lte::ops {
+
+/// Which input row each tap of each output row reads.
+struct ConvolutionPairs {
+  const int32_t *output, *input;  ///< [count], those of a tap sorted by output
+  const int64_t* begin;           ///< [taps + 1], where each tap's pairs start
+  int64_t count, taps;
+};
+
+/// Features [N, C], contiguous.
+struct ConvolutionRows {
+  const float* values;
+  int64_t N, C;
+};
+
+inline bool suits_tiles(int64_t channels) { return channels % kBlock == 0; }
+
+/// out[N, outputs] += the convolution of `input` with `weight` [taps, C, outputs].
+void convolve_tiles(const ConvolutionRows& input, const float* weight, int64_t outputs,
+                    const ConvolutionPairs& pairs, float* out);
+
+/// out[N, inputs] += the gradient by the input, from `grad` [N, C], that by the output; `weight`
+/// [taps, inputs, C].
+void input_gradient_tiles(const ConvolutionRows& grad, const float* weight, int64_t inputs,
+                          const ConvolutionPairs& pairs, float* out);
+
+/// out[taps, input.C, grad.C] += the gradient by the weight.
+void weight_gradient_tiles(const ConvolutionRows& input, const ConvolutionRows& grad,
+                           const ConvolutionPairs& pairs, float* out);
+
+}  // namespace lte::ops

@@ -1,0 +1,12 @@
+// GELU and its gradient on the CPU, float32.
+#pragma once
+
+#include <ATen/core/Tensor.h>
+
+namespace lte::ops {
+
+at::Tensor gelu_cpu(const at::Tensor& x);
+/// grad ⊙ GELU'(x).
+at::Tensor gelu_gradient_cpu(const at::Tensor& x, const at::Tensor& grad);
+
+}  // namespace lte::ops
