@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lte/base/check.h"
+#include "lte/nn/recompute.h"
 
 namespace lte::train {
 namespace {
@@ -27,10 +28,17 @@ int64_t queries_of(const TrainConfig& config) {
 
 int64_t latents_of(int64_t points) { return std::max<int64_t>(1, points / 4); }
 
-/// Kept by F and both neighbour maxima: three tensors a pair.
+/// Numbers of pairs, `tensors` of a kind, that exist at once: what is more than a block is
+/// recomputed.
+double pair_floats(double numbers, double tensors) {
+  return tensors * std::min(numbers, real(nn::kPairNumbers));
+}
+
+/// Kept by F and both neighbour maxima, three tensors a pair; and of blocks that are recomputed the
+/// gradients by what they read, two for each number of the points.
 double embedding_floats(const nn::ModelConfig& model, double M) {
-  const double D = real(model.channels), pairs = (M / 2 + M / 4) * real(model.nne_neighbours);
-  return 4 * M * D + 3 * pairs * D;
+  const double D = real(model.channels), k = real(model.nne_neighbours);
+  return 8 * M * D + pair_floats(M / 2 * k * D, 3) + pair_floats(M / 4 * k * D, 3);
 }
 
 /// Kept by the blocks of one stage: inputs and outputs of convolution, norms, attention (qkv in
@@ -59,8 +67,8 @@ double decoder_floats(const nn::ModelConfig& model, double m, double Q) {
   const double D = real(model.channels), L = real(model.query_layers),
                K = real(model.query_neighbours);
   const double tables = 4 * L * m * D;  // keys and values, and stacked
-  const double pairs =
-      Q * K * (2 * real(model.gamma_hidden) + 2 * D + 3);  // γ, its output and that one's gradient
+  const double pairs = Q * K * 3 + pair_floats(Q * K * real(model.gamma_hidden), 2) +
+                       pair_floats(Q * K * D, 2);  // γ, its output and that one's gradient
   const double layers = L * Q * D * (14 + 3 * real(model.ffn_ratio));
   return tables + pairs + layers;
 }

@@ -4,16 +4,11 @@
 #include <cmath>
 #include <vector>
 
+#include "lte/nn/recompute.h"
 #include "lte/ops/gelu.h"
 #include "lte/ops/neighbour_max.h"
 
 namespace lte::nn {
-namespace {
-
-/// Centres a block of inference takes: 1024 * 32 pairs of 128 channels are 16 MB.
-constexpr int64_t kBlock = 1024;
-
-}  // namespace
 
 NeighbourMaxImpl::NeighbourMaxImpl(int64_t channels)
     : hidden_(register_module("hidden", Linear(2 * channels, channels))),
@@ -32,19 +27,21 @@ at::Tensor NeighbourMaxImpl::forward(const at::Tensor& dense, const at::Tensor& 
                                         output_->bias);
   }
   const int64_t m = neighbour.size(0), k = neighbour.size(1), D = of_dense.size(1);
-  const auto block = [&](int64_t begin, int64_t count) {
+  const int64_t rows = std::max<int64_t>(1, std::min(m, rows_of_a_block(k * D)));
+  std::vector<at::Tensor> out;
+  for (int64_t begin = 0; begin < m; begin += rows) {
+    const int64_t count = std::min(rows, m - begin);
     const at::Tensor index = neighbour.narrow(0, begin, count).reshape({-1});
-    at::Tensor pair = of_dense.index_select(0, index).view({count, k, D});
-    pair = ops::gelu(pair + of_center.narrow(0, begin, count).unsqueeze(1));
-    return at::amax(output_->forward(pair), {1});
-  };
-  if (at::GradMode::is_enabled()) return block(0, m);
-  at::Tensor out = at::empty({m, D}, of_dense.options());
-  for (int64_t begin = 0; begin < m; begin += kBlock) {
-    const int64_t count = std::min(kBlock, m - begin);
-    out.narrow(0, begin, count).copy_(block(begin, count));
+    const auto block = [this, index, count, k, D](const std::vector<at::Tensor>& projected) {
+      at::Tensor pair = projected[0].index_select(0, index).view({count, k, D});
+      pair = ops::gelu(pair + projected[1].unsqueeze(1));
+      return std::vector<at::Tensor>{at::amax(output_->forward(pair), {1})};
+    };
+    const std::vector<at::Tensor> projected = {of_dense, of_center.narrow(0, begin, count)};
+    out.push_back(rows < m ? recompute(block, projected, output_->parameters())[0]
+                           : block(projected)[0]);
   }
-  return out;
+  return out.size() == 1 ? out[0] : at::cat(out);
 }
 
 NearestNeighbourEmbeddingImpl::NearestNeighbourEmbeddingImpl(int64_t channels)

@@ -24,8 +24,8 @@ class NeighbourMaxImpl : public torch::nn::Module {
   /// @param center     [m, D] features of the sparser set
   /// @param neighbour  [m, k] int64 into `dense`
   /// @return           [m, D]
-  /// @note Without gradients it works through the centres in blocks, so that no [m, k, D] tensor
-  /// exists.
+  /// @note It works through the centres in blocks, which training recomputes, so that no [m, k, D]
+  /// tensor exists where that is large.
   at::Tensor forward(const at::Tensor& dense, const at::Tensor& center,
                      const at::Tensor& neighbour);
 

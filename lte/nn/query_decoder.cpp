@@ -1,8 +1,10 @@
 #include "lte/nn/query_decoder.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
+#include "lte/nn/recompute.h"
 #include "lte/nn/transformer_block.h"
 #include "lte/ops/knn.h"
 #include "lte/ops/neighbour_sums.h"
@@ -89,9 +91,33 @@ QueryDecoderImpl::Neighbourhood QueryDecoderImpl::neighbourhood(const at::Tensor
 
 at::Tensor QueryDecoderImpl::forward(const at::Tensor& attributes, const Neighbourhood& near,
                                      const at::Tensor& keys, const at::Tensor& values) {
-  const at::Tensor position = gamma_->forward(near.offset);
-  const auto [S1, S2] = ops::neighbour_sums(keys, values, position, near.index);
+  const auto [S1, S2] = neighbour_sums(near, keys, values);
   return run_layers(attributes, S1, S2, near.index.size(1));
+}
+
+std::tuple<at::Tensor, at::Tensor> QueryDecoderImpl::neighbour_sums(const Neighbourhood& near,
+                                                                    const at::Tensor& keys,
+                                                                    const at::Tensor& values) {
+  const int64_t Q = near.index.size(0), K = near.index.size(1);
+  const int64_t width = std::max(gamma_->hidden()->weight.size(0), keys.size(2));
+  const int64_t rows = rows_of_a_block(K * width);
+  if (Q <= rows) {
+    return ops::neighbour_sums(keys, values, gamma_->forward(near.offset), near.index);
+  }
+  std::vector<at::Tensor> S1, S2;
+  for (int64_t begin = 0; begin < Q; begin += rows) {
+    const int64_t count = std::min(rows, Q - begin);
+    const at::Tensor offset = near.offset.narrow(0, begin, count),
+                     index = near.index.narrow(0, begin, count);
+    const auto sums = [this, offset, index](const std::vector<at::Tensor>& table) {
+      const auto [s1, s2] = ops::neighbour_sums(table[0], table[1], gamma_->forward(offset), index);
+      return std::vector<at::Tensor>{s1, s2};
+    };
+    const std::vector<at::Tensor> block = recompute(sums, {keys, values}, gamma_->parameters());
+    S1.push_back(block[0]);
+    S2.push_back(block[1]);
+  }
+  return {at::cat(S1, 1), at::cat(S2, 1)};
 }
 
 std::vector<at::Tensor> QueryDecoderImpl::weights() const {

@@ -77,6 +77,11 @@ class QueryDecoderImpl : public torch::nn::Module {
 
  private:
   at::Tensor nearest(const at::Tensor& query, const at::Tensor& anchor) const;
+  /// S1 and S2, each [L, Q, D]. Many queries go in blocks that training recomputes, so that no
+  /// [Q, κ, D] tensor exists.
+  std::tuple<at::Tensor, at::Tensor> neighbour_sums(const Neighbourhood& near,
+                                                    const at::Tensor& keys,
+                                                    const at::Tensor& values);
   /// What ops::query_decoder_inference() reads.
   std::vector<at::Tensor> weights() const;
   at::Tensor run_layers(const at::Tensor& attributes, const at::Tensor& S1, const at::Tensor& S2,

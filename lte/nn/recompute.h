@@ -1,0 +1,36 @@
+// Memory for time: what a part of the network computes on the way is thrown away, and computed
+// again when the backward pass comes to it (Chen et al. 2016, Training Deep Nets with Sublinear
+// Memory Cost).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include <ATen/core/Tensor.h>
+
+namespace lte::nn {
+
+using TensorFunction = std::function<std::vector<at::Tensor>(const std::vector<at::Tensor>&)>;
+
+/// function(inputs), of which only inputs and results are kept.
+/// @param function    draws no random numbers; reads nothing that needs a gradient but its
+/// arguments
+///                    and `parameters`; must outlive nothing but the backward pass
+/// @param parameters  leaves, which receive their gradients as usual
+/// @return  as `function`; differentiable once. Without gradients it is a plain call.
+std::vector<at::Tensor> recompute(TensorFunction function, const std::vector<at::Tensor>& inputs,
+                                  const std::vector<at::Tensor>& parameters);
+
+/// Numbers that pairs of points and neighbours may hold between two layers: 16 MiB in float32.
+/// What has more works in blocks of rows, which training recomputes.
+inline constexpr int64_t kPairNumbers = int64_t{1} << 22;
+
+/// Rows of a block, at least 1, where each row has so many numbers.
+inline int64_t rows_of_a_block(int64_t numbers_per_row) {
+  return numbers_per_row >= kPairNumbers
+             ? 1
+             : kPairNumbers / (numbers_per_row > 0 ? numbers_per_row : 1);
+}
+
+}  // namespace lte::nn

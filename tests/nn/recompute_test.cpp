@@ -1,0 +1,106 @@
+#include "lte/nn/recompute.h"
+
+#include <gtest/gtest.h>
+
+#include "lte/nn/nearest_neighbour_embedding.h"
+#include "lte/nn/query_decoder.h"
+
+#include "support.h"
+
+namespace lte::nn {
+namespace {
+
+TEST(Recompute, GivesTheResultsAndGradientsOfAPlainCall) {
+  Mlp mlp(5, 7, 3);
+  mlp->to(at::kDouble);
+  const at::Tensor x = torch::randn({11, 5}, at::kDouble).requires_grad_(),
+                   shift = torch::randn({3}, at::kDouble).requires_grad_(),
+                   constant = torch::randn({11, 5}, at::kDouble);
+  int calls = 0;
+  const TensorFunction function = [&](const std::vector<at::Tensor>& in) {
+    ++calls;
+    return std::vector<at::Tensor>{mlp->forward(in[0] * in[2]) + in[1], in[0].square()};
+  };
+  std::vector<at::Tensor> wanted = mlp->parameters();
+  wanted.insert(wanted.end(), {x, shift});
+  const auto loss = [](const std::vector<at::Tensor>& out) {
+    return (out[0].sin()).sum() + (out[1] * 0.3).sum();
+  };
+  const std::vector<at::Tensor> plain = function({x, shift, constant});
+  const auto expected = torch::autograd::grad({loss(plain)}, wanted);
+  calls = 0;
+  const std::vector<at::Tensor> out = recompute(function, {x, shift, constant}, mlp->parameters());
+  EXPECT_EQ(calls, 1);
+  for (size_t i = 0; i < out.size(); ++i) EXPECT_TRUE(at::equal(out[i], plain[i]));
+  const auto found = torch::autograd::grad({loss(out)}, wanted);
+  EXPECT_EQ(calls, 2);
+  for (size_t i = 0; i < wanted.size(); ++i) {
+    EXPECT_LT(test::relative_difference(found[i], expected[i]), 1e-14) << i;
+  }
+}
+
+TEST(Recompute, LeavesOutWhatNeedsNoGradient) {
+  const at::Tensor x = torch::ones({4}), y = torch::ones({4}).requires_grad_();
+  const TensorFunction function = [](const std::vector<at::Tensor>& in) {
+    return std::vector<at::Tensor>{in[0] * in[1], in[0] + 1};
+  };
+  const auto out = recompute(function, {x, y}, {});
+  out[0].sum().backward();  // the second result leads to no parameter, and is not asked for
+  EXPECT_FALSE(x.grad().defined());
+  EXPECT_TRUE(at::equal(y.grad(), x));
+  const at::NoGradGuard no_grad;
+  EXPECT_FALSE(recompute(function, {x, y}, {})[0].requires_grad());
+}
+
+TEST(Recompute, ManyQueriesHaveTheGradientsOfFewAtATime) {
+  ModelConfig config = test::tiny_config();
+  config.query_neighbours = 32;
+  QueryDecoder decoder(config.channels, config);
+  test::randomize(*decoder, 12);
+  const int64_t rows = rows_of_a_block(32 * std::max(config.gamma_hidden, config.channels));
+  const int64_t Q = 2 * rows + 7;
+  const at::Tensor position = torch::rand({Q, 3}), anchor = torch::rand({50, 3}),
+                   attributes = torch::randn({Q, 9}), weight = torch::randn({Q, 3}),
+                   latent = torch::randn({50, config.channels}).requires_grad_();
+  std::vector<at::Tensor> wanted = decoder->parameters();
+  wanted.push_back(latent);
+  const auto part = [&](int64_t begin, int64_t count) {
+    const auto near = decoder->neighbourhood(position.narrow(0, begin, count), anchor, 0.1);
+    const auto [keys, values] = decoder->keys_and_values(latent);
+    const at::Tensor out = decoder->forward(attributes.narrow(0, begin, count), near, keys, values);
+    return (out * weight.narrow(0, begin, count)).sum();
+  };
+  const auto whole = torch::autograd::grad({part(0, Q)}, wanted);
+  at::Tensor sum = torch::zeros({});
+  for (int64_t begin = 0; begin < Q; begin += rows)
+    sum = sum + part(begin, std::min(rows, Q - begin));
+  const auto parts = torch::autograd::grad({sum}, wanted);
+  for (size_t i = 0; i < wanted.size(); ++i) {
+    EXPECT_LT(test::relative_difference(whole[i], parts[i]), 1e-5) << i;
+  }
+}
+
+TEST(Recompute, ManyPointsHaveTheGradientsOfFewAtATime) {
+  const int64_t D = 64, k = 32, rows = rows_of_a_block(k * D), m = rows + 5;
+  NeighbourMax maximum(D);
+  const at::Tensor dense = torch::randn({100, D}).requires_grad_(),
+                   center = torch::randn({m, D}).requires_grad_(),
+                   neighbour = torch::randint(100, {m, k}, at::kLong),
+                   weight = torch::randn({m, D});
+  std::vector<at::Tensor> wanted = maximum->parameters();
+  wanted.insert(wanted.end(), {dense, center});
+  const auto part = [&](int64_t begin, int64_t count) {
+    return (maximum->forward(dense, center.narrow(0, begin, count),
+                             neighbour.narrow(0, begin, count)) *
+            weight.narrow(0, begin, count))
+        .sum();
+  };
+  const auto whole = torch::autograd::grad({part(0, m)}, wanted);
+  const auto parts = torch::autograd::grad({part(0, rows) + part(rows, m - rows)}, wanted);
+  for (size_t i = 0; i < wanted.size(); ++i) {
+    EXPECT_LT(test::relative_difference(whole[i], parts[i]), 1e-5) << i;
+  }
+}
+
+}  // namespace
+}  // namespace lte::nn
