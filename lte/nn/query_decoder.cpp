@@ -149,9 +149,9 @@ at::Tensor QueryDecoderImpl::infer(const at::Tensor& attributes, const at::Tenso
 at::Tensor QueryDecoderImpl::run_layers(const at::Tensor& attributes, const at::Tensor& S1,
                                         const at::Tensor& S2, int64_t neighbours) {
   at::Tensor G = point_->forward(attributes);
+  const std::vector<at::Tensor> first = S1.unbind(0), second = S2.unbind(0);
   for (size_t l = 0; l < layers_.size(); ++l) {
-    const auto layer = static_cast<int64_t>(l);
-    G = layers_[l]->forward(G, S1.select(0, layer), S2.select(0, layer), neighbours);
+    G = layers_[l]->forward(G, first[l], second[l], neighbours);
   }
   return at::softplus(head_->forward(norm_->forward(G)));
 }

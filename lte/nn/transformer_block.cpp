@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <torch/nn/init.h>
 
@@ -35,9 +36,11 @@ at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, const PatchMap& map,
   }
   if (!one_patch) qkv = qkv.index_select(0, map.gather);
   const int64_t length = one_patch ? n : patch_size;
-  // [3, patches, heads, length, C / heads]
-  qkv = qkv.view({-1, length, 3, heads_, C / heads_}).permute({2, 0, 3, 1, 4});
-  at::Tensor out = at::scaled_dot_product_attention(qkv[0], qkv[1], qkv[2]);
+  // Three of [patches, heads, length, C / heads]. Unbound before they are transposed, so that the
+  // gradient is put together by one copy.
+  std::vector<at::Tensor> part = qkv.view({-1, length, 3, heads_, C / heads_}).unbind(2);
+  for (at::Tensor& t : part) t = t.transpose(1, 2);
+  at::Tensor out = at::scaled_dot_product_attention(part[0], part[1], part[2]);
   out = out.transpose(1, 2).reshape({-1, C});
   if (!one_patch) out = out.index_select(0, map.inverse);
   return at::dropout(proj_->forward(out), dropout_, is_training());
