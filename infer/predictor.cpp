@@ -1,56 +1,24 @@
 #include "infer/predictor.h"
 
-#include <charconv>
 #include <cstring>
 #include <optional>
 
 #include <ATen/core/grad_mode.h>
-#include <c10/util/Exception.h>
 
 #include "infer/tensors.h"
 #include "lte/base/check.h"
-#include "lte/base/safetensors.h"
 #include "lte/nn/checkpoint.h"
 #include "lte/nn/model.h"
+#include "lte/nn/model_metadata.h"
+#include "lte/nn/one_line_errors.h"
 
 namespace lte::infer {
 namespace {
 
-constexpr int64_t kDefaultScenePoints = 20'000;
+using nn::one_line_errors;
+
 // Keeps the rescaled extent under s after rounding.
 constexpr double kShrinkMargin = 1e-5;
-
-int64_t scene_points_of(const SafetensorsFile& file) {
-  const auto found = file.metadata().find("scene_points");
-  if (found == file.metadata().end()) return kDefaultScenePoints;
-  const std::string& text = found->second;
-  int64_t count = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
-  LTE_CHECK(error == std::errc() && end == text.data() + text.size() && count >= 0,
-            file.path().string(), ": metadata scene_points is \"", text, "\", expected a number");
-  if (count == 0) return kDefaultScenePoints;
-  return count;
-}
-
-/// Models of before pruning do not say.
-bool scene_points_pruned_of(const SafetensorsFile& file) {
-  const auto found = file.metadata().find("scene_points_pruned");
-  if (found == file.metadata().end()) return false;
-  LTE_CHECK(found->second == "true" || found->second == "false", file.path().string(),
-            ": metadata scene_points_pruned is \"", found->second, "\", expected true or false");
-  return found->second == "true";
-}
-
-/// Runs `body`, turning LibTorch's errors, whose text carries a stack, into one line.
-template <typename Body>
-auto one_line_errors(const Body& body) {
-  try {
-    return body();
-  } catch (const c10::Error& error) {
-    const std::string text = error.what_without_backtrace();
-    throw Error(text.substr(0, text.find('\n')));
-  }
-}
 
 nn::PointSet to_point_set(const ScenePoints& points, std::span<const Vec3> position,
                           const at::Device& device) {
@@ -76,8 +44,7 @@ struct Predictor::State {
 
   nn::LightTransportModel model;
   at::Device device{at::kCPU};
-  int64_t scene_points = kDefaultScenePoints;
-  bool scene_points_pruned = false;
+  nn::ModelMetadata metadata;
   std::optional<nn::Embedding> embedding;
   // World -> what the network was shown: (p − low) shrink.
   Vec3 low;
@@ -97,9 +64,7 @@ double radiance_scalar(const ScenePoints& points) {
 
 Predictor Predictor::load(const std::filesystem::path& checkpoint, Device device) {
   auto state = std::make_shared<State>(one_line_errors([&] { return nn::load_model(checkpoint); }));
-  const SafetensorsFile file(checkpoint);
-  state->scene_points = scene_points_of(file);
-  state->scene_points_pruned = scene_points_pruned_of(file);
+  state->metadata = nn::read_model_metadata(checkpoint);
   state->device = at::Device(device == Device::Cuda ? at::kCUDA : at::kCPU);
   state->model->to(state->device);
   state->model->eval();
@@ -108,8 +73,8 @@ Predictor Predictor::load(const std::filesystem::path& checkpoint, Device device
 
 bool Predictor::predicts_total() const { return state_->model->config().target == "total"; }
 double Predictor::scale() const { return state_->model->config().scale; }
-int64_t Predictor::scene_points() const { return state_->scene_points; }
-bool Predictor::scene_points_pruned() const { return state_->scene_points_pruned; }
+int64_t Predictor::scene_points() const { return state_->metadata.scene_points; }
+bool Predictor::scene_points_pruned() const { return state_->metadata.scene_points_pruned; }
 int64_t Predictor::parameters() const { return nn::count_parameters(state_->model).total; }
 double Predictor::shrink() const { return state_->shrink; }
 

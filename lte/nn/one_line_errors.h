@@ -1,0 +1,28 @@
+// LibTorch's errors, whose text carries a stack, as those of everything else.
+#pragma once
+
+#include <string>
+
+#include <c10/util/Exception.h>
+
+#include "lte/base/check.h"
+
+namespace lte::nn {
+
+/// The first line of what a LibTorch error says.
+inline std::string first_line(const c10::Error& error) {
+  const std::string text = error.what_without_backtrace();
+  return text.substr(0, text.find('\n'));
+}
+
+/// Runs `body`. @throws lte::Error of one line where it throws c10::Error.
+template <typename Body>
+auto one_line_errors(const Body& body) {
+  try {
+    return body();
+  } catch (const c10::Error& error) {
+    throw Error(first_line(error));
+  }
+}
+
+}  // namespace lte::nn
