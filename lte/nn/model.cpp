@@ -18,7 +18,7 @@ constexpr double kPositionGain = 4;
 /// Queries are meant to lie in the scene; beyond this much of the scale outside, the query MLP is
 /// told no more.
 constexpr double kPositionLimit = 4;
-/// Queries decoded at a time. From a table on the CPU their neighbours are all that is kept, 50 MB;
+/// Queries decoded at a time. By the fused operator their neighbours are all that is kept, 50 MB;
 /// else the intermediates are some 60 MB at D = 128 and stay in the outer caches' reach.
 constexpr int64_t kTableBlock = int64_t{1} << 17, kQueryBlock = 4096;
 
@@ -109,6 +109,10 @@ struct LightTransportModelImpl::Parts {
   }
 };
 
+void check_queries(const QuerySet& queries) {
+  check_surface(queries.position, queries.normal, queries.albedo, "query points");
+}
+
 at::Tensor channel_radiance(const PointSet& points) {
   const at::Tensor emission = points.emission.to(at::kDouble);
   const at::Tensor area = points.area.to(at::kDouble);
@@ -133,16 +137,22 @@ LightTransportModelImpl::LightTransportModelImpl(const ModelConfig& config)
   parts_->decoder = register_module("decoder", QueryDecoder(latent, config));
 }
 
-Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order_seed) {
+Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order_seed,
+                                          const Frame& frame) {
   check_points(points);
   Embedding embedding;
-  embedding.scale = config_.scale;
-  embedding.origin = std::get<0>(points.position.min(0));
-  const at::Tensor position = (points.position - embedding.origin).div(config_.scale);
+  embedding.scale = frame.scale > 0 ? frame.scale : config_.scale;
+  embedding.origin = frame.origin.defined() ? frame.origin.to(points.position.options())
+                                            : std::get<0>(points.position.min(0));
+  const at::Tensor position = (points.position - embedding.origin).div(embedding.scale);
   const double extent = position.max().item<double>();
-  TORCH_CHECK(extent <= 1.001, "scene points: the scene is ", extent * config_.scale,
-              " m wide, more than the model's scale of ", config_.scale,
+  TORCH_CHECK(extent <= 1.001, "scene points: the scene is ", extent * embedding.scale,
+              " m wide, more than the model's scale of ", embedding.scale,
               " m; --rescale shrinks it to fit");
+  TORCH_CHECK(!frame.origin.defined() || position.min().item<double>() >= 0,
+              "scene points: a position is less than the given least corner of the scene, ",
+              embedding.origin[0].item<double>(), ", ", embedding.origin[1].item<double>(), ", ",
+              embedding.origin[2].item<double>());
   embedding.radiance = channel_radiance(points);
 
   const EncoderPlan plan =
@@ -162,7 +172,7 @@ Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order
 
 at::Tensor LightTransportModelImpl::decode_normalized(const Embedding& embedding,
                                                       const QuerySet& queries) {
-  check_surface(queries.position, queries.normal, queries.albedo, "query points");
+  check_queries(queries);
   if (!at::GradMode::is_enabled() && embedding.table.defined()) {
     return parts_->decode(embedding, queries, {}, {});
   }
@@ -170,9 +180,10 @@ at::Tensor LightTransportModelImpl::decode_normalized(const Embedding& embedding
   return parts_->decode(embedding, queries, keys, values);
 }
 
-at::Tensor LightTransportModelImpl::decode(const Embedding& embedding, const QuerySet& queries) {
+at::Tensor LightTransportModelImpl::decode(const Embedding& embedding, const QuerySet& queries,
+                                           bool check_values) {
   const at::NoGradGuard no_grad;
-  check_surface(queries.position, queries.normal, queries.albedo, "query points");
+  if (check_values) check_queries(queries);
   const int64_t Q = queries.position.size(0);
   // Light is linear: without emission there is no irradiance, whatever the network would say.
   if (embedding.radiance.max().item<double>() == 0) return at::zeros_like(queries.position);
@@ -181,8 +192,9 @@ at::Tensor LightTransportModelImpl::decode(const Embedding& embedding, const Que
   if (!embedding.table.defined()) {
     std::tie(keys, values) = parts_->decoder->keys_and_values(embedding.features);
   }
-  const bool ordered = !keys.defined() && queries.position.device().is_cpu();
-  const int64_t size = ordered ? kTableBlock : kQueryBlock;
+  const bool fused = !keys.defined() && !is_training();
+  const bool ordered = fused && queries.position.device().is_cpu();
+  const int64_t size = fused ? kTableBlock : kQueryBlock;
   for (int64_t begin = 0; begin < Q; begin += size) {
     const int64_t count = std::min(size, Q - begin);
     const QuerySet block = {queries.position.narrow(0, begin, count),
@@ -192,7 +204,10 @@ at::Tensor LightTransportModelImpl::decode(const Embedding& embedding, const Que
         .copy_(ordered ? parts_->decode_ordered(embedding, block)
                        : parts_->decode(embedding, block, keys, values));
   }
-  return out.mul_(embedding.radiance.to(out.options()));
+  for (int64_t c = 0; c < 3; ++c) {  // by number: a tensor's way to a GPU would be waited for
+    out.select(1, c).mul_(embedding.radiance[c].item<double>());
+  }
+  return out;
 }
 
 ParameterCounts count_parameters(const LightTransportModel& model) {

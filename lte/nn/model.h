@@ -42,6 +42,16 @@ struct Embedding {
                         ///< else undefined
 };
 
+/// Where a scene lies in network space: p̂ = (p − origin) / scale.
+struct Frame {
+  at::Tensor origin;  ///< [3] world, at most every scene point; undefined: their least corner
+  double scale = 0;   ///< metres; 0: the model's s. More shrinks a scene wider than s for the
+                      ///< network alone, which moves no irradiance that comes from surfaces
+};
+
+/// @throws c10::Error naming the first row that is not finite, or out of range (docs/model.md)
+void check_queries(const QuerySet& queries);
+
 /// The emission scalar: area-weighted mean emission over points and channels; 1 for a scene without
 /// emission.
 double radiance_scalar(const PointSet& points);
@@ -58,10 +68,10 @@ class LightTransportModelImpl : public torch::nn::Module {
 
   /// Embeds one scene. Differentiable in the parameters; under NoGradGuard it also makes the
   /// decoder's table. In training mode the curve orders are drawn from `order_seed`; in evaluation
-  /// they are fixed.
+  /// they are fixed. `frame` is for callers whose scene's bounds are not those of its points.
   /// @throws c10::Error naming the first row that is not finite, or a scene larger than `scale`
-  /// (offering --rescale)
-  Embedding encode(const PointSet& points, uint64_t order_seed = 0);
+  /// (offering --rescale), or points below the frame's origin
+  Embedding encode(const PointSet& points, uint64_t order_seed = 0, const Frame& frame = {});
 
   /// Irradiance over the emission scalar: what the loss sees.
   /// @return [Q, 3], non-negative
@@ -69,7 +79,9 @@ class LightTransportModelImpl : public torch::nn::Module {
 
   /// Irradiance in W/m², [Q, 3]. Works through queries in blocks, so memory does not grow with Q
   /// beyond the output. Independent of block size and of the other queries to rounding.
-  at::Tensor decode(const Embedding& embedding, const QuerySet& queries);
+  /// @param check_values  false for queries that check_queries() has seen or the caller answers
+  ///                      for: on a GPU nothing then waits for it
+  at::Tensor decode(const Embedding& embedding, const QuerySet& queries, bool check_values = true);
 
   const ModelConfig& config() const { return config_; }
 
