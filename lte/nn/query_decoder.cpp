@@ -133,7 +133,7 @@ std::vector<at::Tensor> QueryDecoderImpl::weights() const {
 at::Tensor QueryDecoderImpl::infer(const at::Tensor& attributes, const at::Tensor& query,
                                    const at::Tensor& anchor, double spacing,
                                    const at::Tensor& table) {
-  if (table.device().is_cpu() && !is_training()) {  // dropout needs the layers one by one
+  if (!is_training()) {  // dropout needs the layers one by one
     const ops::QueryNeighbourhood near{query, anchor, nearest(query, anchor), 1 / spacing,
                                        kOffsetLimit};
     return ops::query_decoder_inference(attributes, near, table, weights());

@@ -69,8 +69,8 @@ class QueryDecoderImpl : public torch::nn::Module {
   at::Tensor forward(const at::Tensor& attributes, const Neighbourhood& near,
                      const at::Tensor& keys, const at::Tensor& values);
 
-  /// forward() from ops::neighbour_table; float32, no gradients. On the CPU everything is one
-  /// operator.
+  /// forward() from ops::neighbour_table; float32, no gradients. Outside training everything is
+  /// one operator.
   /// @param query  [Q, 3], @param anchor [m, 3] and @param spacing as for neighbourhood()
   at::Tensor infer(const at::Tensor& attributes, const at::Tensor& query, const at::Tensor& anchor,
                    double spacing, const at::Tensor& table);

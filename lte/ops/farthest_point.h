@@ -17,7 +17,7 @@ namespace lte::ops {
 /// @return  indices [count] int64 in pick order, and insertion distance² [count] float32: that of
 /// each pick to the picks
 ///          before it, non-increasing; +inf for the first
-/// @throws c10::Error on a wrong shape, dtype, layout or `count`, or non-finite input
+/// @throws c10::Error on a wrong shape, dtype, layout or `count`, or, on the CPU, non-finite input
 /// @note Exact; duplicates are picked last, at distance 0. Not differentiable.
 std::tuple<at::Tensor, at::Tensor> farthest_point_sampling(const at::Tensor& points, int64_t count);
 

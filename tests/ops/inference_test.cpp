@@ -7,8 +7,8 @@
 #include "lte/ops/neighbour_sums.h"
 #include "lte/ops/patch_attention.h"
 #include "lte/ops/query_decoder.h"
-
-#include "fixtures.h"
+#include "tests/ops/decoder_weights.h"
+#include "tests/ops/fixtures.h"
 
 namespace lte::ops {
 namespace {
@@ -137,29 +137,9 @@ TEST(SpatialOrder, IsAPermutationThatKeepsNeighboursTogether) {
       [&] { spatial_order(points * std::numeric_limits<float>::infinity()); }, "not finite"));
 }
 
-/// Weights of a decoder of C channels, L layers, A attributes and one hidden width.
-std::vector<at::Tensor> decoder_weights(int64_t A, int64_t C, int64_t L, int64_t hidden) {
-  std::vector<at::Tensor> w;
-  uint64_t seed = 100;
-  const auto linear = [&](int64_t in, int64_t out) {
-    w.push_back(floats({out, in}, seed++) / std::sqrt(static_cast<double>(in)));
-    w.push_back(floats({out}, seed++));
-  };
-  const auto norm = [&] {
-    w.push_back(floats({C}, seed++));
-    w.push_back(floats({C}, seed++));
-  };
-  linear(A, hidden), linear(hidden, C), linear(3, hidden), linear(hidden, C);
-  for (int64_t l = 0; l < L; ++l) {
-    norm(), linear(C, C), linear(C, C), norm(), linear(C, hidden), linear(hidden, C);
-  }
-  norm(), linear(C, hidden), linear(hidden, 3);
-  return w;
-}
-
 TEST(QueryDecoderInference, EachQueryIsTheSameBitsInAnyCompany) {
   const int64_t Q = 250, m = 40, K = 9, C = 20, L = 3;
-  const auto weights = decoder_weights(9, C, L, 150);
+  const auto weights = test::decoder_weights(9, C, L, 150);
   const at::Tensor keys = floats({L, m, C}, 11), values = floats({L, m, C}, 12);
   const at::Tensor table = neighbour_table(keys, values);
   const at::Tensor attributes = floats({Q, 9}, 13);
@@ -184,7 +164,7 @@ TEST(QueryDecoderInference, EachQueryIsTheSameBitsInAnyCompany) {
 }
 
 TEST(QueryDecoderInference, RefusesBadInput) {
-  auto weights = decoder_weights(9, 20, 2, 30);
+  auto weights = test::decoder_weights(9, 20, 2, 30);
   const at::Tensor table = neighbour_table(floats({2, 5, 20}, 11), floats({2, 5, 20}, 12));
   QueryNeighbourhood near{test::uniform({4, 3}, 14), test::uniform({5, 3}, 15),
                           test::integers(5, {4, 3}, 16), 1, 64};

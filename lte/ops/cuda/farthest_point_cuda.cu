@@ -46,8 +46,9 @@ __device__ Candidate block_farthest(Candidate mine) {
   return winner;
 }
 
-__global__ void farthest_point_kernel(const float* points, float* nearest, int64_t* picks,
-                                      float* insertion, int64_t N, int64_t count) {
+__global__ void __launch_bounds__(kThreads)
+    farthest_point_kernel(const float* points, float* nearest, int64_t* picks, float* insertion,
+                          int64_t N, int64_t count) {
   int64_t last = 0;
   if (threadIdx.x == 0) picks[0] = 0, insertion[0] = INFINITY;
   for (int64_t pick = 1; pick < count; ++pick) {

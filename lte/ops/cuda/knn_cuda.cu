@@ -2,6 +2,7 @@
 //
 // Points are scanned in ascending index and a candidate enters only if it is strictly nearer than
 // the k-th so far, so equal distances resolve to the lower index as on the CPU.
+#include <algorithm>
 #include <tuple>
 
 #include <ATen/core/Tensor.h>
@@ -64,6 +65,8 @@ std::tuple<at::Tensor, at::Tensor> knn_cuda(const at::Tensor& queries, const at:
   TORCH_CHECK(k >= 1, "knn: k must be at least 1, got ", k);
   TORCH_CHECK(points.size(0) >= 1 || queries.size(0) == 0, "knn: no points for ", queries.size(0),
               " queries");
+  TORCH_CHECK(queries.device() == points.device(), "knn: queries are on ", queries.device(),
+              ", points on ", points.device());
   const c10::cuda::CUDAGuard guard(points.device());
   const int64_t Q = queries.size(0), N = points.size(0), columns = std::min(k, N);
   at::Tensor index = at::empty({Q, columns}, points.options().dtype(at::kLong));

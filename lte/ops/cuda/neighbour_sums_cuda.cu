@@ -12,6 +12,7 @@
 #include <ATen/ops/searchsorted.h>
 #include <ATen/ops/sort.h>
 #include <ATen/ops/stack.h>
+#include <ATen/ops/zeros_like.h>
 #include <c10/cuda/CUDAException.h>
 #include <c10/cuda/CUDAGuard.h>
 #include <c10/cuda/CUDAStream.h>
@@ -115,6 +116,12 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums_cuda(const at::Tensor& keys,
   TORCH_CHECK(index.dim() == 2 && position.dim() == 3 && position.size(0) == index.size(0) &&
                   position.size(1) == index.size(1) && position.size(2) == keys.size(2),
               "neighbour_sums: position must be [Q, K, C] and index [Q, K]");
+  TORCH_CHECK(
+      values.device() == keys.device() && position.device() == keys.device() &&
+          index.device() == keys.device() && values.scalar_type() == keys.scalar_type() &&
+          position.scalar_type() == keys.scalar_type() && index.scalar_type() == at::kLong,
+      "neighbour_sums: keys, values and position must be of one dtype, index int64, and all "
+      "on one device");
   const c10::cuda::CUDAGuard guard(keys.device());
   at::Tensor sum1 = at::empty({keys.size(0), index.size(0), keys.size(2)}, keys.options());
   at::Tensor sum2 = at::empty_like(sum1);
@@ -133,7 +140,7 @@ std::tuple<at::Tensor, at::Tensor, at::Tensor> neighbour_sums_backward_cuda(
   const int64_t L = keys.size(0), m = keys.size(1), C = keys.size(2), Q = index.size(0),
                 K = index.size(1);
   at::Tensor grad_keys = at::empty_like(keys), grad_values = at::empty_like(values),
-             grad_position = at::empty_like(position);
+             grad_position = at::zeros_like(position);
   if (L * m * C == 0) return {grad_keys, grad_values, grad_position};
   const auto [sorted, order] = at::sort(index.reshape({-1}), /*stable=*/true, 0, false);
   const at::Tensor begin = at::searchsorted(sorted, at::arange(m + 1, index.options()));
@@ -172,6 +179,11 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums_inference_cuda(const at::Tenso
               "neighbour_sums_inference: table is not one of neighbour_table");
   const c10::cuda::CUDAGuard guard(table.device());
   const at::Tensor keys = table.select(0, 0), values = table.select(0, 1);
+  TORCH_CHECK(
+      hidden.dim() == 3 && index.dim() == 2 && hidden.size(0) == index.size(0) &&
+          hidden.size(1) == index.size(1) && weight.dim() == 2 && weight.size(0) == keys.size(2),
+      "neighbour_sums_inference: hidden must be [Q, K, H], index [Q, K] and weight [", keys.size(2),
+      ", H], got ", hidden.sizes(), ", ", index.sizes(), ", ", weight.sizes());
   const int64_t Q = index.size(0);
   at::Tensor sum1 = at::empty({keys.size(0), Q, keys.size(2)}, keys.options());
   at::Tensor sum2 = at::empty_like(sum1);

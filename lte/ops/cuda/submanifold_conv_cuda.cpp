@@ -40,6 +40,9 @@ at::Tensor submanifold_conv_cuda(const at::Tensor& input, const at::Tensor& weig
   TORCH_CHECK(input.dim() == 2 && weight.dim() == 3 && weight.size(1) == input.size(1),
               "submanifold_conv: input [N, Cin] and weight [taps, Cin, Cout] disagree: ",
               input.sizes(), ", ", weight.sizes());
+  TORCH_CHECK(tap_begin.device().is_cpu() && tap_begin.numel() == weight.size(0) + 1,
+              "submanifold_conv: tap_begin must be [", weight.size(0) + 1, "] on the CPU, got ",
+              tap_begin.sizes(), " on ", tap_begin.device());
   at::Tensor out = at::zeros({input.size(0), weight.size(2)}, input.options());
   for (int64_t tap = 0; tap < weight.size(0); ++tap) {
     const Tap rows = tap_rows(pairs, tap_begin, tap);
