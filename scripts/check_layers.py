@@ -15,6 +15,7 @@ ALLOWED = {
     "lte/data": ["lte/base"],
     "lte/ops": ["lte/base"],
     "lte/nn": ["lte/base", "lte/ops"],
+    "lte/c_api": ["lte/base", "lte/ops", "lte/nn", "lte/data"],
     "datagen": ["lte/base", "lte/image", "lte/scene", "lte/pathtrace", "lte/data"],
     "train": ["lte/base", "lte/ops", "lte/nn", "lte/data"],
     "infer": ["lte/base", "lte/image", "lte/scene", "lte/pathtrace", "lte/data", "lte/ops", "lte/nn"],
@@ -26,8 +27,8 @@ SUFFIXES = {".h", ".cpp", ".cu", ".cuh"}
 
 
 def folder_of(path: str) -> str | None:
-    """The layer a root-relative path belongs to."""
-    parts = path.split("/")
+    """The layer a root-relative path belongs to; lte/c_api.h, which C programs include, is lte/c_api's."""
+    parts = path.removesuffix(".h").split("/")
     for depth in (2, 1):
         name = "/".join(parts[:depth])
         if name in ALLOWED:

@@ -7,16 +7,12 @@
 #include "lte/base/log.h"
 
 namespace lte::nn {
-namespace {
 
-/// Why CUDA cannot be used; empty if it can.
 std::string cuda_obstacle() {
   if (!LTE_WITH_CUDA) return "this build has no CUDA operators";
   if (!at::hasCUDA()) return "LibTorch finds no CUDA device";
   return "";
 }
-
-}  // namespace
 
 c10::Device choose_device(const std::string& request, int gpu) {
   const std::string obstacle = cuda_obstacle();

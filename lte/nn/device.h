@@ -7,6 +7,9 @@
 
 namespace lte::nn {
 
+/// Why CUDA cannot be used; empty if it can.
+std::string cuda_obstacle();
+
 /// "cpu", "cuda", or "" to take cuda where it can be had; logs which one was taken and why. A GPU
 /// becomes the current one of this thread.
 /// @param gpu  which of the machine's

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs a build tree to a scratch prefix, then configures, builds and runs a project that finds it there.
+# Installs a build tree to a scratch prefix, then configures, builds and runs projects that find it there: one in C++, and the
+# example in C, which is also built by the C compiler alone.
 #   tests/install/run.sh BUILD_DIR
 set -euo pipefail
 build=$1
@@ -11,3 +12,13 @@ cmake -S "$source" -B "$scratch/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMA
 cmake --build "$scratch/build" >/dev/null
 [ "$("$scratch/build/consumer")" = "test 2" ]
 "$scratch/prefix/bin/lte_train" --version
+
+example=$source/../../examples/c
+model=$scratch/prefix/share/lte/models/lte-demo.safetensors
+cmake -S "$example" -B "$scratch/example" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$scratch/prefix" >/dev/null
+cmake --build "$scratch/example" >/dev/null
+"$scratch/example/render_room" "$model" "$scratch/cmake.ppm" "$scratch/cmake.pfm" 32 24
+cc -std=c99 -I "$scratch/prefix/include" "$example/render_room.c" "$example/room.c" -o "$scratch/render_room" \
+  -L "$scratch/prefix/lib" -llte_c_api -lm -Wl,-rpath,"$scratch/prefix/lib"
+"$scratch/render_room" "$model" "$scratch/cc.ppm" "$scratch/cc.pfm" 32 24
+cmp "$scratch/cmake.pfm" "$scratch/cc.pfm"

@@ -1,0 +1,37 @@
+/* An empty room, 4 x 2.5 x 5 m, under one rectangular lamp: surfaces to sample, a G-buffer, and
+ * direct light in closed form. What a renderer has anyway; nothing here knows of lte. */
+#ifndef LTE_EXAMPLES_C_ROOM_H_
+#define LTE_EXAMPLES_C_ROOM_H_
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** A surface sample: world metres, unit normal, radiance in W sr^-1 m^-2. */
+typedef struct Surfel {
+  float position[3], normal[3], albedo[3], emission[3];
+} Surfel;
+
+/** What a camera ray hits. */
+typedef struct Pixel {
+  Surfel hit;
+  uint8_t reflects; /* 0 on the lamp, whose own light is all there is to see */
+} Pixel;
+
+/** Draws `count` points uniformly by area; the same ones for the same seed. */
+void room_sample(Surfel* points, size_t count, uint32_t seed);
+
+/** Looks from the front of the room to the back, rows from the top. */
+void room_gbuffer(Pixel* pixels, int width, int height);
+
+/** Irradiance that comes straight from the lamp, W/m^2 (Lambert's formula for a polygon). */
+void room_direct(const Surfel* at, float irradiance[3]);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* LTE_EXAMPLES_C_ROOM_H_ */

@@ -1,0 +1,236 @@
+/* The network for renderers, in C: scene points in, a light transport embedding, irradiance at any
+ * surface point out. docs/embedding-in-a-renderer.md tells how to use it.
+ *
+ *   lte_model* model;                        lte_model_open("model.safetensors", NULL, &model);
+ *   lte_embedding* embedding;                lte_model_encode(model, &scene_points, &embedding);
+ *   every frame, with a G-buffer as queries: lte_embedding_decode(embedding, &queries, irradiance,
+ * 0);
+ *
+ * Units: metres; emission is radiance in W sr^-1 m^-2, irradiance in W/m^2 and not divided by pi;
+ * colours are linear Rec.709. World space is the caller's; nothing depends on which axis is up.
+ *
+ * Errors: a function that can fail returns an lte_status, and LTE_OK alone is 0. What went wrong
+ * says lte_last_error(). Nothing throws, exits or prints; outputs of a failed call are undefined,
+ * but for handles, which are then NULL.
+ *
+ * Ownership: what a function reads is borrowed until it returns (until the stream has passed, for
+ * those that take one) and never written. A handle belongs to the caller and ends with its release
+ * function; an embedding keeps its model alive, so the order of releases is free.
+ *
+ * Threads: every function may run in any thread, also at the same time on the same handles, except
+ * that a release must be the last call that names its handle. A call uses lte_threads() threads.
+ *
+ * Growth: structs begin with their size in the caller's eyes, set by the caller. Fields are only
+ * ever added, at the end, and mean nothing new when they are 0; so
+ *   lte_queries queries = {sizeof(lte_queries)};
+ * and a program keeps running with later libraries of the same LTE_C_API_VERSION.
+ */
+#ifndef LTE_C_API_H_
+#define LTE_C_API_H_
+
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(__GNUC__)
+#define LTE_API __attribute__((visibility("default")))
+#else
+#define LTE_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Of the binary interface; the shared library's name ends with it. */
+#define LTE_C_API_VERSION 1
+
+typedef enum lte_status {
+  LTE_OK = 0,
+  LTE_ERROR_INVALID_ARGUMENT = 1, /**< null, wrong size, not finite, out of range */
+  LTE_ERROR_FILE = 2,             /**< missing, no model, newer format, damaged */
+  LTE_ERROR_SCENE_TOO_LARGE = 3,  /**< wider than the model's scale, and `rescale` is 0 */
+  LTE_ERROR_NO_CUDA = 4,          /**< built without CUDA, or there is no such GPU */
+  LTE_ERROR_CUDA = 5,             /**< CUDA says so; the GPU's state may be lost */
+  LTE_ERROR_OUT_OF_MEMORY = 6,
+  LTE_ERROR_INTERNAL = 7 /**< a fault of this library */
+} lte_status;
+
+/** A loaded network. */
+typedef struct lte_model lte_model;
+/** The light transport embedding of one scene. */
+typedef struct lte_embedding lte_embedding;
+
+/* ---- The library ---- */
+
+/** LTE_C_API_VERSION of the library in use. */
+LTE_API uint32_t lte_abi_version(void);
+
+/** "0.1.0"; static. */
+LTE_API const char* lte_version_string(void);
+
+/** 1 if the library was built with CUDA, whether or not there is a GPU. */
+LTE_API int32_t lte_built_with_cuda(void);
+
+/** One line about the last call of this thread that failed, "" if none has; valid until the next
+ *  failure in this thread. At most 1,023 bytes. */
+LTE_API const char* lte_last_error(void);
+
+/** CPU threads of every later call, whichever thread makes it.
+ *  @param threads  at least 1 */
+LTE_API lte_status lte_set_threads(int32_t threads);
+
+/** CPU threads of a call from this thread; LibTorch's default (all cores) before
+ *  lte_set_threads(). */
+LTE_API int32_t lte_threads(void);
+
+/* ---- Models ---- */
+
+#define LTE_DEVICE_CPU (-1)
+
+typedef struct lte_model_options {
+  size_t struct_size;
+  int32_t device;   /**< LTE_DEVICE_CPU, or the number of a CUDA device */
+  int32_t reserved; /**< 0 */
+} lte_model_options;
+
+/** @param path     UTF-8; a model's .safetensors, as lte_train writes
+ *  @param options  NULL: on the CPU
+ *  @param model    receives the handle
+ *  @note A model of 42 M parameters takes 170 MB. */
+LTE_API lte_status lte_model_open(const char* path, const lte_model_options* options,
+                                  lte_model** model);
+
+typedef enum lte_target {
+  LTE_TARGET_INDIRECT = 0, /**< light after one bounce or more: the renderer adds direct light */
+  LTE_TARGET_TOTAL = 1     /**< direct light included */
+} lte_target;
+
+typedef struct lte_model_info {
+  size_t struct_size;
+  int64_t channels; /**< D, the network's width */
+  int64_t parameters;
+  int64_t query_neighbours;    /**< latents that a query reads */
+  int64_t scene_points;        /**< how many the model was trained with: what it wants */
+  int32_t scene_points_pruned; /**< 1: only such as light can reach were among them */
+  int32_t target;              /**< lte_target */
+  double scale;                /**< s, metres: the widest scene that it knows */
+  int32_t device;              /**< as in lte_model_options */
+  int32_t reserved;
+} lte_model_info;
+
+/** @param info  its struct_size is set, the rest is filled in */
+LTE_API lte_status lte_model_get_info(const lte_model* model, lte_model_info* info);
+
+/** NULL is fine. */
+LTE_API void lte_model_release(lte_model* model);
+
+/* ---- Scenes ---- */
+
+/** `count` triples of float32, triple i at (const char*)data + i * stride. */
+typedef struct lte_float3_view {
+  const float* data;
+  int64_t stride; /**< bytes, a multiple of 4, at least 12; 0: 12, without gaps */
+} lte_float3_view;
+
+/** Samples of a scene's surfaces. All arrays have `count` entries and hold finite values. */
+typedef struct lte_scene_points {
+  size_t struct_size;
+  int64_t count;            /**< M, at least 1; lte_model_info::scene_points is best */
+  lte_float3_view position; /**< world, metres */
+  lte_float3_view normal;   /**< unit, of the side that is lit */
+  lte_float3_view albedo;   /**< in [0, 16], usually [0, 1] */
+  lte_float3_view emission; /**< radiance, not negative */
+  const float* area;   /**< m^2 that each point stands for, without gaps; NULL: all the same, as
+                            when they were drawn uniformly by area */
+  const float* origin; /**< 3 floats, always host memory: the least corner of the scene, no more
+                            than any position. NULL: that of the points. Give it so that the
+                            embedding of an edited scene changes no more than the edit asks for */
+  int32_t rescale;     /**< 1: a scene wider than the model's scale is shrunk for the network
+                            alone; exact for light that comes from surfaces */
+  int32_t reserved;    /**< 0 */
+} lte_scene_points;
+
+/** Runs the encoder. */
+LTE_API lte_status lte_model_encode(const lte_model* model, const lte_scene_points* points,
+                                    lte_embedding** embedding);
+
+typedef struct lte_embedding_info {
+  size_t struct_size;
+  int64_t scene_points; /**< M that were encoded */
+  int64_t latents;      /**< m, about M / 4 */
+  int64_t bytes;        /**< of memory that the embedding holds */
+  double origin[3];     /**< least corner, world */
+  double scale;         /**< metres that the network takes for its unit; more than the model's if it
+                             was rescaled */
+  double radiance[3]; /**< mean emission by channel, gain included: what irradiance is scaled by */
+} lte_embedding_info;
+
+/** @param info  its struct_size is set, the rest is filled in */
+LTE_API lte_status lte_embedding_get_info(const lte_embedding* embedding, lte_embedding_info* info);
+
+/** Dims or tints all light of the scene: exact, as light is linear, and free.
+ *  @param rgb  3 finite floats, not negative: gain over the emission that was encoded, not over the
+ *              gain before
+ *  @note Calls of lte_embedding_decode() that have begun keep the gain before. */
+LTE_API lte_status lte_embedding_set_emission_gain(lte_embedding* embedding, const float* rgb);
+
+/** NULL is fine. */
+LTE_API void lte_embedding_release(lte_embedding* embedding);
+
+/* ---- Queries ---- */
+
+/** The caller vouches for finite values, normals of components in [-1, 1] and albedos in [0, 16]:
+ *  nothing is checked (CPU decoding still refuses positions that are not finite), and with CUDA the
+ *  host waits for nothing. */
+#define LTE_QUERIES_TRUSTED 1u
+
+/** Surface points to ask about; a G-buffer, for example. Arrays may lie interleaved. */
+typedef struct lte_queries {
+  size_t struct_size;
+  int64_t count;            /**< N, 0 or more */
+  lte_float3_view position; /**< world, metres */
+  lte_float3_view normal;   /**< unit, towards the side asked about */
+  lte_float3_view albedo;   /**< in [0, 16], usually [0, 1] */
+  const uint8_t* mask;      /**< where it is 0 nothing is read nor decoded (background), and the
+                                 answer is 0; NULL: everywhere */
+  int64_t mask_stride;      /**< bytes; 0: 1 */
+  uint32_t flags;           /**< 0 or LTE_QUERIES_TRUSTED */
+  int32_t reserved;         /**< 0 */
+} lte_queries;
+
+/** Irradiance at every query, from the handle's model and embedding.
+ *
+ *  @param irradiance         [N, 3] float32, W/m^2; overlaps none of the queries' arrays
+ *  @param irradiance_stride  bytes from one triple to the next, a multiple of 4, at least 12; 0: 12
+ *  @note A query's answer depends neither on the other queries nor on the number of threads.
+ *  @note Works in blocks: some 50 MB (on a GPU 200 MB) however many queries there are, besides 24
+ *        bytes a query for the answer and the checks. Queries go to a GPU as a whole, if that is
+ *        where the model is. */
+LTE_API lte_status lte_embedding_decode(const lte_embedding* embedding, const lte_queries* queries,
+                                        float* irradiance, int64_t irradiance_stride);
+
+/* ---- CUDA ----
+ * The same, with arrays in device memory (or managed, or pinned and mapped) of the GPU on which the
+ * model was opened, on the caller's stream. In a library built without CUDA they return
+ * LTE_ERROR_NO_CUDA. They compile and their argument checks are tested; they have NOT yet been run
+ * on a GPU. */
+
+/** lte_model_encode(), with position, normal, albedo, emission and area in device memory.
+ *  @param stream  a cudaStream_t of the model's device; NULL is the default stream
+ *  @note The host waits in between (neighbourhoods are made on it); the last kernels may still run
+ *        when it returns. Any stream may decode: it waits for them by itself. */
+LTE_API lte_status lte_model_encode_cuda(const lte_model* model, const lte_scene_points* points,
+                                         void* stream, lte_embedding** embedding);
+
+/** lte_embedding_decode(), with position, normal, albedo, mask and irradiance in device memory.
+ *  @note Enqueues and returns. Without LTE_QUERIES_TRUSTED, or with a mask, the host waits for the
+ *        check, or the number of queries. */
+LTE_API lte_status lte_embedding_decode_cuda(const lte_embedding* embedding,
+                                             const lte_queries* queries, void* stream,
+                                             float* irradiance, int64_t irradiance_stride);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* LTE_C_API_H_ */

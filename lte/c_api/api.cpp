@@ -1,0 +1,165 @@
+// The functions of lte/c_api.h: null checks, structs in and out, and nothing past the boundary.
+#include <atomic>
+#include <memory>
+
+#include <ATen/Parallel.h>
+#include <c10/core/DeviceGuard.h>
+
+#include "lte/c_api.h"
+#include "lte/c_api/arguments.h"
+#include "lte/c_api/error.h"
+#include "lte/c_api/network.h"
+#include "lte/c_api/stream.h"
+
+using lte::c_api::guarded;
+using lte::c_api::read_struct;
+using lte::c_api::require;
+using lte::c_api::StreamScope;
+using lte::c_api::write_struct;
+
+struct lte_model {
+  std::shared_ptr<lte::c_api::Network> network;
+};
+
+struct lte_embedding {
+  lte::c_api::SceneEmbedding scene;
+};
+
+namespace {
+
+std::atomic<int32_t> wanted_threads{0};  ///< 0: LibTorch's default
+
+/// LibTorch keeps the number a thread: each takes it over when it calls.
+void apply_threads() {
+  thread_local int32_t applied = 0;
+  const int32_t wanted = wanted_threads.load();
+  if (wanted == applied) return;
+  at::set_num_threads(wanted);
+  applied = wanted;
+}
+
+lte_embedding* encode(const lte_model* model, const lte_scene_points* points, at::Device memory) {
+  apply_threads();
+  return new lte_embedding{{model->network, read_struct(points, "lte_scene_points"), memory}};
+}
+
+void decode(const lte_embedding* embedding, const lte_queries* queries, at::Device memory,
+            float* irradiance, int64_t stride) {
+  apply_threads();
+  embedding->scene.decode(read_struct(queries, "lte_queries"), memory, irradiance, stride);
+}
+
+}  // namespace
+
+uint32_t lte_abi_version(void) { return LTE_C_API_VERSION; }
+const char* lte_version_string(void) { return LTE_VERSION; }
+int32_t lte_built_with_cuda(void) { return LTE_WITH_CUDA; }
+const char* lte_last_error(void) { return lte::c_api::last_error(); }
+
+lte_status lte_set_threads(int32_t threads) {
+  return guarded([&] {
+    require(threads >= 1, "threads is ", threads, ", expected at least 1");
+    wanted_threads = threads;
+  });
+}
+
+int32_t lte_threads(void) {
+  int32_t threads = 0;
+  guarded([&] {
+    apply_threads();
+    threads = at::get_num_threads();
+  });
+  return threads;
+}
+
+lte_status lte_model_open(const char* path, const lte_model_options* options, lte_model** model) {
+  if (model != nullptr) *model = nullptr;
+  return guarded(
+      [&] {
+        require(model != nullptr, "model is null");
+        require(path != nullptr, "path is null");
+        const int32_t device =
+            options == nullptr ? LTE_DEVICE_CPU : read_struct(options, "lte_model_options").device;
+        apply_threads();
+        *model = new lte_model{lte::c_api::open_network(path, device)};
+      },
+      LTE_ERROR_FILE);
+}
+
+lte_status lte_model_get_info(const lte_model* model, lte_model_info* info) {
+  return guarded([&] {
+    require(model != nullptr, "model is null");
+    const lte::c_api::Network& network = *model->network;
+    const lte::nn::ModelConfig& config = network.model->config();
+    lte_model_info out = {};
+    out.channels = config.channels;
+    out.parameters = lte::nn::count_parameters(network.model).total;
+    out.query_neighbours = config.query_neighbours;
+    out.scene_points = network.metadata.scene_points;
+    out.scene_points_pruned = network.metadata.scene_points_pruned;
+    out.target = config.target == "total" ? LTE_TARGET_TOTAL : LTE_TARGET_INDIRECT;
+    out.scale = config.scale;
+    out.device = network.device.is_cpu() ? LTE_DEVICE_CPU : network.device.index();
+    write_struct(out, info, "lte_model_info");
+  });
+}
+
+void lte_model_release(lte_model* model) { delete model; }
+
+lte_status lte_model_encode(const lte_model* model, const lte_scene_points* points,
+                            lte_embedding** embedding) {
+  if (embedding != nullptr) *embedding = nullptr;
+  return guarded([&] {
+    require(embedding != nullptr, "embedding is null");
+    require(model != nullptr, "model is null");
+    const c10::DeviceGuard guard(model->network->device);
+    *embedding = encode(model, points, at::kCPU);
+  });
+}
+
+lte_status lte_model_encode_cuda(const lte_model* model, const lte_scene_points* points,
+                                 void* stream, lte_embedding** embedding) {
+  if (embedding != nullptr) *embedding = nullptr;
+  return guarded([&] {
+    require(embedding != nullptr, "embedding is null");
+    require(model != nullptr, "model is null");
+    const StreamScope scope(model->network->device, stream);
+    *embedding = encode(model, points, model->network->device);
+  });
+}
+
+lte_status lte_embedding_get_info(const lte_embedding* embedding, lte_embedding_info* info) {
+  return guarded([&] {
+    require(embedding != nullptr, "embedding is null");
+    const c10::DeviceGuard guard(embedding->scene.network().device);
+    write_struct(embedding->scene.info(), info, "lte_embedding_info");
+  });
+}
+
+lte_status lte_embedding_set_emission_gain(lte_embedding* embedding, const float* rgb) {
+  return guarded([&] {
+    require(embedding != nullptr, "embedding is null");
+    embedding->scene.set_gain(rgb);
+  });
+}
+
+void lte_embedding_release(lte_embedding* embedding) { delete embedding; }
+
+lte_status lte_embedding_decode(const lte_embedding* embedding, const lte_queries* queries,
+                                float* irradiance, int64_t irradiance_stride) {
+  return guarded([&] {
+    require(embedding != nullptr, "embedding is null");
+    const c10::DeviceGuard guard(embedding->scene.network().device);
+    decode(embedding, queries, at::kCPU, irradiance, irradiance_stride);
+  });
+}
+
+lte_status lte_embedding_decode_cuda(const lte_embedding* embedding, const lte_queries* queries,
+                                     void* stream, float* irradiance, int64_t irradiance_stride) {
+  return guarded([&] {
+    require(embedding != nullptr, "embedding is null");
+    const at::Device device = embedding->scene.network().device;
+    const StreamScope scope(device, stream);
+    decode(embedding, queries, device, irradiance, irradiance_stride);
+  });
+}

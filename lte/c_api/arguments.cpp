@@ -1,0 +1,68 @@
+#include "lte/c_api/arguments.h"
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include <ATen/ops/from_blob.h>
+#include <ATen/ops/ne.h>
+
+namespace lte::c_api {
+namespace {
+
+constexpr int64_t kFloat = sizeof(float), kTriple = 3 * kFloat;
+
+void check_pointer(const void* data, size_t alignment, const char* name) {
+  require(data != nullptr, name, " is null");
+  require(reinterpret_cast<std::uintptr_t>(data) % alignment == 0, name,
+          " is not aligned to its elements of ", alignment, " bytes");
+}
+
+void check_span(int64_t count, int64_t stride, const char* name) {
+  require(count <= std::numeric_limits<int64_t>::max() / stride, name, ": ", count,
+          " entries of stride ", stride, " are more than there are addresses");
+}
+
+}  // namespace
+
+at::Tensor borrow_output(float* data, int64_t stride, int64_t count, at::Device device,
+                         const char* name) {
+  check_pointer(data, alignof(float), name);
+  const int64_t bytes = stride == 0 ? kTriple : stride;
+  require(bytes >= kTriple && bytes % kFloat == 0, name, ": stride is ", stride,
+          " bytes, expected 0 or a multiple of 4 that is at least 12");
+  check_span(count, bytes, name);
+  return at::from_blob(data, {count, 3}, {bytes / kFloat, 1},
+                       at::TensorOptions(at::kFloat).device(device));
+}
+
+at::Tensor borrow_triples(const lte_float3_view& view, int64_t count, at::Device device,
+                          const char* name) {
+  return borrow_output(const_cast<float*>(view.data), view.stride, count, device, name);
+}
+
+at::Tensor borrow_floats(const float* data, int64_t count, at::Device device, const char* name) {
+  check_pointer(data, alignof(float), name);
+  check_span(count, kFloat, name);
+  return at::from_blob(const_cast<float*>(data), {count},
+                       at::TensorOptions(at::kFloat).device(device));
+}
+
+at::Tensor read_mask(const uint8_t* mask, int64_t stride, int64_t count, at::Device device) {
+  check_pointer(mask, 1, "mask");
+  const int64_t bytes = stride == 0 ? 1 : stride;
+  require(bytes >= 1, "mask: stride is ", stride, " bytes, expected 0 or more");
+  check_span(count, bytes, "mask");
+  return at::from_blob(const_cast<uint8_t*>(mask), {count}, {bytes},
+                       at::TensorOptions(at::kByte).device(device))
+      .ne(0);
+}
+
+void check_finite_triple(const float* values, const char* name) {
+  check_pointer(values, alignof(float), name);
+  for (int i = 0; i < 3; ++i) {
+    require(std::isfinite(values[i]), name, "[", i, "] is not finite: ", values[i]);
+  }
+}
+
+}  // namespace lte::c_api

@@ -1,0 +1,61 @@
+#include "lte/c_api/error.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <new>
+#include <string_view>
+
+#include <c10/util/Exception.h>
+
+#include "lte/nn/one_line_errors.h"
+
+namespace lte::c_api {
+namespace {
+
+/// Fixed, so that running out of memory can be told.
+thread_local std::array<char, 1024> last_message{};
+
+lte_status keep(lte_status status, std::string_view message) noexcept {
+  const size_t size = std::min(message.size(), last_message.size() - 1);
+  std::memcpy(last_message.data(), message.data(), size);
+  last_message[size] = '\0';
+  return status;
+}
+
+/// LibTorch's errors have few types: the words tell.
+lte_status status_of(std::string_view message) {
+  const auto has = [&](const char* words) { return message.find(words) != message.npos; };
+  if (has("CUDA out of memory") || has("can't allocate memory") || has("not enough memory")) {
+    return LTE_ERROR_OUT_OF_MEMORY;
+  }
+  return has("CUDA error") || has("CUBLAS_STATUS") ? LTE_ERROR_CUDA : LTE_ERROR_INVALID_ARGUMENT;
+}
+
+}  // namespace
+
+const char* last_error() noexcept { return last_message.data(); }
+
+lte_status record(const std::exception_ptr& error, lte_status of_ours) noexcept {
+  try {
+    try {
+      std::rethrow_exception(error);
+    } catch (const ApiError& e) {
+      return keep(e.status(), e.what());
+    } catch (const Error& e) {
+      return keep(of_ours, e.what());
+    } catch (const c10::Error& e) {
+      const std::string message = nn::first_line(e);
+      const lte_status status = status_of(message);
+      return keep(status == LTE_ERROR_INVALID_ARGUMENT ? of_ours : status, message);
+    } catch (const std::bad_alloc&) {
+      return keep(LTE_ERROR_OUT_OF_MEMORY, "out of memory");
+    } catch (const std::exception& e) {
+      return keep(LTE_ERROR_INTERNAL, e.what());
+    }
+  } catch (...) {  // no std::exception, or no memory for the words of one
+    return keep(LTE_ERROR_INTERNAL, "an unknown error");
+  }
+}
+
+}  // namespace lte::c_api

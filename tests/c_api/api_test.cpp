@@ -1,0 +1,237 @@
+// What the C functions compute: the C++ network's answers, in whatever layout, from any thread.
+#include <cmath>
+#include <limits>
+#include <thread>
+#include <vector>
+
+#include <ATen/ATen.h>
+#include <gtest/gtest.h>
+
+#include "lte/c_api.h"
+#include "lte/nn/checkpoint.h"
+#include "tests/c_api/support.h"
+#include "tests/nn/support.h"
+
+namespace lte {
+namespace {
+
+using test::box_queries;
+using test::box_scene;
+using test::c_points;
+using test::c_queries;
+
+/// Of the C++ model, from the same file.
+at::Tensor expected(const nn::PointSet& points, const nn::QuerySet& queries) {
+  const at::NoGradGuard no_grad;
+  nn::LightTransportModel model = nn::load_model(test::tiny_model_file());
+  return model->decode(model->encode(points), queries);
+}
+
+TEST(CApi, TellsTheModelsProperties) {
+  const test::Model model;
+  lte_model_info info = {};
+  info.struct_size = sizeof info;
+  ASSERT_EQ(lte_model_get_info(model.handle, &info), LTE_OK);
+  EXPECT_EQ(info.channels, 16);
+  EXPECT_EQ(info.query_neighbours, 5);
+  EXPECT_EQ(info.scene_points, 300);
+  EXPECT_EQ(info.scene_points_pruned, 1);
+  EXPECT_EQ(info.target, LTE_TARGET_INDIRECT);
+  EXPECT_EQ(info.scale, 16);
+  EXPECT_EQ(info.device, LTE_DEVICE_CPU);
+  const nn::LightTransportModel loaded = nn::load_model(test::tiny_model_file());
+  EXPECT_EQ(info.parameters, nn::count_parameters(loaded).total);
+  EXPECT_EQ(lte_abi_version(), uint32_t{LTE_C_API_VERSION});
+  EXPECT_STREQ(lte_version_string(), "0.1.0");
+}
+
+TEST(CApi, AnswersAreTheCppNetworks) {
+  const nn::PointSet points = box_scene(300, 1);
+  const nn::QuerySet queries = box_queries(500, 2);
+  const test::Model model;
+  const test::Embedding embedding(model.handle, c_points(points));
+  EXPECT_TRUE(
+      at::equal(test::decode(embedding.handle, c_queries(queries)), expected(points, queries)));
+  lte_embedding_info info = {};
+  info.struct_size = sizeof info;
+  ASSERT_EQ(lte_embedding_get_info(embedding.handle, &info), LTE_OK);
+  EXPECT_EQ(info.scene_points, 300);
+  EXPECT_EQ(info.latents, 75);
+  EXPECT_EQ(info.scale, 16);
+  EXPECT_GE(info.bytes, 75 * 16 * 4);
+  const at::Tensor radiance = nn::channel_radiance(points);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(info.origin[i], points.position.select(1, i).min().item<double>());
+    EXPECT_DOUBLE_EQ(info.radiance[i], radiance[i].item<double>());
+  }
+}
+
+TEST(CApi, ReadsAndWritesInterleavedArrays) {
+  const nn::PointSet points = box_scene(300, 1);
+  const nn::QuerySet queries = box_queries(200, 2);
+  const test::Model model;
+  const at::Tensor all =
+      at::cat({points.albedo, points.emission, points.position, points.normal}, 1);
+  lte_scene_points scene = c_points(points);
+  scene.albedo = {all.const_data_ptr<float>(), 48};
+  scene.emission = {all.const_data_ptr<float>() + 3, 48};
+  scene.position = {all.const_data_ptr<float>() + 6, 48};
+  scene.normal = {all.const_data_ptr<float>() + 9, 48};
+  const test::Embedding embedding(model.handle, scene);
+
+  const at::Tensor gap = at::full({200, 1}, std::numeric_limits<float>::quiet_NaN());
+  const at::Tensor pixels =
+      at::cat({gap, queries.position, gap, queries.normal, queries.albedo}, 1).contiguous();
+  lte_queries q = c_queries(queries);
+  q.position = {pixels.const_data_ptr<float>() + 1, 44};
+  q.normal = {pixels.const_data_ptr<float>() + 5, 44};
+  q.albedo = {pixels.const_data_ptr<float>() + 8, 44};
+  at::Tensor out = at::full({200, 5}, 7.0f);
+  ASSERT_EQ(lte_embedding_decode(embedding.handle, &q, out.data_ptr<float>() + 1, 20), LTE_OK)
+      << lte_last_error();
+  EXPECT_TRUE(at::equal(out.narrow(1, 1, 3), expected(points, queries)));
+  EXPECT_TRUE(at::equal(out.select(1, 0), at::full({200}, 7.0f)));
+  EXPECT_TRUE(at::equal(out.select(1, 4), at::full({200}, 7.0f)));
+}
+
+TEST(CApi, WithoutAreasAllPointsCountTheSame) {
+  nn::PointSet points = box_scene(300, 1);
+  const nn::QuerySet queries = box_queries(50, 2);
+  const test::Model model;
+  lte_scene_points scene = c_points(points);
+  scene.area = nullptr;
+  const test::Embedding embedding(model.handle, scene);
+  points.area = at::full({300}, 0.25f);
+  EXPECT_LT(test::relative_difference(test::decode(embedding.handle, c_queries(queries)),
+                                      expected(points, queries)),
+            1e-6);
+}
+
+TEST(CApi, MaskedQueriesAreNeitherReadNorAnsweredOtherThanZero) {
+  const nn::PointSet points = box_scene(300, 1);
+  nn::QuerySet queries = box_queries(90, 2);
+  const at::Tensor full = expected(points, queries);
+  const at::Tensor mask = at::arange(90).remainder(3).ne(0);
+  for (at::Tensor* t : {&queries.position, &queries.normal, &queries.albedo}) {
+    t->masked_fill_(mask.logical_not().unsqueeze(1), std::numeric_limits<double>::quiet_NaN());
+  }
+  const at::Tensor bytes = mask.to(at::kByte).mul(200).repeat_interleave(2);
+  const test::Model model;
+  const test::Embedding embedding(model.handle, c_points(points));
+  lte_queries q = c_queries(queries);
+  q.mask = bytes.const_data_ptr<uint8_t>();
+  q.mask_stride = 2;
+  const at::Tensor keep = mask.unsqueeze(1);
+  for (const uint32_t flags : {0u, LTE_QUERIES_TRUSTED}) {
+    q.flags = flags;
+    EXPECT_TRUE(at::equal(test::decode(embedding.handle, q), at::where(keep, full, 0)));
+  }
+  q.flags = 0;
+  const std::vector<uint8_t> none(90, 0);
+  q.mask = none.data(), q.mask_stride = 1;
+  EXPECT_TRUE(at::equal(test::decode(embedding.handle, q), at::zeros({90, 3})));
+  q.mask = nullptr;
+  float out[3 * 90];
+  EXPECT_EQ(lte_embedding_decode(embedding.handle, &q, out, 0), LTE_ERROR_INVALID_ARGUMENT);
+  queries.albedo[4][1] = 20;  // seen by the mask: named by its own row
+  q.mask = bytes.const_data_ptr<uint8_t>(), q.mask_stride = 2;
+  EXPECT_EQ(lte_embedding_decode(embedding.handle, &q, out, 0), LTE_ERROR_INVALID_ARGUMENT);
+  EXPECT_NE(std::string(lte_last_error()).find("albedo of row 4"), std::string::npos);
+}
+
+TEST(CApi, EmissionGainIsTheEncodingOfScaledEmission) {
+  const nn::PointSet points = box_scene(300, 1);
+  const nn::QuerySet queries = box_queries(60, 2);
+  const test::Model model;
+  const test::Embedding embedding(model.handle, c_points(points));
+  const lte_queries q = c_queries(queries);
+  const float doubled[3] = {2, 0.5f, 0};
+  ASSERT_EQ(lte_embedding_set_emission_gain(embedding.handle, doubled), LTE_OK);
+  const at::Tensor gain = at::tensor({2.0f, 0.5f, 0.0f});
+  EXPECT_TRUE(at::equal(test::decode(embedding.handle, q), expected(points, queries) * gain));
+  nn::PointSet brighter = points;
+  brighter.emission = points.emission * at::tensor({3.0f, 0.7f, 1.0f});
+  const float tint[3] = {3, 0.7f, 1};  // over the first emission, not over the doubled
+  ASSERT_EQ(lte_embedding_set_emission_gain(embedding.handle, tint), LTE_OK);
+  EXPECT_LT(
+      test::relative_difference(test::decode(embedding.handle, q), expected(brighter, queries)),
+      1e-6);
+  const float none[3] = {0, 0, 0};
+  ASSERT_EQ(lte_embedding_set_emission_gain(embedding.handle, none), LTE_OK);
+  EXPECT_TRUE(at::equal(test::decode(embedding.handle, q), at::zeros({60, 3})));
+}
+
+TEST(CApi, ASceneTooLargeIsRefusedOrShrunk) {
+  nn::PointSet points = box_scene(300, 1);
+  nn::QuerySet queries = box_queries(60, 2);
+  const test::Model model;
+  for (at::Tensor* p : {&points.position, &queries.position}) *p = (*p * 8).contiguous();
+  lte_scene_points scene = c_points(points);
+  lte_embedding* refused = nullptr;
+  EXPECT_EQ(lte_model_encode(model.handle, &scene, &refused), LTE_ERROR_SCENE_TOO_LARGE);
+  EXPECT_EQ(refused, nullptr);
+  EXPECT_STREQ(lte_last_error(),
+               "scene points: the scene spans 40 m, the model knows scenes up to 16 m: set rescale "
+               "to shrink it for the network");
+  scene.rescale = 1;
+  const test::Embedding embedding(model.handle, scene);
+  const at::Tensor got = test::decode(embedding.handle, c_queries(queries));
+  for (at::Tensor* p : {&points.position, &queries.position}) *p = (*p * 0.4).contiguous();
+  EXPECT_LT(test::relative_difference(got, expected(points, queries)), 1e-3);
+}
+
+TEST(CApi, AGivenLeastCornerKeepsNetworkSpaceInPlace) {
+  const nn::PointSet points = box_scene(300, 1);
+  const nn::QuerySet queries = box_queries(60, 2);
+  const test::Model model;
+  lte_scene_points scene = c_points(points);
+  const float corner[3] = {-0.5f, -0.25f, -1};
+  scene.origin = corner;
+  const test::Embedding embedding(model.handle, scene);
+  lte_embedding_info info = {};
+  info.struct_size = sizeof info;
+  ASSERT_EQ(lte_embedding_get_info(embedding.handle, &info), LTE_OK);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(info.origin[i], corner[i]);
+  const at::NoGradGuard no_grad;
+  nn::LightTransportModel cpp = nn::load_model(test::tiny_model_file());
+  const nn::Embedding encoded = cpp->encode(points, 0, {at::tensor({-0.5f, -0.25f, -1.0f}), 0});
+  const at::Tensor got = test::decode(embedding.handle, c_queries(queries));
+  EXPECT_TRUE(at::equal(got, cpp->decode(encoded, queries)));
+  EXPECT_FALSE(at::equal(got, expected(points, queries)));
+  const float above[3] = {0.5f, 0, 0};
+  scene.origin = above;
+  lte_embedding* refused = nullptr;
+  EXPECT_EQ(lte_model_encode(model.handle, &scene, &refused), LTE_ERROR_INVALID_ARGUMENT);
+  EXPECT_NE(std::string(lte_last_error()).find("least corner"), std::string::npos);
+}
+
+TEST(CApi, HandlesServeManyThreadsAndOutliveTheirModel) {
+  const nn::PointSet points = box_scene(300, 1);
+  const nn::QuerySet queries = box_queries(300, 2);
+  const at::Tensor alone = expected(points, queries);
+  lte_embedding* embedding = nullptr;
+  {
+    const test::Model model;
+    const lte_scene_points scene = c_points(points);
+    ASSERT_EQ(lte_model_encode(model.handle, &scene, &embedding), LTE_OK) << lte_last_error();
+  }
+  ASSERT_EQ(lte_set_threads(2), LTE_OK);
+  EXPECT_EQ(lte_threads(), 2);
+  const lte_queries q = c_queries(queries);
+  std::vector<at::Tensor> answers(4);
+  std::vector<std::thread> threads;
+  for (at::Tensor& answer : answers) {
+    threads.emplace_back([&] {
+      EXPECT_EQ(lte_threads(), 2);
+      for (int i = 0; i < 3; ++i) answer = test::decode(embedding, q);
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const at::Tensor& answer : answers) EXPECT_TRUE(at::equal(answer, alone));
+  ASSERT_EQ(lte_set_threads(1), LTE_OK);
+  EXPECT_EQ(lte_threads(), 1);
+  lte_embedding_release(embedding);
+}
+
+}  // namespace
+}  // namespace lte

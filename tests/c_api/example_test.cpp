@@ -1,0 +1,123 @@
+// The C program's picture against the C++ predictor at the same points, and its room.
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "infer/predictor.h"
+
+#include "examples/c/room.h"
+
+namespace lte {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kWidth = 64, kHeight = 48;
+constexpr size_t kPixels = size_t{kWidth} * kHeight;
+const char* const kModel = "assets/models/lte-demo.safetensors";
+
+Vec3 vec(const float* v) { return {v[0], v[1], v[2]}; }
+
+/// Rows from the top.
+std::vector<Rgb> read_pfm(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string magic;
+  int width = 0, height = 0;
+  double endian = 0;
+  file >> magic >> width >> height >> endian;
+  file.get();
+  EXPECT_EQ(magic, "PF");
+  EXPECT_EQ(width, kWidth);
+  EXPECT_EQ(height, kHeight);
+  EXPECT_EQ(endian, -1);
+  std::vector<Rgb> out(kPixels);
+  for (int y = kHeight - 1; y >= 0; --y) {
+    file.read(reinterpret_cast<char*>(out.data() + y * kWidth), sizeof(Rgb) * kWidth);
+  }
+  EXPECT_TRUE(file.good());
+  return out;
+}
+
+/// Of the C++ predictor, at the room's points; zero on the lamp.
+std::vector<Rgb> predicted() {
+  infer::Predictor predictor = infer::Predictor::load(kModel, infer::Device::Cpu);
+  const auto M = static_cast<size_t>(predictor.scene_points());
+  std::vector<Surfel> surfels(M);
+  room_sample(surfels.data(), M, 1);
+  std::vector<Vec3> position, normal;
+  std::vector<Rgb> albedo, emission;
+  for (const Surfel& s : surfels) {
+    position.push_back(vec(s.position)), normal.push_back(vec(s.normal));
+    albedo.push_back(vec(s.albedo)), emission.push_back(vec(s.emission));
+  }
+  const std::vector<float> area(M, 1.0f);
+  predictor.embed({position, normal, albedo, emission, area});
+
+  std::vector<Pixel> pixels(kPixels);
+  room_gbuffer(pixels.data(), kWidth, kHeight);
+  std::vector<Vec3> at, facing;
+  std::vector<Rgb> colour;
+  for (const Pixel& p : pixels) {
+    at.push_back(vec(p.hit.position)), facing.push_back(vec(p.hit.normal));
+    colour.push_back(vec(p.hit.albedo));
+  }
+  std::vector<Rgb> out = predictor.predict({at, facing, colour});
+  for (size_t i = 0; i < kPixels; ++i) {
+    if (pixels[i].reflects == 0) out[i] = {};
+  }
+  return out;
+}
+
+TEST(CExample, ItsPictureIsTheCppPredictors) {
+  const fs::path stem =
+      fs::temp_directory_path() / ("lte_render_room_" + std::to_string(::getpid()));
+  const std::string ppm = stem.string() + ".ppm", pfm = stem.string() + ".pfm";
+  const std::string command = std::string(LTE_RENDER_ROOM) + ' ' + kModel + ' ' + ppm + ' ' + pfm +
+                              ' ' + std::to_string(kWidth) + ' ' + std::to_string(kHeight);
+  ASSERT_EQ(std::system(command.c_str()), 0) << command;
+  EXPECT_EQ(fs::file_size(ppm), std::string("P6\n64 48\n255\n").size() + 3 * kPixels);
+  const std::vector<Rgb> got = read_pfm(pfm), expected = predicted();
+  float largest = 0, difference = 0;
+  for (size_t i = 0; i < kPixels; ++i) {
+    for (int c = 0; c < 3; ++c) {
+      largest = std::max(largest, expected[i][c]);
+      difference = std::max(difference, std::abs(got[i][c] - expected[i][c]));
+    }
+  }
+  EXPECT_GT(largest, 0.1f);
+  EXPECT_LE(difference, 1e-6f * largest);
+  fs::remove(ppm), fs::remove(pfm);
+  EXPECT_NE(
+      std::system((std::string(LTE_RENDER_ROOM) + " README.md " + ppm + " 2>/dev/null").c_str()),
+      0);
+  EXPECT_FALSE(fs::exists(ppm));
+}
+
+TEST(CExample, DirectLightIsTheSumOverTheLamp) {
+  std::vector<Pixel> pixels(kPixels);
+  room_gbuffer(pixels.data(), kWidth, kHeight);
+  for (size_t i = 0; i < kPixels; i += 311) {
+    const Vec3 at = vec(pixels[i].hit.position), normal = vec(pixels[i].hit.normal);
+    constexpr int kGrid = 200;
+    double sum = 0;
+    for (int k = 0; k < kGrid * kGrid; ++k) {
+      const float u = (static_cast<float>(k % kGrid) + 0.5f) / kGrid,
+                  v = (static_cast<float>(k / kGrid) + 0.5f) / kGrid;
+      const Vec3 to = Vec3{1.4f + 1.2f * u, 2.49f, 1.8f + 1.4f * v} - at;
+      const double d2 = dot(to, to), here = dot(to, normal), there = to[1];
+      if (here > 0 && there > 0) sum += here * there / (d2 * d2);
+    }
+    float direct[3];
+    room_direct(&pixels[i].hit, direct);
+    EXPECT_NEAR(direct[0], 12 * sum * 1.2 * 1.4 / (kGrid * kGrid), 1e-3) << i;
+  }
+}
+
+}  // namespace
+}  // namespace lte
