@@ -6,7 +6,6 @@
 #include "lte/nn/nearest_neighbour_embedding.h"
 #include "lte/nn/point_transformer.h"
 #include "lte/nn/query_decoder.h"
-#include "lte/ops/neighbour_sums.h"
 #include "lte/ops/query_decoder.h"
 
 namespace lte::nn {
@@ -154,10 +153,23 @@ Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order
   embedding.spacing = plan.spacing;
   embedding.features = parts_->encoder->forward(parts_->nne->forward(attributes, plan), plan);
   if (!at::GradMode::is_enabled() && embedding.features.scalar_type() == at::kFloat) {
-    const auto [keys, values] = parts_->decoder->keys_and_values(embedding.features);
-    embedding.table = ops::neighbour_table(keys, values);
+    embedding.table = parts_->decoder->table(embedding.features);
   }
   return embedding;
+}
+
+void set_precision(torch::nn::Module& network, Precision precision) {
+  for (const auto& module : network.modules(/*include_self=*/false)) {
+    if (auto* linear = module->as<LinearImpl>()) linear->set_precision(precision);
+    if (auto* convolution = module->as<SubmanifoldConvImpl>())
+      convolution->set_precision(precision);
+  }
+}
+
+void LightTransportModelImpl::set_precision(Precision precision) {
+  TORCH_CHECK(precision == Precision::Fp32 || parameters().front().device().is_cpu(),
+              "bf16 is for the CPU, the model is on ", parameters().front().device());
+  nn::set_precision(*this, precision);
 }
 
 at::Tensor LightTransportModelImpl::decode_normalized(const Embedding& embedding,
@@ -170,7 +182,9 @@ at::Tensor LightTransportModelImpl::decode_normalized(const Embedding& embedding
   return parts_->decode(embedding, queries, keys, values);
 }
 
-at::Tensor LightTransportModelImpl::decode(const Embedding& embedding, const QuerySet& queries) {
+at::Tensor LightTransportModelImpl::decode(const Embedding& embedding, const QuerySet& queries,
+                                           int64_t block_size) {
+  TORCH_CHECK(block_size >= 0, "decode: blocks of ", block_size, " queries");
   const at::NoGradGuard no_grad;
   check_surface(queries.position, queries.normal, queries.albedo, "query points");
   const int64_t Q = queries.position.size(0);
@@ -182,7 +196,8 @@ at::Tensor LightTransportModelImpl::decode(const Embedding& embedding, const Que
     std::tie(keys, values) = parts_->decoder->keys_and_values(embedding.features);
   }
   const bool ordered = !keys.defined() && queries.position.device().is_cpu();
-  const int64_t size = ordered ? kTableBlock : kQueryBlock;
+  const int64_t fast = ordered ? kTableBlock : kQueryBlock;
+  const int64_t size = block_size > 0 ? std::min(block_size, fast) : fast;
   for (int64_t begin = 0; begin < Q; begin += size) {
     const int64_t count = std::min(size, Q - begin);
     const QuerySet block = {queries.position.narrow(0, begin, count),
