@@ -19,7 +19,9 @@ namespace {
 constexpr double kMiB = 1 << 20;
 constexpr int64_t kLeastBlock = 1024;  ///< queries: fewer at a time are slow
 // Bytes a scene point, of a channel and besides; bytes of a query of a block, and of its answer.
-constexpr double kEncodeBaseMb = 24, kEncodeBytes = 600, kEncodeBytesPerChannel = 40;
+constexpr double kEncodeBytes = 600, kEncodeBytesPerChannel = 40;
+// MiB whatever the number of points.
+constexpr double kEncodeBaseMb = 20, kEncodeBaseMbPerChannel = 0.45;
 constexpr double kDecodeBaseMb = 16, kDecodeBytes = 200, kAnswerBytes = 18;
 
 }  // namespace
@@ -47,7 +49,9 @@ std::string memory_text(double mb) {
 double encode_mb(const nn::ModelConfig& config, int64_t scene_points) {
   const double per_point =
       kEncodeBytes + kEncodeBytesPerChannel * static_cast<double>(config.channels);
-  return kEncodeBaseMb + 1.1 * per_point * static_cast<double>(scene_points) / kMiB;
+  const double base =
+      kEncodeBaseMb + kEncodeBaseMbPerChannel * static_cast<double>(config.channels);
+  return base + 1.1 * per_point * static_cast<double>(scene_points) / kMiB;
 }
 
 double decode_mb(const nn::ModelConfig& config, int64_t queries, int64_t block) {

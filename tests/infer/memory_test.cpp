@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "infer/assets.h"
+#include "infer/baselines.h"
 #include "infer/predictor.h"
 #include "infer/scores.h"
 #include "infer/synthetic_room.h"
