@@ -52,12 +52,22 @@ BenchResult time_repeats(const std::string& name, int64_t n, int repeats,
   return result_of(name, n, std::move(seconds));
 }
 
-double measure_gemm_gflops() {
+double measure_gemm_gflops(nn::Precision precision) {
   // The decoder's largest product at the size of its blocks.
   const int64_t rows = 4096, inner = 128, columns = 512;
   const at::Tensor a = at::rand({rows, inner}), b = at::rand({columns, inner});
-  const BenchResult result = time_repeats("gemm", rows, 31, [&] { ops::linear(a, b); });
-  return 2e-9 * static_cast<double>(rows * inner * columns) / result.seconds_min;
+  const auto seconds = [&](const std::function<void()>& product) {
+    return time_repeats("gemm", rows, 31, product).seconds_min;
+  };
+  double least = 0;
+  if (precision == nn::Precision::Fp32) {
+    least = seconds([&] { ops::linear(a, b); });
+  } else {
+    const at::Tensor rounded_a = a.to(at::kBFloat16), rounded_b = b.to(at::kBFloat16);
+    least = std::min(seconds([&] { at::linear(rounded_a, rounded_b); }),
+                     seconds([&] { ops::linear(a, rounded_b); }));
+  }
+  return 2e-9 * static_cast<double>(rows * inner * columns) / least;
 }
 
 std::string bench_json(const std::vector<BenchResult>& results) {
@@ -67,6 +77,7 @@ std::string bench_json(const std::vector<BenchResult>& results) {
                        {"n", result.n},
                        {"seconds_min", result.seconds_min},
                        {"seconds_median", result.seconds_median}};
+    if (!result.precision.empty()) row["precision"] = result.precision;
     for (const auto& [key, value] : result.figures) row[key] = value;
     rows.push_back(row);
   }

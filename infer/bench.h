@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "lte/nn/precision.h"
+
 namespace lte::infer {
 
 /// One measurement: warm-up, then `repeats` timed runs.
@@ -15,6 +17,7 @@ struct BenchResult {
   int64_t n = 0;  ///< size of the problem: points, queries or rays
   double seconds_min = 0, seconds_median = 0;
   std::map<std::string, double> figures;  ///< what else was measured, e.g. gflops, peak_rss
+  std::string precision{};                ///< fp32 or bf16; empty where nothing depends on it
 };
 
 struct BenchOptions {
@@ -22,10 +25,12 @@ struct BenchOptions {
   int64_t channels = 128;         ///< D of the benchmarked network
   int64_t scene_points = 20'000;  ///< M
   int64_t queries = 512 * 512;
-  std::string scene;              ///< glTF file of the pathtrace and pareto benchmarks
-  std::string checkpoint;         ///< pareto: the model whose error is measured
-  int width = 160, height = 120;  ///< pareto: view
-  int reference_rays = 4096;      ///< pareto: rays a pixel of the reference
+  std::string precision = "fp32";  ///< encoder and decoder: or bf16
+  double max_memory_mb = 0;        ///< encoder and decoder: above the model; 0 for no limit
+  std::string scene;               ///< glTF file of the pathtrace and pareto benchmarks
+  std::string checkpoint;          ///< pareto: the model whose error is measured
+  int width = 160, height = 120;   ///< pareto: view
+  int reference_rays = 4096;       ///< pareto: rays a pixel of the reference
 };
 
 /// Runs `work` once to warm up, then `repeats` times.
@@ -39,9 +44,9 @@ BenchResult time_once(const std::string& name, int64_t n, const std::function<vo
 /// `gemm_gflops`.
 void add_limit(BenchResult& result, double flops, double gemm_gflops);
 
-/// Sustained fp32 GEMM rate of this machine in this process, GFLOP/s: the limit the network is held
-/// to.
-double measure_gemm_gflops();
+/// Sustained GEMM rate of this machine in this process, GFLOP/s: the limit the network is held to.
+/// Of bf16 operands the better one of LibTorch's product and lte's.
+double measure_gemm_gflops(nn::Precision precision = nn::Precision::Fp32);
 
 std::vector<BenchResult> bench_ops(const BenchOptions& options);
 std::vector<BenchResult> bench_encoder(const BenchOptions& options);

@@ -1,6 +1,7 @@
 // lte_bench: times of every stage, and time against error.
 #include "infer/bench.h"
 #include "infer/device.h"
+#include "infer/tool_options.h"
 #include "lte/base/cli.h"
 #include "lte/base/file.h"
 
@@ -28,8 +29,9 @@ int main(int argc, char** argv) {
     return command;
   };
   add("ops", "Every operator alone", infer::bench_ops);
-  add("encoder", "Scene points to embedding", infer::bench_encoder);
-  add("decoder", "Query points to irradiance", infer::bench_decoder);
+  for (CLI::App* command : {add("encoder", "Scene points to embedding", infer::bench_encoder),
+                            add("decoder", "Query points to irradiance", infer::bench_decoder)})
+    infer::add_network_options(*command, &options.precision, &options.max_memory_mb);
 #if LTE_HAS_SCENE
   CLI::App* pathtrace =
       add("pathtrace", "Path tracing against bare Embree calls", infer::bench_pathtrace);

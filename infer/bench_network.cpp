@@ -3,8 +3,10 @@
 #include <ATen/core/grad_mode.h>
 
 #include "infer/bench.h"
+#include "infer/memory.h"
 #include "infer/network_flops.h"
 #include "infer/synthetic_room.h"
+#include "infer/tool_options.h"
 #include "lte/base/file.h"
 #include "lte/ops/farthest_point.h"
 #include "lte/ops/knn.h"
@@ -20,11 +22,12 @@ at::Tensor cells_of(const at::Tensor& position, double spacing) {
   return ((position - low) / spacing).floor().to(at::kInt).contiguous();
 }
 
-nn::LightTransportModel untrained_model(int64_t channels) {
+nn::LightTransportModel untrained_model(int64_t channels, nn::Precision precision) {
   nn::ModelConfig config;
   config.channels = channels;
   nn::LightTransportModel model(config);
   model->eval();
+  model->set_precision(precision);
   return model;
 }
 
@@ -70,38 +73,76 @@ std::vector<BenchResult> bench_ops(const BenchOptions& options) {
   return results;
 }
 
-std::vector<BenchResult> bench_encoder(const BenchOptions& options) {
-  const at::NoGradGuard no_grad;
-  nn::LightTransportModel model = untrained_model(options.channels);
+namespace {
+
+/// What encoder and decoder report of a network besides times.
+void add_network_figures(BenchResult& result, const BenchOptions& options, double above_mb,
+                         double flops, nn::Precision precision) {
+  result.precision = options.precision;
+  result.figures["channels"] = static_cast<double>(options.channels);
+  result.figures["rss_above_model_mb"] = above_mb;
+  add_limit(result, flops, measure_gemm_gflops(precision));
+}
+
+BenchResult time_encoder(const BenchOptions& options, nn::LightTransportModel& model,
+                         nn::Precision precision) {
   const nn::PointSet points = synthetic_room(options.scene_points, 1);
+  reset_peak_rss();
+  const double before_mb = current_rss_mb();
   BenchResult result =
       time_repeats("encode", options.scene_points, options.repeats, [&] { model->encode(points); });
-  result.figures["channels"] = static_cast<double>(options.channels);
+  const double above_mb = peak_rss_mb() - before_mb;
   const at::Tensor position =
       (points.position - std::get<0>(points.position.min(0))).div(model->config().scale);
   const nn::EncoderPlan plan =
       nn::make_encoder_plan(position.contiguous(), model->config(), false, 0);
-  add_limit(result, encoder_flops(model->config(), plan, options.scene_points),
-            measure_gemm_gflops());
-  return {result};
+  add_network_figures(result, options, above_mb,
+                      encoder_flops(model->config(), plan, options.scene_points), precision);
+  return result;
+}
+
+BenchResult time_decoder(const BenchOptions& options, nn::LightTransportModel& model,
+                         nn::Precision precision) {
+  const nn::Embedding embedding = model->encode(synthetic_room(options.scene_points, 1));
+  const nn::PointSet surface = synthetic_room(options.queries, 2);
+  const nn::QuerySet queries{surface.position, surface.normal, surface.albedo};
+  const int64_t block =
+      MemoryLimit(options.max_memory_mb).query_block(model->config(), options.queries, kQueryBlock);
+  reset_peak_rss();
+  const double before_mb = current_rss_mb();
+  BenchResult result = time_repeats("decode", options.queries, options.repeats, [&] {
+    model->decode(embedding, queries, {true, block});
+  });
+  const double above_mb = peak_rss_mb() - before_mb;
+  const double flops = static_cast<double>(options.queries) *
+                       decoder_flops(model->config(), embedding.position.size(0));
+  add_network_figures(result, options, above_mb, flops, precision);
+  return result;
+}
+
+}  // namespace
+
+std::vector<BenchResult> bench_encoder(const BenchOptions& options) {
+  const at::NoGradGuard no_grad;
+  const nn::Precision precision = choose_precision(options.precision);
+  nn::LightTransportModel model = untrained_model(options.channels, precision);
+  const int64_t M = options.scene_points;
+  MemoryLimit(options.max_memory_mb).check_encoding(model->config(), M);
+  return {explain_out_of_memory(concat("encoding ", M, " scene points"),
+                                encode_mb(model->config(), M),
+                                "take fewer (--scene-points), or fewer --channels",
+                                [&] { return time_encoder(options, model, precision); })};
 }
 
 std::vector<BenchResult> bench_decoder(const BenchOptions& options) {
   const at::NoGradGuard no_grad;
-  nn::LightTransportModel model = untrained_model(options.channels);
-  const nn::Embedding embedding = model->encode(synthetic_room(options.scene_points, 1));
-  const nn::PointSet surface = synthetic_room(options.queries, 2);
-  const nn::QuerySet queries{surface.position, surface.normal, surface.albedo};
-  const double before_mb = current_rss_mb();
-  BenchResult result = time_repeats("decode", options.queries, options.repeats,
-                                    [&] { model->decode(embedding, queries); });
-  result.figures["channels"] = static_cast<double>(options.channels);
-  result.figures["rss_above_model_mb"] = peak_rss_mb() - before_mb;
-  add_limit(result,
-            static_cast<double>(options.queries) *
-                decoder_flops(model->config(), embedding.position.size(0)),
-            measure_gemm_gflops());
-  return {result};
+  const nn::Precision precision = choose_precision(options.precision);
+  nn::LightTransportModel model = untrained_model(options.channels, precision);
+  const int64_t Q = options.queries;
+  return {explain_out_of_memory(
+      concat("decoding ", Q, " queries"), decode_mb(model->config(), Q, kQueryBlock),
+      "ask for fewer (--queries), or decode fewer at a time (--max-memory)",
+      [&] { return time_decoder(options, model, precision); })};
 }
 
 }  // namespace lte::infer

@@ -51,8 +51,8 @@ void print_settings(const EvalRequest& r) {
   std::cout << "checkpoint: " << quoted(r.checkpoint) << "\ndata: " << quoted(r.data)
             << "\nsplit: " << quoted(r.split) << "\nbaselines: " << quoted(r.baselines)
             << "\nreport: " << quoted(r.report) << "\ndevice: " << quoted(r.tool.device)
-            << "\nthreads: " << r.tool.common.threads << "\nmax_memory: " << r.tool.max_memory_mb
-            << '\n';
+            << "\nthreads: " << r.tool.common.threads << "\nprecision: " << r.tool.precision
+            << "\nmax_memory: " << r.tool.max_memory_mb << '\n';
 }
 
 /// From --baselines, from beside the checkpoint, or from the training split, in this order.
@@ -117,14 +117,17 @@ void run_eval(const EvalRequest& given) {
   const fs::path checkpoint = checkpoint_or_shipped(request.checkpoint);
   const fs::path data =
       request.data.empty() ? asset_path(kShippedData, "--data") : fs::path(request.data);
-  Predictor predictor = Predictor::load(checkpoint, choose_device(request.tool.device));
+  Predictor predictor = Predictor::load(checkpoint, choose_device(request.tool.device),
+                                        choose_precision(request.tool.precision));
+  const MemoryLimit memory(request.tool.max_memory_mb);
+  predictor.limit_memory(memory);
   const Baselines baselines = find_baselines(request, checkpoint, data);
   const fs::path folder = make_report_folder(request.report);
 
   EvalSettings settings;
   settings.data = data;
   settings.split = data::parse_split(request.split);
-  settings.on_scene = [&] { check_memory(request.tool, "a scene"); };
+  settings.on_scene = [&] { memory.check("a scene"); };
   if (!folder.empty())
     settings.on_view = [&](const ViewPicture& picture) { write_contact_sheet(folder, picture); };
   const EvalResult result = evaluate(settings, &predictor, baselines);

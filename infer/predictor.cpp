@@ -46,6 +46,7 @@ struct Predictor::State {
   at::Device device{at::kCPU};
   nn::ModelMetadata metadata;
   std::optional<nn::Embedding> embedding;
+  MemoryLimit memory;
   // World -> what the network was shown: (p − low) shrink.
   Vec3 low;
   double shrink = 1;
@@ -62,12 +63,16 @@ double radiance_scalar(const ScenePoints& points) {
   return nn::radiance_scalar(to_point_set(points, points.position, at::kCPU));
 }
 
-Predictor Predictor::load(const std::filesystem::path& checkpoint, Device device) {
+Predictor Predictor::load(const std::filesystem::path& checkpoint, Device device,
+                          nn::Precision precision) {
+  LTE_CHECK(precision == nn::Precision::Fp32 || device == Device::Cpu,
+            "--precision bf16 is for the CPU: pass --device cpu, or fp32");
   auto state = std::make_shared<State>(one_line_errors([&] { return nn::load_model(checkpoint); }));
   state->metadata = nn::read_model_metadata(checkpoint);
   state->device = at::Device(device == Device::Cuda ? at::kCUDA : at::kCPU);
   state->model->to(state->device);
   state->model->eval();
+  state->model->set_precision(precision);
   return Predictor(std::move(state));
 }
 
@@ -77,6 +82,8 @@ int64_t Predictor::scene_points() const { return state_->metadata.scene_points; 
 bool Predictor::scene_points_pruned() const { return state_->metadata.scene_points_pruned; }
 int64_t Predictor::parameters() const { return nn::count_parameters(state_->model).total; }
 double Predictor::shrink() const { return state_->shrink; }
+
+void Predictor::limit_memory(const MemoryLimit& limit) { state_->memory = limit; }
 
 double Predictor::radiance() const {
   LTE_CHECK(state_->embedding.has_value(), "no scene has been embedded");
@@ -102,10 +109,17 @@ void Predictor::embed(const ScenePoints& points, bool rescale) {
   state_->shrink = too_large ? scale() / extent * (1 - kShrinkMargin) : 1;
   const std::vector<Vec3> shown = too_large ? state_->moved(points.position) : std::vector<Vec3>();
   const at::NoGradGuard no_grad;
-  state_->embedding = one_line_errors([&] {
-    return state_->model->encode(to_point_set(
-        points, too_large ? std::span<const Vec3>(shown) : points.position, state_->device));
-  });
+  state_->embedding.reset();
+  const nn::ModelConfig& config = state_->model->config();
+  state_->memory.check_encoding(config, points.size());
+  state_->embedding = explain_out_of_memory(
+      concat("encoding ", points.size(), " scene points"), encode_mb(config, points.size()),
+      "take fewer scene points (--scene-points)", [&] {
+        return one_line_errors([&] {
+          return state_->model->encode(to_point_set(
+              points, too_large ? std::span<const Vec3>(shown) : points.position, state_->device));
+        });
+      });
 }
 
 std::vector<Rgb> Predictor::predict(const QueryPoints& queries, int64_t chunk) const {
@@ -116,6 +130,8 @@ std::vector<Rgb> Predictor::predict(const QueryPoints& queries, int64_t chunk) c
             "query arrays differ in length: ", queries.position.size(), " positions, ",
             queries.normal.size(), " normals, ", queries.albedo.size(), " albedos");
   const at::NoGradGuard no_grad;
+  const nn::ModelConfig& config = state_->model->config();
+  chunk = state_->memory.query_block(config, queries.size(), chunk);
   std::vector<Rgb> out(queries.position.size());
   for (int64_t begin = 0; begin < queries.size(); begin += chunk) {
     const QueryPoints part = queries.slice(begin, std::min(chunk, queries.size() - begin));
@@ -124,9 +140,15 @@ std::vector<Rgb> Predictor::predict(const QueryPoints& queries, int64_t chunk) c
     const nn::QuerySet set{
         borrow(shown.empty() ? part.position : std::span<const Vec3>(shown)).to(state_->device),
         borrow(part.normal).to(state_->device), borrow(part.albedo).to(state_->device)};
-    const at::Tensor irradiance = one_line_errors([&] {
-      return state_->model->decode(*state_->embedding, set).to(at::kCPU, at::kFloat).contiguous();
-    });
+    const at::Tensor irradiance = explain_out_of_memory(
+        concat("decoding ", queries.size(), " queries"), decode_mb(config, queries.size(), chunk),
+        "ask for fewer at once (a smaller picture), or decode fewer at a time (--max-memory)", [&] {
+          return one_line_errors([&] {
+            return state_->model->decode(*state_->embedding, set)
+                .to(at::kCPU, at::kFloat)
+                .contiguous();
+          });
+        });
     std::memcpy(static_cast<void*>(out.data() + begin), irradiance.const_data_ptr<float>(),
                 sizeof(Rgb) * part.position.size());
   }

@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "infer/device.h"
+#include "infer/memory.h"
 #include "infer/points.h"
+#include "lte/nn/precision.h"
 
 namespace lte::infer {
 
@@ -21,8 +23,13 @@ double radiance_scalar(const ScenePoints& points);
 
 class Predictor {
  public:
-  /// @throws lte::Error naming the file if it is no model of this version.
-  static Predictor load(const std::filesystem::path& checkpoint, Device device);
+  /// @throws lte::Error naming the file if it is no model of this version, or for bf16 on a GPU.
+  static Predictor load(const std::filesystem::path& checkpoint, Device device,
+                        nn::Precision precision = nn::Precision::Fp32);
+
+  /// From now on embed() refuses what would not fit, and predict() decodes no more at a time than
+  /// does.
+  void limit_memory(const MemoryLimit& limit);
 
   bool predicts_total() const;   ///< the output is total irradiance, not indirect
   double scale() const;          ///< s, metres: the largest scene extent that the network knows
@@ -38,7 +45,8 @@ class Predictor {
   /// @param rescale  shrinks a scene larger than s into it, for the network only. Exact for
   /// transport: uniform scaling
   ///                 of a scene changes no irradiance that comes from surfaces.
-  /// @throws lte::Error for a scene larger than s without `rescale`, or input that is not finite.
+  /// @throws lte::Error for a scene larger than s without `rescale`, or input that is not finite,
+  /// or where memory lacks or is limited, naming what it needs.
   void embed(const ScenePoints& points, bool rescale = false);
 
   /// Irradiance in W/m², one entry a query. embed() comes first.

@@ -72,7 +72,8 @@ void print_settings(const RenderRequest& r) {
             << "\nprune: " << quoted(r.prune) << "\nrescale: " << (r.rescale ? "true" : "false")
             << "\nexposure: " << (r.exposure ? std::to_string(*r.exposure) : "auto")
             << "\ndevice: " << quoted(r.tool.device) << "\nthreads: " << r.tool.common.threads
-            << "\nmax_memory: " << r.tool.max_memory_mb << '\n';
+            << "\nprecision: " << r.tool.precision << "\nmax_memory: " << r.tool.max_memory_mb
+            << '\n';
 }
 
 scene::Camera choose_camera(const RenderRequest& request, const scene::Scene& scene,
@@ -101,6 +102,7 @@ nlohmann::json to_json(const RenderRequest& request, const RenderSettings& setti
           {"out", request.out},
           {"output", request.output},
           {"mode", request.mode},
+          {"precision", request.tool.precision},
           {"size", {settings.width, settings.height}},
           {"exposure", exposure},
           {"background_pixels", frame.background},
@@ -135,24 +137,26 @@ std::optional<Predictor> load_network(const RenderRequest& request, const Render
   if (!renderer.needs_network(settings_of(request))) return std::nullopt;
   if (request.validate_only && request.checkpoint.empty()) return std::nullopt;
   return Predictor::load(checkpoint_or_shipped(request.checkpoint),
-                         choose_device(request.tool.device));
+                         choose_device(request.tool.device),
+                         choose_precision(request.tool.precision));
 }
 
-void embed(const RenderRequest& request, Predictor predictor, Renderer* renderer) {
+void embed(const RenderRequest& request, Predictor predictor, const MemoryLimit& memory,
+           Renderer* renderer) {
   std::optional<bool> prune;
   if (request.prune != "auto") prune = request.prune == "on";
+  predictor.limit_memory(memory);
   renderer->embed(std::move(predictor),
                   {request.scene_points, request.seed, request.rescale, prune});
-  check_memory(request.tool, "encoding the scene (lower --scene-points)");
+  memory.check("encoding the scene (lower --scene-points)");
 }
 
 /// Everything after the scene stands: what is timed as encode to write.
 void render_to_file(const RenderRequest& request, const scene::Camera& camera, Renderer* renderer,
-                    const Timer& total) {
+                    const MemoryLimit& memory, const Timer& total) {
   const RenderSettings settings = settings_of(request);
-  check_memory_ahead(request.tool,
-                     kFloatsPerPixel * 4 * settings.width * settings.height / (1 << 20),
-                     concat("--size ", request.size));
+  memory.check_ahead(kFloatsPerPixel * 4 * settings.width * settings.height / (1 << 20),
+                     concat("a picture of --size ", request.size), "take a smaller one");
   const Frame frame = renderer->render(camera, settings);
   if (frame.background == int64_t{settings.width} * settings.height &&
       !renderer->has_environment()) {
@@ -246,7 +250,6 @@ void run_render(const RenderRequest& request) {
   const scene::Camera camera = choose_camera(request, scene, renderer.bvh());
   if (!renderer.has_light())
     log_warning(request.scene, ": nothing emits light; every output with light in it is black");
-  check_memory(request.tool, "loading the scene");
   std::optional<Predictor> predictor = load_network(request, renderer);
   renderer.seconds().load = total.seconds();
   if (predictor) predictor->check_fits(scene::point_bounds(scene), request.rescale);
@@ -255,8 +258,9 @@ void run_render(const RenderRequest& request) {
                 static_cast<long long>(scene.triangle_count()), scene.light_groups.size());
     return;
   }
-  if (predictor) embed(request, std::move(*predictor), &renderer);
-  render_to_file(request, camera, &renderer, total);
+  const MemoryLimit memory(request.tool.max_memory_mb);
+  if (predictor) embed(request, std::move(*predictor), memory, &renderer);
+  render_to_file(request, camera, &renderer, memory, total);
 }
 
 }  // namespace lte::infer

@@ -1,17 +1,53 @@
 #include "infer/tool_options.h"
 
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <filesystem>
 
 #include <unistd.h>
 
 #include "infer/device.h"
+#include "infer/memory.h"
 #include "lte/base/check.h"
-#include "lte/base/file.h"
+#include "lte/base/log.h"
+#include "lte/ops/bf16.h"
 
 namespace lte::infer {
+
+void add_network_options(CLI::App& app, std::string* precision, double* max_memory_mb) {
+  const char* group = "Common options";
+  app.add_option("--precision", *precision,
+                 "Arithmetic of the network on the CPU: fp32, or bf16, which is faster where the "
+                 "processor has bfloat16 products, with sums in fp32")
+      ->check(CLI::IsMember({"fp32", "bf16"}))
+      ->capture_default_str()
+      ->group(group);
+  const auto check = [](const std::string& text) {
+    try {
+      parse_memory(text);
+      return std::string();
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+  };
+  app.add_option_function<std::string>(
+         "--max-memory",
+         [max_memory_mb](const std::string& text) { *max_memory_mb = parse_memory(text); },
+         "What the run may take above scene and model, such as 500M or 2G (plain numbers are MiB): "
+         "fewer queries are decoded at a time, and what cannot fit is refused; 0 for no limit")
+      ->check(CLI::Validator(check, "SIZE"))
+      ->group(group);
+}
+
+nn::Precision choose_precision(const std::string& word) {
+  if (word == "fp32") return nn::Precision::Fp32;
+  LTE_CHECK(word == "bf16", "--precision ", word, ": expected fp32 or bf16");
+  if (!ops::has_bf16_products())
+    log_warning(
+        "--precision bf16: this processor has no bfloat16 products (AVX512-BF16); they are "
+        "computed from float32 instructions, which is slower than fp32");
+  return nn::Precision::Bf16;
+}
 
 void add_tool_options(CLI::App& app, ToolOptions* options) {
   add_common_options(app, &options->common);
@@ -19,10 +55,7 @@ void add_tool_options(CLI::App& app, ToolOptions* options) {
   app.add_option("--device", options->device, "cpu or cuda; by default cuda where it can be had")
       ->check(CLI::IsMember({"cpu", "cuda"}))
       ->group(group);
-  app.add_option("--max-memory", options->max_memory_mb,
-                 "Stop with an error above this many MiB; 0 for no limit")
-      ->check(CLI::NonNegativeNumber)
-      ->group(group);
+  add_network_options(app, &options->precision, &options->max_memory_mb);
   app.add_flag("--print-config", options->print_config,
                "Print the settings in force as YAML and stop")
       ->group(group);
@@ -31,20 +64,6 @@ void add_tool_options(CLI::App& app, ToolOptions* options) {
 void apply_tool_options(const ToolOptions& options) {
   apply_common_options(options.common);
   set_torch_threads(options.common.threads);
-}
-
-void check_memory(const ToolOptions& options, const std::string& stage) {
-  if (options.max_memory_mb <= 0) return;
-  const double used = current_rss_mb();
-  LTE_CHECK(used <= options.max_memory_mb, "--max-memory ", options.max_memory_mb, ": ",
-            std::lround(used), " MiB are in use after ", stage);
-}
-
-void check_memory_ahead(const ToolOptions& options, double more_mb, const std::string& what) {
-  if (options.max_memory_mb <= 0) return;
-  const double wanted = current_rss_mb() + more_mb;
-  LTE_CHECK(wanted <= options.max_memory_mb, "--max-memory ", options.max_memory_mb, ": ", what,
-            " would bring it to ", std::lround(wanted), " MiB");
 }
 
 void check_writable(const std::string& path) {

@@ -4,29 +4,29 @@
 #include <string>
 
 #include "lte/base/cli.h"
+#include "lte/nn/precision.h"
 
 namespace lte::infer {
 
 struct ToolOptions {
   CommonOptions common;
-  std::string device;        ///< "", cpu or cuda
-  double max_memory_mb = 0;  ///< 0: no limit
+  std::string device;              ///< "", cpu or cuda
+  std::string precision = "fp32";  ///< or bf16
+  double max_memory_mb = 0;        ///< 0: no limit
   bool print_config = false;
 };
 
-/// The common options, and --device, --max-memory and --print-config.
+/// --precision and --max-memory.
+void add_network_options(CLI::App& app, std::string* precision, double* max_memory_mb);
+
+/// The common options, and --device, --precision, --max-memory and --print-config.
 void add_tool_options(CLI::App& app, ToolOptions* options);
+
+/// "fp32" or "bf16". Says so once if this processor has to compute bfloat16 from float32.
+nn::Precision choose_precision(const std::string& word);
 
 /// The common options, and the threads of LibTorch.
 void apply_tool_options(const ToolOptions& options);
-
-/// Compares this process's resident memory with --max-memory.
-/// @param stage  what has just been done, for the message
-/// @throws lte::Error if it is above.
-void check_memory(const ToolOptions& options, const std::string& stage);
-
-/// The same for memory that is about to be taken.
-void check_memory_ahead(const ToolOptions& options, double more_mb, const std::string& what);
 
 /// Fails early where a result could not be written late: the folder of `path` must exist and be
 /// writable.

@@ -167,13 +167,13 @@ void SceneEmbedding::decode(const lte_queries& q, at::Device memory, float* irra
   set.albedo = borrow_triples(q.albedo, q.count, memory, "queries: albedo").to(device);
   const bool check = (q.flags & LTE_QUERIES_TRUSTED) == 0;
   if (q.mask == nullptr) {
-    out.copy_(network_->model->decode(snapshot(), set, check));
+    out.copy_(network_->model->decode(snapshot(), set, {check}));
     return;
   }
   const at::Tensor mask = read_mask(q.mask, q.mask_stride, q.count, memory).to(device);
   if (check) nn::check_queries(masked(set, mask));
   const at::Tensor rows = mask.nonzero().view({-1});
-  const at::Tensor answer = network_->model->decode(snapshot(), rows_of(set, rows), false);
+  const at::Tensor answer = network_->model->decode(snapshot(), rows_of(set, rows), {false});
   out.zero_();
   out.index_copy_(0, rows.to(memory), answer.to(memory));
 }

@@ -22,11 +22,12 @@ MlpImpl::MlpImpl(int64_t inputs, int64_t hidden, int64_t outputs, double dropout
 }
 
 at::Tensor MlpImpl::hidden_activations(const at::Tensor& x) {
-  return ops::linear_gelu(x, hidden_->weight, hidden_->bias);
+  return ops::linear_gelu(x, hidden_->inference_weight(), hidden_->bias);
 }
 
 void MlpImpl::append_weights(std::vector<at::Tensor>& weights) const {
-  weights.insert(weights.end(), {hidden_->weight, hidden_->bias, output_->weight, output_->bias});
+  weights.insert(weights.end(), {hidden_->inference_weight(), hidden_->bias,
+                                 output_->inference_weight(), output_->bias});
 }
 
 at::Tensor MlpImpl::forward(const at::Tensor& x) {

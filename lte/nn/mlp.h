@@ -27,7 +27,7 @@ class MlpImpl : public torch::nn::Module {
   /// GELU of the first layer, [..., hidden]: for callers that fuse the second.
   at::Tensor hidden_activations(const at::Tensor& x);
 
-  /// Appends weight and bias of either layer.
+  /// Appends weight and bias of either layer, in the precision of inference.
   void append_weights(std::vector<at::Tensor>& weights) const;
 
   Linear& hidden() { return hidden_; }

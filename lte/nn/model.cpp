@@ -6,7 +6,6 @@
 #include "lte/nn/nearest_neighbour_embedding.h"
 #include "lte/nn/point_transformer.h"
 #include "lte/nn/query_decoder.h"
-#include "lte/ops/neighbour_sums.h"
 #include "lte/ops/query_decoder.h"
 
 namespace lte::nn {
@@ -164,10 +163,23 @@ Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order
   embedding.spacing = plan.spacing;
   embedding.features = parts_->encoder->forward(parts_->nne->forward(attributes, plan), plan);
   if (!at::GradMode::is_enabled() && embedding.features.scalar_type() == at::kFloat) {
-    const auto [keys, values] = parts_->decoder->keys_and_values(embedding.features);
-    embedding.table = ops::neighbour_table(keys, values);
+    embedding.table = parts_->decoder->table(embedding.features);
   }
   return embedding;
+}
+
+void set_precision(torch::nn::Module& network, Precision precision) {
+  for (const auto& module : network.modules(/*include_self=*/false)) {
+    if (auto* linear = module->as<LinearImpl>()) linear->set_precision(precision);
+    if (auto* convolution = module->as<SubmanifoldConvImpl>())
+      convolution->set_precision(precision);
+  }
+}
+
+void LightTransportModelImpl::set_precision(Precision precision) {
+  TORCH_CHECK(precision == Precision::Fp32 || parameters().front().device().is_cpu(),
+              "bf16 is for the CPU, the model is on ", parameters().front().device());
+  nn::set_precision(*this, precision);
 }
 
 at::Tensor LightTransportModelImpl::decode_normalized(const Embedding& embedding,
@@ -181,9 +193,10 @@ at::Tensor LightTransportModelImpl::decode_normalized(const Embedding& embedding
 }
 
 at::Tensor LightTransportModelImpl::decode(const Embedding& embedding, const QuerySet& queries,
-                                           bool check_values) {
+                                           const DecodeOptions& options) {
+  TORCH_CHECK(options.block >= 0, "decode: blocks of ", options.block, " queries");
   const at::NoGradGuard no_grad;
-  if (check_values) check_queries(queries);
+  if (options.check_values) check_queries(queries);
   const int64_t Q = queries.position.size(0);
   // Light is linear: without emission there is no irradiance, whatever the network would say.
   if (embedding.radiance.max().item<double>() == 0) return at::zeros_like(queries.position);
@@ -194,7 +207,8 @@ at::Tensor LightTransportModelImpl::decode(const Embedding& embedding, const Que
   }
   const bool fused = !keys.defined() && !is_training();
   const bool ordered = fused && queries.position.device().is_cpu();
-  const int64_t size = fused ? kTableBlock : kQueryBlock;
+  const int64_t fast = fused ? kTableBlock : kQueryBlock;
+  const int64_t size = options.block > 0 ? std::min(options.block, fast) : fast;
   for (int64_t begin = 0; begin < Q; begin += size) {
     const int64_t count = std::min(size, Q - begin);
     const QuerySet block = {queries.position.narrow(0, begin, count),

@@ -9,6 +9,7 @@
 #include <torch/nn/pimpl.h>
 
 #include "lte/nn/config.h"
+#include "lte/nn/precision.h"
 
 namespace lte::nn {
 
@@ -61,6 +62,13 @@ double radiance_scalar(const PointSet& points);
 /// channel of emission.
 at::Tensor channel_radiance(const PointSet& points);
 
+struct DecodeOptions {
+  /// false for queries that check_queries() has seen or the caller answers for: on a GPU nothing
+  /// then waits for it.
+  bool check_values = true;
+  int64_t block = 0;  ///< queries at a time, at most; 0 for a size that runs fast
+};
+
 /// Parameters: `nne.*`, `encoder.*`, `decoder.*` (checkpoint names; do not rename).
 class LightTransportModelImpl : public torch::nn::Module {
  public:
@@ -73,15 +81,18 @@ class LightTransportModelImpl : public torch::nn::Module {
   /// (offering --rescale), or points below the frame's origin
   Embedding encode(const PointSet& points, uint64_t order_seed = 0, const Frame& frame = {});
 
+  /// The arithmetic of encode() and decode() without gradients from now on, on the CPU. Rounds the
+  /// weights that there are now: call it again when they have changed.
+  void set_precision(Precision precision);
+
   /// Irradiance over the emission scalar: what the loss sees.
   /// @return [Q, 3], non-negative
   at::Tensor decode_normalized(const Embedding& embedding, const QuerySet& queries);
 
   /// Irradiance in W/m², [Q, 3]. Works through queries in blocks, so memory does not grow with Q
   /// beyond the output. Independent of block size and of the other queries to rounding.
-  /// @param check_values  false for queries that check_queries() has seen or the caller answers
-  ///                      for: on a GPU nothing then waits for it
-  at::Tensor decode(const Embedding& embedding, const QuerySet& queries, bool check_values = true);
+  at::Tensor decode(const Embedding& embedding, const QuerySet& queries,
+                    const DecodeOptions& options = {});
 
   const ModelConfig& config() const { return config_; }
 
@@ -91,6 +102,10 @@ class LightTransportModelImpl : public torch::nn::Module {
   std::shared_ptr<Parts> parts_;
 };
 TORCH_MODULE(LightTransportModel);
+
+/// The arithmetic of all of a network's dense layers and convolutions, as
+/// LightTransportModel::set_precision().
+void set_precision(torch::nn::Module& network, Precision precision);
 
 /// Sizes in parameters: total, nne (F and both G), encoder (PTV3), decoder.
 struct ParameterCounts {

@@ -11,6 +11,12 @@
 #include "lte/ops/query_decoder.h"
 
 namespace lte::nn {
+namespace {
+
+/// Latents whose keys and values are made at a time: 100 MB at D = 128 and six layers.
+constexpr int64_t kTableChunk = 8192;
+
+}  // namespace
 
 QueryLayerImpl::QueryLayerImpl(int64_t latent, const ModelConfig& config)
     : dropout_(config.dropout),
@@ -42,8 +48,9 @@ at::Tensor QueryLayerImpl::forward(const at::Tensor& G, const at::Tensor& S1, co
 }
 
 void QueryLayerImpl::append_weights(std::vector<at::Tensor>& weights) const {
-  weights.insert(weights.end(), {norm1_->weight, norm1_->bias, query_->weight, query_->bias,
-                                 output_->weight, output_->bias, norm2_->weight, norm2_->bias});
+  weights.insert(weights.end(),
+                 {norm1_->weight, norm1_->bias, query_->inference_weight(), query_->bias,
+                  output_->inference_weight(), output_->bias, norm2_->weight, norm2_->bias});
   ffn_->append_weights(weights);
 }
 
@@ -70,6 +77,25 @@ std::tuple<at::Tensor, at::Tensor> QueryDecoderImpl::keys_and_values(const at::T
     values.push_back(value);
   }
   return {at::stack(keys), at::stack(values)};
+}
+
+at::Tensor QueryDecoderImpl::table(const at::Tensor& latent) {
+  const int64_t m = latent.size(0);
+  const int64_t chunks = latent.device().is_cpu() ? std::max<int64_t>(1, m / kTableChunk) : 1;
+  at::Tensor out;
+  for (int64_t i = 0; i < chunks; ++i) {
+    const int64_t begin = m * i / chunks, end = m * (i + 1) / chunks;
+    const auto [keys, values] = keys_and_values(latent.slice(0, begin, end));
+    const at::Tensor part = ops::neighbour_table(keys, values);
+    if (chunks == 1) return part;
+    if (!out.defined()) {
+      std::vector<int64_t> shape = part.sizes().vec();
+      shape[0] = m;
+      out = at::empty(shape, part.options());
+    }
+    out.slice(0, begin, end).copy_(part);
+  }
+  return out;
 }
 
 at::Tensor QueryDecoderImpl::nearest(const at::Tensor& query, const at::Tensor& anchor) const {

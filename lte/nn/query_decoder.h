@@ -55,6 +55,10 @@ class QueryDecoderImpl : public torch::nn::Module {
   /// Keys and values of all layers, each [L, m, D].
   std::tuple<at::Tensor, at::Tensor> keys_and_values(const at::Tensor& latent);
 
+  /// ops::neighbour_table() of them, without gradients: some latents at a time, so that it exists
+  /// once.
+  at::Tensor table(const at::Tensor& latent);
+
   /// The queries' own 9 inputs and their nearest latents, apart from the differentiable part.
   struct Neighbourhood {
     at::Tensor index;   ///< [Q, κ] int64, κ = min(query_neighbours, m)

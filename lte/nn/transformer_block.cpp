@@ -31,8 +31,8 @@ at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, const PatchMap& map,
   const bool inference = !at::GradMode::is_enabled() && !is_training();
   if (inference && qkv.device().is_cpu() && qkv.scalar_type() == at::kFloat &&
       C / heads_ <= ops::kWidestHead) {
-    return proj_->forward(
-        ops::patch_attention_inference(qkv, map.gather, map.inverse, heads_, patch_size));
+    return proj_->forward(ops::patch_attention_inference(qkv, map.gather, map.inverse, heads_,
+                                                         patch_size, qkv_->in_bf16()));
   }
   if (!one_patch) qkv = qkv.index_select(0, map.gather);
   const int64_t length = one_patch ? n : patch_size;
@@ -58,7 +58,14 @@ SubmanifoldConvImpl::SubmanifoldConvImpl(int64_t kernel, int64_t inputs, int64_t
 
 at::Tensor SubmanifoldConvImpl::forward(const at::Tensor& x, const at::Tensor& pairs,
                                         const at::Tensor& tap_begin) {
-  return ops::submanifold_conv(x, weight_, bias_, pairs, tap_begin);
+  const bool rounded = rounded_.defined() && !at::GradMode::is_enabled();
+  return ops::submanifold_conv(x, rounded ? rounded_ : weight_, bias_, pairs, tap_begin);
+}
+
+void SubmanifoldConvImpl::set_precision(Precision precision) {
+  const bool whole = weight_.size(2) % ops::kConvolutionBlock == 0;
+  rounded_ =
+      precision == Precision::Bf16 && whole ? weight_.detach().to(at::kBFloat16) : at::Tensor();
 }
 
 TransformerBlockImpl::TransformerBlockImpl(int64_t channels, const ModelConfig& config)

@@ -37,8 +37,12 @@ class SubmanifoldConvImpl : public torch::nn::Module {
 
   at::Tensor forward(const at::Tensor& x, const at::Tensor& pairs, const at::Tensor& tap_begin);
 
+  /// As Linear's; widths that are not whole blocks stay in float32.
+  void set_precision(Precision precision);
+
  private:
   at::Tensor weight_, bias_;
+  at::Tensor rounded_;  ///< undefined in float32
 };
 TORCH_MODULE(SubmanifoldConv);
 

@@ -9,6 +9,11 @@
 #include <ATen/ops/linear.h>
 #include <ATen/ops/mm.h>
 #include <torch/csrc/autograd/custom_function.h>
+#include <torch/library.h>
+
+TORCH_LIBRARY_FRAGMENT(lte, m) {
+  m.def("linear_bf16(Tensor x, Tensor weight, Tensor? bias, bool gelu) -> Tensor");
+}
 
 #include "lte/ops/gelu.h"
 
@@ -61,6 +66,21 @@ at::Tensor call_fused(const at::Tensor& x, const at::Tensor& weight,
                               c10::List<std::optional<at::Scalar>>(), gelu ? "none" : "");
 }
 
+/// float32 rows, bfloat16 weights.
+bool mixes_bf16(const at::Tensor& x, const at::Tensor& weight) {
+  return x.device().is_cpu() && x.scalar_type() == at::kFloat &&
+         weight.scalar_type() == at::kBFloat16;
+}
+
+at::Tensor call_bf16(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias,
+                     bool gelu) {
+  using Signature =
+      at::Tensor(const at::Tensor&, const at::Tensor&, const std::optional<at::Tensor>&, bool);
+  static const auto op =
+      c10::Dispatcher::singleton().findSchemaOrThrow("lte::linear_bf16", "").typed<Signature>();
+  return op.call(x, weight, if_defined(bias), gelu);
+}
+
 /// a Bᵀ without bias; any strides.
 at::Tensor product(const at::Tensor& a, const at::Tensor& b, int64_t least) {
   return suits_fused(a, b, least) ? call_fused(a, b, std::nullopt, false) : at::mm(a, b.t());
@@ -102,6 +122,7 @@ bool wants_gradient(const at::Tensor& x, const at::Tensor& weight, const at::Ten
 }  // namespace
 
 at::Tensor linear(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias) {
+  if (mixes_bf16(x, weight)) return call_bf16(x, weight, bias, false);
   if (!suits_fused(x, weight, kLeastForward)) return at::linear(x, weight, if_defined(bias));
   const std::optional<at::Tensor> offset = if_defined(bias);
   return wants_gradient(x, weight, bias) ? Linear::apply(x, weight, offset)
@@ -109,6 +130,7 @@ at::Tensor linear(const at::Tensor& x, const at::Tensor& weight, const at::Tenso
 }
 
 at::Tensor linear_gelu(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias) {
+  if (mixes_bf16(x, weight)) return call_bf16(x, weight, bias, true);
   const bool fused = suits_fused(x, weight, kLeastForward) && !wants_gradient(x, weight, bias);
   return fused ? call_fused(x, weight, if_defined(bias), true) : ops::gelu(linear(x, weight, bias));
 }

@@ -10,14 +10,16 @@
 namespace lte::ops {
 
 /// @param x       [..., C] floating point
-/// @param weight  [O, C], dtype and device of `x`; any strides
-/// @param bias    [O] or undefined
-/// @return  [..., O]; differentiable once in all three
+/// @param weight  [O, C], dtype and device of `x`; any strides. On the CPU also bfloat16 with a
+///                float32 `x`: products as in bf16.h, not differentiable.
+/// @param bias    [O] of the dtype of `x`, or undefined
+/// @return  [..., O] of the dtype of `x`; differentiable once in all three
 /// @throws c10::Error as at::linear
 /// @note Rounding may differ with the number of rows, as small products take another path.
 at::Tensor linear(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias = {});
 
 /// gelu(linear(x, weight, bias)) with the exact (erf) form; one pass where no gradient is asked.
+/// With bfloat16 weights to 2 · 10^-4, as the next product rounds it anyway.
 at::Tensor linear_gelu(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias = {});
 
 }  // namespace lte::ops

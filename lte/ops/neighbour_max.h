@@ -11,7 +11,7 @@ namespace lte::ops {
 /// @param dense      [n, C] float32
 /// @param center     [m, C] float32
 /// @param neighbour  [m, k] int64 in [0, n), k >= 1
-/// @param weight     [O, C] float32, @param bias [O]
+/// @param weight     [O, C] float32 or bfloat16 (bf16.h), @param bias [O] float32
 /// @return  [m, O]
 /// @throws c10::Error on a wrong shape, dtype, or an index out of range
 /// @note CPU only; not differentiable. Each row is the same bits whatever other rows there are.

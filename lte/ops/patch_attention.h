@@ -20,10 +20,12 @@ inline constexpr int64_t kWidestHead = 128;
 /// @param inverse  [n] int64, the slot whose result a point takes; undefined with `gather`
 /// @param heads    divides C; d <= kWidestHead
 /// @param patch    slots of a patch; not read without `gather`
+/// @param bf16     round queries, keys, values and weights as products read them (bf16.h)
 /// @return  [n, C]
 /// @throws c10::Error on a wrong shape, dtype, or an index out of range
 /// @note CPU only; not differentiable. The same bits for any number of threads.
 at::Tensor patch_attention_inference(const at::Tensor& qkv, const at::Tensor& gather,
-                                     const at::Tensor& inverse, int64_t heads, int64_t patch);
+                                     const at::Tensor& inverse, int64_t heads, int64_t patch,
+                                     bool bf16 = false);
 
 }  // namespace lte::ops

@@ -25,7 +25,8 @@ struct QueryNeighbourhood {
 /// @param weights     pairs of weight and bias, float32: `point.hidden`, `point.output`,
 ///                    `gamma.hidden` [H, 3], `gamma.output` [C, H]; of each layer `norm1`, `query`,
 ///                    `output`, `norm2`, `ffn.hidden`, `ffn.output`; then `norm`, `head.hidden`,
-///                    `head.output` [O, .]. Dense weights are [outputs, inputs].
+///                    `head.output` [O, .]. Dense weights are [outputs, inputs]; any of them but
+///                    `gamma.hidden` may be bfloat16 instead (bf16.h).
 /// @return  [Q, O], softplus of the head
 /// @throws c10::Error on a wrong shape, dtype or number of weights, or an index out of range
 /// @note Not differentiable. On the CPU each query's result is the same bits whatever other queries

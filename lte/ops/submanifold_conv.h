@@ -21,10 +21,15 @@ namespace lte::ops {
 /// @throws c10::Error on a wrong shape, dtype, range or an even kernel
 std::tuple<at::Tensor, at::Tensor> convolution_pairs(const at::Tensor& cells, int64_t kernel);
 
+/// Output channels that bfloat16 weights come in.
+inline constexpr int64_t kConvolutionBlock = 16;
+
 /// out[o] = bias + Σ_(o, i, tap) in[i] W[tap].
 ///
 /// @param input   [N, Cin] float32 (or float64 for gradient checks)
-/// @param weight  [taps, Cin, Cout], dtype of `input`
+/// @param weight  [taps, Cin, Cout], dtype of `input`; on the CPU also bfloat16 with a float32
+/// `input`
+///                (bf16.h), Cout a multiple of kConvolutionBlock, without a backward pass
 /// @param bias    [Cout] or undefined
 /// @return  [N, Cout]; differentiable in input, weight and bias
 /// @note Deterministic: no atomics, sums in tap order.

@@ -10,6 +10,7 @@
 #include "infer/bench.h"
 #include "infer/device.h"
 #include "infer/synthetic_room.h"
+#include "infer/tool_options.h"
 #include "lte/base/cli.h"
 #include "lte/base/file.h"
 #include "tests/bench/eager_network.h"
@@ -21,6 +22,7 @@ struct Options {
   int64_t channels = 128, scene_points = 20'000, queries = 16'384;
   std::vector<int64_t> blocks = {1024, 8192};
   int repeats = 3;
+  std::string precision = "fp32";  ///< of ours
 };
 
 /// Largest difference, over the largest value.
@@ -30,10 +32,12 @@ double difference(const at::Tensor& a, const at::Tensor& b) {
 
 /// Adds ours and the peer's row, with the ratio of their times and the difference of their results.
 void add_pair(std::vector<infer::BenchResult>& rows, const char* name, int64_t n, int repeats,
-              const std::function<at::Tensor()>& ours, const std::function<at::Tensor()>& eager) {
+              const std::string& precision, const std::function<at::Tensor()>& ours,
+              const std::function<at::Tensor()>& eager) {
   at::Tensor a, b;
   rows.push_back(infer::time_repeats(name, n, repeats, [&] { a = ours(); }));
   const double seconds = rows.back().seconds_min;
+  rows.back().precision = precision;
   infer::BenchResult peer =
       infer::time_once(std::string(name) + ", eager", n, [&] { b = eager(); });
   peer.figures["times_slower"] = peer.seconds_min / seconds;
@@ -48,6 +52,7 @@ std::vector<infer::BenchResult> run(const Options& options) {
   config.channels = options.channels;
   nn::LightTransportModel model(config);
   model->eval();
+  model->set_precision(infer::choose_precision(options.precision));
   const EagerNetwork eager(model);
   const nn::PointSet points = infer::synthetic_room(options.scene_points, 1);
   const nn::PointSet surface = infer::synthetic_room(options.queries, 2);
@@ -59,7 +64,7 @@ std::vector<infer::BenchResult> run(const Options& options) {
   std::vector<infer::BenchResult> rows;
   nn::Embedding embedding;
   add_pair(
-      rows, "encode", options.scene_points, options.repeats,
+      rows, "encode", options.scene_points, options.repeats, options.precision,
       [&] {
         embedding = model->encode(points);
         return embedding.features;
@@ -69,7 +74,7 @@ std::vector<infer::BenchResult> run(const Options& options) {
   for (const int64_t block : options.blocks) {
     add_pair(
         rows, ("decode, blocks of " + std::to_string(block)).c_str(), options.queries,
-        options.repeats, [&] { return model->decode(embedding, queries); },
+        options.repeats, options.precision, [&] { return model->decode(embedding, queries); },
         [&] { return eager.decode(embedding, queries, block).mul(radiance); });
   }
   return rows;
@@ -89,6 +94,8 @@ int main(int argc, char** argv) {
   app.add_option("--blocks", options.blocks, "Queries the peer takes at a time; several are tried")
       ->check(CLI::PositiveNumber);
   app.add_option("--repeats", options.repeats, "Timed runs of ours")->check(CLI::PositiveNumber);
+  app.add_option("--precision", options.precision, "Of ours: fp32 or bf16; the peer's is fp32")
+      ->check(CLI::IsMember({"fp32", "bf16"}));
   return lte::run_tool(app, argc, argv, [&] {
     lte::apply_common_options(common);
     lte::infer::set_torch_threads(common.threads);

@@ -111,6 +111,9 @@ TEST_F(Tools, AWrongCommandLineIsUsage) {
   expect_failure(eval("--split all"), 2, HasSubstr("--split"));
   expect_failure(eval(""), 2, HasSubstr("--split"));
   expect_failure(eval("--fit-baselines " + at("data")), 2, HasSubstr("--out"));
+  expect_failure(render("--out " + at("c.png") + " --precision half"), 2, HasSubstr("--precision"));
+  expect_failure(render("--out " + at("c.png") + " --max-memory 2T"), 2, HasSubstr("--max-memory"));
+  expect_failure(eval("--split test --precision fp64"), 2, HasSubstr("--precision"));
   EXPECT_FALSE(std::filesystem::exists(at("c.png")));
 }
 
@@ -135,6 +138,44 @@ TEST_F(Tools, BadInputIsOneLineThatNamesTheFile) {
                  1, HasSubstr("none"));
   expect_failure(render("--out " + at("d.png") + " --max-memory 1"), 1, HasSubstr("--max-memory"));
   EXPECT_FALSE(std::filesystem::exists(at("d.png")));
+}
+
+TEST_F(Tools, MemoryThatIsLimitedOrLacksIsSaidWithNeedAndRemedy) {
+  const auto words =
+      AllOf(HasSubstr("--max-memory"), HasSubstr("scene points"), HasSubstr("raise the limit"));
+  expect_failure(render("--out " + at("m.png") + " --max-memory 1M"), 1, words);
+  expect_failure(eval("--split test --max-memory 1"), 1, words);
+  const std::string bench = "--channels 16 --repeats 1 --scene-points ";
+  expect_failure(run_tool("lte_bench", "encoder --max-memory 30M " + bench + "900000000"), 1,
+                 words);
+  expect_failure(run_tool("lte_bench", "encoder " + bench + "900000000000"), 1,
+                 AllOf(HasSubstr("out of memory"), HasSubstr("--scene-points"), HasSubstr("GiB")));
+  expect_failure(run_tool("lte_bench", "decoder --queries 900000000000 " + bench + "500"), 1,
+                 AllOf(HasSubstr("out of memory"), HasSubstr("--queries"), HasSubstr("GiB")));
+  EXPECT_FALSE(std::filesystem::exists(at("m.png")));
+}
+
+TEST_F(Tools, PrecisionAndMemoryLimitReachTheNetwork) {
+  const auto metrics = [](const std::string& path) {
+    return nlohmann::json::parse(read_file(path)).at("metrics").at("neural").at("points");
+  };
+  ASSERT_EQ(eval("--split test --json " + at("p1.json")).code, 0);
+  ASSERT_EQ(eval("--split test --precision bf16 --json " + at("p2.json")).code, 0);
+  ASSERT_EQ(eval("--split test --max-memory 200M --json " + at("p3.json")).code, 0);
+  EXPECT_NE(metrics(at("p1.json")), metrics(at("p2.json")));
+  EXPECT_EQ(metrics(at("p1.json")), metrics(at("p3.json")));
+  ASSERT_EQ(render("--precision bf16 --out " + at("p.png") + " --json " + at("p4.json")).code, 0);
+  EXPECT_EQ(nlohmann::json::parse(read_file(at("p4.json"))).at("precision"), "bf16");
+  const Outcome bench = run_tool("lte_bench",
+                                 "decoder --channels 16 --scene-points 500 --queries 3000 "
+                                 "--repeats 1 --precision bf16 --max-memory 40M --json " +
+                                     at("p5.json"));
+  ASSERT_EQ(bench.code, 0) << bench.text;
+  const nlohmann::json row = nlohmann::json::parse(read_file(at("p5.json"))).at(0);
+  EXPECT_EQ(row.at("precision"), "bf16");
+  for (const char* key : {"name", "n", "seconds_min", "seconds_median", "flops",
+                          "gemm_gflops_measured", "peak_rss", "rss_above_model_mb"})
+    EXPECT_TRUE(row.contains(key)) << key;
 }
 
 TEST_F(Tools, ASceneLargerThanTheModelKnowsOffersRescale) {
@@ -204,8 +245,8 @@ TEST_F(Tools, HelpShowsExamplesAndVersionIsPrinted) {
   for (const char* tool : {"lte_render", "lte_eval"}) {
     const Outcome help = run_tool(tool, "--help"), version = run_tool(tool, "--version");
     EXPECT_EQ(help.code, 0);
-    EXPECT_THAT(help.text,
-                AllOf(HasSubstr("Examples:"), HasSubstr("--max-memory"), HasSubstr("--device")));
+    EXPECT_THAT(help.text, AllOf(HasSubstr("Examples:"), HasSubstr("--max-memory"),
+                                 HasSubstr("--device"), HasSubstr("--precision")));
     EXPECT_EQ(version.code, 0);
     EXPECT_THAT(version.text, HasSubstr(tool));
   }

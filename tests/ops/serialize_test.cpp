@@ -3,6 +3,7 @@
 #include <ATen/ATen.h>
 #include <gtest/gtest.h>
 
+#include "lte/ops/serialize_kernel.h"
 #include "tests/ops/fixtures.h"
 
 namespace lte::ops {
@@ -85,6 +86,23 @@ TEST(CurveCodes, TransposedSwapsXAndY) {
   EXPECT_TRUE(at::equal(curve_codes(cells, Curve::ZTransposed), curve_codes(swapped, Curve::Z)));
   EXPECT_TRUE(at::equal(curve_codes(cells, Curve::HilbertTransposed),
                         curve_codes(swapped, Curve::Hilbert)));
+}
+
+TEST(CurveCodes, EqualTheScalarCodesInAnyNumber) {
+  for (const int64_t N : {1, 3, 15, 16, 17, 100, 5000}) {
+    for (const int64_t bits : {1, 2, 7, 16, 20, 21}) {
+      const at::Tensor cells = test::integers(int64_t{1} << bits, {N, 3}, 71, at::kInt);
+      const auto* cell = cells.const_data_ptr<int32_t>();
+      for (const Curve curve : kCurves) {
+        const at::Tensor codes = curve_codes(cells, curve, bits);
+        const auto* code = codes.const_data_ptr<int64_t>();
+        for (int64_t i = 0; i < N; ++i) {
+          ASSERT_EQ(code[i], curve_code(cell + 3 * i, curve, static_cast<int>(bits)))
+              << "row " << i << " of " << N << ", " << bits << " bits";
+        }
+      }
+    }
+  }
 }
 
 TEST(CurveCodes, NoCellsGiveNoCodes) {

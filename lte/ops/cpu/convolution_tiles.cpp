@@ -15,12 +15,12 @@ namespace {
 /// Output columns of one panel for rows [first, last).
 class TileConvolution {
  public:
-  TileConvolution(const ConvolutionRows& input, const float* weight, int64_t outputs,
+  TileConvolution(const ConvolutionRows& input, const TapWeights& weights,
                   const ConvolutionPairs& pairs, float* out)
       : in_(input.values),
-        weight_(weight),
+        weights_(weights),
         Cin_(input.C),
-        Cout_(outputs),
+        Cout_(weights.outputs),
         pairs_(pairs),
         out_(out),
         gathered_(kTileRows, Cin_),
@@ -47,8 +47,7 @@ class TileConvolution {
       for (int64_t i = 0; i < count; ++i) {
         std::memcpy(tile + i * kPanel, in_ + rows[i] * Cin_ + k, inputs * sizeof(float));
       }
-      dense_kernels().multiply(tile, count, inputs, weight_ + (tap * Cin_ + k) * Cout_ + column,
-                               Cout_, kBlock, nullptr, columns / kBlock, k > 0, product_.panel(0));
+      weights_.multiply(tile, count, tap, k, inputs, column, columns, k > 0, product_.panel(0));
     }
     for (int64_t i = 0; i < count; ++i) {
       dense_kernels().accumulate(product_.panel(0) + i * kPanel, columns,
@@ -57,7 +56,8 @@ class TileConvolution {
   }
 
   static constexpr int64_t kTileRows = 96;
-  const float *in_, *weight_;
+  const float* in_;
+  const TapWeights& weights_;
   int64_t Cin_, Cout_;
   const ConvolutionPairs& pairs_;
   float* out_;
@@ -159,13 +159,13 @@ std::vector<float> transposed_taps(const float* weight, int64_t rows, int64_t co
 
 }  // namespace
 
-void convolve_tiles(const ConvolutionRows& input, const float* weight, int64_t outputs,
+void convolve_tiles(const ConvolutionRows& input, const TapWeights& weights,
                     const ConvolutionPairs& pairs, float* out) {
   // Threads own blocks of rows and panels of columns: stages with few points have wide features.
   constexpr int64_t kBlockRows = 256;  // the weights of a tap are read once for so many
   const int64_t blocks = (input.N + kBlockRows - 1) / kBlockRows;
-  at::parallel_for(0, blocks * panels_of(outputs), 1, [&](int64_t begin, int64_t end) {
-    TileConvolution convolution(input, weight, outputs, pairs, out);
+  at::parallel_for(0, blocks * panels_of(weights.outputs), 1, [&](int64_t begin, int64_t end) {
+    TileConvolution convolution(input, weights, pairs, out);
     for (int64_t i = begin; i < end; ++i) {
       const int64_t first = i % blocks * kBlockRows;
       convolution.run(first, std::min(input.N, first + kBlockRows), i / blocks);
@@ -177,7 +177,7 @@ void input_gradient_tiles(const ConvolutionRows& grad, const float* weight, int6
                           const ConvolutionPairs& pairs, float* out) {
   const ReversedPairs reversed(pairs);
   const std::vector<float> transposed = transposed_taps(weight, inputs, grad.C, pairs);
-  convolve_tiles(grad, transposed.data(), inputs, reversed.pairs(), out);
+  convolve_tiles(grad, TapWeights(transposed.data(), grad.C, inputs), reversed.pairs(), out);
 }
 
 void weight_gradient_tiles(const ConvolutionRows& input, const ConvolutionRows& grad,

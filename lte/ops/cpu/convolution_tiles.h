@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "lte/ops/cpu/kernels.h"
+#include "lte/ops/cpu/tap_weights.h"
 
 namespace lte::ops {
 
@@ -26,8 +27,8 @@ struct ConvolutionRows {
 
 inline bool suits_tiles(int64_t channels) { return channels % kBlock == 0; }
 
-/// out[N, outputs] += the convolution of `input` with `weight` [taps, C, outputs].
-void convolve_tiles(const ConvolutionRows& input, const float* weight, int64_t outputs,
+/// out[N, outputs] += the convolution of `input` with `weights` of C inputs.
+void convolve_tiles(const ConvolutionRows& input, const TapWeights& weights,
                     const ConvolutionPairs& pairs, float* out);
 
 /// out[N, inputs] += the gradient by the input, from `grad` [N, C], that by the output; `weight`

@@ -1,84 +1,10 @@
 // Dense layers, norms and activations over tiles of rows that stay in the caches.
 #include "lte/ops/cpu/kernels.h"
+#include "lte/ops/cpu/product.h"
 #include "lte/ops/cpu/vector.h"
 
 namespace lte::ops::LTE_ISA {
 namespace {
-
-using Float = Vector<float>;
-using Bits = Vector<uint32_t>;
-constexpr int kVectors = static_cast<int>(kBlock) / kLanes<float>;  ///< of one block of columns
-/// Rows and blocks of columns whose sums stay in the registers: 24 of 32, or 12 or 8 of 16.
-constexpr int kRows = kVectors == 1 ? 12 : kVectors == 2 ? 6 : 2;
-constexpr int kColumns = kVectors == 1 ? 2 : 1;
-
-template <int ROWS, int BLOCKS>
-void multiply_rows(const float* x, int64_t K, const float* weight, int64_t row_stride,
-                   int64_t block_stride, const float* bias, bool add, float* out) {
-  constexpr int kCount = BLOCKS * kVectors;
-  Float sum[ROWS][kCount];
-#pragma GCC unroll 16
-  for (int r = 0; r < ROWS; ++r) {
-#pragma GCC unroll 8
-    for (int v = 0; v < kCount; ++v) {
-      sum[r][v] = bias != nullptr ? load(bias + v * kLanes<float>) : Float{};
-    }
-  }
-  for (int64_t k = 0; k < K; ++k) {
-    Float w[kCount];
-#pragma GCC unroll 8
-    for (int v = 0; v < kCount; ++v) {
-      w[v] = load(weight + k * row_stride + v / kVectors * block_stride +
-                  v % kVectors * kLanes<float>);
-    }
-#pragma GCC unroll 16
-    for (int r = 0; r < ROWS; ++r) {
-      const Float value = splat(x[r * kPanel + k]);
-#pragma GCC unroll 8
-      for (int v = 0; v < kCount; ++v) sum[r][v] += value * w[v];
-    }
-  }
-#pragma GCC unroll 16
-  for (int r = 0; r < ROWS; ++r) {
-#pragma GCC unroll 8
-    for (int v = 0; v < kCount; ++v) {
-      float* to = out + r * kPanel + v * kLanes<float>;
-      store(to, add ? load(to) + sum[r][v] : sum[r][v]);
-    }
-  }
-}
-
-using MultiplyRows = void (*)(const float*, int64_t, const float*, int64_t, int64_t, const float*,
-                              bool, float*);
-template <int BLOCKS>
-constexpr MultiplyRows kMultiply[13] = {nullptr,
-                                        multiply_rows<1, BLOCKS>,
-                                        multiply_rows<2, BLOCKS>,
-                                        multiply_rows < kRows<3 ? 1 : 3, BLOCKS>,
-                                        multiply_rows < kRows<4 ? 1 : 4, BLOCKS>,
-                                        multiply_rows < kRows<5 ? 1 : 5, BLOCKS>,
-                                        multiply_rows < kRows<6 ? 1 : 6, BLOCKS>,
-                                        multiply_rows < kRows<7 ? 1 : 7, BLOCKS>,
-                                        multiply_rows < kRows<8 ? 1 : 8, BLOCKS>,
-                                        multiply_rows < kRows<9 ? 1 : 9, BLOCKS>,
-                                        multiply_rows < kRows<10 ? 1 : 10, BLOCKS>,
-                                        multiply_rows < kRows<11 ? 1 : 11, BLOCKS>,
-                                        multiply_rows < kRows<12 ? 1 : 12, BLOCKS>};
-
-void multiply(const float* x, int64_t rows, int64_t K, const float* weight, int64_t row_stride,
-              int64_t block_stride, const float* bias, int64_t blocks, bool add, float* out) {
-  for (int64_t b = 0; b < blocks; b += kColumns) {
-    const bool whole = b + kColumns <= blocks;
-    const float* w = weight + b * block_stride;
-    const float* offset = bias != nullptr ? bias + b * kBlock : nullptr;
-    for (int64_t r = 0; r < rows; r += kRows) {
-      const int64_t count = rows - r < kRows ? rows - r : kRows;
-      const MultiplyRows function = whole ? kMultiply<kColumns>[count] : kMultiply<1>[count];
-      function(x + r * kPanel, K, w, row_stride, block_stride, offset, add,
-               out + r * kPanel + b * kBlock);
-    }
-  }
-}
 
 /// erf(x / sqrt 2), by a ratio of polynomials to 2 units in the last place; `z`: x / sqrt 2 clamped
 /// to ±kErfLimit, from where on it is ±1 but for 2e-8.
@@ -305,8 +231,16 @@ void hidden_positions(const float* offset, int64_t pairs, const float* weight, i
 }  // namespace
 
 extern const DenseKernels kDenseKernels;
-const DenseKernels kDenseKernels{multiply,     activate, activate_row,    activate_gradient,
-                                 activate_sum, maximize, accumulate,      layer_norm,
-                                 exponentiate, attend,   hidden_positions};
+const DenseKernels kDenseKernels{multiply_blocks<SingleProduct>,
+                                 activate,
+                                 activate_row,
+                                 activate_gradient,
+                                 activate_sum,
+                                 maximize,
+                                 accumulate,
+                                 layer_norm,
+                                 exponentiate,
+                                 attend,
+                                 hidden_positions};
 
 }  // namespace lte::ops::LTE_ISA

@@ -2,14 +2,19 @@
 
 #include <cstdlib>
 #include <string>
+#include <string_view>
 #include <type_traits>
 
 #include <c10/util/Exception.h>
 
+#include "lte/ops/bf16.h"
+
 #define LTE_DECLARE_KERNELS(isa)               \
   namespace lte::ops::isa {                    \
   extern const PointKernels kPointKernels;     \
+  extern const CurveKernels kCurveKernels;     \
   extern const DenseKernels kDenseKernels;     \
+  extern const Bf16Kernels kBf16Kernels;       \
   extern const SumKernels<float> kFloatSums;   \
   extern const SumKernels<double> kDoubleSums; \
   }
@@ -18,6 +23,9 @@ LTE_DECLARE_KERNELS(baseline)
 #if defined(LTE_X86)
 LTE_DECLARE_KERNELS(avx2)
 LTE_DECLARE_KERNELS(avx512)
+namespace lte::ops::avx512_bf16 {
+extern const Bf16Kernels kBf16Kernels;
+}
 #endif
 
 namespace lte::ops {
@@ -26,7 +34,9 @@ namespace {
 struct Isa {
   const char* name;
   const PointKernels* points;
+  const CurveKernels* curves;
   const DenseKernels* dense;
+  const Bf16Kernels* bf16;
   const SumKernels<float>* float_sums;
   const SumKernels<double>* double_sums;
 };
@@ -34,23 +44,40 @@ struct Isa {
 Isa choose() {
   const char* variable = std::getenv("LTE_CPU_ISA");
   const std::string wanted = variable == nullptr ? "" : variable;
-  TORCH_CHECK(wanted.empty() || wanted == "baseline" || wanted == "avx2" || wanted == "avx512",
-              "LTE_CPU_ISA must be baseline, avx2 or avx512, got ", wanted);
+  TORCH_CHECK(wanted.empty() || wanted == "baseline" || wanted == "avx2" || wanted == "avx512" ||
+                  wanted == "avx512_bf16",
+              "LTE_CPU_ISA must be baseline, avx2, avx512 or avx512_bf16, got ", wanted);
 #if defined(LTE_X86)
   const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
   const bool has_avx512 = has_avx2 && __builtin_cpu_supports("avx512f") &&
                           __builtin_cpu_supports("avx512dq") &&
                           __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
-  if (has_avx512 && (wanted.empty() || wanted == "avx512")) {
-    return {"avx512", &avx512::kPointKernels, &avx512::kDenseKernels, &avx512::kFloatSums,
+  if (has_avx512 && wanted != "avx2" && wanted != "baseline") {
+    const bool has_bf16 = __builtin_cpu_supports("avx512bf16") && wanted != "avx512";
+    return {has_bf16 ? "avx512_bf16" : "avx512",
+            &avx512::kPointKernels,
+            &avx512::kCurveKernels,
+            &avx512::kDenseKernels,
+            has_bf16 ? &avx512_bf16::kBf16Kernels : &avx512::kBf16Kernels,
+            &avx512::kFloatSums,
             &avx512::kDoubleSums};
   }
   if (has_avx2 && wanted != "baseline") {
-    return {"avx2", &avx2::kPointKernels, &avx2::kDenseKernels, &avx2::kFloatSums,
+    return {"avx2",
+            &avx2::kPointKernels,
+            &avx2::kCurveKernels,
+            &avx2::kDenseKernels,
+            &avx2::kBf16Kernels,
+            &avx2::kFloatSums,
             &avx2::kDoubleSums};
   }
 #endif
-  return {"baseline", &baseline::kPointKernels, &baseline::kDenseKernels, &baseline::kFloatSums,
+  return {"baseline",
+          &baseline::kPointKernels,
+          &baseline::kCurveKernels,
+          &baseline::kDenseKernels,
+          &baseline::kBf16Kernels,
+          &baseline::kFloatSums,
           &baseline::kDoubleSums};
 }
 
@@ -62,7 +89,10 @@ const Isa& isa() {
 }  // namespace
 
 const PointKernels& point_kernels() { return *isa().points; }
+const CurveKernels& curve_kernels() { return *isa().curves; }
 const DenseKernels& dense_kernels() { return *isa().dense; }
+const Bf16Kernels& bf16_kernels() { return *isa().bf16; }
+bool has_bf16_products() { return std::string_view(cpu_isa()) == "avx512_bf16"; }
 const char* cpu_isa() { return isa().name; }
 template <typename T>
 const SumKernels<T>& sum_kernels() {

@@ -33,6 +33,13 @@ struct PointKernels {
                      const float* reach, int32_t* out);
 };
 
+/// Positions along space-filling curves.
+struct CurveKernels {
+  /// curve_code() of serialize_kernel.h of `count` cells [count, 3], bit for bit.
+  void (*codes)(const int32_t* cells, int64_t count, bool hilbert, bool transposed, int bits,
+                int64_t* out);
+};
+
 /// Sums over neighbours. A pair of [L, n, C] tensors is held interleaved as [n, blocks, L, 2,
 /// kBlock], C padded with zeros to blocks * kBlock: what one query reads of one latent for a block
 /// of channels is one run of memory for all layers, so that a position is loaded once for all of
@@ -102,10 +109,35 @@ struct DenseKernels {
                            float* out);
 };
 
-/// Of the best instruction set that the processor has: avx512, avx2 or baseline. The environment
-/// variable LTE_CPU_ISA names a lesser one, for tests; read once.
+/// Products of bfloat16 operands with sums in float32. Two inputs make a pair, the even one in the
+/// lower half. Inputs are rounded to the nearest even; where the processor has no bfloat16
+/// instructions the same is computed from float32 ones.
+struct Bf16Kernels {
+  /// DenseKernels::multiply() with pairs of weights: strides count pairs, and that of K is (K + 1)
+  /// /
+  /// 2. The partner of an odd last input must be zero in `weight`.
+  void (*multiply)(const float* x, int64_t rows, int64_t K, const uint32_t* weight,
+                   int64_t row_stride, int64_t block_stride, const float* bias, int64_t blocks,
+                   bool add, float* out);
+  /// As of DenseKernels, for what a product of bfloat16 reads next: GELU to 2 · 10^-4, a tenth of a
+  /// rounding.
+  void (*activate)(float* x, int64_t rows, int64_t blocks);
+  void (*activate_sum)(const float* a, const float* b, int64_t count, float* out);
+  /// DenseKernels::hidden_positions() in pairs of h: [(H + 1) / 2, pairs].
+  void (*hidden_positions)(const float* offset, int64_t pairs, const float* weight, int64_t H,
+                           uint32_t* out);
+  /// SumKernels::projected_sums() with `pairs` pairs of hidden activations and weights.
+  void (*projected_sums)(const float* table, int64_t blocks, int64_t layers, const int64_t* index,
+                         int64_t queries, int64_t K, const uint32_t* hidden, int64_t pairs,
+                         const uint32_t* weight, const float* bias, float* position, float* out);
+};
+
+/// Of the best instruction set that the processor has: avx512 (for bfloat16: avx512_bf16), avx2 or
+/// baseline. The environment variable LTE_CPU_ISA names a lesser one, for tests; read once.
 const PointKernels& point_kernels();
+const CurveKernels& curve_kernels();
 const DenseKernels& dense_kernels();
+const Bf16Kernels& bf16_kernels();
 template <typename T>
 const SumKernels<T>& sum_kernels();
 const char* cpu_isa();

@@ -31,12 +31,14 @@ class TileMaximum {
   /// Pairs [first, first + rows): those of centre l are l * k to l * k + k.
   void run(int64_t first, int64_t rows) {
     const int64_t C = work_.layer.inputs, O = work_.layer.outputs;
+    const auto activate_sum =
+        work_.layer.in_bf16() ? bf16_kernels().activate_sum : dense_kernels().activate_sum;
     for (int64_t i = 0; i < rows; ++i) {
       const float* x = work_.dense + work_.neighbour[first + i] * C;
       const float* center = work_.center + (first + i) / work_.k * C;
       for (int64_t c = 0; c < C; c += kPanel) {
-        dense_kernels().activate_sum(x + c, center + c, std::min(kPanel, C - c),
-                                     input_.panel(c / kPanel) + i * kPanel);
+        activate_sum(x + c, center + c, std::min(kPanel, C - c),
+                     input_.panel(c / kPanel) + i * kPanel);
       }
     }
     for (int64_t p = 0; p < panels_of(O); ++p) {
@@ -66,8 +68,10 @@ at::Tensor neighbour_max_inference_cpu(const at::Tensor& any_dense, const at::Te
     TORCH_CHECK(t.dim() == 2 && t.size(1) == weight.size(1), op, ": dense and center must be [., ",
                 weight.size(1), "], got ", t.sizes());
   }
-  for (const at::Tensor& t : {dense, center, weight, bias}) {
-    TORCH_CHECK(t.scalar_type() == at::kFloat, op, ": tensors must be float32, got ",
+  TORCH_CHECK(weight.scalar_type() == at::kFloat || weight.scalar_type() == at::kBFloat16, op,
+              ": weight must be float32 or bfloat16, got ", weight.scalar_type());
+  for (const at::Tensor& t : {dense, center, bias}) {
+    TORCH_CHECK(t.scalar_type() == at::kFloat, op, ": dense, center and bias must be float32, got ",
                 t.scalar_type());
   }
   const int64_t m = center.size(0);

@@ -17,13 +17,27 @@ inline int64_t panels_of(int64_t channels) { return (channels + kPanel - 1) / kP
 /// y = x Wᵀ + b, packed so that a product reads one run of memory for each block of outputs.
 struct PackedLinear {
   int64_t inputs = 0, outputs = 0, blocks = 0;
-  std::vector<float> weight;  ///< [blocks, inputs, kBlock], zero past `outputs`
-  std::vector<float> bias;    ///< [blocks * kBlock]
+  std::vector<float> weight;    ///< [blocks, inputs, kBlock], zero past `outputs`
+  std::vector<uint32_t> pairs;  ///< or, of bfloat16: [blocks, ⌈inputs / 2⌉, kBlock] pairs
+  std::vector<float> bias;      ///< [blocks * kBlock]
 
   PackedLinear() = default;
-  /// @param w  [outputs, inputs] float32 on the CPU, @param b [outputs]
+  /// @param w  [outputs, inputs] float32 or bfloat16 on the CPU, @param b [outputs] float32, or
+  ///           undefined: zero
   PackedLinear(const at::Tensor& w, const at::Tensor& b);
+
+  bool in_bf16() const { return !pairs.empty(); }
+  int64_t input_pairs() const { return (inputs + 1) / 2; }
+
+  /// out (+)= the bias if `with_bias`, + W x over inputs [k, k + count), k even, for `count_blocks`
+  /// blocks of outputs. One panel of x and out each.
+  void multiply(const float* x, int64_t rows, int64_t k, int64_t count, int64_t first_block,
+                int64_t count_blocks, bool with_bias, bool add, float* out) const;
 };
+
+/// Blocks [begin, end) of the pairs of `w`, [outputs, inputs] bfloat16, contiguous, as PackedLinear
+/// holds them.
+void pack_pairs(const at::Tensor& w, int64_t begin, int64_t end, uint32_t* out);
 
 /// A tile of `rows` rows at most, each as long as `channels`: panels of kPanel columns, one after
 /// the other.
@@ -47,10 +61,8 @@ inline void dense_panel(const PackedLinear& layer, const Tile& x, int64_t rows, 
   const int64_t first = p * (kPanel / kBlock);
   const int64_t blocks = std::min(layer.blocks - first, kPanel / kBlock);
   for (int64_t k = 0; k < layer.inputs; k += kPanel) {
-    dense_kernels().multiply(
-        x.panel(k / kPanel), rows, std::min(kPanel, layer.inputs - k),
-        layer.weight.data() + (first * layer.inputs + k) * kBlock, kBlock, layer.inputs * kBlock,
-        k == 0 ? layer.bias.data() + first * kBlock : nullptr, blocks, add || k > 0, to);
+    layer.multiply(x.panel(k / kPanel), rows, k, std::min(kPanel, layer.inputs - k), first, blocks,
+                   k == 0, add || k > 0, to);
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include <ATen/Parallel.h>
 #include <ATen/ops/empty.h>
+#include <c10/util/BFloat16.h>
 #include <torch/library.h>
 
 #include "lte/ops/arguments.h"
@@ -24,6 +25,7 @@ struct Work {
   const float* qkv;
   const int64_t *gather, *inverse;  ///< nullptr: one patch of all points
   int64_t C, d, length;
+  bool bf16;
   float* out;
 };
 
@@ -33,12 +35,19 @@ class HeadAttention {
   explicit HeadAttention(const Work& work)
       : work_(work),
         width_(blocks_of(work.d) * kBlock),
-        keys_(static_cast<size_t>(blocks_of(work.length) * work.d * kBlock)),
-        values_(static_cast<size_t>(work.length * width_)),
         query_(kTile, kPanel),
         scores_(kTile, work.length),
         answer_(kTile, kPanel),
-        inverse_sum_(kTile) {}
+        inverse_sum_(kTile) {
+    const int64_t keys = blocks_of(work.length) * kBlock;
+    if (work.bf16) {
+      key_pairs_.resize(static_cast<size_t>(keys * half(work.d)));
+      value_pairs_.resize(static_cast<size_t>(half(work.length) * width_));
+    } else {
+      keys_.resize(static_cast<size_t>(keys * work.d));
+      values_.resize(static_cast<size_t>(work.length * width_));
+    }
+  }
 
   void run(int64_t patch, int64_t head) {
     const int64_t first = patch * work_.length;
@@ -55,14 +64,62 @@ class HeadAttention {
     return work_.qkv + (point(slot) * 3 + part) * work_.C + head * work_.d;
   }
 
+  static int64_t half(int64_t n) { return (n + 1) / 2; }
+
   /// Keys as [blocks of keys, d, kBlock], values as [keys, d], padded to whole blocks.
   void pack(int64_t first, int64_t head) {
+    if (work_.bf16) return pack_in_pairs(first, head);
     const int64_t d = work_.d;
     for (int64_t j = 0; j < work_.length; ++j) {
       const float* key = channels(first + j, 1, head);
       float* to = keys_.data() + j / kBlock * d * kBlock + j % kBlock;
       for (int64_t c = 0; c < d; ++c) to[c * kBlock] = key[c];
       std::copy_n(channels(first + j, 2, head), d, values_.data() + j * width_);
+    }
+  }
+
+  /// Keys as [blocks of keys, ⌈d / 2⌉, kBlock] pairs of channels, values as [⌈keys / 2⌉, d] pairs
+  /// of keys.
+  void pack_in_pairs(int64_t first, int64_t head) {
+    const int64_t d = work_.d;
+    const auto bits = [](float x) { return uint32_t{at::BFloat16(x).x}; };
+    for (int64_t j = 0; j < work_.length; ++j) {
+      const float* key = channels(first + j, 1, head);
+      uint32_t* to = key_pairs_.data() + j / kBlock * half(d) * kBlock + j % kBlock;
+      for (int64_t c = 0; c + 1 < d; c += 2)
+        to[c / 2 * kBlock] = bits(key[c]) | bits(key[c + 1]) << 16;
+      if (d % 2 != 0) to[d / 2 * kBlock] = bits(key[d - 1]);
+      const float* value = channels(first + j, 2, head);
+      uint32_t* pair = value_pairs_.data() + j / 2 * width_;
+      for (int64_t c = 0; c < d; ++c) {
+        pair[c] = j % 2 == 0 ? bits(value[c]) : pair[c] | bits(value[c]) << 16;
+      }
+    }
+  }
+
+  /// scores (rows × keys [j, j + kPanel)) = query · keys.
+  void score(int64_t rows, int64_t j) {
+    const int64_t d = work_.d, blocks = blocks_of(std::min(kPanel, work_.length - j));
+    float* out = scores_.panel(j / kPanel);
+    if (work_.bf16) {
+      bf16_kernels().multiply(query_.panel(0), rows, d, key_pairs_.data() + j * half(d), kBlock,
+                              half(d) * kBlock, nullptr, blocks, false, out);
+    } else {
+      dense_kernels().multiply(query_.panel(0), rows, d, keys_.data() + j * d, kBlock, d * kBlock,
+                               nullptr, blocks, false, out);
+    }
+  }
+
+  /// answer += weights of keys [j, j + kPanel) · values.
+  void weigh(int64_t rows, int64_t j) {
+    const int64_t count = std::min(kPanel, work_.length - j), blocks = width_ / kBlock;
+    const float* weights = scores_.panel(j / kPanel);
+    if (work_.bf16) {
+      bf16_kernels().multiply(weights, rows, count, value_pairs_.data() + j / 2 * width_, width_,
+                              kBlock, nullptr, blocks, j > 0, answer_.panel(0));
+    } else {
+      dense_kernels().multiply(weights, rows, count, values_.data() + j * width_, width_, kBlock,
+                               nullptr, blocks, j > 0, answer_.panel(0));
     }
   }
 
@@ -73,18 +130,10 @@ class HeadAttention {
       const float* from = channels(first + q + i, 0, head);
       for (int64_t c = 0; c < d; ++c) query_.panel(0)[i * kPanel + c] = from[c] * scale;
     }
-    for (int64_t j = 0; j < length; j += kPanel) {
-      dense_kernels().multiply(query_.panel(0), rows, d, keys_.data() + j * d, kBlock, d * kBlock,
-                               nullptr, blocks_of(std::min(kPanel, length - j)), false,
-                               scores_.panel(j / kPanel));
-    }
+    for (int64_t j = 0; j < length; j += kPanel) score(rows, j);
     dense_kernels().exponentiate(scores_.panel(0), rows, scores_.panel_stride(), length,
                                  inverse_sum_.data());
-    for (int64_t j = 0; j < length; j += kPanel) {
-      dense_kernels().multiply(scores_.panel(j / kPanel), rows, std::min(kPanel, length - j),
-                               values_.data() + j * width_, width_, kBlock, nullptr,
-                               width_ / kBlock, j > 0, answer_.panel(0));
-    }
+    for (int64_t j = 0; j < length; j += kPanel) weigh(rows, j);
     for (int64_t i = 0; i < rows; ++i) {
       const int64_t slot = first + q + i, row = point(slot);
       if (work_.inverse != nullptr && work_.inverse[row] != slot) continue;
@@ -96,6 +145,7 @@ class HeadAttention {
   const Work& work_;
   int64_t width_;  ///< d to whole blocks
   std::vector<float> keys_, values_;
+  std::vector<uint32_t> key_pairs_, value_pairs_;  ///< of bfloat16, instead
   Tile query_, scores_, answer_;
   std::vector<float> inverse_sum_;
 };
@@ -114,7 +164,7 @@ void check_slots(const at::Tensor& t, int64_t limit, const char* name) {
 at::Tensor patch_attention_inference_cpu(const at::Tensor& any_qkv,
                                          const std::optional<at::Tensor>& gather,
                                          const std::optional<at::Tensor>& inverse, int64_t heads,
-                                         int64_t patch) {
+                                         int64_t patch, bool bf16) {
   const char* op = "patch_attention_inference";
   TORCH_CHECK(any_qkv.dim() == 2 && any_qkv.scalar_type() == at::kFloat && heads >= 1 &&
                   any_qkv.size(1) % (3 * heads) == 0,
@@ -142,6 +192,7 @@ at::Tensor patch_attention_inference_cpu(const at::Tensor& any_qkv,
                   C,
                   d,
                   one_patch ? n : patch,
+                  bf16,
                   out.data_ptr<float>()};
   const int64_t patches = one_patch ? 1 : slots.numel() / patch;
   at::parallel_for(0, patches * heads, 1, [&](int64_t begin, int64_t end) {

@@ -59,8 +59,12 @@ void check_shape(const at::Tensor& t, at::IntArrayRef shape, const char* name) {
               " ", t.scalar_type());
 }
 
+/// In float32, or with a matrix of bfloat16.
 PackedLinear pack(at::TensorList w, size_t at, int64_t inputs, int64_t outputs, const char* name) {
-  check_shape(w[at], {outputs, inputs}, name);
+  TORCH_CHECK(w[at].sizes() == at::IntArrayRef({outputs, inputs}) &&
+                  (w[at].scalar_type() == at::kFloat || w[at].scalar_type() == at::kBFloat16),
+              "query_decoder_inference: ", name, " must be [", outputs, ", ", inputs,
+              "] float32 or bfloat16, got ", w[at].sizes(), " ", w[at].scalar_type());
   check_shape(w[at + 1], {outputs}, name);
   return {w[at], w[at + 1]};
 }
@@ -143,7 +147,11 @@ class TileDecoder {
         answer_(kTile, work.net.head_output.outputs),
         sums_(static_cast<size_t>(kTile * blocks_ * work.L * kPair)),
         offset_(static_cast<size_t>(3 * pairs_)),
-        activation_(static_cast<size_t>(kSubtile * H_ * pairs_)),
+        activation_(work.net.gamma_output.in_bf16() ? 0
+                                                    : static_cast<size_t>(kSubtile * H_ * pairs_)),
+        rounded_(work.net.gamma_output.in_bf16()
+                     ? static_cast<size_t>(kSubtile * work.net.gamma_output.input_pairs() * pairs_)
+                     : 0),
         pair_position_(static_cast<size_t>(pairs_ * kBlock)) {}
 
   /// Queries [first, first + rows), at most kTile.
@@ -168,6 +176,7 @@ class TileDecoder {
 
  private:
   void sum_neighbours(int64_t first, int64_t count, float* out) {
+    const PackedLinear& gamma = work_.net.gamma_output;
     for (int64_t i = 0; i < count; ++i) {
       const float* q = work_.position + 3 * (first + i);
       const int64_t* near = work_.index + (first + i) * work_.K;
@@ -178,10 +187,21 @@ class TileDecoder {
           offset_[axis * pairs_ + j] = std::clamp(offset, -work_.limit, work_.limit);
         }
       }
-      dense_kernels().hidden_positions(offset_.data(), pairs_, work_.net.gamma_hidden.data(), H_,
-                                       activation_.data() + i * H_ * pairs_);
+      if (gamma.in_bf16()) {
+        bf16_kernels().hidden_positions(offset_.data(), pairs_, work_.net.gamma_hidden.data(), H_,
+                                        rounded_.data() + i * gamma.input_pairs() * pairs_);
+      } else {
+        dense_kernels().hidden_positions(offset_.data(), pairs_, work_.net.gamma_hidden.data(), H_,
+                                         activation_.data() + i * H_ * pairs_);
+      }
     }
-    const PackedLinear& gamma = work_.net.gamma_output;
+    if (gamma.in_bf16()) {
+      bf16_kernels().projected_sums(work_.table, blocks_, work_.L, work_.index + first * work_.K,
+                                    count, work_.K, rounded_.data(), gamma.input_pairs(),
+                                    gamma.pairs.data(), gamma.bias.data(), pair_position_.data(),
+                                    out);
+      return;
+    }
     sum_kernels<float>().projected_sums(
         work_.table, blocks_, work_.L, work_.index + first * work_.K, count, work_.K,
         activation_.data(), H_, gamma.weight.data(), gamma.bias.data(), pair_position_.data(), out);
@@ -219,6 +239,7 @@ class TileDecoder {
   std::vector<float> sums_;           ///< [kTile, blocks, L, 2, kBlock]
   std::vector<float> offset_;         ///< [3, pairs] of one query
   std::vector<float> activation_;     ///< [kSubtile, H, pairs]
+  std::vector<uint32_t> rounded_;     ///< [kSubtile, ⌈H / 2⌉, pairs] of bfloat16
   std::vector<float> pair_position_;  ///< [pairs, kBlock]
 };
 

@@ -2,6 +2,7 @@
 #include <ATen/ops/empty.h>
 #include <torch/library.h>
 
+#include "lte/ops/cpu/kernels.h"
 #include "lte/ops/serialize_kernel.h"
 
 namespace lte::ops {
@@ -17,10 +18,12 @@ at::Tensor curve_codes_cpu(const at::Tensor& cells, int64_t curve, int64_t bits)
               in[3 * row], ", ", in[3 * row + 1], ", ", in[3 * row + 2], ")");
   at::Tensor codes = at::empty({N}, cells.options().dtype(at::kLong));
   auto* out = codes.data_ptr<int64_t>();
+  const auto kind = static_cast<Curve>(curve);
+  const bool hilbert = kind == Curve::Hilbert || kind == Curve::HilbertTransposed,
+             transposed = kind == Curve::ZTransposed || kind == Curve::HilbertTransposed;
   at::parallel_for(0, N, kGrain, [&](int64_t begin, int64_t end) {
-    for (int64_t i = begin; i < end; ++i) {
-      out[i] = curve_code(in + 3 * i, static_cast<Curve>(curve), static_cast<int>(bits));
-    }
+    curve_kernels().codes(in + 3 * begin, end - begin, hilbert, transposed, static_cast<int>(bits),
+                          out + begin);
   });
   return codes;
 }

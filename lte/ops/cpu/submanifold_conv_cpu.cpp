@@ -21,6 +21,8 @@
 #include "lte/ops/arguments.h"
 #include "lte/ops/cpu/convolution_tiles.h"
 #include "lte/ops/cpu/packed_linear.h"
+#include "lte/ops/cpu/tap_weights.h"
+#include "lte/ops/submanifold_conv.h"
 
 namespace lte::ops {
 namespace {
@@ -53,12 +55,18 @@ ConvolutionPairs check_pairs(const at::Tensor& pairs, const at::Tensor& tap_begi
   return {rows, rows + P, begin, P, taps};
 }
 
-void check_conv_args(const at::Tensor& input, const at::Tensor& weight) {
+void check_conv_args(const at::Tensor& input, const at::Tensor& weight, bool allow_bf16) {
   const char* op = "submanifold_conv";
   TORCH_CHECK(input.dim() == 2, op, ": input must be [N, Cin], got ", input.sizes());
   TORCH_CHECK(weight.dim() == 3 && weight.size(1) == input.size(1), op,
               ": weight must be [taps, Cin, Cout] with Cin = ", input.size(1), ", got ",
               weight.sizes());
+  if (allow_bf16 && input.scalar_type() == at::kFloat && weight.scalar_type() == at::kBFloat16) {
+    static_assert(kConvolutionBlock == kBlock);
+    TORCH_CHECK(weight.size(2) % kBlock == 0, op, ": bfloat16 weights need a multiple of ", kBlock,
+                " output channels, got ", weight.size(2));
+    return;
+  }
   TORCH_CHECK((input.scalar_type() == at::kFloat || input.scalar_type() == at::kDouble) &&
                   weight.scalar_type() == input.scalar_type(),
               op, ": input and weight must both be float32 or float64, got ", input.scalar_type(),
@@ -101,7 +109,7 @@ void convolve_rows(const at::Tensor& input, const at::Tensor& weight, const Conv
 at::Tensor submanifold_conv_cpu(const at::Tensor& any_input, const at::Tensor& weight,
                                 const std::optional<at::Tensor>& bias, const at::Tensor& pairs,
                                 const at::Tensor& tap_begin) {
-  check_conv_args(any_input, weight);
+  check_conv_args(any_input, weight, true);
   const at::Tensor input = any_input.contiguous();
   const int64_t N = input.size(0), Cout = weight.size(2);
   const ConvolutionPairs p = check_pairs(pairs, tap_begin, weight.size(0), N);
@@ -117,8 +125,12 @@ at::Tensor submanifold_conv_cpu(const at::Tensor& any_input, const at::Tensor& w
   }
   if (input.scalar_type() == at::kFloat && suits_tiles(Cout)) {
     const at::Tensor w = weight.contiguous();
-    convolve_tiles({input.const_data_ptr<float>(), N, input.size(1)}, w.const_data_ptr<float>(),
-                   Cout, p, out.data_ptr<float>());
+    const bool bf16 = w.scalar_type() == at::kBFloat16;
+    const TapWeights weights =
+        bf16 ? TapWeights(w.const_data_ptr<at::BFloat16>(), w.size(0), w.size(1), Cout)
+             : TapWeights(w.const_data_ptr<float>(), w.size(1), Cout);
+    convolve_tiles({input.const_data_ptr<float>(), N, input.size(1)}, weights, p,
+                   out.data_ptr<float>());
     return out;
   }
   AT_DISPATCH_FLOATING_TYPES(input.scalar_type(), "submanifold_conv", [&] {
@@ -202,7 +214,7 @@ void weight_gradient(const at::Tensor& grad, const at::Tensor& input, const Conv
 std::tuple<at::Tensor, at::Tensor> submanifold_conv_backward_cpu(
     const at::Tensor& any_grad, const at::Tensor& any_input, const at::Tensor& weight,
     const at::Tensor& pairs, const at::Tensor& tap_begin, bool need_input, bool need_weight) {
-  check_conv_args(any_input, weight);
+  check_conv_args(any_input, weight, false);
   const at::Tensor grad = any_grad.contiguous(), input = any_input.contiguous();
   TORCH_CHECK(grad.dim() == 2 && grad.size(0) == input.size(0) && grad.size(1) == weight.size(2) &&
                   grad.scalar_type() == input.scalar_type(),

@@ -1,0 +1,227 @@
+// Operators with bfloat16 weights against the same formulas in float64 with operands rounded to
+// bfloat16 wherever a product reads them, and against float32.
+#include "lte/ops/bf16.h"
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+
+#include "lte/ops/linear.h"
+#include "lte/ops/neighbour_max.h"
+#include "lte/ops/neighbour_sums.h"
+#include "lte/ops/patch_attention.h"
+#include "lte/ops/query_decoder.h"
+#include "lte/ops/submanifold_conv.h"
+
+#include "fixtures.h"
+
+namespace lte::ops {
+namespace {
+
+at::Tensor floats(at::IntArrayRef shape, uint64_t seed) {
+  return test::normal(shape, seed, at::kFloat);
+}
+
+/// To the nearest bfloat16, ties to even, by LibTorch.
+at::Tensor rounded(const at::Tensor& x) {
+  return x.to(at::kFloat).to(at::kBFloat16).to(at::kDouble);
+}
+
+double relative_error(const at::Tensor& got, const at::Tensor& expected) {
+  return ((got.to(at::kDouble) - expected).norm() / expected.norm()).item<double>();
+}
+
+// Sizes about a pair, a block and a panel of channels, and about a tile of rows.
+const std::vector<std::array<int64_t, 3>> kShapes = {{1, 1, 1},      {3, 2, 17},   {95, 15, 16},
+                                                     {96, 128, 128}, {97, 127, 3}, {200, 129, 130},
+                                                     {13, 257, 31}};
+
+TEST(LinearBf16, IsTheProductOfRoundedOperands) {
+  for (const auto& [rows, inputs, outputs] : kShapes) {
+    const at::Tensor x = floats({rows, inputs}, 1), weight = floats({outputs, inputs}, 2),
+                     bias = floats({outputs}, 3);
+    const at::Tensor product = at::matmul(rounded(x), rounded(weight).t());
+    const at::Tensor half = weight.to(at::kBFloat16);
+    EXPECT_LT(relative_error(ops::linear(x, half), product), 1e-6) << rows << " x " << inputs;
+    const at::Tensor expected = product + bias.to(at::kDouble);
+    EXPECT_LT(relative_error(ops::linear(x, half, bias), expected), 1e-6)
+        << rows << " x " << inputs;
+    const at::Tensor activated = linear_gelu(x, half, bias).to(at::kDouble);
+    EXPECT_LT((activated - at::gelu(expected)).abs().max().item<double>(), 3e-4);
+    EXPECT_EQ(ops::linear(x, half).scalar_type(), at::kFloat);
+  }
+}
+
+TEST(LinearBf16, RoundsTiesToEvenAndKeepsWhatIsRepresentable) {
+  // 1 + 2^-8 lies between two neighbours of 8 bits, as does 1 + 3 · 2^-8.
+  const at::Tensor x = at::tensor({1.0f, 1 + 0x1p-8f, 1 + 0x3p-8f, -0x1p-100f, 3e38f, 0.0f});
+  const at::Tensor one = at::ones({1, 1}, at::kBFloat16);
+  const at::Tensor expected =
+      at::tensor({1.0f, 1.0f, 1 + 0x1p-6f, -0x1p-100f, x.to(at::kBFloat16)[4].item<float>(), 0.0f});
+  EXPECT_TRUE(at::equal(ops::linear(x.unsqueeze(1), one).squeeze(1), expected));
+}
+
+TEST(LinearBf16, RowsDoNotSeeEachOtherAndThreadsChangeNothing) {
+  const at::Tensor x = floats({300, 70}, 4), weight = floats({140, 70}, 5).to(at::kBFloat16);
+  const at::Tensor all = ops::linear(x, weight);
+  for (const int64_t row : {0, 95, 96, 299}) {
+    EXPECT_TRUE(at::equal(ops::linear(x.narrow(0, row, 1), weight)[0], all[row])) << row;
+  }
+  EXPECT_TRUE(at::equal(test::with_threads(1, [&] { return ops::linear(x, weight); }), all));
+  EXPECT_EQ(ops::linear(x.narrow(0, 0, 0), weight).sizes(), (at::IntArrayRef{0, 140}));
+}
+
+TEST(LinearBf16, RefusesBadInput) {
+  const at::Tensor weight = floats({4, 3}, 1).to(at::kBFloat16);
+  EXPECT_TRUE(test::throws_saying([&] { ops::linear(floats({2, 5}, 2), weight); }, "x must be"));
+  EXPECT_TRUE(test::throws_saying(
+      [&] {
+        ops::linear(floats({2, 3}, 2), weight, floats({5}, 3));
+      },
+      "bias must be [4]"));
+}
+
+TEST(NeighbourMaxBf16, IsTheMaximumOfRoundedProducts) {
+  const at::Tensor dense = floats({60, 130}, 1), center = floats({20, 130}, 2),
+                   weight = floats({257, 130}, 3), bias = floats({257}, 4),
+                   neighbour = test::integers(60, {20, 7}, 5);
+  const at::Tensor pair = at::gelu(
+      (dense.index_select(0, neighbour.view({-1})).view({20, 7, 130}) + center.unsqueeze(1))
+          .to(at::kDouble));
+  const at::Tensor expected =
+      at::amax(at::linear(rounded(pair), rounded(weight), bias.to(at::kDouble)), {1});
+  const at::Tensor got =
+      neighbour_max_inference(dense, center, neighbour, weight.to(at::kBFloat16), bias);
+  // GELU differs by 2 · 10^-4, a tenth of a rounding.
+  EXPECT_LT(relative_error(got, expected), 1e-3);
+}
+
+TEST(PatchAttentionBf16, IsNearSoftmaxAttention) {
+  for (const auto& [n, C, heads] :
+       {std::array<int64_t, 3>{1, 4, 1}, {17, 6, 2}, {129, 40, 2}, {300, 128, 4}}) {
+    const at::Tensor qkv = floats({n, 3 * C}, 6);
+    const int64_t d = C / heads;
+    const at::Tensor parts = qkv.view({n, 3, heads, d}).permute({1, 2, 0, 3});
+    const float scale = 1 / std::sqrt(static_cast<float>(d));
+    const at::Tensor score =
+        at::matmul(rounded(parts[0] * scale), rounded(parts[1]).transpose(1, 2));
+    const at::Tensor weight = at::exp(score - std::get<0>(score.max(-1, true)));
+    const at::Tensor expected =
+        (at::matmul(rounded(weight), rounded(parts[2])) / weight.sum(-1, true))
+            .transpose(0, 1)
+            .reshape({n, C});
+    EXPECT_LT(relative_error(patch_attention_inference(qkv, {}, {}, heads, 1, true), expected),
+              1e-4)
+        << n << " " << C;
+  }
+}
+
+TEST(SubmanifoldConvBf16, IsTheSumOfRoundedProducts) {
+  const at::Tensor cells = test::integers(5, {90, 3}, 7, at::kInt);
+  const auto [pairs, begin] = convolution_pairs(cells, 3);
+  for (const auto& [Cin, Cout] : {std::pair<int64_t, int64_t>{16, 16}, {31, 48}, {130, 144}}) {
+    const at::Tensor input = floats({90, Cin}, 8), weight = floats({27, Cin, Cout}, 9),
+                     bias = floats({Cout}, 10);
+    const at::Tensor expected =
+        submanifold_conv(rounded(input), rounded(weight), bias.to(at::kDouble), pairs, begin);
+    const at::Tensor got = submanifold_conv(input, weight.to(at::kBFloat16), bias, pairs, begin);
+    EXPECT_LT(relative_error(got, expected), 1e-6) << Cin << " -> " << Cout;
+  }
+  EXPECT_TRUE(test::throws_saying(
+      [&, p = pairs, b = begin] {
+        submanifold_conv(floats({90, 16}, 8), floats({27, 16, 5}, 9).to(at::kBFloat16), {}, p, b);
+      },
+      "multiple of 16"));
+}
+
+/// Weights of a decoder of C channels, L layers, A attributes and one hidden width.
+std::vector<at::Tensor> decoder_weights(int64_t A, int64_t C, int64_t L, int64_t hidden) {
+  std::vector<at::Tensor> w;
+  uint64_t seed = 100;
+  const auto linear_of = [&](int64_t in, int64_t out) {
+    w.push_back(floats({out, in}, seed++) / std::sqrt(static_cast<double>(in)));
+    w.push_back(floats({out}, seed++));
+  };
+  const auto norm = [&] {
+    w.push_back(floats({C}, seed++));
+    w.push_back(floats({C}, seed++));
+  };
+  linear_of(A, hidden), linear_of(hidden, C), linear_of(3, hidden), linear_of(hidden, C);
+  for (int64_t l = 0; l < L; ++l) {
+    norm(), linear_of(C, C), linear_of(C, C), norm(), linear_of(C, hidden), linear_of(hidden, C);
+  }
+  norm(), linear_of(C, hidden), linear_of(hidden, 3);
+  return w;
+}
+
+/// What the operator's contract says, in float64; `round` before every product of a layer whose
+/// weight is bfloat16.
+at::Tensor decoder_reference(const at::Tensor& attributes, const QueryNeighbourhood& near,
+                             const at::Tensor& keys, const at::Tensor& values,
+                             const std::vector<at::Tensor>& w) {
+  size_t next = 0;
+  const auto dense = [&](const at::Tensor& x) {
+    const at::Tensor &weight = w[next], &bias = w[next + 1];
+    next += 2;
+    const bool half = weight.scalar_type() == at::kBFloat16;
+    return at::linear(half ? rounded(x) : x, weight.to(at::kDouble), bias.to(at::kDouble));
+  };
+  const auto perceptron = [&](const at::Tensor& x) { return dense(at::gelu(dense(x))); };
+  const auto norm = [&](const at::Tensor& x) {
+    next += 2;
+    return at::layer_norm(x, {x.size(-1)}, w[next - 2].to(at::kDouble), w[next - 1].to(at::kDouble),
+                          1e-5);
+  };
+  at::Tensor G = perceptron(attributes.to(at::kDouble));
+  const int64_t Q = near.index.size(0), K = near.index.size(1);
+  const at::Tensor anchor = near.anchor.index_select(0, near.index.view({-1})).view({Q, K, 3});
+  const at::Tensor offset = (near.position.unsqueeze(1) - anchor).mul(near.scale);
+  const at::Tensor P = perceptron(offset.to(at::kDouble));
+  const auto [S1, S2] = neighbour_sums(keys.to(at::kDouble), values.to(at::kDouble), P, near.index);
+  for (int64_t l = 0; l < keys.size(0); ++l) {
+    const at::Tensor query = dense(norm(G));
+    G = G + dense((query * S1[l] + S2[l]) / static_cast<double>(K));
+    G = G + perceptron(norm(G));
+  }
+  return at::softplus(perceptron(norm(G)));
+}
+
+TEST(QueryDecoderBf16, IsTheFormulaWithRoundedOperands) {
+  for (const auto& [C, hidden, K] : {std::array<int64_t, 3>{20, 31, 9}, {128, 150, 32}}) {
+    const int64_t Q = 250, m = 60, L = 3;
+    std::vector<at::Tensor> weights = decoder_weights(9, C, L, hidden);
+    const at::Tensor keys = floats({L, m, C}, 11), values = floats({L, m, C}, 12);
+    const at::Tensor table = neighbour_table(keys, values), attributes = floats({Q, 9}, 13);
+    const QueryNeighbourhood near{test::uniform({Q, 3}, 14), test::uniform({m, 3}, 15),
+                                  test::integers(m, {Q, K}, 16), 4, 64};
+    const auto answer = [&] { return query_decoder_inference(attributes, near, table, weights); };
+    const at::Tensor single = answer();
+    EXPECT_LT(relative_error(single, decoder_reference(attributes, near, keys, values, weights)),
+              2e-6);
+    for (size_t i = 2; i < weights.size(); i += 2) {  // matrices, but those of few inputs
+      if (weights[i].dim() == 2 && i != 4) weights[i] = weights[i].to(at::kBFloat16);
+    }
+    const at::Tensor got = answer();
+    // GELU's 2 · 10^-4, and roundings that it tips to the other side, remain.
+    EXPECT_LT(relative_error(got, decoder_reference(attributes, near, keys, values, weights)),
+              2.5e-3);
+    const double by_rounding = relative_error(got, single.to(at::kDouble));
+    EXPECT_GT(by_rounding, 1e-4);
+    EXPECT_LT(by_rounding, 2e-2);
+    EXPECT_TRUE(at::equal(test::with_threads(1, answer), got));
+  }
+}
+
+TEST(Bf16, IsInHardwareUnlessALesserInstructionSetIsAskedFor) {
+  const char* variable = std::getenv("LTE_CPU_ISA");
+  const std::string asked = variable == nullptr ? "" : variable;
+  bool possible = false;
+#if defined(__x86_64__)
+  possible = __builtin_cpu_supports("avx512bf16") != 0;
+#endif
+  EXPECT_EQ(has_bf16_products(), possible && (asked.empty() || asked == "avx512_bf16"));
+}
+
+}  // namespace
+}  // namespace lte::ops
