@@ -50,9 +50,12 @@ void print_settings(const EvalRequest& r) {
   const auto quoted = [](const std::string& text) { return nlohmann::json(text).dump(); };
   std::cout << "checkpoint: " << quoted(r.checkpoint) << "\ndata: " << quoted(r.data)
             << "\nsplit: " << quoted(r.split) << "\nbaselines: " << quoted(r.baselines)
-            << "\nreport: " << quoted(r.report) << "\ndevice: " << quoted(r.tool.device)
-            << "\nthreads: " << r.tool.common.threads << "\nprecision: " << r.tool.precision
-            << "\nmax_memory: " << r.tool.max_memory_mb << '\n';
+            << "\nreport: " << quoted(r.report) << "\ncsv: " << quoted(r.csv)
+            << "\nresamples: " << r.bootstrap.resamples << "\nseed: " << r.bootstrap.seed
+            << "\nprobes: " << r.probes << "\nprobe_rate: " << r.probe_rate
+            << "\ndevice: " << quoted(r.tool.device) << "\nthreads: " << r.tool.common.threads
+            << "\nprecision: " << r.tool.precision << "\nmax_memory: " << r.tool.max_memory_mb
+            << '\n';
 }
 
 /// From --baselines, from beside the checkpoint, or from the training split, in this order.
@@ -98,7 +101,23 @@ void add_eval_options(CLI::App& app, EvalRequest* r) {
   app.add_option("--data", r->data, "Data-set folder; by default the shipped test rooms");
   app.add_option("--baselines", r->baselines,
                  "Fitted baselines; by default CHECKPOINT's stem + .baselines.json");
-  app.add_option("--report", r->report, "Folder for metrics.csv and a contact sheet of each view");
+  app.add_option("--report", r->report,
+                 "Folder for report.html, metrics.csv and a contact sheet of each scene");
+  app.add_option("--csv", r->csv, "Every metric by scene and predictor, as CSV");
+  app.add_option("--resamples", r->bootstrap.resamples,
+                 "Bootstrap resamples of the scenes behind the 95 % confidence intervals")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--seed", r->bootstrap.seed, "Seed of the resamples")->capture_default_str();
+  auto* probes = app.add_option("--probes", r->probes,
+                                "Probes a scene of irradiance_probes; 0: without that predictor")
+                     ->check(CLI::NonNegativeNumber)
+                     ->capture_default_str();
+  app.add_option(
+         "--probe-rate", r->probe_rate,
+         "Paths a second of a path tracer: as many probes as it bakes while a scene is encoded")
+      ->check(CLI::PositiveNumber)
+      ->excludes(probes);
   app.add_option("--fit-baselines", r->fit_baselines,
                  "Fit the baselines on this data set's training split and stop")
       ->excludes("--split");
@@ -113,6 +132,7 @@ void run_eval(const EvalRequest& given) {
   if (request.tool.print_config) return print_settings(request);
   if (!request.fit_baselines.empty()) return fit_to_file(request);
   check_writable(request.tool.common.json);
+  check_writable(request.csv);
 
   const fs::path checkpoint = checkpoint_or_shipped(request.checkpoint);
   const fs::path data =
@@ -127,12 +147,20 @@ void run_eval(const EvalRequest& given) {
   EvalSettings settings;
   settings.data = data;
   settings.split = data::parse_split(request.split);
+  settings.bootstrap = request.bootstrap;
+  settings.probes = request.probes;
+  settings.probe_rate = request.probe_rate;
   settings.on_scene = [&] { memory.check("a scene"); };
-  if (!folder.empty())
-    settings.on_view = [&](const ViewPicture& picture) { write_contact_sheet(folder, picture); };
+  ContactSheets sheets(folder);
+  if (!folder.empty()) settings.on_view = [&](const ViewPicture& picture) { sheets.add(picture); };
   const EvalResult result = evaluate(settings, &predictor, baselines);
 
-  if (!folder.empty()) write_file(folder / "metrics.csv", eval_csv(result));
+  if (!folder.empty()) {
+    write_file(folder / "metrics.csv", eval_csv(result));
+    write_file(folder / "report.html",
+               eval_html(result, checkpoint.string(), data.string(), sheets));
+  }
+  if (!request.csv.empty()) write_file(request.csv, eval_csv(result));
   if (!request.tool.common.json.empty()) {
     write_file(request.tool.common.json, eval_json(result, checkpoint.string(), data.string()));
   }

@@ -1,8 +1,10 @@
 // What lte_eval does between its command line and its exit code.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
+#include "infer/bootstrap.h"
 #include "infer/tool_options.h"
 
 namespace lte::infer {
@@ -10,6 +12,10 @@ namespace lte::infer {
 struct EvalRequest {
   std::string config, checkpoint, data, split, baselines, report;
   std::string fit_baselines, out;
+  std::string csv;
+  BootstrapSettings bootstrap;
+  int64_t probes = 128;
+  double probe_rate = 0;  ///< paths a second; 0: `probes` decides
   ToolOptions tool;
 };
 

@@ -1,39 +1,16 @@
 #include "infer/eval_report.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
-
 #include "lte/base/check.h"
 #include "lte/base/file.h"
-#include "lte/image/png.h"
-#include "lte/image/tonemap.h"
+#include "lte/base/html.h"
 
 namespace lte::infer {
 namespace {
 
-using image::Image;
-
-constexpr int kGap = 4;                    // pixels between the pictures of a sheet
-constexpr float kDifferenceRange = 0.25f;  // of white
-
-nlohmann::json number(double value) {
-  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
-}
-
-nlohmann::json to_json(const Scores& scores) {
-  nlohmann::json out = nlohmann::json::object();
-  for (const auto& [name, score] : scores) {
-    nlohmann::json& entry = out[name];
-    for (size_t k = 0; k < kPointMetrics.size(); ++k)
-      entry["points"][kPointMetrics[k]] = number(score.points[k]);
-    for (size_t k = 0; k < kViewMetrics.size(); ++k)
-      entry["views"][kViewMetrics[k]] = number(score.views[k]);
-  }
-  return out;
-}
+constexpr int kColumn = 10;
 
 template <typename... Args>
 std::string format(const char* pattern, Args... args) {
@@ -42,85 +19,114 @@ std::string format(const char* pattern, Args... args) {
   return line;
 }
 
-std::string cell(double value) {
-  return std::isfinite(value) ? format("%10.4g", value) : format("%10s", "-");
-}
-
-std::string row(const std::string& name, const Score& score) {
-  std::string line = format("%-28.28s", name.c_str());
-  for (const double value : score.points) line += cell(value);
-  line += "  |";
-  for (const double value : score.views) line += cell(value);
-  return line + '\n';
+std::string line(const std::string& name, const Score& score) {
+  std::string out = format("%-28.28s", name.c_str());
+  const auto cell = [&](double value) { return format("%*s", kColumn, figure(value).c_str()); };
+  for (const double value : score.points) out += cell(value);
+  out += "  |";
+  for (const double value : score.views) out += cell(value);
+  return out + '\n';
 }
 
 std::string head(const std::string& title) {
-  std::string line = format("%-28.28s", title.c_str());
-  for (const char* name : kPointMetrics) line += format("%10s", name);
-  line += "  |";
-  for (const char* name : kViewMetrics) line += format("%10s", name);
-  return line + '\n';
+  std::string out = format("%-28.28s", title.c_str());
+  for (const char* name : kPointMetrics) out += format("%*s", kColumn, name);
+  out += "  |";
+  for (const char* name : kViewMetrics) out += format("%*s", kColumn, name);
+  return out + '\n';
 }
 
 std::string block(const std::string& title, const Scores& scores) {
   std::string out = head(title);
-  for (const auto& [name, score] : scores) out += row("  " + name, score);
+  for (const auto& [name, score] : scores) out += line("  " + name, score);
   return out;
 }
 
-/// |a − b| in luminance, times `factor`, as a one-channel picture.
-Image difference(const Image& a, const Image& b, float factor) {
-  Image out(a.width, a.height, 1);
-  for (int y = 0; y < a.height; ++y) {
-    for (int x = 0; x < a.width; ++x)
-      *out.at(x, y) = factor * std::abs(luminance(a.rgb(x, y)) - luminance(b.rgb(x, y)));
+std::string percent(const EvalResult& result) {
+  return concat(std::lround(100 * result.bootstrap.level), " %");
+}
+
+std::string mean_block(const EvalResult& result) {
+  std::string out = head("mean over scenes");
+  for (size_t i = 0; i < result.mean.size(); ++i) {
+    const auto& [name, score] = result.mean[i];
+    const ScoreInterval& bounds = result.mean_interval[i].second;
+    out += line("  " + name, score);
+    out += line(concat("    ", percent(result), ", from"), bounds.low);
+    out += line("           to", bounds.high);
   }
   return out;
 }
 
-void paste(const Image& picture, int left, Image* sheet) {
-  for (int y = 0; y < picture.height; ++y) {
-    const float* from = picture.at(0, y);
-    std::copy(from, from + 3 * picture.width, sheet->at(left, y));
+std::string plain(const TextTable& table) {
+  std::vector<size_t> widths;
+  for (size_t column = 0; column < table.head.size(); ++column) {
+    size_t width = table.head[column].size();
+    for (const auto& row : table.rows) width = std::max(width, row[column].size());
+    widths.push_back(width);
   }
+  const auto text = [&](const std::vector<std::string>& row) {
+    std::string out = format("%-*s", static_cast<int>(widths[0]), row[0].c_str());
+    for (size_t i = 1; i < row.size(); ++i)
+      out += format("  %*s", static_cast<int>(widths[i]), row[i].c_str());
+    return out + '\n';
+  };
+  std::string out = text(table.head);
+  for (const auto& row : table.rows) out += text(row);
+  return out;
+}
+
+std::vector<std::string> metric_head(const std::string& title) {
+  std::vector<std::string> out = {title};
+  for (const char* name : kPointMetrics) out.push_back(concat("points ", name));
+  for (const char* name : kViewMetrics) out.push_back(concat("views ", name));
+  return out;
+}
+
+/// `cell` makes the text of a predictor's figure from a member of Score and an index.
+template <typename Cell>
+std::vector<std::string> metric_row(const std::string& name, const Cell& cell) {
+  std::vector<std::string> out = {name};
+  for (size_t k = 0; k < kPointMetrics.size(); ++k) out.push_back(cell(&Score::points, k));
+  for (size_t k = 0; k < kViewMetrics.size(); ++k) out.push_back(cell(&Score::views, k));
+  return out;
+}
+
+std::string html_block(const std::string& title, const Scores& scores,
+                       const ScoreIntervals* intervals) {
+  std::vector<std::vector<std::string>> rows;
+  for (size_t i = 0; i < scores.size(); ++i) {
+    const Score& score = scores[i].second;
+    rows.push_back(metric_row(scores[i].first, [&](auto member, size_t metric) {
+      const std::string value = figure((score.*member)[metric]);
+      if (!intervals || value == "-") return value;
+      const ScoreInterval& bounds = (*intervals)[i].second;
+      return concat(value, " (", figure((bounds.low.*member)[metric]), "–",
+                    figure((bounds.high.*member)[metric]), ")");
+    }));
+  }
+  return html_table(metric_head(title), rows, "neural");
+}
+
+std::string html_note(const std::string& text) {
+  return text.empty() ? "" : concat("<p class=note>", html_escape(text), "</p>\n");
+}
+
+std::span<const unsigned char> bytes_of(const std::string& text) {
+  return {reinterpret_cast<const unsigned char*>(text.data()), text.size()};
 }
 
 }  // namespace
-
-std::string eval_json(const EvalResult& result, const std::string& checkpoint,
-                      const std::string& data) {
-  nlohmann::json scenes = nlohmann::json::array();
-  double encode = 0, decode = 0;
-  for (const SceneResult& scene : result.scenes) {
-    scenes.push_back({{"name", scene.name},
-                      {"emission_scalar", scene.radiance},
-                      {"reference_noise_mse", number(scene.reference_noise)},
-                      {"points", scene.points},
-                      {"views", scene.views},
-                      {"encode_seconds", scene.encode_seconds},
-                      {"decode_seconds", scene.decode_seconds},
-                      {"metrics", to_json(scene.scores)}});
-    encode += scene.encode_seconds, decode += scene.decode_seconds;
-  }
-  const nlohmann::json json = {{"split", result.split},
-                               {"scenes", result.scenes.size()},
-                               {"checkpoint", checkpoint},
-                               {"data", data},
-                               {"metrics", to_json(result.mean)},
-                               {"median", to_json(result.median)},
-                               {"per_scene", scenes},
-                               {"seconds", {{"encode", encode}, {"decode", decode}}},
-                               {"peak_rss_mb", peak_rss_mb()}};
-  return json.dump(2) + '\n';
-}
 
 std::string eval_table(const EvalResult& result) {
   std::string out = format(
       "%zu scenes of split %s; indirect irradiance over the emission scalar; points | views\n\n",
       result.scenes.size(), result.split.c_str());
   for (const SceneResult& scene : result.scenes) out += block(scene.name, scene.scores);
-  return out + '\n' + block("mean over scenes", result.mean) + '\n' +
-         block("median over scenes", result.median);
+  out += '\n' + block("median over scenes", result.median) + '\n' + mean_block(result);
+  if (!result.equal_samples.empty())
+    out += '\n' + plain(sample_table(result)) + sample_note(result) + '\n';
+  return out + '\n' + plain(paper_table(result)) + kPaperNote + '\n';
 }
 
 std::string eval_csv(const EvalResult& result) {
@@ -142,18 +148,31 @@ std::string eval_csv(const EvalResult& result) {
   return out;
 }
 
-void write_contact_sheet(const std::filesystem::path& folder, const ViewPicture& picture) {
-  const data::View& view = picture.view;
-  const auto exposure = static_cast<float>(white_exposure(picture.reference));
-  const Image reference = fill_mask(picture.reference, view.mask, view.width, view.height);
-  const Image neural = fill_mask(picture.neural, view.mask, view.width, view.height);
-  Image sheet(3 * view.width + 2 * kGap, view.height, 3);
-  std::fill(sheet.pixels.begin(), sheet.pixels.end(), 1.0f);
-  paste(image::tonemap(reference, exposure), 0, &sheet);
-  paste(image::tonemap(neural, exposure), view.width + kGap, &sheet);
-  paste(image::heat_map(difference(neural, reference, exposure), kDifferenceRange),
-        2 * (view.width + kGap), &sheet);
-  image::write_png(folder / concat(picture.scene, "_view", picture.index, ".png"), sheet);
+std::string eval_html(const EvalResult& result, const std::string& checkpoint,
+                      const std::string& data, const ContactSheets& sheets) {
+  std::string body = html_note(concat(
+      "Model ", checkpoint, "; data ", data,
+      ". Indirect irradiance over the emission scalar; formulas in docs/metrics.md. Brackets: ",
+      percent(result), " confidence over scenes, ", result.bootstrap.resamples,
+      " bootstrap resamples of seed ", result.bootstrap.seed, "."));
+  body += "<h2>Error</h2>\n" + html_block("mean over scenes", result.mean, &result.mean_interval) +
+          html_block("median over scenes", result.median, &result.median_interval);
+  if (!result.equal_samples.empty()) {
+    const TextTable samples = sample_table(result);
+    body += "<h2>Worth how many path-traced samples</h2>\n" +
+            html_table(samples.head, samples.rows, "neural") + html_note(sample_note(result));
+  }
+  const TextTable paper = paper_table(result);
+  body +=
+      "<h2>Beside the paper</h2>\n" + html_table(paper.head, paper.rows) + html_note(kPaperNote);
+  body += "<h2>Scenes</h2>\n";
+  for (const SceneResult& scene : result.scenes)
+    body += html_block(scene.name, scene.scores, nullptr);
+  body += "<h2>Views</h2>\n" + html_note(kSheetColumns);
+  for (const std::string& scene : sheets.scenes())
+    body += html_picture(bytes_of(read_file(sheets.path(scene))), scene);
+  return html_page(
+      concat("Evaluation on ", result.scenes.size(), " scenes of split ", result.split), body);
 }
 
 }  // namespace lte::infer

@@ -1,10 +1,13 @@
 #include "infer/evaluate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <utility>
 
+#include "infer/eval_sites.h"
+#include "infer/probes.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/progress.h"
@@ -15,55 +18,13 @@ namespace {
 
 constexpr double kSameScale = 1e-6;
 
-/// Points at which predictors are compared. Values are indirect irradiance over the emission
-/// scalar.
-struct Site {
-  QueryPoints queries;
-  std::vector<Rgb> reference, direct;
-  std::vector<Rgb> path_traced;  ///< empty if the data has none
-};
-
-std::vector<Rgb> scaled(std::span<const Rgb> values, double factor) {
-  return sum_groups(values, 1, factor);
-}
-
-Site point_site(const data::SceneSample& sample, double radiance) {
-  Site site;
-  site.queries = {sample.query_position, sample.query_normal, sample.query_albedo};
-  site.reference = sum_groups(sample.indirect, sample.light_groups, 1 / radiance);
-  site.direct = sum_groups(sample.direct, sample.light_groups, 1 / radiance);
-  site.path_traced = scaled(sample.path_traced_64, 1 / radiance);
-  return site;
-}
-
-/// The pixels of a view that show a surface, one after another.
-struct ViewPixels {
-  std::vector<Vec3> position, normal;
-  std::vector<Rgb> albedo;
-  Site site;
-
-  ViewPixels(const data::View& view, int64_t groups, double radiance) {
-    const auto masked = [&](const std::vector<Vec3>& values) {
-      std::vector<Vec3> out;
-      for (size_t i = 0; i < values.size(); ++i) {
-        if (view.mask[i]) out.push_back(values[i]);
-      }
-      return out;
-    };
-    position = masked(view.position), normal = masked(view.normal), albedo = masked(view.albedo);
-    site.queries = {position, normal, albedo};
-    site.reference = masked(sum_groups(view.indirect, groups, 1 / radiance));
-    site.direct = masked(sum_groups(view.direct, groups, 1 / radiance));
-    site.path_traced = masked(scaled(view.path_traced_64, 1 / radiance));
-  }
-  ViewPixels(const ViewPixels&) = delete;
-  ViewPixels& operator=(const ViewPixels&) = delete;
-};
+/// Path counts whose rows follow from path_tracing_64.
+constexpr std::array<int, 3> kDerivedPaths = {16, 4, 1};
 
 /// The network's indirect irradiance over the emission scalar. A model of total irradiance is
 /// compared on the same quantity: what the reference direct light leaves of it.
 std::vector<Rgb> neural(const Predictor& predictor, const Site& site) {
-  std::vector<Rgb> out = scaled(predictor.predict(site.queries), 1 / predictor.radiance());
+  std::vector<Rgb> out = sum_groups(predictor.predict(site.queries), 1, 1 / predictor.radiance());
   if (!predictor.predicts_total()) return out;
   for (size_t i = 0; i < out.size(); ++i) out[i] = max(out[i] - site.direct[i], Vec3{});
   return out;
@@ -71,18 +32,26 @@ std::vector<Rgb> neural(const Predictor& predictor, const Site& site) {
 
 using Predictions = std::vector<std::pair<std::string, std::vector<Rgb>>>;
 
-Predictions predict_all(const Predictor& predictor, const BaselinePredictor& baselines,
-                        const Site& site, double* decode_seconds) {
-  Predictions out;
-  const Timer timer;
-  out.emplace_back("neural", neural(predictor, site));
-  *decode_seconds += timer.seconds();
-  if (!site.path_traced.empty()) out.emplace_back("path_tracing_64", site.path_traced);
-  out.emplace_back("constant_mean", baselines.constant_mean(site.queries));
-  out.emplace_back("nearest_point", baselines.nearest_point(site.queries));
-  out.emplace_back("blurred_direct", baselines.blurred_direct(site.queries));
-  return out;
-}
+/// Everything that predicts in one scene.
+struct Predictors {
+  const Predictor& network;
+  const BaselinePredictor& baselines;
+  const ProbeField& probes;
+
+  Predictions predict(const Site& site, double* decode_seconds) const {
+    Predictions out;
+    const Timer timer;
+    out.emplace_back("neural", neural(network, site));
+    *decode_seconds += timer.seconds();
+    if (!site.path_traced.empty()) out.emplace_back(kPathTraced, site.path_traced);
+    out.emplace_back("constant_mean", baselines.constant_mean(site.queries));
+    out.emplace_back("nearest_point", baselines.nearest_point(site.queries));
+    out.emplace_back("blurred_direct", baselines.blurred_direct(site.queries));
+    if (probes.size() > 0) out.emplace_back("irradiance_probes", probes.interpolate(site.queries));
+    out.emplace_back("direct_only", std::vector<Rgb>(site.queries.position.size()));
+    return out;
+  }
+};
 
 Score* score_of(Scores* scores, const std::string& name) {
   const auto found = std::find_if(scores->begin(), scores->end(),
@@ -95,13 +64,22 @@ class ViewSums {
  public:
   void add(const Predictions& predictions, const ViewPixels& pixels, const data::View& view) {
     if (pixels.position.empty()) return;
+    const ReferenceNoise noise = pixels.site.noise();
+    noise_.mse += noise.mse, noise_.relmse += noise.relmse;
+    ++views_;
     for (const auto& [name, values] : predictions) {
-      const std::array<double, 4> score =
+      const ViewScore score =
           score_view(values, pixels.site.reference, view.mask, view.width, view.height);
-      std::pair<std::array<double, 4>, int>& sum = sums_[name];
+      std::pair<ViewScore, int>& sum = sums_[name];
       for (size_t k = 0; k < score.size(); ++k) sum.first[k] += score[k];
       ++sum.second;
     }
+  }
+
+  /// Mean over the views that show anything.
+  ReferenceNoise noise() const {
+    const double count = std::max(1, views_);
+    return {noise_.mse / count, noise_.relmse / count};
   }
 
   void store(Scores* scores) const {
@@ -113,8 +91,31 @@ class ViewSums {
   }
 
  private:
-  std::map<std::string, std::pair<std::array<double, 4>, int>> sums_;
+  std::map<std::string, std::pair<ViewScore, int>> sums_;
+  ReferenceNoise noise_;
+  int views_ = 0;
 };
+
+/// Rows of fewer paths after that of 64, if it is there.
+void add_derived(const ReferenceNoise& points, const ReferenceNoise& views, Scores* scores) {
+  const auto found = std::find_if(scores->begin(), scores->end(),
+                                  [](const auto& entry) { return entry.first == kPathTraced; });
+  if (found == scores->end()) return;
+  const Score at_64 = found->second;
+  Scores rows;
+  for (const int paths : kDerivedPaths) {
+    rows.emplace_back(concat("path_tracing_", paths),
+                      derived_path_tracing(at_64, points, views, paths));
+  }
+  scores->insert(found + 1, rows.begin(), rows.end());
+}
+
+int64_t probe_count(const EvalSettings& settings, const data::SceneSample& sample,
+                    double encode_seconds) {
+  if (settings.probe_rate <= 0) return settings.probes;
+  const auto paths = static_cast<double>(std::max<int64_t>(1, sample.rays));
+  return std::max<int64_t>(1, std::llround(encode_seconds * settings.probe_rate / paths));
+}
 
 SceneResult evaluate_scene(const EvalSettings& settings, const data::SceneSample& sample,
                            Predictor* predictor, const Baselines& fitted) {
@@ -127,14 +128,17 @@ SceneResult evaluate_scene(const EvalSettings& settings, const data::SceneSample
                     sample.scene_emission, sample.scene_area});
   result.encode_seconds = timer.seconds();
   result.radiance = predictor->radiance();
-  for (const float variance : sample.variance) result.reference_noise += variance;
-  result.reference_noise /= static_cast<double>(std::max<size_t>(1, sample.variance.size())) *
-                            result.radiance * result.radiance;
+  result.path_variance = single_path_variance(sample, result.radiance);
+  result.paths = static_cast<double>(sample.rays);
 
   const BaselinePredictor baselines(fitted, sample, result.radiance);
   const Site points = point_site(sample, result.radiance);
-  for (const auto& [name, values] :
-       predict_all(*predictor, baselines, points, &result.decode_seconds)) {
+  const ProbeField probes(points.queries, points.reference,
+                          probe_count(settings, sample, result.encode_seconds));
+  result.probes = probes.size();
+  result.reference_noise = points.noise().mse;
+  const Predictors predictors{*predictor, baselines, probes};
+  for (const auto& [name, values] : predictors.predict(points, &result.decode_seconds)) {
     result.scores.emplace_back(name, Score());
     result.scores.back().second.points = score_points(values, points.reference);
   }
@@ -142,16 +146,49 @@ SceneResult evaluate_scene(const EvalSettings& settings, const data::SceneSample
   for (size_t k = 0; k < sample.views.size(); ++k) {
     const data::View& view = sample.views[k];
     const ViewPixels pixels(view, sample.light_groups, result.radiance);
-    const Predictions predictions =
-        predict_all(*predictor, baselines, pixels.site, &result.decode_seconds);
+    const Predictions predictions = predictors.predict(pixels.site, &result.decode_seconds);
     sums.add(predictions, pixels, view);
     if (settings.on_view) {
       settings.on_view({sample.name, static_cast<int>(k), view, pixels.site.reference,
-                        predictions.front().second});
+                        predictions.front().second, pixels.site.path_traced});
     }
   }
   sums.store(&result.scores);
+  result.views_noise = sums.noise().mse;
+  add_derived(points.noise(), sums.noise(), &result.scores);
   return result;
+}
+
+VarianceCheck check_variance(const std::vector<SceneResult>& scenes) {
+  double at_64 = 0, at_reference = 0, single = 0, paths = 0;
+  for (const SceneResult& scene : scenes) {
+    const Score* const rival = find_score(scene.scores, kPathTraced);
+    if (!rival) continue;
+    at_64 += rival->points[0] - scene.reference_noise;
+    at_reference += scene.reference_noise;
+    single += scene.path_variance;
+    paths += scene.paths / static_cast<double>(scenes.size());
+  }
+  // NaN without such scenes, and an exponent of NaN where the reference has 64 paths too.
+  const double span = std::log(paths / kPathsStored);
+  return {kPathsStored * at_64 / single,
+          span != 0 ? std::log(at_64 / at_reference) / span : std::nan("")};
+}
+
+/// What is said of all scenes together.
+void summarize(EvalResult* result) {
+  std::vector<Scores> scores;
+  std::vector<SceneErrors> errors;
+  for (const SceneResult& scene : result->scenes) {
+    scores.push_back(scene.scores);
+    errors.push_back({scene.scores, scene.reference_noise, scene.views_noise});
+  }
+  const Bootstrap bootstrap(scores.size(), result->bootstrap);
+  result->mean = mean_scores(scores), result->median = median_scores(scores);
+  result->mean_interval = mean_intervals(scores, bootstrap);
+  result->median_interval = median_intervals(scores, bootstrap);
+  result->equal_samples = all_equal_samples(errors, bootstrap);
+  result->variance_check = check_variance(result->scenes);
 }
 
 /// "train 40, test 8": the splits that have scenes.
@@ -178,19 +215,17 @@ EvalResult evaluate(const EvalSettings& settings, Predictor* predictor,
             data::split_name(settings.split), " (it has: ", splits_there(info), ")");
   EvalResult result;
   result.split = data::split_name(settings.split);
-  std::vector<Scores> scores;
+  result.bootstrap = settings.bootstrap;
   Progress progress("evaluating", static_cast<int64_t>(entries.size()), "scenes");
   for (const data::DatasetEntry& entry : entries) {
     data::SceneSample sample = data::read_scene_sample(data::scene_path(settings.data, entry.name));
     data::drop_unreached_queries(&sample);
     sample.name = entry.name;
     result.scenes.push_back(evaluate_scene(settings, sample, predictor, baselines));
-    scores.push_back(result.scenes.back().scores);
     if (settings.on_scene) settings.on_scene();
     progress.advance();
   }
-  result.mean = mean_scores(scores);
-  result.median = median_scores(scores);
+  summarize(&result);
   return result;
 }
 

@@ -7,6 +7,7 @@
 
 #include "infer/points.h"
 #include "lte/base/check.h"
+#include "lte/image/flip.h"
 #include "lte/image/metrics.h"
 #include "lte/image/tonemap.h"
 
@@ -21,39 +22,25 @@ double exposed_psnr(double mse, std::span<const Rgb> reference) {
   return image::psnr(mse, 1 / white_exposure(reference));
 }
 
-double mean(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
-}
-
-double median(const std::vector<double>& values) {
-  std::vector<double> sorted = values;
-  std::sort(sorted.begin(), sorted.end());
-  const size_t half = sorted.size() / 2;
-  return sorted.size() % 2 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]);
-}
-
-const Score* find(const Scores& scores, const std::string& name) {
-  for (const auto& [predictor, score] : scores) {
-    if (predictor == name) return &score;
-  }
-  return nullptr;
+/// FLIP clamps to [0, 1] and encodes by itself.
+image::Image exposed(image::Image linear, float exposure) {
+  for (float& value : linear.pixels) value *= exposure;
+  return linear;
 }
 
 Scores combine(const std::vector<Scores>& scenes,
-               const std::function<double(const std::vector<double>&)>& statistic) {
+               const std::function<double(std::vector<double>)>& statistic) {
   Scores out;
   if (scenes.empty()) return out;
   for (const auto& entry : scenes.front()) {
     const std::string& name = entry.first;
-    const auto has_it = [&](const Scores& scores) { return find(scores, name) != nullptr; };
+    const auto has_it = [&](const Scores& scores) { return find_score(scores, name) != nullptr; };
     if (!std::all_of(scenes.begin(), scenes.end(), has_it)) continue;
     Score score;
     const auto over_scenes = [&](auto member, size_t metric) {
       std::vector<double> values;
       for (const Scores& scene : scenes) {
-        const double value = (find(scene, name)->*member)[metric];
+        const double value = (find_score(scene, name)->*member)[metric];
         if (std::isfinite(value)) values.push_back(value);
       }
       return values.empty() ? kMissing : statistic(values);
@@ -67,6 +54,28 @@ Scores combine(const std::vector<Scores>& scenes,
 }
 
 }  // namespace
+
+const Score* find_score(const Scores& scores, const std::string& name) {
+  for (const auto& [predictor, score] : scores) {
+    if (predictor == name) return &score;
+  }
+  return nullptr;
+}
+
+double mean_of(std::span<const double> values) {
+  double sum = 0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return kMissing;
+  const auto half = static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), values.begin() + half, values.end());
+  const double upper = values[static_cast<size_t>(half)];
+  if (values.size() % 2) return upper;
+  return 0.5 * (*std::max_element(values.begin(), values.begin() + half) + upper);
+}
 
 Score::Score() {
   points.fill(kMissing);
@@ -85,8 +94,7 @@ double white_exposure(std::span<const Rgb> reference) {
   return white > 0 ? 1 / white : 1;
 }
 
-std::array<double, 4> score_points(std::span<const Rgb> prediction,
-                                   std::span<const Rgb> reference) {
+PointScore score_points(std::span<const Rgb> prediction, std::span<const Rgb> reference) {
   LTE_CHECK(prediction.size() == reference.size(), "scores: ", prediction.size(),
             " predictions for ", reference.size(), " references");
   if (reference.empty()) return Score().points;
@@ -109,18 +117,22 @@ image::Image fill_mask(std::span<const Rgb> values, std::span<const uint8_t> mas
   return out;
 }
 
-std::array<double, 4> score_view(std::span<const Rgb> prediction, std::span<const Rgb> reference,
-                                 std::span<const uint8_t> mask, int width, int height) {
-  const std::array<double, 4> points = score_points(prediction, reference);
+ViewScore score_view(std::span<const Rgb> prediction, std::span<const Rgb> reference,
+                     std::span<const uint8_t> mask, int width, int height) {
+  const PointScore points = score_points(prediction, reference);
   if (reference.empty()) return Score().views;
   const auto exposure = static_cast<float>(white_exposure(reference));
-  const double ssim =
-      image::ssim(image::tonemap(fill_mask(prediction, mask, width, height), exposure),
-                  image::tonemap(fill_mask(reference, mask, width, height), exposure), mask);
-  return {points[0], points[1], ssim, points[2]};
+  const image::Image a = fill_mask(prediction, mask, width, height);
+  const image::Image b = fill_mask(reference, mask, width, height);
+  const double ssim = image::ssim(image::tonemap(a, exposure), image::tonemap(b, exposure), mask);
+  const double ldr =
+      image::masked_mean(image::flip(exposed(a, exposure), exposed(b, exposure)), mask);
+  const double hdr =
+      image::masked_mean(image::hdr_flip(a, b, image::flip_exposures(b, mask)), mask);
+  return {points[0], points[1], ssim, points[2], ldr, hdr};
 }
 
-Scores mean_scores(const std::vector<Scores>& scenes) { return combine(scenes, mean); }
-Scores median_scores(const std::vector<Scores>& scenes) { return combine(scenes, median); }
+Scores mean_scores(const std::vector<Scores>& scenes) { return combine(scenes, mean_of); }
+Scores median_scores(const std::vector<Scores>& scenes) { return combine(scenes, median_of); }
 
 }  // namespace lte::infer

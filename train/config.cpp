@@ -52,6 +52,8 @@ void check_optim(const OptimConfig& train) {
   check_at_least("train.validate_every", train.validate_every, 1);
   check_at_least("train.validation_scenes", train.validation_scenes, 0);
   check_at_least("train.validation_queries", train.validation_queries, 0);
+  check_at_least("train.preview_every", train.preview_every, 0);
+  check_at_least("train.preview_scenes", train.preview_scenes, 0);
   check_at_least("train.timeout_s", train.timeout_s, 1);
   LTE_CHECK(train.learning_rate > 0, "train.learning_rate: expected a positive number, got ",
             train.learning_rate);
@@ -87,6 +89,9 @@ OptimConfig read_optim(const Config& config) {
   config.read("validate_every", &train.validate_every);
   config.read("validation_scenes", &train.validation_scenes);
   config.read("validation_queries", &train.validation_queries);
+  config.read("tensorboard", &train.tensorboard);
+  config.read("preview_every", &train.preview_every);
+  config.read("preview_scenes", &train.preview_scenes);
   config.read("timeout_s", &train.timeout_s);
   check_optim(train);
   return train;

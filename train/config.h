@@ -44,6 +44,9 @@ struct OptimConfig {
   int64_t validate_every = 1000;
   int64_t validation_scenes = 32;     ///< the first ones of the split; 0: all
   int64_t validation_queries = 8192;  ///< of each, the same every time; 0: all
+  bool tensorboard = true;            ///< event files in RUN/tensorboard
+  int64_t preview_every = 5000;       ///< steps between pictures of validation views; 0: none
+  int64_t preview_scenes = 4;         ///< of which every picture is kept, not the newest alone
   int64_t timeout_s =
       600;  ///< of a run of several processes: how long one may keep the others waiting
 };

@@ -4,6 +4,7 @@
 
 #include "lte/base/cli.h"
 #include "lte/base/memory.h"
+#include "train/report.h"
 #include "train/run.h"
 
 namespace {
@@ -12,7 +13,8 @@ constexpr const char* kExamples = R"(Examples:
   lte_train --config configs/model/paper.yaml --dry-run
   lte_train --config configs/train/demo.yaml --set data.root=data/rooms --out runs/demo
   lte_train --config configs/train/demo.yaml --set data.root=data/rooms --out runs/demo --resume
-A run directory holds checkpoint.safetensors, model.safetensors, model_best.safetensors, log.jsonl and config.yaml.
+  lte_train report runs/demo
+A run directory holds checkpoint.safetensors, model.safetensors, model_best.safetensors, log.jsonl, config.yaml, tensorboard/ and previews/.
 Ctrl-C finishes the step and writes a checkpoint. docs/training.md explains every key.)";
 
 }  // namespace
@@ -22,7 +24,7 @@ int main(int argc, char** argv) {
   app.footer(kExamples);
   lte::CommonOptions common;
   lte::train::RunOptions options;
-  app.add_option("--config", options.config, "YAML file; see configs/")->required();
+  app.add_option("--config", options.config, "YAML file; see configs/");
   app.add_option("--set", options.overrides, "Override a key of the configuration: key=value")
       ->take_all();
   app.add_option("--out", options.output, "Run directory (key `output`)");
@@ -44,11 +46,21 @@ int main(int argc, char** argv) {
   dry->excludes(resume)->excludes(print)->excludes(check);
   check->excludes(resume)->excludes(print);
   lte::add_common_options(app, &common);
+  std::string run, page;
+  auto* report =
+      app.add_subcommand("report", "Write a run's curves, scenes and times as one HTML page");
+  report->add_option("RUN", run, "Run directory")->required();
+  report->add_option("--out", page, "The page; by default RUN/report.html");
 
   int signal = 0;
   const int status = lte::run_tool(app, argc, argv, [&] {
     lte::apply_common_options(common);
     lte::keep_freed_memory();
+    if (report->parsed()) {
+      std::cout << lte::train::write_run_report(run, page);
+      return;
+    }
+    if (options.config.empty()) throw CLI::RequiredError("--config");
     options.json = common.json;
     options.threads = common.threads;
     const lte::train::RunResult result = lte::train::run(options);

@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstring>
 #include <sstream>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 
@@ -25,6 +26,12 @@ std::string kept_lines(const std::string& text, int64_t resume_step) {
   return kept;
 }
 
+std::string tag_of(const std::string& field) {
+  constexpr std::string_view kValidation = "val_";
+  return field.starts_with(kValidation) ? "val/" + field.substr(kValidation.size())
+                                        : "train/" + field;
+}
+
 }  // namespace
 
 RunLog::RunLog(std::filesystem::path path, int64_t resume_step) : path_(std::move(path)) {
@@ -34,11 +41,16 @@ RunLog::RunLog(std::filesystem::path path, int64_t resume_step) : path_(std::mov
   LTE_CHECK(out_, path_.string(), ": cannot append: ", std::strerror(errno));
 }
 
-void RunLog::write(int64_t step, const std::vector<std::pair<std::string, double>>& fields) {
+void RunLog::write(int64_t step, const NamedValues& fields, const NamedValues& scenes) {
   Json json = {{"step", step}};
   for (const auto& [name, value] : fields) json[name] = value;
+  for (const auto& [name, value] : scenes) json["val_scenes"][name] = value;
   out_ << json.dump() << '\n' << std::flush;
   LTE_CHECK(out_, path_.string(), ": cannot append: ", std::strerror(errno));
+  if (!events_) return;
+  NamedValues tagged;
+  for (const auto& [name, value] : fields) tagged.emplace_back(tag_of(name), value);
+  events_->scalars(step, tagged);
 }
 
 }  // namespace lte::train

@@ -1,13 +1,16 @@
 // log.jsonl: one JSON object a line, of training (loss, lr, ...) and of validation (val_loss, ...),
-// each with its step.
+// each with its step; and the same figures as TensorBoard's events.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "train/event_file.h"
 
 namespace lte::train {
 
@@ -19,12 +22,23 @@ class RunLog {
   /// @throws lte::Error if the file cannot be written.
   RunLog(std::filesystem::path path, int64_t resume_step);
 
-  /// Appends {"step": step, fields...} and flushes. Values that are not finite become null.
-  void write(int64_t step, const std::vector<std::pair<std::string, double>>& fields);
+  /// From now on also as events, in a new file of `folder`; train/event_file.h.
+  void add_events(const std::filesystem::path& folder, int64_t resume_step) {
+    events_.emplace(folder, resume_step);
+  }
+
+  /// Appends {"step": step, fields...} and flushes. Values that are not finite become null. As
+  /// events, "val_loss" is val/loss, and what does not start with val_ is train/NAME.
+  /// @param scenes  validation loss of each scene, as the object "val_scenes"; none: no such key
+  void write(int64_t step, const NamedValues& fields, const NamedValues& scenes = {});
+
+  /// Null without add_events().
+  EventFile* events() { return events_ ? &*events_ : nullptr; }
 
  private:
   std::filesystem::path path_;
   std::ofstream out_;
+  std::optional<EventFile> events_;
 };
 
 }  // namespace lte::train

@@ -50,10 +50,12 @@ Trainer::Trainer(const TrainConfig& config, std::string config_text, at::Device 
   seconds_before_ = progress_.seconds;
   if (!leads()) return;
   log_ = std::make_unique<RunLog>(output_ / "log.jsonl", progress_.step);
+  if (config_.train.tensorboard) log_->add_events(output_ / "tensorboard", progress_.step);
   write_file(output_ / "config.yaml", config_text_);
   validation_ = validation_examples(config_, &data_.val);
   if (validation_.empty())
     log_warning(config_.data.root, ": the split \"val\" is empty; the run is not validated");
+  if (config_.train.preview_every > 0) previews_ = std::make_unique<Previews>(config_, validation_);
 }
 
 void Trainer::start_new() {
@@ -219,7 +221,26 @@ void Trainer::after_step(int64_t queries, double norm) {
     window_timer_.restart();
   }
   if (step % config_.train.validate_every == 0 || last) validate_now();
+  if (previews_ && (step % config_.train.preview_every == 0 || last)) draw_previews();
   if (step % config_.train.checkpoint_every == 0 || last) save();
+}
+
+void Trainer::draw_previews() {
+  if (previews_->empty()) return;
+  const Timer timer;
+  std::vector<PreviewPicture> pictures;
+  {
+    const AverageScope averaged(optimizer_.get());
+    pictures = previews_->draw(model_, device_);
+  }
+  const int64_t history = config_.train.preview_scenes;
+  write_previews(output_, progress_.step, history, pictures);
+  for (size_t i = 0; log_->events() && static_cast<int64_t>(i) < history && i < pictures.size();
+       ++i) {
+    const auto& [scene, width, height, png] = pictures[i];
+    log_->events()->image(progress_.step, "preview/" + scene, width, height, png);
+  }
+  log_->write(progress_.step, {{"preview_seconds", timer.seconds()}});
 }
 
 void Trainer::validate_now() {
@@ -232,7 +253,7 @@ void Trainer::validate_now() {
   const double loss = summary_.validation->loss;
   std::vector<std::pair<std::string, double>> fields = summary_.validation->fields();
   fields.emplace_back("val_seconds", timer.seconds());
-  log_->write(progress_.step, fields);
+  log_->write(progress_.step, fields, summary_.validation->scenes);
   const bool best = loss < progress_.best_loss;
   log_info("step ", progress_.step, ": loss ", summary_.loss, ", validation loss ", loss, ", PSNR ",
            summary_.validation->psnr, " dB", best ? ", the best so far" : "");

@@ -15,6 +15,7 @@
 #include "lte/base/timer.h"
 #include "train/batch.h"
 #include "train/checkpoint.h"
+#include "train/preview.h"
 #include "train/process_group.h"
 #include "train/run_data.h"
 #include "train/run_log.h"
@@ -62,6 +63,7 @@ class Trainer {
   [[noreturn]] void fail_on_gradient(const std::vector<Example>& examples);
   void after_step(int64_t queries, double norm);
   void validate_now();
+  void draw_previews();
   void save();
   void save_model_file(const std::filesystem::path& path);
 
@@ -77,6 +79,7 @@ class Trainer {
   std::unique_ptr<RunLog> log_;  ///< of rank 0
   std::unique_ptr<BatchLoader> loader_;
   std::vector<Example> validation_;
+  std::unique_ptr<Previews> previews_;  ///< of rank 0, unless switched off
   RunProgress progress_;
   TrainSummary summary_;
   Timer window_timer_;

@@ -57,6 +57,7 @@ ValidationResult validate(nn::LightTransportModel& model, const std::vector<Exam
     const SceneErrors errors =
         scene_errors(model->decode_normalized(embedding, example.queries), example.target, loss);
     losses.push_back(errors.loss);
+    result.scenes.emplace_back(example.scene, errors.loss);
     result.loss += errors.loss / count;
     result.mse += errors.mse / count;
     result.psnr += errors.psnr / count;

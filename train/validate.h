@@ -20,8 +20,9 @@ struct ValidationResult {
   double mse = 0;
   double psnr =
       0;  ///< mean over scenes of 10 log10(peak² / MSE), peak: the scene's largest reference value
-  double relmse = 0;  ///< mean of (Î − I)² / (I² + 0.01)
-  double bias = 0;    ///< mean of Î − I over the mean of I
+  double relmse = 0;                                   ///< mean of (Î − I)² / (I² + 0.01)
+  double bias = 0;                                     ///< mean of Î − I over the mean of I
+  std::vector<std::pair<std::string, double>> scenes;  ///< loss of each, by name
 
   /// Names and values of a line of the log: "val_loss", ...
   std::vector<std::pair<std::string, double>> fields() const;

@@ -34,18 +34,6 @@ Image fill(const Image& like, const Color& color) {
 
 }  // namespace
 
-float linear_to_srgb(float linear) {
-  if (!(linear > 0)) return 0;
-  if (linear >= 1) return 1;
-  return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
-}
-
-float srgb_to_linear(float encoded) {
-  if (!(encoded > 0)) return 0;
-  if (encoded >= 1) return 1;
-  return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
-}
-
 float auto_exposure(const Image& linear, float percentile, float target) {
   check_channels(linear, "auto exposure");
   LTE_CHECK(percentile >= 0 && percentile <= 1 && target > 0,

@@ -1,13 +1,13 @@
 // From linear radiance to the display.
 #pragma once
 
+#include "lte/base/srgb.h"
 #include "lte/image/image.h"
 
 namespace lte::image {
 
-/// The sRGB transfer curve (IEC 61966-2-1) of a value clamped to [0, 1], and its inverse.
-float linear_to_srgb(float linear);
-float srgb_to_linear(float encoded);
+using lte::linear_to_srgb;
+using lte::srgb_to_linear;
 
 /// Exposure that brings the `percentile` of luminance over positive finite pixels to `target`; 1
 /// for a black image.

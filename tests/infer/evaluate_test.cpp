@@ -21,7 +21,7 @@ TEST(Scores, AreTheirFormulasOnSmallNumbers) {
   // 99 % of the references are at most 2: white is 2.
   std::vector<Rgb> reference(200, Rgb{2, 2, 2}), prediction = reference;
   for (size_t i = 0; i < 50; ++i) prediction[i] = {3, 3, 3};
-  const std::array<double, 4> score = score_points(prediction, reference);
+  const PointScore score = score_points(prediction, reference);
   EXPECT_NEAR(score[0], 0.25, 1e-6);
   EXPECT_NEAR(score[1], 10 * std::log10(4 / 0.25), 1e-5);
   EXPECT_NEAR(score[2], 0.25 / 4.01, 1e-6);
@@ -54,11 +54,13 @@ TEST(Scores, OfAPerfectViewAreBestAndMaskedPixelsDoNotCount) {
       values.push_back(Rgb{1, 2, 3} * static_cast<float>(i % 7));
     }
   }
-  const std::array<double, 4> score = score_view(values, values, mask, width, height);
+  const ViewScore score = score_view(values, values, mask, width, height);
   EXPECT_EQ(score[0], 0);
   EXPECT_EQ(score[1], 100) << "the cap";
   EXPECT_NEAR(score[2], 1, 1e-6);
   EXPECT_EQ(score[3], 0);
+  EXPECT_EQ(score[4], 0);
+  EXPECT_EQ(score[5], 0);
   const image::Image picture = fill_mask(values, mask, width, height);
   EXPECT_EQ(picture.rgb(5, 0), Rgb{});
   EXPECT_EQ(picture.rgb(6, 0), (Rgb{6, 12, 18}));
@@ -104,12 +106,12 @@ TEST_F(Evaluation, WritesTheStructureThatOtherProgramsRead) {
   EXPECT_EQ(json.at("scenes"), 2);
   ASSERT_EQ(json.at("per_scene").size(), 2u);
   EXPECT_EQ(json.at("per_scene")[0].at("name"), "test0");
-  for (const char* name :
-       {"neural", "path_tracing_64", "constant_mean", "nearest_point", "blurred_direct"}) {
+  for (const char* name : {"neural", "path_tracing_64", "constant_mean", "nearest_point",
+                           "blurred_direct", "irradiance_probes", "direct_only"}) {
     const nlohmann::json& entry = json.at("metrics").at(name);
     for (const char* metric : {"mse", "psnr", "relmse", "logrel"})
       EXPECT_TRUE(entry.at("points").at(metric).is_number());
-    for (const char* metric : {"mse", "psnr", "ssim", "relmse"})
+    for (const char* metric : {"mse", "psnr", "ssim", "relmse", "flip", "hdrflip"})
       EXPECT_TRUE(entry.at("views").at(metric).is_number());
     double sum = 0;
     for (const nlohmann::json& scene : json.at("per_scene")) {
@@ -138,27 +140,70 @@ TEST_F(Evaluation, ComparesIndirectIrradianceOverTheEmissionScalar) {
   EXPECT_NEAR(scene.reference_noise, 1e-4 / (scene.radiance * scene.radiance), 1e-8);
 }
 
-TEST_F(Evaluation, ShowsEachViewToItsSinkAsAContactSheet) {
+TEST_F(Evaluation, GivesIntervalsAndSamplesAroundItsFigures) {
+  Predictor model = predictor();
+  settings_.bootstrap.resamples = 200;
+  const EvalResult result = evaluate(settings_, &model, fit_baselines(settings_.data));
+  const nlohmann::json json = nlohmann::json::parse(eval_json(result, "model", "data"));
+  EXPECT_EQ(json.at("confidence").at("resamples"), 200);
+  const nlohmann::json& bounds =
+      json.at("confidence").at("metrics").at("neural").at("points").at("mse");
+  const double low = bounds.at(0), high = bounds.at(1);
+  // Of two scenes, the resamples are one of them twice or both: the ends are the scenes.
+  const auto of_scene = [&](size_t i) {
+    return json.at("per_scene")[i].at("metrics").at("neural").at("points").at("mse").get<double>();
+  };
+  EXPECT_EQ(low, std::min(of_scene(0), of_scene(1)));
+  EXPECT_EQ(high, std::max(of_scene(0), of_scene(1)));
+  const nlohmann::json& samples = json.at("equal_samples");
+  EXPECT_NEAR(samples.at("path_tracing_64").at("views").at("all").get<double>(), 64, 1e-6);
+  EXPECT_NEAR(samples.at("path_tracing_16").at("points").at("all").get<double>(), 16, 1e-6);
+  EXPECT_NEAR(samples.at("path_tracing_1").at("views").at("median").get<double>(), 1, 1e-6);
+  EXPECT_TRUE(json.at("metrics").at("path_tracing_4").at("views").at("ssim").is_null());
+  EXPECT_TRUE(json.at("per_scene")[0].at("equal_samples").at("neural").at("views").is_number());
+  // The variance of one path by the stored spread: 1e-4 at 256 paths.
+  const double stored = 1e-4 * 256;
+  double by_rival = 0, by_spread = 0;
+  for (const SceneResult& scene : result.scenes) {
+    EXPECT_NEAR(scene.path_variance, stored / (scene.radiance * scene.radiance), 1e-6);
+    by_rival +=
+        64 * (find_score(scene.scores, "path_tracing_64")->points[0] - scene.reference_noise);
+    by_spread += scene.path_variance;
+  }
+  EXPECT_NEAR(json.at("variance_check").at("ratio").get<double>(), by_rival / by_spread, 1e-6);
+}
+
+TEST_F(Evaluation, PutsTheViewsOfASceneOnOneSheetAndAllOfItOnOnePage) {
   Predictor model = predictor();
   int views = 0;
+  ContactSheets sheets(folder_.path());
   settings_.on_view = [&](const ViewPicture& picture) {
     ++views;
     EXPECT_EQ(picture.reference.size(), picture.neural.size());
-    write_contact_sheet(folder_.path(), picture);
+    EXPECT_EQ(picture.reference.size(), picture.rival.size());
+    sheets.add(picture);
   };
   const EvalResult result = evaluate(settings_, &model, fit_baselines(settings_.data));
   EXPECT_EQ(views, 4);
-  const image::Image sheet = image::read_png(folder_ / "test1_view1.png");
-  EXPECT_EQ(sheet.height, 12);
-  EXPECT_EQ(sheet.width, 3 * 16 + 8);
+  EXPECT_THAT(sheets.scenes(), testing::ElementsAre("test0", "test1"));
+  const image::Image sheet = image::read_png(folder_ / "test1.png");
+  EXPECT_EQ(sheet.height, 2 * 12 * 12 + 4) << "two views of 16 x 12 pixels, 12 times as large";
+  EXPECT_EQ(sheet.width, 5 * 192 + 4 * 4);
   std::istringstream csv(eval_csv(result));
   std::string line;
   int lines = 0;
   for (; std::getline(csv, line); ++lines) {
-    EXPECT_EQ(std::count(line.begin(), line.end(), ','), 9) << line;
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), 11) << line;
   }
-  EXPECT_EQ(lines, 1 + 2 * 5);
-  EXPECT_THAT(eval_table(result), testing::HasSubstr("median over scenes"));
+  EXPECT_EQ(lines, 1 + 2 * 10);
+  const std::string table = eval_table(result);
+  EXPECT_THAT(table, testing::HasSubstr("median over scenes"));
+  EXPECT_THAT(table, testing::HasSubstr("worth path-traced samples"));
+  EXPECT_THAT(table, testing::HasSubstr("105 scenes of the paper"));
+  const std::string page = eval_html(result, "a<b", "data", sheets);
+  EXPECT_THAT(page, testing::HasSubstr("a&lt;b"));
+  EXPECT_THAT(page, testing::HasSubstr("data:image/png;base64,"));
+  EXPECT_THAT(page, testing::Not(testing::HasSubstr("http")));
 }
 
 TEST_F(Evaluation, RefusesAnotherScaleAndAnEmptySplit) {

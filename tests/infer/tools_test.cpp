@@ -208,7 +208,7 @@ TEST_F(Tools, EvalWritesItsJsonAndReport) {
   EXPECT_THAT(done.text, AllOf(HasSubstr("neural"), HasSubstr("mean over scenes")));
   EXPECT_TRUE(nlohmann::json::parse(read_file(at("eval.json"))).at("metrics").contains("neural"));
   EXPECT_TRUE(std::filesystem::exists(at("report/metrics.csv")));
-  EXPECT_TRUE(std::filesystem::exists(at("report/test0_view0.png")));
+  EXPECT_TRUE(std::filesystem::exists(at("report/test0.png")));
 }
 
 TEST_F(Tools, FittedBaselinesStandInForTheTrainingSplit) {

@@ -1,0 +1,58 @@
+// Event files of TensorBoard: curves and pictures of a run, without TensorFlow.
+//
+// A file is a sequence of TFRecords (length, masked CRC-32C of it, data, masked CRC-32C of the
+// data), each a protocol buffer `tensorflow.Event`. Every session writes a file of its own. It
+// starts with a session-log event whose step tells readers to drop what earlier sessions recorded
+// from there on: steps that a resumed run does again.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace lte::train {
+
+using NamedValues = std::vector<std::pair<std::string, double>>;
+
+/// The bytes of events, and of the record around one.
+namespace event {
+
+/// `file_version`: the first event of a file.
+std::string version(double wall_time);
+/// `session_log` START: of events recorded before this one, those of `step` or later do not count.
+std::string session_start(double wall_time, int64_t step);
+/// `summary` of values; tags as given.
+std::string scalars(double wall_time, int64_t step, const NamedValues& values);
+/// `summary` of one RGB picture.
+std::string image(double wall_time, int64_t step, const std::string& tag, int width, int height,
+                  std::span<const unsigned char> png);
+/// The TFRecord of `data`.
+std::string record(const std::string& data);
+
+}  // namespace event
+
+class EventFile {
+ public:
+  /// Creates <folder>/events.out.tfevents.<seconds>.<host>.<process>, which sorts behind those that
+  /// are there: readers take the files of a folder by name.
+  /// @param resume_step  steps done before this session; a new run has 0
+  /// @throws lte::Error naming the file.
+  EventFile(const std::filesystem::path& folder, int64_t resume_step);
+
+  /// Each call leaves whole records on disk.
+  void scalars(int64_t step, const NamedValues& values);
+  void image(int64_t step, const std::string& tag, int width, int height,
+             std::span<const unsigned char> png);
+
+ private:
+  void append(const std::string& data);
+
+  std::filesystem::path path_;
+  std::ofstream out_;
+};
+
+}  // namespace lte::train
