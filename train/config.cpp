@@ -9,6 +9,16 @@
 namespace lte::train {
 namespace {
 
+void check_choice(const char* key, const std::string& value,
+                  const std::vector<std::string>& choices) {
+  std::string text;
+  for (const std::string& choice : choices) {
+    if (value == choice) return;
+    text += (text.empty() ? "" : " | ") + choice;
+  }
+  throw Error(concat(key, ": expected ", text, ", got \"", value, "\""));
+}
+
 DataConfig read_data(const Config& config) {
   DataConfig data;
   config.read("root", &data.root);
@@ -26,7 +36,15 @@ DataConfig read_data(const Config& config) {
 
 AugmentConfig read_augment(const Config& config) {
   AugmentConfig augment;
-  config.read("rotate", &augment.rotate);
+  std::string rotate = "vertical";
+  config.read("rotate", &rotate);
+  // Until there was a choice of axes it was a switch.
+  if (rotate == "true") rotate = "vertical";
+  if (rotate == "false") rotate = "none";
+  check_choice("augment.rotate", rotate, {"none", "vertical", "any"});
+  augment.rotate = rotate == "none"  ? Rotation::None
+                   : rotate == "any" ? Rotation::Any
+                                     : Rotation::Vertical;
   config.read("mirror", &augment.mirror);
   config.read("permute_colours", &augment.permute_colours);
   config.read("gain", &augment.gain);

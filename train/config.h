@@ -22,10 +22,13 @@ struct DataConfig {
 
 /// Exact symmetries of light transport (augment.h); each is off at the value in brackets.
 struct AugmentConfig {
-  bool rotate = true;           ///< about the vertical (Y) axis [false]
-  bool mirror = true;           ///< across a vertical plane [false]
-  bool permute_colours = true;  ///< permutes R, G and B [false]
+  Rotation rotate = Rotation::Vertical;  ///< none | vertical | any [none]
+  bool mirror = true;                    ///< across a vertical plane [false]
+  bool permute_colours = true;           ///< permutes R, G and B [false]
   double gain = 4.0;  ///< each luminaire's brightness times g, log-uniform in [1/gain, gain] [1]
+/// About which axes scenes are turned; Y is the vertical.
+enum class Rotation { None, Vertical, Any };
+
   double tint = 2.0;  ///< the same for each channel of each luminaire by itself [1]
 };
 

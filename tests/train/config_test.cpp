@@ -77,6 +77,10 @@ TEST(TrainConfig, ValuesOutOfRangeNameTheKey) {
                             text.substr(brace + 1, text.find(':', brace) - brace - 1);
     test::expect_error([&] { parsed(text + "\n"); }, {key});
   }
+                          "data: {on_bad_scene: ignore}",
+                          "augment: {rotate: sideways}",
+                          "data: {query_sampling: random}",
+                          "loss: {noise_weight: -1}",
 }
 
 TEST(ModelDifferences, NameKeysButNotWhatTheDataDecide) {
@@ -88,6 +92,15 @@ TEST(ModelDifferences, NameKeysButNotWhatTheDataDecide) {
   b.channels = 64;
   b.encoder_depths = {1, 1};
   EXPECT_EQ(model_differences(a, b),
+TEST(TrainConfig, RotationIsOfThreeKindsAndWasOnceASwitch) {
+  EXPECT_EQ(parsed("augment: {rotate: none}\n").augment.rotate, Rotation::None);
+  EXPECT_EQ(parsed("augment: {rotate: vertical}\n").augment.rotate, Rotation::Vertical);
+  EXPECT_EQ(parsed("augment: {rotate: any}\n").augment.rotate, Rotation::Any);
+  EXPECT_EQ(parsed("augment: {rotate: true}\n").augment.rotate, Rotation::Vertical);
+  EXPECT_EQ(parsed("augment: {rotate: false}\n").augment.rotate, Rotation::None);
+  EXPECT_EQ(parsed("{}\n").augment.rotate, Rotation::Vertical);
+}
+
             (std::vector<std::string>{"channels (128, was 64)",
                                       "encoder_depths ([2, 2, 2, 6, 2], was [1, 1])"}));
 }
