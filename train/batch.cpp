@@ -49,8 +49,8 @@ std::vector<Example> BatchLoader::make(int64_t step) {
     Rng rng(config_.seed, hash_combine(kExampleStream, position));
     const Symmetry symmetry =
         draw_symmetry(config_.augment, scene->light_groups, scene->bounds, scale_, &rng);
-    examples.push_back(make_example(*scene, symmetry, config_.data.scene_points,
-                                    config_.data.queries_per_scene, &rng));
+    examples.push_back(
+        make_example(*scene, symmetry, config_.data.scene_points, query_options(config_), &rng));
   }
   return examples;
 }

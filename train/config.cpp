@@ -25,6 +25,13 @@ DataConfig read_data(const Config& config) {
   config.read("scene_points", &data.scene_points);
   config.read("queries_per_scene", &data.queries_per_scene);
   config.read("cache_mb", &data.cache_mb);
+  std::string sampling = "uniform";
+  config.read("query_sampling", &sampling);
+  check_choice("data.query_sampling", sampling, {"uniform", "variance", "gradient"});
+  data.query_sampling = sampling == "variance"   ? QuerySampling::Variance
+                        : sampling == "gradient" ? QuerySampling::Gradient
+                                                 : QuerySampling::Uniform;
+  config.read("on_bad_scene", &data.on_bad_scene);
   LTE_CHECK(data.scene_points >= 0, "data.scene_points: expected 0 (all) or more, got ",
             data.scene_points);
   LTE_CHECK(data.queries_per_scene >= 0, "data.queries_per_scene: expected 0 (all) or more, got ",
@@ -138,7 +145,11 @@ TrainConfig TrainConfig::read(const Config& config) {
   out.data = read_data(config.at("data"));
   out.augment = read_augment(config.at("augment"));
   out.train = read_optim(config.at("train"));
-  out.loss = read_loss(config.at("loss"));
+  const Config loss = config.at("loss");
+  out.loss = read_loss(loss);
+  loss.read("noise_weight", &out.noise_weight);
+  LTE_CHECK(out.noise_weight >= 0 && std::isfinite(out.noise_weight),
+            "loss.noise_weight: expected 0 (off) or more, got ", out.noise_weight);
   const Config model = config.at("model");
   out.has_scale = model.has("scale");
   out.has_output_mean = model.has("output_mean");

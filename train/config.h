@@ -13,11 +13,17 @@
 
 namespace lte::train {
 
+/// What decides how often a query point is drawn: nothing; how noisy its reference is; or how fast
+/// irradiance changes around it.
+enum class QuerySampling { Uniform, Variance, Gradient };
+
 struct DataConfig {
   std::string root;                  ///< directory with dataset.json
   int64_t scene_points = 20'000;     ///< M; a file with more is subsampled afresh each step; 0: all
   int64_t queries_per_scene = 8192;  ///< drawn afresh each step; 0: all
-  int64_t cache_mb = 4096;           ///< memory for scenes kept between steps
+  QuerySampling query_sampling = QuerySampling::Uniform;  ///< uniform | variance | gradient
+  int64_t cache_mb = 4096;                                ///< memory for scenes kept between steps
+  std::string on_bad_scene = "fail";  ///< fail | skip: what a scene that cannot be used does
 };
 
 /// Exact symmetries of light transport (augment.h); each is off at the value in brackets.
@@ -61,6 +67,7 @@ struct TrainConfig {
   nn::ModelConfig model;
   bool has_scale = false;        ///< model.scale is given, and must be the data set's
   bool has_output_mean = false;  ///< model.output_mean is given, and is taken rather than measured
+  double noise_weight = 0;  ///< loss.noise_weight: how much less noisy queries count; 0: all alike
 
   /// Reads every key and refuses those it does not know.
   /// @throws lte::Error naming the key: unknown, ill-typed or out of range.

@@ -17,7 +17,8 @@ size_t bytes_of(const std::vector<T>& values) {
 size_t TrainingScene::size_bytes() const {
   return bytes_of(position) + bytes_of(normal) + bytes_of(albedo) + bytes_of(emission) +
          bytes_of(area) + bytes_of(light) + bytes_of(query_position) + bytes_of(query_normal) +
-         bytes_of(query_albedo) + bytes_of(target);
+         bytes_of(query_albedo) + bytes_of(target) + bytes_of(scores.noise) +
+         bytes_of(scores.slope);
 }
 
 TrainingScene read_training_scene(const std::filesystem::path& path, const std::string& name,
@@ -27,6 +28,7 @@ TrainingScene read_training_scene(const std::filesystem::path& path, const std::
   TrainingScene scene;
   scene.name = name;
   scene.position = std::move(sample.scene_position);
+  scene.scores.noise = query_noise(sample);  // while the sample is whole
   scene.normal = std::move(sample.scene_normal);
   scene.albedo = std::move(sample.scene_albedo);
   scene.emission = std::move(sample.scene_emission);
@@ -41,6 +43,7 @@ TrainingScene read_training_scene(const std::filesystem::path& path, const std::
     for (size_t i = 0; i < scene.target.size(); ++i) scene.target[i] += sample.direct[i];
   }
   for (const Vec3& p : scene.position) scene.bounds.extend(p);
+  scene.scores.slope = query_slope(scene.query_position, scene.query_normal, scene.target);
   return scene;
 }
 

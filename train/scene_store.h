@@ -13,6 +13,7 @@
 #include "lte/data/dataset.h"
 
 namespace lte::train {
+#include "train/query_scores.h"
 
 /// What training needs of a baked scene: no views, and of direct and indirect irradiance what the
 /// target is made of.
@@ -28,6 +29,7 @@ struct TrainingScene {
   std::vector<Rgb> target;                         ///< [G, N] irradiance at unit gain, W/m²
   Bounds bounds;                                   ///< of the scene points
 
+  QueryScores scores;                              ///< [N] each
   int64_t scene_points() const { return static_cast<int64_t>(position.size()); }
   int64_t query_points() const { return static_cast<int64_t>(query_position.size()); }
   size_t size_bytes() const;

@@ -33,6 +33,8 @@ TEST(TrainConfig, BaseYamlHoldsTheDefaultsOfTheCode) {
 
 TEST(TrainConfig, EveryShippedConfigurationIsValid) {
   int files = 0;
+  EXPECT_EQ(file.noise_weight, code.noise_weight);
+  EXPECT_EQ(file.data.query_sampling, code.data.query_sampling);
   for (const char* folder : {"configs/model", "configs/train"}) {
     for (const auto& entry :
          std::filesystem::directory_iterator(std::filesystem::path(LTE_SOURCE_DIR) / folder)) {
@@ -75,12 +77,12 @@ TEST(TrainConfig, ValuesOutOfRangeNameTheKey) {
     const size_t brace = text.find('{');
     const std::string key = text.substr(0, text.find(':')) + "." +
                             text.substr(brace + 1, text.find(':', brace) - brace - 1);
-    test::expect_error([&] { parsed(text + "\n"); }, {key});
-  }
                           "data: {on_bad_scene: ignore}",
                           "augment: {rotate: sideways}",
                           "data: {query_sampling: random}",
                           "loss: {noise_weight: -1}",
+    test::expect_error([&] { parsed(text + "\n"); }, {key});
+  }
 }
 
 TEST(ModelDifferences, NameKeysButNotWhatTheDataDecide) {

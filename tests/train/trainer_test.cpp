@@ -65,6 +65,22 @@ TEST_F(TrainerTest, OverfitsOneScene) {
   const test::TempDir one;
   test::write_dataset(one.path(), 1, 0);
   TrainConfig run =
+TEST_F(TrainerTest, DrawnAndWeighedQueriesResumeBitForBitToo) {
+  const std::string switches = "data: {query_sampling: gradient}\nloss: {noise_weight: 1}\n";
+  train(config("straight", switches));
+  train(config("pieces", switches), false, 3);
+  train(config("pieces", switches), true);
+  expect_same_tensors(dir_ / "straight/model.safetensors", dir_ / "pieces/model.safetensors");
+  train(config("plain"));
+  EXPECT_NE(log_values(dir_ / "plain"), log_values(dir_ / "straight"));
+}
+
+TEST_F(TrainerTest, ADataSetLargerThanTheCacheGivesTheSameBits) {
+  train(config("large"));
+  train(config("small", "data: {cache_mb: 0}\n"));
+  expect_same_tensors(dir_ / "large/checkpoint.safetensors", dir_ / "small/checkpoint.safetensors");
+}
+
       config("run",
              "augment: {rotate: none, mirror: false, permute_colours: false, gain: 1, tint: 1}\n"
              "model: {dropout: 0}\n"
