@@ -38,6 +38,7 @@ DataConfig read_data(const Config& config) {
             data.queries_per_scene);
   LTE_CHECK(data.cache_mb >= 0, "data.cache_mb: expected 0 (keep nothing) or more, got ",
             data.cache_mb);
+  check_choice("data.on_bad_scene", data.on_bad_scene, {"fail", "skip"});
   return data;
 }
 
@@ -74,6 +75,7 @@ void check_optim(const OptimConfig& train) {
   check_at_least("train.warmup_steps", train.warmup_steps, 0);
   check_at_least("train.log_every", train.log_every, 1);
   check_at_least("train.checkpoint_every", train.checkpoint_every, 1);
+  check_at_least("train.keep_checkpoints", train.keep_checkpoints, 1);
   check_at_least("train.validate_every", train.validate_every, 1);
   check_at_least("train.validation_scenes", train.validation_scenes, 0);
   check_at_least("train.validation_queries", train.validation_queries, 0);
@@ -93,6 +95,8 @@ void check_optim(const OptimConfig& train) {
             train.clip_norm);
   LTE_CHECK(train.ema_decay >= 0 && train.ema_decay < 1,
             "train.ema_decay: expected 0 (off) to below 1, got ", train.ema_decay);
+  LTE_CHECK(train.init_except.empty() || !train.init_weights.empty(),
+            "train.init_except: has no meaning without train.init_weights (--init-weights)");
 }
 
 OptimConfig read_optim(const Config& config) {
@@ -109,10 +113,13 @@ OptimConfig read_optim(const Config& config) {
   config.read("ema_decay", &train.ema_decay);
   config.read("log_every", &train.log_every);
   config.read("checkpoint_every", &train.checkpoint_every);
+  config.read("keep_checkpoints", &train.keep_checkpoints);
   config.read("validate_every", &train.validate_every);
   config.read("validation_scenes", &train.validation_scenes);
   config.read("validation_queries", &train.validation_queries);
   config.read("timeout_s", &train.timeout_s);
+  config.read("init_weights", &train.init_weights);
+  config.read("init_except", &train.init_except);
   check_optim(train);
   return train;
 }

@@ -26,15 +26,15 @@ struct DataConfig {
   std::string on_bad_scene = "fail";  ///< fail | skip: what a scene that cannot be used does
 };
 
+/// About which axes scenes are turned; Y is the vertical.
+enum class Rotation { None, Vertical, Any };
+
 /// Exact symmetries of light transport (augment.h); each is off at the value in brackets.
 struct AugmentConfig {
   Rotation rotate = Rotation::Vertical;  ///< none | vertical | any [none]
   bool mirror = true;                    ///< across a vertical plane [false]
   bool permute_colours = true;           ///< permutes R, G and B [false]
   double gain = 4.0;  ///< each luminaire's brightness times g, log-uniform in [1/gain, gain] [1]
-/// About which axes scenes are turned; Y is the vertical.
-enum class Rotation { None, Vertical, Any };
-
   double tint = 2.0;  ///< the same for each channel of each luminaire by itself [1]
 };
 
@@ -50,11 +50,14 @@ struct OptimConfig {
   double ema_decay = 0.0;  ///< of the averaged weights; 0: none are kept
   int64_t log_every = 50;  ///< steps a line of log.jsonl
   int64_t checkpoint_every = 1000;
+  int64_t keep_checkpoints = 2;  ///< the last ones that stay; the best one stays beside them
   int64_t validate_every = 1000;
   int64_t validation_scenes = 32;     ///< the first ones of the split; 0: all
   int64_t validation_queries = 8192;  ///< of each, the same every time; 0: all
   int64_t timeout_s =
       600;  ///< of a run of several processes: how long one may keep the others waiting
+  std::string init_weights;  ///< file whose weights a new run starts from; empty: fresh ones
+  std::vector<std::string> init_except;  ///< prefixes of parameters that stay fresh all the same
 };
 
 struct TrainConfig {
@@ -64,10 +67,10 @@ struct TrainConfig {
   AugmentConfig augment;
   OptimConfig train;
   nn::LossConfig loss;
+  double noise_weight = 0;  ///< loss.noise_weight: how much less noisy queries count; 0: all alike
   nn::ModelConfig model;
   bool has_scale = false;        ///< model.scale is given, and must be the data set's
   bool has_output_mean = false;  ///< model.output_mean is given, and is taken rather than measured
-  double noise_weight = 0;  ///< loss.noise_weight: how much less noisy queries count; 0: all alike
 
   /// Reads every key and refuses those it does not know.
   /// @throws lte::Error naming the key: unknown, ill-typed or out of range.

@@ -27,9 +27,15 @@ std::string kept_lines(const std::string& text, int64_t resume_step) {
 
 }  // namespace
 
-RunLog::RunLog(std::filesystem::path path, int64_t resume_step) : path_(std::move(path)) {
-  const bool keep = resume_step > 0 && std::filesystem::exists(path_);
-  write_file(path_, keep ? kept_lines(read_file(path_), resume_step) : "");
+RunLog::RunLog(std::filesystem::path path, int64_t resume_step,
+               const std::optional<std::string>& saved)
+    : path_(std::move(path)) {
+  if (saved) {
+    text_ = *saved;
+  } else if (resume_step > 0 && std::filesystem::exists(path_)) {
+    text_ = kept_lines(read_file(path_), resume_step);
+  }
+  write_file(path_, text_);
   out_.open(path_, std::ios::app);
   LTE_CHECK(out_, path_.string(), ": cannot append: ", std::strerror(errno));
 }
@@ -37,8 +43,10 @@ RunLog::RunLog(std::filesystem::path path, int64_t resume_step) : path_(std::mov
 void RunLog::write(int64_t step, const std::vector<std::pair<std::string, double>>& fields) {
   Json json = {{"step", step}};
   for (const auto& [name, value] : fields) json[name] = value;
-  out_ << json.dump() << '\n' << std::flush;
+  const std::string line = json.dump() + '\n';
+  out_ << line << std::flush;
   LTE_CHECK(out_, path_.string(), ": cannot append: ", std::strerror(errno));
+  text_ += line;
 }
 
 }  // namespace lte::train

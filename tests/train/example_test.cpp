@@ -237,9 +237,9 @@ TEST(SceneStore, DropsTheLeastRecentlyUsed) {
   const test::TempDir dir;
   test::write_dataset(dir.path(), 3, 0);
   const auto entries = data::entries_of(data::read_dataset_info(dir.path()), data::Split::Train);
-  SceneStore probe(dir.path(), entries, "indirect", 0);
+  SceneStore probe(dir.path(), entries, {});
   const size_t one = probe.get(0)->size_bytes();
-  SceneStore store(dir.path(), entries, "indirect", 2 * one);
+  SceneStore store(dir.path(), entries, {"indirect", 2 * one});
   const auto first = store.get(0);
   store.get(1);
   EXPECT_EQ(store.get(0), first) << "still kept";
