@@ -19,8 +19,8 @@ namespace lte::train {
 
 /// One element of the symmetry group. The default is the identity for a scene without luminaires.
 struct Symmetry {
-  float cosine = 1, sine = 0;  ///< of the angle about +Y
-  bool mirror = false;         ///< x -> −x before the rotation
+  std::array<Vec3, 3> rotation = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< its rows
+  bool mirror = false;  ///< x -> −x before the rotation
   std::array<int, 3> channels = {
       0, 1, 2};            ///< channel i of the result is channel channels[i] of the source
   std::vector<Rgb> gains;  ///< [G], of each luminaire, before the permutation
@@ -28,7 +28,7 @@ struct Symmetry {
   /// Of positions and normals alike: the map is linear and orthogonal.
   Vec3 space(Vec3 v) const {
     if (mirror) v.x = -v.x;
-    return {cosine * v.x + sine * v.z, v.y, cosine * v.z - sine * v.x};
+    return {dot(rotation[0], v), dot(rotation[1], v), dot(rotation[2], v)};
   }
   Rgb colour(const Rgb& c) const { return {c[channels[0]], c[channels[1]], c[channels[2]]}; }
   /// Emission or irradiance of light group `group`; −1 (no luminaire) has unit gain.
@@ -39,9 +39,9 @@ struct Symmetry {
 
 Symmetry identity_symmetry(int64_t light_groups);
 
-/// Draws what `config` switches on. A rotation by which `bounds`' footprint would outgrow
-/// `largest_extent` (the network's cube of side s) is replaced by the nearest quarter turn, which
-/// never does.
+/// Draws what `config` switches on. A rotation by which `bounds` would outgrow `largest_extent`
+/// (the network's cube of side s) is replaced by the nearest one that maps axes to axes, a quarter
+/// turn about the vertical or one of the 24 of the cube, which never does.
 Symmetry draw_symmetry(const AugmentConfig& config, int64_t light_groups, const Bounds& bounds,
                        double largest_extent, Rng* rng);
 

@@ -6,13 +6,16 @@
 
 #include <ATen/ops/mean.h>
 
+#include "lte/base/check.h"
 #include "lte/base/random.h"
+#include "lte/base/timer.h"
 
 namespace lte::train {
 namespace {
 
 // Streams of random numbers that must not meet.
-constexpr uint64_t kOrderStream = 1, kExampleStream = 2, kValidationStream = 3, kMeanStream = 4;
+constexpr uint64_t kOrderStream = 1, kExampleStream = 2, kValidationStream = 3, kMeanStream = 4,
+                   kReplacementStream = 5;
 
 }  // namespace
 
@@ -40,28 +43,38 @@ BatchLoader::~BatchLoader() {
   if (next_.valid()) next_.wait();
 }
 
+std::shared_ptr<const TrainingScene> BatchLoader::scene_at(uint64_t position) {
+  auto scene = store_->get(order_.scene_at(position));
+  // The store throws when none is left, so this ends.
+  for (Rng rng(config_.seed, hash_combine(kReplacementStream, position)); !scene;)
+    scene = store_->get(rng.below(store_->size()));
+  return scene;
+}
+
 std::vector<Example> BatchLoader::make(int64_t step) {
   std::vector<Example> examples;
   const int64_t count = config_.train.scenes_per_step;
   for (int64_t slot = world_.rank; slot < count; slot += world_.size) {
     const auto position = static_cast<uint64_t>(step * count + slot);
-    const auto scene = store_->get(order_.scene_at(position));
+    const auto scene = scene_at(position);
     Rng rng(config_.seed, hash_combine(kExampleStream, position));
     const Symmetry symmetry =
         draw_symmetry(config_.augment, scene->light_groups, scene->bounds, scale_, &rng);
-    examples.push_back(make_example(*scene, symmetry, config_.data.scene_points,
-                                    config_.data.queries_per_scene, &rng));
+    examples.push_back(
+        make_example(*scene, symmetry, config_.data.scene_points, query_options(config_), &rng));
   }
   return examples;
 }
 
 std::vector<Example> BatchLoader::take(int64_t step) {
+  const Timer timer;
   std::vector<Example> examples;
   if (next_.valid()) {
     std::vector<Example> made = next_.get();
     if (next_step_ == step) examples = std::move(made);
   }
   if (examples.empty()) examples = make(step);
+  waited_seconds_ += timer.seconds();
   next_step_ = step + 1;
   if (next_step_ < config_.train.steps) {
     next_ = std::async(std::launch::async, [this, step] { return make(step + 1); });
@@ -75,6 +88,7 @@ std::vector<Example> validation_examples(const TrainConfig& config, SceneStore* 
   std::vector<Example> examples;
   for (size_t i = 0; i < count; ++i) {
     const auto scene = store->get(i);
+    if (!scene) continue;
     Rng rng(kValidationStream, i);  // not the run's seed: runs are compared on the same queries
     examples.push_back(make_example(*scene, identity_symmetry(scene->light_groups),
                                     config.data.scene_points, config.train.validation_queries,
@@ -87,15 +101,19 @@ double mean_target(const TrainConfig& config, SceneStore* store) {
   constexpr size_t kScenes = 64;
   const size_t count = std::min(kScenes, store->size());
   double sum = 0;
+  int used = 0;
   for (size_t i = 0; i < count; ++i) {
     const auto scene = store->get(i * store->size() / count);
+    if (!scene) continue;
+    ++used;
     Rng rng(config.seed, hash_combine(kMeanStream, i));
     sum += make_example(*scene, identity_symmetry(scene->light_groups), config.data.scene_points,
                         config.data.queries_per_scene, &rng)
                .target.mean()
                .item<double>();
   }
-  return sum / static_cast<double>(count);
+  LTE_CHECK(used > 0, "none of ", count, " scenes spread over the training split can be used");
+  return sum / used;
 }
 
 }  // namespace lte::train

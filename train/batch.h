@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <future>
+#include <memory>
 #include <vector>
 
 #include "train/config.h"
@@ -29,8 +30,11 @@ class EpochOrder {
 };
 
 /// Makes this process's examples of a step, every `world.size`-th beginning with its rank: all
-/// processes together have those that one alone would have. Those of the next are made by another
-/// thread while the model works.
+/// processes together have those that one alone would have. Those of the next, and no more, are
+/// made by another thread while the model works: memory holds the examples of two steps.
+///
+/// In the place of a scene that the store skips comes another, drawn by its position in the order
+/// alone: the same one whichever process asks, however often the run is stopped.
 class BatchLoader {
  public:
   /// @param scale  s, metres: what a rotated scene must fit into
@@ -41,8 +45,11 @@ class BatchLoader {
 
   /// The examples of `step`, and starts on those of step + 1.
   std::vector<Example> take(int64_t step);
+  /// Seconds that take() has waited for examples, all together.
+  double waited_seconds() const { return waited_seconds_; }
 
  private:
+  std::shared_ptr<const TrainingScene> scene_at(uint64_t position);
   std::vector<Example> make(int64_t step);
 
   TrainConfig config_;
@@ -52,6 +59,7 @@ class BatchLoader {
   EpochOrder order_;
   std::future<std::vector<Example>> next_;
   int64_t next_step_ = -1;
+  double waited_seconds_ = 0;
 };
 
 /// The fixed examples of the validation split: no augmentation, the same points and queries every

@@ -9,24 +9,50 @@
 namespace lte::train {
 namespace {
 
+void check_choice(const char* key, const std::string& value,
+                  const std::vector<std::string>& choices) {
+  std::string text;
+  for (const std::string& choice : choices) {
+    if (value == choice) return;
+    text += (text.empty() ? "" : " | ") + choice;
+  }
+  throw Error(concat(key, ": expected ", text, ", got \"", value, "\""));
+}
+
 DataConfig read_data(const Config& config) {
   DataConfig data;
   config.read("root", &data.root);
   config.read("scene_points", &data.scene_points);
   config.read("queries_per_scene", &data.queries_per_scene);
   config.read("cache_mb", &data.cache_mb);
+  std::string sampling = "uniform";
+  config.read("query_sampling", &sampling);
+  check_choice("data.query_sampling", sampling, {"uniform", "variance", "gradient"});
+  data.query_sampling = sampling == "variance"   ? QuerySampling::Variance
+                        : sampling == "gradient" ? QuerySampling::Gradient
+                                                 : QuerySampling::Uniform;
+  config.read("on_bad_scene", &data.on_bad_scene);
   LTE_CHECK(data.scene_points >= 0, "data.scene_points: expected 0 (all) or more, got ",
             data.scene_points);
   LTE_CHECK(data.queries_per_scene >= 0, "data.queries_per_scene: expected 0 (all) or more, got ",
             data.queries_per_scene);
   LTE_CHECK(data.cache_mb >= 0, "data.cache_mb: expected 0 (keep nothing) or more, got ",
             data.cache_mb);
+  check_choice("data.on_bad_scene", data.on_bad_scene, {"fail", "skip"});
   return data;
 }
 
 AugmentConfig read_augment(const Config& config) {
   AugmentConfig augment;
-  config.read("rotate", &augment.rotate);
+  std::string rotate = "vertical";
+  config.read("rotate", &rotate);
+  // Until there was a choice of axes it was a switch.
+  if (rotate == "true") rotate = "vertical";
+  if (rotate == "false") rotate = "none";
+  check_choice("augment.rotate", rotate, {"none", "vertical", "any"});
+  augment.rotate = rotate == "none"  ? Rotation::None
+                   : rotate == "any" ? Rotation::Any
+                                     : Rotation::Vertical;
   config.read("mirror", &augment.mirror);
   config.read("permute_colours", &augment.permute_colours);
   config.read("gain", &augment.gain);
@@ -49,6 +75,7 @@ void check_optim(const OptimConfig& train) {
   check_at_least("train.warmup_steps", train.warmup_steps, 0);
   check_at_least("train.log_every", train.log_every, 1);
   check_at_least("train.checkpoint_every", train.checkpoint_every, 1);
+  check_at_least("train.keep_checkpoints", train.keep_checkpoints, 1);
   check_at_least("train.validate_every", train.validate_every, 1);
   check_at_least("train.validation_scenes", train.validation_scenes, 0);
   check_at_least("train.validation_queries", train.validation_queries, 0);
@@ -70,6 +97,8 @@ void check_optim(const OptimConfig& train) {
             train.clip_norm);
   LTE_CHECK(train.ema_decay >= 0 && train.ema_decay < 1,
             "train.ema_decay: expected 0 (off) to below 1, got ", train.ema_decay);
+  LTE_CHECK(train.init_except.empty() || !train.init_weights.empty(),
+            "train.init_except: has no meaning without train.init_weights (--init-weights)");
 }
 
 OptimConfig read_optim(const Config& config) {
@@ -86,6 +115,7 @@ OptimConfig read_optim(const Config& config) {
   config.read("ema_decay", &train.ema_decay);
   config.read("log_every", &train.log_every);
   config.read("checkpoint_every", &train.checkpoint_every);
+  config.read("keep_checkpoints", &train.keep_checkpoints);
   config.read("validate_every", &train.validate_every);
   config.read("validation_scenes", &train.validation_scenes);
   config.read("validation_queries", &train.validation_queries);
@@ -93,6 +123,8 @@ OptimConfig read_optim(const Config& config) {
   config.read("preview_every", &train.preview_every);
   config.read("preview_scenes", &train.preview_scenes);
   config.read("timeout_s", &train.timeout_s);
+  config.read("init_weights", &train.init_weights);
+  config.read("init_except", &train.init_except);
   check_optim(train);
   return train;
 }
@@ -125,7 +157,11 @@ TrainConfig TrainConfig::read(const Config& config) {
   out.data = read_data(config.at("data"));
   out.augment = read_augment(config.at("augment"));
   out.train = read_optim(config.at("train"));
-  out.loss = read_loss(config.at("loss"));
+  const Config loss = config.at("loss");
+  out.loss = read_loss(loss);
+  loss.read("noise_weight", &out.noise_weight);
+  LTE_CHECK(out.noise_weight >= 0 && std::isfinite(out.noise_weight),
+            "loss.noise_weight: expected 0 (off) or more, got ", out.noise_weight);
   const Config model = config.at("model");
   out.has_scale = model.has("scale");
   out.has_output_mean = model.has("output_mean");

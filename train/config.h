@@ -13,18 +13,27 @@
 
 namespace lte::train {
 
+/// What decides how often a query point is drawn: nothing; how noisy its reference is; or how fast
+/// irradiance changes around it.
+enum class QuerySampling { Uniform, Variance, Gradient };
+
 struct DataConfig {
   std::string root;                  ///< directory with dataset.json
   int64_t scene_points = 20'000;     ///< M; a file with more is subsampled afresh each step; 0: all
   int64_t queries_per_scene = 8192;  ///< drawn afresh each step; 0: all
-  int64_t cache_mb = 4096;           ///< memory for scenes kept between steps
+  QuerySampling query_sampling = QuerySampling::Uniform;  ///< uniform | variance | gradient
+  int64_t cache_mb = 4096;                                ///< memory for scenes kept between steps
+  std::string on_bad_scene = "fail";  ///< fail | skip: what a scene that cannot be used does
 };
+
+/// About which axes scenes are turned; Y is the vertical.
+enum class Rotation { None, Vertical, Any };
 
 /// Exact symmetries of light transport (augment.h); each is off at the value in brackets.
 struct AugmentConfig {
-  bool rotate = true;           ///< about the vertical (Y) axis [false]
-  bool mirror = true;           ///< across a vertical plane [false]
-  bool permute_colours = true;  ///< permutes R, G and B [false]
+  Rotation rotate = Rotation::Vertical;  ///< none | vertical | any [none]
+  bool mirror = true;                    ///< across a vertical plane [false]
+  bool permute_colours = true;           ///< permutes R, G and B [false]
   double gain = 4.0;  ///< each luminaire's brightness times g, log-uniform in [1/gain, gain] [1]
   double tint = 2.0;  ///< the same for each channel of each luminaire by itself [1]
 };
@@ -41,6 +50,7 @@ struct OptimConfig {
   double ema_decay = 0.0;  ///< of the averaged weights; 0: none are kept
   int64_t log_every = 50;  ///< steps a line of log.jsonl
   int64_t checkpoint_every = 1000;
+  int64_t keep_checkpoints = 2;  ///< the last ones that stay; the best one stays beside them
   int64_t validate_every = 1000;
   int64_t validation_scenes = 32;     ///< the first ones of the split; 0: all
   int64_t validation_queries = 8192;  ///< of each, the same every time; 0: all
@@ -49,6 +59,8 @@ struct OptimConfig {
   int64_t preview_scenes = 4;         ///< of which every picture is kept, not the newest alone
   int64_t timeout_s =
       600;  ///< of a run of several processes: how long one may keep the others waiting
+  std::string init_weights;  ///< file whose weights a new run starts from; empty: fresh ones
+  std::vector<std::string> init_except;  ///< prefixes of parameters that stay fresh all the same
 };
 
 struct TrainConfig {
@@ -58,6 +70,7 @@ struct TrainConfig {
   AugmentConfig augment;
   OptimConfig train;
   nn::LossConfig loss;
+  double noise_weight = 0;  ///< loss.noise_weight: how much less noisy queries count; 0: all alike
   nn::ModelConfig model;
   bool has_scale = false;        ///< model.scale is given, and must be the data set's
   bool has_output_mean = false;  ///< model.output_mean is given, and is taken rather than measured

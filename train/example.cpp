@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 
 #include <ATen/ops/empty.h>
@@ -59,6 +60,69 @@ nn::PointSet gather_points(const TrainingScene& scene, const Symmetry& symmetry,
   return points;
 }
 
+struct DrawnQueries {
+  std::vector<int64_t> rows;
+  std::vector<double> weight;  ///< of each row; empty: all alike
+};
+
+/// Systematic sampling of the scores' distribution: a row comes as often as it should on average to
+/// within one.
+DrawnQueries draw_by_score(const std::vector<float>& scores, bool square_root, int64_t count,
+                           Rng* rng) {
+  const auto score = [&](size_t i) { return square_root ? std::sqrt(scores[i]) : scores[i]; };
+  const auto rows = static_cast<double>(scores.size());
+  double total = 0;
+  for (size_t i = 0; i < scores.size(); ++i) total += score(i);
+  DrawnQueries drawn;
+  const double start = rng->uniform();
+  double before = 0;  // expected number of draws of the rows so far
+  for (size_t i = 0; i < scores.size(); ++i) {
+    const double likelier = total > 0 ? 0.5 + 0.5 * score(i) * rows / total : 1.0;
+    const bool last = i + 1 == scores.size();  // rounding must not cost a draw
+    const double after =
+        last ? static_cast<double>(count) : before + static_cast<double>(count) * likelier / rows;
+    const auto copies =
+        static_cast<int64_t>(std::floor(after + start) - std::floor(before + start));
+    for (int64_t copy = 0; copy < copies; ++copy) {
+      drawn.rows.push_back(static_cast<int64_t>(i));
+      drawn.weight.push_back(1 / likelier);
+    }
+    before = after;
+  }
+  return drawn;
+}
+
+DrawnQueries draw_queries(const TrainingScene& scene, const QueryOptions& options, Rng* rng) {
+  const int64_t rows = scene.query_points();
+  if (options.sampling == QuerySampling::Uniform || options.count == 0 || options.count >= rows)
+    return {draw_rows(rows, options.count, rng), {}};
+  const bool by_noise = options.sampling == QuerySampling::Variance;
+  return draw_by_score(by_noise ? scene.scores.noise : scene.scores.slope, by_noise, options.count,
+                       rng);
+}
+
+/// Divides the weights by 1 + λ n. With I = exp(x) − 1, a relative error r of I is an error of
+/// r I/(I + 1) of x, which the loss divides by x + ε.
+void weigh_noise(const TrainingScene& scene, const QueryOptions& options, const at::Tensor& target,
+                 DrawnQueries* drawn) {
+  if (drawn->weight.empty()) drawn->weight.assign(drawn->rows.size(), 1.0);
+  const auto* I = target.const_data_ptr<float>();
+  double before = 0, after = 0;
+  for (size_t i = 0; i < drawn->rows.size(); ++i) {
+    double factor = 0;
+    for (size_t c = 0; c < 3; ++c) {
+      const double value = I[3 * i + c];
+      const double relative = value / ((value + 1) * (std::log1p(value) + options.epsilon));
+      factor += relative * relative / 3;
+    }
+    const double noise = scene.scores.noise[static_cast<size_t>(drawn->rows[i])] * factor;
+    before += drawn->weight[i];
+    drawn->weight[i] /= 1 + options.noise_weight * noise;
+    after += drawn->weight[i];
+  }
+  for (double& weight : drawn->weight) weight *= before / after;
+}
+
 }  // namespace
 
 Example Example::to(at::Device device) const {
@@ -68,6 +132,7 @@ Example Example::to(at::Device device) const {
                              &out.queries.normal, &out.queries.albedo, &out.target}) {
     *tensor = tensor->to(device);
   }
+  if (out.weight.defined()) out.weight = out.weight.to(device);
   return out;
 }
 
@@ -104,14 +169,20 @@ std::vector<int64_t> draw_scene_rows(const TrainingScene& scene, int64_t count, 
   return drawn;
 }
 
+QueryOptions query_options(const TrainConfig& config) {
+  return {config.data.queries_per_scene, config.data.query_sampling, config.noise_weight,
+          config.loss.epsilon};
+}
+
 Example make_example(const TrainingScene& scene, const Symmetry& symmetry, int64_t scene_points,
-                     int64_t queries, Rng* rng) {
+                     const QueryOptions& queries, Rng* rng) {
   LTE_CHECK(static_cast<int64_t>(symmetry.gains.size()) == scene.light_groups, scene.name, ": ",
             scene.light_groups, " light groups, but ", symmetry.gains.size(), " gains");
   Example example;
   example.scene = scene.name;
   example.points = gather_points(scene, symmetry, draw_scene_rows(scene, scene_points, rng));
-  const std::vector<int64_t> rows = draw_rows(scene.query_points(), queries, rng);
+  DrawnQueries drawn = draw_queries(scene, queries, rng);
+  const std::vector<int64_t>& rows = drawn.rows;
   example.queries.position =
       triples(rows, [&](size_t i) { return symmetry.space(scene.query_position[i]); });
   example.queries.normal =
@@ -135,6 +206,11 @@ Example make_example(const TrainingScene& scene, const Symmetry& symmetry, int64
     return Rgb{static_cast<float>(sum[0] * factor[0]), static_cast<float>(sum[1] * factor[1]),
                static_cast<float>(sum[2] * factor[2])};
   });
+  if (queries.noise_weight > 0) weigh_noise(scene, queries, example.target, &drawn);
+  if (!drawn.weight.empty()) {
+    example.weight = at::empty({static_cast<int64_t>(drawn.weight.size())}, at::kFloat);
+    std::copy(drawn.weight.begin(), drawn.weight.end(), example.weight.data_ptr<float>());
+  }
   example.seed = rng->next_u64();
   return example;
 }

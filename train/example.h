@@ -18,6 +18,7 @@ struct Example {
   nn::PointSet points;
   nn::QuerySet queries;
   at::Tensor target;  ///< [Q, 3] irradiance over the points' emission scalar
+  at::Tensor weight;  ///< [Q] of each query in the loss; undefined: all alike
   uint64_t seed = 0;  ///< of curve orders and dropout
 
   Example to(at::Device device) const;
@@ -33,8 +34,30 @@ std::vector<int64_t> draw_rows(int64_t rows, int64_t count, Rng* rng);
 /// lost. In ascending order.
 std::vector<int64_t> draw_scene_rows(const TrainingScene& scene, int64_t count, Rng* rng);
 
-/// @param scene_points, queries  how many to draw; 0: all
+/// How the queries of an example are drawn and weighed.
+struct QueryOptions {
+  int64_t count = 0;  ///< 0: all, each once
+  /// Other than uniform: with replacement, a query by half as likely as if all were alike and by
+  /// half in proportion to its score (QueryScores: square root of noise, or slope), with the
+  /// inverse of that as its weight, at most 2. The loss has the mean that uniform drawing gives it.
+  QuerySampling sampling = QuerySampling::Uniform;
+  /// λ: a query's weight is divided by 1 + λ n, n the variance that its reference's noise adds to
+  /// its relative log error; then all are scaled to the mean they had. 0: none of this.
+  double noise_weight = 0;
+  double epsilon = 0.01;  ///< of the loss
+};
+
+/// As `config` has it, for training.
+QueryOptions query_options(const TrainConfig& config);
+
+/// @param scene_points  how many to draw; 0: all
 Example make_example(const TrainingScene& scene, const Symmetry& symmetry, int64_t scene_points,
-                     int64_t queries, Rng* rng);
+                     const QueryOptions& queries, Rng* rng);
+
+/// The same with queries that are all alike.
+inline Example make_example(const TrainingScene& scene, const Symmetry& symmetry,
+                            int64_t scene_points, int64_t queries, Rng* rng) {
+  return make_example(scene, symmetry, scene_points, QueryOptions{queries}, rng);
+}
 
 }  // namespace lte::train

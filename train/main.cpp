@@ -4,6 +4,7 @@
 
 #include "lte/base/cli.h"
 #include "lte/base/memory.h"
+#include "train/command_line.h"
 #include "train/report.h"
 #include "train/run.h"
 
@@ -13,8 +14,12 @@ constexpr const char* kExamples = R"(Examples:
   lte_train --config configs/model/paper.yaml --dry-run
   lte_train --config configs/train/demo.yaml --set data.root=data/rooms --out runs/demo
   lte_train --config configs/train/demo.yaml --set data.root=data/rooms --out runs/demo --resume
+  lte_train --config my.yaml --set data.root=data/homes --out runs/homes --init-weights runs/demo/model.safetensors
+  lte_train --config my.yaml --set data.root=data/homes --out runs/homes --find-lr
   lte_train report runs/demo
-A run directory holds checkpoint.safetensors, model.safetensors, model_best.safetensors, log.jsonl, config.yaml, tensorboard/ and previews/.
+A run directory holds checkpoint.safetensors and the ones before it, checkpoint_best.safetensors, model.safetensors,
+model_best.safetensors, log.jsonl, config.yaml, tensorboard/ and previews/; it may be moved. --resume takes the newest
+checkpoint that is whole.
 Ctrl-C finishes the step and writes a checkpoint. docs/training.md explains every key.)";
 
 }  // namespace
@@ -24,27 +29,7 @@ int main(int argc, char** argv) {
   app.footer(kExamples);
   lte::CommonOptions common;
   lte::train::RunOptions options;
-  app.add_option("--config", options.config, "YAML file; see configs/");
-  app.add_option("--set", options.overrides, "Override a key of the configuration: key=value")
-      ->take_all();
-  app.add_option("--out", options.output, "Run directory (key `output`)");
-  app.add_option("--seed", options.seed, "Seed of everything random (key `seed`)");
-  app.add_option("--device", options.device, "cpu or cuda")
-      ->check(CLI::IsMember({"cpu", "cuda"}))
-      ->capture_default_str();
-  app.add_option("--stop-after", options.stop_after,
-                 "End this session after so many steps, with a checkpoint; 0: never")
-      ->check(CLI::NonNegativeNumber);
-  auto* resume =
-      app.add_flag("--resume", options.resume, "Go on from the run directory's checkpoint");
-  auto* print = app.add_flag("--print-config", options.print_config,
-                             "Print the merged configuration and stop");
-  auto* dry = app.add_flag("--dry-run", options.dry_run,
-                           "Print parameters, shapes and memory, without data, and stop");
-  auto* check = app.add_flag("--validate-only", options.validate_only,
-                             "Check configuration and data set and stop");
-  dry->excludes(resume)->excludes(print)->excludes(check);
-  check->excludes(resume)->excludes(print);
+  lte::train::add_run_options(app, &options);
   lte::add_common_options(app, &common);
   std::string run, page;
   auto* report =

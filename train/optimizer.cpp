@@ -56,12 +56,12 @@ double Optimizer::gradient_norm() const {
   return at::stack(at::_foreach_norm(all)).to(at::kDouble).norm().item<double>();
 }
 
-void Optimizer::update(int64_t step, double norm) {
+void Optimizer::update(int64_t step, double norm, std::optional<double> given_rate) {
   const torch::NoGradGuard no_grad;
   if (config_.clip_norm > 0 && norm > config_.clip_norm) {
     at::_foreach_mul_(gradients(), config_.clip_norm / norm);
   }
-  const double rate = learning_rate(config_, step);
+  const double rate = given_rate ? *given_rate : learning_rate(config_, step);
   // Biases and norms do not decay.
   for (const bool matrices : {true, false}) {
     std::vector<at::Tensor> weights, gradients, first, second, updates;

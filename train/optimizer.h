@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,8 @@ class Optimizer {
   /// Scales the gradient down to clip_norm if `norm` exceeds it, then updates weights and their
   /// average.
   /// @param step  steps done before this one: it decides learning rate and averaging rate
-  void update(int64_t step, double norm);
+  /// @param rate  a learning rate in place of the schedule's
+  void update(int64_t step, double norm, std::optional<double> rate = std::nullopt);
 
   bool has_average() const { return !average_.empty(); }
   /// Exchanges the model's weights and their average, without copying. No-op without an average.

@@ -14,10 +14,14 @@ struct RunOptions {
   std::optional<uint64_t> seed;        ///< --seed, over the key `seed`
   std::string output;                  ///< --out, over the key `output`; empty: the key
   std::string device = "cpu";
-  std::string json;        ///< result for machines; empty: none
-  int64_t stop_after = 0;  ///< steps of this session; 0: all
-  int threads = 0;         ///< of LibTorch; 0: its default
+  std::string json;                      ///< result for machines; empty: none
+  int64_t stop_after = 0;                ///< steps of this session; 0: all
+  std::string init_weights;              ///< --init-weights, over the key; empty: the key
+  std::vector<std::string> init_except;  ///< --init-except, likewise
+  int64_t find_lr = 0;                   ///< steps of a sweep of learning rates instead; 0: none
+  int threads = 0;                       ///< of LibTorch; 0: its default
   bool resume = false, dry_run = false, print_config = false, validate_only = false;
+  bool overfit_one_scene = false;
 };
 
 struct RunResult {

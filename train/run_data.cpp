@@ -1,9 +1,8 @@
 #include "train/run_data.h"
 
-#include <algorithm>
+#include <utility>
 
 #include "lte/base/check.h"
-#include "lte/base/math.h"
 #include "lte/base/progress.h"
 #include "lte/base/random.h"
 
@@ -28,7 +27,9 @@ RunData open_run_data(const TrainConfig& config) {
             "e.g. --set "
             "data.root=data/rooms");
   const std::filesystem::path root = config.data.root;
-  const data::DatasetInfo info = data::read_dataset_info(root);
+  const bool skip = config.data.on_bad_scene == "skip";
+  const data::DatasetInfo info = data::read_dataset_info(
+      root, skip ? data::MissingScenes::Allow : data::MissingScenes::Refuse);
   LTE_CHECK(!config.has_scale || config.model.scale == info.scale,
             "model.scale: ", config.model.scale, " differs from the data set's ", info.scale, " (",
             (root / "dataset.json").string(), "); leave the key out to take the data set's");
@@ -36,11 +37,12 @@ RunData open_run_data(const TrainConfig& config) {
   LTE_CHECK(!train.empty(), (root / "dataset.json").string(),
             ": no scene is in the split \"train\"");
   const uint64_t fingerprint = names_fingerprint(train);
-  const size_t cache_bytes = static_cast<size_t>(config.data.cache_mb) << 20;
-  return {info.scale, info.pruned,
-          SceneStore(root, std::move(train), config.model.target, cache_bytes),
-          SceneStore(root, data::entries_of(info, data::Split::Val), config.model.target, 0),
-          fingerprint};
+  SceneStoreOptions options{config.model.target, static_cast<size_t>(config.data.cache_mb) << 20,
+                            info.scale, skip};
+  SceneStore train_store(root, std::move(train), options);
+  options.cache_bytes = 0;  // each is read once
+  SceneStore val_store(root, data::entries_of(info, data::Split::Val), options);
+  return {info.scale, info.pruned, std::move(train_store), std::move(val_store), fingerprint};
 }
 
 std::string check_run_data(const TrainConfig& config) {
@@ -50,18 +52,19 @@ std::string check_run_data(const TrainConfig& config) {
                          "scenes");
   for (SceneStore* store : {&data.train, &data.val}) {
     for (size_t i = 0; i < store->size(); ++i) {
+      progress.advance();
       const auto scene = store->get(i);
-      const float extent = max_component(scene->bounds.extent());
-      LTE_CHECK(extent <= static_cast<float>(data.scale), "scene ", scene->name, ": ", extent,
-                " m wide, which exceeds the data set's scale of ", data.scale, " m");
+      if (!scene) continue;
       points += scene->scene_points();
       queries += scene->query_points();
-      progress.advance();
     }
   }
-  return concat(config.data.root, ": ", data.train.size(), " scenes to train on, ", data.val.size(),
+  const size_t bad = data.train.bad().size() + data.val.bad().size();
+  return concat(config.data.root, ": ", data.train.size() - data.train.bad().size(),
+                " scenes to train on, ", data.val.size() - data.val.bad().size(),
                 " to validate on, ", points, " scene points, ", queries, " queries, scale ",
-                data.scale, " m: valid\n");
+                data.scale, " m: ", bad == 0 ? "valid" : concat("valid but for ", bad, " scenes"),
+                "\n");
 }
 
 }  // namespace lte::train

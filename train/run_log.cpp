@@ -34,9 +34,15 @@ std::string tag_of(const std::string& field) {
 
 }  // namespace
 
-RunLog::RunLog(std::filesystem::path path, int64_t resume_step) : path_(std::move(path)) {
-  const bool keep = resume_step > 0 && std::filesystem::exists(path_);
-  write_file(path_, keep ? kept_lines(read_file(path_), resume_step) : "");
+RunLog::RunLog(std::filesystem::path path, int64_t resume_step,
+               const std::optional<std::string>& saved)
+    : path_(std::move(path)) {
+  if (saved) {
+    text_ = *saved;
+  } else if (resume_step > 0 && std::filesystem::exists(path_)) {
+    text_ = kept_lines(read_file(path_), resume_step);
+  }
+  write_file(path_, text_);
   out_.open(path_, std::ios::app);
   LTE_CHECK(out_, path_.string(), ": cannot append: ", std::strerror(errno));
 }
@@ -45,8 +51,10 @@ void RunLog::write(int64_t step, const NamedValues& fields, const NamedValues& s
   Json json = {{"step", step}};
   for (const auto& [name, value] : fields) json[name] = value;
   for (const auto& [name, value] : scenes) json["val_scenes"][name] = value;
-  out_ << json.dump() << '\n' << std::flush;
+  const std::string line = json.dump() + '\n';
+  out_ << line << std::flush;
   LTE_CHECK(out_, path_.string(), ": cannot append: ", std::strerror(errno));
+  text_ += line;
   if (!events_) return;
   NamedValues tagged;
   for (const auto& [name, value] : fields) tagged.emplace_back(tag_of(name), value);

@@ -16,11 +16,14 @@ namespace lte::train {
 
 class RunLog {
  public:
-  /// Keeps the lines up to `resume_step` and drops those after it, which the resumed run writes
-  /// again, and a last line that was cut short. A new run has resume_step 0 and starts an empty
+  /// A resumed run makes the file `saved` again, the log as its checkpoint has it: lines after that
+  /// are written anew by the run, and lines that a power cut took are back. Without `saved` (a
+  /// checkpoint of an earlier build) the file keeps its lines up to `resume_step` and loses those
+  /// after it and a last line that was cut short. A new run has resume_step 0 and starts an empty
   /// file.
   /// @throws lte::Error if the file cannot be written.
-  RunLog(std::filesystem::path path, int64_t resume_step);
+  RunLog(std::filesystem::path path, int64_t resume_step,
+         const std::optional<std::string>& saved = std::nullopt);
 
   /// From now on also as events, in a new file of `folder`; train/event_file.h.
   void add_events(const std::filesystem::path& folder, int64_t resume_step) {
@@ -35,8 +38,12 @@ class RunLog {
   /// Null without add_events().
   EventFile* events() { return events_ ? &*events_ : nullptr; }
 
+  /// All of the file.
+  const std::string& text() const { return text_; }
+
  private:
   std::filesystem::path path_;
+  std::string text_;
   std::ofstream out_;
   std::optional<EventFile> events_;
 };

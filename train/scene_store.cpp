@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "lte/base/check.h"
+#include "lte/base/log.h"
 
 namespace lte::train {
 namespace {
@@ -17,7 +18,8 @@ size_t bytes_of(const std::vector<T>& values) {
 size_t TrainingScene::size_bytes() const {
   return bytes_of(position) + bytes_of(normal) + bytes_of(albedo) + bytes_of(emission) +
          bytes_of(area) + bytes_of(light) + bytes_of(query_position) + bytes_of(query_normal) +
-         bytes_of(query_albedo) + bytes_of(target);
+         bytes_of(query_albedo) + bytes_of(target) + bytes_of(scores.noise) +
+         bytes_of(scores.slope);
 }
 
 TrainingScene read_training_scene(const std::filesystem::path& path, const std::string& name,
@@ -26,6 +28,7 @@ TrainingScene read_training_scene(const std::filesystem::path& path, const std::
   data::drop_unreached_queries(&sample);
   TrainingScene scene;
   scene.name = name;
+  scene.scores.noise = query_noise(sample);  // while the sample is whole
   scene.position = std::move(sample.scene_position);
   scene.normal = std::move(sample.scene_normal);
   scene.albedo = std::move(sample.scene_albedo);
@@ -40,16 +43,25 @@ TrainingScene read_training_scene(const std::filesystem::path& path, const std::
   if (target == "total") {
     for (size_t i = 0; i < scene.target.size(); ++i) scene.target[i] += sample.direct[i];
   }
+  scene.scores.slope = query_slope(scene.query_position, scene.query_normal, scene.target);
   for (const Vec3& p : scene.position) scene.bounds.extend(p);
   return scene;
 }
 
 SceneStore::SceneStore(std::filesystem::path root, std::vector<data::DatasetEntry> entries,
-                       std::string target, size_t cache_bytes)
-    : root_(std::move(root)),
-      entries_(std::move(entries)),
-      target_(std::move(target)),
-      cache_bytes_(cache_bytes) {}
+                       SceneStoreOptions options)
+    : root_(std::move(root)), entries_(std::move(entries)), options_(std::move(options)) {}
+
+std::shared_ptr<const TrainingScene> SceneStore::read(size_t index) const {
+  const std::string& name = entries_.at(index).name;
+  const std::filesystem::path path = data::scene_path(root_, name);
+  auto scene =
+      std::make_shared<const TrainingScene>(read_training_scene(path, name, options_.target));
+  const float extent = max_component(scene->bounds.extent());
+  LTE_CHECK(extent <= static_cast<float>(options_.scale), path.string(), ": scene ", name, ": ",
+            extent, " m wide, which exceeds the data set's scale of ", options_.scale, " m");
+  return scene;
+}
 
 std::shared_ptr<const TrainingScene> SceneStore::get(size_t index) {
   const auto found = slots_.find(index);
@@ -57,13 +69,23 @@ std::shared_ptr<const TrainingScene> SceneStore::get(size_t index) {
     uses_.splice(uses_.begin(), uses_, found->second.use);
     return found->second.scene;
   }
-  const std::string& name = entries_.at(index).name;
-  auto scene = std::make_shared<const TrainingScene>(
-      read_training_scene(data::scene_path(root_, name), name, target_));
+  if (bad_.contains(index)) return nullptr;
+  std::shared_ptr<const TrainingScene> scene;
+  try {
+    scene = read(index);
+  } catch (const Error& error) {
+    if (!options_.skip_bad)
+      throw Error(concat(error.what(), "; data.on_bad_scene=skip goes on without such scenes"));
+    bad_.insert(index);
+    LTE_CHECK(bad_.size() < entries_.size(), root_.string(), ": none of its ", entries_.size(),
+              " scenes can be used; of the last: ", error.what());
+    log_warning("scene ", name(index), " is skipped: ", error.what());
+    return nullptr;
+  }
   uses_.push_front(index);
   slots_[index] = {scene, uses_.begin()};
   cached_bytes_ += scene->size_bytes();
-  while (cached_bytes_ > cache_bytes_ && uses_.size() > 1) {
+  while (cached_bytes_ > options_.cache_bytes && uses_.size() > 1) {
     const auto oldest = slots_.find(uses_.back());
     cached_bytes_ -= oldest->second.scene->size_bytes();
     slots_.erase(oldest);

@@ -5,28 +5,15 @@
 #include <csignal>
 #include <utility>
 
-#include <ATen/ops/tensor.h>
 #include <torch/types.h>
-#include <torch/utils.h>
 
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
-#include "lte/nn/checkpoint.h"
 #include "train/interrupt.h"
 #include "train/schedule.h"
 
 namespace lte::train {
-namespace {
-
-std::string joined(const std::vector<std::string>& parts) {
-  std::string text;
-  for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
-  return text;
-}
-
-}  // namespace
-
 Trainer::Trainer(const TrainConfig& config, std::string config_text, at::Device device,
                  bool resume_run, ProcessGroup* group)
     : config_(config),
@@ -34,6 +21,7 @@ Trainer::Trainer(const TrainConfig& config, std::string config_text, at::Device 
       device_(device),
       group_(group),
       output_(config.output),
+      files_(config.output, config.train.keep_checkpoints),
       data_(open_run_data(config)) {
   LTE_CHECK(!config_.output.empty(), "output: names no run directory; give it with --out RUN_DIR");
   const World world = group_ ? group_->world() : World{};
@@ -49,82 +37,14 @@ Trainer::Trainer(const TrainConfig& config, std::string config_text, at::Device 
   loader_ = std::make_unique<BatchLoader>(config_, data_.scale, &data_.train, world);
   seconds_before_ = progress_.seconds;
   if (!leads()) return;
-  log_ = std::make_unique<RunLog>(output_ / "log.jsonl", progress_.step);
+  log_ = std::make_unique<RunLog>(output_ / "log.jsonl", progress_.step, saved_log_);
+  saved_log_.reset();
   if (config_.train.tensorboard) log_->add_events(output_ / "tensorboard", progress_.step);
   write_file(output_ / "config.yaml", config_text_);
   validation_ = validation_examples(config_, &data_.val);
   if (validation_.empty())
     log_warning(config_.data.root, ": the split \"val\" is empty; the run is not validated");
   if (config_.train.preview_every > 0) previews_ = std::make_unique<Previews>(config_, validation_);
-}
-
-void Trainer::start_new() {
-  LTE_CHECK(
-      !std::filesystem::exists(checkpoint_path(output_)), checkpoint_path(output_).string(),
-      ": a run is there already; go on with --resume, or choose another directory with --out");
-  std::error_code error;
-  if (leads()) std::filesystem::create_directories(output_, error);
-  LTE_CHECK(!error, output_.string(), ": cannot create the run directory: ", error.message());
-  constexpr double kLeastMean =
-      1e-3;  // a split that is all but black must not push the output's bias to −infinity
-  if (!config_.has_output_mean)
-    config_.model.output_mean = std::max(mean_target(config_, &data_.train), kLeastMean);
-  LTE_CHECK(std::isfinite(config_.model.output_mean), config_.data.root,
-            ": the mean of the normalized reference is not finite; are there absurd radiances?");
-  torch::manual_seed(config_.seed);
-  model_ = nn::LightTransportModel(config_.model);
-  model_->to(device_);
-  optimizer_ = std::make_unique<Optimizer>(config_.train, model_);
-  progress_.seed = config_.seed;
-  progress_.data_fingerprint = data_.fingerprint;
-}
-
-void Trainer::resume() {
-  const std::filesystem::path path = checkpoint_path(output_);
-  LTE_CHECK(std::filesystem::exists(path), path.string(),
-            ": nothing to resume; leave out --resume to start a run");
-  const CheckpointHeader header = read_checkpoint_header(path);
-  const std::vector<std::string> differences = model_differences(config_.model, header.model);
-  LTE_CHECK(differences.empty(), path.string(),
-            ": cannot resume, as the configuration differs in model.", joined(differences));
-  LTE_CHECK(header.model.scale == data_.scale, path.string(), ": cannot resume, as its scale is ",
-            header.model.scale, " m and the data set's ", data_.scale, " m");
-  LTE_CHECK(header.progress.seed == config_.seed, path.string(), ": cannot resume, as its seed is ",
-            header.progress.seed, " and the configuration's ", config_.seed);
-  if (header.progress.data_fingerprint != data_.fingerprint) {
-    log_warning(config_.data.root,
-                ": the training split is not the one of the checkpoint; the run goes on with it");
-  }
-  progress_ = header.progress;
-  progress_.data_fingerprint = data_.fingerprint;
-  config_.model = header.model;
-  model_ = nn::LightTransportModel(config_.model);
-  model_->to(device_);
-  optimizer_ = std::make_unique<Optimizer>(config_.train, model_);
-  load_checkpoint(path, model_, optimizer_.get());
-  summary_.step = progress_.step;
-  log_info("resumed ", path.string(), " at step ", progress_.step, " of ", config_.train.steps);
-}
-
-/// All processes must have read the same data set and checkpoint; the weights are those of rank 0.
-void Trainer::agree_on_start() {
-  const auto mine = at::tensor({progress_.step, static_cast<int64_t>(data_.fingerprint),
-                                static_cast<int64_t>(config_.train.steps)},
-                               at::kLong);
-  at::Tensor leaders = mine.to(device_, /*non_blocking=*/false, /*copy=*/true);
-  group_->broadcast({leaders});
-  leaders = leaders.cpu();
-  const auto differs = [&](int64_t i) {
-    return mine[i].item<int64_t>() != leaders[i].item<int64_t>();
-  };
-  LTE_CHECK(!differs(0), output_.string(), ": rank ", group_->world().rank, " starts at step ",
-            progress_.step, " and rank 0 at ", leaders[0].item<int64_t>(),
-            "; the run directory must be one that all processes see");
-  LTE_CHECK(!differs(1), config_.data.root, ": the training split of rank ", group_->world().rank,
-            " is not that of rank 0");
-  LTE_CHECK(!differs(2), "train.steps: rank ", group_->world().rank, " has ", config_.train.steps,
-            " and rank 0 ", leaders[2].item<int64_t>());
-  group_->broadcast(model_->parameters());
 }
 
 bool Trainer::told_to_stop() const { return (group_ ? agreed_signal_ : interrupt_signal()) != 0; }
@@ -137,15 +57,34 @@ TrainSummary Trainer::run(int64_t stop_after) {
     // The end of an earlier session may have been cut off between the checkpoint and the model
     // made from it.
     log_info(output_.string(), ": all ", steps, " steps were done before");
-    if (leads()) save_model_file(model_path(output_));
+    if (leads()) save_run_model(model_path(output_), model_, optimizer_.get(), origin());
   } else {
     train_steps(end);
   }
+  finish();
   summary_.step = progress_.step;
   summary_.best_loss = progress_.best_loss;
   summary_.seconds = progress_.seconds;
   if (progress_.step < end) summary_.signal = group_ ? agreed_signal_ : interrupt_signal();
   return summary_;
+}
+
+/// What the session's data were like.
+void Trainer::finish() {
+  const double session = progress_.seconds - seconds_before_;
+  if (session > 0) {
+    summary_.wait_share = loader_->waited_seconds() / session;
+    if (leads()) log_info("waited for data: ", 100 * summary_.wait_share, " % of the time");
+  }
+  loader_.reset();  // its thread uses the store
+  std::vector<double> met(data_.train.size(), 0.0);
+  for (const size_t index : data_.train.bad()) met[index] = 1;
+  if (group_ && config_.data.on_bad_scene == "skip") met = group_->sum(met);
+  const auto bad = std::count_if(met.begin(), met.end(), [](double times) { return times > 0; });
+  summary_.bad_scenes = bad + static_cast<int64_t>(data_.val.bad().size());
+  if (leads() && summary_.bad_scenes > 0)
+    log_warning(config_.data.root, ": ", bad, " of ", data_.train.size(), " training scenes and ",
+                data_.val.bad().size(), " validation scenes could not be used and were skipped");
 }
 
 void Trainer::train_steps(int64_t end) {
@@ -209,20 +148,25 @@ void Trainer::after_step(int64_t queries, double norm) {
   if (!leads()) return;
   window_queries_ += queries;
   if (step % config_.train.log_every == 0 || last) {
-    log_->write(step,
-                {{"loss", progress_.window_loss / static_cast<double>(progress_.window_steps)},
-                 {"lr", learning_rate(config_.train, step - 1)},
-                 {"grad_norm", norm},
-                 {"queries_per_s", static_cast<double>(window_queries_) / window_timer_.seconds()},
-                 {"seconds", progress_.seconds},
-                 {"rss_mb", current_rss_mb()}});
+    log_->write(
+        step,
+        {{"loss", progress_.window_loss / static_cast<double>(progress_.window_steps)},
+         {"lr", learning_rate(config_.train, step - 1)},
+         {"grad_norm", norm},
+         {"queries_per_s", static_cast<double>(window_queries_) / window_timer_.seconds()},
+         {"seconds", progress_.seconds},
+         {"wait_share", (loader_->waited_seconds() - waited_before_) / window_timer_.seconds()},
+         {"rss_mb", current_rss_mb()}});
+    waited_before_ = loader_->waited_seconds();
     progress_.window_loss = 0;
     progress_.window_steps = window_queries_ = 0;
     window_timer_.restart();
   }
-  if (step % config_.train.validate_every == 0 || last) validate_now();
+  bool best = false;
+  if (step % config_.train.validate_every == 0 || last) best = validate_now();
   if (previews_ && (step % config_.train.preview_every == 0 || last)) draw_previews();
-  if (step % config_.train.checkpoint_every == 0 || last) save();
+  if (step % config_.train.checkpoint_every == 0 || last || best) save();
+  if (best) files_.keep_newest_as_best();
 }
 
 void Trainer::draw_previews() {
@@ -243,8 +187,9 @@ void Trainer::draw_previews() {
   log_->write(progress_.step, {{"preview_seconds", timer.seconds()}});
 }
 
-void Trainer::validate_now() {
-  if (validation_.empty()) return;
+/// @return whether it is the best so far
+bool Trainer::validate_now() {
+  if (validation_.empty()) return false;
   const Timer timer;
   {
     const AverageScope averaged(optimizer_.get());
@@ -257,26 +202,29 @@ void Trainer::validate_now() {
   const bool best = loss < progress_.best_loss;
   log_info("step ", progress_.step, ": loss ", summary_.loss, ", validation loss ", loss, ", PSNR ",
            summary_.validation->psnr, " dB", best ? ", the best so far" : "");
-  if (!best) return;
+  if (!best) return false;
   progress_.best_loss = loss;
-  save_model_file(best_model_path(output_));
+  progress_.best_step = progress_.step;
+  save_run_model(best_model_path(output_), model_, optimizer_.get(), origin());
+  return true;
 }
 
 void Trainer::save() {
+  try {
+    files_.add(progress_.step, [&](const std::filesystem::path& path) {
+      save_checkpoint(path, model_, *optimizer_, progress_, config_text_, log_->text());
+    });
+  } catch (const Error& error) {
+    throw Error(concat(error.what(), "; the last checkpoint stays, go on from it with --resume"));
+  }
   saved_step_ = progress_.step;
-  save_checkpoint(checkpoint_path(output_), model_, *optimizer_, progress_, config_text_);
-  save_model_file(model_path(output_));
+  save_run_model(model_path(output_), model_, optimizer_.get(), origin());
 }
 
-void Trainer::save_model_file(const std::filesystem::path& path) {
-  const AverageScope averaged(optimizer_.get());
-  std::map<std::string, std::string> extra = {
-      {"config", config_text_},
-      {"step", std::to_string(progress_.step)},
-      {"scene_points", std::to_string(config_.data.scene_points)},
-      {"scene_points_pruned", data_.pruned ? "true" : "false"}};
-  if (summary_.validation) extra["val_loss"] = concat(summary_.validation->loss);
-  nn::save_model(path, model_, extra);
+ModelOrigin Trainer::origin() const {
+  ModelOrigin origin{config_text_, progress_.step, config_.data.scene_points, data_.pruned, {}};
+  if (summary_.validation) origin.val_loss = summary_.validation->loss;
+  return origin;
 }
 
 }  // namespace lte::train

@@ -11,10 +11,13 @@
 #include <string>
 #include <vector>
 
+#include "lte/base/locked_file.h"
 #include "lte/base/progress.h"
 #include "lte/base/timer.h"
 #include "train/batch.h"
 #include "train/checkpoint.h"
+#include "train/checkpoint_files.h"
+#include "train/model_files.h"
 #include "train/preview.h"
 #include "train/process_group.h"
 #include "train/run_data.h"
@@ -25,21 +28,23 @@
 namespace lte::train {
 
 struct TrainSummary {
-  int64_t step = 0;      ///< steps done, over all sessions
-  double loss = 0;       ///< of the last step of this session
-  double best_loss = 0;  ///< lowest validation loss; infinite if there was none
-  double seconds = 0;    ///< over all sessions
-  int signal = 0;        ///< that ended the run early; 0 if it came to its end
+  int64_t step = 0;        ///< steps done, over all sessions
+  double loss = 0;         ///< of the last step of this session
+  double best_loss = 0;    ///< lowest validation loss; infinite if there was none
+  double seconds = 0;      ///< over all sessions
+  double wait_share = 0;   ///< of this session's time: spent waiting for examples
+  int64_t bad_scenes = 0;  ///< of both splits, met and skipped in this session by any process
+  int signal = 0;          ///< that ended the run early; 0 if it came to its end
   std::optional<ValidationResult> validation;  ///< the last of this session
 };
 
 class Trainer {
  public:
-  /// Opens the data, and makes the model or takes it from the run's checkpoint.
+  /// Opens the data, and makes the model or takes it from the run's newest whole checkpoint.
   /// @param config_text  the whole configuration as YAML, kept in the checkpoint and the models
   /// @throws lte::Error if there is nothing to resume, the configuration does not fit the
-  /// checkpoint, or a new run would
-  ///         overwrite one.
+  /// checkpoint, a new run would
+  ///         overwrite one, or another process trains in the directory.
   /// @param group  of a run of several processes, which then all make a Trainer; rank 0 alone
   /// writes the run directory, which all must see. Null: this process is alone
   Trainer(const TrainConfig& config, std::string config_text, at::Device device, bool resume,
@@ -55,6 +60,8 @@ class Trainer {
  private:
   void start_new();
   void resume();
+  void hold_directory();
+  void mend_best_model();
   void agree_on_start();
   bool leads() const { return !group_ || group_->world().leads(); }
   bool told_to_stop() const;
@@ -62,16 +69,19 @@ class Trainer {
   void train_step();
   [[noreturn]] void fail_on_gradient(const std::vector<Example>& examples);
   void after_step(int64_t queries, double norm);
-  void validate_now();
+  bool validate_now();
   void draw_previews();
   void save();
-  void save_model_file(const std::filesystem::path& path);
+  ModelOrigin origin() const;
+  void finish();
 
   TrainConfig config_;
   std::string config_text_;
   at::Device device_;
   ProcessGroup* group_;
   std::filesystem::path output_;
+  CheckpointFiles files_;
+  std::unique_ptr<LockedFile> lock_;  ///< of rank 0: who holds it writes the directory
   RunData data_;
   nn::LightTransportModel model_{nullptr};
   std::unique_ptr<Optimizer> optimizer_;
@@ -82,8 +92,12 @@ class Trainer {
   std::unique_ptr<Previews> previews_;  ///< of rank 0, unless switched off
   RunProgress progress_;
   TrainSummary summary_;
+  std::optional<std::string> saved_log_;  ///< of the checkpoint that the run goes on from
+  // All times are of the steady clock (lte::Timer), which neither the user nor a time server sets:
+  // seconds and rates are right whatever happens to the time of day.
   Timer window_timer_;
   double seconds_before_ = 0;  ///< of earlier sessions
+  double waited_before_ = 0;   ///< for examples, as of the last line of the log
   int64_t window_queries_ = 0;
   int agreed_signal_ = 0;    ///< that any process of a group was sent
   int64_t saved_step_ = -1;  ///< of this session's last checkpoint

@@ -108,7 +108,7 @@ void write_dataset_info(const std::filesystem::path& directory, const DatasetInf
   write_file(info_path(directory), text + "\n]\n}\n");
 }
 
-DatasetInfo read_dataset_info(const std::filesystem::path& directory) {
+DatasetInfo read_dataset_info(const std::filesystem::path& directory, MissingScenes missing) {
   const std::string file = info_path(directory).string();
   LTE_CHECK(std::filesystem::is_directory(directory), directory.string(),
             ": no such data-set directory");
@@ -146,9 +146,10 @@ DatasetInfo read_dataset_info(const std::filesystem::path& directory) {
     info.scenes.push_back(parse_entry(where, scenes[i]));
     const std::string& name = info.scenes.back().name;
     LTE_CHECK(names.insert(name).second, where, ": key \"name\": \"", name, "\" is there twice");
-    LTE_CHECK(std::filesystem::exists(scene_path(directory, name)), where, ": file ",
-              scene_path(directory, name).string(),
-              " is missing; lte_datagen generate --resume makes it again");
+    LTE_CHECK(
+        missing == MissingScenes::Allow || std::filesystem::exists(scene_path(directory, name)),
+        where, ": file ", scene_path(directory, name).string(),
+        " is missing; lte_datagen generate --resume makes it again");
   }
   const auto listed = static_cast<int64_t>(info.scenes.size());
   info.planned = listed;

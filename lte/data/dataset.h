@@ -45,10 +45,14 @@ struct DatasetInfo {
 /// Atomic.
 void write_dataset_info(const std::filesystem::path& directory, const DatasetInfo& info);
 
+/// Whether a listed scene whose file is missing is an error, or left for who reads it to find out.
+enum class MissingScenes { Refuse, Allow };
+
 /// @throws lte::Error naming the file and the key if dataset.json is missing, malformed, of a newer
 /// version, names a
 ///         scene twice or one whose file is missing. Warns if fewer scenes are listed than planned.
-DatasetInfo read_dataset_info(const std::filesystem::path& directory);
+DatasetInfo read_dataset_info(const std::filesystem::path& directory,
+                              MissingScenes missing = MissingScenes::Refuse);
 
 std::filesystem::path scene_path(const std::filesystem::path& directory, const std::string& name);
 

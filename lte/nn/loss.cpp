@@ -5,7 +5,7 @@
 namespace lte::nn {
 
 at::Tensor log_relative_loss(const at::Tensor& predicted, const at::Tensor& target,
-                             const LossConfig& config) {
+                             const LossConfig& config, const at::Tensor& weight) {
   TORCH_CHECK(predicted.sizes() == target.sizes(), "loss: predicted is ", predicted.sizes(),
               " but target is ", target.sizes());
   TORCH_CHECK(predicted.numel() > 0, "loss: no samples");
@@ -13,7 +13,11 @@ at::Tensor log_relative_loss(const at::Tensor& predicted, const at::Tensor& targ
   const at::Tensor log_predicted = at::log1p(predicted);
   const at::Tensor denominator =
       (config.detach_denominator ? log_predicted.detach() : log_predicted) + config.epsilon;
-  return ((log_predicted - at::log1p(target)) / denominator).square().mean();
+  const at::Tensor errors = ((log_predicted - at::log1p(target)) / denominator).square();
+  if (!weight.defined()) return errors.mean();
+  TORCH_CHECK(weight.dim() == 1 && weight.size(0) == predicted.size(0), "loss: weight is ",
+              weight.sizes(), " but predicted is ", predicted.sizes());
+  return (errors * weight.unsqueeze(1)).mean();
 }
 
 }  // namespace lte::nn

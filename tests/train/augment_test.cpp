@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <set>
+#include <string>
 
 #include "tests/train/support.h"
 #include "train/example.h"
@@ -97,7 +98,7 @@ TEST(Augment, GainsAreLogUniformInTheirRange) {
 }
 
 TEST(Augment, SwitchedOffIsTheIdentity) {
-  const AugmentConfig off{false, false, false, 1, 1};
+  const AugmentConfig off{Rotation::None, false, false, 1, 1};
   Rng rng(5);
   const Symmetry symmetry = draw_symmetry(off, 2, room(), kNoLimit, &rng);
   const Vec3 p{1.5f, -2, 3};
@@ -110,10 +111,12 @@ TEST(Augment, SwitchedOffIsTheIdentity) {
 TEST(Augment, EachSwitchActsAlone) {
   const Vec3 p{1, 2, 4};
   Rng rng(6);
-  const Symmetry turned = draw_symmetry({true, false, false, 1, 1}, 1, room(), kNoLimit, &rng);
+  const Symmetry turned =
+      draw_symmetry({Rotation::Vertical, false, false, 1, 1}, 1, room(), kNoLimit, &rng);
   EXPECT_NE(turned.space(p), p);
   EXPECT_EQ(turned.light(p, 0), p);
-  const Symmetry tinted = draw_symmetry({false, false, false, 1, 2}, 1, room(), kNoLimit, &rng);
+  const Symmetry tinted =
+      draw_symmetry({Rotation::None, false, false, 1, 2}, 1, room(), kNoLimit, &rng);
   EXPECT_EQ(tinted.space(p), p);
   EXPECT_NE(tinted.light(p, 0), p);
   EXPECT_EQ(tinted.light(p, -1), p) << "no luminaire, no gain";
@@ -125,7 +128,7 @@ TEST(Augment, ARoomThatWouldOutgrowTheScaleTurnsByQuarters) {
   for (int draw = 0; draw < 100; ++draw) {
     const Symmetry symmetry =
         draw_symmetry({}, 0, room(), 5, &rng);  // 4 x 5 m: its diagonal is 6.4 m
-    angles.insert({symmetry.cosine, symmetry.sine});
+    angles.insert({symmetry.rotation[0].x, symmetry.rotation[0].z});
     Bounds turned;
     for (const Vec3& corner : {Vec3{0, 0, 0}, Vec3{4, 0, 0}, Vec3{0, 0, 5}, Vec3{4, 0, 5}}) {
       turned.extend(symmetry.space(corner));
@@ -135,14 +138,82 @@ TEST(Augment, ARoomThatWouldOutgrowTheScaleTurnsByQuarters) {
   EXPECT_EQ(angles, (std::set<std::pair<float, float>>{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}));
 }
 
+TEST(Augment, AnyAxisTurnsKeepDistancesAnglesAndOrientation) {
+  const AugmentConfig any{Rotation::Any, false, false, 1, 1};
+  Rng rng(10);
+  for (int draw = 0; draw < 200; ++draw) {
+    const Symmetry symmetry = draw_symmetry(any, 0, room(), kNoLimit, &rng);
+    const Vec3 a{rng.uniform(-9, 9), rng.uniform(-9, 9), rng.uniform(-9, 9)};
+    const Vec3 b{rng.uniform(-9, 9), rng.uniform(-9, 9), rng.uniform(-9, 9)};
+    EXPECT_NEAR(dot(symmetry.space(a), symmetry.space(b)), dot(a, b), 2e-4f);
+    const float volume =
+        dot(cross(symmetry.space({1, 0, 0}), symmetry.space({0, 1, 0})), symmetry.space({0, 0, 1}));
+    EXPECT_NEAR(volume, 1.0f, 1e-5f);
+  }
+}
+
+/// Of a uniform rotation each entry has mean 0 and mean square 1/3, whatever its place.
+TEST(Augment, AnyAxisTurnsAreUniform) {
+  const AugmentConfig any{Rotation::Any, false, false, 1, 1};
+  Rng rng(11);
+  constexpr int kDraws = 6000;
+  double sum[3][3] = {}, square[3][3] = {};
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const Symmetry symmetry = draw_symmetry(any, 0, room(), kNoLimit, &rng);
+    for (size_t row = 0; row < 3; ++row) {
+      for (int column = 0; column < 3; ++column) {
+        const double entry = symmetry.rotation[row][column];
+        sum[row][column] += entry;
+        square[row][column] += entry * entry;
+      }
+    }
+  }
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      EXPECT_NEAR(sum[row][column] / kDraws, 0, 5 * std::sqrt(1.0 / 3 / kDraws));
+      // Uniform in [-1, 1] each (Archimedes): the square's variance is 1/5 - 1/9.
+      EXPECT_NEAR(square[row][column] / kDraws, 1.0 / 3,
+                  5 * std::sqrt((1.0 / 5 - 1.0 / 9) / kDraws));
+    }
+  }
+}
+
+TEST(Augment, AboutAnyAxisARoomThatWouldOutgrowTheScaleTurnsAsTheCubeDoes) {
+  const AugmentConfig any{Rotation::Any, false, false, 1, 1};
+  Rng rng(12);
+  std::set<std::string> seen;
+  for (int draw = 0; draw < 1500; ++draw) {
+    const Symmetry symmetry = draw_symmetry(any, 0, room(), 5, &rng);  // 4 x 3 x 5 m
+    Bounds turned;
+    for (int corner = 0; corner < 8; ++corner) {
+      turned.extend(symmetry.space(
+          {corner & 1 ? 4.0f : 0.0f, corner & 2 ? 3.0f : 0.0f, corner & 4 ? 5.0f : 0.0f}));
+    }
+    ASSERT_LE(max_component(turned.extent()), 5.0f);
+    std::string key;
+    bool whole = true;
+    for (const Vec3& row : symmetry.rotation) {
+      for (int c = 0; c < 3; ++c) {
+        whole = whole && (row[c] == 0 || std::abs(row[c]) == 1);
+        key += row[c] > 0.5f ? '+' : row[c] < -0.5f ? '-' : '0';
+      }
+    }
+    if (whole) seen.insert(key);
+  }
+  EXPECT_EQ(seen.size(), 24u);
+}
+
 /// The outside witness: transport computed anew in the transformed scene is the transformed
 /// transport.
 TEST(Augment, TransportOfTheTransformedSceneIsTheTransformedTransport) {
   for (const char* target : {"indirect", "total"}) {
     const TrainingScene scene = stored_scene(11, target);
     Rng rng(8);
-    for (int draw = 0; draw < 6; ++draw) {
-      const Symmetry symmetry = draw_symmetry({}, scene.light_groups, scene.bounds, kNoLimit, &rng);
+    for (int draw = 0; draw < 8; ++draw) {
+      AugmentConfig config;
+      if (draw % 2 == 1) config.rotate = Rotation::Any;
+      const Symmetry symmetry =
+          draw_symmetry(config, scene.light_groups, scene.bounds, kNoLimit, &rng);
       const Example example = make_example(scene, symmetry, 0, 0, &rng);
       const float* area = example.points.area.const_data_ptr<float>();
       const test::Transport again = test::transport(

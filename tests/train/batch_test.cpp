@@ -61,7 +61,7 @@ TEST_F(BatchLoaderTest, AStepsExamplesDoNotDependOnHowItWasReached) {
 
 TEST_F(BatchLoaderTest, DrawsAsManyPointsAndQueriesAsAskedAfreshEachEpoch) {
   const TrainConfig config =
-      test::tiny_config(dir_.path(), dir_ / "run", "augment: {rotate: false, mirror: false}\n");
+      test::tiny_config(dir_.path(), dir_ / "run", "augment: {rotate: none, mirror: false}\n");
   RunData data = open_run_data(config);
   BatchLoader loader(config, data.scale, &data.train);
   std::vector<Example> all;

@@ -16,6 +16,11 @@ TEST(TrainConfig, BaseYamlHoldsTheDefaultsOfTheCode) {
   EXPECT_EQ(file.data.scene_points, code.data.scene_points);
   EXPECT_EQ(file.data.queries_per_scene, code.data.queries_per_scene);
   EXPECT_EQ(file.data.cache_mb, code.data.cache_mb);
+  EXPECT_EQ(file.data.on_bad_scene, code.data.on_bad_scene);
+  EXPECT_EQ(file.augment.rotate, code.augment.rotate);
+  EXPECT_EQ(file.train.keep_checkpoints, code.train.keep_checkpoints);
+  EXPECT_EQ(file.train.init_weights, code.train.init_weights);
+  EXPECT_EQ(file.train.init_except, code.train.init_except);
   EXPECT_EQ(file.augment.gain, code.augment.gain);
   EXPECT_EQ(file.augment.tint, code.augment.tint);
   EXPECT_EQ(file.train.steps, code.train.steps);
@@ -28,6 +33,8 @@ TEST(TrainConfig, BaseYamlHoldsTheDefaultsOfTheCode) {
   EXPECT_EQ(file.train.ema_decay, code.train.ema_decay);
   EXPECT_EQ(file.train.validation_scenes, code.train.validation_scenes);
   EXPECT_EQ(file.loss.epsilon, code.loss.epsilon);
+  EXPECT_EQ(file.noise_weight, code.noise_weight);
+  EXPECT_EQ(file.data.query_sampling, code.data.query_sampling);
   EXPECT_FALSE(file.has_scale) << "the data set decides";
 }
 
@@ -63,11 +70,17 @@ TEST(TrainConfig, ValuesOutOfRangeNameTheKey) {
                           "train: {log_every: 0}",
                           "train: {checkpoint_every: 0}",
                           "train: {validate_every: 0}",
+                          "train: {keep_checkpoints: 0}",
+                          "train: {init_except: [x]}",
                           "train: {validation_scenes: -1}",
                           "train: {warmup_steps: -1}",
                           "data: {scene_points: -1}",
                           "data: {queries_per_scene: -1}",
                           "data: {cache_mb: -1}",
+                          "data: {on_bad_scene: ignore}",
+                          "augment: {rotate: sideways}",
+                          "data: {query_sampling: random}",
+                          "loss: {noise_weight: -1}",
                           "augment: {gain: 0.5}",
                           "augment: {tint: 1e9}",
                           "loss: {epsilon: 0}"}) {
@@ -77,6 +90,15 @@ TEST(TrainConfig, ValuesOutOfRangeNameTheKey) {
                             text.substr(brace + 1, text.find(':', brace) - brace - 1);
     test::expect_error([&] { parsed(text + "\n"); }, {key});
   }
+}
+
+TEST(TrainConfig, RotationIsOfThreeKindsAndWasOnceASwitch) {
+  EXPECT_EQ(parsed("augment: {rotate: none}\n").augment.rotate, Rotation::None);
+  EXPECT_EQ(parsed("augment: {rotate: vertical}\n").augment.rotate, Rotation::Vertical);
+  EXPECT_EQ(parsed("augment: {rotate: any}\n").augment.rotate, Rotation::Any);
+  EXPECT_EQ(parsed("augment: {rotate: true}\n").augment.rotate, Rotation::Vertical);
+  EXPECT_EQ(parsed("augment: {rotate: false}\n").augment.rotate, Rotation::None);
+  EXPECT_EQ(parsed("{}\n").augment.rotate, Rotation::Vertical);
 }
 
 TEST(ModelDifferences, NameKeysButNotWhatTheDataDecide) {

@@ -195,6 +195,28 @@ TEST_F(Distributed, MoreProcessesThanScenesAStepAreRefused) {
   }
 }
 
+TEST_F(Distributed, BadScenesAreSkippedAlikeByAll) {
+  test::TempDir bad;
+  test::write_dataset(bad.path(), 6, 1);
+  for (const char* scene : {"room1", "room4"})
+    fs::resize_file(data::scene_path(bad.path(), scene), 1000);
+  const Args skip = {"--set", "data.on_bad_scene=skip", "--set", "data.root=" + bad.path().string(),
+                     "--out"};
+  const auto to = [&](const std::string& name) {
+    Args args = skip;
+    args.push_back((dir_ / name).string());
+    return args;
+  };
+  run(1, to("one"));
+  std::vector<ToolProcess> processes = start(2, to("two"));
+  for (ToolProcess& process : processes) EXPECT_EQ(process.wait(), 0) << process.err();
+  EXPECT_LT(difference("one", "two"), 1e-6);
+  EXPECT_NE(processes[0].err().find("2 of 6 training scenes and 0 validation scenes"),
+            std::string::npos)
+      << processes[0].err();
+  EXPECT_EQ(processes[1].err().find("of 6 training scenes"), std::string::npos);
+}
+
 TEST_F(Distributed, ADataSetThatDiffersIsRefused) {
   test::TempDir other;
   test::write_dataset(other.path(), 3, 1);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,7 +14,7 @@
 namespace lte::test {
 
 ToolProcess::ToolProcess(const std::vector<std::string>& args, const std::filesystem::path& prefix,
-                         const std::map<std::string, std::string>& environment)
+                         const std::map<std::string, std::string>& environment, size_t file_limit)
     : prefix_(prefix) {
   const std::string tool = std::string(LTE_BINARY_DIR) + "/bin/lte_train";
   std::vector<char*> argv = {const_cast<char*>(tool.c_str())};
@@ -25,6 +26,11 @@ ToolProcess::ToolProcess(const std::vector<std::string>& args, const std::filesy
   for (const auto& [name, value] : environment) setenv(name.c_str(), value.c_str(), 1);
   dup2(open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
   dup2(open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
+  if (file_limit > 0) {
+    const rlimit limit{file_limit, file_limit};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    signal(SIGXFSZ, SIG_IGN);  // the write then fails instead; execv() keeps it
+  }
   execv(tool.c_str(), argv.data());
   _exit(127);
 }

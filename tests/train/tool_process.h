@@ -14,8 +14,10 @@ class ToolProcess {
  public:
   /// Starts lte_train; what it prints goes to the files `prefix`.out and `prefix`.err.
   /// @param environment  variables beside those of this process
+  /// @param file_limit  bytes beyond which no file grows: writing fails there, as on a disk that is
+  /// full; 0: none
   ToolProcess(const std::vector<std::string>& args, const std::filesystem::path& prefix,
-              const std::map<std::string, std::string>& environment = {});
+              const std::map<std::string, std::string>& environment = {}, size_t file_limit = 0);
   /// Kills it if it still runs.
   ~ToolProcess();
   ToolProcess(ToolProcess&& other) noexcept;

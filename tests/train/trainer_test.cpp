@@ -8,7 +8,7 @@
 
 #include "lte/base/safetensors.h"
 #include "lte/nn/checkpoint.h"
-#include "tests/train/support.h"
+#include "tests/train/run_fixture.h"
 
 namespace lte::train {
 namespace {
@@ -16,57 +16,16 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-class TrainerTest : public testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    at::set_num_threads(1);  // the matrices are tiny: threads would only wait for one another
-    data_ = new test::TempDir;
-    test::write_dataset(data_->path(), 4, 2);
-  }
-  static void TearDownTestSuite() { delete data_; }
-
-  TrainConfig config(const std::string& run, const std::string& extra = "") const {
-    return test::tiny_config(data_->path(), dir_ / run, extra);
-  }
-  static TrainSummary train(const TrainConfig& config, bool resume = false,
-                            int64_t stop_after = 0) {
-    return Trainer(config, "note: of the test\n", at::kCPU, resume).run(stop_after);
-  }
-
-  test::TempDir dir_;
-  static test::TempDir* data_;
-};
-test::TempDir* TrainerTest::data_ = nullptr;
-
-/// Tensors equal bit for bit; metadata may differ (it names the run directory).
-void expect_same_tensors(const fs::path& a, const fs::path& b) {
-  const SafetensorsFile first(a), second(b);
-  ASSERT_EQ(first.tensors().size(), second.tensors().size());
-  for (const auto& [name, tensor] : first.tensors()) {
-    const TensorView& other = second.at(name);
-    ASSERT_EQ(tensor.shape, other.shape) << name;
-    EXPECT_EQ(std::memcmp(tensor.data, other.data, tensor.size_bytes()), 0) << name;
-  }
-}
-
-/// Lines of the log without what a clock or a meter gives.
-std::vector<Json> log_values(const fs::path& run) {
-  std::vector<Json> lines;
-  for (const std::string& text : test::lines_of(run / "log.jsonl")) {
-    Json json = Json::parse(text);
-    for (const char* measured : {"queries_per_s", "seconds", "rss_mb", "val_seconds"})
-      json.erase(measured);
-    lines.push_back(json);
-  }
-  return lines;
-}
+class TrainerTest : public test::RunFixture {};
+using test::expect_same_tensors;
+using test::log_values;
 
 TEST_F(TrainerTest, OverfitsOneScene) {
   const test::TempDir one;
   test::write_dataset(one.path(), 1, 0);
   TrainConfig run =
       config("run",
-             "augment: {rotate: false, mirror: false, permute_colours: false, gain: 1, tint: 1}\n"
+             "augment: {rotate: none, mirror: false, permute_colours: false, gain: 1, tint: 1}\n"
              "model: {dropout: 0}\n"
              "data: {scene_points: 0, queries_per_scene: 0}\n"
              "train: {steps: 120, scenes_per_step: 1, learning_rate: 4.0e-3, log_every: 1}\n");
@@ -106,6 +65,22 @@ TEST_F(TrainerTest, ResumedEqualsUninterruptedBitForBit) {
   EXPECT_EQ(log_values(dir_ / "straight"), log_values(dir_ / "pieces"));
 }
 
+TEST_F(TrainerTest, DrawnAndWeighedQueriesResumeBitForBitToo) {
+  const std::string switches = "data: {query_sampling: gradient}\nloss: {noise_weight: 1}\n";
+  train(config("straight", switches));
+  train(config("pieces", switches), false, 3);
+  train(config("pieces", switches), true);
+  expect_same_tensors(dir_ / "straight/model.safetensors", dir_ / "pieces/model.safetensors");
+  train(config("plain"));
+  EXPECT_NE(log_values(dir_ / "plain"), log_values(dir_ / "straight"));
+}
+
+TEST_F(TrainerTest, ADataSetLargerThanTheCacheGivesTheSameBits) {
+  train(config("large"));
+  train(config("small", "data: {cache_mb: 0}\n"));
+  expect_same_tensors(dir_ / "large/checkpoint.safetensors", dir_ / "small/checkpoint.safetensors");
+}
+
 TEST_F(TrainerTest, ScenesBesideEachOtherGiveTheBitsOfScenesOneByOne) {
   // Three scenes on two threads: a full round, and one with a thread to spare.
   const std::string three = "model: {dropout: 0}\ntrain: {scenes_per_step: 3}\n";
@@ -140,10 +115,16 @@ TEST_F(TrainerTest, LogHasEveryLineItPromises) {
     const std::vector<const char*> keys =
         val ? std::vector<const char*>{"val_loss", "val_loss_median", "val_mse",
                                        "val_psnr", "val_relmse",      "val_bias"}
-            : std::vector<const char*>{"loss",          "lr",      "grad_norm",
-                                       "queries_per_s", "seconds", "rss_mb"};
+            : std::vector<const char*>{"loss",    "lr",         "grad_norm", "queries_per_s",
+                                       "seconds", "wait_share", "rss_mb"};
     for (const char* key : keys)
       EXPECT_TRUE(line.contains(key) && line.at(key).is_number()) << key << ": " << text;
+  }
+  for (const std::string& text : lines) {
+    const Json line = Json::parse(text);
+    if (!line.contains("wait_share")) continue;
+    EXPECT_GE(line.at("wait_share").get<double>(), 0);
+    EXPECT_LE(line.at("wait_share").get<double>(), 1);
   }
   EXPECT_EQ(train_steps, (std::vector<int64_t>{2, 4, 6, 8}));
   EXPECT_EQ(val_steps, (std::vector<int64_t>{4, 8}));
@@ -194,7 +175,7 @@ TEST_F(TrainerTest, ASceneLargerThanTheScaleIsNamed) {
                       [](int, data::SceneSample* sample) { sample->scene_position[20].x = 30; });
   TrainConfig run = config("run");
   run.data.root = bad.path().string();
-  test::expect_error([&] { train(run); }, {"step 1", "scene room0", "scale"});
+  test::expect_error([&] { train(run); }, {"room0.safetensors", "30 m wide", "scale of 8 m"});
 }
 
 TEST_F(TrainerTest, RefusesToOverwriteARun) {
@@ -224,17 +205,6 @@ TEST_F(TrainerTest, MoreStepsMayBeAddedAndAFinishedRunStaysAsItIs) {
   const TrainSummary again = train(config("run"), true);
   EXPECT_EQ(again.step, 8);
   EXPECT_EQ(train(config("run", "train: {steps: 10}\n"), true).step, 10);
-}
-
-TEST_F(TrainerTest, DamagedCheckpointsAreNamed) {
-  train(config("run"), false, 1);
-  const fs::path path = dir_ / "run/checkpoint.safetensors";
-  fs::copy(path, dir_ / "whole");
-  fs::resize_file(path, fs::file_size(path) / 2);
-  test::expect_error([&] { train(config("run"), true); }, {"checkpoint.safetensors"});
-  fs::copy(dir_ / "run/model.safetensors", path, fs::copy_options::overwrite_existing);
-  test::expect_error([&] { train(config("run"), true); },
-                     {"checkpoint.safetensors", "not a checkpoint"});
 }
 
 TEST_F(TrainerTest, EmptyOrMissingDataAreNamed) {
