@@ -22,7 +22,7 @@ def main() -> None:
     arguments = parser.parse_args()
     rows = [row for row in json.loads(arguments.json.read_text()) if row["kind"] == "decoder"]
     names = list(dict.fromkeys(row["name"] for row in rows))
-    figure, axes = plt.subplots(1, 2, figsize=(9, 3.4), sharex=True)
+    figure, axes = plt.subplots(1, 2, figsize=(9, 3.8), sharex=True)
     for axis, key, title in zip(
         axes,
         ("fp32_against_fp64", "bf16_against_fp32"),
@@ -36,8 +36,8 @@ def main() -> None:
         axis.tick_params(labelsize=7)
         axis.grid(True, which="both", linewidth=0.3)
     axes[0].set_ylabel("relative error, Euclidean norm", fontsize=8)
-    axes[1].legend(fontsize=6)
-    figure.tight_layout()
+    figure.tight_layout(rect=(0, 0.12, 1, 1))
+    figure.legend(*axes[1].get_legend_handles_labels(), fontsize=7, loc="lower center", ncol=3)
     figure.savefig(arguments.out, dpi=110)
 
 
