@@ -14,7 +14,8 @@
 #include "lte/ops/query_decoder.h"
 #include "lte/ops/submanifold_conv.h"
 
-#include "fixtures.h"
+#include "tests/ops/decoder_weights.h"
+#include "tests/ops/fixtures.h"
 
 namespace lte::ops {
 namespace {
@@ -135,26 +136,6 @@ TEST(SubmanifoldConvBf16, IsTheSumOfRoundedProducts) {
       "multiple of 16"));
 }
 
-/// Weights of a decoder of C channels, L layers, A attributes and one hidden width.
-std::vector<at::Tensor> decoder_weights(int64_t A, int64_t C, int64_t L, int64_t hidden) {
-  std::vector<at::Tensor> w;
-  uint64_t seed = 100;
-  const auto linear_of = [&](int64_t in, int64_t out) {
-    w.push_back(floats({out, in}, seed++) / std::sqrt(static_cast<double>(in)));
-    w.push_back(floats({out}, seed++));
-  };
-  const auto norm = [&] {
-    w.push_back(floats({C}, seed++));
-    w.push_back(floats({C}, seed++));
-  };
-  linear_of(A, hidden), linear_of(hidden, C), linear_of(3, hidden), linear_of(hidden, C);
-  for (int64_t l = 0; l < L; ++l) {
-    norm(), linear_of(C, C), linear_of(C, C), norm(), linear_of(C, hidden), linear_of(hidden, C);
-  }
-  norm(), linear_of(C, hidden), linear_of(hidden, 3);
-  return w;
-}
-
 /// What the operator's contract says, in float64; `round` before every product of a layer whose
 /// weight is bfloat16.
 at::Tensor decoder_reference(const at::Tensor& attributes, const QueryNeighbourhood& near,
@@ -190,7 +171,7 @@ at::Tensor decoder_reference(const at::Tensor& attributes, const QueryNeighbourh
 TEST(QueryDecoderBf16, IsTheFormulaWithRoundedOperands) {
   for (const auto& [C, hidden, K] : {std::array<int64_t, 3>{20, 31, 9}, {128, 150, 32}}) {
     const int64_t Q = 250, m = 60, L = 3;
-    std::vector<at::Tensor> weights = decoder_weights(9, C, L, hidden);
+    std::vector<at::Tensor> weights = test::decoder_weights(9, C, L, hidden);
     const at::Tensor keys = floats({L, m, C}, 11), values = floats({L, m, C}, 12);
     const at::Tensor table = neighbour_table(keys, values), attributes = floats({Q, 9}, 13);
     const QueryNeighbourhood near{test::uniform({Q, 3}, 14), test::uniform({m, 3}, 15),
