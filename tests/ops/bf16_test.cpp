@@ -13,7 +13,6 @@
 #include "lte/ops/patch_attention.h"
 #include "lte/ops/query_decoder.h"
 #include "lte/ops/submanifold_conv.h"
-
 #include "tests/ops/decoder_weights.h"
 #include "tests/ops/fixtures.h"
 
