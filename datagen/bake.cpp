@@ -13,6 +13,7 @@
 #include "lte/pathtrace/adaptive.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/irradiance.h"
+#include "lte/pathtrace/light_estimates.h"
 #include "lte/pathtrace/lights.h"
 #include "lte/pathtrace/reach.h"
 #include "lte/pathtrace/render.h"
@@ -34,7 +35,8 @@ enum class Stream : uint64_t {
   Reach,
   Cameras,
   IncidentPoints,
-  Incident
+  Incident,
+  LightEstimates
 };
 
 uint64_t stream_seed(uint64_t seed, Stream stream, int64_t index = 0) {
@@ -303,6 +305,11 @@ data::SceneSample bake_scene(const scene::Scene& scene, const BakeOptions& optio
   Baker baker(scene, options, show_progress);
   sample_points(baker.bvh(), options, &sample);
   sample.light_groups = baker.groups();
+  pathtrace::LightEstimates light = pathtrace::estimate_light(
+      baker.bvh(), baker.lights(), sample.scene_position, sample.scene_normal,
+      sample.scene_emission, options.max_depth, stream_seed(options.seed, Stream::LightEstimates));
+  sample.scene_direct = std::move(light.direct);
+  sample.scene_indirect = std::move(light.indirect);
   const size_t N = sample.query_position.size();
   const uint64_t queries = stream_seed(options.seed, Stream::Queries);
   if (options.target_error > 0) {

@@ -1,6 +1,7 @@
 // lte_bench pathtrace and pareto: what needs a scene and Embree.
 #include "infer/assets.h"
 #include "infer/bench.h"
+#include "infer/lit_samples.h"
 #include "infer/predictor.h"
 #include "infer/renderer.h"
 #include "lte/base/check.h"
@@ -110,12 +111,13 @@ std::vector<BenchResult> bench_pareto(const BenchOptions& options) {
   for (const int64_t count : {2'048, 4'096, 8'192, 20'000}) {
     const scene::SurfaceSamples samples =
         scene::sample_surface(scene, count, scene_point_options(0));
-    const ScenePoints points{samples.position, samples.normal, samples.albedo, samples.emission,
-                             samples.area};
-    predictor.embed(points);  // warm-up
+    const auto encode = [&] {
+      predictor.embed(light_up(bvh, lights, samples, predictor.light_depth(), 0).points());
+    };
+    encode();  // warm-up
     predictor.predict(queries);
     const Timer timer;
-    predictor.embed(points);
+    encode();
     const double encode_seconds = timer.seconds();
     const std::vector<Rgb> predicted = predictor.predict(queries);
     add("lte M = " + std::to_string(count), timer.seconds(), floats(predicted));

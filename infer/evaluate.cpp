@@ -123,9 +123,14 @@ SceneResult evaluate_scene(const EvalSettings& settings, const data::SceneSample
   result.name = sample.name;
   result.points = sample.query_points();
   result.views = static_cast<int64_t>(sample.views.size());
+  const int light = predictor->light_depth();
+  LTE_CHECK(light == 0 || !sample.scene_direct.empty(), sample.name,
+            ": has no scene_direct, which the model reads; bake the data again");
+  const std::vector<Rgb> direct = sum_groups(sample.scene_direct, sample.light_groups, 1);
+  const std::vector<Rgb> indirect = sum_groups(sample.scene_indirect, sample.light_groups, 1);
   const Timer timer;
   predictor->embed({sample.scene_position, sample.scene_normal, sample.scene_albedo,
-                    sample.scene_emission, sample.scene_area});
+                    sample.scene_emission, sample.scene_area, direct, indirect});
   result.encode_seconds = timer.seconds();
   result.radiance = predictor->radiance();
   result.path_variance = single_path_variance(sample, result.radiance);
@@ -219,7 +224,7 @@ EvalResult evaluate(const EvalSettings& settings, Predictor* predictor,
   Progress progress("evaluating", static_cast<int64_t>(entries.size()), "scenes");
   for (const data::DatasetEntry& entry : entries) {
     data::SceneSample sample = data::read_scene_sample(data::scene_path(settings.data, entry.name));
-    data::drop_unreached_queries(&sample);
+    data::drop_idle_queries(&sample);
     sample.name = entry.name;
     result.scenes.push_back(evaluate_scene(settings, sample, predictor, baselines));
     if (settings.on_scene) settings.on_scene();
@@ -237,7 +242,7 @@ Baselines fit_baselines(const std::filesystem::path& directory) {
   Progress progress("fitting baselines", static_cast<int64_t>(entries.size()), "scenes");
   for (const data::DatasetEntry& entry : entries) {
     data::SceneSample sample = data::read_scene_sample(data::scene_path(directory, entry.name));
-    data::drop_unreached_queries(&sample);
+    data::drop_idle_queries(&sample);
     fit.add(sample);
     progress.advance();
   }

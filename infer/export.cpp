@@ -54,11 +54,13 @@ std::string normalization_json(const nn::ModelConfig& config) {
          "\n";
 }
 
-/// The columns encode() and decode() take.
-at::Tensor point_rows(const nn::PointSet& points) {
-  return at::cat(
-      {points.position, points.normal, points.albedo, points.emission, points.area.unsqueeze(1)},
-      1);
+/// The columns encode() takes.
+at::Tensor point_rows(const nn::PointSet& points, const nn::ModelConfig& config) {
+  std::vector<at::Tensor> columns = {points.position, points.normal, points.albedo, points.emission,
+                                     points.area.unsqueeze(1)};
+  if (config.reads_direct()) columns.push_back(points.direct);
+  if (config.reads_indirect()) columns.push_back(points.indirect);
+  return at::cat(columns, 1);
 }
 
 ExportCheck compare(torch::jit::Module& module, nn::LightTransportModel& model,
@@ -68,7 +70,7 @@ ExportCheck compare(torch::jit::Module& module, nn::LightTransportModel& model,
   const at::Tensor expected =
       model->decode(model->encode(points), {surface.position, surface.normal, surface.albedo});
   const at::Tensor rows = at::cat({surface.position, surface.normal, surface.albedo}, 1);
-  const at::Tensor got = module.forward({point_rows(points), rows}).toTensor();
+  const at::Tensor got = module.forward({point_rows(points, model->config()), rows}).toTensor();
   const double largest = expected.abs().max().item<double>();
   return {scene_points, queries,
           (got - expected).abs().max().item<double>() / std::max(largest, 1e-30)};

@@ -24,7 +24,7 @@ double encoder_flops(const nn::ModelConfig& config, const nn::EncoderPlan& plan,
              m = static_cast<double>(plan.position.size(0));
   const double pairs =
       static_cast<double>(plan.first_neighbours.numel() + plan.second_neighbours.numel());
-  double products = points * (12 * D + D * D);
+  double products = points * (static_cast<double>(config.point_inputs()) * D + D * D);
   products += (points + 2 * m1 + m + pairs) * D * D;  // both halvings
   products += D * D * static_cast<double>(config.encoder_widths[0]) *
               (plan.stem_pairs.defined() ? static_cast<double>(plan.stem_pairs.size(1)) : m);

@@ -14,6 +14,8 @@ struct ScenePoints {
   std::span<const Rgb> albedo;
   std::span<const Rgb> emission;  ///< W sr^-1 m^-2
   std::span<const float> area;    ///< m²
+  /// W/m², nn::PointSet says of which light; empty unless the model reads it.
+  std::span<const Rgb> direct = {}, indirect = {};
 
   int64_t size() const { return static_cast<int64_t>(position.size()); }
 };

@@ -19,12 +19,21 @@ using nn::one_line_errors;
 
 // Keeps the rescaled extent under s after rounding.
 constexpr double kShrinkMargin = 1e-5;
+// Of paths in baked data (DESIGN section 5).
+constexpr int kTracedDepth = 5;
 
 nn::PointSet to_point_set(const ScenePoints& points, std::span<const Vec3> position,
                           const at::Device& device) {
-  return {borrow(position).to(device), borrow(points.normal).to(device),
-          borrow(points.albedo).to(device), borrow(points.emission).to(device),
-          borrow(points.area).to(device)};
+  const auto light = [&](std::span<const Rgb> values) {
+    return values.empty() ? at::Tensor() : borrow(values).to(device);
+  };
+  return {borrow(position).to(device),
+          borrow(points.normal).to(device),
+          borrow(points.albedo).to(device),
+          borrow(points.emission).to(device),
+          borrow(points.area).to(device),
+          light(points.direct),
+          light(points.indirect)};
 }
 
 void check_sizes(const ScenePoints& points) {
@@ -35,6 +44,10 @@ void check_sizes(const ScenePoints& points) {
             "scene point arrays differ in length: ", size, " positions, ", points.normal.size(),
             " normals, ", points.albedo.size(), " albedos, ", points.emission.size(),
             " emissions, ", points.area.size(), " areas");
+  for (const auto& light : {points.direct, points.indirect}) {
+    LTE_CHECK(light.empty() || light.size() == size, "scene point arrays differ in length: ", size,
+              " positions, ", light.size(), " irradiances");
+  }
 }
 
 }  // namespace
@@ -77,6 +90,10 @@ Predictor Predictor::load(const std::filesystem::path& checkpoint, Device device
 }
 
 bool Predictor::predicts_total() const { return state_->model->config().target == "total"; }
+int Predictor::light_depth() const {
+  const nn::ModelConfig& config = state_->model->config();
+  return config.reads_indirect() ? kTracedDepth : config.reads_direct() ? 1 : 0;
+}
 double Predictor::scale() const { return state_->model->config().scale; }
 int64_t Predictor::scene_points() const { return state_->metadata.scene_points; }
 bool Predictor::scene_points_pruned() const { return state_->metadata.scene_points_pruned; }

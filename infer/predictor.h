@@ -31,7 +31,10 @@ class Predictor {
   /// does.
   void limit_memory(const MemoryLimit& limit);
 
-  bool predicts_total() const;   ///< the output is total irradiance, not indirect
+  bool predicts_total() const;  ///< the output is total irradiance, not indirect
+  /// What embed() wants of the light on scene points: 0 for nothing, 1 for direct irradiance, more
+  /// for the irradiance of later bounces too, of paths of so many surface hits.
+  int light_depth() const;
   double scale() const;          ///< s, metres: the largest scene extent that the network knows
   int64_t scene_points() const;  ///< M of the training, 20,000 if the checkpoint does not say
   /// Training saw scene points only where light reaches them.
@@ -46,7 +49,8 @@ class Predictor {
   /// transport: uniform scaling
   ///                 of a scene changes no irradiance that comes from surfaces.
   /// @throws lte::Error for a scene larger than s without `rescale`, or input that is not finite,
-  /// or where memory lacks or is limited, naming what it needs.
+  /// or without the light that light_depth() asks for, or where memory lacks or is limited, naming
+  /// what it needs.
   void embed(const ScenePoints& points, bool rescale = false);
 
   /// Irradiance in W/m², one entry a query. embed() comes first.

@@ -111,6 +111,7 @@ nlohmann::json to_json(const RenderRequest& request, const RenderSettings& setti
           {"seconds",
            {{"load", s.load},
             {"sample", s.sample},
+            {"light", s.light},
             {"encode", s.encode},
             {"primary", s.primary},
             {"decode", s.decode},
@@ -125,11 +126,12 @@ void print_times(const RenderRequest& request, const StageSeconds& s, double exp
                  double total) {
   if (request.tool.common.quiet) return;
   std::printf(
-      "%s: exposure %.4g | seconds: load %.2f, sample %.2f, encode %.2f, primary %.2f, decode "
+      "%s: exposure %.4g | seconds: load %.2f, sample %.2f, light %.2f, encode %.2f, primary %.2f, "
+      "decode "
       "%.2f, direct %.2f, "
       "reference %.2f, write %.2f, total %.2f | peak %.0f MiB\n",
-      request.out.c_str(), exposure, s.load, s.sample, s.encode, s.primary, s.decode, s.direct,
-      s.reference, s.write, total, peak_rss_mb());
+      request.out.c_str(), exposure, s.load, s.sample, s.light, s.encode, s.primary, s.decode,
+      s.direct, s.reference, s.write, total, peak_rss_mb());
 }
 
 /// The model if this picture needs one. Validation looks at a model only if one is named.

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "infer/lit_samples.h"
 #include "lte/base/check.h"
 #include "lte/base/timer.h"
 #include "lte/pathtrace/irradiance.h"
@@ -152,16 +153,18 @@ void Renderer::embed(Predictor predictor, const EmbedSettings& settings) {
   const scene::SamplerOptions sampler = scene_point_options(settings.seed);
   const pathtrace::ReachOptions reach{pathtrace::ReachOptions().max_depth, settings.seed};
   pruned_points_ = {};
-  const scene::SurfaceSamples samples =
+  scene::SurfaceSamples samples =
       settings.prune.value_or(predictor.scene_points_pruned())
           ? pathtrace::sample_reached_surface(bvh_, count, sampler, pathtrace::Sides::Either, reach,
                                               &pruned_points_)
           : scene::sample_surface(scene_, count, sampler);
   seconds_.sample = timer.seconds();
   timer.restart();
-  predictor.embed(
-      {samples.position, samples.normal, samples.albedo, samples.emission, samples.area},
-      settings.rescale);
+  const LitSamples lit =
+      light_up(bvh_, lights_, std::move(samples), predictor.light_depth(), settings.seed);
+  seconds_.light = timer.seconds();
+  timer.restart();
+  predictor.embed(lit.points(), settings.rescale);
   seconds_.encode = timer.seconds();
   predictor_ = std::move(predictor);
 }

@@ -45,10 +45,11 @@ struct EmbedSettings {
   std::optional<bool> prune;
 };
 
-/// Wall-clock seconds by stage; `load` and `write` belong to the caller.
+/// Wall-clock seconds by stage; `load` and `write` belong to the caller. `light` is that of scene
+/// points, for models that read it.
 struct StageSeconds {
-  double load = 0, sample = 0, encode = 0, primary = 0, decode = 0, direct = 0, reference = 0,
-         write = 0;
+  double load = 0, sample = 0, light = 0, encode = 0, primary = 0, decode = 0, direct = 0,
+         reference = 0, write = 0;
 };
 
 /// What a render gave. An image that the output did not need is empty (width 0). Background pixels

@@ -32,8 +32,13 @@ nn::PointSet synthetic_room(int64_t count, uint64_t seed) {
     }
   }
   nn::PointSet points{
-      at::empty({count, 3}), at::zeros({count, 3}), at::empty({count, 3}), at::zeros({count, 3}),
-      at::full({count}, cumulative.back() / static_cast<float>(std::max<int64_t>(count, 1)))};
+      at::empty({count, 3}),
+      at::zeros({count, 3}),
+      at::empty({count, 3}),
+      at::zeros({count, 3}),
+      at::full({count}, cumulative.back() / static_cast<float>(std::max<int64_t>(count, 1))),
+      at::zeros({count, 3}),
+      at::zeros({count, 3})};
   auto* position = points.position.data_ptr<float>();
   auto* normal = points.normal.data_ptr<float>();
   auto* albedo = points.albedo.data_ptr<float>();
@@ -56,6 +61,10 @@ nn::PointSet synthetic_room(int64_t count, uint64_t seed) {
     const bool lamp = face == 3 && std::abs(position[3 * i] - 3) < 0.4f &&
                       std::abs(position[3 * i + 2] - 2) < 0.3f;
     for (int a = 0; lamp && a < 3; ++a) emission[3 * i + a] = 15;
+  }
+  for (const at::Tensor& irradiance : {points.direct, points.indirect}) {
+    auto* values = irradiance.data_ptr<float>();
+    for (int64_t i = 0; i < irradiance.numel(); ++i) values[i] = rng.uniform(0, 10);
   }
   return points;
 }

@@ -218,8 +218,11 @@ std::string encoder(const nn::ModelConfig& config) {
 }
 
 constexpr const char* kEncode = R"SCRIPT(
+def compressed(self, light: Tensor, radiance: Tensor) -> Tensor:
+    return torch.log1p(light.to(7) / torch.where(radiance > 0.0, radiance, torch.ones_like(radiance))).to(6)
+
 def encode(self, points: Tensor) -> Dict[str, Tensor]:
-    assert points.dim() == 2 and points.size(0) >= 1 and points.size(1) == 13, 'points must be [M, 13]: position, normal, albedo, emission, area'
+    assert points.dim() == 2 and points.size(0) >= 1 and points.size(1) == {columns}, 'points must be [M, {columns}]: position, normal, albedo, emission, area{light}'
     assert bool(torch.all(torch.isfinite(points))), 'points: a value is not finite'
     origin = torch.amin(points[:, 0:3], [0])
     position = ((points[:, 0:3] - origin) / {scale}).contiguous()
@@ -229,9 +232,8 @@ def encode(self, points: Tensor) -> Dict[str, Tensor]:
     radiance = torch.mean(emission, [0])
     if float(torch.sum(area)) > 0.0:
         radiance = torch.mv(torch.t(emission), area) / torch.sum(area)
-    compressed = torch.log1p(emission / torch.where(radiance > 0.0, radiance, torch.ones_like(radiance))).to(6)
-    x = torch.cat([self.attributes(position, points[:, 3:6], points[:, 6:9]), compressed], 1)
-
+    x = torch.cat([self.attributes(position, points[:, 3:6], points[:, 6:9]), self.compressed(emission, radiance)], 1)
+{irradiance}
     first_count = (position.size(0) + 1) // 2
     count = (first_count + 1) // 2
     picks, insertion = self.farthest_points(position, first_count)
@@ -259,7 +261,34 @@ def encode(self, points: Tensor) -> Dict[str, Tensor]:
     embedding['origin'] = origin
     embedding['spacing'] = torch.tensor(spacing, dtype=7)
     embedding['radiance'] = radiance
-    return embedding
+{cache}    return embedding
+)SCRIPT";
+
+/// nn::LightCache.
+constexpr const char* kFillCache =
+    R"SCRIPT(    dark = torch.nonzero(torch.amax(points[:, 9:12], [1]) == 0.0).view([-1])
+    embedding['cache_position'] = position[dark].contiguous()
+    embedding['cache_normal'] = points[:, 3:6][dark]
+    embedding['cache_irradiance'] = points[:, 16:19][dark] / torch.where(radiance > 0.0, radiance, torch.ones_like(radiance)).to(6)
+)SCRIPT";
+
+constexpr const char* kReadCache = R"SCRIPT(
+def cached(self, embedding: Dict[str, Tensor], position: Tensor, normal: Tensor) -> Tensor:
+    points = embedding['cache_position']
+    if points.size(0) == 0:
+        return torch.ones_like(position)
+    index = self.nearest(position, points, 32)
+    offset = points[index] - position.unsqueeze(1)
+    up = normal.unsqueeze(2)
+    facing = torch.clamp_min(torch.bmm(embedding['cache_normal'][index], up).squeeze(2), 0.0)
+    distance2 = torch.sum(offset * offset, [2])
+    height = torch.bmm(offset, up).squeeze(2)
+    scale = torch.clamp_min(torch.mean(distance2, [1], True), 1e-16)
+    facing2 = facing * facing
+    weight = facing2 * facing2 * torch.exp(-(2.0 * distance2 + 64.0 * height * height) / scale) + 1e-4
+    light = embedding['cache_irradiance']
+    mean = torch.bmm((weight / torch.sum(weight, [1], True)).unsqueeze(1), light[index]).squeeze(1)
+    return mean + 0.02 * torch.mean(light, [0])
 )SCRIPT";
 
 constexpr const char* kDecode = R"SCRIPT(
@@ -272,7 +301,8 @@ def decode_block(self, embedding: Dict[str, Tensor], queries: Tensor) -> Tensor:
     s1, s2 = self.neighbour_sums(embedding['table'], hidden, self.decoder_gamma_output_weight, self.decoder_gamma_output_bias, index)
     g = self.mlp(self.attributes(position, queries[:, 3:6], queries[:, 6:9]), self.decoder_point_hidden_weight, self.decoder_point_hidden_bias, self.decoder_point_output_weight, self.decoder_point_output_bias)
 {layers}    g = self.norm(g, self.decoder_norm_weight, self.decoder_norm_bias)
-    return torch.softplus(self.mlp(g, self.decoder_head_hidden_weight, self.decoder_head_hidden_bias, self.decoder_head_output_weight, self.decoder_head_output_bias))
+    answer = torch.softplus(self.mlp(g, self.decoder_head_hidden_weight, self.decoder_head_hidden_bias, self.decoder_head_output_weight, self.decoder_head_output_bias))
+    return {answer}
 
 def decode(self, embedding: Dict[str, Tensor], queries: Tensor) -> Tensor:
     assert queries.dim() == 2 and queries.size(1) == 9, 'queries must be [Q, 9]: position, normal, albedo'
@@ -298,13 +328,31 @@ std::string encode_and_decode(const nn::ModelConfig& config) {
         {{"p", layer}});
     layers += fill(kQueryLayer, {{"p", layer}, {"l", std::to_string(l)}});
   }
+  // Columns of irradiance behind the area.
+  const int64_t lights = (config.reads_direct() ? 1 : 0) + (config.reads_indirect() ? 1 : 0);
+  std::string irradiance;
+  for (int64_t i = 0; i < lights; ++i) {
+    irradiance +=
+        fill("    x = torch.cat([x, self.compressed(points[:, {from}:{to}], radiance)], 1)\n",
+             {{"from", std::to_string(13 + 3 * i)}, {"to", std::to_string(16 + 3 * i)}});
+  }
   return fill(kEncode, {{"scale", number(config.scale)},
+                        {"columns", std::to_string(13 + 3 * lights)},
+                        {"light", std::string(lights > 0 ? ", direct irradiance" : "") +
+                                      (lights > 1 ? ", indirect irradiance" : "")},
+                        {"irradiance", irradiance},
+                        {"cache", config.reads_indirect() ? kFillCache : ""},
                         {"k", std::to_string(config.nne_neighbours)},
                         {"grid", number(config.grid_per_spacing)},
                         {"tables", tables}}) +
-         fill(kDecode, {{"scale", number(config.scale)},
-                        {"k", std::to_string(config.query_neighbours)},
-                        {"layers", layers.substr(1)}});
+         (config.reads_indirect() ? kReadCache : "") +
+         fill(kDecode,
+              {{"scale", number(config.scale)},
+               {"answer", config.reads_indirect()
+                              ? "answer * self.cached(embedding, position, queries[:, 3:6])"
+                              : "answer"},
+               {"k", std::to_string(config.query_neighbours)},
+               {"layers", layers.substr(1)}});
 }
 
 }  // namespace

@@ -13,11 +13,11 @@ std::string torchscript_attribute(const std::string& parameter);
 
 /// Methods of the exported module besides those of torchscript_ops():
 ///
-///     encode(points: Tensor) -> Dict[str, Tensor]            points [M, 13]: position, normal,
-///     albedo, emission, area decode(embedding: Dict[str, Tensor], queries: Tensor) -> Tensor
-///     queries [Q, 9]: position, normal, albedo;
-///                                                                          result [Q, 3]
-///                                                                          irradiance, W/m²
+///     encode(points: Tensor) -> Dict[str, Tensor]
+///         points [M, 13]: position, normal, albedo, emission, area; then as the model's
+///         light_input asks, direct irradiance [M, 16], and indirect irradiance [M, 19]
+///     decode(embedding: Dict[str, Tensor], queries: Tensor) -> Tensor
+///         queries [Q, 9]: position, normal, albedo; result [Q, 3] irradiance, W/m²
 ///     forward(points: Tensor, queries: Tensor) -> Tensor
 ///
 /// World space, float32, the units of nn::PointSet. The embedding has position [m, 3], features [m,

@@ -105,6 +105,13 @@ typedef enum lte_target {
   LTE_TARGET_TOTAL = 1     /**< direct light included */
 } lte_target;
 
+/** What the network wants to be told of light on scene points, beside their emission. */
+typedef enum lte_light_input {
+  LTE_LIGHT_EMISSION = 0, /**< nothing */
+  LTE_LIGHT_DIRECT = 1,   /**< lte_scene_points::direct */
+  LTE_LIGHT_TRACED = 2    /**< lte_scene_points::direct and indirect */
+} lte_light_input;
+
 typedef struct lte_model_info {
   size_t struct_size;
   int64_t channels; /**< D, the network's width */
@@ -115,7 +122,7 @@ typedef struct lte_model_info {
   int32_t target;              /**< lte_target */
   double scale;                /**< s, metres: the widest scene that it knows */
   int32_t device;              /**< as in lte_model_options */
-  int32_t reserved;
+  int32_t light_input;         /**< lte_light_input */
 } lte_model_info;
 
 /** @param info  its struct_size is set, the rest is filled in */
@@ -140,6 +147,12 @@ typedef struct lte_scene_points {
   lte_float3_view normal;   /**< unit, of the side that is lit */
   lte_float3_view albedo;   /**< in [0, 16], usually [0, 1] */
   lte_float3_view emission; /**< radiance, not negative */
+  /** Irradiance at the points, W/m^2, not negative, 0 on luminaires; the irradiance on both sides
+   * of the surface added up, as one sees from a closed body's inside nothing. Noise is averaged
+   * out: the training had 32 paths a side. Needed as lte_model_info::light_input says, else data
+   * may be NULL. */
+  lte_float3_view direct;   /**< from luminaires straight */
+  lte_float3_view indirect; /**< after one bounce or more */
   const float* area;   /**< m^2 that each point stands for, without gaps; NULL: all the same, as
                             when they were drawn uniformly by area */
   const float* origin; /**< 3 floats, always host memory: the least corner of the scene, no more

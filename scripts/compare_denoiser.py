@@ -22,7 +22,7 @@ import time
 import numpy as np
 import pyoidn
 
-STAGES = {"neural": ("sample", "encode", "primary", "decode"), "moved camera": ("primary", "decode")}
+STAGES = {"neural": ("sample", "light", "encode", "primary", "decode"), "moved camera": ("primary", "decode")}
 
 
 def read_safetensors(path):

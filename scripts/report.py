@@ -145,7 +145,7 @@ def scene_section(out, scene, title):
     parts.append("<br>")
     for model, caption in (("shipped", "shipped model"), ("trained", "model of this run")):
         parts.append(figure(difference_png(out / f"{scene}_{model}.png", reference, 4), f"{caption}: |difference| of display values × 4"))
-    stages = ("load", "sample", "encode", "primary", "decode", "direct", "write", "total")
+    stages = ("load", "sample", "light", "encode", "primary", "decode", "direct", "write", "total")
     rows = []
     for kind in ("reference", "shipped", "trained"):
         times = json.loads((out / f"{scene}_{kind}.json").read_text())

@@ -133,6 +133,10 @@ nn::LossConfig read_loss(const Config& config) {
   nn::LossConfig loss;
   config.read("epsilon", &loss.epsilon);
   config.read("detach_denominator", &loss.detach_denominator);
+  std::string space = "log";
+  config.read("space", &space);
+  LTE_CHECK(space == "log" || space == "linear", "loss.space: expected log or linear, got ", space);
+  loss.logarithmic = space == "log";
   LTE_CHECK(loss.epsilon > 0, "loss.epsilon: expected a positive number, got ", loss.epsilon);
   return loss;
 }

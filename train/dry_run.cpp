@@ -89,7 +89,7 @@ Json shapes_json(const TrainConfig& config) {
                 D = model.channels;
   const int64_t latent =
       D * (model.decoder_widths.empty() ? model.encoder_widths[0] : model.decoder_widths[0]);
-  return {{"scene_points", {M, 12}},
+  return {{"scene_points", {M, model.point_inputs()}},
           {"first_neighbours", {M / 2, model.nne_neighbours}},
           {"second_neighbours", {m, model.nne_neighbours}},
           {"embedding", {m, latent}},
@@ -142,7 +142,8 @@ MemoryEstimate estimate_memory(const TrainConfig& config, int64_t parameters) {
   const double neighbours =
       (0.75 * M * real(config.model.nne_neighbours) + Q * real(config.model.query_neighbours));
   memory.activations = kFloat * floats + kIndex * neighbours;
-  memory.examples = 2 * real(config.train.scenes_per_step) * kFloat * (13 * M + 12 * Q);
+  memory.examples = 2 * real(config.train.scenes_per_step) * kFloat *
+                    ((real(config.model.point_inputs()) + 1) * M + 12 * Q);
   memory.scene_cache = real(config.data.cache_mb) * (1 << 20);
   return memory;
 }

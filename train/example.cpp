@@ -57,6 +57,19 @@ nn::PointSet gather_points(const TrainingScene& scene, const Symmetry& symmetry,
   points.emission =
       triples(rows, [&](size_t i) { return symmetry.light(scene.emission[i], scene.light[i]); });
   points.area = areas(scene, rows);
+  const size_t M = scene.position.size();
+  const auto lit = [&](const std::vector<Rgb>& by_group) {
+    if (by_group.empty()) return at::Tensor();
+    return triples(rows, [&](size_t i) {
+      Rgb sum{};
+      for (int64_t g = 0; g < scene.light_groups; ++g) {
+        sum += symmetry.light(by_group[static_cast<size_t>(g) * M + i], static_cast<int32_t>(g));
+      }
+      return sum;
+    });
+  };
+  points.direct = lit(scene.direct);
+  points.indirect = lit(scene.indirect);
   return points;
 }
 
@@ -133,6 +146,8 @@ Example Example::to(at::Device device) const {
     *tensor = tensor->to(device);
   }
   if (out.weight.defined()) out.weight = out.weight.to(device);
+  if (points.direct.defined()) out.points.direct = points.direct.to(device);
+  if (points.indirect.defined()) out.points.indirect = points.indirect.to(device);
   return out;
 }
 

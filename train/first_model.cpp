@@ -15,8 +15,11 @@ nn::LightTransportModel first_model(TrainConfig* config, RunData* data) {
   constexpr double kLeastMean =
       1e-3;  // a split that is all but black must not push the output's bias to −infinity
   config->model.scale = data->scale;
-  if (!config->has_output_mean)
+  if (config->model.reads_indirect()) {
+    config->model.output_mean = 1;  // a factor
+  } else if (!config->has_output_mean) {
     config->model.output_mean = std::max(mean_target(*config, &data->train), kLeastMean);
+  }
   LTE_CHECK(std::isfinite(config->model.output_mean), config->data.root,
             ": the mean of the normalized reference is not finite; are there absurd radiances?");
   torch::manual_seed(config->seed);

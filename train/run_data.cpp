@@ -38,7 +38,7 @@ RunData open_run_data(const TrainConfig& config) {
             ": no scene is in the split \"train\"");
   const uint64_t fingerprint = names_fingerprint(train);
   SceneStoreOptions options{config.model.target, static_cast<size_t>(config.data.cache_mb) << 20,
-                            info.scale, skip};
+                            info.scale, skip, config.model.light_input};
   SceneStore train_store(root, std::move(train), options);
   options.cache_bytes = 0;  // each is read once
   SceneStore val_store(root, data::entries_of(info, data::Split::Val), options);

@@ -91,9 +91,8 @@ double SceneGradients::run(size_t worker, const Example& stored, int64_t step) {
     // Dropout: of the example, whatever was drawn before.
     if (models_.size() == 1) torch::manual_seed(example.seed);
     const nn::Embedding embedding = model->encode(example.points, example.seed);
-    const at::Tensor loss =
-        nn::log_relative_loss(model->decode_normalized(embedding, example.queries), example.target,
-                              loss_, example.weight);
+    const at::Tensor loss = nn::relative_loss(model->decode_normalized(embedding, example.queries),
+                                              example.target, loss_, example.weight);
     const double value = loss.item<double>();
     LTE_CHECK(std::isfinite(value), "the loss is not finite (", value, ")");
     (loss * (weight_ * processes_)).backward();  // reduced to the mean over processes

@@ -17,15 +17,18 @@ size_t bytes_of(const std::vector<T>& values) {
 
 size_t TrainingScene::size_bytes() const {
   return bytes_of(position) + bytes_of(normal) + bytes_of(albedo) + bytes_of(emission) +
-         bytes_of(area) + bytes_of(light) + bytes_of(query_position) + bytes_of(query_normal) +
-         bytes_of(query_albedo) + bytes_of(target) + bytes_of(scores.noise) +
-         bytes_of(scores.slope);
+         bytes_of(area) + bytes_of(light) + bytes_of(direct) + bytes_of(indirect) +
+         bytes_of(query_position) + bytes_of(query_normal) + bytes_of(query_albedo) +
+         bytes_of(target) + bytes_of(scores.noise) + bytes_of(scores.slope);
 }
 
 TrainingScene read_training_scene(const std::filesystem::path& path, const std::string& name,
-                                  const std::string& target) {
+                                  const std::string& target, const std::string& light_input) {
   data::SceneSample sample = data::read_scene_sample(path);
-  data::drop_unreached_queries(&sample);
+  LTE_CHECK(light_input == "emission" || !sample.scene_direct.empty(), path.string(),
+            ": has no scene_direct, which model.light_input ", light_input,
+            " reads; bake the data again");
+  data::drop_idle_queries(&sample);
   TrainingScene scene;
   scene.name = name;
   scene.scores.noise = query_noise(sample);  // while the sample is whole
@@ -35,6 +38,8 @@ TrainingScene read_training_scene(const std::filesystem::path& path, const std::
   scene.emission = std::move(sample.scene_emission);
   scene.area = std::move(sample.scene_area);
   scene.light = std::move(sample.scene_light);
+  if (light_input != "emission") scene.direct = std::move(sample.scene_direct);
+  if (light_input == "traced") scene.indirect = std::move(sample.scene_indirect);
   scene.query_position = std::move(sample.query_position);
   scene.query_normal = std::move(sample.query_normal);
   scene.query_albedo = std::move(sample.query_albedo);
@@ -55,8 +60,8 @@ SceneStore::SceneStore(std::filesystem::path root, std::vector<data::DatasetEntr
 std::shared_ptr<const TrainingScene> SceneStore::read(size_t index) const {
   const std::string& name = entries_.at(index).name;
   const std::filesystem::path path = data::scene_path(root_, name);
-  auto scene =
-      std::make_shared<const TrainingScene>(read_training_scene(path, name, options_.target));
+  auto scene = std::make_shared<const TrainingScene>(
+      read_training_scene(path, name, options_.target, options_.light_input));
   const float extent = max_component(scene->bounds.extent());
   LTE_CHECK(extent <= static_cast<float>(options_.scale), path.string(), ": scene ", name, ": ",
             extent, " m wide, which exceeds the data set's scale of ", options_.scale, " m");

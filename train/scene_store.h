@@ -25,6 +25,7 @@ struct TrainingScene {
   std::vector<Rgb> albedo, emission;               ///< [M]
   std::vector<float> area;                         ///< [M] m²
   std::vector<int32_t> light;                      ///< [M] light group, −1 for none
+  std::vector<Rgb> direct, indirect;               ///< [G, M] at unit gain; may be empty
   std::vector<Vec3> query_position, query_normal;  ///< [N]
   std::vector<Rgb> query_albedo;                   ///< [N]
   int64_t light_groups = 0;                        ///< G
@@ -37,10 +38,12 @@ struct TrainingScene {
   size_t size_bytes() const;
 };
 
-/// @param target  "indirect" or "total"
-/// @throws lte::Error as data::read_scene_sample().
+/// @param target       "indirect" or "total"
+/// @param light_input  of the model (nn::ModelConfig): what else is kept
+/// @throws lte::Error as data::read_scene_sample(), or if the file lacks what the model reads.
 TrainingScene read_training_scene(const std::filesystem::path& path, const std::string& name,
-                                  const std::string& target);
+                                  const std::string& target,
+                                  const std::string& light_input = "emission");
 
 struct SceneStoreOptions {
   std::string target = "indirect";  ///< or "total"
@@ -48,6 +51,7 @@ struct SceneStoreOptions {
   double scale = INFINITY;          ///< s, metres: what a scene must fit into
   /// Goes on without scenes that cannot be used, rather than refusing them.
   bool skip_bad = false;
+  std::string light_input = "emission";  ///< as in nn::ModelConfig
 };
 
 /// Least recently used scenes are dropped once `cache_bytes` are exceeded; the latest always stays.

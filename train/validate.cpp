@@ -22,7 +22,7 @@ SceneErrors scene_errors(const at::Tensor& predicted, const at::Tensor& target,
                          const nn::LossConfig& config) {
   constexpr double kEpsilon = 1e-2, kPsnrLimit = 100;
   SceneErrors errors;
-  errors.loss = nn::log_relative_loss(predicted, target, config).item<double>();
+  errors.loss = nn::relative_loss(predicted, target, config).item<double>();
   const at::Tensor reference = target.to(at::kDouble);
   const at::Tensor difference = predicted.to(at::kDouble) - reference;
   const at::Tensor square = difference.square();

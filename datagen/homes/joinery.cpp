@@ -90,7 +90,8 @@ void build_openings(Stage* stage, Kit* kit, const Rgb& daylight) {
     piece.name = o.kind == OpeningKind::Window ? "window" : "door";
     if (o.kind == OpeningKind::Window) {
       const bool shines = max_component(daylight) > 0;
-      const int pane = shines ? kit->palette->emitter("pane", daylight * kit->draw(0.7f, 1))
+      // What meets a pane from within leaves the home.
+      const int pane = shines ? kit->palette->emitter("pane", daylight * kit->draw(0.7f, 1), 0)
                               : kit->palette->screen();
       add_reveal(&piece, o, o.depth, trim, trim, at);
       add_window(&piece, kit, o, pane, at);

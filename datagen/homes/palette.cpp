@@ -252,8 +252,10 @@ int Palette::rug() {
 
 int Palette::picture() { return add("picture", painting(size(), &rng_), {1, 1}); }
 
-int Palette::emitter(const std::string& name, const Rgb& radiance) {
-  const int material = add(name, {0.7f, 0.7f, 0.7f});
+int Palette::emitter(const std::string& name, const Rgb& radiance, float albedo) {
+  const int material = add(name, {});
+  scene_->materials.back().base_color = {albedo, albedo,
+                                         albedo};  // a pane's is 0, below what paints have
   scene_->materials.back().emission = radiance;
   return material;
 }

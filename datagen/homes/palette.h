@@ -52,9 +52,10 @@ class Palette {
   int wall_tiles();
   int floor_wood();  ///< the same through the home
   int floor_tiles();
-  int rug();                                                  ///< UV [0, 1]²; new at every call
-  int picture();                                              ///< UV [0, 1]²; new at every call
-  int emitter(const std::string& name, const Rgb& radiance);  ///< of one side, new at every call
+  int rug();      ///< UV [0, 1]²; new at every call
+  int picture();  ///< UV [0, 1]²; new at every call
+  /// Of one side, new at every call.
+  int emitter(const std::string& name, const Rgb& radiance, float albedo = 0.7f);
 
   /// Cool to warm white of luminance 1.
   static Rgb tint(float warmth);

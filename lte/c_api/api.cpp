@@ -100,6 +100,9 @@ lte_status lte_model_get_info(const lte_model* model, lte_model_info* info) {
     out.target = config.target == "total" ? LTE_TARGET_TOTAL : LTE_TARGET_INDIRECT;
     out.scale = config.scale;
     out.device = network.device.is_cpu() ? LTE_DEVICE_CPU : network.device.index();
+    out.light_input = config.reads_indirect() ? LTE_LIGHT_TRACED
+                      : config.reads_direct() ? LTE_LIGHT_DIRECT
+                                              : LTE_LIGHT_EMISSION;
     write_struct(out, info, "lte_model_info");
   });
 }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <ATen/ATen.h>
 #include <c10/core/impl/VirtualGuardImpl.h>
@@ -44,6 +45,12 @@ nn::PointSet borrow_points(const lte_scene_points& p, at::Device memory) {
   points.normal = borrow_triples(p.normal, M, memory, "scene points: normal");
   points.albedo = borrow_triples(p.albedo, M, memory, "scene points: albedo");
   points.emission = borrow_triples(p.emission, M, memory, "scene points: emission");
+  if (p.direct.data != nullptr) {
+    points.direct = borrow_triples(p.direct, M, memory, "scene points: direct");
+  }
+  if (p.indirect.data != nullptr) {
+    points.indirect = borrow_triples(p.indirect, M, memory, "scene points: indirect");
+  }
   points.area = p.area == nullptr ? at::ones({M}, points.position.options())
                                   : borrow_floats(p.area, M, memory, "scene points: area");
   return points;
@@ -70,6 +77,14 @@ nn::Frame frame_of(const lte_scene_points& p, const at::Tensor& position, double
   }
   frame.scale = extent * (1 + kShrinkMargin);
   return frame;
+}
+
+/// Those on the model's device; some may be undefined.
+std::vector<at::Tensor> tensors_of(const nn::Embedding& embedding) {
+  std::vector<at::Tensor> tensors = embedding.cache.tensors();
+  tensors.insert(tensors.end(),
+                 {embedding.position, embedding.features, embedding.origin, embedding.table});
+  return tensors;
 }
 
 nn::QuerySet rows_of(const nn::QuerySet& queries, const at::Tensor& rows) {
@@ -101,8 +116,9 @@ SceneEmbedding::SceneEmbedding(std::shared_ptr<Network> network, const lte_scene
   const at::NoGradGuard no_grad;
   const at::Device device = network_->device;
   nn::PointSet set = borrow_points(points, memory);
-  for (at::Tensor* t : {&set.position, &set.normal, &set.albedo, &set.emission, &set.area}) {
-    *t = t->to(device);
+  for (at::Tensor* t : {&set.position, &set.normal, &set.albedo, &set.emission, &set.area,
+                        &set.direct, &set.indirect}) {
+    if (t->defined()) *t = t->to(device);
   }
   const nn::Frame frame = frame_of(points, set.position, network_->model->config().scale);
   embedding_ = network_->model->encode(set, 0, frame);
@@ -116,7 +132,7 @@ lte_embedding_info SceneEmbedding::info() const {
   lte_embedding_info info = {};
   info.scene_points = scene_points_;
   info.latents = embedding.position.size(0);
-  for (const at::Tensor& t : {embedding.position, embedding.features, embedding.table}) {
+  for (const at::Tensor& t : tensors_of(embedding)) {
     if (t.defined()) info.bytes += static_cast<int64_t>(t.nbytes());
   }
   const at::Tensor origin = embedding.origin.to(at::kCPU, at::kDouble);
@@ -146,8 +162,7 @@ nn::Embedding SceneEmbedding::snapshot() const {
   const c10::Stream stream = current_stream(network_->device);
   ready_->block(stream);
   // The allocator must not give this memory to another stream while this one reads it.
-  for (const at::Tensor& t :
-       {embedding.position, embedding.features, embedding.origin, embedding.table}) {
+  for (const at::Tensor& t : tensors_of(embedding)) {
     if (t.defined()) t.record_stream(stream);
   }
   return embedding;

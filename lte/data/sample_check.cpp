@@ -132,6 +132,12 @@ void check_scene_points(const Checker& check, const SceneSample& sample) {
   check.non_negative("scene_emission", sample.scene_emission);
   check.non_negative("scene_area", sample.scene_area);
   check.light(sample.scene_light, sample.light_groups);
+  if (!sample.scene_direct.empty() || !sample.scene_indirect.empty()) {
+    check.size("scene_direct", sample.scene_direct, sample.light_groups * M);
+    check.size("scene_indirect", sample.scene_indirect, sample.light_groups * M);
+  }
+  check.non_negative("scene_direct", sample.scene_direct);
+  check.non_negative("scene_indirect", sample.scene_indirect);
   if (sample.scene_metallic.empty() && sample.scene_roughness.empty()) return;
   check.size("scene_metallic", sample.scene_metallic, M);
   check.size("scene_roughness", sample.scene_roughness, M);

@@ -154,6 +154,10 @@ void write_scene_sample(const std::filesystem::path& path, const SceneSample& sa
   add(&writer, "scene_emission", {M}, sample.scene_emission);
   writer.add("scene_area", {M}, sample.scene_area.data());
   writer.add("scene_light", {M}, sample.scene_light.data());
+  if (!sample.scene_direct.empty()) {
+    add(&writer, "scene_direct", {G, M}, sample.scene_direct);
+    add(&writer, "scene_indirect", {G, M}, sample.scene_indirect);
+  }
   if (!sample.scene_metallic.empty()) {
     writer.add("scene_metallic", {M}, sample.scene_metallic.data());
     writer.add("scene_roughness", {M}, sample.scene_roughness.data());
@@ -202,6 +206,10 @@ SceneSample read_scene_sample(const std::filesystem::path& path) {
   read(file, "scene_emission", {M}, &sample.scene_emission);
   read(file, "scene_area", {M}, &sample.scene_area);
   read(file, "scene_light", {M}, &sample.scene_light);
+  if (file.contains("scene_direct")) {
+    read(file, "scene_direct", {G, M}, &sample.scene_direct);
+    read(file, "scene_indirect", {G, M}, &sample.scene_indirect);
+  }
   if (file.contains("scene_metallic")) {
     read(file, "scene_metallic", {M}, &sample.scene_metallic);
     read(file, "scene_roughness", {M}, &sample.scene_roughness);
@@ -222,7 +230,7 @@ SceneSample read_scene_sample(const std::filesystem::path& path) {
   return sample;
 }
 
-int64_t drop_unreached_queries(SceneSample* sample) {
+int64_t drop_idle_queries(SceneSample* sample) {
   const auto N = static_cast<size_t>(sample->query_points());
   const auto G = static_cast<size_t>(sample->light_groups);
   std::vector<size_t> kept;
@@ -232,7 +240,7 @@ int64_t drop_unreached_queries(SceneSample* sample) {
       reached = max_component(sample->direct[g * N + i]) > 0 ||
                 max_component(sample->indirect[g * N + i]) > 0;
     }
-    if (reached) kept.push_back(i);
+    if (reached && max_component(sample->query_albedo[i]) > 0) kept.push_back(i);
   }
   if (kept.empty() || kept.size() == N) return 0;
   const auto compact = [&](auto& values, size_t rows) {

@@ -30,6 +30,10 @@ struct SceneSample {
   std::vector<Vec3> scene_position, scene_normal, scene_albedo, scene_emission;
   std::vector<float> scene_area;     ///< m²
   std::vector<int32_t> scene_light;  ///< light group, −1 for none
+  /// [G, M], W/m² at unit gain: noisy irradiance by depth 1 and by later ones, both sides of the
+  /// surface together, 0 at luminaires (pathtrace::estimate_light()). Both empty in files of
+  /// earlier versions.
+  std::vector<Rgb> scene_direct, scene_indirect;
   /// As scene::Material has them; both empty where nothing is metal.
   std::vector<float> scene_metallic, scene_roughness;
   // Query points, [N]
@@ -66,12 +70,13 @@ void write_scene_sample(const std::filesystem::path& path, const SceneSample& sa
 ///         negative irradiance, light group out of range, normal not unit.
 SceneSample read_scene_sample(const std::filesystem::path& path);
 
-/// Removes the query points that no traced path has connected to a light (direct and indirect
-/// irradiance exactly zero in every group): the insides of closed furniture and the like, one point
-/// in ten of a furnished room. Nobody sees them, and a relative loss would spend most of its
-/// gradient on telling their zero from a small number. A sample without light, or without any
-/// reached point, stays as it is.
+/// Removes the query points that no picture asks about: those that no traced path has connected to
+/// a light (direct and indirect irradiance exactly zero in every group), the insides of closed
+/// furniture and the like, one point in ten of a furnished room; and those on surfaces that reflect
+/// nothing, which the renderer leaves out too. A relative loss would spend most of its gradient on
+/// telling the zero of the first from a small number; the second, panes behind a sunlit blind among
+/// them, can be brighter than all else. A sample of which nothing would stay is left as it is.
 /// @return  how many were removed
-int64_t drop_unreached_queries(SceneSample* sample);
+int64_t drop_idle_queries(SceneSample* sample);
 
 }  // namespace lte::data

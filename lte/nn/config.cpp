@@ -59,6 +59,8 @@ void check(const ModelConfig& c) {
   }
   LTE_CHECK(c.stem == "conv5" || c.stem == "conv3" || c.stem == "linear",
             "model.stem must be conv5, conv3 or linear, got ", c.stem);
+  LTE_CHECK(c.light_input == "emission" || c.light_input == "direct" || c.light_input == "traced",
+            "model.light_input must be emission, direct or traced, got ", c.light_input);
   LTE_CHECK(c.target == "indirect" || c.target == "total",
             "model.target must be indirect or total, got ", c.target);
   LTE_CHECK(c.grid_per_spacing > 0, "model.grid_per_spacing must be positive, got ",
@@ -88,6 +90,7 @@ ModelConfig ModelConfig::read(const Config& config) {
   config.read("query_layers", &c.query_layers);
   config.read("gamma_hidden", &c.gamma_hidden);
   config.read("ffn_ratio", &c.ffn_ratio);
+  config.read("light_input", &c.light_input);
   config.read("target", &c.target);
   config.read("scale", &c.scale);
   config.read("output_mean", &c.output_mean);
@@ -106,7 +109,7 @@ std::string ModelConfig::to_yaml() const {
       << "\ngrid_per_spacing: " << text(grid_per_spacing) << "\ndropout: " << text(dropout)
       << "\nquery_neighbours: " << query_neighbours << "\nquery_layers: " << query_layers
       << "\ngamma_hidden: " << gamma_hidden << "\nffn_ratio: " << ffn_ratio
-      << "\ntarget: " << target << "\nscale: " << text(scale)
+      << "\nlight_input: " << light_input << "\ntarget: " << target << "\nscale: " << text(scale)
       << "\noutput_mean: " << text(output_mean) << '\n';
   return out.str();
 }

@@ -26,6 +26,18 @@ struct ModelConfig {
   int64_t query_layers = 6;
   int64_t gamma_hidden = 64;  ///< h of γ
   int64_t ffn_ratio = 4;
+  /// emission | direct | traced: what scene points tell of light. The paper's carry emission alone;
+  /// `direct` adds the direct irradiance that falls on them, `traced` also an estimate of later
+  /// bounces by a few paths (PointSet::direct, PointSet::indirect). The network then says by what
+  /// factor irradiance differs from that interpolated between the estimates (lte/nn/light_cache.h).
+  std::string light_input = "emission";
+
+  bool reads_direct() const { return light_input != "emission"; }
+  bool reads_indirect() const { return light_input == "traced"; }
+  /// Columns that a scene point goes into the network with.
+  int64_t point_inputs() const {
+    return 12 + (reads_direct() ? 3 : 0) + (reads_indirect() ? 3 : 0);
+  }
   std::string target = "indirect";  ///< indirect | total: what the output means
   double scale = 16.0;              ///< s, metres: network space is (p − b_min)/s
   double output_mean =

@@ -4,16 +4,16 @@
 
 namespace lte::nn {
 
-at::Tensor log_relative_loss(const at::Tensor& predicted, const at::Tensor& target,
-                             const LossConfig& config, const at::Tensor& weight) {
+at::Tensor relative_loss(const at::Tensor& predicted, const at::Tensor& target,
+                         const LossConfig& config, const at::Tensor& weight) {
   TORCH_CHECK(predicted.sizes() == target.sizes(), "loss: predicted is ", predicted.sizes(),
               " but target is ", target.sizes());
   TORCH_CHECK(predicted.numel() > 0, "loss: no samples");
   TORCH_CHECK(config.epsilon > 0, "loss: epsilon must be positive, got ", config.epsilon);
-  const at::Tensor log_predicted = at::log1p(predicted);
-  const at::Tensor denominator =
-      (config.detach_denominator ? log_predicted.detach() : log_predicted) + config.epsilon;
-  const at::Tensor errors = ((log_predicted - at::log1p(target)) / denominator).square();
+  const at::Tensor got = config.logarithmic ? at::log1p(predicted) : predicted;
+  const at::Tensor wanted = config.logarithmic ? at::log1p(target) : target;
+  const at::Tensor denominator = (config.detach_denominator ? got.detach() : got) + config.epsilon;
+  const at::Tensor errors = ((got - wanted) / denominator).square();
   if (!weight.defined()) return errors.mean();
   TORCH_CHECK(weight.dim() == 1 && weight.size(0) == predicted.size(0), "loss: weight is ",
               weight.sizes(), " but predicted is ", predicted.sizes());

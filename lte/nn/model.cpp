@@ -64,11 +64,17 @@ void check_points(const PointSet& points) {
   check_range(points.area, 0, INFINITY, "scene points", "area");
 }
 
-/// log(1 + e/a) by channel: emission over its mean spans four decades, from dim panels to bare
-/// bulbs.
-at::Tensor compressed_emission(const at::Tensor& emission, const at::Tensor& radiance) {
-  const at::Tensor a = radiance.to(emission.device());
-  return at::log1p(emission.to(at::kDouble).div(at::where(a > 0, a, 1))).to(emission.scalar_type());
+void check_light(const at::Tensor& irradiance, const PointSet& points, const char* name) {
+  TORCH_CHECK(irradiance.defined(), "scene points: ", name, " is missing, which this model reads");
+  check_rows(irradiance, points.position.size(0), true, "scene points", name);
+  check_range(irradiance, 0, INFINITY, "scene points", name);
+}
+
+/// log(1 + light/a) by channel: emission over its mean spans four decades, from dim panels to bare
+/// bulbs, and direct irradiance as many.
+at::Tensor compressed(const at::Tensor& light, const at::Tensor& radiance) {
+  const at::Tensor a = radiance.to(light.device());
+  return at::log1p(light.to(at::kDouble).div(at::where(a > 0, a, 1))).to(light.scalar_type());
 }
 
 at::Tensor surface_attributes(const at::Tensor& position, const at::Tensor& normal,
@@ -88,6 +94,14 @@ struct LightTransportModelImpl::Parts {
   at::Tensor decode(const Embedding& embedding, const QuerySet& queries, const at::Tensor& keys,
                     const at::Tensor& values) {
     const at::Tensor position = (queries.position - embedding.origin).div(embedding.scale);
+    const at::Tensor answer = answers(embedding, queries, position, keys, values);
+    if (!embedding.cache.defined()) return answer;
+    return answer * embedding.cache.interpolate(position, queries.normal);
+  }
+
+  /// What the network says: irradiance, or the factor on that of the cache.
+  at::Tensor answers(const Embedding& embedding, const QuerySet& queries,
+                     const at::Tensor& position, const at::Tensor& keys, const at::Tensor& values) {
     const at::Tensor attributes = surface_attributes(position, queries.normal, queries.albedo);
     if (!keys.defined()) {
       return decoder->infer(attributes, position, embedding.position, embedding.spacing,
@@ -131,7 +145,8 @@ LightTransportModelImpl::LightTransportModelImpl(const ModelConfig& config)
   const int64_t latent =
       config.channels *
       (config.decoder_widths.empty() ? config.encoder_widths[0] : config.decoder_widths[0]);
-  parts_->nne = register_module("nne", NearestNeighbourEmbedding(config.channels));
+  parts_->nne =
+      register_module("nne", NearestNeighbourEmbedding(config.point_inputs(), config.channels));
   parts_->encoder = register_module("encoder", PointTransformer(config));
   parts_->decoder = register_module("decoder", QueryDecoder(latent, config));
 }
@@ -139,6 +154,8 @@ LightTransportModelImpl::LightTransportModelImpl(const ModelConfig& config)
 Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order_seed,
                                           const Frame& frame) {
   check_points(points);
+  if (config_.reads_direct()) check_light(points.direct, points, "direct irradiance");
+  if (config_.reads_indirect()) check_light(points.indirect, points, "indirect irradiance");
   Embedding embedding;
   embedding.scale = frame.scale > 0 ? frame.scale : config_.scale;
   embedding.origin = frame.origin.defined() ? frame.origin.to(points.position.options())
@@ -156,12 +173,20 @@ Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order
 
   const EncoderPlan plan =
       make_encoder_plan(position.to(at::kFloat).contiguous(), config_, is_training(), order_seed);
-  const at::Tensor attributes = at::cat({surface_attributes(position, points.normal, points.albedo),
-                                         compressed_emission(points.emission, embedding.radiance)},
-                                        1);
+  std::vector<at::Tensor> attributes = {surface_attributes(position, points.normal, points.albedo),
+                                        compressed(points.emission, embedding.radiance)};
+  if (config_.reads_direct()) attributes.push_back(compressed(points.direct, embedding.radiance));
+  if (config_.reads_indirect())
+    attributes.push_back(compressed(points.indirect, embedding.radiance));
   embedding.position = plan.position;
   embedding.spacing = plan.spacing;
-  embedding.features = parts_->encoder->forward(parts_->nne->forward(attributes, plan), plan);
+  embedding.features =
+      parts_->encoder->forward(parts_->nne->forward(at::cat(attributes, 1), plan), plan);
+  if (config_.reads_indirect()) {
+    const at::Tensor a = embedding.radiance.to(points.indirect.options());
+    embedding.cache = make_light_cache(position, points.normal, points.emission,
+                                       points.indirect.div(at::where(a > 0, a, 1)));
+  }
   if (!at::GradMode::is_enabled() && embedding.features.scalar_type() == at::kFloat) {
     embedding.table = parts_->decoder->table(embedding.features);
   }

@@ -9,6 +9,7 @@
 #include <torch/nn/pimpl.h>
 
 #include "lte/nn/config.h"
+#include "lte/nn/light_cache.h"
 #include "lte/nn/precision.h"
 
 namespace lte::nn {
@@ -20,6 +21,9 @@ struct PointSet {
   at::Tensor albedo;    ///< [M, 3]
   at::Tensor emission;  ///< [M, 3] radiance, W sr^-1 m^-2
   at::Tensor area;      ///< [M] m² each point stands for; weighs the radiance scalar only
+  /// [M, 3] W/m², irradiance on both sides of the surface together, 0 at luminaires: direct, and an
+  /// estimate of all later bounces. Read as the model's `light_input` says, else undefined will do.
+  at::Tensor direct, indirect;
 };
 
 /// Query points in world space.
@@ -41,6 +45,7 @@ struct Embedding {
                         ///< it, irradiance multiplied
   at::Tensor table;     ///< ops::neighbour_table of all layers, made by encode() outside training;
                         ///< else undefined
+  LightCache cache;     ///< of models whose `light_input` is traced
 };
 
 /// Where a scene lies in network space: p̂ = (p − origin) / scale.

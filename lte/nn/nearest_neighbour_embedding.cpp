@@ -47,8 +47,8 @@ at::Tensor NeighbourMaxImpl::forward(const at::Tensor& dense, const at::Tensor& 
   return out.size() == 1 ? out[0] : at::cat(out);
 }
 
-NearestNeighbourEmbeddingImpl::NearestNeighbourEmbeddingImpl(int64_t channels)
-    : point_(register_module("point", Mlp(12, channels, channels))),
+NearestNeighbourEmbeddingImpl::NearestNeighbourEmbeddingImpl(int64_t inputs, int64_t channels)
+    : point_(register_module("point", Mlp(inputs, channels, channels))),
       first_(register_module("first", NeighbourMax(channels))),
       second_(register_module("second", NeighbourMax(channels))) {}
 

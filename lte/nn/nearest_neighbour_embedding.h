@@ -34,13 +34,15 @@ class NeighbourMaxImpl : public torch::nn::Module {
 };
 TORCH_MODULE(NeighbourMax);
 
-/// F, then two halvings. Parameters: `point.*` (F, 12 -> D -> D), `first.*` and `second.*` (G of
-/// either halving).
+/// F, then two halvings. Parameters: `point.*` (F, inputs -> D -> D), `first.*` and `second.*` (G
+/// of either halving).
 class NearestNeighbourEmbeddingImpl : public torch::nn::Module {
  public:
-  explicit NearestNeighbourEmbeddingImpl(int64_t channels);
+  /// @param inputs  attributes of a point, ModelConfig::point_inputs()
+  NearestNeighbourEmbeddingImpl(int64_t inputs, int64_t channels);
 
-  /// @param attributes  [M, 12]: position, normal, albedo, compressed emission
+  /// @param attributes  [M, inputs]: position, normal, albedo, compressed emission, and compressed
+  ///                    irradiance, direct and indirect, where the model reads it
   /// @return            [m, D]
   at::Tensor forward(const at::Tensor& attributes, const EncoderPlan& plan);
 

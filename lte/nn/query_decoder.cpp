@@ -63,7 +63,7 @@ QueryDecoderImpl::QueryDecoderImpl(int64_t latent, const ModelConfig& config)
     layers_.push_back(register_module("layer" + std::to_string(i), QueryLayer(latent, config)));
   }
   norm_ = register_module("norm", layer_norm(D));
-  head_ = register_module("head", Mlp(D, D, 3, 0, 0.1));
+  head_ = register_module("head", Mlp(D, D, 3, 0, config.reads_indirect() ? 0.01 : 0.1));
   const at::NoGradGuard no_grad;
   const double mean = config.output_mean;  // softplus^-1, in the form that does not overflow
   head_->output()->bias.fill_(mean + std::log(-std::expm1(-mean)));

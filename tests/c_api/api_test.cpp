@@ -1,10 +1,12 @@
 // What the C functions compute: the C++ network's answers, in whatever layout, from any thread.
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <thread>
 #include <vector>
 
 #include <ATen/ATen.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "lte/c_api.h"
@@ -39,6 +41,7 @@ TEST(CApi, TellsTheModelsProperties) {
   EXPECT_EQ(info.target, LTE_TARGET_INDIRECT);
   EXPECT_EQ(info.scale, 16);
   EXPECT_EQ(info.device, LTE_DEVICE_CPU);
+  EXPECT_EQ(info.light_input, LTE_LIGHT_EMISSION);
   const nn::LightTransportModel loaded = nn::load_model(test::tiny_model_file());
   EXPECT_EQ(info.parameters, nn::count_parameters(loaded).total);
   EXPECT_EQ(lte_abi_version(), uint32_t{LTE_C_API_VERSION});
@@ -64,6 +67,36 @@ TEST(CApi, AnswersAreTheCppNetworks) {
     EXPECT_EQ(info.origin[i], points.position.select(1, i).min().item<double>());
     EXPECT_DOUBLE_EQ(info.radiance[i], radiance[i].item<double>());
   }
+}
+
+TEST(CApi, AModelThatReadsLightSaysSoAndIsGivenIt) {
+  nn::ModelConfig config = test::tiny_config();
+  config.light_input = "traced";
+  nn::LightTransportModel model(config);
+  test::randomize(*model, 5);
+  model->eval();
+  const std::filesystem::path file = test::tiny_model_file().string() + ".traced";
+  nn::save_model(file, model);
+  lte_model* handle = nullptr;
+  ASSERT_EQ(lte_model_open(file.c_str(), nullptr, &handle), LTE_OK) << lte_last_error();
+  std::filesystem::remove(file);
+  lte_model_info info = {};
+  info.struct_size = sizeof info;
+  ASSERT_EQ(lte_model_get_info(handle, &info), LTE_OK);
+  EXPECT_EQ(info.light_input, LTE_LIGHT_TRACED);
+  const nn::PointSet points = box_scene(300, 1);
+  const nn::QuerySet queries = box_queries(50, 2);
+  {
+    const at::NoGradGuard no_grad;
+    const test::Embedding embedding(handle, c_points(points, /*light=*/true));
+    EXPECT_TRUE(at::equal(test::decode(embedding.handle, c_queries(queries)),
+                          model->decode(model->encode(points), queries)));
+  }
+  const lte_scene_points dark = c_points(points);
+  lte_embedding* embedding = nullptr;
+  EXPECT_NE(lte_model_encode(handle, &dark, &embedding), LTE_OK);
+  EXPECT_THAT(lte_last_error(), testing::HasSubstr("direct irradiance is missing"));
+  lte_model_release(handle);
 }
 
 TEST(CApi, ReadsAndWritesInterleavedArrays) {

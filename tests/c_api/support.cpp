@@ -42,7 +42,7 @@ Embedding::Embedding(const lte_model* model, const lte_scene_points& points) {
 
 lte_float3_view view(const at::Tensor& triples) { return {triples.const_data_ptr<float>(), 0}; }
 
-lte_scene_points c_points(const nn::PointSet& points) {
+lte_scene_points c_points(const nn::PointSet& points, bool light) {
   lte_scene_points out = {};
   out.struct_size = sizeof out;
   out.count = points.position.size(0);
@@ -51,6 +51,7 @@ lte_scene_points c_points(const nn::PointSet& points) {
   out.albedo = view(points.albedo);
   out.emission = view(points.emission);
   out.area = points.area.const_data_ptr<float>();
+  if (light) out.direct = view(points.direct), out.indirect = view(points.indirect);
   return out;
 }
 

@@ -36,7 +36,7 @@ struct Embedding {
 lte_float3_view view(const at::Tensor& triples);
 
 /// Borrows the tensors of `points`, area included.
-lte_scene_points c_points(const nn::PointSet& points);
+lte_scene_points c_points(const nn::PointSet& points, bool light = false);
 lte_queries c_queries(const nn::QuerySet& queries);
 
 /// [N, 3], of lte_embedding_decode(), which must succeed.

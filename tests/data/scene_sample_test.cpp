@@ -107,6 +107,25 @@ TEST_F(SceneSampleFile, MetalAndIncidentRadianceComeBackBitForBit) {
   EXPECT_EQ(file.at("incident_scale").shape, (std::vector<int64_t>{3}));
 }
 
+TEST_F(SceneSampleFile, LightOnScenePointsIsOptional) {
+  SceneSample sample = make_sample();
+  write_scene_sample(path(), sample);
+  EXPECT_TRUE(read_scene_sample(path()).scene_direct.empty());
+  Rng rng(6);
+  sample.scene_direct = random_vectors(&rng, 2 * 8, 0, 5);
+  EXPECT_THAT(error_of([&] { write_scene_sample(path(), sample); }),
+              HasSubstr("scene_indirect"));  // one without the other
+  sample.scene_indirect = random_vectors(&rng, 2 * 8, 0, 5);
+  write_scene_sample(path(), sample);
+  EXPECT_EQ(read_scene_sample(path()).scene_direct, sample.scene_direct);
+  EXPECT_EQ(read_scene_sample(path()).scene_indirect, sample.scene_indirect);
+  sample.scene_direct[3].y = -1;
+  EXPECT_THAT(error_of([&] { write_scene_sample(path(), sample); }),
+              AllOf(HasSubstr("scene_direct"), HasSubstr("entry 3")));
+  sample.scene_direct.resize(5);
+  EXPECT_THAT(error_of([&] { write_scene_sample(path(), sample); }), HasSubstr("expected 16"));
+}
+
 TEST_F(SceneSampleFile, BadMetalAndIncidentRadianceAreRefused) {
   const auto error = [&](const std::function<void(SceneSample*)>& damage) {
     SceneSample sample = make_sample();
@@ -165,37 +184,37 @@ TEST_F(SceneSampleFile, KeepsOptionalTensorsOptionalAndBlackScenesEmpty) {
   expect_equal(read_scene_sample(path()), sample);
 }
 
-TEST(DropUnreachedQueries, RemovesWhatNoGroupLightsAndKeepsTheRest) {
+TEST(DropIdleQueries, RemovesWhatNoGroupLightsAndKeepsTheRest) {
   SceneSample sample;
   sample.light_groups = 2;
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < 5; ++i) {
     const float x = static_cast<float>(i);
     sample.query_position.push_back({x, 0, 0});
     sample.query_normal.push_back({0, 1, 0});
-    sample.query_albedo.push_back({x, x, x});
+    sample.query_albedo.push_back(i < 4 ? Rgb{x + 1, 0, 0} : Rgb{});
     sample.variance.push_back(x);
     sample.query_rays.push_back(i);
   }
   // Point 0 has indirect light of group 1 only, point 2 direct light of group 0 only; 1 and 3 have
-  // none.
-  sample.direct = {{}, {}, {5, 0, 0}, {}, {}, {}, {}, {}};
-  sample.indirect = {{}, {}, {}, {}, {0, 0, 7}, {}, {}, {}};
-  EXPECT_EQ(drop_unreached_queries(&sample), 2);
+  // none; 4 is lit, but black.
+  sample.direct = {{}, {}, {5, 0, 0}, {}, {9, 0, 0}, {}, {}, {}, {}, {}};
+  sample.indirect = {{}, {}, {}, {}, {}, {0, 0, 7}, {}, {}, {}, {8, 0, 0}};
+  EXPECT_EQ(drop_idle_queries(&sample), 3);
   EXPECT_EQ(sample.query_position, (std::vector<Vec3>{{0, 0, 0}, {2, 0, 0}}));
   EXPECT_EQ(sample.variance, (std::vector<float>{0, 2}));
   EXPECT_EQ(sample.query_rays, (std::vector<int32_t>{0, 2}));
   EXPECT_EQ(sample.direct, (std::vector<Rgb>{{}, {5, 0, 0}, {}, {}}));
   EXPECT_EQ(sample.indirect, (std::vector<Rgb>{{}, {}, {0, 0, 7}, {}}));
-  EXPECT_EQ(drop_unreached_queries(&sample), 0);
+  EXPECT_EQ(drop_idle_queries(&sample), 0);
 }
 
-TEST(DropUnreachedQueries, KeepsABlackSceneWhole) {
+TEST(DropIdleQueries, KeepsABlackSceneWhole) {
   SceneSample sample;
   sample.light_groups = 1;
   sample.query_position = sample.query_normal = sample.query_albedo = {{0, 1, 0}};
   sample.direct = sample.indirect = {{}};
   sample.variance = {0};
-  EXPECT_EQ(drop_unreached_queries(&sample), 0);
+  EXPECT_EQ(drop_idle_queries(&sample), 0);
   EXPECT_EQ(sample.query_points(), 1);
 }
 

@@ -254,6 +254,28 @@ TEST_F(Bake, MetalIsRecordedAndOtherTensorsStay) {
   EXPECT_LT(found, 64);
 }
 
+/// Light on scene points is that on query points, estimated apart.
+TEST_F(Bake, ScenePointsCarryTheirDirectLight) {
+  BakeOptions options = tiny_bake();
+  options.scene_points = options.query_points = 4000;
+  options.emissive_share = 0;
+  const data::SceneSample sample = bake_scene(room(), options, false);
+  const auto M = static_cast<size_t>(sample.scene_points()),
+             G = static_cast<size_t>(sample.light_groups);
+  ASSERT_EQ(sample.scene_direct.size(), G * M);
+  const auto mean = [](const std::vector<Rgb>& values) {
+    double sum = 0;
+    for (const Rgb& value : values) sum += value.x + value.y + value.z;
+    return sum / static_cast<double>(values.size());
+  };
+  EXPECT_GT(mean(sample.direct), 0);
+  EXPECT_NEAR(mean(sample.scene_direct), mean(sample.direct), 0.1 * mean(sample.direct));
+  for (size_t i = 0; i < M; ++i) {
+    const bool luminaire = max_component(sample.scene_emission[i]) > 0;
+    EXPECT_TRUE(!luminaire || sample.scene_direct[i] == Rgb{}) << i;
+  }
+}
+
 TEST_F(Bake, SwitchesLeaveTensorsOut) {
   BakeOptions options = tiny_bake();
   options.path_tracing_64 = false;

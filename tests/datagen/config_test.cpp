@@ -37,7 +37,7 @@ TEST(DatagenConfig, ShippedFilesAreValidAndBoxesIsComplete) {
   EXPECT_EQ(rooms.bake.scene_points, 20000);
   EXPECT_EQ(rooms.bake.query_points, 100000);
   EXPECT_EQ(rooms.bake.rays, 1024);
-  for (const char* child : {"rooms_small", "demo", "rooms_test", "shipped"}) {
+  for (const char* child : {"rooms_small", "demo", "boxes_test", "shipped"}) {
     const DatagenConfig config = load_datagen_config(concat(folder, child, ".yaml"));
     EXPECT_EQ(config.generator, "boxes") << child;
     EXPECT_FALSE(config.bake.prune) << child;

@@ -226,5 +226,18 @@ TEST_F(Evaluation, RefusesAnotherScaleAndAnEmptySplit) {
                                         testing::HasSubstr("scale")));
 }
 
+TEST_F(Evaluation, RefusesDataWithoutTheLightThatTheModelReads) {
+  test::TinyModel tiny;
+  tiny.light_input = "traced";
+  test::save_tiny_model(folder_ / "traced.safetensors", tiny);
+  Predictor model = Predictor::load(folder_ / "traced.safetensors", Device::Cpu);
+  try {
+    evaluate(settings_, &model, fit_baselines(settings_.data));
+    ADD_FAILURE() << "took data without light on scene points";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("test0: has no scene_direct"));
+  }
+}
+
 }  // namespace
 }  // namespace lte::infer

@@ -64,6 +64,25 @@ TEST_P(Export, AgreesWithTheNativeModelAtThreeSizes) {
 
 INSTANTIATE_TEST_SUITE_P(Stems, Export, testing::Values("conv5", "conv3", "linear"));
 
+TEST(ExportOfLight, ColumnsFollowTheModel) {
+  const test::TempDir folder;
+  for (const std::string input : {"direct", "traced"}) {
+    nn::ModelConfig config = small_config("conv5");
+    config.light_input = input;
+    const std::filesystem::path checkpoint = save_untrained(folder.path(), config);
+    for (const ExportCheck& check : export_torchscript(
+             {checkpoint.string(), folder.path() / "model.pt", /*portable=*/true, true})) {
+      EXPECT_LT(check.relative_error, 1e-5) << input << ", M = " << check.scene_points;
+    }
+    torch::jit::Module module = torch::jit::load((folder.path() / "model.pt").string());
+    const auto forward = [&](int64_t columns) {
+      module.forward({at::rand({50, columns}), at::rand({5, 9})});
+    };
+    forward(input == "direct" ? 16 : 19);
+    EXPECT_ANY_THROW(forward(13));
+  }
+}
+
 TEST(PortableExport, LoadsInAProgramThatLinksNothingOfLte) {
   const test::TempDir folder;
   const std::filesystem::path checkpoint = save_untrained(folder.path(), small_config("conv5"));

@@ -35,6 +35,7 @@ struct TinyModel {
   double scale = 16;
   int64_t scene_points = 300;
   bool pruned = false;
+  std::string light_input = "emission";
   uint64_t seed = 1;
 };
 

@@ -1,12 +1,14 @@
 // Pictures against closed forms, the G-buffer, and laws that hold for any weights.
 #include "infer/renderer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "infer/lit_samples.h"
 #include "lte/base/check.h"
 #include "lte/pathtrace/render.h"
 #include "tests/infer/fixture.h"
@@ -218,6 +220,41 @@ TEST(Renderer, PrunesScenePointsAsInTrainingUnlessToldOtherwise) {
       }
     }
   }
+}
+
+TEST(Renderer, GivesModelsTheLightThatTheyRead) {
+  const scene::Scene scene = lit_floor();
+  std::vector<image::Image> pictures;
+  for (const std::string input : {"emission", "direct", "traced"}) {
+    test::TinyModel tiny;
+    tiny.light_input = input;
+    Embedded embedded(scene, tiny, {});
+    const Frame frame =
+        embedded.renderer.render(test::downward_camera(), settings(Output::Irradiance));
+    EXPECT_GT(*std::max_element(frame.color.pixels.begin(), frame.color.pixels.end()), 0) << input;
+    EXPECT_EQ(embedded.renderer.seconds().light > 1e-5, input != "emission") << input;
+  }
+}
+
+TEST(LitSamples, HoldTheIrradianceOfTheClosedForm) {
+  const scene::Scene scene = lit_floor();
+  const pathtrace::Bvh bvh(scene);
+  const pathtrace::Lights lights(scene);
+  const scene::SurfaceSamples surface = scene::sample_surface(scene, 2000, scene_point_options(1));
+  EXPECT_TRUE(light_up(bvh, lights, surface, 0, 1).direct.empty());
+  EXPECT_TRUE(light_up(bvh, lights, surface, 1, 1).indirect.empty());
+  const LitSamples lit = light_up(bvh, lights, surface, 5, 1);
+  ASSERT_EQ(lit.direct.size(), surface.position.size());
+  ASSERT_EQ(lit.indirect.size(), surface.position.size());
+  double traced = 0, expected = 0;
+  for (size_t i = 0; i < lit.direct.size(); ++i) {
+    if (max_component(surface.emission[i]) > 0) continue;
+    traced += lit.direct[i].x;
+    expected += kLitFloorRadiance.x *
+                test::polygon_irradiance(test::lit_floor_light(), surface.position[i], {0, 1, 0});
+    EXPECT_EQ(lit.indirect[i], Rgb{}) << "the light is black";
+  }
+  EXPECT_NEAR(traced, expected, 0.02 * expected);
 }
 
 TEST(Renderer, WithoutLightAllLightIsBlackAndNoModelIsNeeded) {

@@ -70,6 +70,49 @@ TEST(Model, IrradianceIsLinearInEmission) {
   }
 }
 
+TEST(Model, ReadsTheLightOnScenePointsThatItsConfigurationNames) {
+  const QuerySet queries = test::box_queries(40, 2);
+  const PointSet points = test::box_scene(120, 1);
+  PointSet more_direct = points, more_indirect = points, gained = points;
+  more_direct.direct = points.direct * 2;
+  more_indirect.indirect = points.indirect * 2;
+  gained.emission = points.emission * 0.5, gained.direct = points.direct * 0.5;
+  gained.indirect = points.indirect * 0.5;
+  for (const std::string input : {"emission", "direct", "traced"}) {
+    ModelConfig config = test::tiny_config();
+    config.light_input = input;
+    LightTransportModel model = random_model(config);
+    const at::Tensor answer = irradiance(model, points, queries);
+    const auto changes = [&](const PointSet& other) {
+      return !torch::equal(irradiance(model, other, queries), answer);
+    };
+    EXPECT_EQ(changes(more_direct), input != "emission") << input;
+    EXPECT_EQ(changes(more_indirect), input == "traced") << input;
+    EXPECT_TRUE(torch::equal(irradiance(model, gained, queries), answer * 0.5)) << input;
+    PointSet without = points;
+    without.indirect = at::Tensor();
+    if (input == "traced") {
+      test::expect_error([&] { irradiance(model, without, queries); },
+                         {"scene points", "indirect irradiance is missing"});
+    } else {
+      EXPECT_FALSE(changes(without)) << input;
+    }
+    without.direct = at::Tensor();
+    if (input != "emission") {
+      test::expect_error([&] { irradiance(model, without, queries); },
+                         {"scene points", "direct irradiance is missing"});
+    }
+    PointSet bad = points;
+    bad.direct = points.direct.clone();
+    bad.direct[7][1] = -1;
+    if (input == "emission") {
+      EXPECT_FALSE(changes(bad));
+    } else {
+      test::expect_error([&] { irradiance(model, bad, queries); }, {"direct irradiance", "row 7"});
+    }
+  }
+}
+
 TEST(Model, BlackSceneIsExactlyBlack) {
   LightTransportModel model = random_model();
   PointSet points = test::box_scene(60, 1);
@@ -251,7 +294,7 @@ TEST(Model, GradientsMatchFiniteDifferencesThroughEverything) {
   const QuerySet queries = test::as_double(test::box_queries(6, 17));
   const at::Tensor target = torch::rand({6, 3}, at::kDouble);
   const auto loss = [&] {
-    return log_relative_loss(model->decode_normalized(model->encode(points), queries), target, {});
+    return relative_loss(model->decode_normalized(model->encode(points), queries), target, {});
   };
   test::expect_gradients_match(loss, model->parameters(), 1e-5);
 }
@@ -267,8 +310,7 @@ TEST(Model, LearnsOneBatchByHeart) {
   double first = 0, last = 0;
   for (int step = 0; step < 250; ++step) {
     const Embedding embedding = model->encode(points, static_cast<uint64_t>(step));
-    const at::Tensor loss =
-        log_relative_loss(model->decode_normalized(embedding, queries), target, {});
+    const at::Tensor loss = relative_loss(model->decode_normalized(embedding, queries), target, {});
     optimizer.zero_grad();
     loss.backward();
     optimizer.step();

@@ -60,6 +60,8 @@ nn::PointSet box_scene(int64_t M, uint64_t seed) {
   const at::Tensor lit = torch::arange(M).remainder(10).eq(0).unsqueeze(1);
   points.emission = torch::where(lit, 5 + 10 * torch::rand({M, 3}), torch::zeros({M, 3}));
   points.area = 0.01 + torch::rand({M}) * 0.01;
+  points.direct = torch::where(lit, torch::zeros({M, 3}), 8 * torch::rand({M, 3}));
+  points.indirect = torch::where(lit, torch::zeros({M, 3}), 3 * torch::rand({M, 3}));
   return points;
 }
 
@@ -70,8 +72,8 @@ nn::QuerySet box_queries(int64_t Q, uint64_t seed) {
 }
 
 nn::PointSet as_double(nn::PointSet points) {
-  for (at::Tensor* t :
-       {&points.position, &points.normal, &points.albedo, &points.emission, &points.area}) {
+  for (at::Tensor* t : {&points.position, &points.normal, &points.albedo, &points.emission,
+                        &points.area, &points.direct, &points.indirect}) {
     *t = t->to(at::kDouble);
   }
   return points;

@@ -5,6 +5,8 @@
 #include <map>
 #include <set>
 
+#include <gmock/gmock.h>
+
 #include "lte/nn/loss.h"
 #include "tests/train/support.h"
 
@@ -225,12 +227,55 @@ TEST(NoiseWeight, WeightsEnterTheLossByQuery) {
   const at::Tensor target = at::tensor({0.6f, 0.9f, 2.5f, 0.3f, 0.1f, 0.4f}).view({2, 3});
   const nn::LossConfig config;
   const double first =
-      nn::log_relative_loss(predicted.slice(0, 0, 1), target.slice(0, 0, 1), config).item<double>();
+      nn::relative_loss(predicted.slice(0, 0, 1), target.slice(0, 0, 1), config).item<double>();
   const double second =
-      nn::log_relative_loss(predicted.slice(0, 1, 2), target.slice(0, 1, 2), config).item<double>();
+      nn::relative_loss(predicted.slice(0, 1, 2), target.slice(0, 1, 2), config).item<double>();
   const double both =
-      nn::log_relative_loss(predicted, target, config, at::tensor({1.5f, 0.25f})).item<double>();
+      nn::relative_loss(predicted, target, config, at::tensor({1.5f, 0.25f})).item<double>();
   EXPECT_NEAR(both, (1.5 * first + 0.25 * second) / 2, 1e-6);
+}
+
+TEST(MakeExample, LightOnScenePointsIsSummedOverGroupsUnderTheirGains) {
+  const test::TempDir dir;
+  data::SceneSample sample = test::box_sample(7);
+  sample.name = "room";
+  const std::filesystem::path path = dir / "room.safetensors";
+  data::write_scene_sample(path, sample);
+  try {
+    read_training_scene(path, "room", "indirect", "traced");
+    ADD_FAILURE() << "read light that is not there";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(),
+                testing::AllOf(testing::HasSubstr("room.safetensors"),
+                               testing::HasSubstr("scene_direct"), testing::HasSubstr("traced")));
+  }
+  const size_t M = sample.scene_position.size();
+  Rng random(3);
+  for (auto* light : {&sample.scene_direct, &sample.scene_indirect}) {
+    light->resize(2 * M);
+    for (Rgb& value : *light) value = {random.uniform(), random.uniform(), random.uniform()};
+  }
+  data::write_scene_sample(path, sample);
+  const TrainingScene direct = read_training_scene(path, "room", "indirect", "direct");
+  EXPECT_TRUE(direct.indirect.empty());
+  const TrainingScene scene = read_training_scene(path, "room", "indirect", "traced");
+  Symmetry symmetry = identity_symmetry(2);
+  symmetry.gains = {{2, 1, 0}, {0, 0.5f, 3}};
+  Rng rng(6);
+  const Example example = make_example(scene, symmetry, static_cast<int64_t>(M), 5, &rng);
+  // Rows are drawn in an order of their own: positions tell which.
+  for (int64_t row = 0; row < example.points.position.size(0); ++row) {
+    size_t i = 0;
+    while (i < M && example.points.position[row][0].item<float>() != scene.position[i].x) ++i;
+    ASSERT_LT(i, M);
+    for (int c = 0; c < 3; ++c) {
+      const Rgb &a = symmetry.gains[0], &b = symmetry.gains[1];
+      EXPECT_FLOAT_EQ(example.points.direct[row][c].item<float>(),
+                      a[c] * sample.scene_direct[i][c] + b[c] * sample.scene_direct[M + i][c]);
+      EXPECT_FLOAT_EQ(example.points.indirect[row][c].item<float>(),
+                      a[c] * sample.scene_indirect[i][c] + b[c] * sample.scene_indirect[M + i][c]);
+    }
+  }
 }
 
 TEST(SceneStore, DropsTheLeastRecentlyUsed) {

@@ -1,0 +1,32 @@
+// Noisy irradiance at scene points, read between them as irradiance caching does: a mean over near
+// points that face the query's way and lie in its plane (Ward et al. 1988, "A Ray Tracing Solution
+// for Diffuse Interreflection", and the normal and plane weights of edge-avoiding filters). It
+// starts the network off near the answer; the network corrects what it blurs.
+#pragma once
+
+#include <vector>
+
+#include <ATen/core/Tensor.h>
+
+namespace lte::nn {
+
+struct LightCache {
+  at::Tensor position;    ///< [S, 3] float32, network space
+  at::Tensor normal;      ///< [S, 3]
+  at::Tensor irradiance;  ///< [S, 3] over the radiance of the scene
+  at::Tensor floor;  ///< [3] added everywhere, so that a factor can lift what the cache calls dark
+
+  bool defined() const { return position.defined(); }
+  /// [Q, 3], positive where the scene has bounced light in that channel; 1 without any point.
+  /// Inputs on one device, in one dtype; no gradients.
+  at::Tensor interpolate(const at::Tensor& position, const at::Tensor& normal) const;
+  std::vector<at::Tensor> tensors() const { return {position, normal, irradiance, floor}; }
+};
+
+/// Of the points that do not emit: luminaires carry no estimate.
+/// @param position    [M, 3] network space, @param normal [M, 3], @param emission [M, 3]
+/// @param irradiance  [M, 3] over the radiance of the scene
+LightCache make_light_cache(const at::Tensor& position, const at::Tensor& normal,
+                            const at::Tensor& emission, const at::Tensor& irradiance);
+
+}  // namespace lte::nn
