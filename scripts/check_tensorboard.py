@@ -72,8 +72,9 @@ def main():
         accumulator.Reload()
     tags = accumulator.Tags()
     pictures = [tag for tag in tags["tensors"] + tags["images"] if tag.startswith("preview/")]
-    for field in ("loss", "lr", "grad_norm", "val_loss", "val_psnr"):
-        tag = f"val/{field[4:]}" if field.startswith("val_") else f"train/{field}"
+    tag_of = {"loss": "train/loss", "lr": "train/lr", "grad_norm": "train/grad_norm", "grad_norm_encoder_down0": "grad_norm/encoder_down0",
+              "val_loss": "val/loss", "val_psnr": "val/psnr"}
+    for field, tag in tag_of.items():
         logged = [(line["step"], line[field]) for line in lines if field in line]
         if tag in tags["scalars"]:
             shown = [(event.step, event.value) for event in accumulator.Scalars(tag)]

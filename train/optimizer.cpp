@@ -1,6 +1,9 @@
 #include "train/optimizer.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <string_view>
 #include <utility>
 
 #include <ATen/ops/_foreach_add.h>
@@ -23,6 +26,17 @@ namespace {
 constexpr double kAdamEpsilon = 1e-8;
 
 }  // namespace
+
+std::string gradient_module(const std::string& parameter) {
+  constexpr std::string_view kEncoder = "encoder.";
+  if (!parameter.starts_with(kEncoder)) return parameter.substr(0, parameter.find('.'));
+  std::string part = parameter.substr(kEncoder.size());
+  part = part.substr(0, part.find('.'));
+  if (part == "stem_norm") part = "stem";
+  if (part.starts_with("unpool")) part = "up" + part.substr(std::strlen("unpool"));
+  if (part.starts_with("pool")) part = "down" + part.substr(std::strlen("pool"));
+  return "encoder_" + part;
+}
 
 Optimizer::Optimizer(const OptimConfig& config, const nn::LightTransportModel& model)
     : config_(config) {
@@ -54,6 +68,26 @@ double Optimizer::gradient_norm() const {
   const std::vector<at::Tensor> all = gradients();
   if (all.empty()) return 0;
   return at::stack(at::_foreach_norm(all)).to(at::kDouble).norm().item<double>();
+}
+
+std::vector<std::pair<std::string, double>> Optimizer::module_norms() const {
+  const torch::NoGradGuard no_grad;
+  const std::vector<at::Tensor> all = gradients();
+  at::Tensor norms;  // of each parameter with a gradient: one copy from the device, not many
+  if (!all.empty()) norms = at::stack(at::_foreach_norm(all)).to(at::kCPU, at::kDouble);
+  std::vector<std::pair<std::string, double>> modules;
+  int64_t next = 0;
+  for (size_t i = 0; i < names_.size(); ++i) {
+    const std::string module = gradient_module(names_[i]);
+    auto found = std::find_if(modules.begin(), modules.end(),
+                              [&](const auto& entry) { return entry.first == module; });
+    if (found == modules.end()) found = modules.insert(found, {module, 0.0});
+    if (!parameters_[i].grad().defined()) continue;
+    const double norm = norms.const_data_ptr<double>()[next++];
+    found->second += norm * norm;
+  }
+  for (auto& [module, value] : modules) value = std::sqrt(value);
+  return modules;
 }
 
 void Optimizer::update(int64_t step, double norm, std::optional<double> given_rate) {

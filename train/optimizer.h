@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lte/base/safetensors.h"
@@ -13,6 +14,11 @@
 #include "train/config.h"
 
 namespace lte::train {
+
+/// The part of the network that a parameter counts to: nne, encoder_stem, encoder_downS and
+/// encoder_upS for stage S with the pooling or unpooling into it, encoder_norm, decoder; for other
+/// names what stands before the first dot.
+std::string gradient_module(const std::string& parameter);
 
 class Optimizer {
  public:
@@ -25,6 +31,9 @@ class Optimizer {
   void zero_gradients();
   /// L2 norm of the whole gradient; not finite if any entry is not.
   double gradient_norm() const;
+  /// L2 norm of the gradient of each module, by gradient_module(), in the order of the model: their
+  /// squares sum to that of gradient_norm(). 0 for a module whose parameters have none.
+  std::vector<std::pair<std::string, double>> module_norms() const;
   /// Scales the gradient down to clip_norm if `norm` exceeds it, then updates weights and their
   /// average.
   /// @param step  steps done before this one: it decides learning rate and averaging rate

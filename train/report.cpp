@@ -11,6 +11,7 @@
 #include "lte/base/file.h"
 #include "lte/base/html.h"
 #include "train/report_log.h"
+#include "train/run_log.h"
 
 namespace lte::train {
 namespace {
@@ -18,8 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kWorstScenes = 6, kLines = 6;
-constexpr const char* kModuleNorm =
-    "grad_norm_";  // what such a name starts with is the norm of one module
 
 std::string number(double value, const char* pattern = "%.4g") {
   char text[32];
@@ -63,11 +62,14 @@ std::string loss_charts(const RunHistory& log) {
 std::string optimizer_charts(const RunHistory& log) {
   std::vector<ChartLine> norms = {{"whole gradient", log.figure("grad_norm")}};
   for (const auto& [name, series] : log.figures) {
-    if (name.starts_with(kModuleNorm))
-      norms.push_back({name.substr(std::string(kModuleNorm).size()), series});
+    if (name.starts_with(kModuleNormPrefix))
+      norms.push_back({name.substr(kModuleNormPrefix.size()), series});
   }
   return html_chart({.title = "learning rate", .x_label = "step"}, {{"", log.figure("lr")}}) +
-         html_chart({.title = "gradient norm before clipping", .x_label = "step", .log_y = true},
+         html_chart({.title = "gradient norm before clipping",
+                     .x_label = "step",
+                     .log_y = true,
+                     .height = 320},
                     norms);
 }
 

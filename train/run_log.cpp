@@ -28,8 +28,10 @@ std::string kept_lines(const std::string& text, int64_t resume_step) {
 
 std::string tag_of(const std::string& field) {
   constexpr std::string_view kValidation = "val_";
-  return field.starts_with(kValidation) ? "val/" + field.substr(kValidation.size())
-                                        : "train/" + field;
+  if (field.starts_with(kValidation)) return "val/" + field.substr(kValidation.size());
+  if (field.starts_with(kModuleNormPrefix))
+    return "grad_norm/" + field.substr(kModuleNormPrefix.size());
+  return "train/" + field;
 }
 
 }  // namespace

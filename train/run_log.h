@@ -7,12 +7,16 @@
 #include <fstream>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "train/event_file.h"
 
 namespace lte::train {
+
+/// What the field of a module's gradient norm begins with; the module's name follows.
+inline constexpr std::string_view kModuleNormPrefix = "grad_norm_";
 
 class RunLog {
  public:
@@ -31,7 +35,8 @@ class RunLog {
   }
 
   /// Appends {"step": step, fields...} and flushes. Values that are not finite become null. As
-  /// events, "val_loss" is val/loss, and what does not start with val_ is train/NAME.
+  /// events, "val_loss" is val/loss, "grad_norm_nne" is grad_norm/nne, and what has neither prefix
+  /// is train/NAME.
   /// @param scenes  validation loss of each scene, as the object "val_scenes"; none: no such key
   void write(int64_t step, const NamedValues& fields, const NamedValues& scenes = {});
 

@@ -118,13 +118,16 @@ void Trainer::train_step() {
   }
   const double norm = optimizer_->gradient_norm();
   if (!std::isfinite(norm)) fail_on_gradient(examples);
+  // Before the update clips the gradient.
+  const NamedValues module_norms =
+      leads() && logs_at(progress_.step + 1) ? optimizer_->module_norms() : NamedValues{};
   optimizer_->update(progress_.step, norm);
   progress_.step += 1;
   progress_.window_loss += loss;
   progress_.window_steps += 1;
   progress_.seconds = seconds_before_ + session_timer_.seconds();
   summary_.loss = loss;
-  after_step(queries, norm);
+  after_step(queries, norm, module_norms);
 }
 
 void Trainer::fail_on_gradient(const std::vector<Example>& examples) {
@@ -142,21 +145,27 @@ void Trainer::fail_on_gradient(const std::vector<Example>& examples) {
       ": the gradient is not finite; no update was made, the last checkpoint stays"));
 }
 
-void Trainer::after_step(int64_t queries, double norm) {
+bool Trainer::logs_at(int64_t step) const {
+  return step % config_.train.log_every == 0 || step == config_.train.steps;
+}
+
+void Trainer::after_step(int64_t queries, double norm, const NamedValues& module_norms) {
   const int64_t step = progress_.step;
   const bool last = step == config_.train.steps;
   if (!leads()) return;
   window_queries_ += queries;
-  if (step % config_.train.log_every == 0 || last) {
-    log_->write(
-        step,
-        {{"loss", progress_.window_loss / static_cast<double>(progress_.window_steps)},
-         {"lr", learning_rate(config_.train, step - 1)},
-         {"grad_norm", norm},
-         {"queries_per_s", static_cast<double>(window_queries_) / window_timer_.seconds()},
-         {"seconds", progress_.seconds},
-         {"wait_share", (loader_->waited_seconds() - waited_before_) / window_timer_.seconds()},
-         {"rss_mb", current_rss_mb()}});
+  if (logs_at(step)) {
+    NamedValues fields = {
+        {"loss", progress_.window_loss / static_cast<double>(progress_.window_steps)},
+        {"lr", learning_rate(config_.train, step - 1)},
+        {"grad_norm", norm},
+        {"queries_per_s", static_cast<double>(window_queries_) / window_timer_.seconds()},
+        {"seconds", progress_.seconds},
+        {"wait_share", (loader_->waited_seconds() - waited_before_) / window_timer_.seconds()},
+        {"rss_mb", current_rss_mb()}};
+    for (const auto& [module, value] : module_norms)
+      fields.emplace_back(concat(kModuleNormPrefix, module), value);
+    log_->write(step, fields);
     waited_before_ = loader_->waited_seconds();
     progress_.window_loss = 0;
     progress_.window_steps = window_queries_ = 0;

@@ -68,7 +68,9 @@ class Trainer {
   void train_steps(int64_t end);
   void train_step();
   [[noreturn]] void fail_on_gradient(const std::vector<Example>& examples);
-  void after_step(int64_t queries, double norm);
+  /// Whether the log gets a line of training at `step`.
+  bool logs_at(int64_t step) const;
+  void after_step(int64_t queries, double norm, const NamedValues& module_norms);
   bool validate_now();
   void draw_previews();
   void save();

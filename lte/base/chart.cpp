@@ -11,8 +11,11 @@ namespace lte {
 namespace {
 
 constexpr int kLeft = 62, kRight = 12, kTop = 26, kBottom = 36;
-constexpr std::array<const char*, 8> kColors = {"#1f6fb4", "#d9541e", "#2b9348", "#8c4fb3",
-                                                "#b8860b", "#0e9aa7", "#a83252", "#555555"};
+constexpr std::array<const char*, 16> kColors = {
+    "#1f6fb4", "#d9541e", "#2b9348", "#8c4fb3", "#b8860b", "#0e9aa7", "#a83252", "#555555",
+    "#e377c2", "#7f6a00", "#6baed6", "#fd8d3c", "#74c476", "#4b0082", "#e31a1c", "#a1794a"};
+constexpr size_t kLegendInside = 6;  // lines whose names find room in the plot; more stand beside
+constexpr double kLetterWidth = 6.5;
 using Points = std::vector<std::pair<double, double>>;
 
 struct Range {
@@ -85,7 +88,9 @@ std::vector<double> ticks(const Range& range, bool logarithmic) {
 
 class Canvas {
  public:
-  Canvas(const ChartStyle& style, const Range& x, const Range& y) : style_(style), x_(x), y_(y) {
+  /// @param margin  to the right of the plot
+  Canvas(const ChartStyle& style, const Range& x, const Range& y, double margin)
+      : style_(style), x_(x), y_(y), right_(style.width - margin) {
     svg_ = concat("<svg width=", style.width, " height=", style.height, " viewBox=\"0 0 ",
                   style.width, " ", style.height, "\">\n");
     text(style.width / 2.0, 16, "middle", style.title, "#222");
@@ -93,9 +98,9 @@ class Canvas {
   }
 
   void axes() {
-    const double right = style_.width - kRight, bottom = style_.height - kBottom;
+    const double bottom = style_.height - kBottom;
     for (const double value : ticks(y_, style_.log_y)) {
-      segment(kLeft, place_y(value), right, place_y(value));
+      segment(kLeft, place_y(value), right_, place_y(value));
       text(kLeft - 5, place_y(value) + 4, "end",
            number(style_.log_y ? std::pow(10.0, value) : value), "#555");
     }
@@ -125,7 +130,7 @@ class Canvas {
 
  private:
   double place_x(double x) const {
-    return kLeft + (x - x_.low) / (x_.high - x_.low) * (style_.width - kLeft - kRight);
+    return kLeft + (x - x_.low) / (x_.high - x_.low) * (right_ - kLeft);
   }
   double place_y(double y) const {
     return style_.height - kBottom -
@@ -143,6 +148,7 @@ class Canvas {
 
   const ChartStyle& style_;
   Range x_, y_;
+  double right_;  ///< end of the plot
   std::string svg_;
 };
 
@@ -160,7 +166,11 @@ std::string html_chart(const ChartStyle& style, const std::vector<ChartLine>& li
   if (drawn.empty())
     return concat("<p class=note>", html_escape(style.title), ": nothing recorded</p>\n");
   x.open(), y.open();
-  Canvas canvas(style, x, y);
+  size_t longest = 0;
+  for (const auto& line : drawn) longest = std::max(longest, line.first.size());
+  const bool beside = drawn.size() > kLegendInside;
+  Canvas canvas(style, x, y,
+                kRight + (beside ? 6 + kLetterWidth * static_cast<double>(longest) : 0));
   canvas.axes();
   for (size_t i = 0; i < drawn.size(); ++i) {
     const char* const color = kColors[i % kColors.size()];

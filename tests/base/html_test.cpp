@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <set>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -57,6 +58,23 @@ TEST(Chart, TakesLogarithmsAndLeavesOutWhatHasNone) {
 TEST(Chart, SaysSoWhenThereIsNothing) {
   EXPECT_THAT(html_chart({.title = "loss"}, {{"a", {}}}), HasSubstr("loss: nothing recorded"));
   EXPECT_THAT(html_chart({.title = "loss"}, {{"a", {{3, 7}}}}), HasSubstr("<circle"));
+}
+
+TEST(Chart, SetsManyNamesBesideThePlotInColoursOfTheirOwn) {
+  std::vector<ChartLine> lines;
+  for (int i = 0; i < 14; ++i) lines.push_back({"line" + std::to_string(i), {{0, i}, {1, i + 1}}});
+  const std::string chart = html_chart({.title = "t"}, lines);
+  std::set<std::string> colours;
+  for (size_t at = chart.find("stroke=\"#"); at != std::string::npos;
+       at = chart.find("stroke=\"#", at + 1)) {
+    const std::string colour = chart.substr(at + 8, 7);
+    if (colour != "#e4e4e4") colours.insert(colour);
+  }
+  EXPECT_EQ(colours.size(), 14u);
+  // Names end 18 from the right edge; six letters of 6.5 and a gap of 6 stand between.
+  EXPECT_THAT(chart, HasSubstr("<text x=\"622.0\" y=\"40.0\" text-anchor=end"));
+  EXPECT_THAT(chart, HasSubstr(" 583.0,"));
+  EXPECT_THAT(chart, Not(HasSubstr(" 628.0,")));
 }
 
 TEST(Chart, DrawsLongLinesThroughMeans) {

@@ -85,6 +85,46 @@ TEST(Optimizer, GradientNormIsThatOfAllEntries) {
   EXPECT_EQ(optimizer.gradient_norm(), 0);
 }
 
+TEST(Optimizer, ModuleNormsAreThoseOfTheirParametersAndMakeUpTheWhole) {
+  const nn::LightTransportModel model = tiny_model();
+  const Optimizer optimizer(config(), model);
+  for (const auto& [module, norm] : optimizer.module_norms())
+    EXPECT_EQ(norm, 0) << module << ": no gradients yet";
+  torch::manual_seed(4);
+  for (auto& item : model->named_parameters()) {
+    if (item.key() == "decoder.head.output.bias") continue;  // as of a part that was not used
+    item.value().mutable_grad() = torch::randn_like(item.value()).detach();
+  }
+  // By the modules' own objects, not by names of parameters.
+  std::map<std::string, double> expected;
+  const auto add = [&](const std::string& part, const torch::nn::Module& module) {
+    for (const at::Tensor& parameter : module.parameters()) {
+      if (parameter.grad().defined())
+        expected[part] += parameter.grad().to(at::kDouble).square().sum().item<double>();
+    }
+  };
+  const auto children = model->named_children();
+  add("nne", *children["nne"]);
+  add("decoder", *children["decoder"]);
+  const std::map<std::string, std::string> stages = {
+      {"stem", "stem"},   {"stem_norm", "stem"}, {"down0", "down0"}, {"pool1", "down1"},
+      {"down1", "down1"}, {"unpool0", "up0"},    {"up0", "up0"},     {"norm", "norm"}};
+  for (const auto& child : children["encoder"]->named_children())
+    add("encoder_" + stages.at(child.key()), *child.value());
+  double sum = 0;
+  std::vector<std::string> names;
+  for (const auto& [module, norm] : optimizer.module_norms()) {
+    ASSERT_TRUE(expected.contains(module)) << module;
+    EXPECT_NEAR(norm, std::sqrt(expected[module]), 1e-5 * norm) << module;
+    sum += norm * norm;
+    names.push_back(module);
+  }
+  EXPECT_EQ(names.size(), expected.size());
+  EXPECT_EQ(names.front(), "nne");
+  EXPECT_EQ(names.back(), "decoder");
+  EXPECT_NEAR(sum, std::pow(optimizer.gradient_norm(), 2), 1e-9 * sum);
+}
+
 TEST(Optimizer, ClippingScalesTheGradientToTheNorm) {
   const nn::LightTransportModel model = tiny_model();
   OptimConfig train = config();

@@ -118,8 +118,9 @@ TEST_F(PreviewTest, ARunDrawsThemAndItsReportShowsThem) {
   const std::string said = write_run_report(dir_ / "run");
   EXPECT_NE(said.find("report.html"), std::string::npos);
   const std::string page = read_file(dir_ / "run/report.html");
-  for (const char* part : {"<svg", "learning rate", "gradient norm", "room2", "room3",
-                           "data:image/png;base64,", "queries a second"}) {
+  for (const char* part :
+       {"<svg", "learning rate", "gradient norm", ">whole gradient<", ">encoder_down0<",
+        ">decoder<", "room2", "room3", "data:image/png;base64,", "queries a second"}) {
     EXPECT_NE(page.find(part), std::string::npos) << part;
   }
   EXPECT_EQ(page.find("http"), std::string::npos) << "the page stands alone";
@@ -131,6 +132,15 @@ TEST_F(PreviewTest, CanBeSwitchedOff) {
   Trainer(config, "", at::kCPU, false).run();
   EXPECT_FALSE(std::filesystem::exists(dir_ / "run/previews"));
   EXPECT_FALSE(std::filesystem::exists(dir_ / "run/tensorboard"));
+}
+
+TEST(RunReport, TakesLogsWithoutNormsOfModules) {
+  const test::TempDir dir;
+  std::ofstream(dir / "log.jsonl") << "{\"step\":1,\"loss\":3,\"grad_norm\":0.5}\n"
+                                      "{\"step\":2,\"loss\":2,\"grad_norm\":0.25}\n";
+  std::ofstream(dir / "config.yaml") << "train: {steps: 2}\n";
+  write_run_report(dir.path());
+  EXPECT_NE(read_file(dir / "report.html").find(">whole gradient<"), std::string::npos);
 }
 
 TEST(RunReport, NamesWhatIsMissing) {

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lte/base/file.h"
 #include "tests/train/support.h"
 
 namespace lte::train {
@@ -22,6 +23,18 @@ TEST(RunLog, WritesOneObjectALine) {
   const auto first = nlohmann::json::parse(lines[0]), second = nlohmann::json::parse(lines[1]);
   EXPECT_EQ(first, (nlohmann::json{{"step", 10}, {"loss", 0.5}, {"lr", 1e-4}}));
   EXPECT_TRUE(second.at("val_loss").is_null()) << "JSON has no NaN";
+}
+
+TEST(RunLog, EventsGroupValidationAndNormsOfModules) {
+  const test::TempDir dir;
+  RunLog log(dir / "log.jsonl", 0);
+  log.add_events(dir / "events", 0);
+  log.write(10, {{"grad_norm", 2}, {"grad_norm_encoder_up0", 1}, {"val_loss", 3}});
+  const auto file = std::filesystem::directory_iterator(dir / "events")->path();
+  const std::string bytes = read_file(file);
+  for (const char* tag : {"train/grad_norm", "grad_norm/encoder_up0", "val/loss"})
+    EXPECT_NE(bytes.find(tag), std::string::npos) << tag;
+  EXPECT_EQ(bytes.find("train/grad_norm_"), std::string::npos);
 }
 
 TEST(RunLog, IsCutBackToTheStepThatIsResumed) {

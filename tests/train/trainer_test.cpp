@@ -130,6 +130,26 @@ TEST_F(TrainerTest, LogHasEveryLineItPromises) {
   EXPECT_EQ(val_steps, (std::vector<int64_t>{4, 8}));
 }
 
+TEST_F(TrainerTest, NormsOfModulesMakeUpThatOfTheWholeGradientBeforeClipping) {
+  // A limit that every step exceeds: after clipping the sum would be its square.
+  train(config("run", "train: {clip_norm: 1.0e-3}\n"));
+  const std::vector<Json> lines = log_values(dir_ / "run");
+  int compared = 0;
+  for (const Json& line : lines) {
+    if (!line.contains("grad_norm")) continue;
+    const double norm = line.at("grad_norm").get<double>();
+    EXPECT_GT(norm, 2e-3);
+    double sum = 0;
+    for (const auto& [name, value] : line.items())
+      if (name.starts_with("grad_norm_")) sum += std::pow(value.get<double>(), 2);
+    EXPECT_NEAR(sum, norm * norm, 1e-9 * norm * norm);
+    for (const char* module : {"nne", "encoder_stem", "encoder_down0", "decoder"})
+      EXPECT_GT(line.at(std::string("grad_norm_") + module).get<double>(), 0) << module;
+    ++compared;
+  }
+  EXPECT_EQ(compared, 4);
+}
+
 TEST_F(TrainerTest, ModelFileIsTheAveragedOneAndSaysWhereItCameFrom) {
   const TrainSummary summary = train(config("run"));
   nn::LightTransportModel model = nn::load_model(dir_ / "run/model.safetensors");
