@@ -56,10 +56,12 @@ class Baker {
       : options_(options), bvh_(scene), lights_(scene) {
     if (!show_progress) return;
     const int64_t rival = options.path_tracing_64 ? kRivalRays : 0;
+    int64_t few = 0;
+    for (const int rays : data::kFewPaths) few += options.path_tracing_64 ? rays : 0;
     const ViewOptions& views = options.views;
     const int64_t pixels = views.count * views.width * views.height;
     const int64_t paths = options.query_points * (options.rays + rival) +
-                          pixels * (views.rays + rival) + incident_paths(options.incident);
+                          pixels * (views.rays + rival + few) + incident_paths(options.incident);
     // How many paths a target takes is not known before.
     progress_.emplace("baking " + scene.name, options.target_error > 0 ? 0 : paths, "paths");
   }
@@ -77,17 +79,18 @@ class Baker {
     direct->assign(G * slot_count, {});
     indirect->assign(G * slot_count, {});
     variance->assign(slot_count, 0);
-    in_blocks(position, normal, rays, seed, [&](const pathtrace::Irradiance& block, size_t first) {
-      const auto P = static_cast<size_t>(block.points);
-      for (size_t i = 0; i < P; ++i) {
-        const size_t slot = slots.empty() ? first + i : slots[first + i];
-        (*variance)[slot] = block.variance[i];
-        for (size_t g = 0; g < G; ++g) {
-          (*direct)[g * slot_count + slot] = block.direct[g * P + i];
-          (*indirect)[g * slot_count + slot] = block.indirect[g * P + i];
-        }
-      }
-    });
+    in_blocks(position, normal, irradiance_options(rays, seed),
+              [&](const pathtrace::Irradiance& block, size_t first) {
+                const auto P = static_cast<size_t>(block.points);
+                for (size_t i = 0; i < P; ++i) {
+                  const size_t slot = slots.empty() ? first + i : slots[first + i];
+                  (*variance)[slot] = block.variance[i];
+                  for (size_t g = 0; g < G; ++g) {
+                    (*direct)[g * slot_count + slot] = block.direct[g * P + i];
+                    (*indirect)[g * slot_count + slot] = block.indirect[g * P + i];
+                  }
+                }
+              });
   }
 
   /// Paths started so far.
@@ -114,15 +117,17 @@ class Baker {
 
   /// Indirect irradiance of all groups with few rays.
   std::vector<Rgb> rival(const std::vector<Vec3>& position, const std::vector<Vec3>& normal,
-                         uint64_t seed, const std::vector<size_t>& slots, size_t slot_count) {
+                         int rays, uint64_t seed, const std::vector<size_t>& slots,
+                         size_t slot_count) {
     std::vector<Rgb> out(slot_count);
-    in_blocks(position, normal, kRivalRays, seed,
-              [&](const pathtrace::Irradiance& block, size_t first) {
-                for (int64_t i = 0; i < block.points; ++i) {
-                  const size_t at = first + static_cast<size_t>(i);
-                  out[slots.empty() ? at : slots[at]] = block.indirect_sum(i);
-                }
-              });
+    pathtrace::IrradianceOptions few = irradiance_options(rays, seed);
+    few.variance = false;
+    in_blocks(position, normal, few, [&](const pathtrace::Irradiance& block, size_t first) {
+      for (int64_t i = 0; i < block.points; ++i) {
+        const size_t at = first + static_cast<size_t>(i);
+        out[slots.empty() ? at : slots[at]] = block.indirect_sum(i);
+      }
+    });
     return out;
   }
 
@@ -132,13 +137,17 @@ class Baker {
   }
 
  private:
-  template <typename Use>
-  void in_blocks(const std::vector<Vec3>& position, const std::vector<Vec3>& normal, int64_t rays,
-                 uint64_t seed, const Use& use) {
+  pathtrace::IrradianceOptions irradiance_options(int64_t rays, uint64_t seed) const {
     pathtrace::IrradianceOptions options;
     options.rays = static_cast<int>(rays);
     options.max_depth = options_.max_depth;
     options.seed = seed;
+    return options;
+  }
+
+  template <typename Use>
+  void in_blocks(const std::vector<Vec3>& position, const std::vector<Vec3>& normal,
+                 const pathtrace::IrradianceOptions& options, const Use& use) {
     const auto total = static_cast<int64_t>(position.size());
     for (int64_t first = 0; first < total; first += kBlock) {
       const auto at = static_cast<size_t>(first),
@@ -146,7 +155,7 @@ class Baker {
       use(pathtrace::estimate_irradiance(bvh_, lights_, std::span(position).subspan(at, size),
                                          std::span(normal).subspan(at, size), options, first),
           at);
-      count(static_cast<int64_t>(size) * rays);
+      count(static_cast<int64_t>(size) * options.rays);
     }
   }
 
@@ -258,8 +267,14 @@ data::View bake_view(Baker* baker, const BakeOptions& options, int64_t index) {
   view.height = hits.height;
   baker->irradiance(position, normal, options.views.rays, hash_combine(seed, 1), slots, pixels,
                     &view.direct, &view.indirect, &view.variance);
-  if (options.path_tracing_64)
-    view.path_traced_64 = baker->rival(position, normal, hash_combine(seed, 2), slots, pixels);
+  if (options.path_tracing_64) {
+    view.path_traced_64 =
+        baker->rival(position, normal, kRivalRays, hash_combine(seed, 2), slots, pixels);
+    for (size_t i = 0; i < data::kFewPaths.size(); ++i) {
+      view.path_traced_few[i] = baker->rival(position, normal, data::kFewPaths[i],
+                                             hash_combine(seed, 3 + i), slots, pixels);
+    }
+  }
   view.position = std::move(hits.position);
   view.normal = std::move(hits.normal);
   view.albedo = std::move(hits.albedo);
@@ -319,7 +334,7 @@ data::SceneSample bake_scene(const scene::Scene& scene, const BakeOptions& optio
                      &sample.direct, &sample.indirect, &sample.variance);
   }
   if (options.path_tracing_64) {
-    sample.path_traced_64 = baker.rival(sample.query_position, sample.query_normal,
+    sample.path_traced_64 = baker.rival(sample.query_position, sample.query_normal, kRivalRays,
                                         stream_seed(options.seed, Stream::QueriesRival), {}, N);
   }
   for (int64_t k = 0; k < options.views.count; ++k)

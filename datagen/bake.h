@@ -36,7 +36,8 @@ struct BakeOptions {
   int max_depth = 5;
   bool prune = false;  ///< draw points only where light can reach them (lte/pathtrace/reach.h)
   double emissive_share = 0.1;  ///< of scene points, guaranteed to luminaires
-  bool path_tracing_64 = true;  ///< also bake the rival: 64 independent paths a point
+  /// Also bake the rival: 64 independent paths a point, and in views data::kFewPaths as well.
+  bool path_tracing_64 = true;
   ViewOptions views;
   IncidentBakeOptions incident;
   /// Views take these in a random order; empty, or once they are used up: automatic cameras.

@@ -27,8 +27,8 @@ struct ReferenceNoise {
 /// shows no variance.
 double equal_samples(double mse, double path_traced_mse, double noise);
 
-/// The score of `paths` paths from that of 64. Figures that do not follow from a variance are NaN:
-/// logrel, SSIM, FLIP.
+/// The score of `paths` paths from that of 64, where none are traced. Figures that do not follow
+/// from a variance are NaN: logrel, SSIM, FLIP.
 Score derived_path_tracing(const Score& at_64, const ReferenceNoise& points,
                            const ReferenceNoise& views, double paths);
 

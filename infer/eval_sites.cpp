@@ -53,6 +53,8 @@ ViewPixels::ViewPixels(const data::View& view, int64_t groups, double radiance) 
   site.reference = masked(sum_groups(view.indirect, groups, 1 / radiance));
   site.direct = masked(sum_groups(view.direct, groups, 1 / radiance));
   site.path_traced = masked(scaled(view.path_traced_64, 1 / radiance));
+  for (size_t i = 0; i < data::kFewPaths.size(); ++i)
+    site.path_traced_few[i] = masked(scaled(view.path_traced_few[i], 1 / radiance));
   site.variance = masked(view.variance);
   for (float& variance : site.variance)
     variance = static_cast<float>(variance / (radiance * radiance));

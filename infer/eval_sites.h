@@ -2,6 +2,7 @@
 // units: indirect irradiance over the emission scalar.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "infer/equal_samples.h"
@@ -14,6 +15,8 @@ struct Site {
   QueryPoints queries;
   std::vector<Rgb> reference, direct;
   std::vector<Rgb> path_traced;  ///< empty if the data has none
+  /// With data::kFewPaths paths; empty at points, and in views if the data has none.
+  std::array<std::vector<Rgb>, data::kFewPaths.size()> path_traced_few;
   std::vector<float> variance;  ///< of the reference, averaged over colour; over the scalar squared
 
   /// Zero for a site without points.

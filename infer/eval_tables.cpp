@@ -50,13 +50,16 @@ TextTable sample_table(const EvalResult& result) {
 
 std::string sample_note(const EvalResult& result) {
   if (std::isnan(result.variance_check.ratio)) return "";
+  // SSIM does not follow from that of 64 paths.
+  const Score* const few = find_score(result.mean, concat("path_tracing_", data::kFewPaths[0]));
+  const bool traced = few && std::isfinite(few->views[2]);
   return concat(
       "From the MSE of path tracing with 64 paths, whose variance falls as 1/n. Here it falls as "
       "1/n^",
       figure(result.variance_check.exponent),
       " between 64 paths and the reference's: one path has ", figure(result.variance_check.ratio),
-      " times the variance that the spread of the reference tells. Rows of 16, 4 and 1 path are "
-      "derived, not traced.");
+      " times the variance that the spread of the reference tells. Rows of 16, 4 and 1 path are ",
+      traced ? "derived at points, and traced in views." : "derived, not traced.");
 }
 
 TextTable paper_table(const EvalResult& result) {

@@ -1,9 +1,9 @@
 #include "infer/evaluate.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "infer/eval_sites.h"
@@ -18,8 +18,7 @@ namespace {
 
 constexpr double kSameScale = 1e-6;
 
-/// Path counts whose rows follow from path_tracing_64.
-constexpr std::array<int, 3> kDerivedPaths = {16, 4, 1};
+std::string few_paths_row(int paths) { return concat("path_tracing_", paths); }
 
 /// The network's indirect irradiance over the emission scalar. A model of total irradiance is
 /// compared on the same quantity: what the reference direct light leaves of it.
@@ -44,6 +43,10 @@ struct Predictors {
     out.emplace_back("neural", neural(network, site));
     *decode_seconds += timer.seconds();
     if (!site.path_traced.empty()) out.emplace_back(kPathTraced, site.path_traced);
+    for (size_t i = 0; i < data::kFewPaths.size(); ++i) {
+      if (!site.path_traced_few[i].empty())
+        out.emplace_back(few_paths_row(data::kFewPaths[i]), site.path_traced_few[i]);
+    }
     out.emplace_back("constant_mean", baselines.constant_mean(site.queries));
     out.emplace_back("nearest_point", baselines.nearest_point(site.queries));
     out.emplace_back("blurred_direct", baselines.blurred_direct(site.queries));
@@ -52,12 +55,6 @@ struct Predictors {
     return out;
   }
 };
-
-Score* score_of(Scores* scores, const std::string& name) {
-  const auto found = std::find_if(scores->begin(), scores->end(),
-                                  [&](const auto& entry) { return entry.first == name; });
-  return found == scores->end() ? nullptr : &found->second;
-}
 
 /// Scores of one view, added up over the views of a scene; the caller divides.
 class ViewSums {
@@ -82,12 +79,17 @@ class ViewSums {
     return {noise_.mse / count, noise_.relmse / count};
   }
 
+  /// Mean scores of a predictor; nothing if no view has it.
+  std::optional<ViewScore> mean(const std::string& name) const {
+    const auto found = sums_.find(name);
+    if (found == sums_.end()) return std::nullopt;
+    auto [out, count] = found->second;
+    for (double& value : out) value /= count;
+    return out;
+  }
+
   void store(Scores* scores) const {
-    for (const auto& [name, sum] : sums_) {
-      Score* score = score_of(scores, name);
-      if (!score) continue;
-      for (size_t k = 0; k < sum.first.size(); ++k) score->views[k] = sum.first[k] / sum.second;
-    }
+    for (auto& [name, score] : *scores) score.views = mean(name).value_or(Score().views);
   }
 
  private:
@@ -96,16 +98,18 @@ class ViewSums {
   int views_ = 0;
 };
 
-/// Rows of fewer paths after that of 64, if it is there.
-void add_derived(const ReferenceNoise& points, const ReferenceNoise& views, Scores* scores) {
+/// Rows of fewer paths after that of 64, if it is there: derived, but for views that were traced.
+void add_fewer_paths(const ReferenceNoise& points, const ViewSums& views, Scores* scores) {
   const auto found = std::find_if(scores->begin(), scores->end(),
                                   [](const auto& entry) { return entry.first == kPathTraced; });
   if (found == scores->end()) return;
   const Score at_64 = found->second;
   Scores rows;
-  for (const int paths : kDerivedPaths) {
-    rows.emplace_back(concat("path_tracing_", paths),
-                      derived_path_tracing(at_64, points, views, paths));
+  for (const int paths : data::kFewPaths) {
+    const std::string name = few_paths_row(paths);
+    Score score = derived_path_tracing(at_64, points, views.noise(), paths);
+    score.views = views.mean(name).value_or(score.views);
+    rows.emplace_back(name, score);
   }
   scores->insert(found + 1, rows.begin(), rows.end());
 }
@@ -160,7 +164,7 @@ SceneResult evaluate_scene(const EvalSettings& settings, const data::SceneSample
   }
   sums.store(&result.scores);
   result.views_noise = sums.noise().mse;
-  add_derived(points.noise(), sums.noise(), &result.scores);
+  add_fewer_paths(points.noise(), sums, &result.scores);
   return result;
 }
 

@@ -209,6 +209,11 @@ void check_view(const Checker& check, const std::string& prefix, const View& vie
   check.non_negative(prefix + "indirect", view.indirect);
   check.non_negative(prefix + "variance", view.variance);
   check.non_negative(prefix + "path_traced_64", view.path_traced_64);
+  for (size_t i = 0; i < kFewPaths.size(); ++i) {
+    const std::string name = concat(prefix, "path_traced_", kFewPaths[i]);
+    if (!view.path_traced_few[i].empty()) check.size(name, view.path_traced_few[i], pixels);
+    check.non_negative(name, view.path_traced_few[i]);
+  }
   check.zero_outside(prefix + "position", view.position, view.mask);
   check.zero_outside(prefix + "normal", view.normal, view.mask);
   check.zero_outside(prefix + "albedo", view.albedo, view.mask);

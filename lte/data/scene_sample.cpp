@@ -36,6 +36,10 @@ void read(const SafetensorsFile& file, const std::string& name, const std::vecto
   out->assign(values.begin(), values.end());
 }
 
+std::string few_paths_name(const std::string& prefix, size_t i) {
+  return concat(prefix, "path_traced_", kFewPaths[i]);
+}
+
 std::string view_prefix(size_t k) { return concat("view", k, "_"); }
 
 void add_view(SafetensorsWriter* writer, size_t k, int64_t groups, const View& view) {
@@ -51,6 +55,10 @@ void add_view(SafetensorsWriter* writer, size_t k, int64_t groups, const View& v
   writer->add(prefix + "variance", plane, view.variance.data());
   if (!view.path_traced_64.empty())
     add(writer, prefix + "path_traced_64", plane, view.path_traced_64);
+  for (size_t i = 0; i < kFewPaths.size(); ++i) {
+    if (!view.path_traced_few[i].empty())
+      add(writer, few_paths_name(prefix, i), plane, view.path_traced_few[i]);
+  }
 }
 
 View read_view(const SafetensorsFile& file, size_t k, int64_t groups) {
@@ -74,6 +82,10 @@ View read_view(const SafetensorsFile& file, size_t k, int64_t groups) {
   read(file, prefix + "variance", plane, &view.variance);
   if (file.contains(prefix + "path_traced_64"))
     read(file, prefix + "path_traced_64", plane, &view.path_traced_64);
+  for (size_t i = 0; i < kFewPaths.size(); ++i) {
+    if (file.contains(few_paths_name(prefix, i)))
+      read(file, few_paths_name(prefix, i), plane, &view.path_traced_few[i]);
+  }
   return view;
 }
 

@@ -2,6 +2,7 @@
 // section 6.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -11,6 +12,9 @@
 #include "lte/data/incident_field.h"
 
 namespace lte::data {
+
+/// Paths a pixel of View::path_traced_few.
+inline constexpr std::array<int, 3> kFewPaths = {16, 4, 1};
 
 /// A G-buffer of primary hits with reference irradiance, so that evaluation needs neither Embree
 /// nor the scene. Stored as view<k>_position, ... [H, W, 3] and view<k>_mask [H, W] uint8.
@@ -22,6 +26,9 @@ struct View {
   std::vector<float> variance;                 ///< [H * W], of the mean indirect irradiance
   std::vector<Rgb>
       path_traced_64;  ///< [H * W], indirect irradiance with 64 rays a pixel: the rival
+  /// The same with kFewPaths[i] rays a pixel, each drawn by itself: view<k>_path_traced_16, ...
+  /// Each may be empty, as in files of earlier versions.
+  std::array<std::vector<Rgb>, kFewPaths.size()> path_traced_few;
 };
 
 struct SceneSample {

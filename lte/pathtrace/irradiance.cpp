@@ -83,6 +83,7 @@ void PointSums::store(int64_t i, Irradiance* out) const {
     out->direct[slot] = scaled(direct_[g]);
     out->indirect[slot] = scaled(indirect_[g]);
   }
+  if (out->variance.empty()) return;  // not asked for
   const auto variance = [this](const auto& value_of) {
     double sum = 0, squares = 0;
     for (const BatchSum& batch : batch_) {
@@ -134,7 +135,8 @@ Irradiance run_irradiance(const Bvh& bvh, const Lights& lights, std::span<const 
   LTE_CHECK(&bvh.scene() == &lights.scene(), "the BVH and the lights are of two scenes");
   check_irradiance_options(options);
   check_points(positions, normals);
-  const Batches batches = plan_batches(options.rays);
+  const Batches batches =
+      options.rays == 1 && !options.variance ? Batches{1, 1} : plan_batches(options.rays);
   const int max_depth = options.direct_only ? 1 : options.max_depth;
   const Vec3 frame = bvh.handles().origin;
   const float half_extent = 0.5f * max_component(bvh.bounds().extent());
@@ -144,8 +146,10 @@ Irradiance run_irradiance(const Bvh& bvh, const Lights& lights, std::span<const 
   out.rays = int64_t{batches.count} * batches.size;
   out.direct.resize(static_cast<size_t>(out.groups * out.points));
   out.indirect.resize(out.direct.size());
-  out.variance.resize(positions.size());
-  out.variance_total.resize(positions.size());
+  if (options.variance) {
+    out.variance.resize(positions.size());
+    out.variance_total.resize(positions.size());
+  }
   if (lights.empty()) return out;
   std::atomic<int64_t> rays_traced{0};
   constexpr int64_t kGrain = 4;  // a point is thousands of rays

@@ -23,6 +23,9 @@ struct IrradianceOptions {
   int roulette_depth = 3;
   /// Only direct light (depth 1) is wanted: the same values as with paths, which are left out.
   bool direct_only = false;
+  /// Without it, one ray stays one ray, which has no spread, and Irradiance::variance and
+  /// variance_total stay empty; more rays give the same values.
+  bool variance = true;
   Sampling sampling = Sampling::Sobol;  ///< Random: to measure what stratification saves
 };
 
@@ -41,7 +44,8 @@ struct Irradiance {
   std::vector<float> variance;
   /// [points]: the same of total irradiance, by colour channel.
   std::vector<Rgb> variance_total;
-  int64_t rays = 0;         ///< paths a point: at least 2, multiples of 8 above 8, of 64 above 64
+  /// Paths a point: multiples of 8 above 8, of 64 above 64; at least 2 if variance is asked for.
+  int64_t rays = 0;
   int64_t rays_traced = 0;  ///< intersect and occluded calls in all
 
   Rgb total(int64_t point) const;  ///< sum over groups of direct + indirect

@@ -184,6 +184,29 @@ TEST_F(SceneSampleFile, KeepsOptionalTensorsOptionalAndBlackScenesEmpty) {
   expect_equal(read_scene_sample(path()), sample);
 }
 
+TEST_F(SceneSampleFile, PicturesOfFewPathsAreOptionalOneByOne) {
+  SceneSample sample = make_sample();
+  write_scene_sample(path(), sample);
+  for (const auto& picture : read_scene_sample(path()).views[0].path_traced_few)
+    EXPECT_TRUE(picture.empty());
+  Rng rng(8);
+  View& view = sample.views[0];
+  view.path_traced_few[0] = random_vectors(&rng, 12, 0, 5);
+  view.path_traced_few[2] = random_vectors(&rng, 12, 0, 50);
+  write_scene_sample(path(), sample);
+  EXPECT_EQ(read_scene_sample(path()).views[0].path_traced_few, view.path_traced_few);
+  const SafetensorsFile file(path());
+  EXPECT_EQ(file.at("view0_path_traced_16").shape, (std::vector<int64_t>{3, 4, 3}));
+  EXPECT_FALSE(file.contains("view0_path_traced_4"));
+  EXPECT_TRUE(file.contains("view0_path_traced_1"));
+  view.path_traced_few[2][5].y = -1;
+  EXPECT_THAT(error_of([&] { write_scene_sample(path(), sample); }),
+              AllOf(HasSubstr("view0_path_traced_1:"), HasSubstr("entry 5")));
+  view.path_traced_few[2].resize(7);
+  EXPECT_THAT(error_of([&] { write_scene_sample(path(), sample); }),
+              AllOf(HasSubstr("view0_path_traced_1:"), HasSubstr("expected 12")));
+}
+
 TEST(DropIdleQueries, RemovesWhatNoGroupLightsAndKeepsTheRest) {
   SceneSample sample;
   sample.light_groups = 2;

@@ -137,6 +137,62 @@ TEST_F(Bake, RivalIsIndependentOfTheTruth) {
   EXPECT_EQ(equal, 0u);
 }
 
+/// Mean squared difference of two pictures, and of their means, over colour.
+double mean_square(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    const Rgb d = a[i] - b[i];
+    sum += dot(d, d) / (3 * static_cast<double>(a.size()));
+  }
+  return sum;
+}
+double mean_value(const std::vector<Rgb>& values) {
+  double sum = 0;
+  for (const Rgb& v : values) sum += (v.x + v.y + v.z) / (3 * static_cast<double>(values.size()));
+  return sum;
+}
+
+TEST_F(Bake, PicturesOfFewPathsHaveTheErrorOfTheirPathsAndNoBias) {
+  BakeOptions options = tiny_bake();
+  options.views = {1, 48, 36, 512};
+  const data::SceneSample sample = bake_scene(room(), options, false);
+  const data::View& view = sample.views.at(0);
+  const size_t pixels = view.mask.size();
+  std::vector<Rgb> reference(pixels);
+  double noise = 0;
+  for (size_t i = 0; i < pixels; ++i) {
+    for (size_t g = 0; g < static_cast<size_t>(sample.light_groups); ++g)
+      reference[i] += view.indirect[g * pixels + i];
+    noise += view.variance[i] / static_cast<double>(pixels);
+  }
+  const double at_64 = mean_square(view.path_traced_64, reference) - noise;
+  ASSERT_GT(at_64, 4 * noise);
+  for (size_t i = 0; i < data::kFewPaths.size(); ++i) {
+    const std::vector<Rgb>& picture = view.path_traced_few[i];
+    ASSERT_EQ(picture.size(), pixels);
+    const double paths = data::kFewPaths[i];
+    const double error = mean_square(picture, reference) - noise;
+    // Stratification gives the 64 somewhat less than 1/64 of the variance of one path.
+    EXPECT_GT(error * paths / (at_64 * 64), 0.75) << paths << " paths";
+    EXPECT_LT(error * paths / (at_64 * 64), 2) << paths << " paths";
+    EXPECT_NEAR(mean_value(picture), mean_value(reference),
+                4.5 * std::sqrt(error / static_cast<double>(pixels)));
+    EXPECT_NE(picture, view.path_traced_64);
+  }
+}
+
+TEST_F(Bake, PicturesOfFewPathsLeaveOtherTensorsAsTheyWere) {
+  BakeOptions options = tiny_bake();
+  const data::SceneSample with = bake_scene(room(), options, false);
+  options.path_tracing_64 = false;
+  data::SceneSample without = bake_scene(room(), options, false);
+  for (const auto& picture : without.views.at(0).path_traced_few) EXPECT_TRUE(picture.empty());
+  without.path_traced_64 = with.path_traced_64;
+  without.views[0].path_traced_64 = with.views.at(0).path_traced_64;
+  without.views[0].path_traced_few = with.views[0].path_traced_few;
+  EXPECT_EQ(bytes(with), bytes(without));
+}
+
 TEST_F(Bake, ViewsOfOpenScenesAreZeroOutsideTheMask) {
   scene::Scene scene = furnace(1, 0.5f);
   scene.meshes.clear();
@@ -152,6 +208,7 @@ TEST_F(Bake, ViewsOfOpenScenesAreZeroOutsideTheMask) {
     EXPECT_EQ(view.position[i], Vec3{});
     EXPECT_EQ(view.direct[i], Rgb{});
     EXPECT_EQ(view.path_traced_64[i], Rgb{});
+    for (const auto& picture : view.path_traced_few) EXPECT_EQ(picture[i], Rgb{});
   }
   EXPECT_GT(background, 0u);
   EXPECT_LT(background, view.mask.size());

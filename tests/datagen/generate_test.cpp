@@ -162,8 +162,8 @@ TEST_F(Generate, ManifestSaysWhatWasDoneAndWhatItTook) {
   EXPECT_EQ(scenes[0]["bytes"],
             std::filesystem::file_size(data::scene_path(folder_ / "a", scene_name(1))));
   // 48 query points and one view of 8 x 6 pixels, all of which meet a wall; each with 8 paths and
-  // the rival's 64.
-  EXPECT_EQ(scenes[0]["rays"], (48 + 8 * 6) * (8 + 64));
+  // the rival's 64, pixels with its 16, 4 and 1 too.
+  EXPECT_EQ(scenes[0]["rays"], (48 + 8 * 6) * (8 + 64) + 8 * 6 * (16 + 4 + 1));
   EXPECT_GE(scenes[0]["seconds"], scenes[0]["bake_seconds"]);
   ASSERT_EQ(ends.size(), 2u);
   EXPECT_EQ(ends[0]["baked"], 2);

@@ -173,6 +173,49 @@ TEST_F(Evaluation, GivesIntervalsAndSamplesAroundItsFigures) {
   EXPECT_NEAR(json.at("variance_check").at("ratio").get<double>(), by_rival / by_spread, 1e-6);
 }
 
+TEST_F(Evaluation, ScoresViewsThatWereTracedWithFewPaths) {
+  const std::filesystem::path path = data::scene_path(settings_.data, "test1");
+  data::SceneSample sample = data::read_scene_sample(path);
+  Predictor model = predictor();
+  const auto score = [&](const char* row, size_t scene) {
+    const EvalResult result = evaluate(settings_, &model, fit_baselines(settings_.data));
+    return *find_score(result.scenes[scene].scores, row);
+  };
+  const Score derived = score("path_tracing_4", 1);
+  // Pictures that are off by 1, 2 and 3 times the emission scalar.
+  const auto radiance = static_cast<float>(
+      evaluate(settings_, &model, fit_baselines(settings_.data)).scenes[1].radiance);
+  for (data::View& view : sample.views) {
+    const size_t pixels = view.mask.size();
+    for (size_t i = 0; i < data::kFewPaths.size(); ++i) {
+      const float off = radiance * static_cast<float>(i + 1);
+      for (size_t p = 0; p < pixels; ++p) {
+        const Rgb reference = view.indirect[p] + view.indirect[pixels + p];
+        view.path_traced_few[i].push_back(view.mask[p] ? reference + Rgb{off, off, off} : Rgb{});
+      }
+    }
+  }
+  data::write_scene_sample(path, sample);
+  const EvalResult result = evaluate(settings_, &model, fit_baselines(settings_.data));
+  double previous = 1;
+  for (size_t i = 0; i < data::kFewPaths.size(); ++i) {
+    const std::string row = concat("path_tracing_", data::kFewPaths[i]);
+    const Score traced = *find_score(result.scenes[1].scores, row);
+    EXPECT_NEAR(traced.views[0], std::pow(static_cast<double>(i + 1), 2), 1e-4) << row;
+    for (const double value : traced.views) EXPECT_TRUE(std::isfinite(value)) << row;
+    EXPECT_LT(traced.views[2], previous) << row << ": SSIM falls with the error";
+    previous = traced.views[2];
+    const Score other = *find_score(result.scenes[0].scores, row);
+    EXPECT_TRUE(std::isnan(other.views[2])) << row << ": the other scene has no such picture";
+    EXPECT_EQ(result.scenes[1].scores[2 + i].first, row);
+  }
+  EXPECT_EQ(find_score(result.scenes[1].scores, "path_tracing_4")->points[0], derived.points[0])
+      << "points stay derived";
+  const nlohmann::json json = nlohmann::json::parse(eval_json(result, "model", "data"));
+  EXPECT_TRUE(json.at("metrics").at("path_tracing_1").at("views").at("flip").is_number());
+  EXPECT_THAT(eval_table(result), testing::HasSubstr("derived at points, and traced in views"));
+}
+
 TEST_F(Evaluation, PutsTheViewsOfASceneOnOneSheetAndAllOfItOnOnePage) {
   Predictor model = predictor();
   int views = 0;

@@ -5,6 +5,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
+#include "lte/base/random.h"
 #include "lte/pathtrace/irradiance.h"
 #include "tests/support/room.h"
 
@@ -68,6 +69,57 @@ TEST(Variance, IsThatOfRunsWithOtherSeeds) {
     // tails are heavy.
     EXPECT_NEAR(total_ratio, 1, 0.12) << rays << " rays";
     EXPECT_NEAR(indirect_ratio, 1, 0.12) << rays << " rays";
+  }
+}
+
+TEST(Variance, OfFewIndependentPathsFallsAsOneOverTheirNumber) {
+  const Room room;
+  constexpr int kSeeds = 1500;
+  const size_t count = room.positions.size();
+  const auto mean_variance = [&](int rays, double* mean) {
+    std::vector<Moments> moments(count);
+    *mean = 0;
+    for (int seed = 0; seed < kSeeds; ++seed) {
+      IrradianceOptions options;
+      options.rays = rays;
+      options.variance = false;
+      options.seed = hash_combine(static_cast<uint64_t>(rays), static_cast<uint64_t>(seed));
+      const Irradiance e = room.estimate(options);
+      EXPECT_EQ(e.rays, rays);
+      EXPECT_TRUE(e.variance.empty() && e.variance_total.empty());
+      for (size_t i = 0; i < count; ++i) {
+        const Rgb value = e.indirect_sum(static_cast<int64_t>(i));
+        moments[i].add(value);
+        *mean += (value.x + value.y + value.z) / (3.0 * kSeeds * static_cast<double>(count));
+      }
+    }
+    double sum = 0;
+    for (const Moments& point : moments) sum += point.mean_variance();
+    return sum / static_cast<double>(count);
+  };
+  double mean_1 = 0, mean_4 = 0, mean_16 = 0;
+  const double of_1 = mean_variance(1, &mean_1), of_4 = mean_variance(4, &mean_4),
+               of_16 = mean_variance(16, &mean_16);
+  const double error_1 = std::sqrt(of_1 / (kSeeds * static_cast<double>(count)));
+  EXPECT_NEAR(mean_1, mean_16, 4.5 * error_1);
+  EXPECT_NEAR(mean_4, mean_16, 4.5 * error_1 / 2);
+  // Both variances are known to some percent.
+  EXPECT_NEAR(of_1 / of_4, 4, 0.8);
+  EXPECT_GT(of_4 / of_16, 3.2) << "pairs of the 16 are stratified: not less than 4 but for noise";
+  EXPECT_LT(of_4 / of_16, 8);
+}
+
+TEST(Variance, IsLeftOutWithoutAChangeOfValues) {
+  const Room room;
+  for (const int rays : {2, 16, 64}) {
+    IrradianceOptions options;
+    options.rays = rays;
+    const Irradiance with = room.estimate(options);
+    options.variance = false;
+    const Irradiance without = room.estimate(options);
+    EXPECT_EQ(with.indirect, without.indirect);
+    EXPECT_EQ(with.direct, without.direct);
+    EXPECT_EQ(with.rays, without.rays);
   }
 }
 
