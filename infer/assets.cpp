@@ -30,7 +30,7 @@ fs::path asset_path(const std::string& relative, const std::string& instead) {
 }
 
 fs::path checkpoint_or_shipped(const std::string& checkpoint) {
-  return checkpoint.empty() ? asset_path("models/lte-demo.safetensors", "--checkpoint")
+  return checkpoint.empty() ? asset_path("models/lte-small.safetensors", "--checkpoint")
                             : fs::path(checkpoint);
 }
 

@@ -267,16 +267,25 @@ def encode(self, points: Tensor) -> Dict[str, Tensor]:
 /// nn::LightCache.
 constexpr const char* kFillCache =
     R"SCRIPT(    dark = torch.nonzero(torch.amax(points[:, 9:12], [1]) == 0.0).view([-1])
+    scaled = torch.where(radiance > 0.0, radiance, torch.ones_like(radiance)).to(6)
     embedding['cache_position'] = position[dark].contiguous()
     embedding['cache_normal'] = points[:, 3:6][dark]
-    embedding['cache_irradiance'] = points[:, 16:19][dark] / torch.where(radiance > 0.0, radiance, torch.ones_like(radiance)).to(6)
+    embedding['cache_light'] = torch.cat([points[:, 16:19] / scaled, points[:, 13:16] / scaled], 1)[dark]
+)SCRIPT";
+
+constexpr const char* kUseCache =
+    R"SCRIPT(    light, features = self.cached(embedding, position, queries[:, 3:6])
+    attributes = torch.cat([attributes, features], 1)
 )SCRIPT";
 
 constexpr const char* kReadCache = R"SCRIPT(
-def cached(self, embedding: Dict[str, Tensor], position: Tensor, normal: Tensor) -> Tensor:
+def weighted(self, weight: Tensor, values: Tensor) -> Tensor:
+    return torch.bmm(weight.unsqueeze(1), values).squeeze(1)
+
+def cached(self, embedding: Dict[str, Tensor], position: Tensor, normal: Tensor) -> Tuple[Tensor, Tensor]:
     points = embedding['cache_position']
     if points.size(0) == 0:
-        return torch.ones_like(position)
+        return torch.ones_like(position), torch.zeros([position.size(0), {features}], dtype=6, device=position.device)
     index = self.nearest(position, points, 32)
     offset = points[index] - position.unsqueeze(1)
     up = normal.unsqueeze(2)
@@ -286,9 +295,17 @@ def cached(self, embedding: Dict[str, Tensor], position: Tensor, normal: Tensor)
     scale = torch.clamp_min(torch.mean(distance2, [1], True), 1e-16)
     facing2 = facing * facing
     weight = facing2 * facing2 * torch.exp(-(2.0 * distance2 + 64.0 * height * height) / scale) + 1e-4
-    light = embedding['cache_irradiance']
-    mean = torch.bmm((weight / torch.sum(weight, [1], True)).unsqueeze(1), light[index]).squeeze(1)
-    return mean + 0.02 * torch.mean(light, [0])
+    total = torch.sum(weight, [1], True)
+    share = weight / total
+    light = embedding['cache_light'][index]
+    mean = self.weighted(share, light)
+    grey = torch.mean(light[:, :, 0:3], [2], True)
+    grey_mean = self.weighted(share, grey)
+    difference = grey - grey_mean.unsqueeze(1)
+    spread = torch.sqrt(self.weighted(share, difference * difference)) / (grey_mean + 1e-3)
+    contrast = torch.log1p(torch.mean(grey, [1])) - torch.log1p(grey_mean)
+    features = torch.cat([torch.log1p(mean), torch.log1p(spread), torch.log(total) / 4.0, torch.mean(facing, [1], True), torch.mean(height / torch.sqrt(scale), [1], True), contrast, (torch.log(scale) + 8.0) / 4.0], 1)
+    return mean[:, 0:3] + 0.02 * torch.mean(embedding['cache_light'][:, 0:3], [0]), features
 )SCRIPT";
 
 constexpr const char* kDecode = R"SCRIPT(
@@ -299,7 +316,8 @@ def decode_block(self, embedding: Dict[str, Tensor], queries: Tensor) -> Tensor:
     offset = torch.clamp((position.unsqueeze(1) - anchors[index]) * (1.0 / float(embedding['spacing'])), -64.0, 64.0)
     hidden = torch.gelu(torch.linear(offset, self.decoder_gamma_hidden_weight, self.decoder_gamma_hidden_bias))
     s1, s2 = self.neighbour_sums(embedding['table'], hidden, self.decoder_gamma_output_weight, self.decoder_gamma_output_bias, index)
-    g = self.mlp(self.attributes(position, queries[:, 3:6], queries[:, 6:9]), self.decoder_point_hidden_weight, self.decoder_point_hidden_bias, self.decoder_point_output_weight, self.decoder_point_output_bias)
+    attributes = self.attributes(position, queries[:, 3:6], queries[:, 6:9])
+{cache}    g = self.mlp(attributes, self.decoder_point_hidden_weight, self.decoder_point_hidden_bias, self.decoder_point_output_weight, self.decoder_point_output_bias)
 {layers}    g = self.norm(g, self.decoder_norm_weight, self.decoder_norm_bias)
     answer = torch.softplus(self.mlp(g, self.decoder_head_hidden_weight, self.decoder_head_hidden_bias, self.decoder_head_output_weight, self.decoder_head_output_bias))
     return {answer}
@@ -345,7 +363,9 @@ std::string encode_and_decode(const nn::ModelConfig& config) {
                         {"k", std::to_string(config.nne_neighbours)},
                         {"grid", number(config.grid_per_spacing)},
                         {"tables", tables}}) +
-         (config.reads_indirect() ? kReadCache : "") +
+         (config.reads_indirect()
+              ? fill(kReadCache, {{"features", std::to_string(nn::kLightFeatures)}})
+              : "") +
          fill(kDecode,
               {{"scale", number(config.scale)},
                {"answer", config.reads_indirect()

@@ -4,14 +4,26 @@
 #
 #   scripts/demo.sh           at most 10 minutes after set-up and build
 #   scripts/demo.sh --quick   at most 3 minutes, smaller in everything
+#   scripts/demo.sh --render  under a minute: pictures of a bundled home by the released model, in out/render
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 scenes=160 steps=1800 size=384x288 spp=256 held_out=0.1
+render() {
+  local out=out/render scene=assets/scenes/living_room.glb size=640x480 exposure
+  mkdir -p "$out"
+  # Path tracing of as many paths as takes about as long; its exposure holds for both pictures.
+  build/bin/lte_render "$scene" --mode reference --spp 8 --size "$size" --out "$out/path_traced.png" --json "$out/path_traced.json"
+  exposure=$(sed -n 's/.*"exposure": *\([0-9.e+-]*\).*/\1/p' "$out/path_traced.json")
+  build/bin/lte_render "$scene" --size "$size" --exposure "$exposure" --out "$out/network.png" --json "$out/network.json"
+  printf '\nDone in %d s: open %s/network.png, and path_traced.png beside it\n' "$SECONDS" "$out"
+}
+
 case "${1:-}" in
+  --render) scripts/build.sh release && SECONDS=0 && render && exit ;;
   --quick) scenes=40 steps=150 size=192x144 spp=64 held_out=0.2 ;;
   "") ;;
-  *) echo "usage: scripts/demo.sh [--quick]"; [ "$1" = --help ] && exit 0 || exit 2 ;;
+  *) echo "usage: scripts/demo.sh [--quick | --render]"; [ "$1" = --help ] && exit 0 || exit 2 ;;
 esac
 
 scripts/build.sh release
@@ -44,7 +56,7 @@ for scene in room cornell; do
   exposure=$(sed -n 's/.*"exposure": *\([0-9.e+-]*\).*/\1/p' "$out/${scene}_reference.json")
   for model in shipped trained; do
     checkpoint=$run/model.safetensors
-    [ $model = shipped ] && checkpoint=assets/models/lte-demo.safetensors
+    [ $model = shipped ] && checkpoint=assets/models/lte-small.safetensors
     "$bin/lte_render" "$out/$scene.glb" --checkpoint "$checkpoint" --size "$size" --exposure "$exposure" \
       --out "$out/${scene}_$model.png" --json "$out/${scene}_$model.json"
   done

@@ -243,6 +243,11 @@ SceneSample read_scene_sample(const std::filesystem::path& path) {
 }
 
 int64_t drop_idle_queries(SceneSample* sample) {
+  for (View& view : sample->views) {
+    for (size_t i = 0; i < view.mask.size(); ++i) {
+      if (max_component(view.albedo[i]) <= 0) view.mask[i] = 0;
+    }
+  }
   const auto N = static_cast<size_t>(sample->query_points());
   const auto G = static_cast<size_t>(sample->light_groups);
   std::vector<size_t> kept;

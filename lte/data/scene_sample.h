@@ -80,10 +80,11 @@ SceneSample read_scene_sample(const std::filesystem::path& path);
 /// Removes the query points that no picture asks about: those that no traced path has connected to
 /// a light (direct and indirect irradiance exactly zero in every group), the insides of closed
 /// furniture and the like, one point in ten of a furnished room; and those on surfaces that reflect
-/// nothing, which the renderer leaves out too. A relative loss would spend most of its gradient on
-/// telling the zero of the first from a small number; the second, panes behind a sunlit blind among
-/// them, can be brighter than all else. A sample of which nothing would stay is left as it is.
-/// @return  how many were removed
+/// nothing, which the renderer leaves out too, with the pixels that show such surfaces, which leave
+/// the views' masks. A relative loss would spend most of its gradient on telling the zero of the
+/// first from a small number; the second, panes behind a sunlit blind among them, can be brighter
+/// than all else. A sample of which no point would stay keeps them all.
+/// @return  how many points were removed
 int64_t drop_idle_queries(SceneSample* sample);
 
 }  // namespace lte::data

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lte/base/config.h"
+#include "lte/nn/light_cache.h"
 
 namespace lte::nn {
 
@@ -34,7 +35,8 @@ struct ModelConfig {
 
   bool reads_direct() const { return light_input != "emission"; }
   bool reads_indirect() const { return light_input == "traced"; }
-  /// Columns that a scene point goes into the network with.
+  /// Columns that a scene point, and a query, go into the network with.
+  int64_t query_inputs() const { return reads_indirect() ? 9 + kLightFeatures : 9; }
   int64_t point_inputs() const {
     return 12 + (reads_direct() ? 3 : 0) + (reads_indirect() ? 3 : 0);
   }

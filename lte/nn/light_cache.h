@@ -4,29 +4,42 @@
 // starts the network off near the answer; the network corrects what it blurs.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include <ATen/core/Tensor.h>
 
 namespace lte::nn {
 
+/// What a query reads.
+struct LightReading {
+  /// [Q, 3], positive where the scene has bounced light in that channel; 1 without any point.
+  at::Tensor irradiance;
+  /// [Q, kLightFeatures], of order one: log(1 + irradiance) by channel, indirect and direct; the
+  /// spread of the estimates over their mean, the logarithm of their weight, how far the neighbours
+  /// face the query's way, lie above its plane, and are brighter than those that count, and the
+  /// logarithm of their distance.
+  at::Tensor features;
+};
+
+inline constexpr int64_t kLightFeatures = 12;
+
 struct LightCache {
-  at::Tensor position;    ///< [S, 3] float32, network space
-  at::Tensor normal;      ///< [S, 3]
-  at::Tensor irradiance;  ///< [S, 3] over the radiance of the scene
+  at::Tensor position;  ///< [S, 3] float32, network space
+  at::Tensor normal;    ///< [S, 3]
+  at::Tensor light;     ///< [S, 6] indirect and direct irradiance over the radiance of the scene
   at::Tensor floor;  ///< [3] added everywhere, so that a factor can lift what the cache calls dark
 
   bool defined() const { return position.defined(); }
-  /// [Q, 3], positive where the scene has bounced light in that channel; 1 without any point.
   /// Inputs on one device, in one dtype; no gradients.
-  at::Tensor interpolate(const at::Tensor& position, const at::Tensor& normal) const;
-  std::vector<at::Tensor> tensors() const { return {position, normal, irradiance, floor}; }
+  LightReading read(const at::Tensor& position, const at::Tensor& normal) const;
+  std::vector<at::Tensor> tensors() const { return {position, normal, light, floor}; }
 };
 
 /// Of the points that do not emit: luminaires carry no estimate.
-/// @param position    [M, 3] network space, @param normal [M, 3], @param emission [M, 3]
-/// @param irradiance  [M, 3] over the radiance of the scene
+/// @param position  [M, 3] network space, @param normal [M, 3], @param emission [M, 3]
+/// @param light     [M, 6] indirect and direct irradiance over the radiance of the scene
 LightCache make_light_cache(const at::Tensor& position, const at::Tensor& normal,
-                            const at::Tensor& emission, const at::Tensor& irradiance);
+                            const at::Tensor& emission, const at::Tensor& light);
 
 }  // namespace lte::nn

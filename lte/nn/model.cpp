@@ -94,15 +94,16 @@ struct LightTransportModelImpl::Parts {
   at::Tensor decode(const Embedding& embedding, const QuerySet& queries, const at::Tensor& keys,
                     const at::Tensor& values) {
     const at::Tensor position = (queries.position - embedding.origin).div(embedding.scale);
-    const at::Tensor answer = answers(embedding, queries, position, keys, values);
-    if (!embedding.cache.defined()) return answer;
-    return answer * embedding.cache.interpolate(position, queries.normal);
+    const at::Tensor attributes = surface_attributes(position, queries.normal, queries.albedo);
+    if (!embedding.cache.defined()) return answers(embedding, attributes, position, keys, values);
+    const LightReading light = embedding.cache.read(position, queries.normal);
+    return light.irradiance *
+           answers(embedding, at::cat({attributes, light.features}, 1), position, keys, values);
   }
 
   /// What the network says: irradiance, or the factor on that of the cache.
-  at::Tensor answers(const Embedding& embedding, const QuerySet& queries,
+  at::Tensor answers(const Embedding& embedding, const at::Tensor& attributes,
                      const at::Tensor& position, const at::Tensor& keys, const at::Tensor& values) {
-    const at::Tensor attributes = surface_attributes(position, queries.normal, queries.albedo);
     if (!keys.defined()) {
       return decoder->infer(attributes, position, embedding.position, embedding.spacing,
                             embedding.table);
@@ -184,8 +185,9 @@ Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order
       parts_->encoder->forward(parts_->nne->forward(at::cat(attributes, 1), plan), plan);
   if (config_.reads_indirect()) {
     const at::Tensor a = embedding.radiance.to(points.indirect.options());
+    const at::Tensor light = at::cat({points.indirect, points.direct}, 1);
     embedding.cache = make_light_cache(position, points.normal, points.emission,
-                                       points.indirect.div(at::where(a > 0, a, 1)));
+                                       light.div(at::where(a > 0, a, 1).repeat({2})));
   }
   if (!at::GradMode::is_enabled() && embedding.features.scalar_type() == at::kFloat) {
     embedding.table = parts_->decoder->table(embedding.features);

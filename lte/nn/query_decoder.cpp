@@ -57,7 +57,7 @@ void QueryLayerImpl::append_weights(std::vector<at::Tensor>& weights) const {
 QueryDecoderImpl::QueryDecoderImpl(int64_t latent, const ModelConfig& config)
     : neighbours_(config.query_neighbours) {
   const int64_t D = config.channels;
-  point_ = register_module("point", Mlp(9, D, D));
+  point_ = register_module("point", Mlp(config.query_inputs(), D, D));
   gamma_ = register_module("gamma", Mlp(3, config.gamma_hidden, D));
   for (int64_t i = 0; i < config.query_layers; ++i) {
     layers_.push_back(register_module("layer" + std::to_string(i), QueryLayer(latent, config)));

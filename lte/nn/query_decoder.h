@@ -45,7 +45,7 @@ class QueryLayerImpl : public torch::nn::Module {
 };
 TORCH_MODULE(QueryLayer);
 
-/// Parameters: `point.*` (H, 9 -> D -> D), `gamma.*` (γ, 3 -> h -> D, shared by the layers),
+/// Parameters: `point.*` (H, inputs -> D -> D), `gamma.*` (γ, 3 -> h -> D, shared by the layers),
 /// `layerI.*`, `norm.*`, `head.*` (D -> D -> 3).
 class QueryDecoderImpl : public torch::nn::Module {
  public:

@@ -222,7 +222,12 @@ TEST(DropIdleQueries, RemovesWhatNoGroupLightsAndKeepsTheRest) {
   // none; 4 is lit, but black.
   sample.direct = {{}, {}, {5, 0, 0}, {}, {9, 0, 0}, {}, {}, {}, {}, {}};
   sample.indirect = {{}, {}, {}, {}, {}, {0, 0, 7}, {}, {}, {}, {8, 0, 0}};
+  View view;
+  view.albedo = {{0, 0, 0}, {0, 0.1f, 0}, {0, 0, 0}, {1, 1, 1}};
+  view.mask = {1, 1, 0, 1};
+  sample.views = {view};
   EXPECT_EQ(drop_idle_queries(&sample), 3);
+  EXPECT_EQ(sample.views[0].mask, (std::vector<uint8_t>{0, 1, 0, 1}));
   EXPECT_EQ(sample.query_position, (std::vector<Vec3>{{0, 0, 0}, {2, 0, 0}}));
   EXPECT_EQ(sample.variance, (std::vector<float>{0, 2}));
   EXPECT_EQ(sample.query_rays, (std::vector<int32_t>{0, 2}));

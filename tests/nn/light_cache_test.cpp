@@ -21,7 +21,7 @@ LightCache floor_cache(int64_t count) {
   const at::Tensor up = at::cat({zero, zero, one}, 1);
   const at::Tensor light = (1 + xy.narrow(1, 0, 1)).expand({-1, 3});
   return make_light_cache(at::cat({above, below}), at::cat({up, -up}), at::zeros({2 * count, 3}),
-                          at::cat({light, at::zeros({count, 3})}));
+                          at::cat({light, at::zeros({count, 3})}).repeat({1, 2}));
 }
 
 TEST(LightCache, ReadsASmoothFieldOnTheSideThatIsAskedAbout) {
@@ -30,10 +30,10 @@ TEST(LightCache, ReadsASmoothFieldOnTheSideThatIsAskedAbout) {
   const at::Tensor query = at::cat({at::rand({500, 2}) * 0.8 + 0.1, at::zeros({500, 1})}, 1);
   const at::Tensor up = at::tensor({0.0f, 0.0f, 1.0f}).expand({500, 3});
   const at::Tensor floor = cache.floor[0];
-  const at::Tensor lit = cache.interpolate(query, up) - floor;
+  const at::Tensor lit = cache.read(query, up).irradiance - floor;
   const at::Tensor expected = (1 + query.narrow(1, 0, 1)).expand({-1, 3});
   EXPECT_LT((lit - expected).abs().max().item<double>(), 0.05);
-  const at::Tensor dark = cache.interpolate(query, -up) - floor;
+  const at::Tensor dark = cache.read(query, -up).irradiance - floor;
   EXPECT_LT(dark.abs().max().item<double>(), 0.02);
 }
 
@@ -44,17 +44,18 @@ TEST(LightCache, AgreesWithItsFormulaInDoublePrecision) {
     const at::Tensor v = at::randn({rows, 3});
     return v / v.norm(2, 1, true);
   };
-  const at::Tensor p = at::rand({S, 3}), n = unit(S), e = at::rand({S, 3});
+  const at::Tensor p = at::rand({S, 3}), n = unit(S), e = at::rand({S, 6});
   const LightCache cache = make_light_cache(p, n, at::zeros({S, 3}), e);
   const at::Tensor q = at::rand({Q, 3}), up = unit(Q);
-  const at::Tensor got = cache.interpolate(q, up);
+  const LightReading reading = cache.read(q, up);
+  const at::Tensor got = reading.irradiance;
   for (int64_t i = 0; i < Q; ++i) {
     std::vector<std::pair<double, int64_t>> near;
     for (int64_t j = 0; j < S; ++j)
       near.emplace_back((p[j] - q[i]).to(at::kDouble).square().sum().item<double>(), j);
     std::sort(near.begin(), near.end());
     near.resize(32);
-    double scale = 0, sum = 0, light = 0;
+    double scale = 0, sum = 0, light = 0, direct = 0, heights = 0;
     for (const auto& [d2, j] : near) scale += d2 / 32;
     for (const auto& [d2, j] : near) {
       const double facing = std::max(0.0, n[j].dot(up[i]).item<double>());
@@ -62,7 +63,14 @@ TEST(LightCache, AgreesWithItsFormulaInDoublePrecision) {
       const double weight =
           std::pow(facing, 4) * std::exp(-(2 * d2 + 64 * height * height) / scale) + 1e-4;
       sum += weight, light += weight * e[j][1].item<double>();
+      direct += weight * e[j][5].item<double>(), heights += height / 32;
     }
+    const at::Tensor features = reading.features[i];
+    EXPECT_NEAR(features[1].item<double>(), std::log1p(light / sum), 1e-5);
+    EXPECT_NEAR(features[5].item<double>(), std::log1p(direct / sum), 1e-5);
+    EXPECT_NEAR(features[7].item<double>(), std::log(sum) / 4, 1e-4);
+    EXPECT_NEAR(features[9].item<double>(), heights / std::sqrt(scale), 1e-5);
+    EXPECT_NEAR(features[11].item<double>(), (std::log(scale) + 8) / 4, 1e-5);
     EXPECT_NEAR(got[i][1].item<double>(), light / sum + 0.02 * e.mean(0)[1].item<double>(), 1e-5);
   }
 }
@@ -71,25 +79,27 @@ TEST(LightCache, AnswersDoNotDependOnBlocksAndLuminairesDoNotCount) {
   torch::manual_seed(5);
   const at::Tensor p = at::rand({300, 3}), n = at::zeros({300, 3});
   n.select(1, 2).fill_(1);
-  at::Tensor emission = at::zeros({300, 3}), light = at::rand({300, 3});
+  at::Tensor emission = at::zeros({300, 3}), light = at::rand({300, 6});
   emission.narrow(0, 0, 20).fill_(1);
   const LightCache cache = make_light_cache(p, n, emission, light);
   EXPECT_EQ(cache.position.size(0), 280);
   const at::Tensor q = at::rand({9000, 3}), up = n.narrow(0, 0, 1).expand({9000, 3});
-  const at::Tensor all = cache.interpolate(q, up);
+  const LightReading all = cache.read(q, up);
   for (const int64_t begin : {0, 4000, 8999}) {
-    EXPECT_LT(
-        (cache.interpolate(q.narrow(0, begin, 1), up.narrow(0, begin, 1)) - all.narrow(0, begin, 1))
-            .abs()
-            .max()
-            .item<double>(),
-        1e-6);
+    const LightReading one = cache.read(q.narrow(0, begin, 1), up.narrow(0, begin, 1));
+    const auto difference = [&](const at::Tensor& a, const at::Tensor& b) {
+      return (a - b.narrow(0, begin, 1)).abs().max().item<double>();
+    };
+    EXPECT_LT(difference(one.irradiance, all.irradiance), 1e-6);
+    EXPECT_LT(difference(one.features, all.features), 1e-5);
   }
   light.narrow(0, 0, 20).fill_(1e6);
-  EXPECT_TRUE(at::equal(make_light_cache(p, n, emission, light).interpolate(q, up), all));
+  const auto read = [&] { return make_light_cache(p, n, emission, light).read(q, up); };
+  EXPECT_TRUE(at::equal(read().irradiance, all.irradiance));
+  EXPECT_TRUE(at::equal(read().features, all.features));
   emission.fill_(1);
-  EXPECT_TRUE(
-      at::equal(make_light_cache(p, n, emission, light).interpolate(q, up), at::ones({9000, 3})));
+  EXPECT_TRUE(at::equal(read().irradiance, at::ones({9000, 3})));
+  EXPECT_TRUE(at::equal(read().features, at::zeros({9000, kLightFeatures})));
 }
 
 }  // namespace
