@@ -64,7 +64,7 @@ TEST(CApiErrors, ModelsThatAreNone) {
 
 // Of version 1 of the interface, on 64 bits: programs have them compiled in.
 static_assert(sizeof(lte_float3_view) == 16 && sizeof(lte_model_options) == 16 &&
-              sizeof(lte_model_info) == 64 && sizeof(lte_scene_points) == 104 &&
+              sizeof(lte_model_info) == 64 && sizeof(lte_scene_points) == 136 &&
               sizeof(lte_embedding_info) == 88 && sizeof(lte_queries) == 88);
 
 TEST(CApiErrors, StructsMayGrowButNotUnknowingly) {

@@ -140,7 +140,7 @@ TEST(NeighbourMax, IsTheMaximumOverConcatenatedPairs) {
 TEST(NearestNeighbourEmbedding, GradientsMatchFiniteDifferences) {
   torch::manual_seed(13);
   const EncoderPlan plan = make_encoder_plan(torch::rand({21, 3}), test::tiny_config(), false, 0);
-  NearestNeighbourEmbedding module(6);
+  NearestNeighbourEmbedding module(12, 6);
   test::randomize(*module, 14);
   module->to(at::kDouble);
   const at::Tensor x = torch::randn({21, 12}, at::kDouble).requires_grad_();

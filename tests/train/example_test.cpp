@@ -7,6 +7,7 @@
 
 #include <gmock/gmock.h>
 
+#include "lte/base/check.h"
 #include "lte/nn/loss.h"
 #include "tests/train/support.h"
 
