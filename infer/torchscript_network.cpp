@@ -368,9 +368,8 @@ std::string encode_and_decode(const nn::ModelConfig& config) {
               : "") +
          fill(kDecode,
               {{"scale", number(config.scale)},
-               {"answer", config.reads_indirect()
-                              ? "answer * self.cached(embedding, position, queries[:, 3:6])"
-                              : "answer"},
+               {"cache", config.reads_indirect() ? kUseCache : ""},
+               {"answer", config.reads_indirect() ? "answer * light" : "answer"},
                {"k", std::to_string(config.query_neighbours)},
                {"layers", layers.substr(1)}});
 }

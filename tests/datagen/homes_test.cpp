@@ -368,6 +368,10 @@ TEST(Homes, AlbedosAndTextureCoordinatesAreInRange) {
         EXPECT_EQ(material.base_color, (Rgb{1, 1, 1}));
         continue;
       }
+      if (material.name == "pane" && max_component(material.emission) > 0) {
+        EXPECT_EQ(material.base_color, Rgb{});  // what meets it leaves the home
+        continue;
+      }
       EXPECT_GE(std::min({material.base_color.x, material.base_color.y, material.base_color.z}),
                 0.03f)
           << material.name;

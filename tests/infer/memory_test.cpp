@@ -131,8 +131,10 @@ TEST(Precision, Bf16KeepsTheShippedModelsErrorWithinAPercent) {
     for (size_t s = 0; s < 3; ++s) {
       const data::SceneSample sample =
           data::read_scene_sample(data::scene_path(data, entries[s].name));
+      const std::vector<Rgb> direct = sum_groups(sample.scene_direct, sample.light_groups, 1);
+      const std::vector<Rgb> indirect = sum_groups(sample.scene_indirect, sample.light_groups, 1);
       predictor.embed({sample.scene_position, sample.scene_normal, sample.scene_albedo,
-                       sample.scene_emission, sample.scene_area});
+                       sample.scene_emission, sample.scene_area, direct, indirect});
       const std::vector<Rgb> got =
           predictor.predict({sample.query_position, sample.query_normal, sample.query_albedo});
       const std::vector<Rgb> reference = sum_groups(sample.indirect, sample.light_groups, 1);

@@ -224,14 +224,15 @@ TEST(Renderer, PrunesScenePointsAsInTrainingUnlessToldOtherwise) {
 
 TEST(Renderer, GivesModelsTheLightThatTheyRead) {
   const scene::Scene scene = lit_floor();
-  std::vector<image::Image> pictures;
   for (const std::string input : {"emission", "direct", "traced"}) {
     test::TinyModel tiny;
     tiny.light_input = input;
     Embedded embedded(scene, tiny, {});
     const Frame frame =
         embedded.renderer.render(test::downward_camera(), settings(Output::Irradiance));
-    EXPECT_GT(*std::max_element(frame.color.pixels.begin(), frame.color.pixels.end()), 0) << input;
+    // Under a black light nothing bounces: who reads the estimates knows, the others guess.
+    const float brightest = *std::max_element(frame.color.pixels.begin(), frame.color.pixels.end());
+    EXPECT_EQ(brightest > 0, input != "traced") << input;
     EXPECT_EQ(embedded.renderer.seconds().light > 1e-5, input != "emission") << input;
   }
 }

@@ -267,7 +267,9 @@ TEST(MakeExample, LightOnScenePointsIsSummedOverGroupsUnderTheirGains) {
   // Rows are drawn in an order of their own: positions tell which.
   for (int64_t row = 0; row < example.points.position.size(0); ++row) {
     size_t i = 0;
-    while (i < M && example.points.position[row][0].item<float>() != scene.position[i].x) ++i;
+    const at::Tensor p = example.points.position[row];
+    const Vec3 at{p[0].item<float>(), p[1].item<float>(), p[2].item<float>()};
+    while (i < M && !(scene.position[i] == at)) ++i;
     ASSERT_LT(i, M);
     for (int c = 0; c < 3; ++c) {
       const Rgb &a = symmetry.gains[0], &b = symmetry.gains[1];
