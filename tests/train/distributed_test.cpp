@@ -106,8 +106,8 @@ class Distributed : public testing::Test {
     ASSERT_EQ(first.size(), second.size());
     int compared = 0;
     for (size_t i = 0; i < first.size(); ++i) {
-      const auto other = nlohmann::json::parse(second[i]);
-      for (const auto& [name, value] : nlohmann::json::parse(first[i]).items()) {
+      const auto one = nlohmann::json::parse(first[i]), other = nlohmann::json::parse(second[i]);
+      for (const auto& [name, value] : one.items()) {
         if (!name.starts_with("grad_norm")) continue;
         EXPECT_NEAR(other.at(name).get<double>(), value.get<double>(),
                     1e-3 * value.get<double>() + 1e-9)
