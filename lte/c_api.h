@@ -147,10 +147,10 @@ typedef struct lte_scene_points {
   lte_float3_view normal;   /**< unit, of the side that is lit */
   lte_float3_view albedo;   /**< in [0, 16], usually [0, 1] */
   lte_float3_view emission; /**< radiance, not negative */
-  /** Irradiance at the points, W/m^2, not negative, 0 on luminaires; the irradiance on both sides
-   * of the surface added up, as one sees from a closed body's inside nothing. Noise is averaged
-   * out: the training had 32 paths a side. Needed as lte_model_info::light_input says, else data
-   * may be NULL. */
+  /** Irradiance at the points, W/m^2, not negative, 0 on luminaires, both sides of the surface
+   *  added up: of a closed body's, the inner one is dark. Estimates may be noisy, the training's
+   *  came from 32 paths a side, but not biased. Needed as lte_model_info::light_input says, else
+   *  data may be NULL. */
   lte_float3_view direct;   /**< from luminaires straight */
   lte_float3_view indirect; /**< after one bounce or more */
   const float* area;   /**< m^2 that each point stands for, without gaps; NULL: all the same, as
