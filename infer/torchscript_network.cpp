@@ -366,12 +366,11 @@ std::string encode_and_decode(const nn::ModelConfig& config) {
          (config.reads_indirect()
               ? fill(kReadCache, {{"features", std::to_string(nn::kLightFeatures)}})
               : "") +
-         fill(kDecode,
-              {{"scale", number(config.scale)},
-               {"cache", config.reads_indirect() ? kUseCache : ""},
-               {"answer", config.reads_indirect() ? "answer * light" : "answer"},
-               {"k", std::to_string(config.query_neighbours)},
-               {"layers", layers.substr(1)}});
+         fill(kDecode, {{"scale", number(config.scale)},
+                        {"cache", config.reads_indirect() ? kUseCache : ""},
+                        {"answer", config.reads_indirect() ? "answer * light" : "answer"},
+                        {"k", std::to_string(config.query_neighbours)},
+                        {"layers", layers.substr(1)}});
 }
 
 }  // namespace
