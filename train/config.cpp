@@ -119,6 +119,10 @@ OptimConfig read_optim(const Config& config) {
   config.read("validate_every", &train.validate_every);
   config.read("validation_scenes", &train.validation_scenes);
   config.read("validation_queries", &train.validation_queries);
+  std::string autocast = "none";
+  config.read("autocast", &autocast);
+  check_choice("train.autocast", autocast, {"none", "bf16"});
+  train.autocast = autocast == "bf16" ? nn::Precision::Bf16 : nn::Precision::Fp32;
   config.read("tensorboard", &train.tensorboard);
   config.read("preview_every", &train.preview_every);
   config.read("preview_scenes", &train.preview_scenes);

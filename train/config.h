@@ -10,6 +10,7 @@
 #include "lte/base/config.h"
 #include "lte/nn/config.h"
 #include "lte/nn/loss.h"
+#include "lte/nn/precision.h"
 
 namespace lte::train {
 
@@ -61,6 +62,7 @@ struct OptimConfig {
       600;  ///< of a run of several processes: how long one may keep the others waiting
   std::string init_weights;  ///< file whose weights a new run starts from; empty: fresh ones
   std::vector<std::string> init_except;  ///< prefixes of parameters that stay fresh all the same
+  nn::Precision autocast = nn::Precision::Fp32;  ///< of products in training steps: none | bf16
 };
 
 struct TrainConfig {

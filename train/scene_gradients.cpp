@@ -8,6 +8,8 @@
 #include <torch/utils.h>
 
 #include "lte/base/check.h"
+#include "lte/base/log.h"
+#include "lte/ops/bf16.h"
 
 namespace lte::train {
 namespace {
@@ -58,6 +60,11 @@ SceneGradients::SceneGradients(const TrainConfig& config, const nn::LightTranspo
       one_by_one ? 1 : std::min(threads, static_cast<int>(config.train.scenes_per_step));
   threads_per_scene_ = std::max(1, threads / beside);
   for (int i = 1; i < beside; ++i) models_.push_back(replica_of(model));
+  for (nn::LightTransportModel& each : models_) nn::set_autocast(*each, config.train.autocast);
+  if (config.train.autocast == nn::Precision::Bf16 && device.is_cpu() && !ops::has_bf16_products())
+    log_warning(
+        "train.autocast: this processor has no bfloat16 products (AVX512-BF16); they are computed "
+        "from float32 instructions, which is slower than none");
 }
 
 double SceneGradients::accumulate(const std::vector<Example>& examples, int64_t step) {

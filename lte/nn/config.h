@@ -7,9 +7,11 @@
 #include <vector>
 
 #include "lte/base/config.h"
-#include "lte/nn/light_cache.h"
 
 namespace lte::nn {
+
+/// Columns of what a query reads of the light around it (lte/nn/light_cache.h).
+inline constexpr int64_t kLightFeatures = 12;
 
 struct ModelConfig {
   int64_t channels = 128;       ///< D; every width scales with it

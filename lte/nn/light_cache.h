@@ -9,6 +9,8 @@
 
 #include <ATen/core/Tensor.h>
 
+#include "lte/nn/config.h"
+
 namespace lte::nn {
 
 /// What a query reads.
@@ -21,8 +23,6 @@ struct LightReading {
   /// logarithm of their distance.
   at::Tensor features;
 };
-
-inline constexpr int64_t kLightFeatures = 12;
 
 struct LightCache {
   at::Tensor position;  ///< [S, 3] float32, network space

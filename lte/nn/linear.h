@@ -1,12 +1,10 @@
 // torch::nn::Linear on lte::ops::linear: the same parameters, names and first values.
 #pragma once
 
-#include <algorithm>
-
-#include <ATen/core/grad_mode.h>
 #include <torch/nn/modules/linear.h>
 
 #include "lte/nn/precision.h"
+#include "lte/nn/recompute.h"
 #include "lte/ops/linear.h"
 
 namespace lte::nn {
@@ -18,24 +16,45 @@ class LinearImpl : public torch::nn::LinearImpl {
 
   /// @param x  [..., in]
   /// @return   [..., out]
-  at::Tensor forward(const at::Tensor& x) { return ops::linear(x, inference_weight(), bias); }
-
-  /// Of products without gradients from now on. Layers of few inputs or outputs stay in float32:
-  /// they read positions and colours, or answer, and cost nothing.
-  /// @note Rounds the weights that there are now.
-  void set_precision(Precision precision) {
-    const bool narrow = std::min(options.in_features(), options.out_features()) < kLeastRounded;
-    rounded_ =
-        precision == Precision::Bf16 && !narrow ? weight.detach().to(at::kBFloat16) : at::Tensor();
+  at::Tensor forward(const at::Tensor& x) {
+    return in_autocast() ? ops::linear_autocast(x, weight, bias)
+                         : ops::linear(x, inference_weight(), bias);
+  }
+  /// The same with other weights, in this layer's precision: for callers that take its matrix
+  /// apart.
+  at::Tensor product(const at::Tensor& x, const at::Tensor& w, const at::Tensor& b = {}) const {
+    return in_autocast() ? ops::linear_autocast(x, w, b)
+                         : ops::linear(x, in_bf16() ? w.to(at::kBFloat16) : w, b);
   }
 
-  bool in_bf16() const { return rounded_.defined() && !at::GradMode::is_enabled(); }
+  /// Of products without gradients from now on. Layers whose inputs or outputs are no multiple of
+  /// 16 stay in float32: they read positions, colours and light, or answer, and cost nothing.
+  /// @note Rounds the weights that there are now.
+  void set_precision(Precision precision) {
+    rounded_ = precision == Precision::Bf16 && !reads_or_answers()
+                   ? weight.detach().to(at::kBFloat16)
+                   : at::Tensor();
+  }
+  /// Of products that are differentiated from now on: Bf16 is ops::linear_autocast(), for the same
+  /// layers.
+  void set_autocast(Precision precision) {
+    autocast_ = precision == Precision::Bf16 && !reads_or_answers();
+  }
+
+  bool in_autocast() const { return autocast_ && is_differentiated(); }
+  bool in_bf16() const { return rounded_.defined() && !is_differentiated(); }
   /// What a product reads: the parameter, or where no gradient is asked, its rounding.
   const at::Tensor& inference_weight() const { return in_bf16() ? rounded_ : weight; }
 
  private:
-  static constexpr int64_t kLeastRounded = 16;
+  static constexpr int64_t kRoundedBlock = 16;
+  bool reads_or_answers() const {
+    return options.in_features() % kRoundedBlock != 0 ||
+           options.out_features() % kRoundedBlock != 0;
+  }
+
   at::Tensor rounded_;  ///< undefined in float32
+  bool autocast_ = false;
 };
 TORCH_MODULE(Linear);
 

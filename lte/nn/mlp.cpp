@@ -4,6 +4,8 @@
 
 #include <torch/nn/init.h>
 
+#include "lte/ops/gelu.h"
+
 namespace lte::nn {
 
 void initialize(Linear& linear, double gain) {
@@ -22,7 +24,8 @@ MlpImpl::MlpImpl(int64_t inputs, int64_t hidden, int64_t outputs, double dropout
 }
 
 at::Tensor MlpImpl::hidden_activations(const at::Tensor& x) {
-  return ops::linear_gelu(x, hidden_->inference_weight(), hidden_->bias);
+  return hidden_->in_autocast() ? ops::gelu(hidden_->forward(x))
+                                : ops::linear_gelu(x, hidden_->inference_weight(), hidden_->bias);
 }
 
 void MlpImpl::append_weights(std::vector<at::Tensor>& weights) const {

@@ -203,6 +203,13 @@ void set_precision(torch::nn::Module& network, Precision precision) {
   }
 }
 
+void set_autocast(torch::nn::Module& network, Precision precision) {
+  for (const auto& module : network.modules(/*include_self=*/false)) {
+    if (auto* linear = module->as<LinearImpl>()) linear->set_autocast(precision);
+    if (auto* convolution = module->as<SubmanifoldConvImpl>()) convolution->set_autocast(precision);
+  }
+}
+
 void LightTransportModelImpl::set_precision(Precision precision) {
   TORCH_CHECK(precision == Precision::Fp32 || parameters().front().device().is_cpu(),
               "bf16 is for the CPU, the model is on ", parameters().front().device());

@@ -112,6 +112,12 @@ TORCH_MODULE(LightTransportModel);
 /// LightTransportModel::set_precision().
 void set_precision(torch::nn::Module& network, Precision precision);
 
+/// The arithmetic of all of a network's dense layers and convolutions where gradients are asked
+/// for, from now on: Bf16 rounds what their products read, forward and backward, and leaves
+/// weights, sums, results and gradients in float32. On CUDA attention too. Without gradients
+/// nothing changes.
+void set_autocast(torch::nn::Module& network, Precision precision);
+
 /// Sizes in parameters: total, nne (F and both G), encoder (PTV3), decoder.
 struct ParameterCounts {
   int64_t total = 0, nne = 0, encoder = 0, decoder = 0;

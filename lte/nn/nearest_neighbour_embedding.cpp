@@ -20,11 +20,8 @@ NeighbourMaxImpl::NeighbourMaxImpl(int64_t channels)
 at::Tensor NeighbourMaxImpl::forward(const at::Tensor& dense, const at::Tensor& center,
                                      const at::Tensor& neighbour) {
   const std::vector<at::Tensor> weight = hidden_->weight.chunk(2, 1);  // W_a, W_b
-  const auto rounded = [&](const at::Tensor& w) {
-    return hidden_->in_bf16() ? w.to(at::kBFloat16) : w;
-  };
-  const at::Tensor of_dense = ops::linear(dense, rounded(weight[0]));
-  const at::Tensor of_center = ops::linear(center, rounded(weight[1] - weight[0]), hidden_->bias);
+  const at::Tensor of_dense = hidden_->product(dense, weight[0]);
+  const at::Tensor of_center = hidden_->product(center, weight[1] - weight[0], hidden_->bias);
   if (!at::GradMode::is_enabled() && dense.device().is_cpu() && dense.scalar_type() == at::kFloat) {
     return ops::neighbour_max_inference(of_dense, of_center, neighbour, output_->inference_weight(),
                                         output_->bias);

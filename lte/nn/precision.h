@@ -1,11 +1,11 @@
-// The arithmetic of the network's matrix products in inference.
+// The arithmetic of the network's matrix products, in inference and in training.
 #pragma once
 
 #include <string>
 
 namespace lte::nn {
 
-/// Bf16: operands rounded to bfloat16, sums in float32 (lte/ops/bf16.h). On the CPU only.
+/// Bf16: operands rounded to bfloat16, sums in float32 (lte/ops/bf16.h). Inference on the CPU only.
 enum class Precision { Fp32, Bf16 };
 
 inline const char* precision_name(Precision precision) {

@@ -41,6 +41,19 @@ class AutocastScope {
   Autocast before_;
 };
 
+thread_local bool first_run = false;
+
+class FirstRun {
+ public:
+  FirstRun() : before_(first_run) { first_run = true; }
+  ~FirstRun() { first_run = before_; }
+  FirstRun(const FirstRun&) = delete;
+  FirstRun& operator=(const FirstRun&) = delete;
+
+ private:
+  bool before_;
+};
+
 struct Call : torch::CustomClassHolder {
   TensorFunction function;
   std::vector<at::Tensor> parameters;
@@ -58,6 +71,7 @@ class Recompute : public torch::autograd::Function<Recompute> {
     static_cast<void>(parameters);
     context->saved_data["call"] = c10::IValue::make_capsule(call);
     context->save_for_backward(inputs.vec());
+    const FirstRun run;
     return call->function(inputs.vec());
   }
 
@@ -101,6 +115,8 @@ class Recompute : public torch::autograd::Function<Recompute> {
 };
 
 }  // namespace
+
+bool is_differentiated() { return c10::GradMode::is_enabled() || first_run; }
 
 std::vector<at::Tensor> recompute(TensorFunction function, const std::vector<at::Tensor>& inputs,
                                   const std::vector<at::Tensor>& parameters) {

@@ -22,6 +22,10 @@ using TensorFunction = std::function<std::vector<at::Tensor>(const std::vector<a
 std::vector<at::Tensor> recompute(TensorFunction function, const std::vector<at::Tensor>& inputs,
                                   const std::vector<at::Tensor>& parameters);
 
+/// Whether what is computed now is differentiated, now or by recompute() later: gradients are on,
+/// or this is the first run of a function that runs again with gradients.
+bool is_differentiated();
+
 /// Numbers that pairs of points and neighbours may hold between two layers: 16 MiB in float32.
 /// What has more works in blocks of rows, which training recomputes.
 inline constexpr int64_t kPairNumbers = int64_t{1} << 22;

@@ -36,12 +36,16 @@ at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, const PatchMap& map,
   }
   if (!one_patch) qkv = qkv.index_select(0, map.gather);
   const int64_t length = one_patch ? n : patch_size;
+  // In bfloat16 CUDA has flash attention; LibTorch's kernel for the CPU gains nothing by it.
+  const bool flash = qkv_->in_autocast() && qkv.is_cuda();
+  if (flash) qkv = qkv.to(at::kBFloat16);
   // Three of [patches, heads, length, C / heads]. Unbound before they are transposed, so that the
   // gradient is put together by one copy.
   std::vector<at::Tensor> part = qkv.view({-1, length, 3, heads_, C / heads_}).unbind(2);
   for (at::Tensor& t : part) t = t.transpose(1, 2);
   at::Tensor out = at::scaled_dot_product_attention(part[0], part[1], part[2]);
   out = out.transpose(1, 2).reshape({-1, C});
+  if (flash) out = out.to(at::kFloat);
   if (!one_patch) out = out.index_select(0, map.inverse);
   return at::dropout(proj_->forward(out), dropout_, is_training());
 }
@@ -58,6 +62,8 @@ SubmanifoldConvImpl::SubmanifoldConvImpl(int64_t kernel, int64_t inputs, int64_t
 
 at::Tensor SubmanifoldConvImpl::forward(const at::Tensor& x, const at::Tensor& pairs,
                                         const at::Tensor& tap_begin) {
+  if (autocast_ && at::GradMode::is_enabled())
+    return ops::submanifold_conv_autocast(x, weight_, bias_, pairs, tap_begin);
   const bool rounded = rounded_.defined() && !at::GradMode::is_enabled();
   return ops::submanifold_conv(x, rounded ? rounded_ : weight_, bias_, pairs, tap_begin);
 }

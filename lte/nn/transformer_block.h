@@ -39,10 +39,12 @@ class SubmanifoldConvImpl : public torch::nn::Module {
 
   /// As Linear's; widths that are not whole blocks stay in float32.
   void set_precision(Precision precision);
+  void set_autocast(Precision precision) { autocast_ = precision == Precision::Bf16; }
 
  private:
   at::Tensor weight_, bias_;
   at::Tensor rounded_;  ///< undefined in float32
+  bool autocast_ = false;
 };
 TORCH_MODULE(SubmanifoldConv);
 

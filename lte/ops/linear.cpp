@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include <ATen/Context.h>
 #include <ATen/core/List.h>
@@ -13,6 +14,8 @@
 
 TORCH_LIBRARY_FRAGMENT(lte, m) {
   m.def("linear_bf16(Tensor x, Tensor weight, Tensor? bias, bool gelu) -> Tensor");
+  // gradᵀ x: grad [N, O] float32, x [N, C] bfloat16 -> [O, C] float32.
+  m.def("weight_gradient_bf16(Tensor grad, Tensor x) -> Tensor");
 }
 
 #include "lte/ops/gelu.h"
@@ -114,6 +117,58 @@ class Linear : public torch::autograd::Function<Linear> {
   }
 };
 
+/// x Wᵀ + b of x [N, C] float32 and W [O, C] bfloat16 in float32.
+at::Tensor rounded_product(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias) {
+  if (x.device().is_cpu()) return call_bf16(x, weight, bias, false);
+  const at::Tensor out = at::mm(x.to(at::kBFloat16), weight.t(), at::kFloat);
+  return bias.defined() ? out.add_(bias) : out;
+}
+
+/// The same for x of any `sizes`, given as rows.
+at::Tensor rounded_linear(const at::Tensor& rows, const at::Tensor& weight, const at::Tensor& bias,
+                          at::IntArrayRef x_sizes) {
+  std::vector<int64_t> sizes = x_sizes.vec();
+  sizes.back() = weight.size(0);
+  return rounded_product(rows, weight, bias).view(sizes);
+}
+
+/// gradᵀ x of grad [N, O] float32 and x [N, C] bfloat16 in float32.
+at::Tensor rounded_weight_gradient(const at::Tensor& grad, const at::Tensor& x) {
+  if (!x.device().is_cpu()) return at::mm(grad.to(at::kBFloat16).t(), x, at::kFloat);
+  static const auto op = c10::Dispatcher::singleton()
+                             .findSchemaOrThrow("lte::weight_gradient_bf16", "")
+                             .typed<at::Tensor(const at::Tensor&, const at::Tensor&)>();
+  return op.call(grad, x);
+}
+
+class AutocastLinear : public torch::autograd::Function<AutocastLinear> {
+ public:
+  static at::Tensor forward(AutogradContext* context, const at::Tensor& x, const at::Tensor& weight,
+                            const std::optional<at::Tensor>& bias) {
+    const at::AutoDispatchBelowADInplaceOrView below;
+    const at::Tensor rows = x.reshape({-1, weight.size(1)}).contiguous();
+    const at::Tensor half = weight.to(at::kBFloat16).contiguous();
+    context->save_for_backward({rows.to(at::kBFloat16), half});
+    context->saved_data["sizes"] = x.sizes();
+    context->saved_data["has_bias"] = bias.has_value();
+    return rounded_linear(rows, half, bias.value_or(at::Tensor()), x.sizes());
+  }
+
+  static variable_list backward(AutogradContext* context, const variable_list& grads) {
+    const variable_list saved = context->get_saved_variables();
+    const at::Tensor &x = saved[0], &weight = saved[1];
+    const at::Tensor grad = grads[0].reshape({-1, weight.size(0)}).contiguous();
+    variable_list out(3);
+    if (context->needs_input_grad(0))
+      out[0] = rounded_product(grad, weight.t().contiguous(), {})
+                   .view(context->saved_data["sizes"].toIntVector());
+    if (context->needs_input_grad(1)) out[1] = rounded_weight_gradient(grad, x);
+    if (context->saved_data["has_bias"].toBool() && context->needs_input_grad(2))
+      out[2] = grad.sum(0);
+    return out;
+  }
+};
+
 bool wants_gradient(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias) {
   return at::GradMode::is_enabled() &&
          (x.requires_grad() || weight.requires_grad() || (bias.defined() && bias.requires_grad()));
@@ -127,6 +182,17 @@ at::Tensor linear(const at::Tensor& x, const at::Tensor& weight, const at::Tenso
   const std::optional<at::Tensor> offset = if_defined(bias);
   return wants_gradient(x, weight, bias) ? Linear::apply(x, weight, offset)
                                          : call_fused(x, weight, offset, false);
+}
+
+at::Tensor linear_autocast(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias) {
+  const bool single = x.scalar_type() == at::kFloat && weight.scalar_type() == at::kFloat;
+  if (!single) return linear(x, weight, bias);
+  TORCH_CHECK(x.dim() >= 1 && weight.dim() == 2 && x.size(-1) == weight.size(1),
+              "linear: x must be [..., C] and weight [O, C], got ", x.sizes(), " and ",
+              weight.sizes());
+  if (wants_gradient(x, weight, bias)) return AutocastLinear::apply(x, weight, if_defined(bias));
+  return rounded_linear(x.reshape({-1, weight.size(1)}).contiguous(),
+                        weight.to(at::kBFloat16).contiguous(), bias, x.sizes());
 }
 
 at::Tensor linear_gelu(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias) {

@@ -18,6 +18,13 @@ namespace lte::ops {
 /// @note Rounding may differ with the number of rows, as small products take another path.
 at::Tensor linear(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias = {});
 
+/// linear() of training in mixed precision: what its product and the products of its backward pass
+/// read, x, weight and gradient, is rounded to bfloat16 (bf16.h); sums, result and gradients are
+/// float32. Of x, the rounding is what is kept for the backward pass.
+/// @param x, weight  float32; others are linear()'s
+at::Tensor linear_autocast(const at::Tensor& x, const at::Tensor& weight,
+                           const at::Tensor& bias = {});
+
 /// gelu(linear(x, weight, bias)) with the exact (erf) form; one pass where no gradient is asked.
 /// With bfloat16 weights to 2 · 10^-4, as the next product rounds it anyway.
 at::Tensor linear_gelu(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias = {});

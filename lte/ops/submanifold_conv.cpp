@@ -12,7 +12,8 @@ TORCH_LIBRARY_FRAGMENT(lte, m) {
   m.def(
       "submanifold_conv(Tensor input, Tensor weight, Tensor? bias, Tensor pairs, Tensor tap_begin) "
       "-> Tensor");
-  // Gradients by input and weight; those not needed come back empty.
+  // Gradients by input and weight, of the dtype of `grad`; those not needed come back empty. Input
+  // and weight may both be bfloat16 with a float32 `grad`, which is rounded then too.
   m.def(
       "submanifold_conv_backward(Tensor grad, Tensor input, Tensor weight, Tensor pairs, "
       "Tensor tap_begin, bool need_input, bool need_weight) -> (Tensor, Tensor)");
@@ -40,10 +41,12 @@ class SubmanifoldConv : public torch::autograd::Function<SubmanifoldConv> {
  public:
   static at::Tensor forward(AutogradContext* context, const at::Tensor& input,
                             const at::Tensor& weight, const std::optional<at::Tensor>& bias,
-                            const at::Tensor& pairs, const at::Tensor& tap_begin) {
+                            const at::Tensor& pairs, const at::Tensor& tap_begin, bool bf16) {
     const at::AutoDispatchBelowADInplaceOrView below;
-    context->save_for_backward({input, weight, pairs, tap_begin});
-    return call_forward(input, weight, bias, pairs, tap_begin);
+    const auto rounded = [&](const at::Tensor& t) { return bf16 ? t.to(at::kBFloat16) : t; };
+    const at::Tensor read = rounded(weight);
+    context->save_for_backward({rounded(input), read, pairs, tap_begin});
+    return call_forward(input, read, bias, pairs, tap_begin);
   }
 
   static variable_list backward(AutogradContext* context, const variable_list& grads) {
@@ -62,14 +65,18 @@ class SubmanifoldConv : public torch::autograd::Function<SubmanifoldConv> {
                 context->needs_input_grad(1));
     const at::Tensor bias = need_bias ? grad.sum(0) : at::Tensor();
     return {context->needs_input_grad(0) ? input : at::Tensor(),
-            context->needs_input_grad(1) ? weight : at::Tensor(), bias, at::Tensor(), at::Tensor()};
+            context->needs_input_grad(1) ? weight : at::Tensor(),
+            bias,
+            at::Tensor(),
+            at::Tensor(),
+            at::Tensor()};
   }
 };
 
 at::Tensor submanifold_conv_autograd(const at::Tensor& input, const at::Tensor& weight,
                                      const std::optional<at::Tensor>& bias, const at::Tensor& pairs,
                                      const at::Tensor& tap_begin) {
-  return SubmanifoldConv::apply(input, weight, bias, pairs, tap_begin);
+  return SubmanifoldConv::apply(input, weight, bias, pairs, tap_begin, false);
 }
 
 }  // namespace
@@ -87,6 +94,17 @@ at::Tensor submanifold_conv(const at::Tensor& input, const at::Tensor& weight,
                             const at::Tensor& tap_begin) {
   return call_forward(input, weight, bias.defined() ? std::optional(bias) : std::nullopt, pairs,
                       tap_begin);
+}
+
+at::Tensor submanifold_conv_autocast(const at::Tensor& input, const at::Tensor& weight,
+                                     const at::Tensor& bias, const at::Tensor& pairs,
+                                     const at::Tensor& tap_begin) {
+  const bool whole = weight.dim() == 3 && weight.size(1) % kConvolutionBlock == 0 &&
+                     weight.size(2) % kConvolutionBlock == 0;
+  const bool single = input.scalar_type() == at::kFloat && weight.scalar_type() == at::kFloat;
+  if (!whole || !single) return submanifold_conv(input, weight, bias, pairs, tap_begin);
+  return SubmanifoldConv::apply(input, weight, bias.defined() ? std::optional(bias) : std::nullopt,
+                                pairs, tap_begin, true);
 }
 
 }  // namespace lte::ops

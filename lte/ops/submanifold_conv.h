@@ -37,4 +37,13 @@ at::Tensor submanifold_conv(const at::Tensor& input, const at::Tensor& weight,
                             const at::Tensor& bias, const at::Tensor& pairs,
                             const at::Tensor& tap_begin);
 
+/// submanifold_conv() of training in mixed precision, as linear_autocast(): input, weight and
+/// gradient are rounded to bfloat16 where products read them; sums, result and gradients are
+/// float32.
+/// @param input, weight  float32, Cin and Cout multiples of kConvolutionBlock; others are
+/// submanifold_conv()'s
+at::Tensor submanifold_conv_autocast(const at::Tensor& input, const at::Tensor& weight,
+                                     const at::Tensor& bias, const at::Tensor& pairs,
+                                     const at::Tensor& tap_begin);
+
 }  // namespace lte::ops

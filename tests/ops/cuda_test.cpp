@@ -11,6 +11,7 @@
 
 #include "lte/ops/farthest_point.h"
 #include "lte/ops/knn.h"
+#include "lte/ops/linear.h"
 #include "lte/ops/neighbour_sums.h"
 #include "lte/ops/query_decoder.h"
 #include "lte/ops/serialize.h"
@@ -81,6 +82,35 @@ TEST_F(Cuda, ConvolutionAndItsGradientsAreTheCpus) {
   expect_close(cuda_out, out);
   out.square().sum().backward();
   cuda_out.square().sum().backward();
+  for (size_t i = 0; i < cpu.size(); ++i) expect_close(cuda[i].grad(), cpu[i].grad());
+}
+
+TEST_F(Cuda, MixedPrecisionIsTheCpus) {
+  const at::Tensor cells = test::integers(9, {400, 3}, 2, at::kInt);
+  const auto [pairs, begin] = convolution_pairs(cells, 3);
+  const auto [cuda_pairs, cuda_begin] = convolution_pairs(up(cells), 3);
+  std::vector<at::Tensor> cpu = {
+      test::normal({400, 32}, 3, at::kFloat), test::normal({27, 32, 48}, 4, at::kFloat),
+      test::normal({48}, 5, at::kFloat), test::normal({40, 32}, 6, at::kFloat),
+      test::normal({40}, 7, at::kFloat)};
+  std::vector<at::Tensor> cuda = up(cpu);
+  for (auto* inputs : {&cpu, &cuda}) {
+    for (at::Tensor& t : *inputs) t.requires_grad_();
+  }
+  const at::Tensor dense = linear_autocast(cpu[0], cpu[3], cpu[4]),
+                   cuda_dense = linear_autocast(cuda[0], cuda[3], cuda[4]);
+  expect_close(cuda_dense, dense);
+  const at::Tensor out = submanifold_conv_autocast(cpu[0], cpu[1], cpu[2], pairs, begin),
+                   cuda_out =
+                       submanifold_conv_autocast(cuda[0], cuda[1], cuda[2], cuda_pairs, cuda_begin);
+  expect_close(cuda_out, out);
+  // Given gradients, so that both round the same.
+  const at::Tensor grad = test::normal({400, 48}, 8, at::kFloat),
+                   dense_grad = test::normal({400, 40}, 9, at::kFloat);
+  out.backward(grad);
+  dense.backward(dense_grad);
+  cuda_out.backward(up(grad));
+  cuda_dense.backward(up(dense_grad));
   for (size_t i = 0; i < cpu.size(); ++i) expect_close(cuda[i].grad(), cpu[i].grad());
 }
 

@@ -31,6 +31,7 @@ TEST(TrainConfig, BaseYamlHoldsTheDefaultsOfTheCode) {
   EXPECT_EQ(file.train.weight_decay, code.train.weight_decay);
   EXPECT_EQ(file.train.clip_norm, code.train.clip_norm);
   EXPECT_EQ(file.train.ema_decay, code.train.ema_decay);
+  EXPECT_EQ(file.train.autocast, code.train.autocast);
   EXPECT_EQ(file.train.validation_scenes, code.train.validation_scenes);
   EXPECT_EQ(file.loss.epsilon, code.loss.epsilon);
   EXPECT_EQ(file.noise_weight, code.noise_weight);
@@ -64,6 +65,7 @@ TEST(TrainConfig, ValuesOutOfRangeNameTheKey) {
                           "train: {clip_norm: -1}",
                           "train: {min_learning_rate: 1}",
                           "train: {ema_decay: 1}",
+                          "train: {autocast: fp16}",
                           "train: {beta1: 1}",
                           "train: {beta2: -0.1}",
                           "train: {weight_decay: -1}",
@@ -99,6 +101,14 @@ TEST(TrainConfig, RotationIsOfThreeKindsAndWasOnceASwitch) {
   EXPECT_EQ(parsed("augment: {rotate: true}\n").augment.rotate, Rotation::Vertical);
   EXPECT_EQ(parsed("augment: {rotate: false}\n").augment.rotate, Rotation::None);
   EXPECT_EQ(parsed("{}\n").augment.rotate, Rotation::Vertical);
+}
+
+TEST(TrainConfig, AutocastIsOffUnlessBf16IsAskedFor) {
+  EXPECT_EQ(parsed("{}\n").train.autocast, nn::Precision::Fp32);
+  EXPECT_EQ(parsed("train: {autocast: none}\n").train.autocast, nn::Precision::Fp32);
+  EXPECT_EQ(parsed("train: {autocast: bf16}\n").train.autocast, nn::Precision::Bf16);
+  test::expect_error([] { parsed("train: {autocast: true}\n"); },
+                     {"train.autocast: expected none | bf16, got \"true\""});
 }
 
 TEST(ModelDifferences, NameKeysButNotWhatTheDataDecide) {

@@ -49,6 +49,25 @@ void multiply(const float* x, int64_t rows, int64_t K, const uint32_t* weight, i
   }
 }
 
+void multiply_transposed(const uint32_t* left, int64_t rows, int64_t pairs, const uint32_t* right,
+                         int64_t blocks, bool add, float* out) {
+  multiply_blocks<TransposedPairProduct>(left, rows, pairs, right, kPanel, kBlock, nullptr, blocks,
+                                         add, out);
+}
+
+void pair_rows(const float* even, const float* odd, int64_t count, uint32_t* out) {
+  const auto pair = [](const Float& low, const Float& high) {
+    return rounded(low) >> 16 | (rounded(high) & splat(uint32_t{0xffff0000}));
+  };
+  int64_t i = 0;
+  for (; i + kLanes<float> <= count; i += kLanes<float>) {
+    store(out + i, pair(load(even + i), odd != nullptr ? load(odd + i) : Float{}));
+  }
+  for (; i < count; ++i) {
+    out[i] = pair(splat(even[i]), odd != nullptr ? splat(odd[i]) : Float{})[0];
+  }
+}
+
 /// x/2 (1 + erf(x/√2)) with a polynomial that is 1 where it ends, at ±4.
 Float gelu(const Float& x) {
   const Float limit = splat(4.0f);
@@ -150,6 +169,7 @@ void projected_sums(const float* table, int64_t blocks, int64_t layers, const in
 }  // namespace
 
 extern const Bf16Kernels kBf16Kernels;
-const Bf16Kernels kBf16Kernels{multiply, activate, activate_sum, hidden_positions, projected_sums};
+const Bf16Kernels kBf16Kernels{multiply,     multiply_transposed, pair_rows,     activate,
+                               activate_sum, hidden_positions,    projected_sums};
 
 }  // namespace lte::ops::LTE_ISA

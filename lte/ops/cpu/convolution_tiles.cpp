@@ -8,6 +8,7 @@
 #include <ATen/Parallel.h>
 
 #include "lte/ops/cpu/packed_linear.h"
+#include "lte/ops/cpu/weight_gradient_bf16.h"
 
 namespace lte::ops {
 namespace {
@@ -141,16 +142,19 @@ class TapGradient {
 };
 
 /// [taps, rows, columns] -> [taps, columns, rows], of the taps that have pairs.
-std::vector<float> transposed_taps(const float* weight, int64_t rows, int64_t columns,
-                                   const ConvolutionPairs& pairs) {
-  std::vector<float> out(static_cast<size_t>(pairs.taps * rows * columns));
+template <typename T>
+std::vector<T> transposed_taps(const void* weight, int64_t rows, int64_t columns,
+                               const ConvolutionPairs& pairs) {
+  std::vector<T> out(static_cast<size_t>(pairs.taps * rows * columns));
+  const auto* bytes = static_cast<const char*>(weight);
   at::parallel_for(0, pairs.taps, 1, [&](int64_t begin, int64_t end) {
     for (int64_t tap = begin; tap < end; ++tap) {
       if (pairs.begin[tap] == pairs.begin[tap + 1]) continue;
-      const float* from = weight + tap * rows * columns;
-      float* to = out.data() + tap * rows * columns;
+      T* to = out.data() + tap * rows * columns;
       for (int64_t r = 0; r < rows; ++r) {
-        for (int64_t c = 0; c < columns; ++c) to[c * rows + r] = from[r * columns + c];
+        const char* from = bytes + (tap * rows + r) * columns * sizeof(T);
+        for (int64_t c = 0; c < columns; ++c)
+          std::memcpy(to + c * rows + r, from + c * sizeof(T), sizeof(T));
       }
     }
   });
@@ -176,8 +180,31 @@ void convolve_tiles(const ConvolutionRows& input, const TapWeights& weights,
 void input_gradient_tiles(const ConvolutionRows& grad, const float* weight, int64_t inputs,
                           const ConvolutionPairs& pairs, float* out) {
   const ReversedPairs reversed(pairs);
-  const std::vector<float> transposed = transposed_taps(weight, inputs, grad.C, pairs);
+  const auto transposed = transposed_taps<float>(weight, inputs, grad.C, pairs);
   convolve_tiles(grad, TapWeights(transposed.data(), grad.C, inputs), reversed.pairs(), out);
+}
+
+void input_gradient_tiles(const ConvolutionRows& grad, const at::BFloat16* weight, int64_t inputs,
+                          const ConvolutionPairs& pairs, float* out) {
+  const ReversedPairs reversed(pairs);
+  // Neighbours in a row are the pairs of the transposed matrix.
+  TapWeights weights(transposed_taps<uint32_t>(weight, inputs, grad.C / 2, pairs), grad.C, inputs);
+  convolve_tiles(grad, weights, reversed.pairs(), out);
+}
+
+void weight_gradient_tiles(const at::BFloat16* input, int64_t inputs, const ConvolutionRows& grad,
+                           const ConvolutionPairs& pairs, float* out) {
+  const int64_t across = panels_of(grad.C), tiles = panels_of(inputs) * across;
+  const GradientRows left{nullptr, input, inputs, pairs.input},
+      right{grad.values, nullptr, grad.C, pairs.output};
+  at::parallel_for(0, pairs.taps * tiles, 1, [&](int64_t begin, int64_t end) {
+    WeightGradient gradient;
+    for (int64_t i = begin; i < end; ++i) {
+      const int64_t tap = i / tiles, tile = i % tiles;
+      gradient.add(left, tile / across, right, tile % across, pairs.begin[tap],
+                   pairs.begin[tap + 1], out + tap * inputs * grad.C);
+    }
+  });
 }
 
 void weight_gradient_tiles(const ConvolutionRows& input, const ConvolutionRows& grad,

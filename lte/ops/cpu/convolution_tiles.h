@@ -1,8 +1,8 @@
 // Submanifold convolution and its gradients by the dense kernels: runs of pairs are gathered into
 // tiles that stay in the cache, multiplied and added to their rows.
 //
-// float32, with whole blocks of channels. Blocks of work are the same for any number of threads, so
-// results do not depend on it.
+// float32, or bfloat16 with sums in float32, with whole blocks of channels. Blocks of work are the
+// same for any number of threads, so results do not depend on it.
 #pragma once
 
 #include <cstdint>
@@ -36,8 +36,14 @@ void convolve_tiles(const ConvolutionRows& input, const TapWeights& weights,
 void input_gradient_tiles(const ConvolutionRows& grad, const float* weight, int64_t inputs,
                           const ConvolutionPairs& pairs, float* out);
 
+void input_gradient_tiles(const ConvolutionRows& grad, const at::BFloat16* weight, int64_t inputs,
+                          const ConvolutionPairs& pairs, float* out);
+
 /// out[taps, input.C, grad.C] += the gradient by the weight.
 void weight_gradient_tiles(const ConvolutionRows& input, const ConvolutionRows& grad,
+                           const ConvolutionPairs& pairs, float* out);
+/// From an input [N, inputs] that was rounded; `grad` is rounded as it is read.
+void weight_gradient_tiles(const at::BFloat16* input, int64_t inputs, const ConvolutionRows& grad,
                            const ConvolutionPairs& pairs, float* out);
 
 }  // namespace lte::ops

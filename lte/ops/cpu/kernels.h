@@ -119,6 +119,14 @@ struct Bf16Kernels {
   void (*multiply)(const float* x, int64_t rows, int64_t K, const uint32_t* weight,
                    int64_t row_stride, int64_t block_stride, const float* bias, int64_t blocks,
                    bool add, float* out);
+  /// out[r][c] (+)= Σ_k left[k][r] right[k][c] over `pairs` pairs, `rows` <= kPanel and `blocks`
+  /// blocks of columns: the product of two matrices whose rows are what is summed over. All strides
+  /// are kPanel.
+  void (*multiply_transposed)(const uint32_t* left, int64_t rows, int64_t pairs,
+                              const uint32_t* right, int64_t blocks, bool add, float* out);
+  /// Two rows of `count` values as pairs, the even one in the lower half; without `odd`, zeros
+  /// there.
+  void (*pair_rows)(const float* even, const float* odd, int64_t count, uint32_t* out);
   /// As of DenseKernels, for what a product of bfloat16 reads next: GELU to 2 · 10^-4, a tenth of a
   /// rounding.
   void (*activate)(float* x, int64_t rows, int64_t blocks);

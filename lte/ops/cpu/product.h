@@ -24,7 +24,7 @@ struct SingleProduct {
   using Scalar = float;  ///< of one row: an input
   using Spread = Float;  ///< the same in all lanes
   using Weight = Float;  ///< of as many outputs as there are lanes
-  static constexpr int64_t kRowStride = kPanel;
+  static constexpr int64_t kRowStride = kPanel, kInputStride = 1;
 
   static Spread spread(Scalar x) { return splat(x); }
   static Weight weight(const Scalar* w) { return load(w); }
@@ -35,7 +35,7 @@ struct SingleProduct {
 /// in float32; the odd input is added first, as the instruction does.
 struct PairProduct {
   using Scalar = uint32_t;
-  static constexpr int64_t kRowStride = kPanel / 2;
+  static constexpr int64_t kRowStride = kPanel / 2, kInputStride = 1;
 
 #if defined(__AVX512BF16__)
   using Spread = Bits;
@@ -64,6 +64,11 @@ struct PairProduct {
 #endif
 };
 
+/// Rows that lie as columns.
+struct TransposedPairProduct : PairProduct {
+  static constexpr int64_t kRowStride = 1, kInputStride = kPanel;
+};
+
 template <typename Product, int ROWS, int BLOCKS>
 void multiply_rows(const typename Product::Scalar* x, int64_t K,
                    const typename Product::Scalar* weight, int64_t row_stride, int64_t block_stride,
@@ -86,7 +91,8 @@ void multiply_rows(const typename Product::Scalar* x, int64_t K,
     }
 #pragma GCC unroll 16
     for (int r = 0; r < ROWS; ++r) {
-      const typename Product::Spread value = Product::spread(x[r * Product::kRowStride + k]);
+      const typename Product::Spread value =
+          Product::spread(x[r * Product::kRowStride + k * Product::kInputStride]);
 #pragma GCC unroll 8
       for (int v = 0; v < kCount; ++v) sum[r][v] = Product::add(sum[r][v], value, w[v]);
     }

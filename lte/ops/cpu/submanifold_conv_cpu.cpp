@@ -73,6 +73,17 @@ void check_conv_args(const at::Tensor& input, const at::Tensor& weight, bool all
               " and ", weight.scalar_type());
 }
 
+/// Of a backward pass in bfloat16.
+void check_rounded_args(const at::Tensor& input, const at::Tensor& weight) {
+  TORCH_CHECK(input.dim() == 2 && weight.dim() == 3 && weight.size(1) == input.size(1) &&
+                  weight.scalar_type() == at::kBFloat16 && weight.size(1) % kBlock == 0 &&
+                  weight.size(2) % kBlock == 0,
+              "submanifold_conv_backward: a bfloat16 input [N, Cin] needs a bfloat16 weight "
+              "[taps, Cin, Cout] with multiples of ",
+              kBlock, " channels, got ", input.sizes(), " and ", weight.sizes(), " ",
+              weight.scalar_type());
+}
+
 template <typename T>
 void gather(const T* from, int64_t C, const int32_t* rows, int64_t count, T* to) {
   for (int64_t i = 0; i < count; ++i) {
@@ -214,17 +225,35 @@ void weight_gradient(const at::Tensor& grad, const at::Tensor& input, const Conv
 std::tuple<at::Tensor, at::Tensor> submanifold_conv_backward_cpu(
     const at::Tensor& any_grad, const at::Tensor& any_input, const at::Tensor& weight,
     const at::Tensor& pairs, const at::Tensor& tap_begin, bool need_input, bool need_weight) {
-  check_conv_args(any_input, weight, false);
   const at::Tensor grad = any_grad.contiguous(), input = any_input.contiguous();
+  const bool bf16 = input.scalar_type() == at::kBFloat16;
+  if (bf16) {
+    check_rounded_args(input, weight);
+  } else {
+    check_conv_args(input, weight, false);
+  }
   TORCH_CHECK(grad.dim() == 2 && grad.size(0) == input.size(0) && grad.size(1) == weight.size(2) &&
-                  grad.scalar_type() == input.scalar_type(),
+                  grad.scalar_type() == (bf16 ? at::kFloat : input.scalar_type()),
               "submanifold_conv_backward: grad must be [", input.size(0), ", ", weight.size(2),
-              "] of the input's dtype, got ", grad.sizes());
+              "] of the input's dtype, or float32 where that is bfloat16, got ", grad.sizes(), " ",
+              grad.scalar_type());
   const ConvolutionPairs p = check_pairs(pairs, tap_begin, weight.size(0), input.size(0));
-  at::Tensor by_input = need_input ? at::zeros_like(input) : at::empty({0}, input.options());
+  at::Tensor by_input = at::zeros(need_input ? input.sizes() : at::IntArrayRef{0}, grad.options());
   at::Tensor by_weight =
-      need_weight ? at::zeros(weight.sizes(), weight.options()) : at::empty({0}, input.options());
+      at::zeros(need_weight ? weight.sizes() : at::IntArrayRef{0}, grad.options());
   const int64_t Cin = weight.size(1), Cout = weight.size(2);
+  if (bf16) {
+    const ConvolutionRows g{grad.const_data_ptr<float>(), grad.size(0), Cout};
+    const at::Tensor w = weight.contiguous();
+    if (need_input) {
+      input_gradient_tiles(g, w.const_data_ptr<at::BFloat16>(), Cin, p, by_input.data_ptr<float>());
+    }
+    if (need_weight) {
+      weight_gradient_tiles(input.const_data_ptr<at::BFloat16>(), Cin, g, p,
+                            by_weight.data_ptr<float>());
+    }
+    return {by_input, by_weight};
+  }
   if (input.scalar_type() == at::kFloat && suits_tiles(Cin) && suits_tiles(Cout)) {
     const ConvolutionRows g{grad.const_data_ptr<float>(), grad.size(0), Cout};
     if (need_input) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <ATen/Parallel.h>
@@ -36,6 +37,9 @@ struct TapWeights {
       }
     });
   }
+
+  TapWeights(std::vector<uint32_t> packed, int64_t Cin, int64_t Cout)
+      : pairs(std::move(packed)), inputs(Cin), outputs(Cout) {}
 
   /// out (+)= x · the weights of inputs [k, k + count), k even, for `columns` outputs from
   /// `column`.

@@ -34,6 +34,11 @@ Tap tap_rows(const at::Tensor& pairs, const at::Tensor& tap_begin, int64_t tap) 
           pairs.select(0, 1).narrow(0, begin[tap], count)};
 }
 
+/// a b; of bfloat16 factors with sums and result in float32.
+at::Tensor product(const at::Tensor& a, const at::Tensor& b) {
+  return a.scalar_type() == at::kBFloat16 ? at::mm(a, b, at::kFloat) : at::mm(a, b);
+}
+
 at::Tensor submanifold_conv_cuda(const at::Tensor& input, const at::Tensor& weight,
                                  const std::optional<at::Tensor>& bias, const at::Tensor& pairs,
                                  const at::Tensor& tap_begin) {
@@ -44,11 +49,12 @@ at::Tensor submanifold_conv_cuda(const at::Tensor& input, const at::Tensor& weig
               "submanifold_conv: tap_begin must be [", weight.size(0) + 1, "] on the CPU, got ",
               tap_begin.sizes(), " on ", tap_begin.device());
   at::Tensor out = at::zeros({input.size(0), weight.size(2)}, input.options());
+  const at::Tensor read = input.to(weight.scalar_type());  // rounded, where the weight is
   for (int64_t tap = 0; tap < weight.size(0); ++tap) {
     const Tap rows = tap_rows(pairs, tap_begin, tap);
     if (!rows.output.defined()) continue;
     out.index_add_(0, rows.output,
-                   at::mm(input.index_select(0, rows.input), weight.select(0, tap)));
+                   product(read.index_select(0, rows.input), weight.select(0, tap)));
   }
   return bias.has_value() && bias->defined() ? out.add_(*bias) : out;
 }
@@ -56,17 +62,20 @@ at::Tensor submanifold_conv_cuda(const at::Tensor& input, const at::Tensor& weig
 std::tuple<at::Tensor, at::Tensor> submanifold_conv_backward_cuda(
     const at::Tensor& grad, const at::Tensor& input, const at::Tensor& weight,
     const at::Tensor& pairs, const at::Tensor& tap_begin, bool need_input, bool need_weight) {
-  at::Tensor grad_input = need_input ? at::zeros_like(input) : at::empty({0}, input.options());
-  at::Tensor grad_weight = need_weight ? at::zeros_like(weight) : at::empty({0}, weight.options());
+  const auto zeros = [&](bool needed, const at::Tensor& like) {
+    return at::zeros(needed ? like.sizes() : at::IntArrayRef{0}, grad.options());
+  };
+  at::Tensor grad_input = zeros(need_input, input), grad_weight = zeros(need_weight, weight);
+  const at::Tensor read = grad.to(input.scalar_type());  // rounded, where the input was
   const int64_t centre = weight.size(0) / 2;
   for (int64_t tap = 0; tap < weight.size(0); ++tap) {
     const Tap rows = tap_rows(pairs, tap_begin, tap);
     if (!rows.output.defined()) continue;
-    const at::Tensor outer = grad.index_select(0, rows.output);
+    const at::Tensor outer = read.index_select(0, rows.output);
     if (need_weight)
-      grad_weight.select(0, tap).copy_(at::mm(input.index_select(0, rows.input).t(), outer));
+      grad_weight.select(0, tap).copy_(product(input.index_select(0, rows.input).t(), outer));
     if (!need_input) continue;
-    const at::Tensor inner = at::mm(outer, weight.select(0, tap).t());
+    const at::Tensor inner = product(outer, weight.select(0, tap).t());
     if (tap == centre) {  // each point reads itself
       grad_input.index_add_(0, rows.input, inner);
     } else {  // points that share a cell read one representative: accumulate in the order of the
