@@ -57,9 +57,10 @@ double decoder_flops(const nn::ModelConfig& config, int64_t m) {
              h = static_cast<double>(config.gamma_hidden),
              ratio = static_cast<double>(config.ffn_ratio),
              near = static_cast<double>(std::min(config.query_neighbours, m));
-  const double point = 9 * D + D * D, head = D * D + 3 * D;
+  const double point = static_cast<double>(config.query_inputs()) * D + D * D, head = D * D + 3 * D;
   const double gamma = near * (3 * h + h * D), sums = 2 * near * L * D;
-  const double layers = L * (2 + 2 * ratio) * D * D;
+  const double weights = config.normalizes_attention() ? near * 2 * D * D : 0;
+  const double layers = L * ((2 + 2 * ratio) * D * D + weights);
   return 2 * (point + gamma + sums + layers + head);
 }
 

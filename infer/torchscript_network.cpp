@@ -1,39 +1,13 @@
 #include "infer/torchscript_network.h"
 
 #include <algorithm>
-#include <initializer_list>
-#include <sstream>
-#include <utility>
 
-#include "lte/ops/serialize.h"
+#include "infer/torchscript_text.h"
+#include "infer/torchscript_transformer.h"
 
 namespace lte::infer {
 namespace {
 
-/// Replaces every "{name}" in a template.
-std::string fill(std::string text,
-                 std::initializer_list<std::pair<const char*, std::string>> values) {
-  for (const auto& [name, value] : values) {
-    const std::string mark = std::string("{") + name + "}";
-    for (size_t at = text.find(mark); at != std::string::npos;
-         at = text.find(mark, at + value.size())) {
-      text.replace(at, mark.size(), value);
-    }
-  }
-  return text;
-}
-
-std::string number(double value) {
-  std::ostringstream out;
-  out.precision(17);
-  out << std::scientific << value;
-  return out.str();
-}
-
-std::string numbered(const char* prefix, size_t number) { return prefix + std::to_string(number); }
-
-// --- pieces that do not depend on the configuration
-// -----------------------------------------------------------------
 constexpr const char* kCommon = R"SCRIPT(
 def norm(self, x: Tensor, weight: Tensor, bias: Tensor) -> Tensor:
     return torch.layer_norm(x, [x.size(-1)], weight, bias)
@@ -55,167 +29,13 @@ def neighbour_max(self, dense: Tensor, center: Tensor, neighbour: Tensor, w0: Te
         out.append(torch.amax(torch.linear(torch.gelu(pair), w1, b1), [1]))
         begin += 1024
     return torch.cat(out)
-
-def patches(self, cells: Tensor, bits: int, curves: int, patch_size: int) -> List[Tensor]:
-    maps: List[Tensor] = []
-    n = cells.size(0)
-    if n > patch_size:
-        padded = (n + patch_size - 1) // patch_size * patch_size
-        for curve in range(curves):
-            _, order = torch.sort(self.curve_codes(cells, curve, max(bits, 1)), stable=True, dim=0, descending=False)
-            slots = torch.arange(n, device=cells.device)
-            maps.append(torch.cat([order, order[n - patch_size:padded - patch_size]]))
-            maps.append(torch.scatter(torch.zeros_like(order), 0, order, slots))
-    return maps
-
-def pool_cells(self, cells: Tensor, bits: int) -> Tuple[Tensor, Tensor]:
-    if bits <= 0:
-        return cells, torch.arange(cells.size(0), device=cells.device)
-    code = self.curve_codes(cells, 0, bits) >> 3
-    ordered, order = torch.sort(code, stable=True, dim=0, descending=False)
-    _, inverse, counts = torch.unique_consecutive(ordered, True, True)
-    cluster = torch.scatter(torch.zeros_like(inverse), 0, order, inverse)
-    first = order[torch.cumsum(counts, 0) - counts]
-    return (cells[first] >> 1).contiguous(), cluster
-
-def attention(self, x: Tensor, maps: List[Tensor], block: int, heads: int, patch_size: int, w0: Tensor, b0: Tensor, w1: Tensor, b1: Tensor) -> Tensor:
-    qkv = torch.linear(x, w0, b0)
-    length = x.size(0)
-    curve = 0
-    if len(maps) > 0:
-        curve = block % (len(maps) // 2)
-        qkv = qkv[maps[2 * curve]]
-        length = patch_size
-    qkv = torch.permute(qkv.view([-1, length, 3, heads, x.size(1) // heads]), [2, 0, 3, 1, 4])
-    y = torch.scaled_dot_product_attention(qkv[0], qkv[1], qkv[2])
-    y = torch.reshape(torch.transpose(y, 1, 2), [-1, x.size(1)])
-    if len(maps) > 0:
-        y = y[maps[2 * curve + 1]]
-    return torch.linear(y, w1, b1)
-
-def cluster_max(self, x: Tensor, cluster: Tensor, clusters: int) -> Tensor:
-    target = cluster.unsqueeze(1).expand([x.size(0), x.size(1)])
-    lowest = torch.full([clusters, x.size(1)], float('-inf'), dtype=x.dtype, device=x.device)
-    return torch.scatter_reduce(lowest, 0, target, x, 'amax')
-)SCRIPT";
-
-constexpr const char* kBlock = R"SCRIPT(
-def {p}(self, x: Tensor, pairs: Tensor, tap_begin: Tensor, maps: List[Tensor]) -> Tensor:
-    y = self.submanifold_conv(x, self.{p}_conv_weight, self.{p}_conv_bias, pairs, tap_begin)
-    y = torch.linear(y, self.{p}_conv_linear_weight, self.{p}_conv_linear_bias)
-    x = x + self.norm(y, self.{p}_conv_norm_weight, self.{p}_conv_norm_bias)
-    y = self.norm(x, self.{p}_norm1_weight, self.{p}_norm1_bias)
-    x = x + self.attention(y, maps, {block}, {heads}, {patch}, self.{p}_attention_qkv_weight, self.{p}_attention_qkv_bias, self.{p}_attention_proj_weight, self.{p}_attention_proj_bias)
-    y = self.norm(x, self.{p}_norm2_weight, self.{p}_norm2_bias)
-    return x + self.mlp(y, self.{p}_mlp_hidden_weight, self.{p}_mlp_hidden_bias, self.{p}_mlp_output_weight, self.{p}_mlp_output_bias)
-)SCRIPT";
-
-constexpr const char* kPool = R"SCRIPT(
-    pooled = self.cluster_max(torch.linear(x{from}, self.{p}_linear_weight, self.{p}_linear_bias), cluster{s}, cells{s}.size(0))
-    x{s} = torch.gelu(self.norm(pooled, self.{p}_norm_weight, self.{p}_norm_bias))
-)SCRIPT";
-
-constexpr const char* kUnpool = R"SCRIPT(
-    up = torch.gelu(self.norm(torch.linear(y, self.{p}_coarse_weight, self.{p}_coarse_bias), self.{p}_coarse_norm_weight, self.{p}_coarse_norm_bias))
-    across = torch.gelu(self.norm(torch.linear(x{s}, self.{p}_skip_weight, self.{p}_skip_bias), self.{p}_skip_norm_weight, self.{p}_skip_norm_bias))
-    y = up[cluster{below}] + across
 )SCRIPT";
 
 constexpr const char* kQueryLayer = R"SCRIPT(
     q = torch.linear(self.norm(g, self.{p}_norm1_weight, self.{p}_norm1_bias), self.{p}_query_weight, self.{p}_query_bias)
-    g = g + torch.linear((q * s1[{l}] + s2[{l}]) / float(index.size(1)), self.{p}_output_weight, self.{p}_output_bias)
+    g = g + torch.linear({attended}, self.{p}_output_weight, self.{p}_output_bias)
     g = g + self.mlp(self.norm(g, self.{p}_norm2_weight, self.{p}_norm2_bias), self.{p}_ffn_hidden_weight, self.{p}_ffn_hidden_bias, self.{p}_ffn_output_weight, self.{p}_ffn_output_bias)
 )SCRIPT";
-
-std::string blocks_of(const nn::ModelConfig& config, const std::string& stage, int64_t depth,
-                      int64_t width) {
-  std::string methods;
-  for (int64_t i = 0; i < depth; ++i) {
-    methods +=
-        fill(kBlock, {{"p", "encoder_" + stage + "_" + std::to_string(i)},
-                      {"block", std::to_string(i)},
-                      {"heads", std::to_string(std::max<int64_t>(1, width / config.head_width))},
-                      {"patch", std::to_string(config.patch_size)}});
-  }
-  return methods;
-}
-
-std::string block_calls(const std::string& stage, const std::string& variable, size_t plan,
-                        int64_t depth) {
-  std::string lines;
-  const std::string s = std::to_string(plan);
-  for (int64_t i = 0; i < depth; ++i) {
-    lines += "    " + variable + " = self.encoder_" + stage + "_" + std::to_string(i) + "(" +
-             variable + ", pairs" + s + ", taps" + s + ", maps" + s + ")\n";
-  }
-  return lines;
-}
-
-/// Cells, clusters, pairs and patch maps of every stage.
-std::string plan_lines(const nn::ModelConfig& config) {
-  std::string lines;
-  for (size_t s = 0; s < config.encoder_depths.size(); ++s) {
-    const int64_t bits = ops::kCurveBits - static_cast<int64_t>(s);
-    const bool also_up = s < config.decoder_depths.size();
-    const int64_t depth = also_up ? std::max(config.encoder_depths[s], config.decoder_depths[s])
-                                  : config.encoder_depths[s];
-    const std::string above = s > 0 ? std::to_string(s - 1) : "";
-    if (s > 0) {
-      lines +=
-          fill("    cells{s}, cluster{s} = self.pool_cells(cells{above}, {bits})\n",
-               {{"s", std::to_string(s)}, {"above", above}, {"bits", std::to_string(bits + 1)}});
-    }
-    lines += fill(
-        "    pairs{s}, taps{s} = self.convolution_pairs(cells{s}, 3)\n"
-        "    maps{s} = self.patches(cells{s}, {bits}, {curves}, {patch})\n",
-        {{"s", std::to_string(s)},
-         {"bits", std::to_string(bits)},
-         {"curves", std::to_string(std::min<int64_t>(4, depth))},
-         {"patch", std::to_string(config.patch_size)}});
-  }
-  return lines;
-}
-
-std::string encoder(const nn::ModelConfig& config) {
-  const size_t stages = config.encoder_depths.size();
-  std::string methods,
-      body = "\ndef transformer(self, x: Tensor, cells0: Tensor) -> Tensor:\n" + plan_lines(config);
-  if (config.stem == "linear") {
-    body += "    stem = torch.linear(x, self.encoder_stem_weight, self.encoder_stem_bias)\n";
-  } else {
-    body += fill(
-        "    stem_pairs, stem_taps = self.convolution_pairs(cells0, {k})\n"
-        "    stem = self.submanifold_conv(x, self.encoder_stem_weight, None, stem_pairs, "
-        "stem_taps)\n",
-        {{"k", config.stem == "conv5" ? "5" : "3"}});
-  }
-  body +=
-      "    x0 = torch.gelu(self.norm(stem, self.encoder_stem_norm_weight, "
-      "self.encoder_stem_norm_bias))\n";
-  for (size_t s = 0; s < stages; ++s) {
-    const std::string stage = numbered("down", s);
-    if (s > 0) {
-      body += fill(kPool, {{"p", numbered("encoder_pool", s)},
-                           {"s", std::to_string(s)},
-                           {"from", std::to_string(s - 1)}});
-    }
-    body += block_calls(stage, numbered("x", s), s, config.encoder_depths[s]);
-    methods += blocks_of(config, stage, config.encoder_depths[s],
-                         config.encoder_widths[s] * config.channels);
-  }
-  body += "    y = " + numbered("x", stages - 1) + "\n";
-  for (size_t s = stages - 1; s-- > 0;) {
-    const std::string stage = numbered("up", s);
-    body += fill(kUnpool, {{"p", numbered("encoder_unpool", s)},
-                           {"s", std::to_string(s)},
-                           {"below", std::to_string(s + 1)}});
-    body += block_calls(stage, "y", s, config.decoder_depths[s]);
-    methods += blocks_of(config, stage, config.decoder_depths[s],
-                         config.decoder_widths[s] * config.channels);
-  }
-  return methods + body +
-         "    return self.norm(y, self.encoder_norm_weight, self.encoder_norm_bias)\n";
-}
 
 constexpr const char* kEncode = R"SCRIPT(
 def compressed(self, light: Tensor, radiance: Tensor) -> Tensor:
@@ -257,7 +77,7 @@ def encode(self, points: Tensor) -> Dict[str, Tensor]:
 {tables}    embedding: Dict[str, Tensor] = {}
     embedding['position'] = anchors
     embedding['features'] = features
-    embedding['table'] = self.neighbour_table(torch.stack(keys), torch.stack(values))
+    embedding['table'] = {table}
     embedding['origin'] = origin
     embedding['spacing'] = torch.tensor(spacing, dtype=7)
     embedding['radiance'] = radiance
@@ -308,6 +128,18 @@ def cached(self, embedding: Dict[str, Tensor], position: Tensor, normal: Tensor)
     return mean[:, 0:3] + 0.02 * torch.mean(embedding['cache_light'][:, 0:3], [0]), features
 )SCRIPT";
 
+/// nn::QueryDecoder's two attentions.
+constexpr const char* kSums =
+    R"SCRIPT(    s1, s2 = self.neighbour_sums(embedding['table'], hidden, self.decoder_gamma_output_weight, self.decoder_gamma_output_bias, index))SCRIPT";
+constexpr const char* kPlaces =
+    R"SCRIPT(    place = torch.linear(hidden, self.decoder_gamma_output_weight, self.decoder_gamma_output_bias))SCRIPT";
+
+constexpr const char* kSoftmax = R"SCRIPT(
+def softmax_attention(self, q: Tensor, keys: Tensor, values: Tensor, place: Tensor, index: Tensor, w0: Tensor, b0: Tensor, w1: Tensor, b1: Tensor) -> Tensor:
+    weight = torch.softmax(self.mlp(q.unsqueeze(1) - keys[index] + place, w0, b0, w1, b1), 1)
+    return torch.sum(weight * (values[index] + place), [1])
+)SCRIPT";
+
 constexpr const char* kDecode = R"SCRIPT(
 def decode_block(self, embedding: Dict[str, Tensor], queries: Tensor) -> Tensor:
     anchors = embedding['position']
@@ -315,7 +147,7 @@ def decode_block(self, embedding: Dict[str, Tensor], queries: Tensor) -> Tensor:
     index = self.nearest(position, anchors, {k})
     offset = torch.clamp((position.unsqueeze(1) - anchors[index]) * (1.0 / float(embedding['spacing'])), -64.0, 64.0)
     hidden = torch.gelu(torch.linear(offset, self.decoder_gamma_hidden_weight, self.decoder_gamma_hidden_bias))
-    s1, s2 = self.neighbour_sums(embedding['table'], hidden, self.decoder_gamma_output_weight, self.decoder_gamma_output_bias, index)
+{gather}
     attributes = self.attributes(position, queries[:, 3:6], queries[:, 6:9])
 {cache}    g = self.mlp(attributes, self.decoder_point_hidden_weight, self.decoder_point_hidden_bias, self.decoder_point_output_weight, self.decoder_point_output_bias)
 {layers}    g = self.norm(g, self.decoder_norm_weight, self.decoder_norm_bias)
@@ -337,6 +169,7 @@ def forward(self, points: Tensor, queries: Tensor) -> Tensor:
 )SCRIPT";
 
 std::string encode_and_decode(const nn::ModelConfig& config) {
+  const bool softmax = config.normalizes_attention();
   std::string tables, layers;
   for (int64_t l = 0; l < config.query_layers; ++l) {
     const std::string layer = "decoder_layer" + std::to_string(l);
@@ -344,7 +177,16 @@ std::string encode_and_decode(const nn::ModelConfig& config) {
         "    keys.append(torch.linear(features, self.{p}_key_weight, self.{p}_key_bias))\n"
         "    values.append(torch.linear(features, self.{p}_value_weight, self.{p}_value_bias))\n",
         {{"p", layer}});
-    layers += fill(kQueryLayer, {{"p", layer}, {"l", std::to_string(l)}});
+    layers +=
+        fill(kQueryLayer,
+             {{"attended",
+               softmax ? "self.softmax_attention(q, embedding['table'][0][{l}], "
+                         "embedding['table'][1][{l}], place, index, self.{p}_weight_hidden_weight, "
+                         "self.{p}_weight_hidden_bias, self.{p}_weight_output_weight, "
+                         "self.{p}_weight_output_bias)"
+                       : "(q * s1[{l}] + s2[{l}]) / float(index.size(1))"},
+              {"p", layer},
+              {"l", std::to_string(l)}});
   }
   // Columns of irradiance behind the area.
   const int64_t lights = (config.reads_direct() ? 1 : 0) + (config.reads_indirect() ? 1 : 0);
@@ -354,15 +196,19 @@ std::string encode_and_decode(const nn::ModelConfig& config) {
         fill("    x = torch.cat([x, self.compressed(points[:, {from}:{to}], radiance)], 1)\n",
              {{"from", std::to_string(13 + 3 * i)}, {"to", std::to_string(16 + 3 * i)}});
   }
-  return fill(kEncode, {{"scale", number(config.scale)},
-                        {"columns", std::to_string(13 + 3 * lights)},
-                        {"light", std::string(lights > 0 ? ", direct irradiance" : "") +
-                                      (lights > 1 ? ", indirect irradiance" : "")},
-                        {"irradiance", irradiance},
-                        {"cache", config.reads_indirect() ? kFillCache : ""},
-                        {"k", std::to_string(config.nne_neighbours)},
-                        {"grid", number(config.grid_per_spacing)},
-                        {"tables", tables}}) +
+  return fill(kEncode,
+              {{"scale", number(config.scale)},
+               {"columns", std::to_string(13 + 3 * lights)},
+               {"light", std::string(lights > 0 ? ", direct irradiance" : "") +
+                             (lights > 1 ? ", indirect irradiance" : "")},
+               {"irradiance", irradiance},
+               {"cache", config.reads_indirect() ? kFillCache : ""},
+               {"k", std::to_string(config.nne_neighbours)},
+               {"grid", number(config.grid_per_spacing)},
+               {"table", softmax ? "torch.stack([torch.stack(keys), torch.stack(values)])"
+                                 : "self.neighbour_table(torch.stack(keys), torch.stack(values))"},
+               {"tables", tables}}) +
+         (softmax ? kSoftmax : "") +
          (config.reads_indirect()
               ? fill(kReadCache, {{"features", std::to_string(nn::kLightFeatures)}})
               : "") +
@@ -370,6 +216,7 @@ std::string encode_and_decode(const nn::ModelConfig& config) {
                         {"cache", config.reads_indirect() ? kUseCache : ""},
                         {"answer", config.reads_indirect() ? "answer * light" : "answer"},
                         {"k", std::to_string(config.query_neighbours)},
+                        {"gather", softmax ? kPlaces : kSums},
                         {"layers", layers.substr(1)}});
 }
 
@@ -382,7 +229,7 @@ std::string torchscript_attribute(const std::string& parameter) {
 }
 
 std::string torchscript_network(const nn::ModelConfig& config) {
-  return kCommon + encoder(config) + encode_and_decode(config);
+  return kCommon + torchscript_transformer(config) + encode_and_decode(config);
 }
 
 }  // namespace lte::infer

@@ -15,7 +15,7 @@ namespace {
 
 // Streams of random numbers that must not meet.
 constexpr uint64_t kOrderStream = 1, kExampleStream = 2, kValidationStream = 3, kMeanStream = 4,
-                   kReplacementStream = 5;
+                   kReplacementStream = 5, kPointStream = 6;
 
 }  // namespace
 
@@ -51,6 +51,14 @@ std::shared_ptr<const TrainingScene> BatchLoader::scene_at(uint64_t position) {
   return scene;
 }
 
+std::vector<int64_t> BatchLoader::scene_rows(const TrainingScene& scene, Rng* rng) const {
+  if (config_.augment.subsample) return draw_scene_rows(scene, config_.data.scene_points, rng);
+  uint64_t stream = kPointStream;
+  for (const char letter : scene.name) stream = hash_combine(stream, static_cast<uint8_t>(letter));
+  Rng always(config_.seed, stream);
+  return draw_scene_rows(scene, config_.data.scene_points, &always);
+}
+
 std::vector<Example> BatchLoader::make(int64_t step) {
   std::vector<Example> examples;
   const int64_t count = config_.train.scenes_per_step;
@@ -61,7 +69,7 @@ std::vector<Example> BatchLoader::make(int64_t step) {
     const Symmetry symmetry =
         draw_symmetry(config_.augment, scene->light_groups, scene->bounds, scale_, &rng);
     examples.push_back(
-        make_example(*scene, symmetry, config_.data.scene_points, query_options(config_), &rng));
+        make_example(*scene, symmetry, scene_rows(*scene, &rng), query_options(config_), &rng));
   }
   return examples;
 }

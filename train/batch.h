@@ -50,6 +50,7 @@ class BatchLoader {
 
  private:
   std::shared_ptr<const TrainingScene> scene_at(uint64_t position);
+  std::vector<int64_t> scene_rows(const TrainingScene& scene, Rng* rng) const;
   std::vector<Example> make(int64_t step);
 
   TrainConfig config_;

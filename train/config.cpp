@@ -57,6 +57,7 @@ AugmentConfig read_augment(const Config& config) {
   config.read("permute_colours", &augment.permute_colours);
   config.read("gain", &augment.gain);
   config.read("tint", &augment.tint);
+  config.read("subsample", &augment.subsample);
   constexpr double kMost = 1e3;  // keeps products of both within float32 for any sane radiance
   LTE_CHECK(augment.gain >= 1 && augment.gain <= kMost, "augment.gain: expected 1 (off) to ", kMost,
             ", got ", augment.gain);

@@ -37,6 +37,8 @@ struct AugmentConfig {
   bool permute_colours = true;           ///< permutes R, G and B [false]
   double gain = 4.0;  ///< each luminaire's brightness times g, log-uniform in [1/gain, gain] [1]
   double tint = 2.0;  ///< the same for each channel of each luminaire by itself [1]
+  bool subsample =
+      true;  ///< scene points afresh each time, else a scene's are always those [false]
 };
 
 struct OptimConfig {

@@ -68,7 +68,8 @@ double decoder_floats(const nn::ModelConfig& model, double m, double Q) {
                K = real(model.query_neighbours);
   const double tables = 4 * L * m * D;  // keys and values, and stacked
   const double pairs = Q * K * 3 + pair_floats(Q * K * real(model.gamma_hidden), 2) +
-                       pair_floats(Q * K * D, 2);  // γ, its output and that one's gradient
+                       pair_floats(Q * K * D, 2) +  // γ, its output and that one's gradient
+                       (model.normalizes_attention() ? pair_floats(Q * K * D, 8) : 0);
   const double layers = L * Q * D * (14 + 3 * real(model.ffn_ratio));
   return tables + pairs + layers;
 }
@@ -93,7 +94,7 @@ Json shapes_json(const TrainConfig& config) {
           {"first_neighbours", {M / 2, model.nne_neighbours}},
           {"second_neighbours", {m, model.nne_neighbours}},
           {"embedding", {m, latent}},
-          {"queries", {Q, 9}},
+          {"queries", {Q, model.query_inputs()}},
           {"query_neighbours", {Q, model.query_neighbours}},
           {"keys", {model.query_layers, m, D}},
           {"values", {model.query_layers, m, D}},

@@ -189,13 +189,14 @@ QueryOptions query_options(const TrainConfig& config) {
           config.loss.epsilon};
 }
 
-Example make_example(const TrainingScene& scene, const Symmetry& symmetry, int64_t scene_points,
-                     const QueryOptions& queries, Rng* rng) {
+Example make_example(const TrainingScene& scene, const Symmetry& symmetry,
+                     const std::vector<int64_t>& scene_rows, const QueryOptions& queries,
+                     Rng* rng) {
   LTE_CHECK(static_cast<int64_t>(symmetry.gains.size()) == scene.light_groups, scene.name, ": ",
             scene.light_groups, " light groups, but ", symmetry.gains.size(), " gains");
   Example example;
   example.scene = scene.name;
-  example.points = gather_points(scene, symmetry, draw_scene_rows(scene, scene_points, rng));
+  example.points = gather_points(scene, symmetry, scene_rows);
   DrawnQueries drawn = draw_queries(scene, queries, rng);
   const std::vector<int64_t>& rows = drawn.rows;
   example.queries.position =

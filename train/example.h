@@ -50,14 +50,15 @@ struct QueryOptions {
 /// As `config` has it, for training.
 QueryOptions query_options(const TrainConfig& config);
 
-/// @param scene_points  how many to draw; 0: all
-Example make_example(const TrainingScene& scene, const Symmetry& symmetry, int64_t scene_points,
-                     const QueryOptions& queries, Rng* rng);
+/// @param scene_rows  its scene points, ascending
+Example make_example(const TrainingScene& scene, const Symmetry& symmetry,
+                     const std::vector<int64_t>& scene_rows, const QueryOptions& queries, Rng* rng);
 
-/// The same with queries that are all alike.
+/// The same with queries that are all alike, of `scene_points` points; 0: all.
 inline Example make_example(const TrainingScene& scene, const Symmetry& symmetry,
                             int64_t scene_points, int64_t queries, Rng* rng) {
-  return make_example(scene, symmetry, scene_points, QueryOptions{queries}, rng);
+  const std::vector<int64_t> rows = draw_scene_rows(scene, scene_points, rng);
+  return make_example(scene, symmetry, rows, QueryOptions{queries}, rng);
 }
 
 }  // namespace lte::train

@@ -59,6 +59,8 @@ void check(const ModelConfig& c) {
   }
   LTE_CHECK(c.stem == "conv5" || c.stem == "conv3" || c.stem == "linear",
             "model.stem must be conv5, conv3 or linear, got ", c.stem);
+  LTE_CHECK(c.query_attention == "sum" || c.query_attention == "softmax",
+            "model.query_attention must be sum or softmax, got ", c.query_attention);
   LTE_CHECK(c.light_input == "emission" || c.light_input == "direct" || c.light_input == "traced",
             "model.light_input must be emission, direct or traced, got ", c.light_input);
   LTE_CHECK(c.target == "indirect" || c.target == "total",
@@ -89,6 +91,7 @@ ModelConfig ModelConfig::read(const Config& config) {
   config.read("query_neighbours", &c.query_neighbours);
   config.read("query_layers", &c.query_layers);
   config.read("gamma_hidden", &c.gamma_hidden);
+  config.read("query_attention", &c.query_attention);
   config.read("ffn_ratio", &c.ffn_ratio);
   config.read("light_input", &c.light_input);
   config.read("target", &c.target);
@@ -108,9 +111,9 @@ std::string ModelConfig::to_yaml() const {
       << "\npatch_size: " << patch_size << "\nstem: " << stem
       << "\ngrid_per_spacing: " << text(grid_per_spacing) << "\ndropout: " << text(dropout)
       << "\nquery_neighbours: " << query_neighbours << "\nquery_layers: " << query_layers
-      << "\ngamma_hidden: " << gamma_hidden << "\nffn_ratio: " << ffn_ratio
-      << "\nlight_input: " << light_input << "\ntarget: " << target << "\nscale: " << text(scale)
-      << "\noutput_mean: " << text(output_mean) << '\n';
+      << "\ngamma_hidden: " << gamma_hidden << "\nquery_attention: " << query_attention
+      << "\nffn_ratio: " << ffn_ratio << "\nlight_input: " << light_input << "\ntarget: " << target
+      << "\nscale: " << text(scale) << "\noutput_mean: " << text(output_mean) << '\n';
   return out.str();
 }
 

@@ -28,6 +28,9 @@ struct ModelConfig {
   int64_t query_neighbours = 32;  ///< κ
   int64_t query_layers = 6;
   int64_t gamma_hidden = 64;  ///< h of γ
+  /// sum | softmax: the paper's unnormalized sum over the neighbours, or a mean by weights that an
+  /// MLP of (q − k + P) gives each channel (lte/nn/query_attention.h).
+  std::string query_attention = "sum";
   int64_t ffn_ratio = 4;
   /// emission | direct | traced: what scene points tell of light. The paper's carry emission alone;
   /// `direct` adds the direct irradiance that falls on them, `traced` also an estimate of later
@@ -35,6 +38,7 @@ struct ModelConfig {
   /// factor irradiance differs from that interpolated between the estimates (lte/nn/light_cache.h).
   std::string light_input = "emission";
 
+  bool normalizes_attention() const { return query_attention == "softmax"; }
   bool reads_direct() const { return light_input != "emission"; }
   bool reads_indirect() const { return light_input == "traced"; }
   /// Columns that a scene point, and a query, go into the network with.

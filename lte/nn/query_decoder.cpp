@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "lte/nn/query_attention.h"
 #include "lte/nn/recompute.h"
 #include "lte/nn/transformer_block.h"
 #include "lte/ops/knn.h"
@@ -32,6 +33,7 @@ QueryLayerImpl::QueryLayerImpl(int64_t latent, const ModelConfig& config)
   for (Linear* linear : {&query_, &key_, &value_}) initialize(*linear, 1);
   initialize(output_, branch);
   ffn_ = register_module("ffn", Mlp(D, config.ffn_ratio * D, D, config.dropout, branch));
+  if (config.normalizes_attention()) weight_ = register_module("weight", Mlp(D, D, D));
 }
 
 std::tuple<at::Tensor, at::Tensor> QueryLayerImpl::keys_and_values(const at::Tensor& latent) {
@@ -40,8 +42,10 @@ std::tuple<at::Tensor, at::Tensor> QueryLayerImpl::keys_and_values(const at::Ten
 
 at::Tensor QueryLayerImpl::forward(const at::Tensor& G, const at::Tensor& S1, const at::Tensor& S2,
                                    int64_t neighbours) {
-  const at::Tensor query = query_->forward(norm1_->forward(G));
-  const at::Tensor attended = at::addcmul(S2, query, S1).mul_(1 / static_cast<double>(neighbours));
+  return advance(G, at::addcmul(S2, query(G), S1).mul_(1 / static_cast<double>(neighbours)));
+}
+
+at::Tensor QueryLayerImpl::advance(const at::Tensor& G, const at::Tensor& attended) {
   const at::Tensor branch = at::dropout(output_->forward(attended), dropout_, is_training());
   const at::Tensor sum = G + branch;
   return sum + ffn_->forward(norm2_->forward(sum));
@@ -55,7 +59,7 @@ void QueryLayerImpl::append_weights(std::vector<at::Tensor>& weights) const {
 }
 
 QueryDecoderImpl::QueryDecoderImpl(int64_t latent, const ModelConfig& config)
-    : neighbours_(config.query_neighbours) {
+    : neighbours_(config.query_neighbours), normalizes_(config.normalizes_attention()) {
   const int64_t D = config.channels;
   point_ = register_module("point", Mlp(config.query_inputs(), D, D));
   gamma_ = register_module("gamma", Mlp(3, config.gamma_hidden, D));
@@ -80,6 +84,10 @@ std::tuple<at::Tensor, at::Tensor> QueryDecoderImpl::keys_and_values(const at::T
 }
 
 at::Tensor QueryDecoderImpl::table(const at::Tensor& latent) {
+  if (normalizes_) {
+    const auto [keys, values] = keys_and_values(latent);
+    return at::stack({keys, values});
+  }
   const int64_t m = latent.size(0);
   const int64_t chunks = latent.device().is_cpu() ? std::max<int64_t>(1, m / kTableChunk) : 1;
   at::Tensor out;
@@ -117,6 +125,7 @@ QueryDecoderImpl::Neighbourhood QueryDecoderImpl::neighbourhood(const at::Tensor
 
 at::Tensor QueryDecoderImpl::forward(const at::Tensor& attributes, const Neighbourhood& near,
                                      const at::Tensor& keys, const at::Tensor& values) {
+  if (normalizes_) return run_softmax_layers(attributes, near, keys, values);
   const auto [S1, S2] = neighbour_sums(near, keys, values);
   return run_layers(attributes, S1, S2, near.index.size(1));
 }
@@ -159,6 +168,10 @@ std::vector<at::Tensor> QueryDecoderImpl::weights() const {
 at::Tensor QueryDecoderImpl::infer(const at::Tensor& attributes, const at::Tensor& query,
                                    const at::Tensor& anchor, double spacing,
                                    const at::Tensor& table) {
+  if (normalizes_) {
+    const Neighbourhood near = neighbourhood(query, anchor, spacing);
+    return run_softmax_layers(attributes, near, table[0], table[1]);
+  }
   if (!is_training()) {  // dropout needs the layers one by one
     const ops::QueryNeighbourhood near{query, anchor, nearest(query, anchor), 1 / spacing,
                                        kOffsetLimit};
@@ -179,6 +192,43 @@ at::Tensor QueryDecoderImpl::run_layers(const at::Tensor& attributes, const at::
   for (size_t l = 0; l < layers_.size(); ++l) {
     G = layers_[l]->forward(G, first[l], second[l], neighbours);
   }
+  return answer(G);
+}
+
+at::Tensor QueryDecoderImpl::run_softmax_layers(const at::Tensor& attributes,
+                                                const Neighbourhood& near, const at::Tensor& keys,
+                                                const at::Tensor& values) {
+  at::Tensor G = point_->forward(attributes);
+  const std::vector<at::Tensor> key = keys.unbind(0), value = values.unbind(0);
+  for (size_t l = 0; l < layers_.size(); ++l) {
+    QueryLayer& layer = layers_[l];
+    G = layer->advance(G, attend(layer->omega(), layer->query(G), key[l], value[l], near));
+  }
+  return answer(G);
+}
+
+at::Tensor QueryDecoderImpl::attend(Mlp& omega, const at::Tensor& query, const at::Tensor& key,
+                                    const at::Tensor& value, const Neighbourhood& near) {
+  const int64_t Q = near.index.size(0), K = near.index.size(1);
+  const int64_t rows = rows_of_a_block(K * std::max(gamma_->hidden()->weight.size(0), key.size(1)));
+  std::vector<at::Tensor> parameters = gamma_->parameters();
+  for (const at::Tensor& parameter : omega->parameters()) parameters.push_back(parameter);
+  std::vector<at::Tensor> attended;
+  for (int64_t begin = 0; begin == 0 || begin < Q; begin += rows) {
+    const int64_t count = std::min(rows, Q - begin);
+    const at::Tensor offset = near.offset.narrow(0, begin, count),
+                     index = near.index.narrow(0, begin, count);
+    const auto of_block = [this, &omega, offset, index](const std::vector<at::Tensor>& in) {
+      return std::vector<at::Tensor>{
+          softmax_attention(omega, in[0], in[1], in[2], gamma_->forward(offset), index)};
+    };
+    attended.push_back(
+        recompute(of_block, {query.narrow(0, begin, count), key, value}, parameters)[0]);
+  }
+  return attended.size() == 1 ? attended[0] : at::cat(attended);
+}
+
+at::Tensor QueryDecoderImpl::answer(const at::Tensor& G) {
   return at::softplus(head_->forward(norm_->forward(G)));
 }
 

@@ -3,7 +3,8 @@
 //
 // A layer's vector cross-attention is Σ_κ (W_q G − k_κ + P_κ) ⊙ (v_κ + P_κ) = W_q G ⊙ S1 + S2 with
 // sums S1 and S2 that no query feature enters (docs/model.md, identity 1), so one pass over the
-// neighbours serves all layers.
+// neighbours serves all layers. With `query_attention: softmax` (lte/nn/query_attention.h) each
+// layer passes over the neighbours itself.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +20,9 @@
 
 namespace lte::nn {
 
-/// One layer: G += W_o (W_q LN(G) ⊙ S1 + S2) / κ; G += FFN(LN(G)).
-/// Parameters: `norm1.*`, `query.*`, `key.*`, `value.*`, `output.*`, `norm2.*`, `ffn.*`.
+/// One layer: G += W_o A with A = (W_q LN(G) ⊙ S1 + S2) / κ or softmax_attention(); G +=
+/// FFN(LN(G)). Parameters: `norm1.*`, `query.*`, `key.*`, `value.*`, `output.*`, `norm2.*`,
+/// `ffn.*`, and with softmax `weight.*` (ω).
 class QueryLayerImpl : public torch::nn::Module {
  public:
   QueryLayerImpl(int64_t latent, const ModelConfig& config);
@@ -34,6 +36,11 @@ class QueryLayerImpl : public torch::nn::Module {
   at::Tensor forward(const at::Tensor& G, const at::Tensor& S1, const at::Tensor& S2,
                      int64_t neighbours);
 
+  /// W_q LN(G), [Q, D], and what follows the attention: forward() in two steps.
+  at::Tensor query(const at::Tensor& G) { return query_->forward(norm1_->forward(G)); }
+  at::Tensor advance(const at::Tensor& G, const at::Tensor& attended);
+  Mlp& omega() { return weight_; }
+
   /// Appends what forward() reads, in the order of ops::query_decoder_inference().
   void append_weights(std::vector<at::Tensor>& weights) const;
 
@@ -41,7 +48,7 @@ class QueryLayerImpl : public torch::nn::Module {
   double dropout_;
   torch::nn::LayerNorm norm1_{nullptr}, norm2_{nullptr};
   Linear query_{nullptr}, key_{nullptr}, value_{nullptr}, output_{nullptr};
-  Mlp ffn_{nullptr};
+  Mlp ffn_{nullptr}, weight_{nullptr};
 };
 TORCH_MODULE(QueryLayer);
 
@@ -55,8 +62,9 @@ class QueryDecoderImpl : public torch::nn::Module {
   /// Keys and values of all layers, each [L, m, D].
   std::tuple<at::Tensor, at::Tensor> keys_and_values(const at::Tensor& latent);
 
-  /// ops::neighbour_table() of them, without gradients: some latents at a time, so that it exists
-  /// once.
+  /// What infer() reads of the latents, without gradients: ops::neighbour_table() of keys and
+  /// values, some latents at a time, so that it exists once; with softmax both as they are, [2, L,
+  /// m, D].
   at::Tensor table(const at::Tensor& latent);
 
   /// The queries' own 9 inputs and their nearest latents, apart from the differentiable part.
@@ -73,8 +81,8 @@ class QueryDecoderImpl : public torch::nn::Module {
   at::Tensor forward(const at::Tensor& attributes, const Neighbourhood& near,
                      const at::Tensor& keys, const at::Tensor& values);
 
-  /// forward() from ops::neighbour_table; float32, no gradients. Outside training everything is
-  /// one operator.
+  /// forward() from table(); float32, no gradients. Outside training everything is one operator,
+  /// unless attention is normalized.
   /// @param query  [Q, 3], @param anchor [m, 3] and @param spacing as for neighbourhood()
   at::Tensor infer(const at::Tensor& attributes, const at::Tensor& query, const at::Tensor& anchor,
                    double spacing, const at::Tensor& table);
@@ -90,8 +98,15 @@ class QueryDecoderImpl : public torch::nn::Module {
   std::vector<at::Tensor> weights() const;
   at::Tensor run_layers(const at::Tensor& attributes, const at::Tensor& S1, const at::Tensor& S2,
                         int64_t neighbours);
+  at::Tensor run_softmax_layers(const at::Tensor& attributes, const Neighbourhood& near,
+                                const at::Tensor& keys, const at::Tensor& values);
+  /// softmax_attention() in blocks of queries that training recomputes.
+  at::Tensor attend(Mlp& omega, const at::Tensor& query, const at::Tensor& key,
+                    const at::Tensor& value, const Neighbourhood& near);
+  at::Tensor answer(const at::Tensor& G);
 
   int64_t neighbours_;
+  bool normalizes_;
   Mlp point_{nullptr}, gamma_{nullptr}, head_{nullptr};
   torch::nn::LayerNorm norm_{nullptr};
   std::vector<QueryLayer> layers_;

@@ -64,6 +64,20 @@ TEST_P(Export, AgreesWithTheNativeModelAtThreeSizes) {
 
 INSTANTIATE_TEST_SUITE_P(Stems, Export, testing::Values("conv5", "conv3", "linear"));
 
+TEST(ExportOfAttention, SoftmaxOverTheNeighboursAgreesWithTheNativeModel) {
+  const test::TempDir folder;
+  nn::ModelConfig config = small_config("linear");
+  config.query_attention = "softmax";
+  const std::filesystem::path checkpoint = save_untrained(folder.path(), config);
+  for (const bool portable : {false, true}) {
+    for (const ExportCheck& check :
+         export_torchscript({checkpoint.string(), folder.path() / "model.pt", portable, true})) {
+      EXPECT_LT(check.relative_error, 1e-5)
+          << (portable ? "portable" : "native") << ", M = " << check.scene_points;
+    }
+  }
+}
+
 TEST(ExportOfLight, ColumnsFollowTheModel) {
   const test::TempDir folder;
   for (const std::string input : {"direct", "traced"}) {

@@ -42,6 +42,7 @@ TEST(ModelConfig, ErrorsNameTheKey) {
            {"query_neighbours: 0", "query_neighbours"},
            {"query_layers: 0", "query_layers"},
            {"gamma_hidden: 0", "gamma_hidden"},
+           {"query_attention: mean", "query_attention"},
            {"ffn_ratio: 0", "ffn_ratio"},
            {"encoder_depths: []", "encoder_depths"},
            {"encoder_depths: [1, -1, 1, 1, 1]", "encoder_depths"},

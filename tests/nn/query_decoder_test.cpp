@@ -1,8 +1,8 @@
 #include "lte/nn/query_decoder.h"
 
-#include <gtest/gtest.h>
+#include <string>
 
-#include "lte/ops/neighbour_sums.h"
+#include <gtest/gtest.h>
 
 #include "reference_decoder.h"
 #include "support.h"
@@ -16,8 +16,9 @@ struct Case {
   at::Tensor position, attributes, anchor, latent;
   double spacing = 0.1;
 
-  Case(int64_t Q, int64_t m, at::ScalarType dtype) {
+  Case(int64_t Q, int64_t m, at::ScalarType dtype, const std::string& attention) {
     config.query_layers = 3;
+    config.query_attention = attention;
     decoder = QueryDecoder(config.channels, config);
     test::randomize(*decoder, 11);
     decoder->to(dtype);
@@ -28,7 +29,7 @@ struct Case {
     latent = torch::randn({m, config.channels}).to(dtype).requires_grad_();
   }
 
-  at::Tensor factored() {
+  at::Tensor trained() {
     const auto near = decoder->neighbourhood(position, anchor, spacing);
     const auto [keys, values] = decoder->keys_and_values(latent);
     return decoder->forward(attributes, near, keys, values);
@@ -42,12 +43,14 @@ struct Case {
   }
 };
 
-TEST(QueryDecoder, FactoredFormIsThePairwiseEquationsGradientsIncluded) {
+class QueryDecoderOf : public testing::TestWithParam<std::string> {};
+
+TEST_P(QueryDecoderOf, IsThePairwiseEquationsGradientsIncluded) {
   for (const auto& [dtype, tolerance] :
        {std::pair(at::kFloat, 1e-5), std::pair(at::kDouble, 1e-11)}) {
     for (const int64_t m : {1, 3, 40}) {  // fewer latents than neighbours, and more
-      Case c(50, m, dtype);
-      const at::Tensor got = c.factored(), expected = c.reference();
+      Case c(50, m, dtype, GetParam());
+      const at::Tensor got = c.trained(), expected = c.reference();
       EXPECT_LT(test::relative_difference(got, expected), tolerance) << "m = " << m;
       std::vector<at::Tensor> inputs = c.decoder->parameters();
       inputs.push_back(c.latent);
@@ -62,25 +65,25 @@ TEST(QueryDecoder, FactoredFormIsThePairwiseEquationsGradientsIncluded) {
   }
 }
 
-TEST(QueryDecoder, InferenceAgreesWithTraining) {
-  const Case built(300, 60, at::kFloat);
-  Case c = built;
+TEST_P(QueryDecoderOf, InferenceAgreesWithTraining) {
+  Case c(300, 60, at::kFloat, GetParam());
   const at::Tensor expected = c.reference();
   const at::NoGradGuard no_grad;
-  const auto [keys, values] = c.decoder->keys_and_values(c.latent);
-  const at::Tensor got = c.decoder->infer(c.attributes, c.position, c.anchor, c.spacing,
-                                          ops::neighbour_table(keys, values));
+  const at::Tensor got =
+      c.decoder->infer(c.attributes, c.position, c.anchor, c.spacing, c.decoder->table(c.latent));
   EXPECT_LT(test::relative_difference(got, expected), 1e-5);
 }
 
-TEST(QueryDecoder, GradientsMatchFiniteDifferences) {
-  Case c(7, 12, at::kDouble);
+TEST_P(QueryDecoderOf, GradientsMatchFiniteDifferences) {
+  Case c(7, 12, at::kDouble, GetParam());
   std::vector<at::Tensor> inputs = c.decoder->parameters();
   inputs.push_back(c.latent);
   c.attributes.requires_grad_();
   inputs.push_back(c.attributes);
-  test::expect_gradients_match([&] { return c.factored().square().sum(); }, inputs);
+  test::expect_gradients_match([&] { return c.trained().square().sum(); }, inputs);
 }
+
+INSTANTIATE_TEST_SUITE_P(Attentions, QueryDecoderOf, testing::Values("sum", "softmax"));
 
 TEST(QueryDecoder, StartsAtTheTrainingMeanWithPositionsAsStrongAsKeys) {
   torch::manual_seed(3);

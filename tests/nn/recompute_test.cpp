@@ -52,11 +52,15 @@ TEST(Recompute, LeavesOutWhatNeedsNoGradient) {
   EXPECT_FALSE(recompute(function, {x, y}, {})[0].requires_grad());
 }
 
-TEST(Recompute, ManyQueriesHaveTheGradientsOfFewAtATime) {
+class RecomputedQueries : public testing::TestWithParam<std::tuple<std::string, Precision>> {};
+
+TEST_P(RecomputedQueries, ManyHaveTheGradientsOfFewAtATime) {
   ModelConfig config = test::tiny_config();
   config.query_neighbours = 32;
+  config.query_attention = std::get<0>(GetParam());
   QueryDecoder decoder(config.channels, config);
   test::randomize(*decoder, 12);
+  set_autocast(*decoder, std::get<1>(GetParam()));
   const int64_t rows = rows_of_a_block(32 * std::max(config.gamma_hidden, config.channels));
   const int64_t Q = 2 * rows + 7;
   const at::Tensor position = torch::rand({Q, 3}), anchor = torch::rand({50, 3}),
@@ -79,6 +83,10 @@ TEST(Recompute, ManyQueriesHaveTheGradientsOfFewAtATime) {
     EXPECT_LT(test::relative_difference(whole[i], parts[i]), 1e-5) << i;
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Decoders, RecomputedQueries,
+                         testing::Combine(testing::Values("sum", "softmax"),
+                                          testing::Values(Precision::Fp32, Precision::Bf16)));
 
 TEST(Recompute, ManyPointsHaveTheGradientsOfFewAtATime) {
   const int64_t D = 64, k = 32, rows = rows_of_a_block(k * D), m = rows + 5;

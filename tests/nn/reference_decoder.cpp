@@ -44,7 +44,12 @@ at::Tensor reference_decoder(const Parameters& p, const nn::ModelConfig& config,
     const at::Tensor q = linear(p, layer + "query", normalize(p, layer + "norm1", G));
     const at::Tensor key = linear(p, layer + "key", KV), value = linear(p, layer + "value", KV);
     const at::Tensor A = q.unsqueeze(1) - key + P;
-    G = G + linear(p, layer + "output", (A * (value + P)).mean(1));
+    at::Tensor weight = A / static_cast<double>(k);
+    if (config.query_attention == "softmax") {
+      weight = torch::exp(perceptron(p, layer + "weight", A));
+      weight = weight / weight.sum(1, true);
+    }
+    G = G + linear(p, layer + "output", (weight * (value + P)).sum(1));
     G = G + perceptron(p, layer + "ffn", normalize(p, layer + "norm2", G));
   }
   return torch::log1p(torch::exp(perceptron(p, "head", normalize(p, "norm", G))));

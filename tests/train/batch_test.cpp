@@ -1,6 +1,8 @@
 #include "train/batch.h"
 
+#include <map>
 #include <set>
+#include <string>
 
 #include "tests/train/support.h"
 #include "train/run_data.h"
@@ -76,6 +78,31 @@ TEST_F(BatchLoaderTest, DrawsAsManyPointsAndQueriesAsAskedAfreshEachEpoch) {
     if (all[later].scene != all[0].scene) continue;
     EXPECT_FALSE(at::equal(all[later].queries.position, all[0].queries.position));
     EXPECT_FALSE(at::equal(all[later].points.position, all[0].points.position));
+  }
+}
+
+TEST_F(BatchLoaderTest, WithoutSubsamplingASceneHasTheSamePointsInEveryEpoch) {
+  const auto taken = [&](const std::string& seed) {
+    const TrainConfig config = test::tiny_config(
+        dir_.path(), dir_ / "run",
+        "seed: " + seed + "\naugment: {rotate: none, mirror: false, gain: 1, subsample: false}\n");
+    RunData data = open_run_data(config);
+    BatchLoader loader(config, data.scale, &data.train);
+    std::map<std::string, std::vector<Example>> out;
+    for (int64_t step = 0; step < 6; ++step) {
+      for (Example& example : loader.take(step)) out[example.scene].push_back(std::move(example));
+    }
+    return out;
+  };
+  const auto first = taken("1"), second = taken("2");
+  EXPECT_EQ(first.size(), 3u);
+  for (const auto& [scene, examples] : first) {
+    ASSERT_EQ(examples.size(), 4u);
+    for (size_t i = 1; i < examples.size(); ++i) {
+      EXPECT_TRUE(at::equal(examples[i].points.position, examples[0].points.position));
+      EXPECT_FALSE(at::equal(examples[i].queries.position, examples[0].queries.position));
+    }
+    EXPECT_FALSE(at::equal(examples[0].points.position, second.at(scene)[0].points.position));
   }
 }
 

@@ -158,7 +158,8 @@ DrawnMeans means_of_draws(const TrainingScene& scene, QuerySampling sampling) {
   DrawnMeans means;
   double square = 0;
   for (int draw = 0; draw < kDraws; ++draw) {
-    const Example example = make_example(scene, identity_symmetry(2), 64, options, &rng);
+    const std::vector<int64_t> rows = draw_scene_rows(scene, 64, &rng);
+    const Example example = make_example(scene, identity_symmetry(2), rows, options, &rng);
     const auto* x = example.queries.position.const_data_ptr<float>();
     const float* weights =
         example.weight.defined() ? example.weight.const_data_ptr<float>() : nullptr;
@@ -202,7 +203,8 @@ TEST(NoiseWeight, CountsNoisyQueriesLessAndKeepsTheMean) {
   options.noise_weight = 2;
   options.epsilon = 0.1;
   Rng rng(18);
-  const Example example = make_example(scene, identity_symmetry(2), 0, options, &rng);
+  const std::vector<int64_t> all = draw_scene_rows(scene, 0, &rng);
+  const Example example = make_example(scene, identity_symmetry(2), all, options, &rng);
   ASSERT_EQ(example.weight.size(0), scene.query_points());
   EXPECT_NEAR(example.weight.mean().item<double>(), 1, 1e-5);
   const double plain = example.weight[1].item<double>();
