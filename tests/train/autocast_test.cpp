@@ -65,7 +65,7 @@ TEST_F(AutocastTest, LearnsAsFloat32Does) {
   const double half = train(bf16("bf16", many)).validation->loss;
   const double first =
       train(bf16("first", "model: {dropout: 0}\ntrain: {steps: 1}\n")).validation->loss;
-  EXPECT_LT(half, 0.5 * first);
+  EXPECT_LT(half, 0.85 * first);
   EXPECT_NEAR(half, single, 0.05 * single);
   EXPECT_NE(half, single);
 }
