@@ -8,7 +8,6 @@
 
 #include <ATen/Parallel.h>
 #include <ATen/ops/empty.h>
-#include <c10/util/BFloat16.h>
 #include <torch/library.h>
 
 #include "lte/ops/arguments.h"
@@ -43,6 +42,7 @@ class HeadAttention {
     if (work.bf16) {
       key_pairs_.resize(static_cast<size_t>(keys * half(work.d)));
       value_pairs_.resize(static_cast<size_t>(half(work.length) * width_));
+      keys_.resize(static_cast<size_t>(work.d * kBlock));  // of one block, on the way into pairs
     } else {
       keys_.resize(static_cast<size_t>(keys * work.d));
       values_.resize(static_cast<size_t>(work.length * width_));
@@ -81,19 +81,24 @@ class HeadAttention {
   /// Keys as [blocks of keys, ⌈d / 2⌉, kBlock] pairs of channels, values as [⌈keys / 2⌉, d] pairs
   /// of keys.
   void pack_in_pairs(int64_t first, int64_t head) {
-    const int64_t d = work_.d;
-    const auto bits = [](float x) { return uint32_t{at::BFloat16(x).x}; };
-    for (int64_t j = 0; j < work_.length; ++j) {
-      const float* key = channels(first + j, 1, head);
-      uint32_t* to = key_pairs_.data() + j / kBlock * half(d) * kBlock + j % kBlock;
-      for (int64_t c = 0; c + 1 < d; c += 2)
-        to[c / 2 * kBlock] = bits(key[c]) | bits(key[c + 1]) << 16;
-      if (d % 2 != 0) to[d / 2 * kBlock] = bits(key[d - 1]);
-      const float* value = channels(first + j, 2, head);
-      uint32_t* pair = value_pairs_.data() + j / 2 * width_;
-      for (int64_t c = 0; c < d; ++c) {
-        pair[c] = j % 2 == 0 ? bits(value[c]) : pair[c] | bits(value[c]) << 16;
+    const int64_t d = work_.d, length = work_.length;
+    for (int64_t j = 0; j < length; j += kBlock) {
+      float* block = keys_.data();
+      for (int64_t i = 0; i < std::min(kBlock, length - j); ++i) {
+        const float* key = channels(first + j + i, 1, head);
+        for (int64_t c = 0; c < d; ++c) block[c * kBlock + i] = key[c];
       }
+      uint32_t* to = key_pairs_.data() + j * half(d);
+      for (int64_t c = 0; c < d; c += 2) {
+        const float* even = block + c * kBlock;
+        bf16_kernels().pair_rows(even, c + 1 < d ? even + kBlock : nullptr, kBlock,
+                                 to + c / 2 * kBlock);
+      }
+    }
+    for (int64_t j = 0; j < length; j += 2) {
+      const float* odd = j + 1 < length ? channels(first + j + 1, 2, head) : nullptr;
+      bf16_kernels().pair_rows(channels(first + j, 2, head), odd, d,
+                               value_pairs_.data() + j / 2 * width_);
     }
   }
 
