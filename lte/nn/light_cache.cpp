@@ -4,6 +4,7 @@
 
 #include <ATen/ATen.h>
 
+#include "lte/ops/irradiance_cache.h"
 #include "lte/ops/knn.h"
 
 namespace lte::nn {
@@ -11,21 +12,18 @@ namespace {
 
 // Found on homes by search: more neighbours blur, fewer let noise through.
 constexpr int64_t kNeighbours = 32;
-constexpr double kNear = 2, kPlane = 64;  ///< of distances from the query, and from its plane
-constexpr double kLeastWeight = 1e-4;     ///< where no neighbour faces the query's way
-constexpr double kLeastDistance = 1e-16;
+constexpr ops::CacheWeights kWeights = {2, 64, 1e-4F, 1e-16F};
 constexpr double kFloor = 0.02;   ///< of the mean irradiance
-constexpr int64_t kBlock = 4096;  ///< queries whose pairs stay in cache
+constexpr int64_t kBlock = 8192;  ///< queries whose pairs are held at a time
 
 /// Means over the neighbours, [Q, ...] of [Q, k, ...].
 at::Tensor weighted(const at::Tensor& weight, const at::Tensor& values) {
   return at::bmm(weight.unsqueeze(1), values).squeeze(1);
 }
 
-LightReading read_block(const LightCache& cache, const at::Tensor& position,
-                        const at::Tensor& normal) {
-  const at::Tensor near =
-      std::get<0>(ops::knn(position.to(at::kFloat).contiguous(), cache.position, kNeighbours));
+/// ops::irradiance_cache_means() of any device and dtype.
+at::Tensor composed_means(const LightCache& cache, const at::Tensor& position,
+                          const at::Tensor& normal, const at::Tensor& near) {
   const int64_t Q = near.size(0), k = near.size(1);
   const at::Tensor rows = near.reshape({-1});
   const auto gather = [&](const at::Tensor& of) {
@@ -36,23 +34,38 @@ LightReading read_block(const LightCache& cache, const at::Tensor& position,
   const at::Tensor facing = at::bmm(gather(cache.normal), up).squeeze(2).clamp_min(0);
   const at::Tensor distance2 = offset.square().sum(2);
   const at::Tensor height = at::bmm(offset, up).squeeze(2);
-  const at::Tensor scale = distance2.mean(1, /*keepdim=*/true).clamp_min(kLeastDistance);
-  const at::Tensor exponent = distance2.mul(-kNear).sub(height.square(), kPlane).div(scale);
-  const at::Tensor weight = facing.square().square().mul(exponent.exp()).add(kLeastWeight);
+  const at::Tensor scale = distance2.mean(1, /*keepdim=*/true).clamp_min(kWeights.least_distance2);
+  const at::Tensor exponent =
+      distance2.mul(-kWeights.near).sub(height.square(), kWeights.plane).div(scale);
+  const at::Tensor weight = facing.square().square().mul(exponent.exp()).add(kWeights.least);
   const at::Tensor total = weight.sum(1, /*keepdim=*/true), share = weight.div(total);
-  const at::Tensor light = gather(cache.light);
-  const at::Tensor mean = weighted(share, light);
+  const at::Tensor light = gather(cache.light), mean = weighted(share, light);
   const at::Tensor grey = light.narrow(2, 0, 3).mean(2, /*keepdim=*/true);  // [Q, k, 1]
-  const at::Tensor grey_mean = weighted(share, grey);                       // [Q, 1]
-  const at::Tensor variance =
-      weighted(share, grey.sub(grey_mean.unsqueeze(1)).square()).sqrt().div(grey_mean.add(1e-3));
-  const at::Tensor contrast = grey.mean(1).log1p().sub(grey_mean.log1p());
-  return {
-      mean.narrow(1, 0, 3).add(cache.floor),
-      at::cat(
-          {mean.log1p(), variance.log1p(), total.log().div(4), facing.mean(1, /*keepdim=*/true),
-           height.div(scale.sqrt()).mean(1, /*keepdim=*/true), contrast, scale.log().add(8).div(4)},
-          1)};
+  const at::Tensor difference = grey.sub(weighted(share, grey).unsqueeze(1));
+  return at::cat(
+      {mean, weighted(share, difference.square()), total, facing.mean(1, /*keepdim=*/true),
+       height.div(scale.sqrt()).mean(1, /*keepdim=*/true), grey.mean(1), scale},
+      1);
+}
+
+at::Tensor means(const LightCache& cache, const at::Tensor& position, const at::Tensor& normal) {
+  const at::Tensor near =
+      std::get<0>(ops::knn(position.to(at::kFloat).contiguous(), cache.position, kNeighbours));
+  if (position.device().is_cpu() && position.scalar_type() == at::kFloat)
+    return ops::irradiance_cache_means(position, normal, cache.position, cache.normal, cache.light,
+                                       near, kWeights);
+  return composed_means(cache, position, normal, near);
+}
+
+LightReading reading(const at::Tensor& means, const at::Tensor& floor) {
+  const auto column = [&](int64_t c) { return means.narrow(1, c, 1); };
+  const at::Tensor light = means.narrow(1, 0, 6), irradiance = means.narrow(1, 0, 3);
+  const at::Tensor grey = irradiance.mean(1, /*keepdim=*/true);
+  const at::Tensor spread = column(6).sqrt().div(grey.add(1e-3));
+  return {irradiance.add(floor),
+          at::cat({light.log1p(), spread.log1p(), column(7).log().div(4), means.narrow(1, 8, 2),
+                   column(10).log1p().sub(grey.log1p()), column(11).log().add(8).div(4)},
+                  1)};
 }
 
 }  // namespace
@@ -62,16 +75,14 @@ LightReading LightCache::read(const at::Tensor& query, const at::Tensor& facing)
   if (position.size(0) == 0) {
     return {at::ones_like(query), at::zeros({Q, kLightFeatures}, query.options())};
   }
-  if (Q <= kBlock) return read_block(*this, query, facing);
-  LightReading out{at::empty_like(query), at::empty({Q, kLightFeatures}, query.options())};
+  if (Q <= kBlock) return reading(means(*this, query, facing), floor);
+  at::Tensor all = at::empty({Q, ops::kCacheMeans}, query.options());
   for (int64_t begin = 0; begin < Q; begin += kBlock) {
     const int64_t count = std::min(kBlock, Q - begin);
-    const LightReading block =
-        read_block(*this, query.narrow(0, begin, count), facing.narrow(0, begin, count));
-    out.irradiance.narrow(0, begin, count).copy_(block.irradiance);
-    out.features.narrow(0, begin, count).copy_(block.features);
+    all.narrow(0, begin, count)
+        .copy_(means(*this, query.narrow(0, begin, count), facing.narrow(0, begin, count)));
   }
-  return out;
+  return reading(all, floor);
 }
 
 LightCache make_light_cache(const at::Tensor& position, const at::Tensor& normal,

@@ -76,6 +76,23 @@ TEST(LightCache, AgreesWithItsFormulaInDoublePrecision) {
   }
 }
 
+TEST(LightCache, SinglePrecisionReadsWhatDoublePrecisionDoes) {
+  torch::manual_seed(6);
+  for (const int64_t S : {1, 20, 700}) {  // fewer points than neighbours, and more
+    at::Tensor n = at::randn({S, 3}), up = at::randn({50, 3});
+    n.div_(n.norm(2, 1, true)), up.div_(up.norm(2, 1, true));
+    const at::Tensor p = at::rand({S, 3}), e = at::rand({S, 6}), dark = at::zeros({S, 3}),
+                     q = at::rand({50, 3});
+    const auto exact = [](const at::Tensor& t) { return t.to(at::kDouble); };
+    const LightReading got = make_light_cache(p, n, dark, e).read(q, up);
+    const LightReading expected =
+        make_light_cache(exact(p), exact(n), exact(dark), exact(e)).read(exact(q), exact(up));
+    EXPECT_LT((got.irradiance - expected.irradiance).abs().max().item<double>(), 1e-5) << S;
+    // The spread is a root: of one point, that of a rounding.
+    EXPECT_LT((got.features - expected.features).abs().max().item<double>(), 1e-3) << S;
+  }
+}
+
 TEST(LightCache, AnswersDoNotDependOnBlocksAndLuminairesDoNotCount) {
   torch::manual_seed(5);
   const at::Tensor p = at::rand({300, 3}), n = at::zeros({300, 3});

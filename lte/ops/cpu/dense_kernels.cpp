@@ -2,6 +2,7 @@
 #include "lte/ops/cpu/kernels.h"
 #include "lte/ops/cpu/product.h"
 #include "lte/ops/cpu/vector.h"
+#include "lte/ops/cpu/vector_math.h"
 
 namespace lte::ops::LTE_ISA {
 namespace {
@@ -74,12 +75,6 @@ void accumulate(const float* x, int64_t count, float* out) {
       [&](int64_t i) { out[i] += x[i]; });
 }
 
-float horizontal_sum(const Float& v) {
-  float sum = 0;
-  for (int lane = 0; lane < kLanes<float>; ++lane) sum += v[lane];
-  return sum;
-}
-
 void layer_norm(const float* x, int64_t rows, int64_t panel_stride, int64_t channels,
                 const float* gain, const float* bias, float* out) {
   const int64_t blocks = (channels + kBlock - 1) / kBlock;
@@ -119,26 +114,6 @@ void layer_norm(const float* x, int64_t rows, int64_t panel_stride, int64_t chan
       }
     }
   }
-}
-
-/// 2^n times a polynomial of the rest, to 2 units in the last place; for x <= 0, and 0 below -87.
-Float exponential(const Float& x) {
-  const Float magic = splat(12582912.0f);  // 1.5 * 2^23: adding it rounds to a whole number
-  const Float whole = x * splat(1.44269504f) + magic, n = whole - magic;
-  Float r = x - n * splat(0.693359375f);
-  r = r + n * splat(2.12194440e-4f);
-  Float p = r * splat(1.9875691500e-4f) + splat(1.3981999507e-3f);
-  p = p * r + splat(8.3334519073e-3f);
-  p = p * r + splat(4.1665795894e-2f);
-  p = p * r + splat(1.6666665459e-1f);
-  p = p * r + splat(5.0000001201e-1f);
-  p = p * r * r + r + splat(1.0f);
-  Bits bits, shift;  // unsigned: what overflows below -87 is thrown away
-  __builtin_memcpy(&bits, &p, sizeof bits);
-  __builtin_memcpy(&shift, &whole, sizeof shift);
-  bits += shift << 23;
-  __builtin_memcpy(&p, &bits, sizeof p);
-  return x > splat(-87.0f) ? p : Float{};
 }
 
 void exponentiate(float* x, int64_t rows, int64_t panel_stride, int64_t count, float* inverse_sum) {

@@ -15,6 +15,7 @@
   extern const CurveKernels kCurveKernels;     \
   extern const DenseKernels kDenseKernels;     \
   extern const Bf16Kernels kBf16Kernels;       \
+  extern const CacheKernels kCacheKernels;     \
   extern const SumKernels<float> kFloatSums;   \
   extern const SumKernels<double> kDoubleSums; \
   }
@@ -37,6 +38,7 @@ struct Isa {
   const CurveKernels* curves;
   const DenseKernels* dense;
   const Bf16Kernels* bf16;
+  const CacheKernels* cache;
   const SumKernels<float>* float_sums;
   const SumKernels<double>* double_sums;
 };
@@ -59,6 +61,7 @@ Isa choose() {
             &avx512::kCurveKernels,
             &avx512::kDenseKernels,
             has_bf16 ? &avx512_bf16::kBf16Kernels : &avx512::kBf16Kernels,
+            &avx512::kCacheKernels,
             &avx512::kFloatSums,
             &avx512::kDoubleSums};
   }
@@ -68,6 +71,7 @@ Isa choose() {
             &avx2::kCurveKernels,
             &avx2::kDenseKernels,
             &avx2::kBf16Kernels,
+            &avx2::kCacheKernels,
             &avx2::kFloatSums,
             &avx2::kDoubleSums};
   }
@@ -77,6 +81,7 @@ Isa choose() {
           &baseline::kCurveKernels,
           &baseline::kDenseKernels,
           &baseline::kBf16Kernels,
+          &baseline::kCacheKernels,
           &baseline::kFloatSums,
           &baseline::kDoubleSums};
 }
@@ -92,6 +97,7 @@ const PointKernels& point_kernels() { return *isa().points; }
 const CurveKernels& curve_kernels() { return *isa().curves; }
 const DenseKernels& dense_kernels() { return *isa().dense; }
 const Bf16Kernels& bf16_kernels() { return *isa().bf16; }
+const CacheKernels& cache_kernels() { return *isa().cache; }
 bool has_bf16_products() { return std::string_view(cpu_isa()) == "avx512_bf16"; }
 const char* cpu_isa() { return isa().name; }
 template <typename T>

@@ -8,6 +8,8 @@
 
 #include <cstdint>
 
+#include "lte/ops/cache_weights.h"
+
 namespace lte::ops {
 
 /// Channels of one block of the interleaved layout below.
@@ -140,12 +142,24 @@ struct Bf16Kernels {
                          const uint32_t* weight, const float* bias, float* position, float* out);
 };
 
+/// Weighted means over a query's neighbours (lte/ops/irradiance_cache.h).
+struct CacheKernels {
+  static constexpr int64_t kMostNeighbours = 64;
+  /// Of `queries` queries with `K` <= kMostNeighbours neighbours each: what
+  /// irradiance_cache_means() returns. Arrays as of its arguments; position, normal and index begin
+  /// at the first query.
+  void (*means)(const float* points, const float* normals, const float* light, const int64_t* index,
+                int64_t queries, int64_t K, const float* position, const float* normal,
+                const CacheWeights& weights, float* out);
+};
+
 /// Of the best instruction set that the processor has: avx512 (for bfloat16: avx512_bf16), avx2 or
 /// baseline. The environment variable LTE_CPU_ISA names a lesser one, for tests; read once.
 const PointKernels& point_kernels();
 const CurveKernels& curve_kernels();
 const DenseKernels& dense_kernels();
 const Bf16Kernels& bf16_kernels();
+const CacheKernels& cache_kernels();
 template <typename T>
 const SumKernels<T>& sum_kernels();
 const char* cpu_isa();
