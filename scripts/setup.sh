@@ -2,6 +2,7 @@
 # Everything lte needs on Debian 12: packages, and LibTorch in .venv. Idempotent; takes a second when nothing is to do.
 #
 #   scripts/setup.sh            packages, LibTorch
+#   scripts/setup.sh --tests    and what tests are held against besides: PyPI's tensorboard
 #   LTE_SKIP_APT=1 ...          never touch the system's packages
 #   Torch_ROOT=/opt/libtorch .. use this LibTorch instead of the wheel
 set -euo pipefail
@@ -41,15 +42,39 @@ install_torch() {
   local marker=.venv/lte-torch-$torch_version
   if [ -e "$marker" ]; then say "LibTorch: $torch_version in .venv"; return; fi
   say "LibTorch: installing torch $torch_version into .venv (1.3 GB)"
-  # The system's python3, so that the wheel does not depend on whichever version manager is active.
-  local python=python3; [ -x /usr/bin/python3 ] && python=/usr/bin/python3
-  "$python" -m venv .venv
+  make_environment .venv
   # libtorch_cpu of the wheel names these two CUDA libraries; nothing else of CUDA is needed on the CPU.
   .venv/bin/pip install --quiet --disable-pip-version-check --no-deps "torch==$torch_version" \
     'nvidia-cuda-runtime==13.0.*' 'nvidia-cuda-cupti==13.0.*'
   touch "$marker"
 }
 
+# The system's python3, so that neither wheel nor environment depends on whichever version manager is active.
+make_environment() {
+  local python=python3; [ -x /usr/bin/python3 ] && python=/usr/bin/python3
+  "$python" -m venv "$1"
+}
+
+# An environment of its own: LibTorch's holds the wheel without what the wheel depends on, of which pip would complain.
+install_witnesses() {
+  local marker=.venv/tests/lte-tensorboard-2
+  if [ -e "$marker" ]; then say "TensorBoard: in .venv/tests"; return; fi
+  say "TensorBoard: installing into .venv/tests"
+  if make_environment .venv/tests &&
+    .venv/tests/bin/pip install --quiet --disable-pip-version-check 'tensorboard==2.*' 'setuptools<81'; then
+    touch "$marker"
+  else
+    say "TensorBoard: could not be installed; its test will skip"
+  fi
+}
+
+tests=
+case "${1:-}" in
+  --tests) tests=1 ;;
+  "") ;;
+  *) fail "unknown argument $1 (see the head of scripts/setup.sh)" ;;
+esac
 if command -v dpkg-query >/dev/null; then install_packages; else say "packages: not Debian, see README for the list"; fi
 install_torch
+[ -z "$tests" ] || install_witnesses
 say "done"

@@ -12,5 +12,6 @@ if [ $preset = debug ]; then
   # LibTorch and Embree keep memory to the end of the process; leaks of ours are what the tests of lte/base look for.
   export ASAN_OPTIONS=detect_leaks=0:detect_odr_violation=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
 fi
+scripts/setup.sh --tests
 scripts/build.sh $preset
 ctest --preset $preset "$@"
