@@ -6,12 +6,14 @@
 
 A variant is a name, and after a colon the keys it sets. Equal time is equal training time on this machine: the first steps of
 each variant are timed, and train.steps is what fits into --seconds, so that every schedule runs to its end. Time the runs on a
-machine that does nothing else. Figures are those of the last step on the validation split; the spread is the standard
+machine that does nothing else; where that cannot be, --clock cpu counts the processor time of the process instead, which --threads 1
+makes the time that one core of its own would take. Figures are those of the last step on the validation split; the spread is the standard
 deviation over seeds. Runs that are there already are not run again, so the same command goes on after a stop.
 """
 import argparse
 import json
 import pathlib
+import resource
 import shutil
 import statistics
 import subprocess
@@ -37,16 +39,23 @@ def parse_variant(text: str) -> tuple[str, list[str]]:
     return name.strip(), settings
 
 
+def cpu_seconds() -> float:
+    """Processor time of all runs that have ended."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
 def train(args, settings: list[str], seed: int, out: pathlib.Path, result: pathlib.Path, more: list[str]) -> dict:
     command = [args.tool, "--config", args.config, "--out", str(out), "--seed", str(seed), "--quiet", "--json", str(result)]
     for setting in [f"data.root={args.data}", *settings]:
         command += ["--set", setting]
     if args.threads:
         command += ["--threads", str(args.threads)]
+    before = cpu_seconds()
     done = subprocess.run(command + more, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         fail(f"{' '.join(command + more)}: {done.stderr.strip() or 'exit code ' + str(done.returncode)}")
-    return json.loads(result.read_text())
+    return json.loads(result.read_text()) | {"cpu_seconds": cpu_seconds() - before}
 
 
 def steps_in_time(args, name: str, settings: list[str], folder: pathlib.Path) -> int:
@@ -61,7 +70,7 @@ def steps_in_time(args, name: str, settings: list[str], folder: pathlib.Path) ->
         shutil.rmtree(out, ignore_errors=True)
         run = train(args, [*settings, "train.steps=1000000000", "train.warmup_steps=0"], 1, out, folder / "timing.json",
                     ["--stop-after", str(count)])
-        seconds.append(run["seconds"])
+        seconds.append(run["cpu_seconds" if args.clock == "cpu" else "seconds"])
         shutil.rmtree(out)
     each = (seconds[1] - seconds[0]) / (timed - warm)
     if each <= 0:
@@ -120,11 +129,14 @@ def main() -> int:
     parser.add_argument("--warmup", type=int, default=50, help="train.warmup_steps, at most a tenth of the steps")
     parser.add_argument("--timing-steps", type=int, default=20, help="steps that are timed, and three times as many")
     parser.add_argument("--threads", type=int, default=0)
+    parser.add_argument("--clock", choices=("wall", "cpu"), default="wall", help="what --seconds counts")
     parser.add_argument("--tool", default=str(ROOT / "build/bin/lte_train"))
     args = parser.parse_args()
     variants = [parse_variant(text) for text in args.variant]
     if len({name for name, _ in variants}) < len(variants):
         fail("two variants have one name")
+    if args.clock == "cpu" and args.threads != 1:
+        fail("--clock cpu: needs --threads 1, or more threads would count as more time")
     if args.seconds <= 0 or args.timing_steps < 1:
         fail("--seconds and --timing-steps: expected positive numbers")
     args.out.mkdir(parents=True, exist_ok=True)
