@@ -92,8 +92,8 @@ std::string block_calls(const std::string& stage, const std::string& variable, s
   std::string lines;
   const std::string s = std::to_string(plan);
   for (int64_t i = 0; i < depth; ++i) {
-    lines += "    " + variable + " = self.encoder_" + stage + "_" + std::to_string(i) + "(" +
-             variable + ", pairs" + s + ", taps" + s + ", maps" + s + ")\n";
+    lines += fill("    {x} = self.encoder_{stage}_{i}({x}, pairs{s}, taps{s}, maps{s})\n",
+                  {{"x", variable}, {"stage", stage}, {"i", std::to_string(i)}, {"s", s}});
   }
   return lines;
 }

@@ -80,7 +80,7 @@ def of_data(arguments):
             view = lambda part: scene[f"view{k}_{part}"]
             if f"view{k}_path_traced_64" not in scene:
                 break
-            mask = view("mask") > 0
+            mask = (view("mask") > 0) & (view("albedo").max(-1) > 0)  # lte_eval leaves black surfaces out too
             traced = view("path_traced_64") / scalar
             smooth, spent = denoise(traced, view("albedo"), view("normal"))
             seconds += spent

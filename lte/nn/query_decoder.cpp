@@ -94,7 +94,7 @@ at::Tensor QueryDecoderImpl::table(const at::Tensor& latent) {
   for (int64_t i = 0; i < chunks; ++i) {
     const int64_t begin = m * i / chunks, end = m * (i + 1) / chunks;
     const auto [keys, values] = keys_and_values(latent.slice(0, begin, end));
-    const at::Tensor part = ops::neighbour_table(keys, values);
+    at::Tensor part = ops::neighbour_table(keys, values);
     if (chunks == 1) return part;
     if (!out.defined()) {
       std::vector<int64_t> shape = part.sizes().vec();
