@@ -137,8 +137,9 @@ void run_eval(const EvalRequest& given) {
   const fs::path checkpoint = checkpoint_or_shipped(request.checkpoint);
   const fs::path data =
       request.data.empty() ? asset_path(kShippedData, "--data") : fs::path(request.data);
-  Predictor predictor = Predictor::load(checkpoint, choose_device(request.tool.device),
-                                        choose_precision(request.tool.precision));
+  const Device device = choose_device(request.tool.device);
+  Predictor predictor =
+      Predictor::load(checkpoint, device, choose_precision(request.tool.precision, device));
   const MemoryLimit memory(request.tool.max_memory_mb);
   predictor.limit_memory(memory);
   const Baselines baselines = find_baselines(request, checkpoint, data);

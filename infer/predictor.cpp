@@ -78,8 +78,6 @@ double radiance_scalar(const ScenePoints& points) {
 
 Predictor Predictor::load(const std::filesystem::path& checkpoint, Device device,
                           nn::Precision precision) {
-  LTE_CHECK(precision == nn::Precision::Fp32 || device == Device::Cpu,
-            "--precision bf16 is for the CPU: pass --device cpu, or fp32");
   auto state = std::make_shared<State>(one_line_errors([&] { return nn::load_model(checkpoint); }));
   state->metadata = nn::read_model_metadata(checkpoint);
   state->device = at::Device(device == Device::Cuda ? at::kCUDA : at::kCPU);

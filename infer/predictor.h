@@ -23,7 +23,7 @@ double radiance_scalar(const ScenePoints& points);
 
 class Predictor {
  public:
-  /// @throws lte::Error naming the file if it is no model of this version, or for bf16 on a GPU.
+  /// @throws lte::Error naming the file if it is no model of this version.
   static Predictor load(const std::filesystem::path& checkpoint, Device device,
                         nn::Precision precision = nn::Precision::Fp32);
 

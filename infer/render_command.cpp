@@ -138,9 +138,9 @@ void print_times(const RenderRequest& request, const StageSeconds& s, double exp
 std::optional<Predictor> load_network(const RenderRequest& request, const Renderer& renderer) {
   if (!renderer.needs_network(settings_of(request))) return std::nullopt;
   if (request.validate_only && request.checkpoint.empty()) return std::nullopt;
-  return Predictor::load(checkpoint_or_shipped(request.checkpoint),
-                         choose_device(request.tool.device),
-                         choose_precision(request.tool.precision));
+  const Device device = choose_device(request.tool.device);
+  return Predictor::load(checkpoint_or_shipped(request.checkpoint), device,
+                         choose_precision(request.tool.precision, device));
 }
 
 void embed(const RenderRequest& request, Predictor predictor, const MemoryLimit& memory,

@@ -16,9 +16,10 @@ namespace lte::infer {
 
 void add_network_options(CLI::App& app, std::string* precision, double* max_memory_mb) {
   const char* group = "Common options";
-  app.add_option("--precision", *precision,
-                 "Arithmetic of the network on the CPU: fp32, or bf16, which is faster where the "
-                 "processor has bfloat16 products, with sums in fp32")
+  app.add_option(
+         "--precision", *precision,
+         "Arithmetic of the network: fp32, or bf16, which is faster where the processor has "
+         "bfloat16 products, with sums in fp32")
       ->check(CLI::IsMember({"fp32", "bf16"}))
       ->capture_default_str()
       ->group(group);
@@ -39,10 +40,10 @@ void add_network_options(CLI::App& app, std::string* precision, double* max_memo
       ->group(group);
 }
 
-nn::Precision choose_precision(const std::string& word) {
+nn::Precision choose_precision(const std::string& word, Device device) {
   if (word == "fp32") return nn::Precision::Fp32;
   LTE_CHECK(word == "bf16", "--precision ", word, ": expected fp32 or bf16");
-  if (!ops::has_bf16_products())
+  if (device == Device::Cpu && !ops::has_bf16_products())
     log_warning(
         "--precision bf16: this processor has no bfloat16 products (AVX512-BF16); they are "
         "computed from float32 instructions, which is slower than fp32");

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "infer/device.h"
 #include "lte/base/cli.h"
 #include "lte/nn/precision.h"
 
@@ -22,8 +23,9 @@ void add_network_options(CLI::App& app, std::string* precision, double* max_memo
 /// The common options, and --device, --precision, --max-memory and --print-config.
 void add_tool_options(CLI::App& app, ToolOptions* options);
 
-/// "fp32" or "bf16". Says so once if this processor has to compute bfloat16 from float32.
-nn::Precision choose_precision(const std::string& word);
+/// "fp32" or "bf16". Says so once if the device is a processor that has to compute bfloat16 from
+/// float32.
+nn::Precision choose_precision(const std::string& word, Device device = Device::Cpu);
 
 /// The common options, and the threads of LibTorch.
 void apply_tool_options(const ToolOptions& options);

@@ -211,8 +211,6 @@ void set_autocast(torch::nn::Module& network, Precision precision) {
 }
 
 void LightTransportModelImpl::set_precision(Precision precision) {
-  TORCH_CHECK(precision == Precision::Fp32 || parameters().front().device().is_cpu(),
-              "bf16 is for the CPU, the model is on ", parameters().front().device());
   nn::set_precision(*this, precision);
 }
 

@@ -5,7 +5,7 @@
 
 namespace lte::nn {
 
-/// Bf16: operands rounded to bfloat16, sums in float32 (lte/ops/bf16.h). Inference on the CPU only.
+/// Bf16: operands rounded to bfloat16, sums in float32 (lte/ops/bf16.h).
 enum class Precision { Fp32, Bf16 };
 
 inline const char* precision_name(Precision precision) {

@@ -37,7 +37,7 @@ at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, const PatchMap& map,
   if (!one_patch) qkv = qkv.index_select(0, map.gather);
   const int64_t length = one_patch ? n : patch_size;
   // In bfloat16 CUDA has flash attention; LibTorch's kernel for the CPU gains nothing by it.
-  const bool flash = qkv_->in_autocast() && qkv.is_cuda();
+  const bool flash = (qkv_->in_autocast() || qkv_->in_bf16()) && qkv.is_cuda();
   if (flash) qkv = qkv.to(at::kBFloat16);
   // Three of [patches, heads, length, C / heads]. Unbound before they are transposed, so that the
   // gradient is put together by one copy.

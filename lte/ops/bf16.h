@@ -1,4 +1,4 @@
-// Inference in bfloat16 on the CPU: an operator whose weights are bfloat16, and whose activations
+// Inference in bfloat16: an operator whose weights are bfloat16, and whose activations
 // are float32, rounds those to bfloat16 as its matrix products read them, and sums in float32.
 // Norms, activation functions, residuals and sums over neighbours stay in float32.
 #pragma once

@@ -71,8 +71,7 @@ at::Tensor call_fused(const at::Tensor& x, const at::Tensor& weight,
 
 /// float32 rows, bfloat16 weights.
 bool mixes_bf16(const at::Tensor& x, const at::Tensor& weight) {
-  return x.device().is_cpu() && x.scalar_type() == at::kFloat &&
-         weight.scalar_type() == at::kBFloat16;
+  return x.scalar_type() == at::kFloat && weight.scalar_type() == at::kBFloat16;
 }
 
 at::Tensor call_bf16(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias,
@@ -117,24 +116,16 @@ class Linear : public torch::autograd::Function<Linear> {
   }
 };
 
-/// x Wᵀ + b of x [N, C] float32 and W [O, C] bfloat16 in float32.
-at::Tensor rounded_product(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias) {
-  if (x.device().is_cpu()) return call_bf16(x, weight, bias, false);
-  const at::Tensor out = at::mm(x.to(at::kBFloat16), weight.t(), at::kFloat);
-  return bias.defined() ? out.add_(bias) : out;
-}
-
-/// The same for x of any `sizes`, given as rows.
+/// x Wᵀ + b of x float32 of any sizes, given as rows, and W [O, C] bfloat16, in float32.
 at::Tensor rounded_linear(const at::Tensor& rows, const at::Tensor& weight, const at::Tensor& bias,
                           at::IntArrayRef x_sizes) {
   std::vector<int64_t> sizes = x_sizes.vec();
   sizes.back() = weight.size(0);
-  return rounded_product(rows, weight, bias).view(sizes);
+  return call_bf16(rows, weight, bias, false).view(sizes);
 }
 
 /// gradᵀ x of grad [N, O] float32 and x [N, C] bfloat16 in float32.
 at::Tensor rounded_weight_gradient(const at::Tensor& grad, const at::Tensor& x) {
-  if (!x.device().is_cpu()) return at::mm(grad.to(at::kBFloat16).t(), x, at::kFloat);
   static const auto op = c10::Dispatcher::singleton()
                              .findSchemaOrThrow("lte::weight_gradient_bf16", "")
                              .typed<at::Tensor(const at::Tensor&, const at::Tensor&)>();
@@ -160,7 +151,7 @@ class AutocastLinear : public torch::autograd::Function<AutocastLinear> {
     const at::Tensor grad = grads[0].reshape({-1, weight.size(0)}).contiguous();
     variable_list out(3);
     if (context->needs_input_grad(0))
-      out[0] = rounded_product(grad, weight.t().contiguous(), {})
+      out[0] = call_bf16(grad, weight.t().contiguous(), {}, false)
                    .view(context->saved_data["sizes"].toIntVector());
     if (context->needs_input_grad(1)) out[1] = rounded_weight_gradient(grad, x);
     if (context->saved_data["has_bias"].toBool() && context->needs_input_grad(2))

@@ -163,7 +163,29 @@ TEST_F(Cuda, TheFusedQueryDecoderIsTheCpus) {
     const at::Tensor got = query_decoder_inference(
         up(attributes), cuda_near, neighbour_table(up(keys), up(values)), up(weights));
     expect_close(got, expected);
+    // In bfloat16 a sum in another order may round to the other neighbour: far fewer than all do.
+    std::vector<at::Tensor> half = weights;
+    for (size_t i = 0; i < half.size(); ++i) {
+      if (half[i].dim() == 2 && i != 4) half[i] = half[i].to(at::kBFloat16);
+    }
+    const at::Tensor rounded =
+        query_decoder_inference(attributes, near, neighbour_table(keys, values), half);
+    const at::Tensor cuda_rounded = query_decoder_inference(
+        up(attributes), cuda_near, neighbour_table(up(keys), up(values)), up(half));
+    ASSERT_EQ(cuda_rounded.sizes(), rounded.sizes());
+    EXPECT_LT(test::relative_error(cuda_rounded.cpu(), rounded), 5e-3);
   }
+}
+
+TEST_F(Cuda, DenseLayersOfBfloat16WeightsAreTheCpus) {
+  const at::Tensor x = test::normal({3, 70, 48}, 1, at::kFloat),
+                   bias = test::normal({40}, 2, at::kFloat),
+                   weight = test::normal({40, 48}, 3, at::kFloat).to(at::kBFloat16);
+  expect_close(linear(up(x), up(weight), up(bias)), linear(x, weight, bias));
+  // The CPU's GELU is to 2e-4 where a rounding follows.
+  EXPECT_LT(test::relative_error(linear_gelu(up(x), up(weight), up(bias)).cpu(),
+                                 linear_gelu(x, weight, bias)),
+            1e-3);
 }
 
 TEST_F(Cuda, RefusesTensorsOfTwoDevices) {

@@ -13,14 +13,15 @@
 #include <ATen/ops/empty.h>
 #include <ATen/ops/gelu.h>
 #include <ATen/ops/layer_norm.h>
-#include <ATen/ops/linear.h>
 #include <ATen/ops/softplus.h>
 #include <c10/cuda/CUDAException.h>
 #include <c10/cuda/CUDAGuard.h>
 #include <c10/cuda/CUDAStream.h>
+#include <cuda_bf16.h>
 #include <torch/library.h>
 
 #include "lte/ops/arguments.h"
+#include "lte/ops/linear.h"
 
 namespace lte::ops {
 namespace {
@@ -45,6 +46,7 @@ struct SumsArguments {
   int64_t m, Q;
   int K, H, L, C;
   float scale, limit;
+  bool rounded;  ///< hidden activations are read as bfloat16, as `output` has been rounded
 };
 
 __device__ __forceinline__ float gelu(float x) {
@@ -107,7 +109,9 @@ __global__ void __launch_bounds__(kMaxThreads) query_sums_kernel(const SumsArgum
         const int h = i / kNeighbours, k = i % kNeighbours;
         const float* w = a.hidden + 3 * (h0 + h);
         const float x = w[0] * offset[0][k] + w[1] * offset[1][k] + w[2] * offset[2][k];
-        hidden[h][k] = gelu(x + a.hidden_bias[h0 + h]);
+        const float active_value = gelu(x + a.hidden_bias[h0 + h]);
+        hidden[h][k] =
+            a.rounded ? __bfloat162float(__float2bfloat16_rn(active_value)) : active_value;
       }
       __syncthreads();
       if (!active) continue;
@@ -159,7 +163,8 @@ void check_arguments(const at::Tensor& attributes, const at::Tensor& position,
   const int64_t H = w[4].size(0);
   check(w[4], {H, 3}, table, "gamma.hidden");
   check(w[5], {H}, table, "gamma.hidden's bias");
-  check(w[6], {C, H}, table, "gamma.output");
+  const bool rounded = w[6].scalar_type() == at::kBFloat16;
+  check(rounded ? w[6].to(at::kFloat) : w[6], {C, H}, table, "gamma.output");
   check(w[7], {C}, table, "gamma.output's bias");
 }
 
@@ -172,7 +177,7 @@ void launch_sums(const SumsArguments& a) {
 }
 
 at::Tensor dense(const at::Tensor& x, at::TensorList w, size_t at) {
-  return at::linear(x, w[at], w[at + 1]);
+  return ops::linear(x, w[at], w[at + 1]);  // of bfloat16 weights too
 }
 
 at::Tensor perceptron(const at::Tensor& x, at::TensorList w, size_t at) {
@@ -210,7 +215,8 @@ at::Tensor query_decoder_inference_cuda(const at::Tensor& attributes,
   const at::NoGradGuard no_grad;
   const at::Tensor position = any_position.contiguous(), anchor = any_anchor.contiguous(),
                    index = any_index.contiguous(), gamma_hidden = w[4].contiguous(),
-                   gamma_hidden_bias = w[5].contiguous(), gamma_output = w[6].t().contiguous(),
+                   gamma_hidden_bias = w[5].contiguous(),
+                   gamma_output = w[6].to(at::kFloat).t().contiguous(),
                    gamma_bias = w[7].contiguous();
   const int64_t Q = attributes.size(0), L = table.size(1), m = table.size(2), C = table.size(3),
                 K = index.size(1), H = gamma_hidden.size(0);
@@ -225,7 +231,8 @@ at::Tensor query_decoder_inference_cuda(const at::Tensor& attributes,
                    gamma_output.const_data_ptr<float>(), gamma_bias.const_data_ptr<float>(),
                    table.const_data_ptr<float>(), sums.data_ptr<float>(), m, count,
                    static_cast<int>(K), static_cast<int>(H), static_cast<int>(L),
-                   static_cast<int>(C), static_cast<float>(scale), static_cast<float>(limit)});
+                   static_cast<int>(C), static_cast<float>(scale), static_cast<float>(limit),
+                   w[6].scalar_type() == at::kBFloat16});
     }
     out.narrow(0, first, count).copy_(run_layers(attributes.narrow(0, first, count), sums, K, w));
   }
