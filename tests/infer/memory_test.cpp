@@ -150,10 +150,5 @@ TEST(Precision, Bf16KeepsTheShippedModelsErrorWithinAPercent) {
   EXPECT_NE(mse[1], mse[0]);
 }
 
-TEST(Precision, Bf16IsRefusedOnAGpu) {
-  EXPECT_THAT(message_of([] { Predictor::load("none", Device::Cuda, nn::Precision::Bf16); }),
-              HasSubstr("--device cpu"));
-}
-
 }  // namespace
 }  // namespace lte::infer
