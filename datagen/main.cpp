@@ -1,9 +1,10 @@
 // Only argv and the exit code live here; the subcommands are in *_command.cpp.
 #include <CLI/CLI.hpp>
 
-#include "datagen/commands.h"
+#include "datagen/commands/commands.h"
 #include "lte/base/check.h"
-#include "lte/base/cli.h"
+#include "lte/base/version.h"
+#include "lte/cli/cli.h"
 
 int main(int argc, char** argv) {
   CLI::App app{"Makes, bakes and inspects scenes and data sets of light transport.", "lte_datagen"};

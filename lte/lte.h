@@ -37,12 +37,12 @@
 #include "lte/scene/load.h"
 #include "lte/scene/sampler.h"
 #if __has_include(<ATen/core/Tensor.h>)
-#include "lte/nn/checkpoint.h"
 #include "lte/nn/loss.h"
 #include "lte/nn/model.h"
+#include "lte/nn/model_file.h"
+#include "lte/ops/curve_codes.h"
 #include "lte/ops/farthest_point.h"
 #include "lte/ops/knn.h"
 #include "lte/ops/neighbour_sums.h"
-#include "lte/ops/serialize.h"
 #include "lte/ops/submanifold_conv.h"
 #endif

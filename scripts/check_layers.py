@@ -1,61 +1,137 @@
 #!/usr/bin/env python3
 """Fails on an include that points up the layers, or into another folder's cpu/ or cuda/.
 
-The order is the contract of the repository: a folder may include itself and what stands right of it here.
+The order is the contract of the repository (docs/architecture.md). A room, that is a folder or a
+single unit that has rules of its own, may include itself and the rooms that its line names; a
+name that ends in /* stands for a folder and all below it.
 """
 import pathlib
 import re
 import sys
 
+LIBRARY_WITHOUT_TORCH = ["lte/base", "lte/image", "lte/scene/*", "lte/pathtrace/*", "lte/data"]
+
 ALLOWED = {
     "lte/base": [],
+    "lte/cli": ["lte/base"],
+    "lte/report": ["lte/base"],
     "lte/image": ["lte/base"],
+    # What others include, then the importers; load.cpp alone knows them all.
     "lte/scene": ["lte/base", "lte/image"],
-    "lte/pathtrace": ["lte/base", "lte/image", "lte/scene"],
+    "lte/scene/import": ["lte/base", "lte/image", "lte/scene"],
+    "lte/scene/gltf": ["lte/base", "lte/scene", "lte/scene/import"],
+    "lte/scene/obj": ["lte/base", "lte/image", "lte/scene", "lte/scene/import"],
+    "lte/scene/ply": ["lte/base", "lte/image", "lte/scene", "lte/scene/import"],
+    "lte/scene/pbrt": ["lte/base", "lte/image", "lte/scene", "lte/scene/import", "lte/scene/ply"],
+    "lte/scene/load": ["lte/base", "lte/scene/*"],
+    "lte/scene/cleanup": ["lte/base", "lte/scene"],
+    "lte/pathtrace": ["lte/base", "lte/image", "lte/scene/*", "lte/pathtrace/*"],
+    "lte/pathtrace/materials": ["lte/base", "lte/scene/*", "lte/pathtrace"],
+    "lte/pathtrace/transport": ["lte/base", "lte/scene/*", "lte/pathtrace",
+                                "lte/pathtrace/materials"],
     "lte/data": ["lte/base"],
-    "lte/ops": ["lte/base"],
+    "lte/ops": ["lte/base", "lte/ops/cpu/*"],
+    "lte/ops/cpu": ["lte/base", "lte/ops", "lte/ops/cpu/kernels"],
+    "lte/ops/cpu/kernels": ["lte/base", "lte/ops"],
+    "lte/ops/cuda": ["lte/base", "lte/ops"],
     "lte/nn": ["lte/base", "lte/ops"],
-    "lte/c_api": ["lte/base", "lte/ops", "lte/nn", "lte/data"],
-    "datagen": ["lte/base", "lte/image", "lte/scene", "lte/pathtrace", "lte/data"],
-    "train": ["lte/base", "lte/ops", "lte/nn", "lte/data"],
-    "infer": ["lte/base", "lte/image", "lte/scene", "lte/pathtrace", "lte/data", "lte/ops", "lte/nn"],
+    "lte/runtime": ["lte/base", "lte/ops", "lte/nn", "lte/data"],
+    "lte/c_api": ["lte/base", "lte/ops", "lte/nn", "lte/data", "lte/runtime"],
+    "datagen/common": LIBRARY_WITHOUT_TORCH,
+    "datagen/boxes": LIBRARY_WITHOUT_TORCH + ["datagen/common"],
+    "datagen/homes": LIBRARY_WITHOUT_TORCH + ["datagen/common", "datagen/homes/*"],
+    "datagen/homes/furniture": LIBRARY_WITHOUT_TORCH + ["datagen/common", "datagen/homes/*"],
+    "datagen/homes/mesh": LIBRARY_WITHOUT_TORCH + ["datagen/common"],
+    "datagen/homes/textures": LIBRARY_WITHOUT_TORCH + ["datagen/common"],
+    "datagen/bake": LIBRARY_WITHOUT_TORCH + ["lte/cli"],
+    "datagen/dataset": LIBRARY_WITHOUT_TORCH + ["lte/cli", "datagen/common", "datagen/bake",
+                                                "datagen/boxes", "datagen/homes"],
+    "datagen/commands": LIBRARY_WITHOUT_TORCH + ["lte/cli", "datagen/bake", "datagen/dataset"],
+    "datagen": LIBRARY_WITHOUT_TORCH + ["lte/cli", "datagen/commands"],
+    "train/config": ["lte/base", "lte/ops", "lte/nn", "lte/data"],
+    "train/log": ["lte/base", "lte/image"],
+    "train/distributed": ["lte/base"],
+    "train/optim": ["lte/base", "lte/nn", "train/config"],
+    "train/data": ["lte/base", "lte/cli", "lte/nn", "lte/data", "train/config",
+                   "train/distributed"],
+    "train/checkpoint": ["lte/base", "lte/nn", "lte/data", "train/config", "train/data",
+                         "train/optim"],
+    "train/loop": ["lte/base", "lte/cli", "lte/image", "lte/ops", "lte/nn", "lte/data",
+                   "train/config", "train/log", "train/distributed", "train/optim", "train/data",
+                   "train/checkpoint"],
+    "train/command": ["lte/base", "lte/cli", "lte/report", "lte/ops", "lte/nn", "lte/data",
+                      "train/config", "train/log", "train/distributed", "train/loop"],
+    "train": ["lte/base", "lte/cli", "train/command"],
+    # Render, eval, export and bench never include one another.
+    "infer/common": LIBRARY_WITHOUT_TORCH + ["lte/cli", "lte/ops", "lte/nn", "lte/runtime"],
 }
-NO_TORCH = {"lte/base", "lte/image", "lte/scene", "lte/pathtrace", "lte/data", "datagen"}
+for tool in ("render", "eval", "export", "bench"):
+    ALLOWED[f"infer/{tool}"] = ALLOWED["infer/common"] + ["infer/common", "lte/report"]
+
+NO_TORCH = ("lte/base", "lte/cli", "lte/report", "lte/image", "lte/scene", "lte/pathtrace",
+            "lte/data", "datagen")
 OWN_INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"')
 TORCH_INCLUDE = re.compile(r"^\s*#\s*include\s*<(torch|ATen|c10)/([^>]+)>")
+CLI_INCLUDE = re.compile(r"^\s*#\s*include\s*<CLI/")
 SUFFIXES = {".h", ".cpp", ".cu", ".cuh"}
 
 
-def folder_of(path: str) -> str | None:
-    """The layer a root-relative path belongs to; lte/c_api.h, which C programs include, is lte/c_api's."""
-    parts = path.removesuffix(".h").split("/")
-    for depth in (2, 1):
-        name = "/".join(parts[:depth])
-        if name in ALLOWED:
-            return name
-    return None
+def room_of(path: str) -> str | None:
+    """The room of a root-relative path: its unit where that has rules of its own, else its folder.
+
+    lte/c_api.h, which C programs include, is lte/c_api's; a public header may leave the room of
+    its unit, as lte/scene/load.h does, and is then its folder's.
+    """
+    unit = path.rsplit(".", 1)[0]
+    if unit in ALLOWED and (unit == "lte/c_api" or unit != "lte/scene/load" or
+                            path.endswith(".cpp")):
+        return unit
+    folder = unit.rsplit("/", 1)[0] if "/" in unit else unit
+    return folder if folder in ALLOWED else None
+
+
+def may_include(room: str, target: str) -> bool:
+    """Whether a file of `room` may include one of `target`."""
+    if room == target:
+        return True
+    return any(target == name or (name.endswith("/*") and
+                                  (target == name[:-2] or target.startswith(name[:-1])))
+               for name in ALLOWED[room])
 
 
 def violations(root: pathlib.Path):
-    for layer, below in ALLOWED.items():
-        for file in sorted(p for p in (root / layer).rglob("*") if p.suffix in SUFFIXES):
+    for top in ("lte", "datagen", "train", "infer"):
+        for file in sorted(p for p in (root / top).rglob("*") if p.suffix in SUFFIXES):
             name = file.relative_to(root).as_posix()
-            for number, line in enumerate(file.read_text().splitlines(), 1):
-                where = f"{name}:{number}"
-                if torch := TORCH_INCLUDE.match(line):
-                    if layer in NO_TORCH:
-                        yield f"{where}: {layer} must not include LibTorch"
-                    if torch.group(2) == "torch.h" and file.suffix != ".cpp" and file.name != "pch.h":
-                        yield f"{where}: headers and .cu files include narrow headers, not torch/torch.h"
-                if not (own := OWN_INCLUDE.match(line)):
-                    continue
-                target = folder_of(own.group(1))
-                if target is None:
-                    yield f'{where}: "{own.group(1)}" is not root-relative (start with lte/, datagen/, train/ or infer/)'
-                elif target != layer and target not in below:
-                    yield f"{where}: {layer} must not include {target}"
-                elif re.match(r"lte/ops/(cpu|cuda)/", own.group(1)) and layer != "lte/ops":
-                    yield f"{where}: operators are reached through the dispatcher, not through {own.group(1)}"
+            if name == "lte/lte.h":
+                continue
+            room = room_of(name)
+            if room is None:
+                yield f"{name}: this folder has no line in scripts/check_layers.py"
+                continue
+            yield from violations_of(file, name, room)
+
+
+def violations_of(file: pathlib.Path, name: str, room: str):
+    for number, line in enumerate(file.read_text().splitlines(), 1):
+        where = f"{name}:{number}"
+        if torch := TORCH_INCLUDE.match(line):
+            if room.startswith(NO_TORCH):
+                yield f"{where}: {room} must not include LibTorch"
+            if torch.group(2) == "torch.h" and file.suffix != ".cpp" and file.name != "pch.h":
+                yield f"{where}: headers and .cu files include narrow headers, not torch/torch.h"
+        if CLI_INCLUDE.match(line) and room.startswith("lte/") and room != "lte/cli":
+            yield f"{where}: CLI11 is known to lte/cli and the tools alone"
+        if not (own := OWN_INCLUDE.match(line)):
+            continue
+        target = room_of(own.group(1))
+        if target is None:
+            yield (f'{where}: "{own.group(1)}" is not root-relative '
+                   "(start with lte/, datagen/, train/ or infer/)")
+        elif re.match(r"lte/ops/(cpu|cuda)/", own.group(1)) and not room.startswith("lte/ops"):
+            yield f"{where}: operators are reached through the dispatcher, not {own.group(1)}"
+        elif not may_include(room, target):
+            yield f"{where}: {room} must not include {target}"
 
 
 def main() -> int:

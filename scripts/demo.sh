@@ -67,5 +67,5 @@ step "5/6 exporting TorchScript"
 "$bin/lte_export" --checkpoint "$run/model.safetensors" --out "$out/model.pt" --portable --verify
 
 step "6/6 writing the report"
-python3 scripts/report.py "$out"
+python3 scripts/figures/report.py "$out"
 printf '\nDone in %d s: open %s/report.html\n' "$SECONDS" "$out"

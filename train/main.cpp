@@ -2,11 +2,11 @@
 #include <iostream>
 #include <string>
 
-#include "lte/base/cli.h"
 #include "lte/base/memory.h"
-#include "train/command_line.h"
-#include "train/report.h"
-#include "train/run.h"
+#include "lte/cli/cli.h"
+#include "train/command/command_line.h"
+#include "train/command/report.h"
+#include "train/command/run.h"
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "datagen/homes/furniture.h"
+#include "datagen/homes/furniture/furniture.h"
 #include "datagen/homes/placement.h"
 
 namespace lte::datagen::homes {

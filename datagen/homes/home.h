@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "datagen/common/light_rules.h"
+#include "datagen/common/range.h"
 #include "datagen/homes/floor_plan.h"
 #include "datagen/homes/piece.h"
-#include "datagen/light_rules.h"
-#include "datagen/range.h"
 #include "lte/scene/scene.h"
 
 namespace lte::datagen::homes {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "datagen/homes/mesh_parts.h"
+#include "datagen/homes/mesh/mesh_parts.h"
 #include "datagen/homes/palette.h"
 #include "datagen/homes/piece.h"
 #include "lte/base/random.h"

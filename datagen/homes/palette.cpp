@@ -1,6 +1,6 @@
 #include "datagen/homes/palette.h"
 
-#include "datagen/textures.h"
+#include "datagen/common/textures.h"
 
 namespace lte::datagen::homes {
 

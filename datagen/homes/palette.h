@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "datagen/homes/textures.h"
-#include "datagen/raster.h"
+#include "datagen/common/raster.h"
+#include "datagen/homes/textures/textures.h"
 #include "lte/base/random.h"
 #include "lte/scene/scene.h"
 

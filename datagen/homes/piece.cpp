@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datagen/parts.h"
+#include "datagen/common/parts.h"
 
 namespace lte::datagen::homes {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "datagen/homes/mesh_parts.h"
+#include "datagen/homes/mesh/mesh_parts.h"
 #include "lte/base/math.h"
 
 namespace lte::datagen::homes {

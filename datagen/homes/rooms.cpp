@@ -1,8 +1,8 @@
 // The rooms: what each kind has, in the order in which it matters.
 #include <algorithm>
 
+#include "datagen/common/parts.h"
 #include "datagen/homes/furnish.h"
-#include "datagen/parts.h"
 
 namespace lte::datagen::homes {
 

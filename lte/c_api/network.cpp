@@ -8,8 +8,8 @@
 #include <c10/core/impl/VirtualGuardImpl.h>
 
 #include "lte/c_api/arguments.h"
-#include "lte/nn/checkpoint.h"
 #include "lte/nn/device.h"
+#include "lte/nn/model_file.h"
 
 namespace lte::c_api {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <ATen/core/Tensor.h>
 
+#include "lte/nn/encoder_plan.h"
 #include "lte/nn/mlp.h"
-#include "lte/nn/serialization/encoder_plan.h"
 
 namespace lte::nn {
 

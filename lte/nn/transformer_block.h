@@ -6,9 +6,9 @@
 #include <ATen/core/Tensor.h>
 #include <torch/nn/modules/normalization.h>
 
+#include "lte/nn/encoder_plan.h"
 #include "lte/nn/linear.h"
 #include "lte/nn/mlp.h"
-#include "lte/nn/serialization/encoder_plan.h"
 
 namespace lte::nn {
 

@@ -4,7 +4,7 @@
 #include <ATen/ops/empty.h>
 
 #include "lte/ops/arguments.h"
-#include "lte/ops/cpu/kernels.h"
+#include "lte/ops/cpu/kernels/kernels.h"
 
 namespace lte::ops {
 namespace {

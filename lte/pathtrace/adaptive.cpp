@@ -8,7 +8,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/random.h"
-#include "lte/pathtrace/irradiance_kernel.h"
+#include "lte/pathtrace/transport/irradiance_kernel.h"
 
 namespace lte::pathtrace {
 namespace {

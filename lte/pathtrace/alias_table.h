@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "lte/pathtrace/path_kernels.h"
+#include "lte/pathtrace/transport/path_kernels.h"
 
 namespace lte::pathtrace {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "lte/base/parallel.h"
-#include "lte/pathtrace/irradiance_kernel.h"
 #include "lte/pathtrace/ray_replay.h"
+#include "lte/pathtrace/transport/irradiance_kernel.h"
 
 namespace lte::pathtrace {
 namespace {

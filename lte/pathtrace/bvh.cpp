@@ -7,7 +7,7 @@
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/pathtrace/embree_scene.h"
-#include "lte/pathtrace/ray_packets.h"
+#include "lte/pathtrace/transport/ray_packets.h"
 
 namespace lte::pathtrace {
 namespace {

@@ -5,9 +5,9 @@
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
-#include "lte/pathtrace/bsdf.h"
 #include "lte/pathtrace/hemisphere_bins.h"
-#include "lte/pathtrace/irradiance_kernel.h"
+#include "lte/pathtrace/materials/bsdf.h"
+#include "lte/pathtrace/transport/irradiance_kernel.h"
 
 namespace lte::pathtrace {
 namespace {

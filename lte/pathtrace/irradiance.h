@@ -9,7 +9,7 @@
 #include "lte/base/math.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights.h"
-#include "lte/pathtrace/path_sampler.h"
+#include "lte/pathtrace/transport/path_sampler.h"
 
 namespace lte::pathtrace {
 

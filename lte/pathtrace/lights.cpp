@@ -6,7 +6,7 @@
 
 #include "lte/base/check.h"
 #include "lte/pathtrace/embree_scene.h"
-#include "lte/pathtrace/square_to_triangle.h"
+#include "lte/pathtrace/transport/square_to_triangle.h"
 
 namespace lte::pathtrace {
 namespace {

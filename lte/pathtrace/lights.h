@@ -8,9 +8,9 @@
 #include "lte/pathtrace/alias_table.h"
 #include "lte/pathtrace/environment_sampler.h"
 #include "lte/pathtrace/light_tree.h"
-#include "lte/pathtrace/path_block.h"
-#include "lte/pathtrace/path_kernels.h"
-#include "lte/pathtrace/path_sampler.h"
+#include "lte/pathtrace/transport/path_block.h"
+#include "lte/pathtrace/transport/path_kernels.h"
+#include "lte/pathtrace/transport/path_sampler.h"
 #include "lte/scene/scene.h"
 
 namespace lte::pathtrace {

@@ -8,7 +8,7 @@
 
 #include "lte/base/math.h"
 #include "lte/pathtrace/bvh.h"
-#include "lte/pathtrace/transport.h"
+#include "lte/pathtrace/transport/transport.h"
 
 namespace lte::pathtrace {
 

@@ -8,8 +8,8 @@
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/base/random.h"
-#include "lte/pathtrace/irradiance_kernel.h"
-#include "lte/scene/dome.h"
+#include "lte/pathtrace/transport/irradiance_kernel.h"
+#include "lte/scene/environment_points.h"
 
 namespace lte::pathtrace {
 namespace {

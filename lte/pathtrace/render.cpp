@@ -8,8 +8,8 @@
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
-#include "lte/pathtrace/path_sampler.h"
-#include "lte/pathtrace/transport.h"
+#include "lte/pathtrace/transport/path_sampler.h"
+#include "lte/pathtrace/transport/transport.h"
 
 namespace lte::pathtrace {
 namespace {

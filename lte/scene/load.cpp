@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "lte/base/check.h"
-#include "lte/scene/gltf_import.h"
-#include "lte/scene/obj_import.h"
-#include "lte/scene/pbrt_import.h"
-#include "lte/scene/ply.h"
-#include "lte/scene/world_check.h"
+#include "lte/scene/gltf/context.h"
+#include "lte/scene/import/position_check.h"
+#include "lte/scene/obj/import.h"
+#include "lte/scene/pbrt/import.h"
+#include "lte/scene/ply/ply.h"
 
 namespace lte::scene {
 namespace {

@@ -7,7 +7,7 @@
 #include "lte/base/parallel.h"
 #include "lte/base/random.h"
 #include "lte/scene/area_table.h"
-#include "lte/scene/dome.h"
+#include "lte/scene/environment_points.h"
 
 namespace lte::scene {
 namespace {

@@ -12,7 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "tests/base/temp_dir.h"
+#include "tests/support/temp_dir.h"
 
 namespace lte {
 namespace {

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "lte/base/file.h"
-#include "tests/base/temp_dir.h"
+#include "tests/support/temp_dir.h"
 
 namespace lte {
 namespace {

@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 
 #include "lte/base/file.h"
-#include "lte/base/progress.h"
-#include "tests/base/temp_dir.h"
+#include "lte/cli/progress.h"
+#include "tests/support/temp_dir.h"
 
 namespace lte {
 namespace {

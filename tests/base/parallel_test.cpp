@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/base/temp_dir.h"
+#include "tests/support/temp_dir.h"
 
 namespace lte {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "lte/base/random.h"
 #include "lte/base/safetensors.h"
-#include "tests/base/temp_dir.h"
+#include "tests/support/temp_dir.h"
 
 namespace lte {
 namespace {

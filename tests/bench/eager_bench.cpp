@@ -7,12 +7,12 @@
 #include <ATen/core/grad_mode.h>
 #include <CLI/CLI.hpp>
 
-#include "infer/bench.h"
-#include "infer/device.h"
-#include "infer/synthetic_room.h"
-#include "infer/tool_options.h"
-#include "lte/base/cli.h"
+#include "infer/bench/bench.h"
+#include "infer/common/device.h"
+#include "infer/common/synthetic_room.h"
+#include "infer/common/tool_options.h"
 #include "lte/base/file.h"
+#include "lte/cli/cli.h"
 #include "tests/bench/eager_network.h"
 
 namespace lte::bench {

@@ -10,8 +10,8 @@
 
 #include <ATen/core/Tensor.h>
 
+#include "lte/nn/encoder_plan.h"
 #include "lte/nn/model.h"
-#include "lte/nn/serialization/encoder_plan.h"
 
 namespace lte::bench {
 

@@ -11,11 +11,11 @@
 #if defined(LTE_HAS_NANOFLANN)
 #include "tests/bench/nanoflann_knn.h"
 #endif
+#include "lte/ops/curve_codes.h"
 #include "lte/ops/farthest_point.h"
 #include "lte/ops/knn.h"
 #include "lte/ops/linear.h"
 #include "lte/ops/neighbour_sums.h"
-#include "lte/ops/serialize.h"
 #include "lte/ops/submanifold_conv.h"
 
 namespace {

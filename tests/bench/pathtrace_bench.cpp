@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "lte/base/cli.h"
+#include "lte/cli/cli.h"
 #include "lte/pathtrace/benchmark.h"
 #include "lte/scene/load.h"
 #include "lte/scene/sampler.h"

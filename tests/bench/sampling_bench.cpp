@@ -1,4 +1,4 @@
-// One timed farthest point sampling for scripts/compare_sampling.py:
+// One timed farthest point sampling for scripts/witnesses/compare_sampling.py:
 //   lte_sampling_bench POINTS COUNT REPEATS PICKS    POINTS: [N, 3] float32; PICKS: [COUNT] int64,
 //   written; both raw. Prints the least seconds.
 #include <algorithm>

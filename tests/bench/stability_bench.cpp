@@ -1,5 +1,5 @@
 // Rounding errors of inference, layer by layer, on random and adversarial embeddings: float32
-// against float64 equations, bf16 against float32. scripts/plot_numerics.py draws them.
+// against float64 equations, bf16 against float32. scripts/figures/plot_numerics.py draws them.
 //   lte_stability_bench [--channels 128] [--json F]
 #include <cstdio>
 #include <string>
@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <torch/utils.h>
 
-#include "lte/base/cli.h"
 #include "lte/base/file.h"
+#include "lte/cli/cli.h"
 #include "tests/nn/adversaries.h"
 #include "tests/nn/support.h"
 

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "lte/c_api.h"
-#include "lte/nn/checkpoint.h"
+#include "lte/nn/model_file.h"
 #include "tests/c_api/support.h"
 #include "tests/nn/support.h"
 

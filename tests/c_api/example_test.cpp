@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "infer/predictor.h"
+#include "infer/common/predictor.h"
 
 #include "examples/c/room.h"
 

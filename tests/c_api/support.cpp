@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "lte/nn/checkpoint.h"
+#include "lte/nn/model_file.h"
 #include "tests/nn/support.h"
 
 namespace lte::test {

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "datagen/config.h"
-#include "datagen/parts.h"
+#include "datagen/common/parts.h"
+#include "datagen/dataset/config.h"
 #include "lte/scene/scene.h"
 
 namespace lte::datagen::test {

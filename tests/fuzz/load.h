@@ -11,7 +11,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
-#include "lte/scene/cleanup.h"
+#include "lte/scene/cleanup/cleanup.h"
 #include "lte/scene/load.h"
 
 namespace lte::fuzz {

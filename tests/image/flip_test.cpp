@@ -1,4 +1,4 @@
-// FLIP against the error maps that its authors' own program gives (scripts/check_flip.py), and its
+// FLIP against the error maps that its authors' own program gives (scripts/witnesses/check_flip.py), and its
 // laws.
 #include "lte/image/flip.h"
 
@@ -10,8 +10,8 @@
 
 #include "lte/base/file.h"
 #include "lte/image/tonemap.h"
-#include "tests/base/temp_dir.h"
 #include "tests/image/random_image.h"
+#include "tests/support/temp_dir.h"
 
 namespace lte::image {
 namespace {

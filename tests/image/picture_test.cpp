@@ -9,7 +9,7 @@
 #include "lte/base/file.h"
 #include "lte/image/exr.h"
 #include "lte/image/png.h"
-#include "tests/base/temp_dir.h"
+#include "tests/support/temp_dir.h"
 
 namespace lte::image {
 namespace {

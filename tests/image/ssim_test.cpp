@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 
 #include "lte/image/metrics.h"
-#include "tests/base/temp_dir.h"
 #include "tests/image/random_image.h"
+#include "tests/support/temp_dir.h"
 
 namespace lte::image {
 namespace {

@@ -7,8 +7,8 @@
 #include <unistd.h>
 
 #include "lte/base/random.h"
-#include "lte/nn/checkpoint.h"
 #include "lte/nn/model.h"
+#include "lte/nn/model_file.h"
 #include "tests/support/scenes.h"
 
 namespace lte::test {

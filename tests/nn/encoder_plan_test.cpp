@@ -1,12 +1,11 @@
-#include "lte/nn/serialization/encoder_plan.h"
+#include "lte/nn/encoder_plan.h"
 
 #include <set>
 
 #include <gtest/gtest.h>
 
-#include "lte/ops/serialize.h"
-
-#include "support.h"
+#include "lte/ops/curve_codes.h"
+#include "tests/nn/support.h"
 
 namespace lte::nn {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support.h"
+#include "tests/nn/support.h"
 
 namespace lte::nn {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support.h"
+#include "tests/nn/support.h"
 
 namespace lte::nn {
 namespace {

@@ -5,8 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "lte/nn/loss.h"
-
-#include "support.h"
+#include "tests/nn/support.h"
 
 namespace lte::nn {
 namespace {

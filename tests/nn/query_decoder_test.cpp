@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "reference_decoder.h"
-#include "support.h"
+#include "tests/nn/reference_decoder.h"
+#include "tests/nn/support.h"
 
 namespace lte::nn {
 namespace {

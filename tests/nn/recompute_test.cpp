@@ -8,8 +8,7 @@
 #include "lte/nn/model.h"
 #include "lte/nn/nearest_neighbour_embedding.h"
 #include "lte/nn/query_decoder.h"
-
-#include "support.h"
+#include "tests/nn/support.h"
 
 namespace lte::nn {
 namespace {

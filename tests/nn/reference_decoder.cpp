@@ -1,4 +1,4 @@
-#include "reference_decoder.h"
+#include "tests/nn/reference_decoder.h"
 
 #include <algorithm>
 #include <cmath>

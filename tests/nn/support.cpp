@@ -1,4 +1,4 @@
-#include "support.h"
+#include "tests/nn/support.h"
 
 #include <gtest/gtest.h>
 

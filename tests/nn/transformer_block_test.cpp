@@ -6,8 +6,7 @@
 
 #include "lte/nn/nearest_neighbour_embedding.h"
 #include "lte/ops/knn.h"
-
-#include "support.h"
+#include "tests/nn/support.h"
 
 namespace lte::nn {
 namespace {

@@ -9,12 +9,12 @@
 #include <ATen/ATen.h>
 #include <gtest/gtest.h>
 
+#include "lte/ops/curve_codes.h"
 #include "lte/ops/farthest_point.h"
 #include "lte/ops/knn.h"
 #include "lte/ops/linear.h"
 #include "lte/ops/neighbour_sums.h"
 #include "lte/ops/query_decoder.h"
-#include "lte/ops/serialize.h"
 #include "lte/ops/submanifold_conv.h"
 #include "tests/ops/decoder_weights.h"
 #include "tests/ops/fixtures.h"

@@ -3,9 +3,9 @@
 #include <ATen/core/dispatch/Dispatcher.h>
 #include <gtest/gtest.h>
 
+#include "lte/ops/curve_codes.h"
 #include "lte/ops/knn.h"
 #include "lte/ops/neighbour_sums.h"
-#include "lte/ops/serialize.h"
 #include "tests/ops/fixtures.h"
 
 namespace lte::ops {

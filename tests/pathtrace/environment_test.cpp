@@ -7,7 +7,7 @@
 #include "lte/pathtrace/irradiance.h"
 #include "lte/pathtrace/reach.h"
 #include "lte/pathtrace/render.h"
-#include "lte/scene/environment_file.h"
+#include "lte/scene/import/environment_file.h"
 #include "tests/support/closed_forms.h"
 #include "tests/support/scenes.h"
 

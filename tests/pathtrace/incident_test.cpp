@@ -9,7 +9,7 @@
 #include "lte/pathtrace/hemisphere_bins.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/pathtrace/render.h"
-#include "tests/pathtrace/ggx_reference.h"
+#include "tests/pathtrace/materials/ggx_reference.h"
 #include "tests/support/scenes.h"
 
 namespace lte::pathtrace {

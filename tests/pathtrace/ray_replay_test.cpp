@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "lte/pathtrace/benchmark.h"
-#include "lte/pathtrace/irradiance_kernel.h"
+#include "lte/pathtrace/transport/irradiance_kernel.h"
 #include "tests/support/scenes.h"
 
 namespace lte::pathtrace {

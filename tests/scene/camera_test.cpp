@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "lte/scene/load.h"
-#include "tests/base/temp_dir.h"
-#include "tests/scene/gltf_builder.h"
+#include "tests/scene/gltf/gltf_builder.h"
+#include "tests/support/temp_dir.h"
 
 namespace lte::scene {
 namespace {

@@ -7,9 +7,9 @@
 #include "lte/base/random.h"
 #include "lte/image/exr.h"
 #include "lte/image/png.h"
-#include "lte/scene/dome.h"
-#include "lte/scene/environment_file.h"
-#include "tests/scene/pbrt_fixture.h"
+#include "lte/scene/environment_points.h"
+#include "lte/scene/import/environment_file.h"
+#include "tests/scene/pbrt/fixture.h"
 #include "tests/support/scenes.h"
 
 namespace lte::scene {

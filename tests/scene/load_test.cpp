@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "lte/scene/triangle.h"
-#include "tests/base/temp_dir.h"
-#include "tests/scene/gltf_builder.h"
+#include "tests/scene/gltf/gltf_builder.h"
+#include "tests/support/temp_dir.h"
 
 namespace lte::scene {
 namespace {

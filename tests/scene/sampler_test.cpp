@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "lte/base/parallel.h"
-#include "tests/base/temp_dir.h"
 #include "tests/support/scenes.h"
+#include "tests/support/temp_dir.h"
 
 namespace lte::scene {
 namespace {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""scripts/learning_curves.py on logs written by hand: the table's figures, where the plot puts its points, and what it refuses."""
+"""scripts/figures/learning_curves.py on logs written by hand: the table's figures, where the plot puts its points, and what it refuses."""
 import contextlib
 import io
 import json

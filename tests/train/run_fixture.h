@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/train/support.h"
-#include "train/trainer.h"
+#include "train/loop/trainer.h"
 
 namespace lte::test {
 

@@ -11,7 +11,7 @@
 #include "lte/data/dataset.h"
 #include "lte/nn/model.h"
 #include "train/config.h"
-#include "train/scene_store.h"
+#include "train/data/scene_store.h"
 
 namespace lte::test {
 

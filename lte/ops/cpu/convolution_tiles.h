@@ -7,8 +7,8 @@
 
 #include <cstdint>
 
-#include "lte/ops/cpu/kernels.h"
-#include "lte/ops/cpu/tap_weights.h"
+#include "lte/ops/cpu/kernels/kernels.h"
+#include "lte/ops/cpu/kernels/tap_weights.h"
 
 namespace lte::ops {
 

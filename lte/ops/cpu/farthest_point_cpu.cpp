@@ -9,7 +9,7 @@
 
 #include "lte/ops/arguments.h"
 #include "lte/ops/cpu/kd_tree.h"
-#include "lte/ops/cpu/kernels.h"
+#include "lte/ops/cpu/kernels/kernels.h"
 
 namespace lte::ops {
 namespace {

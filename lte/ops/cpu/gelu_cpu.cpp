@@ -3,7 +3,7 @@
 #include <ATen/Parallel.h>
 #include <ATen/ops/empty.h>
 
-#include "lte/ops/cpu/kernels.h"
+#include "lte/ops/cpu/kernels/kernels.h"
 
 namespace lte::ops {
 namespace {

@@ -17,9 +17,9 @@
 
 #include "lte/ops/arguments.h"
 #include "lte/ops/cpu/kd_tree.h"
-#include "lte/ops/cpu/kernels.h"
+#include "lte/ops/cpu/kernels/kernels.h"
 #include "lte/ops/cpu/radix_sort.h"
-#include "lte/ops/serialize_kernel.h"
+#include "lte/ops/curve_codes_kernel.h"
 
 namespace lte::ops {
 namespace {

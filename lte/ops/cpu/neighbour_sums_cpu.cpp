@@ -12,7 +12,7 @@
 #include <torch/library.h>
 
 #include "lte/ops/arguments.h"
-#include "lte/ops/cpu/kernels.h"
+#include "lte/ops/cpu/kernels/kernels.h"
 #include "lte/ops/cpu/packed_linear.h"
 
 namespace lte::ops {

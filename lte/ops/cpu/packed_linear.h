@@ -7,7 +7,7 @@
 
 #include <ATen/core/Tensor.h>
 
-#include "lte/ops/cpu/kernels.h"
+#include "lte/ops/cpu/kernels/kernels.h"
 
 namespace lte::ops {
 

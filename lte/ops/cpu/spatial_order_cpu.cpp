@@ -9,7 +9,7 @@
 
 #include "lte/ops/arguments.h"
 #include "lte/ops/cpu/radix_sort.h"
-#include "lte/ops/serialize_kernel.h"
+#include "lte/ops/curve_codes_kernel.h"
 
 namespace lte::ops {
 namespace {

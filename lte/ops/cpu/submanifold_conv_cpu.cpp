@@ -20,8 +20,8 @@
 
 #include "lte/ops/arguments.h"
 #include "lte/ops/cpu/convolution_tiles.h"
+#include "lte/ops/cpu/kernels/tap_weights.h"
 #include "lte/ops/cpu/packed_linear.h"
-#include "lte/ops/cpu/tap_weights.h"
 #include "lte/ops/submanifold_conv.h"
 
 namespace lte::ops {

@@ -7,7 +7,7 @@
 
 #include <c10/util/BFloat16.h>
 
-#include "lte/ops/cpu/kernels.h"
+#include "lte/ops/cpu/kernels/kernels.h"
 
 namespace lte::ops {
 

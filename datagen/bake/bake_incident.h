@@ -1,0 +1,25 @@
+// Incident radiance of some points of a scene, packed for the sample file.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "datagen/bake/bake.h"
+#include "lte/data/incident_field.h"
+#include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/lights.h"
+#include "lte/scene/sampler.h"
+
+namespace lte::datagen {
+
+/// Paths that all points take together.
+int64_t incident_paths(const IncidentBakeOptions& options);
+
+/// @param points  on the front side, as many as are wanted
+/// @param done    told of paths as they are done
+data::IncidentField bake_incident(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                                  const scene::SurfaceSamples& points,
+                                  const IncidentBakeOptions& options, int max_depth, uint64_t seed,
+                                  const std::function<void(int64_t paths)>& done);
+
+}  // namespace lte::datagen

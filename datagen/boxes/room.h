@@ -1,0 +1,53 @@
+// Procedural furnished rooms: what the model is trained on when no scanned or modelled scenes are
+// at hand.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "datagen/common/light_rules.h"
+#include "datagen/common/range.h"
+#include "lte/base/math.h"
+#include "lte/scene/scene.h"
+
+namespace lte::datagen {
+
+/// `rooms:` in the YAML config.
+struct RoomConfig {
+  Range width_m{2.5, 7}, depth_m{2.5, 7}, height_m{2.3, 3.2};
+  CountRange furniture{4,
+                       12};  ///< pieces a room that are tried; what finds no free place is left out
+  CountRange lights{1, 3};   ///< ceiling lights a scene
+  Range radiance{2, 40};     ///< of a light, W sr^-1 m^-2 (luminance), log-uniform
+  double two_room_share = 0.25;  ///< of scenes: two rooms and a doorway between them
+  std::vector<int64_t> texture_sizes{128, 256};  ///< texels an edge; one is drawn a texture
+};
+
+inline constexpr double kMaxPartitionThickness = 0.2;  ///< metres
+
+/// A piece of furniture as it stands in the world.
+struct PlacedPiece {
+  std::string name;
+  int room = 0;
+  Bounds bounds;  ///< world
+};
+
+/// Where everything is, for tests and for people.
+struct RoomPlan {
+  std::vector<Bounds> rooms;  ///< inner boxes, one or two, side by side along x
+  Bounds doorway;             ///< the opening in the partition; empty for one room
+  std::vector<PlacedPiece> furniture;
+  std::vector<Bounds> lights;  ///< housings, flush with the ceiling; the bottom face emits
+};
+
+struct Room {
+  scene::Scene scene;
+  RoomPlan plan;
+};
+
+/// A room of closed, Lambertian, textured surfaces with one light group a ceiling light. Y up,
+/// metres, floor at y = 0. The same for the same (config, seed).
+Room generate_room(const RoomConfig& config, uint64_t seed, const std::string& name = "room");
+
+}  // namespace lte::datagen

@@ -1,0 +1,285 @@
+#include "datagen/commands/info.h"
+
+#include <cmath>
+#include <map>
+
+#include "lte/base/check.h"
+#include "lte/data/dataset.h"
+#include "lte/scene/environment_points.h"
+#include "lte/scene/sampler.h"
+
+namespace lte::datagen {
+namespace {
+
+Json vec(const Vec3& v) { return Json::array({v.x, v.y, v.z}); }
+
+Json bounds_json(const Vec3& low, const Vec3& high) {
+  return {{"low", vec(low)}, {"high", vec(high)}, {"extent_m", vec(high - low)}};
+}
+
+Rgb mean(const std::vector<Rgb>& values, double divisor) {
+  double sum[3] = {};
+  for (const Rgb& v : values)
+    for (int c = 0; c < 3; ++c) sum[c] += v[c];
+  const auto part = [&](int c) { return static_cast<float>(divisor > 0 ? sum[c] / divisor : 0); };
+  return {part(0), part(1), part(2)};
+}
+
+/// π times area times mean radiance: textures are averaged over the triangle's size, with one look
+/// at its centre.
+Rgb instance_power(const scene::Scene& scene, int index) {
+  const scene::Instance& instance = scene.instances[static_cast<size_t>(index)];
+  const scene::Mesh& mesh = scene.meshes[static_cast<size_t>(instance.mesh)];
+  const scene::Material& material = scene.materials[static_cast<size_t>(mesh.material)];
+  Rgb power;
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    Vec3 p[3];
+    for (size_t k = 0; k < 3; ++k)
+      p[k] = instance.to_world.point(mesh.positions[mesh.triangles[t][k]]);
+    const float area = 0.5f * length(cross(p[1] - p[0], p[2] - p[0]));
+    if (!(area > 0)) continue;
+    Rgb albedo, emission;
+    scene::evaluate_appearance(scene, index, static_cast<uint32_t>(t), 1.0f / 3, 1.0f / 3,
+                               std::sqrt(area), &albedo, &emission);
+    power += emission * (kPi * area * (material.double_sided ? 2.0f : 1.0f));
+  }
+  return power;
+}
+
+/// Integral of the extension's falloff over directions: whole inside the inner cone, ((cos −
+/// cos_o)/(cos_i − cos_o))² between the cones.
+Rgb light_power(const scene::PunctualLight& light) {
+  if (light.kind == scene::LightKind::Directional) return {};
+  if (light.kind == scene::LightKind::Point) return light.intensity * (4 * kPi);
+  const float inner = std::cos(light.inner_cone), outer = std::cos(light.outer_cone);
+  return light.intensity * (2 * kPi * ((1 - inner) + (inner - outer) / 3));
+}
+
+/// What enters the sphere around the scene.
+Rgb environment_power(const scene::Scene& scene) {
+  const float radius = scene::dome_of(scene).radius;
+  return scene::fluence(*scene.environment) * (kPi * radius * radius);
+}
+
+Json environment_info(const scene::Environment& environment) {
+  const Rgb mean = scene::fluence(environment) / (4 * kPi);
+  if (!environment.map) return {{"kind", "constant"}, {"mean_radiance", vec(mean)}};
+  const bool square = environment.map->mapping() == scene::SphereMapping::EqualArea;
+  return {{"kind", square ? "equal-area picture" : "equirectangular picture"},
+          {"size", {environment.map->width(), environment.map->height()}},
+          {"mean_radiance", vec(mean)}};
+}
+
+}  // namespace
+
+std::vector<Rgb> group_powers(const scene::Scene& scene) {
+  std::vector<Rgb> powers(scene.light_groups.size());
+  for (size_t i = 0; i < scene.instances.size(); ++i) {
+    const int group = scene.instances[i].light_group;
+    if (group != scene::kNone)
+      powers[static_cast<size_t>(group)] += instance_power(scene, static_cast<int>(i));
+  }
+  for (const scene::PunctualLight& light : scene.lights)
+    if (light.light_group != scene::kNone)
+      powers[static_cast<size_t>(light.light_group)] += light_power(light);
+  if (scene.environment && scene.environment->light_group != scene::kNone)
+    powers[static_cast<size_t>(scene.environment->light_group)] += environment_power(scene);
+  return powers;
+}
+
+namespace {
+
+Json texture_list(const scene::Scene& scene) {
+  std::vector<int> uses(scene.textures.size());
+  for (const scene::Material& material : scene.materials) {
+    for (const scene::TextureRef* ref : {&material.base_color_texture, &material.emission_texture,
+                                         &material.metallic_roughness_texture})
+      if (ref->texture != scene::kNone) ++uses[static_cast<size_t>(ref->texture)];
+  }
+  Json list = Json::array();
+  for (size_t i = 0; i < uses.size(); ++i) {
+    const scene::Texture& texture = *scene.textures[i];
+    list.push_back({{"width", texture.width()},
+                    {"height", texture.height()},
+                    {"bytes", texture.size_bytes()},
+                    {"uses", uses[i]}});
+  }
+  return list;
+}
+
+Json camera_list(const scene::Scene& scene) {
+  Json list = Json::array();
+  for (const scene::Camera& camera : scene.cameras) {
+    list.push_back({{"name", camera.name},
+                    {"origin", vec(camera.origin)},
+                    {"target", vec(camera.target)},
+                    {"vfov", camera.vfov}});
+  }
+  return list;
+}
+
+Json group_list(const scene::Scene& scene) {
+  std::vector<const char*> kinds(scene.light_groups.size(), "surface");
+  for (const scene::PunctualLight& light : scene.lights) {
+    if (light.light_group == scene::kNone) continue;
+    kinds[static_cast<size_t>(light.light_group)] = light.kind == scene::LightKind::Point ? "point"
+                                                    : light.kind == scene::LightKind::Spot
+                                                        ? "spot"
+                                                        : "directional";
+  }
+  if (scene.environment && scene.environment->light_group != scene::kNone)
+    kinds[static_cast<size_t>(scene.environment->light_group)] = "environment";
+  Json groups = Json::array();
+  const std::vector<Rgb> powers = group_powers(scene);
+  for (size_t g = 0; g < powers.size(); ++g)
+    groups.push_back(
+        {{"name", scene.light_groups[g]}, {"kind", kinds[g]}, {"power_w", vec(powers[g])}});
+  return groups;
+}
+
+Json scene_info_without_geometry(const scene::Scene& scene) {
+  size_t texture_bytes = 0;
+  for (const auto& texture : scene.textures) texture_bytes += texture->size_bytes();
+  int64_t stored = 0;
+  for (const scene::Mesh& mesh : scene.meshes)
+    stored += static_cast<int64_t>(mesh.triangles.size());
+  const Bounds bounds = scene.bounds();
+  return {{"kind", "scene"},
+          {"name", scene.name},
+          {"triangles", scene.triangle_count()},
+          {"stored_triangles", stored},
+          {"meshes", scene.meshes.size()},
+          {"instances", scene.instances.size()},
+          {"materials", scene.materials.size()},
+          {"textures", scene.textures.size()},
+          {"texture_bytes", texture_bytes},
+          {"texture_list", texture_list(scene)},
+          {"punctual_lights", scene.lights.size()},
+          {"cameras", scene.cameras.size()},
+          {"camera_list", camera_list(scene)},
+          {"area_m2", scene::surface_area(scene)},
+          {"bounds", bounds_json(bounds.low, bounds.high)},
+          {"unit", scene.unit},
+          {"light_groups", group_list(scene)},
+          {"ignored", scene.ignored}};
+}
+
+}  // namespace
+
+Json cleanup_info(const scene::CleanupReport& report) {
+  if (!report.inspected)
+    return {{"not_inspected", concat("more than ", scene::kMaxInspected, " triangles")}};
+  return {{"degenerate_triangles", report.degenerate_triangles},
+          {"duplicate_triangles", report.duplicate_triangles},
+          {"opposite_triangles", report.opposite_triangles},
+          {"conflicting_triangles", report.conflicting_triangles},
+          {"near_duplicate_vertices", report.near_duplicate_vertices},
+          {"duplicate_meshes", report.duplicate_meshes},
+          {"open_edges", report.open_edges},
+          {"open_edge_length_m", report.open_edge_length_m},
+          {"branching_edges", report.branching_edges},
+          {"flipped_edges", report.flipped_edges},
+          {"closed_shells", report.closed_shells},
+          {"inward_shells", report.inward_shells},
+          {"removed_triangles", report.removed_triangles}};
+}
+
+Json scene_info(const scene::Scene& scene, const scene::CleanupReport& report) {
+  Json info = scene_info_without_geometry(scene);
+  if (scene.environment) info["environment"] = environment_info(*scene.environment);
+  info["geometry"] = cleanup_info(report);
+  return info;
+}
+
+Json scene_info(const scene::Scene& scene) { return scene_info(scene, scene::inspect(scene)); }
+
+Json sample_info(const data::SceneSample& sample) {
+  double area = 0;
+  for (const float a : sample.scene_area) area += a;
+  const auto N = static_cast<double>(sample.query_points());
+  double variance = 0;
+  for (const float v : sample.variance) variance += v;
+  Json views = Json::array();
+  for (const data::View& view : sample.views) views.push_back(concat(view.width, "x", view.height));
+  return {{"kind", "sample"},
+          {"name", sample.name},
+          {"scene_points", sample.scene_points()},
+          {"query_points", sample.query_points()},
+          {"pruned_scene_points", sample.pruned_scene_points},
+          {"pruned_query_points", sample.pruned_query_points},
+          {"light_groups", sample.light_groups},
+          {"views", views},
+          {"rays", sample.rays},
+          {"target_error", sample.target_error},
+          {"max_depth", sample.max_depth},
+          {"seed", sample.seed},
+          {"area_m2", area},
+          {"mean_direct", vec(mean(sample.direct, N))},
+          {"mean_indirect", vec(mean(sample.indirect, N))},
+          {"mean_standard_error", std::sqrt(variance / N)},
+          {"path_traced_64", !sample.path_traced_64.empty()},
+          {"metal", !sample.scene_metallic.empty()},
+          {"incident",
+           {{"points", sample.incident.points()},
+            {"bins", sample.incident.bins},
+            {"samples", sample.incident.samples},
+            {"bytes", sample.incident.size_bytes()}}},
+          {"bounds", bounds_json(sample.bounds_low, sample.bounds_high)}};
+}
+
+Json dataset_info(const std::filesystem::path& directory, bool deep) {
+  const data::DatasetInfo info = data::read_dataset_info(directory);
+  std::map<data::Split, int64_t> splits{
+      {data::Split::Train, 0}, {data::Split::Val, 0}, {data::Split::Test, 0}};
+  int64_t scene_points = 0, query_points = 0;
+  uintmax_t bytes = 0;
+  for (const data::DatasetEntry& entry : info.scenes) {
+    ++splits[entry.split];
+    scene_points += entry.scene_points;
+    query_points += entry.query_points;
+    const auto path = data::scene_path(directory, entry.name);
+    bytes += std::filesystem::file_size(path);
+    if (!deep) continue;
+    const data::SceneSample sample = data::read_scene_sample(path);
+    LTE_CHECK(
+        sample.scene_points() == entry.scene_points && sample.query_points() == entry.query_points,
+        path.string(), ": ", sample.scene_points(), " scene and ", sample.query_points(),
+        " query points, but dataset.json says ", entry.scene_points, " and ", entry.query_points);
+  }
+  Json split_counts;
+  for (const auto& [split, count] : splits) split_counts[data::split_name(split)] = count;
+  return {{"kind", "dataset"},
+          {"scenes", info.scenes.size()},
+          {"planned", info.planned},
+          {"pruned", info.pruned},
+          {"splits", split_counts},
+          {"scene_points", scene_points},
+          {"query_points", query_points},
+          {"bytes", bytes},
+          {"scale_m", info.scale},
+          {"seed", info.seed},
+          {"tool", info.tool_version},
+          {"version", info.version}};
+}
+
+std::string to_text(const Json& info) {
+  const auto plain = [](const Json& value) {
+    return value.is_string() ? value.get<std::string>() : value.dump();
+  };
+  std::string text;
+  for (const auto& [key, value] : info.items()) {
+    if (value.is_array() && !value.empty() && !value[0].is_number()) {
+      text += concat(key, ":\n");
+      for (const Json& item : value) text += concat("  ", plain(item), "\n");
+    } else if (value.is_object()) {
+      text += concat(key, ":\n");
+      for (const auto& [name, item] : value.items())
+        text += concat("  ", name, ": ", plain(item), "\n");
+    } else {
+      text += concat(key, ": ", plain(value), "\n");
+    }
+  }
+  return text;
+}
+
+}  // namespace lte::datagen

@@ -1,0 +1,84 @@
+#include <memory>
+
+#include "datagen/commands/commands.h"
+#include "datagen/commands/info.h"
+#include "datagen/commands/probe.h"
+#include "lte/base/check.h"
+#include "lte/base/log.h"
+#include "lte/base/timer.h"
+#include "lte/cli/cli.h"
+
+namespace lte::datagen {
+namespace {
+
+/// Cap on rays when --target-error decides how many a point needs and --rays is not given.
+constexpr int64_t kDefaultCap = 65536;
+
+struct Flags {
+  CommonOptions common;
+  SceneOptions options;
+  ProbeOptions probe;
+  std::string scene, points, out;
+  bool has_rays = false, validate_only = false;
+};
+
+void run(Flags* flags) {
+  apply_common_options(flags->common);
+  const scene::Scene scene = load_and_report(flags->scene, flags->options);
+  if (flags->validate_only) return print_validation(flags->scene, scene);
+  LTE_CHECK(!flags->points.empty(),
+            "--points is missing: name a CSV file with the header px,py,pz,nx,ny,nz");
+  LTE_CHECK(!flags->out.empty(), "--out is missing: name the CSV file to write");
+  if (flags->probe.target_error > 0 && !flags->has_rays) flags->probe.rays = kDefaultCap;
+  const ProbePoints points = read_probe_points(flags->points);
+  const Timer timer;
+  const ProbeResult result = probe(scene, points, flags->probe);
+  write_probe_result(flags->out, points, result);
+  if (result.missed > 0) {
+    log_warning(result.missed, " of ", points.lines.size(), " points are above --target-error ",
+                flags->probe.target_error, "; raise --rays above ", flags->probe.rays);
+  }
+  log_info(flags->out, ": ", points.lines.size(), " points in ", timer.seconds(), " s");
+  write_json(flags->common.json, Json{{"points", points.lines.size()},
+                                      {"above_target", result.missed},
+                                      {"seconds", timer.seconds()}}
+                                     .dump());
+}
+
+}  // namespace
+
+void add_probe_command(CLI::App& app, CommandBody* body) {
+  auto flags = std::make_shared<Flags>();
+  CLI::App* command =
+      app.add_subcommand("probe", "Path-trace irradiance at the points of a CSV file");
+  command->add_option("scene", flags->scene, concat("Scene: ", kSceneFormats))->required();
+  command->add_option("--points", flags->points,
+                      "CSV file with the header px,py,pz,nx,ny,nz, world space");
+  command->add_option("--out", flags->out, "CSV file to write");
+  CLI::Option* rays =
+      command->add_option("--rays", flags->probe.rays,
+                          "Paths a point; with --target-error their cap (then 65536 by default)");
+  rays->capture_default_str();
+  command
+      ->add_option("--max-depth", flags->probe.max_depth,
+                   "Surface hits of a path; 1 is direct light")
+      ->capture_default_str();
+  command->add_option(
+      "--target-error", flags->probe.target_error,
+      "Relative standard error of total irradiance to reach, e.g. 0.01; 0: fixed --rays");
+  command->add_option("--seed", flags->probe.seed, "Seed of the paths")->capture_default_str();
+  add_scene_options(*command, &flags->options);
+  command->add_flag("--validate-only", flags->validate_only, "Check the scene and stop");
+  add_common_options(*command, &flags->common);
+  command->footer(
+      "Examples:\n"
+      "  lte_datagen probe room.glb --points points.csv --out irradiance.csv --rays 4096\n"
+      "  lte_datagen probe room.glb --points points.csv --out irradiance.csv --target-error 0.01\n"
+      "  lte_datagen probe house.glb --points points.csv --out irradiance.csv --environment 1,1,1");
+  command->callback([=] {
+    flags->has_rays = rays->count() > 0;
+    *body = [flags] { run(flags.get()); };
+  });
+}
+
+}  // namespace lte::datagen

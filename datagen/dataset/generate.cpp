@@ -1,0 +1,215 @@
+#include "datagen/dataset/generate.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <malloc.h>
+
+#include "datagen/boxes/room.h"
+#include "lte/base/check.h"
+#include "lte/base/log.h"
+#include "lte/base/timer.h"
+#include "lte/cli/progress.h"
+#include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/render.h"
+#include "lte/scene/export.h"
+
+namespace lte::datagen {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// With cameras, so that a viewer opens at a sensible place: the generator's, or the first view's.
+void export_glb(const fs::path& path, scene::Scene scene) {
+  if (scene.cameras.empty()) {
+    const scene::Scene geometry = scene;
+    const pathtrace::Bvh bvh(geometry);
+    scene.cameras = {pathtrace::auto_camera(bvh, 0)};
+  }
+  scene::write_glb(path, scene);
+}
+
+/// Gives back what the last scene held: the heap would keep the largest one's memory, and more.
+void release_free_memory() {
+#ifdef __GLIBC__
+  ::malloc_trim(0);
+#endif
+}
+
+class Generator {
+ public:
+  Generator(const DatagenConfig& config, const GenerateOptions& options,
+            const SceneMaker& make_scene)
+      : config_(config),
+        options_(options),
+        make_scene_(
+            make_scene
+                ? make_scene
+                : [&config](
+                      uint64_t seed,
+                      const std::string& name) { return generate_scene(config, seed, name); }),
+        folder_(config, options.out) {}
+
+  GenerateResult run() {
+    folder_.prepare(options_.shard, options_.resume);
+    Manifest manifest(options_.out, options_.shard);
+    manifest.begin(config_.seed, to_yaml(config_));
+    folder_.remove_leftovers(options_.shard);
+    const std::vector<int64_t> todo = keep_what_is_there();
+    make(todo, &manifest);
+    manifest.end(result_.baked, result_.kept, result_.failed, timer_.seconds());
+    const FolderState state = folder_.state();
+    result_.planned = folder_.planned();
+    result_.missing = static_cast<int64_t>(state.missing.size());
+    if (state.missing.empty()) result_.listed = folder_.write_index(state);
+    result_.seconds = timer_.seconds();
+    return result_;
+  }
+
+ private:
+  std::vector<int64_t> keep_what_is_there();
+  void make(const std::vector<int64_t>& todo, Manifest* manifest);
+  SceneRecord attempt(int64_t index) const;
+  void make_scene(int64_t index, SceneRecord* record) const;
+  BakeOptions bake_options(int64_t index, const scene::Scene& scene) const;
+  fs::path glb_path(int64_t index) const {
+    return folder_.scene_path(index).replace_extension(".glb");
+  }
+
+  const DatagenConfig& config_;
+  const GenerateOptions& options_;
+  const SceneMaker make_scene_;
+  DatasetFolder folder_;
+  GenerateResult result_;
+  Timer timer_;
+  int64_t timed_ = 0;         // of the kept scenes, those whose seconds are known
+  double timed_seconds_ = 0;  // theirs together
+};
+
+/// The scenes of this shard that are still to be made. What was made without a .glb gets one.
+std::vector<int64_t> Generator::keep_what_is_there() {
+  const SceneRecords records = read_manifests(options_.out);
+  std::vector<int64_t> todo;
+  for (int64_t i = options_.shard.index; i < config_.scenes; i += options_.shard.count) {
+    const auto found = records.find(i);
+    const SceneRecord* record = found == records.end() ? nullptr : &found->second;
+    const bool done = options_.resume && folder_.is_done(i, record);
+    if (done) ++result_.kept;
+    if (done && record != nullptr && record->error.empty()) {
+      ++timed_;
+      timed_seconds_ += record->seconds;
+    }
+    if (!done) {
+      todo.push_back(i);
+    } else if (options_.glb && !fs::exists(glb_path(i))) {
+      export_glb(glb_path(i), make_scene_(scene_seed(config_.seed, i), scene_name(i)));
+    }
+  }
+  return todo;
+}
+
+void Generator::make(const std::vector<int64_t>& todo, Manifest* manifest) {
+  const auto total = static_cast<int64_t>(todo.size());
+  Progress progress("generating", result_.kept + total, "scenes");
+  progress.resume(result_.kept, timed_, timed_seconds_);
+  int in_a_row = 0;
+  for (const int64_t i : todo) {
+    const SceneRecord record = attempt(i);
+    release_free_memory();
+    manifest->add(record);
+    progress.advance();
+    if (record.error.empty()) {
+      ++result_.baked;
+      in_a_row = 0;
+      continue;
+    }
+    const std::string what = concat(record.name, ": ", record.error);
+    if (result_.failed++ == 0) result_.first_error = what;
+    log_warning(what);
+    LTE_CHECK(!options_.strict, what, "; --strict ends the run");
+    LTE_CHECK(++in_a_row < kFailuresInARow, what, "; ", kFailuresInARow,
+              " scenes in a row failed, so the run ends");
+  }
+}
+
+/// What went wrong goes into the record.
+SceneRecord Generator::attempt(int64_t index) const {
+  SceneRecord record;
+  record.index = index;
+  record.name = scene_name(index);
+  record.split = data::split_name(folder_.split_of(index));
+  record.seed = scene_seed(config_.seed, index);
+  const Timer timer;
+  try {
+    make_scene(index, &record);
+  } catch (const std::exception& error) {  // lte::Error, std::bad_alloc, ...
+    record.error = *error.what() != '\0' ? error.what() : "unknown fault";
+  }
+  record.seconds = timer.seconds();
+  return record;
+}
+
+void Generator::make_scene(int64_t index, SceneRecord* record) const {
+  const Timer timer;
+  const scene::Scene scene = make_scene_(record->seed, record->name);
+  record->generate_s = timer.seconds();
+  record->triangles = scene.triangle_count();
+  const Vec3 extent = scene.bounds().extent();
+  LTE_CHECK(max_component(extent) <= config_.scale, "extent ", max_component(extent),
+            " m exceeds scale ", config_.scale, " m");
+  if (options_.glb) export_glb(glb_path(index), scene);
+  const Timer bake_timer;
+  const fs::path path = folder_.scene_path(index);
+  const data::SceneSample sample =
+      bake_scene(scene, bake_options(index, scene), false, &record->rays);
+  // dataset.json promises these counts of every scene.
+  LTE_CHECK(sample.scene_points() == config_.bake.scene_points &&
+                sample.query_points() == config_.bake.query_points,
+            "light reaches so little of the surface that only ", sample.scene_points(),
+            " scene and ", sample.query_points(), " query points were found");
+  data::write_scene_sample(path, sample);
+  record->bake_s = bake_timer.seconds();
+  record->bytes = static_cast<int64_t>(fs::file_size(path));
+}
+
+BakeOptions Generator::bake_options(int64_t index, const scene::Scene& scene) const {
+  BakeOptions bake = config_.bake;
+  bake.seed = scene_seed(config_.seed, index);
+  bake.view_cameras = scene.cameras;
+  const auto& evaluated = config_.evaluation_splits;
+  if (std::find(evaluated.begin(), evaluated.end(), data::split_name(folder_.split_of(index))) ==
+      evaluated.end()) {
+    bake.views.count = 0;
+    bake.path_tracing_64 = false;
+  }
+  return bake;
+}
+
+}  // namespace
+
+GenerateResult generate_dataset(const DatagenConfig& config, const GenerateOptions& options,
+                                const SceneMaker& make_scene) {
+  return Generator(config, options, make_scene).run();
+}
+
+GenerateResult merge_dataset(const fs::path& out) {
+  LTE_CHECK(fs::exists(config_path(out)), out.string(),
+            ": not a data set of lte_datagen generate: it has no config.yaml");
+  const DatagenConfig config = load_datagen_config(config_path(out));
+  DatasetFolder folder(config, out);
+  const FolderState state = folder.state();
+  GenerateResult result;
+  result.planned = config.scenes;
+  result.missing = static_cast<int64_t>(state.missing.size());
+  result.failed = static_cast<int64_t>(state.failed.size());
+  if (!state.failed.empty()) result.first_error = state.failed.front();
+  result.listed = folder.write_index(state);
+  return result;
+}
+
+scene::Scene generate_scene(const DatagenConfig& config, uint64_t seed, const std::string& name) {
+  if (config.generator == "homes") return homes::generate_home(config.homes, seed, name).scene;
+  return generate_room(config.rooms, seed, name).scene;
+}
+
+}  // namespace lte::datagen

@@ -1,0 +1,30 @@
+// Samples of a scene's surfaces with the light on them that a network asks for.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "infer/common/points.h"
+#include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/lights.h"
+#include "lte/scene/sampler.h"
+
+namespace lte::infer {
+
+struct LitSamples {
+  scene::SurfaceSamples surface;
+  /// W/m², or empty: pathtrace::LightEstimates summed over light groups.
+  std::vector<Rgb> direct, indirect;
+
+  /// Borrows from this.
+  ScenePoints points() const {
+    return {surface.position, surface.normal, surface.albedo, surface.emission,
+            surface.area,     direct,         indirect};
+  }
+};
+
+/// @param depth  Predictor::light_depth(): 0 for no light, 1 for direct light alone
+LitSamples light_up(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                    scene::SurfaceSamples surface, int depth, uint64_t seed);
+
+}  // namespace lte::infer

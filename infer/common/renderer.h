@@ -1,0 +1,112 @@
+// Pictures of a scene: the network's indirect light and sampled direct light at primary hits, or
+// the path-traced reference of the same quantities.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "infer/common/predictor.h"
+#include "lte/image/image.h"
+#include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/reach.h"
+#include "lte/pathtrace/render.h"
+#include "lte/scene/sampler.h"
+#include "lte/scene/scene.h"
+
+namespace lte::infer {
+
+enum class Output { Full, Gi, Irradiance, Direct, Albedo, Normal, Depth };
+enum class Mode { Neural, Reference };
+
+/// The word on the command line, and back.
+const char* output_name(Output output);
+/// @throws lte::Error naming the word and the ones there are.
+Output parse_output(const std::string& word);
+Mode parse_mode(const std::string& word);
+
+struct RenderSettings {
+  Output output = Output::Full;
+  Mode mode = Mode::Neural;
+  int width = 512, height = 512;
+  int direct_samples = 64;  ///< shadow rays a pixel
+  int spp = 64;             ///< reference mode: paths a pixel
+  int max_depth = 5;  ///< reference mode: surface hits after the primary one (DESIGN section 5)
+  uint64_t seed = 0;
+};
+
+struct EmbedSettings {
+  int64_t scene_points = 0;  ///< M; 0 for that of the model's training
+  uint64_t seed = 0;
+  bool rescale = false;
+  /// Draw scene points only where light reaches them (pathtrace/reach.h); by default as in the
+  /// model's training.
+  std::optional<bool> prune;
+};
+
+/// Wall-clock seconds by stage; `load` and `write` belong to the caller. `light` is that of scene
+/// points, for models that read it.
+struct StageSeconds {
+  double load = 0, sample = 0, light = 0, encode = 0, primary = 0, decode = 0, direct = 0,
+         reference = 0, write = 0;
+};
+
+/// What a render gave. An image that the output did not need is empty (width 0). Background pixels
+/// are zero in all.
+struct Frame {
+  image::Image color;  ///< the chosen output, linear; depth has one channel
+  image::Image albedo, normal, depth, emission;
+  image::Image direct;    ///< irradiance by direct light, W/m²
+  image::Image indirect;  ///< irradiance by all later bounces
+  image::Image
+      total;  ///< of a model whose target is total irradiance, when direct light was not needed
+  int64_t background = 0;  ///< pixels without a hit
+  int64_t queries = 0;     ///< pixels that reflect light: those that are decoded
+};
+
+/// The BVH, the lights and at most one embedding of a scene, which must outlive it. Camera moves
+/// re-encode nothing.
+class Renderer {
+ public:
+  explicit Renderer(const scene::Scene& scene);
+
+  /// Samples scene points and encodes them.
+  /// @throws lte::Error for a scene larger than the model knows, unless settings.rescale.
+  void embed(Predictor predictor, const EmbedSettings& settings);
+
+  /// @throws lte::Error if the network is needed and embed() has not been called.
+  Frame render(const scene::Camera& camera, const RenderSettings& settings);
+
+  /// The network is needed: neural mode, an output with indirect light, and light in the scene.
+  bool needs_network(const RenderSettings& settings) const;
+
+  bool has_light() const { return !lights_.empty(); }
+  bool has_environment() const { return lights_.has_environment(); }
+  const pathtrace::Bvh& bvh() const { return bvh_; }
+  const pathtrace::Lights& lights() const { return lights_; }
+  StageSeconds& seconds() { return seconds_; }
+  /// Of the last embed(); zeros if it did not prune.
+  const pathtrace::PruneCounts& pruned_points() const { return pruned_points_; }
+
+ private:
+  struct Queries;
+  pathtrace::GBuffer trace(const scene::Camera& camera, const RenderSettings& settings,
+                           Frame* frame);
+  void neural(const Queries& queries, const RenderSettings& settings, Frame* frame);
+  void reference(const Queries& queries, const RenderSettings& settings, Frame* frame);
+  image::Image estimate(const Queries& queries, const RenderSettings& settings, bool direct_only,
+                        image::Image* indirect) const;
+
+  const scene::Scene& scene_;
+  pathtrace::Bvh bvh_;
+  pathtrace::Lights lights_;
+  std::optional<Predictor> predictor_;
+  StageSeconds seconds_;
+  pathtrace::PruneCounts pruned_points_;
+};
+
+/// How scene points are drawn wherever a scene is shown to the network.
+scene::SamplerOptions scene_point_options(uint64_t seed);
+
+}  // namespace lte::infer

@@ -1,0 +1,90 @@
+#include "infer/eval/contact_sheet.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lte/image/png.h"
+#include "lte/image/tonemap.h"
+
+namespace lte::infer {
+namespace {
+
+using image::Image;
+
+constexpr int kGap = 4;                    // pixels between the pictures of a sheet
+constexpr float kDifferenceRange = 0.25f;  // of white
+constexpr int kSmallest = 192;             // pixels of a picture's width
+
+/// |a − b| in luminance, times `factor`, in false colour.
+Image difference(const Image& a, const Image& b, float factor) {
+  Image out(a.width, a.height, 1);
+  for (int y = 0; y < a.height; ++y) {
+    for (int x = 0; x < a.width; ++x)
+      *out.at(x, y) = factor * std::abs(luminance(a.rgb(x, y)) - luminance(b.rgb(x, y)));
+  }
+  return image::heat_map(out, kDifferenceRange);
+}
+
+Image white_sheet(int width, int height) {
+  Image out(width, height, 3);
+  std::fill(out.pixels.begin(), out.pixels.end(), 1.0f);
+  return out;
+}
+
+/// Each pixel of `picture` as a square of `zoom` pixels.
+void paste(const Image& picture, int left, int top, int zoom, Image* sheet) {
+  for (int y = 0; y < zoom * picture.height; ++y) {
+    for (int x = 0; x < zoom * picture.width; ++x)
+      sheet->set_rgb(left + x, top + y, picture.rgb(x / zoom, y / zoom));
+  }
+}
+
+Image stacked(const std::vector<Image>& rows) {
+  int width = 0, height = -kGap;
+  for (const Image& row : rows) width = std::max(width, row.width), height += row.height + kGap;
+  Image sheet = white_sheet(width, height);
+  int top = 0;
+  for (const Image& row : rows) {
+    paste(row, 0, top, 1, &sheet);
+    top += row.height + kGap;
+  }
+  return sheet;
+}
+
+}  // namespace
+
+Image view_row(const ViewPicture& picture) {
+  const data::View& view = picture.view;
+  const auto exposure = static_cast<float>(white_exposure(picture.reference));
+  const auto filled = [&](std::span<const Rgb> values) {
+    return fill_mask(values, view.mask, view.width, view.height);
+  };
+  const Image reference = filled(picture.reference), neural = filled(picture.neural);
+  std::vector<Image> columns = {image::tonemap(reference, exposure),
+                                image::tonemap(neural, exposure)};
+  if (picture.rival.empty()) {
+    columns.push_back(difference(neural, reference, exposure));
+  } else {
+    const Image rival = filled(picture.rival);
+    columns.push_back(image::tonemap(rival, exposure));
+    columns.push_back(difference(neural, reference, exposure));
+    columns.push_back(difference(rival, reference, exposure));
+  }
+  const int zoom = std::max(1, (kSmallest + view.width - 1) / view.width);
+  const int step = zoom * view.width + kGap;
+  Image row = white_sheet(static_cast<int>(columns.size()) * step - kGap, zoom * view.height);
+  for (size_t i = 0; i < columns.size(); ++i)
+    paste(columns[i], static_cast<int>(i) * step, 0, zoom, &row);
+  return row;
+}
+
+void ContactSheets::add(const ViewPicture& picture) {
+  if (scenes_.empty() || scenes_.back() != picture.scene) {
+    scenes_.push_back(picture.scene);
+    rows_.clear();
+  }
+  rows_.push_back(view_row(picture));
+  image::write_png(path(picture.scene), stacked(rows_));
+}
+
+}  // namespace lte::infer

@@ -1,0 +1,171 @@
+#include "infer/eval/eval_command.h"
+
+#include <filesystem>
+#include <iostream>
+#include <system_error>
+
+#include <nlohmann/json.hpp>
+
+#include "infer/common/assets.h"
+#include "infer/eval/eval_report.h"
+#include "infer/eval/evaluate.h"
+#include "lte/base/config.h"
+#include "lte/base/file.h"
+#include "lte/base/log.h"
+
+namespace lte::infer {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kRunModel = "model.safetensors";
+constexpr const char* kShippedData = "data/rooms-test";
+
+void check_usage(const EvalRequest& request) {
+  const bool fitting = !request.fit_baselines.empty();
+  if (fitting && request.out.empty())
+    throw CLI::ValidationError("--out", "name the file for --fit-baselines");
+  if (!fitting && !request.out.empty())
+    throw CLI::ValidationError("--out", "goes with --fit-baselines only");
+  if (!fitting && request.split.empty())
+    throw CLI::ValidationError("--split", "expected train, val or test");
+}
+
+/// The request with what a training configuration says where the command line is silent: its data
+/// set, and the model of its run directory.
+EvalRequest with_config(EvalRequest request) {
+  if (request.config.empty()) return request;
+  // Keys are checked by the trainer, which owns them.
+  const Config config = Config::load(request.config);
+  if (request.data.empty()) config.at("data").read("root", &request.data);
+  std::string run;
+  config.read("output", &run);
+  if (request.checkpoint.empty() && !run.empty()) {
+    request.checkpoint = (fs::path(run) / kRunModel).string();
+  }
+  return request;
+}
+
+void print_settings(const EvalRequest& r) {
+  const auto quoted = [](const std::string& text) { return nlohmann::json(text).dump(); };
+  std::cout << "checkpoint: " << quoted(r.checkpoint) << "\ndata: " << quoted(r.data)
+            << "\nsplit: " << quoted(r.split) << "\nbaselines: " << quoted(r.baselines)
+            << "\nreport: " << quoted(r.report) << "\ncsv: " << quoted(r.csv)
+            << "\nresamples: " << r.bootstrap.resamples << "\nseed: " << r.bootstrap.seed
+            << "\nprobes: " << r.probes << "\nprobe_rate: " << r.probe_rate
+            << "\ndevice: " << quoted(r.tool.device) << "\nthreads: " << r.tool.common.threads
+            << "\nprecision: " << r.tool.precision << "\nmax_memory: " << r.tool.max_memory_mb
+            << '\n';
+}
+
+/// From --baselines, from beside the checkpoint, or from the training split, in this order.
+Baselines find_baselines(const EvalRequest& request, const fs::path& checkpoint,
+                         const fs::path& data) {
+  if (!request.baselines.empty()) return read_baselines(request.baselines);
+  const fs::path beside = baselines_path(checkpoint);
+  if (fs::exists(beside)) return read_baselines(beside);
+  const data::DatasetInfo info = data::read_dataset_info(data);
+  LTE_CHECK(!data::entries_of(info, data::Split::Train).empty(), beside.string(), ": missing, and ",
+            data.string(),
+            " has no training scenes to fit the baselines on: run lte_eval --fit-baselines "
+            "TRAINING_DATA --out ",
+            beside.string());
+  log_info(beside.string(), " is missing: fitting baselines on the training split of ",
+           data.string());
+  return fit_baselines(data);
+}
+
+fs::path make_report_folder(const std::string& report) {
+  if (report.empty()) return {};
+  std::error_code error;
+  fs::create_directories(report, error);
+  LTE_CHECK(!error, report, ": cannot be created: ", error.message());
+  check_writable((fs::path(report) / "metrics.csv").string());
+  return report;
+}
+
+void fit_to_file(const EvalRequest& request) {
+  check_writable(request.out);
+  const Baselines fitted = fit_baselines(request.fit_baselines);
+  write_baselines(request.out, fitted);
+  log_info("wrote ", request.out, " from ", fitted.scenes, " training scenes");
+}
+
+}  // namespace
+
+void add_eval_options(CLI::App& app, EvalRequest* r) {
+  app.add_option("--config", r->config, "Training configuration: its data set and its run's model");
+  app.add_option("--checkpoint", r->checkpoint, "Model; by default the shipped one");
+  app.add_option("--split", r->split, "train, val or test")
+      ->check(CLI::IsMember({"train", "val", "test"}));
+  app.add_option("--data", r->data, "Data-set folder; by default the shipped test rooms");
+  app.add_option("--baselines", r->baselines,
+                 "Fitted baselines; by default CHECKPOINT's stem + .baselines.json");
+  app.add_option("--report", r->report,
+                 "Folder for report.html, metrics.csv and a contact sheet of each scene");
+  app.add_option("--csv", r->csv, "Every metric by scene and predictor, as CSV");
+  app.add_option("--resamples", r->bootstrap.resamples,
+                 "Bootstrap resamples of the scenes behind the 95 % confidence intervals")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--seed", r->bootstrap.seed, "Seed of the resamples")->capture_default_str();
+  auto* probes = app.add_option("--probes", r->probes,
+                                "Probes a scene of irradiance_probes; 0: without that predictor")
+                     ->check(CLI::NonNegativeNumber)
+                     ->capture_default_str();
+  app.add_option(
+         "--probe-rate", r->probe_rate,
+         "Paths a second of a path tracer: as many probes as it bakes while a scene is encoded")
+      ->check(CLI::PositiveNumber)
+      ->excludes(probes);
+  app.add_option("--fit-baselines", r->fit_baselines,
+                 "Fit the baselines on this data set's training split and stop")
+      ->excludes("--split");
+  app.add_option("--out", r->out, "Baselines file to write with --fit-baselines");
+  add_tool_options(app, &r->tool);
+}
+
+void run_eval(const EvalRequest& given) {
+  const EvalRequest request = with_config(given);
+  if (!request.tool.print_config) check_usage(request);
+  apply_tool_options(request.tool);
+  if (request.tool.print_config) return print_settings(request);
+  if (!request.fit_baselines.empty()) return fit_to_file(request);
+  check_writable(request.tool.common.json);
+  check_writable(request.csv);
+
+  const fs::path checkpoint = checkpoint_or_shipped(request.checkpoint);
+  const fs::path data =
+      request.data.empty() ? asset_path(kShippedData, "--data") : fs::path(request.data);
+  const Device device = choose_device(request.tool.device);
+  Predictor predictor =
+      Predictor::load(checkpoint, device, choose_precision(request.tool.precision, device));
+  const MemoryLimit memory(request.tool.max_memory_mb);
+  predictor.limit_memory(memory);
+  const Baselines baselines = find_baselines(request, checkpoint, data);
+  const fs::path folder = make_report_folder(request.report);
+
+  EvalSettings settings;
+  settings.data = data;
+  settings.split = data::parse_split(request.split);
+  settings.bootstrap = request.bootstrap;
+  settings.probes = request.probes;
+  settings.probe_rate = request.probe_rate;
+  settings.on_scene = [&] { memory.check("a scene"); };
+  ContactSheets sheets(folder);
+  if (!folder.empty()) settings.on_view = [&](const ViewPicture& picture) { sheets.add(picture); };
+  const EvalResult result = evaluate(settings, &predictor, baselines);
+
+  if (!folder.empty()) {
+    write_file(folder / "metrics.csv", eval_csv(result));
+    write_file(folder / "report.html",
+               eval_html(result, checkpoint.string(), data.string(), sheets));
+  }
+  if (!request.csv.empty()) write_file(request.csv, eval_csv(result));
+  if (!request.tool.common.json.empty()) {
+    write_file(request.tool.common.json, eval_json(result, checkpoint.string(), data.string()));
+  }
+  std::cout << eval_table(result);
+}
+
+}  // namespace lte::infer

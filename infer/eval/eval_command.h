@@ -1,0 +1,28 @@
+// What lte_eval does between its command line and its exit code.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "infer/common/tool_options.h"
+#include "infer/eval/bootstrap.h"
+
+namespace lte::infer {
+
+struct EvalRequest {
+  std::string config, checkpoint, data, split, baselines, report;
+  std::string fit_baselines, out;
+  std::string csv;
+  BootstrapSettings bootstrap;
+  int64_t probes = 128;
+  double probe_rate = 0;  ///< paths a second; 0: `probes` decides
+  ToolOptions tool;
+};
+
+void add_eval_options(CLI::App& app, EvalRequest* request);
+
+/// Evaluates and prints a table; or, with --fit-baselines, writes a baselines file.
+/// @throws lte::Error for bad input, CLI::ValidationError for flags that do not go together.
+void run_eval(const EvalRequest& request);
+
+}  // namespace lte::infer

@@ -1,0 +1,17 @@
+// lte_eval: error of a model on scenes with ground truth, beside cheap predictors.
+#include "infer/eval/eval_command.h"
+
+int main(int argc, char** argv) {
+  CLI::App app{
+      "Measures a model's error on baked scenes, beside path tracing and cheap predictors.",
+      "lte_eval"};
+  app.footer(
+      "Examples:\n"
+      "  lte_eval --split test\n"
+      "  lte_eval --checkpoint run/model.safetensors --data rooms --split test --report report "
+      "--json eval.json\n"
+      "  lte_eval --fit-baselines rooms --out run/model.baselines.json");
+  lte::infer::EvalRequest request;
+  lte::infer::add_eval_options(app, &request);
+  return lte::run_tool(app, argc, argv, [&] { lte::infer::run_eval(request); });
+}

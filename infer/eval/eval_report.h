@@ -1,0 +1,48 @@
+// An evaluation as JSON, as a table for people, and as files of a report folder.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "infer/eval/contact_sheet.h"
+#include "infer/eval/evaluate.h"
+
+namespace lte::infer {
+
+/// docs/metrics.md has the keys; a figure that could not be measured is null. `checkpoint` and
+/// `data` are recorded as given.
+std::string eval_json(const EvalResult& result, const std::string& checkpoint,
+                      const std::string& data);
+
+/// Every metric by predictor: scene by scene, median, and mean with its confidence interval; what
+/// the errors are worth in path-traced samples; and the paper's table.
+std::string eval_table(const EvalResult& result);
+
+/// One line a scene and predictor.
+std::string eval_csv(const EvalResult& result);
+
+/// The same as one self-contained page, with the sheets.
+/// @throws lte::Error if a sheet cannot be read.
+std::string eval_html(const EvalResult& result, const std::string& checkpoint,
+                      const std::string& data, const ContactSheets& sheets);
+
+/// Rows for people: a title, then text cells.
+struct TextTable {
+  std::vector<std::string> head;
+  std::vector<std::vector<std::string>> rows;
+};
+
+/// Path-traced samples of equal error, by predictor; no rows without path_tracing_64.
+TextTable sample_table(const EvalResult& result);
+
+/// Table 1 of the paper beside the same figures here.
+TextTable paper_table(const EvalResult& result);
+
+/// What has to be said with those two.
+std::string sample_note(const EvalResult& result);
+extern const char* const kPaperNote;
+
+/// "0.0123", or "-" for what could not be measured.
+std::string figure(double value);
+
+}  // namespace lte::infer

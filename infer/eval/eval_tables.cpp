@@ -1,0 +1,80 @@
+#include <cmath>
+#include <cstdio>
+
+#include "infer/eval/eval_report.h"
+#include "lte/base/check.h"
+
+namespace lte::infer {
+namespace {
+
+std::string bounds(const Interval& interval) {
+  return concat(figure(interval.low), " to ", figure(interval.high));
+}
+
+/// A path count: infinite where the error lies below the noise of the reference.
+std::string paths(double value) { return std::isinf(value) ? "all of them" : figure(value); }
+
+}  // namespace
+
+const char* const kPaperNote =
+    "The paper's MSE and SSIM are of irradiance without texture, as here, but on 105 scenes of its "
+    "own, in its own unit "
+    "of light and with its own display values, none of which are published: columns of one row can "
+    "be compared, rows of "
+    "the paper and rows of this evaluation cannot.";
+
+std::string figure(double value) {
+  if (!std::isfinite(value)) return "-";
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+TextTable sample_table(const EvalResult& result) {
+  TextTable out;
+  const std::string percent = concat(std::lround(100 * result.bootstrap.level), " %");
+  out.head = {"worth path-traced samples",
+              "a point",
+              percent,
+              "median scene",
+              "a pixel",
+              percent,
+              "median scene"};
+  for (const PredictorSamples& entry : result.equal_samples) {
+    out.rows.push_back({entry.name, paths(entry.points.all), bounds(entry.points.interval),
+                        paths(entry.points.median), paths(entry.views.all),
+                        bounds(entry.views.interval), paths(entry.views.median)});
+  }
+  return out;
+}
+
+std::string sample_note(const EvalResult& result) {
+  if (std::isnan(result.variance_check.ratio)) return "";
+  // SSIM does not follow from that of 64 paths.
+  const Score* const few = find_score(result.mean, concat("path_tracing_", data::kFewPaths[0]));
+  const bool traced = few && std::isfinite(few->views[2]);
+  return concat(
+      "From the MSE of path tracing with 64 paths, whose variance falls as 1/n. Here it falls as "
+      "1/n^",
+      figure(result.variance_check.exponent),
+      " between 64 paths and the reference's: one path has ", figure(result.variance_check.ratio),
+      " times the variance that the spread of the reference tells. Rows of 16, 4 and 1 path are ",
+      traced ? "derived at points, and traced in views." : "derived, not traced.");
+}
+
+TextTable paper_table(const EvalResult& result) {
+  TextTable out;
+  out.head = {"views", "network: MSE", "SSIM", "path tracing, 64 paths: MSE", "SSIM"};
+  const Score missing;
+  const auto score = [&](const char* name) {
+    const Score* const found = find_score(result.mean, name);
+    return found ? *found : missing;
+  };
+  const Score own = score("neural"), rival = score(kPathTraced);
+  out.rows.push_back({concat(result.scenes.size(), " scenes here"), figure(own.views[0]),
+                      figure(own.views[2]), figure(rival.views[0]), figure(rival.views[2])});
+  out.rows.push_back({"105 scenes of the paper", "0.048", "0.912", "0.051", "0.425"});
+  return out;
+}
+
+}  // namespace lte::infer

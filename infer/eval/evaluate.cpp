@@ -1,0 +1,258 @@
+#include "infer/eval/evaluate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "infer/eval/eval_sites.h"
+#include "infer/eval/probes.h"
+#include "lte/base/check.h"
+#include "lte/base/log.h"
+#include "lte/base/timer.h"
+#include "lte/cli/progress.h"
+
+namespace lte::infer {
+namespace {
+
+constexpr double kSameScale = 1e-6;
+
+std::string few_paths_row(int paths) { return concat("path_tracing_", paths); }
+
+/// The network's indirect irradiance over the emission scalar. A model of total irradiance is
+/// compared on the same quantity: what the reference direct light leaves of it.
+std::vector<Rgb> neural(const Predictor& predictor, const Site& site) {
+  std::vector<Rgb> out =
+      data::sum_groups(predictor.predict(site.queries), 1, 1 / predictor.radiance());
+  if (!predictor.predicts_total()) return out;
+  for (size_t i = 0; i < out.size(); ++i) out[i] = max(out[i] - site.direct[i], Vec3{});
+  return out;
+}
+
+using Predictions = std::vector<std::pair<std::string, std::vector<Rgb>>>;
+
+/// Everything that predicts in one scene.
+struct Predictors {
+  const Predictor& network;
+  const BaselinePredictor& baselines;
+  const ProbeField& probes;
+
+  Predictions predict(const Site& site, double* decode_seconds) const {
+    Predictions out;
+    const Timer timer;
+    out.emplace_back("neural", neural(network, site));
+    *decode_seconds += timer.seconds();
+    if (!site.path_traced.empty()) out.emplace_back(kPathTraced, site.path_traced);
+    for (size_t i = 0; i < data::kFewPaths.size(); ++i) {
+      if (!site.path_traced_few[i].empty())
+        out.emplace_back(few_paths_row(data::kFewPaths[i]), site.path_traced_few[i]);
+    }
+    out.emplace_back("constant_mean", baselines.constant_mean(site.queries));
+    out.emplace_back("nearest_point", baselines.nearest_point(site.queries));
+    out.emplace_back("blurred_direct", baselines.blurred_direct(site.queries));
+    if (probes.size() > 0) out.emplace_back("irradiance_probes", probes.interpolate(site.queries));
+    out.emplace_back("direct_only", std::vector<Rgb>(site.queries.position.size()));
+    return out;
+  }
+};
+
+/// Scores of one view, added up over the views of a scene; the caller divides.
+class ViewSums {
+ public:
+  void add(const Predictions& predictions, const ViewPixels& pixels, const data::View& view) {
+    if (pixels.position.empty()) return;
+    const ReferenceNoise noise = pixels.site.noise();
+    noise_.mse += noise.mse, noise_.relmse += noise.relmse;
+    ++views_;
+    for (const auto& [name, values] : predictions) {
+      const ViewScore score =
+          score_view(values, pixels.site.reference, view.mask, view.width, view.height);
+      std::pair<ViewScore, int>& sum = sums_[name];
+      for (size_t k = 0; k < score.size(); ++k) sum.first[k] += score[k];
+      ++sum.second;
+    }
+  }
+
+  /// Mean over the views that show anything.
+  ReferenceNoise noise() const {
+    const double count = std::max(1, views_);
+    return {noise_.mse / count, noise_.relmse / count};
+  }
+
+  /// Mean scores of a predictor; nothing if no view has it.
+  std::optional<ViewScore> mean(const std::string& name) const {
+    const auto found = sums_.find(name);
+    if (found == sums_.end()) return std::nullopt;
+    auto [out, count] = found->second;
+    for (double& value : out) value /= count;
+    return out;
+  }
+
+  void store(Scores* scores) const {
+    for (auto& [name, score] : *scores) score.views = mean(name).value_or(Score().views);
+  }
+
+ private:
+  std::map<std::string, std::pair<ViewScore, int>> sums_;
+  ReferenceNoise noise_;
+  int views_ = 0;
+};
+
+/// Rows of fewer paths after that of 64, if it is there: derived, but for views that were traced.
+void add_fewer_paths(const ReferenceNoise& points, const ViewSums& views, Scores* scores) {
+  const auto found = std::find_if(scores->begin(), scores->end(),
+                                  [](const auto& entry) { return entry.first == kPathTraced; });
+  if (found == scores->end()) return;
+  const Score at_64 = found->second;
+  Scores rows;
+  for (const int paths : data::kFewPaths) {
+    const std::string name = few_paths_row(paths);
+    Score score = derived_path_tracing(at_64, points, views.noise(), paths);
+    score.views = views.mean(name).value_or(score.views);
+    rows.emplace_back(name, score);
+  }
+  scores->insert(found + 1, rows.begin(), rows.end());
+}
+
+int64_t probe_count(const EvalSettings& settings, const data::SceneSample& sample,
+                    double encode_seconds) {
+  if (settings.probe_rate <= 0) return settings.probes;
+  const auto paths = static_cast<double>(std::max<int64_t>(1, sample.rays));
+  return std::max<int64_t>(1, std::llround(encode_seconds * settings.probe_rate / paths));
+}
+
+SceneResult evaluate_scene(const EvalSettings& settings, const data::SceneSample& sample,
+                           Predictor* predictor, const Baselines& fitted) {
+  SceneResult result;
+  result.name = sample.name;
+  result.points = sample.query_points();
+  result.views = static_cast<int64_t>(sample.views.size());
+  const int light = predictor->light_depth();
+  LTE_CHECK(light == 0 || !sample.scene_direct.empty(), sample.name,
+            ": has no scene_direct, which the model reads; bake the data again");
+  const std::vector<Rgb> direct = data::sum_groups(sample.scene_direct, sample.light_groups, 1);
+  const std::vector<Rgb> indirect = data::sum_groups(sample.scene_indirect, sample.light_groups, 1);
+  const Timer timer;
+  predictor->embed({sample.scene_position, sample.scene_normal, sample.scene_albedo,
+                    sample.scene_emission, sample.scene_area, direct, indirect});
+  result.encode_seconds = timer.seconds();
+  result.radiance = predictor->radiance();
+  result.path_variance = single_path_variance(sample, result.radiance);
+  result.paths = static_cast<double>(sample.rays);
+
+  const BaselinePredictor baselines(fitted, sample, result.radiance);
+  const Site points = point_site(sample, result.radiance);
+  const ProbeField probes(points.queries, points.reference,
+                          probe_count(settings, sample, result.encode_seconds));
+  result.probes = probes.size();
+  result.reference_noise = points.noise().mse;
+  const Predictors predictors{*predictor, baselines, probes};
+  for (const auto& [name, values] : predictors.predict(points, &result.decode_seconds)) {
+    result.scores.emplace_back(name, Score());
+    result.scores.back().second.points = score_points(values, points.reference);
+  }
+  ViewSums sums;
+  for (size_t k = 0; k < sample.views.size(); ++k) {
+    const data::View& view = sample.views[k];
+    const ViewPixels pixels(view, sample.light_groups, result.radiance);
+    const Predictions predictions = predictors.predict(pixels.site, &result.decode_seconds);
+    sums.add(predictions, pixels, view);
+    if (settings.on_view) {
+      settings.on_view({sample.name, static_cast<int>(k), view, pixels.site.reference,
+                        predictions.front().second, pixels.site.path_traced});
+    }
+  }
+  sums.store(&result.scores);
+  result.views_noise = sums.noise().mse;
+  add_fewer_paths(points.noise(), sums, &result.scores);
+  return result;
+}
+
+VarianceCheck check_variance(const std::vector<SceneResult>& scenes) {
+  double at_64 = 0, at_reference = 0, single = 0, paths = 0;
+  for (const SceneResult& scene : scenes) {
+    const Score* const rival = find_score(scene.scores, kPathTraced);
+    if (!rival) continue;
+    at_64 += rival->points[0] - scene.reference_noise;
+    at_reference += scene.reference_noise;
+    single += scene.path_variance;
+    paths += scene.paths / static_cast<double>(scenes.size());
+  }
+  constexpr double kLeastSpan = 1e-6;
+  // NaN without such scenes, and an exponent of NaN where the reference has 64 paths too.
+  const double span = std::log(paths / kPathsStored);
+  return {kPathsStored * at_64 / single,
+          std::abs(span) > kLeastSpan ? std::log(at_64 / at_reference) / span : std::nan("")};
+}
+
+/// What is said of all scenes together.
+void summarize(EvalResult* result) {
+  std::vector<Scores> scores;
+  std::vector<SceneErrors> errors;
+  for (const SceneResult& scene : result->scenes) {
+    scores.push_back(scene.scores);
+    errors.push_back({scene.scores, scene.reference_noise, scene.views_noise});
+  }
+  const Bootstrap bootstrap(scores.size(), result->bootstrap);
+  result->mean = mean_scores(scores), result->median = median_scores(scores);
+  result->mean_interval = mean_intervals(scores, bootstrap);
+  result->median_interval = median_intervals(scores, bootstrap);
+  result->equal_samples = all_equal_samples(errors, bootstrap);
+  result->variance_check = check_variance(result->scenes);
+}
+
+/// "train 40, test 8": the splits that have scenes.
+std::string splits_there(const data::DatasetInfo& info) {
+  std::string out;
+  for (const data::Split split : {data::Split::Train, data::Split::Val, data::Split::Test}) {
+    const size_t count = data::entries_of(info, split).size();
+    if (count > 0) out += concat(out.empty() ? "" : ", ", data::split_name(split), " ", count);
+  }
+  return out.empty() ? "none" : out;
+}
+
+}  // namespace
+
+EvalResult evaluate(const EvalSettings& settings, Predictor* predictor,
+                    const Baselines& baselines) {
+  const data::DatasetInfo info = data::read_dataset_info(settings.data);
+  LTE_CHECK(std::abs(info.scale - predictor->scale()) <= kSameScale * predictor->scale(),
+            settings.data.string(), ": data of scale ", info.scale,
+            " m does not go with a model of scale ", predictor->scale(),
+            " m: evaluate on a data set generated with the model's scale");
+  const std::vector<data::DatasetEntry> entries = data::entries_of(info, settings.split);
+  LTE_CHECK(!entries.empty(), settings.data.string(), ": no scenes of split ",
+            data::split_name(settings.split), " (it has: ", splits_there(info), ")");
+  EvalResult result;
+  result.split = data::split_name(settings.split);
+  result.bootstrap = settings.bootstrap;
+  Progress progress("evaluating", static_cast<int64_t>(entries.size()), "scenes");
+  for (const data::DatasetEntry& entry : entries) {
+    data::SceneSample sample = data::read_scene_sample(data::scene_path(settings.data, entry.name));
+    data::drop_idle_queries(&sample);
+    sample.name = entry.name;
+    result.scenes.push_back(evaluate_scene(settings, sample, predictor, baselines));
+    if (settings.on_scene) settings.on_scene();
+    progress.advance();
+  }
+  summarize(&result);
+  return result;
+}
+
+Baselines fit_baselines(const std::filesystem::path& directory) {
+  const std::vector<data::DatasetEntry> entries =
+      data::entries_of(data::read_dataset_info(directory), data::Split::Train);
+  LTE_CHECK(!entries.empty(), directory.string(), ": no training scenes to fit baselines on");
+  BaselineFit fit;
+  Progress progress("fitting baselines", static_cast<int64_t>(entries.size()), "scenes");
+  for (const data::DatasetEntry& entry : entries) {
+    data::SceneSample sample = data::read_scene_sample(data::scene_path(directory, entry.name));
+    data::drop_idle_queries(&sample);
+    fit.add(sample);
+    progress.advance();
+  }
+  return fit.finish();
+}
+
+}  // namespace lte::infer

@@ -1,0 +1,82 @@
+// Error of a model and of the baselines on one split of a baked data set. Needs neither Embree nor
+// the scene files.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "infer/common/predictor.h"
+#include "infer/eval/baselines.h"
+#include "infer/eval/bootstrap.h"
+#include "infer/eval/equal_samples.h"
+#include "infer/eval/scores.h"
+#include "lte/data/dataset.h"
+
+namespace lte::infer {
+
+struct SceneResult {
+  std::string name;
+  double radiance = 1;  ///< the emission scalar that irradiance was divided by
+  double reference_noise =
+      0;  ///< mean variance of the normalized reference at the points: the floor of any MSE
+  double views_noise = 0;    ///< the same over the views; 0 without any
+  double path_variance = 0;  ///< of a single path at the points, by the spread of the reference
+  double paths = 0;          ///< behind a point of the reference
+  int64_t points = 0, views = 0;
+  int64_t probes = 0;  ///< that irradiance_probes interpolates
+  double encode_seconds = 0, decode_seconds = 0;
+  Scores scores;
+};
+
+/// How far the 1/n of path tracing holds at the points, where the paths of the reference are known.
+struct VarianceCheck {
+  /// Variance of one path told by the 64-path estimate over that told by the spread of the
+  /// reference: 1 if variance falls as 1/n. NaN without path_tracing_64.
+  double ratio;
+  double exponent;  ///< p of a variance that falls as n^−p between 64 paths and the reference's
+};
+
+struct EvalResult {
+  std::string split;
+  std::vector<SceneResult> scenes;
+  Scores mean, median;
+  BootstrapSettings bootstrap;
+  ScoreIntervals mean_interval, median_interval;
+  std::vector<PredictorSamples> equal_samples;
+  VarianceCheck variance_check{};
+};
+
+/// Indirect irradiance over the emission scalar at the pixels of a view whose mask is set.
+struct ViewPicture {
+  const std::string& scene;
+  int index;
+  const data::View& view;
+  std::span<const Rgb> reference, neural;
+  std::span<const Rgb> rival;  ///< path-traced with 64 paths; empty if the data has none
+};
+using ViewSink = std::function<void(const ViewPicture&)>;
+
+struct EvalSettings {
+  std::filesystem::path data;
+  data::Split split = data::Split::Test;
+  BootstrapSettings bootstrap;
+  int64_t probes = 128;  ///< of irradiance_probes, a scene; 0: without that predictor
+  /// Paths a second that a path tracer is known to trace: if positive, there are as many probes as
+  /// it would bake, with the paths of the data's points, while a scene is encoded.
+  double probe_rate = 0;
+  ViewSink on_view;                ///< may be empty
+  std::function<void()> on_scene;  ///< after each scene; may be empty
+};
+
+/// @throws lte::Error if the split is empty (naming those that are not), or if data and model have
+/// different scales s.
+EvalResult evaluate(const EvalSettings& settings, Predictor* predictor, const Baselines& baselines);
+
+/// Baselines of the training split of `directory`.
+/// @throws lte::Error naming the folder if it has no training scenes.
+Baselines fit_baselines(const std::filesystem::path& directory);
+
+}  // namespace lte::infer

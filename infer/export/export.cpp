@@ -1,0 +1,106 @@
+#include "infer/export/export.h"
+
+#include <fstream>
+
+#include <nlohmann/json.hpp>
+#include <torch/csrc/jit/api/module.h>
+#include <torch/csrc/jit/frontend/resolver.h>
+#include <torch/csrc/jit/frontend/sugared_value.h>
+#include <torch/csrc/jit/serialization/import.h>
+
+#include "infer/common/assets.h"
+#include "infer/common/synthetic_room.h"
+#include "infer/export/torchscript_network.h"
+#include "infer/export/torchscript_ops.h"
+#include "lte/base/check.h"
+#include "lte/base/file.h"
+#include "lte/base/version.h"
+#include "lte/nn/model_file.h"
+
+namespace lte::infer {
+namespace {
+
+/// Lets the source say lte.knn(...) for torch.ops.lte.knn, beside torch.cat(...).
+struct LteResolver : torch::jit::Resolver {
+  std::shared_ptr<torch::jit::SugaredValue> resolveValue(const std::string& name,
+                                                         torch::jit::GraphFunction&,
+                                                         const torch::jit::SourceRange&) override {
+    if (name == "torch") return std::make_shared<torch::jit::BuiltinModule>("aten");
+    if (name == "lte") return std::make_shared<torch::jit::BuiltinModule>("lte");
+    return nullptr;
+  }
+};
+
+torch::jit::Module build_module(const nn::LightTransportModel& model, bool portable) {
+  torch::jit::Module module("lte_model");
+  for (const auto& item : model->named_parameters()) {
+    module.register_parameter(torchscript_attribute(item.key()), item.value().detach().clone(),
+                              /*is_buffer=*/false);
+  }
+  module.define(torchscript_ops(portable) + torchscript_network(model->config()),
+                std::make_shared<LteResolver>());
+  module.eval();
+  return module;
+}
+
+std::string normalization_json(const nn::ModelConfig& config) {
+  return nlohmann::json{{"scale_m", config.scale},
+                        {"target", config.target},
+                        {"position",
+                         "network space is (p - min over scene points) / scale_m; encode() and "
+                         "decode() do it"},
+                        {"irradiance", "W/m^2, linear Rec.709, not divided by pi"}}
+             .dump(1) +
+         "\n";
+}
+
+/// The columns encode() takes.
+at::Tensor point_rows(const nn::PointSet& points, const nn::ModelConfig& config) {
+  std::vector<at::Tensor> columns = {points.position, points.normal, points.albedo, points.emission,
+                                     points.area.unsqueeze(1)};
+  if (config.reads_direct()) columns.push_back(points.direct);
+  if (config.reads_indirect()) columns.push_back(points.indirect);
+  return at::cat(columns, 1);
+}
+
+ExportCheck compare(torch::jit::Module& module, nn::LightTransportModel& model,
+                    int64_t scene_points, int64_t queries) {
+  const nn::PointSet points = synthetic_room(scene_points, 11);
+  const nn::PointSet surface = synthetic_room(queries, 12);
+  const at::Tensor expected =
+      model->decode(model->encode(points), {surface.position, surface.normal, surface.albedo});
+  const at::Tensor rows = at::cat({surface.position, surface.normal, surface.albedo}, 1);
+  const at::Tensor got = module.forward({point_rows(points, model->config()), rows}).toTensor();
+  const double largest = expected.abs().max().item<double>();
+  return {scene_points, queries,
+          (got - expected).abs().max().item<double>() / std::max(largest, 1e-30)};
+}
+
+}  // namespace
+
+std::vector<ExportCheck> export_torchscript(const ExportOptions& options) {
+  const at::NoGradGuard no_grad;
+  nn::LightTransportModel model = nn::load_model(checkpoint_or_shipped(options.checkpoint));
+  const torch::jit::Module module = build_module(model, options.portable);
+  const torch::jit::ExtraFilesMap extra{{"config.yaml", model->config().to_yaml()},
+                                        {"normalization.json", normalization_json(model->config())},
+                                        {"version.txt", version()}};
+  AtomicFile file(options.out);
+  module.save(file.temporary_path().string(), extra);
+  std::vector<ExportCheck> checks;
+  if (options.verify) {
+    torch::jit::Module loaded = torch::jit::load(file.temporary_path().string());
+    loaded.eval();
+    for (const auto& [scene_points, queries] :
+         {std::pair<int64_t, int64_t>{257, 100}, {1'024, 1'000}, {6'000, 5'000}}) {
+      checks.push_back(compare(loaded, model, scene_points, queries));
+      LTE_CHECK(checks.back().relative_error <= 1e-4, options.out.string(), ": with ", scene_points,
+                " scene points the exported module deviates from the native model by ",
+                checks.back().relative_error, " of the largest value; nothing was written");
+    }
+  }
+  file.commit();
+  return checks;
+}
+
+}  // namespace lte::infer

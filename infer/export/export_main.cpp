@@ -1,0 +1,34 @@
+// lte_export: a checkpoint as a TorchScript module.
+#include <cstdio>
+
+#include "infer/export/export.h"
+#include "lte/cli/cli.h"
+
+int main(int argc, char** argv) {
+  using namespace lte;
+  CLI::App app{
+      "Export a model as TorchScript: encode(points), decode(embedding, queries), forward(points, "
+      "queries).",
+      "lte_export"};
+  app.footer(
+      "Examples:\n  lte_export --out model.pt\n  lte_export --checkpoint runs/a/model.safetensors "
+      "--out a.pt --portable --verify");
+  infer::ExportOptions options;
+  CommonOptions common;
+  add_common_options(app, &common, /*with_json=*/false);
+  app.add_option("--checkpoint", options.checkpoint, "Model (default: the shipped one)");
+  app.add_option("--out", options.out, "TorchScript file to write")->required();
+  app.add_flag("--portable", options.portable,
+               "Built-in operators alone: loads in PyTorch or LibTorch without lte");
+  app.add_flag("--verify", options.verify,
+               "Load the file again and compare with the native model at three sizes");
+  return run_tool(app, argc, argv, [&] {
+    apply_common_options(common);
+    for (const infer::ExportCheck& check : infer::export_torchscript(options)) {
+      std::printf("verified M = %lld, Q = %lld: largest deviation %.2e of the largest value\n",
+                  static_cast<long long>(check.scene_points), static_cast<long long>(check.queries),
+                  check.relative_error);
+    }
+    std::printf("wrote %s\n", options.out.c_str());
+  });
+}

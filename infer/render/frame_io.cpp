@@ -1,0 +1,79 @@
+#include "infer/render/frame_io.h"
+
+#include <algorithm>
+#include <cctype>
+#include <string>
+#include <vector>
+
+#include "lte/base/check.h"
+#include "lte/image/exr.h"
+#include "lte/image/png.h"
+#include "lte/image/tonemap.h"
+
+namespace lte::infer {
+namespace {
+
+using image::Image;
+
+std::string extension_of(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+bool is_light(Output output) {
+  return output != Output::Albedo && output != Output::Normal && output != Output::Depth;
+}
+
+void write_layers(const std::filesystem::path& path, const Frame& frame) {
+  std::vector<image::Layer> layers{{"", &frame.color}};
+  const std::pair<const char*, const Image*> named[] = {
+      {"albedo", &frame.albedo},     {"normal", &frame.normal}, {"depth", &frame.depth},
+      {"emission", &frame.emission}, {"direct", &frame.direct}, {"indirect", &frame.indirect},
+      {"total", &frame.total}};
+  for (const auto& [name, picture] : named) {
+    if (picture->width > 0) layers.push_back({name, picture});
+  }
+  image::write_exr(path, layers);
+}
+
+/// Normals as colours; a pixel without a hit stays black.
+Image display_normal(const Frame& frame) {
+  Image out = frame.normal;
+  for (size_t i = 0; i < frame.depth.pixels.size(); ++i) {
+    if (frame.depth.pixels[i] <= 0) continue;
+    for (size_t c = 3 * i; c < 3 * i + 3; ++c)
+      out.pixels[c] = std::clamp(0.5f * out.pixels[c] + 0.5f, 0.0f, 1.0f);
+  }
+  return out;
+}
+
+Image display_depth(const Image& depth) {
+  Image out = depth;
+  const float farthest = *std::max_element(depth.pixels.begin(), depth.pixels.end());
+  for (float& value : out.pixels) value = farthest > 0 ? value / farthest : 0;
+  return out;
+}
+
+}  // namespace
+
+float frame_exposure(const Frame& frame, Output output) {
+  return is_light(output) ? image::auto_exposure(frame.color) : 1.0f;
+}
+
+void write_frame(const std::filesystem::path& path, const Frame& frame, Output output,
+                 float exposure) {
+  const std::string extension = extension_of(path);
+  if (extension == ".exr") return write_layers(path, frame);
+  LTE_CHECK(extension == ".png", path.string(), ": expected a name that ends in .exr or .png");
+  if (output == Output::Normal) return image::write_png(path, display_normal(frame));
+  if (output == Output::Depth) return image::write_png(path, display_depth(frame.depth));
+  image::write_png(path, image::tonemap(frame.color, is_light(output) ? exposure : 1.0f));
+}
+
+bool is_picture_path(const std::filesystem::path& path) {
+  return extension_of(path) == ".exr" || extension_of(path) == ".png";
+}
+
+}  // namespace lte::infer

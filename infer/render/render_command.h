@@ -1,0 +1,33 @@
+// What lte_render does between its command line and its exit code.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "infer/common/tool_options.h"
+
+namespace lte::infer {
+
+/// The command line as it stands; words are checked by the flags themselves.
+struct RenderRequest {
+  std::string scene, checkpoint, camera, out;
+  std::string size = "512x512";
+  std::string output = "full", mode = "neural";
+  int spp = 64, max_depth = 5, direct_samples = 64;
+  int64_t scene_points = 0;
+  uint64_t seed = 0;
+  bool rescale = false, validate_only = false;
+  std::string prune = "auto";
+  std::string environment;      ///< "R,G,B" or a picture; empty: the scene's own
+  double environment_turn = 0;  ///< degrees about +Y
+  std::optional<double> exposure;
+  ToolOptions tool;
+};
+
+void add_render_options(CLI::App& app, RenderRequest* request);
+
+/// Loads, renders, writes, and prints one line of times.
+/// @throws lte::Error for bad input, CLI::ValidationError for flags that do not go together.
+void run_render(const RenderRequest& request);
+
+}  // namespace lte::infer

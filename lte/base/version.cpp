@@ -1,0 +1,7 @@
+#include "lte/base/version.h"
+
+namespace lte {
+
+const char* version() { return LTE_VERSION; }
+
+}  // namespace lte

@@ -1,0 +1,100 @@
+#include "lte/nn/model_file.h"
+
+#include <algorithm>
+#include <sstream>
+#include <vector>
+
+#include "lte/base/check.h"
+#include "lte/base/safetensors.h"
+#include "lte/base/version.h"
+
+namespace lte::nn {
+namespace {
+
+constexpr int64_t kFormatVersion = 1;
+
+/// Keys that may differ between a file and the model that takes its weights: the same weights mean
+/// the same under them, or are meant to be tuned further.
+const std::vector<std::string> kTunable = {"dropout", "target", "output_mean", "patch_size"};
+
+ModelConfig read_config(const SafetensorsFile& file) {
+  const std::string name = file.path().string();
+  const auto& metadata = file.metadata();
+  const auto format = metadata.find("format");
+  LTE_CHECK(format != metadata.end() && format->second == "lte-model", name,
+            ": not a model (its metadata has no format \"lte-model\")");
+  int64_t version = 0;
+  std::istringstream(file.metadata("format_version")) >> version;
+  LTE_CHECK(version >= 1, name, ": format_version \"", file.metadata("format_version"),
+            "\" is not a positive number");
+  LTE_CHECK(version <= kFormatVersion, name, ": format version ", version,
+            " is newer than this program's ", kFormatVersion, "; update lte");
+  const Config yaml = Config::parse(file.metadata("model_config"), name + ": model_config");
+  const ModelConfig config = ModelConfig::read(yaml);
+  yaml.finish();
+  return config;
+}
+
+void copy_weights(const SafetensorsFile& file, LightTransportModelImpl& model) {
+  const std::string name = file.path().string();
+  const at::NoGradGuard no_grad;
+  const auto parameters = model.named_parameters();
+  for (const auto& [tensor, view] : file.tensors()) {
+    LTE_CHECK(parameters.contains(tensor), name, ": superfluous tensor ", tensor);
+  }
+  for (const auto& item : parameters) {
+    at::Tensor to = item.value();
+    const auto values = file.values<float>(item.key(), to.sizes().vec());
+    const at::Tensor from =
+        at::from_blob(const_cast<float*>(values.data()), to.sizes(), at::kFloat);
+    LTE_CHECK(from.isfinite().all().item<bool>(), name, ": tensor ", item.key(),
+              " has a value that is not finite");
+    to.copy_(from);
+  }
+}
+
+void check_same_config(const std::string& name, const ModelConfig& file, const ModelConfig& model) {
+  LTE_CHECK(file.channels == model.channels, name, ": its width is D = ", file.channels,
+            " but the model's is D = ", model.channels, " (model.channels)");
+  std::istringstream in_file(file.to_yaml()), in_model(model.to_yaml());
+  std::string a, b;
+  while (std::getline(in_file, a) && std::getline(in_model, b)) {
+    const std::string key = a.substr(0, a.find(':'));
+    const bool tunable = std::find(kTunable.begin(), kTunable.end(), key) != kTunable.end();
+    LTE_CHECK(a == b || tunable, name, ": it has model.", a, " but the model has ", b);
+  }
+}
+
+}  // namespace
+
+void save_model(const std::filesystem::path& path, const LightTransportModel& model,
+                const std::map<std::string, std::string>& extra) {
+  SafetensorsWriter writer;
+  for (const auto& [key, value] : extra) writer.set_metadata(key, value);
+  writer.set_metadata("format", "lte-model");
+  writer.set_metadata("format_version", std::to_string(kFormatVersion));
+  writer.set_metadata("model_config", model->config().to_yaml());
+  writer.set_metadata("lte_version", version());
+  std::vector<at::Tensor> alive;  // the writer borrows
+  for (const auto& item : model->named_parameters()) {
+    alive.push_back(item.value().detach().to(at::kCPU, at::kFloat).contiguous());
+    writer.add(item.key(), alive.back().sizes().vec(), alive.back().const_data_ptr<float>());
+  }
+  writer.write(path);
+}
+
+LightTransportModel load_model(const std::filesystem::path& path) {
+  const SafetensorsFile file(path);
+  LightTransportModel model(read_config(file));
+  copy_weights(file, *model);
+  model->eval();
+  return model;
+}
+
+void load_weights(const std::filesystem::path& path, LightTransportModel& model) {
+  const SafetensorsFile file(path);
+  check_same_config(path.string(), read_config(file), model->config());
+  copy_weights(file, *model);
+}
+
+}  // namespace lte::nn

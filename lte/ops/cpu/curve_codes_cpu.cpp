@@ -1,0 +1,34 @@
+#include <ATen/Parallel.h>
+#include <ATen/ops/empty.h>
+#include <torch/library.h>
+
+#include "lte/ops/cpu/kernels/kernels.h"
+#include "lte/ops/curve_codes_kernel.h"
+
+namespace lte::ops {
+namespace {
+
+at::Tensor curve_codes_cpu(const at::Tensor& cells, int64_t curve, int64_t bits) {
+  check_curve_args(cells, curve, bits);
+  const int64_t N = cells.size(0);
+  const auto* in = cells.const_data_ptr<int32_t>();
+  const int64_t row = first_row(
+      N, [&](int64_t i) { return ((in[3 * i] | in[3 * i + 1] | in[3 * i + 2]) >> bits) != 0; });
+  TORCH_CHECK(row == N, "curve_codes: row ", row, " of cells is outside [0, 2^", bits, "): (",
+              in[3 * row], ", ", in[3 * row + 1], ", ", in[3 * row + 2], ")");
+  at::Tensor codes = at::empty({N}, cells.options().dtype(at::kLong));
+  auto* out = codes.data_ptr<int64_t>();
+  const auto kind = static_cast<Curve>(curve);
+  const bool hilbert = kind == Curve::Hilbert || kind == Curve::HilbertTransposed,
+             transposed = kind == Curve::ZTransposed || kind == Curve::HilbertTransposed;
+  at::parallel_for(0, N, kGrain, [&](int64_t begin, int64_t end) {
+    curve_kernels().codes(in + 3 * begin, end - begin, hilbert, transposed, static_cast<int>(bits),
+                          out + begin);
+  });
+  return codes;
+}
+
+}  // namespace
+}  // namespace lte::ops
+
+TORCH_LIBRARY_IMPL(lte, CPU, m) { m.impl("curve_codes", lte::ops::curve_codes_cpu); }

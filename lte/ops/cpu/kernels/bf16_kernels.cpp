@@ -1,0 +1,175 @@
+// Products of bfloat16 operands with sums in float32. Activations come in float32 and are rounded
+// to the nearest even bfloat16 as a product reads them.
+#include "lte/ops/cpu/kernels/kernels.h"
+#include "lte/ops/cpu/kernels/product.h"
+#include "lte/ops/cpu/kernels/sum_query.h"
+#include "lte/ops/cpu/kernels/vector.h"
+
+namespace lte::ops::LTE_ISA {
+namespace {
+
+typedef uint16_t Halves __attribute__((vector_size(kVectorBytes / 2)));
+constexpr int64_t kRowsAtOnce =
+    96;  ///< whose rounded inputs, 24 KiB, stay in the first-level cache
+
+/// The bfloat16 in the upper half of each lane; the lower half is what was rounded away.
+Bits rounded(const Float& value) {
+  Bits bits;
+  __builtin_memcpy(&bits, &value, sizeof bits);
+  return bits + splat(uint32_t{0x7fff}) + (bits >> 16 & splat(uint32_t{1}));
+}
+
+Halves narrow(const Float& value) {
+#if defined(__AVX512BF16__)
+  return (Halves)_mm512_cvtneps_pbh((__m512)value);
+#else
+  return __builtin_convertvector(rounded(value) >> 16, Halves);
+#endif
+}
+
+/// `K` values, and what is past them to a whole vector, as pairs; the last one's partner is zero.
+void narrow_row(const float* x, int64_t K, uint32_t* out) {
+  for (int64_t i = 0; i < K; i += kLanes<float>) {
+    const Halves values = narrow(load(x + i));
+    __builtin_memcpy(out + i / 2, &values, sizeof values);
+  }
+  if (K % 2 != 0) out[K / 2] &= 0xffff;
+}
+
+void multiply(const float* x, int64_t rows, int64_t K, const uint32_t* weight, int64_t row_stride,
+              int64_t block_stride, const float* bias, int64_t blocks, bool add, float* out) {
+  uint32_t pairs[kRowsAtOnce * PairProduct::kRowStride];
+  for (int64_t r = 0; r < rows; r += kRowsAtOnce) {
+    const int64_t count = rows - r < kRowsAtOnce ? rows - r : kRowsAtOnce;
+    for (int64_t i = 0; i < count; ++i) {
+      narrow_row(x + (r + i) * kPanel, K, pairs + i * PairProduct::kRowStride);
+    }
+    multiply_blocks<PairProduct>(pairs, count, (K + 1) / 2, weight, row_stride, block_stride, bias,
+                                 blocks, add, out + r * kPanel);
+  }
+}
+
+void multiply_transposed(const uint32_t* left, int64_t rows, int64_t pairs, const uint32_t* right,
+                         int64_t blocks, bool add, float* out) {
+  multiply_blocks<TransposedPairProduct>(left, rows, pairs, right, kPanel, kBlock, nullptr, blocks,
+                                         add, out);
+}
+
+void pair_rows(const float* even, const float* odd, int64_t count, uint32_t* out) {
+  const auto pair = [](const Float& low, const Float& high) {
+    return rounded(low) >> 16 | (rounded(high) & splat(uint32_t{0xffff0000}));
+  };
+  int64_t i = 0;
+  for (; i + kLanes<float> <= count; i += kLanes<float>) {
+    store(out + i, pair(load(even + i), odd != nullptr ? load(odd + i) : Float{}));
+  }
+  for (; i < count; ++i) {
+    out[i] = pair(splat(even[i]), odd != nullptr ? splat(odd[i]) : Float{})[0];
+  }
+}
+
+/// x/2 (1 + erf(x/√2)) with a polynomial that is 1 where it ends, at ±4.
+Float gelu(const Float& x) {
+  const Float limit = splat(4.0f);
+  Float z = x < limit ? x : limit;
+  z = z > -limit ? z : -limit;
+  const Float s = z * z;
+  Float p = s * splat(4.517630855e-08f) + splat(-3.177648331e-06f);
+  p = p * s + splat(9.552764627e-05f);
+  p = p * s + splat(-1.624373612e-03f);
+  p = p * s + splat(1.752737492e-02f);
+  p = p * s + splat(-1.291088073e-01f);
+  p = p * s + splat(7.957405188e-01f);
+  const Float half = x * splat(0.5f);
+  return half + half * (z * p);
+}
+
+void activate(float* x, int64_t rows, int64_t blocks) {
+  for (int64_t r = 0; r < rows; ++r) {
+    for (int64_t i = r * kPanel; i < r * kPanel + blocks * kBlock; i += kLanes<float>) {
+      store(x + i, gelu(load(x + i)));
+    }
+  }
+}
+
+void activate_sum(const float* a, const float* b, int64_t count, float* out) {
+  int64_t i = 0;
+  for (; i + kLanes<float> <= count; i += kLanes<float>) {
+    store(out + i, gelu(load(a + i) + load(b + i)));
+  }
+  for (; i < count; ++i) out[i] = gelu(splat(a[i] + b[i]))[0];
+}
+
+void hidden_positions(const float* offset, int64_t pairs, const float* weight, int64_t H,
+                      uint32_t* out) {
+  const Bits upper = splat(uint32_t{0xffff0000});
+  const auto hidden = [&](const float* w, int64_t i) {
+    return rounded(gelu(splat(w[3]) + splat(w[0]) * load(offset + i) +
+                        splat(w[1]) * load(offset + pairs + i) +
+                        splat(w[2]) * load(offset + 2 * pairs + i)));
+  };
+  for (int64_t h = 0; h < H; h += 2, out += pairs) {
+    for (int64_t i = 0; i < pairs; i += kLanes<float>) {
+      Bits pair = hidden(weight + 4 * h, i) >> 16;
+      if (h + 1 < H) pair |= hidden(weight + 4 * (h + 1), i) & upper;
+      store(out + i, pair);
+    }
+  }
+}
+
+/// ROWS positions of one block from the transposed activations [pairs, stride].
+template <int ROWS>
+void project_rows(const uint32_t* hidden, int64_t stride, int64_t pairs, const uint32_t* weight,
+                  const float* bias, float* out) {
+  Float sum[ROWS][kVectors];
+#pragma GCC unroll 16
+  for (int r = 0; r < ROWS; ++r) {
+#pragma GCC unroll 8
+    for (int v = 0; v < kVectors; ++v) sum[r][v] = load(bias + v * kLanes<float>);
+  }
+  for (int64_t h = 0; h < pairs; ++h) {
+    PairProduct::Weight w[kVectors];
+#pragma GCC unroll 8
+    for (int v = 0; v < kVectors; ++v) {
+      w[v] = PairProduct::weight(weight + h * kBlock + v * kLanes<float>);
+    }
+#pragma GCC unroll 16
+    for (int r = 0; r < ROWS; ++r) {
+      const PairProduct::Spread x = PairProduct::spread(hidden[h * stride + r]);
+#pragma GCC unroll 8
+      for (int v = 0; v < kVectors; ++v) sum[r][v] = PairProduct::add(sum[r][v], x, w[v]);
+    }
+  }
+#pragma GCC unroll 16
+  for (int r = 0; r < ROWS; ++r) {
+#pragma GCC unroll 8
+    for (int v = 0; v < kVectors; ++v) store(out + r * kBlock + v * kLanes<float>, sum[r][v]);
+  }
+}
+
+void projected_sums(const float* table, int64_t blocks, int64_t layers, const int64_t* index,
+                    int64_t queries, int64_t K, const uint32_t* hidden, int64_t pairs,
+                    const uint32_t* weight, const float* bias, float* position, float* out) {
+  constexpr int kProjected = kVectors == 1 ? 16 : kVectors == 2 ? 4 : 2;
+  const int64_t run = layers * kPair, stride = blocks * run;
+  const int64_t rows = (K + kBlock - 1) / kBlock * kBlock;
+  for (int64_t b = 0; b < blocks; ++b) {
+    for (int64_t q = 0; q < queries; ++q) {
+      for (int64_t r = 0; r < rows; r += kProjected) {
+        project_rows<kProjected>(hidden + q * pairs * rows + r, rows, pairs,
+                                 weight + b * pairs * kBlock, bias + b * kBlock,
+                                 position + r * kBlock);
+      }
+      sum_query(table + b * run, stride, layers, index + q * K, K, position, kBlock,
+                out + q * stride + b * run);
+    }
+  }
+}
+
+}  // namespace
+
+extern const Bf16Kernels kBf16Kernels;
+const Bf16Kernels kBf16Kernels{multiply,     multiply_transposed, pair_rows,     activate,
+                               activate_sum, hidden_positions,    projected_sums};
+
+}  // namespace lte::ops::LTE_ISA

@@ -1,0 +1,221 @@
+// Dense layers, norms and activations over tiles of rows that stay in the caches.
+#include "lte/ops/cpu/kernels/kernels.h"
+#include "lte/ops/cpu/kernels/product.h"
+#include "lte/ops/cpu/kernels/vector.h"
+#include "lte/ops/cpu/kernels/vector_math.h"
+
+namespace lte::ops::LTE_ISA {
+namespace {
+
+/// erf(x / sqrt 2), by a ratio of polynomials to 2 units in the last place; `z`: x / sqrt 2 clamped
+/// to ±kErfLimit, from where on it is ±1 but for 2e-8.
+constexpr float kErfLimit = 4.0f;
+Float erf_of(const Float& x, Float& z) {
+  const Float limit = splat(kErfLimit);
+  z = x * splat(0.70710678118654752f);
+  z = z < limit ? z : limit;
+  z = z > -limit ? z : -limit;
+  const Float s = z * z;
+  Float p = s * splat(-2.72614225801306e-10f) + splat(2.77068142495902e-08f);
+  p = p * s + splat(-2.10102402082508e-06f);
+  p = p * s + splat(-5.69250639462346e-05f);
+  p = p * s + splat(-7.34990630326855e-04f);
+  p = p * s + splat(-2.95459980854025e-03f);
+  p = p * s + splat(-1.60960333262415e-02f);
+  Float q = s * splat(-1.45660718464996e-05f) + splat(-2.13374055278905e-04f);
+  q = q * s + splat(-1.68282697438203e-03f);
+  q = q * s + splat(-7.37332916720468e-03f);
+  q = q * s + splat(-1.42647390514189e-02f);
+  return z * p / q;
+}
+
+Float gelu(const Float& x) {
+  Float z;
+  const Float erf = erf_of(x, z), half = x * splat(0.5f);
+  const Float inside = half + half * erf;
+  const Float upper = z < splat(kErfLimit) ? inside : x;
+  return z > splat(-kErfLimit) ? upper : Float{};
+}
+
+void activate(float* x, int64_t rows, int64_t blocks) {
+  for (int64_t r = 0; r < rows; ++r) {
+    for (int64_t i = r * kPanel; i < r * kPanel + blocks * kBlock; i += kLanes<float>) {
+      store(x + i, gelu(load(x + i)));
+    }
+  }
+}
+
+/// Calls vectors(i) for whole vectors of `count` columns, then rest(i) for each of those left.
+template <typename Vectors, typename Rest>
+inline void over_row(int64_t count, const Vectors& vectors, const Rest& rest) {
+  int64_t i = 0;
+  for (; i + kLanes<float> <= count; i += kLanes<float>) vectors(i);
+  for (; i < count; ++i) rest(i);
+}
+
+void activate_sum(const float* a, const float* b, int64_t count, float* out) {
+  over_row(
+      count, [&](int64_t i) { store(out + i, gelu(load(a + i) + load(b + i))); },
+      [&](int64_t i) { out[i] = gelu(splat(a[i] + b[i]))[0]; });
+}
+
+void maximize(const float* x, int64_t count, float* out) {
+  over_row(
+      count,
+      [&](int64_t i) {
+        const Float value = load(x + i), most = load(out + i);
+        store(out + i, value > most ? value : most);
+      },
+      [&](int64_t i) { out[i] = x[i] > out[i] ? x[i] : out[i]; });
+}
+
+void accumulate(const float* x, int64_t count, float* out) {
+  over_row(
+      count, [&](int64_t i) { store(out + i, load(out + i) + load(x + i)); },
+      [&](int64_t i) { out[i] += x[i]; });
+}
+
+void layer_norm(const float* x, int64_t rows, int64_t panel_stride, int64_t channels,
+                const float* gain, const float* bias, float* out) {
+  const int64_t blocks = (channels + kBlock - 1) / kBlock;
+  constexpr int64_t kBlocks = kPanel / kBlock;
+  // Columns past the last channel hold zeros; they must not count in the variance.
+  float counted[kBlock];
+  for (int64_t i = 0; i < kBlock; ++i) {
+    counted[i] = (blocks - 1) * kBlock + i < channels ? 1.0f : 0.0f;
+  }
+  const float inverse = 1.0f / static_cast<float>(channels);
+  for (int64_t r = 0; r < rows; ++r) {
+    const auto at = [&](int64_t b) {
+      return b / kBlocks * panel_stride + r * kPanel + b % kBlocks * kBlock;
+    };
+    Float sum[kVectors] = {};
+    for (int64_t b = 0; b < blocks; ++b) {
+      for (int v = 0; v < kVectors; ++v) sum[v] += load(x + at(b) + v * kLanes<float>);
+    }
+    float total = 0;
+    for (int v = 0; v < kVectors; ++v) total += horizontal_sum(sum[v]);
+    const Float mean = splat(total * inverse);
+    Float square[kVectors] = {};
+    for (int64_t b = 0; b < blocks; ++b) {
+      for (int v = 0; v < kVectors; ++v) {
+        Float d = load(x + at(b) + v * kLanes<float>) - mean;
+        if (b == blocks - 1) d *= load(counted + v * kLanes<float>);
+        square[v] += d * d;
+      }
+    }
+    total = 0;
+    for (int v = 0; v < kVectors; ++v) total += horizontal_sum(square[v]);
+    const Float scale = splat(1.0f / __builtin_sqrtf(total * inverse + kNormEpsilon));
+    for (int64_t b = 0; b < blocks; ++b) {
+      for (int v = 0; v < kVectors; ++v) {
+        const int64_t c = b * kBlock + v * kLanes<float>, i = at(b) + v * kLanes<float>;
+        store(out + i, (load(x + i) - mean) * scale * load(gain + c) + load(bias + c));
+      }
+    }
+  }
+}
+
+void exponentiate(float* x, int64_t rows, int64_t panel_stride, int64_t count, float* inverse_sum) {
+  for (int64_t r = 0; r < rows; ++r) {
+    float* row = x + r * kPanel;
+    const auto end_of = [&](int64_t c) { return count - c < kPanel ? count - c : kPanel; };
+    Float most = splat(-__builtin_inff());
+    float largest = -__builtin_inff();
+    for (int64_t c = 0; c < count; c += kPanel) {
+      const float* p = row + c / kPanel * panel_stride;
+      int64_t i = 0;
+      for (; i + kLanes<float> <= end_of(c); i += kLanes<float>) {
+        const Float value = load(p + i);
+        most = value > most ? value : most;
+      }
+      for (; i < end_of(c); ++i) largest = p[i] > largest ? p[i] : largest;
+    }
+    for (int lane = 0; lane < kLanes<float>; ++lane) {
+      largest = most[lane] > largest ? most[lane] : largest;
+    }
+    const Float base = splat(largest);
+    Float sum{};
+    float rest = 0;
+    for (int64_t c = 0; c < count; c += kPanel) {
+      float* p = row + c / kPanel * panel_stride;
+      int64_t i = 0;
+      for (; i < end_of(c); i += kLanes<float>) {
+        const Float value = exponential(load(p + i) - base);
+        store(p + i, value);
+        if (i + kLanes<float> <= end_of(c)) {
+          sum += value;
+        } else {
+          for (int lane = 0; i + lane < end_of(c); ++lane) rest += value[lane];
+        }
+      }
+    }
+    inverse_sum[r] = 1.0f / (horizontal_sum(sum) + rest);
+  }
+}
+
+/// Φ(x) + x φ(x), of the normal distribution.
+Float gelu_slope(const Float& x) {
+  Float z;
+  const Float erf = erf_of(x, z), half = splat(0.5f);
+  const Float density = exponential(x * x * splat(-0.5f)) * splat(0.398942280401432678f);
+  const Float inside = half + half * erf + x * density;
+  const Float upper = z < splat(kErfLimit) ? inside : splat(1.0f) + x * density;
+  return z > splat(-kErfLimit) ? upper : x * density;
+}
+
+void activate_row(const float* x, int64_t count, float* out) {
+  over_row(
+      count, [&](int64_t i) { store(out + i, gelu(load(x + i))); },
+      [&](int64_t i) { out[i] = gelu(splat(x[i]))[0]; });
+}
+
+void activate_gradient(const float* x, const float* grad, int64_t count, float* out) {
+  over_row(
+      count, [&](int64_t i) { store(out + i, load(grad + i) * gelu_slope(load(x + i))); },
+      [&](int64_t i) { out[i] = grad[i] * gelu_slope(splat(x[i]))[0]; });
+}
+
+void attend(const float* query, int64_t rows, int64_t blocks, const float* sums, int64_t row_stride,
+            int64_t block_stride, float scale, float* out) {
+  const Float factor = splat(scale);
+  for (int64_t r = 0; r < rows; ++r) {
+    for (int64_t b = 0; b < blocks; ++b) {
+      const float* s = sums + r * row_stride + b * block_stride;
+      for (int64_t lane = 0; lane < kBlock; lane += kLanes<float>) {
+        const int64_t i = r * kPanel + b * kBlock + lane;
+        store(out + i, (load(query + i) * load(s + lane) + load(s + kBlock + lane)) * factor);
+      }
+    }
+  }
+}
+
+void hidden_positions(const float* offset, int64_t pairs, const float* weight, int64_t H,
+                      float* out) {
+  for (int64_t h = 0; h < H; ++h) {
+    const Float x = splat(weight[4 * h]), y = splat(weight[4 * h + 1]),
+                z = splat(weight[4 * h + 2]), bias = splat(weight[4 * h + 3]);
+    for (int64_t i = 0; i < pairs; i += kLanes<float>) {
+      const Float dx = load(offset + i), dy = load(offset + pairs + i),
+                  dz = load(offset + 2 * pairs + i);
+      store(out + h * pairs + i, gelu(bias + x * dx + y * dy + z * dz));
+    }
+  }
+}
+
+}  // namespace
+
+extern const DenseKernels kDenseKernels;
+const DenseKernels kDenseKernels{multiply_blocks<SingleProduct>,
+                                 activate,
+                                 activate_row,
+                                 activate_gradient,
+                                 activate_sum,
+                                 maximize,
+                                 accumulate,
+                                 layer_norm,
+                                 exponentiate,
+                                 attend,
+                                 hidden_positions};
+
+}  // namespace lte::ops::LTE_ISA

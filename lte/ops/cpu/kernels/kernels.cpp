@@ -1,0 +1,114 @@
+#include "lte/ops/cpu/kernels/kernels.h"
+
+#include <cstdlib>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+#include <c10/util/Exception.h>
+
+#include "lte/ops/bf16.h"
+
+#define LTE_DECLARE_KERNELS(isa)               \
+  namespace lte::ops::isa {                    \
+  extern const PointKernels kPointKernels;     \
+  extern const CurveKernels kCurveKernels;     \
+  extern const DenseKernels kDenseKernels;     \
+  extern const Bf16Kernels kBf16Kernels;       \
+  extern const CacheKernels kCacheKernels;     \
+  extern const SumKernels<float> kFloatSums;   \
+  extern const SumKernels<double> kDoubleSums; \
+  }
+
+LTE_DECLARE_KERNELS(baseline)
+#if defined(LTE_X86)
+LTE_DECLARE_KERNELS(avx2)
+LTE_DECLARE_KERNELS(avx512)
+namespace lte::ops::avx512_bf16 {
+extern const Bf16Kernels kBf16Kernels;
+}
+#endif
+
+namespace lte::ops {
+namespace {
+
+struct Isa {
+  const char* name;
+  const PointKernels* points;
+  const CurveKernels* curves;
+  const DenseKernels* dense;
+  const Bf16Kernels* bf16;
+  const CacheKernels* cache;
+  const SumKernels<float>* float_sums;
+  const SumKernels<double>* double_sums;
+};
+
+Isa choose() {
+  const char* variable = std::getenv("LTE_CPU_ISA");
+  const std::string wanted = variable == nullptr ? "" : variable;
+  TORCH_CHECK(wanted.empty() || wanted == "baseline" || wanted == "avx2" || wanted == "avx512" ||
+                  wanted == "avx512_bf16",
+              "LTE_CPU_ISA must be baseline, avx2, avx512 or avx512_bf16, got ", wanted);
+#if defined(LTE_X86)
+  const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  const bool has_avx512 = has_avx2 && __builtin_cpu_supports("avx512f") &&
+                          __builtin_cpu_supports("avx512dq") &&
+                          __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
+  if (has_avx512 && wanted != "avx2" && wanted != "baseline") {
+    const bool has_bf16 = __builtin_cpu_supports("avx512bf16") && wanted != "avx512";
+    return {has_bf16 ? "avx512_bf16" : "avx512",
+            &avx512::kPointKernels,
+            &avx512::kCurveKernels,
+            &avx512::kDenseKernels,
+            has_bf16 ? &avx512_bf16::kBf16Kernels : &avx512::kBf16Kernels,
+            &avx512::kCacheKernels,
+            &avx512::kFloatSums,
+            &avx512::kDoubleSums};
+  }
+  if (has_avx2 && wanted != "baseline") {
+    return {"avx2",
+            &avx2::kPointKernels,
+            &avx2::kCurveKernels,
+            &avx2::kDenseKernels,
+            &avx2::kBf16Kernels,
+            &avx2::kCacheKernels,
+            &avx2::kFloatSums,
+            &avx2::kDoubleSums};
+  }
+#endif
+  return {"baseline",
+          &baseline::kPointKernels,
+          &baseline::kCurveKernels,
+          &baseline::kDenseKernels,
+          &baseline::kBf16Kernels,
+          &baseline::kCacheKernels,
+          &baseline::kFloatSums,
+          &baseline::kDoubleSums};
+}
+
+const Isa& isa() {
+  static const Isa chosen = choose();
+  return chosen;
+}
+
+}  // namespace
+
+const PointKernels& point_kernels() { return *isa().points; }
+const CurveKernels& curve_kernels() { return *isa().curves; }
+const DenseKernels& dense_kernels() { return *isa().dense; }
+const Bf16Kernels& bf16_kernels() { return *isa().bf16; }
+const CacheKernels& cache_kernels() { return *isa().cache; }
+bool has_bf16_products() { return std::string_view(cpu_isa()) == "avx512_bf16"; }
+const char* cpu_isa() { return isa().name; }
+template <typename T>
+const SumKernels<T>& sum_kernels() {
+  if constexpr (std::is_same_v<T, double>) {
+    return *isa().double_sums;
+  } else {
+    return *isa().float_sums;
+  }
+}
+template const SumKernels<float>& sum_kernels<float>();
+template const SumKernels<double>& sum_kernels<double>();
+
+}  // namespace lte::ops

@@ -1,0 +1,170 @@
+// Sums over neighbours in the interleaved layout of kernels.h, and the small matrix product that
+// feeds them.
+#include "lte/ops/cpu/kernels/kernels.h"
+#include "lte/ops/cpu/kernels/sum_query.h"
+#include "lte/ops/cpu/kernels/vector.h"
+
+namespace lte::ops::LTE_ISA {
+namespace {
+
+/// Layers whose three accumulators each fit the registers.
+constexpr int kGradientGroup = kVectorBytes == 64 ? 6 : 3;
+
+template <typename T>
+void sums(const T* table, int64_t blocks, int64_t layers, const int64_t* index, int64_t queries,
+          int64_t K, const T* position, int64_t row_stride, int64_t block_stride, T* out) {
+  const int64_t run = layers * kPair, stride = blocks * run;
+  // Blocks outside, queries inside: neighbouring queries find each other's latents in the
+  // first-level cache.
+  for (int64_t b = 0; b < blocks; ++b) {
+    for (int64_t q = 0; q < queries; ++q) {
+      sum_query(table + b * run, stride, layers, index + q * K, K,
+                position + q * K * row_stride + b * block_stride, row_stride,
+                out + q * stride + b * run);
+    }
+  }
+}
+
+template <typename T>
+void position_gradient(const T* table, const T* grad, int64_t blocks, int64_t layers,
+                       const int64_t* index, int64_t queries, int64_t K, const T* position,
+                       T* out) {
+  const int64_t run = layers * kPair, stride = blocks * run, row_stride = blocks * kBlock;
+  for (int64_t b = 0; b < blocks; ++b) {
+    for (int64_t q = 0; q < queries; ++q) {
+      for (int64_t lane = 0; lane < kBlock; lane += kLanes<T>) {
+        const T* g = grad + q * stride + b * run + lane;
+        Vector<T> g1{}, g2{};
+        for (int64_t l = 0; l < layers; ++l) {
+          g1 += load(g + l * kPair);
+          g2 += load(g + l * kPair + kBlock);
+        }
+        g2 += g2;
+        for (int64_t i = 0; i < K; ++i) {
+          const int64_t row = (q * K + i) * row_stride + b * kBlock + lane;
+          const T* entry = table + index[q * K + i] * stride + b * run + lane;
+          Vector<T> sum = g1 + g2 * load(position + row);
+          for (int64_t l = 0; l < layers; ++l) {
+            sum += load(g + l * kPair + kBlock) *
+                   (load(entry + l * kPair + kBlock) - load(entry + l * kPair));
+          }
+          store(out + row, sum);
+        }
+      }
+    }
+  }
+}
+
+/// With A1 = Σ g1, A2 = Σ g2 and B = Σ g2 ⊙ P over the rows: dk = −(A2 ⊙ v + B), dv = A1 + B − A2 ⊙
+/// k.
+template <typename T, int LAYERS>
+void gradient_group(const T* entry, const T* grad, int64_t stride, const int32_t* rows,
+                    int64_t count, int64_t K, const T* position, int64_t row_stride, T* out) {
+  Vector<T> a1[LAYERS] = {}, a2[LAYERS] = {}, b[LAYERS] = {};
+  for (int64_t i = 0; i < count; ++i) {
+    const T* g = grad + rows[i] / K * stride;
+    const Vector<T> p = load(position + rows[i] * row_stride);
+#pragma GCC unroll 8
+    for (int l = 0; l < LAYERS; ++l) {
+      const Vector<T> g2 = load(g + l * kPair + kBlock);
+      a1[l] += load(g + l * kPair);
+      a2[l] += g2;
+      b[l] += g2 * p;
+    }
+  }
+#pragma GCC unroll 8
+  for (int l = 0; l < LAYERS; ++l) {
+    const Vector<T> k = load(entry + l * kPair), v = load(entry + l * kPair + kBlock);
+    store(out + l * kPair, -(a2[l] * v + b[l]));
+    store(out + l * kPair + kBlock, a1[l] + b[l] - a2[l] * k);
+  }
+}
+
+template <typename T>
+using GradientGroup = void (*)(const T*, const T*, int64_t, const int32_t*, int64_t, int64_t,
+                               const T*, int64_t, T*);
+template <typename T>
+constexpr GradientGroup<T> kGradientGroups[7] = {nullptr,
+                                                 gradient_group<T, 1>,
+                                                 gradient_group<T, 2>,
+                                                 gradient_group<T, 3>,
+                                                 gradient_group<T, 4>,
+                                                 gradient_group<T, 5>,
+                                                 gradient_group<T, 6>};
+
+template <typename T>
+void table_gradient(const T* entry, const T* grad, int64_t blocks, int64_t layers,
+                    const int32_t* rows, int64_t count, int64_t K, const T* position, T* out) {
+  const int64_t run = layers * kPair;
+  for (int64_t b = 0; b < blocks; ++b) {
+    for (int64_t l = 0; l < layers; l += kGradientGroup) {
+      const int64_t group = layers - l < kGradientGroup ? layers - l : kGradientGroup;
+      for (int64_t lane = 0; lane < kBlock; lane += kLanes<T>) {
+        const int64_t at = b * run + l * kPair + lane;
+        kGradientGroups<T>[group](entry + at, grad + at, blocks * run, rows, count, K,
+                                  position + b * kBlock + lane, blocks * kBlock, out + at);
+      }
+    }
+  }
+}
+
+/// ROWS positions of one block from the transposed activations [H, stride].
+template <typename T, int ROWS>
+void project_rows(const T* hidden, int64_t stride, int64_t H, const T* weight, const T* bias,
+                  T* out) {
+  constexpr int kVectors = kBlock / kLanes<T>;
+  Vector<T> sum[ROWS][kVectors];
+#pragma GCC unroll 16
+  for (int r = 0; r < ROWS; ++r) {
+#pragma GCC unroll 8
+    for (int v = 0; v < kVectors; ++v) sum[r][v] = load(bias + v * kLanes<T>);
+  }
+  for (int64_t h = 0; h < H; ++h) {
+    Vector<T> w[kVectors];
+#pragma GCC unroll 8
+    for (int v = 0; v < kVectors; ++v) w[v] = load(weight + h * kBlock + v * kLanes<T>);
+#pragma GCC unroll 16
+    for (int r = 0; r < ROWS; ++r) {
+      const Vector<T> x = splat(hidden[h * stride + r]);
+#pragma GCC unroll 8
+      for (int v = 0; v < kVectors; ++v) sum[r][v] += x * w[v];
+    }
+  }
+#pragma GCC unroll 16
+  for (int r = 0; r < ROWS; ++r) {
+#pragma GCC unroll 8
+    for (int v = 0; v < kVectors; ++v) store(out + r * kBlock + v * kLanes<T>, sum[r][v]);
+  }
+}
+
+template <typename T>
+void projected_sums(const T* table, int64_t blocks, int64_t layers, const int64_t* index,
+                    int64_t queries, int64_t K, const T* hidden, int64_t H, const T* weight,
+                    const T* bias, T* position, T* out) {
+  constexpr int kVectors = kBlock / kLanes<T>;
+  constexpr int kRows = kVectors == 1 ? 16 : kVectors == 2 ? 4 : 2;
+  const int64_t run = layers * kPair, stride = blocks * run;
+  const int64_t rows = (K + kBlock - 1) / kBlock * kBlock;
+  // Blocks outside, as in sums().
+  for (int64_t b = 0; b < blocks; ++b) {
+    for (int64_t q = 0; q < queries; ++q) {
+      for (int64_t r = 0; r < rows; r += kRows) {
+        project_rows<T, kRows>(hidden + q * H * rows + r, rows, H, weight + b * H * kBlock,
+                               bias + b * kBlock, position + r * kBlock);
+      }
+      sum_query(table + b * run, stride, layers, index + q * K, K, position, kBlock,
+                out + q * stride + b * run);
+    }
+  }
+}
+
+}  // namespace
+
+extern const SumKernels<float> kFloatSums;
+extern const SumKernels<double> kDoubleSums;
+const SumKernels<float> kFloatSums{sums<float>, position_gradient<float>, table_gradient<float>,
+                                   projected_sums<float>};
+const SumKernels<double> kDoubleSums{sums<double>, position_gradient<double>,
+                                     table_gradient<double>, projected_sums<double>};
+
+}  // namespace lte::ops::LTE_ISA

@@ -1,0 +1,193 @@
+#include "lte/scene/cleanup/cleanup.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "lte/base/check.h"
+#include "lte/base/parallel.h"
+#include "lte/scene/cleanup/apply.h"
+#include "lte/scene/cleanup/buckets.h"
+#include "lte/scene/cleanup/duplicates.h"
+#include "lte/scene/cleanup/shells.h"
+#include "lte/scene/cleanup/topology.h"
+#include "lte/scene/triangle.h"
+
+namespace lte::scene {
+namespace {
+
+/// Height over longest edge below which float knows no normal.
+constexpr double kThin = 1e-7;
+constexpr int64_t kGrain = 65536;
+
+const Material& material_of(const Scene& scene, const PlacedTriangle& t) {
+  const Mesh& mesh =
+      scene.meshes[static_cast<size_t>(scene.instances[static_cast<size_t>(t.instance)].mesh)];
+  return scene.materials[static_cast<size_t>(mesh.material)];
+}
+
+bool is_degenerate(const Scene& scene, const PlacedTriangle& t) {
+  const Instance& instance = scene.instances[static_cast<size_t>(t.instance)];
+  const WorldTriangle w = world_triangle(scene.meshes[static_cast<size_t>(instance.mesh)],
+                                         instance.to_world, t.triangle);
+  double longest = 0;  // squared
+  for (const auto& [a, b] : {std::pair(w.p0, w.p1), std::pair(w.p1, w.p2), std::pair(w.p2, w.p0)}) {
+    const double x = double{b.x} - a.x, y = double{b.y} - a.y, z = double{b.z} - a.z;
+    longest = std::max(longest, x * x + y * y + z * z);
+  }
+  return !(area_vector(w).norm() > kThin * longest);
+}
+
+std::array<uint32_t, 3> sorted(std::array<uint32_t, 3> place) {
+  std::sort(place.begin(), place.end());
+  return place;
+}
+
+/// Whether the corners are in the rising order of places, up to rotation.
+bool is_even(const std::array<uint32_t, 3>& p) {
+  return (p[0] < p[1]) + (p[1] < p[2]) + (p[2] < p[0]) == 2;
+}
+
+/// Looks at every triangle once, and marks those that a switch removes and those that stand for
+/// others at the same places.
+class Inspection {
+ public:
+  Inspection(const Scene& scene, const CleanupOptions& options)
+      : scene_(scene),
+        options_(options),
+        topology_(build_topology(scene, options.tolerance)),
+        remove_(topology_.triangles.size()),
+        covered_(topology_.triangles.size()) {
+    report_.near_duplicate_vertices = topology_.near_duplicates;
+    find_degenerate();
+    find_coincident();
+    count_shells(topology_, covered_, &report_);
+  }
+
+  const WorldTopology& topology() const { return topology_; }
+  const CleanupReport& report() const { return report_; }
+  const std::vector<bool>& removed() const { return remove_; }
+
+ private:
+  /// Those with two corners in one place count as such only for edges and shells.
+  void find_degenerate() {
+    std::vector<uint8_t> thin(topology_.triangles.size());
+    parallel_for(static_cast<int64_t>(thin.size()), kGrain, [&](int64_t begin, int64_t end) {
+      for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
+        thin[i] = is_degenerate(scene_, topology_.triangles[i]) ? 1 : 0;
+    });
+    for (size_t i = 0; i < thin.size(); ++i) {
+      const auto& [a, b, c] = topology_.triangles[i].place;
+      covered_[i] = a == b || b == c || c == a;
+      if (thin[i] == 0) continue;
+      ++report_.degenerate_triangles;
+      covered_[i] = true;
+      remove_[i] = options_.degenerate;
+    }
+  }
+
+  void find_coincident() {
+    struct Corners {
+      uint32_t middle, high, triangle;
+      auto operator<=>(const Corners&) const = default;
+      bool same_place(const Corners& b) const { return middle == b.middle && high == b.high; }
+    };
+    Buckets<Corners> by_lowest(topology_.places.size(), [&](const auto& use) {
+      for (uint32_t i = 0; i < covered_.size(); ++i) {
+        if (covered_[i]) continue;
+        const auto [low, middle, high] = sorted(topology_.triangles[i].place);
+        use(low, {middle, high, i});
+      }
+    });
+    by_lowest.for_each([](std::span<Corners> bucket) { std::sort(bucket.begin(), bucket.end()); });
+    for (size_t low = 0; low < by_lowest.size(); ++low) {
+      const std::span<const Corners> all = by_lowest[low];
+      for (size_t first = 0, k = 0; k < all.size(); ++k) {
+        if (!all[k].same_place(all[first])) first = k;
+        if (k > first) judge(all[first].triangle, all[k].triangle);
+      }
+    }
+  }
+
+  /// `twin` lies on `first`, which comes before it in the scene.
+  void judge(uint32_t first, uint32_t twin) {
+    const PlacedTriangle &a = topology_.triangles[first], &b = topology_.triangles[twin];
+    const Material &one = material_of(scene_, a), &other = material_of(scene_, b);
+    covered_[twin] = true;
+    const bool same_winding = is_even(a.place) == is_even(b.place);
+    if (&one != &other) {
+      ++report_.conflicting_triangles;
+      remove_[twin] = options_.shells && !one.emissive() && !other.emissive();
+    } else if (same_winding) {
+      ++report_.duplicate_triangles;
+      remove_[twin] = options_.duplicates || options_.shells;
+    } else {
+      // Two fronts, back to back, of an emitter light both sides.
+      ++report_.opposite_triangles;
+      remove_[twin] = options_.shells && (!one.emissive() || one.double_sided);
+    }
+  }
+
+  const Scene& scene_;
+  const CleanupOptions& options_;
+  WorldTopology topology_;
+  std::vector<bool> remove_, covered_;
+  CleanupReport report_;
+};
+
+}  // namespace
+
+CleanupOptions parse_cleanup(const std::string& list) {
+  CleanupOptions out;
+  const std::map<std::string, bool*> switches{{"degenerate", &out.degenerate},
+                                              {"duplicates", &out.duplicates},
+                                              {"shells", &out.shells},
+                                              {"vertices", &out.vertices},
+                                              {"meshes", &out.meshes}};
+  for (size_t begin = 0; begin <= list.size();) {
+    const size_t end = std::min(list.find(',', begin), list.size());
+    const std::string word = list.substr(begin, end - begin);
+    begin = end + 1;
+    if (word == "none" || word.empty()) continue;
+    if (word == "all") {
+      for (const auto& [name, value] : switches) *value = true;
+      continue;
+    }
+    const auto found = switches.find(word);
+    LTE_CHECK(found != switches.end(), "--cleanup: \"", word,
+              "\" is none of degenerate, duplicates, shells, vertices, meshes, all, none");
+    *found->second = true;
+  }
+  return out;
+}
+
+CleanupReport inspect(const Scene& scene, double tolerance) {
+  CleanupReport report;
+  report.inspected = scene.triangle_count() <= kMaxInspected;
+  if (!report.inspected) return report;
+  CleanupOptions options;
+  options.tolerance = tolerance;
+  report = Inspection(scene, options).report();
+  report.duplicate_meshes = count_twins(find_twins(scene, tolerance));
+  return report;
+}
+
+CleanupReport clean_up(Scene* scene, const CleanupOptions& options) {
+  LTE_CHECK(scene->triangle_count() <= kMaxInspected, scene->name, ": --cleanup of ",
+            scene->triangle_count(), " triangles, more than the ", kMaxInspected,
+            " that it can hold");
+  CleanupReport report;
+  {
+    const Inspection inspection(*scene, options);
+    report = inspection.report();
+    report.duplicate_meshes = count_twins(find_twins(*scene, options.tolerance));
+    if (options.vertices) snap_vertices(inspection.topology(), scene);
+    report.removed_triangles = remove_triangles(inspection.removed(), scene);
+  }
+  if (options.meshes) merge_twins(find_twins(*scene, options.tolerance), scene);
+  return report;
+}
+
+}  // namespace lte::scene

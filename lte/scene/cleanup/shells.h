@@ -1,0 +1,16 @@
+// Edges and connected surfaces: what is open, branching or wound the wrong way round.
+#pragma once
+
+#include <vector>
+
+#include "lte/scene/cleanup/cleanup.h"
+#include "lte/scene/cleanup/topology.h"
+
+namespace lte::scene {
+
+/// Fills the counts of edges and shells.
+/// @param covered  triangles that do not count: without area, or standing where another one stands
+void count_shells(const WorldTopology& topology, const std::vector<bool>& covered,
+                  CleanupReport* report);
+
+}  // namespace lte::scene

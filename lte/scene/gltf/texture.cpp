@@ -1,0 +1,73 @@
+// Images to textures.
+#include <array>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "lte/base/check.h"
+#include "lte/scene/gltf/context.h"
+#include "lte/scene/import/texture_file.h"
+
+namespace lte::scene::gltf {
+namespace {
+
+bool starts_with(Bytes bytes, std::string_view magic) {
+  return std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size())
+      .starts_with(magic);
+}
+
+/// The references of a material, and whether they are to colours.
+std::array<std::pair<TextureRef*, bool>, 3> references(Material* material) {
+  return {{{&material->base_color_texture, true},
+           {&material->emission_texture, true},
+           {&material->metallic_roughness_texture, false}}};
+}
+
+/// For each image the first one of the same bytes: exporters list a picture once for every use.
+std::vector<int> first_of_each(const Json& images) {
+  std::map<std::string, int> firsts;
+  std::vector<int> out;
+  for (const Json& image : images) {
+    const auto number = static_cast<int>(out.size());
+    const Json& source = image.contains("bufferView") ? image["bufferView"] : image["uri"];
+    const bool inside =
+        source.is_string() && source.get_ref<const std::string&>().starts_with("data:");
+    out.push_back(inside ? number : firsts.emplace(source.dump(), number).first->second);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::shared_ptr<const Texture>> read_textures(const Context& context, Buffers* buffers,
+                                                          std::vector<Material>* materials) {
+  // By image and its being colours; ordered: textures come in the order of the file.
+  std::map<std::pair<int, bool>, int> texture_of_image;
+  const std::vector<int> first = first_of_each(context.file.json["images"]);
+  for (Material& material : *materials) {
+    for (const auto& [ref, color] : references(&material)) {
+      if (ref->texture == kNone) continue;
+      ref->texture = first[static_cast<size_t>(ref->texture)];
+      texture_of_image[{ref->texture, color}] = 0;
+    }
+  }
+  std::vector<EncodedPicture> pictures;
+  for (auto& [use, texture] : texture_of_image) {
+    const auto& [image, color] = use;
+    texture = static_cast<int>(pictures.size());
+    pictures.push_back(
+        {buffers->image(image), concat(context.file.name, ": images[", image, "]"), color});
+    const Bytes bytes = pictures.back().bytes;
+    LTE_CHECK(starts_with(bytes, "\x89PNG") || starts_with(bytes, "\xff\xd8") ||
+                  starts_with(bytes, "RIFF"),
+              pictures.back().where, ": neither PNG nor JPEG nor WebP");
+  }
+  for (Material& material : *materials) {
+    for (const auto& [ref, color] : references(&material)) {
+      if (ref->texture != kNone) ref->texture = texture_of_image[{ref->texture, color}];
+    }
+  }
+  return decode_textures(pictures, context.limits);
+}
+
+}  // namespace lte::scene::gltf

@@ -1,0 +1,154 @@
+#include "lte/scene/obj/import.h"
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lte/base/check.h"
+#include "lte/base/file.h"
+#include "lte/scene/import/texture_file.h"
+#include "lte/scene/obj/file.h"
+#include "lte/scene/obj/material.h"
+#include "lte/scene/obj/text.h"
+
+namespace lte::scene::obj {
+namespace {
+
+constexpr float kGrey = 0.5f;
+
+/// Vertices of one mesh: a position with one texture coordinate each. OBJ numbers the two apart.
+class VertexTable {
+ public:
+  explicit VertexTable(const ObjFile& file) : file_(file) {}
+
+  void fill(const Part& part, Mesh* mesh) {
+    first_.resize(file_.positions.size(), kUnset);
+    next_.clear();
+    uv_.clear();
+    bool textured = false;
+    for (const auto& triangle : part.triangles) {
+      for (const Corner& corner : triangle) textured |= corner.uv != kNoUv;
+    }
+    mesh->triangles.reserve(part.triangles.size());
+    for (const auto& [a, b, c] : part.triangles)
+      mesh->triangles.push_back({number(a, mesh), number(b, mesh), number(c, mesh)});
+    for (size_t i = 0; textured && i < uv_.size(); ++i)
+      mesh->uvs[0].push_back(uv_[i] == kNoUv ? Vec2{0, 0} : file_.uvs[uv_[i]]);
+    for (const auto& triangle : part.triangles) {
+      for (const Corner& corner : triangle) first_[corner.position] = kUnset;
+    }
+  }
+
+ private:
+  static constexpr uint32_t kUnset = 0xffffffff;
+  /// A position with more texture coordinates than this gets vertices twice rather than a long
+  /// search.
+  static constexpr int kSearch = 64;
+
+  uint32_t number(const Corner& corner, Mesh* mesh) {
+    uint32_t at = first_[corner.position];
+    for (int k = 0; at != kUnset && k < kSearch; ++k, at = next_[at]) {
+      if (uv_[at] == corner.uv) return at;
+    }
+    const auto fresh = static_cast<uint32_t>(mesh->positions.size());
+    mesh->positions.push_back(file_.positions[corner.position]);
+    if (!file_.colors.empty()) mesh->colors.push_back(file_.colors[corner.position]);
+    uv_.push_back(corner.uv);
+    next_.push_back(first_[corner.position]);
+    first_[corner.position] = fresh;
+    return fresh;
+  }
+
+  const ObjFile& file_;
+  std::vector<uint32_t> first_, next_, uv_;
+};
+
+MaterialLibrary read_libraries(const std::filesystem::path& path, const ObjFile& file,
+                               Notes* notes) {
+  MaterialLibrary library;
+  for (const std::string& name : file.libraries) {
+    // One name with spaces, as most write it, or several without.
+    if (const std::filesystem::path found = find_beside(path, name); !found.empty()) {
+      read_mtl(found, notes, &library);
+      continue;
+    }
+    Statements names(name, path.string());
+    names.next();
+    for (std::string word(names.word()); !word.empty(); word = names.word()) {
+      const std::filesystem::path found = find_beside(path, word);
+      if (found.empty()) {
+        notes->add(concat("mtllib \"", shown(word), "\", which is not there"), "file");
+      } else {
+        read_mtl(found, notes, &library);
+      }
+    }
+  }
+  return library;
+}
+
+/// The number of a part's material; grey under its own name where no library has it.
+int material_of(const Part& part, Notes* notes, MaterialLibrary* library) {
+  const std::string name = part.material.empty() ? "default" : part.material;
+  const auto [found, is_new] =
+      library->by_name.try_emplace(name, static_cast<int>(library->materials.size()));
+  if (is_new) {
+    if (!part.material.empty()) notes->add("usemtl without a newmtl (it is grey)", "material");
+    Material grey;
+    grey.name = name;
+    grey.base_color = Rgb{1, 1, 1} * kGrey;
+    library->materials.push_back(std::move(grey));
+  }
+  return found->second;
+}
+
+void add_part(const Part& part, int material, VertexTable* vertices, Scene* scene) {
+  Mesh mesh;
+  mesh.name = part.name.empty() ? scene->materials[static_cast<size_t>(material)].name : part.name;
+  mesh.material = material;
+  vertices->fill(part, &mesh);
+  Instance instance{static_cast<int>(scene->meshes.size()), {}, kNone};
+  if (scene->materials[static_cast<size_t>(material)].emissive()) {
+    instance.light_group = static_cast<int>(scene->light_groups.size());
+    scene->light_groups.push_back(mesh.name);
+  }
+  scene->instances.push_back(instance);
+  scene->meshes.push_back(std::move(mesh));
+}
+
+std::vector<std::shared_ptr<const Texture>> read_pictures(
+    const std::vector<std::filesystem::path>& files, const LoadLimits& limits) {
+  std::vector<std::unique_ptr<MappedFile>> maps;
+  std::vector<EncodedPicture> pictures;
+  for (const std::filesystem::path& file : files) {
+    maps.push_back(std::make_unique<MappedFile>(file));
+    pictures.push_back({{maps.back()->data(), maps.back()->size()}, file.string()});
+  }
+  return decode_textures(pictures, limits);
+}
+
+}  // namespace
+
+Scene import(const std::filesystem::path& path, const LoadLimits& limits) {
+  Notes notes;
+  ObjFile file = read_obj(path, limits, &notes);
+  LTE_CHECK(!file.parts.empty(), path.string(), ": the scene has no triangles (no f statement)");
+  MaterialLibrary library = read_libraries(path, file, &notes);
+  std::vector<int> material;
+  for (const Part& part : file.parts) material.push_back(material_of(part, &notes, &library));
+
+  Scene scene;
+  scene.name = path.stem().string();
+  scene.unit = "metre, assumed: OBJ has no unit";
+  scene.materials = std::move(library.materials);
+  VertexTable vertices(file);
+  for (size_t i = 0; i < file.parts.size(); ++i) {
+    add_part(file.parts[i], material[i], &vertices, &scene);
+    file.parts[i] = {};
+  }
+  scene.textures = read_pictures(library.pictures, limits);
+  scene.ignored = notes.lines();
+  return scene;
+}
+
+}  // namespace lte::scene::obj

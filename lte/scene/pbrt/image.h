@@ -1,0 +1,63 @@
+// The pictures that a PBRT scene's materials need: plain ones, and ones made from expressions that
+// one image and one factor cannot say ("baked").
+#pragma once
+
+#include <compare>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lte/scene/pbrt/texture.h"
+
+namespace lte::scene::pbrt {
+
+/// A factor, and perhaps an image: what Material has.
+struct Appearance {
+  Rgb factor{1, 1, 1};
+  TextureRef texture;  ///< `texture.texture` counts pictures of the table until finish()
+};
+
+class ImageTable {
+ public:
+  ImageTable(const Files& files, const LoadLimits& limits, Notes* notes)
+      : files_(files), limits_(limits), notes_(notes) {}
+
+  Appearance resolve(const TexturePtr& texture);
+  /// The picture of an area light, which spans the unit square of uv.
+  TextureRef light_image(const std::string& file, const Location& at);
+
+  /// Decodes and bakes in parallel, each picture once; turns the materials' references into indices
+  /// of the result. Values above 1 are stored divided by their maximum, which the materials'
+  /// factors take over.
+  std::vector<std::shared_ptr<const Texture>> finish(std::vector<Material>* materials);
+
+ private:
+  struct Picture {
+    std::string path, encoding;  ///< of a plain one
+    Location at;
+    TexturePtr baked;  ///< the expression of the others
+    bool in_st = false;
+    int period = 1;
+    std::map<const TextureNode*, int> leaves;  ///< the plain pictures that a baked one reads
+
+    std::shared_ptr<const Texture> texture;
+    float gain = 1;
+  };
+
+  int plain(const std::string& file, const std::string& encoding, const Location& at);
+  Appearance bake(const TexturePtr& texture);
+  void decode(Picture* picture) const;
+  void evaluate(Picture* picture) const;
+  Rgb value(const Picture& picture, const TextureNode& node, const Vec2& p) const;
+  void size_of(const Picture& picture, double* width, double* height) const;
+
+  const Files& files_;
+  const LoadLimits& limits_;
+  Notes* notes_;
+  std::vector<Picture> pictures_;
+  std::map<std::pair<std::string, std::string>, int> plain_;
+  std::map<TexturePtr, Appearance> baked_;
+};
+
+}  // namespace lte::scene::pbrt

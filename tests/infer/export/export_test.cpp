@@ -1,0 +1,160 @@
+// The exported modules against the native model; the portable one in a program that links nothing
+// of lte.
+#include "infer/export/export.h"
+
+#include <cstdlib>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <torch/csrc/jit/serialization/import.h>
+
+#include "infer/common/synthetic_room.h"
+#include "infer/export/torchscript_network.h"
+#include "lte/base/check.h"
+#include "lte/nn/model_file.h"
+#include "tests/support/temp_dir.h"
+
+namespace lte::infer {
+namespace {
+
+nn::ModelConfig small_config(const std::string& stem) {
+  nn::ModelConfig config;
+  config.channels = 32;
+  config.encoder_depths = {2, 1, 1};
+  config.encoder_widths = {1, 1, 2};
+  config.decoder_depths = {1, 2};
+  config.decoder_widths = {1, 2};
+  config.patch_size = 64;  // so that the first stages are cut into patches
+  config.query_layers = 2;
+  config.stem = stem;
+  return config;
+}
+
+std::filesystem::path save_untrained(const std::filesystem::path& folder,
+                                     const nn::ModelConfig& config) {
+  torch::manual_seed(5);
+  nn::LightTransportModel model(config);
+  const std::filesystem::path path = folder / "model.safetensors";
+  nn::save_model(path, model);
+  return path;
+}
+
+void write_rows(const std::filesystem::path& path, const at::Tensor& rows) {
+  const at::Tensor flat = rows.contiguous();
+  std::ofstream(path, std::ios::binary)
+      .write(static_cast<const char*>(flat.const_data_ptr()),
+             static_cast<std::streamsize>(flat.nbytes()));
+}
+
+class Export : public testing::TestWithParam<std::string> {};
+
+TEST_P(Export, AgreesWithTheNativeModelAtThreeSizes) {
+  const test::TempDir folder;
+  const std::filesystem::path checkpoint = save_untrained(folder.path(), small_config(GetParam()));
+  for (const bool portable : {false, true}) {
+    const auto checks =
+        export_torchscript({checkpoint.string(), folder.path() / "model.pt", portable, true});
+    ASSERT_EQ(checks.size(), 3u);
+    for (const ExportCheck& check : checks) {
+      EXPECT_LT(check.relative_error, 1e-5)
+          << (portable ? "portable" : "native") << ", M = " << check.scene_points;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Stems, Export, testing::Values("conv5", "conv3", "linear"));
+
+TEST(ExportOfAttention, SoftmaxOverTheNeighboursAgreesWithTheNativeModel) {
+  const test::TempDir folder;
+  nn::ModelConfig config = small_config("linear");
+  config.query_attention = "softmax";
+  const std::filesystem::path checkpoint = save_untrained(folder.path(), config);
+  for (const bool portable : {false, true}) {
+    for (const ExportCheck& check :
+         export_torchscript({checkpoint.string(), folder.path() / "model.pt", portable, true})) {
+      EXPECT_LT(check.relative_error, 1e-5)
+          << (portable ? "portable" : "native") << ", M = " << check.scene_points;
+    }
+  }
+}
+
+TEST(ExportOfLight, ColumnsFollowTheModel) {
+  const test::TempDir folder;
+  for (const std::string input : {"direct", "traced"}) {
+    nn::ModelConfig config = small_config("conv5");
+    config.light_input = input;
+    const std::filesystem::path checkpoint = save_untrained(folder.path(), config);
+    for (const ExportCheck& check : export_torchscript(
+             {checkpoint.string(), folder.path() / "model.pt", /*portable=*/true, true})) {
+      EXPECT_LT(check.relative_error, 1e-5) << input << ", M = " << check.scene_points;
+    }
+    torch::jit::Module module = torch::jit::load((folder.path() / "model.pt").string());
+    const auto forward = [&](int64_t columns) {
+      module.forward({at::rand({50, columns}), at::rand({5, 9})});
+    };
+    forward(input == "direct" ? 16 : 19);
+    EXPECT_ANY_THROW(forward(13));
+  }
+}
+
+TEST(PortableExport, LoadsInAProgramThatLinksNothingOfLte) {
+  const test::TempDir folder;
+  const std::filesystem::path checkpoint = save_untrained(folder.path(), small_config("conv5"));
+  export_torchscript({checkpoint.string(), folder.path() / "model.pt", true, false});
+  const at::NoGradGuard no_grad;
+  const nn::PointSet points = synthetic_room(700, 1), surface = synthetic_room(300, 2);
+  write_rows(folder.path() / "points", at::cat({points.position, points.normal, points.albedo,
+                                                points.emission, points.area.unsqueeze(1)},
+                                               1));
+  write_rows(folder.path() / "queries",
+             at::cat({surface.position, surface.normal, surface.albedo}, 1));
+  const auto quoted = [&](const char* name) {
+    return " '" + (folder.path() / name).string() + "'";
+  };
+  const std::string command = std::string(LTE_BINARY_DIR "/bin/portable_loader") +
+                              quoted("model.pt") + quoted("points") + quoted("queries") +
+                              quoted("result");
+  ASSERT_EQ(std::system(command.c_str()), 0);
+
+  nn::LightTransportModel model = nn::load_model(checkpoint);
+  const at::Tensor expected =
+      model->decode(model->encode(points), {surface.position, surface.normal, surface.albedo});
+  at::Tensor got = at::empty_like(expected);
+  std::ifstream(folder.path() / "result", std::ios::binary)
+      .read(static_cast<char*>(got.data_ptr()), static_cast<std::streamsize>(got.nbytes()));
+  EXPECT_LT((got - expected).abs().max().item<double>(),
+            1e-5 * expected.abs().max().item<double>());
+}
+
+TEST(PortableExport, CarriesConfigurationAndNormalization) {
+  const test::TempDir folder;
+  const nn::ModelConfig config = small_config("conv3");
+  export_torchscript(
+      {save_untrained(folder.path(), config).string(), folder.path() / "model.pt", true, false});
+  torch::jit::ExtraFilesMap extra{
+      {"config.yaml", ""}, {"normalization.json", ""}, {"version.txt", ""}};
+  torch::jit::load((folder.path() / "model.pt").string(), std::nullopt, extra);
+  EXPECT_EQ(extra["config.yaml"], config.to_yaml());
+  EXPECT_NE(extra["normalization.json"].find("\"scale_m\": 16"), std::string::npos);
+}
+
+TEST(ExportErrors, LeaveNothingBehind) {
+  const test::TempDir folder;
+  const std::filesystem::path garbage = folder.path() / "garbage.safetensors";
+  std::ofstream(garbage) << "not a model";
+  EXPECT_THROW(export_torchscript({garbage.string(), folder.path() / "model.pt", true, false}),
+               Error);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "model.pt"));
+  const std::filesystem::path checkpoint = save_untrained(folder.path(), small_config("linear"));
+  EXPECT_THROW(
+      export_torchscript({checkpoint.string(), folder.path() / "none" / "model.pt", true, false}),
+      Error);
+}
+
+TEST(TorchscriptNames, HaveNoDots) {
+  EXPECT_EQ(torchscript_attribute("encoder.down0.1.mlp.hidden.weight"),
+            "encoder_down0_1_mlp_hidden_weight");
+}
+
+}  // namespace
+}  // namespace lte::infer

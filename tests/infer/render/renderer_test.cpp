@@ -1,0 +1,345 @@
+// Pictures against closed forms, the G-buffer, and laws that hold for any weights.
+#include "infer/common/renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "infer/common/lit_samples.h"
+#include "lte/base/check.h"
+#include "lte/pathtrace/render.h"
+#include "tests/infer/fixture.h"
+#include "tests/support/closed_forms.h"
+#include "tests/support/scenes.h"
+
+namespace lte::infer {
+namespace {
+
+using test::downward_camera;
+using test::kLitFloorRadiance;
+using test::lit_floor;
+using test::outside_camera;
+
+RenderSettings settings(Output output, Mode mode = Mode::Neural) {
+  RenderSettings out;
+  out.output = output;
+  out.mode = mode;
+  out.width = 24, out.height = 16;
+  return out;
+}
+
+Predictor tiny_predictor(const test::TinyModel& tiny = {}) {
+  const test::ScratchFolder folder;
+  test::save_tiny_model(folder / "tiny.safetensors", tiny);
+  return Predictor::load(folder / "tiny.safetensors", Device::Cpu);
+}
+
+/// A renderer of `scene` that carries an embedding.
+struct Embedded {
+  explicit Embedded(scene::Scene made, const test::TinyModel& tiny = {},
+                    const EmbedSettings& embed = {})
+      : scene(std::move(made)), renderer(scene) {
+    renderer.embed(tiny_predictor(tiny), embed);
+  }
+  scene::Scene scene;
+  Renderer renderer;
+};
+
+std::vector<float> closed_form(const pathtrace::GBuffer& hits) {
+  std::vector<float> out(hits.mask.size());
+  for (size_t i = 0; i < out.size(); ++i) {
+    out[i] = static_cast<float>(
+        test::polygon_irradiance(test::lit_floor_light(), hits.position[i], hits.normal[i]));
+  }
+  return out;
+}
+
+TEST(Renderer, GeometryOutputsAreTheGBuffer) {
+  const scene::Scene scene = test::furnished_room();
+  Renderer renderer(scene);
+  const scene::Camera camera = pathtrace::auto_camera(renderer.bvh());
+  const pathtrace::GBuffer hits = pathtrace::trace_gbuffer(renderer.bvh(), camera, 24, 16);
+  const Frame albedo = renderer.render(camera, settings(Output::Albedo));
+  const Frame normal = renderer.render(camera, settings(Output::Normal));
+  const Frame depth = renderer.render(camera, settings(Output::Depth));
+  ASSERT_EQ(depth.color.channels, 1);
+  for (int y = 0; y < 16; ++y) {
+    for (int x = 0; x < 24; ++x) {
+      const size_t i = static_cast<size_t>(y) * 24 + static_cast<size_t>(x);
+      EXPECT_EQ(albedo.color.rgb(x, y), hits.albedo[i]);
+      EXPECT_EQ(normal.color.rgb(x, y), hits.normal[i]);
+      EXPECT_EQ(*depth.color.at(x, y), hits.mask[i] ? hits.depth[i] : 0.0f);
+    }
+  }
+}
+
+TEST(Renderer, DirectLightOfAQuadAgreesWithTheClosedForm) {
+  const scene::Scene scene = lit_floor();
+  Renderer renderer(scene);
+  const pathtrace::GBuffer hits =
+      pathtrace::trace_gbuffer(renderer.bvh(), downward_camera(), 24, 16);
+  const std::vector<float> expected = closed_form(hits);
+  RenderSettings wanted = settings(Output::Direct);
+  wanted.direct_samples = 256;
+  const Frame frame = renderer.render(downward_camera(), wanted);
+  double sum = 0, wanted_sum = 0;
+  for (size_t i = 0; i < 3 * expected.size(); ++i) {
+    const float irradiance = expected[i / 3] * kLitFloorRadiance[static_cast<int>(i % 3)];
+    EXPECT_NEAR(frame.direct.pixels[i], irradiance, 0.1f * irradiance);  // noise of one pixel
+    EXPECT_NEAR(frame.color.pixels[i], 0.5f / kPi * frame.direct.pixels[i], 1e-5f * irradiance);
+    sum += frame.direct.pixels[i], wanted_sum += irradiance;
+  }
+  EXPECT_NEAR(sum, wanted_sum, 0.005 * wanted_sum);
+}
+
+TEST(Renderer, ReferenceAgreesWithTheClosedFormAndHasNoIndirectLightOverABlackCeiling) {
+  const scene::Scene scene = lit_floor();
+  Renderer renderer(scene);
+  const std::vector<float> expected =
+      closed_form(pathtrace::trace_gbuffer(renderer.bvh(), downward_camera(), 24, 16));
+  RenderSettings wanted = settings(Output::Full, Mode::Reference);
+  wanted.spp = 256;
+  const Frame full = renderer.render(downward_camera(), wanted);
+  wanted.output = Output::Gi;
+  const Frame gi = renderer.render(downward_camera(), wanted);
+  double radiance = 0, irradiance = 0, wanted_irradiance = 0;
+  for (size_t i = 0; i < expected.size(); ++i) {
+    radiance += full.color.pixels[3 * i];
+    irradiance += gi.direct.pixels[3 * i];
+    wanted_irradiance += expected[i] * kLitFloorRadiance.x;
+  }
+  EXPECT_NEAR(irradiance, wanted_irradiance, 0.01 * wanted_irradiance);
+  EXPECT_NEAR(radiance, 0.5 / kPi * wanted_irradiance, 0.01 * 0.5 / kPi * wanted_irradiance);
+  EXPECT_THAT(gi.color.pixels, testing::Each(0.0f));
+}
+
+TEST(Renderer, FullIsReflectedDirectAndIndirectLightAndEmission) {
+  Embedded room(test::furnished_room());
+  const scene::Camera camera = pathtrace::auto_camera(room.renderer.bvh());
+  const Frame full = room.renderer.render(camera, settings(Output::Full));
+  const Frame gi = room.renderer.render(camera, settings(Output::Gi));
+  const Frame direct = room.renderer.render(camera, settings(Output::Direct));
+  const Frame irradiance = room.renderer.render(camera, settings(Output::Irradiance));
+  ASSERT_EQ(gi.direct.width, 0) << "an output without direct light must not pay for it";
+  double sum = 0;
+  for (size_t i = 0; i < full.color.pixels.size(); ++i) {
+    const float parts = gi.color.pixels[i] + direct.color.pixels[i] + full.emission.pixels[i];
+    EXPECT_NEAR(full.color.pixels[i], parts, 1e-5f * (1 + parts));
+    EXPECT_NEAR(gi.color.pixels[i], full.albedo.pixels[i] / kPi * irradiance.color.pixels[i],
+                1e-5f * (1 + parts));
+    sum += irradiance.color.pixels[i];
+  }
+  EXPECT_GT(sum, 0)
+      << "an untrained network must still answer something, or this test sees nothing";
+}
+
+TEST(Renderer, BackgroundAndPureEmittersAreNotDecoded) {
+  Embedded floor(lit_floor());
+  const Frame frame = floor.renderer.render(outside_camera(), settings(Output::Full));
+  int64_t background = 0, emitters = 0;
+  for (int y = 0; y < 16; ++y) {
+    for (int x = 0; x < 24; ++x) {
+      if (*frame.depth.at(x, y) == 0) {
+        ++background;
+        EXPECT_EQ(frame.color.rgb(x, y), Rgb{});
+      } else if (max_component(frame.albedo.rgb(x, y)) == 0) {
+        ++emitters;
+        EXPECT_EQ(frame.color.rgb(x, y), frame.emission.rgb(x, y));
+        EXPECT_EQ(frame.indirect.rgb(x, y), Rgb{});
+      }
+    }
+  }
+  EXPECT_GT(background, 0);
+  EXPECT_GT(emitters, 0);
+  EXPECT_EQ(frame.background, background);
+  EXPECT_EQ(frame.queries, 24 * 16 - background - emitters);
+}
+
+TEST(Renderer, ATotalModelGivesIndirectLightBySubtraction) {
+  test::TinyModel tiny;
+  tiny.target = "total";
+  Embedded room(test::furnished_room(), tiny);
+  const scene::Camera camera = pathtrace::auto_camera(room.renderer.bvh());
+  const Frame full = room.renderer.render(camera, settings(Output::Full));
+  const Frame irradiance = room.renderer.render(camera, settings(Output::Irradiance));
+  ASSERT_EQ(full.direct.width, 0) << "total irradiance needs no light sampling";
+  for (size_t i = 0; i < full.total.pixels.size(); ++i) {
+    EXPECT_EQ(irradiance.color.pixels[i],
+              std::max(0.0f, full.total.pixels[i] - irradiance.direct.pixels[i]));
+    EXPECT_NEAR(full.color.pixels[i],
+                full.albedo.pixels[i] / kPi * full.total.pixels[i] + full.emission.pixels[i],
+                1e-5f * (1 + full.color.pixels[i]));
+  }
+}
+
+TEST(Renderer, RescaleShowsTheNetworkTheSceneThatItKnows) {
+  scene::Scene large = test::furnished_room();
+  for (scene::Instance& instance : large.instances) {
+    instance.to_world = test::scaling({10, 10, 10}) * instance.to_world;
+  }
+  test::TinyModel tiny;
+  tiny.scale = 4 * (1 - 1e-5);  // the small room's own extent, and what the large one is shrunk to
+  EmbedSettings embed;
+  EXPECT_THROW(Embedded(large, tiny, embed), Error);
+  embed.rescale = true;
+  Embedded shrunk(large, tiny, embed), small(test::furnished_room(), tiny, embed);
+  scene::Camera camera = pathtrace::auto_camera(small.renderer.bvh());
+  const Frame expected = small.renderer.render(camera, settings(Output::Irradiance));
+  camera.origin *= 10, camera.target *= 10;
+  const Frame frame = shrunk.renderer.render(camera, settings(Output::Irradiance));
+  double error = 0, power = 0;
+  for (size_t i = 0; i < frame.color.pixels.size(); ++i) {
+    error += std::abs(frame.color.pixels[i] - expected.color.pixels[i]),
+        power += expected.color.pixels[i];
+  }
+  EXPECT_GT(power, 0);
+  EXPECT_LT(error, 0.02 * power);
+}
+
+TEST(Renderer, PrunesScenePointsAsInTrainingUnlessToldOtherwise) {
+  scene::Scene scene = lit_floor();
+  // Half the surface lies in the dark below the floor.
+  const int grey = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
+  test::add_instance(&scene, test::box_mesh({-1, -1.5f, -1}, {1, -0.5f, 1}, grey, false));
+  for (const bool trained_pruned : {false, true}) {
+    test::TinyModel tiny;
+    tiny.pruned = trained_pruned;
+    for (const std::optional<bool> prune : {std::optional<bool>(), {false}, {true}}) {
+      EmbedSettings embed;
+      embed.prune = prune;
+      const Embedded embedded(scene, tiny, embed);
+      const pathtrace::PruneCounts& counts = embedded.renderer.pruned_points();
+      if (prune.value_or(trained_pruned)) {
+        EXPECT_NEAR(static_cast<double>(counts.pruned) / static_cast<double>(counts.drawn),
+                    16.0 / 33, 0.1);
+      } else {
+        EXPECT_EQ(counts.drawn, 0);
+      }
+    }
+  }
+}
+
+TEST(Renderer, GivesModelsTheLightThatTheyRead) {
+  const scene::Scene scene = lit_floor();
+  for (const std::string input : {"emission", "direct", "traced"}) {
+    test::TinyModel tiny;
+    tiny.light_input = input;
+    Embedded embedded(scene, tiny, {});
+    const Frame frame =
+        embedded.renderer.render(test::downward_camera(), settings(Output::Irradiance));
+    // Under a black light nothing bounces: who reads the estimates knows, the others guess.
+    const float brightest = *std::max_element(frame.color.pixels.begin(), frame.color.pixels.end());
+    EXPECT_EQ(brightest > 0, input != "traced") << input;
+    EXPECT_EQ(embedded.renderer.seconds().light > 1e-5, input != "emission") << input;
+  }
+}
+
+TEST(LitSamples, HoldTheIrradianceOfTheClosedForm) {
+  const scene::Scene scene = lit_floor();
+  const pathtrace::Bvh bvh(scene);
+  const pathtrace::Lights lights(scene);
+  const scene::SurfaceSamples surface = scene::sample_surface(scene, 2000, scene_point_options(1));
+  EXPECT_TRUE(light_up(bvh, lights, surface, 0, 1).direct.empty());
+  EXPECT_TRUE(light_up(bvh, lights, surface, 1, 1).indirect.empty());
+  const LitSamples lit = light_up(bvh, lights, surface, 5, 1);
+  ASSERT_EQ(lit.direct.size(), surface.position.size());
+  ASSERT_EQ(lit.indirect.size(), surface.position.size());
+  double traced = 0, expected = 0;
+  for (size_t i = 0; i < lit.direct.size(); ++i) {
+    if (max_component(surface.emission[i]) > 0) continue;
+    traced += lit.direct[i].x;
+    expected += kLitFloorRadiance.x *
+                test::polygon_irradiance(test::lit_floor_light(), surface.position[i], {0, 1, 0});
+    EXPECT_EQ(lit.indirect[i], Rgb{}) << "the light is black";
+  }
+  EXPECT_NEAR(traced, expected, 0.02 * expected);
+}
+
+TEST(Renderer, WithoutLightAllLightIsBlackAndNoModelIsNeeded) {
+  scene::Scene scene;
+  const int grey = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
+  test::add_instance(&scene, test::box_mesh({0, 0, 0}, {2, 2, 2}, grey, true));
+  Renderer renderer(scene);
+  EXPECT_FALSE(renderer.has_light());
+  const scene::Camera camera = pathtrace::auto_camera(renderer.bvh());
+  for (const Mode mode : {Mode::Neural, Mode::Reference}) {
+    for (const Output output : {Output::Full, Output::Gi, Output::Irradiance, Output::Direct}) {
+      EXPECT_THAT(renderer.render(camera, settings(output, mode)).color.pixels,
+                  testing::Each(0.0f));
+    }
+  }
+  EXPECT_EQ(renderer.render(camera, settings(Output::Albedo)).color.rgb(0, 0),
+            (Rgb{0.5f, 0.5f, 0.5f}));
+}
+
+TEST(Renderer, RefusesWhatItCannotDo) {
+  const scene::Scene scene = lit_floor();
+  Renderer renderer(scene);
+  RenderSettings empty = settings(Output::Albedo);
+  empty.width = 0;
+  EXPECT_THROW(renderer.render(downward_camera(), empty), Error);
+  EXPECT_THROW(renderer.render(downward_camera(), settings(Output::Full)), Error) << "no model";
+  EXPECT_THROW(parse_output("fulll"), Error);
+  EXPECT_THROW(parse_mode("path"), Error);
+}
+
+TEST(Predictor, DoesNotDependOnTheChunk) {
+  Predictor predictor = tiny_predictor();
+  const data::SceneSample sample = test::random_sample("a", 3);
+  predictor.embed({sample.scene_position, sample.scene_normal, sample.scene_albedo,
+                   sample.scene_emission, sample.scene_area});
+  const QueryPoints queries{sample.query_position, sample.query_normal, sample.query_albedo};
+  const std::vector<Rgb> whole = predictor.predict(queries);
+  ASSERT_EQ(whole.size(), sample.query_position.size());
+  for (const int64_t chunk : {37, 199, 200}) {
+    const std::vector<Rgb> parts = predictor.predict(queries, chunk);
+    for (size_t i = 0; i < whole.size(); ++i) {
+      for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(parts[i][c], whole[i][c], 1e-4f * std::abs(whole[i][c]) + 1e-6f);
+    }
+  }
+}
+
+TEST(Predictor, IsLinearInEmission) {
+  Predictor predictor = tiny_predictor();
+  const data::SceneSample sample = test::random_sample("a", 3);
+  std::vector<Rgb> brighter = sample.scene_emission;
+  for (Rgb& emission : brighter) emission *= 64;
+  const QueryPoints queries{sample.query_position, sample.query_normal, sample.query_albedo};
+  predictor.embed({sample.scene_position, sample.scene_normal, sample.scene_albedo,
+                   sample.scene_emission, sample.scene_area});
+  const std::vector<Rgb> before = predictor.predict(queries);
+  predictor.embed({sample.scene_position, sample.scene_normal, sample.scene_albedo, brighter,
+                   sample.scene_area});
+  const std::vector<Rgb> after = predictor.predict(queries);
+  for (size_t i = 0; i < before.size(); ++i)
+    EXPECT_NEAR(after[i].x, 64 * before[i].x, 1e-3f * after[i].x);
+}
+
+TEST(Predictor, RefusesWhatItCannotDo) {
+  Predictor predictor = tiny_predictor();
+  const data::SceneSample sample = test::random_sample("a", 3);
+  const QueryPoints queries{sample.query_position, sample.query_normal, sample.query_albedo};
+  EXPECT_THROW(predictor.predict(queries), Error) << "nothing embedded";
+  EXPECT_THROW(predictor.embed({sample.scene_position, sample.scene_normal, sample.scene_albedo,
+                                sample.scene_emission, std::span(sample.scene_area).first(3)}),
+               Error);
+  std::vector<Vec3> broken = sample.scene_position;
+  broken[17].y = NAN;
+  try {
+    predictor.embed({broken, sample.scene_normal, sample.scene_albedo, sample.scene_emission,
+                     sample.scene_area});
+    FAIL() << "a position that is not finite went in";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("17"));
+    EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr("\n")));
+  }
+  const test::ScratchFolder folder;
+  EXPECT_THROW(Predictor::load(folder / "none.safetensors", Device::Cpu), Error);
+}
+
+}  // namespace
+}  // namespace lte::infer

@@ -1,0 +1,107 @@
+#include "lte/nn/model_file.h"
+
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "lte/base/safetensors.h"
+#include "tests/nn/support.h"
+
+namespace lte::nn {
+namespace {
+
+class Checkpoint : public ::testing::Test {
+ protected:
+  Checkpoint() : directory_(std::filesystem::path(testing::TempDir()) / "lte_nn_checkpoint") {
+    std::filesystem::create_directories(directory_);
+    torch::manual_seed(1);
+    model_ = LightTransportModel(test::tiny_config());
+    test::randomize(*model_, 2);
+  }
+  ~Checkpoint() override { std::filesystem::remove_all(directory_); }
+
+  std::filesystem::path file(const std::string& name) const { return directory_ / name; }
+
+  /// Saves the model, lets `edit` change what is in the file, and writes it back.
+  template <typename Edit>
+  std::filesystem::path edited(const Edit& edit) {
+    save_model(file("whole.safetensors"), model_);
+    const SafetensorsFile whole(file("whole.safetensors"));
+    std::map<std::string, TensorView> tensors = whole.tensors();
+    std::map<std::string, std::string> metadata = whole.metadata();
+    edit(tensors, metadata);
+    SafetensorsWriter writer;
+    for (const auto& [name, view] : tensors) writer.add(name, view);
+    for (const auto& [key, value] : metadata) writer.set_metadata(key, value);
+    writer.write(file("edited.safetensors"));
+    return file("edited.safetensors");
+  }
+
+  std::filesystem::path directory_;
+  LightTransportModel model_{nullptr};
+};
+
+const std::string kName = "decoder.gamma.hidden.weight";
+
+TEST_F(Checkpoint, RoundTripGivesTheSameIrradianceBitForBit) {
+  save_model(file("a.safetensors"), model_, {{"normalization", "none"}});
+  LightTransportModel loaded = load_model(file("a.safetensors"));
+  EXPECT_FALSE(loaded->is_training());
+  EXPECT_EQ(loaded->config().to_yaml(), model_->config().to_yaml());
+  EXPECT_EQ(SafetensorsFile(file("a.safetensors")).metadata("normalization"), "none");
+  model_->eval();
+  const at::NoGradGuard no_grad;
+  const PointSet points = test::box_scene(90, 3);
+  const QuerySet queries = test::box_queries(20, 4);
+  EXPECT_TRUE(torch::equal(loaded->decode(loaded->encode(points), queries),
+                           model_->decode(model_->encode(points), queries)));
+
+  LightTransportModel other(test::tiny_config());
+  load_weights(file("a.safetensors"), other);
+  for (const auto& item : other->named_parameters()) {
+    EXPECT_TRUE(torch::equal(item.value(), model_->named_parameters()[item.key()])) << item.key();
+  }
+}
+
+TEST_F(Checkpoint, RefusesWhatIsNotThisModel) {
+  auto load = [](const std::filesystem::path& path) { return [path] { load_model(path); }; };
+  test::expect_error(load(file("absent.safetensors")), {"absent.safetensors"});
+  test::expect_error(load(edited([](auto&, auto& m) { m["format"] = "lte-scene"; })),
+                     {"edited.safetensors", "not a model"});
+  test::expect_error(load(edited([](auto&, auto& m) { m["format_version"] = "2"; })),
+                     {"edited.safetensors", "newer"});
+  test::expect_error(load(edited([](auto& t, auto&) { t.erase(kName); })),
+                     {"edited.safetensors", kName});
+  test::expect_error(load(edited([](auto& t, auto&) { t["decoder.extra"] = t[kName]; })),
+                     {"edited.safetensors", "superfluous", "decoder.extra"});
+  test::expect_error(
+      load(edited([](auto& t, auto&) { std::swap(t[kName].shape[0], t[kName].shape[1]); })),
+      {"edited.safetensors", kName});
+  test::expect_error(load(edited([](auto&, auto& m) { m["model_config"] += "depth: 3\n"; })),
+                     {"edited.safetensors", "depth"});
+  std::vector<float> bad(24, 1.0f);
+  bad[5] = std::numeric_limits<float>::quiet_NaN();
+  test::expect_error(load(edited([&](auto& t, auto&) {
+                       t[kName].data = reinterpret_cast<const std::byte*>(bad.data());
+                     })),
+                     {"edited.safetensors", kName, "not finite"});
+}
+
+TEST_F(Checkpoint, WeightsOfAnotherConfigurationAreRefusedByName) {
+  save_model(file("a.safetensors"), model_);
+  ModelConfig config = test::tiny_config();
+  config.channels = 32;
+  LightTransportModel wide(config);
+  test::expect_error([&] { load_weights(file("a.safetensors"), wide); }, {"D = 16", "D = 32"});
+  config = test::tiny_config();
+  config.head_width = 4;
+  LightTransportModel heads(config);
+  test::expect_error([&] { load_weights(file("a.safetensors"), heads); }, {"head_width"});
+  config = test::tiny_config();
+  config.dropout = 0.3;
+  LightTransportModel tunable(config);
+  EXPECT_NO_THROW(load_weights(file("a.safetensors"), tunable));
+}
+
+}  // namespace
+}  // namespace lte::nn

@@ -1,0 +1,317 @@
+#include "train/data/example.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <gmock/gmock.h>
+
+#include "lte/base/check.h"
+#include "lte/nn/loss.h"
+#include "tests/train/support.h"
+
+namespace lte::train {
+namespace {
+
+TrainingScene uneven_scene() {
+  TrainingScene scene;
+  scene.name = "uneven";
+  scene.light_groups = 2;
+  for (int i = 0; i < 1000; ++i) {
+    scene.position.push_back({static_cast<float>(i), 0, 0});
+    scene.normal.push_back({0, 1, 0});
+    scene.albedo.push_back({0.5f, 0.5f, 0.5f});
+    scene.light.push_back(i < 3 ? 0 : i < 53 ? 1 : -1);
+    scene.emission.push_back(i < 3 ? Rgb{100, 100, 100} : i < 53 ? Rgb{2, 4, 6} : Rgb{});
+    scene.area.push_back(i < 53 ? 0.01f : 0.1f);
+  }
+  scene.query_position = {{0, 0, 0}};
+  scene.query_normal = {{0, 1, 0}};
+  scene.query_albedo = {{1, 1, 1}};
+  scene.target = {{1, 1, 1}, {2, 2, 2}};
+  return scene;
+}
+
+TEST(DrawRows, AreDistinctAscendingAndInRange) {
+  Rng rng(1);
+  for (const int64_t rows : {1, 2, 7, 100, 8193}) {
+    for (const int64_t count : {int64_t{1}, rows / 2 + 1, rows - 1, rows, rows + 5, int64_t{0}}) {
+      const std::vector<int64_t> drawn = draw_rows(rows, count, &rng);
+      const bool all = count == 0 || count >= rows;
+      ASSERT_EQ(static_cast<int64_t>(drawn.size()), all ? rows : count) << rows << ", " << count;
+      for (size_t i = 0; i < drawn.size(); ++i) {
+        EXPECT_GE(drawn[i], i == 0 ? 0 : drawn[i - 1] + 1);
+        EXPECT_LT(drawn[i], rows);
+      }
+    }
+  }
+}
+
+TEST(DrawRows, EveryRowIsEquallyLikely) {
+  // 7 of 10: runs of one and of two rows, which without the random start would be drawn with
+  // probability 1 and 1/2.
+  Rng rng(2);
+  constexpr int kDraws = 20'000;
+  std::vector<int> hits(10, 0);
+  for (int draw = 0; draw < kDraws; ++draw) {
+    for (const int64_t row : draw_rows(10, 7, &rng)) ++hits[static_cast<size_t>(row)];
+  }
+  for (const int count : hits) EXPECT_NEAR(count, 0.7 * kDraws, 5 * 65);  // standard deviation 65
+}
+
+TEST(DrawSceneRows, KeepsEveryLuminaireAndTheProportions) {
+  const TrainingScene scene = uneven_scene();
+  Rng rng(3);
+  for (int draw = 0; draw < 20; ++draw) {
+    std::map<int32_t, int> kept;
+    for (const int64_t row : draw_scene_rows(scene, 100, &rng))
+      ++kept[scene.light[static_cast<size_t>(row)]];
+    EXPECT_EQ(kept[0], 1);  // three in a thousand, of a hundred: still there
+    EXPECT_EQ(kept[1], 5);
+    EXPECT_EQ(kept[-1], 95);
+  }
+}
+
+TEST(MakeExample, SubsamplingKeepsAreaAndEmissionScalar) {
+  const TrainingScene scene = uneven_scene();
+  Rng rng(4);
+  const Example whole = make_example(scene, identity_symmetry(2), 0, 0, &rng);
+  const Example part = make_example(scene, identity_symmetry(2), 100, 0, &rng);
+  EXPECT_EQ(whole.points.area.size(0), 1000);
+  EXPECT_EQ(part.points.area.size(0), 101);
+  EXPECT_NEAR(part.points.area.sum().item<double>(), whole.points.area.sum().item<double>(), 1e-3);
+  EXPECT_NEAR(nn::radiance_scalar(part.points), nn::radiance_scalar(whole.points), 1e-5);
+}
+
+TEST(MakeExample, TargetIsTheSumOverTheEmissionOfItsChannel) {
+  const TrainingScene scene = uneven_scene();
+  Rng rng(5);
+  const Example example = make_example(scene, identity_symmetry(2), 0, 0, &rng);
+  for (int c = 0; c < 3; ++c) {
+    const double mean = (0.03 * 100 + 0.5 * 2 * (c + 1)) / (0.53 + 94.7);  // area-weighted
+    EXPECT_NEAR(example.target[0][c].item<double>(), 3 / mean, 1e-3);
+  }
+}
+
+TEST(MakeExample, ABlackSceneHasATargetOfZero) {
+  TrainingScene scene = uneven_scene();
+  for (Rgb& emission : scene.emission) emission = {};
+  for (Rgb& target : scene.target) target = {};
+  Rng rng(6);
+  EXPECT_EQ(
+      make_example(scene, identity_symmetry(2), 50, 0, &rng).target.abs().max().item<double>(), 0);
+}
+
+/// A room whose reference is noisy in every fourth query.
+TrainingScene noisy_scene() {
+  const test::TempDir dir;
+  data::SceneSample sample = test::box_sample(7);
+  sample.name = "room";
+  for (size_t i = 0; i < sample.variance.size(); ++i) {
+    float mean = 0;
+    for (int c = 0; c < 3; ++c)
+      mean += (sample.indirect[i][c] + sample.indirect[sample.variance.size() + i][c]) / 3;
+    sample.variance[i] = i % 4 == 0 ? mean * mean : 0.0f;  // as large as the value itself
+  }
+  data::write_scene_sample(dir / "room.safetensors", sample);
+  return read_training_scene(dir / "room.safetensors", "room", "indirect");
+}
+
+TEST(QueryScores, NoiseIsTheRelativeVariance) {
+  const TrainingScene scene = noisy_scene();
+  for (size_t i = 0; i < scene.scores.noise.size(); ++i)
+    EXPECT_NEAR(scene.scores.noise[i], i % 4 == 0 ? 1.0f : 0.0f, 1e-5f);
+}
+
+TEST(QueryScores, SlopeIsWhereIrradianceChanges) {
+  // A floor in the dark for x < 0 and in the light for x > 0, in rows of a centimetre.
+  std::vector<Vec3> position, normal;
+  std::vector<Rgb> target;
+  for (int i = 0; i < 100; ++i) {
+    const float x = 0.01f * (static_cast<float>(i) - 49.5f);
+    position.push_back({x, 0, 0});
+    normal.push_back({0, 1, 0});
+    target.push_back(x < 0 ? Rgb{} : Rgb{2, 2, 2});
+  }
+  const std::vector<float> slope = query_slope(position, normal, target);
+  for (int i = 0; i < 100; ++i) {
+    const bool edge = i >= 47 && i < 53;
+    EXPECT_EQ(slope[static_cast<size_t>(i)] > 0, edge) << i;
+  }
+  EXPECT_NEAR(slope[49], std::log(3.0f) / 0.01f, 1.0f);
+  std::fill(normal.begin() + 50, normal.end(), Vec3{1, 0, 0});  // an edge of the surface itself
+  for (const float value : query_slope(position, normal, target)) EXPECT_EQ(value, 0);
+}
+
+/// Means over many draws of f of the drawn queries, each with its weight, and of how often noisy
+/// ones come.
+struct DrawnMeans {
+  double value = 0, error = 0, noisy = 0, most = 0;
+};
+DrawnMeans means_of_draws(const TrainingScene& scene, QuerySampling sampling) {
+  constexpr int kDraws = 3000;
+  QueryOptions options;
+  options.count = 32;
+  options.sampling = sampling;
+  Rng rng(17);
+  DrawnMeans means;
+  double square = 0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const std::vector<int64_t> rows = draw_scene_rows(scene, 64, &rng);
+    const Example example = make_example(scene, identity_symmetry(2), rows, options, &rng);
+    const auto* x = example.queries.position.const_data_ptr<float>();
+    const float* weights =
+        example.weight.defined() ? example.weight.const_data_ptr<float>() : nullptr;
+    EXPECT_EQ(example.target.size(0), 32);
+    double sum = 0;
+    for (int64_t i = 0; i < example.target.size(0); ++i) {
+      const double weight = weights ? weights[i] : 1;
+      sum += weight * x[3 * i] * x[3 * i] / 32;  // any function of the query will do
+      means.most = std::max(means.most, weight);
+      const Vec3 drawn{x[3 * i], x[3 * i + 1], x[3 * i + 2]};
+      for (size_t q = 0; q < scene.query_position.size(); q += 4)
+        means.noisy += scene.query_position[q] == drawn ? 1.0 / 32 / kDraws : 0;
+    }
+    means.value += sum / kDraws;
+    square += sum * sum / kDraws;
+  }
+  means.error = std::sqrt((square - means.value * means.value) / kDraws);
+  return means;
+}
+
+TEST(QuerySampling, LeavesTheMeanOfTheLossWhateverItPrefers) {
+  const TrainingScene scene = noisy_scene();
+  double mean = 0;
+  for (const Vec3& p : scene.query_position)
+    mean += p.x * p.x / static_cast<double>(scene.query_position.size());
+  for (const QuerySampling sampling :
+       {QuerySampling::Uniform, QuerySampling::Variance, QuerySampling::Gradient}) {
+    const DrawnMeans means = means_of_draws(scene, sampling);
+    EXPECT_NEAR(means.value, mean, 4 * means.error);
+    EXPECT_LT(means.error, 0.02 * mean);
+    EXPECT_LE(means.most, 2.0001);
+    // A quarter is noisy: half of 1/4 and half of all.
+    if (sampling == QuerySampling::Gradient) continue;
+    EXPECT_NEAR(means.noisy, sampling == QuerySampling::Uniform ? 0.25 : 0.625, 0.01);
+  }
+}
+
+TEST(NoiseWeight, CountsNoisyQueriesLessAndKeepsTheMean) {
+  const TrainingScene scene = noisy_scene();
+  QueryOptions options;
+  options.noise_weight = 2;
+  options.epsilon = 0.1;
+  Rng rng(18);
+  const std::vector<int64_t> all = draw_scene_rows(scene, 0, &rng);
+  const Example example = make_example(scene, identity_symmetry(2), all, options, &rng);
+  ASSERT_EQ(example.weight.size(0), scene.query_points());
+  EXPECT_NEAR(example.weight.mean().item<double>(), 1, 1e-5);
+  const double plain = example.weight[1].item<double>();
+  for (int64_t i = 0; i < scene.query_points(); ++i) {
+    double n =
+        0;  // variance of the relative log error, by a finite difference of the loss's own terms
+    for (int64_t c = 0; c < 3 && i % 4 == 0; ++c) {
+      const double value = example.target[i][c].item<double>(), h = 1e-4;
+      const double slope = (std::log1p(value * (1 + h)) - std::log1p(value * (1 - h))) / (2 * h);
+      n += std::pow(slope / (std::log1p(value) + options.epsilon), 2) / 3;
+    }
+    EXPECT_NEAR(example.weight[i].item<double>(), plain / (1 + 2 * n), 1e-4 * plain) << i;
+  }
+}
+
+TEST(NoiseWeight, OffThereAreNoWeights) {
+  Rng rng(19);
+  EXPECT_FALSE(make_example(noisy_scene(), identity_symmetry(2), 0, 50, &rng).weight.defined());
+}
+
+TEST(NoiseWeight, WeightsEnterTheLossByQuery) {
+  const at::Tensor predicted = at::tensor({0.5f, 1.0f, 2.0f, 0.1f, 0.2f, 0.4f}).view({2, 3});
+  const at::Tensor target = at::tensor({0.6f, 0.9f, 2.5f, 0.3f, 0.1f, 0.4f}).view({2, 3});
+  const nn::LossConfig config;
+  const double first =
+      nn::relative_loss(predicted.slice(0, 0, 1), target.slice(0, 0, 1), config).item<double>();
+  const double second =
+      nn::relative_loss(predicted.slice(0, 1, 2), target.slice(0, 1, 2), config).item<double>();
+  const double both =
+      nn::relative_loss(predicted, target, config, at::tensor({1.5f, 0.25f})).item<double>();
+  EXPECT_NEAR(both, (1.5 * first + 0.25 * second) / 2, 1e-6);
+}
+
+TEST(MakeExample, LightOnScenePointsIsSummedOverGroupsUnderTheirGains) {
+  const test::TempDir dir;
+  data::SceneSample sample = test::box_sample(7);
+  sample.name = "room";
+  const std::filesystem::path path = dir / "room.safetensors";
+  data::write_scene_sample(path, sample);
+  try {
+    read_training_scene(path, "room", "indirect", "traced");
+    ADD_FAILURE() << "read light that is not there";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(),
+                testing::AllOf(testing::HasSubstr("room.safetensors"),
+                               testing::HasSubstr("scene_direct"), testing::HasSubstr("traced")));
+  }
+  const size_t M = sample.scene_position.size();
+  Rng random(3);
+  for (auto* light : {&sample.scene_direct, &sample.scene_indirect}) {
+    light->resize(2 * M);
+    for (Rgb& value : *light) value = {random.uniform(), random.uniform(), random.uniform()};
+  }
+  data::write_scene_sample(path, sample);
+  const TrainingScene direct = read_training_scene(path, "room", "indirect", "direct");
+  EXPECT_TRUE(direct.indirect.empty());
+  const TrainingScene scene = read_training_scene(path, "room", "indirect", "traced");
+  Symmetry symmetry = identity_symmetry(2);
+  symmetry.gains = {{2, 1, 0}, {0, 0.5f, 3}};
+  Rng rng(6);
+  const Example example = make_example(scene, symmetry, static_cast<int64_t>(M), 5, &rng);
+  // Rows are drawn in an order of their own: positions tell which.
+  for (int64_t row = 0; row < example.points.position.size(0); ++row) {
+    size_t i = 0;
+    const at::Tensor p = example.points.position[row];
+    const Vec3 at{p[0].item<float>(), p[1].item<float>(), p[2].item<float>()};
+    while (i < M && !(scene.position[i] == at)) ++i;
+    ASSERT_LT(i, M);
+    for (int c = 0; c < 3; ++c) {
+      const Rgb &a = symmetry.gains[0], &b = symmetry.gains[1];
+      EXPECT_FLOAT_EQ(example.points.direct[row][c].item<float>(),
+                      a[c] * sample.scene_direct[i][c] + b[c] * sample.scene_direct[M + i][c]);
+      EXPECT_FLOAT_EQ(example.points.indirect[row][c].item<float>(),
+                      a[c] * sample.scene_indirect[i][c] + b[c] * sample.scene_indirect[M + i][c]);
+    }
+  }
+}
+
+TEST(SceneStore, DropsTheLeastRecentlyUsed) {
+  const test::TempDir dir;
+  test::write_dataset(dir.path(), 3, 0);
+  const auto entries = data::entries_of(data::read_dataset_info(dir.path()), data::Split::Train);
+  SceneStore probe(dir.path(), entries, {});
+  const size_t one = probe.get(0)->size_bytes();
+  SceneStore store(dir.path(), entries, {"indirect", 2 * one});
+  const auto first = store.get(0);
+  store.get(1);
+  EXPECT_EQ(store.get(0), first) << "still kept";
+  store.get(2);  // drops 1
+  EXPECT_EQ(store.get(0), first);
+  EXPECT_EQ(store.cached_bytes(), 2 * one);
+  EXPECT_EQ(probe.cached_bytes(), one) << "the latest stays whatever the limit";
+}
+
+TEST(SceneStore, TotalIsDirectPlusIndirect) {
+  const test::TempDir dir;
+  test::write_dataset(dir.path(), 1, 0);
+  const data::SceneSample sample = data::read_scene_sample(data::scene_path(dir.path(), "room0"));
+  const TrainingScene total =
+      read_training_scene(data::scene_path(dir.path(), "room0"), "room0", "total");
+  const TrainingScene indirect =
+      read_training_scene(data::scene_path(dir.path(), "room0"), "room0", "indirect");
+  for (size_t i = 0; i < sample.direct.size(); ++i) {
+    EXPECT_EQ(total.target[i], sample.direct[i] + sample.indirect[i]);
+    EXPECT_EQ(indirect.target[i], sample.indirect[i]);
+  }
+}
+
+}  // namespace
+}  // namespace lte::train

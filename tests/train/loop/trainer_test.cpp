@@ -1,0 +1,243 @@
+#include "train/loop/trainer.h"
+
+#include <cmath>
+#include <fstream>
+
+#include <ATen/Parallel.h>
+#include <nlohmann/json.hpp>
+
+#include "lte/base/safetensors.h"
+#include "lte/nn/model_file.h"
+#include "tests/train/run_fixture.h"
+
+namespace lte::train {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+class TrainerTest : public test::RunFixture {};
+using test::expect_same_tensors;
+using test::log_values;
+
+TEST_F(TrainerTest, OverfitsOneScene) {
+  const test::TempDir one;
+  test::write_dataset(one.path(), 1, 0);
+  TrainConfig run =
+      config("run",
+             "augment: {rotate: none, mirror: false, permute_colours: false, gain: 1, tint: 1}\n"
+             "model: {dropout: 0}\n"
+             "data: {scene_points: 0, queries_per_scene: 0}\n"
+             "train: {steps: 120, scenes_per_step: 1, learning_rate: 4.0e-3, log_every: 1}\n");
+  run.data.root = one.path().string();
+  train(run);
+  const std::vector<Json> log = log_values(dir_ / "run");
+  ASSERT_EQ(log.size(), 120u);
+  const double first = log.front().at("loss").get<double>(),
+               last = log.back().at("loss").get<double>();
+  EXPECT_LT(last, 0.15 * first) << "of " << first;
+}
+
+TEST_F(TrainerTest, KeepsTheBestModelOfTheRun) {
+  const TrainSummary summary = train(config("run", "train: {steps: 12, validate_every: 2}\n"));
+  double best = 1e9;
+  int64_t best_step = 0;
+  for (const Json& line : log_values(dir_ / "run")) {
+    if (!line.contains("val_loss") || line.at("val_loss").get<double>() >= best) continue;
+    best = line.at("val_loss").get<double>();
+    best_step = line.at("step").get<int64_t>();
+  }
+  EXPECT_EQ(summary.best_loss, best);
+  EXPECT_EQ(SafetensorsFile(dir_ / "run/model_best.safetensors").metadata("step"),
+            std::to_string(best_step));
+}
+
+TEST_F(TrainerTest, ResumedEqualsUninterruptedBitForBit) {
+  train(config("straight"));
+  EXPECT_EQ(train(config("pieces"), false, 3).step,
+            3);  // in the middle of a line of the log, and of an epoch
+  EXPECT_EQ(train(config("pieces"), true, 2).step, 5);
+  EXPECT_EQ(train(config("pieces"), true).step, 8);
+  for (const char* file :
+       {"checkpoint.safetensors", "model.safetensors", "model_best.safetensors"}) {
+    expect_same_tensors(dir_ / "straight" / file, dir_ / "pieces" / file);
+  }
+  EXPECT_EQ(log_values(dir_ / "straight"), log_values(dir_ / "pieces"));
+}
+
+TEST_F(TrainerTest, DrawnAndWeighedQueriesResumeBitForBitToo) {
+  const std::string switches = "data: {query_sampling: gradient}\nloss: {noise_weight: 1}\n";
+  train(config("straight", switches));
+  train(config("pieces", switches), false, 3);
+  train(config("pieces", switches), true);
+  expect_same_tensors(dir_ / "straight/model.safetensors", dir_ / "pieces/model.safetensors");
+  train(config("plain"));
+  EXPECT_NE(log_values(dir_ / "plain"), log_values(dir_ / "straight"));
+}
+
+TEST_F(TrainerTest, ADataSetLargerThanTheCacheGivesTheSameBits) {
+  train(config("large"));
+  train(config("small", "data: {cache_mb: 0}\n"));
+  expect_same_tensors(dir_ / "large/checkpoint.safetensors", dir_ / "small/checkpoint.safetensors");
+}
+
+TEST_F(TrainerTest, ScenesBesideEachOtherGiveTheBitsOfScenesOneByOne) {
+  // Three scenes on two threads: a full round, and one with a thread to spare.
+  const std::string three = "model: {dropout: 0}\ntrain: {scenes_per_step: 3}\n";
+  train(config("one", three));
+  at::set_num_threads(2);
+  train(config("two", three));
+  at::set_num_threads(1);
+  expect_same_tensors(dir_ / "one/checkpoint.safetensors", dir_ / "two/checkpoint.safetensors");
+}
+
+TEST_F(TrainerTest, ACrashAfterTheCheckpointLosesNothing) {
+  train(config("straight"));
+  train(config("crashed"), false, 3);
+  // As if steps 4 and 5 had been done and logged, and then the power had failed in a line and
+  // before the model file.
+  std::ofstream(dir_ / "crashed/log.jsonl", std::ios::app)
+      << "{\"step\":4,\"loss\":9}\n{\"step\":5,\"va";
+  fs::remove(dir_ / "crashed/model.safetensors");
+  train(config("crashed"), true);
+  expect_same_tensors(dir_ / "straight/model.safetensors", dir_ / "crashed/model.safetensors");
+  EXPECT_EQ(log_values(dir_ / "straight"), log_values(dir_ / "crashed"));
+}
+
+TEST_F(TrainerTest, LogHasEveryLineItPromises) {
+  train(config("run"));
+  const std::vector<std::string> lines = test::lines_of(dir_ / "run/log.jsonl");
+  std::vector<int64_t> train_steps, val_steps;
+  for (const std::string& text : lines) {
+    const Json line = Json::parse(text);
+    const bool val = line.contains("val_loss");
+    (val ? val_steps : train_steps).push_back(line.at("step").get<int64_t>());
+    const std::vector<const char*> keys =
+        val ? std::vector<const char*>{"val_loss", "val_loss_median", "val_mse",
+                                       "val_psnr", "val_relmse",      "val_bias"}
+            : std::vector<const char*>{"loss",    "lr",         "grad_norm", "queries_per_s",
+                                       "seconds", "wait_share", "rss_mb"};
+    for (const char* key : keys)
+      EXPECT_TRUE(line.contains(key) && line.at(key).is_number()) << key << ": " << text;
+  }
+  for (const std::string& text : lines) {
+    const Json line = Json::parse(text);
+    if (!line.contains("wait_share")) continue;
+    EXPECT_GE(line.at("wait_share").get<double>(), 0);
+    EXPECT_LE(line.at("wait_share").get<double>(), 1);
+  }
+  EXPECT_EQ(train_steps, (std::vector<int64_t>{2, 4, 6, 8}));
+  EXPECT_EQ(val_steps, (std::vector<int64_t>{4, 8}));
+}
+
+TEST_F(TrainerTest, NormsOfModulesMakeUpThatOfTheWholeGradientBeforeClipping) {
+  // A limit that every step exceeds: after clipping the sum would be its square.
+  train(config("run", "train: {clip_norm: 1.0e-3}\n"));
+  const std::vector<Json> lines = log_values(dir_ / "run");
+  int compared = 0;
+  for (const Json& line : lines) {
+    if (!line.contains("grad_norm")) continue;
+    const double norm = line.at("grad_norm").get<double>();
+    EXPECT_GT(norm, 2e-3);
+    double sum = 0;
+    for (const auto& [name, value] : line.items())
+      if (name.starts_with("grad_norm_")) sum += std::pow(value.get<double>(), 2);
+    EXPECT_NEAR(sum, norm * norm, 1e-9 * norm * norm);
+    for (const char* module : {"nne", "encoder_stem", "encoder_down0", "decoder"})
+      EXPECT_GT(line.at(std::string("grad_norm_") + module).get<double>(), 0) << module;
+    ++compared;
+  }
+  EXPECT_EQ(compared, 4);
+}
+
+TEST_F(TrainerTest, ModelFileIsTheAveragedOneAndSaysWhereItCameFrom) {
+  const TrainSummary summary = train(config("run"));
+  nn::LightTransportModel model = nn::load_model(dir_ / "run/model.safetensors");
+  EXPECT_EQ(model->config().scale, 8) << "the data set's";
+  const TrainConfig run = config("run");
+  RunData data = open_run_data(run);
+  const ValidationResult again =
+      validate(model, validation_examples(run, &data.val), run.loss, at::kCPU);
+  EXPECT_NEAR(again.loss, summary.validation->loss, 1e-6 * again.loss);
+  const SafetensorsFile file(dir_ / "run/model.safetensors");
+  EXPECT_EQ(file.metadata("config"), "note: of the test\n");
+  EXPECT_EQ(file.metadata("step"), "8");
+  EXPECT_EQ(file.metadata("scene_points_pruned"), "false") << "as dataset.json says";
+}
+
+TEST_F(TrainerTest, AFirstOutputNearTheMeanOfTheReference) {
+  const TrainSummary summary =
+      train(config("run", "train: {steps: 1, learning_rate: 1.0e-9, min_learning_rate: 0}\n"));
+  EXPECT_LT(std::abs(summary.validation->bias), 0.4)
+      << "without it the bias is that of softplus(0)";
+}
+
+TEST_F(TrainerTest, AnOverflowingLossStopsWithStepAndSceneAndKeepsTheCheckpoint) {
+  const test::TempDir bad;
+  // Valid float32 each, but their sum over two luminaires is not.
+  test::write_dataset(bad.path(), 2, 0, [](int i, data::SceneSample* sample) {
+    if (i == 1)
+      std::fill(sample->indirect.begin(), sample->indirect.end(), Rgb{3e38f, 3e38f, 3e38f});
+  });
+  TrainConfig run =
+      config("run", "train: {scenes_per_step: 1, checkpoint_every: 1}\nmodel: {output_mean: 1}\n");
+  run.data.root = bad.path().string();
+  test::expect_error([&] { train(run); },
+                     {"step ", "scene room1", "the loss is not finite", "no update"});
+  // Whichever came first, nothing of the bad scene is in what stays.
+  if (!fs::exists(dir_ / "run/checkpoint.safetensors")) return;
+  EXPECT_EQ(read_checkpoint_header(dir_ / "run/checkpoint.safetensors").progress.step, 1);
+}
+
+TEST_F(TrainerTest, ASceneLargerThanTheScaleIsNamed) {
+  const test::TempDir bad;
+  test::write_dataset(bad.path(), 1, 0,
+                      [](int, data::SceneSample* sample) { sample->scene_position[20].x = 30; });
+  TrainConfig run = config("run");
+  run.data.root = bad.path().string();
+  test::expect_error([&] { train(run); }, {"room0.safetensors", "30 m wide", "scale of 8 m"});
+}
+
+TEST_F(TrainerTest, RefusesToOverwriteARun) {
+  train(config("run"), false, 1);
+  test::expect_error([&] { train(config("run")); },
+                     {"checkpoint.safetensors", "--resume", "--out"});
+}
+
+TEST_F(TrainerTest, RefusesToResumeNothing) {
+  test::expect_error([&] { train(config("run"), true); },
+                     {"checkpoint.safetensors", "nothing to resume"});
+}
+
+TEST_F(TrainerTest, RefusesToResumeWithAnotherModelSeedOrScale) {
+  train(config("run"), false, 1);
+  test::expect_error([&] { train(config("run", "model: {channels: 64}\n"), true); },
+                     {"checkpoint.safetensors", "model.channels (64, was 32)"});
+  test::expect_error([&] { train(config("run", "model: {target: total}\n"), true); },
+                     {"model.target"});
+  test::expect_error([&] { train(config("run", "seed: 6\n"), true); }, {"seed"});
+  test::expect_error([&] { train(config("run", "model: {scale: 9}\n"), true); },
+                     {"model.scale", "9", "8"});
+}
+
+TEST_F(TrainerTest, MoreStepsMayBeAddedAndAFinishedRunStaysAsItIs) {
+  train(config("run"));
+  const TrainSummary again = train(config("run"), true);
+  EXPECT_EQ(again.step, 8);
+  EXPECT_EQ(train(config("run", "train: {steps: 10}\n"), true).step, 10);
+}
+
+TEST_F(TrainerTest, EmptyOrMissingDataAreNamed) {
+  TrainConfig run = config("run");
+  run.data.root = "";
+  test::expect_error([&] { train(run); }, {"data.root"});
+  run.data.root = (dir_ / "none").string();
+  test::expect_error([&] { train(run); }, {"none"});
+  const test::TempDir only_val;
+  test::write_dataset(only_val.path(), 0, 1);
+  run.data.root = only_val.path().string();
+  test::expect_error([&] { train(run); }, {"dataset.json", "train"});
+}
+
+}  // namespace
+}  // namespace lte::train

@@ -1,0 +1,212 @@
+#include "train/checkpoint/checkpoint.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <map>
+
+#include <ATen/ops/empty.h>
+#include <ATen/ops/isfinite.h>
+#include <nlohmann/json.hpp>
+
+#include "lte/base/check.h"
+#include "lte/base/random.h"
+#include "lte/base/safetensors.h"
+#include "lte/base/version.h"
+#include "lte/nn/tensor_io.h"
+
+namespace lte::train {
+namespace {
+
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+constexpr const char* kFormat = "lte-checkpoint";
+constexpr int kVersion = 1;
+constexpr const char* kLog = "log";
+
+/// Of all that a run goes on from. The container checks lengths alone; a failing disk or a power
+/// cut may leave blocks of zeros in a file of the right length.
+class Checksum {
+ public:
+  void add(const void* bytes, size_t size) {
+    const auto* from = static_cast<const unsigned char*>(bytes);
+    std::array<uint64_t, 4> block{};
+    for (size_t done = 0; done < size; done += sizeof(block)) {
+      const size_t taken = std::min(sizeof(block), size - done);
+      if (taken < sizeof(block)) block = {};
+      std::memcpy(block.data(), from + done, taken);
+      for (size_t i = 0; i < block.size(); ++i)
+        lanes_[i] = std::rotl((lanes_[i] ^ block[i]) * 0x9e3779b97f4a7c15ULL, 31);
+    }
+    lanes_[0] = hash_combine(lanes_[0], size);
+  }
+  void add(const std::string& text) { add(text.data(), text.size()); }
+
+  std::string text() const {
+    uint64_t hash = 0;
+    for (const uint64_t lane : lanes_) hash = hash_combine(hash, lane);
+    return std::to_string(hash);
+  }
+
+ private:
+  std::array<uint64_t, 4> lanes_ = {1, 2, 3, 4};
+};
+
+/// Metadata that the checksum covers, beside all tensors in the order of their names.
+constexpr std::array<const char*, 3> kCovered = {"progress", "model_config", "config"};
+
+std::string checksum_of(const SafetensorsFile& file) {
+  Checksum checksum;
+  for (const char* key : kCovered) checksum.add(file.metadata(key));
+  for (const auto& [name, tensor] : file.tensors()) {
+    checksum.add(name);
+    checksum.add(tensor.data, tensor.size_bytes());
+  }
+  return checksum.text();
+}
+
+std::string checksum_of(const std::map<std::string, std::string>& metadata,
+                        const std::map<std::string, at::Tensor>& tensors) {
+  Checksum checksum;
+  for (const char* key : kCovered) checksum.add(metadata.at(key));
+  for (const auto& [name, tensor] : tensors) {
+    checksum.add(name);
+    checksum.add(tensor.const_data_ptr(), tensor.nbytes());
+  }
+  return checksum.text();
+}
+
+std::string progress_json(const RunProgress& progress) {
+  Json json = {{"step", progress.step},
+               {"seed", progress.seed},
+               {"best_step", progress.best_step},
+               {"seconds", progress.seconds},
+               {"window_loss", progress.window_loss},
+               {"window_steps", progress.window_steps},
+               {"data_fingerprint", progress.data_fingerprint}};
+  // JSON has no infinity: a run that was never validated has no best.
+  if (progress.best_loss < std::numeric_limits<double>::infinity())
+    json["best_loss"] = progress.best_loss;
+  return json.dump();
+}
+
+RunProgress parse_progress(const fs::path& path, const std::string& text) {
+  try {
+    const Json json = Json::parse(text);
+    RunProgress progress;
+    progress.step = json.at("step").get<int64_t>();
+    progress.seed = json.at("seed").get<uint64_t>();
+    progress.seconds = json.at("seconds").get<double>();
+    progress.window_loss = json.at("window_loss").get<double>();
+    progress.window_steps = json.at("window_steps").get<int64_t>();
+    progress.data_fingerprint = json.at("data_fingerprint").get<uint64_t>();
+    progress.best_loss = json.value("best_loss", std::numeric_limits<double>::infinity());
+    progress.best_step = json.value("best_step", int64_t{-1});
+    return progress;
+  } catch (const Json::exception& error) {
+    throw Error(concat(path.string(), ": metadata \"progress\" is damaged: ", error.what()));
+  }
+}
+
+std::map<std::string, at::Tensor> weights_of(const nn::LightTransportModel& model) {
+  std::map<std::string, at::Tensor> weights;
+  for (const auto& item : model->named_parameters()) weights["model." + item.key()] = item.value();
+  for (const auto& item : model->named_buffers()) weights["model." + item.key()] = item.value();
+  return weights;
+}
+
+void check_is_checkpoint(const SafetensorsFile& file) {
+  const auto format = file.metadata().find("format");
+  LTE_CHECK(format != file.metadata().end() && format->second == kFormat, file.path().string(),
+            ": not a checkpoint of lte_train (metadata \"format\" is ",
+            format == file.metadata().end() ? "missing" : "\"" + format->second + "\"", ")");
+}
+
+void check_version(const SafetensorsFile& file) {
+  const std::string& version = file.metadata("format_version");
+  LTE_CHECK(version == std::to_string(kVersion), file.path().string(), ": format_version ", version,
+            " is not supported; this build reads ", kVersion, ": update lte");
+}
+
+void check_format(const SafetensorsFile& file) {
+  check_is_checkpoint(file);
+  check_version(file);
+}
+
+}  // namespace
+
+fs::path checkpoint_path(const fs::path& run) { return run / "checkpoint.safetensors"; }
+fs::path model_path(const fs::path& run) { return run / "model.safetensors"; }
+fs::path best_model_path(const fs::path& run) { return run / "model_best.safetensors"; }
+
+void save_checkpoint(const fs::path& path, const nn::LightTransportModel& model,
+                     const Optimizer& optimizer, const RunProgress& progress,
+                     const std::string& config, const std::string& log) {
+  SafetensorsWriter writer;
+  std::map<std::string, at::Tensor> storage;
+  nn::add_tensors(weights_of(model), &storage, &writer);
+  nn::add_tensors(optimizer.state(), &storage, &writer);
+  const at::Tensor bytes = at::empty({static_cast<int64_t>(log.size())}, at::kByte);
+  std::copy(log.begin(), log.end(), bytes.data_ptr<uint8_t>());
+  nn::add_tensors({{kLog, bytes}}, &storage, &writer);
+  std::map<std::string, std::string> metadata = {{"format", kFormat},
+                                                 {"format_version", std::to_string(kVersion)},
+                                                 {"lte_version", version()},
+                                                 {"progress", progress_json(progress)},
+                                                 {"model_config", model->config().to_yaml()},
+                                                 {"config", config}};
+  metadata["checksum"] = checksum_of(metadata, storage);
+  for (const auto& [key, value] : metadata) writer.set_metadata(key, value);
+  writer.write(path);
+}
+
+std::optional<std::string> checkpoint_damage(const fs::path& path) {
+  std::optional<SafetensorsFile> file;
+  try {
+    file.emplace(path);
+    check_is_checkpoint(*file);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  check_version(*file);
+  try {
+    parse_progress(path, file->metadata("progress"));
+    const auto checksum = file->metadata().find("checksum");  // files of earlier builds lack it
+    LTE_CHECK(checksum == file->metadata().end() || checksum->second == checksum_of(*file),
+              path.string(), ": its bytes do not give its checksum");
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return std::nullopt;
+}
+
+CheckpointHeader read_checkpoint_header(const fs::path& path) {
+  const SafetensorsFile file(path);
+  check_format(file);
+  CheckpointHeader header;
+  header.progress = parse_progress(path, file.metadata("progress"));
+  header.model = nn::ModelConfig::read(Config::parse(file.metadata("model_config"), path.string()));
+  header.config = file.metadata("config");
+  if (file.contains(kLog)) {
+    const auto bytes = file.values<uint8_t>(kLog, {-1});
+    header.log.emplace(bytes.begin(), bytes.end());
+  }
+  return header;
+}
+
+void load_checkpoint(const fs::path& path, const nn::LightTransportModel& model,
+                     Optimizer* optimizer) {
+  const torch::NoGradGuard no_grad;
+  const SafetensorsFile file(path);
+  check_format(file);
+  for (const auto& [name, tensor] : weights_of(model)) {
+    nn::read_tensor(file, name, tensor.detach());
+    LTE_CHECK(!tensor.is_floating_point() || at::isfinite(tensor).all().item<bool>(), path.string(),
+              ": tensor ", name, " holds values that are not finite");
+  }
+  optimizer->load_state(file);
+}
+
+}  // namespace lte::train

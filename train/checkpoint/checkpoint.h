@@ -1,0 +1,62 @@
+// What a run needs to go on: weights, optimizer state, progress and the log so far in one file, so
+// that they cannot come from two steps.
+//
+// Random numbers need no state: examples, dropout and curve orders are functions of (seed, step).
+// Learning rate and averaging rate are functions of the step.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "lte/nn/model.h"
+#include "train/optim/optimizer.h"
+
+namespace lte::train {
+
+/// What is neither weight nor moment.
+struct RunProgress {
+  int64_t step = 0;  ///< steps done
+  uint64_t seed = 0;
+  double best_loss = std::numeric_limits<double>::infinity();  ///< lowest validation loss so far
+  int64_t best_step = -1;         ///< of that validation; −1: none yet, or not known
+  double seconds = 0;             ///< spent training, over all sessions
+  double window_loss = 0;         ///< sum of losses since the last line of the log
+  int64_t window_steps = 0;       ///< steps in it
+  uint64_t data_fingerprint = 0;  ///< of the training split's scene names, in order
+};
+
+struct CheckpointHeader {
+  RunProgress progress;
+  nn::ModelConfig model;
+  std::string config;              ///< the run's whole configuration, YAML
+  std::optional<std::string> log;  ///< log.jsonl as it was; files of earlier builds lack it
+};
+
+std::filesystem::path checkpoint_path(const std::filesystem::path& run);
+std::filesystem::path model_path(const std::filesystem::path& run);
+std::filesystem::path best_model_path(const std::filesystem::path& run);
+
+/// Atomic. Tensors: "model.NAME", Optimizer::state() and "log" (the bytes of log.jsonl). Metadata:
+/// format "lte-checkpoint", format_version, progress (JSON), model_config and config (YAML),
+/// lte_version, checksum.
+void save_checkpoint(const std::filesystem::path& path, const nn::LightTransportModel& model,
+                     const Optimizer& optimizer, const RunProgress& progress,
+                     const std::string& config, const std::string& log);
+
+/// Reads the whole file against its checksum.
+/// @return what is wrong with it (truncated, empty, foreign, bytes changed); nothing if it is whole
+/// @throws lte::Error if it is of a newer format, which is no damage
+std::optional<std::string> checkpoint_damage(const std::filesystem::path& path);
+
+/// @throws lte::Error naming the file: unreadable, not a checkpoint, of a newer format.
+CheckpointHeader read_checkpoint_header(const std::filesystem::path& path);
+
+/// Weights and optimizer state into a model built from the header's configuration.
+/// @throws lte::Error naming file and tensor if one is missing, of another shape or not finite.
+void load_checkpoint(const std::filesystem::path& path, const nn::LightTransportModel& model,
+                     Optimizer* optimizer);
+
+}  // namespace lte::train

@@ -1,0 +1,133 @@
+#include "train/checkpoint/init_weights.h"
+
+#include <algorithm>
+#include <map>
+
+#include <ATen/ops/from_blob.h>
+#include <ATen/ops/isfinite.h>
+#include <torch/types.h>
+
+#include "lte/base/check.h"
+#include "lte/base/log.h"
+#include "lte/base/safetensors.h"
+#include "train/config.h"
+
+namespace lte::train {
+namespace {
+
+/// The file's float tensors by the names that the model gives them.
+std::map<std::string, TensorView> weights_in(const SafetensorsFile& file) {
+  const auto found = file.metadata().find("format");
+  const std::string format = found == file.metadata().end() ? "" : found->second;
+  LTE_CHECK(format == "lte-model" || format == "lte-checkpoint", file.path().string(),
+            ": neither a model nor a checkpoint of lte_train (metadata \"format\" is ",
+            found == file.metadata().end() ? "missing" : "\"" + format + "\"", ")");
+  if (format == "lte-model") return file.tensors();
+  const std::string kWeights = "model.", kAverage = "average.";
+  std::map<std::string, TensorView> weights;
+  for (const auto& [name, tensor] : file.tensors()) {
+    if (!name.starts_with(kWeights)) continue;
+    const std::string own = name.substr(kWeights.size());
+    weights[own] = file.contains(kAverage + own) ? file.at(kAverage + own) : tensor;
+  }
+  return weights;
+}
+
+/// Names in a list that stays readable however long it is.
+class NameList {
+ public:
+  explicit NameList(const char* what) : what_(what) {}
+  void add(const std::string& name) {
+    if (++count_ <= kShown) text_ += (count_ == 1 ? "" : ", ") + name;
+  }
+  /// "missing (2): a, b"; empty if there is none.
+  std::string text() const {
+    if (count_ == 0) return "";
+    return concat(what_, " (", count_, "): ", text_, count_ > kShown ? ", ..." : "");
+  }
+
+ private:
+  static constexpr size_t kShown = 12;
+  const char* what_;
+  std::string text_;
+  size_t count_ = 0;
+};
+
+bool starts_with_any(const std::string& name, const std::vector<std::string>& prefixes) {
+  return std::any_of(prefixes.begin(), prefixes.end(),
+                     [&](const std::string& prefix) { return name.starts_with(prefix); });
+}
+
+/// @throws lte::Error for a prefix that nothing begins with: a slip that would go unseen
+void check_prefixes(const std::string& file, const std::vector<std::string>& except,
+                    const nn::LightTransportModel& model,
+                    const std::map<std::string, TensorView>& weights) {
+  const auto parameters = model->named_parameters();
+  for (const std::string& prefix : except) {
+    const auto matches = [&](const auto& item) { return item.first.starts_with(prefix); };
+    const bool in_model = std::any_of(parameters.begin(), parameters.end(), [&](const auto& item) {
+      return item.key().starts_with(prefix);
+    });
+    LTE_CHECK(!prefix.empty() && (in_model || std::any_of(weights.begin(), weights.end(), matches)),
+              "train.init_except: no parameter of the model or of ", file, " begins with \"",
+              prefix, "\"; a name is, for example, ", parameters.begin()->key());
+  }
+}
+
+void check_config(const SafetensorsFile& file, const nn::ModelConfig& model) {
+  const std::string name = file.path().string();
+  const auto before =
+      nn::ModelConfig::read(Config::parse(file.metadata("model_config"), name + ": model_config"));
+  LTE_CHECK(before.scale == model.scale, name, ": its weights are for a scale of ", before.scale,
+            " m, but the data set's is ", model.scale,
+            " m: positions in network space would not mean the same");
+  const std::vector<std::string> differences = model_differences(model, before);
+  std::string text;
+  for (const std::string& difference : differences) text += (text.empty() ? "" : ", ") + difference;
+  if (!text.empty()) log_warning(name, ": trained with another model.", text);
+}
+
+}  // namespace
+
+void init_weights(const std::filesystem::path& path, const std::vector<std::string>& except,
+                  const nn::LightTransportModel& model) {
+  const torch::NoGradGuard no_grad;
+  const SafetensorsFile file(path);
+  const std::string name = path.string();
+  const std::map<std::string, TensorView> weights = weights_in(file);
+  check_prefixes(name, except, model, weights);
+  NameList missing("missing"), extra("superfluous"), shapes("of another shape");
+  const auto parameters = model->named_parameters();
+  for (const auto& item : parameters) {
+    if (starts_with_any(item.key(), except)) continue;
+    const auto found = weights.find(item.key());
+    if (found == weights.end()) {
+      missing.add(item.key());
+    } else if (found->second.dtype != DType::F32 ||
+               at::IntArrayRef(found->second.shape) != item.value().sizes()) {
+      shapes.add(concat(item.key(), " ", at::IntArrayRef(found->second.shape), " for ",
+                        item.value().sizes()));
+    }
+  }
+  for (const auto& [key, view] : weights) {
+    if (!starts_with_any(key, except) && !parameters.contains(key)) extra.add(key);
+  }
+  std::string faults;
+  for (const NameList* list : {&missing, &extra, &shapes}) {
+    if (!list->text().empty()) faults += (faults.empty() ? "" : "; ") + list->text();
+  }
+  LTE_CHECK(faults.empty(), name, ": its weights do not fit the model: ", faults,
+            "; --init-except PREFIX leaves out parameters by name");
+  check_config(file, model->config());
+  for (const auto& item : parameters) {
+    if (starts_with_any(item.key(), except)) continue;
+    const TensorView& view = weights.at(item.key());
+    const at::Tensor values =
+        at::from_blob(const_cast<std::byte*>(view.data), view.shape, at::kFloat);
+    LTE_CHECK(at::isfinite(values).all().item<bool>(), name, ": tensor ", item.key(),
+              " holds values that are not finite");
+    item.value().copy_(values);
+  }
+}
+
+}  // namespace lte::train

@@ -1,0 +1,163 @@
+#include "train/command/report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <span>
+#include <vector>
+
+#include "lte/base/check.h"
+#include "lte/base/config.h"
+#include "lte/base/file.h"
+#include "lte/report/html.h"
+#include "train/command/report_log.h"
+#include "train/log/run_log.h"
+
+namespace lte::train {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kWorstScenes = 6, kLines = 6;
+
+std::string number(double value, const char* pattern = "%.4g") {
+  char text[32];
+  std::snprintf(text, sizeof text, pattern, value);
+  return text;
+}
+
+std::string duration(double seconds) {
+  const auto whole = std::llround(seconds);
+  char text[48];
+  std::snprintf(text, sizeof text, "%lld:%02lld:%02lld h", whole / 3600, whole / 60 % 60,
+                whole % 60);
+  return text;
+}
+
+std::string note(const std::string& text) {
+  return concat("<p class=note>", html_escape(text), "</p>\n");
+}
+
+double last(const Series& series) { return series.empty() ? 0 : series.back().second; }
+
+double sum(const Series& series) {
+  double out = 0;
+  for (const auto& point : series) out += point.second;
+  return out;
+}
+
+std::string loss_charts(const RunHistory& log) {
+  std::string out = html_chart({.title = "loss", .x_label = "step", .log_y = true},
+                               {{"training", log.figure("loss")},
+                                {"validation", log.figure("val_loss")},
+                                {"validation, median scene", log.figure("val_loss_median")}});
+  out += html_chart({.title = "validation PSNR, dB", .x_label = "step"},
+                    {{"", log.figure("val_psnr")}});
+  out += html_chart({.title = "validation: error", .x_label = "step", .log_y = true},
+                    {{"MSE", log.figure("val_mse")}, {"relative MSE", log.figure("val_relmse")}});
+  return out + html_chart({.title = "validation: bias", .x_label = "step"},
+                          {{"mean error over mean", log.figure("val_bias")}});
+}
+
+std::string optimizer_charts(const RunHistory& log) {
+  std::vector<ChartLine> norms = {{"whole gradient", log.figure("grad_norm")}};
+  for (const auto& [name, series] : log.figures) {
+    if (name.starts_with(kModuleNormPrefix))
+      norms.push_back({name.substr(kModuleNormPrefix.size()), series});
+  }
+  return html_chart({.title = "learning rate", .x_label = "step"}, {{"", log.figure("lr")}}) +
+         html_chart({.title = "gradient norm before clipping",
+                     .x_label = "step",
+                     .log_y = true,
+                     .height = 320},
+                    norms);
+}
+
+/// Scenes by their latest validation loss, the worst first.
+std::vector<std::pair<double, std::string>> ranked(const RunHistory& log) {
+  std::vector<std::pair<double, std::string>> out;
+  for (const auto& [name, series] : log.scenes) out.emplace_back(last(series), name);
+  std::sort(out.rbegin(), out.rend());
+  return out;
+}
+
+std::string scene_section(const RunHistory& log, const fs::path& run) {
+  const auto scenes = ranked(log);
+  if (scenes.empty()) return note("No validation yet.");
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [loss, name] : scenes) {
+    const Series& series = log.scenes.at(name);
+    double best = loss;
+    for (const auto& point : series) best = std::min(best, point.second);
+    rows.push_back({name, number(loss), number(best), number(series.front().second)});
+  }
+  std::vector<ChartLine> lines;
+  for (size_t i = 0; i < std::min(kLines, scenes.size()); ++i)
+    lines.push_back({scenes[i].second, log.scenes.at(scenes[i].second)});
+  std::string out = html_chart(
+      {.title = "validation loss of the worst scenes", .x_label = "step", .log_y = true}, lines);
+  out += html_table({"validation scene", "loss", "lowest", "first"}, rows);
+  out += "<h2>Worst scenes</h2>\n" +
+         note("Reference | prediction | difference of luminance × 4; irradiance without albedo.");
+  size_t shown = 0;
+  for (const auto& [loss, name] : scenes) {
+    const fs::path picture = run / "previews" / (name + ".png");
+    if (shown == kWorstScenes || !fs::exists(picture)) continue;
+    const std::string png = read_file(picture);
+    out += html_picture({reinterpret_cast<const unsigned char*>(png.data()), png.size()},
+                        concat(name, ": validation loss ", number(loss)));
+    ++shown;
+  }
+  return shown > 0
+             ? out
+             : out +
+                   note(
+                       "No pictures: no validation scene has a view, or train.preview_every is 0.");
+}
+
+std::string time_section(const RunHistory& log, int64_t steps) {
+  const double total = last(log.figure("seconds"));
+  const double validation = sum(log.figure("val_seconds")),
+               previews = sum(log.figure("preview_seconds"));
+  const double done = static_cast<double>(log.last_step);
+  std::vector<std::vector<std::string>> rows = {
+      {"all sessions", duration(total)},
+      {"of it validation", duration(validation)},
+      {"of it pictures", duration(previews)},
+      {"a step, all in all", done > 0 ? number(total / done) + " s" : "-"}};
+  if (steps > log.last_step && done > 0)
+    rows.push_back(
+        {"left at this rate", duration(total / done * (static_cast<double>(steps) - done))});
+  rows.push_back({"resident memory", number(last(log.figure("rss_mb"))) + " MiB"});
+  return html_table({"time", ""}, rows) +
+         html_chart({.title = "queries a second", .x_label = "step"},
+                    {{"", log.figure("queries_per_s")}}) +
+         html_chart({.title = "hours of training", .x_label = "step"}, [&] {
+           Series hours = log.figure("seconds");
+           for (auto& point : hours) point.second /= 3600;
+           return std::vector<ChartLine>{{"", hours}};
+         }());
+}
+
+}  // namespace
+
+std::string write_run_report(const fs::path& run, fs::path out) {
+  const fs::path yaml = run / "config.yaml", log_path = run / "log.jsonl";
+  LTE_CHECK(fs::is_directory(run), run.string(), ": no such run directory");
+  const RunHistory log = read_run_log(log_path);
+  int64_t steps = 0;
+  const std::string config = read_file(yaml);
+  Config::parse(config, yaml.string()).at("train").read("steps", &steps);
+  std::string body = note(concat("Step ", log.last_step, " of ", steps, "; training loss ",
+                                 number(last(log.figure("loss")))));
+  body += "<h2>Error</h2>\n" + loss_charts(log);
+  body += "<h2>Optimization</h2>\n" + optimizer_charts(log);
+  body += "<h2>Scenes</h2>\n" + scene_section(log, run);
+  body += "<h2>Time</h2>\n" + time_section(log, steps);
+  body += concat("<h2>Configuration</h2>\n<pre>", html_escape(config), "</pre>\n");
+  if (out.empty()) out = run / "report.html";
+  write_file(out, html_page("Training run " + fs::absolute(run).lexically_normal().string(), body));
+  return concat(out.string(), ": step ", log.last_step, " of ", steps, "\n");
+}
+
+}  // namespace lte::train

@@ -1,0 +1,127 @@
+#include "train/data/batch.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include <ATen/ops/mean.h>
+
+#include "lte/base/check.h"
+#include "lte/base/random.h"
+#include "lte/base/timer.h"
+
+namespace lte::train {
+namespace {
+
+// Streams of random numbers that must not meet.
+constexpr uint64_t kOrderStream = 1, kExampleStream = 2, kValidationStream = 3, kMeanStream = 4,
+                   kReplacementStream = 5, kPointStream = 6;
+
+}  // namespace
+
+size_t EpochOrder::scene_at(uint64_t position) {
+  const uint64_t epoch = position / scenes_;
+  if (epoch != epoch_) {
+    epoch_ = epoch;
+    order_.resize(scenes_);
+    std::iota(order_.begin(), order_.end(), size_t{0});
+    Rng rng(seed_, hash_combine(kOrderStream, epoch));
+    for (size_t i = scenes_ - 1; i > 0; --i) std::swap(order_[i], order_[rng.below(i + 1)]);
+  }
+  return order_[position % scenes_];
+}
+
+BatchLoader::BatchLoader(const TrainConfig& config, double scale, SceneStore* store,
+                         const World& world)
+    : config_(config),
+      scale_(scale),
+      store_(store),
+      world_(world),
+      order_(config.seed, store->size()) {}
+
+BatchLoader::~BatchLoader() {
+  if (next_.valid()) next_.wait();
+}
+
+std::shared_ptr<const TrainingScene> BatchLoader::scene_at(uint64_t position) {
+  auto scene = store_->get(order_.scene_at(position));
+  // The store throws when none is left, so this ends.
+  for (Rng rng(config_.seed, hash_combine(kReplacementStream, position)); !scene;)
+    scene = store_->get(rng.below(store_->size()));
+  return scene;
+}
+
+std::vector<int64_t> BatchLoader::scene_rows(const TrainingScene& scene, Rng* rng) const {
+  if (config_.augment.subsample) return draw_scene_rows(scene, config_.data.scene_points, rng);
+  uint64_t stream = kPointStream;
+  for (const char letter : scene.name) stream = hash_combine(stream, static_cast<uint8_t>(letter));
+  Rng always(config_.seed, stream);
+  return draw_scene_rows(scene, config_.data.scene_points, &always);
+}
+
+std::vector<Example> BatchLoader::make(int64_t step) {
+  std::vector<Example> examples;
+  const int64_t count = config_.train.scenes_per_step;
+  for (int64_t slot = world_.rank; slot < count; slot += world_.size) {
+    const auto position = static_cast<uint64_t>(step * count + slot);
+    const auto scene = scene_at(position);
+    Rng rng(config_.seed, hash_combine(kExampleStream, position));
+    const Symmetry symmetry =
+        draw_symmetry(config_.augment, scene->light_groups, scene->bounds, scale_, &rng);
+    examples.push_back(
+        make_example(*scene, symmetry, scene_rows(*scene, &rng), query_options(config_), &rng));
+  }
+  return examples;
+}
+
+std::vector<Example> BatchLoader::take(int64_t step) {
+  const Timer timer;
+  std::vector<Example> examples;
+  if (next_.valid()) {
+    std::vector<Example> made = next_.get();
+    if (next_step_ == step) examples = std::move(made);
+  }
+  if (examples.empty()) examples = make(step);
+  waited_seconds_ += timer.seconds();
+  next_step_ = step + 1;
+  if (next_step_ < config_.train.steps) {
+    next_ = std::async(std::launch::async, [this, step] { return make(step + 1); });
+  }
+  return examples;
+}
+
+std::vector<Example> validation_examples(const TrainConfig& config, SceneStore* store) {
+  const size_t wanted = static_cast<size_t>(config.train.validation_scenes);
+  const size_t count = wanted == 0 ? store->size() : std::min(wanted, store->size());
+  std::vector<Example> examples;
+  for (size_t i = 0; i < count; ++i) {
+    const auto scene = store->get(i);
+    if (!scene) continue;
+    Rng rng(kValidationStream, i);  // not the run's seed: runs are compared on the same queries
+    examples.push_back(make_example(*scene, identity_symmetry(scene->light_groups),
+                                    config.data.scene_points, config.train.validation_queries,
+                                    &rng));
+  }
+  return examples;
+}
+
+double mean_target(const TrainConfig& config, SceneStore* store) {
+  constexpr size_t kScenes = 64;
+  const size_t count = std::min(kScenes, store->size());
+  double sum = 0;
+  int used = 0;
+  for (size_t i = 0; i < count; ++i) {
+    const auto scene = store->get(i * store->size() / count);
+    if (!scene) continue;
+    ++used;
+    Rng rng(config.seed, hash_combine(kMeanStream, i));
+    sum += make_example(*scene, identity_symmetry(scene->light_groups), config.data.scene_points,
+                        config.data.queries_per_scene, &rng)
+               .target.mean()
+               .item<double>();
+  }
+  LTE_CHECK(used > 0, "none of ", count, " scenes spread over the training split can be used");
+  return sum / used;
+}
+
+}  // namespace lte::train

@@ -1,0 +1,74 @@
+// Which scenes, points, queries and symmetries each step trains on: a function of (seed, step)
+// alone, so that a resumed run goes on with the very examples it would have had.
+#pragma once
+
+#include <cstdint>
+#include <future>
+#include <memory>
+#include <vector>
+
+#include "train/config.h"
+#include "train/data/example.h"
+#include "train/data/scene_store.h"
+#include "train/distributed/rank.h"
+
+namespace lte::train {
+
+/// Position `slot` of step `step` in an endless run of epochs, each a fresh permutation of the
+/// scenes.
+class EpochOrder {
+ public:
+  EpochOrder(uint64_t seed, size_t scenes) : seed_(seed), scenes_(scenes) {}
+  /// @return index of the scene at `position`
+  size_t scene_at(uint64_t position);
+
+ private:
+  uint64_t seed_;
+  size_t scenes_;
+  uint64_t epoch_ = UINT64_MAX;
+  std::vector<size_t> order_;
+};
+
+/// Makes this process's examples of a step, every `world.size`-th beginning with its rank: all
+/// processes together have those that one alone would have. Those of the next, and no more, are
+/// made by another thread while the model works: memory holds the examples of two steps.
+///
+/// In the place of a scene that the store skips comes another, drawn by its position in the order
+/// alone: the same one whichever process asks, however often the run is stopped.
+class BatchLoader {
+ public:
+  /// @param scale  s, metres: what a rotated scene must fit into
+  BatchLoader(const TrainConfig& config, double scale, SceneStore* store, const World& world = {});
+  ~BatchLoader();
+  BatchLoader(const BatchLoader&) = delete;
+  BatchLoader& operator=(const BatchLoader&) = delete;
+
+  /// The examples of `step`, and starts on those of step + 1.
+  std::vector<Example> take(int64_t step);
+  /// Seconds that take() has waited for examples, all together.
+  double waited_seconds() const { return waited_seconds_; }
+
+ private:
+  std::shared_ptr<const TrainingScene> scene_at(uint64_t position);
+  std::vector<int64_t> scene_rows(const TrainingScene& scene, Rng* rng) const;
+  std::vector<Example> make(int64_t step);
+
+  TrainConfig config_;
+  double scale_;
+  SceneStore* store_;
+  World world_;
+  EpochOrder order_;
+  std::future<std::vector<Example>> next_;
+  int64_t next_step_ = -1;
+  double waited_seconds_ = 0;
+};
+
+/// The fixed examples of the validation split: no augmentation, the same points and queries every
+/// time.
+std::vector<Example> validation_examples(const TrainConfig& config, SceneStore* store);
+
+/// Mean of the normalized target over at most 64 scenes, spread evenly over `store`: the network's
+/// first output.
+double mean_target(const TrainConfig& config, SceneStore* store);
+
+}  // namespace lte::train

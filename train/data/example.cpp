@@ -1,0 +1,234 @@
+#include "train/data/example.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include <ATen/ops/empty.h>
+
+#include "lte/base/check.h"
+
+namespace lte::train {
+namespace {
+
+/// [rows, 3] of value(row).
+template <typename Value>
+at::Tensor triples(const std::vector<int64_t>& rows, const Value& value) {
+  at::Tensor out = at::empty({static_cast<int64_t>(rows.size()), 3}, at::kFloat);
+  auto* values = reinterpret_cast<Vec3*>(out.data_ptr<float>());
+  for (size_t i = 0; i < rows.size(); ++i) values[i] = value(static_cast<size_t>(rows[i]));
+  return out;
+}
+
+/// Rows by light group.
+std::map<int32_t, std::vector<int64_t>> classes_of(const TrainingScene& scene) {
+  std::map<int32_t, std::vector<int64_t>> classes;
+  for (size_t i = 0; i < scene.light.size(); ++i)
+    classes[scene.light[i]].push_back(static_cast<int64_t>(i));
+  return classes;
+}
+
+/// Area of each kept point: that of its class stays what it was, so the emission scalar does not
+/// jump with the draw.
+at::Tensor areas(const TrainingScene& scene, const std::vector<int64_t>& rows) {
+  std::map<int32_t, double> all, kept;
+  for (size_t i = 0; i < scene.area.size(); ++i) all[scene.light[i]] += scene.area[i];
+  for (const int64_t row : rows)
+    kept[scene.light[static_cast<size_t>(row)]] += scene.area[static_cast<size_t>(row)];
+  at::Tensor out = at::empty({static_cast<int64_t>(rows.size())}, at::kFloat);
+  auto* values = out.data_ptr<float>();
+  const bool whole = rows.size() == scene.area.size();
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const auto row = static_cast<size_t>(rows[i]);
+    const double share = kept[scene.light[row]];
+    const double factor = whole || share <= 0 ? 1.0 : all[scene.light[row]] / share;
+    values[i] = static_cast<float>(scene.area[row] * factor);
+  }
+  return out;
+}
+
+nn::PointSet gather_points(const TrainingScene& scene, const Symmetry& symmetry,
+                           const std::vector<int64_t>& rows) {
+  nn::PointSet points;
+  points.position = triples(rows, [&](size_t i) { return symmetry.space(scene.position[i]); });
+  points.normal = triples(rows, [&](size_t i) { return symmetry.space(scene.normal[i]); });
+  points.albedo = triples(rows, [&](size_t i) { return symmetry.colour(scene.albedo[i]); });
+  points.emission =
+      triples(rows, [&](size_t i) { return symmetry.light(scene.emission[i], scene.light[i]); });
+  points.area = areas(scene, rows);
+  const size_t M = scene.position.size();
+  const auto lit = [&](const std::vector<Rgb>& by_group) {
+    if (by_group.empty()) return at::Tensor();
+    return triples(rows, [&](size_t i) {
+      Rgb sum{};
+      for (int64_t g = 0; g < scene.light_groups; ++g) {
+        sum += symmetry.light(by_group[static_cast<size_t>(g) * M + i], static_cast<int32_t>(g));
+      }
+      return sum;
+    });
+  };
+  points.direct = lit(scene.direct);
+  points.indirect = lit(scene.indirect);
+  return points;
+}
+
+struct DrawnQueries {
+  std::vector<int64_t> rows;
+  std::vector<double> weight;  ///< of each row; empty: all alike
+};
+
+/// Systematic sampling of the scores' distribution: a row comes as often as it should on average to
+/// within one.
+DrawnQueries draw_by_score(const std::vector<float>& scores, bool square_root, int64_t count,
+                           Rng* rng) {
+  const auto score = [&](size_t i) { return square_root ? std::sqrt(scores[i]) : scores[i]; };
+  const auto rows = static_cast<double>(scores.size());
+  double total = 0;
+  for (size_t i = 0; i < scores.size(); ++i) total += score(i);
+  DrawnQueries drawn;
+  const double start = rng->uniform();
+  double before = 0;  // expected number of draws of the rows so far
+  for (size_t i = 0; i < scores.size(); ++i) {
+    const double likelier = total > 0 ? 0.5 + 0.5 * score(i) * rows / total : 1.0;
+    const bool last = i + 1 == scores.size();  // rounding must not cost a draw
+    const double after =
+        last ? static_cast<double>(count) : before + static_cast<double>(count) * likelier / rows;
+    const auto copies =
+        static_cast<int64_t>(std::floor(after + start) - std::floor(before + start));
+    for (int64_t copy = 0; copy < copies; ++copy) {
+      drawn.rows.push_back(static_cast<int64_t>(i));
+      drawn.weight.push_back(1 / likelier);
+    }
+    before = after;
+  }
+  return drawn;
+}
+
+DrawnQueries draw_queries(const TrainingScene& scene, const QueryOptions& options, Rng* rng) {
+  const int64_t rows = scene.query_points();
+  if (options.sampling == QuerySampling::Uniform || options.count == 0 || options.count >= rows)
+    return {draw_rows(rows, options.count, rng), {}};
+  const bool by_noise = options.sampling == QuerySampling::Variance;
+  return draw_by_score(by_noise ? scene.scores.noise : scene.scores.slope, by_noise, options.count,
+                       rng);
+}
+
+/// Divides the weights by 1 + λ n. With I = exp(x) − 1, a relative error r of I is an error of
+/// r I/(I + 1) of x, which the loss divides by x + ε.
+void weigh_noise(const TrainingScene& scene, const QueryOptions& options, const at::Tensor& target,
+                 DrawnQueries* drawn) {
+  if (drawn->weight.empty()) drawn->weight.assign(drawn->rows.size(), 1.0);
+  const auto* I = target.const_data_ptr<float>();
+  double before = 0, after = 0;
+  for (size_t i = 0; i < drawn->rows.size(); ++i) {
+    double factor = 0;
+    for (size_t c = 0; c < 3; ++c) {
+      const double value = I[3 * i + c];
+      const double relative = value / ((value + 1) * (std::log1p(value) + options.epsilon));
+      factor += relative * relative / 3;
+    }
+    const double noise = scene.scores.noise[static_cast<size_t>(drawn->rows[i])] * factor;
+    before += drawn->weight[i];
+    drawn->weight[i] /= 1 + options.noise_weight * noise;
+    after += drawn->weight[i];
+  }
+  for (double& weight : drawn->weight) weight *= before / after;
+}
+
+}  // namespace
+
+Example Example::to(at::Device device) const {
+  Example out = *this;
+  for (at::Tensor* tensor : {&out.points.position, &out.points.normal, &out.points.albedo,
+                             &out.points.emission, &out.points.area, &out.queries.position,
+                             &out.queries.normal, &out.queries.albedo, &out.target}) {
+    *tensor = tensor->to(device);
+  }
+  if (out.weight.defined()) out.weight = out.weight.to(device);
+  if (points.direct.defined()) out.points.direct = points.direct.to(device);
+  if (points.indirect.defined()) out.points.indirect = points.indirect.to(device);
+  return out;
+}
+
+std::vector<int64_t> draw_rows(int64_t rows, int64_t count, Rng* rng) {
+  const bool all = count == 0 || count >= rows;
+  const int64_t taken = all ? rows : count;
+  // A random start makes every row equally likely although the runs differ in length by one.
+  const int64_t start = all ? 0 : static_cast<int64_t>(rng->below(static_cast<uint64_t>(rows)));
+  std::vector<int64_t> drawn(static_cast<size_t>(taken));
+  for (int64_t i = 0; i < taken; ++i) {
+    const auto begin = static_cast<int64_t>(static_cast<Wide>(i) * static_cast<Wide>(rows) /
+                                            static_cast<Wide>(taken));
+    const auto end = static_cast<int64_t>(static_cast<Wide>(i + 1) * static_cast<Wide>(rows) /
+                                          static_cast<Wide>(taken));
+    const int64_t pick =
+        all ? begin : begin + static_cast<int64_t>(rng->below(static_cast<uint64_t>(end - begin)));
+    drawn[static_cast<size_t>(i)] = (start + pick) % rows;
+  }
+  std::sort(drawn.begin(), drawn.end());
+  return drawn;
+}
+
+std::vector<int64_t> draw_scene_rows(const TrainingScene& scene, int64_t count, Rng* rng) {
+  const int64_t rows = scene.scene_points();
+  if (count == 0 || count >= rows) return draw_rows(rows, 0, rng);
+  std::vector<int64_t> drawn;
+  for (const auto& [group, members] : classes_of(scene)) {
+    const auto size = static_cast<int64_t>(members.size());
+    const int64_t share = std::max<int64_t>(1, (size * count + rows / 2) / rows);
+    for (const int64_t i : draw_rows(size, share, rng))
+      drawn.push_back(members[static_cast<size_t>(i)]);
+  }
+  std::sort(drawn.begin(), drawn.end());
+  return drawn;
+}
+
+QueryOptions query_options(const TrainConfig& config) {
+  return {config.data.queries_per_scene, config.data.query_sampling, config.noise_weight,
+          config.loss.epsilon};
+}
+
+Example make_example(const TrainingScene& scene, const Symmetry& symmetry,
+                     const std::vector<int64_t>& scene_rows, const QueryOptions& queries,
+                     Rng* rng) {
+  LTE_CHECK(static_cast<int64_t>(symmetry.gains.size()) == scene.light_groups, scene.name, ": ",
+            scene.light_groups, " light groups, but ", symmetry.gains.size(), " gains");
+  Example example;
+  example.scene = scene.name;
+  example.points = gather_points(scene, symmetry, scene_rows);
+  DrawnQueries drawn = draw_queries(scene, queries, rng);
+  const std::vector<int64_t>& rows = drawn.rows;
+  example.queries.position =
+      triples(rows, [&](size_t i) { return symmetry.space(scene.query_position[i]); });
+  example.queries.normal =
+      triples(rows, [&](size_t i) { return symmetry.space(scene.query_normal[i]); });
+  example.queries.albedo =
+      triples(rows, [&](size_t i) { return symmetry.colour(scene.query_albedo[i]); });
+  const auto N = static_cast<size_t>(scene.query_points());
+  const at::Tensor radiance = nn::channel_radiance(example.points);
+  std::array<double, 3> factor{};  // a channel without emission has no irradiance either
+  for (size_t c = 0; c < 3; ++c) {
+    const double mean = radiance[static_cast<int64_t>(c)].item<double>();
+    factor[c] = mean > 0 ? 1 / mean : 0;
+  }
+  example.target = triples(rows, [&](size_t i) {
+    std::array<double, 3> sum{};
+    for (int64_t g = 0; g < scene.light_groups; ++g) {
+      const Rgb part =
+          symmetry.light(scene.target[static_cast<size_t>(g) * N + i], static_cast<int32_t>(g));
+      for (int c = 0; c < 3; ++c) sum[static_cast<size_t>(c)] += part[c];
+    }
+    return Rgb{static_cast<float>(sum[0] * factor[0]), static_cast<float>(sum[1] * factor[1]),
+               static_cast<float>(sum[2] * factor[2])};
+  });
+  if (queries.noise_weight > 0) weigh_noise(scene, queries, example.target, &drawn);
+  if (!drawn.weight.empty()) {
+    example.weight = at::empty({static_cast<int64_t>(drawn.weight.size())}, at::kFloat);
+    std::copy(drawn.weight.begin(), drawn.weight.end(), example.weight.data_ptr<float>());
+  }
+  example.seed = rng->next_u64();
+  return example;
+}
+
+}  // namespace lte::train

@@ -1,0 +1,91 @@
+// The scenes of one split, read when first asked for and kept while memory lasts.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <list>
+#include <memory>
+#include <set>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "lte/base/math.h"
+#include "lte/data/dataset.h"
+#include "train/data/query_scores.h"
+
+namespace lte::train {
+
+/// What training needs of a baked scene: no views, and of direct and indirect irradiance what the
+/// target is made of.
+struct TrainingScene {
+  std::string name;
+  std::vector<Vec3> position, normal;              ///< [M]
+  std::vector<Rgb> albedo, emission;               ///< [M]
+  std::vector<float> area;                         ///< [M] m²
+  std::vector<int32_t> light;                      ///< [M] light group, −1 for none
+  std::vector<Rgb> direct, indirect;               ///< [G, M] at unit gain; may be empty
+  std::vector<Vec3> query_position, query_normal;  ///< [N]
+  std::vector<Rgb> query_albedo;                   ///< [N]
+  int64_t light_groups = 0;                        ///< G
+  std::vector<Rgb> target;                         ///< [G, N] irradiance at unit gain, W/m²
+  QueryScores scores;                              ///< [N] each
+  Bounds bounds;                                   ///< of the scene points
+
+  int64_t scene_points() const { return static_cast<int64_t>(position.size()); }
+  int64_t query_points() const { return static_cast<int64_t>(query_position.size()); }
+  size_t size_bytes() const;
+};
+
+/// @param target       "indirect" or "total"
+/// @param light_input  of the model (nn::ModelConfig): what else is kept
+/// @throws lte::Error as data::read_scene_sample(), or if the file lacks what the model reads.
+TrainingScene read_training_scene(const std::filesystem::path& path, const std::string& name,
+                                  const std::string& target,
+                                  const std::string& light_input = "emission");
+
+struct SceneStoreOptions {
+  std::string target = "indirect";  ///< or "total"
+  size_t cache_bytes = 0;           ///< memory for scenes that are not in use
+  double scale = INFINITY;          ///< s, metres: what a scene must fit into
+  /// Goes on without scenes that cannot be used, rather than refusing them.
+  bool skip_bad = false;
+  std::string light_input = "emission";  ///< as in nn::ModelConfig
+};
+
+/// Least recently used scenes are dropped once `cache_bytes` are exceeded; the latest always stays.
+/// One thread at a time.
+class SceneStore {
+ public:
+  SceneStore(std::filesystem::path root, std::vector<data::DatasetEntry> entries,
+             SceneStoreOptions options);
+
+  size_t size() const { return entries_.size(); }
+  const std::string& name(size_t index) const { return entries_[index].name; }
+  /// @return null for a bad scene if those are skipped: a file that is missing, damaged or of
+  /// another version, a value out of range, an extent above the scale. Warns of it the first time.
+  /// @throws lte::Error naming file, tensor and index of what is wrong with it; if bad scenes are
+  /// skipped, when no scene is left
+  std::shared_ptr<const TrainingScene> get(size_t index);
+  /// Those skipped so far.
+  const std::set<size_t>& bad() const { return bad_; }
+  size_t cached_bytes() const { return cached_bytes_; }
+
+ private:
+  std::shared_ptr<const TrainingScene> read(size_t index) const;
+
+  struct Slot {
+    std::shared_ptr<const TrainingScene> scene;
+    std::list<size_t>::iterator use;
+  };
+  std::filesystem::path root_;
+  std::vector<data::DatasetEntry> entries_;
+  SceneStoreOptions options_;
+  size_t cached_bytes_ = 0;
+  std::set<size_t> bad_;
+  std::list<size_t> uses_;  ///< latest first
+  std::unordered_map<size_t, Slot> slots_;
+};
+
+}  // namespace lte::train

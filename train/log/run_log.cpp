@@ -1,0 +1,66 @@
+#include "train/log/run_log.h"
+
+#include <cerrno>
+#include <cstring>
+#include <sstream>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "lte/base/check.h"
+#include "lte/base/file.h"
+
+namespace lte::train {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string kept_lines(const std::string& text, int64_t resume_step) {
+  std::string kept;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const Json json = Json::parse(line, nullptr, false);
+    if (!json.is_object() || !json.contains("step") || !json["step"].is_number_integer()) continue;
+    if (json["step"].get<int64_t>() <= resume_step) kept += line + '\n';
+  }
+  return kept;
+}
+
+std::string tag_of(const std::string& field) {
+  constexpr std::string_view kValidation = "val_";
+  if (field.starts_with(kValidation)) return "val/" + field.substr(kValidation.size());
+  if (field.starts_with(kModuleNormPrefix))
+    return "grad_norm/" + field.substr(kModuleNormPrefix.size());
+  return "train/" + field;
+}
+
+}  // namespace
+
+RunLog::RunLog(std::filesystem::path path, int64_t resume_step,
+               const std::optional<std::string>& saved)
+    : path_(std::move(path)) {
+  if (saved) {
+    text_ = *saved;
+  } else if (resume_step > 0 && std::filesystem::exists(path_)) {
+    text_ = kept_lines(read_file(path_), resume_step);
+  }
+  write_file(path_, text_);
+  out_.open(path_, std::ios::app);
+  LTE_CHECK(out_, path_.string(), ": cannot append: ", std::strerror(errno));
+}
+
+void RunLog::write(int64_t step, const NamedValues& fields, const NamedValues& scenes) {
+  Json json = {{"step", step}};
+  for (const auto& [name, value] : fields) json[name] = value;
+  for (const auto& [name, value] : scenes) json["val_scenes"][name] = value;
+  const std::string line = json.dump() + '\n';
+  out_ << line << std::flush;
+  LTE_CHECK(out_, path_.string(), ": cannot append: ", std::strerror(errno));
+  text_ += line;
+  if (!events_) return;
+  NamedValues tagged;
+  for (const auto& [name, value] : fields) tagged.emplace_back(tag_of(name), value);
+  events_->scalars(step, tagged);
+}
+
+}  // namespace lte::train

@@ -1,0 +1,53 @@
+// Losses and gradients of the scenes of a step.
+//
+// On the CPU the scenes of a step run beside each other, each on its own replica of the model that
+// shares the weights: the networks one trains on a CPU are narrow, and one scene to a thread keeps
+// cores busy where threads inside an operator would wait for one another.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "lte/nn/model.h"
+#include "train/config.h"
+#include "train/data/example.h"
+#include "train/distributed/process_group.h"
+
+namespace lte::train {
+
+class SceneGradients {
+ public:
+  /// Takes at::get_num_threads() threads: one scene each as far as there are scenes, what is left
+  /// inside operators. With dropout, whose random numbers come from one global generator, or on a
+  /// GPU, the scenes run one after another.
+  /// @param model  keep its parameters' storage: the replicas read it
+  /// @param group  of a run of several processes, each with a share of a step's scenes, one after
+  /// another; null: this process has them all
+  SceneGradients(const TrainConfig& config, const nn::LightTransportModel& model, at::Device device,
+                 ProcessGroup* group = nullptr);
+
+  /// Adds the gradient of the mean loss over `examples` to the model's parameters, in a run of
+  /// several processes over those of all of them. Bit for bit the same for any number of scenes
+  /// beside each other.
+  /// @param step  in the messages, counted from 1
+  /// @return the mean loss; in a run of several processes this one's share of it
+  /// @throws lte::Error naming step and scene if the network refuses it or the loss is not finite
+  double accumulate(const std::vector<Example>& examples, int64_t step);
+  /// Loss and gradient of one scene by itself, in this process alone.
+  double accumulate_alone(const Example& example, int64_t step) { return run(0, example, step); }
+
+ private:
+  double run(size_t worker, const Example& stored, int64_t step);
+  void collect(size_t worker);
+
+  nn::LossConfig loss_;
+  double weight_;  ///< of a scene in the mean
+  int processes_ = 1;
+  at::Device device_;
+  int threads_per_scene_ = 1;
+  std::vector<nn::LightTransportModel> models_;  ///< the first is the model itself
+  std::unique_ptr<GradientReducer> reducer_;     ///< null in a process alone
+};
+
+}  // namespace lte::train

@@ -1,0 +1,72 @@
+#include "train/loop/validate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <torch/types.h>
+
+namespace lte::train {
+namespace {
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const size_t n = values.size();
+  return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
+}
+
+struct SceneErrors {
+  double loss = 0, mse = 0, psnr = 0, relmse = 0, bias = 0;
+};
+
+SceneErrors scene_errors(const at::Tensor& predicted, const at::Tensor& target,
+                         const nn::LossConfig& config) {
+  constexpr double kEpsilon = 1e-2, kPsnrLimit = 100;
+  SceneErrors errors;
+  errors.loss = nn::relative_loss(predicted, target, config).item<double>();
+  const at::Tensor reference = target.to(at::kDouble);
+  const at::Tensor difference = predicted.to(at::kDouble) - reference;
+  const at::Tensor square = difference.square();
+  errors.mse = square.mean().item<double>();
+  errors.relmse = (square / (reference.square() + kEpsilon)).mean().item<double>();
+  const double peak = reference.max().item<double>(), mean = reference.mean().item<double>();
+  errors.bias = mean > 0 ? difference.mean().item<double>() / mean : 0;
+  const double white = peak > 0 ? peak : 1;  // a black scene has no brightest value
+  errors.psnr = errors.mse > 0 ? std::min(10 * std::log10(white * white / errors.mse), kPsnrLimit)
+                               : kPsnrLimit;
+  return errors;
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, double>> ValidationResult::fields() const {
+  return {{"val_loss", loss}, {"val_loss_median", loss_median}, {"val_mse", mse},
+          {"val_psnr", psnr}, {"val_relmse", relmse},           {"val_bias", bias}};
+}
+
+ValidationResult validate(nn::LightTransportModel& model, const std::vector<Example>& examples,
+                          const nn::LossConfig& loss, at::Device device) {
+  const torch::NoGradGuard no_grad;
+  const bool was_training = model->is_training();
+  model->eval();
+  ValidationResult result;
+  std::vector<double> losses;
+  const auto count = static_cast<double>(examples.size());
+  for (const Example& stored : examples) {
+    const Example example = stored.to(device);
+    const nn::Embedding embedding = model->encode(example.points, example.seed);
+    const SceneErrors errors =
+        scene_errors(model->decode_normalized(embedding, example.queries), example.target, loss);
+    losses.push_back(errors.loss);
+    result.scenes.emplace_back(example.scene, errors.loss);
+    result.loss += errors.loss / count;
+    result.mse += errors.mse / count;
+    result.psnr += errors.psnr / count;
+    result.relmse += errors.relmse / count;
+    result.bias += errors.bias / count;
+  }
+  if (!losses.empty()) result.loss_median = median(losses);
+  model->train(was_training);
+  return result;
+}
+
+}  // namespace lte::train

@@ -1,0 +1,158 @@
+#include "train/optim/optimizer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <string_view>
+#include <utility>
+
+#include <ATen/ops/_foreach_add.h>
+#include <ATen/ops/_foreach_mul.h>
+#include <ATen/ops/_foreach_norm.h>
+#include <ATen/ops/_fused_adamw.h>
+#include <ATen/ops/lerp.h>
+#include <ATen/ops/stack.h>
+#include <ATen/ops/tensor.h>
+#include <ATen/ops/zeros.h>
+#include <ATen/ops/zeros_like.h>
+
+#include "lte/nn/tensor_io.h"
+#include "train/optim/schedule.h"
+
+namespace lte::train {
+namespace {
+
+/// The paper names none; PyTorch's.
+constexpr double kAdamEpsilon = 1e-8;
+
+}  // namespace
+
+std::string gradient_module(const std::string& parameter) {
+  constexpr std::string_view kEncoder = "encoder.";
+  if (!parameter.starts_with(kEncoder)) return parameter.substr(0, parameter.find('.'));
+  std::string part = parameter.substr(kEncoder.size());
+  part = part.substr(0, part.find('.'));
+  if (part == "stem_norm") part = "stem";
+  if (part.starts_with("unpool")) part = "up" + part.substr(std::strlen("unpool"));
+  if (part.starts_with("pool")) part = "down" + part.substr(std::strlen("pool"));
+  return "encoder_" + part;
+}
+
+Optimizer::Optimizer(const OptimConfig& config, const nn::LightTransportModel& model)
+    : config_(config) {
+  for (const auto& item : model->named_parameters()) {
+    const at::Tensor& parameter = item.value();
+    names_.push_back(item.key());
+    parameters_.push_back(parameter);
+    first_moments_.push_back(at::zeros_like(parameter.detach()));
+    second_moments_.push_back(at::zeros_like(parameter.detach()));
+    updates_.push_back(at::zeros({}, parameter.options().requires_grad(false)));
+    if (config_.ema_decay > 0) average_.push_back(parameter.detach().clone());
+  }
+}
+
+void Optimizer::zero_gradients() {
+  for (at::Tensor& parameter : parameters_) parameter.mutable_grad().reset();
+}
+
+std::vector<at::Tensor> Optimizer::gradients() const {
+  std::vector<at::Tensor> gradients;
+  for (const at::Tensor& parameter : parameters_) {
+    if (parameter.grad().defined()) gradients.push_back(parameter.grad());
+  }
+  return gradients;
+}
+
+double Optimizer::gradient_norm() const {
+  const torch::NoGradGuard no_grad;
+  const std::vector<at::Tensor> all = gradients();
+  if (all.empty()) return 0;
+  return at::stack(at::_foreach_norm(all)).to(at::kDouble).norm().item<double>();
+}
+
+std::vector<std::pair<std::string, double>> Optimizer::module_norms() const {
+  const torch::NoGradGuard no_grad;
+  const std::vector<at::Tensor> all = gradients();
+  at::Tensor norms;  // of each parameter with a gradient: one copy from the device, not many
+  if (!all.empty()) norms = at::stack(at::_foreach_norm(all)).to(at::kCPU, at::kDouble);
+  std::vector<std::pair<std::string, double>> modules;
+  int64_t next = 0;
+  for (size_t i = 0; i < names_.size(); ++i) {
+    const std::string module = gradient_module(names_[i]);
+    auto found = std::find_if(modules.begin(), modules.end(),
+                              [&](const auto& entry) { return entry.first == module; });
+    if (found == modules.end()) found = modules.insert(found, {module, 0.0});
+    if (!parameters_[i].grad().defined()) continue;
+    const double norm = norms.const_data_ptr<double>()[next++];
+    found->second += norm * norm;
+  }
+  for (auto& [module, value] : modules) value = std::sqrt(value);
+  return modules;
+}
+
+void Optimizer::update(int64_t step, double norm, std::optional<double> given_rate) {
+  const torch::NoGradGuard no_grad;
+  if (config_.clip_norm > 0 && norm > config_.clip_norm) {
+    at::_foreach_mul_(gradients(), config_.clip_norm / norm);
+  }
+  const double rate = given_rate ? *given_rate : learning_rate(config_, step);
+  // Biases and norms do not decay.
+  for (const bool matrices : {true, false}) {
+    std::vector<at::Tensor> weights, gradients, first, second, updates;
+    for (size_t i = 0; i < parameters_.size(); ++i) {
+      if (!parameters_[i].grad().defined() || (parameters_[i].dim() >= 2) != matrices) continue;
+      weights.push_back(parameters_[i]);
+      gradients.push_back(parameters_[i].grad());
+      first.push_back(first_moments_[i]);
+      second.push_back(second_moments_[i]);
+      updates.push_back(updates_[i]);
+    }
+    if (weights.empty()) continue;
+    at::_foreach_add_(updates, 1);
+    at::_fused_adamw_(weights, gradients, first, second, {}, updates, rate, config_.beta1,
+                      config_.beta2, matrices ? config_.weight_decay : 0, kAdamEpsilon,
+                      /*amsgrad=*/false, /*maximize=*/false);
+  }
+  if (average_.empty()) return;
+  const double weight = 1 - ema_decay(config_, step);
+  for (size_t i = 0; i < average_.size(); ++i) average_[i].lerp_(parameters_[i], weight);
+}
+
+void Optimizer::swap_average() {
+  for (size_t i = 0; i < average_.size(); ++i) {
+    at::Tensor weights = parameters_[i].variable_data();
+    parameters_[i].set_data(average_[i]);
+    average_[i] = std::move(weights);
+  }
+}
+
+std::map<std::string, at::Tensor> Optimizer::state() const {
+  std::map<std::string, at::Tensor> tensors;
+  std::vector<int64_t> updates;
+  for (size_t i = 0; i < names_.size(); ++i) {
+    updates.push_back(updates_[i].item<int64_t>());
+    tensors["exp_avg." + names_[i]] = first_moments_[i];
+    tensors["exp_avg_sq." + names_[i]] = second_moments_[i];
+    if (has_average()) tensors["average." + names_[i]] = average_[i];
+  }
+  tensors["updates"] = at::tensor(updates, at::kLong);
+  return tensors;
+}
+
+void Optimizer::load_state(const SafetensorsFile& file) {
+  const torch::NoGradGuard no_grad;
+  const auto updates = file.values<int64_t>("updates", {static_cast<int64_t>(names_.size())});
+  for (size_t i = 0; i < names_.size(); ++i) {
+    if (has_average() && file.contains("average." + names_[i])) {
+      nn::read_tensor(file, "average." + names_[i], average_[i]);
+    } else if (has_average()) {
+      average_[i].copy_(parameters_[i]);  // averaging was switched on for the resumed part
+    }
+    updates_[i].fill_(updates[i]);
+    if (updates[i] == 0) continue;  // files of earlier versions have no moments then
+    nn::read_tensor(file, "exp_avg." + names_[i], first_moments_[i]);
+    nn::read_tensor(file, "exp_avg_sq." + names_[i], second_moments_[i]);
+  }
+}
+
+}  // namespace lte::train
