@@ -7,7 +7,7 @@
  * 0);
  *
  * Units: metres; emission is radiance in W sr^-1 m^-2, irradiance in W/m^2 and not divided by pi;
- * colours are linear Rec.709. World space is the caller's; nothing depends on which axis is up.
+ * colors are linear Rec.709. World space is the caller's; nothing depends on which axis is up.
  *
  * Errors: a function that can fail returns an lte_status, and LTE_OK alone is 0. What went wrong
  * says lte_last_error(). Nothing throws, exits or prints; outputs of a failed call are undefined,

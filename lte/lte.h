@@ -6,7 +6,7 @@
 //   row-major tensor.
 // Units: metres; radiance L in W sr^-1 m^-2; irradiance E = ∫ L cosθ dω in W/m², not divided by π;
 // radiant intensity in W/sr;
-//   colours are linear Rec.709 triples. Angles are radians but for the field of view of a camera,
+//   colors are linear Rec.709 triples. Angles are radians but for the field of view of a camera,
 //   in degrees.
 // Frames: world space is the scene file's own after node transforms (glTF: Y up). Network space is
 // (p − b_min)/s with b_min the

@@ -74,9 +74,9 @@ int MaterialFactory::floor() {
 int MaterialFactory::wall() {
   const int size = texture_size();
   switch (rng_.below(8)) {
-    case 0: {  // strongly coloured: colour bleeding is what indirect light shows first
+    case 0: {  // strongly colored: color bleeding is what indirect light shows first
       const float hue = rng_.uniform(), saturation = rng_.uniform(0.6f, 0.95f);
-      return add("wall coloured", make_color(hue, saturation, rng_.uniform(0.15f, 0.45f)));
+      return add("wall colored", make_color(hue, saturation, rng_.uniform(0.15f, 0.45f)));
     }
     case 1: {
       const Rgb first = color(0.3f, 0.4f, 0.75f), second = color(0.5f, 0.3f, 0.7f);

@@ -20,10 +20,10 @@ class MaterialFactory {
   MaterialFactory(scene::Scene* scene, std::vector<int64_t> texture_sizes, uint64_t seed);
 
   int floor();    ///< planks, tiles, checker, carpet or plain; luminance 0.1 to 0.6
-  int wall();     ///< light paint 0.4 to 0.85; sometimes papered or strongly coloured
+  int wall();     ///< light paint 0.4 to 0.85; sometimes papered or strongly colored
   int ceiling();  ///< near white, 0.6 to 0.85
   int wood();
-  int paint();  ///< furniture lacquer, any colour
+  int paint();  ///< furniture lacquer, any color
   int fabric();
   int trim();  ///< white paint of frames and door jambs
   int dark();  ///< screens, lamp poles

@@ -109,7 +109,7 @@ void RoomMaker::build_shell() {
       open = r == 0 ? kPosX : kNegX;
     }
     const int wall = materials_.wall();
-    const int accent = rng_.below(3) == 0 ? materials_.wall() : wall;  // one wall of its own colour
+    const int accent = rng_.below(3) == 0 ? materials_.wall() : wall;  // one wall of its own color
     const unsigned accent_side = rng_.below(2) == 0 ? kNegZ : kPosZ;
     std::vector<Part> parts{{box.low, box.high, materials_.floor(), kNegY, 0, true},
                             {box.low, box.high, materials_.ceiling(), kPosY, 0, true},

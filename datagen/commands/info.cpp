@@ -57,7 +57,7 @@ Rgb light_power(const scene::PunctualLight& light) {
 
 /// What enters the sphere around the scene.
 Rgb environment_power(const scene::Scene& scene) {
-  const float radius = scene::dome_of(scene).radius;
+  const float radius = scene::environment_sphere(scene).radius;
   return scene::fluence(*scene.environment) * (kPi * radius * radius);
 }
 

@@ -7,7 +7,7 @@
 
 namespace lte::datagen {
 
-/// Colours are linear albedos; `size` texels an edge. Every texel lies in [0.01, 0.95].
+/// Colors are linear albedos; `size` texels an edge. Every texel lies in [0.01, 0.95].
 TexturePtr make_planks(int size, const Rgb& wood, int planks, Rng* rng);
 TexturePtr make_tiles(int size, const Rgb& tile, const Rgb& grout, int tiles, Rng* rng);
 TexturePtr make_checker(int size, const Rgb& first, const Rgb& second, int cells);
@@ -16,7 +16,7 @@ TexturePtr make_stripes(int size, const Rgb& first, const Rgb& second, int strip
 /// An abstract painting: overlapping rectangles and discs over a gradient.
 TexturePtr make_picture(int size, Rng* rng);
 
-/// A colour of the given hue (0 to 1) and saturation, scaled to `luminance` and kept within [0.01,
+/// A color of the given hue (0 to 1) and saturation, scaled to `luminance` and kept within [0.01,
 /// 0.95].
 Rgb make_color(float hue, float saturation, float luminance);
 

@@ -1,4 +1,4 @@
-// The materials of one home: a scheme of woods, colours and cloths that go together, made when they
+// The materials of one home: a scheme of woods, colors and cloths that go together, made when they
 // are first asked for.
 #pragma once
 
@@ -25,7 +25,7 @@ class Palette {
 
   int wood();        ///< the home's furniture wood, most often
   int front();       ///< doors and drawers: wood or lacquer
-  int lacquer();     ///< white or coloured paint
+  int lacquer();     ///< white or colored paint
   int upholstery();  ///< of sofas and chairs
   int accent();      ///< strong cloth of cushions and throws
   int bedding();     ///< pale sheets

@@ -27,7 +27,7 @@ constexpr std::array<std::pair<const char*, Output>, 7> kOutputs{
 constexpr int kTile = 8;
 // As in baked training data, so that the network sees luminaires as densely as it has learnt to.
 constexpr double kEmissiveShare = 0.1;
-// Estimates keep two colours a point and light group: blocks bound that memory.
+// Estimates keep two colors a point and light group: blocks bound that memory.
 constexpr int64_t kEstimateBlock = int64_t{1} << 21;
 
 bool is_geometry(Output output) {

@@ -15,7 +15,7 @@ constexpr int kGap = 4;                    // pixels between the pictures of a s
 constexpr float kDifferenceRange = 0.25f;  // of white
 constexpr int kSmallest = 192;             // pixels of a picture's width
 
-/// |a − b| in luminance, times `factor`, in false colour.
+/// |a − b| in luminance, times `factor`, in false color.
 Image difference(const Image& a, const Image& b, float factor) {
   Image out(a.width, a.height, 1);
   for (int y = 0; y < a.height; ++y) {

@@ -17,7 +17,7 @@ inline constexpr const char* kSheetColumns =
 
 /// One row of a sheet: reference | network | rival | |network − reference| | |rival − reference|,
 /// without the rival's two if the data has none. The pictures share an exposure that brings the
-/// reference's 99th percentile to white; errors are |Δ luminance| at that exposure, false colour
+/// reference's 99th percentile to white; errors are |Δ luminance| at that exposure, false color
 /// from 0 (black) to 0.25 of white (red). Small views are enlarged by whole pixels to 192 or more a
 /// picture.
 image::Image view_row(const ViewPicture& picture);

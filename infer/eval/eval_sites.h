@@ -17,7 +17,7 @@ struct Site {
   std::vector<Rgb> path_traced;  ///< empty if the data has none
   /// With data::kFewPaths paths; empty at points, and in views if the data has none.
   std::array<std::vector<Rgb>, data::kFewPaths.size()> path_traced_few;
-  std::vector<float> variance;  ///< of the reference, averaged over colour; over the scalar squared
+  std::vector<float> variance;  ///< of the reference, averaged over color; over the scalar squared
 
   /// Zero for a site without points.
   ReferenceNoise noise() const;

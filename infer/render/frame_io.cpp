@@ -38,7 +38,7 @@ void write_layers(const std::filesystem::path& path, const Frame& frame) {
   image::write_exr(path, layers);
 }
 
-/// Normals as colours; a pixel without a hit stays black.
+/// Normals as colors; a pixel without a hit stays black.
 Image display_normal(const Frame& frame) {
   Image out = frame.normal;
   for (size_t i = 0; i < frame.depth.pixels.size(); ++i) {

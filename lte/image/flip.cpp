@@ -15,7 +15,7 @@ using Color = std::array<double, 3>;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kColorExponent = 0.7;    // q_c
-constexpr double kSmallShare = 0.4;       // p_c: of the largest colour difference, what maps to...
+constexpr double kSmallShare = 0.4;       // p_c: of the largest color difference, what maps to...
 constexpr double kSmallError = 0.95;      // p_t
 constexpr double kFeatureExponent = 0.5;  // q_f
 constexpr double kFeatureWidth = 0.082;   // w, degrees
@@ -69,7 +69,7 @@ Color from_ycxcz(const Color& c) {
                {kWhite[0] * (y + c[1] / 500), kWhite[1] * y, kWhite[2] * (y - c[2] / 200)});
 }
 
-/// CIELAB with the chroma scaled by lightness: colours differ less in the dark (Hunt).
+/// CIELAB with the chroma scaled by lightness: colors differ less in the dark (Hunt).
 Color to_hunt_lab(const Color& linear) {
   constexpr double kDelta = 6.0 / 29;
   Color f = times(kToXyz, linear);
@@ -240,7 +240,7 @@ struct Seen {
   }
 };
 
-/// The colour difference in [0, 1], differences beyond `kSmallShare` of the largest compressed.
+/// The color difference in [0, 1], differences beyond `kSmallShare` of the largest compressed.
 double redistribute(double difference, double largest) {
   const double error = std::pow(difference, kColorExponent);
   const double small = kSmallShare * largest;

@@ -17,7 +17,7 @@ float auto_exposure(const Image& linear, float percentile = 0.95f, float target 
 /// non-finite pixel becomes magenta so that it is seen.
 Image tonemap(const Image& linear, float exposure);
 
-/// False colour (black-blue-green-yellow-red) of a one-channel image over [0, max]; magenta where
+/// False color (black-blue-green-yellow-red) of a one-channel image over [0, max]; magenta where
 /// it is not finite.
 Image heat_map(const Image& scalar, float max);
 

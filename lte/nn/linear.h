@@ -28,7 +28,7 @@ class LinearImpl : public torch::nn::LinearImpl {
   }
 
   /// Of products without gradients from now on. Layers whose inputs or outputs are no multiple of
-  /// 16 stay in float32: they read positions, colours and light, or answer, and cost nothing.
+  /// 16 stay in float32: they read positions, colors and light, or answer, and cost nothing.
   /// @note Rounds the weights that there are now.
   void set_precision(Precision precision) {
     rounded_ = precision == Precision::Bf16 && !reads_or_answers()

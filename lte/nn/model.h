@@ -62,7 +62,7 @@ void check_queries(const QuerySet& queries);
 /// emission.
 double radiance_scalar(const PointSet& points);
 
-/// The same by colour channel, [3] float64 on the CPU; 0 for a channel without emission. No surface
+/// The same by color channel, [3] float64 on the CPU; 0 for a channel without emission. No surface
 /// moves light from one channel to another, so each channel of irradiance is linear in the same
 /// channel of emission.
 at::Tensor channel_radiance(const PointSet& points);

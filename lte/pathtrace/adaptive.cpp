@@ -197,7 +197,7 @@ class Estimator {
     all.rays_traced += fresh.rays_traced;
   }
 
-  /// Standard error over mean, both averaged over colour; infinite where nothing has arrived yet.
+  /// Standard error over mean, both averaged over color; infinite where nothing has arrived yet.
   double relative_error(size_t i) const {
     const double mean = channel_mean(out_.irradiance.total(static_cast<int64_t>(i)));
     const Rgb& v = out_.irradiance.variance_total[i];

@@ -27,7 +27,7 @@ enum class ErrorScale {
 
 struct AdaptiveOptions {
   ErrorScale scale = ErrorScale::MeanIndirect;
-  double target_error = 0.02;  ///< standard error by the scale, averaged over colour channels
+  double target_error = 0.02;  ///< standard error by the scale, averaged over color channels
   int min_rays = 64;           ///< paths of the pilot
   int max_rays = 4096;         ///< paths behind an estimate, rounded up to whole strata
   int max_depth = 5;

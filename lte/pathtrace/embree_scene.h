@@ -43,7 +43,7 @@ struct InstanceRecord {
   float translation = 0;  ///< largest |translation|
   Rgb albedo, emission;   ///< valid if `uniform`
   scene::Gloss gloss;     ///< likewise
-  bool uniform = false;   ///< no texture and no vertex colours
+  bool uniform = false;   ///< no texture and no vertex colors
   bool glossy = false;    ///< metal, at least in places
   bool emissive = false, two_sided = false;
   int light_group = scene::kNone;

@@ -40,9 +40,9 @@ struct Irradiance {
   std::vector<Rgb> direct;    ///< [groups, points]: depth 1
   std::vector<Rgb> indirect;  ///< [groups, points]: depths 2 to max_depth
   /// [points]: variance of the *mean* of indirect irradiance summed over groups, averaged over
-  /// colour channels.
+  /// color channels.
   std::vector<float> variance;
-  /// [points]: the same of total irradiance, by colour channel.
+  /// [points]: the same of total irradiance, by color channel.
   std::vector<Rgb> variance_total;
   /// Paths a point: multiples of 8 above 8, of 64 above 64; at least 2 if variance is asked for.
   int64_t rays = 0;

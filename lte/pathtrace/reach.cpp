@@ -278,12 +278,12 @@ scene::SurfaceSamples sample_reached_surface(const Bvh& bvh, int64_t count,
                                              const scene::SamplerOptions& sampler, Sides sides,
                                              const ReachOptions& options, PruneCounts* counts) {
   // The environment's points are no surface: light neither reaches them nor goes on from there.
-  const int64_t dome = scene::dome_points(bvh.scene(), count, sampler);
+  const int64_t environment = scene::environment_point_count(bvh.scene(), count, sampler);
   scene::SamplerOptions surfaces = sampler;
   surfaces.environment_share = 0;
   scene::SurfaceSamples samples =
-      sample_in_scene(bvh, count - dome, surfaces, sides, options, counts);
-  scene::append_dome_points(bvh.scene(), dome, &samples);
+      sample_in_scene(bvh, count - environment, surfaces, sides, options, counts);
+  scene::append_environment_points(bvh.scene(), environment, &samples);
   return samples;
 }
 

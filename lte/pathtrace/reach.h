@@ -46,8 +46,8 @@ struct PruneCounts {
 };
 
 /// scene::sample_surface() over the surfaces that light reaches: more points are drawn, so that
-/// `count` are left. Emissive, punctual and dome points always stay. `area` is shared out among
-/// those kept: without the dome its sum is the area that light reaches.
+/// `count` are left. Emissive, punctual and environment points always stay. `area` is shared out among
+/// those kept: without the environment its sum is the area that light reaches.
 /// @note Where less than an eighth of the surface is reached, fewer than `count` come back; where
 /// none is, or nothing shines, `count` unpruned ones.
 scene::SurfaceSamples sample_reached_surface(const Bvh& bvh, int64_t count,

@@ -39,7 +39,7 @@ struct ChartStyle {
 };
 
 /// Lines over a common x, with axes, round ticks and a legend: in the plot, or beside it where more
-/// than six names would cover the lines. Colours repeat after sixteen lines. A line of more points
+/// than six names would cover the lines. Colors repeat after sixteen lines. A line of more points
 /// than the chart is wide is drawn through the means of equal shares of them. A note instead of a
 /// chart if there is nothing to draw.
 std::string html_chart(const ChartStyle& style, const std::vector<ChartLine>& lines);

@@ -116,7 +116,7 @@ std::vector<Rgb> mean_radiance(const Environment& environment, const EqualAreaCe
 
 }  // namespace
 
-Dome dome_of(const Scene& scene) {
+EnvironmentSphere environment_sphere(const Scene& scene) {
   const Bounds bounds = scene.bounds();
   return {bounds.center(), length(bounds.extent()) / 2};
 }
@@ -124,26 +124,26 @@ Dome dome_of(const Scene& scene) {
 Bounds point_bounds(const Scene& scene) {
   Bounds bounds = scene.bounds();
   if (!scene.environment || bounds.empty()) return bounds;
-  const Dome dome = dome_of(scene);
-  const Vec3 reach{dome.radius, dome.radius, dome.radius};
-  bounds.extend(dome.center - reach);
-  bounds.extend(dome.center + reach);
+  const EnvironmentSphere sphere = environment_sphere(scene);
+  const Vec3 reach{sphere.radius, sphere.radius, sphere.radius};
+  bounds.extend(sphere.center - reach);
+  bounds.extend(sphere.center + reach);
   return bounds;
 }
 
-void append_dome_points(const Scene& scene, int64_t count, SurfaceSamples* samples) {
+void append_environment_points(const Scene& scene, int64_t count, SurfaceSamples* samples) {
   if (count <= 0) return;
   LTE_CHECK(scene.environment, "scene ", scene.name, " has no environment to draw points of");
   const Environment& environment = *scene.environment;
-  const Dome dome = dome_of(scene);
+  const EnvironmentSphere sphere = environment_sphere(scene);
   const EqualAreaCells cells(count);
   const std::vector<Rgb> means =
       environment.map ? mean_radiance(environment, cells, count)
                       : std::vector<Rgb>(static_cast<size_t>(count), environment.radiance);
-  const float area = 4 * kPi * dome.radius * dome.radius / static_cast<float>(count);
+  const float area = 4 * kPi * sphere.radius * sphere.radius / static_cast<float>(count);
   for (int64_t i = 0; i < count; ++i) {
     const Vec3 direction = cells.direction(i, {0.5f, 0.5f});
-    samples->position.push_back(dome.center + direction * dome.radius);
+    samples->position.push_back(sphere.center + direction * sphere.radius);
     samples->normal.push_back(normalize(-direction));
     samples->albedo.push_back({0, 0, 0});
     samples->gloss.push_back({});

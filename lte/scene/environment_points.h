@@ -1,4 +1,4 @@
-// Dome points: the environment of a scene as emissive samples of its bounding sphere, for the
+// Environment points: the environment of a scene as emissive samples of its bounding sphere, for the
 // network, which knows light by points alone.
 #pragma once
 
@@ -10,20 +10,20 @@
 namespace lte::scene {
 
 /// The sphere around the scene's bounding box.
-struct Dome {
+struct EnvironmentSphere {
   Vec3 center;
   float radius = 0;  ///< metres
 };
-Dome dome_of(const Scene& scene);
+EnvironmentSphere environment_sphere(const Scene& scene);
 
-/// World bounds of everything that scene points lie on: the surfaces, and the dome of a scene with
+/// World bounds of everything that scene points lie on: the surfaces, and the sphere of a scene with
 /// an environment.
 Bounds point_bounds(const Scene& scene);
 
-/// Appends `count` points spread evenly over the dome, normals inwards, black, each with the mean
+/// Appends `count` points spread evenly over the sphere, normals inwards, black, each with the mean
 /// radiance of the environment over its share of the sphere of directions, and with 1/count of the
-/// dome's area. Over all points Σ emission · 4π / count is exactly the environment's fluence: no
+/// sphere's area. Over all points Σ emission · 4π / count is exactly the environment's fluence: no
 /// light of a picture is lost, however few the points are.
-void append_dome_points(const Scene& scene, int64_t count, SurfaceSamples* samples);
+void append_environment_points(const Scene& scene, int64_t count, SurfaceSamples* samples);
 
 }  // namespace lte::scene

@@ -45,7 +45,7 @@ Affine looking(const Vec3& origin, const Vec3& forward, const Vec3& up) {
   return out;
 }
 
-/// glTF's colours carry the sRGB curve, its other pictures do not; a texture that has it otherwise
+/// glTF's colors carry the sRGB curve, its other pictures do not; a texture that has it otherwise
 /// is brought onto or off the curve.
 std::vector<unsigned char> to_png(const Texture& texture, bool color) {
   image::Image picture(texture.width(), texture.height(), 3);
@@ -98,7 +98,7 @@ class Exporter {
         {{"bufferView", writer_.add_bytes(png.data(), png.size())}, {"mimeType", "image/png"}});
   }
 
-  /// One a texture, in their order; behind them those that serve as colours and otherwise too.
+  /// One a texture, in their order; behind them those that serve as colors and otherwise too.
   void add_images() {
     std::set<int> colors, others;
     for (const Material& material : scene_.materials) {
@@ -195,7 +195,7 @@ class Exporter {
 
   void add_light(const PunctualLight& light) {
     use_extension("KHR_lights_punctual");
-    // The peak as intensity, and a power of two at that, so that products are exact; colours are
+    // The peak as intensity, and a power of two at that, so that products are exact; colors are
     // then within [0, 1].
     const float peak = max_component(light.intensity);
     const float intensity = peak > 0 ? std::exp2(std::ceil(std::log2(peak))) : 0.0f;
@@ -232,7 +232,7 @@ class Exporter {
 
   const Scene& scene_;
   GlbWriter writer_;
-  std::map<int, int> linear_image_;  ///< of the textures that hold no colours
+  std::map<int, int> linear_image_;  ///< of the textures that hold no colors
 };
 
 }  // namespace

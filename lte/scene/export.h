@@ -7,7 +7,7 @@
 
 namespace lte::scene {
 
-/// Writes a .glb (binary glTF 2.0): meshes, instances as nodes, base colours, metal, textures as
+/// Writes a .glb (binary glTF 2.0): meshes, instances as nodes, base colors, metal, textures as
 /// PNG, emission with KHR_materials_emissive_strength, punctual lights, cameras. Atomic.
 /// load_scene() of the file gives the same scene.
 void write_glb(const std::filesystem::path& path, const Scene& scene);

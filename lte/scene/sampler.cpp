@@ -172,7 +172,7 @@ SurfaceSamples sample_in_scene(const Scene& scene, int64_t count, const SamplerO
 
 }  // namespace
 
-int64_t dome_points(const Scene& scene, int64_t count, const SamplerOptions& options) {
+int64_t environment_point_count(const Scene& scene, int64_t count, const SamplerOptions& options) {
   if (!scene.environment || options.environment_share == 0) return 0;
   const double wanted = static_cast<double>(count) * options.environment_share;
   return std::max<int64_t>(1, std::llround(wanted));
@@ -184,11 +184,11 @@ SurfaceSamples sample_surface(const Scene& scene, int64_t count, const SamplerOp
             "sample_surface: emissive_share must be in [0, 1), got ", options.emissive_share);
   LTE_CHECK(options.environment_share >= 0 && options.environment_share < 1,
             "sample_surface: environment_share must be in [0, 1), got ", options.environment_share);
-  const int64_t dome = dome_points(scene, count, options);
-  LTE_CHECK(dome < count, "sample_surface: ", count, " points cannot hold the environment and the ",
-            "surfaces of scene ", scene.name);
-  SurfaceSamples samples = sample_in_scene(scene, count - dome, options);
-  append_dome_points(scene, dome, &samples);
+  const int64_t environment = environment_point_count(scene, count, options);
+  LTE_CHECK(environment < count, "sample_surface: ", count,
+            " points cannot hold the environment and the ", "surfaces of scene ", scene.name);
+  SurfaceSamples samples = sample_in_scene(scene, count - environment, options);
+  append_environment_points(scene, environment, &samples);
   return samples;
 }
 

@@ -29,7 +29,7 @@ struct SamplerOptions {
   /// (query points).
   bool filter_footprint = true;
   /// Share of points that stand for the environment of a scene that has one, on the sphere around
-  /// it (dome.h), so that the network sees it; at least 1 unless 0. `emissive_share` is of the
+  /// it (environment_points.h), so that the network sees it; at least 1 unless 0. `emissive_share` is of the
   /// rest.
   double environment_share = 0.05;
   /// Adds one small emissive sample for each point and spot light (DESIGN section 5): emission such
@@ -44,7 +44,7 @@ struct SamplerOptions {
 SurfaceSamples sample_surface(const Scene& scene, int64_t count, const SamplerOptions& options);
 
 /// How many of `count` points stand for the environment.
-int64_t dome_points(const Scene& scene, int64_t count, const SamplerOptions& options);
+int64_t environment_point_count(const Scene& scene, int64_t count, const SamplerOptions& options);
 
 /// Total world area of a scene, m².
 double surface_area(const Scene& scene);

@@ -42,8 +42,8 @@ struct Material {
   Rgb emission{0, 0, 0};  ///< radiance factor, KHR_materials_emissive_strength included
   TextureRef emission_texture;
   bool double_sided = false;  ///< decides whether emission leaves the back face too
-  /// [0, 1]: share of a rough conductor that reflects the base colour at normal incidence (GGX,
-  /// Schlick's Fresnel); the rest is Lambertian with the base colour as albedo.
+  /// [0, 1]: share of a rough conductor that reflects the base color at normal incidence (GGX,
+  /// Schlick's Fresnel); the rest is Lambertian with the base color as albedo.
   float metallic = 0;
   float roughness = 1;  ///< [0, 1], of the conductor: α = roughness²
   /// Linear: G times `roughness`, B times `metallic`.

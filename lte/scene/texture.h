@@ -10,7 +10,7 @@ namespace lte::scene {
 
 enum class Wrap { Repeat, MirroredRepeat, ClampToEdge };
 
-/// Three colour channels. sRGB texels are decoded to linear before any filtering; alpha is dropped.
+/// Three color channels. sRGB texels are decoded to linear before any filtering; alpha is dropped.
 class Texture {
  public:
   /// @param texels  [height, width, 3] 8-bit; `srgb` tells whether they carry the sRGB curve

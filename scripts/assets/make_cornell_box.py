@@ -66,7 +66,7 @@ def surfaces():
 
 
 def materials(metal):
-    """(name, colour, metallic, roughness), and a function from a surface's name and its usual material to the number."""
+    """(name, color, metallic, roughness), and a function from a surface's name and its usual material to the number."""
     table = [(name, color, 0, 1) for name, color in MATERIALS]
     if not metal:
         return table, lambda surface, usual: usual

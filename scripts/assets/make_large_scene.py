@@ -40,7 +40,7 @@ def uvs(side):
 
 
 def png(side, seed):
-    """A noisy picture, as scans are: every row is a rotation of one random row, coloured by `seed`."""
+    """A noisy picture, as scans are: every row is a rotation of one random row, colored by `seed`."""
     noise = random.Random(seed).randbytes(3 * side)
     rows = b"".join(b"\0" + noise[3 * (7 * y % side):] + noise[:3 * (7 * y % side)] for y in range(side))
     chunks = ((b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0)), (b"IDAT", zlib.compress(rows, 1)), (b"IEND", b""))
@@ -101,8 +101,8 @@ def main():
     lamp = {"attributes": {"POSITION": glb.accessor(light[0], "VEC3", 3)}, "indices": glb.accessor(light[1], "SCALAR", 1), "material": 0}
     materials = [{"emissiveFactor": [1, 1, 1]}]
     for k in range(strips):
-        colour = {"baseColorTexture": {"index": k}} if textures else {"baseColorFactor": [0.6, 0.6, 0.6, 1]}
-        materials.append({"pbrMetallicRoughness": colour})
+        color = {"baseColorTexture": {"index": k}} if textures else {"baseColorFactor": [0.6, 0.6, 0.6, 1]}
+        materials.append({"pbrMetallicRoughness": color})
     document = {"scene": 0, "scenes": [{"nodes": [0, 1]}], "nodes": [{"mesh": 0}, {"mesh": 1}],
                 "meshes": [{"primitives": floor}, {"primitives": [lamp]}], "materials": materials}
     if textures:

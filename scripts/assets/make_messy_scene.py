@@ -3,7 +3,7 @@
 
 For docs/validation.md: triangles without area, repeated and flipped ones, normals that are missing, turned around or not unit, mirrored,
 sheared and unevenly scaled instances, deep nodes, surfaces 2 mm apart, several sets of texture coordinates with transforms,
-vertex colours, one-byte, two-byte and four-byte indices and none at all, a light that shines on both sides, meshes, materials
+vertex colors, one-byte, two-byte and four-byte indices and none at all, a light that shines on both sides, meshes, materials
 and textures that nothing uses, and all of it 500 m from the origin. Deterministic; standard library alone.
 
 usage: scripts/assets/make_messy_scene.py OUT.glb
@@ -19,7 +19,7 @@ FAR = (400.0, 25.0, -300.0)  # metres: a float there is good to 0.03 mm
 
 
 def png(side, seed):
-    """Coloured squares with noise."""
+    """Colored squares with noise."""
     noise = random.Random(seed)
     rows = []
     for y in range(side):

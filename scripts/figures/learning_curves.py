@@ -16,7 +16,7 @@ import pathlib
 import re
 import sys
 
-COLOURS = ("#1f6fb4", "#d9541e", "#2b9348", "#8c4fb3", "#b8860b", "#0e9aa7", "#a83252", "#555555")
+COLORS = ("#1f6fb4", "#d9541e", "#2b9348", "#8c4fb3", "#b8860b", "#0e9aa7", "#a83252", "#555555")
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM, LINE = 460, 320, 62, 14, 26, 40, 15
 EVAL_COLUMNS = (("points MSE", lambda e: e["metrics"]["neural"]["points"]["mse"]),
                 ("views MSE", lambda e: e["metrics"]["neural"]["views"]["mse"]),
@@ -182,8 +182,8 @@ def svg_panel(left, title, label, log_x, lines):
     to_x = math.log10 if log_x else float
     placed = [(name, [(to_x(x), math.log10(y)) for x, y in points if y > 0]) for name, points in lines]
     placed = [(name, points) for name, points in placed if points]
-    text = lambda x, y, anchor, what, colour="#555": (
-        f'<text x="{left + x:.1f}" y="{y:.1f}" text-anchor="{anchor}" fill="{colour}">{html.escape(what)}</text>')
+    text = lambda x, y, anchor, what, color="#555": (
+        f'<text x="{left + x:.1f}" y="{y:.1f}" text-anchor="{anchor}" fill="{color}">{html.escape(what)}</text>')
     out = [text(WIDTH / 2, 16, "middle", title, "#222"), text(WIDTH / 2, HEIGHT - 6, "middle", label)]
     if not placed:
         return out + [text(WIDTH / 2, HEIGHT / 2, "middle", "nothing recorded")]
@@ -202,13 +202,13 @@ def svg_panel(left, title, label, log_x, lines):
         out.append(f'<path stroke="#e4e4e4" d="M{left + place_x(value):.1f} {TOP}V{HEIGHT - BOTTOM}"/>')
         out.append(text(place_x(value), HEIGHT - BOTTOM + 14, "middle", word))
     for i, (name, points) in enumerate(placed):
-        colour = COLOURS[i % len(COLOURS)]
+        color = COLORS[i % len(COLORS)]
         path = [(left + place_x(x), place_y(y)) for x, y in points]
         joined = " ".join(f"{x:.1f},{y:.1f}" for x, y in path)
-        out.append(f'<polyline fill="none" stroke-width="1.5" stroke="{colour}" points="{joined}"/>')
+        out.append(f'<polyline fill="none" stroke-width="1.5" stroke="{color}" points="{joined}"/>')
         if log_x or len(path) == 1:
-            out += [f'<circle r="3" fill="{colour}" cx="{x:.1f}" cy="{y:.1f}"/>' for x, y in path]
-        out.append(text(LEFT, HEIGHT + LINE * (i + 1), "start", name, colour))
+            out += [f'<circle r="3" fill="{color}" cx="{x:.1f}" cy="{y:.1f}"/>' for x, y in path]
+        out.append(text(LEFT, HEIGHT + LINE * (i + 1), "start", name, color))
     return out
 
 
@@ -233,7 +233,7 @@ def write_png(path, drawings):
     for axis, (title, label, log_x, lines) in zip(axes, drawings):
         for i, (name, points) in enumerate(lines):
             if points:
-                axis.plot(*zip(*points), "o-" if log_x else "-", color=COLOURS[i % len(COLOURS)], markersize=4, linewidth=1.2, label=name)
+                axis.plot(*zip(*points), "o-" if log_x else "-", color=COLORS[i % len(COLORS)], markersize=4, linewidth=1.2, label=name)
         axis.set_yscale("log")
         if log_x:
             axis.set_xscale("log")

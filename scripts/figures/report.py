@@ -114,7 +114,7 @@ def loss_curve(log_path):
     low, high, last = math.log10(min(values)), math.log10(max(values)), max(s for s, _ in smooth + val)
     span = max(high - low, 1e-6)
     place = lambda s, l: f"{60 + 800 * s / last:.1f},{20 + 240 * (high - math.log10(l)) / span:.1f}"
-    line = lambda points, colour: (f'<polyline fill="none" stroke="{colour}" stroke-width="2" '
+    line = lambda points, color: (f'<polyline fill="none" stroke="{color}" stroke-width="2" '
                                    f'points="{" ".join(place(*p) for p in points)}"/>')
     ticks = "".join(f'<text x="4" y="{24 + 240 * i / 4:.0f}" font-size="12">{10 ** (high - span * i / 4):.3g}</text>'
                     for i in range(5))

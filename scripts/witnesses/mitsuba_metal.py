@@ -51,7 +51,7 @@ def register_conductor(mi):
 
 
 def surface_bsdf(pbr, reflectance, plain):
-    """The BSDF of a glTF material. `plain` takes roughconductor as it is, with the colour as a mere factor."""
+    """The BSDF of a glTF material. `plain` takes roughconductor as it is, with the color as a mere factor."""
     diffuse = {"type": "diffuse", "reflectance": reflectance}
     metallic, roughness = pbr.get("metallicFactor", 1.0), pbr.get("roughnessFactor", 1.0)
     if metallic == 0:

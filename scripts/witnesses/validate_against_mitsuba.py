@@ -170,7 +170,7 @@ class MitsubaScene:
         strength = material.get("extensions", {}).get("KHR_materials_emissive_strength", {}).get("emissiveStrength", 1.0)
         emission = np.array(material.get("emissiveFactor", [0, 0, 0]), float) * strength
         if base and glow and {k: v for k, v in base.items() if k != "index"} != {k: v for k, v in glow.items() if k != "index"}:
-            raise SystemExit("base colour and emission with different texture coordinates are not supported")
+            raise SystemExit("base color and emission with different texture coordinates are not supported")
         ref = base or glow
         uv = None
         uv_set = f"TEXCOORD_{texture_transform(ref).get('texCoord', ref.get('texCoord', 0))}" if ref else ""
@@ -179,7 +179,7 @@ class MitsubaScene:
         colors = self.glb.accessor(attributes["COLOR_0"])[:, :3] if "COLOR_0" in attributes else None
         factor = np.array(pbr.get("baseColorFactor", [1, 1, 1, 1])[:3], float)
         if base and colors is not None and not np.all(colors == 1):
-            raise SystemExit("vertex colours that multiply a texture are not supported by this script")
+            raise SystemExit("vertex colors that multiply a texture are not supported by this script")
         reflectance = self.color(base, factor, uv)
         if colors is not None and not base:
             reflectance = {"type": "mesh_attribute", "name": "vertex_color"}

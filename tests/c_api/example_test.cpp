@@ -62,12 +62,12 @@ std::vector<Rgb> predicted() {
   std::vector<Pixel> pixels(kPixels);
   room_gbuffer(pixels.data(), kWidth, kHeight);
   std::vector<Vec3> at, facing;
-  std::vector<Rgb> colour;
+  std::vector<Rgb> color;
   for (const Pixel& p : pixels) {
     at.push_back(vec(p.hit.position)), facing.push_back(vec(p.hit.normal));
-    colour.push_back(vec(p.hit.albedo));
+    color.push_back(vec(p.hit.albedo));
   }
-  std::vector<Rgb> out = predictor.predict({at, facing, colour});
+  std::vector<Rgb> out = predictor.predict({at, facing, color});
   for (size_t i = 0; i < kPixels; ++i) {
     if (pixels[i].reflects == 0) out[i] = {};
   }

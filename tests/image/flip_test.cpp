@@ -68,7 +68,7 @@ TEST_F(FlipWitness, OfHighDynamicRangeIsTheMapOfTheAuthorsProgram) {
 TEST(Flip, IsZeroForEqualPicturesAndOneForGreenAgainstBlue) {
   const Image noise = random_image(21, 13, 3, 1);
   for (const float error : flip(noise, noise).pixels) EXPECT_EQ(error, 0);
-  // The pair that the colour difference is scaled by; flat pictures have no features.
+  // The pair that the color difference is scaled by; flat pictures have no features.
   Image green(8, 8, 3), blue(8, 8, 3);
   for (int i = 0; i < 64; ++i)
     green.set_rgb(i % 8, i / 8, {0, 1, 0}), blue.set_rgb(i % 8, i / 8, {0, 0, 1});

@@ -56,7 +56,7 @@ TEST_F(PictureFile, PfmOfBothByteOrdersRunsFromTheBottomUp) {
 
 TEST_F(PictureFile, TgaIsCoded) {
   std::string tga(18, '\0');
-  tga[2] = 2;                // true colour, not compressed
+  tga[2] = 2;                // true color, not compressed
   tga[12] = 2, tga[14] = 1;  // 2 x 1
   tga[16] = 24, tga[17] = 0x20;
   tga += std::string("\x00\x33\xff", 3) + std::string("\xff\x00\x00", 3);  // BGR

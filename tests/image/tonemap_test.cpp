@@ -90,7 +90,7 @@ TEST(Tonemap, OneChannelGivesGrey) {
   EXPECT_THROW(auto_exposure(Image(1, 1, 2)), Error);
 }
 
-TEST(HeatMap, RunsThroughItsColours) {
+TEST(HeatMap, RunsThroughItsColors) {
   Image scalar(8, 1, 1);
   scalar.pixels = {0, 1, 2, 3, 4, 99, 0.5f, NAN};
   const Image out = heat_map(scalar, 4);

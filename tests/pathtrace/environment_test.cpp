@@ -379,7 +379,7 @@ TEST(EnvironmentLight, RefusesToBeWithoutAGroup) {
 
 /// A room with a skylight and a closed cupboard, an outside that the sky reaches, and nothing else
 /// that shines.
-TEST(Reach, KeepsWhatASkyReachesAndTheDome) {
+TEST(Reach, KeepsWhatASkyReachesAndTheEnvironment) {
   scene::Scene scene;
   const int white = add_material(&scene, {0.7f, 0.7f, 0.7f});
   scene::Mesh room = test::box_mesh({0, 0, 0}, {4, 2, 3}, white, true);

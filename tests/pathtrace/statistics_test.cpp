@@ -25,7 +25,7 @@ void expect_equal(const Irradiance& a, const Irradiance& b) {
   EXPECT_EQ(a.rays_traced, b.rays_traced);
 }
 
-/// Variance of a colour over runs, by channel.
+/// Variance of a color over runs, by channel.
 class Moments {
  public:
   void add(const Rgb& value) {

@@ -60,17 +60,17 @@ TEST(Chart, SaysSoWhenThereIsNothing) {
   EXPECT_THAT(html_chart({.title = "loss"}, {{"a", {{3, 7}}}}), HasSubstr("<circle"));
 }
 
-TEST(Chart, SetsManyNamesBesideThePlotInColoursOfTheirOwn) {
+TEST(Chart, SetsManyNamesBesideThePlotInColorsOfTheirOwn) {
   std::vector<ChartLine> lines;
   for (int i = 0; i < 14; ++i) lines.push_back({"line" + std::to_string(i), {{0, i}, {1, i + 1}}});
   const std::string chart = html_chart({.title = "t"}, lines);
-  std::set<std::string> colours;
+  std::set<std::string> colors;
   for (size_t at = chart.find("stroke=\"#"); at != std::string::npos;
        at = chart.find("stroke=\"#", at + 1)) {
-    const std::string colour = chart.substr(at + 8, 7);
-    if (colour != "#e4e4e4") colours.insert(colour);
+    const std::string color = chart.substr(at + 8, 7);
+    if (color != "#e4e4e4") colors.insert(color);
   }
-  EXPECT_EQ(colours.size(), 14u);
+  EXPECT_EQ(colors.size(), 14u);
   // Names end 18 from the right edge; six letters of 6.5 and a gap of 6 stand between.
   EXPECT_THAT(chart, HasSubstr("<text x=\"622.0\" y=\"40.0\" text-anchor=end"));
   EXPECT_THAT(chart, HasSubstr(" 583.0,"));

@@ -1,4 +1,4 @@
-// Environments: mappings against directions known from their definition, and dome points against
+// Environments: mappings against directions known from their definition, and environment points against
 // closed forms.
 #include "lte/scene/environment.h"
 
@@ -177,11 +177,11 @@ Scene open_square() {
   return scene;
 }
 
-TEST(DomePoints, GiveTheIrradianceOfAConstantSky) {
+TEST(EnvironmentPoints, GiveTheIrradianceOfAConstantSky) {
   const Scene scene = open_square();
   for (const int64_t count : {1, 2, 3, 7, 100, 1000}) {
     SurfaceSamples samples;
-    append_dome_points(scene, count, &samples);
+    append_environment_points(scene, count, &samples);
     ASSERT_EQ(samples.size(), count);
     Vec3 sum;
     double area = 0;
@@ -211,7 +211,7 @@ TEST(DomePoints, GiveTheIrradianceOfAConstantSky) {
   }
 }
 
-TEST(DomePoints, LoseNoLightOfAPicture) {
+TEST(EnvironmentPoints, LoseNoLightOfAPicture) {
   Scene scene = open_square();
   image::Image image = picture(64, 32, {0.1f, 0.2f, 0.3f});
   image.set_rgb(37, 6, {5000, 4000, 3000});
@@ -223,7 +223,7 @@ TEST(DomePoints, LoseNoLightOfAPicture) {
       scene.environment->to_world(scene.environment->map->direction(37, 6, {0.5f, 0.5f}));
   for (const int64_t count : {1, 5, 50, 400, 5000}) {
     SurfaceSamples samples;
-    append_dome_points(scene, count, &samples);
+    append_environment_points(scene, count, &samples);
     Rgb sum;
     size_t brightest = 0;
     for (size_t i = 0; i < samples.emission.size(); ++i) {
@@ -236,7 +236,7 @@ TEST(DomePoints, LoseNoLightOfAPicture) {
   }
 }
 
-TEST(DomePoints, StandLastInTheSamplesOfAScene) {
+TEST(EnvironmentPoints, StandLastInTheSamplesOfAScene) {
   const Scene scene = open_square();
   SamplerOptions options;
   options.emissive_share = 0.1;

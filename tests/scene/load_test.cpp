@@ -138,7 +138,7 @@ TEST_F(Load, LeavesOutMeshesThatNoNodePlaces) {
   EXPECT_EQ(load(builder).meshes.size(), 1u);
 }
 
-TEST_F(Load, ReadsUvAndColoursOfEveryType) {
+TEST_F(Load, ReadsUvAndColorsOfEveryType) {
   GltfBuilder builder;
   Json primitive = builder.triangle();
   Json& attributes = primitive["attributes"];
@@ -166,7 +166,7 @@ TEST_F(Load, ReadsUvAndColoursOfEveryType) {
   EXPECT_NEAR(a.colors[2].x, 0.4, 1e-7);
   const Mesh& b = scene.meshes[1];
   EXPECT_EQ(b.colors[0], (Rgb{1, 0.5f, 0.25f}));
-  EXPECT_EQ(b.colors[1].x, 2) << "kept as it is; albedo is clamped, colours are not";
+  EXPECT_EQ(b.colors[1].x, 2) << "kept as it is; albedo is clamped, colors are not";
   EXPECT_NEAR(b.uvs[0][1].y, 0.2, 1e-7);
 }
 

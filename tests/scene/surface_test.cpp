@@ -12,7 +12,7 @@ void expect_near(const Vec3& a, const Vec3& b, float tolerance = 1e-6f) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], tolerance) << "component " << c;
 }
 
-/// A unit square in the xy plane, front +z, with UV (x, y), and a 2x2 texture as base colour or
+/// A unit square in the xy plane, front +z, with UV (x, y), and a 2x2 texture as base color or
 /// emission.
 Scene textured_square(bool emission) {
   Scene scene;

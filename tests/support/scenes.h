@@ -148,8 +148,8 @@ inline void add_point_light(scene::Scene* scene, const Vec3& position, const Rgb
   scene->lights.push_back(light);
 }
 
-/// A closed room [0, 4] × [0, 2.5] × [0, 3] m with coloured walls, two boxes and two ceiling lights
-/// of different colour.
+/// A closed room [0, 4] × [0, 2.5] × [0, 3] m with colored walls, two boxes and two ceiling lights
+/// of different color.
 inline scene::Scene furnished_room() {
   scene::Scene scene;
   scene.name = "room";

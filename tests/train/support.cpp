@@ -41,7 +41,7 @@ std::vector<Rgb> gather(const std::vector<Vec3>& at, const std::vector<Vec3>& at
   return out;
 }
 
-Rgb random_colour(Rng* rng, float low, float high) {
+Rgb random_color(Rng* rng, float low, float high) {
   return {rng->uniform(low, high), rng->uniform(low, high), rng->uniform(low, high)};
 }
 
@@ -89,8 +89,8 @@ data::SceneSample box_sample(uint64_t seed, int64_t points, int64_t queries) {
     }
     sample.scene_position.push_back(p);
     sample.scene_normal.push_back(n);
-    sample.scene_albedo.push_back(random_colour(&rng, 0.1f, 0.9f));
-    sample.scene_emission.push_back(group >= 0 ? random_colour(&rng, 5, 20) : Rgb{});
+    sample.scene_albedo.push_back(random_color(&rng, 0.1f, 0.9f));
+    sample.scene_emission.push_back(group >= 0 ? random_color(&rng, 5, 20) : Rgb{});
     sample.scene_area.push_back(area);
     sample.scene_light.push_back(group);
   }
@@ -99,7 +99,7 @@ data::SceneSample box_sample(uint64_t seed, int64_t points, int64_t queries) {
     wall_point(&rng, &p, &n);
     sample.query_position.push_back(p);
     sample.query_normal.push_back(n);
-    sample.query_albedo.push_back(random_colour(&rng, 0.1f, 0.9f));
+    sample.query_albedo.push_back(random_color(&rng, 0.1f, 0.9f));
   }
   for (int group = 0; group < 2; ++group) {
     std::vector<Rgb> emission = sample.scene_emission;

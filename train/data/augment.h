@@ -2,7 +2,7 @@
 // 7, identity 7).
 //
 // Irradiance is a functional of geometry, albedo and emission that commutes with rigid motions and
-// reflections of space (only distances and angles enter), with permutations of the colour channels
+// reflections of space (only distances and angles enter), with permutations of the color channels
 // (each is transported by itself), and is linear in the emission of each luminaire. So applying one
 // draw to scene points, queries and reference alike gives another true example.
 #pragma once
@@ -30,10 +30,10 @@ struct Symmetry {
     if (mirror) v.x = -v.x;
     return {dot(rotation[0], v), dot(rotation[1], v), dot(rotation[2], v)};
   }
-  Rgb colour(const Rgb& c) const { return {c[channels[0]], c[channels[1]], c[channels[2]]}; }
+  Rgb color(const Rgb& c) const { return {c[channels[0]], c[channels[1]], c[channels[2]]}; }
   /// Emission or irradiance of light group `group`; −1 (no luminaire) has unit gain.
   Rgb light(const Rgb& c, int32_t group) const {
-    return colour(group < 0 ? c : c * gains[static_cast<size_t>(group)]);
+    return color(group < 0 ? c : c * gains[static_cast<size_t>(group)]);
   }
 };
 

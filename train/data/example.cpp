@@ -53,7 +53,7 @@ nn::PointSet gather_points(const TrainingScene& scene, const Symmetry& symmetry,
   nn::PointSet points;
   points.position = triples(rows, [&](size_t i) { return symmetry.space(scene.position[i]); });
   points.normal = triples(rows, [&](size_t i) { return symmetry.space(scene.normal[i]); });
-  points.albedo = triples(rows, [&](size_t i) { return symmetry.colour(scene.albedo[i]); });
+  points.albedo = triples(rows, [&](size_t i) { return symmetry.color(scene.albedo[i]); });
   points.emission =
       triples(rows, [&](size_t i) { return symmetry.light(scene.emission[i], scene.light[i]); });
   points.area = areas(scene, rows);
@@ -204,7 +204,7 @@ Example make_example(const TrainingScene& scene, const Symmetry& symmetry,
   example.queries.normal =
       triples(rows, [&](size_t i) { return symmetry.space(scene.query_normal[i]); });
   example.queries.albedo =
-      triples(rows, [&](size_t i) { return symmetry.colour(scene.query_albedo[i]); });
+      triples(rows, [&](size_t i) { return symmetry.color(scene.query_albedo[i]); });
   const auto N = static_cast<size_t>(scene.query_points());
   const at::Tensor radiance = nn::channel_radiance(example.points);
   std::array<double, 3> factor{};  // a channel without emission has no irradiance either

@@ -36,7 +36,7 @@ std::function<Rgb(float, float)> landscape(Rng* rng) {
   };
 }
 
-/// Blocks of colour between dark lines, or soft fields.
+/// Blocks of color between dark lines, or soft fields.
 std::function<Rgb(float, float)> abstract(Rng* rng) {
   struct Disc {
     float x, y, rx, ry;

@@ -16,7 +16,7 @@ class Rings {
         fibre_(6, 160, 2, rng),
         blotch_(2, 5, 2, rng) {}
 
-  /// Factor on the wood's colour at (u, v), both not negative; periodic in both.
+  /// Factor on the wood's color at (u, v), both not negative; periodic in both.
   float operator()(float u, float v) const {
     const float ring = fraction(count_ * v + amplitude_ * bend_(u, v));
     const float late = ring * ring * (1 - smooth_step((ring - 0.9f) / 0.1f));

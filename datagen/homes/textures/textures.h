@@ -1,5 +1,5 @@
 // Procedural albedo textures of homes. Every texel's channels lie in [0.03, 0.85]; all but
-// paintings, rugs and book spines are tileable. Colours are linear albedos, `size` texels an edge.
+// paintings, rugs and book spines are tileable. Colors are linear albedos, `size` texels an edge.
 #pragma once
 
 #include "datagen/common/raster.h"

@@ -1,6 +1,6 @@
 // Internal: reflection at a surface that is metal wholly or in part.
 //
-// metallic × GGX conductor (ggx.h) + (1 − metallic) × Lambert, both of one colour: the conductor's
+// metallic × GGX conductor (ggx.h) + (1 − metallic) × Lambert, both of one color: the conductor's
 // reflectance at normal incidence and the albedo. There is no dielectric coat on the latter, so a
 // surface without metal is Lambertian and needs nothing of this. Reciprocal; reflects no more than
 // it receives.

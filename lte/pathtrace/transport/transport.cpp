@@ -167,7 +167,7 @@ void Transport::sample_lights(int vertex, PathSampler& sampler) {
   cast_shadows(vertex + 1);
 }
 
-/// The same at metallic vertices, whose reflectance has a colour of its own.
+/// The same at metallic vertices, whose reflectance has a color of its own.
 void Transport::weigh_metal() {
   for (int lane = 0; lane < paths_.size; ++lane) {
     if (metal_of_[lane] == scene::kNone || light_weight_[lane] == 0) continue;

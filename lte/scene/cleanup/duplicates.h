@@ -14,7 +14,7 @@ struct Twin {
   Vec3 offset;
 };
 
-/// Meshes are alike if material, triangles, texture coordinates and colours are equal and positions
+/// Meshes are alike if material, triangles, texture coordinates and colors are equal and positions
 /// differ by one translation, to within `tolerance` of the mesh's diagonal. One entry a mesh.
 std::vector<Twin> find_twins(const Scene& scene, double tolerance);
 

@@ -157,7 +157,7 @@ struct Deformation {
   const std::vector<uint32_t>& kept;  ///< those in the mesh; empty for all
 };
 
-/// Adds the morph targets, weighted, to positions, texture coordinates and colours.
+/// Adds the morph targets, weighted, to positions, texture coordinates and colors.
 void apply_morph(const Deformation& deformation, const std::vector<double>& weights, Mesh* mesh);
 /// Brings the positions into the world. Triangles that the joints mirror are turned around.
 void apply_skin(const Deformation& deformation, const std::vector<Affine>& joints, Mesh* mesh);

@@ -94,7 +94,7 @@ void read_metal(const Context& context, const tinygltf::PbrMetallicRoughness& so
     material->metallic_roughness_texture = to_ref(context, source.metallicRoughnessTexture);
 }
 
-/// The older specular-glossiness model keeps the colour of a surface apart; it comes first, as it
+/// The older specular-glossiness model keeps the color of a surface apart; it comes first, as it
 /// does for every reader that has it.
 void read_surface(const Context& context, const tinygltf::Material& source, Material* material) {
   const auto glossy = source.extensions.find("KHR_materials_pbrSpecularGlossiness");

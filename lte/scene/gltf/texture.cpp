@@ -16,7 +16,7 @@ bool starts_with(Bytes bytes, std::string_view magic) {
       .starts_with(magic);
 }
 
-/// The references of a material, and whether they are to colours.
+/// The references of a material, and whether they are to colors.
 std::array<std::pair<TextureRef*, bool>, 3> references(Material* material) {
   return {{{&material->base_color_texture, true},
            {&material->emission_texture, true},
@@ -41,7 +41,7 @@ std::vector<int> first_of_each(const Json& images) {
 
 std::vector<std::shared_ptr<const Texture>> read_textures(const Context& context, Buffers* buffers,
                                                           std::vector<Material>* materials) {
-  // By image and its being colours; ordered: textures come in the order of the file.
+  // By image and its being colors; ordered: textures come in the order of the file.
   std::map<std::pair<int, bool>, int> texture_of_image;
   const std::vector<int> first = first_of_each(context.file.json["images"]);
   for (Material& material : *materials) {

@@ -16,7 +16,7 @@ namespace lte::scene {
 struct EncodedPicture {
   std::span<const std::byte> bytes;
   std::string where;  ///< file and element, for messages
-  bool srgb = true;   ///< of colours; false for values that are linear as they stand
+  bool srgb = true;   ///< of colors; false for values that are linear as they stand
 };
 
 /// Decodes PNG, JPEG, WebP, TGA and BMP, told apart by content, in parallel; alpha is

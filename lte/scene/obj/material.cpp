@@ -21,7 +21,7 @@ constexpr float kRoughness = 0.5f;  ///< of a metal without Pr
 struct Lost {
   std::string_view keyword, what;
 };
-constexpr std::array<Lost, 14> kLost{{{"Ks", "Ks, specular colour"},
+constexpr std::array<Lost, 14> kLost{{{"Ks", "Ks, specular color"},
                                       {"map_Ks", "map_Ks, specular map"},
                                       {"map_Ns", "map_Ns, gloss map"},
                                       {"map_d", "map_d, opacity map (surfaces are opaque)"},

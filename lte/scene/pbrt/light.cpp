@@ -23,8 +23,8 @@ Aim aim(const Params& params, const Affine& to_world) {
   return {to_world.point(from), normalize(along)};
 }
 
-/// pbrt-v4's "power" and "illuminance": where given, the colour is scaled by it over what a source
-/// of unit strength has. The magnitude of an rgb colour stays in, as it does there.
+/// pbrt-v4's "power" and "illuminance": where given, the color is scaled by it over what a source
+/// of unit strength has. The magnitude of an rgb color stays in, as it does there.
 void scale_to(const Params& params, const std::string& name, double unit, Rgb* color) {
   const double wanted = params.number(name, -1);
   if (wanted > 0) *color *= static_cast<float>(wanted / unit);

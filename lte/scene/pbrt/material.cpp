@@ -137,8 +137,8 @@ MaterialTable::Built MaterialTable::mixture(const MaterialDef& def, int depth) {
   const TexturePtr albedo = mix_textures(albedos[0], albedos[1], amount, def.at);
   const auto& [a, b] = glosses;
   if (!(a.metallic > 0 || b.metallic > 0)) return {albedo, {}};
-  // Surfaces have one colour and one roughness, so those of the parts are mixed, too.
-  notes_->add("mix with a metal: colours and roughnesses are mixed, too", def.at);
+  // Surfaces have one color and one roughness, so those of the parts are mixed, too.
+  notes_->add("mix with a metal: colors and roughnesses are mixed, too", def.at);
   const bool constant = amount->kind == TextureNode::Kind::Constant;
   if (!constant) notes_->add("texture of the amount of metal in a mix: 0.5 taken", def.at);
   const float t = constant ? std::clamp(amount->value.x, 0.0f, 1.0f) : 0.5f;

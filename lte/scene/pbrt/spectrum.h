@@ -1,6 +1,6 @@
 // From spectra to linear Rec.709.
 //
-// Colour matching functions are the multi-lobe fits of Wyman, Sloan and Shirley, "Simple Analytic
+// Color matching functions are the multi-lobe fits of Wyman, Sloan and Shirley, "Simple Analytic
 // Approximations to the CIE XYZ Color Matching Functions", JCGT 2(2), 2013. Results are divided by
 // those of CIE D65, so that D65 is exactly white whatever the error of the fits.
 #pragma once
@@ -21,11 +21,11 @@ struct SpectrumSample {
 /// Linear between its samples, 0 outside them; wavelengths ascend.
 using Spectrum = std::vector<SpectrumSample>;
 
-/// Colour of a reflectance spectrum under D65: a constant 1 gives (1, 1, 1). Components outside the
+/// Color of a reflectance spectrum under D65: a constant 1 gives (1, 1, 1). Components outside the
 /// gamut are clamped at 0.
 Rgb reflectance_to_rgb(const Spectrum& reflectance);
 
-/// Colour of emitted light, scaled to luminance 1 and clamped at 0; black for a spectrum without
+/// Color of emitted light, scaled to luminance 1 and clamped at 0; black for a spectrum without
 /// visible light.
 Rgb illuminant_to_rgb(const Spectrum& radiance);
 
@@ -33,7 +33,7 @@ Rgb illuminant_to_rgb(const Spectrum& radiance);
 /// @param kelvin  positive
 Rgb blackbody_to_rgb(double kelvin);
 
-/// Colour of light of a CIE 1931 chromaticity, luminance 1, clamped at 0.
+/// Color of light of a CIE 1931 chromaticity, luminance 1, clamped at 0.
 Rgb chromaticity_to_rgb(double x, double y);
 
 /// Fresnel reflectance at normal incidence of a conductor with n = eta and k, then as
@@ -43,7 +43,7 @@ Rgb conductor_to_rgb(const Spectrum& eta, const Spectrum& k);
 /// One channel of the same.
 double conductor_reflectance(double eta, double k);
 
-/// Luminance-1 colour of pbrt's "stdillum-A", "stdillum-D50", "-D65", "-F1" to "-F12" and
+/// Luminance-1 color of pbrt's "stdillum-A", "stdillum-D50", "-D65", "-F1" to "-F12" and
 /// "illum-acesD60".
 std::optional<Rgb> named_illuminant(std::string_view name);
 

@@ -33,7 +33,7 @@ struct PlyMesh {
 /// position that is not finite, no faces.
 PlyMesh read_ply(const std::filesystem::path& path, const LoadLimits& limits = {});
 
-/// A scene of that one mesh: its colours are the albedo; 0.5 where it has none.
+/// A scene of that one mesh: its colors are the albedo; 0.5 where it has none.
 Scene load_ply_scene(const std::filesystem::path& path, const LoadLimits& limits);
 
 }  // namespace lte::scene

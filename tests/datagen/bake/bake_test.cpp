@@ -137,7 +137,7 @@ TEST_F(Bake, RivalIsIndependentOfTheTruth) {
   EXPECT_EQ(equal, 0u);
 }
 
-/// Mean squared difference of two pictures, and of their means, over colour.
+/// Mean squared difference of two pictures, and of their means, over color.
 double mean_square(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
   double sum = 0;
   for (size_t i = 0; i < a.size(); ++i) {

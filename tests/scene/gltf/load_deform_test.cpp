@@ -86,7 +86,7 @@ TEST_F(LoadDeform, NodeWeightsStandInForThoseOfTheMesh) {
   EXPECT_EQ(scene.instances[3].mesh, scene.instances[0].mesh);
 }
 
-TEST_F(LoadDeform, SparseAndQuantizedTargetsMoveUvAndColoursToo) {
+TEST_F(LoadDeform, SparseAndQuantizedTargetsMoveUvAndColorsToo) {
   GltfBuilder builder = morphed();
   primitive(builder)["attributes"]["TEXCOORD_0"] = builder.floats({0, 0, 1, 0, 0, 1}, "VEC2");
   primitive(builder)["attributes"]["COLOR_0"] =

@@ -27,7 +27,7 @@ using ::testing::HasSubstr;
 
 constexpr int kSide = 12;
 
-/// A wavy sheet of 2 kSide² triangles with UV and byte colours, encoded.
+/// A wavy sheet of 2 kSide² triangles with UV and byte colors, encoded.
 struct Encoded {
   std::vector<char> bytes;
   uint32_t points = 0, triangles = 0;
@@ -85,7 +85,7 @@ Encoded encode(int method, int quantization_bits) {
 
 class LoadDraco : public ::testing::Test {
  protected:
-  /// Accessors: 0 position, 1 uv, 2 colour, 3 indices, none of which has a buffer view.
+  /// Accessors: 0 position, 1 uv, 2 color, 3 indices, none of which has a buffer view.
   GltfBuilder compressed(const Encoded& data) {
     GltfBuilder builder;
     builder.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};

@@ -96,7 +96,7 @@ TEST_F(LoadMaterial, StrengthWithoutFactorEmitsNothing) {
   EXPECT_EQ(scene.instances[0].light_group, kNone);
 }
 
-TEST_F(LoadMaterial, DecodesBaseColourFromSrgb) {
+TEST_F(LoadMaterial, DecodesBaseColorFromSrgb) {
   start({{"pbrMetallicRoughness",
           {{"baseColorFactor", {0.5, 1, 1, 1}}, {"baseColorTexture", {{"index", 0}}}}}});
   builder_.json["textures"] = {{{"source", 0}}};
@@ -206,7 +206,7 @@ TEST_F(LoadMaterial, ReadsAGlbWithAnImageInside) {
 }
 
 TEST_F(LoadMaterial, EachTextureHasItsOwnUvSet) {
-  // TEXCOORD_3 is the first texel everywhere and TEXCOORD_7 the second; the colour takes the one
+  // TEXCOORD_3 is the first texel everywhere and TEXCOORD_7 the second; the color takes the one
   // that KHR_texture_transform names in place of the reference's own.
   const Json transform{{"texCoord", 7}};
   start({{"pbrMetallicRoughness",
@@ -230,7 +230,7 @@ TEST_F(LoadMaterial, EachTextureHasItsOwnUvSet) {
   EXPECT_NEAR(surface.albedo.z, 1, 5e-3);
 }
 
-TEST_F(LoadMaterial, SpecularGlossinessGivesItsDiffuseColour) {
+TEST_F(LoadMaterial, SpecularGlossinessGivesItsDiffuseColor) {
   start({{"pbrMetallicRoughness", {{"baseColorFactor", {1, 0, 0, 1}}}},
          {"extensions",
           {{"KHR_materials_pbrSpecularGlossiness",
@@ -244,7 +244,7 @@ TEST_F(LoadMaterial, SpecularGlossinessGivesItsDiffuseColour) {
   EXPECT_EQ(scene.materials[0].base_color_texture.uv_set, 1);
   EXPECT_THAT(scene.ignored,
               ElementsAre("KHR_materials_pbrSpecularGlossiness: dropped specular and glossiness "
-                          "(the diffuse colour is kept) (1 material)"));
+                          "(the diffuse color is kept) (1 material)"));
 }
 
 /// glTF 2.0, 5.22.4 and 5.22.5: both are 1 where a file says nothing.
@@ -280,7 +280,7 @@ TEST_F(LoadMaterial, MetalTextureIsLinear) {
   builder_.json["textures"] = {{{"source", 0}}};
   add_png({200, 51, 102, 0, 255, 0});
   const Scene scene = load();
-  ASSERT_EQ(scene.textures.size(), 2u) << "colours on the sRGB curve, and the rest";
+  ASSERT_EQ(scene.textures.size(), 2u) << "colors on the sRGB curve, and the rest";
   EXPECT_THAT(scene.ignored, ::testing::IsEmpty());
   const Surface surface =
       evaluate_surface(scene, 0, 0, 0.25f, 0.5f, 0);  // the first texel's centre

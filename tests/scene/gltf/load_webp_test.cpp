@@ -100,7 +100,7 @@ TEST_F(LoadWebp, EveryTruncationIsAnError) {
 }
 
 TEST_F(LoadWebp, BombsAreRefusedByTheirHeader) {
-  // A lossless picture of 16383 x 16383 in one colour takes a few hundred bytes.
+  // A lossless picture of 16383 x 16383 in one color takes a few hundred bytes.
   const std::vector<uint8_t> small = webp(picture(8, 8), 8, 8, true);
   std::vector<uint8_t> bomb = small;
   // RIFF (12), "VP8L" and size (8), signature (1), then 14 bits of width - 1 and of height - 1.

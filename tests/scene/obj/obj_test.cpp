@@ -118,7 +118,7 @@ TEST_F(Obj, GroupsNameWhatNoObjectNames) {
   EXPECT_EQ(scene.meshes[0].name, "left arm");
 }
 
-TEST_F(Obj, VertexColoursCarryTheSrgbCurve) {
+TEST_F(Obj, VertexColorsCarryTheSrgbCurve) {
   const Scene scene = load("v 0 0 0 1 0.5 0\nv 1 0 0\nv 0 1 0 1 0.2 0.4 0.6\nf 1 2 3\n");
   const Mesh& mesh = scene.meshes.at(0);
   ASSERT_EQ(mesh.colors.size(), 3u);
@@ -183,7 +183,7 @@ TEST_F(Obj, NotesWhatItLeavesOut) {
            "cstype bezier\ns off\n");
   EXPECT_THAT(
       scene.ignored,
-      ElementsAre("Ks, specular colour (1 material)", "bump map (1 material)",
+      ElementsAre("Ks, specular color (1 material)", "bump map (1 material)",
                   "d or Tr, transparency (surfaces are opaque) (1 material)",
                   "free-form curves and surfaces (1 statement)",
                   "illum 7, mirrors or glass (only Pm makes metal) (1 material)",

@@ -1,4 +1,4 @@
-// Spectra to colours, against published values.
+// Spectra to colors, against published values.
 #include "lte/scene/pbrt/spectrum.h"
 
 #include <gtest/gtest.h>
@@ -64,7 +64,7 @@ TEST(Spectrum, ConductorsReflectByFresnel) {
   expect_near(conductor_to_rgb({{500, 3}}, {{500, 0}}), {.25f, .25f, .25f}, 1e-6f);
 }
 
-/// n and k of copper at a few wavelengths (Johnson and Christy 1972) give the colour of the table,
+/// n and k of copper at a few wavelengths (Johnson and Christy 1972) give the color of the table,
 /// which comes from another measurement (1982, Palik): copper's edge differs by a few percent.
 TEST(Spectrum, TableOfMetalsAgreesWithOtherMeasurements) {
   const Spectrum eta{{397, 1.18}, {431, 1.18}, {471, 1.15}, {521, 1.12}, {549, 1.02},

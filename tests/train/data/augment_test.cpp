@@ -65,7 +65,7 @@ TEST(Augment, MirrorReversesOrientationAndRotationKeepsIt) {
   EXPECT_NEAR(mirrored, 100, 35);  // five standard deviations
 }
 
-TEST(Augment, EveryPermutationOfColoursIsDrawn) {
+TEST(Augment, EveryPermutationOfColorsIsDrawn) {
   Rng rng(3);
   std::set<std::array<int, 3>> seen;
   for (int draw = 0; draw < 200; ++draw) {

@@ -59,7 +59,7 @@ scene::Scene transformed(scene::Scene scene, const Symmetry& symmetry) {
       material.emission = symmetry.light(material.emission, instance.light_group);
   }
   for (scene::Material& material : scene.materials)
-    material.base_color = symmetry.colour(material.base_color);
+    material.base_color = symmetry.color(material.base_color);
   return scene;
 }
 
