@@ -33,6 +33,14 @@ function(lte_add_library name)
   set_property(GLOBAL APPEND PROPERTY LTE_LIBRARIES lte_${name})
 endfunction()
 
+# lte_unite(NAME BATCH): compiles BATCH files of lte_NAME at once. A file that includes LibTorch costs
+# seconds before its first line: inline functions of its headers are instantiated in each.
+function(lte_unite name batch)
+  if(LTE_UNITY)
+    set_target_properties(lte_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
+  endif()
+endfunction()
+
 # lte_add_tool(NAME SOURCE DEPS ...): an executable in build/bin.
 function(lte_add_tool name source)
   add_executable(${name} ${source})
@@ -47,7 +55,16 @@ function(lte_add_test folder)
   add_executable(${name} ${arg_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE lte::warnings ${arg_DEPS} GTest::gtest GTest::gmock GTest::gtest_main)
+  # Tests are compiled for every build and run for seconds.
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_compile_definitions(${name} PRIVATE LTE_SOURCE_DIR="${PROJECT_SOURCE_DIR}" LTE_BINARY_DIR="${CMAKE_BINARY_DIR}")
   add_test(NAME ${folder} COMMAND ${name} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
   set_tests_properties(${folder} PROPERTIES TIMEOUT 600 LABELS "${arg_LABELS}")
+endfunction()
+
+# lte_test_as_avx2(FOLDER): the same tests once more as a processor without AVX-512 would run them.
+function(lte_test_as_avx2 folder)
+  add_test(NAME ${folder}_avx2 COMMAND lte_${folder}_test WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+  set_tests_properties(${folder}_avx2 PROPERTIES TIMEOUT 600 ENVIRONMENT
+    "LTE_CPU_ISA=avx2;ATEN_CPU_CAPABILITY=avx2;ONEDNN_MAX_CPU_ISA=AVX2;MKL_ENABLE_INSTRUCTIONS=AVX2")
 endfunction()

@@ -1,17 +1,26 @@
 #!/usr/bin/env bash
-# Sets up, builds and passes all tests.   --sanitize: the debug preset too, under the address and undefined-behaviour sanitizers.
+# Sets up, builds and passes all tests.
+#
+#   scripts/test.sh [ctest arguments ...]
+#   scripts/test.sh --sanitize ...   under the address and undefined-behaviour sanitizers
+#   scripts/test.sh --ci ...         and compiles the benchmark programs too
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-usage() { echo "usage: scripts/test.sh [--sanitize] [ctest arguments ...]"; }
 preset=release
 case "${1:-}" in
-  --sanitize) preset=debug; shift ;;
-  --help | -h) usage; exit 0 ;;
+  --sanitize) preset=asan; shift ;;
+  --ci) preset=ci; shift ;;
+  --help | -h) sed -n '2,6s/^# \{0,1\}//p' "$0"; exit 0 ;;
 esac
-if [ $preset = debug ]; then
+if [ $preset = asan ]; then
   # LibTorch and Embree keep memory to the end of the process; leaks of ours are what the tests of lte/base look for.
   export ASAN_OPTIONS=detect_leaks=0:detect_odr_violation=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
 fi
 scripts/setup.sh --tests
 scripts/build.sh $preset
-ctest --preset $preset "$@"
+# Which tests ran and which skipped goes to a file a program; scripts/dev/check_skips.py reads them.
+results=$PWD/$([ $preset = asan ] && echo build-asan || echo build)/test-results
+rm -rf "$results"
+mkdir -p "$results"
+GTEST_OUTPUT=json:$results/ ctest --preset $preset "$@"
+[ $# -gt 0 ] || scripts/dev/check_skips.py "$results"
