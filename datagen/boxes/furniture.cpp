@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace lte::datagen {
+namespace lte::datagen::boxes {
 namespace {
 
 /// One piece in the making: the shorthands that the functions below share.
@@ -312,4 +312,4 @@ Assembly make_piece(PieceKind kind, float room_height, MaterialFactory* material
   return m.piece;
 }
 
-}  // namespace lte::datagen
+}  // namespace lte::datagen::boxes

@@ -5,7 +5,7 @@
 #include "datagen/common/parts.h"
 #include "lte/base/random.h"
 
-namespace lte::datagen {
+namespace lte::datagen::boxes {
 
 enum class PieceKind {
   Table,
@@ -32,4 +32,4 @@ bool stands_at_wall(PieceKind kind);
 /// @param room_height  metres; pieces stay below the ceiling, and a pillar reaches it
 Assembly make_piece(PieceKind kind, float room_height, MaterialFactory* materials, Rng* rng);
 
-}  // namespace lte::datagen
+}  // namespace lte::datagen::boxes

@@ -9,12 +9,12 @@
 #include "lte/base/check.h"
 #include "lte/base/random.h"
 
-namespace lte::datagen {
+namespace lte::datagen::boxes {
 namespace {
 
 constexpr int kPlaceAttempts = 24;
-constexpr float kGap = 0.02f;  ///< metres kept between pieces, and between a piece and a wall
-constexpr float kDoorClearance = 0.8f;  ///< metres kept free on both sides of the doorway
+constexpr float kGap = 0.02f;           // metres between pieces, and between a piece and a wall
+constexpr float kDoorClearance = 0.8f;  // metres kept free on both sides of the doorway
 
 bool overlap(const Bounds& a, const Bounds& b, float margin) {
   for (int axis = 0; axis < 3; ++axis)
@@ -287,4 +287,4 @@ Room generate_room(const RoomConfig& config, uint64_t seed, const std::string& n
   return room;
 }
 
-}  // namespace lte::datagen
+}  // namespace lte::datagen::boxes

@@ -72,7 +72,7 @@ Json to_json(const SceneRecord& record) {
   return json;
 }
 
-/// Whatever is not a record of a scene gives false.
+/// @return  false for a line that is not the record of a scene
 bool parse_record(const std::string& line, SceneRecord* record) {
   const Json json = Json::parse(line, nullptr, false);
   if (!json.is_object() || json.value("type", "") != "scene") return false;

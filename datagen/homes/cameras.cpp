@@ -108,7 +108,9 @@ std::vector<scene::Camera> room_cameras(const HomePlan& plan) {
     for (const Vec2& p : steps.empty() ? std::vector<Vec2>{} : grid.reachable(steps[0])) {
       if (std::hypot(p.x - at.x, p.y - at.y) < 0.5f) continue;
       const float score = view_score(r.inner, tall, p, at) + 4 * share_in_view(plan, room, p, at);
-      if (score > best) best = score, eye = p;
+      if (score <= best) continue;
+      best = score;
+      eye = p;
     }
     if (best == 0) continue;
     cameras.push_back(

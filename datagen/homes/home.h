@@ -13,7 +13,7 @@
 
 namespace lte::datagen::homes {
 
-/// `homes:` in the YAML config; configs/data/rooms.yaml explains the keys.
+/// `homes:` in the YAML config; configs/data/homes.yaml explains the keys.
 struct HomeConfig {
   CountRange rooms{1, 6};
   Range height_m{2.4, 3.0};

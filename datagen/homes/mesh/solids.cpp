@@ -68,10 +68,12 @@ Mesh rounded_box(const Vec3& low, const Vec3& high, float radius, int bevel, flo
         for (const Line& u : across) {
           Vec3 direction, inner;
           direction[axis] = top ? 1.0f : -1.0f;
-          direction[a] = u.direction, direction[b] = v.direction;
+          direction[a] = u.direction;
+          direction[b] = v.direction;
           inner[axis] = top ? lines[static_cast<size_t>(axis)].back().inner
                             : lines[static_cast<size_t>(axis)].front().inner;
-          inner[a] = u.inner, inner[b] = v.inner;
+          inner[a] = u.inner;
+          inner[b] = v.inner;
           const Vec3 p = inner + normalize(direction) * r;
           mesh.positions.push_back(p);
           mesh.uvs[0].push_back({p[u_axis] - low[u_axis], p[v_axis] - low[v_axis]});
