@@ -40,12 +40,13 @@ struct BakeOptions {
   int light_paths = data::kDefaultLightPaths;
   bool prune = false;           ///< draw points only where light reaches (lte/pathtrace/reach.h)
   double emissive_share = 0.1;  ///< of scene points, guaranteed to luminaires
-  /// Also bake path_traced_64, an estimate of 64 paths a point that is independent of the reference;
-  /// in views also one with each number of paths in data::kFewPaths.
+  /// Also bake path_traced_64, an estimate of 64 paths a point that is independent of the
+  /// reference; in views also one with each number of paths in data::kFewPaths.
   bool path_tracing_64 = true;
   ViewOptions views;
   IncidentBakeOptions incident;
-  /// Views take these in turn, from one that the seed draws, and automatic cameras once all are used.
+  /// Views take these in turn, from one that the seed draws, and automatic cameras once all are
+  /// used.
   std::vector<scene::Camera> view_cameras;
   uint64_t seed = 1;
 };

@@ -1,4 +1,4 @@
-// The materials of a room, drawn at random within realistic ranges of albedo.
+// The materials of a room of boxes, drawn at random within realistic ranges of albedo.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// What the subcommands of lte_datagen share. Each is in a file of its own, x_command.{h,cpp}: it adds
-// its flags and, when it is chosen, leaves in `*body` what main is to run.
+// What the subcommands of lte_datagen share. Each is in a file of its own, x_command.{h,cpp}: it
+// adds its flags and, when it is chosen, leaves in `*body` what main is to run.
 #pragma once
 
 #include <functional>

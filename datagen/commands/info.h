@@ -24,8 +24,8 @@ Json scene_info(const scene::Scene& scene);
 Json cleanup_info(const scene::CleanupReport& report);
 /// Describes a baked scene: {"kind": "sample", "name", "scene_points", "query_points", ..}.
 Json sample_info(const data::SceneSample& sample);
-/// Describes a data set: {"kind": "dataset", "scenes", "splits": {..}, ..}. Reads dataset.json alone,
-/// unless `deep` asks to read and check every sample too.
+/// Describes a data set: {"kind": "dataset", "scenes", "splits": {..}, ..}. Reads dataset.json
+/// alone, unless `deep` asks to read and check every sample too.
 Json dataset_info(const std::filesystem::path& directory, bool deep);
 
 /// Radiant power that the emissive instances and punctual lights of each group send out, in W by

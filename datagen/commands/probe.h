@@ -17,8 +17,8 @@ struct ProbePoints {
 };
 
 /// Reads `px,py,pz,nx,ny,nz` in world space and brings normals to unit length.
-/// @throws lte::Error naming file, line and column of a number that is missing or not finite, or of a
-///         zero normal.
+/// @throws lte::Error naming file, line and column of a number that is missing or not finite, or of
+///         a zero normal.
 ProbePoints read_probe_points(const std::filesystem::path& path);
 
 struct ProbeOptions {
@@ -35,9 +35,9 @@ struct ProbeResult {
 };
 
 /// Estimates irradiance at each point. With a target, a pilot decides how many fresh paths the
-/// estimate is made of (lte/pathtrace/adaptive.h, ErrorScale::OwnTotal): to choose the count from the
-/// same samples would bias it. Standard errors come from the spread of independently scrambled point
-/// sets, so they include the gain of stratification.
+/// estimate is made of (lte/pathtrace/adaptive.h, ErrorScale::OwnTotal): to choose the count from
+/// the same samples would bias it. Standard errors come from the spread of independently scrambled
+/// point sets, so they include the gain of stratification.
 /// @throws lte::Error if options are out of range.
 ProbeResult probe(const scene::Scene& scene, const ProbePoints& points,
                   const ProbeOptions& options);

@@ -10,7 +10,8 @@
 
 namespace lte::datagen {
 
-/// Faces of a part, as bits. A cylinder has its mantle, which all four sides stand for, and two ends.
+/// Faces of a part, as bits. A cylinder has its mantle, which all four sides stand for, and two
+/// ends.
 inline constexpr unsigned kNegX = 1, kPosX = 2, kNegY = 4, kPosY = 8, kNegZ = 16, kPosZ = 32;
 inline constexpr unsigned kAllFaces = 63;
 /// For a part that stands on something else: its bottom would coincide with the face below.

@@ -62,7 +62,7 @@ void visit(Io& io, C& config) {
   io("width", config.bake.views.width);
   io("height", config.bake.views.height);
   io("rays", config.bake.views.rays);
-  // Not named where there are none, so that older data sets keep their config.yaml.
+  // Written only where points are asked for, so that config.yaml stays short.
   if (io.covers(config.bake.incident.points > 0)) {
     io.section("incident");
     io("points", config.bake.incident.points);
@@ -77,8 +77,8 @@ class Reader {
  public:
   explicit Reader(const Config& root) : root_(root), sections_{{root, ""}} {}
   static bool covers(bool) { return true; }
-  /// Reads the keys that follow from section `name`. What older files say under `former` counts too,
-  /// and goes before what their parent says under `name`.
+  /// Reads the keys that follow from section `name`. What older files say under `former` counts
+  /// too, and goes before what their parent says under `name`.
   void section(const std::string& name, const std::string& former = "") {
     sections_ = {{root_.at(name), name + "."}};
     if (former.empty() || !root_.has(former)) return;

@@ -39,8 +39,8 @@ class DatasetFolder {
   /// and temporaries of shared files that are an hour old.
   void remove_leftovers(const Shard& shard) const;
 
-  /// A scene counts if it is the one that would be made. Either a record of its baking and a file of
-  /// that size say so, or the file reads without fault and has the right seed and counts.
+  /// A scene counts if it is the one that would be made. Either a record of its baking and a file
+  /// of that size say so, or the file reads without fault and has the right seed and counts.
   /// @param record  what manifests say of it; may be null
   bool is_done(int64_t index, const SceneRecord* record) const;
 

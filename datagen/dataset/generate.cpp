@@ -30,8 +30,8 @@ void export_glb(const fs::path& path, scene::Scene scene) {
   scene::write_glb(path, scene);
 }
 
-/// Returns the memory of the last scene to the system. The heap would keep that of the largest scene,
-/// and more.
+/// Returns the memory of the last scene to the system. The heap would keep that of the largest
+/// scene, and more.
 void release_free_memory() {
 #ifdef __GLIBC__
   ::malloc_trim(0);

@@ -1,6 +1,6 @@
-// What a run of `lte_datagen generate` records beside the data: one line of JSON when it starts, one
-// for each scene and one when it ends, in a file of its own for each shard. Times and hosts are kept
-// here, so that the data set is the same bytes whoever made it.
+// What a run of `lte_datagen generate` records beside the data: one line of JSON when it starts,
+// one for each scene and one when it ends, in a file of its own for each shard. Times and hosts are
+// kept here, so that the data set is the same bytes whoever made it.
 #pragma once
 
 #include <cstdint>
@@ -47,8 +47,8 @@ SceneRecords read_manifests(const std::filesystem::path& out);
 class Manifest {
  public:
   /// Makes the folder and the file if they are missing.
-  /// @throws lte::Error if another process is at work on this shard, or on a shard of another count,
-  ///         or the file cannot be written. A file system without locks only gets a warning.
+  /// @throws lte::Error if another process is at work on this shard, or on a shard of another
+  ///         count, or the file cannot be written. A file system without locks only gets a warning.
   Manifest(const std::filesystem::path& out, const Shard& shard);
 
   /// @param config  the whole configuration as YAML

@@ -54,9 +54,9 @@ std::vector<BenchResult> bench_encoder(const BenchOptions& options);
 std::vector<BenchResult> bench_decoder(const BenchOptions& options);
 /// Times path tracing against bare Embree calls on the same rays.
 std::vector<BenchResult> bench_pathtrace(const BenchOptions& options);
-/// Measures error (MSE and relative MSE of indirect irradiance over a view) against run time: of path
-/// tracing at 1 to 1,024 rays a pixel, and of the network at several numbers of scene points, which
-/// are drawn, lit and encoded as lte_render does. All of that counts in the time.
+/// Measures error (MSE and relative MSE of indirect irradiance over a view) against run time: of
+/// path tracing at 1 to 1,024 rays a pixel, and of the network at several numbers of scene points,
+/// which are drawn, lit and encoded as lte_render does. All of that counts in the time.
 std::vector<BenchResult> bench_pareto(const BenchOptions& options);
 
 /// One row for each result.

@@ -1,4 +1,5 @@
-// Cheap predictors of indirect irradiance to compare the network with. docs/metrics.md defines them.
+// Cheap predictors of indirect irradiance to compare the network with. docs/metrics.md defines
+// them.
 //
 // All values are irradiance over the scene's emission scalar. What a predictor has to know of other
 // scenes is fitted on the training split, never on the scenes that are evaluated, and travels with
@@ -22,7 +23,8 @@ inline constexpr int kFacingBins = 3;  ///< down, sideways, up
 inline constexpr int kAlbedoBins = 4;  ///< of albedo luminance in [0, 1]
 
 struct Baselines {
-  /// constant_mean: the mean of indirect irradiance over points and channels. All scenes weigh alike.
+  /// constant_mean: the mean of indirect irradiance over points and channels. All scenes weigh
+  /// alike.
   double mean = 1;
   /// nearest_point: mean indirect irradiance by bin, [height][facing][albedo]; bins that no point
   /// met hold the mean.

@@ -29,8 +29,8 @@ class Bootstrap {
   /// @throws lte::Error unless there is a scene, a resample, and a level inside (0, 1).
   Bootstrap(size_t scenes, const BootstrapSettings& settings);
 
-  /// @param statistic  computes the figure of the scenes with these indices; a resample for which it
-  ///                   is NaN is left out, an infinity counts
+  /// @param statistic  computes the figure of the scenes with these indices; a resample for which
+  ///                   it is NaN is left out, an infinity counts
   Interval interval(const std::function<double(std::span<const uint32_t>)>& statistic) const;
 
   const BootstrapSettings& settings() const { return settings_; }

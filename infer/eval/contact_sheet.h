@@ -15,10 +15,10 @@ inline constexpr const char* kSheetColumns =
     "reference | network | path tracing with 64 paths | error of the network | error of path "
     "tracing";
 
-/// Makes one row of a sheet, with the columns above; the two of path tracing are left out if the data
-/// has none. The pictures share an exposure that brings the reference's 99th percentile to white.
-/// Errors are |Δ luminance| at that exposure, in false color from 0 (black) to 0.25 of white (red).
-/// Small views are enlarged by whole pixels to 192 pixels or more.
+/// Makes one row of a sheet, with the columns above; the two of path tracing are left out if the
+/// data has none. The pictures share an exposure that brings the reference's 99th percentile to
+/// white. Errors are |Δ luminance| at that exposure, in false color from 0 (black) to 0.25 of white
+/// (red). Small views are enlarged by whole pixels to 192 pixels or more.
 image::Image view_row(const ViewPicture& picture);
 
 /// Collects the views of each scene and keeps <folder>/<scene>.png up to date.

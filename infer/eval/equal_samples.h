@@ -27,13 +27,13 @@ struct ReferenceNoise {
 /// tracing shows no variance.
 double equal_samples(double mse, double path_traced_mse, double noise);
 
-/// Derives the score of `paths` paths from that of 64. Figures that do not follow from a variance are
-/// NaN: logrel, SSIM, FLIP.
+/// Derives the score of `paths` paths from that of 64. Figures that do not follow from a variance
+/// are NaN: logrel, SSIM, FLIP.
 Score derived_path_tracing(const Score& at_64, const ReferenceNoise& points,
                            const ReferenceNoise& views, double paths);
 
-/// What the errors of one predictor are worth. `all` is computed from the mean errors of all scenes,
-/// `median` is the median of the scenes' numbers.
+/// What the errors of one predictor are worth. `all` is computed from the mean errors of all
+/// scenes, `median` is the median of the scenes' numbers.
 struct EqualSamples {
   double all, median;
   Interval interval;  ///< of `all`
@@ -49,7 +49,8 @@ struct SceneErrors {
   double points_noise, views_noise;
 };
 
-/// Computes them for every predictor that every scene has. Empty if some scene lacks path_tracing_64.
+/// Computes them for every predictor that every scene has. Empty if some scene lacks
+/// path_tracing_64.
 std::vector<PredictorSamples> all_equal_samples(const std::vector<SceneErrors>& scenes,
                                                 const Bootstrap& bootstrap);
 

@@ -14,8 +14,9 @@ namespace lte::infer {
 std::string eval_json(const EvalResult& result, const std::string& checkpoint,
                       const std::string& data);
 
-/// Makes text for a terminal. It has every metric by predictor (scene by scene, median, and mean with
-/// its confidence interval), what the errors are worth in path-traced samples, and the paper's table.
+/// Makes text for a terminal. It has every metric by predictor (scene by scene, median, and mean
+/// with its confidence interval), what the errors are worth in path-traced samples, and the paper's
+/// table.
 std::string eval_table(const EvalResult& result);
 
 /// Makes CSV with one line for each scene and predictor.

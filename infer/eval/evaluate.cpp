@@ -128,8 +128,8 @@ double light_paths(const data::SceneSample& sample, const data::DatasetInfo& inf
   return 2.0 * static_cast<double>(lit) * info.light_paths;
 }
 
-/// The probes that could be baked instead of preparing the network: in the time of the encoding, and
-/// with the paths that its light estimates take.
+/// The probes that could be baked instead of preparing the network: in the time of the encoding,
+/// and with the paths that its light estimates take.
 int64_t probe_count(const EvalSettings& settings, const data::SceneSample& sample,
                     double encode_seconds, double light_paths) {
   if (settings.probe_rate <= 0) return settings.probes;

@@ -31,8 +31,8 @@ struct SceneResult {
   Scores scores;
 };
 
-/// How well the variance of path tracing follows 1/n at the points, where the paths of the reference
-/// are known.
+/// How well the variance of path tracing follows 1/n at the points, where the paths of the
+/// reference are known.
 struct VarianceCheck {
   /// The variance of one path as the 64-path estimate shows it, over that as the spread of the
   /// reference shows it: 1 if variance falls as 1/n. NaN without path_tracing_64.
@@ -65,9 +65,9 @@ struct EvalSettings {
   data::Split split = data::Split::Test;
   BootstrapSettings bootstrap;
   int64_t probes = 128;  ///< of irradiance_probes, a scene; 0: without that predictor
-  /// Paths a second that a path tracer is known to trace. If positive, there are as many probes, each
-  /// with the paths of the data's points, as it would bake while the network is prepared: in the time
-  /// of the encoding, and with the paths of the light estimates that the network reads.
+  /// Paths a second that a path tracer is known to trace. If positive, there are as many probes,
+  /// each with the paths of the data's points, as it would bake while the network is prepared: in
+  /// the time of the encoding, and with the paths of the light estimates that the network reads.
   double probe_rate = 0;
   ViewSink on_view;                ///< may be empty
   std::function<void()> on_scene;  ///< after each scene; may be empty

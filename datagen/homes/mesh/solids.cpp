@@ -7,8 +7,8 @@
 namespace lte::datagen::homes {
 namespace {
 
-/// One line of a rounded box's grid along an axis: where it is on the cube of directions, and on
-/// the inner box that the rounding is added to.
+/// One line of a rounded box's grid along an axis: its place on the cube of directions, and on the
+/// inner box to which the rounding is added.
 struct Line {
   float direction, inner;
 };
@@ -32,7 +32,8 @@ std::vector<Line> grid_lines(float low, float high, int bevel, float cell_m) {
   return lines;
 }
 
-/// Two triangles over grid vertices (i, j), (i+1, j), ...; `stride` vertices a row.
+/// Adds two triangles over grid vertices (i, j), (i+1, j), ... of a grid with `stride` vertices a
+/// row.
 void add_cell(Mesh* mesh, uint32_t at, uint32_t stride, bool flip) {
   const uint32_t a = at, b = at + 1, c = at + stride + 1, d = at + stride;
   if (flip) {

@@ -6,7 +6,7 @@
 namespace lte::datagen::homes {
 namespace {
 
-/// 0 to 1 over the ring from early wood to late wood, which ends sharply.
+/// Rises from 0 to 1 over an annual ring, from early wood to late wood, which ends sharply.
 class Rings {
  public:
   explicit Rings(Rng* rng)

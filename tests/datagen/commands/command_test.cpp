@@ -239,7 +239,7 @@ TEST_F(Command, ProbeWritesColumnsAndNamesBadInput) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "b.csv"));
 }
 
-/// Of the outside of the closed box: pi times the radiance of the sky.
+/// The irradiance outside the closed box: pi times the radiance of the sky.
 TEST_F(Command, EnvironmentsLightAnyScene) {
   write_file(folder_ / "points.csv", "px,py,pz,nx,ny,nz\n0.5,1,0.5,0,1,0\n");
   const std::string probe = "probe box.glb --points points.csv --out out.csv --rays 16384 --quiet ";
