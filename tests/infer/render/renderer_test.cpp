@@ -241,7 +241,8 @@ TEST(LitSamples, HoldTheIrradianceOfTheClosedForm) {
   const scene::Scene scene = lit_floor();
   const pathtrace::Bvh bvh(scene);
   const pathtrace::Lights lights(scene);
-  const scene::SurfaceSamples surface = scene::sample_surface(scene, 2000, scene_point_options(1));
+  const scene::SurfaceSamples surface =
+      sample_scene_points(bvh, 2000, /*prune=*/false, /*seed=*/1, nullptr);
   EXPECT_TRUE(light_up(bvh, lights, surface, 0, 1).direct.empty());
   EXPECT_TRUE(light_up(bvh, lights, surface, 1, 1).indirect.empty());
   const LitSamples lit = light_up(bvh, lights, surface, 5, 1);
