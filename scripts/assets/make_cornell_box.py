@@ -170,7 +170,7 @@ def pbrt_document(metal):
 
 
 def main():
-    default = pathlib.Path(__file__).resolve().parent.parent / "assets" / "scenes" / "cornell_box.glb"
+    default = pathlib.Path(__file__).resolve().parents[2] / "assets" / "scenes" / "cornell_box.glb"
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=pathlib.Path, default=default,
                         help="the .glb, beside which the .pbrt is put; default: assets/scenes/cornell_box.glb")

@@ -19,7 +19,7 @@ import statistics
 import subprocess
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 METRICS = ("val_loss", "val_mse", "val_psnr")
 
 

@@ -16,7 +16,7 @@ import sys
 import flip_evaluator
 import numpy as np
 
-WITNESS = pathlib.Path(__file__).parent.parent / "tests" / "image" / "flip_witness.json"
+WITNESS = pathlib.Path(__file__).resolve().parents[2] / "tests" / "image" / "flip_witness.json"
 WIDTH, HEIGHT = 32, 24
 HDR_SCALE = 12  # linear radiance is this times the cube of byte / 255
 

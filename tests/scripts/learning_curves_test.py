@@ -11,7 +11,7 @@ import unittest
 import xml.etree.ElementTree
 from unittest import mock
 
-SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "learning_curves.py"
+SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "figures" / "learning_curves.py"
 
 
 def run(*arguments, code=0):
