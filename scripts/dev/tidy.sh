@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# clang-tidy on the sources that are named, or that differ from a base revision; fails on any finding.
+# clang-tidy on the sources that are named, or that differ from a base revision; fails on findings.
 #
 # usage: scripts/dev/tidy.sh [--base REVISION] [--all] [--build DIR] [FILE.cpp ...]
 #
@@ -30,15 +30,17 @@ if [ $all = 1 ]; then
 elif [ ${#files[@]} = 0 ]; then
   git rev-parse --verify --quiet "$base^{commit}" >/dev/null ||
     { echo "tidy: no revision $base; name one with --base" >&2; exit 2; }
-  mapfile -t files < <({ git diff --name-only --diff-filter=d "$(git merge-base "$base" HEAD)" -- '*.cpp'
+  since=$(git merge-base "$base" HEAD)
+  mapfile -t files < <({ git diff --name-only --diff-filter=d "$since" -- '*.cpp'
                          git ls-files --others --exclude-standard -- '*.cpp'; } | sort -u)
 fi
 
-# The commands as clang takes them: without the flags of GCC's precompiled headers, and without OpenMP,
-# whose header clang lacks on Debian.
+# The commands as clang takes them: without the flags of GCC's precompiled headers, and without
+# OpenMP, whose header clang lacks on Debian.
 commands=$(mktemp -d)
 trap 'rm -rf "$commands"' EXIT
-mapfile -t files < <(python3 - "$database" "$commands/compile_commands.json" "${files[@]}" <<'PYTHON'
+filtered=$commands/compile_commands.json
+mapfile -t files < <(python3 - "$database" "$filtered" "${files[@]}" <<'PYTHON'
 import json, os, shlex, sys
 database, out, *wanted = sys.argv[1:]
 wanted = {os.path.realpath(name) for name in wanted}
@@ -69,6 +71,9 @@ if [ -z "${files[0]:-}" ]; then
   exit 0
 fi
 printf '%s\0' "${files[@]}" |
-  xargs -0 -n 1 -P "$(nproc)" "${CLANG_TIDY:-clang-tidy}" -p "$commands" --quiet --warnings-as-errors='*' \
-    2> >(grep -v 'warnings\? generated' >&2) || { echo "tidy: findings above" >&2; exit 1; }
+  xargs -0 -n 1 -P "$(nproc)" "${CLANG_TIDY:-clang-tidy}" -p "$commands" --quiet \
+    --warnings-as-errors='*' 2> >(grep -v 'warnings\? generated' >&2) || {
+    echo "tidy: findings above" >&2
+    exit 1
+  }
 echo "tidy: ${#files[@]} files, no findings"
