@@ -1,20 +1,21 @@
-// The whole library in one include, and the glossary that every header uses.
+// The whole library in one include, and the glossary that every header uses. docs/glossary.md has
+// all words, docs/architecture.md the layers.
 //
-// Shapes: N points; M scene points and m = M/4 latents of one scene; Q queries; K (κ) neighbours; C
-// channels, D the network's
-//   width; H heads; L layers of the query decoder; G light groups, one a luminaire. [A, B] is a
-//   row-major tensor.
+// Shapes: N points; M scene points and m = M/4 latents of one scene; Q queries; K (κ) neighbours;
+//   C channels, D the network's width; H heads; L layers of the query decoder; G light groups, one
+//   a luminaire. [A, B] is a row-major tensor.
 // Units: metres; radiance L in W sr^-1 m^-2; irradiance E = ∫ L cosθ dω in W/m², not divided by π;
-// radiant intensity in W/sr;
-//   colors are linear Rec.709 triples. Angles are radians but for the field of view of a camera,
-//   in degrees.
+//   radiant intensity in W/sr; colors are linear Rec.709 triples. Angles are radians but for the
+//   field of view of a camera, in degrees.
 // Frames: world space is the scene file's own after node transforms (glTF: Y up). Network space is
-// (p − b_min)/s with b_min the
-//   least corner of the scene points and s the model's scale; nothing outside lte/nn sees it.
+//   (p − b_min)/s, with b_min the least corner of the scene points and s the model's scale; nothing
+//   outside lte/nn sees it.
 // Sides: a triangle's front is counter-clockwise; normals are geometric and unit. A query's normal
-// names the side asked about. Depth d counts surface hits after leaving a point; 1 is direct light.
-// Indirect is total minus direct. Errors: lte::Error without LibTorch, c10::Error with it; both are
-// std::exceptions whose first line says what, expected, got.
+//   names the side asked about.
+// Depth: counts surface hits after leaving a point; 1 is direct light. Indirect is total minus
+//   direct.
+// Errors: lte::Error without LibTorch, c10::Error with it. Both are std::exceptions whose first
+//   line says what, expected, got.
 #pragma once
 
 #include "lte/base/check.h"

@@ -40,17 +40,20 @@ def uvs(side):
 
 
 def png(side, seed):
-    """A noisy picture, as scans are: every row is a rotation of one random row, colored by `seed`."""
+    """A noisy picture, as scans are: every row is a rotation of one random row, colored by
+    `seed`."""
     noise = random.Random(seed).randbytes(3 * side)
-    rows = b"".join(b"\0" + noise[3 * (7 * y % side):] + noise[:3 * (7 * y % side)] for y in range(side))
-    chunks = ((b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0)), (b"IDAT", zlib.compress(rows, 1)), (b"IEND", b""))
+    rows = b"".join(
+        b"\0" + noise[3 * (7 * y % side):] + noise[:3 * (7 * y % side)] for y in range(side))
+    chunks = ((b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0,
+                                    0)), (b"IDAT", zlib.compress(rows, 1)), (b"IEND", b""))
     return b"\x89PNG\r\n\x1a\n" + b"".join(
-        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)) for kind, data in chunks)
+        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        for kind, data in chunks)
 
 
 class Glb:
     """A document under construction and the parts of its one buffer."""
-
     def __init__(self):
         self.blob, self.size, self.views, self.accessors = [], 0, [], []
 
@@ -63,8 +66,11 @@ class Glb:
 
     def accessor(self, values, kind, width, view=None, first=0, count=None):
         view = self.view(values.tobytes()) if view is None else view
-        item = {"bufferView": view, "byteOffset": first * 4 * width, "componentType": 5126 if values.typecode == "f" else 5125,
-                "count": len(values) // width if count is None else count, "type": kind}
+        item = {
+            "bufferView": view, "byteOffset": first * 4 * width,
+            "componentType": 5126 if values.typecode == "f" else 5125,
+            "count": len(values) // width if count is None else count, "type": kind
+        }
         if kind == "VEC3":
             columns = [values[axis::3] for axis in range(3)]
             item.update(min=[min(c) for c in columns], max=[max(c) for c in columns])
@@ -72,12 +78,15 @@ class Glb:
         return len(self.accessors) - 1
 
     def write(self, path, document):
-        document.update(asset={"version": "2.0"}, bufferViews=self.views, accessors=self.accessors, buffers=[{"byteLength": self.size}])
+        document.update(asset={"version": "2.0"}, bufferViews=self.views, accessors=self.accessors,
+                        buffers=[{"byteLength": self.size}])
         text = json.dumps(document).encode()
         text += b" " * (-len(text) % 4)
         with open(path, "wb") as out:
             out.write(struct.pack("<4sII", b"glTF", 2, 28 + len(text) + self.size))
-            out.write(struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", self.size, b"BIN\0"))
+            out.write(
+                struct.pack("<I4s", len(text), b"JSON") + text +
+                struct.pack("<I4s", self.size, b"BIN\0"))
             out.writelines(self.blob)
 
 
@@ -85,7 +94,8 @@ def main():
     if not 2 <= len(sys.argv) <= 5:
         print(__doc__.strip(), file=sys.stderr)
         return 2
-    triangles, textures, picture = ([int(a) for a in sys.argv[2:]] + [3_000_000, 0, 1024][len(sys.argv) - 2:])
+    triangles, textures, picture = ([int(a) for a in sys.argv[2:]] +
+                                    [3_000_000, 0, 1024][len(sys.argv) - 2:])
     side = max(1, math.isqrt(triangles // 2))
     glb = Glb()
     positions, indices = grid(side)
@@ -95,18 +105,28 @@ def main():
     order = glb.view(indices.tobytes())
     strips = max(1, min(textures, side))
     cuts = [6 * side * (side * k // strips) for k in range(strips + 1)]
-    floor = [{"attributes": attributes, "material": 1 + k,
-              "indices": glb.accessor(indices, "SCALAR", 1, order, cuts[k], cuts[k + 1] - cuts[k])} for k in range(strips)]
-    light = (array.array("f", (4, 2.5, 4, 6, 2.5, 4, 6, 2.5, 6, 4, 2.5, 6)), array.array("I", (0, 1, 2, 0, 2, 3)))
-    lamp = {"attributes": {"POSITION": glb.accessor(light[0], "VEC3", 3)}, "indices": glb.accessor(light[1], "SCALAR", 1), "material": 0}
+    floor = [{
+        "attributes": attributes, "material": 1 + k,
+        "indices": glb.accessor(indices, "SCALAR", 1, order, cuts[k], cuts[k + 1] - cuts[k])
+    } for k in range(strips)]
+    light = (array.array("f", (4, 2.5, 4, 6, 2.5, 4, 6, 2.5, 6, 4, 2.5, 6)),
+             array.array("I", (0, 1, 2, 0, 2, 3)))
+    lamp = {
+        "attributes": {"POSITION": glb.accessor(light[0], "VEC3", 3)},
+        "indices": glb.accessor(light[1], "SCALAR", 1), "material": 0
+    }
     materials = [{"emissiveFactor": [1, 1, 1]}]
     for k in range(strips):
-        color = {"baseColorTexture": {"index": k}} if textures else {"baseColorFactor": [0.6, 0.6, 0.6, 1]}
+        color = {"baseColorTexture": {"index": k}
+                } if textures else {"baseColorFactor": [0.6, 0.6, 0.6, 1]}
         materials.append({"pbrMetallicRoughness": color})
-    document = {"scene": 0, "scenes": [{"nodes": [0, 1]}], "nodes": [{"mesh": 0}, {"mesh": 1}],
-                "meshes": [{"primitives": floor}, {"primitives": [lamp]}], "materials": materials}
+    document = {
+        "scene": 0, "scenes": [{"nodes": [0, 1]}], "nodes": [{"mesh": 0}, {"mesh": 1}],
+        "meshes": [{"primitives": floor}, {"primitives": [lamp]}], "materials": materials
+    }
     if textures:
-        document["images"] = [{"bufferView": glb.view(png(picture, k)), "mimeType": "image/png"} for k in range(strips)]
+        document["images"] = [{"bufferView": glb.view(png(picture, k)), "mimeType": "image/png"}
+                              for k in range(strips)]
         document["textures"] = [{"source": k} for k in range(strips)]
     glb.write(sys.argv[1], document)
     print(f"{sys.argv[1]}: {2 * side * side + 2} triangles, {strips if textures else 0} textures")

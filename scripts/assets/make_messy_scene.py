@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Writes a .glb that is wrong, careless or unusual in every way that files of other people are, yet has one right picture.
+"""Writes a .glb that is wrong, careless or unusual in every way that files of other people are, yet
+has one right picture.
 
-For docs/validation.md: triangles without area, repeated and flipped ones, normals that are missing, turned around or not unit, mirrored,
-sheared and unevenly scaled instances, deep nodes, surfaces 2 mm apart, several sets of texture coordinates with transforms,
-vertex colors, one-byte, two-byte and four-byte indices and none at all, a light that shines on both sides, meshes, materials
-and textures that nothing uses, and all of it 500 m from the origin. Deterministic; standard library alone.
+For docs/validation.md: triangles without area, repeated and flipped ones, normals that are missing,
+turned around or not unit, mirrored, sheared and unevenly scaled instances, deep nodes, surfaces 2
+mm apart, several sets of texture coordinates with transforms, vertex colors, one-byte, two-byte and
+four-byte indices and none at all, a light that shines on both sides, meshes, materials and textures
+that nothing uses, and all of it 500 m from the origin. Deterministic; standard library alone.
 
 usage: scripts/assets/make_messy_scene.py OUT.glb
 """
@@ -29,26 +31,29 @@ def png(side, seed):
             base = (200, 120, 60) if check else (60, 130, 200)
             row.extend(min(255, max(0, c + noise.randrange(-25, 26))) for c in base)
         rows.append(bytes(row))
-    chunks = ((b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0)), (b"IDAT", zlib.compress(b"".join(rows), 9)),
-              (b"IEND", b""))
+    chunks = ((b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0,
+                                    0)), (b"IDAT", zlib.compress(b"".join(rows),
+                                                                 9)), (b"IEND", b""))
     return b"\x89PNG\r\n\x1a\n" + b"".join(
-        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)) for kind, data in chunks)
+        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        for kind, data in chunks)
 
 
 class Mesh:
     """Quads and triangles that share no vertices."""
-
     def __init__(self):
         self.positions, self.uvs, self.triangles = [], [], []
 
     def quad(self, corner, edge1, edge2, cells=1, flip=0):
-        """A parallelogram of cells x cells; its front is on the side of edge1 x edge2. Every `flip`-th triangle is turned."""
+        """A parallelogram of cells x cells; its front is on the side of edge1 x edge2. Every
+        `flip`-th triangle is turned."""
         for i in range(cells):
             for j in range(cells):
                 first = len(self.positions)
                 for u, v in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)):
                     u, v = u / cells, v / cells
-                    self.positions.append(tuple(corner[k] + u * edge1[k] + v * edge2[k] for k in range(3)))
+                    self.positions.append(
+                        tuple(corner[k] + u * edge1[k] + v * edge2[k] for k in range(3)))
                     self.uvs.append((u, v))
                 for triangle in ((first, first + 1, first + 2), (first, first + 2, first + 3)):
                     turned = flip and len(self.triangles) % flip == 0
@@ -57,14 +62,16 @@ class Mesh:
     def box(self, low, high, inwards=False):
         e = [high[k] - low[k] for k in range(3)]
         x, y, z = (e[0], 0, 0), (0, e[1], 0), (0, 0, e[2])
-        add = (lambda c, a, b: self.quad(c, a, b)) if inwards else (lambda c, a, b: self.quad(c, b, a))
+        add = (lambda c, a, b: self.quad(c, a, b)) if inwards else (
+            lambda c, a, b: self.quad(c, b, a))
         plus = lambda d: tuple(low[k] + d[k] for k in range(3))
         for a, b, c in ((y, z, x), (z, x, y), (x, y, z)):
             add(low, a, b)
             add(plus(c), b, a)
 
     def spoil(self):
-        """Triangles that cover nothing: a corner twice, three in a line, all in one point; and one that is there twice."""
+        """Triangles that cover nothing: a corner twice, three in a line, all in one point; and one
+        that is there twice."""
         a, b, _ = self.triangles[0]
         self.triangles += [(a, a, b), (b, b, b)]
         p, q = self.positions[a], self.positions[b]
@@ -85,8 +92,10 @@ class Document:
 
     def accessor(self, rows, kind, code, component):
         flat = [v for row in rows for v in (row if isinstance(row, tuple) else (row,))]
-        accessor = {"bufferView": self.view(struct.pack(f"<{len(flat)}{code}", *flat)), "componentType": component,
-                    "count": len(rows), "type": kind}
+        accessor = {
+            "bufferView": self.view(struct.pack(f"<{len(flat)}{code}", *flat)),
+            "componentType": component, "count": len(rows), "type": kind
+        }
         if kind == "VEC3" and code == "f":
             accessor["min"] = [min(r[k] for r in rows) for k in range(3)]
             accessor["max"] = [max(r[k] for r in rows) for k in range(3)]
@@ -94,8 +103,12 @@ class Document:
         return len(self.accessors) - 1
 
     def material(self, name, color, **more):
-        self.materials.append({"name": name, "pbrMetallicRoughness": {"baseColorFactor": [*color, 1], "metallicFactor": 0,
-                                                                      "roughnessFactor": 1, **more.pop("pbr", {})}, **more})
+        self.materials.append({
+            "name": name, "pbrMetallicRoughness": {
+                "baseColorFactor": [*color, 1], "metallicFactor": 0, "roughnessFactor": 1,
+                **more.pop("pbr", {})
+            }, **more
+        })
         return len(self.materials) - 1
 
     def mesh(self, name, mesh, material, index="B", normals=None, uv_sets=(0,), colors=False):
@@ -119,7 +132,8 @@ class Document:
         primitive = {"attributes": attributes, "material": material}
         if index is not None:
             code = {"B": 5121, "H": 5123, "I": 5125}[index]
-            primitive["indices"] = self.accessor([c for t in mesh.triangles for c in t], "SCALAR", index, code)
+            primitive["indices"] = self.accessor([c for t in mesh.triangles for c in t], "SCALAR",
+                                                 index, code)
         self.meshes.append({"name": name, "primitives": [primitive]})
         return len(self.meshes) - 1
 
@@ -134,8 +148,13 @@ def sheared(shift, scale, shear):
 
 
 def build(doc):
-    textured = lambda name, uv_set, transform: doc.material(name, (0.9, 0.85, 0.8), pbr={"baseColorTexture": {
-        "index": 0, "texCoord": 0, "extensions": {"KHR_texture_transform": {"texCoord": uv_set, **transform}}}})
+    textured = lambda name, uv_set, transform: doc.material(
+        name, (0.9, 0.85, 0.8), pbr={
+            "baseColorTexture": {
+                "index": 0, "texCoord": 0,
+                "extensions": {"KHR_texture_transform": {"texCoord": uv_set, **transform}}
+            }
+        })
     white = doc.material("white", (0.75, 0.75, 0.72))
     walls = textured("papered", 1, {"offset": [0.3, -0.2], "scale": [3, 2], "rotation": 0.4})
     crate = textured("crate", 2, {"scale": [-1, 1.5]})
@@ -143,7 +162,8 @@ def build(doc):
     grey = doc.material("grey", (0.5, 0.5, 0.5), doubleSided=True)
     lamp = doc.material("lamp", (0.3, 0.3, 0.3), emissiveFactor=[1.0, 0.85, 0.6],
                         extensions={"KHR_materials_emissive_strength": {"emissiveStrength": 14.0}})
-    screen = doc.material("screen", (0.1, 0.1, 0.1), emissiveFactor=[0.4, 0.6, 1.0], doubleSided=True,
+    screen = doc.material("screen", (0.1, 0.1, 0.1), emissiveFactor=[0.4, 0.6,
+                                                                     1.0], doubleSided=True,
                           extensions={"KHR_materials_emissive_strength": {"emissiveStrength": 6.0}})
     doc.material("unused", (1, 0, 0), pbr={"baseColorTexture": {"index": 1}})
 
@@ -169,7 +189,8 @@ def build(doc):
     root = [
         doc.node(name="shell", mesh=doc.mesh("shell", shell, walls, "H", "turned", (1,))),
         doc.node(name="level", mesh=doc.mesh("level", level, white, None, None, ())),
-        doc.node(name="poster", mesh=doc.mesh("poster", poster, stained, "B", "long", (), colors=True)),
+        doc.node(name="poster", mesh=doc.mesh("poster", poster, stained, "B", "long", (),
+                                              colors=True)),
         doc.node(name="rug", mesh=doc.mesh("rug", rug, grey, "I", "turned", ())),
     ]
     cube = doc.mesh("cube", box, crate, "B", "long", (2,))
@@ -179,16 +200,23 @@ def build(doc):
     root += [
         doc.node(name="mirrored", mesh=cube, translation=[1.0, 0.45, 0.9], scale=[-0.7, 0.9, 0.5],
                  rotation=[0, math.sin(0.3), 0, math.cos(0.3)]),
-        doc.node(name="sheared", mesh=plain, matrix=sheared((3.8, 0.6, 1.0), (0.6, 1.2, 0.9), 0.35)),
-        doc.node(name="inside out", mesh=plain, matrix=sheared((3.9, 0.3, 3.1), (0.7, -0.6, 0.8), -0.2)),
-        doc.node(name="sunk into the floor", mesh=cube, translation=[2.4, 0.1, 3.3], scale=[0.8, 0.7, 0.6]),
+        doc.node(name="sheared", mesh=plain, matrix=sheared((3.8, 0.6, 1.0), (0.6, 1.2, 0.9),
+                                                            0.35)),
+        doc.node(name="inside out", mesh=plain, matrix=sheared((3.9, 0.3, 3.1), (0.7, -0.6, 0.8),
+                                                               -0.2)),
+        doc.node(name="sunk into the floor", mesh=cube, translation=[2.4, 0.1, 3.3],
+                 scale=[0.8, 0.7, 0.6]),
         doc.node(name="lamp", mesh=light, translation=[2.6, 2.55, 1.8], scale=[0.9, 1, 0.5]),
-        doc.node(name="mirrored lamp", mesh=light, translation=[0.8, 2.5, 3.2], scale=[-0.3, 1, 0.3]),
+        doc.node(name="mirrored lamp", mesh=light, translation=[0.8, 2.5, 3.2],
+                 scale=[-0.3, 1, 0.3]),
         doc.node(name="screen", mesh=pane, translation=[3.0, 1.2, 2.2],
                  rotation=[0, 0, math.sin(0.7), math.cos(0.7)], scale=[0.6, 1, 0.8]),
     ]
     for depth in range(12):  # a long way up
-        root = [doc.node(name=f"group {depth}", children=root, translation=[FAR[k] / 12 for k in range(3)])]
+        root = [
+            doc.node(name=f"group {depth}", children=root,
+                     translation=[FAR[k] / 12 for k in range(3)])
+        ]
     doc.mesh("unused", box, grey, "I", "turned", (0,))
     doc.node(name="unused", mesh=cube)
     return root
@@ -197,12 +225,17 @@ def build(doc):
 def main():
     doc = Document()
     root = build(doc)
-    images = [{"bufferView": doc.view(png(side, seed)), "mimeType": "image/png"} for side, seed in ((64, 1), (16, 2))]
-    head = {"asset": {"version": "2.0", "generator": "make_messy_scene.py"}, "scene": 0, "scenes": [{"nodes": root}],
-            "nodes": doc.nodes, "meshes": doc.meshes, "materials": doc.materials, "accessors": doc.accessors,
-            "bufferViews": doc.views, "images": images, "samplers": [{"wrapS": 10497, "wrapT": 10497}],
-            "textures": [{"source": 0, "sampler": 0}, {"source": 1}], "buffers": [{"byteLength": len(doc.blob)}],
-            "extensionsUsed": ["KHR_materials_emissive_strength", "KHR_texture_transform"]}
+    images = [{"bufferView": doc.view(png(side, seed)), "mimeType": "image/png"}
+              for side, seed in ((64, 1), (16, 2))]
+    head = {
+        "asset": {"version": "2.0", "generator": "make_messy_scene.py"
+                 }, "scene": 0, "scenes": [{"nodes": root}], "nodes": doc.nodes,
+        "meshes": doc.meshes, "materials": doc.materials, "accessors": doc.accessors,
+        "bufferViews": doc.views, "images": images, "samplers": [{"wrapS": 10497, "wrapT": 10497}],
+        "textures": [{"source": 0, "sampler": 0},
+                     {"source": 1}], "buffers": [{"byteLength": len(doc.blob)}],
+        "extensionsUsed": ["KHR_materials_emissive_strength", "KHR_texture_transform"]
+    }
     text = json.dumps(head, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     with open(sys.argv[1], "wb") as file:

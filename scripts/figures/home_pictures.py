@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
-"""Makes the picture of docs/dataset.md from what lte_home_pictures rendered: denoised, tone mapped, four by four.
+"""Makes the picture of docs/dataset.md from what lte_home_pictures rendered: denoised, tone mapped,
+four by four.
 
-usage: scripts/figures/home_pictures.py FOLDER OUT.jpg|.png     (needs PyPI's numpy, Pillow and pyoidn)
+usage: scripts/figures/home_pictures.py FOLDER OUT.jpg|.png
+
+It needs PyPI's numpy, Pillow and pyoidn.
 """
 import glob
 import sys
@@ -25,7 +28,8 @@ def display(linear):
     luminance = linear @ np.array([0.2126, 0.7152, 0.0722], "f4")
     linear = linear * (0.32 / max(np.quantile(luminance, 0.6), 1e-6))
     linear = np.where(linear < 0.5, linear, 1 - 0.5 * np.exp(-(linear - 0.5) / 0.5))
-    coded = np.where(linear < 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 0) ** (1 / 2.4) - 0.055)
+    coded = np.where(linear < 0.0031308, 12.92 * linear,
+                     1.055 * np.maximum(linear, 0) ** (1 / 2.4) - 0.055)
     return (255 * np.clip(coded, 0, 1) + 0.5).astype(np.uint8)
 
 
@@ -34,12 +38,17 @@ def main():
         sys.exit(__doc__)
     views = []
     for path in sorted(glob.glob(f"{sys.argv[1]}/*_color.pfm")):
-        color, albedo, normal = (read_pfm(path.replace("color", kind)) for kind in ("color", "albedo", "normal"))
+        color, albedo, normal = (
+            read_pfm(path.replace("color", kind)) for kind in ("color", "albedo", "normal"))
         views.append(display(pyoidn.denoise(color, albedo=albedo, normal=normal, hdr=True)))
     if not views:
         sys.exit(f"{sys.argv[1]}: no *_color.pfm; lte_home_pictures writes them")
-    rows = [np.concatenate(views[i:i + 4], axis=1) for i in range(0, len(views) - len(views) % 4, 4)]
-    Image.fromarray(np.concatenate(rows)).save(sys.argv[2], **({"quality": 90} if sys.argv[2].endswith(".jpg") else {}))
+    rows = [
+        np.concatenate(views[i:i + 4], axis=1) for i in range(0,
+                                                              len(views) - len(views) % 4, 4)
+    ]
+    Image.fromarray(np.concatenate(rows)).save(
+        sys.argv[2], **({"quality": 90} if sys.argv[2].endswith(".jpg") else {}))
 
 
 if __name__ == "__main__":

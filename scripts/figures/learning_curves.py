@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
-"""Compares runs of lte_train: a table of their errors, validation error against steps, and final error against the number of scenes.
+"""Compares runs of lte_train: a table of their errors, validation error against steps, and final
+error against the number of scenes.
 
   scripts/figures/learning_curves.py runs/small runs/large
-  scripts/figures/learning_curves.py 100=runs/a 1000=runs/b --eval 100=a.json --eval 1000=b.json --out curves.svg
+  scripts/figures/learning_curves.py 100=runs/a 1000=runs/b --eval 100=a.json --eval 1000=b.json
+  --out curves.svg
 
-A run is a run directory or its log.jsonl, with a name before it or that of its folder. --eval adds the figures of a file that
-`lte_eval --json` has written for the run's model. The number of training scenes is that of the data set in the run's config.yaml,
-where it is found, or as --scenes says. The table is Markdown. An .svg needs Python alone, a .png matplotlib.
+A run is a run directory or its log.jsonl, with a name before it or that of its folder. --eval adds
+the figures of a file that `lte_eval --json` has written for the run's model. The number of training
+scenes is that of the data set in the run's config.yaml, where it is found, or as --scenes says. The
+table is Markdown. An .svg needs Python alone, a .png matplotlib.
 """
 import argparse
 import html
@@ -31,7 +34,8 @@ def fail(message):
 
 
 def read_log(path):
-    """Lines of the log; what is no object with a step is left out, as the last line may have been cut short."""
+    """Lines of the log; what is no object with a step is left out, as the last line may have been
+    cut short."""
     try:
         text = path.read_text()
     except OSError as error:
@@ -59,7 +63,8 @@ def read_json(path):
 
 
 def scenes_of_data(run):
-    """Training scenes of the data set that config.yaml beside the log names; None where that cannot be told."""
+    """Training scenes of the data set that config.yaml beside the log names; None where that cannot
+    be told."""
     try:
         config = (run / "config.yaml").read_text()
         block = re.search(r"^data:\n((?:[ \t].*\n|\n)*)", config, re.MULTILINE).group(1)
@@ -133,21 +138,31 @@ def eval_value(run, figure):
 
 
 def cell(value):
-    return f"{value:.4g}" if is_number(value) and not isinstance(value, int) else "–" if value is None else str(value)
+    return f"{value:.4g}" if is_number(value) and not isinstance(
+        value, int) else "–" if value is None else str(value)
 
 
 def table(runs, metric):
     evaluated = any(run.evaluation is not None for run in runs)
     columns = EVAL_COLUMNS if evaluated else ()
-    lines = ["| " + " | ".join(["run", "scenes", "steps", "hours", "loss", metric, "lowest", "at step"] + [name for name, _ in columns]) + " |"]
+    lines = [
+        "| " + " | ".join(["run", "scenes", "steps", "hours", "loss", metric, "lowest", "at step"] +
+                          [name for name, _ in columns]) + " |"
+    ]
     lines.append("|---" + "|---:" * (7 + len(columns)) + "|")
     for run in runs:
         points = series(run.log, metric)
         best = min(points, key=lambda point: point[1]) if points else (None, None)
         seconds = run.last("seconds")
-        row = [run.scenes, max(line["step"] for line in run.log), None if seconds is None else seconds / 3600, run.last("loss"),
-               run.last(metric), best[1], best[0], *(eval_value(run, figure) for _, figure in columns)]
-        lines.append("| " + " | ".join([run.name.replace("|", "\\|")] + [cell(value) for value in row]) + " |")
+        row = [
+            run.scenes,
+            max(line["step"] for line in run.log), None if seconds is None else seconds / 3600,
+            run.last("loss"),
+            run.last(metric), best[1], best[0], *(eval_value(run, figure) for _, figure in columns)
+        ]
+        lines.append("| " +
+                     " | ".join([run.name.replace("|", "\\|")] + [cell(value) for value in row]) +
+                     " |")
     return "\n".join(lines) + "\n"
 
 
@@ -155,36 +170,54 @@ def panels(runs, metric):
     """(title, label of x, whether x is logarithmic, lines): a line is (name, points)."""
     curves = [(run.name, series(run.log, metric)) for run in runs]
     final = [("last " + metric, [(run.scenes, run.last(metric)) for run in runs])]
-    final += [("lte_eval, " + name, [(run.scenes, eval_value(run, figure)) for run in runs]) for name, figure in EVAL_COLUMNS[:2]]
+    final += [("lte_eval, " + name, [(run.scenes, eval_value(run, figure))
+                                     for run in runs])
+              for name, figure in EVAL_COLUMNS[:2]]
     drawn = []
     for name, points in final:
         known = sorted(point for point in points if None not in point)
         if known:
             drawn.append((name, known))
-    return [(f"{metric} by step", "step", False, curves), ("final error by scenes", "training scenes", True, drawn)]
+    return [(f"{metric} by step", "step", False, curves),
+            ("final error by scenes", "training scenes", True, drawn)]
 
 
 def ticks(low, high, logarithmic):
     """Places on an axis and what stands there; those of a logarithmic axis are logarithms."""
     if logarithmic:
         digits = (1,) if math.floor(high) - math.ceil(low) >= 2 else (1, 2, 5)
-        values = [digit * 10.0 ** decade for decade in range(math.floor(low), math.ceil(high) + 1) for digit in digits]
-        places = [(math.log10(value), f"{value:g}") for value in values if low <= math.log10(value) <= high]
+        values = [
+            digit * 10.0 ** decade for decade in range(math.floor(low),
+                                                       math.ceil(high) + 1) for digit in digits
+        ]
+        places = [(math.log10(value), f"{value:g}")
+                  for value in values
+                  if low <= math.log10(value) <= high]
         if len(places) < 2:  # less than one digit to the next
-            places = [(math.log10(value), word) for value, word in ticks(10 ** low, 10 ** high, False)]
+            places = [
+                (math.log10(value), word) for value, word in ticks(10 ** low, 10 ** high, False)
+            ]
         return places
     power = 10 ** math.floor(math.log10((high - low) / 5))
     step = next(factor * power for factor in (1, 2, 5, 10) if factor * power >= (high - low) / 5)
-    return [(i * step, f"{i * step:g}") for i in range(math.ceil(low / step), math.floor(high / step) + 1)]
+    return [(i * step, f"{i * step:g}") for i in range(math.ceil(low / step),
+                                                       math.floor(high / step) + 1)]
 
 
 def svg_panel(left, title, label, log_x, lines):
     to_x = math.log10 if log_x else float
-    placed = [(name, [(to_x(x), math.log10(y)) for x, y in points if y > 0]) for name, points in lines]
+    placed = [
+        (name, [(to_x(x), math.log10(y)) for x, y in points if y > 0]) for name, points in lines
+    ]
     placed = [(name, points) for name, points in placed if points]
     text = lambda x, y, anchor, what, color="#555": (
-        f'<text x="{left + x:.1f}" y="{y:.1f}" text-anchor="{anchor}" fill="{color}">{html.escape(what)}</text>')
-    out = [text(WIDTH / 2, 16, "middle", title, "#222"), text(WIDTH / 2, HEIGHT - 6, "middle", label)]
+        f'<text x="{left + x:.1f}" y="{y:.1f}" text-anchor="{anchor}" '
+        f'fill="{color}">{html.escape(what)}</text>'
+    )
+    out = [
+        text(WIDTH / 2, 16, "middle", title, "#222"),
+        text(WIDTH / 2, HEIGHT - 6, "middle", label)
+    ]
     if not placed:
         return out + [text(WIDTH / 2, HEIGHT / 2, "middle", "nothing recorded")]
     ranges = []
@@ -196,10 +229,14 @@ def svg_panel(left, title, label, log_x, lines):
     place_x = lambda x: LEFT + (x - x0) / (x1 - x0) * (WIDTH - LEFT - RIGHT)
     place_y = lambda y: HEIGHT - BOTTOM - (y - y0) / (y1 - y0) * (HEIGHT - TOP - BOTTOM)
     for value, word in ticks(y0, y1, True):
-        out.append(f'<path stroke="#e4e4e4" d="M{left + LEFT} {place_y(value):.1f}H{left + WIDTH - RIGHT}"/>')
+        out.append(
+            f'<path stroke="#e4e4e4" '
+            f'd="M{left + LEFT} {place_y(value):.1f}H{left + WIDTH - RIGHT}"/>'
+        )
         out.append(text(LEFT - 5, place_y(value) + 4, "end", word))
     for value, word in ticks(x0, x1, log_x):
-        out.append(f'<path stroke="#e4e4e4" d="M{left + place_x(value):.1f} {TOP}V{HEIGHT - BOTTOM}"/>')
+        out.append(
+            f'<path stroke="#e4e4e4" d="M{left + place_x(value):.1f} {TOP}V{HEIGHT - BOTTOM}"/>')
         out.append(text(place_x(value), HEIGHT - BOTTOM + 14, "middle", word))
     for i, (name, points) in enumerate(placed):
         color = COLORS[i % len(COLORS)]
@@ -214,8 +251,10 @@ def svg_panel(left, title, label, log_x, lines):
 
 def write_svg(path, drawings):
     height = HEIGHT + LINE * (1 + max(len(lines) for *_, lines in drawings))
-    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH * len(drawings)}" height="{height}" font-family="sans-serif" '
-             'font-size="11">', '<rect width="100%" height="100%" fill="#fff"/>']
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH * len(drawings)}" height="{height}" font-family="sans-serif" '
+        'font-size="11">', '<rect width="100%" height="100%" fill="#fff"/>'
+    ]
     for i, drawing in enumerate(drawings):
         parts += svg_panel(WIDTH * i, *drawing)
     path.write_text("\n".join(parts) + "\n</svg>\n")
@@ -233,7 +272,8 @@ def write_png(path, drawings):
     for axis, (title, label, log_x, lines) in zip(axes, drawings):
         for i, (name, points) in enumerate(lines):
             if points:
-                axis.plot(*zip(*points), "o-" if log_x else "-", color=COLORS[i % len(COLORS)], markersize=4, linewidth=1.2, label=name)
+                axis.plot(*zip(*points), "o-" if log_x else "-", color=COLORS[i % len(COLORS)],
+                          markersize=4, linewidth=1.2, label=name)
         axis.set_yscale("log")
         if log_x:
             axis.set_xscale("log")
@@ -248,22 +288,30 @@ def write_png(path, drawings):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("runs", nargs="+", metavar="[NAME=]RUN", help="run directory or log.jsonl")
-    parser.add_argument("--eval", action="append", default=[], metavar="NAME=FILE", help="what lte_eval --json wrote; may be repeated")
-    parser.add_argument("--scenes", action="append", default=[], metavar="NAME=N", help="training scenes of a run; may be repeated")
-    parser.add_argument("--metric", default="val_loss", help="field of the log, an error: val_loss, val_loss_median, val_mse, val_relmse")
+    parser.add_argument("--eval", action="append", default=[], metavar="NAME=FILE",
+                        help="what lte_eval --json wrote; may be repeated")
+    parser.add_argument("--scenes", action="append", default=[], metavar="NAME=N",
+                        help="training scenes of a run; may be repeated")
+    parser.add_argument(
+        "--metric", default="val_loss",
+        help="field of the log, an error: val_loss, val_loss_median, val_mse, val_relmse")
     parser.add_argument("--out", type=pathlib.Path, help="plot: .svg, or .png with matplotlib")
     args = parser.parse_args()
     if args.out and args.out.suffix not in (".svg", ".png"):
         parser.error(f"--out {args.out}: expected a name that ends in .svg or .png")
     runs = read_runs(args)
     if not any(series(run.log, args.metric) for run in runs):
-        fields = sorted({field for run in runs for line in run.log for field in line if is_number(line[field])} - {"step"})
+        fields = sorted(
+            {field for run in runs for line in run.log
+             for field in line if is_number(line[field])} - {"step"})
         fail(f'--metric {args.metric}: no run has logged it (there are: {", ".join(fields)})')
     if args.out:
         try:
-            (write_svg if args.out.suffix == ".svg" else write_png)(args.out, panels(runs, args.metric))
+            (write_svg if args.out.suffix == ".svg" else write_png)(args.out,
+                                                                    panels(runs, args.metric))
         except OSError as error:
             fail(f"{args.out}: {error.strerror}")
     print(table(runs, args.metric), end="")

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Draws time and peak memory of lte_bench against the number of points or queries.
 
-usage: scripts/figures/plot_growth.py --encoder E1.json E2.json ... --decoder D1.json ... --out docs/images/growth.png
+usage: scripts/figures/plot_growth.py --encoder E1.json E2.json ... --decoder D1.json ... \\
+           --out docs/images/growth.png
 Each file is one `lte_bench encoder|decoder --json`. Needs matplotlib.
 """
 import argparse
@@ -24,18 +25,22 @@ def rows(paths: list[pathlib.Path]) -> dict[str, list[dict]]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--encoder", type=pathlib.Path, nargs="+", required=True)
     parser.add_argument("--decoder", type=pathlib.Path, nargs="+", required=True)
     parser.add_argument("--out", type=pathlib.Path, required=True)
     arguments = parser.parse_args()
     figure, axes = plt.subplots(1, 2, figsize=(9, 3.4))
-    for axis, paths, word in zip(axes, (arguments.encoder, arguments.decoder), ("scene points", "queries")):
+    for axis, paths, word in zip(axes, (arguments.encoder, arguments.decoder),
+                                 ("scene points", "queries")):
         memory = axis.twinx()
         for precision, series in rows(paths).items():
             sizes = [row["n"] for row in series]
-            axis.loglog(sizes, [row["seconds_min"] for row in series], "o-", markersize=4, label=f"{precision}, seconds")
-            memory.loglog(sizes, [row["rss_above_model_mb"] for row in series], "s--", markersize=3, alpha=0.6, label=f"{precision}, MiB")
+            axis.loglog(sizes, [row["seconds_min"] for row in series], "o-", markersize=4,
+                        label=f"{precision}, seconds")
+            memory.loglog(sizes, [row["rss_above_model_mb"] for row in series], "s--", markersize=3,
+                          alpha=0.6, label=f"{precision}, MiB")
         axis.set_xlabel(word, fontsize=8)
         axis.set_ylabel("seconds", fontsize=8)
         memory.set_ylabel("MiB above the model", fontsize=8)

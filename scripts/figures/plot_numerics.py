@@ -16,7 +16,8 @@ import matplotlib.pyplot as plt
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("json", type=pathlib.Path)
     parser.add_argument("--out", type=pathlib.Path, required=True)
     arguments = parser.parse_args()
@@ -24,7 +25,7 @@ def main() -> None:
     names = list(dict.fromkeys(row["name"] for row in rows))
     figure, axes = plt.subplots(1, 2, figsize=(9, 3.8), sharex=True)
     for axis, key, title in zip(
-        axes,
+            axes,
         ("fp32_against_fp64", "bf16_against_fp32"),
         ("float32 against float64", "bf16 against float32"),
     ):

@@ -1,10 +1,13 @@
 #!/usr/bin/env python3
 """Holds FLIP and HDR-FLIP against their authors' own program, NVIDIA's flip-evaluator.
 
-usage: scripts/witnesses/check_flip.py [--write] [--build build]      (needs PyPI's flip-evaluator and numpy)
+usage: scripts/witnesses/check_flip.py [--write] [--build build]
 
-The program's error maps of a small pair of pictures are kept in tests/image/flip_witness.json, which the tests hold lte
-to. This script runs the program afresh, compares with that file, and runs those tests. --write replaces the file.
+It needs PyPI's flip-evaluator and numpy.
+
+The program's error maps of a small pair of pictures are kept in tests/image/flip_witness.json,
+which the tests hold lte to. This script runs the program afresh, compares with that file, and runs
+those tests. --write replaces the file.
 """
 import argparse
 import importlib.metadata
@@ -16,14 +19,14 @@ import sys
 import flip_evaluator
 import numpy as np
 
-WITNESS = pathlib.Path(__file__).parent.parent / "tests" / "image" / "flip_witness.json"
+WITNESS = pathlib.Path(__file__).resolve().parents[2] / "tests" / "image" / "flip_witness.json"
 WIDTH, HEIGHT = 32, 24
 HDR_SCALE = 12  # linear radiance is this times the cube of byte / 255
 
 
 def pictures():
-    """Reference and test, [H, W, 3] bytes: ramps, an edge, a highlight, a dark half; against them a moved edge, a tint,
-    noise and a missing highlight."""
+    """Reference and test, [H, W, 3] bytes: ramps, an edge, a highlight, a dark half; against them a
+    moved edge, a tint, noise and a missing highlight."""
     y, x = np.mgrid[0:HEIGHT, 0:WIDTH]
     reference = np.stack([40 + 5 * x, 200 - 6 * y, 60 + 2 * x + 3 * y], -1)
     reference[:, 18:] //= 4
@@ -42,18 +45,30 @@ def outside():
     hdr = [((p / 255) ** 3 * HDR_SCALE).astype(np.float32) for p in (reference, test)]
     ldr_map, ldr_mean, ldr_parameters = flip_evaluator.evaluate(*ldr, "LDR", applyMagma=False)
     hdr_map, hdr_mean, hdr_parameters = flip_evaluator.evaluate(*hdr, "HDR", applyMagma=False)
-    flat = lambda values: [round(float(v), 6) for v in np.asarray(values).reshape(HEIGHT * WIDTH, -1)[:, 0]]
+    flat = lambda values: [
+        round(float(v), 6) for v in np.asarray(values).reshape(HEIGHT * WIDTH, -1)[:, 0]
+    ]
     return {
         "program": "flip-evaluator " + importlib.metadata.version("flip-evaluator"),
-        "width": WIDTH, "height": HEIGHT, "hdr_scale": HDR_SCALE,
-        "reference": reference.reshape(-1).tolist(), "test": test.reshape(-1).tolist(),
-        "ldr": {"mean": float(ldr_mean), "map": flat(ldr_map), "parameters": {k: str(v) for k, v in ldr_parameters.items()}},
-        "hdr": {"mean": float(hdr_mean), "map": flat(hdr_map), "parameters": {k: str(v) for k, v in hdr_parameters.items()}},
+        "width": WIDTH,
+        "height": HEIGHT,
+        "hdr_scale": HDR_SCALE,
+        "reference": reference.reshape(-1).tolist(),
+        "test": test.reshape(-1).tolist(),
+        "ldr": {
+            "mean": float(ldr_mean), "map": flat(ldr_map),
+            "parameters": {k: str(v) for k, v in ldr_parameters.items()}
+        },
+        "hdr": {
+            "mean": float(hdr_mean), "map": flat(hdr_map),
+            "parameters": {k: str(v) for k, v in hdr_parameters.items()}
+        },
     }
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--write", action="store_true", help="replace the witness")
     parser.add_argument("--build", default="build", help="build folder with bin/lte_image_test")
     arguments = parser.parse_args()
@@ -64,10 +79,14 @@ def main():
     kept = json.loads(WITNESS.read_text())
     for kind in ("ldr", "hdr"):
         worst = np.abs(np.array(now[kind]["map"]) - np.array(kept[kind]["map"])).max()
-        print(f"{kind}: mean {now[kind]['mean']:.6f}, {now['program']} against {kept['program']}: {worst:.1e} apart at most")
+        print(
+            f"{kind}: mean {now[kind]['mean']:.6f}, {now['program']} against {kept['program']}: "
+            f"{worst:.1e} apart at most"
+        )
         if worst > 1e-4:
             return 1
-    return subprocess.run([f"{arguments.build}/bin/lte_image_test", "--gtest_filter=*Flip*"]).returncode
+    return subprocess.run([f"{arguments.build}/bin/lte_image_test",
+                           "--gtest_filter=*Flip*"]).returncode
 
 
 if __name__ == "__main__":

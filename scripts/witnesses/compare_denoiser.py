@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
-"""Compares the network with path tracing denoised by Intel's Open Image Denoise, on indirect irradiance without texture.
+"""Compares the network with path tracing denoised by Intel's Open Image Denoise, on indirect
+irradiance without texture.
 
 usage: scripts/witnesses/compare_denoiser.py --data DIR [--split test] [--eval eval.json]
-       scripts/witnesses/compare_denoiser.py SCENE [--size 512x512] [--checkpoint C] [--camera CAM.json] [--spp 1024] [--build build]
+       scripts/witnesses/compare_denoiser.py SCENE [--size 512x512] [--checkpoint C] \\
+           [--camera CAM.json] [--spp 1024] [--build build]
 
-The first form denoises the views' stored estimates of 64 paths and scores them as lte_eval does (docs/metrics.md); with
-lte_eval's JSON it prints the network's figures of the same scenes beside them. The second renders one view by the
-network, by path tracing with as many paths as fit into the same time less the denoiser's, and by path tracing as a
-reference. Loading the scene and writing the picture count for neither. Needs PyPI's numpy and pyoidn; the second form
-OpenEXR too.
+The first form denoises the views' stored estimates of 64 paths and scores them as lte_eval does
+(docs/metrics.md); with lte_eval's JSON it prints the network's figures of the same scenes beside
+them. The second renders one view by the network, by path tracing with as many paths as fit into the
+same time less the denoiser's, and by path tracing as a reference. Loading the scene and writing the
+picture count for neither. Needs PyPI's numpy and pyoidn; the second form OpenEXR too.
 """
 import argparse
 import json
@@ -22,7 +24,10 @@ import time
 import numpy as np
 import pyoidn
 
-STAGES = {"neural": ("sample", "light", "encode", "primary", "decode"), "moved camera": ("primary", "decode")}
+STAGES = {
+    "neural": ("sample", "light", "encode", "primary", "decode"),
+    "moved camera": ("primary", "decode")
+}
 
 
 def read_safetensors(path):
@@ -30,7 +35,7 @@ def read_safetensors(path):
     size = struct.unpack("<Q", raw[:8])[0]
     types = {"F32": "<f4", "I32": "<i4", "U8": "u1", "F16": "<f2"}
     out = {}
-    for name, entry in json.loads(raw[8 : 8 + size]).items():
+    for name, entry in json.loads(raw[8:8 + size]).items():
         if name != "__metadata__":
             begin, end = (8 + size + offset for offset in entry["data_offsets"])
             out[name] = np.frombuffer(raw[begin:end], types[entry["dtype"]]).reshape(entry["shape"])
@@ -46,15 +51,19 @@ def scores(found, reference):
     square = (found - reference) ** 2
     white = np.sort(luminance(reference))[int(0.99 * (len(reference) - 1))] or 1
     mse = square.mean()
-    return mse, min(100, 10 * np.log10(white**2 / mse)) if mse > 0 else 100, (square / (reference**2 + 0.01)).mean()
+    return mse, min(
+        100, 10 * np.log10(white ** 2 / mse)) if mse > 0 else 100, (square /
+                                                                    (reference ** 2 + 0.01)).mean()
 
 
 def denoise(color, albedo, normal):
-    """The picture, and the seconds of filtering alone: the fastest of three, as the first call sets up the device."""
+    """The picture, and the seconds of filtering alone: the fastest of three, as the first call sets
+    up the device."""
     seconds = []
     for _ in range(3):
         start = time.perf_counter()
-        out = pyoidn.denoise(np.ascontiguousarray(color, "f4"), albedo=np.ascontiguousarray(albedo, "f4"),
+        out = pyoidn.denoise(np.ascontiguousarray(color,
+                                                  "f4"), albedo=np.ascontiguousarray(albedo, "f4"),
                              normal=np.ascontiguousarray(normal, "f4"), hdr=True)
         seconds.append(time.perf_counter() - start)
     return np.maximum(out, 0), min(seconds)
@@ -63,7 +72,8 @@ def denoise(color, albedo, normal):
 def print_rows(rows):
     print(f"{'':44}{'mse':>12}{'psnr':>10}{'relmse':>12}")
     for name, values in rows:
-        print(f"{name:44}" + "".join(f"{value:{width}.4g}" for value, width in zip(values, (12, 10, 12))))
+        print(f"{name:44}" +
+              "".join(f"{value:{width}.4g}" for value, width in zip(values, (12, 10, 12))))
 
 
 def of_data(arguments):
@@ -80,20 +90,28 @@ def of_data(arguments):
             view = lambda part: scene[f"view{k}_{part}"]
             if f"view{k}_path_traced_64" not in scene:
                 break
-            mask = (view("mask") > 0) & (view("albedo").max(-1) > 0)  # lte_eval leaves black surfaces out too
+            mask = (view("mask") > 0) & (view("albedo").max(-1) > 0
+                                        )  # lte_eval leaves black surfaces out too
             traced = view("path_traced_64") / scalar
             smooth, spent = denoise(traced, view("albedo"), view("normal"))
             seconds += spent
             reference = (view("indirect").sum(0) / scalar)[mask]
             views.append((scores(traced[mask], reference), scores(smooth[mask], reference)))
         if views:
-            noisy.append(np.mean([v[0] for v in views], 0)), clean.append(np.mean([v[1] for v in views], 0)), used.append(name)
+            noisy.append(np.mean([v[0] for v in views],
+                                 0)), clean.append(np.mean([v[1] for v in views],
+                                                           0)), used.append(name)
     if not used:
         sys.exit(f"{folder}: no scene of split {arguments.split} has views with path_traced_64")
-    rows = [("path tracing, 64 paths", np.mean(noisy, 0)), ("path tracing, 64 paths, denoised", np.mean(clean, 0))]
-    medians = [("path tracing, 64 paths", np.median(noisy, 0)), ("path tracing, 64 paths, denoised", np.median(clean, 0))]
+    rows = [("path tracing, 64 paths", np.mean(noisy, 0)),
+            ("path tracing, 64 paths, denoised", np.mean(clean, 0))]
+    medians = [("path tracing, 64 paths", np.median(noisy, 0)),
+               ("path tracing, 64 paths, denoised", np.median(clean, 0))]
     if arguments.eval:
-        of_scene = {s["name"]: s["metrics"]["neural"]["views"] for s in json.loads(pathlib.Path(arguments.eval).read_text())["per_scene"]}
+        of_scene = {
+            s["name"]: s["metrics"]["neural"]["views"]
+            for s in json.loads(pathlib.Path(arguments.eval).read_text())["per_scene"]
+        }
         own = [[of_scene[name][metric] for metric in ("mse", "psnr", "relmse")] for name in used]
         rows.append(("network", np.mean(own, 0))), medians.append(("network", np.median(own, 0)))
     print(f"views of {len(used)} scenes, denoising took {seconds:.3f} s in all; mean over scenes")
@@ -108,15 +126,22 @@ def of_scene(arguments):
     def render(mode, *more):
         with tempfile.TemporaryDirectory() as folder:
             out, times = pathlib.Path(folder) / "out.exr", pathlib.Path(folder) / "out.json"
-            command = [f"{arguments.build}/bin/lte_render", arguments.scene, "--output", "irradiance", "--mode", mode, "--quiet",
-                       "--size", arguments.size, "--out", str(out), "--json", str(times), *more]
+            command = [
+                f"{arguments.build}/bin/lte_render", arguments.scene, "--output", "irradiance",
+                "--mode", mode, "--quiet", "--size", arguments.size, "--out",
+                str(out), "--json",
+                str(times), *more
+            ]
             if arguments.camera:
                 command += ["--camera", arguments.camera]
             done = subprocess.run(command, capture_output=True, text=True)
             if done.returncode != 0:
                 sys.exit(done.stderr.strip())
             seconds = json.loads(times.read_text())["seconds"]
-            channels = {name: np.array(channel.pixels) for name, channel in OpenEXR.File(str(out)).channels().items()}
+            channels = {
+                name: np.array(channel.pixels)
+                for name, channel in OpenEXR.File(str(out)).channels().items()
+            }
         layers = {}
         for name, pixels in channels.items():
             layer = name.rpartition(".")[0] if "." in name else ""
@@ -124,8 +149,10 @@ def of_scene(arguments):
                 layers[name if name != "RGB" and name != "RGBA" else ""] = pixels[..., :3]
             else:
                 layers.setdefault(layer, {})[name[-1]] = pixels
-        stack = lambda v: v if isinstance(v, np.ndarray) else np.stack([v[c] for c in ("RGB" if "R" in v else "XYZ")], -1)
-        return {k: stack(v) for k, v in layers.items() if isinstance(v, np.ndarray) or len(v) >= 3}, seconds
+        stack = lambda v: v if isinstance(v, np.ndarray) else np.stack(
+            [v[c] for c in ("RGB" if "R" in v else "XYZ")], -1)
+        return {k: stack(v) for k, v in layers.items() if isinstance(v, np.ndarray) or len(v) >= 3
+               }, seconds
 
     model = ["--checkpoint", arguments.checkpoint] if arguments.checkpoint else []
     network, times = render("neural", *model)
@@ -136,7 +163,8 @@ def of_scene(arguments):
     rate = render("reference", "--spp", "16")[1]
     trace = max(rate["total"] - rate["load"] - rate["write"] - rate["primary"], 1e-9) / 16
     _, filtering = denoise(network[""], network["albedo"], network["normal"])
-    rows = [(f"network ({sum(times[s] for s in STAGES['neural']):.2f} s)", scores(network[""][mask] / unit, wanted / unit))]
+    rows = [(f"network ({sum(times[s] for s in STAGES['neural']):.2f} s)",
+             scores(network[""][mask] / unit, wanted / unit))]
     for budget, stages in STAGES.items():
         left = sum(times[stage] for stage in stages) - rate["primary"] - filtering
         paths = max(1, int(left / trace))
@@ -144,15 +172,19 @@ def of_scene(arguments):
         smooth, _ = denoise(traced[""], traced["albedo"], traced["normal"])
         note = "" if left >= trace else ", over the budget"
         label = "scene anew" if budget == "neural" else budget
-        rows.append((f"{paths} paths ({label}{note})", scores(traced[""][mask] / unit, wanted / unit)))
+        rows.append((f"{paths} paths ({label}{note})", scores(traced[""][mask] / unit,
+                                                              wanted / unit)))
         rows.append((f"{paths} paths, denoised", scores(smooth[mask] / unit, wanted / unit)))
-    print(f"{arguments.scene}, {arguments.size}: irradiance over its mean; {arguments.spp} paths as the reference; "
-          f"a path a pixel takes {1e3 * trace:.1f} ms, denoising {1e3 * filtering:.1f} ms")
+    print(
+        f"{arguments.scene}, {arguments.size}: irradiance over its mean; {arguments.spp} paths as "
+        f"the reference; "
+        f"a path a pixel takes {1e3 * trace:.1f} ms, denoising {1e3 * filtering:.1f} ms")
     print_rows(rows)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scene", nargs="?")
     parser.add_argument("--data", help="baked data set")
     parser.add_argument("--split", default="test")

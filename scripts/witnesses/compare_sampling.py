@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Times farthest point sampling beside PyPI's fpsample at its exact settings, on the same points, in one run.
+"""Times farthest point sampling beside PyPI's fpsample at its exact settings, on the same points,
+in one run.
 
 usage: scripts/witnesses/compare_sampling.py [--build build] [--points 20000] [--repeats 20]
-Needs numpy and fpsample, and lte_sampling_bench, which is built with the tests. Picks differ, as fpsample does not start at
-point 0; the last insertion distances are nearly the same.
+Needs numpy and fpsample, and lte_sampling_bench, which is built with the tests. Picks differ, as
+fpsample does not start at point 0; the last insertion distances are nearly the same.
 """
 import argparse
 import pathlib
@@ -30,7 +31,8 @@ def insertion_distance(points: np.ndarray, picks: np.ndarray) -> float:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", default="build", help="build folder")
     parser.add_argument("--points", type=int, default=20000)
     parser.add_argument("--repeats", type=int, default=20)
@@ -45,7 +47,10 @@ def main() -> None:
         picks = np.fromfile(back, np.int64)
     # The second halving is the head of the first run's picks, for either.
     print(f"{args.points} -> {count} -> {count // 2}, least of {args.repeats}")
-    print(f"lte                     {1e3 * ours:8.2f} ms                  last insertion distance {insertion_distance(points, picks):.6f}")
+    print(
+        f"lte                     {1e3 * ours:8.2f} ms                  last insertion distance "
+        f"{insertion_distance(points, picks):.6f}"
+    )
     for h in range(3, 10):
         times = []
         for _ in range(args.repeats + 1):
@@ -53,10 +58,8 @@ def main() -> None:
             other = fpsample.bucket_fps_kdline_sampling(points, count, h=h, start_idx=0)
             times.append(time.perf_counter() - start)
         peer, other = min(times[1:]), other.astype(np.int64)
-        print(
-            f"fpsample kd-line, h = {h} {1e3 * peer:8.2f} ms  {peer / ours:6.2f} times lte  "
-            f"last insertion distance {insertion_distance(points, other):.6f}"
-        )
+        print(f"fpsample kd-line, h = {h} {1e3 * peer:8.2f} ms  {peer / ours:6.2f} times lte  "
+              f"last insertion distance {insertion_distance(points, other):.6f}")
 
 
 if __name__ == "__main__":

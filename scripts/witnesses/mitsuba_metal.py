@@ -1,9 +1,10 @@
 """Mitsuba 3 twins of lte's metallic surfaces, for validate_against_mitsuba.py.
 
-Mitsuba's `roughconductor` has the same GGX distribution, but Smith's masking of both directions as if they were
-independent (G1 G1), and no Schlick. `lte_conductor` is that plugin times two closed factors: height-correlated over
-independent masking (Heitz 2014), and Schlick's Fresnel. Everything else stays Mitsuba's own: the distribution, sampling of
-visible normals, densities, multiple importance sampling, integrator.
+Mitsuba's `roughconductor` has the same GGX distribution, but Smith's masking of both directions as
+if they were independent (G1 G1), and no Schlick. `lte_conductor` is that plugin times two closed
+factors: height-correlated over independent masking (Heitz 2014), and Schlick's Fresnel. Everything
+else stays Mitsuba's own: the distribution, sampling of visible normals, densities, multiple
+importance sampling, integrator.
 """
 
 MIN_ALPHA = 1e-3  # lte/pathtrace/materials/ggx.h
@@ -17,8 +18,10 @@ def register_conductor(mi):
             mi.BSDF.__init__(self, props)
             self.alpha = props.get("alpha", 0.1)
             self.f0 = mi.Color3f([props.get(f"f0_{c}", 1.0) for c in "rgb"])
-            self.nested = mi.load_dict({"type": "roughconductor", "distribution": "ggx", "material": "none",
-                                        "alpha": self.alpha})
+            self.nested = mi.load_dict({
+                "type": "roughconductor", "distribution": "ggx", "material": "none",
+                "alpha": self.alpha
+            })
             self.m_flags = self.nested.flags()
             self.m_components = [self.nested.flags()]
 
@@ -29,7 +32,8 @@ def register_conductor(mi):
             a, b = self.smith_lambda(wi), self.smith_lambda(wo)
             x = 1 - dr.clamp(dr.dot(dr.normalize(wi + wo), wi), 0, 1)
             masking = (1 + a) * (1 + b) / (1 + a + b)
-            return dr.select((wi.z > 0) & (wo.z > 0), masking, 0) * (self.f0 + (1 - self.f0) * x ** 5)
+            return dr.select(
+                (wi.z > 0) & (wo.z > 0), masking, 0) * (self.f0 + (1 - self.f0) * x ** 5)
 
         def sample(self, ctx, si, sample1, sample2, active=True):
             bs, weight = self.nested.sample(ctx, si, sample1, sample2, active)
@@ -51,7 +55,8 @@ def register_conductor(mi):
 
 
 def surface_bsdf(pbr, reflectance, plain):
-    """The BSDF of a glTF material. `plain` takes roughconductor as it is, with the color as a mere factor."""
+    """The BSDF of a glTF material. `plain` takes roughconductor as it is, with the color as a mere
+    factor."""
     diffuse = {"type": "diffuse", "reflectance": reflectance}
     metallic, roughness = pbr.get("metallicFactor", 1.0), pbr.get("roughnessFactor", 1.0)
     if metallic == 0:
@@ -60,11 +65,15 @@ def surface_bsdf(pbr, reflectance, plain):
         raise SystemExit("textured metal is not supported by this script")
     alpha = max(roughness ** 2, MIN_ALPHA)
     if plain:
-        metal = {"type": "roughconductor", "distribution": "ggx", "material": "none", "alpha": alpha,
-                 "specular_reflectance": reflectance}
+        metal = {
+            "type": "roughconductor", "distribution": "ggx", "material": "none", "alpha": alpha,
+            "specular_reflectance": reflectance
+        }
     else:
-        metal = {"type": "lte_conductor", "alpha": alpha,
-                 **{f"f0_{c}": v for c, v in zip("rgb", reflectance["value"])}}
+        metal = {
+            "type": "lte_conductor", "alpha": alpha,
+            **{f"f0_{c}": v for c, v in zip("rgb", reflectance["value"])}
+        }
     if metallic == 1:
         return metal
     return {"type": "blendbsdf", "weight": metallic, "bsdf_0": diffuse, "bsdf_1": metal}

@@ -1,0 +1,201 @@
+#!/usr/bin/env python3
+"""Fails on a header that does not compile alone, with the flags of a source beside it.
+
+usage: scripts/dev/check_headers.py [--build build] [--jobs N] [--all] [--no-pch] [HEADER ...]
+
+Each header becomes a translation unit of one #include, which the compiler only parses. LibTorch
+costs 20 seconds of processor time in each that includes it; so those are parsed by clang, where it
+is installed, behind a precompiled lte/nn/pch.h whose templates are instantiated once: 2 to 3
+seconds each. That hides a missing include of what LibTorch's umbrella header brings; --no-pch
+finds those too. A header that has passed is not looked at again until it, a header of ours that it
+includes, or its flags change (the record is headers.json in the build folder); --all forgets the
+record.
+"""
+import argparse
+import concurrent.futures
+import hashlib
+import json
+import os
+import pathlib
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+OWN_INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.M)
+TORCH_INCLUDE = re.compile(r"^\s*#\s*include\s*<(torch|ATen|c10)/", re.M)
+FOLDERS = ("lte", "datagen", "train", "infer", "tests")
+# What clang does not take, or what would set the precompiled header's macros apart from the rest's.
+GCC_ALONE = re.compile(r"-fpch-preprocess|-Winvalid-pch|-fopenmp|-Werror|-O\d|-W.*psabi|-ffp-.*|-m.*")
+
+
+def tracked_headers() -> list[str]:
+    listed = subprocess.run(["git", "ls-files", "--cached", "--others", "--exclude-standard", "-z",
+                             "*.h"], cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    return sorted(name for name in listed.split("\0")
+                  if name.startswith(FOLDERS) and (ROOT / name).exists())
+
+
+def words_of(command: str) -> list[str]:
+    """A command of the build without its input, its output and its precompiled header."""
+    out, skip = [], False
+    given = shlex.split(command)
+    for i, word in enumerate(given):
+        if skip:
+            skip = False
+        elif word in ("-o", "-c") or (word == "-include" and "cmake_pch" in given[i + 1]):
+            skip = True
+        elif word not in ("-Winvalid-pch", "-fpch-preprocess"):
+            out.append(word)
+    return out
+
+
+class Flags:
+    """The compiler's words for a header: those of a source in its folder, else in the nearest."""
+
+    def __init__(self, build: pathlib.Path):
+        self.by_folder: dict[str, tuple[str, list[str]]] = {}
+        for entry in json.loads((build / "compile_commands.json").read_text()):
+            path = pathlib.Path(entry["directory"], entry["file"]).resolve()
+            if path.suffix != ".cpp" or not path.is_relative_to(ROOT):
+                continue
+            folder = path.relative_to(ROOT).parent.as_posix()
+            words = words_of(entry["command"])
+            # Several targets in a folder: the one with the most flags knows every third party.
+            if folder not in self.by_folder or len(words) > len(self.by_folder[folder][1]):
+                self.by_folder[folder] = (entry["directory"], words)
+
+    def of(self, header: str) -> tuple[str, list[str]] | None:
+        unit = header.removesuffix(".h")
+        if unit in self.by_folder:  # lte/c_api.h is lte/c_api's
+            return self.by_folder[unit]
+        folder = os.path.dirname(header)
+        while folder:
+            if folder in self.by_folder:
+                return self.by_folder[folder]
+            below = [f for f in self.by_folder if f.startswith(folder + "/")]
+            if below:
+                return max((self.by_folder[f] for f in below), key=lambda entry: len(entry[1]))
+            folder = os.path.dirname(folder)
+        return None
+
+
+class Precompiled:
+    """LibTorch parsed once, by clang."""
+
+    def __init__(self, build: pathlib.Path, clang: str, flags: Flags):
+        self.clang = clang
+        directory, words = flags.by_folder["lte/nn"]
+        self.path = build / "headers.pch"
+        command = [clang, *self.clean(words), "-fpch-instantiate-templates", "-x", "c++-header",
+                   str(ROOT / "lte/nn/pch.h"), "-o", str(self.path)]
+        made_by = build / "headers.pch.txt"  # made anew when the flags change
+        if not (self.path.exists() and made_by.exists() and made_by.read_text() == str(command)):
+            subprocess.run(command, cwd=directory, check=True)
+            made_by.write_text(str(command))
+
+    @staticmethod
+    def clean(words: list[str]) -> list[str]:
+        return [word for word in words[1:] if not GCC_ALONE.fullmatch(word)]
+
+    def words(self, words: list[str]) -> list[str]:
+        return [self.clang, *self.clean(words), "-Wno-unknown-warning-option", "-include-pch",
+                str(self.path)]
+
+
+def closure(name: str, seen: dict[str, set[str]]) -> set[str]:
+    """A header and all headers of ours that it includes, by way of others too."""
+    if name not in seen:
+        seen[name] = {name}
+        for include in OWN_INCLUDE.findall((ROOT / name).read_text(errors="replace")):
+            if (ROOT / include).exists():
+                seen[name] |= closure(include, seen)
+    return seen[name]
+
+
+def digest(names: set[str], words: list[str]) -> str:
+    out = hashlib.sha256("\0".join(words).encode())
+    for name in sorted(names):
+        out.update((ROOT / name).read_bytes())
+    return out.hexdigest()
+
+
+def compile_alone(header: str, directory: str, words: list[str], scratch: str) -> str:
+    """The compiler's complaint, or nothing."""
+    unit = pathlib.Path(scratch, header.replace("/", "__") + ".cpp")
+    # Twice: a header without its guard is a fault too.
+    unit.write_text(f'#include "{header}"\n#include "{header}"\n')
+    done = subprocess.run([*words, f"-I{ROOT}", "-fsyntax-only", "-Wno-unused", str(unit)],
+                          cwd=directory, capture_output=True, text=True)
+    return "" if done.returncode == 0 else done.stderr
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("headers", nargs="*")
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    parser.add_argument("--all", action="store_true", help="forget which ones have passed")
+    parser.add_argument("--no-pch", action="store_true", help="without precompiled headers")
+    parser.add_argument("--times", action="store_true", help="print the seconds of each header")
+    args = parser.parse_args()
+    if not (args.build / "compile_commands.json").exists():
+        sys.exit(f"check_headers.py: {args.build} is not configured: cmake --preset release")
+    flags = Flags(args.build)
+    clang = None if args.no_pch else shutil.which("clang++")
+    precompiled = None
+    record_path = args.build / "headers.json"
+    record = {}
+    if record_path.exists() and not args.all:
+        record = json.loads(record_path.read_text())
+
+    start = time.monotonic()
+    seen: dict[str, set[str]] = {}
+    headers = args.headers or tracked_headers()
+    todo, left_out = [], []
+    for header in headers:
+        entry = flags.of(header)
+        if entry is None:
+            left_out.append(header)
+            continue
+        names = closure(header, seen)
+        key = digest(names, entry[1])
+        if record.get(header) == key:
+            continue
+        if clang and any(TORCH_INCLUDE.search((ROOT / name).read_text()) for name in names):
+            precompiled = precompiled or Precompiled(args.build, clang, flags)
+            entry = (entry[0], precompiled.words(entry[1]))
+        todo.append((header, entry, key))
+
+    failed = 0
+    with tempfile.TemporaryDirectory() as scratch, \
+            concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
+        def check(item):
+            began = time.monotonic()
+            return item, compile_alone(item[0], *item[1], scratch), time.monotonic() - began
+
+        for (header, _, key), complaint, seconds in pool.map(check, todo):
+            if args.times:
+                print(f"{seconds:6.1f} s  {header}")
+            if complaint:
+                failed += 1
+                record.pop(header, None)
+                print(f"{header}: does not compile alone:\n" +
+                      "\n".join(complaint.splitlines()[:12]))
+            else:
+                record[header] = key
+    record_path.write_text(json.dumps(record, indent=0))
+    if left_out:
+        print(f"headers: no target of this build has flags for {', '.join(left_out)}")
+    print(f"headers: {len(headers) - len(left_out) - failed} of {len(headers)} compile alone "
+          f"({len(todo)} looked at, {time.monotonic() - start:.0f} s)")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
