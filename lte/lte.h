@@ -29,6 +29,7 @@
 #include "lte/image/png.h"
 #include "lte/image/tonemap.h"
 #include "lte/pathtrace/adaptive.h"
+#include "lte/pathtrace/auto_camera.h"
 #include "lte/pathtrace/hemisphere_bins.h"
 #include "lte/pathtrace/incident.h"
 #include "lte/pathtrace/irradiance.h"

@@ -11,6 +11,7 @@
 #include "lte/base/random.h"
 #include "lte/cli/progress.h"
 #include "lte/pathtrace/adaptive.h"
+#include "lte/pathtrace/auto_camera.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/pathtrace/light_estimates.h"

@@ -10,8 +10,8 @@
 #include "lte/base/log.h"
 #include "lte/base/timer.h"
 #include "lte/cli/progress.h"
+#include "lte/pathtrace/auto_camera.h"
 #include "lte/pathtrace/bvh.h"
-#include "lte/pathtrace/render.h"
 #include "lte/scene/export.h"
 
 namespace lte::datagen {

@@ -1,5 +1,6 @@
 // lte_bench pathtrace and pareto: what needs a scene and Embree.
 #include "infer/bench/bench.h"
+#include "infer/bench/trace_rates.h"
 #include "infer/common/assets.h"
 #include "infer/common/lit_samples.h"
 #include "infer/common/predictor.h"
@@ -9,7 +10,7 @@
 #include "lte/base/parallel.h"
 #include "lte/base/timer.h"
 #include "lte/image/metrics.h"
-#include "lte/pathtrace/benchmark.h"
+#include "lte/pathtrace/auto_camera.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/pathtrace/render.h"
 #include "lte/scene/load.h"
@@ -60,8 +61,8 @@ std::vector<BenchResult> bench_pathtrace(const BenchOptions& options) {
   const scene::SurfaceSamples points = scene::sample_surface(scene, 2'000, {.seed = 7});
   pathtrace::IrradianceOptions tracing;
   tracing.rays = 256;
-  const pathtrace::TraceRates rates =
-      pathtrace::measure_trace_rates(bvh, lights, points.position, points.normal, tracing);
+  const TraceRates rates =
+      measure_trace_rates(bvh, lights, points.position, points.normal, tracing);
   std::vector<BenchResult> results;
   const auto add = [&](const std::string& name, double rays_per_s) {
     const double seconds = static_cast<double>(rates.rays) / rays_per_s;
@@ -72,7 +73,7 @@ std::vector<BenchResult> bench_pathtrace(const BenchOptions& options) {
   };
   add("pathtrace irradiance", rates.path_rays_per_s);
   results.back().figures["peak_rss_mb"] = peak_rss_mb();
-  for (const pathtrace::BareRate& rate : rates.bare) {
+  for (const BareRate& rate : rates.bare) {
     add("bare " + rate.entry_point + (rate.sorted ? ", sorted" : ""), rate.rays_per_s);
     results.back().figures["share_of_pathtrace"] = rates.path_rays_per_s / rate.rays_per_s;
   }

@@ -14,6 +14,7 @@
 #include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/base/timer.h"
+#include "lte/pathtrace/auto_camera.h"
 #include "lte/scene/environment_points.h"
 #include "lte/scene/import/environment_file.h"
 #include "lte/scene/load.h"

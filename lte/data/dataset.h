@@ -58,8 +58,8 @@ void write_dataset_info(const std::filesystem::path& directory, const DatasetInf
 enum class MissingScenes { Refuse, Allow };
 
 /// Warns if fewer scenes are listed than planned.
-/// @throws lte::Error naming the file and the key if dataset.json is missing, malformed or of a newer
-/// version, or names a scene twice or one whose file is missing.
+/// @throws lte::Error naming the file and the key if dataset.json is missing, malformed or of a
+/// newer version, or names a scene twice or one whose file is missing.
 DatasetInfo read_dataset_info(const std::filesystem::path& directory,
                               MissingScenes missing = MissingScenes::Refuse);
 

@@ -2,14 +2,14 @@
 // for glossy surfaces (the paper's section 5.3).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "lte/base/half.h"
 #include "lte/base/math.h"
-#include "lte/base/safetensors.h"
+#include "lte/data/tensor_rule.h"
 
 namespace lte::data {
 
@@ -32,16 +32,28 @@ struct IncidentField {
   size_t size_bytes() const;  ///< of all tensors
 };
 
+/// Calls visit(const TensorRule&, std::vector<T>&) for every tensor of a field that is not empty.
+/// Shapes follow from `bins` and the number of positions. See for_each_tensor() in scene_sample.h.
+template <typename Field, typename Visitor>
+void for_each_incident_tensor(Field& field, int64_t light_groups, Visitor&& visit) {
+  using enum Values;
+  const int64_t G = light_groups, P = field.points(), B = field.bins;
+  visit({"incident_position", {P}, Finite}, field.position);
+  visit({"incident_normal", {P}, Unit}, field.normal);
+  visit({"incident_tangent", {P}, Unit}, field.tangent);
+  visit({"incident_albedo", {P}, Albedo}, field.albedo);
+  visit({"incident_metallic", {P}, Share}, field.metallic);
+  visit({"incident_roughness", {P}, Share}, field.roughness);
+  visit({"incident_scale", {P}, Positive}, field.scale);
+  visit({"incident_direct", {G, P, B, B, 3}, NonNegative}, field.direct);
+  visit({"incident_indirect", {G, P, B, B, 3}, NonNegative}, field.indirect);
+  visit({"incident_direction", {B, B}, Unit}, field.direction);
+  visit({"incident_pdf", {B, B}, Positive}, field.pdf);
+}
+
 /// The power of two that brings values up to `largest` into [2^14, 2^15), where half precision ends
 /// at 65504: nothing overflows, and what is 2^29 times smaller still has all 11 bits. 1 for 0.
 /// @param largest  finite, not negative
 float half_scale(float largest);
-
-/// Tensors and metadata of a field that is not empty; borrowed until the file is written.
-void add_incident(SafetensorsWriter* writer, int64_t light_groups, const IncidentField& field);
-
-/// An empty field if the file has none.
-/// @throws lte::Error naming file and tensor: one is missing, of another shape or type.
-IncidentField read_incident(const SafetensorsFile& file, int64_t light_groups);
 
 }  // namespace lte::data

@@ -1,5 +1,5 @@
-// Sums over light groups: transport is linear in emission, so the light of a scene is the sum of its
-// luminaires' light.
+// Sums over light groups: transport is linear in emission, so the light of a scene is the sum of
+// its luminaires' light.
 #pragma once
 
 #include <cstdint>

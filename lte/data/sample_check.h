@@ -8,9 +8,6 @@
 
 namespace lte::data {
 
-/// Format version that is written, and the newest that is read.
-inline constexpr int kSceneSampleVersion = 1;
-
 /// @param file  the file's name, for messages
 /// @throws lte::Error naming file, tensor and index of the first offender.
 void check_sample(const std::string& file, const SceneSample& sample);

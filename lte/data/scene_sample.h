@@ -1,8 +1,12 @@
-// One baked scene: scene points, query points, ground truth by light group, and views. DESIGN
-// section 6.
+// One baked scene: scene points, query points, ground truth by light group, and views
+// (docs/dataset.md).
+//
+// A new tensor is a member here and a line in one of the lists below, which the writer, the reader
+// and the checks share.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -10,8 +14,12 @@
 
 #include "lte/base/math.h"
 #include "lte/data/incident_field.h"
+#include "lte/data/tensor_rule.h"
 
 namespace lte::data {
+
+/// Format version that is written, and the newest that is read.
+inline constexpr int kSceneSampleVersion = 1;
 
 /// Paths a pixel of View::path_traced_few.
 inline constexpr std::array<int, 3> kFewPaths = {16, 4, 1};
@@ -24,8 +32,8 @@ struct View {
   std::vector<uint8_t> mask;                   ///< [H * W]
   std::vector<Rgb> direct, indirect;           ///< [G, H * W], irradiance at unit gain
   std::vector<float> variance;                 ///< [H * W], of the mean indirect irradiance
-  std::vector<Rgb>
-      path_traced_64;  ///< [H * W], indirect irradiance with 64 rays a pixel: the rival
+  /// [H * W], indirect irradiance with 64 rays a pixel: what a network is compared with.
+  std::vector<Rgb> path_traced_64;
   /// The same with kFewPaths[i] rays a pixel, each drawn by itself: view<k>_path_traced_16, ...
   /// Each may be empty, as in files of earlier versions.
   std::array<std::vector<Rgb>, kFewPaths.size()> path_traced_few;
@@ -49,8 +57,8 @@ struct SceneSample {
   std::vector<Rgb> direct, indirect;  ///< [G, N], irradiance in W/m² at unit gain
   std::vector<float> variance;        ///< [N], of the mean indirect irradiance
   std::vector<int32_t> query_rays;    ///< [N], paths a point where they differ, else empty
-  std::vector<Rgb>
-      path_traced_64;  ///< [N], indirect irradiance with 64 rays: the rival (may be empty)
+  /// [N], indirect irradiance with 64 rays, which a network is compared with; may be empty.
+  std::vector<Rgb> path_traced_64;
   std::vector<View> views;
   IncidentField incident;  ///< at points of its own; may be empty
   // Where it came from
@@ -66,6 +74,76 @@ struct SceneSample {
   int64_t query_points() const { return static_cast<int64_t>(query_position.size()); }
 };
 
+template <typename Sample, typename Visitor>
+void for_each_scene_tensor(Sample& sample, Visitor&& visit) {
+  using enum Values;
+  const int64_t M = sample.scene_points(), G = sample.light_groups;
+  visit({"scene_position", {M}, Finite}, sample.scene_position);
+  visit({"scene_normal", {M}, Unit}, sample.scene_normal);
+  visit({"scene_albedo", {M}, Albedo}, sample.scene_albedo);
+  visit({"scene_emission", {M}, NonNegative}, sample.scene_emission);
+  visit({"scene_area", {M}, NonNegative}, sample.scene_area);
+  visit({"scene_light", {M}, LightGroup}, sample.scene_light);
+  visit({"scene_direct", {G, M}, NonNegative, "scene_direct"}, sample.scene_direct);
+  visit({"scene_indirect", {G, M}, NonNegative, "scene_direct"}, sample.scene_indirect);
+  visit({"scene_metallic", {M}, Share, "scene_metallic"}, sample.scene_metallic);
+  visit({"scene_roughness", {M}, Share, "scene_metallic"}, sample.scene_roughness);
+}
+
+/// The last axis of each shape is that of the query points.
+template <typename Sample, typename Visitor>
+void for_each_query_tensor(Sample& sample, Visitor&& visit) {
+  using enum Values;
+  const int64_t N = sample.query_points(), G = sample.light_groups;
+  visit({"query_position", {N}, Finite}, sample.query_position);
+  visit({"query_normal", {N}, Unit}, sample.query_normal);
+  visit({"query_albedo", {N}, Albedo}, sample.query_albedo);
+  visit({"direct", {G, N}, NonNegative}, sample.direct);
+  visit({"indirect", {G, N}, NonNegative}, sample.indirect);
+  visit({"variance", {N}, NonNegative}, sample.variance);
+  visit({"query_rays", {N}, NonNegative, "query_rays"}, sample.query_rays);
+  visit({"path_traced_64", {N}, NonNegative, "path_traced_64"}, sample.path_traced_64);
+}
+
+/// @param k  the view's place among the views
+template <typename AnyView, typename Visitor>
+void for_each_view_tensor(AnyView& view, size_t k, int64_t light_groups, Visitor&& visit) {
+  using enum Values;
+  const std::string prefix = "view" + std::to_string(k) + "_";
+  const int64_t H = view.height, W = view.width, G = light_groups;
+  visit({prefix + "mask", {H, W}, Mask}, view.mask);
+  visit({prefix + "position", {H, W}, Finite, {}, &view.mask}, view.position);
+  visit({prefix + "normal", {H, W}, Unit, {}, &view.mask}, view.normal);
+  visit({prefix + "albedo", {H, W}, Albedo, {}, &view.mask}, view.albedo);
+  visit({prefix + "direct", {G, H, W}, NonNegative, {}, &view.mask}, view.direct);
+  visit({prefix + "indirect", {G, H, W}, NonNegative, {}, &view.mask}, view.indirect);
+  visit({prefix + "variance", {H, W}, NonNegative}, view.variance);
+  const auto visit_path_traced = [&](int paths, auto& values) {
+    const std::string name = prefix + "path_traced_" + std::to_string(paths);
+    visit({name, {H, W}, NonNegative, name}, values);
+  };
+  visit_path_traced(64, view.path_traced_64);
+  for (size_t i = 0; i < kFewPaths.size(); ++i)
+    visit_path_traced(kFewPaths[i], view.path_traced_few[i]);
+}
+
+/// Calls visit(const TensorRule&, std::vector<T>&) for every tensor that the sample may have, with
+/// T one of Vec3, float, int32_t, uint8_t and Half. Optional tensors are visited too while they are
+/// empty; those of incident radiance are visited if the sample has any.
+///
+/// Shapes follow from the numbers of scene points, query points, light groups and views, the sizes
+/// of the views, and `incident`'s bins and points: whoever fills a sample sets these first.
+/// @param sample  SceneSample, const or not
+template <typename Sample, typename Visitor>
+void for_each_tensor(Sample& sample, Visitor&& visit) {
+  for_each_scene_tensor(sample, visit);
+  for_each_query_tensor(sample, visit);
+  for (size_t k = 0; k < sample.views.size(); ++k)
+    for_each_view_tensor(sample.views[k], k, sample.light_groups, visit);
+  if (!sample.incident.empty())
+    for_each_incident_tensor(sample.incident, sample.light_groups, visit);
+}
+
 /// Atomic; metadata: format "lte-scene", version, name, seed, rays, max_depth, views, bounds.
 /// Values are held to what read_scene_sample() accepts.
 /// @throws lte::Error if array lengths disagree, a value is out of range or the file cannot be
@@ -73,17 +151,16 @@ struct SceneSample {
 void write_scene_sample(const std::filesystem::path& path, const SceneSample& sample);
 
 /// @throws lte::Error naming file, tensor and index of the first offender: truncated, foreign,
-/// wrong shape, non-finite,
-///         negative irradiance, light group out of range, normal not unit.
+/// wrong shape, non-finite, negative irradiance, light group out of range, normal not unit.
 SceneSample read_scene_sample(const std::filesystem::path& path);
 
-/// Removes the query points that no picture asks about: those that no traced path has connected to
-/// a light (direct and indirect irradiance exactly zero in every group), the insides of closed
-/// furniture and the like, one point in ten of a furnished room; and those on surfaces that reflect
-/// nothing, which the renderer leaves out too, with the pixels that show such surfaces, which leave
-/// the views' masks. A relative loss would spend most of its gradient on telling the zero of the
-/// first from a small number; the second, panes behind a sunlit blind among them, can be brighter
-/// than all else. A sample of which no point would stay keeps them all.
+/// Removes the query points that no picture asks about. First, those that no traced path has
+/// connected to a light (direct and indirect irradiance exactly zero in every group): the insides
+/// of closed furniture and the like, one point in ten of a furnished room. Second, those on
+/// surfaces that reflect nothing, which the renderer leaves out too; the pixels that show such
+/// surfaces leave the views' masks. A relative loss would spend most of its gradient on telling the
+/// zero of the first from a small number; the second, panes behind a sunlit blind among them, can
+/// be brighter than all else. A sample of which no point would stay keeps them all.
 /// @return  how many points were removed
 int64_t drop_idle_queries(SceneSample* sample);
 

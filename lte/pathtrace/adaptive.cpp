@@ -13,17 +13,17 @@
 namespace lte::pathtrace {
 namespace {
 
-constexpr int64_t kBlock = 4096;  // points between two reports
-/// Neighbours on either side in Morton order. A pilot of 8 batches knows a variance to 53 %; the
-/// mean of eight, to 19 %.
-constexpr int64_t kReach = 4;
+constexpr int64_t kPointsAtOnce = 4096;  // between two reports of progress
+/// How many neighbours in Morton order count on either side. A pilot of 8 batches knows a variance
+/// to 53 %; the mean of eight, to 19 %.
+constexpr int64_t kNeighboursPerSide = 4;
 /// A single pilot knows the variance only roughly; this much more keeps most points below the
 /// target.
 constexpr double kOwnSafety = 1.3;
 
 float channel_mean(const Rgb& value) { return (value.x + value.y + value.z) / 3; }
 
-/// 10 bits an axis.
+/// A Morton code of 10 bits an axis.
 uint32_t morton(const Vec3& position, const Bounds& bounds) {
   const float scale = 1023 / std::max(max_component(bounds.extent()), 1e-30f);
   uint32_t code = 0;
@@ -43,6 +43,7 @@ uint64_t normal_class(const Vec3& n) {
   return static_cast<uint64_t>(2 * axis + (n[axis] < 0 ? 1 : 0));
 }
 
+/// Traces the pilot, then groups points by the paths that they still need and traces each group.
 class Estimator {
  public:
   Estimator(const Bvh& bvh, const Lights& lights, std::span<const Vec3> positions,
@@ -85,9 +86,10 @@ class Estimator {
     out.direct.resize(static_cast<size_t>(out.groups) * which.size());
     out.indirect.resize(out.direct.size());
     std::vector<Vec3> position, normal;
-    for (int64_t first = 0; first < out.points; first += kBlock) {
-      const int64_t count = std::min(kBlock, out.points - first);
-      position.clear(), normal.clear();
+    for (int64_t first = 0; first < out.points; first += kPointsAtOnce) {
+      const int64_t count = std::min(kPointsAtOnce, out.points - first);
+      position.clear();
+      normal.clear();
       for (int64_t i = first; i < first + count; ++i) {
         position.push_back(positions_[which[static_cast<size_t>(i)]]);
         normal.push_back(normals_[which[static_cast<size_t>(i)]]);
@@ -120,7 +122,8 @@ class Estimator {
     std::vector<int> more(order.size());
     for (int64_t k = 0; k < N; ++k) {
       const size_t i = order[static_cast<size_t>(k)];
-      const int64_t low = std::max<int64_t>(0, k - kReach), high = std::min(N - 1, k + kReach);
+      const int64_t low = std::max<int64_t>(0, k - kNeighboursPerSide),
+                    high = std::min(N - 1, k + kNeighboursPerSide);
       double variance = 0;
       for (int64_t j = low; j <= high; ++j)
         if (j != k) variance += pilot.variance[order[static_cast<size_t>(j)]];

@@ -35,12 +35,12 @@ struct AdaptiveOptions {
 };
 
 struct AdaptiveIrradiance {
-  /// Of all points. `variance` is that of these estimates, from independent scramblings as ever;
+  /// The estimates of all points. `variance` is theirs, from independent scramblings as ever;
   /// `rays` is the mean over points; `rays_traced` counts the pilot too.
   Irradiance irradiance;
   std::vector<int32_t> rays;  ///< [points]: paths behind each estimate
   int64_t paths = 0;          ///< in all, with pilots that were thrown away
-  int64_t missed = 0;  ///< points whose stated error is above the target though they had `max_rays`
+  int64_t missed = 0;         ///< points above the target though they had `max_rays`
 };
 
 /// Told of paths as they are done, so that a caller can show progress.

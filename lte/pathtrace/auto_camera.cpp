@@ -1,11 +1,10 @@
-// The automatic view: eye points that stand on a floor inside an enclosure, scored by what they
-// see.
+#include "lte/pathtrace/auto_camera.h"
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "lte/base/random.h"
-#include "lte/pathtrace/render.h"
 
 namespace lte::pathtrace {
 namespace {
@@ -18,10 +17,10 @@ constexpr float kFronts = 0.1f;    ///< share of hits on fronts: inside a solid 
 constexpr int kAzimuths = 16;
 constexpr int kGridX = 12, kGridY = 8;
 constexpr float kVfov = 62;
-constexpr float kPitch =
-    -0.12f;  ///< radians, slightly down: floors and furniture rather than ceilings
-constexpr float kRoomHeight =
-    2.5f;  ///< metres; smaller scenes are seen as scale models of such a room
+/// Radians, slightly down: floors and furniture rather than ceilings.
+constexpr float kPitch = -0.12f;
+/// Metres; smaller scenes are seen as scale models of such a room.
+constexpr float kRoomHeight = 2.5f;
 
 struct Eye {
   Vec3 position;

@@ -56,8 +56,7 @@ class Bvh {
 /// so that a ray from it does not meet its own triangle: by 2^-20 of its largest coordinate or of
 /// `magnitude`, several times the rounding of a point sampled on triangles of such coordinates.
 /// @param magnitude  e.g. half the extent of the scene: a point near the origin of a large triangle
-/// is
-///                   no more exact than the triangle's corners
+///                   is no more exact than the triangle's corners
 Vec3 offset_origin(const Vec3& position, const Vec3& side, float magnitude = 0);
 
 /// Where ray tracing puts its origin: zero for scenes around theirs; the centre of the bounds for

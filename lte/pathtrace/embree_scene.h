@@ -34,17 +34,16 @@ inline Float4 load_float4(const float* from) {
 /// What a hit needs to know of its instance, in one place.
 struct InstanceRecord {
   Float4 columns[4] = {};  ///< of the transform to the frame, translation last
-  /// Of its inverse transpose, which keeps the front of mirrored instances in front.
+  /// Columns of its inverse transpose, which keeps the front of mirrored instances in front.
   Float4 normal_columns[3] = {};
   const std::array<uint32_t, 3>* triangles = nullptr;  ///< null for an instance that is not traced
-  const float* positions =
-      nullptr;            ///< Embree's copy, padded so that the last vertex can be loaded
-  float scale = 0;        ///< largest row sum of |M|
-  float translation = 0;  ///< largest |translation|
-  Rgb albedo, emission;   ///< valid if `uniform`
-  scene::Gloss gloss;     ///< likewise
-  bool uniform = false;   ///< no texture and no vertex colors
-  bool glossy = false;    ///< metal, at least in places
+  const float* positions = nullptr;  ///< Embree's copy, padded: the last vertex can be loaded too
+  float scale = 0;                   ///< largest row sum of |M|
+  float translation = 0;             ///< largest |translation|
+  Rgb albedo, emission;              ///< valid if `uniform`
+  scene::Gloss gloss;                ///< likewise
+  bool uniform = false;              ///< no texture and no vertex colors
+  bool glossy = false;               ///< metal, at least in places
   bool emissive = false, two_sided = false;
   int light_group = scene::kNone;
 };
@@ -71,9 +70,14 @@ struct SurfacePoint {
 
 inline void set_ray(RTCRay* ray, const Vec3& origin, const Vec3& direction, float t_min,
                     float t_max) {
-  ray->org_x = origin.x, ray->org_y = origin.y, ray->org_z = origin.z;
-  ray->dir_x = direction.x, ray->dir_y = direction.y, ray->dir_z = direction.z;
-  ray->tnear = t_min, ray->tfar = t_max;
+  ray->org_x = origin.x;
+  ray->org_y = origin.y;
+  ray->org_z = origin.z;
+  ray->dir_x = direction.x;
+  ray->dir_y = direction.y;
+  ray->dir_z = direction.z;
+  ray->tnear = t_min;
+  ray->tfar = t_max;
   ray->time = 0;
   ray->mask = ~0u;
   ray->id = 0;

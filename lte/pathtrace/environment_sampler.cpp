@@ -77,13 +77,13 @@ EnvironmentSample EnvironmentSampler::sample(const Vec3& normal, const Vec2& u) 
   return out;
 }
 
-EnvironmentSample EnvironmentSampler::towards(const Vec3& normal, const Vec3& direction) const {
+EnvironmentSample EnvironmentSampler::evaluate(const Vec3& normal, const Vec3& direction) const {
   EnvironmentSample out;
   out.direction = direction;
   if (black()) return out;
   if (!environment_.map) {
     out.radiance = environment_.radiance;
-    out.pdf = dot(normal, normal) > 0 ? std::max(0.0f, dot(normal, direction)) * (1 / kPi)
+    out.pdf = dot(normal, normal) > 0 ? cosine_pdf(std::max(0.0f, dot(normal, direction)))
                                       : 1 / (4 * kPi);
     return out;
   }

@@ -31,15 +31,15 @@ class EnvironmentSampler {
   /// @param normal  unit, of the side that light is to arrive on; zero for either
   EnvironmentSample sample(const Vec3& normal, const Vec2& u) const;
   /// What arrives from a unit direction, and the density with which sample(normal) draws it.
-  EnvironmentSample towards(const Vec3& normal, const Vec3& direction) const;
+  EnvironmentSample evaluate(const Vec3& normal, const Vec3& direction) const;
 
  private:
   float texel_pdf(const Rgb& texel) const;
 
   scene::Environment environment_;
   double luminance_ = 0;
-  /// Of a picture: shares of the rows before each, and in each row of the texels before and with
-  /// each. Two-dimensional inversion keeps what is stratified in u stratified on the sphere.
+  /// For a picture: running sums of the rows' shares, and in each row of its texels' shares.
+  /// Two-dimensional inversion keeps what is stratified in u stratified on the sphere.
   std::vector<double> rows_;
   std::vector<float> columns_;
 };

@@ -24,15 +24,17 @@ inline Vec2 unit_circle(float u) {
   return {1 - 2 * s * s, 2 * s * c};
 }
 
-/// A cosine-distributed unit direction around `normal`; `pdf` is its solid-angle density, cosine /
-/// π.
+/// Solid-angle density of cosine-distributed directions.
+inline float cosine_pdf(float cosine) { return cosine * (1 / kPi); }
+
+/// A cosine-distributed unit direction around `normal`; `pdf` takes its solid-angle density.
 inline Vec3 cosine_direction(const Vec3& normal, const Vec2& u, float* pdf) {
   const float radius = std::sqrt(u.x);
   const Vec2 around = unit_circle(u.y);
   const float cosine = std::sqrt(1 - u.x);  // positive: u.x < 1
   Vec3 tangent, bitangent;
   make_frame(normal, &tangent, &bitangent);
-  *pdf = cosine * (1 / kPi);
+  *pdf = cosine_pdf(cosine);
   return tangent * (radius * around.x) + bitangent * (radius * around.y) + normal * cosine;
 }
 

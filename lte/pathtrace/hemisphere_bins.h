@@ -11,7 +11,7 @@
 
 namespace lte::pathtrace {
 
-/// Where the frame's x axis is; the y axis is cross(normal, tangent).
+/// The x axis of the frame; its y axis is cross(normal, tangent).
 inline Vec3 bin_tangent(const Vec3& normal) {
   Vec3 tangent, bitangent;
   make_frame(normal, &tangent, &bitangent);
@@ -25,8 +25,8 @@ Vec3 bin_direction(const Vec2& place);
 /// The inverse of bin_direction(). @param direction  unit, z >= 0
 Vec2 bin_place(const Vec3& direction);
 
-/// Steradian; the cells of one grid sum to 2π. Mean density of cosine-distributed directions in the
-/// cell: 1 / (bins² · this).
+/// Solid angle of a cell, sr; the cells of one grid sum to 2π. The mean density of
+/// cosine-distributed directions in the cell is 1 / (bins² · this).
 /// @param bins  even
 double bin_solid_angle(int bins, int row, int column);
 

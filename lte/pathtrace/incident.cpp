@@ -6,7 +6,8 @@
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/pathtrace/hemisphere_bins.h"
-#include "lte/pathtrace/materials/bsdf.h"
+#include "lte/pathtrace/materials/glossy_bsdf.h"
+#include "lte/pathtrace/materials/lambert.h"
 #include "lte/pathtrace/transport/irradiance_kernel.h"
 
 namespace lte::pathtrace {
@@ -21,7 +22,8 @@ void check_options(const IncidentOptions& options) {
   LTE_CHECK(options.samples >= 1 && options.samples <= kMaxSamples, "samples must be 1 to ",
             kMaxSamples, ", got ", options.samples);
   IrradianceOptions shared;
-  shared.max_depth = options.max_depth, shared.roulette_depth = options.roulette_depth;
+  shared.max_depth = options.max_depth;
+  shared.roulette_depth = options.roulette_depth;
   check_irradiance_options(shared);
 }
 
@@ -52,7 +54,7 @@ class SlotSums : public LightSink {
     std::fill(direct_.begin(), direct_.end(), Sum{});
     std::fill(indirect_.begin(), indirect_.end(), Sum{});
   }
-  /// Slot of a path of the block that is traced next.
+  /// Sets the slot of a path of the block that is traced next.
   void assign(int path, int64_t slot) {
     slot_of_path_[static_cast<size_t>(path)] = static_cast<size_t>(slot);
   }
@@ -61,10 +63,12 @@ class SlotSums : public LightSink {
     for (const Contribution& c : contributions) {
       Sum& sum = sums[static_cast<size_t>(c.light_group) * slots_ +
                       slot_of_path_[static_cast<size_t>(c.path)]];
-      sum.x += c.value.x, sum.y += c.value.y, sum.z += c.value.z;
+      sum.x += c.value.x;
+      sum.y += c.value.y;
+      sum.z += c.value.z;
     }
   }
-  /// Means over `count` paths of slots [0, slots) of a group.
+  /// Writes the means over `count` paths of all slots of a group.
   void store(int64_t group, int count, Rgb* direct, Rgb* indirect) const {
     const size_t first = static_cast<size_t>(group) * slots_;
     const auto mean = [count](const Sum& s) {
@@ -81,7 +85,8 @@ class SlotSums : public LightSink {
   std::array<size_t, kBlock> slot_of_path_{};
 };
 
-/// All cells of one point. @param origin  in the frame of the BVH, already off the surface
+/// Traces all cells of one point.
+/// @param origin  in the frame of the BVH, already off the surface
 void trace_cells(Transport& transport, const Vec3& origin, const Vec3& normal,
                  const IncidentOptions& options, PathSampler& sampler, SlotSums& sums) {
   const Frame frame(normal);
@@ -214,7 +219,8 @@ struct IncidentSampler::State {
         const auto from = static_cast<size_t>(i),
                    to = static_cast<size_t>(g * out.count + first + i);
         if (!(out.pdf[static_cast<size_t>(first + i)] > 0)) continue;
-        out.direct[to] = block_direct[from], out.indirect[to] = block_indirect[from];
+        out.direct[to] = block_direct[from];
+        out.indirect[to] = block_indirect[from];
       }
     }
   }
@@ -234,7 +240,8 @@ IncidentSampler::IncidentSampler(const Bvh& bvh, const Lights& lights, int max_d
                                  int roulette_depth) {
   LTE_CHECK(&bvh.scene() == &lights.scene(), "the BVH and the lights are of two scenes");
   IrradianceOptions shared;
-  shared.max_depth = max_depth, shared.roulette_depth = roulette_depth;
+  shared.max_depth = max_depth;
+  shared.roulette_depth = roulette_depth;
   check_irradiance_options(shared);
   state_ = std::make_unique<State>(bvh, lights, max_depth, roulette_depth);
 }
@@ -245,7 +252,7 @@ const IncidentSamples& IncidentSampler::draw(const Vec3& position, const Vec3& n
                                              int64_t count, Rng& rng) {
   return state_->draw(position, normal, count, rng, [&normal](const Vec2& u) {
     ScatteringSample out;
-    out.direction = cosine_direction(normal, u, &out.pdf);
+    out.direction = sample_lambert(normal, u, &out.pdf);
     return out;
   });
 }

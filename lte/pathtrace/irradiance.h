@@ -16,12 +16,13 @@ namespace lte::pathtrace {
 struct IrradianceOptions {
   /// Cosine-weighted paths a point, rounded up to whole strata (see Irradiance::rays).
   int rays = 1024;
-  /// Surface hits after leaving the point; 1 is direct light (DESIGN section 5).
+  /// Surface hits after leaving the point; 1 is direct light.
   int max_depth = 5;
   uint64_t seed = 0;
   /// First bounce from which Russian roulette may end a path. Unbiased whatever its value.
   int roulette_depth = 3;
-  /// Only direct light (depth 1) is wanted: the same values as with paths, which are left out.
+  /// Only direct light (depth 1) is wanted. Its values are those that whole paths give, which are
+  /// left out.
   bool direct_only = false;
   /// Without it, one ray stays one ray, which has no spread, and Irradiance::variance and
   /// variance_total stay empty; more rays give the same values.

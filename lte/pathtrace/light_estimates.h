@@ -1,5 +1,5 @@
-// A few paths at each of the points that describe a scene: noisy estimates of the light there, which
-// a network only has to interpolate and denoise.
+// A few paths at each of the points that describe a scene: noisy estimates of the light there,
+// which a network only has to interpolate and denoise.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@
 
 namespace lte::pathtrace {
 
-/// A network learns the noise and the depth of the estimates that it was trained with: rendering must
-/// make them as baking did. Data sets and models therefore carry `paths` and `max_depth` as
+/// A network learns the noise and the depth of the estimates that it was trained with: rendering
+/// must make them as baking did. Data sets and models therefore carry `paths` and `max_depth` as
 /// `light_paths` and `light_depth`, and no field has a default here.
 struct LightEstimateOptions {
   int paths;      ///< paths a side of a point
@@ -27,9 +27,9 @@ struct LightEstimates {
   std::vector<Rgb> direct, indirect;
 };
 
-/// Surfaces reflect on both sides, and which of them the normal names is up to the file; the outside
-/// of a closed wall is dark. Points that emit get 0: what a luminaire reflects is little beside its
-/// emission, and a point light has no surface.
+/// Surfaces reflect on both sides, and which of them the normal names is up to the file; the
+/// outside of a closed wall is dark. Points that emit get 0: what a luminaire reflects is little
+/// beside its emission, and a point light has no surface.
 /// @param normals   unit
 /// @param emission  one a position: points with emission above 0 are luminaires
 /// @throws lte::Error as estimate_irradiance(), or if the arrays differ in length.

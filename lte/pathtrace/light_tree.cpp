@@ -32,17 +32,20 @@ void merge_cones(const LightCluster& a, const LightCluster& b, LightCluster* out
   const double angle_b = std::acos(std::clamp<double>(b.cos_o, -1, 1));
   const double between = std::acos(std::clamp<double>(dot(a.axis, b.axis), -1, 1));
   if (std::min(between + angle_b, M_PI) <= angle_a) {
-    out->axis = a.axis, out->cos_o = a.cos_o;
+    out->axis = a.axis;
+    out->cos_o = a.cos_o;
     return;
   }
   if (std::min(between + angle_a, M_PI) <= angle_b) {
-    out->axis = b.axis, out->cos_o = b.cos_o;
+    out->axis = b.axis;
+    out->cos_o = b.cos_o;
     return;
   }
   const double angle = (angle_a + between + angle_b) / 2;
   const Vec3 pivot = cross(a.axis, b.axis);
   if (angle >= M_PI || !(dot(pivot, pivot) > 0)) {
-    out->axis = a.axis, out->cos_o = -1;  // all directions
+    out->axis = a.axis;
+    out->cos_o = -1;  // all directions
     return;
   }
   out->axis = normalize(rotated(a.axis, normalize(pivot), angle - angle_a));
@@ -55,7 +58,8 @@ LightCluster merged(const LightCluster& a, const LightCluster& b) {
   if (!(b.power > 0)) return a;
   LightCluster out;
   out.bounds = a.bounds;
-  out.bounds.extend(b.bounds.low), out.bounds.extend(b.bounds.high);
+  out.bounds.extend(b.bounds.low);
+  out.bounds.extend(b.bounds.high);
   out.power = a.power + b.power;
   out.cos_e = std::min(a.cos_e, b.cos_e);
   out.two_sided = a.two_sided || b.two_sided;
@@ -130,7 +134,8 @@ void LightTree::build(std::vector<Item>& items, size_t begin, size_t end, uint64
   Bounds bounds, centers;
   LightCluster all;
   for (size_t i = begin; i < end; ++i) {
-    bounds.extend(items[i].cluster.bounds.low), bounds.extend(items[i].cluster.bounds.high);
+    bounds.extend(items[i].cluster.bounds.low);
+    bounds.extend(items[i].cluster.bounds.high);
     centers.extend(items[i].center);
     all = merged(all, items[i].cluster);
   }
@@ -155,7 +160,11 @@ void LightTree::build(std::vector<Item>& items, size_t begin, size_t end, uint64
       if (!(before.power > 0) || !(after[b + 1].power > 0)) continue;
       const double cost = split_cost(before, bounds.extent(), axis) +
                           split_cost(after[b + 1], bounds.extent(), axis);
-      if (cost < best) best = cost, best_axis = axis, best_bucket = static_cast<int>(b);
+      if (cost < best) {
+        best = cost;
+        best_axis = axis;
+        best_bucket = static_cast<int>(b);
+      }
     }
   }
   auto middle = items.begin() + static_cast<std::ptrdiff_t>((begin + end) / 2);

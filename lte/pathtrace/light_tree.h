@@ -34,7 +34,7 @@ class LightTree {
   bool sample(const Vec3& position, const Vec3& normal, double u, uint32_t* light,
               float* probability) const;
 
-  /// That with which sample() draws `light`.
+  /// Probability with which sample() draws `light`.
   float probability(const Vec3& position, const Vec3& normal, uint32_t light) const;
 
  private:
@@ -50,7 +50,7 @@ class LightTree {
   };
 
   void build(std::vector<Item>& items, size_t begin, size_t end, uint64_t trail, int depth);
-  /// Of a node's two children; false if both are zero.
+  /// Share of draws that the first of a node's two children gets; false if neither can be drawn.
   bool first_share(uint32_t node, const Vec3& position, const Vec3& normal, double* share) const;
 
   std::vector<Node> nodes_;

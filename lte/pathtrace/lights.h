@@ -7,6 +7,7 @@
 #include "lte/base/math.h"
 #include "lte/pathtrace/alias_table.h"
 #include "lte/pathtrace/environment_sampler.h"
+#include "lte/pathtrace/light_sample.h"
 #include "lte/pathtrace/light_tree.h"
 #include "lte/pathtrace/transport/path_block.h"
 #include "lte/pathtrace/transport/path_kernels.h"
@@ -21,35 +22,21 @@ struct EmissiveTriangle {
   float area = 0;         ///< m²
   Vec3 p0, edge1, edge2;  ///< world axes, relative to frame_origin()
   Vec3 normal;            ///< unit, front
-  float offset =
-      0;         ///< distance off the surface at which shadow rays end, so that they do not meet it
-  Rgb emission;  ///< factor; the whole of it unless `textured`
+  float offset = 0;       ///< distance off the surface at which shadow rays end, not to meet it
+  Rgb emission;           ///< factor; the whole of it unless `textured`
   bool textured = false;
   bool two_sided = false;
   int light_group = scene::kNone;
 };
 
-/// One sample of light arriving at a point.
-struct LightSample {
-  Vec3 direction;      ///< unit, towards the light
-  float distance = 0;  ///< INFINITY for directional lights and the environment
-  Rgb radiance;   ///< area lights, environment: L; punctual: intensity / distance² (irradiance
-                  ///< at normal incidence)
-  float pdf = 0;  ///< area, environment: per solid angle; punctual: the discrete probability of
-                  ///< having chosen it
-  bool delta = false;  ///< punctual: hemisphere sampling cannot meet it
-  int light_group = scene::kNone;
-};
-
-/// How a light is drawn. An environment is drawn beside the others: in proportion to its power
-/// through the scene's bounding sphere, but with 1/10 to 1/2 of draws, as nobody knows how much of
-/// it gets in; with EachGroup as often as any group.
+/// How a light is drawn. An environment is drawn beside the others, in proportion to its power
+/// through the scene's bounding sphere but with 1/10 to 1/2 of the draws, as nobody knows how much
+/// of it gets in; with EachGroup it is drawn as often as any group.
 enum class LightChoice {
   Automatic,  ///< Power for up to 32 emissive triangles and punctual lights, Tree for more
   Power,      ///< in proportion to its power
   Tree,       ///< by what it may bring to the point (light_tree.h); directional lights all alike
-  EachGroup,  ///< every light group alike, by power within it: finds a faint lamp beside bright
-              ///< ones
+  EachGroup,  ///< every group alike, by power within it: finds a faint lamp beside bright ones
 };
 
 /// The light sampler of a scene. Keeps a reference to it, which must outlive it. Black lights are
@@ -65,7 +52,7 @@ class Lights {
   bool has_environment() const { return !environment_.black(); }
   const EnvironmentSampler& environment() const { return environment_; }
   /// Solid-angle density with which sample_in_frame() makes the direction of `seen`, which
-  /// environment().towards() gave.
+  /// environment().evaluate() gave.
   float environment_pdf(const EnvironmentSample& seen) const {
     return environment_share_ * seen.pdf;
   }
@@ -83,11 +70,7 @@ class Lights {
   LightSample sample_in_frame(const Vec3& position, const Vec3& normal, double u_choice,
                               const Vec2& u_point) const;
 
-  /// The same for a block: each lane from its position and normal, and from its numbers.
-  void sample_lanes(const Lanes3& position, const Lanes3& normal, const LightNumbers& numbers,
-                    int count, LightBlock* out) const;
-
-  /// Solid-angle pdf with which sample_in_frame(position, normal) makes the direction that met
+  /// Solid-angle density with which sample_in_frame(position, normal) makes the direction that met
   /// `triangle` of `instance` at squared distance `distance2` under `cos_light` (absolute cosine at
   /// the light). 0 if it is not drawn.
   float pdf(const Vec3& position, const Vec3& normal, int instance, uint32_t triangle,
@@ -103,34 +86,37 @@ class Lights {
   }
 
  private:
+  friend void sample_light_lanes(const Lights&, const Lanes3&, const Lanes3&, const LightNumbers&,
+                                 int, LightBlock*);
+
   double add_triangle(int instance, uint32_t triangle);
   void add_environment(const Bounds& bounds, LightChoice choice,
                        const std::vector<double>& weights);
   LightSample sample_environment(const Vec3& normal, const Vec2& u_point) const;
   /// Brings the weight of each group that has any to 1.
   void equalize_groups(std::vector<double>* weights) const;
+  /// The tree holds all lights but directional ones, which have no place and are drawn beside it.
   void build_tree(const std::vector<double>& weights);
   bool choose(const Vec3& position, const Vec3& normal, double u, uint32_t* index,
               float* probability) const;
   LightSample sample_triangle(const EmissiveTriangle& light, const Vec3& position,
                               const Vec2& u_point) const;
-  LightSample sample_punctual(const scene::PunctualLight& light, const Vec3& position) const;
 
   const scene::Scene& scene_;
   Vec3 origin_;
   int groups_ = 0;
   std::vector<EmissiveTriangle> triangles_;
-  std::vector<TriangleLight> triangle_lights_;  ///< of triangles_, for blocks
+  std::vector<TriangleLight> triangle_lights_;  ///< triangles_ as blocks of paths need them
   AliasTable table_;                            ///< emissive triangles, then punctual lights
-  LightTree tree_;  ///< the same, without directional ones; if uses_tree_
+  LightTree tree_;                              ///< the same but directional lights; if uses_tree_
   bool uses_tree_ = false;
   bool only_plain_triangles_ = false;  ///< neither textured ones nor punctual lights
   std::vector<uint32_t> directional_;  ///< entries of the table
   float directional_share_ = 0;        ///< of draws, with the tree
   EnvironmentSampler environment_;
   float environment_share_ = 0;  ///< of draws
-  std::vector<int64_t>
-      first_of_instance_;  ///< index of an instance's first emissive triangle, −1 for none
+  /// Index of an instance's first emissive triangle, −1 for none.
+  std::vector<int64_t> first_of_instance_;
 };
 
 }  // namespace lte::pathtrace

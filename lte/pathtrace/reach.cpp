@@ -9,18 +9,19 @@
 #include "lte/base/parallel.h"
 #include "lte/base/random.h"
 #include "lte/pathtrace/transport/irradiance_kernel.h"
+#include "lte/pathtrace/transport/transport_impl.h"
 #include "lte/scene/environment_points.h"
 
 namespace lte::pathtrace {
 namespace {
 
-constexpr int kRounds[] = {4, 16, 64};
+constexpr int kPathsOfRounds[] = {4, 16, 64};
 constexpr int64_t kGrain = 16;
-constexpr int kVerticesPerDepth = 4;  // of a dark point's paths, for condition 2
+constexpr int kVerticesPerDepth = 4;  // that are kept of a dark point's paths, for condition 2
 constexpr int kMaxNeighbours = 40;    // points that a vertex looks for
 constexpr double kSearchRadius = 2;   // in units of the spacing of points
 constexpr double kMaxOversampling = 8;
-constexpr int64_t kProbePoints = 256;  // that estimate the reached share of the surface
+constexpr int64_t kProbePoints = 256;  // they estimate the reached share of the surface
 
 struct LightFound : public LightSink {
   void add(int, std::span<const Contribution> contributions) override {
@@ -29,18 +30,19 @@ struct LightFound : public LightSink {
   bool lit = false;
 };
 
-/// Keeps some of where paths go on from, of each depth alike: points just off their surfaces,
-/// relative to the frame. The first is the point itself.
-struct VertexLog : public RayRecorder {
-  void nearest(int depth, const PathBlock& rays) override {
+/// Observes where paths go on from and keeps some of these vertices, as many of each depth: points
+/// just off their surfaces, relative to the frame. The first is the point itself.
+struct VertexRecorder {
+  void nearest(int depth, const PathBlock& rays) {
     const int count = std::min(depth == 1 ? 1 : kVerticesPerDepth, rays.size);
     for (int lane = 0; lane < count; ++lane) vertices->push_back(rays.origin.at(lane));
   }
-  void shadow(const ShadowBlock&) override {}
+  void shadow(const ShadowBlock&) {}
+
   std::vector<Vec3>* vertices = nullptr;
 };
 
-/// Points by cubic cells of one edge.
+/// Points by the cubic cells that they lie in.
 class PointGrid {
  public:
   PointGrid(float edge, const Vec3& low) : edge_(edge), low_(low) {}
@@ -79,10 +81,11 @@ class PointGrid {
   std::unordered_map<uint64_t, std::vector<uint32_t>> cells_;
 };
 
-class Reach {
+/// Decides which points to keep, by the two conditions of reach.h.
+class ReachSearch {
  public:
-  Reach(const Bvh& bvh, std::span<const Vec3> positions, std::span<const Vec3> normals, Sides sides,
-        const ReachOptions& options)
+  ReachSearch(const Bvh& bvh, std::span<const Vec3> positions, std::span<const Vec3> normals,
+              Sides sides, const ReachOptions& options)
       : bvh_(bvh),
         lights_(bvh.scene(), LightChoice::EachGroup),
         positions_(positions),
@@ -97,13 +100,13 @@ class Reach {
 
   std::vector<uint8_t> run() {
     if (lights_.empty()) return std::vector<uint8_t>(positions_.size(), 1);
-    for (const int paths : kRounds) {
+    for (const int paths : kPathsOfRounds) {
       parallel_for(static_cast<int64_t>(keep_.size()), kGrain, [&](int64_t begin, int64_t end) {
         for (int64_t i = begin; i < end; ++i)
           if (!keep_[static_cast<size_t>(i)]) trace(static_cast<size_t>(i), paths);
       });
     }
-    spread();
+    spread_from_kept();
     return std::move(keep_);
   }
 
@@ -112,7 +115,7 @@ class Reach {
     return offset_origin(positions_[i], side, half_extent_) - bvh_.handles().origin;
   }
 
-  /// Condition 1 for one point; its vertices stay for condition 2.
+  /// Condition 1 for one point. If it stays dark, its vertices are there for condition 2.
   void trace(size_t i, int paths) {
     vertices_[i].clear();
     front_vertices_[i] = SIZE_MAX;
@@ -131,11 +134,8 @@ class Reach {
   bool finds_light(const Vec3& origin, const Vec3& side, int paths, size_t i) {
     constexpr int kNoRoulette = 1 << 20;
     LightFound found;
-    VertexLog log;
-    log.vertices = &vertices_[i];
-    const auto transport =
-        std::make_unique<Transport>(bvh_, lights_, options_.max_depth, kNoRoulette, found);
-    transport->record(&log);
+    const auto transport = std::make_unique<BasicTransport<VertexRecorder>>(
+        bvh_, lights_, options_.max_depth, kNoRoulette, found, VertexRecorder{&vertices_[i]});
     const auto sampler = std::make_unique<PathSampler>(Sampling::Sobol, paths);
     sampler->start_stream(hash_combine(options_.seed, static_cast<uint64_t>(paths)), i);
     sampler->start_set();
@@ -144,26 +144,26 @@ class Reach {
     return found.lit;
   }
 
-  /// Condition 2: round by round, dark points look for those that the last round kept.
-  void spread() {
+  /// Condition 2. Round by round, dark points look for those that the last round kept.
+  void spread_from_kept() {
     const double area = std::max(scene::surface_area(bvh_.scene()), 1e-30);
     const auto radius = static_cast<float>(
         kSearchRadius * std::sqrt(area / static_cast<double>(std::max<size_t>(1, keep_.size()))));
     const Vec3 low = bvh_.bounds().low - bvh_.handles().origin;
-    std::vector<uint32_t> fresh, dark;
-    for (uint32_t i = 0; i < keep_.size(); ++i) (keep_[i] ? fresh : dark).push_back(i);
-    while (!fresh.empty() && !dark.empty()) {
+    std::vector<uint32_t> newly_kept, dark;
+    for (uint32_t i = 0; i < keep_.size(); ++i) (keep_[i] ? newly_kept : dark).push_back(i);
+    while (!newly_kept.empty() && !dark.empty()) {
       PointGrid grid(radius, low);
-      for (const uint32_t i : fresh) grid.add(origin_[i], i);
+      for (const uint32_t i : newly_kept) grid.add(origin_[i], i);
       std::vector<uint8_t> found(dark.size());
       parallel_for(static_cast<int64_t>(dark.size()), kGrain, [&](int64_t begin, int64_t end) {
         for (int64_t k = begin; k < end; ++k)
           found[static_cast<size_t>(k)] = sees_kept(dark[static_cast<size_t>(k)], grid) ? 1 : 0;
       });
-      fresh.clear();
+      newly_kept.clear();
       std::vector<uint32_t> rest;
-      for (size_t k = 0; k < dark.size(); ++k) (found[k] ? fresh : rest).push_back(dark[k]);
-      for (const uint32_t i : fresh) keep_[i] = 1;
+      for (size_t k = 0; k < dark.size(); ++k) (found[k] ? newly_kept : rest).push_back(dark[k]);
+      for (const uint32_t i : newly_kept) keep_[i] = 1;
       dark = std::move(rest);
     }
   }
@@ -193,12 +193,12 @@ class Reach {
   const float half_extent_;
   std::vector<uint8_t> keep_;
   std::vector<Vec3> origin_;  ///< off the side that light reaches, relative to the frame
-  std::vector<std::vector<Vec3>>
-      vertices_;  ///< of dark points: of the front's paths, then the back's
-  std::vector<size_t> front_vertices_;
+  /// The vertices of dark points: those of the paths from the front, then those from the back.
+  std::vector<std::vector<Vec3>> vertices_;
+  std::vector<size_t> front_vertices_;  ///< how many of them are the front's
 };
 
-/// Keeps of each array what `kept` lists.
+/// Reduces an array to the entries that `kept` lists.
 template <typename T>
 void gather(const std::vector<size_t>& kept, std::vector<T>* values) {
   for (size_t k = 0; k < kept.size(); ++k) (*values)[k] = (*values)[kept[k]];
@@ -206,9 +206,13 @@ void gather(const std::vector<size_t>& kept, std::vector<T>* values) {
 }
 
 void gather(const std::vector<size_t>& kept, scene::SurfaceSamples* samples) {
-  gather(kept, &samples->position), gather(kept, &samples->normal);
-  gather(kept, &samples->albedo), gather(kept, &samples->emission);
-  gather(kept, &samples->gloss), gather(kept, &samples->area), gather(kept, &samples->light_group);
+  gather(kept, &samples->position);
+  gather(kept, &samples->normal);
+  gather(kept, &samples->albedo);
+  gather(kept, &samples->emission);
+  gather(kept, &samples->gloss);
+  gather(kept, &samples->area);
+  gather(kept, &samples->light_group);
 }
 
 /// Indices of the samples to keep.
@@ -233,7 +237,7 @@ scene::SurfaceSamples sample_in_scene(const Bvh& bvh, int64_t count,
   const scene::SurfaceSamples probe = scene::sample_surface(bvh.scene(), kProbePoints, plain);
   const auto found = static_cast<double>(kept_samples(bvh, probe, sides, options).size());
   const double share = std::max(1.0, found) / kProbePoints;
-  // Three standard errors of the share more than it asks for.
+  // Draws three standard errors of the share more than it asks for.
   const double error = std::sqrt((1 - share) / (share * kProbePoints));
   double oversampling = (1 + 3 * error) / share;
   for (;;) {
@@ -271,7 +275,7 @@ std::vector<uint8_t> reached(const Bvh& bvh, std::span<const Vec3> positions,
   check.max_depth = options.max_depth;
   check_points(positions, normals);
   check_irradiance_options(check);
-  return Reach(bvh, positions, normals, sides, options).run();
+  return ReachSearch(bvh, positions, normals, sides, options).run();
 }
 
 scene::SurfaceSamples sample_reached_surface(const Bvh& bvh, int64_t count,

@@ -2,15 +2,13 @@
 // cost as much as any other point and have nothing to say.
 //
 // A point is kept if
-//   1. any of up to 84 paths from it (4, then 16, then 64, as long as all were dark) carries
-//   light,
+//   1. any of up to 84 paths from it carries light (4, then 16, then 64, as long as all were dark),
 //      each of at most `max_depth` hits, with a light sample at every vertex that draws all light
 //      groups alike, so that a faint lamp in a closed room is found beside bright ones outside; or
 //   2. a vertex of those paths sees a point nearby that is kept: then there is a way for light to
-//   it,
-//      if perhaps a longer one. This spreads from kept points until nothing changes.
-// Both conditions keep only what is truly connected to a light, and the rest is pruned: it errs
-// where light comes in through an opening that none of 84 paths from any point of a pocket finds.
+//      reach it, if perhaps a longer one. This spreads from kept points until nothing changes.
+// Both conditions keep only what is truly connected to a light; the rest is pruned. That errs where
+// light comes in through an opening that none of 84 paths from any point of a pocket finds.
 #pragma once
 
 #include <cstdint>
@@ -46,8 +44,8 @@ struct PruneCounts {
 };
 
 /// scene::sample_surface() over the surfaces that light reaches: more points are drawn, so that
-/// `count` are left. Emissive, punctual and environment points always stay. `area` is shared out among
-/// those kept: without the environment its sum is the area that light reaches.
+/// `count` are left. Emissive, punctual and environment points always stay. `area` is shared out
+/// among the points that are kept: without the environment its sum is the area that light reaches.
 /// @note Where less than an eighth of the surface is reached, fewer than `count` come back; where
 /// none is, or nothing shines, `count` unpruned ones.
 scene::SurfaceSamples sample_reached_surface(const Bvh& bvh, int64_t count,

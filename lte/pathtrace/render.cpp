@@ -59,10 +59,18 @@ class GBufferTracer {
       valid[lane] = lane < count ? -1 : 0;
       const Vec3 d = direction(std::min(x0 + lane, out_->width - 1), y);
       RTCRay8& ray = packet.ray;
-      ray.org_x[lane] = origin_.x, ray.org_y[lane] = origin_.y, ray.org_z[lane] = origin_.z;
-      ray.dir_x[lane] = d.x, ray.dir_y[lane] = d.y, ray.dir_z[lane] = d.z;
-      ray.tnear[lane] = 0, ray.tfar[lane] = INFINITY, ray.time[lane] = 0;
-      ray.mask[lane] = ~0u, ray.id[lane] = 0, ray.flags[lane] = 0;
+      ray.org_x[lane] = origin_.x;
+      ray.org_y[lane] = origin_.y;
+      ray.org_z[lane] = origin_.z;
+      ray.dir_x[lane] = d.x;
+      ray.dir_y[lane] = d.y;
+      ray.dir_z[lane] = d.z;
+      ray.tnear[lane] = 0;
+      ray.tfar[lane] = INFINITY;
+      ray.time[lane] = 0;
+      ray.mask[lane] = ~0u;
+      ray.id[lane] = 0;
+      ray.flags[lane] = 0;
       packet.hit.geomID[lane] = packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
     }
     RTCIntersectContext context;
@@ -145,7 +153,9 @@ class RowTracer : public LightSink {
   void add(int, std::span<const Contribution> contributions) override {
     for (const Contribution& c : contributions) {
       Sum& sum = sums_[static_cast<size_t>(pixel_[static_cast<size_t>(c.path)])];
-      sum.x += c.value.x, sum.y += c.value.y, sum.z += c.value.z;
+      sum.x += c.value.x;
+      sum.y += c.value.y;
+      sum.z += c.value.z;
     }
   }
 

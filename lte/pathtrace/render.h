@@ -1,4 +1,4 @@
-// Images: primary hits, reference renderings of the same transport, and a sensible camera.
+// Images: primary hits, and reference renderings of the same transport.
 #pragma once
 
 #include <cstdint>
@@ -36,11 +36,5 @@ struct RenderOptions {
 /// @throws lte::Error if a size or an option is not positive or the camera is degenerate.
 image::Image render_reference(const Bvh& bvh, const Lights& lights, const scene::Camera& camera,
                               int width, int height, const RenderOptions& options);
-
-/// A view from inside the largest free space at eye height that sees much of the scene: candidates
-/// are scored by the spread of hit distances, by the share of pixels that meet a front face, and by
-/// staying clear of surfaces. Deterministic. Falls back to a view of the bounding box from outside
-/// if no point is enclosed.
-scene::Camera auto_camera(const Bvh& bvh, uint64_t seed = 0);
 
 }  // namespace lte::pathtrace

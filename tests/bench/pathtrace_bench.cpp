@@ -6,10 +6,12 @@
 
 #include <CLI/CLI.hpp>
 
+#include "infer/bench/trace_rates.h"
 #include "lte/cli/cli.h"
-#include "lte/pathtrace/benchmark.h"
+#include "lte/pathtrace/irradiance.h"
 #include "lte/scene/load.h"
 #include "lte/scene/sampler.h"
+#include "tests/bench/error_gain.h"
 #include "tests/support/scenes.h"
 
 namespace lte::pathtrace {
@@ -46,11 +48,11 @@ void rates(const scene::Scene& scene, const Flags& flags) {
   const scene::SurfaceSamples points = scene::sample_surface(scene, flags.rate_points, {.seed = 7});
   IrradianceOptions options;
   options.rays = 256;
-  const TraceRates measured =
-      measure_trace_rates(bvh, lights, points.position, points.normal, options, flags.seconds);
+  const infer::TraceRates measured = infer::measure_trace_rates(
+      bvh, lights, points.position, points.normal, options, flags.seconds);
   std::printf("| %s | path tracer | %.1f | |\n", scene.name.c_str(),
               1e-6 * measured.path_rays_per_s);
-  for (const BareRate& rate : measured.bare) {
+  for (const infer::BareRate& rate : measured.bare) {
     std::printf("| %s | %s%s | %.1f | %.2f |\n", scene.name.c_str(), rate.entry_point.c_str(),
                 rate.sorted ? ", sorted" : "", 1e-6 * rate.rays_per_s,
                 measured.path_rays_per_s / rate.rays_per_s);

@@ -70,7 +70,8 @@ TEST_F(SceneSampleFile, ComesBackBitForBit) {
   sample.views.push_back(make_view(&rng, 2, 5, 2));
   sample.query_rays = {64, 4096, 128, 64, 256, 320};
   sample.target_error = 0.02;
-  sample.pruned_scene_points = 7, sample.pruned_query_points = 1;
+  sample.pruned_scene_points = 7;
+  sample.pruned_query_points = 1;
   write_scene_sample(path(), sample);
   expect_equal(read_scene_sample(path()), sample);
 }

@@ -156,7 +156,8 @@ TEST(Adaptive, MeetsTheTargetWithFewerPathsWhereLessIsNeeded) {
   for (size_t i = 0; i < points.position.size(); ++i) {
     mean += channel_mean(e.irradiance.indirect_sum(static_cast<int64_t>(i))) / 150;
     variance += e.irradiance.variance[i] / 150;
-    fewest = std::min(fewest, e.rays[i]), most = std::max(most, e.rays[i]);
+    fewest = std::min(fewest, e.rays[i]);
+    most = std::max(most, e.rays[i]);
     paths += e.rays[i];
   }
   EXPECT_LT(std::sqrt(variance), 0.05 * mean);

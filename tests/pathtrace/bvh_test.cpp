@@ -113,8 +113,10 @@ double brute_force(const scene::Scene& scene, const Ray& ray, int* instance) {
       }
       double e1[3], e2[3], s[3], d[3];
       for (int axis = 0; axis < 3; ++axis) {
-        e1[axis] = p[1][axis] - p[0][axis], e2[axis] = p[2][axis] - p[0][axis];
-        s[axis] = ray.origin[axis] - p[0][axis], d[axis] = ray.direction[axis];
+        e1[axis] = p[1][axis] - p[0][axis];
+        e2[axis] = p[2][axis] - p[0][axis];
+        s[axis] = ray.origin[axis] - p[0][axis];
+        d[axis] = ray.direction[axis];
       }
       const auto det = [](const double* a, const double* b, const double* c) {
         return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +

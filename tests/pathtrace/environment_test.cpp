@@ -210,7 +210,7 @@ TEST(EnvironmentSampler, DensityIntegratesToOneAndIsThatOfTheSamples) {
     for (int i = 0; i < kSide * kSide; ++i) {
       const Vec3 direction =
           scene::equal_area_direction((i % kSide + 0.5) / kSide, (i / kSide + 0.5) / kSide);
-      const EnvironmentSample seen = sampler.towards(normal, direction);
+      const EnvironmentSample seen = sampler.evaluate(normal, direction);
       same = same && seen.radiance == sky.radiance_from(direction);
       density += seen.pdf;
       light += std::max(0.0f, dot(direction, normal)) * seen.radiance.y;
@@ -228,7 +228,8 @@ TEST(EnvironmentSampler, DensityIntegratesToOneAndIsThatOfTheSamples) {
       EXPECT_NEAR(length(drawn.direction), 1, 1e-5f);
       const double value =
           std::max(0.0f, dot(drawn.direction, normal)) * drawn.radiance.y / drawn.pdf;
-      sum += value, squares += value * value;
+      sum += value;
+      squares += value * value;
     }
     const double mean = sum / kDraws;
     const double variance = std::max(0.0, squares / kDraws - mean * mean) / kDraws;
@@ -291,7 +292,8 @@ TEST(EnvironmentLight, AgreesWithANaivePathTracerBesideLamps) {
         const Vec3 direction = tangent * (r * std::cos(phi)) + bitangent * (r * std::sin(phi)) +
                                normals[i] * std::sqrt(1 - r * r);
         const double value = kPi * naive_radiance(bvh, positions[i], direction, 5, rng).y;
-        sum += value, squares += value * value;
+        sum += value;
+        squares += value * value;
       }
       const double mean = sum / kPaths;
       const double variance = (squares / kPaths - mean * mean) / kPaths;

@@ -24,7 +24,9 @@ using testing::ThrowsMessage;
 
 IncidentOptions with(int bins, int samples, int max_depth = 5) {
   IncidentOptions options;
-  options.bins = bins, options.samples = samples, options.max_depth = max_depth;
+  options.bins = bins;
+  options.samples = samples;
+  options.max_depth = max_depth;
   options.seed = 3;
   return options;
 }
@@ -220,7 +222,9 @@ TEST(Incident, SamplesAverageToTheCells) {
       const size_t cell = static_cast<size_t>(std::min(3.0f, place.y * kBins)) * kBins +
                           static_cast<size_t>(std::min(3.0f, place.x * kBins));
       const double value = s.direct[i].x + s.indirect[i].x;  // of the first group
-      sum[cell] += value, squares[cell] += value * value, ++count[cell];
+      sum[cell] += value;
+      squares[cell] += value * value;
+      ++count[cell];
     }
   }
   for (size_t cell = 0; cell < sum.size(); ++cell) {
@@ -257,11 +261,14 @@ TEST(Incident, ReflectorSamplesGiveWhatTheMetalShows) {
       for (size_t g = 0; g < static_cast<size_t>(s.groups); ++g)
         radiance += s.direct[g * 40'000 + i].x + s.indirect[g * 40'000 + i].x;
       const double value = radiance * reflected / s.pdf[i];
-      sum += value, squares += value * value;
+      sum += value;
+      squares += value * value;
     }
     const double mean = sum / 40'000, error = std::sqrt((squares / 40'000 - mean * mean) / 40'000);
     scene::Camera camera;
-    camera.origin = eye, camera.target = position, camera.vfov = 0.01f;
+    camera.origin = eye;
+    camera.target = position;
+    camera.vfov = 0.01f;
     RenderOptions options;
     options.spp = 1 << 14;
     options.max_depth = 6;

@@ -4,6 +4,7 @@
 
 #include "lte/base/check.h"
 #include "tests/support/closed_forms.h"
+#include "tests/support/light_reference.h"
 #include "tests/support/scenes.h"
 
 namespace lte::pathtrace {
@@ -72,6 +73,44 @@ TEST(LightEstimates, LaterBouncesFollowTheFurnace) {
     const double later = depth == 1 ? 0 : 2 * kPi * (albedo + albedo * albedo);
     EXPECT_NEAR(indirect, later, 0.02 * later);
   }
+}
+
+std::vector<Rgb> sum_over_groups(const std::vector<Rgb>& values, size_t points) {
+  std::vector<Rgb> sums(points);
+  for (size_t k = 0; k < values.size(); ++k) sums[k % points] += values[k];
+  return sums;
+}
+
+/// At each point, direct and indirect light are what many independent paths find on its two sides.
+TEST(LightEstimates, AgreeWithManyIndependentPathsPointByPoint) {
+  scene::Scene scene = test::furnished_room();
+  const Vec3 corner{1.6f, 1.3f, 0.9f};  // a board below the lamps
+  test::add_quad(&scene, corner, {1, 0, 0}, {0, 0, 1},
+                 test::add_material(&scene, {0.6f, 0.7f, 0.5f}));
+  const Bvh bvh(scene);
+  const Lights lights(scene);
+  const Vec3 on_board = corner + Vec3{0.3f, 0, 0.6f};
+  const std::vector<Vec3> positions{on_board,           on_board,        {1.7f, 0, 2.5f},
+                                    {0.9f, 1.1f, 0.9f}, {4, 1.2f, 1.5f}, {2.0f, 2.5f, 0.3f}};
+  const std::vector<Vec3> normals{{0, 1, 0}, {0, -1, 0}, {0, 1, 0},
+                                  {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
+  const size_t count = positions.size();
+  constexpr int kPaths = 4096, kDepth = 5;
+  const LightEstimates light =
+      estimate_light(bvh, lights, positions, normals, std::vector<Rgb>(count), {kPaths, kDepth, 3});
+  IrradianceOptions options;
+  options.max_depth = kDepth;
+  options.rays = kPaths;
+  options.seed = 1000;
+  const auto own = test::two_sided_light(bvh, lights, positions, normals, options);
+  options.rays = 1 << 15;
+  options.seed = 2000;
+  options.sampling = Sampling::Random;
+  const auto reference = test::two_sided_light(bvh, lights, positions, normals, options);
+  test::expect_within_error(sum_over_groups(light.direct, count), own.direct, reference.direct,
+                            "direct light");
+  test::expect_within_error(sum_over_groups(light.indirect, count), own.indirect,
+                            reference.indirect, "indirect light");
 }
 
 TEST(LightEstimates, TakeNoneAndRefuseArraysOfDifferentLength) {

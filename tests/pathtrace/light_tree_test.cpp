@@ -99,7 +99,8 @@ TEST(LightTree, EmptyAndSingle) {
   LightCluster only;
   only.bounds.extend({0, 0, 0});
   only.power = 2;
-  only.cos_o = -1, only.cos_e = 0;
+  only.cos_o = -1;
+  only.cos_e = 0;
   const LightTree tree({LightCluster{}, only});
   ASSERT_TRUE(tree.sample({1, 2, 3}, {}, 0.9, &light, &probability));
   EXPECT_EQ(light, 1u);
@@ -109,8 +110,11 @@ TEST(LightTree, EmptyAndSingle) {
 
 TEST(LightTree, CoincidentLightsStayApart) {
   std::vector<LightCluster> lights(100);
-  for (LightCluster& light : lights)
-    light.bounds.extend({1, 1, 1}), light.power = 1, light.cos_e = 0;
+  for (LightCluster& light : lights) {
+    light.bounds.extend({1, 1, 1});
+    light.power = 1;
+    light.cos_e = 0;
+  }
   const LightTree tree(lights);
   for (uint32_t i = 0; i < lights.size(); ++i)
     EXPECT_NEAR(tree.probability({1, 1, 3}, {}, i), 0.01, 1e-5);
@@ -135,7 +139,8 @@ TEST(LightTree, GivesTheIrradianceOfDrawingByPowerWithLessNoise) {
       const double error = std::sqrt(a.variance_total[at][c] + b.variance_total[at][c]);
       EXPECT_NEAR(a.total(i)[c], b.total(i)[c], 4 * error) << i << ' ' << c;
     }
-    noise_a += a.variance_total[at].x, noise_b += b.variance_total[at].x;
+    noise_a += a.variance_total[at].x;
+    noise_b += b.variance_total[at].x;
   }
   EXPECT_LT(noise_a, noise_b / 2);
 }

@@ -5,6 +5,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
+#include "lte/pathtrace/auto_camera.h"
 #include "lte/pathtrace/irradiance.h"
 #include "tests/support/closed_forms.h"
 #include "tests/support/scenes.h"

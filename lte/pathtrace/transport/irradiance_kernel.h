@@ -1,11 +1,14 @@
-// Internal: the irradiance estimator, with a hook that sees the rays (benchmark.h).
+// Internal: the irradiance estimator for any observer of its rays.
 #pragma once
 
 #include <array>
-#include <functional>
+#include <atomic>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "lte/base/check.h"
+#include "lte/base/parallel.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/pathtrace/transport/path_sampler.h"
 #include "lte/pathtrace/transport/transport.h"
@@ -45,7 +48,11 @@ class PointSums : public LightSink {
  private:
   struct Sum {
     double x = 0, y = 0, z = 0;
-    void add(const Rgb& v) { x += v.x, y += v.y, z += v.z; }
+    void add(const Rgb& v) {
+      x += v.x;
+      y += v.y;
+      z += v.z;
+    }
   };
   struct BatchSum {
     Sum direct, indirect;
@@ -57,12 +64,74 @@ class PointSums : public LightSink {
   std::array<int32_t, kBlock> batch_of_path_;
 };
 
-/// Where the rays of point i are recorded, null for nowhere.
-using RecorderOf = std::function<RayRecorder*(int64_t point)>;
+/// Traces all batches of one point, in blocks.
+/// @param position  in the frame, already off the surface
+template <typename Observer>
+void trace_point(BasicTransport<Observer>& transport, const Vec3& position, const Vec3& normal,
+                 const Batches& batches, PathSampler& sampler, PointSums& sums) {
+  sums.start_point();
+  const auto flush = [&] {
+    transport.trace_from_surface(position, normal, sampler);
+    sampler.clear();
+    sums.start_block();
+  };
+  sums.start_block();
+  for (int batch = 0; batch < batches.count; ++batch) {
+    sampler.start_set();
+    for (int i = 0; i < batches.size; ++i) {
+      if (sampler.paths() == kBlock) flush();
+      sampler.add_path();
+      sums.add_path(batch);
+    }
+  }
+  flush();
+}
 
-/// estimate_irradiance() with a recorder.
+/// estimate_irradiance(), with observers of the rays (transport.h).
+/// @param observer_of  the Observer of the rays of point i
+template <typename Observer, typename ObserverOf>
 Irradiance run_irradiance(const Bvh& bvh, const Lights& lights, std::span<const Vec3> positions,
                           std::span<const Vec3> normals, const IrradianceOptions& options,
-                          int64_t first_index, const RecorderOf& recorder_of);
+                          int64_t first_index, const ObserverOf& observer_of) {
+  LTE_CHECK(&bvh.scene() == &lights.scene(), "the BVH and the lights are of two scenes");
+  check_irradiance_options(options);
+  check_points(positions, normals);
+  const Batches batches =
+      options.rays == 1 && !options.variance ? Batches{1, 1} : plan_batches(options.rays);
+  const int max_depth = options.direct_only ? 1 : options.max_depth;
+  const Vec3 frame = bvh.handles().origin;
+  const float half_extent = 0.5f * max_component(bvh.bounds().extent());
+  Irradiance out;
+  out.groups = lights.groups();
+  out.points = static_cast<int64_t>(positions.size());
+  out.rays = int64_t{batches.count} * batches.size;
+  out.direct.resize(static_cast<size_t>(out.groups * out.points));
+  out.indirect.resize(out.direct.size());
+  if (options.variance) {
+    out.variance.resize(positions.size());
+    out.variance_total.resize(positions.size());
+  }
+  if (lights.empty()) return out;
+  std::atomic<int64_t> rays_traced{0};
+  constexpr int64_t kGrain = 4;  // a point is thousands of rays
+  parallel_for(out.points, kGrain, [&](int64_t begin, int64_t end) {
+    PointSums sums(lights.groups(), batches);
+    const auto sampler = std::make_unique<PathSampler>(options.sampling, batches.size);
+    const auto transport = std::make_unique<BasicTransport<Observer>>(bvh, lights, max_depth,
+                                                                      options.roulette_depth, sums);
+    for (int64_t i = begin; i < end; ++i) {
+      transport->observe(observer_of(i));
+      sampler->start_stream(options.seed, static_cast<uint64_t>(first_index + i));
+      // The offset follows the world coordinates: their rounding is what puts a point behind its
+      // surface.
+      const Vec3 origin = offset_origin(positions[i], normals[i], half_extent) - frame;
+      trace_point(*transport, origin, normals[i], batches, *sampler, sums);
+      sums.store(i, &out);
+    }
+    rays_traced += transport->rays_traced();
+  });
+  out.rays_traced = rays_traced;
+  return out;
+}
 
 }  // namespace lte::pathtrace

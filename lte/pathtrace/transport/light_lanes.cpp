@@ -1,28 +1,30 @@
-// Light samples for blocks of paths: plain emissive triangles all at once, the others one by one.
+#include "lte/pathtrace/transport/light_lanes.h"
+
 #include <algorithm>
 #include <span>
 
-#include "lte/pathtrace/lights.h"
-
 namespace lte::pathtrace {
 
-void Lights::sample_lanes(const Lanes3& position, const Lanes3& normal, const LightNumbers& numbers,
-                          int count, LightBlock* out) const {
+void sample_light_lanes(const Lights& lights, const Lanes3& position, const Lanes3& normal,
+                        const LightNumbers& numbers, int count, LightBlock* out) {
+  const std::vector<EmissiveTriangle>& triangles = lights.triangles_;
+  const float environment_share = lights.environment_share_;
   alignas(64) uint32_t entry[kBlock] = {};
   alignas(64) float probability[kBlock] = {};
   int others[kBlock], other_count = 0;
-  if (!uses_tree_ && only_plain_triangles_ && environment_share_ == 0) {
-    draw_entries(table_.columns(), numbers.choice, count, entry, probability);
+  if (!lights.uses_tree_ && lights.only_plain_triangles_ && environment_share == 0) {
+    draw_entries(lights.table_.columns(), numbers.choice, count, entry, probability);
   } else {
     for (int lane = 0; lane < count; ++lane) {
       double u = numbers.choice[lane] * 0x1p-32;
-      bool other = u < environment_share_;
+      bool other = u < environment_share;
       if (!other) {
-        u = (u - environment_share_) / (1 - environment_share_);
-        const bool chosen = !table_.empty() && choose(position.at(lane), normal.at(lane), u,
-                                                      &entry[lane], &probability[lane]);
-        other = chosen && (entry[lane] >= triangles_.size() || triangles_[entry[lane]].textured);
-        probability[lane] *= 1 - environment_share_;
+        u = (u - environment_share) / (1 - environment_share);
+        const bool chosen =
+            !lights.table_.empty() &&
+            lights.choose(position.at(lane), normal.at(lane), u, &entry[lane], &probability[lane]);
+        other = chosen && (entry[lane] >= triangles.size() || triangles[entry[lane]].textured);
+        probability[lane] *= 1 - environment_share;
         if (chosen && !other) continue;
       }
       if (other) others[other_count++] = lane;  // drawn again below, from the same numbers
@@ -30,18 +32,18 @@ void Lights::sample_lanes(const Lanes3& position, const Lanes3& normal, const Li
       probability[lane] = 0;
     }
   }
-  if (triangles_.empty()) {
+  if (triangles.empty()) {
     std::fill_n(out->pdf, count, 0.0f);
   } else {
-    sample_triangles(triangle_lights_.data(), entry, probability, numbers.point_x, numbers.point_y,
-                     count, position, out);
+    sample_triangles(lights.triangle_lights_.data(), entry, probability, numbers.point_x,
+                     numbers.point_y, count, position, out);
     for (int lane = 0; lane < count; ++lane)
-      out->light_group[lane] = triangles_[entry[lane]].light_group;
+      out->light_group[lane] = triangles[entry[lane]].light_group;
   }
   for (const int lane : std::span(others, static_cast<size_t>(other_count))) {
     const LightSample light =
-        sample_in_frame(position.at(lane), normal.at(lane), numbers.choice[lane] * 0x1p-32,
-                        {to_unit(numbers.point_x[lane]), to_unit(numbers.point_y[lane])});
+        lights.sample_in_frame(position.at(lane), normal.at(lane), numbers.choice[lane] * 0x1p-32,
+                               {to_unit(numbers.point_x[lane]), to_unit(numbers.point_y[lane])});
     out->direction.put(lane, light.direction);
     out->radiance.put(lane, light.radiance);
     out->distance[lane] = light.distance;

@@ -19,7 +19,11 @@ struct Lanes3 {
   alignas(64) float x[kBlock], y[kBlock], z[kBlock];
 
   Vec3 at(int lane) const { return {x[lane], y[lane], z[lane]}; }
-  void put(int lane, const Vec3& v) { x[lane] = v.x, y[lane] = v.y, z[lane] = v.z; }
+  void put(int lane, const Vec3& v) {
+    x[lane] = v.x;
+    y[lane] = v.y;
+    z[lane] = v.z;
+  }
 };
 
 /// Where paths stand before their next rays.
@@ -50,7 +54,7 @@ struct ShadowBlock {
   alignas(64) int32_t light_group[kBlock], path[kBlock];
 };
 
-/// One sample of light for each lane (LightSample, lights.h).
+/// One sample of light for each lane (LightSample, light_sample.h).
 struct LightBlock {
   Lanes3 direction, radiance;
   alignas(64) float distance[kBlock];

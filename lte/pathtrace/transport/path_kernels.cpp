@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "lte/base/random.h"
-#include "lte/pathtrace/hemisphere.h"
+#include "lte/pathtrace/materials/lambert.h"
 #include "lte/pathtrace/transport/low_discrepancy.h"
 #include "lte/pathtrace/transport/square_to_triangle.h"
 #include "lte/pathtrace/transport/vector_clones.h"
@@ -40,6 +40,7 @@ const SobolTable& sobol_table() {
 
 }  // namespace
 
+/// For sets of up to 256 points, of which one entry of the table makes each.
 LTE_VECTOR_CLONES
 void scramble_points(const uint32_t* __restrict table, const uint32_t* __restrict index,
                      const int32_t* __restrict set, const uint32_t* __restrict seeds, int count,
@@ -48,6 +49,7 @@ void scramble_points(const uint32_t* __restrict table, const uint32_t* __restric
     out[i] = reverse_bits(scramble_reversed(table[index[i]], seeds[set[i]]));
 }
 
+/// For sets of any size.
 LTE_VECTOR_CLONES
 void scramble_long_points(const uint32_t* __restrict table, const uint32_t* __restrict index,
                           const int32_t* __restrict set, const uint32_t* __restrict seeds,
@@ -90,9 +92,11 @@ void cosine_directions(const uint32_t* __restrict u, const uint32_t* __restrict 
                        const Lanes3& __restrict normal, Lanes3* __restrict direction,
                        float* __restrict pdf) {
   for (int i = 0; i < count; ++i) {
-    const Vec3 d = cosine_direction({normal.x[i], normal.y[i], normal.z[i]},
-                                    {to_unit(u[i]), to_unit(v[i])}, pdf + i);
-    direction->x[i] = d.x, direction->y[i] = d.y, direction->z[i] = d.z;
+    const Vec3 d = sample_lambert({normal.x[i], normal.y[i], normal.z[i]},
+                                  {to_unit(u[i]), to_unit(v[i])}, pdf + i);
+    direction->x[i] = d.x;
+    direction->y[i] = d.y;
+    direction->z[i] = d.z;
   }
 }
 
@@ -119,6 +123,8 @@ void draw_entries(const AliasColumns& table, const uint32_t* u, int count, uint3
                probability);
 }
 
+/// All branches are selections, so that lanes stay together. The columns are TriangleLight's
+/// floats.
 LTE_VECTOR_CLONES
 void sample_triangles(const float* __restrict lights, const uint32_t* __restrict entry,
                       const float* __restrict probability, const uint32_t* __restrict u,
@@ -170,7 +176,7 @@ void weigh_diffuse(const Lanes3& __restrict normal, const Lanes3& __restrict dir
   for (int i = 0; i < count; ++i) {
     const float cosine =
         normal.x[i] * direction.x[i] + normal.y[i] * direction.y[i] + normal.z[i] * direction.z[i];
-    const float bsdf_pdf = cosine * (1 / kPi);
+    const float bsdf_pdf = lambert_pdf(cosine);
     const float density = pdf[i] < 0 ? -pdf[i] : pdf[i] + bsdf_pdf;
     const float ratio = bsdf_pdf / density;
     weight[i] = (pdf[i] != 0) & (cosine > 0) ? ratio : 0.0f;
@@ -178,8 +184,8 @@ void weigh_diffuse(const Lanes3& __restrict normal, const Lanes3& __restrict dir
 }
 
 LTE_VECTOR_CLONES
-void play_roulette(const uint32_t* __restrict u, int count, Lanes3* __restrict throughput,
-                   int32_t* __restrict survives) {
+void russian_roulette(const uint32_t* __restrict u, int count, Lanes3* __restrict throughput,
+                      int32_t* __restrict survives) {
   for (int i = 0; i < count; ++i) {
     float probability = std::max(throughput->x[i], throughput->y[i]);
     probability = std::max(probability, throughput->z[i]);

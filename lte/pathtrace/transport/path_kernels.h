@@ -65,6 +65,6 @@ void weigh_diffuse(const Lanes3& normal, const Lanes3& direction, const float* p
 
 /// Russian roulette by the largest channel: scales the throughput of survivors.
 /// @param survives  [count] 0 or 1
-void play_roulette(const uint32_t* u, int count, Lanes3* throughput, int32_t* survives);
+void russian_roulette(const uint32_t* u, int count, Lanes3* throughput, int32_t* survives);
 
 }  // namespace lte::pathtrace

@@ -57,9 +57,9 @@ class PathSampler {
 
   /// Numbers of a light sample at vertex `vertex`, for the paths `path[0 ... count)`.
   void light(int vertex, const int32_t* path, int count, LightNumbers* out);
-  /// Of the direction out of a vertex.
+  /// Numbers of the direction out of a vertex.
   void direction(int vertex, const int32_t* path, int count, DirectionNumbers* out);
-  /// Of the roulette at vertex 1 or later.
+  /// Numbers of the Russian roulette at vertex 1 or later.
   void roulette(int vertex, const int32_t* path, int count, uint32_t* out);
 
  private:
@@ -85,11 +85,11 @@ class PathSampler {
   std::array<uint32_t, kBlock> index_of_path_;
   std::array<int32_t, kBlock> set_of_path_;
   std::array<uint64_t, kBlock> key_of_path_;
-  /// By set of the block.
+  // The seeds of the sets in the block: a scramble a slot, and a shuffle a vertex.
   std::array<std::array<uint32_t, kBlock + 1>, kSlots> scramble_seeds_;
   std::array<std::array<uint32_t, kBlock + 1>, kStratifiedVertices + 1> shuffle_seeds_;
 
-  // Of the lanes at work.
+  // What draw() gathers of the lanes that it works on.
   alignas(64) std::array<uint32_t, kBlock> lane_index_, lane_shuffled_;
   alignas(64) std::array<int32_t, kBlock> lane_set_;
   alignas(64) std::array<uint64_t, kBlock> lane_key_;

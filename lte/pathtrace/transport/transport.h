@@ -5,8 +5,9 @@
 // Paths advance in blocks (path_block.h): at each depth all nearest hits, then shading, then all
 // light samples and their shadow rays, then the next directions. A query point is treated as a
 // white diffuse vertex whose reflected radiance is E / π, so irradiance needs no code of its own.
-// Metallic vertices (bsdf.h) are the exception among the lanes and go one by one. They draw the
-// same numbers as diffuse ones.
+// Diffuse vertices (materials/lambert.h) are weighed and sampled as a block. Metallic ones
+// (materials/glossy_bsdf.h) are the exception among the lanes and go one by one; they draw the same
+// numbers as diffuse ones.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +17,7 @@
 #include "lte/base/math.h"
 #include "lte/pathtrace/embree_scene.h"
 #include "lte/pathtrace/lights.h"
-#include "lte/pathtrace/materials/bsdf.h"
+#include "lte/pathtrace/materials/glossy_bsdf.h"
 #include "lte/pathtrace/transport/path_block.h"
 #include "lte/pathtrace/transport/path_sampler.h"
 
@@ -37,22 +38,23 @@ class LightSink {
   virtual void add(int depth, std::span<const Contribution> contributions) = 0;
 };
 
-/// Sees every ray.
-class RayRecorder {
- public:
-  virtual ~RayRecorder() = default;
-  virtual void nearest(int depth, const PathBlock& rays) = 0;
-  virtual void shadow(const ShadowBlock& rays) = 0;
+/// What BasicTransport tells of its rays before it traces them: nothing. Others have the same
+/// functions, and cost nothing where they are empty.
+struct NoObserver {
+  void nearest(int /*depth*/, const PathBlock&) {}
+  void shadow(const ShadowBlock&) {}
 };
 
-/// One for each thread; large, so not for the stack.
-class Transport {
+/// One for each thread; large, so not for the stack. Defined in transport_impl.h, which only the
+/// files that bring an observer of their own include.
+template <typename Observer>
+class BasicTransport {
  public:
-  Transport(const Bvh& bvh, const Lights& lights, int max_depth, int roulette_depth,
-            LightSink& sink);
+  BasicTransport(const Bvh& bvh, const Lights& lights, int max_depth, int roulette_depth,
+                 LightSink& sink, Observer observer = {});
 
-  /// Rays from here on go to `recorder` too; null for none.
-  void record(RayRecorder* recorder) { recorder_ = recorder; }
+  /// Rays from here on go to this one.
+  void observe(const Observer& observer) { observer_ = observer; }
 
   int64_t rays_traced() const { return rays_traced_; }
 
@@ -74,7 +76,7 @@ class Transport {
   void sample_lights(int vertex, PathSampler& sampler);
   void weigh_metal();
   void cast_shadows(int depth);
-  void play(int vertex, PathSampler& sampler);
+  void russian_roulette(int vertex, PathSampler& sampler);
   void scatter(int vertex, PathSampler& sampler);
   void scatter_metal();
   void move_lane(int from, int to);
@@ -85,7 +87,7 @@ class Transport {
   const Lights& lights_;
   const int max_depth_, roulette_depth_;
   LightSink& sink_;
-  RayRecorder* recorder_ = nullptr;
+  [[no_unique_address]] Observer observer_;
   int64_t rays_traced_ = 0;
 
   PathBlock paths_;
@@ -102,5 +104,8 @@ class Transport {
   int contribution_count_ = 0;
   Contribution contributions_[kBlock];
 };
+
+using Transport = BasicTransport<NoObserver>;
+extern template class BasicTransport<NoObserver>;
 
 }  // namespace lte::pathtrace

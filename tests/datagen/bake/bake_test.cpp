@@ -10,6 +10,7 @@
 #include "lte/base/parallel.h"
 #include "tests/data/sample_fixture.h"
 #include "tests/datagen/scenes.h"
+#include "tests/support/light_reference.h"
 
 namespace lte::datagen::test {
 namespace {
@@ -332,6 +333,47 @@ TEST_F(Bake, ScenePointsCarryTheirDirectLight) {
     const bool luminaire = max_component(sample.scene_emission[i]) > 0;
     EXPECT_TRUE(!luminaire || sample.scene_direct[i] == Rgb{}) << i;
   }
+}
+
+/// What is stored at each scene point is the light on both sides of its surface, luminaires apart.
+TEST_F(Bake, ScenePointsCarryTheirLightPointByPoint) {
+  BakeOptions options = tiny_bake();
+  options.light_paths = 4096;
+  options.max_depth = 4;
+  const scene::Scene scene = room();
+  const data::SceneSample sample = bake_scene(scene, options, false);
+  const auto M = static_cast<size_t>(sample.scene_points());
+  ASSERT_EQ(sample.scene_indirect.size(), sample.scene_direct.size());
+  std::vector<Vec3> position, normal;
+  std::vector<Rgb> direct, indirect;
+  for (size_t i = 0; i < M; ++i) {
+    Rgb sums[2];
+    for (size_t at = i; at < sample.scene_direct.size(); at += M) {
+      sums[0] += sample.scene_direct[at];
+      sums[1] += sample.scene_indirect[at];
+    }
+    if (max_component(sample.scene_emission[i]) > 0) {
+      EXPECT_TRUE(sums[0] == Rgb{} && sums[1] == Rgb{}) << i;
+      continue;
+    }
+    position.push_back(sample.scene_position[i]);
+    normal.push_back(sample.scene_normal[i]);
+    direct.push_back(sums[0]);
+    indirect.push_back(sums[1]);
+  }
+  const pathtrace::Bvh bvh(scene);
+  const pathtrace::Lights lights(scene);
+  pathtrace::IrradianceOptions tracing;
+  tracing.max_depth = options.max_depth;
+  tracing.rays = options.light_paths;
+  tracing.seed = 1000;
+  const auto own = lte::test::two_sided_light(bvh, lights, position, normal, tracing);
+  tracing.rays = 1 << 14;
+  tracing.seed = 2000;
+  tracing.sampling = pathtrace::Sampling::Random;
+  const auto reference = lte::test::two_sided_light(bvh, lights, position, normal, tracing);
+  lte::test::expect_within_error(direct, own.direct, reference.direct, "scene_direct");
+  lte::test::expect_within_error(indirect, own.indirect, reference.indirect, "scene_indirect");
 }
 
 TEST_F(Bake, SwitchesLeaveTensorsOut) {

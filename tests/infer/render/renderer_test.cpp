@@ -10,6 +10,7 @@
 
 #include "infer/common/lit_samples.h"
 #include "lte/base/check.h"
+#include "lte/pathtrace/auto_camera.h"
 #include "lte/pathtrace/render.h"
 #include "tests/infer/fixture.h"
 #include "tests/support/closed_forms.h"

@@ -1,11 +1,10 @@
 // The metallic surface against textbook formulas in double, quadrature and statistics.
-#include "lte/pathtrace/materials/bsdf.h"
-
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "lte/base/random.h"
+#include "lte/pathtrace/materials/glossy_bsdf.h"
 #include "tests/pathtrace/materials/ggx_reference.h"
 
 namespace lte::pathtrace {
@@ -95,7 +94,9 @@ TEST_P(Glossy, FurnaceGivesTheAlbedoOfOneScattering) {
                  (static_cast<float>(i / kSide) + rng.uniform()) / kSide};
     const ScatteringSample sample = bsdf.sample(u);
     ASSERT_LE(sample.weight.x, 1.0001f);
-    if (sample.pdf > 0) sum += sample.weight.x, squares += sample.weight.x * sample.weight.x;
+    if (!(sample.pdf > 0)) continue;
+    sum += sample.weight.x;
+    squares += sample.weight.x * sample.weight.x;
   }
   const double n = kSide * kSide, mean = sum / n,
                error = std::sqrt((squares / n - mean * mean) / n);
@@ -148,7 +149,8 @@ TEST_P(Glossy, SamplesFallAsTheDensitySays) {
   int freedom = 0;
   for (size_t i = 0; i < expected.size(); ++i) {
     if (expected[i] < 200) {
-      pooled += expected[i], pooled_count += counts[i];
+      pooled += expected[i];
+      pooled_count += counts[i];
       continue;
     }
     // Midpoints leave an error of the density itself; it counts as a third of a percent.

@@ -32,7 +32,9 @@ Rgb radiance_seen(const scene::Scene& scene, const Vec3& from, const Vec3& targe
   const Bvh bvh(scene);
   const Lights lights(scene);
   scene::Camera camera;
-  camera.origin = from, camera.target = target, camera.vfov = 0.01f;
+  camera.origin = from;
+  camera.target = target;
+  camera.vfov = 0.01f;
   RenderOptions options;
   options.max_depth = max_depth;
   options.spp = spp;

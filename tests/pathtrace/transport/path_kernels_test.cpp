@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "lte/base/random.h"
-#include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/transport/light_lanes.h"
 #include "lte/pathtrace/transport/low_discrepancy.h"
 #include "tests/support/scenes.h"
 
@@ -42,7 +42,7 @@ TEST(PathKernels, RouletteKeepsTheMean) {
     throughput->put(i, i < 100 ? Vec3{0.2f, 0.5f, 0.4f} : Vec3{1.5f, 0.1f, 0});
     u.push_back(static_cast<uint32_t>((i % 100 + 0.5) / 100 * 0x1p32));
   }
-  play_roulette(u.data(), kCount, throughput.get(), survives.data());
+  russian_roulette(u.data(), kCount, throughput.get(), survives.data());
   Vec3 sum;
   for (int i = 0; i < 100; ++i) sum += throughput->at(i) * static_cast<float>(survives[i]);
   EXPECT_NEAR(sum.x, 20, 1e-3);
@@ -95,7 +95,7 @@ TEST(LightLanes, AreTheSamplesOfSinglePoints) {
       numbers->point_x[lane] = rng.next_u32();
       numbers->point_y[lane] = rng.next_u32();
     }
-    lights.sample_lanes(*position, *normal, *numbers, kBlock, block.get());
+    sample_light_lanes(lights, *position, *normal, *numbers, kBlock, block.get());
     int arrived = 0;
     for (int lane = 0; lane < kBlock; ++lane) {
       const LightSample expected = lights.sample_in_frame(
@@ -124,7 +124,7 @@ TEST(LightLanes, NothingArrivesWithoutLights) {
   std::fill_n(numbers->choice, 8, 1u), std::fill_n(numbers->point_x, 8, 1u);
   std::fill_n(numbers->point_y, 8, 1u);
   for (int lane = 0; lane < 8; ++lane) lanes->put(lane, {0, 1, 0});
-  Lights(scene).sample_lanes(*lanes, *lanes, *numbers, 8, block.get());
+  sample_light_lanes(Lights(scene), *lanes, *lanes, *numbers, 8, block.get());
   for (int lane = 0; lane < 8; ++lane) EXPECT_EQ(block->pdf[lane], 0);
 }
 

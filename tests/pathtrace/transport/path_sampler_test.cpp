@@ -58,9 +58,12 @@ class Blocks {
     };
     for (int v = 0; v < vertices; ++v) {
       sampler_->light(v, path.data(), count, light_.get());
-      take(light_->point_x), take(light_->point_y), take(light_->choice);
+      take(light_->point_x);
+      take(light_->point_y);
+      take(light_->choice);
       sampler_->direction(v, path.data(), count, direction_.get());
-      take(direction_->x), take(direction_->y);
+      take(direction_->x);
+      take(direction_->y);
       if (v == 0) continue;
       std::vector<uint32_t> roulette(path.size());
       sampler_->roulette(v, path.data(), count, roulette.data());
@@ -172,7 +175,8 @@ TEST(PathSampler, LaterNumbersAreIndependent) {
 TEST(PathSampler, NumbersDoNotDependOnHowManyAreTaken) {
   for (const int size : {32, 64}) {
     Blocks some(size, 7, 2), all(size, 7, 2);
-    some.next_set(), all.next_set();
+    some.next_set();
+    all.next_set();
     const auto paths = all.numbers(9);
     const auto few = some.numbers(9, {3, 11, 30});
     EXPECT_EQ(few[0], paths[3]);

@@ -1,4 +1,4 @@
-#include "lte/pathtrace/ray_replay.h"
+#include "infer/bench/ray_replay.h"
 
 #include <algorithm>
 #include <atomic>
@@ -8,8 +8,10 @@
 #include "lte/pathtrace/embree_scene.h"
 #include "lte/pathtrace/transport/ray_packets.h"
 
-namespace lte::pathtrace {
+namespace lte::infer {
 namespace {
+
+using pathtrace::Packet;
 
 /// Rays a stream call takes: enough to be sorted by Embree, few enough to stay in the cache.
 constexpr size_t kStream = 256;
@@ -22,14 +24,14 @@ int64_t trace_singly(RTCScene top, const RayLog& log) {
   int64_t found = 0;
   for (size_t i = 0; i < log.nearest_rays.size(); ++i) {
     RTCRayHit hit;
-    found += intersect(top, vector_at(log.nearest_rays.origin, i),
-                       vector_at(log.nearest_rays.direction, i), &hit)
+    found += pathtrace::intersect(top, vector_at(log.nearest_rays.origin, i),
+                                  vector_at(log.nearest_rays.direction, i), &hit)
                  ? 1
                  : 0;
   }
   for (size_t i = 0; i < log.shadow_rays.size(); ++i) {
-    found += occluded(top, vector_at(log.shadow_rays.origin, i),
-                      vector_at(log.shadow_rays.direction, i), log.shadow_rays.t_max[i])
+    found += pathtrace::occluded(top, vector_at(log.shadow_rays.origin, i),
+                                 vector_at(log.shadow_rays.direction, i), log.shadow_rays.t_max[i])
                  ? 1
                  : 0;
   }
@@ -47,9 +49,12 @@ void fill(const RayArrays& rays, size_t first, Rays* out, int* valid) {
       for (size_t lane = 0; lane < N; ++lane) to[lane] = from[std::min(first + lane, last)];
     }
   };
-  copy(rays.origin[0], out->org_x), copy(rays.origin[1], out->org_y);
-  copy(rays.origin[2], out->org_z), copy(rays.direction[0], out->dir_x);
-  copy(rays.direction[1], out->dir_y), copy(rays.direction[2], out->dir_z);
+  copy(rays.origin[0], out->org_x);
+  copy(rays.origin[1], out->org_y);
+  copy(rays.origin[2], out->org_z);
+  copy(rays.direction[0], out->dir_x);
+  copy(rays.direction[1], out->dir_y);
+  copy(rays.direction[2], out->dir_z);
   copy(rays.t_max, out->tfar);
   for (size_t lane = 0; lane < N; ++lane) valid[lane] = first + lane <= last ? -1 : 0;
 }
@@ -61,7 +66,7 @@ int64_t trace_packets(RTCScene top, const RayLog& log) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   typename Packet<N>::Hits packet;
-  set_constants(&packet.ray);
+  pathtrace::set_constants(&packet.ray);
   for (size_t i = 0; i < log.nearest_rays.size(); i += N) {
     fill<N>(log.nearest_rays, i, &packet.ray, valid);
     for (int lane = 0; lane < N; ++lane)
@@ -71,7 +76,7 @@ int64_t trace_packets(RTCScene top, const RayLog& log) {
       found += valid[lane] && packet.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID ? 1 : 0;
   }
   typename Packet<N>::Rays shadows;
-  set_constants(&shadows);
+  pathtrace::set_constants(&shadows);
   for (size_t i = 0; i < log.shadow_rays.size(); i += N) {
     fill<N>(log.shadow_rays, i, &shadows, valid);
     Packet<N>::kOccluded(valid, top, &context, &shadows);
@@ -89,8 +94,8 @@ int64_t trace_streams(RTCScene top, const RayLog& log) {
   for (size_t first = 0; first < log.nearest_rays.size(); first += kStream) {
     const size_t count = std::min(kStream, log.nearest_rays.size() - first);
     for (size_t i = 0; i < count; ++i) {
-      set_ray(&hits[i].ray, vector_at(log.nearest_rays.origin, first + i),
-              vector_at(log.nearest_rays.direction, first + i), 0, INFINITY);
+      pathtrace::set_ray(&hits[i].ray, vector_at(log.nearest_rays.origin, first + i),
+                         vector_at(log.nearest_rays.direction, first + i), 0, INFINITY);
       hits[i].hit.geomID = hits[i].hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     }
     rtcIntersect1M(top, &context, hits.data(), static_cast<unsigned>(count), sizeof(RTCRayHit));
@@ -100,8 +105,9 @@ int64_t trace_streams(RTCScene top, const RayLog& log) {
   for (size_t first = 0; first < log.shadow_rays.size(); first += kStream) {
     const size_t count = std::min(kStream, log.shadow_rays.size() - first);
     for (size_t i = 0; i < count; ++i) {
-      set_ray(&rays[i], vector_at(log.shadow_rays.origin, first + i),
-              vector_at(log.shadow_rays.direction, first + i), 0, log.shadow_rays.t_max[first + i]);
+      pathtrace::set_ray(&rays[i], vector_at(log.shadow_rays.origin, first + i),
+                         vector_at(log.shadow_rays.direction, first + i), 0,
+                         log.shadow_rays.t_max[first + i]);
     }
     rtcOccluded1M(top, &context, rays.data(), static_cast<unsigned>(count), sizeof(RTCRay));
     for (size_t i = 0; i < count; ++i) found += rays[i].tfar < 0 ? 1 : 0;
@@ -163,14 +169,14 @@ void RayArrays::add(const Vec3& o, const Vec3& d, float t) {
   t_max.push_back(t);
 }
 
-void RayLog::nearest(int, const PathBlock& rays) {
+void RayRecorder::nearest(int, const pathtrace::PathBlock& rays) {
   for (int lane = 0; lane < rays.size; ++lane)
-    nearest_rays.add(rays.origin.at(lane), rays.direction.at(lane), INFINITY);
+    log->nearest_rays.add(rays.origin.at(lane), rays.direction.at(lane), INFINITY);
 }
 
-void RayLog::shadow(const ShadowBlock& rays) {
+void RayRecorder::shadow(const pathtrace::ShadowBlock& rays) {
   for (int lane = 0; lane < rays.size; ++lane)
-    shadow_rays.add(rays.origin.at(lane), rays.direction.at(lane), rays.t_max[lane]);
+    log->shadow_rays.add(rays.origin.at(lane), rays.direction.at(lane), rays.t_max[lane]);
 }
 
 std::string name_of(EntryPoint entry) {
@@ -189,7 +195,7 @@ std::string name_of(EntryPoint entry) {
   return {};
 }
 
-int64_t replay(const Bvh& bvh, const std::vector<RayLog>& logs, EntryPoint entry) {
+int64_t replay(const pathtrace::Bvh& bvh, const std::vector<RayLog>& logs, EntryPoint entry) {
   std::atomic<int64_t> hits{0};
   parallel_for(static_cast<int64_t>(logs.size()), 4, [&](int64_t begin, int64_t end) {
     int64_t found = 0;
@@ -201,7 +207,7 @@ int64_t replay(const Bvh& bvh, const std::vector<RayLog>& logs, EntryPoint entry
 }
 
 void sort_rays(const Bounds& bounds, std::vector<RayLog>* logs) {
-  const Vec3 low = bounds.low - frame_origin(bounds);
+  const Vec3 low = bounds.low - pathtrace::frame_origin(bounds);
   const float scale = 1 / std::max(max_component(bounds.extent()), 1e-30f);
   for (RayLog& log : *logs) {
     sort_rays(low, scale, &log.nearest_rays);
@@ -209,4 +215,4 @@ void sort_rays(const Bounds& bounds, std::vector<RayLog>* logs) {
   }
 }
 
-}  // namespace lte::pathtrace
+}  // namespace lte::infer

@@ -1,5 +1,5 @@
-// Internal: recorded rays handed to Embree through each of its entry points, and nothing else: what
-// the path tracer is held against.
+// Rays of the path tracer, recorded and handed to Embree through each of its entry points and
+// nothing else: what the path tracer is compared with.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +8,9 @@
 
 #include "lte/base/math.h"
 #include "lte/pathtrace/bvh.h"
-#include "lte/pathtrace/transport/transport.h"
+#include "lte/pathtrace/transport/path_block.h"
 
-namespace lte::pathtrace {
+namespace lte::infer {
 
 /// Rays by component, as packets are filled from them.
 struct RayArrays {
@@ -22,11 +22,16 @@ struct RayArrays {
 };
 
 /// The rays of one query point, nearest hits and shadows apart.
-struct RayLog : public RayRecorder {
-  void nearest(int depth, const PathBlock& rays) override;
-  void shadow(const ShadowBlock& rays) override;
-
+struct RayLog {
   RayArrays nearest_rays, shadow_rays;
+};
+
+/// An observer of pathtrace::BasicTransport that appends its rays to a log.
+struct RayRecorder {
+  void nearest(int depth, const pathtrace::PathBlock& rays);
+  void shadow(const pathtrace::ShadowBlock& rays);
+
+  RayLog* log = nullptr;
 };
 
 /// How Embree is asked.
@@ -41,10 +46,10 @@ std::string name_of(EntryPoint entry);
 /// Traces all rays of the logs on num_threads() threads, log by log: its nearest rays, then its
 /// shadow rays, in their order.
 /// @return  how many were stopped by a surface
-int64_t replay(const Bvh& bvh, const std::vector<RayLog>& logs, EntryPoint entry);
+int64_t replay(const pathtrace::Bvh& bvh, const std::vector<RayLog>& logs, EntryPoint entry);
 
 /// Reorders each log's rays by the octant of their direction, then along the Morton curve of their
 /// origins and, among equal ones, of their directions: what makes rays side by side coherent.
 void sort_rays(const Bounds& bounds, std::vector<RayLog>* logs);
 
-}  // namespace lte::pathtrace
+}  // namespace lte::infer

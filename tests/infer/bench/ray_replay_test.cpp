@@ -1,14 +1,17 @@
 // Recorded rays mean the same to each of Embree's entry points.
-#include "lte/pathtrace/ray_replay.h"
+#include "infer/bench/ray_replay.h"
 
 #include <gtest/gtest.h>
 
-#include "lte/pathtrace/benchmark.h"
+#include "infer/bench/trace_rates.h"
 #include "lte/pathtrace/transport/irradiance_kernel.h"
+#include "lte/pathtrace/transport/transport_impl.h"
 #include "tests/support/scenes.h"
 
-namespace lte::pathtrace {
+namespace lte::infer {
 namespace {
+
+using namespace pathtrace;
 
 struct Recording {
   scene::Scene scene = test::furnished_room();
@@ -20,8 +23,9 @@ struct Recording {
 
   Recording() {
     options.rays = 72;  // no multiple of a packet at most depths
-    run_irradiance(bvh, lights, positions, normals, options, 0,
-                   [this](int64_t i) { return &logs[static_cast<size_t>(i)]; });
+    run_irradiance<RayRecorder>(bvh, lights, positions, normals, options, 0, [this](int64_t i) {
+      return RayRecorder{&logs[static_cast<size_t>(i)]};
+    });
   }
 };
 
@@ -60,4 +64,4 @@ TEST(TraceRates, CountTheRaysOfTheEstimate) {
 }
 
 }  // namespace
-}  // namespace lte::pathtrace
+}  // namespace lte::infer

@@ -1,44 +1,12 @@
-#include "lte/pathtrace/benchmark.h"
+#include "tests/bench/error_gain.h"
 
-#include <algorithm>
 #include <cmath>
-#include <ctime>
-#include <functional>
-#include <vector>
 
-#include "lte/base/parallel.h"
-#include "lte/pathtrace/ray_replay.h"
-#include "lte/pathtrace/transport/irradiance_kernel.h"
+#include "lte/pathtrace/irradiance.h"
+#include "lte/pathtrace/lights.h"
 
 namespace lte::pathtrace {
 namespace {
-
-/// One of the things whose times are compared.
-struct Contender {
-  std::function<void()> run;
-  double best_seconds = INFINITY, spent_seconds = 0;
-};
-
-/// Of all threads, shared out among them: what else runs on the machine takes wall time alone.
-double processor_seconds() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC / num_threads();
-}
-
-/// Turn by turn, so that a busy moment of the machine does not fall on one of them alone.
-void race(double budget, std::vector<Contender>* contenders) {
-  for (bool all_done = false; !all_done;) {
-    all_done = true;
-    for (Contender& contender : *contenders) {
-      if (contender.spent_seconds >= budget) continue;
-      const double start = processor_seconds();
-      contender.run();
-      const double seconds = std::max(processor_seconds() - start, 1e-9);
-      contender.best_seconds = std::min(contender.best_seconds, seconds);
-      contender.spent_seconds += seconds;
-      all_done = false;
-    }
-  }
-}
 
 /// One way of estimating.
 struct Method {
@@ -112,42 +80,6 @@ std::vector<ErrorGain> measure_light_tree(const Bvh& bvh, std::span<const Vec3> 
                                           const GainOptions& options) {
   return GainMeter(bvh, positions, normals, options)
       .run({Sampling::Sobol, LightChoice::Power}, {Sampling::Sobol, LightChoice::Tree});
-}
-
-double TraceRates::best_bare_rays_per_s() const {
-  double best = 0;
-  for (const BareRate& rate : bare) best = std::max(best, rate.rays_per_s);
-  return best;
-}
-
-TraceRates measure_trace_rates(const Bvh& bvh, const Lights& lights,
-                               std::span<const Vec3> positions, std::span<const Vec3> normals,
-                               const IrradianceOptions& options, double seconds) {
-  TraceRates rates;
-  std::vector<RayLog> logs(positions.size());
-  rates.rays = run_irradiance(bvh, lights, positions, normals, options, 0, [&logs](int64_t i) {
-                 return &logs[static_cast<size_t>(i)];
-               }).rays_traced;
-  std::vector<RayLog> sorted = logs;
-  sort_rays(bvh.bounds(), &sorted);
-  std::vector<Contender> contenders;
-  contenders.push_back({[&] { estimate_irradiance(bvh, lights, positions, normals, options); }});
-  int64_t stopped = 0;
-  for (const auto* order : {&logs, &sorted}) {
-    for (const EntryPoint entry : kEntryPoints) {
-      rates.bare.push_back({name_of(entry), order == &sorted, 0});
-      contenders.push_back(
-          {[&stopped, &bvh, order, entry] { stopped += replay(bvh, *order, entry); }});
-    }
-  }
-  race(seconds, &contenders);
-  const auto rate_of = [&rates](const Contender& c) {
-    return static_cast<double>(rates.rays) / c.best_seconds;
-  };
-  rates.path_rays_per_s = rate_of(contenders[0]);
-  for (size_t i = 0; i < rates.bare.size(); ++i)
-    rates.bare[i].rays_per_s = rate_of(contenders[i + 1]);
-  return rates;
 }
 
 }  // namespace lte::pathtrace

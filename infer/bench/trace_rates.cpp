@@ -1,0 +1,79 @@
+#include "infer/bench/trace_rates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <functional>
+#include <vector>
+
+#include "infer/bench/ray_replay.h"
+#include "lte/base/parallel.h"
+#include "lte/pathtrace/transport/irradiance_kernel.h"
+#include "lte/pathtrace/transport/transport_impl.h"
+
+namespace lte::infer {
+namespace {
+
+/// One of the calls whose times are compared.
+struct Timed {
+  std::function<void()> run;
+  double best_seconds = INFINITY, spent_seconds = 0;
+};
+
+/// Processor time of all threads by their number. What else runs on the machine takes wall time
+/// alone.
+double processor_seconds() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC / num_threads();
+}
+
+/// Runs them turn by turn, so that a busy moment of the machine does not fall on one of them alone.
+void time_in_turns(double budget, std::vector<Timed>* calls) {
+  for (bool all_done = false; !all_done;) {
+    all_done = true;
+    for (Timed& call : *calls) {
+      if (call.spent_seconds >= budget) continue;
+      const double start = processor_seconds();
+      call.run();
+      const double seconds = std::max(processor_seconds() - start, 1e-9);
+      call.best_seconds = std::min(call.best_seconds, seconds);
+      call.spent_seconds += seconds;
+      all_done = false;
+    }
+  }
+}
+
+}  // namespace
+
+TraceRates measure_trace_rates(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                               std::span<const Vec3> positions, std::span<const Vec3> normals,
+                               const pathtrace::IrradianceOptions& options, double seconds) {
+  TraceRates rates;
+  std::vector<RayLog> logs(positions.size());
+  const auto recorder_of = [&logs](int64_t i) {
+    return RayRecorder{&logs[static_cast<size_t>(i)]};
+  };
+  rates.rays = pathtrace::run_irradiance<RayRecorder>(bvh, lights, positions, normals, options, 0,
+                                                      recorder_of)
+                   .rays_traced;
+  std::vector<RayLog> sorted = logs;
+  sort_rays(bvh.bounds(), &sorted);
+  std::vector<Timed> calls;
+  calls.push_back(
+      {[&] { pathtrace::estimate_irradiance(bvh, lights, positions, normals, options); }});
+  int64_t stopped = 0;
+  for (const auto* order : {&logs, &sorted}) {
+    for (const EntryPoint entry : kEntryPoints) {
+      rates.bare.push_back({name_of(entry), order == &sorted, 0});
+      calls.push_back({[&stopped, &bvh, order, entry] { stopped += replay(bvh, *order, entry); }});
+    }
+  }
+  time_in_turns(seconds, &calls);
+  const auto rate_of = [&rates](const Timed& c) {
+    return static_cast<double>(rates.rays) / c.best_seconds;
+  };
+  rates.path_rays_per_s = rate_of(calls[0]);
+  for (size_t i = 0; i < rates.bare.size(); ++i) rates.bare[i].rays_per_s = rate_of(calls[i + 1]);
+  return rates;
+}
+
+}  // namespace lte::infer
