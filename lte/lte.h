@@ -45,4 +45,5 @@
 #include "lte/ops/knn.h"
 #include "lte/ops/neighbour_sums.h"
 #include "lte/ops/submanifold_conv.h"
+#include "lte/runtime/embedding.h"
 #endif

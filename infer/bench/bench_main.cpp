@@ -1,9 +1,9 @@
 // lte_bench: times of every stage, and time against error.
 #include "infer/bench/bench.h"
-#include "infer/common/device.h"
 #include "infer/common/tool_options.h"
 #include "lte/base/file.h"
 #include "lte/cli/cli.h"
+#include "lte/runtime/device.h"
 
 #ifndef LTE_HAS_SCENE
 #define LTE_HAS_SCENE 0
@@ -43,9 +43,9 @@ int main(int argc, char** argv) {
   pareto->add_option("--reference-rays", options.reference_rays, "Rays a pixel of the reference");
 #endif
   app.require_subcommand(1);
-  return run_tool(app, argc, argv, [&] {
+  return infer::run_network_tool(app, argc, argv, [&] {
     apply_common_options(common);
-    infer::set_torch_threads(common.threads);
+    runtime::set_torch_threads(common.threads);
     const std::vector<infer::BenchResult> results = benchmark(options);
     infer::print_bench_table(results);
     if (!common.json.empty()) write_file(common.json, infer::bench_json(results));

@@ -2,7 +2,6 @@
 #include "infer/bench/bench.h"
 #include "infer/common/assets.h"
 #include "infer/common/lit_samples.h"
-#include "infer/common/predictor.h"
 #include "infer/common/renderer.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
@@ -106,20 +105,20 @@ std::vector<BenchResult> bench_pareto(const BenchOptions& options) {
     add("path tracing " + std::to_string(traced.rays) + " rays", timer.seconds(),
         indirect_values(traced));
   }
-  Predictor predictor = Predictor::load(checkpoint_or_shipped(options.checkpoint), Device::Cpu);
+  const runtime::Network network(checkpoint_or_shipped(options.checkpoint));
   const QueryPoints queries{view.position, view.normal, view.albedo};
   for (const int64_t count : {2'048, 4'096, 8'192, 20'000}) {
     const scene::SurfaceSamples samples =
         scene::sample_surface(scene, count, scene_point_options(0));
     const auto encode = [&] {
-      predictor.embed(light_up(bvh, lights, samples, predictor.light_depth(), 0).points());
+      const LitSamples lit = light_up(bvh, lights, samples, network.light_input(), 0);
+      return runtime::SceneEmbedding(network, lit.points());
     };
-    encode();  // warm-up
-    predictor.predict(queries);
+    encode().decode(queries);  // warm-up
     const Timer timer;
-    encode();
+    const runtime::SceneEmbedding embedding = encode();
     const double encode_seconds = timer.seconds();
-    const std::vector<Rgb> predicted = predictor.predict(queries);
+    const std::vector<Rgb> predicted = embedding.decode(queries);
     add("lte M = " + std::to_string(count), timer.seconds(), floats(predicted));
     results.back().figures["encode_seconds"] = encode_seconds;
   }

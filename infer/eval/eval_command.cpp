@@ -12,6 +12,7 @@
 #include "lte/base/config.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
+#include "lte/nn/device.h"
 
 namespace lte::infer {
 namespace {
@@ -137,11 +138,10 @@ void run_eval(const EvalRequest& given) {
   const fs::path checkpoint = checkpoint_or_shipped(request.checkpoint);
   const fs::path data =
       request.data.empty() ? asset_path(kShippedData, "--data") : fs::path(request.data);
-  const Device device = choose_device(request.tool.device);
-  Predictor predictor =
-      Predictor::load(checkpoint, device, choose_precision(request.tool.precision, device));
-  const MemoryLimit memory(request.tool.max_memory_mb);
-  predictor.limit_memory(memory);
+  const c10::Device device = nn::choose_device(request.tool.device);
+  const runtime::Network network(checkpoint,
+                                 {device, choose_precision(request.tool.precision, device)});
+  const runtime::MemoryLimit memory(request.tool.max_memory_mb);
   const Baselines baselines = find_baselines(request, checkpoint, data);
   const fs::path folder = make_report_folder(request.report);
 
@@ -151,10 +151,11 @@ void run_eval(const EvalRequest& given) {
   settings.bootstrap = request.bootstrap;
   settings.probes = request.probes;
   settings.probe_rate = request.probe_rate;
+  settings.memory = memory;
   settings.on_scene = [&] { memory.check("a scene"); };
   ContactSheets sheets(folder);
   if (!folder.empty()) settings.on_view = [&](const ViewPicture& picture) { sheets.add(picture); };
-  const EvalResult result = evaluate(settings, &predictor, baselines);
+  const EvalResult result = evaluate(settings, network, baselines);
 
   if (!folder.empty()) {
     write_file(folder / "metrics.csv", eval_csv(result));

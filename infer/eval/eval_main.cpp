@@ -13,5 +13,5 @@ int main(int argc, char** argv) {
       "  lte_eval --fit-baselines rooms --out run/model.baselines.json");
   lte::infer::EvalRequest request;
   lte::infer::add_eval_options(app, &request);
-  return lte::run_tool(app, argc, argv, [&] { lte::infer::run_eval(request); });
+  return lte::infer::run_network_tool(app, argc, argv, [&] { lte::infer::run_eval(request); });
 }

@@ -8,12 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "infer/common/predictor.h"
 #include "infer/eval/baselines.h"
 #include "infer/eval/bootstrap.h"
 #include "infer/eval/equal_samples.h"
 #include "infer/eval/scores.h"
 #include "lte/data/dataset.h"
+#include "lte/runtime/memory_limit.h"
+#include "lte/runtime/network.h"
 
 namespace lte::infer {
 
@@ -67,13 +68,15 @@ struct EvalSettings {
   /// Paths a second that a path tracer is known to trace: if positive, there are as many probes as
   /// it would bake, with the paths of the data's points, while a scene is encoded.
   double probe_rate = 0;
+  runtime::MemoryLimit memory;
   ViewSink on_view;                ///< may be empty
   std::function<void()> on_scene;  ///< after each scene; may be empty
 };
 
 /// @throws lte::Error if the split is empty (naming those that are not), or if data and model have
 /// different scales s.
-EvalResult evaluate(const EvalSettings& settings, Predictor* predictor, const Baselines& baselines);
+EvalResult evaluate(const EvalSettings& settings, const runtime::Network& network,
+                    const Baselines& baselines);
 
 /// Baselines of the training split of `directory`.
 /// @throws lte::Error naming the folder if it has no training scenes.

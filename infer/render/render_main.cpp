@@ -15,5 +15,5 @@ int main(int argc, char** argv) {
       "  lte_render room.glb --validate-only");
   lte::infer::RenderRequest request;
   lte::infer::add_render_options(app, &request);
-  return lte::run_tool(app, argc, argv, [&] { lte::infer::run_render(request); });
+  return lte::infer::run_network_tool(app, argc, argv, [&] { lte::infer::run_render(request); });
 }

@@ -44,7 +44,8 @@ void random_surface(Rng* rng, size_t count, std::vector<Vec3>* position,
 
 data::View random_view(Rng* rng, int64_t groups) {
   data::View view;
-  view.width = kViewWidth, view.height = kViewHeight;
+  view.width = kViewWidth;
+  view.height = kViewHeight;
   const size_t pixels = size_t{kViewWidth} * kViewHeight;
   random_surface(rng, pixels, &view.position, &view.normal);
   view.albedo = random_vecs(rng, pixels, 0.1f, 0.9f);
@@ -131,7 +132,8 @@ data::SceneSample random_sample(const std::string& name, uint64_t seed) {
   sample.name = name;
   sample.seed = seed;
   sample.light_groups = 2;
-  sample.bounds_low = {0, 0, 0}, sample.bounds_high = {1, 1, 1};
+  sample.bounds_low = {0, 0, 0};
+  sample.bounds_high = {1, 1, 1};
   random_surface(&rng, kScenePoints, &sample.scene_position, &sample.scene_normal);
   sample.scene_albedo = random_vecs(&rng, kScenePoints, 0.1f, 0.9f);
   sample.scene_emission.assign(kScenePoints, {});
@@ -163,8 +165,12 @@ void write_random_dataset(const fs::path& folder, double scale, bool with_test) 
     data::write_scene_sample(data::scene_path(folder, name), sample);
     info.scenes.push_back({name, split, seed++, sample.scene_points(), sample.query_points()});
   };
-  add("train0", data::Split::Train), add("train1", data::Split::Train);
-  if (with_test) add("test0", data::Split::Test), add("test1", data::Split::Test);
+  add("train0", data::Split::Train);
+  add("train1", data::Split::Train);
+  if (with_test) {
+    add("test0", data::Split::Test);
+    add("test1", data::Split::Test);
+  }
   data::write_dataset_info(folder, info);
 }
 

@@ -39,7 +39,7 @@ struct TinyModel {
   uint64_t seed = 1;
 };
 
-/// Random weights; saved as the trainer saves.
+/// Saves a model of random weights as the trainer does.
 void save_tiny_model(const std::filesystem::path& path, const TinyModel& tiny = {});
 
 /// A floor [−2, 2]² at y = 0 with albedo 0.5, under a black 1 m² light at y = 2 of radiance (5, 4,
