@@ -1,7 +1,10 @@
 // Only argv and the exit code live here; the subcommands are in *_command.cpp.
 #include <CLI/CLI.hpp>
 
-#include "datagen/commands/commands.h"
+#include "datagen/commands/bake_command.h"
+#include "datagen/commands/generate_command.h"
+#include "datagen/commands/info_command.h"
+#include "datagen/commands/probe_command.h"
 #include "lte/base/check.h"
 #include "lte/base/version.h"
 #include "lte/cli/cli.h"

@@ -22,15 +22,16 @@
 namespace lte::datagen {
 namespace {
 
-constexpr int64_t kBlock = 4096;  // points between two looks at the progress
-constexpr int kRivalRays = 64;
+constexpr int64_t kBlock = 4096;     // points between two looks at the progress
+constexpr int kPathTracedRays = 64;  // of path_traced_64
 
-/// Independent seeds of one scene's random streams.
+/// The random streams of one scene, each with a seed of its own. The numbers are part of what makes
+/// a data set reproducible: append, never reorder.
 enum class Stream : uint64_t {
   ScenePoints = 1,
   QueryPoints,
   Queries,
-  QueriesRival,
+  QueriesPathTraced64,
   View,
   Reach,
   Cameras,
@@ -49,20 +50,21 @@ void in_range(const char* key, double value, double low, double high) {
             "], got ", value);
 }
 
-/// Path-traces points of one scene in blocks. `Progress` sees paths, of all points and purposes.
+/// Path-traces points of one scene in blocks. Progress counts the paths of all points and purposes.
 class Baker {
  public:
   Baker(const scene::Scene& scene, const BakeOptions& options, bool show_progress)
       : options_(options), bvh_(scene), lights_(scene) {
     if (!show_progress) return;
-    const int64_t rival = options.path_tracing_64 ? kRivalRays : 0;
+    const int64_t path_traced = options.path_tracing_64 ? kPathTracedRays : 0;
     int64_t few = 0;
     for (const int rays : data::kFewPaths) few += options.path_tracing_64 ? rays : 0;
     const ViewOptions& views = options.views;
     const int64_t pixels = views.count * views.width * views.height;
-    const int64_t paths = options.query_points * (options.rays + rival) +
-                          pixels * (views.rays + rival + few) + incident_paths(options.incident);
-    // How many paths a target takes is not known before.
+    const int64_t paths = options.query_points * (options.rays + path_traced) +
+                          pixels * (views.rays + path_traced + few) +
+                          incident_paths(options.incident);
+    // The number of paths that a target takes is not known in advance.
     progress_.emplace("baking " + scene.name, options.target_error > 0 ? 0 : paths, "paths");
   }
 
@@ -70,7 +72,8 @@ class Baker {
   const pathtrace::Lights& lights() const { return lights_; }
   int groups() const { return lights_.groups(); }
 
-  /// Irradiance at points, spread to `slots` of arrays of `slot_count` (all of them if empty).
+  /// Irradiance at points. Point i goes to slot `slots[i]` of arrays of `slot_count`, or to slot i
+  /// if `slots` is empty.
   void irradiance(const std::vector<Vec3>& position, const std::vector<Vec3>& normal, int64_t rays,
                   uint64_t seed, const std::vector<size_t>& slots, size_t slot_count,
                   std::vector<Rgb>* direct, std::vector<Rgb>* indirect,
@@ -96,7 +99,7 @@ class Baker {
   /// Paths started so far.
   int64_t paths() const { return paths_; }
 
-  /// The query points' irradiance with as many paths a point as options ask for.
+  /// Irradiance at the query points with as many paths a point as target_error asks for.
   void adaptive(uint64_t seed, data::SceneSample* sample) {
     pathtrace::AdaptiveOptions options;
     options.target_error = options_.target_error;
@@ -115,10 +118,11 @@ class Baker {
     sample->target_error = options_.target_error;
   }
 
-  /// Indirect irradiance of all groups with few rays.
-  std::vector<Rgb> rival(const std::vector<Vec3>& position, const std::vector<Vec3>& normal,
-                         int rays, uint64_t seed, const std::vector<size_t>& slots,
-                         size_t slot_count) {
+  /// Indirect irradiance of all groups together with few rays, independent of the reference: what
+  /// path_traced_64 and its siblings hold.
+  std::vector<Rgb> path_traced(const std::vector<Vec3>& position, const std::vector<Vec3>& normal,
+                               int rays, uint64_t seed, const std::vector<size_t>& slots,
+                               size_t slot_count) {
     std::vector<Rgb> out(slot_count);
     pathtrace::IrradianceOptions few = irradiance_options(rays, seed);
     few.variance = false;
@@ -150,8 +154,8 @@ class Baker {
                  const pathtrace::IrradianceOptions& options, const Use& use) {
     const auto total = static_cast<int64_t>(position.size());
     for (int64_t first = 0; first < total; first += kBlock) {
-      const auto at = static_cast<size_t>(first),
-                 size = static_cast<size_t>(std::min(kBlock, total - first));
+      const auto at = static_cast<size_t>(first);
+      const auto size = static_cast<size_t>(std::min(kBlock, total - first));
       use(pathtrace::estimate_irradiance(bvh_, lights_, std::span(position).subspan(at, size),
                                          std::span(normal).subspan(at, size), options, first),
           at);
@@ -166,7 +170,7 @@ class Baker {
   std::atomic<int64_t> paths_{0};
 };
 
-/// Points where light reaches them, or all over the surface.
+/// Draws points where light reaches them, or all over the surface.
 scene::SurfaceSamples draw_points(const pathtrace::Bvh& bvh, const BakeOptions& options,
                                   int64_t count, const scene::SamplerOptions& sampler,
                                   pathtrace::Sides sides, int64_t* pruned) {
@@ -234,7 +238,7 @@ void bake_incident_points(Baker* baker, const BakeOptions& options, data::SceneS
                                 [baker](int64_t paths) { baker->count(paths); });
 }
 
-/// Each of those given once, in an order that the seed draws, and automatic ones after them.
+/// Returns each given camera once, from one that the seed draws, and automatic ones after them.
 scene::Camera view_camera(const pathtrace::Bvh& bvh, const BakeOptions& options, int64_t index) {
   const auto given = static_cast<int64_t>(options.view_cameras.size());
   if (index >= given)
@@ -269,10 +273,10 @@ data::View bake_view(Baker* baker, const BakeOptions& options, int64_t index) {
                     &view.direct, &view.indirect, &view.variance);
   if (options.path_tracing_64) {
     view.path_traced_64 =
-        baker->rival(position, normal, kRivalRays, hash_combine(seed, 2), slots, pixels);
+        baker->path_traced(position, normal, kPathTracedRays, hash_combine(seed, 2), slots, pixels);
     for (size_t i = 0; i < data::kFewPaths.size(); ++i) {
-      view.path_traced_few[i] = baker->rival(position, normal, data::kFewPaths[i],
-                                             hash_combine(seed, 3 + i), slots, pixels);
+      view.path_traced_few[i] = baker->path_traced(position, normal, data::kFewPaths[i],
+                                                   hash_combine(seed, 3 + i), slots, pixels);
     }
   }
   view.position = std::move(hits.position);
@@ -293,6 +297,7 @@ void check_bake_options(const BakeOptions& options) {
   in_range("max_rays", static_cast<double>(options.max_rays), static_cast<double>(options.min_rays),
            6e7);
   in_range("max_depth", options.max_depth, 1, 1000);
+  in_range("light_paths", options.light_paths, 1, 6e7);
   in_range("emissive_share", options.emissive_share, 0, 1);
   in_range("views.count", static_cast<double>(options.views.count), 0, 1000);
   in_range("views.width", static_cast<double>(options.views.width), 1, 16384);
@@ -320,9 +325,12 @@ data::SceneSample bake_scene(const scene::Scene& scene, const BakeOptions& optio
   Baker baker(scene, options, show_progress);
   sample_points(baker.bvh(), options, &sample);
   sample.light_groups = baker.groups();
-  pathtrace::LightEstimates light = pathtrace::estimate_light(
-      baker.bvh(), baker.lights(), sample.scene_position, sample.scene_normal,
-      sample.scene_emission, options.max_depth, stream_seed(options.seed, Stream::LightEstimates));
+  pathtrace::LightEstimates light =
+      pathtrace::estimate_light(baker.bvh(), baker.lights(), sample.scene_position,
+                                sample.scene_normal, sample.scene_emission,
+                                {.paths = options.light_paths,
+                                 .max_depth = options.max_depth,
+                                 .seed = stream_seed(options.seed, Stream::LightEstimates)});
   sample.scene_direct = std::move(light.direct);
   sample.scene_indirect = std::move(light.indirect);
   const size_t N = sample.query_position.size();
@@ -334,8 +342,9 @@ data::SceneSample bake_scene(const scene::Scene& scene, const BakeOptions& optio
                      &sample.direct, &sample.indirect, &sample.variance);
   }
   if (options.path_tracing_64) {
-    sample.path_traced_64 = baker.rival(sample.query_position, sample.query_normal, kRivalRays,
-                                        stream_seed(options.seed, Stream::QueriesRival), {}, N);
+    sample.path_traced_64 =
+        baker.path_traced(sample.query_position, sample.query_normal, kPathTracedRays,
+                          stream_seed(options.seed, Stream::QueriesPathTraced64), {}, N);
   }
   for (int64_t k = 0; k < options.views.count; ++k)
     sample.views.push_back(bake_view(&baker, options, k));

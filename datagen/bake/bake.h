@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "lte/data/dataset.h"
 #include "lte/data/scene_sample.h"
 #include "lte/scene/scene.h"
 
@@ -28,19 +29,24 @@ struct BakeOptions {
   int64_t scene_points = 20000;
   int64_t query_points = 100000;
   int64_t rays = 1024;  ///< paths a query point, unless target_error decides
-  /// Standard error of indirect irradiance at query points, relative to its mean over them, that
-  /// decides between min_rays and max_rays paths a point (lte/pathtrace/adaptive.h); 0: `rays`
-  /// each.
+  /// If positive, each query point takes as many paths, from min_rays to max_rays, as bring the
+  /// standard error of its indirect irradiance to this share of the mean over the query points
+  /// (lte/pathtrace/adaptive.h). If 0, each takes `rays`.
   double target_error = 0;
   int64_t min_rays = 64, max_rays = 4096;
   int max_depth = 5;
-  bool prune = false;  ///< draw points only where light can reach them (lte/pathtrace/reach.h)
+  /// Paths a side of a scene point, max_depth deep, for the light that a network reads there
+  /// (lte/pathtrace/light_estimates.h).
+  int light_paths = data::kDefaultLightPaths;
+  bool prune = false;           ///< draw points only where light reaches (lte/pathtrace/reach.h)
   double emissive_share = 0.1;  ///< of scene points, guaranteed to luminaires
-  /// Also bake the rival: 64 independent paths a point, and in views data::kFewPaths as well.
+  /// Also bake path_traced_64, an estimate of 64 paths a point that is independent of the
+  /// reference; in views also one with each number of paths in data::kFewPaths.
   bool path_tracing_64 = true;
   ViewOptions views;
   IncidentBakeOptions incident;
-  /// Views take these in a random order; empty, or once they are used up: automatic cameras.
+  /// Views take these in turn, from one that the seed draws, and automatic cameras once all are
+  /// used.
   std::vector<scene::Camera> view_cameras;
   uint64_t seed = 1;
 };
@@ -48,10 +54,10 @@ struct BakeOptions {
 /// @throws lte::Error naming the key that is out of range.
 void check_bake_options(const BakeOptions& options);
 
-/// Samples and path-traces. The same sample for the same scene and options, whatever the number of
-/// threads.
+/// Samples and path-traces a scene. The same scene and options give the same sample, whatever the
+/// number of threads.
 /// @param show_progress  print points done, rate and time left
-/// @param rays  if not null, takes the number of paths that were started, whatever for
+/// @param rays  if not null, receives the number of paths that were started for any purpose
 /// @throws lte::Error if the scene has no surface or options are out of range.
 data::SceneSample bake_scene(const scene::Scene& scene, const BakeOptions& options,
                              bool show_progress, int64_t* rays = nullptr);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int64_t kBlock = 32;  // points in full precision at a time
 
-/// Directions and densities of the cells, the same at every point.
+/// Sets directions and densities of the cells, which are the same at every point.
 void describe_cells(data::IncidentField* field) {
   const int bins = field->bins;
   for (int row = 0; row < bins; ++row) {
@@ -38,6 +38,7 @@ float largest_of(const pathtrace::IncidentRadiance& radiance, int64_t point) {
   return largest;
 }
 
+/// Stores radiance as half floats, each point scaled so that its largest value fits.
 void pack(const pathtrace::IncidentRadiance& radiance, int64_t first, data::IncidentField* field) {
   const int64_t P = field->points(), cells = radiance.cells();
   for (int64_t i = 0; i < radiance.points; ++i) {
@@ -87,8 +88,8 @@ data::IncidentField bake_incident(const pathtrace::Bvh& bvh, const pathtrace::Li
   incident.max_depth = max_depth;
   incident.seed = seed;
   for (int64_t first = 0; first < P; first += kBlock) {
-    const auto at = static_cast<size_t>(first),
-               size = static_cast<size_t>(std::min(kBlock, P - first));
+    const auto at = static_cast<size_t>(first);
+    const auto size = static_cast<size_t>(std::min(kBlock, P - first));
     pack(pathtrace::estimate_incident(bvh, lights, std::span(field.position).subspan(at, size),
                                       std::span(field.normal).subspan(at, size), incident, first),
          first, &field);

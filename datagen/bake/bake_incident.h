@@ -12,11 +12,12 @@
 
 namespace lte::datagen {
 
-/// Paths that all points take together.
+/// The number of paths that all points take together.
 int64_t incident_paths(const IncidentBakeOptions& options);
 
-/// @param points  on the front side, as many as are wanted
-/// @param done    told of paths as they are done
+/// Estimates incident radiance at each of `points`.
+/// @param points  on the front side of their surfaces
+/// @param done    is told the number of paths whenever some are done
 data::IncidentField bake_incident(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                                   const scene::SurfaceSamples& points,
                                   const IncidentBakeOptions& options, int max_depth, uint64_t seed,

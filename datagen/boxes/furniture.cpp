@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-namespace lte::datagen {
+namespace lte::datagen::boxes {
 namespace {
 
-/// One piece in the making: the shorthands that the functions below share.
+/// One piece in the making, with the shorthands that the functions below share.
 struct Maker {
   Assembly piece;
   MaterialFactory* materials;
@@ -32,7 +32,7 @@ struct Maker {
   }
 };
 
-/// Up to three small things on the horizontal rectangle ±half_w × ±half_d at height y.
+/// Puts up to three small things on the horizontal rectangle ±half_w × ±half_d at height y.
 void put_things_on(Maker* m, float half_w, float half_d, float y, float height_limit) {
   std::vector<Bounds> taken;
   const int things = m->count(0, 3);
@@ -312,4 +312,4 @@ Assembly make_piece(PieceKind kind, float room_height, MaterialFactory* material
   return m.piece;
 }
 
-}  // namespace lte::datagen
+}  // namespace lte::datagen::boxes

@@ -1,6 +1,6 @@
 #include "datagen/boxes/materials.h"
 
-namespace lte::datagen {
+namespace lte::datagen::boxes {
 
 MaterialFactory::MaterialFactory(scene::Scene* scene, std::vector<int64_t> texture_sizes,
                                  uint64_t seed)
@@ -133,4 +133,4 @@ int MaterialFactory::light(const Rgb& radiance) {
   return material;
 }
 
-}  // namespace lte::datagen
+}  // namespace lte::datagen::boxes

@@ -1,4 +1,4 @@
-// The materials of a room, drawn at random within realistic ranges of albedo.
+// The materials of a room of boxes, drawn at random within realistic ranges of albedo.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 #include "lte/base/random.h"
 #include "lte/scene/scene.h"
 
-namespace lte::datagen {
+namespace lte::datagen::boxes {
 
 /// Appends materials and textures to a scene and returns the material's index. Wood, paint and
 /// fabric come from small palettes, so that the furniture of a room goes together and textures are
@@ -49,4 +49,4 @@ class MaterialFactory {
   int trim_ = scene::kNone, dark_ = scene::kNone;
 };
 
-}  // namespace lte::datagen
+}  // namespace lte::datagen::boxes

@@ -9,12 +9,12 @@
 #include "lte/base/check.h"
 #include "lte/base/random.h"
 
-namespace lte::datagen {
+namespace lte::datagen::boxes {
 namespace {
 
 constexpr int kPlaceAttempts = 24;
-constexpr float kGap = 0.02f;  ///< metres kept between pieces, and between a piece and a wall
-constexpr float kDoorClearance = 0.8f;  ///< metres kept free on both sides of the doorway
+constexpr float kGap = 0.02f;           // metres between pieces, and between a piece and a wall
+constexpr float kDoorClearance = 0.8f;  // metres kept free on both sides of the doorway
 
 bool overlap(const Bounds& a, const Bounds& b, float margin) {
   for (int axis = 0; axis < 3; ++axis)
@@ -72,7 +72,7 @@ class RoomMaker {
   scene::Scene& scene_;
   RoomPlan& plan_;
   MaterialFactory materials_;
-  std::vector<Bounds> taken_;  ///< what new pieces must keep clear of
+  std::vector<Bounds> taken_;  // new pieces must keep clear of these
 };
 
 void RoomMaker::add(const std::string& name, const std::vector<Part>& parts,
@@ -156,7 +156,8 @@ void RoomMaker::place_lights() {
   LTE_CHECK(placed > 0, "no ceiling light fits a room of the configured size");
 }
 
-/// A flat housing under the ceiling whose bottom emits; its sides are dark, its top is the ceiling.
+/// Adds a flat housing under the ceiling whose bottom emits. Its sides are dark, its top is the
+/// ceiling.
 bool RoomMaker::place_light(int room) {
   const Bounds& inner = plan_.rooms[static_cast<size_t>(room)];
   const Vec3 size{rng_.uniform(0.25f, 1.2f), rng_.uniform(0.01f, 0.02f), rng_.uniform(0.25f, 1.2f)};
@@ -195,7 +196,7 @@ bool RoomMaker::is_free(const Bounds& bounds) const {
   return true;
 }
 
-/// A random place inside the room, back to a wall or anywhere; it may still overlap something.
+/// Draws a place inside the room, back to a wall or anywhere. It may still overlap something.
 Affine RoomMaker::try_placement(const Bounds& local, const Bounds& inner, bool at_wall) {
   const uint64_t quarter = rng_.below(4);
   const bool turned = !at_wall && rng_.below(2) == 0;
@@ -241,7 +242,7 @@ void RoomMaker::furnish(int room) {
     place_piece(room, static_cast<PieceKind>(rng_.below(kPieceKinds)));
 }
 
-/// Thin boxes on the four walls at eye height, clear of furniture and of the doorway.
+/// Hangs pictures, thin boxes, on the four walls at eye height, clear of furniture and doorway.
 void RoomMaker::hang_pictures(int room) {
   const Bounds& inner = plan_.rooms[static_cast<size_t>(room)];
   const uint64_t pictures = rng_.below(4);
@@ -287,4 +288,4 @@ Room generate_room(const RoomConfig& config, uint64_t seed, const std::string& n
   return room;
 }
 
-}  // namespace lte::datagen
+}  // namespace lte::datagen::boxes

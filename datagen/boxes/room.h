@@ -1,5 +1,5 @@
-// Procedural furnished rooms: what the model is trained on when no scanned or modelled scenes are
-// at hand.
+// A room or two furnished with boxes and cylinders: scenes that are made fast and have few
+// triangles. datagen/homes makes the detailed ones.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,14 @@
 #include "lte/base/math.h"
 #include "lte/scene/scene.h"
 
-namespace lte::datagen {
+namespace lte::datagen::boxes {
 
-/// `rooms:` in the YAML config.
+/// `boxes:` in the YAML config.
 struct RoomConfig {
   Range width_m{2.5, 7}, depth_m{2.5, 7}, height_m{2.3, 3.2};
-  CountRange furniture{4,
-                       12};  ///< pieces a room that are tried; what finds no free place is left out
-  CountRange lights{1, 3};   ///< ceiling lights a scene
-  Range radiance{2, 40};     ///< of a light, W sr^-1 m^-2 (luminance), log-uniform
+  CountRange furniture{4, 12};   ///< pieces a room that are tried; some find no free place
+  CountRange lights{1, 3};       ///< ceiling lights a scene
+  Range radiance{2, 40};         ///< of a light, W sr^-1 m^-2 (luminance), log-uniform
   double two_room_share = 0.25;  ///< of scenes: two rooms and a doorway between them
   std::vector<int64_t> texture_sizes{128, 256};  ///< texels an edge; one is drawn a texture
 };
@@ -33,7 +32,7 @@ struct PlacedPiece {
   Bounds bounds;  ///< world
 };
 
-/// Where everything is, for tests and for people.
+/// Where everything is, for tests and for people to look at.
 struct RoomPlan {
   std::vector<Bounds> rooms;  ///< inner boxes, one or two, side by side along x
   Bounds doorway;             ///< the opening in the partition; empty for one room
@@ -46,8 +45,9 @@ struct Room {
   RoomPlan plan;
 };
 
-/// A room of closed, Lambertian, textured surfaces with one light group a ceiling light. Y up,
-/// metres, floor at y = 0. The same for the same (config, seed).
+/// Makes a room of closed, Lambertian, textured surfaces with one light group a ceiling light. Y is
+/// up, units are metres, the floor is at y = 0. The same (config, seed) gives the same room.
+/// @throws lte::Error if no ceiling light fits a room of the configured size.
 Room generate_room(const RoomConfig& config, uint64_t seed, const std::string& name = "room");
 
-}  // namespace lte::datagen
+}  // namespace lte::datagen::boxes

@@ -1,7 +1,9 @@
+#include "datagen/commands/bake_command.h"
+
+#include <cstdio>
 #include <memory>
 
 #include "datagen/bake/bake.h"
-#include "datagen/commands/commands.h"
 #include "datagen/commands/info.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
@@ -22,7 +24,10 @@ void run(const Flags& flags) {
   apply_common_options(flags.common);
   check_bake_options(flags.bake);
   const scene::Scene scene = load_and_report(flags.scene, flags.options);
-  if (flags.validate_only) return print_validation(flags.scene, scene);
+  if (flags.validate_only) {
+    std::fputs(validation_line(flags.scene, scene).c_str(), stdout);
+    return;
+  }
   LTE_CHECK(!flags.out.empty(), "--out is missing: name the .safetensors file to write");
   const data::SceneSample sample = bake_scene(scene, flags.bake, true);
   data::write_scene_sample(flags.out, sample);

@@ -1,5 +1,5 @@
-// The subcommands of lte_datagen. Each adds its flags and, when chosen, leaves in `*body` what main
-// is to run.
+// What the subcommands of lte_datagen share. Each is in a file of its own, x_command.{h,cpp}: it
+// adds its flags and, when it is chosen, leaves in `*body` what main is to run.
 #pragma once
 
 #include <functional>
@@ -13,16 +13,11 @@ namespace lte::datagen {
 
 using CommandBody = std::function<void()>;
 
-void add_generate_command(CLI::App& app, CommandBody* body);
-void add_bake_command(CLI::App& app, CommandBody* body);
-void add_probe_command(CLI::App& app, CommandBody* body);
-void add_info_command(CLI::App& app, CommandBody* body);
-
 inline constexpr const char* kSceneFormats = ".gltf, .glb, .pbrt, .obj or .ply";
 
-/// What is done to a scene between loading and use.
+/// What to do with a scene between loading and use.
 struct SceneOptions {
-  std::string cleanup;          ///< list of what of its geometry to put right
+  std::string cleanup;          ///< faults of its geometry to put right, separated by commas
   std::string environment;      ///< "R,G,B" or a picture; empty: the scene's own
   double environment_turn = 0;  ///< degrees about +Y
 };
@@ -30,12 +25,15 @@ struct SceneOptions {
 /// Adds --cleanup, --environment and --environment-turn.
 void add_scene_options(CLI::App& app, SceneOptions* options);
 
-/// Loads a scene, does to it what `options` say, and says what of it is not understood, as
-/// warnings.
+/// Puts the environment of `options`, if it names one, in the place of the scene's own.
+/// @throws lte::Error if only a turn is given, or the picture cannot be read.
+void apply_environment(const SceneOptions& options, scene::Scene* scene);
+
+/// Loads a scene, applies `options`, and warns about what of it is not understood.
 scene::Scene load_and_report(const std::string& path, const SceneOptions& options);
 
-/// --validate-only: one line on standard output if the scene can be used.
-void print_validation(const std::string& path, const scene::Scene& scene);
+/// The line that --validate-only prints for a scene that can be used.
+std::string validation_line(const std::string& path, const scene::Scene& scene);
 
 /// Writes `text` to `path` unless that is empty.
 void write_json(const std::string& path, const std::string& text);

@@ -1,8 +1,9 @@
+#include "datagen/commands/generate_command.h"
+
 #include <charconv>
 #include <cstdio>
 #include <memory>
 
-#include "datagen/commands/commands.h"
 #include "datagen/commands/info.h"
 #include "datagen/dataset/generate.h"
 #include "lte/base/check.h"
@@ -22,7 +23,7 @@ struct Flags {
   bool has_scenes = false, has_seed = false, print_config = false, merge = false;
 };
 
-/// "I/N".
+/// Reads "I/N".
 void parse_shard(const std::string& text, GenerateOptions* options) {
   const char *begin = text.data(), *end = begin + text.size();
   Shard& shard = options->shard;
@@ -90,7 +91,8 @@ void run(Flags* flags) {
 
 void add_generate_command(CLI::App& app, CommandBody* body) {
   auto flags = std::make_shared<Flags>();
-  CLI::App* command = app.add_subcommand("generate", "Make a data set of procedural rooms");
+  CLI::App* command =
+      app.add_subcommand("generate", "Make a data set of procedural boxes or homes");
   CLI::Option* config = command->add_option(
       "--config", flags->config,
       "YAML file; see configs/data/. With --resume the data set's own unless given");
@@ -122,10 +124,10 @@ void add_generate_command(CLI::App& app, CommandBody* body) {
   command->footer(
       "Examples:\n"
       "  lte_datagen generate --config configs/data/demo.yaml --out demo --scenes 8 --glb\n"
-      "  lte_datagen generate --config configs/data/rooms.yaml --out rooms --scenes 200\n"
-      "  lte_datagen generate --config configs/data/rooms.yaml --out rooms --shard 0/4 --resume\n"
-      "  lte_datagen generate --out rooms --resume\n"
-      "  lte_datagen generate --out rooms --merge\n"
+      "  lte_datagen generate --config configs/data/homes.yaml --out homes --scenes 200\n"
+      "  lte_datagen generate --config configs/data/homes.yaml --out homes --shard 0/4 --resume\n"
+      "  lte_datagen generate --out homes --resume\n"
+      "  lte_datagen generate --out homes --merge\n"
       "docs/scale-out.md has scripts for SLURM and for shells.");
   command->callback([=] {
     if (config->count() == 0 && !flags->merge && !flags->options.resume)

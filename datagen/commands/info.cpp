@@ -25,8 +25,8 @@ Rgb mean(const std::vector<Rgb>& values, double divisor) {
   return {part(0), part(1), part(2)};
 }
 
-/// π times area times mean radiance: textures are averaged over the triangle's size, with one look
-/// at its centre.
+/// π times area times mean radiance. A texture is looked up once a triangle, at its centre,
+/// averaged over the triangle's size.
 Rgb instance_power(const scene::Scene& scene, int index) {
   const scene::Instance& instance = scene.instances[static_cast<size_t>(index)];
   const scene::Mesh& mesh = scene.meshes[static_cast<size_t>(instance.mesh)];
@@ -46,8 +46,9 @@ Rgb instance_power(const scene::Scene& scene, int index) {
   return power;
 }
 
-/// Integral of the extension's falloff over directions: whole inside the inner cone, ((cos −
-/// cos_o)/(cos_i − cos_o))² between the cones.
+/// The intensity integrated over directions. A spot light of KHR_lights_punctual is at full
+/// intensity inside the inner cone and falls off as ((cos − cos_o)/(cos_i − cos_o))² between the
+/// cones.
 Rgb light_power(const scene::PunctualLight& light) {
   if (light.kind == scene::LightKind::Directional) return {};
   if (light.kind == scene::LightKind::Point) return light.intensity * (4 * kPi);

@@ -1,4 +1,4 @@
-// What a scene, a sample file or a data set holds, for people and as JSON.
+// What a scene, a sample file or a data set holds, as JSON and as text for people.
 #pragma once
 
 #include <filesystem>
@@ -13,25 +13,26 @@ namespace lte::datagen {
 
 using Json = nlohmann::ordered_json;
 
-/// {"kind":"scene","name","triangles","stored_triangles",..,"texture_list":[{"width","height","bytes",
-/// "uses"}],"camera_list","light_groups":[{"name","kind","power_w":[r,g,b]}],"bounds","unit",
-/// "ignored","geometry":{..}}, the last as `report` has it.
+/// Describes a scene: {"kind": "scene", "name", "triangles", "stored_triangles", ..,
+/// "texture_list": [{"width", "height", "bytes", "uses"}], "camera_list",
+/// "light_groups": [{"name", "kind", "power_w": [r, g, b]}], "bounds", "unit", "ignored",
+/// "geometry": cleanup_info(report)}.
 Json scene_info(const scene::Scene& scene, const scene::CleanupReport& report);
-/// The same with a report of its own.
+/// The same with a report that scene::inspect() makes.
 Json scene_info(const scene::Scene& scene);
-/// {"degenerate_triangles","duplicate_triangles",..}: the fields of the report.
+/// The fields of a report: {"degenerate_triangles", "duplicate_triangles", ..}.
 Json cleanup_info(const scene::CleanupReport& report);
-/// {"kind":"sample","name","scene_points","query_points",..}.
+/// Describes a baked scene: {"kind": "sample", "name", "scene_points", "query_points", ..}.
 Json sample_info(const data::SceneSample& sample);
-/// {"kind":"dataset","scenes","splits":{..},..}; reads dataset.json alone unless `deep`, which
-/// validates each sample.
+/// Describes a data set: {"kind": "dataset", "scenes", "splits": {..}, ..}. Reads dataset.json
+/// alone, unless `deep` asks to read and check every sample too.
 Json dataset_info(const std::filesystem::path& directory, bool deep);
 
-/// Radiant power that the emissive instances and punctual lights of each group send out, W by
-/// channel. Directional lights have none that a scene bounds: 0.
+/// Radiant power that the emissive instances and punctual lights of each group send out, in W by
+/// channel. A directional light counts 0, since no scene bounds its power.
 std::vector<Rgb> group_powers(const scene::Scene& scene);
 
-/// "key: value" lines, lists indented.
+/// Formats `info` as "key: value" lines, lists indented.
 std::string to_text(const Json& info);
 
 }  // namespace lte::datagen

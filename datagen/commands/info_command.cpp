@@ -1,25 +1,16 @@
+#include "datagen/commands/info_command.h"
+
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 
-#include "datagen/commands/commands.h"
 #include "datagen/commands/info.h"
 #include "lte/base/check.h"
-#include "lte/base/file.h"
-#include "lte/base/log.h"
 #include "lte/cli/cli.h"
-#include "lte/scene/import/environment_file.h"
 #include "lte/scene/load.h"
 
 namespace lte::datagen {
 namespace {
-
-void apply_environment(const SceneOptions& options, scene::Scene* scene) {
-  LTE_CHECK(!options.environment.empty() || options.environment_turn == 0,
-            "--environment-turn needs --environment");
-  if (!options.environment.empty())
-    scene::set_environment(options.environment, options.environment_turn, scene);
-}
 
 struct Flags {
   CommonOptions common;
@@ -74,43 +65,9 @@ void add_info_command(CLI::App& app, CommandBody* body) {
       "  lte_datagen info room.glb\n"
       "  lte_datagen info room.obj --cleanup degenerate,duplicates\n"
       "  lte_datagen info house.glb --environment sky.exr\n"
-      "  lte_datagen info rooms/scenes/room_00000.safetensors --json info.json\n"
-      "  lte_datagen info rooms --deep");
+      "  lte_datagen info homes/scenes/home_00000.safetensors --json info.json\n"
+      "  lte_datagen info homes --deep");
   command->callback([=] { *body = [flags] { run(*flags); }; });
-}
-
-void add_scene_options(CLI::App& app, SceneOptions* options) {
-  app.add_option("--cleanup", options->cleanup,
-                 "What of a scene's geometry to put right first: a list of degenerate, duplicates, "
-                 "shells, vertices, meshes; or all; by default none");
-  app.add_option("--environment", options->environment,
-                 "Light from all around, in the place of the scene's own: constant radiance R,G,B, "
-                 "or an equirectangular picture (.exr, .hdr, .pfm; .png, .jpg), Y up, +X in its "
-                 "middle");
-  app.add_option("--environment-turn", options->environment_turn,
-                 "Degrees by which to turn it about +Y, counter-clockwise from above");
-}
-
-scene::Scene load_and_report(const std::string& path, const SceneOptions& flags) {
-  const scene::CleanupOptions options = scene::parse_cleanup(flags.cleanup);
-  scene::Scene scene = scene::load_scene(path);
-  for (const std::string& what : scene.ignored) log_warning(path, ": ignored: ", what);
-  apply_environment(flags, &scene);
-  if (options.any()) {
-    const scene::CleanupReport report = scene::clean_up(&scene, options);
-    log_info(path, ": clean-up took ", report.removed_triangles, " triangles; found ",
-             cleanup_info(report).dump());
-  }
-  return scene;
-}
-
-void print_validation(const std::string& path, const scene::Scene& scene) {
-  std::printf("%s: valid scene, %lld triangles, %zu light groups\n", path.c_str(),
-              static_cast<long long>(scene.triangle_count()), scene.light_groups.size());
-}
-
-void write_json(const std::string& path, const std::string& text) {
-  if (!path.empty()) write_file(path, text + "\n");
 }
 
 }  // namespace lte::datagen

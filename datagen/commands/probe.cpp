@@ -47,7 +47,7 @@ float parse_number(const std::string& where, const char* column, const std::stri
   return static_cast<float>(value);
 }
 
-/// Point i of `estimate` as point `at` of the result.
+/// Copies point i of `estimate` to point `at` of the result.
 void store(const pathtrace::Irradiance& estimate, int64_t i, int64_t rays, size_t at,
            ProbeResult* result) {
   const Rgb& variance = estimate.variance_total[static_cast<size_t>(i)];

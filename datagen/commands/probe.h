@@ -1,4 +1,4 @@
-// Irradiance at points that a CSV file lists: the path tracer's word, for checks by other programs.
+// Path-traced irradiance at points that a CSV file lists, for checks by other programs.
 #pragma once
 
 #include <cstdint>
@@ -12,38 +12,37 @@
 namespace lte::datagen {
 
 struct ProbePoints {
-  std::vector<std::string> lines;  ///< as read, one a point, to be repeated in the output
+  std::vector<std::string> lines;  ///< as read, one a point; the output repeats them
   std::vector<Vec3> position, normal;
 };
 
-/// Reads `px,py,pz,nx,ny,nz`, world space; normals are brought to unit length.
-/// @throws lte::Error naming file, line and column of what is not a finite number, missing, or a
-/// zero normal.
+/// Reads `px,py,pz,nx,ny,nz` in world space and brings normals to unit length.
+/// @throws lte::Error naming file, line and column of a number that is missing or not finite, or of
+///         a zero normal.
 ProbePoints read_probe_points(const std::filesystem::path& path);
 
 struct ProbeOptions {
   int64_t rays = 1024;  ///< paths a point, or their cap under a target
   int max_depth = 5;
-  double target_error =
-      0;  ///< relative standard error of total irradiance; 0 for a fixed number of rays
+  double target_error = 0;  ///< relative standard error of total irradiance; 0: `rays` a point
   uint64_t seed = 1;
 };
 
 struct ProbeResult {
   std::vector<Rgb> total, direct, standard_error;
-  std::vector<int64_t> rays;  ///< behind each estimate
-  int64_t missed = 0;         ///< points above the target when the cap was reached
+  std::vector<int64_t> rays;  ///< number behind each estimate
+  int64_t missed = 0;         ///< number of points above the target when the cap was reached
 };
 
-/// With a target, a pilot decides how many fresh paths the estimate is made of
-/// (lte/pathtrace/adaptive.h, ErrorScale::OwnTotal): choosing the count from the same samples would
-/// bias it. Standard errors are from the spread of independently scrambled point sets,
-/// stratification included.
+/// Estimates irradiance at each point. With a target, a pilot decides how many fresh paths the
+/// estimate is made of (lte/pathtrace/adaptive.h, ErrorScale::OwnTotal): to choose the count from
+/// the same samples would bias it. Standard errors come from the spread of independently scrambled
+/// point sets, so they include the gain of stratification.
 /// @throws lte::Error if options are out of range.
 ProbeResult probe(const scene::Scene& scene, const ProbePoints& points,
                   const ProbeOptions& options);
 
-/// The input columns, then total_r,g,b, direct_r,g,b, stderr_r,g,b, rays. Atomic.
+/// Writes the input columns, then total_r,g,b, direct_r,g,b, stderr_r,g,b and rays. Atomic.
 void write_probe_result(const std::filesystem::path& path, const ProbePoints& points,
                         const ProbeResult& result);
 

@@ -1,6 +1,8 @@
+#include "datagen/commands/probe_command.h"
+
+#include <cstdio>
 #include <memory>
 
-#include "datagen/commands/commands.h"
 #include "datagen/commands/info.h"
 #include "datagen/commands/probe.h"
 #include "lte/base/check.h"
@@ -25,7 +27,10 @@ struct Flags {
 void run(Flags* flags) {
   apply_common_options(flags->common);
   const scene::Scene scene = load_and_report(flags->scene, flags->options);
-  if (flags->validate_only) return print_validation(flags->scene, scene);
+  if (flags->validate_only) {
+    std::fputs(validation_line(flags->scene, scene).c_str(), stdout);
+    return;
+  }
   LTE_CHECK(!flags->points.empty(),
             "--points is missing: name a CSV file with the header px,py,pz,nx,ny,nz");
   LTE_CHECK(!flags->out.empty(), "--out is missing: name the CSV file to write");

@@ -5,9 +5,8 @@
 namespace lte::datagen {
 
 inline constexpr float kLightWallDistance = 0.4f;  ///< metres between a light and any wall
-inline constexpr float kLightTallDistance =
-    0.3f;  ///< metres, sideways, between a light and a tall object
-inline constexpr float kLightHeadroom =
-    0.7f;  ///< metres below the ceiling from which an object is tall
+inline constexpr float kLightTallDistance = 0.3f;  ///< metres sideways to a tall object
+/// An object is tall if it reaches into this many metres below the ceiling.
+inline constexpr float kLightHeadroom = 0.7f;
 
 }  // namespace lte::datagen

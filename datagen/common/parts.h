@@ -10,10 +10,11 @@
 
 namespace lte::datagen {
 
-/// Faces of a part, as bits. A cylinder has its mantle (all four sides) and its two ends.
+/// Faces of a part, as bits. A cylinder has its mantle, which all four sides stand for, and two
+/// ends.
 inline constexpr unsigned kNegX = 1, kPosX = 2, kNegY = 4, kPosY = 8, kNegZ = 16, kPosZ = 32;
 inline constexpr unsigned kAllFaces = 63;
-/// What stands on something else: its bottom would coincide with the face below.
+/// For a part that stands on something else: its bottom would coincide with the face below.
 inline constexpr unsigned kNoBottom = kAllFaces & ~kNegY;
 inline constexpr unsigned kSides = kNegX | kPosX | kNegZ | kPosZ;
 

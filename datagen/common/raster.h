@@ -1,4 +1,4 @@
-// What procedural textures are drawn with: periodic noise and the rasterizer.
+// Tools to draw procedural textures: periodic noise and the rasterizer.
 #pragma once
 
 #include <cmath>
@@ -25,7 +25,7 @@ inline Rgb mix(const Rgb& a, const Rgb& b, float t) { return a * (1 - t) + b * t
 
 inline float fraction(float x) { return x - std::floor(x); }
 
-/// The texture whose texel at (u, v) in [0, 1)², its centre, is `color(u, v)`, a linear albedo.
+/// Makes a texture. The texel whose centre is (u, v) in [0, 1)² is `color(u, v)`, a linear albedo.
 TexturePtr rasterize(int size, const std::function<Rgb(float, float)>& color,
                      const AlbedoRange& range = {});
 

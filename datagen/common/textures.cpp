@@ -62,8 +62,10 @@ TexturePtr make_picture(int size, Rng* rng) {
   };
   std::vector<Shape> shapes(4 + rng->below(8));
   for (Shape& s : shapes) {
-    s.x = rng->uniform(), s.y = rng->uniform();
-    s.rx = rng->uniform(0.05f, 0.3f), s.ry = rng->uniform(0.05f, 0.3f);
+    s.x = rng->uniform();
+    s.y = rng->uniform();
+    s.rx = rng->uniform(0.05f, 0.3f);
+    s.ry = rng->uniform(0.05f, 0.3f);
     s.disc = rng->below(2) == 0;
     s.color = color();
   }

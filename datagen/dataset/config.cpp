@@ -1,26 +1,26 @@
 #include "datagen/dataset/config.h"
 
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
 
 #include "lte/base/check.h"
+#include "lte/base/log.h"
 
 namespace lte::datagen {
 namespace {
 
-constexpr const char* kBoxes = "boxes";
-constexpr const char* kHomes = "homes";
-
-template <typename Io, typename C>
-void visit_rooms(Io& io, C& config) {
-  io.section("rooms");
-  io("width_m", config.rooms.width_m);
-  io("depth_m", config.rooms.depth_m);
-  io("height_m", config.rooms.height_m);
-  io("furniture", config.rooms.furniture);
-  io("lights", config.rooms.lights);
-  io("radiance", config.rooms.radiance);
-  io("two_room_share", config.rooms.two_room_share);
-  io("texture_sizes", config.rooms.texture_sizes);
+template <typename Io, typename B>
+void visit_boxes(Io& io, B& boxes) {
+  io.section("boxes", "rooms");
+  io("width_m", boxes.width_m);
+  io("depth_m", boxes.depth_m);
+  io("height_m", boxes.height_m);
+  io("furniture", boxes.furniture);
+  io("lights", boxes.lights);
+  io("radiance", boxes.radiance);
+  io("two_room_share", boxes.two_room_share);
+  io("texture_sizes", boxes.texture_sizes);
 }
 
 template <typename Io, typename H>
@@ -40,7 +40,7 @@ void visit_homes(Io& io, H& homes) {
 /// A writer leaves out the section of the generator that is not used.
 template <typename Io, typename C>
 void visit(Io& io, C& config) {
-  if (io.covers(config.generator == kHomes)) io("generator", config.generator);
+  io("generator", config.generator);
   io("scenes", config.scenes);
   io("seed", config.seed);
   io("scale", config.scale);
@@ -62,54 +62,68 @@ void visit(Io& io, C& config) {
   io("width", config.bake.views.width);
   io("height", config.bake.views.height);
   io("rays", config.bake.views.rays);
-  // Not named where there are none, so that older data sets keep their config.yaml.
+  // Written only where points are asked for, so that config.yaml stays short.
   if (io.covers(config.bake.incident.points > 0)) {
     io.section("incident");
     io("points", config.bake.incident.points);
     io("bins", config.bake.incident.bins);
     io("samples", config.bake.incident.samples);
   }
-  if (io.covers(config.generator == kBoxes)) visit_rooms(io, config);
-  if (io.covers(config.generator == kHomes)) visit_homes(io, config.homes);
+  if (io.covers(config.generator == GeneratorKind::Boxes)) visit_boxes(io, config.boxes);
+  if (io.covers(config.generator == GeneratorKind::Homes)) visit_homes(io, config.homes);
 }
 
 class Reader {
  public:
-  explicit Reader(const Config& root) : root_(root), at_(root) {}
+  explicit Reader(const Config& root) : root_(root), sections_{{root, ""}} {}
   static bool covers(bool) { return true; }
-  void section(const std::string& name) {
-    at_ = root_.at(name);
-    prefix_ = name + ".";
+  /// Reads the keys that follow from section `name`. What older files say under `former` counts
+  /// too, and goes before what their parent says under `name`.
+  void section(const std::string& name, const std::string& former = "") {
+    sections_ = {{root_.at(name), name + "."}};
+    if (former.empty() || !root_.has(former)) return;
+    log_info("`", former, ":` is the former name of `", name, ":`; read as that");
+    sections_.push_back({root_.at(former), former + "."});
   }
   template <typename T>
   void operator()(const std::string& key, T& value) {
-    at_.read(key, &value);
+    for (const Section& section : sections_) section.yaml.read(key, &value);
   }
-  void operator()(const std::string& key, Range& range) {
-    std::vector<double> ends{range.low, range.high};
-    at_.read(key, &ends);
-    pair(key, ends.size());
-    range = {ends[0], ends[1]};
-  }
-  void operator()(const std::string& key, CountRange& range) {
-    std::vector<int64_t> ends{range.low, range.high};
-    at_.read(key, &ends);
-    pair(key, ends.size());
-    range = {ends[0], ends[1]};
+  void operator()(const std::string& key, Range& range) { read_pair<double>(key, range); }
+  void operator()(const std::string& key, CountRange& range) { read_pair<int64_t>(key, range); }
+  void operator()(const std::string& key, GeneratorKind& kind) {
+    std::string word = generator_name(kind);
+    (*this)(key, word);
+    LTE_CHECK(word == "boxes" || word == "homes", key, ": expected boxes or homes, got \"", word,
+              "\"");
+    kind = word == "homes" ? GeneratorKind::Homes : GeneratorKind::Boxes;
   }
 
  private:
-  void pair(const std::string& key, size_t size) const {
-    LTE_CHECK(size == 2, prefix_, key, ": expected [low, high], got ", size, " numbers");
+  struct Section {
+    Config yaml;
+    std::string prefix;
+  };
+
+  template <typename T, typename R>
+  void read_pair(const std::string& key, R& range) {
+    for (const Section& section : sections_) {
+      std::vector<T> ends{range.low, range.high};
+      section.yaml.read(key, &ends);
+      LTE_CHECK(ends.size() == 2, section.prefix, key, ": expected [low, high], got ", ends.size(),
+                " numbers");
+      range = {ends[0], ends[1]};
+    }
   }
-  Config root_, at_;
-  std::string prefix_;
+
+  Config root_;
+  std::vector<Section> sections_;
 };
 
 class Writer {
  public:
   static bool covers(bool used) { return used; }
-  void section(const std::string& name) {
+  void section(const std::string& name, const std::string& /*former*/ = "") {
     text_ += concat(name, ":\n");
     indent_ = "  ";
   }
@@ -119,6 +133,9 @@ class Writer {
   }
   void operator()(const std::string& key, const Range& r) { line(key, pair(r.low, r.high)); }
   void operator()(const std::string& key, const CountRange& r) { line(key, pair(r.low, r.high)); }
+  void operator()(const std::string& key, GeneratorKind kind) {
+    line(key, nlohmann::json(generator_name(kind)).dump());
+  }
   const std::string& text() const { return text_; }
 
  private:
@@ -150,20 +167,21 @@ void check_texture_sizes(const std::string& key, const std::vector<int64_t>& siz
   for (const int64_t size : sizes) in_range<int64_t>(key.c_str(), size, 8, 4096);
 }
 
-void check_rooms(const RoomConfig& rooms, double scale) {
-  range_in("rooms.width_m", rooms.width_m, 2.5, 50.0);
-  range_in("rooms.depth_m", rooms.depth_m, 2.5, 50.0);
-  range_in("rooms.height_m", rooms.height_m, 2.3, 10.0);
-  range_in<CountRange, int64_t>("rooms.furniture", rooms.furniture, 0, 200);
-  range_in<CountRange, int64_t>("rooms.lights", rooms.lights, 1, 16);
-  range_in("rooms.radiance", rooms.radiance, 1e-6, 1e6);
-  in_range("rooms.two_room_share", rooms.two_room_share, 0.0, 1.0);
-  check_texture_sizes("rooms.texture_sizes", rooms.texture_sizes);
-  const double longest = rooms.two_room_share > 0 ? 2 * rooms.width_m.high + kMaxPartitionThickness
-                                                  : rooms.width_m.high;
-  LTE_CHECK(std::max({longest, rooms.depth_m.high, rooms.height_m.high}) <= scale, "scale: ", scale,
-            " m is less than the largest scene that `rooms` allows, ",
-            std::max({longest, rooms.depth_m.high, rooms.height_m.high}), " m");
+void check_boxes(const boxes::RoomConfig& boxes, double scale) {
+  range_in("boxes.width_m", boxes.width_m, 2.5, 50.0);
+  range_in("boxes.depth_m", boxes.depth_m, 2.5, 50.0);
+  range_in("boxes.height_m", boxes.height_m, 2.3, 10.0);
+  range_in<CountRange, int64_t>("boxes.furniture", boxes.furniture, 0, 200);
+  range_in<CountRange, int64_t>("boxes.lights", boxes.lights, 1, 16);
+  range_in("boxes.radiance", boxes.radiance, 1e-6, 1e6);
+  in_range("boxes.two_room_share", boxes.two_room_share, 0.0, 1.0);
+  check_texture_sizes("boxes.texture_sizes", boxes.texture_sizes);
+  const double width = boxes.two_room_share > 0
+                           ? 2 * boxes.width_m.high + boxes::kMaxPartitionThickness
+                           : boxes.width_m.high;
+  const double longest = std::max({width, boxes.depth_m.high, boxes.height_m.high});
+  LTE_CHECK(longest <= scale, "scale: ", scale,
+            " m is less than the largest scene that `boxes` allows, ", longest, " m");
 }
 
 void check_homes(const homes::HomeConfig& homes, double scale) {
@@ -181,6 +199,10 @@ void check_homes(const homes::HomeConfig& homes, double scale) {
 
 }  // namespace
 
+const char* generator_name(GeneratorKind kind) {
+  return kind == GeneratorKind::Homes ? "homes" : "boxes";
+}
+
 void check_datagen_config(const DatagenConfig& config) {
   in_range<int64_t>("scenes", config.scenes, 1, 10'000'000);
   in_range("scale", config.scale, 0.1, 1e6);
@@ -193,10 +215,8 @@ void check_datagen_config(const DatagenConfig& config) {
               "evaluation_splits: expected train, val or test, got \"", split, "\"");
   }
   check_bake_options(config.bake);
-  LTE_CHECK(config.generator == kBoxes || config.generator == kHomes,
-            "generator: expected boxes or homes, got \"", config.generator, "\"");
-  if (config.generator == kBoxes) check_rooms(config.rooms, config.scale);
-  if (config.generator == kHomes) check_homes(config.homes, config.scale);
+  if (config.generator == GeneratorKind::Boxes) check_boxes(config.boxes, config.scale);
+  if (config.generator == GeneratorKind::Homes) check_homes(config.homes, config.scale);
 }
 
 DatagenConfig read_datagen_config(const Config& yaml) {

@@ -1,5 +1,5 @@
-// What `lte_datagen generate` makes: number and kind of rooms, and how each is baked. Read strictly
-// from YAML.
+// What `lte_datagen generate` makes: how many boxes or homes, of which kind, and how each is baked.
+// Read strictly from YAML.
 #pragma once
 
 #include <cstdint>
@@ -14,23 +14,29 @@
 
 namespace lte::datagen {
 
-/// The names match the YAML keys; configs/data/rooms.yaml and boxes.yaml explain them.
+/// What makes the scenes: datagen/boxes, configured by `boxes:`, or datagen/homes, by `homes:`.
+enum class GeneratorKind { Boxes, Homes };
+
+/// "boxes" or "homes".
+const char* generator_name(GeneratorKind kind);
+
+/// The names match the YAML keys, which configs/data/{base,homes,boxes}.yaml explain.
 struct DatagenConfig {
   int64_t scenes = 1000;
   uint64_t seed = 1;
-  double scale = 16;  ///< s, metres: no scene may be larger
+  double scale = 16;  ///< s, metres: no scene may be larger than this
   double val_share = 0.05, test_share = 0.05;
-  /// Splits whose scenes also get views and the rival (`path_tracing_64`); training itself reads
-  /// neither.
+  /// Splits whose scenes also get views and `path_tracing_64`. Training reads neither.
   std::vector<std::string> evaluation_splits{"train", "val", "test"};
-  /// What makes the scenes: `boxes` (configured by `rooms`) or `homes`.
-  std::string generator = "boxes";
-  BakeOptions bake;  ///< keys at the top level and under `views`; its seed is drawn scene by scene
-  RoomConfig rooms;
+  GeneratorKind generator = GeneratorKind::Boxes;
+  /// Keys at the top level, under `views` and under `incident`. Each scene draws a seed of its own.
+  BakeOptions bake;
+  boxes::RoomConfig boxes;
   homes::HomeConfig homes;
 };
 
-/// Reads every key, checks ranges, and refuses unknown keys.
+/// Reads every key, checks ranges, and refuses unknown keys. `rooms:`, the former name of `boxes:`,
+/// is read too, with a line in the log.
 /// @throws lte::Error naming the file and the key.
 DatagenConfig read_datagen_config(const Config& yaml);
 DatagenConfig load_datagen_config(const std::filesystem::path& path,
@@ -39,8 +45,8 @@ DatagenConfig load_datagen_config(const std::filesystem::path& path,
 /// @throws lte::Error naming the key that is out of range.
 void check_datagen_config(const DatagenConfig& config);
 
-/// The whole configuration, defaults included, of the generator that is used; reading it gives the
-/// same again. `boxes` is not named, so older data sets keep their config.yaml.
+/// Writes the whole configuration, defaults included, of the generator that is used. Reading the
+/// text gives the same configuration again.
 std::string to_yaml(const DatagenConfig& config);
 
 }  // namespace lte::datagen

@@ -18,12 +18,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Beyond that, no process is still writing dataset.json or config.yaml.
+/// After this time no process is still writing dataset.json or config.yaml.
 constexpr std::chrono::hours kStale{1};
 
-/// @throws lte::Error unless the data set that is there was made with the same settings but for the
-/// number of scenes.
+/// Compares the settings of the data set that is there with `config`, but for the number of scenes.
 /// @return  that number
+/// @throws lte::Error naming the first line that differs.
 int64_t check_same_config(const DatagenConfig& config, const fs::path& out) {
   DatagenConfig there = load_datagen_config(config_path(out));
   const int64_t scenes = there.scenes;
@@ -36,7 +36,7 @@ int64_t check_same_config(const DatagenConfig& config, const fs::path& out) {
   return scenes;
 }
 
-/// Whoever else removes it at the same time is welcome to.
+/// Another process may remove the same file at the same time, which is no error.
 void remove_quietly(const fs::path& path) {
   std::error_code error;
   if (fs::remove(path, error)) log_info(path.string(), ": left by a killed run, removed");
@@ -45,17 +45,41 @@ void remove_quietly(const fs::path& path) {
 /// "NAME.safetensors" of a temporary's name -> NAME.
 std::string stem_of(const std::string& file) { return file.substr(0, file.find('.')); }
 
+std::string numbered(const char* stem, int64_t index) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%s_%05lld", stem, static_cast<long long>(index));
+  return text;
+}
+
+/// Whether the scenes there, finished or in work, have the name that both generators once gave.
+bool has_scenes_named_rooms(const fs::path& out) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(out / "scenes", error)) {
+    const std::string file = entry.path().filename().string();
+    const std::string temporary_for = temporary_of(file);
+    if ((temporary_for.empty() ? file : temporary_for).starts_with("room_")) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 DatasetFolder::DatasetFolder(const DatagenConfig& config, fs::path out)
-    : config_(config), out_(std::move(out)), planned_(config.scenes) {}
+    : config_(config),
+      out_(std::move(out)),
+      planned_(config.scenes),
+      named_rooms_(has_scenes_named_rooms(out_)) {}
 
 data::Split DatasetFolder::split_of(int64_t index) const {
   return data::assign_split(config_.seed, index, config_.val_share, config_.test_share);
 }
 
+std::string DatasetFolder::name_of(int64_t index) const {
+  return named_rooms_ ? numbered("room", index) : scene_name(config_.generator, index);
+}
+
 fs::path DatasetFolder::scene_path(int64_t index) const {
-  return data::scene_path(out_, scene_name(index));
+  return data::scene_path(out_, name_of(index));
 }
 
 void DatasetFolder::prepare(const Shard& shard, bool resume) {
@@ -92,7 +116,7 @@ void DatasetFolder::prepare(const Shard& shard, bool resume) {
 
 void DatasetFolder::remove_leftovers(const Shard& shard) const {
   std::set<std::string> own;
-  for (int64_t i = shard.index; i < planned_; i += shard.count) own.insert(scene_name(i));
+  for (int64_t i = shard.index; i < planned_; i += shard.count) own.insert(name_of(i));
   for (const auto& entry : fs::directory_iterator(out_ / "scenes")) {
     const std::string of = temporary_of(entry.path().filename().string());
     if (!of.empty() && own.count(stem_of(of)) > 0) remove_quietly(entry.path());
@@ -146,7 +170,7 @@ FolderState DatasetFolder::state() const {
     if (files.count(scene_path(i).filename().string()) > 0) {
       state.there.push_back(i);
     } else if (record != records.end() && !record->second.error.empty()) {
-      state.failed.push_back(concat(scene_name(i), ": ", record->second.error));
+      state.failed.push_back(concat(name_of(i), ": ", record->second.error));
     } else {
       state.missing.push_back(i);
     }
@@ -160,9 +184,11 @@ int64_t DatasetFolder::write_index(const FolderState& state) const {
   info.seed = config_.seed;
   info.scale = config_.scale;
   info.pruned = config_.bake.prune;
+  info.light_paths = config_.bake.light_paths;
+  info.light_depth = config_.bake.max_depth;
   info.planned = planned_;
   for (const int64_t i : state.there)
-    info.scenes.push_back({scene_name(i), split_of(i), scene_seed(config_.seed, i),
+    info.scenes.push_back({name_of(i), split_of(i), scene_seed(config_.seed, i),
                            config_.bake.scene_points, config_.bake.query_points});
   data::write_dataset_info(out_, info);
   return static_cast<int64_t>(info.scenes.size());
@@ -170,10 +196,8 @@ int64_t DatasetFolder::write_index(const FolderState& state) const {
 
 fs::path config_path(const fs::path& out) { return out / "config.yaml"; }
 
-std::string scene_name(int64_t index) {
-  char text[32];
-  std::snprintf(text, sizeof text, "room_%05lld", static_cast<long long>(index));
-  return text;
+std::string scene_name(GeneratorKind kind, int64_t index) {
+  return numbered(kind == GeneratorKind::Homes ? "home" : "box", index);
 }
 
 uint64_t scene_seed(uint64_t dataset_seed, int64_t index) {

@@ -19,7 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// With cameras, so that a viewer opens at a sensible place: the generator's, or the first view's.
+/// Writes a scene with cameras, so that a viewer opens at a sensible place: those of the generator,
+/// or that of the first view.
 void export_glb(const fs::path& path, scene::Scene scene) {
   if (scene.cameras.empty()) {
     const scene::Scene geometry = scene;
@@ -29,7 +30,8 @@ void export_glb(const fs::path& path, scene::Scene scene) {
   scene::write_glb(path, scene);
 }
 
-/// Gives back what the last scene held: the heap would keep the largest one's memory, and more.
+/// Returns the memory of the last scene to the system. The heap would keep that of the largest
+/// scene, and more.
 void release_free_memory() {
 #ifdef __GLIBC__
   ::malloc_trim(0);
@@ -40,15 +42,12 @@ class Generator {
  public:
   Generator(const DatagenConfig& config, const GenerateOptions& options,
             const SceneMaker& make_scene)
-      : config_(config),
-        options_(options),
-        make_scene_(
-            make_scene
-                ? make_scene
-                : [&config](
-                      uint64_t seed,
-                      const std::string& name) { return generate_scene(config, seed, name); }),
-        folder_(config, options.out) {}
+      : config_(config), options_(options), make_scene_(make_scene), folder_(config, options.out) {
+    if (make_scene_) return;
+    make_scene_ = [&config](uint64_t seed, const std::string& name) {
+      return generate_scene(config, seed, name);
+    };
+  }
 
   GenerateResult run() {
     folder_.prepare(options_.shard, options_.resume);
@@ -78,15 +77,16 @@ class Generator {
 
   const DatagenConfig& config_;
   const GenerateOptions& options_;
-  const SceneMaker make_scene_;
+  SceneMaker make_scene_;
   DatasetFolder folder_;
   GenerateResult result_;
   Timer timer_;
-  int64_t timed_ = 0;         // of the kept scenes, those whose seconds are known
-  double timed_seconds_ = 0;  // theirs together
+  int64_t timed_ = 0;         // number of kept scenes whose seconds are known
+  double timed_seconds_ = 0;  // their sum
 };
 
-/// The scenes of this shard that are still to be made. What was made without a .glb gets one.
+/// Returns the scenes of this shard that are still to be made. Kept scenes get a .glb if it is
+/// asked for and missing.
 std::vector<int64_t> Generator::keep_what_is_there() {
   const SceneRecords records = read_manifests(options_.out);
   std::vector<int64_t> todo;
@@ -102,7 +102,7 @@ std::vector<int64_t> Generator::keep_what_is_there() {
     if (!done) {
       todo.push_back(i);
     } else if (options_.glb && !fs::exists(glb_path(i))) {
-      export_glb(glb_path(i), make_scene_(scene_seed(config_.seed, i), scene_name(i)));
+      export_glb(glb_path(i), make_scene_(scene_seed(config_.seed, i), folder_.name_of(i)));
     }
   }
   return todo;
@@ -132,11 +132,11 @@ void Generator::make(const std::vector<int64_t>& todo, Manifest* manifest) {
   }
 }
 
-/// What went wrong goes into the record.
+/// Makes one scene. An error ends up in the record.
 SceneRecord Generator::attempt(int64_t index) const {
   SceneRecord record;
   record.index = index;
-  record.name = scene_name(index);
+  record.name = folder_.name_of(index);
   record.split = data::split_name(folder_.split_of(index));
   record.seed = scene_seed(config_.seed, index);
   const Timer timer;
@@ -208,8 +208,9 @@ GenerateResult merge_dataset(const fs::path& out) {
 }
 
 scene::Scene generate_scene(const DatagenConfig& config, uint64_t seed, const std::string& name) {
-  if (config.generator == "homes") return homes::generate_home(config.homes, seed, name).scene;
-  return generate_room(config.rooms, seed, name).scene;
+  if (config.generator == GeneratorKind::Homes)
+    return homes::generate_home(config.homes, seed, name).scene;
+  return boxes::generate_room(config.boxes, seed, name).scene;
 }
 
 }  // namespace lte::datagen

@@ -1,5 +1,5 @@
-// A data set of procedural rooms: generated, baked and listed, in shards if wanted, and resumed
-// after a stop.
+// A data set of procedural boxes or homes: generated, baked and listed, in shards if wanted, and
+// resumed after a stop.
 #pragma once
 
 #include <cstdint>
@@ -26,21 +26,21 @@ struct GenerateResult {
   int64_t missing = 0;                      ///< of those, neither there nor failed
   int64_t listed = 0;                       ///< scenes in dataset.json; 0 if this run wrote none
   double seconds = 0;
-  std::string first_error;  ///< "room_00017: what went wrong"
+  std::string first_error;  ///< "home_00017: what went wrong"
 };
 
 /// Makes one scene of a data set: `seed`, `name`.
 using SceneMaker = std::function<scene::Scene(uint64_t, const std::string&)>;
 
 /// Makes config.yaml, manifest/, scenes/ and, when every scene of the whole data set is there or
-/// has failed, dataset.json. The same bytes but for the manifests for the same configuration,
-/// whatever the number of threads, shards and interruptions. Shards of one count may share `out` at
-/// the same time, on several machines: no file but dataset.json and config.yaml has two writers,
-/// and those two have the same content whoever writes them last. Each file appears whole or not at
-/// all, so a run that is killed loses the scene in work and nothing else.
+/// has failed, dataset.json. A configuration gives the same bytes, but for the manifests, whatever
+/// the number of threads, shards and interruptions. Shards of one count may share `out` at the same
+/// time, on several machines: no file but dataset.json and config.yaml has two writers, and those
+/// two have the same content whoever writes them last. Each file appears whole or not at all, so a
+/// run that is killed loses the scene in work and nothing else.
 ///
-/// A scene that fails is written down in the manifest and left out; kFailuresInARow of them end the
-/// run, as then it is not the scenes that are at fault.
+/// A scene that fails is recorded in the manifest and left out. kFailuresInARow failures in a row
+/// end the run, since then something other than the scenes is at fault.
 /// @param make_scene  for scenes of other sources; empty for generate_scene()
 /// @throws lte::Error if `out` is not empty and not a data set of this configuration, or holds
 ///         scenes of this shard and `resume` is not set, another process is at work on them, or a
@@ -54,7 +54,7 @@ inline constexpr int kFailuresInARow = 5;
 /// @throws lte::Error if `out` is no data set of generate_dataset().
 GenerateResult merge_dataset(const std::filesystem::path& out);
 
-/// The scene that the configured generator makes of a seed.
+/// Makes the scene of a seed with the configured generator.
 scene::Scene generate_scene(const DatagenConfig& config, uint64_t seed, const std::string& name);
 
 }  // namespace lte::datagen

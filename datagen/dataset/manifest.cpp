@@ -42,7 +42,7 @@ std::string host_name() {
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
 }
 
-/// 2026-11-21T13:38:22Z
+/// The time as 2026-11-21T13:38:22Z.
 std::string utc_time() {
   const std::time_t now = std::time(nullptr);
   std::tm parts{};
@@ -72,7 +72,7 @@ Json to_json(const SceneRecord& record) {
   return json;
 }
 
-/// Whatever is not a record of a scene gives false.
+/// @return  false for a line that is not the record of a scene
 bool parse_record(const std::string& line, SceneRecord* record) {
   const Json json = Json::parse(line, nullptr, false);
   if (!json.is_object() || json.value("type", "") != "scene") return false;
@@ -132,7 +132,8 @@ Manifest::Manifest(const fs::path& out, const Shard& shard)
   if (!there.empty() && there.back() != '\n') append("");  // a kill cut the last line short
 }
 
-/// Shards of one count never meet at a scene; those of different counts would.
+/// Throws if a shard of another number of shards is in work: two such shards can share a scene,
+/// which shards of one number never do.
 void Manifest::refuse_other_cuts() const {
   const std::string own_cut = concat("_of_", shard_.count, ".jsonl");
   for (const fs::path& path : manifests_in(folder_)) {

@@ -1,6 +1,6 @@
-// What a run of `lte_datagen generate` writes down beside the data: one line of JSON a run, a scene
-// and an end, in a file of its own for each shard. Times and hosts live here, so that the data set
-// is the same bytes whoever made it.
+// What a run of `lte_datagen generate` records beside the data: one line of JSON when it starts,
+// one for each scene and one when it ends, in a file of its own for each shard. Times and hosts are
+// kept here, so that the data set is the same bytes whoever made it.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace lte::datagen {
 
-/// The scenes of a data set with index % count == index.
+/// A share of a data set: its scenes i with i % count == index.
 struct Shard {
   int64_t index = 0, count = 1;
   bool holds(int64_t scene) const { return scene % count == index; }
@@ -33,13 +33,14 @@ struct SceneRecord {
   int64_t bytes = 0;                               ///< of the scene file
 };
 
-/// What all runs say of each scene: its baking if any run baked it, else its last failure.
+/// What all runs say about each scene, by index: its baking if any run baked it, else its last
+/// failure.
 using SceneRecords = std::map<int64_t, SceneRecord>;
 
 /// `out`/manifest
 std::filesystem::path manifest_folder(const std::filesystem::path& out);
 
-/// Reads every manifest of the data set in `out`; a line that a kill cut short is passed over.
+/// Reads every manifest of the data set in `out`. A line that a kill cut short is skipped.
 SceneRecords read_manifests(const std::filesystem::path& out);
 
 /// `out`/manifest/shard_I_of_N.jsonl, held by one process as long as the object lives.
@@ -47,8 +48,7 @@ class Manifest {
  public:
   /// Makes the folder and the file if they are missing.
   /// @throws lte::Error if another process is at work on this shard, or on a shard of another
-  /// count,
-  ///         or the file cannot be written. A file system without locks only gets a warning.
+  ///         count, or the file cannot be written. A file system without locks only gets a warning.
   Manifest(const std::filesystem::path& out, const Shard& shard);
 
   /// @param config  the whole configuration as YAML

@@ -14,7 +14,7 @@ float weight_of(const PlacedPiece& piece) {
   return piece.box.half.x * piece.box.half.y * (piece.box.high - piece.box.low);
 }
 
-/// The share, by volume, of what stands in a room that is in view.
+/// The share, by volume, of the furniture of a room that is in view.
 float share_in_view(const HomePlan& plan, int room, const Vec2& eye, const Vec2& at) {
   constexpr float kHalfWidth = 0.6f;  // radians
   const float middle = std::atan2(at.y - eye.y, at.x - eye.x);
@@ -30,7 +30,7 @@ float share_in_view(const HomePlan& plan, int room, const Vec2& eye, const Vec2&
   return total > 0 ? seen / total : 0;
 }
 
-/// The middle of what stands in a room, weighted by volume.
+/// Where to look: between the middle of the room and that of its furniture, weighted by volume.
 Vec2 subject(const HomePlan& plan, int room) {
   Vec2 sum{};
   float total = 0;
@@ -55,7 +55,7 @@ std::vector<OrientedBox> tall_things(const HomePlan& plan, int room) {
   return found;
 }
 
-/// How far one sees from `eye` before a wall or a tall thing is met.
+/// How far one sees from `eye` before the view meets a wall or a tall thing.
 float free_distance(const Rect& r, const std::vector<OrientedBox>& tall, const Vec2& eye,
                     float angle) {
   constexpr float kStep = 0.15f;
@@ -68,7 +68,8 @@ float free_distance(const Rect& r, const std::vector<OrientedBox>& tall, const V
   }
 }
 
-/// A good view reaches far all over its width, and nothing stands right before the eye.
+/// Rates a view: a good one reaches far all over its width, and nothing stands right before the
+/// eye.
 float view_score(const Rect& r, const std::vector<OrientedBox>& tall, const Vec2& eye,
                  const Vec2& at) {
   const float middle = std::atan2(at.y - eye.y, at.x - eye.x);
@@ -108,7 +109,9 @@ std::vector<scene::Camera> room_cameras(const HomePlan& plan) {
     for (const Vec2& p : steps.empty() ? std::vector<Vec2>{} : grid.reachable(steps[0])) {
       if (std::hypot(p.x - at.x, p.y - at.y) < 0.5f) continue;
       const float score = view_score(r.inner, tall, p, at) + 4 * share_in_view(plan, room, p, at);
-      if (score > best) best = score, eye = p;
+      if (score <= best) continue;
+      best = score;
+      eye = p;
     }
     if (best == 0) continue;
     cameras.push_back(

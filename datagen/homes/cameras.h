@@ -5,8 +5,8 @@
 
 namespace lte::datagen::homes {
 
-/// One camera a room, at eye height where a person can stand, towards what is in the room; the
-/// largest room first. Rooms where nobody can stand have none.
+/// Places one camera in each room, at eye height where a person can stand, looking at what is in
+/// the room. The largest room comes first. Rooms where nobody can stand have no camera.
 std::vector<scene::Camera> room_cameras(const HomePlan& plan);
 
 }  // namespace lte::datagen::homes

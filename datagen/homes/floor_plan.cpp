@@ -41,7 +41,7 @@ Limits limits_of(RoomType type) {
   return {};
 }
 
-/// Which rooms a home of this many has, without its corridor.
+/// Chooses the rooms of a home of this many, without its corridor.
 std::vector<RoomType> choose_types(int rooms, Rng* rng) {
   using enum RoomType;
   if (rooms == 1) {
@@ -65,7 +65,8 @@ struct Cell {
   Rect rect;
 };
 
-/// Cuts `rect` across its longer side, in proportion to the areas, until each part is one room.
+/// Cuts `rect` across its longer side, in proportion to the areas of the rooms on either side,
+/// until each part is one room.
 void slice(const Rect& rect, const std::vector<Program>& rooms, std::vector<Cell>* out) {
   if (rooms.size() == 1) {
     out->push_back({rooms[0].type, rect});
@@ -95,7 +96,7 @@ void slice(const Rect& rect, const std::vector<Program>& rooms, std::vector<Cell
   slice(second, {middle, rooms.end()}, out);
 }
 
-/// Rooms on both sides of a corridor, or (fewer than four) side by side.
+/// Lays out rooms on both sides of a corridor, or, if there are fewer than four, side by side.
 std::vector<Cell> lay_out(int rooms, Rng* rng) {
   std::vector<Program> programs;
   float area = 0;

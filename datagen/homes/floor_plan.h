@@ -10,6 +10,7 @@
 
 namespace lte::datagen::homes {
 
+/// What a room is for. Corridors join the rooms of homes of four rooms and more.
 enum class RoomType { Bedroom, Living, Kitchen, Bathroom, Study, Dining, Corridor };
 inline constexpr int kRoomTypes = 7;
 const char* room_name(RoomType type);
@@ -29,12 +30,12 @@ Side opposite(Side side);
 
 enum class OpeningKind { Doorway, Entrance, Window };
 
-/// A hole in a wall of `room`; a doorway is one in the wall of `other` too.
+/// A hole in a wall of `room`. A doorway is also a hole in the wall of `other`.
 struct Opening {
   OpeningKind kind = OpeningKind::Doorway;
   int room = 0, other = -1;
-  Side side = Side::NegX;     ///< of `room`; of `other` it is the opposite one
-  float from = 0, to = 0;     ///< along the wall: z or x
+  Side side = Side::NegX;     ///< which wall of `room`; in `other` it is the opposite one
+  float from = 0, to = 0;     ///< extent along the wall: z or x
   float bottom = 0, top = 0;  ///< y
   float depth = 0;            ///< thickness of the wall that it goes through
 };
@@ -59,7 +60,9 @@ struct FloorPlan {
 inline constexpr float kMaxHomeExtent = 15.5f;  ///< of a home along x and z, recesses included
 inline constexpr float kRecess = 0.16f;         ///< of windows and the entrance into outer walls
 
-/// @param rooms  1 to 6, the corridor included, which homes of four and more have
+/// Draws a floor plan.
+/// @param rooms  1 to 6, including the corridor, which homes of four rooms and more have
+/// @throws lte::Error if many attempts give no plan whose rooms are all usable and reachable.
 FloorPlan make_floor_plan(int rooms, float height, Rng* rng);
 
 }  // namespace lte::datagen::homes

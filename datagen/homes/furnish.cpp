@@ -1,4 +1,4 @@
-// Groups that several kinds of room have, and things on surfaces.
+// Groups of things that several types of room have, and things on surfaces.
 #include "datagen/homes/furnish.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What stands where, by type of room.
+// Furnishes the rooms of a home: what stands where, by type of room.
 #pragma once
 
 #include <initializer_list>
@@ -19,6 +19,7 @@ class Furnisher {
   void furnish();
 
  private:
+  // One for each type of room, in furnish_rooms.cpp.
   void bedroom();
   void living_room();
   void kitchen();
@@ -27,19 +28,21 @@ class Furnisher {
   void dining_room();
   void corridor();
 
-  // Groups that several rooms have.
+  // Groups of things that several rooms have, in furnish.cpp.
   void curtains();
   void pictures(int most);
-  /// A table at `at`, chairs around it, a pendant above; on a rug if there is one.
+  /// Places a table with chairs around it and a pendant above, on a rug if `rug` is set.
+  /// @return  false if there is no room for it
   bool dining_set(float width, float depth, bool rug);
   void chairs_around(const Affine& table, float width, float depth);
   void plants(int most);
   void shelf();
   void reading_corner();
-  /// A rug of about this size whose middle is at `at`; the height to put things on it at.
+  /// Lays a rug of about this size whose middle is at `at`.
+  /// @return  the height at which things stand on it; 0 if there is no room for the rug
   float rug(const Affine& at, float width, float depth);
 
-  /// Places by `attempt(outline)`, and then gives it its triangles.
+  /// Places a piece by `attempt(outline)`. It gets triangles only if that finds a place.
   template <typename Attempt>
   std::optional<int> put(Piece&& piece, const Attempt& attempt) {
     const Asset outline = Stage::outline(piece);

@@ -1,4 +1,4 @@
-// Procedural homes: floor plans of one to six furnished rooms. The generator `homes`.
+// Homes: floor plans of one to six furnished rooms. datagen/boxes makes simpler scenes faster.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace lte::datagen::homes {
 
-/// `homes:` in the YAML config; configs/data/rooms.yaml explains the keys.
+/// `homes:` in the YAML config. configs/data/homes.yaml explains the keys.
 struct HomeConfig {
   CountRange rooms{1, 6};
   Range height_m{2.4, 3.0};
@@ -32,14 +32,14 @@ inline constexpr float kWindowGap = 0.3f;       ///< metres in front of a window
 struct PlacedPiece {
   std::string name;
   int room = 0;
-  int parent = -1;        ///< the piece that it stands on
+  int parent = -1;        ///< the piece that it stands on; -1 for the floor, a wall or the ceiling
   bool by_parts = false;  ///< others may stand between its parts
   Affine to_world;
   OrientedBox box;                  ///< of the whole piece, world
   std::vector<OrientedBox> solids;  ///< of its parts, world
 };
 
-/// Where everything is, for tests and for people.
+/// Where everything is, for cameras and for tests.
 struct HomePlan {
   FloorPlan floor;
   std::vector<PlacedPiece> pieces;
@@ -51,8 +51,9 @@ struct Home {
   HomePlan plan;
 };
 
-/// A furnished home of textured Lambertian surfaces, one light group a luminaire, and a camera in
-/// each furnished room. Y up, metres, floor at y = 0. The same bytes for the same (config, seed).
+/// Makes a furnished home of textured Lambertian surfaces, with one light group a luminaire and a
+/// camera in each furnished room. Y is up, units are metres, the floor is at y = 0. The same
+/// (config, seed) gives the same bytes.
 Home generate_home(const HomeConfig& config, uint64_t seed, const std::string& name = "home");
 
 }  // namespace lte::datagen::homes

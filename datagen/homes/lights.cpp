@@ -5,7 +5,7 @@
 namespace lte::datagen::homes {
 namespace {
 
-/// A housing of 1 to 2 cm whose bottom emits; its top is the ceiling.
+/// A housing of 1 to 2 cm whose bottom emits. The ceiling closes its top.
 void add_panel(Stage* stage, Kit* kit, const Bounds& box, bool on) {
   Piece piece;
   piece.name = "ceiling light";

@@ -9,7 +9,7 @@ namespace {
 
 constexpr float kDoorTop = 2.06f, kCornerGap = 0.16f;
 
-/// The wall that two rooms share: `side` of `a`, from where to where.
+/// The wall that two rooms share: which side of the first, and its extent.
 struct Shared {
   int a, b;
   Side side;
@@ -20,7 +20,7 @@ bool is(RoomType type, std::initializer_list<RoomType> list) {
   return std::find(list.begin(), list.end(), type) != list.end();
 }
 
-/// How little a door between two rooms is wanted.
+/// The cost of a door between two rooms: the higher, the less it is wanted.
 float door_cost(RoomType a, RoomType b) {
   using enum RoomType;
   if (a == Corridor || b == Corridor) return 0;

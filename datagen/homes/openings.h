@@ -5,11 +5,12 @@
 
 namespace lte::datagen::homes {
 
-/// Doorways along a spanning tree of the rooms that touch, further ones between rooms for living,
-/// and an entrance. False if not every room can be reached.
+/// Cuts doorways along a spanning tree of the rooms that touch, further ones between rooms for
+/// living, and an entrance.
+/// @return  false if not every room can be reached
 bool cut_doors(FloorPlan* plan, Rng* rng);
 
-/// One or two windows a room in its outer walls; corridors have none.
+/// Cuts one or two windows into the outer walls of each room but the corridor.
 void cut_windows(FloorPlan* plan, Rng* rng);
 
 }  // namespace lte::datagen::homes

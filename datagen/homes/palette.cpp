@@ -40,7 +40,7 @@ int Palette::shared(const std::string& role, size_t limit, const Make& make) {
   return made[rng_.below(made.size())];
 }
 
-/// The home's hue, its neighbours, or its complement.
+/// Draws a color of the home's hue, of a neighbouring one, or of the complement.
 Rgb Palette::scheme_color(float saturation, float low, float high) {
   const float turn = chance(0.25f) ? 0.5f : draw(-0.06f, 0.06f);
   const float s = draw(0.5f * saturation, saturation);

@@ -1,5 +1,5 @@
-// The materials of one home: a scheme of woods, colors and cloths that go together, made when they
-// are first asked for.
+// The materials of one home: woods, colors and cloths that go together. Each is made when it is
+// first asked for.
 #pragma once
 
 #include <cstdint>
@@ -54,10 +54,10 @@ class Palette {
   int floor_tiles();
   int rug();      ///< UV [0, 1]²; new at every call
   int picture();  ///< UV [0, 1]²; new at every call
-  /// Of one side, new at every call.
+  /// An emitter of one side, new at every call.
   int emitter(const std::string& name, const Rgb& radiance, float albedo = 0.7f);
 
-  /// Cool to warm white of luminance 1.
+  /// A white of luminance 1, from cool (0) to warm (1).
   static Rgb tint(float warmth);
 
  private:
@@ -71,7 +71,7 @@ class Palette {
   bool chance(float probability) { return rng_.uniform() < probability; }
   Rgb scheme_color(float saturation, float low, float high);
   int cloth(const std::string& name, const Rgb& first, const Rgb& second, bool printed);
-  /// One of at most `limit` materials of this role.
+  /// Returns one of at most `limit` materials of this role, made by `make` when it is first drawn.
   template <typename Make>
   int shared(const std::string& role, size_t limit, const Make& make);
 

@@ -9,13 +9,15 @@ namespace lte::datagen::homes {
 namespace {
 
 constexpr int kAttempts = 30;
-constexpr float kGap = 0.02f;         ///< between pieces
-constexpr float kNestedGap = 0.008f;  ///< between parts of pieces that nest
-constexpr float kFlat = 0.03f;        ///< what is lower counts as floor
+constexpr float kGap = 0.02f;         // metres between pieces
+constexpr float kNestedGap = 0.008f;  // metres between parts of pieces that nest
+constexpr float kFlat = 0.03f;        // metres; what is lower counts as floor
 
 OrientedBox straight(const Bounds& b) { return oriented_box(b, {}); }
 
-int quarter_of(Side side) {  // parts.h: the back faces −z, −x, +z, +x in turn
+/// How often placement() (parts.h) turns a thing by 90 degrees so that its back is to a wall: the
+/// back faces −z, −x, +z, +x in turn.
+int quarter_of(Side side) {
   static constexpr int kQuarters[] = {1, 3, 0, 2};
   return kQuarters[static_cast<size_t>(side)];
 }

@@ -1,5 +1,5 @@
-// Rules of placing things in one room: clear of one another, of doors, of windows above their
-// sills, and of ceiling lights; and one can still walk from every door to every other.
+// Rules for placing things in a room: they keep clear of one another, of doors, of windows above
+// their sills and of ceiling lights, and one can still walk from every door to every other.
 #pragma once
 
 #include <functional>
@@ -14,7 +14,7 @@ namespace lte::datagen::homes {
 struct PlaceOptions {
   float front = 0;       ///< metres kept free in front of the piece
   bool nests = false;    ///< parts may reach under or over other pieces' parts, as chairs do
-  bool flat = false;     ///< a rug: only other flat things and doors' sills matter to it
+  bool flat = false;     ///< a rug: only other flat things and door sills are in its way
   bool keep_lit = true;  ///< stays clear of ceiling lights, if it is tall
 };
 
@@ -27,23 +27,26 @@ class Placer {
   RoomType type() const { return stage_->plan().floor.rooms[static_cast<size_t>(room_)].type; }
   int room() const { return room_; }
 
-  /// Every rule but that of the walkway, which is tried last as it costs most.
+  /// Checks every rule but that of the walkway, which try_at() checks last since it costs most.
   bool fits(const Asset& asset, const Affine& at, const PlaceOptions& options) const;
-  /// Places it there if it fits; the index in the plan.
+  /// Places the asset there if it fits.
+  /// @return  its index in the plan
   std::optional<int> try_at(const Asset& asset, const Affine& at, const PlaceOptions& options);
 
-  /// Back to one of the walls in `sides`. `centred`: the wall's middle is tried first.
+  /// Places it with its back to one of the walls in `sides`; if `centred`, the middle of the wall
+  /// is tried first.
   std::optional<int> against_wall(const Asset& asset, const std::vector<Side>& sides, bool centred,
                                   const PlaceOptions& options);
   std::optional<int> in_corner(const Asset& asset, const PlaceOptions& options);
-  /// Somewhere in the inner `share` of the room.
+  /// Places it somewhere in the inner `share` of the room.
   std::optional<int> anywhere(const Asset& asset, float share, const PlaceOptions& options);
-  /// On a wall with its lower edge at y, clear of doors, windows and things in front of it.
+  /// Hangs it on a wall with its lower edge at y, clear of doors, windows and things in front of
+  /// it.
   std::optional<int> on_wall(const Asset& asset, float y, const PlaceOptions& options);
   std::optional<int> on_wall(const Asset& asset, Side side, float along, float y,
                              const PlaceOptions& options);
 
-  /// Frame of a thing whose back is `gap` away from a wall, its middle at `along`.
+  /// The frame of a thing whose back is `gap` away from a wall and whose middle is at `along`.
   Affine at_wall(const Asset& asset, Side side, float along, float gap = kWallGap) const;
   std::vector<Side> all_sides();  ///< in random order
   bool has_opening(Side side, OpeningKind kind) const;
@@ -52,7 +55,7 @@ class Placer {
   }
 
   bool inside(const OrientedBox& box, float gap) const;
-  /// Outside all doors' clearance and windows' view; flat things may lie before a window.
+  /// Whether it is clear of all doors and windows. Flat things may lie before a window.
   bool clear_of_openings(const OrientedBox& box, bool flat) const;
 
  private:

@@ -37,8 +37,8 @@ void add_quad(Piece* piece, int material, const std::array<Vec3, 4>& corners,
   piece->add(quad, material, {}, false);
 }
 
-/// A wall seen from inside, as a grid through the edges of its openings, so no vertex lies on
-/// another rectangle's edge.
+/// Adds a wall as seen from inside. It is a grid through the edges of its openings, so that no
+/// vertex lies on another rectangle's edge.
 void add_wall(Piece* piece, const FloorPlan& plan, int room, Side side, int material) {
   const Rect& r = plan.rooms[static_cast<size_t>(room)].inner;
   const float face = plan.face(room, side);
@@ -78,7 +78,7 @@ void add_wall(Piece* piece, const FloorPlan& plan, int room, Side side, int mate
   }
 }
 
-/// Skirting along the walls from door to door; the inside is on the left of the way.
+/// Adds skirting along the walls from door to door. The inside is on the left of the way.
 void add_skirting(Piece* piece, Kit* kit, const FloorPlan& plan, int room, float height) {
   const Rect& r = plan.rooms[static_cast<size_t>(room)].inner;
   const float w = r.width(), d = r.depth(), total = 2 * (w + d);

@@ -5,10 +5,11 @@
 
 namespace lte::datagen::homes {
 
-/// Floors, ceilings and walls with their holes, and skirting along them.
+/// Builds floors, ceilings and walls with their holes, and skirting along them.
 void build_shell(Stage* stage, Kit* kit);
-/// Reveals and frames of doorways, the entrance's leaf, windows with panes, frames and sills.
-/// @param daylight  radiance of the panes, 0 for closed ones
+/// Builds reveals and frames of doorways, the leaf of the entrance, and windows with panes, frames
+/// and sills.
+/// @param daylight  radiance of the panes; 0 for dark ones
 void build_openings(Stage* stage, Kit* kit, const Rgb& daylight);
 
 }  // namespace lte::datagen::homes

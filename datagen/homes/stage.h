@@ -1,4 +1,4 @@
-// A home in the making: puts pieces into the scene and keeps the plan of where they are.
+// Puts pieces into the scene of a home and records in its plan where they are.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace lte::datagen::homes {
 
-/// A piece whose triangles are in the scene; it may be placed more than once.
+/// A piece whose triangles are in the scene, ready to be placed, if wanted more than once.
 struct Asset {
   std::string name;
   Bounds bounds;
@@ -32,12 +32,12 @@ class Stage {
   /// An asset without triangles, to try places with.
   static Asset outline(const Piece& piece);
 
-  /// Instances the asset: each emissive mesh and point light becomes a light group. Returns the
-  /// index in the plan.
+  /// Instances the asset. Each emissive mesh and point light becomes a light group.
+  /// @return  its index in the plan
   int place(const Asset& asset, int room, const Affine& to_world, int parent = -1);
-  /// Gives the triangles to what was placed as an outline.
+  /// Adds the triangles of a piece that was placed as an outline.
   void fill(int placed, Piece&& piece);
-  /// As place(), for what belongs to the building and is no piece of furniture.
+  /// Like place(), for parts of the building, which are no furniture.
   void build(Piece&& piece);
 
  private:

@@ -16,11 +16,11 @@ class WalkGrid {
  public:
   explicit WalkGrid(const Rect& room);
 
-  /// Things that hang above heads or lie flat on the floor block nothing.
+  /// Blocks the cells near `box`, unless it hangs above heads or lies flat on the floor.
   void block(const OrientedBox& box);
   bool is_free(const Vec2& at) const;
 
-  /// Every point of `doors` can be walked to from the first one.
+  /// Whether every point of `doors` can be walked to from the first one.
   bool connects(const std::vector<Vec2>& doors) const;
   /// Middles of the cells that can be walked to from `start`.
   std::vector<Vec2> reachable(const Vec2& start) const;
@@ -35,7 +35,7 @@ class WalkGrid {
   std::vector<char> free_;
 };
 
-/// Where one steps through each door of a room: in its middle, just inside.
+/// The point just inside the middle of each door of a room.
 std::vector<Vec2> door_steps(const FloorPlan& plan, int room);
 
 }  // namespace lte::datagen::homes

@@ -13,7 +13,6 @@
 #include "lte/ops/linear.h"
 
 namespace lte::infer {
-
 namespace {
 
 BenchResult result_of(const std::string& name, int64_t n, std::vector<double> seconds) {
@@ -27,12 +26,6 @@ BenchResult result_of(const std::string& name, int64_t n, std::vector<double> se
 }
 
 }  // namespace
-
-BenchResult time_once(const std::string& name, int64_t n, const std::function<void()>& work) {
-  const Timer timer;
-  work();
-  return result_of(name, n, {timer.seconds()});
-}
 
 void add_limit(BenchResult& result, double flops, double gemm_gflops) {
   result.figures["flops"] = flops;
@@ -84,16 +77,22 @@ std::string bench_json(const std::vector<BenchResult>& results) {
   return rows.dump(1) + "\n";
 }
 
-void print_bench_table(const std::vector<BenchResult>& results) {
-  std::printf("%-34s %10s %12s %12s\n", "name", "n", "min s", "median s");
+std::string bench_table(const std::vector<BenchResult>& results) {
+  const auto text = [](const char* pattern, auto... values) {
+    char buffer[160];
+    std::snprintf(buffer, sizeof buffer, pattern, values...);
+    return std::string(buffer);
+  };
+  std::string out = text("%-34s %10s %12s %12s\n", "name", "n", "min s", "median s");
   for (const BenchResult& result : results) {
-    std::printf("%-34s %10lld %12.5f %12.5f", result.name.c_str(), static_cast<long long>(result.n),
+    out += text("%-34s %10lld %12.5f %12.5f", result.name.c_str(), static_cast<long long>(result.n),
                 result.seconds_min, result.seconds_median);
     for (const auto& [key, value] : result.figures) {
-      if (key != "threads" && key != "peak_rss") std::printf("  %s %.4g", key.c_str(), value);
+      if (key != "threads" && key != "peak_rss") out += text("  %s %.4g", key.c_str(), value);
     }
-    std::printf("\n");
+    out += '\n';
   }
+  return out;
 }
 
 }  // namespace lte::infer

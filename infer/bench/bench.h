@@ -1,4 +1,5 @@
-// lte_bench: run time of every stage, and run time against error. Each figure is one row of JSON.
+// The benchmarks of lte_bench: run time of every stage, and run time against error. Each result is
+// one row of JSON.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +18,7 @@ struct BenchResult {
   int64_t n = 0;  ///< size of the problem: points, queries or rays
   double seconds_min = 0, seconds_median = 0;
   std::map<std::string, double> figures;  ///< what else was measured, e.g. gflops, peak_rss
-  std::string precision{};                ///< fp32 or bf16; empty where nothing depends on it
+  std::string precision{};                ///< fp32 or bf16; empty where it makes no difference
 };
 
 struct BenchOptions {
@@ -26,8 +27,8 @@ struct BenchOptions {
   int64_t scene_points = 20'000;  ///< M
   int64_t queries = 512 * 512;
   std::string precision = "fp32";  ///< encoder and decoder: or bf16
-  double max_memory_mb = 0;        ///< encoder and decoder: above the model; 0 for no limit
-  std::string scene;               ///< glTF file of the pathtrace and pareto benchmarks
+  double max_memory_mb = 0;        ///< encoder and decoder: memory above the model; 0: no limit
+  std::string scene;               ///< pathtrace and pareto: scene file
   std::string checkpoint;          ///< pareto: the model whose error is measured
   int width = 160, height = 120;   ///< pareto: view
   int reference_rays = 4096;       ///< pareto: rays a pixel of the reference
@@ -37,27 +38,30 @@ struct BenchOptions {
 BenchResult time_repeats(const std::string& name, int64_t n, int repeats,
                          const std::function<void()>& work);
 
-/// Runs `work` once, cold: for peers that take minutes.
-BenchResult time_once(const std::string& name, int64_t n, const std::function<void()>& work);
-
-/// Adds `flops`, and how many times as long it took as a product of as many at the rate
-/// `gemm_gflops`.
+/// Adds `flops`, and how many times as long the work took as a matrix product of as many operations
+/// at the rate `gemm_gflops`.
 void add_limit(BenchResult& result, double flops, double gemm_gflops);
 
-/// Sustained GEMM rate of this machine in this process, GFLOP/s: the limit the network is held to.
-/// Of bf16 operands the better one of LibTorch's product and lte's.
+/// Measures the sustained rate of matrix products in this process, GFLOP/s, which the network is
+/// compared with. For bf16 it is the higher one of LibTorch's product and lte's.
 double measure_gemm_gflops(nn::Precision precision = nn::Precision::Fp32);
 
+/// Times every operator alone.
 std::vector<BenchResult> bench_ops(const BenchOptions& options);
+/// Times an untrained network from scene points to embedding.
 std::vector<BenchResult> bench_encoder(const BenchOptions& options);
+/// Times an untrained network from query points to irradiance.
 std::vector<BenchResult> bench_decoder(const BenchOptions& options);
-/// Path tracing against bare Embree calls on the same rays.
+/// Times path tracing against bare Embree calls on the same rays.
 std::vector<BenchResult> bench_pathtrace(const BenchOptions& options);
-/// Error (relative MSE of indirect irradiance over a view) against run time: path tracing at 1 to
-/// 1,024 rays a pixel, the network at several numbers of scene points.
+/// Measures error (MSE and relative MSE of indirect irradiance over a view) against run time: of
+/// path tracing at 1 to 1,024 rays a pixel, and of the network at several numbers of scene points,
+/// which are drawn, lit and encoded as lte_render does. All of that counts in the time.
 std::vector<BenchResult> bench_pareto(const BenchOptions& options);
 
+/// One row for each result.
 std::string bench_json(const std::vector<BenchResult>& results);
-void print_bench_table(const std::vector<BenchResult>& results);
+/// The same as a table for a terminal.
+std::string bench_table(const std::vector<BenchResult>& results);
 
 }  // namespace lte::infer

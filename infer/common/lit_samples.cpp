@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "lte/data/dataset.h"
 #include "lte/data/light_groups.h"
 #include "lte/pathtrace/light_estimates.h"
 
@@ -17,8 +18,9 @@ LitSamples light_up(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
   if (input.depth > 1) out.indirect.resize(count);
   if (lights.empty()) return out;
   const scene::SurfaceSamples& s = out.surface;
-  const pathtrace::LightEstimates light = pathtrace::estimate_light(
-      bvh, lights, s.position, s.normal, s.emission, input.depth, seed, input.paths);
+  const pathtrace::LightEstimates light =
+      pathtrace::estimate_light(bvh, lights, s.position, s.normal, s.emission,
+                                {.paths = input.paths, .max_depth = input.depth, .seed = seed});
   out.direct = data::sum_groups(light.direct, lights.groups(), 1);
   if (input.depth > 1) out.indirect = data::sum_groups(light.indirect, lights.groups(), 1);
   return out;

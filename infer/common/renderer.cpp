@@ -95,11 +95,16 @@ Mode parse_mode(const std::string& word) {
   return word == "neural" ? Mode::Neural : Mode::Reference;
 }
 
-scene::SamplerOptions scene_point_options(uint64_t seed) {
-  scene::SamplerOptions options;
-  options.seed = seed;
-  options.emissive_share = kEmissiveShare;
-  return options;
+scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t count, bool prune,
+                                          uint64_t seed, pathtrace::PruneCounts* counts) {
+  scene::SamplerOptions sampler;
+  sampler.seed = seed;
+  sampler.emissive_share = kEmissiveShare;
+  if (!prune) return scene::sample_surface(bvh.scene(), count, sampler);
+  const pathtrace::ReachOptions reach{pathtrace::ReachOptions().max_depth, seed};
+  pathtrace::PruneCounts ignored;
+  return pathtrace::sample_reached_surface(bvh, count, sampler, pathtrace::Sides::Either, reach,
+                                           counts != nullptr ? counts : &ignored);
 }
 
 /// Pixels that reflect light, tile by tile: background and black surfaces are never asked about.
@@ -142,7 +147,7 @@ struct Renderer::Queries {
   }
 };
 
-Renderer::Renderer(const scene::Scene& scene) : scene_(scene), bvh_(scene), lights_(scene) {}
+Renderer::Renderer(const scene::Scene& scene) : bvh_(scene), lights_(scene) {}
 
 bool Renderer::needs_network(const RenderSettings& settings) const {
   return settings.mode == Mode::Neural && has_light() && !is_geometry(settings.output) &&
@@ -154,14 +159,10 @@ void Renderer::embed(const runtime::Network& network, const EmbedSettings& setti
   embedding_.reset();  // two at a time would need twice the memory
   const int64_t count =
       settings.scene_points > 0 ? settings.scene_points : network.metadata().scene_points;
-  const scene::SamplerOptions sampler = scene_point_options(settings.seed);
-  const pathtrace::ReachOptions reach{pathtrace::ReachOptions().max_depth, settings.seed};
   pruned_points_ = {};
+  const bool prune = settings.prune.value_or(network.metadata().scene_points_pruned);
   scene::SurfaceSamples samples =
-      settings.prune.value_or(network.metadata().scene_points_pruned)
-          ? pathtrace::sample_reached_surface(bvh_, count, sampler, pathtrace::Sides::Either, reach,
-                                              &pruned_points_)
-          : scene::sample_surface(scene_, count, sampler);
+      sample_scene_points(bvh_, count, prune, settings.seed, &pruned_points_);
   seconds_.sample = timer.seconds();
   timer.restart();
   const LitSamples lit =

@@ -117,7 +117,6 @@ class Renderer {
   image::Image estimate(const Queries& queries, const RenderSettings& settings, bool direct_only,
                         image::Image* indirect) const;
 
-  const scene::Scene& scene_;
   pathtrace::Bvh bvh_;
   pathtrace::Lights lights_;
   std::optional<runtime::SceneEmbedding> embedding_;
@@ -125,7 +124,10 @@ class Renderer {
   pathtrace::PruneCounts pruned_points_;
 };
 
-/// The options by which scene points are drawn wherever a scene is shown to the network.
-scene::SamplerOptions scene_point_options(uint64_t seed);
+/// Draws the points that describe a scene to the network, as every tool does.
+/// @param prune   draw them only where light reaches
+/// @param counts  what was pruned; may be null
+scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t count, bool prune,
+                                          uint64_t seed, pathtrace::PruneCounts* counts);
 
 }  // namespace lte::infer

@@ -1,9 +1,9 @@
-// Cheap predictors of indirect irradiance to stand beside the network. docs/metrics.md defines
+// Cheap predictors of indirect irradiance to compare the network with. docs/metrics.md defines
 // them.
 //
 // All values are irradiance over the scene's emission scalar. What a predictor has to know of other
 // scenes is fitted on the training split, never on the scenes that are evaluated, and travels with
-// the checkpoint as a small JSON file.
+// the model as a small JSON file.
 #pragma once
 
 #include <array>
@@ -23,15 +23,15 @@ inline constexpr int kFacingBins = 3;  ///< down, sideways, up
 inline constexpr int kAlbedoBins = 4;  ///< of albedo luminance in [0, 1]
 
 struct Baselines {
-  double mean = 1;  ///< constant_mean: the mean of indirect irradiance over points and channels,
-                    ///< every scene alike
+  /// constant_mean: the mean of indirect irradiance over points and channels. All scenes weigh
+  /// alike.
+  double mean = 1;
   /// nearest_point: mean indirect irradiance by bin, [height][facing][albedo]; bins that no point
   /// met hold the mean.
   std::vector<Rgb> table;
-  double blur_bandwidth =
-      0.125;             ///< blurred_direct: σ of the Gaussian over the scene's largest extent
-  double blur_gain = 1;  ///< blurred_direct: factor on the blurred reflected light
-  int64_t scenes = 0;    ///< training scenes behind the figures
+  double blur_bandwidth = 0.125;  ///< blurred_direct: σ over the scene's largest extent
+  double blur_gain = 1;           ///< blurred_direct: factor on the blurred reflected light
+  int64_t scenes = 0;             ///< number of training scenes behind the figures
 };
 
 /// Atomic.
@@ -42,7 +42,7 @@ Baselines read_baselines(const std::filesystem::path& path);
 /// <folder>/<stem>.baselines.json of <folder>/<stem>.safetensors.
 std::filesystem::path baselines_path(const std::filesystem::path& checkpoint);
 
-/// Gathers training scenes one by one.
+/// Fits the baselines to training scenes that are added one by one.
 class BaselineFit {
  public:
   void add(const data::SceneSample& sample);

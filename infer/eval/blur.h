@@ -1,4 +1,4 @@
-// Directly reflected light of a scene, blurred over space: what blurred_direct is made of.
+// Directly reflected light of a scene, blurred over space, from which blurred_direct is made.
 #pragma once
 
 #include <cstdint>

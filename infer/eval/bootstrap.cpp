@@ -12,7 +12,7 @@ namespace {
 
 using Statistic = std::function<double(std::vector<double>)>;
 
-/// Between the order statistics, linearly.
+/// Interpolates linearly between the order statistics.
 double quantile(const std::vector<double>& sorted, double share) {
   const double place = share * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<size_t>(place);
@@ -23,7 +23,7 @@ double quantile(const std::vector<double>& sorted, double share) {
   return sorted[below] + rest * (sorted[above] - sorted[below]);
 }
 
-/// One figure of one predictor in each scene.
+/// The interval of one figure of one predictor, of which `values` has one entry a scene.
 Interval figure_interval(const std::vector<double>& values, const Bootstrap& bootstrap,
                          const Statistic& statistic) {
   std::vector<double> drawn;

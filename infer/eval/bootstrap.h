@@ -17,7 +17,7 @@ struct BootstrapSettings {
   double level = 0.95;
 };
 
-/// Bounds of a figure; NaN where there was nothing to measure.
+/// Bounds of a figure. NaN where there was nothing to measure.
 struct Interval {
   double low, high;
 };
@@ -29,7 +29,8 @@ class Bootstrap {
   /// @throws lte::Error unless there is a scene, a resample, and a level inside (0, 1).
   Bootstrap(size_t scenes, const BootstrapSettings& settings);
 
-  /// @param statistic  of the scenes with these indices; a NaN is left out, an infinity counts
+  /// @param statistic  computes the figure of the scenes with these indices; a resample for which
+  ///                   it is NaN is left out, an infinity counts
   Interval interval(const std::function<double(std::span<const uint32_t>)>& statistic) const;
 
   const BootstrapSettings& settings() const { return settings_; }
@@ -40,13 +41,13 @@ class Bootstrap {
   std::vector<uint32_t> draws_;  ///< [resamples, scenes]
 };
 
-/// Two bounds of every figure of a predictor.
+/// Both bounds of every figure of a predictor.
 struct ScoreInterval {
   Score low, high;
 };
 using ScoreIntervals = std::vector<std::pair<std::string, ScoreInterval>>;
 
-/// Intervals of what mean_scores() and median_scores() say.
+/// Intervals of the figures of mean_scores() and median_scores().
 ScoreIntervals mean_intervals(const std::vector<Scores>& scenes, const Bootstrap& bootstrap);
 ScoreIntervals median_intervals(const std::vector<Scores>& scenes, const Bootstrap& bootstrap);
 

@@ -31,7 +31,7 @@ Image white_sheet(int width, int height) {
   return out;
 }
 
-/// Each pixel of `picture` as a square of `zoom` pixels.
+/// Draws each pixel of `picture` as a square of `zoom` pixels.
 void paste(const Image& picture, int left, int top, int zoom, Image* sheet) {
   for (int y = 0; y < zoom * picture.height; ++y) {
     for (int x = 0; x < zoom * picture.width; ++x)
@@ -41,7 +41,10 @@ void paste(const Image& picture, int left, int top, int zoom, Image* sheet) {
 
 Image stacked(const std::vector<Image>& rows) {
   int width = 0, height = -kGap;
-  for (const Image& row : rows) width = std::max(width, row.width), height += row.height + kGap;
+  for (const Image& row : rows) {
+    width = std::max(width, row.width);
+    height += row.height + kGap;
+  }
   Image sheet = white_sheet(width, height);
   int top = 0;
   for (const Image& row : rows) {
@@ -62,13 +65,13 @@ Image view_row(const ViewPicture& picture) {
   const Image reference = filled(picture.reference), neural = filled(picture.neural);
   std::vector<Image> columns = {image::tonemap(reference, exposure),
                                 image::tonemap(neural, exposure)};
-  if (picture.rival.empty()) {
+  if (picture.path_traced.empty()) {
     columns.push_back(difference(neural, reference, exposure));
   } else {
-    const Image rival = filled(picture.rival);
-    columns.push_back(image::tonemap(rival, exposure));
+    const Image path_traced = filled(picture.path_traced);
+    columns.push_back(image::tonemap(path_traced, exposure));
     columns.push_back(difference(neural, reference, exposure));
-    columns.push_back(difference(rival, reference, exposure));
+    columns.push_back(difference(path_traced, reference, exposure));
   }
   const int zoom = std::max(1, (kSmallest + view.width - 1) / view.width);
   const int step = zoom * view.width + kGap;

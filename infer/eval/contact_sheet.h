@@ -15,14 +15,13 @@ inline constexpr const char* kSheetColumns =
     "reference | network | path tracing with 64 paths | error of the network | error of path "
     "tracing";
 
-/// One row of a sheet: reference | network | rival | |network − reference| | |rival − reference|,
-/// without the rival's two if the data has none. The pictures share an exposure that brings the
-/// reference's 99th percentile to white; errors are |Δ luminance| at that exposure, false color
-/// from 0 (black) to 0.25 of white (red). Small views are enlarged by whole pixels to 192 or more a
-/// picture.
+/// Makes one row of a sheet, with the columns above; the two of path tracing are left out if the
+/// data has none. The pictures share an exposure that brings the reference's 99th percentile to
+/// white. Errors are |Δ luminance| at that exposure, in false color from 0 (black) to 0.25 of white
+/// (red). Small views are enlarged by whole pixels to 192 pixels or more.
 image::Image view_row(const ViewPicture& picture);
 
-/// Gathers the views of each scene and keeps <folder>/<scene>.png up to date.
+/// Collects the views of each scene and keeps <folder>/<scene>.png up to date.
 class ContactSheets {
  public:
   explicit ContactSheets(std::filesystem::path folder) : folder_(std::move(folder)) {}

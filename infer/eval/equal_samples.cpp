@@ -11,8 +11,8 @@ constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMostPsnr = 100;
 constexpr size_t kMse = 0;  // in both lists of metrics
 
-/// a/n + r with the a that 64 paths have; what 64 paths cannot be told apart from the reference by
-/// stays r.
+/// The error a/n + r of `paths` paths, with a from the error of 64 paths. Where that error is below
+/// the noise r, a is 0.
 double at_paths(double at_64, double noise, double paths) {
   return std::max(at_64 - noise, 0.0) * kPathsStored / paths + std::min(noise, at_64);
 }
@@ -27,12 +27,14 @@ struct Errors {
   std::vector<double> predictor, path_traced, noise;
 
   double over(std::span<const uint32_t> scenes) const {
-    double mse = 0, rival = 0, floor = 0;
+    double mse = 0, path_traced_mse = 0, floor = 0;
     for (const uint32_t scene : scenes) {
       if (!std::isfinite(predictor[scene]) || !std::isfinite(path_traced[scene])) continue;
-      mse += predictor[scene], rival += path_traced[scene], floor += noise[scene];
+      mse += predictor[scene];
+      path_traced_mse += path_traced[scene];
+      floor += noise[scene];
     }
-    return equal_samples(mse, rival, floor);
+    return equal_samples(mse, path_traced_mse, floor);
   }
 };
 
@@ -86,11 +88,13 @@ std::vector<PredictorSamples> all_equal_samples(const std::vector<SceneErrors>& 
     Errors points, views;
     for (const SceneErrors& scene : scenes) {
       const Score& own = *find_score(scene.scores, entry.first);
-      const Score& rival = *find_score(scene.scores, kPathTraced);
-      points.predictor.push_back(own.points[kMse]), views.predictor.push_back(own.views[kMse]);
-      points.path_traced.push_back(rival.points[kMse]);
-      views.path_traced.push_back(rival.views[kMse]);
-      points.noise.push_back(scene.points_noise), views.noise.push_back(scene.views_noise);
+      const Score& path_traced = *find_score(scene.scores, kPathTraced);
+      points.predictor.push_back(own.points[kMse]);
+      points.path_traced.push_back(path_traced.points[kMse]);
+      points.noise.push_back(scene.points_noise);
+      views.predictor.push_back(own.views[kMse]);
+      views.path_traced.push_back(path_traced.views[kMse]);
+      views.noise.push_back(scene.views_noise);
     }
     out.push_back({entry.first, summarize(points, bootstrap), summarize(views, bootstrap)});
   }

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kRunModel = "model.safetensors";
-constexpr const char* kShippedData = "data/rooms-test";
+constexpr const char* kShippedData = "data/homes-test";
 
 void check_usage(const EvalRequest& request) {
   const bool fitting = !request.fit_baselines.empty();
@@ -99,7 +99,7 @@ void add_eval_options(CLI::App& app, EvalRequest* r) {
   app.add_option("--checkpoint", r->checkpoint, "Model; by default the shipped one");
   app.add_option("--split", r->split, "train, val or test")
       ->check(CLI::IsMember({"train", "val", "test"}));
-  app.add_option("--data", r->data, "Data-set folder; by default the shipped test rooms");
+  app.add_option("--data", r->data, "Data-set folder; by default the shipped homes");
   app.add_option("--baselines", r->baselines,
                  "Fitted baselines; by default CHECKPOINT's stem + .baselines.json");
   app.add_option("--report", r->report,

@@ -12,8 +12,7 @@ using Json = nlohmann::json;
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
-/// {"points": {metric: value(points, k)}, "views": {..}} with value a function of a member of Score
-/// and an index.
+/// Makes {"points": {metric: value(&Score::points, k)}, "views": {..}} for every metric k.
 template <typename Value>
 Json by_metric(const Value& value) {
   Json out;
@@ -79,7 +78,8 @@ std::string eval_json(const EvalResult& result, const std::string& checkpoint,
   double encode = 0, decode = 0;
   for (size_t i = 0; i < result.scenes.size(); ++i) {
     scenes.push_back(scene_json(result, i));
-    encode += result.scenes[i].encode_seconds, decode += result.scenes[i].decode_seconds;
+    encode += result.scenes[i].encode_seconds;
+    decode += result.scenes[i].decode_seconds;
   }
   Json samples = Json::object();
   for (const PredictorSamples& predictor : result.equal_samples) {

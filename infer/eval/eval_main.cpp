@@ -8,9 +8,9 @@ int main(int argc, char** argv) {
   app.footer(
       "Examples:\n"
       "  lte_eval --split test\n"
-      "  lte_eval --checkpoint run/model.safetensors --data rooms --split test --report report "
+      "  lte_eval --checkpoint run/model.safetensors --data homes --split test --report report "
       "--json eval.json\n"
-      "  lte_eval --fit-baselines rooms --out run/model.baselines.json");
+      "  lte_eval --fit-baselines homes --out run/model.baselines.json");
   lte::infer::EvalRequest request;
   lte::infer::add_eval_options(app, &request);
   return lte::infer::run_network_tool(app, argc, argv, [&] { lte::infer::run_eval(request); });

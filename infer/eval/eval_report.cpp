@@ -83,7 +83,7 @@ std::vector<std::string> metric_head(const std::string& title) {
   return out;
 }
 
-/// `cell` makes the text of a predictor's figure from a member of Score and an index.
+/// Makes a row of cells. `cell(&Score::points, k)` is the text of metric k at points.
 template <typename Cell>
 std::vector<std::string> metric_row(const std::string& name, const Cell& cell) {
   std::vector<std::string> out = {name};

@@ -9,19 +9,20 @@
 
 namespace lte::infer {
 
-/// docs/metrics.md has the keys; a figure that could not be measured is null. `checkpoint` and
-/// `data` are recorded as given.
+/// Makes the JSON whose keys docs/metrics.md explains. A figure that could not be measured is null.
+/// `checkpoint` and `data` are recorded as given.
 std::string eval_json(const EvalResult& result, const std::string& checkpoint,
                       const std::string& data);
 
-/// Every metric by predictor: scene by scene, median, and mean with its confidence interval; what
-/// the errors are worth in path-traced samples; and the paper's table.
+/// Makes text for a terminal. It has every metric by predictor (scene by scene, median, and mean
+/// with its confidence interval), what the errors are worth in path-traced samples, and the paper's
+/// table.
 std::string eval_table(const EvalResult& result);
 
-/// One line a scene and predictor.
+/// Makes CSV with one line for each scene and predictor.
 std::string eval_csv(const EvalResult& result);
 
-/// The same as one self-contained page, with the sheets.
+/// Makes a self-contained page of what eval_table() says, with the sheets.
 /// @throws lte::Error if a sheet cannot be read.
 std::string eval_html(const EvalResult& result, const std::string& checkpoint,
                       const std::string& data, const ContactSheets& sheets);
@@ -38,7 +39,7 @@ TextTable sample_table(const EvalResult& result);
 /// Table 1 of the paper beside the same figures here.
 TextTable paper_table(const EvalResult& result);
 
-/// What has to be said with those two.
+/// What has to be said below those two tables.
 std::string sample_note(const EvalResult& result);
 extern const char* const kPaperNote;
 

@@ -11,17 +11,15 @@ std::string bounds(const Interval& interval) {
   return concat(figure(interval.low), " to ", figure(interval.high));
 }
 
-/// A path count: infinite where the error lies below the noise of the reference.
+/// Formats a path count, which is infinite where the error lies below the noise of the reference.
 std::string paths(double value) { return std::isinf(value) ? "all of them" : figure(value); }
 
 }  // namespace
 
 const char* const kPaperNote =
     "The paper's MSE and SSIM are of irradiance without texture, as here, but on 105 scenes of its "
-    "own, in its own unit "
-    "of light and with its own display values, none of which are published: columns of one row can "
-    "be compared, rows of "
-    "the paper and rows of this evaluation cannot.";
+    "own, in its own unit of light and with its own display values, none of which are published: "
+    "columns of one row can be compared, rows of the paper and rows of this evaluation cannot.";
 
 std::string figure(double value) {
   if (!std::isfinite(value)) return "-";
@@ -70,9 +68,10 @@ TextTable paper_table(const EvalResult& result) {
     const Score* const found = find_score(result.mean, name);
     return found ? *found : missing;
   };
-  const Score own = score("neural"), rival = score(kPathTraced);
+  const Score own = score("neural"), path_traced = score(kPathTraced);
   out.rows.push_back({concat(result.scenes.size(), " scenes here"), figure(own.views[0]),
-                      figure(own.views[2]), figure(rival.views[0]), figure(rival.views[2])});
+                      figure(own.views[2]), figure(path_traced.views[0]),
+                      figure(path_traced.views[2])});
   out.rows.push_back({"105 scenes of the paper", "0.048", "0.912", "0.051", "0.425"});
   return out;
 }

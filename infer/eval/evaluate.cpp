@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "infer/eval/eval_sites.h"
+#include "infer/eval/eval_points.h"
 #include "infer/eval/probes.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
@@ -22,12 +22,12 @@ constexpr double kSameScale = 1e-6;
 std::string few_paths_row(int paths) { return concat("path_tracing_", paths); }
 
 /// The network's indirect irradiance over the emission scalar. A model of total irradiance is
-/// compared on the same quantity: what the reference direct light leaves of it.
-std::vector<Rgb> neural(const runtime::SceneEmbedding& network, const Site& site) {
+/// compared on the same quantity, from which the reference's direct light is subtracted.
+std::vector<Rgb> neural(const runtime::SceneEmbedding& network, const EvalPoints& points) {
   std::vector<Rgb> out =
-      data::sum_groups(network.decode(site.queries), 1, 1 / network.mean_emission());
+      data::sum_groups(network.decode(points.queries), 1, 1 / network.mean_emission());
   if (!network.network().predicts_total()) return out;
-  for (size_t i = 0; i < out.size(); ++i) out[i] = max(out[i] - site.direct[i], Vec3{});
+  for (size_t i = 0; i < out.size(); ++i) out[i] = max(out[i] - points.direct[i], Vec3{});
   return out;
 }
 
@@ -39,21 +39,22 @@ struct Predictors {
   const BaselinePredictor& baselines;
   const ProbeField& probes;
 
-  Predictions predict(const Site& site, double* decode_seconds) const {
+  Predictions predict(const EvalPoints& points, double* decode_seconds) const {
     Predictions out;
     const Timer timer;
-    out.emplace_back("neural", neural(network, site));
+    out.emplace_back("neural", neural(network, points));
     *decode_seconds += timer.seconds();
-    if (!site.path_traced.empty()) out.emplace_back(kPathTraced, site.path_traced);
+    if (!points.path_traced.empty()) out.emplace_back(kPathTraced, points.path_traced);
     for (size_t i = 0; i < data::kFewPaths.size(); ++i) {
-      if (!site.path_traced_few[i].empty())
-        out.emplace_back(few_paths_row(data::kFewPaths[i]), site.path_traced_few[i]);
+      if (!points.path_traced_few[i].empty())
+        out.emplace_back(few_paths_row(data::kFewPaths[i]), points.path_traced_few[i]);
     }
-    out.emplace_back("constant_mean", baselines.constant_mean(site.queries));
-    out.emplace_back("nearest_point", baselines.nearest_point(site.queries));
-    out.emplace_back("blurred_direct", baselines.blurred_direct(site.queries));
-    if (probes.size() > 0) out.emplace_back("irradiance_probes", probes.interpolate(site.queries));
-    out.emplace_back("direct_only", std::vector<Rgb>(site.queries.position.size()));
+    out.emplace_back("constant_mean", baselines.constant_mean(points.queries));
+    out.emplace_back("nearest_point", baselines.nearest_point(points.queries));
+    out.emplace_back("blurred_direct", baselines.blurred_direct(points.queries));
+    if (probes.size() > 0)
+      out.emplace_back("irradiance_probes", probes.interpolate(points.queries));
+    out.emplace_back("direct_only", std::vector<Rgb>(points.queries.position.size()));
     return out;
   }
 };
@@ -63,12 +64,13 @@ class ViewSums {
  public:
   void add(const Predictions& predictions, const ViewPixels& pixels, const data::View& view) {
     if (pixels.position.empty()) return;
-    const ReferenceNoise noise = pixels.site.noise();
-    noise_.mse += noise.mse, noise_.relmse += noise.relmse;
+    const ReferenceNoise noise = pixels.points.noise();
+    noise_.mse += noise.mse;
+    noise_.relmse += noise.relmse;
     ++views_;
     for (const auto& [name, values] : predictions) {
       const ViewScore score =
-          score_view(values, pixels.site.reference, view.mask, view.width, view.height);
+          score_view(values, pixels.points.reference, view.mask, view.width, view.height);
       std::pair<ViewScore, int>& sum = sums_[name];
       for (size_t k = 0; k < score.size(); ++k) sum.first[k] += score[k];
       ++sum.second;
@@ -100,7 +102,8 @@ class ViewSums {
   int views_ = 0;
 };
 
-/// Rows of fewer paths after that of 64, if it is there: derived, but for views that were traced.
+/// Adds rows of fewer paths after that of 64, if it is there. They are derived from it, except for
+/// views where the data has traced ones.
 void add_fewer_paths(const ReferenceNoise& points, const ViewSums& views, Scores* scores) {
   const auto found = std::find_if(scores->begin(), scores->end(),
                                   [](const auto& entry) { return entry.first == kPathTraced; });
@@ -116,15 +119,29 @@ void add_fewer_paths(const ReferenceNoise& points, const ViewSums& views, Scores
   scores->insert(found + 1, rows.begin(), rows.end());
 }
 
-int64_t probe_count(const EvalSettings& settings, const data::SceneSample& sample,
-                    double encode_seconds) {
-  if (settings.probe_rate <= 0) return settings.probes;
-  const auto paths = static_cast<double>(std::max<int64_t>(1, sample.rays));
-  return std::max<int64_t>(1, std::llround(encode_seconds * settings.probe_rate / paths));
+/// Paths that a renderer traces for the light that the network reads: on both sides of every point
+/// that does not emit.
+double light_paths(const data::SceneSample& sample, const data::DatasetInfo& info,
+                   const runtime::Network& network) {
+  if (network.light_input().depth == 0) return 0;
+  const auto lit = std::count_if(sample.scene_emission.begin(), sample.scene_emission.end(),
+                                 [](const Rgb& value) { return max_component(value) <= 0; });
+  return 2.0 * static_cast<double>(lit) * info.light_paths;
 }
 
-SceneResult evaluate_scene(const EvalSettings& settings, const data::SceneSample& sample,
-                           const runtime::Network& network, const Baselines& fitted) {
+/// The probes that could be baked instead of preparing the network: in the time of the encoding,
+/// and with the paths that its light estimates take.
+int64_t probe_count(const EvalSettings& settings, const data::SceneSample& sample,
+                    double encode_seconds, double light_paths) {
+  if (settings.probe_rate <= 0) return settings.probes;
+  const auto paths = static_cast<double>(std::max<int64_t>(1, sample.rays));
+  return std::max<int64_t>(
+      1, std::llround((encode_seconds * settings.probe_rate + light_paths) / paths));
+}
+
+SceneResult evaluate_scene(const EvalSettings& settings, const data::DatasetInfo& info,
+                           const data::SceneSample& sample, const runtime::Network& network,
+                           const Baselines& fitted) {
   SceneResult result;
   result.name = sample.name;
   result.points = sample.query_points();
@@ -145,9 +162,10 @@ SceneResult evaluate_scene(const EvalSettings& settings, const data::SceneSample
   result.paths = static_cast<double>(sample.rays);
 
   const BaselinePredictor baselines(fitted, sample, result.radiance);
-  const Site points = point_site(sample, result.radiance);
-  const ProbeField probes(points.queries, points.reference,
-                          probe_count(settings, sample, result.encode_seconds));
+  const EvalPoints points = query_eval_points(sample, result.radiance);
+  const ProbeField probes(
+      points.queries, points.reference,
+      probe_count(settings, sample, result.encode_seconds, light_paths(sample, info, network)));
   result.probes = probes.size();
   result.reference_noise = points.noise().mse;
   const Predictors predictors{embedding, baselines, probes};
@@ -159,11 +177,11 @@ SceneResult evaluate_scene(const EvalSettings& settings, const data::SceneSample
   for (size_t k = 0; k < sample.views.size(); ++k) {
     const data::View& view = sample.views[k];
     const ViewPixels pixels(view, sample.light_groups, result.radiance);
-    const Predictions predictions = predictors.predict(pixels.site, &result.decode_seconds);
+    const Predictions predictions = predictors.predict(pixels.points, &result.decode_seconds);
     sums.add(predictions, pixels, view);
     if (settings.on_view) {
-      settings.on_view({sample.name, static_cast<int>(k), view, pixels.site.reference,
-                        predictions.front().second, pixels.site.path_traced});
+      settings.on_view({sample.name, static_cast<int>(k), view, pixels.points.reference,
+                        predictions.front().second, pixels.points.path_traced});
     }
   }
   sums.store(&result.scores);
@@ -175,9 +193,9 @@ SceneResult evaluate_scene(const EvalSettings& settings, const data::SceneSample
 VarianceCheck check_variance(const std::vector<SceneResult>& scenes) {
   double at_64 = 0, at_reference = 0, single = 0, paths = 0;
   for (const SceneResult& scene : scenes) {
-    const Score* const rival = find_score(scene.scores, kPathTraced);
-    if (!rival) continue;
-    at_64 += rival->points[0] - scene.reference_noise;
+    const Score* const path_traced = find_score(scene.scores, kPathTraced);
+    if (!path_traced) continue;
+    at_64 += path_traced->points[0] - scene.reference_noise;
     at_reference += scene.reference_noise;
     single += scene.path_variance;
     paths += scene.paths / static_cast<double>(scenes.size());
@@ -198,7 +216,8 @@ void summarize(EvalResult* result) {
     errors.push_back({scene.scores, scene.reference_noise, scene.views_noise});
   }
   const Bootstrap bootstrap(scores.size(), result->bootstrap);
-  result->mean = mean_scores(scores), result->median = median_scores(scores);
+  result->mean = mean_scores(scores);
+  result->median = median_scores(scores);
   result->mean_interval = mean_intervals(scores, bootstrap);
   result->median_interval = median_intervals(scores, bootstrap);
   result->equal_samples = all_equal_samples(errors, bootstrap);
@@ -235,7 +254,7 @@ EvalResult evaluate(const EvalSettings& settings, const runtime::Network& networ
     data::SceneSample sample = data::read_scene_sample(data::scene_path(settings.data, entry.name));
     data::drop_idle_queries(&sample);
     sample.name = entry.name;
-    result.scenes.push_back(evaluate_scene(settings, sample, network, baselines));
+    result.scenes.push_back(evaluate_scene(settings, info, sample, network, baselines));
     if (settings.on_scene) settings.on_scene();
     progress.advance();
   }

@@ -21,21 +21,22 @@ namespace lte::infer {
 struct SceneResult {
   std::string name;
   double radiance = 1;  ///< the emission scalar that irradiance was divided by
-  double reference_noise =
-      0;  ///< mean variance of the normalized reference at the points: the floor of any MSE
+  /// Mean variance of the normalized reference at the points: the floor of any MSE.
+  double reference_noise = 0;
   double views_noise = 0;    ///< the same over the views; 0 without any
   double path_variance = 0;  ///< of a single path at the points, by the spread of the reference
-  double paths = 0;          ///< behind a point of the reference
+  double paths = 0;          ///< number behind a point of the reference
   int64_t points = 0, views = 0;
   int64_t probes = 0;  ///< that irradiance_probes interpolates
   double encode_seconds = 0, decode_seconds = 0;
   Scores scores;
 };
 
-/// How far the 1/n of path tracing holds at the points, where the paths of the reference are known.
+/// How well the variance of path tracing follows 1/n at the points, where the paths of the
+/// reference are known.
 struct VarianceCheck {
-  /// Variance of one path told by the 64-path estimate over that told by the spread of the
-  /// reference: 1 if variance falls as 1/n. NaN without path_tracing_64.
+  /// The variance of one path as the 64-path estimate shows it, over that as the spread of the
+  /// reference shows it: 1 if variance falls as 1/n. NaN without path_tracing_64.
   double ratio;
   double exponent;  ///< p of a variance that falls as n^−p between 64 paths and the reference's
 };
@@ -56,7 +57,7 @@ struct ViewPicture {
   int index;
   const data::View& view;
   std::span<const Rgb> reference, neural;
-  std::span<const Rgb> rival;  ///< path-traced with 64 paths; empty if the data has none
+  std::span<const Rgb> path_traced;  ///< with 64 paths; empty if the data has none
 };
 using ViewSink = std::function<void(const ViewPicture&)>;
 
@@ -65,20 +66,22 @@ struct EvalSettings {
   data::Split split = data::Split::Test;
   BootstrapSettings bootstrap;
   int64_t probes = 128;  ///< of irradiance_probes, a scene; 0: without that predictor
-  /// Paths a second that a path tracer is known to trace: if positive, there are as many probes as
-  /// it would bake, with the paths of the data's points, while a scene is encoded.
+  /// Paths a second that a path tracer is known to trace. If positive, there are as many probes,
+  /// each with the paths of the data's points, as it would bake while the network is prepared: in
+  /// the time of the encoding, and with the paths of the light estimates that the network reads.
   double probe_rate = 0;
   runtime::MemoryLimit memory;
   ViewSink on_view;                ///< may be empty
   std::function<void()> on_scene;  ///< after each scene; may be empty
 };
 
+/// Compares the model and the baselines with the reference in every scene of a split.
 /// @throws lte::Error if the split is empty (naming those that are not), or if data and model have
-/// different scales s.
+///         different scales s.
 EvalResult evaluate(const EvalSettings& settings, const runtime::Network& network,
                     const Baselines& baselines);
 
-/// Baselines of the training split of `directory`.
+/// Fits the baselines on the training split of `directory`.
 /// @throws lte::Error naming the folder if it has no training scenes.
 Baselines fit_baselines(const std::filesystem::path& directory);
 

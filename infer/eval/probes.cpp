@@ -29,7 +29,8 @@ ProbeField::ProbeField(const QueryPoints& points, std::span<const Rgb> irradianc
   Bounds bounds;
   for (const int64_t picked : spread(points.size(), count)) {
     const auto i = static_cast<size_t>(picked);
-    position_.push_back(points.position[i]), normal_.push_back(points.normal[i]);
+    position_.push_back(points.position[i]);
+    normal_.push_back(points.normal[i]);
     irradiance_.push_back(irradiance[i]);
     bounds.extend(points.position[i]);
   }

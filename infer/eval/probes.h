@@ -1,5 +1,5 @@
-// Irradiance interpolated between probes: what a renderer without a network would do with the time
-// that encoding takes.
+// Irradiance interpolated between probes: what a renderer without a network could do with the time
+// that the network's encoding takes.
 #pragma once
 
 #include <cstdint>

@@ -112,7 +112,9 @@ image::Image fill_mask(std::span<const Rgb> values, std::span<const uint8_t> mas
     if (!mask[i]) continue;
     const Rgb& value = values[next++];
     float* p = out.pixels.data() + 3 * i;
-    p[0] = value.x, p[1] = value.y, p[2] = value.z;
+    p[0] = value.x;
+    p[1] = value.y;
+    p[2] = value.z;
   }
   return out;
 }

@@ -1,5 +1,5 @@
-// Error figures of one prediction, and how those of many scenes are put together. docs/metrics.md
-// has the formulas.
+// The errors of one prediction, and their mean and median over scenes. docs/metrics.md has the
+// formulas.
 #pragma once
 
 #include <array>
@@ -34,18 +34,18 @@ using Scores = std::vector<std::pair<std::string, Score>>;
 /// The score of a predictor; null if there is none of that name.
 const Score* find_score(const Scores& scores, const std::string& name);
 
-/// Brings the 99th percentile of the reference's luminance to 1, so that white is the brightest of
-/// what matters; 1 for a black reference.
+/// The factor that brings the 99th percentile of the reference's luminance to 1, so that few bright
+/// pixels do not darken the rest; 1 for a black reference.
 double white_exposure(std::span<const Rgb> reference);
 
-/// Irradiance over the emission scalar, at points.
+/// Scores irradiance over the emission scalar at points.
 PointScore score_points(std::span<const Rgb> prediction, std::span<const Rgb> reference);
 
-/// One view: values of the pixels whose mask is set, in row order.
+/// Scores one view. Values are of the pixels whose mask is set, in row order.
 ViewScore score_view(std::span<const Rgb> prediction, std::span<const Rgb> reference,
                      std::span<const uint8_t> mask, int width, int height);
 
-/// Values of the masked pixels put back into a picture that is black elsewhere.
+/// Puts the values of the masked pixels back into a picture, which is black elsewhere.
 image::Image fill_mask(std::span<const Rgb> values, std::span<const uint8_t> mask, int width,
                        int height);
 
@@ -53,8 +53,8 @@ double mean_of(std::span<const double> values);
 /// The middle value, or the mean of the two middle ones; NaN of nothing.
 double median_of(std::vector<double> values);
 
-/// Over scenes, each figure by itself; NaN entries are left out. Only predictors that every scene
-/// has.
+/// Mean and median over scenes, each figure by itself, of the predictors that every scene has. NaN
+/// entries are left out.
 Scores mean_scores(const std::vector<Scores>& scenes);
 Scores median_scores(const std::vector<Scores>& scenes);
 

@@ -33,7 +33,7 @@ def settings(values):
 
 
 def make_data(tools, folder):
-    run(tools / "lte_datagen", "generate", "--config", "configs/data/rooms_small.yaml", "--out", folder, "--scenes", 4, "--quiet",
+    run(tools / "lte_datagen", "generate", "--config", "configs/data/boxes_small.yaml", "--out", folder, "--scenes", 4, "--quiet",
         *settings({"val_share": 0.5, "test_share": 0, "scene_points": 256, "query_points": 128, "rays": 16,
                    "views.count": 1, "views.width": 16, "views.height": 12, "views.rays": 16}))
 

@@ -44,7 +44,7 @@ TEST(CApiErrors, ModelsThatAreNone) {
   expect_status(open("/nonexistent/model.safetensors"), LTE_ERROR_FILE,
                 "/nonexistent/model.safetensors");
   expect_status(open("README.md"), LTE_ERROR_FILE, "README.md");
-  expect_status(open("assets/data/rooms-test/scenes/room_00000.safetensors"), LTE_ERROR_FILE,
+  expect_status(open("assets/data/homes-test/scenes/home_00000.safetensors"), LTE_ERROR_FILE,
                 "not a model");
   expect_status(lte_model_open("README.md", nullptr, nullptr), LTE_ERROR_INVALID_ARGUMENT,
                 "model is null");

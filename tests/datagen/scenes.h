@@ -47,7 +47,7 @@ inline DatagenConfig tiny_config() {
   config.val_share = config.test_share = 0.2;
   config.bake = tiny_bake();
   config.bake.prune = false;  // costs more than the rest of so small a scene
-  config.rooms.texture_sizes = {8};
+  config.boxes.texture_sizes = {8};
   return config;
 }
 

@@ -1,4 +1,4 @@
-// Beds.
+// Beds, their mattresses and their bedding.
 #include <cmath>
 
 #include "datagen/homes/furniture/furniture.h"

@@ -28,7 +28,7 @@ Piece make_media_bench(Kit* kit);  ///< with a television
 Piece make_console(Kit* kit);
 
 // Kitchen and bathroom (kitchen.cpp, bathroom.cpp)
-/// Base units with sink and hob under a worktop; with wall units, hood and a lit strip if `upper`.
+/// Base units with sink and hob under a worktop. `upper` adds wall units, a hood and a lit strip.
 Piece make_kitchen_run(Kit* kit, float length, bool upper);
 Piece make_fridge(Kit* kit);
 Piece make_tub(Kit* kit);

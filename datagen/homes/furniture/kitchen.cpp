@@ -9,7 +9,7 @@ namespace {
 
 constexpr float kBack = -0.3f, kFront = 0.3f, kTop = 0.9f, kSlab = 0.038f;
 
-/// Where things are along a run, and what they are made of.
+/// A row of units: where things are along it, and what they are made of.
 struct Run {
   float x0, x1;
   float sink, hob;  ///< middles

@@ -6,7 +6,7 @@
 namespace lte::datagen::homes {
 namespace {
 
-/// Flux of a lamp over that of a ceiling light of 0.36 m².
+/// The flux of a lamp relative to that of a ceiling light of 0.36 m².
 constexpr float kPanelArea = 0.36f;
 
 Rgb lamp_radiance(Kit* kit, float area) {

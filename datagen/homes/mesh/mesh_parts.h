@@ -1,7 +1,7 @@
-// The vocabulary that homes are modelled in: rounded boxes, cushions, surfaces of revolution,
-// tubes, swept profiles and thin sheets. All but panel() are closed (welded by position, every edge
-// is shared by exactly two triangles), wound counter-clockwise seen from outside, without zero-area
-// triangles, and carry UVs in metres (or in [0, 1] where it says so) in set 0.
+// The shapes that homes are modelled from: rounded boxes, cushions, surfaces of revolution, tubes,
+// swept profiles and thin sheets. All but panel() are closed: welded by position, every edge is
+// shared by exactly two triangles. They are wound counter-clockwise seen from outside and have no
+// zero-area triangles. UV set 0 is in metres, or in [0, 1] where it says so.
 #pragma once
 
 #include <functional>
@@ -27,7 +27,7 @@ struct Detail {
 /// @param radius   metres; at most half the shortest edge is taken
 /// @param bevel    segments of 45 degrees of an edge
 /// @param cell_m   longest edge of the flat parts' cells, for displace(); INFINITY for none
-/// @note u runs along the longest axis, so the grain of wood does.
+/// @note u runs along the longest axis, and so does the grain of wood.
 Mesh rounded_box(const Vec3& low, const Vec3& high, float radius, int bevel,
                  float cell_m = INFINITY);
 
@@ -40,36 +40,36 @@ Mesh cushion(const Vec3& size, int turn, float seam_m = 0.006f);
 /// instead, such as a lampshade's or a bowl's wall.
 Mesh lathe(const std::vector<Vec2>& profile, int turn, bool ring = false);
 
-/// Catmull-Rom curve through the points, `steps` chords a span; the ends are kept. A profile stays
-/// within the box of each span's ends.
+/// A Catmull-Rom curve through the points, with `steps` chords a span. The ends are kept. A curve
+/// in the plane stays within the box of each span's ends.
 std::vector<Vec2> smooth(const std::vector<Vec2>& points, int steps);
 std::vector<Vec3> smooth(const std::vector<Vec3>& points, int steps);
 
 /// A round bar along a path; both ends are capped.
 Mesh tube(const std::vector<Vec3>& path, float radius, int turn);
 
-/// A convex counter-clockwise profile (x = to the left of the way, y = up) along a path in the xz
-/// plane, mitred at its corners. A closed path has no ends; an open one is capped.
+/// Sweeps a convex counter-clockwise profile (x to the left of the way, y up) along a path in the
+/// xz plane, mitred at its corners. An open path is capped at its ends.
 Mesh sweep(const std::vector<Vec2>& path_xz, const std::vector<Vec2>& profile, bool closed);
 
-/// The surface `at(u, v)` over [0, 1]², made solid: half of `thickness` (metres) to either side.
+/// The surface `at(u, v)` over [0, 1]², made solid by half of `thickness` (metres) to either side.
 Mesh sheet(int cells_u, int cells_v, const std::function<Vec3(float, float)>& at, float thickness);
 
-/// The one open part: a rectangle from `corner` along `right` and `up`, seen from right × up. UVs
-/// cover [0, 1]², upright as pictures are.
+/// A rectangle from `corner` along `right` and `up` whose front faces right × up: the only open
+/// shape. UVs cover [0, 1]², upright as pictures are.
 Mesh panel(const Vec3& corner, const Vec3& right, const Vec3& up);
 
-/// Moves every vertex by `offset(position)`: what was closed stays closed.
+/// Moves every vertex by `offset(position)`. A closed mesh stays closed.
 void displace(Mesh* mesh, const std::function<Vec3(const Vec3&)>& offset);
 
 /// Bends circles about y to superellipses |x|^power + |z|^power = r^power: round bodies with nearly
 /// rectangular outlines, such as tubs.
 void square_off(Mesh* mesh, float power);
 
-/// Appends `part`, transformed; a mirroring transform keeps the front in front.
+/// Appends `part`, transformed. A transform that mirrors keeps front faces in front.
 void append(Mesh* mesh, const Mesh& part, const Affine& to_mesh);
 
-/// Maps UVs so that the mesh's own range becomes `low` to `high`: for atlases and pictures.
+/// Maps UVs so that their range becomes `low` to `high`, for atlases and pictures.
 void fit_uvs(Mesh* mesh, const Vec2& low, const Vec2& high);
 
 Bounds bounds_of(const Mesh& mesh);

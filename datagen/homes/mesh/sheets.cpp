@@ -12,8 +12,8 @@ Vec2 unit(const Vec2& a, const Vec2& b) {
   return {(b.x - a.x) / length, (b.y - a.y) / length};
 }
 
-/// Leftward offset of one metre at a corner between two directions; longer where it is mitred.
-/// Seen from above (y up), left of +x is −z.
+/// The offset to the left by one metre at a corner between two directions, longer where it is
+/// mitred. Seen from above (y up), left of +x is −z.
 Vec2 mitre(const Vec2& in, const Vec2& out) {
   const Vec2 left_in{in.y, -in.x}, left_out{out.y, -out.x};
   const float scale = 1 / (1 + left_in.x * left_out.x + left_in.y * left_out.y);
@@ -25,7 +25,7 @@ void add_quad(Mesh* mesh, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
   mesh->triangles.push_back({a, c, d});
 }
 
-/// A fan over the profile at one end of an open sweep.
+/// Closes one end of an open sweep with a fan over the profile.
 void add_cap(Mesh* mesh, const std::vector<Vec2>& profile, uint32_t row, bool end) {
   const auto first = static_cast<uint32_t>(mesh->positions.size()),
              count = static_cast<uint32_t>(profile.size());

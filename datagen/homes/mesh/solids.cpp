@@ -7,8 +7,8 @@
 namespace lte::datagen::homes {
 namespace {
 
-/// One line of a rounded box's grid along an axis: where it is on the cube of directions, and on
-/// the inner box that the rounding is added to.
+/// One line of a rounded box's grid along an axis: its place on the cube of directions, and on the
+/// inner box to which the rounding is added.
 struct Line {
   float direction, inner;
 };
@@ -32,7 +32,8 @@ std::vector<Line> grid_lines(float low, float high, int bevel, float cell_m) {
   return lines;
 }
 
-/// Two triangles over grid vertices (i, j), (i+1, j), ...; `stride` vertices a row.
+/// Adds two triangles over grid vertices (i, j), (i+1, j), ... of a grid with `stride` vertices a
+/// row.
 void add_cell(Mesh* mesh, uint32_t at, uint32_t stride, bool flip) {
   const uint32_t a = at, b = at + 1, c = at + stride + 1, d = at + stride;
   if (flip) {
@@ -68,10 +69,12 @@ Mesh rounded_box(const Vec3& low, const Vec3& high, float radius, int bevel, flo
         for (const Line& u : across) {
           Vec3 direction, inner;
           direction[axis] = top ? 1.0f : -1.0f;
-          direction[a] = u.direction, direction[b] = v.direction;
+          direction[a] = u.direction;
+          direction[b] = v.direction;
           inner[axis] = top ? lines[static_cast<size_t>(axis)].back().inner
                             : lines[static_cast<size_t>(axis)].front().inner;
-          inner[a] = u.inner, inner[b] = v.inner;
+          inner[a] = u.inner;
+          inner[b] = v.inner;
           const Vec3 p = inner + normalize(direction) * r;
           mesh.positions.push_back(p);
           mesh.uvs[0].push_back({p[u_axis] - low[u_axis], p[v_axis] - low[v_axis]});

@@ -44,8 +44,10 @@ std::function<Rgb(float, float)> abstract(Rng* rng) {
   };
   std::vector<Disc> discs(5 + rng->below(7));
   for (Disc& d : discs) {
-    d.x = rng->uniform(), d.y = rng->uniform();
-    d.rx = rng->uniform(0.06f, 0.3f), d.ry = rng->uniform(0.06f, 0.3f);
+    d.x = rng->uniform();
+    d.y = rng->uniform();
+    d.rx = rng->uniform(0.06f, 0.3f);
+    d.ry = rng->uniform(0.06f, 0.3f);
     d.color = any_color(rng, 0.9f, 0.05f, 0.6f);
   }
   const Rgb ground = any_color(rng, 0.3f, 0.35f, 0.75f);
@@ -114,8 +116,10 @@ TexturePtr book_spines(int size, int count, Rng* rng) {
   for (Spine& s : spines) {
     s.cover = any_color(rng, 0.65f, 0.04f, 0.5f);
     s.ink = luminance(s.cover) > 0.25f ? Rgb{0.05f, 0.04f, 0.04f} : Rgb{0.7f, 0.6f, 0.35f};
-    s.top = rng->uniform(0.04f, 0.12f), s.bottom = rng->uniform(0.86f, 0.96f);
-    s.title_low = rng->uniform(0.2f, 0.35f), s.title_high = rng->uniform(0.5f, 0.75f);
+    s.top = rng->uniform(0.04f, 0.12f);
+    s.bottom = rng->uniform(0.86f, 0.96f);
+    s.title_low = rng->uniform(0.2f, 0.35f);
+    s.title_high = rng->uniform(0.5f, 0.75f);
   }
   const Noise cloth(200, 200, 1, rng), letters(64, 40, 1, rng);
   return rasterize(

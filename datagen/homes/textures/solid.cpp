@@ -6,7 +6,7 @@
 namespace lte::datagen::homes {
 namespace {
 
-/// 0 to 1 over the ring from early wood to late wood, which ends sharply.
+/// Rises from 0 to 1 over an annual ring, from early wood to late wood, which ends sharply.
 class Rings {
  public:
   explicit Rings(Rng* rng)
@@ -60,8 +60,10 @@ TexturePtr wood_planks(int size, const Rgb& base, int rows, Rng* rng) {
   };
   std::vector<Row> boards(static_cast<size_t>(2 * rows));
   for (Row& b : boards) {
-    b.u = rng->uniform(), b.v = rng->uniform();
-    b.tone = rng->uniform(0.82f, 1.16f), b.joint = rng->uniform();
+    b.u = rng->uniform();
+    b.v = rng->uniform();
+    b.tone = rng->uniform(0.82f, 1.16f);
+    b.joint = rng->uniform();
     b.warmth = rng->uniform(-0.04f, 0.04f);
   }
   const Rings rings(rng);

@@ -6,12 +6,13 @@
 
 namespace lte::datagen::homes {
 
-/// What real diffuse surfaces have; inset so that rounding to 8 bits stays within [0.03, 0.85].
+/// The albedos of real diffuse surfaces, inset so that rounding to 8 bits stays within [0.03,
+/// 0.85].
 inline constexpr AlbedoRange kAlbedo{0.0315f, 0.845f};
 
 /// Annual rings cut lengthwise, and fibres; the grain runs along u.
 TexturePtr wood_grain(int size, const Rgb& base, Rng* rng);
-/// Floor boards along u in `rows`, each cut from another place of the log.
+/// Floor boards along u in `rows`, each with a grain of its own.
 TexturePtr wood_planks(int size, const Rgb& base, int rows, Rng* rng);
 /// Tiles with grout; `bond` shifts every other row by half a tile, `veined` makes them marble.
 TexturePtr tiles(int size, const Rgb& tile, const Rgb& grout, int columns, int rows, bool bond,

@@ -20,9 +20,9 @@ using ::testing::HasSubstr;
 class Bake : public data::test::Folder {
  protected:
   static scene::Scene room() {
-    RoomConfig config;
+    boxes::RoomConfig config;
     config.texture_sizes = {8};
-    return generate_room(config, 3, "room").scene;
+    return boxes::generate_room(config, 3, "room").scene;
   }
   std::string bytes(const data::SceneSample& sample) const {
     data::write_scene_sample(folder_ / "sample.safetensors", sample);
@@ -65,10 +65,10 @@ TEST_F(Bake, FurnaceGivesTheClosedForm) {
     EXPECT_NEAR(i.y, indirect, 0.03f * indirect);
   };
   for (size_t i = 0; i < sample.direct.size(); ++i) check(sample.direct[i], sample.indirect[i]);
-  double rival = 0;
+  double path_traced = 0;
   for (const Rgb& value : sample.path_traced_64)
-    rival += value.x / static_cast<double>(sample.path_traced_64.size());
-  EXPECT_NEAR(rival, indirect, 0.03 * indirect);
+    path_traced += value.x / static_cast<double>(sample.path_traced_64.size());
+  EXPECT_NEAR(path_traced, indirect, 0.03 * indirect);
   ASSERT_EQ(sample.views.size(), 1u);
   for (size_t i = 0; i < sample.views[0].mask.size(); ++i) {
     ASSERT_EQ(sample.views[0].mask[i], 1);
@@ -298,7 +298,8 @@ TEST_F(Bake, MetalIsRecordedAndOtherTensorsStay) {
   const data::SceneSample matt = bake_scene(scene, tiny_bake(), false);
   EXPECT_TRUE(matt.scene_metallic.empty());
   EXPECT_TRUE(matt.incident.empty());
-  scene.materials[0].metallic = 1, scene.materials[0].roughness = 0.25f;
+  scene.materials[0].metallic = 1;
+  scene.materials[0].roughness = 0.25f;
   const data::SceneSample metal = bake_scene(scene, tiny_bake(), false);
   ASSERT_EQ(metal.scene_metallic.size(), metal.scene_position.size());
   EXPECT_EQ(metal.scene_position, matt.scene_position);

@@ -41,7 +41,7 @@ Bounds bounds_of(const scene::Scene& scene, const std::string& name) {
   return bounds;
 }
 
-TEST(Room, SameSeedGivesTheSameScene) {
+TEST(BoxRoom, SameSeedGivesTheSameScene) {
   const Room a = generate_room(config(), 7), b = generate_room(config(), 7),
              c = generate_room(config(), 8);
   ASSERT_EQ(a.scene.meshes.size(), b.scene.meshes.size());
@@ -57,7 +57,7 @@ TEST(Room, SameSeedGivesTheSameScene) {
   EXPECT_NE(a.scene.bounds().high, c.scene.bounds().high);
 }
 
-TEST(Room, HasTheConfiguredSize) {
+TEST(BoxRoom, HasTheConfiguredSize) {
   for (uint64_t seed = 0; seed < kRooms; ++seed) {
     const Room room = generate_room(config(), seed);
     for (const Bounds& inner : room.plan.rooms) {
@@ -71,14 +71,17 @@ TEST(Room, HasTheConfiguredSize) {
       EXPECT_EQ(inner.low.y, 0.0f);
     }
     Bounds all;
-    for (const Bounds& inner : room.plan.rooms) all.extend(inner.low), all.extend(inner.high);
+    for (const Bounds& inner : room.plan.rooms) {
+      all.extend(inner.low);
+      all.extend(inner.high);
+    }
     EXPECT_EQ(room.scene.bounds().low, all.low) << "something pokes through a wall, seed " << seed;
     EXPECT_EQ(room.scene.bounds().high, all.high)
         << "something pokes through a wall, seed " << seed;
   }
 }
 
-TEST(Room, LightsAreFlushClearOfWallsAndOfTallThings) {
+TEST(BoxRoom, LightsAreFlushClearOfWallsAndOfTallThings) {
   for (uint64_t seed = 0; seed < kRooms; ++seed) {
     const RoomPlan plan = generate_room(config(), seed).plan;
     ASSERT_GE(plan.lights.size(), 1u);
@@ -107,7 +110,7 @@ TEST(Room, LightsAreFlushClearOfWallsAndOfTallThings) {
   }
 }
 
-TEST(Room, FurnitureIsInsideOnTheFloorAndApart) {
+TEST(BoxRoom, FurnitureIsInsideOnTheFloorAndApart) {
   size_t pieces = 0;
   for (uint64_t seed = 0; seed < kRooms; ++seed) {
     const Room room = generate_room(config(), seed);
@@ -134,7 +137,7 @@ TEST(Room, FurnitureIsInsideOnTheFloorAndApart) {
   EXPECT_GT(pieces, 4 * kRooms) << "rooms are all but empty";
 }
 
-TEST(Room, TwoRoomScenesHaveTheirShareAndAFreeDoorway) {
+TEST(BoxRoom, TwoRoomScenesHaveTheirShareAndAFreeDoorway) {
   int two = 0;
   constexpr int kScenes = 300;
   for (uint64_t seed = 0; seed < kScenes; ++seed) {
@@ -156,7 +159,7 @@ TEST(Room, TwoRoomScenesHaveTheirShareAndAFreeDoorway) {
   EXPECT_NEAR(two, 0.25 * kScenes, 4 * std::sqrt(kScenes * 0.25 * 0.75));
 }
 
-TEST(Room, EveryRayFromFreeSpaceMeetsAFront) {
+TEST(BoxRoom, EveryRayFromFreeSpaceMeetsAFront) {
   int64_t rays = 0, backs = 0;
   for (uint64_t seed = 0; seed < kRooms; ++seed) {
     const Room room = generate_room(config(), seed);
@@ -183,7 +186,7 @@ TEST(Room, EveryRayFromFreeSpaceMeetsAFront) {
   EXPECT_LE(backs, rays / 50'000) << "something is open or inside out";
 }
 
-TEST(Room, LightGroupsAndRadianceAreAsConfigured) {
+TEST(BoxRoom, LightGroupsAndRadianceAreAsConfigured) {
   for (uint64_t seed = 0; seed < kRooms; ++seed) {
     const Room room = generate_room(config(), seed);
     ASSERT_EQ(room.scene.light_groups.size(), room.plan.lights.size());
@@ -202,7 +205,7 @@ TEST(Room, LightGroupsAndRadianceAreAsConfigured) {
   }
 }
 
-TEST(Room, AlbedosAreThoseOfRealSurfaces) {
+TEST(BoxRoom, AlbedosAreThoseOfRealSurfaces) {
   double sum = 0;
   int64_t count = 0;
   for (uint64_t seed = 0; seed < 20; ++seed) {
@@ -218,7 +221,7 @@ TEST(Room, AlbedosAreThoseOfRealSurfaces) {
   EXPECT_NEAR(sum / static_cast<double>(count), 0.5, 0.12);
 }
 
-TEST(Room, ALightThatFitsNowhereIsAnError) {
+TEST(BoxRoom, ALightThatFitsNowhereIsAnError) {
   RoomConfig rooms = config();
   rooms.width_m = rooms.depth_m = {0.9, 0.95};
   rooms.two_room_share = 0;

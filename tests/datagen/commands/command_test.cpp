@@ -76,14 +76,14 @@ TEST_F(Command, HelpAndVersionSucceedAndHelpHasExamples) {
 TEST_F(Command, GeneratesHomesFromTheShippedConfig) {
   const Outcome outcome = run(concat(
       "generate --config '", LTE_SOURCE_DIR,
-      "/configs/data/rooms.yaml' --out homes --scenes 2 --glb "
+      "/configs/data/homes.yaml' --out homes --scenes 2 --glb "
       "--set rays=4 --set scene_points=256 --set query_points=128 --set views.count=0 "
       "--set path_tracing_64=false --set 'homes.rooms=[1, 2]' --set 'homes.detail=[0.4, 0.4]' "
       "--set 'homes.texture_sizes=[16]'"));
   ASSERT_EQ(outcome.code, 0) << outcome.error;
   EXPECT_EQ(data::read_dataset_info(folder_ / "homes").scenes.size(), 2u);
   EXPECT_EQ(run("info homes --deep").code, 0);
-  for (const char* name : {"room_00000", "room_00001"}) {
+  for (const char* name : {"home_00000", "home_00001"}) {
     const scene::Scene home =
         scene::load_scene(folder_ / "homes" / "scenes" / concat(name, ".glb"));
     EXPECT_GT(home.triangle_count(), 2000);
@@ -107,13 +107,13 @@ TEST_F(Command, WrongUsageExitsWithTwo) {
 
 TEST_F(Command, GenerateMakesADatasetAndReportsIt) {
   const Outcome outcome =
-      run("generate --config tiny.yaml --out rooms --scenes 2 --json r.json --quiet --glb");
+      run("generate --config tiny.yaml --out boxes --scenes 2 --json r.json --quiet --glb");
   EXPECT_EQ(outcome.code, 0) << outcome.error;
   EXPECT_EQ(outcome.error, "");
   EXPECT_EQ(nlohmann::json::parse(read_file(folder_ / "r.json"))["baked"], 2);
-  EXPECT_EQ(data::read_dataset_info(folder_ / "rooms").scenes.size(), 2u);
-  EXPECT_TRUE(std::filesystem::exists(folder_ / "rooms/scenes/room_00001.glb"));
-  const Outcome info = run("info rooms --deep --json i.json");
+  EXPECT_EQ(data::read_dataset_info(folder_ / "boxes").scenes.size(), 2u);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "boxes/scenes/box_00001.glb"));
+  const Outcome info = run("info boxes --deep --json i.json");
   EXPECT_EQ(info.code, 0) << info.error;
   EXPECT_THAT(info.output, HasSubstr("scenes: 2"));
   EXPECT_EQ(nlohmann::json::parse(read_file(folder_ / "i.json"))["kind"], "dataset");
@@ -239,7 +239,7 @@ TEST_F(Command, ProbeWritesColumnsAndNamesBadInput) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "b.csv"));
 }
 
-/// Of the outside of the closed box: pi times the radiance of the sky.
+/// The irradiance outside the closed box: pi times the radiance of the sky.
 TEST_F(Command, EnvironmentsLightAnyScene) {
   write_file(folder_ / "points.csv", "px,py,pz,nx,ny,nz\n0.5,1,0.5,0,1,0\n");
   const std::string probe = "probe box.glb --points points.csv --out out.csv --rays 16384 --quiet ";
@@ -306,17 +306,17 @@ TEST_F(Command, AFailedSceneIsCountedAndTheExitCodeSaysSo) {
   ASSERT_EQ(run("generate --config tiny.yaml --out whole --quiet").code, 0);
   ASSERT_EQ(run("generate --config tiny.yaml --out a --shard 0/2 --quiet").code, 0);
   // A directory in place of its file: the scene cannot be written.
-  std::filesystem::create_directory(folder_ / "a/scenes/room_00001.safetensors");
+  std::filesystem::create_directory(folder_ / "a/scenes/box_00001.safetensors");
   const Outcome outcome = run("generate --config tiny.yaml --out a --resume --json r.json");
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_THAT(outcome.error, AllOf(HasSubstr("1 scenes failed"), HasSubstr("room_00001: ")));
+  EXPECT_THAT(outcome.error, AllOf(HasSubstr("1 scenes failed"), HasSubstr("box_00001: ")));
   const auto result = nlohmann::json::parse(read_file(folder_ / "r.json"));
   EXPECT_EQ(result["failed"], 1);
   EXPECT_EQ(result["baked"], 1);
   EXPECT_EQ(result["listed"], 4);
   EXPECT_THAT(run("generate --config tiny.yaml --out a --resume --strict").error,
               HasSubstr("--strict"));
-  std::filesystem::remove(folder_ / "a/scenes/room_00001.safetensors");
+  std::filesystem::remove(folder_ / "a/scenes/box_00001.safetensors");
   EXPECT_EQ(run("generate --config tiny.yaml --out a --resume").code, 0);
   EXPECT_EQ(files("a"), files("whole"));
 }
@@ -331,7 +331,7 @@ TEST_F(Command, AKillLosesTheSceneInWorkAtMost) {
     const std::string line =
         concat("cd '", folder_.string(), "' && { '", LTE_BINARY_DIR, "/bin/lte_datagen' ",
                arguments, out, " & P=$!; while [ ! -e ", out,
-               "/scenes/room_00000.safetensors ] && kill -0 $P 2>/dev/null; do "
+               "/scenes/box_00000.safetensors ] && kill -0 $P 2>/dev/null; do "
                "sleep 0.01; done; kill -",
                signal, " $P; wait $P; true; }");
     write_file(folder_ / "kill.sh", line);

@@ -118,7 +118,7 @@ TEST_F(InfoOfDataset, CountsSplitsAndChecksFilesWhenDeep) {
                 info["splits"]["test"].get<int>(),
             5);
   EXPECT_EQ(info["query_points"], 5 * 48);
-  const auto victim = data::scene_path(options.out, scene_name(2));
+  const auto victim = data::scene_path(options.out, scene_name(GeneratorKind::Boxes, 2));
   std::filesystem::resize_file(victim, 100);
   EXPECT_EQ(dataset_info(options.out, false)["scenes"], 5);
   EXPECT_THAT(error_of([&] { dataset_info(options.out, true); }), HasSubstr(victim.string()));

@@ -137,7 +137,10 @@ TEST_F(Probe, TighterTargetsTakeMoreRays) {
   options.target_error = 0.005;
   const ProbeResult tight = probe(scene, points, options);
   int64_t loose_rays = 0, tight_rays = 0;
-  for (size_t i = 0; i < 16; ++i) loose_rays += loose.rays[i], tight_rays += tight.rays[i];
+  for (size_t i = 0; i < 16; ++i) {
+    loose_rays += loose.rays[i];
+    tight_rays += tight.rays[i];
+  }
   EXPECT_GT(tight_rays, 4 * loose_rays);
 }
 

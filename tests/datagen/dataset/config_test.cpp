@@ -30,45 +30,61 @@ constexpr const char* kCommonKeys[] = {
     "scene_points", "rays",      "min_rays", "query_points",  "target_error", "path_tracing_64",
     "max_rays",     "max_depth", "prune",    "emissive_share"};
 
-TEST(DatagenConfig, ShippedFilesAreValidAndBoxesIsComplete) {
-  const std::string folder = std::string(LTE_SOURCE_DIR) + "/configs/data/";
-  const DatagenConfig rooms = load_datagen_config(folder + "boxes.yaml");
-  EXPECT_EQ(rooms.generator, "boxes");
-  EXPECT_EQ(rooms.bake.scene_points, 20000);
-  EXPECT_EQ(rooms.bake.query_points, 100000);
-  EXPECT_EQ(rooms.bake.rays, 1024);
-  for (const char* child : {"rooms_small", "demo", "boxes_test", "shipped"}) {
-    const DatagenConfig config = load_datagen_config(concat(folder, child, ".yaml"));
-    EXPECT_EQ(config.generator, "boxes") << child;
-    EXPECT_FALSE(config.bake.prune) << child;
-  }
-  EXPECT_EQ(load_datagen_config(folder + "rooms_small.yaml").bake.scene_points, 4096);
-  EXPECT_EQ(load_datagen_config(folder + "demo.yaml").bake.scene_points, 2048);
-  const Config yaml = Config::load(folder + "boxes.yaml");
-  const Config all = Config::parse(to_yaml(rooms), "all");
+DatagenConfig shipped(const std::string& name) {
+  return load_datagen_config(concat(LTE_SOURCE_DIR, "/configs/data/", name, ".yaml"));
+}
+
+/// The keys of a shipped file, its parents' included.
+Config shipped_yaml(const std::string& name) {
+  return Config::load(concat(LTE_SOURCE_DIR, "/configs/data/", name, ".yaml"));
+}
+
+TEST(DatagenConfig, BaseNamesEveryKeyThatBoxesAndHomesShare) {
+  const Config yaml = shipped_yaml("base");
   for (const char* key : kCommonKeys) EXPECT_TRUE(yaml.has(key)) << key;
   for (const char* key : {"count", "width", "height", "rays"})
     EXPECT_TRUE(yaml.at("views").has(key)) << key;
+  for (const char* key : {"points", "bins", "samples"})
+    EXPECT_TRUE(yaml.at("incident").has(key)) << key;
+  for (const char* key : {"boxes", "homes", "generator"}) EXPECT_FALSE(yaml.has(key)) << key;
+}
+
+TEST(DatagenConfig, ShippedFilesOfBoxesAreValidAndNameEveryKey) {
+  const DatagenConfig boxes = shipped("boxes");
+  EXPECT_EQ(boxes.generator, GeneratorKind::Boxes);
+  EXPECT_EQ(boxes.bake.scene_points, 20000);
+  EXPECT_EQ(boxes.bake.query_points, 100000);
+  EXPECT_EQ(boxes.bake.rays, 1024);
+  for (const char* child : {"boxes_small", "demo", "boxes_test", "shipped"}) {
+    const DatagenConfig config = shipped(child);
+    EXPECT_EQ(config.generator, GeneratorKind::Boxes) << child;
+    EXPECT_FALSE(config.bake.prune) << child;
+  }
+  EXPECT_EQ(shipped("boxes_small").bake.scene_points, 4096);
+  EXPECT_EQ(shipped("demo").bake.scene_points, 2048);
+  const Config yaml = shipped_yaml("boxes");
+  const Config all = Config::parse(to_yaml(boxes), "all");
+  for (const char* key : kCommonKeys) EXPECT_TRUE(yaml.has(key)) << key;
   for (const char* key : {"width_m", "depth_m", "height_m", "furniture", "lights", "radiance",
                           "two_room_share", "texture_sizes"}) {
-    EXPECT_TRUE(yaml.at("rooms").has(key)) << key;
-    EXPECT_TRUE(all.at("rooms").has(key)) << key;
+    EXPECT_TRUE(yaml.at("boxes").has(key)) << key;
+    EXPECT_TRUE(all.at("boxes").has(key)) << key;
   }
 }
 
-TEST(DatagenConfig, RoomsAreHomesAndNameEveryKey) {
-  const std::string folder = std::string(LTE_SOURCE_DIR) + "/configs/data/";
-  const DatagenConfig homes = load_datagen_config(folder + "rooms.yaml");
-  EXPECT_EQ(homes.generator, "homes");
-  EXPECT_TRUE(homes.bake.prune);
+TEST(DatagenConfig, ShippedFilesOfHomesAreValidAndNameEveryKey) {
+  const DatagenConfig homes = shipped("homes");
+  for (const char* child : {"homes", "homes_small", "homes_test", "paper"}) {
+    const DatagenConfig config = shipped(child);
+    EXPECT_EQ(config.generator, GeneratorKind::Homes) << child;
+    EXPECT_TRUE(config.bake.prune) << child;
+  }
   const homes::HomeConfig defaults;
   EXPECT_EQ(homes.homes.rooms.high, defaults.rooms.high);
   EXPECT_EQ(homes.homes.detail.low, defaults.detail.low);
   EXPECT_EQ(homes.homes.detail.high, defaults.detail.high);
-  const Config yaml = Config::load(folder + "rooms.yaml");
+  const Config yaml = shipped_yaml("homes");
   for (const char* key : kCommonKeys) EXPECT_TRUE(yaml.has(key)) << key;
-  for (const char* key : {"count", "width", "height", "rays"})
-    EXPECT_TRUE(yaml.at("views").has(key)) << key;
   for (const char* key : {"rooms", "height_m", "detail", "radiance", "daylight_share", "lit_share",
                           "clutter", "texture_sizes"})
     EXPECT_TRUE(yaml.at("homes").has(key)) << key;
@@ -76,10 +92,22 @@ TEST(DatagenConfig, RoomsAreHomesAndNameEveryKey) {
   EXPECT_EQ(to_yaml(read_datagen_config(Config::parse(text, "test.yaml"))), text);
 }
 
+TEST(DatagenConfig, FormerNamesAreRead) {
+  EXPECT_EQ(to_yaml(shipped("rooms")), to_yaml(shipped("homes")));
+  DatagenConfig config = read_datagen_config(
+      Config::parse("boxes: {lights: [1, 1], furniture: [2, 3]}\nrooms: {lights: [2, 2]}", "test"));
+  EXPECT_EQ(config.boxes.lights.low, 2) << "a child's `rooms:` goes before its parent's `boxes:`";
+  EXPECT_EQ(config.boxes.furniture.high, 3);
+  const DatagenConfig boxes;  // as an older version wrote it, without a generator
+  std::string text = to_yaml(boxes);
+  text.erase(0, text.find('\n') + 1);
+  text.replace(text.find("boxes:"), 6, "rooms:");
+  EXPECT_EQ(to_yaml(read_datagen_config(Config::parse(text, "test"))), to_yaml(boxes));
+}
+
 TEST(DatagenConfig, PaperHasThePapersCounts) {
-  const DatagenConfig paper =
-      load_datagen_config(std::string(LTE_SOURCE_DIR) + "/configs/data/paper.yaml");
-  EXPECT_EQ(paper.generator, "homes");
+  const DatagenConfig paper = shipped("paper");
+  EXPECT_EQ(paper.generator, GeneratorKind::Homes);
   EXPECT_EQ(paper.scenes, 13900);
   EXPECT_EQ(paper.bake.scene_points, 20000);
   EXPECT_EQ(paper.bake.query_points, 2'000'000);
@@ -87,11 +115,13 @@ TEST(DatagenConfig, PaperHasThePapersCounts) {
   EXPECT_EQ(paper.bake.max_depth, 5);
 }
 
-TEST(DatagenConfig, BoxesAreWrittenWithoutAWordOfHomes) {
-  const std::string boxes = to_yaml(DatagenConfig{});
-  EXPECT_EQ(boxes.find("homes"), std::string::npos);
-  EXPECT_EQ(boxes.find("generator"), std::string::npos);
-  EXPECT_TRUE(boxes.starts_with("scenes: 1000\n"));
+TEST(DatagenConfig, OnlyTheGeneratorInUseIsWritten) {
+  DatagenConfig config;
+  EXPECT_TRUE(to_yaml(config).starts_with("generator: \"boxes\"\nscenes: 1000\n"));
+  EXPECT_EQ(to_yaml(config).find("homes"), std::string::npos);
+  config.generator = GeneratorKind::Homes;
+  EXPECT_TRUE(to_yaml(config).starts_with("generator: \"homes\"\nscenes: 1000\n"));
+  EXPECT_EQ(to_yaml(config).find("boxes"), std::string::npos);
 }
 
 TEST(DatagenConfig, IncidentIsWrittenOnlyWhereItIsAskedFor) {
@@ -105,14 +135,14 @@ TEST(DatagenConfig, IncidentIsWrittenOnlyWhereItIsAskedFor) {
 
 TEST(DatagenConfig, OverridesApply) {
   const std::string file = std::string(LTE_SOURCE_DIR) + "/configs/data/demo.yaml";
-  const DatagenConfig config = load_datagen_config(file, {"views.rays=7", "rooms.lights=[2, 2]"});
+  const DatagenConfig config = load_datagen_config(file, {"views.rays=7", "boxes.lights=[2, 2]"});
   EXPECT_EQ(config.bake.views.rays, 7);
-  EXPECT_EQ(config.rooms.lights.low, 2);
+  EXPECT_EQ(config.boxes.lights.low, 2);
 }
 
 TEST(DatagenConfig, UnknownAndIllTypedKeysAreNamed) {
   EXPECT_THAT(error_in("scene_point: 3"), AllOf(HasSubstr("test.yaml"), HasSubstr("scene_points")));
-  EXPECT_THAT(error_in("rooms: {width: [3, 4]}"), HasSubstr("width_m"));
+  EXPECT_THAT(error_in("boxes: {width: [3, 4]}"), HasSubstr("width_m"));
   EXPECT_THAT(error_in("rays: many"), AllOf(HasSubstr("rays"), HasSubstr("many")));
   EXPECT_THAT(error_in("views: {rays: []}"), HasSubstr("views.rays"));
 }
@@ -120,12 +150,12 @@ TEST(DatagenConfig, UnknownAndIllTypedKeysAreNamed) {
 TEST(DatagenConfig, ValuesOutOfRangeAreNamed) {
   EXPECT_THAT(error_in("scenes: 0"), HasSubstr("scenes"));
   EXPECT_THAT(error_in("rays: 0"), HasSubstr("rays"));
-  EXPECT_THAT(error_in("rooms: {height_m: [2, 3]}"), HasSubstr("rooms.height_m"));
-  EXPECT_THAT(error_in("rooms: {width_m: [4, 3]}"), HasSubstr("rooms.width_m"));
-  EXPECT_THAT(error_in("rooms: {width_m: [3, 4, 5]}"),
-              AllOf(HasSubstr("rooms.width_m"), HasSubstr("3 numbers")));
-  EXPECT_THAT(error_in("rooms: {lights: [0, 1]}"), HasSubstr("rooms.lights"));
-  EXPECT_THAT(error_in("rooms: {texture_sizes: []}"), HasSubstr("rooms.texture_sizes"));
+  EXPECT_THAT(error_in("boxes: {height_m: [2, 3]}"), HasSubstr("boxes.height_m"));
+  EXPECT_THAT(error_in("boxes: {width_m: [4, 3]}"), HasSubstr("boxes.width_m"));
+  EXPECT_THAT(error_in("boxes: {width_m: [3, 4, 5]}"),
+              AllOf(HasSubstr("boxes.width_m"), HasSubstr("3 numbers")));
+  EXPECT_THAT(error_in("boxes: {lights: [0, 1]}"), HasSubstr("boxes.lights"));
+  EXPECT_THAT(error_in("boxes: {texture_sizes: []}"), HasSubstr("boxes.texture_sizes"));
   EXPECT_THAT(error_in("incident: {points: -1}"), HasSubstr("incident.points"));
   EXPECT_THAT(error_in("incident: {bins: 5}"),
               AllOf(HasSubstr("incident.bins"), HasSubstr("even")));

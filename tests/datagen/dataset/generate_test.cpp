@@ -24,6 +24,14 @@ using data::test::error_of;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
+std::vector<float> floats(const std::vector<Rgb>& values) {
+  std::vector<float> out;
+  for (const Rgb& value : values) out.insert(out.end(), {value.x, value.y, value.z});
+  return out;
+}
+
+std::string box_name(int64_t index) { return scene_name(GeneratorKind::Boxes, index); }
+
 class Generate : public data::test::Folder {
  protected:
   void SetUp() override {
@@ -66,7 +74,7 @@ TEST_F(Generate, WritesADatasetThatReadsBack) {
   ASSERT_EQ(info.scenes.size(), 5u);
   for (size_t i = 0; i < 5; ++i) {
     const data::DatasetEntry& entry = info.scenes[i];
-    EXPECT_EQ(entry.name, scene_name(static_cast<int64_t>(i)));
+    EXPECT_EQ(entry.name, box_name(static_cast<int64_t>(i)));
     EXPECT_EQ(entry.split, data::assign_split(config.seed, static_cast<int64_t>(i), 0.2, 0.2));
     const data::SceneSample sample =
         data::read_scene_sample(data::scene_path(folder_ / "a", entry.name));
@@ -93,8 +101,8 @@ TEST_F(Generate, SameBytesWhateverThreadsShardsAndInterruptions) {
   EXPECT_EQ(files("shards"), whole);
 
   generate("resumed");
-  std::filesystem::remove(data::scene_path(folder_ / "resumed", scene_name(1)));
-  const auto cut = data::scene_path(folder_ / "resumed", scene_name(3));
+  std::filesystem::remove(data::scene_path(folder_ / "resumed", box_name(1)));
+  const auto cut = data::scene_path(folder_ / "resumed", box_name(3));
   std::filesystem::resize_file(cut, std::filesystem::file_size(cut) / 2);
   std::filesystem::remove(folder_ / "resumed" / "dataset.json");
   const GenerateResult result = generate("resumed", tiny_config(), true);
@@ -154,15 +162,15 @@ TEST_F(Generate, ManifestSaysWhatWasDoneAndWhatItTook) {
     EXPECT_TRUE(runs[0].contains(key)) << key;
   ASSERT_EQ(scenes.size(), 2u);  // the second run kept both
   const data::SceneSample sample =
-      data::read_scene_sample(data::scene_path(folder_ / "a", scene_name(1)));
+      data::read_scene_sample(data::scene_path(folder_ / "a", box_name(1)));
   const scene::Scene scene = generate_scene(config, scene_seed(config.seed, 1), "x");
-  EXPECT_EQ(scenes[0]["name"], scene_name(1));
+  EXPECT_EQ(scenes[0]["name"], box_name(1));
   EXPECT_EQ(scenes[0]["seed"], scene_seed(config.seed, 1));
   EXPECT_EQ(scenes[0]["triangles"], scene.triangle_count());
   EXPECT_EQ(scenes[0]["bytes"],
-            std::filesystem::file_size(data::scene_path(folder_ / "a", scene_name(1))));
+            std::filesystem::file_size(data::scene_path(folder_ / "a", box_name(1))));
   // 48 query points and one view of 8 x 6 pixels, all of which meet a wall; each with 8 paths and
-  // the rival's 64, pixels with its 16, 4 and 1 too.
+  // 64 of path_traced_64, pixels with 16, 4 and 1 too.
   EXPECT_EQ(scenes[0]["rays"], (48 + 8 * 6) * (8 + 64) + 8 * 6 * (16 + 4 + 1));
   EXPECT_GE(scenes[0]["seconds"], scenes[0]["bake_seconds"]);
   ASSERT_EQ(ends.size(), 2u);
@@ -175,7 +183,7 @@ TEST_F(Generate, AFailedSceneIsWrittenDownLeftOutAndTriedAgain) {
   generate("whole", config);
   bool broken = true;
   const SceneMaker maker = [&](uint64_t seed, const std::string& name) {
-    LTE_CHECK(!broken || name != "room_00003", "the roof fell in");
+    LTE_CHECK(!broken || name != "box_00003", "the roof fell in");
     return generate_scene(config, seed, name);
   };
   GenerateOptions options;
@@ -184,7 +192,7 @@ TEST_F(Generate, AFailedSceneIsWrittenDownLeftOutAndTriedAgain) {
   EXPECT_EQ(result.baked, 4);
   EXPECT_EQ(result.failed, 1);
   EXPECT_EQ(result.missing, 0);
-  EXPECT_EQ(result.first_error, "room_00003: the roof fell in");
+  EXPECT_EQ(result.first_error, "box_00003: the roof fell in");
   const data::DatasetInfo info = data::read_dataset_info(folder_ / "a");
   EXPECT_EQ(info.scenes.size(), 4u);
   EXPECT_EQ(info.planned, 5);
@@ -222,8 +230,8 @@ TEST_F(Generate, LeftoversOfKilledRunsGoAndThoseOfOthersStay) {
     write_file(folder_ / "a" / name, "half");
     return folder_ / "a" / name;
   };
-  const auto own = put("scenes/.room_00002.safetensors.tmp-4711-1-0"),
-             other = put("scenes/.room_00003.safetensors.tmp-4711-1-0"),
+  const auto own = put("scenes/.box_00002.safetensors.tmp-4711-1-0"),
+             other = put("scenes/.box_00003.safetensors.tmp-4711-1-0"),
              fresh = put(".dataset.json.tmp-4711-1-1"), old = put(".config.yaml.tmp-4711-1-2");
   std::filesystem::last_write_time(old,
                                    std::filesystem::last_write_time(old) - std::chrono::hours(2));
@@ -266,8 +274,8 @@ TEST_F(Generate, AnotherSeedGivesOtherScenes) {
   generate("a", config);
   config.seed = 2;
   generate("b", config);
-  EXPECT_NE(files("a").at("scenes/room_00000.safetensors"),
-            files("b").at("scenes/room_00000.safetensors"));
+  EXPECT_NE(files("a").at("scenes/box_00000.safetensors"),
+            files("b").at("scenes/box_00000.safetensors"));
 }
 
 TEST_F(Generate, ResumeAddsScenesAndNeverDropsAny) {
@@ -283,6 +291,55 @@ TEST_F(Generate, ResumeAddsScenesAndNeverDropsAny) {
   EXPECT_EQ(fewer.kept, 2);
   EXPECT_EQ(fewer.listed, 5);
   EXPECT_EQ(files("grown"), files("whole"));
+}
+
+/// The data set in `folder` as it would be if an older version had made it: scenes are room_00042,
+/// and the configuration has them under `rooms:` and names no generator.
+void make_older(const std::filesystem::path& folder) {
+  std::string index = read_file(folder / "dataset.json");
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "scenes")) {
+    const std::string file = entry.path().filename().string();
+    std::filesystem::rename(entry.path(), folder / "scenes" / ("room_" + file.substr(4)));
+    const std::string name = file.substr(0, 9);
+    index.replace(index.find(name), name.size(), "room_" + name.substr(4));
+  }
+  write_file(folder / "dataset.json", index);
+  std::string config = read_file(folder / "config.yaml");
+  config.erase(0, config.find('\n') + 1);
+  config.replace(config.find("boxes:"), 6, "rooms:");
+  write_file(folder / "config.yaml", config);
+}
+
+TEST_F(Generate, AnOlderDataSetGoesOnWithTheNamesThatItHas) {
+  DatagenConfig config = tiny_config();
+  generate("whole", config);
+  config.scenes = 2;
+  generate("older", config);
+  std::filesystem::remove_all(folder_ / "older" / "manifest");
+  make_older(folder_ / "older");
+  EXPECT_EQ(merge_dataset(folder_ / "older").listed, 2);
+  config.scenes = 5;
+  const GenerateResult grown = generate("older", config, true);
+  EXPECT_EQ(grown.kept, 2);
+  EXPECT_EQ(grown.baked, 3);
+  EXPECT_EQ(grown.listed, 5);
+  const data::DatasetInfo info = data::read_dataset_info(folder_ / "older");
+  ASSERT_EQ(info.scenes.size(), 5u);
+  for (int64_t i = 0; i < 5; ++i) {
+    const data::DatasetEntry& entry = info.scenes[static_cast<size_t>(i)];
+    EXPECT_EQ(entry.name, concat("room_0000", i));
+    const data::SceneSample sample =
+        data::read_scene_sample(data::scene_path(folder_ / "older", entry.name));
+    const data::SceneSample same =
+        data::read_scene_sample(data::scene_path(folder_ / "whole", box_name(i)));
+    EXPECT_EQ(sample.seed, same.seed) << "seeds do not depend on names";
+    EXPECT_EQ(floats(sample.indirect), floats(same.indirect));
+  }
+}
+
+TEST_F(Generate, ScenesAreNamedAfterTheirGenerator) {
+  EXPECT_EQ(scene_name(GeneratorKind::Homes, 42), "home_00042");
+  EXPECT_EQ(scene_name(GeneratorKind::Boxes, 42), "box_00042");
 }
 
 TEST_F(Generate, EvaluationSplitsDecideWhoGetsViews) {
@@ -309,8 +366,8 @@ TEST_F(Generate, GlbIsTheSceneThatWasBaked) {
   options.out = folder_ / "a";
   options.glb = true;
   generate_dataset(config, options);
-  const scene::Scene loaded = scene::load_scene(folder_ / "a" / "scenes" / "room_00000.glb");
-  const Room room = generate_room(config.rooms, scene_seed(config.seed, 0));
+  const scene::Scene loaded = scene::load_scene(folder_ / "a" / "scenes" / "box_00000.glb");
+  const boxes::Room room = boxes::generate_room(config.boxes, scene_seed(config.seed, 0));
   EXPECT_EQ(loaded.triangle_count(), room.scene.triangle_count());
   EXPECT_EQ(loaded.light_groups.size(), room.scene.light_groups.size());
   const Vec3 difference = loaded.bounds().high - room.scene.bounds().high;
@@ -320,7 +377,7 @@ TEST_F(Generate, GlbIsTheSceneThatWasBaked) {
 
 TEST_F(Generate, HomesAreTheSameBytesAndAnotherConfigurationIsRefused) {
   DatagenConfig config = tiny_config();
-  config.generator = "homes";
+  config.generator = GeneratorKind::Homes;
   config.scenes = 2;
   config.homes.rooms = {1, 2};
   config.homes.detail = {0.3, 0.3};
@@ -332,7 +389,7 @@ TEST_F(Generate, HomesAreTheSameBytesAndAnotherConfigurationIsRefused) {
   EXPECT_EQ(files("a"), files("b"));
   config.homes.clutter = 0;
   EXPECT_THAT(error_of([&] { generate("a", config, true); }), HasSubstr("clutter"));
-  config.generator = "boxes";
+  config.generator = GeneratorKind::Boxes;
   EXPECT_THAT(error_of([&] { generate("a", config, true); }), HasSubstr("generator: \"homes\""));
 }
 

@@ -156,8 +156,10 @@ TEST(Homes, EveryRoomCanBeWalkedToFromTheEntrance) {
   for (const Home& home : all_homes()) {
     const FloorPlan& plan = home.plan.floor;
     Bounds all;
-    for (const PlanRoom& r : plan.rooms)
-      all.extend({r.inner.x0, 0, r.inner.z0}), all.extend({r.inner.x1, 0, r.inner.z1});
+    for (const PlanRoom& r : plan.rooms) {
+      all.extend({r.inner.x0, 0, r.inner.z0});
+      all.extend({r.inner.x1, 0, r.inner.z1});
+    }
     const int w = static_cast<int>(all.extent().x / kCell),
               h = static_cast<int>(all.extent().z / kCell);
     const auto middle = [&](int x, int z) {

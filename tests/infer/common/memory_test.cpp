@@ -73,7 +73,7 @@ TEST(Memory, AnEmbeddingKeepsToItsLimitAndAnswersTheSame) {
 }
 
 TEST(Precision, Bf16KeepsTheShippedModelsErrorWithinAPercent) {
-  const std::filesystem::path data = asset_path("data/rooms-test", "--data");
+  const std::filesystem::path data = asset_path("data/homes-test", "--data");
   const std::filesystem::path model = checkpoint_or_shipped("");
   double mse[2] = {0, 0};
   const data::DatasetInfo info = data::read_dataset_info(data);

@@ -29,7 +29,8 @@ double scalar_of(const SceneSample& sample) {
   double sum = 0, area = 0;
   for (size_t i = 0; i < sample.scene_area.size(); ++i) {
     const Rgb& e = sample.scene_emission[i];
-    sum += sample.scene_area[i] * (e.x + e.y + e.z) / 3, area += sample.scene_area[i];
+    sum += sample.scene_area[i] * (e.x + e.y + e.z) / 3;
+    area += sample.scene_area[i];
   }
   return sum / area;
 }
@@ -65,7 +66,8 @@ TEST(NearestPoint, FindsTheMeanOfItsOwnBinWhereScenePointsAreTheQueries) {
         Rgb{1, 2, 3} * (0.5f * light(sample.query_normal[i]));
   }
   const Baselines fitted = fit({sample});
-  sample.scene_position = sample.query_position, sample.scene_normal = sample.query_normal;
+  sample.scene_position = sample.query_position;
+  sample.scene_normal = sample.query_normal;
   sample.scene_albedo = sample.query_albedo;
   const double radiance = scalar_of(test::random_sample("a", 5));
   const BaselinePredictor predictor(fitted, sample, radiance);
@@ -87,7 +89,8 @@ TEST(BlurSources, IsTheGaussianWeightedMeanByBruteForce) {
   for (size_t j = 0; j < 3; ++j) {
     const Vec3 offset = at[0] - position[j];
     const double weight = std::exp(-dot(offset, offset) / (2 * 0.7 * 0.7));
-    sum += weight * albedo[j].x * direct[j].x, weights += weight;
+    sum += weight * albedo[j].x * direct[j].x;
+    weights += weight;
   }
   EXPECT_NEAR(blurred[0].x, sum / weights, 1e-5);
   EXPECT_NEAR(blurred[1].x, (2 + 2 + 1) / 3.0, 1e-6) << "far away: the plain mean";

@@ -37,7 +37,8 @@ TEST(Bootstrap, OfTheMeanApproachesTheNormalInterval) {
   double mean = 0, square = 0;
   for (int i = 0; i < 400; ++i) {
     values.push_back(rng.uniform() + rng.uniform());
-    mean += values.back() / 400, square += values.back() * values.back() / 400;
+    mean += values.back() / 400;
+    square += values.back() * values.back() / 400;
   }
   const double error = std::sqrt((square - mean * mean) / 400);
   const Interval found = of_mean(values, {.resamples = 20'000, .seed = 1, .level = 0.95});

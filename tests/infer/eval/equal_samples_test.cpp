@@ -21,16 +21,17 @@ TEST(EqualSamples, IsThePathCountThatDrewTheEstimates) {
   // A noisy reference of 256 draws; estimates of 64, and of 16 as the predictor.
   constexpr int kPoints = 4000;
   Rng rng(5);
-  double mse = 0, rival = 0;
+  double mse = 0, path_traced = 0;
   for (int i = 0; i < kPoints; ++i) {
     const double reference = mean_of_draws(&rng, 256);
     mse += std::pow(mean_of_draws(&rng, 16) - reference, 2) / kPoints;
-    rival += std::pow(mean_of_draws(&rng, 64) - reference, 2) / kPoints;
+    path_traced += std::pow(mean_of_draws(&rng, 64) - reference, 2) / kPoints;
   }
   const double noise = 1 / (12.0 * 256);
   // Each mean square is known to √(2/4000) = 2.2 %.
-  EXPECT_NEAR(equal_samples(mse, rival, noise), 16, 0.1 * 16);
-  EXPECT_GT(64 * rival / mse, 1.1 * 16) << "without the noise of the reference it would be off";
+  EXPECT_NEAR(equal_samples(mse, path_traced, noise), 16, 0.1 * 16);
+  EXPECT_GT(64 * path_traced / mse, 1.1 * 16)
+      << "without the noise of the reference it would be off";
 }
 
 TEST(EqualSamples, KnowsItsEnds) {
@@ -61,10 +62,11 @@ TEST(DerivedPathTracing, ScalesVarianceAndKeepsTheReferencesNoise) {
 TEST(EqualSamples, OfAllScenesIsThatOfTheMeanErrors) {
   // 8 and 128 samples; the mean errors are (0.8 + 0.1)/2 and (0.1 + 0.2)/2.
   std::vector<Scores> scores(2);
-  const double own[] = {0.8, 0.1}, rival[] = {0.1, 0.2};
+  const double own[] = {0.8, 0.1}, path_traced[] = {0.1, 0.2};
   for (size_t i = 0; i < 2; ++i) {
     Score neural, traced;
-    neural.points[0] = own[i], traced.points[0] = rival[i];
+    neural.points[0] = own[i];
+    traced.points[0] = path_traced[i];
     scores[i] = {{"neural", neural}, {kPathTraced, traced}};
   }
   const std::vector<SceneErrors> scenes = {{scores[0], 0, 0}, {scores[1], 0, 0}};
@@ -79,7 +81,8 @@ TEST(EqualSamples, OfAllScenesIsThatOfTheMeanErrors) {
   EXPECT_NEAR(samples[0].points.interval.high, 128, 1e-9);
   EXPECT_TRUE(std::isnan(samples[0].views.all)) << "no views";
   scores[1].pop_back();
-  EXPECT_TRUE(all_equal_samples(scenes, Bootstrap(2, {})).empty()) << "one scene has no rival";
+  EXPECT_TRUE(all_equal_samples(scenes, Bootstrap(2, {})).empty())
+      << "one scene has no path_tracing_64";
 }
 
 }  // namespace

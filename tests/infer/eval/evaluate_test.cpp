@@ -164,14 +164,14 @@ TEST_F(Evaluation, GivesIntervalsAndSamplesAroundItsFigures) {
   EXPECT_TRUE(json.at("per_scene")[0].at("equal_samples").at("neural").at("views").is_number());
   // The variance of one path by the stored spread: 1e-4 at 256 paths.
   const double stored = 1e-4 * 256;
-  double by_rival = 0, by_spread = 0;
+  double by_64_paths = 0, by_spread = 0;
   for (const SceneResult& scene : result.scenes) {
     EXPECT_NEAR(scene.path_variance, stored / (scene.radiance * scene.radiance), 1e-6);
-    by_rival +=
+    by_64_paths +=
         64 * (find_score(scene.scores, "path_tracing_64")->points[0] - scene.reference_noise);
     by_spread += scene.path_variance;
   }
-  EXPECT_NEAR(json.at("variance_check").at("ratio").get<double>(), by_rival / by_spread, 1e-6);
+  EXPECT_NEAR(json.at("variance_check").at("ratio").get<double>(), by_64_paths / by_spread, 1e-6);
 }
 
 TEST_F(Evaluation, ScoresViewsThatWereTracedWithFewPaths) {
@@ -224,7 +224,7 @@ TEST_F(Evaluation, PutsTheViewsOfASceneOnOneSheetAndAllOfItOnOnePage) {
   settings_.on_view = [&](const ViewPicture& picture) {
     ++views;
     EXPECT_EQ(picture.reference.size(), picture.neural.size());
-    EXPECT_EQ(picture.reference.size(), picture.rival.size());
+    EXPECT_EQ(picture.reference.size(), picture.path_traced.size());
     sheets.add(picture);
   };
   const EvalResult result = evaluate(settings_, model, fit_baselines(settings_.data));

@@ -15,7 +15,10 @@ struct Points {
   std::vector<Rgb> albedo, value;
   QueryPoints queries() const { return {position, normal, albedo}; }
   void add(const Vec3& p, const Vec3& n, const Rgb& v) {
-    position.push_back(p), normal.push_back(n), albedo.push_back({1, 1, 1}), value.push_back(v);
+    position.push_back(p);
+    normal.push_back(n);
+    albedo.push_back({1, 1, 1});
+    value.push_back(v);
   }
 };
 
@@ -78,7 +81,8 @@ TEST(ProbeField, MatchesSortingAllProbesByDistance) {
     for (size_t j = 0; j < 8; ++j) {
       const double weight =
           dot(at.normal[i], probes.normal[order[j].second]) / (order[j].first + 1e-6);
-      sum += weight * probes.value[order[j].second].y, weights += weight;
+      sum += weight * probes.value[order[j].second].y;
+      weights += weight;
     }
     EXPECT_NEAR(found[i].y, sum / weights, 1e-3);
   }

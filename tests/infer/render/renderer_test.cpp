@@ -244,7 +244,8 @@ TEST(Renderer, GivesModelsTheLightThatTheyRead) {
     const runtime::Network network = tiny_network(tiny);
     const LitSamples lit =
         light_up(room.renderer.bvh(), room.renderer.lights(),
-                 scene::sample_surface(room.scene, tiny.scene_points, scene_point_options(0)),
+                 sample_scene_points(room.renderer.bvh(), tiny.scene_points, /*prune=*/false,
+                                     /*seed=*/0, nullptr),
                  network.light_input(), 0);
     EXPECT_EQ(lit.direct.empty(), input == "emission");
     EXPECT_EQ(lit.indirect.empty(), input != "traced");
@@ -266,7 +267,8 @@ TEST(LitSamples, HoldTheIrradianceOfTheClosedForm) {
   const scene::Scene scene = lit_floor();
   const pathtrace::Bvh bvh(scene);
   const pathtrace::Lights lights(scene);
-  const scene::SurfaceSamples surface = scene::sample_surface(scene, 2000, scene_point_options(1));
+  const scene::SurfaceSamples surface =
+      sample_scene_points(bvh, 2000, /*prune=*/false, /*seed=*/1, nullptr);
   EXPECT_TRUE(light_up(bvh, lights, surface, {0, 0}, 1).direct.empty());
   EXPECT_TRUE(light_up(bvh, lights, surface, {1, 32}, 1).indirect.empty());
   const LitSamples lit = light_up(bvh, lights, surface, {5, 32}, 1);
@@ -287,7 +289,8 @@ TEST(LitSamples, HoldTheIrradianceOfManyPathsWhereSurfacesReflect) {
   const scene::Scene scene = test::furnished_room();
   const pathtrace::Bvh bvh(scene);
   const pathtrace::Lights lights(scene);
-  const scene::SurfaceSamples surface = scene::sample_surface(scene, 2000, scene_point_options(1));
+  const scene::SurfaceSamples surface =
+      sample_scene_points(bvh, 2000, /*prune=*/false, /*seed=*/1, nullptr);
   const LitSamples lit = light_up(bvh, lights, surface, {5, 32}, 1);
   pathtrace::IrradianceOptions many;
   many.rays = 512;

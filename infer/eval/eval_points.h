@@ -11,34 +11,36 @@
 
 namespace lte::infer {
 
-struct Site {
+/// Points with what is known of the light there.
+struct EvalPoints {
   QueryPoints queries;
   std::vector<Rgb> reference, direct;
-  std::vector<Rgb> path_traced;  ///< empty if the data has none
-  /// With data::kFewPaths paths; empty at points, and in views if the data has none.
+  std::vector<Rgb> path_traced;  ///< with 64 paths; empty if the data has none
+  /// With data::kFewPaths paths; empty at query points, and in views if the data has none.
   std::array<std::vector<Rgb>, data::kFewPaths.size()> path_traced_few;
-  std::vector<float> variance;  ///< of the reference, averaged over color; over the scalar squared
+  /// Variance of the reference, averaged over color, over the emission scalar squared.
+  std::vector<float> variance;
 
-  /// Zero for a site without points.
+  /// What the variance adds to the errors; zero without points.
   ReferenceNoise noise() const;
 };
 
-/// The query points; borrows them.
-Site point_site(const data::SceneSample& sample, double radiance);
+/// The query points of a sample, which they borrow.
+EvalPoints query_eval_points(const data::SceneSample& sample, double radiance);
 
 /// The pixels of a view that show a surface, one after another.
 struct ViewPixels {
   std::vector<Vec3> position, normal;
   std::vector<Rgb> albedo;
-  Site site;
+  EvalPoints points;  ///< borrows the three above
 
   ViewPixels(const data::View& view, int64_t groups, double radiance);
   ViewPixels(const ViewPixels&) = delete;
   ViewPixels& operator=(const ViewPixels&) = delete;
 };
 
-/// Mean over the query points of the variance of a single path, over the emission scalar squared,
-/// as far as the spread of the reference tells it: its variance times its paths.
+/// The variance of a single path, averaged over the query points, over the emission scalar squared.
+/// It is estimated from the spread of the reference: the reference's variance times its paths.
 double single_path_variance(const data::SceneSample& sample, double radiance);
 
 }  // namespace lte::infer

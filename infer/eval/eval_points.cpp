@@ -1,4 +1,4 @@
-#include "infer/eval/eval_sites.h"
+#include "infer/eval/eval_points.h"
 
 #include <algorithm>
 
@@ -15,7 +15,7 @@ std::vector<Rgb> scaled(std::span<const Rgb> values, double factor) {
 
 }  // namespace
 
-ReferenceNoise Site::noise() const {
+ReferenceNoise EvalPoints::noise() const {
   ReferenceNoise out;
   if (variance.empty()) return out;
   for (size_t i = 0; i < variance.size(); ++i) {
@@ -29,15 +29,15 @@ ReferenceNoise Site::noise() const {
   return {out.mse / count, out.relmse / count};
 }
 
-Site point_site(const data::SceneSample& sample, double radiance) {
-  Site site;
-  site.queries = {sample.query_position, sample.query_normal, sample.query_albedo};
-  site.reference = data::sum_groups(sample.indirect, sample.light_groups, 1 / radiance);
-  site.direct = data::sum_groups(sample.direct, sample.light_groups, 1 / radiance);
-  site.path_traced = scaled(sample.path_traced_64, 1 / radiance);
+EvalPoints query_eval_points(const data::SceneSample& sample, double radiance) {
+  EvalPoints points;
+  points.queries = {sample.query_position, sample.query_normal, sample.query_albedo};
+  points.reference = data::sum_groups(sample.indirect, sample.light_groups, 1 / radiance);
+  points.direct = data::sum_groups(sample.direct, sample.light_groups, 1 / radiance);
+  points.path_traced = scaled(sample.path_traced_64, 1 / radiance);
   for (const float variance : sample.variance)
-    site.variance.push_back(static_cast<float>(variance / (radiance * radiance)));
-  return site;
+    points.variance.push_back(static_cast<float>(variance / (radiance * radiance)));
+  return points;
 }
 
 ViewPixels::ViewPixels(const data::View& view, int64_t groups, double radiance) {
@@ -48,15 +48,17 @@ ViewPixels::ViewPixels(const data::View& view, int64_t groups, double radiance) 
     }
     return out;
   };
-  position = masked(view.position), normal = masked(view.normal), albedo = masked(view.albedo);
-  site.queries = {position, normal, albedo};
-  site.reference = masked(data::sum_groups(view.indirect, groups, 1 / radiance));
-  site.direct = masked(data::sum_groups(view.direct, groups, 1 / radiance));
-  site.path_traced = masked(scaled(view.path_traced_64, 1 / radiance));
+  position = masked(view.position);
+  normal = masked(view.normal);
+  albedo = masked(view.albedo);
+  points.queries = {position, normal, albedo};
+  points.reference = masked(data::sum_groups(view.indirect, groups, 1 / radiance));
+  points.direct = masked(data::sum_groups(view.direct, groups, 1 / radiance));
+  points.path_traced = masked(scaled(view.path_traced_64, 1 / radiance));
   for (size_t i = 0; i < data::kFewPaths.size(); ++i)
-    site.path_traced_few[i] = masked(scaled(view.path_traced_few[i], 1 / radiance));
-  site.variance = masked(view.variance);
-  for (float& variance : site.variance)
+    points.path_traced_few[i] = masked(scaled(view.path_traced_few[i], 1 / radiance));
+  points.variance = masked(view.variance);
+  for (float& variance : points.variance)
     variance = static_cast<float>(variance / (radiance * radiance));
 }
 

@@ -1,4 +1,5 @@
-// The rooms: what each kind has, in the order in which it matters.
+// What each type of room has. The most important pieces come first, since later ones are left out
+// where no room is left.
 #include <algorithm>
 
 #include "datagen/common/parts.h"

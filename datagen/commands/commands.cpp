@@ -1,0 +1,53 @@
+#include "datagen/commands/commands.h"
+
+#include "datagen/commands/info.h"
+#include "lte/base/check.h"
+#include "lte/base/file.h"
+#include "lte/base/log.h"
+#include "lte/scene/import/environment_file.h"
+#include "lte/scene/load.h"
+
+namespace lte::datagen {
+
+void add_scene_options(CLI::App& app, SceneOptions* options) {
+  app.add_option("--cleanup", options->cleanup,
+                 "What of a scene's geometry to put right first: a list of degenerate, duplicates, "
+                 "shells, vertices, meshes; or all; by default none");
+  app.add_option("--environment", options->environment,
+                 "Light from all around, in the place of the scene's own: constant radiance R,G,B, "
+                 "or an equirectangular picture (.exr, .hdr, .pfm; .png, .jpg), Y up, +X in its "
+                 "middle");
+  app.add_option("--environment-turn", options->environment_turn,
+                 "Degrees by which to turn it about +Y, counter-clockwise from above");
+}
+
+void apply_environment(const SceneOptions& options, scene::Scene* scene) {
+  LTE_CHECK(!options.environment.empty() || options.environment_turn == 0,
+            "--environment-turn needs --environment");
+  if (!options.environment.empty())
+    scene::set_environment(options.environment, options.environment_turn, scene);
+}
+
+scene::Scene load_and_report(const std::string& path, const SceneOptions& flags) {
+  const scene::CleanupOptions options = scene::parse_cleanup(flags.cleanup);
+  scene::Scene scene = scene::load_scene(path);
+  for (const std::string& what : scene.ignored) log_warning(path, ": ignored: ", what);
+  apply_environment(flags, &scene);
+  if (options.any()) {
+    const scene::CleanupReport report = scene::clean_up(&scene, options);
+    log_info(path, ": clean-up took ", report.removed_triangles, " triangles; found ",
+             cleanup_info(report).dump());
+  }
+  return scene;
+}
+
+std::string validation_line(const std::string& path, const scene::Scene& scene) {
+  return concat(path, ": valid scene, ", scene.triangle_count(), " triangles, ",
+                scene.light_groups.size(), " light groups\n");
+}
+
+void write_json(const std::string& path, const std::string& text) {
+  if (!path.empty()) write_file(path, text + "\n");
+}
+
+}  // namespace lte::datagen

@@ -1,0 +1,11 @@
+// lte_datagen generate.
+#pragma once
+
+#include "datagen/commands/commands.h"
+
+namespace lte::datagen {
+
+/// Makes a data set of procedural boxes or homes.
+void add_generate_command(CLI::App& app, CommandBody* body);
+
+}  // namespace lte::datagen

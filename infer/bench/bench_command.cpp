@@ -1,0 +1,51 @@
+#include "infer/bench/bench_command.h"
+
+#include <cstdio>
+
+#include "infer/common/tool_options.h"
+#include "lte/base/file.h"
+#include "lte/runtime/device.h"
+
+#ifndef LTE_HAS_SCENE
+#define LTE_HAS_SCENE 0
+#endif
+
+namespace lte::infer {
+
+void add_bench_options(CLI::App& app, BenchRequest* request) {
+  BenchOptions& options = request->options;
+  add_common_options(app, &request->common);
+  app.add_option("--repeats", options.repeats, "Timed runs after the warm-up")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--channels", options.channels, "D of the network")->check(CLI::PositiveNumber);
+  app.add_option("--scene-points", options.scene_points, "M")->check(CLI::PositiveNumber);
+  app.add_option("--queries", options.queries, "Query points")->check(CLI::PositiveNumber);
+  const auto add = [&app, request](const char* name, const char* help, auto benchmark) {
+    CLI::App* command = app.add_subcommand(name, help)->fallthrough();
+    command->callback([request, benchmark] { request->benchmark = benchmark; });
+    return command;
+  };
+  add("ops", "Every operator alone", bench_ops);
+  for (CLI::App* command : {add("encoder", "Scene points to embedding", bench_encoder),
+                            add("decoder", "Query points to irradiance", bench_decoder)})
+    add_network_options(*command, &options.precision, &options.max_memory_mb);
+#if LTE_HAS_SCENE
+  CLI::App* pathtrace = add("pathtrace", "Path tracing against bare Embree calls", bench_pathtrace);
+  CLI::App* pareto = add("pareto", "Run time against error, beside path tracing", bench_pareto);
+  for (CLI::App* command : {pathtrace, pareto})
+    command->add_option("--scene", options.scene, "Scene (default: the shipped Cornell box)");
+  pareto->add_option("--checkpoint", options.checkpoint, "Model (default: the shipped one)");
+  pareto->add_option("--reference-rays", options.reference_rays, "Rays a pixel of the reference");
+#endif
+  app.require_subcommand(1);
+}
+
+void run_bench(const BenchRequest& request) {
+  apply_common_options(request.common);
+  runtime::set_torch_threads(request.common.threads);
+  const std::vector<BenchResult> results = request.benchmark(request.options);
+  std::fputs(bench_table(results).c_str(), stdout);
+  if (!request.common.json.empty()) write_file(request.common.json, bench_json(results));
+}
+
+}  // namespace lte::infer

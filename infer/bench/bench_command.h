@@ -1,0 +1,25 @@
+// What lte_bench does between its command line and its exit code.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "infer/bench/bench.h"
+#include "lte/cli/cli.h"
+
+namespace lte::infer {
+
+struct BenchRequest {
+  BenchOptions options;
+  CommonOptions common;
+  /// The benchmark whose subcommand was chosen.
+  std::function<std::vector<BenchResult>(const BenchOptions&)> benchmark;
+};
+
+/// Adds the options and a subcommand for each benchmark, which parsing puts into `request`.
+void add_bench_options(CLI::App& app, BenchRequest* request);
+
+/// Runs the benchmark, prints a table and writes JSON if it is asked for.
+void run_bench(const BenchRequest& request);
+
+}  // namespace lte::infer
