@@ -2,9 +2,6 @@
 
 #include <charconv>
 #include <cmath>
-#include <fstream>
-
-#include <malloc.h>
 
 #include "lte/base/check.h"
 
@@ -22,11 +19,6 @@ double parse_memory(const std::string& text) {
   LTE_CHECK(error == std::errc() && factor > 0 && value >= 0 && std::isfinite(value),
             "--max-memory \"", text, "\": expected a size such as 500M or 2G");
   return value * factor;
-}
-
-void reset_peak_rss() {
-  ::malloc_trim(0);  // freed pages that the allocator keeps would count again
-  std::ofstream("/proc/self/clear_refs") << "5\n";
 }
 
 }  // namespace lte::infer

@@ -1,4 +1,4 @@
-// What --max-memory says, and the memory of this process.
+// What --max-memory says.
 #pragma once
 
 #include <string>
@@ -16,9 +16,5 @@ using runtime::MemoryLimit;
 /// "500M", "2G", "1.5g", "800K" in binary units, or a plain number of MiB -> MiB; 0 for no limit.
 /// @throws lte::Error naming the text if it is anything else.
 double parse_memory(const std::string& text);
-
-/// Starts VmHWM, which peak_rss_mb() reads, anew from what is resident now; where the system does
-/// not allow it, nothing happens.
-void reset_peak_rss();
 
 }  // namespace lte::infer

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <new>
 #include <string_view>
 #include <utility>
 
 #include <malloc.h>
 
-#include "lte/base/file.h"
+#include "lte/base/process_memory.h"
+#include "lte/base/text.h"
 
 namespace lte::runtime {
 namespace {
@@ -25,9 +25,7 @@ constexpr double kDecodeBaseMb = 16, kDecodeBytes = 200, kAnswerBytes = 18;
 }  // namespace
 
 std::string memory_text(double mb) {
-  char text[32];
-  std::snprintf(text, sizeof text, mb < 1024 ? "%.0f MiB" : "%.1f GiB", mb < 1024 ? mb : mb / 1024);
-  return text;
+  return mb < 1024 ? formatted("%.0f MiB", mb) : formatted("%.1f GiB", mb / 1024);
 }
 
 double encode_mb(const nn::ModelConfig& config, int64_t scene_points) {

@@ -7,7 +7,7 @@
 #include "infer/common/synthetic_room.h"
 #include "infer/eval/baselines.h"
 #include "infer/eval/scores.h"
-#include "lte/base/file.h"
+#include "lte/base/process_memory.h"
 #include "lte/data/dataset.h"
 #include "lte/runtime/embedding.h"
 #include "tests/infer/fixture.h"
@@ -56,7 +56,7 @@ struct Room {
 };
 
 TEST(Memory, AnEmbeddingKeepsToItsLimitAndAnswersTheSame) {
-  const test::ScratchFolder folder;
+  const test::TempDir folder;
   test::save_tiny_model(folder / "tiny.safetensors");
   const runtime::Network network(folder / "tiny.safetensors");
   const Room room(400, 150'000);

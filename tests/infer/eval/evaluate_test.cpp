@@ -95,7 +95,7 @@ class Evaluation : public testing::Test {
   }
   runtime::Network predictor() const { return runtime::Network(folder_ / "tiny.safetensors"); }
 
-  test::ScratchFolder folder_;
+  test::TempDir folder_;
   EvalSettings settings_;
 };
 

@@ -34,7 +34,7 @@ RenderSettings settings(Output output, Mode mode = Mode::Neural) {
 }
 
 runtime::Network tiny_network(const test::TinyModel& tiny = {}) {
-  const test::ScratchFolder folder;
+  const test::TempDir folder;
   test::save_tiny_model(folder / "tiny.safetensors", tiny);
   return runtime::Network(folder / "tiny.safetensors");
 }
