@@ -125,9 +125,9 @@ EncoderPlan make_encoder_plan(const at::Tensor& position, const ModelConfig& con
   plan.grid = config.grid_per_spacing * plan.spacing;
   const at::Tensor cells = grid_cells(plan.position, &plan.grid);
   plan.stages = make_stages(cells, config, shuffle, order_seed);
-  if (config.stem == "conv5") {
+  if (config.stem == Stem::Conv5) {
     std::tie(plan.stem_pairs, plan.stem_tap_begin) = ops::convolution_pairs(cells, 5);
-  } else if (config.stem == "conv3") {
+  } else if (config.stem == Stem::Conv3) {
     plan.stem_pairs = plan.stages[0].pairs;
     plan.stem_tap_begin = plan.stages[0].tap_begin;
   }
