@@ -114,7 +114,7 @@ std::vector<BenchResult> bench_pareto(const BenchOptions& options) {
     };
     const auto encode = [&](scene::SurfaceSamples samples) {
       const LitSamples lit =
-          light_up(bvh, lights, std::move(samples), network.light_input(), /*seed=*/0);
+          light_up(bvh, lights, std::move(samples), network.light_request(), /*seed=*/0);
       return runtime::SceneEmbedding(network, lit.points());
     };
     encode(sample()).decode(queries);  // warm-up

@@ -9,7 +9,7 @@
 namespace lte::infer {
 
 LitSamples light_up(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                    scene::SurfaceSamples surface, const runtime::LightInput& input,
+                    scene::SurfaceSamples surface, const runtime::LightRequest& input,
                     uint64_t seed) {
   LitSamples out{std::move(surface), {}, {}};
   if (input.depth == 0) return out;

@@ -166,7 +166,7 @@ void Renderer::embed(const runtime::Network& network, const EmbedSettings& setti
   seconds_.sample = timer.seconds();
   timer.restart();
   const LitSamples lit =
-      light_up(bvh_, lights_, std::move(samples), network.light_input(), settings.seed);
+      light_up(bvh_, lights_, std::move(samples), network.light_request(), settings.seed);
   seconds_.light = timer.seconds();
   timer.restart();
   embedding_.emplace(network, lit.points(),

@@ -123,7 +123,7 @@ void add_fewer_paths(const ReferenceNoise& points, const ViewSums& views, Scores
 /// that does not emit.
 double light_paths(const data::SceneSample& sample, const data::DatasetInfo& info,
                    const runtime::Network& network) {
-  if (network.light_input().depth == 0) return 0;
+  if (network.light_request().depth == 0) return 0;
   const auto lit = std::count_if(sample.scene_emission.begin(), sample.scene_emission.end(),
                                  [](const Rgb& value) { return max_component(value) <= 0; });
   return 2.0 * static_cast<double>(lit) * info.light_paths;
@@ -146,7 +146,7 @@ SceneResult evaluate_scene(const EvalSettings& settings, const data::DatasetInfo
   result.name = sample.name;
   result.points = sample.query_points();
   result.views = static_cast<int64_t>(sample.views.size());
-  LTE_CHECK(network.light_input().depth == 0 || !sample.scene_direct.empty(), sample.name,
+  LTE_CHECK(network.light_request().depth == 0 || !sample.scene_direct.empty(), sample.name,
             ": has no scene_direct, which the model reads; bake the data again");
   const std::vector<Rgb> direct = data::sum_groups(sample.scene_direct, sample.light_groups, 1);
   const std::vector<Rgb> indirect = data::sum_groups(sample.scene_indirect, sample.light_groups, 1);

@@ -31,9 +31,9 @@ const nn::ModelMetadata& Network::metadata() const { return state_->metadata; }
 c10::Device Network::device() const { return state_->device; }
 int64_t Network::parameters() const { return nn::count_parameters(state_->model).total; }
 nn::LightTransportModel& Network::model() const { return state_->model; }
-bool Network::predicts_total() const { return config().target == "total"; }
+bool Network::predicts_total() const { return config().predicts_total(); }
 
-LightInput Network::light_input() const {
+LightRequest Network::light_request() const {
   if (!config().reads_direct()) return {};
   return {config().reads_indirect() ? kTracedDepth : 1, kTracedPaths};
 }

@@ -26,7 +26,7 @@ struct NetworkOptions {
 };
 
 /// What a network wants of the light on scene points, as it was estimated for its training.
-struct LightInput {
+struct LightRequest {
   /// 0: nothing; 1: direct irradiance; more: irradiance of later bounces too, by paths of so many
   /// surface hits.
   int depth = 0;
@@ -45,7 +45,7 @@ class Network {
   const nn::ModelMetadata& metadata() const;
   c10::Device device() const;
   int64_t parameters() const;
-  LightInput light_input() const;
+  LightRequest light_request() const;
   bool predicts_total() const;  ///< the output is total irradiance, not indirect
 
   /// @param extent_m  the widest side of a scene's bounds

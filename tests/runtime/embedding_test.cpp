@@ -71,12 +71,12 @@ TEST(Network, TellsWhatItsFileSays) {
 
 TEST(Network, AsksForTheLightThatItsModelReads) {
   nn::ModelConfig config = test::tiny_config();
-  EXPECT_EQ(tiny_network(config).light_input().depth, 0);
-  config.light_input = "direct";
-  EXPECT_EQ(tiny_network(config).light_input().depth, 1);
-  config.light_input = "traced";
-  EXPECT_EQ(tiny_network(config).light_input().depth, 5);
-  EXPECT_EQ(tiny_network(config).light_input().paths, 32);
+  EXPECT_EQ(tiny_network(config).light_request().depth, 0);
+  config.light_input = nn::LightInput::Direct;
+  EXPECT_EQ(tiny_network(config).light_request().depth, 1);
+  config.light_input = nn::LightInput::Traced;
+  EXPECT_EQ(tiny_network(config).light_request().depth, 5);
+  EXPECT_EQ(tiny_network(config).light_request().paths, 32);
 }
 
 TEST(SceneEmbedding, ArraysAndTensorsGiveTheModelsAnswers) {
@@ -190,7 +190,7 @@ TEST(SceneEmbedding, RefusesWhatItCannotDoInOneLine) {
   EXPECT_THAT(message_of([&] { SceneEmbedding(network, arrays(points)); }),
               AllOf(HasSubstr("row 17"), Not(HasSubstr("\n"))));
   nn::ModelConfig config = test::tiny_config();
-  config.light_input = "traced";
+  config.light_input = nn::LightInput::Traced;
   EXPECT_THAT(
       message_of([&] { SceneEmbedding(tiny_network(config), arrays(test::box_scene(9, 1))); }),
       HasSubstr("direct irradiance is missing"));

@@ -163,7 +163,7 @@ TEST(Renderer, BackgroundAndPureEmittersAreNotDecoded) {
 
 TEST(Renderer, ATotalModelGivesIndirectLightBySubtraction) {
   test::TinyModel tiny;
-  tiny.target = "total";
+  tiny.target = nn::Target::Total;
   Embedded room(test::furnished_room(), tiny);
   const scene::Camera camera = pathtrace::auto_camera(room.renderer.bvh());
   const Frame full = room.renderer.render(camera, settings(Output::Full));
@@ -235,7 +235,8 @@ std::vector<Rgb> answers(const Embedded& embedded, const runtime::Network& netwo
 }
 
 TEST(Renderer, GivesModelsTheLightThatTheyRead) {
-  for (const std::string input : {"emission", "direct", "traced"}) {
+  for (const auto input :
+       {nn::LightInput::Emission, nn::LightInput::Direct, nn::LightInput::Traced}) {
     test::TinyModel tiny;
     tiny.light_input = input;
     Embedded room(test::furnished_room(), tiny);
@@ -246,9 +247,9 @@ TEST(Renderer, GivesModelsTheLightThatTheyRead) {
         light_up(room.renderer.bvh(), room.renderer.lights(),
                  sample_scene_points(room.renderer.bvh(), tiny.scene_points, /*prune=*/false,
                                      /*seed=*/0, nullptr),
-                 network.light_input(), 0);
-    EXPECT_EQ(lit.direct.empty(), input == "emission");
-    EXPECT_EQ(lit.indirect.empty(), input != "traced");
+                 network.light_request(), 0);
+    EXPECT_EQ(lit.direct.empty(), input == nn::LightInput::Emission);
+    EXPECT_EQ(lit.indirect.empty(), input != nn::LightInput::Traced);
     const std::vector<Rgb> expected = answers(room, network, lit, camera);
     double sum = 0, difference = 0;
     for (int y = 0; y < 16; ++y) {
@@ -258,8 +259,8 @@ TEST(Renderer, GivesModelsTheLightThatTheyRead) {
         difference += std::abs(luminance(frame.indirect.rgb(x, y) - e));
       }
     }
-    EXPECT_GT(sum, 0) << input;
-    EXPECT_LT(difference, 1e-5 * sum) << input << ": not the light of these estimates";
+    EXPECT_GT(sum, 0) << enum_name(input);
+    EXPECT_LT(difference, 1e-5 * sum) << enum_name(input) << ": not the light of these estimates";
   }
 }
 
