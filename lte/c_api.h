@@ -12,8 +12,8 @@
  * colors are linear Rec.709. World space is the caller's; nothing depends on which axis is up.
  *
  * Errors: a function that can fail returns an lte_status, and LTE_OK alone is 0. lte_last_error()
- * says what went wrong. Nothing throws, exits or prints. The outputs of a failed call are undefined,
- * but for handles, which are then NULL.
+ * says what went wrong. Nothing throws, exits or prints. The outputs of a failed call are
+ * undefined, but for handles, which are then NULL.
  *
  * Ownership: what a function reads is never written, and borrowed until it returns; functions that
  * take a stream borrow it until the stream has passed. A handle belongs to the caller and ends with
@@ -73,8 +73,8 @@ LTE_API const char* lte_version_string(void);
 /** Returns 1 if the library was built with CUDA, whether or not there is a GPU. */
 LTE_API int32_t lte_built_with_cuda(void);
 
-/** Returns one line about the last call of this thread that failed, "" if none has. It holds at most
- *  1,023 bytes and stays valid until the next failure in this thread. */
+/** Returns one line about the last call of this thread that failed, "" if none has. It holds at
+ *  most 1,023 bytes and stays valid until the next failure in this thread. */
 LTE_API const char* lte_last_error(void);
 
 /** Sets the CPU threads of every later call, whichever thread makes it.
@@ -152,9 +152,9 @@ typedef struct lte_scene_points {
   lte_float3_view albedo;   /**< in [0, 16], usually [0, 1] */
   lte_float3_view emission; /**< radiance, not negative */
   /** Irradiance at the points, W/m^2, not negative, 0 on luminaires. It is the sum over both sides
-   *  of the surface; the inner side of a closed body is dark. Estimates may be noisy but not biased:
-   *  those of the training came from 32 paths a side. lte_model_info::light_input says which are
-   *  needed; data of the others may be NULL. */
+   *  of the surface; the inner side of a closed body is dark. Estimates may be noisy but not
+   *  biased: those of the training came from 32 paths a side. lte_model_info::light_input says
+   *  which are needed; data of the others may be NULL. */
   lte_float3_view direct;   /**< from luminaires straight */
   lte_float3_view indirect; /**< after one bounce or more */
   const float* area;   /**< m^2 that each point stands for, without gaps; NULL: all the same, as
@@ -241,8 +241,8 @@ LTE_API lte_status lte_model_encode_cuda(const lte_model* model, const lte_scene
                                          void* stream, lte_embedding** embedding);
 
 /** lte_embedding_decode() with position, normal, albedo, mask and irradiance in device memory.
- *  @note Enqueues and returns. The host waits for the check without LTE_QUERIES_TRUSTED, and for the
- *        number of queries with a mask. */
+ *  @note Enqueues and returns. The host waits for the check without LTE_QUERIES_TRUSTED, and for
+ *        the number of queries with a mask. */
 LTE_API lte_status lte_embedding_decode_cuda(const lte_embedding* embedding,
                                              const lte_queries* queries, void* stream,
                                              float* irradiance, int64_t irradiance_stride);

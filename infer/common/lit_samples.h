@@ -27,6 +27,7 @@ struct LitSamples {
 
 /// Estimates the light on `surface` that a network of this light_request() reads.
 LitSamples light_up(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                    scene::SurfaceSamples surface, const runtime::LightRequest& input, uint64_t seed);
+                    scene::SurfaceSamples surface, const runtime::LightRequest& input,
+                    uint64_t seed);
 
 }  // namespace lte::infer

@@ -51,7 +51,8 @@ void write_struct(T values, T* to, const char* name) {
 c10::Device device_of(int32_t number);
 
 /// [count, 3] float32 that borrows the view's memory on `device`; do not write to it.
-/// @throws ApiError naming `name` for null, misaligned, a bad stride, or more than can be addressed.
+/// @throws ApiError naming `name` for null, misaligned, a bad stride, or more than there are
+///         addresses.
 at::Tensor borrow_triples(const lte_float3_view& view, int64_t count, at::Device device,
                           const char* name);
 
