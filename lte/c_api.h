@@ -1,29 +1,31 @@
 /* The network for renderers, in C: scene points in, a light transport embedding, irradiance at any
  * surface point out. docs/embedding-in-a-renderer.md tells how to use it.
  *
- *   lte_model* model;                        lte_model_open("model.safetensors", NULL, &model);
- *   lte_embedding* embedding;                lte_model_encode(model, &scene_points, &embedding);
- *   every frame, with a G-buffer as queries: lte_embedding_decode(embedding, &queries, irradiance,
- * 0);
+ *   lte_model* model;
+ *   lte_embedding* embedding;
+ *   lte_model_open("model.safetensors", NULL, &model);
+ *   lte_model_encode(model, &scene_points, &embedding);
+ * and every frame, with a G-buffer as queries,
+ *   lte_embedding_decode(embedding, &queries, irradiance, 0);
  *
  * Units: metres; emission is radiance in W sr^-1 m^-2, irradiance in W/m^2 and not divided by pi;
  * colors are linear Rec.709. World space is the caller's; nothing depends on which axis is up.
  *
- * Errors: a function that can fail returns an lte_status, and LTE_OK alone is 0. What went wrong
- * says lte_last_error(). Nothing throws, exits or prints; outputs of a failed call are undefined,
- * but for handles, which are then NULL.
+ * Errors: a function that can fail returns an lte_status, and LTE_OK alone is 0. lte_last_error()
+ * says what went wrong. Nothing throws, exits or prints. The outputs of a failed call are
+ * undefined, but for handles, which are then NULL.
  *
- * Ownership: what a function reads is borrowed until it returns (until the stream has passed, for
- * those that take one) and never written. A handle belongs to the caller and ends with its release
- * function; an embedding keeps its model alive, so the order of releases is free.
+ * Ownership: what a function reads is never written, and borrowed until it returns; functions that
+ * take a stream borrow it until the stream has passed. A handle belongs to the caller and ends with
+ * its release function. An embedding keeps its model alive, so the order of releases is free.
  *
  * Threads: every function may run in any thread, also at the same time on the same handles, except
  * that a release must be the last call that names its handle. A call uses lte_threads() threads.
  *
- * Growth: structs begin with their size in the caller's eyes, set by the caller. Fields are only
- * ever added, at the end, and mean nothing new when they are 0; so
+ * Growth: structs begin with their size, which the caller sets. Fields are only ever added, at the
+ * end, and mean nothing new when they are 0. So write
  *   lte_queries queries = {sizeof(lte_queries)};
- * and a program keeps running with later libraries of the same LTE_C_API_VERSION.
+ * and the program keeps running with later libraries of the same LTE_C_API_VERSION.
  */
 #ifndef LTE_C_API_H_
 #define LTE_C_API_H_
@@ -41,7 +43,7 @@
 extern "C" {
 #endif
 
-/** Of the binary interface; the shared library's name ends with it. */
+/** Version of the binary interface; the shared library's name ends with it. */
 #define LTE_C_API_VERSION 1
 
 typedef enum lte_status {
@@ -62,24 +64,24 @@ typedef struct lte_embedding lte_embedding;
 
 /* ---- The library ---- */
 
-/** LTE_C_API_VERSION of the library in use. */
+/** Returns LTE_C_API_VERSION of the library in use. */
 LTE_API uint32_t lte_abi_version(void);
 
-/** "0.1.0"; static. */
+/** Returns "0.1.0" or the like; the text is static. */
 LTE_API const char* lte_version_string(void);
 
-/** 1 if the library was built with CUDA, whether or not there is a GPU. */
+/** Returns 1 if the library was built with CUDA, whether or not there is a GPU. */
 LTE_API int32_t lte_built_with_cuda(void);
 
-/** One line about the last call of this thread that failed, "" if none has; valid until the next
- *  failure in this thread. At most 1,023 bytes. */
+/** Returns one line about the last call of this thread that failed, "" if none has. It holds at
+ *  most 1,023 bytes and stays valid until the next failure in this thread. */
 LTE_API const char* lte_last_error(void);
 
-/** CPU threads of every later call, whichever thread makes it.
+/** Sets the CPU threads of every later call, whichever thread makes it.
  *  @param threads  at least 1 */
 LTE_API lte_status lte_set_threads(int32_t threads);
 
-/** CPU threads of a call from this thread; LibTorch's default (all cores) before
+/** Returns the CPU threads of a call from this thread: LibTorch's default, all cores, before
  *  lte_set_threads(). */
 LTE_API int32_t lte_threads(void);
 
@@ -93,7 +95,8 @@ typedef struct lte_model_options {
   int32_t reserved; /**< 0 */
 } lte_model_options;
 
-/** @param path     UTF-8; a model's .safetensors, as lte_train writes
+/** Loads a network.
+ *  @param path     UTF-8; a model's .safetensors, as lte_train writes
  *  @param options  NULL: on the CPU
  *  @param model    receives the handle
  *  @note A model of 42 M parameters takes 170 MB. */
@@ -118,17 +121,18 @@ typedef struct lte_model_info {
   int64_t parameters;
   int64_t query_neighbours;    /**< latents that a query reads */
   int64_t scene_points;        /**< how many the model was trained with: what it wants */
-  int32_t scene_points_pruned; /**< 1: only such as light can reach were among them */
+  int32_t scene_points_pruned; /**< 1: all of them were points that light can reach */
   int32_t target;              /**< lte_target */
   double scale;                /**< s, metres: the widest scene that it knows */
   int32_t device;              /**< as in lte_model_options */
   int32_t light_input;         /**< lte_light_input */
 } lte_model_info;
 
-/** @param info  its struct_size is set, the rest is filled in */
+/** Describes a model.
+ *  @param info  its struct_size is set, the rest is filled in */
 LTE_API lte_status lte_model_get_info(const lte_model* model, lte_model_info* info);
 
-/** NULL is fine. */
+/** Ends a handle; NULL is fine. */
 LTE_API void lte_model_release(lte_model* model);
 
 /* ---- Scenes ---- */
@@ -147,10 +151,10 @@ typedef struct lte_scene_points {
   lte_float3_view normal;   /**< unit, of the side that is lit */
   lte_float3_view albedo;   /**< in [0, 16], usually [0, 1] */
   lte_float3_view emission; /**< radiance, not negative */
-  /** Irradiance at the points, W/m^2, not negative, 0 on luminaires, both sides of the surface
-   *  added up: of a closed body's, the inner one is dark. Estimates may be noisy, the training's
-   *  came from 32 paths a side, but not biased. Needed as lte_model_info::light_input says, else
-   *  data may be NULL. */
+  /** Irradiance at the points, W/m^2, not negative, 0 on luminaires. It is the sum over both sides
+   *  of the surface; the inner side of a closed body is dark. Estimates may be noisy but not
+   *  biased: those of the training came from 32 paths a side. lte_model_info::light_input says
+   *  which are needed; data of the others may be NULL. */
   lte_float3_view direct;   /**< from luminaires straight */
   lte_float3_view indirect; /**< after one bounce or more */
   const float* area;   /**< m^2 that each point stands for, without gaps; NULL: all the same, as
@@ -173,28 +177,29 @@ typedef struct lte_embedding_info {
   int64_t latents;      /**< m, about M / 4 */
   int64_t bytes;        /**< of memory that the embedding holds */
   double origin[3];     /**< least corner, world */
-  double scale;         /**< metres that the network takes for its unit; more than the model's if it
-                             was rescaled */
-  double radiance[3]; /**< mean emission by channel, gain included: what irradiance is scaled by */
+  double scale;         /**< metres that the network takes for its unit; more than the model's if
+                             the scene was rescaled */
+  double radiance[3];   /**< mean emission by channel, gain included; irradiance is scaled by it */
 } lte_embedding_info;
 
-/** @param info  its struct_size is set, the rest is filled in */
+/** Describes an embedding.
+ *  @param info  its struct_size is set, the rest is filled in */
 LTE_API lte_status lte_embedding_get_info(const lte_embedding* embedding, lte_embedding_info* info);
 
 /** Dims or tints all light of the scene: exact, as light is linear, and free.
- *  @param rgb  3 finite floats, not negative: gain over the emission that was encoded, not over the
- *              gain before
- *  @note Calls of lte_embedding_decode() that have begun keep the gain before. */
+ *  @param rgb  3 finite floats, not negative: the gain over the emission that was encoded, not over
+ *              an earlier gain
+ *  @note Calls of lte_embedding_decode() that have begun keep the earlier gain. */
 LTE_API lte_status lte_embedding_set_emission_gain(lte_embedding* embedding, const float* rgb);
 
-/** NULL is fine. */
+/** Ends a handle; NULL is fine. */
 LTE_API void lte_embedding_release(lte_embedding* embedding);
 
 /* ---- Queries ---- */
 
-/** The caller vouches for finite values, normals of components in [-1, 1] and albedos in [0, 16]:
- *  nothing is checked (CPU decoding still refuses positions that are not finite), and with CUDA the
- *  host waits for nothing. */
+/** The caller vouches for finite values, normals with components in [-1, 1] and albedos in [0, 16].
+ *  Nothing is checked then, but that CPU decoding still refuses positions that are not finite. With
+ *  CUDA the host waits for nothing. */
 #define LTE_QUERIES_TRUSTED 1u
 
 /** Surface points to ask about; a G-buffer, for example. Arrays may lie interleaved. */
@@ -204,40 +209,40 @@ typedef struct lte_queries {
   lte_float3_view position; /**< world, metres */
   lte_float3_view normal;   /**< unit, towards the side asked about */
   lte_float3_view albedo;   /**< in [0, 16], usually [0, 1] */
-  const uint8_t* mask;      /**< where it is 0 nothing is read nor decoded (background), and the
+  const uint8_t* mask;      /**< where it is 0 (background) nothing is read nor decoded, and the
                                  answer is 0; NULL: everywhere */
   int64_t mask_stride;      /**< bytes; 0: 1 */
   uint32_t flags;           /**< 0 or LTE_QUERIES_TRUSTED */
   int32_t reserved;         /**< 0 */
 } lte_queries;
 
-/** Irradiance at every query, from the handle's model and embedding.
+/** Computes irradiance at every query.
  *
  *  @param irradiance         [N, 3] float32, W/m^2; overlaps none of the queries' arrays
  *  @param irradiance_stride  bytes from one triple to the next, a multiple of 4, at least 12; 0: 12
  *  @note A query's answer depends neither on the other queries nor on the number of threads.
- *  @note Works in blocks: some 50 MB (on a GPU 200 MB) however many queries there are, besides 24
- *        bytes a query for the answer and the checks. Queries go to a GPU as a whole, if that is
- *        where the model is. */
+ *  @note Works in blocks that take some 50 MB, on a GPU 200 MB, however many queries there are.
+ *        Besides, the answer and the checks take 24 bytes a query. Queries go to a GPU as a whole,
+ *        if that is where the model is. */
 LTE_API lte_status lte_embedding_decode(const lte_embedding* embedding, const lte_queries* queries,
                                         float* irradiance, int64_t irradiance_stride);
 
 /* ---- CUDA ----
- * The same, with arrays in device memory (or managed, or pinned and mapped) of the GPU on which the
+ * The same with arrays in device memory (or managed, or pinned and mapped) of the GPU on which the
  * model was opened, on the caller's stream. In a library built without CUDA they return
  * LTE_ERROR_NO_CUDA. They compile and their argument checks are tested; they have NOT yet been run
  * on a GPU. */
 
-/** lte_model_encode(), with position, normal, albedo, emission and area in device memory.
+/** lte_model_encode() with position, normal, albedo, emission and area in device memory.
  *  @param stream  a cudaStream_t of the model's device; NULL is the default stream
- *  @note The host waits in between (neighbourhoods are made on it); the last kernels may still run
- *        when it returns. Any stream may decode: it waits for them by itself. */
+ *  @note The host waits in between, as neighbourhoods are made on it. The last kernels may still
+ *        run when the function returns; any stream may decode, as it waits for them by itself. */
 LTE_API lte_status lte_model_encode_cuda(const lte_model* model, const lte_scene_points* points,
                                          void* stream, lte_embedding** embedding);
 
-/** lte_embedding_decode(), with position, normal, albedo, mask and irradiance in device memory.
- *  @note Enqueues and returns. Without LTE_QUERIES_TRUSTED, or with a mask, the host waits for the
- *        check, or the number of queries. */
+/** lte_embedding_decode() with position, normal, albedo, mask and irradiance in device memory.
+ *  @note Enqueues and returns. The host waits for the check without LTE_QUERIES_TRUSTED, and for
+ *        the number of queries with a mask. */
 LTE_API lte_status lte_embedding_decode_cuda(const lte_embedding* embedding,
                                              const lte_queries* queries, void* stream,
                                              float* irradiance, int64_t irradiance_stride);

@@ -37,6 +37,7 @@
 #include "lte/pathtrace/render.h"
 #include "lte/scene/export.h"
 #include "lte/scene/load.h"
+#include "lte/scene/load_camera.h"
 #include "lte/scene/sampler.h"
 #if __has_include(<ATen/core/Tensor.h>)
 #include "lte/nn/loss.h"
@@ -47,4 +48,5 @@
 #include "lte/ops/knn.h"
 #include "lte/ops/neighbour_sums.h"
 #include "lte/ops/submanifold_conv.h"
+#include "lte/runtime/embedding.h"
 #endif

@@ -9,15 +9,9 @@
 namespace lte::train {
 namespace {
 
-void check_choice(const char* key, const std::string& value,
-                  const std::vector<std::string>& choices) {
-  std::string text;
-  for (const std::string& choice : choices) {
-    if (value == choice) return;
-    text += (text.empty() ? "" : " | ") + choice;
-  }
-  throw Error(concat(key, ": expected ", text, ", got \"", value, "\""));
-}
+/// Products of training steps are "none" or "bf16" rather than "fp32" or "bf16".
+constexpr EnumNames<nn::Precision, 2> kAutocastNames = {
+    {{nn::Precision::Fp32, "none"}, {nn::Precision::Bf16, "bf16"}}};
 
 DataConfig read_data(const Config& config) {
   DataConfig data;
@@ -25,12 +19,7 @@ DataConfig read_data(const Config& config) {
   config.read("scene_points", &data.scene_points);
   config.read("queries_per_scene", &data.queries_per_scene);
   config.read("cache_mb", &data.cache_mb);
-  std::string sampling = "uniform";
-  config.read("query_sampling", &sampling);
-  check_choice("data.query_sampling", sampling, {"uniform", "variance", "gradient"});
-  data.query_sampling = sampling == "variance"   ? QuerySampling::Variance
-                        : sampling == "gradient" ? QuerySampling::Gradient
-                                                 : QuerySampling::Uniform;
+  config.read("query_sampling", &data.query_sampling);
   config.read("on_bad_scene", &data.on_bad_scene);
   LTE_CHECK(data.scene_points >= 0, "data.scene_points: expected 0 (all) or more, got ",
             data.scene_points);
@@ -38,21 +27,21 @@ DataConfig read_data(const Config& config) {
             data.queries_per_scene);
   LTE_CHECK(data.cache_mb >= 0, "data.cache_mb: expected 0 (keep nothing) or more, got ",
             data.cache_mb);
-  check_choice("data.on_bad_scene", data.on_bad_scene, {"fail", "skip"});
   return data;
 }
 
 AugmentConfig read_augment(const Config& config) {
   AugmentConfig augment;
-  std::string rotate = "vertical";
+  // Until there was a choice of axes it was a switch, and run folders of then still say so.
+  std::string rotate;
   config.read("rotate", &rotate);
-  // Until there was a choice of axes it was a switch.
-  if (rotate == "true") rotate = "vertical";
-  if (rotate == "false") rotate = "none";
-  check_choice("augment.rotate", rotate, {"none", "vertical", "any"});
-  augment.rotate = rotate == "none"  ? Rotation::None
-                   : rotate == "any" ? Rotation::Any
-                                     : Rotation::Vertical;
+  if (rotate == "true") {
+    augment.rotate = Rotation::Vertical;
+  } else if (rotate == "false") {
+    augment.rotate = Rotation::None;
+  } else {
+    config.read("rotate", &augment.rotate);
+  }
   config.read("mirror", &augment.mirror);
   config.read("permute_colours", &augment.permute_colours);
   config.read("gain", &augment.gain);
@@ -120,10 +109,7 @@ OptimConfig read_optim(const Config& config) {
   config.read("validate_every", &train.validate_every);
   config.read("validation_scenes", &train.validation_scenes);
   config.read("validation_queries", &train.validation_queries);
-  std::string autocast = "none";
-  config.read("autocast", &autocast);
-  check_choice("train.autocast", autocast, {"none", "bf16"});
-  train.autocast = autocast == "bf16" ? nn::Precision::Bf16 : nn::Precision::Fp32;
+  config.read("autocast", &train.autocast, kAutocastNames);
   config.read("tensorboard", &train.tensorboard);
   config.read("preview_every", &train.preview_every);
   config.read("preview_scenes", &train.preview_scenes);
@@ -138,10 +124,7 @@ nn::LossConfig read_loss(const Config& config) {
   nn::LossConfig loss;
   config.read("epsilon", &loss.epsilon);
   config.read("detach_denominator", &loss.detach_denominator);
-  std::string space = "log";
-  config.read("space", &space);
-  LTE_CHECK(space == "log" || space == "linear", "loss.space: expected log or linear, got ", space);
-  loss.logarithmic = space == "log";
+  config.read("space", &loss.space);
   LTE_CHECK(loss.epsilon > 0, "loss.epsilon: expected a positive number, got ", loss.epsilon);
   return loss;
 }

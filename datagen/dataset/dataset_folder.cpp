@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <set>
 #include <sstream>
 #include <system_error>
@@ -11,6 +10,7 @@
 #include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/base/random.h"
+#include "lte/base/text.h"
 #include "lte/base/version.h"
 
 namespace lte::datagen {
@@ -46,9 +46,7 @@ void remove_quietly(const fs::path& path) {
 std::string stem_of(const std::string& file) { return file.substr(0, file.find('.')); }
 
 std::string numbered(const char* stem, int64_t index) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%s_%05lld", stem, static_cast<long long>(index));
-  return text;
+  return formatted("%s_%05lld", stem, static_cast<long long>(index));
 }
 
 /// Whether the scenes there, finished or in work, have the name that both generators once gave.

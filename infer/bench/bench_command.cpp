@@ -2,9 +2,9 @@
 
 #include <cstdio>
 
-#include "infer/common/device.h"
 #include "infer/common/tool_options.h"
 #include "lte/base/file.h"
+#include "lte/runtime/device.h"
 
 #ifndef LTE_HAS_SCENE
 #define LTE_HAS_SCENE 0
@@ -42,7 +42,7 @@ void add_bench_options(CLI::App& app, BenchRequest* request) {
 
 void run_bench(const BenchRequest& request) {
   apply_common_options(request.common);
-  set_torch_threads(request.common.threads);
+  runtime::set_torch_threads(request.common.threads);
   const std::vector<BenchResult> results = request.benchmark(request.options);
   std::fputs(bench_table(results).c_str(), stdout);
   if (!request.common.json.empty()) write_file(request.common.json, bench_json(results));

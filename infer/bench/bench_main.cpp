@@ -7,5 +7,5 @@ int main(int argc, char** argv) {
       "Examples:\n  lte_bench decoder --json decoder.json\n  lte_bench pareto --scene room.glb");
   lte::infer::BenchRequest request;
   lte::infer::add_bench_options(app, &request);
-  return lte::run_tool(app, argc, argv, [&] { lte::infer::run_bench(request); });
+  return lte::infer::run_network_tool(app, argc, argv, [&] { lte::infer::run_bench(request); });
 }

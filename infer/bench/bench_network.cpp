@@ -7,7 +7,7 @@
 #include "infer/common/memory.h"
 #include "infer/common/synthetic_room.h"
 #include "infer/common/tool_options.h"
-#include "lte/base/file.h"
+#include "lte/base/process_memory.h"
 #include "lte/ops/curve_codes.h"
 #include "lte/ops/farthest_point.h"
 #include "lte/ops/knn.h"
@@ -128,10 +128,10 @@ std::vector<BenchResult> bench_encoder(const BenchOptions& options) {
   nn::LightTransportModel model = untrained_model(options.channels, precision);
   const int64_t M = options.scene_points;
   MemoryLimit(options.max_memory_mb).check_encoding(model->config(), M);
-  return {explain_out_of_memory(concat("encoding ", M, " scene points"),
-                                encode_mb(model->config(), M),
-                                "take fewer (--scene-points), or fewer --channels",
-                                [&] { return time_encoder(options, model, precision); })};
+  return {runtime::explain_out_of_memory(
+      {concat("encoding ", M, " scene points"), encode_mb(model->config(), M),
+       "take fewer (--scene-points), or fewer --channels"},
+      [&] { return time_encoder(options, model, precision); })};
 }
 
 std::vector<BenchResult> bench_decoder(const BenchOptions& options) {
@@ -139,9 +139,9 @@ std::vector<BenchResult> bench_decoder(const BenchOptions& options) {
   const nn::Precision precision = choose_precision(options.precision);
   nn::LightTransportModel model = untrained_model(options.channels, precision);
   const int64_t Q = options.queries;
-  return {explain_out_of_memory(
-      concat("decoding ", Q, " queries"), decode_mb(model->config(), Q, kQueryBlock),
-      "ask for fewer (--queries), or decode fewer at a time (--max-memory)",
+  return {runtime::explain_out_of_memory(
+      {concat("decoding ", Q, " queries"), decode_mb(model->config(), Q, kQueryBlock),
+       "ask for fewer (--queries), or decode fewer at a time (--max-memory)"},
       [&] { return time_decoder(options, model, precision); })};
 }
 

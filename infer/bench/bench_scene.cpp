@@ -3,11 +3,10 @@
 #include "infer/bench/trace_rates.h"
 #include "infer/common/assets.h"
 #include "infer/common/lit_samples.h"
-#include "infer/common/predictor.h"
 #include "infer/common/renderer.h"
 #include "lte/base/check.h"
-#include "lte/base/file.h"
 #include "lte/base/parallel.h"
+#include "lte/base/process_memory.h"
 #include "lte/base/timer.h"
 #include "lte/image/metrics.h"
 #include "lte/pathtrace/auto_camera.h"
@@ -107,24 +106,25 @@ std::vector<BenchResult> bench_pareto(const BenchOptions& options) {
     add("path tracing " + std::to_string(traced.rays) + " rays", timer.seconds(),
         indirect_values(traced));
   }
-  Predictor predictor = Predictor::load(checkpoint_or_shipped(options.checkpoint), Device::Cpu);
+  const runtime::Network network(checkpoint_or_shipped(options.checkpoint));
   const QueryPoints queries{view.position, view.normal, view.albedo};
   for (const int64_t count : {2'048, 4'096, 8'192, 20'000}) {
     const auto sample = [&] {
-      return sample_scene_points(bvh, count, predictor.scene_points_pruned(), /*seed=*/0, nullptr);
+      const bool prune = network.metadata().scene_points_pruned;
+      return sample_scene_points(bvh, count, prune, /*seed=*/0, nullptr);
     };
     const auto encode = [&](scene::SurfaceSamples samples) {
-      const int depth = predictor.light_depth();
-      predictor.embed(light_up(bvh, lights, std::move(samples), depth, /*seed=*/0).points());
+      const LitSamples lit =
+          light_up(bvh, lights, std::move(samples), network.light_request(), /*seed=*/0);
+      return runtime::SceneEmbedding(network, lit.points());
     };
-    encode(sample());  // warm-up
-    predictor.predict(queries);
+    encode(sample()).decode(queries);  // warm-up
     const Timer timer;
     scene::SurfaceSamples samples = sample();
     const double sample_seconds = timer.seconds();
-    encode(std::move(samples));
+    const runtime::SceneEmbedding embedding = encode(std::move(samples));
     const double embed_seconds = timer.seconds();
-    const std::vector<Rgb> predicted = predictor.predict(queries);
+    const std::vector<Rgb> predicted = embedding.decode(queries);
     add("lte M = " + std::to_string(count), timer.seconds(), floats(predicted));
     results.back().figures["sample_seconds"] = sample_seconds;
     results.back().figures["encode_seconds"] = embed_seconds - sample_seconds;

@@ -6,14 +6,14 @@
 
 namespace lte::infer {
 
-/// The first that exists of $LTE_ASSETS/`relative`, <executable>/../share/lte/`relative`
-/// (installed), <executable>/../../assets/`relative` (build/bin of the source tree), and the source
-/// tree that was compiled. With LTE_ASSETS set, only that is looked at.
+/// Finds a shipped file: the first that exists of <executable>/../share/lte/`relative` (installed),
+/// <executable>/../../assets/`relative` (build/bin of the source tree), and the assets of the
+/// source tree that was compiled. With LTE_ASSETS set, only $LTE_ASSETS/`relative` is looked at.
 /// @param instead  the flag that names such a file by hand, for the message
 /// @throws lte::Error that lists where it looked.
 std::filesystem::path asset_path(const std::string& relative, const std::string& instead);
 
-/// `checkpoint`, or the shipped model if it is empty.
+/// Returns `checkpoint`, or the shipped model if it is empty.
 std::filesystem::path checkpoint_or_shipped(const std::string& checkpoint);
 
 }  // namespace lte::infer

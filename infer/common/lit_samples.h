@@ -7,10 +7,12 @@
 #include "infer/common/points.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights.h"
+#include "lte/runtime/network.h"
 #include "lte/scene/sampler.h"
 
 namespace lte::infer {
 
+/// Owns what ScenePoints borrows.
 struct LitSamples {
   scene::SurfaceSamples surface;
   /// W/m², or empty: pathtrace::LightEstimates summed over light groups.
@@ -23,8 +25,9 @@ struct LitSamples {
   }
 };
 
-/// @param depth  Predictor::light_depth(): 0 for no light, 1 for direct light alone
+/// Estimates the light on `surface` that a network of this light_request() reads.
 LitSamples light_up(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                    scene::SurfaceSamples surface, int depth, uint64_t seed);
+                    scene::SurfaceSamples surface, const runtime::LightRequest& input,
+                    uint64_t seed);
 
 }  // namespace lte::infer

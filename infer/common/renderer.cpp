@@ -23,7 +23,7 @@ constexpr std::array<std::pair<const char*, Output>, 7> kOutputs{
      {"albedo", Output::Albedo},
      {"normal", Output::Normal},
      {"depth", Output::Depth}}};
-// Neighbouring pixels read the same latents: square tiles keep them in the cache.
+// Square tiles of pixels: their shadow rays meet the same nodes and triangles.
 constexpr int kTile = 8;
 // As in baked training data, so that the network sees luminaires as densely as it has learnt to.
 constexpr double kEmissiveShare = 0.1;
@@ -108,6 +108,7 @@ scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t cou
 }
 
 /// Pixels that reflect light, tile by tile: background and black surfaces are never asked about.
+/// The order numbers the random streams of direct light, so another one is another picture.
 struct Renderer::Queries {
   int width, height;
   std::vector<int64_t> pixel;
@@ -138,7 +139,9 @@ struct Renderer::Queries {
     Image out(width, height, 3);
     for (size_t i = 0; i < values.size(); ++i) {
       float* p = out.pixels.data() + 3 * pixel[i];
-      p[0] = values[i].x, p[1] = values[i].y, p[2] = values[i].z;
+      p[0] = values[i].x;
+      p[1] = values[i].y;
+      p[2] = values[i].z;
     }
     return out;
   }
@@ -151,23 +154,24 @@ bool Renderer::needs_network(const RenderSettings& settings) const {
          settings.output != Output::Direct;
 }
 
-void Renderer::embed(Predictor predictor, const EmbedSettings& settings) {
+void Renderer::embed(const runtime::Network& network, const EmbedSettings& settings) {
   Timer timer;
+  embedding_.reset();  // two at a time would need twice the memory
   const int64_t count =
-      settings.scene_points > 0 ? settings.scene_points : predictor.scene_points();
+      settings.scene_points > 0 ? settings.scene_points : network.metadata().scene_points;
   pruned_points_ = {};
+  const bool prune = settings.prune.value_or(network.metadata().scene_points_pruned);
   scene::SurfaceSamples samples =
-      sample_scene_points(bvh_, count, settings.prune.value_or(predictor.scene_points_pruned()),
-                          settings.seed, &pruned_points_);
+      sample_scene_points(bvh_, count, prune, settings.seed, &pruned_points_);
   seconds_.sample = timer.seconds();
   timer.restart();
   const LitSamples lit =
-      light_up(bvh_, lights_, std::move(samples), predictor.light_depth(), settings.seed);
+      light_up(bvh_, lights_, std::move(samples), network.light_request(), settings.seed);
   seconds_.light = timer.seconds();
   timer.restart();
-  predictor.embed(lit.points(), settings.rescale);
+  embedding_.emplace(network, lit.points(),
+                     runtime::EncodeOptions{settings.rescale, {}, settings.memory});
   seconds_.encode = timer.seconds();
-  predictor_ = std::move(predictor);
 }
 
 pathtrace::GBuffer Renderer::trace(const scene::Camera& camera, const RenderSettings& settings,
@@ -217,13 +221,13 @@ image::Image Renderer::estimate(const Queries& queries, const RenderSettings& se
 
 void Renderer::neural(const Queries& queries, const RenderSettings& settings, Frame* frame) {
   const bool network = needs_network(settings);
-  const bool total = network && predictor_ && predictor_->predicts_total();
+  const bool total = network && embedding_ && embedding_->network().predicts_total();
   if (network) {
-    LTE_CHECK(predictor_.has_value(), "output ", output_name(settings.output),
+    LTE_CHECK(embedding_.has_value(), "output ", output_name(settings.output),
               " needs a model: embed() comes first");
     const Timer timer;
     Image predicted =
-        queries.scatter(predictor_->predict({queries.position, queries.normal, queries.albedo}));
+        queries.scatter(embedding_->decode({queries.position, queries.normal, queries.albedo}));
     (total ? frame->total : frame->indirect) = std::move(predicted);
     seconds_.decode = timer.seconds();
   }

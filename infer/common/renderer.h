@@ -2,16 +2,17 @@
 // the path-traced reference of the same quantities.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 
-#include "infer/common/predictor.h"
 #include "lte/image/image.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights.h"
 #include "lte/pathtrace/reach.h"
 #include "lte/pathtrace/render.h"
+#include "lte/runtime/embedding.h"
 #include "lte/scene/sampler.h"
 #include "lte/scene/scene.h"
 
@@ -20,9 +21,9 @@ namespace lte::infer {
 enum class Output { Full, Gi, Irradiance, Direct, Albedo, Normal, Depth };
 enum class Mode { Neural, Reference };
 
-/// The word on the command line, and back.
+/// The word for an output on the command line.
 const char* output_name(Output output);
-/// @throws lte::Error naming the word and the ones there are.
+/// The output or mode of a word. @throws lte::Error naming the word and the ones there are.
 Output parse_output(const std::string& word);
 Mode parse_mode(const std::string& word);
 
@@ -32,7 +33,7 @@ struct RenderSettings {
   int width = 512, height = 512;
   int direct_samples = 64;  ///< shadow rays a pixel
   int spp = 64;             ///< reference mode: paths a pixel
-  int max_depth = 5;  ///< reference mode: surface hits after the primary one (DESIGN section 5)
+  int max_depth = 5;        ///< reference mode: surface hits after the primary one
   uint64_t seed = 0;
 };
 
@@ -43,14 +44,30 @@ struct EmbedSettings {
   /// Draw scene points only where light reaches them (pathtrace/reach.h); by default as in the
   /// model's training.
   std::optional<bool> prune;
+  runtime::MemoryLimit memory;  ///< of encoding, and of every later picture's decoding
 };
 
-/// Wall-clock seconds by stage; `load` and `write` belong to the caller. `light` is that of scene
-/// points, for models that read it.
+/// Wall-clock seconds by stage; `load` and `write` belong to the caller. `light` is the time of the
+/// estimates on scene points, for models that read them.
 struct StageSeconds {
-  double load = 0, sample = 0, light = 0, encode = 0, primary = 0, decode = 0, direct = 0,
-         reference = 0, write = 0;
+  double load = 0, sample = 0, light = 0, encode = 0, primary = 0, decode = 0, direct = 0;
+  double reference = 0, write = 0;
 };
+
+/// The stages in the order in which they run.
+struct Stage {
+  const char* name;
+  double StageSeconds::*seconds;
+};
+inline constexpr std::array<Stage, 9> kStages = {{{"load", &StageSeconds::load},
+                                                  {"sample", &StageSeconds::sample},
+                                                  {"light", &StageSeconds::light},
+                                                  {"encode", &StageSeconds::encode},
+                                                  {"primary", &StageSeconds::primary},
+                                                  {"decode", &StageSeconds::decode},
+                                                  {"direct", &StageSeconds::direct},
+                                                  {"reference", &StageSeconds::reference},
+                                                  {"write", &StageSeconds::write}}};
 
 /// What a render gave. An image that the output did not need is empty (width 0). Background pixels
 /// are zero in all.
@@ -59,8 +76,8 @@ struct Frame {
   image::Image albedo, normal, depth, emission;
   image::Image direct;    ///< irradiance by direct light, W/m²
   image::Image indirect;  ///< irradiance by all later bounces
-  image::Image
-      total;  ///< of a model whose target is total irradiance, when direct light was not needed
+  /// Irradiance of a model whose target is the total, when direct light was not needed.
+  image::Image total;
   int64_t background = 0;  ///< pixels without a hit
   int64_t queries = 0;     ///< pixels that reflect light: those that are decoded
 };
@@ -72,13 +89,15 @@ class Renderer {
   explicit Renderer(const scene::Scene& scene);
 
   /// Samples scene points and encodes them.
-  /// @throws lte::Error for a scene larger than the model knows, unless settings.rescale.
-  void embed(Predictor predictor, const EmbedSettings& settings);
+  /// @throws runtime::Refusal for a scene wider than the model knows, unless settings.rescale, and
+  ///         where memory lacks.
+  void embed(const runtime::Network& network, const EmbedSettings& settings);
 
   /// @throws lte::Error if the network is needed and embed() has not been called.
   Frame render(const scene::Camera& camera, const RenderSettings& settings);
 
-  /// The network is needed: neural mode, an output with indirect light, and light in the scene.
+  /// Whether the network is needed: in neural mode, for an output with indirect light, where the
+  /// scene has light.
   bool needs_network(const RenderSettings& settings) const;
 
   bool has_light() const { return !lights_.empty(); }
@@ -86,7 +105,7 @@ class Renderer {
   const pathtrace::Bvh& bvh() const { return bvh_; }
   const pathtrace::Lights& lights() const { return lights_; }
   StageSeconds& seconds() { return seconds_; }
-  /// Of the last embed(); zeros if it did not prune.
+  /// Counts of the last embed(); zeros if it did not prune.
   const pathtrace::PruneCounts& pruned_points() const { return pruned_points_; }
 
  private:
@@ -100,7 +119,7 @@ class Renderer {
 
   pathtrace::Bvh bvh_;
   pathtrace::Lights lights_;
-  std::optional<Predictor> predictor_;
+  std::optional<runtime::SceneEmbedding> embedding_;
   StageSeconds seconds_;
   pathtrace::PruneCounts pruned_points_;
 };

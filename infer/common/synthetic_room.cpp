@@ -56,8 +56,8 @@ nn::PointSet synthetic_room(int64_t count, uint64_t seed) {
           a == axis ? (high ? box.high[a] : box.low[a]) : rng.uniform(box.low[a], box.high[a]);
       albedo[3 * i + a] = rng.uniform(0.2f, 0.8f);
     }
-    normal[3 * i + axis] =
-        (high == (face >= 6)) ? 1.0f : -1.0f;  // the room faces inwards, furniture outwards
+    // The room faces inwards, furniture outwards.
+    normal[3 * i + axis] = (high == (face >= 6)) ? 1.0f : -1.0f;
     const bool lamp = face == 3 && std::abs(position[3 * i] - 3) < 0.4f &&
                       std::abs(position[3 * i + 2] - 2) < 0.3f;
     for (int a = 0; lamp && a < 3; ++a) emission[3 * i + a] = 15;

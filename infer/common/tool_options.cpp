@@ -1,18 +1,51 @@
 #include "infer/common/tool_options.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <utility>
+#include <vector>
 
 #include <unistd.h>
 
-#include "infer/common/device.h"
 #include "infer/common/memory.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/ops/bf16.h"
+#include "lte/runtime/device.h"
+#include "lte/runtime/refusal.h"
 
 namespace lte::infer {
+namespace {
+
+using runtime::Remedy;
+
+constexpr std::pair<Remedy, const char*> kFlags[] = {
+    {Remedy::Rescale, "--rescale"},        {Remedy::FewerScenePoints, "--scene-points"},
+    {Remedy::FewerQueries, "--size"},      {Remedy::FewerQueries, "--queries"},
+    {Remedy::MemoryLimit, "--max-memory"},
+};
+
+/// Whether `app` or a command of it that was given has this flag.
+bool has_flag(const CLI::App& app, const char* flag) {
+  if (app.get_option_no_throw(flag) != nullptr) return true;
+  const auto commands = app.get_subcommands();
+  return std::any_of(commands.begin(), commands.end(),
+                     [&](const CLI::App* command) { return has_flag(*command, flag); });
+}
+
+/// " (--scene-points, --max-memory)", or nothing where `app` has no flag for any of the remedies.
+std::string flags_for(const CLI::App& app, const std::vector<Remedy>& remedies) {
+  std::string list;
+  for (const auto& [remedy, flag] : kFlags) {
+    const bool helps = std::find(remedies.begin(), remedies.end(), remedy) != remedies.end();
+    if (helps && has_flag(app, flag)) list += (list.empty() ? "" : ", ") + std::string(flag);
+  }
+  return list.empty() ? "" : " (" + list + ")";
+}
+
+}  // namespace
 
 void add_network_options(CLI::App& app, std::string* precision, double* max_memory_mb) {
   const char* group = "Common options";
@@ -37,17 +70,17 @@ void add_network_options(CLI::App& app, std::string* precision, double* max_memo
          "What the run may take above scene and model, such as 500M or 2G (plain numbers are MiB): "
          "fewer queries are decoded at a time, and what cannot fit is refused; 0 for no limit")
       ->check(CLI::Validator(check, "SIZE"))
+      ->default_str("0")
       ->group(group);
 }
 
-nn::Precision choose_precision(const std::string& word, Device device) {
-  if (word == "fp32") return nn::Precision::Fp32;
-  LTE_CHECK(word == "bf16", "--precision ", word, ": expected fp32 or bf16");
-  if (device == Device::Cpu && !ops::has_bf16_products())
+nn::Precision choose_precision(const std::string& word, c10::Device device) {
+  const auto precision = parse_enum<nn::Precision>("--precision", word);
+  if (precision == nn::Precision::Bf16 && device.is_cpu() && !ops::has_bf16_products())
     log_warning(
         "--precision bf16: this processor has no bfloat16 products (AVX512-BF16); they are "
         "computed from float32 instructions, which is slower than fp32");
-  return nn::Precision::Bf16;
+  return precision;
 }
 
 void add_tool_options(CLI::App& app, ToolOptions* options) {
@@ -57,14 +90,24 @@ void add_tool_options(CLI::App& app, ToolOptions* options) {
       ->check(CLI::IsMember({"cpu", "cuda"}))
       ->group(group);
   add_network_options(app, &options->precision, &options->max_memory_mb);
-  app.add_flag("--print-config", options->print_config,
-               "Print the settings in force as YAML and stop")
+  app.add_flag("--print-config", options->print_config, "Print the settings in force and stop")
+      ->configurable(false)
       ->group(group);
 }
 
 void apply_tool_options(const ToolOptions& options) {
   apply_common_options(options.common);
-  set_torch_threads(options.common.threads);
+  runtime::set_torch_threads(options.common.threads);
+}
+
+int run_network_tool(CLI::App& app, int argc, char** argv, const std::function<void()>& body) {
+  return run_tool(app, argc, argv, [&] {
+    try {
+      body();
+    } catch (const runtime::Refusal& refusal) {
+      throw Error(refusal.what() + flags_for(app, refusal.remedies()));
+    }
+  });
 }
 
 void check_writable(const std::string& path) {

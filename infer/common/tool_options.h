@@ -1,9 +1,11 @@
 // Flags that the tools with a network share, and what they do.
 #pragma once
 
+#include <functional>
 #include <string>
 
-#include "infer/common/device.h"
+#include <c10/core/Device.h>
+
 #include "lte/cli/cli.h"
 #include "lte/nn/precision.h"
 
@@ -17,18 +19,22 @@ struct ToolOptions {
   bool print_config = false;
 };
 
-/// --precision and --max-memory.
+/// Adds --precision and --max-memory.
 void add_network_options(CLI::App& app, std::string* precision, double* max_memory_mb);
 
-/// The common options, and --device, --precision, --max-memory and --print-config.
+/// Adds the common options, and --device, --precision, --max-memory and --print-config.
 void add_tool_options(CLI::App& app, ToolOptions* options);
 
-/// "fp32" or "bf16". Says so once if the device is a processor that has to compute bfloat16 from
+/// Reads "fp32" or "bf16". Warns if the device is a processor that has to compute bfloat16 from
 /// float32.
-nn::Precision choose_precision(const std::string& word, Device device = Device::Cpu);
+nn::Precision choose_precision(const std::string& word, c10::Device device = c10::kCPU);
 
-/// The common options, and the threads of LibTorch.
+/// Applies the common options, and the threads of LibTorch.
 void apply_tool_options(const ToolOptions& options);
+
+/// lte::run_tool(); where the runtime refuses a request, the message ends with those flags of `app`
+/// that help: "(--rescale)".
+int run_network_tool(CLI::App& app, int argc, char** argv, const std::function<void()>& body);
 
 /// Fails early where a result could not be written late: the folder of `path` must exist and be
 /// writable.

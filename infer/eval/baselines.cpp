@@ -5,12 +5,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "infer/common/predictor.h"
-#include "infer/common/tensors.h"
 #include "infer/eval/blur.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/ops/knn.h"
+#include "lte/runtime/tensors.h"
 
 namespace lte::infer {
 namespace {
@@ -49,8 +48,8 @@ double mean_of(std::span<const Rgb> values) {
 }  // namespace
 
 double radiance_scalar(const data::SceneSample& s) {
-  return radiance_scalar(ScenePoints{s.scene_position, s.scene_normal, s.scene_albedo,
-                                     s.scene_emission, s.scene_area});
+  return runtime::mean_emission(
+      {s.scene_position, s.scene_normal, s.scene_albedo, s.scene_emission, s.scene_area});
 }
 
 std::filesystem::path baselines_path(const std::filesystem::path& checkpoint) {
@@ -171,8 +170,8 @@ std::vector<Rgb> BaselinePredictor::constant_mean(const QueryPoints& queries) co
 std::vector<Rgb> BaselinePredictor::nearest_point(const QueryPoints& queries) const {
   std::vector<Rgb> out(queries.position.size());
   if (out.empty()) return out;
-  const at::Tensor nearest =
-      std::get<0>(ops::knn(borrow(queries.position), borrow(sample_.scene_position), 1));
+  const at::Tensor nearest = std::get<0>(
+      ops::knn(runtime::borrow(queries.position), runtime::borrow(sample_.scene_position), 1));
   const auto* index = nearest.const_data_ptr<int64_t>();
   const Bounds bounds = bounds_of(sample_);
   for (size_t i = 0; i < out.size(); ++i) {

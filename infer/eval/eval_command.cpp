@@ -4,14 +4,13 @@
 #include <iostream>
 #include <system_error>
 
-#include <nlohmann/json.hpp>
-
 #include "infer/common/assets.h"
 #include "infer/eval/eval_report.h"
 #include "infer/eval/evaluate.h"
 #include "lte/base/config.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
+#include "lte/nn/device.h"
 
 namespace lte::infer {
 namespace {
@@ -29,33 +28,6 @@ void check_usage(const EvalRequest& request) {
     throw CLI::ValidationError("--out", "goes with --fit-baselines only");
   if (!fitting && request.split.empty())
     throw CLI::ValidationError("--split", "expected train, val or test");
-}
-
-/// The request with what a training configuration says where the command line is silent: its data
-/// set, and the model of its run directory.
-EvalRequest with_config(EvalRequest request) {
-  if (request.config.empty()) return request;
-  // Keys are checked by the trainer, which owns them.
-  const Config config = Config::load(request.config);
-  if (request.data.empty()) config.at("data").read("root", &request.data);
-  std::string run;
-  config.read("output", &run);
-  if (request.checkpoint.empty() && !run.empty()) {
-    request.checkpoint = (fs::path(run) / kRunModel).string();
-  }
-  return request;
-}
-
-void print_settings(const EvalRequest& r) {
-  const auto quoted = [](const std::string& text) { return nlohmann::json(text).dump(); };
-  std::cout << "checkpoint: " << quoted(r.checkpoint) << "\ndata: " << quoted(r.data)
-            << "\nsplit: " << quoted(r.split) << "\nbaselines: " << quoted(r.baselines)
-            << "\nreport: " << quoted(r.report) << "\ncsv: " << quoted(r.csv)
-            << "\nresamples: " << r.bootstrap.resamples << "\nseed: " << r.bootstrap.seed
-            << "\nprobes: " << r.probes << "\nprobe_rate: " << r.probe_rate
-            << "\ndevice: " << quoted(r.tool.device) << "\nthreads: " << r.tool.common.threads
-            << "\nprecision: " << r.tool.precision << "\nmax_memory: " << r.tool.max_memory_mb
-            << '\n';
 }
 
 /// From --baselines, from beside the checkpoint, or from the training split, in this order.
@@ -125,11 +97,21 @@ void add_eval_options(CLI::App& app, EvalRequest* r) {
   add_tool_options(app, &r->tool);
 }
 
-void run_eval(const EvalRequest& given) {
-  const EvalRequest request = with_config(given);
-  if (!request.tool.print_config) check_usage(request);
+void read_run_config(EvalRequest* request) {
+  if (request->config.empty()) return;
+  // Keys are checked by the trainer, which owns them.
+  const Config config = Config::load(request->config);
+  if (request->data.empty()) config.at("data").read("root", &request->data);
+  std::string run;
+  config.read("output", &run);
+  if (request->checkpoint.empty() && !run.empty()) {
+    request->checkpoint = (fs::path(run) / kRunModel).string();
+  }
+}
+
+void run_eval(const EvalRequest& request) {
+  check_usage(request);
   apply_tool_options(request.tool);
-  if (request.tool.print_config) return print_settings(request);
   if (!request.fit_baselines.empty()) return fit_to_file(request);
   check_writable(request.tool.common.json);
   check_writable(request.csv);
@@ -137,11 +119,10 @@ void run_eval(const EvalRequest& given) {
   const fs::path checkpoint = checkpoint_or_shipped(request.checkpoint);
   const fs::path data =
       request.data.empty() ? asset_path(kShippedData, "--data") : fs::path(request.data);
-  const Device device = choose_device(request.tool.device);
-  Predictor predictor =
-      Predictor::load(checkpoint, device, choose_precision(request.tool.precision, device));
-  const MemoryLimit memory(request.tool.max_memory_mb);
-  predictor.limit_memory(memory);
+  const c10::Device device = nn::choose_device(request.tool.device);
+  const runtime::Network network(checkpoint,
+                                 {device, choose_precision(request.tool.precision, device)});
+  const runtime::MemoryLimit memory(request.tool.max_memory_mb);
   const Baselines baselines = find_baselines(request, checkpoint, data);
   const fs::path folder = make_report_folder(request.report);
 
@@ -151,10 +132,11 @@ void run_eval(const EvalRequest& given) {
   settings.bootstrap = request.bootstrap;
   settings.probes = request.probes;
   settings.probe_rate = request.probe_rate;
+  settings.memory = memory;
   settings.on_scene = [&] { memory.check("a scene"); };
   ContactSheets sheets(folder);
   if (!folder.empty()) settings.on_view = [&](const ViewPicture& picture) { sheets.add(picture); };
-  const EvalResult result = evaluate(settings, &predictor, baselines);
+  const EvalResult result = evaluate(settings, network, baselines);
 
   if (!folder.empty()) {
     write_file(folder / "metrics.csv", eval_csv(result));

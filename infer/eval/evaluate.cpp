@@ -12,6 +12,7 @@
 #include "lte/base/log.h"
 #include "lte/base/timer.h"
 #include "lte/cli/progress.h"
+#include "lte/runtime/embedding.h"
 
 namespace lte::infer {
 namespace {
@@ -22,10 +23,10 @@ std::string few_paths_row(int paths) { return concat("path_tracing_", paths); }
 
 /// The network's indirect irradiance over the emission scalar. A model of total irradiance is
 /// compared on the same quantity, from which the reference's direct light is subtracted.
-std::vector<Rgb> neural(const Predictor& predictor, const EvalPoints& points) {
+std::vector<Rgb> neural(const runtime::SceneEmbedding& network, const EvalPoints& points) {
   std::vector<Rgb> out =
-      data::sum_groups(predictor.predict(points.queries), 1, 1 / predictor.radiance());
-  if (!predictor.predicts_total()) return out;
+      data::sum_groups(network.decode(points.queries), 1, 1 / network.mean_emission());
+  if (!network.network().predicts_total()) return out;
   for (size_t i = 0; i < out.size(); ++i) out[i] = max(out[i] - points.direct[i], Vec3{});
   return out;
 }
@@ -34,7 +35,7 @@ using Predictions = std::vector<std::pair<std::string, std::vector<Rgb>>>;
 
 /// Everything that predicts in one scene.
 struct Predictors {
-  const Predictor& network;
+  const runtime::SceneEmbedding& network;
   const BaselinePredictor& baselines;
   const ProbeField& probes;
 
@@ -121,8 +122,8 @@ void add_fewer_paths(const ReferenceNoise& points, const ViewSums& views, Scores
 /// Paths that a renderer traces for the light that the network reads: on both sides of every point
 /// that does not emit.
 double light_paths(const data::SceneSample& sample, const data::DatasetInfo& info,
-                   const Predictor& predictor) {
-  if (predictor.light_depth() == 0) return 0;
+                   const runtime::Network& network) {
+  if (network.light_request().depth == 0) return 0;
   const auto lit = std::count_if(sample.scene_emission.begin(), sample.scene_emission.end(),
                                  [](const Rgb& value) { return max_component(value) <= 0; });
   return 2.0 * static_cast<double>(lit) * info.light_paths;
@@ -139,22 +140,24 @@ int64_t probe_count(const EvalSettings& settings, const data::SceneSample& sampl
 }
 
 SceneResult evaluate_scene(const EvalSettings& settings, const data::DatasetInfo& info,
-                           const data::SceneSample& sample, Predictor* predictor,
+                           const data::SceneSample& sample, const runtime::Network& network,
                            const Baselines& fitted) {
   SceneResult result;
   result.name = sample.name;
   result.points = sample.query_points();
   result.views = static_cast<int64_t>(sample.views.size());
-  const int light = predictor->light_depth();
-  LTE_CHECK(light == 0 || !sample.scene_direct.empty(), sample.name,
+  LTE_CHECK(network.light_request().depth == 0 || !sample.scene_direct.empty(), sample.name,
             ": has no scene_direct, which the model reads; bake the data again");
   const std::vector<Rgb> direct = data::sum_groups(sample.scene_direct, sample.light_groups, 1);
   const std::vector<Rgb> indirect = data::sum_groups(sample.scene_indirect, sample.light_groups, 1);
   const Timer timer;
-  predictor->embed({sample.scene_position, sample.scene_normal, sample.scene_albedo,
-                    sample.scene_emission, sample.scene_area, direct, indirect});
+  const runtime::SceneEmbedding embedding(
+      network,
+      {sample.scene_position, sample.scene_normal, sample.scene_albedo, sample.scene_emission,
+       sample.scene_area, direct, indirect},
+      {.memory = settings.memory});
   result.encode_seconds = timer.seconds();
-  result.radiance = predictor->radiance();
+  result.radiance = embedding.mean_emission();
   result.path_variance = single_path_variance(sample, result.radiance);
   result.paths = static_cast<double>(sample.rays);
 
@@ -162,10 +165,10 @@ SceneResult evaluate_scene(const EvalSettings& settings, const data::DatasetInfo
   const EvalPoints points = query_eval_points(sample, result.radiance);
   const ProbeField probes(
       points.queries, points.reference,
-      probe_count(settings, sample, result.encode_seconds, light_paths(sample, info, *predictor)));
+      probe_count(settings, sample, result.encode_seconds, light_paths(sample, info, network)));
   result.probes = probes.size();
   result.reference_noise = points.noise().mse;
-  const Predictors predictors{*predictor, baselines, probes};
+  const Predictors predictors{embedding, baselines, probes};
   for (const auto& [name, values] : predictors.predict(points, &result.decode_seconds)) {
     result.scores.emplace_back(name, Score());
     result.scores.back().second.points = score_points(values, points.reference);
@@ -233,12 +236,12 @@ std::string splits_there(const data::DatasetInfo& info) {
 
 }  // namespace
 
-EvalResult evaluate(const EvalSettings& settings, Predictor* predictor,
+EvalResult evaluate(const EvalSettings& settings, const runtime::Network& network,
                     const Baselines& baselines) {
   const data::DatasetInfo info = data::read_dataset_info(settings.data);
-  LTE_CHECK(std::abs(info.scale - predictor->scale()) <= kSameScale * predictor->scale(),
+  LTE_CHECK(std::abs(info.scale - network.config().scale) <= kSameScale * network.config().scale,
             settings.data.string(), ": data of scale ", info.scale,
-            " m does not go with a model of scale ", predictor->scale(),
+            " m does not go with a model of scale ", network.config().scale,
             " m: evaluate on a data set generated with the model's scale");
   const std::vector<data::DatasetEntry> entries = data::entries_of(info, settings.split);
   LTE_CHECK(!entries.empty(), settings.data.string(), ": no scenes of split ",
@@ -251,7 +254,7 @@ EvalResult evaluate(const EvalSettings& settings, Predictor* predictor,
     data::SceneSample sample = data::read_scene_sample(data::scene_path(settings.data, entry.name));
     data::drop_idle_queries(&sample);
     sample.name = entry.name;
-    result.scenes.push_back(evaluate_scene(settings, info, sample, predictor, baselines));
+    result.scenes.push_back(evaluate_scene(settings, info, sample, network, baselines));
     if (settings.on_scene) settings.on_scene();
     progress.advance();
   }

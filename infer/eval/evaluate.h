@@ -8,12 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "infer/common/predictor.h"
 #include "infer/eval/baselines.h"
 #include "infer/eval/bootstrap.h"
 #include "infer/eval/equal_samples.h"
 #include "infer/eval/scores.h"
 #include "lte/data/dataset.h"
+#include "lte/runtime/memory_limit.h"
+#include "lte/runtime/network.h"
 
 namespace lte::infer {
 
@@ -69,6 +70,7 @@ struct EvalSettings {
   /// each with the paths of the data's points, as it would bake while the network is prepared: in
   /// the time of the encoding, and with the paths of the light estimates that the network reads.
   double probe_rate = 0;
+  runtime::MemoryLimit memory;
   ViewSink on_view;                ///< may be empty
   std::function<void()> on_scene;  ///< after each scene; may be empty
 };
@@ -76,7 +78,8 @@ struct EvalSettings {
 /// Compares the model and the baselines with the reference in every scene of a split.
 /// @throws lte::Error if the split is empty (naming those that are not), or if data and model have
 ///         different scales s.
-EvalResult evaluate(const EvalSettings& settings, Predictor* predictor, const Baselines& baselines);
+EvalResult evaluate(const EvalSettings& settings, const runtime::Network& network,
+                    const Baselines& baselines);
 
 /// Fits the baselines on the training split of `directory`.
 /// @throws lte::Error naming the folder if it has no training scenes.

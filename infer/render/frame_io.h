@@ -7,19 +7,21 @@
 
 namespace lte::infer {
 
-/// Exposure that a PNG of this frame gets by itself: 1 for outputs that are not light, or for a
-/// black picture.
+/// Chooses the exposure for a PNG of this frame: 1 for outputs that are not light, and for a black
+/// picture.
 float frame_exposure(const Frame& frame, Output output);
 
-/// By the extension. .exr: the output as R, G, B and the layers albedo, normal, depth, emission,
-/// and direct, indirect or total where the output needed them; linear, not exposed. .png: light is
-/// exposed and goes through the sRGB curve, albedo through the curve alone, normals map [−1, 1] to
-/// [0, 1], depth is divided by its largest value.
+/// Writes a frame by the extension of `path`.
+///
+/// An .exr holds the output as R, G, B and the layers albedo, normal, depth and emission, with
+/// direct, indirect or total where the output needed them; all linear and not exposed. In a .png
+/// light is exposed and goes through the sRGB curve, albedo goes through the curve alone, normals
+/// map [−1, 1] to [0, 1], and depth is divided by its largest value.
 /// @throws lte::Error if the extension is another or the file cannot be written.
 void write_frame(const std::filesystem::path& path, const Frame& frame, Output output,
                  float exposure);
 
-/// ".exr" or ".png" in any case.
+/// Whether the name ends in ".exr" or ".png", in upper or lower case.
 bool is_picture_path(const std::filesystem::path& path);
 
 }  // namespace lte::infer

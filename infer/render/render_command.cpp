@@ -2,7 +2,6 @@
 
 #include <charconv>
 #include <cstdio>
-#include <iostream>
 #include <tuple>
 #include <utility>
 
@@ -13,11 +12,14 @@
 #include "infer/render/frame_io.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
+#include "lte/base/process_memory.h"
 #include "lte/base/timer.h"
 #include "lte/pathtrace/auto_camera.h"
+#include "lte/nn/device.h"
 #include "lte/scene/environment_points.h"
 #include "lte/scene/import/environment_file.h"
 #include "lte/scene/load.h"
+#include "lte/scene/load_camera.h"
 
 namespace lte::infer {
 namespace {
@@ -60,23 +62,6 @@ RenderSettings settings_of(const RenderRequest& request) {
   return settings;
 }
 
-void print_settings(const RenderRequest& r) {
-  // JSON strings are YAML strings, whatever they contain.
-  const auto quoted = [](const std::string& text) { return nlohmann::json(text).dump(); };
-  std::cout << "scene: " << quoted(r.scene) << "\ncheckpoint: " << quoted(r.checkpoint)
-            << "\ncamera: " << quoted(r.camera) << "\nsize: " << r.size
-            << "\nout: " << quoted(r.out) << "\noutput: " << r.output << "\nmode: " << r.mode
-            << "\nspp: " << r.spp << "\nmax_depth: " << r.max_depth
-            << "\ndirect_samples: " << r.direct_samples << "\nscene_points: " << r.scene_points
-            << "\nenvironment: " << quoted(r.environment)
-            << "\nenvironment_turn: " << r.environment_turn << "\nseed: " << r.seed
-            << "\nprune: " << quoted(r.prune) << "\nrescale: " << (r.rescale ? "true" : "false")
-            << "\nexposure: " << (r.exposure ? std::to_string(*r.exposure) : "auto")
-            << "\ndevice: " << quoted(r.tool.device) << "\nthreads: " << r.tool.common.threads
-            << "\nprecision: " << r.tool.precision << "\nmax_memory: " << r.tool.max_memory_mb
-            << '\n';
-}
-
 scene::Camera choose_camera(const RenderRequest& request, const scene::Scene& scene,
                             const pathtrace::Bvh& bvh) {
   if (!request.camera.empty() && request.camera != "auto")
@@ -96,6 +81,12 @@ void describe(const scene::Scene& scene, const std::string& path) {
   for (const std::string& ignored : scene.ignored) log_warning(path, ": ignored ", ignored);
 }
 
+nlohmann::json seconds_json(const StageSeconds& s, double total) {
+  nlohmann::json out = {{"total", total}};
+  for (const Stage& stage : kStages) out[stage.name] = s.*stage.seconds;
+  return out;
+}
+
 nlohmann::json to_json(const RenderRequest& request, const RenderSettings& settings,
                        const Renderer& renderer, const Frame& frame, const StageSeconds& s,
                        double exposure, double total) {
@@ -109,57 +100,47 @@ nlohmann::json to_json(const RenderRequest& request, const RenderSettings& setti
           {"background_pixels", frame.background},
           {"decoded_pixels", frame.queries},
           {"pruned_scene_points", renderer.pruned_points().pruned},
-          {"seconds",
-           {{"load", s.load},
-            {"sample", s.sample},
-            {"light", s.light},
-            {"encode", s.encode},
-            {"primary", s.primary},
-            {"decode", s.decode},
-            {"direct", s.direct},
-            {"reference", s.reference},
-            {"write", s.write},
-            {"total", total}}},
+          {"seconds", seconds_json(s, total)},
           {"peak_rss_mb", peak_rss_mb()}};
 }
 
 void print_times(const RenderRequest& request, const StageSeconds& s, double exposure,
                  double total) {
   if (request.tool.common.quiet) return;
-  std::printf(
-      "%s: exposure %.4g | seconds: load %.2f, sample %.2f, light %.2f, encode %.2f, primary %.2f, "
-      "decode "
-      "%.2f, direct %.2f, "
-      "reference %.2f, write %.2f, total %.2f | peak %.0f MiB\n",
-      request.out.c_str(), exposure, s.load, s.sample, s.light, s.encode, s.primary, s.decode,
-      s.direct, s.reference, s.write, total, peak_rss_mb());
+  std::printf("%s: exposure %.4g | seconds: ", request.out.c_str(), exposure);
+  for (const Stage& stage : kStages) std::printf("%s %.2f, ", stage.name, s.*stage.seconds);
+  std::printf("total %.2f | peak %.0f MiB\n", total, peak_rss_mb());
 }
 
-/// The model if this picture needs one. Validation looks at a model only if one is named.
-std::optional<Predictor> load_network(const RenderRequest& request, const Renderer& renderer) {
+/// The network if this picture needs one. Validation looks at a model only if one is named.
+std::optional<runtime::Network> load_network(const RenderRequest& request,
+                                             const Renderer& renderer) {
   if (!renderer.needs_network(settings_of(request))) return std::nullopt;
   if (request.validate_only && request.checkpoint.empty()) return std::nullopt;
-  const Device device = choose_device(request.tool.device);
-  return Predictor::load(checkpoint_or_shipped(request.checkpoint), device,
-                         choose_precision(request.tool.precision, device));
+  const c10::Device device = nn::choose_device(request.tool.device);
+  return runtime::Network(checkpoint_or_shipped(request.checkpoint),
+                          {device, choose_precision(request.tool.precision, device)});
 }
 
-void embed(const RenderRequest& request, Predictor predictor, const MemoryLimit& memory,
-           Renderer* renderer) {
-  std::optional<bool> prune;
-  if (request.prune != "auto") prune = request.prune == "on";
-  predictor.limit_memory(memory);
-  renderer->embed(std::move(predictor),
-                  {request.scene_points, request.seed, request.rescale, prune});
-  memory.check("encoding the scene (lower --scene-points)");
+void embed(const RenderRequest& request, const runtime::Network& network,
+           const runtime::MemoryLimit& memory, Renderer* renderer) {
+  EmbedSettings settings;
+  settings.scene_points = request.scene_points;
+  settings.seed = request.seed;
+  settings.rescale = request.rescale;
+  if (request.prune != "auto") settings.prune = request.prune == "on";
+  settings.memory = memory;
+  renderer->embed(network, settings);
+  memory.check("encoding the scene", {runtime::Remedy::FewerScenePoints});
 }
 
 /// Everything after the scene stands: what is timed as encode to write.
 void render_to_file(const RenderRequest& request, const scene::Camera& camera, Renderer* renderer,
-                    const MemoryLimit& memory, const Timer& total) {
+                    const runtime::MemoryLimit& memory, const Timer& total) {
   const RenderSettings settings = settings_of(request);
   memory.check_ahead(kFloatsPerPixel * 4 * settings.width * settings.height / (1 << 20),
-                     concat("a picture of --size ", request.size), "take a smaller one");
+                     concat("a picture of ", request.size), "take a smaller one",
+                     {runtime::Remedy::FewerQueries});
   const Frame frame = renderer->render(camera, settings);
   if (frame.background == int64_t{settings.width} * settings.height &&
       !renderer->has_environment()) {
@@ -234,12 +215,11 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
 }
 
 void run_render(const RenderRequest& request) {
-  if (request.out.empty() && !request.validate_only && !request.tool.print_config) {
+  if (request.out.empty() && !request.validate_only) {
     throw CLI::ValidationError("--out",
                                "name the picture to write (.exr or .png), or pass --validate-only");
   }
   apply_tool_options(request.tool);
-  if (request.tool.print_config) return print_settings(request);
   check_writable(request.out);
   check_writable(request.tool.common.json);
   const Timer total;
@@ -253,16 +233,18 @@ void run_render(const RenderRequest& request) {
   const scene::Camera camera = choose_camera(request, scene, renderer.bvh());
   if (!renderer.has_light())
     log_warning(request.scene, ": nothing emits light; every output with light in it is black");
-  std::optional<Predictor> predictor = load_network(request, renderer);
+  const std::optional<runtime::Network> network = load_network(request, renderer);
   renderer.seconds().load = total.seconds();
-  if (predictor) predictor->check_fits(scene::point_bounds(scene), request.rescale);
+  if (network) {
+    network->check_fits(max_component(scene::point_bounds(scene).extent()), request.rescale);
+  }
   if (request.validate_only) {  // as lte_datagen says it, and under --quiet too: it is the result
     std::printf("%s: valid scene, %lld triangles, %zu light groups\n", request.scene.c_str(),
                 static_cast<long long>(scene.triangle_count()), scene.light_groups.size());
     return;
   }
-  const MemoryLimit memory(request.tool.max_memory_mb);
-  if (predictor) embed(request, std::move(*predictor), memory, &renderer);
+  const runtime::MemoryLimit memory(request.tool.max_memory_mb);
+  if (network) embed(request, *network, memory, &renderer);
   render_to_file(request, camera, &renderer, memory, total);
 }
 

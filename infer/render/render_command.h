@@ -8,7 +8,7 @@
 
 namespace lte::infer {
 
-/// The command line as it stands; words are checked by the flags themselves.
+/// The command line as it stands. The flags themselves check its words.
 struct RenderRequest {
   std::string scene, checkpoint, camera, out;
   std::string size = "512x512";
@@ -18,7 +18,7 @@ struct RenderRequest {
   uint64_t seed = 0;
   bool rescale = false, validate_only = false;
   std::string prune = "auto";
-  std::string environment;      ///< "R,G,B" or a picture; empty: the scene's own
+  std::string environment;      ///< "R,G,B" or a picture; empty: that of the scene
   double environment_turn = 0;  ///< degrees about +Y
   std::optional<double> exposure;
   ToolOptions tool;

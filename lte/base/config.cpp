@@ -14,11 +14,10 @@
 
 #include "lte/base/check.h"
 #include "lte/base/config_tree.h"
+#include "lte/base/text.h"
 
 namespace lte {
 namespace {
-
-std::string quote(const std::string& text) { return '"' + text + '"'; }
 
 [[noreturn]] void ill_typed(const std::string& key, const ConfigTree& tree,
                             const std::string& expected) {
@@ -47,8 +46,7 @@ void convert_value(const std::string& key, const ConfigTree& tree, T* value) {
   T parsed{};
   const std::errc error = parse_number(tree, &parsed);
   if constexpr (std::is_integral_v<T>) {
-    // A sign makes from_chars call a negative number ill-formed for an unsigned type; it is out of
-    // range.
+    // For an unsigned type, from_chars calls a negative number ill-formed. It is out of range.
     int64_t negative = 0;
     const bool below = std::is_unsigned_v<T> && error != std::errc() &&
                        parse_number(tree, &negative) == std::errc();
@@ -113,7 +111,8 @@ void check_known(const ConfigTree& map, const std::string& prefix,
   }
 }
 
-/// Optimal string alignment distance: insert, delete, replace, swap neighbours.
+/// The optimal string alignment distance: how many insertions, deletions, replacements and swaps of
+/// neighbours lead from one word to the other.
 size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<size_t> before, previous(b.size() + 1), row(b.size() + 1);
   for (size_t j = 0; j <= b.size(); ++j) previous[j] = j;
@@ -209,9 +208,26 @@ void Config::read(const std::string& key, std::vector<std::string>* value) const
   state_->read(prefix_ + key, value);
 }
 
+std::string Config::where(const std::string& key) const {
+  const ConfigTree* tree = state_->find(prefix_ + key);
+  return tree == nullptr ? prefix_ + key : concat(tree->where, ": ", prefix_, key);
+}
+
 void Config::finish() const { check_known(state_->root, "", state_->known); }
 
 std::string Config::to_yaml() const { return config_tree_to_yaml(state_->root); }
+
+size_t find_name(const std::string& key, const std::string& text,
+                 const std::vector<std::string>& names) {
+  std::string choices;
+  for (size_t i = 0; i < names.size(); ++i) {
+    if (names[i] == text) return i;
+    choices += (choices.empty() ? "" : " | ") + names[i];
+  }
+  const std::string nearest = nearest_name(text, names);
+  throw Error(concat(key, ": expected ", choices, ", got ", quote(text),
+                     nearest.empty() ? "" : "; did you mean " + quote(nearest) + "?"));
+}
 
 std::string nearest_name(const std::string& word, const std::vector<std::string>& candidates) {
   std::string best;

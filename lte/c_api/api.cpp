@@ -1,9 +1,7 @@
 // The functions of lte/c_api.h: null checks, structs in and out, and nothing past the boundary.
 #include <atomic>
-#include <memory>
 
 #include <ATen/Parallel.h>
-#include <c10/core/DeviceGuard.h>
 
 #include "lte/c_api.h"
 #include "lte/c_api/arguments.h"
@@ -18,18 +16,18 @@ using lte::c_api::StreamScope;
 using lte::c_api::write_struct;
 
 struct lte_model {
-  std::shared_ptr<lte::c_api::Network> network;
+  lte::runtime::Network network;
 };
 
 struct lte_embedding {
-  lte::c_api::SceneEmbedding scene;
+  lte::runtime::SceneEmbedding scene;
 };
 
 namespace {
 
 std::atomic<int32_t> wanted_threads{0};  ///< 0: LibTorch's default
 
-/// LibTorch keeps the number a thread: each takes it over when it calls.
+/// LibTorch keeps the number by thread, so each thread takes it over when it calls.
 void apply_threads() {
   thread_local int32_t applied = 0;
   const int32_t wanted = wanted_threads.load();
@@ -38,15 +36,34 @@ void apply_threads() {
   applied = wanted;
 }
 
-lte_embedding* encode(const lte_model* model, const lte_scene_points* points, at::Device memory) {
+lte_embedding* encode(const lte_model* model, const lte_scene_points* points, c10::Device memory) {
   apply_threads();
-  return new lte_embedding{{model->network, read_struct(points, "lte_scene_points"), memory}};
+  return new lte_embedding{
+      lte::c_api::encode(model->network, read_struct(points, "lte_scene_points"), memory)};
 }
 
-void decode(const lte_embedding* embedding, const lte_queries* queries, at::Device memory,
+void decode(const lte_embedding* embedding, const lte_queries* queries, c10::Device memory,
             float* irradiance, int64_t stride) {
   apply_threads();
-  embedding->scene.decode(read_struct(queries, "lte_queries"), memory, irradiance, stride);
+  lte::c_api::decode(embedding->scene, read_struct(queries, "lte_queries"), memory, irradiance,
+                     stride);
+}
+
+lte_model_info info_of(const lte::runtime::Network& network) {
+  const lte::nn::ModelConfig& config = network.config();
+  lte_model_info info = {};
+  info.channels = config.channels;
+  info.parameters = network.parameters();
+  info.query_neighbours = config.query_neighbours;
+  info.scene_points = network.metadata().scene_points;
+  info.scene_points_pruned = network.metadata().scene_points_pruned;
+  info.target = network.predicts_total() ? LTE_TARGET_TOTAL : LTE_TARGET_INDIRECT;
+  info.scale = config.scale;
+  info.device = network.device().is_cpu() ? LTE_DEVICE_CPU : network.device().index();
+  info.light_input = config.reads_indirect() ? LTE_LIGHT_TRACED
+                     : config.reads_direct() ? LTE_LIGHT_DIRECT
+                                             : LTE_LIGHT_EMISSION;
+  return info;
 }
 
 }  // namespace
@@ -81,7 +98,8 @@ lte_status lte_model_open(const char* path, const lte_model_options* options, lt
         const int32_t device =
             options == nullptr ? LTE_DEVICE_CPU : read_struct(options, "lte_model_options").device;
         apply_threads();
-        *model = new lte_model{lte::c_api::open_network(path, device)};
+        *model =
+            new lte_model{lte::runtime::Network(path, {.device = lte::c_api::device_of(device)})};
       },
       LTE_ERROR_FILE);
 }
@@ -89,21 +107,7 @@ lte_status lte_model_open(const char* path, const lte_model_options* options, lt
 lte_status lte_model_get_info(const lte_model* model, lte_model_info* info) {
   return guarded([&] {
     require(model != nullptr, "model is null");
-    const lte::c_api::Network& network = *model->network;
-    const lte::nn::ModelConfig& config = network.model->config();
-    lte_model_info out = {};
-    out.channels = config.channels;
-    out.parameters = lte::nn::count_parameters(network.model).total;
-    out.query_neighbours = config.query_neighbours;
-    out.scene_points = network.metadata.scene_points;
-    out.scene_points_pruned = network.metadata.scene_points_pruned;
-    out.target = config.target == "total" ? LTE_TARGET_TOTAL : LTE_TARGET_INDIRECT;
-    out.scale = config.scale;
-    out.device = network.device.is_cpu() ? LTE_DEVICE_CPU : network.device.index();
-    out.light_input = config.reads_indirect() ? LTE_LIGHT_TRACED
-                      : config.reads_direct() ? LTE_LIGHT_DIRECT
-                                              : LTE_LIGHT_EMISSION;
-    write_struct(out, info, "lte_model_info");
+    write_struct(info_of(model->network), info, "lte_model_info");
   });
 }
 
@@ -115,8 +119,7 @@ lte_status lte_model_encode(const lte_model* model, const lte_scene_points* poin
   return guarded([&] {
     require(embedding != nullptr, "embedding is null");
     require(model != nullptr, "model is null");
-    const c10::DeviceGuard guard(model->network->device);
-    *embedding = encode(model, points, at::kCPU);
+    *embedding = encode(model, points, c10::kCPU);
   });
 }
 
@@ -126,23 +129,23 @@ lte_status lte_model_encode_cuda(const lte_model* model, const lte_scene_points*
   return guarded([&] {
     require(embedding != nullptr, "embedding is null");
     require(model != nullptr, "model is null");
-    const StreamScope scope(model->network->device, stream);
-    *embedding = encode(model, points, model->network->device);
+    const c10::Device device = model->network.device();
+    const StreamScope scope(device, stream);
+    *embedding = encode(model, points, device);
   });
 }
 
 lte_status lte_embedding_get_info(const lte_embedding* embedding, lte_embedding_info* info) {
   return guarded([&] {
     require(embedding != nullptr, "embedding is null");
-    const c10::DeviceGuard guard(embedding->scene.network().device);
-    write_struct(embedding->scene.info(), info, "lte_embedding_info");
+    write_struct(lte::c_api::info_of(embedding->scene), info, "lte_embedding_info");
   });
 }
 
 lte_status lte_embedding_set_emission_gain(lte_embedding* embedding, const float* rgb) {
   return guarded([&] {
     require(embedding != nullptr, "embedding is null");
-    embedding->scene.set_gain(rgb);
+    lte::c_api::set_gain(&embedding->scene, rgb);
   });
 }
 
@@ -152,8 +155,7 @@ lte_status lte_embedding_decode(const lte_embedding* embedding, const lte_querie
                                 float* irradiance, int64_t irradiance_stride) {
   return guarded([&] {
     require(embedding != nullptr, "embedding is null");
-    const c10::DeviceGuard guard(embedding->scene.network().device);
-    decode(embedding, queries, at::kCPU, irradiance, irradiance_stride);
+    decode(embedding, queries, c10::kCPU, irradiance, irradiance_stride);
   });
 }
 
@@ -161,7 +163,7 @@ lte_status lte_embedding_decode_cuda(const lte_embedding* embedding, const lte_q
                                      void* stream, float* irradiance, int64_t irradiance_stride) {
   return guarded([&] {
     require(embedding != nullptr, "embedding is null");
-    const at::Device device = embedding->scene.network().device;
+    const c10::Device device = embedding->scene.network().device();
     const StreamScope scope(device, stream);
     decode(embedding, queries, device, irradiance, irradiance_stride);
   });

@@ -6,6 +6,10 @@
 
 #include <ATen/ops/from_blob.h>
 #include <ATen/ops/ne.h>
+#include <ATen/ops/ones.h>
+
+#include "lte/nn/model.h"
+#include "lte/runtime/device.h"
 
 namespace lte::c_api {
 namespace {
@@ -24,6 +28,12 @@ void check_span(int64_t count, int64_t stride, const char* name) {
 }
 
 }  // namespace
+
+c10::Device device_of(int32_t number) {
+  if (number == LTE_DEVICE_CPU) return c10::kCPU;
+  require(number >= 0, "device is ", number, ", expected LTE_DEVICE_CPU or a CUDA device's number");
+  return runtime::cuda_device(number);
+}
 
 at::Tensor borrow_output(float* data, int64_t stride, int64_t count, at::Device device,
                          const char* name) {
@@ -46,6 +56,33 @@ at::Tensor borrow_floats(const float* data, int64_t count, at::Device device, co
   check_span(count, kFloat, name);
   return at::from_blob(const_cast<float*>(data), {count},
                        at::TensorOptions(at::kFloat).device(device));
+}
+
+nn::PointSet borrow_points(const lte_scene_points& p, at::Device memory) {
+  const int64_t M = p.count;
+  require(M >= 1, "scene points: count is ", M, ", expected at least 1");
+  require(M < std::numeric_limits<int32_t>::max(), "scene points: count is ", M,
+          ", more than 2^31 - 2");
+  nn::PointSet points;
+  points.position = borrow_triples(p.position, M, memory, "scene points: position");
+  points.normal = borrow_triples(p.normal, M, memory, "scene points: normal");
+  points.albedo = borrow_triples(p.albedo, M, memory, "scene points: albedo");
+  points.emission = borrow_triples(p.emission, M, memory, "scene points: emission");
+  if (p.direct.data != nullptr) {
+    points.direct = borrow_triples(p.direct, M, memory, "scene points: direct");
+  }
+  if (p.indirect.data != nullptr) {
+    points.indirect = borrow_triples(p.indirect, M, memory, "scene points: indirect");
+  }
+  points.area = p.area == nullptr ? at::ones({M}, points.position.options())
+                                  : borrow_floats(p.area, M, memory, "scene points: area");
+  return points;
+}
+
+nn::QuerySet borrow_queries(const lte_queries& q, at::Device memory) {
+  return {borrow_triples(q.position, q.count, memory, "queries: position"),
+          borrow_triples(q.normal, q.count, memory, "queries: normal"),
+          borrow_triples(q.albedo, q.count, memory, "queries: albedo")};
 }
 
 at::Tensor read_mask(const uint8_t* mask, int64_t stride, int64_t count, at::Device device) {

@@ -9,13 +9,18 @@
 
 #include "lte/c_api/error.h"
 
+namespace lte::nn {
+struct PointSet;
+struct QuerySet;
+}  // namespace lte::nn
+
 namespace lte::c_api {
 
-/// Bytes by which a later version's struct may be longer; more is a struct_size that nobody set.
+/// Bytes by which a later version's struct may be longer; more means that struct_size was not set.
 inline constexpr size_t kGrowth = 4096;
 
-/// The caller's struct.
-/// @throws ApiError if it is null, shorter than ours, or longer and used there.
+/// Returns a copy of the caller's struct.
+/// @throws ApiError if it is null, shorter than ours, or longer with anything but zeros at the end.
 template <typename T>
 T read_struct(const T* from, const char* name) {
   require(from != nullptr, name, " is null");
@@ -31,7 +36,7 @@ T read_struct(const T* from, const char* name) {
   return *from;
 }
 
-/// Fills the caller's struct; what a later version has at the end stays as it is.
+/// Fills the caller's struct; fields that a later version has at the end stay as they are.
 template <typename T>
 void write_struct(T values, T* to, const char* name) {
   require(to != nullptr, name, " is null");
@@ -41,8 +46,13 @@ void write_struct(T values, T* to, const char* name) {
   *to = values;
 }
 
+/// @param number  LTE_DEVICE_CPU or a CUDA device's number
+/// @throws ApiError if it is neither, runtime::NoDevice if there is no such device.
+c10::Device device_of(int32_t number);
+
 /// [count, 3] float32 that borrows the view's memory on `device`; do not write to it.
-/// @throws ApiError naming `name` for null, misaligned, a bad stride, or memory of another device.
+/// @throws ApiError naming `name` for null, misaligned, a bad stride, or more than there are
+///         addresses.
 at::Tensor borrow_triples(const lte_float3_view& view, int64_t count, at::Device device,
                           const char* name);
 
@@ -52,6 +62,10 @@ at::Tensor borrow_output(float* data, int64_t stride, int64_t count, at::Device 
 
 /// [count] float32, without gaps.
 at::Tensor borrow_floats(const float* data, int64_t count, at::Device device, const char* name);
+
+/// @param memory  where the arrays are
+nn::PointSet borrow_points(const lte_scene_points& points, at::Device memory);
+nn::QuerySet borrow_queries(const lte_queries& queries, at::Device memory);
 
 /// [count] bool: which entries of a mask are not 0.
 at::Tensor read_mask(const uint8_t* mask, int64_t stride, int64_t count, at::Device device);

@@ -9,11 +9,13 @@
 #include <c10/util/Exception.h>
 
 #include "lte/nn/one_line_errors.h"
+#include "lte/runtime/device.h"
+#include "lte/runtime/refusal.h"
 
 namespace lte::c_api {
 namespace {
 
-/// Fixed, so that running out of memory can be told.
+/// Of fixed size, so that running out of memory can be told.
 thread_local std::array<char, 1024> last_message{};
 
 lte_status keep(lte_status status, std::string_view message) noexcept {
@@ -23,7 +25,7 @@ lte_status keep(lte_status status, std::string_view message) noexcept {
   return status;
 }
 
-/// LibTorch's errors have few types: the words tell.
+/// LibTorch's errors have few types: only their words tell them apart.
 lte_status status_of(std::string_view message) {
   const auto has = [&](const char* words) { return message.find(words) != message.npos; };
   if (has("CUDA out of memory") || has("can't allocate memory") || has("not enough memory")) {
@@ -42,6 +44,10 @@ lte_status record(const std::exception_ptr& error, lte_status of_ours) noexcept 
       std::rethrow_exception(error);
     } catch (const ApiError& e) {
       return keep(e.status(), e.what());
+    } catch (const runtime::SceneTooLarge& e) {
+      return keep(LTE_ERROR_SCENE_TOO_LARGE, concat("scene points: ", e.what()));
+    } catch (const runtime::NoDevice& e) {
+      return keep(LTE_ERROR_NO_CUDA, e.what());
     } catch (const Error& e) {
       return keep(of_ours, e.what());
     } catch (const c10::Error& e) {

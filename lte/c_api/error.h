@@ -1,4 +1,4 @@
-// The boundary: exceptions become status codes and a message of the thread.
+// The boundary of the C interface: exceptions become status codes and a message of the thread.
 #pragma once
 
 #include <exception>
@@ -27,11 +27,11 @@ void require(bool condition, const Args&... args) {
   if (!condition) throw ApiError(LTE_ERROR_INVALID_ARGUMENT, concat(args...));
 }
 
-/// What lte_last_error() returns.
+/// The text that lte_last_error() returns.
 const char* last_error() noexcept;
 
-/// Keeps the message of `error` and tells its status.
-/// @param of_ours  the status of an lte::Error
+/// Keeps the message of `error` for last_error() and returns its status.
+/// @param of_ours  the status of an lte::Error of no special kind
 lte_status record(const std::exception_ptr& error, lte_status of_ours) noexcept;
 
 /// Runs `body` and returns LTE_OK, or what record() makes of its exception.

@@ -7,11 +7,11 @@
 
 namespace lte::c_api {
 
-/// While it lives, operators of this thread run on `stream`, and on `device`.
+/// While it lives, operators of this thread run on `stream` of `device`.
 class StreamScope {
  public:
   /// @param stream  a cudaStream_t of `device`; null is its default stream
-  /// @throws ApiError in builds without CUDA, or if `device` is none of CUDA's.
+  /// @throws ApiError in builds without CUDA, or if `device` is not a GPU.
   StreamScope(c10::Device device, void* stream);
   ~StreamScope();
   StreamScope(const StreamScope&) = delete;

@@ -10,12 +10,12 @@
 #include <CLI/CLI.hpp>
 
 #include "infer/bench/bench.h"
-#include "infer/common/device.h"
 #include "infer/common/synthetic_room.h"
 #include "infer/common/tool_options.h"
 #include "lte/base/file.h"
 #include "lte/base/timer.h"
 #include "lte/cli/cli.h"
+#include "lte/runtime/device.h"
 #include "tests/bench/eager_network.h"
 
 namespace lte::bench {
@@ -110,7 +110,7 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"fp32", "bf16"}));
   return lte::run_tool(app, argc, argv, [&] {
     lte::apply_common_options(common);
-    lte::infer::set_torch_threads(common.threads);
+    lte::runtime::set_torch_threads(common.threads);
     const auto rows = lte::bench::run(options);
     std::fputs(lte::infer::bench_table(rows).c_str(), stdout);
     if (!common.json.empty()) lte::write_file(common.json, lte::infer::bench_json(rows));

@@ -22,7 +22,7 @@ using test::box_scene;
 using test::c_points;
 using test::c_queries;
 
-/// Of the C++ model, from the same file.
+/// What the C++ model from the same file answers.
 at::Tensor expected(const nn::PointSet& points, const nn::QuerySet& queries) {
   const at::NoGradGuard no_grad;
   nn::LightTransportModel model = nn::load_model(test::tiny_model_file());
@@ -71,7 +71,7 @@ TEST(CApi, AnswersAreTheCppNetworks) {
 
 TEST(CApi, AModelThatReadsLightSaysSoAndIsGivenIt) {
   nn::ModelConfig config = test::tiny_config();
-  config.light_input = "traced";
+  config.light_input = nn::LightInput::Traced;
   nn::LightTransportModel model(config);
   test::randomize(*model, 5);
   model->eval();
@@ -161,13 +161,15 @@ TEST(CApi, MaskedQueriesAreNeitherReadNorAnsweredOtherThanZero) {
   }
   q.flags = 0;
   const std::vector<uint8_t> none(90, 0);
-  q.mask = none.data(), q.mask_stride = 1;
+  q.mask = none.data();
+  q.mask_stride = 1;
   EXPECT_TRUE(at::equal(test::decode(embedding.handle, q), at::zeros({90, 3})));
   q.mask = nullptr;
   float out[3 * 90];
   EXPECT_EQ(lte_embedding_decode(embedding.handle, &q, out, 0), LTE_ERROR_INVALID_ARGUMENT);
   queries.albedo[4][1] = 20;  // seen by the mask: named by its own row
-  q.mask = bytes.const_data_ptr<uint8_t>(), q.mask_stride = 2;
+  q.mask = bytes.const_data_ptr<uint8_t>();
+  q.mask_stride = 2;
   EXPECT_EQ(lte_embedding_decode(embedding.handle, &q, out, 0), LTE_ERROR_INVALID_ARGUMENT);
   EXPECT_NE(std::string(lte_last_error()).find("albedo of row 4"), std::string::npos);
 }

@@ -1,4 +1,4 @@
-// The C program's picture against the C++ predictor at the same points, and its room.
+// The C program's picture against the C++ library at the same points, and its room.
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "infer/common/predictor.h"
+#include "lte/runtime/embedding.h"
 
 #include "examples/c/room.h"
 
@@ -44,37 +44,40 @@ std::vector<Rgb> read_pfm(const fs::path& path) {
   return out;
 }
 
-/// Of the C++ predictor, at the room's points; zero on the lamp.
+/// What the C++ library answers at the room's points; zero on the lamp.
 std::vector<Rgb> predicted() {
-  infer::Predictor predictor = infer::Predictor::load(kModel, infer::Device::Cpu);
-  const auto M = static_cast<size_t>(predictor.scene_points());
+  const runtime::Network network(kModel);
+  const auto M = static_cast<size_t>(network.metadata().scene_points);
   std::vector<Surfel> surfels(M);
   room_sample(surfels.data(), M, 1);
   std::vector<Vec3> position, normal;
   std::vector<Rgb> albedo, emission;
   for (const Surfel& s : surfels) {
-    position.push_back(vec(s.position)), normal.push_back(vec(s.normal));
-    albedo.push_back(vec(s.albedo)), emission.push_back(vec(s.emission));
+    position.push_back(vec(s.position));
+    normal.push_back(vec(s.normal));
+    albedo.push_back(vec(s.albedo));
+    emission.push_back(vec(s.emission));
   }
   const std::vector<float> area(M, 1.0f);
-  predictor.embed({position, normal, albedo, emission, area});
+  const runtime::SceneEmbedding embedding(network, {position, normal, albedo, emission, area});
 
   std::vector<Pixel> pixels(kPixels);
   room_gbuffer(pixels.data(), kWidth, kHeight);
   std::vector<Vec3> at, facing;
   std::vector<Rgb> color;
   for (const Pixel& p : pixels) {
-    at.push_back(vec(p.hit.position)), facing.push_back(vec(p.hit.normal));
+    at.push_back(vec(p.hit.position));
+    facing.push_back(vec(p.hit.normal));
     color.push_back(vec(p.hit.albedo));
   }
-  std::vector<Rgb> out = predictor.predict({at, facing, color});
+  std::vector<Rgb> out = embedding.decode({at, facing, color});
   for (size_t i = 0; i < kPixels; ++i) {
     if (pixels[i].reflects == 0) out[i] = {};
   }
   return out;
 }
 
-TEST(CExample, ItsPictureIsTheCppPredictors) {
+TEST(CExample, ItsPictureIsTheCppLibrarys) {
   const fs::path stem =
       fs::temp_directory_path() / ("lte_render_room_" + std::to_string(::getpid()));
   const std::string ppm = stem.string() + ".ppm", pfm = stem.string() + ".pfm";
@@ -92,7 +95,8 @@ TEST(CExample, ItsPictureIsTheCppPredictors) {
   }
   EXPECT_GT(largest, 0.1f);
   EXPECT_LE(difference, 1e-6f * largest);
-  fs::remove(ppm), fs::remove(pfm);
+  fs::remove(ppm);
+  fs::remove(pfm);
   EXPECT_NE(
       std::system((std::string(LTE_RENDER_ROOM) + " README.md " + ppm + " 2>/dev/null").c_str()),
       0);

@@ -51,7 +51,10 @@ lte_scene_points c_points(const nn::PointSet& points, bool light) {
   out.albedo = view(points.albedo);
   out.emission = view(points.emission);
   out.area = points.area.const_data_ptr<float>();
-  if (light) out.direct = view(points.direct), out.indirect = view(points.indirect);
+  if (light) {
+    out.direct = view(points.direct);
+    out.indirect = view(points.indirect);
+  }
   return out;
 }
 

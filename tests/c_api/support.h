@@ -39,7 +39,7 @@ lte_float3_view view(const at::Tensor& triples);
 lte_scene_points c_points(const nn::PointSet& points, bool light = false);
 lte_queries c_queries(const nn::QuerySet& queries);
 
-/// [N, 3], of lte_embedding_decode(), which must succeed.
+/// The answers of lte_embedding_decode(), [N, 3]; it must succeed.
 at::Tensor decode(const lte_embedding* embedding, const lte_queries& queries);
 
 }  // namespace lte::test

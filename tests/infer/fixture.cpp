@@ -1,10 +1,6 @@
 #include "tests/infer/fixture.h"
 
-#include <algorithm>
-#include <atomic>
-
 #include <ATen/Context.h>
-#include <unistd.h>
 
 #include "lte/base/random.h"
 #include "lte/nn/model.h"
@@ -44,7 +40,8 @@ void random_surface(Rng* rng, size_t count, std::vector<Vec3>* position,
 
 data::View random_view(Rng* rng, int64_t groups) {
   data::View view;
-  view.width = kViewWidth, view.height = kViewHeight;
+  view.width = kViewWidth;
+  view.height = kViewHeight;
   const size_t pixels = size_t{kViewWidth} * kViewHeight;
   random_surface(rng, pixels, &view.position, &view.normal);
   view.albedo = random_vecs(rng, pixels, 0.1f, 0.9f);
@@ -65,26 +62,6 @@ data::View random_view(Rng* rng, int64_t groups) {
 
 }  // namespace
 
-ScratchFolder::ScratchFolder() {
-  static std::atomic<int> count{0};
-  path_ = fs::temp_directory_path() /
-          ("lte_infer_" + std::to_string(::getpid()) + "_" + std::to_string(count++));
-  fs::create_directories(path_);
-}
-
-ScratchFolder::~ScratchFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
-
-std::vector<std::string> ScratchFolder::names() const {
-  std::vector<std::string> out;
-  for (const auto& entry : fs::directory_iterator(path_))
-    out.push_back(entry.path().filename().string());
-  std::sort(out.begin(), out.end());
-  return out;
-}
-
 void save_tiny_model(const fs::path& path, const TinyModel& tiny) {
   nn::ModelConfig config;
   config.channels = tiny.channels;
@@ -94,7 +71,7 @@ void save_tiny_model(const fs::path& path, const TinyModel& tiny) {
   config.decoder_depths = {1, 1, 1, 1};
   config.decoder_widths = {1, 1, 1, 1};
   config.patch_size = 64;
-  config.stem = "conv3";
+  config.stem = nn::Stem::Conv3;
   config.query_neighbours = 8;
   config.query_layers = 2;
   config.gamma_hidden = 16;
@@ -131,7 +108,8 @@ data::SceneSample random_sample(const std::string& name, uint64_t seed) {
   sample.name = name;
   sample.seed = seed;
   sample.light_groups = 2;
-  sample.bounds_low = {0, 0, 0}, sample.bounds_high = {1, 1, 1};
+  sample.bounds_low = {0, 0, 0};
+  sample.bounds_high = {1, 1, 1};
   random_surface(&rng, kScenePoints, &sample.scene_position, &sample.scene_normal);
   sample.scene_albedo = random_vecs(&rng, kScenePoints, 0.1f, 0.9f);
   sample.scene_emission.assign(kScenePoints, {});
@@ -163,8 +141,12 @@ void write_random_dataset(const fs::path& folder, double scale, bool with_test) 
     data::write_scene_sample(data::scene_path(folder, name), sample);
     info.scenes.push_back({name, split, seed++, sample.scene_points(), sample.query_points()});
   };
-  add("train0", data::Split::Train), add("train1", data::Split::Train);
-  if (with_test) add("test0", data::Split::Test), add("test1", data::Split::Test);
+  add("train0", data::Split::Train);
+  add("train1", data::Split::Train);
+  if (with_test) {
+    add("test0", data::Split::Test);
+    add("test1", data::Split::Test);
+  }
   data::write_dataset_info(folder, info);
 }
 

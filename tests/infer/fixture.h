@@ -1,4 +1,4 @@
-// A small untrained model, a scratch folder and a made-up baked data set for the tests of infer.
+// A small untrained model and a made-up baked data set for the tests of infer.
 #pragma once
 
 #include <cstdint>
@@ -8,38 +8,23 @@
 
 #include "lte/data/dataset.h"
 #include "lte/data/scene_sample.h"
+#include "lte/nn/config.h"
 #include "lte/scene/scene.h"
+#include "tests/support/temp_dir.h"
 
 namespace lte::test {
 
-/// A folder of its own, removed at the end.
-class ScratchFolder {
- public:
-  ScratchFolder();
-  ~ScratchFolder();
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  const std::filesystem::path& path() const { return path_; }
-  /// Names of the entries, sorted.
-  std::vector<std::string> names() const;
-
- private:
-  std::filesystem::path path_;
-};
-
 struct TinyModel {
   int64_t channels = 32;
-  std::string target = "indirect";
+  nn::Target target = nn::Target::Indirect;
   double scale = 16;
   int64_t scene_points = 300;
   bool pruned = false;
-  std::string light_input = "emission";
+  nn::LightInput light_input = nn::LightInput::Emission;
   uint64_t seed = 1;
 };
 
-/// Random weights; saved as the trainer saves.
+/// Saves a model of random weights as the trainer does.
 void save_tiny_model(const std::filesystem::path& path, const TinyModel& tiny = {});
 
 /// A floor [−2, 2]² at y = 0 with albedo 0.5, under a black 1 m² light at y = 2 of radiance (5, 4,

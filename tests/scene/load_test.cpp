@@ -5,8 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "lte/scene/triangle.h"
-#include "tests/scene/gltf/gltf_builder.h"
-#include "tests/support/temp_dir.h"
+#include "tests/scene/gltf/fixture.h"
 
 namespace lte::scene {
 namespace {
@@ -18,15 +17,7 @@ using ::testing::HasSubstr;
 
 using Triangle = std::array<uint32_t, 3>;
 
-class Load : public ::testing::Test {
- protected:
-  Scene load(GltfBuilder& builder) {
-    builder.save_embedded(dir_ / "scene.gltf");
-    return load_scene(dir_ / "scene.gltf");
-  }
-
-  test::TempDir dir_;
-};
+using Load = test::GltfTest;
 
 void expect_unit_triangle(const Scene& scene) {
   ASSERT_EQ(scene.meshes.size(), 1u);
@@ -42,7 +33,7 @@ TEST_F(Load, ReadsEveryContainer) {
   EXPECT_EQ(load(builder).name, "scene");
   builder.save_external(dir_ / "scene.gltf", "the data.bin", "the%20data.bin");
   expect_unit_triangle(load_scene(dir_ / "scene.gltf"));
-  test::write_text(dir_ / "scene.gltf", "\xEF\xBB\xBF" + builder.json.dump());  // a byte order mark
+  write_file(dir_ / "scene.gltf", "\xEF\xBB\xBF" + builder.json.dump());  // a byte order mark
   expect_unit_triangle(load_scene(dir_ / "scene.gltf"));
   builder.save_glb(dir_ / "scene.glb");
   expect_unit_triangle(load_scene(dir_ / "scene.glb"));
@@ -100,7 +91,9 @@ TEST_F(Load, AssemblesStripsAndFans) {
 TEST_F(Load, LeavesOutPointsAndLinesWithANote) {
   GltfBuilder builder;
   Json triangle = builder.triangle(), points = triangle, lines = triangle, loop = triangle;
-  points["mode"] = 0, lines["mode"] = 1, loop["mode"] = 2;
+  points["mode"] = 0;
+  lines["mode"] = 1;
+  loop["mode"] = 2;
   builder.json["meshes"] = {{{"primitives", {points, triangle, lines, loop}}}};
   builder.json["nodes"] = {{{"mesh", 0}}};
   const Scene scene = load(builder);

@@ -27,7 +27,7 @@ RunData open_run_data(const TrainConfig& config) {
             "e.g. --set "
             "data.root=data/rooms");
   const std::filesystem::path root = config.data.root;
-  const bool skip = config.data.on_bad_scene == "skip";
+  const bool skip = config.data.on_bad_scene == BadScene::Skip;
   const data::DatasetInfo info = data::read_dataset_info(
       root, skip ? data::MissingScenes::Allow : data::MissingScenes::Refuse);
   LTE_CHECK(!config.has_scale || config.model.scale == info.scale,

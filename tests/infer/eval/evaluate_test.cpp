@@ -93,15 +93,15 @@ class Evaluation : public testing::Test {
     test::save_tiny_model(folder_ / "tiny.safetensors");
     settings_.data = folder_ / "data";
   }
-  Predictor predictor() const { return Predictor::load(folder_ / "tiny.safetensors", Device::Cpu); }
+  runtime::Network predictor() const { return runtime::Network(folder_ / "tiny.safetensors"); }
 
-  test::ScratchFolder folder_;
+  test::TempDir folder_;
   EvalSettings settings_;
 };
 
 TEST_F(Evaluation, WritesTheStructureThatOtherProgramsRead) {
-  Predictor model = predictor();
-  const EvalResult result = evaluate(settings_, &model, fit_baselines(settings_.data));
+  const runtime::Network model = predictor();
+  const EvalResult result = evaluate(settings_, model, fit_baselines(settings_.data));
   const nlohmann::json json = nlohmann::json::parse(eval_json(result, "model", "data"));
   EXPECT_EQ(json.at("split"), "test");
   EXPECT_EQ(json.at("scenes"), 2);
@@ -124,8 +124,8 @@ TEST_F(Evaluation, WritesTheStructureThatOtherProgramsRead) {
 }
 
 TEST_F(Evaluation, ComparesIndirectIrradianceOverTheEmissionScalar) {
-  Predictor model = predictor();
-  const EvalResult result = evaluate(settings_, &model, fit_baselines(settings_.data));
+  const runtime::Network model = predictor();
+  const EvalResult result = evaluate(settings_, model, fit_baselines(settings_.data));
   const data::SceneSample sample =
       data::read_scene_sample(data::scene_path(settings_.data, "test0"));
   const size_t N = sample.query_position.size();
@@ -142,9 +142,9 @@ TEST_F(Evaluation, ComparesIndirectIrradianceOverTheEmissionScalar) {
 }
 
 TEST_F(Evaluation, GivesIntervalsAndSamplesAroundItsFigures) {
-  Predictor model = predictor();
+  const runtime::Network model = predictor();
   settings_.bootstrap.resamples = 200;
-  const EvalResult result = evaluate(settings_, &model, fit_baselines(settings_.data));
+  const EvalResult result = evaluate(settings_, model, fit_baselines(settings_.data));
   const nlohmann::json json = nlohmann::json::parse(eval_json(result, "model", "data"));
   EXPECT_EQ(json.at("confidence").at("resamples"), 200);
   const nlohmann::json& bounds =
@@ -177,15 +177,15 @@ TEST_F(Evaluation, GivesIntervalsAndSamplesAroundItsFigures) {
 TEST_F(Evaluation, ScoresViewsThatWereTracedWithFewPaths) {
   const std::filesystem::path path = data::scene_path(settings_.data, "test1");
   data::SceneSample sample = data::read_scene_sample(path);
-  Predictor model = predictor();
+  const runtime::Network model = predictor();
   const auto score = [&](const char* row, size_t scene) {
-    const EvalResult result = evaluate(settings_, &model, fit_baselines(settings_.data));
+    const EvalResult result = evaluate(settings_, model, fit_baselines(settings_.data));
     return *find_score(result.scenes[scene].scores, row);
   };
   const Score derived = score("path_tracing_4", 1);
   // Pictures that are off by 1, 2 and 3 times the emission scalar.
   const auto radiance = static_cast<float>(
-      evaluate(settings_, &model, fit_baselines(settings_.data)).scenes[1].radiance);
+      evaluate(settings_, model, fit_baselines(settings_.data)).scenes[1].radiance);
   for (data::View& view : sample.views) {
     const size_t pixels = view.mask.size();
     for (size_t i = 0; i < data::kFewPaths.size(); ++i) {
@@ -197,7 +197,7 @@ TEST_F(Evaluation, ScoresViewsThatWereTracedWithFewPaths) {
     }
   }
   data::write_scene_sample(path, sample);
-  const EvalResult result = evaluate(settings_, &model, fit_baselines(settings_.data));
+  const EvalResult result = evaluate(settings_, model, fit_baselines(settings_.data));
   double previous = 1;
   for (size_t i = 0; i < data::kFewPaths.size(); ++i) {
     const std::string row = concat("path_tracing_", data::kFewPaths[i]);
@@ -218,7 +218,7 @@ TEST_F(Evaluation, ScoresViewsThatWereTracedWithFewPaths) {
 }
 
 TEST_F(Evaluation, PutsTheViewsOfASceneOnOneSheetAndAllOfItOnOnePage) {
-  Predictor model = predictor();
+  const runtime::Network model = predictor();
   int views = 0;
   ContactSheets sheets(folder_.path());
   settings_.on_view = [&](const ViewPicture& picture) {
@@ -227,7 +227,7 @@ TEST_F(Evaluation, PutsTheViewsOfASceneOnOneSheetAndAllOfItOnOnePage) {
     EXPECT_EQ(picture.reference.size(), picture.path_traced.size());
     sheets.add(picture);
   };
-  const EvalResult result = evaluate(settings_, &model, fit_baselines(settings_.data));
+  const EvalResult result = evaluate(settings_, model, fit_baselines(settings_.data));
   EXPECT_EQ(views, 4);
   EXPECT_THAT(sheets.scenes(), testing::ElementsAre("test0", "test1"));
   const image::Image sheet = image::read_png(folder_ / "test1.png");
@@ -251,11 +251,11 @@ TEST_F(Evaluation, PutsTheViewsOfASceneOnOneSheetAndAllOfItOnOnePage) {
 }
 
 TEST_F(Evaluation, RefusesAnotherScaleAndAnEmptySplit) {
-  Predictor model = predictor();
+  const runtime::Network model = predictor();
   const Baselines baselines = fit_baselines(settings_.data);
   const auto message = [&] {
     try {
-      evaluate(settings_, &model, baselines);
+      evaluate(settings_, model, baselines);
     } catch (const Error& error) {
       return std::string(error.what());
     }
@@ -272,11 +272,11 @@ TEST_F(Evaluation, RefusesAnotherScaleAndAnEmptySplit) {
 
 TEST_F(Evaluation, RefusesDataWithoutTheLightThatTheModelReads) {
   test::TinyModel tiny;
-  tiny.light_input = "traced";
+  tiny.light_input = nn::LightInput::Traced;
   test::save_tiny_model(folder_ / "traced.safetensors", tiny);
-  Predictor model = Predictor::load(folder_ / "traced.safetensors", Device::Cpu);
+  const runtime::Network model(folder_ / "traced.safetensors");
   try {
-    evaluate(settings_, &model, fit_baselines(settings_.data));
+    evaluate(settings_, model, fit_baselines(settings_.data));
     ADD_FAILURE() << "took data without light on scene points";
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("test0: has no scene_direct"));

@@ -42,7 +42,7 @@ void write_recorded_homes(const std::filesystem::path& folder) {
 }
 
 TEST(ReleasedModel, HasTheErrorThatWasMeasured) {
-  const test::ScratchFolder folder;
+  const test::TempDir folder;
   write_recorded_homes(folder / "homes");
   const std::string command = concat(
       "'", LTE_BINARY_DIR, "/bin/lte_eval' --quiet --split test --threads 2 --data '",

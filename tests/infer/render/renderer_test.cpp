@@ -11,6 +11,7 @@
 #include "infer/common/lit_samples.h"
 #include "lte/base/check.h"
 #include "lte/pathtrace/auto_camera.h"
+#include "lte/pathtrace/irradiance.h"
 #include "lte/pathtrace/render.h"
 #include "tests/infer/fixture.h"
 #include "tests/support/closed_forms.h"
@@ -28,14 +29,15 @@ RenderSettings settings(Output output, Mode mode = Mode::Neural) {
   RenderSettings out;
   out.output = output;
   out.mode = mode;
-  out.width = 24, out.height = 16;
+  out.width = 24;
+  out.height = 16;
   return out;
 }
 
-Predictor tiny_predictor(const test::TinyModel& tiny = {}) {
-  const test::ScratchFolder folder;
+runtime::Network tiny_network(const test::TinyModel& tiny = {}) {
+  const test::TempDir folder;
   test::save_tiny_model(folder / "tiny.safetensors", tiny);
-  return Predictor::load(folder / "tiny.safetensors", Device::Cpu);
+  return runtime::Network(folder / "tiny.safetensors");
 }
 
 /// A renderer of `scene` that carries an embedding.
@@ -43,7 +45,7 @@ struct Embedded {
   explicit Embedded(scene::Scene made, const test::TinyModel& tiny = {},
                     const EmbedSettings& embed = {})
       : scene(std::move(made)), renderer(scene) {
-    renderer.embed(tiny_predictor(tiny), embed);
+    renderer.embed(tiny_network(tiny), embed);
   }
   scene::Scene scene;
   Renderer renderer;
@@ -91,7 +93,8 @@ TEST(Renderer, DirectLightOfAQuadAgreesWithTheClosedForm) {
     const float irradiance = expected[i / 3] * kLitFloorRadiance[static_cast<int>(i % 3)];
     EXPECT_NEAR(frame.direct.pixels[i], irradiance, 0.1f * irradiance);  // noise of one pixel
     EXPECT_NEAR(frame.color.pixels[i], 0.5f / kPi * frame.direct.pixels[i], 1e-5f * irradiance);
-    sum += frame.direct.pixels[i], wanted_sum += irradiance;
+    sum += frame.direct.pixels[i];
+    wanted_sum += irradiance;
   }
   EXPECT_NEAR(sum, wanted_sum, 0.005 * wanted_sum);
 }
@@ -161,7 +164,7 @@ TEST(Renderer, BackgroundAndPureEmittersAreNotDecoded) {
 
 TEST(Renderer, ATotalModelGivesIndirectLightBySubtraction) {
   test::TinyModel tiny;
-  tiny.target = "total";
+  tiny.target = nn::Target::Total;
   Embedded room(test::furnished_room(), tiny);
   const scene::Camera camera = pathtrace::auto_camera(room.renderer.bvh());
   const Frame full = room.renderer.render(camera, settings(Output::Full));
@@ -189,12 +192,13 @@ TEST(Renderer, RescaleShowsTheNetworkTheSceneThatItKnows) {
   Embedded shrunk(large, tiny, embed), small(test::furnished_room(), tiny, embed);
   scene::Camera camera = pathtrace::auto_camera(small.renderer.bvh());
   const Frame expected = small.renderer.render(camera, settings(Output::Irradiance));
-  camera.origin *= 10, camera.target *= 10;
+  camera.origin *= 10;
+  camera.target *= 10;
   const Frame frame = shrunk.renderer.render(camera, settings(Output::Irradiance));
   double error = 0, power = 0;
   for (size_t i = 0; i < frame.color.pixels.size(); ++i) {
-    error += std::abs(frame.color.pixels[i] - expected.color.pixels[i]),
-        power += expected.color.pixels[i];
+    error += std::abs(frame.color.pixels[i] - expected.color.pixels[i]);
+    power += expected.color.pixels[i];
   }
   EXPECT_GT(power, 0);
   EXPECT_LT(error, 0.02 * power);
@@ -223,18 +227,41 @@ TEST(Renderer, PrunesScenePointsAsInTrainingUnlessToldOtherwise) {
   }
 }
 
+/// Irradiance of a frame's queries by an embedding of the same scene points under this light.
+std::vector<Rgb> answers(const Embedded& embedded, const runtime::Network& network,
+                         const LitSamples& lit, const scene::Camera& camera) {
+  const pathtrace::GBuffer hits = pathtrace::trace_gbuffer(embedded.renderer.bvh(), camera, 24, 16);
+  return runtime::SceneEmbedding(network, lit.points())
+      .decode({hits.position, hits.normal, hits.albedo});
+}
+
 TEST(Renderer, GivesModelsTheLightThatTheyRead) {
-  const scene::Scene scene = lit_floor();
-  for (const std::string input : {"emission", "direct", "traced"}) {
+  for (const auto input :
+       {nn::LightInput::Emission, nn::LightInput::Direct, nn::LightInput::Traced}) {
     test::TinyModel tiny;
     tiny.light_input = input;
-    Embedded embedded(scene, tiny, {});
-    const Frame frame =
-        embedded.renderer.render(test::downward_camera(), settings(Output::Irradiance));
-    // Under a black light nothing bounces: who reads the estimates knows, the others guess.
-    const float brightest = *std::max_element(frame.color.pixels.begin(), frame.color.pixels.end());
-    EXPECT_EQ(brightest > 0, input != "traced") << input;
-    EXPECT_EQ(embedded.renderer.seconds().light > 1e-5, input != "emission") << input;
+    Embedded room(test::furnished_room(), tiny);
+    const scene::Camera camera = pathtrace::auto_camera(room.renderer.bvh());
+    const Frame frame = room.renderer.render(camera, settings(Output::Irradiance));
+    const runtime::Network network = tiny_network(tiny);
+    const LitSamples lit =
+        light_up(room.renderer.bvh(), room.renderer.lights(),
+                 sample_scene_points(room.renderer.bvh(), tiny.scene_points, /*prune=*/false,
+                                     /*seed=*/0, nullptr),
+                 network.light_request(), 0);
+    EXPECT_EQ(lit.direct.empty(), input == nn::LightInput::Emission);
+    EXPECT_EQ(lit.indirect.empty(), input != nn::LightInput::Traced);
+    const std::vector<Rgb> expected = answers(room, network, lit, camera);
+    double sum = 0, difference = 0;
+    for (int y = 0; y < 16; ++y) {
+      for (int x = 0; x < 24; ++x) {
+        const Rgb& e = expected[static_cast<size_t>(y) * 24 + static_cast<size_t>(x)];
+        sum += luminance(e);
+        difference += std::abs(luminance(frame.indirect.rgb(x, y) - e));
+      }
+    }
+    EXPECT_GT(sum, 0) << enum_name(input);
+    EXPECT_LT(difference, 1e-5 * sum) << enum_name(input) << ": not the light of these estimates";
   }
 }
 
@@ -244,9 +271,9 @@ TEST(LitSamples, HoldTheIrradianceOfTheClosedForm) {
   const pathtrace::Lights lights(scene);
   const scene::SurfaceSamples surface =
       sample_scene_points(bvh, 2000, /*prune=*/false, /*seed=*/1, nullptr);
-  EXPECT_TRUE(light_up(bvh, lights, surface, 0, 1).direct.empty());
-  EXPECT_TRUE(light_up(bvh, lights, surface, 1, 1).indirect.empty());
-  const LitSamples lit = light_up(bvh, lights, surface, 5, 1);
+  EXPECT_TRUE(light_up(bvh, lights, surface, {0, 0}, 1).direct.empty());
+  EXPECT_TRUE(light_up(bvh, lights, surface, {1, 32}, 1).indirect.empty());
+  const LitSamples lit = light_up(bvh, lights, surface, {5, 32}, 1);
   ASSERT_EQ(lit.direct.size(), surface.position.size());
   ASSERT_EQ(lit.indirect.size(), surface.position.size());
   double traced = 0, expected = 0;
@@ -258,6 +285,34 @@ TEST(LitSamples, HoldTheIrradianceOfTheClosedForm) {
     EXPECT_EQ(lit.indirect[i], Rgb{}) << "the light is black";
   }
   EXPECT_NEAR(traced, expected, 0.02 * expected);
+}
+
+TEST(LitSamples, HoldTheIrradianceOfManyPathsWhereSurfacesReflect) {
+  const scene::Scene scene = test::furnished_room();
+  const pathtrace::Bvh bvh(scene);
+  const pathtrace::Lights lights(scene);
+  const scene::SurfaceSamples surface =
+      sample_scene_points(bvh, 2000, /*prune=*/false, /*seed=*/1, nullptr);
+  const LitSamples lit = light_up(bvh, lights, surface, {5, 32}, 1);
+  pathtrace::IrradianceOptions many;
+  many.rays = 512;
+  const pathtrace::Irradiance front =
+      pathtrace::estimate_irradiance(bvh, lights, surface.position, surface.normal, many);
+  double direct = 0, indirect = 0, front_direct = 0, front_indirect = 0;
+  for (size_t i = 0; i < lit.direct.size(); ++i) {
+    if (max_component(surface.emission[i]) > 0) {
+      EXPECT_EQ(lit.indirect[i], Rgb{}) << "luminaires count as dark";
+      continue;
+    }
+    direct += luminance(lit.direct[i]);
+    indirect += luminance(lit.indirect[i]);
+    front_direct += luminance(front.direct_sum(static_cast<int64_t>(i)));
+    front_indirect += luminance(front.indirect_sum(static_cast<int64_t>(i)));
+  }
+  // Walls and furniture are closed: their other side is dark.
+  EXPECT_NEAR(direct, front_direct, 0.01 * front_direct);
+  EXPECT_NEAR(indirect, front_indirect, 0.02 * front_indirect);
+  EXPECT_GT(indirect, 0.1 * direct);
 }
 
 TEST(Renderer, WithoutLightAllLightIsBlackAndNoModelIsNeeded) {
@@ -286,61 +341,6 @@ TEST(Renderer, RefusesWhatItCannotDo) {
   EXPECT_THROW(renderer.render(downward_camera(), settings(Output::Full)), Error) << "no model";
   EXPECT_THROW(parse_output("fulll"), Error);
   EXPECT_THROW(parse_mode("path"), Error);
-}
-
-TEST(Predictor, DoesNotDependOnTheChunk) {
-  Predictor predictor = tiny_predictor();
-  const data::SceneSample sample = test::random_sample("a", 3);
-  predictor.embed({sample.scene_position, sample.scene_normal, sample.scene_albedo,
-                   sample.scene_emission, sample.scene_area});
-  const QueryPoints queries{sample.query_position, sample.query_normal, sample.query_albedo};
-  const std::vector<Rgb> whole = predictor.predict(queries);
-  ASSERT_EQ(whole.size(), sample.query_position.size());
-  for (const int64_t chunk : {37, 199, 200}) {
-    const std::vector<Rgb> parts = predictor.predict(queries, chunk);
-    for (size_t i = 0; i < whole.size(); ++i) {
-      for (int c = 0; c < 3; ++c)
-        EXPECT_NEAR(parts[i][c], whole[i][c], 1e-4f * std::abs(whole[i][c]) + 1e-6f);
-    }
-  }
-}
-
-TEST(Predictor, IsLinearInEmission) {
-  Predictor predictor = tiny_predictor();
-  const data::SceneSample sample = test::random_sample("a", 3);
-  std::vector<Rgb> brighter = sample.scene_emission;
-  for (Rgb& emission : brighter) emission *= 64;
-  const QueryPoints queries{sample.query_position, sample.query_normal, sample.query_albedo};
-  predictor.embed({sample.scene_position, sample.scene_normal, sample.scene_albedo,
-                   sample.scene_emission, sample.scene_area});
-  const std::vector<Rgb> before = predictor.predict(queries);
-  predictor.embed({sample.scene_position, sample.scene_normal, sample.scene_albedo, brighter,
-                   sample.scene_area});
-  const std::vector<Rgb> after = predictor.predict(queries);
-  for (size_t i = 0; i < before.size(); ++i)
-    EXPECT_NEAR(after[i].x, 64 * before[i].x, 1e-3f * after[i].x);
-}
-
-TEST(Predictor, RefusesWhatItCannotDo) {
-  Predictor predictor = tiny_predictor();
-  const data::SceneSample sample = test::random_sample("a", 3);
-  const QueryPoints queries{sample.query_position, sample.query_normal, sample.query_albedo};
-  EXPECT_THROW(predictor.predict(queries), Error) << "nothing embedded";
-  EXPECT_THROW(predictor.embed({sample.scene_position, sample.scene_normal, sample.scene_albedo,
-                                sample.scene_emission, std::span(sample.scene_area).first(3)}),
-               Error);
-  std::vector<Vec3> broken = sample.scene_position;
-  broken[17].y = NAN;
-  try {
-    predictor.embed({broken, sample.scene_normal, sample.scene_albedo, sample.scene_emission,
-                     sample.scene_area});
-    FAIL() << "a position that is not finite went in";
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("17"));
-    EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr("\n")));
-  }
-  const test::ScratchFolder folder;
-  EXPECT_THROW(Predictor::load(folder / "none.safetensors", Device::Cpu), Error);
 }
 
 }  // namespace

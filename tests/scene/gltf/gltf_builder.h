@@ -5,19 +5,16 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "lte/base/file.h"
+
 namespace lte::test {
 
 using Json = nlohmann::json;
-
-inline void write_text(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream(path, std::ios::binary) << text;
-}
 
 inline std::string base64(const std::string& bytes) {
   static const char* const kAlphabet =
@@ -92,14 +89,14 @@ struct GltfBuilder {
   void save_embedded(const std::filesystem::path& path) {
     json["buffers"] = {{{"byteLength", bytes.size()},
                         {"uri", "data:application/octet-stream;base64," + base64(bytes)}}};
-    write_text(path, json.dump());
+    write_file(path, json.dump());
   }
 
   void save_external(const std::filesystem::path& path, const std::string& name,
                      const std::string& uri) {
     json["buffers"] = {{{"byteLength", bytes.size()}, {"uri", uri}}};
-    write_text(path.parent_path() / name, bytes);
-    write_text(path, json.dump());
+    write_file(path.parent_path() / name, bytes);
+    write_file(path, json.dump());
   }
 
   std::string glb() {
@@ -117,7 +114,7 @@ struct GltfBuilder {
            text + word(binary.size()) + std::string("BIN\0", 4) + binary;
   }
 
-  void save_glb(const std::filesystem::path& path) { write_text(path, glb()); }
+  void save_glb(const std::filesystem::path& path) { write_file(path, glb()); }
 };
 
 }  // namespace lte::test

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "lte/base/check.h"
 #include "lte/scene/load.h"
 #include "tests/scene/gltf/gltf_builder.h"
 #include "tests/support/temp_dir.h"
@@ -16,6 +17,7 @@ namespace {
 using test::GltfBuilder;
 using test::Json;
 using ::testing::AllOf;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
 class LoadError : public ::testing::Test {
@@ -79,25 +81,41 @@ TEST_F(LoadError, StartsFromAValidScene) {
 TEST_F(LoadError, FilesThatAreNoScene) {
   EXPECT_THAT(error("none.glb"), HasSubstr("none.glb: no such file"));
   EXPECT_THAT(test::error_of([&] { load_scene(dir_.path()); }), HasSubstr("is a directory"));
-  test::write_text(dir_ / "empty.glb", "");
+  write_file(dir_ / "empty.glb", "");
   EXPECT_THAT(error("empty.glb"), HasSubstr("empty"));
-  test::write_text(dir_ / "noise.glb", "\x01\x02garbage");
+  write_file(dir_ / "noise.glb", "\x01\x02garbage");
   EXPECT_THAT(error("noise.glb"), HasSubstr("not a glTF file"));
-  test::write_text(dir_ / "cut.gltf", R"({"asset":{"version":)");
+  write_file(dir_ / "cut.gltf", R"({"asset":{"version":)");
   EXPECT_THAT(error("cut.gltf"), AllOf(HasSubstr("cut.gltf: not valid JSON"), HasSubstr("line 1")));
-  test::write_text(dir_ / "other.gltf", R"({"hello":1})");
+  write_file(dir_ / "other.gltf", R"({"hello":1})");
   EXPECT_THAT(error("other.gltf"), HasSubstr("no \"asset\""));
-  test::write_text(dir_ / "old.gltf", R"({"asset":{"version":"1.0"}})");
+  write_file(dir_ / "old.gltf", R"({"asset":{"version":"1.0"}})");
   EXPECT_THAT(error("old.gltf"), HasSubstr("version \"1.0\""));
-  test::write_text(dir_ / "array.gltf", R"({"asset":{"version":"2.0"},"meshes":{}})");
+  write_file(dir_ / "array.gltf", R"({"asset":{"version":"2.0"},"meshes":{}})");
   EXPECT_THAT(error("array.gltf"), HasSubstr("meshes must be an array"));
+}
+
+TEST_F(LoadError, UnknownFormatsGetTheListOfKnownOnes) {
+  const std::string known =
+      "unknown scene format: expected one of .gltf, .glb, .pbrt, .pbrt.gz, .obj, .ply, .ply.gz";
+  for (const char* name : {"room.fbx", "room", "room.glb.bak", "room.obj.gz", "gltf"}) {
+    EXPECT_THAT(error(name), EndsWith(concat(name, ": ", known)));  // whether it is there or not
+    write_file(dir_ / name, "{}");
+    EXPECT_THAT(error(name), EndsWith(concat(name, ": ", known)));
+  }
+}
+
+TEST_F(LoadError, CaseOfTheExtensionDoesNotMatter) {
+  GltfBuilder builder = valid();
+  builder.save_embedded(dir_ / "Room.GLTF");
+  EXPECT_EQ(load_scene(dir_ / "Room.GLTF").name, "Room");
 }
 
 TEST_F(LoadError, EveryTruncationOfAGlb) {
   GltfBuilder builder = valid();
   const std::string whole = builder.glb();
   for (size_t size = 1; size < whole.size(); size += size < 40 ? 1 : 37) {
-    test::write_text(dir_ / "cut.glb", whole.substr(0, size));
+    write_file(dir_ / "cut.glb", whole.substr(0, size));
     EXPECT_THAT(error("cut.glb"), HasSubstr("cut.glb: ")) << size;
   }
 }
@@ -108,7 +126,7 @@ TEST_F(LoadError, LyingGlbHeaders) {
   const auto patched = [&](size_t offset, uint32_t value) {
     std::string bytes = whole;
     std::memcpy(bytes.data() + offset, &value, 4);
-    test::write_text(dir_ / "lie.glb", bytes);
+    write_file(dir_ / "lie.glb", bytes);
     return error("lie.glb");
   };
   uint32_t json_size = 0;
@@ -137,7 +155,7 @@ TEST_F(LoadError, RandomDamageNeverCrashes) {
       state = state * 6364136223846793005ULL + 1442695040888963407ULL;
       bytes[(state >> 33) % bytes.size()] = static_cast<char>(state >> 25);
     }
-    test::write_text(dir_ / "noise.glb", bytes);
+    write_file(dir_ / "noise.glb", bytes);
     try {
       load_scene(dir_ / "noise.glb");
     } catch (const Error&) {
@@ -212,7 +230,8 @@ TEST_F(LoadError, ElementsOutsideTheirBytes) {
          "do not fit into a buffer view of 36");
   expect(
       [](GltfBuilder& b) {
-        b.json["accessors"][0].erase("bufferView"), b.json["accessors"][0]["count"] = 1 << 30;
+        b.json["accessors"][0].erase("bufferView");
+        b.json["accessors"][0]["count"] = 1 << 30;
       },
       "POSITION", "without bufferView");
   expect([](GltfBuilder& b) { b.json["bufferViews"][0]["byteLength"] = 1'000'000; },
@@ -242,7 +261,8 @@ TEST_F(LoadError, SparseIndicesPastTheEnd) {
   expect(sparse(0, 3), "POSITION", "do not fit into a buffer view of 1 bytes");
   expect(
       [&](GltfBuilder& b) {
-        sparse(0, 1)(b), b.json["accessors"][0]["sparse"]["values"]["byteOffset"] = 4294967292;
+        sparse(0, 1)(b);
+        b.json["accessors"][0]["sparse"]["values"]["byteOffset"] = 4294967292;
       },
       "POSITION", "do not fit");
   expect(sparse(0, 4), "accessors[0].sparse", "exceeds");
@@ -259,10 +279,10 @@ TEST_F(LoadError, BuffersThatAreNotThere) {
   builder.save_external(dir_ / "far.gltf", "data.bin", ".");
   EXPECT_THAT(error("far.gltf"), HasSubstr("cannot find the file"));
   builder.save_external(dir_ / "far.gltf", "data.bin", "data.bin");
-  test::write_text(dir_ / "data.bin", "short");
+  write_file(dir_ / "data.bin", "short");
   EXPECT_THAT(error("far.gltf"), AllOf(HasSubstr("buffers[0] is truncated"), HasSubstr("5 bytes")));
   builder.json["buffers"] = {{{"byteLength", 3}, {"uri", "data:;base64,$$$$"}}};
-  test::write_text(dir_ / "far.gltf", builder.json.dump());
+  write_file(dir_ / "far.gltf", builder.json.dump());
   EXPECT_THAT(error("far.gltf"), HasSubstr("not base64"));
 }
 
@@ -326,7 +346,8 @@ TEST_F(LoadError, IllTypedMembers) {
          "2 components, expected 3");
   expect(
       [](GltfBuilder& b) {
-        b.json["accessors"][0]["type"] = "MAT4", b.json["accessors"][0]["count"] = 0;
+        b.json["accessors"][0]["type"] = "MAT4";
+        b.json["accessors"][0]["count"] = 0;
       },
       "POSITION", "matrix");
   expect([](GltfBuilder& b) { b.json["accessors"][0]["componentType"] = 5124; },
@@ -374,7 +395,8 @@ TEST_F(LoadError, NodesThatAreNoTree) {
       "nodes[1]", "its own ancestor");
   expect(
       [](GltfBuilder& b) {
-        b.json["nodes"] = {{{"children", {0}}}}, b.json["scenes"] = {{{"nodes", {0}}}};
+        b.json["nodes"] = {{{"children", {0}}}};
+        b.json["scenes"] = {{{"nodes", {0}}}};
       },
       "nodes[0]", "its own ancestor");
   expect(
@@ -392,7 +414,7 @@ TEST_F(LoadError, TooDeepNodesAndJson) {
   };
   expect(chain, "nodes[1024]", "deeper than 1024");
   const std::string deep = R"({"asset":{"version":"2.0","extras":)" + std::string(200000, '[');
-  test::write_text(dir_ / "deep.gltf", deep + std::string(200000, ']') + "}}");
+  write_file(dir_ / "deep.gltf", deep + std::string(200000, ']') + "}}");
   EXPECT_THAT(error("deep.gltf"), HasSubstr("nested deeper than 128"));
 }
 

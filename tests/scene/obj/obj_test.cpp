@@ -4,10 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "lte/base/file.h"
 #include "lte/image/png.h"
 #include "lte/scene/load.h"
 #include "lte/scene/triangle.h"
-#include "tests/scene/gltf/gltf_builder.h"
+#include "tests/scene/expect.h"
 #include "tests/support/temp_dir.h"
 
 namespace lte::scene {
@@ -22,15 +23,10 @@ using Triangle = std::array<uint32_t, 3>;
 
 constexpr const char* kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
-double decode(double code) {
-  const double v = code / 255;
-  return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
-}
-
 class Obj : public ::testing::Test {
  protected:
   Scene load(const std::string& text, const LoadLimits& limits = {}) {
-    test::write_text(dir_ / "model.obj", text);
+    write_file(dir_ / "model.obj", text);
     return load_scene(dir_ / "model.obj", limits);
   }
 
@@ -39,9 +35,7 @@ class Obj : public ::testing::Test {
                 AllOf(HasSubstr("model.obj: " + line), HasSubstr(part)));
   }
 
-  void write(const std::string& name, const std::string& text) {
-    test::write_text(dir_ / name, text);
-  }
+  void write(const std::string& name, const std::string& text) { write_file(dir_ / name, text); }
 
   /// 2 x 2 texels: top left red, top right green, bottom left blue, bottom right white.
   void write_picture(const std::string& name) {
@@ -123,9 +117,9 @@ TEST_F(Obj, VertexColorsCarryTheSrgbCurve) {
   const Mesh& mesh = scene.meshes.at(0);
   ASSERT_EQ(mesh.colors.size(), 3u);
   EXPECT_EQ(mesh.colors[0].x, 1);
-  EXPECT_NEAR(mesh.colors[0].y, decode(127.5), 1e-6);
+  EXPECT_NEAR(mesh.colors[0].y, test::decode_srgb(127.5), 1e-6);
   EXPECT_EQ(mesh.colors[1], (Rgb{1, 1, 1}));
-  EXPECT_NEAR(mesh.colors[2].z, decode(153), 1e-6) << "x y z w r g b";
+  EXPECT_NEAR(mesh.colors[2].z, test::decode_srgb(153), 1e-6) << "x y z w r g b";
 }
 
 TEST_F(Obj, ReadsMapsWithTheirOptions) {

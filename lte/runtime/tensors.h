@@ -8,7 +8,7 @@
 
 #include "lte/base/math.h"
 
-namespace lte::infer {
+namespace lte::runtime {
 
 /// [N, 3] float32 on the CPU that borrows `triples`: do not write to it, and keep them alive.
 inline at::Tensor borrow(std::span<const Vec3> triples) {
@@ -22,4 +22,4 @@ inline at::Tensor borrow(std::span<const float> values) {
                        at::TensorOptions(at::kFloat));
 }
 
-}  // namespace lte::infer
+}  // namespace lte::runtime

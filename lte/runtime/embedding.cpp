@@ -1,0 +1,192 @@
+#include "lte/runtime/embedding.h"
+
+#include <cmath>
+#include <cstring>
+#include <mutex>
+#include <utility>
+
+#include <ATen/core/grad_mode.h>
+#include <ATen/ops/tensor.h>
+#include <c10/core/DeviceGuard.h>
+#include <c10/core/Event.h>
+#include <c10/core/impl/VirtualGuardImpl.h>
+
+#include "lte/base/check.h"
+#include "lte/nn/model.h"
+#include "lte/nn/one_line_errors.h"
+
+namespace lte::runtime {
+namespace {
+
+/// Keeps the shrunk extent under the network's unit after rounding.
+constexpr double kShrinkMargin = 1e-5;
+
+/// The stream that operators of this thread run on.
+c10::Stream current_stream(c10::Device device) {
+  return c10::impl::VirtualGuardImpl(device.type()).getStream(device);
+}
+
+nn::PointSet on_device(nn::PointSet points, c10::Device device) {
+  for (at::Tensor* t : {&points.position, &points.normal, &points.albedo, &points.emission,
+                        &points.area, &points.direct, &points.indirect}) {
+    if (t->defined()) *t = t->to(device);
+  }
+  return points;
+}
+
+/// Where the network sees the scene. Positions that are not finite are left to encode(), which
+/// names the row.
+nn::Frame frame_of(const Network& network, const at::Tensor& position,
+                   const EncodeOptions& options) {
+  nn::Frame frame;
+  if (options.origin) {
+    const Vec3& o = *options.origin;
+    frame.origin = at::tensor({o.x, o.y, o.z}, at::kFloat).to(position.device());
+  }
+  const at::Tensor low = frame.origin.defined() ? frame.origin : std::get<0>(position.min(0));
+  const at::Tensor high = std::get<0>(position.max(0));
+  const double extent = (high.to(at::kDouble) - low.to(at::kDouble)).max().item<double>();
+  if (!std::isfinite(extent) || extent <= network.config().scale) return frame;
+  network.check_fits(extent, options.rescale);
+  frame.scale = extent * (1 + kShrinkMargin);
+  return frame;
+}
+
+/// Those on the network's device; some may be undefined.
+std::vector<at::Tensor> tensors_of(const nn::Embedding& embedding) {
+  std::vector<at::Tensor> tensors = embedding.cache.tensors();
+  tensors.insert(tensors.end(),
+                 {embedding.position, embedding.features, embedding.origin, embedding.table});
+  return tensors;
+}
+
+MemoryNeed encoding_need(const Network& network, int64_t scene_points) {
+  return {concat("encoding ", scene_points, " scene points"),
+          encode_mb(network.config(), scene_points),
+          "take fewer scene points",
+          {Remedy::FewerScenePoints}};
+}
+
+MemoryNeed decoding_need(const Network& network, int64_t queries, int64_t block) {
+  return {concat("decoding ", queries, " queries"),
+          decode_mb(network.config(), queries, block),
+          "ask for fewer at once, or limit memory so that fewer are decoded at a time",
+          {Remedy::FewerQueries, Remedy::MemoryLimit}};
+}
+
+}  // namespace
+
+struct SceneEmbedding::State {
+  State(const Network& net, const MemoryLimit& limit) : network(net), memory(limit) {}
+
+  Network network;
+  MemoryLimit memory;
+  int64_t scene_points = 0;
+  nn::Embedding embedding;          ///< at gain 1
+  std::optional<c10::Event> ready;  ///< on a GPU: when the kernels that make it are through
+  mutable std::mutex mutex;         ///< for gain
+  std::array<double, 3> gain = {1, 1, 1};
+};
+
+SceneEmbedding::SceneEmbedding(std::unique_ptr<State> state) : state_(std::move(state)) {}
+SceneEmbedding::SceneEmbedding(SceneEmbedding&&) noexcept = default;
+SceneEmbedding& SceneEmbedding::operator=(SceneEmbedding&&) noexcept = default;
+SceneEmbedding::~SceneEmbedding() = default;
+
+SceneEmbedding::SceneEmbedding(const Network& network, const ScenePoints& points,
+                               const EncodeOptions& options)
+    : SceneEmbedding(explain_out_of_memory(encoding_need(network, points.size()), [&] {
+        return nn::one_line_errors([&] { return from_tensors(network, borrow(points), options); });
+      })) {}
+
+SceneEmbedding SceneEmbedding::from_tensors(const Network& network, const nn::PointSet& points,
+                                            const EncodeOptions& options) {
+  const at::NoGradGuard no_grad;
+  const c10::Device device = network.device();
+  const c10::DeviceGuard guard(device);
+  const nn::PointSet set = on_device(points, device);
+  const nn::Frame frame = frame_of(network, set.position, options);
+  auto state = std::make_unique<State>(network, options.memory);
+  state->scene_points = set.position.size(0);
+  state->memory.check_encoding(network.config(), state->scene_points);
+  state->embedding = network.model()->encode(set, 0, frame);
+  if (!device.is_cpu()) {
+    state->ready.emplace(device.type());
+    state->ready->record(current_stream(device));
+  }
+  return SceneEmbedding(std::move(state));
+}
+
+const Network& SceneEmbedding::network() const { return state_->network; }
+
+EmbeddingInfo SceneEmbedding::info() const {
+  const nn::Embedding embedding = snapshot();
+  EmbeddingInfo info;
+  info.scene_points = state_->scene_points;
+  info.latents = embedding.position.size(0);
+  for (const at::Tensor& t : tensors_of(embedding)) {
+    if (t.defined()) info.bytes += static_cast<int64_t>(t.nbytes());
+  }
+  const at::Tensor origin = embedding.origin.to(at::kCPU, at::kDouble);
+  for (size_t i = 0; i < 3; ++i) {
+    info.origin[i] = origin[static_cast<int64_t>(i)].item<double>();
+    info.emission[i] = embedding.radiance[static_cast<int64_t>(i)].item<double>();
+  }
+  info.scale = embedding.scale;
+  return info;
+}
+
+double SceneEmbedding::mean_emission() const {
+  const double mean = snapshot().radiance.mean().item<double>();
+  return mean > 0 ? mean : 1;
+}
+
+void SceneEmbedding::set_emission_gain(const std::array<double, 3>& gain) {
+  const std::lock_guard lock(state_->mutex);
+  state_->gain = gain;
+}
+
+nn::Embedding SceneEmbedding::snapshot() const {
+  nn::Embedding embedding = state_->embedding;
+  {
+    const std::lock_guard lock(state_->mutex);
+    const auto& [r, g, b] = state_->gain;
+    embedding.radiance = embedding.radiance * at::tensor({r, g, b}, at::kDouble);
+  }
+  if (!state_->ready) return embedding;
+  const c10::Stream stream = current_stream(network().device());
+  state_->ready->block(stream);
+  // The allocator must not give this memory to another stream while this one reads it.
+  for (const at::Tensor& t : tensors_of(embedding)) {
+    if (t.defined()) t.record_stream(stream);
+  }
+  return embedding;
+}
+
+at::Tensor SceneEmbedding::decode_tensors(const nn::QuerySet& queries,
+                                          const nn::DecodeOptions& options) const {
+  const at::NoGradGuard no_grad;
+  const c10::Device device = network().device();
+  const c10::DeviceGuard guard(device);
+  const nn::QuerySet set = {queries.position.to(device), queries.normal.to(device),
+                            queries.albedo.to(device)};
+  return network().model()->decode(snapshot(), set, options);
+}
+
+std::vector<Rgb> SceneEmbedding::decode(const QueryPoints& queries) const {
+  const nn::QuerySet set = borrow(queries);
+  if (queries.size() == 0) return {};
+  const int64_t block = state_->memory.query_block(network().config(), queries.size(), kQueryBlock);
+  const at::Tensor irradiance =
+      explain_out_of_memory(decoding_need(network(), queries.size(), block), [&] {
+        return nn::one_line_errors([&] {
+          return decode_tensors(set, {true, block}).to(at::kCPU, at::kFloat).contiguous();
+        });
+      });
+  std::vector<Rgb> out(queries.position.size());
+  std::memcpy(static_cast<void*>(out.data()), irradiance.const_data_ptr<float>(),
+              sizeof(Rgb) * out.size());
+  return out;
+}
+
+}  // namespace lte::runtime

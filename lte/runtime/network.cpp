@@ -1,0 +1,48 @@
+#include "lte/runtime/network.h"
+
+#include "lte/base/check.h"
+#include "lte/nn/model.h"
+#include "lte/nn/model_file.h"
+
+namespace lte::runtime {
+namespace {
+
+// Of the paths in baked data.
+constexpr int kTracedDepth = 5, kTracedPaths = 32;
+
+}  // namespace
+
+struct Network::State {
+  nn::LightTransportModel model;
+  nn::ModelMetadata metadata;
+  c10::Device device;
+};
+
+Network::Network(const std::filesystem::path& path, const NetworkOptions& options)
+    : state_(std::make_shared<State>(
+          State{nn::load_model(path), nn::read_model_metadata(path), options.device})) {
+  state_->model->to(options.device);
+  state_->model->eval();
+  state_->model->set_precision(options.precision);
+}
+
+const nn::ModelConfig& Network::config() const { return state_->model->config(); }
+const nn::ModelMetadata& Network::metadata() const { return state_->metadata; }
+c10::Device Network::device() const { return state_->device; }
+int64_t Network::parameters() const { return nn::count_parameters(state_->model).total; }
+nn::LightTransportModel& Network::model() const { return state_->model; }
+bool Network::predicts_total() const { return config().predicts_total(); }
+
+LightRequest Network::light_request() const {
+  if (!config().reads_direct()) return {};
+  return {config().reads_indirect() ? kTracedDepth : 1, kTracedPaths};
+}
+
+void Network::check_fits(double extent_m, bool rescale) const {
+  if (extent_m <= config().scale || rescale) return;
+  throw SceneTooLarge(concat("the scene spans ", extent_m, " m, the model knows scenes up to ",
+                             config().scale, " m: set rescale to shrink it for the network"),
+                      {Remedy::Rescale});
+}
+
+}  // namespace lte::runtime

@@ -1,0 +1,63 @@
+// A trained network that is ready to use: loaded, on its device, in its precision.
+//
+// This header and embedding.h do not include LibTorch but for its name of a device.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include <c10/core/Device.h>
+
+#include "lte/nn/config.h"
+#include "lte/nn/model_metadata.h"
+#include "lte/nn/precision.h"
+#include "lte/runtime/refusal.h"
+
+namespace lte::nn {
+class LightTransportModel;
+}
+
+namespace lte::runtime {
+
+struct NetworkOptions {
+  c10::Device device = c10::kCPU;
+  nn::Precision precision = nn::Precision::Fp32;
+};
+
+/// What a network wants of the light on scene points, as it was estimated for its training.
+struct LightRequest {
+  /// 0: nothing; 1: direct irradiance; more: irradiance of later bounces too, by paths of so many
+  /// surface hits.
+  int depth = 0;
+  int paths = 0;  ///< a side of each point
+};
+
+/// A handle: copies share the weights. Nothing about it changes once it is made, so any number of
+/// threads and scenes may use it at the same time.
+class Network {
+ public:
+  /// @throws lte::Error naming the file if it is no model of this version; c10::Error if the
+  ///         device has no room for it.
+  explicit Network(const std::filesystem::path& path, const NetworkOptions& options = {});
+
+  const nn::ModelConfig& config() const;
+  const nn::ModelMetadata& metadata() const;
+  c10::Device device() const;
+  int64_t parameters() const;
+  LightRequest light_request() const;
+  bool predicts_total() const;  ///< the output is total irradiance, not indirect
+
+  /// @param extent_m  the widest side of a scene's bounds
+  /// @throws SceneTooLarge if that is more than the model knows and `rescale` is false.
+  void check_fits(double extent_m, bool rescale) const;
+
+  /// In evaluation mode; for those that include lte/nn/model.h.
+  nn::LightTransportModel& model() const;
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;
+};
+
+}  // namespace lte::runtime

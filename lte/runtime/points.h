@@ -1,0 +1,53 @@
+// Borrowed point arrays, so that sampled scenes and baked files go into the network by one door.
+// This header does not include LibTorch.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "lte/base/math.h"
+
+namespace lte::nn {
+struct PointSet;
+struct QuerySet;
+}  // namespace lte::nn
+
+namespace lte::runtime {
+
+/// Scene points, world space; one entry a point in each span.
+struct ScenePoints {
+  std::span<const Vec3> position, normal;
+  std::span<const Rgb> albedo;
+  std::span<const Rgb> emission;  ///< W sr^-1 m^-2
+  std::span<const float> area;    ///< m²
+  /// W/m², of the light that nn::PointSet names; empty unless the model reads it.
+  std::span<const Rgb> direct = {}, indirect = {};
+
+  int64_t size() const { return static_cast<int64_t>(position.size()); }
+};
+
+/// Query points, world space.
+struct QueryPoints {
+  std::span<const Vec3> position, normal;
+  std::span<const Rgb> albedo;
+
+  int64_t size() const { return static_cast<int64_t>(position.size()); }
+};
+
+/// The values of [N] triples as [3 N] floats.
+inline std::span<const float> floats(std::span<const Vec3> triples) {
+  static_assert(sizeof(Vec3) == 3 * sizeof(float));
+  return {reinterpret_cast<const float*>(triples.data()), 3 * triples.size()};
+}
+
+/// Tensors on the CPU that borrow the arrays: do not write to them, and keep the arrays alive.
+/// @throws lte::Error if the arrays differ in length, or there are no scene points.
+nn::PointSet borrow(const ScenePoints& points);
+nn::QuerySet borrow(const QueryPoints& queries);
+
+/// Area-weighted mean emission over points and channels, 1 without emission: what irradiance is
+/// divided by in training.
+/// @throws lte::Error as borrow()
+double mean_emission(const ScenePoints& points);
+
+}  // namespace lte::runtime

@@ -1,0 +1,200 @@
+// One network and its embeddings, from arrays and from tensors.
+#include "lte/runtime/embedding.h"
+
+#include <cmath>
+#include <span>
+
+#include <ATen/ATen.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "lte/nn/model_file.h"
+#include "lte/runtime/device.h"
+#include "tests/nn/support.h"
+
+namespace lte::runtime {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+/// A file of random weights, removed when the network is loaded.
+Network tiny_network(const nn::ModelConfig& config = test::tiny_config()) {
+  const std::filesystem::path path = std::filesystem::temp_directory_path() /
+                                     ("lte_runtime_" + std::to_string(::getpid()) + ".safetensors");
+  nn::LightTransportModel model(config);
+  test::randomize(*model, 5);
+  nn::save_model(path, model, {{"scene_points", "300"}, {"scene_points_pruned", "true"}});
+  Network network(path);
+  std::filesystem::remove(path);
+  return network;
+}
+
+template <typename T>
+std::span<const T> span(const at::Tensor& t) {
+  return {static_cast<const T*>(t.const_data_ptr()), static_cast<size_t>(t.size(0))};
+}
+
+ScenePoints arrays(const nn::PointSet& p) {
+  return {span<Vec3>(p.position),
+          span<Vec3>(p.normal),
+          span<Rgb>(p.albedo),
+          span<Rgb>(p.emission),
+          span<float>(p.area),
+          {},
+          {}};
+}
+
+QueryPoints arrays(const nn::QuerySet& q) {
+  return {span<Vec3>(q.position), span<Vec3>(q.normal), span<Rgb>(q.albedo)};
+}
+
+at::Tensor tensor(const std::vector<Rgb>& values) {
+  return at::from_blob(const_cast<Rgb*>(values.data()), {static_cast<int64_t>(values.size()), 3},
+                       at::kFloat)
+      .clone();
+}
+
+TEST(Network, TellsWhatItsFileSays) {
+  const Network network = tiny_network();
+  EXPECT_EQ(network.metadata().scene_points, 300);
+  EXPECT_TRUE(network.metadata().scene_points_pruned);
+  EXPECT_EQ(network.config().channels, test::tiny_config().channels);
+  EXPECT_EQ(network.parameters(), nn::count_parameters(network.model()).total);
+  EXPECT_TRUE(network.device().is_cpu());
+  EXPECT_FALSE(network.predicts_total());
+  EXPECT_THROW(Network("/nonexistent/none.safetensors"), Error);
+  EXPECT_THROW(cuda_device(100), NoDevice);
+}
+
+TEST(Network, AsksForTheLightThatItsModelReads) {
+  nn::ModelConfig config = test::tiny_config();
+  EXPECT_EQ(tiny_network(config).light_request().depth, 0);
+  config.light_input = nn::LightInput::Direct;
+  EXPECT_EQ(tiny_network(config).light_request().depth, 1);
+  config.light_input = nn::LightInput::Traced;
+  EXPECT_EQ(tiny_network(config).light_request().depth, 5);
+  EXPECT_EQ(tiny_network(config).light_request().paths, 32);
+}
+
+TEST(SceneEmbedding, ArraysAndTensorsGiveTheModelsAnswers) {
+  const Network network = tiny_network();
+  const nn::PointSet points = test::box_scene(300, 1);
+  const nn::QuerySet queries = test::box_queries(500, 2);
+  const at::NoGradGuard no_grad;
+  const at::Tensor expected = network.model()->decode(network.model()->encode(points), queries);
+  const SceneEmbedding embedding(network, arrays(points));
+  EXPECT_TRUE(at::equal(tensor(embedding.decode(arrays(queries))), expected));
+  const SceneEmbedding same = SceneEmbedding::from_tensors(network, points);
+  EXPECT_TRUE(at::equal(same.decode_tensors(queries, {}), expected));
+  EXPECT_TRUE(embedding.decode({}).empty());
+  EXPECT_EQ(embedding.info().scene_points, 300);
+  EXPECT_EQ(embedding.info().scale, network.config().scale);
+  EXPECT_DOUBLE_EQ(embedding.mean_emission(), nn::radiance_scalar(points));
+  EXPECT_DOUBLE_EQ(mean_emission(arrays(points)), nn::radiance_scalar(points));
+}
+
+TEST(SceneEmbedding, DoesNotDependOnTheBlock) {
+  const Network network = tiny_network();
+  const SceneEmbedding embedding = SceneEmbedding::from_tensors(network, test::box_scene(300, 1));
+  const nn::QuerySet queries = test::box_queries(500, 2);
+  const at::Tensor whole = embedding.decode_tensors(queries, {});
+  for (const int64_t block : {37, 499, 500}) {
+    EXPECT_LT(test::relative_difference(embedding.decode_tensors(queries, {true, block}), whole),
+              1e-5);
+  }
+}
+
+TEST(SceneEmbedding, IsLinearInEmission) {
+  const Network network = tiny_network();
+  nn::PointSet points = test::box_scene(300, 1);
+  const nn::QuerySet queries = test::box_queries(200, 2);
+  SceneEmbedding embedding(network, arrays(points));
+  const at::Tensor before = tensor(embedding.decode(arrays(queries)));
+  points.emission = points.emission * 64;
+  const SceneEmbedding brighter(network, arrays(points));
+  const at::Tensor after = tensor(brighter.decode(arrays(queries)));
+  EXPECT_LT(test::relative_difference(after, before * 64), 1e-4);
+  embedding.set_emission_gain({64, 64, 64});
+  EXPECT_TRUE(at::equal(tensor(embedding.decode(arrays(queries))), before * 64));
+  EXPECT_DOUBLE_EQ(embedding.mean_emission(), 64 * nn::radiance_scalar(test::box_scene(300, 1)));
+}
+
+TEST(SceneEmbedding, ASceneTooLargeIsRefusedOrShrunk) {
+  const Network network = tiny_network();
+  nn::PointSet points = test::box_scene(300, 1);
+  nn::QuerySet queries = test::box_queries(60, 2);
+  for (at::Tensor* p : {&points.position, &queries.position}) *p = (*p * 8).contiguous();
+  try {
+    SceneEmbedding(network, arrays(points));
+    FAIL() << "a scene of 40 m went into a model of 16 m";
+  } catch (const SceneTooLarge& refusal) {
+    EXPECT_STREQ(refusal.what(),
+                 "the scene spans 40 m, the model knows scenes up to 16 m: set rescale to shrink "
+                 "it for the network");
+    EXPECT_THAT(refusal.remedies(), testing::ElementsAre(Remedy::Rescale));
+  }
+  const SceneEmbedding shrunk(network, arrays(points), {.rescale = true});
+  const double scale = shrunk.info().scale;
+  EXPECT_NEAR(scale, 40, 1e-3);
+  const at::NoGradGuard no_grad;
+  const nn::Embedding expected = network.model()->encode(points, 0, {{}, scale});
+  EXPECT_TRUE(at::equal(tensor(shrunk.decode(arrays(queries))),
+                        network.model()->decode(expected, queries)));
+  EXPECT_NO_THROW(network.check_fits(40, true));
+  EXPECT_NO_THROW(network.check_fits(16, false));
+  EXPECT_THROW(network.check_fits(16.1, false), SceneTooLarge);
+}
+
+TEST(SceneEmbedding, AGivenLeastCornerKeepsNetworkSpaceInPlace) {
+  const Network network = tiny_network();
+  const nn::PointSet points = test::box_scene(300, 1);
+  const SceneEmbedding embedding(network, arrays(points), {.origin = Vec3{-0.5f, -0.25f, -1}});
+  EXPECT_THAT(embedding.info().origin, testing::ElementsAre(-0.5, -0.25, -1));
+}
+
+TEST(SceneEmbedding, KeepsToItsMemoryLimit) {
+  const Network network = tiny_network();
+  const nn::PointSet points = test::box_scene(300, 1);
+  EXPECT_THROW(SceneEmbedding(network, arrays(points), {.memory = MemoryLimit(2)}),
+               NotEnoughMemory);
+}
+
+std::string message_of(const std::function<void()>& body) {
+  try {
+    body();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(SceneEmbedding, RefusesWhatItCannotDoInOneLine) {
+  const Network network = tiny_network();
+  nn::PointSet points = test::box_scene(300, 1);
+  ScenePoints short_areas = arrays(points);
+  short_areas.area = short_areas.area.first(3);
+  EXPECT_THAT(message_of([&] { SceneEmbedding(network, short_areas); }), HasSubstr("3 areas"));
+  EXPECT_THAT(message_of([&] { SceneEmbedding(network, ScenePoints{}); }),
+              HasSubstr("at least one"));
+  const SceneEmbedding embedding(network, arrays(points));
+  const nn::QuerySet queries = test::box_queries(20, 2);
+  QueryPoints short_normals = arrays(queries);
+  short_normals.normal = short_normals.normal.first(3);
+  EXPECT_THAT(message_of([&] { embedding.decode(short_normals); }), HasSubstr("3 normals"));
+  queries.position[11][0] = NAN;
+  EXPECT_THAT(message_of([&] { embedding.decode(arrays(queries)); }), HasSubstr("row 11"));
+  points.position[17][1] = NAN;
+  EXPECT_THAT(message_of([&] { SceneEmbedding(network, arrays(points)); }),
+              AllOf(HasSubstr("row 17"), Not(HasSubstr("\n"))));
+  nn::ModelConfig config = test::tiny_config();
+  config.light_input = nn::LightInput::Traced;
+  EXPECT_THAT(
+      message_of([&] { SceneEmbedding(tiny_network(config), arrays(test::box_scene(9, 1))); }),
+      HasSubstr("direct irradiance is missing"));
+}
+
+}  // namespace
+}  // namespace lte::runtime
