@@ -1,22 +1,39 @@
 #include "train/config.h"
 
 #include <cmath>
+#include <initializer_list>
 #include <map>
 #include <sstream>
 
 #include "lte/base/check.h"
+#include "lte/base/log.h"
 
 namespace lte::train {
 namespace {
 
-void check_choice(const char* key, const std::string& value,
-                  const std::vector<std::string>& choices) {
-  std::string text;
-  for (const std::string& choice : choices) {
-    if (value == choice) return;
-    text += (text.empty() ? "" : " | ") + choice;
+/// A word of the configuration and what it stands for.
+template <typename Enum>
+struct Choice {
+  const char* word;
+  Enum value;
+};
+
+/// Reads one of a few words; `section` is for the message.
+template <typename Enum>
+void read_choice(const Config& config, const char* section, const char* key,
+                 std::initializer_list<Choice<Enum>> choices, Enum* value) {
+  const bool given = config.has(key);
+  std::string word, expected;
+  config.read(key, &word);  // marks the key as known, given or not
+  if (!given) return;
+  for (const Choice<Enum>& choice : choices) {
+    if (word == choice.word) {
+      *value = choice.value;
+      return;
+    }
+    expected += concat(expected.empty() ? "" : " | ", choice.word);
   }
-  throw Error(concat(key, ": expected ", text, ", got \"", value, "\""));
+  throw Error(concat(section, ".", key, ": expected ", expected, ", got \"", word, "\""));
 }
 
 DataConfig read_data(const Config& config) {
@@ -25,36 +42,47 @@ DataConfig read_data(const Config& config) {
   config.read("scene_points", &data.scene_points);
   config.read("queries_per_scene", &data.queries_per_scene);
   config.read("cache_mb", &data.cache_mb);
-  std::string sampling = "uniform";
-  config.read("query_sampling", &sampling);
-  check_choice("data.query_sampling", sampling, {"uniform", "variance", "gradient"});
-  data.query_sampling = sampling == "variance"   ? QuerySampling::Variance
-                        : sampling == "gradient" ? QuerySampling::Gradient
-                                                 : QuerySampling::Uniform;
-  config.read("on_bad_scene", &data.on_bad_scene);
+  read_choice(config, "data", "query_sampling",
+              {{"uniform", QuerySampling::Uniform},
+               {"variance", QuerySampling::Variance},
+               {"gradient", QuerySampling::Gradient}},
+              &data.query_sampling);
+  read_choice(config, "data", "on_bad_scene",
+              {{"fail", BadScenes::Fail}, {"skip", BadScenes::Skip}}, &data.on_bad_scene);
   LTE_CHECK(data.scene_points >= 0, "data.scene_points: expected 0 (all) or more, got ",
             data.scene_points);
   LTE_CHECK(data.queries_per_scene >= 0, "data.queries_per_scene: expected 0 (all) or more, got ",
             data.queries_per_scene);
   LTE_CHECK(data.cache_mb >= 0, "data.cache_mb: expected 0 (keep nothing) or more, got ",
             data.cache_mb);
-  check_choice("data.on_bad_scene", data.on_bad_scene, {"fail", "skip"});
   return data;
+}
+
+/// The key had another name once, and runs that are resumed still have it. Configurations inherit
+/// the new name from configs/base.yaml, so the old one, where it is given, is what was meant.
+void read_old_permutation(const Config& config, AugmentConfig* augment) {
+  constexpr const char* kOldName = "permute_colours";
+  if (!config.has(kOldName)) return;
+  config.read(kOldName, &augment->permute_colors);
+  log_info("augment.", kOldName, " is called augment.permute_colors now; its value is taken");
 }
 
 AugmentConfig read_augment(const Config& config) {
   AugmentConfig augment;
-  std::string rotate = "vertical";
-  config.read("rotate", &rotate);
   // Until there was a choice of axes it was a switch.
-  if (rotate == "true") rotate = "vertical";
-  if (rotate == "false") rotate = "none";
-  check_choice("augment.rotate", rotate, {"none", "vertical", "any"});
-  augment.rotate = rotate == "none"  ? Rotation::None
-                   : rotate == "any" ? Rotation::Any
-                                     : Rotation::Vertical;
+  std::string rotate;
+  config.read("rotate", &rotate);
+  if (rotate == "true" || rotate == "false") {
+    augment.rotate = rotate == "true" ? Rotation::Vertical : Rotation::None;
+  } else {
+    read_choice(
+        config, "augment", "rotate",
+        {{"none", Rotation::None}, {"vertical", Rotation::Vertical}, {"any", Rotation::Any}},
+        &augment.rotate);
+  }
   config.read("mirror", &augment.mirror);
-  config.read("permute_colours", &augment.permute_colours);
+  config.read("permute_colors", &augment.permute_colors);
+  read_old_permutation(config, &augment);
   config.read("gain", &augment.gain);
   config.read("tint", &augment.tint);
   config.read("subsample", &augment.subsample);
@@ -120,10 +148,8 @@ OptimConfig read_optim(const Config& config) {
   config.read("validate_every", &train.validate_every);
   config.read("validation_scenes", &train.validation_scenes);
   config.read("validation_queries", &train.validation_queries);
-  std::string autocast = "none";
-  config.read("autocast", &autocast);
-  check_choice("train.autocast", autocast, {"none", "bf16"});
-  train.autocast = autocast == "bf16" ? nn::Precision::Bf16 : nn::Precision::Fp32;
+  read_choice(config, "train", "autocast",
+              {{"none", nn::Precision::Fp32}, {"bf16", nn::Precision::Bf16}}, &train.autocast);
   config.read("tensorboard", &train.tensorboard);
   config.read("preview_every", &train.preview_every);
   config.read("preview_scenes", &train.preview_scenes);
@@ -146,7 +172,7 @@ nn::LossConfig read_loss(const Config& config) {
   return loss;
 }
 
-/// The keys and values of a configuration's YAML, which is flat: one "key: value" a line.
+/// Keys and values of a model's YAML, which is flat: one "key: value" a line.
 std::map<std::string, std::string> flat_yaml(const std::string& yaml) {
   std::map<std::string, std::string> values;
   std::istringstream lines(yaml);

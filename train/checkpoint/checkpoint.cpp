@@ -26,8 +26,8 @@ constexpr const char* kFormat = "lte-checkpoint";
 constexpr int kVersion = 1;
 constexpr const char* kLog = "log";
 
-/// Of all that a run goes on from. The container checks lengths alone; a failing disk or a power
-/// cut may leave blocks of zeros in a file of the right length.
+/// A hash of all that a run goes on from. The container checks lengths alone, but a failing disk or
+/// a power cut may leave blocks of zeros in a file of the right length.
 class Checksum {
  public:
   void add(const void* bytes, size_t size) {

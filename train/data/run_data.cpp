@@ -24,10 +24,9 @@ uint64_t names_fingerprint(const std::vector<data::DatasetEntry>& entries) {
 RunData open_run_data(const TrainConfig& config) {
   LTE_CHECK(!config.data.root.empty(),
             "data.root: names no data set; give the directory that lte_datagen generate wrote, "
-            "e.g. --set "
-            "data.root=data/rooms");
+            "e.g. --set data.root=data/rooms");
   const std::filesystem::path root = config.data.root;
-  const bool skip = config.data.on_bad_scene == "skip";
+  const bool skip = config.data.on_bad_scene == BadScenes::Skip;
   const data::DatasetInfo info = data::read_dataset_info(
       root, skip ? data::MissingScenes::Allow : data::MissingScenes::Refuse);
   LTE_CHECK(!config.has_scale || config.model.scale == info.scale,

@@ -17,8 +17,8 @@
 
 namespace lte::train {
 
-/// What training needs of a baked scene: no views, and of direct and indirect irradiance what the
-/// target is made of.
+/// What training needs of a baked scene: not the views, and of direct and indirect irradiance only
+/// what the target is made of.
 struct TrainingScene {
   std::string name;
   std::vector<Vec3> position, normal;              ///< [M]
@@ -46,16 +46,15 @@ TrainingScene read_training_scene(const std::filesystem::path& path, const std::
                                   const std::string& light_input = "emission");
 
 struct SceneStoreOptions {
-  std::string target = "indirect";  ///< or "total"
-  size_t cache_bytes = 0;           ///< memory for scenes that are not in use
-  double scale = INFINITY;          ///< s, metres: what a scene must fit into
-  /// Goes on without scenes that cannot be used, rather than refusing them.
-  bool skip_bad = false;
+  std::string target = "indirect";       ///< or "total"
+  size_t cache_bytes = 0;                ///< memory for scenes that are not in use
+  double scale = INFINITY;               ///< s, metres: a scene must fit into a cube of this side
+  bool skip_bad = false;                 ///< go on without scenes that cannot be used
   std::string light_input = "emission";  ///< as in nn::ModelConfig
 };
 
-/// Least recently used scenes are dropped once `cache_bytes` are exceeded; the latest always stays.
-/// One thread at a time.
+/// Reads scenes and keeps them. The least recently used ones are dropped once `cache_bytes` are
+/// exceeded; the latest always stays. For one thread at a time.
 class SceneStore {
  public:
   SceneStore(std::filesystem::path root, std::vector<data::DatasetEntry> entries,
@@ -63,12 +62,13 @@ class SceneStore {
 
   size_t size() const { return entries_.size(); }
   const std::string& name(size_t index) const { return entries_[index].name; }
-  /// @return null for a bad scene if those are skipped: a file that is missing, damaged or of
-  /// another version, a value out of range, an extent above the scale. Warns of it the first time.
-  /// @throws lte::Error naming file, tensor and index of what is wrong with it; if bad scenes are
-  /// skipped, when no scene is left
+  /// A scene is bad if its file is missing, damaged or of another version, holds a value out of
+  /// range, or exceeds the scale. With `skip_bad` it is named in a warning the first time.
+  /// @return null for a bad scene if those are skipped
+  /// @throws lte::Error naming file, tensor and index of what is wrong with a scene; if bad scenes
+  /// are skipped, only when none is left
   std::shared_ptr<const TrainingScene> get(size_t index);
-  /// Those skipped so far.
+  /// Indices of the scenes skipped so far.
   const std::set<size_t>& bad() const { return bad_; }
   size_t cached_bytes() const { return cached_bytes_; }
 

@@ -25,7 +25,7 @@ TEST_F(TrainerTest, OverfitsOneScene) {
   test::write_dataset(one.path(), 1, 0);
   TrainConfig run =
       config("run",
-             "augment: {rotate: none, mirror: false, permute_colours: false, gain: 1, tint: 1}\n"
+             "augment: {rotate: none, mirror: false, permute_colors: false, gain: 1, tint: 1}\n"
              "model: {dropout: 0}\n"
              "data: {scene_points: 0, queries_per_scene: 0}\n"
              "train: {steps: 120, scenes_per_step: 1, learning_rate: 4.0e-3, log_every: 1}\n");
