@@ -293,6 +293,7 @@ void check_bake_options(const BakeOptions& options) {
   in_range("max_rays", static_cast<double>(options.max_rays), static_cast<double>(options.min_rays),
            6e7);
   in_range("max_depth", options.max_depth, 1, 1000);
+  in_range("light_paths", options.light_paths, 1, 6e7);
   in_range("emissive_share", options.emissive_share, 0, 1);
   in_range("views.count", static_cast<double>(options.views.count), 0, 1000);
   in_range("views.width", static_cast<double>(options.views.width), 1, 16384);
@@ -320,9 +321,12 @@ data::SceneSample bake_scene(const scene::Scene& scene, const BakeOptions& optio
   Baker baker(scene, options, show_progress);
   sample_points(baker.bvh(), options, &sample);
   sample.light_groups = baker.groups();
-  pathtrace::LightEstimates light = pathtrace::estimate_light(
-      baker.bvh(), baker.lights(), sample.scene_position, sample.scene_normal,
-      sample.scene_emission, options.max_depth, stream_seed(options.seed, Stream::LightEstimates));
+  pathtrace::LightEstimates light =
+      pathtrace::estimate_light(baker.bvh(), baker.lights(), sample.scene_position,
+                                sample.scene_normal, sample.scene_emission,
+                                {.paths = options.light_paths,
+                                 .max_depth = options.max_depth,
+                                 .seed = stream_seed(options.seed, Stream::LightEstimates)});
   sample.scene_direct = std::move(light.direct);
   sample.scene_indirect = std::move(light.indirect);
   const size_t N = sample.query_position.size();

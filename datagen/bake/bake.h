@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "lte/data/dataset.h"
 #include "lte/data/scene_sample.h"
 #include "lte/scene/scene.h"
 
@@ -34,6 +35,9 @@ struct BakeOptions {
   double target_error = 0;
   int64_t min_rays = 64, max_rays = 4096;
   int max_depth = 5;
+  /// Paths a side of a scene point, max_depth deep, for the light that a network reads there
+  /// (lte/pathtrace/light_estimates.h).
+  int light_paths = data::kDefaultLightPaths;
   bool prune = false;  ///< draw points only where light can reach them (lte/pathtrace/reach.h)
   double emissive_share = 0.1;  ///< of scene points, guaranteed to luminaires
   /// Also bake the rival: 64 independent paths a point, and in views data::kFewPaths as well.

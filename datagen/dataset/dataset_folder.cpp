@@ -160,6 +160,8 @@ int64_t DatasetFolder::write_index(const FolderState& state) const {
   info.seed = config_.seed;
   info.scale = config_.scale;
   info.pruned = config_.bake.prune;
+  info.light_paths = config_.bake.light_paths;
+  info.light_depth = config_.bake.max_depth;
   info.planned = planned_;
   for (const int64_t i : state.there)
     info.scenes.push_back({scene_name(i), split_of(i), scene_seed(config_.seed, i),

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "lte/data/dataset.h"
 #include "lte/data/light_groups.h"
 #include "lte/pathtrace/light_estimates.h"
 
@@ -16,8 +17,9 @@ LitSamples light_up(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
   if (depth > 1) out.indirect.resize(count);
   if (lights.empty()) return out;
   const scene::SurfaceSamples& s = out.surface;
-  const pathtrace::LightEstimates light =
-      pathtrace::estimate_light(bvh, lights, s.position, s.normal, s.emission, depth, seed);
+  const pathtrace::LightEstimates light = pathtrace::estimate_light(
+      bvh, lights, s.position, s.normal, s.emission,
+      {.paths = data::kDefaultLightPaths, .max_depth = depth, .seed = seed});
   out.direct = data::sum_groups(light.direct, lights.groups(), 1);
   if (depth > 1) out.indirect = data::sum_groups(light.indirect, lights.groups(), 1);
   return out;

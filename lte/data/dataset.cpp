@@ -47,6 +47,16 @@ uint64_t count_of(const std::string& where, const Json& object, const char* key)
   return value.get<uint64_t>();
 }
 
+/// A key that older files lack: from 1 to `most`, `fallback` without it.
+int small_count(const std::string& file, const Json& json, const char* key, int fallback,
+                uint64_t most) {
+  if (!json.contains(key)) return fallback;
+  const uint64_t value = count_of(file, json, key);
+  LTE_CHECK(value >= 1 && value <= most, file, ": key \"", key, "\": expected 1 to ", most,
+            ", got ", value);
+  return static_cast<int>(value);
+}
+
 DatasetEntry parse_entry(const std::string& where, const Json& json) {
   LTE_CHECK(json.is_object(), where, ": expected an object, got ", json.dump());
   DatasetEntry entry;
@@ -92,7 +102,8 @@ void write_dataset_info(const std::filesystem::path& directory, const DatasetInf
   std::string text = concat(
       "{\n\"format\": ", Json(kFormat).dump(), ",\n\"version\": ", kVersion,
       ",\n\"tool\": ", Json(info.tool_version).dump(), ",\n\"seed\": ", info.seed,
-      ",\n\"scale\": ", Json(info.scale).dump(), ",\n\"pruned\": ", info.pruned ? "true" : "false",
+      ",\n\"scale\": ", Json(info.scale).dump(), ",\n\"light_paths\": ", info.light_paths,
+      ",\n\"light_depth\": ", info.light_depth, ",\n\"pruned\": ", info.pruned ? "true" : "false",
       ",\n\"planned\": ", std::max(info.planned, static_cast<int64_t>(info.scenes.size())),
       ",\n\"scenes\": [");
   const char* separator = "\n";
@@ -138,6 +149,8 @@ DatasetInfo read_dataset_info(const std::filesystem::path& directory, MissingSce
               found->dump());
     info.pruned = found->get<bool>();
   }
+  info.light_paths = small_count(file, json, "light_paths", kDefaultLightPaths, 1 << 26);
+  info.light_depth = small_count(file, json, "light_depth", kDefaultLightDepth, 1024);
   const Json& scenes = member(file, json, "scenes");
   LTE_CHECK(scenes.is_array(), file, ": key \"scenes\": expected a list");
   std::set<std::string> names;

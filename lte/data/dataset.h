@@ -10,6 +10,11 @@
 
 namespace lte::data {
 
+/// Paths behind the light estimates of data generation, and what files that do not say were made
+/// with.
+inline constexpr int kDefaultLightPaths = 32;
+inline constexpr int kDefaultLightDepth = 5;
+
 enum class Split { Train, Val, Test };
 
 /// "train", "val" or "test".
@@ -25,17 +30,21 @@ struct DatasetEntry {
 };
 
 /// The content of dataset.json:
-/// {"format":"lte-dataset","version":1,"tool":..,"seed":..,"scale":s,"pruned":..,"planned":..,
-/// "scenes":[..]}.
+/// {"format":"lte-dataset","version":1,"tool":..,"seed":..,"scale":s,"light_paths":..,
+/// "light_depth":..,"pruned":..,"planned":..,"scenes":[..]}.
 struct DatasetInfo {
   int version = 1;
   std::string tool_version;
   uint64_t seed = 0;
-  double scale =
-      16.0;  ///< s, metres: an upper bound on scene extent; network space is (p − b_min)/s
+  /// s, metres: an upper bound on the extent of a scene; network space is (p − b_min)/s.
+  double scale = 16.0;
   /// Whether points were drawn only where light can reach them: then inference has to draw its
   /// scene points so too. False for files that do not say.
   bool pruned = false;
+  /// How scene_direct and scene_indirect were estimated: paths a side of each scene point, and the
+  /// surface hits of a path. A model trained on them has to be given light made the same way.
+  int light_paths = kDefaultLightPaths;
+  int light_depth = kDefaultLightDepth;
   /// Scenes that there are to be, at least as many as are listed. The number listed for files that
   /// do not say.
   int64_t planned = 0;
@@ -45,12 +54,12 @@ struct DatasetInfo {
 /// Atomic.
 void write_dataset_info(const std::filesystem::path& directory, const DatasetInfo& info);
 
-/// Whether a listed scene whose file is missing is an error, or left for who reads it to find out.
+/// Whether a listed scene whose file is missing is an error, or left for the reader to find out.
 enum class MissingScenes { Refuse, Allow };
 
-/// @throws lte::Error naming the file and the key if dataset.json is missing, malformed, of a newer
-/// version, names a
-///         scene twice or one whose file is missing. Warns if fewer scenes are listed than planned.
+/// Warns if fewer scenes are listed than planned.
+/// @throws lte::Error naming the file and the key if dataset.json is missing, malformed or of a newer
+/// version, or names a scene twice or one whose file is missing.
 DatasetInfo read_dataset_info(const std::filesystem::path& directory,
                               MissingScenes missing = MissingScenes::Refuse);
 

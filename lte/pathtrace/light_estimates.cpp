@@ -8,7 +8,7 @@ namespace lte::pathtrace {
 
 LightEstimates estimate_light(const Bvh& bvh, const Lights& lights, std::span<const Vec3> positions,
                               std::span<const Vec3> normals, std::span<const Rgb> emission,
-                              int max_depth, uint64_t seed, int rays) {
+                              const LightEstimateOptions& options) {
   LTE_CHECK(emission.size() == positions.size(), "light estimates: ", positions.size(),
             " positions but ", emission.size(), " emissions");
   std::vector<size_t> slots;
@@ -23,13 +23,13 @@ LightEstimates estimate_light(const Bvh& bvh, const Lights& lights, std::span<co
   const size_t G = static_cast<size_t>(lights.groups()), M = positions.size(), S = slots.size();
   LightEstimates light{std::vector<Rgb>(G * M), std::vector<Rgb>(G * M)};
   if (slots.empty()) return light;
-  IrradianceOptions options;
-  options.rays = rays;
-  options.max_depth = max_depth;
+  IrradianceOptions tracing;
+  tracing.rays = options.paths;
+  tracing.max_depth = options.max_depth;
   uint64_t side = 0;
   for (const std::vector<Vec3>* towards : {&up, &down}) {
-    options.seed = hash_combine(seed, side++);
-    const Irradiance lit = estimate_irradiance(bvh, lights, place, *towards, options);
+    tracing.seed = hash_combine(options.seed, side++);
+    const Irradiance lit = estimate_irradiance(bvh, lights, place, *towards, tracing);
     for (size_t g = 0; g < G; ++g) {
       for (size_t i = 0; i < S; ++i) {
         light.direct[g * M + slots[i]] += lit.direct[g * S + i];

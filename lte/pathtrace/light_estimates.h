@@ -1,5 +1,5 @@
-// A few paths at each of the points that describe a scene: noisy estimates of the light there, from
-// which a network need but interpolate and denoise.
+// A few paths at each of the points that describe a scene: noisy estimates of the light there, which
+// a network only has to interpolate and denoise.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,14 @@
 
 namespace lte::pathtrace {
 
-/// Paths a side of a scene point. A network was trained with this noise: baking and rendering must
-/// agree.
-inline constexpr int kLightEstimateRays = 32;
+/// A network learns the noise and the depth of the estimates that it was trained with: rendering must
+/// make them as baking did. Data sets and models therefore carry `paths` and `max_depth` as
+/// `light_paths` and `light_depth`, and no field has a default here.
+struct LightEstimateOptions {
+  int paths;      ///< paths a side of a point
+  int max_depth;  ///< surface hits of a path, as in IrradianceOptions; 1 is direct light alone
+  uint64_t seed;  ///< results depend on it and on the order of the points, not on threads
+};
 
 /// E(n) + E(−n) by light group at unit gain, W/m², [groups, points] each: light of depth 1, and of
 /// depths 2 to max_depth. Unbiased.
@@ -22,15 +27,14 @@ struct LightEstimates {
   std::vector<Rgb> direct, indirect;
 };
 
-/// Surfaces reflect on both sides, and which of them the normal names is up to the file; of closed
-/// walls one is dark. Points that emit get 0: what a luminaire reflects is little beside its
+/// Surfaces reflect on both sides, and which of them the normal names is up to the file; the outside
+/// of a closed wall is dark. Points that emit get 0: what a luminaire reflects is little beside its
 /// emission, and a point light has no surface.
-/// @param normals    unit, @param emission as long: which points are luminaires
-/// @param max_depth  surface hits of a path (IrradianceOptions)
-/// @param seed       results depend on it and on the order of points, not on threads
-/// @throws lte::Error as estimate_irradiance()
+/// @param normals   unit
+/// @param emission  one a position: points with emission above 0 are luminaires
+/// @throws lte::Error as estimate_irradiance(), or if the arrays differ in length.
 LightEstimates estimate_light(const Bvh& bvh, const Lights& lights, std::span<const Vec3> positions,
                               std::span<const Vec3> normals, std::span<const Rgb> emission,
-                              int max_depth, uint64_t seed, int rays = kLightEstimateRays);
+                              const LightEstimateOptions& options);
 
 }  // namespace lte::pathtrace

@@ -84,6 +84,24 @@ TEST_F(Dataset, PruningAndThePlanComeBackAndOlderFilesHaveNeither) {
   EXPECT_THAT(error(), AllOf(HasSubstr("\"planned\": 3"), HasSubstr("4 scenes are listed")));
 }
 
+TEST_F(Dataset, HowLightWasEstimatedComesBackAndHasDefaultsInOlderFiles) {
+  DatasetInfo written = example();
+  written.light_paths = 128;
+  written.light_depth = 8;
+  make(written);
+  EXPECT_EQ(read_dataset_info(folder_).light_paths, 128);
+  EXPECT_EQ(read_dataset_info(folder_).light_depth, 8);
+  patch("\"light_paths\": 32,\n\"light_depth\": 5,\n", "");
+  EXPECT_EQ(read_dataset_info(folder_).light_paths, 32);
+  EXPECT_EQ(read_dataset_info(folder_).light_depth, 5);
+  patch("\"light_paths\": 32", "\"light_paths\": 0");
+  EXPECT_THAT(error(), AllOf(HasSubstr("\"light_paths\""), HasSubstr("got 0")));
+  patch("\"light_depth\": 5", "\"light_depth\": 1025");
+  EXPECT_THAT(error(), AllOf(HasSubstr("\"light_depth\""), HasSubstr("1 to 1024")));
+  patch("\"light_depth\": 5", "\"light_depth\": \"5\"");
+  EXPECT_THAT(error(), HasSubstr("expected a non-negative integer"));
+}
+
 TEST_F(Dataset, AnUnfinishedDatasetSaysSo) {
   std::filesystem::create_directories(folder_ / "scenes");
   write_file(folder_ / "config.yaml", "scenes: 4\n");

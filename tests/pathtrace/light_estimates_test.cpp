@@ -33,7 +33,7 @@ TEST(LightEstimates, BothSidesOfASurfaceCountByLightGroup) {
   const std::vector<Vec3> normals{{0, 1, 0}, {0, -1, 0}, {1, 0, 0}, {0, 1, 0}};
   const std::vector<Rgb> emission{{}, {}, {}, {0, 3, 0}};
   const LightEstimates light =
-      estimate_light(bvh, lights, positions, normals, emission, 5, 5, 4096);
+      estimate_light(bvh, lights, positions, normals, emission, {4096, 5, 5});
   ASSERT_EQ(light.direct.size(), 8u);
   ASSERT_EQ(light.indirect.size(), 8u);
   for (size_t g = 0; g < 2; ++g) {
@@ -62,7 +62,7 @@ TEST(LightEstimates, LaterBouncesFollowTheFurnace) {
   const std::vector<Vec3> positions(1, {1, 1, 1}), normals(1, {0, 1, 0});
   for (const int depth : {1, 3}) {
     const LightEstimates light =
-        estimate_light(bvh, lights, positions, normals, {{Rgb{}}}, depth, 1, 4096);
+        estimate_light(bvh, lights, positions, normals, {{Rgb{}}}, {4096, depth, 1});
     double direct = 0, indirect = 0;
     for (int64_t g = 0; g < lights.groups(); ++g) {
       direct += light.direct[static_cast<size_t>(g)].x;
@@ -78,9 +78,9 @@ TEST(LightEstimates, TakeNoneAndRefuseArraysOfDifferentLength) {
   const TwoLights two;
   const Bvh bvh(two.scene);
   const Lights lights(two.scene);
-  EXPECT_TRUE(estimate_light(bvh, lights, {}, {}, {}, 5, 1).direct.empty());
+  EXPECT_TRUE(estimate_light(bvh, lights, {}, {}, {}, {32, 5, 1}).direct.empty());
   const std::vector<Vec3> one{{0, 0, 0}};
-  EXPECT_THROW(estimate_light(bvh, lights, one, one, {}, 5, 1), Error);
+  EXPECT_THROW(estimate_light(bvh, lights, one, one, {}, {32, 5, 1}), Error);
 }
 
 }  // namespace
