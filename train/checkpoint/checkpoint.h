@@ -12,6 +12,7 @@
 #include <string>
 
 #include "lte/nn/model.h"
+#include "train/data/light_estimates.h"
 #include "train/optim/optimizer.h"
 
 namespace lte::train {
@@ -26,6 +27,7 @@ struct RunProgress {
   double window_loss = 0;         ///< sum of losses since the last line of the log
   int64_t window_steps = 0;       ///< steps in it
   uint64_t data_fingerprint = 0;  ///< of the training split's scene names, in order
+  LightEstimates light;           ///< of the data set
 };
 
 /// What stands in a checkpoint beside tensors of weights and moments.

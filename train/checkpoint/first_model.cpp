@@ -25,7 +25,7 @@ nn::LightTransportModel first_model(TrainConfig* config, RunData* data) {
   torch::manual_seed(config->seed);
   nn::LightTransportModel model(config->model);
   if (!config->train.init_weights.empty())
-    init_weights(config->train.init_weights, config->train.init_except, model);
+    init_weights(config->train.init_weights, config->train.init_except, model, data->light);
   return model;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lte/nn/model.h"
+#include "train/data/light_estimates.h"
 
 namespace lte::train {
 
@@ -14,10 +15,11 @@ namespace lte::train {
 /// are left out on both sides and keep the model's fresh values. Settings that differ without
 /// changing a shape, and so change what the weights mean, draw a warning.
 /// @param except  prefixes of parameter names, "decoder.head." say; each must be of some parameter
+/// @param light   how the data set estimates the light that the model reads
 /// @throws lte::Error naming the file: unreadable, neither model nor checkpoint, trained at another
-/// scale than the model's, values that are not finite; or, in one line, all parameters that are
-/// missing, superfluous or of another shape
+/// scale than the model's or with other light estimates, values that are not finite; or, in one
+/// line, all parameters that are missing, superfluous or of another shape
 void init_weights(const std::filesystem::path& path, const std::vector<std::string>& except,
-                  const nn::LightTransportModel& model);
+                  const nn::LightTransportModel& model, const LightEstimates& light = {});
 
 }  // namespace lte::train

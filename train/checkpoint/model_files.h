@@ -7,6 +7,7 @@
 #include <string>
 
 #include "lte/nn/model.h"
+#include "train/data/light_estimates.h"
 #include "train/optim/optimizer.h"
 
 namespace lte::train {
@@ -17,6 +18,7 @@ struct ModelOrigin {
   int64_t step = 0;
   int64_t scene_points = 0;  ///< M, points of a scene that it was trained on
   bool pruned = false;       ///< points were drawn only where light reaches them
+  LightEstimates light;      ///< of the data set; written if the model reads them
   std::optional<double> val_loss;
 };
 

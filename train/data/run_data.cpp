@@ -41,7 +41,12 @@ RunData open_run_data(const TrainConfig& config) {
   SceneStore train_store(root, std::move(train), options);
   options.cache_bytes = 0;  // each is read once
   SceneStore val_store(root, data::entries_of(info, data::Split::Val), options);
-  return {info.scale, info.pruned, std::move(train_store), std::move(val_store), fingerprint};
+  return {info.scale,
+          info.pruned,
+          {info.light_paths, info.light_depth},
+          std::move(train_store),
+          std::move(val_store),
+          fingerprint};
 }
 
 std::string check_run_data(const TrainConfig& config) {

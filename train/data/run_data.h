@@ -6,13 +6,15 @@
 
 #include "lte/data/dataset.h"
 #include "train/config.h"
+#include "train/data/light_estimates.h"
 #include "train/data/scene_store.h"
 
 namespace lte::train {
 
 struct RunData {
-  double scale = 0;       ///< s, metres
-  bool pruned = false;    ///< points were drawn only where light reaches them
+  double scale = 0;     ///< s, metres
+  bool pruned = false;  ///< points were drawn only where light reaches them
+  LightEstimates light;
   SceneStore train, val;  ///< val may be empty
   /// Hash of the names of the training split in their order, on which the order of examples depends.
   uint64_t fingerprint = 0;

@@ -40,6 +40,7 @@ void check_fits(const fs::path& path, const CheckpointHeader& header, const RunS
   LTE_CHECK(header.model.scale == start.data.scale, path.string(),
             ": cannot resume, as its scale is ", header.model.scale, " m and the data set's ",
             start.data.scale, " m");
+  check_light_estimates(path.string(), header.model, header.progress.light, start.data.light);
   LTE_CHECK(header.progress.seed == start.config.seed, path.string(),
             ": cannot resume, as its seed is ", header.progress.seed, " and the configuration's ",
             start.config.seed);
@@ -88,6 +89,7 @@ RunState start_run(const RunStart& start) {
   state.model->to(start.device);
   state.optimizer = std::make_unique<Optimizer>(start.config.train, state.model);
   state.progress.seed = start.config.seed;
+  state.progress.light = start.data.light;
   state.progress.data_fingerprint = start.data.fingerprint;
   return state;
 }
@@ -135,7 +137,7 @@ void agree_on_start(const RunStart& start, const RunState& state, ProcessGroup& 
 
 ModelOrigin model_origin(const TrainConfig& config, const std::string& config_text,
                          const RunData& data, int64_t step, std::optional<double> val_loss) {
-  return {config_text, step, config.data.scene_points, data.pruned, val_loss};
+  return {config_text, step, config.data.scene_points, data.pruned, data.light, val_loss};
 }
 
 }  // namespace lte::train
