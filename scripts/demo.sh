@@ -67,5 +67,6 @@ step "5/6 exporting TorchScript"
 "$bin/lte_export" --checkpoint "$run/model.safetensors" --out "$out/model.pt" --portable --verify
 
 step "6/6 writing the report"
+"$bin/lte_train" report "$run"
 python3 scripts/figures/report.py "$out"
 printf '\nDone in %d s: open %s/report.html\n' "$SECONDS" "$out"

@@ -1,10 +1,12 @@
 #include "train/config.h"
 
 #include <cmath>
+#include <initializer_list>
 #include <map>
 #include <sstream>
 
 #include "lte/base/check.h"
+#include "lte/base/log.h"
 
 namespace lte::train {
 namespace {
@@ -30,6 +32,15 @@ DataConfig read_data(const Config& config) {
   return data;
 }
 
+/// The key had another name once, and runs that are resumed still have it. Configurations inherit
+/// the new name from configs/base.yaml, so the old one, where it is given, is what was meant.
+void read_old_permutation(const Config& config, AugmentConfig* augment) {
+  constexpr const char* kOldName = "permute_colours";
+  if (!config.has(kOldName)) return;
+  config.read(kOldName, &augment->permute_colors);
+  log_info("augment.", kOldName, " is called augment.permute_colors now; its value is taken");
+}
+
 AugmentConfig read_augment(const Config& config) {
   AugmentConfig augment;
   // Until there was a choice of axes it was a switch, and run folders of then still say so.
@@ -43,7 +54,8 @@ AugmentConfig read_augment(const Config& config) {
     config.read("rotate", &augment.rotate);
   }
   config.read("mirror", &augment.mirror);
-  config.read("permute_colours", &augment.permute_colours);
+  config.read("permute_colors", &augment.permute_colors);
+  read_old_permutation(config, &augment);
   config.read("gain", &augment.gain);
   config.read("tint", &augment.tint);
   config.read("subsample", &augment.subsample);
@@ -129,7 +141,7 @@ nn::LossConfig read_loss(const Config& config) {
   return loss;
 }
 
-/// The keys and values of a configuration's YAML, which is flat: one "key: value" a line.
+/// Keys and values of a model's YAML, which is flat: one "key: value" a line.
 std::map<std::string, std::string> flat_yaml(const std::string& yaml) {
   std::map<std::string, std::string> values;
   std::istringstream lines(yaml);

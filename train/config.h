@@ -1,5 +1,5 @@
 // Everything that fixes a training run: `data:`, `augment:`, `train:`, `loss:` and `model:` of the
-// YAML configuration. docs/training.md explains each key.
+// YAML configuration. docs/training-keys.md explains each key.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,7 @@ struct DataConfig {
   BadScene on_bad_scene = BadScene::Fail;                 ///< fail | skip
 };
 
-/// About which axes scenes are turned; Y is the vertical.
+/// The axes about which scenes are turned; Y is the vertical.
 enum class Rotation { None, Vertical, Any };
 
 constexpr EnumNames<QuerySampling, 3> enum_names(QuerySampling) {
@@ -49,35 +49,34 @@ constexpr EnumNames<Rotation, 3> enum_names(Rotation) {
 struct AugmentConfig {
   Rotation rotate = Rotation::Vertical;  ///< none | vertical | any [none]
   bool mirror = true;                    ///< across a vertical plane [false]
-  bool permute_colours = true;           ///< permutes R, G and B [false]
+  bool permute_colors = true;            ///< permutes R, G and B [false]
   double gain = 4.0;  ///< each luminaire's brightness times g, log-uniform in [1/gain, gain] [1]
   double tint = 2.0;  ///< the same for each channel of each luminaire by itself [1]
-  bool subsample =
-      true;  ///< scene points afresh each time, else a scene's are always those [false]
+  /// Whether a scene's points are drawn afresh each time, rather than the same ones always [false].
+  bool subsample = true;
 };
 
 struct OptimConfig {
   int64_t steps = 2'000'000;
   int64_t scenes_per_step = 3;
-  double learning_rate = 2e-4;      ///< at its highest, after warm-up
+  double learning_rate = 2e-4;      ///< the highest one, after warm-up
   double min_learning_rate = 2e-6;  ///< the cosine's floor, reached at the last step
   int64_t warmup_steps = 2000;
   double weight_decay = 1e-4;  ///< of matrices and filters; biases and norms have none
   double beta1 = 0.9, beta2 = 0.999;
-  double clip_norm = 1.0;  ///< of the whole gradient; 0: no clipping
-  double ema_decay = 0.0;  ///< of the averaged weights; 0: none are kept
-  int64_t log_every = 50;  ///< steps a line of log.jsonl
-  int64_t checkpoint_every = 1000;
-  int64_t keep_checkpoints = 2;  ///< the last ones that stay; the best one stays beside them
-  int64_t validate_every = 1000;
+  double clip_norm = 1.0;             ///< limit of the whole gradient's norm; 0: no clipping
+  double ema_decay = 0.0;             ///< of the averaged weights; 0: none are kept
+  int64_t log_every = 50;             ///< steps between lines of log.jsonl
+  int64_t checkpoint_every = 1000;    ///< steps
+  int64_t keep_checkpoints = 2;       ///< the last ones that stay; the best one stays beside them
+  int64_t validate_every = 1000;      ///< steps
   int64_t validation_scenes = 32;     ///< the first ones of the split; 0: all
-  int64_t validation_queries = 8192;  ///< of each, the same every time; 0: all
+  int64_t validation_queries = 8192;  ///< of each scene, the same every time; 0: all
   bool tensorboard = true;            ///< event files in RUN/tensorboard
   int64_t preview_every = 5000;       ///< steps between pictures of validation views; 0: none
-  int64_t preview_scenes = 4;         ///< of which every picture is kept, not the newest alone
-  int64_t timeout_s =
-      600;  ///< of a run of several processes: how long one may keep the others waiting
-  std::string init_weights;  ///< file whose weights a new run starts from; empty: fresh ones
+  int64_t preview_scenes = 4;         ///< the scenes of which every picture is kept
+  int64_t timeout_s = 600;            ///< how long one process may keep the others waiting
+  std::string init_weights;           ///< file whose weights a new run starts from; empty: none
   std::vector<std::string> init_except;  ///< prefixes of parameters that stay fresh all the same
   nn::Precision autocast = nn::Precision::Fp32;  ///< of products in training steps: none | bf16
 };
@@ -89,7 +88,8 @@ struct TrainConfig {
   AugmentConfig augment;
   OptimConfig train;
   nn::LossConfig loss;
-  double noise_weight = 0;  ///< loss.noise_weight: how much less noisy queries count; 0: all alike
+  /// The key loss.noise_weight: how much less queries of a noisy reference count; 0: all alike.
+  double noise_weight = 0;
   nn::ModelConfig model;
   bool has_scale = false;        ///< model.scale is given, and must be the data set's
   bool has_output_mean = false;  ///< model.output_mean is given, and is taken rather than measured
@@ -99,8 +99,8 @@ struct TrainConfig {
   static TrainConfig read(const Config& config);
 };
 
-/// Keys under `model:` in which two configurations differ, "channels (64, was 128)" each; without
-/// scale and output_mean, which come from the data.
+/// @return the keys under `model:` in which two configurations differ, as "channels (64, was 128)";
+/// without scale and output_mean, which come from the data
 std::vector<std::string> model_differences(const nn::ModelConfig& now,
                                            const nn::ModelConfig& before);
 

@@ -1,12 +1,10 @@
-// lte_train: only argv and the exit code live here; the work is train::run(), which tests call too.
+// lte_train: only argv, printing and the exit code live here; train/command has the work.
 #include <iostream>
-#include <string>
 
 #include "lte/base/process_memory.h"
 #include "lte/cli/cli.h"
-#include "train/command/command_line.h"
-#include "train/command/report.h"
-#include "train/command/run.h"
+#include "train/command/report_command.h"
+#include "train/command/train_command.h"
 
 namespace {
 
@@ -14,13 +12,15 @@ constexpr const char* kExamples = R"(Examples:
   lte_train --config configs/model/paper.yaml --dry-run
   lte_train --config configs/train/demo.yaml --set data.root=data/rooms --out runs/demo
   lte_train --config configs/train/demo.yaml --set data.root=data/rooms --out runs/demo --resume
-  lte_train --config my.yaml --set data.root=data/homes --out runs/homes --init-weights runs/demo/model.safetensors
+  lte_train --config my.yaml --set data.root=data/homes --out runs/homes \
+      --init-weights runs/demo/model.safetensors
   lte_train --config my.yaml --set data.root=data/homes --out runs/homes --find-lr
   lte_train report runs/demo
-A run directory holds checkpoint.safetensors and the ones before it, checkpoint_best.safetensors, model.safetensors,
-model_best.safetensors, log.jsonl, config.yaml, tensorboard/ and previews/; it may be moved. --resume takes the newest
-checkpoint that is whole.
-Ctrl-C finishes the step and writes a checkpoint. docs/training.md explains every key.)";
+A run directory holds checkpoint.safetensors and the ones before it, checkpoint_best.safetensors,
+model.safetensors, model_best.safetensors, log.jsonl, config.yaml, tensorboard/ and previews/; it
+may be moved. --resume takes the newest checkpoint that is whole.
+Ctrl-C finishes the step and writes a checkpoint. docs/training.md is the guide,
+docs/training-keys.md explains every key.)";
 
 }  // namespace
 
@@ -29,20 +29,17 @@ int main(int argc, char** argv) {
   app.footer(kExamples);
   lte::CommonOptions common;
   lte::train::RunOptions options;
+  lte::train::ReportOptions report_options;
   lte::train::add_run_options(app, &options);
   lte::add_common_options(app, &common);
-  std::string run, page;
-  auto* report =
-      app.add_subcommand("report", "Write a run's curves, scenes and times as one HTML page");
-  report->add_option("RUN", run, "Run directory")->required();
-  report->add_option("--out", page, "The page; by default RUN/report.html");
+  const CLI::App* report = lte::train::add_report_command(app, &report_options);
 
   int signal = 0;
   const int status = lte::run_tool(app, argc, argv, [&] {
     lte::apply_common_options(common);
     lte::keep_freed_memory();
     if (report->parsed()) {
-      std::cout << lte::train::write_run_report(run, page);
+      std::cout << lte::train::write_run_report(report_options.run, report_options.out);
       return;
     }
     if (options.config.empty()) throw CLI::RequiredError("--config");

@@ -5,6 +5,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/log.h"
+#include "lte/ops/bf16.h"
 
 namespace lte::nn {
 
@@ -30,6 +31,13 @@ c10::Device choose_device(const std::string& request, int gpu) {
   const c10::Device device(c10::kCUDA, static_cast<c10::DeviceIndex>(gpu));
   cuda.setDevice(device);
   return device;
+}
+
+void warn_of_slow_bf16(const std::string& setting, c10::Device device) {
+  if (!device.is_cpu() || ops::has_bf16_products()) return;
+  log_warning(setting,
+              ": this processor has no bfloat16 products (AVX512-BF16); they are computed from "
+              "float32 instructions, which is slower than float32");
 }
 
 }  // namespace lte::nn

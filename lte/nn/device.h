@@ -17,4 +17,8 @@ std::string cuda_obstacle();
 /// no silent fallback.
 c10::Device choose_device(const std::string& request, int gpu = 0);
 
+/// Warns where bfloat16 is slower than float32: on a CPU without bfloat16 products.
+/// @param setting  that asks for bfloat16; the warning begins with it
+void warn_of_slow_bf16(const std::string& setting, c10::Device device);
+
 }  // namespace lte::nn

@@ -1,19 +1,10 @@
 #include "lte/report/html.h"
 
 #include "lte/base/check.h"
+#include "lte/report/style.h"  // generated from style.css: kStyle
 
 namespace lte {
 namespace {
-
-constexpr const char* kStyle =
-    "body{font:15px/1.5 system-ui,sans-serif;max-width:1180px;margin:2em auto;padding:0 1em;"
-    "color:#222}h1{font-size:1.6em}h2{margin-top:1.8em;border-bottom:1px solid #ddd}"
-    "table{border-collapse:collapse;margin:1em 0}td,th{padding:.25em .8em;text-align:right;"
-    "border-bottom:1px solid #eee}td:first-child,th:first-child{text-align:left}"
-    "tr.own{background:#eef6ff;font-weight:600}figure{margin:.6em 0}"
-    "img{max-width:100%;image-rendering:pixelated;border:1px solid #ccc}"
-    "figcaption{font-size:.85em;color:#555}.note{color:#555;font-size:.9em}"
-    "svg{background:#fafafa;border:1px solid #ddd;margin:.3em}svg text{font:11px sans-serif}";
 
 std::string row(const std::vector<std::string>& cells, const char* tag, bool own) {
   std::string out = own ? "<tr class=own>" : "<tr>";

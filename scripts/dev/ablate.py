@@ -3,12 +3,13 @@
 their validation errors.
 
   scripts/dev/ablate.py --config configs/train/demo.yaml --data data/demo --seconds 300 \\
-      --seeds 1 2 3 --out out/ablation --variant "as it is" \\
-      --variant "no rotation: augment.rotate=none" --variant "any axis: augment.rotate=any"
+      --seeds 1 2 3 --out out/ablation \\
+      --variant "as it is" --variant "no rotation: augment.rotate=none" \\
+      --variant "any axis: augment.rotate=any"
 
 A variant is a name, and after a colon the keys it sets. Equal time is equal training time on this
 machine: the first steps of each variant are timed, and train.steps is what fits into --seconds, so
-that every schedule runs to its end. Time the runs on a machine that does nothing else; where that
+that every schedule runs to its end. Time the runs on a machine that does nothing else. Where that
 cannot be, --clock cpu counts the processor time of the process instead, which --threads 1 makes the
 time that one core of its own would take. Figures are those of the last step on the validation
 split; the spread is the standard deviation over seeds. Runs that are there already are not run
@@ -51,12 +52,9 @@ def cpu_seconds() -> float:
 
 def train(args, settings: list[str], seed: int, out: pathlib.Path, result: pathlib.Path,
           more: list[str]) -> dict:
-    command = [
-        args.tool, "--config", args.config, "--out",
-        str(out), "--seed",
-        str(seed), "--quiet", "--json",
-        str(result)
-    ]
+    """Runs lte_train. Returns its --json result and the processor time that it took."""
+    command = [args.tool, "--config", args.config, "--out", str(out), "--seed", str(seed),
+               "--quiet", "--json", str(result)]
     for setting in [f"data.root={args.data}", *settings]:
         command += ["--set", setting]
     if args.threads:
@@ -64,10 +62,8 @@ def train(args, settings: list[str], seed: int, out: pathlib.Path, result: pathl
     before = cpu_seconds()
     done = subprocess.run(command + more, capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        fail(
-            f"{' '.join(command + more)}: "
-            f"{done.stderr.strip() or 'exit code ' + str(done.returncode)}"
-        )
+        reason = done.stderr.strip() or f"exit code {done.returncode}"
+        fail(f"{' '.join(command + more)}: {reason}")
     return json.loads(result.read_text()) | {"cpu_seconds": cpu_seconds() - before}
 
 
@@ -81,16 +77,14 @@ def steps_in_time(args, name: str, settings: list[str], folder: pathlib.Path) ->
     for count in (warm, timed):  # their difference is free of what only the first steps cost
         out = folder / f"timing{count}"
         shutil.rmtree(out, ignore_errors=True)
-        run = train(args, [*settings, "train.steps=1000000000", "train.warmup_steps=0"], 1, out,
-                    folder / "timing.json", ["--stop-after", str(count)])
+        endless = [*settings, "train.steps=1000000000", "train.warmup_steps=0"]
+        run = train(args, endless, 1, out, folder / "timing.json", ["--stop-after", str(count)])
         seconds.append(run["cpu_seconds" if args.clock == "cpu" else "seconds"])
         shutil.rmtree(out)
     each = (seconds[1] - seconds[0]) / (timed - warm)
     if each <= 0:
-        fail(
-            f"variant {name}: {timed} steps took {seconds[1]:.2f} s and {warm} steps "
-            f"{seconds[0]:.2f} s: raise --timing-steps"
-        )
+        fail(f"variant {name}: {timed} steps took {seconds[1]:.2f} s and {warm} steps "
+             f"{seconds[0]:.2f} s: raise --timing-steps")
     steps = max(1, round(args.seconds / each))
     known.write_text(json.dumps({"steps": steps, "seconds_a_step": each}))
     return steps
@@ -111,10 +105,8 @@ def run_variant(args, name: str, settings: list[str]) -> list[dict]:
         if not (result.exists() and json.loads(result.read_text()).get("finished")):
             run = folder / f"seed{seed}"
             resume = ["--resume"] if (run / "checkpoint.safetensors").exists() else []
-            more = [
-                f"train.steps={steps}", f"train.validate_every={steps}",
-                f"train.warmup_steps={min(args.warmup, steps // 10)}"
-            ]
+            more = [f"train.steps={steps}", f"train.validate_every={steps}",
+                    f"train.warmup_steps={min(args.warmup, steps // 10)}"]
             train(args, [*settings, *more], seed, run, result, resume)
         results.append(json.loads(result.read_text()))
         last = results[-1]
@@ -130,17 +122,13 @@ def cell(values: list[float], digits: int) -> str:
 
 
 def table(rows: list[tuple[str, list[dict]]]) -> str:
-    lines = [
-        "| variant | seeds | steps | seconds | loss | MSE | PSNR, dB |",
-        "|---|---:|---:|---:|---:|---:|---:|"
-    ]
+    lines = ["| variant | seeds | steps | seconds | loss | MSE | PSNR, dB |",
+             "|---|---:|---:|---:|---:|---:|---:|"]
     for name, results in rows:
         seconds = statistics.mean(result["seconds"] for result in results)
         errors = [cell([result[metric] for result in results], 4) for metric in METRICS]
-        lines.append(
-            f"| {name} | {len(results)} | {results[0]['step']} | {seconds:.0f} | "
-            f"{' | '.join(errors)} |"
-        )
+        row = [name, str(len(results)), str(results[0]["step"]), f"{seconds:.0f}", *errors]
+        lines.append(f"| {' | '.join(row)} |")
     return "\n".join(lines) + "\n"
 
 

@@ -1,5 +1,9 @@
 #include "train/config.h"
 
+#include <fstream>
+#include <map>
+#include <regex>
+
 #include "tests/train/support.h"
 
 namespace lte::train {
@@ -18,6 +22,7 @@ TEST(TrainConfig, BaseYamlHoldsTheDefaultsOfTheCode) {
   EXPECT_EQ(file.data.cache_mb, code.data.cache_mb);
   EXPECT_EQ(file.data.on_bad_scene, code.data.on_bad_scene);
   EXPECT_EQ(file.augment.rotate, code.augment.rotate);
+  EXPECT_EQ(file.augment.permute_colors, code.augment.permute_colors);
   EXPECT_EQ(file.train.keep_checkpoints, code.train.keep_checkpoints);
   EXPECT_EQ(file.train.init_weights, code.train.init_weights);
   EXPECT_EQ(file.train.init_except, code.train.init_except);
@@ -51,11 +56,57 @@ TEST(TrainConfig, EveryShippedConfigurationIsValid) {
   EXPECT_GE(files, 4);
 }
 
+/// Keys of configs/base.yaml with their values as written there. A key that is there as a comment
+/// alone, because the data decide it, has none.
+std::map<std::string, std::string> keys_of_base() {
+  const std::regex pattern(R"(^(  )?(# )?(\w+):\s*(\[[^\]]*\]|"[^"]*"|[^\s#]+)?.*$)");
+  std::map<std::string, std::string> keys;
+  std::string section;
+  std::smatch match;
+  const auto base = std::filesystem::path(LTE_SOURCE_DIR) / "configs/base.yaml";
+  for (const std::string& line : test::lines_of(base)) {
+    if (line.starts_with('#') || !std::regex_match(line, match, pattern)) continue;
+    const bool inside = match[1].matched, comment = match[2].matched;
+    if (!inside) section = match[4].matched ? "" : match[3].str() + ".";
+    if (inside || match[4].matched) keys[section + match[3].str()] = comment ? "" : match[4].str();
+  }
+  return keys;
+}
+
+/// Keys of docs/training-keys.md, the first column of its tables, with the second column.
+std::map<std::string, std::string> keys_of_page() {
+  const std::regex pattern(R"(^\| `([\w.]+)` \| ([^|]+) \| [^|]+ \|$)");
+  std::map<std::string, std::string> keys;
+  std::smatch match;
+  const auto page = std::filesystem::path(LTE_SOURCE_DIR) / "docs/training-keys.md";
+  for (const std::string& line : test::lines_of(page)) {
+    if (!line.starts_with("| `")) continue;
+    EXPECT_TRUE(std::regex_match(line, match, pattern)) << line;
+    EXPECT_TRUE(keys.emplace(match[1], match[2]).second) << match[1] << " is there twice";
+  }
+  return keys;
+}
+
+TEST(TrainConfig, ThePageOfKeysIsThatOfTheBaseYaml) {
+  const auto base = keys_of_base(), page = keys_of_page();
+  EXPECT_GT(base.size(), 50u);
+  EXPECT_EQ(base.at("train.learning_rate"), "2.0e-4");
+  for (const auto& [key, value] : base) {
+    const auto found = page.find(key);
+    ASSERT_NE(found, page.end()) << key << " is not in docs/training-keys.md";
+    if (!value.empty()) EXPECT_EQ(found->second, "`" + value + "`") << key;
+  }
+  for (const auto& [key, value] : page)
+    EXPECT_TRUE(base.contains(key)) << key << " is not in configs/base.yaml";
+}
+
 TEST(TrainConfig, UnknownKeysNameTheNearest) {
   test::expect_error([] { parsed("train: {learing_rate: 1}\n"); },
                      {"cfg.yaml:1", "train.learing_rate", "train.learning_rate"});
   test::expect_error([] { parsed("model: {chanels: 1}\n"); }, {"model.chanels", "model.channels"});
   test::expect_error([] { parsed("traim: {steps: 1}\n"); }, {"traim", "train"});
+  test::expect_error([] { parsed("data: {query_samplin: uniform}\n"); },
+                     {"data.query_samplin", "data.query_sampling"});
 }
 
 TEST(TrainConfig, ValuesOutOfRangeNameTheKey) {
@@ -101,6 +152,19 @@ TEST(TrainConfig, RotationIsOfThreeKindsAndWasOnceASwitch) {
   EXPECT_EQ(parsed("augment: {rotate: true}\n").augment.rotate, Rotation::Vertical);
   EXPECT_EQ(parsed("augment: {rotate: false}\n").augment.rotate, Rotation::None);
   EXPECT_EQ(parsed("{}\n").augment.rotate, Rotation::Vertical);
+}
+
+TEST(TrainConfig, TheOldNameOfThePermutationIsStillRead) {
+  EXPECT_TRUE(parsed("{}\n").augment.permute_colors);
+  EXPECT_FALSE(parsed("augment: {permute_colors: false}\n").augment.permute_colors);
+  EXPECT_FALSE(parsed("augment: {permute_colours: false}\n").augment.permute_colors);
+  // An old file inherits the new name from the base; what it says itself counts.
+  EXPECT_FALSE(
+      parsed("augment: {permute_colors: true, permute_colours: false}\n").augment.permute_colors);
+  testing::internal::CaptureStderr();
+  parsed("augment: {permute_colours: true}\n");
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("augment.permute_colors"),
+            std::string::npos);
 }
 
 TEST(TrainConfig, AutocastIsOffUnlessBf16IsAskedFor) {

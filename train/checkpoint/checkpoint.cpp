@@ -26,8 +26,8 @@ constexpr const char* kFormat = "lte-checkpoint";
 constexpr int kVersion = 1;
 constexpr const char* kLog = "log";
 
-/// Of all that a run goes on from. The container checks lengths alone; a failing disk or a power
-/// cut may leave blocks of zeros in a file of the right length.
+/// A hash of all that a run goes on from. The container checks lengths alone, but a failing disk or
+/// a power cut may leave blocks of zeros in a file of the right length.
 class Checksum {
  public:
   void add(const void* bytes, size_t size) {
@@ -85,6 +85,8 @@ std::string progress_json(const RunProgress& progress) {
                {"seconds", progress.seconds},
                {"window_loss", progress.window_loss},
                {"window_steps", progress.window_steps},
+               {"light_paths", progress.light.paths},
+               {"light_depth", progress.light.depth},
                {"data_fingerprint", progress.data_fingerprint}};
   // JSON has no infinity: a run that was never validated has no best.
   if (progress.best_loss < std::numeric_limits<double>::infinity())
@@ -104,6 +106,9 @@ RunProgress parse_progress(const fs::path& path, const std::string& text) {
     progress.data_fingerprint = json.at("data_fingerprint").get<uint64_t>();
     progress.best_loss = json.value("best_loss", std::numeric_limits<double>::infinity());
     progress.best_step = json.value("best_step", int64_t{-1});
+    // Files of earlier builds lack them; those had no other data.
+    progress.light.paths = json.value("light_paths", progress.light.paths);
+    progress.light.depth = json.value("light_depth", progress.light.depth);
     return progress;
   } catch (const Json::exception& error) {
     throw Error(concat(path.string(), ": metadata \"progress\" is damaged: ", error.what()));

@@ -12,22 +12,25 @@
 #include <string>
 
 #include "lte/nn/model.h"
+#include "train/data/light_estimates.h"
 #include "train/optim/optimizer.h"
 
 namespace lte::train {
 
-/// What is neither weight nor moment.
+/// Where a run has got to: all of its state that is neither weight nor moment.
 struct RunProgress {
   int64_t step = 0;  ///< steps done
   uint64_t seed = 0;
   double best_loss = std::numeric_limits<double>::infinity();  ///< lowest validation loss so far
-  int64_t best_step = -1;         ///< of that validation; −1: none yet, or not known
+  int64_t best_step = -1;         ///< step of that validation; −1: none yet, or not known
   double seconds = 0;             ///< spent training, over all sessions
   double window_loss = 0;         ///< sum of losses since the last line of the log
   int64_t window_steps = 0;       ///< steps in it
   uint64_t data_fingerprint = 0;  ///< of the training split's scene names, in order
+  LightEstimates light;           ///< of the data set
 };
 
+/// What stands in a checkpoint beside tensors of weights and moments.
 struct CheckpointHeader {
   RunProgress progress;
   nn::ModelConfig model;
@@ -39,9 +42,9 @@ std::filesystem::path checkpoint_path(const std::filesystem::path& run);
 std::filesystem::path model_path(const std::filesystem::path& run);
 std::filesystem::path best_model_path(const std::filesystem::path& run);
 
-/// Atomic. Tensors: "model.NAME", Optimizer::state() and "log" (the bytes of log.jsonl). Metadata:
-/// format "lte-checkpoint", format_version, progress (JSON), model_config and config (YAML),
-/// lte_version, checksum.
+/// Writes the file in one piece or not at all. Its tensors are "model.NAME", Optimizer::state() and
+/// "log" (the bytes of log.jsonl). Its metadata are format "lte-checkpoint", format_version, progress
+/// (JSON), model_config and config (YAML), lte_version and checksum.
 void save_checkpoint(const std::filesystem::path& path, const nn::LightTransportModel& model,
                      const Optimizer& optimizer, const RunProgress& progress,
                      const std::string& config, const std::string& log);
@@ -54,7 +57,7 @@ std::optional<std::string> checkpoint_damage(const std::filesystem::path& path);
 /// @throws lte::Error naming the file: unreadable, not a checkpoint, of a newer format.
 CheckpointHeader read_checkpoint_header(const std::filesystem::path& path);
 
-/// Weights and optimizer state into a model built from the header's configuration.
+/// Reads weights and optimizer state into a model built from the header's configuration.
 /// @throws lte::Error naming file and tensor if one is missing, of another shape or not finite.
 void load_checkpoint(const std::filesystem::path& path, const nn::LightTransportModel& model,
                      Optimizer* optimizer);

@@ -19,7 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kPrefix = "checkpoint_", kSuffix = ".safetensors";
-/// Of the newest file if it cannot be read: it is looked at first, and then said to be damaged.
+/// The step of the newest file if it cannot be read: so it is looked at first, and then said to be
+/// damaged.
 constexpr int64_t kUnknownStep = std::numeric_limits<int64_t>::max();
 
 /// STEP of a name checkpoint_STEP.safetensors.
@@ -66,7 +67,7 @@ std::vector<CheckpointFiles::Entry> CheckpointFiles::list() const {
     const auto step = step_in_name(file.path().filename().string());
     if (step) entries.push_back({file.path(), *step});
   }
-  // Last among equals: it may be the newest one under another name.
+  // The best one comes last among equals: it may be the newest one under another name.
   if (fs::exists(best)) {
     const int64_t step = step_in_file(best);
     entries.push_back({best, step == kUnknownStep ? -1 : step});
@@ -124,13 +125,13 @@ void CheckpointFiles::prune(int64_t newest_step) const {
     if (!step_in_name(entry.path.filename().string())) continue;
     const bool good = entry.step < newest_step && !damaged_.contains(entry.path);
     if (good && ++kept <= keep_) continue;
-    std::error_code ignored;  // of next time
+    std::error_code ignored;  // what cannot be removed now is tried again next time
     fs::remove(entry.path, ignored);
   }
 }
 
 void CheckpointFiles::keep_newest_as_best() const {
-  // A name that remove_leftovers() knows.
+  // If the process is killed in between, remove_leftovers() knows the name.
   const fs::path newest = checkpoint_path(run_), best = best_checkpoint_path(run_),
                  link = run_ / concat('.', best.filename().string(), ".tmp-link");
   std::error_code error;

@@ -12,11 +12,11 @@
 namespace lte::train {
 
 nn::LightTransportModel first_model(TrainConfig* config, RunData* data) {
-  constexpr double kLeastMean =
-      1e-3;  // a split that is all but black must not push the output's bias to −infinity
+  // A split that is all but black must not push the output's bias to −infinity.
+  constexpr double kLeastMean = 1e-3;
   config->model.scale = data->scale;
   if (config->model.reads_indirect()) {
-    config->model.output_mean = 1;  // a factor
+    config->model.output_mean = 1;  // such a network answers with a factor
   } else if (!config->has_output_mean) {
     config->model.output_mean = std::max(mean_target(*config, &data->train), kLeastMean);
   }
@@ -25,7 +25,7 @@ nn::LightTransportModel first_model(TrainConfig* config, RunData* data) {
   torch::manual_seed(config->seed);
   nn::LightTransportModel model(config->model);
   if (!config->train.init_weights.empty())
-    init_weights(config->train.init_weights, config->train.init_except, model);
+    init_weights(config->train.init_weights, config->train.init_except, model, data->light);
   return model;
 }
 

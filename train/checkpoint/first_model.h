@@ -7,9 +7,9 @@
 
 namespace lte::train {
 
-/// Drawn from the seed, on the CPU; its weights are those of train.init_weights where that names a
-/// file. Sets what of the model's configuration the data decide: scale, and output_mean unless it
-/// is given.
+/// Makes the model on the CPU, with weights drawn from the seed, or with those of the file that
+/// train.init_weights names. Sets what the data decide of the model's configuration: scale, and
+/// output_mean unless it is given.
 /// @throws lte::Error if the data have no finite mean, or as init_weights()
 nn::LightTransportModel first_model(TrainConfig* config, RunData* data);
 

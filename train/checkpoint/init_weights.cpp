@@ -1,6 +1,7 @@
 #include "train/checkpoint/init_weights.h"
 
 #include <algorithm>
+#include <charconv>
 #include <map>
 
 #include <ATen/ops/from_blob.h>
@@ -10,6 +11,7 @@
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/safetensors.h"
+#include "train/checkpoint/checkpoint.h"
 #include "train/config.h"
 
 namespace lte::train {
@@ -74,13 +76,34 @@ void check_prefixes(const std::string& file, const std::vector<std::string>& exc
   }
 }
 
-void check_config(const SafetensorsFile& file, const nn::ModelConfig& model) {
+/// What the metadata of a model file or a checkpoint say of the light that it was trained with.
+LightEstimates light_of(const SafetensorsFile& file) {
+  if (file.metadata().contains("progress"))
+    return read_checkpoint_header(file.path()).progress.light;
+  LightEstimates light;
+  const auto read = [&](const char* key, int* value) {
+    const auto found = file.metadata().find(key);
+    if (found == file.metadata().end()) return;
+    const char* end = found->second.data() + found->second.size();
+    const auto [stop, error] = std::from_chars(found->second.data(), end, *value);
+    LTE_CHECK(error == std::errc() && stop == end, file.path().string(), ": metadata ", key,
+              " is \"", found->second, "\", expected a number");
+  };
+  read("light_paths", &light.paths);
+  read("light_depth", &light.depth);
+  return light;
+}
+
+void check_config(const SafetensorsFile& file, const nn::ModelConfig& model,
+                  const LightEstimates& light) {
   const std::string name = file.path().string();
   const auto before =
       nn::ModelConfig::read(Config::parse(file.metadata("model_config"), name + ": model_config"));
   LTE_CHECK(before.scale == model.scale, name, ": its weights are for a scale of ", before.scale,
             " m, but the data set's is ", model.scale,
             " m: positions in network space would not mean the same");
+  // Weights that never saw such light are bound to nothing.
+  if (before.reads_direct()) check_light_estimates(name, model, light_of(file), light);
   const std::vector<std::string> differences = model_differences(model, before);
   std::string text;
   for (const std::string& difference : differences) text += (text.empty() ? "" : ", ") + difference;
@@ -90,7 +113,7 @@ void check_config(const SafetensorsFile& file, const nn::ModelConfig& model) {
 }  // namespace
 
 void init_weights(const std::filesystem::path& path, const std::vector<std::string>& except,
-                  const nn::LightTransportModel& model) {
+                  const nn::LightTransportModel& model, const LightEstimates& light) {
   const torch::NoGradGuard no_grad;
   const SafetensorsFile file(path);
   const std::string name = path.string();
@@ -118,7 +141,7 @@ void init_weights(const std::filesystem::path& path, const std::vector<std::stri
   }
   LTE_CHECK(faults.empty(), name, ": its weights do not fit the model: ", faults,
             "; --init-except PREFIX leaves out parameters by name");
-  check_config(file, model->config());
+  check_config(file, model->config(), light);
   for (const auto& item : parameters) {
     if (starts_with_any(item.key(), except)) continue;
     const TensorView& view = weights.at(item.key());

@@ -17,6 +17,10 @@ void save_run_model(const std::filesystem::path& path, const nn::LightTransportM
       {"step", std::to_string(origin.step)},
       {"scene_points", std::to_string(origin.scene_points)},
       {"scene_points_pruned", origin.pruned ? "true" : "false"}};
+  if (model->config().reads_direct()) {
+    extra["light_paths"] = std::to_string(origin.light.paths);
+    extra["light_depth"] = std::to_string(origin.light.depth);
+  }
   if (origin.val_loss) extra["val_loss"] = concat(*origin.val_loss);
   nn::save_model(path, model, extra);
 }

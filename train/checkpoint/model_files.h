@@ -7,24 +7,26 @@
 #include <string>
 
 #include "lte/nn/model.h"
+#include "train/data/light_estimates.h"
 #include "train/optim/optimizer.h"
 
 namespace lte::train {
 
-/// What stands in a model's metadata beside its own configuration.
+/// Where a model comes from: what its metadata say beside its own configuration.
 struct ModelOrigin {
-  std::string config;  ///< of the run, YAML
+  std::string config;  ///< the run's whole configuration, YAML
   int64_t step = 0;
-  int64_t scene_points = 0;  ///< M it was trained on
+  int64_t scene_points = 0;  ///< M, points of a scene that it was trained on
   bool pruned = false;       ///< points were drawn only where light reaches them
+  LightEstimates light;      ///< of the data set; written if the model reads them
   std::optional<double> val_loss;
 };
 
-/// The averaged weights if there are any. Atomic.
+/// Writes the averaged weights if there are any, else the weights. Atomic.
 void save_run_model(const std::filesystem::path& path, const nn::LightTransportModel& model,
                     Optimizer* optimizer, const ModelOrigin& origin);
 
-/// The same from a checkpoint, whose metadata decide over the model's shape.
+/// Makes the same file from a checkpoint, whose metadata give the model's shape.
 void save_model_of_checkpoint(const std::filesystem::path& path,
                               const std::filesystem::path& checkpoint, const OptimConfig& config,
                               const ModelOrigin& origin);

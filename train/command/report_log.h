@@ -1,4 +1,4 @@
-// log.jsonl read back: figures over steps.
+// Reads log.jsonl back, as figures over steps.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace lte::train {
 using Series = std::vector<std::pair<double, double>>;
 
 struct RunHistory {
-  std::map<std::string, Series> figures;  ///< by the names of the log; what is null is left out
+  std::map<std::string, Series> figures;  ///< by their names in the log; without nulls
   std::map<std::string, Series> scenes;   ///< validation loss by scene
   int64_t last_step = 0;
 

@@ -7,7 +7,7 @@
 namespace lte::train {
 namespace {
 
-/// exp(uniform(−log most, log most)): as likely brighter as dimmer.
+/// exp(uniform(−log most, log most)), which is above 1 as often as below.
 float log_uniform(double most, Rng* rng) {
   return static_cast<float>(std::exp(std::log(most) * (2.0 * rng->uniform() - 1.0)));
 }
@@ -29,6 +29,7 @@ Rotation3 about_vertical(float cosine, float sine) {
   return {{{cosine, 0, sine}, {0, 1, 0}, {-sine, 0, cosine}}};
 }
 
+/// By any angle if the scene fits afterwards, else by the nearest quarter turn.
 void turn_about_vertical(Symmetry* symmetry, const Bounds& bounds, double largest, Rng* rng) {
   const double turns = rng->uniform();
   const double angle = 2 * std::numbers::pi * turns;
@@ -54,8 +55,8 @@ Rotation3 uniform_rotation(Rng* rng) {
           row(2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y))};
 }
 
-/// Of the 24 rotations of the cube the one at the smallest angle from `rotation`: that of the
-/// largest trace of the product.
+/// The one of the cube's 24 rotations that is at the smallest angle from `rotation`: its product
+/// with the inverse of `rotation` has the largest trace.
 Rotation3 nearest_of_the_cube(const Rotation3& rotation) {
   Rotation3 nearest{};
   float most = -INFINITY;
@@ -99,7 +100,7 @@ Symmetry draw_symmetry(const AugmentConfig& config, int64_t light_groups, const 
     turn_about_vertical(&symmetry, bounds, largest_extent, rng);
   if (config.rotate == Rotation::Any) turn_about_any_axis(&symmetry, bounds, largest_extent, rng);
   if (config.mirror) symmetry.mirror = rng->below(2) == 1;
-  if (config.permute_colours) {
+  if (config.permute_colors) {
     for (size_t i = 2; i > 0; --i)
       std::swap(symmetry.channels[i], symmetry.channels[rng->below(i + 1)]);
   }

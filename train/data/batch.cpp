@@ -32,11 +32,11 @@ size_t EpochOrder::scene_at(uint64_t position) {
 }
 
 BatchLoader::BatchLoader(const TrainConfig& config, double scale, SceneStore* store,
-                         const World& world)
+                         const Rank& rank)
     : config_(config),
       scale_(scale),
       store_(store),
-      world_(world),
+      rank_(rank),
       order_(config.seed, store->size()) {}
 
 BatchLoader::~BatchLoader() {
@@ -45,12 +45,14 @@ BatchLoader::~BatchLoader() {
 
 std::shared_ptr<const TrainingScene> BatchLoader::scene_at(uint64_t position) {
   auto scene = store_->get(order_.scene_at(position));
-  // The store throws when none is left, so this ends.
+  // A scene that is skipped gives way to one that the position alone decides. The store throws when
+  // none is left, so this ends.
   for (Rng rng(config_.seed, hash_combine(kReplacementStream, position)); !scene;)
     scene = store_->get(rng.below(store_->size()));
   return scene;
 }
 
+/// Drawn afresh, or always the same ones: then they depend on the seed and the scene's name alone.
 std::vector<int64_t> BatchLoader::scene_rows(const TrainingScene& scene, Rng* rng) const {
   if (config_.augment.subsample) return draw_scene_rows(scene, config_.data.scene_points, rng);
   uint64_t stream = kPointStream;
@@ -62,7 +64,7 @@ std::vector<int64_t> BatchLoader::scene_rows(const TrainingScene& scene, Rng* rn
 std::vector<Example> BatchLoader::make(int64_t step) {
   std::vector<Example> examples;
   const int64_t count = config_.train.scenes_per_step;
-  for (int64_t slot = world_.rank; slot < count; slot += world_.size) {
+  for (int64_t slot = rank_.index; slot < count; slot += rank_.count) {
     const auto position = static_cast<uint64_t>(step * count + slot);
     const auto scene = scene_at(position);
     Rng rng(config_.seed, hash_combine(kExampleStream, position));

@@ -14,8 +14,7 @@
 
 namespace lte::train {
 
-/// Position `slot` of step `step` in an endless run of epochs, each a fresh permutation of the
-/// scenes.
+/// An endless sequence of scenes: one epoch after another, each a fresh permutation of all of them.
 class EpochOrder {
  public:
   EpochOrder(uint64_t seed, size_t scenes) : seed_(seed), scenes_(scenes) {}
@@ -29,23 +28,24 @@ class EpochOrder {
   std::vector<size_t> order_;
 };
 
-/// Makes this process's examples of a step, every `world.size`-th beginning with its rank: all
-/// processes together have those that one alone would have. Those of the next, and no more, are
-/// made by another thread while the model works: memory holds the examples of two steps.
+/// Makes this process's examples of a step: of its scenes every `rank.count`-th, beginning with
+/// scene `rank.index`, so that all processes together have the examples that one alone would have.
+/// Another thread makes those of the next step, and no more, while the model works: memory holds
+/// the examples of two steps.
 ///
 /// In the place of a scene that the store skips comes another, drawn by its position in the order
 /// alone: the same one whichever process asks, however often the run is stopped.
 class BatchLoader {
  public:
-  /// @param scale  s, metres: what a rotated scene must fit into
-  BatchLoader(const TrainConfig& config, double scale, SceneStore* store, const World& world = {});
+  /// @param scale  s, metres: a rotated scene must fit into a cube of this side
+  BatchLoader(const TrainConfig& config, double scale, SceneStore* store, const Rank& rank = {});
   ~BatchLoader();
   BatchLoader(const BatchLoader&) = delete;
   BatchLoader& operator=(const BatchLoader&) = delete;
 
-  /// The examples of `step`, and starts on those of step + 1.
+  /// Returns the examples of `step`, and starts on those of step + 1.
   std::vector<Example> take(int64_t step);
-  /// Seconds that take() has waited for examples, all together.
+  /// Seconds that take() has waited for examples, over all calls.
   double waited_seconds() const { return waited_seconds_; }
 
  private:
@@ -56,7 +56,7 @@ class BatchLoader {
   TrainConfig config_;
   double scale_;
   SceneStore* store_;
-  World world_;
+  Rank rank_;
   EpochOrder order_;
   std::future<std::vector<Example>> next_;
   int64_t next_step_ = -1;
@@ -67,8 +67,8 @@ class BatchLoader {
 /// time.
 std::vector<Example> validation_examples(const TrainConfig& config, SceneStore* store);
 
-/// Mean of the normalized target over at most 64 scenes, spread evenly over `store`: the network's
-/// first output.
+/// Mean of the normalized target over at most 64 scenes, spread evenly over `store`. It is what an
+/// untrained network answers.
 double mean_target(const TrainConfig& config, SceneStore* store);
 
 }  // namespace lte::train

@@ -29,8 +29,8 @@ std::map<int32_t, std::vector<int64_t>> classes_of(const TrainingScene& scene) {
   return classes;
 }
 
-/// Area of each kept point: that of its class stays what it was, so the emission scalar does not
-/// jump with the draw.
+/// Areas of the kept points, scaled so that each class keeps its whole area: the emission scalar
+/// must not jump with the draw.
 at::Tensor areas(const TrainingScene& scene, const std::vector<int64_t>& rows) {
   std::map<int32_t, double> all, kept;
   for (size_t i = 0; i < scene.area.size(); ++i) all[scene.light[i]] += scene.area[i];
@@ -78,8 +78,8 @@ struct DrawnQueries {
   std::vector<double> weight;  ///< of each row; empty: all alike
 };
 
-/// Systematic sampling of the scores' distribution: a row comes as often as it should on average to
-/// within one.
+/// Systematic sampling of the scores' distribution: how often a row comes differs by less than one
+/// from how often it should on average.
 DrawnQueries draw_by_score(const std::vector<float>& scores, bool square_root, int64_t count,
                            Rng* rng) {
   const auto score = [&](size_t i) { return square_root ? std::sqrt(scores[i]) : scores[i]; };

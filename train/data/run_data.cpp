@@ -24,8 +24,7 @@ uint64_t names_fingerprint(const std::vector<data::DatasetEntry>& entries) {
 RunData open_run_data(const TrainConfig& config) {
   LTE_CHECK(!config.data.root.empty(),
             "data.root: names no data set; give the directory that lte_datagen generate wrote, "
-            "e.g. --set "
-            "data.root=data/rooms");
+            "e.g. --set data.root=data/rooms");
   const std::filesystem::path root = config.data.root;
   const bool skip = config.data.on_bad_scene == BadScene::Skip;
   const data::DatasetInfo info = data::read_dataset_info(
@@ -42,7 +41,12 @@ RunData open_run_data(const TrainConfig& config) {
   SceneStore train_store(root, std::move(train), options);
   options.cache_bytes = 0;  // each is read once
   SceneStore val_store(root, data::entries_of(info, data::Split::Val), options);
-  return {info.scale, info.pruned, std::move(train_store), std::move(val_store), fingerprint};
+  return {info.scale,
+          info.pruned,
+          {info.light_paths, info.light_depth},
+          std::move(train_store),
+          std::move(val_store),
+          fingerprint};
 }
 
 std::string check_run_data(const TrainConfig& config) {

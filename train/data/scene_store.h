@@ -18,8 +18,8 @@
 
 namespace lte::train {
 
-/// What training needs of a baked scene: no views, and of direct and indirect irradiance what the
-/// target is made of.
+/// What training needs of a baked scene: not the views, and of direct and indirect irradiance only
+/// what the target is made of.
 struct TrainingScene {
   std::string name;
   std::vector<Vec3> position, normal;              ///< [M]
@@ -55,8 +55,8 @@ struct SceneStoreOptions {
   nn::LightInput light_input = nn::LightInput::Emission;
 };
 
-/// Least recently used scenes are dropped once `cache_bytes` are exceeded; the latest always stays.
-/// One thread at a time.
+/// Reads scenes and keeps them. The least recently used ones are dropped once `cache_bytes` are
+/// exceeded; the latest always stays. For one thread at a time.
 class SceneStore {
  public:
   SceneStore(std::filesystem::path root, std::vector<data::DatasetEntry> entries,
@@ -64,12 +64,13 @@ class SceneStore {
 
   size_t size() const { return entries_.size(); }
   const std::string& name(size_t index) const { return entries_[index].name; }
-  /// @return null for a bad scene if those are skipped: a file that is missing, damaged or of
-  /// another version, a value out of range, an extent above the scale. Warns of it the first time.
-  /// @throws lte::Error naming file, tensor and index of what is wrong with it; if bad scenes are
-  /// skipped, when no scene is left
+  /// A scene is bad if its file is missing, damaged or of another version, holds a value out of
+  /// range, or exceeds the scale. With `skip_bad` it is named in a warning the first time.
+  /// @return null for a bad scene if those are skipped
+  /// @throws lte::Error naming file, tensor and index of what is wrong with a scene; if bad scenes
+  /// are skipped, only when none is left
   std::shared_ptr<const TrainingScene> get(size_t index);
-  /// Those skipped so far.
+  /// Indices of the scenes skipped so far.
   const std::set<size_t>& bad() const { return bad_; }
   size_t cached_bytes() const { return cached_bytes_; }
 

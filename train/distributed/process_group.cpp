@@ -46,14 +46,14 @@ std::string this_process() {
   return concat("host ", host.data(), ", process ", getpid());
 }
 
-c10::intrusive_ptr<c10d::TCPStore> open_store(const World& world, bool serve, seconds timeout) {
+c10::intrusive_ptr<c10d::TCPStore> open_store(const Rank& rank, bool serve, seconds timeout) {
   c10d::TCPStoreOptions options;
-  options.port = world.port;
+  options.port = rank.port;
   options.isServer = serve;
-  options.numWorkers = static_cast<size_t>(world.size);
+  options.numWorkers = static_cast<size_t>(rank.count);
   options.waitWorkers = false;
   options.timeout = timeout;
-  return c10::make_intrusive<c10d::TCPStore>(world.address, options);
+  return c10::make_intrusive<c10d::TCPStore>(rank.address, options);
 }
 
 /// What a process has written last; empty if nothing.
@@ -124,26 +124,26 @@ struct ProcessGroup::State {
   std::unique_ptr<Heartbeat> heartbeat;
   std::atomic<int64_t> step = 0;
 
-  std::string others_faults(const World& world);
+  std::string others_faults(const Rank& mine);
   std::string fault_of(int rank, const std::string& last_beat) const;
 };
 
-ProcessGroup::ProcessGroup(const World& world, at::Device device, seconds timeout)
-    : world_(world), device_(device), state_(std::make_shared<State>()) {
+ProcessGroup::ProcessGroup(const Rank& rank, at::Device device, seconds timeout)
+    : rank_(rank), device_(device), state_(std::make_shared<State>()) {
   // A failure is told once, in a line, not by every layer of LibTorch with its backtrace.
   setenv("TORCH_CPP_LOG_LEVEL", "ERROR", /*overwrite=*/0);
   c10::initLogging();
   try {
-    state_->store = open_store(world, world.leads(), timeout);
-    state_->board = open_store(world, false, timeout);
-    write(*state_->board, key("who", world.rank), this_process());
-    state_->heartbeat = std::make_unique<Heartbeat>(open_store(world, false, timeout), world.rank);
-    state_->group = make_backend(state_->store, world, device, timeout);
+    state_->store = open_store(rank, rank.leads(), timeout);
+    state_->board = open_store(rank, false, timeout);
+    write(*state_->board, key("who", rank.index), this_process());
+    state_->heartbeat = std::make_unique<Heartbeat>(open_store(rank, false, timeout), rank.index);
+    state_->group = make_backend(state_->store, rank, device, timeout);
     wait_for_all();
   } catch (const std::exception& error) {
     const std::string missing = state_->board ? others_faults() : "";
-    throw Error(concat("rank ", world.rank, " of ", world.size, ", meeting at ", world.address, ":",
-                       world.port, ": ", missing.empty() ? first_line(error.what()) : missing));
+    throw Error(concat("rank ", rank.index, " of ", rank.count, ", meeting at ", rank.address, ":",
+                       rank.port, ": ", missing.empty() ? first_line(error.what()) : missing));
   }
 }
 
@@ -171,19 +171,19 @@ void ProcessGroup::broadcast(const std::vector<at::Tensor>& tensors) {
 
 void ProcessGroup::begin_step(int64_t step) {
   state_->step = step;
-  write(*state_->board, key("step", world_.rank), std::to_string(step));
+  write(*state_->board, key("step", rank_.index), std::to_string(step));
 }
 
 void ProcessGroup::explain(const std::exception& error) {
   const std::string faults = others_faults();
   if (!faults.empty()) {
     const int64_t step = state_->step;
-    throw Error(concat("rank ", world_.rank, step > 0 ? concat(", step ", step) : "",
+    throw Error(concat("rank ", rank_.index, step > 0 ? concat(", step ", step) : "",
                        ": cannot go on: ", faults,
                        "; start again with --resume, with as many processes as you like"));
   }
   try {
-    write(*state_->board, key("failure", world_.rank), first_line(error.what()));
+    write(*state_->board, key("failure", rank_.index), first_line(error.what()));
   } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): rank 0 is gone, nobody listens
   }
   throw;
@@ -193,23 +193,23 @@ std::string ProcessGroup::others_faults() {
   // A store whose server hangs never answers: the look at it may have to be left behind.
   std::promise<std::string> promise;
   std::future<std::string> faults = promise.get_future();
-  std::thread([state = state_, world = world_, answer = std::move(promise)]() mutable {
-    answer.set_value(state->others_faults(world));
+  std::thread([state = state_, rank = rank_, answer = std::move(promise)]() mutable {
+    answer.set_value(state->others_faults(rank));
   }).detach();
   if (faults.wait_for(kSilence + 3 * kHeartbeat + kPatience) == std::future_status::ready)
     return faults.get();
-  return concat("rank 0 (", world_.address, ":", world_.port, ") hangs");
+  return concat("rank 0 (", rank_.address, ":", rank_.port, ") hangs");
 }
 
-std::string ProcessGroup::State::others_faults(const World& world) {
+std::string ProcessGroup::State::others_faults(const Rank& mine) {
   try {
     std::map<int, std::string> before;
-    for (int rank = 0; rank < world.size; ++rank) before[rank] = read(*board, key("alive", rank));
+    for (int rank = 0; rank < mine.count; ++rank) before[rank] = read(*board, key("alive", rank));
     std::this_thread::sleep_for(kSilence);
     std::string faults = read(*board, kVerdict);
     if (faults.empty()) {
-      for (int rank = 0; rank < world.size; ++rank) {
-        const std::string fault = rank == world.rank ? "" : fault_of(rank, before[rank]);
+      for (int rank = 0; rank < mine.count; ++rank) {
+        const std::string fault = rank == mine.index ? "" : fault_of(rank, before[rank]);
         if (fault.empty()) continue;
         const std::string who = read(*board, key("who", rank));
         faults += concat(faults.empty() ? "" : "; ", "rank ", rank,
@@ -218,12 +218,12 @@ std::string ProcessGroup::State::others_faults(const World& world) {
       if (!faults.empty()) write(*board, kVerdict, faults);
     }
     // The board goes with rank 0: every process has looked at it by then.
-    if (world.leads()) std::this_thread::sleep_for(3 * kHeartbeat);
+    if (mine.leads()) std::this_thread::sleep_for(3 * kHeartbeat);
     return faults;
   } catch (const std::exception&) {
     const std::string verdict = heartbeat ? heartbeat->verdict() : "";
     if (!verdict.empty()) return verdict;
-    return concat("rank 0 (", world.address, ":", world.port, ") is gone");
+    return concat("rank 0 (", mine.address, ":", mine.port, ") is gone");
   }
 }
 

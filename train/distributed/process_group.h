@@ -21,15 +21,15 @@ namespace lte::train {
 
 class ProcessGroup {
  public:
-  /// Meets the other processes of `world`.
+  /// Meets the other processes.
   /// @param timeout  of meeting and of each collective
   /// @throws lte::Error if they do not come together in time, or this build lacks the backend
-  ProcessGroup(const World& world, at::Device device, std::chrono::seconds timeout);
+  ProcessGroup(const Rank& rank, at::Device device, std::chrono::seconds timeout);
   ~ProcessGroup();
   ProcessGroup(const ProcessGroup&) = delete;
   ProcessGroup& operator=(const ProcessGroup&) = delete;
 
-  const World& world() const { return world_; }
+  const Rank& rank() const { return rank_; }
   /// @return the sums of `values` over the processes
   std::vector<double> sum(const std::vector<double>& values);
   /// Returns when all processes have come here.
@@ -39,10 +39,10 @@ class ProcessGroup {
 
   /// Shows that this process begins `step`.
   void begin_step(int64_t step);
-  /// After a failure of any kind, with `error` being caught: throws lte::Error with what the others
-  /// say or do not say any more, "rank 2 (host gpu7, process 4711) is gone or hangs"; if all others
-  /// are well, the fault is this process's own: tells them, and throws `error` again. Takes
-  /// seconds.
+  /// Finds out whose fault a failure was. It is called while `error` is being caught, and takes
+  /// seconds. Where another process is at fault, it throws lte::Error with what that one says or
+  /// does not say any more: "rank 2 (host gpu7, process 4711) is gone or hangs". Where all others
+  /// are well, the fault is this process's own: it tells them, and throws `error` again.
   [[noreturn]] void explain(const std::exception& error);
 
  private:
@@ -50,7 +50,7 @@ class ProcessGroup {
   struct State;
   std::string others_faults();
 
-  World world_;
+  Rank rank_;
   at::Device device_;
   std::shared_ptr<State> state_;  ///< shared with a look at the board that may never return
 };

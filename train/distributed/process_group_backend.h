@@ -10,10 +10,10 @@
 namespace lte::train {
 
 /// Gloo for the CPU, NCCL for a GPU.
-/// @param store  that all processes of `world` share
+/// @param store  that all processes share
 /// @throws lte::Error if this build lacks the backend
 c10::intrusive_ptr<c10d::ProcessGroup> make_backend(const c10::intrusive_ptr<c10d::Store>& store,
-                                                    const World& world, at::Device device,
+                                                    const Rank& rank, at::Device device,
                                                     std::chrono::milliseconds timeout);
 
 }  // namespace lte::train

@@ -11,9 +11,9 @@
 namespace lte::train {
 namespace {
 
-/// What a launcher calls the three numbers. `local` may be missing: then it is the rank.
+/// What a launcher calls the three numbers of a Rank. Where `local` is not set, the index is taken.
 struct Names {
-  const char *rank, *size, *local;
+  const char *index, *count, *local;
 };
 constexpr Names kTorchrun{"RANK", "WORLD_SIZE", "LOCAL_RANK"};
 // Only with MASTER_ADDR: a batch script of SLURM has these as well, and is one process alone.
@@ -42,29 +42,29 @@ std::optional<int> number(const char* name, int low, int high) {
 
 constexpr int kMostProcesses = 1 << 16;
 
-World read_world(const Names& names) {
-  World world;
-  const std::optional<int> size = number(names.size, 1, kMostProcesses);
-  LTE_CHECK(size, "environment variable ", names.rank, " is set and ", names.size,
+Rank read_rank(const Names& names) {
+  Rank rank;
+  const std::optional<int> count = number(names.count, 1, kMostProcesses);
+  LTE_CHECK(count, "environment variable ", names.index, " is set and ", names.count,
             " is not; start through scripts/launch.sh, torchrun, srun or mpirun");
-  world.size = *size;
-  world.rank = *number(names.rank, 0, world.size - 1);
-  world.local_rank = number(names.local, 0, kMostProcesses).value_or(world.rank);
-  if (const auto address = variable("MASTER_ADDR")) world.address = *address;
-  if (const auto port = number("MASTER_PORT", 1, 65535)) world.port = static_cast<uint16_t>(*port);
-  return world;
+  rank.count = *count;
+  rank.index = *number(names.index, 0, rank.count - 1);
+  rank.local = number(names.local, 0, kMostProcesses).value_or(rank.index);
+  if (const auto address = variable("MASTER_ADDR")) rank.address = *address;
+  if (const auto port = number("MASTER_PORT", 1, 65535)) rank.port = static_cast<uint16_t>(*port);
+  return rank;
 }
 
 }  // namespace
 
-World world_from_environment() {
-  if (variable(kTorchrun.rank)) return read_world(kTorchrun);
-  LTE_CHECK(number(kTorchrun.size, 1, kMostProcesses).value_or(1) == 1, "environment variable ",
-            kTorchrun.size, " is set and ", kTorchrun.rank,
+Rank rank_from_environment() {
+  if (variable(kTorchrun.index)) return read_rank(kTorchrun);
+  LTE_CHECK(number(kTorchrun.count, 1, kMostProcesses).value_or(1) == 1, "environment variable ",
+            kTorchrun.count, " is set and ", kTorchrun.index,
             " is not; start through scripts/launch.sh, torchrun, srun or mpirun");
   if (!variable("MASTER_ADDR")) return {};
   for (const Names& names : kOthers) {
-    if (variable(names.rank)) return read_world(names);
+    if (variable(names.index)) return read_rank(names);
   }
   return {};
 }

@@ -23,7 +23,7 @@ namespace event {
 
 /// `file_version`: the first event of a file.
 std::string version(double wall_time);
-/// `session_log` START: of events recorded before this one, those of `step` or later do not count.
+/// `session_log` START: events of `step` or later that were recorded before this one do not count.
 std::string session_start(double wall_time, int64_t step);
 /// `summary` of values; tags as given.
 std::string scalars(double wall_time, int64_t step, const NamedValues& values);
@@ -37,8 +37,8 @@ std::string record(const std::string& data);
 
 class EventFile {
  public:
-  /// Creates <folder>/events.out.tfevents.<seconds>.<host>.<process>, which sorts behind those that
-  /// are there: readers take the files of a folder by name.
+  /// Creates <folder>/events.out.tfevents.<seconds>.<host>.<process>. Its name sorts behind those of
+  /// the files that are there, because readers take the files of a folder by name.
   /// @param resume_step  steps done before this session; a new run has 0
   /// @throws lte::Error naming the file.
   EventFile(const std::filesystem::path& folder, int64_t resume_step);

@@ -13,7 +13,7 @@ class InterruptGuard {
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 };
 
-/// Number of the signal noted since the last InterruptGuard was made; 0 if none was.
+/// @return number of the signal noted since the last InterruptGuard was made; 0 if none was
 int interrupt_signal();
 
 }  // namespace lte::train

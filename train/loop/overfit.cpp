@@ -12,13 +12,15 @@
 #include "train/checkpoint/first_model.h"
 #include "train/data/batch.h"
 #include "train/loop/scene_gradients.h"
+#include "train/loop/step_gradient.h"
 #include "train/loop/validate.h"
 #include "train/optim/optimizer.h"
 
 namespace lte::train {
 namespace {
 
-constexpr int64_t kLooks = 40;  ///< at the PSNR, in the course of train.steps
+/// How often the PSNR is looked at in the course of train.steps.
+constexpr int64_t kLooks = 40;
 
 Example first_example(const TrainConfig& config, SceneStore* store) {
   std::shared_ptr<const TrainingScene> scene;
@@ -47,10 +49,9 @@ OverfitResult overfit_one_scene(const TrainConfig& given, at::Device device) {
   const int64_t steps = config.train.steps, every = std::max<int64_t>(1, steps / kLooks);
   lte::Progress line("overfitting", steps, "steps");
   while (result.steps < steps && !result.reached()) {
+    // Other curve orders in each step, as in training.
     examples[0].seed = hash_combine(config.seed, static_cast<uint64_t>(result.steps));
-    optimizer.zero_gradients();
-    gradients.accumulate(examples, result.steps + 1);
-    const double norm = optimizer.gradient_norm();
+    const double norm = step_gradient(examples, result.steps, &gradients, &optimizer).norm;
     LTE_CHECK(std::isfinite(norm), "step ", result.steps + 1, ": scene ", result.scene,
               ": the gradient is not finite");
     optimizer.update(result.steps, norm);

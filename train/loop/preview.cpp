@@ -17,7 +17,7 @@
 namespace lte::train {
 namespace {
 
-constexpr int kColumns = 3, kGap = 2;
+constexpr int kColumns = 3, kGap = 2;  // pictures in a sheet; pixels between them
 constexpr double kWhiteShare = 0.99;
 constexpr float kDifferenceGain = 4;
 
@@ -44,7 +44,7 @@ at::Tensor to_tensor(const std::vector<Vec3>& values) {
       .clone();
 }
 
-/// All groups at unit gain, of the pixels whose mask is set.
+/// The irradiance of all light groups together at unit gain, at the pixels whose mask is set.
 std::vector<Rgb> reference_of(const data::View& view, int64_t groups, bool total) {
   const size_t pixels = view.mask.size();
   std::vector<Rgb> out(pixels);
@@ -55,6 +55,7 @@ std::vector<Rgb> reference_of(const data::View& view, int64_t groups, bool total
   return masked(out, view.mask);
 }
 
+/// The factor that makes the 99th percentile of the luminances white.
 float exposure_of(const std::vector<Rgb>& reference) {
   std::vector<float> values;
   for (const Rgb& value : reference) values.push_back(luminance(value));

@@ -25,8 +25,8 @@ class Previews {
 
   bool empty() const { return views_.empty(); }
 
-  /// In evaluation mode and without gradients; the model's mode is as before afterwards. A picture
-  /// shows irradiance without albedo, exposed so that the reference's 99th percentile is white; the
+  /// Runs the model in evaluation mode and without gradients, and puts its mode back. A picture
+  /// shows irradiance without albedo, exposed so that the reference's 99th percentile is white. The
   /// difference is that of luminance, four times as bright.
   std::vector<PreviewPicture> draw(nn::LightTransportModel& model, at::Device device) const;
 
@@ -37,7 +37,7 @@ class Previews {
     std::vector<uint8_t> mask;
     nn::PointSet points;
     nn::QuerySet queries;        ///< the pixels whose mask is set
-    std::vector<Rgb> reference;  ///< of the same, W/m²
+    std::vector<Rgb> reference;  ///< of those pixels, W/m²
     uint64_t seed;
   };
   PreviewPicture draw(const ViewExample& view, nn::LightTransportModel& model,
@@ -46,8 +46,8 @@ class Previews {
   std::vector<ViewExample> views_;
 };
 
-/// <run>/previews/<scene>.png, the newest of each scene; and of the first `history` pictures one by
-/// step, <run>/previews/step_<step>/<scene>.png.
+/// Writes <run>/previews/<scene>.png, the newest picture of each scene, and the first `history`
+/// pictures a second time as <run>/previews/step_<step>/<scene>.png, where they stay.
 /// @throws lte::Error naming the file that cannot be written.
 void write_previews(const std::filesystem::path& run, int64_t step, int64_t history,
                     const std::vector<PreviewPicture>& pictures);

@@ -12,6 +12,7 @@
 #include "train/checkpoint/first_model.h"
 #include "train/data/batch.h"
 #include "train/loop/scene_gradients.h"
+#include "train/loop/step_gradient.h"
 #include "train/optim/optimizer.h"
 
 namespace lte::train {
@@ -19,6 +20,7 @@ namespace {
 
 constexpr double kSmoothing = 0.95, kBlownUp = 4;
 
+/// Written so that a loss that is no number has blown up too.
 bool blown_up(const std::vector<RatePoint>& points) {
   const auto lowest = std::min_element(
       points.begin(), points.end(),
@@ -69,25 +71,26 @@ RateSweep sweep_rates(const TrainConfig& given, at::Device device, int64_t steps
   double mean = 0, weight = 0;
   for (int64_t step = 0; step < steps; ++step) {
     const std::vector<Example> examples = loader.take(step);
-    optimizer.zero_gradients();
+    StepGradient gradient;
     RatePoint point;
     const double position = static_cast<double>(step) / static_cast<double>(steps - 1);
     point.rate = kLowestRate * std::pow(kHighestRate / kLowestRate, position);
     try {
-      point.loss = gradients.accumulate(examples, step + 1);
+      gradient = step_gradient(examples, step, &gradients, &optimizer);
     } catch (const Error&) {
       // Weights blown up beyond what the network accepts: what the sweep looks for. The first steps
       // hardly move them, so there it is a fault.
       if (step < 3) throw;
       return read_sweep(std::move(points), true);
     }
+    point.loss = gradient.loss;
     mean = kSmoothing * mean + (1 - kSmoothing) * point.loss;
     weight = kSmoothing * weight + (1 - kSmoothing);
     point.smoothed = mean / weight;
     points.push_back(point);
-    const double norm = optimizer.gradient_norm();
-    if (!std::isfinite(norm) || blown_up(points)) return read_sweep(std::move(points), true);
-    optimizer.update(step, norm, point.rate);
+    if (!std::isfinite(gradient.norm) || blown_up(points))
+      return read_sweep(std::move(points), true);
+    optimizer.update(step, gradient.norm, point.rate);
     line.advance();
   }
   return read_sweep(std::move(points), false);

@@ -13,7 +13,7 @@
 namespace lte::train {
 
 struct RatePoint {
-  double rate = 0;      ///< of the step
+  double rate = 0;      ///< learning rate of the step
   double loss = 0;      ///< before the step, mean over its scenes
   double smoothed = 0;  ///< exponential mean of the losses so far, free of the start's bias
 };
@@ -21,23 +21,23 @@ struct RatePoint {
 struct RateSweep {
   std::vector<RatePoint> points;  ///< by rising rate; ends early where the loss has blown up
   bool diverged = false;          ///< whether it has
-  double steepest = 0;    ///< rate at which the smoothed loss falls fastest per factor of rate
-  double lowest = 0;      ///< rate at which the smoothed loss is lowest
+  double steepest = 0;            ///< rate where the smoothed loss falls fastest per factor of rate
+  double lowest = 0;              ///< rate where the smoothed loss is lowest
   double suggestion = 0;  ///< for train.learning_rate: the smaller of steepest and lowest/10
 };
 
 inline constexpr double kLowestRate = 1e-6, kHighestRate = 1;
 
-/// `points` with what they say. From three points on.
+/// Reads off `points`, of which there are at least three, what they say.
 RateSweep read_sweep(std::vector<RatePoint> points, bool diverged);
 
-/// Trains the model that a run would begin with for up to `steps` steps on the examples it would
-/// have, at rates from kLowestRate to kHighestRate in equal factors, in this process alone. Ends
-/// when the smoothed loss is four times its lowest value or no number any more.
+/// Trains the model that a run would begin with, on the examples that it would have, in this process
+/// alone. The rate grows from kLowestRate to kHighestRate by equal factors over `steps` steps. The
+/// sweep ends early when the smoothed loss is four times its lowest value or no number any more.
 /// @throws lte::Error as Trainer does for its data and its first model
 RateSweep sweep_rates(const TrainConfig& config, at::Device device, int64_t steps);
 
-/// A JSON object a line: step, lr, loss, smoothed_loss. Atomic.
+/// Writes a JSON object a line: step, lr, loss, smoothed_loss. Atomic.
 void write_sweep(const std::filesystem::path& path, const RateSweep& sweep);
 
 }  // namespace lte::train

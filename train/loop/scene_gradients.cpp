@@ -8,9 +8,8 @@
 #include <torch/utils.h>
 
 #include "lte/base/check.h"
-#include "lte/base/log.h"
 #include "lte/base/text.h"
-#include "lte/ops/bf16.h"
+#include "lte/nn/device.h"
 
 namespace lte::train {
 namespace {
@@ -29,6 +28,7 @@ class OperatorThreads {
   int before_;
 };
 
+/// A model with the same weights, in the same memory, and with gradients of its own.
 nn::LightTransportModel replica_of(const nn::LightTransportModel& model) {
   nn::LightTransportModel replica(model->config());
   const std::vector<at::Tensor> from = model->parameters(), to = replica->parameters();
@@ -47,7 +47,7 @@ SceneGradients::SceneGradients(const TrainConfig& config, const nn::LightTranspo
       models_({model}) {
   const int threads = at::get_num_threads();
   if (group) {
-    processes_ = group->world().size;
+    processes_ = group->rank().count;
     reducer_ = std::make_unique<GradientReducer>(*group, model->parameters());
   }
   const bool one_by_one = !device.is_cpu() || config.model.dropout > 0 || reducer_;
@@ -56,10 +56,8 @@ SceneGradients::SceneGradients(const TrainConfig& config, const nn::LightTranspo
   threads_per_scene_ = std::max(1, threads / beside);
   for (int i = 1; i < beside; ++i) models_.push_back(replica_of(model));
   for (nn::LightTransportModel& each : models_) nn::set_autocast(*each, config.train.autocast);
-  if (config.train.autocast == nn::Precision::Bf16 && device.is_cpu() && !ops::has_bf16_products())
-    log_warning(
-        "train.autocast: this processor has no bfloat16 products (AVX512-BF16); they are computed "
-        "from float32 instructions, which is slower than none");
+  if (config.train.autocast == nn::Precision::Bf16)
+    nn::warn_of_slow_bf16("train.autocast bf16", device);
 }
 
 double SceneGradients::accumulate(const std::vector<Example>& examples, int64_t step) {
@@ -90,7 +88,7 @@ double SceneGradients::run(size_t worker, const Example& stored, int64_t step) {
   nn::LightTransportModel& model = models_[worker];
   try {
     const Example example = stored.to(device_);
-    // Dropout: of the example, whatever was drawn before.
+    // So dropout depends on the example alone, whatever was drawn before.
     if (models_.size() == 1) torch::manual_seed(example.seed);
     const nn::Embedding embedding = model->encode(example.points, example.seed);
     const at::Tensor loss = nn::relative_loss(model->decode_normalized(embedding, example.queries),
@@ -105,6 +103,7 @@ double SceneGradients::run(size_t worker, const Example& stored, int64_t step) {
   }
 }
 
+/// Moves the gradients of a replica to the model itself.
 void SceneGradients::collect(size_t worker) {
   const torch::NoGradGuard no_grad;
   const std::vector<at::Tensor> from = models_[worker]->parameters();

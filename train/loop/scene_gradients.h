@@ -18,23 +18,22 @@ namespace lte::train {
 
 class SceneGradients {
  public:
-  /// Takes at::get_num_threads() threads: one scene each as far as there are scenes, what is left
-  /// inside operators. With dropout, whose random numbers come from one global generator, or on a
-  /// GPU, the scenes run one after another.
-  /// @param model  keep its parameters' storage: the replicas read it
-  /// @param group  of a run of several processes, each with a share of a step's scenes, one after
-  /// another; null: this process has them all
+  /// Takes at::get_num_threads() threads: one for each scene as far as there are scenes, and those
+  /// left over work inside operators. On a GPU, in a run of several processes, and with dropout,
+  /// whose random numbers come from one global generator, the scenes run one after another.
+  /// @param model  its parameters must keep their storage, which the replicas read
+  /// @param group  of a run of several processes, each with a share of a step's scenes; null: this
+  /// process has them all
   SceneGradients(const TrainConfig& config, const nn::LightTransportModel& model, at::Device device,
                  ProcessGroup* group = nullptr);
 
-  /// Adds the gradient of the mean loss over `examples` to the model's parameters, in a run of
-  /// several processes over those of all of them. Bit for bit the same for any number of scenes
-  /// beside each other.
+  /// Adds the gradient of the mean loss over `examples`, of all processes together, to the model's
+  /// parameters. Its bits do not depend on how many scenes run beside each other.
   /// @param step  in the messages, counted from 1
   /// @return the mean loss; in a run of several processes this one's share of it
   /// @throws lte::Error naming step and scene if the network refuses it or the loss is not finite
   double accumulate(const std::vector<Example>& examples, int64_t step);
-  /// Loss and gradient of one scene by itself, in this process alone.
+  /// Adds the gradient of one scene by itself, in this process alone. @return its loss
   double accumulate_alone(const Example& example, int64_t step) { return run(0, example, step); }
 
  private:
@@ -46,8 +45,8 @@ class SceneGradients {
   int processes_ = 1;
   at::Device device_;
   int threads_per_scene_ = 1;
-  std::vector<nn::LightTransportModel> models_;  ///< the first is the model itself
-  std::unique_ptr<GradientReducer> reducer_;     ///< null in a process alone
+  std::vector<nn::LightTransportModel> models_;  ///< the model itself, then its replicas
+  std::unique_ptr<GradientReducer> reducer_;     ///< null where this process is alone
 };
 
 }  // namespace lte::train

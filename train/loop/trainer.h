@@ -11,18 +11,15 @@
 #include <string>
 #include <vector>
 
-#include "lte/base/locked_file.h"
 #include "lte/base/timer.h"
-#include "lte/cli/progress.h"
-#include "train/checkpoint/checkpoint.h"
 #include "train/checkpoint/checkpoint_files.h"
-#include "train/checkpoint/model_files.h"
 #include "train/data/batch.h"
 #include "train/data/run_data.h"
 #include "train/distributed/process_group.h"
-#include "train/log/run_log.h"
 #include "train/loop/preview.h"
+#include "train/loop/run_state.h"
 #include "train/loop/scene_gradients.h"
+#include "train/loop/session_log.h"
 #include "train/loop/validate.h"
 
 namespace lte::train {
@@ -42,11 +39,10 @@ class Trainer {
  public:
   /// Opens the data, and makes the model or takes it from the run's newest whole checkpoint.
   /// @param config_text  the whole configuration as YAML, kept in the checkpoint and the models
-  /// @throws lte::Error if there is nothing to resume, the configuration does not fit the
-  /// checkpoint, a new run would
-  ///         overwrite one, or another process trains in the directory.
   /// @param group  of a run of several processes, which then all make a Trainer; rank 0 alone
   /// writes the run directory, which all must see. Null: this process is alone
+  /// @throws lte::Error if there is nothing to resume, the configuration does not fit the
+  /// checkpoint, a new run would overwrite one, or another process trains in the directory.
   Trainer(const TrainConfig& config, std::string config_text, at::Device device, bool resume,
           ProcessGroup* group = nullptr);
 
@@ -58,19 +54,12 @@ class Trainer {
   TrainSummary run(int64_t stop_after = 0);
 
  private:
-  void start_new();
-  void resume();
-  void hold_directory();
-  void mend_best_model();
-  void agree_on_start();
-  bool leads() const { return !group_ || group_->world().leads(); }
-  bool told_to_stop() const;
+  bool leads() const { return !group_ || group_->rank().leads(); }
+  int told_to_stop() const;
   void train_steps(int64_t end);
   void train_step();
-  [[noreturn]] void fail_on_gradient(const std::vector<Example>& examples);
-  /// Whether the log gets a line of training at `step`.
-  bool logs_at(int64_t step) const;
-  void after_step(int64_t queries, double norm, const NamedValues& module_norms);
+  void add_up(double* loss, int64_t* queries);
+  void after_step(double norm, const NamedValues& module_norms);
   bool validate_now();
   void draw_previews();
   void save();
@@ -83,27 +72,18 @@ class Trainer {
   ProcessGroup* group_;
   std::filesystem::path output_;
   CheckpointFiles files_;
-  std::unique_ptr<LockedFile> lock_;  ///< of rank 0: who holds it writes the directory
   RunData data_;
-  nn::LightTransportModel model_{nullptr};
-  std::unique_ptr<Optimizer> optimizer_;
+  RunState state_;
   std::unique_ptr<SceneGradients> gradients_;
-  std::unique_ptr<RunLog> log_;  ///< of rank 0
+  std::unique_ptr<SessionLog> log_;  ///< of rank 0
   std::unique_ptr<BatchLoader> loader_;
   std::vector<Example> validation_;
   std::unique_ptr<Previews> previews_;  ///< of rank 0, unless switched off
-  RunProgress progress_;
   TrainSummary summary_;
-  std::optional<std::string> saved_log_;  ///< of the checkpoint that the run goes on from
-  // All times are of the steady clock (lte::Timer), which neither the user nor a time server sets:
-  // seconds and rates are right whatever happens to the time of day.
-  Timer window_timer_;
   double seconds_before_ = 0;  ///< of earlier sessions
-  double waited_before_ = 0;   ///< for examples, as of the last line of the log
-  int64_t window_queries_ = 0;
+  Timer session_timer_;
   int agreed_signal_ = 0;    ///< that any process of a group was sent
   int64_t saved_step_ = -1;  ///< of this session's last checkpoint
-  Timer session_timer_;
 };
 
 }  // namespace lte::train

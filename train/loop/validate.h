@@ -12,14 +12,14 @@
 
 namespace lte::train {
 
-/// Means over scenes, so that each counts once whatever its queries; all of irradiance over the
-/// emission scalar.
+/// Errors of irradiance over the emission scalar. They are means over scenes, so that each scene
+/// counts once, however many queries it has.
 struct ValidationResult {
   double loss = 0;
   double loss_median = 0;  ///< over scenes: a few hard ones rule the mean
   double mse = 0;
-  double psnr =
-      0;  ///< mean over scenes of 10 log10(peak² / MSE), peak: the scene's largest reference value
+  /// Mean over scenes of 10 log10(peak² / MSE), where peak is the scene's largest reference value.
+  double psnr = 0;
   double relmse = 0;                                   ///< mean of (Î − I)² / (I² + 0.01)
   double bias = 0;                                     ///< mean of Î − I over the mean of I
   std::vector<std::pair<std::string, double>> scenes;  ///< loss of each, by name
@@ -28,7 +28,7 @@ struct ValidationResult {
   std::vector<std::pair<std::string, double>> fields() const;
 };
 
-/// In evaluation mode and without gradients; the model's mode is as before afterwards.
+/// Runs the model in evaluation mode and without gradients, and puts its mode back.
 ValidationResult validate(nn::LightTransportModel& model, const std::vector<Example>& examples,
                           const nn::LossConfig& loss, at::Device device);
 

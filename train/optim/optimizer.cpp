@@ -22,7 +22,7 @@
 namespace lte::train {
 namespace {
 
-/// The paper names none; PyTorch's.
+/// PyTorch's default, as the paper names none.
 constexpr double kAdamEpsilon = 1e-8;
 
 }  // namespace
@@ -73,7 +73,7 @@ double Optimizer::gradient_norm() const {
 std::vector<std::pair<std::string, double>> Optimizer::module_norms() const {
   const torch::NoGradGuard no_grad;
   const std::vector<at::Tensor> all = gradients();
-  at::Tensor norms;  // of each parameter with a gradient: one copy from the device, not many
+  at::Tensor norms;  // of each parameter with a gradient, in one copy from the device
   if (!all.empty()) norms = at::stack(at::_foreach_norm(all)).to(at::kCPU, at::kDouble);
   std::vector<std::pair<std::string, double>> modules;
   int64_t next = 0;

@@ -15,15 +15,15 @@
 
 namespace lte::train {
 
-/// The part of the network that a parameter counts to: nne, encoder_stem, encoder_downS and
-/// encoder_upS for stage S with the pooling or unpooling into it, encoder_norm, decoder; for other
-/// names what stands before the first dot.
+/// The module that a parameter counts to: nne, encoder_stem, encoder_downS and encoder_upS (stage S
+/// with the pooling or unpooling into it), encoder_norm or decoder. For other names it is what stands
+/// before the first dot.
 std::string gradient_module(const std::string& parameter);
 
 class Optimizer {
  public:
   /// Weight decay applies to parameters of two dimensions or more; biases and norms are left alone.
-  /// The averaged weights start as the model's weights of now.
+  /// The averaged weights start as the model's present ones.
   Optimizer(const OptimConfig& config, const nn::LightTransportModel& model);
   Optimizer(const Optimizer&) = delete;
   Optimizer& operator=(const Optimizer&) = delete;
@@ -31,8 +31,8 @@ class Optimizer {
   void zero_gradients();
   /// L2 norm of the whole gradient; not finite if any entry is not.
   double gradient_norm() const;
-  /// L2 norm of the gradient of each module, by gradient_module(), in the order of the model: their
-  /// squares sum to that of gradient_norm(). 0 for a module whose parameters have none.
+  /// L2 norm of the gradient of each module (gradient_module()), in the order of the model. Their
+  /// squares sum to that of gradient_norm(). A module whose parameters have no gradient has 0.
   std::vector<std::pair<std::string, double>> module_norms() const;
   /// Scales the gradient down to clip_norm if `norm` exceeds it, then updates weights and their
   /// average.
@@ -45,20 +45,20 @@ class Optimizer {
   void swap_average();
 
   /// Everything that the next update depends on: "exp_avg.NAME", "exp_avg_sq.NAME", "average.NAME",
-  /// and "updates", [P] int64 in the order of the parameters.
+  /// and "updates", the number of updates of each parameter, [P] int64 in the model's order.
   std::map<std::string, at::Tensor> state() const;
   /// @throws lte::Error naming file and tensor if one is missing or of another shape.
   void load_state(const SafetensorsFile& file);
 
  private:
-  /// Of the parameters that have one.
+  /// The gradients of the parameters that have one.
   std::vector<at::Tensor> gradients() const;
 
   OptimConfig config_;
   std::vector<std::string> names_;
   std::vector<at::Tensor> parameters_;
   std::vector<at::Tensor> first_moments_, second_moments_;
-  std::vector<at::Tensor> updates_;  ///< of each parameter, float32 []: what the fused kernel takes
+  std::vector<at::Tensor> updates_;  ///< number of each parameter, float32 [] for the fused kernel
   std::vector<at::Tensor> average_;  ///< empty without averaging
 };
 

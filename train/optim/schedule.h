@@ -10,7 +10,7 @@ namespace lte::train {
 
 /// Rises linearly over `warmup_steps` to `learning_rate`, then falls along half a cosine to
 /// `min_learning_rate`, which the last step uses.
-/// @param step  steps done before this one, 0 to config.steps − 1; beyond, the floor
+/// @param step  steps done before this one, 0 to config.steps − 1; later ones have the floor
 double learning_rate(const OptimConfig& config, int64_t step);
 
 /// Decay of the averaged weights at `step`: min(ema_decay, (1 + step) / (10 + step)), so that the

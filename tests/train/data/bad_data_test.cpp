@@ -125,9 +125,9 @@ TEST_F(BadData, AllProcessesTogetherSkipAsOneDoes) {
   const TrainConfig run = config("run", std::string(kSkip) + "train: {scenes_per_step: 3}\n");
   RunData alone = open_run_data(run), even = open_run_data(run), odd = open_run_data(run);
   BatchLoader one(run, alone.scale, &alone.train);
-  World first, second;
-  first.size = second.size = 2;
-  second.rank = 1;
+  Rank first, second;
+  first.count = second.count = 2;
+  second.index = 1;
   BatchLoader a(run, even.scale, &even.train, first), b(run, odd.scale, &odd.train, second);
   std::map<std::string, int> seen;
   for (int64_t step = 0; step < 8; ++step) {

@@ -32,52 +32,52 @@ class Environment {
   }
 };
 
-void expect_world(const std::map<std::string, std::string>& variables, int rank, int size,
-                  int local_rank) {
+void expect_rank(const std::map<std::string, std::string>& variables, int index, int count,
+                 int local) {
   const Environment environment(variables);
-  const World world = world_from_environment();
-  EXPECT_EQ(world.rank, rank);
-  EXPECT_EQ(world.size, size);
-  EXPECT_EQ(world.local_rank, local_rank);
+  const Rank rank = rank_from_environment();
+  EXPECT_EQ(rank.index, index);
+  EXPECT_EQ(rank.count, count);
+  EXPECT_EQ(rank.local, local);
 }
 
-TEST(World, IsOneProcessUnlessALauncherSaysOtherwise) { expect_world({}, 0, 1, 0); }
+TEST(Rank, IsOneProcessUnlessALauncherSaysOtherwise) { expect_rank({}, 0, 1, 0); }
 
-TEST(World, IsReadFromTorchrun) {
+TEST(Rank, IsReadFromTorchrun) {
   const Environment environment({{"RANK", "5"},
                                  {"WORLD_SIZE", "8"},
                                  {"LOCAL_RANK", "1"},
                                  {"MASTER_ADDR", "gpu0"},
                                  {"MASTER_PORT", "29511"}});
-  const World world = world_from_environment();
-  EXPECT_EQ(world.rank, 5);
-  EXPECT_EQ(world.size, 8);
-  EXPECT_EQ(world.local_rank, 1);
-  EXPECT_EQ(world.address, "gpu0");
-  EXPECT_EQ(world.port, 29511);
-  EXPECT_FALSE(world.leads());
+  const Rank rank = rank_from_environment();
+  EXPECT_EQ(rank.index, 5);
+  EXPECT_EQ(rank.count, 8);
+  EXPECT_EQ(rank.local, 1);
+  EXPECT_EQ(rank.address, "gpu0");
+  EXPECT_EQ(rank.port, 29511);
+  EXPECT_FALSE(rank.leads());
 }
 
-TEST(World, IsReadFromMpirunAndSrunWhereAMasterIsNamed) {
-  expect_world({{"MASTER_ADDR", "a"},
-                {"OMPI_COMM_WORLD_RANK", "2"},
-                {"OMPI_COMM_WORLD_SIZE", "3"},
-                {"OMPI_COMM_WORLD_LOCAL_RANK", "0"}},
-               2, 3, 0);
-  expect_world({{"MASTER_ADDR", "a"}, {"PMI_RANK", "1"}, {"PMI_SIZE", "2"}}, 1, 2, 1);
+TEST(Rank, IsReadFromMpirunAndSrunWhereAMasterIsNamed) {
+  expect_rank({{"MASTER_ADDR", "a"},
+               {"OMPI_COMM_WORLD_RANK", "2"},
+               {"OMPI_COMM_WORLD_SIZE", "3"},
+               {"OMPI_COMM_WORLD_LOCAL_RANK", "0"}},
+              2, 3, 0);
+  expect_rank({{"MASTER_ADDR", "a"}, {"PMI_RANK", "1"}, {"PMI_SIZE", "2"}}, 1, 2, 1);
   const std::map<std::string, std::string> slurm = {
       {"SLURM_PROCID", "3"}, {"SLURM_NTASKS", "4"}, {"SLURM_LOCALID", "1"}};
-  expect_world(slurm, 0, 1, 0);  // a batch script, not a step with a meeting place
+  expect_rank(slurm, 0, 1, 0);  // a batch script, not a step with a meeting place
   auto step = slurm;
   step.emplace("MASTER_ADDR", "a");
-  expect_world(step, 3, 4, 1);
+  expect_rank(step, 3, 4, 1);
 }
 
-TEST(World, NamesTheVariableThatIsWrong) {
+TEST(Rank, NamesTheVariableThatIsWrong) {
   const auto refuse = [](const std::map<std::string, std::string>& variables,
                          const std::vector<std::string>& parts) {
     const Environment environment(variables);
-    test::expect_error([] { world_from_environment(); }, parts);
+    test::expect_error([] { rank_from_environment(); }, parts);
   };
   refuse({{"RANK", "0"}}, {"RANK", "WORLD_SIZE"});
   refuse({{"WORLD_SIZE", "2"}}, {"WORLD_SIZE", "RANK"});

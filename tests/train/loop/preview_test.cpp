@@ -7,7 +7,7 @@
 #include "lte/base/srgb.h"
 #include "lte/image/png.h"
 #include "tests/train/support.h"
-#include "train/command/report.h"
+#include "train/command/report_command.h"
 #include "train/data/batch.h"
 #include "train/data/run_data.h"
 #include "train/loop/trainer.h"

@@ -1,10 +1,20 @@
-// A run as one page for people: curves, time, and the scenes that go worst.
+// `lte_train report RUN`: a run as one page for people, with curves, times and the worst scenes.
 #pragma once
 
 #include <filesystem>
 #include <string>
 
+#include "lte/cli/cli.h"
+
 namespace lte::train {
+
+struct ReportOptions {
+  std::string run;  ///< run directory
+  std::string out;  ///< the page; empty: RUN/report.html
+};
+
+/// Adds the subcommand. @return it, to ask whether it was given
+CLI::App* add_report_command(CLI::App& app, ReportOptions* options);
 
 /// Reads log.jsonl, config.yaml and previews/ of a run directory, finished or not, and writes a
 /// self-contained HTML page.

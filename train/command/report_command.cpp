@@ -1,4 +1,4 @@
-#include "train/command/report.h"
+#include "train/command/report_command.h"
 
 #include <algorithm>
 #include <cmath>
@@ -101,11 +101,16 @@ std::string scene_section(const RunHistory& log, const fs::path& run) {
                         concat(name, ": validation loss ", number(loss)));
     ++shown;
   }
-  return shown > 0
-             ? out
-             : out +
-                   note(
-                       "No pictures: no validation scene has a view, or train.preview_every is 0.");
+  if (shown == 0)
+    out += note("No pictures: no validation scene has a view, or train.preview_every is 0.");
+  return out;
+}
+
+/// Hours of training, over steps.
+Series hours_of(const RunHistory& log) {
+  Series hours = log.figure("seconds");
+  for (auto& point : hours) point.second /= 3600;
+  return hours;
 }
 
 std::string time_section(const RunHistory& log, int64_t steps) {
@@ -125,14 +130,18 @@ std::string time_section(const RunHistory& log, int64_t steps) {
   return html_table({"time", ""}, rows) +
          html_chart({.title = "queries a second", .x_label = "step"},
                     {{"", log.figure("queries_per_s")}}) +
-         html_chart({.title = "hours of training", .x_label = "step"}, [&] {
-           Series hours = log.figure("seconds");
-           for (auto& point : hours) point.second /= 3600;
-           return std::vector<ChartLine>{{"", hours}};
-         }());
+         html_chart({.title = "hours of training", .x_label = "step"}, {{"", hours_of(log)}});
 }
 
 }  // namespace
+
+CLI::App* add_report_command(CLI::App& app, ReportOptions* options) {
+  auto* report =
+      app.add_subcommand("report", "Write a run's curves, scenes and times as one HTML page");
+  report->add_option("RUN", options->run, "Run directory")->required();
+  report->add_option("--out", options->out, "The page; by default RUN/report.html");
+  return report;
+}
 
 std::string write_run_report(const fs::path& run, fs::path out) {
   const fs::path yaml = run / "config.yaml", log_path = run / "log.jsonl";

@@ -1,4 +1,5 @@
-// What lte_train does between parsing its arguments and printing.
+// The command that lte_train is without a subcommand: it trains, or does what one of the flags says
+// instead (--dry-run, --validate-only, --find-lr, ...).
 #pragma once
 
 #include <cstdint>
@@ -6,17 +7,19 @@
 #include <string>
 #include <vector>
 
+#include "lte/cli/cli.h"
+
 namespace lte::train {
 
 struct RunOptions {
   std::string config;                  ///< YAML file
   std::vector<std::string> overrides;  ///< --set key=value
   std::optional<uint64_t> seed;        ///< --seed, over the key `seed`
-  std::string output;                  ///< --out, over the key `output`; empty: the key
+  std::string output;                  ///< --out, over the key `output`; empty: the key counts
   std::string device = "cpu";
-  std::string json;                      ///< result for machines; empty: none
+  std::string json;                      ///< file of the result for machines; empty: none
   int64_t stop_after = 0;                ///< steps of this session; 0: all
-  std::string init_weights;              ///< --init-weights, over the key; empty: the key
+  std::string init_weights;              ///< --init-weights, over the key; empty: the key counts
   std::vector<std::string> init_except;  ///< --init-except, likewise
   int64_t find_lr = 0;                   ///< steps of a sweep of learning rates instead; 0: none
   int threads = 0;                       ///< of LibTorch; 0: its default
@@ -25,9 +28,12 @@ struct RunOptions {
 };
 
 struct RunResult {
-  std::string text;  ///< for standard output
-  int signal = 0;    ///< that ended training early, after a checkpoint; else 0
+  std::string text{};  ///< for standard output
+  int signal = 0;      ///< that ended training early, after a checkpoint; else 0
 };
+
+/// Adds the flags of lte_train beside those that every tool has.
+void add_run_options(CLI::App& app, RunOptions* options);
 
 /// @throws lte::Error with one line for the user.
 RunResult run(const RunOptions& options);

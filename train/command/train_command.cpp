@@ -1,7 +1,8 @@
-#include "train/command/run.h"
+#include "train/command/train_command.h"
 
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 
 #include <ATen/Parallel.h>
@@ -22,6 +23,20 @@ namespace lte::train {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+void add_configuration(CLI::App& app, RunOptions* options) {
+  app.add_option("--config", options->config, "YAML file; see configs/");
+  app.add_option("--set", options->overrides, "Override a key of the configuration: key=value")
+      ->take_all();
+  app.add_option("--out", options->output, "Run directory (key `output`)");
+  app.add_option("--seed", options->seed, "Seed of everything random (key `seed`)");
+  app.add_option("--device", options->device, "cpu or cuda")
+      ->check(CLI::IsMember({"cpu", "cuda"}))
+      ->capture_default_str();
+  app.add_option("--stop-after", options->stop_after,
+                 "End this session after so many steps, with a checkpoint; 0: never")
+      ->check(CLI::NonNegativeNumber);
+}
 
 Config load(const RunOptions& options) {
   std::vector<std::string> overrides = options.overrides;
@@ -112,54 +127,86 @@ RunResult overfit(const RunOptions& options, const TrainConfig& config, at::Devi
   return result;
 }
 
-}  // namespace
-
-RunResult run(const RunOptions& options) {
-  const Config yaml = load(options);
-  const TrainConfig config = TrainConfig::read(yaml);
-  if (options.threads > 0) at::set_num_threads(options.threads);
-  RunResult result;
-  if (options.print_config) {
-    result.text = yaml.to_yaml();
-    return result;
-  }
-  if (options.dry_run) {
-    const Json report = dry_run(config);
-    if (!options.json.empty()) write_file(options.json, report.dump(2) + "\n");
-    result.text = dry_run_table(report);
-    return result;
-  }
-  if (options.validate_only) {
-    result.text = check_run_data(config);
-    return result;
-  }
-  const World world = world_from_environment();
-  const at::Device device = nn::choose_device(options.device, world.local_rank);
-  if (options.find_lr > 0 || options.overfit_one_scene) {
-    LTE_CHECK(world.size == 1, options.find_lr > 0 ? "--find-lr" : "--overfit-one-scene",
-              ": runs in one process, not in ", world.size);
-    return options.find_lr > 0 ? find_learning_rate(options, config, device)
-                               : overfit(options, config, device);
-  }
+/// One run of this process alone, or this process's part of a run of several.
+RunResult train(const RunOptions& options, const TrainConfig& config,
+                const std::string& config_text, const Rank& rank, at::Device device) {
   std::unique_ptr<ProcessGroup> group;
-  if (world.size > 1) {
-    group =
-        std::make_unique<ProcessGroup>(world, device, std::chrono::seconds(config.train.timeout_s));
-    log_info("rank ", world.rank, " of ", world.size);
+  if (rank.count > 1) {
+    const std::chrono::seconds timeout(config.train.timeout_s);
+    group = std::make_unique<ProcessGroup>(rank, device, timeout);
+    log_info("rank ", rank.index, " of ", rank.count);
   }
   TrainSummary summary;
   try {
-    Trainer trainer(config, yaml.to_yaml(), device, options.resume, group.get());
+    Trainer trainer(config, config_text, device, options.resume, group.get());
     summary = trainer.run(options.stop_after);
   } catch (const std::exception& error) {
     if (!group) throw;
     group->explain(error);
   }
+  RunResult result;
   result.signal = summary.signal;
-  if (!world.leads()) return result;
+  if (!rank.leads()) return result;
   if (!options.json.empty()) write_file(options.json, summary_json(config, summary).dump(2) + "\n");
   result.text = summary_text(config, summary);
   return result;
+}
+
+}  // namespace
+
+void add_run_options(CLI::App& app, RunOptions* options) {
+  add_configuration(app, options);
+  auto* resume = app.add_flag("--resume", options->resume,
+                              "Go on from the run directory's newest whole checkpoint");
+  auto* init =
+      app.add_option("--init-weights", options->init_weights,
+                     "Model or checkpoint whose weights a new run starts from: step 0, fresh "
+                     "optimizer and schedule (key `train.init_weights`)");
+  app.add_option("--init-except", options->init_except,
+                 "Prefix of parameter names that stay fresh all the same; may be repeated (key "
+                 "`train.init_except`)")
+      ->take_all()
+      ->needs(init);
+  auto* print = app.add_flag("--print-config", options->print_config,
+                             "Print the merged configuration and stop");
+  auto* dry = app.add_flag("--dry-run", options->dry_run,
+                           "Print parameters, shapes and memory, without data, and stop");
+  auto* check = app.add_flag("--validate-only", options->validate_only,
+                             "Check configuration and data set and stop");
+  auto* find = app.add_flag("--find-lr{300}", options->find_lr,
+                            "Sweep the learning rate from 1e-6 to 1 in 300 steps (or --find-lr=N), "
+                            "write find_lr.jsonl into the run directory, suggest a rate and stop")
+                   ->check(CLI::Range(int64_t{10}, int64_t{1000000}));
+  auto* overfit = app.add_flag("--overfit-one-scene", options->overfit_one_scene,
+                               "Learn one scene by heart, print the PSNR and stop; exit code 1 if "
+                               "45 dB are not reached within train.steps");
+  init->excludes(resume);
+  dry->excludes(resume)->excludes(print)->excludes(check);
+  check->excludes(resume)->excludes(print);
+  for (auto* tool : {find, overfit})
+    tool->excludes(resume)->excludes(print)->excludes(dry)->excludes(check);
+  find->excludes(overfit);
+}
+
+RunResult run(const RunOptions& options) {
+  const Config yaml = load(options);
+  const TrainConfig config = TrainConfig::read(yaml);
+  if (options.threads > 0) at::set_num_threads(options.threads);
+  if (options.print_config) return {yaml.to_yaml()};
+  if (options.dry_run) {
+    const Json report = dry_run(config);
+    if (!options.json.empty()) write_file(options.json, report.dump(2) + "\n");
+    return {dry_run_table(report)};
+  }
+  if (options.validate_only) return {check_run_data(config)};
+  const Rank rank = rank_from_environment();
+  const at::Device device = nn::choose_device(options.device, rank.local);
+  if (options.find_lr == 0 && !options.overfit_one_scene)
+    return train(options, config, yaml.to_yaml(), rank, device);
+  LTE_CHECK(rank.count == 1, options.find_lr > 0 ? "--find-lr" : "--overfit-one-scene",
+            ": runs in one process, not in ", rank.count);
+  return options.find_lr > 0 ? find_learning_rate(options, config, device)
+                             : overfit(options, config, device);
 }
 
 }  // namespace lte::train

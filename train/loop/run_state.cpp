@@ -1,0 +1,143 @@
+#include "train/loop/run_state.h"
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <system_error>
+
+#include <ATen/ops/tensor.h>
+#include <torch/types.h>
+
+#include "lte/base/check.h"
+#include "lte/base/log.h"
+#include "train/checkpoint/first_model.h"
+
+namespace lte::train {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string joined(const std::vector<std::string>& parts) {
+  std::string text;
+  for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
+  return text;
+}
+
+/// Two writers would mix two runs in one directory: a batch system that starts a job again while
+/// the first still runs, say.
+std::unique_ptr<LockedFile> hold_directory(const fs::path& output) {
+  auto lock = std::make_unique<LockedFile>(output / ".lock");
+  LTE_CHECK(!lock->busy(), output.string(),
+            ": another lte_train runs in this directory; end it, or choose another with --out");
+  remove_leftovers(output);
+  return lock;
+}
+
+void check_fits(const fs::path& path, const CheckpointHeader& header, const RunStart& start) {
+  const std::vector<std::string> differences = model_differences(start.config.model, header.model);
+  LTE_CHECK(differences.empty(), path.string(),
+            ": cannot resume, as the configuration differs in model.", joined(differences));
+  LTE_CHECK(header.model.scale == start.data.scale, path.string(),
+            ": cannot resume, as its scale is ", header.model.scale, " m and the data set's ",
+            start.data.scale, " m");
+  check_light_estimates(path.string(), header.model, header.progress.light, start.data.light);
+  LTE_CHECK(header.progress.seed == start.config.seed, path.string(),
+            ": cannot resume, as its seed is ", header.progress.seed, " and the configuration's ",
+            start.config.seed);
+  if (header.progress.data_fingerprint != start.data.fingerprint) {
+    log_warning(start.config.data.root,
+                ": the training split is not the one of the checkpoint; the run goes on with it");
+  }
+}
+
+/// The best model is written when it is found and never again: what has become of it since is put
+/// right from the checkpoint of the same step.
+void mend_best_model(const RunStart& start, RunProgress* progress) {
+  if (!std::isfinite(progress->best_loss) || progress->best_step < 0) return;
+  const fs::path path = best_model_path(start.config.output);
+  // A later one is that of a future which this run, going on from an older checkpoint, meets again.
+  const std::optional<int64_t> step = step_of_model(path);
+  if (step && (*step == progress->best_step || *step > progress->step)) return;
+  const auto checkpoint = start.files.whole_of_step(progress->best_step);
+  if (!checkpoint) {
+    log_warning(path.string(), ": damaged or missing, and no checkpoint of step ",
+                progress->best_step, " is left; the next validation starts it anew");
+    progress->best_loss = std::numeric_limits<double>::infinity();
+    return;
+  }
+  log_warning(path.string(), ": damaged or missing; made again from ", checkpoint->string());
+  save_model_of_checkpoint(path, *checkpoint, start.config.train,
+                           model_origin(start.config, start.config_text, start.data,
+                                        progress->best_step, progress->best_loss));
+}
+
+}  // namespace
+
+RunState start_run(const RunStart& start) {
+  const fs::path output = start.config.output;
+  LTE_CHECK(
+      !start.files.any(), checkpoint_path(output).string(),
+      ": a run is there already; go on with --resume, or choose another directory with --out");
+  RunState state;
+  state.model = first_model(&start.config, &start.data);
+  if (start.leads) {
+    std::error_code error;
+    fs::create_directories(output, error);
+    LTE_CHECK(!error, output.string(), ": cannot create the run directory: ", error.message());
+    state.lock = hold_directory(output);
+  }
+  state.model->to(start.device);
+  state.optimizer = std::make_unique<Optimizer>(start.config.train, state.model);
+  state.progress.seed = start.config.seed;
+  state.progress.light = start.data.light;
+  state.progress.data_fingerprint = start.data.fingerprint;
+  return state;
+}
+
+RunState resume_run(const RunStart& start) {
+  RunState state;
+  if (start.leads && start.files.any()) state.lock = hold_directory(start.config.output);
+  const fs::path path = start.files.newest_whole(/*warn=*/start.leads);
+  const CheckpointHeader header = read_checkpoint_header(path);
+  check_fits(path, header, start);
+  state.progress = header.progress;
+  state.progress.data_fingerprint = start.data.fingerprint;
+  state.log = header.log;
+  start.config.model = header.model;
+  state.model = nn::LightTransportModel(start.config.model);
+  state.model->to(start.device);
+  state.optimizer = std::make_unique<Optimizer>(start.config.train, state.model);
+  load_checkpoint(path, state.model, state.optimizer.get());
+  if (start.leads) mend_best_model(start, &state.progress);
+  log_info("resumed ", path.string(), " at step ", state.progress.step, " of ",
+           start.config.train.steps);
+  return state;
+}
+
+void agree_on_start(const RunStart& start, const RunState& state, ProcessGroup& group) {
+  const auto mine = at::tensor({state.progress.step, static_cast<int64_t>(start.data.fingerprint),
+                                static_cast<int64_t>(start.config.train.steps)},
+                               at::kLong);
+  at::Tensor leaders = mine.to(start.device, /*non_blocking=*/false, /*copy=*/true);
+  group.broadcast({leaders});
+  leaders = leaders.cpu();
+  const auto differs = [&](int64_t i) {
+    return mine[i].item<int64_t>() != leaders[i].item<int64_t>();
+  };
+  const int rank = group.rank().index;
+  LTE_CHECK(!differs(0), start.config.output, ": rank ", rank, " starts at step ",
+            state.progress.step, " and rank 0 at ", leaders[0].item<int64_t>(),
+            "; the run directory must be one that all processes see");
+  LTE_CHECK(!differs(1), start.config.data.root, ": the training split of rank ", rank,
+            " is not that of rank 0");
+  LTE_CHECK(!differs(2), "train.steps: rank ", rank, " has ", start.config.train.steps,
+            " and rank 0 ", leaders[2].item<int64_t>());
+  group.broadcast(state.model->parameters());
+}
+
+ModelOrigin model_origin(const TrainConfig& config, const std::string& config_text,
+                         const RunData& data, int64_t step, std::optional<double> val_loss) {
+  return {config_text, step, config.data.scene_points, data.pruned, data.light, val_loss};
+}
+
+}  // namespace lte::train
