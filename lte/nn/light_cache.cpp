@@ -57,13 +57,16 @@ at::Tensor means(const LightCache& cache, const at::Tensor& position, const at::
 
 LightReading reading(const at::Tensor& means, const at::Tensor& floor) {
   const auto column = [&](int64_t c) { return means.narrow(1, c, 1); };
-  const at::Tensor light = means.narrow(1, 0, 6), irradiance = means.narrow(1, 0, 3);
+  using Column = ops::CacheColumn;
+  const at::Tensor light = means.narrow(1, Column::kLight, ops::kCacheLight),
+                   irradiance = means.narrow(1, Column::kLight, 3);
   const at::Tensor grey = irradiance.mean(1, /*keepdim=*/true);
-  const at::Tensor spread = column(6).sqrt().div(grey.add(kCacheLeastMean));
+  const at::Tensor spread = column(Column::kVariance).sqrt().div(grey.add(kCacheLeastMean));
   return {irradiance.add(floor),
-          at::cat({light.log1p(), spread.log1p(), column(7).log().div(kCacheLogScale),
-                   means.narrow(1, 8, 2), column(10).log1p().sub(grey.log1p()),
-                   column(11).log().add(kCacheLogShift).div(kCacheLogScale)},
+          at::cat({light.log1p(), spread.log1p(), column(Column::kWeight).log().div(kCacheLogScale),
+                   column(Column::kFacing), column(Column::kHeight),
+                   column(Column::kGrey).log1p().sub(grey.log1p()),
+                   column(Column::kDistance2).log().add(kCacheLogShift).div(kCacheLogScale)},
                   1)};
 }
 

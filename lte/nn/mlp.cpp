@@ -28,9 +28,9 @@ at::Tensor MlpImpl::hidden_activations(const at::Tensor& x) {
                                 : ops::linear_gelu(x, hidden_->inference_weight(), hidden_->bias);
 }
 
-void MlpImpl::append_weights(std::vector<at::Tensor>& weights) const {
-  weights.insert(weights.end(), {hidden_->inference_weight(), hidden_->bias,
-                                 output_->inference_weight(), output_->bias});
+ops::PerceptronWeights MlpImpl::weights() const {
+  return {{hidden_->inference_weight(), hidden_->bias},
+          {output_->inference_weight(), output_->bias}};
 }
 
 at::Tensor MlpImpl::forward(const at::Tensor& x) {

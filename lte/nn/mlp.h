@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "lte/nn/linear.h"
+#include "lte/ops/decoder_weights.h"
 
 namespace lte::nn {
 
@@ -27,8 +27,8 @@ class MlpImpl : public torch::nn::Module {
   /// GELU of the first layer, [..., hidden]: for callers that fuse the second.
   at::Tensor hidden_activations(const at::Tensor& x);
 
-  /// Appends weight and bias of either layer, in the precision of inference.
-  void append_weights(std::vector<at::Tensor>& weights) const;
+  /// Weight and bias of either layer, in the precision of inference.
+  ops::PerceptronWeights weights() const;
 
   Linear& hidden() { return hidden_; }
   Linear& output() { return output_; }

@@ -52,11 +52,12 @@ at::Tensor QueryLayerImpl::advance(const at::Tensor& G, const at::Tensor& attend
   return sum + ffn_->forward(norm2_->forward(sum));
 }
 
-void QueryLayerImpl::append_weights(std::vector<at::Tensor>& weights) const {
-  weights.insert(weights.end(),
-                 {norm1_->weight, norm1_->bias, query_->inference_weight(), query_->bias,
-                  output_->inference_weight(), output_->bias, norm2_->weight, norm2_->bias});
-  ffn_->append_weights(weights);
+ops::LayerWeights QueryLayerImpl::weights() const {
+  return {{norm1_->weight, norm1_->bias},
+          {query_->inference_weight(), query_->bias},
+          {output_->inference_weight(), output_->bias},
+          {norm2_->weight, norm2_->bias},
+          ffn_->weights()};
 }
 
 QueryDecoderImpl::QueryDecoderImpl(int64_t latent, const ModelConfig& config)
@@ -156,14 +157,11 @@ std::tuple<at::Tensor, at::Tensor> QueryDecoderImpl::neighbour_sums(const Neighb
   return {at::cat(S1, 1), at::cat(S2, 1)};
 }
 
-std::vector<at::Tensor> QueryDecoderImpl::weights() const {
-  std::vector<at::Tensor> weights;
-  point_->append_weights(weights);
-  gamma_->append_weights(weights);
-  for (const QueryLayer& layer : layers_) layer->append_weights(weights);
-  weights.insert(weights.end(), {norm_->weight, norm_->bias});
-  head_->append_weights(weights);
-  return weights;
+ops::DecoderWeights QueryDecoderImpl::weights() const {
+  std::vector<ops::LayerWeights> layers;
+  for (const QueryLayer& layer : layers_) layers.push_back(layer->weights());
+  return {
+      point_->weights(), gamma_->weights(), layers, {norm_->weight, norm_->bias}, head_->weights()};
 }
 
 at::Tensor QueryDecoderImpl::infer(const at::Tensor& attributes, const at::Tensor& query,

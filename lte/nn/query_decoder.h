@@ -17,6 +17,7 @@
 #include "lte/nn/config.h"
 #include "lte/nn/linear.h"
 #include "lte/nn/mlp.h"
+#include "lte/ops/decoder_weights.h"
 
 namespace lte::nn {
 
@@ -41,8 +42,8 @@ class QueryLayerImpl : public torch::nn::Module {
   at::Tensor advance(const at::Tensor& G, const at::Tensor& attended);
   Mlp& omega() { return weight_; }
 
-  /// Appends what forward() reads, in the order of ops::query_decoder_inference().
-  void append_weights(std::vector<at::Tensor>& weights) const;
+  /// What forward() reads, in the precision of inference.
+  ops::LayerWeights weights() const;
 
  private:
   double dropout_;
@@ -95,7 +96,7 @@ class QueryDecoderImpl : public torch::nn::Module {
                                                     const at::Tensor& keys,
                                                     const at::Tensor& values);
   /// What ops::query_decoder_inference() reads.
-  std::vector<at::Tensor> weights() const;
+  ops::DecoderWeights weights() const;
   at::Tensor run_layers(const at::Tensor& attributes, const at::Tensor& S1, const at::Tensor& S2,
                         int64_t neighbours);
   at::Tensor run_softmax_layers(const at::Tensor& attributes, const Neighbourhood& near,

@@ -1,4 +1,4 @@
-// Curve arithmetic shared by the twins of curve_codes().
+// What curve_codes() accepts, and the curve arithmetic that its twins share.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@
 
 namespace lte::ops {
 
-inline void check_curve_args(const at::Tensor& cells, int64_t curve, int64_t bits) {
-  check_triples(cells, at::kInt, "curve_codes", "cells");
+inline void check_curve_codes_args(const at::Tensor& cells, int64_t curve, int64_t bits) {
   TORCH_CHECK(curve >= 0 && curve <= 3, "curve_codes: curve must be 0 (z), 1 (z transposed), ",
               "2 (hilbert) or 3 (hilbert transposed), got ", curve);
   TORCH_CHECK(bits >= 1 && bits <= 21, "curve_codes: bits must be 1 to 21, got ", bits);
+  check_cells(cells, bits, "curve_codes");
 }
 
 /// Moves bit i of a 21-bit number to bit 3i.

@@ -1,7 +1,8 @@
 #include "lte/ops/farthest_point.h"
 
-#include <ATen/core/dispatch/Dispatcher.h>
 #include <torch/library.h>
+
+#include "lte/ops/dispatch.h"
 
 TORCH_LIBRARY_FRAGMENT(lte, m) {
   m.def("farthest_point_sampling(Tensor points, int count) -> (Tensor, Tensor)");
@@ -11,10 +12,8 @@ namespace lte::ops {
 
 std::tuple<at::Tensor, at::Tensor> farthest_point_sampling(const at::Tensor& points,
                                                            int64_t count) {
-  using Signature = std::tuple<at::Tensor, at::Tensor>(const at::Tensor&, int64_t);
-  static const auto op = c10::Dispatcher::singleton()
-                             .findSchemaOrThrow("lte::farthest_point_sampling", "")
-                             .typed<Signature>();
+  static const auto op =
+      find_operator<decltype(farthest_point_sampling)>("lte::farthest_point_sampling");
   return op.call(points, count);
 }
 

@@ -9,16 +9,18 @@
 
 namespace lte::ops {
 
-/// Greedy maximin picks: point 0 first, then always the point farthest from all picks; ties by
-/// lower index. Nested: the first c picks of a longer run are the run of c.
+/// Greedy maximin picks: point 0 first, then always the point farthest from all picks; ties go to
+/// the lower index. Runs are nested: the first c picks of a longer run are the run of c.
 ///
 /// @param points  [N, 3] float32, contiguous, finite
 /// @param count   0 <= count <= N
-/// @return  indices [count] int64 in pick order, and insertion distance² [count] float32: that of
-/// each pick to the picks
-///          before it, non-increasing; +inf for the first
+/// @return  indices [count] int64 in the order of the picks, and insertion distances² [count]
+///          float32: from each pick to the nearest pick before it, non-increasing; +inf for the
+///          first
 /// @throws c10::Error on a wrong shape, dtype, layout or `count`, or, on the CPU, non-finite input
-/// @note Exact; duplicates are picked last, at distance 0. Not differentiable.
+///         (naming the row); a GPU would have to be waited for
+/// @note Exact; duplicates are picked last, at distance 0. CPU and CUDA agree bit for bit. Not
+///       differentiable.
 std::tuple<at::Tensor, at::Tensor> farthest_point_sampling(const at::Tensor& points, int64_t count);
 
 }  // namespace lte::ops

@@ -5,6 +5,7 @@
 #include <torch/csrc/autograd/custom_function.h>
 
 #include "lte/ops/cpu/gelu_cpu.h"
+#include "lte/ops/gelu_args.h"
 
 namespace lte::ops {
 namespace {
@@ -28,6 +29,7 @@ class Gelu : public torch::autograd::Function<Gelu> {
 }  // namespace
 
 at::Tensor gelu(const at::Tensor& x) {
+  check_gelu_args(x);
   if (!x.device().is_cpu() || x.scalar_type() != at::kFloat) return at::gelu(x);
   return Gelu::apply(x);
 }

@@ -8,18 +8,18 @@
 
 namespace lte::ops {
 
-/// The k nearest points of every query by Euclidean distance, nearest first; equal distances by
-/// lower index.
+/// The k nearest points of every query by Euclidean distance, nearest first; of equal distances the
+/// lower index comes first.
 ///
 /// @param queries  [Q, 3] float32, contiguous, finite
 /// @param points   [N, 3] float32, contiguous, finite, N >= 1 unless Q == 0
 /// @param k        >= 1
 /// @return  indices [Q, min(k, N)] int64 into `points`, and squared distances [Q, min(k, N)]
-/// float32
-/// @throws c10::Error on a wrong shape, dtype, layout or `k`, or, on the CPU, non-finite input
+///          float32
+/// @throws c10::Error on a wrong shape, dtype, layout, device or `k`, or, on the CPU, non-finite input
 ///         (naming the row); a GPU would have to be waited for
-/// @note The result depends on neither the number of threads nor the order of queries. Not
-/// differentiable.
+/// @note The result depends on neither the number of threads nor the order of queries. CPU and CUDA
+///       agree bit for bit. Not differentiable.
 std::tuple<at::Tensor, at::Tensor> knn(const at::Tensor& queries, const at::Tensor& points,
                                        int64_t k);
 

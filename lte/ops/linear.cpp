@@ -6,11 +6,14 @@
 
 #include <ATen/Context.h>
 #include <ATen/core/List.h>
-#include <ATen/core/dispatch/Dispatcher.h>
 #include <ATen/ops/linear.h>
 #include <ATen/ops/mm.h>
 #include <torch/csrc/autograd/custom_function.h>
 #include <torch/library.h>
+
+#include "lte/ops/dispatch.h"
+#include "lte/ops/gelu.h"
+#include "lte/ops/linear_args.h"
 
 TORCH_LIBRARY_FRAGMENT(lte, m) {
   m.def("linear_bf16(Tensor x, Tensor weight, Tensor? bias, bool gelu) -> Tensor");
@@ -18,16 +21,15 @@ TORCH_LIBRARY_FRAGMENT(lte, m) {
   m.def("weight_gradient_bf16(Tensor grad, Tensor x) -> Tensor");
 }
 
-#include "lte/ops/gelu.h"
-
 namespace lte::ops {
 namespace {
 
 using torch::autograd::AutogradContext;
 using torch::autograd::variable_list;
 
-/// Multiply-adds below which the call into oneDNN costs more than it gains, as measured: forward
-/// and by the input, and by the weight, where both factors are transposed.
+/// Multiply-adds below which the call into oneDNN costs more than it gains, as measured: in the
+/// forward pass and the gradient by the input, and in the gradient by the weight, where both
+/// factors are transposed.
 constexpr int64_t kLeastForward = int64_t{1} << 20, kLeastByWeight = int64_t{1} << 22;
 
 using FusedLinear = at::Tensor(const at::Tensor&, const at::Tensor&,
@@ -35,13 +37,18 @@ using FusedLinear = at::Tensor(const at::Tensor&, const at::Tensor&,
                                c10::List<std::optional<at::Scalar>>,
                                std::optional<std::string_view>);
 
-/// oneDNN's linear on plain tensors, which LibTorch's own compiler emits; absent in builds without
-/// oneDNN.
+/// oneDNN's linear on plain tensors, which LibTorch's own compiler emits. Absent in builds without
+/// oneDNN, and one day perhaps in LibTorch: all products then go to ATen.
 const std::optional<c10::TypedOperatorHandle<FusedLinear>>& fused_linear() {
   static const auto op = [] {
     std::optional<c10::TypedOperatorHandle<FusedLinear>> typed;
     const auto found = c10::Dispatcher::singleton().findSchema({"mkldnn::_linear_pointwise", ""});
-    if (found && at::hasMKLDNN()) typed = found->typed<FusedLinear>();
+    if (!found || !at::hasMKLDNN()) return typed;
+    try {
+      typed = found->typed<FusedLinear>();
+    } catch (const c10::Error&) {
+      // Another signature than the one known here: as if it were not there.
+    }
     return typed;
   }();
   return op;
@@ -78,8 +85,7 @@ at::Tensor call_bf16(const at::Tensor& x, const at::Tensor& weight, const at::Te
                      bool gelu) {
   using Signature =
       at::Tensor(const at::Tensor&, const at::Tensor&, const std::optional<at::Tensor>&, bool);
-  static const auto op =
-      c10::Dispatcher::singleton().findSchemaOrThrow("lte::linear_bf16", "").typed<Signature>();
+  static const auto op = find_operator<Signature>("lte::linear_bf16");
   return op.call(x, weight, if_defined(bias), gelu);
 }
 
@@ -103,20 +109,22 @@ class Linear : public torch::autograd::Function<Linear> {
     const at::Tensor &x = saved[0], &weight = saved[1];
     const at::Tensor grad = grads[0].reshape({-1, weight.size(0)});
     variable_list out(3);
-    if (context->needs_input_grad(0))
+    if (context->needs_input_grad(0)) {
       out[0] = product(grad, weight.t(), kLeastForward).view(x.sizes());
+    }
     if (context->needs_input_grad(1)) {
       const at::Tensor rows = x.reshape({-1, weight.size(1)});
       out[1] = product(grad.t(), rows.t(), kLeastByWeight);
     }
     // Counted over tensors: without a bias there is no third.
-    if (context->saved_data["has_bias"].toBool() && context->needs_input_grad(2))
+    if (context->saved_data["has_bias"].toBool() && context->needs_input_grad(2)) {
       out[2] = grad.sum(0);
+    }
     return out;
   }
 };
 
-/// x Wᵀ + b of x float32 of any sizes, given as rows, and W [O, C] bfloat16, in float32.
+/// x Wᵀ + b in float32 for an x of `x_sizes`, given as float32 rows, and W [O, C] bfloat16.
 at::Tensor rounded_linear(const at::Tensor& rows, const at::Tensor& weight, const at::Tensor& bias,
                           at::IntArrayRef x_sizes) {
   std::vector<int64_t> sizes = x_sizes.vec();
@@ -124,11 +132,10 @@ at::Tensor rounded_linear(const at::Tensor& rows, const at::Tensor& weight, cons
   return call_bf16(rows, weight, bias, false).view(sizes);
 }
 
-/// gradᵀ x of grad [N, O] float32 and x [N, C] bfloat16 in float32.
+/// gradᵀ x in float32, grad [N, O] being float32 and x [N, C] bfloat16.
 at::Tensor rounded_weight_gradient(const at::Tensor& grad, const at::Tensor& x) {
-  static const auto op = c10::Dispatcher::singleton()
-                             .findSchemaOrThrow("lte::weight_gradient_bf16", "")
-                             .typed<at::Tensor(const at::Tensor&, const at::Tensor&)>();
+  using Signature = at::Tensor(const at::Tensor&, const at::Tensor&);
+  static const auto op = find_operator<Signature>("lte::weight_gradient_bf16");
   return op.call(grad, x);
 }
 
@@ -150,12 +157,14 @@ class AutocastLinear : public torch::autograd::Function<AutocastLinear> {
     const at::Tensor &x = saved[0], &weight = saved[1];
     const at::Tensor grad = grads[0].reshape({-1, weight.size(0)}).contiguous();
     variable_list out(3);
-    if (context->needs_input_grad(0))
+    if (context->needs_input_grad(0)) {
       out[0] = call_bf16(grad, weight.t().contiguous(), {}, false)
                    .view(context->saved_data["sizes"].toIntVector());
+    }
     if (context->needs_input_grad(1)) out[1] = rounded_weight_gradient(grad, x);
-    if (context->saved_data["has_bias"].toBool() && context->needs_input_grad(2))
+    if (context->saved_data["has_bias"].toBool() && context->needs_input_grad(2)) {
       out[2] = grad.sum(0);
+    }
     return out;
   }
 };
@@ -168,6 +177,7 @@ bool wants_gradient(const at::Tensor& x, const at::Tensor& weight, const at::Ten
 }  // namespace
 
 at::Tensor linear(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias) {
+  check_linear_args(x, weight, bias);
   if (mixes_bf16(x, weight)) return call_bf16(x, weight, bias, false);
   if (!suits_fused(x, weight, kLeastForward)) return at::linear(x, weight, if_defined(bias));
   const std::optional<at::Tensor> offset = if_defined(bias);
@@ -178,15 +188,14 @@ at::Tensor linear(const at::Tensor& x, const at::Tensor& weight, const at::Tenso
 at::Tensor linear_autocast(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias) {
   const bool single = x.scalar_type() == at::kFloat && weight.scalar_type() == at::kFloat;
   if (!single) return linear(x, weight, bias);
-  TORCH_CHECK(x.dim() >= 1 && weight.dim() == 2 && x.size(-1) == weight.size(1),
-              "linear: x must be [..., C] and weight [O, C], got ", x.sizes(), " and ",
-              weight.sizes());
+  check_linear_args(x, weight, bias);
   if (wants_gradient(x, weight, bias)) return AutocastLinear::apply(x, weight, if_defined(bias));
   return rounded_linear(x.reshape({-1, weight.size(1)}).contiguous(),
                         weight.to(at::kBFloat16).contiguous(), bias, x.sizes());
 }
 
 at::Tensor linear_gelu(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias) {
+  check_linear_args(x, weight, bias);
   if (mixes_bf16(x, weight)) return call_bf16(x, weight, bias, true);
   const bool fused = suits_fused(x, weight, kLeastForward) && !wants_gradient(x, weight, bias);
   return fused ? call_fused(x, weight, if_defined(bias), true) : ops::gelu(linear(x, weight, bias));

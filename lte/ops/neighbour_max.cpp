@@ -1,7 +1,8 @@
 #include "lte/ops/neighbour_max.h"
 
-#include <ATen/core/dispatch/Dispatcher.h>
 #include <torch/library.h>
+
+#include "lte/ops/dispatch.h"
 
 TORCH_LIBRARY_FRAGMENT(lte, m) {
   m.def(
@@ -14,11 +15,8 @@ namespace lte::ops {
 at::Tensor neighbour_max_inference(const at::Tensor& dense, const at::Tensor& center,
                                    const at::Tensor& neighbour, const at::Tensor& weight,
                                    const at::Tensor& bias) {
-  using Signature = at::Tensor(const at::Tensor&, const at::Tensor&, const at::Tensor&,
-                               const at::Tensor&, const at::Tensor&);
-  static const auto op = c10::Dispatcher::singleton()
-                             .findSchemaOrThrow("lte::neighbour_max_inference", "")
-                             .typed<Signature>();
+  static const auto op =
+      find_operator<decltype(neighbour_max_inference)>("lte::neighbour_max_inference");
   return op.call(dense, center, neighbour, weight, bias);
 }
 

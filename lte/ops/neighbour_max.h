@@ -1,12 +1,12 @@
-// The second half of the nearest-neighbour embedding's G, pair by pair but never in memory: GELU,
-// dense layer, maximum over the neighbours (the paper's equations 2 and 3).
+// The second half of the nearest-neighbour embedding's G: GELU, dense layer, maximum over the
+// neighbours (the paper's equations 2 and 3). No tensor of pairs is ever in memory.
 #pragma once
 
 #include <ATen/core/Tensor.h>
 
 namespace lte::ops {
 
-/// max over k of W GELU(dense[neighbour[l][k]] + center[l]) + b.
+/// The maximum over k of W GELU(dense[neighbour[l][k]] + center[l]) + b.
 ///
 /// @param dense      [n, C] float32
 /// @param center     [m, C] float32

@@ -1,8 +1,9 @@
 #include "lte/ops/neighbour_sums.h"
 
-#include <ATen/core/dispatch/Dispatcher.h>
 #include <torch/csrc/autograd/custom_function.h>
 #include <torch/library.h>
+
+#include "lte/ops/dispatch.h"
 
 TORCH_LIBRARY_FRAGMENT(lte, m) {
   m.def(
@@ -38,9 +39,7 @@ class NeighbourSums : public torch::autograd::Function<NeighbourSums> {
     using Signature = std::tuple<at::Tensor, at::Tensor, at::Tensor>(
         const at::Tensor&, const at::Tensor&, const at::Tensor&, const at::Tensor&,
         const at::Tensor&, const at::Tensor&);
-    static const auto op = c10::Dispatcher::singleton()
-                               .findSchemaOrThrow("lte::neighbour_sums_backward", "")
-                               .typed<Signature>();
+    static const auto op = find_operator<Signature>("lte::neighbour_sums_backward");
     const variable_list saved = context->get_saved_variables();
     const auto [keys, values, position] =
         op.call(grads[0], grads[1], saved[0], saved[1], saved[2], saved[3]);
@@ -61,17 +60,12 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums_autograd(const at::Tensor& key
 std::tuple<at::Tensor, at::Tensor> neighbour_sums(const at::Tensor& keys, const at::Tensor& values,
                                                   const at::Tensor& position,
                                                   const at::Tensor& index) {
-  using Signature = std::tuple<at::Tensor, at::Tensor>(const at::Tensor&, const at::Tensor&,
-                                                       const at::Tensor&, const at::Tensor&);
-  static const auto op =
-      c10::Dispatcher::singleton().findSchemaOrThrow("lte::neighbour_sums", "").typed<Signature>();
+  static const auto op = find_operator<decltype(neighbour_sums)>("lte::neighbour_sums");
   return op.call(keys, values, position, index);
 }
 
 at::Tensor neighbour_table(const at::Tensor& keys, const at::Tensor& values) {
-  static const auto op = c10::Dispatcher::singleton()
-                             .findSchemaOrThrow("lte::neighbour_table", "")
-                             .typed<at::Tensor(const at::Tensor&, const at::Tensor&)>();
+  static const auto op = find_operator<decltype(neighbour_table)>("lte::neighbour_table");
   return op.call(keys, values);
 }
 
@@ -80,12 +74,8 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums_inference(const at::Tensor& ta
                                                             const at::Tensor& weight,
                                                             const at::Tensor& bias,
                                                             const at::Tensor& index) {
-  using Signature =
-      std::tuple<at::Tensor, at::Tensor>(const at::Tensor&, const at::Tensor&, const at::Tensor&,
-                                         const at::Tensor&, const at::Tensor&);
-  static const auto op = c10::Dispatcher::singleton()
-                             .findSchemaOrThrow("lte::neighbour_sums_inference", "")
-                             .typed<Signature>();
+  static const auto op =
+      find_operator<decltype(neighbour_sums_inference)>("lte::neighbour_sums_inference");
   return op.call(table, hidden, weight, bias, index);
 }
 

@@ -2,8 +2,9 @@
 
 #include <optional>
 
-#include <ATen/core/dispatch/Dispatcher.h>
 #include <torch/library.h>
+
+#include "lte/ops/dispatch.h"
 
 TORCH_LIBRARY_FRAGMENT(lte, m) {
   m.def(
@@ -18,9 +19,7 @@ at::Tensor patch_attention_inference(const at::Tensor& qkv, const at::Tensor& ga
                                      bool bf16) {
   using Signature = at::Tensor(const at::Tensor&, const std::optional<at::Tensor>&,
                                const std::optional<at::Tensor>&, int64_t, int64_t, bool);
-  static const auto op = c10::Dispatcher::singleton()
-                             .findSchemaOrThrow("lte::patch_attention_inference", "")
-                             .typed<Signature>();
+  static const auto op = find_operator<Signature>("lte::patch_attention_inference");
   const auto given = [](const at::Tensor& t) {
     return t.defined() ? std::optional(t) : std::nullopt;
   };

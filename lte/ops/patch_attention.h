@@ -8,7 +8,7 @@
 
 namespace lte::ops {
 
-/// Channels of a head, at most.
+/// The most channels that a head may have.
 inline constexpr int64_t kWidestHead = 128;
 
 /// softmax(Q Kᵀ / sqrt(d)) V within each patch and head.

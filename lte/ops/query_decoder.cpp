@@ -1,7 +1,8 @@
 #include "lte/ops/query_decoder.h"
 
-#include <ATen/core/dispatch/Dispatcher.h>
 #include <torch/library.h>
+
+#include "lte/ops/dispatch.h"
 
 TORCH_LIBRARY_FRAGMENT(lte, m) {
   m.def(
@@ -13,21 +14,17 @@ TORCH_LIBRARY_FRAGMENT(lte, m) {
 namespace lte::ops {
 
 at::Tensor query_decoder_inference(const at::Tensor& attributes, const QueryNeighbourhood& near,
-                                   const at::Tensor& table, at::TensorList weights) {
+                                   const at::Tensor& table, const DecoderWeights& weights) {
   using Signature =
       at::Tensor(const at::Tensor&, const at::Tensor&, const at::Tensor&, const at::Tensor&, double,
                  double, const at::Tensor&, at::TensorList);
-  static const auto op = c10::Dispatcher::singleton()
-                             .findSchemaOrThrow("lte::query_decoder_inference", "")
-                             .typed<Signature>();
+  static const auto op = find_operator<Signature>("lte::query_decoder_inference");
   return op.call(attributes, near.position, near.anchor, near.index, near.scale, near.limit, table,
-                 weights);
+                 weights.to_list());
 }
 
 at::Tensor spatial_order(const at::Tensor& points) {
-  static const auto op = c10::Dispatcher::singleton()
-                             .findSchemaOrThrow("lte::spatial_order", "")
-                             .typed<at::Tensor(const at::Tensor&)>();
+  static const auto op = find_operator<decltype(spatial_order)>("lte::spatial_order");
   return op.call(points);
 }
 

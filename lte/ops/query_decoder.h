@@ -1,7 +1,8 @@
-// The query decoder's forward pass in one operator: what nn::QueryDecoder computes. On the CPU by
-// tiles of queries whose every intermediate stays in the caches of one core, on CUDA by blocks of
-// queries whose neighbours are gathered and summed in one kernel (docs/model.md, "Local query
-// decoder").
+// The query decoder's forward pass in one operator: what nn::QueryDecoder computes (docs/model.md,
+// "Local query decoder").
+//
+// The CPU takes tiles of queries whose every intermediate stays in the caches of one core. CUDA
+// takes blocks of queries and gathers and sums their neighbours in one kernel.
 #pragma once
 
 #include <cstdint>
@@ -9,39 +10,40 @@
 #include <ATen/core/Tensor.h>
 #include <ATen/core/TensorBody.h>
 
+#include "lte/ops/decoder_weights.h"
+
 namespace lte::ops {
 
 /// Where the queries are and what is near them.
 struct QueryNeighbourhood {
   at::Tensor position;  ///< [Q, 3] float32
   at::Tensor anchor;    ///< [m, 3] float32, of the latents
-  at::Tensor index;     ///< [Q, K] int64, the latents near each query, in [0, m)
+  at::Tensor index;     ///< [Q, K] int64, the latents near each query, in [0, m); K >= 1
   double scale = 1;     ///< offsets are (position − anchor) * scale,
   double limit = 1;     ///< limited to ±limit
 };
 
 /// @param attributes  [Q, A] float32, what the queries' own MLP sees
-/// @param table       of neighbour_table() with L layers and C channels, float32
-/// @param weights     pairs of weight and bias, float32: `point.hidden`, `point.output`,
-///                    `gamma.hidden` [H, 3], `gamma.output` [C, H]; of each layer `norm1`, `query`,
-///                    `output`, `norm2`, `ffn.hidden`, `ffn.output`; then `norm`, `head.hidden`,
-///                    `head.output` [O, .]. Dense weights are [outputs, inputs]; any of them but
-///                    `gamma.hidden` may be bfloat16 instead (bf16.h).
+/// @param table       neighbour_table() of L layers and C channels, float32
+/// @param weights     of L layers, float32; dense weights but that of `gamma.hidden` may be bfloat16
+///                    instead (bf16.h)
 /// @return  [Q, O], softplus of the head
-/// @throws c10::Error on a wrong shape, dtype or number of weights, or an index out of range
+/// @throws c10::Error on a wrong shape, dtype, device or number of weights, or, on the CPU, an index
+///         out of range; on CUDA such an index fails a device-side assertion
 /// @note Not differentiable. On the CPU each query's result is the same bits whatever other queries
 ///       there are, in whatever order. Queries in the order of spatial_order() run fastest.
 /// @note CPU: some 2 MB of working memory a thread at C = 128 and L = 6, and a copy of the weights.
-///       CUDA: 150 MB for blocks of 16,384 queries; products follow LibTorch's switch for TF32; no
-///       index is checked, and the host waits for nothing.
+///       CUDA: 150 MB for blocks of 16,384 queries; products follow LibTorch's switch for TF32; the
+///       host waits for nothing.
 at::Tensor query_decoder_inference(const at::Tensor& attributes, const QueryNeighbourhood& near,
-                                   const at::Tensor& table, at::TensorList weights);
+                                   const at::Tensor& table, const DecoderWeights& weights);
 
 /// An order in which consecutive points are near each other: along the Z curve of 1,024 cells an
 /// axis.
 ///
 /// @param points  [N, 3] float32, contiguous, finite, on the CPU
 /// @return  [N] int64, a permutation
+/// @throws c10::Error on a wrong shape, dtype or layout, or a point that is not finite
 /// @note O(N), stable: points of one cell keep their order.
 at::Tensor spatial_order(const at::Tensor& points);
 

@@ -3,9 +3,10 @@
 #include <array>
 #include <optional>
 
-#include <ATen/core/dispatch/Dispatcher.h>
 #include <torch/csrc/autograd/custom_function.h>
 #include <torch/library.h>
+
+#include "lte/ops/dispatch.h"
 
 TORCH_LIBRARY_FRAGMENT(lte, m) {
   m.def("convolution_pairs(Tensor cells, int kernel) -> (Tensor, Tensor)");
@@ -13,7 +14,7 @@ TORCH_LIBRARY_FRAGMENT(lte, m) {
       "submanifold_conv(Tensor input, Tensor weight, Tensor? bias, Tensor pairs, Tensor tap_begin) "
       "-> Tensor");
   // Gradients by input and weight, of the dtype of `grad`; those not needed come back empty. Input
-  // and weight may both be bfloat16 with a float32 `grad`, which is rounded then too.
+  // and weight may both be bfloat16 with a float32 `grad`, which is then rounded too.
   m.def(
       "submanifold_conv_backward(Tensor grad, Tensor input, Tensor weight, Tensor pairs, "
       "Tensor tap_begin, bool need_input, bool need_weight) -> (Tensor, Tensor)");
@@ -31,9 +32,7 @@ at::Tensor call_forward(const at::Tensor& input, const at::Tensor& weight,
   using Signature =
       at::Tensor(const at::Tensor&, const at::Tensor&, const std::optional<at::Tensor>&,
                  const at::Tensor&, const at::Tensor&);
-  static const auto op = c10::Dispatcher::singleton()
-                             .findSchemaOrThrow("lte::submanifold_conv", "")
-                             .typed<Signature>();
+  static const auto op = find_operator<Signature>("lte::submanifold_conv");
   return op.call(input, weight, bias, pairs, tap_begin);
 }
 
@@ -53,9 +52,7 @@ class SubmanifoldConv : public torch::autograd::Function<SubmanifoldConv> {
     using Signature =
         std::tuple<at::Tensor, at::Tensor>(const at::Tensor&, const at::Tensor&, const at::Tensor&,
                                            const at::Tensor&, const at::Tensor&, bool, bool);
-    static const auto op = c10::Dispatcher::singleton()
-                               .findSchemaOrThrow("lte::submanifold_conv_backward", "")
-                               .typed<Signature>();
+    static const auto op = find_operator<Signature>("lte::submanifold_conv_backward");
     const variable_list saved = context->get_saved_variables();
     const at::Tensor grad = grads[0].contiguous();
     // Counted over tensor arguments: without a bias, 2 is `pairs`, which needs none.
@@ -82,10 +79,7 @@ at::Tensor submanifold_conv_autograd(const at::Tensor& input, const at::Tensor& 
 }  // namespace
 
 std::tuple<at::Tensor, at::Tensor> convolution_pairs(const at::Tensor& cells, int64_t kernel) {
-  using Signature = std::tuple<at::Tensor, at::Tensor>(const at::Tensor&, int64_t);
-  static const auto op = c10::Dispatcher::singleton()
-                             .findSchemaOrThrow("lte::convolution_pairs", "")
-                             .typed<Signature>();
+  static const auto op = find_operator<decltype(convolution_pairs)>("lte::convolution_pairs");
   return op.call(cells, kernel);
 }
 

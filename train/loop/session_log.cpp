@@ -2,6 +2,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/file.h"
+#include "lte/base/process_memory.h"
 #include "train/optim/schedule.h"
 
 namespace lte::train {

@@ -8,19 +8,19 @@
 #include <ATen/ops/empty.h>
 #include <torch/library.h>
 
-#include "lte/ops/arguments.h"
+#include "lte/ops/submanifold_conv_args.h"
 
 namespace lte::ops {
 namespace {
 
-constexpr int kCellBits = 20;
-constexpr int kFieldBits = kCellBits + 1;  ///< room for a shift past either end without a carry
+/// Room for a shift past either end without a carry.
+constexpr int64_t kFieldBits = kConvolutionCellBits + 1;
 
 /// Distinct cells in ascending order of key.
 struct SortedCells {
   std::vector<int64_t> key;
-  std::vector<int32_t> first;  ///< lowest row of each
-  std::vector<int32_t> slot;   ///< of every row: where its cell is in `key`
+  std::vector<int32_t> first;  ///< the lowest row of each
+  std::vector<int32_t> slot;   ///< for every row: where its cell is in `key`
 
   SortedCells(const int32_t* cells, int64_t N, int64_t half) : slot(N) {
     std::vector<int64_t> keys(N);
@@ -56,16 +56,9 @@ void match(const SortedCells& cells, int64_t shift, std::vector<int32_t>& input)
 }
 
 std::tuple<at::Tensor, at::Tensor> convolution_pairs_cpu(const at::Tensor& cells, int64_t kernel) {
-  const char* op = "convolution_pairs";
-  check_triples(cells, at::kInt, op, "cells");
-  TORCH_CHECK(kernel >= 1 && kernel <= 31 && kernel % 2 == 1, op,
-              ": kernel must be odd, 1 to 31, got ", kernel);
+  check_convolution_pairs_args(cells, kernel);
   const int64_t N = cells.size(0), half = kernel / 2, taps = kernel * kernel * kernel;
   const auto* in = cells.const_data_ptr<int32_t>();
-  const int64_t bad = first_row(
-      N, [&](int64_t i) { return (in[3 * i] | in[3 * i + 1] | in[3 * i + 2]) >> kCellBits != 0; });
-  TORCH_CHECK(bad == N, op, ": row ", bad, " of cells is outside [0, 2^20): (", in[3 * bad], ", ",
-              in[3 * bad + 1], ", ", in[3 * bad + 2], ")");
 
   const SortedCells sorted(in, N, half);
   std::vector<std::vector<int32_t>> outputs(taps), inputs(taps);

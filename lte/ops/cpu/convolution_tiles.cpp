@@ -13,7 +13,7 @@
 namespace lte::ops {
 namespace {
 
-/// Output columns of one panel for rows [first, last).
+/// One thread's working memory of a convolution.
 class TileConvolution {
  public:
   TileConvolution(const ConvolutionRows& input, const TapWeights& weights,
@@ -27,6 +27,7 @@ class TileConvolution {
         gathered_(kTileRows, Cin_),
         product_(kTileRows, kPanel) {}
 
+  /// The output columns of one panel for rows [first, last).
   void run(int64_t first, int64_t last, int64_t panel) {
     for (int64_t tap = 0; tap < pairs_.taps; ++tap) {
       const int32_t* tap_last = pairs_.output + pairs_.begin[tap + 1];
@@ -93,7 +94,7 @@ class ReversedPairs {
   const ConvolutionPairs& pairs_;
 };
 
-/// Columns of a tap's weight gradient for one panel of outputs.
+/// One thread's working memory of the gradient by the weight.
 class TapGradient {
  public:
   TapGradient(const ConvolutionRows& input, const ConvolutionRows& grad,
@@ -106,14 +107,15 @@ class TapGradient {
         gradient_(static_cast<size_t>(kPanel * kPanel)),
         product_(static_cast<size_t>(input.C * kPanel)) {}
 
+  /// The columns of a tap's gradient in one panel of outputs.
   void run(int64_t tap, int64_t panel) {
     const int64_t column = panel * kPanel, columns = std::min(kPanel, grad_.C - column);
     const int64_t begin = pairs_.begin[tap], end = pairs_.begin[tap + 1];
     for (int64_t i = begin; i < end; i += kPanel) {
       const int64_t count = std::min(kPanel, end - i);
       gather(i, count, column, columns);
-      dense_kernels().multiply(transposed_.data(), input_.C, count, gradient_.data(), kPanel,
-                               kBlock, nullptr, columns / kBlock, i > begin, product_.data());
+      dense_kernels().multiply({transposed_.data(), input_.C, count, gradient_.data(), kPanel,
+                                kBlock, nullptr, columns / kBlock, i > begin, product_.data()});
     }
     if (begin == end) return;
     for (int64_t c = 0; c < input_.C; ++c) {
@@ -141,7 +143,7 @@ class TapGradient {
   std::vector<float> product_;     ///< [input.C, kPanel]
 };
 
-/// [taps, rows, columns] -> [taps, columns, rows], of the taps that have pairs.
+/// [taps, rows, columns] -> [taps, columns, rows], for the taps that have pairs.
 template <typename T>
 std::vector<T> transposed_taps(const void* weight, int64_t rows, int64_t columns,
                                const ConvolutionPairs& pairs) {
@@ -153,8 +155,9 @@ std::vector<T> transposed_taps(const void* weight, int64_t rows, int64_t columns
       T* to = out.data() + tap * rows * columns;
       for (int64_t r = 0; r < rows; ++r) {
         const char* from = bytes + (tap * rows + r) * columns * sizeof(T);
-        for (int64_t c = 0; c < columns; ++c)
+        for (int64_t c = 0; c < columns; ++c) {
           std::memcpy(to + c * rows + r, from + c * sizeof(T), sizeof(T));
+        }
       }
     }
   });
@@ -187,7 +190,7 @@ void input_gradient_tiles(const ConvolutionRows& grad, const float* weight, int6
 void input_gradient_tiles(const ConvolutionRows& grad, const at::BFloat16* weight, int64_t inputs,
                           const ConvolutionPairs& pairs, float* out) {
   const ReversedPairs reversed(pairs);
-  // Neighbours in a row are the pairs of the transposed matrix.
+  // Two bfloat16 that are neighbours in a row are a pair of the transposed matrix.
   TapWeights weights(transposed_taps<uint32_t>(weight, inputs, grad.C / 2, pairs), grad.C, inputs);
   convolve_tiles(grad, weights, reversed.pairs(), out);
 }

@@ -7,9 +7,9 @@
 #include <ATen/ops/empty.h>
 #include <torch/library.h>
 
-#include "lte/ops/arguments.h"
 #include "lte/ops/cpu/kd_tree.h"
 #include "lte/ops/cpu/kernels/kernels.h"
+#include "lte/ops/farthest_point_args.h"
 
 namespace lte::ops {
 namespace {
@@ -140,11 +140,7 @@ class Sampler {
 
 std::tuple<at::Tensor, at::Tensor> farthest_point_sampling_cpu(const at::Tensor& points,
                                                                int64_t count) {
-  const char* op = "farthest_point_sampling";
-  check_triples(points, at::kFloat, op, "points");
-  TORCH_CHECK(count >= 0 && count <= points.size(0), op, ": count must be 0 to ", points.size(0),
-              ", the number of points, got ", count);
-  check_finite_rows(points, op, "points");
+  check_farthest_point_args(points, count);
   at::Tensor index = at::empty({count}, points.options().dtype(at::kLong));
   at::Tensor distance = at::empty({count}, points.options());
   if (count == 0) return {index, distance};

@@ -75,16 +75,22 @@ KdTree::KdTree(const float* points, int64_t count, int leaf_size, int64_t max_co
     const auto left = static_cast<int32_t>(nodes.size());
     const Node low{{}, {}, node.begin, middle, id, -1, 0, 0};
     const Node high{{}, {}, middle, node.end, id, -1, 0, 0};
-    node.axis = axis, node.split = split, node.left = left;
+    node.axis = axis;
+    node.split = split;
+    node.left = left;
     nodes.push_back(low);
     nodes.push_back(high);
     stack.push_back(left + 1);  // the left child next, so that leaves come in order
     stack.push_back(left);
   }
-  x.assign(count + kPadding, 0.0f), y = x, z = x;
+  x.assign(count + kPadding, 0.0f);
+  y = x;
+  z = x;
   for (int64_t i = 0; i < count; ++i) {
     const float* p = points + 3 * static_cast<int64_t>(index[i]);
-    x[i] = p[0], y[i] = p[1], z[i] = p[2];
+    x[i] = p[0];
+    y[i] = p[1];
+    z[i] = p[2];
   }
 }
 

@@ -15,11 +15,11 @@
 #include <ATen/ops/empty.h>
 #include <torch/library.h>
 
-#include "lte/ops/arguments.h"
 #include "lte/ops/cpu/kd_tree.h"
 #include "lte/ops/cpu/kernels/kernels.h"
 #include "lte/ops/cpu/radix_sort.h"
 #include "lte/ops/curve_codes_kernel.h"
+#include "lte/ops/knn_args.h"
 
 namespace lte::ops {
 namespace {
@@ -29,16 +29,6 @@ constexpr int64_t kMaxPacket = 64;
 constexpr float kPacketReach = 0.6f;  ///< of r: how far from the leader a packet extends
 constexpr int64_t kMaxRanked = 256;   ///< counting is quadratic: longer lists are sorted
 constexpr int64_t kChunk = 512;       ///< queries a thread takes at once
-
-void check_knn_args(const at::Tensor& queries, const at::Tensor& points, int64_t k) {
-  check_triples(queries, at::kFloat, "knn", "queries");
-  check_triples(points, at::kFloat, "knn", "points");
-  TORCH_CHECK(k >= 1, "knn: k must be at least 1, got ", k);
-  TORCH_CHECK(points.size(0) >= 1 || queries.size(0) == 0, "knn: no points for ", queries.size(0),
-              " queries");
-  check_finite_rows(queries, "knn", "queries");
-  check_finite_rows(points, "knn", "points");
-}
 
 /// The candidates of a packet.
 struct Candidates {
@@ -160,7 +150,9 @@ class PacketSearch {
           kernels_.select(distance_.data(), node.end - begin, reach2, position_.data());
       for (int64_t i = 0; i < found; ++i) {
         const int64_t from = begin + position_[i], to = c.count++;
-        c.x[to] = tree_.x[from], c.y[to] = tree_.y[from], c.z[to] = tree_.z[from];
+        c.x[to] = tree_.x[from];
+        c.y[to] = tree_.y[from];
+        c.z[to] = tree_.z[from];
         c.id[to] = tree_.index[from];
       }
     }

@@ -10,6 +10,7 @@
 #include <torch/library.h>
 
 #include "lte/ops/cpu/packed_linear.h"
+#include "lte/ops/linear_args.h"
 
 namespace lte::ops {
 namespace {
@@ -63,25 +64,16 @@ class TileLinear {
   Tile input_, answer_;
 };
 
-at::Tensor linear_bf16_cpu(const at::Tensor& any_x, const at::Tensor& any_weight,
+at::Tensor linear_bf16_cpu(const at::Tensor& any_x, const at::Tensor& weight,
                            const std::optional<at::Tensor>& bias, bool gelu) {
-  const char* op = "linear_bf16";
-  TORCH_CHECK(any_weight.dim() == 2 && any_weight.scalar_type() == at::kBFloat16, op,
-              ": weight must be [O, C] bfloat16, got ", any_weight.sizes(), " ",
-              any_weight.scalar_type());
-  const int64_t O = any_weight.size(0), C = any_weight.size(1);
-  TORCH_CHECK(any_x.dim() >= 1 && any_x.size(-1) == C && any_x.scalar_type() == at::kFloat, op,
-              ": x must be [..., ", C, "] float32, got ", any_x.sizes(), " ", any_x.scalar_type());
-  const bool has_bias = bias.has_value() && bias->defined();
-  TORCH_CHECK(
-      !has_bias || (bias->dim() == 1 && bias->size(0) == O && bias->scalar_type() == at::kFloat),
-      op, ": bias must be [", O, "] float32");
+  check_linear_bf16_args(any_x, weight, bias);
+  const int64_t O = weight.size(0), C = weight.size(1);
   const at::Tensor x = any_x.contiguous();
   std::vector<int64_t> shape = x.sizes().vec();
   shape.back() = O;
   at::Tensor out = at::empty(shape, x.options());
   if (out.numel() == 0) return out;
-  const PackedLinear layer(any_weight, has_bias ? *bias : at::Tensor());
+  const PackedLinear layer(weight, bias.value_or(at::Tensor()));
   const int64_t rows = x.numel() / C, panels = panels_of(O), tiles = (rows + kTile - 1) / kTile;
   const auto* from = x.const_data_ptr<float>();
   auto* to = out.data_ptr<float>();

@@ -6,8 +6,8 @@
 #include <ATen/ops/full.h>
 #include <torch/library.h>
 
-#include "lte/ops/arguments.h"
 #include "lte/ops/cpu/packed_linear.h"
+#include "lte/ops/neighbour_max_args.h"
 
 namespace lte::ops {
 namespace {
@@ -28,7 +28,7 @@ class TileMaximum {
   explicit TileMaximum(const Work& work)
       : work_(work), input_(kTile, work.layer.inputs), product_(kTile, kPanel) {}
 
-  /// Pairs [first, first + rows): those of centre l are l * k to l * k + k.
+  /// Pairs [first, first + rows); the pairs of centre l are l * k to l * k + k.
   void run(int64_t first, int64_t rows) {
     const int64_t C = work_.layer.inputs, O = work_.layer.outputs;
     const auto activate_sum =
@@ -59,25 +59,10 @@ class TileMaximum {
 at::Tensor neighbour_max_inference_cpu(const at::Tensor& any_dense, const at::Tensor& any_center,
                                        const at::Tensor& any_neighbour, const at::Tensor& weight,
                                        const at::Tensor& bias) {
-  const char* op = "neighbour_max_inference";
-  TORCH_CHECK(weight.dim() == 2 && bias.dim() == 1 && bias.size(0) == weight.size(0), op,
-              ": weight must be [O, C] and bias [O], got ", weight.sizes(), " and ", bias.sizes());
+  check_neighbour_max_args(any_dense, any_center, any_neighbour, weight, bias);
   const at::Tensor dense = any_dense.contiguous(), center = any_center.contiguous(),
                    neighbour = any_neighbour.contiguous();
-  for (const at::Tensor& t : {dense, center}) {
-    TORCH_CHECK(t.dim() == 2 && t.size(1) == weight.size(1), op, ": dense and center must be [., ",
-                weight.size(1), "], got ", t.sizes());
-  }
-  TORCH_CHECK(weight.scalar_type() == at::kFloat || weight.scalar_type() == at::kBFloat16, op,
-              ": weight must be float32 or bfloat16, got ", weight.scalar_type());
-  for (const at::Tensor& t : {dense, center, bias}) {
-    TORCH_CHECK(t.scalar_type() == at::kFloat, op, ": dense, center and bias must be float32, got ",
-                t.scalar_type());
-  }
-  const int64_t m = center.size(0);
-  check_neighbours(neighbour, m, dense.size(0), op);
-  const int64_t k = neighbour.size(1);
-  TORCH_CHECK(k >= 1, op, ": a maximum over no neighbours");
+  const int64_t m = center.size(0), k = neighbour.size(1);
   const PackedLinear layer(weight, bias);
   const double lowest = -std::numeric_limits<double>::infinity();
   at::Tensor out = at::full({m, layer.outputs}, lowest, center.options());

@@ -11,9 +11,9 @@
 #include <ATen/ops/empty_like.h>
 #include <torch/library.h>
 
-#include "lte/ops/arguments.h"
 #include "lte/ops/cpu/kernels/kernels.h"
 #include "lte/ops/cpu/packed_linear.h"
+#include "lte/ops/neighbour_sums_args.h"
 
 namespace lte::ops {
 namespace {
@@ -22,8 +22,9 @@ namespace {
 /// second-level cache.
 constexpr int64_t kTile = 16;
 constexpr int64_t kPair = 2 * kBlock;
+static_assert(kTableBlock == kBlock);
 
-/// Rows [begin, end) of two [L, n, C] tensors as [n, blocks, L, 2, kBlock], which starts at row
+/// Rows [begin, end) of two [L, n, C] tensors as [n, blocks, L, 2, kBlock]. `out` starts at row
 /// `begin`.
 template <typename T>
 void interleave(const T* first, const T* second, int64_t L, int64_t n, int64_t C, int64_t begin,
@@ -71,28 +72,6 @@ at::Tensor interleaved(const at::Tensor& first, const at::Tensor& second) {
   return out;
 }
 
-void check_table_args(const at::Tensor& keys, const at::Tensor& values, const char* op) {
-  TORCH_CHECK(keys.dim() == 3, op, ": keys must be [L, m, C], got ", keys.sizes());
-  TORCH_CHECK(values.sizes() == keys.sizes(), op, ": values must have the shape of keys, ",
-              keys.sizes(), ", got ", values.sizes());
-  TORCH_CHECK((keys.scalar_type() == at::kFloat || keys.scalar_type() == at::kDouble) &&
-                  values.scalar_type() == keys.scalar_type(),
-              op, ": keys and values must both be float32 or float64, got ", keys.scalar_type(),
-              " and ", values.scalar_type());
-}
-
-void check_sums_args(const at::Tensor& keys, const at::Tensor& values, const at::Tensor& position,
-                     const at::Tensor& index) {
-  const char* op = "neighbour_sums";
-  check_table_args(keys, values, op);
-  check_neighbours(index, index.size(0), keys.size(1), op);
-  TORCH_CHECK(position.dim() == 3 && position.size(0) == index.size(0) &&
-                  position.size(1) == index.size(1) && position.size(2) == keys.size(2) &&
-                  position.scalar_type() == keys.scalar_type(),
-              op, ": position must be [", index.size(0), ", ", index.size(1), ", ", keys.size(2),
-              "] of the keys' dtype, got ", position.sizes(), " ", position.scalar_type());
-}
-
 /// `position` with its channels padded to whole blocks; itself if they are.
 at::Tensor padded(const at::Tensor& position) {
   const int64_t C = position.size(2), width = blocks_of(C) * kBlock;
@@ -104,8 +83,8 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums_cpu(const at::Tensor& keys,
                                                       const at::Tensor& values,
                                                       const at::Tensor& position,
                                                       const at::Tensor& any_index) {
+  check_neighbour_sums_args(keys, values, position, any_index);
   const at::Tensor index = any_index.contiguous();
-  check_sums_args(keys, values, position, index);
   const int64_t L = keys.size(0), C = keys.size(2), Q = index.size(0), K = index.size(1);
   const int64_t blocks = blocks_of(C), width = blocks * kBlock;
   const at::Tensor table = interleaved(keys.contiguous(), values.contiguous());
@@ -121,8 +100,8 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums_cpu(const at::Tensor& keys,
       std::vector<scalar_t> tile(kTile * blocks * L * kPair);
       for (int64_t q = begin; q < end; q += kTile) {
         const int64_t count = std::min(kTile, end - q);
-        sum_kernels<scalar_t>().sums(entries, blocks, L, latent + q * K, count, K,
-                                     from + q * K * width, width, kBlock, tile.data());
+        sum_kernels<scalar_t>().sums({entries, blocks, L, latent + q * K, count, K},
+                                     {from + q * K * width, width, kBlock}, tile.data());
         deinterleave(tile.data(), L, Q, C, q, q + count, out1, out2);
       }
     });
@@ -130,7 +109,8 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums_cpu(const at::Tensor& keys,
   return {sum1, sum2};
 }
 
-/// Pairs by latent: those of j are rows[start[j] .. start[j + 1]), ascending.
+/// Pairs of a query and a neighbour, by latent: those of latent j are rows[start[j]] up to
+/// rows[start[j + 1] - 1], ascending.
 struct PairsByLatent {
   std::vector<int32_t> rows;
   std::vector<int64_t> start;
@@ -146,13 +126,10 @@ struct PairsByLatent {
 std::tuple<at::Tensor, at::Tensor, at::Tensor> neighbour_sums_backward_cpu(
     const at::Tensor& grad1, const at::Tensor& grad2, const at::Tensor& keys,
     const at::Tensor& values, const at::Tensor& position, const at::Tensor& any_index) {
+  check_neighbour_sums_backward_args(grad1, grad2, keys, values, position, any_index);
   const at::Tensor index = any_index.contiguous();
-  check_sums_args(keys, values, position, index);
   const int64_t L = keys.size(0), m = keys.size(1), C = keys.size(2);
   const int64_t Q = index.size(0), K = index.size(1);
-  TORCH_CHECK(grad1.sizes() == at::IntArrayRef({L, Q, C}) && grad2.sizes() == grad1.sizes(),
-              "neighbour_sums_backward: gradients must be [", L, ", ", Q, ", ", C, "], got ",
-              grad1.sizes(), " and ", grad2.sizes());
   const int64_t blocks = blocks_of(C), width = blocks * kBlock, entry = blocks * L * kPair;
   const at::Tensor table = interleaved(keys.contiguous(), values.contiguous());
   const at::Tensor grad = interleaved(grad1.contiguous(), grad2.contiguous());
@@ -168,9 +145,8 @@ std::tuple<at::Tensor, at::Tensor, at::Tensor> neighbour_sums_backward_cpu(
     auto* to = by_position.data_ptr<scalar_t>();
     at::parallel_for(0, Q, kTile, [&](int64_t begin, int64_t end) {
       for (int64_t q = begin; q < end; q += kTile) {
-        kernels.position_gradient(entries, g + q * entry, blocks, L, latent + q * K,
-                                  std::min(kTile, end - q), K, from + q * K * width,
-                                  to + q * K * width);
+        kernels.position_gradient({entries, blocks, L, latent + q * K, std::min(kTile, end - q), K},
+                                  g + q * entry, from + q * K * width, to + q * K * width);
       }
     });
     const PairsByLatent pairs(latent, Q * K, m);
@@ -179,9 +155,10 @@ std::tuple<at::Tensor, at::Tensor, at::Tensor> neighbour_sums_backward_cpu(
     at::parallel_for(0, m, 16, [&](int64_t begin, int64_t end) {
       std::vector<scalar_t> gradient(entry);
       for (int64_t j = begin; j < end; ++j) {
-        kernels.table_gradient(entries + j * entry, g, blocks, L,
-                               pairs.rows.data() + pairs.start[j],
-                               pairs.start[j + 1] - pairs.start[j], K, from, gradient.data());
+        kernels.table_gradient(
+            {entries + j * entry, g, blocks, L, pairs.rows.data() + pairs.start[j],
+             pairs.start[j + 1] - pairs.start[j], K, from},
+            gradient.data());
         deinterleave(gradient.data(), L, m, C, j, j + 1, to_keys, to_values);
       }
     });
@@ -190,29 +167,8 @@ std::tuple<at::Tensor, at::Tensor, at::Tensor> neighbour_sums_backward_cpu(
 }
 
 at::Tensor neighbour_table_cpu(const at::Tensor& keys, const at::Tensor& values) {
-  check_table_args(keys, values, "neighbour_table");
+  check_neighbour_table_args(keys, values);
   return interleaved(keys.contiguous(), values.contiguous());
-}
-
-void check_inference_args(const at::Tensor& table, const at::Tensor& hidden,
-                          const at::Tensor& weight, const at::Tensor& bias,
-                          const at::Tensor& index) {
-  const char* op = "neighbour_sums_inference";
-  TORCH_CHECK(weight.dim() == 2 && bias.dim() == 1 && bias.size(0) == weight.size(0), op,
-              ": weight must be [C, H] and bias [C], got ", weight.sizes(), " and ", bias.sizes());
-  TORCH_CHECK(table.dim() == 5 && table.size(1) == blocks_of(weight.size(0)) &&
-                  table.size(3) == 2 && table.size(4) == kBlock && table.is_contiguous(),
-              op, ": table must come from neighbour_table() at C = ", weight.size(0), ", got ",
-              table.sizes());
-  check_neighbours(index, index.size(0), table.size(0), op);
-  TORCH_CHECK(hidden.dim() == 3 && hidden.size(0) == index.size(0) &&
-                  hidden.size(1) == index.size(1) && hidden.size(2) == weight.size(1),
-              op, ": hidden must be [", index.size(0), ", ", index.size(1), ", ", weight.size(1),
-              "], got ", hidden.sizes());
-  for (const at::Tensor& t : {table, hidden, weight, bias}) {
-    TORCH_CHECK(t.scalar_type() == at::kFloat, op, ": table, hidden, weight and bias must be ",
-                "float32, got ", t.scalar_type());
-  }
 }
 
 /// [K, H] as [H, rows], rows past K zero.
@@ -228,9 +184,10 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums_inference_cpu(const at::Tensor
                                                                 const at::Tensor& weight,
                                                                 const at::Tensor& bias,
                                                                 const at::Tensor& any_index) {
+  const int64_t L =
+      check_neighbour_sums_inference_args(table, any_hidden, weight, bias, any_index).layers;
   const at::Tensor index = any_index.contiguous(), hidden = any_hidden.contiguous();
-  check_inference_args(table, hidden, weight, bias, index);
-  const int64_t L = table.size(2), blocks = table.size(1), C = weight.size(0), H = weight.size(1);
+  const int64_t blocks = table.size(1), C = weight.size(0), H = weight.size(1);
   const int64_t Q = index.size(0), K = index.size(1);
   const PackedLinear gamma(weight, bias);
   at::Tensor sum1 = at::empty({L, Q, C}, table.options()), sum2 = at::empty_like(sum1);
@@ -249,8 +206,10 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums_inference_cpu(const at::Tensor
       for (int64_t i = 0; i < count; ++i) {
         transpose(activation + (q + i) * K * H, K, H, rows, transposed.data() + i * H * rows);
       }
-      kernels.projected_sums(entries, blocks, L, latent + q * K, count, K, transposed.data(), H,
-                             gamma.weight.data(), gamma.bias.data(), position.data(), tile.data());
+      kernels.projected_sums(
+          {entries, blocks, L, latent + q * K, count, K},
+          {transposed.data(), H, gamma.weight.data(), gamma.bias.data(), position.data()},
+          tile.data());
       deinterleave(tile.data(), L, Q, C, q, q + count, out1, out2);
     }
   });

@@ -54,12 +54,12 @@ void PackedLinear::multiply(const float* x, int64_t rows, int64_t k, int64_t cou
   const float* offset = with_bias ? bias.data() + first_block * kBlock : nullptr;
   if (in_bf16()) {
     const uint32_t* from = pairs.data() + (first_block * input_pairs() + k / 2) * kBlock;
-    bf16_kernels().multiply(x, rows, count, from, kBlock, input_pairs() * kBlock, offset,
-                            count_blocks, add, out);
+    bf16_kernels().multiply(
+        {x, rows, count, from, kBlock, input_pairs() * kBlock, offset, count_blocks, add, out});
   } else {
     const float* from = weight.data() + (first_block * inputs + k) * kBlock;
-    dense_kernels().multiply(x, rows, count, from, kBlock, inputs * kBlock, offset, count_blocks,
-                             add, out);
+    dense_kernels().multiply(
+        {x, rows, count, from, kBlock, inputs * kBlock, offset, count_blocks, add, out});
   }
 }
 

@@ -18,7 +18,7 @@ inline int64_t panels_of(int64_t channels) { return (channels + kPanel - 1) / kP
 struct PackedLinear {
   int64_t inputs = 0, outputs = 0, blocks = 0;
   std::vector<float> weight;    ///< [blocks, inputs, kBlock], zero past `outputs`
-  std::vector<uint32_t> pairs;  ///< or, of bfloat16: [blocks, ⌈inputs / 2⌉, kBlock] pairs
+  std::vector<uint32_t> pairs;  ///< in bfloat16 instead: [blocks, ⌈inputs / 2⌉, kBlock] pairs
   std::vector<float> bias;      ///< [blocks * kBlock]
 
   PackedLinear() = default;
@@ -29,14 +29,14 @@ struct PackedLinear {
   bool in_bf16() const { return !pairs.empty(); }
   int64_t input_pairs() const { return (inputs + 1) / 2; }
 
-  /// out (+)= the bias if `with_bias`, + W x over inputs [k, k + count), k even, for `count_blocks`
-  /// blocks of outputs. One panel of x and out each.
+  /// out (+)= W x over inputs [k, k + count), k even, for `count_blocks` blocks of outputs, and the
+  /// bias if `with_bias`. `x` and `out` are one panel each.
   void multiply(const float* x, int64_t rows, int64_t k, int64_t count, int64_t first_block,
                 int64_t count_blocks, bool with_bias, bool add, float* out) const;
 };
 
-/// Blocks [begin, end) of the pairs of `w`, [outputs, inputs] bfloat16, contiguous, as PackedLinear
-/// holds them.
+/// Packs blocks [begin, end) of `w`, [outputs, inputs] bfloat16, contiguous, as PackedLinear holds
+/// them.
 void pack_pairs(const at::Tensor& w, int64_t begin, int64_t end, uint32_t* out);
 
 /// A tile of `rows` rows at most, each as long as `channels`: panels of kPanel columns, one after
@@ -55,7 +55,7 @@ class Tile {
   std::vector<float> values_;
 };
 
-/// Panel `p` of the outputs: to (+)= b + W x over all inputs. One `to` panel is [rows, kPanel].
+/// Panel `p` of the outputs: to (+)= b + W x over all inputs. `to` is one panel, [rows, kPanel].
 inline void dense_panel(const PackedLinear& layer, const Tile& x, int64_t rows, int64_t p, bool add,
                         float* to) {
   const int64_t first = p * (kPanel / kBlock);

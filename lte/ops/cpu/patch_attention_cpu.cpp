@@ -1,6 +1,14 @@
 // Patch attention on the CPU: a thread takes a head of a patch, packs its keys and values, and
 // walks tiles of queries; a tile's scores, 384 KiB at patches of 1,024, stay in the second-level
 // cache.
+//
+// A row of scores exists as a whole, so the softmax is the plain one of two passes: exp() of all
+// scores less the largest, and one over their sum, by which the answer is multiplied in the end.
+// Flash attention's running maximum pays where a row does not fit the cache; a patch's does.
+// Products run over panels of keys: keys are packed by blocks of 16 for the scores, values by rows
+// for the answer, and the scores themselves are then the left factor of the second product, where
+// they lie. In bfloat16 both are packed in pairs, of channels for the scores and of keys for the
+// answer, as those are what the two products sum over.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -10,9 +18,8 @@
 #include <ATen/ops/empty.h>
 #include <torch/library.h>
 
-#include "lte/ops/arguments.h"
 #include "lte/ops/cpu/packed_linear.h"
-#include "lte/ops/patch_attention.h"
+#include "lte/ops/patch_attention_args.h"
 
 namespace lte::ops {
 namespace {
@@ -42,7 +49,7 @@ class HeadAttention {
     if (work.bf16) {
       key_pairs_.resize(static_cast<size_t>(keys * half(work.d)));
       value_pairs_.resize(static_cast<size_t>(half(work.length) * width_));
-      keys_.resize(static_cast<size_t>(work.d * kBlock));  // of one block, on the way into pairs
+      keys_.resize(static_cast<size_t>(work.d * kBlock));  // one block, on the way into pairs
     } else {
       keys_.resize(static_cast<size_t>(keys * work.d));
       values_.resize(static_cast<size_t>(work.length * width_));
@@ -68,7 +75,10 @@ class HeadAttention {
 
   /// Keys as [blocks of keys, d, kBlock], values as [keys, d], padded to whole blocks.
   void pack(int64_t first, int64_t head) {
-    if (work_.bf16) return pack_in_pairs(first, head);
+    if (work_.bf16) {
+      pack_in_pairs(first, head);
+      return;
+    }
     const int64_t d = work_.d;
     for (int64_t j = 0; j < work_.length; ++j) {
       const float* key = channels(first + j, 1, head);
@@ -107,11 +117,11 @@ class HeadAttention {
     const int64_t d = work_.d, blocks = blocks_of(std::min(kPanel, work_.length - j));
     float* out = scores_.panel(j / kPanel);
     if (work_.bf16) {
-      bf16_kernels().multiply(query_.panel(0), rows, d, key_pairs_.data() + j * half(d), kBlock,
-                              half(d) * kBlock, nullptr, blocks, false, out);
+      bf16_kernels().multiply({query_.panel(0), rows, d, key_pairs_.data() + j * half(d), kBlock,
+                               half(d) * kBlock, nullptr, blocks, false, out});
     } else {
-      dense_kernels().multiply(query_.panel(0), rows, d, keys_.data() + j * d, kBlock, d * kBlock,
-                               nullptr, blocks, false, out);
+      dense_kernels().multiply({query_.panel(0), rows, d, keys_.data() + j * d, kBlock, d * kBlock,
+                                nullptr, blocks, false, out});
     }
   }
 
@@ -120,14 +130,15 @@ class HeadAttention {
     const int64_t count = std::min(kPanel, work_.length - j), blocks = width_ / kBlock;
     const float* weights = scores_.panel(j / kPanel);
     if (work_.bf16) {
-      bf16_kernels().multiply(weights, rows, count, value_pairs_.data() + j / 2 * width_, width_,
-                              kBlock, nullptr, blocks, j > 0, answer_.panel(0));
+      bf16_kernels().multiply({weights, rows, count, value_pairs_.data() + j / 2 * width_, width_,
+                               kBlock, nullptr, blocks, j > 0, answer_.panel(0)});
     } else {
-      dense_kernels().multiply(weights, rows, count, values_.data() + j * width_, width_, kBlock,
-                               nullptr, blocks, j > 0, answer_.panel(0));
+      dense_kernels().multiply({weights, rows, count, values_.data() + j * width_, width_, kBlock,
+                                nullptr, blocks, j > 0, answer_.panel(0)});
     }
   }
 
+  /// Queries [q, q + rows) of the patch that begins at slot `first`.
   void attend(int64_t first, int64_t q, int64_t rows, int64_t head) {
     const int64_t d = work_.d, length = work_.length;
     const float scale = 1 / std::sqrt(static_cast<float>(d));
@@ -148,45 +159,24 @@ class HeadAttention {
   }
 
   const Work& work_;
-  int64_t width_;  ///< d to whole blocks
+  int64_t width_;  ///< d, rounded up to whole blocks
   std::vector<float> keys_, values_;
-  std::vector<uint32_t> key_pairs_, value_pairs_;  ///< of bfloat16, instead
+  std::vector<uint32_t> key_pairs_, value_pairs_;  ///< in bfloat16, instead
   Tile query_, scores_, answer_;
   std::vector<float> inverse_sum_;
 };
-
-/// int64 indices in [0, limit).
-void check_slots(const at::Tensor& t, int64_t limit, const char* name) {
-  const char* op = "patch_attention_inference";
-  TORCH_CHECK(t.dim() == 1 && t.scalar_type() == at::kLong, op, ": ", name,
-              " must be one-dimensional int64, got ", t.sizes(), " ", t.scalar_type());
-  const auto* at = t.const_data_ptr<int64_t>();
-  const int64_t bad = first_row(t.size(0), [&](int64_t i) { return at[i] < 0 || at[i] >= limit; });
-  TORCH_CHECK(bad == t.size(0), op, ": entry ", bad, " of ", name, " is ", at[bad],
-              ", outside [0, ", limit, ")");
-}
 
 at::Tensor patch_attention_inference_cpu(const at::Tensor& any_qkv,
                                          const std::optional<at::Tensor>& gather,
                                          const std::optional<at::Tensor>& inverse, int64_t heads,
                                          int64_t patch, bool bf16) {
-  const char* op = "patch_attention_inference";
-  TORCH_CHECK(any_qkv.dim() == 2 && any_qkv.scalar_type() == at::kFloat && heads >= 1 &&
-                  any_qkv.size(1) % (3 * heads) == 0,
-              op, ": qkv must be [n, 3C] float32 with C divided by ", heads, " heads, got ",
-              any_qkv.sizes(), " ", any_qkv.scalar_type());
-  TORCH_CHECK(gather.has_value() == inverse.has_value(), op, ": gather and inverse go together");
+  check_patch_attention_args(any_qkv, gather, inverse, heads, patch);
   const at::Tensor qkv = any_qkv.contiguous();
   const int64_t n = qkv.size(0), C = qkv.size(1) / 3, d = C / heads;
-  TORCH_CHECK(d <= kWidestHead, op, ": heads of ", d, " channels, the most is ", kWidestHead);
   at::Tensor slots, of_point;
   if (gather.has_value()) {
-    slots = gather->contiguous(), of_point = inverse->contiguous();
-    TORCH_CHECK(patch >= 1 && slots.numel() % patch == 0, op, ": ", slots.numel(),
-                " slots are no whole patches of ", patch);
-    TORCH_CHECK(of_point.numel() == n, op, ": inverse must be [", n, "], got ", of_point.sizes());
-    check_slots(slots, n, "gather");
-    check_slots(of_point, slots.numel(), "inverse");
+    slots = gather->contiguous();
+    of_point = inverse->contiguous();
   }
   at::Tensor out = at::empty({n, C}, qkv.options());
   if (n == 0) return out;

@@ -7,9 +7,9 @@
 #include <ATen/ops/empty.h>
 #include <torch/library.h>
 
-#include "lte/ops/arguments.h"
 #include "lte/ops/cpu/radix_sort.h"
 #include "lte/ops/curve_codes_kernel.h"
+#include "lte/ops/spatial_order_args.h"
 
 namespace lte::ops {
 namespace {
@@ -17,8 +17,7 @@ namespace {
 constexpr int32_t kCells = 1024;  ///< an axis: three times ten bits fit the key
 
 at::Tensor spatial_order_cpu(const at::Tensor& points) {
-  check_triples(points, at::kFloat, "spatial_order", "points");
-  check_finite_rows(points, "spatial_order", "points");
+  check_spatial_order_args(points);
   const int64_t N = points.size(0);
   const auto* p = points.const_data_ptr<float>();
   float low[3], extent = 0;

@@ -18,70 +18,22 @@
 #include <ATen/ops/zeros_like.h>
 #include <torch/library.h>
 
-#include "lte/ops/arguments.h"
 #include "lte/ops/cpu/convolution_tiles.h"
 #include "lte/ops/cpu/kernels/tap_weights.h"
 #include "lte/ops/cpu/packed_linear.h"
-#include "lte/ops/submanifold_conv.h"
+#include "lte/ops/submanifold_conv_args.h"
 
 namespace lte::ops {
 namespace {
 
 constexpr int64_t kRows = 512;  ///< output rows of a block
+static_assert(kConvolutionBlock == kBlock);
 
-ConvolutionPairs check_pairs(const at::Tensor& pairs, const at::Tensor& tap_begin, int64_t taps,
-                             int64_t N) {
-  const char* op = "submanifold_conv";
-  TORCH_CHECK(pairs.dim() == 2 && pairs.size(0) == 2 && pairs.scalar_type() == at::kInt &&
-                  pairs.is_contiguous(),
-              op, ": pairs must be [2, P] int32, contiguous, got ", pairs.sizes(), " ",
-              pairs.scalar_type());
-  TORCH_CHECK(tap_begin.dim() == 1 && tap_begin.size(0) == taps + 1 &&
-                  tap_begin.scalar_type() == at::kLong && tap_begin.is_contiguous(),
-              op, ": tap_begin must be [taps + 1] int64 with the weight's ", taps, " taps, got ",
-              tap_begin.sizes(), " ", tap_begin.scalar_type());
+/// Checked before.
+ConvolutionPairs pairs_of(const at::Tensor& pairs, const at::Tensor& tap_begin) {
   const int64_t P = pairs.size(1);
   const auto* rows = pairs.const_data_ptr<int32_t>();
-  const auto* begin = tap_begin.const_data_ptr<int64_t>();
-  TORCH_CHECK(begin[0] == 0 && begin[taps] == P && std::is_sorted(begin, begin + taps + 1), op,
-              ": tap_begin does not divide the ", P, " pairs");
-  const int64_t bad = first_row(2 * P, [&](int64_t i) { return rows[i] < 0 || rows[i] >= N; });
-  TORCH_CHECK(bad == 2 * P, op, ": pair ", bad % std::max<int64_t>(P, 1), " names row ", rows[bad],
-              " of an input of ", N, " rows");
-  for (int64_t tap = 0; tap < taps; ++tap) {
-    TORCH_CHECK(std::is_sorted(rows + begin[tap], rows + begin[tap + 1]), op, ": pairs of tap ",
-                tap, " are not sorted by output");
-  }
-  return {rows, rows + P, begin, P, taps};
-}
-
-void check_conv_args(const at::Tensor& input, const at::Tensor& weight, bool allow_bf16) {
-  const char* op = "submanifold_conv";
-  TORCH_CHECK(input.dim() == 2, op, ": input must be [N, Cin], got ", input.sizes());
-  TORCH_CHECK(weight.dim() == 3 && weight.size(1) == input.size(1), op,
-              ": weight must be [taps, Cin, Cout] with Cin = ", input.size(1), ", got ",
-              weight.sizes());
-  if (allow_bf16 && input.scalar_type() == at::kFloat && weight.scalar_type() == at::kBFloat16) {
-    static_assert(kConvolutionBlock == kBlock);
-    TORCH_CHECK(weight.size(2) % kBlock == 0, op, ": bfloat16 weights need a multiple of ", kBlock,
-                " output channels, got ", weight.size(2));
-    return;
-  }
-  TORCH_CHECK((input.scalar_type() == at::kFloat || input.scalar_type() == at::kDouble) &&
-                  weight.scalar_type() == input.scalar_type(),
-              op, ": input and weight must both be float32 or float64, got ", input.scalar_type(),
-              " and ", weight.scalar_type());
-}
-
-/// Of a backward pass in bfloat16.
-void check_rounded_args(const at::Tensor& input, const at::Tensor& weight) {
-  TORCH_CHECK(input.dim() == 2 && weight.dim() == 3 && weight.size(1) == input.size(1) &&
-                  weight.scalar_type() == at::kBFloat16 && weight.size(1) % kBlock == 0 &&
-                  weight.size(2) % kBlock == 0,
-              "submanifold_conv_backward: a bfloat16 input [N, Cin] needs a bfloat16 weight "
-              "[taps, Cin, Cout] with multiples of ",
-              kBlock, " channels, got ", input.sizes(), " and ", weight.sizes(), " ",
-              weight.scalar_type());
+  return {rows, rows + P, tap_begin.const_data_ptr<int64_t>(), P, tap_begin.size(0) - 1};
 }
 
 template <typename T>
@@ -120,16 +72,12 @@ void convolve_rows(const at::Tensor& input, const at::Tensor& weight, const Conv
 at::Tensor submanifold_conv_cpu(const at::Tensor& any_input, const at::Tensor& weight,
                                 const std::optional<at::Tensor>& bias, const at::Tensor& pairs,
                                 const at::Tensor& tap_begin) {
-  check_conv_args(any_input, weight, true);
+  check_submanifold_conv_args(any_input, weight, bias, pairs, tap_begin);
   const at::Tensor input = any_input.contiguous();
   const int64_t N = input.size(0), Cout = weight.size(2);
-  const ConvolutionPairs p = check_pairs(pairs, tap_begin, weight.size(0), N);
-  const bool has_bias = bias.has_value() && bias->defined();
-  TORCH_CHECK(!has_bias || (bias->dim() == 1 && bias->size(0) == Cout &&
-                            bias->scalar_type() == input.scalar_type() && bias->is_contiguous()),
-              "submanifold_conv: bias must be [", Cout, "] of the input's dtype");
+  const ConvolutionPairs p = pairs_of(pairs, tap_begin);
   at::Tensor out = at::empty({N, Cout}, input.options());
-  if (has_bias) {
+  if (bias.has_value() && bias->defined()) {
     out.copy_(*bias);
   } else {
     out.zero_();
@@ -225,19 +173,10 @@ void weight_gradient(const at::Tensor& grad, const at::Tensor& input, const Conv
 std::tuple<at::Tensor, at::Tensor> submanifold_conv_backward_cpu(
     const at::Tensor& any_grad, const at::Tensor& any_input, const at::Tensor& weight,
     const at::Tensor& pairs, const at::Tensor& tap_begin, bool need_input, bool need_weight) {
+  check_submanifold_conv_backward_args(any_grad, any_input, weight, pairs, tap_begin);
   const at::Tensor grad = any_grad.contiguous(), input = any_input.contiguous();
   const bool bf16 = input.scalar_type() == at::kBFloat16;
-  if (bf16) {
-    check_rounded_args(input, weight);
-  } else {
-    check_conv_args(input, weight, false);
-  }
-  TORCH_CHECK(grad.dim() == 2 && grad.size(0) == input.size(0) && grad.size(1) == weight.size(2) &&
-                  grad.scalar_type() == (bf16 ? at::kFloat : input.scalar_type()),
-              "submanifold_conv_backward: grad must be [", input.size(0), ", ", weight.size(2),
-              "] of the input's dtype, or float32 where that is bfloat16, got ", grad.sizes(), " ",
-              grad.scalar_type());
-  const ConvolutionPairs p = check_pairs(pairs, tap_begin, weight.size(0), input.size(0));
+  const ConvolutionPairs p = pairs_of(pairs, tap_begin);
   at::Tensor by_input = at::zeros(need_input ? input.sizes() : at::IntArrayRef{0}, grad.options());
   at::Tensor by_weight =
       at::zeros(need_weight ? weight.sizes() : at::IntArrayRef{0}, grad.options());

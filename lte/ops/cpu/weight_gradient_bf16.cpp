@@ -7,6 +7,7 @@
 #include <torch/library.h>
 
 #include "lte/ops/cpu/packed_linear.h"
+#include "lte/ops/linear_args.h"
 
 namespace lte::ops {
 namespace {
@@ -36,19 +37,12 @@ void pair_up(const GradientRows& from, int64_t first, int64_t rows, int64_t colu
   }
 }
 
-/// Rows whose products are summed by themselves, so that threads share the rows of a layer; the
-/// same for any number of them.
+/// Rows whose products are summed by themselves, so that threads can share the rows of a layer. The
+/// parts are the same for any number of threads.
 constexpr int64_t kPartRows = 8192;
 
 at::Tensor weight_gradient_bf16_cpu(const at::Tensor& grad, const at::Tensor& x) {
-  const char* op = "weight_gradient_bf16";
-  TORCH_CHECK(grad.dim() == 2 && grad.scalar_type() == at::kFloat && grad.is_contiguous(), op,
-              ": grad must be [N, O] float32, contiguous, got ", grad.sizes(), " ",
-              grad.scalar_type());
-  TORCH_CHECK(x.dim() == 2 && x.size(0) == grad.size(0) && x.scalar_type() == at::kBFloat16 &&
-                  x.is_contiguous(),
-              op, ": x must be [", grad.size(0), ", C] bfloat16, contiguous, got ", x.sizes(), " ",
-              x.scalar_type());
+  check_weight_gradient_bf16_args(grad, x);
   const int64_t N = x.size(0), O = grad.size(1), C = x.size(1);
   const int64_t parts = std::max<int64_t>(1, (N + kPartRows - 1) / kPartRows);
   const int64_t across = panels_of(C), tiles = panels_of(O) * across;

@@ -1,5 +1,5 @@
-// Gradients of weights in bfloat16: Σ_i left[i]ᵀ right[i] over rows, those of a layer's inputs and
-// of the gradient by its outputs, rounded, with sums in float32.
+// Gradients of weights in bfloat16: Σ_i left[i]ᵀ right[i] over the rows of a layer's inputs and of
+// the gradient by its outputs, both rounded, with sums in float32.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace lte::ops {
 
-/// Rows of a contiguous matrix of `C` columns, float32 or rounded before.
+/// Rows of a contiguous matrix of `C` columns, in float32 or already rounded.
 struct GradientRows {
   const float* single;
   const at::BFloat16* half;  ///< where `single` is null

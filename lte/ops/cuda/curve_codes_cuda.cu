@@ -16,11 +16,14 @@ constexpr int kThreads = 256;
 __global__ void curve_codes_kernel(const int32_t* cells, int64_t* codes, int64_t N, int curve,
                                    int bits) {
   const int64_t i = static_cast<int64_t>(blockIdx.x) * kThreads + threadIdx.x;
-  if (i < N) codes[i] = curve_code(cells + 3 * i, static_cast<Curve>(curve), bits);
+  if (i >= N) return;
+  const int32_t* cell = cells + 3 * i;
+  CUDA_KERNEL_ASSERT((cell[0] | cell[1] | cell[2]) >> bits == 0 && "a cell outside the range");
+  codes[i] = curve_code(cell, static_cast<Curve>(curve), bits);
 }
 
 at::Tensor curve_codes_cuda(const at::Tensor& cells, int64_t curve, int64_t bits) {
-  check_curve_args(cells, curve, bits);
+  check_curve_codes_args(cells, curve, bits);
   const c10::cuda::CUDAGuard guard(cells.device());
   at::Tensor codes = at::empty({cells.size(0)}, cells.options().dtype(at::kLong));
   const int64_t N = cells.size(0);

@@ -10,7 +10,7 @@
 #include <c10/cuda/CUDAStream.h>
 #include <torch/library.h>
 
-#include "lte/ops/arguments.h"
+#include "lte/ops/farthest_point_args.h"
 
 namespace lte::ops {
 namespace {
@@ -50,7 +50,10 @@ __global__ void __launch_bounds__(kThreads)
     farthest_point_kernel(const float* points, float* nearest, int64_t* picks, float* insertion,
                           int64_t N, int64_t count) {
   int64_t last = 0;
-  if (threadIdx.x == 0) picks[0] = 0, insertion[0] = INFINITY;
+  if (threadIdx.x == 0) {
+    picks[0] = 0;
+    insertion[0] = INFINITY;
+  }
   for (int64_t pick = 1; pick < count; ++pick) {
     const float x = points[3 * last], y = points[3 * last + 1], z = points[3 * last + 2];
     Candidate mine{-1.0f, N};
@@ -65,16 +68,17 @@ __global__ void __launch_bounds__(kThreads)
     }
     const Candidate winner = block_farthest(mine);
     last = winner.index;
-    if (threadIdx.x == 0) picks[pick] = last, insertion[pick] = winner.dist2;
+    if (threadIdx.x == 0) {
+      picks[pick] = last;
+      insertion[pick] = winner.dist2;
+    }
     __syncthreads();
   }
 }
 
 std::tuple<at::Tensor, at::Tensor> farthest_point_sampling_cuda(const at::Tensor& points,
                                                                 int64_t count) {
-  check_triples(points, at::kFloat, "farthest_point_sampling", "points");
-  TORCH_CHECK(count >= 0 && count <= points.size(0), "farthest_point_sampling: count must be 0 to ",
-              points.size(0), ", got ", count);
+  check_farthest_point_args(points, count);
   const c10::cuda::CUDAGuard guard(points.device());
   at::Tensor picks = at::empty({count}, points.options().dtype(at::kLong));
   at::Tensor insertion = at::empty({count}, points.options());

@@ -12,7 +12,7 @@
 #include <c10/cuda/CUDAStream.h>
 #include <torch/library.h>
 
-#include "lte/ops/arguments.h"
+#include "lte/ops/knn_args.h"
 
 namespace lte::ops {
 namespace {
@@ -32,7 +32,11 @@ __global__ void knn_kernel(const float* queries, const float* points, int64_t* i
   const int64_t q = static_cast<int64_t>(blockIdx.x) * kThreads + threadIdx.x;
   const bool active = q < Q;
   float x = 0, y = 0, z = 0;
-  if (active) x = queries[3 * q], y = queries[3 * q + 1], z = queries[3 * q + 2];
+  if (active) {
+    x = queries[3 * q];
+    y = queries[3 * q + 1];
+    z = queries[3 * q + 2];
+  }
   int64_t* my_index = index + q * k;
   float* my_dist2 = dist2 + q * k;
   int filled = 0;
@@ -60,13 +64,7 @@ __global__ void knn_kernel(const float* queries, const float* points, int64_t* i
 
 std::tuple<at::Tensor, at::Tensor> knn_cuda(const at::Tensor& queries, const at::Tensor& points,
                                             int64_t k) {
-  check_triples(queries, at::kFloat, "knn", "queries");
-  check_triples(points, at::kFloat, "knn", "points");
-  TORCH_CHECK(k >= 1, "knn: k must be at least 1, got ", k);
-  TORCH_CHECK(points.size(0) >= 1 || queries.size(0) == 0, "knn: no points for ", queries.size(0),
-              " queries");
-  TORCH_CHECK(queries.device() == points.device(), "knn: queries are on ", queries.device(),
-              ", points on ", points.device());
+  check_knn_args(queries, points, k);
   const c10::cuda::CUDAGuard guard(points.device());
   const int64_t Q = queries.size(0), N = points.size(0), columns = std::min(k, N);
   at::Tensor index = at::empty({Q, columns}, points.options().dtype(at::kLong));

@@ -18,6 +18,8 @@
 #include <c10/cuda/CUDAStream.h>
 #include <torch/library.h>
 
+#include "lte/ops/neighbour_sums_args.h"
+
 namespace lte::ops {
 namespace {
 
@@ -33,6 +35,11 @@ __device__ int64_t thread_index() {
   return static_cast<int64_t>(blockIdx.x) * kThreads + threadIdx.x;
 }
 
+/// Promised by the header; looked at by one thread a pair, or query.
+__device__ void assert_latent(int64_t latent, int64_t m) {
+  CUDA_KERNEL_ASSERT(latent >= 0 && latent < m && "a neighbour outside the latents");
+}
+
 template <typename T>
 __global__ void sums_kernel(const T* keys, const T* values, const T* position, const int64_t* index,
                             T* sum1, T* sum2, int64_t L, int64_t m, int64_t Q, int64_t K, int64_t C,
@@ -40,6 +47,9 @@ __global__ void sums_kernel(const T* keys, const T* values, const T* position, c
   const int64_t i = thread_index();
   if (i >= Q * C) return;
   const int64_t q = i / C, c = i % C;
+  if (c == 0) {
+    for (int64_t k = 0; k < K; ++k) assert_latent(index[q * K + k], m);
+  }
   for (int64_t l = 0; l < L; ++l) {
     T s1 = 0, s2 = 0;
     for (int64_t k = 0; k < K; ++k) {
@@ -77,6 +87,7 @@ __global__ void position_gradient_kernel(const T* grad1, const T* grad2, const T
   const int64_t i = thread_index();
   if (i >= Q * K * C) return;
   const int64_t pair = i / C, c = i % C, q = pair / K;
+  if (c == 0) assert_latent(index[pair], m);
   const T p = position[i];
   T sum = 0;
   for (int64_t l = 0; l < L; ++l) {
@@ -86,8 +97,8 @@ __global__ void position_gradient_kernel(const T* grad1, const T* grad2, const T
   out[i] = sum;
 }
 
-/// `order` lists the pairs by latent; those of latent j are [begin[j], begin[j + 1]). No atomics: a
-/// fixed order of sums.
+/// `order` lists the pairs by latent; those of latent j are [begin[j], begin[j + 1]). One thread
+/// adds all of them in that order, without atomics, so that the sums have the same bits each time.
 template <typename T>
 __global__ void table_gradient_kernel(const T* grad1, const T* grad2, const T* keys,
                                       const T* values, const T* position, const int64_t* order,
@@ -111,17 +122,7 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums_cuda(const at::Tensor& keys,
                                                        const at::Tensor& values,
                                                        const at::Tensor& position,
                                                        const at::Tensor& index) {
-  TORCH_CHECK(keys.dim() == 3 && values.sizes() == keys.sizes(),
-              "neighbour_sums: keys and values must be [L, m, C]");
-  TORCH_CHECK(index.dim() == 2 && position.dim() == 3 && position.size(0) == index.size(0) &&
-                  position.size(1) == index.size(1) && position.size(2) == keys.size(2),
-              "neighbour_sums: position must be [Q, K, C] and index [Q, K]");
-  TORCH_CHECK(
-      values.device() == keys.device() && position.device() == keys.device() &&
-          index.device() == keys.device() && values.scalar_type() == keys.scalar_type() &&
-          position.scalar_type() == keys.scalar_type() && index.scalar_type() == at::kLong,
-      "neighbour_sums: keys, values and position must be of one dtype, index int64, and all "
-      "on one device");
+  check_neighbour_sums_args(keys, values, position, index);
   const c10::cuda::CUDAGuard guard(keys.device());
   at::Tensor sum1 = at::empty({keys.size(0), index.size(0), keys.size(2)}, keys.options());
   at::Tensor sum2 = at::empty_like(sum1);
@@ -133,6 +134,8 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums_cuda(const at::Tensor& keys,
 std::tuple<at::Tensor, at::Tensor, at::Tensor> neighbour_sums_backward_cuda(
     const at::Tensor& grad1_any, const at::Tensor& grad2_any, const at::Tensor& keys_any,
     const at::Tensor& values_any, const at::Tensor& position_any, const at::Tensor& index_any) {
+  check_neighbour_sums_backward_args(grad1_any, grad2_any, keys_any, values_any, position_any,
+                                     index_any);
   const c10::cuda::CUDAGuard guard(keys_any.device());
   const at::Tensor grad1 = grad1_any.contiguous(), grad2 = grad2_any.contiguous(),
                    keys = keys_any.contiguous(), values = values_any.contiguous(),
@@ -167,6 +170,7 @@ std::tuple<at::Tensor, at::Tensor, at::Tensor> neighbour_sums_backward_cuda(
 
 /// [2, L, m, C]: keys, then values.
 at::Tensor neighbour_table_cuda(const at::Tensor& keys, const at::Tensor& values) {
+  check_neighbour_table_args(keys, values);
   return at::stack({keys, values});
 }
 
@@ -175,15 +179,9 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums_inference_cuda(const at::Tenso
                                                                  const at::Tensor& weight,
                                                                  const at::Tensor& bias,
                                                                  const at::Tensor& index) {
-  TORCH_CHECK(table.dim() == 4 && table.size(0) == 2,
-              "neighbour_sums_inference: table is not one of neighbour_table");
+  check_neighbour_sums_inference_args(table, hidden, weight, bias, index);
   const c10::cuda::CUDAGuard guard(table.device());
   const at::Tensor keys = table.select(0, 0), values = table.select(0, 1);
-  TORCH_CHECK(
-      hidden.dim() == 3 && index.dim() == 2 && hidden.size(0) == index.size(0) &&
-          hidden.size(1) == index.size(1) && weight.dim() == 2 && weight.size(0) == keys.size(2),
-      "neighbour_sums_inference: hidden must be [Q, K, H], index [Q, K] and weight [", keys.size(2),
-      ", H], got ", hidden.sizes(), ", ", index.sizes(), ", ", weight.sizes());
   const int64_t Q = index.size(0);
   at::Tensor sum1 = at::empty({keys.size(0), Q, keys.size(2)}, keys.options());
   at::Tensor sum2 = at::empty_like(sum1);

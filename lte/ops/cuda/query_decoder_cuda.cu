@@ -20,18 +20,16 @@
 #include <cuda_bf16.h>
 #include <torch/library.h>
 
-#include "lte/ops/arguments.h"
 #include "lte/ops/linear.h"
+#include "lte/ops/query_decoder_args.h"
 
 namespace lte::ops {
 namespace {
 
-constexpr int kNeighbours = 32;    ///< whose P a thread holds
+constexpr int kNeighbours = 32;    ///< neighbours whose P a thread holds
 constexpr int kHidden = 64;        ///< γ's activations of a neighbour in shared memory at a time
 constexpr int kMaxThreads = 256;   ///< channels of a block; further ones are other blocks'
 constexpr int64_t kBlock = 16384;  ///< queries whose sums exist, 100 MB at C = 128 and L = 6
-/// Tensors before the layers, of a layer, and in all but the layers, as the header lists them.
-constexpr size_t kFirstLayer = 8, kLayerWeights = 12, kFixedWeights = 14;
 
 struct SumsArguments {
   const float* position;     ///< [Q, 3]
@@ -93,6 +91,8 @@ __global__ void __launch_bounds__(kMaxThreads) query_sums_kernel(const SumsArgum
     if (thread < kNeighbours) {
       const bool real = thread < count;  // others are computed on and never added
       latent[thread] = real ? a.index[q * a.K + first + thread] : 0;
+      CUDA_KERNEL_ASSERT(latent[thread] >= 0 && latent[thread] < a.m &&
+                         "a neighbour outside the latents");
       for (int axis = 0; axis < 3; ++axis) {
         const float there = real ? a.anchor[3 * latent[thread] + axis] : 0;
         const float o = (a.position[3 * q + axis] - there) * a.scale;
@@ -132,42 +132,6 @@ __global__ void __launch_bounds__(kMaxThreads) query_sums_kernel(const SumsArgum
   }
 }
 
-void check(const at::Tensor& t, at::IntArrayRef shape, const at::Tensor& table, const char* name) {
-  TORCH_CHECK(t.sizes() == shape && t.scalar_type() == at::kFloat && t.device() == table.device(),
-              "query_decoder_inference: ", name, " must be ", shape, " float32 on ", table.device(),
-              ", got ", t.sizes(), " ", t.scalar_type(), " on ", t.device());
-}
-
-/// What the kernel reads; ATen checks what its own operators read. Indices are not looked at: the
-/// host would wait for them.
-void check_arguments(const at::Tensor& attributes, const at::Tensor& position,
-                     const at::Tensor& anchor, const at::Tensor& index, const at::Tensor& table,
-                     at::TensorList w) {
-  const char* op = "query_decoder_inference";
-  TORCH_CHECK(table.dim() == 4 && table.size(0) == 2 && table.scalar_type() == at::kFloat &&
-                  table.is_contiguous() && anchor.dim() == 2 && table.size(2) == anchor.size(0),
-              op, ": table must come from neighbour_table() for the anchors in float32, got ",
-              table.sizes(), " ", table.scalar_type(), " and ", anchor.sizes(), " anchors");
-  const int64_t Q = attributes.size(0), m = table.size(2), C = table.size(3);
-  const size_t expected = kFixedWeights + static_cast<size_t>(table.size(1)) * kLayerWeights;
-  TORCH_CHECK(w.size() == expected, op, ": ", table.size(1), " layers have ", expected,
-              " weights, got ", w.size());
-  check(position, {Q, 3}, table, "position");
-  check(anchor, {m, 3}, table, "anchor");
-  TORCH_CHECK(index.dim() == 2 && index.size(0) == Q && index.scalar_type() == at::kLong &&
-                  index.device() == table.device() && index.size(1) >= 1,
-              op, ": index must be [", Q, ", K] int64 on ", table.device(), ", got ", index.sizes(),
-              " ", index.scalar_type(), " on ", index.device());
-  TORCH_CHECK(w[4].dim() == 2 && w[4].size(0) >= 1, op, ": gamma.hidden must be [H, 3], got ",
-              w[4].sizes());
-  const int64_t H = w[4].size(0);
-  check(w[4], {H, 3}, table, "gamma.hidden");
-  check(w[5], {H}, table, "gamma.hidden's bias");
-  const bool rounded = w[6].scalar_type() == at::kBFloat16;
-  check(rounded ? w[6].to(at::kFloat) : w[6], {C, H}, table, "gamma.output");
-  check(w[7], {C}, table, "gamma.output's bias");
-}
-
 void launch_sums(const SumsArguments& a) {
   const int threads = std::min(kMaxThreads, (a.C + 31) / 32 * 32);
   const dim3 blocks(static_cast<unsigned>(a.Q),
@@ -176,65 +140,76 @@ void launch_sums(const SumsArguments& a) {
   C10_CUDA_KERNEL_LAUNCH_CHECK();
 }
 
-at::Tensor dense(const at::Tensor& x, at::TensorList w, size_t at) {
-  return ops::linear(x, w[at], w[at + 1]);  // of bfloat16 weights too
+at::Tensor dense(const at::Tensor& x, const LinearWeights& w) {
+  return ops::linear(x, w.weight, w.bias);  // takes bfloat16 weights too
 }
 
-at::Tensor perceptron(const at::Tensor& x, at::TensorList w, size_t at) {
-  at::Tensor hidden = dense(x, w, at);
-  return dense(at::gelu_(hidden), w, at + 2);
+at::Tensor perceptron(const at::Tensor& x, const PerceptronWeights& w) {
+  at::Tensor hidden = dense(x, w.hidden);
+  return dense(at::gelu_(hidden), w.output);
 }
 
-at::Tensor norm(const at::Tensor& x, at::TensorList w, size_t at) {
-  return at::layer_norm(x, {x.size(1)}, w[at], w[at + 1]);
+at::Tensor norm(const at::Tensor& x, const NormWeights& w) {
+  return at::layer_norm(x, {x.size(1)}, w.gain, w.bias);
 }
 
 /// All layers and the head. @param sums  [2, L, Q, C]
 at::Tensor run_layers(const at::Tensor& attributes, const at::Tensor& sums, int64_t K,
-                      at::TensorList w) {
-  at::Tensor G = perceptron(attributes, w, 0);
-  size_t at = kFirstLayer;
-  for (int64_t l = 0; l < sums.size(1); ++l, at += kLayerWeights) {
-    const at::Tensor query = dense(norm(G, w, at), w, at + 2);
-    at::Tensor attended = at::addcmul(sums[1][l], query, sums[0][l]);
-    G.add_(dense(attended.mul_(1 / static_cast<double>(K)), w, at + 4));
-    G.add_(perceptron(norm(G, w, at + 6), w, at + 8));
+                      const DecoderWeights& w) {
+  at::Tensor G = perceptron(attributes, w.point);
+  const at::Tensor S1 = sums[0], S2 = sums[1];
+  for (int64_t l = 0; l < sums.size(1); ++l) {
+    const LayerWeights& layer = w.layers[l];
+    const at::Tensor query = dense(norm(G, layer.norm1), layer.query);
+    at::Tensor attended = at::addcmul(S2[l], query, S1[l]);
+    G.add_(dense(attended.mul_(1 / static_cast<double>(K)), layer.output));
+    G.add_(perceptron(norm(G, layer.norm2), layer.ffn));
   }
-  return at::softplus(perceptron(norm(G, w, at), w, at + 2));
+  return at::softplus(perceptron(norm(G, w.norm), w.head));
 }
 
 at::Tensor query_decoder_inference_cuda(const at::Tensor& attributes,
                                         const at::Tensor& any_position,
                                         const at::Tensor& any_anchor, const at::Tensor& any_index,
                                         double scale, double limit, const at::Tensor& table,
-                                        at::TensorList w) {
-  TORCH_CHECK(attributes.dim() == 2, "query_decoder_inference: attributes must be [Q, A], got ",
-              attributes.sizes());
-  check_arguments(attributes, any_position, any_anchor, any_index, table, w);
+                                        at::TensorList list) {
+  const DecoderWeights w = DecoderWeights::from_list(list, table_layers(table));
+  const DecoderSizes sizes = check_query_decoder_args(
+      attributes, {any_position, any_anchor, any_index, scale, limit}, table, w);
   const c10::cuda::CUDAGuard guard(table.device());
   const at::NoGradGuard no_grad;
   const at::Tensor position = any_position.contiguous(), anchor = any_anchor.contiguous(),
-                   index = any_index.contiguous(), gamma_hidden = w[4].contiguous(),
-                   gamma_hidden_bias = w[5].contiguous(),
-                   gamma_output = w[6].to(at::kFloat).t().contiguous(),
-                   gamma_bias = w[7].contiguous();
-  const int64_t Q = attributes.size(0), L = table.size(1), m = table.size(2), C = table.size(3),
-                K = index.size(1), H = gamma_hidden.size(0);
-  at::Tensor out = at::empty({Q, w.back().size(0)}, attributes.options());
-  for (int64_t first = 0; first < Q; first += kBlock) {
-    const int64_t count = std::min(kBlock, Q - first);
-    at::Tensor sums = at::empty({2, L, count, C}, table.options());
-    if (sums.numel() > 0) {
-      launch_sums({position.const_data_ptr<float>() + 3 * first, anchor.const_data_ptr<float>(),
-                   index.const_data_ptr<int64_t>() + K * first,
-                   gamma_hidden.const_data_ptr<float>(), gamma_hidden_bias.const_data_ptr<float>(),
-                   gamma_output.const_data_ptr<float>(), gamma_bias.const_data_ptr<float>(),
-                   table.const_data_ptr<float>(), sums.data_ptr<float>(), m, count,
-                   static_cast<int>(K), static_cast<int>(H), static_cast<int>(L),
-                   static_cast<int>(C), static_cast<float>(scale), static_cast<float>(limit),
-                   w[6].scalar_type() == at::kBFloat16});
-    }
-    out.narrow(0, first, count).copy_(run_layers(attributes.narrow(0, first, count), sums, K, w));
+                   index = any_index.contiguous(),
+                   gamma_hidden = w.gamma.hidden.weight.contiguous(),
+                   gamma_hidden_bias = w.gamma.hidden.bias.contiguous(),
+                   gamma_output = w.gamma.output.weight.to(at::kFloat).t().contiguous(),
+                   gamma_bias = w.gamma.output.bias.contiguous();
+  SumsArguments arguments;
+  arguments.anchor = anchor.const_data_ptr<float>();
+  arguments.hidden = gamma_hidden.const_data_ptr<float>();
+  arguments.hidden_bias = gamma_hidden_bias.const_data_ptr<float>();
+  arguments.output = gamma_output.const_data_ptr<float>();
+  arguments.output_bias = gamma_bias.const_data_ptr<float>();
+  arguments.table = table.const_data_ptr<float>();
+  arguments.m = sizes.latents;
+  arguments.K = static_cast<int>(sizes.neighbours);
+  arguments.H = static_cast<int>(sizes.gamma_hidden);
+  arguments.L = static_cast<int>(sizes.layers);
+  arguments.C = static_cast<int>(sizes.channels);
+  arguments.scale = static_cast<float>(scale);
+  arguments.limit = static_cast<float>(limit);
+  arguments.rounded = w.gamma.output.weight.scalar_type() == at::kBFloat16;
+  at::Tensor out = at::empty({sizes.queries, sizes.outputs}, attributes.options());
+  for (int64_t first = 0; first < sizes.queries; first += kBlock) {
+    const int64_t count = std::min(kBlock, sizes.queries - first);
+    at::Tensor sums = at::empty({2, sizes.layers, count, sizes.channels}, table.options());
+    arguments.position = position.const_data_ptr<float>() + 3 * first;
+    arguments.index = index.const_data_ptr<int64_t>() + sizes.neighbours * first;
+    arguments.sums = sums.data_ptr<float>();
+    arguments.Q = count;
+    if (sums.numel() > 0) launch_sums(arguments);
+    out.narrow(0, first, count)
+        .copy_(run_layers(attributes.narrow(0, first, count), sums, sizes.neighbours, w));
   }
   return out;
 }

@@ -1,5 +1,11 @@
 // Products of bfloat16 operands with sums in float32. Activations come in float32 and are rounded
 // to the nearest even bfloat16 as a product reads them.
+//
+// This file is compiled twice for AVX-512. With AVX512-BF16 one instruction multiplies 16 pairs and
+// adds them to 16 sums, which is why everything here comes in pairs of inputs. Without it a
+// bfloat16 is the upper half of a float32, so a pair is taken apart by a shift and a mask, and two
+// float32 instructions in the order of the one give the same sums. Rounding by hand adds half of
+// the last place kept, less one where that place is even, and lets the carry run.
 #include "lte/ops/cpu/kernels/kernels.h"
 #include "lte/ops/cpu/kernels/product.h"
 #include "lte/ops/cpu/kernels/sum_query.h"
@@ -9,8 +15,8 @@ namespace lte::ops::LTE_ISA {
 namespace {
 
 typedef uint16_t Halves __attribute__((vector_size(kVectorBytes / 2)));
-constexpr int64_t kRowsAtOnce =
-    96;  ///< whose rounded inputs, 24 KiB, stay in the first-level cache
+/// Rows whose rounded inputs, 24 KiB, stay in the first-level cache.
+constexpr int64_t kRowsAtOnce = 96;
 
 /// The bfloat16 in the upper half of each lane; the lower half is what was rounded away.
 Bits rounded(const Float& value) {
@@ -36,23 +42,22 @@ void narrow_row(const float* x, int64_t K, uint32_t* out) {
   if (K % 2 != 0) out[K / 2] &= 0xffff;
 }
 
-void multiply(const float* x, int64_t rows, int64_t K, const uint32_t* weight, int64_t row_stride,
-              int64_t block_stride, const float* bias, int64_t blocks, bool add, float* out) {
+void multiply(MatrixProduct<float, uint32_t> p) {
   uint32_t pairs[kRowsAtOnce * PairProduct::kRowStride];
-  for (int64_t r = 0; r < rows; r += kRowsAtOnce) {
-    const int64_t count = rows - r < kRowsAtOnce ? rows - r : kRowsAtOnce;
+  for (int64_t r = 0; r < p.rows; r += kRowsAtOnce) {
+    const int64_t count = p.rows - r < kRowsAtOnce ? p.rows - r : kRowsAtOnce;
     for (int64_t i = 0; i < count; ++i) {
-      narrow_row(x + (r + i) * kPanel, K, pairs + i * PairProduct::kRowStride);
+      narrow_row(p.x + (r + i) * kPanel, p.K, pairs + i * PairProduct::kRowStride);
     }
-    multiply_blocks<PairProduct>(pairs, count, (K + 1) / 2, weight, row_stride, block_stride, bias,
-                                 blocks, add, out + r * kPanel);
+    multiply_blocks<PairProduct>({pairs, count, (p.K + 1) / 2, p.weight, p.row_stride,
+                                  p.block_stride, p.bias, p.blocks, p.add, p.out + r * kPanel});
   }
 }
 
 void multiply_transposed(const uint32_t* left, int64_t rows, int64_t pairs, const uint32_t* right,
                          int64_t blocks, bool add, float* out) {
-  multiply_blocks<TransposedPairProduct>(left, rows, pairs, right, kPanel, kBlock, nullptr, blocks,
-                                         add, out);
+  multiply_blocks<TransposedPairProduct>(
+      {left, rows, pairs, right, kPanel, kBlock, nullptr, blocks, add, out});
 }
 
 void pair_rows(const float* even, const float* odd, int64_t count, uint32_t* out) {
@@ -68,7 +73,8 @@ void pair_rows(const float* even, const float* odd, int64_t count, uint32_t* out
   }
 }
 
-/// x/2 (1 + erf(x/√2)) with a polynomial that is 1 where it ends, at ±4.
+/// x/2 (1 + erf(x/√2)) with a polynomial that is 1 where it ends, at ±4. It has no division, as the
+/// float32 form has, since the rounding that follows hides the difference.
 Float gelu(const Float& x) {
   const Float limit = splat(4.0f);
   Float z = x < limit ? x : limit;
@@ -147,21 +153,19 @@ void project_rows(const uint32_t* hidden, int64_t stride, int64_t pairs, const u
   }
 }
 
-void projected_sums(const float* table, int64_t blocks, int64_t layers, const int64_t* index,
-                    int64_t queries, int64_t K, const uint32_t* hidden, int64_t pairs,
-                    const uint32_t* weight, const float* bias, float* position, float* out) {
+void projected_sums(NeighbourTable<float> near, ProjectedPositions<uint32_t, float> p, float* out) {
   constexpr int kProjected = kVectors == 1 ? 16 : kVectors == 2 ? 4 : 2;
-  const int64_t run = layers * kPair, stride = blocks * run;
-  const int64_t rows = (K + kBlock - 1) / kBlock * kBlock;
-  for (int64_t b = 0; b < blocks; ++b) {
-    for (int64_t q = 0; q < queries; ++q) {
+  const int64_t run = near.layers * kPair, stride = near.blocks * run;
+  const int64_t rows = (near.K + kBlock - 1) / kBlock * kBlock;
+  for (int64_t b = 0; b < near.blocks; ++b) {
+    for (int64_t q = 0; q < near.queries; ++q) {
       for (int64_t r = 0; r < rows; r += kProjected) {
-        project_rows<kProjected>(hidden + q * pairs * rows + r, rows, pairs,
-                                 weight + b * pairs * kBlock, bias + b * kBlock,
-                                 position + r * kBlock);
+        project_rows<kProjected>(p.hidden + q * p.inputs * rows + r, rows, p.inputs,
+                                 p.weight + b * p.inputs * kBlock, p.bias + b * kBlock,
+                                 p.position + r * kBlock);
       }
-      sum_query(table + b * run, stride, layers, index + q * K, K, position, kBlock,
-                out + q * stride + b * run);
+      sum_query(near.table + b * run, stride, near.layers, near.index + q * near.K, near.K,
+                p.position, kBlock, out + q * stride + b * run);
     }
   }
 }

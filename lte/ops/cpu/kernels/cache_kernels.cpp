@@ -1,4 +1,5 @@
-// Weighted means over the neighbours of a query: neighbours in the lanes.
+// Weighted means over the neighbours of a query. The neighbours are in the lanes: they are gathered
+// into columns first, and each column is then a few vectors long.
 #include "lte/ops/cpu/kernels/kernels.h"
 #include "lte/ops/cpu/kernels/vector.h"
 #include "lte/ops/cpu/kernels/vector_math.h"
@@ -7,7 +8,7 @@ namespace lte::ops::LTE_ISA {
 namespace {
 
 using Float = Vector<float>;
-constexpr int64_t kMost = CacheKernels::kMostNeighbours, kChannels = 6;
+constexpr int64_t kMost = kMostCacheNeighbours, kChannels = kCacheLight;
 
 /// The neighbours of one query, by column; lanes past the last neighbour hold zeros.
 struct Neighbours {
@@ -16,15 +17,15 @@ struct Neighbours {
   float distance2[kMost], height[kMost], facing[kMost], grey[kMost], weight[kMost];
 };
 
-void gather(const float* points, const float* normals, const float* light, const int64_t* index,
-            int64_t K, const float* position, Neighbours& near) {
+void gather(const CachePoints& points, const int64_t* index, int64_t K, const float* position,
+            Neighbours& near) {
   for (int64_t i = 0; i < K; ++i) {
     const int64_t j = index[i];
     for (int64_t c = 0; c < 3; ++c) {
-      near.offset[c][i] = points[3 * j + c] - position[c];
-      near.normal[c][i] = normals[3 * j + c];
+      near.offset[c][i] = points.position[3 * j + c] - position[c];
+      near.normal[c][i] = points.normal[3 * j + c];
     }
-    for (int64_t c = 0; c < kChannels; ++c) near.light[c][i] = light[kChannels * j + c];
+    for (int64_t c = 0; c < kChannels; ++c) near.light[c][i] = points.light[kChannels * j + c];
   }
 }
 
@@ -44,9 +45,14 @@ void means_of_query(Neighbours& near, int64_t K, const float* normal, const Cach
     const Float f = n > Float{} ? n : Float{};
     const Float g = (load(near.light[0] + i) + load(near.light[1] + i) + load(near.light[2] + i)) *
                     splat(1.0f / 3);
-    store(near.distance2 + i, d2), store(near.height + i, h);
-    store(near.facing + i, f), store(near.grey + i, g);
-    distance2 += d2, height += h, facing += f, grey += g;
+    store(near.distance2 + i, d2);
+    store(near.height + i, h);
+    store(near.facing + i, f);
+    store(near.grey + i, g);
+    distance2 += d2;
+    height += h;
+    facing += f;
+    grey += g;
   }
   float scale = horizontal_sum(distance2) * share;
   scale = scale > weights.least_distance2 ? scale : weights.least_distance2;
@@ -63,6 +69,7 @@ void means_of_query(Neighbours& near, int64_t K, const float* normal, const Cach
     for (int64_t c = 0; c < kChannels; ++c) sum[c] += weight * load(near.light[c] + i);
   }
   const float weight = horizontal_sum(total), part = 1.0f / weight;
+  static_assert(CacheColumn::kLight == 0);
   for (int64_t c = 0; c < kChannels; ++c) out[c] = horizontal_sum(sum[c]) * part;
   const Float mean = splat((out[0] + out[1] + out[2]) * (1.0f / 3));
   Float variance{};
@@ -70,22 +77,21 @@ void means_of_query(Neighbours& near, int64_t K, const float* normal, const Cach
     const Float d = load(near.grey + i) - mean;
     variance += load(near.weight + i) * d * d;
   }
-  out[6] = horizontal_sum(variance) * part;
-  out[7] = weight;
-  out[8] = horizontal_sum(facing) * share;
-  out[9] = horizontal_sum(height) * share / __builtin_sqrtf(scale);
-  out[10] = horizontal_sum(grey) * share;
-  out[11] = scale;
+  out[CacheColumn::kVariance] = horizontal_sum(variance) * part;
+  out[CacheColumn::kWeight] = weight;
+  out[CacheColumn::kFacing] = horizontal_sum(facing) * share;
+  out[CacheColumn::kHeight] = horizontal_sum(height) * share / __builtin_sqrtf(scale);
+  out[CacheColumn::kGrey] = horizontal_sum(grey) * share;
+  out[CacheColumn::kDistance2] = scale;
 }
 
-void means(const float* points, const float* normals, const float* light, const int64_t* index,
-           int64_t queries, int64_t K, const float* position, const float* normal,
-           const CacheWeights& weights, float* out) {
+void means(CachePoints points, CacheQueries queries, CacheWeights weights, float* out) {
+  const int64_t K = queries.K;
   Neighbours near = {};
   for (int64_t i = 0; i < K; ++i) near.counted[i] = 1;
-  for (int64_t q = 0; q < queries; ++q) {
-    gather(points, normals, light, index + q * K, K, position + 3 * q, near);
-    means_of_query(near, K, normal + 3 * q, weights, out + 12 * q);
+  for (int64_t q = 0; q < queries.count; ++q) {
+    gather(points, queries.index + q * K, K, queries.position + 3 * q, near);
+    means_of_query(near, K, queries.normal + 3 * q, weights, out + kCacheMeans * q);
   }
 }
 

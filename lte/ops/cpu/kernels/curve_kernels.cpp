@@ -1,5 +1,5 @@
-// Codes along space-filling curves, as many cells at once as there are lanes: serialize_kernel.h's
-// arithmetic without its branches.
+// Codes along space-filling curves, as many cells at once as there are lanes: the arithmetic
+// of curve_codes_kernel.h without its branches.
 #include <cstddef>
 
 #include "lte/ops/cpu/kernels/kernels.h"

@@ -7,9 +7,10 @@
 namespace lte::ops::LTE_ISA {
 namespace {
 
-/// erf(x / sqrt 2), by a ratio of polynomials to 2 units in the last place; `z`: x / sqrt 2 clamped
-/// to ±kErfLimit, from where on it is ±1 but for 2e-8.
+/// From here on, either way, erf is ±1 but for 2e-8.
 constexpr float kErfLimit = 4.0f;
+/// erf(x / sqrt 2), by a ratio of polynomials to 2 units in the last place. `z` becomes x / sqrt 2,
+/// clamped to ±kErfLimit.
 Float erf_of(const Float& x, Float& z) {
   const Float limit = splat(kErfLimit);
   z = x * splat(0.70710678118654752f);
@@ -154,7 +155,7 @@ void exponentiate(float* x, int64_t rows, int64_t panel_stride, int64_t count, f
   }
 }
 
-/// Φ(x) + x φ(x), of the normal distribution.
+/// Φ(x) + x φ(x), where Φ and φ are the normal distribution's.
 Float gelu_slope(const Float& x) {
   Float z;
   const Float erf = erf_of(x, z), half = splat(0.5f);
@@ -176,8 +177,8 @@ void activate_gradient(const float* x, const float* grad, int64_t count, float* 
       [&](int64_t i) { out[i] = grad[i] * gelu_slope(splat(x[i]))[0]; });
 }
 
-void attend(const float* query, int64_t rows, int64_t blocks, const float* sums, int64_t row_stride,
-            int64_t block_stride, float scale, float* out) {
+void attend(AttendArguments arguments) {
+  const auto [query, rows, blocks, sums, row_stride, block_stride, scale, out] = arguments;
   const Float factor = splat(scale);
   for (int64_t r = 0; r < rows; ++r) {
     for (int64_t b = 0; b < blocks; ++b) {

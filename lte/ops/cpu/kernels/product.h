@@ -15,7 +15,8 @@ namespace lte::ops::LTE_ISA {
 
 using Float = Vector<float>;
 using Bits = Vector<uint32_t>;
-inline constexpr int kVectors = static_cast<int>(kBlock) / kLanes<float>;  ///< of one block
+/// Vectors of one block of channels.
+inline constexpr int kVectors = static_cast<int>(kBlock) / kLanes<float>;
 /// Rows and blocks of columns whose sums stay in the registers: 24 of 32, or 12 or 8 of 16.
 inline constexpr int kRows = kVectors == 1 ? 12 : kVectors == 2 ? 6 : 2;
 inline constexpr int kColumns = kVectors == 1 ? 2 : 1;
@@ -64,7 +65,7 @@ struct PairProduct {
 #endif
 };
 
-/// Rows that lie as columns.
+/// The same with rows of x that lie as columns.
 struct TransposedPairProduct : PairProduct {
   static constexpr int64_t kRowStride = 1, kInputStride = kPanel;
 };
@@ -129,22 +130,19 @@ constexpr MultiplyRows<typename P::Scalar> kMultiply[13] = {nullptr,
                                                             kMultiplyRows<P, BLOCKS, 11>,
                                                             kMultiplyRows<P, BLOCKS, 12>};
 
-/// DenseKernels::multiply() of float32, or of `K` pairs; strides count scalars.
+/// DenseKernels::multiply() of float32, or of pairs that `K` and the strides count.
 template <typename Product>
-void multiply_blocks(const typename Product::Scalar* x, int64_t rows, int64_t K,
-                     const typename Product::Scalar* weight, int64_t row_stride,
-                     int64_t block_stride, const float* bias, int64_t blocks, bool add,
-                     float* out) {
-  for (int64_t b = 0; b < blocks; b += kColumns) {
-    const bool whole = b + kColumns <= blocks;
-    const auto* w = weight + b * block_stride;
-    const float* offset = bias != nullptr ? bias + b * kBlock : nullptr;
-    for (int64_t r = 0; r < rows; r += kRows) {
-      const int64_t count = rows - r < kRows ? rows - r : kRows;
+void multiply_blocks(MatrixProduct<typename Product::Scalar, typename Product::Scalar> p) {
+  for (int64_t b = 0; b < p.blocks; b += kColumns) {
+    const bool whole = b + kColumns <= p.blocks;
+    const auto* w = p.weight + b * p.block_stride;
+    const float* offset = p.bias != nullptr ? p.bias + b * kBlock : nullptr;
+    for (int64_t r = 0; r < p.rows; r += kRows) {
+      const int64_t count = p.rows - r < kRows ? p.rows - r : kRows;
       const auto function =
           whole ? kMultiply<Product, kColumns>[count] : kMultiply<Product, 1>[count];
-      function(x + r * Product::kRowStride, K, w, row_stride, block_stride, offset, add,
-               out + r * kPanel + b * kBlock);
+      function(p.x + r * Product::kRowStride, p.K, w, p.row_stride, p.block_stride, offset, p.add,
+               p.out + r * kPanel + b * kBlock);
     }
   }
 }

@@ -1,5 +1,10 @@
 // Sums over neighbours in the interleaved layout of kernels.h, and the small matrix product that
 // feeds them.
+//
+// All of them are bound by reads of the table, so each loop is arranged to read an entry once: a
+// block of channels outside and queries inside, so that queries near each other find the entries of
+// their common neighbours in the first-level cache; all layers of an entry in one go, as many as
+// have accumulators in the registers; and a row of lanes at a time.
 #include "lte/ops/cpu/kernels/kernels.h"
 #include "lte/ops/cpu/kernels/sum_query.h"
 #include "lte/ops/cpu/kernels/vector.h"
@@ -7,28 +12,26 @@
 namespace lte::ops::LTE_ISA {
 namespace {
 
-/// Layers whose three accumulators each fit the registers.
+/// Layers whose accumulators, three vectors each, fit the registers.
 constexpr int kGradientGroup = kVectorBytes == 64 ? 6 : 3;
 
 template <typename T>
-void sums(const T* table, int64_t blocks, int64_t layers, const int64_t* index, int64_t queries,
-          int64_t K, const T* position, int64_t row_stride, int64_t block_stride, T* out) {
-  const int64_t run = layers * kPair, stride = blocks * run;
-  // Blocks outside, queries inside: neighbouring queries find each other's latents in the
-  // first-level cache.
-  for (int64_t b = 0; b < blocks; ++b) {
-    for (int64_t q = 0; q < queries; ++q) {
-      sum_query(table + b * run, stride, layers, index + q * K, K,
-                position + q * K * row_stride + b * block_stride, row_stride,
+void sums(NeighbourTable<T> near, Positions<T> p, T* out) {
+  const int64_t run = near.layers * kPair, stride = near.blocks * run;
+  for (int64_t b = 0; b < near.blocks; ++b) {
+    for (int64_t q = 0; q < near.queries; ++q) {
+      sum_query(near.table + b * run, stride, near.layers, near.index + q * near.K, near.K,
+                p.values + q * near.K * p.row_stride + b * p.block_stride, p.row_stride,
                 out + q * stride + b * run);
     }
   }
 }
 
+/// With g1 and g2 summed over the layers outside the loop over neighbours: Σ g1 + 2 P ⊙ Σ g2 is one
+/// multiplication, and what is left of each layer is g2 ⊙ (v − k).
 template <typename T>
-void position_gradient(const T* table, const T* grad, int64_t blocks, int64_t layers,
-                       const int64_t* index, int64_t queries, int64_t K, const T* position,
-                       T* out) {
+void position_gradient(NeighbourTable<T> near, const T* grad, const T* position, T* out) {
+  const auto [table, blocks, layers, index, queries, K] = near;
   const int64_t run = layers * kPair, stride = blocks * run, row_stride = blocks * kBlock;
   for (int64_t b = 0; b < blocks; ++b) {
     for (int64_t q = 0; q < queries; ++q) {
@@ -55,8 +58,8 @@ void position_gradient(const T* table, const T* grad, int64_t blocks, int64_t la
   }
 }
 
-/// With A1 = Σ g1, A2 = Σ g2 and B = Σ g2 ⊙ P over the rows: dk = −(A2 ⊙ v + B), dv = A1 + B − A2 ⊙
-/// k.
+/// With A1 = Σ g1, A2 = Σ g2 and B = Σ g2 ⊙ P over the rows that read the latent, its gradients are
+/// dk = −(A2 ⊙ v + B) and dv = A1 + B − A2 ⊙ k: k and v themselves are read once.
 template <typename T, int LAYERS>
 void gradient_group(const T* entry, const T* grad, int64_t stride, const int32_t* rows,
                     int64_t count, int64_t K, const T* position, int64_t row_stride, T* out) {
@@ -93,8 +96,8 @@ constexpr GradientGroup<T> kGradientGroups[7] = {nullptr,
                                                  gradient_group<T, 6>};
 
 template <typename T>
-void table_gradient(const T* entry, const T* grad, int64_t blocks, int64_t layers,
-                    const int32_t* rows, int64_t count, int64_t K, const T* position, T* out) {
+void table_gradient(LatentGradient<T> latent, T* out) {
+  const auto [entry, grad, blocks, layers, rows, count, K, position] = latent;
   const int64_t run = layers * kPair;
   for (int64_t b = 0; b < blocks; ++b) {
     for (int64_t l = 0; l < layers; l += kGradientGroup) {
@@ -138,22 +141,20 @@ void project_rows(const T* hidden, int64_t stride, int64_t H, const T* weight, c
 }
 
 template <typename T>
-void projected_sums(const T* table, int64_t blocks, int64_t layers, const int64_t* index,
-                    int64_t queries, int64_t K, const T* hidden, int64_t H, const T* weight,
-                    const T* bias, T* position, T* out) {
+void projected_sums(NeighbourTable<T> near, ProjectedPositions<T, T> p, T* out) {
   constexpr int kVectors = kBlock / kLanes<T>;
   constexpr int kRows = kVectors == 1 ? 16 : kVectors == 2 ? 4 : 2;
-  const int64_t run = layers * kPair, stride = blocks * run;
-  const int64_t rows = (K + kBlock - 1) / kBlock * kBlock;
-  // Blocks outside, as in sums().
-  for (int64_t b = 0; b < blocks; ++b) {
-    for (int64_t q = 0; q < queries; ++q) {
+  const int64_t run = near.layers * kPair, stride = near.blocks * run;
+  const int64_t rows = (near.K + kBlock - 1) / kBlock * kBlock;
+  for (int64_t b = 0; b < near.blocks; ++b) {
+    for (int64_t q = 0; q < near.queries; ++q) {
       for (int64_t r = 0; r < rows; r += kRows) {
-        project_rows<T, kRows>(hidden + q * H * rows + r, rows, H, weight + b * H * kBlock,
-                               bias + b * kBlock, position + r * kBlock);
+        project_rows<T, kRows>(p.hidden + q * p.inputs * rows + r, rows, p.inputs,
+                               p.weight + b * p.inputs * kBlock, p.bias + b * kBlock,
+                               p.position + r * kBlock);
       }
-      sum_query(table + b * run, stride, layers, index + q * K, K, position, kBlock,
-                out + q * stride + b * run);
+      sum_query(near.table + b * run, stride, near.layers, near.index + q * near.K, near.K,
+                p.position, kBlock, out + q * stride + b * run);
     }
   }
 }

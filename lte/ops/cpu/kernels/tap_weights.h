@@ -12,10 +12,11 @@
 
 namespace lte::ops {
 
-/// Weights of all taps, [taps, Cin, Cout], for the kernels.
+/// The weights of all taps, [taps, Cin, Cout]: float32 ones where they are, or bfloat16 ones in
+/// pairs of inputs.
 struct TapWeights {
-  const float* single = nullptr;  ///< float32, borrowed, or
-  std::vector<uint32_t> pairs;  ///< of bfloat16: [taps, ⌈inputs / 2⌉, outputs] pairs of inputs
+  const float* single = nullptr;  ///< borrowed; null where `pairs` are
+  std::vector<uint32_t> pairs;    ///< [taps, ⌈inputs / 2⌉, outputs]; empty where `single` is
   int64_t inputs, outputs;
 
   TapWeights(const float* weight, int64_t Cin, int64_t Cout)
@@ -47,12 +48,12 @@ struct TapWeights {
                 int64_t columns, bool add, float* out) const {
     if (!pairs.empty()) {
       const int64_t row = tap * ((inputs + 1) / 2) + k / 2;
-      bf16_kernels().multiply(x, rows, count, pairs.data() + row * outputs + column, outputs,
-                              kBlock, nullptr, columns / kBlock, add, out);
+      bf16_kernels().multiply({x, rows, count, pairs.data() + row * outputs + column, outputs,
+                               kBlock, nullptr, columns / kBlock, add, out});
     } else {
       const float* from = single + (tap * inputs + k) * outputs + column;
-      dense_kernels().multiply(x, rows, count, from, outputs, kBlock, nullptr, columns / kBlock,
-                               add, out);
+      dense_kernels().multiply(
+          {x, rows, count, from, outputs, kBlock, nullptr, columns / kBlock, add, out});
     }
   }
 };

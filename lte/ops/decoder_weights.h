@@ -1,0 +1,56 @@
+// The weights of the query decoder by name, and as the list of tensors that the operator's schema
+// takes.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <ATen/core/Tensor.h>
+
+namespace lte::ops {
+
+/// y = x Wᵀ + b: weight [outputs, inputs], bias [outputs].
+struct LinearWeights {
+  at::Tensor weight, bias;
+
+  int64_t inputs() const { return weight.size(1); }
+  int64_t outputs() const { return weight.size(0); }
+};
+
+/// LayerNorm's: both [C].
+struct NormWeights {
+  at::Tensor gain, bias;
+};
+
+/// Linear, GELU, linear.
+struct PerceptronWeights {
+  LinearWeights hidden, output;
+};
+
+/// One layer of the decoder: G += output(A) with A made from query(norm1(G)) and the sums over the
+/// neighbours, then G += ffn(norm2(G)).
+struct LayerWeights {
+  NormWeights norm1;
+  LinearWeights query, output;
+  NormWeights norm2;
+  PerceptronWeights ffn;
+};
+
+/// Everything that query_decoder_inference() multiplies by.
+struct DecoderWeights {
+  PerceptronWeights point;  ///< A -> . -> C, of the queries' own attributes
+  PerceptronWeights gamma;  ///< γ, 3 -> H -> C, of the offsets to the neighbours
+  std::vector<LayerWeights> layers;
+  NormWeights norm;
+  PerceptronWeights head;  ///< C -> . -> O
+
+  /// All tensors: point, gamma, the layers in their order, norm, head; of each the members in the
+  /// order of their declarations.
+  std::vector<at::Tensor> to_list() const;
+
+  /// The weights of a decoder of `layers` layers from to_list()'s list.
+  /// @throws c10::Error if the list is not as long as that
+  static DecoderWeights from_list(at::TensorList list, int64_t layers);
+};
+
+}  // namespace lte::ops
