@@ -70,8 +70,9 @@ class QueryDecoderImpl : public torch::nn::Module {
 
   /// The queries' own 9 inputs and their nearest latents, apart from the differentiable part.
   struct Neighbourhood {
-    at::Tensor index;   ///< [Q, κ] int64, κ = min(query_neighbours, m)
-    at::Tensor offset;  ///< [Q, κ, 3]: (p_j − p_κ) / spacing, limited to ±kOffsetLimit (lte/nn/constants.h)
+    at::Tensor index;  ///< [Q, κ] int64, κ = min(query_neighbours, m)
+    at::Tensor
+        offset;  ///< [Q, κ, 3]: (p_j − p_κ) / spacing, limited to ±kOffsetLimit (lte/nn/constants.h)
   };
   /// @param query    [Q, 3] network space, @param anchor [m, 3] float32, likewise
   Neighbourhood neighbourhood(const at::Tensor& query, const at::Tensor& anchor,

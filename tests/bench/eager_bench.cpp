@@ -50,8 +50,7 @@ void add_pair(std::vector<infer::BenchResult>& rows, const char* name, int64_t n
   rows.push_back(infer::time_repeats(name, n, repeats, [&] { a = ours(); }));
   const double seconds = rows.back().seconds_min;
   rows.back().precision = precision;
-  infer::BenchResult peer =
-      time_once(std::string(name) + ", eager", n, [&] { b = eager(); });
+  infer::BenchResult peer = time_once(std::string(name) + ", eager", n, [&] { b = eager(); });
   peer.figures["times_slower"] = peer.seconds_min / seconds;
   peer.figures["max_relative_difference"] = difference(a, b);
   rows.push_back(peer);
