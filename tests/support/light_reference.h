@@ -54,21 +54,25 @@ inline TwoSidedLight two_sided_light(const pathtrace::Bvh& bvh, const pathtrace:
   return out;
 }
 
-/// Expects each of `got` within five standard errors of the reference, and all together within one
-/// and a half in the root mean square; and that such errors are small beside the values.
+/// Expects each of `got` within five standard errors of the reference and 1 % of the mean over
+/// points, and all together within one and a half standard errors in the root mean square; and that
+/// such errors are small beside the values.
 /// @param own  what `got` may be off by: of as many paths as it was made with
 inline void expect_within_error(const std::vector<Rgb>& got, const Measured& own,
                                 const Measured& reference, const std::string& what) {
   ASSERT_EQ(got.size(), reference.value.size());
   double squares = 0, variances = 0, values = 0;
   int lit = 0;
+  const auto count = static_cast<double>(got.size());
+  for (const Rgb& v : reference.value) values += (v.x + v.y + v.z) / 3;
+  // Where next to no path finds light, the variance is known badly.
+  const double slack = 0.01 * values / count;
   for (size_t i = 0; i < got.size(); ++i) {
     const double variance = own.variance[i] + reference.variance[i];
-    const Rgb d = got[i] - reference.value[i], v = reference.value[i];
-    const double square = dot(d, d) / 3, value = (v.x + v.y + v.z) / 3;
-    EXPECT_LE(square, 25 * variance)
-        << what << " at point " << i << ": " << got[i].x << " for " << v.x;
-    values += value;
+    const Rgb d = got[i] - reference.value[i];
+    const double square = dot(d, d) / 3;
+    EXPECT_LE(square, 25 * variance + slack * slack)
+        << what << " at point " << i << ": " << got[i].x << " for " << reference.value[i].x;
     variances += variance;
     if (variance > 0) {
       squares += square / variance;
@@ -77,7 +81,6 @@ inline void expect_within_error(const std::vector<Rgb>& got, const Measured& own
   }
   ASSERT_GT(lit, 0) << what;
   EXPECT_LT(squares / lit, 1.5 * 1.5) << what;
-  const auto count = static_cast<double>(got.size());
   EXPECT_LT(std::sqrt(variances / count), 0.05 * values / count) << what << ": too noisy a test";
 }
 
