@@ -2,7 +2,11 @@
 #include "lte/runtime/embedding.h"
 
 #include <cmath>
+#include <filesystem>
+#include <functional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include <ATen/ATen.h>
 #include <gmock/gmock.h>
