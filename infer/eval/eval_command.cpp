@@ -87,7 +87,8 @@ void add_eval_options(CLI::App& app, EvalRequest* r) {
                      ->capture_default_str();
   app.add_option(
          "--probe-rate", r->probe_rate,
-         "Paths a second of a path tracer: as many probes as it bakes while a scene is encoded")
+         "Paths a second of a path tracer: as many probes as it bakes while a scene is encoded, "
+         "and with the paths of the network's light estimates")
       ->check(CLI::PositiveNumber)
       ->excludes(probes);
   app.add_option("--fit-baselines", r->fit_baselines,

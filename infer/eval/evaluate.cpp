@@ -132,11 +132,11 @@ double light_paths(const data::SceneSample& sample, const data::DatasetInfo& inf
 /// The probes that could be baked instead of preparing the network: in the time of the encoding,
 /// and with the paths that its light estimates take.
 int64_t probe_count(const EvalSettings& settings, const data::SceneSample& sample,
-                    double encode_seconds, double light_paths) {
+                    double encode_seconds, double estimate_paths) {
   if (settings.probe_rate <= 0) return settings.probes;
   const auto paths = static_cast<double>(std::max<int64_t>(1, sample.rays));
   return std::max<int64_t>(
-      1, std::llround((encode_seconds * settings.probe_rate + light_paths) / paths));
+      1, std::llround((encode_seconds * settings.probe_rate + estimate_paths) / paths));
 }
 
 SceneResult evaluate_scene(const EvalSettings& settings, const data::DatasetInfo& info,

@@ -11,7 +11,7 @@
 #include "lte/pathtrace/bvh.h"
 #include "lte/scene/sampler.h"
 
-namespace lte::datagen {
+namespace lte::datagen::boxes {
 namespace {
 
 constexpr uint64_t kRooms = 60;
@@ -312,4 +312,4 @@ TEST(Parts, MeshesHaveTheAreaAndTheNormalsOfTheirPart) {
 }
 
 }  // namespace
-}  // namespace lte::datagen
+}  // namespace lte::datagen::boxes

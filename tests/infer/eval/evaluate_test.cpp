@@ -270,6 +270,31 @@ TEST_F(Evaluation, RefusesAnotherScaleAndAnEmptySplit) {
                                         testing::HasSubstr("scale")));
 }
 
+TEST_F(Evaluation, CountsThePathsOfLightEstimatesInTheTimeOfProbes) {
+  for (const char* name : {"test0", "test1"}) {
+    const std::filesystem::path path = data::scene_path(settings_.data, name);
+    data::SceneSample sample = data::read_scene_sample(path);
+    const auto lit = std::count_if(sample.scene_emission.begin(), sample.scene_emission.end(),
+                                   [](const Rgb& value) { return max_component(value) <= 0; });
+    ASSERT_GT(lit, 0);
+    sample.rays = 2 * lit * data::kDefaultLightPaths / 5;  // the estimates are worth five points
+    const auto count = static_cast<size_t>(sample.light_groups * sample.scene_points());
+    sample.scene_direct.assign(count, Rgb{1, 1, 1});
+    sample.scene_indirect.assign(count, Rgb{1, 1, 1});
+    data::write_scene_sample(path, sample);
+  }
+  settings_.probe_rate = 1e-9;  // next to none while the network encodes
+  for (const char* input : {"emission", "traced"}) {
+    test::TinyModel tiny;
+    tiny.light_input = input;
+    test::save_tiny_model(folder_ / "model.safetensors", tiny);
+    Predictor model = Predictor::load(folder_ / "model.safetensors", Device::Cpu);
+    const EvalResult result = evaluate(settings_, &model, fit_baselines(settings_.data));
+    for (const SceneResult& scene : result.scenes)
+      EXPECT_EQ(scene.probes, std::string(input) == "traced" ? 5 : 1) << input;
+  }
+}
+
 TEST_F(Evaluation, RefusesDataWithoutTheLightThatTheModelReads) {
   test::TinyModel tiny;
   tiny.light_input = nn::LightInput::Traced;
