@@ -1,7 +1,6 @@
 #include "train/config.h"
 
 #include <cmath>
-#include <initializer_list>
 #include <map>
 #include <sstream>
 
@@ -11,30 +10,9 @@
 namespace lte::train {
 namespace {
 
-/// A word of the configuration and what it stands for.
-template <typename Enum>
-struct Choice {
-  const char* word;
-  Enum value;
-};
-
-/// Reads one of a few words; `section` is for the message.
-template <typename Enum>
-void read_choice(const Config& config, const char* section, const char* key,
-                 std::initializer_list<Choice<Enum>> choices, Enum* value) {
-  const bool given = config.has(key);
-  std::string word, expected;
-  config.read(key, &word);  // marks the key as known, given or not
-  if (!given) return;
-  for (const Choice<Enum>& choice : choices) {
-    if (word == choice.word) {
-      *value = choice.value;
-      return;
-    }
-    expected += concat(expected.empty() ? "" : " | ", choice.word);
-  }
-  throw Error(concat(section, ".", key, ": expected ", expected, ", got \"", word, "\""));
-}
+/// Products of training steps are "none" or "bf16" rather than "fp32" or "bf16".
+constexpr EnumNames<nn::Precision, 2> kAutocastNames = {
+    {{nn::Precision::Fp32, "none"}, {nn::Precision::Bf16, "bf16"}}};
 
 DataConfig read_data(const Config& config) {
   DataConfig data;
@@ -42,13 +20,8 @@ DataConfig read_data(const Config& config) {
   config.read("scene_points", &data.scene_points);
   config.read("queries_per_scene", &data.queries_per_scene);
   config.read("cache_mb", &data.cache_mb);
-  read_choice(config, "data", "query_sampling",
-              {{"uniform", QuerySampling::Uniform},
-               {"variance", QuerySampling::Variance},
-               {"gradient", QuerySampling::Gradient}},
-              &data.query_sampling);
-  read_choice(config, "data", "on_bad_scene",
-              {{"fail", BadScenes::Fail}, {"skip", BadScenes::Skip}}, &data.on_bad_scene);
+  config.read("query_sampling", &data.query_sampling);
+  config.read("on_bad_scene", &data.on_bad_scene);
   LTE_CHECK(data.scene_points >= 0, "data.scene_points: expected 0 (all) or more, got ",
             data.scene_points);
   LTE_CHECK(data.queries_per_scene >= 0, "data.queries_per_scene: expected 0 (all) or more, got ",
@@ -69,16 +42,15 @@ void read_old_permutation(const Config& config, AugmentConfig* augment) {
 
 AugmentConfig read_augment(const Config& config) {
   AugmentConfig augment;
-  // Until there was a choice of axes it was a switch.
+  // Until there was a choice of axes it was a switch, and run folders of then still say so.
   std::string rotate;
   config.read("rotate", &rotate);
-  if (rotate == "true" || rotate == "false") {
-    augment.rotate = rotate == "true" ? Rotation::Vertical : Rotation::None;
+  if (rotate == "true") {
+    augment.rotate = Rotation::Vertical;
+  } else if (rotate == "false") {
+    augment.rotate = Rotation::None;
   } else {
-    read_choice(
-        config, "augment", "rotate",
-        {{"none", Rotation::None}, {"vertical", Rotation::Vertical}, {"any", Rotation::Any}},
-        &augment.rotate);
+    config.read("rotate", &augment.rotate);
   }
   config.read("mirror", &augment.mirror);
   config.read("permute_colors", &augment.permute_colors);
@@ -148,8 +120,7 @@ OptimConfig read_optim(const Config& config) {
   config.read("validate_every", &train.validate_every);
   config.read("validation_scenes", &train.validation_scenes);
   config.read("validation_queries", &train.validation_queries);
-  read_choice(config, "train", "autocast",
-              {{"none", nn::Precision::Fp32}, {"bf16", nn::Precision::Bf16}}, &train.autocast);
+  config.read("autocast", &train.autocast, kAutocastNames);
   config.read("tensorboard", &train.tensorboard);
   config.read("preview_every", &train.preview_every);
   config.read("preview_scenes", &train.preview_scenes);
@@ -164,10 +135,7 @@ nn::LossConfig read_loss(const Config& config) {
   nn::LossConfig loss;
   config.read("epsilon", &loss.epsilon);
   config.read("detach_denominator", &loss.detach_denominator);
-  std::string space = "log";
-  config.read("space", &space);
-  LTE_CHECK(space == "log" || space == "linear", "loss.space: expected log or linear, got ", space);
-  loss.logarithmic = space == "log";
+  config.read("space", &loss.space);
   LTE_CHECK(loss.epsilon > 0, "loss.epsilon: expected a positive number, got ", loss.epsilon);
   return loss;
 }

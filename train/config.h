@@ -19,7 +19,7 @@ namespace lte::train {
 enum class QuerySampling { Uniform, Variance, Gradient };
 
 /// What a scene that cannot be used does: it ends the run, or another takes its place.
-enum class BadScenes { Fail, Skip };
+enum class BadScene { Fail, Skip };
 
 struct DataConfig {
   std::string root;                  ///< directory with dataset.json
@@ -27,11 +27,23 @@ struct DataConfig {
   int64_t queries_per_scene = 8192;  ///< drawn afresh each step; 0: all
   QuerySampling query_sampling = QuerySampling::Uniform;  ///< uniform | variance | gradient
   int64_t cache_mb = 4096;                                ///< memory for scenes kept between steps
-  BadScenes on_bad_scene = BadScenes::Fail;               ///< fail | skip
+  BadScene on_bad_scene = BadScene::Fail;                 ///< fail | skip
 };
 
 /// The axes about which scenes are turned; Y is the vertical.
 enum class Rotation { None, Vertical, Any };
+
+constexpr EnumNames<QuerySampling, 3> enum_names(QuerySampling) {
+  return {{{QuerySampling::Uniform, "uniform"},
+           {QuerySampling::Variance, "variance"},
+           {QuerySampling::Gradient, "gradient"}}};
+}
+constexpr EnumNames<BadScene, 2> enum_names(BadScene) {
+  return {{{BadScene::Fail, "fail"}, {BadScene::Skip, "skip"}}};
+}
+constexpr EnumNames<Rotation, 3> enum_names(Rotation) {
+  return {{{Rotation::None, "none"}, {Rotation::Vertical, "vertical"}, {Rotation::Any, "any"}}};
+}
 
 /// Exact symmetries of light transport (augment.h); each is off at the value in brackets.
 struct AugmentConfig {

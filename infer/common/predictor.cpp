@@ -87,7 +87,7 @@ Predictor Predictor::load(const std::filesystem::path& checkpoint, Device device
   return Predictor(std::move(state));
 }
 
-bool Predictor::predicts_total() const { return state_->model->config().target == "total"; }
+bool Predictor::predicts_total() const { return state_->model->config().predicts_total(); }
 int Predictor::light_depth() const {
   const nn::ModelConfig& config = state_->model->config();
   return config.reads_indirect() ? kTracedDepth : config.reads_direct() ? 1 : 0;

@@ -41,13 +41,12 @@ void add_network_options(CLI::App& app, std::string* precision, double* max_memo
 }
 
 nn::Precision choose_precision(const std::string& word, Device device) {
-  if (word == "fp32") return nn::Precision::Fp32;
-  LTE_CHECK(word == "bf16", "--precision ", word, ": expected fp32 or bf16");
-  if (device == Device::Cpu && !ops::has_bf16_products())
+  const auto precision = parse_enum<nn::Precision>("--precision", word);
+  if (precision == nn::Precision::Bf16 && device == Device::Cpu && !ops::has_bf16_products())
     log_warning(
         "--precision bf16: this processor has no bfloat16 products (AVX512-BF16); they are "
         "computed from float32 instructions, which is slower than fp32");
-  return nn::Precision::Bf16;
+  return precision;
 }
 
 void add_tool_options(CLI::App& app, ToolOptions* options) {

@@ -45,7 +45,7 @@ torch::jit::Module build_module(const nn::LightTransportModel& model, bool porta
 
 std::string normalization_json(const nn::ModelConfig& config) {
   return nlohmann::json{{"scale_m", config.scale},
-                        {"target", config.target},
+                        {"target", enum_name(config.target)},
                         {"position",
                          "network space is (p - min over scene points) / scale_m; encode() and "
                          "decode() do it"},

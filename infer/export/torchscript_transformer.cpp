@@ -129,14 +129,14 @@ std::string torchscript_transformer(const nn::ModelConfig& config) {
   const size_t stages = config.encoder_depths.size();
   std::string methods,
       body = "\ndef transformer(self, x: Tensor, cells0: Tensor) -> Tensor:\n" + plan_lines(config);
-  if (config.stem == "linear") {
+  if (config.stem == nn::Stem::Linear) {
     body += "    stem = torch.linear(x, self.encoder_stem_weight, self.encoder_stem_bias)\n";
   } else {
     body += fill(
         "    stem_pairs, stem_taps = self.convolution_pairs(cells0, {k})\n"
         "    stem = self.submanifold_conv(x, self.encoder_stem_weight, None, stem_pairs, "
         "stem_taps)\n",
-        {{"k", config.stem == "conv5" ? "5" : "3"}});
+        {{"k", config.stem == nn::Stem::Conv5 ? "5" : "3"}});
   }
   body +=
       "    x0 = torch.gelu(self.norm(stem, self.encoder_stem_norm_weight, "

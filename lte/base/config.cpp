@@ -209,9 +209,26 @@ void Config::read(const std::string& key, std::vector<std::string>* value) const
   state_->read(prefix_ + key, value);
 }
 
+std::string Config::where(const std::string& key) const {
+  const ConfigTree* tree = state_->find(prefix_ + key);
+  return tree == nullptr ? prefix_ + key : concat(tree->where, ": ", prefix_, key);
+}
+
 void Config::finish() const { check_known(state_->root, "", state_->known); }
 
 std::string Config::to_yaml() const { return config_tree_to_yaml(state_->root); }
+
+size_t find_name(const std::string& key, const std::string& text,
+                 const std::vector<std::string>& names) {
+  std::string choices;
+  for (size_t i = 0; i < names.size(); ++i) {
+    if (names[i] == text) return i;
+    choices += (choices.empty() ? "" : " | ") + names[i];
+  }
+  const std::string nearest = nearest_name(text, names);
+  throw Error(concat(key, ": expected ", choices, ", got ", quote(text),
+                     nearest.empty() ? "" : "; did you mean " + quote(nearest) + "?"));
+}
 
 std::string nearest_name(const std::string& word, const std::vector<std::string>& candidates) {
   std::string best;

@@ -8,7 +8,10 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
+
+#include "lte/base/enum_names.h"
 
 namespace lte {
 
@@ -44,6 +47,18 @@ class Config {
   void read(const std::string& key, std::vector<double>* value) const;
   void read(const std::string& key, std::vector<std::string>* value) const;
 
+  /// A mode by its name (lte/base/enum_names.h).
+  /// @throws lte::Error also for a name that is not in the table, with the names and the nearest.
+  template <typename Enum, size_t N>
+  void read(const std::string& key, Enum* value, const EnumNames<Enum, N>& names) const {
+    std::string text = enum_name(*value, names);
+    read(key, &text);
+    *value = parse_enum(where(key), text, names);
+  }
+  template <typename Enum>
+  requires std::is_enum_v<Enum>
+  void read(const std::string& key, Enum* value) const { read(key, value, enum_names(Enum{})); }
+
   /// @throws lte::Error for the first key that no read() or at() asked for, with the nearest known
   /// name.
   void finish() const;
@@ -53,6 +68,9 @@ class Config {
 
  private:
   struct State;
+  /// "file:line: full key"; the full key alone if it is absent.
+  std::string where(const std::string& key) const;
+
   std::shared_ptr<State> state_;
   std::string prefix_;
 };

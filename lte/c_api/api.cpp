@@ -97,7 +97,7 @@ lte_status lte_model_get_info(const lte_model* model, lte_model_info* info) {
     out.query_neighbours = config.query_neighbours;
     out.scene_points = network.metadata.scene_points;
     out.scene_points_pruned = network.metadata.scene_points_pruned;
-    out.target = config.target == "total" ? LTE_TARGET_TOTAL : LTE_TARGET_INDIRECT;
+    out.target = config.predicts_total() ? LTE_TARGET_TOTAL : LTE_TARGET_INDIRECT;
     out.scale = config.scale;
     out.device = network.device.is_cpu() ? LTE_DEVICE_CPU : network.device.index();
     out.light_input = config.reads_indirect() ? LTE_LIGHT_TRACED

@@ -57,14 +57,6 @@ void check(const ModelConfig& c) {
                 c.head_width, " does not divide the stage width ", channels);
     }
   }
-  LTE_CHECK(c.stem == "conv5" || c.stem == "conv3" || c.stem == "linear",
-            "model.stem must be conv5, conv3 or linear, got ", c.stem);
-  LTE_CHECK(c.query_attention == "sum" || c.query_attention == "softmax",
-            "model.query_attention must be sum or softmax, got ", c.query_attention);
-  LTE_CHECK(c.light_input == "emission" || c.light_input == "direct" || c.light_input == "traced",
-            "model.light_input must be emission, direct or traced, got ", c.light_input);
-  LTE_CHECK(c.target == "indirect" || c.target == "total",
-            "model.target must be indirect or total, got ", c.target);
   LTE_CHECK(c.grid_per_spacing > 0, "model.grid_per_spacing must be positive, got ",
             c.grid_per_spacing);
   LTE_CHECK(c.dropout >= 0 && c.dropout < 1, "model.dropout must be in [0, 1), got ", c.dropout);
@@ -108,12 +100,13 @@ std::string ModelConfig::to_yaml() const {
       << "\nencoder_widths: " << text(encoder_widths)
       << "\ndecoder_depths: " << text(decoder_depths)
       << "\ndecoder_widths: " << text(decoder_widths) << "\nhead_width: " << head_width
-      << "\npatch_size: " << patch_size << "\nstem: " << stem
+      << "\npatch_size: " << patch_size << "\nstem: " << enum_name(stem)
       << "\ngrid_per_spacing: " << text(grid_per_spacing) << "\ndropout: " << text(dropout)
       << "\nquery_neighbours: " << query_neighbours << "\nquery_layers: " << query_layers
-      << "\ngamma_hidden: " << gamma_hidden << "\nquery_attention: " << query_attention
-      << "\nffn_ratio: " << ffn_ratio << "\nlight_input: " << light_input << "\ntarget: " << target
-      << "\nscale: " << text(scale) << "\noutput_mean: " << text(output_mean) << '\n';
+      << "\ngamma_hidden: " << gamma_hidden << "\nquery_attention: " << enum_name(query_attention)
+      << "\nffn_ratio: " << ffn_ratio << "\nlight_input: " << enum_name(light_input)
+      << "\ntarget: " << enum_name(target) << "\nscale: " << text(scale)
+      << "\noutput_mean: " << text(output_mean) << '\n';
   return out.str();
 }
 

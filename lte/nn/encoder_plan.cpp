@@ -9,6 +9,7 @@
 #include <ATen/ATen.h>
 
 #include "lte/base/random.h"
+#include "lte/nn/constants.h"
 #include "lte/ops/curve_codes.h"
 #include "lte/ops/farthest_point.h"
 #include "lte/ops/knn.h"
@@ -17,18 +18,13 @@
 namespace lte::nn {
 namespace {
 
-constexpr int64_t kCurves = 4;
-/// Below this spacing (network space; 16 µm at s = 16 m) relative positions are noise of float32
-/// coordinates.
-constexpr double kMinimumSpacing = 1e-6;
-
 /// The insertion distance of the last pick, or the last usable one before it: coincident points
 /// come last, at distance 0, and the first pick has no distance. The whole scale if there is none.
 double spacing_of(const at::Tensor& distance2, int64_t count) {
   const at::Tensor host = distance2.narrow(0, 0, count).to(at::kCPU, at::kDouble);
   const auto* d2 = host.const_data_ptr<double>();
   for (int64_t i = count - 1; i >= 1; --i) {
-    if (d2[i] > 0) return std::max(std::sqrt(d2[i]), kMinimumSpacing);
+    if (d2[i] > 0) return std::max(std::sqrt(d2[i]), kLeastSpacing);
   }
   return 1;
 }
@@ -93,7 +89,7 @@ std::vector<StagePlan> make_stages(const at::Tensor& cells, const ModelConfig& c
     } else {
       stage = pool(stages.back().cells, bits + 1);
     }
-    std::tie(stage.pairs, stage.tap_begin) = ops::convolution_pairs(stage.cells, 3);
+    std::tie(stage.pairs, stage.tap_begin) = ops::convolution_pairs(stage.cells, kBlockKernel);
     if (stage.points() <= config.patch_size) {
       stage.patches.resize(1);
     } else {
@@ -125,9 +121,9 @@ EncoderPlan make_encoder_plan(const at::Tensor& position, const ModelConfig& con
   plan.grid = config.grid_per_spacing * plan.spacing;
   const at::Tensor cells = grid_cells(plan.position, &plan.grid);
   plan.stages = make_stages(cells, config, shuffle, order_seed);
-  if (config.stem == "conv5") {
+  if (config.stem == Stem::Conv5) {
     std::tie(plan.stem_pairs, plan.stem_tap_begin) = ops::convolution_pairs(cells, 5);
-  } else if (config.stem == "conv3") {
+  } else if (config.stem == Stem::Conv3) {
     plan.stem_pairs = plan.stages[0].pairs;
     plan.stem_tap_begin = plan.stages[0].tap_begin;
   }

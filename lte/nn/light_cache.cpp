@@ -4,16 +4,13 @@
 
 #include <ATen/ATen.h>
 
+#include "lte/nn/constants.h"
 #include "lte/ops/irradiance_cache.h"
 #include "lte/ops/knn.h"
 
 namespace lte::nn {
 namespace {
 
-// Found on homes by search: more neighbours blur, fewer let noise through.
-constexpr int64_t kNeighbours = 32;
-constexpr ops::CacheWeights kWeights = {2, 64, 1e-4F, 1e-16F};
-constexpr double kFloor = 0.02;   ///< of the mean irradiance
 constexpr int64_t kBlock = 8192;  ///< queries whose pairs are held at a time
 
 /// Means over the neighbours, [Q, ...] of [Q, k, ...].
@@ -34,10 +31,11 @@ at::Tensor composed_means(const LightCache& cache, const at::Tensor& position,
   const at::Tensor facing = at::bmm(gather(cache.normal), up).squeeze(2).clamp_min(0);
   const at::Tensor distance2 = offset.square().sum(2);
   const at::Tensor height = at::bmm(offset, up).squeeze(2);
-  const at::Tensor scale = distance2.mean(1, /*keepdim=*/true).clamp_min(kWeights.least_distance2);
+  const at::Tensor scale =
+      distance2.mean(1, /*keepdim=*/true).clamp_min(kCacheWeights.least_distance2);
   const at::Tensor exponent =
-      distance2.mul(-kWeights.near).sub(height.square(), kWeights.plane).div(scale);
-  const at::Tensor weight = facing.square().square().mul(exponent.exp()).add(kWeights.least);
+      distance2.mul(-kCacheWeights.near).sub(height.square(), kCacheWeights.plane).div(scale);
+  const at::Tensor weight = facing.square().square().mul(exponent.exp()).add(kCacheWeights.least);
   const at::Tensor total = weight.sum(1, /*keepdim=*/true), share = weight.div(total);
   const at::Tensor light = gather(cache.light), mean = weighted(share, light);
   const at::Tensor grey = light.narrow(2, 0, 3).mean(2, /*keepdim=*/true);  // [Q, k, 1]
@@ -50,10 +48,10 @@ at::Tensor composed_means(const LightCache& cache, const at::Tensor& position,
 
 at::Tensor means(const LightCache& cache, const at::Tensor& position, const at::Tensor& normal) {
   const at::Tensor near =
-      std::get<0>(ops::knn(position.to(at::kFloat).contiguous(), cache.position, kNeighbours));
+      std::get<0>(ops::knn(position.to(at::kFloat).contiguous(), cache.position, kCacheNeighbours));
   if (position.device().is_cpu() && position.scalar_type() == at::kFloat)
     return ops::irradiance_cache_means(position, normal, cache.position, cache.normal, cache.light,
-                                       near, kWeights);
+                                       near, kCacheWeights);
   return composed_means(cache, position, normal, near);
 }
 
@@ -61,10 +59,11 @@ LightReading reading(const at::Tensor& means, const at::Tensor& floor) {
   const auto column = [&](int64_t c) { return means.narrow(1, c, 1); };
   const at::Tensor light = means.narrow(1, 0, 6), irradiance = means.narrow(1, 0, 3);
   const at::Tensor grey = irradiance.mean(1, /*keepdim=*/true);
-  const at::Tensor spread = column(6).sqrt().div(grey.add(1e-3));
+  const at::Tensor spread = column(6).sqrt().div(grey.add(kCacheLeastMean));
   return {irradiance.add(floor),
-          at::cat({light.log1p(), spread.log1p(), column(7).log().div(4), means.narrow(1, 8, 2),
-                   column(10).log1p().sub(grey.log1p()), column(11).log().add(8).div(4)},
+          at::cat({light.log1p(), spread.log1p(), column(7).log().div(kCacheLogScale),
+                   means.narrow(1, 8, 2), column(10).log1p().sub(grey.log1p()),
+                   column(11).log().add(kCacheLogShift).div(kCacheLogScale)},
                   1)};
 }
 
@@ -92,7 +91,7 @@ LightCache make_light_cache(const at::Tensor& position, const at::Tensor& normal
   cache.position = position.index_select(0, rows).to(at::kFloat).contiguous();
   cache.normal = normal.index_select(0, rows);
   cache.light = light.index_select(0, rows);
-  cache.floor = rows.size(0) > 0 ? cache.light.narrow(1, 0, 3).mean(0).mul(kFloor)
+  cache.floor = rows.size(0) > 0 ? cache.light.narrow(1, 0, 3).mean(0).mul(kCacheFloor)
                                  : at::zeros({3}, light.options());
   return cache;
 }

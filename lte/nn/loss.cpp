@@ -10,8 +10,9 @@ at::Tensor relative_loss(const at::Tensor& predicted, const at::Tensor& target,
               " but target is ", target.sizes());
   TORCH_CHECK(predicted.numel() > 0, "loss: no samples");
   TORCH_CHECK(config.epsilon > 0, "loss: epsilon must be positive, got ", config.epsilon);
-  const at::Tensor got = config.logarithmic ? at::log1p(predicted) : predicted;
-  const at::Tensor wanted = config.logarithmic ? at::log1p(target) : target;
+  const bool logarithmic = config.space == LossSpace::Log;
+  const at::Tensor got = logarithmic ? at::log1p(predicted) : predicted;
+  const at::Tensor wanted = logarithmic ? at::log1p(target) : target;
   const at::Tensor denominator = (config.detach_denominator ? got.detach() : got) + config.epsilon;
   const at::Tensor errors = ((got - wanted) / denominator).square();
   if (!weight.defined()) return errors.mean();

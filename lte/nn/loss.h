@@ -3,21 +3,31 @@
 
 #include <ATen/core/Tensor.h>
 
+#include "lte/base/enum_names.h"
+
 namespace lte::nn {
+
+/// What f of relative_loss() is: log(x + 1), as in the paper, or x. Of noisy references the mean of x
+/// is the truth, and that of its logarithm is not. With `detach_denominator` the linear form is least
+/// where the prediction is the mean (Müller et al. 2021, "Real-time Neural Radiance Caching", section
+/// 3.2).
+enum class LossSpace { Log, Linear };
+
+constexpr EnumNames<LossSpace, 2> enum_names(LossSpace) {
+  return {{{LossSpace::Log, "log"}, {LossSpace::Linear, "linear"}}};
+}
 
 struct LossConfig {
   double epsilon = 0.01;
   bool detach_denominator = false;  ///< the paper lets the gradient flow through the denominator
-  /// f below is log(x + 1), as in the paper, or x. Of noisy references the mean of x is the truth,
-  /// that of its logarithm is not: with `detach_denominator` the linear form is least where the
-  /// prediction is the mean (Müller et al. 2021, "Real-time Neural Radiance Caching", section 3.2).
-  bool logarithmic = true;
+  LossSpace space = LossSpace::Log;
 };
 
 /// mean(w ((f(Î) − f(I)) / (f(Î) + ε))²).
-/// @param predicted  [Q, 3], non-negative, irradiance over the emission scalar; @param target the
-/// same, reference
-/// @param weight  w, [Q]; undefined: 1
+///
+/// @param predicted  [Q, 3], non-negative: irradiance over the emission scale
+/// @param target     the same of the reference
+/// @param weight     w, [Q]; undefined: 1
 /// @return scalar, differentiable in `predicted`
 at::Tensor relative_loss(const at::Tensor& predicted, const at::Tensor& target,
                          const LossConfig& config, const at::Tensor& weight = {});

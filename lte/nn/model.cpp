@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lte/nn/constants.h"
 #include "lte/nn/nearest_neighbour_embedding.h"
 #include "lte/nn/point_transformer.h"
 #include "lte/nn/query_decoder.h"
@@ -11,12 +12,6 @@
 namespace lte::nn {
 namespace {
 
-/// Network-space positions of a room span a few tenths; normals and albedos span one. This puts
-/// them on a par for the MLPs.
-constexpr double kPositionGain = 4;
-/// Queries are meant to lie in the scene; beyond this much of the scale outside, the query MLP is
-/// told no more.
-constexpr double kPositionLimit = 4;
 /// Queries decoded at a time. By the fused operator their neighbours are all that is kept, 50 MB;
 /// else the intermediates are some 60 MB at D = 128 and stay in the outer caches' reach.
 constexpr int64_t kTableBlock = int64_t{1} << 17, kQueryBlock = 4096;
@@ -163,7 +158,7 @@ Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order
                                             : std::get<0>(points.position.min(0));
   const at::Tensor position = (points.position - embedding.origin).div(embedding.scale);
   const double extent = position.max().item<double>();
-  TORCH_CHECK(extent <= 1.001, "scene points: the scene is ", extent * embedding.scale,
+  TORCH_CHECK(extent <= kLargestPosition, "scene points: the scene is ", extent * embedding.scale,
               " m wide, more than the model's scale of ", embedding.scale,
               " m; --rescale shrinks it to fit");
   TORCH_CHECK(!frame.origin.defined() || position.min().item<double>() >= 0,

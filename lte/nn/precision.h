@@ -3,13 +3,15 @@
 
 #include <string>
 
+#include "lte/base/enum_names.h"
+
 namespace lte::nn {
 
 /// Bf16: operands rounded to bfloat16, sums in float32 (lte/ops/bf16.h).
 enum class Precision { Fp32, Bf16 };
 
-inline const char* precision_name(Precision precision) {
-  return precision == Precision::Bf16 ? "bf16" : "fp32";
+constexpr EnumNames<Precision, 2> enum_names(Precision) {
+  return {{{Precision::Fp32, "fp32"}, {Precision::Bf16, "bf16"}}};
 }
 
 }  // namespace lte::nn

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "lte/nn/constants.h"
 #include "lte/nn/query_attention.h"
 #include "lte/nn/recompute.h"
 #include "lte/nn/transformer_block.h"

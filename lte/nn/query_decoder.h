@@ -70,7 +70,7 @@ class QueryDecoderImpl : public torch::nn::Module {
   /// The queries' own 9 inputs and their nearest latents, apart from the differentiable part.
   struct Neighbourhood {
     at::Tensor index;   ///< [Q, κ] int64, κ = min(query_neighbours, m)
-    at::Tensor offset;  ///< [Q, κ, 3]: (p_j − p_κ) / spacing, limited to ±kOffsetLimit
+    at::Tensor offset;  ///< [Q, κ, 3]: (p_j − p_κ) / spacing, limited to ±kOffsetLimit (lte/nn/constants.h)
   };
   /// @param query    [Q, 3] network space, @param anchor [m, 3] float32, likewise
   Neighbourhood neighbourhood(const at::Tensor& query, const at::Tensor& anchor,
@@ -112,9 +112,5 @@ class QueryDecoderImpl : public torch::nn::Module {
   std::vector<QueryLayer> layers_;
 };
 TORCH_MODULE(QueryDecoder);
-
-/// Offsets beyond this many spacings say "far" and no more, so that a query far outside the scene
-/// stays finite.
-inline constexpr double kOffsetLimit = 64;
 
 }  // namespace lte::nn

@@ -7,6 +7,7 @@
 
 #include <torch/nn/init.h>
 
+#include "lte/nn/constants.h"
 #include "lte/ops/gelu.h"
 #include "lte/ops/patch_attention.h"
 #include "lte/ops/submanifold_conv.h"
@@ -14,7 +15,7 @@
 namespace lte::nn {
 
 torch::nn::LayerNorm layer_norm(int64_t channels) {
-  return torch::nn::LayerNorm(torch::nn::LayerNormOptions({channels}));
+  return torch::nn::LayerNorm(torch::nn::LayerNormOptions({channels}).eps(kNormEpsilon));
 }
 
 PatchAttentionImpl::PatchAttentionImpl(int64_t channels, int64_t heads, double dropout)
@@ -76,7 +77,7 @@ void SubmanifoldConvImpl::set_precision(Precision precision) {
 
 TransformerBlockImpl::TransformerBlockImpl(int64_t channels, const ModelConfig& config)
     : patch_size_(config.patch_size),
-      conv_(register_module("conv", SubmanifoldConv(3, channels, channels, true))),
+      conv_(register_module("conv", SubmanifoldConv(kBlockKernel, channels, channels, true))),
       conv_linear_(register_module("conv_linear", Linear(channels, channels))),
       conv_norm_(register_module("conv_norm", layer_norm(channels))),
       norm1_(register_module("norm1", layer_norm(channels))),
@@ -106,8 +107,9 @@ at::Tensor cluster_argmax(const at::Tensor& x, const at::Tensor& cluster, int64_
   const double lowest = -std::numeric_limits<double>::infinity();
   const at::Tensor top =
       at::full({clusters, C}, lowest, x.options()).scatter_reduce(0, target, x, "amax");
-  // "Not below" instead of "equal", so that a NaN stays visible.
-  const at::Tensor below = x < top.index_select(0, cluster);
+  // A NaN is no maximum's equal, but it stays: the maximum of its cluster is NaN, and it alone is not
+  // passed over.
+  const at::Tensor below = x.ne(top.index_select(0, cluster)).logical_and(x.eq(x));
   const at::Tensor row = at::arange(n, cluster.options()).unsqueeze(1).expand({n, C});
   return at::full({clusters, C}, n, cluster.options())
       .scatter_reduce(0, target, row.masked_fill(below, n), "amin");

@@ -71,7 +71,7 @@ TEST(CApi, AnswersAreTheCppNetworks) {
 
 TEST(CApi, AModelThatReadsLightSaysSoAndIsGivenIt) {
   nn::ModelConfig config = test::tiny_config();
-  config.light_input = "traced";
+  config.light_input = nn::LightInput::Traced;
   nn::LightTransportModel model(config);
   test::randomize(*model, 5);
   model->eval();

@@ -94,7 +94,7 @@ void save_tiny_model(const fs::path& path, const TinyModel& tiny) {
   config.decoder_depths = {1, 1, 1, 1};
   config.decoder_widths = {1, 1, 1, 1};
   config.patch_size = 64;
-  config.stem = "conv3";
+  config.stem = nn::Stem::Conv3;
   config.query_neighbours = 8;
   config.query_layers = 2;
   config.gamma_hidden = 16;

@@ -8,6 +8,7 @@
 
 #include "lte/data/dataset.h"
 #include "lte/data/scene_sample.h"
+#include "lte/nn/config.h"
 #include "lte/scene/scene.h"
 
 namespace lte::test {
@@ -31,11 +32,11 @@ class ScratchFolder {
 
 struct TinyModel {
   int64_t channels = 32;
-  std::string target = "indirect";
+  nn::Target target = nn::Target::Indirect;
   double scale = 16;
   int64_t scene_points = 300;
   bool pruned = false;
-  std::string light_input = "emission";
+  nn::LightInput light_input = nn::LightInput::Emission;
   uint64_t seed = 1;
 };
 

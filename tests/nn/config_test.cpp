@@ -20,7 +20,7 @@ TEST(ModelConfig, YamlRoundTripKeepsEveryField) {
   config.grid_per_spacing = 1.0 / 3;
   config.dropout = 0.125;
   config.ffn_ratio = 3;
-  config.target = "total";
+  config.target = Target::Total;
   config.scale = 12.345678901234567;
   config.output_mean = 1e-3;
   const std::string yaml = config.to_yaml();
@@ -29,7 +29,7 @@ TEST(ModelConfig, YamlRoundTripKeepsEveryField) {
   EXPECT_EQ(back.scale, config.scale);
   EXPECT_EQ(back.grid_per_spacing, config.grid_per_spacing);
   EXPECT_EQ(back.encoder_depths, config.encoder_depths);
-  EXPECT_EQ(back.target, "total");
+  EXPECT_EQ(back.target, Target::Total);
   EXPECT_NE(yaml, ModelConfig{}.to_yaml());
 }
 
@@ -50,7 +50,8 @@ TEST(ModelConfig, ErrorsNameTheKey) {
            {"decoder_depths: [1]", "decoder_depths"},
            {"decoder_widths: [1, 1, 0, 1]", "decoder_widths"},
            {"channels: 100", "head_width"},
-           {"stem: conv7", "stem"},
+           {"stem: conv7", "stem: expected conv5 | conv3 | linear, got \"conv7\"; did you mean"},
+           {"light_input: trace", "did you mean \"traced\"?"},
            {"target: direct", "target"},
            {"grid_per_spacing: 0", "grid_per_spacing"},
            {"dropout: 1", "dropout"},

@@ -43,7 +43,7 @@ TEST(LogRelativeLoss, DetachedDenominatorIsAConstant) {
 TEST(LinearRelativeLoss, IsLeastAtTheMeanOfNoisyReferences) {
   const at::Tensor noisy = torch::tensor({{1.0, 2.0, 0.0}, {3.0, 2.0, 9.0}}, at::kDouble);
   const at::Tensor mean = noisy.mean(0).expand({2, 3}).clone().requires_grad_();
-  const LossConfig config{.epsilon = 0.3, .detach_denominator = true, .logarithmic = false};
+  const LossConfig config{.epsilon = 0.3, .detach_denominator = true, .space = LossSpace::Linear};
   const at::Tensor loss = relative_loss(mean, noisy, config);
   EXPECT_NEAR(loss.item<double>(), (1 / (2.3 * 2.3) + std::pow(4.5 / 4.8, 2)) / 3, 1e-12);
   const at::Tensor gradient = torch::autograd::grad({loss}, {mean})[0].sum(0);

@@ -77,7 +77,7 @@ TEST(Model, ReadsTheLightOnScenePointsThatItsConfigurationNames) {
   more_indirect.indirect = points.indirect * 2;
   gained.emission = points.emission * 0.5, gained.direct = points.direct * 0.5;
   gained.indirect = points.indirect * 0.5;
-  for (const std::string input : {"emission", "direct", "traced"}) {
+  for (const LightInput input : {LightInput::Emission, LightInput::Direct, LightInput::Traced}) {
     ModelConfig config = test::tiny_config();
     config.light_input = input;
     LightTransportModel model = random_model(config);
@@ -85,26 +85,26 @@ TEST(Model, ReadsTheLightOnScenePointsThatItsConfigurationNames) {
     const auto changes = [&](const PointSet& other) {
       return !torch::equal(irradiance(model, other, queries), answer);
     };
-    EXPECT_EQ(changes(more_direct), input != "emission") << input;
-    EXPECT_EQ(changes(more_indirect), input == "traced") << input;
-    EXPECT_TRUE(torch::equal(irradiance(model, gained, queries), answer * 0.5)) << input;
+    EXPECT_EQ(changes(more_direct), input != LightInput::Emission) << enum_name(input);
+    EXPECT_EQ(changes(more_indirect), input == LightInput::Traced) << enum_name(input);
+    EXPECT_TRUE(torch::equal(irradiance(model, gained, queries), answer * 0.5)) << enum_name(input);
     PointSet without = points;
     without.indirect = at::Tensor();
-    if (input == "traced") {
+    if (input == LightInput::Traced) {
       test::expect_error([&] { irradiance(model, without, queries); },
                          {"scene points", "indirect irradiance is missing"});
     } else {
-      EXPECT_FALSE(changes(without)) << input;
+      EXPECT_FALSE(changes(without)) << enum_name(input);
     }
     without.direct = at::Tensor();
-    if (input != "emission") {
+    if (input != LightInput::Emission) {
       test::expect_error([&] { irradiance(model, without, queries); },
                          {"scene points", "direct irradiance is missing"});
     }
     PointSet bad = points;
     bad.direct = points.direct.clone();
     bad.direct[7][1] = -1;
-    if (input == "emission") {
+    if (input == LightInput::Emission) {
       EXPECT_FALSE(changes(bad));
     } else {
       test::expect_error([&] { irradiance(model, bad, queries); }, {"direct irradiance", "row 7"});
@@ -194,7 +194,7 @@ TEST(Model, DecodeIsTheNormalizedAnswerTimesTheScalar) {
 }
 
 TEST(Model, AnyNumberAndArrangementOfPointsGivesFiniteIrradiance) {
-  for (const char* stem : {"conv5", "conv3", "linear"}) {
+  for (const Stem stem : {Stem::Conv5, Stem::Conv3, Stem::Linear}) {
     ModelConfig config = test::tiny_config();
     config.stem = stem;
     config.encoder_depths = {1, 1, 1, 1, 1};
@@ -212,7 +212,8 @@ TEST(Model, AnyNumberAndArrangementOfPointsGivesFiniteIrradiance) {
     }
     for (const PointSet& points : scenes) {
       const at::Tensor out = irradiance(model, points, queries);
-      EXPECT_TRUE(out.isfinite().all().item<bool>()) << stem << " " << points.position.size(0);
+      EXPECT_TRUE(out.isfinite().all().item<bool>())
+          << enum_name(stem) << " " << points.position.size(0);
       EXPECT_GE(out.min().item<float>(), 0);
     }
   }

@@ -17,7 +17,7 @@ struct Case {
   at::Tensor position, attributes, anchor, latent;
   double spacing = 0.1;
 
-  Case(int64_t Q, int64_t m, at::ScalarType dtype, const std::string& attention) {
+  Case(int64_t Q, int64_t m, at::ScalarType dtype, QueryAttention attention) {
     config.query_layers = 3;
     config.query_attention = attention;
     decoder = QueryDecoder(config.channels, config);
@@ -91,7 +91,8 @@ TEST_P(QueryDecoderOf, GradientsMatchFiniteDifferences) {
   test::expect_gradients_match([&] { return c.trained().square().sum(); }, inputs);
 }
 
-INSTANTIATE_TEST_SUITE_P(Attentions, QueryDecoderOf, testing::Values("sum", "softmax"));
+INSTANTIATE_TEST_SUITE_P(Attentions, QueryDecoderOf,
+                         testing::Values(QueryAttention::Sum, QueryAttention::Softmax));
 
 TEST(QueryDecoder, StartsAtTheTrainingMeanWithPositionsAsStrongAsKeys) {
   torch::manual_seed(3);

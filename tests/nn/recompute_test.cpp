@@ -55,7 +55,7 @@ TEST(Recompute, LeavesOutWhatNeedsNoGradient) {
   EXPECT_FALSE(recompute(function, {x, y}, {})[0].requires_grad());
 }
 
-class RecomputedQueries : public testing::TestWithParam<std::tuple<std::string, Precision>> {};
+class RecomputedQueries : public testing::TestWithParam<std::tuple<QueryAttention, Precision>> {};
 
 TEST_P(RecomputedQueries, ManyHaveTheGradientsOfFewAtATime) {
   ModelConfig config = test::tiny_config();
@@ -94,7 +94,8 @@ TEST_P(RecomputedQueries, ManyHaveTheGradientsOfFewAtATime) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Decoders, RecomputedQueries,
-                         testing::Combine(testing::Values("sum", "softmax"),
+                         testing::Combine(testing::Values(QueryAttention::Sum,
+                                                          QueryAttention::Softmax),
                                           testing::Values(Precision::Fp32, Precision::Bf16)));
 
 TEST(Recompute, ManyPointsHaveTheGradientsOfFewAtATime) {

@@ -45,7 +45,7 @@ at::Tensor reference_decoder(const Parameters& p, const nn::ModelConfig& config,
     const at::Tensor key = linear(p, layer + "key", KV), value = linear(p, layer + "value", KV);
     const at::Tensor A = q.unsqueeze(1) - key + P;
     at::Tensor weight = A / static_cast<double>(k);
-    if (config.query_attention == "softmax") {
+    if (config.normalizes_attention()) {
       weight = torch::exp(perceptron(p, layer + "weight", A));
       weight = weight / weight.sum(1, true);
     }

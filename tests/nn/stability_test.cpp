@@ -92,7 +92,7 @@ TEST(Stability, AnAnswerDependsNeitherOnItsCompanyNorOrderNorBlock) {
         EXPECT_LT(test::relative_difference(model->decode(e, pick(some), {true, block}),
                                             all.narrow(0, 0, count)),
                   1e-6)
-            << precision_name(precision) << ", blocks of " << block;
+            << enum_name(precision) << ", blocks of " << block;
       }
     }
   }

@@ -25,7 +25,7 @@ nn::ModelConfig tiny_config() {
   config.decoder_widths = {1, 2};
   config.head_width = 8;
   config.patch_size = 8;
-  config.stem = "conv3";
+  config.stem = nn::Stem::Conv3;
   config.dropout = 0;
   config.query_neighbours = 5;
   config.query_layers = 2;

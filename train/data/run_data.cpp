@@ -26,7 +26,7 @@ RunData open_run_data(const TrainConfig& config) {
             "data.root: names no data set; give the directory that lte_datagen generate wrote, "
             "e.g. --set data.root=data/rooms");
   const std::filesystem::path root = config.data.root;
-  const bool skip = config.data.on_bad_scene == BadScenes::Skip;
+  const bool skip = config.data.on_bad_scene == BadScene::Skip;
   const data::DatasetInfo info = data::read_dataset_info(
       root, skip ? data::MissingScenes::Allow : data::MissingScenes::Refuse);
   LTE_CHECK(!config.has_scale || config.model.scale == info.scale,

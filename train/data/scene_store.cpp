@@ -23,10 +23,10 @@ size_t TrainingScene::size_bytes() const {
 }
 
 TrainingScene read_training_scene(const std::filesystem::path& path, const std::string& name,
-                                  const std::string& target, const std::string& light_input) {
+                                  nn::Target target, nn::LightInput light_input) {
   data::SceneSample sample = data::read_scene_sample(path);
-  LTE_CHECK(light_input == "emission" || !sample.scene_direct.empty(), path.string(),
-            ": has no scene_direct, which model.light_input ", light_input,
+  LTE_CHECK(light_input == nn::LightInput::Emission || !sample.scene_direct.empty(), path.string(),
+            ": has no scene_direct, which model.light_input ", enum_name(light_input),
             " reads; bake the data again");
   data::drop_idle_queries(&sample);
   TrainingScene scene;
@@ -38,14 +38,14 @@ TrainingScene read_training_scene(const std::filesystem::path& path, const std::
   scene.emission = std::move(sample.scene_emission);
   scene.area = std::move(sample.scene_area);
   scene.light = std::move(sample.scene_light);
-  if (light_input != "emission") scene.direct = std::move(sample.scene_direct);
-  if (light_input == "traced") scene.indirect = std::move(sample.scene_indirect);
+  if (light_input != nn::LightInput::Emission) scene.direct = std::move(sample.scene_direct);
+  if (light_input == nn::LightInput::Traced) scene.indirect = std::move(sample.scene_indirect);
   scene.query_position = std::move(sample.query_position);
   scene.query_normal = std::move(sample.query_normal);
   scene.query_albedo = std::move(sample.query_albedo);
   scene.light_groups = sample.light_groups;
   scene.target = std::move(sample.indirect);
-  if (target == "total") {
+  if (target == nn::Target::Total) {
     for (size_t i = 0; i < scene.target.size(); ++i) scene.target[i] += sample.direct[i];
   }
   scene.scores.slope = query_slope(scene.query_position, scene.query_normal, scene.target);

@@ -13,6 +13,7 @@
 
 #include "lte/base/math.h"
 #include "lte/data/dataset.h"
+#include "lte/nn/config.h"
 #include "train/data/query_scores.h"
 
 namespace lte::train {
@@ -38,19 +39,19 @@ struct TrainingScene {
   size_t size_bytes() const;
 };
 
-/// @param target       "indirect" or "total"
-/// @param light_input  of the model (nn::ModelConfig): what else is kept
+/// @param target       the model's
+/// @param light_input  the model's: what else is kept
 /// @throws lte::Error as data::read_scene_sample(), or if the file lacks what the model reads.
 TrainingScene read_training_scene(const std::filesystem::path& path, const std::string& name,
-                                  const std::string& target,
-                                  const std::string& light_input = "emission");
+                                  nn::Target target,
+                                  nn::LightInput light_input = nn::LightInput::Emission);
 
 struct SceneStoreOptions {
-  std::string target = "indirect";       ///< or "total"
-  size_t cache_bytes = 0;                ///< memory for scenes that are not in use
-  double scale = INFINITY;               ///< s, metres: a scene must fit into a cube of this side
-  bool skip_bad = false;                 ///< go on without scenes that cannot be used
-  std::string light_input = "emission";  ///< as in nn::ModelConfig
+  nn::Target target = nn::Target::Indirect;
+  size_t cache_bytes = 0;   ///< memory for scenes that are not in use
+  double scale = INFINITY;  ///< s, metres: a scene must fit into a cube of this side
+  bool skip_bad = false;    ///< go on without scenes that cannot be used
+  nn::LightInput light_input = nn::LightInput::Emission;
 };
 
 /// Reads scenes and keeps them. The least recently used ones are dropped once `cache_bytes` are

@@ -110,7 +110,7 @@ Previews::Previews(const TrainConfig& config, const std::vector<Example>& valida
                                to_tensor(masked(view.albedo, view.mask))};
     if (queries.position.size(0) == 0) continue;
     views_.push_back({example.scene, view.width, view.height, view.mask, example.points, queries,
-                      reference_of(view, sample.light_groups, config.model.target == "total"),
+                      reference_of(view, sample.light_groups, config.model.predicts_total()),
                       example.seed});
   }
 }

@@ -84,7 +84,7 @@ void Trainer::finish() {
   loader_.reset();  // its thread uses the store
   std::vector<double> met(data_.train.size(), 0.0);
   for (const size_t index : data_.train.bad()) met[index] = 1;
-  if (group_ && config_.data.on_bad_scene == BadScenes::Skip) met = group_->sum(met);
+  if (group_ && config_.data.on_bad_scene == BadScene::Skip) met = group_->sum(met);
   const auto bad = std::count_if(met.begin(), met.end(), [](double times) { return times > 0; });
   summary_.bad_scenes = bad + static_cast<int64_t>(data_.val.bad().size());
   if (leads() && summary_.bad_scenes > 0)

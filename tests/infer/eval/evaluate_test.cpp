@@ -271,7 +271,7 @@ TEST_F(Evaluation, RefusesAnotherScaleAndAnEmptySplit) {
 
 TEST_F(Evaluation, RefusesDataWithoutTheLightThatTheModelReads) {
   test::TinyModel tiny;
-  tiny.light_input = "traced";
+  tiny.light_input = nn::LightInput::Traced;
   test::save_tiny_model(folder_ / "traced.safetensors", tiny);
   Predictor model = Predictor::load(folder_ / "traced.safetensors", Device::Cpu);
   try {

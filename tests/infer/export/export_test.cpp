@@ -17,7 +17,7 @@
 namespace lte::infer {
 namespace {
 
-nn::ModelConfig small_config(const std::string& stem) {
+nn::ModelConfig small_config(nn::Stem stem) {
   nn::ModelConfig config;
   config.channels = 32;
   config.encoder_depths = {2, 1, 1};
@@ -46,7 +46,7 @@ void write_rows(const std::filesystem::path& path, const at::Tensor& rows) {
              static_cast<std::streamsize>(flat.nbytes()));
 }
 
-class Export : public testing::TestWithParam<std::string> {};
+class Export : public testing::TestWithParam<nn::Stem> {};
 
 TEST_P(Export, AgreesWithTheNativeModelAtThreeSizes) {
   const test::TempDir folder;
@@ -62,12 +62,13 @@ TEST_P(Export, AgreesWithTheNativeModelAtThreeSizes) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Stems, Export, testing::Values("conv5", "conv3", "linear"));
+INSTANTIATE_TEST_SUITE_P(Stems, Export,
+                         testing::Values(nn::Stem::Conv5, nn::Stem::Conv3, nn::Stem::Linear));
 
 TEST(ExportOfAttention, SoftmaxOverTheNeighboursAgreesWithTheNativeModel) {
   const test::TempDir folder;
-  nn::ModelConfig config = small_config("linear");
-  config.query_attention = "softmax";
+  nn::ModelConfig config = small_config(nn::Stem::Linear);
+  config.query_attention = nn::QueryAttention::Softmax;
   const std::filesystem::path checkpoint = save_untrained(folder.path(), config);
   for (const bool portable : {false, true}) {
     for (const ExportCheck& check :
@@ -80,26 +81,27 @@ TEST(ExportOfAttention, SoftmaxOverTheNeighboursAgreesWithTheNativeModel) {
 
 TEST(ExportOfLight, ColumnsFollowTheModel) {
   const test::TempDir folder;
-  for (const std::string input : {"direct", "traced"}) {
-    nn::ModelConfig config = small_config("conv5");
+  for (const auto input : {nn::LightInput::Direct, nn::LightInput::Traced}) {
+    nn::ModelConfig config = small_config(nn::Stem::Conv5);
     config.light_input = input;
     const std::filesystem::path checkpoint = save_untrained(folder.path(), config);
     for (const ExportCheck& check : export_torchscript(
              {checkpoint.string(), folder.path() / "model.pt", /*portable=*/true, true})) {
-      EXPECT_LT(check.relative_error, 1e-5) << input << ", M = " << check.scene_points;
+      EXPECT_LT(check.relative_error, 1e-5) << enum_name(input) << ", M = " << check.scene_points;
     }
     torch::jit::Module module = torch::jit::load((folder.path() / "model.pt").string());
     const auto forward = [&](int64_t columns) {
       module.forward({at::rand({50, columns}), at::rand({5, 9})});
     };
-    forward(input == "direct" ? 16 : 19);
+    forward(input == nn::LightInput::Direct ? 16 : 19);
     EXPECT_ANY_THROW(forward(13));
   }
 }
 
 TEST(PortableExport, LoadsInAProgramThatLinksNothingOfLte) {
   const test::TempDir folder;
-  const std::filesystem::path checkpoint = save_untrained(folder.path(), small_config("conv5"));
+  const std::filesystem::path checkpoint =
+      save_untrained(folder.path(), small_config(nn::Stem::Conv5));
   export_torchscript({checkpoint.string(), folder.path() / "model.pt", true, false});
   const at::NoGradGuard no_grad;
   const nn::PointSet points = synthetic_room(700, 1), surface = synthetic_room(300, 2);
@@ -128,7 +130,7 @@ TEST(PortableExport, LoadsInAProgramThatLinksNothingOfLte) {
 
 TEST(PortableExport, CarriesConfigurationAndNormalization) {
   const test::TempDir folder;
-  const nn::ModelConfig config = small_config("conv3");
+  const nn::ModelConfig config = small_config(nn::Stem::Conv3);
   export_torchscript(
       {save_untrained(folder.path(), config).string(), folder.path() / "model.pt", true, false});
   torch::jit::ExtraFilesMap extra{
@@ -145,7 +147,8 @@ TEST(ExportErrors, LeaveNothingBehind) {
   EXPECT_THROW(export_torchscript({garbage.string(), folder.path() / "model.pt", true, false}),
                Error);
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "model.pt"));
-  const std::filesystem::path checkpoint = save_untrained(folder.path(), small_config("linear"));
+  const std::filesystem::path checkpoint =
+      save_untrained(folder.path(), small_config(nn::Stem::Linear));
   EXPECT_THROW(
       export_torchscript({checkpoint.string(), folder.path() / "none" / "model.pt", true, false}),
       Error);

@@ -160,7 +160,7 @@ TEST(Renderer, BackgroundAndPureEmittersAreNotDecoded) {
 
 TEST(Renderer, ATotalModelGivesIndirectLightBySubtraction) {
   test::TinyModel tiny;
-  tiny.target = "total";
+  tiny.target = nn::Target::Total;
   Embedded room(test::furnished_room(), tiny);
   const scene::Camera camera = pathtrace::auto_camera(room.renderer.bvh());
   const Frame full = room.renderer.render(camera, settings(Output::Full));
@@ -224,7 +224,8 @@ TEST(Renderer, PrunesScenePointsAsInTrainingUnlessToldOtherwise) {
 
 TEST(Renderer, GivesModelsTheLightThatTheyRead) {
   const scene::Scene scene = lit_floor();
-  for (const std::string input : {"emission", "direct", "traced"}) {
+  for (const auto input :
+       {nn::LightInput::Emission, nn::LightInput::Direct, nn::LightInput::Traced}) {
     test::TinyModel tiny;
     tiny.light_input = input;
     Embedded embedded(scene, tiny, {});
@@ -232,8 +233,9 @@ TEST(Renderer, GivesModelsTheLightThatTheyRead) {
         embedded.renderer.render(test::downward_camera(), settings(Output::Irradiance));
     // Under a black light nothing bounces: who reads the estimates knows, the others guess.
     const float brightest = *std::max_element(frame.color.pixels.begin(), frame.color.pixels.end());
-    EXPECT_EQ(brightest > 0, input != "traced") << input;
-    EXPECT_EQ(embedded.renderer.seconds().light > 1e-5, input != "emission") << input;
+    EXPECT_EQ(brightest > 0, input != nn::LightInput::Traced) << enum_name(input);
+    EXPECT_EQ(embedded.renderer.seconds().light > 1e-5, input != nn::LightInput::Emission)
+        << enum_name(input);
   }
 }
 

@@ -20,7 +20,7 @@ Bounds room() {
 }
 
 /// Box room `seed` as the trainer sees it.
-TrainingScene stored_scene(uint64_t seed, const std::string& target) {
+TrainingScene stored_scene(uint64_t seed, nn::Target target) {
   const test::TempDir dir;
   data::SceneSample sample = test::box_sample(seed);
   sample.name = "room";
@@ -206,7 +206,7 @@ TEST(Augment, AboutAnyAxisARoomThatWouldOutgrowTheScaleTurnsAsTheCubeDoes) {
 /// The outside witness: transport computed anew in the transformed scene is the transformed
 /// transport.
 TEST(Augment, TransportOfTheTransformedSceneIsTheTransformedTransport) {
-  for (const char* target : {"indirect", "total"}) {
+  for (const nn::Target target : {nn::Target::Indirect, nn::Target::Total}) {
     const TrainingScene scene = stored_scene(11, target);
     Rng rng(8);
     for (int draw = 0; draw < 8; ++draw) {
@@ -222,20 +222,20 @@ TEST(Augment, TransportOfTheTransformedSceneIsTheTransformedTransport) {
           {area, area + example.points.area.size(0)}, test::triples_of(example.queries.position),
           test::triples_of(example.queries.normal));
       std::vector<Rgb> expected = again.indirect;
-      if (std::string(target) == "total") {
+      if (target == nn::Target::Total) {
         for (size_t i = 0; i < expected.size(); ++i) expected[i] += again.direct[i];
       }
       std::vector<Rgb> made = test::triples_of(example.target);
       const at::Tensor radiance = nn::channel_radiance(example.points).to(at::kFloat);
       const auto* a = radiance.const_data_ptr<float>();
       for (Rgb& value : made) value *= Rgb{a[0], a[1], a[2]};
-      EXPECT_LT(worst(made, expected), 2e-5) << target << ", draw " << draw;
+      EXPECT_LT(worst(made, expected), 2e-5) << enum_name(target) << ", draw " << draw;
     }
   }
 }
 
 TEST(Augment, TargetIsLinearInTheGainOfEachLuminaire) {
-  const TrainingScene scene = stored_scene(12, "indirect");
+  const TrainingScene scene = stored_scene(12, nn::Target::Indirect);
   Symmetry symmetry = identity_symmetry(2);
   symmetry.gains = {{3, 0, 0.5f}, {0, 2, 0.25f}};
   Rng rng(9);
@@ -252,7 +252,7 @@ TEST(Augment, TargetIsLinearInTheGainOfEachLuminaire) {
 }
 
 TEST(Augment, DimmingAllLightsAlikeChangesNothingTheNetworkSees) {
-  const TrainingScene scene = stored_scene(13, "indirect");
+  const TrainingScene scene = stored_scene(13, nn::Target::Indirect);
   Symmetry dimmed = identity_symmetry(2);
   dimmed.gains.assign(2, Rgb{0.125f, 0.125f, 0.125f});  // a power of two: exact in float
   Rng a(1), b(1);

@@ -115,7 +115,7 @@ TrainingScene noisy_scene() {
     sample.variance[i] = i % 4 == 0 ? mean * mean : 0.0f;  // as large as the value itself
   }
   data::write_scene_sample(dir / "room.safetensors", sample);
-  return read_training_scene(dir / "room.safetensors", "room", "indirect");
+  return read_training_scene(dir / "room.safetensors", "room", nn::Target::Indirect);
 }
 
 TEST(QueryScores, NoiseIsTheRelativeVariance) {
@@ -245,7 +245,7 @@ TEST(MakeExample, LightOnScenePointsIsSummedOverGroupsUnderTheirGains) {
   const std::filesystem::path path = dir / "room.safetensors";
   data::write_scene_sample(path, sample);
   try {
-    read_training_scene(path, "room", "indirect", "traced");
+    read_training_scene(path, "room", nn::Target::Indirect, nn::LightInput::Traced);
     ADD_FAILURE() << "read light that is not there";
   } catch (const Error& error) {
     EXPECT_THAT(error.what(),
@@ -259,9 +259,11 @@ TEST(MakeExample, LightOnScenePointsIsSummedOverGroupsUnderTheirGains) {
     for (Rgb& value : *light) value = {random.uniform(), random.uniform(), random.uniform()};
   }
   data::write_scene_sample(path, sample);
-  const TrainingScene direct = read_training_scene(path, "room", "indirect", "direct");
+  const TrainingScene direct =
+      read_training_scene(path, "room", nn::Target::Indirect, nn::LightInput::Direct);
   EXPECT_TRUE(direct.indirect.empty());
-  const TrainingScene scene = read_training_scene(path, "room", "indirect", "traced");
+  const TrainingScene scene =
+      read_training_scene(path, "room", nn::Target::Indirect, nn::LightInput::Traced);
   Symmetry symmetry = identity_symmetry(2);
   symmetry.gains = {{2, 1, 0}, {0, 0.5f, 3}};
   Rng rng(6);
@@ -289,7 +291,7 @@ TEST(SceneStore, DropsTheLeastRecentlyUsed) {
   const auto entries = data::entries_of(data::read_dataset_info(dir.path()), data::Split::Train);
   SceneStore probe(dir.path(), entries, {});
   const size_t one = probe.get(0)->size_bytes();
-  SceneStore store(dir.path(), entries, {"indirect", 2 * one});
+  SceneStore store(dir.path(), entries, {nn::Target::Indirect, 2 * one});
   const auto first = store.get(0);
   store.get(1);
   EXPECT_EQ(store.get(0), first) << "still kept";
@@ -304,9 +306,9 @@ TEST(SceneStore, TotalIsDirectPlusIndirect) {
   test::write_dataset(dir.path(), 1, 0);
   const data::SceneSample sample = data::read_scene_sample(data::scene_path(dir.path(), "room0"));
   const TrainingScene total =
-      read_training_scene(data::scene_path(dir.path(), "room0"), "room0", "total");
+      read_training_scene(data::scene_path(dir.path(), "room0"), "room0", nn::Target::Total);
   const TrainingScene indirect =
-      read_training_scene(data::scene_path(dir.path(), "room0"), "room0", "indirect");
+      read_training_scene(data::scene_path(dir.path(), "room0"), "room0", nn::Target::Indirect);
   for (size_t i = 0; i < sample.direct.size(); ++i) {
     EXPECT_EQ(total.target[i], sample.direct[i] + sample.indirect[i]);
     EXPECT_EQ(indirect.target[i], sample.indirect[i]);

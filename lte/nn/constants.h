@@ -1,0 +1,63 @@
+// Numbers of the network's equations (docs/model.md) that no configuration changes, each written
+// once. The TorchScript export fills its text from here. Weights were trained under these numbers:
+// with others, the models that exist mean something else.
+#pragma once
+
+#include <cstdint>
+
+#include "lte/ops/cache_weights.h"
+
+namespace lte::nn {
+
+/// Network-space positions of a room span a few tenths; normals and albedos span one. This factor
+/// puts them on a par for the MLPs.
+inline constexpr double kPositionGain = 4;
+
+/// Queries are meant to lie in the scene. The query MLP is not told how much farther out than this a
+/// query is, in network space.
+inline constexpr double kPositionLimit = 4;
+
+/// Offsets to neighbours beyond this many spacings say "far" and no more, so that a query far
+/// outside the scene stays finite.
+inline constexpr double kOffsetLimit = 64;
+
+/// Scene points fit where every network-space coordinate is at most this: 1 but for rounding.
+inline constexpr double kLargestPosition = 1.001;
+
+/// The least spacing of the latents in network space. Below it (16 µm at s = 16 m) relative
+/// positions are noise of float32 coordinates.
+inline constexpr double kLeastSpacing = 1e-6;
+
+/// ε of every LayerNorm, LibTorch's default. The fused operators of lte/ops assume it too.
+inline constexpr double kNormEpsilon = 1e-5;
+
+/// Every GELU is x Φ(x) with the error function, which ATen calls this, and no approximation.
+inline constexpr const char* kGeluForm = "none";
+
+/// Edge in cells of the convolutions of transformer blocks; the stem's is ModelConfig::stem.
+inline constexpr int64_t kBlockKernel = 3;
+
+/// Space-filling curves that the blocks of a stage take turns with: Z and Hilbert, each also with x
+/// and y exchanged.
+inline constexpr int64_t kCurves = 4;
+
+// The irradiance cache that queries of `traced` models read (light_cache.h). Found on homes by
+// search: more neighbours blur, fewer let noise through.
+
+inline constexpr int64_t kCacheNeighbours = 32;
+
+/// Falloff with distance, falloff with height above the query's plane, least weight, and least mean
+/// squared distance.
+inline constexpr ops::CacheWeights kCacheWeights = {2, 64, 1e-4F, 1e-16F};
+
+/// Of the mean irradiance, added everywhere, so that a factor can lift what the cache calls dark.
+inline constexpr double kCacheFloor = 0.02;
+
+/// Added to the mean that the spread of the estimates is divided by, so that darkness has none.
+inline constexpr double kCacheLeastMean = 1e-3;
+
+/// log(Σ w) / kCacheLogScale and (log(d̄²) + kCacheLogShift) / kCacheLogScale are of order one.
+inline constexpr double kCacheLogScale = 4;
+inline constexpr double kCacheLogShift = 8;
+
+}  // namespace lte::nn
