@@ -1,7 +1,6 @@
 #include "train/config.h"
 
 #include <cmath>
-#include <initializer_list>
 #include <map>
 #include <sstream>
 

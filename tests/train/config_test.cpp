@@ -94,7 +94,9 @@ TEST(TrainConfig, ThePageOfKeysIsThatOfTheBaseYaml) {
   for (const auto& [key, value] : base) {
     const auto found = page.find(key);
     ASSERT_NE(found, page.end()) << key << " is not in docs/training-keys.md";
-    if (!value.empty()) EXPECT_EQ(found->second, "`" + value + "`") << key;
+    if (!value.empty()) {
+      EXPECT_EQ(found->second, "`" + value + "`") << key;
+    }
   }
   for (const auto& [key, value] : page)
     EXPECT_TRUE(base.contains(key)) << key << " is not in configs/base.yaml";

@@ -49,9 +49,8 @@ TrainingScene read_training_scene(const std::filesystem::path& path, const std::
 struct SceneStoreOptions {
   nn::Target target = nn::Target::Indirect;
   size_t cache_bytes = 0;   ///< memory for scenes that are not in use
-  double scale = INFINITY;  ///< s, metres: what a scene must fit into
-  /// Goes on without scenes that cannot be used, rather than refusing them.
-  bool skip_bad = false;
+  double scale = INFINITY;  ///< s, metres: a scene must fit into a cube of this side
+  bool skip_bad = false;    ///< go on without scenes that cannot be used
   nn::LightInput light_input = nn::LightInput::Emission;
 };
 

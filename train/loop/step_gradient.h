@@ -12,8 +12,7 @@
 namespace lte::train {
 
 struct StepGradient {
-  double loss =
-      0;  ///< mean over the examples; in a run of several processes this one's share of it
+  double loss = 0;  ///< mean over all scenes of the step; of several processes this one's share
   double norm = 0;  ///< L2, before clipping
 };
 

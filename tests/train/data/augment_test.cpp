@@ -126,8 +126,8 @@ TEST(Augment, ARoomThatWouldOutgrowTheScaleTurnsByQuarters) {
   Rng rng(7);
   std::set<std::pair<float, float>> angles;
   for (int draw = 0; draw < 100; ++draw) {
-    const Symmetry symmetry =
-        draw_symmetry({}, 0, room(), 5, &rng);  // 4 x 5 m: its diagonal is 6.4 m
+    // The room is 4 x 5 m, its diagonal 6.4 m.
+    const Symmetry symmetry = draw_symmetry({}, 0, room(), 5, &rng);
     angles.insert({symmetry.rotation[0].x, symmetry.rotation[0].z});
     Bounds turned;
     for (const Vec3& corner : {Vec3{0, 0, 0}, Vec3{4, 0, 0}, Vec3{0, 0, 5}, Vec3{4, 0, 5}}) {

@@ -137,8 +137,8 @@ TEST_F(BatchLoaderTest, MeanTargetIsThatOfTheReference) {
       double sum = 0, emission = 0;
       for (const Rgb& value : sample.indirect) sum += value[c];
       for (const Rgb& value : sample.scene_emission) emission += value[c];
-      const double mean_emission =
-          emission / static_cast<double>(sample.scene_points());  // equal areas
+      // All points have equal areas.
+      const double mean_emission = emission / static_cast<double>(sample.scene_points());
       expected += sum / static_cast<double>(sample.query_points()) / mean_emission / 9;
     }
   }

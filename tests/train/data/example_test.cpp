@@ -209,8 +209,8 @@ TEST(NoiseWeight, CountsNoisyQueriesLessAndKeepsTheMean) {
   EXPECT_NEAR(example.weight.mean().item<double>(), 1, 1e-5);
   const double plain = example.weight[1].item<double>();
   for (int64_t i = 0; i < scene.query_points(); ++i) {
-    double n =
-        0;  // variance of the relative log error, by a finite difference of the loss's own terms
+    // Variance of the relative log error, by a finite difference of the loss's own terms.
+    double n = 0;
     for (int64_t c = 0; c < 3 && i % 4 == 0; ++c) {
       const double value = example.target[i][c].item<double>(), h = 1e-4;
       const double slope = (std::log1p(value * (1 + h)) - std::log1p(value * (1 - h))) / (2 * h);

@@ -148,8 +148,8 @@ TEST(Optimizer, AverageFollowsItsRecurrenceAndSwapsBack) {
   for (int64_t step = 0; step < 3; ++step) {
     set_gradients(model, 1);
     optimizer.update(step, 1);
-    const double decay =
-        static_cast<double>(1 + step) / static_cast<double>(10 + step);  // below 0.9 so early
+    // So early it is below the 0.9 of the configuration.
+    const double decay = static_cast<double>(1 + step) / static_cast<double>(10 + step);
     expected = decay * expected + (1 - decay) * model->parameters()[0].detach();
   }
   const at::Tensor weights = model->parameters()[0].detach().clone();
