@@ -1,5 +1,5 @@
-// Rooms of the generator `homes`, seen by their own cameras: what scripts/figures/home_pictures.py makes
-// the picture of docs/dataset.md from.
+// Rooms of the generator `homes`, seen by their own cameras: what scripts/figures/home_pictures.py
+// makes the picture of docs/dataset.md from.
 //
 // usage: lte_home_pictures FOLDER [PATHS_A_PIXEL] [WIDTH OF A VIEW] [FIRST SCENE]
 // writes FOLDER/NN_{color,albedo,normal}.pfm, linear

@@ -1,5 +1,5 @@
-// Environments: mappings against directions known from their definition, and environment points against
-// closed forms.
+// Environments: mappings against directions known from their definition, and environment points
+// against closed forms.
 #include "lte/scene/environment.h"
 
 #include <numeric>
