@@ -32,14 +32,14 @@ FOREIGN = re.compile(r"\bDESIGN\b|\bSTYLE\.md\b")
 
 
 def tracked(paths: list[str]) -> list[pathlib.Path]:
-    listed = subprocess.run(
-        ["git", "ls-files", "-z", "--", *paths],
-        cwd=ROOT,
-        check=True,
-        capture_output=True,
-        text=True,
-    ).stdout
-    files = [ROOT / name for name in listed.split("\0") if name]
+    """The sources below `paths` that git knows; in an unpacked archive all that are there."""
+    git = subprocess.run(["git", "ls-files", "-z", "--", *paths], cwd=ROOT, capture_output=True,
+                         text=True, check=False)
+    if git.returncode == 0:
+        files = [ROOT / name for name in git.stdout.split("\0") if name]
+    else:
+        tops = paths or ["CMakeLists.txt", *FOLDERS.split("|")]
+        files = [f for top in tops for f in [ROOT / top, *(ROOT / top).rglob("*")] if f.is_file()]
     return [f for f in files if f.suffix in CODE | OTHER and f.exists() and not f.is_symlink()]
 
 

@@ -38,11 +38,9 @@ GCC_ALONE = re.compile(
     r"-fpch-preprocess|-Winvalid-pch|-fopenmp|-Werror|-O\d|-W.*psabi|-ffp-.*|-m.*")
 
 
-def tracked_headers() -> list[str]:
-    listed = subprocess.run(["git", "ls-files", "--cached", "--others", "--exclude-standard", "-z",
-                             "*.h"], cwd=ROOT, check=True, capture_output=True, text=True).stdout
-    return sorted(name for name in listed.split("\0")
-                  if name.startswith(FOLDERS) and (ROOT / name).exists())
+def all_headers() -> list[str]:
+    found = (path for top in FOLDERS for path in (ROOT / top).rglob("*.h"))
+    return sorted(path.relative_to(ROOT).as_posix() for path in found)
 
 
 def words_of(command: str) -> list[str]:
@@ -172,7 +170,7 @@ def main() -> int:
 
     start = time.monotonic()
     seen: dict[str, set[str]] = {}
-    headers = args.headers or tracked_headers()
+    headers = args.headers or all_headers()
     todo, left_out, built = [], [], 0
     for header in headers:
         if not (args.headers or args.no_pch) and built_first(header, flags.sources):
