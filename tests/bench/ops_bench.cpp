@@ -1,4 +1,4 @@
-// Times of the operators at the sizes of docs/model.md, and FLANN and nanoflann beside knn. Not
+// Times of the operators at the sizes of DESIGN section 7, and FLANN and nanoflann beside knn. Not
 // run by ctest.
 //   lte_ops_microbench --benchmark_filter=Knn        at::set_num_threads: OMP_NUM_THREADS
 #include <ATen/ATen.h>
