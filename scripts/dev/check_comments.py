@@ -80,6 +80,8 @@ def blocks(lines: list[str]):
 def is_cut(line: Line, following: Line) -> bool:
     if SENTENCE_END.search(line.text) or following.starts_something():
         return False
+    if line.indent > following.indent + 1:  # the end of a sample of code
+        return False
     if line.text.endswith(",") and following.indent > 1:  # a formula or a table
         return False
     if 4 < line.indent == following.indent and not re.match(r"[a-z]", following.text):
