@@ -1,5 +1,6 @@
-# lte::c10d: what a run of several processes needs besides LibTorch. Gloo's headers, which the wheel lacks, for CPUs
-# (Debian: libgloo-dev); NCCL's for GPUs. Their code is LibTorch's own: nothing is linked.
+# lte::c10d: what a run of several processes needs besides LibTorch. Gloo's headers, which the wheel
+# lacks, for CPUs (Debian: libgloo-dev); NCCL's for GPUs. Their code is LibTorch's own: nothing is
+# linked.
 add_library(lte_c10d INTERFACE)
 add_library(lte::c10d ALIAS lte_c10d)
 find_path(LTE_GLOO_INCLUDE gloo/allreduce.h)

@@ -1,4 +1,5 @@
-# install and find_package(lte): libraries, headers, tools, shipped assets, and a package file that finds the rest.
+# install and find_package(lte): libraries, headers, tools, shipped assets, and a package file that
+# finds the rest.
 include(CMakePackageConfigHelpers)
 get_property(lte_libraries GLOBAL PROPERTY LTE_LIBRARIES)
 if(LTE_TORCH)

@@ -17,7 +17,8 @@ if(LTE_FUZZ)
   add_link_options(-fsanitize=address,undefined)
 endif()
 
-# lte_add_library(NAME [SHARED] SOURCES ... DEPS ... [PRIVATE_DEPS ...]): target lte_NAME, alias lte::NAME.
+# lte_add_library(NAME [SHARED] SOURCES ... DEPS ... [PRIVATE_DEPS ...]): target lte_NAME, alias
+# lte::NAME.
 function(lte_add_library name)
   cmake_parse_arguments(arg "SHARED" "" "SOURCES;DEPS;PRIVATE_DEPS" ${ARGN})
   set(kind STATIC)
@@ -48,7 +49,8 @@ function(lte_add_tool name source)
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endfunction()
 
-# lte_add_test(FOLDER SOURCES ... DEPS ... [LABELS ...]): one executable and one ctest entry a folder.
+# lte_add_test(FOLDER SOURCES ... DEPS ... [LABELS ...]): one executable and one ctest entry a
+# folder.
 function(lte_add_test folder)
   cmake_parse_arguments(arg "TORCH" "" "SOURCES;DEPS;LABELS" ${ARGN})
   set(name lte_${folder}_test)

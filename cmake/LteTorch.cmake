@@ -1,8 +1,9 @@
 # lte::torch: LibTorch for the CPU, and with LTE_CUDA also lte::torch_cuda.
 #
-# Found, in this order: -DTorch_ROOT or CMAKE_PREFIX_PATH (a LibTorch folder: .../share/cmake/Torch inside), then the
-# wheel in .venv that scripts/setup.sh makes. The CPU build links libtorch_cpu and libc10 alone: the wheel's own
-# find_package(Torch) insists on a CUDA toolkit, and its libtorch.so leaves CUDA symbols open.
+# Found, in this order: -DTorch_ROOT or CMAKE_PREFIX_PATH (a LibTorch folder: .../share/cmake/Torch
+# inside), then the wheel in .venv that scripts/setup.sh makes. The CPU build links libtorch_cpu and
+# libc10 alone: the wheel's own find_package(Torch) insists on a CUDA toolkit, and its libtorch.so
+# leaves CUDA symbols open.
 set(lte_torch_hints ${Torch_ROOT} $ENV{Torch_ROOT})
 foreach(prefix ${CMAKE_PREFIX_PATH})
   list(APPEND lte_torch_hints ${prefix} ${prefix}/../..)

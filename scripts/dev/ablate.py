@@ -110,9 +110,8 @@ def run_variant(args, name: str, settings: list[str]) -> list[dict]:
             train(args, [*settings, *more], seed, run, result, resume)
         results.append(json.loads(result.read_text()))
         last = results[-1]
-        print(
-            f"{name}, seed {seed}: {last['step']} steps, {last['seconds']:.0f} s, " +
-            ", ".join(f"{metric} {last[metric]:.4g}" for metric in METRICS), file=sys.stderr)
+        print(f"{name}, seed {seed}: {last['step']} steps, {last['seconds']:.0f} s, " +
+              ", ".join(f"{metric} {last[metric]:.4g}" for metric in METRICS), file=sys.stderr)
     return results
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Finds comments that a formatter has torn, comments that name files which are not there, and lines
-over 100 columns.
+over 100 columns (in CMake, shell and YAML of comments alone).
 
 usage: scripts/dev/check_comments.py [PATH ...]      (default: all tracked sources)
 
@@ -32,14 +32,14 @@ FOREIGN = re.compile(r"\bDESIGN\b|\bSTYLE\.md\b")
 
 
 def tracked(paths: list[str]) -> list[pathlib.Path]:
-    listed = subprocess.run(
-        ["git", "ls-files", "-z", "--", *paths],
-        cwd=ROOT,
-        check=True,
-        capture_output=True,
-        text=True,
-    ).stdout
-    files = [ROOT / name for name in listed.split("\0") if name]
+    """The sources below `paths` that git knows; in an unpacked archive all that are there."""
+    git = subprocess.run(["git", "ls-files", "-z", "--", *paths], cwd=ROOT, capture_output=True,
+                         text=True, check=False)
+    if git.returncode == 0:
+        files = [ROOT / name for name in git.stdout.split("\0") if name]
+    else:
+        tops = paths or ["CMakeLists.txt", *FOLDERS.split("|")]
+        files = [f for top in tops for f in [ROOT / top, *(ROOT / top).rglob("*")] if f.is_file()]
     return [f for f in files if f.suffix in CODE | OTHER and f.exists() and not f.is_symlink()]
 
 
@@ -80,6 +80,8 @@ def blocks(lines: list[str]):
 def is_cut(line: Line, following: Line) -> bool:
     if SENTENCE_END.search(line.text) or following.starts_something():
         return False
+    if line.indent > following.indent + 1:  # the end of a sample of code
+        return False
     if line.text.endswith(",") and following.indent > 1:  # a formula or a table
         return False
     if 4 < line.indent == following.indent and not re.match(r"[a-z]", following.text):
@@ -101,13 +103,14 @@ def torn(lines: list[str]):
                 continue
             hangs = ITEM.match(anchor.text) or TAG.match(anchor.text) or LABEL.match(anchor.text)
             if continuation is None:
-                if line.indent > anchor.indent and not hangs and not before.text.endswith(":"):
+                ended = before.text.endswith((":", "."))
+                if line.indent > anchor.indent and not hangs and not ended:
                     yield begin + i, "torn: the indentation jumps"
                 continuation = line.indent
             elif (
                 line.indent != continuation
                 and (hangs or line.indent > continuation)
-                and not before.text.endswith(":")
+                and not before.text.endswith((":", "."))
             ):
                 yield begin + i, "torn: the indentation jumps"
                 continuation = line.indent
@@ -122,7 +125,8 @@ def faults(file: pathlib.Path):
     text = file.read_text(errors="replace")
     lines = (without_raw_strings(text) if file.suffix in CODE else text).splitlines()
     for number, line in enumerate(lines, 1):
-        if len(line) > COLUMNS and "http" not in line:
+        measured = file.suffix in CODE | {".py"} or line.lstrip().startswith("#")
+        if len(line) > COLUMNS and measured and "http" not in line:
             yield number, f"{len(line)} columns, at most {COLUMNS}"
         comment = line.partition("//" if file.suffix in CODE else "#")[2]
         if file.suffix in CODE and line.lstrip().startswith("#include"):

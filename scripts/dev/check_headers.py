@@ -3,13 +3,17 @@
 
 usage: scripts/dev/check_headers.py [--build build] [--jobs N] [--all] [--no-pch] [HEADER ...]
 
-Each header becomes a translation unit of one #include, which the compiler only parses. LibTorch
-costs 20 seconds of processor time in each that includes it; so those are parsed by clang, where it
-is installed, behind a precompiled lte/nn/pch.h whose templates are instantiated once: 2 to 3
-seconds each. That hides a missing include of what LibTorch's umbrella header brings; --no-pch
-finds those too. A header that has passed is not looked at again until it, a header of ours that it
-includes, or its flags change (the record is headers.json in the build folder); --all forgets the
-record.
+A header that the source of its own name includes before all else has passed already: the build
+compiles that source. Each of the others becomes a translation unit of one #include, which the
+compiler only parses.
+
+LibTorch costs 20 seconds of processor time in each unit that includes it. So those are parsed by
+clang, where it is installed, behind a precompiled lte/nn/pch.h whose templates are instantiated
+once: 2 seconds each. That hides a missing include of what LibTorch's umbrella header brings, as the
+build's own precompiled header does; --no-pch finds those too, and then looks at all headers.
+
+A header that has passed is not looked at again until it, a header of ours that it includes, or its
+flags change (the record is headers.json in the build folder); --all forgets the record.
 """
 import argparse
 import concurrent.futures
@@ -27,17 +31,18 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 OWN_INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.M)
+# A third party that this machine lacks, and whose users it does not build either.
+MISSING = re.compile(r"fatal error: '?((?!torch/|ATen/|c10/)[\w./+-]+?)'?(?: file not|: No such)")
 TORCH_INCLUDE = re.compile(r"^\s*#\s*include\s*<(torch|ATen|c10)/", re.M)
 FOLDERS = ("lte", "datagen", "train", "infer", "tests")
 # What clang does not take, or what would set the precompiled header's macros apart from the rest's.
-GCC_ALONE = re.compile(r"-fpch-preprocess|-Winvalid-pch|-fopenmp|-Werror|-O\d|-W.*psabi|-ffp-.*|-m.*")
+GCC_ALONE = re.compile(
+    r"-fpch-preprocess|-Winvalid-pch|-fopenmp|-Werror|-O\d|-W.*psabi|-ffp-.*|-m.*")
 
 
-def tracked_headers() -> list[str]:
-    listed = subprocess.run(["git", "ls-files", "--cached", "--others", "--exclude-standard", "-z",
-                             "*.h"], cwd=ROOT, check=True, capture_output=True, text=True).stdout
-    return sorted(name for name in listed.split("\0")
-                  if name.startswith(FOLDERS) and (ROOT / name).exists())
+def all_headers() -> list[str]:
+    found = (path for top in FOLDERS for path in (ROOT / top).rglob("*.h"))
+    return sorted(path.relative_to(ROOT).as_posix() for path in found)
 
 
 def words_of(command: str) -> list[str]:
@@ -58,30 +63,41 @@ class Flags:
     """The compiler's words for a header: those of a source in its folder, else in the nearest."""
 
     def __init__(self, build: pathlib.Path):
-        self.by_folder: dict[str, tuple[str, list[str]]] = {}
+        self.by_folder: dict[str, list[tuple[str, list[str]]]] = {}
+        self.sources: set[str] = set()
         for entry in json.loads((build / "compile_commands.json").read_text()):
             path = pathlib.Path(entry["directory"], entry["file"]).resolve()
             if path.suffix != ".cpp" or not path.is_relative_to(ROOT):
                 continue
+            self.sources.add(path.relative_to(ROOT).as_posix())
             folder = path.relative_to(ROOT).parent.as_posix()
             words = words_of(entry["command"])
-            # Several targets in a folder: the one with the most flags knows every third party.
-            if folder not in self.by_folder or len(words) > len(self.by_folder[folder][1]):
-                self.by_folder[folder] = (entry["directory"], words)
+            self.by_folder.setdefault(folder, []).append((entry["directory"], words))
 
-    def of(self, header: str) -> tuple[str, list[str]] | None:
+    def of(self, header: str, torch: bool) -> tuple[str, list[str]] | None:
+        """@param torch  the header needs LibTorch, which not every target of a folder knows"""
         unit = header.removesuffix(".h")
-        if unit in self.by_folder:  # lte/c_api.h is lte/c_api's
-            return self.by_folder[unit]
-        folder = os.path.dirname(header)
+        folder = unit if unit in self.by_folder else os.path.dirname(header)  # lte/c_api.h
         while folder:
-            if folder in self.by_folder:
-                return self.by_folder[folder]
-            below = [f for f in self.by_folder if f.startswith(folder + "/")]
-            if below:
-                return max((self.by_folder[f] for f in below), key=lambda entry: len(entry[1]))
+            within = [entry for name, entries in self.by_folder.items() for entry in entries
+                      if name == folder or name.startswith(folder + "/")]
+            beside = self.by_folder.get(folder, [])
+            for choice in (beside, within):
+                knows = [entry for entry in choice
+                         if not torch or any("torch" in word for word in entry[1])]
+                if knows:  # the one with the most flags knows every third party
+                    return max(knows, key=lambda entry: len(entry[1]))
             folder = os.path.dirname(folder)
         return None
+
+
+def built_first(header: str, sources: set[str]) -> bool:
+    """Whether the source of its name is built and includes it before anything else."""
+    source = header.removesuffix(".h") + ".cpp"
+    if source not in sources:
+        return False
+    first = re.search(r'^\s*#\s*include\s*[<"]([^>"]+)', (ROOT / source).read_text(), re.M)
+    return first is not None and first.group(1) == header
 
 
 class Precompiled:
@@ -89,7 +105,7 @@ class Precompiled:
 
     def __init__(self, build: pathlib.Path, clang: str, flags: Flags):
         self.clang = clang
-        directory, words = flags.by_folder["lte/nn"]
+        directory, words = flags.of("lte/nn/pch.h", torch=True)
         self.path = build / "headers.pch"
         command = [clang, *self.clean(words), "-fpch-instantiate-templates", "-x", "c++-header",
                    str(ROOT / "lte/nn/pch.h"), "-o", str(self.path)]
@@ -156,18 +172,22 @@ def main() -> int:
 
     start = time.monotonic()
     seen: dict[str, set[str]] = {}
-    headers = args.headers or tracked_headers()
-    todo, left_out = [], []
+    headers = args.headers or all_headers()
+    todo, left_out, built = [], [], 0
     for header in headers:
-        entry = flags.of(header)
+        if not (args.headers or args.no_pch) and built_first(header, flags.sources):
+            built += 1
+            continue
+        names = closure(header, seen)
+        torch = any(TORCH_INCLUDE.search((ROOT / name).read_text()) for name in names)
+        entry = flags.of(header, torch)
         if entry is None:
             left_out.append(header)
             continue
-        names = closure(header, seen)
         key = digest(names, entry[1])
         if record.get(header) == key:
             continue
-        if clang and any(TORCH_INCLUDE.search((ROOT / name).read_text()) for name in names):
+        if clang and torch:
             precompiled = precompiled or Precompiled(args.build, clang, flags)
             entry = (entry[0], precompiled.words(entry[1]))
         todo.append((header, entry, key))
@@ -182,7 +202,11 @@ def main() -> int:
         for (header, _, key), complaint, seconds in pool.map(check, todo):
             if args.times:
                 print(f"{seconds:6.1f} s  {header}")
-            if complaint:
+            missing = MISSING.search(complaint)
+            if missing and not missing[1].startswith(FOLDERS):
+                print(f"{header}: left out, as {missing[1]} is not installed")
+                left_out.append(header)
+            elif complaint:
                 failed += 1
                 record.pop(header, None)
                 print(f"{header}: does not compile alone:\n" +
@@ -191,9 +215,10 @@ def main() -> int:
                 record[header] = key
     record_path.write_text(json.dumps(record, indent=0))
     if left_out:
-        print(f"headers: no target of this build has flags for {', '.join(left_out)}")
+        print(f"headers: nothing of this build tells how to compile {', '.join(left_out)}")
     print(f"headers: {len(headers) - len(left_out) - failed} of {len(headers)} compile alone "
-          f"({len(todo)} looked at, {time.monotonic() - start:.0f} s)")
+          f"({built} begin the source of their name, {len(todo)} others were looked at, "
+          f"{time.monotonic() - start:.0f} s)")
     return 1 if failed else 0
 
 

@@ -6,7 +6,7 @@ Needs Mitsuba and numpy in a virtual environment of their own, and LLVM's shared
 Mitsuba's compiler. Mitsuba 3.5.2 runs with LLVM 15, which Debian 12 has (libllvm15); Mitsuba 3.9
 aborts with it and wants a newer one. Where LLVM is not found, set DRJIT_LIBLLVM_PATH to its file.
 
-    python3 -m venv /tmp/mi && /tmp/mi/bin/pip install mitsuba==3.5.2 'numpy<2'
+    python3 -m venv mi && mi/bin/pip install mitsuba==3.5.2 'numpy<2'
     mi/bin/python scripts/witnesses/validate_against_mitsuba.py --datagen build/bin/lte_datagen \\
         assets/scenes/cornell_box.glb
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs a build tree to a scratch prefix, then configures, builds and runs projects that find it there: one in C++, and the
-# example in C, which is also built by the C compiler alone.
+# Installs a build tree to a scratch prefix, then configures, builds and runs projects that find it
+# there: one in C++, and the example in C, which is also built by the C compiler alone.
 #   tests/install/run.sh BUILD_DIR
 set -euo pipefail
 build=$1
