@@ -2,7 +2,7 @@
 #include <iostream>
 #include <string>
 
-#include "lte/base/memory.h"
+#include "lte/base/process_memory.h"
 #include "lte/cli/cli.h"
 #include "train/command/command_line.h"
 #include "train/command/report.h"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <span>
 #include <sstream>
@@ -10,6 +9,7 @@
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/random.h"
+#include "lte/base/text.h"
 #include "lte/cli/progress.h"
 #include "lte/pathtrace/adaptive.h"
 #include "lte/pathtrace/bvh.h"
@@ -163,9 +163,7 @@ void write_probe_result(const std::filesystem::path& path, const ProbePoints& po
     std::string line = points.lines[i];
     for (const Rgb& value : {result.total[i], result.direct[i], result.standard_error[i]}) {
       for (int c = 0; c < 3; ++c) {
-        char text[32];
-        std::snprintf(text, sizeof text, ",%.9g", static_cast<double>(value[c]));
-        line += text;
+        line += formatted(",%.9g", static_cast<double>(value[c]));
       }
     }
     file.write(concat(line, ",", result.rays[i], "\n"));

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <set>
 #include <sstream>
 #include <system_error>
@@ -11,6 +10,7 @@
 #include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/base/random.h"
+#include "lte/base/text.h"
 #include "lte/base/version.h"
 
 namespace lte::datagen {
@@ -171,9 +171,7 @@ int64_t DatasetFolder::write_index(const FolderState& state) const {
 fs::path config_path(const fs::path& out) { return out / "config.yaml"; }
 
 std::string scene_name(int64_t index) {
-  char text[32];
-  std::snprintf(text, sizeof text, "room_%05lld", static_cast<long long>(index));
-  return text;
+  return formatted("room_%05lld", static_cast<long long>(index));
 }
 
 uint64_t scene_seed(uint64_t dataset_seed, int64_t index) {

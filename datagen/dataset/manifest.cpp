@@ -16,6 +16,7 @@
 #include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/base/parallel.h"
+#include "lte/base/process_memory.h"
 #include "lte/base/version.h"
 
 namespace lte::datagen {

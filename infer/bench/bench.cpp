@@ -8,7 +8,7 @@
 #include <ATen/Parallel.h>
 #include <nlohmann/json.hpp>
 
-#include "lte/base/file.h"
+#include "lte/base/process_memory.h"
 #include "lte/base/timer.h"
 #include "lte/ops/linear.h"
 

@@ -7,7 +7,7 @@
 #include "infer/common/memory.h"
 #include "infer/common/synthetic_room.h"
 #include "infer/common/tool_options.h"
-#include "lte/base/file.h"
+#include "lte/base/process_memory.h"
 #include "lte/ops/curve_codes.h"
 #include "lte/ops/farthest_point.h"
 #include "lte/ops/knn.h"

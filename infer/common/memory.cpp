@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
-#include <fstream>
 #include <new>
 #include <string_view>
 
 #include <malloc.h>
 
 #include "lte/base/check.h"
-#include "lte/base/file.h"
+#include "lte/base/process_memory.h"
+#include "lte/base/text.h"
 
 namespace lte::infer {
 namespace {
@@ -41,9 +40,7 @@ double parse_memory(const std::string& text) {
 }
 
 std::string memory_text(double mb) {
-  char text[32];
-  std::snprintf(text, sizeof text, mb < 1024 ? "%.0f MiB" : "%.1f GiB", mb < 1024 ? mb : mb / 1024);
-  return text;
+  return mb < 1024 ? formatted("%.0f MiB", mb) : formatted("%.1f GiB", mb / 1024);
 }
 
 double encode_mb(const nn::ModelConfig& config, int64_t scene_points) {
@@ -110,11 +107,6 @@ int64_t MemoryLimit::query_block(const nn::ModelConfig& config, int64_t queries,
 bool is_out_of_memory(const std::exception& error) {
   return dynamic_cast<const std::bad_alloc*>(&error) != nullptr ||
          std::string_view(error.what()).find("can't allocate memory") != std::string_view::npos;
-}
-
-void reset_peak_rss() {
-  ::malloc_trim(0);
-  std::ofstream("/proc/self/clear_refs") << "5\n";
 }
 
 }  // namespace lte::infer

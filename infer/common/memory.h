@@ -68,8 +68,4 @@ auto explain_out_of_memory(const std::string& doing, double need_mb, const std::
   }
 }
 
-/// Starts VmHWM, which peak_rss_mb() reads, anew from what is resident now; where the system does
-/// not allow it, nothing happens.
-void reset_peak_rss();
-
 }  // namespace lte::infer

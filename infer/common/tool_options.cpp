@@ -37,6 +37,7 @@ void add_network_options(CLI::App& app, std::string* precision, double* max_memo
          "What the run may take above scene and model, such as 500M or 2G (plain numbers are MiB): "
          "fewer queries are decoded at a time, and what cannot fit is refused; 0 for no limit")
       ->check(CLI::Validator(check, "SIZE"))
+      ->default_str("0")
       ->group(group);
 }
 
@@ -57,8 +58,8 @@ void add_tool_options(CLI::App& app, ToolOptions* options) {
       ->check(CLI::IsMember({"cpu", "cuda"}))
       ->group(group);
   add_network_options(app, &options->precision, &options->max_memory_mb);
-  app.add_flag("--print-config", options->print_config,
-               "Print the settings in force as YAML and stop")
+  app.add_flag("--print-config", options->print_config, "Print the settings in force and stop")
+      ->configurable(false)
       ->group(group);
 }
 

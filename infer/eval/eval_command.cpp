@@ -4,8 +4,6 @@
 #include <iostream>
 #include <system_error>
 
-#include <nlohmann/json.hpp>
-
 #include "infer/common/assets.h"
 #include "infer/eval/eval_report.h"
 #include "infer/eval/evaluate.h"
@@ -29,33 +27,6 @@ void check_usage(const EvalRequest& request) {
     throw CLI::ValidationError("--out", "goes with --fit-baselines only");
   if (!fitting && request.split.empty())
     throw CLI::ValidationError("--split", "expected train, val or test");
-}
-
-/// The request with what a training configuration says where the command line is silent: its data
-/// set, and the model of its run directory.
-EvalRequest with_config(EvalRequest request) {
-  if (request.config.empty()) return request;
-  // Keys are checked by the trainer, which owns them.
-  const Config config = Config::load(request.config);
-  if (request.data.empty()) config.at("data").read("root", &request.data);
-  std::string run;
-  config.read("output", &run);
-  if (request.checkpoint.empty() && !run.empty()) {
-    request.checkpoint = (fs::path(run) / kRunModel).string();
-  }
-  return request;
-}
-
-void print_settings(const EvalRequest& r) {
-  const auto quoted = [](const std::string& text) { return nlohmann::json(text).dump(); };
-  std::cout << "checkpoint: " << quoted(r.checkpoint) << "\ndata: " << quoted(r.data)
-            << "\nsplit: " << quoted(r.split) << "\nbaselines: " << quoted(r.baselines)
-            << "\nreport: " << quoted(r.report) << "\ncsv: " << quoted(r.csv)
-            << "\nresamples: " << r.bootstrap.resamples << "\nseed: " << r.bootstrap.seed
-            << "\nprobes: " << r.probes << "\nprobe_rate: " << r.probe_rate
-            << "\ndevice: " << quoted(r.tool.device) << "\nthreads: " << r.tool.common.threads
-            << "\nprecision: " << r.tool.precision << "\nmax_memory: " << r.tool.max_memory_mb
-            << '\n';
 }
 
 /// From --baselines, from beside the checkpoint, or from the training split, in this order.
@@ -125,11 +96,21 @@ void add_eval_options(CLI::App& app, EvalRequest* r) {
   add_tool_options(app, &r->tool);
 }
 
-void run_eval(const EvalRequest& given) {
-  const EvalRequest request = with_config(given);
-  if (!request.tool.print_config) check_usage(request);
+void read_run_config(EvalRequest* request) {
+  if (request->config.empty()) return;
+  // Keys are checked by the trainer, which owns them.
+  const Config config = Config::load(request->config);
+  if (request->data.empty()) config.at("data").read("root", &request->data);
+  std::string run;
+  config.read("output", &run);
+  if (request->checkpoint.empty() && !run.empty()) {
+    request->checkpoint = (fs::path(run) / kRunModel).string();
+  }
+}
+
+void run_eval(const EvalRequest& request) {
+  check_usage(request);
   apply_tool_options(request.tool);
-  if (request.tool.print_config) return print_settings(request);
   if (!request.fit_baselines.empty()) return fit_to_file(request);
   check_writable(request.tool.common.json);
   check_writable(request.csv);

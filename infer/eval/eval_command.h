@@ -21,6 +21,11 @@ struct EvalRequest {
 
 void add_eval_options(CLI::App& app, EvalRequest* request);
 
+/// Fills in what the training configuration of --config says where the command line is silent: its
+/// data set, and the model of its run directory.
+/// @throws lte::Error naming the file.
+void read_run_config(EvalRequest* request);
+
 /// Evaluates and prints a table; or, with --fit-baselines, writes a baselines file.
 /// @throws lte::Error for bad input, CLI::ValidationError for flags that do not go together.
 void run_eval(const EvalRequest& request);

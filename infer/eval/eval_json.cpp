@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "infer/eval/eval_report.h"
-#include "lte/base/file.h"
+#include "lte/base/process_memory.h"
 
 namespace lte::infer {
 namespace {

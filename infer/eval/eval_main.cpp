@@ -1,4 +1,6 @@
 // lte_eval: error of a model on scenes with ground truth, beside cheap predictors.
+#include <iostream>
+
 #include "infer/eval/eval_command.h"
 
 int main(int argc, char** argv) {
@@ -13,5 +15,12 @@ int main(int argc, char** argv) {
       "  lte_eval --fit-baselines rooms --out run/model.baselines.json");
   lte::infer::EvalRequest request;
   lte::infer::add_eval_options(app, &request);
-  return lte::run_tool(app, argc, argv, [&] { lte::infer::run_eval(request); });
+  return lte::run_tool(app, argc, argv, [&] {
+    lte::infer::read_run_config(&request);
+    if (request.tool.print_config) {
+      std::cout << lte::config_text(app);
+    } else {
+      lte::infer::run_eval(request);
+    }
+  });
 }

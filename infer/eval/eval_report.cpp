@@ -1,10 +1,10 @@
 #include "infer/eval/eval_report.h"
 
 #include <cmath>
-#include <cstdio>
 
 #include "lte/base/check.h"
 #include "lte/base/file.h"
+#include "lte/base/text.h"
 #include "lte/report/html.h"
 
 namespace lte::infer {
@@ -12,16 +12,9 @@ namespace {
 
 constexpr int kColumn = 10;
 
-template <typename... Args>
-std::string format(const char* pattern, Args... args) {
-  char line[512];
-  std::snprintf(line, sizeof line, pattern, args...);
-  return line;
-}
-
 std::string line(const std::string& name, const Score& score) {
-  std::string out = format("%-28.28s", name.c_str());
-  const auto cell = [&](double value) { return format("%*s", kColumn, figure(value).c_str()); };
+  std::string out = formatted("%-28.28s", name.c_str());
+  const auto cell = [&](double value) { return formatted("%*s", kColumn, figure(value).c_str()); };
   for (const double value : score.points) out += cell(value);
   out += "  |";
   for (const double value : score.views) out += cell(value);
@@ -29,10 +22,10 @@ std::string line(const std::string& name, const Score& score) {
 }
 
 std::string head(const std::string& title) {
-  std::string out = format("%-28.28s", title.c_str());
-  for (const char* name : kPointMetrics) out += format("%*s", kColumn, name);
+  std::string out = formatted("%-28.28s", title.c_str());
+  for (const char* name : kPointMetrics) out += formatted("%*s", kColumn, name);
   out += "  |";
-  for (const char* name : kViewMetrics) out += format("%*s", kColumn, name);
+  for (const char* name : kViewMetrics) out += formatted("%*s", kColumn, name);
   return out + '\n';
 }
 
@@ -66,9 +59,9 @@ std::string plain(const TextTable& table) {
     widths.push_back(width);
   }
   const auto text = [&](const std::vector<std::string>& row) {
-    std::string out = format("%-*s", static_cast<int>(widths[0]), row[0].c_str());
+    std::string out = formatted("%-*s", static_cast<int>(widths[0]), row[0].c_str());
     for (size_t i = 1; i < row.size(); ++i)
-      out += format("  %*s", static_cast<int>(widths[i]), row[i].c_str());
+      out += formatted("  %*s", static_cast<int>(widths[i]), row[i].c_str());
     return out + '\n';
   };
   std::string out = text(table.head);
@@ -119,7 +112,7 @@ std::span<const unsigned char> bytes_of(const std::string& text) {
 }  // namespace
 
 std::string eval_table(const EvalResult& result) {
-  std::string out = format(
+  std::string out = formatted(
       "%zu scenes of split %s; indirect irradiance over the emission scalar; points | views\n\n",
       result.scenes.size(), result.split.c_str());
   for (const SceneResult& scene : result.scenes) out += block(scene.name, scene.scores);
@@ -131,11 +124,11 @@ std::string eval_table(const EvalResult& result) {
 
 std::string eval_csv(const EvalResult& result) {
   std::string out = "scene,predictor";
-  for (const char* name : kPointMetrics) out += format(",points_%s", name);
-  for (const char* name : kViewMetrics) out += format(",views_%s", name);
+  for (const char* name : kPointMetrics) out += formatted(",points_%s", name);
+  for (const char* name : kViewMetrics) out += formatted(",views_%s", name);
   out += '\n';
   const auto field = [](double value) {
-    return std::isfinite(value) ? format(",%.9g", value) : std::string(",");
+    return std::isfinite(value) ? formatted(",%.9g", value) : std::string(",");
   };
   for (const SceneResult& scene : result.scenes) {
     for (const auto& [name, score] : scene.scores) {

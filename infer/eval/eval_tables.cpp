@@ -1,8 +1,8 @@
 #include <cmath>
-#include <cstdio>
 
 #include "infer/eval/eval_report.h"
 #include "lte/base/check.h"
+#include "lte/base/text.h"
 
 namespace lte::infer {
 namespace {
@@ -25,9 +25,7 @@ const char* const kPaperNote =
 
 std::string figure(double value) {
   if (!std::isfinite(value)) return "-";
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
+  return formatted("%.4g", value);
 }
 
 TextTable sample_table(const EvalResult& result) {

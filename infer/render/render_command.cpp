@@ -2,7 +2,6 @@
 
 #include <charconv>
 #include <cstdio>
-#include <iostream>
 #include <tuple>
 #include <utility>
 
@@ -13,10 +12,12 @@
 #include "infer/render/frame_io.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
+#include "lte/base/process_memory.h"
 #include "lte/base/timer.h"
 #include "lte/scene/environment_points.h"
 #include "lte/scene/import/environment_file.h"
 #include "lte/scene/load.h"
+#include "lte/scene/load_camera.h"
 
 namespace lte::infer {
 namespace {
@@ -57,23 +58,6 @@ RenderSettings settings_of(const RenderRequest& request) {
   settings.max_depth = request.max_depth;
   settings.seed = request.seed;
   return settings;
-}
-
-void print_settings(const RenderRequest& r) {
-  // JSON strings are YAML strings, whatever they contain.
-  const auto quoted = [](const std::string& text) { return nlohmann::json(text).dump(); };
-  std::cout << "scene: " << quoted(r.scene) << "\ncheckpoint: " << quoted(r.checkpoint)
-            << "\ncamera: " << quoted(r.camera) << "\nsize: " << r.size
-            << "\nout: " << quoted(r.out) << "\noutput: " << r.output << "\nmode: " << r.mode
-            << "\nspp: " << r.spp << "\nmax_depth: " << r.max_depth
-            << "\ndirect_samples: " << r.direct_samples << "\nscene_points: " << r.scene_points
-            << "\nenvironment: " << quoted(r.environment)
-            << "\nenvironment_turn: " << r.environment_turn << "\nseed: " << r.seed
-            << "\nprune: " << quoted(r.prune) << "\nrescale: " << (r.rescale ? "true" : "false")
-            << "\nexposure: " << (r.exposure ? std::to_string(*r.exposure) : "auto")
-            << "\ndevice: " << quoted(r.tool.device) << "\nthreads: " << r.tool.common.threads
-            << "\nprecision: " << r.tool.precision << "\nmax_memory: " << r.tool.max_memory_mb
-            << '\n';
 }
 
 scene::Camera choose_camera(const RenderRequest& request, const scene::Scene& scene,
@@ -233,12 +217,11 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
 }
 
 void run_render(const RenderRequest& request) {
-  if (request.out.empty() && !request.validate_only && !request.tool.print_config) {
+  if (request.out.empty() && !request.validate_only) {
     throw CLI::ValidationError("--out",
                                "name the picture to write (.exr or .png), or pass --validate-only");
   }
   apply_tool_options(request.tool);
-  if (request.tool.print_config) return print_settings(request);
   check_writable(request.out);
   check_writable(request.tool.common.json);
   const Timer total;

@@ -1,4 +1,6 @@
 // lte_render: a picture of a scene.
+#include <iostream>
+
 #include "infer/render/render_command.h"
 
 int main(int argc, char** argv) {
@@ -15,5 +17,11 @@ int main(int argc, char** argv) {
       "  lte_render room.glb --validate-only");
   lte::infer::RenderRequest request;
   lte::infer::add_render_options(app, &request);
-  return lte::run_tool(app, argc, argv, [&] { lte::infer::run_render(request); });
+  return lte::run_tool(app, argc, argv, [&] {
+    if (request.tool.print_config) {
+      std::cout << lte::config_text(app);
+    } else {
+      lte::infer::run_render(request);
+    }
+  });
 }

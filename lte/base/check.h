@@ -14,7 +14,7 @@ class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The arguments, streamed one after another.
+/// Streams the arguments one after another into a text.
 template <typename... Args>
 std::string concat(const Args&... args) {
   std::ostringstream out;

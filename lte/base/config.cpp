@@ -14,11 +14,10 @@
 
 #include "lte/base/check.h"
 #include "lte/base/config_tree.h"
+#include "lte/base/text.h"
 
 namespace lte {
 namespace {
-
-std::string quote(const std::string& text) { return '"' + text + '"'; }
 
 [[noreturn]] void ill_typed(const std::string& key, const ConfigTree& tree,
                             const std::string& expected) {
@@ -47,8 +46,7 @@ void convert_value(const std::string& key, const ConfigTree& tree, T* value) {
   T parsed{};
   const std::errc error = parse_number(tree, &parsed);
   if constexpr (std::is_integral_v<T>) {
-    // A sign makes from_chars call a negative number ill-formed for an unsigned type; it is out of
-    // range.
+    // For an unsigned type, from_chars calls a negative number ill-formed. It is out of range.
     int64_t negative = 0;
     const bool below = std::is_unsigned_v<T> && error != std::errc() &&
                        parse_number(tree, &negative) == std::errc();
@@ -113,7 +111,8 @@ void check_known(const ConfigTree& map, const std::string& prefix,
   }
 }
 
-/// Optimal string alignment distance: insert, delete, replace, swap neighbours.
+/// The optimal string alignment distance: how many insertions, deletions, replacements and swaps of
+/// neighbours lead from one word to the other.
 size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<size_t> before, previous(b.size() + 1), row(b.size() + 1);
   for (size_t j = 0; j <= b.size(); ++j) previous[j] = j;

@@ -24,10 +24,11 @@ class Config {
   static Config load(const std::filesystem::path& path,
                      const std::vector<std::string>& overrides = {});
 
-  /// From YAML text; `name` stands for the file in messages.
+  /// Reads YAML text; `name` stands for the file in messages.
   static Config parse(const std::string& text, const std::string& name);
 
-  /// Sub-map of `key` (empty if absent). Shares the bookkeeping of known keys with its parent.
+  /// The sub-map of `key`, empty if absent. It shares the bookkeeping of known keys with its
+  /// parent.
   Config at(const std::string& key) const;
   bool has(const std::string& key) const;
 

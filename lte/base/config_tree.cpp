@@ -7,15 +7,15 @@
 
 #include "lte/base/check.h"
 #include "lte/base/file.h"
+#include "lte/base/text.h"
 
 namespace lte {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::string quote(const std::string& text) { return '"' + text + '"'; }
-
-/// Aliases can make a short text a huge or an endless tree, hence the limits.
+/// Turns YAML nodes into a tree. Aliases can make a short text a huge or an endless tree, hence the
+/// limits.
 class Converter {
  public:
   Converter(std::string name, bool with_lines) : name_(std::move(name)), with_lines_(with_lines) {}

@@ -1,5 +1,4 @@
-// The tree behind Config: YAML values that remember where they were written, and the ways to
-// combine them.
+// The tree behind Config, and the ways to combine trees.
 #pragma once
 
 #include <filesystem>

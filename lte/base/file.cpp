@@ -5,7 +5,6 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
-#include <fstream>
 #include <random>
 #include <string>
 #include <system_error>
@@ -22,8 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Names of the temporaries that exist now. A signal handler may touch neither the heap nor a lock,
-/// hence fixed buffers and one atomic state each.
+/// The names of the temporaries that exist now. A signal handler may touch neither the heap nor a
+/// lock, hence fixed buffers with one atomic state each.
 class Registry {
  public:
   /// A file beyond the registry's capacity is still removed by its destructor, only not on a
@@ -77,7 +76,8 @@ extern "C" void remove_temporaries_and_exit(int signal) {
   throw Error(concat(path.string(), ": ", what, ": ", std::strerror(error)));
 }
 
-/// Where `path` points, so that a symbolic link survives; the new name itself if nothing is there.
+/// The file that `path` leads to, so that a symbolic link survives; `path` itself, made absolute,
+/// if it is no link.
 fs::path resolve(const fs::path& path) {
   std::error_code error;
   if (fs::is_symlink(path, error)) {
@@ -98,19 +98,11 @@ void sync_directory(const fs::path& directory) {
 
 constexpr const char* kTemporaryMark = ".tmp-";
 
-/// Of this process: on a shared file system processes of several machines have one number.
+/// Tells this process from all others. Its number alone would not do: on a shared file system,
+/// processes of several machines may have the same one.
 const std::string& process_token() {
   static const std::string token = concat(::getpid(), "-", std::random_device{}());
   return token;
-}
-
-double status_mb(const std::string& field) {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;) {
-    double kilobytes = 0;
-    if (word == field && status >> kilobytes) return kilobytes / 1024.0;
-  }
-  return 0;
 }
 
 }  // namespace
@@ -139,7 +131,10 @@ AtomicFile::AtomicFile(const fs::path& path) : path_(path) {
   if (fd >= 0) file_ = ::fdopen(fd, "wb");
   if (file_ == nullptr) {
     const int error = errno;
-    if (fd >= 0) ::close(fd), ::unlink(temporary_.c_str());
+    if (fd >= 0) {
+      ::close(fd);
+      ::unlink(temporary_.c_str());
+    }
     g_registry.remove(temporary_.string());
     fail(path, error == ENOENT ? "cannot create: its directory does not exist" : "cannot create",
          error);
@@ -243,9 +238,5 @@ MappedFile::MappedFile(const fs::path& path) {
 MappedFile::~MappedFile() {
   if (data_ != nullptr) ::munmap(const_cast<std::byte*>(data_), size_);
 }
-
-double peak_rss_mb() { return status_mb("VmHWM:"); }
-
-double current_rss_mb() { return status_mb("VmRSS:"); }
 
 }  // namespace lte

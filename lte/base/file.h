@@ -24,7 +24,7 @@ class AtomicFile {
   void write(std::string_view text) { write(text.data(), text.size()); }
   void commit();
 
-  /// For libraries that insist on a file name: the temporary, already created. commit() renames it
+  /// The temporary, already created, for libraries that insist on a file name. commit() renames it
   /// all the same.
   const std::filesystem::path& temporary_path() const { return temporary_; }
 
@@ -39,19 +39,18 @@ void write_file(const std::filesystem::path& path, std::string_view text);
 /// @throws lte::Error if it cannot be read or is larger than `limit_bytes`.
 std::string read_file(const std::filesystem::path& path, size_t limit_bytes = size_t{1} << 30);
 
-/// With its parents; no fault if it is there.
+/// Makes the directory and its parents. Nothing happens where it exists already.
 /// @throws lte::Error naming the path and the system's reason.
 void make_directory(const std::filesystem::path& path);
 
-/// The name of the file that `name` is a temporary of, as AtomicFile gives them; empty if it is
-/// none.
+/// The file that `name` is a temporary of, if AtomicFile gave that name; empty otherwise.
 std::string temporary_of(const std::string& name);
 
 /// Makes SIGINT and SIGTERM remove the temporaries of unfinished AtomicFiles and exit with 128 +
 /// the signal's number.
 void install_signal_cleanup();
 
-/// Read-only memory map.
+/// A read-only memory map of a file.
 class MappedFile {
  public:
   explicit MappedFile(const std::filesystem::path& path);
@@ -66,10 +65,5 @@ class MappedFile {
   const std::byte* data_ = nullptr;
   size_t size_ = 0;
 };
-
-/// Peak resident set of this process, in MiB (VmHWM).
-double peak_rss_mb();
-/// Resident set now, in MiB.
-double current_rss_mb();
 
 }  // namespace lte

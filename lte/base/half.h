@@ -16,7 +16,7 @@ inline constexpr float kMaxHalf = 65504;
 
 inline bool is_finite(Half value) { return (value.bits & 0x7c00) != 0x7c00; }
 
-/// Rounds to the nearest, ties to even; beyond 65520 to infinity.
+/// Rounds to the nearest, ties to even. From 65520 on, values become infinite.
 inline Half to_half(float value) {
   const auto word = std::bit_cast<uint32_t>(value);
   const auto sign = static_cast<uint16_t>((word >> 16) & 0x8000);
@@ -38,8 +38,8 @@ inline float to_float(Half value) {
   const uint32_t magnitude = value.bits & 0x7fff;
   uint32_t word = (magnitude << 13) + 0x38000000;
   if (magnitude >= 0x7c00) word = 0x7f800000 | (magnitude & 0x3ff) << 13;
-  if (magnitude < 0x400)  // not by way of a subnormal float, which some programs flush to zero
-    word = std::bit_cast<uint32_t>(static_cast<float>(magnitude) * 0x1p-24f);
+  // Not by way of a subnormal float, which some programs flush to zero.
+  if (magnitude < 0x400) word = std::bit_cast<uint32_t>(static_cast<float>(magnitude) * 0x1p-24f);
   return std::bit_cast<float>(sign | word);
 }
 

@@ -12,7 +12,7 @@
 
 namespace lte {
 
-// For reading and writing: on NFS a lock for one needs a file that is open for writing.
+// Opened for reading and writing: on NFS an exclusive lock needs a file open for writing.
 LockedFile::LockedFile(const std::filesystem::path& path)
     : path_(path), fd_(::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666)) {
   LTE_CHECK(fd_ >= 0, path.string(), ": cannot open for writing: ", std::strerror(errno));

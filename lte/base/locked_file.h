@@ -6,8 +6,8 @@
 
 namespace lte {
 
-/// The system drops the lock when the process ends, however it does. Locks are those of flock(2),
-/// which network file systems mount-wide may lack: then a warning is logged and nobody is refused.
+/// The system drops the lock when the process ends, however it ends. The lock is one of flock(2).
+/// Some network file systems lack it: then a warning is logged and nobody is refused.
 class LockedFile {
  public:
   /// Makes the file if it is missing.
@@ -17,10 +17,10 @@ class LockedFile {
   LockedFile(const LockedFile&) = delete;
   LockedFile& operator=(const LockedFile&) = delete;
 
-  /// Whether another holder had it first; this one may then read, and should not write.
+  /// True if another holder came first: this one may then read, and should not write.
   bool busy() const { return busy_; }
 
-  /// In one write and to the disk, so that a kill cuts at most the last line short.
+  /// Appends in one write and syncs, so that a kill cuts at most the last line short.
   /// @throws lte::Error naming the file.
   void append(std::string_view text);
 

@@ -16,13 +16,13 @@ struct Vec3 {
 
   float& operator[](int axis) { return (&x)[axis]; }
   float operator[](int axis) const { return (&x)[axis]; }
-  Vec3& operator+=(const Vec3& b) { return x += b.x, y += b.y, z += b.z, *this; }
-  Vec3& operator*=(float s) { return x *= s, y *= s, z *= s, *this; }
-  Vec3& operator*=(const Vec3& b) { return x *= b.x, y *= b.y, z *= b.z, *this; }
+  Vec3& operator+=(const Vec3& b) { return *this = {x + b.x, y + b.y, z + b.z}; }
+  Vec3& operator*=(float s) { return *this = {x * s, y * s, z * s}; }
+  Vec3& operator*=(const Vec3& b) { return *this = {x * b.x, y * b.y, z * b.z}; }
   friend bool operator==(const Vec3&, const Vec3&) = default;
 };
 
-/// Linear Rec.709 radiometric triple; an alias, as the arithmetic is the same.
+/// A linear Rec.709 triple. It is an alias, as the arithmetic is the same.
 using Rgb = Vec3;
 
 inline Vec3 operator+(Vec3 a, const Vec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
@@ -37,7 +37,7 @@ inline Vec3 cross(const Vec3& a, const Vec3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 inline float length(const Vec3& a) { return std::sqrt(dot(a, a)); }
-/// The zero vector stays zero.
+/// The unit vector along `a`. The zero vector stays zero.
 inline Vec3 normalize(const Vec3& a) {
   const float norm = length(a);
   return norm > 0 ? a / norm : a;
@@ -64,12 +64,16 @@ inline void make_frame(const Vec3& n, Vec3* tangent, Vec3* bitangent) {
   *bitangent = {b, sign + n.y * n.y * a, -n.y};
 }
 
+/// An axis-aligned box, empty until a point extends it.
 struct Bounds {
   Vec3 low{INFINITY, INFINITY, INFINITY};
   Vec3 high{-INFINITY, -INFINITY, -INFINITY};
 
   bool empty() const { return !(low.x <= high.x); }
-  void extend(const Vec3& p) { low = min(low, p), high = max(high, p); }
+  void extend(const Vec3& p) {
+    low = min(low, p);
+    high = max(high, p);
+  }
   Vec3 extent() const { return empty() ? Vec3{} : high - low; }
   Vec3 center() const { return (low + high) * 0.5f; }
 };

@@ -14,7 +14,7 @@ namespace lte {
 namespace {
 
 std::atomic<int> g_threads{0};
-/// Inside a body, so that a nested call runs inline instead of multiplying the threads.
+/// True inside a body, so that a nested call runs inline instead of multiplying the threads.
 thread_local bool t_inside = false;
 
 /// What the threads of one call share.

@@ -7,7 +7,7 @@
 
 namespace lte {
 
-/// 0 restores the default: every hardware thread. Set once at start-up (--threads).
+/// Sets the number of threads, once at start-up. 0 restores the default, every hardware thread.
 void set_num_threads(int threads);
 int num_threads();
 

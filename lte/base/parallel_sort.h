@@ -9,7 +9,8 @@
 
 namespace lte {
 
-/// As std::sort. The same result for any number of threads where no two items are equivalent.
+/// Sorts as std::sort does. If no two items are equivalent, the result is the same for any number
+/// of threads.
 template <typename Item, typename Less>
 void parallel_sort(std::vector<Item>* items, const Less& less) {
   constexpr int64_t kGrain = int64_t{1} << 16;

@@ -22,9 +22,9 @@ static_assert(std::endian::native == std::endian::little,
               "the format is little-endian, and so are its readers here");
 
 constexpr size_t kPrefixSize = sizeof(uint64_t);
-/// Start of the data in files we write; a cache line.
+/// Alignment of the data's start in files that we write: a cache line.
 constexpr size_t kDataAlignment = 64;
-/// The reference implementation's limit.
+/// The limit of the reference implementation.
 constexpr uint64_t kMaxHeaderSize = 100'000'000;
 constexpr const char* kMetadataKey = "__metadata__";
 
@@ -48,8 +48,8 @@ const DTypeInfo& info(DType dtype) {
   throw Error(concat("unknown dtype ", static_cast<int>(dtype)));
 }
 
-/// Quoted, with control characters escaped: names come from files.
-std::string quote(const std::string& text) {
+/// The name as JSON writes it, with control characters escaped: names come from files.
+std::string shown_name(const std::string& text) {
   return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -86,7 +86,7 @@ Json parse_header(const std::string& path, const char* begin, const char* end) {
     if (event == Json::parse_event_t::object_end) keys.pop_back();
     if (event == Json::parse_event_t::key) {
       const auto& name = value.get_ref<const std::string&>();
-      LTE_CHECK(keys.back().insert(name).second, path, ": header: ", quote(name),
+      LTE_CHECK(keys.back().insert(name).second, path, ": header: ", shown_name(name),
                 " stands there twice");
     }
     return true;
@@ -109,7 +109,7 @@ struct Entry {
 };
 
 Entry parse_entry(const std::string& path, const std::string& name, const Json& json) {
-  const std::string where = concat(path, ": tensor ", quote(name), ": ");
+  const std::string where = concat(path, ": tensor ", shown_name(name), ": ");
   LTE_CHECK(json.is_object() && json.contains("dtype") && json.contains("shape") &&
                 json.contains("data_offsets"),
             where, "expected dtype, shape and data_offsets");
@@ -146,7 +146,7 @@ std::map<std::string, std::string> parse_metadata(const std::string& path, const
   LTE_CHECK(json.is_object(), path, ": ", kMetadataKey, ": expected a map of texts");
   std::map<std::string, std::string> metadata;
   for (const auto& [key, value] : json.items()) {
-    LTE_CHECK(value.is_string(), path, ": metadata ", quote(key), ": expected a text");
+    LTE_CHECK(value.is_string(), path, ": metadata ", shown_name(key), ": expected a text");
     metadata[key] = value.get<std::string>();
   }
   return metadata;
@@ -159,10 +159,10 @@ void check_tiling(const std::string& path, std::vector<Entry>* entries, uint64_t
   });
   uint64_t expected = 0;
   for (const Entry& entry : *entries) {
-    LTE_CHECK(entry.begin == expected, path, ": tensor ", quote(entry.name), ": starts at byte ",
-              entry.begin, " of the data instead of ", expected,
+    LTE_CHECK(entry.begin == expected, path, ": tensor ", shown_name(entry.name),
+              ": starts at byte ", entry.begin, " of the data instead of ", expected,
               entry.begin < expected ? " (overlap)" : " (hole)");
-    LTE_CHECK(entry.end <= data_size, path, ": tensor ", quote(entry.name), ": ends at byte ",
+    LTE_CHECK(entry.end <= data_size, path, ": tensor ", shown_name(entry.name), ": ends at byte ",
               entry.end, " of the data, which has ", data_size, " (truncated file?)");
     expected = entry.end;
   }
@@ -184,11 +184,11 @@ int64_t TensorView::numel() const {
 
 void SafetensorsWriter::add(const std::string& name, const TensorView& tensor) {
   uint64_t bytes = 0;
-  LTE_CHECK(name != kMetadataKey, "tensor ", quote(name), ": the name is reserved");
-  LTE_CHECK(byte_count(tensor.shape, dtype_size(tensor.dtype), &bytes), "tensor ", quote(name),
+  LTE_CHECK(name != kMetadataKey, "tensor ", shown_name(name), ": the name is reserved");
+  LTE_CHECK(byte_count(tensor.shape, dtype_size(tensor.dtype), &bytes), "tensor ", shown_name(name),
             ": bad shape ", shape_text(tensor.shape));
-  LTE_CHECK(bytes == 0 || tensor.data != nullptr, "tensor ", quote(name), ": no data");
-  LTE_CHECK(tensors_.emplace(name, tensor).second, "tensor ", quote(name), ": added twice");
+  LTE_CHECK(bytes == 0 || tensor.data != nullptr, "tensor ", shown_name(name), ": no data");
+  LTE_CHECK(tensors_.emplace(name, tensor).second, "tensor ", shown_name(name), ": added twice");
 }
 
 void SafetensorsWriter::write(const std::filesystem::path& path) const {
@@ -250,9 +250,9 @@ SafetensorsFile::SafetensorsFile(const std::filesystem::path& path)
   const uint64_t data_begin = kPrefixSize + header_size;
   for (Entry& entry : entries) {
     const size_t alignment = dtype_size(entry.tensor.dtype);
-    LTE_CHECK((data_begin + entry.begin) % alignment == 0, name, ": tensor ", quote(entry.name),
-              ": starts at byte ", data_begin + entry.begin, ", not a multiple of its element's ",
-              alignment, " bytes");
+    LTE_CHECK((data_begin + entry.begin) % alignment == 0, name, ": tensor ",
+              shown_name(entry.name), ": starts at byte ", data_begin + entry.begin,
+              ", not a multiple of its element's ", alignment, " bytes");
     entry.tensor.data = file_->data() + data_begin + entry.begin;
     tensors_.emplace(entry.name, std::move(entry.tensor));
   }
@@ -260,13 +260,13 @@ SafetensorsFile::SafetensorsFile(const std::filesystem::path& path)
 
 const TensorView& SafetensorsFile::at(const std::string& name) const {
   const auto found = tensors_.find(name);
-  LTE_CHECK(found != tensors_.end(), path_.string(), ": has no tensor ", quote(name));
+  LTE_CHECK(found != tensors_.end(), path_.string(), ": has no tensor ", shown_name(name));
   return found->second;
 }
 
 const std::string& SafetensorsFile::metadata(const std::string& key) const {
   const auto found = metadata_.find(key);
-  LTE_CHECK(found != metadata_.end(), path_.string(), ": has no metadata ", quote(key));
+  LTE_CHECK(found != metadata_.end(), path_.string(), ": has no metadata ", shown_name(key));
   return found->second;
 }
 
@@ -279,8 +279,9 @@ const TensorView& SafetensorsFile::checked(const std::string& name, DType dtype,
   const bool same =
       tensor.dtype == dtype &&
       std::equal(shape.begin(), shape.end(), tensor.shape.begin(), tensor.shape.end(), matches);
-  LTE_CHECK(same, path_.string(), ": tensor ", quote(name), ": expected ", dtype_name(dtype), " ",
-            shape_text(shape), ", got ", dtype_name(tensor.dtype), " ", shape_text(tensor.shape));
+  LTE_CHECK(same, path_.string(), ": tensor ", shown_name(name), ": expected ", dtype_name(dtype),
+            " ", shape_text(shape), ", got ", dtype_name(tensor.dtype), " ",
+            shape_text(tensor.shape));
   return tensor;
 }
 

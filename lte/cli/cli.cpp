@@ -12,6 +12,7 @@
 #include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/base/parallel.h"
+#include "lte/base/text.h"
 #include "lte/base/version.h"
 
 namespace lte {
@@ -20,14 +21,14 @@ namespace {
 constexpr int kFailed = 1;
 constexpr int kWrongUsage = 2;
 
-/// One line. Foreign exceptions carry more lines of no use to the user (c10::Error: a backtrace),
-/// ours do not.
+/// The message of an error on one line. Foreign exceptions carry more lines of no use to the user
+/// (c10::Error: a backtrace), ours do not.
 std::string one_line(const std::exception& error) {
   if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) return "out of memory";
   std::string text = error.what();
-  text.erase(0,
-             text.find_first_not_of(" \r\n"));  // messages of TorchScript begin with an empty line
-  if (dynamic_cast<const Error*>(&error) == nullptr) text = text.substr(0, text.find('\n'));
+  // Messages of TorchScript begin with an empty line.
+  text.erase(0, text.find_first_not_of(" \r\n"));
+  if (dynamic_cast<const Error*>(&error) == nullptr) text = first_line(text);
   std::replace(text.begin(), text.end(), '\n', ' ');
   std::replace(text.begin(), text.end(), '\r', ' ');
   return text;
@@ -45,8 +46,7 @@ void collect_names(const CLI::App& app, bool flags, std::vector<std::string>* na
   for (const CLI::App* command : app.get_subcommands()) collect_names(*command, flags, names);
 }
 
-/// What the parser did not recognise, with the nearest right name; empty if it recognised
-/// everything.
+/// What the parser did not recognize, with the nearest right name; empty if it recognized all.
 std::string unknown_arguments(const CLI::App& app) {
   const std::vector<std::string> left = app.remaining(true);
   if (left.empty()) return "";
@@ -104,6 +104,11 @@ void apply_common_options(const CommonOptions& options) {
   set_num_threads(options.threads);
   set_log_level(options.quiet ? LogLevel::Warning : LogLevel::Info);
   set_log_file(options.log_file);
+}
+
+std::string config_text(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) option->capture_default_str();
+  return app.config_to_str(/*default_also=*/true);
 }
 
 int run_tool(CLI::App& app, int argc, char** argv, const std::function<void()>& body) {

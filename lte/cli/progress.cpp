@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "lte/base/log.h"
+#include "lte/base/text.h"
 
 namespace lte {
 namespace {
@@ -15,7 +16,7 @@ constexpr int64_t kTerminalIntervalMs = 100;
 constexpr int64_t kPlainIntervalMs = 5000;
 constexpr int kBarWidth = 24;
 
-/// 12.3k, 4.56M: three digits are what an eye takes in.
+/// "12.3k", "4.56M": three digits are what an eye takes in.
 std::string short_number(double value) {
   const char* suffix = "";
   for (const char* next : {"k", "M", "G", "T"}) {
@@ -23,22 +24,14 @@ std::string short_number(double value) {
     value /= 1000;
     suffix = next;
   }
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.3g%s", value, suffix);
-  return text;
+  return formatted("%.3g%s", value, suffix);
 }
 
-/// 1:02:03 or 2:03.
+/// "1:02:03" or "2:03".
 std::string clock_time(double seconds) {
   const auto total = static_cast<long long>(std::ceil(std::min(seconds, 3.6e9)));
-  char text[48];
-  if (total >= 3600) {
-    std::snprintf(text, sizeof(text), "%lld:%02lld:%02lld", total / 3600, total / 60 % 60,
-                  total % 60);
-  } else {
-    std::snprintf(text, sizeof(text), "%lld:%02lld", total / 60, total % 60);
-  }
-  return text;
+  if (total < 3600) return formatted("%lld:%02lld", total / 60, total % 60);
+  return formatted("%lld:%02lld:%02lld", total / 3600, total / 60 % 60, total % 60);
 }
 
 std::string bar(double fraction) {

@@ -28,8 +28,8 @@ constexpr int kMaxSide = 1 << 20;
 /// Rows read at once; the tallest compressed block of OpenEXR.
 constexpr int64_t kStrip = 256;
 
-/// Collects the file in memory: OpenEXR's own stream swallows the errors of the last flush (a full
-/// disk).
+/// Collects the file in memory: OpenEXR's own stream swallows the errors of its last flush, such as
+/// a full disk.
 class MemoryOutput : public Imf::OStream {
  public:
   explicit MemoryOutput(const std::string& name) : OStream(name.c_str()) {}

@@ -22,7 +22,7 @@ struct Layer {
 /// written.
 void write_exr(const std::filesystem::path& path, const std::vector<Layer>& layers);
 
-/// The channels of one layer (empty name: R, G, B or Y) as an image of 3 or 1 channels.
+/// Reads the channels of one layer (empty name: R, G, B or Y) into an image of 3 or 1 channels.
 /// @throws lte::Error naming the file if it is not EXR, or naming the layers it has.
 Image read_exr(const std::filesystem::path& path, const std::string& layer = "");
 

@@ -20,7 +20,8 @@ inline constexpr double kFlipPixelsPerDegree = 67.0206432765823;
 /// @return                 one channel, in [0, 1]; 0 where the pictures look alike
 /// @throws lte::Error if sizes differ, there are not 3 channels, or `pixels_per_degree` is not
 /// positive.
-/// @note Pixels beyond the border are those of the border. The same bits for any number of threads.
+/// @note Pixels beyond the border are those of the border. The result has the same bits for any
+/// number of threads.
 Image flip(const Image& a, const Image& reference, double pixels_per_degree = kFlipPixelsPerDegree);
 
 /// The exposures, in stops, at which HDR-FLIP looks: from the one that brings the brightest
@@ -40,8 +41,8 @@ FlipExposures flip_exposures(const Image& reference, std::span<const uint8_t> ma
 Image hdr_flip(const Image& a, const Image& reference, const FlipExposures& exposures,
                double pixels_per_degree = kFlipPixelsPerDegree);
 
-/// Mean of a one-channel picture over the pixels of `mask` (all of them if it is empty); 0 if there
-/// are none.
+/// The mean of a one-channel picture over the pixels of `mask` (all of them if it is empty); 0 if
+/// there are none.
 double masked_mean(const Image& scalar, std::span<const uint8_t> mask);
 
 }  // namespace lte::image

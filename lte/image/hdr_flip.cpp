@@ -11,8 +11,8 @@ namespace {
 /// Y of linear Rec.709 in the digits of FLIP's authors.
 constexpr std::array<double, 3> kLuminance{2613072.0 / 12288897, 8788810.0 / 12288897,
                                            887015.0 / 12288897};
-/// Narkowicz's rational fit of the ACES curve with 0.6 of the light, (k0 x² + k1 x) / (k2 x² + k3 x
-/// + k4).
+/// Narkowicz's rational fit of the ACES curve with 0.6 of the light:
+/// (k0 x² + k1 x) / (k2 x² + k3 x + k4).
 constexpr std::array<double, 5> kAces{0.36 * 2.51, 0.6 * 0.03, 0.36 * 2.43, 0.6 * 0.59, 0.14};
 
 double aces(double x) {
@@ -44,7 +44,7 @@ FlipExposures flip_exposures(const Image& reference, std::span<const uint8_t> ma
   constexpr double kDarkest = 0x1p-24;  // of the brightest: a picture that is black by half
   const double median = values[values.size() / 2];  // the upper of two, as the authors take it
   const double brightest = std::max(values.back(), kLeast);
-  // Where the curve reaches 0.85.
+  // The exposures are those at which the curve reaches 0.85.
   constexpr double kTarget = 0.85;
   const double qa = kAces[0] - kTarget * kAces[2], qb = kAces[1] - kTarget * kAces[3],
                qc = -kTarget * kAces[4];

@@ -27,7 +27,9 @@ struct Image {
   Rgb rgb(int x, int y) const { return {at(x, y)[0], at(x, y)[1], at(x, y)[2]}; }
   void set_rgb(int x, int y, const Rgb& value) {
     float* p = at(x, y);
-    p[0] = value.x, p[1] = value.y, p[2] = value.z;
+    p[0] = value.x;
+    p[1] = value.y;
+    p[2] = value.z;
   }
 };
 

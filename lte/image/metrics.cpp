@@ -15,8 +15,8 @@ constexpr double kMaxPsnr = 100;
 constexpr int kRadius = 5;
 constexpr int kWindow = 2 * kRadius + 1;
 
-/// Mean of `term(a, b)` in double. Chunks have a fixed size and are added in order: the same bits
-/// for any number of threads.
+/// The mean of `term(a, b)` in double. Chunks have a fixed size and are added in order, so that the
+/// bits are the same for any number of threads.
 template <typename Term>
 double mean_of(const char* what, std::span<const float> a, std::span<const float> b,
                const Term& term) {

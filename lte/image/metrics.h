@@ -24,9 +24,9 @@ double relative_mse(std::span<const float> a, std::span<const float> reference,
 double log_relative_l2(std::span<const float> a, std::span<const float> reference,
                        double epsilon = 1e-2);
 
-/// Structural similarity (Wang et al. 2004): 11×11 Gaussian window of σ = 1.5, K1 = 0.01, K2 =
-/// 0.03, data range 1, on display values in [0, 1], mean over channels and over pixels whose whole
-/// window lies inside the picture.
+/// Structural similarity (Wang et al. 2004) of display values in [0, 1]: an 11 × 11 Gaussian window
+/// of σ = 1.5, K1 = 0.01, K2 = 0.03, data range 1. It is the mean over channels and over those
+/// pixels whose whole window lies inside the picture.
 /// @param mask  if not empty, [height, width]: only pixels with a non-zero entry are averaged; 1 if
 /// there are none
 /// @throws lte::Error if sizes differ or a side is under 11 pixels.

@@ -9,9 +9,10 @@
 namespace lte::image {
 
 struct Picture {
-  Image image;         ///< 1, 3 or 4 channels
-  bool coded = false;  ///< values / max of an integer format, with whatever curve the file carries;
-                       ///< otherwise linear floats, which may be any number, not finite ones too
+  Image image;  ///< 1, 3 or 4 channels
+  /// True for values / max of an integer format, with whatever curve the file carries. Otherwise
+  /// the values are linear floats, which may be any number and need not be finite.
+  bool coded = false;
 };
 
 /// Reads PNG, JPEG, TGA (coded) and OpenEXR, PFM, Radiance HDR (floats), told apart by content;

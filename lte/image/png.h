@@ -10,14 +10,15 @@
 
 namespace lte::image {
 
-/// Writes 1- or 3-channel values already in display space, [0, 1], rounded to 8 bits; atomic.
+/// Writes 1- or 3-channel values already in display space, [0, 1], rounded to 8 bits. Atomic.
 void write_png(const std::filesystem::path& path, const Image& display);
 
-/// The same bytes in memory, for reports that embed pictures.
+/// The same bytes in memory, for reports and logs that embed pictures.
+/// @throws lte::Error unless the picture has 1 or 3 channels and at most 2^28 pixels.
 std::vector<unsigned char> encode_png(const Image& display);
 
-/// An 8- or 16-bit picture file's values / max, not linearised, in memory order; 3 channels (or 4
-/// with alpha).
+/// Reads an 8- or 16-bit PNG or JPEG: its values / max, not linearized, in 3 channels, or 4 with
+/// alpha.
 /// @throws lte::Error naming the file if it cannot be decoded or declares more than `limit_pixels`.
 Image read_png(const std::filesystem::path& path, int64_t limit_pixels = int64_t{1} << 28);
 

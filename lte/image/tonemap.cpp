@@ -9,7 +9,7 @@
 namespace lte::image {
 namespace {
 
-/// Seen at once, and in no rendering by itself.
+/// Magenta: it is seen at once, and hardly ever in a rendering.
 constexpr Rgb kInvalid{1, 0, 1};
 
 void check_channels(const Image& picture, const char* who) {

@@ -1,4 +1,4 @@
-// From linear radiance to the display.
+// Tone mapping: from linear radiance to the display.
 #pragma once
 
 #include "lte/base/srgb.h"
@@ -9,16 +9,16 @@ namespace lte::image {
 using lte::linear_to_srgb;
 using lte::srgb_to_linear;
 
-/// Exposure that brings the `percentile` of luminance over positive finite pixels to `target`; 1
-/// for a black image.
+/// The exposure that brings the `percentile` of luminance over positive finite pixels to `target`;
+/// 1 for a black image.
 float auto_exposure(const Image& linear, float percentile = 0.95f, float target = 0.8f);
 
-/// clamp(exposure * linear) through the sRGB curve, 3 channels (a one-channel image gives grey); a
-/// non-finite pixel becomes magenta so that it is seen.
+/// Puts clamp(exposure * linear) through the sRGB curve, into 3 channels (a one-channel image gives
+/// grey). A pixel that is not finite becomes magenta, so that it is seen.
 Image tonemap(const Image& linear, float exposure);
 
-/// False color (black-blue-green-yellow-red) of a one-channel image over [0, max]; magenta where
-/// it is not finite.
+/// False colors (black, blue, green, yellow, red) of a one-channel image over [0, max]; magenta
+/// where it is not finite.
 Image heat_map(const Image& scalar, float max);
 
 }  // namespace lte::image

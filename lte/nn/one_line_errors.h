@@ -6,13 +6,13 @@
 #include <c10/util/Exception.h>
 
 #include "lte/base/check.h"
+#include "lte/base/text.h"
 
 namespace lte::nn {
 
 /// The first line of what a LibTorch error says.
 inline std::string first_line(const c10::Error& error) {
-  const std::string text = error.what_without_backtrace();
-  return text.substr(0, text.find('\n'));
+  return lte::first_line(error.what_without_backtrace());
 }
 
 /// Runs `body`. @throws lte::Error of one line where it throws c10::Error.

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include "lte/base/check.h"
+#include "lte/base/text.h"
 #include "lte/report/html.h"
 
 namespace lte {
@@ -21,22 +21,20 @@ using Points = std::vector<std::pair<double, double>>;
 struct Range {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
-  void extend(double value) { low = std::min(low, value), high = std::max(high, value); }
+  void extend(double value) {
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
   void open() {
     if (high > low) return;
     const double margin = low != 0 ? 0.05 * std::abs(low) : 1;
-    low -= margin, high += margin;
+    low -= margin;
+    high += margin;
   }
 };
 
-std::string number(double value, const char* pattern = "%.4g") {
-  char text[32];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
-}
-
-/// What can be drawn of a line, in the units of the axes: y is its logarithm where that is asked
-/// for.
+/// What can be drawn of a line, in the units of the axes: y is its logarithm where that is wanted.
+/// Long lines become the means of as many equal shares as the chart has columns.
 Points drawable(const ChartLine& line, const ChartStyle& style) {
   Points out;
   for (const auto& [x, y] : line.points) {
@@ -49,7 +47,10 @@ Points drawable(const ChartLine& line, const ChartStyle& style) {
   for (size_t i = 0; i < most; ++i) {
     const size_t begin = i * out.size() / most, end = (i + 1) * out.size() / most;
     double x = 0, y = 0;
-    for (size_t k = begin; k < end; ++k) x += out[k].first, y += out[k].second;
+    for (size_t k = begin; k < end; ++k) {
+      x += out[k].first;
+      y += out[k].second;
+    }
     const auto count = static_cast<double>(end - begin);
     means.emplace_back(x / count, y / count);
   }
@@ -65,8 +66,8 @@ double tick_step(double span) {
   return 10 * power;
 }
 
-/// Values where ticks stand; for logarithms whole decades if there are two of them, else 1, 2 and 5
-/// of each.
+/// Values where ticks stand. Logarithms have them at whole decades if there are two of these, else
+/// at 1, 2 and 5 of each.
 std::vector<double> ticks(const Range& range, bool logarithmic) {
   std::vector<double> out;
   if (!logarithmic) {
@@ -102,23 +103,22 @@ class Canvas {
     for (const double value : ticks(y_, style_.log_y)) {
       segment(kLeft, place_y(value), right_, place_y(value));
       text(kLeft - 5, place_y(value) + 4, "end",
-           number(style_.log_y ? std::pow(10.0, value) : value), "#555");
+           formatted("%.4g", style_.log_y ? std::pow(10.0, value) : value), "#555");
     }
     for (const double value : ticks(x_, false)) {
       segment(place_x(value), kTop, place_x(value), bottom);
-      text(place_x(value), bottom + 14, "middle", number(value, "%.6g"), "#555");
+      text(place_x(value), bottom + 14, "middle", formatted("%.6g", value), "#555");
     }
   }
 
   void line(const Points& points, const char* color) {
     std::string path;
-    for (const auto& [x, y] : points)
-      path += number(place_x(x), "%.1f") + ',' + number(place_y(y), "%.1f") + ' ';
-    svg_ += points.size() > 1 ? concat("<polyline fill=none stroke-width=1.5 stroke=\"", color,
-                                       "\" points=\"", path, "\"/>\n")
-                              : concat("<circle r=3 fill=\"", color, "\" cx=\"",
-                                       number(place_x(points[0].first), "%.1f"), "\" cy=\"",
-                                       number(place_y(points[0].second), "%.1f"), "\"/>\n");
+    for (const auto& [x, y] : points) path += formatted("%.1f,%.1f ", place_x(x), place_y(y));
+    svg_ += points.size() > 1
+                ? concat("<polyline fill=none stroke-width=1.5 stroke=\"", color, "\" points=\"",
+                         path, "\"/>\n")
+                : formatted("<circle r=3 fill=\"%s\" cx=\"%.1f\" cy=\"%.1f\"/>\n", color,
+                            place_x(points[0].first), place_y(points[0].second));
   }
 
   void legend(size_t place, const std::string& name, const char* color) {
@@ -137,13 +137,12 @@ class Canvas {
            (y - y_.low) / (y_.high - y_.low) * (style_.height - kTop - kBottom);
   }
   void segment(double x0, double y0, double x1, double y1) {
-    svg_ += concat("<path stroke=\"#e4e4e4\" d=\"M", number(x0, "%.1f"), " ", number(y0, "%.1f"),
-                   "L", number(x1, "%.1f"), " ", number(y1, "%.1f"), "\"/>\n");
+    svg_ += formatted("<path stroke=\"#e4e4e4\" d=\"M%.1f %.1fL%.1f %.1f\"/>\n", x0, y0, x1, y1);
   }
   void text(double x, double y, const char* anchor, const std::string& what, const char* color) {
     svg_ +=
-        concat("<text x=\"", number(x, "%.1f"), "\" y=\"", number(y, "%.1f"),
-               "\" text-anchor=", anchor, " fill=\"", color, "\">", html_escape(what), "</text>\n");
+        formatted("<text x=\"%.1f\" y=\"%.1f\" text-anchor=%s fill=\"%s\">", x, y, anchor, color);
+    svg_ += html_escape(what) + "</text>\n";
   }
 
   const ChartStyle& style_;
@@ -160,12 +159,16 @@ std::string html_chart(const ChartStyle& style, const std::vector<ChartLine>& li
   for (const ChartLine& line : lines) {
     Points points = drawable(line, style);
     if (points.empty()) continue;
-    for (const auto& [px, py] : points) x.extend(px), y.extend(py);
+    for (const auto& [px, py] : points) {
+      x.extend(px);
+      y.extend(py);
+    }
     drawn.emplace_back(line.name, std::move(points));
   }
   if (drawn.empty())
     return concat("<p class=note>", html_escape(style.title), ": nothing recorded</p>\n");
-  x.open(), y.open();
+  x.open();
+  y.open();
   size_t longest = 0;
   for (const auto& line : drawn) longest = std::max(longest, line.first.size());
   const bool beside = drawn.size() > kLegendInside;

@@ -6,7 +6,6 @@
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
-#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -204,20 +203,6 @@ TEST(MappedFile, RefusesWhatIsNoFile) {
   const TempDir dir;
   EXPECT_THAT(error_of([&] { MappedFile{dir / "none"}; }), HasSubstr("No such file"));
   EXPECT_THAT(error_of([&] { MappedFile{dir.path()}; }), HasSubstr("not a regular file"));
-}
-
-TEST(ResidentSet, GrowsWithTouchedMemory) {
-  const double before = current_rss_mb();
-  EXPECT_GT(before, 0);
-  constexpr size_t kSize = size_t{64} << 20;
-  // Straight from the system: the heap may hand out memory that is resident already.
-  void* block = mmap(nullptr, kSize, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  ASSERT_NE(block, MAP_FAILED);
-  std::memset(block, 1, kSize);
-  EXPECT_NEAR(current_rss_mb() - before, 64, 8);
-  munmap(block, kSize);
-  EXPECT_NEAR(current_rss_mb(), before, 8);
-  EXPECT_GE(peak_rss_mb(), before + 56);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 
+#include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/base/parallel.h"
@@ -140,6 +141,29 @@ TEST(CommonOptions, Apply) {
   EXPECT_EQ(read_file(dir / "log"), "quiet, but logged\n");
   apply_common_options(CommonOptions{});
   EXPECT_EQ(log_level(), LogLevel::Info);
+}
+
+TEST(ConfigText, HasEveryFlagAsItStands) {
+  CLI::App app{"", "a"};
+  CommonOptions common;
+  add_common_options(app, &common);
+  std::string out, model;
+  int rays = 16;
+  bool dark = false, loud = false;
+  app.add_option("--out", out);
+  app.add_option("--model", model);
+  app.add_option("--rays", rays);
+  app.add_flag("--dark", dark);
+  app.add_flag("--loud", loud);
+  app.add_option_function<int>("--limit", [](int) {})->default_str("7");
+  app.parse("--out 'a b.png' --dark --threads 2");
+  model = "found later";
+  const std::string text = "\n" + config_text(app);
+  for (const char* line :
+       {"out=\"a b.png\"", "model=\"found later\"", "rays=16", "dark=true", "loud=false", "limit=7",
+        "threads=2", "quiet=false", "log-file=\"\"", "json=\"\""}) {
+    EXPECT_THAT(text, HasSubstr(concat("\n", line, "\n")));
+  }
 }
 
 TEST(CommonOptions, JsonIsOptional) {

@@ -13,6 +13,7 @@
 #include <gmock/gmock.h>
 
 #include "lte/base/file.h"
+#include "lte/base/process_memory.h"
 #include "tests/image/random_image.h"
 #include "tests/support/temp_dir.h"
 

@@ -1,5 +1,5 @@
-// FLIP against the error maps that its authors' own program gives (scripts/witnesses/check_flip.py), and its
-// laws.
+// FLIP against the error maps that its authors' own program gives
+// (scripts/witnesses/check_flip.py), and its laws.
 #include "lte/image/flip.h"
 
 #include <algorithm>
@@ -70,8 +70,10 @@ TEST(Flip, IsZeroForEqualPicturesAndOneForGreenAgainstBlue) {
   for (const float error : flip(noise, noise).pixels) EXPECT_EQ(error, 0);
   // The pair that the color difference is scaled by; flat pictures have no features.
   Image green(8, 8, 3), blue(8, 8, 3);
-  for (int i = 0; i < 64; ++i)
-    green.set_rgb(i % 8, i / 8, {0, 1, 0}), blue.set_rgb(i % 8, i / 8, {0, 0, 1});
+  for (int i = 0; i < 64; ++i) {
+    green.set_rgb(i % 8, i / 8, {0, 1, 0});
+    blue.set_rgb(i % 8, i / 8, {0, 0, 1});
+  }
   for (const float error : flip(green, blue).pixels) EXPECT_NEAR(error, 1, 1e-6);
 }
 

@@ -33,7 +33,10 @@ std::string floats(const std::vector<float>& values, bool big) {
   for (const float value : values) {
     char bytes[4];
     std::memcpy(bytes, &value, 4);
-    if (big) std::swap(bytes[0], bytes[3]), std::swap(bytes[1], bytes[2]);
+    if (big) {
+      std::swap(bytes[0], bytes[3]);
+      std::swap(bytes[1], bytes[2]);
+    }
     out.append(bytes, 4);
   }
   return out;
@@ -56,9 +59,11 @@ TEST_F(PictureFile, PfmOfBothByteOrdersRunsFromTheBottomUp) {
 
 TEST_F(PictureFile, TgaIsCoded) {
   std::string tga(18, '\0');
-  tga[2] = 2;                // true color, not compressed
-  tga[12] = 2, tga[14] = 1;  // 2 x 1
-  tga[16] = 24, tga[17] = 0x20;
+  tga[2] = 2;  // true color, not compressed
+  tga[12] = 2;
+  tga[14] = 1;  // 2 x 1
+  tga[16] = 24;
+  tga[17] = 0x20;
   tga += std::string("\x00\x33\xff", 3) + std::string("\xff\x00\x00", 3);  // BGR
   const Picture picture = read("a.TGA", tga);
   EXPECT_TRUE(picture.coded);

@@ -31,8 +31,11 @@ double reference_ssim(const Image& a, const Image& b, const std::vector<uint8_t>
             }
           }
         };
-        for_window(
-            [&](double w, double p, double q) { total += w, mean_a += w * p, mean_b += w * q; });
+        for_window([&](double w, double p, double q) {
+          total += w;
+          mean_a += w * p;
+          mean_b += w * q;
+        });
         mean_a /= total;
         mean_b /= total;
         for_window([&](double w, double p, double q) {

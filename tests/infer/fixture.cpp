@@ -1,10 +1,6 @@
 #include "tests/infer/fixture.h"
 
-#include <algorithm>
-#include <atomic>
-
 #include <ATen/Context.h>
-#include <unistd.h>
 
 #include "lte/base/random.h"
 #include "lte/nn/model.h"
@@ -64,26 +60,6 @@ data::View random_view(Rng* rng, int64_t groups) {
 }
 
 }  // namespace
-
-ScratchFolder::ScratchFolder() {
-  static std::atomic<int> count{0};
-  path_ = fs::temp_directory_path() /
-          ("lte_infer_" + std::to_string(::getpid()) + "_" + std::to_string(count++));
-  fs::create_directories(path_);
-}
-
-ScratchFolder::~ScratchFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
-
-std::vector<std::string> ScratchFolder::names() const {
-  std::vector<std::string> out;
-  for (const auto& entry : fs::directory_iterator(path_))
-    out.push_back(entry.path().filename().string());
-  std::sort(out.begin(), out.end());
-  return out;
-}
 
 void save_tiny_model(const fs::path& path, const TinyModel& tiny) {
   nn::ModelConfig config;

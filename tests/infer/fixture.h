@@ -1,4 +1,4 @@
-// A small untrained model, a scratch folder and a made-up baked data set for the tests of infer.
+// A small untrained model and a made-up baked data set for the tests of infer.
 #pragma once
 
 #include <cstdint>
@@ -9,25 +9,9 @@
 #include "lte/data/dataset.h"
 #include "lte/data/scene_sample.h"
 #include "lte/scene/scene.h"
+#include "tests/support/temp_dir.h"
 
 namespace lte::test {
-
-/// A folder of its own, removed at the end.
-class ScratchFolder {
- public:
-  ScratchFolder();
-  ~ScratchFolder();
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  const std::filesystem::path& path() const { return path_; }
-  /// Names of the entries, sorted.
-  std::vector<std::string> names() const;
-
- private:
-  std::filesystem::path path_;
-};
 
 struct TinyModel {
   int64_t channels = 32;

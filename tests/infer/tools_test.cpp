@@ -50,7 +50,7 @@ void expect_failure(const Outcome& run, int code, const testing::Matcher<std::st
 class Tools : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new test::ScratchFolder();
+    folder_ = new test::TempDir();
     scene::Scene room = test::furnished_room();
     room.cameras.push_back({"inside", {2, 1.6f, 2.8f}, {2, 1, 0}, {0, 1, 0}, 70});
     scene::write_glb(*folder_ / "room.glb", room);
@@ -75,9 +75,9 @@ class Tools : public testing::Test {
     return run_tool("lte_eval", "--quiet --checkpoint " + at("tiny.safetensors") + " --data " +
                                     at("data") + " " + rest);
   }
-  static test::ScratchFolder* folder_;
+  static test::TempDir* folder_;
 };
-test::ScratchFolder* Tools::folder_ = nullptr;
+test::TempDir* Tools::folder_ = nullptr;
 
 TEST_F(Tools, RenderWritesPictureAndTimes) {
   const Outcome done = render("--out " + at("a.exr") + " --json " + at("a.json"));

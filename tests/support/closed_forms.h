@@ -53,7 +53,10 @@ inline double polygon_irradiance(const std::vector<Vec3>& polygon, const Vec3& p
 /// 1 + x + ... + x^(terms − 1).
 inline double geometric_sum(double x, int terms) {
   double sum = 0, power = 1;
-  for (int i = 0; i < terms; ++i) sum += power, power *= x;
+  for (int i = 0; i < terms; ++i) {
+    sum += power;
+    power *= x;
+  }
   return sum;
 }
 

@@ -85,11 +85,14 @@ inline scene::Mesh box_mesh(const Vec3& low, const Vec3& high, int material, boo
   const Vec3 e = high - low;
   const Vec3 x{e.x, 0, 0}, y{0, e.y, 0}, z{0, 0, e.z};
   const auto face = [&](const Vec3& corner, const Vec3& a, const Vec3& b) {
-    inwards ? append_quad(&mesh, corner, a, b) : append_quad(&mesh, corner, b, a);
+    append_quad(&mesh, corner, inwards ? a : b, inwards ? b : a);
   };
-  face(low, y, z), face(low + x, z, y);  // normals +x and −x
-  face(low, z, x), face(low + y, x, z);  // +y and −y
-  face(low, x, y), face(low + z, y, x);  // +z and −z
+  face(low, y, z);      // its normal is +x
+  face(low + x, z, y);  // −x
+  face(low, z, x);      // +y
+  face(low + y, x, z);  // −y
+  face(low, x, y);      // +z
+  face(low + z, y, x);  // −z
   return mesh;
 }
 
@@ -106,14 +109,16 @@ inline scene::Mesh inward_sphere_mesh(float radius, int subdivisions, int materi
       return;
     }
     const Vec3 ab = normalize(a + b), bc = normalize(b + c), ca = normalize(c + a);
-    self(self, a, ab, ca, level - 1), self(self, ab, b, bc, level - 1);
-    self(self, ca, bc, c, level - 1), self(self, ab, bc, ca, level - 1);
+    self(self, a, ab, ca, level - 1);
+    self(self, ab, b, bc, level - 1);
+    self(self, ca, bc, c, level - 1);
+    self(self, ab, bc, ca, level - 1);
   };
   for (int octant = 0; octant < 8; ++octant) {
     const Vec3 x{octant & 1 ? -1.0f : 1.0f, 0, 0}, y{0, octant & 2 ? -1.0f : 1.0f, 0},
         z{0, 0, octant & 4 ? -1.0f : 1.0f};
     const bool mirrored = ((octant & 1) + ((octant >> 1) & 1) + ((octant >> 2) & 1)) % 2 == 1;
-    mirrored ? add(add, x, z, y, subdivisions) : add(add, x, y, z, subdivisions);
+    add(add, x, mirrored ? z : y, mirrored ? y : z, subdivisions);
   }
   return mesh;
 }

@@ -1,8 +1,11 @@
 // A directory for the files of one test, and the message of the error that an expression throws.
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -29,16 +32,24 @@ class TempDir {
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
 
-  /// Everything in it, hidden files too.
-  size_t count() const {
-    size_t n = 0;
-    for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(path_)) ++n;
-    return n;
+  /// The names of everything in it, hidden files too, sorted.
+  std::vector<std::string> names() const {
+    std::vector<std::string> out;
+    for (const auto& entry : std::filesystem::directory_iterator(path_))
+      out.push_back(entry.path().filename().string());
+    std::sort(out.begin(), out.end());
+    return out;
   }
+  size_t count() const { return names().size(); }
 
  private:
   std::filesystem::path path_;
 };
+
+/// Writes a file without the sync of write_file(): some tests write thousands.
+inline void write_text(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
 
 /// What the lte::Error says that `body` throws; a test failure and "" if it throws none.
 template <typename Body>

@@ -1,6 +1,5 @@
 #include "tests/train/support.h"
 
-#include <cstdlib>
 #include <fstream>
 
 #include "lte/base/check.h"
@@ -46,17 +45,6 @@ Rgb random_color(Rng* rng, float low, float high) {
 }
 
 }  // namespace
-
-TempDir::TempDir() {
-  std::string name = (std::filesystem::temp_directory_path() / "lte_train_XXXXXX").string();
-  LTE_CHECK(mkdtemp(name.data()) != nullptr, name, ": cannot create");
-  path_ = name;
-}
-
-TempDir::~TempDir() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
 
 Transport transport(const std::vector<Vec3>& position, const std::vector<Vec3>& normal,
                     const std::vector<Rgb>& albedo, const std::vector<Rgb>& emission,

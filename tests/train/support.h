@@ -10,22 +10,11 @@
 
 #include "lte/data/dataset.h"
 #include "lte/nn/model.h"
+#include "tests/support/temp_dir.h"
 #include "train/config.h"
 #include "train/data/scene_store.h"
 
 namespace lte::test {
-
-/// A directory that is removed with the object.
-class TempDir {
- public:
-  TempDir();
-  ~TempDir();
-  const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// A box room of `points` random surface points, two luminaires of eight points under its ceiling,
 /// and `queries` query points on its walls. Direct irradiance of a query is the sum over emitting

@@ -1,11 +1,11 @@
 #include "train/command/dry_run.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include <nlohmann/json.hpp>
 
 #include "lte/base/check.h"
+#include "lte/base/text.h"
 #include "lte/nn/recompute.h"
 
 namespace lte::train {
@@ -177,9 +177,7 @@ std::string dry_run_table(const Json& report) {
   for (const auto& [name, shape] : report.at("shapes").items()) text += row(name, shape.dump());
   text += "memory (MiB)\n";
   for (const auto& [name, size] : report.at("memory_mb").items()) {
-    char number[32];
-    std::snprintf(number, sizeof(number), "%.1f", size.get<double>());
-    text += row(name, number);
+    text += row(name, formatted("%.1f", size.get<double>()));
   }
   return text;
 }

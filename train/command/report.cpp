@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <span>
 #include <vector>
 
 #include "lte/base/check.h"
 #include "lte/base/config.h"
 #include "lte/base/file.h"
+#include "lte/base/text.h"
 #include "lte/report/html.h"
 #include "train/command/report_log.h"
 #include "train/log/run_log.h"
@@ -20,18 +20,11 @@ namespace fs = std::filesystem;
 
 constexpr size_t kWorstScenes = 6, kLines = 6;
 
-std::string number(double value, const char* pattern = "%.4g") {
-  char text[32];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
-}
+std::string number(double value) { return formatted("%.4g", value); }
 
 std::string duration(double seconds) {
   const auto whole = std::llround(seconds);
-  char text[48];
-  std::snprintf(text, sizeof text, "%lld:%02lld:%02lld h", whole / 3600, whole / 60 % 60,
-                whole % 60);
-  return text;
+  return formatted("%lld:%02lld:%02lld h", whole / 3600, whole / 60 % 60, whole % 60);
 }
 
 std::string note(const std::string& text) {

@@ -10,6 +10,7 @@
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
+#include "lte/base/process_memory.h"
 #include "lte/nn/device.h"
 #include "train/command/dry_run.h"
 #include "train/distributed/rank.h"

@@ -21,6 +21,7 @@
 #include <unistd.h>
 
 #include "lte/base/check.h"
+#include "lte/base/text.h"
 #include "train/distributed/process_group_backend.h"
 
 namespace lte::train {
@@ -38,12 +39,6 @@ constexpr milliseconds kPatience{1500};
 constexpr const char* kVerdict = "lte/verdict";
 
 std::string key(const char* what, int rank) { return concat("lte/", what, "/", rank); }
-
-/// LibTorch's messages go on with a backtrace.
-std::string first_line(const std::exception& error) {
-  const std::string text = error.what();
-  return text.substr(0, text.find('\n'));
-}
 
 std::string this_process() {
   std::array<char, 256> host{};
@@ -148,7 +143,7 @@ ProcessGroup::ProcessGroup(const World& world, at::Device device, seconds timeou
   } catch (const std::exception& error) {
     const std::string missing = state_->board ? others_faults() : "";
     throw Error(concat("rank ", world.rank, " of ", world.size, ", meeting at ", world.address, ":",
-                       world.port, ": ", missing.empty() ? first_line(error) : missing));
+                       world.port, ": ", missing.empty() ? first_line(error.what()) : missing));
   }
 }
 
@@ -188,7 +183,7 @@ void ProcessGroup::explain(const std::exception& error) {
                        "; start again with --resume, with as many processes as you like"));
   }
   try {
-    write(*state_->board, key("failure", world_.rank), first_line(error));
+    write(*state_->board, key("failure", world_.rank), first_line(error.what()));
   } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): rank 0 is gone, nobody listens
   }
   throw;

@@ -10,8 +10,8 @@
 #include <unistd.h>
 
 #include "lte/base/check.h"
+#include "lte/base/crc32c.h"
 #include "lte/base/file.h"
-#include "lte/base/png.h"
 
 namespace lte::train {
 namespace {

@@ -2,16 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include <ATen/ops/from_blob.h>
 #include <torch/types.h>
 
 #include "lte/base/file.h"
-#include "lte/base/png.h"
 #include "lte/base/srgb.h"
+#include "lte/base/text.h"
 #include "lte/data/dataset.h"
 #include "lte/data/scene_sample.h"
+#include "lte/image/image.h"
+#include "lte/image/png.h"
 
 namespace lte::train {
 namespace {
@@ -69,31 +70,27 @@ float exposure_of(const std::vector<Rgb>& reference) {
 class Sheet {
  public:
   Sheet(int width, int height)
-      : width_(kColumns * width + (kColumns - 1) * kGap),
-        height_(height),
-        step_(width + kGap),
-        rgb_(3 * static_cast<size_t>(width_) * static_cast<size_t>(height_), 255) {}
+      : display_(kColumns * width + (kColumns - 1) * kGap, height, 3), step_(width + kGap) {
+    std::fill(display_.pixels.begin(), display_.pixels.end(), 1.0f);
+  }
 
   void set(int column, int x, int y, const Rgb& linear) {
-    unsigned char* p = rgb_.data() + 3 * (static_cast<size_t>(y) * static_cast<size_t>(width_) +
-                                          static_cast<size_t>(column * step_ + x));
-    for (int c = 0; c < 3; ++c)
-      p[c] = static_cast<unsigned char>(std::lround(255 * linear_to_srgb(linear[c])));
+    display_.set_rgb(
+        column * step_ + x, y,
+        {linear_to_srgb(linear.x), linear_to_srgb(linear.y), linear_to_srgb(linear.z)});
   }
 
   PreviewPicture picture(const std::string& scene) const {
-    return {scene, width_, height_, encode_stored_png(width_, height_, rgb_)};
+    return {scene, display_.width, display_.height, image::encode_png(display_)};
   }
 
  private:
-  int width_, height_, step_;
-  std::vector<unsigned char> rgb_;
+  image::Image display_;
+  int step_;
 };
 
 std::string step_folder(int64_t step) {
-  char name[32];
-  std::snprintf(name, sizeof name, "step_%09lld", static_cast<long long>(step));
-  return name;
+  return formatted("step_%09lld", static_cast<long long>(step));
 }
 
 }  // namespace
@@ -117,7 +114,8 @@ Previews::Previews(const TrainConfig& config, const std::vector<Example>& valida
 PreviewPicture Previews::draw(const ViewExample& view, nn::LightTransportModel& model,
                               at::Device device) const {
   Example example;
-  example.points = view.points, example.queries = view.queries;
+  example.points = view.points;
+  example.queries = view.queries;
   example.target = view.queries.position;  // of the right shape; not looked at
   example = example.to(device);
   const std::vector<Rgb> predicted =

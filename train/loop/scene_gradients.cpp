@@ -9,6 +9,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/log.h"
+#include "lte/base/text.h"
 #include "lte/ops/bf16.h"
 
 namespace lte::train {
@@ -27,12 +28,6 @@ class OperatorThreads {
  private:
   int before_;
 };
-
-/// LibTorch's messages go on with a backtrace.
-std::string first_line(const std::exception& error) {
-  const std::string text = error.what();
-  return text.substr(0, text.find('\n'));
-}
 
 nn::LightTransportModel replica_of(const nn::LightTransportModel& model) {
   nn::LightTransportModel replica(model->config());
@@ -105,7 +100,7 @@ double SceneGradients::run(size_t worker, const Example& stored, int64_t step) {
     (loss * (weight_ * processes_)).backward();  // reduced to the mean over processes
     return value;
   } catch (const std::exception& error) {
-    throw Error(concat("step ", step, ": scene ", stored.scene, ": ", first_line(error),
+    throw Error(concat("step ", step, ": scene ", stored.scene, ": ", first_line(error.what()),
                        "; no update was made, the last checkpoint stays"));
   }
 }

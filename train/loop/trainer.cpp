@@ -10,6 +10,7 @@
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
+#include "lte/base/process_memory.h"
 #include "train/loop/interrupt.h"
 #include "train/optim/schedule.h"
 

@@ -9,7 +9,7 @@
 #include "infer/common/synthetic_room.h"
 #include "infer/eval/baselines.h"
 #include "infer/eval/scores.h"
-#include "lte/base/file.h"
+#include "lte/base/process_memory.h"
 #include "lte/data/dataset.h"
 #include "tests/infer/fixture.h"
 
@@ -101,7 +101,7 @@ struct Room {
 };
 
 TEST(Memory, APredictorKeepsToItsLimitAndAnswersTheSame) {
-  const test::ScratchFolder folder;
+  const test::TempDir folder;
   test::save_tiny_model(folder / "tiny.safetensors");
   Predictor free = Predictor::load(folder / "tiny.safetensors", Device::Cpu);
   Predictor limited = Predictor::load(folder / "tiny.safetensors", Device::Cpu);

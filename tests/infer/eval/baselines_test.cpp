@@ -127,7 +127,7 @@ TEST(BlurredDirect, ChoosesTheBandwidthThatExplainsMost) {
 }
 
 TEST(Baselines, SurviveTheRoundTripThroughTheirFile) {
-  const test::ScratchFolder folder;
+  const test::TempDir folder;
   const Baselines fitted = fit({test::random_sample("a", 1), test::random_sample("b", 2)});
   const auto path = baselines_path(folder / "model.safetensors");
   EXPECT_EQ(path.filename(), "model.baselines.json");
@@ -141,7 +141,7 @@ TEST(Baselines, SurviveTheRoundTripThroughTheirFile) {
 }
 
 TEST(Baselines, RefuseForeignFilesByName) {
-  const test::ScratchFolder folder;
+  const test::TempDir folder;
   const auto message = [&](const std::string& text) {
     write_file(folder / "b.json", text);
     try {

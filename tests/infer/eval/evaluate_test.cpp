@@ -94,7 +94,7 @@ class Evaluation : public testing::Test {
   }
   Predictor predictor() const { return Predictor::load(folder_ / "tiny.safetensors", Device::Cpu); }
 
-  test::ScratchFolder folder_;
+  test::TempDir folder_;
   EvalSettings settings_;
 };
 

@@ -30,7 +30,7 @@ Frame two_pixels() {
 }
 
 TEST(WriteFrame, ExrCarriesTheOutputAndEveryLayer) {
-  const test::ScratchFolder folder;
+  const test::TempDir folder;
   const Frame frame = two_pixels();
   const auto path = folder / "a.EXR";
   write_frame(path, frame, Output::Full, 100);
@@ -46,7 +46,7 @@ TEST(WriteFrame, ExrCarriesTheOutputAndEveryLayer) {
 }
 
 TEST(WriteFrame, PngExposesLightButNotMaterials) {
-  const test::ScratchFolder folder;
+  const test::TempDir folder;
   const Frame frame = two_pixels();
   write_frame(folder / "full.png", frame, Output::Full, 0.25f);
   const image::Image full = image::read_png(folder / "full.png");
@@ -60,7 +60,7 @@ TEST(WriteFrame, PngExposesLightButNotMaterials) {
 }
 
 TEST(WriteFrame, PngMapsNormalsAndDepthToTheUnitRange) {
-  const test::ScratchFolder folder;
+  const test::TempDir folder;
   Frame frame = two_pixels();
   write_frame(folder / "normal.png", frame, Output::Normal, 1);
   const image::Image normal = image::read_png(folder / "normal.png");
@@ -81,7 +81,7 @@ TEST(FrameExposure, IsOneForWhatIsNotLight) {
 }
 
 TEST(WriteFrame, RefusesOtherExtensionsAndMissingFolders) {
-  const test::ScratchFolder folder;
+  const test::TempDir folder;
   const Frame frame = two_pixels();
   EXPECT_THROW(write_frame(folder / "a.jpg", frame, Output::Full, 1), Error);
   EXPECT_THROW(write_frame(folder / "none/a.exr", frame, Output::Full, 1), Error);

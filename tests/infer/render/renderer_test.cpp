@@ -32,7 +32,7 @@ RenderSettings settings(Output output, Mode mode = Mode::Neural) {
 }
 
 Predictor tiny_predictor(const test::TinyModel& tiny = {}) {
-  const test::ScratchFolder folder;
+  const test::TempDir folder;
   test::save_tiny_model(folder / "tiny.safetensors", tiny);
   return Predictor::load(folder / "tiny.safetensors", Device::Cpu);
 }
@@ -337,7 +337,7 @@ TEST(Predictor, RefusesWhatItCannotDo) {
     EXPECT_THAT(error.what(), testing::HasSubstr("17"));
     EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr("\n")));
   }
-  const test::ScratchFolder folder;
+  const test::TempDir folder;
   EXPECT_THROW(Predictor::load(folder / "none.safetensors", Device::Cpu), Error);
 }
 

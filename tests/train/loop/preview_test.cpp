@@ -5,6 +5,7 @@
 
 #include "lte/base/file.h"
 #include "lte/base/srgb.h"
+#include "lte/image/png.h"
 #include "tests/train/support.h"
 #include "train/command/report.h"
 #include "train/data/batch.h"
@@ -40,20 +41,6 @@ void add_view(data::SceneSample* sample) {
   sample->views.push_back(view);
 }
 
-/// The RGB bytes of a stored PNG of one deflate block, row by row.
-std::vector<unsigned char> pixels_of(const std::vector<unsigned char>& png, int width, int height) {
-  // Signature 8, IHDR 25, IDAT's head 8, zlib 2, block 5; each row begins with its filter.
-  std::vector<unsigned char> out;
-  size_t at = 48;
-  for (int y = 0; y < height; ++y) {
-    EXPECT_EQ(png[at], 0);
-    out.insert(out.end(), png.begin() + static_cast<std::ptrdiff_t>(at + 1),
-               png.begin() + static_cast<std::ptrdiff_t>(at + 1 + 3 * static_cast<size_t>(width)));
-    at += 1 + 3 * static_cast<size_t>(width);
-  }
-  return out;
-}
-
 class PreviewTest : public testing::Test {
  protected:
   PreviewTest() {
@@ -80,7 +67,11 @@ TEST_F(PreviewTest, ShowsTheReferenceOfTheViewExposedAndEncoded) {
   EXPECT_EQ(picture.scene, "room2");
   EXPECT_EQ(picture.width, 3 * kWidth + 4);
   EXPECT_EQ(picture.height, kHeight);
-  const auto rgb = pixels_of(picture.png, picture.width, picture.height);
+  write_file(dir_ / "picture.png",
+             {reinterpret_cast<const char*>(picture.png.data()), picture.png.size()});
+  const image::Image shown = image::read_png(dir_ / "picture.png");
+  ASSERT_EQ(shown.width, picture.width);
+  ASSERT_EQ(shown.height, picture.height);
   const data::SceneSample sample = data::read_scene_sample(data::scene_path(data_.path(), "room2"));
   const auto N = static_cast<size_t>(sample.query_points());
   std::vector<Rgb> reference;
@@ -96,14 +87,11 @@ TEST_F(PreviewTest, ShowsTheReferenceOfTheViewExposedAndEncoded) {
   const float white =
       luminances[static_cast<size_t>(0.99 * static_cast<double>(luminances.size() - 1))];
   for (size_t i = 0; i < reference.size(); ++i) {
-    const size_t place = 3 * (i / kWidth * static_cast<size_t>(picture.width) + i % kWidth);
-    for (int c = 0; c < 3; ++c) {
-      EXPECT_NEAR(rgb[place + static_cast<size_t>(c)],
-                  255 * linear_to_srgb(reference[i][c] / white), 1)
-          << i;
-    }
+    const Rgb found = shown.rgb(static_cast<int>(i) % kWidth, static_cast<int>(i) / kWidth);
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(255 * found[c], 255 * linear_to_srgb(reference[i][c] / white), 1) << i;
   }
-  EXPECT_EQ(rgb[3 * (3 * static_cast<size_t>(picture.width) + kWidth - 1)], 255) << "background";
+  EXPECT_EQ(shown.rgb(kWidth - 1, kHeight - 1), (Rgb{1, 1, 1})) << "background";
 }
 
 TEST_F(PreviewTest, ARunDrawsThemAndItsReportShowsThem) {
