@@ -35,6 +35,7 @@
 #include "lte/pathtrace/render.h"
 #include "lte/scene/export.h"
 #include "lte/scene/load.h"
+#include "lte/scene/load_camera.h"
 #include "lte/scene/sampler.h"
 #if __has_include(<ATen/core/Tensor.h>)
 #include "lte/nn/loss.h"

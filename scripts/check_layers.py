@@ -16,7 +16,8 @@ ALLOWED = {
     "lte/cli": ["lte/base"],
     "lte/report": ["lte/base"],
     "lte/image": ["lte/base"],
-    # What others include, then the importers; load.cpp alone knows them all.
+    # What others include, then the importers. lte/scene/load alone knows them all, and none of them
+    # includes it.
     "lte/scene": ["lte/base", "lte/image"],
     "lte/scene/import": ["lte/base", "lte/image", "lte/scene"],
     "lte/scene/gltf": ["lte/base", "lte/scene", "lte/scene/import"],
@@ -79,12 +80,10 @@ SUFFIXES = {".h", ".cpp", ".cu", ".cuh"}
 def room_of(path: str) -> str | None:
     """The room of a root-relative path: its unit where that has rules of its own, else its folder.
 
-    lte/c_api.h, which C programs include, is lte/c_api's; a public header may leave the room of
-    its unit, as lte/scene/load.h does, and is then its folder's.
+    lte/c_api.h, which C programs include, is lte/c_api's.
     """
     unit = path.rsplit(".", 1)[0]
-    if unit in ALLOWED and (unit == "lte/c_api" or unit != "lte/scene/load" or
-                            path.endswith(".cpp")):
+    if unit in ALLOWED:
         return unit
     folder = unit.rsplit("/", 1)[0] if "/" in unit else unit
     return folder if folder in ALLOWED else None

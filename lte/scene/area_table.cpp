@@ -30,7 +30,7 @@ AreaTable::AreaTable(const Scene& scene, std::vector<int> instances)
           area(world_triangle(scene.meshes[instance.mesh], instance.to_world, triangle));
     }
   });
-  // Summed in order on one thread: the same bits whatever the number of threads.
+  // Summed in order on one thread, so that the bits do not depend on the number of threads.
   double sum = 0;
   for (size_t i = 0; i < ends_.size(); ++i) {
     if (ends_[i] > 0) last_ = static_cast<int64_t>(i);

@@ -8,8 +8,8 @@
 
 namespace lte::scene {
 
-/// The instanced triangles of some instances of a scene in a row, in order. Keeps no reference to
-/// the scene.
+/// The triangles of some instances of a scene in a row, in order. It keeps no reference to the
+/// scene.
 class AreaTable {
  public:
   struct Place {
@@ -20,11 +20,11 @@ class AreaTable {
 
   AreaTable(const Scene& scene, std::vector<int> instances);
 
-  /// m², summed in double.
+  /// Area of all triangles in m², summed in double.
   double total() const { return ends_.empty() ? 0.0 : ends_.back(); }
 
-  /// The place that has area `target` before it, target in [0, total()). Never in a triangle
-  /// without area.
+  /// The place that has area `target` before it, for a target in [0, total()). It is never in a
+  /// triangle without area.
   Place locate(double target) const;
 
  private:

@@ -68,8 +68,10 @@ size_t EnvironmentMap::index(const Vec3& direction) const {
   int x = 0, y = 0;
   if (mapping_ == SphereMapping::EqualArea) {
     const Vec2 p = equal_area_point(direction);
-    x = cell(p.x, width_), y = cell(p.y, height_);
+    x = cell(p.x, width_);
+    y = cell(p.y, height_);
   } else {
+    // atan2 keeps its digits near the poles, where acos(direction.y) loses them.
     const float across = std::sqrt(direction.x * direction.x + direction.z * direction.z);
     x = cell(0.5 + std::atan2(direction.z, direction.x) * (0.5 / M_PI), width_);
     y = cell(std::atan2(across, direction.y) * (1 / M_PI), height_);
@@ -82,7 +84,7 @@ Vec3 EnvironmentMap::direction(int x, int y, const Vec2& within) const {
     return equal_area_direction((x + within.x) / width_, (y + within.y) / height_);
   const double top = cosines_[static_cast<size_t>(y)],
                bottom = cosines_[static_cast<size_t>(y) + 1];
-  const double up = top + (bottom - top) * within.y;
+  const double up = top + (bottom - top) * within.y;  // linear in y for equal solid angles
   const double across = std::sqrt(std::max(0.0, 1 - up * up));
   const double phi = 2 * M_PI * ((x + within.x) / width_ - 0.5);
   return {static_cast<float>(across * std::cos(phi)), static_cast<float>(up),

@@ -23,7 +23,7 @@ enum class SphereMapping {
 
 /// Clarberg's map of the unit square to directions, (0, 0) in the top left corner.
 Vec3 equal_area_direction(double u, double v);
-/// Its inverse; `direction` is unit.
+/// The inverse of equal_area_direction(); `direction` is unit.
 Vec2 equal_area_point(const Vec3& direction);
 
 /// Radiance by direction, constant over each texel: what is sampled is then exactly what is seen.
@@ -45,9 +45,10 @@ class EnvironmentMap {
   const Rgb& texel(size_t index) const { return texels_[index]; }
   /// Row-major number of the texel that a direction lies in.
   size_t index(const Vec3& direction) const;
-  /// A direction of texel (x, y): equal areas of `within`, [0, 1]², are equal solid angles.
+  /// The direction at `within`, [0, 1]², of texel (x, y). Equal areas of `within` are equal solid
+  /// angles.
   Vec3 direction(int x, int y, const Vec2& within) const;
-  /// sr of each texel of row `y`.
+  /// Solid angle of each texel of row `y`, in sr.
   double solid_angle(int y) const {
     return mapping_ == SphereMapping::EqualArea
                ? 4 * M_PI / (double{1} * width_ * height_)
@@ -59,8 +60,8 @@ class EnvironmentMap {
   int width_ = 0, height_ = 0;
   SphereMapping mapping_;
   std::vector<Rgb> texels_;  ///< [height, width]
-  std::vector<double>
-      cosines_;  ///< [height + 1], of the rows' edges; of an equirectangular picture
+  /// [height + 1], the cosines of the rows' edges; empty unless the picture is equirectangular.
+  std::vector<double> cosines_;
 };
 
 /// The environment of a scene. Light that leaves the scene in a direction meets its radiance there.
@@ -83,7 +84,7 @@ struct Environment {
   }
 };
 
-/// ∫ L dω over all directions, W m⁻².
+/// The environment's fluence, ∫ L dω over all directions, in W m⁻².
 Rgb fluence(const Environment& environment);
 
 }  // namespace lte::scene

@@ -8,7 +8,7 @@
 namespace lte::scene {
 namespace {
 
-/// Looks a side of a texel or of a cell, whichever is smaller, at least.
+/// At least so many look-ups are made along a side of a texel or of a cell, whichever is smaller.
 constexpr int kLooks = 4;
 
 /// The sphere in `count` cells of equal area: rings around the Y axis, cut into sectors, so that
@@ -20,7 +20,7 @@ class EqualAreaCells {
         std::max(1.0, std::round(M_PI / std::sqrt(4 * M_PI / static_cast<double>(count)))));
     double wanted = 0;
     for (int64_t ring = 0; ring < rings; ++ring) {
-      // What lies above the ring's lower edge, by area.
+      // The area above the ring's lower edge, in cells.
       wanted = static_cast<double>(count) *
                (1 - std::cos(M_PI * static_cast<double>(ring + 1) / static_cast<double>(rings))) /
                2;
@@ -74,8 +74,8 @@ struct Sum {
   }
 };
 
-/// Mean radiance over each cell: of all looks at every texel, so that none is missed, however
-/// small, and of looks at the cell, which texels may be larger than.
+/// The mean radiance over each cell. Look-ups go over every texel, so that none is missed, however
+/// small, and over the cell, as texels may be larger than it.
 std::vector<Rgb> mean_radiance(const Environment& environment, const EqualAreaCells& cells,
                                int64_t count) {
   const EnvironmentMap& map = *environment.map;
@@ -105,7 +105,8 @@ std::vector<Rgb> mean_radiance(const Environment& environment, const EqualAreaCe
                                    : environment.radiance_from(cells.direction(i, {0.5f, 0.5f})));
     all.add(means.back(), 4 * M_PI / static_cast<double>(count));
   }
-  // Looks fall on this side or that of an edge between cells: a per cent of a sun's light or so.
+  // A look-up falls on one side or the other of an edge between cells, which may move about a per
+  // cent of a sun's light. The fluence of all cells is brought back to the exact one.
   const Rgb exact = fluence(environment);
   Rgb factor{1, 1, 1};
   for (int c = 0; c < 3; ++c)

@@ -1,5 +1,5 @@
-// Environment points: the environment of a scene as emissive samples of its bounding sphere, for the
-// network, which knows light by points alone.
+// Environment points: the environment of a scene as emissive samples of its bounding sphere, for
+// the network, which knows light by points alone.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,12 @@ struct EnvironmentSphere {
 };
 EnvironmentSphere environment_sphere(const Scene& scene);
 
-/// World bounds of everything that scene points lie on: the surfaces, and the sphere of a scene with
-/// an environment.
+/// World bounds of everything that scene points lie on: the surfaces, and the sphere of a scene
+/// with an environment.
 Bounds point_bounds(const Scene& scene);
 
-/// Appends `count` points spread evenly over the sphere, normals inwards, black, each with the mean
-/// radiance of the environment over its share of the sphere of directions, and with 1/count of the
+/// Appends `count` black points spread evenly over the sphere, with normals inwards. Each has the
+/// mean radiance of the environment over its share of the sphere of directions, and 1/count of the
 /// sphere's area. Over all points Σ emission · 4π / count is exactly the environment's fluence: no
 /// light of a picture is lost, however few the points are.
 void append_environment_points(const Scene& scene, int64_t count, SurfaceSamples* samples);

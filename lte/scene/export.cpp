@@ -20,7 +20,7 @@ using Json = nlohmann::json;
 
 Json to_json(const Vec3& v) { return {v.x, v.y, v.z}; }
 Json to_json(const Vec2& v) { return {v.x, v.y}; }
-/// A whole number without a point behind it.
+/// Writes 0 and 1 without a decimal point.
 Json to_json(float v) { return v == 0 || v == 1 ? Json(static_cast<int>(v)) : Json(v); }
 
 /// Column-major 4x4, as glTF has it.
@@ -33,7 +33,7 @@ Json to_matrix(const Affine& a) {
   return out;
 }
 
-/// A frame at `origin` that looks along `forward`: the -Z of cameras and lights.
+/// A frame at `origin` whose -Z, along which cameras and lights look, is `forward`.
 Affine looking(const Vec3& origin, const Vec3& forward, const Vec3& up) {
   const Vec3 z = normalize(-forward);
   Vec3 x = cross(up, z), y;
@@ -45,8 +45,8 @@ Affine looking(const Vec3& origin, const Vec3& forward, const Vec3& up) {
   return out;
 }
 
-/// glTF's colors carry the sRGB curve, its other pictures do not; a texture that has it otherwise
-/// is brought onto or off the curve.
+/// A texture as PNG. glTF's colors carry the sRGB curve and its other pictures do not, so a texture
+/// that has it otherwise is brought onto or off the curve.
 std::vector<unsigned char> to_png(const Texture& texture, bool color) {
   image::Image picture(texture.width(), texture.height(), 3);
   for (size_t i = 0; i < picture.pixels.size(); ++i) {
@@ -98,7 +98,8 @@ class Exporter {
         {{"bufferView", writer_.add_bytes(png.data(), png.size())}, {"mimeType", "image/png"}});
   }
 
-  /// One a texture, in their order; behind them those that serve as colors and otherwise too.
+  /// Adds an image for each texture, in their order, and behind them a second one for each texture
+  /// that serves both as colors and otherwise.
   void add_images() {
     std::set<int> colors, others;
     for (const Material& material : scene_.materials) {
@@ -195,8 +196,8 @@ class Exporter {
 
   void add_light(const PunctualLight& light) {
     use_extension("KHR_lights_punctual");
-    // The peak as intensity, and a power of two at that, so that products are exact; colors are
-    // then within [0, 1].
+    // The intensity is a power of two at or above the peak: products are exact, and colors lie
+    // within [0, 1].
     const float peak = max_component(light.intensity);
     const float intensity = peak > 0 ? std::exp2(std::ceil(std::log2(peak))) : 0.0f;
     Json out{{"name", light.name}, {"intensity", intensity}};

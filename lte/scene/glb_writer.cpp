@@ -10,9 +10,11 @@
 namespace lte::scene {
 namespace {
 
+// "glTF", "JSON" and "BIN" as little-endian words.
 constexpr uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinChunk = 0x004E4942;
 constexpr int kFloat = 5126, kUnsignedInt = 5125;
 
+/// Chunks and views begin at multiples of four bytes.
 size_t padded(size_t size) { return (size + 3) / 4 * 4; }
 
 nlohmann::json to_json(const Vec3& v) { return {v.x, v.y, v.z}; }

@@ -1,4 +1,5 @@
-// Camera files.
+#include "lte/scene/load_camera.h"
+
 #include <array>
 #include <cmath>
 #include <string>
@@ -9,14 +10,13 @@
 #include "lte/base/check.h"
 #include "lte/base/config.h"
 #include "lte/base/file.h"
-#include "lte/scene/load.h"
 
 namespace lte::scene {
 namespace {
 
 using Json = nlohmann::json;
 
-constexpr size_t kMaxBytes = 1 << 20;
+constexpr size_t kMaxBytes = 1 << 20;  // far more than a camera takes
 const std::vector<std::string> kKeys = {"origin", "target", "up", "vfov"};
 
 float read_number(const Json& value, const std::string& where) {

@@ -28,16 +28,21 @@ Vec2 triangle_point(double fraction) {
     const Vec2 ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
     switch ((digits >> (2 * level)) & 3) {
       case 0:
-        a = bc, b = ca, c = ab;
+        a = bc;
+        b = ca;
+        c = ab;
         break;
       case 1:
-        b = ab, c = ca;
+        b = ab;
+        c = ca;
         break;
       case 2:
-        a = ab, c = bc;
+        a = ab;
+        c = bc;
         break;
       default:
-        a = ca, b = bc;
+        a = ca;
+        b = bc;
         break;
     }
   }
@@ -71,8 +76,8 @@ void fill(const Scene& scene, const AreaTable& table, int64_t begin, int64_t cou
   });
 }
 
-/// W; the integral of a spot's falloff, smoothstep-free as KHR_lights_punctual has it: the square
-/// of a ramp in cosine.
+/// The power of a light in W. A spot's falloff is that of KHR_lights_punctual, the square of a ramp
+/// in the cosine, which has a closed integral.
 Rgb power(const PunctualLight& light) {
   if (light.kind == LightKind::Point) return light.intensity * (4 * kPi);
   const float inner = std::cos(light.inner_cone), outer = std::cos(light.outer_cone);
@@ -131,9 +136,13 @@ void check_area(const Scene& scene, double area) {
 SurfaceSamples make_samples(int64_t count) {
   const auto n = static_cast<size_t>(count);
   SurfaceSamples out;
-  out.position.resize(n), out.normal.resize(n), out.albedo.resize(n), out.emission.resize(n);
+  out.position.resize(n);
+  out.normal.resize(n);
+  out.albedo.resize(n);
+  out.emission.resize(n);
   out.gloss.resize(n);
-  out.area.resize(n), out.light_group.resize(n, kNone);
+  out.area.resize(n);
+  out.light_group.resize(n, kNone);
   return out;
 }
 

@@ -1,8 +1,8 @@
 // A scene in memory: meshes stored once, instances that place them, materials, textures, lights,
 // cameras.
 //
-// Units and frames (DESIGN: world space is the file's own; glTF: metres, Y up). Radiance in W sr^-1
-// m^-2, linear Rec.709.
+// World space is the file's own; for glTF that is metres, Y up. Radiance is in W sr^-1 m^-2, linear
+// Rec.709.
 #pragma once
 
 #include <array>
@@ -78,13 +78,13 @@ struct PunctualLight {
   Vec3 position;
   Vec3 direction{0, 0, -1};  ///< unit, the way light travels; spot and directional
   Rgb intensity;
-  float range =
-      std::numeric_limits<float>::infinity();       ///< metres, as the extension's windowing has it
+  /// Metres, as the extension's windowing has it.
+  float range = std::numeric_limits<float>::infinity();
   float inner_cone = 0, outer_cone = 0.785398163f;  ///< radians, spot only
   int light_group = kNone;
 };
 
-/// Perspective camera. Pixel (0, 0) is the top left; the image plane spans vfov vertically.
+/// A perspective camera. Pixel (0, 0) is the top left; the image plane spans vfov vertically.
 struct Camera {
   std::string name;
   Vec3 origin, target{0, 0, -1}, up{0, 1, 0};
@@ -96,7 +96,7 @@ struct Camera {
 };
 
 struct Scene {
-  std::string name;  ///< file stem
+  std::string name;  ///< of the file, without folder and extension
   /// What a unit of length is taken to be, and on whose word.
   std::string unit = "metre";
   std::vector<Mesh> meshes;
@@ -116,12 +116,12 @@ struct Scene {
   Bounds bounds() const;           ///< world, of all instanced vertices
 };
 
-/// As in Material, texture included.
+/// Metal and roughness at one point, as Material has them, texture included.
 struct Gloss {
   float metallic = 0, roughness = 1;
 };
 
-/// The appearance of one surface point; see DESIGN section 5.
+/// The appearance of one surface point.
 struct Surface {
   Vec3 position;  ///< world
   Vec3 normal;    ///< world, unit, geometric, front side
@@ -132,25 +132,21 @@ struct Surface {
   bool emits_back = false;
 };
 
-/// Evaluates barycentric (u, v) of a triangle: position = (1−u−v) p0 + u p1 + v p2.
+/// Evaluates the point (u, v) of a triangle: position = (1 − u − v) p0 + u p1 + v p2.
 /// @param footprint  edge in world metres of the square to average textures over; 0 for the finest
-/// level
+///                   level
 /// @note A triangle without area gets normal 0.
 Surface evaluate_surface(const Scene& scene, int instance, uint32_t triangle, float u, float v,
                          float footprint);
 
-/// Appearance alone, cheaper: what a path needs at a hit whose normal Embree gave.
+/// Evaluates the appearance alone, which is cheaper: a path needs no more at a hit whose normal
+/// Embree gave.
 void evaluate_appearance(const Scene& scene, int instance, uint32_t triangle, float u, float v,
                          float footprint, Rgb* albedo, Rgb* emission);
 
-/// How metallic and how rough a surface is: cheap, and apart, as few are metal at all.
+/// Evaluates how metallic and how rough a surface is. It is apart from evaluate_appearance(), as
+/// few surfaces are metal at all.
 Gloss evaluate_gloss(const Scene& scene, int instance, uint32_t triangle, float u, float v,
                      float footprint);
-
-/// Emission of `material` can leave the side that `cos_theta` (dot of outward direction and front
-/// normal) names.
-inline bool emits_toward(const Material& material, float cos_theta) {
-  return material.emissive() && (cos_theta > 0 || material.double_sided);
-}
 
 }  // namespace lte::scene

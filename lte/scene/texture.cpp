@@ -126,7 +126,8 @@ Texture::Texture(int width, int height, std::vector<uint8_t> texels, bool srgb)
       linear = halve(width, height, new_width, new_height,
                      [&](int x, int y, int c) { return linear[index(x, y, c)]; });
     }
-    width = new_width, height = new_height;
+    width = new_width;
+    height = new_height;
     levels_.push_back({width, height, {}, to_fixed(linear)});
   }
 }

@@ -18,8 +18,8 @@ inline WorldTriangle world_triangle(const Mesh& mesh, const Affine& to_world, ui
           to_world.point(mesh.positions[corner[2]])};
 }
 
-/// Cross product of two edges in double: float would underflow to 0 for edges below 1e-19 m and
-/// overflow above 1e19.
+/// The cross product of two edges, in double: float would underflow to 0 for edges below 1e-19 m
+/// and overflow above 1e19.
 struct AreaVector {
   double x, y, z;
   double norm() const { return std::sqrt(x * x + y * y + z * z); }
@@ -33,7 +33,7 @@ inline AreaVector area_vector(const WorldTriangle& t) {
   return {ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx};
 }
 
-/// m².
+/// Area in m².
 inline double area(const WorldTriangle& triangle) { return 0.5 * area_vector(triangle).norm(); }
 
 }  // namespace lte::scene

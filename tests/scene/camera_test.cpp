@@ -2,8 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "lte/scene/load.h"
-#include "tests/scene/gltf/gltf_builder.h"
+#include "lte/scene/load_camera.h"
 #include "tests/support/temp_dir.h"
 
 namespace lte::scene {

@@ -1,5 +1,5 @@
-// Environments: mappings against directions known from their definition, and environment points against
-// closed forms.
+// Environments: mappings against directions known from their definition, and environment points
+// against closed forms.
 #include "lte/scene/environment.h"
 
 #include <numeric>
@@ -155,12 +155,12 @@ TEST(SetEnvironment, NamesWhatItCannotUse) {
   const auto error = [&](const std::string& text, double turn = 0) {
     return error_of([&] { set_environment(text, turn, &scene); });
   };
-  EXPECT_THAT(error("1,2"), HasSubstr("--environment 1,2: neither three numbers"));
+  EXPECT_THAT(error("1,2"), HasSubstr("environment 1,2: neither three numbers"));
   EXPECT_THAT(error("1,2,3,4"), HasSubstr("neither three numbers"));
   EXPECT_THAT(error("1,2,x"), HasSubstr("neither three numbers"));
   EXPECT_THAT(error("1,-2,3"), HasSubstr("not negative"));
-  EXPECT_THAT(error("1,2,inf"), HasSubstr("--environment 1,2,inf"));
-  EXPECT_THAT(error("1,2,3", NAN), HasSubstr("--environment-turn"));
+  EXPECT_THAT(error("1,2,inf"), HasSubstr("environment 1,2,inf"));
+  EXPECT_THAT(error("1,2,3", NAN), HasSubstr("environment: its turn"));
   EXPECT_THAT(error((dir / "none.exr").string()), HasSubstr("none.exr"));
   write_file(dir / "text.exr", "not a picture");
   EXPECT_THAT(error((dir / "text.exr").string()), HasSubstr("text.exr"));

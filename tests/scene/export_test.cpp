@@ -4,15 +4,14 @@
 #include <gtest/gtest.h>
 
 #include "lte/scene/load.h"
+#include "tests/scene/expect.h"
 #include "tests/support/scenes.h"
 #include "tests/support/temp_dir.h"
 
 namespace lte::scene {
 namespace {
 
-void expect_near(const Vec3& a, const Vec3& b, float tolerance = 1e-5f) {
-  for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], tolerance) << "component " << c;
-}
+using test::expect_near;
 
 void expect_equal(const TextureRef& a, const TextureRef& b) {
   EXPECT_EQ(a.texture, b.texture);
@@ -103,13 +102,19 @@ Scene rich_scene() {
       std::make_shared<const Texture>(1, 1, std::vector<uint8_t>{250, 3, 77}, true));
   scene.textures.push_back(
       std::make_shared<const Texture>(1, 1, std::vector<uint8_t>{0, 130, 255}, false));
-  scene.materials[1].metallic = 0.3f, scene.materials[1].roughness = 0.7f;
-  scene.materials[2].metallic = 1, scene.materials[2].roughness = 0;
+  scene.materials[1].metallic = 0.3f;
+  scene.materials[1].roughness = 0.7f;
+  scene.materials[2].metallic = 1;
+  scene.materials[2].roughness = 0;
   scene.materials[2].metallic_roughness_texture.texture = 2;
   TextureRef ref;
-  ref.texture = 1, ref.uv_set = 1, ref.wrap_u = Wrap::ClampToEdge,
+  ref.texture = 1;
+  ref.uv_set = 1;
+  ref.wrap_u = Wrap::ClampToEdge;
   ref.wrap_v = Wrap::MirroredRepeat;
-  ref.offset = {0.1f, -2}, ref.scale = {3, 0.7f}, ref.rotation = 0.3f;
+  ref.offset = {0.1f, -2};
+  ref.scale = {3, 0.7f};
+  ref.rotation = 0.3f;
   scene.materials[0].base_color_texture = ref;
   scene.materials[3].emission = {0.3f, 17.123f, 1e-3f};
   scene.materials[3].double_sided = true;
@@ -122,20 +127,30 @@ Scene rich_scene() {
   scene.light_groups.push_back("twin");
   test::add_point_light(&scene, {1, 2, 1}, {3.7f, 2, 0});
   PunctualLight light = scene.lights[0];
-  light.name = "spot", light.kind = LightKind::Spot, light.direction = normalize(Vec3{1, -2, 0.5f});
-  light.range = 12.5f, light.inner_cone = 0.2f, light.outer_cone = 0.6f, light.light_group = 4;
+  light.name = "spot";
+  light.kind = LightKind::Spot;
+  light.direction = normalize(Vec3{1, -2, 0.5f});
+  light.range = 12.5f;
+  light.inner_cone = 0.2f;
+  light.outer_cone = 0.6f;
+  light.light_group = 4;
   scene.lights.push_back(light);
   light = {};
-  light.name = "sun", light.kind = LightKind::Directional, light.direction = {0, -1, 0},
+  light.name = "sun";
+  light.kind = LightKind::Directional;
+  light.direction = {0, -1, 0};
   light.intensity = {1, 0.9f, 0.8f};
   light.light_group = 5;
   scene.lights.push_back(light);
   scene.light_groups.insert(scene.light_groups.end(), {"spot", "sun"});
   Camera camera;
-  camera.name = "door", camera.origin = {0.2f, 1.6f, 0.2f}, camera.target = {3, 1, 2},
+  camera.name = "door";
+  camera.origin = {0.2f, 1.6f, 0.2f};
+  camera.target = {3, 1, 2};
   camera.vfov = 63;
   scene.cameras.push_back(camera);
-  camera.name = "mirror", camera.mirrored = true;
+  camera.name = "mirror";
+  camera.mirrored = true;
   scene.cameras.push_back(camera);
   return scene;
 }

@@ -5,8 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "lte/scene/triangle.h"
-#include "tests/scene/gltf/gltf_builder.h"
-#include "tests/support/temp_dir.h"
+#include "tests/scene/gltf/fixture.h"
 
 namespace lte::scene {
 namespace {
@@ -18,15 +17,7 @@ using ::testing::HasSubstr;
 
 using Triangle = std::array<uint32_t, 3>;
 
-class Load : public ::testing::Test {
- protected:
-  Scene load(GltfBuilder& builder) {
-    builder.save_embedded(dir_ / "scene.gltf");
-    return load_scene(dir_ / "scene.gltf");
-  }
-
-  test::TempDir dir_;
-};
+using Load = test::GltfTest;
 
 void expect_unit_triangle(const Scene& scene) {
   ASSERT_EQ(scene.meshes.size(), 1u);
@@ -100,7 +91,9 @@ TEST_F(Load, AssemblesStripsAndFans) {
 TEST_F(Load, LeavesOutPointsAndLinesWithANote) {
   GltfBuilder builder;
   Json triangle = builder.triangle(), points = triangle, lines = triangle, loop = triangle;
-  points["mode"] = 0, lines["mode"] = 1, loop["mode"] = 2;
+  points["mode"] = 0;
+  lines["mode"] = 1;
+  loop["mode"] = 2;
   builder.json["meshes"] = {{{"primitives", {points, triangle, lines, loop}}}};
   builder.json["nodes"] = {{{"mesh", 0}}};
   const Scene scene = load(builder);

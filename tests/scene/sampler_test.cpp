@@ -65,8 +65,8 @@ TEST(Sampler, CountsFollowAreasToWithinOne) {
 
 TEST(Sampler, IsUniformOnATriangle) {
   // 16 congruent sub-triangles by a 4 x 4 subdivision: chi-square over independent runs of few
-  // points each, so that stratification cannot hide a bias. 15 degrees of freedom: 99.9 %
-  // quantile 37.7.
+  // points each, so that stratification cannot hide a bias. 15 degrees of freedom: 99.9 % quantile
+  // 37.7.
   Scene scene;
   test::add_material(&scene, {1, 1, 1});
   Mesh mesh = test::quad_mesh({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 0);
@@ -206,7 +206,9 @@ TEST(Sampler, SpotPowerIsTheIntegralOfItsFalloff) {
   Scene scene = staircase(1);
   test::add_point_light(&scene, {0, 0, 5}, {2, 2, 2});
   PunctualLight& spot = scene.lights[0];
-  spot.kind = LightKind::Spot, spot.inner_cone = 0.3f, spot.outer_cone = 0.9f;
+  spot.kind = LightKind::Spot;
+  spot.inner_cone = 0.3f;
+  spot.outer_cone = 0.9f;
   double integral = 0;
   constexpr int kSteps = 100000;
   for (int i = 0; i < kSteps; ++i) {

@@ -123,7 +123,9 @@ TEST(TextureRef, TransformsAsTheExtensionsExampleSays) {
   // top left, UV (0, 0), shows the quadrant's bottom left corner; its top right shows the
   // quadrant's top left.
   TextureRef ref;
-  ref.offset = {0, 1}, ref.scale = {0.5f, 0.5f}, ref.rotation = 1.57079632679f;
+  ref.offset = {0, 1};
+  ref.scale = {0.5f, 0.5f};
+  ref.rotation = 1.57079632679f;
   const auto expect_uv = [&](const Vec2& uv, const Vec2& expected) {
     const Vec2 out = ref.transform(uv);
     EXPECT_NEAR(out.x, expected.x, 1e-6);
@@ -154,7 +156,9 @@ TEST(Scene, BoundsLeaveOutVerticesOfNoTriangle) {
 
 TEST(Camera, SpansItsFieldOfView) {
   Camera camera;
-  camera.origin = {1, 2, 3}, camera.target = {1, 2, -7}, camera.vfov = 90;
+  camera.origin = {1, 2, 3};
+  camera.target = {1, 2, -7};
+  camera.vfov = 90;
   const float h = std::sqrt(0.5f);
   expect_near(camera.direction(0.5f, 0.5f, 2), {0, 0, -1});
   expect_near(camera.direction(0.5f, 0, 2), {0, h, -h});

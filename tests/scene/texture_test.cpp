@@ -6,6 +6,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/random.h"
+#include "tests/scene/expect.h"
 
 namespace lte::scene {
 namespace {
@@ -13,12 +14,6 @@ namespace {
 constexpr auto kRepeat = Wrap::Repeat;
 constexpr auto kMirror = Wrap::MirroredRepeat;
 constexpr auto kClamp = Wrap::ClampToEdge;
-
-/// The sRGB curve of IEC 61966-2-1, written out.
-double decode(double code) {
-  const double c = code / 255.0;
-  return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-}
 
 /// A row of grey texels.
 Texture row(const std::vector<uint8_t>& codes, bool srgb = false) {
@@ -33,7 +28,7 @@ TEST(Texture, DecodesSrgbAtTexelCentres) {
   for (size_t i = 0; i < 4; ++i) {
     const Rgb value =
         texture.sample({(static_cast<float>(i) + 0.5f) / 4, 0.5f}, kRepeat, kRepeat, 0);
-    EXPECT_NEAR(value.x, decode(codes[i]), 1e-6) << "code " << codes[i];
+    EXPECT_NEAR(value.x, test::decode_srgb(codes[i]), 1e-6) << "code " << codes[i];
   }
 }
 
@@ -65,7 +60,7 @@ TEST(Texture, CoarsestLevelIsTheMeanWhateverTheSize) {
     std::array<double, 3> mean{};
     for (size_t i = 0; i < texels.size(); ++i) {
       texels[i] = static_cast<uint8_t>(rng.below(256));
-      mean[i % 3] += decode(texels[i]) / (width * height);
+      mean[i % 3] += test::decode_srgb(texels[i]) / (width * height);
     }
     const Rgb value = Texture(width, height, std::move(texels), true)
                           .sample({0.2f, 0.6f}, kRepeat, kRepeat, 1e9f);

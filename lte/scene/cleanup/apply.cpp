@@ -26,6 +26,7 @@ void drop_instances(const std::vector<bool>& dropped, Scene* scene) {
   scene->instances = std::move(kept);
 }
 
+/// Removes light groups that nothing is in, and numbers the others anew.
 void drop_empty_groups(Scene* scene) {
   std::vector<bool> used(scene->light_groups.size());
   const auto each = [&](const auto& visit) {
@@ -77,6 +78,7 @@ int64_t remove_triangles(const std::vector<bool>& removed, Scene* scene) {
   for (size_t i = 0; i < scene->instances.size(); ++i) {
     Instance& instance = scene->instances[i];
     const Mesh& mesh = scene->meshes[static_cast<size_t>(instance.mesh)];
+    // The marks of this instance's triangles.
     const auto begin = removed.begin() + static_cast<std::ptrdiff_t>(next);
     next += mesh.triangles.size();
     std::vector<bool> pattern(begin, removed.begin() + static_cast<std::ptrdiff_t>(next));

@@ -9,12 +9,12 @@
 
 namespace lte::scene {
 
-/// Vertices of a mesh that share a place in its first instance move onto the first of them.
+/// Moves the vertices of a mesh that share a place in its first instance onto the first of them.
 void snap_vertices(const WorldTopology& topology, Scene* scene);
 
 /// Removes the triangles that `removed` marks, one mark for each of WorldTopology::triangles; then
 /// instances without triangles, and light groups without an emitter. Vertices stay.
-/// @return  how many instanced triangles went
+/// @return  how many instanced triangles were removed
 int64_t remove_triangles(const std::vector<bool>& removed, Scene* scene);
 
 /// Removes meshes that no instance shows.

@@ -18,7 +18,7 @@
 namespace lte::scene {
 namespace {
 
-/// Height over longest edge below which float knows no normal.
+/// Height over longest edge below which a triangle has no normal in float.
 constexpr double kThin = 1e-7;
 constexpr int64_t kGrain = 65536;
 
@@ -71,7 +71,8 @@ class Inspection {
   const std::vector<bool>& removed() const { return remove_; }
 
  private:
-  /// Those with two corners in one place count as such only for edges and shells.
+  /// Marks triangles without area. Those with two corners in one place are left out of edges and
+  /// shells, but count as degenerate only if they are thin.
   void find_degenerate() {
     std::vector<uint8_t> thin(topology_.triangles.size());
     parallel_for(static_cast<int64_t>(thin.size()), kGrain, [&](int64_t begin, int64_t end) {
@@ -106,27 +107,28 @@ class Inspection {
       const std::span<const Corners> all = by_lowest[low];
       for (size_t first = 0, k = 0; k < all.size(); ++k) {
         if (!all[k].same_place(all[first])) first = k;
-        if (k > first) judge(all[first].triangle, all[k].triangle);
+        if (k > first) classify_coincident(all[first].triangle, all[k].triangle);
       }
     }
   }
 
-  /// `twin` lies on `first`, which comes before it in the scene.
-  void judge(uint32_t first, uint32_t twin) {
-    const PlacedTriangle &a = topology_.triangles[first], &b = topology_.triangles[twin];
+  /// Counts a pair of triangles in one place, and decides whether the second one goes. `duplicate`
+  /// lies on `first`, which comes before it in the scene.
+  void classify_coincident(uint32_t first, uint32_t duplicate) {
+    const PlacedTriangle &a = topology_.triangles[first], &b = topology_.triangles[duplicate];
     const Material &one = material_of(scene_, a), &other = material_of(scene_, b);
-    covered_[twin] = true;
+    covered_[duplicate] = true;
     const bool same_winding = is_even(a.place) == is_even(b.place);
     if (&one != &other) {
       ++report_.conflicting_triangles;
-      remove_[twin] = options_.shells && !one.emissive() && !other.emissive();
+      remove_[duplicate] = options_.shells && !one.emissive() && !other.emissive();
     } else if (same_winding) {
       ++report_.duplicate_triangles;
-      remove_[twin] = options_.duplicates || options_.shells;
+      remove_[duplicate] = options_.duplicates || options_.shells;
     } else {
       // Two fronts, back to back, of an emitter light both sides.
       ++report_.opposite_triangles;
-      remove_[twin] = options_.shells && (!one.emissive() || one.double_sided);
+      remove_[duplicate] = options_.shells && (!one.emissive() || one.double_sided);
     }
   }
 
@@ -156,7 +158,7 @@ CleanupOptions parse_cleanup(const std::string& list) {
       continue;
     }
     const auto found = switches.find(word);
-    LTE_CHECK(found != switches.end(), "--cleanup: \"", word,
+    LTE_CHECK(found != switches.end(), "cleanup list: \"", word,
               "\" is none of degenerate, duplicates, shells, vertices, meshes, all, none");
     *found->second = true;
   }
@@ -170,23 +172,24 @@ CleanupReport inspect(const Scene& scene, double tolerance) {
   CleanupOptions options;
   options.tolerance = tolerance;
   report = Inspection(scene, options).report();
-  report.duplicate_meshes = count_twins(find_twins(scene, tolerance));
+  report.duplicate_meshes = count_duplicate_meshes(find_duplicate_meshes(scene, tolerance));
   return report;
 }
 
 CleanupReport clean_up(Scene* scene, const CleanupOptions& options) {
-  LTE_CHECK(scene->triangle_count() <= kMaxInspected, scene->name, ": --cleanup of ",
-            scene->triangle_count(), " triangles, more than the ", kMaxInspected,
-            " that it can hold");
+  LTE_CHECK(scene->triangle_count() <= kMaxInspected, scene->name, ": cleanup can hold ",
+            kMaxInspected, " triangles, got ", scene->triangle_count());
   CleanupReport report;
   {
     const Inspection inspection(*scene, options);
     report = inspection.report();
-    report.duplicate_meshes = count_twins(find_twins(*scene, options.tolerance));
+    report.duplicate_meshes =
+        count_duplicate_meshes(find_duplicate_meshes(*scene, options.tolerance));
     if (options.vertices) snap_vertices(inspection.topology(), scene);
     report.removed_triangles = remove_triangles(inspection.removed(), scene);
   }
-  if (options.meshes) merge_twins(find_twins(*scene, options.tolerance), scene);
+  if (options.meshes)
+    merge_duplicate_meshes(find_duplicate_meshes(*scene, options.tolerance), scene);
   return report;
 }
 

@@ -16,7 +16,7 @@ std::string_view bytes_of(const std::vector<T>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
 }
 
-/// Of everything that must be equal.
+/// A hash of everything that must be equal in duplicates.
 size_t hash_of(const Mesh& mesh) {
   const std::hash<std::string_view> hash;
   size_t out = hash(bytes_of(mesh.triangles)) + 31 * mesh.positions.size() +
@@ -47,8 +47,8 @@ bool same_shape(const Mesh& a, const Mesh& b, double tolerance) {
 
 }  // namespace
 
-std::vector<Twin> find_twins(const Scene& scene, double tolerance) {
-  std::vector<Twin> twins(scene.meshes.size());
+std::vector<DuplicateMesh> find_duplicate_meshes(const Scene& scene, double tolerance) {
+  std::vector<DuplicateMesh> duplicates(scene.meshes.size());
   std::map<size_t, std::vector<int>> firsts;  // by hash
   for (size_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
@@ -61,27 +61,27 @@ std::vector<Twin> find_twins(const Scene& scene, double tolerance) {
     if (found == candidates.end()) {
       candidates.push_back(static_cast<int>(m));
     } else {
-      twins[m] = {*found,
-                  mesh.positions[0] - scene.meshes[static_cast<size_t>(*found)].positions[0]};
+      duplicates[m] = {*found,
+                       mesh.positions[0] - scene.meshes[static_cast<size_t>(*found)].positions[0]};
     }
   }
-  return twins;
+  return duplicates;
 }
 
-int64_t count_twins(const std::vector<Twin>& twins) {
-  return std::count_if(twins.begin(), twins.end(),
-                       [](const Twin& twin) { return twin.mesh != kNone; });
+int64_t count_duplicate_meshes(const std::vector<DuplicateMesh>& duplicates) {
+  return std::count_if(duplicates.begin(), duplicates.end(),
+                       [](const DuplicateMesh& duplicate) { return duplicate.mesh != kNone; });
 }
 
-void merge_twins(const std::vector<Twin>& twins, Scene* scene) {
-  if (count_twins(twins) == 0) return;
+void merge_duplicate_meshes(const std::vector<DuplicateMesh>& duplicates, Scene* scene) {
+  if (count_duplicate_meshes(duplicates) == 0) return;
   for (Instance& instance : scene->instances) {
-    const Twin& twin = twins[static_cast<size_t>(instance.mesh)];
-    if (twin.mesh == kNone) continue;
+    const DuplicateMesh& duplicate = duplicates[static_cast<size_t>(instance.mesh)];
+    if (duplicate.mesh == kNone) continue;
     Affine shift;
-    for (size_t row = 0; row < 3; ++row) shift.m[row][3] = twin.offset[static_cast<int>(row)];
+    for (size_t row = 0; row < 3; ++row) shift.m[row][3] = duplicate.offset[static_cast<int>(row)];
     instance.to_world = instance.to_world * shift;
-    instance.mesh = twin.mesh;
+    instance.mesh = duplicate.mesh;
   }
   drop_unused_meshes(scene);
 }

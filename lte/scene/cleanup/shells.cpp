@@ -10,7 +10,8 @@
 namespace lte::scene {
 namespace {
 
-/// From the place whose bucket it is in to a higher one, and which way the triangle passes it.
+/// An edge of a triangle, from the place whose bucket it is in to a higher one, and whether the
+/// triangle passes it that way.
 struct Edge {
   uint32_t high;
   uint32_t triangle : 31;
@@ -18,7 +19,7 @@ struct Edge {
 };
 static_assert(kMaxInspected < int64_t{1} << 31, "triangles are numbered in 31 bits");
 
-/// Of each place those to higher ones, these rising.
+/// The edges of each place to higher ones, in rising order of these and of triangles.
 Buckets<Edge> sorted_edges(const WorldTopology& topology, const std::vector<bool>& covered) {
   Buckets<Edge> edges(topology.places.size(), [&](const auto& use) {
     for (uint32_t i = 0; i < topology.triangles.size(); ++i) {

@@ -1,4 +1,5 @@
-// Edges and connected surfaces: what is open, branching or wound the wrong way round.
+// Edges and shells (surfaces connected through edges): what is open, branching or wound the wrong
+// way round.
 #pragma once
 
 #include <vector>

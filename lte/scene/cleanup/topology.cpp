@@ -27,7 +27,7 @@ namespace {
 using Index = flann::KDTreeSingleIndex<flann::L2_Simple<float>>;
 using Pair = std::pair<uint32_t, uint32_t>;
 
-/// Of one point; what is denser still is joined through its nearest neighbours.
+/// Neighbours asked for at each point. What is denser still is joined through the nearest ones.
 constexpr int kMaxNeighbours = 16;
 constexpr int64_t kGrain = 4096;
 

@@ -31,8 +31,8 @@ struct WorldTopology {
   }
 };
 
-/// Nearest neighbours come from FLANN's k-d tree of those vertices that share a cell of a hashed
-/// grid.
+/// Numbers the places of a scene. Nearest neighbours come from FLANN's k-d tree of those vertices
+/// that share a cell of a hashed grid.
 /// @param tolerance  a share of the scene's diagonal; 0 for identical positions alone
 WorldTopology build_topology(const Scene& scene, double tolerance);
 

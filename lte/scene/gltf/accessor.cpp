@@ -171,8 +171,10 @@ std::vector<T> gather(const Accessor& accessor, int components, const std::vecto
       std::memcpy(values, accessor.element(source), sizeof(T));
       for (int c = 0; c < components; ++c) finite &= std::isfinite(values[c]);
     } else {
-      for (int c = 0; c < components; ++c)
-        finite &= std::isfinite(values[c] = accessor.value(source, c));
+      for (int c = 0; c < components; ++c) {
+        values[c] = accessor.value(source, c);
+        finite &= std::isfinite(values[c]);
+      }
     }
     LTE_CHECK(finite, accessor.what(), ": vertex ", source, " is not finite");
   }

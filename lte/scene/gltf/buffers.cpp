@@ -1,4 +1,4 @@
-// Where the bytes of buffers and images come from.
+// The bytes of buffers and images: from files beside the scene, data URIs or the BIN chunk.
 #include <array>
 #include <cstdint>
 #include <string_view>

@@ -60,6 +60,7 @@ void check_accessor(const Element& accessor) {
                   ".componentType must be an unsigned integer type");
 }
 
+/// Checks a reference to a texture, with its KHR_texture_transform.
 void check_texture_info(const Element& owner, const char* key) {
   if (!owner.has(key)) return;
   const Element info = owner.at(key);

@@ -11,21 +11,19 @@
 
 #include "lte/base/check.h"
 #include "lte/scene/gltf/file.h"
-#include "lte/scene/import/notes.h"
-#include "lte/scene/load.h"
+#include "lte/scene/import/ignored_features.h"
+#include "lte/scene/import/limits.h"
 #include "lte/scene/scene.h"
 
 namespace lte::scene::gltf {
 
-using scene::Notes;
-
-/// What every part reads, and the notes it adds to.
+/// What every part reads, and the record of ignored features that it adds to.
 struct Context {
   const File& file;
   const tinygltf::Model& model;
   const Buffers& buffers;
   const LoadLimits& limits;
-  Notes& notes;
+  IgnoredFeatures& ignored;
 };
 
 /// The document as tinygltf understands it, without buffers, images and animations, which it never
@@ -34,9 +32,9 @@ struct Context {
 /// decoded by now.
 tinygltf::Model parse_model(File* file);
 
-/// Notes the extensions of an element that lte does not understand.
-void note_extensions(const tinygltf::ExtensionMap& extensions, const std::string& unit,
-                     Notes* notes);
+/// Records the extensions of an element that lte does not understand.
+void ignore_unknown_extensions(const tinygltf::ExtensionMap& extensions, const std::string& unit,
+                               IgnoredFeatures* ignored);
 
 /// What a use of an accessor allows.
 struct AccessorUse {
@@ -92,7 +90,7 @@ class Accessor {
 template <typename T>
 std::vector<T> gather(const Accessor& accessor, int components, const std::vector<uint32_t>& kept);
 
-/// The same, of an attribute that must have one element for each of `vertices`.
+/// Gathers an attribute that must have one element for each of `vertices`.
 template <typename T>
 std::vector<T> gather_vertices(const Accessor& accessor, int components, size_t vertices,
                                const std::vector<uint32_t>& kept) {
@@ -101,7 +99,7 @@ std::vector<T> gather_vertices(const Accessor& accessor, int components, size_t 
   return gather<T>(accessor, components, kept);
 }
 
-/// Where the vertices of a primitive come from: its accessors, or KHR_draco_mesh_compression.
+/// The source of a primitive's vertices: its accessors, or KHR_draco_mesh_compression.
 class PrimitiveSource {
  public:
   /// @throws lte::Error if the compressed data are broken or larger than the accessors say.
@@ -166,8 +164,8 @@ void apply_skin(const Deformation& deformation, const std::vector<Affine>& joint
 struct MeshTable {
   std::vector<Mesh> meshes;
   std::vector<std::vector<int>> of_shape;  ///< indices into `meshes` for each shape
-  bool needs_default_material =
-      false;  ///< some mesh has `material` == number of materials of the file
+  /// Whether some mesh has `material` == number of materials of the file.
+  bool needs_default_material = false;
 };
 
 MeshTable read_meshes(const Context& context, const std::vector<Shape>& shapes,
@@ -187,13 +185,14 @@ std::vector<std::shared_ptr<const Texture>> read_textures(const Context& context
 /// not finite and affine.
 std::vector<Placement> place_nodes(const Context& context);
 
-/// Where a node puts its mesh: once, or as EXT_mesh_gpu_instancing lists.
+/// The transforms with which a node places its mesh: one, or those that EXT_mesh_gpu_instancing
+/// lists.
 /// @throws lte::Error if the lists differ in length or hold what is not finite.
 std::vector<Affine> instance_transforms(const Context& context, const Placement& placement);
 
-Camera make_camera(const tinygltf::Camera& camera, const tinygltf::Node& node,
-                   const Affine& to_world);
-PunctualLight make_light(const tinygltf::Light& light, const tinygltf::Node& node,
-                         const Affine& to_world);
+/// Adds the perspective cameras and the punctual lights of the nodes to the scene.
+/// @throws lte::Error for an intensity that is not finite.
+void add_lights_and_cameras(const Context& context, const std::vector<Placement>& placements,
+                            Scene* scene);
 
 }  // namespace lte::scene::gltf

@@ -1,9 +1,9 @@
 // Morph targets and skins in their rest pose.
 //
-// What is "at rest" follows the specification (glTF 2.0, 3.7.2.2, 3.7.3 and 3.7.4): a node's
-// weights stand in for its mesh's, those that neither gives are zero; a skinned mesh stands where
-// its joints put it, and its own node's transform has no say. Animations are left out, so nodes are
-// where the file says and not where its first frame would put them.
+// The rest pose follows the specification (glTF 2.0, 3.7.2.2, 3.7.3 and 3.7.4). A node's weights
+// stand in for its mesh's; those that neither gives are zero. A skinned mesh stands where its
+// joints put it, whatever its own node's transform. Animations are left out, so nodes are where the
+// file says and not where a first frame would put them.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -134,7 +134,7 @@ std::vector<Shape> find_shapes(const Context& context, std::vector<Placement>* p
     const tinygltf::Mesh& mesh = context.model.meshes[static_cast<size_t>(node.mesh)];
     Shape shape{node.mesh, rest_weights(node, mesh), node.skin < 0 ? kNone : node.skin};
     if (shape.skin != kNone && !has_joints(mesh)) {
-      context.notes.add("skin of a mesh without JOINTS_0 and WEIGHTS_0", "node");
+      context.ignored.add("skin of a mesh without JOINTS_0 and WEIGHTS_0", "node");
       shape.skin = kNone;
     }
     numbers.emplace(std::move(shape), 0);

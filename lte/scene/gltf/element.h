@@ -28,7 +28,7 @@ class Element {
     LTE_CHECK(condition, file_.name, ": ", place_, args...);
   }
 
-  /// A non-negative integer below 2^53, if there.
+  /// Checks that a member, if there, is a non-negative integer below 2^53.
   void natural(const char* key) const {
     if (!has(key)) return;
     const Json& value = json_[key];
@@ -36,13 +36,13 @@ class Element {
             " must be a non-negative integer, got ", shown(value));
   }
 
-  /// As natural(), and it must be there.
+  /// Checks as natural() does, and that the member is there.
   void needs_natural(const char* key) const {
     require(has(key), " has no ", key);
     natural(key);
   }
 
-  /// An index into the file's array `target`, if there.
+  /// Checks that a member, if there, is an index into the file's array `target`.
   void index(const char* key, const char* target) const {
     if (has(key)) check_index(json_[key], concat(dot(), key), target);
   }
@@ -51,7 +51,7 @@ class Element {
     index(key, target);
   }
 
-  /// An array of indices, if there.
+  /// Checks that a member, if there, is an array of indices.
   void indices(const char* key, const char* target) const {
     if (!has(key)) return;
     require(json_[key].is_array(), ".", key, " must be an array");
@@ -59,12 +59,13 @@ class Element {
       check_index(json_[key][i], concat(".", key, "[", i, "]"), target);
   }
 
-  /// A number, if there. JSON has no infinities, but a double may exceed what float holds.
+  /// Checks that a member, if there, is a number. JSON has no infinities, but a double may exceed
+  /// what float holds.
   void number(const char* key) const {
     if (has(key)) check_number(json_[key], concat(".", key));
   }
 
-  /// An array of `count` numbers, if there.
+  /// Checks that a member, if there, is an array of `count` numbers.
   void numbers(const char* key, size_t count) const {
     if (!has(key)) return;
     const Json& value = json_[key];

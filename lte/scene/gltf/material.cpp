@@ -37,13 +37,14 @@ TextureRef to_ref(const Context& context, const tinygltf::TextureInfo& info) {
   const tinygltf::Texture& texture = context.model.textures[static_cast<size_t>(info.index)];
   const int image = to_image(texture);
   if (image < 0) {
-    context.notes.add("texture without a PNG, JPEG or WebP source", "use");
+    context.ignored.add("texture without a PNG, JPEG or WebP source", "use");
     return ref;
   }
   ref.uv_set = info.texCoord;
   if (texture.sampler >= 0) {
     const tinygltf::Sampler& sampler = context.model.samplers[static_cast<size_t>(texture.sampler)];
-    ref.wrap_u = to_wrap(sampler.wrapS), ref.wrap_v = to_wrap(sampler.wrapT);
+    ref.wrap_u = to_wrap(sampler.wrapS);
+    ref.wrap_v = to_wrap(sampler.wrapT);
   }
   if (const auto found = info.extensions.find("KHR_texture_transform");
       found != info.extensions.end()) {
@@ -55,21 +56,21 @@ TextureRef to_ref(const Context& context, const tinygltf::TextureInfo& info) {
     if (transform.Has("texCoord")) ref.uv_set = transform.Get("texCoord").GetNumberAsInt();
   }
   if (ref.uv_set >= kUvSets || ref.uv_set < 0) {
-    context.notes.add(concat("texture coordinates beyond TEXCOORD_", kUvSets - 1), "use");
+    context.ignored.add(concat("texture coordinates beyond TEXCOORD_", kUvSets - 1), "use");
     return {};
   }
   ref.texture = image;
   return ref;
 }
 
-void note_ignored(const tinygltf::Material& material, Notes* notes) {
+void ignore_unsupported(const tinygltf::Material& material, IgnoredFeatures* ignored) {
   const tinygltf::PbrMetallicRoughness& pbr = material.pbrMetallicRoughness;
-  note_extensions(material.extensions, "material", notes);
+  ignore_unknown_extensions(material.extensions, "material", ignored);
   if (pbr.metallicRoughnessTexture.index >= 0 && !(pbr.metallicFactor > 0))
-    notes->add("metallic-roughness texture without metallicFactor", "material");
-  if (material.normalTexture.index >= 0) notes->add("normal map", "material");
-  if (material.occlusionTexture.index >= 0) notes->add("occlusion texture", "material");
-  if (material.alphaMode != "OPAQUE") notes->add("alphaMode " + material.alphaMode, "material");
+    ignored->add("metallic-roughness texture without metallicFactor", "material");
+  if (material.normalTexture.index >= 0) ignored->add("normal map", "material");
+  if (material.occlusionTexture.index >= 0) ignored->add("occlusion texture", "material");
+  if (material.alphaMode != "OPAQUE") ignored->add("alphaMode " + material.alphaMode, "material");
 }
 
 /// Texture of an extension, which tinygltf keeps as JSON.
@@ -120,7 +121,7 @@ std::vector<Material> read_materials(const Context& context) {
   std::vector<Material> out;
   for (size_t i = 0; i < context.model.materials.size(); ++i) {
     const tinygltf::Material& source = context.model.materials[i];
-    note_ignored(source, &context.notes);
+    ignore_unsupported(source, &context.ignored);
     Material material;
     material.name = source.name.empty() ? concat("material ", i) : source.name;
     read_surface(context, source, &material);

@@ -1,4 +1,4 @@
-// Triangle primitives to meshes.
+// Meshes from the triangle primitives of a file.
 #include <cstring>
 #include <string_view>
 #include <utility>
@@ -50,7 +50,7 @@ class MeshReader {
     joints_.clear();
     if (shape.skin != kNone) joints_ = joint_matrices(context_, shape.skin, placements_);
     const tinygltf::Mesh& mesh = context_.model.meshes[static_cast<size_t>(shape.mesh)];
-    note_extensions(mesh.extensions, "mesh", &context_.notes);
+    ignore_unknown_extensions(mesh.extensions, "mesh", &context_.ignored);
     for (size_t k = 0; k < mesh.primitives.size(); ++k) {
       const std::string place = concat("meshes[", shape.mesh, "].primitives[", k, "]");
       std::string name = mesh.name.empty() ? concat("mesh ", shape.mesh) : mesh.name;
@@ -60,16 +60,16 @@ class MeshReader {
   }
 
  private:
-  /// Whether it draws triangles; what does not is noted.
+  /// Whether it draws triangles; what does not is recorded as ignored.
   bool has_triangles(const tinygltf::Primitive& primitive) {
-    Notes& notes = context_.notes;
-    note_extensions(primitive.extensions, "primitive", &notes);
+    IgnoredFeatures& ignored = context_.ignored;
+    ignore_unknown_extensions(primitive.extensions, "primitive", &ignored);
     if (primitive.mode < TINYGLTF_MODE_TRIANGLES) {
-      notes.add(primitive.mode == TINYGLTF_MODE_POINTS ? "points" : "lines", "primitive");
+      ignored.add(primitive.mode == TINYGLTF_MODE_POINTS ? "points" : "lines", "primitive");
       return false;
     }
     if (primitive.attributes.count("POSITION") == 0) {
-      notes.add("no POSITION", "primitive");
+      ignored.add("no POSITION", "primitive");
       return false;
     }
     return true;
@@ -77,7 +77,7 @@ class MeshReader {
 
   void count_triangles(size_t corners, int mode, const std::string& place) {
     if (mode == TINYGLTF_MODE_TRIANGLES && corners % 3 != 0)
-      context_.notes.add("incomplete triangle", "primitive");
+      context_.ignored.add("incomplete triangle", "primitive");
     triangles_ += static_cast<int64_t>(corners / (mode == TINYGLTF_MODE_TRIANGLES ? 3 : 1));
     LTE_CHECK(triangles_ <= context_.limits.triangles, context_.file.name, ": more than ",
               context_.limits.triangles, " triangles, at ", place);

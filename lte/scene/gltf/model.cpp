@@ -7,18 +7,18 @@
 
 namespace lte::scene::gltf {
 
-void note_extensions(const tinygltf::ExtensionMap& extensions, const std::string& unit,
-                     Notes* notes) {
+void ignore_unknown_extensions(const tinygltf::ExtensionMap& extensions, const std::string& unit,
+                               IgnoredFeatures* ignored) {
   for (const auto& [name, value] : extensions) {
     if (is_supported_extension(name)) continue;
     const std::string_view lost = dropped_with(name);
-    notes->add(lost.empty() ? "extension " + name : concat(name, ": dropped ", lost), unit);
+    ignored->add(lost.empty() ? "extension " + name : concat(name, ": dropped ", lost), unit);
   }
 }
 
 namespace {
 
-/// `indices` of one primitive.
+/// The accessor of one primitive's `indices`.
 struct Indices {
   size_t mesh, primitive;
   int accessor;

@@ -1,4 +1,4 @@
-// The node hierarchy: transforms, cameras, lights.
+// The node hierarchy: transforms and instances.
 #include <array>
 #include <cmath>
 
@@ -149,7 +149,9 @@ class InstanceList {
     for (size_t i = 0; i < count_; ++i) {
       std::array<double, 3> t{0, 0, 0}, s{1, 1, 1};
       std::array<double, 4> q{0, 0, 0, 1};
-      read(0, i, &t), read(1, i, &q), read(2, i, &s);
+      read(0, i, &t);
+      read(1, i, &q);
+      read(2, i, &s);
       const Affine placed =
           to_world *
           to_affine(from_trs(t, unit(q, concat(file_, ": ", where_, ".ROTATION[", i, "]")), s));
@@ -207,40 +209,6 @@ std::vector<Affine> instance_transforms(const Context& context, const Placement&
     return {placement.to_world};
   return InstanceList(context, placement.node, instancing->second.Get("attributes"))
       .transforms(placement.to_world);
-}
-
-Camera make_camera(const tinygltf::Camera& camera, const tinygltf::Node& node,
-                   const Affine& to_world) {
-  Camera out;
-  out.name = !camera.name.empty() ? camera.name : node.name;
-  out.origin = to_world.point({0, 0, 0});
-  out.target = out.origin + normalize(to_world.vector({0, 0, -1}));
-  out.up = normalize(to_world.vector({0, 1, 0}));
-  out.mirrored = dot(cross(out.target - out.origin, out.up), to_world.vector({1, 0, 0})) < 0;
-  out.vfov = static_cast<float>(camera.perspective.yfov * 180.0 / M_PI);
-  return out;
-}
-
-PunctualLight make_light(const tinygltf::Light& light, const tinygltf::Node& node,
-                         const Affine& to_world) {
-  PunctualLight out;
-  out.name = !light.name.empty() ? light.name : node.name;
-  out.kind = light.type == "point"  ? LightKind::Point
-             : light.type == "spot" ? LightKind::Spot
-                                    : LightKind::Directional;
-  out.position = to_world.point({0, 0, 0});
-  const Vec3 axis = normalize(to_world.vector({0, 0, -1}));
-  out.direction = dot(axis, axis) > 0 ? axis : Vec3{0, 0, -1};
-  const auto intensity = static_cast<float>(light.intensity);
-  out.intensity = {intensity, intensity, intensity};
-  for (size_t c = 0; c < light.color.size(); ++c)
-    out.intensity[static_cast<int>(c)] *= static_cast<float>(light.color[c]);
-  if (light.range > 0) out.range = static_cast<float>(light.range);
-  if (out.kind == LightKind::Spot) {
-    out.inner_cone = static_cast<float>(light.spot.innerConeAngle);
-    out.outer_cone = static_cast<float>(light.spot.outerConeAngle);
-  }
-  return out;
 }
 
 }  // namespace lte::scene::gltf

@@ -1,4 +1,4 @@
-// Images to textures.
+// Textures from the images of a file.
 #include <array>
 #include <map>
 #include <string_view>
@@ -23,7 +23,8 @@ std::array<std::pair<TextureRef*, bool>, 3> references(Material* material) {
            {&material->metallic_roughness_texture, false}}};
 }
 
-/// For each image the first one of the same bytes: exporters list a picture once for every use.
+/// Finds for each image the first one of the same bytes: exporters list a picture once for every
+/// use.
 std::vector<int> first_of_each(const Json& images) {
   std::map<std::string, int> firsts;
   std::vector<int> out;
@@ -41,7 +42,8 @@ std::vector<int> first_of_each(const Json& images) {
 
 std::vector<std::shared_ptr<const Texture>> read_textures(const Context& context, Buffers* buffers,
                                                           std::vector<Material>* materials) {
-  // By image and its being colors; ordered: textures come in the order of the file.
+  // Keyed by the image and whether it holds colors; ordered, as textures come in the order of the
+  // file.
   std::map<std::pair<int, bool>, int> texture_of_image;
   const std::vector<int> first = first_of_each(context.file.json["images"]);
   for (Material& material : *materials) {

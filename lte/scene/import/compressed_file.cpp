@@ -11,6 +11,7 @@
 namespace lte::scene {
 namespace {
 
+/// Ends zlib's stream whatever happens.
 struct Inflater {
   z_stream stream{};
   bool open = false;

@@ -52,16 +52,17 @@ void set_environment(const std::string& text, double turn_degrees, Scene* scene)
   Environment environment;
   if (const std::optional<Rgb> constant = parse_rgb(text)) {
     LTE_CHECK(is_finite(*constant) && constant->x >= 0 && constant->y >= 0 && constant->z >= 0,
-              "--environment ", text, ": radiance must be finite and not negative");
+              "environment ", text, ": radiance must be finite and not negative");
     environment.radiance = *constant;
   } else {
-    LTE_CHECK(std::filesystem::exists(text), "--environment ", text,
+    LTE_CHECK(std::filesystem::exists(text), "environment ", text,
               ": neither three numbers R,G,B nor a file that is there");
     environment.radiance = {1, 1, 1};
     environment.map = read_map(text);
   }
-  LTE_CHECK(std::isfinite(turn_degrees), "--environment-turn must be a finite number, got ",
-            turn_degrees);
+  LTE_CHECK(std::isfinite(turn_degrees),
+            "environment: its turn must be a finite number of degrees, got ", turn_degrees);
+  // The frame of a picture has Y up, so that a turn is about the world's Y.
   const double angle = turn_degrees * (M_PI / 180);
   const auto c = static_cast<float>(std::cos(angle)), s = static_cast<float>(std::sin(angle));
   environment.axes = {{{c, 0, -s}, {0, 1, 0}, {s, 0, c}}};

@@ -1,4 +1,4 @@
-// Environments as the command line gives them.
+// Environments from a text, as a user gives them.
 #pragma once
 
 #include <string>

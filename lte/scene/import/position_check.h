@@ -7,6 +7,7 @@
 
 namespace lte::scene {
 
+/// Checks that every vertex of every instance has a place in the world.
 /// @param file  for the message
 /// @throws lte::Error naming file and mesh if an instance takes vertices beyond the range of float.
 void check_world_positions(const std::string& file, const Scene& scene);

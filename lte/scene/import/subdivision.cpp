@@ -11,7 +11,7 @@ constexpr uint32_t kUnset = 0xffffffff;
 
 struct Point {
   double x = 0, y = 0, z = 0;
-  Point& operator+=(const Point& b) { return x += b.x, y += b.y, z += b.z, *this; }
+  Point& operator+=(const Point& b) { return *this = {x + b.x, y + b.y, z + b.z}; }
 };
 Point operator*(double s, const Point& p) { return {s * p.x, s * p.y, s * p.z}; }
 Point operator+(Point a, const Point& b) { return a += b; }
@@ -113,8 +113,10 @@ class Level {
   }
 
   void sum_rings(const std::string& where) {
-    ring_.resize(points_.size()), boundary_ring_.resize(points_.size());
-    valence_.resize(points_.size()), boundary_valence_.resize(points_.size());
+    ring_.resize(points_.size());
+    boundary_ring_.resize(points_.size());
+    valence_.resize(points_.size());
+    boundary_valence_.resize(points_.size());
     for (const Edge& edge : edges_) {
       for (const auto& [from, to] : {std::pair{edge.a, edge.b}, std::pair{edge.b, edge.a}}) {
         ring_[from] += points_[to];

@@ -1,4 +1,4 @@
-// Pictures of scene files to textures.
+// Textures from the pictures of scene files.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "lte/scene/load.h"
+#include "lte/scene/import/limits.h"
 #include "lte/scene/texture.h"
 
 namespace lte::scene {
@@ -19,9 +19,8 @@ struct EncodedPicture {
   bool srgb = true;   ///< of colors; false for values that are linear as they stand
 };
 
-/// Decodes PNG, JPEG, WebP, TGA and BMP, told apart by content, in parallel; alpha is
-/// dropped. Sizes are read from every header, and held against the limits, before
-/// anything is decoded.
+/// Decodes PNG, JPEG, WebP, TGA and BMP, told apart by content, in parallel; alpha is dropped.
+/// Sizes are read from every header, and held against the limits, before anything is decoded.
 /// @throws lte::Error naming the picture: none of these formats, damaged, animated, or larger than
 /// the limits of one texture or of all.
 std::vector<std::shared_ptr<const Texture>> decode_textures(

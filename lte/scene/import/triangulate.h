@@ -1,4 +1,4 @@
-// Polygons to triangles.
+// Triangulation of polygons.
 #pragma once
 
 #include <array>
@@ -10,8 +10,8 @@
 namespace lte::scene {
 
 /// Splits a polygon in space into triangles of its own winding, appended to `out`: a fan where it
-/// is convex, else by ear clipping in its plane. Always corners − 2 triangles, whatever the
-/// polygon.
+/// is convex, else by ear clipping in its plane. There are always corners − 2 triangles, whatever
+/// the polygon.
 /// @param corners  3 or more, indices into `positions`
 /// @note Outlines that cross themselves lose some of their shape, and those of many thousand
 /// corners end in a fan when clipping has taken its time.

@@ -28,8 +28,9 @@ bool contains(const Words& words, std::string_view word) {
 
 class Parser {
  public:
-  Parser(std::string_view text, const std::string& name, const LoadLimits& limits, Notes* notes)
-      : statements_(text, name), limits_(limits), notes_(notes) {}
+  Parser(std::string_view text, const std::string& name, const LoadLimits& limits,
+         IgnoredFeatures* ignored)
+      : statements_(text, name), limits_(limits), ignored_(ignored) {}
 
   ObjFile run() {
     while (statements_.next()) read_statement(statements_.word());
@@ -59,11 +60,11 @@ class Parser {
     } else if (keyword == "mtllib") {
       file_.libraries.emplace_back(statements_.rest());
     } else if (keyword == "l" || keyword == "p") {
-      notes_->add(keyword == "l" ? "lines" : "points", "statement");
+      ignored_->add(keyword == "l" ? "lines" : "points", "statement");
     } else if (contains(kFreeForm, keyword)) {
-      notes_->add("free-form curves and surfaces", "statement");
+      ignored_->add("free-form curves and surfaces", "statement");
     } else if (!contains(kSilent, keyword)) {
-      notes_->add("unknown statements", "line");
+      ignored_->add("unknown statements", "line");
     }
   }
 
@@ -153,7 +154,7 @@ class Parser {
   static constexpr int kNone = -1;
   Statements statements_;
   const LoadLimits& limits_;
-  Notes* notes_;
+  IgnoredFeatures* ignored_;
   ObjFile file_;
   size_t normals_ = 0;
   int64_t triangles_ = 0;
@@ -168,15 +169,16 @@ class Parser {
 
 }  // namespace
 
-ObjFile read_obj(const std::filesystem::path& path, const LoadLimits& limits, Notes* notes) {
+ObjFile read_obj(const std::filesystem::path& path, const LoadLimits& limits,
+                 IgnoredFeatures* ignored) {
   const std::string name = path.string();
-  std::error_code ignored;
-  LTE_CHECK(std::filesystem::exists(path, ignored), name, ": no such file");
-  LTE_CHECK(std::filesystem::is_regular_file(path, ignored), name, ": not a regular file");
-  LTE_CHECK(std::filesystem::file_size(path, ignored) > 0, name, ": the file is empty");
+  std::error_code error;
+  LTE_CHECK(std::filesystem::exists(path, error), name, ": no such file");
+  LTE_CHECK(std::filesystem::is_regular_file(path, error), name, ": not a regular file");
+  LTE_CHECK(std::filesystem::file_size(path, error) > 0, name, ": the file is empty");
   const MappedFile map(path);
   const std::string_view text(reinterpret_cast<const char*>(map.data()), map.size());
-  return Parser(text, name, limits, notes).run();
+  return Parser(text, name, limits, ignored).run();
 }
 
 }  // namespace lte::scene::obj

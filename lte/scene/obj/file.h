@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "lte/base/math.h"
-#include "lte/scene/import/notes.h"
-#include "lte/scene/load.h"
+#include "lte/scene/import/ignored_features.h"
+#include "lte/scene/import/limits.h"
 
 namespace lte::scene::obj {
 
@@ -35,10 +35,11 @@ struct ObjFile {
   std::vector<std::string> libraries;  ///< of `mtllib`, as written
 };
 
-/// Polygons become triangles. Points, lines and free-form geometry are noted.
+/// Reads an OBJ file. Polygons become triangles. Points, lines and free-form geometry are ignored.
 /// @throws lte::Error naming file and line: a number that is none or not finite, an index that is
 /// 0, not an integer or past the vertices before it, a face of fewer than three corners, more
 /// triangles than the limits.
-ObjFile read_obj(const std::filesystem::path& path, const LoadLimits& limits, Notes* notes);
+ObjFile read_obj(const std::filesystem::path& path, const LoadLimits& limits,
+                 IgnoredFeatures* ignored);
 
 }  // namespace lte::scene::obj

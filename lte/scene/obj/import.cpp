@@ -65,12 +65,12 @@ class VertexTable {
 };
 
 MaterialLibrary read_libraries(const std::filesystem::path& path, const ObjFile& file,
-                               Notes* notes) {
+                               IgnoredFeatures* ignored) {
   MaterialLibrary library;
   for (const std::string& name : file.libraries) {
     // One name with spaces, as most write it, or several without.
     if (const std::filesystem::path found = find_beside(path, name); !found.empty()) {
-      read_mtl(found, notes, &library);
+      read_mtl(found, ignored, &library);
       continue;
     }
     Statements names(name, path.string());
@@ -78,9 +78,9 @@ MaterialLibrary read_libraries(const std::filesystem::path& path, const ObjFile&
     for (std::string word(names.word()); !word.empty(); word = names.word()) {
       const std::filesystem::path found = find_beside(path, word);
       if (found.empty()) {
-        notes->add(concat("mtllib \"", shown(word), "\", which is not there"), "file");
+        ignored->add(concat("mtllib \"", shown(word), "\", which is not there"), "file");
       } else {
-        read_mtl(found, notes, &library);
+        read_mtl(found, ignored, &library);
       }
     }
   }
@@ -88,12 +88,12 @@ MaterialLibrary read_libraries(const std::filesystem::path& path, const ObjFile&
 }
 
 /// The number of a part's material; grey under its own name where no library has it.
-int material_of(const Part& part, Notes* notes, MaterialLibrary* library) {
+int material_of(const Part& part, IgnoredFeatures* ignored, MaterialLibrary* library) {
   const std::string name = part.material.empty() ? "default" : part.material;
   const auto [found, is_new] =
       library->by_name.try_emplace(name, static_cast<int>(library->materials.size()));
   if (is_new) {
-    if (!part.material.empty()) notes->add("usemtl without a newmtl (it is grey)", "material");
+    if (!part.material.empty()) ignored->add("usemtl without a newmtl (it is grey)", "material");
     Material grey;
     grey.name = name;
     grey.base_color = Rgb{1, 1, 1} * kGrey;
@@ -130,15 +130,14 @@ std::vector<std::shared_ptr<const Texture>> read_pictures(
 }  // namespace
 
 Scene import(const std::filesystem::path& path, const LoadLimits& limits) {
-  Notes notes;
-  ObjFile file = read_obj(path, limits, &notes);
+  IgnoredFeatures ignored;
+  ObjFile file = read_obj(path, limits, &ignored);
   LTE_CHECK(!file.parts.empty(), path.string(), ": the scene has no triangles (no f statement)");
-  MaterialLibrary library = read_libraries(path, file, &notes);
+  MaterialLibrary library = read_libraries(path, file, &ignored);
   std::vector<int> material;
-  for (const Part& part : file.parts) material.push_back(material_of(part, &notes, &library));
+  for (const Part& part : file.parts) material.push_back(material_of(part, &ignored, &library));
 
   Scene scene;
-  scene.name = path.stem().string();
   scene.unit = "metre, assumed: OBJ has no unit";
   scene.materials = std::move(library.materials);
   VertexTable vertices(file);
@@ -147,7 +146,7 @@ Scene import(const std::filesystem::path& path, const LoadLimits& limits) {
     file.parts[i] = {};
   }
   scene.textures = read_pictures(library.pictures, limits);
-  scene.ignored = notes.lines();
+  scene.ignored = ignored.lines();
   return scene;
 }
 

@@ -3,11 +3,13 @@
 
 #include <filesystem>
 
-#include "lte/scene/load.h"
+#include "lte/scene/import/limits.h"
+#include "lte/scene/scene.h"
 
 namespace lte::scene::obj {
 
 /// One mesh and one instance for the faces of one object in one material. OBJ has no unit: metres.
+/// Scene::name is left to load_scene().
 /// @throws lte::Error naming file and line; see read_obj() and read_mtl().
 Scene import(const std::filesystem::path& path, const LoadLimits& limits);
 

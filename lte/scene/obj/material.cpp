@@ -64,9 +64,9 @@ struct MapLine {
 
 class MtlReader {
  public:
-  MtlReader(const std::filesystem::path& path, std::string_view text, Notes* notes,
+  MtlReader(const std::filesystem::path& path, std::string_view text, IgnoredFeatures* ignored,
             MaterialLibrary* library)
-      : path_(path), statements_(text, path.string()), notes_(notes), library_(library) {}
+      : path_(path), statements_(text, path.string()), ignored_(ignored), library_(library) {}
 
   void run() {
     while (statements_.next()) {
@@ -124,7 +124,7 @@ class MtlReader {
     return values.find_first_not_of("0.+- \t") == std::string_view::npos;
   }
 
-  /// One number is grey. CIE XYZ and spectral files are noted.
+  /// One number is grey. CIE XYZ and spectral files are ignored.
   Rgb read_color(const char* what) {
     Statements ahead = statements_;
     if (const std::string_view form = ahead.word(); form == "xyz" || form == "spectral") {
@@ -191,7 +191,7 @@ class MtlReader {
     if (map.file.empty()) return ref;
     const std::filesystem::path file = find_beside(path_, map.file);
     if (file.empty()) {
-      notes_->add(concat("texture \"", shown(map.file), "\", which is not there"), "use");
+      ignored_->add(concat("texture \"", shown(map.file), "\", which is not there"), "use");
       return ref;
     }
     auto& pictures = library_->pictures;
@@ -209,13 +209,13 @@ class MtlReader {
     if (!std::exchange(open_, false)) return;
     const auto [place, is_new] =
         library_->by_name.try_emplace(material_.name, static_cast<int>(library_->materials.size()));
-    if (!is_new) return notes_->add("material given twice, the later one", "material");
+    if (!is_new) return ignored_->add("material given twice, the later one", "material");
     material_.base_color_texture = to_ref(map_kd_);
     const bool textured = material_.base_color_texture.texture != kNone;
     if (!has_kd_) material_.base_color = Rgb{1, 1, 1} * (textured ? 1 : kGrey);
     if (textured && max_component(material_.base_color) == 0) {
       // Some exporters mean "all from the texture"; a product of 0 is never meant.
-      notes_->add("Kd of 0 beside a map_Kd", "material");
+      ignored_->add("Kd of 0 beside a map_Kd", "material");
       material_.base_color = {1, 1, 1};
     }
     if (material_.metallic > 0 && !has_pr_) {
@@ -229,13 +229,13 @@ class MtlReader {
       if (!map_ke_.file.empty() && material_.emission_texture.texture == kNone)
         material_.emission = {};
     }
-    for (const std::string& what : lost_) notes_->add(what, "material");
+    for (const std::string& what : lost_) ignored_->add(what, "material");
     library_->materials.push_back(std::move(material_));
   }
 
   const std::filesystem::path& path_;
   Statements statements_;
-  Notes* notes_;
+  IgnoredFeatures* ignored_;
   MaterialLibrary* library_;
   bool open_ = false, has_kd_ = false, has_ke_ = false, has_pr_ = false;
   Material material_;
@@ -250,18 +250,19 @@ std::filesystem::path find_beside(const std::filesystem::path& scene, const std:
   std::replace(plain.begin(), plain.end(), '\\', '/');
   const std::filesystem::path folder = scene.parent_path(), wanted = plain;
   if (plain.empty() || plain.find('\0') != std::string::npos) return {};
-  std::error_code ignored;
+  std::error_code error;
   const bool foreign = wanted.is_absolute() || plain.find(':') != std::string::npos;
   for (const std::filesystem::path& path :
        {foreign ? std::filesystem::path{} : folder / wanted, folder / wanted.filename()}) {
-    if (!path.empty() && std::filesystem::is_regular_file(path, ignored)) return path;
+    if (!path.empty() && std::filesystem::is_regular_file(path, error)) return path;
   }
   return {};
 }
 
-void read_mtl(const std::filesystem::path& path, Notes* notes, MaterialLibrary* library) {
+void read_mtl(const std::filesystem::path& path, IgnoredFeatures* ignored,
+              MaterialLibrary* library) {
   const std::string text = read_file(path, kMaxBytes);
-  MtlReader(path, text, notes, library).run();
+  MtlReader(path, text, ignored, library).run();
 }
 
 }  // namespace lte::scene::obj

@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lte/scene/import/notes.h"
-#include "lte/scene/load.h"
+#include "lte/scene/import/ignored_features.h"
 #include "lte/scene/scene.h"
 
 namespace lte::scene::obj {
@@ -25,9 +24,11 @@ struct MaterialLibrary {
 /// @return  an empty path if there is no such file
 std::filesystem::path find_beside(const std::filesystem::path& scene, const std::string& name);
 
-/// Adds the materials of one file; of a name given twice the first one counts. Kd and Ke are
-/// linear, Ke is radiance; what a Lambertian surface cannot show is noted, once for each material.
+/// Adds the materials of one file. Of a name that is given twice, the first one counts. Kd and Ke
+/// are linear; Ke is radiance. What a Lambertian surface cannot show is ignored, and recorded once
+/// for each material.
 /// @throws lte::Error naming file and line: a number that is none, not finite or negative.
-void read_mtl(const std::filesystem::path& path, Notes* notes, MaterialLibrary* library);
+void read_mtl(const std::filesystem::path& path, IgnoredFeatures* ignored,
+              MaterialLibrary* library);
 
 }  // namespace lte::scene::obj

@@ -28,7 +28,7 @@ std::string shown(std::string_view word) {
 
 Statements::Statements(std::string_view text, std::string name)
     : text_(text), name_(std::move(name)) {
-  if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);
+  if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);  // a byte order mark
 }
 
 std::string_view Statements::line() {
@@ -41,6 +41,7 @@ std::string_view Statements::line() {
 }
 
 bool Statements::next() {
+  // A statement on one line is a view of the text; only joined lines are copied.
   while (!text_.empty()) {
     statement_ = line();
     first_line_ = line_;

@@ -42,7 +42,7 @@ class Statements {
   int64_t line_ = 0, first_line_ = 0;
 };
 
-/// `word` as it may stand in a message: short, and of printable characters.
+/// The word as it may stand in a message: short, and of printable characters.
 std::string shown(std::string_view word);
 
 }  // namespace lte::scene::obj

@@ -30,7 +30,7 @@ const std::map<std::string, Builder::Entry>& Builder::directives() {
       {"Camera", {name_list, &Builder::camera}},
       {"Film", {name_list, &Builder::film}},
       {"WorldBegin", {none, &Builder::world_begin}},
-      {"WorldEnd", {none, &Builder::ignore_and_note}},  // pbrt-v3
+      {"WorldEnd", {none, &Builder::ignore_and_record}},  // pbrt-v3
       {"Texture", {{.strings = 3, .params = true}, &Builder::texture}},
       {"Material", {name_list, &Builder::material}},
       {"MakeNamedMaterial", {name_list, &Builder::make_named_material}},
@@ -39,8 +39,8 @@ const std::map<std::string, Builder::Entry>& Builder::directives() {
       {"LightSource", {name_list, &Builder::light_source}},
       {"Shape", {name_list, &Builder::shape}},
       {"ColorSpace", {name, &Builder::color_space}},
-      {"MakeNamedMedium", {name_list, &Builder::ignore_and_note}},
-      {"MediumInterface", {{.strings = 1, .optional_strings = 1}, &Builder::ignore_and_note}},
+      {"MakeNamedMedium", {name_list, &Builder::ignore_and_record}},
+      {"MediumInterface", {{.strings = 1, .optional_strings = 1}, &Builder::ignore_and_record}},
       // How pbrt renders, which is no part of a scene.
       {"Option", {list, &Builder::ignore}},
       {"Sampler", {name_list, &Builder::ignore}},
@@ -75,22 +75,22 @@ World Builder::finish(const std::string& scene) {
   LTE_CHECK(in_world_, scene, ": the file has no WorldBegin");
   if (camera_) {
     world_.camera = build_camera(camera_->type, camera_->params, camera_->world_to_camera,
-                                 film_ ? &*film_ : nullptr, &world_.notes);
+                                 film_ ? &*film_ : nullptr, &world_.ignored);
   }
   return std::move(world_);
 }
 
 void Builder::ignore(Call& /*call*/) {}
 
-void Builder::ignore_and_note(Call& call) {
+void Builder::ignore_and_record(Call& call) {
   const bool named = call.directive == "MakeNamedMedium";
-  world_.notes.add(named ? concat(call.directive, " ", quote(call.strings[0])) : call.directive,
-                   call.at);
+  world_.ignored.add(named ? concat(call.directive, " ", quote(call.strings[0])) : call.directive,
+                     call.at);
 }
 
 void Builder::color_space(Call& call) {
   if (call.strings[0] != "srgb")
-    world_.notes.add("ColorSpace " + quote(call.strings[0]) + ": sRGB taken", call.at);
+    world_.ignored.add("ColorSpace " + quote(call.strings[0]) + ": sRGB taken", call.at);
 }
 
 void Builder::need_world(const Call& call) const {
@@ -101,6 +101,7 @@ void Builder::need_options(const Call& call) const {
   if (in_world_) fail(call.at, call.directive, " stands behind WorldBegin");
 }
 
+/// The parameters of a directive, with the defaults that Attribute gave to `target` behind them.
 Params Builder::params(Call& call, const char* target) {
   const auto found = state_.defaults.find(target);
   std::string what = call.directive;
@@ -123,9 +124,10 @@ void Builder::set_active(const Transform& value) {
   }
 }
 
+/// The transform at the start of the shutter; motion is left out.
 const Transform& Builder::current(const Location& at) {
   if (!(state_.transform[0] == state_.transform[1]))
-    world_.notes.add("animated transform: its start is taken", at);
+    world_.ignored.add("animated transform: its start is taken", at);
   return state_.transform[0];
 }
 
@@ -158,7 +160,8 @@ void Builder::coord_sys_transform(Call& call) {
   if (found != named_transforms_.end()) {
     state_.transform = found->second;
   } else {  // pbrt warns, too, and goes on
-    world_.notes.add("CoordSysTransform: no coordinate system " + quote(call.strings[0]), call.at);
+    world_.ignored.add("CoordSysTransform: no coordinate system " + quote(call.strings[0]),
+                       call.at);
   }
 }
 

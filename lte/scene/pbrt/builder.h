@@ -51,7 +51,7 @@ class Builder {
   static const std::map<std::string, Entry>& directives();
 
   void ignore(Call& call);
-  void ignore_and_note(Call& call);
+  void ignore_and_record(Call& call);
   void color_space(Call& call);
   void identity(Call& call);
   void translate(Call& call);

@@ -18,7 +18,8 @@ std::array<double, 4> screen_window(const Params& params, const Params* film) {
   }
   int width = 1280, height = 720;  // pbrt's defaults
   if (film != nullptr) {
-    width = film->integer("xresolution", width), height = film->integer("yresolution", height);
+    width = film->integer("xresolution", width);
+    height = film->integer("yresolution", height);
     if (width <= 0 || height <= 0)
       fail(film->at(), film->what(), ": its resolution must be positive, got ", width, " x ",
            height);
@@ -39,9 +40,9 @@ Vec3 column(const Transform& t, size_t index) {
 
 std::optional<Camera> build_camera(const std::string& type, const Params& params,
                                    const Transform& world_to_camera, const Params* film,
-                                   Notes* notes) {
+                                   IgnoredFeatures* ignored) {
   if (type != "perspective") {
-    notes->add("Camera " + quote(type), params.at());
+    ignored->add("Camera " + quote(type), params.at());
     return std::nullopt;
   }
   const Transform to_world = inverse(world_to_camera, params.at());
@@ -68,16 +69,16 @@ std::optional<Camera> build_camera(const std::string& type, const Params& params
 
   const double tolerance = 1e-4 * (window[1] - window[0]);
   if (std::abs(window[0] + window[1]) > tolerance || std::abs(window[2] + window[3]) > tolerance)
-    notes->add("screenwindow off the middle: the camera looks through its middle", params.at());
+    ignored->add("screenwindow off the middle: the camera looks through its middle", params.at());
   const float skew = std::abs(dot(right, up)) / (length(right) * length(up)) +
                      std::abs(dot(ahead, up)) / (length(ahead) * length(up)) +
                      std::abs(length(right) / length(up) - 1);
-  if (skew > 1e-3f) notes->add("camera transform with skew or uneven scale", params.at());
+  if (skew > 1e-3f) ignored->add("camera transform with skew or uneven scale", params.at());
   if (params.number("lensradius", 0) > 0)
-    notes->add("lens of the camera: a pinhole is taken", params.at());
+    ignored->add("lens of the camera: a pinhole is taken", params.at());
   for (const char* harmless : {"focaldistance", "shutteropen", "shutterclose"})
     params.has(harmless);
-  note_unused(params, notes);
+  ignore_unused(params, ignored);
   return out;
 }
 

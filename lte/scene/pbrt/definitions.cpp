@@ -77,7 +77,7 @@ void Builder::named_material(Call& call) {
 
 void Builder::area_light_source(Call& call) {
   if (call.strings[0] != "diffuse" && call.strings[0] != "area") {
-    world_.notes.add("AreaLightSource " + quote(call.strings[0]), call.at);
+    world_.ignored.add("AreaLightSource " + quote(call.strings[0]), call.at);
     state_.area_light = kNone;
     return;
   }
@@ -89,12 +89,12 @@ void Builder::light_source(Call& call) {
   need_world(call);
   const std::string type = call.strings[0];
   if (type == "infinite") {
-    add_infinite_light(params(call, "light"), current(call.at), *files_, limits_, &world_.notes,
+    add_infinite_light(params(call, "light"), current(call.at), *files_, limits_, &world_.ignored,
                        &world_.infinite);
     return;
   }
   std::optional<PunctualLight> light =
-      build_light(type, params(call, "light"), current(call.at), *files_, &world_.notes);
+      build_light(type, params(call, "light"), current(call.at), *files_, &world_.ignored);
   if (light) world_.lights.push_back(std::move(*light));
 }
 
@@ -103,7 +103,7 @@ void Builder::shape(Call& call) {
   const std::string type = call.strings[0];
   const Params own = params(call, "shape");
   if (object_ && state_.area_light != kNone)
-    world_.notes.add("area light in an object: pbrt has none there, ignored", call.at);
+    world_.ignored.add("area light in an object: pbrt has none there, ignored", call.at);
   const int area_light = object_ ? kNone : state_.area_light;
 
   // Scenes of thousands of spheres have a few different ones.
@@ -119,10 +119,10 @@ void Builder::shape(Call& call) {
   int index = kNone;
   if (known != quadrics_.end()) {
     index = known->second;
-    note_left_out(own, &world_.notes);
+    ignore_left_out(own, &world_.ignored);
   } else {
     BuiltShape built =
-        build_shape(type, own, state_.reverse_orientation, *files_, limits_, &world_.notes);
+        build_shape(type, own, state_.reverse_orientation, *files_, limits_, &world_.ignored);
     if (built.mesh.triangles.empty()) return;
     triangles_ += static_cast<int64_t>(built.mesh.triangles.size());
     if (triangles_ > limits_.triangles)

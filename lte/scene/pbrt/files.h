@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "lte/scene/load.h"
+#include "lte/scene/import/limits.h"
 #include "lte/scene/pbrt/source.h"
 
 namespace lte::scene::pbrt {
@@ -18,13 +18,13 @@ class Files {
   Files(const std::filesystem::path& scene, const LoadLimits& limits)
       : folder_(scene.parent_path()), limits_(limits) {}
 
-  /// A name from a directive at `at`: relative to the file it stands in, or, where nothing is
-  /// there, to the scene's file, as pbrt itself has it.
+  /// Finds the file that a directive at `at` names: relative to the file that the directive stands
+  /// in, or, where nothing is there, to the scene's file, as pbrt itself does.
   /// @throws lte::Error if neither exists or it is not a regular file.
   std::filesystem::path find(const std::string& name, const Location& at) const;
 
-  /// Opens one more text file for parsing. close() ends it.
-  /// @param at  of the directive that names it; no file for the scene itself
+  /// Opens one more text file for parsing, until close().
+  /// @param at  place of the directive that names it; without a file for the scene itself
   /// @return    its interned name
   /// @throws lte::Error for a file that is being read already, too many files or too deep a
   /// nesting.

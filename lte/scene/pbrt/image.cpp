@@ -25,7 +25,7 @@ void collect(const TextureNode& node, std::vector<const TextureNode*>* leaves) {
   }
 }
 
-/// To our uv, whose v points down, from a picture that covers [0, period]² of st.
+/// Maps our uv, whose v points down, into a picture that covers [0, period]² of st.
 TextureRef reference(int picture, const Mapping& mapping, Wrap wrap, int period) {
   const auto p = static_cast<float>(period);
   TextureRef out;
@@ -70,7 +70,9 @@ int ImageTable::plain(const std::string& file, const std::string& encoding, cons
       plain_.insert({{path, encoding}, static_cast<int>(pictures_.size())});
   if (is_new) {
     Picture picture;
-    picture.path = path, picture.encoding = encoding, picture.at = at;
+    picture.path = path;
+    picture.encoding = encoding;
+    picture.at = at;
     pictures_.push_back(std::move(picture));
   }
   return place->second;
@@ -90,11 +92,15 @@ Appearance ImageTable::resolve(const TexturePtr& texture) {
   return found != baked_.end() ? found->second : (baked_[texture] = bake(texture));
 }
 
+/// Plans a picture of a whole expression. Where all leaves map uv to st alike, it covers one period
+/// of st and keeps the mapping; otherwise it covers the unit square of uv, which is exact only
+/// where every leaf repeats there a whole number of times.
 Appearance ImageTable::bake(const TexturePtr& texture) {
   std::vector<const TextureNode*> leaves;
   collect(*texture, &leaves);
   Picture picture;
-  picture.baked = texture, picture.at = texture->at;
+  picture.baked = texture;
+  picture.at = texture->at;
   bool same = true, clamps = false, repeats = false, whole = true;
   for (const TextureNode* leaf : leaves) {
     const bool check = leaf->kind == Kind::Checkerboard;
@@ -109,8 +115,8 @@ Appearance ImageTable::bake(const TexturePtr& texture) {
   if (!picture.in_st) {
     picture.period = 1;
     if (clamps || !whole)
-      notes_->add("texture of textures with different mappings: baked over the unit square of uv",
-                  texture->at);
+      ignored_->add("texture of textures with different mappings: baked over the unit square of uv",
+                    texture->at);
   }
   const int index = static_cast<int>(pictures_.size());
   const TextureRef ref =
@@ -179,6 +185,7 @@ Rgb ImageTable::value(const Picture& picture, const TextureNode& node, const Vec
   return {};
 }
 
+/// As many texels as the finest image or checkerboard of the expression has over the picture.
 void ImageTable::size_of(const Picture& picture, double* width, double* height) const {
   std::vector<const TextureNode*> leaves;
   collect(*picture.baked, &leaves);
@@ -187,16 +194,19 @@ void ImageTable::size_of(const Picture& picture, double* width, double* height) 
     double w = kCheckTexels, h = kCheckTexels;  // of one unit of st
     if (leaf->kind == Kind::Image) {
       const Texture& texture = *pictures_[static_cast<size_t>(picture.leaves.at(leaf))].texture;
-      w = texture.width(), h = texture.height();
+      w = texture.width();
+      h = texture.height();
     }
     const bool st = picture.in_st;
     *width = std::max(*width, w * (st ? picture.period : std::abs(leaf->mapping.scale.x)));
     *height = std::max(*height, h * (st ? picture.period : std::abs(leaf->mapping.scale.y)));
   }
   const double most = std::min(kMaxBaked, std::sqrt(static_cast<double>(limits_.texture_pixels)));
-  *width = std::ceil(std::min(*width, most)), *height = std::ceil(std::min(*height, most));
+  *width = std::ceil(std::min(*width, most));
+  *height = std::ceil(std::min(*height, most));
 }
 
+/// Evaluates the expression at the middle of each texel.
 void ImageTable::evaluate(Picture* picture) const {
   double columns = 0, rows = 0;
   size_of(*picture, &columns, &rows);
@@ -218,12 +228,17 @@ void ImageTable::evaluate(Picture* picture) const {
 }
 
 std::vector<std::shared_ptr<const Texture>> ImageTable::finish(std::vector<Material>* materials) {
+  // Files first, as baked pictures read them.
   for (const bool baked : {false, true}) {
     parallel_for(static_cast<int64_t>(pictures_.size()), 1, [&](int64_t begin, int64_t end) {
       for (int64_t i = begin; i < end; ++i) {
         Picture& picture = pictures_[static_cast<size_t>(i)];
         if ((picture.baked != nullptr) != baked) continue;
-        baked ? evaluate(&picture) : decode(&picture);
+        if (baked) {
+          evaluate(&picture);
+        } else {
+          decode(&picture);
+        }
       }
     });
   }

@@ -12,7 +12,7 @@
 
 namespace lte::scene::pbrt {
 
-/// A factor, and perhaps an image: what Material has.
+/// A factor, and perhaps an image, as Material has them.
 struct Appearance {
   Rgb factor{1, 1, 1};
   TextureRef texture;  ///< `texture.texture` counts pictures of the table until finish()
@@ -20,16 +20,16 @@ struct Appearance {
 
 class ImageTable {
  public:
-  ImageTable(const Files& files, const LoadLimits& limits, Notes* notes)
-      : files_(files), limits_(limits), notes_(notes) {}
+  ImageTable(const Files& files, const LoadLimits& limits, IgnoredFeatures* ignored)
+      : files_(files), limits_(limits), ignored_(ignored) {}
 
   Appearance resolve(const TexturePtr& texture);
   /// The picture of an area light, which spans the unit square of uv.
   TextureRef light_image(const std::string& file, const Location& at);
 
-  /// Decodes and bakes in parallel, each picture once; turns the materials' references into indices
-  /// of the result. Values above 1 are stored divided by their maximum, which the materials'
-  /// factors take over.
+  /// Decodes and bakes the pictures in parallel, each once, and turns the materials' references
+  /// into indices of the result. A picture with values above 1 is stored divided by its maximum,
+  /// which the materials' factors take over.
   std::vector<std::shared_ptr<const Texture>> finish(std::vector<Material>* materials);
 
  private:
@@ -54,7 +54,7 @@ class ImageTable {
 
   const Files& files_;
   const LoadLimits& limits_;
-  Notes* notes_;
+  IgnoredFeatures* ignored_;
   std::vector<Picture> pictures_;
   std::map<std::pair<std::string, std::string>, int> plain_;
   std::map<TexturePtr, Appearance> baked_;

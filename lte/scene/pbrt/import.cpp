@@ -35,7 +35,8 @@ void add_default_uvs(Mesh* mesh) {
   mesh->uvs[0] = std::move(out.uvs[0]);
 }
 
-/// From a World to a Scene: materials are followed, shapes become meshes, placements instances.
+/// Turns a World into a Scene: it follows materials, and makes meshes of shapes and instances of
+/// placements.
 class Importer {
  public:
   Importer(World* world, const Files& files, const LoadLimits& limits, std::string name)
@@ -43,9 +44,9 @@ class Importer {
         files_(files),
         limits_(limits),
         file_(std::move(name)),
-        textures_(world_, files, &world_.notes),
-        materials_(world_, textures_, files, &world_.notes),
-        images_(files, limits, &world_.notes),
+        textures_(world_, files, &world_.ignored),
+        materials_(world_, textures_, files, &world_.ignored),
+        images_(files, limits, &world_.ignored),
         mesh_of_shape_(world_.shapes.size(), kUnseen) {}
 
   Scene run() {
@@ -71,7 +72,7 @@ class Importer {
     add_environment_group(&scene_);
     if (world_.camera) scene_.cameras.push_back(*world_.camera);
     finish_materials();
-    scene_.ignored = world_.notes.lines();
+    scene_.ignored = world_.ignored.lines();
     return std::move(scene_);
   }
 
@@ -100,7 +101,7 @@ class Importer {
     const TexturePtr albedo = materials_.albedo(shape->material);
     if (!albedo) {
       if (shape->area_light != kNone)
-        world_.notes.add("area light of a shape that is left out", shape->at);
+        world_.ignored.add("area light of a shape that is left out", shape->at);
       return kNone;
     }
     const int index = material_of(*shape, albedo, to_world);
@@ -109,8 +110,8 @@ class Importer {
     const bool textured =
         material.base_color_texture.texture != kNone || material.emission_texture.texture != kNone;
     if (textured && shape->mesh.uvs[0].empty()) {
-      world_.notes.add("texture on a shape without uv: (0,0) (1,0) (1,1) on each triangle",
-                       shape->at);
+      world_.ignored.add("texture on a shape without uv: (0,0) (1,0) (1,1) on each triangle",
+                         shape->at);
       add_default_uvs(&shape->mesh);
     }
     scene_.meshes.push_back(std::move(shape->mesh));
@@ -131,7 +132,8 @@ class Importer {
     material.base_color = appearance.factor;
     material.base_color_texture = appearance.texture;
     const Gloss gloss = materials_.gloss(shape.material);
-    material.metallic = gloss.metallic, material.roughness = gloss.roughness;
+    material.metallic = gloss.metallic;
+    material.roughness = gloss.roughness;
     bool shareable = true;
     if (shape.area_light != kNone) shareable = add_emission(shape, to_world, &material);
     const int index = static_cast<int>(scene_.materials.size());
@@ -149,12 +151,12 @@ class Importer {
       fail(light.at(), light.what(), " has both \"L\" and \"filename\"");
     material->double_sided = light.boolean("twosided", false);
     material->emission =
-        color != nullptr ? to_illuminant(*color, files_, &world_.notes) : Rgb{1, 1, 1};
+        color != nullptr ? to_illuminant(*color, files_, &world_.ignored) : Rgb{1, 1, 1};
     if (!picture.empty()) material->emission_texture = images_.light_image(picture, light.at());
     const double scale = light.number("scale", 1), power = light.number("power", -1);
     if (scale < 0) fail(light.at(), light.what(), ": \"scale\" is negative");
     for (const char* harmless : {"nsamples", "samples"}) light.has(harmless);
-    note_unused(light, &world_.notes);
+    ignore_unused(light, &world_.ignored);
     material->emission *= static_cast<float>(scale);
     if (power > 0) {
       material->emission *= static_cast<float>(power / unit_power(shape, to_world, light));
@@ -173,7 +175,7 @@ class Importer {
     for (const double area : each) total += area;
     const auto [least, most] = std::minmax_element(each.begin(), each.end());
     if (shape.parts == static_cast<int64_t>(each.size()) && *least < *most * 0.999)
-      world_.notes.add(
+      world_.ignored.add(
           "power of an area light: its triangles differ in size, their mean radiance "
           "taken",
           light.at());
@@ -216,14 +218,13 @@ class Importer {
 
 }  // namespace
 
-Scene load_pbrt_scene(const std::filesystem::path& path, const LoadLimits& limits) {
+Scene import(const std::filesystem::path& path, const LoadLimits& limits) {
   Files files(path, limits);
   Builder builder(&files, limits);
   parse_file(path, &files,
              {Builder::syntax, [&](Call&& call) { builder.execute(std::move(call)); }});
   World world = builder.finish(path.string());
   Scene scene = Importer(&world, files, limits, path.string()).run();
-  scene.name = path.stem().string();
   return scene;
 }
 

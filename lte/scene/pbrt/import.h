@@ -3,12 +3,14 @@
 
 #include <filesystem>
 
-#include "lte/scene/load.h"
+#include "lte/scene/import/limits.h"
+#include "lte/scene/scene.h"
 
 namespace lte::scene::pbrt {
 
-/// load_scene() of a .pbrt file.
+/// Reads a .pbrt file with all that it includes; either may be gzip.
+/// Scene::name is left to load_scene().
 /// @throws lte::Error naming file and line.
-Scene load_pbrt_scene(const std::filesystem::path& path, const LoadLimits& limits);
+Scene import(const std::filesystem::path& path, const LoadLimits& limits);
 
 }  // namespace lte::scene::pbrt

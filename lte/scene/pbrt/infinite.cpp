@@ -13,7 +13,8 @@ constexpr double kOrthogonal = 1e-3;  ///< cosine between axes that is still tak
 
 /// The light's axes in the world, scaled to unit length. pbrt looks directions up through the
 /// inverse of its transform; for rotations, mirrors and uniform scales that is the same.
-std::array<Vec3, 3> world_axes(const Transform& to_world, const Params& params, Notes* notes) {
+std::array<Vec3, 3> world_axes(const Transform& to_world, const Params& params,
+                               IgnoredFeatures* ignored) {
   const Affine affine = to_affine(to_world, params.at());
   std::array<Vec3, 3> axes{normalize(affine.vector({1, 0, 0})), normalize(affine.vector({0, 1, 0})),
                            normalize(affine.vector({0, 0, 1}))};
@@ -23,8 +24,8 @@ std::array<Vec3, 3> world_axes(const Transform& to_world, const Params& params, 
                             length(affine.vector({0, 0, 1}))};
   const auto [least, most] = std::minmax({lengths[0], lengths[1], lengths[2]});
   if (skew > kOrthogonal || least < most * (1 - kOrthogonal))
-    notes->add("infinite light: its transform stretches or shears, only its rotation is taken",
-               params.at());
+    ignored->add("infinite light: its transform stretches or shears, only its rotation is taken",
+                 params.at());
   // Gram-Schmidt; the third keeps its hand.
   axes[1] = normalize(axes[1] - axes[0] * dot(axes[0], axes[1]));
   const Vec3 third = cross(axes[0], axes[1]);
@@ -81,12 +82,12 @@ double pbrt_illuminance(const image::Image& image) {
 /// @param latitude  pbrt-v3's mapping, and its "L", which scales the picture
 void add_picture(const std::string& file, bool latitude, const Params& params,
                  const Transform& to_world, const Files& files, const LoadLimits& limits,
-                 Notes* notes, InfiniteLight* light) {
+                 IgnoredFeatures* ignored, InfiniteLight* light) {
   image::Image picture = read_radiance(file, params, files, limits);
   if (!latitude && picture.width != picture.height)
     fail(params.at(), params.what(), ": ", quote(file), " is ", picture.width, "x", picture.height,
          "; pbrt-v4 has square pictures, of its equal-area mapping");
-  Rgb factor = latitude ? light_color(params, "L", files, notes)
+  Rgb factor = latitude ? light_color(params, "L", files, ignored)
                         : Rgb{1, 1, 1} * static_cast<float>(params.number("scale", 1));
   const double wanted = params.number("illuminance", -1);
   if (wanted > 0 && !latitude) {
@@ -103,7 +104,7 @@ void add_picture(const std::string& file, bool latitude, const Params& params,
     if (!std::isfinite(value)) fail(params.at(), params.what(), ": its radiance is not finite");
   }
   light->picture = std::move(picture);
-  light->axes = world_axes(to_world, params, notes);
+  light->axes = world_axes(to_world, params, ignored);
   light->mapping = latitude ? SphereMapping::Equirectangular : SphereMapping::EqualArea;
   if (latitude) light->axes = latitude_axes(light->axes);
 }
@@ -111,29 +112,29 @@ void add_picture(const std::string& file, bool latitude, const Params& params,
 }  // namespace
 
 void add_infinite_light(const Params& params, const Transform& to_world, const Files& files,
-                        const LoadLimits& limits, Notes* notes,
+                        const LoadLimits& limits, IgnoredFeatures* ignored,
                         std::optional<InfiniteLight>* lights) {
   const std::string square = params.text("filename", ""), latitude = params.text("mapname", "");
   const std::string& file = square.empty() ? latitude : square;
   if (!square.empty() && params.has("L"))
     fail(params.at(), params.what(), " has both \"L\" and \"filename\"");
   if (params.has("portal"))
-    notes->add("portal of an infinite light: its light comes from all directions", params.at());
+    ignored->add("portal of an infinite light: its light comes from all directions", params.at());
   for (const char* harmless : {"nsamples", "samples"}) params.has(harmless);
   InfiniteLight light = lights->value_or(InfiniteLight{});
   if (file.empty()) {
-    Rgb color = light_color(params, "L", files, notes);
+    Rgb color = light_color(params, "L", files, ignored);
     const double illuminance = params.number("illuminance", -1);
     if (illuminance > 0) color *= static_cast<float>(illuminance / M_PI);
     if (!is_finite(color) || color.x < 0 || color.y < 0 || color.z < 0)
       fail(params.at(), params.what(), ": its radiance is negative or not finite");
     light.constant += color;
   } else if (light.picture) {
-    notes->add("second infinite light with a picture: ignored", params.at());
+    ignored->add("second infinite light with a picture: ignored", params.at());
   } else {
-    add_picture(file, square.empty(), params, to_world, files, limits, notes, &light);
+    add_picture(file, square.empty(), params, to_world, files, limits, ignored, &light);
   }
-  note_unused(params, notes);
+  ignore_unused(params, ignored);
   *lights = std::move(light);
 }
 

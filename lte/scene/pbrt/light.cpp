@@ -32,20 +32,21 @@ void scale_to(const Params& params, const std::string& name, double unit, Rgb* c
 
 }  // namespace
 
-Rgb light_color(const Params& params, const std::string& name, const Files& files, Notes* notes) {
+Rgb light_color(const Params& params, const std::string& name, const Files& files,
+                IgnoredFeatures* ignored) {
   const Parameter* parameter = params.find(name);
-  const Rgb rgb = parameter != nullptr ? to_illuminant(*parameter, files, notes) : Rgb{1, 1, 1};
+  const Rgb rgb = parameter != nullptr ? to_illuminant(*parameter, files, ignored) : Rgb{1, 1, 1};
   return rgb * static_cast<float>(params.number("scale", 1));
 }
 
 std::optional<PunctualLight> build_light(const std::string& type, const Params& params,
                                          const Transform& to_world, const Files& files,
-                                         Notes* notes) {
+                                         IgnoredFeatures* ignored) {
   if (type != "point" && type != "spot" && type != "distant") {
-    notes->add(type == "goniometric" || type == "projection"
-                   ? "LightSource " + quote(type) + ": not supported, ignored"
-                   : "unknown LightSource " + quote(type),
-               params.at());
+    ignored->add(type == "goniometric" || type == "projection"
+                     ? "LightSource " + quote(type) + ": not supported, ignored"
+                     : "unknown LightSource " + quote(type),
+                 params.at());
     return std::nullopt;
   }
   const Affine affine = to_affine(to_world, params.at());
@@ -53,13 +54,13 @@ std::optional<PunctualLight> build_light(const std::string& type, const Params& 
   out.name = concat(type, " light ", params.at());
   if (type == "point") {
     out.position = affine.point(params.point("from", {0, 0, 0}));
-    out.intensity = light_color(params, "I", files, notes);
+    out.intensity = light_color(params, "I", files, ignored);
     scale_to(params, "power", 4 * M_PI, &out.intensity);
   } else if (type == "distant") {
     const Aim line = aim(params, affine);
     out.kind = LightKind::Directional;
     out.direction = line.direction;
-    out.intensity = light_color(params, "L", files, notes);
+    out.intensity = light_color(params, "L", files, ignored);
     scale_to(params, "illuminance", 1, &out.intensity);
   } else {
     const Aim line = aim(params, affine);
@@ -68,17 +69,18 @@ std::optional<PunctualLight> build_light(const std::string& type, const Params& 
       fail(params.at(), params.what(), ": \"coneangle\" must be in (0, 180], got ", cone);
     const double inner = std::clamp(cone - delta, 0.0, cone);
     out.kind = LightKind::Spot;
-    out.position = line.origin, out.direction = line.direction;
+    out.position = line.origin;
+    out.direction = line.direction;
     out.outer_cone = static_cast<float>(cone * kDegree);
     out.inner_cone = static_cast<float>(inner * kDegree);
-    out.intensity = light_color(params, "I", files, notes);
+    out.intensity = light_color(params, "I", files, ignored);
     const double start = std::cos(inner * kDegree), end = std::cos(cone * kDegree);
     scale_to(params, "power", 2 * M_PI * ((1 - start) + (start - end) / 2), &out.intensity);
     if (inner < cone)
-      notes->add("spot light: its smoothstep falloff becomes the square of a linear one",
-                 params.at());
+      ignored->add("spot light: its smoothstep falloff becomes the square of a linear one",
+                   params.at());
   }
-  note_unused(params, notes);
+  ignore_unused(params, ignored);
   if (!is_finite(out.position) || !is_finite(out.intensity))
     fail(params.at(), params.what(), ": its position or intensity is not finite");
   if (out.intensity.x < 0 || out.intensity.y < 0 || out.intensity.z < 0)

@@ -17,7 +17,7 @@ constexpr float kTexturedAlpha = 0.3f;  ///< where a texture says how rough a co
 struct Simple {
   std::string_view type, parameter;
   float fallback;       ///< pbrt's default
-  const char* dropped;  ///< what is left out, for the notes; nullptr for nothing
+  const char* dropped;  ///< what is left out, for the ignored; nullptr for nothing
 };
 
 constexpr std::array<Simple, 13> kSimple = {{
@@ -61,7 +61,7 @@ MaterialTable::Built MaterialTable::follow(int index, int depth) {
   if (found != built_.end()) return found->second;
   if (depth > kMaxDepth) fail(def.at, "mixtures of materials nested deeper than ", kMaxDepth);
   const Built out = build(def, depth);
-  note_unused(*def.params, notes_);
+  ignore_unused(*def.params, ignored_);
   built_[index] = out;
   return out;
 }
@@ -71,11 +71,11 @@ TexturePtr MaterialTable::conductor(const Params& params, const std::string& pre
   const Parameter *eta = params.find(prefix + "eta"), *k = params.find(prefix + "k");
   for (const Parameter* parameter : {eta, k}) {
     if (parameter == nullptr || !parameter->is_texture()) continue;
-    notes_->add("texture of a conductor's eta or k, 0.5 taken", parameter->at);
+    ignored_->add("texture of a conductor's eta or k, 0.5 taken", parameter->at);
     return grey(0.5f);
   }
   if (eta == nullptr && k == nullptr) return constant_texture(*named_conductor("Cu"));
-  return constant_texture(to_conductor(eta, k, files_, notes_));
+  return constant_texture(to_conductor(eta, k, files_, ignored_));
 }
 
 /// α as pbrt has it, then the roughness whose square it is.
@@ -90,25 +90,26 @@ float MaterialTable::roughness(const MaterialDef& def, const std::string& prefix
     const std::string name = prefix + (axis == 0 ? "uroughness" : "vroughness");
     if (params.has(name)) axes[axis] = textures_.of_float(params, name, 0);
     if (axes[axis]->kind != TextureNode::Kind::Constant) {
-      notes_->add(concat("texture of a conductor's roughness: ", kTexturedAlpha, " taken"), def.at);
+      ignored_->add(concat("texture of a conductor's roughness: ", kTexturedAlpha, " taken"),
+                    def.at);
       return std::sqrt(kTexturedAlpha);
     }
     const double value = std::clamp(axes[axis]->value.x, 0.0f, 1.0f);
     product *= !remap ? value : v3 ? remap_v3(value) : std::sqrt(value);
   }
   if (!(axes[0]->value == axes[1]->value))
-    notes_->add("anisotropic roughness of a conductor: the geometric mean taken", def.at);
+    ignored_->add("anisotropic roughness of a conductor: the geometric mean taken", def.at);
   return static_cast<float>(std::pow(std::clamp(product, 0.0, 1.0), 0.25));
 }
 
 MaterialTable::Built MaterialTable::metal(const MaterialDef& def) {
   const Params& params = *def.params;
   if (def.type == "mirror") {
-    notes_->add("Material \"mirror\": a pbrt-v3 material, a conductor with Kr", def.at);
+    ignored_->add("Material \"mirror\": a pbrt-v3 material, a conductor with Kr", def.at);
     return {textures_.of(params, "Kr", {0.9f, 0.9f, 0.9f}), {1, 0}};
   }
   const bool coated = def.type == "coatedconductor";
-  if (coated) notes_->add("Material \"coatedconductor\": its coating is left out", def.at);
+  if (coated) ignored_->add("Material \"coatedconductor\": its coating is left out", def.at);
   const std::string prefix = coated ? "conductor." : "";
   return {conductor(params, prefix), {1, roughness(def, prefix)}};
 }
@@ -130,7 +131,8 @@ MaterialTable::Built MaterialTable::mixture(const MaterialDef& def, int depth) {
     if (found == world_.named_materials.end())
       fail(def.at, "a mix of the material ", quote(parts[i]), ", which is not made");
     const Built part = follow(found->second, depth + 1);
-    albedos[i] = part.albedo, glosses[i] = part.gloss;
+    albedos[i] = part.albedo;
+    glosses[i] = part.gloss;
     if (!albedos[i]) albedos[i] = grey(0);  // what passes through the surface is not reflected
   }
   const TexturePtr amount = textures_.of_float(params, "amount", 0.5f);
@@ -138,9 +140,9 @@ MaterialTable::Built MaterialTable::mixture(const MaterialDef& def, int depth) {
   const auto& [a, b] = glosses;
   if (!(a.metallic > 0 || b.metallic > 0)) return {albedo, {}};
   // Surfaces have one color and one roughness, so those of the parts are mixed, too.
-  notes_->add("mix with a metal: colors and roughnesses are mixed, too", def.at);
+  ignored_->add("mix with a metal: colors and roughnesses are mixed, too", def.at);
   const bool constant = amount->kind == TextureNode::Kind::Constant;
-  if (!constant) notes_->add("texture of the amount of metal in a mix: 0.5 taken", def.at);
+  if (!constant) ignored_->add("texture of the amount of metal in a mix: 0.5 taken", def.at);
   const float t = constant ? std::clamp(amount->value.x, 0.0f, 1.0f) : 0.5f;
   const float metal_a = (1 - t) * a.metallic, metal_b = t * b.metallic, sum = metal_a + metal_b;
   if (!(sum > 0)) return {albedo, {}};
@@ -150,13 +152,13 @@ MaterialTable::Built MaterialTable::mixture(const MaterialDef& def, int depth) {
 MaterialTable::Built MaterialTable::build(const MaterialDef& def, int depth) {
   const Params& params = *def.params;
   if (is_interface(def.type)) {
-    notes_->add("surfaces of the material \"interface\": left out", def.at);
+    ignored_->add("surfaces of the material \"interface\": left out", def.at);
     return {};
   }
   for (const Simple& simple : kSimple) {
     if (simple.type != def.type) continue;
     if (simple.dropped != nullptr)
-      notes_->add(concat("Material ", quote(def.type), ": ", simple.dropped), def.at);
+      ignored_->add(concat("Material ", quote(def.type), ": ", simple.dropped), def.at);
     return {textures_.of(params, std::string(simple.parameter),
                          {simple.fallback, simple.fallback, simple.fallback}),
             {}};
@@ -164,10 +166,10 @@ MaterialTable::Built MaterialTable::build(const MaterialDef& def, int depth) {
   if (is_metal(def.type)) return metal(def);
   if (def.type == "mix") return mixture(def, depth);
   if (def.type == "dielectric" || def.type == "thindielectric" || def.type == "glass") {
-    notes_->add("Material " + quote(def.type) + ": white and opaque", def.at);
+    ignored_->add("Material " + quote(def.type) + ": white and opaque", def.at);
     return {grey(1), {}};
   }
-  notes_->add("unknown Material " + quote(def.type) + ": 0.5 taken", def.at);
+  ignored_->add("unknown Material " + quote(def.type) + ": 0.5 taken", def.at);
   return {grey(0.5f), {}};
 }
 

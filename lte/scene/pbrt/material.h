@@ -12,14 +12,15 @@ namespace lte::scene::pbrt {
 
 class MaterialTable {
  public:
-  MaterialTable(const World& world, const TextureTable& textures, const Files& files, Notes* notes)
-      : world_(world), textures_(textures), files_(files), notes_(notes) {}
+  MaterialTable(const World& world, const TextureTable& textures, const Files& files,
+                IgnoredFeatures* ignored)
+      : world_(world), textures_(textures), files_(files), ignored_(ignored) {}
 
-  /// The albedo of World::materials[index]; nullptr for one that is not seen: pbrt's "interface".
+  /// The albedo of World::materials[index]; nullptr for pbrt's "interface", which is not seen.
   /// @throws lte::Error with file and line for a material that is named but never made, or a
   /// mixture of itself.
   TexturePtr albedo(int index) { return follow(index, 0).albedo; }
-  /// How much of it is metal, and how rough that is.
+  /// How much of the material is metal, and how rough that is.
   Gloss gloss(int index) { return follow(index, 0).gloss; }
 
  private:
@@ -37,7 +38,7 @@ class MaterialTable {
   const World& world_;
   const TextureTable& textures_;
   const Files& files_;
-  Notes* notes_;
+  IgnoredFeatures* ignored_;
   std::map<int, Built> built_;
 };
 

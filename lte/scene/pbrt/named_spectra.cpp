@@ -89,9 +89,9 @@ std::string substance_of(const std::string& name) {
 }
 
 Rgb unknown_spectrum(const std::string& name, const Rgb& used, const Parameter& parameter,
-                     Notes* notes) {
-  notes->add(concat("named spectrum ", quote(name), " is not known here, ", used.x, " taken"),
-             parameter.at);
+                     IgnoredFeatures* ignored) {
+  ignored->add(concat("named spectrum ", quote(name), " is not known here, ", used.x, " taken"),
+               parameter.at);
   return used;
 }
 
@@ -99,7 +99,7 @@ bool is_pairs(const Parameter& parameter) {
   return parameter.type == "spectrum" && name_of(parameter).empty();
 }
 
-/// Of one channel: what n and k are where they are rgb or one number.
+/// The value of one channel where n or k is given as rgb or as one number.
 Rgb conductor_of_rgb(const Rgb& eta, const Rgb& k) {
   Rgb out;
   for (int c = 0; c < 3; ++c) out[c] = static_cast<float>(conductor_reflectance(eta[c], k[c]));
@@ -108,20 +108,20 @@ Rgb conductor_of_rgb(const Rgb& eta, const Rgb& k) {
 
 }  // namespace
 
-Rgb to_reflectance(const Parameter& parameter, const Files& files, Notes* notes) {
+Rgb to_reflectance(const Parameter& parameter, const Files& files, IgnoredFeatures* ignored) {
   if (is_rgb(parameter)) return read_rgb(parameter);
   if (parameter.type != "spectrum") fail_type(parameter);
   const std::string name = name_of(parameter);
   if (name.empty()) return reflectance_to_rgb(read_pairs(parameter, files));
-  return unknown_spectrum(name, {0.5f, 0.5f, 0.5f}, parameter, notes);
+  return unknown_spectrum(name, {0.5f, 0.5f, 0.5f}, parameter, ignored);
 }
 
-Rgb to_illuminant(const Parameter& parameter, const Files& files, Notes* notes) {
+Rgb to_illuminant(const Parameter& parameter, const Files& files, IgnoredFeatures* ignored) {
   if (is_rgb(parameter)) return read_rgb(parameter);
   if (parameter.type == "blackbody") {
     // pbrt-v3 gave a scale behind the temperature, and radiance in absolute units.
     if (parameter.numbers.size() == 2)
-      notes->add("pbrt-v3 blackbody: its scale is ignored, luminance 1 taken", parameter.at);
+      ignored->add("pbrt-v3 blackbody: its scale is ignored, luminance 1 taken", parameter.at);
     else
       check_values(parameter, 1);
     const double kelvin = parameter.numbers[0];
@@ -134,10 +134,11 @@ Rgb to_illuminant(const Parameter& parameter, const Files& files, Notes* notes) 
   const std::string name = name_of(parameter);
   if (name.empty()) return illuminant_to_rgb(read_pairs(parameter, files));
   if (const std::optional<Rgb> rgb = named_illuminant(name)) return *rgb;
-  return unknown_spectrum(name, {1, 1, 1}, parameter, notes);
+  return unknown_spectrum(name, {1, 1, 1}, parameter, ignored);
 }
 
-Rgb to_conductor(const Parameter* eta, const Parameter* k, const Files& files, Notes* notes) {
+Rgb to_conductor(const Parameter* eta, const Parameter* k, const Files& files,
+                 IgnoredFeatures* ignored) {
   for (const Parameter* parameter : {eta, k}) {
     if (parameter != nullptr && !is_rgb(*parameter) && parameter->type != "spectrum")
       fail_type(*parameter);
@@ -153,7 +154,7 @@ Rgb to_conductor(const Parameter* eta, const Parameter* k, const Files& files, N
   const std::optional<Rgb> rgb = named_conductor(metal);
   if (rgb && metal == substance(k)) return *rgb;
   const Parameter& shown = eta != nullptr ? *eta : *k;
-  notes->add("eta and k of a conductor that is not known here, 0.5 taken", shown.at);
+  ignored->add("eta and k of a conductor that is not known here, 0.5 taken", shown.at);
   return {0.5f, 0.5f, 0.5f};
 }
 

@@ -49,6 +49,7 @@ const Parameter* Params::find(const std::string& name) const {
   return nullptr;
 }
 
+/// The parameter, if there is one, after a check of its type.
 const Parameter* Params::typed(const std::string& name,
                                const std::vector<std::string>& types) const {
   const Parameter* parameter = find(name);
@@ -58,6 +59,7 @@ const Parameter* Params::typed(const std::string& name,
   return parameter;
 }
 
+/// The parameter, if there is one, after a check that it has one value.
 const Parameter* Params::single(const std::string& name,
                                 const std::vector<std::string>& types) const {
   const Parameter* parameter = typed(name, types);

@@ -37,7 +37,7 @@ class Params {
   const std::string& what() const { return what_; }
   const Location& at() const { return at_; }
 
-  /// nullptr if there is none.
+  /// The parameter of that name; nullptr if there is none.
   const Parameter* find(const std::string& name) const;
   bool has(const std::string& name) const { return find(name) != nullptr; }
 
@@ -66,7 +66,7 @@ class Params {
   mutable std::vector<bool> used_;
 };
 
-/// A number as a float.
+/// Converts a number to float.
 /// @throws lte::Error naming the parameter if it is not finite.
 float finite_float(const Parameter& parameter, double value);
 

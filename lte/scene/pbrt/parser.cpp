@@ -84,7 +84,10 @@ class FileParser {
     has_kept_ = false;
     return kept_;
   }
-  void put_back(const Token& token) { kept_ = token, has_kept_ = true; }
+  void put_back(const Token& token) {
+    kept_ = token;
+    has_kept_ = true;
+  }
 
   std::string read_string(const std::string& directive) {
     const Token token = take();
@@ -93,12 +96,14 @@ class FileParser {
     return std::string(token.text);
   }
 
+  /// Parses an Include or Import. Import stands in an attribute block of its own.
   void follow(const std::string& directive, const Location& at) {
     const std::filesystem::path path = files_->find(read_string(directive), at);
     const bool import = directive == "Import";
     const auto bracket = [&](const char* name) {
       Call call;
-      call.directive = name, call.at = at;
+      call.directive = name;
+      call.at = at;
       target_.execute(std::move(call));
     };
     const std::string* name = files_->open(path, at);
@@ -112,7 +117,8 @@ class FileParser {
 
   Call read_call(const std::string& directive, const Location& at, const Syntax& syntax) {
     Call call;
-    call.directive = directive, call.at = at;
+    call.directive = directive;
+    call.at = at;
     for (int i = 0; i < syntax.strings; ++i) call.strings.push_back(read_string(directive));
     for (int i = 0; i < syntax.optional_strings; ++i) {
       const Token token = take();

@@ -31,9 +31,9 @@ struct Syntax {
   bool params = false;  ///< a list of parameters
 };
 
-/// What the parser calls: the syntax of a directive, nullptr for an unknown one; then the directive
-/// itself. Include and Import never get there: the parser follows them, and calls `execute` with
-/// "AttributeBegin" and "AttributeEnd" round an imported file.
+/// What the parser calls: `syntax` for the syntax of a directive, nullptr if it is unknown, then
+/// `execute` for the directive itself. Include and Import never get there: the parser follows them,
+/// and calls `execute` with "AttributeBegin" and "AttributeEnd" round an imported file.
 struct Target {
   std::function<const Syntax*(const std::string& directive)> syntax;
   std::function<void(Call&& call)> execute;
@@ -43,8 +43,8 @@ struct Target {
 /// @throws lte::Error with file and line.
 void parse_file(const std::filesystem::path& path, Files* files, const Target& target);
 
-/// A number of a scene file.
-/// @throws lte::Error if it is none, or not finite.
+/// Reads a number of a scene file.
+/// @throws lte::Error if the token is no number, or not a finite one.
 double parse_number(const Token& token);
 
 }  // namespace lte::scene::pbrt

@@ -1,4 +1,4 @@
-// Shape directives to meshes.
+// Meshes from Shape directives.
 #include <algorithm>
 #include <cmath>
 
@@ -12,8 +12,8 @@ namespace {
 /// A patch is flat if its fourth corner lies this close to the plane of a parallelogram, over its
 /// size; two triangles are exact then.
 constexpr double kFlatness = 1e-5;
-/// Cells a side of the grid that a bent patch becomes. Its distance from the patch is at most
-/// |p00 - p10 - p01 + p11| / (4 * 16 * 16).
+/// Cells a side of the grid that a bent patch becomes. Patch and grid are apart by 1/1024 of
+/// |p00 - p10 - p01 + p11| at most.
 constexpr int kPatchCells = 16;
 
 void flip(Mesh* mesh) {
@@ -100,7 +100,7 @@ void append_patch(const std::array<Vec3, 4>& p, const std::array<Vec2, 4>& uv, M
   }
 }
 
-BuiltShape build_patches(const Params& params, const LoadLimits& limits, Notes* notes) {
+BuiltShape build_patches(const Params& params, const LoadLimits& limits, IgnoredFeatures* ignored) {
   Mesh control;
   std::vector<Vec3> normals;
   const std::vector<uint32_t> indices = read_vertices(params, 4, &control, &normals);
@@ -126,18 +126,18 @@ BuiltShape build_patches(const Params& params, const LoadLimits& limits, Notes* 
       std::swap(out.mesh.triangles[t][1], out.mesh.triangles[t][2]);
   }
   if (params.has("emissionfilename"))
-    notes->add("parameter \"emissionfilename\" of Shape \"bilinearmesh\"", params.at());
+    ignored->add("parameter \"emissionfilename\" of Shape \"bilinearmesh\"", params.at());
   return out;
 }
 
 BuiltShape build_ply(const Params& params, const Files& files, const LoadLimits& limits,
-                     Notes* notes) {
+                     IgnoredFeatures* ignored) {
   const std::string name = params.text("filename", "");
   if (name.empty()) fail(params.at(), params.what(), " needs \"string filename\"");
   const std::filesystem::path path = files.find(name, params.at());
-  PlyMesh ply = [&] {
+  ply::PlyMesh ply = [&] {
     try {
-      return read_ply(path, limits);
+      return ply::read_ply(path, limits);
     } catch (const Error& error) {
       fail(params.at(), error.what());
     }
@@ -149,7 +149,7 @@ BuiltShape build_ply(const Params& params, const Files& files, const LoadLimits&
   out.mesh.triangles = std::move(ply.triangles);
   out.mesh.uvs[0] = std::move(ply.uvs);
   if (!ply.normals.empty()) face_normals(ply.normals, &out.mesh);
-  if (ply.dropped_faces > 0) notes->add("face of fewer than 3 corners in a plymesh", params.at());
+  if (ply.dropped_faces > 0) ignored->add("face of fewer than 3 corners in a plymesh", params.at());
   return out;
 }
 
@@ -181,16 +181,16 @@ BuiltShape build_loop(const Params& params, const LoadLimits& limits) {
 }  // namespace
 
 BuiltShape build_shape(const std::string& type, const Params& params, bool reverse,
-                       const Files& files, const LoadLimits& limits, Notes* notes) {
+                       const Files& files, const LoadLimits& limits, IgnoredFeatures* ignored) {
   BuiltShape out;
   if (type == "trianglemesh") {
     out = build_triangles(params);
   } else if (type == "plymesh") {
-    out = build_ply(params, files, limits, notes);
+    out = build_ply(params, files, limits, ignored);
   } else if (type == "loopsubdiv") {
     out = build_loop(params, limits);
   } else if (type == "bilinearmesh") {
-    out = build_patches(params, limits, notes);
+    out = build_patches(params, limits, ignored);
   } else if (type == "sphere") {
     out.mesh = make_sphere(params);
   } else if (type == "cylinder") {
@@ -198,24 +198,24 @@ BuiltShape build_shape(const std::string& type, const Params& params, bool rever
   } else if (type == "disk") {
     out.mesh = make_disk(params);
   } else {
-    notes->add("Shape " + quote(type), params.at());
+    ignored->add("Shape " + quote(type), params.at());
     return out;
   }
-  note_left_out(params, notes);
+  ignore_left_out(params, ignored);
   if (reverse) flip(&out.mesh);
   return out;
 }
 
-void note_left_out(const Params& params, Notes* notes) {
+void ignore_left_out(const Params& params, IgnoredFeatures* ignored) {
   for (const char* name : {"alpha", "shadowalpha"}) {
-    if (params.has(name)) notes->add("alpha of a shape", params.at());
+    if (params.has(name)) ignored->add("alpha of a shape", params.at());
   }
-  note_unused(params, notes);
+  ignore_unused(params, ignored);
 }
 
-void note_unused(const Params& params, Notes* notes) {
+void ignore_unused(const Params& params, IgnoredFeatures* ignored) {
   for (const Parameter* parameter : params.unused())
-    notes->add("parameter " + quote(parameter->name) + " of " + params.what(), parameter->at);
+    ignored->add("parameter " + quote(parameter->name) + " of " + params.what(), parameter->at);
 }
 
 }  // namespace lte::scene::pbrt

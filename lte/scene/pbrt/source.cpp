@@ -5,7 +5,7 @@
 namespace lte::scene::pbrt {
 namespace {
 
-constexpr size_t kMaxNotes = 1000;
+constexpr size_t kMaxLines = 1000;  // a generated file may trip over everything it says
 constexpr size_t kMaxQuote = 60;
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
@@ -36,10 +36,10 @@ std::string quote(std::string_view text) {
   return out + (text.size() > kMaxQuote ? "...\"" : "\"");
 }
 
-void Notes::add(const std::string& what, const Location& at) {
+void IgnoredFeatures::add(const std::string& what, const Location& at) {
   auto found = entries_.find(what);
   if (found == entries_.end()) {
-    if (entries_.size() >= kMaxNotes) {
+    if (entries_.size() >= kMaxLines) {
       ++dropped_;
       return;
     }
@@ -48,7 +48,7 @@ void Notes::add(const std::string& what, const Location& at) {
   ++found->second.count;
 }
 
-std::vector<std::string> Notes::lines() const {
+std::vector<std::string> IgnoredFeatures::lines() const {
   std::vector<std::string> out(entries_.size());
   for (const auto& [what, entry] : entries_) {
     out[entry.order] = entry.count == 1

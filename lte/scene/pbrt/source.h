@@ -1,4 +1,4 @@
-// Where things stand in PBRT files, what is said about them, and the words the files are made of.
+// PBRT files as text: places in them, what the importer reports about them, and their tokens.
 #pragma once
 
 #include <deque>
@@ -19,7 +19,7 @@ struct Location {
   const std::string* file = nullptr;
   int line = 0;
 };
-/// As "scene.pbrt:12".
+/// Prints as "scene.pbrt:12".
 std::ostream& operator<<(std::ostream& out, const Location& at);
 
 template <typename... Args>
@@ -27,11 +27,11 @@ template <typename... Args>
   throw Error(concat(at, ": ", args...));
 }
 
-/// Text of a file as a message may quote it: short, on one line, printable.
+/// Text of a file between quotes, as a message may show it: short, on one line, printable.
 std::string quote(std::string_view text);
 
 /// What the importer leaves out or changes, with the first place of each, for Scene::ignored.
-class Notes {
+class IgnoredFeatures {
  public:
   /// @param what  e.g. "alpha of a shape"; equal texts are counted together
   void add(const std::string& what, const Location& at);

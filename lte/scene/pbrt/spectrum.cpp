@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace lte::scene {
+namespace lte::scene::pbrt {
 namespace {
 
 constexpr int kFirst = 380, kLast = 780;  // nm; integrals go in steps of 1 nm
@@ -178,4 +178,4 @@ std::optional<Rgb> named_conductor(std::string_view substance) {
   return std::nullopt;
 }
 
-}  // namespace lte::scene
+}  // namespace lte::scene::pbrt

@@ -1,4 +1,4 @@
-// From spectra to linear Rec.709.
+// Conversion of spectra to linear Rec.709.
 //
 // Color matching functions are the multi-lobe fits of Wyman, Sloan and Shirley, "Simple Analytic
 // Approximations to the CIE XYZ Color Matching Functions", JCGT 2(2), 2013. Results are divided by
@@ -11,14 +11,14 @@
 
 #include "lte/base/math.h"
 
-namespace lte::scene {
+namespace lte::scene::pbrt {
 
 struct SpectrumSample {
   double wavelength = 0;  ///< nm
   double value = 0;
 };
 
-/// Linear between its samples, 0 outside them; wavelengths ascend.
+/// A spectrum is linear between its samples and 0 outside them. Wavelengths ascend.
 using Spectrum = std::vector<SpectrumSample>;
 
 /// Color of a reflectance spectrum under D65: a constant 1 gives (1, 1, 1). Components outside the
@@ -29,21 +29,21 @@ Rgb reflectance_to_rgb(const Spectrum& reflectance);
 /// visible light.
 Rgb illuminant_to_rgb(const Spectrum& radiance);
 
-/// The same for Planck's law.
+/// Color of a black body, by Planck's law, likewise.
 /// @param kelvin  positive
 Rgb blackbody_to_rgb(double kelvin);
 
-/// Color of light of a CIE 1931 chromaticity, luminance 1, clamped at 0.
+/// Color of light of a CIE 1931 chromaticity, at luminance 1 and clamped at 0.
 Rgb chromaticity_to_rgb(double x, double y);
 
-/// Fresnel reflectance at normal incidence of a conductor with n = eta and k, then as
+/// Color of a conductor at normal incidence: the Fresnel reflectance for n = eta and k goes through
 /// reflectance_to_rgb(). Outside their samples eta and k keep the last value.
 Rgb conductor_to_rgb(const Spectrum& eta, const Spectrum& k);
 
-/// One channel of the same.
+/// Fresnel reflectance at normal incidence for one wavelength.
 double conductor_reflectance(double eta, double k);
 
-/// Luminance-1 color of pbrt's "stdillum-A", "stdillum-D50", "-D65", "-F1" to "-F12" and
+/// Color, at luminance 1, of pbrt's "stdillum-A", "stdillum-D50", "-D65", "-F1" to "-F12" and
 /// "illum-acesD60".
 std::optional<Rgb> named_illuminant(std::string_view name);
 
@@ -51,4 +51,4 @@ std::optional<Rgb> named_illuminant(std::string_view name);
 /// name is what stands between the two hyphens, e.g. "Cu".
 std::optional<Rgb> named_conductor(std::string_view substance);
 
-}  // namespace lte::scene
+}  // namespace lte::scene::pbrt

@@ -15,8 +15,12 @@ bool is_constant(const TexturePtr& texture) { return texture->kind == Kind::Cons
 TexturePtr combine(Kind kind, const TexturePtr& first, const TexturePtr& second,
                    const TexturePtr& amount, const Mapping& mapping, const Location& at) {
   auto out = std::make_shared<TextureNode>();
-  out->kind = kind, out->first = first, out->second = second, out->amount = amount;
-  out->mapping = mapping, out->at = at;
+  out->kind = kind;
+  out->first = first;
+  out->second = second;
+  out->amount = amount;
+  out->mapping = mapping;
+  out->at = at;
   out->size = 1 + first->size + second->size + (amount ? amount->size : 0);
   if (out->size > kMaxSize)
     fail(at, "a texture made of more than ", kMaxSize, " textures of textures");
@@ -52,12 +56,12 @@ TexturePtr mix_textures(const TexturePtr& first, const TexturePtr& second, const
   return combine(Kind::Mix, first, second, amount, {}, at);
 }
 
-TextureTable::TextureTable(const World& world, const Files& files, Notes* notes)
-    : files_(files), notes_(notes) {
+TextureTable::TextureTable(const World& world, const Files& files, IgnoredFeatures* ignored)
+    : files_(files), ignored_(ignored) {
   // In the order of the file: each may name those before it, which excludes cycles.
   for (const TextureDef& def : world.textures) {
     built_[{def.is_float, def.name}] = build(def);
-    note_unused(def.params, notes_);
+    ignore_unused(def.params, ignored_);
   }
 }
 
@@ -83,7 +87,8 @@ TexturePtr TextureTable::parameter(const Params& params, const std::string& name
                                    const Rgb& fallback, bool is_float) const {
   const Parameter* parameter = params.find(name);
   if (parameter == nullptr) return constant_texture(fallback);
-  if (!parameter->is_texture()) return constant_texture(to_reflectance(*parameter, files_, notes_));
+  if (!parameter->is_texture())
+    return constant_texture(to_reflectance(*parameter, files_, ignored_));
   if (parameter->strings.size() != 1)
     fail(parameter->at, "parameter ", quote(name), " takes one texture, got ",
          parameter->strings.size());
@@ -92,7 +97,8 @@ TexturePtr TextureTable::parameter(const Params& params, const std::string& name
 
 Mapping TextureTable::read_mapping(const Params& params) const {
   const std::string kind = params.text("mapping", "uv");
-  if (kind != "uv") notes_->add("mapping " + quote(kind) + " of a texture: uv taken", params.at());
+  if (kind != "uv")
+    ignored_->add("mapping " + quote(kind) + " of a texture: uv taken", params.at());
   Mapping out;
   out.scale = {static_cast<float>(params.number("uscale", 1)),
                static_cast<float>(params.number("vscale", 1))};
@@ -119,7 +125,7 @@ TexturePtr TextureTable::build_image(const TextureDef& def) const {
   const std::string wrap = params.text("wrap", "repeat");
   if (wrap != "repeat") out->wrap = Wrap::ClampToEdge;
   if (wrap != "repeat" && wrap != "clamp")
-    notes_->add("wrap " + quote(wrap) + " of a texture: clamped instead", params.at());
+    ignored_->add("wrap " + quote(wrap) + " of a texture: clamped instead", params.at());
   out->mapping = read_mapping(params);
   params.has("filter"), params.has("maxanisotropy");  // how it is sampled, not what it is
   return out;
@@ -130,7 +136,7 @@ TexturePtr TextureTable::build_checkerboard(const TextureDef& def) const {
   const TexturePtr even = parameter(params, "tex1", {1, 1, 1}, def.is_float);
   const TexturePtr odd = parameter(params, "tex2", {0, 0, 0}, def.is_float);
   if (params.integer("dimension", 2) != 2) {
-    notes_->add("checkerboard in three dimensions: its mean taken", params.at());
+    ignored_->add("checkerboard in three dimensions: its mean taken", params.at());
     return mix_textures(even, odd, constant_texture({0.5f, 0.5f, 0.5f}), params.at());
   }
   const Mapping mapping = read_mapping(params);
@@ -155,12 +161,12 @@ TexturePtr TextureTable::build(const TextureDef& def) const {
   }
   if (def.type == "mix" || def.type == "directionmix") {
     if (def.type == "directionmix")
-      notes_->add("Texture \"directionmix\": the mean of its two taken", params.at());
+      ignored_->add("Texture \"directionmix\": the mean of its two taken", params.at());
     return mix_textures(part("tex1", def.type == "mix" ? Rgb{} : Rgb{1, 1, 1}),
                         part("tex2", def.type == "mix" ? Rgb{1, 1, 1} : Rgb{}),
                         parameter(params, "amount", {0.5f, 0.5f, 0.5f}, true), params.at());
   }
-  notes_->add("Texture " + quote(def.type) + ": 0.5 taken", params.at());
+  ignored_->add("Texture " + quote(def.type) + ": 0.5 taken", params.at());
   for (const Parameter* parameter : params.unused()) params.has(parameter->name);
   return constant_texture({0.5f, 0.5f, 0.5f});
 }

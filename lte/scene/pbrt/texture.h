@@ -12,7 +12,7 @@
 
 namespace lte::scene::pbrt {
 
-/// From uv to the st of a texture; both have v and t upwards.
+/// Maps uv to the st of a texture; v and t point upwards.
 struct Mapping {
   Vec2 scale{1, 1}, offset{0, 0};
 
@@ -44,18 +44,18 @@ struct TextureNode {
 
 TexturePtr constant_texture(const Rgb& value);
 
-/// (1 - amount) * first + amount * second.
+/// The expression (1 - amount) * first + amount * second.
 TexturePtr mix_textures(const TexturePtr& first, const TexturePtr& second, const TexturePtr& amount,
                         const Location& at);
 
-/// The product.
+/// The expression first * second.
 TexturePtr scale_textures(const TexturePtr& first, const TexturePtr& second, const Location& at);
 
 /// The textures of a scene.
 class TextureTable {
  public:
   /// @throws lte::Error with file and line: unknown names, expressions of absurd size.
-  TextureTable(const World& world, const Files& files, Notes* notes);
+  TextureTable(const World& world, const Files& files, IgnoredFeatures* ignored);
 
   /// A material's parameter: a value, or a texture by name; `fallback` where it is missing.
   TexturePtr of(const Params& params, const std::string& name, const Rgb& fallback) const;
@@ -72,7 +72,7 @@ class TextureTable {
   Mapping read_mapping(const Params& params) const;
 
   const Files& files_;
-  Notes* notes_;
+  IgnoredFeatures* ignored_;
   std::map<std::pair<bool, std::string>, TexturePtr> built_;  ///< by is_float and name
 };
 

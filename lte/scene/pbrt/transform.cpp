@@ -22,8 +22,8 @@ bool make_unit(Vector* a) {
   return true;
 }
 
-/// Of the upper left 3x3, over the product of its columns' lengths: 0 where the transform flattens
-/// space, whatever its scale.
+/// The determinant of the upper left 3x3 over the product of its columns' lengths: 0 where the
+/// transform flattens space, whatever its scale.
 double relative_determinant(const Transform& t) {
   std::array<Vector, 3> columns{};
   for (size_t row = 0; row < 3; ++row) {
@@ -63,13 +63,17 @@ Transform operator*(const Transform& a, const Transform& b) {
 
 Transform translate(double x, double y, double z) {
   Transform out;
-  out.m[0][3] = x, out.m[1][3] = y, out.m[2][3] = z;
+  out.m[0][3] = x;
+  out.m[1][3] = y;
+  out.m[2][3] = z;
   return out;
 }
 
 Transform scale(double x, double y, double z) {
   Transform out;
-  out.m[0][0] = x, out.m[1][1] = y, out.m[2][2] = z;
+  out.m[0][0] = x;
+  out.m[1][1] = y;
+  out.m[2][2] = z;
   return out;
 }
 

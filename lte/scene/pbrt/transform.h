@@ -15,24 +15,25 @@ struct Transform {
   friend bool operator==(const Transform&, const Transform&) = default;
 };
 
-/// Applies b first.
+/// The product applies b first.
 Transform operator*(const Transform& a, const Transform& b);
 
 Transform translate(double x, double y, double z);
 Transform scale(double x, double y, double z);
-/// Right-handed about the axis, in degrees; an axis of length 0 gives the identity.
+/// Turns by an angle about an axis, right-handed. An axis of length 0 gives the identity.
 Transform rotate(double degrees, double x, double y, double z);
-/// From the world to a camera at `eye` that has x to the right, y up and z ahead: a left-handed
-/// frame, as pbrt's cameras are.
+/// Takes the world to a camera at `eye` that has x to the right, y up and z ahead: a left-handed
+/// frame, as pbrt's cameras have.
 /// @throws lte::Error if eye and target coincide or up lies along the view.
 Transform look_at(const std::array<double, 16>& eye_target_up, const Location& at);
-/// Of 16 numbers in column order, as Transform and ConcatTransform have them.
+/// Makes a transform of 16 numbers in column order, as Transform and ConcatTransform give them.
 Transform from_columns(const std::array<double, 16>& columns);
 
-/// @throws lte::Error naming `at`: singular.
+/// @throws lte::Error naming `at` if the transform is singular.
 Transform inverse(const Transform& t, const Location& at);
 
-/// @throws lte::Error naming `at`: perspective, singular or beyond the range of float.
+/// @throws lte::Error naming `at` if the transform has perspective, is singular, or lies beyond the
+/// range of float.
 Affine to_affine(const Transform& t, const Location& at);
 
 }  // namespace lte::scene::pbrt

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "lte/image/image.h"
-#include "lte/scene/load.h"
+#include "lte/scene/import/limits.h"
 #include "lte/scene/pbrt/files.h"
 #include "lte/scene/pbrt/params.h"
 #include "lte/scene/pbrt/transform.h"
@@ -68,20 +68,20 @@ struct World {
   std::vector<PunctualLight> lights;
   std::optional<InfiniteLight> infinite;
   std::optional<Camera> camera;
-  Notes notes;
+  IgnoredFeatures ignored;
 };
 
 /// The mesh of a Shape directive in its own frame, wound so that the front is where pbrt's normal
-/// points: `reverse` is the state of ReverseOrientation.
+/// points. `reverse` is the state of ReverseOrientation.
 struct BuiltShape {
-  Mesh mesh;  ///< without triangles if lte has no such shape, which is noted
+  Mesh mesh;  ///< without triangles if lte has no such shape (recorded)
   int64_t parts = 1;
 };
 BuiltShape build_shape(const std::string& type, const Params& params, bool reverse,
-                       const Files& files, const LoadLimits& limits, Notes* notes);
+                       const Files& files, const LoadLimits& limits, IgnoredFeatures* ignored);
 
-/// Notes what a Shape directive says and build_shape() does not read.
-void note_left_out(const Params& params, Notes* notes);
+/// Records what a Shape directive says and build_shape() does not read.
+void ignore_left_out(const Params& params, IgnoredFeatures* ignored);
 
 /// Quadrics as meshes whose vertices lie on them; see kChordError.
 Mesh make_sphere(const Params& params);
@@ -91,17 +91,18 @@ Mesh make_disk(const Params& params);
 /// Largest distance between a full circle and its polygon, over the radius.
 inline constexpr double kChordError = 1e-3;
 
-/// A LightSource, which lte may not have (noted). Light groups are numbered later.
+/// A LightSource, which lte may not have (recorded). Light groups are numbered later.
 std::optional<PunctualLight> build_light(const std::string& type, const Params& params,
                                          const Transform& to_world, const Files& files,
-                                         Notes* notes);
+                                         IgnoredFeatures* ignored);
 
 /// The color of "I" or "L" of a light (white where it is left out) times its "scale".
-Rgb light_color(const Params& params, const std::string& name, const Files& files, Notes* notes);
+Rgb light_color(const Params& params, const std::string& name, const Files& files,
+                IgnoredFeatures* ignored);
 
-/// Adds a LightSource "infinite" to those before. A second picture cannot be added (noted).
+/// Adds a LightSource "infinite" to those before. A second picture cannot be added (recorded).
 void add_infinite_light(const Params& params, const Transform& to_world, const Files& files,
-                        const LoadLimits& limits, Notes* notes,
+                        const LoadLimits& limits, IgnoredFeatures* ignored,
                         std::optional<InfiniteLight>* lights);
 /// The environment that they make, without a light group.
 Environment to_environment(InfiniteLight light);
@@ -110,9 +111,9 @@ Environment to_environment(InfiniteLight light);
 /// @param world_to_camera  current transform at the Camera directive
 std::optional<Camera> build_camera(const std::string& type, const Params& params,
                                    const Transform& world_to_camera, const Params* film,
-                                   Notes* notes);
+                                   IgnoredFeatures* ignored);
 
-/// Notes every parameter of the directive that nothing asked for.
-void note_unused(const Params& params, Notes* notes);
+/// Records every parameter of the directive that nothing asked for.
+void ignore_unused(const Params& params, IgnoredFeatures* ignored);
 
 }  // namespace lte::scene::pbrt

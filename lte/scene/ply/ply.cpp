@@ -14,18 +14,13 @@
 #include "lte/scene/import/triangulate.h"
 #include "lte/scene/ply/header.h"
 
-namespace lte::scene {
+namespace lte::scene::ply {
 namespace {
-
-using ply::Element;
-using ply::Format;
-using ply::Property;
-using ply::Scalar;
 
 /// The numbers behind the header, one after another.
 class Body {
  public:
-  Body(const std::string& name, std::string_view text, const ply::Header& header)
+  Body(const std::string& name, std::string_view text, const Header& header)
       : name_(name),
         text_(text),
         place_(header.size_bytes),
@@ -146,7 +141,7 @@ class Reader {
   Reader(const std::string& name, std::string_view text, const LoadLimits& limits)
       : limits_(limits),
         name_(name),
-        header_(ply::read_header(name, text)),
+        header_(read_header(name, text)),
         body_(name, text, header_) {}
 
   PlyMesh read() {
@@ -275,7 +270,7 @@ class Reader {
 
   const LoadLimits& limits_;
   const std::string& name_;
-  ply::Header header_;
+  Header header_;
   Body body_;
   PlyMesh out_;
 };
@@ -288,4 +283,4 @@ PlyMesh read_ply(const std::filesystem::path& path, const LoadLimits& limits) {
   return Reader(name, file.text(), limits).read();
 }
 
-}  // namespace lte::scene
+}  // namespace lte::scene::ply

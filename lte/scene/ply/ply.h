@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "lte/base/math.h"
-#include "lte/scene/load.h"
+#include "lte/scene/import/limits.h"
 
-namespace lte::scene {
+namespace lte::scene::ply {
 
 /// Attributes are empty or one a vertex.
 struct PlyMesh {
@@ -33,7 +33,4 @@ struct PlyMesh {
 /// position that is not finite, no faces.
 PlyMesh read_ply(const std::filesystem::path& path, const LoadLimits& limits = {});
 
-/// A scene of that one mesh: its colors are the albedo; 0.5 where it has none.
-Scene load_ply_scene(const std::filesystem::path& path, const LoadLimits& limits);
-
-}  // namespace lte::scene
+}  // namespace lte::scene::ply

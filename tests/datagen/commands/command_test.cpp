@@ -262,7 +262,7 @@ TEST_F(Command, EnvironmentsLightAnyScene) {
   EXPECT_EQ(sample.light_groups, 2);
   EXPECT_EQ(std::count(sample.scene_light.begin(), sample.scene_light.end(), 1), 5);
 
-  expect_failure(1, "--environment 1,2", run(probe + "--environment 1,2"));
+  expect_failure(1, "environment 1,2", run(probe + "--environment 1,2"));
   expect_failure(1, "sky.exr", run(probe + "--environment sky.exr"));
   expect_failure(1, "--environment-turn needs", run(probe + "--environment-turn 3"));
   expect_failure(1, "baked already", run("info sky.safetensors --environment 1,1,1"));

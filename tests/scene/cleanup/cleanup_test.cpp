@@ -266,7 +266,7 @@ TEST(Cleanup, ReadsItsSwitches) {
   EXPECT_TRUE(some.shells && some.meshes);
   EXPECT_FALSE(some.degenerate || some.duplicates || some.vertices);
   EXPECT_THAT(test::error_of([] { parse_cleanup("degenerate,shels"); }),
-              AllOf(HasSubstr("--cleanup"), HasSubstr("\"shels\""), HasSubstr("shells")));
+              AllOf(HasSubstr("cleanup list"), HasSubstr("\"shels\""), HasSubstr("shells")));
 }
 
 TEST(Cleanup, FindsNearVerticesWhereverTheyLie) {

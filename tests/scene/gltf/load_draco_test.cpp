@@ -13,9 +13,7 @@
 #include <draco/mesh/triangle_soup_mesh_builder.h>
 #pragma GCC diagnostic pop
 
-#include "lte/scene/load.h"
-#include "tests/scene/gltf/gltf_builder.h"
-#include "tests/support/temp_dir.h"
+#include "tests/scene/gltf/fixture.h"
 
 namespace lte::scene {
 namespace {
@@ -83,7 +81,7 @@ Encoded encode(int method, int quantization_bits) {
   return out;
 }
 
-class LoadDraco : public ::testing::Test {
+class LoadDraco : public test::GltfTest {
  protected:
   /// Accessors: 0 position, 1 uv, 2 color, 3 indices, none of which has a buffer view.
   GltfBuilder compressed(const Encoded& data) {
@@ -107,20 +105,9 @@ class LoadDraco : public ::testing::Test {
     return builder;
   }
 
-  Scene load(GltfBuilder& builder) {
-    builder.save_embedded(dir_ / "draco.gltf");
-    return load_scene(dir_ / "draco.gltf");
-  }
-
-  std::string error(GltfBuilder& builder) {
-    return test::error_of([&] { load(builder); });
-  }
-
   static Json& extension(GltfBuilder& builder) {
-    return builder.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"];
+    return test::first_primitive(builder)["extensions"]["KHR_draco_mesh_compression"];
   }
-
-  test::TempDir dir_;
 };
 
 /// Every triangle of the sheet must be there once, with the winding and the attributes it had.
@@ -186,7 +173,7 @@ TEST_F(LoadDraco, NamesWhatIsWrong) {
   const auto expect = [&](const std::function<void(GltfBuilder&)>& spoil, const std::string& part) {
     GltfBuilder builder = compressed(data);
     spoil(builder);
-    EXPECT_THAT(error(builder), AllOf(HasSubstr("draco.gltf: meshes[0].primitives[0]"),
+    EXPECT_THAT(error(builder), AllOf(HasSubstr("scene.gltf: meshes[0].primitives[0]"),
                                       HasSubstr("KHR_draco_mesh_compression"), HasSubstr(part)));
   };
   expect([](GltfBuilder& b) { extension(b)["bufferView"] = 9; }, "bufferView is 9");
@@ -219,11 +206,10 @@ TEST_F(LoadDraco, TruncationAndDamageAreErrorsOrHarmless) {
         data.bytes[(state >> 33) % data.bytes.size()] = static_cast<char>(state >> 25);
       }
       GltfBuilder builder = compressed(data);
-      builder.save_embedded(dir_ / "draco.gltf");
       try {
-        load_scene(dir_ / "draco.gltf");
+        load(builder);
       } catch (const Error& e) {
-        EXPECT_THAT(e.what(), HasSubstr("draco.gltf: mesh"));
+        EXPECT_THAT(e.what(), HasSubstr("scene.gltf: mesh"));
         ++errors;
       }
     }

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "lte/base/check.h"
 #include "lte/scene/load.h"
 #include "tests/scene/gltf/gltf_builder.h"
 #include "tests/support/temp_dir.h"
@@ -16,6 +17,7 @@ namespace {
 using test::GltfBuilder;
 using test::Json;
 using ::testing::AllOf;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
 class LoadError : public ::testing::Test {
@@ -91,6 +93,22 @@ TEST_F(LoadError, FilesThatAreNoScene) {
   EXPECT_THAT(error("old.gltf"), HasSubstr("version \"1.0\""));
   test::write_text(dir_ / "array.gltf", R"({"asset":{"version":"2.0"},"meshes":{}})");
   EXPECT_THAT(error("array.gltf"), HasSubstr("meshes must be an array"));
+}
+
+TEST_F(LoadError, UnknownFormatsGetTheListOfKnownOnes) {
+  const std::string known =
+      "unknown scene format: expected one of .gltf, .glb, .pbrt, .pbrt.gz, .obj, .ply, .ply.gz";
+  for (const char* name : {"room.fbx", "room", "room.glb.bak", "room.obj.gz", "gltf"}) {
+    EXPECT_THAT(error(name), EndsWith(concat(name, ": ", known)));  // whether it is there or not
+    test::write_text(dir_ / name, "{}");
+    EXPECT_THAT(error(name), EndsWith(concat(name, ": ", known)));
+  }
+}
+
+TEST_F(LoadError, CaseOfTheExtensionDoesNotMatter) {
+  GltfBuilder builder = valid();
+  builder.save_embedded(dir_ / "Room.GLTF");
+  EXPECT_EQ(load_scene(dir_ / "Room.GLTF").name, "Room");
 }
 
 TEST_F(LoadError, EveryTruncationOfAGlb) {
@@ -212,7 +230,8 @@ TEST_F(LoadError, ElementsOutsideTheirBytes) {
          "do not fit into a buffer view of 36");
   expect(
       [](GltfBuilder& b) {
-        b.json["accessors"][0].erase("bufferView"), b.json["accessors"][0]["count"] = 1 << 30;
+        b.json["accessors"][0].erase("bufferView");
+        b.json["accessors"][0]["count"] = 1 << 30;
       },
       "POSITION", "without bufferView");
   expect([](GltfBuilder& b) { b.json["bufferViews"][0]["byteLength"] = 1'000'000; },
@@ -242,7 +261,8 @@ TEST_F(LoadError, SparseIndicesPastTheEnd) {
   expect(sparse(0, 3), "POSITION", "do not fit into a buffer view of 1 bytes");
   expect(
       [&](GltfBuilder& b) {
-        sparse(0, 1)(b), b.json["accessors"][0]["sparse"]["values"]["byteOffset"] = 4294967292;
+        sparse(0, 1)(b);
+        b.json["accessors"][0]["sparse"]["values"]["byteOffset"] = 4294967292;
       },
       "POSITION", "do not fit");
   expect(sparse(0, 4), "accessors[0].sparse", "exceeds");
@@ -326,7 +346,8 @@ TEST_F(LoadError, IllTypedMembers) {
          "2 components, expected 3");
   expect(
       [](GltfBuilder& b) {
-        b.json["accessors"][0]["type"] = "MAT4", b.json["accessors"][0]["count"] = 0;
+        b.json["accessors"][0]["type"] = "MAT4";
+        b.json["accessors"][0]["count"] = 0;
       },
       "POSITION", "matrix");
   expect([](GltfBuilder& b) { b.json["accessors"][0]["componentType"] = 5124; },
@@ -374,7 +395,8 @@ TEST_F(LoadError, NodesThatAreNoTree) {
       "nodes[1]", "its own ancestor");
   expect(
       [](GltfBuilder& b) {
-        b.json["nodes"] = {{{"children", {0}}}}, b.json["scenes"] = {{{"nodes", {0}}}};
+        b.json["nodes"] = {{{"children", {0}}}};
+        b.json["scenes"] = {{{"nodes", {0}}}};
       },
       "nodes[0]", "its own ancestor");
   expect(

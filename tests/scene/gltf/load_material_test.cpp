@@ -13,9 +13,8 @@
 #pragma GCC diagnostic pop
 
 #include "lte/image/png.h"
-#include "lte/scene/load.h"
-#include "tests/scene/gltf/gltf_builder.h"
-#include "tests/support/temp_dir.h"
+#include "tests/scene/expect.h"
+#include "tests/scene/gltf/fixture.h"
 
 namespace lte::scene {
 namespace {
@@ -44,12 +43,7 @@ std::string jpeg(int width, int height, uint8_t grey) {
   return out;
 }
 
-double decode(double code) {
-  const double c = code / 255.0;
-  return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-}
-
-class LoadMaterial : public ::testing::Test {
+class LoadMaterial : public test::GltfTest {
  protected:
   /// A triangle with uv = xy and one material.
   void start(const Json& material) {
@@ -62,17 +56,13 @@ class LoadMaterial : public ::testing::Test {
     builder_.json["materials"] = {material};
   }
 
-  Scene load() {
-    builder_.save_embedded(dir_ / "scene.gltf");
-    return load_scene(dir_ / "scene.gltf");
-  }
+  Scene load() { return GltfTest::load(builder_); }
 
   void add_png(const std::array<int, 6>& codes) {
     builder_.json["images"].push_back(
         {{"uri", "data:image/png;base64," + test::base64(png(codes))}});
   }
 
-  test::TempDir dir_;
   GltfBuilder builder_;
 };
 
@@ -104,9 +94,9 @@ TEST_F(LoadMaterial, DecodesBaseColorFromSrgb) {
   const Scene scene = load();
   const Surface surface =
       evaluate_surface(scene, 0, 0, 0.25f, 0.5f, 0);  // uv (0.25, 0.5): the first texel's centre
-  EXPECT_NEAR(surface.albedo.x, 0.5 * decode(100), 1e-5);
-  EXPECT_NEAR(surface.albedo.y, decode(150), 1e-5);
-  EXPECT_NEAR(surface.albedo.z, decode(200), 1e-5);
+  EXPECT_NEAR(surface.albedo.x, 0.5 * test::decode_srgb(100), 1e-5);
+  EXPECT_NEAR(surface.albedo.y, test::decode_srgb(150), 1e-5);
+  EXPECT_NEAR(surface.albedo.z, test::decode_srgb(200), 1e-5);
 }
 
 TEST_F(LoadMaterial, EmissiveTextureScalesTheStrength) {
@@ -119,7 +109,7 @@ TEST_F(LoadMaterial, EmissiveTextureScalesTheStrength) {
       evaluate_surface(load(), 0, 0, 0.6f, 0.3f, 0);  // TEXCOORD_1 is the first texel everywhere
   EXPECT_NEAR(surface.emission.x, 8, 1e-5);
   EXPECT_NEAR(surface.emission.y, 0, 1e-5);
-  EXPECT_NEAR(surface.emission.z, 8 * decode(188), 1e-4);
+  EXPECT_NEAR(surface.emission.z, 8 * test::decode_srgb(188), 1e-4);
   EXPECT_EQ(surface.light_group, 0);
 }
 
@@ -286,7 +276,7 @@ TEST_F(LoadMaterial, MetalTextureIsLinear) {
       evaluate_surface(scene, 0, 0, 0.25f, 0.5f, 0);  // the first texel's centre
   EXPECT_NEAR(surface.gloss.roughness, 51 / 255.0, 1e-5);
   EXPECT_NEAR(surface.gloss.metallic, 0.5 * 102 / 255.0, 1e-5);
-  EXPECT_NEAR(surface.albedo.y, decode(51), 1e-5);
+  EXPECT_NEAR(surface.albedo.y, test::decode_srgb(51), 1e-5);
 }
 
 TEST_F(LoadMaterial, NotesTexturesItCannotFollow) {

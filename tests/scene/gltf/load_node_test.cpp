@@ -4,9 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "lte/scene/load.h"
-#include "tests/scene/gltf/gltf_builder.h"
-#include "tests/support/temp_dir.h"
+#include "tests/scene/gltf/fixture.h"
 
 namespace lte::scene {
 namespace {
@@ -21,21 +19,17 @@ void expect_near(const Vec3& a, const Vec3& b, float tolerance = 1e-6f) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], tolerance) << "component " << c;
 }
 
-class LoadNode : public ::testing::Test {
+class LoadNode : public test::GltfTest {
  protected:
   LoadNode() {
     builder_.mesh(builder_.triangle());
     builder_.json["nodes"] = Json::array();
   }
 
-  Scene load() {
-    builder_.save_embedded(dir_ / "scene.gltf");
-    return load_scene(dir_ / "scene.gltf");
-  }
+  Scene load() { return GltfTest::load(builder_); }
 
   Json& nodes() { return builder_.json["nodes"]; }
 
-  test::TempDir dir_;
   GltfBuilder builder_;
 };
 

@@ -5,9 +5,7 @@
 #include <gtest/gtest.h>
 #include <webp/encode.h>
 
-#include "lte/scene/load.h"
-#include "tests/scene/gltf/gltf_builder.h"
-#include "tests/support/temp_dir.h"
+#include "tests/scene/gltf/fixture.h"
 
 namespace lte::scene {
 namespace {
@@ -34,7 +32,7 @@ std::vector<uint8_t> webp(const std::vector<uint8_t>& rgb, int width, int height
   return out;
 }
 
-class LoadWebp : public ::testing::Test {
+class LoadWebp : public test::GltfTest {
  protected:
   GltfBuilder textured(const std::vector<uint8_t>& bytes) {
     GltfBuilder builder;
@@ -50,17 +48,10 @@ class LoadWebp : public ::testing::Test {
     return builder;
   }
 
-  Scene load(GltfBuilder& builder, const LoadLimits& limits = {}) {
-    builder.save_embedded(dir_ / "webp.gltf");
-    return load_scene(dir_ / "webp.gltf", limits);
-  }
-
-  std::string error(const std::vector<uint8_t>& bytes, const LoadLimits& limits = {}) {
+  std::string error_with(const std::vector<uint8_t>& bytes, const LoadLimits& limits = {}) {
     GltfBuilder builder = textured(bytes);
-    return test::error_of([&] { load(builder, limits); });
+    return error(builder, limits);
   }
-
-  test::TempDir dir_;
 };
 
 TEST_F(LoadWebp, LosslessComesBackBitForBit) {
@@ -94,7 +85,7 @@ TEST_F(LoadWebp, EveryTruncationIsAnError) {
     for (size_t size = 12; size < whole.size(); size += 97) {
       const std::vector<uint8_t> cut(whole.begin(),
                                      whole.begin() + static_cast<std::ptrdiff_t>(size));
-      EXPECT_THAT(error(cut), HasSubstr("webp.gltf: images[0]")) << size;
+      EXPECT_THAT(error_with(cut), HasSubstr("scene.gltf: images[0]")) << size;
     }
   }
 }
@@ -108,7 +99,7 @@ TEST_F(LoadWebp, BombsAreRefusedByTheirHeader) {
   std::memcpy(bomb.data() + 21, &sizes, 4);
   LoadLimits limits;
   limits.texture_pixels = 1 << 24;
-  EXPECT_THAT(error(bomb, limits), AllOf(HasSubstr("images[0]"), HasSubstr("16383x16383")));
+  EXPECT_THAT(error_with(bomb, limits), AllOf(HasSubstr("images[0]"), HasSubstr("16383x16383")));
 }
 
 TEST_F(LoadWebp, AllPicturesTogetherHaveALimit) {

@@ -7,7 +7,7 @@
 #include "lte/image/png.h"
 #include "lte/scene/load.h"
 #include "lte/scene/triangle.h"
-#include "tests/scene/gltf/gltf_builder.h"
+#include "tests/scene/expect.h"
 #include "tests/support/temp_dir.h"
 
 namespace lte::scene {
@@ -21,11 +21,6 @@ using ::testing::IsEmpty;
 using Triangle = std::array<uint32_t, 3>;
 
 constexpr const char* kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-
-double decode(double code) {
-  const double v = code / 255;
-  return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
-}
 
 class Obj : public ::testing::Test {
  protected:
@@ -123,9 +118,9 @@ TEST_F(Obj, VertexColorsCarryTheSrgbCurve) {
   const Mesh& mesh = scene.meshes.at(0);
   ASSERT_EQ(mesh.colors.size(), 3u);
   EXPECT_EQ(mesh.colors[0].x, 1);
-  EXPECT_NEAR(mesh.colors[0].y, decode(127.5), 1e-6);
+  EXPECT_NEAR(mesh.colors[0].y, test::decode_srgb(127.5), 1e-6);
   EXPECT_EQ(mesh.colors[1], (Rgb{1, 1, 1}));
-  EXPECT_NEAR(mesh.colors[2].z, decode(153), 1e-6) << "x y z w r g b";
+  EXPECT_NEAR(mesh.colors[2].z, test::decode_srgb(153), 1e-6) << "x y z w r g b";
 }
 
 TEST_F(Obj, ReadsMapsWithTheirOptions) {

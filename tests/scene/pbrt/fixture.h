@@ -11,6 +11,7 @@
 #include "lte/base/file.h"
 #include "lte/scene/load.h"
 #include "lte/scene/triangle.h"
+#include "tests/scene/expect.h"
 #include "tests/support/temp_dir.h"
 
 namespace lte::test {
@@ -77,12 +78,6 @@ inline double area_of(const scene::Scene& scene, size_t instance = 0) {
   for (uint32_t i = 0; i < mesh.triangles.size(); ++i)
     sum += scene::area(scene::world_triangle(mesh, placed.to_world, i));
   return sum;
-}
-
-inline void expect_near(const Vec3& got, const Vec3& want, float tolerance = 1e-5f) {
-  EXPECT_NEAR(got.x, want.x, tolerance);
-  EXPECT_NEAR(got.y, want.y, tolerance);
-  EXPECT_NEAR(got.z, want.z, tolerance);
 }
 
 }  // namespace lte::test

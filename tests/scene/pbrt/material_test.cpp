@@ -7,6 +7,7 @@
 namespace lte::scene {
 namespace {
 
+using pbrt::named_conductor;
 using test::expect_near;
 using test::kTriangle;
 using test::material_of;

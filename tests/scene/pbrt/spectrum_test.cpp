@@ -3,14 +3,12 @@
 
 #include <gtest/gtest.h>
 
-namespace lte::scene {
+#include "tests/scene/expect.h"
+
+namespace lte::scene::pbrt {
 namespace {
 
-void expect_near(const Rgb& got, const Rgb& want, float tolerance) {
-  EXPECT_NEAR(got.x, want.x, tolerance);
-  EXPECT_NEAR(got.y, want.y, tolerance);
-  EXPECT_NEAR(got.z, want.z, tolerance);
-}
+using test::expect_near;
 
 Spectrum constant(double value) { return {{300, value}, {900, value}}; }
 
@@ -36,8 +34,8 @@ TEST(Spectrum, ASumOfReflectancesIsTheSumOfTheirColors) {
   expect_near(low + high, reflectance_to_rgb({{400, .5}, {700, .5}}), 1e-5f);
 }
 
-/// Chromaticities of the Planckian locus: 2856 K is illuminant A (0.44757, 0.40745); 6504 K lies
-/// at (0.3135, 0.3237).
+/// Chromaticities of the Planckian locus: 2856 K is illuminant A (0.44757, 0.40745); 6504 K lies at
+/// (0.3135, 0.3237).
 TEST(Spectrum, BlackbodiesHaveTheirChromaticity) {
   expect_near(blackbody_to_rgb(2856), chromaticity_to_rgb(0.44757, 0.40745), 0.02f);
   expect_near(blackbody_to_rgb(6504), chromaticity_to_rgb(0.3135, 0.3237), 0.02f);
@@ -76,4 +74,4 @@ TEST(Spectrum, TableOfMetalsAgreesWithOtherMeasurements) {
 }
 
 }  // namespace
-}  // namespace lte::scene
+}  // namespace lte::scene::pbrt

@@ -12,7 +12,7 @@
 #include "lte/scene/import/triangulate.h"
 #include "tests/support/temp_dir.h"
 
-namespace lte::scene {
+namespace lte::scene::ply {
 namespace {
 
 using ::testing::ElementsAre;
@@ -186,7 +186,8 @@ double signed_area(const std::vector<Vec3>& p, const std::vector<Triangle>& tria
   *absolute = 0;
   for (const auto& [a, b, c] : triangles) {
     const double twice = cross(p[b] - p[a], p[c] - p[a]).z;
-    sum += twice / 2, *absolute += std::abs(twice) / 2;
+    sum += twice / 2;
+    *absolute += std::abs(twice) / 2;
   }
   return sum;
 }
@@ -303,4 +304,4 @@ TEST_F(Ply, BrokenGzip) {
 }
 
 }  // namespace
-}  // namespace lte::scene
+}  // namespace lte::scene::ply

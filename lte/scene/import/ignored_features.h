@@ -10,7 +10,7 @@
 namespace lte::scene {
 
 /// Counts of what an importer leaves out, for Scene::ignored.
-class Notes {
+class IgnoredFeatures {
  public:
   /// @param what  e.g. "normal map"
   /// @param unit  what is counted, singular, e.g. "material"

@@ -1,0 +1,16 @@
+// A PLY file as a scene of its own.
+#pragma once
+
+#include <filesystem>
+
+#include "lte/scene/import/limits.h"
+#include "lte/scene/scene.h"
+
+namespace lte::scene::ply {
+
+/// A scene of one mesh whose vertex colors are the albedo, 0.5 where it has none.
+/// Scene::name is left to load_scene().
+/// @throws lte::Error as read_ply().
+Scene import(const std::filesystem::path& path, const LoadLimits& limits);
+
+}  // namespace lte::scene::ply
