@@ -119,18 +119,15 @@ Texture::Texture(int width, int height, std::vector<uint8_t> texels, bool srgb)
              static_cast<size_t>(c);
     };
     if (levels_.size() == 1) {
-      {
-        const std::vector<uint8_t>& coded = levels_.front().coded;
-        linear = halve(width, height, new_width, new_height,
-                       [&](int x, int y, int c) { return table[coded[index(x, y, c)]]; });
-      }
-      else {
-        linear = halve(width, height, new_width, new_height,
-                       [&](int x, int y, int c) { return linear[index(x, y, c)]; });
-      }
-      width = new_width;
-      height = new_height;
+      const std::vector<uint8_t>& coded = levels_.front().coded;
+      linear = halve(width, height, new_width, new_height,
+                     [&](int x, int y, int c) { return table[coded[index(x, y, c)]]; });
+    } else {
+      linear = halve(width, height, new_width, new_height,
+                     [&](int x, int y, int c) { return linear[index(x, y, c)]; });
     }
+    width = new_width;
+    height = new_height;
     levels_.push_back({width, height, {}, to_fixed(linear)});
   }
 }

@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "lte/base/file.h"
 #include "lte/scene/load_camera.h"
 #include "tests/support/temp_dir.h"
 
@@ -15,7 +14,7 @@ using ::testing::HasSubstr;
 class LoadCamera : public ::testing::Test {
  protected:
   std::string error(const std::string& text) {
-    write_file(dir_ / "view.json", text);
+    test::write_text(dir_ / "view.json", text);
     return test::error_of([&] { load_camera(dir_ / "view.json"); });
   }
 
@@ -23,7 +22,8 @@ class LoadCamera : public ::testing::Test {
 };
 
 TEST_F(LoadCamera, ReadsItsFourKeys) {
-  write_file(dir_ / "view.json", R"({"origin":[1,2,3.5],"target":[0,0,0],"up":[0,0,1],"vfov":50})");
+  test::write_text(dir_ / "view.json",
+                   R"({"origin":[1,2,3.5],"target":[0,0,0],"up":[0,0,1],"vfov":50})");
   const Camera camera = load_camera(dir_ / "view.json");
   EXPECT_EQ(camera.name, "view");
   EXPECT_EQ(camera.origin, (Vec3{1, 2, 3.5f}));

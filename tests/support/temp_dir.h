@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,11 @@ class TempDir {
  private:
   std::filesystem::path path_;
 };
+
+/// Writes a file without the sync of write_file(): some tests write thousands.
+inline void write_text(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
 
 /// What the lte::Error says that `body` throws; a test failure and "" if it throws none.
 template <typename Body>

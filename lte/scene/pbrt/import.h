@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "lte/scene/import/limits.h"
+#include "lte/scene/scene.h"
 
 namespace lte::scene::pbrt {
 

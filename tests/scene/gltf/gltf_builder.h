@@ -10,7 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "lte/base/file.h"
+#include "tests/support/temp_dir.h"
 
 namespace lte::test {
 
@@ -89,14 +89,14 @@ struct GltfBuilder {
   void save_embedded(const std::filesystem::path& path) {
     json["buffers"] = {{{"byteLength", bytes.size()},
                         {"uri", "data:application/octet-stream;base64," + base64(bytes)}}};
-    write_file(path, json.dump());
+    write_text(path, json.dump());
   }
 
   void save_external(const std::filesystem::path& path, const std::string& name,
                      const std::string& uri) {
     json["buffers"] = {{{"byteLength", bytes.size()}, {"uri", uri}}};
-    write_file(path.parent_path() / name, bytes);
-    write_file(path, json.dump());
+    write_text(path.parent_path() / name, bytes);
+    write_text(path, json.dump());
   }
 
   std::string glb() {
@@ -114,7 +114,7 @@ struct GltfBuilder {
            text + word(binary.size()) + std::string("BIN\0", 4) + binary;
   }
 
-  void save_glb(const std::filesystem::path& path) { write_file(path, glb()); }
+  void save_glb(const std::filesystem::path& path) { write_text(path, glb()); }
 };
 
 }  // namespace lte::test

@@ -10,6 +10,7 @@
 namespace lte::scene {
 namespace {
 
+using test::first_primitive;
 using test::GltfBuilder;
 using test::Json;
 using ::testing::AllOf;
@@ -77,9 +78,8 @@ TEST_F(LoadDeform, NodeWeightsStandInForThoseOfTheMesh) {
 
 TEST_F(LoadDeform, SparseAndQuantizedTargetsMoveUvAndColorsToo) {
   GltfBuilder builder = morphed();
-  test::first_primitive(builder)["attributes"]["TEXCOORD_0"] =
-      builder.floats({0, 0, 1, 0, 0, 1}, "VEC2");
-  test::first_primitive(builder)["attributes"]["COLOR_0"] =
+  first_primitive(builder)["attributes"]["TEXCOORD_0"] = builder.floats({0, 0, 1, 0, 0, 1}, "VEC2");
+  first_primitive(builder)["attributes"]["COLOR_0"] =
       builder.floats({0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f});
   const int uv =
       builder.accessor(std::vector<int8_t>{127, 0, -127, 0, 0, 127}, test::kByte, "VEC2", true);
@@ -95,7 +95,7 @@ TEST_F(LoadDeform, SparseAndQuantizedTargetsMoveUvAndColorsToo) {
         {{"count", 1},
          {"indices", {{"bufferView", index}, {"componentType", test::kUnsignedByte}}},
          {"values", {{"bufferView", value}}}}}});
-  test::first_primitive(builder)["targets"] = {
+  first_primitive(builder)["targets"] = {
       {{"POSITION", builder.json["accessors"].size() - 1}, {"TEXCOORD_0", uv}, {"COLOR_0", color}}};
   builder.json["meshes"][0]["weights"] = {1};
   const Mesh mesh = load(builder).meshes[0];
@@ -130,15 +130,15 @@ TEST_F(LoadDeform, MorphCountsThatDisagree) {
   expect(
       morphed,
       [](GltfBuilder& b) {
-        test::first_primitive(b)["targets"][0]["POSITION"] = b.floats({1, 2, 3});
+        first_primitive(b)["targets"][0]["POSITION"] = b.floats({1, 2, 3});
         b.json["meshes"][0]["weights"] = {1, 1};
       },
       "targets[0].POSITION has 1 elements", "3 vertices");
   expect(
-      morphed, [](GltfBuilder& b) { test::first_primitive(b)["targets"][1]["POSITION"] = 50; },
+      morphed, [](GltfBuilder& b) { first_primitive(b)["targets"][1]["POSITION"] = 50; },
       "targets[1].POSITION is 50", "accessors");
   expect(
-      morphed, [](GltfBuilder& b) { test::first_primitive(b)["targets"] = 5; }, "targets", "array");
+      morphed, [](GltfBuilder& b) { first_primitive(b)["targets"] = 5; }, "targets", "array");
   expect(
       morphed,
       [](GltfBuilder& b) {
@@ -198,7 +198,7 @@ TEST_F(LoadDeform, JointsFollowTheirOwnParents) {
 
 TEST_F(LoadDeform, MorphingComesBeforeSkinning) {
   GltfBuilder builder = skinned();
-  test::first_primitive(builder)["targets"] = {
+  first_primitive(builder)["targets"] = {
       {{"POSITION", builder.floats({0, 0, 0, 1, 0, 0, 0, 0, 0})}}};
   builder.json["meshes"][0]["weights"] = {1};
   EXPECT_EQ(load(builder).meshes[0].positions[1], (Vec3{6, 0, 0}));
@@ -206,7 +206,7 @@ TEST_F(LoadDeform, MorphingComesBeforeSkinning) {
 
 TEST_F(LoadDeform, WeightsAreBroughtToASumOfOne) {
   GltfBuilder builder = skinned();
-  test::first_primitive(builder)["attributes"]["WEIGHTS_0"] =
+  first_primitive(builder)["attributes"]["WEIGHTS_0"] =
       builder.accessor(std::vector<uint8_t>{127, 0, 0, 0, 254, 0, 0, 0, 0, 0, 0, 0},
                        test::kUnsignedByte, "VEC4", true);
   EXPECT_THAT(load(builder).meshes[0].positions,
@@ -216,7 +216,7 @@ TEST_F(LoadDeform, WeightsAreBroughtToASumOfOne) {
 
 TEST_F(LoadDeform, MoreThanFourInfluences) {
   GltfBuilder builder = skinned();
-  Json& attributes = test::first_primitive(builder)["attributes"];
+  Json& attributes = first_primitive(builder)["attributes"];
   attributes["JOINTS_1"] = builder.accessor(
       std::vector<uint16_t>{1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, test::kUnsignedShort, "VEC4");
   attributes["WEIGHTS_1"] = builder.floats({0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
@@ -234,7 +234,7 @@ TEST_F(LoadDeform, MirroringJointsTurnTrianglesAround) {
 
 TEST_F(LoadDeform, SkinOfAMeshWithoutJointsIsNoted) {
   GltfBuilder builder = skinned();
-  test::first_primitive(builder)["attributes"].erase("WEIGHTS_0");
+  first_primitive(builder)["attributes"].erase("WEIGHTS_0");
   builder.json["nodes"][0]["translation"] = {5, 0, 0};
   const Scene scene = load(builder);
   EXPECT_EQ(scene.instances[0].to_world.point({0, 0, 0}), (Vec3{5, 0, 0}));
@@ -245,7 +245,7 @@ TEST_F(LoadDeform, BrokenSkins) {
   expect(
       skinned,
       [](GltfBuilder& b) {
-        test::first_primitive(b)["attributes"]["JOINTS_0"] = b.accessor(
+        first_primitive(b)["attributes"]["JOINTS_0"] = b.accessor(
             std::vector<uint8_t>{0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, 0}, test::kUnsignedByte, "VEC4");
       },
       "JOINTS_0: vertex 1 hangs on joint 2", "skin has 2");
@@ -272,21 +272,21 @@ TEST_F(LoadDeform, BrokenSkins) {
   expect(
       skinned,
       [](GltfBuilder& b) {
-        test::first_primitive(b)["attributes"]["WEIGHTS_0"] =
+        first_primitive(b)["attributes"]["WEIGHTS_0"] =
             b.floats({1, 0, 0, 0, -1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
       },
       "WEIGHTS_0: vertex 1", "weight -1");
   expect(
       skinned,
       [](GltfBuilder& b) {
-        test::first_primitive(b)["attributes"]["JOINTS_0"] =
-            test::first_primitive(b)["attributes"]["WEIGHTS_0"];
+        first_primitive(b)["attributes"]["JOINTS_0"] =
+            first_primitive(b)["attributes"]["WEIGHTS_0"];
       },
       "JOINTS_0", "unsigned bytes or shorts");
   expect(
       skinned,
       [](GltfBuilder& b) {
-        test::first_primitive(b)["attributes"]["WEIGHTS_0"] = b.floats({1, 0, 0, 0}, "VEC4");
+        first_primitive(b)["attributes"]["WEIGHTS_0"] = b.floats({1, 0, 0, 0}, "VEC4");
       },
       "WEIGHTS_0 has 1 elements", "expected 3 of 4");
 }

@@ -81,17 +81,17 @@ TEST_F(LoadError, StartsFromAValidScene) {
 TEST_F(LoadError, FilesThatAreNoScene) {
   EXPECT_THAT(error("none.glb"), HasSubstr("none.glb: no such file"));
   EXPECT_THAT(test::error_of([&] { load_scene(dir_.path()); }), HasSubstr("is a directory"));
-  write_file(dir_ / "empty.glb", "");
+  test::write_text(dir_ / "empty.glb", "");
   EXPECT_THAT(error("empty.glb"), HasSubstr("empty"));
-  write_file(dir_ / "noise.glb", "\x01\x02garbage");
+  test::write_text(dir_ / "noise.glb", "\x01\x02garbage");
   EXPECT_THAT(error("noise.glb"), HasSubstr("not a glTF file"));
-  write_file(dir_ / "cut.gltf", R"({"asset":{"version":)");
+  test::write_text(dir_ / "cut.gltf", R"({"asset":{"version":)");
   EXPECT_THAT(error("cut.gltf"), AllOf(HasSubstr("cut.gltf: not valid JSON"), HasSubstr("line 1")));
-  write_file(dir_ / "other.gltf", R"({"hello":1})");
+  test::write_text(dir_ / "other.gltf", R"({"hello":1})");
   EXPECT_THAT(error("other.gltf"), HasSubstr("no \"asset\""));
-  write_file(dir_ / "old.gltf", R"({"asset":{"version":"1.0"}})");
+  test::write_text(dir_ / "old.gltf", R"({"asset":{"version":"1.0"}})");
   EXPECT_THAT(error("old.gltf"), HasSubstr("version \"1.0\""));
-  write_file(dir_ / "array.gltf", R"({"asset":{"version":"2.0"},"meshes":{}})");
+  test::write_text(dir_ / "array.gltf", R"({"asset":{"version":"2.0"},"meshes":{}})");
   EXPECT_THAT(error("array.gltf"), HasSubstr("meshes must be an array"));
 }
 
@@ -100,7 +100,7 @@ TEST_F(LoadError, UnknownFormatsGetTheListOfKnownOnes) {
       "unknown scene format: expected one of .gltf, .glb, .pbrt, .pbrt.gz, .obj, .ply, .ply.gz";
   for (const char* name : {"room.fbx", "room", "room.glb.bak", "room.obj.gz", "gltf"}) {
     EXPECT_THAT(error(name), EndsWith(concat(name, ": ", known)));  // whether it is there or not
-    write_file(dir_ / name, "{}");
+    test::write_text(dir_ / name, "{}");
     EXPECT_THAT(error(name), EndsWith(concat(name, ": ", known)));
   }
 }
@@ -115,7 +115,7 @@ TEST_F(LoadError, EveryTruncationOfAGlb) {
   GltfBuilder builder = valid();
   const std::string whole = builder.glb();
   for (size_t size = 1; size < whole.size(); size += size < 40 ? 1 : 37) {
-    write_file(dir_ / "cut.glb", whole.substr(0, size));
+    test::write_text(dir_ / "cut.glb", whole.substr(0, size));
     EXPECT_THAT(error("cut.glb"), HasSubstr("cut.glb: ")) << size;
   }
 }
@@ -126,7 +126,7 @@ TEST_F(LoadError, LyingGlbHeaders) {
   const auto patched = [&](size_t offset, uint32_t value) {
     std::string bytes = whole;
     std::memcpy(bytes.data() + offset, &value, 4);
-    write_file(dir_ / "lie.glb", bytes);
+    test::write_text(dir_ / "lie.glb", bytes);
     return error("lie.glb");
   };
   uint32_t json_size = 0;
@@ -155,7 +155,7 @@ TEST_F(LoadError, RandomDamageNeverCrashes) {
       state = state * 6364136223846793005ULL + 1442695040888963407ULL;
       bytes[(state >> 33) % bytes.size()] = static_cast<char>(state >> 25);
     }
-    write_file(dir_ / "noise.glb", bytes);
+    test::write_text(dir_ / "noise.glb", bytes);
     try {
       load_scene(dir_ / "noise.glb");
     } catch (const Error&) {
@@ -279,10 +279,10 @@ TEST_F(LoadError, BuffersThatAreNotThere) {
   builder.save_external(dir_ / "far.gltf", "data.bin", ".");
   EXPECT_THAT(error("far.gltf"), HasSubstr("cannot find the file"));
   builder.save_external(dir_ / "far.gltf", "data.bin", "data.bin");
-  write_file(dir_ / "data.bin", "short");
+  test::write_text(dir_ / "data.bin", "short");
   EXPECT_THAT(error("far.gltf"), AllOf(HasSubstr("buffers[0] is truncated"), HasSubstr("5 bytes")));
   builder.json["buffers"] = {{{"byteLength", 3}, {"uri", "data:;base64,$$$$"}}};
-  write_file(dir_ / "far.gltf", builder.json.dump());
+  test::write_text(dir_ / "far.gltf", builder.json.dump());
   EXPECT_THAT(error("far.gltf"), HasSubstr("not base64"));
 }
 
@@ -414,7 +414,7 @@ TEST_F(LoadError, TooDeepNodesAndJson) {
   };
   expect(chain, "nodes[1024]", "deeper than 1024");
   const std::string deep = R"({"asset":{"version":"2.0","extras":)" + std::string(200000, '[');
-  write_file(dir_ / "deep.gltf", deep + std::string(200000, ']') + "}}");
+  test::write_text(dir_ / "deep.gltf", deep + std::string(200000, ']') + "}}");
   EXPECT_THAT(error("deep.gltf"), HasSubstr("nested deeper than 128"));
 }
 
