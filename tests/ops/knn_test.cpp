@@ -142,7 +142,9 @@ TEST_P(Knn, RefusesBadInput) {
   EXPECT_TRUE(refused(good, put(at::zeros({4})), 1, "points must be [N, 3]"));
   EXPECT_TRUE(refused(good.to(at::kDouble), good, 1, "Float"));
   EXPECT_TRUE(refused(put(at::zeros({3, 4})).t(), good, 1, "contiguous"));
-  if (!on_cpu()) EXPECT_TRUE(refused(good, good.cpu(), 1, "points on cpu"));
+  if (!on_cpu()) {
+    EXPECT_TRUE(refused(good, good.cpu(), 1, "points on cpu"));
+  }
 }
 
 // On a GPU the host would have to wait for a look at the values.
