@@ -16,8 +16,8 @@ namespace lte::ops {
 /// @param k        >= 1
 /// @return  indices [Q, min(k, N)] int64 into `points`, and squared distances [Q, min(k, N)]
 ///          float32
-/// @throws c10::Error on a wrong shape, dtype, layout, device or `k`, or, on the CPU, non-finite input
-///         (naming the row); a GPU would have to be waited for
+/// @throws c10::Error on a wrong shape, dtype, layout, device or `k`, or, on the CPU, non-finite
+///         input (naming the row); a GPU would have to be waited for
 /// @note The result depends on neither the number of threads nor the order of queries. CPU and CUDA
 ///       agree bit for bit. Not differentiable.
 std::tuple<at::Tensor, at::Tensor> knn(const at::Tensor& queries, const at::Tensor& points,

@@ -28,8 +28,8 @@ struct QueryNeighbourhood {
 /// @param weights     of L layers, float32; dense weights but that of `gamma.hidden` may be bfloat16
 ///                    instead (bf16.h)
 /// @return  [Q, O], softplus of the head
-/// @throws c10::Error on a wrong shape, dtype, device or number of weights, or, on the CPU, an index
-///         out of range; on CUDA such an index fails a device-side assertion
+/// @throws c10::Error on a wrong shape, dtype, device or number of weights, or, on the CPU, an
+///         index out of range; on CUDA such an index fails a device-side assertion
 /// @note Not differentiable. On the CPU each query's result is the same bits whatever other queries
 ///       there are, in whatever order. Queries in the order of spatial_order() run fastest.
 /// @note CPU: some 2 MB of working memory a thread at C = 128 and L = 6, and a copy of the weights.

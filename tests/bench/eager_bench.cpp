@@ -1,5 +1,6 @@
-// lte beside the plain PyTorch form of the same network, same weights, same points, in one run:
-//   lte_eager_bench [--queries 16384] [--json F]        the peer takes 0.3 ms a query on two cores
+// Times lte beside the plain PyTorch form of the same network, with the same weights and points in
+// one run. The peer takes 0.3 ms a query on two cores.
+//   lte_eager_bench [--queries 16384] [--json F]
 #include <cstdio>
 #include <string>
 #include <vector>

@@ -1,7 +1,7 @@
 // The network as a plain PyTorch user would write it, the peer of lte_bench's figures: tensor
 // operations of LibTorch alone, keys and values projected for every pair of query and neighbour,
 // farthest point sampling as a loop over the picks, neighbours by cdist and topk, attention as
-// softmax(Q Kᵀ) V. Nothing is shared with lte::nn but the parameters and the serialization maps.
+// softmax(Q Kᵀ) V. Nothing is shared with lte::nn but the parameters and the maps of the curves.
 #pragma once
 
 #include <functional>
@@ -24,9 +24,9 @@ class EagerNetwork {
   /// [Q, min(k, N)] int64, nearest first.
   static at::Tensor nearest(const at::Tensor& queries, const at::Tensor& points, int64_t k);
 
-  /// Points to latents, [m, D]. Both halvings are sampled, and the convolutions' neighbours found,
-  /// here.
-  /// @param plan  whose cells, clusters and patches are taken as they are: 1 % of this peer's time
+  /// Points to latents, [m, D]. Both halvings are sampled here, and the neighbours of the
+  /// convolutions found.
+  /// @param plan  its cells, clusters and patches are taken as they are: 1 % of this peer's time
   at::Tensor encode(const nn::PointSet& points, const nn::EncoderPlan& plan) const;
 
   /// Irradiance over the emission scalar, [Q, 3], in blocks that hold [block, κ, D] tensors.

@@ -1,5 +1,5 @@
-// Times of the operators at the sizes of DESIGN section 7, and FLANN and nanoflann beside knn. Not
-// run by ctest.
+// Times of the operators at the sizes of the network in docs/model.md, with FLANN and nanoflann
+// beside knn. ctest does not run it.
 //   lte_ops_microbench --benchmark_filter=Knn        at::set_num_threads: OMP_NUM_THREADS
 #include <ATen/ATen.h>
 #include <ATen/core/grad_mode.h>
@@ -135,7 +135,8 @@ void SubmanifoldConv(benchmark::State& state, bool backward) {
   const int64_t kernel = state.range(0), C = 128;
   const auto [pairs, begin] = convolution_pairs(scene_cells(), kernel);
   at::Tensor input = at::randn({5000, C}), weight = at::randn({kernel * kernel * kernel, C, C});
-  if (backward) input.requires_grad_(), weight.requires_grad_();
+  input.requires_grad_(backward);
+  weight.requires_grad_(backward);
   for (auto _ : state) {
     const at::Tensor out = submanifold_conv(input, weight, at::Tensor(), pairs, begin);
     if (backward) out.backward(out.detach());

@@ -1,6 +1,7 @@
 // One timed farthest point sampling for scripts/witnesses/compare_sampling.py:
-//   lte_sampling_bench POINTS COUNT REPEATS PICKS    POINTS: [N, 3] float32; PICKS: [COUNT] int64,
-//   written; both raw. Prints the least seconds.
+//   lte_sampling_bench POINTS COUNT REPEATS PICKS
+// POINTS holds raw float32 [N, 3]. Raw int64 [COUNT] is written to PICKS, and the least seconds are
+// printed.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>

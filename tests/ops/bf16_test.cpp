@@ -7,14 +7,16 @@
 #include <cstdlib>
 #include <string>
 
+#include "lte/ops/dispatch.h"
 #include "lte/ops/linear.h"
 #include "lte/ops/neighbour_max.h"
 #include "lte/ops/neighbour_sums.h"
 #include "lte/ops/patch_attention.h"
 #include "lte/ops/query_decoder.h"
 #include "lte/ops/submanifold_conv.h"
-#include "tests/ops/decoder_weights.h"
+#include "tests/ops/decoder_fixture.h"
 #include "tests/ops/fixtures.h"
+#include "tests/ops/per_device.h"
 
 namespace lte::ops {
 namespace {
@@ -37,32 +39,44 @@ const std::vector<std::array<int64_t, 3>> kShapes = {{1, 1, 1},      {3, 2, 17},
                                                      {96, 128, 128}, {97, 127, 3}, {200, 129, 130},
                                                      {13, 257, 31}};
 
-TEST(LinearBf16, IsTheProductOfRoundedOperands) {
+class LinearBf16 : public test::PerDevice {
+ protected:
+  /// A layer run on this device, on the CPU.
+  at::Tensor layer(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias = {},
+                   bool activated = false) const {
+    return (activated ? linear_gelu(put(x), put(weight), put(bias))
+                      : ops::linear(put(x), put(weight), put(bias)))
+        .cpu();
+  }
+};
+LTE_FOR_EACH_DEVICE(LinearBf16);
+
+TEST_P(LinearBf16, IsTheProductOfRoundedOperands) {
   for (const auto& [rows, inputs, outputs] : kShapes) {
     const at::Tensor x = floats({rows, inputs}, 1), weight = floats({outputs, inputs}, 2),
                      bias = floats({outputs}, 3);
     const at::Tensor product = at::matmul(rounded(x), rounded(weight).t());
     const at::Tensor half = weight.to(at::kBFloat16);
-    EXPECT_LT(relative_error(ops::linear(x, half), product), 1e-6) << rows << " x " << inputs;
+    EXPECT_LT(relative_error(layer(x, half), product), tolerance(1e-6)) << rows << " x " << inputs;
     const at::Tensor expected = product + bias.to(at::kDouble);
-    EXPECT_LT(relative_error(ops::linear(x, half, bias), expected), 1e-6)
+    EXPECT_LT(relative_error(layer(x, half, bias), expected), tolerance(1e-6))
         << rows << " x " << inputs;
-    const at::Tensor activated = linear_gelu(x, half, bias).to(at::kDouble);
+    const at::Tensor activated = layer(x, half, bias, true).to(at::kDouble);
     EXPECT_LT((activated - at::gelu(expected)).abs().max().item<double>(), 3e-4);
-    EXPECT_EQ(ops::linear(x, half).scalar_type(), at::kFloat);
+    EXPECT_EQ(layer(x, half).scalar_type(), at::kFloat);
   }
 }
 
-TEST(LinearBf16, RoundsTiesToEvenAndKeepsWhatIsRepresentable) {
+TEST_P(LinearBf16, RoundsTiesToEvenAndKeepsWhatIsRepresentable) {
   // 1 + 2^-8 lies between two neighbours of 8 bits, as does 1 + 3 · 2^-8.
   const at::Tensor x = at::tensor({1.0f, 1 + 0x1p-8f, 1 + 0x3p-8f, -0x1p-100f, 3e38f, 0.0f});
   const at::Tensor one = at::ones({1, 1}, at::kBFloat16);
   const at::Tensor expected =
       at::tensor({1.0f, 1.0f, 1 + 0x1p-6f, -0x1p-100f, x.to(at::kBFloat16)[4].item<float>(), 0.0f});
-  EXPECT_TRUE(at::equal(ops::linear(x.unsqueeze(1), one).squeeze(1), expected));
+  EXPECT_TRUE(at::equal(layer(x.unsqueeze(1), one).squeeze(1), expected));
 }
 
-TEST(LinearBf16, RowsDoNotSeeEachOtherAndThreadsChangeNothing) {
+TEST(LinearBf16OnTheCpu, RowsDoNotSeeEachOtherAndThreadsChangeNothing) {
   const at::Tensor x = floats({300, 70}, 4), weight = floats({140, 70}, 5).to(at::kBFloat16);
   const at::Tensor all = ops::linear(x, weight);
   for (const int64_t row : {0, 95, 96, 299}) {
@@ -72,14 +86,32 @@ TEST(LinearBf16, RowsDoNotSeeEachOtherAndThreadsChangeNothing) {
   EXPECT_EQ(ops::linear(x.narrow(0, 0, 0), weight).sizes(), (at::IntArrayRef{0, 140}));
 }
 
-TEST(LinearBf16, RefusesBadInput) {
-  const at::Tensor weight = floats({4, 3}, 1).to(at::kBFloat16);
-  EXPECT_TRUE(test::throws_saying([&] { ops::linear(floats({2, 5}, 2), weight); }, "x must be"));
-  EXPECT_TRUE(test::throws_saying(
-      [&] {
-        ops::linear(floats({2, 3}, 2), weight, floats({5}, 3));
-      },
-      "bias must be [4]"));
+TEST_P(LinearBf16, RefusesBadInput) {
+  const at::Tensor x = floats({2, 3}, 2), weight = floats({4, 3}, 1).to(at::kBFloat16);
+  const auto refused = [this](const at::Tensor& rows, const at::Tensor& w, const at::Tensor& bias,
+                              const char* words) {
+    return test::throws_saying([&] { layer(rows, w, bias); }, words);
+  };
+  EXPECT_TRUE(refused(floats({2, 5}, 2), weight, {}, "x must be"));
+  EXPECT_TRUE(refused(x, weight[0], {}, "weight [O, C]"));
+  EXPECT_TRUE(refused(x, weight, floats({5}, 3), "bias must be [4]"));
+  EXPECT_TRUE(refused(x, weight, floats({4}, 3).to(at::kDouble), "bias must be float32"));
+  if (on_cpu()) return;
+  EXPECT_TRUE(test::throws_saying([&] { ops::linear(put(x), weight); }, "weights on cpu"));
+}
+
+TEST_P(LinearBf16, TheGradientByTheWeightRefusesBadInput) {
+  static const auto gradient =
+      find_operator<at::Tensor(const at::Tensor&, const at::Tensor&)>("lte::weight_gradient_bf16");
+  const at::Tensor grad = floats({7, 4}, 1), x = floats({7, 3}, 2).to(at::kBFloat16);
+  const auto refused = [&](const at::Tensor& g, const at::Tensor& rows, const char* words) {
+    return test::throws_saying([&] { gradient.call(g, rows); }, words);
+  };
+  EXPECT_EQ(gradient.call(put(grad), put(x)).sizes(), (at::IntArrayRef{4, 3}));
+  EXPECT_TRUE(refused(put(grad).to(at::kDouble), put(x), "grad must be [N, O] float32"));
+  EXPECT_TRUE(refused(put(grad.t().contiguous()).t(), put(x), "contiguous"));
+  EXPECT_TRUE(refused(put(grad), put(x).narrow(0, 0, 6), "x must be [7, C]"));
+  EXPECT_TRUE(refused(put(grad), put(x).to(at::kFloat), "bfloat16"));
 }
 
 TEST(NeighbourMaxBf16, IsTheMaximumOfRoundedProducts) {
@@ -117,7 +149,10 @@ TEST(PatchAttentionBf16, IsNearSoftmaxAttention) {
   }
 }
 
-TEST(SubmanifoldConvBf16, IsTheSumOfRoundedProducts) {
+class SubmanifoldConvBf16 : public test::PerDevice {};
+LTE_FOR_EACH_DEVICE(SubmanifoldConvBf16);
+
+TEST_P(SubmanifoldConvBf16, IsTheSumOfRoundedProducts) {
   const at::Tensor cells = test::integers(5, {90, 3}, 7, at::kInt);
   const auto [pairs, begin] = convolution_pairs(cells, 3);
   for (const auto& [Cin, Cout] : {std::pair<int64_t, int64_t>{16, 16}, {31, 48}, {130, 144}}) {
@@ -125,66 +160,35 @@ TEST(SubmanifoldConvBf16, IsTheSumOfRoundedProducts) {
                      bias = floats({Cout}, 10);
     const at::Tensor expected =
         submanifold_conv(rounded(input), rounded(weight), bias.to(at::kDouble), pairs, begin);
-    const at::Tensor got = submanifold_conv(input, weight.to(at::kBFloat16), bias, pairs, begin);
-    EXPECT_LT(relative_error(got, expected), 1e-6) << Cin << " -> " << Cout;
+    const at::Tensor got =
+        submanifold_conv(put(input), put(weight.to(at::kBFloat16)), put(bias), put(pairs), begin);
+    EXPECT_LT(relative_error(got.cpu(), expected), tolerance(1e-6)) << Cin << " -> " << Cout;
   }
   EXPECT_TRUE(test::throws_saying(
       [&, p = pairs, b = begin] {
-        submanifold_conv(floats({90, 16}, 8), floats({27, 16, 5}, 9).to(at::kBFloat16), {}, p, b);
+        submanifold_conv(put(floats({90, 16}, 8)), put(floats({27, 16, 5}, 9).to(at::kBFloat16)),
+                         {}, put(p), b);
       },
       "multiple of 16"));
 }
 
-/// What the operator's contract says, in float64; `round` before every product of a layer whose
-/// weight is bfloat16.
-at::Tensor decoder_reference(const at::Tensor& attributes, const QueryNeighbourhood& near,
-                             const at::Tensor& keys, const at::Tensor& values,
-                             const std::vector<at::Tensor>& w) {
-  size_t next = 0;
-  const auto dense = [&](const at::Tensor& x) {
-    const at::Tensor &weight = w[next], &bias = w[next + 1];
-    next += 2;
-    const bool half = weight.scalar_type() == at::kBFloat16;
-    return at::linear(half ? rounded(x) : x, weight.to(at::kDouble), bias.to(at::kDouble));
-  };
-  const auto perceptron = [&](const at::Tensor& x) { return dense(at::gelu(dense(x))); };
-  const auto norm = [&](const at::Tensor& x) {
-    next += 2;
-    return at::layer_norm(x, {x.size(-1)}, w[next - 2].to(at::kDouble), w[next - 1].to(at::kDouble),
-                          1e-5);
-  };
-  at::Tensor G = perceptron(attributes.to(at::kDouble));
-  const int64_t Q = near.index.size(0), K = near.index.size(1);
-  const at::Tensor anchor = near.anchor.index_select(0, near.index.view({-1})).view({Q, K, 3});
-  const at::Tensor offset = (near.position.unsqueeze(1) - anchor).mul(near.scale);
-  const at::Tensor P = perceptron(offset.to(at::kDouble));
-  const auto [S1, S2] = neighbour_sums(keys.to(at::kDouble), values.to(at::kDouble), P, near.index);
-  for (int64_t l = 0; l < keys.size(0); ++l) {
-    const at::Tensor query = dense(norm(G));
-    G = G + dense((query * S1[l] + S2[l]) / static_cast<double>(K));
-    G = G + perceptron(norm(G));
-  }
-  return at::softplus(perceptron(norm(G)));
-}
-
-TEST(QueryDecoderBf16, IsTheFormulaWithRoundedOperands) {
+TEST(QueryDecoderBf16, IsNearFloat32AndDoesNotDependOnThreads) {
   for (const auto& [C, hidden, K] : {std::array<int64_t, 3>{20, 31, 9}, {128, 150, 32}}) {
     const int64_t Q = 250, m = 60, L = 3;
-    std::vector<at::Tensor> weights = test::decoder_weights(9, C, L, hidden);
+    const DecoderWeights weights = test::decoder_weights(9, C, L, hidden),
+                         half = test::in_bf16(weights);
     const at::Tensor keys = floats({L, m, C}, 11), values = floats({L, m, C}, 12);
     const at::Tensor table = neighbour_table(keys, values), attributes = floats({Q, 9}, 13);
     const QueryNeighbourhood near{test::uniform({Q, 3}, 14), test::uniform({m, 3}, 15),
                                   test::integers(m, {Q, K}, 16), 4, 64};
-    const auto answer = [&] { return query_decoder_inference(attributes, near, table, weights); };
-    const at::Tensor single = answer();
-    EXPECT_LT(relative_error(single, decoder_reference(attributes, near, keys, values, weights)),
-              2e-6);
-    for (size_t i = 2; i < weights.size(); i += 2) {  // matrices, but those of few inputs
-      if (weights[i].dim() == 2 && i != 4) weights[i] = weights[i].to(at::kBFloat16);
-    }
+    const at::Tensor single = query_decoder_inference(attributes, near, table, weights);
+    const auto answer = [&] { return query_decoder_inference(attributes, near, table, half); };
     const at::Tensor got = answer();
+    EXPECT_LT(
+        relative_error(single, test::decoder_reference(attributes, near, keys, values, weights)),
+        2e-6);
     // GELU's 2 · 10^-4, and roundings that it tips to the other side, remain.
-    EXPECT_LT(relative_error(got, decoder_reference(attributes, near, keys, values, weights)),
+    EXPECT_LT(relative_error(got, test::decoder_reference(attributes, near, keys, values, half)),
               2.5e-3);
     const double by_rounding = relative_error(got, single.to(at::kDouble));
     EXPECT_GT(by_rounding, 1e-4);

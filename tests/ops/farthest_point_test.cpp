@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/ops/fixtures.h"
+#include "tests/ops/per_device.h"
 
 namespace lte::ops {
 namespace {
@@ -41,20 +42,31 @@ std::pair<at::Tensor, at::Tensor> brute_force(const at::Tensor& points, int64_t 
   return {index, insertion};
 }
 
-TEST(FarthestPoint, PicksTheEndsThenTheMiddleOfALine) {
+class FarthestPoint : public test::PerDevice {
+ protected:
+  /// Picks on this device, as tensors on the CPU.
+  std::pair<at::Tensor, at::Tensor> sample(const at::Tensor& points, int64_t count) const {
+    const auto [index, distance] = farthest_point_sampling(put(points), count);
+    EXPECT_EQ(index.device().type(), GetParam());
+    return {index.cpu(), distance.cpu()};
+  }
+};
+LTE_FOR_EACH_DEVICE(FarthestPoint);
+
+TEST_P(FarthestPoint, PicksTheEndsThenTheMiddleOfALine) {
   at::Tensor points = at::zeros({5, 3});
   points.select(1, 0).copy_(at::arange(5));
-  const auto [index, distance] = farthest_point_sampling(points, 5);
+  const auto [index, distance] = sample(points, 5);
   EXPECT_TRUE(at::equal(index, at::tensor({0, 4, 2, 1, 3})));
   EXPECT_TRUE(at::equal(distance,
                         at::tensor({std::numeric_limits<float>::infinity(), 16.f, 4.f, 1.f, 1.f})));
 }
 
-TEST(FarthestPoint, MatchesBruteForceAtEverySize) {
+TEST_P(FarthestPoint, MatchesBruteForceAtEverySize) {
   for (const int64_t N : {1, 2, 15, 16, 17, 63, 64, 65, 127, 129, 1023, 1024, 1025}) {
     const at::Tensor points = test::uniform({N, 3}, 11);
     for (const int64_t count : {int64_t{1}, (N + 1) / 2, N}) {
-      const auto [index, distance] = farthest_point_sampling(points, count);
+      const auto [index, distance] = sample(points, count);
       const auto [expected_index, expected_distance] = brute_force(points, count);
       EXPECT_TRUE(at::equal(index, expected_index)) << count << " of " << N;
       EXPECT_TRUE(at::equal(distance, expected_distance)) << count << " of " << N;
@@ -62,58 +74,61 @@ TEST(FarthestPoint, MatchesBruteForceAtEverySize) {
   }
 }
 
-TEST(FarthestPoint, MatchesBruteForceOnAwkwardPoints) {
+TEST_P(FarthestPoint, MatchesBruteForceOnAwkwardPoints) {
   for (const auto& [name, points] : test::awkward_points(700)) {
-    const auto [index, distance] = farthest_point_sampling(points, 700);
+    const auto [index, distance] = sample(points, 700);
     const auto [expected_index, expected_distance] = brute_force(points, 700);
     EXPECT_TRUE(at::equal(index, expected_index)) << name;
     EXPECT_TRUE(at::equal(distance, expected_distance)) << name;
   }
 }
 
-TEST(FarthestPoint, RunsAreNestedAndDistancesFall) {
+TEST_P(FarthestPoint, RunsAreNestedAndDistancesFall) {
   const at::Tensor points = test::uniform({3000, 3}, 12);
-  const auto [index, distance] = farthest_point_sampling(points, 1500);
-  const auto [half_index, half_distance] = farthest_point_sampling(points, 750);
+  const auto [index, distance] = sample(points, 1500);
+  const auto [half_index, half_distance] = sample(points, 750);
   EXPECT_TRUE(at::equal(index.narrow(0, 0, 750), half_index));
   EXPECT_TRUE(at::equal(distance.narrow(0, 0, 750), half_distance));
   EXPECT_TRUE(distance.diff().narrow(0, 1, 1498).le(0).all().item<bool>());
 }
 
-TEST(FarthestPoint, PicksEveryPointOnceAndDuplicatesLast) {
+TEST_P(FarthestPoint, PicksEveryPointOnceAndDuplicatesLast) {
   const at::Tensor once = test::uniform({300, 3}, 13);
-  const auto [index, distance] = farthest_point_sampling(at::cat({once, once, once}), 900);
+  const auto [index, distance] = sample(at::cat({once, once, once}), 900);
   EXPECT_TRUE(at::equal(std::get<0>(index.sort()), at::arange(900)));
   EXPECT_TRUE(index.narrow(0, 0, 300).lt(300).all().item<bool>());
   EXPECT_TRUE(at::equal(index.narrow(0, 300, 600), at::arange(300, 900)));
   EXPECT_TRUE(distance.narrow(0, 300, 600).eq(0).all().item<bool>());
 }
 
-TEST(FarthestPoint, PicksNothingFromNothing) {
-  EXPECT_EQ(std::get<0>(farthest_point_sampling(at::empty({0, 3}), 0)).size(0), 0);
-  EXPECT_EQ(std::get<1>(farthest_point_sampling(at::zeros({5, 3}), 0)).size(0), 0);
+TEST_P(FarthestPoint, PicksNothingFromNothing) {
+  EXPECT_EQ(sample(at::empty({0, 3}), 0).first.size(0), 0);
+  EXPECT_EQ(sample(at::zeros({5, 3}), 0).second.size(0), 0);
 }
 
-TEST(FarthestPoint, DoesNotDependOnThreads) {
+TEST_P(FarthestPoint, DoesNotDependOnThreads) {
   const at::Tensor points = test::uniform({20000, 3}, 14);
-  const auto sample = [&] { return farthest_point_sampling(points, 5000); };
-  const auto one = test::with_threads(1, sample), two = test::with_threads(2, sample);
-  EXPECT_TRUE(at::equal(std::get<0>(one), std::get<0>(two)));
-  EXPECT_TRUE(at::equal(std::get<1>(one), std::get<1>(two)));
+  const auto picks = [&] { return sample(points, 5000); };
+  const auto one = test::with_threads(1, picks), two = test::with_threads(2, picks);
+  EXPECT_TRUE(at::equal(one.first, two.first));
+  EXPECT_TRUE(at::equal(one.second, two.second));
 }
 
-TEST(FarthestPoint, RefusesBadInput) {
-  const at::Tensor good = at::zeros({4, 3});
-  EXPECT_TRUE(throws_saying([&] { farthest_point_sampling(good, 5); }, "count must be 0 to 4"));
-  EXPECT_TRUE(throws_saying([&] { farthest_point_sampling(good, -1); }, "count must be 0 to 4"));
-  EXPECT_TRUE(throws_saying([&] { farthest_point_sampling(at::zeros({4, 4}), 1); }, "[N, 3]"));
-  EXPECT_TRUE(throws_saying([&] { farthest_point_sampling(good.to(at::kDouble), 1); }, "Float"));
-  EXPECT_TRUE(throws_saying(
-      [&] {
-        farthest_point_sampling(at::zeros({3, 4}).t(), 1);
-      },
-      "contiguous"));
-  at::Tensor bad = good.clone();
+TEST_P(FarthestPoint, RefusesBadInput) {
+  const auto refused = [](const at::Tensor& points, int64_t count, const char* words) {
+    return throws_saying([&] { farthest_point_sampling(points, count); }, words);
+  };
+  const at::Tensor good = put(at::zeros({4, 3}));
+  EXPECT_TRUE(refused(good, 5, "count must be 0 to 4"));
+  EXPECT_TRUE(refused(good, -1, "count must be 0 to 4"));
+  EXPECT_TRUE(refused(put(at::zeros({4, 4})), 1, "[N, 3]"));
+  EXPECT_TRUE(refused(good.to(at::kDouble), 1, "Float"));
+  EXPECT_TRUE(refused(put(at::zeros({3, 4})).t(), 1, "contiguous"));
+}
+
+// On a GPU the host would have to wait for a look at the values.
+TEST(FarthestPointOnTheCpu, RefusesWhatIsNotFinite) {
+  at::Tensor bad = at::zeros({4, 3});
   bad[2][0] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_TRUE(throws_saying([&] { farthest_point_sampling(bad, 1); }, "row 2 of points"));
 }

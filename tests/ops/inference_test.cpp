@@ -1,13 +1,12 @@
-// The operators that inference alone calls, against their definitions in float64.
+// The operators that inference alone calls and that have no twin but the CPU's, against their
+// definitions in float64.
 #include <array>
 #include <cmath>
 #include <limits>
 
 #include "lte/ops/neighbour_max.h"
-#include "lte/ops/neighbour_sums.h"
 #include "lte/ops/patch_attention.h"
 #include "lte/ops/query_decoder.h"
-#include "tests/ops/decoder_weights.h"
 #include "tests/ops/fixtures.h"
 
 namespace lte::ops {
@@ -135,54 +134,6 @@ TEST(SpatialOrder, IsAPermutationThatKeepsNeighboursTogether) {
   EXPECT_LT(path(points.index_select(0, spatial_order(points))), 0.2 * path(points));
   EXPECT_TRUE(test::throws_saying(
       [&] { spatial_order(points * std::numeric_limits<float>::infinity()); }, "not finite"));
-}
-
-TEST(QueryDecoderInference, EachQueryIsTheSameBitsInAnyCompany) {
-  const int64_t Q = 250, m = 40, K = 9, C = 20, L = 3;
-  const auto weights = test::decoder_weights(9, C, L, 150);
-  const at::Tensor keys = floats({L, m, C}, 11), values = floats({L, m, C}, 12);
-  const at::Tensor table = neighbour_table(keys, values);
-  const at::Tensor attributes = floats({Q, 9}, 13);
-  const QueryNeighbourhood near{test::uniform({Q, 3}, 14), test::uniform({m, 3}, 15),
-                                test::integers(m, {Q, K}, 16), 10, 64};
-  const auto some = [&](const at::Tensor& rows) {
-    const QueryNeighbourhood part{near.position.index_select(0, rows), near.anchor,
-                                  near.index.index_select(0, rows), near.scale, near.limit};
-    return query_decoder_inference(attributes.index_select(0, rows), part, table, weights);
-  };
-  const at::Tensor all = query_decoder_inference(attributes, near, table, weights);
-  EXPECT_EQ(all.sizes(), (at::IntArrayRef{Q, 3}));
-  EXPECT_GE(all.min().item<float>(), 0);
-  const at::Tensor order = at::arange(Q - 1, -1, -1, at::kLong);
-  EXPECT_TRUE(at::equal(some(order), all.index_select(0, order)));
-  for (const int64_t row : {0, 1, 95, 96, 249}) {
-    EXPECT_TRUE(at::equal(some(at::tensor({row}, at::kLong))[0], all[row])) << row;
-  }
-  const at::Tensor one = test::with_threads(
-      1, [&] { return query_decoder_inference(attributes, near, table, weights); });
-  EXPECT_TRUE(at::equal(one, all));
-}
-
-TEST(QueryDecoderInference, RefusesBadInput) {
-  auto weights = test::decoder_weights(9, 20, 2, 30);
-  const at::Tensor table = neighbour_table(floats({2, 5, 20}, 11), floats({2, 5, 20}, 12));
-  QueryNeighbourhood near{test::uniform({4, 3}, 14), test::uniform({5, 3}, 15),
-                          test::integers(5, {4, 3}, 16), 1, 64};
-  const auto call = [&](int64_t width = 9) {
-    return [&, width] { query_decoder_inference(floats({4, width}, 1), near, table, weights); };
-  };
-  EXPECT_NO_THROW(call()());
-  EXPECT_TRUE(test::throws_saying(call(8), "point.hidden"));
-  near.index[3][1] = 5;
-  EXPECT_TRUE(test::throws_saying(call(), "query 3, neighbour 1"));
-  near.index[3][1] = 0;
-  near.anchor = test::uniform({6, 3}, 15);
-  EXPECT_TRUE(test::throws_saying(call(), "neighbour_table()"));
-  near.anchor = test::uniform({5, 3}, 15);
-  weights[10] = floats({20, 19}, 1);
-  EXPECT_TRUE(test::throws_saying(call(), "query"));
-  weights.pop_back();
-  EXPECT_TRUE(test::throws_saying(call(), "layers have"));
 }
 
 }  // namespace

@@ -10,6 +10,8 @@
 namespace lte::ops {
 namespace {
 
+using Column = CacheColumn;
+
 constexpr CacheWeights kWeights = {2, 64, 1e-4F, 1e-16F};
 
 struct Cache {
@@ -44,27 +46,32 @@ struct Cache {
         above += offset * value(normal, q, c);
         cosine += value(normals, j, c) * value(normal, q, c);
       }
-      d2.push_back(square), height.push_back(above), facing.push_back(std::max(0.0, cosine));
+      d2.push_back(square);
+      height.push_back(above);
+      facing.push_back(std::max(0.0, cosine));
       grey.push_back((value(light, j, 0) + value(light, j, 1) + value(light, j, 2)) / 3);
-      out[11] += square / static_cast<double>(K);
+      out[Column::kDistance2] += square / static_cast<double>(K);
     }
-    out[11] = std::max(out[11], 1e-16);
+    const double scale = std::max(out[Column::kDistance2], 1e-16);
+    out[Column::kDistance2] = scale;
     for (size_t k = 0; k < d2.size(); ++k) {
       const int64_t j = index.const_data_ptr<int64_t>()[q * K + static_cast<int64_t>(k)];
       const double w =
-          std::pow(facing[k], 4) * std::exp(-(2 * d2[k] + 64 * height[k] * height[k]) / out[11]) +
+          std::pow(facing[k], 4) * std::exp(-(2 * d2[k] + 64 * height[k] * height[k]) / scale) +
           1e-4;
       weight.push_back(w);
-      out[7] += w;
+      out[Column::kWeight] += w;
       for (int64_t c = 0; c < 6; ++c) out[static_cast<size_t>(c)] += w * value(light, j, c);
-      out[8] += facing[k] / static_cast<double>(K);
-      out[9] += height[k] / std::sqrt(out[11]) / static_cast<double>(K);
-      out[10] += grey[k] / static_cast<double>(K);
+      out[Column::kFacing] += facing[k] / static_cast<double>(K);
+      out[Column::kHeight] += height[k] / std::sqrt(scale) / static_cast<double>(K);
+      out[Column::kGrey] += grey[k] / static_cast<double>(K);
     }
-    for (size_t c = 0; c < 6; ++c) out[c] /= out[7];
+    const double total = out[Column::kWeight];
+    for (size_t c = 0; c < 6; ++c) out[c] /= total;
     const double mean = (out[0] + out[1] + out[2]) / 3;
-    for (size_t k = 0; k < d2.size(); ++k)
-      out[6] += weight[k] * (grey[k] - mean) * (grey[k] - mean) / out[7];
+    for (size_t k = 0; k < d2.size(); ++k) {
+      out[Column::kVariance] += weight[k] * (grey[k] - mean) * (grey[k] - mean) / total;
+    }
     return out;
   }
 };
@@ -93,7 +100,7 @@ TEST(IrradianceCacheMeans, CoincidentPointsAreReadAsTheyAre) {
   const at::Tensor got = cache.means();
   EXPECT_TRUE(got.isfinite().all().item<bool>());
   EXPECT_LT((got.narrow(1, 0, 6) - 7).abs().max().item<float>(), 1e-5);
-  EXPECT_EQ(got[0][11].item<float>(), 1e-16F);
+  EXPECT_EQ(got[0][Column::kDistance2].item<float>(), 1e-16F);
 }
 
 TEST(IrradianceCacheMeans, QueriesDoNotSeeEachOtherAndThreadsChangeNothing) {

@@ -9,7 +9,7 @@
 namespace lte::ops {
 namespace {
 
-TEST(Knn, AgreesWithFlann) {
+TEST(KnnOnTheCpu, AgreesWithFlann) {
   const at::Tensor points = test::uniform({5000, 3}, 1), queries = test::uniform({3000, 3}, 2);
   const auto [index, distance] = knn(queries, points, 32);
   flann::Matrix<float> data(points.data_ptr<float>(), 5000, 3);

@@ -35,7 +35,7 @@ __device__ int64_t thread_index() {
   return static_cast<int64_t>(blockIdx.x) * kThreads + threadIdx.x;
 }
 
-/// Promised by the header; looked at by one thread a pair, or query.
+/// The header promises it. The thread of the first channel looks, for all of its query or pair.
 __device__ void assert_latent(int64_t latent, int64_t m) {
   CUDA_KERNEL_ASSERT(latent >= 0 && latent < m && "a neighbour outside the latents");
 }

@@ -6,7 +6,7 @@
 // may contract.
 //
 // Why not oneDNN: it chooses its blocking by the whole product's shape, so that a row's last bits
-// would depend on how many rows go with it; and its products cannot stop between tiles to sum over
+// may depend on how many rows go with it; and its products cannot stop between tiles to sum over
 // neighbours or to take a maximum, which is what keeps everything in the caches here.
 //
 // Kernels take their arguments as plain structs by value: the address of a copy is known to nobody,

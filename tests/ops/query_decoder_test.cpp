@@ -1,0 +1,196 @@
+// The whole query decoder in one operator, against its formula in float64.
+#include "lte/ops/query_decoder.h"
+
+#include <utility>
+#include <vector>
+
+#include <ATen/ATen.h>
+#include <gtest/gtest.h>
+
+#include "lte/ops/neighbour_sums.h"
+#include "tests/ops/decoder_fixture.h"
+#include "tests/ops/fixtures.h"
+#include "tests/ops/per_device.h"
+
+namespace lte::ops {
+namespace {
+
+at::Tensor floats(at::IntArrayRef shape, uint64_t seed) {
+  return test::normal(shape, seed, at::kFloat);
+}
+
+struct Sizes {
+  int64_t Q, m, K, C, L, hidden;
+};
+
+/// A decoder with its inputs, on the CPU.
+struct Case {
+  DecoderWeights weights;
+  at::Tensor keys, values, attributes;
+  QueryNeighbourhood near;
+
+  Case(const Sizes& s, double scale, double limit)
+      : weights(test::decoder_weights(9, s.C, s.L, s.hidden)),
+        keys(floats({s.L, s.m, s.C}, 11)),
+        values(floats({s.L, s.m, s.C}, 12)),
+        attributes(floats({s.Q, 9}, 13)),
+        near{test::uniform({s.Q, 3}, 14), test::uniform({s.m, 3}, 15),
+             test::integers(s.m, {s.Q, s.K}, 16), scale, limit} {}
+
+  at::Tensor expected(const at::Tensor& rows) const {
+    return test::decoder_reference(attributes.index_select(0, rows), near_of(rows), keys, values,
+                                   weights);
+  }
+
+  QueryNeighbourhood near_of(const at::Tensor& rows) const {
+    return {near.position.index_select(0, rows), near.anchor, near.index.index_select(0, rows),
+            near.scale, near.limit};
+  }
+};
+
+class QueryDecoderInference : public test::PerDevice {
+ protected:
+  /// All queries on this device, on the CPU.
+  at::Tensor infer(const Case& c) const {
+    const QueryNeighbourhood near{put(c.near.position), put(c.near.anchor), put(c.near.index),
+                                  c.near.scale, c.near.limit};
+    const at::Tensor table = neighbour_table(put(c.keys), put(c.values));
+    const at::Tensor out =
+        query_decoder_inference(put(c.attributes), near, table, test::on(GetParam(), c.weights));
+    EXPECT_EQ(out.device().type(), GetParam());
+    return out.cpu();
+  }
+};
+LTE_FOR_EACH_DEVICE(QueryDecoderInference);
+
+// Sizes about a warp and a block of channels, a run of neighbours, of γ's activations and of
+// queries, and a tile of them.
+const Sizes kSizes[] = {{1, 1, 1, 1, 1, 1},       {250, 40, 9, 20, 3, 150},
+                        {100, 90, 33, 33, 2, 64}, {70, 200, 70, 257, 2, 65},
+                        {97, 30, 16, 16, 1, 8},   {20'000, 500, 32, 128, 6, 64}};
+
+/// Rows about the borders of tiles and blocks of queries.
+at::Tensor some_rows(int64_t Q) {
+  std::vector<int64_t> rows;
+  for (const int64_t border : {int64_t{0}, int64_t{96}, int64_t{16'384}, Q - 1}) {
+    for (int64_t row = border - 20; row < border + 20; ++row) {
+      if (row >= 0 && row < Q) rows.push_back(row);
+    }
+  }
+  return at::tensor(rows, at::kLong);
+}
+
+TEST_P(QueryDecoderInference, IsItsFormula) {
+  for (const Sizes& s : kSizes) {
+    const Case c(s, 10, 4);
+    const at::Tensor got = infer(c), rows = some_rows(s.Q);
+    ASSERT_EQ(got.sizes(), (at::IntArrayRef{s.Q, 3}));
+    EXPECT_GE(got.min().item<float>(), 0);
+    EXPECT_LT(test::norm_error(got.index_select(0, rows), c.expected(rows)), tolerance(2e-6))
+        << "Q " << s.Q << ", C " << s.C;
+  }
+}
+
+TEST_P(QueryDecoderInference, InBfloat16IsTheFormulaWithRoundedOperands) {
+  for (const Sizes& s : kSizes) {
+    if (s.C < 16) continue;
+    Case c(s, 10, 4);
+    c.weights = test::in_bf16(c.weights);
+    const at::Tensor rows = some_rows(s.Q);
+    // The CPU's GELU is to 2 · 10^-4 there, and a sum in another order may round to the other
+    // neighbour: far fewer than all do.
+    EXPECT_LT(test::norm_error(infer(c).index_select(0, rows), c.expected(rows)), 5e-3)
+        << "Q " << s.Q << ", C " << s.C;
+  }
+}
+
+TEST_P(QueryDecoderInference, NoQueriesGiveNoRows) {
+  EXPECT_EQ(infer(Case({0, 5, 3, 16, 1, 8}, 1, 1)).sizes(), (at::IntArrayRef{0, 3}));
+}
+
+// On CUDA a matrix product may take another path for other numbers of rows.
+TEST(QueryDecoderInferenceOnTheCpu, EachQueryIsTheSameBitsInAnyCompany) {
+  const Case c({250, 40, 9, 20, 3, 150}, 10, 64);
+  const at::Tensor table = neighbour_table(c.keys, c.values);
+  const auto some = [&](const at::Tensor& rows) {
+    return query_decoder_inference(c.attributes.index_select(0, rows), c.near_of(rows), table,
+                                   c.weights);
+  };
+  const auto whole = [&] {
+    return query_decoder_inference(c.attributes, c.near, table, c.weights);
+  };
+  const at::Tensor all = whole();
+  const at::Tensor order = at::arange(249, -1, -1, at::kLong);
+  EXPECT_TRUE(at::equal(some(order), all.index_select(0, order)));
+  for (const int64_t row : {0, 1, 95, 96, 249}) {
+    EXPECT_TRUE(at::equal(some(at::tensor({row}, at::kLong))[0], all[row])) << row;
+  }
+  EXPECT_TRUE(at::equal(test::with_threads(1, whole), all));
+}
+
+TEST_P(QueryDecoderInference, RefusesBadInput) {
+  const Case good({4, 5, 3, 20, 2, 30}, 1, 64);
+  EXPECT_NO_THROW(infer(good));
+  const auto refused = [&](const auto& change, const char* words) {
+    Case c = good;
+    change(c);
+    return test::throws_saying([&] { infer(c); }, words);
+  };
+  EXPECT_TRUE(refused([](Case& c) { c.attributes = floats({4, 8}, 1); }, "point.hidden"));
+  EXPECT_TRUE(refused([](Case& c) { c.attributes = floats({3, 9}, 1); }, "position must be"));
+  EXPECT_TRUE(refused(
+      [](Case& c) {
+        c.near.anchor = test::uniform({6, 3}, 15);
+      },
+      "neighbour_table()"));
+  EXPECT_TRUE(refused([](Case& c) { c.near.index = c.near.index[0]; }, "[Q, K] int64"));
+  EXPECT_TRUE(
+      refused([](Case& c) { c.near.index = c.near.index.narrow(1, 0, 0); }, "no neighbours"));
+  EXPECT_TRUE(refused(
+      [](Case& c) {
+        c.weights.layers[0].query.weight = floats({20, 19}, 1);
+      },
+      "query"));
+  EXPECT_TRUE(refused([](Case& c) { c.weights.layers[1].norm2.gain = floats({19}, 1); }, "norm2"));
+  EXPECT_TRUE(refused([](Case& c) { c.weights.head.output.bias = floats({2}, 1); }, "head.output"));
+  EXPECT_TRUE(refused(
+      [](Case& c) {
+        c.weights.gamma.hidden.weight = floats({30, 3}, 1).to(at::kBFloat16);
+      },
+      "gamma.hidden"));
+  EXPECT_TRUE(refused([](Case& c) { c.weights.layers.pop_back(); }, "layers have"));
+  EXPECT_TRUE(refused(
+      [](Case& c) {
+        c.keys = c.keys.narrow(2, 0, 19).contiguous();
+        c.values = c.values.narrow(2, 0, 19).contiguous();
+        c.weights.gamma.output = c.weights.layers[0].ffn.hidden;
+      },
+      "neighbour_table()"));
+}
+
+// On a GPU a kernel asserts it.
+TEST(QueryDecoderInferenceOnTheCpu, RefusesNeighboursOutsideTheLatents) {
+  Case c({4, 5, 3, 20, 2, 30}, 1, 64);
+  c.near.index[3][1] = 5;
+  EXPECT_TRUE(test::throws_saying(
+      [&] {
+        query_decoder_inference(c.attributes, c.near, neighbour_table(c.keys, c.values), c.weights);
+      },
+      "query 3, neighbour 1"));
+}
+
+TEST(DecoderWeights, SurviveTheListInTheirOrder) {
+  const DecoderWeights w = test::decoder_weights(9, 20, 2, 30);
+  const std::vector<at::Tensor> list = w.to_list();
+  ASSERT_EQ(list.size(), 14u + 2 * 12u);
+  EXPECT_TRUE(list.front().is_same(w.point.hidden.weight));
+  EXPECT_TRUE(list.back().is_same(w.head.output.bias));
+  const DecoderWeights back = DecoderWeights::from_list(list, 2);
+  EXPECT_TRUE(back.gamma.output.weight.is_same(w.gamma.output.weight));
+  EXPECT_TRUE(back.layers[1].norm2.bias.is_same(w.layers[1].norm2.bias));
+  EXPECT_TRUE(test::throws_saying([&] { DecoderWeights::from_list(list, 1); },
+                                  "1 layers have 26 weights, got 38"));
+}
+
+}  // namespace
+}  // namespace lte::ops
