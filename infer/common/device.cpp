@@ -7,7 +7,7 @@
 namespace lte::infer {
 
 Device choose_device(const std::string& request) {
-  return nn::choose_device(request).is_cuda() ? Device::Cuda : Device::Cpu;
+  return nn::choose_device(request, 0, "--device").is_cuda() ? Device::Cuda : Device::Cpu;
 }
 
 void set_torch_threads(int threads) {

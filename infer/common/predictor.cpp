@@ -7,6 +7,7 @@
 
 #include "infer/common/tensors.h"
 #include "lte/base/check.h"
+#include "lte/nn/cost.h"
 #include "lte/nn/model.h"
 #include "lte/nn/model_file.h"
 #include "lte/nn/model_metadata.h"
@@ -73,7 +74,7 @@ struct Predictor::State {
 
 double radiance_scalar(const ScenePoints& points) {
   check_sizes(points);
-  return nn::radiance_scalar(to_point_set(points, points.position, at::kCPU));
+  return nn::mean_emission(to_point_set(points, points.position, at::kCPU));
 }
 
 Predictor Predictor::load(const std::filesystem::path& checkpoint, Device device,

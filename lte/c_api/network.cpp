@@ -138,7 +138,7 @@ lte_embedding_info SceneEmbedding::info() const {
   const at::Tensor origin = embedding.origin.to(at::kCPU, at::kDouble);
   for (int64_t i = 0; i < 3; ++i) {
     info.origin[i] = origin[i].item<double>();
-    info.radiance[i] = embedding.radiance[i].item<double>();
+    info.radiance[i] = embedding.emission_scale[i].item<double>();
   }
   info.scale = embedding.scale;
   return info;
@@ -155,8 +155,8 @@ nn::Embedding SceneEmbedding::snapshot() const {
   nn::Embedding embedding = embedding_;
   {
     const std::lock_guard lock(mutex_);
-    embedding.radiance =
-        embedding.radiance * at::tensor({gain_[0], gain_[1], gain_[2]}, at::kDouble);
+    embedding.emission_scale =
+        embedding.emission_scale * at::tensor({gain_[0], gain_[1], gain_[2]}, at::kDouble);
   }
   if (!ready_) return embedding;
   const c10::Stream stream = current_stream(network_->device);

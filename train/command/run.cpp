@@ -133,7 +133,7 @@ RunResult run(const RunOptions& options) {
     return result;
   }
   const World world = world_from_environment();
-  const at::Device device = nn::choose_device(options.device, world.local_rank);
+  const at::Device device = nn::choose_device(options.device, world.local_rank, "--device");
   if (options.find_lr > 0 || options.overfit_one_scene) {
     LTE_CHECK(world.size == 1, options.find_lr > 0 ? "--find-lr" : "--overfit-one-scene",
               ": runs in one process, not in ", world.size);
