@@ -1,8 +1,6 @@
 #include "train/config.h"
 
 #include <cmath>
-#include <map>
-#include <sstream>
 
 #include "lte/base/check.h"
 #include "lte/base/log.h"
@@ -140,17 +138,6 @@ nn::LossConfig read_loss(const Config& config) {
   return loss;
 }
 
-/// Keys and values of a model's YAML, which is flat: one "key: value" a line.
-std::map<std::string, std::string> flat_yaml(const std::string& yaml) {
-  std::map<std::string, std::string> values;
-  std::istringstream lines(yaml);
-  for (std::string line; std::getline(lines, line);) {
-    const size_t colon = line.find(": ");
-    if (colon != std::string::npos) values[line.substr(0, colon)] = line.substr(colon + 2);
-  }
-  return values;
-}
-
 }  // namespace
 
 TrainConfig TrainConfig::read(const Config& config) {
@@ -175,16 +162,12 @@ TrainConfig TrainConfig::read(const Config& config) {
 
 std::vector<std::string> model_differences(const nn::ModelConfig& now,
                                            const nn::ModelConfig& before) {
-  const auto values = flat_yaml(now.to_yaml()), old_values = flat_yaml(before.to_yaml());
-  std::vector<std::string> differences;
-  for (const auto& [key, value] : values) {
-    const auto old = old_values.find(key);
-    if (key == "scale" || key == "output_mean" || (old != old_values.end() && old->second == value))
-      continue;
-    differences.push_back(
-        concat(key, " (", value, ", was ", old == old_values.end() ? "absent" : old->second, ")"));
+  std::vector<std::string> texts;
+  for (const auto& [key, value, old] : nn::differences(now, before)) {
+    if (key != "scale" && key != "output_mean")
+      texts.push_back(concat(key, " (", value, ", was ", old, ")"));
   }
-  return differences;
+  return texts;
 }
 
 }  // namespace lte::train

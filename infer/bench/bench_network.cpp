@@ -3,11 +3,11 @@
 #include <ATen/core/grad_mode.h>
 
 #include "infer/bench/bench.h"
-#include "infer/bench/network_flops.h"
 #include "infer/common/memory.h"
 #include "infer/common/synthetic_room.h"
 #include "infer/common/tool_options.h"
 #include "lte/base/process_memory.h"
+#include "lte/nn/cost.h"
 #include "lte/ops/curve_codes.h"
 #include "lte/ops/farthest_point.h"
 #include "lte/ops/knn.h"
@@ -97,7 +97,7 @@ BenchResult time_encoder(const BenchOptions& options, nn::LightTransportModel& m
   const nn::EncoderPlan plan =
       nn::make_encoder_plan(position.contiguous(), model->config(), false, 0);
   add_network_figures(result, options, above_mb,
-                      encoder_flops(model->config(), plan, options.scene_points), precision);
+                      nn::encode_flops(model->config(), plan, options.scene_points), precision);
   return result;
 }
 
@@ -115,7 +115,7 @@ BenchResult time_decoder(const BenchOptions& options, nn::LightTransportModel& m
   });
   const double above_mb = peak_rss_mb() - before_mb;
   const double flops = static_cast<double>(options.queries) *
-                       decoder_flops(model->config(), embedding.position.size(0));
+                       nn::decode_flops(model->config(), embedding.position.size(0));
   add_network_figures(result, options, above_mb, flops, precision);
   return result;
 }

@@ -120,7 +120,7 @@ void run_eval(const EvalRequest& request) {
   const fs::path checkpoint = checkpoint_or_shipped(request.checkpoint);
   const fs::path data =
       request.data.empty() ? asset_path(kShippedData, "--data") : fs::path(request.data);
-  const c10::Device device = nn::choose_device(request.tool.device);
+  const c10::Device device = nn::choose_device(request.tool.device, 0, "--device");
   const runtime::Network network(checkpoint,
                                  {device, choose_precision(request.tool.precision, device)});
   const runtime::MemoryLimit memory(request.tool.max_memory_mb);

@@ -80,7 +80,7 @@ ExportCheck compare(torch::jit::Module& module, nn::LightTransportModel& model,
 
 std::vector<ExportCheck> export_torchscript(const ExportOptions& options) {
   const at::NoGradGuard no_grad;
-  nn::LightTransportModel model = nn::load_model(checkpoint_or_shipped(options.checkpoint));
+  nn::LightTransportModel model = nn::load_model(checkpoint_or_shipped(options.model));
   const torch::jit::Module module = build_module(model, options.portable);
   const torch::jit::ExtraFilesMap extra{{"config.yaml", model->config().to_yaml()},
                                         {"normalization.json", normalization_json(model->config())},

@@ -1,5 +1,5 @@
 // TorchScript export: a module built from C++ that other programs load without lte's headers, and
-// with --portable without lte at all.
+// if it is portable without lte at all.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,13 @@
 namespace lte::infer {
 
 struct ExportOptions {
-  std::string checkpoint;  ///< empty: the shipped model
+  std::string model;  ///< a model file; empty: the shipped one
   std::filesystem::path out;
   bool portable = false;  ///< built-in operators alone
   bool verify = false;    ///< load the file and compare with the native model at three sizes
 };
 
-/// The largest deviation from the native model at one size, over the largest value.
+/// The largest deviation from the native model at one size, divided by the largest value.
 struct ExportCheck {
   int64_t scene_points = 0, queries = 0;
   double relative_error = 0;
@@ -25,8 +25,8 @@ struct ExportCheck {
 /// Writes the module, atomically. Extra files: config.yaml (the model's configuration),
 /// normalization.json (scale in metres, target, units) and version.txt.
 /// @return one entry a size if options.verify, else nothing
-/// @throws lte::Error if the checkpoint cannot be read, the file not be written, or the module
-/// deviates by more than 1e-4.
+/// @throws lte::Error if the model cannot be read, the file cannot be written, or the module
+///         deviates by more than 1e-4; the file is then not there.
 std::vector<ExportCheck> export_torchscript(const ExportOptions& options);
 
 }  // namespace lte::infer

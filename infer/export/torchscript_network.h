@@ -20,8 +20,9 @@ std::string torchscript_attribute(const std::string& parameter);
 ///         queries [Q, 9]: position, normal, albedo; result [Q, 3] irradiance, W/m²
 ///     forward(points: Tensor, queries: Tensor) -> Tensor
 ///
-/// World space, float32, the units of nn::PointSet. The embedding has position [m, 3], features [m,
-/// D], table, origin [3], spacing [] and radiance [3].
+/// Positions are in world space; dtype and units are those of nn::PointSet, float32. The embedding
+/// has position [m, 3], features [m, D], table, origin [3], spacing [] and radiance [3], which is
+/// nn::Embedding::emission_scale.
 std::string torchscript_network(const nn::ModelConfig& config);
 
 }  // namespace lte::infer

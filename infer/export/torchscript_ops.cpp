@@ -17,13 +17,15 @@ def curve_codes(self, cells: Tensor, curve: int, bits: int) -> Tensor:
 def convolution_pairs(self, cells: Tensor, kernel: int) -> Tuple[Tensor, Tensor]:
     return lte.convolution_pairs(cells, kernel)
 
-def submanifold_conv(self, x: Tensor, weight: Tensor, bias: Optional[Tensor], pairs: Tensor, tap_begin: Tensor) -> Tensor:
+def submanifold_conv(self, x: Tensor, weight: Tensor, bias: Optional[Tensor], pairs: Tensor,
+                     tap_begin: Tensor) -> Tensor:
     return lte.submanifold_conv(x, weight, bias, pairs, tap_begin)
 
 def neighbour_table(self, keys: Tensor, values: Tensor) -> Tensor:
     return lte.neighbour_table(keys, values)
 
-def neighbour_sums(self, table: Tensor, hidden: Tensor, weight: Tensor, bias: Tensor, index: Tensor) -> Tuple[Tensor, Tensor]:
+def neighbour_sums(self, table: Tensor, hidden: Tensor, weight: Tensor, bias: Tensor,
+                   index: Tensor) -> Tuple[Tensor, Tensor]:
     return lte.neighbour_sums_inference(table, hidden, weight, bias, index)
 )SCRIPT";
 
@@ -109,7 +111,8 @@ def convolution_pairs(self, cells: Tensor, kernel: int) -> Tuple[Tensor, Tensor]
                     out = torch.arange(n, device=cells.device)
                     source = out
                 else:
-                    shifted = c + torch.tensor([dx - half, dy - half, dz - half], dtype=4, device=cells.device)
+                    step = [dx - half, dy - half, dz - half]
+                    shifted = c + torch.tensor(step, dtype=4, device=cells.device)
                     inside = torch.all((shifted >= 0) & (shifted < 1048576), 1)
                     wanted = (shifted[:, 0] << 40) | (shifted[:, 1] << 20) | shifted[:, 2]
                     at = torch.clamp(torch.searchsorted(ordered, wanted), max=n - 1)
@@ -121,7 +124,8 @@ def convolution_pairs(self, cells: Tensor, kernel: int) -> Tuple[Tensor, Tensor]
                 begin.append(total)
     return torch.stack([torch.cat(outputs), torch.cat(inputs)]), torch.tensor(begin, dtype=4)
 
-def submanifold_conv(self, x: Tensor, weight: Tensor, bias: Optional[Tensor], pairs: Tensor, tap_begin: Tensor) -> Tensor:
+def submanifold_conv(self, x: Tensor, weight: Tensor, bias: Optional[Tensor], pairs: Tensor,
+                     tap_begin: Tensor) -> Tensor:
     y = torch.zeros([x.size(0), weight.size(2)], dtype=x.dtype, device=x.device)
     for tap in range(weight.size(0)):
         begin = int(tap_begin[tap])
@@ -135,7 +139,8 @@ def submanifold_conv(self, x: Tensor, weight: Tensor, bias: Optional[Tensor], pa
 def neighbour_table(self, keys: Tensor, values: Tensor) -> Tensor:
     return torch.stack([keys, values])
 
-def neighbour_sums(self, table: Tensor, hidden: Tensor, weight: Tensor, bias: Tensor, index: Tensor) -> Tuple[Tensor, Tensor]:
+def neighbour_sums(self, table: Tensor, hidden: Tensor, weight: Tensor, bias: Tensor,
+                   index: Tensor) -> Tuple[Tensor, Tensor]:
     keys = table[0]
     values = table[1]
     p = torch.linear(hidden, weight, bias)

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "infer/export/torchscript_text.h"
+#include "lte/nn/constants.h"
 #include "lte/ops/curve_codes.h"
 
 namespace lte::infer {
@@ -15,7 +16,8 @@ def patches(self, cells: Tensor, bits: int, curves: int, patch_size: int) -> Lis
     if n > patch_size:
         padded = (n + patch_size - 1) // patch_size * patch_size
         for curve in range(curves):
-            _, order = torch.sort(self.curve_codes(cells, curve, max(bits, 1)), stable=True, dim=0, descending=False)
+            codes = self.curve_codes(cells, curve, max(bits, 1))
+            _, order = torch.sort(codes, stable=True, dim=0, descending=False)
             slots = torch.arange(n, device=cells.device)
             maps.append(torch.cat([order, order[n - patch_size:padded - patch_size]]))
             maps.append(torch.scatter(torch.zeros_like(order), 0, order, slots))
@@ -31,7 +33,8 @@ def pool_cells(self, cells: Tensor, bits: int) -> Tuple[Tensor, Tensor]:
     first = order[torch.cumsum(counts, 0) - counts]
     return (cells[first] >> 1).contiguous(), cluster
 
-def attention(self, x: Tensor, maps: List[Tensor], block: int, heads: int, patch_size: int, w0: Tensor, b0: Tensor, w1: Tensor, b1: Tensor) -> Tensor:
+def attention(self, x: Tensor, maps: List[Tensor], block: int, heads: int, patch_size: int,
+              w0: Tensor, b0: Tensor, w1: Tensor, b1: Tensor) -> Tensor:
     qkv = torch.linear(x, w0, b0)
     length = x.size(0)
     curve = 0
@@ -58,19 +61,27 @@ def {p}(self, x: Tensor, pairs: Tensor, tap_begin: Tensor, maps: List[Tensor]) -
     y = torch.linear(y, self.{p}_conv_linear_weight, self.{p}_conv_linear_bias)
     x = x + self.norm(y, self.{p}_conv_norm_weight, self.{p}_conv_norm_bias)
     y = self.norm(x, self.{p}_norm1_weight, self.{p}_norm1_bias)
-    x = x + self.attention(y, maps, {block}, {heads}, {patch}, self.{p}_attention_qkv_weight, self.{p}_attention_qkv_bias, self.{p}_attention_proj_weight, self.{p}_attention_proj_bias)
+    x = x + self.attention(
+        y, maps, {block}, {heads}, {patch},
+        self.{p}_attention_qkv_weight, self.{p}_attention_qkv_bias,
+        self.{p}_attention_proj_weight, self.{p}_attention_proj_bias)
     y = self.norm(x, self.{p}_norm2_weight, self.{p}_norm2_bias)
-    return x + self.mlp(y, self.{p}_mlp_hidden_weight, self.{p}_mlp_hidden_bias, self.{p}_mlp_output_weight, self.{p}_mlp_output_bias)
+    return x + self.mlp(
+        y, self.{p}_mlp_hidden_weight, self.{p}_mlp_hidden_bias,
+        self.{p}_mlp_output_weight, self.{p}_mlp_output_bias)
 )SCRIPT";
 
 constexpr const char* kPool = R"SCRIPT(
-    pooled = self.cluster_max(torch.linear(x{from}, self.{p}_linear_weight, self.{p}_linear_bias), cluster{s}, cells{s}.size(0))
-    x{s} = torch.gelu(self.norm(pooled, self.{p}_norm_weight, self.{p}_norm_bias))
+    fine = torch.linear(x{from}, self.{p}_linear_weight, self.{p}_linear_bias)
+    pooled = self.cluster_max(fine, cluster{s}, cells{s}.size(0))
+    x{s} = self.gelu(self.norm(pooled, self.{p}_norm_weight, self.{p}_norm_bias))
 )SCRIPT";
 
 constexpr const char* kUnpool = R"SCRIPT(
-    up = torch.gelu(self.norm(torch.linear(y, self.{p}_coarse_weight, self.{p}_coarse_bias), self.{p}_coarse_norm_weight, self.{p}_coarse_norm_bias))
-    across = torch.gelu(self.norm(torch.linear(x{s}, self.{p}_skip_weight, self.{p}_skip_bias), self.{p}_skip_norm_weight, self.{p}_skip_norm_bias))
+    up = torch.linear(y, self.{p}_coarse_weight, self.{p}_coarse_bias)
+    up = self.gelu(self.norm(up, self.{p}_coarse_norm_weight, self.{p}_coarse_norm_bias))
+    across = torch.linear(x{s}, self.{p}_skip_weight, self.{p}_skip_bias)
+    across = self.gelu(self.norm(across, self.{p}_skip_norm_weight, self.{p}_skip_norm_bias))
     y = up[cluster{below}] + across
 )SCRIPT";
 
@@ -113,11 +124,12 @@ std::string plan_lines(const nn::ModelConfig& config) {
                {{"s", std::to_string(s)}, {"above", above}, {"bits", std::to_string(bits + 1)}});
     }
     lines += fill(
-        "    pairs{s}, taps{s} = self.convolution_pairs(cells{s}, 3)\n"
+        "    pairs{s}, taps{s} = self.convolution_pairs(cells{s}, {kernel})\n"
         "    maps{s} = self.patches(cells{s}, {bits}, {curves}, {patch})\n",
         {{"s", std::to_string(s)},
          {"bits", std::to_string(bits)},
-         {"curves", std::to_string(std::min<int64_t>(4, depth))},
+         {"kernel", std::to_string(nn::kBlockKernel)},
+         {"curves", std::to_string(std::min(nn::kCurves, depth))},
          {"patch", std::to_string(config.patch_size)}});
   }
   return lines;
@@ -127,19 +139,20 @@ std::string plan_lines(const nn::ModelConfig& config) {
 
 std::string torchscript_transformer(const nn::ModelConfig& config) {
   const size_t stages = config.encoder_depths.size();
-  std::string methods,
-      body = "\ndef transformer(self, x: Tensor, cells0: Tensor) -> Tensor:\n" + plan_lines(config);
-  if (config.stem == nn::Stem::Linear) {
+  std::string methods;
+  std::string body = "\ndef transformer(self, x: Tensor, cells0: Tensor) -> Tensor:\n";
+  body += plan_lines(config);
+  if (config.stem_kernel() == 0) {
     body += "    stem = torch.linear(x, self.encoder_stem_weight, self.encoder_stem_bias)\n";
   } else {
     body += fill(
         "    stem_pairs, stem_taps = self.convolution_pairs(cells0, {k})\n"
         "    stem = self.submanifold_conv(x, self.encoder_stem_weight, None, stem_pairs, "
         "stem_taps)\n",
-        {{"k", config.stem == nn::Stem::Conv5 ? "5" : "3"}});
+        {{"k", std::to_string(config.stem_kernel())}});
   }
   body +=
-      "    x0 = torch.gelu(self.norm(stem, self.encoder_stem_norm_weight, "
+      "    x0 = self.gelu(self.norm(stem, self.encoder_stem_norm_weight, "
       "self.encoder_stem_norm_bias))\n";
   for (size_t s = 0; s < stages; ++s) {
     const std::string stage = numbered("down", s);

@@ -117,7 +117,7 @@ std::optional<runtime::Network> load_network(const RenderRequest& request,
                                              const Renderer& renderer) {
   if (!renderer.needs_network(settings_of(request))) return std::nullopt;
   if (request.validate_only && request.checkpoint.empty()) return std::nullopt;
-  const c10::Device device = nn::choose_device(request.tool.device);
+  const c10::Device device = nn::choose_device(request.tool.device, 0, "--device");
   return runtime::Network(checkpoint_or_shipped(request.checkpoint),
                           {device, choose_precision(request.tool.precision, device)});
 }

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include "lte/base/enum_names.h"
@@ -56,9 +55,10 @@ class Config {
     read(key, &text);
     *value = parse_enum(where(key), text, names);
   }
-  template <typename Enum>
-  requires std::is_enum_v<Enum>
-  void read(const std::string& key, Enum* value) const { read(key, value, enum_names(Enum{})); }
+  template <EnumClass Enum>
+  void read(const std::string& key, Enum* value) const {
+    read(key, value, enum_names(Enum{}));
+  }
 
   /// @throws lte::Error for the first key that no read() or at() asked for, with the nearest known
   /// name.

@@ -12,11 +12,15 @@
 #include <array>
 #include <cstddef>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "lte/base/check.h"
 
 namespace lte {
+
+template <typename T>
+concept EnumClass = std::is_enum_v<T>;
 
 template <typename Enum>
 struct EnumName {

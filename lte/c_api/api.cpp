@@ -8,6 +8,7 @@
 #include "lte/c_api/error.h"
 #include "lte/c_api/network.h"
 #include "lte/c_api/stream.h"
+#include "lte/nn/cost.h"
 
 using lte::c_api::guarded;
 using lte::c_api::read_struct;

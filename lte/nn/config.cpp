@@ -16,6 +16,13 @@ std::string text(double value) {
   return {digits.data(), end};
 }
 
+std::string text(int64_t value) { return std::to_string(value); }
+
+template <EnumClass Enum>
+std::string text(Enum value) {
+  return enum_name(value);
+}
+
 std::string text(const std::vector<int64_t>& values) {
   std::ostringstream out;
   out << '[';
@@ -65,49 +72,59 @@ void check(const ModelConfig& c) {
             c.output_mean);
 }
 
+/// Calls visit(key, field) for every field, in the order of the YAML. The only list of them.
+///
+/// @param config  ModelConfig, const or not
+template <typename Configuration, typename Visit>
+void for_each_field(Configuration& config, const Visit& visit) {
+  visit("channels", config.channels);
+  visit("nne_neighbours", config.nne_neighbours);
+  visit("encoder_depths", config.encoder_depths);
+  visit("encoder_widths", config.encoder_widths);
+  visit("decoder_depths", config.decoder_depths);
+  visit("decoder_widths", config.decoder_widths);
+  visit("head_width", config.head_width);
+  visit("patch_size", config.patch_size);
+  visit("stem", config.stem);
+  visit("grid_per_spacing", config.grid_per_spacing);
+  visit("dropout", config.dropout);
+  visit("query_neighbours", config.query_neighbours);
+  visit("query_layers", config.query_layers);
+  visit("gamma_hidden", config.gamma_hidden);
+  visit("query_attention", config.query_attention);
+  visit("ffn_ratio", config.ffn_ratio);
+  visit("light_input", config.light_input);
+  visit("target", config.target);
+  visit("scale", config.scale);
+  visit("output_mean", config.output_mean);
+}
+
 }  // namespace
 
 ModelConfig ModelConfig::read(const Config& config) {
   ModelConfig c;
-  config.read("channels", &c.channels);
-  config.read("nne_neighbours", &c.nne_neighbours);
-  config.read("encoder_depths", &c.encoder_depths);
-  config.read("encoder_widths", &c.encoder_widths);
-  config.read("decoder_depths", &c.decoder_depths);
-  config.read("decoder_widths", &c.decoder_widths);
-  config.read("head_width", &c.head_width);
-  config.read("patch_size", &c.patch_size);
-  config.read("stem", &c.stem);
-  config.read("grid_per_spacing", &c.grid_per_spacing);
-  config.read("dropout", &c.dropout);
-  config.read("query_neighbours", &c.query_neighbours);
-  config.read("query_layers", &c.query_layers);
-  config.read("gamma_hidden", &c.gamma_hidden);
-  config.read("query_attention", &c.query_attention);
-  config.read("ffn_ratio", &c.ffn_ratio);
-  config.read("light_input", &c.light_input);
-  config.read("target", &c.target);
-  config.read("scale", &c.scale);
-  config.read("output_mean", &c.output_mean);
+  for_each_field(c, [&](const char* key, auto& field) { config.read(key, &field); });
   check(c);
   return c;
 }
 
 std::string ModelConfig::to_yaml() const {
-  std::ostringstream out;
-  out << "channels: " << channels << "\nnne_neighbours: " << nne_neighbours
-      << "\nencoder_depths: " << text(encoder_depths)
-      << "\nencoder_widths: " << text(encoder_widths)
-      << "\ndecoder_depths: " << text(decoder_depths)
-      << "\ndecoder_widths: " << text(decoder_widths) << "\nhead_width: " << head_width
-      << "\npatch_size: " << patch_size << "\nstem: " << enum_name(stem)
-      << "\ngrid_per_spacing: " << text(grid_per_spacing) << "\ndropout: " << text(dropout)
-      << "\nquery_neighbours: " << query_neighbours << "\nquery_layers: " << query_layers
-      << "\ngamma_hidden: " << gamma_hidden << "\nquery_attention: " << enum_name(query_attention)
-      << "\nffn_ratio: " << ffn_ratio << "\nlight_input: " << enum_name(light_input)
-      << "\ntarget: " << enum_name(target) << "\nscale: " << text(scale)
-      << "\noutput_mean: " << text(output_mean) << '\n';
-  return out.str();
+  std::string yaml;
+  for_each_field(*this, [&](const char* key, const auto& field) {
+    yaml += concat(key, ": ", text(field), "\n");
+  });
+  return yaml;
+}
+
+std::vector<ConfigDifference> differences(const ModelConfig& first, const ModelConfig& second) {
+  std::vector<ConfigDifference> all;
+  for_each_field(first, [&](const char* key, const auto& field) {
+    all.push_back({key, text(field), ""});
+  });
+  size_t row = 0;
+  for_each_field(second, [&](const char*, const auto& field) { all[row++].second = text(field); });
+  std::erase_if(all, [](const ConfigDifference& d) { return d.first == d.second; });
+  return all;
 }
 
 }  // namespace lte::nn

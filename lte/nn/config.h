@@ -17,14 +17,14 @@ inline constexpr int64_t kLightFeatures = 12;
 /// looks at each point alone.
 enum class Stem { Conv5, Conv3, Linear };
 
-/// How a query weighs its neighbours: the paper's unnormalized sum, or a mean by weights that an MLP
-/// of (q − k + P) gives each channel (lte/nn/query_attention.h).
+/// How a query weighs its neighbours: the paper's unnormalized sum, or a mean by weights that an
+/// MLP of (q − k + P) gives each channel (lte/nn/query_attention.h).
 enum class QueryAttention { Sum, Softmax };
 
 /// What scene points tell of light. The paper's carry emission alone. `Direct` adds the direct
-/// irradiance that falls on them, `Traced` also an estimate of later bounces by a few paths
-/// (PointSet::direct, PointSet::indirect). Of the latter the network says by what factor irradiance
-/// differs from that interpolated between the estimates (lte/nn/light_cache.h).
+/// irradiance that falls on them, and `Traced` also an estimate of later bounces by a few paths
+/// (PointSet::direct, PointSet::indirect). A network that reads traced light answers by what factor
+/// irradiance differs from that interpolated between the estimates (lte/nn/light_cache.h).
 enum class LightInput { Emission, Direct, Traced };
 
 /// What the output means: light that bounced at least once, or all of it.
@@ -71,6 +71,8 @@ struct ModelConfig {
   bool normalizes_attention() const { return query_attention == QueryAttention::Softmax; }
   bool reads_direct() const { return light_input != LightInput::Emission; }
   bool reads_indirect() const { return light_input == LightInput::Traced; }
+  /// Edge in cells of the stem's convolution; 0 for a linear stem.
+  int64_t stem_kernel() const { return stem == Stem::Conv5 ? 5 : stem == Stem::Conv3 ? 3 : 0; }
   bool predicts_total() const { return target == Target::Total; }
   /// Columns that a query, and a scene point, go into the network with.
   int64_t query_inputs() const { return reads_indirect() ? 9 + kLightFeatures : 9; }
@@ -83,5 +85,13 @@ struct ModelConfig {
   /// YAML of every field; ModelConfig::read of it gives the same.
   std::string to_yaml() const;
 };
+
+/// A key whose value differs between two configurations, and both values as in YAML.
+struct ConfigDifference {
+  std::string key, first, second;
+};
+
+/// In the order of the keys of to_yaml().
+std::vector<ConfigDifference> differences(const ModelConfig& first, const ModelConfig& second);
 
 }  // namespace lte::nn

@@ -13,8 +13,8 @@ namespace lte::nn {
 /// puts them on a par for the MLPs.
 inline constexpr double kPositionGain = 4;
 
-/// Queries are meant to lie in the scene. The query MLP is not told how much farther out than this a
-/// query is, in network space.
+/// Queries are meant to lie in the scene. The query MLP is not told how much farther out than this
+/// a query is, in network space.
 inline constexpr double kPositionLimit = 4;
 
 /// Offsets to neighbours beyond this many spacings say "far" and no more, so that a query far

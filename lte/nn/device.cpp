@@ -15,18 +15,18 @@ std::string cuda_obstacle() {
   return "";
 }
 
-c10::Device choose_device(const std::string& request, int gpu) {
+c10::Device choose_device(const std::string& request, int gpu, const std::string& setting) {
   const std::string obstacle = cuda_obstacle();
-  LTE_CHECK(request.empty() || request == "cpu" || request == "cuda", "--device ", request,
+  LTE_CHECK(request.empty() || request == "cpu" || request == "cuda", setting, " ", request,
             ": expected cpu or cuda");
-  LTE_CHECK(request != "cuda" || obstacle.empty(), "--device cuda: ", obstacle,
-            "; use --device cpu, or build with LTE_CUDA=ON where there is a GPU");
+  LTE_CHECK(request != "cuda" || obstacle.empty(), setting, " cuda: ", obstacle, "; use ", setting,
+            " cpu, or build with LTE_CUDA=ON where there is a GPU");
   const bool cpu = request == "cpu" || !obstacle.empty();
   const std::string reason = request.empty() ? (cpu ? obstacle : "found") : "asked for";
   log_info("device: ", cpu ? "cpu" : "cuda", " (", reason, ")");
   if (cpu) return c10::kCPU;
   const c10::impl::VirtualGuardImpl cuda(c10::kCUDA);
-  LTE_CHECK(gpu < cuda.deviceCount(), "--device cuda: there is no GPU ", gpu, " here, only ",
+  LTE_CHECK(gpu < cuda.deviceCount(), setting, " cuda: there is no GPU ", gpu, " here, only ",
             cuda.deviceCount());
   const c10::Device device(c10::kCUDA, static_cast<c10::DeviceIndex>(gpu));
   cuda.setDevice(device);

@@ -10,12 +10,16 @@ namespace lte::nn {
 /// Why CUDA cannot be used; empty if it can.
 std::string cuda_obstacle();
 
-/// "cpu", "cuda", or "" to take cuda where it can be had; logs which one was taken and why. A GPU
-/// becomes the current one of this thread.
-/// @param gpu  which of the machine's
+/// Takes a device and logs which one and why. A GPU becomes the current one of this thread.
+///
+/// @param request  "cpu", "cuda", or "" to take cuda where it can be had
+/// @param gpu      which of the machine's
+/// @param setting  what users set to choose, as errors call it: a program's flag
 /// @throws lte::Error if "cuda" is asked for and cannot be had, or there is no such GPU: there is
-/// no silent fallback.
-c10::Device choose_device(const std::string& request, int gpu = 0);
+/// no
+///         silent fallback.
+c10::Device choose_device(const std::string& request, int gpu = 0,
+                          const std::string& setting = "device");
 
 /// Warns where bfloat16 is slower than float32: on a CPU without bfloat16 products.
 /// @param setting  that asks for bfloat16; the warning begins with it

@@ -48,12 +48,18 @@ int64_t deepest(const ModelConfig& config, size_t stage) {
 
 /// Merges the points whose cells share the next coarser cell. Clusters are numbered along the Z
 /// curve.
+///
+/// A Z code without its last three bits is the code of the coarser cell. So after a sort by it the
+/// members of a cluster are a run, the runs come in the order of the curve, and the coarser cell is
+/// that of any member, shifted. The sort is stable: the member taken is the lowest row, and the
+/// same on every device.
 StagePlan pool(const at::Tensor& cells, int64_t bits) {
   const at::Tensor code = ops::curve_codes(cells, ops::Curve::Z, bits).bitwise_right_shift(3);
   const auto [sorted, order] = at::sort(code, /*stable=*/true, /*dim=*/0, /*descending=*/false);
-  const auto [unique, inverse, counts] = at::unique_consecutive(sorted, true, true);
+  const auto [unique, inverse, counts] =
+      at::unique_consecutive(sorted, /*return_inverse=*/true, /*return_counts=*/true);
   StagePlan coarse;
-  coarse.cluster = at::empty_like(inverse).scatter_(0, order, inverse);
+  coarse.cluster = at::empty_like(inverse).scatter_(0, order, inverse);  // back from sorted rows
   const at::Tensor first = order.index_select(0, counts.cumsum(0) - counts);
   coarse.cells = cells.index_select(0, first).bitwise_right_shift(1).contiguous();
   return coarse;
@@ -97,7 +103,8 @@ std::vector<StagePlan> make_stages(const at::Tensor& cells, const ModelConfig& c
       for (int64_t i = 0; i < std::min(kCurves, deepest(config, s)); ++i) {
         const auto curve = static_cast<ops::Curve>(rows[static_cast<size_t>(i)]);
         const at::Tensor code = ops::curve_codes(stage.cells, curve, bits);
-        const at::Tensor order = std::get<1>(at::sort(code, true, 0, false));
+        const at::Tensor order =
+            std::get<1>(at::sort(code, /*stable=*/true, /*dim=*/0, /*descending=*/false));
         stage.patches.push_back(make_patch_map(order, config.patch_size));
       }
     }
@@ -121,11 +128,12 @@ EncoderPlan make_encoder_plan(const at::Tensor& position, const ModelConfig& con
   plan.grid = config.grid_per_spacing * plan.spacing;
   const at::Tensor cells = grid_cells(plan.position, &plan.grid);
   plan.stages = make_stages(cells, config, shuffle, order_seed);
-  if (config.stem == Stem::Conv5) {
-    std::tie(plan.stem_pairs, plan.stem_tap_begin) = ops::convolution_pairs(cells, 5);
-  } else if (config.stem == Stem::Conv3) {
+  const int64_t kernel = config.stem_kernel();
+  if (kernel == kBlockKernel) {
     plan.stem_pairs = plan.stages[0].pairs;
     plan.stem_tap_begin = plan.stages[0].tap_begin;
+  } else if (kernel > 0) {
+    std::tie(plan.stem_pairs, plan.stem_tap_begin) = ops::convolution_pairs(cells, kernel);
   }
   return plan;
 }

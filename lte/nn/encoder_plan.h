@@ -24,8 +24,8 @@ struct PatchMap {
 /// One resolution of PTV3.
 struct StagePlan {
   at::Tensor cells;  ///< [n, 3] int32 grid cells
-  at::Tensor pairs,
-      tap_begin;  ///< ops::convolution_pairs of the 3^3 kernel, shared by all blocks of the stage
+  /// ops::convolution_pairs() of the blocks' kernel, which all blocks of the stage share.
+  at::Tensor pairs, tap_begin;
   std::vector<PatchMap> patches;  ///< one a curve in use; block i takes patches[i mod size]
   at::Tensor cluster;  ///< [points of the finer stage] int64 in [0, n); undefined for stage 0
 
@@ -33,33 +33,34 @@ struct StagePlan {
 };
 
 struct EncoderPlan {
-  at::Tensor first_picks;  ///< [m1] int64, m1 = ceil(M/2): points that stay after the first halving
-  at::Tensor first_neighbours;  ///< [m1, min(k, M)] int64, among all M
-  at::Tensor
-      second_neighbours;  ///< [m, min(k, m1)] int64, among the m1; the m are the first of the m1
-  at::Tensor position;    ///< [m, 3] float32, network space
-  double spacing = 1;     ///< of the m points, network space, > 0
-  double grid = 1;        ///< edge of a cell, network space
+  /// [m1] int64, m1 = ceil(M/2): the points that stay after the first halving. The first m of them,
+  /// m = ceil(m1/2), stay after the second.
+  at::Tensor first_picks;
+  at::Tensor first_neighbours;            ///< [m1, min(k, M)] int64, among all M
+  at::Tensor second_neighbours;           ///< [m, min(k, m1)] int64, among the m1
+  at::Tensor position;                    ///< [m, 3] float32, network space
+  double spacing = 1;                     ///< of the m points, network space, > 0
+  double grid = 1;                        ///< edge of a cell, network space
   at::Tensor stem_pairs, stem_tap_begin;  ///< undefined for a linear stem
   std::vector<StagePlan> stages;
 };
 
 /// @param position    [M, 3] float32, network space, non-negative, M >= 1
-/// @param shuffle     draw each stage's curve rows from `order_seed` (training) instead of the
-/// fixed ones
+/// @param shuffle     draws the order of each stage's curves from `order_seed`, as training does,
+///                    instead of taking the fixed one
 EncoderPlan make_encoder_plan(const at::Tensor& position, const ModelConfig& config, bool shuffle,
                               uint64_t order_seed);
 
-/// Cells of `position` (network space, non-negative) on a grid of edge >= `*grid`, which grows
-/// where 16 bits would not do.
+/// Cells of `position` (network space, non-negative) on a grid of edge `*grid`, which grows where
+/// 16 bits an axis would not do.
 at::Tensor grid_cells(const at::Tensor& position, double* grid);
 
 /// Slots of the points of `order` ([n] int64, n > patch_size) in patches of equal size. The empty
 /// slots of the last patch repeat the same slots of the one before, so that its points see real
-/// neighbours and no mask is needed.
+/// neighbours and attention needs no mask.
 PatchMap make_patch_map(const at::Tensor& order, int64_t patch_size);
 
-/// Stage 0 from `cells`, then one halving of the grid a stage. Public for tests.
+/// Stage 0 has the cells given; each further stage halves the grid. Public for tests.
 std::vector<StagePlan> make_stages(const at::Tensor& cells, const ModelConfig& config, bool shuffle,
                                    uint64_t order_seed);
 

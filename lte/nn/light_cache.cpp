@@ -13,12 +13,12 @@ namespace {
 
 constexpr int64_t kBlock = 8192;  ///< queries whose pairs are held at a time
 
-/// Means over the neighbours, [Q, ...] of [Q, k, ...].
+/// Weighted means over the neighbours, [Q, C] of weights [Q, k] and values [Q, k, C].
 at::Tensor weighted(const at::Tensor& weight, const at::Tensor& values) {
   return at::bmm(weight.unsqueeze(1), values).squeeze(1);
 }
 
-/// ops::irradiance_cache_means() of any device and dtype.
+/// ops::irradiance_cache_means() on any device and in any dtype, for GPUs and gradient checks.
 at::Tensor composed_means(const LightCache& cache, const at::Tensor& position,
                           const at::Tensor& normal, const at::Tensor& near) {
   const int64_t Q = near.size(0), k = near.size(1);

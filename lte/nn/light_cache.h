@@ -24,11 +24,12 @@ struct LightReading {
   at::Tensor features;
 };
 
+/// The points that irradiance is read between, and theirs.
 struct LightCache {
   at::Tensor position;  ///< [S, 3] float32, network space
   at::Tensor normal;    ///< [S, 3]
-  at::Tensor light;     ///< [S, 6] indirect and direct irradiance over the radiance of the scene
-  at::Tensor floor;  ///< [3] added everywhere, so that a factor can lift what the cache calls dark
+  at::Tensor light;     ///< [S, 6] indirect and direct irradiance over the emission scale
+  at::Tensor floor;     ///< [3] added everywhere: kCacheFloor of the mean (lte/nn/constants.h)
 
   bool defined() const { return position.defined(); }
   /// Inputs on one device, in one dtype; no gradients.
@@ -36,9 +37,12 @@ struct LightCache {
   std::vector<at::Tensor> tensors() const { return {position, normal, light, floor}; }
 };
 
-/// Of the points that do not emit: luminaires carry no estimate.
-/// @param position  [M, 3] network space, @param normal [M, 3], @param emission [M, 3]
-/// @param light     [M, 6] indirect and direct irradiance over the radiance of the scene
+/// A cache of the points that do not emit: luminaires carry no estimate.
+///
+/// @param position  [M, 3] network space
+/// @param normal    [M, 3]
+/// @param emission  [M, 3]
+/// @param light     [M, 6] indirect and direct irradiance over the emission scale
 LightCache make_light_cache(const at::Tensor& position, const at::Tensor& normal,
                             const at::Tensor& emission, const at::Tensor& light);
 

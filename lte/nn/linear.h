@@ -9,7 +9,7 @@
 
 namespace lte::nn {
 
-/// Parameters: `weight` [out, in], `bias` [out] (checkpoint names; do not rename).
+/// Parameters: `weight` [out, in], `bias` [out] (names in model files; do not rename).
 class LinearImpl : public torch::nn::LinearImpl {
  public:
   using torch::nn::LinearImpl::LinearImpl;
@@ -20,23 +20,24 @@ class LinearImpl : public torch::nn::LinearImpl {
     return in_autocast() ? ops::linear_autocast(x, weight, bias)
                          : ops::linear(x, inference_weight(), bias);
   }
-  /// The same with other weights, in this layer's precision: for callers that take its matrix
+  /// The same with other weights, in this layer's precision. For callers that take the matrix
   /// apart.
   at::Tensor product(const at::Tensor& x, const at::Tensor& w, const at::Tensor& b = {}) const {
     return in_autocast() ? ops::linear_autocast(x, w, b)
                          : ops::linear(x, in_bf16() ? w.to(at::kBFloat16) : w, b);
   }
 
-  /// Of products without gradients from now on. Layers whose inputs or outputs are no multiple of
-  /// 16 stay in float32: they read positions, colors and light, or answer, and cost nothing.
+  /// Sets the arithmetic of products without gradients from now on. Layers whose inputs or outputs
+  /// are no multiple of 16 stay in float32: they read positions, colors and light, or answer, and
+  /// cost nothing.
   /// @note Rounds the weights that there are now.
   void set_precision(Precision precision) {
     rounded_ = precision == Precision::Bf16 && !reads_or_answers()
                    ? weight.detach().to(at::kBFloat16)
                    : at::Tensor();
   }
-  /// Of products that are differentiated from now on: Bf16 is ops::linear_autocast(), for the same
-  /// layers.
+  /// Sets the arithmetic of products that are differentiated from now on: Bf16 is
+  /// ops::linear_autocast(), for the same layers.
   void set_autocast(Precision precision) {
     autocast_ = precision == Precision::Bf16 && !reads_or_answers();
   }

@@ -7,10 +7,10 @@
 
 namespace lte::nn {
 
-/// What f of relative_loss() is: log(x + 1), as in the paper, or x. Of noisy references the mean of x
-/// is the truth, and that of its logarithm is not. With `detach_denominator` the linear form is least
-/// where the prediction is the mean (Müller et al. 2021, "Real-time Neural Radiance Caching", section
-/// 3.2).
+/// What f of relative_loss() is: log(x + 1), as in the paper, or x. Of noisy references the mean of
+/// x is the truth, and that of its logarithm is not. With `detach_denominator` the linear form is
+/// least where the prediction is the mean (Müller et al. 2021, "Real-time Neural Radiance Caching",
+/// section 3.2).
 enum class LossSpace { Log, Linear };
 
 constexpr EnumNames<LossSpace, 2> enum_names(LossSpace) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lte/nn/constants.h"
+#include "lte/nn/cost.h"
 #include "lte/nn/nearest_neighbour_embedding.h"
 #include "lte/nn/point_transformer.h"
 #include "lte/nn/query_decoder.h"
@@ -16,59 +17,10 @@ namespace {
 /// else the intermediates are some 60 MB at D = 128 and stay in the outer caches' reach.
 constexpr int64_t kTableBlock = int64_t{1} << 17, kQueryBlock = 4096;
 
-/// @throws c10::Error unless `t` is [rows, 3] or [rows], and every value finite, naming the first
-/// row that is not.
-void check_rows(const at::Tensor& t, int64_t rows, bool triple, const char* what,
-                const char* name) {
-  const bool shape_ok = t.defined() && t.dim() == (triple ? 2 : 1) && t.size(0) == rows &&
-                        (!triple || t.size(1) == 3);
-  TORCH_CHECK(shape_ok, what, ": ", name, " must be [", rows, triple ? ", 3]" : "]", ", got ",
-              t.defined() ? c10::str(t.sizes()) : std::string("nothing"));
-  const at::Tensor finite = triple ? t.isfinite().all(1) : t.isfinite();
-  if (finite.all().item<bool>()) return;
-  const int64_t row = finite.logical_not().nonzero()[0][0].item<int64_t>();
-  TORCH_CHECK(false, what, ": ", name, " of row ", row, " is not finite");
-}
-
-/// @throws c10::Error naming the first row with a value outside [low, high].
-void check_range(const at::Tensor& t, double low, double high, const char* what, const char* name) {
-  const at::Tensor bad = (t < low).logical_or(t > high);
-  if (!bad.any().item<bool>()) return;
-  const int64_t row = bad.nonzero()[0][0].item<int64_t>();
-  TORCH_CHECK(false, what, ": ", name, " of row ", row, " is outside [", low, ", ", high, "]");
-}
-
-void check_surface(const at::Tensor& position, const at::Tensor& normal, const at::Tensor& albedo,
-                   const char* what) {
-  TORCH_CHECK(position.defined() && position.dim() == 2, what, ": position must be [N, 3]");
-  const int64_t rows = position.size(0);
-  check_rows(position, rows, true, what, "position");
-  check_rows(normal, rows, true, what, "normal");
-  check_rows(albedo, rows, true, what, "albedo");
-  check_range(normal, -1.01, 1.01, what, "normal");
-  check_range(albedo, 0, 16, what, "albedo");
-}
-
-void check_points(const PointSet& points) {
-  check_surface(points.position, points.normal, points.albedo, "scene points");
-  const int64_t rows = points.position.size(0);
-  TORCH_CHECK(rows >= 1, "scene points: there are none");
-  check_rows(points.emission, rows, true, "scene points", "emission");
-  check_rows(points.area, rows, false, "scene points", "area");
-  check_range(points.emission, 0, INFINITY, "scene points", "emission");
-  check_range(points.area, 0, INFINITY, "scene points", "area");
-}
-
-void check_light(const at::Tensor& irradiance, const PointSet& points, const char* name) {
-  TORCH_CHECK(irradiance.defined(), "scene points: ", name, " is missing, which this model reads");
-  check_rows(irradiance, points.position.size(0), true, "scene points", name);
-  check_range(irradiance, 0, INFINITY, "scene points", name);
-}
-
 /// log(1 + light/a) by channel: emission over its mean spans four decades, from dim panels to bare
 /// bulbs, and direct irradiance as many.
-at::Tensor compressed(const at::Tensor& light, const at::Tensor& radiance) {
-  const at::Tensor a = radiance.to(light.device());
+at::Tensor compressed(const at::Tensor& light, const at::Tensor& emission_scale) {
+  const at::Tensor a = emission_scale.to(light.device());
   return at::log1p(light.to(at::kDouble).div(at::where(a > 0, a, 1))).to(light.scalar_type());
 }
 
@@ -85,7 +37,7 @@ struct LightTransportModelImpl::Parts {
   PointTransformer encoder{nullptr};
   QueryDecoder decoder{nullptr};
 
-  /// [Q, 3] over the emission scalar. Give either the table or keys and values.
+  /// [Q, 3] over the emission scale. Give either the table or keys and values.
   at::Tensor decode(const Embedding& embedding, const QuerySet& queries, const at::Tensor& keys,
                     const at::Tensor& values) {
     const at::Tensor position = (queries.position - embedding.origin).div(embedding.scale);
@@ -118,40 +70,17 @@ struct LightTransportModelImpl::Parts {
   }
 };
 
-void check_queries(const QuerySet& queries) {
-  check_surface(queries.position, queries.normal, queries.albedo, "query points");
-}
-
-at::Tensor channel_radiance(const PointSet& points) {
-  const at::Tensor emission = points.emission.to(at::kDouble);
-  const at::Tensor area = points.area.to(at::kDouble);
-  const double total_area = area.sum().item<double>();
-  const at::Tensor mean =
-      total_area > 0 ? at::mv(emission.t(), area).div(total_area) : emission.mean(0);
-  return mean.to(at::kCPU);
-}
-
-double radiance_scalar(const PointSet& points) {
-  const double mean = channel_radiance(points).mean().item<double>();
-  return mean > 0 ? mean : 1;
-}
-
 LightTransportModelImpl::LightTransportModelImpl(const ModelConfig& config)
     : config_(config), parts_(std::make_shared<Parts>()) {
-  const int64_t latent =
-      config.channels *
-      (config.decoder_widths.empty() ? config.encoder_widths[0] : config.decoder_widths[0]);
   parts_->nne =
       register_module("nne", NearestNeighbourEmbedding(config.point_inputs(), config.channels));
   parts_->encoder = register_module("encoder", PointTransformer(config));
-  parts_->decoder = register_module("decoder", QueryDecoder(latent, config));
+  parts_->decoder = register_module("decoder", QueryDecoder(latent_width(config), config));
 }
 
 Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order_seed,
                                           const Frame& frame) {
-  check_points(points);
-  if (config_.reads_direct()) check_light(points.direct, points, "direct irradiance");
-  if (config_.reads_indirect()) check_light(points.indirect, points, "indirect irradiance");
+  check_points(points, config_);
   Embedding embedding;
   embedding.scale = frame.scale > 0 ? frame.scale : config_.scale;
   embedding.origin = frame.origin.defined() ? frame.origin.to(points.position.options())
@@ -160,26 +89,27 @@ Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order
   const double extent = position.max().item<double>();
   TORCH_CHECK(extent <= kLargestPosition, "scene points: the scene is ", extent * embedding.scale,
               " m wide, more than the model's scale of ", embedding.scale,
-              " m; --rescale shrinks it to fit");
+              " m; a larger Frame::scale shrinks it to fit");
   TORCH_CHECK(!frame.origin.defined() || position.min().item<double>() >= 0,
               "scene points: a position is less than the given least corner of the scene, ",
               embedding.origin[0].item<double>(), ", ", embedding.origin[1].item<double>(), ", ",
               embedding.origin[2].item<double>());
-  embedding.radiance = channel_radiance(points);
+  embedding.emission_scale = emission_scale(points);
 
   const EncoderPlan plan =
       make_encoder_plan(position.to(at::kFloat).contiguous(), config_, is_training(), order_seed);
   std::vector<at::Tensor> attributes = {surface_attributes(position, points.normal, points.albedo),
-                                        compressed(points.emission, embedding.radiance)};
-  if (config_.reads_direct()) attributes.push_back(compressed(points.direct, embedding.radiance));
+                                        compressed(points.emission, embedding.emission_scale)};
+  if (config_.reads_direct())
+    attributes.push_back(compressed(points.direct, embedding.emission_scale));
   if (config_.reads_indirect())
-    attributes.push_back(compressed(points.indirect, embedding.radiance));
+    attributes.push_back(compressed(points.indirect, embedding.emission_scale));
   embedding.position = plan.position;
   embedding.spacing = plan.spacing;
   embedding.features =
       parts_->encoder->forward(parts_->nne->forward(at::cat(attributes, 1), plan), plan);
   if (config_.reads_indirect()) {
-    const at::Tensor a = embedding.radiance.to(points.indirect.options());
+    const at::Tensor a = embedding.emission_scale.to(points.indirect.options());
     const at::Tensor light = at::cat({points.indirect, points.direct}, 1);
     embedding.cache = make_light_cache(position, points.normal, points.emission,
                                        light.div(at::where(a > 0, a, 1).repeat({2})));
@@ -226,7 +156,7 @@ at::Tensor LightTransportModelImpl::decode(const Embedding& embedding, const Que
   if (options.check_values) check_queries(queries);
   const int64_t Q = queries.position.size(0);
   // Light is linear: without emission there is no irradiance, whatever the network would say.
-  if (embedding.radiance.max().item<double>() == 0) return at::zeros_like(queries.position);
+  if (embedding.emission_scale.max().item<double>() == 0) return at::zeros_like(queries.position);
   at::Tensor out = at::empty({Q, 3}, embedding.features.options());
   at::Tensor keys, values;
   if (!embedding.table.defined()) {
@@ -246,21 +176,9 @@ at::Tensor LightTransportModelImpl::decode(const Embedding& embedding, const Que
                        : parts_->decode(embedding, block, keys, values));
   }
   for (int64_t c = 0; c < 3; ++c) {  // by number: a tensor's way to a GPU would be waited for
-    out.select(1, c).mul_(embedding.radiance[c].item<double>());
+    out.select(1, c).mul_(embedding.emission_scale[c].item<double>());
   }
   return out;
-}
-
-ParameterCounts count_parameters(const LightTransportModel& model) {
-  ParameterCounts counts;
-  for (const auto& item : model->named_parameters()) {
-    const int64_t n = item.value().numel();
-    counts.total += n;
-    if (item.key().rfind("nne.", 0) == 0) counts.nne += n;
-    if (item.key().rfind("encoder.", 0) == 0) counts.encoder += n;
-    if (item.key().rfind("decoder.", 0) == 0) counts.decoder += n;
-  }
-  return counts;
 }
 
 }  // namespace lte::nn

@@ -10,28 +10,10 @@
 
 #include "lte/nn/config.h"
 #include "lte/nn/light_cache.h"
+#include "lte/nn/point_set.h"
 #include "lte/nn/precision.h"
 
 namespace lte::nn {
-
-/// Scene points in world space, float32 (or float64 in gradient checks). M >= 1.
-struct PointSet {
-  at::Tensor position;  ///< [M, 3] metres
-  at::Tensor normal;    ///< [M, 3] unit
-  at::Tensor albedo;    ///< [M, 3]
-  at::Tensor emission;  ///< [M, 3] radiance, W sr^-1 m^-2
-  at::Tensor area;      ///< [M] m² each point stands for; weighs the radiance scalar only
-  /// [M, 3] W/m², irradiance on both sides of the surface together, 0 at luminaires: direct, and an
-  /// estimate of all later bounces. Read as the model's `light_input` says, else undefined will do.
-  at::Tensor direct, indirect;
-};
-
-/// Query points in world space.
-struct QuerySet {
-  at::Tensor position;  ///< [Q, 3] metres
-  at::Tensor normal;    ///< [Q, 3] unit, towards the side asked about
-  at::Tensor albedo;    ///< [Q, 3]
-};
 
 /// The light transport embedding of one scene: everything decode() needs.
 struct Embedding {
@@ -39,33 +21,23 @@ struct Embedding {
   at::Tensor features;  ///< [m, D]
   at::Tensor origin;    ///< [3] world, b_min
   double scale = 1;     ///< s, metres
-  double spacing = 1;   ///< of the m points, network space: the last insertion distance of farthest
-                        ///< point sampling
-  at::Tensor radiance;  ///< [3] float64, channel_radiance() of the scene: emission is divided by
-                        ///< it, irradiance multiplied
-  at::Tensor table;     ///< ops::neighbour_table of all layers, made by encode() outside training;
-                        ///< else undefined
-  LightCache cache;     ///< of models whose `light_input` is traced
+  /// Of the m points, in network space: the last insertion distance of farthest point sampling.
+  double spacing = 1;
+  /// [3] float64 on the CPU, emission_scale() of the scene. The network reads emission divided by
+  /// it, and decode() multiplies irradiance by it.
+  at::Tensor emission_scale;
+  /// ops::neighbour_table() of all layers, which encode() makes outside training; else undefined.
+  at::Tensor table;
+  LightCache cache;  ///< of models whose `light_input` is traced
 };
 
 /// Where a scene lies in network space: p̂ = (p − origin) / scale.
 struct Frame {
   at::Tensor origin;  ///< [3] world, at most every scene point; undefined: their least corner
-  double scale = 0;   ///< metres; 0: the model's s. More shrinks a scene wider than s for the
-                      ///< network alone, which moves no irradiance that comes from surfaces
+  /// Metres; 0 stands for the model's s. More shrinks a scene wider than s for the network alone,
+  /// which moves no irradiance that comes from surfaces.
+  double scale = 0;
 };
-
-/// @throws c10::Error naming the first row that is not finite, or out of range (docs/model.md)
-void check_queries(const QuerySet& queries);
-
-/// The emission scalar: area-weighted mean emission over points and channels; 1 for a scene without
-/// emission.
-double radiance_scalar(const PointSet& points);
-
-/// The same by color channel, [3] float64 on the CPU; 0 for a channel without emission. No surface
-/// moves light from one channel to another, so each channel of irradiance is linear in the same
-/// channel of emission.
-at::Tensor channel_radiance(const PointSet& points);
 
 struct DecodeOptions {
   /// false for queries that check_queries() has seen or the caller answers for: on a GPU nothing
@@ -74,7 +46,7 @@ struct DecodeOptions {
   int64_t block = 0;  ///< queries at a time, at most; 0 for a size that runs fast
 };
 
-/// Parameters: `nne.*`, `encoder.*`, `decoder.*` (checkpoint names; do not rename).
+/// Parameters: `nne.*`, `encoder.*`, `decoder.*` (names in model files; do not rename).
 class LightTransportModelImpl : public torch::nn::Module {
  public:
   explicit LightTransportModelImpl(const ModelConfig& config);
@@ -82,15 +54,15 @@ class LightTransportModelImpl : public torch::nn::Module {
   /// Embeds one scene. Differentiable in the parameters; under NoGradGuard it also makes the
   /// decoder's table. In training mode the curve orders are drawn from `order_seed`; in evaluation
   /// they are fixed. `frame` is for callers whose scene's bounds are not those of its points.
-  /// @throws c10::Error naming the first row that is not finite, or a scene larger than `scale`
-  /// (offering --rescale), or points below the frame's origin
+  /// @throws c10::Error naming the first row that is not finite or out of range, a scene wider than
+  ///         the frame's scale, or a point below the frame's origin
   Embedding encode(const PointSet& points, uint64_t order_seed = 0, const Frame& frame = {});
 
-  /// The arithmetic of encode() and decode() without gradients from now on, on the CPU. Rounds the
-  /// weights that there are now: call it again when they have changed.
+  /// The arithmetic of encode() and decode() without gradients from now on, on a CPU as on a GPU.
+  /// It rounds the weights that there are now: call it again when they have changed.
   void set_precision(Precision precision);
 
-  /// Irradiance over the emission scalar: what the loss sees.
+  /// Irradiance over the emission scale: what the loss sees.
   /// @return [Q, 3], non-negative
   at::Tensor decode_normalized(const Embedding& embedding, const QuerySet& queries);
 
@@ -117,11 +89,5 @@ void set_precision(torch::nn::Module& network, Precision precision);
 /// weights, sums, results and gradients in float32. On CUDA attention too. Without gradients
 /// nothing changes.
 void set_autocast(torch::nn::Module& network, Precision precision);
-
-/// Sizes in parameters: total, nne (F and both G), encoder (PTV3), decoder.
-struct ParameterCounts {
-  int64_t total = 0, nne = 0, encoder = 0, decoder = 0;
-};
-ParameterCounts count_parameters(const LightTransportModel& model);
 
 }  // namespace lte::nn

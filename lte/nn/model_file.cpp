@@ -7,6 +7,7 @@
 #include "lte/base/check.h"
 #include "lte/base/safetensors.h"
 #include "lte/base/version.h"
+#include "lte/nn/tensor_io.h"
 
 namespace lte::nn {
 namespace {
@@ -43,25 +44,21 @@ void copy_weights(const SafetensorsFile& file, LightTransportModelImpl& model) {
     LTE_CHECK(parameters.contains(tensor), name, ": superfluous tensor ", tensor);
   }
   for (const auto& item : parameters) {
-    at::Tensor to = item.value();
-    const auto values = file.values<float>(item.key(), to.sizes().vec());
-    const at::Tensor from =
-        at::from_blob(const_cast<float*>(values.data()), to.sizes(), at::kFloat);
+    const at::Tensor from = at::empty(item.value().sizes(), at::kFloat);
+    read_tensor(file, item.key(), from);
     LTE_CHECK(from.isfinite().all().item<bool>(), name, ": tensor ", item.key(),
               " has a value that is not finite");
-    to.copy_(from);
+    item.value().copy_(from);
   }
 }
 
 void check_same_config(const std::string& name, const ModelConfig& file, const ModelConfig& model) {
   LTE_CHECK(file.channels == model.channels, name, ": its width is D = ", file.channels,
             " but the model's is D = ", model.channels, " (model.channels)");
-  std::istringstream in_file(file.to_yaml()), in_model(model.to_yaml());
-  std::string a, b;
-  while (std::getline(in_file, a) && std::getline(in_model, b)) {
-    const std::string key = a.substr(0, a.find(':'));
+  for (const auto& [key, in_file, in_model] : differences(file, model)) {
     const bool tunable = std::find(kTunable.begin(), kTunable.end(), key) != kTunable.end();
-    LTE_CHECK(a == b || tunable, name, ": it has model.", a, " but the model has ", b);
+    LTE_CHECK(tunable, name, ": it has model.", key, ": ", in_file, " but the model has ",
+              in_model);
   }
 }
 
@@ -75,11 +72,10 @@ void save_model(const std::filesystem::path& path, const LightTransportModel& mo
   writer.set_metadata("format_version", std::to_string(kFormatVersion));
   writer.set_metadata("model_config", model->config().to_yaml());
   writer.set_metadata("lte_version", version());
-  std::vector<at::Tensor> alive;  // the writer borrows
-  for (const auto& item : model->named_parameters()) {
-    alive.push_back(item.value().detach().to(at::kCPU, at::kFloat).contiguous());
-    writer.add(item.key(), alive.back().sizes().vec(), alive.back().const_data_ptr<float>());
-  }
+  std::map<std::string, at::Tensor> weights, storage;  // the writer borrows from the latter
+  for (const auto& item : model->named_parameters())
+    weights[item.key()] = item.value().detach().to(at::kFloat);
+  add_tensors(weights, &storage, &writer);
   writer.write(path);
 }
 

@@ -1,5 +1,5 @@
-// Weights on disk: safetensors with the model's configuration, normalization and a format version
-// in the metadata.
+// Model files: the weights as safetensors, with the model's configuration and a format version in
+// the metadata. (A checkpoint is the whole state of a training run: train/checkpoint.)
 #pragma once
 
 #include <filesystem>
@@ -10,15 +10,14 @@
 
 namespace lte::nn {
 
-/// Atomic. Metadata: format "lte-model", format_version, model_config (YAML of ModelConfig),
-/// lte_version, and `extra`.
+/// Writes a model file, atomically. Its metadata are format "lte-model", format_version,
+/// model_config (YAML of ModelConfig), lte_version, and `extra`, such as ModelMetadata::entries().
 void save_model(const std::filesystem::path& path, const LightTransportModel& model,
                 const std::map<std::string, std::string>& extra = {});
 
 /// A model in evaluation mode with the file's configuration and weights.
-/// @throws lte::Error naming the file and: not a model, newer format, tensor missing, superfluous
-/// or of another shape,
-///         non-finite weight.
+/// @throws lte::Error naming the file if it is no model or of a newer format, and naming the tensor
+///         that is missing, superfluous, of another shape, or not finite.
 LightTransportModel load_model(const std::filesystem::path& path);
 
 /// Copies weights of `path` into `model`.

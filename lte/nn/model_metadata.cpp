@@ -8,34 +8,66 @@
 namespace lte::nn {
 namespace {
 
-constexpr int64_t kDefaultScenePoints = ModelMetadata().scene_points;
+// What more would take no machine has.
+constexpr int64_t kMostScenePoints = int64_t{1} << 40, kMostLightPaths = int64_t{1} << 26,
+                  kMostLightDepth = 1024;
 
-int64_t scene_points_of(const SafetensorsFile& file) {
-  const auto found = file.metadata().find("scene_points");
-  if (found == file.metadata().end()) return kDefaultScenePoints;
-  const std::string& text = found->second;
+/// The metadata `key` if the file has it.
+const std::string* find(const SafetensorsFile& file, const char* key) {
+  const auto found = file.metadata().find(key);
+  return found == file.metadata().end() ? nullptr : &found->second;
+}
+
+int64_t count_of(const SafetensorsFile& file, const char* key, int64_t otherwise, int64_t least,
+                 int64_t most) {
+  const std::string* text = find(file, key);
+  if (text == nullptr) return otherwise;
   int64_t count = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
-  LTE_CHECK(error == std::errc() && end == text.data() + text.size() && count >= 0,
-            file.path().string(), ": metadata scene_points is \"", text, "\", expected a number");
-  if (count == 0) return kDefaultScenePoints;
+  const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), count);
+  LTE_CHECK(
+      error == std::errc() && end == text->data() + text->size() && count >= least && count <= most,
+      file.path().string(), ": metadata ", key, " is \"", *text, "\", expected a number from ",
+      least, " to ", most);
   return count;
 }
 
-/// Models of before pruning do not say.
-bool scene_points_pruned_of(const SafetensorsFile& file) {
-  const auto found = file.metadata().find("scene_points_pruned");
-  if (found == file.metadata().end()) return false;
-  LTE_CHECK(found->second == "true" || found->second == "false", file.path().string(),
-            ": metadata scene_points_pruned is \"", found->second, "\", expected true or false");
-  return found->second == "true";
+bool switch_of(const SafetensorsFile& file, const char* key, bool otherwise) {
+  const std::string* text = find(file, key);
+  if (text == nullptr) return otherwise;
+  LTE_CHECK(*text == "true" || *text == "false", file.path().string(), ": metadata ", key, " is \"",
+            *text, "\", expected true or false");
+  return *text == "true";
 }
 
 }  // namespace
 
+int ModelMetadata::light_depth_of(const ModelConfig& config) const {
+  if (config.reads_indirect()) return light_depth;
+  return config.reads_direct() ? 1 : 0;
+}
+
+std::map<std::string, std::string> ModelMetadata::entries() const {
+  return {{"scene_points", std::to_string(scene_points)},
+          {"scene_points_pruned", scene_points_pruned ? "true" : "false"},
+          {"light_paths", std::to_string(light_paths)},
+          {"light_depth", std::to_string(light_depth)}};
+}
+
 ModelMetadata read_model_metadata(const std::filesystem::path& path) {
   const SafetensorsFile file(path);
-  return {scene_points_of(file), scene_points_pruned_of(file)};
+  const ModelMetadata defaults;
+  ModelMetadata metadata;
+  metadata.scene_points =
+      count_of(file, "scene_points", defaults.scene_points, 0, kMostScenePoints);
+  // Runs that took all the points of each file wrote 0.
+  if (metadata.scene_points == 0) metadata.scene_points = defaults.scene_points;
+  metadata.scene_points_pruned =
+      switch_of(file, "scene_points_pruned", defaults.scene_points_pruned);
+  metadata.light_paths =
+      static_cast<int>(count_of(file, "light_paths", defaults.light_paths, 1, kMostLightPaths));
+  metadata.light_depth =
+      static_cast<int>(count_of(file, "light_depth", defaults.light_depth, 1, kMostLightDepth));
+  return metadata;
 }
 
 }  // namespace lte::nn

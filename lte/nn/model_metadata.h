@@ -1,18 +1,37 @@
-// What a model's file says beside its weights and shape: the scene points of its training.
+// What a model file says beside its weights and shape: the scene points of its training, and how
+// their light was estimated.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <string>
+
+#include "lte/nn/config.h"
 
 namespace lte::nn {
 
+/// Each field is one of a file's metadata, named alike. A file that lacks it means the default: it
+/// is older than the field, or was written by a program that does not know it.
 struct ModelMetadata {
-  int64_t scene_points = 20'000;     ///< M of the training; this default if the file does not say
+  int64_t scene_points = 20'000;     ///< M of the training
   bool scene_points_pruned = false;  ///< training saw scene points only where light reaches them
+  /// Paths a side of each scene point, and their largest number of bounces, behind the light
+  /// estimates that a `traced` model was trained with. It must be fed such light: fewer paths are
+  /// noisier and fewer bounces darker than all it has seen.
+  int light_paths = 32;
+  int light_depth = 5;
+
+  /// Bounces of the light that a model of `config` reads: 0 where it reads none, and 1 where direct
+  /// light alone.
+  int light_depth_of(const ModelConfig& config) const;
+
+  /// What save_model() takes to write these fields.
+  std::map<std::string, std::string> entries() const;
 };
 
-/// @throws lte::Error naming `path` and the key if it is no safetensors file or a value is no
-/// number, or neither true nor false.
+/// @throws lte::Error naming `path` and the key if it is no safetensors file, or a value is out of
+///         range or of another type.
 ModelMetadata read_model_metadata(const std::filesystem::path& path);
 
 }  // namespace lte::nn

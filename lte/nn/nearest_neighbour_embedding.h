@@ -13,9 +13,9 @@ namespace lte::nn {
 
 /// max over k of G(concat(X_k − X̃_l, X̃_l)), G a perceptron 2D -> D -> D.
 ///
-/// G's first layer is linear, so it is applied to points instead of pairs: W concat(X_k − X̃_l, X̃_l)
-/// = W_a X_k + (W_b − W_a) X̃_l with W = [W_a | W_b]. Only its activation and the second layer see
-/// pairs. Parameters: those of Mlp; `hidden.weight` is [D, 2D].
+/// G's first layer is linear, so it is applied to points instead of pairs: W concat(X_k − X̃_l,
+/// X̃_l) = W_a X_k + (W_b − W_a) X̃_l with W = [W_a | W_b]. Only its activation and the second
+/// layer see pairs. Parameters: those of Mlp; `hidden.weight` is [D, 2D].
 class NeighbourMaxImpl : public torch::nn::Module {
  public:
   explicit NeighbourMaxImpl(int64_t channels);

@@ -24,10 +24,10 @@ PointTransformerImpl::PointTransformerImpl(const ModelConfig& config) {
   const auto up_width = [&](size_t s) { return config.decoder_widths[s] * D; };
   const size_t stages = config.encoder_depths.size();
 
-  if (config.stem == Stem::Linear) {
+  const int64_t kernel = config.stem_kernel();
+  if (kernel == 0) {
     stem_linear_ = register_module("stem", Linear(D, down_width(0)));
   } else {
-    const int64_t kernel = config.stem == Stem::Conv5 ? 5 : 3;
     stem_conv_ = register_module("stem", SubmanifoldConv(kernel, D, down_width(0), false));
   }
   stem_norm_ = register_module("stem_norm", layer_norm(down_width(0)));

@@ -26,8 +26,8 @@ class PointTransformerImpl : public torch::nn::Module {
  public:
   explicit PointTransformerImpl(const ModelConfig& config);
 
-  /// @param x  [m, D]; @return [m, decoder_widths[0] * D], or of the only stage's width if there is
-  /// one
+  /// @param x  [m, D]
+  /// @return   [m, latent_width()] (lte/nn/cost.h)
   at::Tensor forward(const at::Tensor& x, const EncoderPlan& plan);
 
  private:

@@ -64,28 +64,30 @@ class QueryDecoderImpl : public torch::nn::Module {
   std::tuple<at::Tensor, at::Tensor> keys_and_values(const at::Tensor& latent);
 
   /// What infer() reads of the latents, without gradients: ops::neighbour_table() of keys and
-  /// values, some latents at a time, so that it exists once; with softmax both as they are, [2, L,
-  /// m, D].
+  /// values, made for some latents at a time, so that it exists once. With softmax both as they
+  /// are, [2, L, m, D].
   at::Tensor table(const at::Tensor& latent);
 
-  /// The queries' own 9 inputs and their nearest latents, apart from the differentiable part.
+  /// The latents nearest to each query: what no gradient passes through.
   struct Neighbourhood {
     at::Tensor index;  ///< [Q, κ] int64, κ = min(query_neighbours, m)
-    at::Tensor
-        offset;  ///< [Q, κ, 3]: (p_j − p_κ) / spacing, limited to ±kOffsetLimit (lte/nn/constants.h)
+    /// [Q, κ, 3]: (p_j − p_κ) / spacing, limited to ±kOffsetLimit (lte/nn/constants.h)
+    at::Tensor offset;
   };
-  /// @param query    [Q, 3] network space, @param anchor [m, 3] float32, likewise
+  /// @param query   [Q, 3] network space
+  /// @param anchor  [m, 3] float32, likewise
   Neighbourhood neighbourhood(const at::Tensor& query, const at::Tensor& anchor,
                               double spacing) const;
 
-  /// @param attributes  [Q, 9]: position (network space), normal, albedo
+  /// @param attributes  [Q, ModelConfig::query_inputs()]: position (network space), normal, albedo,
+  ///                    and of `traced` models what the light cache says
   /// @return  [Q, 3], non-negative, differentiable
   at::Tensor forward(const at::Tensor& attributes, const Neighbourhood& near,
                      const at::Tensor& keys, const at::Tensor& values);
 
   /// forward() from table(); float32, no gradients. Outside training everything is one operator,
   /// unless attention is normalized.
-  /// @param query  [Q, 3], @param anchor [m, 3] and @param spacing as for neighbourhood()
+  /// `query`, `anchor` and `spacing` are those of neighbourhood().
   at::Tensor infer(const at::Tensor& attributes, const at::Tensor& query, const at::Tensor& anchor,
                    double spacing, const at::Tensor& table);
 

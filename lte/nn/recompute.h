@@ -14,9 +14,9 @@ namespace lte::nn {
 using TensorFunction = std::function<std::vector<at::Tensor>(const std::vector<at::Tensor>&)>;
 
 /// function(inputs), of which only inputs and results are kept.
-/// @param function    draws no random numbers; reads nothing that needs a gradient but its
-/// arguments
-///                    and `parameters`; must outlive nothing but the backward pass
+///
+/// @param function    draws no random numbers, and reads nothing that needs a gradient but its
+///                    arguments and `parameters`. It is kept until the backward pass has run.
 /// @param parameters  leaves, which receive their gradients as usual
 /// @return  as `function`; differentiable once. Without gradients it is a plain call.
 std::vector<at::Tensor> recompute(TensorFunction function, const std::vector<at::Tensor>& inputs,
@@ -26,8 +26,8 @@ std::vector<at::Tensor> recompute(TensorFunction function, const std::vector<at:
 /// or this is the first run of a function that runs again with gradients.
 bool is_differentiated();
 
-/// Numbers that pairs of points and neighbours may hold between two layers: 16 MiB in float32.
-/// What has more works in blocks of rows, which training recomputes.
+/// Numbers that pairs of points and neighbours may hold between two layers: 16 MiB in float32. What
+/// has more works in blocks of rows, which training recomputes.
 inline constexpr int64_t kPairNumbers = int64_t{1} << 22;
 
 /// Rows of a block, at least 1, where each row has so many numbers.

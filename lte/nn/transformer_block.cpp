@@ -107,8 +107,8 @@ at::Tensor cluster_argmax(const at::Tensor& x, const at::Tensor& cluster, int64_
   const double lowest = -std::numeric_limits<double>::infinity();
   const at::Tensor top =
       at::full({clusters, C}, lowest, x.options()).scatter_reduce(0, target, x, "amax");
-  // A NaN is no maximum's equal, but it stays: the maximum of its cluster is NaN, and it alone is not
-  // passed over.
+  // A NaN is no maximum's equal, but it stays: the maximum of its cluster is NaN, and it alone is
+  // not passed over.
   const at::Tensor below = x.ne(top.index_select(0, cluster)).logical_and(x.eq(x));
   const at::Tensor row = at::arange(n, cluster.options()).unsqueeze(1).expand({n, C});
   return at::full({clusters, C}, n, cluster.options())

@@ -130,14 +130,14 @@ EmbeddingInfo SceneEmbedding::info() const {
   const at::Tensor origin = embedding.origin.to(at::kCPU, at::kDouble);
   for (size_t i = 0; i < 3; ++i) {
     info.origin[i] = origin[static_cast<int64_t>(i)].item<double>();
-    info.emission[i] = embedding.radiance[static_cast<int64_t>(i)].item<double>();
+    info.emission[i] = embedding.emission_scale[static_cast<int64_t>(i)].item<double>();
   }
   info.scale = embedding.scale;
   return info;
 }
 
 double SceneEmbedding::mean_emission() const {
-  const double mean = snapshot().radiance.mean().item<double>();
+  const double mean = snapshot().emission_scale.mean().item<double>();
   return mean > 0 ? mean : 1;
 }
 
@@ -151,7 +151,7 @@ nn::Embedding SceneEmbedding::snapshot() const {
   {
     const std::lock_guard lock(state_->mutex);
     const auto& [r, g, b] = state_->gain;
-    embedding.radiance = embedding.radiance * at::tensor({r, g, b}, at::kDouble);
+    embedding.emission_scale = embedding.emission_scale * at::tensor({r, g, b}, at::kDouble);
   }
   if (!state_->ready) return embedding;
   const c10::Stream stream = current_stream(network().device());

@@ -14,33 +14,12 @@
 namespace lte::runtime {
 namespace {
 
-constexpr double kMiB = 1 << 20;
 constexpr int64_t kLeastBlock = 1024;  ///< queries: fewer at a time are slow
-// Bytes a scene point, of a channel and besides; bytes of a query of a block, and of its answer.
-constexpr double kEncodeBytes = 600, kEncodeBytesPerChannel = 40;
-// MiB whatever the number of points.
-constexpr double kEncodeBaseMb = 20, kEncodeBaseMbPerChannel = 0.45;
-constexpr double kDecodeBaseMb = 16, kDecodeBytes = 200, kAnswerBytes = 18;
 
 }  // namespace
 
 std::string memory_text(double mb) {
   return mb < 1024 ? formatted("%.0f MiB", mb) : formatted("%.1f GiB", mb / 1024);
-}
-
-double encode_mb(const nn::ModelConfig& config, int64_t scene_points) {
-  const double per_point =
-      kEncodeBytes + kEncodeBytesPerChannel * static_cast<double>(config.channels);
-  const double base =
-      kEncodeBaseMb + kEncodeBaseMbPerChannel * static_cast<double>(config.channels);
-  return base + 1.1 * per_point * static_cast<double>(scene_points) / kMiB;
-}
-
-double decode_mb(const nn::ModelConfig& config, int64_t queries, int64_t block) {
-  const double of_block = kDecodeBytes + 16 * static_cast<double>(config.query_neighbours);
-  const auto at_once = static_cast<double>(std::min(queries, block));
-  return kDecodeBaseMb +
-         1.1 * (kAnswerBytes * static_cast<double>(queries) + of_block * at_once) / kMiB;
 }
 
 MemoryLimit::MemoryLimit(double limit_mb) {

@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "lte/base/check.h"
 #include "lte/nn/config.h"
+#include "lte/nn/cost.h"
 #include "lte/runtime/refusal.h"
 
 namespace lte::runtime {
@@ -16,11 +18,8 @@ namespace lte::runtime {
 /// "1.5 GiB" or "210 MiB".
 std::string memory_text(double mb);
 
-/// MiB that encoding M scene points takes at its peak above the model, the embedding included; as
-/// measured (docs/benchmarks.md), with a tenth to spare.
-double encode_mb(const nn::ModelConfig& config, int64_t scene_points);
-/// MiB for Q queries decoded in blocks of `block`, likewise, the queries themselves not included.
-double decode_mb(const nn::ModelConfig& config, int64_t queries, int64_t block);
+using nn::decode_mb;
+using nn::encode_mb;
 
 /// The limit, counted from what was resident when it was made.
 class MemoryLimit {

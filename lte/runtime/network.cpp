@@ -1,16 +1,11 @@
 #include "lte/runtime/network.h"
 
 #include "lte/base/check.h"
+#include "lte/nn/cost.h"
 #include "lte/nn/model.h"
 #include "lte/nn/model_file.h"
 
 namespace lte::runtime {
-namespace {
-
-// Of the paths in baked data.
-constexpr int kTracedDepth = 5, kTracedPaths = 32;
-
-}  // namespace
 
 struct Network::State {
   nn::LightTransportModel model;
@@ -35,7 +30,7 @@ bool Network::predicts_total() const { return config().predicts_total(); }
 
 LightRequest Network::light_request() const {
   if (!config().reads_direct()) return {};
-  return {config().reads_indirect() ? kTracedDepth : 1, kTracedPaths};
+  return {metadata().light_depth_of(config()), metadata().light_paths};
 }
 
 void Network::check_fits(double extent_m, bool rescale) const {

@@ -43,6 +43,6 @@ nn::QuerySet borrow(const QueryPoints& queries) {
   return {borrow(queries.position), borrow(queries.normal), borrow(queries.albedo)};
 }
 
-double mean_emission(const ScenePoints& points) { return nn::radiance_scalar(borrow(points)); }
+double mean_emission(const ScenePoints& points) { return nn::mean_emission(borrow(points)); }
 
 }  // namespace lte::runtime

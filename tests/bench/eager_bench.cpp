@@ -82,7 +82,7 @@ std::vector<infer::BenchResult> run(const Options& options) {
         return embedding.features;
       },
       [&] { return eager.encode(points, plan); });
-  const at::Tensor radiance = embedding.radiance.to(at::kFloat);
+  const at::Tensor radiance = embedding.emission_scale.to(at::kFloat);
   for (const int64_t block : options.blocks) {
     add_pair(
         rows, ("decode, blocks of " + std::to_string(block)).c_str(), options.queries,

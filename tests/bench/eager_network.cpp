@@ -171,7 +171,7 @@ at::Tensor EagerNetwork::point_transformer(const at::Tensor& x, const nn::Encode
 at::Tensor EagerNetwork::encode(const nn::PointSet& points, const nn::EncoderPlan& plan) const {
   const at::Tensor position =
       (points.position - std::get<0>(points.position.min(0))) / config_.scale;
-  const at::Tensor a = nn::channel_radiance(points);
+  const at::Tensor a = nn::emission_scale(points);
   const at::Tensor emission = at::log1p(points.emission / at::where(a > 0, a, 1).to(at::kFloat));
   const at::Tensor x = perceptron(
       "nne.point", at::cat({attributes(position, points.normal, points.albedo), emission}, 1));

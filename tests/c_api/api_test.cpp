@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "lte/c_api.h"
+#include "lte/nn/cost.h"
 #include "lte/nn/model_file.h"
 #include "tests/c_api/support.h"
 #include "tests/nn/support.h"
@@ -62,7 +63,7 @@ TEST(CApi, AnswersAreTheCppNetworks) {
   EXPECT_EQ(info.latents, 75);
   EXPECT_EQ(info.scale, 16);
   EXPECT_GE(info.bytes, 75 * 16 * 4);
-  const at::Tensor radiance = nn::channel_radiance(points);
+  const at::Tensor radiance = nn::emission_scale(points);
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(info.origin[i], points.position.select(1, i).min().item<double>());
     EXPECT_DOUBLE_EQ(info.radiance[i], radiance[i].item<double>());

@@ -23,14 +23,13 @@ struct DecoderCase {
 
 struct DecoderAdversary {
   std::string name;
-  double fp32_bound;  ///< of float32's error against float64, in the Euclidean norm, over that of
-                      ///< the answer
-  double bf16_bound;  ///< of bf16's against float32, likewise
+  double fp32_bound;  ///< of float32's difference from float64, relative in the Euclidean norm
+  double bf16_bound;  ///< of bf16's difference from float32, likewise
   std::function<void(DecoderCase&)> arrange;
 };
 
-/// Random first, then one latent, or all, 10^4 times as large; as many coincident points as
-/// neighbours; latents and query features without variance.
+/// The first is random. Of the others, one latent or all are 10^4 times as large, as many points
+/// coincide as there are neighbours, and latents and query features have no variance.
 const std::vector<DecoderAdversary>& decoder_adversaries();
 /// 70 queries, 100 latents, 32 neighbours, six layers, seed fixed.
 DecoderCase make_decoder_case(const DecoderAdversary& adversary, int64_t channels);
@@ -47,8 +46,8 @@ struct SceneAdversary {
   double fp32_bound, bf16_bound;  ///< of the latents
   nn::PointSet points;
 };
-/// Random first, then one lamp a million times the others, coincident points, no features but
-/// positions.
+/// The first is random. The others have one lamp a million times as bright as the rest, coincident
+/// points, and no features but positions.
 std::vector<SceneAdversary> scene_adversaries(int64_t M);
 
 }  // namespace lte::test

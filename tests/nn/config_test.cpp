@@ -33,6 +33,20 @@ TEST(ModelConfig, YamlRoundTripKeepsEveryField) {
   EXPECT_NE(yaml, ModelConfig{}.to_yaml());
 }
 
+TEST(ModelConfig, DifferencesAreInTheOrderOfTheKeys) {
+  ModelConfig a, b;
+  EXPECT_TRUE(differences(a, b).empty());
+  b.target = Target::Total;
+  b.encoder_depths = {1, 1};
+  const std::vector<ConfigDifference> found = differences(a, b);
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].key, "encoder_depths");
+  EXPECT_EQ(found[0].first, "[2, 2, 2, 6, 2]");
+  EXPECT_EQ(found[0].second, "[1, 1]");
+  EXPECT_EQ(found[1].key, "target");
+  EXPECT_EQ(found[1].second, "total");
+}
+
 TEST(ModelConfig, ErrorsNameTheKey) {
   for (const auto& [yaml, key] : std::vector<std::pair<std::string, std::string>>{
            {"channels: 0", "channels"},

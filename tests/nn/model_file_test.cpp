@@ -5,20 +5,21 @@
 #include <gtest/gtest.h>
 
 #include "lte/base/safetensors.h"
+#include "lte/nn/model_metadata.h"
 #include "tests/nn/support.h"
 
 namespace lte::nn {
 namespace {
 
-class Checkpoint : public ::testing::Test {
+class ModelFile : public ::testing::Test {
  protected:
-  Checkpoint() : directory_(std::filesystem::path(testing::TempDir()) / "lte_nn_checkpoint") {
+  ModelFile() : directory_(std::filesystem::path(testing::TempDir()) / "lte_nn_model_file") {
     std::filesystem::create_directories(directory_);
     torch::manual_seed(1);
     model_ = LightTransportModel(test::tiny_config());
     test::randomize(*model_, 2);
   }
-  ~Checkpoint() override { std::filesystem::remove_all(directory_); }
+  ~ModelFile() override { std::filesystem::remove_all(directory_); }
 
   std::filesystem::path file(const std::string& name) const { return directory_ / name; }
 
@@ -43,7 +44,7 @@ class Checkpoint : public ::testing::Test {
 
 const std::string kName = "decoder.gamma.hidden.weight";
 
-TEST_F(Checkpoint, RoundTripGivesTheSameIrradianceBitForBit) {
+TEST_F(ModelFile, RoundTripGivesTheSameIrradianceBitForBit) {
   save_model(file("a.safetensors"), model_, {{"normalization", "none"}});
   LightTransportModel loaded = load_model(file("a.safetensors"));
   EXPECT_FALSE(loaded->is_training());
@@ -63,7 +64,7 @@ TEST_F(Checkpoint, RoundTripGivesTheSameIrradianceBitForBit) {
   }
 }
 
-TEST_F(Checkpoint, RefusesWhatIsNotThisModel) {
+TEST_F(ModelFile, RefusesWhatIsNotThisModel) {
   auto load = [](const std::filesystem::path& path) { return [path] { load_model(path); }; };
   test::expect_error(load(file("absent.safetensors")), {"absent.safetensors"});
   test::expect_error(load(edited([](auto&, auto& m) { m["format"] = "lte-scene"; })),
@@ -87,7 +88,7 @@ TEST_F(Checkpoint, RefusesWhatIsNotThisModel) {
                      {"edited.safetensors", kName, "not finite"});
 }
 
-TEST_F(Checkpoint, WeightsOfAnotherConfigurationAreRefusedByName) {
+TEST_F(ModelFile, WeightsOfAnotherConfigurationAreRefusedByName) {
   save_model(file("a.safetensors"), model_);
   ModelConfig config = test::tiny_config();
   config.channels = 32;
@@ -101,6 +102,43 @@ TEST_F(Checkpoint, WeightsOfAnotherConfigurationAreRefusedByName) {
   config.dropout = 0.3;
   LightTransportModel tunable(config);
   EXPECT_NO_THROW(load_weights(file("a.safetensors"), tunable));
+}
+
+TEST_F(ModelFile, MetadataAreWrittenAndReadBack) {
+  ModelMetadata metadata;
+  save_model(file("a.safetensors"), model_);
+  const ModelMetadata none = read_model_metadata(file("a.safetensors"));
+  EXPECT_EQ(none.entries(), metadata.entries()) << "a file that says nothing means the defaults";
+  EXPECT_EQ(none.light_paths, 32);
+  EXPECT_EQ(none.light_depth, 5);
+  metadata.scene_points = 300;
+  metadata.scene_points_pruned = true;
+  metadata.light_paths = 8;
+  metadata.light_depth = 2;
+  save_model(file("b.safetensors"), model_, metadata.entries());
+  EXPECT_EQ(read_model_metadata(file("b.safetensors")).entries(), metadata.entries());
+  for (const auto& [key, value] :
+       std::vector<std::pair<std::string, std::string>>{{"scene_points", "many"},
+                                                        {"scene_points", "-1"},
+                                                        {"scene_points_pruned", "1"},
+                                                        {"light_paths", "0"},
+                                                        {"light_depth", "0"},
+                                                        {"light_depth", "5 or so"}}) {
+    save_model(file("c.safetensors"), model_, {{key, value}});
+    test::expect_error([&] { read_model_metadata(file("c.safetensors")); },
+                       {"c.safetensors", key, value});
+  }
+}
+
+TEST(ModelMetadata, LightIsTracedAsDeepAsTheModelReadsIt) {
+  ModelMetadata metadata;
+  metadata.light_depth = 3;
+  ModelConfig config;
+  EXPECT_EQ(metadata.light_depth_of(config), 0);
+  config.light_input = LightInput::Direct;
+  EXPECT_EQ(metadata.light_depth_of(config), 1);
+  config.light_input = LightInput::Traced;
+  EXPECT_EQ(metadata.light_depth_of(config), 3);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lte/nn/cost.h"
 #include "lte/nn/loss.h"
 #include "tests/nn/support.h"
 
@@ -75,7 +76,8 @@ TEST(Model, ReadsTheLightOnScenePointsThatItsConfigurationNames) {
   PointSet more_direct = points, more_indirect = points, gained = points;
   more_direct.direct = points.direct * 2;
   more_indirect.indirect = points.indirect * 2;
-  gained.emission = points.emission * 0.5, gained.direct = points.direct * 0.5;
+  gained.emission = points.emission * 0.5;
+  gained.direct = points.direct * 0.5;
   gained.indirect = points.indirect * 0.5;
   for (const LightInput input : {LightInput::Emission, LightInput::Direct, LightInput::Traced}) {
     ModelConfig config = test::tiny_config();
@@ -116,7 +118,7 @@ TEST(Model, BlackSceneIsExactlyBlack) {
   LightTransportModel model = random_model();
   PointSet points = test::box_scene(60, 1);
   points.emission.zero_();
-  EXPECT_EQ(radiance_scalar(points), 1);
+  EXPECT_EQ(mean_emission(points), 1);
   EXPECT_EQ(irradiance(model, points, test::box_queries(40, 2)).abs().max().item<float>(), 0);
 }
 
@@ -124,9 +126,9 @@ TEST(Model, RadianceScalarIsTheAreaWeightedMean) {
   PointSet points = test::box_scene(2, 1);
   points.emission = torch::tensor({{3.0f, 0.0f, 0.0f}, {0.0f, 6.0f, 6.0f}});
   points.area = torch::tensor({1.0f, 3.0f});
-  EXPECT_NEAR(radiance_scalar(points), (1.0 * 1 + 4.0 * 3) / 4, 1e-12);
+  EXPECT_NEAR(mean_emission(points), (1.0 * 1 + 4.0 * 3) / 4, 1e-12);
   const at::Tensor expected = torch::tensor({3.0 / 4, 18.0 / 4, 18.0 / 4}, at::kDouble);
-  EXPECT_TRUE(at::allclose(channel_radiance(points), expected, 0, 1e-12));
+  EXPECT_TRUE(at::allclose(emission_scale(points), expected, 0, 1e-12));
 }
 
 TEST(Model, ChannelsScaleApart) {
@@ -186,7 +188,7 @@ TEST(Model, DecodeIsTheNormalizedAnswerTimesTheScalar) {
   const Embedding embedding = model->encode(test::box_scene(200, 5));
   EXPECT_FALSE(embedding.table.defined());
   const at::Tensor expected =
-      model->decode_normalized(embedding, queries) * embedding.radiance.to(at::kFloat);
+      model->decode_normalized(embedding, queries) * embedding.emission_scale.to(at::kFloat);
   EXPECT_LT(test::relative_difference(model->decode(embedding, queries), expected), 1e-5);
   EXPECT_LT(
       test::relative_difference(irradiance(model, test::box_scene(200, 5), queries), expected),
@@ -262,7 +264,7 @@ TEST(Model, BadInputIsRefusedWithItsPlace) {
   test::expect_error(encode(&PointSet::emission, 5, -2), {"emission", "row 5"});
   test::expect_error(encode(&PointSet::area, 2, NAN), {"area", "row 2"});
   test::expect_error([&] { model->encode(test::box_scene(0, 1)); }, {"scene points", "none"});
-  test::expect_error(encode(&PointSet::position, 7, 40), {"40 m", "16 m", "--rescale"});
+  test::expect_error(encode(&PointSet::position, 7, 40), {"40 m", "16 m", "Frame::scale"});
   const Embedding embedding = model->encode(test::box_scene(20, 13));
   QuerySet queries = test::box_queries(9, 14);
   queries.position[6][1] = NAN;

@@ -1,6 +1,7 @@
 #include "lte/nn/transformer_block.h"
 
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -115,6 +116,19 @@ TEST(Pooling, GradientsMatchFiniteDifferencesDownAndUp) {
   test::expect_gradients_match(
       [&] { return (unpool->forward(pool->forward(x, cluster, 3), x, cluster) * weight).sum(); },
       inputs);
+}
+
+TEST(Pooling, ANaNStaysWhateverStandsBesideIt) {
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = INFINITY;
+  const at::Tensor cluster = torch::tensor({0, 0, 1, 1});
+  for (const float other : {1.0f, -inf, inf, nan}) {
+    const at::Tensor x = torch::tensor({{other, nan}, {nan, other}, {2.0f, 3.0f}, {5.0f, 3.0f}});
+    const at::Tensor row = cluster_argmax(x, cluster, 2);
+    const at::Tensor top = x.gather(0, row);
+    EXPECT_TRUE(top[0].isnan().all().item<bool>()) << other;
+    EXPECT_TRUE(torch::equal(top[1], torch::tensor({5.0f, 3.0f}))) << "another cluster";
+    EXPECT_EQ(row[1][1].item<int64_t>(), 2) << "ties go to the lowest row";
+  }
 }
 
 TEST(NeighbourMax, IsTheMaximumOverConcatenatedPairs) {

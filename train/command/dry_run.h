@@ -10,13 +10,13 @@
 
 namespace lte::train {
 
-/// Bytes a training process needs, by kind. Weights and moments are exact; activations are those
-/// that the backward pass of one scene keeps, counted from the layers' shapes, and hold to about a
-/// third.
+/// Bytes that a training process needs, by kind (lte/nn/cost.h). Weights and moments are exact.
+/// Activations are what the backward pass of one scene keeps, and hold to about a third.
 struct MemoryEstimate {
   double weights = 0, gradients = 0, moments = 0, average = 0;
   double activations = 0;
-  double examples = 0;     ///< scene points, queries and reference of two steps: this and the next
+  /// Scene points, queries and reference of two steps: this one, and the next, which is being made.
+  double examples = 0;
   double scene_cache = 0;  ///< at most: data.cache_mb; less for a small data set
   /// Without the cache, which depends on the data.
   double total() const { return weights + gradients + moments + average + activations + examples; }

@@ -200,7 +200,7 @@ RunResult run(const RunOptions& options) {
   }
   if (options.validate_only) return {check_run_data(config)};
   const Rank rank = rank_from_environment();
-  const at::Device device = nn::choose_device(options.device, rank.local);
+  const at::Device device = nn::choose_device(options.device, rank.local, "--device");
   if (options.find_lr == 0 && !options.overfit_one_scene)
     return train(options, config, yaml.to_yaml(), rank, device);
   LTE_CHECK(rank.count == 1, options.find_lr > 0 ? "--find-lr" : "--overfit-one-scene",

@@ -206,12 +206,7 @@ Example make_example(const TrainingScene& scene, const Symmetry& symmetry,
   example.queries.albedo =
       triples(rows, [&](size_t i) { return symmetry.color(scene.query_albedo[i]); });
   const auto N = static_cast<size_t>(scene.query_points());
-  const at::Tensor radiance = nn::channel_radiance(example.points);
-  std::array<double, 3> factor{};  // a channel without emission has no irradiance either
-  for (size_t c = 0; c < 3; ++c) {
-    const double mean = radiance[static_cast<int64_t>(c)].item<double>();
-    factor[c] = mean > 0 ? 1 / mean : 0;
-  }
+  const std::array<double, 3> factor = nn::target_factors(nn::emission_scale(example.points));
   example.target = triples(rows, [&](size_t i) {
     std::array<double, 3> sum{};
     for (int64_t g = 0; g < scene.light_groups; ++g) {

@@ -50,10 +50,10 @@ class Export : public testing::TestWithParam<nn::Stem> {};
 
 TEST_P(Export, AgreesWithTheNativeModelAtThreeSizes) {
   const test::TempDir folder;
-  const std::filesystem::path checkpoint = save_untrained(folder.path(), small_config(GetParam()));
+  const std::filesystem::path model_file = save_untrained(folder.path(), small_config(GetParam()));
   for (const bool portable : {false, true}) {
     const auto checks =
-        export_torchscript({checkpoint.string(), folder.path() / "model.pt", portable, true});
+        export_torchscript({model_file.string(), folder.path() / "model.pt", portable, true});
     ASSERT_EQ(checks.size(), 3u);
     for (const ExportCheck& check : checks) {
       EXPECT_LT(check.relative_error, 1e-5)
@@ -69,10 +69,10 @@ TEST(ExportOfAttention, SoftmaxOverTheNeighboursAgreesWithTheNativeModel) {
   const test::TempDir folder;
   nn::ModelConfig config = small_config(nn::Stem::Linear);
   config.query_attention = nn::QueryAttention::Softmax;
-  const std::filesystem::path checkpoint = save_untrained(folder.path(), config);
+  const std::filesystem::path model_file = save_untrained(folder.path(), config);
   for (const bool portable : {false, true}) {
     for (const ExportCheck& check :
-         export_torchscript({checkpoint.string(), folder.path() / "model.pt", portable, true})) {
+         export_torchscript({model_file.string(), folder.path() / "model.pt", portable, true})) {
       EXPECT_LT(check.relative_error, 1e-5)
           << (portable ? "portable" : "native") << ", M = " << check.scene_points;
     }
@@ -84,9 +84,9 @@ TEST(ExportOfLight, ColumnsFollowTheModel) {
   for (const auto input : {nn::LightInput::Direct, nn::LightInput::Traced}) {
     nn::ModelConfig config = small_config(nn::Stem::Conv5);
     config.light_input = input;
-    const std::filesystem::path checkpoint = save_untrained(folder.path(), config);
+    const std::filesystem::path model_file = save_untrained(folder.path(), config);
     for (const ExportCheck& check : export_torchscript(
-             {checkpoint.string(), folder.path() / "model.pt", /*portable=*/true, true})) {
+             {model_file.string(), folder.path() / "model.pt", /*portable=*/true, true})) {
       EXPECT_LT(check.relative_error, 1e-5) << enum_name(input) << ", M = " << check.scene_points;
     }
     torch::jit::Module module = torch::jit::load((folder.path() / "model.pt").string());
@@ -100,9 +100,9 @@ TEST(ExportOfLight, ColumnsFollowTheModel) {
 
 TEST(PortableExport, LoadsInAProgramThatLinksNothingOfLte) {
   const test::TempDir folder;
-  const std::filesystem::path checkpoint =
+  const std::filesystem::path model_file =
       save_untrained(folder.path(), small_config(nn::Stem::Conv5));
-  export_torchscript({checkpoint.string(), folder.path() / "model.pt", true, false});
+  export_torchscript({model_file.string(), folder.path() / "model.pt", true, false});
   const at::NoGradGuard no_grad;
   const nn::PointSet points = synthetic_room(700, 1), surface = synthetic_room(300, 2);
   write_rows(folder.path() / "points", at::cat({points.position, points.normal, points.albedo,
@@ -118,7 +118,7 @@ TEST(PortableExport, LoadsInAProgramThatLinksNothingOfLte) {
                               quoted("result");
   ASSERT_EQ(std::system(command.c_str()), 0);
 
-  nn::LightTransportModel model = nn::load_model(checkpoint);
+  nn::LightTransportModel model = nn::load_model(model_file);
   const at::Tensor expected =
       model->decode(model->encode(points), {surface.position, surface.normal, surface.albedo});
   at::Tensor got = at::empty_like(expected);
@@ -147,10 +147,10 @@ TEST(ExportErrors, LeaveNothingBehind) {
   EXPECT_THROW(export_torchscript({garbage.string(), folder.path() / "model.pt", true, false}),
                Error);
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "model.pt"));
-  const std::filesystem::path checkpoint =
+  const std::filesystem::path model_file =
       save_untrained(folder.path(), small_config(nn::Stem::Linear));
   EXPECT_THROW(
-      export_torchscript({checkpoint.string(), folder.path() / "none" / "model.pt", true, false}),
+      export_torchscript({model_file.string(), folder.path() / "none" / "model.pt", true, false}),
       Error);
 }
 

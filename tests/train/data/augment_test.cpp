@@ -226,7 +226,7 @@ TEST(Augment, TransportOfTheTransformedSceneIsTheTransformedTransport) {
         for (size_t i = 0; i < expected.size(); ++i) expected[i] += again.direct[i];
       }
       std::vector<Rgb> made = test::triples_of(example.target);
-      const at::Tensor radiance = nn::channel_radiance(example.points).to(at::kFloat);
+      const at::Tensor radiance = nn::emission_scale(example.points).to(at::kFloat);
       const auto* a = radiance.const_data_ptr<float>();
       for (Rgb& value : made) value *= Rgb{a[0], a[1], a[2]};
       EXPECT_LT(worst(made, expected), 2e-5) << enum_name(target) << ", draw " << draw;
@@ -241,7 +241,7 @@ TEST(Augment, TargetIsLinearInTheGainOfEachLuminaire) {
   Rng rng(9);
   const Example example = make_example(scene, symmetry, 0, 0, &rng);
   const std::vector<Rgb> made =
-      test::triples_of(example.target * nn::channel_radiance(example.points).to(at::kFloat));
+      test::triples_of(example.target * nn::emission_scale(example.points).to(at::kFloat));
   const size_t N = static_cast<size_t>(scene.query_points());
   std::vector<Rgb> expected(N);
   for (size_t i = 0; i < N; ++i) {

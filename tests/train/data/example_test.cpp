@@ -81,7 +81,7 @@ TEST(MakeExample, SubsamplingKeepsAreaAndEmissionScalar) {
   EXPECT_EQ(whole.points.area.size(0), 1000);
   EXPECT_EQ(part.points.area.size(0), 101);
   EXPECT_NEAR(part.points.area.sum().item<double>(), whole.points.area.sum().item<double>(), 1e-3);
-  EXPECT_NEAR(nn::radiance_scalar(part.points), nn::radiance_scalar(whole.points), 1e-5);
+  EXPECT_NEAR(nn::mean_emission(part.points), nn::mean_emission(whole.points), 1e-5);
 }
 
 TEST(MakeExample, TargetIsTheSumOverTheEmissionOfItsChannel) {

@@ -82,7 +82,7 @@ std::vector<Rgb> augmented(const scene::Scene& room, const std::vector<Rgb>& bak
   }
   Rng rng(1);
   const Example example = make_example(scene, symmetry, 0, 0, &rng);
-  const at::Tensor radiance = nn::channel_radiance(example.points).to(at::kFloat);
+  const at::Tensor radiance = nn::emission_scale(example.points).to(at::kFloat);
   return test::triples_of(example.target * radiance);
 }
 

@@ -5,6 +5,7 @@
 #include <torch/types.h>
 #include <torch/utils.h>
 
+#include "lte/nn/cost.h"
 #include "lte/nn/tensor_io.h"
 #include "tests/train/support.h"
 #include "train/optim/schedule.h"

@@ -1,0 +1,96 @@
+#include "lte/nn/point_set.h"
+
+#include <cmath>
+
+#include <ATen/ATen.h>
+
+namespace lte::nn {
+namespace {
+
+/// Largest albedo that is taken for one. It may exceed 1 where a texture does.
+constexpr double kLargestAlbedo = 16;
+/// Largest component of a unit normal, with room for rounding.
+constexpr double kLargestNormal = 1.01;
+
+/// @throws c10::Error unless `t` is [rows, 3] or [rows] and every value is finite. Names the first
+/// row that is not.
+void check_rows(const at::Tensor& t, int64_t rows, bool triple, const char* what,
+                const char* name) {
+  const bool shape_ok = t.defined() && t.dim() == (triple ? 2 : 1) && t.size(0) == rows &&
+                        (!triple || t.size(1) == 3);
+  TORCH_CHECK(shape_ok, what, ": ", name, " must be [", rows, triple ? ", 3]" : "]", ", got ",
+              t.defined() ? c10::str(t.sizes()) : std::string("nothing"));
+  const at::Tensor finite = triple ? t.isfinite().all(1) : t.isfinite();
+  if (finite.all().item<bool>()) return;
+  const int64_t row = finite.logical_not().nonzero()[0][0].item<int64_t>();
+  TORCH_CHECK(false, what, ": ", name, " of row ", row, " is not finite");
+}
+
+/// @throws c10::Error naming the first row with a value outside [low, high].
+void check_range(const at::Tensor& t, double low, double high, const char* what, const char* name) {
+  const at::Tensor bad = (t < low).logical_or(t > high);
+  if (!bad.any().item<bool>()) return;
+  const int64_t row = bad.nonzero()[0][0].item<int64_t>();
+  TORCH_CHECK(false, what, ": ", name, " of row ", row, " is outside [", low, ", ", high, "]");
+}
+
+void check_surface(const at::Tensor& position, const at::Tensor& normal, const at::Tensor& albedo,
+                   const char* what) {
+  TORCH_CHECK(position.defined() && position.dim() == 2, what, ": position must be [N, 3]");
+  const int64_t rows = position.size(0);
+  check_rows(position, rows, true, what, "position");
+  check_rows(normal, rows, true, what, "normal");
+  check_rows(albedo, rows, true, what, "albedo");
+  check_range(normal, -kLargestNormal, kLargestNormal, what, "normal");
+  check_range(albedo, 0, kLargestAlbedo, what, "albedo");
+}
+
+void check_light(const at::Tensor& irradiance, const PointSet& points, const char* name) {
+  TORCH_CHECK(irradiance.defined(), "scene points: ", name, " is missing, which this model reads");
+  check_rows(irradiance, points.position.size(0), true, "scene points", name);
+  check_range(irradiance, 0, INFINITY, "scene points", name);
+}
+
+}  // namespace
+
+void check_points(const PointSet& points, const ModelConfig& config) {
+  check_surface(points.position, points.normal, points.albedo, "scene points");
+  const int64_t rows = points.position.size(0);
+  TORCH_CHECK(rows >= 1, "scene points: there are none");
+  check_rows(points.emission, rows, true, "scene points", "emission");
+  check_rows(points.area, rows, false, "scene points", "area");
+  check_range(points.emission, 0, INFINITY, "scene points", "emission");
+  check_range(points.area, 0, INFINITY, "scene points", "area");
+  if (config.reads_direct()) check_light(points.direct, points, "direct irradiance");
+  if (config.reads_indirect()) check_light(points.indirect, points, "indirect irradiance");
+}
+
+void check_queries(const QuerySet& queries) {
+  check_surface(queries.position, queries.normal, queries.albedo, "query points");
+}
+
+at::Tensor emission_scale(const PointSet& points) {
+  const at::Tensor emission = points.emission.to(at::kDouble);
+  const at::Tensor area = points.area.to(at::kDouble);
+  const double total_area = area.sum().item<double>();
+  // Points of no area, which nobody samples but tests and callers may give, count alike.
+  const at::Tensor mean =
+      total_area > 0 ? at::mv(emission.t(), area).div(total_area) : emission.mean(0);
+  return mean.to(at::kCPU);
+}
+
+double mean_emission(const PointSet& points) {
+  const double mean = emission_scale(points).mean().item<double>();
+  return mean > 0 ? mean : 1;
+}
+
+std::array<double, 3> target_factors(const at::Tensor& emission_scale) {
+  std::array<double, 3> factors{};
+  for (size_t c = 0; c < 3; ++c) {
+    const double mean = emission_scale[static_cast<int64_t>(c)].item<double>();
+    factors[c] = mean > 0 ? 1 / mean : 0;
+  }
+  return factors;
+}
+
+}  // namespace lte::nn

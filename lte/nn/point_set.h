@@ -1,0 +1,50 @@
+// What the network reads: points on the surfaces of a scene, and points at which irradiance is
+// asked for; and what light is measured in between the two.
+#pragma once
+
+#include <array>
+
+#include <ATen/core/Tensor.h>
+
+#include "lte/nn/config.h"
+
+namespace lte::nn {
+
+/// Scene points in world space, float32 (or float64 in gradient checks). M >= 1.
+struct PointSet {
+  at::Tensor position;  ///< [M, 3] metres
+  at::Tensor normal;    ///< [M, 3] unit
+  at::Tensor albedo;    ///< [M, 3]
+  at::Tensor emission;  ///< [M, 3] radiance, W sr^-1 m^-2
+  at::Tensor area;      ///< [M] m² each point stands for; weighs the emission scale only
+  /// [M, 3] W/m², irradiance on both sides of the surface together, 0 at luminaires: direct, and an
+  /// estimate of all later bounces. Read as the model's `light_input` says, else undefined will do.
+  at::Tensor direct, indirect;
+};
+
+/// Query points in world space.
+struct QuerySet {
+  at::Tensor position;  ///< [Q, 3] metres
+  at::Tensor normal;    ///< [Q, 3] unit, towards the side asked about
+  at::Tensor albedo;    ///< [Q, 3]
+};
+
+/// @throws c10::Error naming the first row that is not finite or out of range (docs/model.md), or
+///         what a model of `config` reads and is missing
+void check_points(const PointSet& points, const ModelConfig& config);
+void check_queries(const QuerySet& queries);
+
+/// Area-weighted mean emission by color channel, [3] float64 on the CPU; 0 for a channel without
+/// emission. The network reads emission divided by it, and answers irradiance divided by it: no
+/// surface moves light from one channel to another, so each channel of irradiance is linear in the
+/// same channel of emission.
+at::Tensor emission_scale(const PointSet& points);
+
+/// The mean of emission_scale() over the channels; 1 for a scene without emission.
+double mean_emission(const PointSet& points);
+
+/// What irradiance is multiplied by to become the target of training: 1 / emission_scale(), and 0
+/// for a channel without emission, which has no irradiance either.
+std::array<double, 3> target_factors(const at::Tensor& emission_scale);
+
+}  // namespace lte::nn
