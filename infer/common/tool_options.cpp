@@ -12,7 +12,7 @@
 #include "infer/common/memory.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
-#include "lte/ops/bf16.h"
+#include "lte/nn/device.h"
 #include "lte/runtime/device.h"
 #include "lte/runtime/refusal.h"
 
@@ -76,10 +76,7 @@ void add_network_options(CLI::App& app, std::string* precision, double* max_memo
 
 nn::Precision choose_precision(const std::string& word, c10::Device device) {
   const auto precision = parse_enum<nn::Precision>("--precision", word);
-  if (precision == nn::Precision::Bf16 && device.is_cpu() && !ops::has_bf16_products())
-    log_warning(
-        "--precision bf16: this processor has no bfloat16 products (AVX512-BF16); they are "
-        "computed from float32 instructions, which is slower than fp32");
+  if (precision == nn::Precision::Bf16) nn::warn_of_slow_bf16("--precision bf16", device);
   return precision;
 }
 

@@ -47,7 +47,7 @@ double mean_of(std::span<const Rgb> values) {
 
 }  // namespace
 
-double radiance_scalar(const data::SceneSample& s) {
+double mean_emission(const data::SceneSample& s) {
   return runtime::mean_emission(
       {s.scene_position, s.scene_normal, s.scene_albedo, s.scene_emission, s.scene_area});
 }
@@ -99,7 +99,7 @@ Baselines read_baselines(const std::filesystem::path& path) {
 }
 
 void BaselineFit::add(const data::SceneSample& sample) {
-  const double factor = 1 / radiance_scalar(sample);
+  const double factor = 1 / mean_emission(sample);
   const std::vector<Rgb> target = data::sum_groups(sample.indirect, sample.light_groups, factor);
   if (target.empty()) return;
   ++scenes_;

@@ -80,6 +80,6 @@ class BaselinePredictor {
 };
 
 /// The emission scalar of a baked scene.
-double radiance_scalar(const data::SceneSample& sample);
+double mean_emission(const data::SceneSample& sample);
 
 }  // namespace lte::infer

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "lte/ops/cache_weights.h"
+#include "lte/ops/cache_columns.h"
 
 namespace lte::nn {
 

@@ -96,8 +96,8 @@ TEST(SceneEmbedding, ArraysAndTensorsGiveTheModelsAnswers) {
   EXPECT_TRUE(embedding.decode({}).empty());
   EXPECT_EQ(embedding.info().scene_points, 300);
   EXPECT_EQ(embedding.info().scale, network.config().scale);
-  EXPECT_DOUBLE_EQ(embedding.mean_emission(), nn::radiance_scalar(points));
-  EXPECT_DOUBLE_EQ(mean_emission(arrays(points)), nn::radiance_scalar(points));
+  EXPECT_DOUBLE_EQ(embedding.mean_emission(), nn::mean_emission(points));
+  EXPECT_DOUBLE_EQ(mean_emission(arrays(points)), nn::mean_emission(points));
 }
 
 TEST(SceneEmbedding, DoesNotDependOnTheBlock) {
@@ -123,7 +123,7 @@ TEST(SceneEmbedding, IsLinearInEmission) {
   EXPECT_LT(test::relative_difference(after, before * 64), 1e-4);
   embedding.set_emission_gain({64, 64, 64});
   EXPECT_TRUE(at::equal(tensor(embedding.decode(arrays(queries))), before * 64));
-  EXPECT_DOUBLE_EQ(embedding.mean_emission(), 64 * nn::radiance_scalar(test::box_scene(300, 1)));
+  EXPECT_DOUBLE_EQ(embedding.mean_emission(), 64 * nn::mean_emission(test::box_scene(300, 1)));
 }
 
 TEST(SceneEmbedding, ASceneTooLargeIsRefusedOrShrunk) {
