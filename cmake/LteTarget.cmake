@@ -34,8 +34,8 @@ function(lte_add_library name)
   set_property(GLOBAL APPEND PROPERTY LTE_LIBRARIES lte_${name})
 endfunction()
 
-# lte_unite(NAME BATCH): compiles BATCH files of lte_NAME at once. A file that includes LibTorch costs
-# seconds before its first line: inline functions of its headers are instantiated in each.
+# lte_unite(NAME BATCH): compiles BATCH files of lte_NAME at once. A file that includes LibTorch
+# costs seconds before its first line: inline functions of its headers are instantiated in each.
 function(lte_unite name batch)
   if(LTE_UNITY)
     set_target_properties(lte_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})

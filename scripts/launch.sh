@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # Trains in several processes on this machine, as torchrun would, without Python.
 #
-#   scripts/launch.sh N build/bin/lte_train --config ... --out ...      N processes; on GPUs one each
+#   scripts/launch.sh N build/bin/lte_train --config ... --out ...    N processes, one a GPU
 #
-# Cores are shared out among the processes (OMP_NUM_THREADS says otherwise). Rank 0 prints, the others only warn. When one
-# fails the others are given half a minute to say why; Ctrl-C goes to all of them.
+# Cores are shared out among the processes (OMP_NUM_THREADS says otherwise). Rank 0 prints, the
+# others only warn. When one fails the others are given half a minute to say why; Ctrl-C goes to all
+# of them.
 set -euo pipefail
 usage() { echo "usage: scripts/launch.sh PROCESSES COMMAND [ARGUMENTS ...]"; }
 case "${1:-}" in

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Everything lte needs on Debian 12: packages, and LibTorch in .venv. Idempotent; takes a second when nothing is to do.
+# Everything lte needs on Debian 12: packages, and LibTorch in .venv. Idempotent; takes a second
+# when nothing is to do.
 #
 #   scripts/setup.sh            packages, LibTorch
 #   scripts/setup.sh --tests    and what tests are held against besides: PyPI's tensorboard
@@ -10,9 +11,9 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 readonly torch_version=2.11.0
 readonly packages=(build-essential cmake ninja-build ccache pkg-config python3 python3-venv
-  libembree-dev libopenexr-dev libtinygltf-dev libstb-dev zlib1g-dev libdraco-dev libwebp-dev libflann-dev libcli11-dev
-  libyaml-cpp-dev
-  nlohmann-json3-dev libgloo-dev libgtest-dev libgmock-dev libbenchmark-dev)
+  libembree-dev libopenexr-dev libtinygltf-dev libstb-dev zlib1g-dev libdraco-dev libwebp-dev
+  libflann-dev libcli11-dev libyaml-cpp-dev nlohmann-json3-dev libgloo-dev
+  libgtest-dev libgmock-dev libbenchmark-dev)
 
 say() { printf 'setup: %s\n' "$*"; }
 fail() { printf 'setup: %s\n' "$*" >&2; exit 1; }
@@ -43,19 +44,22 @@ install_torch() {
   if [ -e "$marker" ]; then say "LibTorch: $torch_version in .venv"; return; fi
   say "LibTorch: installing torch $torch_version into .venv (1.3 GB)"
   make_environment .venv
-  # libtorch_cpu of the wheel names these two CUDA libraries; nothing else of CUDA is needed on the CPU.
+  # libtorch_cpu of the wheel names these two CUDA libraries; nothing else of CUDA is needed on the
+  # CPU.
   .venv/bin/pip install --quiet --disable-pip-version-check --no-deps "torch==$torch_version" \
     'nvidia-cuda-runtime==13.0.*' 'nvidia-cuda-cupti==13.0.*'
   touch "$marker"
 }
 
-# The system's python3, so that neither wheel nor environment depends on whichever version manager is active.
+# The system's python3, so that neither wheel nor environment depends on whichever version manager
+# is active.
 make_environment() {
   local python=python3; [ -x /usr/bin/python3 ] && python=/usr/bin/python3
   "$python" -m venv "$1"
 }
 
-# An environment of its own: LibTorch's holds the wheel without what the wheel depends on, of which pip would complain.
+# An environment of its own: LibTorch's holds the wheel without what the wheel depends on, of which
+# pip would complain.
 install_witnesses() {
   local marker=.venv/tests/lte-tensorboard-2
   if [ -e "$marker" ]; then say "TensorBoard: in .venv/tests"; return; fi

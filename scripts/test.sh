@@ -13,7 +13,8 @@ case "${1:-}" in
   --help | -h) sed -n '2,6s/^# \{0,1\}//p' "$0"; exit 0 ;;
 esac
 if [ $preset = asan ]; then
-  # LibTorch and Embree keep memory to the end of the process; leaks of ours are what the tests of lte/base look for.
+  # LibTorch and Embree keep memory to the end of the process; leaks of ours are what the tests of
+  # lte/base look for.
   export ASAN_OPTIONS=detect_leaks=0:detect_odr_violation=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
 fi
 scripts/setup.sh --tests

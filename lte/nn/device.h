@@ -15,9 +15,8 @@ std::string cuda_obstacle();
 /// @param request  "cpu", "cuda", or "" to take cuda where it can be had
 /// @param gpu      which of the machine's
 /// @param setting  what users set to choose, as errors call it: a program's flag
-/// @throws lte::Error if "cuda" is asked for and cannot be had, or there is no such GPU: there is
-/// no
-///         silent fallback.
+/// @throws lte::Error if "cuda" is asked for and cannot be had, or there is no such GPU:
+///         there is no silent fallback.
 c10::Device choose_device(const std::string& request, int gpu = 0,
                           const std::string& setting = "device");
 

@@ -1,5 +1,5 @@
-// Precompiled for what includes LibTorch's modules. The umbrella torch/torch.h would double the time
-// of every file that uses it: what it defines inline is instantiated again in each of them.
+// Precompiled for what includes LibTorch's modules. The umbrella torch/torch.h would double the
+// time of every file that uses it: what it defines inline is instantiated again in each of them.
 #pragma once
 
 #include <ATen/ATen.h>

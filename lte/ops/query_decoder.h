@@ -25,8 +25,8 @@ struct QueryNeighbourhood {
 
 /// @param attributes  [Q, A] float32, what the queries' own MLP sees
 /// @param table       neighbour_table() of L layers and C channels, float32
-/// @param weights     of L layers, float32; dense weights but that of `gamma.hidden` may be bfloat16
-///                    instead (bf16.h)
+/// @param weights     of L layers, float32; dense weights but that of `gamma.hidden` may be
+///                    bfloat16 instead (bf16.h)
 /// @return  [Q, O], softplus of the head
 /// @throws c10::Error on a wrong shape, dtype, device or number of weights, or, on the CPU, an
 ///         index out of range; on CUDA such an index fails a device-side assertion

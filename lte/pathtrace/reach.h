@@ -7,6 +7,7 @@
 //      groups alike, so that a faint lamp in a closed room is found beside bright ones outside; or
 //   2. a vertex of those paths sees a point nearby that is kept: then there is a way for light to
 //      reach it, if perhaps a longer one. This spreads from kept points until nothing changes.
+//
 // Both conditions keep only what is truly connected to a light; the rest is pruned. That errs where
 // light comes in through an opening that none of 84 paths from any point of a pocket finds.
 #pragma once

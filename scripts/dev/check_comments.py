@@ -28,6 +28,8 @@ SENTENCE_END = re.compile(r"[.:;?!)\]>»”\"]$|\.\.\.$|^$")
 FOLDERS = "assets|cmake|configs|datagen|docs|examples|infer|lte|scripts|tests|train"
 SUFFIXES = "h|cpp|cu|c|md|py|sh|yaml|json|glb|pbrt|txt|cmake"
 PATH = re.compile(rf"(?<![\w/.$-])((?:{FOLDERS})/[\w./-]*\w\.(?:{SUFFIXES}))\b")
+# A formula, a shape or a sample of code is set as its author likes.
+SAMPLE = re.compile(r"[{}\[\]=^→Σ]|\(\)")
 FOREIGN = re.compile(r"\bDESIGN\b|\bSTYLE\.md\b")
 
 
@@ -82,6 +84,8 @@ def is_cut(line: Line, following: Line) -> bool:
         return False
     if line.indent > following.indent + 1:  # the end of a sample of code
         return False
+    if SAMPLE.search(line.text) or SAMPLE.search(following.text):
+        return False
     if line.text.endswith(",") and following.indent > 1:  # a formula or a table
         return False
     if 4 < line.indent == following.indent and not re.match(r"[a-z]", following.text):
@@ -104,13 +108,15 @@ def torn(lines: list[str]):
             hangs = ITEM.match(anchor.text) or TAG.match(anchor.text) or LABEL.match(anchor.text)
             if continuation is None:
                 ended = before.text.endswith((":", "."))
-                if line.indent > anchor.indent and not hangs and not ended:
+                sample = SAMPLE.search(before.text) or SAMPLE.search(line.text)
+                if line.indent > anchor.indent and not hangs and not ended and not sample:
                     yield begin + i, "torn: the indentation jumps"
                 continuation = line.indent
             elif (
                 line.indent != continuation
                 and (hangs or line.indent > continuation)
-                and not before.text.endswith((":", "."))
+                and not before.text.endswith((":", ".", ";", ","))
+                and not SAMPLE.search(before.text)
             ):
                 yield begin + i, "torn: the indentation jumps"
                 continuation = line.indent

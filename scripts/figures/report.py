@@ -45,7 +45,8 @@ def difference(path, reference, caption):
 
 def table(head, rows, own=()):
     def line(cells, tag, kind=""):
-        return f"<tr{kind}>" + "".join(f"<{tag}>{html.escape(str(c))}</{tag}>" for c in cells) + "</tr>"
+        inner = "".join(f"<{tag}>{html.escape(str(cell))}</{tag}>" for cell in cells)
+        return f"<tr{kind}>{inner}</tr>"
 
     body = [line(row, "td", ' class="own"' if i in own else "") for i, row in enumerate(rows)]
     return f"<table>{line(head, 'th')}{''.join(body)}</table>"
@@ -97,12 +98,14 @@ def page_of(out):
     yield ("<p>Rooms were generated and path-traced, a small model was trained on them, and it "
            "predicts the indirect light of rooms it has never seen. Direct light is sampled; the "
            "network adds everything after the first bounce.</p>")
+    yield scene_section(out, "home",
+                        "A home; the shipped model has learnt from others, this run's from none")
     yield scene_section(out, "room", "A room neither model has seen")
     yield scene_section(out, "cornell", "Cornell box (unlike any training room)")
     yield f"<h2>Error on {result['scenes']} unseen rooms</h2>" + error_tables(result)
-    yield ('<p class="note">Irradiance over the emission scalar; formulas in docs/metrics.md. A few '
-           "minutes of training on a few rooms give a working model, not a good one: compare with "
-           "path tracing at 64 samples.</p>")
+    yield ('<p class="note">Irradiance over the mean emission; formulas in docs/metrics.md. A few '
+           "minutes of training on a few rooms give a working model, not a good one: compare it "
+           "with path tracing at 64 samples.</p>")
     for sheet in sorted((out / "eval").glob("*.png"))[:6]:
         yield picture(sheet, f"{sheet.stem}: indirect irradiance")
     yield '<p>Training: <a href="run/report.html">curves, worst scenes and times</a>.</p>'

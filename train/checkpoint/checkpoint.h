@@ -43,8 +43,8 @@ std::filesystem::path model_path(const std::filesystem::path& run);
 std::filesystem::path best_model_path(const std::filesystem::path& run);
 
 /// Writes the file in one piece or not at all. Its tensors are "model.NAME", Optimizer::state() and
-/// "log" (the bytes of log.jsonl). Its metadata are format "lte-checkpoint", format_version, progress
-/// (JSON), model_config and config (YAML), lte_version and checksum.
+/// "log" (the bytes of log.jsonl). Its metadata are format "lte-checkpoint", format_version,
+/// progress (JSON), model_config and config (YAML), lte_version and checksum.
 void save_checkpoint(const std::filesystem::path& path, const nn::LightTransportModel& model,
                      const Optimizer& optimizer, const RunProgress& progress,
                      const std::string& config, const std::string& log);

@@ -25,8 +25,8 @@ class CheckpointFiles {
   /// Whether there is any, whole or not.
   bool any() const { return !list().empty(); }
 
-  /// The whole one of the latest step. With `warn`, a warning says which newer ones are damaged, and
-  /// how.
+  /// The whole one of the latest step. With `warn`, a warning says which newer ones are damaged,
+  /// and how.
   /// @throws lte::Error if there is none, with what is wrong with each; or if one is of a newer
   /// format
   std::filesystem::path newest_whole(bool warn);
@@ -34,9 +34,9 @@ class CheckpointFiles {
   /// A whole one of `step`, if there is one.
   std::optional<std::filesystem::path> whole_of_step(int64_t step) const;
 
-  /// Lets `write` make the checkpoint of `step` under the name that it is given, and makes that file
-  /// the newest. Then it removes the oldest beyond `keep`, those of later steps that an earlier
-  /// session left, and those that newest_whole() found damaged.
+  /// Lets `write` make the checkpoint of `step` under the name that it is given, and makes that
+  /// file the newest. Then it removes the oldest beyond `keep`, those of later steps that an
+  /// earlier session left, and those that newest_whole() found damaged.
   /// @throws lte::Error as `write` does: all files are as they were
   void add(int64_t step, const std::function<void(const std::filesystem::path&)>& write);
 
@@ -57,8 +57,8 @@ class CheckpointFiles {
   std::set<std::filesystem::path> damaged_;
 };
 
-/// Removes the temporary files that killed processes have left in `run`. Only the process that holds
-/// the run's lock may call it.
+/// Removes the temporary files that killed processes have left in `run`. Only the process that
+/// holds the run's lock may call it.
 void remove_leftovers(const std::filesystem::path& run);
 
 }  // namespace lte::train

@@ -24,10 +24,10 @@ struct Example {
   Example to(at::Device device) const;
 };
 
-/// Draws `count` distinct rows of [0, rows), ascending; all of them if count is 0 or not below rows.
-/// Each row is as likely as any other. The rows are cut into `count` runs of equal length to within
-/// one row, from a random start, and one row comes from each: so tables that are sorted in space are
-/// covered evenly.
+/// Draws `count` distinct rows of [0, rows), ascending; all of them if count is 0 or not below
+/// rows. Each row is as likely as any other. The rows are cut into `count` runs of equal length to
+/// within one row, from a random start, and one row comes from each: so tables that are sorted in
+/// space are covered evenly.
 std::vector<int64_t> draw_rows(int64_t rows, int64_t count, Rng* rng);
 
 /// Draws the scene points that are kept when a file has more than `count`, ascending. It calls
@@ -51,7 +51,8 @@ struct QueryOptions {
 /// How `config` draws the queries of training.
 QueryOptions query_options(const TrainConfig& config);
 
-/// Gathers the points `scene_rows`, ascending, of `scene`, draws its queries, and applies `symmetry`.
+/// Gathers the points `scene_rows`, ascending, of `scene`, draws its queries, and applies
+/// `symmetry`.
 Example make_example(const TrainingScene& scene, const Symmetry& symmetry,
                      const std::vector<int64_t>& scene_rows, const QueryOptions& queries, Rng* rng);
 

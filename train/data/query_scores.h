@@ -18,8 +18,8 @@ struct QueryScores {
 /// @return [N]; 0 where there is no indirect light
 std::vector<float> query_noise(const data::SceneSample& sample);
 
-/// The steepest change from each query to its neighbours along a space-filling curve, as far as they
-/// face the same way: a rough guess, good enough to say where more queries pay.
+/// The steepest change from each query to its neighbours along a space-filling curve, as far as
+/// they face the same way: a rough guess, good enough to say where more queries pay.
 /// @param target  [G, N]
 /// @return [N], 0 for a query without such a neighbour
 std::vector<float> query_slope(const std::vector<Vec3>& position, const std::vector<Vec3>& normal,

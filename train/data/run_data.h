@@ -16,7 +16,8 @@ struct RunData {
   bool pruned = false;  ///< points were drawn only where light reaches them
   LightEstimates light;
   SceneStore train, val;  ///< val may be empty
-  /// Hash of the names of the training split in their order, on which the order of examples depends.
+  /// Hash of the names of the training split in their order, on which the order of examples
+  /// depends.
   uint64_t fingerprint = 0;
 };
 
@@ -26,7 +27,8 @@ RunData open_run_data(const TrainConfig& config);
 
 /// Reads every scene of both splits once, with all checks.
 /// @return a line for people: numbers of scenes, points and queries
-/// @throws lte::Error naming file, tensor and index of the first offender, or a scene larger than s.
+/// @throws lte::Error naming file, tensor and index of the first offender, or a scene larger than
+///         s.
 std::string check_run_data(const TrainConfig& config);
 
 }  // namespace lte::train

@@ -37,8 +37,8 @@ std::string record(const std::string& data);
 
 class EventFile {
  public:
-  /// Creates <folder>/events.out.tfevents.<seconds>.<host>.<process>. Its name sorts behind those of
-  /// the files that are there, because readers take the files of a folder by name.
+  /// Creates <folder>/events.out.tfevents.<seconds>.<host>.<process>. Its name sorts behind those
+  /// of the files that are there, because readers take the files of a folder by name.
   /// @param resume_step  steps done before this session; a new run has 0
   /// @throws lte::Error naming the file.
   EventFile(const std::filesystem::path& folder, int64_t resume_step);

@@ -20,10 +20,10 @@ inline constexpr std::string_view kModuleNormPrefix = "grad_norm_";
 
 class RunLog {
  public:
-  /// Opens the file. In a resumed run it becomes `saved` again, the log as the checkpoint has it: the
-  /// run writes later lines anew, and lines that a power cut took are back. Without `saved` (a
-  /// checkpoint of an earlier build) it keeps its lines up to `resume_step`, and loses later ones and
-  /// a last one that was cut short. In a new run, whose resume_step is 0, it is emptied.
+  /// Opens the file. In a resumed run it becomes `saved` again, the log as the checkpoint has it:
+  /// the run writes later lines anew, and lines that a power cut took are back. Without `saved` (a
+  /// checkpoint of an earlier build) it keeps its lines up to `resume_step`, and loses later ones
+  /// and a last one that was cut short. In a new run, whose resume_step is 0, it is emptied.
   /// @throws lte::Error if the file cannot be written.
   RunLog(std::filesystem::path path, int64_t resume_step,
          const std::optional<std::string>& saved = std::nullopt);
@@ -34,8 +34,8 @@ class RunLog {
   }
 
   /// Appends {"step": step, fields...} and flushes. Values that are not finite become null. As
-  /// events "val_loss" is val/loss, "grad_norm_nne" is grad_norm/nne, and a field with neither prefix
-  /// is train/NAME.
+  /// events "val_loss" is val/loss, "grad_norm_nne" is grad_norm/nne, and a field with neither
+  /// prefix is train/NAME.
   /// @param scenes  validation loss of each scene, as the object "val_scenes"; empty: no such key
   void write(int64_t step, const NamedValues& fields, const NamedValues& scenes = {});
 

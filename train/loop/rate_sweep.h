@@ -31,9 +31,10 @@ inline constexpr double kLowestRate = 1e-6, kHighestRate = 1;
 /// Reads off `points`, of which there are at least three, what they say.
 RateSweep read_sweep(std::vector<RatePoint> points, bool diverged);
 
-/// Trains the model that a run would begin with, on the examples that it would have, in this process
-/// alone. The rate grows from kLowestRate to kHighestRate by equal factors over `steps` steps. The
-/// sweep ends early when the smoothed loss is four times its lowest value or no number any more.
+/// Trains the model that a run would begin with, on the examples that it would have, in this
+/// process alone. The rate grows from kLowestRate to kHighestRate by equal factors over `steps`
+/// steps. The sweep ends early when the smoothed loss is four times its lowest value or no number
+/// any more.
 /// @throws lte::Error as Trainer does for its data and its first model
 RateSweep sweep_rates(const TrainConfig& config, at::Device device, int64_t steps);
 

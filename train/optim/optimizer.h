@@ -16,8 +16,8 @@
 namespace lte::train {
 
 /// The module that a parameter counts to: nne, encoder_stem, encoder_downS and encoder_upS (stage S
-/// with the pooling or unpooling into it), encoder_norm or decoder. For other names it is what stands
-/// before the first dot.
+/// with the pooling or unpooling into it), encoder_norm or decoder. For other names it is what
+/// stands before the first dot.
 std::string gradient_module(const std::string& parameter);
 
 class Optimizer {

@@ -14,9 +14,8 @@
 namespace lte::infer {
 namespace {
 
-/// MSE of indirect irradiance over the emission scalar, as `per_scene` of
-///   lte_eval --split test --json eval.json
-/// says it (metrics.neural.{points,views}.mse). Processors differ in the sixth digit.
+/// MSE of indirect irradiance over the mean emission: metrics.neural.{points,views}.mse of a scene
+/// in what `lte_eval --split test --json eval.json` writes. Processors differ in the sixth digit.
 struct Recorded {
   const char* home;
   double points_mse, views_mse;
