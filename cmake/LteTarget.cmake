@@ -34,17 +34,23 @@ function(lte_add_library name)
   set_property(GLOBAL APPEND PROPERTY LTE_LIBRARIES lte_${name})
 endfunction()
 
-# lte_unite(NAME BATCH): compiles BATCH files of lte_NAME at once. A file that includes LibTorch
-# costs seconds before its first line: inline functions of its headers are instantiated in each.
-function(lte_unite name batch)
+# lte_unite(NAME FILE ...): compiles these files of lte_NAME as one. A file that includes LibTorch or
+# CLI11 costs ten seconds before its first line: what their headers define inline is instantiated
+# in each. Names in unnamed namespaces must differ within such a group.
+function(lte_unite name)
   if(LTE_UNITY)
-    set_target_properties(lte_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
+    list(GET ARGN 0 first)
+    string(MAKE_C_IDENTIFIER "${name}_${first}" group)
+    set_source_files_properties(${ARGN} PROPERTIES UNITY_GROUP ${group})
+    set_target_properties(lte_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   endif()
 endfunction()
 
 # lte_add_tool(NAME SOURCE DEPS ...): an executable in build/bin.
 function(lte_add_tool name source)
   add_executable(${name} ${source})
+  # A main parses its command line, which is CLI11's templates and no work.
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_link_libraries(${name} PRIVATE lte::warnings ${ARGN})
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endfunction()

@@ -12,7 +12,7 @@
 namespace lte::datagen {
 namespace {
 
-struct Flags {
+struct BakeFlags {
   CommonOptions common;
   SceneOptions options;
   BakeOptions bake;
@@ -20,7 +20,7 @@ struct Flags {
   bool validate_only = false;
 };
 
-void run(const Flags& flags) {
+void run_bake(const BakeFlags& flags) {
   apply_common_options(flags.common);
   check_bake_options(flags.bake);
   const scene::Scene scene = load_and_report(flags.scene, flags.options);
@@ -42,7 +42,7 @@ void run(const Flags& flags) {
 }  // namespace
 
 void add_bake_command(CLI::App& app, CommandBody* body) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<BakeFlags>();
   BakeOptions& bake = flags->bake;
   CLI::App* command =
       app.add_subcommand("bake", "Sample and path-trace one scene into a sample file");
@@ -93,7 +93,7 @@ void add_bake_command(CLI::App& app, CommandBody* body) {
       "  lte_datagen bake house.glb --out house.safetensors --environment sky.exr\n"
       "  lte_datagen bake room.glb --out room.safetensors --incident-points 256\n"
       "  lte_datagen bake room.glb --validate-only");
-  command->callback([=] { *body = [flags] { run(*flags); }; });
+  command->callback([=] { *body = [flags] { run_bake(*flags); }; });
 }
 
 }  // namespace lte::datagen

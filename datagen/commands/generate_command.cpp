@@ -13,7 +13,7 @@
 namespace lte::datagen {
 namespace {
 
-struct Flags {
+struct GenerateFlags {
   CommonOptions common;
   GenerateOptions options;
   std::string config, out, shard;
@@ -35,7 +35,7 @@ void parse_shard(const std::string& text, GenerateOptions* options) {
             "--shard: expected I/N with 0 <= I < N, got \"", text, "\"");
 }
 
-void report(const Flags& flags, const GenerateResult& result) {
+void report(const GenerateFlags& flags, const GenerateResult& result) {
   const double each = result.baked > 0 ? result.seconds / static_cast<double>(result.baked) : 0;
   if (!flags.merge)
     log_info(flags.out, ": ", result.baked, " scenes baked (", each, " s each), ", result.kept,
@@ -56,7 +56,7 @@ void report(const Flags& flags, const GenerateResult& result) {
                                     .dump());
 }
 
-void merge(const Flags& flags) {
+void merge(const GenerateFlags& flags) {
   const GenerateResult result = merge_dataset(flags.out);
   if (result.missing + result.failed > 0)
     log_warning(flags.out, ": ", result.missing, " of ", result.planned, " scenes are missing, ",
@@ -64,7 +64,7 @@ void merge(const Flags& flags) {
   report(flags, result);
 }
 
-void run(Flags* flags) {
+void run_generate(GenerateFlags* flags) {
   apply_common_options(flags->common);
   LTE_CHECK(!flags->out.empty() || flags->print_config,
             "--out is missing: name the directory of the data set");
@@ -90,7 +90,7 @@ void run(Flags* flags) {
 }  // namespace
 
 void add_generate_command(CLI::App& app, CommandBody* body) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<GenerateFlags>();
   CLI::App* command =
       app.add_subcommand("generate", "Make a data set of procedural boxes or homes");
   CLI::Option* config = command->add_option(
@@ -134,7 +134,7 @@ void add_generate_command(CLI::App& app, CommandBody* body) {
       throw CLI::RequiredError("--config");
     flags->has_scenes = scenes->count() > 0;
     flags->has_seed = seed->count() > 0;
-    *body = [flags] { run(flags.get()); };
+    *body = [flags] { run_generate(flags.get()); };
   });
 }
 

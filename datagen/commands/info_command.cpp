@@ -12,14 +12,14 @@
 namespace lte::datagen {
 namespace {
 
-struct Flags {
+struct InfoFlags {
   CommonOptions common;
   SceneOptions scene;
   std::string path;
   bool deep = false, validate_only = false;
 };
 
-Json describe(const Flags& flags) {
+Json describe(const InfoFlags& flags) {
   const std::filesystem::path path = flags.path;
   const bool is_scene = !std::filesystem::is_directory(path) && path.extension() != ".safetensors";
   LTE_CHECK(std::filesystem::exists(path), flags.path, ": no such file or directory");
@@ -34,7 +34,7 @@ Json describe(const Flags& flags) {
   return cleanup.any() ? scene_info(scene, scene::clean_up(&scene, cleanup)) : scene_info(scene);
 }
 
-void run(const Flags& flags) {
+void run_info(const InfoFlags& flags) {
   apply_common_options(flags.common);
   const Json info = describe(flags);
   write_json(flags.common.json, info.dump(2));
@@ -48,7 +48,7 @@ void run(const Flags& flags) {
 }  // namespace
 
 void add_info_command(CLI::App& app, CommandBody* body) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<InfoFlags>();
   CLI::App* command =
       app.add_subcommand("info", "Say what a scene, a sample file or a data set holds");
   command
@@ -67,7 +67,7 @@ void add_info_command(CLI::App& app, CommandBody* body) {
       "  lte_datagen info house.glb --environment sky.exr\n"
       "  lte_datagen info homes/scenes/home_00000.safetensors --json info.json\n"
       "  lte_datagen info homes --deep");
-  command->callback([=] { *body = [flags] { run(*flags); }; });
+  command->callback([=] { *body = [flags] { run_info(*flags); }; });
 }
 
 }  // namespace lte::datagen

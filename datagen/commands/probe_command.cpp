@@ -16,7 +16,7 @@ namespace {
 /// Cap on rays when --target-error decides how many a point needs and --rays is not given.
 constexpr int64_t kDefaultCap = 65536;
 
-struct Flags {
+struct ProbeFlags {
   CommonOptions common;
   SceneOptions options;
   ProbeOptions probe;
@@ -24,7 +24,7 @@ struct Flags {
   bool has_rays = false, validate_only = false;
 };
 
-void run(Flags* flags) {
+void run_probe(ProbeFlags* flags) {
   apply_common_options(flags->common);
   const scene::Scene scene = load_and_report(flags->scene, flags->options);
   if (flags->validate_only) {
@@ -53,7 +53,7 @@ void run(Flags* flags) {
 }  // namespace
 
 void add_probe_command(CLI::App& app, CommandBody* body) {
-  auto flags = std::make_shared<Flags>();
+  auto flags = std::make_shared<ProbeFlags>();
   CLI::App* command =
       app.add_subcommand("probe", "Path-trace irradiance at the points of a CSV file");
   command->add_option("scene", flags->scene, concat("Scene: ", kSceneFormats))->required();
@@ -82,7 +82,7 @@ void add_probe_command(CLI::App& app, CommandBody* body) {
       "  lte_datagen probe house.glb --points points.csv --out irradiance.csv --environment 1,1,1");
   command->callback([=] {
     flags->has_rays = rays->count() > 0;
-    *body = [flags] { run(flags.get()); };
+    *body = [flags] { run_probe(flags.get()); };
   });
 }
 

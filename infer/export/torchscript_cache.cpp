@@ -1,6 +1,7 @@
 #include "infer/export/torchscript_cache.h"
 
 #include "infer/export/torchscript_text.h"
+#include "lte/nn/config.h"
 #include "lte/nn/constants.h"
 
 namespace lte::infer {

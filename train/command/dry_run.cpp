@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lte/base/text.h"
 #include "lte/nn/cost.h"
 
 namespace lte::train {
