@@ -115,7 +115,7 @@ std::vector<BenchResult> bench_pareto(const BenchOptions& options) {
     };
     const auto encode = [&](scene::SurfaceSamples samples) {
       const LitSamples lit =
-          light_up(bvh, lights, std::move(samples), network.light_request(), /*seed=*/0);
+          add_light_estimates(bvh, lights, std::move(samples), network.light_request(), /*seed=*/0);
       return runtime::SceneEmbedding(network, lit.points());
     };
     encode(sample()).decode(queries);  // warm-up

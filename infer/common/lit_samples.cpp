@@ -8,9 +8,9 @@
 
 namespace lte::infer {
 
-LitSamples light_up(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                    scene::SurfaceSamples surface, const runtime::LightRequest& input,
-                    uint64_t seed) {
+LitSamples add_light_estimates(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                               scene::SurfaceSamples surface, const runtime::LightRequest& input,
+                               uint64_t seed) {
   LitSamples out{std::move(surface), {}, {}};
   if (input.depth == 0) return out;
   const size_t count = out.surface.position.size();

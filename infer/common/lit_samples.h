@@ -26,8 +26,8 @@ struct LitSamples {
 };
 
 /// Estimates the light on `surface` that a network of this light_request() reads.
-LitSamples light_up(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                    scene::SurfaceSamples surface, const runtime::LightRequest& input,
-                    uint64_t seed);
+LitSamples add_light_estimates(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                               scene::SurfaceSamples surface, const runtime::LightRequest& input,
+                               uint64_t seed);
 
 }  // namespace lte::infer

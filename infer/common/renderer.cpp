@@ -165,8 +165,8 @@ void Renderer::embed(const runtime::Network& network, const EmbedSettings& setti
       sample_scene_points(bvh_, count, prune, settings.seed, &pruned_points_);
   seconds_.sample = timer.seconds();
   timer.restart();
-  const LitSamples lit =
-      light_up(bvh_, lights_, std::move(samples), network.light_request(), settings.seed);
+  const LitSamples lit = add_light_estimates(bvh_, lights_, std::move(samples),
+                                             network.light_request(), settings.seed);
   seconds_.light = timer.seconds();
   timer.restart();
   embedding_.emplace(network, lit.points(),

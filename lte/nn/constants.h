@@ -50,7 +50,8 @@ inline constexpr int64_t kCacheNeighbours = 32;
 /// squared distance.
 inline constexpr ops::CacheWeights kCacheWeights = {2, 64, 1e-4F, 1e-16F};
 
-/// Of the mean irradiance, added everywhere, so that a factor can lift what the cache calls dark.
+/// This share of the mean irradiance is added everywhere, so that a factor can lift what the cache
+/// calls dark.
 inline constexpr double kCacheFloor = 0.02;
 
 /// Added to the mean that the spread of the estimates is divided by, so that darkness has none.

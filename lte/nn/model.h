@@ -21,7 +21,8 @@ struct Embedding {
   at::Tensor features;  ///< [m, D]
   at::Tensor origin;    ///< [3] world, b_min
   double scale = 1;     ///< s, metres
-  /// Of the m points, in network space: the last insertion distance of farthest point sampling.
+  /// Spacing of the m points, in network space: the last insertion distance of farthest point
+  /// sampling.
   double spacing = 1;
   /// [3] float64 on the CPU, emission_scale() of the scene. The network reads emission divided by
   /// it, and decode() multiplies irradiance by it.

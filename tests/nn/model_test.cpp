@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
+#include <torch/optim/adam.h>
 
 #include "lte/nn/cost.h"
 #include "lte/nn/loss.h"

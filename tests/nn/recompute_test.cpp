@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include <gtest/gtest.h>
+#include <torch/csrc/autograd/autograd.h>
 
 #include "lte/nn/model.h"
 #include "lte/nn/nearest_neighbour_embedding.h"

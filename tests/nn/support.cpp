@@ -1,6 +1,7 @@
 #include "tests/nn/support.h"
 
 #include <gtest/gtest.h>
+#include <torch/csrc/autograd/autograd.h>
 
 namespace lte::test {
 namespace {

@@ -1,3 +1,4 @@
+#include <torch/csrc/autograd/autograd.h>
 // Operators of mixed-precision training against the same formulas in float64 with operands rounded
 // to bfloat16 wherever a product reads them, and against finite differences of the exact ones.
 #include <array>

@@ -33,7 +33,7 @@ TEST_F(Load, ReadsEveryContainer) {
   EXPECT_EQ(load(builder).name, "scene");
   builder.save_external(dir_ / "scene.gltf", "the data.bin", "the%20data.bin");
   expect_unit_triangle(load_scene(dir_ / "scene.gltf"));
-  write_file(dir_ / "scene.gltf", "\xEF\xBB\xBF" + builder.json.dump());  // a byte order mark
+  test::write_text(dir_ / "scene.gltf", "\xEF\xBB\xBF" + builder.json.dump());  // a byte order mark
   expect_unit_triangle(load_scene(dir_ / "scene.gltf"));
   builder.save_glb(dir_ / "scene.glb");
   expect_unit_triangle(load_scene(dir_ / "scene.glb"));

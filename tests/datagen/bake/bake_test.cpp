@@ -120,7 +120,7 @@ TEST_F(Bake, SameBytesWhateverTheThreadsAndOthersForAnotherSeed) {
   EXPECT_NE(one, bytes(bake_scene(scene, options, false)));
 }
 
-TEST_F(Bake, RivalIsIndependentOfTheTruth) {
+TEST_F(Bake, PathTraced64IsIndependentOfTheReference) {
   BakeOptions options = tiny_bake();
   options.rays = 64;
   const data::SceneSample sample = bake_scene(room(), options, false);

@@ -244,11 +244,11 @@ TEST(Renderer, GivesModelsTheLightThatTheyRead) {
     const scene::Camera camera = pathtrace::auto_camera(room.renderer.bvh());
     const Frame frame = room.renderer.render(camera, settings(Output::Irradiance));
     const runtime::Network network = tiny_network(tiny);
-    const LitSamples lit =
-        light_up(room.renderer.bvh(), room.renderer.lights(),
-                 sample_scene_points(room.renderer.bvh(), tiny.scene_points, /*prune=*/false,
-                                     /*seed=*/0, nullptr),
-                 network.light_request(), 0);
+    const LitSamples lit = add_light_estimates(
+        room.renderer.bvh(), room.renderer.lights(),
+        sample_scene_points(room.renderer.bvh(), tiny.scene_points, /*prune=*/false,
+                            /*seed=*/0, nullptr),
+        network.light_request(), 0);
     EXPECT_EQ(lit.direct.empty(), input == nn::LightInput::Emission);
     EXPECT_EQ(lit.indirect.empty(), input != nn::LightInput::Traced);
     const std::vector<Rgb> expected = answers(room, network, lit, camera);
@@ -271,9 +271,9 @@ TEST(LitSamples, HoldTheIrradianceOfTheClosedForm) {
   const pathtrace::Lights lights(scene);
   const scene::SurfaceSamples surface =
       sample_scene_points(bvh, 2000, /*prune=*/false, /*seed=*/1, nullptr);
-  EXPECT_TRUE(light_up(bvh, lights, surface, {0, 0}, 1).direct.empty());
-  EXPECT_TRUE(light_up(bvh, lights, surface, {1, 32}, 1).indirect.empty());
-  const LitSamples lit = light_up(bvh, lights, surface, {5, 32}, 1);
+  EXPECT_TRUE(add_light_estimates(bvh, lights, surface, {0, 0}, 1).direct.empty());
+  EXPECT_TRUE(add_light_estimates(bvh, lights, surface, {1, 32}, 1).indirect.empty());
+  const LitSamples lit = add_light_estimates(bvh, lights, surface, {5, 32}, 1);
   ASSERT_EQ(lit.direct.size(), surface.position.size());
   ASSERT_EQ(lit.indirect.size(), surface.position.size());
   double traced = 0, expected = 0;
@@ -293,7 +293,7 @@ TEST(LitSamples, HoldTheIrradianceOfManyPathsWhereSurfacesReflect) {
   const pathtrace::Lights lights(scene);
   const scene::SurfaceSamples surface =
       sample_scene_points(bvh, 2000, /*prune=*/false, /*seed=*/1, nullptr);
-  const LitSamples lit = light_up(bvh, lights, surface, {5, 32}, 1);
+  const LitSamples lit = add_light_estimates(bvh, lights, surface, {5, 32}, 1);
   pathtrace::IrradianceOptions many;
   many.rays = 512;
   const pathtrace::Irradiance front =

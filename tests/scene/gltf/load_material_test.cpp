@@ -161,7 +161,7 @@ TEST_F(LoadMaterial, DecodesAPictureOnceThatIsListedTwice) {
          {"emissiveTexture", {{"index", 1}}}});
   builder_.json["textures"] = {{{"source", 0}}, {{"source", 1}}};
   builder_.json["images"] = {{{"uri", "p.png"}}, {{"uri", "p.png"}}};
-  write_file(dir_ / "p.png", png({51, 51, 51, 51, 51, 51}));
+  test::write_text(dir_ / "p.png", png({51, 51, 51, 51, 51, 51}));
   const Scene scene = load();
   EXPECT_EQ(scene.textures.size(), 1u);
   EXPECT_EQ(scene.materials[0].emission_texture.texture, 0);
@@ -176,7 +176,7 @@ TEST_F(LoadMaterial, ReadsJpegFromABufferViewAndPngFromAFile) {
   const int view = builder_.view(std::vector<char>(bytes.begin(), bytes.end()));
   builder_.json["images"] = {{{"bufferView", view}, {"mimeType", "image/jpeg"}},
                              {{"uri", "a%20b.png"}}};
-  write_file(dir_ / "a b.png", png({51, 51, 51, 51, 51, 51}));
+  test::write_text(dir_ / "a b.png", png({51, 51, 51, 51, 51, 51}));
   const Scene scene = load();
   ASSERT_EQ(scene.textures.size(), 2u);
   EXPECT_EQ(scene.textures[0]->width(), 8);

@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "lte/base/file.h"
 #include "lte/image/png.h"
 #include "lte/scene/load.h"
 #include "lte/scene/triangle.h"
@@ -26,7 +25,7 @@ constexpr const char* kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 class Obj : public ::testing::Test {
  protected:
   Scene load(const std::string& text, const LoadLimits& limits = {}) {
-    write_file(dir_ / "model.obj", text);
+    test::write_text(dir_ / "model.obj", text);
     return load_scene(dir_ / "model.obj", limits);
   }
 
@@ -35,7 +34,9 @@ class Obj : public ::testing::Test {
                 AllOf(HasSubstr("model.obj: " + line), HasSubstr(part)));
   }
 
-  void write(const std::string& name, const std::string& text) { write_file(dir_ / name, text); }
+  void write(const std::string& name, const std::string& text) {
+    test::write_text(dir_ / name, text);
+  }
 
   /// 2 x 2 texels: top left red, top right green, bottom left blue, bottom right white.
   void write_picture(const std::string& name) {

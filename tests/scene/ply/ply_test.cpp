@@ -10,6 +10,8 @@
 #include "lte/base/file.h"
 #include "lte/image/tonemap.h"
 #include "lte/scene/import/triangulate.h"
+#include "lte/scene/load.h"
+#include "lte/scene/scene.h"
 #include "tests/support/temp_dir.h"
 
 namespace lte::scene::ply {
