@@ -45,7 +45,7 @@ struct Case {
   }
 };
 
-class QueryDecoderOf : public testing::TestWithParam<std::string> {};
+class QueryDecoderOf : public testing::TestWithParam<QueryAttention> {};
 
 TEST_P(QueryDecoderOf, IsThePairwiseEquationsGradientsIncluded) {
   for (const auto& [dtype, tolerance] :
