@@ -284,14 +284,14 @@ TEST_F(Evaluation, CountsThePathsOfLightEstimatesInTheTimeOfProbes) {
     data::write_scene_sample(path, sample);
   }
   settings_.probe_rate = 1e-9;  // next to none while the network encodes
-  for (const char* input : {"emission", "traced"}) {
+  for (const nn::LightInput input : {nn::LightInput::Emission, nn::LightInput::Traced}) {
     test::TinyModel tiny;
     tiny.light_input = input;
     test::save_tiny_model(folder_ / "model.safetensors", tiny);
-    Predictor model = Predictor::load(folder_ / "model.safetensors", Device::Cpu);
-    const EvalResult result = evaluate(settings_, &model, fit_baselines(settings_.data));
+    const runtime::Network model(folder_ / "model.safetensors");
+    const EvalResult result = evaluate(settings_, model, fit_baselines(settings_.data));
     for (const SceneResult& scene : result.scenes)
-      EXPECT_EQ(scene.probes, std::string(input) == "traced" ? 5 : 1) << input;
+      EXPECT_EQ(scene.probes, input == nn::LightInput::Traced ? 5 : 1) << enum_name(input);
   }
 }
 
