@@ -34,8 +34,8 @@ function(lte_add_library name)
   set_property(GLOBAL APPEND PROPERTY LTE_LIBRARIES lte_${name})
 endfunction()
 
-# lte_unite(NAME FILE ...): compiles these files of lte_NAME as one. A file that includes LibTorch or
-# CLI11 costs ten seconds before its first line: what their headers define inline is instantiated
+# lte_unite(NAME FILE ...): compiles these files of lte_NAME as one. A file that includes LibTorch
+# or CLI11 costs ten seconds before its first line: what their headers define inline is instantiated
 # in each. Names in unnamed namespaces must differ within such a group.
 function(lte_unite name)
   if(LTE_UNITY)
@@ -70,9 +70,11 @@ function(lte_add_test folder)
   set_tests_properties(${folder} PROPERTIES TIMEOUT 600 LABELS "${arg_LABELS}")
 endfunction()
 
-# lte_test_as_avx2(FOLDER): the same tests once more as a processor without AVX-512 would run them.
+# lte_test_as_avx2(FOLDER [FILTER]): the same tests once more as a processor without AVX-512 would
+# run them; FILTER is GoogleTest's and leaves out what no instruction set can change.
 function(lte_test_as_avx2 folder)
-  add_test(NAME ${folder}_avx2 COMMAND lte_${folder}_test WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+  add_test(NAME ${folder}_avx2 COMMAND lte_${folder}_test ${ARGN}
+           WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
   set_tests_properties(${folder}_avx2 PROPERTIES TIMEOUT 600 ENVIRONMENT
     "LTE_CPU_ISA=avx2;ATEN_CPU_CAPABILITY=avx2;ONEDNN_MAX_CPU_ISA=AVX2;MKL_ENABLE_INSTRUCTIONS=AVX2")
 endfunction()
