@@ -19,6 +19,7 @@
 #include "lte/pathtrace/reach.h"
 #include "lte/pathtrace/render.h"
 #include "lte/scene/sampler.h"
+#include "lte/scene/surface.h"
 
 namespace lte::datagen {
 namespace {

@@ -5,6 +5,7 @@
 
 #include "lte/pathtrace/hemisphere_bins.h"
 #include "lte/pathtrace/incident.h"
+#include "lte/scene/surface.h"
 
 namespace lte::datagen {
 namespace {

@@ -7,6 +7,7 @@
 #include "lte/data/dataset.h"
 #include "lte/scene/environment_points.h"
 #include "lte/scene/sampler.h"
+#include "lte/scene/surface.h"
 
 namespace lte::datagen {
 namespace {

@@ -8,6 +8,7 @@
 #include "lte/base/parallel.h"
 #include "lte/pathtrace/embree_scene.h"
 #include "lte/pathtrace/transport/ray_packets.h"
+#include "lte/scene/surface.h"
 
 namespace lte::pathtrace {
 namespace {

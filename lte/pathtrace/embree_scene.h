@@ -13,6 +13,7 @@
 #include "lte/base/math.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/scene/scene.h"
+#include "lte/scene/surface.h"
 
 namespace lte::pathtrace {
 

@@ -18,6 +18,7 @@
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights.h"
 #include "lte/scene/scene.h"
+#include "lte/scene/surface.h"
 
 namespace lte::pathtrace {
 

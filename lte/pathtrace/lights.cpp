@@ -8,6 +8,7 @@
 #include "lte/pathtrace/embree_scene.h"
 #include "lte/pathtrace/punctual_lights.h"
 #include "lte/pathtrace/transport/square_to_triangle.h"
+#include "lte/scene/surface.h"
 
 namespace lte::pathtrace {
 namespace {

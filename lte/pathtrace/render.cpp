@@ -10,6 +10,7 @@
 #include "lte/base/parallel.h"
 #include "lte/pathtrace/transport/path_sampler.h"
 #include "lte/pathtrace/transport/transport.h"
+#include "lte/scene/surface.h"
 
 namespace lte::pathtrace {
 namespace {

@@ -1,3 +1,5 @@
+#include "lte/report/chart.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -8,6 +8,7 @@
 #include "lte/base/random.h"
 #include "lte/scene/area_table.h"
 #include "lte/scene/environment_points.h"
+#include "lte/scene/surface.h"
 
 namespace lte::scene {
 namespace {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lte/scene/scene.h"
+#include "lte/scene/surface.h"
 
 namespace lte::scene {
 

@@ -1,5 +1,6 @@
 // Appearance at a point of a triangle.
-#include "lte/scene/scene.h"
+#include "lte/scene/surface.h"
+
 #include "lte/scene/triangle.h"
 
 namespace lte::scene {

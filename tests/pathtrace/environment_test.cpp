@@ -8,6 +8,7 @@
 #include "lte/pathtrace/reach.h"
 #include "lte/pathtrace/render.h"
 #include "lte/scene/import/environment_file.h"
+#include "lte/scene/surface.h"
 #include "tests/support/closed_forms.h"
 #include "tests/support/scenes.h"
 

@@ -5,6 +5,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/random.h"
+#include "lte/scene/surface.h"
 #include "tests/support/closed_forms.h"
 #include "tests/support/scenes.h"
 

@@ -9,6 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "lte/report/chart.h"
+
 namespace lte {
 namespace {
 

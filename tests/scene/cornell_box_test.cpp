@@ -6,6 +6,7 @@
 
 #include "lte/base/check.h"
 #include "lte/scene/load.h"
+#include "lte/scene/surface.h"
 #include "lte/scene/triangle.h"
 
 namespace lte::scene {

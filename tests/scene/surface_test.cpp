@@ -1,3 +1,5 @@
+#include "lte/scene/surface.h"
+
 #include <cmath>
 
 #include <gtest/gtest.h>

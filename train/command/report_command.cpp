@@ -9,6 +9,7 @@
 #include "lte/base/config.h"
 #include "lte/base/file.h"
 #include "lte/base/text.h"
+#include "lte/report/chart.h"
 #include "lte/report/html.h"
 #include "train/command/report_log.h"
 #include "train/log/run_log.h"

@@ -11,6 +11,7 @@
 #include "lte/pathtrace/transport/path_kernels.h"
 #include "lte/pathtrace/transport/ray_packets.h"
 #include "lte/pathtrace/transport/transport.h"
+#include "lte/scene/surface.h"
 
 namespace lte::pathtrace {
 

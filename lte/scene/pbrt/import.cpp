@@ -10,6 +10,7 @@
 #include "lte/scene/pbrt/image.h"
 #include "lte/scene/pbrt/material.h"
 #include "lte/scene/pbrt/named_spectra.h"
+#include "lte/scene/surface.h"
 #include "lte/scene/triangle.h"
 
 namespace lte::scene::pbrt {

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "lte/scene/pbrt/named_spectra.h"
+#include "lte/scene/surface.h"
 
 namespace lte::scene::pbrt {
 namespace {

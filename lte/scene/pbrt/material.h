@@ -7,6 +7,7 @@
 
 #include "lte/scene/pbrt/texture.h"
 #include "lte/scene/pbrt/world.h"
+#include "lte/scene/surface.h"
 
 namespace lte::scene::pbrt {
 

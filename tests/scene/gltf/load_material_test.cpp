@@ -13,6 +13,7 @@
 #pragma GCC diagnostic pop
 
 #include "lte/image/png.h"
+#include "lte/scene/surface.h"
 #include "tests/scene/expect.h"
 #include "tests/scene/gltf/fixture.h"
 

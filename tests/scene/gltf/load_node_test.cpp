@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "lte/scene/surface.h"
 #include "tests/scene/gltf/fixture.h"
 
 namespace lte::scene {

@@ -6,6 +6,7 @@
 
 #include "lte/image/png.h"
 #include "lte/scene/load.h"
+#include "lte/scene/surface.h"
 #include "lte/scene/triangle.h"
 #include "tests/scene/expect.h"
 #include "tests/support/temp_dir.h"

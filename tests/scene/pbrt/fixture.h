@@ -10,6 +10,7 @@
 
 #include "lte/base/file.h"
 #include "lte/scene/load.h"
+#include "lte/scene/surface.h"
 #include "lte/scene/triangle.h"
 #include "tests/scene/expect.h"
 #include "tests/support/temp_dir.h"

@@ -1,5 +1,6 @@
 // PBRT: area lights and punctual lights in the units of pbrt-v4.
 #include "lte/image/exr.h"
+#include "lte/scene/surface.h"
 #include "tests/scene/pbrt/fixture.h"
 
 namespace lte::scene {

@@ -2,6 +2,7 @@
 #include <set>
 
 #include "lte/scene/import/subdivision.h"
+#include "lte/scene/surface.h"
 #include "tests/scene/pbrt/fixture.h"
 
 namespace lte::scene {

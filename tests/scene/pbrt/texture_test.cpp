@@ -2,6 +2,7 @@
 #include "lte/image/exr.h"
 #include "lte/image/png.h"
 #include "lte/image/tonemap.h"
+#include "lte/scene/surface.h"
 #include "tests/scene/pbrt/fixture.h"
 
 namespace lte::scene {

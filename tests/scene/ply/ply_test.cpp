@@ -12,6 +12,7 @@
 #include "lte/scene/import/triangulate.h"
 #include "lte/scene/load.h"
 #include "lte/scene/scene.h"
+#include "lte/scene/surface.h"
 #include "tests/support/temp_dir.h"
 
 namespace lte::scene::ply {
