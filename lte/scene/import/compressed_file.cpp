@@ -41,8 +41,8 @@ std::string inflate_all(const std::string& name, std::string_view packed, int64_
   inflater.open = true;
   std::string out;
   const auto most = static_cast<size_t>(std::max<int64_t>(left, 0));
-  out.reserve(std::min(promised_length(packed), most));
   std::array<char, 1 << 16> buffer;
+  out.reserve(std::min(promised_length(packed), most) + buffer.size());
   size_t next = 0;
   bool ended = false;
   while (true) {
