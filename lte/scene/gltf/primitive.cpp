@@ -43,11 +43,8 @@ class PrimitiveSource::Compressed {
     LTE_CHECK(primitive.indices >= 0, where_, ": the primitive has no indices");
     LTE_CHECK(primitive.mode == TINYGLTF_MODE_TRIANGLES, where_, ": mode ", primitive.mode,
               ", only triangle lists are understood");
-    const uint64_t triangles = count(primitive.indices) / 3;
-    if (triangles > static_cast<uint64_t>(context.limits.triangles))
-      throw OverLimit(concat(where_, ": its accessor promises ", triangles,
-                             " triangles, more than the limit of ", context.limits.triangles),
-                      "triangles", static_cast<int64_t>(triangles));
+    const uint64_t triangles =
+        std::min(count(primitive.indices) / 3, static_cast<uint64_t>(context.limits.triangles));
     int64_t bytes_per_point = 0;
     for (const auto& [name, index] : primitive.attributes) {
       const tinygltf::Accessor& accessor = context.model.accessors[static_cast<size_t>(index)];

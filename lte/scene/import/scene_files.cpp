@@ -85,6 +85,30 @@ Descriptor open_for_reading(int looked, const fs::path& path) {
   return Descriptor(-1);
 }
 
+/// Where an absolute path that leads to no file would lead, links to nowhere followed too, which
+/// fs::weakly_canonical() leaves alone. Empty for links that go round in circles.
+fs::path resolve_missing(fs::path path, std::error_code& error) {
+  constexpr int kMostLinks = 40;  // as many as the kernel follows
+  for (int links = 0; links < kMostLinks; ++links) {
+    path = fs::weakly_canonical(path, error);
+    if (error) return {};
+    std::error_code ignored;
+    fs::path reached, next;
+    for (const fs::path& part : path) {
+      if (!next.empty()) {
+        next /= part;
+        continue;
+      }
+      reached /= part;
+      if (fs::is_symlink(reached, ignored))
+        next = reached.parent_path() / fs::read_symlink(reached, ignored);
+    }
+    if (next.empty()) return path;
+    path = next;
+  }
+  return {};
+}
+
 bool is_missing(int error) { return error == ENOENT || error == ENOTDIR || error == ENAMETOOLONG; }
 
 }  // namespace
@@ -134,7 +158,7 @@ SceneFiles::Found SceneFiles::look(const fs::path& path, SceneFilePtr* file) {
     // Whether there is a file outside is not told either.
     std::error_code error;
     fs::path place = fs::absolute(path, error);
-    if (!error) place = fs::weakly_canonical(place, error);
+    if (!error) place = resolve_missing(place, error);
     if (error)
       place =
           (fs::path(folder_) / path.lexically_relative(scene_.parent_path())).lexically_normal();
