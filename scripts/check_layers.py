@@ -4,6 +4,9 @@
 The order is the contract of the repository (docs/architecture.md). A room, that is a folder or a
 single unit that has rules of its own, may include itself and the rooms that its line names; a
 name that ends in /* stands for a folder and all below it.
+
+Fails, too, where an importer of scenes opens a file by itself, and where a tool loads a scene
+without the flags that say what it may read.
 """
 import pathlib
 import re
@@ -14,6 +17,8 @@ LIBRARY_WITHOUT_TORCH = ["lte/base", "lte/image", "lte/scene/*", "lte/pathtrace/
 ALLOWED = {
     "lte/base": [],
     "lte/cli": ["lte/base"],
+    # The flags of tools that load scenes, a target of its own.
+    "lte/cli/scene_flags": ["lte/base", "lte/scene", "lte/scene/import", "lte/scene/load"],
     "lte/report": ["lte/base"],
     "lte/image": ["lte/base"],
     # What others include, then the importers. lte/scene/load alone knows them all, and none of them
@@ -47,7 +52,7 @@ ALLOWED = {
     "datagen/bake": LIBRARY_WITHOUT_TORCH + ["lte/cli"],
     "datagen/dataset": LIBRARY_WITHOUT_TORCH + ["lte/cli", "datagen/common", "datagen/bake",
                                                 "datagen/boxes", "datagen/homes"],
-    "datagen/commands": LIBRARY_WITHOUT_TORCH + ["lte/cli", "datagen/bake", "datagen/dataset"],
+    "datagen/commands": LIBRARY_WITHOUT_TORCH + ["lte/cli/*", "datagen/bake", "datagen/dataset"],
     "datagen": LIBRARY_WITHOUT_TORCH + ["lte/cli", "datagen/commands"],
     "train/config": ["lte/base", "lte/ops", "lte/nn", "lte/data"],
     "train/log": ["lte/base", "lte/image"],
@@ -64,7 +69,7 @@ ALLOWED = {
                       "train/config", "train/log", "train/distributed", "train/loop"],
     "train": ["lte/base", "lte/cli", "train/command"],
     # Render, eval, export and bench never include one another.
-    "infer/common": LIBRARY_WITHOUT_TORCH + ["lte/cli", "lte/ops", "lte/nn", "lte/runtime"],
+    "infer/common": LIBRARY_WITHOUT_TORCH + ["lte/cli/*", "lte/ops", "lte/nn", "lte/runtime"],
 }
 for tool in ("render", "eval", "export", "bench"):
     ALLOWED[f"infer/{tool}"] = ALLOWED["infer/common"] + ["infer/common", "lte/report"]
@@ -74,6 +79,14 @@ NO_TORCH = ("lte/base", "lte/cli", "lte/report", "lte/image", "lte/scene", "lte/
 OWN_INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"')
 TORCH_INCLUDE = re.compile(r"^\s*#\s*include\s*<(torch|ATen|c10)/([^>]+)>")
 CLI_INCLUDE = re.compile(r"^\s*#\s*include\s*<CLI/")
+# What a scene names is opened in lte/scene/import/scene_files.cpp and nowhere else, as that alone
+# holds it against the scene's folder: importers have no other way to a file.
+IMPORTER = re.compile(r"lte/scene/(?!import$|cleanup$|load$)\w+$")
+FILE_ACCESS = re.compile(
+    r"<(fstream|cstdio|stdio\.h|fcntl\.h|unistd\.h|sys/\w+\.h)>|lte/base/(locked_)?file\.h|"
+    r"\b(MappedFile|read_file|[io]?fstream|fopen|freopen|opendir|read_picture|read_png|read_exr)"
+    r"\s*[({ ]|"
+    r"(?<!\w)::open\(|\b(std::filesystem|fs)::(?!path\b)\w+")
 SUFFIXES = {".h", ".cpp", ".cu", ".cuh"}
 
 
@@ -119,10 +132,15 @@ def violations_of(file: pathlib.Path, name: str, room: str):
                 yield f"{where}: {room} must not include LibTorch"
             if torch.group(2) == "torch.h" and file.suffix != ".cpp" and file.name != "pch.h":
                 yield f"{where}: headers and .cu files include narrow headers, not torch/torch.h"
-        if CLI_INCLUDE.match(line) and room.startswith("lte/") and room != "lte/cli":
+        if IMPORTER.match(room) and FILE_ACCESS.search(line.split("//")[0]):
+            yield (f"{where}: importers open files through lte/scene/import/scene_files.h alone "
+                   f"({line.strip()})")
+        if CLI_INCLUDE.match(line) and room.startswith("lte/") and not room.startswith("lte/cli"):
             yield f"{where}: CLI11 is known to lte/cli and the tools alone"
         if not (own := OWN_INCLUDE.match(line)):
             continue
+        if own.group(1) == "lte/scene/load.h" and name.startswith(("datagen/", "infer/")):
+            yield f"{where}: tools load scenes through lte/cli/scene_flags.h"
         target = room_of(own.group(1))
         if target is None:
             yield (f'{where}: "{own.group(1)}" is not root-relative '

@@ -5,7 +5,6 @@
 #include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/scene/import/environment_file.h"
-#include "lte/scene/load.h"
 
 namespace lte::datagen {
 
@@ -19,6 +18,7 @@ void add_scene_options(CLI::App& app, SceneOptions* options) {
                  "middle");
   app.add_option("--environment-turn", options->environment_turn,
                  "Degrees by which to turn it about +Y, counter-clockwise from above");
+  add_scene_flags(app, &options->loading);
 }
 
 void apply_environment(const SceneOptions& options, scene::Scene* scene) {
@@ -30,7 +30,7 @@ void apply_environment(const SceneOptions& options, scene::Scene* scene) {
 
 scene::Scene load_and_report(const std::string& path, const SceneOptions& flags) {
   const scene::CleanupOptions options = scene::parse_cleanup(flags.cleanup);
-  scene::Scene scene = scene::load_scene(path);
+  scene::Scene scene = load_scene(path, flags.loading);
   for (const std::string& what : scene.ignored) log_warning(path, ": ignored: ", what);
   apply_environment(flags, &scene);
   if (options.any()) {

@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "lte/cli/scene_flags.h"
 #include "lte/scene/scene.h"
 
 namespace lte::datagen {
@@ -15,14 +16,15 @@ using CommandBody = std::function<void()>;
 
 inline constexpr const char* kSceneFormats = ".gltf, .glb, .pbrt, .obj or .ply";
 
-/// What to do with a scene between loading and use.
+/// How to load a scene, and what to do with it before use.
 struct SceneOptions {
+  SceneFlags loading;
   std::string cleanup;          ///< faults of its geometry to put right, separated by commas
   std::string environment;      ///< "R,G,B" or a picture; empty: the scene's own
   double environment_turn = 0;  ///< degrees about +Y
 };
 
-/// Adds --cleanup, --environment and --environment-turn.
+/// Adds --cleanup, --environment and --environment-turn, and the flags of scene_flags.h.
 void add_scene_options(CLI::App& app, SceneOptions* options);
 
 /// Puts the environment of `options`, if it names one, in the place of the scene's own.

@@ -7,7 +7,6 @@
 #include "datagen/commands/info.h"
 #include "lte/base/check.h"
 #include "lte/cli/cli.h"
-#include "lte/scene/load.h"
 
 namespace lte::datagen {
 namespace {
@@ -28,7 +27,7 @@ Json describe(const InfoFlags& flags) {
   if (std::filesystem::is_directory(path))
     return dataset_info(path, flags.deep || flags.validate_only);
   if (!is_scene) return sample_info(data::read_scene_sample(path));
-  scene::Scene scene = scene::load_scene(path);
+  scene::Scene scene = load_scene(path, flags.scene.loading);
   apply_environment(flags.scene, &scene);
   const scene::CleanupOptions cleanup = scene::parse_cleanup(flags.scene.cleanup);
   return cleanup.any() ? scene_info(scene, scene::clean_up(&scene, cleanup)) : scene_info(scene);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "lte/cli/scene_flags.h"
 #include "lte/nn/precision.h"
 
 namespace lte::infer {
@@ -29,6 +30,7 @@ struct BenchOptions {
   std::string precision = "fp32";  ///< encoder and decoder: or bf16
   double max_memory_mb = 0;        ///< encoder and decoder: memory above the model; 0: no limit
   std::string scene;               ///< pathtrace and pareto: scene file
+  SceneFlags loading;              ///< of it
   std::string checkpoint;          ///< pareto: the model whose error is measured
   int width = 160, height = 120;   ///< pareto: view
   int reference_rays = 4096;       ///< pareto: rays a pixel of the reference

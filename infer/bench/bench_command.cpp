@@ -32,8 +32,10 @@ void add_bench_options(CLI::App& app, BenchRequest* request) {
 #if LTE_HAS_SCENE
   CLI::App* pathtrace = add("pathtrace", "Path tracing against bare Embree calls", bench_pathtrace);
   CLI::App* pareto = add("pareto", "Run time against error, beside path tracing", bench_pareto);
-  for (CLI::App* command : {pathtrace, pareto})
+  for (CLI::App* command : {pathtrace, pareto}) {
     command->add_option("--scene", options.scene, "Scene (default: the shipped Cornell box)");
+    add_scene_flags(*command, &options.loading);
+  }
   pareto->add_option("--checkpoint", options.checkpoint, "Model (default: the shipped one)");
   pareto->add_option("--reference-rays", options.reference_rays, "Rays a pixel of the reference");
 #endif

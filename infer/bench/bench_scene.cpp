@@ -8,11 +8,11 @@
 #include "lte/base/parallel.h"
 #include "lte/base/process_memory.h"
 #include "lte/base/timer.h"
+#include "lte/cli/scene_flags.h"
 #include "lte/image/metrics.h"
 #include "lte/pathtrace/auto_camera.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/pathtrace/render.h"
-#include "lte/scene/load.h"
 #include "lte/scene/sampler.h"
 
 namespace lte::infer {
@@ -38,8 +38,9 @@ VisiblePoints visible_points(const pathtrace::Bvh& bvh, int width, int height) {
 }
 
 scene::Scene load_benchmark_scene(const BenchOptions& options) {
-  return scene::load_scene(options.scene.empty() ? asset_path("scenes/cornell_box.glb", "--scene")
-                                                 : std::filesystem::path(options.scene));
+  return load_scene(options.scene.empty() ? asset_path("scenes/cornell_box.glb", "--scene")
+                                          : std::filesystem::path(options.scene),
+                    options.loading);
 }
 
 std::vector<float> indirect_values(const pathtrace::Irradiance& irradiance) {

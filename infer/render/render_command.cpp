@@ -18,7 +18,6 @@
 #include "lte/pathtrace/auto_camera.h"
 #include "lte/scene/environment_points.h"
 #include "lte/scene/import/environment_file.h"
-#include "lte/scene/load.h"
 #include "lte/scene/load_camera.h"
 
 namespace lte::infer {
@@ -211,6 +210,7 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
       ->capture_default_str();
   app.add_flag("--validate-only", r->validate_only,
                "Check scene, camera and flags, and write nothing");
+  add_scene_flags(app, &r->loading);
   add_tool_options(app, &r->tool);
 }
 
@@ -223,7 +223,7 @@ void run_render(const RenderRequest& request) {
   check_writable(request.out);
   check_writable(request.tool.common.json);
   const Timer total;
-  scene::Scene scene = scene::load_scene(request.scene);
+  scene::Scene scene = load_scene(request.scene, request.loading);
   LTE_CHECK(!request.environment.empty() || request.environment_turn == 0,
             "--environment-turn needs --environment");
   if (!request.environment.empty())

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "infer/common/tool_options.h"
+#include "lte/cli/scene_flags.h"
 
 namespace lte::infer {
 
@@ -20,6 +21,7 @@ struct RenderRequest {
   std::string prune = "auto";
   std::string environment;      ///< "R,G,B" or a picture; empty: that of the scene
   double environment_turn = 0;  ///< degrees about +Y
+  SceneFlags loading;
   std::optional<double> exposure;
   ToolOptions tool;
 };

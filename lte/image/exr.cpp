@@ -49,9 +49,10 @@ class MemoryOutput : public Imf::OStream {
   size_t place_ = 0;
 };
 
-class MappedInput : public Imf::IStream {
+class MemoryInput : public Imf::IStream {
  public:
-  explicit MappedInput(const std::filesystem::path& path) : IStream(path.c_str()), file_(path) {}
+  MemoryInput(std::string_view file, const std::string& name)
+      : IStream(name.c_str()), file_(file) {}
 
   bool read(char bytes[], int size) override {
     const auto count = static_cast<size_t>(std::max(size, 0));
@@ -66,7 +67,7 @@ class MappedInput : public Imf::IStream {
   void seekg(uint64_t place) override { place_ = place; }
 
  private:
-  MappedFile file_;
+  std::string_view file_;
   uint64_t place_ = 0;
 };
 
@@ -141,11 +142,32 @@ void check_layers(const std::string& path, const std::vector<Layer>& layers) {
   }
 }
 
+DeclaredSize size_of(const Imath::Box2i& window) {
+  return {int64_t{window.max.x} - window.min.x + 1, int64_t{window.max.y} - window.min.y + 1};
+}
+
+/// Opens the file and hands its stream to `read`. Errors of OpenEXR get the file's name.
+template <typename Read>
+auto with_input(std::string_view bytes, const std::string& name, const Read& read) {
+  // Refused while the header is parsed, before OpenEXR allocates its table of line offsets.
+  static std::once_flag once;
+  std::call_once(once, [] { Imf::Header::setMaxImageSize(kMaxSide, kMaxSide); });
+  MemoryInput input(bytes, name);
+  try {
+    return read(input);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw Error(concat(name, ": cannot read as OpenEXR: ", error.what()));
+  }
+}
+
 Image read_layer(const std::string& path, Imf::IStream& stream, const std::string& layer) {
   Imf::InputFile file(stream);
   const Imath::Box2i window = file.header().dataWindow();
-  const int64_t width = int64_t{window.max.x} - window.min.x + 1;
-  const int64_t height = int64_t{window.max.y} - window.min.y + 1;
+  const auto [width, height] = size_of(window);
   LTE_CHECK(width > 0 && height > 0 && width <= kMaxSide && height <= kMaxSide &&
                 width * height <= kMaxPixels,
             path, ": ", width, " x ", height, " pixels exceed the limit of ", kMaxPixels);
@@ -206,19 +228,20 @@ void write_exr(const std::filesystem::path& path, const std::vector<Layer>& laye
 }
 
 Image read_exr(const std::filesystem::path& path, const std::string& layer) {
-  // Refused while the header is parsed, before OpenEXR allocates its table of line offsets.
-  static std::once_flag once;
-  std::call_once(once, [] { Imf::Header::setMaxImageSize(kMaxSide, kMaxSide); });
-  MappedInput input(path);
-  try {
-    return read_layer(path.string(), input, layer);
-  } catch (const Error&) {
-    throw;
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& error) {
-    throw Error(concat(path.string(), ": cannot read as OpenEXR: ", error.what()));
-  }
+  const MappedFile file(path);
+  return decode_exr({reinterpret_cast<const char*>(file.data()), file.size()}, path.string(),
+                    layer);
+}
+
+Image decode_exr(std::string_view bytes, const std::string& name, const std::string& layer) {
+  return with_input(bytes, name,
+                    [&](Imf::IStream& input) { return read_layer(name, input, layer); });
+}
+
+DeclaredSize declared_exr_size(std::string_view bytes, const std::string& name) {
+  return with_input(bytes, name, [](Imf::IStream& input) {
+    return size_of(Imf::InputFile(input).header().dataWindow());
+  });
 }
 
 }  // namespace lte::image

@@ -3,8 +3,10 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "lte/image/declared_size.h"
 #include "lte/image/image.h"
 
 namespace lte::image {
@@ -25,5 +27,13 @@ void write_exr(const std::filesystem::path& path, const std::vector<Layer>& laye
 /// Reads the channels of one layer (empty name: R, G, B or Y) into an image of 3 or 1 channels.
 /// @throws lte::Error naming the file if it is not EXR, or naming the layers it has.
 Image read_exr(const std::filesystem::path& path, const std::string& layer = "");
+
+/// The same of bytes in memory.
+/// @param name  of the file, for messages
+Image decode_exr(std::string_view bytes, const std::string& name, const std::string& layer = "");
+
+/// The size of the data window.
+/// @throws lte::Error naming the file if its header is broken.
+DeclaredSize declared_exr_size(std::string_view bytes, const std::string& name);
 
 }  // namespace lte::image

@@ -3,7 +3,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
+#include <string_view>
 
+#include "lte/image/declared_size.h"
 #include "lte/image/image.h"
 
 namespace lte::image {
@@ -20,5 +23,13 @@ struct Picture {
 /// @throws lte::Error naming the file: missing, of none of these formats, damaged, or declaring
 /// more than `limit_pixels`.
 Picture read_picture(const std::filesystem::path& path, int64_t limit_pixels = int64_t{1} << 28);
+
+/// The same of bytes in memory.
+/// @param name  of the file, for messages; a TGA is one by its extension
+Picture decode_picture(std::string_view bytes, const std::string& name, int64_t limit_pixels);
+
+/// The size that the header gives, without decoding anything.
+/// @throws lte::Error naming the file: of none of the formats, or with a broken header.
+DeclaredSize read_picture_size(std::string_view bytes, const std::string& name);
 
 }  // namespace lte::image

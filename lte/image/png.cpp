@@ -23,6 +23,7 @@
 #pragma GCC diagnostic pop
 
 #include "lte/base/file.h"
+#include "lte/image/declared_size.h"
 
 namespace lte::image {
 namespace {
@@ -35,6 +36,14 @@ void append(void* out, void* bytes, int size) {
   const auto* begin = static_cast<const unsigned char*>(bytes);
   static_cast<std::vector<unsigned char>*>(out)->insert(
       static_cast<std::vector<unsigned char>*>(out)->end(), begin, begin + size);
+}
+
+const unsigned char* bytes_of(std::string_view file) {
+  return reinterpret_cast<const unsigned char*>(file.data());
+}
+
+int int_size(std::string_view file) {
+  return static_cast<int>(std::min<size_t>(file.size(), std::numeric_limits<int>::max()));
 }
 
 unsigned char to_byte(float value) {
@@ -76,20 +85,33 @@ void write_png(const std::filesystem::path& path, const Image& display) {
 }
 
 Image read_png(const std::filesystem::path& path, int64_t limit_pixels) {
-  const std::string file = read_file(path);
-  const auto* bytes = reinterpret_cast<const unsigned char*>(file.data());
-  const int size = static_cast<int>(std::min<size_t>(file.size(), std::numeric_limits<int>::max()));
-  const std::string name = path.string();
+  return decode_png(read_file(path), path.string(), limit_pixels);
+}
+
+DeclaredSize declared_png_size(std::string_view file, const std::string& name) {
+  const DeclaredSize declared = declared_size(file).value_or(DeclaredSize{});
   int width = 0, height = 0, channels = 0;
-  if (stbi_info_from_memory(bytes, size, &width, &height, &channels) == 0) {
-    const bool known = file.rfind("\x89PNG", 0) == 0 || file.rfind("\xff\xd8\xff", 0) == 0;
-    throw Error(concat(
-        name, ": cannot decode: ",
-        known ? "its header is broken or declares too many pixels" : "neither PNG nor JPEG"));
+  if (stbi_info_from_memory(bytes_of(file), int_size(file), &width, &height, &channels) == 0) {
+    const bool known = file.starts_with("\x89PNG") || file.starts_with("\xff\xd8\xff");
+    if (known && declared.beyond_stb()) return declared;
+    throw Error(
+        concat(name, ": cannot decode: ", known ? "broken header" : "neither PNG nor JPEG"));
   }
+  return {std::max<int64_t>(width, declared.width), std::max<int64_t>(height, declared.height)};
+}
+
+Image decode_png(std::string_view file, const std::string& name, int64_t limit_pixels) {
   // A small file may declare a huge picture: refuse before the decoder allocates it.
-  LTE_CHECK(static_cast<int64_t>(width) * height <= limit_pixels, name, ": ", width, " x ", height,
-            " pixels exceed the limit of ", limit_pixels);
+  const DeclaredSize declared = declared_png_size(file, name);
+  LTE_CHECK(declared.width > 0 && declared.height > 0, name, ": cannot decode: broken header");
+  LTE_CHECK(declared.width <= limit_pixels && declared.height <= limit_pixels / declared.width,
+            name, ": ", declared.width, " x ", declared.height, " pixels exceed the limit of ",
+            limit_pixels);
+  const unsigned char* const bytes = bytes_of(file);
+  const int size = int_size(file);
+  int width = 0, height = 0, channels = 0;
+  LTE_CHECK(stbi_info_from_memory(bytes, size, &width, &height, &channels) != 0, name,
+            ": cannot decode: ", declared.width, " x ", declared.height, " pixels are too large");
   const int wanted = channels == 2 || channels == 4 ? 4 : 3;
   const auto decode = [&](auto load) {
     const std::unique_ptr<

@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "lte/image/declared_size.h"
 #include "lte/image/image.h"
 
 namespace lte::image {
@@ -21,5 +23,13 @@ std::vector<unsigned char> encode_png(const Image& display);
 /// alpha.
 /// @throws lte::Error naming the file if it cannot be decoded or declares more than `limit_pixels`.
 Image read_png(const std::filesystem::path& path, int64_t limit_pixels = int64_t{1} << 28);
+
+/// The same of bytes in memory.
+/// @param name  of the file, for messages
+Image decode_png(std::string_view file, const std::string& name, int64_t limit_pixels);
+
+/// The size that its header gives, also where that is more than the decoder takes.
+/// @throws lte::Error naming the file if the header is broken, or of another format.
+DeclaredSize declared_png_size(std::string_view file, const std::string& name);
 
 }  // namespace lte::image

@@ -6,6 +6,7 @@
 
 #include "lte/base/text.h"
 #include "lte/scene/gltf/import.h"
+#include "lte/scene/import/scene_files.h"
 #include "lte/scene/obj/import.h"
 #include "lte/scene/pbrt/import.h"
 #include "lte/scene/ply/import.h"
@@ -15,7 +16,7 @@ namespace {
 
 constexpr struct {
   std::string_view extension;
-  Scene (*import)(const std::filesystem::path&, const LoadLimits&);
+  Scene (*import)(SceneFiles*);
 } kFormats[] = {{".gltf", gltf::import},    {".glb", gltf::import}, {".pbrt", pbrt::import},
                 {".pbrt.gz", pbrt::import}, {".obj", obj::import},  {".ply", ply::import},
                 {".ply.gz", ply::import}};
@@ -28,7 +29,8 @@ Scene load_scene(const std::filesystem::path& path, const LoadLimits& limits) tr
   for (const auto& [extension, import] : kFormats) {
     known += concat(known.empty() ? "" : ", ", extension);
     if (!lower_case(file).ends_with(extension)) continue;
-    Scene scene = import(path, limits);
+    SceneFiles files(path, limits);
+    Scene scene = import(&files);
     scene.name = file.substr(0, file.size() - extension.size());  // "room" of "room.pbrt.gz"
     return scene;
   }

@@ -12,11 +12,15 @@ namespace lte::scene {
 /// (.pbrt), Wavefront OBJ (.obj), PLY (.ply), and PBRT and PLY in gzip (.pbrt.gz, .ply.gz). Case
 /// does not matter. docs/scene-formats.md says what becomes of what.
 ///
+/// The file may be anybody's: nothing is read outside its folder, whatever it names, unless
+/// `limits.outside` is set.
+///
 /// Light groups are numbered in the order of emissive instances, then lights. Scene::name is the
 /// name of the file without folder and extension.
 /// @throws lte::Error naming file and element (PBRT, OBJ: line): an extension that none of the
 /// importers has, a missing, truncated or foreign file, an index out of range, a position that is
 /// not finite, cyclic nodes, a required extension of glTF that lte lacks, no triangles at all.
+/// OutsideFolder, OverLimit (lte/scene/import/refusal.h): more than `limits` allow.
 Scene load_scene(const std::filesystem::path& path, const LoadLimits& limits = {});
 
 }  // namespace lte::scene

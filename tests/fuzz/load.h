@@ -16,15 +16,19 @@
 
 namespace lte::fuzz {
 
-/// A folder of this process, in memory where the system has such a place.
+/// What stands in a file that no scene may read: no message may hold it.
+inline constexpr std::string_view kSecret = "root:x:0:0:secret";
+
+/// A folder of this process, in memory where the system has such a place. Beside it lies `secret`.
 inline const std::filesystem::path& folder() {
   static const std::filesystem::path path = [] {
     const std::filesystem::path shared = "/dev/shm";
     std::error_code ignored;
     const auto root =
         std::filesystem::exists(shared, ignored) ? shared : std::filesystem::temp_directory_path();
-    std::filesystem::path own = root / concat("lte-fuzz-", getpid());
+    std::filesystem::path own = root / concat("lte-fuzz-", getpid()) / "scene";
     std::filesystem::create_directories(own);
+    std::ofstream(own / ".." / "secret") << kSecret;
     set_num_threads(1);
     return own;
   }();
@@ -40,7 +44,8 @@ inline void load(const std::string& name) {
   scene::LoadLimits limits;
   limits.triangles = 100'000;
   limits.texture_pixels = 1 << 16;
-  limits.total_texture_pixels = 1 << 18;
+  limits.picture_bytes = 1 << 20;
+  limits.inflated_bytes = 1 << 20;
   limits.includes = 8;
   limits.text_bytes = 1 << 18;
   try {
@@ -49,6 +54,7 @@ inline void load(const std::string& name) {
   } catch (const Error& error) {
     const std::string_view what = error.what();
     if (what.find(folder().string()) == what.npos || what.find('\n') != what.npos) std::abort();
+    if (what.find(kSecret) != what.npos) std::abort();
   }
 }
 

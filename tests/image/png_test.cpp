@@ -104,7 +104,8 @@ TEST(Png, RefusesAnImageBombBeforeDecoding) {
   EXPECT_THAT(error_of([&] { read_png(dir / "bomb.png"); }),
               AllOf(HasSubstr("bomb.png"), HasSubstr("17000 x 17000 pixels exceed the limit")));
   write_file(dir / "bomb.png", stored_png(2'000'000'000, 2'000'000'000, 8, 2, "x"));
-  EXPECT_THAT(error_of([&] { read_png(dir / "bomb.png"); }), HasSubstr("declares too many pixels"));
+  EXPECT_THAT(error_of([&] { read_png(dir / "bomb.png"); }),
+              HasSubstr("2000000000 x 2000000000 pixels exceed the limit"));
   write_png(dir / "a.png", Image(10, 10, 3));
   EXPECT_EQ(read_png(dir / "a.png", 100).width, 10);
   EXPECT_THAT(error_of([&] { read_png(dir / "a.png", 99); }),

@@ -252,5 +252,19 @@ TEST_F(Tools, HelpShowsExamplesAndVersionIsPrinted) {
   }
 }
 
+TEST_F(Tools, ScenesReadNothingOutsideTheirFolderUnlessAllowed) {
+  std::filesystem::create_directory(at("inner"));
+  write_file(at("part.pbrt"), "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n");
+  write_file(at("inner/s.pbrt"), "WorldBegin\nInclude \"../part.pbrt\"\n");
+  const std::string render = at("inner/s.pbrt") + " --validate-only";
+  const auto words =
+      AllOf(HasSubstr("s.pbrt:2: \"../part.pbrt\" lies outside"), HasSubstr("(--allow-outside)"));
+  expect_failure(run_tool("lte_render", render), 1, words);
+  expect_failure(run_tool("lte_bench", "pathtrace --scene " + at("inner/s.pbrt")), 1, words);
+  EXPECT_EQ(run_tool("lte_render", render + " --quiet --allow-outside").code, 0);
+  expect_failure(run_tool("lte_render", at("room.glb") + " --validate-only --limits triangles=1"),
+                 1, AllOf(HasSubstr("more than 1 triangles"), HasSubstr("(--limits triangles=")));
+}
+
 }  // namespace
 }  // namespace lte::infer

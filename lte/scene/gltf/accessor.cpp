@@ -118,8 +118,8 @@ void Accessor::apply_sparse(const Context& context, const tinygltf::Accessor& ac
                                 what_ + " (sparse values)");
   for (uint64_t i = 0; i < count; ++i) {
     const uint32_t at = read_index(indices.data() + i * index_size, sparse.indices.componentType);
-    LTE_CHECK(at < count_, what_, ": sparse index ", i, " is ", at, ", but there are ", count_,
-              " elements");
+    LTE_CHECK(at < count_, what_, ": sparse index ", i, " is ", context.buffers.shown(at),
+              ", but there are ", count_, " elements");
     std::memcpy(copy_.data() + at * size, values.data() + i * size, size);
   }
 }

@@ -66,10 +66,6 @@ std::string decode_percent(std::string_view uri) {
   return out;
 }
 
-std::string abbreviate(const std::string& uri) {
-  return uri.size() <= 80 ? uri : uri.substr(0, 77) + "...";
-}
-
 }  // namespace
 
 Bytes Buffers::fetch(const std::string& uri, const std::string& element) {
@@ -77,24 +73,22 @@ Bytes Buffers::fetch(const std::string& uri, const std::string& element) {
   if (uri.starts_with("data:")) {
     const size_t comma = uri.find(',');
     LTE_CHECK(comma != std::string::npos && uri.substr(0, comma).ends_with(";base64"), where,
-              ": data URI without base64: \"", abbreviate(uri), "\"");
+              ": data URI without base64: ", shown_reference(uri));
     decoded_.push_back(std::make_unique<std::vector<std::byte>>(
         decode_base64(std::string_view(uri).substr(comma + 1), where)));
     return *decoded_.back();
   }
   const std::filesystem::path relative = decode_percent(uri);
-  LTE_CHECK(uri.find("://") == std::string::npos && relative.is_relative(), where, ": URI \"",
-            abbreviate(uri), "\" is not relative to the file; nothing else is fetched");
-  const std::filesystem::path path = file_.path.parent_path() / relative;
-  std::error_code ignored;
-  LTE_CHECK(std::filesystem::is_regular_file(path, ignored), where, ": cannot find the file \"",
-            abbreviate(uri), "\" beside it");
-  if (std::filesystem::file_size(path, ignored) == 0) return {};
-  maps_.push_back(std::make_unique<MappedFile>(path));
-  return {maps_.back()->data(), maps_.back()->size()};
+  LTE_CHECK(uri.find("://") == std::string::npos && relative.is_relative(), where, ": URI ",
+            shown_reference(uri), " is not relative to the file; nothing else is fetched");
+  const SceneFilePtr opened = files_->open({files_->scene().parent_path() / relative}, uri, where);
+  LTE_CHECK(opened, where, ": cannot find the file ", shown_reference(uri), " beside it");
+  has_outside_ |= opened->outside();
+  opened_.push_back(opened);
+  return opened->bytes();
 }
 
-Buffers::Buffers(const File& file) : file_(file) {
+Buffers::Buffers(const File& file, SceneFiles* files) : file_(file), files_(files) {
   std::vector<Bytes> buffers;
   const Json none = Json::array();
   const Json& buffer_list = file.json.contains("buffers") ? file.json["buffers"] : none;

@@ -12,7 +12,7 @@
 #include "lte/base/check.h"
 #include "lte/scene/gltf/file.h"
 #include "lte/scene/import/ignored_features.h"
-#include "lte/scene/import/limits.h"
+#include "lte/scene/import/scene_files.h"
 #include "lte/scene/scene.h"
 
 namespace lte::scene::gltf {
@@ -23,6 +23,7 @@ struct Context {
   const tinygltf::Model& model;
   const Buffers& buffers;
   const LoadLimits& limits;
+  LoadBudget& budget;
   IgnoredFeatures& ignored;
 };
 

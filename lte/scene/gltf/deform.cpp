@@ -51,11 +51,12 @@ double determinant(const Blend& m) {
 
 /// JOINTS_n and WEIGHTS_n of a primitive: four influences a set.
 struct Influences {
+  const Buffers& buffers;
   std::vector<std::unique_ptr<Accessor>> joints, weights;
 };
 
 Influences read_influences(const Deformation& d) {
-  Influences out;
+  Influences out{d.context.buffers, {}, {}};
   for (int set = 0; d.source.has(concat("JOINTS_", set)); ++set) {
     out.joints.push_back(d.source.attribute(concat("JOINTS_", set)));
     const std::string name = concat("WEIGHTS_", set);
@@ -92,11 +93,11 @@ Blend blend(const Influences& influences, size_t vertex, const std::vector<Affin
     for (int c = 0; c < 4; ++c) {
       const double weight = weights.value(vertex, c);
       LTE_CHECK(std::isfinite(weight) && weight >= 0, weights.what(), ": vertex ", vertex,
-                " has the weight ", weight);
+                " has the weight ", influences.buffers.shown(weight));
       if (weight == 0) continue;
       const uint32_t joint = read_joint(joints, vertex, c);
       LTE_CHECK(joint < matrices.size(), joints.what(), ": vertex ", vertex, " hangs on joint ",
-                joint, ", but the skin has ", matrices.size());
+                influences.buffers.shown(joint), ", but the skin has ", matrices.size());
       add_scaled(matrices[joint], weight, &sum);
       total += weight;
     }

@@ -16,6 +16,7 @@ namespace {
 constexpr uint16_t kHasMetadata = 0x8000;
 /// The best that Draco does is a small fraction of a bit a triangle, on flat regular grids.
 constexpr uint64_t kTrianglesPerByte = 1024;
+constexpr int64_t kTriangleBytes = 3 * sizeof(uint32_t);
 
 struct Counts {
   uint32_t triangles = 0, points = 0;
@@ -73,7 +74,8 @@ struct DracoMesh::Decoded {
   std::unique_ptr<draco::Mesh> mesh;
 };
 
-DracoMesh::DracoMesh(Bytes bytes, const DracoLimits& limits, const std::string& where) {
+DracoMesh::DracoMesh(Bytes bytes, const DracoLimits& limits, LoadBudget* budget,
+                     const std::string& where) {
   Counts counts;
   LTE_CHECK(read_counts(bytes, &counts), where, ": not a Draco mesh");
   LTE_CHECK(counts.triangles <= limits.triangles && counts.points <= limits.points, where,
@@ -83,6 +85,8 @@ DracoMesh::DracoMesh(Bytes bytes, const DracoLimits& limits, const std::string& 
                 counts.points <= 3 * kTrianglesPerByte * bytes.size(),
             where, ": ", counts.triangles, " triangles and ", counts.points,
             " points cannot be in ", bytes.size(), " bytes");
+  budget->add_inflated(counts.triangles * kTriangleBytes + counts.points * limits.bytes_per_point,
+                       where);
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   draco::Decoder decoder;

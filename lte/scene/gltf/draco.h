@@ -14,14 +14,16 @@ namespace lte::scene::gltf {
 /// What a compressed mesh may unfold into.
 struct DracoLimits {
   uint64_t triangles = 0, points = 0;
+  int64_t bytes_per_point = 0;  ///< of its attributes, as the accessors have them
 };
 
 class DracoMesh {
  public:
   /// @param where  file and element, for messages
-  /// @throws lte::Error if the bytes are no mesh, are damaged, or hold more than `limits`; the
-  /// header's counts are looked at before anything is allocated for them.
-  DracoMesh(Bytes bytes, const DracoLimits& limits, const std::string& where);
+  /// @throws lte::Error if the bytes are no mesh, are damaged, or hold more than `limits`;
+  /// OverLimit for more than the budget has left. The header's counts are looked at before anything
+  /// is allocated for them.
+  DracoMesh(Bytes bytes, const DracoLimits& limits, LoadBudget* budget, const std::string& where);
   ~DracoMesh();
 
   size_t points() const;

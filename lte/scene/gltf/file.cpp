@@ -93,19 +93,12 @@ Json parse_json(const std::string& name, std::string_view json) {
 
 }  // namespace
 
-File open_file(const std::filesystem::path& path) {
+File open_file(SceneFiles* files) {
   File file;
-  file.path = path;
-  file.name = path.string();
-  std::error_code ignored;
-  LTE_CHECK(std::filesystem::exists(path, ignored), file.name, ": no such file");
-  LTE_CHECK(!std::filesystem::is_directory(path, ignored), file.name,
-            ": is a directory, expected a .gltf or .glb");
-  LTE_CHECK(std::filesystem::is_regular_file(path, ignored), file.name, ": not a regular file");
-  LTE_CHECK(std::filesystem::file_size(path, ignored) > 0, file.name, ": the file is empty");
-  file.map = std::make_unique<MappedFile>(path);
-
-  Bytes json(file.map->data(), file.map->size());
+  file.source = files->open_scene();
+  file.name = file.source->name();
+  Bytes json = file.source->bytes();
+  LTE_CHECK(!json.empty(), file.name, ": the file is empty");
   if (json.size() >= 4 && word(json, 0) == kMagic)
     json = read_chunks(file.name, json, &file.binary);
   file.json = parse_json(file.name, text(json));

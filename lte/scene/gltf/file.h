@@ -7,7 +7,6 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -15,7 +14,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "lte/base/file.h"
+#include "lte/scene/import/scene_files.h"
 
 namespace lte::scene::gltf {
 
@@ -23,17 +22,16 @@ using Json = nlohmann::json;
 using Bytes = std::span<const std::byte>;
 
 struct File {
-  std::filesystem::path path;
-  std::string name;                 ///< the path, for messages
-  std::unique_ptr<MappedFile> map;  ///< of the file itself
+  SceneFilePtr source;
+  std::string name;  ///< its path, for messages
   Json json;
-  Bytes binary;  ///< BIN chunk of a .glb, inside `map`; empty otherwise
+  Bytes binary;  ///< BIN chunk of a .glb, inside `source`; empty otherwise
 };
 
-/// Maps a .gltf or .glb (told apart by content) and parses its JSON.
+/// Opens the scene's file, a .gltf or .glb (told apart by content), and parses its JSON.
 /// @throws lte::Error naming the file: missing, a directory, cut, not glTF, not JSON, nested too
 /// deeply.
-File open_file(const std::filesystem::path& path);
+File open_file(SceneFiles* files);
 
 /// Checks everything that the importer relies on: types and ranges of members, indices that lead to
 /// existing elements, asset version 2, required extensions among those that lte has.
@@ -43,19 +41,26 @@ void check_document(const File& file);
 /// The bytes behind `uri` and `bufferView` members: mapped files, decoded base64, or the BIN chunk.
 class Buffers {
  public:
-  /// Maps every buffer and checks every view's range.
+  /// Opens every buffer and checks every view's range.
   /// @throws lte::Error naming file, element and URI.
-  explicit Buffers(const File& file);
+  Buffers(const File& file, SceneFiles* files);
 
   Bytes view(int buffer_view) const { return views_[static_cast<size_t>(buffer_view)]; }
   /// Bytes of images[index], kept alive by this object.
   Bytes image(int index);
+  /// A value that buffers hold, as a message may show it: not where some lie outside the folder.
+  template <typename T>
+  std::string shown(const T& value) const {
+    return has_outside_ ? "a value" : concat(value);
+  }
 
  private:
   Bytes fetch(const std::string& uri, const std::string& element);
 
   const File& file_;
-  std::vector<std::unique_ptr<MappedFile>> maps_;
+  SceneFiles* files_;
+  std::vector<SceneFilePtr> opened_;
+  bool has_outside_ = false;
   std::vector<std::unique_ptr<std::vector<std::byte>>> decoded_;
   std::vector<Bytes> views_;
 };

@@ -24,9 +24,11 @@ void add_instances(const Context& context, const std::vector<Placement>& placeme
       const Mesh& mesh = scene->meshes[static_cast<size_t>(index)];
       for (const Affine& to_world : instance_transforms(context, placement)) {
         triangles += static_cast<int64_t>(mesh.triangles.size());
-        LTE_CHECK(triangles <= context.limits.triangles, context.file.name,
-                  ": instances have more than ", context.limits.triangles, " triangles, at nodes[",
-                  placement.node, "]");
+        if (triangles > context.limits.triangles)
+          throw OverLimit(
+              concat(context.file.name, ": instances have more than ", context.limits.triangles,
+                     " triangles, at nodes[", placement.node, "]"),
+              "triangles");
         Instance instance{index, to_world, kNone};
         if (scene->materials[static_cast<size_t>(mesh.material)].emissive()) {
           instance.light_group = static_cast<int>(scene->light_groups.size());
@@ -48,16 +50,16 @@ void ignore_animations(const Json& json, IgnoredFeatures* ignored) {
 
 }  // namespace
 
-Scene import(const std::filesystem::path& path, const LoadLimits& limits) {
-  File file = open_file(path);
+Scene import(SceneFiles* files) {
+  File file = open_file(files);
   check_document(file);
-  Buffers buffers(file);
+  Buffers buffers(file, files);
   IgnoredFeatures ignored;
   // Before parse_model(), which leaves only the images in the JSON.
   ignore_animations(file.json, &ignored);
   const tinygltf::Model model = parse_model(&file);
   ignore_unknown_extensions(model.extensions, "file", &ignored);
-  const Context context{file, model, buffers, limits, ignored};
+  const Context context{file, model, buffers, files->limits(), files->budget(), ignored};
 
   Scene scene;
   scene.unit = "metre, as glTF has it";

@@ -1,9 +1,7 @@
 // glTF 2.0 to a scene.
 #pragma once
 
-#include <filesystem>
-
-#include "lte/scene/import/limits.h"
+#include "lte/scene/import/scene_files.h"
 #include "lte/scene/scene.h"
 
 namespace lte::scene::gltf {
@@ -12,6 +10,6 @@ namespace lte::scene::gltf {
 /// instance.
 /// Scene::name is left to load_scene().
 /// @throws lte::Error naming file and element; see open_file() and check_document().
-Scene import(const std::filesystem::path& path, const LoadLimits& limits);
+Scene import(SceneFiles* files);
 
 }  // namespace lte::scene::gltf

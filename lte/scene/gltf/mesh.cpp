@@ -79,8 +79,10 @@ class MeshReader {
     if (mode == TINYGLTF_MODE_TRIANGLES && corners % 3 != 0)
       context_.ignored.add("incomplete triangle", "primitive");
     triangles_ += static_cast<int64_t>(corners / (mode == TINYGLTF_MODE_TRIANGLES ? 3 : 1));
-    LTE_CHECK(triangles_ <= context_.limits.triangles, context_.file.name, ": more than ",
-              context_.limits.triangles, " triangles, at ", place);
+    if (triangles_ > context_.limits.triangles)
+      throw OverLimit(concat(context_.file.name, ": more than ", context_.limits.triangles,
+                             " triangles, at ", place),
+                      "triangles");
   }
 
   void read_primitive(const tinygltf::Primitive& primitive, const Shape& shape,

@@ -139,8 +139,10 @@ class InstanceList {
       count_ = parts_[k]->count();
     }
     LTE_CHECK(count_ != kUnknown, file_, ": ", where_, " has none of TRANSLATION, ROTATION, SCALE");
-    LTE_CHECK(static_cast<int64_t>(count_) <= context.limits.triangles, file_, ": ", where_,
-              " has ", count_, " instances, more than ", context.limits.triangles);
+    if (static_cast<int64_t>(count_) > context.limits.triangles)
+      throw OverLimit(concat(file_, ": ", where_, " has ", count_, " instances, more than ",
+                             context.limits.triangles),
+                      "triangles", static_cast<int64_t>(count_));
   }
 
   std::vector<Affine> transforms(const Affine& to_world) const {

@@ -18,7 +18,7 @@ class PrimitiveSource::Compressed {
       : where_(concat(context.file.name, ": ", place, ".KHR_draco_mesh_compression")),
         ids_(extension.Get("attributes")),
         mesh_(context.buffers.view(extension.Get("bufferView").GetNumberAsInt()),
-              promised(context, primitive), where_) {}
+              promised(context, primitive), &context.budget, where_) {}
 
   bool has(const std::string& attribute) const { return ids_.Has(attribute); }
 
@@ -43,8 +43,16 @@ class PrimitiveSource::Compressed {
     LTE_CHECK(primitive.indices >= 0, where_, ": the primitive has no indices");
     LTE_CHECK(primitive.mode == TINYGLTF_MODE_TRIANGLES, where_, ": mode ", primitive.mode,
               ", only triangle lists are understood");
-    return {std::min(count(primitive.indices) / 3, static_cast<uint64_t>(context.limits.triangles)),
-            count(primitive.attributes.at("POSITION"))};
+    const uint64_t triangles =
+        std::min(count(primitive.indices) / 3, static_cast<uint64_t>(context.limits.triangles));
+    int64_t bytes_per_point = 0;
+    for (const auto& [name, index] : primitive.attributes) {
+      const tinygltf::Accessor& accessor = context.model.accessors[static_cast<size_t>(index)];
+      bytes_per_point +=
+          int64_t{tinygltf::GetNumComponentsInType(static_cast<uint32_t>(accessor.type))} *
+          tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(accessor.componentType));
+    }
+    return {triangles, count(primitive.attributes.at("POSITION")), bytes_per_point};
   }
 
   std::string where_;
@@ -89,7 +97,7 @@ std::vector<uint32_t> PrimitiveSource::order(size_t vertices) const {
   const auto bad =
       std::find_if(order.begin(), order.end(), [&](uint32_t i) { return i >= vertices; });
   LTE_CHECK(bad == order.end(), context_.file.name, ": ", place_, ": index ", bad - order.begin(),
-            " is ", *bad, ", but there are ", vertices, " vertices");
+            " is ", context_.buffers.shown(*bad), ", but there are ", vertices, " vertices");
   return order;
 }
 

@@ -69,7 +69,7 @@ std::vector<std::shared_ptr<const Texture>> read_textures(const Context& context
       if (ref->texture != kNone) ref->texture = texture_of_image[{ref->texture, color}];
     }
   }
-  return decode_textures(pictures, context.limits);
+  return decode_textures(pictures, &context.budget);
 }
 
 }  // namespace lte::scene::gltf

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <climits>
+#include <cstdint>
+#include <utility>
 
 #include <zlib.h>
 
@@ -20,14 +22,27 @@ struct Inflater {
   }
 };
 
-std::string inflate_all(const std::string& name, std::string_view packed, size_t limit_bytes) {
+/// The length that stands at the end of a gzip file, modulo 2^32. It may be a lie, or that of the
+/// last of several: a hint for what to set aside, which costs nothing until it is filled.
+size_t promised_length(std::string_view packed) {
+  if (packed.size() < 18) return 0;
+  size_t length = 0;
+  for (size_t i = 0; i < 4; ++i)
+    length |= size_t{static_cast<unsigned char>(packed[packed.size() - 4 + i])} << (8 * i);
+  return length;
+}
+
+std::string inflate_all(const std::string& name, std::string_view packed, int64_t left,
+                        int64_t limit) {
   Inflater inflater;
   z_stream& z = inflater.stream;
   // 15 bits of window, + 16: a gzip header and its checksum are expected.
   LTE_CHECK(inflateInit2(&z, 15 + 16) == Z_OK, name, ": cannot start zlib");
   inflater.open = true;
   std::string out;
+  const auto most = static_cast<size_t>(std::max<int64_t>(left, 0));
   std::array<char, 1 << 16> buffer;
+  out.reserve(std::min(promised_length(packed), most) + buffer.size());
   size_t next = 0;
   bool ended = false;
   while (true) {
@@ -47,8 +62,10 @@ std::string inflate_all(const std::string& name, std::string_view packed, size_t
     z.avail_out = static_cast<uInt>(buffer.size());
     const int status = inflate(&z, Z_NO_FLUSH);
     out.append(buffer.data(), buffer.size() - z.avail_out);
-    LTE_CHECK(out.size() <= limit_bytes, name, ": inflates to more than the limit of ", limit_bytes,
-              " bytes");
+    if (out.size() > most)
+      throw OverLimit(concat(name, ": inflates to more than the ", size_text(left),
+                             " that are left of the limit \"inflated\" of ", size_text(limit)),
+                      "inflated");
     ended = status == Z_STREAM_END;
     if (ended) continue;
     LTE_CHECK(status == Z_OK || status == Z_BUF_ERROR, name,
@@ -59,18 +76,13 @@ std::string inflate_all(const std::string& name, std::string_view packed, size_t
 
 }  // namespace
 
-CompressedFile::CompressedFile(const std::filesystem::path& path, size_t limit_bytes) {
-  const std::string name = path.string();
-  std::error_code error;
-  LTE_CHECK(std::filesystem::exists(path, error), name, ": no such file");
-  LTE_CHECK(!std::filesystem::is_directory(path, error), name, ": is a directory");
-  map_ = std::make_unique<MappedFile>(path);
-  text_ = {reinterpret_cast<const char*>(map_->data()), map_->size()};
-  if (text_.starts_with("\x1f\x8b")) {
-    inflated_ = inflate_all(name, text_, limit_bytes);
-    text_ = inflated_;
-    map_.reset();
-  }
+CompressedFile::CompressedFile(SceneFilePtr file, LoadBudget* budget)
+    : file_(std::move(file)), text_(file_->text()) {
+  if (!text_.starts_with("\x1f\x8b")) return;
+  inflated_ =
+      inflate_all(file_->name(), text_, budget->inflated_left(), budget->limits().inflated_bytes);
+  budget->add_inflated(static_cast<int64_t>(inflated_.size()), file_->name());
+  text_ = inflated_;
 }
 
 }  // namespace lte::scene

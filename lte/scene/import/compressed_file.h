@@ -1,28 +1,26 @@
-// A file's bytes: mapped where they lie, or inflated where the file is gzip.
+// A file's text: as it lies there, or inflated where the file is gzip.
 #pragma once
 
-#include <cstddef>
-#include <filesystem>
-#include <memory>
 #include <string>
 #include <string_view>
 
-#include "lte/base/file.h"
+#include "lte/scene/import/scene_files.h"
 
 namespace lte::scene {
 
 /// Told apart by the magic of gzip (RFC 1952), not by the name.
 class CompressedFile {
  public:
-  /// @param limit_bytes  of the inflated text: a few kilobytes of gzip may stand for gigabytes
-  /// @throws lte::Error naming the file: missing, a directory, truncated or damaged gzip, over the
-  /// limit.
-  explicit CompressedFile(const std::filesystem::path& path, size_t limit_bytes = size_t{1} << 32);
+  /// @param budget  what the text may take: a few kilobytes of gzip may stand for gigabytes
+  /// @throws lte::Error naming the file for truncated or damaged gzip, OverLimit for too long a
+  /// text.
+  CompressedFile(SceneFilePtr file, LoadBudget* budget);
 
+  const SceneFile& file() const { return *file_; }
   std::string_view text() const { return text_; }
 
  private:
-  std::unique_ptr<MappedFile> map_;
+  SceneFilePtr file_;
   std::string inflated_;
   std::string_view text_;
 };

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <initializer_list>
+#include <string_view>
 
 #include <webp/decode.h>
 
@@ -25,10 +25,12 @@
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
+#include "lte/image/declared_size.h"
 
 namespace lte::scene {
 namespace {
 
+/// As the decoders have it.
 struct Size {
   int width = 0, height = 0;
   int64_t pixels() const { return int64_t{width} * height; }
@@ -44,24 +46,30 @@ const uint8_t* data(const EncodedPicture& picture) {
   return reinterpret_cast<const uint8_t*>(picture.bytes.data());
 }
 
-Size read_size(const EncodedPicture& picture) {
-  Size size;
+DeclaredPicture read_size(const EncodedPicture& picture) {
+  const std::string_view bytes(reinterpret_cast<const char*>(picture.bytes.data()),
+                               picture.bytes.size());
   if (is_webp(picture)) {
     WebPBitstreamFeatures features;
     LTE_CHECK(WebPGetFeatures(data(picture), picture.bytes.size(), &features) == VP8_STATUS_OK,
               picture.where, ": broken WebP header");
     LTE_CHECK(features.has_animation == 0, picture.where, ": an animated WebP is no texture");
-    size = {features.width, features.height};
-  } else {
-    LTE_CHECK(picture.bytes.size() <= INT32_MAX, picture.where, ": ", picture.bytes.size(),
-              " bytes are too many for one image");
-    int channels = 0;
-    LTE_CHECK(stbi_info_from_memory(data(picture), static_cast<int>(picture.bytes.size()),
-                                    &size.width, &size.height, &channels) == 1,
-              picture.where, ": broken image header, or none of PNG, JPEG, WebP, TGA and BMP");
+    return {picture.where, features.width, features.height};
+  }
+  LTE_CHECK(picture.bytes.size() <= INT32_MAX, picture.where, ": ", picture.bytes.size(),
+            " bytes are too many for one image");
+  const image::DeclaredSize declared = image::declared_size(bytes).value_or(image::DeclaredSize{});
+  Size size;
+  int channels = 0;
+  if (stbi_info_from_memory(data(picture), static_cast<int>(picture.bytes.size()), &size.width,
+                            &size.height, &channels) != 1) {
+    if (declared.beyond_stb()) return {picture.where, declared.width, declared.height};
+    throw Error(
+        concat(picture.where, ": broken image header, or none of PNG, JPEG, WebP, TGA and BMP"));
   }
   LTE_CHECK(size.width > 0 && size.height > 0, picture.where, ": a picture without pixels");
-  return size;
+  return {picture.where, std::max<int64_t>(size.width, declared.width),
+          std::max<int64_t>(size.height, declared.height)};
 }
 
 std::vector<uint8_t> decode_webp(const EncodedPicture& picture, Size* size) {
@@ -83,7 +91,8 @@ std::vector<uint8_t> decode_stb(const EncodedPicture& picture, Size* size) {
   return {pixels.get(), pixels.get() + static_cast<size_t>(size->pixels()) * 3};
 }
 
-std::shared_ptr<const Texture> decode(const EncodedPicture& picture, Size size) {
+std::shared_ptr<const Texture> decode(const EncodedPicture& picture) {
+  Size size;
   std::vector<uint8_t> texels =
       is_webp(picture) ? decode_webp(picture, &size) : decode_stb(picture, &size);
   return std::make_shared<const Texture>(size.width, size.height, std::move(texels), picture.srgb);
@@ -92,24 +101,15 @@ std::shared_ptr<const Texture> decode(const EncodedPicture& picture, Size size) 
 }  // namespace
 
 std::vector<std::shared_ptr<const Texture>> decode_textures(
-    const std::vector<EncodedPicture>& pictures, const LoadLimits& limits) {
-  std::vector<Size> sizes;
-  int64_t total = 0;
-  for (const EncodedPicture& picture : pictures) {
-    sizes.push_back(read_size(picture));
-    const Size& size = sizes.back();
-    LTE_CHECK(size.pixels() <= limits.texture_pixels, picture.where, ": ", size.width, "x",
-              size.height, " pixels exceed the limit of ", limits.texture_pixels);
-    total += size.pixels();
-    LTE_CHECK(total <= limits.total_texture_pixels, picture.where,
-              ": with this picture textures have ", total, " pixels, more than the limit of ",
-              limits.total_texture_pixels, " for all");
-  }
+    const std::vector<EncodedPicture>& pictures, LoadBudget* budget) {
+  std::vector<DeclaredPicture> sizes;
+  for (const EncodedPicture& picture : pictures) sizes.push_back(read_size(picture));
+  budget->add_pictures(sizes, kTextureBytes);
   std::vector<std::shared_ptr<const Texture>> textures(pictures.size());
   parallel_for(static_cast<int64_t>(pictures.size()), 1, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
       const auto k = static_cast<size_t>(i);
-      textures[k] = decode(pictures[k], sizes[k]);
+      textures[k] = decode(pictures[k]);
     }
   });
   return textures;

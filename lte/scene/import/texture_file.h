@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "lte/scene/import/limits.h"
+#include "lte/scene/import/load_budget.h"
 #include "lte/scene/texture.h"
 
 namespace lte::scene {
@@ -20,10 +20,10 @@ struct EncodedPicture {
 };
 
 /// Decodes PNG, JPEG, WebP, TGA and BMP, told apart by content, in parallel; alpha is dropped.
-/// Sizes are read from every header, and held against the limits, before anything is decoded.
-/// @throws lte::Error naming the picture: none of these formats, damaged, animated, or larger than
-/// the limits of one texture or of all.
+/// Sizes are read from every header, and counted, before anything is decoded.
+/// @throws lte::Error naming the picture: none of these formats, damaged, animated; OverLimit for
+/// one that is too large, alone or with the others.
 std::vector<std::shared_ptr<const Texture>> decode_textures(
-    const std::vector<EncodedPicture>& pictures, const LoadLimits& limits);
+    const std::vector<EncodedPicture>& pictures, LoadBudget* budget);
 
 }  // namespace lte::scene

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "lte/base/check.h"
-#include "lte/base/file.h"
 #include "lte/image/tonemap.h"
 #include "lte/scene/import/triangulate.h"
 #include "lte/scene/obj/text.h"
@@ -134,7 +133,8 @@ class Parser {
     triangulate_polygon(outline_, ring_, &local_);
     triangles_ += static_cast<int64_t>(local_.size());
     if (triangles_ > limits_.triangles)
-      statements_.fail(concat("more than ", limits_.triangles, " triangles"));
+      throw OverLimit(concat(statements_.where(), ": more than ", limits_.triangles, " triangles"),
+                      "triangles");
     Part& part = current_part();
     for (const auto& [a, b, c] : local_)
       part.triangles.push_back({polygon_[a], polygon_[b], polygon_[c]});
@@ -169,16 +169,9 @@ class Parser {
 
 }  // namespace
 
-ObjFile read_obj(const std::filesystem::path& path, const LoadLimits& limits,
-                 IgnoredFeatures* ignored) {
-  const std::string name = path.string();
-  std::error_code error;
-  LTE_CHECK(std::filesystem::exists(path, error), name, ": no such file");
-  LTE_CHECK(std::filesystem::is_regular_file(path, error), name, ": not a regular file");
-  LTE_CHECK(std::filesystem::file_size(path, error) > 0, name, ": the file is empty");
-  const MappedFile map(path);
-  const std::string_view text(reinterpret_cast<const char*>(map.data()), map.size());
-  return Parser(text, name, limits, ignored).run();
+ObjFile read_obj(const SceneFile& file, const LoadLimits& limits, IgnoredFeatures* ignored) {
+  LTE_CHECK(!file.text().empty(), file.name(), ": the file is empty");
+  return Parser(file.text(), file.name(), limits, ignored).run();
 }
 
 }  // namespace lte::scene::obj

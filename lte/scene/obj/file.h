@@ -3,13 +3,12 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "lte/base/math.h"
 #include "lte/scene/import/ignored_features.h"
-#include "lte/scene/import/limits.h"
+#include "lte/scene/import/scene_files.h"
 
 namespace lte::scene::obj {
 
@@ -39,7 +38,6 @@ struct ObjFile {
 /// @throws lte::Error naming file and line: a number that is none or not finite, an index that is
 /// 0, not an integer or past the vertices before it, a face of fewer than three corners, more
 /// triangles than the limits.
-ObjFile read_obj(const std::filesystem::path& path, const LoadLimits& limits,
-                 IgnoredFeatures* ignored);
+ObjFile read_obj(const SceneFile& file, const LoadLimits& limits, IgnoredFeatures* ignored);
 
 }  // namespace lte::scene::obj

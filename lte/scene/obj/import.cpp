@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "lte/base/check.h"
-#include "lte/base/file.h"
 #include "lte/scene/import/texture_file.h"
 #include "lte/scene/obj/file.h"
 #include "lte/scene/obj/material.h"
@@ -64,23 +63,35 @@ class VertexTable {
   std::vector<uint32_t> first_, next_, uv_;
 };
 
-MaterialLibrary read_libraries(const std::filesystem::path& path, const ObjFile& file,
+/// The library of a whole mtllib line.
+/// @param several  the line may as well hold several names, which are tried apart
+SceneFilePtr open_library(const SceneFile& scene, const std::string& name, const std::string& where,
+                          bool several, SceneFiles* files) try {
+  return find_beside(scene, name, where, files);
+} catch (const OutsideFolder&) {
+  if (!several) throw;
+  return nullptr;
+}
+
+MaterialLibrary read_libraries(const SceneFile& scene, const ObjFile& file, SceneFiles* files,
                                IgnoredFeatures* ignored) {
   MaterialLibrary library;
+  const std::string where = concat(scene.name(), ": mtllib");
   for (const std::string& name : file.libraries) {
+    Statements names(name, scene.name());
+    names.next();
+    std::string word(names.word());
     // One name with spaces, as most write it, or several without.
-    if (const std::filesystem::path found = find_beside(path, name); !found.empty()) {
-      read_mtl(found, ignored, &library);
+    const bool several = word.size() < name.size();
+    if (const SceneFilePtr found = open_library(scene, name, where, several, files)) {
+      read_mtl(*found, files, ignored, &library);
       continue;
     }
-    Statements names(name, path.string());
-    names.next();
-    for (std::string word(names.word()); !word.empty(); word = names.word()) {
-      const std::filesystem::path found = find_beside(path, word);
-      if (found.empty()) {
-        ignored->add(concat("mtllib \"", shown(word), "\", which is not there"), "file");
+    for (; !word.empty(); word = names.word()) {
+      if (const SceneFilePtr found = find_beside(scene, word, where, files)) {
+        read_mtl(*found, files, ignored, &library);
       } else {
-        read_mtl(found, ignored, &library);
+        ignored->add(concat("mtllib \"", shown(word), "\", which is not there"), "file");
       }
     }
   }
@@ -116,24 +127,21 @@ void add_part(const Part& part, int material, VertexTable* vertices, Scene* scen
   scene->meshes.push_back(std::move(mesh));
 }
 
-std::vector<std::shared_ptr<const Texture>> read_pictures(
-    const std::vector<std::filesystem::path>& files, const LoadLimits& limits) {
-  std::vector<std::unique_ptr<MappedFile>> maps;
+std::vector<std::shared_ptr<const Texture>> read_pictures(const std::vector<SceneFilePtr>& files,
+                                                          LoadBudget* budget) {
   std::vector<EncodedPicture> pictures;
-  for (const std::filesystem::path& file : files) {
-    maps.push_back(std::make_unique<MappedFile>(file));
-    pictures.push_back({{maps.back()->data(), maps.back()->size()}, file.string()});
-  }
-  return decode_textures(pictures, limits);
+  for (const SceneFilePtr& file : files) pictures.push_back({file->bytes(), file->name()});
+  return decode_textures(pictures, budget);
 }
 
 }  // namespace
 
-Scene import(const std::filesystem::path& path, const LoadLimits& limits) {
+Scene import(SceneFiles* files) {
+  const SceneFilePtr source = files->open_scene();
   IgnoredFeatures ignored;
-  ObjFile file = read_obj(path, limits, &ignored);
-  LTE_CHECK(!file.parts.empty(), path.string(), ": the scene has no triangles (no f statement)");
-  MaterialLibrary library = read_libraries(path, file, &ignored);
+  ObjFile file = read_obj(*source, files->limits(), &ignored);
+  LTE_CHECK(!file.parts.empty(), source->name(), ": the scene has no triangles (no f statement)");
+  MaterialLibrary library = read_libraries(*source, file, files, &ignored);
   std::vector<int> material;
   for (const Part& part : file.parts) material.push_back(material_of(part, &ignored, &library));
 
@@ -145,7 +153,7 @@ Scene import(const std::filesystem::path& path, const LoadLimits& limits) {
     add_part(file.parts[i], material[i], &vertices, &scene);
     file.parts[i] = {};
   }
-  scene.textures = read_pictures(library.pictures, limits);
+  scene.textures = read_pictures(library.pictures, &files->budget());
   scene.ignored = ignored.lines();
   return scene;
 }

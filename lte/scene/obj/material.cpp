@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "lte/base/check.h"
-#include "lte/base/file.h"
 #include "lte/scene/obj/text.h"
 
 namespace lte::scene::obj {
@@ -57,16 +56,20 @@ bool is_number(std::string_view word) {
 
 /// One line of a map: options, then a file name that may hold spaces.
 struct MapLine {
-  std::string file;
+  std::string file, where;
   Vec2 offset{0, 0}, scale{1, 1};
   bool clamp = false;
 };
 
 class MtlReader {
  public:
-  MtlReader(const std::filesystem::path& path, std::string_view text, IgnoredFeatures* ignored,
+  MtlReader(const SceneFile& file, SceneFiles* files, IgnoredFeatures* ignored,
             MaterialLibrary* library)
-      : path_(path), statements_(text, path.string()), ignored_(ignored), library_(library) {}
+      : file_(file),
+        files_(files),
+        statements_(file.text(), file.name()),
+        ignored_(ignored),
+        library_(library) {}
 
   void run() {
     while (statements_.next()) {
@@ -170,6 +173,7 @@ class MtlReader {
         for (int i = 0; i <= skipped->words; ++i) statements_.word();
       } else {
         map.file = statements_.rest();
+        map.where = statements_.where();
         return map;
       }
     }
@@ -189,9 +193,12 @@ class MtlReader {
   TextureRef to_ref(const MapLine& map) {
     TextureRef ref;
     if (map.file.empty()) return ref;
-    const std::filesystem::path file = find_beside(path_, map.file);
-    if (file.empty()) {
-      ignored_->add(concat("texture \"", shown(map.file), "\", which is not there"), "use");
+    const SceneFilePtr file = find_beside(file_, map.file, map.where, files_);
+    if (!file) {
+      ignored_->add(file_.outside()
+                        ? "texture of a material file outside the folder, which is not there"
+                        : concat("texture \"", shown(map.file), "\", which is not there"),
+                    "use");
       return ref;
     }
     auto& pictures = library_->pictures;
@@ -233,7 +240,8 @@ class MtlReader {
     library_->materials.push_back(std::move(material_));
   }
 
-  const std::filesystem::path& path_;
+  const SceneFile& file_;
+  SceneFiles* files_;
   Statements statements_;
   IgnoredFeatures* ignored_;
   MaterialLibrary* library_;
@@ -245,24 +253,24 @@ class MtlReader {
 
 }  // namespace
 
-std::filesystem::path find_beside(const std::filesystem::path& scene, const std::string& name) {
+SceneFilePtr find_beside(const SceneFile& from, const std::string& name, const std::string& where,
+                         SceneFiles* files) {
   std::string plain = name;
   std::replace(plain.begin(), plain.end(), '\\', '/');
-  const std::filesystem::path folder = scene.parent_path(), wanted = plain;
-  if (plain.empty() || plain.find('\0') != std::string::npos) return {};
-  std::error_code error;
+  const std::filesystem::path folder = from.path().parent_path(), wanted = plain;
+  if (!wanted.has_filename()) return nullptr;
   const bool foreign = wanted.is_absolute() || plain.find(':') != std::string::npos;
-  for (const std::filesystem::path& path :
-       {foreign ? std::filesystem::path{} : folder / wanted, folder / wanted.filename()}) {
-    if (!path.empty() && std::filesystem::is_regular_file(path, error)) return path;
-  }
-  return {};
+  std::vector<std::filesystem::path> candidates;
+  if (!foreign) candidates.push_back(folder / wanted);
+  candidates.push_back(folder / wanted.filename());
+  return files->open(candidates, name, where, SceneFiles::Special::IsMissing);
 }
 
-void read_mtl(const std::filesystem::path& path, IgnoredFeatures* ignored,
+void read_mtl(const SceneFile& file, SceneFiles* files, IgnoredFeatures* ignored,
               MaterialLibrary* library) {
-  const std::string text = read_file(path, kMaxBytes);
-  MtlReader(path, text, ignored, library).run();
+  LTE_CHECK(file.text().size() <= kMaxBytes, file.name(), ": is larger than the limit of ",
+            kMaxBytes, " bytes");
+  read_discreetly(file, "material file", [&] { MtlReader(file, files, ignored, library).run(); });
 }
 
 }  // namespace lte::scene::obj

@@ -1,12 +1,12 @@
 // Wavefront MTL: the material file of OBJ.
 #pragma once
 
-#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "lte/scene/import/ignored_features.h"
+#include "lte/scene/import/scene_files.h"
 #include "lte/scene/scene.h"
 
 namespace lte::scene::obj {
@@ -16,19 +16,23 @@ namespace lte::scene::obj {
 struct MaterialLibrary {
   std::vector<Material> materials;
   std::map<std::string, int> by_name;
-  std::vector<std::filesystem::path> pictures;  ///< each once; all of them exist
+  std::vector<SceneFilePtr> pictures;  ///< each once
 };
 
-/// A file that a scene names, beside the scene or below it. Backslashes divide folders too, and of
-/// a path that is absolute or of another machine only the last part is looked for.
-/// @return  an empty path if there is no such file
-std::filesystem::path find_beside(const std::filesystem::path& scene, const std::string& name);
+/// Opens a file that `from` names: where the name leads from there, else beside it. Backslashes
+/// divide folders too, and of a path that is absolute or of another machine only the last part is
+/// looked for.
+/// @param where  file, and line if it is known, for messages
+/// @return  null if there is no such file
+/// @throws OutsideFolder; see SceneFiles::open().
+SceneFilePtr find_beside(const SceneFile& from, const std::string& name, const std::string& where,
+                         SceneFiles* files);
 
 /// Adds the materials of one file. Of a name that is given twice, the first one counts. Kd and Ke
 /// are linear; Ke is radiance. What a Lambertian surface cannot show is ignored, and recorded once
 /// for each material.
 /// @throws lte::Error naming file and line: a number that is none, not finite or negative.
-void read_mtl(const std::filesystem::path& path, IgnoredFeatures* ignored,
+void read_mtl(const SceneFile& file, SceneFiles* files, IgnoredFeatures* ignored,
               MaterialLibrary* library);
 
 }  // namespace lte::scene::obj

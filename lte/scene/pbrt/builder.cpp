@@ -53,7 +53,7 @@ const std::map<std::string, Builder::Entry>& Builder::directives() {
   return table;
 }
 
-Builder::Builder(Files* files, const LoadLimits& limits) : files_(files), limits_(limits) {
+Builder::Builder(Files* files) : files_(files), limits_(files->limits()) {
   // What shapes have before the first Material.
   MaterialDef standard{"default", "diffuse", {}, Params("Material \"diffuse\"", {}, {})};
   world_.materials.push_back(std::move(standard));

@@ -18,7 +18,7 @@ namespace lte::scene::pbrt {
 /// Collects a World from directives in the order of the file.
 class Builder {
  public:
-  Builder(Files* files, const LoadLimits& limits);
+  explicit Builder(Files* files);
 
   /// nullptr for a directive that PBRT does not have.
   static const Syntax* syntax(const std::string& directive);

@@ -89,7 +89,7 @@ void Builder::light_source(Call& call) {
   need_world(call);
   const std::string type = call.strings[0];
   if (type == "infinite") {
-    add_infinite_light(params(call, "light"), current(call.at), *files_, limits_, &world_.ignored,
+    add_infinite_light(params(call, "light"), current(call.at), *files_, &world_.ignored,
                        &world_.infinite);
     return;
   }
@@ -121,12 +121,12 @@ void Builder::shape(Call& call) {
     index = known->second;
     ignore_left_out(own, &world_.ignored);
   } else {
-    BuiltShape built =
-        build_shape(type, own, state_.reverse_orientation, *files_, limits_, &world_.ignored);
+    BuiltShape built = build_shape(type, own, state_.reverse_orientation, *files_, &world_.ignored);
     if (built.mesh.triangles.empty()) return;
     triangles_ += static_cast<int64_t>(built.mesh.triangles.size());
     if (triangles_ > limits_.triangles)
-      fail(call.at, "more than ", limits_.triangles, " triangles");
+      throw OverLimit(concat(call.at, ": more than ", limits_.triangles, " triangles"),
+                      "triangles");
     if (built.mesh.name.empty()) built.mesh.name = concat(type, " ", call.at);
     index = static_cast<int>(world_.shapes.size());
     world_.shapes.push_back(

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "lte/base/parallel.h"
-#include "lte/image/picture.h"
 #include "lte/image/tonemap.h"
+#include "lte/scene/pbrt/named_file.h"
 
 namespace lte::scene::pbrt {
 namespace {
@@ -65,12 +65,12 @@ bool is_whole(float value) { return std::abs(value - std::round(value)) < 1e-4f;
 }  // namespace
 
 int ImageTable::plain(const std::string& file, const std::string& encoding, const Location& at) {
-  const std::string path = files_.find(file, at).string();
+  const SceneFilePtr found = files_.find(file, at);
   const auto [place, is_new] =
-      plain_.insert({{path, encoding}, static_cast<int>(pictures_.size())});
+      plain_.insert({{found->name(), encoding}, static_cast<int>(pictures_.size())});
   if (is_new) {
     Picture picture;
-    picture.path = path;
+    picture.file = found;
     picture.encoding = encoding;
     picture.at = at;
     pictures_.push_back(std::move(picture));
@@ -126,14 +126,32 @@ Appearance ImageTable::bake(const TexturePtr& texture) {
   return {{1, 1, 1}, ref};
 }
 
+/// Holds the sizes in the headers of all files against the limits.
+void ImageTable::count_files() const {
+  std::vector<DeclaredPicture> declared;
+  for (const Picture& picture : pictures_) {
+    if (picture.baked != nullptr) continue;
+    const image::DeclaredSize size = declared_size(*picture.file, picture.at);
+    declared.push_back({concat(picture.at, ": ", picture.file->name()), size.width, size.height});
+  }
+  files_.budget().add_pictures(declared, kTextureBytes);
+}
+
+void ImageTable::count_baked() const {
+  std::vector<DeclaredPicture> declared;
+  for (const Picture& picture : pictures_) {
+    if (picture.baked == nullptr) continue;
+    double width = 0, height = 0;
+    size_of(picture, &width, &height);
+    declared.push_back({concat(picture.at, ": a texture of textures"), static_cast<int64_t>(width),
+                        static_cast<int64_t>(height)});
+  }
+  files_.budget().add_pictures(declared, kTextureBytes);
+}
+
 void ImageTable::decode(Picture* picture) const {
-  const image::Picture file = [&] {
-    try {
-      return image::read_picture(picture->path, limits_.texture_pixels);
-    } catch (const Error& error) {
-      fail(picture->at, error.what());
-    }
-  }();
+  const image::Picture file =
+      decode_picture(*picture->file, picture->at, files_.limits().texture_pixels);
   const image::Image& image = file.image;
   const auto pixels = static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
   const auto channels = static_cast<size_t>(image.channels);
@@ -152,8 +170,8 @@ void ImageTable::decode(Picture* picture) const {
   for (size_t i = 0; i < rgb.size(); ++i) {
     const float texel = value(i / 3, i % 3);
     if (!std::isfinite(texel))
-      fail(picture->at, picture->path, ": pixel ", i / 3 % static_cast<size_t>(image.width), ", ",
-           i / 3 / static_cast<size_t>(image.width), " is not finite");
+      fail(picture->at, picture->file->name(), ": pixel ", i / 3 % static_cast<size_t>(image.width),
+           ", ", i / 3 / static_cast<size_t>(image.width), " is not finite");
     rgb[i] = file.coded ? static_cast<float>(std::pow(texel, gamma)) : std::max(0.0f, texel);
   }
   picture->texture = quantize(rgb, image.width, image.height, &picture->gain);
@@ -201,7 +219,8 @@ void ImageTable::size_of(const Picture& picture, double* width, double* height) 
     *width = std::max(*width, w * (st ? picture.period : std::abs(leaf->mapping.scale.x)));
     *height = std::max(*height, h * (st ? picture.period : std::abs(leaf->mapping.scale.y)));
   }
-  const double most = std::min(kMaxBaked, std::sqrt(static_cast<double>(limits_.texture_pixels)));
+  const double most =
+      std::min(kMaxBaked, std::sqrt(static_cast<double>(files_.limits().texture_pixels)));
   *width = std::ceil(std::min(*width, most));
   *height = std::ceil(std::min(*height, most));
 }
@@ -230,6 +249,7 @@ void ImageTable::evaluate(Picture* picture) const {
 std::vector<std::shared_ptr<const Texture>> ImageTable::finish(std::vector<Material>* materials) {
   // Files first, as baked pictures read them.
   for (const bool baked : {false, true}) {
+    baked ? count_baked() : count_files();
     parallel_for(static_cast<int64_t>(pictures_.size()), 1, [&](int64_t begin, int64_t end) {
       for (int64_t i = begin; i < end; ++i) {
         Picture& picture = pictures_[static_cast<size_t>(i)];

@@ -20,21 +20,21 @@ struct Appearance {
 
 class ImageTable {
  public:
-  ImageTable(const Files& files, const LoadLimits& limits, IgnoredFeatures* ignored)
-      : files_(files), limits_(limits), ignored_(ignored) {}
+  ImageTable(const Files& files, IgnoredFeatures* ignored) : files_(files), ignored_(ignored) {}
 
   Appearance resolve(const TexturePtr& texture);
   /// The picture of an area light, which spans the unit square of uv.
   TextureRef light_image(const std::string& file, const Location& at);
 
-  /// Decodes and bakes the pictures in parallel, each once, and turns the materials' references
-  /// into indices of the result. A picture with values above 1 is stored divided by its maximum,
-  /// which the materials' factors take over.
+  /// Counts the pictures, then decodes and bakes them in parallel, each once, and turns the
+  /// materials' references into indices of the result. A picture with values above 1 is stored
+  /// divided by its maximum, which the materials' factors take over.
   std::vector<std::shared_ptr<const Texture>> finish(std::vector<Material>* materials);
 
  private:
   struct Picture {
-    std::string path, encoding;  ///< of a plain one
+    SceneFilePtr file;     ///< of a plain one
+    std::string encoding;  ///< of a plain one
     Location at;
     TexturePtr baked;  ///< the expression of the others
     bool in_st = false;
@@ -47,13 +47,14 @@ class ImageTable {
 
   int plain(const std::string& file, const std::string& encoding, const Location& at);
   Appearance bake(const TexturePtr& texture);
+  void count_files() const;
+  void count_baked() const;
   void decode(Picture* picture) const;
   void evaluate(Picture* picture) const;
   Rgb value(const Picture& picture, const TextureNode& node, const Vec2& p) const;
   void size_of(const Picture& picture, double* width, double* height) const;
 
   const Files& files_;
-  const LoadLimits& limits_;
   IgnoredFeatures* ignored_;
   std::vector<Picture> pictures_;
   std::map<std::pair<std::string, std::string>, int> plain_;

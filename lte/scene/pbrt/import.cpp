@@ -40,14 +40,14 @@ void add_default_uvs(Mesh* mesh) {
 /// placements.
 class Importer {
  public:
-  Importer(World* world, const Files& files, const LoadLimits& limits, std::string name)
+  Importer(World* world, const Files& files, std::string name)
       : world_(*world),
         files_(files),
-        limits_(limits),
+        limits_(files.limits()),
         file_(std::move(name)),
         textures_(world_, files, &world_.ignored),
         materials_(world_, textures_, files, &world_.ignored),
-        images_(files, limits, &world_.ignored),
+        images_(files, &world_.ignored),
         mesh_of_shape_(world_.shapes.size(), kUnseen) {}
 
   Scene run() {
@@ -88,7 +88,8 @@ class Importer {
     const Mesh& placed = scene_.meshes[static_cast<size_t>(mesh)];
     triangles_ += static_cast<int64_t>(placed.triangles.size());
     if (triangles_ > limits_.triangles)
-      fail(at, "instances have more than ", limits_.triangles, " triangles");
+      throw OverLimit(concat(at, ": instances have more than ", limits_.triangles, " triangles"),
+                      "triangles");
     Instance instance{mesh, affine, kNone};
     if (scene_.materials[static_cast<size_t>(placed.material)].emissive()) {
       instance.light_group = static_cast<int>(scene_.light_groups.size());
@@ -219,14 +220,13 @@ class Importer {
 
 }  // namespace
 
-Scene import(const std::filesystem::path& path, const LoadLimits& limits) {
-  Files files(path, limits);
-  Builder builder(&files, limits);
-  parse_file(path, &files,
-             {Builder::syntax, [&](Call&& call) { builder.execute(std::move(call)); }});
-  World world = builder.finish(path.string());
-  Scene scene = Importer(&world, files, limits, path.string()).run();
-  return scene;
+Scene import(SceneFiles* scene) {
+  Files files(scene);
+  Builder builder(&files);
+  parse_scene(&files, {Builder::syntax, [&](Call&& call) { builder.execute(std::move(call)); }});
+  const std::string name = scene->scene().string();
+  World world = builder.finish(name);
+  return Importer(&world, files, name).run();
 }
 
 }  // namespace lte::scene::pbrt

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lte/image/picture.h"
 #include "lte/image/tonemap.h"
+#include "lte/scene/pbrt/named_file.h"
 #include "lte/scene/pbrt/world.h"
 
 namespace lte::scene::pbrt {
@@ -40,16 +40,13 @@ std::array<Vec3, 3> latitude_axes(const std::array<Vec3, 3>& axes) {
 }
 
 /// Linear radiance, three channels.
-image::Image read_radiance(const std::string& file, const Params& params, const Files& files,
-                           const LoadLimits& limits) {
-  const std::string path = files.find(file, params.at()).string();
-  const image::Picture picture = [&] {
-    try {
-      return image::read_picture(path, std::min(limits.texture_pixels, EnvironmentMap::kMaxTexels));
-    } catch (const Error& error) {
-      fail(params.at(), error.what());
-    }
-  }();
+image::Image read_radiance(const std::string& name, const Params& params, const Files& files) {
+  const SceneFilePtr file = files.find(name, params.at());
+  const image::DeclaredSize size = declared_size(*file, params.at());
+  files.budget().add_pictures({{concat(params.at(), ": ", file->name()), size.width, size.height}},
+                              kEnvironmentBytes);
+  const image::Picture picture = decode_picture(
+      *file, params.at(), std::min(files.limits().texture_pixels, EnvironmentMap::kMaxTexels));
   const image::Image& source = picture.image;
   image::Image out(source.width, source.height, 3);
   for (int y = 0; y < out.height; ++y) {
@@ -57,7 +54,7 @@ image::Image read_radiance(const std::string& file, const Params& params, const 
       for (int c = 0; c < 3; ++c) {
         const float value = source.at(x, y)[source.channels >= 3 ? c : 0];
         if (!std::isfinite(value))
-          fail(params.at(), path, ": pixel ", x, ", ", y, " is not finite");
+          fail(params.at(), file->name(), ": pixel ", x, ", ", y, " is not finite");
         out.at(x, y)[c] = std::max(0.0f, picture.coded ? image::srgb_to_linear(value) : value);
       }
     }
@@ -81,9 +78,9 @@ double pbrt_illuminance(const image::Image& image) {
 
 /// @param latitude  pbrt-v3's mapping, and its "L", which scales the picture
 void add_picture(const std::string& file, bool latitude, const Params& params,
-                 const Transform& to_world, const Files& files, const LoadLimits& limits,
-                 IgnoredFeatures* ignored, InfiniteLight* light) {
-  image::Image picture = read_radiance(file, params, files, limits);
+                 const Transform& to_world, const Files& files, IgnoredFeatures* ignored,
+                 InfiniteLight* light) {
+  image::Image picture = read_radiance(file, params, files);
   if (!latitude && picture.width != picture.height)
     fail(params.at(), params.what(), ": ", quote(file), " is ", picture.width, "x", picture.height,
          "; pbrt-v4 has square pictures, of its equal-area mapping");
@@ -112,8 +109,7 @@ void add_picture(const std::string& file, bool latitude, const Params& params,
 }  // namespace
 
 void add_infinite_light(const Params& params, const Transform& to_world, const Files& files,
-                        const LoadLimits& limits, IgnoredFeatures* ignored,
-                        std::optional<InfiniteLight>* lights) {
+                        IgnoredFeatures* ignored, std::optional<InfiniteLight>* lights) {
   const std::string square = params.text("filename", ""), latitude = params.text("mapname", "");
   const std::string& file = square.empty() ? latitude : square;
   if (!square.empty() && params.has("L"))
@@ -132,7 +128,7 @@ void add_infinite_light(const Params& params, const Transform& to_world, const F
   } else if (light.picture) {
     ignored->add("second infinite light with a picture: ignored", params.at());
   } else {
-    add_picture(file, square.empty(), params, to_world, files, limits, ignored, &light);
+    add_picture(file, square.empty(), params, to_world, files, ignored, &light);
   }
   ignore_unused(params, ignored);
   *lights = std::move(light);

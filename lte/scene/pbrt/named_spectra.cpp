@@ -58,14 +58,22 @@ Spectrum to_pairs(const Parameter& parameter, const std::vector<double>& numbers
 /// Pairs in the scene, or in a file that it names.
 Spectrum read_pairs(const Parameter& parameter, const Files& files) {
   if (parameter.strings.empty()) return to_pairs(parameter, parameter.numbers);
-  const std::filesystem::path path = files.find(parameter.strings[0], parameter.at);
-  const CompressedFile file(path, kMaxSpectrumBytes);
-  const std::string name = path.string();
+  const SceneFilePtr found = files.find(parameter.strings[0], parameter.at);
+  const CompressedFile file(found, &files.budget());
+  if (file.text().size() > kMaxSpectrumBytes)
+    fail(parameter.at, quote(parameter.strings[0]), " is longer than a spectrum may be, ",
+         kMaxSpectrumBytes, " bytes");
+  const TextFile name{found->name(), found->outside()};
   Tokenizer tokens(&name, file.text());
   std::vector<double> numbers;
   for (Token token = tokens.next(); token.kind != Token::End; token = tokens.next())
     numbers.push_back(parse_number(token));
-  return to_pairs(parameter, numbers);
+  try {
+    return to_pairs(parameter, numbers);
+  } catch (const Error&) {
+    if (found->outside()) fail(parameter.at, "a file outside the folder holds no spectrum");
+    throw;
+  }
 }
 
 /// A spectrum's name, or "" for pairs and files of pairs.

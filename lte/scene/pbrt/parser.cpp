@@ -59,7 +59,7 @@ std::string shown(const Token& token) {
 
 class FileParser {
  public:
-  FileParser(const std::string* name, std::string_view text, Files* files, const Target& target)
+  FileParser(const TextFile* name, std::string_view text, Files* files, const Target& target)
       : tokens_(name, text), files_(files), target_(target) {}
 
   void run() {
@@ -98,7 +98,7 @@ class FileParser {
 
   /// Parses an Include or Import. Import stands in an attribute block of its own.
   void follow(const std::string& directive, const Location& at) {
-    const std::filesystem::path path = files_->find(read_string(directive), at);
+    const SceneFilePtr found = files_->find(read_string(directive), at);
     const bool import = directive == "Import";
     const auto bracket = [&](const char* name) {
       Call call;
@@ -106,8 +106,8 @@ class FileParser {
       call.at = at;
       target_.execute(std::move(call));
     };
-    const std::string* name = files_->open(path, at);
-    const CompressedFile file(path);
+    const TextFile* name = files_->open(*found, at);
+    const CompressedFile file(found, &files_->budget());
     files_->count_text(file.text().size(), at);
     if (import) bracket("AttributeBegin");
     FileParser(name, file.text(), files_, target_).run();
@@ -247,9 +247,10 @@ double parse_number(const Token& token) {
   return value;
 }
 
-void parse_file(const std::filesystem::path& path, Files* files, const Target& target) {
-  const CompressedFile file(path);
-  const std::string* name = files->open(path, {});
+void parse_scene(Files* files, const Target& target) {
+  const SceneFilePtr scene = files->open_scene();
+  const TextFile* name = files->open(*scene, {});
+  const CompressedFile file(scene, &files->budget());
   files->count_text(file.text().size(), {name, 1});
   FileParser(name, file.text(), files, target).run();
   files->close();

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -39,9 +38,9 @@ struct Target {
   std::function<void(Call&& call)> execute;
 };
 
-/// Parses the file and all that it includes, in order.
+/// Parses the scene's file and all that it includes, in order.
 /// @throws lte::Error with file and line.
-void parse_file(const std::filesystem::path& path, Files* files, const Target& target);
+void parse_scene(Files* files, const Target& target);
 
 /// Reads a number of a scene file.
 /// @throws lte::Error if the token is no number, or not a finite one.

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "lte/scene/import/subdivision.h"
+#include "lte/scene/pbrt/named_file.h"
 #include "lte/scene/pbrt/world.h"
 #include "lte/scene/ply/ply.h"
 
@@ -107,7 +108,9 @@ BuiltShape build_patches(const Params& params, const LoadLimits& limits, Ignored
   BuiltShape out;
   out.parts = static_cast<int64_t>(indices.size() / 4);
   if (out.parts > limits.triangles / (2 * kPatchCells * kPatchCells))
-    fail(params.at(), params.what(), ": ", out.parts, " patches are too many");
+    throw OverLimit(concat(params.at(), ": ", params.what(), ": ", out.parts,
+                           " patches may have more than ", limits.triangles, " triangles"),
+                    "triangles", out.parts * 2 * kPatchCells * kPatchCells);
   for (size_t i = 0; i < indices.size(); i += 4) {
     std::array<Vec3, 4> corners;
     std::array<Vec2, 4> uvs{Vec2{0, 0}, Vec2{1, 0}, Vec2{0, 1}, Vec2{1, 1}};
@@ -130,21 +133,14 @@ BuiltShape build_patches(const Params& params, const LoadLimits& limits, Ignored
   return out;
 }
 
-BuiltShape build_ply(const Params& params, const Files& files, const LoadLimits& limits,
-                     IgnoredFeatures* ignored) {
+BuiltShape build_ply(const Params& params, const Files& files, IgnoredFeatures* ignored) {
   const std::string name = params.text("filename", "");
   if (name.empty()) fail(params.at(), params.what(), " needs \"string filename\"");
-  const std::filesystem::path path = files.find(name, params.at());
-  ply::PlyMesh ply = [&] {
-    try {
-      return ply::read_ply(path, limits);
-    } catch (const Error& error) {
-      fail(params.at(), error.what());
-    }
-  }();
+  const SceneFilePtr file = files.find(name, params.at());
+  ply::PlyMesh ply = at_line(params.at(), [&] { return ply::read_ply(file, &files.budget()); });
   BuiltShape out;
   out.parts = ply.faces - ply.dropped_faces;
-  out.mesh.name = path.stem().string();
+  out.mesh.name = file->path().stem().string();
   out.mesh.positions = std::move(ply.positions);
   out.mesh.triangles = std::move(ply.triangles);
   out.mesh.uvs[0] = std::move(ply.uvs);
@@ -161,13 +157,21 @@ BuiltShape build_loop(const Params& params, const LoadLimits& limits) {
   params.has("scheme");
   double triangles = static_cast<double>(indices.size()) / 3;
   for (int i = 0; i < levels && triangles <= 1e18; ++i) triangles *= 4;
-  if (levels < 0 || triangles > static_cast<double>(limits.triangles))
-    fail(params.at(), params.what(), ": ", levels, " levels make ", triangles,
-         " triangles; the limit is ", limits.triangles);
+  if (levels < 0) fail(params.at(), params.what(), ": ", levels, " levels");
+  if (triangles > static_cast<double>(limits.triangles))
+    throw OverLimit(concat(params.at(), ": ", params.what(), ": ", levels, " levels make ",
+                           triangles, " triangles; the limit is ", limits.triangles),
+                    "triangles");
   TriangleMesh mesh{std::move(control.positions), {}};
   for (size_t i = 0; i < indices.size(); i += 3)
     mesh.triangles.push_back({indices[i], indices[i + 1], indices[i + 2]});
-  mesh = loop_subdivide(mesh, levels, concat(params.at(), ": ", params.what()));
+  const std::string where = concat(params.at(), ": ", params.what());
+  try {
+    mesh = loop_subdivide(mesh, levels, where);
+  } catch (const Error&) {
+    if (params.at().file->outside) fail(params.at(), params.what(), ": cannot be subdivided");
+    throw;
+  }
   BuiltShape out;
   out.mesh.positions = std::move(mesh.positions);
   out.mesh.triangles = std::move(mesh.triangles);
@@ -181,12 +185,13 @@ BuiltShape build_loop(const Params& params, const LoadLimits& limits) {
 }  // namespace
 
 BuiltShape build_shape(const std::string& type, const Params& params, bool reverse,
-                       const Files& files, const LoadLimits& limits, IgnoredFeatures* ignored) {
+                       const Files& files, IgnoredFeatures* ignored) {
+  const LoadLimits& limits = files.limits();
   BuiltShape out;
   if (type == "trianglemesh") {
     out = build_triangles(params);
   } else if (type == "plymesh") {
-    out = build_ply(params, files, limits, ignored);
+    out = build_ply(params, files, ignored);
   } else if (type == "loopsubdiv") {
     out = build_loop(params, limits);
   } else if (type == "bilinearmesh") {

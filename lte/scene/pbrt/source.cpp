@@ -27,7 +27,7 @@ std::string hex(char c) {
 
 std::ostream& operator<<(std::ostream& out, const Location& at) {
   if (at.file == nullptr) return out << "?";
-  return out << *at.file << ":" << at.line;
+  return out << at.file->name << ":" << at.line;
 }
 
 std::string quote(std::string_view text) {
@@ -37,13 +37,16 @@ std::string quote(std::string_view text) {
 }
 
 void IgnoredFeatures::add(const std::string& what, const Location& at) {
-  auto found = entries_.find(what);
+  const bool outside = at.file != nullptr && at.file->outside;
+  const size_t quote = outside ? what.find('"') : what.npos;
+  const std::string kept = quote == what.npos ? what : what.substr(0, quote) + "...";
+  auto found = entries_.find(kept);
   if (found == entries_.end()) {
     if (entries_.size() >= kMaxLines) {
       ++dropped_;
       return;
     }
-    found = entries_.emplace(what, Entry{0, at, entries_.size()}).first;
+    found = entries_.emplace(kept, Entry{0, at, entries_.size()}).first;
   }
   ++found->second.count;
 }
@@ -59,8 +62,8 @@ std::vector<std::string> IgnoredFeatures::lines() const {
   return out;
 }
 
-Tokenizer::Tokenizer(const std::string* name, std::string_view text) : name_(name), text_(text) {
-  LTE_CHECK(!text.starts_with("\xff\xfe") && !text.starts_with("\xfe\xff"), *name,
+Tokenizer::Tokenizer(const TextFile* name, std::string_view text) : name_(name), text_(text) {
+  LTE_CHECK(!text.starts_with("\xff\xfe") && !text.starts_with("\xfe\xff"), name->name,
             ":1: UTF-16 text, expected UTF-8 or ASCII");
   if (text.starts_with("\xef\xbb\xbf")) place_ = 3;  // a byte order mark, which some editors leave
 }

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "lte/image/image.h"
-#include "lte/scene/import/limits.h"
 #include "lte/scene/pbrt/files.h"
 #include "lte/scene/pbrt/params.h"
 #include "lte/scene/pbrt/transform.h"
@@ -78,7 +77,7 @@ struct BuiltShape {
   int64_t parts = 1;
 };
 BuiltShape build_shape(const std::string& type, const Params& params, bool reverse,
-                       const Files& files, const LoadLimits& limits, IgnoredFeatures* ignored);
+                       const Files& files, IgnoredFeatures* ignored);
 
 /// Records what a Shape directive says and build_shape() does not read.
 void ignore_left_out(const Params& params, IgnoredFeatures* ignored);
@@ -102,8 +101,7 @@ Rgb light_color(const Params& params, const std::string& name, const Files& file
 
 /// Adds a LightSource "infinite" to those before. A second picture cannot be added (recorded).
 void add_infinite_light(const Params& params, const Transform& to_world, const Files& files,
-                        const LoadLimits& limits, IgnoredFeatures* ignored,
-                        std::optional<InfiniteLight>* lights);
+                        IgnoredFeatures* ignored, std::optional<InfiniteLight>* lights);
 /// The environment that they make, without a light group.
 Environment to_environment(InfiniteLight light);
 

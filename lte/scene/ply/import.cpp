@@ -7,11 +7,11 @@
 
 namespace lte::scene::ply {
 
-Scene import(const std::filesystem::path& path, const LoadLimits& limits) {
-  PlyMesh file = read_ply(path, limits);
+Scene import(SceneFiles* files) {
+  PlyMesh file = read_ply(files->open_scene(), &files->budget());
   Scene scene;
   Mesh mesh;
-  mesh.name = path.stem().string();
+  mesh.name = files->scene().stem().string();
   mesh.positions = std::move(file.positions);
   mesh.triangles = std::move(file.triangles);
   mesh.uvs[0] = std::move(file.uvs);

@@ -1,9 +1,7 @@
 // A PLY file as a scene of its own.
 #pragma once
 
-#include <filesystem>
-
-#include "lte/scene/import/limits.h"
+#include "lte/scene/import/scene_files.h"
 #include "lte/scene/scene.h"
 
 namespace lte::scene::ply {
@@ -11,6 +9,6 @@ namespace lte::scene::ply {
 /// A scene of one mesh whose vertex colors are the albedo, 0.5 where it has none.
 /// Scene::name is left to load_scene().
 /// @throws lte::Error as read_ply().
-Scene import(const std::filesystem::path& path, const LoadLimits& limits);
+Scene import(SceneFiles* files);
 
 }  // namespace lte::scene::ply

@@ -218,8 +218,10 @@ class Reader {
                   std::any_of(element.properties.begin(), element.properties.end(), is_index),
               name_, ": faces without a list \"vertex_indices\" or \"vertex_index\"");
     out_.faces = element.count;
-    LTE_CHECK(element.count <= limits_.triangles, name_, ": ", element.count,
-              " faces exceed the limit of ", limits_.triangles);
+    if (element.count > limits_.triangles)
+      throw OverLimit(concat(name_, ": ", element.count, " faces exceed the limit of ",
+                             limits_.triangles, " triangles"),
+                      "triangles", element.count);
     out_.triangles.reserve(static_cast<size_t>(element.count));
     std::vector<uint32_t> corners;
     for (int64_t face = 0; face < element.count; ++face) {
@@ -253,8 +255,10 @@ class Reader {
       return;
     }
     triangulate_polygon(out_.positions, corners, &out_.triangles);
-    LTE_CHECK(static_cast<int64_t>(out_.triangles.size()) <= limits_.triangles, body_.where(),
-              ": face ", face, " is beyond the limit of ", limits_.triangles, " triangles");
+    if (static_cast<int64_t>(out_.triangles.size()) > limits_.triangles)
+      throw OverLimit(concat(body_.where(), ": face ", face, " is beyond the limit of ",
+                             limits_.triangles, " triangles"),
+                      "triangles");
   }
 
   void skip(const Property& property, int64_t index, const std::string& element) {
@@ -277,10 +281,11 @@ class Reader {
 
 }  // namespace
 
-PlyMesh read_ply(const std::filesystem::path& path, const LoadLimits& limits) {
-  const CompressedFile file(path);
-  const std::string name = path.string();
-  return Reader(name, file.text(), limits).read();
+PlyMesh read_ply(const SceneFilePtr& file, LoadBudget* budget) {
+  return read_discreetly(*file, "PLY mesh", [&] {
+    const CompressedFile text(file, budget);
+    return Reader(file->name(), text.text(), budget->limits()).read();
+  });
 }
 
 }  // namespace lte::scene::ply

@@ -3,13 +3,12 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "lte/base/math.h"
-#include "lte/scene/import/limits.h"
+#include "lte/scene/import/scene_files.h"
 
 namespace lte::scene::ply {
 
@@ -31,6 +30,6 @@ struct PlyMesh {
 /// @throws lte::Error naming the file and the line (header, ASCII) or the element (binary):
 /// missing, foreign, truncated, a count that the file cannot hold, an index past the end, a
 /// position that is not finite, no faces.
-PlyMesh read_ply(const std::filesystem::path& path, const LoadLimits& limits = {});
+PlyMesh read_ply(const SceneFilePtr& file, LoadBudget* budget);
 
 }  // namespace lte::scene::ply

@@ -347,5 +347,25 @@ TEST_F(Command, AKillLosesTheSceneInWorkAtMost) {
   }
 }
 
+TEST_F(Command, ScenesReadNothingOutsideTheirFolderUnlessAllowed) {
+  std::filesystem::create_directory(folder_ / "inner");
+  write_file(folder_ / "part.pbrt", "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n");
+  write_file(folder_ / "inner" / "s.pbrt", "WorldBegin\nInclude \"../part.pbrt\"\n");
+  for (const char* command : {"info", "bake --validate-only", "probe --validate-only"}) {
+    const Outcome refused = run(concat(command, " inner/s.pbrt"));
+    expect_failure(1, "inner/s.pbrt:2: \"../part.pbrt\" lies outside", refused);
+    EXPECT_THAT(refused.error, HasSubstr("(--allow-outside)"));
+    EXPECT_EQ(run(concat(command, " inner/s.pbrt --allow-outside")).code, 0) << command;
+  }
+}
+
+TEST_F(Command, LimitsOfScenesAreFlags) {
+  const Outcome refused = run("info box.glb --limits triangles=1");
+  expect_failure(1, "more than 1 triangles", refused);
+  EXPECT_THAT(refused.error, HasSubstr("(--limits triangles="));
+  EXPECT_EQ(run("info box.glb --limits triangles=1k,pictures=2GB").code, 0);
+  expect_failure(2, "did you mean triangles?", run("info box.glb --limits triangels=1k"));
+}
+
 }  // namespace
 }  // namespace lte::datagen::test

@@ -230,5 +230,18 @@ TEST_F(LoadDraco, AFewBytesCannotPromiseMillionsOfTriangles) {
   EXPECT_THAT(error(builder), HasSubstr("cannot be in 25 bytes"));
 }
 
+TEST_F(LoadDraco, CountsAgainstTheLimitOfCompressedData) {
+  const Encoded data = encode(draco::MESH_SEQUENTIAL_ENCODING, 0);
+  GltfBuilder builder = compressed(data);
+  // Three indices of 4 bytes a triangle; position, uv and color are 12, 8 and 4 bytes.
+  LoadLimits limits;
+  limits.inflated_bytes = int64_t{data.triangles} * 12 + int64_t{data.points} * 24;
+  EXPECT_EQ(load(builder, limits).meshes.size(), 1u);
+  --limits.inflated_bytes;
+  EXPECT_THAT(error(builder, limits),
+              AllOf(HasSubstr("KHR_draco_mesh_compression: compressed data would take"),
+                    HasSubstr("the limit \"inflated\"")));
+}
+
 }  // namespace
 }  // namespace lte::scene

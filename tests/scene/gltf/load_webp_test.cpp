@@ -110,10 +110,12 @@ TEST_F(LoadWebp, AllPicturesTogetherHaveALimit) {
   builder.json["materials"][0]["emissiveFactor"] = {1, 1, 1};
   builder.json["materials"][0]["emissiveTexture"] = {{"index", 1}};
   LoadLimits limits;
-  limits.total_texture_pixels = 127;
+  // Two of 64 pixels: 3 bytes of color each, and 6 for each pixel of mip levels, a third as many.
+  limits.picture_bytes = 639;
   EXPECT_THAT(test::error_of([&] { load(builder, limits); }),
-              AllOf(HasSubstr("images[1]"), HasSubstr("128 pixels"), HasSubstr("127")));
-  limits.total_texture_pixels = 128;
+              AllOf(HasSubstr("images[1]: 8x8 pixels"), HasSubstr("640 bytes"),
+                    HasSubstr("the limit \"pictures\" is 639 bytes")));
+  limits.picture_bytes = 640;
   EXPECT_EQ(load(builder, limits).textures.size(), 2u);
 }
 

@@ -236,7 +236,8 @@ TEST_F(PbrtError, IncludeBombs) {
   EXPECT_THAT(error("WorldBegin\nInclude \"f0.pbrt\"", limits), HasSubstr("more than 1000 files"));
   limits = {};
   limits.text_bytes = 2000;
-  EXPECT_THAT(error("WorldBegin\nInclude \"f0.pbrt\"", limits), HasSubstr("limit of 2000 bytes"));
+  EXPECT_THAT(error("WorldBegin\nInclude \"f0.pbrt\"", limits),
+              HasSubstr("limit \"text\" of 2000 bytes"));
 }
 
 TEST_F(PbrtError, NestingAndCountsHaveLimits) {

@@ -126,7 +126,7 @@ TEST_F(PbrtInfinite, PicturesKeepToTheLimitOfTextures) {
   EXPECT_THAT(
       error("WorldBegin\nLightSource \"infinite\" \"string filename\" \"sky.exr\"\n" + kTriangle,
             limits),
-      HasSubstr("exceed the limit of 3"));
+      HasSubstr("exceed the limit \"pixels\" of 3"));
 }
 
 TEST_F(PbrtInfinite, BrokenOnesAreErrorsWithAPlace) {

@@ -48,7 +48,8 @@ class Ply : public ::testing::Test {
  protected:
   PlyMesh read(const std::string& content, const LoadLimits& limits = {}) {
     write_file(dir_ / "m.ply", content);
-    return read_ply(dir_ / "m.ply", limits);
+    SceneFiles files(dir_ / "m.ply", limits);
+    return read_ply(files.open_scene(), &files.budget());
   }
   std::string error(const std::string& content, const LoadLimits& limits = {}) {
     std::string message = test::error_of([&] { read(content, limits); });
