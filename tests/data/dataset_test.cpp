@@ -78,7 +78,16 @@ TEST_F(Dataset, PruningAndThePlanComeBackAndOlderFilesHaveNeither) {
   patch("\"pruned\": false,\n\"planned\": 4,\n", "");
   EXPECT_FALSE(read_dataset_info(folder_).pruned);
   EXPECT_EQ(read_dataset_info(folder_).planned, 4);
-  patch("\"pruned\": false", "\"pruned\": 0");
+  EXPECT_EQ(read_file(folder_ / "dataset.json").find("suns"), std::string::npos)
+      << "data without suns are the same bytes as ever";
+  written.suns = true;
+  make(written);
+  EXPECT_TRUE(read_dataset_info(folder_).suns);
+  patch("\"suns\": true,\n", "");
+  EXPECT_FALSE(read_dataset_info(folder_).suns);
+  patch("\"suns\": true", "\"suns\": \"yes\"");
+  EXPECT_THAT(error(), AllOf(HasSubstr("\"suns\""), HasSubstr("true or false")));
+  patch("\"pruned\": true", "\"pruned\": 0");
   EXPECT_THAT(error(), HasSubstr("\"pruned\""));
   patch("\"planned\": 4", "\"planned\": 3");
   EXPECT_THAT(error(), AllOf(HasSubstr("\"planned\": 3"), HasSubstr("4 scenes are listed")));
