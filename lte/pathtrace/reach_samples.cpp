@@ -91,10 +91,14 @@ std::vector<size_t> thin_luminaires(ByGroup luminaires, int64_t count,
   std::vector<size_t> kept;
   int64_t all = 0;
   for (const auto& [group, indices] : luminaires) all += static_cast<int64_t>(indices.size());
+  int64_t seen = 0, given = 0;  // beside each luminaire's first
   for (auto& [group, indices] : luminaires) {
-    const auto size = static_cast<int64_t>(indices.size());
-    if (count >= groups && all > count)
-      thin_emitters(1 + (size - 1) * (count - groups) / (all - groups), &indices, samples);
+    if (count >= groups && all > count) {
+      seen += static_cast<int64_t>(indices.size()) - 1;
+      const int64_t due = seen * (count - groups) / (all - groups);
+      thin_emitters(1 + due - given, &indices, samples);
+      given = due;
+    }
     kept.insert(kept.end(), indices.begin(), indices.end());
   }
   std::sort(kept.begin(), kept.end());
