@@ -20,9 +20,9 @@ struct KeptSamples {
 
 /// Reduces `samples` to `count` of those that are kept, or to all of them if they are fewer.
 ///
-/// Of `others` every nth leaves, and the areas of the rest are scaled so that their sum stays. Points
-/// of luminaires leave only where they would be more than half of `count` and there are others to
-/// take their place: then each luminaire keeps its share of the half, at least one point.
+/// Of `others` some leave, evenly, and the areas of the rest are scaled so that their sum stays.
+/// Points of luminaires leave only where they would be more than half of `count` and there are
+/// others to take their place: then each luminaire keeps its share of the half, at least one point.
 ///
 /// The areas of a luminaire's points are scaled to the sum of its surfaces' area, and if some left,
 /// further so that Σ emission · area over its points stays.

@@ -33,8 +33,9 @@ double sun_solid_angle(int64_t count, const SamplerOptions& options);
 /// power.
 ///
 /// A sun of irradiance E is a patch of the sphere where its light comes from, as the environment
-/// has them: of solid angle Ω = sun_solid_angle() seen from the middle, so of area Ω r² and radiance
-/// E/Ω, its normal along the light. There a patch of sky of irradiance E would be the same sample.
+/// has them: of solid angle Ω = sun_solid_angle() seen from the middle, so of area Ω r² and
+/// radiance E/Ω, its normal along the light. A patch of sky of irradiance E would be the same
+/// sample there.
 void append_light_points(const Scene& scene, int64_t count, float area,
                          const SamplerOptions& options, SurfaceSamples* samples);
 
