@@ -37,18 +37,18 @@ Vec3 outwards(Side side) {
   }
 }
 
-/// A rectangle of the hull's wall, its front inwards.
+/// A rectangle of the hull's wall, its front outwards.
 Mesh wall_cell(const Bounds& hull, Side side, float from, float to, float low, float high) {
   const Vec3 up{0, high - low, 0};
   switch (side) {
     case Side::NegX:
-      return panel({hull.low.x, low, to}, {0, 0, from - to}, up);
+      return panel({hull.low.x, low, from}, {0, 0, to - from}, up);
     case Side::PosX:
-      return panel({hull.high.x, low, from}, {0, 0, to - from}, up);
+      return panel({hull.high.x, low, to}, {0, 0, from - to}, up);
     case Side::NegZ:
-      return panel({from, low, hull.low.z}, {to - from, 0, 0}, up);
+      return panel({to, low, hull.low.z}, {from - to, 0, 0}, up);
     default:
-      return panel({to, low, hull.high.z}, {from - to, 0, 0}, up);
+      return panel({from, low, hull.high.z}, {to - from, 0, 0}, up);
   }
 }
 
@@ -88,8 +88,8 @@ void add_hull(Stage* stage, int material) {
   const Vec3 size = hull.extent(), x{size.x, 0, 0}, y{0, size.y, 0}, z{0, 0, size.z};
   Piece piece;
   piece.name = "hull";
-  piece.add(panel(hull.low, z, x), material, {}, false);      // z × x = +y
-  piece.add(panel(hull.low + y, x, z), material, {}, false);  // x × z = −y
+  piece.add(panel(hull.low, x, z), material, {}, false);      // x × z = −y
+  piece.add(panel(hull.low + y, z, x), material, {}, false);  // z × x = +y
   const std::vector<Opening> windows = windows_of(plan);
   for (const Side side : kSides) add_wall(&piece, hull, side, windows, material);
   stage->build(std::move(piece));
