@@ -126,6 +126,9 @@ typedef struct lte_model_info {
   double scale;                /**< s, metres: the widest scene that it knows */
   int32_t device;              /**< as in lte_model_options */
   int32_t light_input;         /**< lte_light_input */
+  int32_t suns;                /**< 1: training saw directional lights; 0: answers about them are
+                                    those of a network that never met one */
+  int32_t reserved;            /**< 0 */
 } lte_model_info;
 
 /** Describes a model.
@@ -143,7 +146,17 @@ typedef struct lte_float3_view {
   int64_t stride; /**< bytes, a multiple of 4, at least 12; 0: 12, without gaps */
 } lte_float3_view;
 
-/** Samples of a scene's surfaces. All arrays have `count` entries and hold finite values. */
+/** Samples of a scene's surfaces, and of lights that are none. All arrays have `count` entries and
+ *  hold finite values. Lights that are no surface are black emissive points, with direct and
+ *  indirect 0, and need `area`:
+ *  - A point or spot light of power W stands in its place: area a, that of any other point, and
+ *    emission W / (pi a).
+ *  - A sun (directional light) of irradiance E on what faces it stands on the sphere around the
+ *    bounds of the surfaces (centre c, radius r, half their diagonal): position c - r d and normal
+ *    d, where d is the unit direction in which its light travels. It takes the solid angle
+ *    w = 4 pi / (0.05 count), so emission is E / w and area w r^2.
+ *  - The environment is 0.05 count such points, spread evenly over that sphere, whose emission is
+ *    its mean radiance over the solid angle w of each. */
 typedef struct lte_scene_points {
   size_t struct_size;
   int64_t count;            /**< M, at least 1; lte_model_info::scene_points is best */

@@ -254,6 +254,7 @@ Json dataset_info(const std::filesystem::path& directory, bool deep) {
           {"scenes", info.scenes.size()},
           {"planned", info.planned},
           {"pruned", info.pruned},
+          {"suns", info.suns},
           {"splits", split_counts},
           {"scene_points", scene_points},
           {"query_points", query_points},

@@ -31,6 +31,8 @@ void visit_homes(Io& io, H& homes) {
   io("detail", homes.detail);
   io("radiance", homes.radiance);
   io("daylight_share", homes.daylight_share);
+  // Written only where asked for: config.yaml of homes without suns stays what it was.
+  if (io.covers(homes.sun_share > 0)) io("sun_share", homes.sun_share);
   io("lit_share", homes.lit_share);
   io("clutter", homes.clutter);
   io("texture_sizes", homes.texture_sizes);
@@ -190,11 +192,16 @@ void check_homes(const homes::HomeConfig& homes, double scale) {
   range_in("homes.detail", homes.detail, 0.3, 4.0);
   range_in("homes.radiance", homes.radiance, 1e-6, 1e6);
   in_range("homes.daylight_share", homes.daylight_share, 0.0, 1.0);
+  in_range("homes.sun_share", homes.sun_share, 0.0, 1.0);
   in_range("homes.lit_share", homes.lit_share, 0.0, 1.0);
   in_range("homes.clutter", homes.clutter, 0.0, 2.0);
   check_texture_sizes("homes.texture_sizes", homes.texture_sizes);
   LTE_CHECK(homes::kMaxHomeExtent <= scale, "scale: ", scale, " m is less than the largest home, ",
             homes::kMaxHomeExtent, " m");
+  const bool large = homes.rooms.high > homes::kMostRoomsOfSmallHomes;
+  LTE_CHECK(homes.sun_share == 0 || !large || homes::kMaxHomeSphere <= scale, "scale: ", scale,
+            " m is less than the sphere around the largest home, ", homes::kMaxHomeSphere,
+            " m, on which a sun (homes.sun_share) stands");
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "lte/pathtrace/auto_camera.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/scene/export.h"
+#include "lte/scene/light_points.h"
 
 namespace lte::datagen {
 namespace {
@@ -154,7 +155,7 @@ void Generator::make_scene(int64_t index, SceneRecord* record) const {
   const scene::Scene scene = make_scene_(record->seed, record->name);
   record->generate_s = timer.seconds();
   record->triangles = scene.triangle_count();
-  const Vec3 extent = scene.bounds().extent();
+  const Vec3 extent = scene::point_bounds(scene).extent();
   LTE_CHECK(max_component(extent) <= config_.scale, "extent ", max_component(extent),
             " m exceeds scale ", config_.scale, " m");
   if (options_.glb) export_glb(glb_path(index), scene);

@@ -9,6 +9,7 @@
 #include "datagen/homes/lights.h"
 #include "datagen/homes/shell.h"
 #include "datagen/homes/stage.h"
+#include "datagen/homes/sun.h"
 
 namespace lte::datagen::homes {
 namespace {
@@ -44,12 +45,17 @@ Home generate_home(const HomeConfig& config, uint64_t seed, const std::string& n
   const bool daylight = rng.uniform() < config.daylight_share && has_window(home.plan.floor);
   const float sky = daylight ? 0.6f * kit.radiance * rng.uniform(0.5f, 1.5f) : 0.0f;
 
+  const Rgb sky_radiance = Palette::tint(rng.uniform(0, 0.35f)) * sky;
+  Rng sun_rng(seed, 0x73756eULL);  // of its own: homes without suns are what they always were
+  const bool sunny = daylight && sun_rng.uniform() < config.sun_share;
+
   Stage stage(&home);
   build_shell(&stage, &kit);
-  build_openings(&stage, &kit, Palette::tint(rng.uniform(0, 0.35f)) * sky);
+  build_openings(&stage, &kit, sunny ? Windows::Open : Windows::Panes, sky_radiance);
   place_ceiling_lights(&stage, &kit, daylight);
   for (int room = 0; room < static_cast<int>(home.plan.floor.rooms.size()); ++room)
     Furnisher(&stage, &kit, room, static_cast<float>(config.clutter)).furnish();
+  if (sunny) add_sun_and_sky(&stage, &kit, sky_radiance, &sun_rng);
   home.scene.cameras = room_cameras(home.plan);
   return home;
 }

@@ -39,10 +39,11 @@ class Stage {
   void fill(int placed, Piece&& piece);
   /// Like place(), for parts of the building, which are no furniture.
   void build(Piece&& piece);
+  /// Adds a light group and returns its index.
+  int add_group(const std::string& name);
 
  private:
   void instance(const Asset& asset, const std::string& name, const Affine& to_world);
-  int add_group(const std::string& name);
 
   Home* home_;
 };

@@ -4,7 +4,9 @@
 #include "infer/common/assets.h"
 #include "infer/common/lit_samples.h"
 #include "infer/common/renderer.h"
+#include "infer/common/untrained_light.h"
 #include "lte/base/check.h"
+#include "lte/base/log.h"
 #include "lte/base/parallel.h"
 #include "lte/base/process_memory.h"
 #include "lte/base/timer.h"
@@ -108,6 +110,8 @@ std::vector<BenchResult> bench_pareto(const BenchOptions& options) {
         indirect_values(traced));
   }
   const runtime::Network network(checkpoint_or_shipped(options.checkpoint));
+  const std::string note = untrained_light_note(scene, network.metadata());
+  if (!note.empty()) log_warning(note);
   const QueryPoints queries{view.position, view.normal, view.albedo};
   for (const int64_t count : {2'048, 4'096, 8'192, 20'000}) {
     const auto sample = [&] {

@@ -246,6 +246,10 @@ EvalResult evaluate(const EvalSettings& settings, const runtime::Network& networ
   const std::vector<data::DatasetEntry> entries = data::entries_of(info, settings.split);
   LTE_CHECK(!entries.empty(), settings.data.string(), ": no scenes of split ",
             data::split_name(settings.split), " (it has: ", splits_there(info), ")");
+  if (info.suns && !network.metadata().suns) {
+    log_warning(settings.data.string(),
+                ": scenes with directional lights, but the model was trained without any");
+  }
   EvalResult result;
   result.split = data::split_name(settings.split);
   result.bootstrap = settings.bootstrap;

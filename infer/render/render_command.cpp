@@ -9,6 +9,7 @@
 
 #include "infer/common/assets.h"
 #include "infer/common/renderer.h"
+#include "infer/common/untrained_light.h"
 #include "infer/render/frame_io.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
@@ -16,8 +17,8 @@
 #include "lte/base/timer.h"
 #include "lte/nn/device.h"
 #include "lte/pathtrace/auto_camera.h"
-#include "lte/scene/environment_points.h"
 #include "lte/scene/import/environment_file.h"
+#include "lte/scene/light_points.h"
 #include "lte/scene/load_camera.h"
 
 namespace lte::infer {
@@ -237,6 +238,8 @@ void run_render(const RenderRequest& request) {
   renderer.seconds().load = total.seconds();
   if (network) {
     network->check_fits(max_component(scene::point_bounds(scene).extent()), request.rescale);
+    const std::string note = untrained_light_note(scene, network->metadata());
+    if (!note.empty()) log_warning(note);
   }
   if (request.validate_only) {  // as lte_datagen says it, and under --quiet too: it is the result
     std::printf("%s: valid scene, %lld triangles, %zu light groups\n", request.scene.c_str(),

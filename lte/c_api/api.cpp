@@ -64,6 +64,7 @@ lte_model_info info_of(const lte::runtime::Network& network) {
   info.light_input = config.reads_indirect() ? LTE_LIGHT_TRACED
                      : config.reads_direct() ? LTE_LIGHT_DIRECT
                                              : LTE_LIGHT_EMISSION;
+  info.suns = network.metadata().suns;
   return info;
 }
 
@@ -108,7 +109,7 @@ lte_status lte_model_open(const char* path, const lte_model_options* options, lt
 lte_status lte_model_get_info(const lte_model* model, lte_model_info* info) {
   return guarded([&] {
     require(model != nullptr, "model is null");
-    write_struct(info_of(model->network), info, "lte_model_info");
+    write_struct(info_of(model->network), info, "lte_model_info", offsetof(lte_model_info, suns));
   });
 }
 

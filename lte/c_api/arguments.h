@@ -36,14 +36,18 @@ T read_struct(const T* from, const char* name) {
   return *from;
 }
 
-/// Fills the caller's struct; fields that a later version has at the end stay as they are.
+/// Fills the caller's struct as far as it goes; fields that a later version has at the end stay as
+/// they are.
+/// @param first  its size when the interface's version was new: callers built then have that much
 template <typename T>
-void write_struct(T values, T* to, const char* name) {
+void write_struct(T values, T* to, const char* name, size_t first = sizeof(T)) {
   require(to != nullptr, name, " is null");
-  require(to->struct_size >= sizeof(T), name, ": struct_size is ", to->struct_size,
-          ", expected sizeof(", name, "), ", sizeof(T));
-  values.struct_size = to->struct_size;
-  *to = values;
+  size_t size = 0;
+  std::memcpy(&size, to, sizeof size);
+  require(size >= first, name, ": struct_size is ", size, ", expected sizeof(", name, "), ",
+          sizeof(T));
+  values.struct_size = size;
+  std::memcpy(to, &values, std::min(size, sizeof(T)));
 }
 
 /// @param number  LTE_DEVICE_CPU or a CUDA device's number

@@ -57,6 +57,15 @@ int small_count(const std::string& file, const Json& json, const char* key, int 
   return static_cast<int>(value);
 }
 
+/// A key that files may lack: false without it.
+bool switch_of(const std::string& file, const Json& json, const char* key) {
+  const auto found = json.find(key);
+  if (found == json.end()) return false;
+  LTE_CHECK(found->is_boolean(), file, ": key \"", key, "\": expected true or false, got ",
+            found->dump());
+  return found->get<bool>();
+}
+
 DatasetEntry parse_entry(const std::string& where, const Json& json) {
   LTE_CHECK(json.is_object(), where, ": expected an object, got ", json.dump());
   DatasetEntry entry;
@@ -104,6 +113,7 @@ void write_dataset_info(const std::filesystem::path& directory, const DatasetInf
       ",\n\"tool\": ", Json(info.tool_version).dump(), ",\n\"seed\": ", info.seed,
       ",\n\"scale\": ", Json(info.scale).dump(), ",\n\"light_paths\": ", info.light_paths,
       ",\n\"light_depth\": ", info.light_depth, ",\n\"pruned\": ", info.pruned ? "true" : "false",
+      info.suns ? ",\n\"suns\": true" : "",
       ",\n\"planned\": ", std::max(info.planned, static_cast<int64_t>(info.scenes.size())),
       ",\n\"scenes\": [");
   const char* separator = "\n";
@@ -144,11 +154,8 @@ DatasetInfo read_dataset_info(const std::filesystem::path& directory, MissingSce
   LTE_CHECK(scale.is_number() && std::isfinite(scale.get<double>()) && scale.get<double>() > 0,
             file, ": key \"scale\": expected a positive number, got ", scale.dump());
   info.scale = scale.get<double>();
-  if (const auto found = json.find("pruned"); found != json.end()) {
-    LTE_CHECK(found->is_boolean(), file, ": key \"pruned\": expected true or false, got ",
-              found->dump());
-    info.pruned = found->get<bool>();
-  }
+  info.pruned = switch_of(file, json, "pruned");
+  info.suns = switch_of(file, json, "suns");
   info.light_paths = small_count(file, json, "light_paths", kDefaultLightPaths, 1 << 26);
   info.light_depth = small_count(file, json, "light_depth", kDefaultLightDepth, 1024);
   const Json& scenes = member(file, json, "scenes");

@@ -31,7 +31,7 @@ struct DatasetEntry {
 
 /// The content of dataset.json:
 /// {"format":"lte-dataset","version":1,"tool":..,"seed":..,"scale":s,"light_paths":..,
-/// "light_depth":..,"pruned":..,"planned":..,"scenes":[..]}.
+/// "light_depth":..,"pruned":..,"planned":..,"scenes":[..]}, and "suns" where there are any.
 struct DatasetInfo {
   int version = 1;
   std::string tool_version;
@@ -41,6 +41,9 @@ struct DatasetInfo {
   /// Whether points were drawn only where light can reach them: then inference has to draw its
   /// scene points so too. False for files that do not say.
   bool pruned = false;
+  /// Whether some scenes have directional lights: a model trained on others has never seen a sun.
+  /// False for files that do not say.
+  bool suns = false;
   /// How scene_direct and scene_indirect were estimated: paths a side of each scene point, and the
   /// surface hits of a path. A model trained on them has to be given light made the same way.
   int light_paths = kDefaultLightPaths;

@@ -49,6 +49,7 @@ int ModelMetadata::light_depth_of(const ModelConfig& config) const {
 std::map<std::string, std::string> ModelMetadata::entries() const {
   return {{"scene_points", std::to_string(scene_points)},
           {"scene_points_pruned", scene_points_pruned ? "true" : "false"},
+          {"suns", suns ? "true" : "false"},
           {"light_paths", std::to_string(light_paths)},
           {"light_depth", std::to_string(light_depth)}};
 }
@@ -63,6 +64,7 @@ ModelMetadata read_model_metadata(const std::filesystem::path& path) {
   if (metadata.scene_points == 0) metadata.scene_points = defaults.scene_points;
   metadata.scene_points_pruned =
       switch_of(file, "scene_points_pruned", defaults.scene_points_pruned);
+  metadata.suns = switch_of(file, "suns", defaults.suns);
   metadata.light_paths =
       static_cast<int>(count_of(file, "light_paths", defaults.light_paths, 1, kMostLightPaths));
   metadata.light_depth =

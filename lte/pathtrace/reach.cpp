@@ -3,14 +3,16 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <unordered_map>
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/base/random.h"
+#include "lte/pathtrace/reach_samples.h"
 #include "lte/pathtrace/transport/irradiance_kernel.h"
 #include "lte/pathtrace/transport/transport_impl.h"
-#include "lte/scene/environment_points.h"
+#include "lte/scene/light_points.h"
 
 namespace lte::pathtrace {
 namespace {
@@ -198,42 +200,28 @@ class ReachSearch {
   std::vector<size_t> front_vertices_;  ///< how many of them are the front's
 };
 
-/// Reduces an array to the entries that `kept` lists.
-template <typename T>
-void gather(const std::vector<size_t>& kept, std::vector<T>* values) {
-  for (size_t k = 0; k < kept.size(); ++k) (*values)[k] = (*values)[kept[k]];
-  values->resize(kept.size());
-}
-
-void gather(const std::vector<size_t>& kept, scene::SurfaceSamples* samples) {
-  gather(kept, &samples->position);
-  gather(kept, &samples->normal);
-  gather(kept, &samples->albedo);
-  gather(kept, &samples->emission);
-  gather(kept, &samples->gloss);
-  gather(kept, &samples->area);
-  gather(kept, &samples->light_group);
-}
-
 /// Indices of the samples to keep.
-std::vector<size_t> kept_samples(const Bvh& bvh, const scene::SurfaceSamples& samples, Sides sides,
-                                 const ReachOptions& options) {
+KeptSamples kept_samples(const Bvh& bvh, const scene::SurfaceSamples& samples, Sides sides,
+                         const ReachOptions& options) {
   const std::vector<uint8_t> keep = reached(bvh, samples.position, samples.normal, sides, options);
-  std::vector<size_t> kept;
+  KeptSamples kept;
   for (size_t i = 0; i < keep.size(); ++i) {
     const bool emits = sides == Sides::Either && samples.light_group[i] != scene::kNone;
-    if (keep[i] || emits) kept.push_back(i);
+    if (emits) {
+      kept.luminaires.push_back(i);
+    } else if (keep[i]) {
+      kept.others.push_back(i);
+    }
   }
   return kept;
 }
 
-/// sample_reached_surface() without the environment.
-scene::SurfaceSamples sample_in_scene(const Bvh& bvh, int64_t count,
+/// sample_reached_surface() without the lights that are no surface.
+scene::SurfaceSamples sample_surfaces(const Bvh& bvh, int64_t count,
                                       const scene::SamplerOptions& sampler, Sides sides,
                                       const ReachOptions& options, PruneCounts* counts) {
   scene::SamplerOptions plain = sampler;
   plain.emissive_share = 0;
-  plain.punctual_lights = false;
   const scene::SurfaceSamples probe = scene::sample_surface(bvh.scene(), kProbePoints, plain);
   const auto found = static_cast<double>(kept_samples(bvh, probe, sides, options).size());
   const double share = std::max(1.0, found) / kProbePoints;
@@ -244,8 +232,8 @@ scene::SurfaceSamples sample_in_scene(const Bvh& bvh, int64_t count,
     oversampling = std::min(oversampling, kMaxOversampling);
     const auto drawn = static_cast<int64_t>(std::ceil(static_cast<double>(count) * oversampling));
     scene::SurfaceSamples samples = scene::sample_surface(bvh.scene(), drawn, sampler);
-    std::vector<size_t> kept = kept_samples(bvh, samples, sides, options);
-    const auto left = static_cast<int64_t>(kept.size());
+    KeptSamples kept = kept_samples(bvh, samples, sides, options);
+    const int64_t left = kept.size();
     if (left < count && oversampling < kMaxOversampling) {
       oversampling *=
           1.05 * static_cast<double>(count) / static_cast<double>(std::max<int64_t>(1, left));
@@ -254,14 +242,7 @@ scene::SurfaceSamples sample_in_scene(const Bvh& bvh, int64_t count,
     if (left == 0) return scene::sample_surface(bvh.scene(), count, sampler);
     counts->drawn = drawn;
     counts->pruned = drawn - left;
-    if (left > count) {  // evenly, to stay as stratified as it was
-      for (int64_t k = 0; k < count; ++k)
-        kept[static_cast<size_t>(k)] = kept[static_cast<size_t>(k * left / count)];
-      kept.resize(static_cast<size_t>(count));
-    }
-    gather(kept, &samples);
-    const float scale = static_cast<float>(left) / static_cast<float>(kept.size());
-    for (float& area : samples.area) area *= scale;
+    reduce_samples(bvh.scene(), std::move(kept), count, &samples);
     return samples;
   }
 }
@@ -281,13 +262,17 @@ std::vector<uint8_t> reached(const Bvh& bvh, std::span<const Vec3> positions,
 scene::SurfaceSamples sample_reached_surface(const Bvh& bvh, int64_t count,
                                              const scene::SamplerOptions& sampler, Sides sides,
                                              const ReachOptions& options, PruneCounts* counts) {
-  // The environment's points are no surface: light neither reaches them nor goes on from there.
-  const int64_t environment = scene::environment_point_count(bvh.scene(), count, sampler);
+  // Lights that are no surface are neither reached nor missed: they are added at the end.
+  const scene::Scene& scene = bvh.scene();
   scene::SamplerOptions surfaces = sampler;
   surfaces.environment_share = 0;
-  scene::SurfaceSamples samples =
-      sample_in_scene(bvh, count - environment, surfaces, sides, options, counts);
-  scene::append_environment_points(bvh.scene(), environment, &samples);
+  surfaces.punctual_lights = false;
+  scene::SurfaceSamples samples = sample_surfaces(
+      bvh, scene::surface_point_count(scene, count, sampler), surfaces, sides, options, counts);
+  const double area = std::accumulate(samples.area.begin(), samples.area.end(), 0.0);
+  scene::append_light_points(scene, count,
+                             static_cast<float>(area / static_cast<double>(samples.size())),
+                             sampler, &samples);
   return samples;
 }
 

@@ -45,8 +45,15 @@ struct PruneCounts {
 };
 
 /// scene::sample_surface() over the surfaces that light reaches: more points are drawn, so that
-/// `count` are left. Emissive, punctual and environment points always stay. `area` is shared out
-/// among the points that are kept: without the environment its sum is the area that light reaches.
+/// `count` are left. Lights are never pruned. Those that are no surface have their points as
+/// sample_surface() gives them. So have luminaires for Sides::Either, unless theirs would be more
+/// than half: then each keeps fewer, but one at least. What is dropped to bring the number down to
+/// `count` are other surface points.
+///
+/// The `area` of other points sums to the area that light reaches. For Sides::Either that of a
+/// luminaire's points sums to its own, and where these are fewer than were drawn to its power over
+/// their radiance: the power of each light is that of the scene.
+/// @throws lte::Error as sample_surface()
 /// @note Where less than an eighth of the surface is reached, fewer than `count` come back; where
 /// none is, or nothing shines, `count` unpruned ones.
 scene::SurfaceSamples sample_reached_surface(const Bvh& bvh, int64_t count,

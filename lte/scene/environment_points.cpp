@@ -122,16 +122,6 @@ EnvironmentSphere environment_sphere(const Scene& scene) {
   return {bounds.center(), length(bounds.extent()) / 2};
 }
 
-Bounds point_bounds(const Scene& scene) {
-  Bounds bounds = scene.bounds();
-  if (!scene.environment || bounds.empty()) return bounds;
-  const EnvironmentSphere sphere = environment_sphere(scene);
-  const Vec3 reach{sphere.radius, sphere.radius, sphere.radius};
-  bounds.extend(sphere.center - reach);
-  bounds.extend(sphere.center + reach);
-  return bounds;
-}
-
 void append_environment_points(const Scene& scene, int64_t count, SurfaceSamples* samples) {
   if (count <= 0) return;
   LTE_CHECK(scene.environment, "scene ", scene.name, " has no environment to draw points of");

@@ -16,10 +16,6 @@ struct EnvironmentSphere {
 };
 EnvironmentSphere environment_sphere(const Scene& scene);
 
-/// World bounds of everything that scene points lie on: the surfaces, and the sphere of a scene
-/// with an environment.
-Bounds point_bounds(const Scene& scene);
-
 /// Appends `count` black points spread evenly over the sphere, with normals inwards. Each has the
 /// mean radiance of the environment over its share of the sphere of directions, and 1/count of the
 /// sphere's area. Over all points Σ emission · 4π / count is exactly the environment's fluence: no

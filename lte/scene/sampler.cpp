@@ -1,13 +1,16 @@
 #include "lte/scene/sampler.h"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
+#include <set>
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/base/random.h"
 #include "lte/scene/area_table.h"
-#include "lte/scene/environment_points.h"
+#include "lte/scene/light_points.h"
 #include "lte/scene/surface.h"
 
 namespace lte::scene {
@@ -77,48 +80,22 @@ void fill(const Scene& scene, const AreaTable& table, int64_t begin, int64_t cou
   });
 }
 
-/// The power of a light in W. A spot's falloff is that of KHR_lights_punctual, the square of a ramp
-/// in the cosine, which has a closed integral.
-Rgb power(const PunctualLight& light) {
-  if (light.kind == LightKind::Point) return light.intensity * (4 * kPi);
-  const float inner = std::cos(light.inner_cone), outer = std::cos(light.outer_cone);
-  return light.intensity * (2 * kPi * ((1 - inner) + (inner - outer) / 3));
-}
-
-std::vector<const PunctualLight*> local_lights(const Scene& scene, const SamplerOptions& options) {
-  std::vector<const PunctualLight*> out;
-  if (!options.punctual_lights) return out;
-  for (const PunctualLight& light : scene.lights) {
-    // A directional light has no place; it enters as direct light only.
-    if (light.kind != LightKind::Directional) out.push_back(&light);
-  }
-  return out;
-}
-
-void fill_lights(const std::vector<const PunctualLight*>& lights, float area, int64_t begin,
-                 SurfaceSamples* samples) {
-  for (size_t i = 0; i < lights.size(); ++i) {
-    const size_t at = static_cast<size_t>(begin) + i;
-    samples->position[at] = lights[i]->position;
-    // A point light has no side; straight down is as good as any, and the same for all.
-    samples->normal[at] =
-        lights[i]->kind == LightKind::Spot ? lights[i]->direction : Vec3{0, -1, 0};
-    samples->albedo[at] = {0, 0, 0};
-    samples->emission[at] = power(*lights[i]) / (kPi * area);
-    samples->area[at] = area;
-    samples->light_group[at] = lights[i]->light_group;
-  }
-}
-
 struct Split {
   std::vector<int> emissive, other;
 };
 
-Split split_instances(const Scene& scene) {
+const Material& material_of(const Scene& scene, const Instance& instance) {
+  return scene.materials[scene.meshes[instance.mesh].material];
+}
+
+/// The instances but those of the luminaires `without`, by light group.
+Split split_instances(const Scene& scene, const std::set<int>& without) {
   Split out;
   for (size_t i = 0; i < scene.instances.size(); ++i) {
-    const Material& material = scene.materials[scene.meshes[scene.instances[i].mesh].material];
-    (material.emissive() ? out.emissive : out.other).push_back(static_cast<int>(i));
+    const Instance& instance = scene.instances[i];
+    const bool emits = material_of(scene, instance).emissive();
+    if (emits && without.contains(instance.light_group)) continue;
+    (emits ? out.emissive : out.other).push_back(static_cast<int>(i));
   }
   return out;
 }
@@ -147,46 +124,83 @@ SurfaceSamples make_samples(int64_t count) {
   return out;
 }
 
-/// sample_surface() without the environment.
-SurfaceSamples sample_in_scene(const Scene& scene, int64_t count, const SamplerOptions& options) {
-  const std::vector<const PunctualLight*> lights = local_lights(scene, options);
-  const int64_t surface = count - static_cast<int64_t>(lights.size());
-  LTE_CHECK(surface >= 1, "sample_surface: ", count, " points cannot hold ", lights.size(),
-            " punctual lights and the surfaces of scene ", scene.name);
+/// The emissive instances of each light group that have area.
+using Luminaires = std::map<int, std::vector<int>>;
 
-  SurfaceSamples samples = make_samples(count);
-  double total = 0;
-  if (options.emissive_share > 0 && surface >= 2) {
-    const Split split = split_instances(scene);
-    const AreaTable emissive(scene, split.emissive), other(scene, split.other);
-    total = emissive.total() + other.total();
-    check_area(scene, total);
-    const double by_area = static_cast<double>(surface) * emissive.total() / total;
-    const double wanted = std::ceil(static_cast<double>(surface) * options.emissive_share);
-    if (emissive.total() > 0 && other.total() > 0 && wanted > by_area) {
-      const int64_t lit = std::min(static_cast<int64_t>(wanted), surface - 1);
-      fill(scene, other, 0, surface - lit, options, &samples);
-      fill(scene, emissive, surface - lit, lit, options, &samples);
-      fill_lights(lights, static_cast<float>(total / static_cast<double>(count)), surface,
-                  &samples);
-      return samples;
-    }
+Luminaires find_luminaires(const Scene& scene) {
+  Luminaires found;
+  for (size_t i = 0; i < scene.instances.size(); ++i) {
+    if (material_of(scene, scene.instances[i]).emissive())
+      found[scene.instances[i].light_group].push_back(static_cast<int>(i));
   }
+  std::erase_if(found,
+                [&](const auto& entry) { return !(AreaTable(scene, entry.second).total() > 0); });
+  return found;
+}
+
+struct Drawn {
+  SurfaceSamples samples;
+  double area = 0;  ///< of the surfaces
+};
+
+Drawn draw_by_area(const Scene& scene, int64_t count, const SamplerOptions& options) {
   const AreaTable all(scene, all_instances(scene));
-  total = all.total();
-  check_area(scene, total);
-  fill(scene, all, 0, surface, options, &samples);
-  fill_lights(lights, static_cast<float>(total / static_cast<double>(count)), surface, &samples);
-  return samples;
+  check_area(scene, all.total());
+  Drawn out{make_samples(count), all.total()};
+  fill(scene, all, 0, count, options, &out.samples);
+  return out;
+}
+
+/// Each of the luminaires `alone` gets one point that stands for all of it. The others share the
+/// rest by area, with emissive_share of all points for luminaires.
+Drawn draw_with_share(const Scene& scene, int64_t count, const Luminaires& luminaires,
+                      const std::set<int>& alone, const SamplerOptions& options) {
+  const Split split = split_instances(scene, alone);
+  const AreaTable emissive(scene, split.emissive), other(scene, split.other);
+  const double shared = emissive.total() + other.total();
+  Drawn out{make_samples(count), shared};
+  const auto strata = count - static_cast<int64_t>(alone.size());
+  int64_t next = strata;
+  for (const int group : alone) {
+    const AreaTable table(scene, luminaires.at(group));
+    fill(scene, table, next++, 1, options, &out.samples);
+    out.area += table.total();
+  }
+  check_area(scene, out.area);
+  const double by_area = static_cast<double>(strata) * emissive.total() / shared;
+  const double wanted = std::ceil(static_cast<double>(count) * options.emissive_share) -
+                        static_cast<double>(alone.size());
+  if (emissive.total() > 0 && other.total() > 0 && strata >= 2 && wanted > by_area) {
+    const int64_t lit = std::min(static_cast<int64_t>(wanted), strata - 1);
+    fill(scene, other, 0, strata - lit, options, &out.samples);
+    fill(scene, emissive, strata - lit, lit, options, &out.samples);
+  } else {
+    std::vector<int> both = split.emissive;
+    both.insert(both.end(), split.other.begin(), split.other.end());
+    std::sort(both.begin(), both.end());
+    fill(scene, AreaTable(scene, both), 0, strata, options, &out.samples);
+  }
+  return out;
+}
+
+/// Misses no luminaire: what no stratum met, being small beside others, gets a point of its own.
+/// Only where that would take more than half of the points does chance decide.
+Drawn draw_with_all_luminaires(const Scene& scene, int64_t count, const SamplerOptions& options) {
+  const Luminaires luminaires = find_luminaires(scene);
+  std::set<int> alone;
+  for (;;) {
+    Drawn drawn = draw_with_share(scene, count, luminaires, alone, options);
+    const std::vector<int>& groups = drawn.samples.light_group;
+    const std::set<int> met(groups.begin(), groups.end());
+    std::set<int> more = alone;
+    for (const auto& [group, instances] : luminaires)
+      if (!met.contains(group)) more.insert(group);
+    if (more.size() == alone.size() || 2 * static_cast<int64_t>(more.size()) > count) return drawn;
+    alone = std::move(more);
+  }
 }
 
 }  // namespace
-
-int64_t environment_point_count(const Scene& scene, int64_t count, const SamplerOptions& options) {
-  if (!scene.environment || options.environment_share == 0) return 0;
-  const double wanted = static_cast<double>(count) * options.environment_share;
-  return std::max<int64_t>(1, std::llround(wanted));
-}
 
 SurfaceSamples sample_surface(const Scene& scene, int64_t count, const SamplerOptions& options) {
   LTE_CHECK(count >= 1, "sample_surface: at least 1 point is needed, got ", count);
@@ -194,12 +208,23 @@ SurfaceSamples sample_surface(const Scene& scene, int64_t count, const SamplerOp
             "sample_surface: emissive_share must be in [0, 1), got ", options.emissive_share);
   LTE_CHECK(options.environment_share >= 0 && options.environment_share < 1,
             "sample_surface: environment_share must be in [0, 1), got ", options.environment_share);
-  const int64_t environment = environment_point_count(scene, count, options);
-  LTE_CHECK(environment < count, "sample_surface: ", count,
-            " points cannot hold the environment and the ", "surfaces of scene ", scene.name);
-  SurfaceSamples samples = sample_in_scene(scene, count - environment, options);
-  append_environment_points(scene, environment, &samples);
-  return samples;
+  const int64_t surface = surface_point_count(scene, count, options);
+  Drawn drawn = options.emissive_share > 0 ? draw_with_all_luminaires(scene, surface, options)
+                                           : draw_by_area(scene, surface, options);
+  const int64_t local = light_point_counts(scene, count, options).local;
+  const auto area = static_cast<float>(drawn.area / static_cast<double>(surface + local));
+  append_light_points(scene, count, area, options, &drawn.samples);
+  return std::move(drawn.samples);
+}
+
+int64_t surface_point_count(const Scene& scene, int64_t count, const SamplerOptions& options) {
+  const LightPointCounts lights = light_point_counts(scene, count, options);
+  const int64_t surface = count - lights.total();
+  LTE_CHECK(surface >= 1, "sample_surface: ", count, " points cannot hold ",
+            lights.local + lights.suns, " punctual lights, ", lights.environment,
+            " points of the environment, and the surfaces of scene ", scene.name,
+            "; ask for more points");
+  return surface;
 }
 
 double surface_area(const Scene& scene) { return AreaTable(scene, all_instances(scene)).total(); }

@@ -23,8 +23,10 @@ struct SurfaceSamples {
 
 struct SamplerOptions {
   uint64_t seed = 0;
-  /// Share of points that is guaranteed to emissive surfaces, so that a small luminaire is never
-  /// missed; their `area` stays true. 0 for plain area weighting, as for query points.
+  /// Share of points that is guaranteed to emissive surfaces; their `area` stays true. Unless 0,
+  /// each luminaire gets at least one point, so that a small one beside a large one is never missed
+  /// (as long as that takes no more than half of the points). 0 for plain area weighting, as for
+  /// query points.
   double emissive_share = 0.0;
   /// True averages textures over the area that a point stands for (scene points); false samples the
   /// finest level (query points).
@@ -33,19 +35,21 @@ struct SamplerOptions {
   /// it (environment_points.h), so that the network sees it. Unless 0, there is at least one such
   /// point. `emissive_share` is a share of the rest.
   double environment_share = 0.05;
-  /// Adds one small emissive sample for each point and spot light, with an emission such that
-  /// emission * area * pi equals the light's power over 4 pi.
+  /// Adds one emissive sample for each point and spot light and each sun (light_points.h).
   bool punctual_lights = true;
 };
 
 /// Draws exactly `count` points, stratified over the total area in the order of instances, with one
-/// uniform variate a stratum, so that equal areas get equal numbers to within one. Punctual lights
-/// and the environment's points come last. The points are the same for any number of threads.
-/// @throws lte::Error if the scene has no area or `count` < 1.
+/// uniform variate a stratum, so that equal areas get equal numbers to within one. Lights that are
+/// no surface come last: point and spot lights, suns, the environment. The points are the same for
+/// any number of threads.
+/// @throws lte::Error if the scene has no area, `count` < 1, or such lights leave no point to the
+///         surfaces.
 SurfaceSamples sample_surface(const Scene& scene, int64_t count, const SamplerOptions& options);
 
-/// How many of `count` points stand for the environment.
-int64_t environment_point_count(const Scene& scene, int64_t count, const SamplerOptions& options);
+/// How many of `count` points lie on surfaces; at least 1.
+/// @throws lte::Error if lights that are no surface leave none.
+int64_t surface_point_count(const Scene& scene, int64_t count, const SamplerOptions& options);
 
 /// Total world area of a scene, m².
 double surface_area(const Scene& scene);

@@ -39,6 +39,7 @@ TEST(CApi, TellsTheModelsProperties) {
   EXPECT_EQ(info.query_neighbours, 5);
   EXPECT_EQ(info.scene_points, 300);
   EXPECT_EQ(info.scene_points_pruned, 1);
+  EXPECT_EQ(info.suns, 1);
   EXPECT_EQ(info.target, LTE_TARGET_INDIRECT);
   EXPECT_EQ(info.scale, 16);
   EXPECT_EQ(info.device, LTE_DEVICE_CPU);

@@ -1,6 +1,7 @@
 // Every bad input gives a code and a line, and nothing passes the boundary but the functions of the
 // header.
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <fstream>
 #include <functional>
@@ -64,7 +65,7 @@ TEST(CApiErrors, ModelsThatAreNone) {
 
 // Of version 1 of the interface, on 64 bits: programs have them compiled in.
 static_assert(sizeof(lte_float3_view) == 16 && sizeof(lte_model_options) == 16 &&
-              sizeof(lte_model_info) == 64 && sizeof(lte_scene_points) == 136 &&
+              offsetof(lte_model_info, suns) == 64 && sizeof(lte_scene_points) == 136 &&
               sizeof(lte_embedding_info) == 88 && sizeof(lte_queries) == 88);
 
 TEST(CApiErrors, StructsMayGrowButNotUnknowingly) {
@@ -87,6 +88,12 @@ TEST(CApiErrors, StructsMayGrowButNotUnknowingly) {
   expect_status(lte_model_get_info(model.handle, &info), LTE_ERROR_INVALID_ARGUMENT,
                 "struct_size is 16");
   EXPECT_EQ(info.parameters, 0);
+  info.struct_size = offsetof(lte_model_info, suns);  // of a program that is older than the field
+  info.suns = -7;
+  EXPECT_EQ(lte_model_get_info(model.handle, &info), LTE_OK) << lte_last_error();
+  EXPECT_GT(info.parameters, 0);
+  EXPECT_EQ(info.suns, -7) << "beyond the end of the caller's struct";
+  EXPECT_EQ(info.struct_size, 64u);
 }
 
 TEST(CApiErrors, BadScenePoints) {

@@ -19,7 +19,8 @@ fs::path save_tiny_model() {
       fs::temp_directory_path() / ("lte_c_api_" + std::to_string(::getpid()) + ".safetensors");
   nn::LightTransportModel model(tiny_config());
   randomize(*model, 5);
-  nn::save_model(path, model, {{"scene_points", "300"}, {"scene_points_pruned", "true"}});
+  nn::save_model(path, model,
+                 {{"scene_points", "300"}, {"scene_points_pruned", "true"}, {"suns", "true"}});
   std::atexit([] { fs::remove(tiny_model_file()); });
   return path;
 }

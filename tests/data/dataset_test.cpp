@@ -78,6 +78,13 @@ TEST_F(Dataset, PruningAndThePlanComeBackAndOlderFilesHaveNeither) {
   patch("\"pruned\": false,\n\"planned\": 4,\n", "");
   EXPECT_FALSE(read_dataset_info(folder_).pruned);
   EXPECT_EQ(read_dataset_info(folder_).planned, 4);
+  EXPECT_EQ(read_file(folder_ / "dataset.json").find("suns"), std::string::npos)
+      << "data without suns are the same bytes as ever";
+  written.suns = true;
+  make(written);
+  EXPECT_TRUE(read_dataset_info(folder_).suns);
+  patch("\"planned\": 4", "\"suns\": \"yes\",\n\"planned\": 4");
+  EXPECT_THAT(error(), AllOf(HasSubstr("\"suns\""), HasSubstr("true or false")));
   patch("\"pruned\": false", "\"pruned\": 0");
   EXPECT_THAT(error(), HasSubstr("\"pruned\""));
   patch("\"planned\": 4", "\"planned\": 3");

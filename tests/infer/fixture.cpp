@@ -82,7 +82,8 @@ void save_tiny_model(const fs::path& path, const TinyModel& tiny) {
   const nn::LightTransportModel model(config);
   nn::save_model(path, model,
                  {{"scene_points", std::to_string(tiny.scene_points)},
-                  {"scene_points_pruned", tiny.pruned ? "true" : "false"}});
+                  {"scene_points_pruned", tiny.pruned ? "true" : "false"},
+                  {"suns", tiny.suns ? "true" : "false"}});
 }
 
 std::vector<Vec3> lit_floor_light() {

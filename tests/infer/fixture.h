@@ -20,6 +20,7 @@ struct TinyModel {
   double scale = 16;
   int64_t scene_points = 300;
   bool pruned = false;
+  bool suns = false;
   nn::LightInput light_input = nn::LightInput::Emission;
   uint64_t seed = 1;
 };

@@ -14,7 +14,7 @@
 #include "lte/image/png.h"
 #include "lte/scene/export.h"
 #include "tests/infer/fixture.h"
-#include "tests/support/scenes.h"
+#include "tests/support/every_light.h"
 
 namespace lte::infer {
 namespace {
@@ -92,6 +92,25 @@ TEST_F(Tools, RenderWritesPictureAndTimes) {
   }
   EXPECT_GT(json.at("peak_rss_mb").get<double>(), 1);
   EXPECT_GT(json.at("exposure").get<double>(), 0);
+}
+
+TEST_F(Tools, ASunThatTheModelHasNeverSeenIsSaidInOneLine) {
+  scene::Scene sunny = test::dark_room();
+  test::add_punctual(&sunny, scene::LightKind::Directional, {5, 5, 5});
+  scene::write_glb(at("sunny.glb"), sunny);
+  test::save_tiny_model(at("suns.safetensors"), {.suns = true});
+  const auto render_sunny = [](const std::string& rest) {
+    return run_tool("lte_render",
+                    at("sunny.glb") + " --size 24x16 --out " + at("sunny.exr") + rest);
+  };
+  const std::string words = "1 directional light, but the model was trained without any";
+  const Outcome unseen = render_sunny(" --checkpoint " + at("tiny.safetensors"));
+  EXPECT_EQ(unseen.code, 0);
+  EXPECT_THAT(unseen.text, AllOf(HasSubstr(words), HasSubstr("--mode reference")));
+  EXPECT_EQ(unseen.text.find(words), unseen.text.rfind(words));
+  EXPECT_THAT(render_sunny(" --checkpoint " + at("suns.safetensors")).text,
+              testing::Not(HasSubstr(words)));
+  EXPECT_THAT(render_sunny(" --mode reference --spp 1").text, testing::Not(HasSubstr(words)));
 }
 
 TEST_F(Tools, TheSameSeedGivesTheSamePictureAndExposureIsRespected) {

@@ -113,6 +113,8 @@ TEST_F(ModelFile, MetadataAreWrittenAndReadBack) {
   EXPECT_EQ(none.light_depth, 5);
   metadata.scene_points = 300;
   metadata.scene_points_pruned = true;
+  EXPECT_FALSE(none.suns);
+  metadata.suns = true;
   metadata.light_paths = 8;
   metadata.light_depth = 2;
   save_model(file("b.safetensors"), model_, metadata.entries());
@@ -121,6 +123,7 @@ TEST_F(ModelFile, MetadataAreWrittenAndReadBack) {
        std::vector<std::pair<std::string, std::string>>{{"scene_points", "many"},
                                                         {"scene_points", "-1"},
                                                         {"scene_points_pruned", "1"},
+                                                        {"suns", "2"},
                                                         {"light_paths", "0"},
                                                         {"light_depth", "0"},
                                                         {"light_depth", "5 or so"}}) {

@@ -9,6 +9,7 @@
 #include "lte/image/png.h"
 #include "lte/scene/environment_points.h"
 #include "lte/scene/import/environment_file.h"
+#include "lte/scene/light_points.h"
 #include "tests/scene/pbrt/fixture.h"
 #include "tests/support/scenes.h"
 

@@ -184,8 +184,8 @@ TEST(Sampler, PointLightBecomesASampleOfEqualPower) {
   sun.kind = LightKind::Directional;
   scene.lights.insert(scene.lights.end(), {spot, sun});
 
-  const SurfaceSamples samples = sample_surface(scene, 102, plain());
-  ASSERT_EQ(samples.size(), 102);
+  const SurfaceSamples samples = sample_surface(scene, 103, plain());
+  ASSERT_EQ(samples.size(), 103);  // 100 of surfaces, and the sun last
   EXPECT_EQ(samples.position[100], (Vec3{1, 2, 3}));
   const auto power = [&](size_t i) { return samples.emission[i] * (kPi * samples.area[i]); };
   EXPECT_NEAR(power(100).x, 4 * kPi * 5, 1e-3);

@@ -18,6 +18,7 @@ struct ModelOrigin {
   int64_t step = 0;
   int64_t scene_points = 0;  ///< M, points of a scene that it was trained on
   bool pruned = false;       ///< points were drawn only where light reaches them
+  bool suns = false;         ///< some scenes had directional lights
   LightEstimates light;      ///< of the data set; written if the model reads them
   std::optional<double> val_loss;
 };

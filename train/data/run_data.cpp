@@ -43,6 +43,7 @@ RunData open_run_data(const TrainConfig& config) {
   SceneStore val_store(root, data::entries_of(info, data::Split::Val), options);
   return {info.scale,
           info.pruned,
+          info.suns,
           {info.light_paths, info.light_depth},
           std::move(train_store),
           std::move(val_store),

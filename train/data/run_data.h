@@ -14,6 +14,7 @@ namespace lte::train {
 struct RunData {
   double scale = 0;     ///< s, metres
   bool pruned = false;  ///< points were drawn only where light reaches them
+  bool suns = false;    ///< some scenes have directional lights
   LightEstimates light;
   SceneStore train, val;  ///< val may be empty
   /// Hash of the names of the training split in their order, on which the order of examples

@@ -137,7 +137,8 @@ void agree_on_start(const RunStart& start, const RunState& state, ProcessGroup& 
 
 ModelOrigin model_origin(const TrainConfig& config, const std::string& config_text,
                          const RunData& data, int64_t step, std::optional<double> val_loss) {
-  return {config_text, step, config.data.scene_points, data.pruned, data.light, val_loss};
+  return {config_text, step,    config.data.scene_points, data.pruned, data.suns,
+          data.light,  val_loss};
 }
 
 }  // namespace lte::train

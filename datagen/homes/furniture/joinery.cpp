@@ -55,11 +55,20 @@ void add_entrance(Piece* piece, Kit* kit, const Opening& o, const Affine& at) {
   piece->add(knob, metal, at * translation({w - 0.07f, 0.98f, -depth + 0.02f}) * rotation(0, 90));
 }
 
+void add_pane(Piece* piece, Kit* kit, const Opening& o, const Rgb& daylight, const Affine& at) {
+  const float w = (o.to - o.from) / 2;
+  // What meets a pane from within leaves the home.
+  const int material = max_component(daylight) > 0
+                           ? kit->palette->emitter("pane", daylight * kit->draw(0.7f, 1), 0)
+                           : kit->palette->screen();
+  piece->add(panel({-w, o.bottom, -o.depth}, {2 * w, 0, 0}, {0, o.top - o.bottom, 0}), material, at,
+             false);
+}
+
 /// Casements: an outer frame, bars between the panes, and a sill that stands out.
-void add_window(Piece* piece, Kit* kit, const Opening& o, int pane, const Affine& at) {
+void add_casements(Piece* piece, Kit* kit, const Opening& o, const Affine& at) {
   const float w = (o.to - o.from) / 2, b = o.bottom, t = o.top, z = -o.depth;
   const int trim = kit->palette->trim();
-  piece->add(panel({-w, b, z}, {2 * w, 0, 0}, {0, t - b, 0}), pane, at, false);
   const std::vector<Vec2> path{{-w, -b}, {w, -b}, {w, -t}, {-w, -t}};
   const std::vector<Vec2> profile{
       {0, 0}, {0.055f, 0}, {0.055f, 0.03f}, {0.045f, 0.045f}, {0, 0.045f}};
@@ -81,7 +90,7 @@ void add_window(Piece* piece, Kit* kit, const Opening& o, int pane, const Affine
 
 }  // namespace
 
-void build_openings(Stage* stage, Kit* kit, const Rgb& daylight) {
+void build_openings(Stage* stage, Kit* kit, Windows windows, const Rgb& daylight) {
   const FloorPlan& plan = stage->plan().floor;
   const int threshold = kit->palette->floor_wood(), trim = kit->palette->trim();
   for (const Opening& o : plan.openings) {
@@ -89,12 +98,9 @@ void build_openings(Stage* stage, Kit* kit, const Rgb& daylight) {
     Piece piece;
     piece.name = o.kind == OpeningKind::Window ? "window" : "door";
     if (o.kind == OpeningKind::Window) {
-      const bool shines = max_component(daylight) > 0;
-      // What meets a pane from within leaves the home.
-      const int pane = shines ? kit->palette->emitter("pane", daylight * kit->draw(0.7f, 1), 0)
-                              : kit->palette->screen();
       add_reveal(&piece, o, o.depth, trim, trim, at);
-      add_window(&piece, kit, o, pane, at);
+      if (windows == Windows::Panes) add_pane(&piece, kit, o, daylight, at);
+      add_casements(&piece, kit, o, at);
     } else {
       add_reveal(&piece, o, o.depth, trim, threshold, at);
       add_architrave(&piece, kit, o, at);

@@ -10,6 +10,7 @@
 #include "lte/base/parallel.h"
 #include "tests/data/sample_fixture.h"
 #include "tests/datagen/scenes.h"
+#include "tests/support/every_light.h"
 #include "tests/support/light_reference.h"
 
 namespace lte::datagen::test {
@@ -244,6 +245,41 @@ TEST_F(Bake, PrunesPointsThatLightCannotReachUnlessToldNotTo) {
   EXPECT_EQ(whole.pruned_query_points, 0);
   EXPECT_EQ(whole.query_points(), 200);
   EXPECT_GT(dark(whole), dark(pruned) + 5);
+}
+
+TEST_F(Bake, EveryKindOfLightIsInTheScenePoints) {
+  BakeOptions options = tiny_bake();
+  options.scene_points = 500;
+  options.path_tracing_64 = false;
+  options.views.count = 0;
+  for (const lte::test::LitScene& lit : lte::test::scenes_of_every_light()) {
+    for (const bool prune : {false, true}) {
+      options.prune = prune;
+      const data::SceneSample sample = bake_scene(lit.scene, options, false);
+      EXPECT_EQ(sample.scene_points(), 500);
+      std::vector<double> strength(lit.strength.size(), 0.0);
+      std::vector<float> direct(lit.strength.size(), 0.0f);
+      const size_t M = sample.scene_position.size();
+      for (size_t i = 0; i < M; ++i) {
+        if (sample.scene_light[i] != scene::kNone)
+          strength[static_cast<size_t>(sample.scene_light[i])] +=
+              double{sample.scene_emission[i].x} * sample.scene_area[i];
+        for (size_t g = 0; g < direct.size(); ++g) {
+          const float light = max_component(sample.scene_direct[g * M + i]);
+          direct[g] = std::max(direct[g], light);
+          if (max_component(sample.scene_emission[i]) > 0) {
+            EXPECT_EQ(light, 0) << lit.light;
+          }
+        }
+      }
+      for (size_t g = 0; g < strength.size(); ++g) {
+        const double tolerance =
+            std::max(0.2 * lit.strength[g] * (lit.tolerance > 0.1 ? 1 : 0), 1e-4 * lit.strength[g]);
+        EXPECT_NEAR(strength[g], lit.strength[g], tolerance) << lit.light << ", prune " << prune;
+        EXPECT_GT(direct[g], 0) << lit.light << ", prune " << prune;
+      }
+    }
+  }
 }
 
 TEST_F(Bake, TargetErrorDecidesThePathsAndIsRecorded) {

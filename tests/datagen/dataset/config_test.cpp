@@ -74,7 +74,8 @@ TEST(DatagenConfig, ShippedFilesOfBoxesAreValidAndNameEveryKey) {
 
 TEST(DatagenConfig, ShippedFilesOfHomesAreValidAndNameEveryKey) {
   const DatagenConfig homes = shipped("homes");
-  for (const char* child : {"homes", "homes_small", "homes_test", "paper"}) {
+  for (const char* child :
+       {"homes", "homes_small", "homes_small_suns", "homes_suns", "homes_test", "paper"}) {
     const DatagenConfig config = shipped(child);
     EXPECT_EQ(config.generator, GeneratorKind::Homes) << child;
     EXPECT_TRUE(config.bake.prune) << child;
@@ -85,8 +86,8 @@ TEST(DatagenConfig, ShippedFilesOfHomesAreValidAndNameEveryKey) {
   EXPECT_EQ(homes.homes.detail.high, defaults.detail.high);
   const Config yaml = shipped_yaml("homes");
   for (const char* key : kCommonKeys) EXPECT_TRUE(yaml.has(key)) << key;
-  for (const char* key : {"rooms", "height_m", "detail", "radiance", "daylight_share", "lit_share",
-                          "clutter", "texture_sizes"})
+  for (const char* key : {"rooms", "height_m", "detail", "radiance", "daylight_share", "sun_share",
+                          "lit_share", "clutter", "texture_sizes"})
     EXPECT_TRUE(yaml.at("homes").has(key)) << key;
   const std::string text = to_yaml(homes);
   EXPECT_EQ(to_yaml(read_datagen_config(Config::parse(text, "test.yaml"))), text);
@@ -131,6 +132,20 @@ TEST(DatagenConfig, IncidentIsWrittenOnlyWhereItIsAskedFor) {
   const std::string text = to_yaml(config);
   EXPECT_NE(text.find("incident:\n  points: 100\n  bins: 16\n  samples: 8\n"), std::string::npos);
   EXPECT_EQ(to_yaml(read_datagen_config(Config::parse(text, "test.yaml"))), text);
+}
+
+TEST(DatagenConfig, SunsAreWrittenOnlyWhereThereAreAny) {
+  EXPECT_EQ(to_yaml(shipped("homes")).find("sun_share"), std::string::npos);
+  const DatagenConfig suns = shipped("homes_suns");
+  EXPECT_EQ(suns.homes.sun_share, 0.5);
+  const std::string text = to_yaml(suns);
+  EXPECT_NE(text.find("  sun_share: 0.5\n"), std::string::npos);
+  EXPECT_EQ(to_yaml(read_datagen_config(Config::parse(text, "test.yaml"))), text);
+  EXPECT_THAT(error_in("generator: homes\nhomes: {sun_share: 2}"), HasSubstr("homes.sun_share"));
+  // The sphere around the largest home is wider than the home.
+  EXPECT_THAT(error_in("generator: homes\nhomes: {sun_share: 0.5}"),
+              AllOf(HasSubstr("scale: 16"), HasSubstr("sun_share")));
+  EXPECT_EQ(error_in("generator: homes\nhomes: {sun_share: 0.5, rooms: [1, 2]}"), "");
 }
 
 TEST(DatagenConfig, OverridesApply) {

@@ -16,6 +16,7 @@
 #include "lte/scene/load.h"
 #include "tests/data/sample_fixture.h"
 #include "tests/datagen/scenes.h"
+#include "tests/support/every_light.h"
 
 namespace lte::datagen::test {
 namespace {
@@ -266,6 +267,57 @@ TEST_F(Generate, PrunedSetsSayIt) {
   config.bake.prune = true;
   generate("reached", config);
   EXPECT_TRUE(data::read_dataset_info(folder_ / "reached").pruned);
+}
+
+/// Rooms with a point light in front of each of their corners, pruned.
+TEST_F(Generate, PrunedSetsKeepEveryPointLight) {
+  DatagenConfig config = tiny_config();
+  config.scenes = 4;
+  config.bake.prune = true;
+  GenerateOptions options;
+  options.out = folder_ / "lit";
+  generate_dataset(config, options, [](uint64_t seed, const std::string& name) {
+    scene::Scene scene = lte::test::dark_room();
+    scene.name = name;
+    for (uint64_t i = 0; i < 1 + seed % 8; ++i)
+      lte::test::add_point_light(&scene, {0.3f, 0.3f + 0.2f * static_cast<float>(i), 0.3f},
+                                 {1, 1, 1});
+    return scene;
+  });
+  const data::DatasetInfo info = data::read_dataset_info(folder_ / "lit");
+  ASSERT_EQ(info.scenes.size(), 4u);
+  for (const data::DatasetEntry& entry : info.scenes) {
+    const data::SceneSample sample =
+        data::read_scene_sample(data::scene_path(folder_ / "lit", entry.name));
+    ASSERT_EQ(sample.light_groups, static_cast<int64_t>(1 + entry.seed % 8));
+    std::vector<double> strength(static_cast<size_t>(sample.light_groups), 0.0);
+    for (size_t i = 0; i < sample.scene_light.size(); ++i)
+      if (sample.scene_light[i] >= 0)
+        strength[static_cast<size_t>(sample.scene_light[i])] +=
+            double{sample.scene_emission[i].x} * sample.scene_area[i];
+    for (const double found : strength) EXPECT_NEAR(found, 4, 1e-4);
+  }
+}
+
+TEST_F(Generate, SetsWithSunsSayIt) {
+  DatagenConfig config = tiny_config();
+  config.scenes = 1;
+  config.generator = GeneratorKind::Homes;
+  config.homes.rooms = {1, 1};
+  config.homes.detail = {0.3, 0.3};
+  config.homes.texture_sizes = {8};
+  config.homes.daylight_share = 1;
+  generate("panes", config);
+  EXPECT_FALSE(data::read_dataset_info(folder_ / "panes").suns);
+  config.homes.sun_share = 1;
+  config.bake.prune = true;
+  generate("suns", config);
+  EXPECT_TRUE(data::read_dataset_info(folder_ / "suns").suns);
+  const data::SceneSample home = data::read_scene_sample(
+      data::scene_path(folder_ / "suns", scene_name(GeneratorKind::Homes, 0)));
+  const auto sun = static_cast<int>(home.light_groups) - 2;
+  EXPECT_EQ(std::count(home.scene_light.begin(), home.scene_light.end(), sun), 1);
+  EXPECT_GE(std::count(home.scene_light.begin(), home.scene_light.end(), sun + 1), 1) << "the sky";
 }
 
 TEST_F(Generate, AnotherSeedGivesOtherScenes) {

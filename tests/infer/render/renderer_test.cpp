@@ -9,12 +9,14 @@
 #include <gtest/gtest.h>
 
 #include "infer/common/lit_samples.h"
+#include "infer/common/untrained_light.h"
 #include "lte/base/check.h"
 #include "lte/pathtrace/auto_camera.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/pathtrace/render.h"
 #include "tests/infer/fixture.h"
 #include "tests/support/closed_forms.h"
+#include "tests/support/every_light.h"
 #include "tests/support/scenes.h"
 
 namespace lte::infer {
@@ -263,6 +265,50 @@ TEST(Renderer, GivesModelsTheLightThatTheyRead) {
     EXPECT_GT(sum, 0) << enum_name(input);
     EXPECT_LT(difference, 1e-5 * sum) << enum_name(input) << ": not the light of these estimates";
   }
+}
+
+/// lte_bench pareto draws its points by the same function.
+TEST(Renderer, EveryKindOfLightReachesTheNetwork) {
+  for (const test::LitScene& lit : test::scenes_of_every_light()) {
+    const pathtrace::Bvh bvh(lit.scene);
+    for (const bool pruned : {false, true}) {
+      const scene::SurfaceSamples samples = sample_scene_points(bvh, 1000, pruned, 0, nullptr);
+      const std::vector<double> found = test::strengths(samples, lit.strength.size());
+      for (size_t g = 0; g < found.size(); ++g)
+        EXPECT_NEAR(found[g], lit.strength[g], std::max(1e-4, lit.tolerance) * lit.strength[g])
+            << lit.light << ", pruned " << pruned;
+    }
+  }
+}
+
+TEST(Renderer, AScenePrunedToItsOnlyPointLightOrSunIsLit) {
+  for (const scene::LightKind kind : {scene::LightKind::Point, scene::LightKind::Directional}) {
+    scene::Scene scene = test::dark_room();
+    test::add_punctual(&scene, kind, {3, 2, 1});
+    test::TinyModel tiny;
+    tiny.pruned = true;
+    Embedded room(scene, tiny);
+    EXPECT_GT(room.renderer.pruned_points().pruned, 0);
+    const Frame frame = room.renderer.render(
+        {"in", {3.8f, 1.2f, 0.2f}, {0, 1, 0.2f}, {0, 1, 0}, 70}, settings(Output::Irradiance));
+    EXPECT_GT(*std::max_element(frame.indirect.pixels.begin(), frame.indirect.pixels.end()), 0);
+  }
+}
+
+TEST(UntrainedLight, IsNamedUntilAModelHasSeenSuns) {
+  scene::Scene scene = test::dark_room();
+  scene.name = "attic";
+  nn::ModelMetadata model;
+  EXPECT_EQ(untrained_light_note(scene, model), "");
+  test::add_punctual(&scene, scene::LightKind::Spot, {1, 1, 1});
+  test::add_punctual(&scene, scene::LightKind::Directional, {0, 0, 0});
+  EXPECT_EQ(untrained_light_note(scene, model), "") << "a black sun is none";
+  test::add_punctual(&scene, scene::LightKind::Directional, {1, 1, 1});
+  EXPECT_THAT(untrained_light_note(scene, model),
+              testing::AllOf(testing::HasSubstr("attic: 1 directional light,"),
+                             testing::HasSubstr("--mode reference")));
+  model.suns = true;
+  EXPECT_EQ(untrained_light_note(scene, model), "");
 }
 
 TEST(LitSamples, HoldTheIrradianceOfTheClosedForm) {

@@ -163,6 +163,7 @@ TEST_F(TrainerTest, ModelFileIsTheAveragedOneAndSaysWhereItCameFrom) {
   EXPECT_EQ(file.metadata("config"), "note: of the test\n");
   EXPECT_EQ(file.metadata("step"), "8");
   EXPECT_EQ(file.metadata("scene_points_pruned"), "false") << "as dataset.json says";
+  EXPECT_EQ(file.metadata("suns"), "false") << "as dataset.json says";
 }
 
 TEST_F(TrainerTest, AFirstOutputNearTheMeanOfTheReference) {
@@ -219,6 +220,7 @@ TEST_F(TrainerTest, AModelThatReadsLightIsBoundToHowItWasEstimated) {
     data::DatasetInfo info = data::read_dataset_info(lit.path());
     info.light_paths = paths;
     info.light_depth = depth;
+    info.suns = true;
     data::write_dataset_info(lit.path(), info);
   };
   const auto on_it = [&](const char* name, const std::string& extra) {
@@ -232,6 +234,7 @@ TEST_F(TrainerTest, AModelThatReadsLightIsBoundToHowItWasEstimated) {
   const SafetensorsFile model(dir_ / "run/model.safetensors");
   EXPECT_EQ(model.metadata("light_paths"), "16");
   EXPECT_EQ(model.metadata("light_depth"), "3");
+  EXPECT_EQ(model.metadata("suns"), "true");
   train(on_it("plain", ""), false, 1);
   EXPECT_FALSE(
       SafetensorsFile(dir_ / "plain/model.safetensors").metadata().contains("light_depth"));

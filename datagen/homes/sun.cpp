@@ -1,0 +1,127 @@
+#include "datagen/homes/sun.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace lte::datagen::homes {
+namespace {
+
+std::vector<Opening> windows_of(const FloorPlan& plan) {
+  std::vector<Opening> windows;
+  for (const Opening& o : plan.openings)
+    if (o.kind == OpeningKind::Window) windows.push_back(o);
+  return windows;
+}
+
+/// The box that windows and the entrance reach out to.
+Bounds hull_of(const FloorPlan& plan) {
+  Bounds hull;
+  for (const PlanRoom& room : plan.rooms) {
+    hull.extend({room.inner.x0 - kRecess, -kRecess, room.inner.z0 - kRecess});
+    hull.extend({room.inner.x1 + kRecess, plan.height + kRecess, room.inner.z1 + kRecess});
+  }
+  return hull;
+}
+
+Vec3 outwards(Side side) {
+  switch (side) {
+    case Side::NegX:
+      return {-1, 0, 0};
+    case Side::PosX:
+      return {1, 0, 0};
+    case Side::NegZ:
+      return {0, 0, -1};
+    default:
+      return {0, 0, 1};
+  }
+}
+
+/// A rectangle of the hull's wall, its front outwards.
+Mesh wall_cell(const Bounds& hull, Side side, float from, float to, float low, float high) {
+  const Vec3 up{0, high - low, 0};
+  switch (side) {
+    case Side::NegX:
+      return panel({hull.low.x, low, from}, {0, 0, to - from}, up);
+    case Side::PosX:
+      return panel({hull.high.x, low, to}, {0, 0, from - to}, up);
+    case Side::NegZ:
+      return panel({to, low, hull.low.z}, {from - to, 0, 0}, up);
+    default:
+      return panel({from, low, hull.high.z}, {to - from, 0, 0}, up);
+  }
+}
+
+/// A grid through the edges of the wall's windows, without the cells in them.
+void add_wall(Piece* piece, const Bounds& hull, Side side, const std::vector<Opening>& windows,
+              int material) {
+  const bool z = along_z(side);
+  std::vector<float> along{z ? hull.low.z : hull.low.x, z ? hull.high.z : hull.high.x};
+  std::vector<float> up{hull.low.y, hull.high.y};
+  std::vector<Opening> holes;
+  for (const Opening& o : windows) {
+    if (o.side != side) continue;
+    holes.push_back(o);
+    along.insert(along.end(), {o.from, o.to});
+    up.insert(up.end(), {o.bottom, o.top});
+  }
+  for (auto* cuts : {&along, &up}) {
+    std::sort(cuts->begin(), cuts->end());
+    cuts->erase(std::unique(cuts->begin(), cuts->end()), cuts->end());
+  }
+  for (size_t i = 0; i + 1 < along.size(); ++i) {
+    for (size_t j = 0; j + 1 < up.size(); ++j) {
+      const float a = (along[i] + along[i + 1]) / 2, y = (up[j] + up[j + 1]) / 2;
+      const auto holds = [&](const Opening& o) {
+        return a > o.from && a < o.to && y > o.bottom && y < o.top;
+      };
+      if (std::any_of(holes.begin(), holes.end(), holds)) continue;
+      piece->add(wall_cell(hull, side, along[i], along[i + 1], up[j], up[j + 1]), material, {},
+                 false);
+    }
+  }
+}
+
+void add_hull(Stage* stage, int material) {
+  const FloorPlan& plan = stage->plan().floor;
+  const Bounds hull = hull_of(plan);
+  const Vec3 size = hull.extent(), x{size.x, 0, 0}, y{0, size.y, 0}, z{0, 0, size.z};
+  Piece piece;
+  piece.name = "hull";
+  piece.add(panel(hull.low, x, z), material, {}, false);      // x × z = −y
+  piece.add(panel(hull.low + y, z, x), material, {}, false);  // z × x = +y
+  const std::vector<Opening> windows = windows_of(plan);
+  for (const Side side : kSides) add_wall(&piece, hull, side, windows, material);
+  stage->build(std::move(piece));
+}
+
+/// Towards the sun: out of the window, up to 60 degrees to its sides.
+Vec3 towards_sun(const Opening& window, Rng* rng) {
+  const auto angle = [&](float low, float high) { return rng->uniform(low, high) * kPi / 180; };
+  const Vec3 out = outwards(window.side), across{out.z, 0, -out.x};
+  const float turn = angle(-60, 60), height = angle(10, 55);
+  return normalize((out * std::cos(turn) + across * std::sin(turn)) * std::cos(height) +
+                   Vec3{0, std::sin(height), 0});
+}
+
+}  // namespace
+
+void add_sun_and_sky(Stage* stage, Kit* kit, const Rgb& sky, Rng* rng) {
+  add_hull(stage, kit->palette->trim());
+  const std::vector<Opening> windows = windows_of(stage->plan().floor);
+  const Opening& window = windows.at(rng->below(windows.size()));
+  scene::PunctualLight sun;
+  sun.name = "sun";
+  sun.kind = scene::LightKind::Directional;
+  sun.direction = -towards_sun(window, rng);
+  const Rgb tint = Palette::tint(rng->uniform(0.3f, 0.9f));
+  sun.intensity = tint * (kPi * luminance(sky) * rng->uniform(1, 6));
+  sun.light_group = stage->add_group(sun.name);
+  stage->scene().lights.push_back(sun);
+  scene::Environment environment;
+  environment.radiance = sky;
+  environment.light_group = stage->add_group("sky");
+  stage->scene().environment = environment;
+}
+
+}  // namespace lte::datagen::homes

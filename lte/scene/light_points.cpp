@@ -1,0 +1,104 @@
+#include "lte/scene/light_points.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lte/scene/environment_points.h"
+
+namespace lte::scene {
+namespace {
+
+bool is_sun(const PunctualLight& light) {
+  return light.kind == LightKind::Directional && max_component(light.intensity) > 0;
+}
+
+Vec3 sun_position(const EnvironmentSphere& sphere, const PunctualLight& sun) {
+  return sphere.center - sun.direction * sphere.radius;
+}
+
+/// How many of `count` points an environment gets.
+int64_t environment_points(int64_t count, double share) {
+  return std::max<int64_t>(1, std::llround(static_cast<double>(count) * share));
+}
+
+/// The power of a light in W. A spot's falloff is that of KHR_lights_punctual, the square of a ramp
+/// in the cosine, which has a closed integral.
+Rgb power(const PunctualLight& light) {
+  if (light.kind == LightKind::Point) return light.intensity * (4 * kPi);
+  const float inner = std::cos(light.inner_cone), outer = std::cos(light.outer_cone);
+  return light.intensity * (2 * kPi * ((1 - inner) + (inner - outer) / 3));
+}
+
+void append(const Vec3& position, const Vec3& normal, const Rgb& emission, float area,
+            int light_group, SurfaceSamples* samples) {
+  samples->position.push_back(position);
+  samples->normal.push_back(normal);
+  samples->albedo.push_back({0, 0, 0});
+  samples->gloss.push_back({});
+  samples->emission.push_back(emission);
+  samples->area.push_back(area);
+  samples->light_group.push_back(light_group);
+}
+
+void append_local_lights(const Scene& scene, float area, SurfaceSamples* samples) {
+  for (const PunctualLight& light : scene.lights) {
+    if (light.kind == LightKind::Directional) continue;
+    // A point light has no side; straight down is as good as any, and the same for all.
+    const Vec3 normal = light.kind == LightKind::Spot ? light.direction : Vec3{0, -1, 0};
+    append(light.position, normal, power(light) / (kPi * area), area, light.light_group, samples);
+  }
+}
+
+void append_suns(const Scene& scene, double solid_angle, SurfaceSamples* samples) {
+  const EnvironmentSphere sphere = environment_sphere(scene);
+  const auto omega = static_cast<float>(solid_angle);
+  for (const PunctualLight& light : scene.lights) {
+    if (!is_sun(light)) continue;
+    append(sun_position(sphere, light), light.direction, light.intensity / omega,
+           omega * sphere.radius * sphere.radius, light.light_group, samples);
+  }
+}
+
+}  // namespace
+
+LightPointCounts light_point_counts(const Scene& scene, int64_t count,
+                                    const SamplerOptions& options) {
+  LightPointCounts counts;
+  for (const PunctualLight& light : scene.lights) {
+    if (!options.punctual_lights) break;
+    counts.local += light.kind != LightKind::Directional ? 1 : 0;
+    counts.suns += is_sun(light) ? 1 : 0;
+  }
+  if (scene.environment && options.environment_share > 0)
+    counts.environment = environment_points(count, options.environment_share);
+  return counts;
+}
+
+double sun_solid_angle(int64_t count, const SamplerOptions& options) {
+  const double share = options.environment_share > 0 ? options.environment_share
+                                                     : SamplerOptions().environment_share;
+  return 4 * M_PI / static_cast<double>(environment_points(count, share));
+}
+
+void append_light_points(const Scene& scene, int64_t count, float area,
+                         const SamplerOptions& options, SurfaceSamples* samples) {
+  const LightPointCounts counts = light_point_counts(scene, count, options);
+  if (counts.local > 0) append_local_lights(scene, area, samples);
+  if (counts.suns > 0) append_suns(scene, sun_solid_angle(count, options), samples);
+  append_environment_points(scene, counts.environment, samples);
+}
+
+Bounds point_bounds(const Scene& scene) {
+  Bounds bounds = scene.bounds();
+  if (bounds.empty()) return bounds;
+  const EnvironmentSphere sphere = environment_sphere(scene);
+  for (const PunctualLight& light : scene.lights)
+    if (is_sun(light)) bounds.extend(sun_position(sphere, light));
+  if (!scene.environment) return bounds;
+  const Vec3 reach{sphere.radius, sphere.radius, sphere.radius};
+  bounds.extend(sphere.center - reach);
+  bounds.extend(sphere.center + reach);
+  return bounds;
+}
+
+}  // namespace lte::scene
