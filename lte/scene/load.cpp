@@ -6,6 +6,7 @@
 
 #include "lte/base/text.h"
 #include "lte/scene/gltf/import.h"
+#include "lte/scene/number_check.h"
 #include "lte/scene/obj/import.h"
 #include "lte/scene/pbrt/import.h"
 #include "lte/scene/ply/import.h"
@@ -29,6 +30,7 @@ Scene load_scene(const std::filesystem::path& path, const LoadLimits& limits) tr
     known += concat(known.empty() ? "" : ", ", extension);
     if (!lower_case(file).ends_with(extension)) continue;
     Scene scene = import(path, limits);
+    check_numbers(path.string(), scene);
     scene.name = file.substr(0, file.size() - extension.size());  // "room" of "room.pbrt.gz"
     return scene;
   }
