@@ -3,6 +3,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <string>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -37,12 +38,10 @@ TEST(PassiveWaiting, TheUsersOwnChoiceStays) {
   EXPECT_NE(run_with("OMP_WAIT_POLICY=active"), 0) << "workers sleep, and ought to spin";
   EXPECT_NE(run_with("GOMP_SPINCOUNT=100000000"), 0) << "workers sleep, and ought to spin";
   EXPECT_EQ(run_with("OMP_WAIT_POLICY=passive"), 0);
-  EXPECT_EQ(run_with("OMP_DYNAMIC=true"), 0);
 }
 
 /// No more threads than the limit: the team would be too small to help, and nothing hangs or ends.
 TEST(PassiveWaiting, AThreadLimitIsNoHarm) {
-  EXPECT_NE(run_with("OMP_THREAD_LIMIT=2"), -1);
   const std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
   EXPECT_EQ(
       std::system(("OMP_THREAD_LIMIT=2 '" + self + "' --gtest_filter=None.* > /dev/null").c_str()),
