@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Builds the libFuzzer targets of tests/fuzz with clang, and runs them by turns until they have made
-a number of executions in all.
+"""Builds the libFuzzer targets of tests/fuzz with clang, and runs them by turns until they have
+made a number of executions in all.
 
   scripts/dev/fuzz.py --build-only
   scripts/dev/fuzz.py --executions 10000000
@@ -9,8 +9,8 @@ a number of executions in all.
 It may be stopped at any time, and the same command goes on: build-fuzz/campaign.json counts the
 executions of finished rounds by target, build-fuzz/grown/TARGET keeps the corpus that has grown.
 Each round of a target takes --round seconds. Inputs that a target fails on lie in
-build-fuzz/findings/TARGET; the target then goes on with the next round. A finding is mended, and its
-file, made small by `TARGET -minimize_crash=1 FILE`, added to tests/fuzz/corpus/TARGET.
+build-fuzz/findings/TARGET; the target then goes on with the next round. A finding is mended, and
+its file, made small by `TARGET -minimize_crash=1 FILE`, added to tests/fuzz/corpus/TARGET.
 The render target needs an ordinary build in build/ first (ninja -C build lte_c_api lte_fuzz_model).
 """
 import argparse

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Times of short work by how threads wait: as the tools have it (asleep), as OpenMP has it by default
-(spinning), and as OMP_WAIT_POLICY=passive has it; alone, and beside processes that are busy.
+"""Times of short work by how threads wait: as the tools have it (asleep), as OpenMP has it by
+default (spinning), and as OMP_WAIT_POLICY=passive has it; alone, and beside processes that are
+busy.
 
   build/bin/lte_datagen generate --config configs/data/demo.yaml --scenes 8 --out out/waiting
   scripts/dev/waiting_bench.py --data out/waiting --rounds 5

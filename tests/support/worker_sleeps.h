@@ -1,4 +1,4 @@
-// Whether threads of LibTorch's team sleep or spin between two pieces of work, by the kernel's count.
+// Whether threads of LibTorch's team sleep or spin between pieces of work, by the kernel's count.
 #pragma once
 
 #include <chrono>
