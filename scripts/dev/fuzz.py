@@ -103,7 +103,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--executions", type=int, default=10_000_000, help="in all")
-    parser.add_argument("--round", type=int, default=60, help="seconds of a target's turn")
+    parser.add_argument("--round", type=int, default=300, help="seconds of a target's turn")
     parser.add_argument("--seconds", type=float, default=float("inf"), help="stop after so many")
     parser.add_argument("--jobs", type=int, default=1, help="of the build")
     parser.add_argument("--build-only", action="store_true")

@@ -39,7 +39,7 @@ inline void write(const std::string& name, std::string_view bytes) {
 /// Few of everything, so that an execution takes milliseconds.
 inline scene::LoadLimits small_limits() {
   scene::LoadLimits limits;
-  limits.triangles = 100'000;
+  limits.triangles = 10'000;
   limits.texture_pixels = 1 << 16;
   limits.total_texture_pixels = 1 << 18;
   limits.includes = 8;
