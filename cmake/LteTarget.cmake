@@ -58,14 +58,19 @@ function(lte_add_tool name source)
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endfunction()
 
-# lte_add_test(FOLDER SOURCES ... DEPS ... [LABELS ...]): one executable and one ctest entry a
-# folder.
+# lte_add_test(FOLDER SOURCES ... DEPS ... [LABELS ...] [OWN_WAITING]): one executable and one ctest
+# entry a folder. Threads of OpenMP wait as in the tools, but with OWN_WAITING.
 function(lte_add_test folder)
-  cmake_parse_arguments(arg "TORCH" "" "SOURCES;DEPS;LABELS" ${ARGN})
+  cmake_parse_arguments(arg "OWN_WAITING" "" "SOURCES;DEPS;LABELS" ${ARGN})
   set(name lte_${folder}_test)
   add_executable(${name} ${arg_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE lte::warnings ${arg_DEPS} GTest::gtest GTest::gmock GTest::gtest_main)
+  if(NOT arg_OWN_WAITING)
+    target_sources(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/support/passive_waiting.cpp)
+    set_source_files_properties(${PROJECT_SOURCE_DIR}/tests/support/passive_waiting.cpp
+                                PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
+  endif()
   # Tests are compiled for every build and run for seconds.
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_compile_definitions(${name} PRIVATE LTE_SOURCE_DIR="${PROJECT_SOURCE_DIR}" LTE_BINARY_DIR="${CMAKE_BINARY_DIR}")

@@ -78,7 +78,8 @@ LTE_API int32_t lte_built_with_cuda(void);
 LTE_API const char* lte_last_error(void);
 
 /** Sets the CPU threads of every later call, whichever thread makes it.
- *  @param threads  at least 1 */
+ *  @param threads  1 to four times the processors of the machine, or 64 where that is less; refused
+ *                  too where the system does not give so many threads now */
 LTE_API lte_status lte_set_threads(int32_t threads);
 
 /** Returns the CPU threads of a call from this thread: LibTorch's default, all cores, before

@@ -15,6 +15,7 @@
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/pathtrace/lights.h"
+#include "lte/scene/number_check.h"
 
 namespace lte::datagen {
 namespace {
@@ -117,6 +118,9 @@ ProbePoints read_probe_points(const std::filesystem::path& path) {
     LTE_CHECK(fields.size() == 6, where, ", column ", kColumns[fields.size()], ": missing");
     float values[6];
     for (size_t c = 0; c < 6; ++c) values[c] = parse_number(where, kColumns[c], fields[c]);
+    for (size_t c = 0; c < 3; ++c)
+      LTE_CHECK(std::abs(values[c]) <= scene::kMaxCoordinate, where, ", column ", kColumns[c], ": ",
+                fields[c], " is farther than ", scene::kMaxCoordinate, " from the origin");
     const Vec3 normal{values[3], values[4], values[5]};
     LTE_CHECK(length(normal) > 1e-6f && std::isfinite(length(normal)), where,
               ", columns nx,ny,nz: the normal has no length");

@@ -1,6 +1,7 @@
 #include "infer/export/export.h"
 
-#include <fstream>
+#include <cstring>
+#include <ostream>
 
 #include <nlohmann/json.hpp>
 #include <torch/csrc/jit/api/module.h>
@@ -10,6 +11,7 @@
 
 #include "infer/common/assets.h"
 #include "infer/common/synthetic_room.h"
+#include "infer/export/silent_file.h"
 #include "infer/export/torchscript_network.h"
 #include "infer/export/torchscript_ops.h"
 #include "lte/base/check.h"
@@ -76,6 +78,16 @@ ExportCheck compare(torch::jit::Module& module, nn::LightTransportModel& model,
           (got - expected).abs().max().item<double>() / std::max(largest, 1e-30)};
 }
 
+/// @param to    the temporary that stands for `path`, which messages name
+void save_archive(const torch::jit::Module& module, const torch::jit::ExtraFilesMap& extra,
+                  const std::filesystem::path& path, const std::filesystem::path& to) {
+  SilentFile file(to);
+  std::ostream stream(&file);
+  module.save(stream, extra);
+  const int error = file.close();
+  LTE_CHECK(error == 0, path.string(), ": cannot write: ", std::strerror(error));
+}
+
 }  // namespace
 
 std::vector<ExportCheck> export_torchscript(const ExportOptions& options) {
@@ -86,7 +98,7 @@ std::vector<ExportCheck> export_torchscript(const ExportOptions& options) {
                                         {"normalization.json", normalization_json(model->config())},
                                         {"version.txt", version()}};
   AtomicFile file(options.out);
-  module.save(file.temporary_path().string(), extra);
+  save_archive(module, extra, options.out, file.temporary_path());
   std::vector<ExportCheck> checks;
   if (options.verify) {
     torch::jit::Module loaded = torch::jit::load(file.temporary_path().string());

@@ -215,6 +215,9 @@ void install_signal_cleanup() {
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  // A file that meets the limit of `ulimit -f` then fails like one on a full disk: in one line.
+  action.sa_handler = SIG_IGN;
+  sigaction(SIGXFSZ, &action, nullptr);
 }
 
 MappedFile::MappedFile(const fs::path& path) {

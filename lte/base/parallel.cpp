@@ -14,6 +14,9 @@ namespace lte {
 namespace {
 
 std::atomic<int> g_threads{0};
+
+int processors() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+
 /// True inside a body, so that a nested call runs inline instead of multiplying the threads.
 thread_local bool t_inside = false;
 
@@ -56,14 +59,17 @@ class Job {
 
 }  // namespace
 
+int max_threads() { return std::max(64, 4 * processors()); }
+
 void set_num_threads(int threads) {
-  LTE_CHECK(threads >= 0, "number of threads: expected 0 (all) or more, got ", threads);
+  LTE_CHECK(threads >= 0 && threads <= max_threads(), "number of threads: expected 0 (all) to ",
+            max_threads(), ", got ", threads);
   g_threads = threads;
 }
 
 int num_threads() {
   const int threads = g_threads;
-  return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  return threads > 0 ? threads : processors();
 }
 
 void parallel_for(int64_t count, int64_t grain, const std::function<void(int64_t, int64_t)>& body) {

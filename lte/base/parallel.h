@@ -7,7 +7,12 @@
 
 namespace lte {
 
+/// The most threads that may be asked for: four times the processors, and 64 at least. More only
+/// wait for one another, and at some thousands the system gives no more.
+int max_threads();
+
 /// Sets the number of threads, once at start-up. 0 restores the default, every hardware thread.
+/// @throws lte::Error unless it is in [0, max_threads()].
 void set_num_threads(int threads);
 int num_threads();
 

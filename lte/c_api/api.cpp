@@ -3,12 +3,15 @@
 
 #include <ATen/Parallel.h>
 
+#include "lte/base/parallel.h"
+#include "lte/base/passive_waiting.h"
 #include "lte/c_api.h"
 #include "lte/c_api/arguments.h"
 #include "lte/c_api/error.h"
 #include "lte/c_api/network.h"
 #include "lte/c_api/stream.h"
 #include "lte/nn/cost.h"
+#include "lte/runtime/device.h"
 
 using lte::c_api::guarded;
 using lte::c_api::read_struct;
@@ -30,10 +33,11 @@ std::atomic<int32_t> wanted_threads{0};  ///< 0: LibTorch's default
 
 /// LibTorch keeps the number by thread, so each thread takes it over when it calls.
 void apply_threads() {
-  thread_local int32_t applied = 0;
+  thread_local int32_t applied = -1;  // nothing yet
   const int32_t wanted = wanted_threads.load();
   if (wanted == applied) return;
-  at::set_num_threads(wanted);
+  lte::wait_passively();
+  lte::runtime::set_torch_threads(wanted);
   applied = wanted;
 }
 
@@ -77,7 +81,11 @@ const char* lte_last_error(void) { return lte::c_api::last_error(); }
 
 lte_status lte_set_threads(int32_t threads) {
   return guarded([&] {
-    require(threads >= 1, "threads is ", threads, ", expected at least 1");
+    require(threads >= 1 && threads <= lte::max_threads(), "threads is ", threads,
+            ", expected 1 to ", lte::max_threads(), ", four times the processors here or 64");
+    // OpenMP's library ends the process where it gets none.
+    require(lte::can_start_threads(threads), "threads is ", threads,
+            ", but the system does not give so many");
     wanted_threads = threads;
   });
 }

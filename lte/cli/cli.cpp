@@ -12,6 +12,7 @@
 #include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/base/parallel.h"
+#include "lte/base/passive_waiting.h"
 #include "lte/base/text.h"
 #include "lte/base/version.h"
 
@@ -80,12 +81,22 @@ int report_failure(const CLI::App& app, const std::string& text) {
   return kFailed;
 }
 
+/// "0 to N" of a number of threads, in words that say where N comes from.
+std::string check_threads(const std::string& text) {
+  int threads = 0;
+  if (!CLI::detail::lexical_cast(text, threads) || threads < 0)
+    return concat("\"", text, "\" is no number of threads: expected 0 (all) to ", max_threads());
+  return threads <= max_threads() ? ""
+                                  : concat(threads, " is more than ", max_threads(),
+                                           ", four times the processors here or 64");
+}
+
 }  // namespace
 
 void add_common_options(CLI::App& app, CommonOptions* options, bool with_json) {
   const char* group = "Common options";
   app.add_option("--threads", options->threads, "Number of CPU threads; 0 for all")
-      ->check(CLI::Range(0, 65536))
+      ->check(CLI::Validator(check_threads, concat("0 to ", max_threads())))
       ->group(group);
   app.add_flag("--quiet", options->quiet, "Show no progress and no notes, only warnings")
       ->group(group);
@@ -115,6 +126,7 @@ int run_tool(CLI::App& app, int argc, char** argv, const std::function<void()>& 
   install_signal_cleanup();
   try {
     app.parse(argc, argv);
+    wait_passively();
     body();
     std::cout.flush();
     LTE_CHECK(std::cout && std::fflush(stdout) == 0, "cannot write to standard output");

@@ -29,7 +29,8 @@ void apply_common_options(const CommonOptions& options);
 /// bound to no variable, which CLI11 cannot ask, set a default_str().
 std::string config_text(CLI::App& app);
 
-/// Parses the command line and runs `body`. Installs the signal cleanup of file.h.
+/// Parses the command line and runs `body`. Installs the signal cleanup of file.h, and makes
+/// threads of OpenMP wait without spinning (passive_waiting.h).
 /// @return  0 on success, 2 on wrong usage, 1 where `body` throws; then with one line "tool: what
 ///          went wrong" on standard error
 int run_tool(CLI::App& app, int argc, char** argv, const std::function<void()>& body);

@@ -8,6 +8,7 @@
 #include "lte/base/parallel.h"
 #include "lte/pathtrace/embree_scene.h"
 #include "lte/pathtrace/transport/ray_packets.h"
+#include "lte/scene/number_check.h"
 #include "lte/scene/surface.h"
 
 namespace lte::pathtrace {
@@ -85,7 +86,10 @@ InstanceRecord make_record(const scene::Scene& scene, int index, const Vec3& ori
   const scene::Instance& instance = scene.instances[index];
   const scene::Mesh& mesh = scene.meshes[instance.mesh];
   std::array<Vec3, 3> normal_rows;
-  if (mesh.triangles.empty() || !inverse_transpose(instance.to_world, &normal_rows)) return record;
+  if (mesh.triangles.empty() || !inverse_transpose(instance.to_world, &normal_rows) ||
+      scene::inverse_stretch(instance.to_world) > 1 / scene::kMinScale) {
+    return record;
+  }
   record.triangles = mesh.triangles.data();
   const Affine transform = to_frame(instance, origin);
   for (int k = 0; k < 4; ++k) record.columns[k] = column(transform.m, k);
@@ -131,6 +135,8 @@ Bvh::Handles::~Handles() {
 Bvh::Bvh(const scene::Scene& scene)
     : scene_(scene), bounds_(scene.bounds()), handles_(std::make_unique<Handles>()) {
   Handles& h = *handles_;
+  LTE_CHECK(bounds_.empty() || (scene::is_place(bounds_.low) && scene::is_place(bounds_.high)),
+            "the scene reaches farther than ", scene::kMaxCoordinate, " from the origin");
   h.origin = frame_origin(bounds_);
   h.device = rtcNewDevice(("threads=" + std::to_string(num_threads())).c_str());
   LTE_CHECK(h.device != nullptr, "Embree failed to start: error ", rtcGetDeviceError(nullptr));

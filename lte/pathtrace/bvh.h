@@ -29,7 +29,8 @@ struct Hit {
 /// Keeps a reference to the scene, which must outlive it. Queries are const and thread-safe.
 class Bvh {
  public:
-  /// @throws lte::Error if Embree fails (out of memory).
+  /// @throws lte::Error if Embree fails (out of memory), or the scene is too large for it
+  ///         (scene/number_check.h).
   explicit Bvh(const scene::Scene& scene);
   ~Bvh();
   Bvh(const Bvh&) = delete;

@@ -10,6 +10,7 @@
 #include "lte/base/parallel.h"
 #include "lte/pathtrace/transport/path_sampler.h"
 #include "lte/pathtrace/transport/transport.h"
+#include "lte/scene/number_check.h"
 #include "lte/scene/surface.h"
 
 namespace lte::pathtrace {
@@ -19,8 +20,10 @@ constexpr int kPacket = 8;
 
 void check_view(const scene::Camera& camera, int width, int height) {
   LTE_CHECK(width > 0 && height > 0, "an image needs a positive size, got ", width, "x", height);
-  LTE_CHECK(is_finite(camera.origin) && is_finite(camera.target) && is_finite(camera.up), "camera ",
-            camera.name, ": origin, target or up is not finite");
+  LTE_CHECK(scene::is_place(camera.origin) && is_finite(camera.target) && is_finite(camera.up),
+            "camera ", camera.name,
+            ": origin, target or up is not finite, or the origin farther than ",
+            scene::kMaxCoordinate, " from the scene's");
   LTE_CHECK(camera.vfov > 0 && camera.vfov < 180, "camera ", camera.name,
             ": vfov must lie between 0 and 180 degrees, got ", camera.vfov);
   LTE_CHECK(is_finite(camera.direction(0.5f, 0.5f, 1)) &&

@@ -5,6 +5,7 @@
 #include <ATen/Parallel.h>
 #include <c10/core/impl/VirtualGuardImpl.h>
 
+#include "lte/base/parallel.h"
 #include "lte/nn/device.h"
 
 namespace lte::runtime {
@@ -18,6 +19,7 @@ c10::Device cuda_device(int number) {
 }
 
 void set_torch_threads(int threads) {
+  if (threads == 0 && at::get_num_threads() > max_threads()) threads = max_threads();
   if (threads > 0) at::set_num_threads(threads);
 }
 

@@ -18,7 +18,8 @@ class NoDevice : public Error {
 c10::Device cuda_device(int number);
 
 /// Sets the threads of LibTorch's own pool, to go with lte::set_num_threads(); 0 leaves the
-/// default.
+/// default, but for more than lte::max_threads() that OMP_NUM_THREADS asks for: starting those may
+/// end the process.
 void set_torch_threads(int threads);
 
 }  // namespace lte::runtime

@@ -7,6 +7,7 @@
 #include "lte/base/text.h"
 #include "lte/scene/gltf/import.h"
 #include "lte/scene/import/scene_files.h"
+#include "lte/scene/number_check.h"
 #include "lte/scene/obj/import.h"
 #include "lte/scene/pbrt/import.h"
 #include "lte/scene/ply/import.h"
@@ -31,6 +32,7 @@ Scene load_scene(const std::filesystem::path& path, const LoadLimits& limits) tr
     if (!lower_case(file).ends_with(extension)) continue;
     SceneFiles files(path, limits);
     Scene scene = import(&files);
+    check_numbers(path.string(), scene);
     scene.name = file.substr(0, file.size() - extension.size());  // "room" of "room.pbrt.gz"
     return scene;
   }

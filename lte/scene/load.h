@@ -18,9 +18,10 @@ namespace lte::scene {
 /// Light groups are numbered in the order of emissive instances, then lights. Scene::name is the
 /// name of the file without folder and extension.
 /// @throws lte::Error naming file and element (PBRT, OBJ: line): an extension that none of the
-/// importers has, a missing, truncated or foreign file, an index out of range, a position that is
-/// not finite, cyclic nodes, a required extension of glTF that lte lacks, no triangles at all.
-/// OutsideFolder, OverLimit (lte/scene/import/refusal.h): more than `limits` allow.
+/// importers has, a missing, truncated or foreign file, an index out of range, a number that is not
+/// finite or outside the ranges of number_check.h, cyclic nodes, a required extension of glTF that
+/// lte lacks, no triangles at all. OutsideFolder, OverLimit (lte/scene/import/refusal.h): more than
+/// `limits` allow.
 Scene load_scene(const std::filesystem::path& path, const LoadLimits& limits = {});
 
 }  // namespace lte::scene

@@ -10,6 +10,7 @@
 #include "lte/base/check.h"
 #include "lte/base/config.h"
 #include "lte/base/file.h"
+#include "lte/scene/number_check.h"
 
 namespace lte::scene {
 namespace {
@@ -30,8 +31,11 @@ Vec3 read_vector(const Json& json, const std::string& key, const std::string& fi
   LTE_CHECK(json.contains(key), file, ": key \"", key, "\" is missing");
   LTE_CHECK(json[key].is_array() && json[key].size() == 3, where,
             " must be an array of 3 numbers, got ", json[key].dump());
-  return {read_number(json[key][0], where), read_number(json[key][1], where),
-          read_number(json[key][2], where)};
+  const Vec3 value{read_number(json[key][0], where), read_number(json[key][1], where),
+                   read_number(json[key][2], where)};
+  LTE_CHECK(is_place(value), where, " must have numbers of at most ", kMaxCoordinate, ", got ",
+            json[key].dump());
+  return value;
 }
 
 Json parse(const std::filesystem::path& path) {

@@ -107,5 +107,15 @@ TEST(ParallelFor, RefusesBadArguments) {
   EXPECT_GE(num_threads(), 1);
 }
 
+TEST(SetNumThreads, RefusesMoreThanAFewForEachProcessor) {
+  EXPECT_GE(max_threads(), 64);
+  EXPECT_GE(max_threads(), 4 * static_cast<int>(std::thread::hardware_concurrency()));
+  const Threads scope(max_threads());
+  EXPECT_EQ(num_threads(), max_threads());
+  EXPECT_THROW(set_num_threads(max_threads() + 1), Error);
+  EXPECT_THROW(set_num_threads(1 << 30), Error);
+  EXPECT_EQ(num_threads(), max_threads());
+}
+
 }  // namespace
 }  // namespace lte

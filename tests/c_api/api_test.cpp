@@ -14,6 +14,7 @@
 #include "lte/nn/model_file.h"
 #include "tests/c_api/support.h"
 #include "tests/nn/support.h"
+#include "tests/support/worker_sleeps.h"
 
 namespace lte {
 namespace {
@@ -276,6 +277,13 @@ TEST(CApi, HandlesServeManyThreadsAndOutliveTheirModel) {
   ASSERT_EQ(lte_set_threads(1), LTE_OK);
   EXPECT_EQ(lte_threads(), 1);
   lte_embedding_release(embedding);
+}
+
+/// The threads of a program that uses the library, which this test is but for its environment.
+TEST(CApi, ThreadsSleepBetweenCalls) {
+  if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "one processor: nobody spins";
+  const test::Model model;
+  EXPECT_GE(test::worker_sleeps(100), 90);
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include <ATen/ATen.h>
 #include <gtest/gtest.h>
 
+#include "lte/base/check.h"
 #include "lte/c_api.h"
 #include "tests/c_api/support.h"
 #include "tests/nn/support.h"
@@ -211,7 +212,13 @@ TEST(CApiErrors, BadSettings) {
   expect_status(gain(nullptr), LTE_ERROR_INVALID_ARGUMENT, "gain is null");
   expect_status(lte_embedding_set_emission_gain(nullptr, nan), LTE_ERROR_INVALID_ARGUMENT,
                 "embedding is null");
-  expect_status(lte_set_threads(0), LTE_ERROR_INVALID_ARGUMENT, "threads is 0");
+  for (const int32_t threads :
+       {0, -1, std::numeric_limits<int32_t>::min(), 1 << 30, std::numeric_limits<int32_t>::max()}) {
+    const int32_t before = lte_threads();
+    expect_status(lte_set_threads(threads), LTE_ERROR_INVALID_ARGUMENT,
+                  concat("threads is ", threads, ", expected 1 to ").c_str());
+    EXPECT_EQ(lte_threads(), before);
+  }
   expect_status(lte_embedding_get_info(embedding.handle, nullptr), LTE_ERROR_INVALID_ARGUMENT,
                 "lte_embedding_info is null");
   lte_model_release(nullptr);

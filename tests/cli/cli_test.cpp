@@ -102,6 +102,11 @@ TEST(RunTool, WrongUsageIsOneLineThatNamesTheNearestName) {
   EXPECT_THAT(usage({}), HasSubstr("subcommand is required"));
   EXPECT_THAT(usage({"--threads", "-1", "info"}), HasSubstr("--threads"));
   EXPECT_THAT(usage({"--threads", "many", "info"}), HasSubstr("--threads"));
+  const std::string most = std::to_string(max_threads());
+  for (const std::string& number : {std::to_string(max_threads() + 1), std::string("1073741824")})
+    EXPECT_THAT(usage({"--threads", number, "info"}),
+                HasSubstr("--threads: " + number + " is more than " + most));
+  EXPECT_THAT(usage({"--threads", "99999999999999", "info"}), HasSubstr("--threads"));
 }
 
 TEST(RunTool, FailureIsOneLineAndOne) {

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -39,23 +40,35 @@ inline void write(const std::string& name, std::string_view bytes) {
   std::ofstream(folder() / name, std::ios::binary) << bytes;
 }
 
-/// An lte::Error that names the file is a good answer; anything else is a finding.
-inline void load(const std::string& name) {
+/// Few of everything, so that an execution takes milliseconds.
+inline scene::LoadLimits small_limits() {
   scene::LoadLimits limits;
-  limits.triangles = 100'000;
+  limits.triangles = 10'000;
   limits.texture_pixels = 1 << 16;
   limits.picture_bytes = 1 << 20;
   limits.inflated_bytes = 1 << 20;
   limits.includes = 8;
   limits.text_bytes = 1 << 18;
+  return limits;
+}
+
+/// Nothing if the file is refused. An lte::Error that names the file is a good answer; anything
+/// else is a finding.
+inline std::optional<scene::Scene> load(const std::string& name, const scene::LoadLimits& limits) {
   try {
-    scene::Scene scene = scene::load_scene(folder() / name, limits);
-    scene::clean_up(&scene, scene::parse_cleanup("all"));
+    return scene::load_scene(folder() / name, limits);
   } catch (const Error& error) {
     const std::string_view what = error.what();
     if (what.find(folder().string()) == what.npos || what.find('\n') != what.npos) std::abort();
     if (what.find(kSecret) != what.npos) std::abort();
+    return std::nullopt;
   }
+}
+
+/// What the targets of the importers do with a file.
+inline void load_and_clean_up(const std::string& name) {
+  std::optional<scene::Scene> scene = load(name, small_limits());
+  if (scene) scene::clean_up(&*scene, scene::parse_cleanup("all"));
 }
 
 }  // namespace lte::fuzz

@@ -47,6 +47,12 @@ TEST_F(LoadCamera, NamesFileAndKeyOfEveryError) {
          "\"target\" must be a finite number");
   expect(R"({"origin":[1,2,3],"target":[1,2,3],"up":[0,0,1],"vfov":50})",
          "must differ from \"origin\"");
+  expect(R"({"origin":[0,1.1e9,0],"target":[0,0,0],"up":[0,0,1],"vfov":50})",
+         "\"origin\" must have numbers of at most 1e+09");
+  expect(R"({"origin":[0,0,0],"target":[0,-1e30,0],"up":[0,0,1],"vfov":50})",
+         "\"target\" must have numbers of at most 1e+09");
+  expect(R"({"origin":[0,0,0],"target":[0,0,2],"up":[0,1e38,0],"vfov":50})",
+         "\"up\" must have numbers of at most 1e+09");
   expect(R"({"origin":[0,0,0],"target":[0,0,2],"up":[0,0,-1],"vfov":50})", "\"up\"");
   expect(R"({"origin":[0,0,0],"target":[0,0,2],"up":[0,0,0],"vfov":50})", "\"up\"");
   expect(R"({"origin":[1,2,3],"target":[0,0,0],"up":[0,0,1],"vfov":0})",

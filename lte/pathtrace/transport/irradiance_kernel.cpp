@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lte/scene/number_check.h"
+
 namespace lte::pathtrace {
 namespace {
 
@@ -30,6 +32,8 @@ void check_points(std::span<const Vec3> positions, std::span<const Vec3> normals
             positions.size(), " positions and ", normals.size(), " normals");
   for (size_t i = 0; i < positions.size(); ++i) {
     LTE_CHECK(is_finite(positions[i]), "position ", i, " is not finite");
+    LTE_CHECK(scene::is_place(positions[i]), "position ", i, " is farther than ",
+              scene::kMaxCoordinate, " from the origin");
     LTE_CHECK(is_finite(normals[i]), "normal ", i, " is not finite");
     LTE_CHECK(std::fabs(dot(normals[i], normals[i]) - 1) < 1e-3f, "normal ", i,
               " is not a unit vector: its length is ", length(normals[i]));

@@ -4,7 +4,6 @@
 
 #include "lte/base/check.h"
 #include "lte/scene/gltf/context.h"
-#include "lte/scene/import/position_check.h"
 
 namespace lte::scene::gltf {
 namespace {
@@ -74,7 +73,6 @@ Scene import(SceneFiles* files) {
     scene.materials.back().metallic = 1;  // as the specification has it (3.9)
   }
   add_instances(context, placements, table, &scene);
-  check_world_positions(context.file.name, scene);
   add_lights_and_cameras(context, placements, &scene);
   scene.textures = read_textures(context, &buffers, &scene.materials);
   scene.ignored = ignored.lines();

@@ -10,6 +10,7 @@
 #include "lte/base/check.h"
 #include "lte/image/picture.h"
 #include "lte/image/tonemap.h"
+#include "lte/scene/number_check.h"
 
 namespace lte::scene {
 namespace {
@@ -60,6 +61,7 @@ void set_environment(const std::string& text, double turn_degrees, Scene* scene)
     environment.radiance = {1, 1, 1};
     environment.map = read_map(text);
   }
+  check_environment(concat("environment ", text), environment);
   LTE_CHECK(std::isfinite(turn_degrees),
             "environment: its turn must be a finite number of degrees, got ", turn_degrees);
   // The frame of a picture has Y up, so that a turn is about the world's Y.

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "lte/scene/import/environment_file.h"
-#include "lte/scene/import/position_check.h"
 #include "lte/scene/pbrt/builder.h"
 #include "lte/scene/pbrt/image.h"
 #include "lte/scene/pbrt/material.h"
@@ -63,7 +62,6 @@ class Importer {
         place(part.shape, placement.to_world * part.to_world, placement.at);
     }
     LTE_CHECK(triangles_ > 0, file_, ": the scene has no triangles");
-    check_world_positions(file_, scene_);
     for (PunctualLight& light : world_.lights) {
       light.light_group = static_cast<int>(scene_.light_groups.size());
       scene_.light_groups.push_back(light.name);

@@ -73,6 +73,11 @@ TEST_F(Probe, BadInputIsNamedByLineAndColumn) {
               AllOf(HasSubstr("line 3, column py"), HasSubstr("finite")));
   EXPECT_THAT(error(good + "1e60,0,0,0,1,0\n"),
               AllOf(HasSubstr("line 3, column px"), HasSubstr("finite")));
+  for (const char* far : {"1.1e9", "-1e30"}) {
+    EXPECT_THAT(error(good + "0,0," + far + ",0,1,0\n"),
+                AllOf(HasSubstr("line 3, column pz"), HasSubstr("farther than 1e+09")));
+  }
+  EXPECT_THAT(error(good + "0,0,0,0,1e30,0\n"), AllOf(HasSubstr("line 3"), HasSubstr("normal")));
   EXPECT_THAT(error(good + "0,0,0,0,0,0\n"), AllOf(HasSubstr("line 3"), HasSubstr("normal")));
   EXPECT_THAT(error(kHeader), HasSubstr("no points"));
   EXPECT_THAT(error(""), HasSubstr("no points"));

@@ -2,10 +2,12 @@
 // of lte.
 #include "infer/export/export.h"
 
+#include <csignal>
 #include <cstdlib>
 #include <fstream>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <torch/csrc/jit/serialization/import.h>
 
 #include "infer/common/synthetic_room.h"
@@ -152,6 +154,47 @@ TEST(ExportErrors, LeaveNothingBehind) {
   EXPECT_THROW(
       export_torchscript({model_file.string(), folder.path() / "none" / "model.pt", true, false}),
       Error);
+}
+
+/// Stands for a full disk: while it lives no file of this process grows beyond `bytes`.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    rlimit limit = before_;
+    limit.rlim_cur = bytes;
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+/// With room for nothing, for some of the archive, and for all but its end, which LibTorch writes
+/// in a destructor.
+TEST(ExportErrors, AFullDiskIsOneLineAndLeavesNothing) {
+  const test::TempDir folder;
+  const std::filesystem::path model_file =
+      save_untrained(folder.path(), small_config(nn::Stem::Linear));
+  const std::filesystem::path out = folder.path() / "model.pt";
+  export_torchscript({model_file.string(), out, true, false});
+  const auto whole = static_cast<rlim_t>(std::filesystem::file_size(out));
+  std::filesystem::remove(out);
+  for (const rlim_t room : {rlim_t{0}, whole / 2, whole - 1}) {
+    const std::string error = test::error_of([&] {
+      const FileSizeLimit limit(room);
+      export_torchscript({model_file.string(), out, true, false});
+    });
+    EXPECT_NE(error.find("model.pt: cannot write: File too large"), std::string::npos) << error;
+    EXPECT_EQ(folder.count(), 1u) << "more than the model is left, room " << room;
+  }
 }
 
 TEST(TorchscriptNames, HaveNoDots) {

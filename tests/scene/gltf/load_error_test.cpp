@@ -310,7 +310,7 @@ TEST_F(LoadError, ValuesThatAreNotFinite) {
         b.json["nodes"][0]["scale"] = {3e38, 1, 1};
         primitive(b)["attributes"]["POSITION"] = b.floats({0, 0, 0, 9, 0, 0, 0, 1, 0});
       },
-      "mesh 0", "beyond the range of float");
+      "mesh 0", "vertex 1 lies at (inf, 0, 0)");
   expect(
       [](GltfBuilder& b) {
         b.json["materials"][0]["emissiveFactor"] = {1, 1, -1};

@@ -135,7 +135,7 @@ TEST_F(PbrtError, Transforms) {
   expect("Scale 1e30 1e30 1e30 Scale 1e30 1e30 1e30\n" + kTriangle,
          "scene.pbrt:3: the transform here is beyond the range of float");
   expect("Scale 1e30 1e30 1e30\nShape \"sphere\" \"float radius\" 1e30",
-         "scene.pbrt: mesh \"sphere scene.pbrt:3\" lies beyond the range of float");
+         "scene.pbrt: mesh \"sphere scene.pbrt:3\": vertex ");
   expect("LookAt 0 0 0 0 0 0 0 1 0", "scene.pbrt:2: LookAt: the eye and the target coincide");
   expect("LookAt 0 0 0 0 1 0 0 1 0", "scene.pbrt:2: LookAt: the up vector lies along the view");
   expect("LookAt 0 0 0 0 1 0 0 0 0", "scene.pbrt:2: LookAt: the up vector has no direction");
