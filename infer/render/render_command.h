@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "infer/common/tool_options.h"
 
@@ -18,8 +19,10 @@ struct RenderRequest {
   uint64_t seed = 0;
   bool rescale = false, validate_only = false;
   std::string prune = "auto";
-  std::string environment;      ///< "R,G,B" or a picture; empty: that of the scene
-  double environment_turn = 0;  ///< degrees about +Y
+  std::string environment;          ///< "R,G,B" or a picture; empty: that of the scene
+  double environment_turn = 0;      ///< degrees about +Y
+  std::vector<std::string> lights;  ///< "auto" or "x,y,z,power": luminaires to add
+  std::string antialias = "16", metal = "trace";
   std::optional<double> exposure;
   ToolOptions tool;
 };
