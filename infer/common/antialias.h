@@ -4,9 +4,9 @@
 // A pixel lies at an edge where a neighbour sees something else: background, another instance,
 // another plane, normal, color, emission or share of metal. There N image points are traced, a
 // stratified set that is turned by a hash of the pixel. Each takes the irradiance of the nearest
-// query that stands on its plane and under its normal: its own pixel's, or one of the eight
-// around it. Where none does, it becomes a query itself, which later points of this and of the neighbouring
-// pixels share in turn.
+// query that stands on its plane and under its normal: its own pixel's, or one of the eight around
+// it. Where none does, it becomes a query itself, which later points of this and of the
+// neighbouring pixels share in turn.
 #pragma once
 
 #include <cstdint>

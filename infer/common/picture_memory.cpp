@@ -20,6 +20,9 @@ constexpr double kColorBytes = 16, kLayerBytes = 36, kLightBytes = 12;
 // while it grows.
 constexpr double kPngBytes = 40, kExrShare = 1.5;
 
+// What image::encode_png() takes.
+constexpr int64_t kMostPngPixels = int64_t{1} << 28;
+
 std::string picture_text(const RenderSettings& settings) {
   return concat("a picture of ", settings.width, "x", settings.height);
 }
@@ -51,6 +54,9 @@ double picture_mb(const RenderSettings& settings) {
 }
 
 void check_picture_fits(const RenderSettings& settings, double available_mb) {
+  LTE_CHECK(settings.layers || int64_t{settings.width} * settings.height <= kMostPngPixels,
+            picture_text(settings), " has more than the ", kMostPngPixels,
+            " pixels of a PNG: write an .exr, or take a smaller one");
   const double need = picture_mb(settings);
   if (need <= available_mb) return;
   throw runtime::NotEnoughMemory(

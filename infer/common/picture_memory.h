@@ -8,11 +8,12 @@ namespace lte::infer {
 
 /// What the most of a picture takes above scene, model and embedding, in MiB: the frame, the band
 /// that is worked on, and what writing it as EXR (with settings.layers) or PNG (without) adds.
-/// docs/numerics.md compares it with measurements.
+/// docs/pictures.md compares it with measurements.
 double picture_mb(const RenderSettings& settings);
 
-/// @throws runtime::NotEnoughMemory if the picture does not fit into the machine.
 /// @param available_mb  available_memory_mb()
+/// @throws runtime::NotEnoughMemory if the picture does not fit into the machine; lte::Error if it
+///         has more pixels than a PNG is written with.
 void check_picture_fits(const RenderSettings& settings, double available_mb);
 /// @throws runtime::NotEnoughMemory if it does not fit into what `limit` leaves.
 void check_picture_fits(const RenderSettings& settings, const runtime::MemoryLimit& limit);
