@@ -289,7 +289,10 @@ void run_render(const RenderRequest& request) {
                 static_cast<long long>(scene.triangle_count()), scene.light_groups.size());
     return;
   }
-  if (network) embed(request, *network, memory, &renderer);
+  if (network) {
+    embed(request, *network, memory, &renderer);
+    check_picture_fits(settings_of(request), memory);
+  }
   render_to_file(request, camera, &renderer, total);
 }
 

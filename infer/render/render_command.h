@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "infer/common/renderer.h"
 #include "infer/common/tool_options.h"
 
 namespace lte::infer {
@@ -22,7 +23,7 @@ struct RenderRequest {
   std::string environment;          ///< "R,G,B" or a picture; empty: that of the scene
   double environment_turn = 0;      ///< degrees about +Y
   std::vector<std::string> lights;  ///< "auto" or "x,y,z,power": luminaires to add
-  std::string antialias = "16", metal = "trace";
+  std::string antialias = std::to_string(kAntialias), metal = "trace";
   std::optional<double> exposure;
   ToolOptions tool;
 };

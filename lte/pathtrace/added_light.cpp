@@ -109,7 +109,7 @@ std::optional<Panel> hang_panel(const Bvh& bvh, const Place& place) {
   // In the middle the ceiling may hang lower, or the middle may not be in the room at all.
   const Vec3 seen = panel.center - place.eye;
   const float distance = length(seen);
-  if (bvh.occluded({place.eye, seen / distance, 0, distance})) panel.center = under;
+  if (distance > 0 && bvh.occluded({place.eye, seen / distance, 0, distance})) panel.center = under;
   const Hit ceiling = bvh.intersect({panel.center, {0, 1, 0}});
   if (!ceiling.valid() || ceiling.t > 2 * gap) panel.center = under;
   const float half = std::min({std::abs(panel.center.x - bvh.bounds().low.x),
@@ -152,8 +152,8 @@ void add_panel(const Panel& panel, scene::Scene* scene) {
   mesh.name = material.name;
   mesh.material = static_cast<int>(scene->materials.size());
   const float h = panel.side / 2;
-  for (const auto& [x, z] : {std::pair(-h, -h), {h, -h}, {h, h}, {-h, h}})
-    mesh.positions.push_back(panel.center + Vec3{x, 0, z});
+  for (const Vec3& corner : {Vec3{-h, 0, -h}, Vec3{h, 0, -h}, Vec3{h, 0, h}, Vec3{-h, 0, h}})
+    mesh.positions.push_back(panel.center + corner);
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};  // fronts look down
   scene->instances.push_back({static_cast<int>(scene->meshes.size()), Affine(),
                               static_cast<int>(scene->light_groups.size())});

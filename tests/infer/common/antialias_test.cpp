@@ -85,10 +85,10 @@ TEST(Antialias, AnEdgeCoversPixelsByItsClosedForm) {
       }
     }
     ASSERT_GE(edges, kSize - 1) << degrees;
-    // Sixteen stratified points leave less than a fourth of the variance 1/12 / 16 of random ones.
-    EXPECT_LT(std::sqrt(squares / edges), 0.5 / std::sqrt(12.0 * kHits)) << degrees;
+    // Half of what random points leave: their variance is c (1 - c) / N, 1/6 / N on average.
+    EXPECT_LT(std::sqrt(squares / edges), 0.5 / std::sqrt(6.0 * kHits)) << degrees;
     EXPECT_NEAR(sum / edges, 0, 0.02) << degrees;
-    EXPECT_GE(frame.edge_pixels, edges);
+    EXPECT_GE(frame.edge_pixels, edges - 2) << "pixels in corners have no neighbour beyond";
     EXPECT_LE(frame.edge_pixels, 5 * kSize);
   }
 }
@@ -167,12 +167,12 @@ double mean_square(const image::Image& a, const image::Image& b) {
   return sum / static_cast<double>(a.pixels.size());
 }
 
-TEST(Antialias, ErrorAgainstAPictureOfSixteenTimesTheSizeFalls) {
+TEST(Antialias, ErrorAgainstAPictureOfEightTimesTheSizeFalls) {
   const scene::Scene scene = test::furnished_room();
   Renderer renderer(scene);
   const scene::Camera camera = pathtrace::auto_camera(renderer.bvh());
   const image::Image reference =
-      shrunk(renderer.render(camera, settings(Output::Direct, 48 * 16, 36 * 16, 0)).color, 16);
+      shrunk(renderer.render(camera, settings(Output::Direct, 48 * 8, 36 * 8, 0)).color, 8);
   RenderSettings wanted = settings(Output::Direct, 48, 36, 0);
   wanted.direct_samples = 1024;
   const double plain = mean_square(renderer.render(camera, wanted).color, reference);
