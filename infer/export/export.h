@@ -16,7 +16,7 @@ struct ExportOptions {
   bool portable = false;  ///< built-in operators alone
   bool verify = false;    ///< load the file and compare with the native model at three sizes
   /// Told what begins, e.g. "comparing at 257 scene points and 100 queries".
-  std::function<void(const std::string& step)> progress;
+  std::function<void(const std::string& step)> progress = {};
 };
 
 /// The largest deviation from the native model at one size, divided by the largest value.
