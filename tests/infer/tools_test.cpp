@@ -222,12 +222,17 @@ TEST_F(Tools, ALightThatIsAddedLightsADarkScene) {
 }
 
 TEST_F(Tools, APictureThatDoesNotFitIsRefusedBeforeAnyWork) {
-  for (const char* mode : {"neural", "reference"}) {
-    const std::string huge = std::string(" --size 20000x20000 --mode ") + mode + " --max-memory 1G";
-    expect_failure(render("--out " + at("h.exr") + huge), 1,
+  const auto run = [](const std::string& size, const std::string& rest) {
+    return run_tool("lte_render", at("room.glb") + " --quiet --checkpoint " +
+                                      at("tiny.safetensors") + " --size " + size + " " + rest);
+  };
+  for (const std::string mode : {"neural", "reference"}) {
+    const std::string limited = "--max-memory 1G --mode " + mode;
+    expect_failure(run("20000x20000", limited + " --out " + at("h.exr")), 1,
                    AllOf(HasSubstr("20000x20000"), HasSubstr("--size"), HasSubstr("GiB")));
-    expect_failure(render("--validate-only" + huge), 1, HasSubstr("20000x20000"));
-    expect_failure(render("--out " + at("h.exr") + " --size 65536x65536 --mode " + mode), 1,
+    expect_failure(run("8000x8000", limited + " --validate-only"), 1,
+                   AllOf(HasSubstr("8000x8000"), HasSubstr("--max-memory")));
+    expect_failure(run("65536x65536", "--mode " + mode + " --out " + at("h.exr")), 1,
                    AllOf(HasSubstr("65536x65536"), HasSubstr("are free")));
   }
   EXPECT_FALSE(std::filesystem::exists(at("h.exr")));
