@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Measures what anti-aliasing costs lte_render and what it gains: seconds and error against the
-path tracer, which spreads its paths over the pixel, with --aa off and on in turns.
+"""Measures what anti-aliasing costs lte_render and what it gains: processor seconds and error
+against the path tracer, which spreads its paths over the pixel, with --aa off and on in turns.
 
 usage: scripts/witnesses/edge_cost.py [--scene F] [--sizes 320x240,640x480] [--repeats 3]
            [--aa 4,8,16] [--spp 256] [--build build] [--keep DIR]
@@ -10,6 +10,7 @@ usage: scripts/witnesses/edge_cost.py [--scene F] [--sizes 320x240,640x480] [--r
 import argparse
 import json
 import pathlib
+import resource
 import subprocess
 import sys
 import tempfile
@@ -20,16 +21,24 @@ import OpenEXR
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
+def processor_seconds():
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def render(arguments, size, out, *more):
+    before = processor_seconds()
     subprocess.run([
         f"{arguments.build}/bin/lte_render", arguments.scene, "--quiet", "--size", size, "--out",
         str(out), "--json",
         str(out.with_suffix(".json")), *more
     ], check=True)
+    spent = processor_seconds() - before
     channels = OpenEXR.File(str(out)).channels()
     color = channels["RGB"].pixels if "RGB" in channels else np.stack(
         [channels[c].pixels for c in "RGB"], -1)
-    return np.array(color), json.loads(out.with_suffix(".json").read_text())
+    told = json.loads(out.with_suffix(".json").read_text())
+    return np.array(color), {**told, "processor": spent}
 
 
 def relative_mse(found, truth):
@@ -59,8 +68,9 @@ def main():
             seconds, last = {mode: [] for mode in modes}, {}
             for _ in range(arguments.repeats):
                 for mode in modes:  # in turns: the machine's mood is shared
-                    last[mode] = render(arguments, size, folder / f"{size}.{mode}.exr", "--aa", mode)
-                    seconds[mode].append(last[mode][1]["seconds"]["total"])
+                    out = folder / f"{size}.{mode}.exr"
+                    last[mode] = render(arguments, size, out, "--aa", mode)
+                    seconds[mode].append(last[mode][1]["processor"])
             for mode in modes:
                 color, told = last[mode]
                 best, plain = min(seconds[mode]), min(seconds["off"])
