@@ -87,7 +87,7 @@ def render(arguments, scene, out, *more):
         [pixels[c].pixels for c in "RGB"], -1)
     lines = [line for line in done.stderr.splitlines() if "is metal" in line]
     times = json.loads(out.with_suffix(".json").read_text())
-    return color, times["seconds"]["total"], lines[0].split(": ", 1)[1] if lines else ""
+    return color, times["seconds"]["total"], lines[0].rpartition(": ")[2] if lines else ""
 
 
 def blocks(picture, edge=8):
