@@ -8,9 +8,9 @@ namespace lte::infer {
 namespace {
 
 constexpr double kMib = 1 << 20;
-// Bytes a pixel of a band: hits, queries, answers and layers, and as many sub-hits as a picture of
-// foliage has edges.
-constexpr double kBandBytes = 320, kSubHitBytes = 72;
+// Bytes a pixel of a band: hits, queries, answers and layers; and a hit more of anti-aliasing, with
+// half of the pixels at edges.
+constexpr double kBandBytes = 240, kSubHitBytes = 36;
 // A band's pixels (renderer.cpp).
 constexpr double kBand = 1 << 18;
 // Bytes a pixel of the frame: color and depth; with layers albedo, normal, emission, and as many of
@@ -50,7 +50,8 @@ double picture_mb(const RenderSettings& settings) {
   // A band is at least eight rows.
   const double band = std::min(pixels, std::max(kBand, 8.0 * settings.width));
   const double work = kBandBytes + kSubHitBytes * std::max(0, settings.antialias);
-  return (pixels * (frame + writing) + band * work) / kMib;
+  // The last band is gone when the picture is written.
+  return (pixels * frame + std::max(pixels * writing, band * work)) / kMib;
 }
 
 void check_picture_fits(const RenderSettings& settings, double available_mb) {

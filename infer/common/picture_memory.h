@@ -6,8 +6,8 @@
 
 namespace lte::infer {
 
-/// What the most of a picture takes above scene, model and embedding, in MiB: the frame, the band
-/// that is worked on, and what writing it as EXR (with settings.layers) or PNG (without) adds.
+/// What the most of a picture takes above scene, model and embedding, in MiB: the frame, with the
+/// band that is worked on or with what writing it as EXR (settings.layers) or PNG adds.
 /// docs/pictures.md compares it with measurements.
 double picture_mb(const RenderSettings& settings);
 
