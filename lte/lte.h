@@ -29,6 +29,7 @@
 #include "lte/image/png.h"
 #include "lte/image/tonemap.h"
 #include "lte/pathtrace/adaptive.h"
+#include "lte/pathtrace/added_light.h"
 #include "lte/pathtrace/auto_camera.h"
 #include "lte/pathtrace/hemisphere_bins.h"
 #include "lte/pathtrace/incident.h"
@@ -38,6 +39,7 @@
 #include "lte/scene/export.h"
 #include "lte/scene/load.h"
 #include "lte/scene/load_camera.h"
+#include "lte/scene/metal.h"
 #include "lte/scene/sampler.h"
 #if __has_include(<ATen/core/Tensor.h>)
 #include "lte/nn/loss.h"

@@ -4,7 +4,9 @@
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
+#include "lte/pathtrace/added_light.h"
 #include "lte/scene/import/environment_file.h"
+#include "lte/scene/metal.h"
 
 namespace lte::datagen {
 
@@ -19,20 +21,34 @@ void add_scene_options(CLI::App& app, SceneOptions* options) {
   app.add_option("--environment-turn", options->environment_turn,
                  "Degrees by which to turn it about +Y, counter-clockwise from above");
   add_scene_flags(app, &options->loading);
+  app.add_option("--add-light", options->lights,
+                 "A luminaire more: x,y,z,power, a point light of so many watts; or auto, a panel "
+                 "under the ceiling of each room (an environment for a scene without any). "
+                 "Repeatable")
+      ->type_name("auto|x,y,z,W")
+      ->allow_extra_args(false);
 }
 
-void apply_environment(const SceneOptions& options, scene::Scene* scene) {
+void apply_lighting(const SceneOptions& options, scene::Scene* scene) {
   LTE_CHECK(!options.environment.empty() || options.environment_turn == 0,
             "--environment-turn needs --environment");
   if (!options.environment.empty())
     scene::set_environment(options.environment, options.environment_turn, scene);
+  for (const std::string& light : options.lights)
+    log_info("added ", pathtrace::add_light(light, scene));
 }
 
 scene::Scene load_and_report(const std::string& path, const SceneOptions& flags) {
   const scene::CleanupOptions options = scene::parse_cleanup(flags.cleanup);
   scene::Scene scene = load_scene(path, flags.loading);
   for (const std::string& what : scene.ignored) log_warning(path, ": ignored: ", what);
-  apply_environment(flags, &scene);
+  apply_lighting(flags, &scene);
+  if (scene.light_groups.empty())
+    log_warning(path,
+                ": nothing emits light (--environment 1,1,1 or --add-light auto gives it some)");
+  const std::string metal = scene::metal_text(scene::metal_share(scene), "surface");
+  if (!metal.empty())
+    log_info(path, ": ", metal, "; paths reflect it, a network is shown its color as an albedo");
   if (options.any()) {
     const scene::CleanupReport report = scene::clean_up(&scene, options);
     log_info(path, ": clean-up took ", report.removed_triangles, " triangles; found ",

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -19,19 +20,22 @@ inline constexpr const char* kSceneFormats = ".gltf, .glb, .pbrt, .obj or .ply";
 /// How to load a scene, and what to do with it before use.
 struct SceneOptions {
   SceneFlags loading;
-  std::string cleanup;          ///< faults of its geometry to put right, separated by commas
-  std::string environment;      ///< "R,G,B" or a picture; empty: the scene's own
-  double environment_turn = 0;  ///< degrees about +Y
+  std::string cleanup;              ///< faults of its geometry to put right, separated by commas
+  std::string environment;          ///< "R,G,B" or a picture; empty: the scene's own
+  double environment_turn = 0;      ///< degrees about +Y
+  std::vector<std::string> lights;  ///< "auto" or "x,y,z,power": luminaires to add
 };
 
-/// Adds --cleanup, --environment and --environment-turn, and the flags of scene_flags.h.
+/// Adds --cleanup, --environment, --environment-turn, --add-light and the flags of scene_flags.h.
 void add_scene_options(CLI::App& app, SceneOptions* options);
 
-/// Puts the environment of `options`, if it names one, in the place of the scene's own.
-/// @throws lte::Error if only a turn is given, or the picture cannot be read.
-void apply_environment(const SceneOptions& options, scene::Scene* scene);
+/// Puts the environment of `options`, if it names one, in the place of the scene's own, and adds
+/// its luminaires.
+/// @throws lte::Error if only a turn is given, the picture cannot be read, or a luminaire is none.
+void apply_lighting(const SceneOptions& options, scene::Scene* scene);
 
-/// Loads a scene, applies `options`, and warns about what of it is not understood.
+/// Loads a scene, applies `options`, and warns about what of it is not understood and where it has
+/// no light. Says how much of it is metal.
 scene::Scene load_and_report(const std::string& path, const SceneOptions& options);
 
 /// The line that --validate-only prints for a scene that can be used.

@@ -6,6 +6,7 @@
 #include "lte/base/check.h"
 #include "lte/data/dataset.h"
 #include "lte/scene/environment_points.h"
+#include "lte/scene/metal.h"
 #include "lte/scene/sampler.h"
 #include "lte/scene/surface.h"
 
@@ -188,6 +189,12 @@ Json cleanup_info(const scene::CleanupReport& report) {
 
 Json scene_info(const scene::Scene& scene, const scene::CleanupReport& report) {
   Json info = scene_info_without_geometry(scene);
+  const scene::MetalShare metal = scene::metal_share(scene);
+  if (metal.metal > 0) {
+    info["metal"] = {{"share_of_area", metal.metal},
+                     {"by_gltf_default", metal.by_default},
+                     {"note", scene::metal_text(metal, "surface")}};
+  }
   if (scene.environment) info["environment"] = environment_info(*scene.environment);
   info["geometry"] = cleanup_info(report);
   return info;

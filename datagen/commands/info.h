@@ -15,7 +15,8 @@ using Json = nlohmann::ordered_json;
 
 /// Describes a scene: {"kind": "scene", "name", "triangles", "stored_triangles", ..,
 /// "texture_list": [{"width", "height", "bytes", "uses"}], "camera_list",
-/// "light_groups": [{"name", "kind", "power_w": [r, g, b]}], "bounds", "unit", "ignored",
+/// "light_groups": [{"name", "kind", "power_w": [r, g, b]}], "bounds", "unit", "ignored", "metal":
+/// {"share_of_area", "by_gltf_default", "note"} where there is any,
 /// "geometry": cleanup_info(report)}.
 Json scene_info(const scene::Scene& scene, const scene::CleanupReport& report);
 /// The same with a report that scene::inspect() makes.

@@ -24,11 +24,13 @@ Json describe(const InfoFlags& flags) {
   LTE_CHECK(std::filesystem::exists(path), flags.path, ": no such file or directory");
   LTE_CHECK(is_scene || flags.scene.environment.empty(), flags.path,
             ": --environment is for scenes, not for what is baked already");
+  LTE_CHECK(is_scene || flags.scene.lights.empty(), flags.path,
+            ": --add-light is for scenes, not for what is baked already");
   if (std::filesystem::is_directory(path))
     return dataset_info(path, flags.deep || flags.validate_only);
   if (!is_scene) return sample_info(data::read_scene_sample(path));
   scene::Scene scene = load_scene(path, flags.scene.loading);
-  apply_environment(flags.scene, &scene);
+  apply_lighting(flags.scene, &scene);
   const scene::CleanupOptions cleanup = scene::parse_cleanup(flags.scene.cleanup);
   return cleanup.any() ? scene_info(scene, scene::clean_up(&scene, cleanup)) : scene_info(scene);
 }

@@ -23,22 +23,18 @@ constexpr std::array<std::pair<const char*, Output>, 7> kOutputs{
      {"albedo", Output::Albedo},
      {"normal", Output::Normal},
      {"depth", Output::Depth}}};
-// Square tiles of pixels: their shadow rays meet the same nodes and triangles.
-constexpr int kTile = 8;
+// Pixels of a band; its rows are a multiple of the tiles that pixels are asked in.
+constexpr int64_t kBandPixels = int64_t{1} << 18;
+constexpr int kBandRows = 8;
 // As in baked training data, so that the network sees luminaires as densely as it has learnt to.
 constexpr double kEmissiveShare = 0.1;
 // Estimates keep two colors a point and light group: blocks bound that memory.
 constexpr int64_t kEstimateBlock = int64_t{1} << 21;
+// Points between two looks at the progress.
+constexpr int64_t kProgressBlock = int64_t{1} << 14;
 
 bool is_geometry(Output output) {
   return output == Output::Albedo || output == Output::Normal || output == Output::Depth;
-}
-
-Image rgb_image(int width, int height, const std::vector<Rgb>& values) {
-  Image out(width, height, 3);
-  const std::span<const float> flat = floats(values);
-  std::copy(flat.begin(), flat.end(), out.pixels.begin());
-  return out;
 }
 
 /// Adds albedo / π · irradiance: the radiance a Lambertian surface sends back.
@@ -71,6 +67,38 @@ Image compose(const Frame& frame, Output output) {
   return out;
 }
 
+/// Copies the rows of a band, which begin at row `first`, into a picture of `height` rows that is
+/// made where it is missing.
+void put_rows(const Image& band, int first, int height, Image* picture) {
+  if (band.width == 0) return;
+  if (band.height == height) {
+    *picture = band;
+    return;
+  }
+  if (picture->width == 0) *picture = Image(band.width, height, band.channels);
+  std::copy(band.pixels.begin(), band.pixels.end(),
+            picture->pixels.begin() + static_cast<int64_t>(picture->offset(0, first)));
+}
+
+void put_band(const Frame& band, int first, bool layers, int height, Frame* frame) {
+  put_rows(band.color, first, height, &frame->color);
+  put_rows(band.depth, first, height, &frame->depth);
+  if (layers) {
+    put_rows(band.albedo, first, height, &frame->albedo);
+    put_rows(band.normal, first, height, &frame->normal);
+    put_rows(band.emission, first, height, &frame->emission);
+    put_rows(band.direct, first, height, &frame->direct);
+    put_rows(band.indirect, first, height, &frame->indirect);
+    put_rows(band.total, first, height, &frame->total);
+  }
+  frame->background += band.background;
+  frame->queries += band.queries;
+  frame->edge_pixels += band.edge_pixels;
+  frame->traced_pixels += band.traced_pixels;
+  frame->metal += band.metal;
+  frame->metal_by_default += band.metal_by_default;
+}
+
 }  // namespace
 
 const char* output_name(Output output) {
@@ -95,6 +123,12 @@ Mode parse_mode(const std::string& word) {
   return word == "neural" ? Mode::Neural : Mode::Reference;
 }
 
+Metal parse_metal(const std::string& word) {
+  LTE_CHECK(word == "diffuse" || word == "black" || word == "trace", "metal \"", word,
+            "\": expected diffuse, black or trace");
+  return word == "diffuse" ? Metal::Diffuse : word == "black" ? Metal::Black : Metal::Trace;
+}
+
 scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t count, bool prune,
                                           uint64_t seed, pathtrace::PruneCounts* counts) {
   scene::SamplerOptions sampler;
@@ -107,43 +141,16 @@ scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t cou
                                            counts != nullptr ? counts : &ignored);
 }
 
-/// Pixels that reflect light, tile by tile: background and black surfaces are never asked about.
-/// The order numbers the random streams of direct light, so another one is another picture.
-struct Renderer::Queries {
-  int width, height;
-  std::vector<int64_t> pixel;
-  std::vector<Vec3> position, normal;
-  std::vector<Rgb> albedo;
+/// A picture in the making.
+struct Renderer::Job {
+  const scene::Camera& camera;
+  const RenderSettings& settings;
+  int64_t centre_queries = 0, extra_queries = 0;  ///< of the bands before
+  int64_t done = 0;                               ///< pixels of this band that were told of
 
-  explicit Queries(const pathtrace::GBuffer& hits) : width(hits.width), height(hits.height) {
-    for (int tile_y = 0; tile_y < height; tile_y += kTile) {
-      for (int tile_x = 0; tile_x < width; tile_x += kTile) add_tile(hits, tile_x, tile_y);
-    }
-  }
-
-  void add_tile(const pathtrace::GBuffer& hits, int tile_x, int tile_y) {
-    for (int y = tile_y; y < std::min(tile_y + kTile, height); ++y) {
-      for (int x = tile_x; x < std::min(tile_x + kTile, width); ++x) {
-        const size_t i =
-            static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
-        if (!hits.mask[i] || max_component(hits.albedo[i]) <= 0) continue;
-        pixel.push_back(static_cast<int64_t>(i));
-        position.push_back(hits.position[i]);
-        normal.push_back(hits.normal[i]);
-        albedo.push_back(hits.albedo[i]);
-      }
-    }
-  }
-
-  Image scatter(std::span<const Rgb> values) const {
-    Image out(width, height, 3);
-    for (size_t i = 0; i < values.size(); ++i) {
-      float* p = out.pixels.data() + 3 * pixel[i];
-      p[0] = values[i].x;
-      p[1] = values[i].y;
-      p[2] = values[i].z;
-    }
-    return out;
+  void advance(int64_t pixels) {
+    if (settings.done && pixels > 0) settings.done(pixels);
+    done += pixels;
   }
 };
 
@@ -174,116 +181,153 @@ void Renderer::embed(const runtime::Network& network, const EmbedSettings& setti
   seconds_.encode = timer.seconds();
 }
 
-pathtrace::GBuffer Renderer::trace(const scene::Camera& camera, const RenderSettings& settings,
-                                   Frame* frame) {
-  const Timer timer;
-  const int width = settings.width, height = settings.height;
-  pathtrace::GBuffer hits = pathtrace::trace_gbuffer(bvh_, camera, width, height);
-  frame->albedo = rgb_image(width, height, hits.albedo);
-  frame->normal = rgb_image(width, height, hits.normal);
-  frame->emission = rgb_image(width, height, hits.emission);
-  frame->depth = Image(width, height, 1);
-  for (size_t i = 0; i < hits.mask.size(); ++i) {
-    if (hits.mask[i]) {
-      frame->depth.pixels[i] = hits.depth[i];
-    } else {
-      ++frame->background;
-    }
-  }
-  seconds_.primary = timer.seconds();
-  return hits;
+Metal Renderer::metal_of(const RenderSettings& settings) const {
+  if (is_geometry(settings.output) || settings.output == Output::Irradiance || !has_light())
+    return Metal::Diffuse;
+  if (settings.mode == Mode::Neural) return settings.metal;
+  return settings.output == Output::Full ? Metal::Diffuse : Metal::Trace;
 }
 
-image::Image Renderer::estimate(const Queries& queries, const RenderSettings& settings,
-                                bool direct_only, Image* indirect) const {
+/// The network's answers. Those for pixel centres are asked apart from those that anti-aliasing
+/// adds: matrix products of other sizes may round otherwise, and centres keep every bit.
+void Renderer::decode(const PictureBand& band, BandLight* light) {
+  LTE_CHECK(embedding_.has_value(), "this output needs a model: embed() comes first");
+  const Timer timer;
+  const QuerySet& queries = band.queries();
+  const auto ask = [&](int64_t first, int64_t last) {
+    const auto begin = static_cast<size_t>(first), count = static_cast<size_t>(last - first);
+    return embedding_->decode({std::span(queries.position).subspan(begin, count),
+                               std::span(queries.normal).subspan(begin, count),
+                               std::span(queries.albedo).subspan(begin, count)});
+  };
+  std::vector<Rgb> answers = ask(0, band.centre_queries());
+  if (queries.size() > band.centre_queries()) {
+    const std::vector<Rgb> more = ask(band.centre_queries(), queries.size());
+    answers.insert(answers.end(), more.begin(), more.end());
+  }
+  (embedding_->network().predicts_total() ? light->total : light->indirect) = std::move(answers);
+  seconds_.decode += timer.seconds();
+}
+
+/// Irradiance by paths. The queries of centres are numbered through the picture, those that
+/// anti-aliasing adds from the number of its pixels on, so that they change no other.
+void Renderer::estimate(const PictureBand& band, bool direct_only, Job* job, BandLight* light) {
+  const RenderSettings& settings = job->settings;
   pathtrace::IrradianceOptions options;
   options.rays = settings.mode == Mode::Reference ? settings.spp : settings.direct_samples;
   options.max_depth = direct_only ? 1 : settings.max_depth;
   options.seed = settings.seed;
   options.direct_only = direct_only;
-  const auto count = static_cast<int64_t>(queries.pixel.size());
-  const int64_t block = std::max<int64_t>(1024, kEstimateBlock / std::max(1, lights_.groups()));
-  std::vector<Rgb> direct(queries.pixel.size()), later(direct_only ? 0 : queries.pixel.size());
-  for (int64_t begin = 0; begin < count; begin += block) {
-    const auto b = static_cast<size_t>(begin),
-               n = static_cast<size_t>(std::min(block, count - begin));
-    const pathtrace::Irradiance part =
-        pathtrace::estimate_irradiance(bvh_, lights_, std::span(queries.position).subspan(b, n),
-                                       std::span(queries.normal).subspan(b, n), options, begin);
-    for (size_t i = 0; i < n; ++i) {
-      direct[b + i] = part.direct_sum(static_cast<int64_t>(i));
-      if (!direct_only) later[b + i] = part.indirect_sum(static_cast<int64_t>(i));
+  const QuerySet& queries = band.queries();
+  light->direct.emplace(queries.position.size());
+  if (!direct_only) light->indirect.emplace(queries.position.size());
+  const int64_t block = std::min(
+      kProgressBlock, std::max<int64_t>(1024, kEstimateBlock / std::max(1, lights_.groups())));
+  const auto run = [&](int64_t first, int64_t end, int64_t number) {
+    for (int64_t begin = first; begin < end; begin += block) {
+      const auto b = static_cast<size_t>(begin),
+                 n = static_cast<size_t>(std::min(block, end - begin));
+      const pathtrace::Irradiance part = pathtrace::estimate_irradiance(
+          bvh_, lights_, std::span(queries.position).subspan(b, n),
+          std::span(queries.normal).subspan(b, n), options, number + begin - first);
+      for (size_t i = 0; i < n; ++i) {
+        (*light->direct)[b + i] = part.direct_sum(static_cast<int64_t>(i));
+        if (!direct_only) (*light->indirect)[b + i] = part.indirect_sum(static_cast<int64_t>(i));
+      }
+      if (end == band.centre_queries()) job->advance(static_cast<int64_t>(n));
     }
-  }
-  if (!direct_only) *indirect = queries.scatter(later);
-  return queries.scatter(direct);
+  };
+  const int64_t centres = band.centre_queries();
+  run(0, centres, job->centre_queries);
+  run(centres, queries.size(), int64_t{settings.width} * settings.height + job->extra_queries);
+  job->centre_queries += centres;
+  job->extra_queries += queries.size() - centres;
 }
 
-void Renderer::neural(const Queries& queries, const RenderSettings& settings, Frame* frame) {
+void Renderer::trace_metal(const PictureBand& band, Job* job, BandLight* light) {
+  const RenderSettings& settings = job->settings;
+  if (band.traced_pixels().empty()) return;
+  const Timer timer;
+  const int depth = settings.output == Output::Direct ? 1 : settings.max_depth;
+  light->traced = pathtrace::trace_pixels(bvh_, lights_, job->camera, settings.width,
+                                          settings.height, band.traced_pixels(),
+                                          {settings.spp, depth + 1, settings.seed}, settings.done);
+  job->done += static_cast<int64_t>(band.traced_pixels().size());
+  seconds_.reference += timer.seconds();
+}
+
+BandLight Renderer::neural(const PictureBand& band, Job* job) {
+  const RenderSettings& settings = job->settings;
+  BandLight light;
   const bool network = needs_network(settings);
-  const bool total = network && embedding_ && embedding_->network().predicts_total();
-  if (network) {
-    LTE_CHECK(embedding_.has_value(), "output ", output_name(settings.output),
-              " needs a model: embed() comes first");
-    const Timer timer;
-    Image predicted =
-        queries.scatter(embedding_->decode({queries.position, queries.normal, queries.albedo}));
-    (total ? frame->total : frame->indirect) = std::move(predicted);
-    seconds_.decode = timer.seconds();
-  }
+  if (network) decode(band, &light);
+  trace_metal(band, job, &light);
   // A total model's full picture needs no direct light; its indirect share is what direct light
   // leaves.
   const bool full = settings.output == Output::Full;
-  if (total ? full : !full && settings.output != Output::Direct) return;
+  if (light.total ? full : !full && settings.output != Output::Direct) return light;
   const Timer timer;
-  frame->direct = estimate(queries, settings, /*direct_only=*/true, nullptr);
-  seconds_.direct = timer.seconds();
-  if (!total) return;
-  frame->indirect = std::move(frame->total);
-  frame->total = Image();
-  for (size_t i = 0; i < frame->indirect.pixels.size(); ++i) {
-    frame->indirect.pixels[i] = std::max(0.0f, frame->indirect.pixels[i] - frame->direct.pixels[i]);
-  }
+  estimate(band, /*direct_only=*/true, job, &light);
+  seconds_.direct += timer.seconds();
+  if (!light.total) return light;
+  light.indirect = std::move(light.total);
+  light.total.reset();
+  for (size_t i = 0; i < light.indirect->size(); ++i)
+    (*light.indirect)[i] = max((*light.indirect)[i] - (*light.direct)[i], {0, 0, 0});
+  return light;
 }
 
-void Renderer::reference(const Queries& queries, const RenderSettings& settings, Frame* frame) {
+BandLight Renderer::reference(const PictureBand& band, Job* job) {
+  BandLight light;
+  trace_metal(band, job, &light);
   const Timer timer;
-  if (settings.output == Output::Direct) {
-    frame->direct = estimate(queries, settings, /*direct_only=*/true, nullptr);
-  } else {
-    frame->direct = estimate(queries, settings, /*direct_only=*/false, &frame->indirect);
+  estimate(band, /*direct_only=*/job->settings.output == Output::Direct, job, &light);
+  seconds_.reference += timer.seconds();
+  return light;
+}
+
+Frame Renderer::render_band(const PictureRows& rows, Job* job) {
+  const RenderSettings& settings = job->settings;
+  const bool by_paths = settings.mode == Mode::Reference && settings.output == Output::Full;
+  job->done = 0;
+  const Timer timer;
+  const PictureBand band(bvh_, job->camera, rows,
+                         {by_paths ? 0 : settings.antialias, metal_of(settings),
+                          settings.output == Output::Irradiance});
+  seconds_.primary += timer.seconds();
+  BandLight light;
+  if (!is_geometry(settings.output) && has_light() && !by_paths)
+    light = settings.mode == Mode::Neural ? neural(band, job) : reference(band, job);
+  Frame frame = band.resolve(light);
+  if (!by_paths) {
+    frame.color = is_geometry(settings.output) || has_light()
+                      ? compose(frame, settings.output)
+                      : Image(frame.albedo.width, frame.albedo.height, 3);
+    job->advance(int64_t{rows.width} * (rows.last - rows.first) - job->done);
   }
-  seconds_.reference = timer.seconds();
+  return frame;
 }
 
 Frame Renderer::render(const scene::Camera& camera, const RenderSettings& settings) {
   LTE_CHECK(settings.width > 0 && settings.height > 0, "size ", settings.width, "x",
             settings.height, ": both sides must be positive");
   seconds_.primary = seconds_.decode = seconds_.direct = seconds_.reference = 0;
+  Job job{camera, settings};
   Frame frame;
-  const Queries queries(trace(camera, settings, &frame));
-  frame.queries = static_cast<int64_t>(queries.pixel.size());
-  if (is_geometry(settings.output)) {
-    frame.color = compose(frame, settings.output);
-    return frame;
+  const int64_t tall = kBandPixels / settings.width / kBandRows * kBandRows;
+  const auto rows = static_cast<int>(std::max<int64_t>(tall, kBandRows));
+  for (int first = 0; first < settings.height; first += rows) {
+    const PictureRows part{settings.width, settings.height, first,
+                           std::min(first + rows, settings.height)};
+    put_band(render_band(part, &job), first, settings.layers, settings.height, &frame);
   }
-  if (!has_light()) {
-    frame.color = Image(settings.width, settings.height, 3);
-    return frame;
-  }
-  if (settings.mode == Mode::Neural) {
-    neural(queries, settings, &frame);
-  } else if (settings.output == Output::Full) {
+  if (settings.mode == Mode::Reference && settings.output == Output::Full) {
     const Timer timer;
-    frame.color =
-        pathtrace::render_reference(bvh_, lights_, camera, settings.width, settings.height,
-                                    {settings.spp, settings.max_depth + 1, settings.seed});
+    frame.color = pathtrace::render_reference(
+        bvh_, lights_, camera, settings.width, settings.height,
+        {settings.spp, settings.max_depth + 1, settings.seed}, settings.done);
     seconds_.reference = timer.seconds();
-    return frame;
-  } else {
-    reference(queries, settings, &frame);
   }
-  frame.color = compose(frame, settings.output);
   return frame;
 }
 

@@ -4,10 +4,12 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
-#include "lte/image/image.h"
+#include "infer/common/frame.h"
+#include "infer/common/picture_band.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights.h"
 #include "lte/pathtrace/reach.h"
@@ -26,15 +28,30 @@ const char* output_name(Output output);
 /// The output or mode of a word. @throws lte::Error naming the word and the ones there are.
 Output parse_output(const std::string& word);
 Mode parse_mode(const std::string& word);
+Metal parse_metal(const std::string& word);
+
+/// Hits in a pixel at an edge, unless told otherwise.
+inline constexpr int kAntialias = 16;
 
 struct RenderSettings {
   Output output = Output::Full;
   Mode mode = Mode::Neural;
   int width = 512, height = 512;
   int direct_samples = 64;  ///< shadow rays a pixel
-  int spp = 64;             ///< reference mode: paths a pixel
-  int max_depth = 5;        ///< reference mode: surface hits after the primary one
+  int spp = 64;             ///< paths a pixel: in reference mode, and for metal that is traced
+  int max_depth = 5;        ///< of these paths: surface hits after the primary one
   uint64_t seed = 0;
+  /// Hits in a pixel at an edge; 0 or 1 for the centre's alone. A reference of the full output
+  /// spreads its paths over the pixel and needs none.
+  int antialias = kAntialias;
+  /// What stands for metal in light outputs; Irradiance shows it like any surface. Reference mode
+  /// always traces it.
+  Metal metal = Metal::Trace;
+  /// Keep the layers of the frame. Without, it has its color and depth alone, and takes a fifth of
+  /// the memory.
+  bool layers = true;
+  /// Told of pixels as they are done, width * height in all, by any thread.
+  std::function<void(int64_t pixels)> done;
 };
 
 struct EmbedSettings {
@@ -69,19 +86,6 @@ inline constexpr std::array<Stage, 9> kStages = {{{"load", &StageSeconds::load},
                                                   {"reference", &StageSeconds::reference},
                                                   {"write", &StageSeconds::write}}};
 
-/// What a render gave. An image that the output did not need is empty (width 0). Background pixels
-/// are zero in all.
-struct Frame {
-  image::Image color;  ///< the chosen output, linear; depth has one channel
-  image::Image albedo, normal, depth, emission;
-  image::Image direct;    ///< irradiance by direct light, W/m²
-  image::Image indirect;  ///< irradiance by all later bounces
-  /// Irradiance of a model whose target is the total, when direct light was not needed.
-  image::Image total;
-  int64_t background = 0;  ///< pixels without a hit
-  int64_t queries = 0;     ///< pixels that reflect light: those that are decoded
-};
-
 /// The BVH, the lights and at most one embedding of a scene, which must outlive it. Camera moves
 /// re-encode nothing.
 class Renderer {
@@ -109,13 +113,14 @@ class Renderer {
   const pathtrace::PruneCounts& pruned_points() const { return pruned_points_; }
 
  private:
-  struct Queries;
-  pathtrace::GBuffer trace(const scene::Camera& camera, const RenderSettings& settings,
-                           Frame* frame);
-  void neural(const Queries& queries, const RenderSettings& settings, Frame* frame);
-  void reference(const Queries& queries, const RenderSettings& settings, Frame* frame);
-  image::Image estimate(const Queries& queries, const RenderSettings& settings, bool direct_only,
-                        image::Image* indirect) const;
+  struct Job;
+  Frame render_band(const PictureRows& rows, Job* job);
+  BandLight neural(const PictureBand& band, Job* job);
+  BandLight reference(const PictureBand& band, Job* job);
+  void decode(const PictureBand& band, BandLight* light);
+  void estimate(const PictureBand& band, bool direct_only, Job* job, BandLight* light);
+  void trace_metal(const PictureBand& band, Job* job, BandLight* light);
+  Metal metal_of(const RenderSettings& settings) const;
 
   pathtrace::Bvh bvh_;
   pathtrace::Lights lights_;

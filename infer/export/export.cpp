@@ -92,19 +92,28 @@ void save_archive(const torch::jit::Module& module, const torch::jit::ExtraFiles
 
 std::vector<ExportCheck> export_torchscript(const ExportOptions& options) {
   const at::NoGradGuard no_grad;
-  nn::LightTransportModel model = nn::load_model(checkpoint_or_shipped(options.model));
+  const auto say = [&](const std::string& step) {
+    if (options.progress) options.progress(step);
+  };
+  const std::filesystem::path path = checkpoint_or_shipped(options.model);
+  say(concat("reading ", path.string()));
+  nn::LightTransportModel model = nn::load_model(path);
+  say("compiling the module");
   const torch::jit::Module module = build_module(model, options.portable);
   const torch::jit::ExtraFilesMap extra{{"config.yaml", model->config().to_yaml()},
                                         {"normalization.json", normalization_json(model->config())},
                                         {"version.txt", version()}};
   AtomicFile file(options.out);
+  say(concat("writing ", options.out.string()));
   save_archive(module, extra, options.out, file.temporary_path());
   std::vector<ExportCheck> checks;
   if (options.verify) {
+    say("reading it again");
     torch::jit::Module loaded = torch::jit::load(file.temporary_path().string());
     loaded.eval();
     for (const auto& [scene_points, queries] :
          {std::pair<int64_t, int64_t>{257, 100}, {1'024, 1'000}, {6'000, 5'000}}) {
+      say(concat("comparing at ", scene_points, " scene points and ", queries, " queries"));
       checks.push_back(compare(loaded, model, scene_points, queries));
       LTE_CHECK(checks.back().relative_error <= 1e-4, options.out.string(), ": with ", scene_points,
                 " scene points the exported module deviates from the native model by ",

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@ struct ExportOptions {
   std::filesystem::path out;
   bool portable = false;  ///< built-in operators alone
   bool verify = false;    ///< load the file and compare with the native model at three sizes
+  /// Told what begins, e.g. "comparing at 257 scene points and 100 queries".
+  std::function<void(const std::string& step)> progress = {};
 };
 
 /// The largest deviation from the native model at one size, divided by the largest value.

@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "infer/export/export.h"
+#include "lte/base/log.h"
 #include "lte/cli/cli.h"
 
 int main(int argc, char** argv) {
@@ -24,6 +25,7 @@ int main(int argc, char** argv) {
                "Load the file again and compare with the native model at three sizes");
   return run_tool(app, argc, argv, [&] {
     apply_common_options(common);
+    options.progress = [](const std::string& step) { log_info("export: ", step); };
     for (const infer::ExportCheck& check : infer::export_torchscript(options)) {
       std::printf("verified M = %lld, Q = %lld: largest deviation %.2e of the largest value\n",
                   static_cast<long long>(check.scene_points), static_cast<long long>(check.queries),

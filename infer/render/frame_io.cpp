@@ -72,6 +72,8 @@ void write_frame(const std::filesystem::path& path, const Frame& frame, Output o
   image::write_png(path, image::tonemap(frame.color, is_light(output) ? exposure : 1.0f));
 }
 
+bool keeps_layers(const std::filesystem::path& path) { return extension_of(path) == ".exr"; }
+
 bool is_picture_path(const std::filesystem::path& path) {
   return extension_of(path) == ".exr" || extension_of(path) == ".png";
 }

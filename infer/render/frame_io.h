@@ -21,6 +21,9 @@ float frame_exposure(const Frame& frame, Output output);
 void write_frame(const std::filesystem::path& path, const Frame& frame, Output output,
                  float exposure);
 
+/// Whether write_frame() writes layers to this path: an .exr.
+bool keeps_layers(const std::filesystem::path& path);
+
 /// Whether the name ends in ".exr" or ".png", in upper or lower case.
 bool is_picture_path(const std::filesystem::path& path);
 

@@ -8,14 +8,17 @@
 #include <nlohmann/json.hpp>
 
 #include "infer/common/assets.h"
+#include "infer/common/picture_memory.h"
 #include "infer/common/renderer.h"
 #include "infer/common/untrained_light.h"
 #include "infer/render/frame_io.h"
+#include "infer/render/notes.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/base/process_memory.h"
 #include "lte/base/timer.h"
 #include "lte/nn/device.h"
+#include "lte/pathtrace/added_light.h"
 #include "lte/pathtrace/auto_camera.h"
 #include "lte/scene/import/environment_file.h"
 #include "lte/scene/light_points.h"
@@ -25,9 +28,7 @@ namespace lte::infer {
 namespace {
 
 constexpr int kLargestSide = 65'536;
-// Floats a pixel that a frame and its G-buffer hold at once, with the query arrays and one block of
-// results.
-constexpr double kFloatsPerPixel = 64;
+constexpr int kMostSubHits = 256;
 
 /// "640x480" -> {640, 480}; {0, 0} if it is anything else.
 std::pair<int, int> parse_size(const std::string& text) {
@@ -50,6 +51,20 @@ std::string check_picture(const std::string& path) {
   return is_picture_path(path) ? "" : concat("\"", path, "\" ends neither in .exr nor in .png");
 }
 
+/// "off" -> 0, "8" -> 8; -1 if it is anything else.
+int parse_antialias(const std::string& text) {
+  if (text == "off") return 0;
+  int hits = 0;
+  const auto [at, error] = std::from_chars(text.data(), text.data() + text.size(), hits);
+  const bool whole = error == std::errc() && at == text.data() + text.size();
+  return whole && hits >= 1 && hits <= kMostSubHits ? hits : -1;
+}
+
+std::string check_antialias(const std::string& text) {
+  if (parse_antialias(text) >= 0) return "";
+  return concat("\"", text, "\": expected off, or hits a pixel from 1 to ", kMostSubHits);
+}
+
 RenderSettings settings_of(const RenderRequest& request) {
   RenderSettings settings;
   settings.output = parse_output(request.output);
@@ -59,6 +74,9 @@ RenderSettings settings_of(const RenderRequest& request) {
   settings.spp = request.spp;
   settings.max_depth = request.max_depth;
   settings.seed = request.seed;
+  settings.antialias = parse_antialias(request.antialias);
+  settings.metal = parse_metal(request.metal);
+  settings.layers = keeps_layers(request.out);
   return settings;
 }
 
@@ -99,6 +117,8 @@ nlohmann::json to_json(const RenderRequest& request, const RenderSettings& setti
           {"exposure", exposure},
           {"background_pixels", frame.background},
           {"decoded_pixels", frame.queries},
+          {"edge_pixels", frame.edge_pixels},
+          {"traced_pixels", frame.traced_pixels},
           {"pruned_scene_points", renderer.pruned_points().pruned},
           {"seconds", seconds_json(s, total)},
           {"peak_rss_mb", peak_rss_mb()}};
@@ -136,12 +156,14 @@ void embed(const RenderRequest& request, const runtime::Network& network,
 
 /// Everything after the scene stands: what is timed as encode to write.
 void render_to_file(const RenderRequest& request, const scene::Camera& camera, Renderer* renderer,
-                    const runtime::MemoryLimit& memory, const Timer& total) {
-  const RenderSettings settings = settings_of(request);
-  memory.check_ahead(kFloatsPerPixel * 4 * settings.width * settings.height / (1 << 20),
-                     concat("a picture of ", request.size), "take a smaller one",
-                     {runtime::Remedy::FewerQueries});
-  const Frame frame = renderer->render(camera, settings);
+                    const Timer& total) {
+  RenderSettings settings = settings_of(request);
+  Frame frame;
+  {
+    const PictureProgress progress(&settings);
+    frame = renderer->render(camera, settings);
+  }
+  report_metal(request.scene, settings, frame);
   if (frame.background == int64_t{settings.width} * settings.height &&
       !renderer->has_environment()) {
     log_warning(request.scene, ": the camera sees no surface; the picture is black");
@@ -180,7 +202,18 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
                  "The network, or the path-traced reference of the same quantity")
       ->check(CLI::IsMember({"neural", "reference"}))
       ->capture_default_str();
-  app.add_option("--spp", r->spp, "Reference mode: paths a pixel")
+  app.add_option(
+         "--aa", r->antialias,
+         "Hits a pixel at edges, which share the answers of pixels; or off. A full reference "
+         "spreads its paths over the pixel instead")
+      ->check(CLI::Validator(check_antialias, "off|N"))
+      ->capture_default_str();
+  app.add_option("--metal", r->metal,
+                 "Neural mode: what stands for metal, which the network does not know: paths "
+                 "(--spp a pixel), a matt surface of its color, or black")
+      ->check(CLI::IsMember({"diffuse", "black", "trace"}))
+      ->capture_default_str();
+  app.add_option("--spp", r->spp, "Paths a pixel: in reference mode, and for metal")
       ->check(CLI::Range(1, 1 << 24))
       ->capture_default_str();
   app.add_option("--max-depth", r->max_depth, "Reference mode: surface hits after the first")
@@ -204,6 +237,12 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
                  "middle");
   app.add_option("--environment-turn", r->environment_turn,
                  "Degrees by which to turn it about +Y, counter-clockwise from above");
+  app.add_option("--add-light", r->lights,
+                 "A luminaire more: x,y,z,power, a point light of so many watts; or auto, a panel "
+                 "under the ceiling of each room (an environment for a scene without any). "
+                 "Repeatable")
+      ->type_name("auto|x,y,z,W")
+      ->allow_extra_args(false);
   app.add_option("--exposure", r->exposure,
                  "Factor before the display curve of a PNG; by default from the picture")
       ->check(CLI::PositiveNumber);
@@ -223,17 +262,22 @@ void run_render(const RenderRequest& request) {
   apply_tool_options(request.tool);
   check_writable(request.out);
   check_writable(request.tool.common.json);
+  check_picture_fits(settings_of(request), available_memory_mb());
   const Timer total;
   scene::Scene scene = load_scene(request.scene, request.loading);
   LTE_CHECK(!request.environment.empty() || request.environment_turn == 0,
             "--environment-turn needs --environment");
   if (!request.environment.empty())
     scene::set_environment(request.environment, request.environment_turn, &scene);
+  for (const std::string& light : request.lights)
+    log_info(request.scene, ": added ", pathtrace::add_light(light, &scene));
   describe(scene, request.scene);
   Renderer renderer(scene);
   const scene::Camera camera = choose_camera(request, scene, renderer.bvh());
   if (!renderer.has_light())
-    log_warning(request.scene, ": nothing emits light; every output with light in it is black");
+    log_warning(request.scene,
+                ": nothing emits light; every output with light in it is black "
+                "(--environment 1,1,1 or --add-light auto gives it some)");
   const std::optional<runtime::Network> network = load_network(request, renderer);
   renderer.seconds().load = total.seconds();
   if (network) {
@@ -241,14 +285,18 @@ void run_render(const RenderRequest& request) {
     const std::string note = untrained_light_note(scene, network->metadata());
     if (!note.empty()) log_warning(note);
   }
+  const runtime::MemoryLimit memory(request.tool.max_memory_mb);
+  check_picture_fits(settings_of(request), memory);
   if (request.validate_only) {  // as lte_datagen says it, and under --quiet too: it is the result
     std::printf("%s: valid scene, %lld triangles, %zu light groups\n", request.scene.c_str(),
                 static_cast<long long>(scene.triangle_count()), scene.light_groups.size());
     return;
   }
-  const runtime::MemoryLimit memory(request.tool.max_memory_mb);
-  if (network) embed(request, *network, memory, &renderer);
-  render_to_file(request, camera, &renderer, memory, total);
+  if (network) {
+    embed(request, *network, memory, &renderer);
+    check_picture_fits(settings_of(request), memory);
+  }
+  render_to_file(request, camera, &renderer, total);
 }
 
 }  // namespace lte::infer

@@ -3,7 +3,9 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "infer/common/renderer.h"
 #include "infer/common/tool_options.h"
 #include "lte/cli/scene_flags.h"
 
@@ -19,8 +21,10 @@ struct RenderRequest {
   uint64_t seed = 0;
   bool rescale = false, validate_only = false;
   std::string prune = "auto";
-  std::string environment;      ///< "R,G,B" or a picture; empty: that of the scene
-  double environment_turn = 0;  ///< degrees about +Y
+  std::string environment;          ///< "R,G,B" or a picture; empty: that of the scene
+  double environment_turn = 0;      ///< degrees about +Y
+  std::vector<std::string> lights;  ///< "auto" or "x,y,z,power": luminaires to add
+  std::string antialias = std::to_string(kAntialias), metal = "trace";
   SceneFlags loading;
   std::optional<double> exposure;
   ToolOptions tool;

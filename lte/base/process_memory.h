@@ -8,6 +8,11 @@ double peak_rss_mb();
 /// Resident set now, in MiB.
 double current_rss_mb();
 
+/// What the machine has free for this process, in MiB: the system's estimate of what can be had
+/// without swapping, and no more than a control group (a container's limit) leaves; infinity where
+/// the system does not say.
+double available_memory_mb();
+
 /// Starts the peak anew from what is resident now. Nothing happens where the system does not allow
 /// it.
 void reset_peak_rss();

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/mman.h>
+#include <unistd.h>
 
 namespace lte {
 namespace {
@@ -20,6 +21,14 @@ TEST(ResidentSet, GrowsWithTouchedMemory) {
   munmap(block, kSize);
   EXPECT_NEAR(current_rss_mb(), before, 8);
   EXPECT_GE(peak_rss_mb(), before + 56);
+}
+
+TEST(AvailableMemory, IsNoMoreThanTheMachineHas) {
+  const double before = available_memory_mb();
+  const double machine =
+      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  EXPECT_GT(before, 0);
+  EXPECT_LE(before, machine / (1 << 20));
 }
 
 }  // namespace

@@ -217,8 +217,73 @@ TEST_F(Tools, ValidateOnlyWritesNothingAndADarkSceneIsAWarning) {
   const Outcome dark =
       run_tool("lte_render", at("dark.glb") + " --size 24x16 --out " + at("dark.png"));
   EXPECT_EQ(dark.code, 0) << dark.text;
-  EXPECT_THAT(dark.text, HasSubstr("nothing emits light"));
+  EXPECT_THAT(dark.text, AllOf(HasSubstr("nothing emits light"), HasSubstr("--environment 1,1,1"),
+                               HasSubstr("--add-light auto")));
   EXPECT_THAT(image::read_png(at("dark.png")).pixels, testing::Each(0.0f));
+}
+
+TEST_F(Tools, ALightThatIsAddedLightsADarkScene) {
+  for (const char* mode : {"neural", "reference"}) {
+    for (const char* light : {"auto", "0,1.8,0,100", "-0.5,1.5,0,40 --add-light 0.5,1.5,0,40"}) {
+      const Outcome lit =
+          run_tool("lte_render", at("dark.glb") + " --size 24x16 --spp 8 --mode " + mode +
+                                     " --checkpoint " + at("tiny.safetensors") + " --out " +
+                                     at("lit.exr") + " --add-light " + light);
+      ASSERT_EQ(lit.code, 0) << lit.text;
+      EXPECT_THAT(lit.text, testing::Not(HasSubstr("nothing emits light")));
+      const std::vector<float> pixels = image::read_exr(at("lit.exr"), "").pixels;
+      EXPECT_GT(*std::max_element(pixels.begin(), pixels.end()), 0) << mode << " " << light;
+    }
+  }
+  expect_failure(render("--out " + at("l.png") + " --add-light 1,2,3"), 1,
+                 HasSubstr("x,y,z,power"));
+  EXPECT_EQ(render("--validate-only --add-light auto").code, 0);
+}
+
+TEST_F(Tools, APictureThatDoesNotFitIsRefusedBeforeAnyWork) {
+  const auto run = [](const std::string& size, const std::string& rest) {
+    return run_tool("lte_render", at("room.glb") + " --quiet --checkpoint " +
+                                      at("tiny.safetensors") + " --size " + size + " " + rest);
+  };
+  for (const std::string mode : {"neural", "reference"}) {
+    const std::string limited = "--max-memory 1G --mode " + mode;
+    expect_failure(run("20000x20000", limited + " --out " + at("h.exr")), 1,
+                   AllOf(HasSubstr("20000x20000"), HasSubstr("--size"), HasSubstr("GiB")));
+    expect_failure(run("8000x8000", limited + " --validate-only"), 1,
+                   AllOf(HasSubstr("8000x8000"), HasSubstr("--max-memory")));
+    expect_failure(run("65536x65536", "--mode " + mode + " --out " + at("h.exr")), 1,
+                   AllOf(HasSubstr("65536x65536"), HasSubstr("are free")));
+  }
+  EXPECT_FALSE(std::filesystem::exists(at("h.exr")));
+}
+
+TEST_F(Tools, ProgressIsShownAndQuietIsQuiet) {
+  const std::string common = at("room.glb") + " --size 24x16 --checkpoint " +
+                             at("tiny.safetensors") + " --out " + at("q.png");
+  for (const char* mode : {"neural", "reference"}) {
+    const Outcome shown = run_tool("lte_render", common + " --spp 4 --mode " + mode);
+    EXPECT_THAT(shown.text, HasSubstr("rendering: 384 pixels")) << mode;
+    EXPECT_EQ(run_tool("lte_render", common + " --quiet --spp 4 --mode " + mode).text, "");
+  }
+  const std::string exporting = "--checkpoint " + at("tiny.safetensors") + " --out " + at("q.pt");
+  EXPECT_THAT(run_tool("lte_export", exporting + " --verify").text,
+              AllOf(HasSubstr("export: reading"), HasSubstr("export: writing"),
+                    HasSubstr("export: comparing at 257 scene points")));
+  EXPECT_THAT(run_tool("lte_export", exporting + " --quiet").text,
+              testing::Not(HasSubstr("export: ")));
+}
+
+TEST_F(Tools, AntialiasingIsOnAndCanBeTurnedOff) {
+  const auto edges = [](const std::string& path) {
+    return nlohmann::json::parse(read_file(path)).at("edge_pixels").get<int64_t>();
+  };
+  ASSERT_EQ(render("--out " + at("aa.png") + " --json " + at("aa.json")).code, 0);
+  ASSERT_EQ(render("--aa off --out " + at("aa.png") + " --json " + at("off.json")).code, 0);
+  EXPECT_GT(edges(at("aa.json")), 0);
+  EXPECT_EQ(edges(at("off.json")), 0);
+  for (const char* bad : {"on", "0", "-4", "257", "4x", "1e2"}) {
+    expect_failure(render("--out " + at("n.png") + " --aa " + bad), 2, HasSubstr("--aa"));
+  }
 }
 
 TEST_F(Tools, EvalWritesItsJsonAndReport) {

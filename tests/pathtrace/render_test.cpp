@@ -126,6 +126,37 @@ TEST(RenderReference, IsEmissionPlusReflectedIrradiance) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(image.rgb(0, 0)[c], expected[c], 0.02 * expected[c]);
 }
 
+TEST(TracePixels, AreThePixelsOfTheReferenceByTheirBounces) {
+  const scene::Scene scene = test::furnished_room();
+  const Bvh bvh(scene);
+  const Lights lights(scene);
+  const scene::Camera camera = camera_at({3.7f, 1.5f, 2.7f}, {1, 1.2f, 1}, 80);
+  RenderOptions options;
+  options.spp = 8;
+  const auto whole = render_reference(bvh, lights, camera, 24, 16, options);
+  options.max_depth = 1;
+  const auto emitted = render_reference(bvh, lights, camera, 24, 16, options);
+  options.max_depth = 2;
+  const auto once = render_reference(bvh, lights, camera, 24, 16, options);
+  options.max_depth = RenderOptions().max_depth;
+  std::vector<int64_t> pixels;  // more than a thread takes at once, in no order
+  for (int64_t i = 0; i < 24 * 16; ++i) pixels.push_back(i * 7 % (24 * 16));
+  const std::vector<PixelRadiance> parts =
+      trace_pixels(bvh, lights, camera, 24, 16, pixels, options);
+  double sums[3] = {0, 0, 0};
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    const int x = static_cast<int>(pixels[i] % 24), y = static_cast<int>(pixels[i] / 24);
+    EXPECT_EQ(parts[i].emission + parts[i].direct + parts[i].indirect, whole.rgb(x, y));
+    EXPECT_EQ(parts[i].emission, emitted.rgb(x, y));
+    const Rgb seen = once.rgb(x, y), split = parts[i].emission + parts[i].direct;
+    EXPECT_LT(length(seen - split), 1e-4f * (1 + length(seen)));
+    sums[0] += parts[i].emission.x;
+    sums[1] += parts[i].direct.x;
+    sums[2] += parts[i].indirect.x;
+  }
+  for (const double sum : sums) EXPECT_GT(sum, 0);
+}
+
 TEST(RenderReference, DependsNotOnThreads) {
   const scene::Scene scene = test::furnished_room();
   const Bvh bvh(scene);

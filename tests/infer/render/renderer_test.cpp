@@ -33,6 +33,8 @@ RenderSettings settings(Output output, Mode mode = Mode::Neural) {
   out.mode = mode;
   out.width = 24;
   out.height = 16;
+  out.antialias =
+      0;  // one hit a pixel, so that a pixel is a point: antialias_test.cpp has the rest
   return out;
 }
 

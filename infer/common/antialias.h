@@ -1,0 +1,66 @@
+// Anti-aliasing: several primary hits in the pixels at edges, which share the answers that pixels
+// ask for anyway.
+//
+// A pixel lies at an edge where a neighbour sees something else: background, another instance,
+// another plane, normal, color, emission or share of metal. There N image points are traced, a
+// stratified set that is turned by a hash of the pixel. Each takes the irradiance of the nearest
+// query that stands on its plane and under its normal: its own pixel's, or one of the eight around
+// it. Where none does, it becomes a query itself, which later points of this and of the
+// neighbouring pixels share in turn.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lte/pathtrace/gbuffer.h"
+
+namespace lte::infer {
+
+/// Surface points that are asked for irradiance.
+struct QuerySet {
+  std::vector<Vec3> position, normal;
+  std::vector<Rgb> albedo;
+
+  int64_t size() const { return static_cast<int64_t>(position.size()); }
+  void add(const pathtrace::GBuffer& hits, size_t index) {
+    position.push_back(hits.position[index]);
+    normal.push_back(hits.normal[index]);
+    albedo.push_back(hits.albedo[index]);
+  }
+};
+
+/// Rows of a picture that are worked on at once.
+struct PictureRows {
+  int width = 0, height = 0;  ///< of the picture
+  int first = 0, last = 0;    ///< rows
+};
+
+/// What anti-aliasing looks at.
+struct EdgeView {
+  const pathtrace::GBuffer& hits;  ///< of `rows`
+  PictureRows rows;
+  float pixel_size = 0;  ///< edge of what a pixel covers at depth 1, in metres
+};
+
+/// The pixels of `view.hits` that lie at an edge, in order.
+std::vector<int32_t> find_edges(const EdgeView& view);
+
+/// Hits inside edge pixels.
+struct SubHits {
+  std::vector<int32_t> pixel;  ///< index into the rows' hits
+  int per_pixel = 0;
+  pathtrace::GBuffer hits;      ///< [pixels * per_pixel], in one row
+  std::vector<int32_t> source;  ///< the query that answers, kNone where nothing is reflected
+};
+
+/// Traces `per_pixel` points in each of `pixels`.
+SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera,
+                       const PictureRows& rows, std::vector<int32_t> pixels, int per_pixel);
+
+/// Finds the source of every sub-hit, and appends to `queries` those that no query answers.
+/// @param query_of_pixel  of each pixel of `view.hits`, kNone if it asks nothing
+void assign_sources(const EdgeView& view, std::span<const int32_t> query_of_pixel,
+                    QuerySet* queries, SubHits* sub);
+
+}  // namespace lte::infer

@@ -1,0 +1,34 @@
+// A rendered picture with its layers.
+#pragma once
+
+#include <cstdint>
+
+#include "lte/image/image.h"
+
+namespace lte::infer {
+
+/// What a render gave. An image that the output did not need is empty (width 0). Background pixels
+/// are zero in all.
+///
+/// Albedo and emission are means over the pixel's hits, normal and depth are those of its centre.
+/// Light layers are weighted by albedo, so that in every pixel emission + albedo/π · (direct +
+/// indirect) is the picture; those of Output::Irradiance are means over the pixel, without weights.
+/// A pixel of path-traced metal has the light layers under which a matt surface of its albedo would
+/// look alike; an albedo below 10⁻⁴ is then raised to that.
+struct Frame {
+  image::Image color;  ///< the chosen output, linear; depth has one channel
+  image::Image albedo, normal, depth, emission;
+  image::Image direct;    ///< irradiance by direct light, W/m²
+  image::Image indirect;  ///< irradiance by all later bounces
+  /// Irradiance of a model whose target is the total, when direct light was not needed.
+  image::Image total;
+  int64_t background = 0;     ///< pixels whose centre meets nothing
+  int64_t queries = 0;        ///< points that reflect light: those that are decoded
+  int64_t edge_pixels = 0;    ///< pixels with several hits
+  int64_t traced_pixels = 0;  ///< pixels with metal that paths have rendered
+  /// Sums over the pixels that see a surface: how metallic it is, and that of materials that are so
+  /// by glTF's default (scene/metal.h).
+  double metal = 0, metal_by_default = 0;
+};
+
+}  // namespace lte::infer

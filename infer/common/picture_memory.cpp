@@ -1,0 +1,74 @@
+#include "infer/common/picture_memory.h"
+
+#include <algorithm>
+
+#include "lte/base/check.h"
+
+namespace lte::infer {
+namespace {
+
+constexpr double kMib = 1 << 20;
+// Bytes a pixel of a band: hits, queries, answers and layers; and a hit more of anti-aliasing, with
+// half of the pixels at edges.
+constexpr double kBandBytes = 240, kSubHitBytes = 36;
+// A band's pixels (renderer.cpp).
+constexpr double kBand = 1 << 18;
+// Bytes a pixel of the frame: color and depth; with layers albedo, normal, emission, and as many of
+// direct, indirect and total as there can be.
+constexpr double kColorBytes = 16, kLayerBytes = 36, kLightBytes = 12;
+// Writing a PNG takes a tone-mapped copy, its bytes, the compressor's and the file; an EXR the file
+// while it grows.
+constexpr double kPngBytes = 40, kExrShare = 1.5;
+
+// What image::encode_png() takes.
+constexpr int64_t kMostPngPixels = int64_t{1} << 28;
+
+std::string picture_text(const RenderSettings& settings) {
+  return concat("a picture of ", settings.width, "x", settings.height);
+}
+
+double light_layers(const RenderSettings& settings) {
+  switch (settings.output) {
+    case Output::Albedo:
+    case Output::Normal:
+    case Output::Depth:
+      return 0;
+    case Output::Direct:
+      return 1;
+    default:
+      return settings.mode == Mode::Reference && settings.output == Output::Full ? 0 : 2;
+  }
+}
+
+}  // namespace
+
+double picture_mb(const RenderSettings& settings) {
+  const double pixels = double{1} * settings.width * settings.height;
+  const double frame =
+      kColorBytes + (settings.layers ? kLayerBytes + kLightBytes * light_layers(settings) : 0);
+  const double writing = settings.layers ? kExrShare * frame : kPngBytes;
+  // A band is at least eight rows.
+  const double band = std::min(pixels, std::max(kBand, 8.0 * settings.width));
+  const double work = kBandBytes + kSubHitBytes * std::max(0, settings.antialias);
+  // The last band is gone when the picture is written.
+  return (pixels * frame + std::max(pixels * writing, band * work)) / kMib;
+}
+
+void check_picture_fits(const RenderSettings& settings, double available_mb) {
+  LTE_CHECK(settings.layers || int64_t{settings.width} * settings.height <= kMostPngPixels,
+            picture_text(settings), " has more than the ", kMostPngPixels,
+            " pixels of a PNG: write an .exr, or take a smaller one");
+  const double need = picture_mb(settings);
+  if (need <= available_mb) return;
+  throw runtime::NotEnoughMemory(
+      concat(picture_text(settings), " needs ", runtime::memory_text(need), " and ",
+             runtime::memory_text(available_mb), " are free: take a smaller one"),
+      {runtime::Remedy::FewerQueries});
+}
+
+void check_picture_fits(const RenderSettings& settings, const runtime::MemoryLimit& limit) {
+  limit.check_ahead(picture_mb(settings), picture_text(settings), "take a smaller one",
+                    {runtime::Remedy::FewerQueries});
+}
+
+}  // namespace lte::infer

@@ -1,0 +1,39 @@
+#include "infer/render/notes.h"
+
+#include "lte/base/log.h"
+#include "lte/base/text.h"
+#include "lte/scene/metal.h"
+
+namespace lte::infer {
+namespace {
+
+bool shows_light_of_surfaces(Output output) {
+  return output == Output::Full || output == Output::Gi || output == Output::Direct;
+}
+
+}  // namespace
+
+PictureProgress::PictureProgress(RenderSettings* settings)
+    : settings_(settings),
+      progress_("rendering", int64_t{settings->width} * settings->height, "pixels") {
+  settings->done = [this](int64_t pixels) { progress_.advance(pixels); };
+}
+
+PictureProgress::~PictureProgress() { settings_->done = {}; }
+
+void report_metal(const std::string& scene, const RenderSettings& settings, const Frame& frame) {
+  const double seen =
+      static_cast<double>(int64_t{settings.width} * settings.height - frame.background);
+  if (!(frame.metal > 0) || !(seen > 0) || !shows_light_of_surfaces(settings.output)) return;
+  const std::string share =
+      scene::metal_text({frame.metal / seen, frame.metal_by_default / seen}, "visible surface");
+  if (settings.mode == Mode::Reference || settings.metal == Metal::Trace) {
+    log_info(scene, ": ", share, "; path-traced there, ", settings.spp, " paths a pixel");
+  } else if (settings.metal == Metal::Diffuse) {
+    log_warning(scene, ": ", share, "; shown as a matt surface of its color (--metal trace)");
+  } else {
+    log_warning(scene, ": ", share, "; shown as black (--metal trace)");
+  }
+}
+
+}  // namespace lte::infer

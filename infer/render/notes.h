@@ -1,0 +1,28 @@
+// What lte_render says about a picture beside its times: progress, and what was not shown as it is.
+#pragma once
+
+#include <string>
+
+#include "infer/common/renderer.h"
+#include "lte/cli/progress.h"
+
+namespace lte::infer {
+
+/// Lets `settings` tell of the pixels that are done, until it is destroyed. Nothing under --quiet.
+class PictureProgress {
+ public:
+  explicit PictureProgress(RenderSettings* settings);
+  ~PictureProgress();
+  PictureProgress(const PictureProgress&) = delete;
+  PictureProgress& operator=(const PictureProgress&) = delete;
+
+ private:
+  RenderSettings* settings_;
+  Progress progress_;
+};
+
+/// Says how much of what is seen is metal, and what stands for it. A warning where that is not what
+/// paths would show.
+void report_metal(const std::string& scene, const RenderSettings& settings, const Frame& frame);
+
+}  // namespace lte::infer

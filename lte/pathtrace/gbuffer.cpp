@@ -1,0 +1,187 @@
+#include "lte/pathtrace/gbuffer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "lte/base/check.h"
+#include "lte/base/parallel.h"
+#include "lte/pathtrace/embree_scene.h"
+#include "lte/scene/number_check.h"
+#include "lte/scene/surface.h"
+
+namespace lte::pathtrace {
+namespace {
+
+constexpr int kPacket = 8;
+
+/// Traces primary rays in packets, which gain on coherent rays, and stores what they meet.
+class PrimaryTracer {
+ public:
+  PrimaryTracer(const Bvh& bvh, const scene::Camera& camera, int width, int height, GBuffer* out)
+      : bvh_(bvh),
+        camera_(camera),
+        out_(out),
+        width_(static_cast<float>(width)),
+        height_(static_cast<float>(height)),
+        axis_(normalize(camera.target - camera.origin)),
+        origin_(camera.origin - bvh.handles().origin),
+        pixel_size_(pixel_size(camera, height)) {}
+
+  /// Traces `count` image points, at most kPacket, into places `first` and following.
+  void trace(const Vec2* points, int count, size_t first) const {
+    RTCRayHit8 packet;
+    alignas(32) int valid[kPacket];
+    for (int lane = 0; lane < kPacket; ++lane) {
+      valid[lane] = lane < count ? -1 : 0;
+      const Vec2& point = points[std::min(lane, count - 1)];
+      const Vec3 d = camera_.direction(point.x / width_, point.y / height_, width_ / height_);
+      RTCRay8& ray = packet.ray;
+      ray.org_x[lane] = origin_.x;
+      ray.org_y[lane] = origin_.y;
+      ray.org_z[lane] = origin_.z;
+      ray.dir_x[lane] = d.x;
+      ray.dir_y[lane] = d.y;
+      ray.dir_z[lane] = d.z;
+      ray.tnear[lane] = 0;
+      ray.tfar[lane] = INFINITY;
+      ray.time[lane] = 0;
+      ray.mask[lane] = ~0u;
+      ray.id[lane] = 0;
+      ray.flags[lane] = 0;
+      packet.hit.geomID[lane] = packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+    }
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    rtcIntersect8(valid, bvh_.handles().top, &context, &packet);
+    for (int lane = 0; lane < count; ++lane) store(packet, lane, first + static_cast<size_t>(lane));
+  }
+
+ private:
+  void store(const RTCRayHit8& packet, int lane, size_t i) const {
+    const RTCHit8& hit = packet.hit;
+    if (hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) {
+      out_->depth[i] = INFINITY;
+      out_->instance[i] = scene::kNone;
+      if (bvh_.scene().environment) {
+        out_->emission[i] = bvh_.scene().environment->radiance_from(
+            {packet.ray.dir_x[lane], packet.ray.dir_y[lane], packet.ray.dir_z[lane]});
+      }
+      return;
+    }
+    const auto instance = static_cast<int>(hit.instID[0][lane]);
+    const InstanceRecord& record = bvh_.handles().instances[static_cast<size_t>(instance)];
+    const SurfacePoint point = surface_point(record, hit.primID[lane], hit.u[lane], hit.v[lane],
+                                             {hit.Ng_x[lane], hit.Ng_y[lane], hit.Ng_z[lane]});
+    const Vec3 d{packet.ray.dir_x[lane], packet.ray.dir_y[lane], packet.ray.dir_z[lane]};
+    const float cos_front = -dot(point.normal, d);
+    const float footprint = packet.ray.tfar[lane] * pixel_size_;
+    Rgb emission;
+    scene::evaluate_appearance(bvh_.scene(), instance, hit.primID[lane], hit.u[lane], hit.v[lane],
+                               footprint, &out_->albedo[i], &emission);
+    out_->position[i] = point.position + bvh_.handles().origin;
+    out_->normal[i] = cos_front >= 0 ? point.normal : -point.normal;
+    out_->depth[i] = packet.ray.tfar[lane] * dot(d, axis_);
+    out_->mask[i] = 1;
+    out_->instance[i] = instance;
+    if (record.emissive && (cos_front > 0 || record.two_sided)) out_->emission[i] = emission;
+    if (record.glossy) {
+      out_->metallic[i] = scene::evaluate_gloss(bvh_.scene(), instance, hit.primID[lane],
+                                                hit.u[lane], hit.v[lane], footprint)
+                              .metallic;
+    }
+  }
+
+  const Bvh& bvh_;
+  const scene::Camera& camera_;
+  GBuffer* out_;
+  float width_, height_;
+  Vec3 axis_, origin_;
+  float pixel_size_;
+};
+
+GBuffer empty_gbuffer(const Bvh& bvh, int width, int height) {
+  GBuffer out;
+  out.width = width;
+  out.height = height;
+  const auto count = static_cast<size_t>(width) * static_cast<size_t>(height);
+  out.position.resize(count);
+  out.normal.resize(count);
+  out.albedo.resize(count);
+  out.emission.resize(count);
+  out.depth.resize(count);
+  out.mask.resize(count);
+  out.instance.resize(count);
+  const auto& instances = bvh.handles().instances;
+  const bool glossy = std::any_of(instances.begin(), instances.end(),
+                                  [](const InstanceRecord& record) { return record.glossy; });
+  if (glossy) out.metallic.resize(count);
+  return out;
+}
+
+}  // namespace
+
+void check_view(const scene::Camera& camera, int width, int height) {
+  LTE_CHECK(width > 0 && height > 0, "an image needs a positive size, got ", width, "x", height);
+  LTE_CHECK(scene::is_place(camera.origin) && is_finite(camera.target) && is_finite(camera.up),
+            "camera ", camera.name,
+            ": origin, target or up is not finite, or the origin farther than ",
+            scene::kMaxCoordinate, " from the scene's");
+  LTE_CHECK(camera.vfov > 0 && camera.vfov < 180, "camera ", camera.name,
+            ": vfov must lie between 0 and 180 degrees, got ", camera.vfov);
+  LTE_CHECK(is_finite(camera.direction(0.5f, 0.5f, 1)) &&
+                length(camera.target - camera.origin) > 0 &&
+                length(cross(camera.target - camera.origin, camera.up)) > 0,
+            "camera ", camera.name,
+            ": origin and target must differ, and up must not lie along the view");
+}
+
+float pixel_size(const scene::Camera& camera, int height) {
+  return 2 * std::tan(camera.vfov * kPi / 360) / static_cast<float>(height);
+}
+
+GBuffer trace_gbuffer(const Bvh& bvh, const scene::Camera& camera, int width, int height) {
+  return trace_gbuffer_rows(bvh, camera, width, height, 0, height);
+}
+
+GBuffer trace_gbuffer_rows(const Bvh& bvh, const scene::Camera& camera, int width, int height,
+                           int first, int last) {
+  check_view(camera, width, height);
+  LTE_CHECK(first >= 0 && first < last && last <= height, "rows ", first, " to ", last,
+            " do not lie in a picture of ", height);
+  GBuffer out = empty_gbuffer(bvh, width, last - first);
+  const PrimaryTracer tracer(bvh, camera, width, height, &out);
+  parallel_for(last - first, 4, [&](int64_t begin, int64_t end) {
+    std::array<Vec2, kPacket> points;
+    for (int64_t row = begin; row < end; ++row) {
+      const float y = static_cast<float>(first + row) + 0.5f;
+      for (int x = 0; x < width; x += kPacket) {
+        const int count = std::min(kPacket, width - x);
+        for (int lane = 0; lane < count; ++lane)
+          points[static_cast<size_t>(lane)] = {static_cast<float>(x + lane) + 0.5f, y};
+        tracer.trace(
+            points.data(), count,
+            static_cast<size_t>(row) * static_cast<size_t>(width) + static_cast<size_t>(x));
+      }
+    }
+  });
+  return out;
+}
+
+GBuffer trace_image_points(const Bvh& bvh, const scene::Camera& camera, int width, int height,
+                           std::span<const Vec2> points) {
+  check_view(camera, width, height);
+  GBuffer out = empty_gbuffer(bvh, static_cast<int>(points.size()), 1);
+  const PrimaryTracer tracer(bvh, camera, width, height, &out);
+  const auto count = static_cast<int64_t>(points.size());
+  parallel_for(count, int64_t{512} * kPacket, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; i += kPacket) {
+      tracer.trace(points.data() + i, static_cast<int>(std::min<int64_t>(kPacket, end - i)),
+                   static_cast<size_t>(i));
+    }
+  });
+  return out;
+}
+
+}  // namespace lte::pathtrace

@@ -1,0 +1,45 @@
+// What camera rays meet first: G-buffers of whole pictures, of some rows, and of single image
+// points.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lte/pathtrace/bvh.h"
+
+namespace lte::pathtrace {
+
+/// Primary hits, in rows. Normals face the camera: irradiance is that of the visible side.
+struct GBuffer {
+  int width = 0, height = 0;
+  std::vector<Vec3> position, normal;  ///< [height * width]
+  std::vector<Rgb> albedo;             ///< [height * width]
+  std::vector<Rgb> emission;      ///< radiance towards the camera, the environment's for background
+  std::vector<float> depth;       ///< distance along the camera's axis; INFINITY for background
+  std::vector<uint8_t> mask;      ///< 1 where a surface was hit
+  std::vector<int32_t> instance;  ///< scene::kNone for background
+  /// How metallic the surface is, [0, 1]; empty for a scene without metal.
+  std::vector<float> metallic;
+};
+
+/// Hits through pixel centres. Albedo, emission and metal are filtered over the pixel's footprint.
+/// @throws lte::Error if a size is not positive or the camera is degenerate.
+GBuffer trace_gbuffer(const Bvh& bvh, const scene::Camera& camera, int width, int height);
+
+/// Rows `first` to `last` − 1 of the same.
+GBuffer trace_gbuffer_rows(const Bvh& bvh, const scene::Camera& camera, int width, int height,
+                           int first, int last);
+
+/// Hits through any points of a picture of this size, in one row.
+/// @param points  in pixels: (0.5, 0.5) is the centre of the first
+GBuffer trace_image_points(const Bvh& bvh, const scene::Camera& camera, int width, int height,
+                           std::span<const Vec2> points);
+
+/// Edge of what a pixel covers at depth 1, in metres.
+float pixel_size(const scene::Camera& camera, int height);
+
+/// @throws lte::Error if a size is not positive or the camera is degenerate.
+void check_view(const scene::Camera& camera, int width, int height);
+
+}  // namespace lte::pathtrace
