@@ -6,6 +6,7 @@
 #include "lte/base/log.h"
 #include "lte/scene/import/environment_file.h"
 #include "lte/scene/load.h"
+#include "lte/scene/up_axis.h"
 
 namespace lte::datagen {
 
@@ -19,6 +20,9 @@ void add_scene_options(CLI::App& app, SceneOptions* options) {
                  "middle");
   app.add_option("--environment-turn", options->environment_turn,
                  "Degrees by which to turn it about +Y, counter-clockwise from above");
+  app.add_option("--up", options->up, scene::kUpHelp)
+      ->check(CLI::IsMember({"y", "z"}))
+      ->capture_default_str();
 }
 
 void apply_environment(const SceneOptions& options, scene::Scene* scene) {
@@ -32,6 +36,7 @@ scene::Scene load_and_report(const std::string& path, const SceneOptions& flags)
   const scene::CleanupOptions options = scene::parse_cleanup(flags.cleanup);
   scene::Scene scene = scene::load_scene(path);
   for (const std::string& what : scene.ignored) log_warning(path, ": ignored: ", what);
+  scene::set_up_axis(flags.up, path, &scene);
   apply_environment(flags, &scene);
   if (options.any()) {
     const scene::CleanupReport report = scene::clean_up(&scene, options);

@@ -20,9 +20,10 @@ struct SceneOptions {
   std::string cleanup;          ///< faults of its geometry to put right, separated by commas
   std::string environment;      ///< "R,G,B" or a picture; empty: the scene's own
   double environment_turn = 0;  ///< degrees about +Y
+  std::string up = "y";         ///< axis that points up in the file
 };
 
-/// Adds --cleanup, --environment and --environment-turn.
+/// Adds --cleanup, --environment, --environment-turn and --up.
 void add_scene_options(CLI::App& app, SceneOptions* options);
 
 /// Puts the environment of `options`, if it names one, in the place of the scene's own.

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "infer/common/tool_options.h"
+#include "infer/render/exposure.h"
 
 namespace lte::infer {
 
@@ -16,11 +17,12 @@ struct RenderRequest {
   int spp = 64, max_depth = 5, direct_samples = 64;
   int64_t scene_points = 0;
   uint64_t seed = 0;
-  bool rescale = false, validate_only = false;
+  bool rescale = true, validate_only = false;
+  std::string up = "y";
   std::string prune = "auto";
   std::string environment;      ///< "R,G,B" or a picture; empty: that of the scene
   double environment_turn = 0;  ///< degrees about +Y
-  std::optional<double> exposure;
+  ExposureOptions exposure;
   ToolOptions tool;
 };
 
