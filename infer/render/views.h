@@ -21,8 +21,8 @@ struct View {
 /// %04d becomes the number of the picture from 0, {name} the name of its camera, in which anything
 /// but letters, digits, '.', '-' and '_' becomes '_'. Otherwise it is taken as it stands.
 /// @param aspect  width over height, for the automatic camera
-/// @throws lte::Error for a camera that does not exist, a pattern that lacks where it is needed, and
-///         two pictures of one name.
+/// @throws lte::Error for a camera that does not exist, a pattern that lacks where it is needed,
+///         and two pictures of one name.
 std::vector<View> choose_views(const pathtrace::Bvh& bvh, const std::string& camera,
                                const std::string& out, uint64_t seed, float aspect);
 

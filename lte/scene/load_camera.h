@@ -16,8 +16,8 @@ namespace lte::scene {
 Vec3 default_up(const Vec3& view);
 
 /// Reads a camera file: {"origin":[..],"target":[..],"vfov":degrees} with "up", "name" and
-/// "mirrored" as one likes; an array of such objects; what `lte_render --json` and `lte_datagen info
-/// --json` write; or an .exr that lte_render has written. A camera without a name has the file's.
+/// "mirrored" as one likes; an array of such objects; what lte_render and `lte_datagen info` write
+/// with --json; or an .exr that lte_render has written. A camera without a name has the file's.
 /// @return  one camera or more
 /// @throws lte::Error naming file and key.
 std::vector<Camera> load_cameras(const std::filesystem::path& path);
