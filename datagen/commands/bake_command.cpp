@@ -107,6 +107,7 @@ void add_bake_command(CLI::App& app, CommandBody* body) {
       "  lte_datagen bake room.glb --out room.safetensors --scene-points 4096 --queries 8192 "
       "--rays 256 --views 2\n"
       "  lte_datagen bake room.glb --out room.safetensors --target-error 0.02\n"
+      "  lte_datagen bake home.glb --out home.safetensors --camera all\n"
       "  lte_datagen bake house.glb --out house.safetensors --environment sky.exr\n"
       "  lte_datagen bake room.glb --out room.safetensors --incident-points 256\n"
       "  lte_datagen bake room.glb --validate-only");
