@@ -22,11 +22,13 @@ Vec3 axis_direction(int side) {
 
 }  // namespace
 
-bool FreeSpace::walled() const {
-  return below() <= kClosed && std::max({open[0], open[1], open[4], open[5]}) <= kClosed;
+bool FreeSpace::surrounded() const {
+  int walls = 0;
+  for (const size_t side : {0, 1, 4, 5}) walls += open[side] <= kClosed ? 1 : 0;
+  return walls >= 3 && below() <= kClosed;
 }
 
-bool FreeSpace::closed() const { return walled() && above() <= kClosed; }
+bool FreeSpace::closed() const { return *std::max_element(open.begin(), open.end()) <= kClosed; }
 
 FreeSpace survey(const Bvh& bvh) {
   FreeSpace out;

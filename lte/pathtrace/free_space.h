@@ -17,9 +17,9 @@ struct FreeSpace {
 
   float below() const { return open[2]; }
   float above() const { return open[3]; }
-  /// Whether each of the four sides and the floor is closed from nearly everywhere.
-  bool walled() const;
-  /// Whether the ceiling is, too.
+  /// Whether the floor and three of the four sides or more are closed from nearly everywhere.
+  bool surrounded() const;
+  /// Whether all six sides are.
   bool closed() const;
 };
 

@@ -57,6 +57,7 @@ struct Search {
   const Bvh& bvh;
   float unit;        ///< what counts as a metre
   float far;         ///< the distance of a miss
+  bool surrounded;   ///< the scene has walls around it: what is hollow in it is no vessel
   bool no_ceilings;  ///< in the whole scene: walls alone will do
 };
 
@@ -89,6 +90,7 @@ Place judge(const Search& search, Eye* eye) {
       ceiling.t <= kHighestCeiling * search.unit) {
     return Place::Indoors;
   }
+  if (!search.surrounded) return Place::Nowhere;
   if (enclosed >= kEnclosed) return Place::Enclosed;
   return search.no_ceilings && share(walls, level) >= kIndoors ? Place::BetweenWalls
                                                                : Place::Nowhere;
@@ -184,7 +186,7 @@ std::optional<scene::Camera> inside_view(const Bvh& bvh, const FreeSpace& space,
   const Vec3 extent = bvh.bounds().extent();
   if (extent.y < kLowestOpenRoom && !space.closed()) return std::nullopt;
   const Search search{bvh, room_unit(space.room_height, extent.y), length(extent),
-                      space.walled() && space.above() >= kOpen / 2};
+                      space.surrounded(), space.above() >= kOpen / 2};
   if (!(search.unit > 0)) return std::nullopt;
   std::optional<scene::Camera> best;
   float best_score = -1;

@@ -88,8 +88,8 @@ class Obj:
 
 
 def sphere(radius, steps=12):
-    return [(radius * math.sin(math.pi * i / steps), radius - radius * math.cos(math.pi * i / steps))
-            for i in range(steps + 1)]
+    angles = [math.pi * i / steps for i in range(steps + 1)]
+    return [(radius * math.sin(a), radius - radius * math.cos(a)) for a in angles]
 
 
 def furniture(obj, at=(0, 0)):
@@ -218,7 +218,7 @@ def written(folder):
 
 
 def generated(run, folder):
-    """Homes and a room of boxes, as data sets have them; their baking is made as short as may be."""
+    """Homes and rooms of boxes, as data sets have them; their baking is made short."""
     quick = []
     for key in ("rays=1", "scene_points=64", "query_points=16", "views.count=0", "val_share=0",
                 "test_share=0", "path_tracing_64=false"):

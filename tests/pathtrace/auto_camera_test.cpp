@@ -261,7 +261,8 @@ TEST(FreeSpace, KnowsWhichSideIsOpen) {
   const FreeSpace space = survey(Bvh(open_box()));
   for (size_t side = 0; side < 5; ++side) EXPECT_LT(space.open[side], kClosed);
   EXPECT_GT(space.open[5], kOpen);
-  EXPECT_FALSE(space.walled());
+  EXPECT_TRUE(space.surrounded());
+  EXPECT_FALSE(space.closed());
   const scene::Scene room = test::furnished_room();
   EXPECT_TRUE(survey(Bvh(room)).closed());
   EXPECT_NEAR(survey(Bvh(room)).room_height, 2.5, 1e-3);
