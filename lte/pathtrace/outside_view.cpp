@@ -82,13 +82,18 @@ struct Subject {
   std::vector<Vec3> points;  ///< corners of its triangles, thinned
 };
 
-Bounds instance_bounds(const scene::Scene& scene, const scene::Instance& instance) {
-  Bounds local, world;
-  const scene::Mesh& mesh = scene.meshes[static_cast<size_t>(instance.mesh)];
+Bounds mesh_bounds(const scene::Mesh& mesh) {
+  Bounds bounds;
   for (const auto& triangle : mesh.triangles)
-    for (const uint32_t corner : triangle) local.extend(mesh.positions[corner]);
+    for (const uint32_t corner : triangle) bounds.extend(mesh.positions[corner]);
+  return bounds;
+}
+
+/// Bounds of the corners of a mesh's bounds.
+Bounds placed(const Bounds& local, const Affine& to_world) {
+  Bounds world;
   if (local.empty()) return world;
-  for (const Vec3& corner : corners(local)) world.extend(instance.to_world.point(corner));
+  for (const Vec3& corner : corners(local)) world.extend(to_world.point(corner));
   return world;
 }
 
@@ -128,8 +133,10 @@ void add_points(const scene::Scene& scene, Subject* subject) {
 Subject find_subject(const scene::Scene& scene) {
   Subject subject;
   Bounds all, wanted;
+  std::vector<Bounds> meshes;
+  for (const scene::Mesh& mesh : scene.meshes) meshes.push_back(mesh_bounds(mesh));
   for (const scene::Instance& instance : scene.instances) {
-    const Bounds bounds = instance_bounds(scene, instance);
+    const Bounds bounds = placed(meshes[static_cast<size_t>(instance.mesh)], instance.to_world);
     const bool has = !bounds.empty() && !is_flat(bounds) && !is_lamp(scene, instance);
     subject.has.push_back(has ? 1 : 0);
     if (bounds.empty()) continue;
