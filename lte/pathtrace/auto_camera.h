@@ -25,8 +25,8 @@ scene::Camera auto_camera(const Bvh& bvh, uint64_t seed = 0, float aspect = 1);
 std::optional<scene::Camera> open_side_view(const Bvh& bvh, const FreeSpace& space, float aspect);
 
 /// From inside the largest free space at eye height, 1.2 to 1.7 m above the floor. Candidates are
-/// scored by the spread of hit distances, by the share of pixels that meet a front face, and by
-/// staying clear of surfaces. Places under a ceiling come before all others; others will do if
+/// scored by the spread of hit distances, by the share of pixels that meet a front face, by how
+/// many things are in view, by a lamp in sight and by staying clear of surfaces. Places under a ceiling come before all others; others will do if
 /// walls surround the scene. In rooms of less than 2.5 or more than 60 units, such as
 /// those in centimetres, lengths are taken in proportion. Nothing if no place is enclosed.
 std::optional<scene::Camera> inside_view(const Bvh& bvh, const FreeSpace& space, uint64_t seed);

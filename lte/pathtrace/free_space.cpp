@@ -1,6 +1,7 @@
 #include "lte/pathtrace/free_space.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "lte/base/random.h"
@@ -20,6 +21,29 @@ Vec3 axis_direction(int side) {
   return direction;
 }
 
+Vec3 random_point(const Bounds& bounds, Rng* rng) {
+  const Vec3 e = bounds.extent();
+  const float x = rng->uniform(), y = rng->uniform(), z = rng->uniform();
+  return bounds.low + Vec3{x * e.x, y * e.y, z * e.z};
+}
+
+/// Looks from outside towards points of the bounding box.
+float outward_share(const Bvh& bvh) {
+  const float away = 2 * length(bvh.bounds().extent());
+  Rng rng(1, 0x5afe);
+  int hits = 0, fronts = 0;
+  for (int i = 0; i < kPoints; ++i) {
+    const Vec3 point = random_point(bvh.bounds(), &rng);
+    const float y = 2 * rng.uniform() - 1, turn = 2 * kPi * rng.uniform();
+    const float level = std::sqrt(std::max(0.0f, 1 - y * y));
+    const Vec3 direction{level * std::cos(turn), y, level * std::sin(turn)};
+    const Hit hit = bvh.intersect({point - direction * away, direction});
+    hits += hit.valid() ? 1 : 0;
+    fronts += hit.valid() && dot(hit.normal, direction) < 0 ? 1 : 0;
+  }
+  return static_cast<float>(fronts) / static_cast<float>(std::max(1, hits));
+}
+
 }  // namespace
 
 bool FreeSpace::surrounded() const {
@@ -34,14 +58,12 @@ FreeSpace survey(const Bvh& bvh) {
   FreeSpace out;
   const Bounds& bounds = bvh.bounds();
   if (bounds.empty()) return out;
-  const Vec3 extent = bounds.extent();
+  out.outward = outward_share(bvh);
   Rng rng(0, 0x5afe);
   std::vector<float> heights;
   std::array<int, 6> escaped{};
   for (int i = 0; i < kPoints; ++i) {
-    const Vec3 point{bounds.low.x + rng.uniform() * extent.x,
-                     bounds.low.y + rng.uniform() * extent.y,
-                     bounds.low.z + rng.uniform() * extent.z};
+    const Vec3 point = random_point(bounds, &rng);
     std::array<Hit, 6> hits;
     for (int side = 0; side < 6; ++side) {
       hits[static_cast<size_t>(side)] = bvh.intersect({point, axis_direction(side)});

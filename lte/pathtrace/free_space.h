@@ -14,6 +14,9 @@ struct FreeSpace {
   /// Share of points in the bounding box from which a ray along −x, +x, −y, +y, −z or +z leaves the
   /// scene.
   std::array<float, 6> open{};
+  /// Share of front faces in what is seen from outside: 1 for objects and whole houses, 0 for a
+  /// room that is nothing but its inner side.
+  float outward = 0;
 
   float below() const { return open[2]; }
   float above() const { return open[3]; }

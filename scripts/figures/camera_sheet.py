@@ -19,6 +19,7 @@ import tempfile
 from PIL import Image, ImageDraw
 
 ASSETS = pathlib.Path(__file__).resolve().parents[2] / "assets/scenes"
+MAKE_SKY = pathlib.Path(__file__).resolve().parents[1] / "assets/make_sky.py"
 CONFIGS = pathlib.Path(__file__).resolve().parents[2] / "configs/data"
 SIZE = (192, 144)
 COLUMNS = 6
@@ -226,8 +227,9 @@ def generated(run, folder):
     scenes = []
     for kind, config, count in (("home", "homes", 5), ("boxes", "boxes", 2)):
         out = folder / kind
-        run("lte_datagen", "generate", "--config", CONFIGS / f"{config}.yaml", "--out", out,
-            "--scenes", count, "--glb", "--quiet", *quick)
+        if not out.exists():  # else of an earlier call with --keep
+            run("lte_datagen", "generate", "--config", CONFIGS / f"{config}.yaml", "--out", out,
+                "--scenes", count, "--glb", "--quiet", *quick)
         files = sorted((out / "scenes").glob("*.glb"))
         scenes += [(f"{kind} {i}", path) for i, path in enumerate(files)]
     return scenes
@@ -239,7 +241,7 @@ def main():
     parser.add_argument("out", type=pathlib.Path)
     parser.add_argument("files", nargs="*", type=pathlib.Path)
     parser.add_argument("--bin", type=pathlib.Path, default=pathlib.Path("build/bin"))
-    parser.add_argument("--keep", type=pathlib.Path, help="folder for the scenes; else a temporary")
+    parser.add_argument("--keep", type=pathlib.Path, help="folder for the scenes, used again; else a temporary")
     parser.add_argument("--only", default="", help="scenes whose title has this text")
     arguments = parser.parse_args()
 
@@ -260,14 +262,16 @@ def main():
         scenes += written(folder)
         scenes += [(path.stem, path) for path in arguments.files]
         scenes = [scene for scene in scenes if arguments.only in scene[0]]
+        sky = folder / "sky.pfm"
+        subprocess.run([sys.executable, MAKE_SKY, sky], check=True)
         tiles = []
         for title, path in scenes:
             picture = folder / "picture.png"
             flags = [] if path.suffix != ".ply" else ["--up", "z"]
             lit = path.suffix in (".glb", ".pbrt") or "lamp\n" in path.read_text(errors="ignore")
             if not lit:
-                flags += ["--environment", "1,1,1"]
-            said = run("lte_render", path, "--mode", "reference", "--spp", 48, "--camera", "auto",
+                flags += ["--environment", sky]
+            said = run("lte_render", path, "--mode", "reference", "--spp", 20, "--camera", "auto",
                        "--size", f"{2 * SIZE[0]}x{2 * SIZE[1]}", "--out", picture, *flags)
             print(f"{title}:", " ".join(line for line in said.splitlines() if "camera:" in line))
             tile = Image.open(io.BytesIO(picture.read_bytes())).convert("RGB").resize(

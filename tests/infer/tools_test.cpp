@@ -201,9 +201,9 @@ TEST_F(Tools, ASceneLargerThanTheModelKnowsIsShrunkUnlessRefused) {
 }
 
 TEST_F(Tools, ValidationRefusesWhatRenderingWould) {
-  for (const std::string& flags : std::vector<std::string>{
-           " --camera none.json", " --camera sofa", " --checkpoint none.safetensors", " --up z",
-           " --camera all --out " + at("v.png"), " --environment-turn 3"}) {
+  for (const std::string& flags :
+       std::vector<std::string>{" --camera none.json", " --camera sofa", " --up z",
+                                " --camera all --out " + at("v.png"), " --environment-turn 3"}) {
     const bool has_out = flags.find("--out") != std::string::npos;
     const std::string out = has_out ? "" : " --out " + at("v.png");
     const Outcome validated = render(flags + " --validate-only"), rendered = render(flags + out);
@@ -211,6 +211,9 @@ TEST_F(Tools, ValidationRefusesWhatRenderingWould) {
     EXPECT_EQ(validated.text, rendered.text) << flags;
   }
   EXPECT_EQ(render("--max-memory 1M --validate-only").code, 1);
+  expect_failure(run_tool("lte_render", at("room.glb") + " --quiet --validate-only --checkpoint " +
+                                            at("none.safetensors")),
+                 1, HasSubstr("none.safetensors"));
   EXPECT_FALSE(std::filesystem::exists(at("v.png")));
 }
 

@@ -224,6 +224,31 @@ TEST(AutoCamera, StandsBetweenWallsWithoutACeiling) {
   EXPECT_GT(auto_camera(low).origin.y, low.bounds().high.y);
 }
 
+TEST(AutoCamera, SeesAVesselFromOutside) {
+  scene::Scene scene;
+  const int white = add_material(&scene, {0.7f, 0.7f, 0.7f});
+  add_instance(&scene, test::inward_sphere_mesh(40, 4, white));
+  scene::Mesh outer = test::inward_sphere_mesh(41, 4, white);
+  for (auto& triangle : outer.triangles) std::swap(triangle[0], triangle[1]);
+  add_instance(&scene, outer);
+  add_quad(&scene, {-20, -33, -20}, {0, 0, 40}, {40, 0, 0}, white);  // a level bottom in it
+  const Bvh bvh(scene);
+  EXPECT_GT(length(auto_camera(bvh).origin), 41) << "two shells, of which one faces outwards";
+}
+
+TEST(AutoCamera, PrefersTheRoomWithTheLamp) {
+  scene::Scene scene;
+  const int white = add_material(&scene, {0.7f, 0.7f, 0.7f});
+  const int lamp = add_material(&scene, {0, 0, 0}, {9, 9, 9});
+  const Bounds lit{{6, 0, 0}, {9.5f, 2.5f, 3}};
+  add_instance(&scene, test::box_mesh({0, 0, 0}, {5, 2.5f, 5}, white, true));
+  add_instance(&scene, test::box_mesh(lit.low, lit.high, white, true));
+  add_quad(&scene, {7, 2.45f, 1}, {1, 0, 0}, {0, 0, 1}, lamp);
+  const Bvh bvh(scene);
+  for (uint64_t seed = 0; seed < 5; ++seed)
+    EXPECT_TRUE(is_within(auto_camera(bvh, seed).origin, lit)) << "seed " << seed;
+}
+
 TEST(AutoCamera, HasAViewOfNothing) {
   const scene::Scene empty;
   const scene::Camera camera = auto_camera(Bvh(empty));
