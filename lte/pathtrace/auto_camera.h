@@ -26,9 +26,10 @@ std::optional<scene::Camera> open_side_view(const Bvh& bvh, const FreeSpace& spa
 
 /// From inside the largest free space at eye height, 1.2 to 1.7 m above the floor. Candidates are
 /// scored by the spread of hit distances, by the share of pixels that meet a front face, by how
-/// many things are in view, by a lamp in sight and by staying clear of surfaces. Places under a ceiling come before all others; others will do if
-/// walls surround the scene. In rooms of less than 2.5 or more than 60 units, such as
-/// those in centimetres, lengths are taken in proportion. Nothing if no place is enclosed.
+/// many things are in view, by a lamp in sight and by staying clear of surfaces. Places under a
+/// ceiling come before all others; others will do if walls surround the scene. In rooms of less
+/// than 2.5 or more than 60 units, such as those in centimetres, lengths are taken in proportion.
+/// Nothing if no place is enclosed.
 std::optional<scene::Camera> inside_view(const Bvh& bvh, const FreeSpace& space, uint64_t seed);
 
 /// From outside and above, with the subject filling kOutsideFill of the frame's width or height.

@@ -241,7 +241,8 @@ def main():
     parser.add_argument("out", type=pathlib.Path)
     parser.add_argument("files", nargs="*", type=pathlib.Path)
     parser.add_argument("--bin", type=pathlib.Path, default=pathlib.Path("build/bin"))
-    parser.add_argument("--keep", type=pathlib.Path, help="folder for the scenes, used again; else a temporary")
+    parser.add_argument("--keep", type=pathlib.Path,
+                        help="folder for the scenes, used again; else a temporary one")
     parser.add_argument("--only", default="", help="scenes whose title has this text")
     arguments = parser.parse_args()
 
