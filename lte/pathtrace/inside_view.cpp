@@ -22,8 +22,10 @@ constexpr float kHighestCeiling = 20;  ///< metres above the eye; a dome of sky 
 /// Probes so near the horizon ask for walls: windows take some of a room's, a garden has few.
 constexpr float kNearHorizon = 0.35f;
 constexpr float kWalls = 0.75f;
-/// Metres that a miss counts for where the largest place is looked for.
+/// Metres: what is farther away, such as all that a door or a window shows, counts as so far.
 constexpr float kFarthest = 10;
+/// Of a picture that is all farther away than that.
+constexpr float kOutOfDoors = 0.5f;
 /// Share of a room's surfaces that are level or upright. A vessel has less, and a house has both.
 constexpr float kSquare = 0.5f;
 /// Of a view in a room without a lamp in sight.
@@ -65,7 +67,6 @@ Vec3 probe_direction(int i) {
 struct Search {
   const Bvh& bvh;
   float unit;        ///< what counts as a metre
-  float far;         ///< the distance of a miss
   bool outward;      ///< the scene shows its front faces to those outside
   bool surrounded;   ///< the scene has walls around it
   bool no_ceilings;  ///< in the whole scene: walls alone will do
@@ -82,7 +83,7 @@ Place judge(const Search& search, Eye* eye) {
     if (hit.valid() && hit.t < 0.3f * search.unit) return Place::Nowhere;
     hits += hit.valid() ? 1 : 0;
     fronts += hit.valid() && dot(hit.normal, direction) < 0 ? 1 : 0;
-    log_sum += std::log(hit.valid() ? hit.t : std::min(search.far, kFarthest * search.unit));
+    log_sum += std::log(std::min(hit.t, kFarthest * search.unit));
     const float rise = std::fabs(hit.normal.y);
     square += hit.valid() && (rise > 0.98f || rise < 0.05f) ? 1 : 0;
     if (hit.valid() && direction.y < 0 && hit.normal.y > 0.9f)
@@ -193,17 +194,18 @@ std::vector<Eye> find_eyes(const Search& search, uint64_t seed) {
 
 /// Larger is better: many pixels on front faces, distances and things that vary, nothing that fills
 /// the view from near by.
-float score_view(const Bvh& bvh, const scene::Camera& camera, float unit, float far) {
-  float fronts = 0, near = 0, sum = 0, squares = 0;
+float score_view(const Bvh& bvh, const scene::Camera& camera, float unit) {
+  float fronts = 0, near = 0, beyond = 0, sum = 0, squares = 0;
   std::vector<int> things;
   for (int y = 0; y < kGridY; ++y) {
     for (int x = 0; x < kGridX; ++x) {
       const Vec3 direction = camera.direction((static_cast<float>(x) + 0.5f) / kGridX,
                                               (static_cast<float>(y) + 0.5f) / kGridY, 1.5f);
       const Hit hit = bvh.intersect({camera.origin, direction});
-      const float distance = hit.valid() ? std::max(hit.t, 1e-3f * unit) : far;
+      const float distance = std::clamp(hit.t, 1e-3f * unit, kFarthest * unit);
       fronts += hit.valid() && dot(hit.normal, direction) < 0 ? 1.0f : 0.0f;
       if (hit.valid()) things.push_back(hit.instance);
+      beyond += hit.t > kFarthest * unit ? 1.0f : 0.0f;
       near += distance < 0.8f * unit ? 1.0f : 0.0f;
       const float log_distance = std::log(distance / unit);
       sum += log_distance;
@@ -218,7 +220,7 @@ float score_view(const Bvh& bvh, const scene::Camera& camera, float unit, float 
   const auto different = std::unique(things.begin(), things.end()) - things.begin();
   const float variety = 1 + 0.25f * std::log2(1 + static_cast<float>(different));
   return front_share * front_share * (0.5f + spread) * std::max(0.1f, 1 + mean) * variety *
-         (1 - near / kCount);
+         (1 - near / kCount) * (1 - (1 - kOutOfDoors) * beyond / kCount);
 }
 
 scene::Camera looking(const Vec3& origin, const Vec3& direction, float distance) {
@@ -243,12 +245,8 @@ float room_unit(float room_height, float scene_height) {
 std::optional<scene::Camera> inside_view(const Bvh& bvh, const FreeSpace& space, uint64_t seed) {
   const Vec3 extent = bvh.bounds().extent();
   if (extent.y < kLowestOpenRoom && !space.closed()) return std::nullopt;
-  const Search search{bvh,
-                      room_unit(space.room_height, extent.y),
-                      length(extent),
-                      space.outward > 0.5f,
-                      space.surrounded(),
-                      space.above() >= kOpen / 2};
+  const Search search{bvh, room_unit(space.room_height, extent.y), space.outward > 0.5f,
+                      space.surrounded(), space.above() >= kOpen / 2};
   if (!(search.unit > 0)) return std::nullopt;
   std::optional<scene::Camera> best;
   float best_score = -1;
@@ -259,7 +257,7 @@ std::optional<scene::Camera> inside_view(const Bvh& bvh, const FreeSpace& space,
       const Vec3 direction{std::cos(kPitch) * std::cos(azimuth), std::sin(kPitch),
                            std::cos(kPitch) * std::sin(azimuth)};
       const scene::Camera camera = looking(eye.position, direction, eye.free_distance);
-      const float score = lit * score_view(bvh, camera, search.unit, search.far);
+      const float score = lit * score_view(bvh, camera, search.unit);
       if (score <= best_score) continue;
       best_score = score;
       best = camera;
