@@ -244,7 +244,9 @@ void bake_incident_points(Baker* baker, const BakeOptions& options, data::SceneS
 scene::Camera view_camera(const pathtrace::Bvh& bvh, const BakeOptions& options, int64_t index) {
   const auto given = static_cast<int64_t>(options.view_cameras.size());
   if (index >= given)
-    return pathtrace::auto_camera(bvh, stream_seed(options.seed, Stream::View, index));
+    return pathtrace::auto_camera(
+        bvh, stream_seed(options.seed, Stream::View, index),
+        static_cast<float>(options.views.width) / static_cast<float>(options.views.height));
   const uint64_t first = stream_seed(options.seed, Stream::Cameras) % static_cast<uint64_t>(given);
   return options
       .view_cameras[(first + static_cast<uint64_t>(index)) % static_cast<uint64_t>(given)];

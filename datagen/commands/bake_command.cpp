@@ -2,12 +2,14 @@
 
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "datagen/bake/bake.h"
 #include "datagen/commands/info.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/cli/cli.h"
+#include "lte/scene/load_camera.h"
 
 namespace lte::datagen {
 namespace {
@@ -16,14 +18,23 @@ struct BakeFlags {
   CommonOptions common;
   SceneOptions options;
   BakeOptions bake;
-  std::string scene, out;
-  bool validate_only = false;
+  std::string scene, out, camera = "auto";
+  bool has_views = false, validate_only = false;
 };
 
-void run_bake(const BakeFlags& flags) {
+/// Gives the views the cameras of --camera, and without --views one to each of them.
+void set_cameras(const BakeFlags& flags, const scene::Scene& scene, BakeOptions* bake) {
+  const std::optional<scene::CameraChoice> choice = scene::find_cameras(scene, flags.camera);
+  if (!choice) return;
+  bake->view_cameras = choice->cameras;
+  if (!flags.has_views) bake->views.count = static_cast<int64_t>(choice->cameras.size());
+}
+
+void run_bake(BakeFlags flags) {
   apply_common_options(flags.common);
   check_bake_options(flags.bake);
   const scene::Scene scene = load_and_report(flags.scene, flags.options);
+  set_cameras(flags, scene, &flags.bake);
   if (flags.validate_only) {
     std::fputs(validation_line(flags.scene, scene).c_str(), stdout);
     return;
@@ -64,7 +75,13 @@ void add_bake_command(CLI::App& app, CommandBody* body) {
       ->capture_default_str();
   command->add_option("--max-depth", bake.max_depth, "Surface hits of a path; 1 is direct light")
       ->capture_default_str();
-  command->add_option("--views", bake.views.count, "Number of views")->capture_default_str();
+  CLI::Option* views = command->add_option("--views", bake.views.count, "Number of views");
+  views->capture_default_str();
+  command
+      ->add_option(
+          "--camera", flags->camera,
+          concat("Camera of the views: ", scene::kCameraHelp, "; views beyond them are automatic"))
+      ->capture_default_str();
   command->add_option("--view-width", bake.views.width, "Pixels")->capture_default_str();
   command->add_option("--view-height", bake.views.height, "Pixels")->capture_default_str();
   command->add_option("--view-rays", bake.views.rays, "Paths a pixel of a view")
@@ -90,10 +107,14 @@ void add_bake_command(CLI::App& app, CommandBody* body) {
       "  lte_datagen bake room.glb --out room.safetensors --scene-points 4096 --queries 8192 "
       "--rays 256 --views 2\n"
       "  lte_datagen bake room.glb --out room.safetensors --target-error 0.02\n"
+      "  lte_datagen bake home.glb --out home.safetensors --camera all\n"
       "  lte_datagen bake house.glb --out house.safetensors --environment sky.exr\n"
       "  lte_datagen bake room.glb --out room.safetensors --incident-points 256\n"
       "  lte_datagen bake room.glb --validate-only");
-  command->callback([=] { *body = [flags] { run_bake(*flags); }; });
+  command->callback([=] {
+    flags->has_views = views->count() > 0;
+    *body = [flags] { run_bake(*flags); };
+  });
 }
 
 }  // namespace lte::datagen

@@ -7,6 +7,7 @@
 #include "lte/pathtrace/added_light.h"
 #include "lte/scene/import/environment_file.h"
 #include "lte/scene/metal.h"
+#include "lte/scene/up_axis.h"
 
 namespace lte::datagen {
 
@@ -27,6 +28,9 @@ void add_scene_options(CLI::App& app, SceneOptions* options) {
                  "Repeatable")
       ->type_name("auto|x,y,z,W")
       ->allow_extra_args(false);
+  app.add_option("--up", options->up, scene::kUpHelp)
+      ->check(CLI::IsMember({"y", "z"}))
+      ->capture_default_str();
 }
 
 void apply_lighting(const SceneOptions& options, scene::Scene* scene) {
@@ -42,6 +46,7 @@ scene::Scene load_and_report(const std::string& path, const SceneOptions& flags)
   const scene::CleanupOptions options = scene::parse_cleanup(flags.cleanup);
   scene::Scene scene = load_scene(path, flags.loading);
   for (const std::string& what : scene.ignored) log_warning(path, ": ignored: ", what);
+  scene::set_up_axis(flags.up, path, &scene);
   apply_lighting(flags, &scene);
   if (scene.light_groups.empty())
     log_warning(path,

@@ -24,9 +24,11 @@ struct SceneOptions {
   std::string environment;          ///< "R,G,B" or a picture; empty: the scene's own
   double environment_turn = 0;      ///< degrees about +Y
   std::vector<std::string> lights;  ///< "auto" or "x,y,z,power": luminaires to add
+  std::string up = "y";             ///< axis that points up in the file
 };
 
-/// Adds --cleanup, --environment, --environment-turn, --add-light and the flags of scene_flags.h.
+/// Adds --cleanup, --environment, --environment-turn, --add-light, --up and the flags of
+/// scene_flags.h.
 void add_scene_options(CLI::App& app, SceneOptions* options);
 
 /// Puts the environment of `options`, if it names one, in the place of the scene's own, and adds

@@ -6,6 +6,7 @@
 #include "lte/base/check.h"
 #include "lte/data/dataset.h"
 #include "lte/scene/environment_points.h"
+#include "lte/scene/load_camera.h"
 #include "lte/scene/metal.h"
 #include "lte/scene/sampler.h"
 #include "lte/scene/surface.h"
@@ -112,12 +113,8 @@ Json texture_list(const scene::Scene& scene) {
 
 Json camera_list(const scene::Scene& scene) {
   Json list = Json::array();
-  for (const scene::Camera& camera : scene.cameras) {
-    list.push_back({{"name", camera.name},
-                    {"origin", vec(camera.origin)},
-                    {"target", vec(camera.target)},
-                    {"vfov", camera.vfov}});
-  }
+  for (const scene::Camera& camera : scene.cameras)
+    list.push_back(Json::parse(scene::camera_json(camera)));
   return list;
 }
 

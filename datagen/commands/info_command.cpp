@@ -7,6 +7,9 @@
 #include "datagen/commands/info.h"
 #include "lte/base/check.h"
 #include "lte/cli/cli.h"
+#include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/free_space.h"
+#include "lte/scene/up_axis.h"
 
 namespace lte::datagen {
 namespace {
@@ -17,6 +20,15 @@ struct InfoFlags {
   std::string path;
   bool deep = false, validate_only = false;
 };
+
+/// The facts of a scene, with its unit where the height of its rooms gives that away.
+Json describe_scene(scene::Scene* scene, const scene::CleanupOptions& cleanup) {
+  Json info =
+      cleanup.any() ? scene_info(*scene, scene::clean_up(scene, cleanup)) : scene_info(*scene);
+  const char* unit = pathtrace::likely_unit(pathtrace::survey(pathtrace::Bvh(*scene)).room_height);
+  if (unit != nullptr) info["likely_unit"] = unit;
+  return info;
+}
 
 Json describe(const InfoFlags& flags) {
   const std::filesystem::path path = flags.path;
@@ -30,9 +42,9 @@ Json describe(const InfoFlags& flags) {
     return dataset_info(path, flags.deep || flags.validate_only);
   if (!is_scene) return sample_info(data::read_scene_sample(path));
   scene::Scene scene = load_scene(path, flags.scene.loading);
+  scene::set_up_axis(flags.scene.up, flags.path, &scene);
   apply_lighting(flags.scene, &scene);
-  const scene::CleanupOptions cleanup = scene::parse_cleanup(flags.scene.cleanup);
-  return cleanup.any() ? scene_info(scene, scene::clean_up(&scene, cleanup)) : scene_info(scene);
+  return describe_scene(&scene, scene::parse_cleanup(flags.scene.cleanup));
 }
 
 void run_info(const InfoFlags& flags) {

@@ -9,6 +9,7 @@
 #include "lte/image/exr.h"
 #include "lte/image/png.h"
 #include "lte/image/tonemap.h"
+#include "lte/scene/load_camera.h"
 
 namespace lte::infer {
 namespace {
@@ -26,7 +27,8 @@ bool is_light(Output output) {
   return output != Output::Albedo && output != Output::Normal && output != Output::Depth;
 }
 
-void write_layers(const std::filesystem::path& path, const Frame& frame) {
+void write_layers(const std::filesystem::path& path, const Frame& frame,
+                  const scene::Camera* camera) {
   std::vector<image::Layer> layers{{"", &frame.color}};
   const std::pair<const char*, const Image*> named[] = {
       {"albedo", &frame.albedo},     {"normal", &frame.normal}, {"depth", &frame.depth},
@@ -35,7 +37,9 @@ void write_layers(const std::filesystem::path& path, const Frame& frame) {
   for (const auto& [name, picture] : named) {
     if (picture->width > 0) layers.push_back({name, picture});
   }
-  image::write_exr(path, layers);
+  image::ExrTexts texts;
+  if (camera != nullptr) texts[scene::kCameraAttribute] = scene::camera_json(*camera);
+  image::write_exr(path, layers, texts);
 }
 
 /// Normals as colors; a pixel without a hit stays black.
@@ -59,13 +63,16 @@ Image display_depth(const Image& depth) {
 }  // namespace
 
 float frame_exposure(const Frame& frame, Output output) {
-  return is_light(output) ? image::auto_exposure(frame.color) : 1.0f;
+  if (!is_light(output)) return 1;
+  std::vector<uint8_t> surfaces;
+  for (const float depth : frame.depth.pixels) surfaces.push_back(depth > 0 ? 1 : 0);
+  return image::auto_exposure(frame.color, 0.95f, 0.8f, surfaces);
 }
 
 void write_frame(const std::filesystem::path& path, const Frame& frame, Output output,
-                 float exposure) {
+                 float exposure, const scene::Camera* camera) {
   const std::string extension = extension_of(path);
-  if (extension == ".exr") return write_layers(path, frame);
+  if (extension == ".exr") return write_layers(path, frame, camera);
   LTE_CHECK(extension == ".png", path.string(), ": expected a name that ends in .exr or .png");
   if (output == Output::Normal) return image::write_png(path, display_normal(frame));
   if (output == Output::Depth) return image::write_png(path, display_depth(frame.depth));

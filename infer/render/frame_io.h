@@ -7,19 +7,20 @@
 
 namespace lte::infer {
 
-/// Chooses the exposure for a PNG of this frame: 1 for outputs that are not light, and for a black
-/// picture.
+/// Chooses the exposure for a PNG of this frame by its surfaces, not by what is behind them: 1 for
+/// outputs that are not light, and for a black picture.
 float frame_exposure(const Frame& frame, Output output);
 
 /// Writes a frame by the extension of `path`.
 ///
 /// An .exr holds the output as R, G, B and the layers albedo, normal, depth and emission, with
-/// direct, indirect or total where the output needed them; all linear and not exposed. In a .png
-/// light is exposed and goes through the sRGB curve, albedo goes through the curve alone, normals
-/// map [−1, 1] to [0, 1], and depth is divided by its largest value.
+/// direct, indirect or total where the output needed them; all linear and not exposed. With a
+/// camera, its header has that as JSON too (scene/load_camera.h). In a .png light is exposed and
+/// goes through the sRGB curve, albedo goes through the curve alone, normals map [−1, 1] to [0, 1],
+/// and depth is divided by its largest value.
 /// @throws lte::Error if the extension is another or the file cannot be written.
 void write_frame(const std::filesystem::path& path, const Frame& frame, Output output,
-                 float exposure);
+                 float exposure, const scene::Camera* camera = nullptr);
 
 /// Whether write_frame() writes layers to this path: an .exr.
 bool keeps_layers(const std::filesystem::path& path);

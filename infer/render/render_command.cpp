@@ -13,16 +13,18 @@
 #include "infer/common/untrained_light.h"
 #include "infer/render/frame_io.h"
 #include "infer/render/notes.h"
+#include "infer/render/scene_size.h"
+#include "infer/render/views.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/base/process_memory.h"
 #include "lte/base/timer.h"
 #include "lte/nn/device.h"
 #include "lte/pathtrace/added_light.h"
-#include "lte/pathtrace/auto_camera.h"
 #include "lte/scene/import/environment_file.h"
 #include "lte/scene/light_points.h"
 #include "lte/scene/load_camera.h"
+#include "lte/scene/up_axis.h"
 
 namespace lte::infer {
 namespace {
@@ -42,7 +44,7 @@ std::pair<int, int> parse_size(const std::string& text) {
   return fits(width) && fits(height) ? std::pair(width, height) : std::pair(0, 0);
 }
 
-std::string check_size(const std::string& text) {
+std::string check_picture_size(const std::string& text) {
   if (parse_size(text).first > 0) return "";
   return concat("\"", text, "\" is no size: expected WIDTHxHEIGHT, both from 1 to ", kLargestSide);
 }
@@ -80,15 +82,12 @@ RenderSettings settings_of(const RenderRequest& request) {
   return settings;
 }
 
-scene::Camera choose_camera(const RenderRequest& request, const scene::Scene& scene,
-                            const pathtrace::Bvh& bvh) {
-  if (!request.camera.empty() && request.camera != "auto")
-    return scene::load_camera(request.camera);
-  if (request.camera.empty() && !scene.cameras.empty()) return scene.cameras.front();
-  const scene::Camera camera = pathtrace::auto_camera(bvh, request.seed);
-  log_info("camera: auto, origin ", camera.origin.x, " ", camera.origin.y, " ", camera.origin.z,
-           ", target ", camera.target.x, " ", camera.target.y, " ", camera.target.z);
-  return camera;
+std::vector<View> views_of(const RenderRequest& request, const pathtrace::Bvh& bvh) {
+  const auto [width, height] = parse_size(request.size);
+  const float aspect = static_cast<float>(width) / static_cast<float>(height);
+  std::vector<View> views = choose_views(bvh, request.camera, request.out, request.seed, aspect);
+  for (const View& view : views) check_writable(view.out);
+  return views;
 }
 
 void describe(const scene::Scene& scene, const std::string& path) {
@@ -105,47 +104,73 @@ nlohmann::json seconds_json(const StageSeconds& s, double total) {
   return out;
 }
 
-nlohmann::json to_json(const RenderRequest& request, const RenderSettings& settings,
-                       const Renderer& renderer, const Frame& frame, const StageSeconds& s,
-                       double exposure, double total) {
-  return {{"scene", request.scene},
-          {"out", request.out},
-          {"output", request.output},
-          {"mode", request.mode},
-          {"precision", request.tool.precision},
-          {"size", {settings.width, settings.height}},
+/// What there is to say about a picture that has been written.
+nlohmann::json picture_json(const RenderRequest& request, const View& view, const Frame& frame,
+                            double exposure) {
+  return {{"out", view.out},
+          {"camera", nlohmann::json::parse(scene::camera_json(view.camera))},
           {"exposure", exposure},
+          {"ev", request.exposure.ev},
           {"background_pixels", frame.background},
           {"decoded_pixels", frame.queries},
           {"edge_pixels", frame.edge_pixels},
-          {"traced_pixels", frame.traced_pixels},
-          {"pruned_scene_points", renderer.pruned_points().pruned},
-          {"seconds", seconds_json(s, total)},
-          {"peak_rss_mb", peak_rss_mb()}};
+          {"traced_pixels", frame.traced_pixels}};
 }
 
-void print_times(const RenderRequest& request, const StageSeconds& s, double exposure,
-                 double total) {
+/// The keys of one picture stand beside those of the run; several are a list of their own.
+nlohmann::json to_json(const RenderRequest& request, const RenderSettings& settings,
+                       const Renderer& renderer, const nlohmann::json& pictures,
+                       const StageSeconds& s, double total) {
+  nlohmann::json json = {{"scene", request.scene},
+                         {"output", request.output},
+                         {"mode", request.mode},
+                         {"precision", request.tool.precision},
+                         {"size", {settings.width, settings.height}},
+                         {"pruned_scene_points", renderer.pruned_points().pruned},
+                         {"seconds", seconds_json(s, total)},
+                         {"peak_rss_mb", peak_rss_mb()}};
+  if (pictures.size() == 1) {
+    json.update(pictures[0]);
+    return json;
+  }
+  json["pictures"] = pictures;
+  for (const nlohmann::json& picture : pictures) json["camera_list"].push_back(picture["camera"]);
+  return json;
+}
+
+void print_exposure(const RenderRequest& request, const View& view, double exposure,
+                    const char* end) {
   if (request.tool.common.quiet) return;
-  std::printf("%s: exposure %.4g | seconds: ", request.out.c_str(), exposure);
+  std::printf("%s: exposure %.4g", view.out.c_str(), exposure);
+  if (request.exposure.ev != 0) std::printf(" (ev %+g)", request.exposure.ev);
+  std::fputs(end, stdout);
+  std::fflush(stdout);
+}
+
+void print_times(const RenderRequest& request, const StageSeconds& s, double total) {
+  if (request.tool.common.quiet) return;
+  std::printf(" | seconds: ");
   for (const Stage& stage : kStages) std::printf("%s %.2f, ", stage.name, s.*stage.seconds);
   std::printf("total %.2f | peak %.0f MiB\n", total, peak_rss_mb());
 }
 
-/// The network if this picture needs one. Validation looks at a model only if one is named.
+/// The network if this picture needs one.
 std::optional<runtime::Network> load_network(const RenderRequest& request,
                                              const Renderer& renderer) {
   if (!renderer.needs_network(settings_of(request))) return std::nullopt;
-  if (request.validate_only && request.checkpoint.empty()) return std::nullopt;
   const c10::Device device = nn::choose_device(request.tool.device, 0, "--device");
   return runtime::Network(checkpoint_or_shipped(request.checkpoint),
                           {device, choose_precision(request.tool.precision, device)});
 }
 
+int64_t scene_points(const RenderRequest& request, const runtime::Network& network) {
+  return request.scene_points > 0 ? request.scene_points : network.metadata().scene_points;
+}
+
 void embed(const RenderRequest& request, const runtime::Network& network,
            const runtime::MemoryLimit& memory, Renderer* renderer) {
   EmbedSettings settings;
-  settings.scene_points = request.scene_points;
+  settings.scene_points = scene_points(request, network);
   settings.seed = request.seed;
   settings.rescale = request.rescale;
   if (request.prune != "auto") settings.prune = request.prune == "on";
@@ -154,31 +179,61 @@ void embed(const RenderRequest& request, const runtime::Network& network,
   memory.check("encoding the scene", {runtime::Remedy::FewerScenePoints});
 }
 
-/// Everything after the scene stands: what is timed as encode to write.
-void render_to_file(const RenderRequest& request, const scene::Camera& camera, Renderer* renderer,
-                    const Timer& total) {
+/// Adds the stages that each picture has of its own.
+void add_seconds(const StageSeconds& picture, StageSeconds* sum) {
+  for (double StageSeconds::*stage :
+       {&StageSeconds::primary, &StageSeconds::decode, &StageSeconds::direct,
+        &StageSeconds::reference, &StageSeconds::write}) {
+    sum->*stage += picture.*stage;
+  }
+}
+
+/// Everything after the scene is encoded.
+void render_to_files(const RenderRequest& request, const std::vector<View>& views,
+                     Renderer* renderer, const Timer& total) {
   RenderSettings settings = settings_of(request);
-  Frame frame;
-  {
-    const PictureProgress progress(&settings);
-    frame = renderer->render(camera, settings);
+  StageSeconds seconds = renderer->seconds();
+  nlohmann::json pictures = nlohmann::json::array();
+  for (const View& view : views) {
+    Frame frame;
+    {
+      const PictureProgress progress(&settings);
+      frame = renderer->render(view.camera, settings);
+    }
+    report_metal(request.scene, settings, frame);
+    if (frame.background == int64_t{settings.width} * settings.height &&
+        !renderer->has_environment()) {
+      log_warning(request.scene, ": camera ", view.camera.name,
+                  " sees no surface; the picture is black");
+    }
+    const float exposure = choose_exposure(frame, settings.output, request.exposure);
+    const Timer write;
+    write_frame(view.out, frame, settings.output, exposure, &view.camera);
+    renderer->seconds().write = write.seconds();
+    add_seconds(renderer->seconds(), &seconds);
+    pictures.push_back(picture_json(request, view, frame, exposure));
+    print_exposure(request, view, exposure, views.size() > 1 ? "\n" : "");
   }
-  report_metal(request.scene, settings, frame);
-  if (frame.background == int64_t{settings.width} * settings.height &&
-      !renderer->has_environment()) {
-    log_warning(request.scene, ": the camera sees no surface; the picture is black");
-  }
-  const double exposure = request.exposure.value_or(frame_exposure(frame, settings.output));
-  const Timer write;
-  write_frame(request.out, frame, settings.output, static_cast<float>(exposure));
-  StageSeconds& seconds = renderer->seconds();
-  seconds.write = write.seconds();
   if (!request.tool.common.json.empty()) {
     const nlohmann::json json =
-        to_json(request, settings, *renderer, frame, seconds, exposure, total.seconds());
+        to_json(request, settings, *renderer, pictures, seconds, total.seconds());
     write_file(request.tool.common.json, json.dump(2) + '\n');
   }
-  print_times(request, seconds, exposure, total.seconds());
+  if (views.size() > 1 && !request.tool.common.quiet) std::printf("%zu pictures", views.size());
+  print_times(request, seconds, total.seconds());
+}
+
+/// The scene as the flags want it.
+scene::Scene load(const RenderRequest& request) {
+  scene::Scene scene = load_scene(request.scene, request.loading);
+  scene::set_up_axis(request.up, request.scene, &scene);
+  LTE_CHECK(!request.environment.empty() || request.environment_turn == 0,
+            "--environment-turn needs --environment");
+  if (!request.environment.empty())
+    scene::set_environment(request.environment, request.environment_turn, &scene);
+  for (const std::string& light : request.lights)
+    log_info(request.scene, ": added ", pathtrace::add_light(light, &scene));
+  return scene;
 }
 
 }  // namespace
@@ -186,13 +241,15 @@ void render_to_file(const RenderRequest& request, const scene::Camera& camera, R
 void add_render_options(CLI::App& app, RenderRequest* r) {
   app.add_option("scene", r->scene, "Scene to render: .gltf, .glb, .pbrt, .obj or .ply")
       ->required();
-  app.add_option("--out", r->out, "Picture to write: .exr (linear, with layers) or .png")
+  app.add_option("--out", r->out,
+                 "Picture to write: .exr (linear, with layers) or .png; with several cameras a "
+                 "pattern, %d or %04d for the number and {name} for the camera's name")
       ->check(CLI::Validator(check_picture, "FILE.exr|FILE.png"));
   app.add_option("--checkpoint", r->checkpoint, "Model; by default the shipped one");
   app.add_option("--camera", r->camera,
-                 "Camera JSON, or auto; by default the scene's first camera, else auto");
+                 concat(scene::kCameraHelp, "; by default the scene's first camera, else auto"));
   app.add_option("--size", r->size, "Picture size")
-      ->check(CLI::Validator(check_size, "WxH"))
+      ->check(CLI::Validator(check_picture_size, "WxH"))
       ->capture_default_str();
   app.add_option("--output", r->output,
                  "What to show; gi is reflected indirect light, irradiance is it untextured")
@@ -229,8 +286,12 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
                  "Show the network only surfaces that light reaches; auto: as in its training")
       ->check(CLI::IsMember({"auto", "on", "off"}))
       ->capture_default_str();
-  app.add_flag("--rescale", r->rescale,
-               "Shrink a scene larger than the model knows, for the network only");
+  app.add_flag("--rescale,!--no-rescale", r->rescale,
+               "Shrink a scene larger than the model knows, for the network only (the default), or "
+               "refuse it");
+  app.add_option("--up", r->up, scene::kUpHelp)
+      ->check(CLI::IsMember({"y", "z"}))
+      ->capture_default_str();
   app.add_option("--environment", r->environment,
                  "Light from all around, in the place of the scene's own: constant radiance R,G,B, "
                  "or an equirectangular picture (.exr, .hdr, .pfm; .png, .jpg), Y up, +X in its "
@@ -243,9 +304,7 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
                  "Repeatable")
       ->type_name("auto|x,y,z,W")
       ->allow_extra_args(false);
-  app.add_option("--exposure", r->exposure,
-                 "Factor before the display curve of a PNG; by default from the picture")
-      ->check(CLI::PositiveNumber);
+  add_exposure_options(app, &r->exposure);
   app.add_option("--seed", r->seed, "Seed of scene points and light samples")
       ->capture_default_str();
   app.add_flag("--validate-only", r->validate_only,
@@ -264,28 +323,24 @@ void run_render(const RenderRequest& request) {
   check_writable(request.tool.common.json);
   check_picture_fits(settings_of(request), available_memory_mb());
   const Timer total;
-  scene::Scene scene = load_scene(request.scene, request.loading);
-  LTE_CHECK(!request.environment.empty() || request.environment_turn == 0,
-            "--environment-turn needs --environment");
-  if (!request.environment.empty())
-    scene::set_environment(request.environment, request.environment_turn, &scene);
-  for (const std::string& light : request.lights)
-    log_info(request.scene, ": added ", pathtrace::add_light(light, &scene));
+  const scene::Scene scene = load(request);
   describe(scene, request.scene);
   Renderer renderer(scene);
-  const scene::Camera camera = choose_camera(request, scene, renderer.bvh());
+  const std::vector<View> views = views_of(request, renderer.bvh());
+  say_unit(request.scene, renderer.bvh());
   if (!renderer.has_light())
     log_warning(request.scene,
                 ": nothing emits light; every output with light in it is black "
                 "(--environment 1,1,1 or --add-light auto gives it some)");
   const std::optional<runtime::Network> network = load_network(request, renderer);
   renderer.seconds().load = total.seconds();
+  const runtime::MemoryLimit memory(request.tool.max_memory_mb);
   if (network) {
-    network->check_fits(max_component(scene::point_bounds(scene).extent()), request.rescale);
+    check_size(request.scene, scene, *network, request.rescale);
     const std::string note = untrained_light_note(scene, network->metadata());
     if (!note.empty()) log_warning(note);
+    memory.check_encoding(network->config(), scene_points(request, *network));
   }
-  const runtime::MemoryLimit memory(request.tool.max_memory_mb);
   check_picture_fits(settings_of(request), memory);
   if (request.validate_only) {  // as lte_datagen says it, and under --quiet too: it is the result
     std::printf("%s: valid scene, %lld triangles, %zu light groups\n", request.scene.c_str(),
@@ -296,7 +351,7 @@ void run_render(const RenderRequest& request) {
     embed(request, *network, memory, &renderer);
     check_picture_fits(settings_of(request), memory);
   }
-  render_to_file(request, camera, &renderer, total);
+  render_to_files(request, views, &renderer, total);
 }
 
 }  // namespace lte::infer

@@ -7,6 +7,7 @@
 
 #include "infer/common/renderer.h"
 #include "infer/common/tool_options.h"
+#include "infer/render/exposure.h"
 #include "lte/cli/scene_flags.h"
 
 namespace lte::infer {
@@ -19,14 +20,15 @@ struct RenderRequest {
   int spp = 64, max_depth = 5, direct_samples = 64;
   int64_t scene_points = 0;
   uint64_t seed = 0;
-  bool rescale = false, validate_only = false;
+  bool rescale = true, validate_only = false;
+  std::string up = "y";
   std::string prune = "auto";
   std::string environment;          ///< "R,G,B" or a picture; empty: that of the scene
   double environment_turn = 0;      ///< degrees about +Y
   std::vector<std::string> lights;  ///< "auto" or "x,y,z,power": luminaires to add
   std::string antialias = std::to_string(kAntialias), metal = "trace";
   SceneFlags loading;
-  std::optional<double> exposure;
+  ExposureOptions exposure;
   ToolOptions tool;
 };
 

@@ -16,6 +16,7 @@
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
 
 #include "lte/base/file.h"
 
@@ -198,13 +199,33 @@ Image read_layer(const std::string& path, Imf::IStream& stream, const std::strin
   return image;
 }
 
+/// What `body` reads of the file; errors of OpenEXR become ours.
+template <typename Body>
+auto read(const std::filesystem::path& path, const Body& body) {
+  // Refused while the header is parsed, before OpenEXR allocates its table of line offsets.
+  static std::once_flag once;
+  std::call_once(once, [] { Imf::Header::setMaxImageSize(kMaxSide, kMaxSide); });
+  MappedInput input(path);
+  try {
+    return body(input);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw Error(concat(path.string(), ": cannot read as OpenEXR: ", error.what()));
+  }
+}
+
 }  // namespace
 
-void write_exr(const std::filesystem::path& path, const std::vector<Layer>& layers) {
+void write_exr(const std::filesystem::path& path, const std::vector<Layer>& layers,
+               const ExrTexts& texts) {
   check_layers(path.string(), layers);
   const Image& first = *layers.front().image;
   Imf::Header header(first.width, first.height);
   header.compression() = Imf::ZIP_COMPRESSION;
+  for (const auto& [name, text] : texts) header.insert(name, Imf::StringAttribute(text));
   Imf::FrameBuffer buffer;
   for (const Layer& layer : layers) {
     const std::vector<std::string> names = channel_names(layer.name, layer.image->channels);
@@ -236,6 +257,20 @@ Image read_exr(const std::filesystem::path& path, const std::string& layer) {
 Image decode_exr(std::string_view bytes, const std::string& name, const std::string& layer) {
   return with_input(bytes, name,
                     [&](Imf::IStream& input) { return read_layer(name, input, layer); });
+}
+
+std::optional<std::string> read_exr_text(const std::filesystem::path& path,
+                                         const std::string& attribute) {
+  const MappedFile mapped(path);
+  const std::string_view bytes(reinterpret_cast<const char*>(mapped.data()), mapped.size());
+  return with_input(bytes, path.string(),
+                    [&](Imf::IStream& input) -> std::optional<std::string> {
+                      const Imf::InputFile file(input);
+                      const auto* text =
+                          file.header().findTypedAttribute<Imf::StringAttribute>(attribute);
+                      if (text == nullptr) return std::nullopt;
+                      return text->value();
+                    });
 }
 
 DeclaredSize declared_exr_size(std::string_view bytes, const std::string& name) {

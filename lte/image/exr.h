@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,10 +21,14 @@ struct Layer {
   const Image* image = nullptr;
 };
 
+/// Texts in the header of a file, by attribute name.
+using ExrTexts = std::map<std::string, std::string>;
+
 /// Writes float32 channels with ZIP compression, atomically.
 /// @throws lte::Error if sizes differ, a layer has neither 1 nor 3 channels, or the file cannot be
 /// written.
-void write_exr(const std::filesystem::path& path, const std::vector<Layer>& layers);
+void write_exr(const std::filesystem::path& path, const std::vector<Layer>& layers,
+               const ExrTexts& texts = {});
 
 /// Reads the channels of one layer (empty name: R, G, B or Y) into an image of 3 or 1 channels.
 /// @throws lte::Error naming the file if it is not EXR, or naming the layers it has.
@@ -35,5 +41,10 @@ Image decode_exr(std::string_view bytes, const std::string& name, const std::str
 /// The size of the data window.
 /// @throws lte::Error naming the file if its header is broken.
 DeclaredSize declared_exr_size(std::string_view bytes, const std::string& name);
+
+/// Reads a text of the header; nothing if there is no attribute of this name that is a text.
+/// @throws lte::Error naming the file if it is not EXR.
+std::optional<std::string> read_exr_text(const std::filesystem::path& path,
+                                         const std::string& attribute);
 
 }  // namespace lte::image

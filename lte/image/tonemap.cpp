@@ -32,20 +32,37 @@ Image fill(const Image& like, const Color& color) {
   return out;
 }
 
+/// Luminances that are positive and finite, of the pixels that an optional mask has.
+std::vector<float> luminances(const Image& linear, std::span<const uint8_t> mask) {
+  std::vector<float> values;
+  for (int y = 0; y < linear.height; ++y) {
+    for (int x = 0; x < linear.width; ++x) {
+      const auto i =
+          static_cast<size_t>(y) * static_cast<size_t>(linear.width) + static_cast<size_t>(x);
+      if (!mask.empty() && mask[i] == 0) continue;
+      const float value = luminance(color_at(linear, x, y));
+      if (value > 0 && std::isfinite(value)) values.push_back(value);
+    }
+  }
+  return values;
+}
+
 }  // namespace
 
-float auto_exposure(const Image& linear, float percentile, float target) {
+float auto_exposure(const Image& linear, float percentile, float target,
+                    std::span<const uint8_t> mask) {
   check_channels(linear, "auto exposure");
   LTE_CHECK(percentile >= 0 && percentile <= 1 && target > 0,
             "auto exposure: expected a percentile in [0, 1] and a "
             "positive target, got ",
             percentile, " and ", target);
-  std::vector<float> values;
-  for (int y = 0; y < linear.height; ++y) {
-    for (int x = 0; x < linear.width; ++x) {
-      const float value = luminance(color_at(linear, x, y));
-      if (value > 0 && std::isfinite(value)) values.push_back(value);
-    }
+  const size_t pixels = static_cast<size_t>(linear.width) * static_cast<size_t>(linear.height);
+  LTE_CHECK(mask.empty() || mask.size() == pixels, "auto exposure: expected a mask of ", pixels,
+            " pixels, got ", mask.size());
+  std::vector<float> values = luminances(linear, mask);
+  if (!mask.empty() &&
+      static_cast<double>(values.size()) < kLeastMetered * static_cast<double>(pixels)) {
+    values = luminances(linear, {});
   }
   if (values.empty()) return 1;
   const auto rank =

@@ -10,6 +10,7 @@
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
 #include <gmock/gmock.h>
 
 #include "lte/base/file.h"
@@ -90,6 +91,21 @@ TEST(Exr, LayersHaveTheChannelsOfTheContract) {
   EXPECT_EQ(read_exr(dir / "a.exr", "depth").pixels, depth.pixels);
   EXPECT_EQ(read_exr(dir / "a.exr", "spp").pixels, spp.pixels);
   EXPECT_EQ(read_exr(dir / "a.exr", "depth").channels, 1);
+}
+
+TEST(Exr, TextsStandInTheHeader) {
+  const TempDir dir;
+  const Image picture = random_image(3, 2, 3, 1, 0, 1);
+  write_exr(dir / "a.exr", {{"", &picture}}, {{"lteCamera", "{\"vfov\": 40}"}});
+  const Imf::InputFile file((dir / "a.exr").c_str());
+  const auto* text = file.header().findTypedAttribute<Imf::StringAttribute>("lteCamera");
+  ASSERT_NE(text, nullptr);
+  EXPECT_EQ(text->value(), "{\"vfov\": 40}");
+  EXPECT_EQ(read_exr_text(dir / "a.exr", "lteCamera"), text->value());
+  EXPECT_EQ(read_exr_text(dir / "a.exr", "other"), std::nullopt);
+  EXPECT_EQ(read_exr_text(dir / "a.exr", "compression"), std::nullopt) << "no text";
+  write_file(dir / "b.exr", "no picture");
+  EXPECT_THAT(error_of([&] { read_exr_text(dir / "b.exr", "x"); }), HasSubstr("b.exr"));
 }
 
 TEST(Exr, ReadsPicturesTallerThanAStrip) {

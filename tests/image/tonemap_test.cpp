@@ -65,6 +65,27 @@ TEST(AutoExposure, IgnoresBlackAndNonFinitePixelsAndScalesInversely) {
   EXPECT_EQ(auto_exposure(Image(4, 4, 3)), 1);
 }
 
+TEST(AutoExposure, MetersSurfacesAndNotTheSkyBehindThem) {
+  Image picture(20, 10, 3);  // white sky over a dim surface
+  std::vector<uint8_t> surfaces(200);
+  for (int y = 0; y < 10; ++y) {
+    for (int x = 0; x < 20; ++x) {
+      const bool sky = y < 5;
+      picture.set_rgb(x, y, sky ? Rgb{10, 10, 10} : Rgb{0.02f, 0.02f, 0.02f});
+      surfaces[static_cast<size_t>(20 * y + x)] = sky ? 0 : 1;
+    }
+  }
+  EXPECT_NEAR(auto_exposure(picture, 0.95f, 0.8f), 0.08, 1e-6);
+  EXPECT_NEAR(auto_exposure(picture, 0.95f, 0.8f, surfaces), 40, 1e-4);
+  const std::vector<uint8_t> all(200, 1);
+  EXPECT_EQ(auto_exposure(picture, 0.95f, 0.8f, all), auto_exposure(picture, 0.95f, 0.8f));
+  std::vector<uint8_t> speck(200);
+  speck[199] = 1;  // half a percent: the sky is the picture
+  EXPECT_NEAR(auto_exposure(picture, 0.95f, 0.8f, speck), 0.08, 1e-6);
+  const std::vector<uint8_t> other(199, 1);
+  EXPECT_THROW(auto_exposure(picture, 0.95f, 0.8f, other), Error);
+}
+
 TEST(Tonemap, AppliesExposureAndCurve) {
   Image picture(4, 1, 3);
   picture.set_rgb(0, 0, {0.25f, 0, 5});

@@ -53,6 +53,7 @@ class Tools : public testing::Test {
     folder_ = new test::TempDir();
     scene::Scene room = test::furnished_room();
     room.cameras.push_back({"inside", {2, 1.6f, 2.8f}, {2, 1, 0}, {0, 1, 0}, 70});
+    room.cameras.push_back({"outside", {9, 2, 2.8f}, {2, 1, 0}, {0, 1, 0}, 60});
     scene::write_glb(*folder_ / "room.glb", room);
     scene::Scene dark = test::lit_floor();
     for (scene::Material& material : dark.materials) material.emission = {};
@@ -197,17 +198,85 @@ TEST_F(Tools, PrecisionAndMemoryLimitReachTheNetwork) {
     EXPECT_TRUE(row.contains(key)) << key;
 }
 
-TEST_F(Tools, ASceneLargerThanTheModelKnowsOffersRescale) {
+TEST_F(Tools, ASceneLargerThanTheModelKnowsIsShrunkUnlessRefused) {
   test::TinyModel small;
   small.scale = 2;
   test::save_tiny_model(at("small.safetensors"), small);
   const std::string common =
       at("room.glb") + " --quiet --size 24x16 --checkpoint " + at("small.safetensors");
-  expect_failure(run_tool("lte_render", common + " --out " + at("e.png")), 1,
-                 HasSubstr("--rescale"));
-  expect_failure(run_tool("lte_render", common + " --validate-only"), 1, HasSubstr("--rescale"));
-  const Outcome done = run_tool("lte_render", common + " --rescale --out " + at("e.png"));
-  EXPECT_EQ(done.code, 0) << done.text;
+  const std::string no = " --no-rescale";
+  expect_failure(run_tool("lte_render", common + no + " --out " + at("e.png")), 1,
+                 HasSubstr("the model knows scenes up to 2 m"));
+  expect_failure(run_tool("lte_render", common + no + " --validate-only"), 1,
+                 HasSubstr("the model knows scenes up to 2 m"));
+  for (const char* flag : {"", " --rescale"}) {
+    const Outcome done = run_tool("lte_render", common + flag + " --out " + at("e.png"));
+    EXPECT_EQ(done.code, 0) << done.text;
+  }
+  const Outcome said = run_tool(
+      "lte_render", at("room.glb") + " --validate-only --checkpoint " + at("small.safetensors"));
+  EXPECT_EQ(said.code, 0);
+  EXPECT_THAT(said.text, HasSubstr("shrunk to the 2 m"));
+}
+
+TEST_F(Tools, ValidationRefusesWhatRenderingWould) {
+  for (const std::string& flags :
+       std::vector<std::string>{" --camera none.json", " --camera sofa", " --up z",
+                                " --camera all --out " + at("v.png"), " --environment-turn 3"}) {
+    const bool has_out = flags.find("--out") != std::string::npos;
+    const std::string out = has_out ? "" : " --out " + at("v.png");
+    const Outcome validated = render(flags + " --validate-only"), rendered = render(flags + out);
+    EXPECT_EQ(validated.code, 1) << flags;
+    EXPECT_EQ(validated.text, rendered.text) << flags;
+  }
+  EXPECT_EQ(render("--max-memory 1M --validate-only").code, 1);
+  expect_failure(run_tool("lte_render", at("room.glb") + " --quiet --validate-only --checkpoint " +
+                                            at("none.safetensors")),
+                 1, HasSubstr("none.safetensors"));
+  EXPECT_FALSE(std::filesystem::exists(at("v.png")));
+}
+
+TEST_F(Tools, SeveralCamerasMakeSeveralPictures) {
+  const auto json = [&](const std::string& name) {
+    return nlohmann::json::parse(read_file(at(name)));
+  };
+  ASSERT_EQ(render("--camera all --out " + at("all_%02d.png") + " --json " + at("all.json")).code,
+            0);
+  EXPECT_TRUE(std::filesystem::exists(at("all_01.png")));
+  const nlohmann::json all = json("all.json");
+  ASSERT_EQ(all.at("pictures").size(), 2u);
+  EXPECT_EQ(all["pictures"][1]["out"], at("all_01.png"));
+  EXPECT_EQ(all["pictures"][1]["camera"]["name"], "outside");
+  // Each is the picture that its camera makes alone, by name, by index and from the result.
+  ASSERT_EQ(render("--camera outside --out " + at("one.png") + " --json " + at("one.json")).code,
+            0);
+  EXPECT_EQ(read_file(at("one.png")), read_file(at("all_01.png")));
+  EXPECT_EQ(json("one.json").at("camera"), all["pictures"][1]["camera"]);
+  ASSERT_EQ(render("--camera 1 --out " + at("two.exr")).code, 0);
+  ASSERT_EQ(render("--camera " + at("one.json") + " --out " + at("three.exr")).code, 0);
+  ASSERT_EQ(render("--camera " + at("two.exr") + " --out " + at("four.exr")).code, 0);
+  EXPECT_EQ(read_file(at("two.exr")), read_file(at("three.exr")));
+  EXPECT_EQ(read_file(at("two.exr")), read_file(at("four.exr")));
+  expect_failure(render("--camera all --out " + at("x.png")), 1, HasSubstr("%d"));
+  expect_failure(render("--camera outsid --out " + at("x.png")), 1, HasSubstr("\"outside\""));
+}
+
+TEST_F(Tools, StopsAreSaidAndFactorsFedBack) {
+  const auto exposure = [&](const std::string& flags) {
+    const Outcome done = render(flags + " --out " + at("ev.png") + " --json " + at("ev.json"));
+    EXPECT_EQ(done.code, 0) << done.text;
+    const nlohmann::json json = nlohmann::json::parse(read_file(at("ev.json")));
+    return std::pair(json.at("exposure").get<double>(), json.at("ev").get<double>());
+  };
+  const auto [plain, none] = exposure("");
+  EXPECT_EQ(none, 0);
+  const auto [brighter, two] = exposure("--ev 2");
+  EXPECT_EQ(two, 2);
+  EXPECT_NEAR(brighter, 4 * plain, 1e-4 * plain);
+  EXPECT_NEAR(exposure("--exposure 0.5 --ev -1").first, 0.25, 1e-6);
+  expect_failure(render("--out " + at("n.png") + " --exposure nan"), 2, HasSubstr("--exposure"));
+  expect_failure(render("--out " + at("n.png") + " --exposure inf"), 2, HasSubstr("--exposure"));
+  expect_failure(render("--out " + at("n.png") + " --ev nan"), 2, HasSubstr("--ev"));
 }
 
 TEST_F(Tools, ValidateOnlyWritesNothingAndADarkSceneIsAWarning) {

@@ -5,7 +5,6 @@
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
-#include "lte/pathtrace/auto_camera.h"
 #include "lte/pathtrace/irradiance.h"
 #include "tests/support/closed_forms.h"
 #include "tests/support/scenes.h"
@@ -200,61 +199,6 @@ TEST(Images, RefuseEmptySizesAndDegenerateCameras) {
   RenderOptions options;
   options.spp = 0;
   EXPECT_THAT([&] { render_reference(bvh, lights, good, 4, 4, options); }, message("spp"));
-}
-
-TEST(AutoCamera, StandsInsideTheRoomAndSeesIt) {
-  const scene::Scene scene = test::furnished_room();
-  const Bvh bvh(scene);
-  const scene::Camera camera = auto_camera(bvh);
-  EXPECT_GT(camera.origin.y, 1.1f);
-  EXPECT_LT(camera.origin.y, 2.4f);
-  for (int axis = 0; axis < 3; ++axis) {
-    EXPECT_GT(camera.origin[axis], bvh.bounds().low[axis]);
-    EXPECT_LT(camera.origin[axis], bvh.bounds().high[axis]);
-  }
-  const GBuffer g = trace_gbuffer(bvh, camera, 48, 32);
-  double mean = 0, near = 0;
-  for (size_t i = 0; i < g.depth.size(); ++i) {
-    ASSERT_EQ(g.mask[i], 1);
-    mean += g.depth[i] / static_cast<double>(g.depth.size());
-    near += g.depth[i] < 0.8f ? 1.0 / static_cast<double>(g.depth.size()) : 0;
-  }
-  EXPECT_GT(mean, 1.5) << "looks across the room, not at a wall";
-  EXPECT_LT(near, 0.1);
-  const scene::Camera again = auto_camera(Bvh(scene));
-  EXPECT_EQ(again.origin, camera.origin);
-  EXPECT_EQ(again.target, camera.target);
-}
-
-TEST(AutoCamera, WorksInAnOpenBoxOfHalfAMetre) {
-  scene::Scene scene;
-  const int white = add_material(&scene, {0.7f, 0.7f, 0.7f});
-  scene::Mesh box = test::box_mesh({0, 0, 0}, {0.55f, 0.55f, 0.55f}, white, true);
-  box.triangles.resize(10);  // without its last face, as a Cornell box
-  add_instance(&scene, box);
-  const Bvh bvh(scene);
-  const scene::Camera camera = auto_camera(bvh);
-  for (int axis = 0; axis < 3; ++axis) {
-    EXPECT_GT(camera.origin[axis], 0);
-    EXPECT_LT(camera.origin[axis], 0.55f);
-  }
-  const GBuffer g = trace_gbuffer(bvh, camera, 32, 32);
-  EXPECT_GT(std::count(g.mask.begin(), g.mask.end(), 1), 32 * 32 * 9 / 10);
-}
-
-TEST(AutoCamera, LooksFromOutsideWhereNothingEncloses) {
-  scene::Scene scene;
-  const int white = add_material(&scene, {0.7f, 0.7f, 0.7f});
-  add_instance(&scene, test::box_mesh({-1, -1, -1}, {1, 1, 1}, white, false));
-  const Bvh bvh(scene);
-  const GBuffer g = trace_gbuffer(bvh, auto_camera(bvh), 32, 32);
-  const auto seen = std::count(g.mask.begin(), g.mask.end(), 1);
-  EXPECT_GT(seen, 32 * 32 / 10);
-  for (int x = 0; x < 32; ++x) {
-    EXPECT_EQ(g.mask[static_cast<size_t>(x)], 0) << "the whole box is in view";
-  }
-  const scene::Scene empty;
-  EXPECT_TRUE(is_finite(auto_camera(Bvh(empty)).target));
 }
 
 }  // namespace

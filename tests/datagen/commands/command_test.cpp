@@ -184,6 +184,48 @@ TEST_F(Command, BakeStoresIncidentRadianceAndInfoShowsIt) {
   expect_failure(1, "incident.bins", run(bake + "--incident-points 2 --incident-bins 5"));
 }
 
+TEST_F(Command, BakesTheViewsOfTheCamerasThatAreNamed) {
+  scene::Scene scene = furnace(2, 0.5f);
+  const Vec3 middle = scene.bounds().center();
+  for (const char* name : {"left", "right"}) {
+    const float side = name[0] == 'l' ? -0.4f : 0.4f;
+    scene.cameras.push_back({name, middle, middle + Vec3{side, 0, 0.1f}, {0, 1, 0}, 60});
+  }
+  scene::write_glb(folder_ / "two.glb", scene);
+  const auto bake = [&](const std::string& flags) {
+    const std::string small =
+        " --scene-points 64 --queries 16 --rays 2 --view-width 8 --view-height 6 --view-rays 2";
+    const Outcome done = run("bake two.glb --quiet --out v.safetensors" + small + flags);
+    EXPECT_EQ(done.code, 0) << done.error;
+    return data::read_scene_sample(folder_ / "v.safetensors").views;
+  };
+  const auto all = bake(" --camera all");
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(bake(" --camera all --views 1").size(), 1u);
+  const auto right = bake(" --camera right"), second = bake(" --camera 1");
+  ASSERT_EQ(right.size(), 1u);
+  EXPECT_EQ(right[0].position, second[0].position);
+  EXPECT_TRUE(right[0].position == all[0].position || right[0].position == all[1].position);
+  // What info prints is a camera file.
+  ASSERT_EQ(run("info two.glb --json info.json").code, 0);
+  EXPECT_EQ(bake(" --camera info.json")[0].position, all[0].position);
+  const auto info = nlohmann::json::parse(read_file(folder_ / "info.json"));
+  write_file(folder_ / "entry.json", info["camera_list"][1].dump());
+  EXPECT_EQ(bake(" --camera entry.json")[0].position, right[0].position);
+  expect_failure(1, "\"left\"", run("bake two.glb --out a.safetensors --camera lef"));
+}
+
+TEST_F(Command, InfoSaysWhichUnitARoomMustBeIn) {
+  scene::Scene scene = furnace(2, 0.5f);
+  scene::write_glb(folder_ / "m.glb", scene);
+  for (scene::Instance& instance : scene.instances)
+    for (auto& row : instance.to_world.m)
+      for (float& value : row) value *= 250;
+  scene::write_glb(folder_ / "cm.glb", scene);
+  EXPECT_THAT(run("info m.glb").output, Not(HasSubstr("likely_unit")));
+  EXPECT_THAT(run("info cm.glb").output, HasSubstr("likely_unit: centimetres"));
+}
+
 TEST_F(Command, ReadsObjAndCleansUp) {
   write_file(folder_ / "two.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 2 3 1\nf 1 2 2\n");
   EXPECT_THAT(run("info two.obj").output,

@@ -6,6 +6,7 @@
 #include "datagen/dataset/generate.h"
 #include "lte/base/log.h"
 #include "lte/data/dataset.h"
+#include "lte/scene/load_camera.h"
 #include "tests/data/sample_fixture.h"
 #include "tests/datagen/scenes.h"
 
@@ -85,6 +86,7 @@ TEST(Info, ListsTexturesCamerasUnitAndFaults) {
   EXPECT_EQ(info["texture_list"][0]["bytes"], scene.textures[0]->size_bytes());
   EXPECT_EQ(info["texture_list"][0]["uses"], 1);
   EXPECT_EQ(info["camera_list"][0]["name"], "door");
+  EXPECT_EQ(info["camera_list"][0], Json::parse(scene::camera_json(scene.cameras[0])));
   EXPECT_EQ(info["light_groups"][0]["kind"], "surface");
   EXPECT_EQ(info["geometry"]["duplicate_triangles"], 12);
   EXPECT_EQ(info["geometry"]["inward_shells"], 1);

@@ -7,6 +7,7 @@
 #include "lte/image/exr.h"
 #include "lte/image/png.h"
 #include "lte/image/tonemap.h"
+#include "lte/scene/load_camera.h"
 #include "tests/infer/fixture.h"
 
 namespace lte::infer {
@@ -45,6 +46,15 @@ TEST(WriteFrame, ExrCarriesTheOutputAndEveryLayer) {
   EXPECT_THROW(image::read_exr(path, "total"), Error) << "a layer that the output did not need";
 }
 
+TEST(WriteFrame, ExrIsACameraFile) {
+  const test::TempDir folder;
+  const scene::Camera camera{"door", {1.1f, 2, 3}, {0, 0.7f, 0}, {0, 0, 1}, 33.3f, true};
+  write_frame(folder / "a.exr", two_pixels(), Output::Full, 1, &camera);
+  EXPECT_EQ(scene::camera_json(scene::load_camera(folder / "a.exr")), scene::camera_json(camera));
+  write_frame(folder / "b.exr", two_pixels(), Output::Full, 1);
+  EXPECT_THROW(scene::load_camera(folder / "b.exr"), Error);
+}
+
 TEST(WriteFrame, PngExposesLightButNotMaterials) {
   const test::TempDir folder;
   const Frame frame = two_pixels();
@@ -77,6 +87,8 @@ TEST(WriteFrame, PngMapsNormalsAndDepthToTheUnitRange) {
 TEST(FrameExposure, IsOneForWhatIsNotLight) {
   Frame frame = two_pixels();
   EXPECT_EQ(frame_exposure(frame, Output::Full), image::auto_exposure(frame.color));
+  frame.color.set_rgb(1, 0, {900, 900, 900});  // of the sky
+  EXPECT_NEAR(frame_exposure(frame, Output::Full), 0.8 / luminance({3, 2, 1}), 1e-6);
   EXPECT_EQ(frame_exposure(frame, Output::Normal), 1);
 }
 

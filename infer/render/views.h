@@ -1,0 +1,32 @@
+// Which pictures a command line of lte_render asks for.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lte/pathtrace/bvh.h"
+#include "lte/scene/load_camera.h"
+
+namespace lte::infer {
+
+struct View {
+  scene::Camera camera;
+  std::string out;  ///< the picture's file; empty if none is to be written
+};
+
+/// The cameras of the flag --camera (scene::find_cameras(); without it the scene's first camera,
+/// else the automatic one) and a file for each.
+///
+/// Where the flag may stand for several cameras, `out` is a pattern: %d or, with leading zeros,
+/// %04d becomes the number of the picture from 0, {name} the name of its camera, in which anything
+/// but letters, digits, '.', '-' and '_' becomes '_'. Otherwise it is taken as it stands.
+/// @param aspect  width over height, for the automatic camera
+/// @throws lte::Error for a camera that does not exist, a pattern that lacks where it is needed,
+///         and two pictures of one name.
+std::vector<View> choose_views(const pathtrace::Bvh& bvh, const std::string& camera,
+                               const std::string& out, uint64_t seed, float aspect);
+
+/// `pattern` with the number and the name put in.
+std::string picture_name(const std::string& pattern, size_t number, const std::string& name);
+
+}  // namespace lte::infer

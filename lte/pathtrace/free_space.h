@@ -1,0 +1,41 @@
+// What the empty space of a scene looks like: how high its rooms are, on which sides it is open.
+#pragma once
+
+#include <array>
+
+#include "lte/pathtrace/bvh.h"
+
+namespace lte::pathtrace {
+
+struct FreeSpace {
+  /// Median height between a level floor and a level ceiling, in units of the file; 0 where less
+  /// than a twentieth of the bounding box has both above each other.
+  float room_height = 0;
+  /// Share of points in the bounding box from which a ray along −x, +x, −y, +y, −z or +z leaves the
+  /// scene.
+  std::array<float, 6> open{};
+  /// Share of front faces in what is seen from outside: 1 for objects and whole houses, 0 for a
+  /// room that is nothing but its inner side.
+  float outward = 0;
+
+  float below() const { return open[2]; }
+  float above() const { return open[3]; }
+  /// Whether the floor and three of the four sides or more are closed from nearly everywhere.
+  bool surrounded() const;
+  /// Whether all six sides are.
+  bool closed() const;
+};
+
+/// Shares above kOpen are an open side, below kClosed a closed one. Furniture stops rays on their
+/// way out of an open side, and a room's windows let some out of a closed one.
+inline constexpr float kOpen = 0.6f, kClosed = 0.15f;
+
+/// Looks at a few hundred points of the bounding box. Deterministic.
+FreeSpace survey(const Bvh& bvh);
+
+/// The unit that rooms of this height must have been modelled in: "centimetres" for 150 to 1,500,
+/// "millimetres" for 1,500 to 15,000, and null for all else. No ceiling is 150 m high, and few are
+/// lower than 1.5 m.
+const char* likely_unit(float room_height);
+
+}  // namespace lte::pathtrace
