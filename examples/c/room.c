@@ -162,8 +162,10 @@ void room_light(const Surfel* at, int paths, uint32_t seed, float direct[3], flo
     for (int bounce = 0; bounce < kBounces; ++bounce) {
       float direction[3], lit[3];
       cosine_direction(here.normal, &seed, direction);
-      const int hit = first_hit(here.position, direction, &here);
+      Surfel next;
+      const int hit = first_hit(here.position, direction, &next);
       if (hit < 0 || hit == kLamp) break; /* the lamp's own light is direct */
+      here = next;
       room_direct(&here, lit);
       for (int c = 0; c < 3; ++c) {
         weight[c] *= here.albedo[c];
