@@ -6,7 +6,8 @@ usage: scripts/witnesses/real_scenes.py FOLDER [--out out/real-scenes] [--size 1
 FOLDER is searched for .gltf, .glb, .obj, .ply and .pbrt files, in its folders too; a .pbrt without
 WorldBegin and a .ply that a .pbrt names are parts of others and left out. Each scene is rendered
 twice from the same camera. A scene without light gets some, by `--add-light auto` where lte_render
-has it, else by `--environment 1,1,1`; one that is too large is shrunk by --rescale; the page says so.
+has it, else by `--environment 1,1,1`. One that is too large is shrunk by --rescale. The page says
+so.
 
 OUT gets index.html, one self-contained page with the worst scene first, and results.json. Started
 again, it renders only what is missing or was rendered with other options. Python's standard library
@@ -283,8 +284,8 @@ def page(records, folders, head, note):
     yield f"<style>{style}</style><h1>Network and path tracing on real scenes</h1>"
     yield f"<p class=headline>{html.escape(head)}</p><p class=note>{html.escape(note)}</p>"
     yield ("<p class=note>Ratio: mean luminance of the network's picture over the reference's. "
-           "Blocks, pixels: root mean square difference over the mean of the reference, of 8×8-pixel "
-           "means and of pixels. Pictures of a scene share an exposure.</p>")
+           "Blocks, pixels: root mean square difference over the mean of the reference, of means "
+           "over 8×8 pixels and of pixels. Pictures of a scene share an exposure.</p>")
     for record in records:
         yield from scene_html(record, folders[record["scene"]])
     yield "</html>"

@@ -68,7 +68,8 @@ class Files(unittest.TestCase):
         with tempfile.TemporaryDirectory() as name:
             folder = pathlib.Path(name)
             (folder / "mesh").mkdir()
-            (folder / "scene.pbrt").write_text('WorldBegin\nShape "plymesh" "string filename" "mesh/a.ply"')
+            shape = 'Shape "plymesh" "string filename" "mesh/a.ply"'
+            (folder / "scene.pbrt").write_text("WorldBegin\n" + shape)
             (folder / "materials.pbrt").write_text('Material "diffuse"')
             for file in ("mesh/a.ply", "mesh/b.PLY", "c.txt"):
                 (folder / file).write_text("")
@@ -113,9 +114,11 @@ class Scenes(unittest.TestCase):
     def test_layers_of_a_picture(self):
         with tempfile.TemporaryDirectory() as name:
             picture = pathlib.Path(name) / "box.exr"
-            done = real_scenes.run([str(BUILD / "bin/lte_render"),
-                                    str(ROOT / "assets/scenes/cornell_box.glb"), "--mode", "reference",
-                                    "--output", "normal", "--size", "20x17", "--out", str(picture)], 60)
+            scene = ROOT / "assets/scenes/cornell_box.glb"
+            done = real_scenes.run([
+                str(BUILD / "bin/lte_render"), str(scene), "--mode", "reference", "--output",
+                "normal", "--size", "20x17", "--out", str(picture)
+            ], 60)
             self.assertEqual(done["rc"], 0, done["stderr"])
             width, height, layers = exr.read_exr(picture)
             self.assertEqual((width, height), (20, 17))
