@@ -185,7 +185,8 @@ def rendered(scene, folder, arguments, has_add_light):
         for line in warnings_of(result["stderr"]):
             if line not in record["warnings"]:
                 record["warnings"].append(line)
-        record["error"] = error_of(result, arguments.timeout)
+        record["error"] = error_of(result, arguments.timeout).removeprefix("lte_render: ").replace(
+            str(scene), scene.name)
         if record["error"]:
             return record
     width, height, network = read_exr(folder / "network.exr")
