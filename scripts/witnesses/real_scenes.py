@@ -259,18 +259,26 @@ def picture(path, caption):
             f"<figcaption>{caption}</figcaption></figure>")
 
 
+def failures_html(records):
+    """Those that were not drawn, one line each."""
+    if records:
+        yield "<h2>Refused or failed</h2><div class=text><div class=scroll><table>"
+        for record in records:
+            code = record.get("reference", record["network"])["rc"]
+            cells = (record["scene"], "timeout" if code is None else f"rc {code}", record["error"])
+            yield "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"
+        yield "</table></div></div>"
+
+
 def scene_html(record, folder):
     yield f"<h2>{html.escape(record['scene'])}</h2>"
-    if record["error"]:
-        yield f"<p class=warning>{html.escape(record['error'])}</p>"
-    else:
-        yield (f"<p>ratio <b>{figure(record['ratio'])}</b>, 8×8 blocks "
-               f"<b>{figure(record['block_rmse'])}</b>, pixels {figure(record['rmse'])} · network "
-               f"{record['network']['seconds']:.1f} s, {record['network']['peak_mb']} MiB · "
-               f"reference {record['reference']['seconds']:.1f} s, "
-               f"{record['reference']['peak_mb']} MiB</p>")
-        yield "<div class=grid>" + picture(folder / "network.png", "network") + picture(
-            folder / "reference.png", "path tracing") + "</div>"
+    yield (f"<p>ratio <b>{figure(record['ratio'])}</b>, 8×8 blocks "
+           f"<b>{figure(record['block_rmse'])}</b>, pixels {figure(record['rmse'])} · network "
+           f"{record['network']['seconds']:.1f} s, {record['network']['peak_mb']} MiB · "
+           f"reference {record['reference']['seconds']:.1f} s, "
+           f"{record['reference']['peak_mb']} MiB</p>")
+    yield "<div class=grid>" + picture(folder / "network.png", "network") + picture(
+        folder / "reference.png", "path tracing") + "</div>"
     if record["added"]:
         yield f"<p class=note>added: {html.escape(record['added'])}</p>"
     if record["warnings"]:
@@ -287,8 +295,10 @@ def page(records, folders, head, note):
     yield ("<p class=note>Ratio: mean luminance of the network's picture over the reference's. "
            "Blocks, pixels: root mean square difference over the mean of the reference, of means "
            "over 8×8 pixels and of pixels. Pictures of a scene share an exposure.</p>")
+    yield from failures_html([record for record in records if record["error"]])
     for record in records:
-        yield from scene_html(record, folders[record["scene"]])
+        if not record["error"]:
+            yield from scene_html(record, folders[record["scene"]])
     yield "</html>"
 
 
