@@ -14,7 +14,7 @@
 
 namespace {
 
-constexpr double kCell = 0.2;  // metres between samples
+constexpr double kCell = 0.25;  // metres between samples
 constexpr double kPi = 3.14159265358979;
 using Triple = std::array<float, 3>;
 
@@ -32,7 +32,7 @@ const Rectangle kRoom[] = {
     {{1.4f, 2.49f, 1.8f}, {1.2f, 0, 0}, {0, 0, 1.4f}, {0, 0, 0}, {12, 11, 9}}  // lamp
 };
 const std::pair<const char*, Triple> kPlaces[] = {
-    {"floor", {2, 0, 2.5f}}, {"left wall", {0, 1.2f, 2.5f}}, {"back wall", {2, 1.2f, 0}}};
+    {"floor", {2.1f, 0, 2.6f}}, {"left wall", {0, 1.3f, 2.6f}}, {"back wall", {2.1f, 1.3f, 0}}};
 
 at::Tensor tensor(const Triple& v) { return torch::tensor({v[0], v[1], v[2]}); }
 at::Tensor columns(const at::Tensor& rows, int64_t from, int64_t to) {

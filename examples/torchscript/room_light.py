@@ -12,7 +12,7 @@ import sys
 
 import torch
 
-CELL = 0.2  # metres between samples
+CELL = 0.25  # metres between samples
 # Corner, two edges (their cross product faces the room), albedo, emission.
 ROOM = (
     ((0, 0, 0), (0, 0, 5), (4, 0, 0), (0.55, 0.45, 0.35), (0, 0, 0)),  # floor
@@ -23,7 +23,7 @@ ROOM = (
     ((0, 0, 5), (0, 2.5, 0), (4, 0, 0), (0.75, 0.75, 0.75), (0, 0, 0)),  # front
     ((1.4, 2.49, 1.8), (1.2, 0, 0), (0, 0, 1.4), (0, 0, 0), (12, 11, 9)),  # lamp
 )
-PLACES = {"floor": (2, 0, 2.5), "left wall": (0, 1.2, 2.5), "back wall": (2, 1.2, 0)}
+PLACES = {"floor": (2.1, 0, 2.6), "left wall": (0, 1.3, 2.6), "back wall": (2.1, 1.3, 0)}
 
 
 def samples(corner, edge1, edge2, albedo, emission):
