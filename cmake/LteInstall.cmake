@@ -1,5 +1,5 @@
-# install and find_package(lte): libraries, headers, tools, shipped assets, and a package file that
-# finds the rest.
+# install and find_package(lte): libraries, headers, tools, shipped assets, configurations,
+# examples, documents, and a package file that finds the rest.
 include(CMakePackageConfigHelpers)
 get_property(lte_libraries GLOBAL PROPERTY LTE_LIBRARIES)
 if(LTE_TORCH)
@@ -10,7 +10,10 @@ install(TARGETS ${lte_libraries} EXPORT lteTargets
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY lte DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h" PATTERN "cpu" EXCLUDE PATTERN "cuda" EXCLUDE
   PATTERN "c_api" EXCLUDE)
-install(DIRECTORY assets/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lte)
+# README's commands name assets/, configs/ and examples/: they run in share/lte as in the sources.
+# What the tools look for by themselves, models and data, they also find there.
+install(DIRECTORY assets configs examples docs DESTINATION ${CMAKE_INSTALL_DATADIR}/lte)
+install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATADIR}/lte)
 install(EXPORT lteTargets NAMESPACE lte:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/lte)
 configure_package_config_file(cmake/lteConfig.cmake.in ${PROJECT_BINARY_DIR}/lteConfig.cmake
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/lte)

@@ -2,7 +2,8 @@
  *
  *   render_room MODEL.safetensors OUT.ppm [OUT.pfm [WIDTH HEIGHT]]
  *
- * The PFM gets the network's irradiance, W/m^2. */
+ * MODEL may be any that lte_train writes; what it reads of light is computed. The PFM gets the
+ * network's irradiance, W/m^2. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,21 +25,41 @@ static lte_float3_view view(const float* first, size_t stride) {
   return out;
 }
 
+enum { kPaths = 32 }; /* a scene point; as many as in the training of the shipped models */
+
+typedef struct Light {
+  float direct[3], indirect[3];
+} Light;
+
 /* Samples the room's surfaces, as many as the model wants, and encodes them. */
 static lte_status encode_room(const lte_model* model, lte_embedding** embedding) {
   lte_model_info info = {sizeof info};
   lte_status status = lte_model_get_info(model, &info);
   if (status != LTE_OK) return status;
-  Surfel* points = malloc((size_t)info.scene_points * sizeof *points);
-  if (points == NULL) return LTE_ERROR_OUT_OF_MEMORY;
-  room_sample(points, (size_t)info.scene_points, 1);
+  const size_t count = (size_t)info.scene_points;
+  Surfel* points = malloc(count * sizeof *points);
+  Light* light = malloc(count * sizeof *light);
+  if (points == NULL || light == NULL) {
+    free(light);
+    free(points);
+    return LTE_ERROR_OUT_OF_MEMORY;
+  }
+  room_sample(points, count, 1);
   lte_scene_points scene = {sizeof scene};
   scene.count = info.scene_points;
   scene.position = view(points->position, sizeof *points);
   scene.normal = view(points->normal, sizeof *points);
   scene.albedo = view(points->albedo, sizeof *points);
   scene.emission = view(points->emission, sizeof *points);
+  if (info.light_input != LTE_LIGHT_EMISSION) {
+    for (size_t i = 0; i < count; ++i) {
+      room_light(&points[i], kPaths, (uint32_t)i, light[i].direct, light[i].indirect);
+    }
+    scene.direct = view(light->direct, sizeof *light);
+    if (info.light_input == LTE_LIGHT_TRACED) scene.indirect = view(light->indirect, sizeof *light);
+  }
   status = lte_model_encode(model, &scene, embedding);
+  free(light);
   free(points); /* the embedding keeps nothing of them */
   return status;
 }

@@ -71,13 +71,13 @@ void room_sample(Surfel* points, size_t count, uint32_t seed) {
   }
 }
 
-/* Distance along the ray to the front of `r`, negative if it misses. */
+/* Distance along the ray to `r`, negative if it misses. Walls are seen from their front alone. */
 static float intersect(const Rectangle* r, const float from[3], const float direction[3], float* u,
                        float* v) {
   float normal[3], to[3];
   cross(r->edge1, r->edge2, normal);
   const float slope = dot(normal, direction);
-  if (slope >= 0) return -1;
+  if (slope == 0 || (slope > 0 && r != &kRoom[kLamp])) return -1;
   for (int i = 0; i < 3; ++i) to[i] = r->corner[i] - from[i];
   const float t = dot(to, normal) / slope;
   float in[3];
@@ -87,19 +87,19 @@ static float intersect(const Rectangle* r, const float from[3], const float dire
   return *u >= 0 && *u <= 1 && *v >= 0 && *v <= 1 ? t : -1;
 }
 
-static void first_hit(const float from[3], const float direction[3], Pixel* pixel) {
+/* What a ray meets first: a rectangle's number, or -1 along an edge where it may miss all. */
+static int first_hit(const float from[3], const float direction[3], Surfel* hit) {
   float nearest = INFINITY;
-  /* A ray along an edge of the room may miss every wall: then it sees the floor's corner. */
-  surfel_at(&kRoom[0], 0, 0, &pixel->hit);
-  pixel->reflects = 1;
+  int found = -1;
   for (int r = 0; r < kRectangles; ++r) {
     float u, v;
     const float t = intersect(&kRoom[r], from, direction, &u, &v);
     if (t <= 0 || t >= nearest) continue;
     nearest = t;
-    surfel_at(&kRoom[r], u, v, &pixel->hit);
-    pixel->reflects = r != kLamp;
+    found = r;
+    surfel_at(&kRoom[r], u, v, hit);
   }
+  return found;
 }
 
 void room_gbuffer(Pixel* pixels, int width, int height) {
@@ -109,7 +109,10 @@ void room_gbuffer(Pixel* pixels, int width, int height) {
       const float across = (2 * (float)x + 1 - (float)width) / (float)height;
       const float up = ((float)height - 2 * (float)y - 1) / (float)height;
       const float direction[3] = {half * across, half * up, -1};
-      first_hit(eye, direction, &pixels[(size_t)y * (size_t)width + (size_t)x]);
+      Pixel* pixel = &pixels[(size_t)y * (size_t)width + (size_t)x];
+      const int hit = first_hit(eye, direction, &pixel->hit);
+      if (hit < 0) surfel_at(&kRoom[0], 0, 0, &pixel->hit); /* the floor's corner */
+      pixel->reflects = hit != kLamp;
     }
   }
 }
@@ -133,4 +136,41 @@ void room_direct(const Surfel* at, float irradiance[3]) {
   /* The lamp shines downwards, and no wall hides any of it from another. */
   const float factor = at->position[1] < kLampHeight ? fabsf(sum) / 2 : 0;
   for (int i = 0; i < 3; ++i) irradiance[i] = factor * lamp->emission[i];
+}
+
+/* A direction around `normal`, drawn in proportion to the cosine of the angle between them. */
+static void cosine_direction(const float normal[3], uint32_t* seed, float out[3]) {
+  const float radius = sqrtf(uniform(seed)), angle = 6.2831853f * uniform(seed);
+  const float helper[3] = {fabsf(normal[0]) < 0.5f, fabsf(normal[0]) >= 0.5f, 0};
+  float x[3], y[3];
+  cross(helper, normal, x);
+  normalize(x);
+  cross(normal, x, y);
+  const float a = radius * cosf(angle), b = radius * sinf(angle);
+  const float c = sqrtf(fmaxf(0, 1 - radius * radius));
+  for (int i = 0; i < 3; ++i) out[i] = a * x[i] + b * y[i] + c * normal[i];
+}
+
+void room_light(const Surfel* at, int paths, uint32_t seed, float direct[3], float indirect[3]) {
+  enum { kBounces = 4 }; /* with the direct light of the last, paths of five surfaces */
+  for (int c = 0; c < 3; ++c) direct[c] = indirect[c] = 0;
+  if (at->emission[0] > 0) return; /* on the lamp, as lte_scene_points wants it */
+  room_direct(at, direct);
+  for (int p = 0; p < paths; ++p) {
+    Surfel here = *at;
+    float weight[3] = {1, 1, 1};
+    for (int bounce = 0; bounce < kBounces; ++bounce) {
+      float direction[3], lit[3];
+      cosine_direction(here.normal, &seed, direction);
+      Surfel next;
+      const int hit = first_hit(here.position, direction, &next);
+      if (hit < 0 || hit == kLamp) break; /* the lamp's own light is direct */
+      here = next;
+      room_direct(&here, lit);
+      for (int c = 0; c < 3; ++c) {
+        weight[c] *= here.albedo[c];
+        indirect[c] += weight[c] * lit[c] / (float)paths;
+      }
+    }
+  }
 }

@@ -1,5 +1,6 @@
-/* An empty room, 4 x 2.5 x 5 m, under one rectangular lamp: surfaces to sample, a G-buffer, and
- * direct light in closed form. What a renderer has anyway; nothing here knows of lte. */
+/* An empty room, 4 x 2.5 x 5 m, under one rectangular lamp: surfaces to sample, a G-buffer, direct
+ * light in closed form, and a few paths of indirect light. What a renderer has anyway; nothing here
+ * knows of lte. */
 #ifndef LTE_EXAMPLES_C_ROOM_H_
 #define LTE_EXAMPLES_C_ROOM_H_
 
@@ -29,6 +30,10 @@ void room_gbuffer(Pixel* pixels, int width, int height);
 
 /** Irradiance that comes straight from the lamp, W/m^2 (Lambert's formula for a polygon). */
 void room_direct(const Surfel* at, float irradiance[3]);
+
+/** Light at a surface sample, W/m^2: direct light as above, and indirect light by path tracing,
+ *  which is noisy but not biased; 0 and 0 on the lamp. */
+void room_light(const Surfel* at, int paths, uint32_t seed, float direct[3], float indirect[3]);
 
 #ifdef __cplusplus
 }

@@ -17,7 +17,8 @@ fs::path asset_path(const std::string& relative, const std::string& instead) {
     std::error_code ignored;
     const fs::path executable = fs::read_symlink("/proc/self/exe", ignored);
     const fs::path prefix = executable.parent_path().parent_path();
-    folders = {prefix / "share" / "lte", prefix.parent_path() / "assets", LTE_SOURCE_ASSETS};
+    folders = {prefix / "share" / "lte" / "assets", prefix.parent_path() / "assets",
+               LTE_SOURCE_ASSETS};
   }
   std::string looked;
   for (const fs::path& folder : folders) {

@@ -6,9 +6,10 @@
 
 namespace lte::infer {
 
-/// Finds a shipped file: the first that exists of <executable>/../share/lte/`relative` (installed),
-/// <executable>/../../assets/`relative` (build/bin of the source tree), and the assets of the
-/// source tree that was compiled. With LTE_ASSETS set, only $LTE_ASSETS/`relative` is looked at.
+/// Finds a shipped file: the first that exists of <executable>/../share/lte/assets/`relative`
+/// (installed), <executable>/../../assets/`relative` (build/bin of the source tree), and the assets
+/// of the source tree that was compiled. With LTE_ASSETS set, only $LTE_ASSETS/`relative` is looked
+/// at.
 /// @param instead  the flag that names such a file by hand, for the message
 /// @throws lte::Error that lists where it looked.
 std::filesystem::path asset_path(const std::string& relative, const std::string& instead);

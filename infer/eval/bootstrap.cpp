@@ -73,12 +73,13 @@ Bootstrap::Bootstrap(size_t scenes, const BootstrapSettings& settings)
 
 Interval Bootstrap::interval(
     const std::function<double(std::span<const uint32_t>)>& statistic) const {
+  constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+  if (scenes_ < 2) return {kMissing, kMissing};
   std::vector<double> values;
   for (size_t begin = 0; begin < draws_.size(); begin += scenes_) {
     const double value = statistic(std::span<const uint32_t>(draws_).subspan(begin, scenes_));
     if (!std::isnan(value)) values.push_back(value);
   }
-  constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
   if (values.empty()) return {kMissing, kMissing};
   std::sort(values.begin(), values.end());
   const double tail = 0.5 * (1 - settings_.level);

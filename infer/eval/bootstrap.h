@@ -17,7 +17,8 @@ struct BootstrapSettings {
   double level = 0.95;
 };
 
-/// Bounds of a figure. NaN where there was nothing to measure.
+/// Bounds of a figure. NaN where there was nothing to measure, and of one scene, which says nothing
+/// about others.
 struct Interval {
   double low, high;
 };

@@ -15,17 +15,30 @@ std::string eval_json(const EvalResult& result, const std::string& checkpoint,
                       const std::string& data);
 
 /// Makes text for a terminal. It has every metric by predictor (scene by scene, median, and mean
-/// with its confidence interval), what the errors are worth in path-traced samples, and the paper's
-/// table.
+/// with its confidence interval), what the errors are worth in path-traced samples, the paper's
+/// table, and last the headline and the verdict.
 std::string eval_table(const EvalResult& result);
 
 /// Makes CSV with one line for each scene and predictor.
 std::string eval_csv(const EvalResult& result);
 
-/// Makes a self-contained page of what eval_table() says, with the sheets.
+/// Makes a self-contained page of what eval_table() says: headline, verdict, sheets, then figures.
 /// @throws lte::Error if a sheet cannot be read.
 std::string eval_html(const EvalResult& result, const std::string& checkpoint,
                       const std::string& data, const ContactSheets& sheets);
+
+/// "Worth 65 path-traced samples a pixel (95 %: 49 to 86) and 32 a point (..)", or the errors where
+/// the data has no path-traced estimates. Of one scene without intervals.
+std::string eval_headline(const EvalResult& result);
+
+/// The network's MSE beside that of a constant, constant_mean. Begins with "Worse than a constant"
+/// where the network's is the larger one, at points or in views.
+std::string eval_verdict(const EvalResult& result);
+/// Whether the verdict is that.
+bool worse_than_constant(const EvalResult& result);
+
+/// "95 %"
+std::string interval_level(const EvalResult& result);
 
 /// Rows for people: a title, then text cells.
 struct TextTable {

@@ -8,6 +8,7 @@ namespace lte::infer {
 namespace {
 
 std::string bounds(const Interval& interval) {
+  if (std::isnan(interval.low)) return "-";
   return concat(figure(interval.low), " to ", figure(interval.high));
 }
 

@@ -45,9 +45,19 @@ torch::jit::Module build_module(const nn::LightTransportModel& model, bool porta
   return module;
 }
 
+/// Names of the columns that encode() takes; see point_rows().
+std::vector<std::string> point_columns(const nn::ModelConfig& config) {
+  std::vector<std::string> out = {"position", "normal", "albedo", "emission", "area"};
+  if (config.reads_direct()) out.emplace_back("direct");
+  if (config.reads_indirect()) out.emplace_back("indirect");
+  return out;
+}
+
 std::string normalization_json(const nn::ModelConfig& config) {
   return nlohmann::json{{"scale_m", config.scale},
                         {"target", enum_name(config.target)},
+                        {"points", point_columns(config)},
+                        {"queries", {"position", "normal", "albedo"}},
                         {"position",
                          "network space is (p - min over scene points) / scale_m; encode() and "
                          "decode() do it"},

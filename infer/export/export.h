@@ -26,7 +26,8 @@ struct ExportCheck {
 };
 
 /// Writes the module, atomically. Extra files: config.yaml (the model's configuration),
-/// normalization.json (scale in metres, target, units) and version.txt.
+/// normalization.json (scale in metres, target, units, names of the columns in their order) and
+/// version.txt. docs/torchscript.md describes the module.
 /// @return one entry a size if options.verify, else nothing
 /// @throws lte::Error if the model cannot be read, the file cannot be written, or the module
 ///         deviates by more than 1e-4; the file is then not there.

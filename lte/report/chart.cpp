@@ -8,16 +8,16 @@
 #include "lte/base/check.h"
 #include "lte/base/text.h"
 #include "lte/report/html.h"
+#include "lte/report/ticks.h"
 
 namespace lte {
 namespace {
 
-constexpr int kLeft = 62, kRight = 12, kTop = 26, kBottom = 36;
+constexpr int kLeft = 66, kRight = 26, kTop = 30, kBottom = 44;
 constexpr std::array<const char*, 16> kColors = {
     "#1f6fb4", "#d9541e", "#2b9348", "#8c4fb3", "#b8860b", "#0e9aa7", "#a83252", "#555555",
     "#e377c2", "#7f6a00", "#6baed6", "#fd8d3c", "#74c476", "#4b0082", "#e31a1c", "#a1794a"};
-constexpr size_t kLegendInside = 6;  // lines whose names find room in the plot; more stand beside
-constexpr double kLetterWidth = 6.5;
+constexpr double kLetterWidth = 7, kLegendRow = 18, kKey = 18, kLegendGap = 16;
 using Points = std::vector<std::pair<double, double>>;
 
 struct Range {
@@ -59,57 +59,52 @@ Points drawable(const ChartLine& line, const ChartStyle& style) {
   return means;
 }
 
-/// 1, 2 or 5 times a power of ten, about a fifth of `span`.
-double tick_step(double span) {
-  const double power = std::pow(10.0, std::floor(std::log10(span / 5)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= span / 5) return factor * power;
-  }
-  return 10 * power;
-}
+/// A line's name in the legend, and where it begins there.
+struct LegendEntry {
+  double x;
+  int row;
+};
 
-/// Values where ticks stand. Logarithms have them at whole decades if there are two of these, else
-/// at 1, 2 and 5 of each.
-std::vector<double> ticks(const Range& range, bool logarithmic) {
-  std::vector<double> out;
-  if (!logarithmic) {
-    const double step = tick_step(range.high - range.low);
-    for (double i = std::ceil(range.low / step); i * step <= range.high; ++i)
-      out.push_back(i * step);
-    return out;
-  }
-  const bool decades = std::floor(range.high) - std::ceil(range.low) >= 2;
-  for (double decade = std::floor(range.low); decade <= range.high; ++decade) {
-    for (const double digit : {1.0, 2.0, 5.0}) {
-      const double place = decade + std::log10(digit);
-      if (place >= range.low && place <= range.high && (digit == 1 || !decades))
-        out.push_back(place);
+/// Sets the entries beside one another, in as many rows as they need.
+std::vector<LegendEntry> legend_layout(const std::vector<std::string>& names, double width) {
+  std::vector<LegendEntry> out;
+  double x = kLeft;
+  int row = 0;
+  for (const std::string& name : names) {
+    const double wide = kKey + kLetterWidth * static_cast<double>(name.size()) + kLegendGap;
+    if (x > kLeft && x + wide - kLegendGap > width) {
+      x = kLeft;
+      ++row;
     }
+    out.push_back({x, row});
+    x += wide;
   }
   return out;
 }
 
 class Canvas {
  public:
-  /// @param margin  to the right of the plot
-  Canvas(const ChartStyle& style, const Range& x, const Range& y, double margin)
-      : style_(style), x_(x), y_(y), right_(style.width - margin) {
-    svg_ = concat("<svg width=", style.width, " height=", style.height, " viewBox=\"0 0 ",
-                  style.width, " ", style.height, "\">\n");
-    text(style.width / 2.0, 16, "middle", style.title, "#222");
-    text(style.width / 2.0, style.height - 5, "middle", style.x_label, "#555");
+  /// @param legend  height of the legend between title and plot
+  Canvas(const ChartStyle& style, const Range& x, const Range& y, double legend)
+      : style_(style), x_(x), y_(y), top_(kTop + legend), height_(style.height + legend) {
+    svg_ = formatted("<svg viewBox=\"0 0 %d %g\" role=img aria-label=\"%s\">\n", style.width,
+                     height_, html_escape(style.title).c_str());
+    text(style.width / 2.0, 19, "middle", style.title, "#222");
+    text(style.width / 2.0, height_ - 7, "middle", style.x_label, "#555");
   }
 
   void axes() {
-    const double bottom = style_.height - kBottom;
-    for (const double value : ticks(y_, style_.log_y)) {
-      segment(kLeft, place_y(value), right_, place_y(value));
-      text(kLeft - 5, place_y(value) + 4, "end",
-           formatted("%.4g", style_.log_y ? std::pow(10.0, value) : value), "#555");
+    const double bottom = height_ - kBottom;
+    for (const double value : style_.log_y
+                                  ? log_ticks(std::pow(10.0, y_.low), std::pow(10.0, y_.high))
+                                  : linear_ticks(y_.low, y_.high)) {
+      const double y = place_y(style_.log_y ? std::log10(value) : value);
+      segment(kLeft, y, right(), y);
+      text(kLeft - 6, y + 4, "end", formatted("%.4g", value), "#555");
     }
-    for (const double value : ticks(x_, false)) {
-      segment(place_x(value), kTop, place_x(value), bottom);
-      text(place_x(value), bottom + 14, "middle", formatted("%.6g", value), "#555");
+    for (const double value : linear_ticks(x_.low, x_.high)) {
+      segment(place_x(value), top_, place_x(value), bottom);
+      text(place_x(value), bottom + 17, "middle", formatted("%.6g", value), "#555");
     }
   }
 
@@ -117,26 +112,28 @@ class Canvas {
     std::string path;
     for (const auto& [x, y] : points) path += formatted("%.1f,%.1f ", place_x(x), place_y(y));
     svg_ += points.size() > 1
-                ? concat("<polyline fill=none stroke-width=1.5 stroke=\"", color, "\" points=\"",
+                ? concat("<polyline fill=none stroke-width=1.8 stroke=\"", color, "\" points=\"",
                          path, "\"/>\n")
-                : formatted("<circle r=3 fill=\"%s\" cx=\"%.1f\" cy=\"%.1f\"/>\n", color,
+                : formatted("<circle r=3.5 fill=\"%s\" cx=\"%.1f\" cy=\"%.1f\"/>\n", color,
                             place_x(points[0].first), place_y(points[0].second));
   }
 
-  void legend(size_t place, const std::string& name, const char* color) {
-    text(style_.width - kRight - 6, kTop + 14 + 14.0 * static_cast<double>(place), "end", name,
-         color);
+  void legend(const LegendEntry& entry, const std::string& name, const char* color) {
+    const double y = kTop + 10 + kLegendRow * entry.row;
+    svg_ += formatted("<path stroke-width=3 stroke=\"%s\" d=\"M%.1f %.1fh12\"/>\n", color, entry.x,
+                      y - 4);
+    text(entry.x + kKey, y, "start", name, color);
   }
 
   std::string finish() const { return svg_ + "</svg>\n"; }
 
  private:
+  double right() const { return style_.width - kRight; }
   double place_x(double x) const {
-    return kLeft + (x - x_.low) / (x_.high - x_.low) * (right_ - kLeft);
+    return kLeft + (x - x_.low) / (x_.high - x_.low) * (right() - kLeft);
   }
   double place_y(double y) const {
-    return style_.height - kBottom -
-           (y - y_.low) / (y_.high - y_.low) * (style_.height - kTop - kBottom);
+    return height_ - kBottom - (y - y_.low) / (y_.high - y_.low) * (height_ - top_ - kBottom);
   }
   void segment(double x0, double y0, double x1, double y1) {
     svg_ += formatted("<path stroke=\"#e4e4e4\" d=\"M%.1f %.1fL%.1f %.1f\"/>\n", x0, y0, x1, y1);
@@ -149,7 +146,7 @@ class Canvas {
 
   const ChartStyle& style_;
   Range x_, y_;
-  double right_;  ///< end of the plot
+  double top_, height_;  ///< of the plot's upper edge; of the drawing
   std::string svg_;
 };
 
@@ -171,16 +168,16 @@ std::string html_chart(const ChartStyle& style, const std::vector<ChartLine>& li
     return concat("<p class=note>", html_escape(style.title), ": nothing recorded</p>\n");
   x.open();
   y.open();
-  size_t longest = 0;
-  for (const auto& line : drawn) longest = std::max(longest, line.first.size());
-  const bool beside = drawn.size() > kLegendInside;
-  Canvas canvas(style, x, y,
-                kRight + (beside ? 6 + kLetterWidth * static_cast<double>(longest) : 0));
+  std::vector<std::string> names;
+  for (const auto& line : drawn) names.push_back(line.first);
+  const bool named = drawn.size() > 1 || !names.front().empty();
+  const std::vector<LegendEntry> legend = legend_layout(names, style.width - kRight);
+  Canvas canvas(style, x, y, named ? kLegendRow * (legend.back().row + 1) : 0);
   canvas.axes();
   for (size_t i = 0; i < drawn.size(); ++i) {
     const char* const color = kColors[i % kColors.size()];
     canvas.line(drawn[i].second, color);
-    canvas.legend(i, drawn[i].first, color);
+    if (named) canvas.legend(legend[i], drawn[i].first, color);
   }
   return canvas.finish();
 }

@@ -15,13 +15,14 @@ struct ChartLine {
 struct ChartStyle {
   std::string title{}, x_label{};
   bool log_y = false;  ///< values that are not positive are left out
-  int width = 640, height = 260;
+  int width = 540;     ///< units of the drawing, which the page scales to the room there is
+  int height = 270;    ///< without the legend
 };
 
-/// Lines over a common x, with axes, round ticks and a legend: in the plot, or beside it where more
-/// than six names would cover the lines. Colors repeat after sixteen lines. A line of more points
-/// than the chart is wide is drawn through the means of equal shares of them. A note instead of a
-/// chart if there is nothing to draw.
+/// Lines over a common x, with axes, round ticks, and a legend in rows between title and plot,
+/// where no line can cross it. A single line without a name has none. Colors repeat after sixteen
+/// lines. A line of more points than the chart is wide is drawn through the means of equal shares
+/// of them. A note instead of a chart if there is nothing to draw.
 std::string html_chart(const ChartStyle& style, const std::vector<ChartLine>& lines);
 
 }  // namespace lte

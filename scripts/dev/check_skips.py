@@ -13,6 +13,7 @@ import sys
 REASONS = (
     "no CUDA device",  # only a build with CUDA has such tests
     "no /dev/full",
+    "has no PyTorch",  # LTE_TORCH_PYTHON names a Python that has
 )
 
 

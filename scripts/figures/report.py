@@ -49,7 +49,7 @@ def table(head, rows, own=()):
         return f"<tr{kind}>{inner}</tr>"
 
     body = [line(row, "td", ' class="own"' if i in own else "") for i, row in enumerate(rows)]
-    return f"<table>{line(head, 'th')}{''.join(body)}</table>"
+    return f"<div class=scroll><table>{line(head, 'th')}{''.join(body)}</table></div>"
 
 
 def number(value):
@@ -93,6 +93,7 @@ def scene_section(out, scene, title):
 def page_of(out):
     result = json.loads((out / "eval.json").read_text())
     yield "<!doctype html><html lang=en><meta charset=utf-8><title>lte demo</title>"
+    yield '<meta name=viewport content="width=device-width, initial-scale=1">'
     yield f"<style>{STYLESHEET.read_text()}</style>"
     yield "<h1>lte: light transport embedding, demo report</h1>"
     yield ("<p>Rooms were generated and path-traced, a small model was trained on them, and it "

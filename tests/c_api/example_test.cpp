@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr int kWidth = 64, kHeight = 48;
 constexpr size_t kPixels = size_t{kWidth} * kHeight;
-const char* const kModel = "assets/models/lte-demo.safetensors";
+constexpr int kPaths = 32;  // of render_room
 
 Vec3 vec(const float* v) { return {v[0], v[1], v[2]}; }
 
@@ -45,13 +45,20 @@ std::vector<Rgb> read_pfm(const fs::path& path) {
 }
 
 /// What the C++ library answers at the room's points; zero on the lamp.
-std::vector<Rgb> predicted() {
-  const runtime::Network network(kModel);
+std::vector<Rgb> predicted(const std::string& model) {
+  const runtime::Network network(model);
   const auto M = static_cast<size_t>(network.metadata().scene_points);
   std::vector<Surfel> surfels(M);
   room_sample(surfels.data(), M, 1);
   std::vector<Vec3> position, normal;
-  std::vector<Rgb> albedo, emission;
+  std::vector<Rgb> albedo, emission, direct, indirect;
+  const bool lit = network.light_request().depth > 0;
+  for (uint32_t i = 0; i < (lit ? M : 0); ++i) {
+    float of_lamp[3], bounced[3];
+    room_light(&surfels[i], kPaths, i, of_lamp, bounced);
+    direct.push_back(vec(of_lamp));
+    indirect.push_back(vec(bounced));
+  }
   for (const Surfel& s : surfels) {
     position.push_back(vec(s.position));
     normal.push_back(vec(s.normal));
@@ -59,7 +66,8 @@ std::vector<Rgb> predicted() {
     emission.push_back(vec(s.emission));
   }
   const std::vector<float> area(M, 1.0f);
-  const runtime::SceneEmbedding embedding(network, {position, normal, albedo, emission, area});
+  const runtime::SceneEmbedding embedding(
+      network, {position, normal, albedo, emission, area, direct, indirect});
 
   std::vector<Pixel> pixels(kPixels);
   room_gbuffer(pixels.data(), kWidth, kHeight);
@@ -77,15 +85,18 @@ std::vector<Rgb> predicted() {
   return out;
 }
 
-TEST(CExample, ItsPictureIsTheCppLibrarys) {
+class CExample : public testing::TestWithParam<const char*> {};
+
+TEST_P(CExample, ItsPictureIsTheCppLibrarys) {
+  const std::string model = std::string("assets/models/") + GetParam() + ".safetensors";
   const fs::path stem =
       fs::temp_directory_path() / ("lte_render_room_" + std::to_string(::getpid()));
   const std::string ppm = stem.string() + ".ppm", pfm = stem.string() + ".pfm";
-  const std::string command = std::string(LTE_RENDER_ROOM) + ' ' + kModel + ' ' + ppm + ' ' + pfm +
+  const std::string command = std::string(LTE_RENDER_ROOM) + ' ' + model + ' ' + ppm + ' ' + pfm +
                               ' ' + std::to_string(kWidth) + ' ' + std::to_string(kHeight);
   ASSERT_EQ(std::system(command.c_str()), 0) << command;
   EXPECT_EQ(fs::file_size(ppm), std::string("P6\n64 48\n255\n").size() + 3 * kPixels);
-  const std::vector<Rgb> got = read_pfm(pfm), expected = predicted();
+  const std::vector<Rgb> got = read_pfm(pfm), expected = predicted(model);
   float largest = 0, difference = 0;
   for (size_t i = 0; i < kPixels; ++i) {
     for (int c = 0; c < 3; ++c) {
@@ -103,7 +114,9 @@ TEST(CExample, ItsPictureIsTheCppLibrarys) {
   EXPECT_FALSE(fs::exists(ppm));
 }
 
-TEST(CExample, DirectLightIsTheSumOverTheLamp) {
+INSTANTIATE_TEST_SUITE_P(ShippedModels, CExample, testing::Values("lte-demo", "lte-small"));
+
+TEST(CExampleRoom, DirectLightIsTheSumOverTheLamp) {
   std::vector<Pixel> pixels(kPixels);
   room_gbuffer(pixels.data(), kWidth, kHeight);
   for (size_t i = 0; i < kPixels; i += 311) {

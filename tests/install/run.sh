@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Installs a build tree to a scratch prefix, then configures, builds and runs projects that find it
-# there: one in C++, and the example in C, which is also built by the C compiler alone.
+# there: one in C++, and the example in C, which is also built by the C compiler alone. README's
+# commands run in share/lte of the prefix.
 #   tests/install/run.sh BUILD_DIR
 set -euo pipefail
 build=$1
@@ -14,7 +15,7 @@ cmake --build "$scratch/build" >/dev/null
 "$scratch/prefix/bin/lte_train" --version
 
 example=$source/../../examples/c
-model=$scratch/prefix/share/lte/models/lte-demo.safetensors
+model=$scratch/prefix/share/lte/assets/models/lte-small.safetensors
 cmake -S "$example" -B "$scratch/example" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$scratch/prefix" >/dev/null
 cmake --build "$scratch/example" >/dev/null
 "$scratch/example/render_room" "$model" "$scratch/cmake.ppm" "$scratch/cmake.pfm" 32 24
@@ -22,3 +23,18 @@ cc -std=c99 -I "$scratch/prefix/include" "$example/render_room.c" "$example/room
   -L "$scratch/prefix/lib" -llte_c_api -lm -Wl,-rpath,"$scratch/prefix/lib"
 "$scratch/render_room" "$model" "$scratch/cc.ppm" "$scratch/cc.pfm" 32 24
 cmp "$scratch/cmake.pfm" "$scratch/cc.pfm"
+
+bin=$scratch/prefix/bin
+cd "$scratch/prefix/share/lte"
+for file in LICENSE README.md CHANGELOG.md docs/README.md examples/c/render_room.c configs/data/boxes.yaml; do
+  [ -e "$file" ] || { echo "install: share/lte/$file is missing"; exit 1; }
+done
+"$bin/lte_datagen" generate --config configs/data/boxes.yaml --print-config >/dev/null
+"$bin/lte_train" --config configs/train/small.yaml --dry-run >/dev/null
+"$bin/lte_render" assets/scenes/cornell_box.glb --size 16x12 --out "$scratch/cornell.png"
+# The model that the tool takes by itself is the installed one: without it that is what is missed.
+echo damaged >assets/models/lte-small.safetensors
+if "$bin/lte_render" assets/scenes/cornell_box.glb --size 16x12 --out "$scratch/none.png" 2>"$scratch/said"; then
+  echo "install: lte_render does not read the installed model"; exit 1
+fi
+grep -q "$scratch/prefix/share/lte/assets/models/lte-small.safetensors" "$scratch/said"

@@ -20,6 +20,16 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kWorstScenes = 6, kLines = 6;
+constexpr double kRisen = 1.05;  // a validation loss this far above its lowest is worth a warning
+
+// Short forms of docs/training-run.md, for a reader who has the page alone.
+const std::vector<std::vector<std::string>> kMeanings = {
+    {"loss", "relative error of log(x + 1) of irradiance over the mean emission", "lower"},
+    {"MSE", "mean squared error of the same", "lower"},
+    {"relative MSE", "mean of the squared error over the squared reference", "lower"},
+    {"PSNR", "MSE in dB, against the scene's largest reference value", "higher"},
+    {"mean error over mean", "bias: above 0 too bright, below 0 too dark", "0"},
+    {"gradient norm", "before clipping; spikes are steps that training survived by clipping", ""}};
 
 std::string number(double value) { return formatted("%.4g", value); }
 
@@ -28,16 +38,39 @@ std::string duration(double seconds) {
   return formatted("%lld:%02lld:%02lld h", whole / 3600, whole / 60 % 60, whole % 60);
 }
 
-std::string note(const std::string& text) {
-  return concat("<p class=note>", html_escape(text), "</p>\n");
-}
-
 double last(const Series& series) { return series.empty() ? 0 : series.back().second; }
 
 double sum(const Series& series) {
   double out = 0;
   for (const auto& point : series) out += point.second;
   return out;
+}
+
+/// Step and value of the lowest validation loss.
+std::pair<double, double> lowest(const Series& series) {
+  return *std::min_element(series.begin(), series.end(),
+                           [](const auto& a, const auto& b) { return a.second < b.second; });
+}
+
+std::string headline(const RunHistory& log, int64_t steps) {
+  const Series &loss = log.figure("val_loss"), &psnr = log.figure("val_psnr");
+  std::string out =
+      loss.empty() ? concat("Training loss ", number(last(log.figure("loss"))), ", no validation")
+                   : concat("Validation loss ", number(last(loss)));
+  if (!psnr.empty()) out += concat(", PSNR ", number(last(psnr)), " dB");
+  return concat(out, ", at step ", log.last_step, " of ", steps);
+}
+
+/// What the reader ought to know before the curves; empty if there is nothing.
+std::string warning(const RunHistory& log) {
+  const Series& loss = log.figure("val_loss");
+  if (loss.empty()) return "";
+  const auto [step, least] = lowest(loss);
+  if (last(loss) <= kRisen * least) return "";
+  return formatted(
+      "The validation loss was lowest at step %.0f (%.4g) and has risen by %.0f %% since: more of "
+      "the same training does not help other scenes.",
+      step, least, 100 * (last(loss) / least - 1));
 }
 
 std::string loss_charts(const RunHistory& log) {
@@ -49,8 +82,9 @@ std::string loss_charts(const RunHistory& log) {
                     {{"", log.figure("val_psnr")}});
   out += html_chart({.title = "validation: error", .x_label = "step", .log_y = true},
                     {{"MSE", log.figure("val_mse")}, {"relative MSE", log.figure("val_relmse")}});
-  return out + html_chart({.title = "validation: bias", .x_label = "step"},
-                          {{"mean error over mean", log.figure("val_bias")}});
+  out += html_chart({.title = "validation: mean error over mean", .x_label = "step"},
+                    {{"", log.figure("val_bias")}});
+  return html_grid(out);
 }
 
 std::string optimizer_charts(const RunHistory& log) {
@@ -59,12 +93,10 @@ std::string optimizer_charts(const RunHistory& log) {
     if (name.starts_with(kModuleNormPrefix))
       norms.push_back({name.substr(kModuleNormPrefix.size()), series});
   }
-  return html_chart({.title = "learning rate", .x_label = "step"}, {{"", log.figure("lr")}}) +
-         html_chart({.title = "gradient norm before clipping",
-                     .x_label = "step",
-                     .log_y = true,
-                     .height = 320},
-                    norms);
+  return html_grid(
+      html_chart({.title = "learning rate", .x_label = "step"}, {{"", log.figure("lr")}}) +
+      html_chart({.title = "gradient norm before clipping", .x_label = "step", .log_y = true},
+                 norms));
 }
 
 /// Scenes by their latest validation loss, the worst first.
@@ -75,36 +107,42 @@ std::vector<std::pair<double, std::string>> ranked(const RunHistory& log) {
   return out;
 }
 
-std::string scene_section(const RunHistory& log, const fs::path& run) {
+std::string picture_section(const RunHistory& log, const fs::path& run) {
+  std::string pictures;
+  size_t shown = 0;
+  for (const auto& [loss, name] : ranked(log)) {
+    const fs::path picture = run / "previews" / (name + ".png");
+    if (shown == kWorstScenes || !fs::exists(picture)) continue;
+    const std::string png = read_file(picture);
+    pictures += html_picture({reinterpret_cast<const unsigned char*>(png.data()), png.size()},
+                             concat(name, ": validation loss ", number(loss)));
+    ++shown;
+  }
+  if (shown == 0)
+    return html_note("No pictures: no validation scene has a view, or train.preview_every is 0.");
+  return html_note(
+             "Reference | prediction | difference of luminance × 4; irradiance without "
+             "albedo. The worst scenes first.") +
+         html_grid(pictures);
+}
+
+std::string scene_section(const RunHistory& log) {
   const auto scenes = ranked(log);
-  if (scenes.empty()) return note("No validation yet.");
+  if (scenes.empty()) return html_note("No validation yet.");
   std::vector<std::vector<std::string>> rows;
   for (const auto& [loss, name] : scenes) {
     const Series& series = log.scenes.at(name);
-    double best = loss;
-    for (const auto& point : series) best = std::min(best, point.second);
-    rows.push_back({name, number(loss), number(best), number(series.front().second)});
+    rows.push_back(
+        {name, number(loss), number(lowest(series).second), number(series.front().second)});
   }
   std::vector<ChartLine> lines;
   for (size_t i = 0; i < std::min(kLines, scenes.size()); ++i)
     lines.push_back({scenes[i].second, log.scenes.at(scenes[i].second)});
-  std::string out = html_chart(
-      {.title = "validation loss of the worst scenes", .x_label = "step", .log_y = true}, lines);
-  out += html_table({"validation scene", "loss", "lowest", "first"}, rows);
-  out += "<h2>Worst scenes</h2>\n" +
-         note("Reference | prediction | difference of luminance × 4; irradiance without albedo.");
-  size_t shown = 0;
-  for (const auto& [loss, name] : scenes) {
-    const fs::path picture = run / "previews" / (name + ".png");
-    if (shown == kWorstScenes || !fs::exists(picture)) continue;
-    const std::string png = read_file(picture);
-    out += html_picture({reinterpret_cast<const unsigned char*>(png.data()), png.size()},
-                        concat(name, ": validation loss ", number(loss)));
-    ++shown;
-  }
-  if (shown == 0)
-    out += note("No pictures: no validation scene has a view, or train.preview_every is 0.");
-  return out;
+  return html_grid(
+      html_chart({.title = "validation loss of the worst scenes", .x_label = "step", .log_y = true},
+                 lines) +
+      html_details(concat("All ", scenes.size(), " validation scenes"),
+                   html_table({"validation scene", "loss", "lowest", "first"}, rows)));
 }
 
 /// Hours of training, over steps.
@@ -129,9 +167,10 @@ std::string time_section(const RunHistory& log, int64_t steps) {
         {"left at this rate", duration(total / done * (static_cast<double>(steps) - done))});
   rows.push_back({"resident memory", number(last(log.figure("rss_mb"))) + " MiB"});
   return html_table({"time", ""}, rows) +
-         html_chart({.title = "queries a second", .x_label = "step"},
-                    {{"", log.figure("queries_per_s")}}) +
-         html_chart({.title = "hours of training", .x_label = "step"}, {{"", hours_of(log)}});
+         html_grid(
+             html_chart({.title = "queries a second", .x_label = "step"},
+                        {{"", log.figure("queries_per_s")}}) +
+             html_chart({.title = "hours of training", .x_label = "step"}, {{"", hours_of(log)}}));
 }
 
 }  // namespace
@@ -151,13 +190,18 @@ std::string write_run_report(const fs::path& run, fs::path out) {
   int64_t steps = 0;
   const std::string config = read_file(yaml);
   Config::parse(config, yaml.string()).at("train").read("steps", &steps);
-  std::string body = note(concat("Step ", log.last_step, " of ", steps, "; training loss ",
-                                 number(last(log.figure("loss")))));
+  std::string body = html_headline(headline(log, steps)) + html_warning(warning(log));
+  body += "<p class=note><a href=\"#meaning\">What the figures mean</a></p>\n";
+  body += "<h2>Pictures</h2>\n" + picture_section(log, run);
   body += "<h2>Error</h2>\n" + loss_charts(log);
+  body += "<h2>Scenes</h2>\n" + scene_section(log);
   body += "<h2>Optimization</h2>\n" + optimizer_charts(log);
-  body += "<h2>Scenes</h2>\n" + scene_section(log, run);
   body += "<h2>Time</h2>\n" + time_section(log, steps);
-  body += concat("<h2>Configuration</h2>\n<pre>", html_escape(config), "</pre>\n");
+  body += "<h2>Configuration</h2>\n" +
+          html_details("config.yaml", concat("<pre>", html_escape(config), "</pre>\n"));
+  body += "<h2 id=meaning>What the figures mean</h2>\n" +
+          html_text_table({"name", "meaning", "better"}, kMeanings) +
+          html_note("The same in full: docs/training-run.md of lte.");
   if (out.empty()) out = run / "report.html";
   write_file(out, html_page("Training run " + fs::absolute(run).lexically_normal().string(), body));
   return concat(out.string(), ": step ", log.last_step, " of ", steps, "\n");

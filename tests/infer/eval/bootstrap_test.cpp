@@ -47,6 +47,12 @@ TEST(Bootstrap, OfTheMeanApproachesTheNormalInterval) {
   EXPECT_NEAR(found.high, mean + 1.96 * error, 0.1 * error);
 }
 
+TEST(Bootstrap, OfOneSceneHasNoInterval) {
+  const Interval found = of_mean({3}, {.resamples = 100});
+  EXPECT_TRUE(std::isnan(found.low));
+  EXPECT_TRUE(std::isnan(found.high));
+}
+
 TEST(Bootstrap, IsTheSameForASeedAndAnotherForAnother) {
   std::vector<double> values;
   for (int i = 0; i < 20; ++i) values.push_back(i * i);

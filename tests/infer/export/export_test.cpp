@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <sys/resource.h>
 #include <torch/csrc/jit/serialization/import.h>
 
@@ -139,7 +140,11 @@ TEST(PortableExport, CarriesConfigurationAndNormalization) {
       {"config.yaml", ""}, {"normalization.json", ""}, {"version.txt", ""}};
   torch::jit::load((folder.path() / "model.pt").string(), std::nullopt, extra);
   EXPECT_EQ(extra["config.yaml"], config.to_yaml());
-  EXPECT_NE(extra["normalization.json"].find("\"scale_m\": 16"), std::string::npos);
+  const nlohmann::json said = nlohmann::json::parse(extra["normalization.json"]);
+  EXPECT_EQ(said.at("scale_m"), 16);
+  EXPECT_EQ(said.at("points"),
+            nlohmann::json({"position", "normal", "albedo", "emission", "area"}));
+  EXPECT_EQ(said.at("queries"), nlohmann::json({"position", "normal", "albedo"}));
 }
 
 TEST(ExportErrors, LeaveNothingBehind) {

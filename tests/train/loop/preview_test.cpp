@@ -131,6 +131,25 @@ TEST(RunReport, TakesLogsWithoutNormsOfModules) {
   EXPECT_NE(read_file(dir / "report.html").find(">whole gradient<"), std::string::npos);
 }
 
+TEST(RunReport, LeadsWithFiguresAndWarnsOfARisingLoss) {
+  const test::TempDir dir;
+  std::ofstream(dir / "config.yaml") << "train: {steps: 20}\n";
+  const auto page_of = [&](const char* last) {
+    std::ofstream(dir / "log.jsonl")
+        << "{\"step\":1,\"loss\":3,\"val_loss\":0.5,\"val_psnr\":20,\"val_scenes\":{\"a\":0.5}}\n"
+        << "{\"step\":9,\"loss\":2,\"val_loss\":" << last << ",\"val_psnr\":21.5}\n";
+    write_run_report(dir.path());
+    return read_file(dir / "report.html");
+  };
+  const std::string risen = page_of("0.75");
+  const size_t headline = risen.find("Validation loss 0.75, PSNR 21.5 dB, at step 9 of 20");
+  ASSERT_NE(headline, std::string::npos);
+  EXPECT_LT(headline, risen.find("<h2>Pictures"));
+  EXPECT_LT(risen.find("<h2>Pictures"), risen.find("<svg"));
+  EXPECT_NE(risen.find("lowest at step 1 (0.5) and has risen by 50 %"), std::string::npos);
+  EXPECT_EQ(page_of("0.51").find("class=warning"), std::string::npos);
+}
+
 TEST(RunReport, NamesWhatIsMissing) {
   const test::TempDir dir;
   test::expect_error([] { write_run_report("/nonexistent/run"); }, {"/nonexistent/run"});
