@@ -21,6 +21,11 @@ void add_scene_options(CLI::App& app, SceneOptions* options) {
                  "Degrees by which to turn it about +Y, counter-clockwise from above");
 }
 
+void add_scene_files(const std::string& scene, const SceneOptions& options, CommandFiles* files) {
+  files->reads("SCENE", scene);
+  files->reads("--environment", options.environment);  // radiance R,G,B is the name of no file
+}
+
 void apply_environment(const SceneOptions& options, scene::Scene* scene) {
   LTE_CHECK(!options.environment.empty() || options.environment_turn == 0,
             "--environment-turn needs --environment");

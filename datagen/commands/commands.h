@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "lte/cli/command_files.h"
 #include "lte/scene/scene.h"
 
 namespace lte::datagen {
@@ -24,6 +25,9 @@ struct SceneOptions {
 
 /// Adds --cleanup, --environment and --environment-turn.
 void add_scene_options(CLI::App& app, SceneOptions* options);
+
+/// Notes the scene and the environment of `options` as what a command reads.
+void add_scene_files(const std::string& scene, const SceneOptions& options, CommandFiles* files);
 
 /// Puts the environment of `options`, if it names one, in the place of the scene's own.
 /// @throws lte::Error if only a turn is given, or the picture cannot be read.

@@ -15,6 +15,7 @@
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/version.h"
+#include "lte/cli/command_files.h"
 #include "lte/nn/model_file.h"
 
 namespace lte::infer {
@@ -80,7 +81,13 @@ ExportCheck compare(torch::jit::Module& module, nn::LightTransportModel& model,
 
 std::vector<ExportCheck> export_torchscript(const ExportOptions& options) {
   const at::NoGradGuard no_grad;
-  nn::LightTransportModel model = nn::load_model(checkpoint_or_shipped(options.model));
+  const std::filesystem::path path = checkpoint_or_shipped(options.model);
+  CommandFiles files;
+  files.reads("--checkpoint", path);
+  files.writes("--out", options.out);
+  files.writes("--log-file", options.log_file);
+  files.check();
+  nn::LightTransportModel model = nn::load_model(path);
   const torch::jit::Module module = build_module(model, options.portable);
   const torch::jit::ExtraFilesMap extra{{"config.yaml", model->config().to_yaml()},
                                         {"normalization.json", normalization_json(model->config())},

@@ -12,8 +12,9 @@ namespace lte::infer {
 struct ExportOptions {
   std::string model;  ///< a model file; empty: the shipped one
   std::filesystem::path out;
-  bool portable = false;  ///< built-in operators alone
-  bool verify = false;    ///< load the file and compare with the native model at three sizes
+  bool portable = false;   ///< built-in operators alone
+  bool verify = false;     ///< load the file and compare with the native model at three sizes
+  std::string log_file{};  ///< --log-file, which is open already; empty: none
 };
 
 /// The largest deviation from the native model at one size, divided by the largest value.

@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
                "Load the file again and compare with the native model at three sizes");
   return run_tool(app, argc, argv, [&] {
     apply_common_options(common);
+    options.log_file = common.log_file;
     for (const infer::ExportCheck& check : infer::export_torchscript(options)) {
       std::printf("verified M = %lld, Q = %lld: largest deviation %.2e of the largest value\n",
                   static_cast<long long>(check.scene_points), static_cast<long long>(check.queries),

@@ -14,6 +14,8 @@
 #include "lte/base/log.h"
 #include "lte/base/process_memory.h"
 #include "lte/base/timer.h"
+#include "lte/cli/command_files.h"
+#include "lte/cli/numbers.h"
 #include "lte/nn/device.h"
 #include "lte/pathtrace/auto_camera.h"
 #include "lte/scene/environment_points.h"
@@ -112,6 +114,17 @@ void print_times(const RenderRequest& request, const StageSeconds& s, double exp
   std::printf("total %.2f | peak %.0f MiB\n", total, peak_rss_mb());
 }
 
+/// @throws lte::Error if an output would replace an input or another output
+void claim_files(const RenderRequest& request, CommandFiles* files) {
+  files->reads("SCENE", request.scene);
+  files->reads("--checkpoint", request.checkpoint);
+  files->reads("--camera", request.camera);
+  files->reads("--environment", request.environment);
+  files->writes("--out", request.out);
+  files->writes_common(request.tool.common);
+  files->check();
+}
+
 /// The network if this picture needs one. Validation looks at a model only if one is named.
 std::optional<runtime::Network> load_network(const RenderRequest& request,
                                              const Renderer& renderer) {
@@ -206,7 +219,7 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
                  "Degrees by which to turn it about +Y, counter-clockwise from above");
   app.add_option("--exposure", r->exposure,
                  "Factor before the display curve of a PNG; by default from the picture")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   app.add_option("--seed", r->seed, "Seed of scene points and light samples")
       ->capture_default_str();
   app.add_flag("--validate-only", r->validate_only,
@@ -219,6 +232,8 @@ void run_render(const RenderRequest& request) {
     throw CLI::ValidationError("--out",
                                "name the picture to write (.exr or .png), or pass --validate-only");
   }
+  CommandFiles files;
+  claim_files(request, &files);
   apply_tool_options(request.tool);
   check_writable(request.out);
   check_writable(request.tool.common.json);
@@ -234,6 +249,7 @@ void run_render(const RenderRequest& request) {
   if (!renderer.has_light())
     log_warning(request.scene, ": nothing emits light; every output with light in it is black");
   const std::optional<runtime::Network> network = load_network(request, renderer);
+  files.check_what_was_read();
   renderer.seconds().load = total.seconds();
   if (network) {
     network->check_fits(max_component(scene::point_bounds(scene).extent()), request.rescale);
