@@ -143,8 +143,8 @@ SceneRecord Generator::attempt(int64_t index) const {
   const Timer timer;
   try {
     make_scene(index, &record);
-  } catch (const DiskFull&) {
-    throw;                                 // no fault of this scene: the next would fail too
+  } catch (const DiskFull&) {  // no fault of this scene: the next would fail too
+    throw;
   } catch (const std::exception& error) {  // lte::Error, std::bad_alloc, ...
     record.error = *error.what() != '\0' ? error.what() : "unknown fault";
   }

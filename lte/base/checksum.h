@@ -10,8 +10,8 @@
 namespace lte {
 
 /// 64 bits of everything that is added, in its order and cut as it is added. Four lanes of 64-bit
-/// words, so that it runs at the speed of memory. Not cryptographic: it is for disks and cables, not
-/// for adversaries.
+/// words, so that it runs at the speed of memory. Not cryptographic: it is for disks and cables,
+/// not for adversaries.
 class Checksum {
  public:
   void add(const void* bytes, size_t size);

@@ -44,10 +44,10 @@ void LockedFile::open() {
 
 /// Whether the path still leads to the file that is open.
 bool LockedFile::is_in_place() const {
-  struct stat open {
-  }, there{};
-  return ::fstat(fd_, &open) == 0 && ::stat(path_.c_str(), &there) == 0 &&
-         open.st_dev == there.st_dev && open.st_ino == there.st_ino;
+  struct stat held {};
+  struct stat there {};
+  return ::fstat(fd_, &held) == 0 && ::stat(path_.c_str(), &there) == 0 &&
+         held.st_dev == there.st_dev && held.st_ino == there.st_ino;
 }
 
 void LockedFile::remove() { ::unlink(path_.c_str()); }

@@ -13,8 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Where writing to `path` would put a file: absolute, and every link followed, that of a file which
-/// does not exist yet too.
+/// Where writing to `path` would put a file: absolute, and every link followed, that of a file
+/// which does not exist yet too.
 fs::path place_of(fs::path path) {
   constexpr int kMostLinks = 40;  // as the kernel
   std::error_code error;
@@ -29,8 +29,8 @@ fs::path place_of(fs::path path) {
 }
 
 bool same_inode(const fs::path& a, const fs::path& b) {
-  struct stat first {
-  }, second{};
+  struct stat first {};
+  struct stat second {};
   return ::stat(a.c_str(), &first) == 0 && ::stat(b.c_str(), &second) == 0 &&
          first.st_dev == second.st_dev && first.st_ino == second.st_ino;
 }

@@ -20,8 +20,8 @@ class CommandFiles {
   void reads(const std::string& flag, const std::filesystem::path& path);
   void writes(const std::string& flag, const std::filesystem::path& path);
 
-  /// The same for a folder, of which `parts` (files, and folders with all that is in them) belong to
-  /// what the flag names. Other files in it are other people's.
+  /// The same for a folder, of which `parts` (files, and folders with all that is in them) belong
+  /// to what the flag names. Other files in it are other people's.
   void reads_parts(const std::string& flag, const std::filesystem::path& folder,
                    const std::vector<std::string>& parts);
   void writes_parts(const std::string& flag, const std::filesystem::path& folder,

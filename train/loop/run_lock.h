@@ -7,8 +7,8 @@
 
 namespace lte::train {
 
-/// Two writers would mix two runs in one directory: a batch system that starts a job again while the
-/// first still runs, say. The file is `.lock`.
+/// Two writers would mix two runs in one directory: a batch system that starts a job again while
+/// the first still runs, say. The file is `.lock`.
 class RunLock {
  public:
   /// Makes the directory if it is missing, takes it, and removes what killed processes have left.

@@ -60,14 +60,21 @@ TEST(RunLog, ANewRunStartsAnEmptyFile) {
   EXPECT_TRUE(test::lines_of(dir / "log.jsonl").empty());
 }
 
+/// A log of 100 lines: the limit that stands for a full disk is one of every file, that of captured
+/// warnings too, and these are shorter.
+std::string long_log() {
+  std::string text;
+  for (int i = 0; i < 100; ++i) text += "{\"step\":1,\"note\":\"" + std::string(80, '.') + "\"}\n";
+  return text;
+}
+
 /// Lines that a full disk keeps out wait, and come in their order; no line is cut.
 TEST(RunLog, AFullDiskLosesNothing) {
   const test::TempDir dir;
   const std::filesystem::path path = dir / "log.jsonl";
   std::string said;
   {
-    RunLog log(path, 0);
-    log.write(1, {{"loss", 1}});
+    RunLog log(path, 1, long_log());
     const std::string before = read_file(path);
     testing::internal::CaptureStderr();
     {
@@ -81,7 +88,7 @@ TEST(RunLog, AFullDiskLosesNothing) {
     EXPECT_EQ(read_file(path), log.text());
     said = testing::internal::GetCapturedStderr();
   }
-  EXPECT_EQ(test::lines_of(path).size(), 4u);
+  EXPECT_EQ(test::lines_of(path).size(), 103u);
   EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 2) << said;
   EXPECT_NE(said.find("File too large; lines wait"), std::string::npos) << said;
   EXPECT_NE(said.find("room again; 3 lines are written late"), std::string::npos) << said;
@@ -94,14 +101,14 @@ TEST(RunLog, TheEndSaysWhatIsMissingOrWritesIt) {
     testing::internal::CaptureStderr();
     {
       std::optional<test::FileLimit> full;
-      RunLog log(path, 0);
-      full.emplace(0);
+      RunLog log(path, 1, long_log());
+      full.emplace(long_log().size() + 5);
       log.write(1, {{"loss", 1}});
       log.write(2, {{"loss", 2}});
       if (room_at_the_end) full.reset();
     }
     const std::string said = testing::internal::GetCapturedStderr();
-    EXPECT_EQ(test::lines_of(path).size(), room_at_the_end ? 2u : 0u);
+    EXPECT_EQ(test::lines_of(path).size(), room_at_the_end ? 102u : 100u);
     EXPECT_NE(
         said.find(room_at_the_end ? "2 lines are written late" : "2 lines could not be written"),
         std::string::npos)
