@@ -1,5 +1,6 @@
 // The flags of lte_datagen in this process: no output replaces an input, no number is another.
 #include <filesystem>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

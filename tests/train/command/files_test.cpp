@@ -1,6 +1,8 @@
 // The flags of lte_train in this process: no output replaces an input, no number is another, and a
 // start that fails leaves nothing.
 #include <filesystem>
+#include <iterator>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
