@@ -11,7 +11,7 @@ namespace {
 constexpr const char* kExamples = R"(Examples:
   lte_train --config configs/model/paper.yaml --dry-run
   lte_train --config configs/train/demo.yaml --set data.root=data/rooms --out runs/demo
-  lte_train --config configs/train/demo.yaml --set data.root=data/rooms --out runs/demo --resume
+  lte_train --out runs/demo --resume
   lte_train --config my.yaml --set data.root=data/homes --out runs/homes \
       --init-weights runs/demo/model.safetensors
   lte_train --config my.yaml --set data.root=data/homes --out runs/homes --find-lr
@@ -42,8 +42,8 @@ int main(int argc, char** argv) {
       std::cout << lte::train::write_run_report(report_options.run, report_options.out);
       return;
     }
-    if (options.config.empty()) throw CLI::RequiredError("--config");
     options.json = common.json;
+    options.log_file = common.log_file;
     options.threads = common.threads;
     const lte::train::RunResult result = lte::train::run(options);
     std::cout << result.text;

@@ -52,22 +52,18 @@ void in_range(const char* key, double value, double low, double high) {
             "], got ", value);
 }
 
-/// Path-traces points of one scene in blocks. Progress counts the paths of all points and purposes.
+/// Path-traces points of one scene in blocks.
 class Baker {
  public:
   Baker(const scene::Scene& scene, const BakeOptions& options, bool show_progress)
-      : options_(options), bvh_(scene), lights_(scene) {
-    if (!show_progress) return;
-    const int64_t path_traced = options.path_tracing_64 ? kPathTracedRays : 0;
-    int64_t few = 0;
-    for (const int rays : data::kFewPaths) few += options.path_tracing_64 ? rays : 0;
-    const ViewOptions& views = options.views;
-    const int64_t pixels = views.count * views.width * views.height;
-    const int64_t paths = options.query_points * (options.rays + path_traced) +
-                          pixels * (views.rays + path_traced + few) +
-                          incident_paths(options.incident);
-    // The number of paths that a target takes is not known in advance.
-    progress_.emplace("baking " + scene.name, options.target_error > 0 ? 0 : paths, "paths");
+      : options_(options), bvh_(scene), lights_(scene), show_progress_(show_progress) {}
+
+  /// The paths that follow are those of `what`, so that each rate is of one kind of work: --rays
+  /// says nothing about views.
+  /// @param total  their number; 0 if it is not known
+  void begin(const char* what, int64_t total) {
+    if (show_progress_)
+      progress_.emplace(concat("baking ", bvh_.scene().name, ", ", what), total, "paths");
   }
 
   const pathtrace::Bvh& bvh() const { return bvh_; }
@@ -168,9 +164,18 @@ class Baker {
   const BakeOptions& options_;
   pathtrace::Bvh bvh_;
   pathtrace::Lights lights_;
-  std::optional<Progress> progress_;
+  bool show_progress_;
+  std::optional<Progress> progress_;  ///< of what is being baked now
   std::atomic<int64_t> paths_{0};
 };
+
+/// Paths beside the reference's own for each query point, and for each pixel of a view.
+int64_t extra_paths(const BakeOptions& options, bool view) {
+  if (!options.path_tracing_64) return 0;
+  int64_t few = 0;
+  for (const int rays : data::kFewPaths) few += rays;
+  return view ? kPathTracedRays + few : kPathTracedRays;
+}
 
 /// Draws points where light reaches them, or all over the surface.
 scene::SurfaceSamples draw_points(const pathtrace::Bvh& bvh, const BakeOptions& options,
@@ -227,6 +232,7 @@ void sample_points(const pathtrace::Bvh& bvh, const BakeOptions& options, data::
 
 void bake_incident_points(Baker* baker, const BakeOptions& options, data::SceneSample* out) {
   if (options.incident.points == 0) return;
+  baker->begin("incident radiance", incident_paths(options.incident));
   scene::SamplerOptions sampler;
   sampler.seed = stream_seed(options.seed, Stream::IncidentPoints);
   sampler.filter_footprint = false;
@@ -339,6 +345,11 @@ data::SceneSample bake_scene(const scene::Scene& scene, const BakeOptions& optio
   sample.scene_indirect = std::move(light.indirect);
   const size_t N = sample.query_position.size();
   const uint64_t queries = stream_seed(options.seed, Stream::Queries);
+  // The number of paths that a target takes is not known in advance.
+  baker.begin("query points",
+              options.target_error > 0
+                  ? 0
+                  : options.query_points * (options.rays + extra_paths(options, false)));
   if (options.target_error > 0) {
     baker.adaptive(queries, &sample);
   } else {
@@ -350,8 +361,11 @@ data::SceneSample bake_scene(const scene::Scene& scene, const BakeOptions& optio
         baker.path_traced(sample.query_position, sample.query_normal, kPathTracedRays,
                           stream_seed(options.seed, Stream::QueriesPathTraced64), {}, N);
   }
-  for (int64_t k = 0; k < options.views.count; ++k)
-    sample.views.push_back(bake_view(&baker, options, k));
+  const ViewOptions& views = options.views;
+  if (views.count > 0)
+    baker.begin("views", views.count * views.width * views.height *
+                             (views.rays + extra_paths(options, true)));
+  for (int64_t k = 0; k < views.count; ++k) sample.views.push_back(bake_view(&baker, options, k));
   bake_incident_points(&baker, options, &sample);
   if (rays != nullptr) *rays = baker.paths();
   return sample;

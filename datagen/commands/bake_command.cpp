@@ -31,10 +31,17 @@ void set_cameras(const BakeFlags& flags, const scene::Scene& scene, BakeOptions*
 }
 
 void run_bake(BakeFlags flags) {
+  CommandFiles files;
+  add_scene_files(flags.scene, flags.options, &files);
+  files.reads("--camera", flags.camera);  // a name or a number is that of no file
+  files.writes("--out", flags.out);
+  files.writes_common(flags.common);
+  files.check();
   apply_common_options(flags.common);
   check_bake_options(flags.bake);
   const scene::Scene scene = load_and_report(flags.scene, flags.options);
   set_cameras(flags, scene, &flags.bake);
+  files.check_what_was_read();
   if (flags.validate_only) {
     std::fputs(validation_line(flags.scene, scene).c_str(), stdout);
     return;

@@ -33,6 +33,11 @@ void add_scene_options(CLI::App& app, SceneOptions* options) {
       ->capture_default_str();
 }
 
+void add_scene_files(const std::string& scene, const SceneOptions& options, CommandFiles* files) {
+  files->reads("SCENE", scene);
+  files->reads("--environment", options.environment);  // radiance R,G,B is the name of no file
+}
+
 void apply_lighting(const SceneOptions& options, scene::Scene* scene) {
   LTE_CHECK(!options.environment.empty() || options.environment_turn == 0,
             "--environment-turn needs --environment");

@@ -8,6 +8,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "lte/cli/command_files.h"
 #include "lte/cli/scene_flags.h"
 #include "lte/scene/scene.h"
 
@@ -30,6 +31,9 @@ struct SceneOptions {
 /// Adds --cleanup, --environment, --environment-turn, --add-light, --up and the flags of
 /// scene_flags.h.
 void add_scene_options(CLI::App& app, SceneOptions* options);
+
+/// Notes the scene and the environment of `options` as what a command reads.
+void add_scene_files(const std::string& scene, const SceneOptions& options, CommandFiles* files);
 
 /// Puts the environment of `options`, if it names one, in the place of the scene's own, and adds
 /// its luminaires.

@@ -2,11 +2,13 @@
 
 #include <charconv>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "datagen/commands/info.h"
 #include "datagen/dataset/generate.h"
 #include "lte/base/check.h"
+#include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/cli/cli.h"
 
@@ -65,12 +67,22 @@ void merge(const GenerateFlags& flags) {
 }
 
 void run_generate(GenerateFlags* flags) {
+  CommandFiles files;
+  // A data set that goes on may do so with its own config.yaml.
+  const bool own = flags->options.resume && !flags->config.empty() &&
+                   std::filesystem::weakly_canonical(flags->config) ==
+                       std::filesystem::weakly_canonical(config_path(flags->out));
+  if (!own) files.reads("--config", flags->config);
+  if (!flags->print_config) files.writes_parts("--out", flags->out, data::kDatasetParts);
+  files.writes_common(flags->common);
+  files.check();
   apply_common_options(flags->common);
   LTE_CHECK(!flags->out.empty() || flags->print_config,
             "--out is missing: name the directory of the data set");
   if (flags->merge) return merge(*flags);
   if (flags->config.empty()) flags->config = config_path(flags->out).string();
   DatagenConfig config = load_datagen_config(flags->config, flags->overrides);
+  files.check_what_was_read();
   if (flags->has_scenes) config.scenes = flags->scenes;
   if (flags->has_seed) config.seed = flags->seed;
   check_datagen_config(config);
@@ -80,6 +92,8 @@ void run_generate(GenerateFlags* flags) {
   }
   flags->options.out = flags->out;
   if (!flags->shard.empty()) parse_shard(flags->shard, &flags->options);
+  const SignalNote note(
+      concat(flags->out, ": stopped; the finished scenes stay, go on with --resume"));
   const GenerateResult result = generate_dataset(config, flags->options);
   report(*flags, result);
   LTE_CHECK(result.failed == 0, flags->out, ": ", result.failed,

@@ -74,6 +74,15 @@ Json environment_info(const scene::Environment& environment) {
           {"mean_radiance", vec(mean)}};
 }
 
+data::DatasetInfo read_info(const std::filesystem::path& directory) {
+  try {
+    return data::read_dataset_info(directory);
+  } catch (const data::UnfinishedDataset& error) {
+    throw Error(concat(
+        error.what(), " (generate --resume makes the rest, generate --merge lists what is there)"));
+  }
+}
+
 }  // namespace
 
 std::vector<Rgb> group_powers(const scene::Scene& scene) {
@@ -234,7 +243,7 @@ Json sample_info(const data::SceneSample& sample) {
 }
 
 Json dataset_info(const std::filesystem::path& directory, bool deep) {
-  const data::DatasetInfo info = data::read_dataset_info(directory);
+  const data::DatasetInfo info = read_info(directory);
   std::map<data::Split, int64_t> splits{
       {data::Split::Train, 0}, {data::Split::Val, 0}, {data::Split::Test, 0}};
   int64_t scene_points = 0, query_points = 0;

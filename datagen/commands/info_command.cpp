@@ -48,8 +48,14 @@ Json describe(const InfoFlags& flags) {
 }
 
 void run_info(const InfoFlags& flags) {
+  CommandFiles files;
+  add_scene_files(flags.path, flags.scene, &files);
+  files.reads_parts("PATH", flags.path, data::kDatasetParts);
+  files.writes_common(flags.common);
+  files.check();
   apply_common_options(flags.common);
   const Json info = describe(flags);
+  files.check_what_was_read();
   write_json(flags.common.json, info.dump(2));
   if (flags.validate_only) {
     std::printf("%s: valid %s\n", flags.path.c_str(), info["kind"].get<std::string>().c_str());

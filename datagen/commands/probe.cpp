@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <span>
 #include <sstream>
+#include <string_view>
 
 #include "lte/base/check.h"
 #include "lte/base/file.h"
@@ -22,9 +23,17 @@ namespace {
 
 constexpr const char* kHeader = "px,py,pz,nx,ny,nz";
 constexpr const char* kColumns[6] = {"px", "py", "pz", "nx", "ny", "nz"};
+/// What spreadsheets put before UTF-8.
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 constexpr int kPilotRays = 64;
 constexpr size_t kBlock = 4096;  // points between two looks at the progress
 
+std::string trimmed(const std::string& text) {
+  const size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
+  return first == std::string::npos ? "" : text.substr(first, last - first + 1);
+}
+
+/// The fields between commas, without the blanks around them.
 std::vector<std::string> split(const std::string& line) {
   std::vector<std::string> fields(1);
   for (const char c : line) {
@@ -34,13 +43,25 @@ std::vector<std::string> split(const std::string& line) {
       fields.back() += c;
     }
   }
+  for (std::string& field : fields) field = trimmed(field);
   return fields;
+}
+
+/// The header's columns are the right ones in the right order.
+void check_header(const std::string& where, const std::string& line) {
+  const std::vector<std::string> names = split(line);
+  for (size_t c = 0; c < 6; ++c) {
+    const std::string got = c < names.size() ? names[c] : "";
+    LTE_CHECK(got == kColumns[c], where, ", column ", c + 1, ": expected \"", kColumns[c],
+              "\" of the header \"", kHeader, "\", got \"", got.substr(0, 80), "\"",
+              line.find(';') != std::string::npos ? "; columns are separated by commas" : "");
+  }
+  LTE_CHECK(names.size() == 6, where, ", column 7: expected 6 columns, got ", names.size());
 }
 
 float parse_number(const std::string& where, const char* column, const std::string& field) {
   char* end = nullptr;
   const double value = std::strtod(field.c_str(), &end);
-  while (*end == ' ' || *end == '\t') ++end;
   LTE_CHECK(!field.empty() && end != field.c_str() && *end == '\0', where, ", column ", column,
             ": expected a number, got \"", field, "\"");
   LTE_CHECK(std::isfinite(static_cast<float>(value)), where, ", column ", column, ": ", field,
@@ -107,11 +128,11 @@ ProbePoints read_probe_points(const std::filesystem::path& path) {
     const std::string where = concat(path.string(), ": line ", number);
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (number == 1) {
-      LTE_CHECK(line == kHeader, where, ": expected the header \"", kHeader, "\", got \"",
-                line.substr(0, 80), "\"");
+      if (line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
+      check_header(where, line);
       continue;
     }
-    if (line.empty()) continue;
+    if (trimmed(line).empty()) continue;
     const std::vector<std::string> fields = split(line);
     LTE_CHECK(fields.size() <= 6, where, ", column ", 7, ": expected 6 columns, got ",
               fields.size());

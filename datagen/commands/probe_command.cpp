@@ -25,8 +25,15 @@ struct ProbeFlags {
 };
 
 void run_probe(ProbeFlags* flags) {
+  CommandFiles files;
+  add_scene_files(flags->scene, flags->options, &files);
+  files.reads("--points", flags->points);
+  files.writes("--out", flags->out);
+  files.writes_common(flags->common);
+  files.check();
   apply_common_options(flags->common);
   const scene::Scene scene = load_and_report(flags->scene, flags->options);
+  files.check_what_was_read();
   if (flags->validate_only) {
     std::fputs(validation_line(flags->scene, scene).c_str(), stdout);
     return;

@@ -7,6 +7,7 @@
 
 #include "datagen/boxes/room.h"
 #include "lte/base/check.h"
+#include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/base/timer.h"
 #include "lte/cli/progress.h"
@@ -133,7 +134,7 @@ void Generator::make(const std::vector<int64_t>& todo, Manifest* manifest) {
   }
 }
 
-/// Makes one scene. An error ends up in the record.
+/// Makes one scene. An error ends up in the record, but for a full disk.
 SceneRecord Generator::attempt(int64_t index) const {
   SceneRecord record;
   record.index = index;
@@ -143,6 +144,8 @@ SceneRecord Generator::attempt(int64_t index) const {
   const Timer timer;
   try {
     make_scene(index, &record);
+  } catch (const DiskFull&) {  // no fault of this scene: the next would fail too
+    throw;
   } catch (const std::exception& error) {  // lte::Error, std::bad_alloc, ...
     record.error = *error.what() != '\0' ? error.what() : "unknown fault";
   }
@@ -190,7 +193,12 @@ BakeOptions Generator::bake_options(int64_t index, const scene::Scene& scene) co
 
 GenerateResult generate_dataset(const DatagenConfig& config, const GenerateOptions& options,
                                 const SceneMaker& make_scene) {
-  return Generator(config, options, make_scene).run();
+  try {
+    return Generator(config, options, make_scene).run();
+  } catch (const DiskFull& error) {
+    throw Error(
+        concat(error.what(), "; the finished scenes stay: make room and go on with --resume"));
+  }
 }
 
 GenerateResult merge_dataset(const fs::path& out) {

@@ -40,7 +40,8 @@ using SceneMaker = std::function<scene::Scene(uint64_t, const std::string&)>;
 /// run that is killed loses the scene in work and nothing else.
 ///
 /// A scene that fails is recorded in the manifest and left out. kFailuresInARow failures in a row
-/// end the run, since then something other than the scenes is at fault.
+/// end the run, since then something other than the scenes is at fault. So does a full disk, at
+/// once.
 /// @param make_scene  for scenes of other sources; empty for generate_scene()
 /// @throws lte::Error if `out` is not empty and not a data set of this configuration, or holds
 ///         scenes of this shard and `resume` is not set, another process is at work on them, or a

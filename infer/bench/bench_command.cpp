@@ -4,6 +4,8 @@
 
 #include "infer/common/tool_options.h"
 #include "lte/base/file.h"
+#include "lte/cli/command_files.h"
+#include "lte/cli/numbers.h"
 #include "lte/runtime/device.h"
 
 #ifndef LTE_HAS_SCENE
@@ -16,10 +18,10 @@ void add_bench_options(CLI::App& app, BenchRequest* request) {
   BenchOptions& options = request->options;
   add_common_options(app, &request->common);
   app.add_option("--repeats", options.repeats, "Timed runs after the warm-up")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--channels", options.channels, "D of the network")->check(CLI::PositiveNumber);
-  app.add_option("--scene-points", options.scene_points, "M")->check(CLI::PositiveNumber);
-  app.add_option("--queries", options.queries, "Query points")->check(CLI::PositiveNumber);
+      ->check(positive_number());
+  app.add_option("--channels", options.channels, "D of the network")->check(positive_number());
+  app.add_option("--scene-points", options.scene_points, "M")->check(positive_number());
+  app.add_option("--queries", options.queries, "Query points")->check(positive_number());
   const auto add = [&app, request](const char* name, const char* help, auto benchmark) {
     CLI::App* command = app.add_subcommand(name, help)->fallthrough();
     command->callback([request, benchmark] { request->benchmark = benchmark; });
@@ -43,10 +45,16 @@ void add_bench_options(CLI::App& app, BenchRequest* request) {
 }
 
 void run_bench(const BenchRequest& request) {
+  CommandFiles files;
+  files.reads("--scene", request.options.scene);
+  files.reads("--checkpoint", request.options.checkpoint);
+  files.writes_common(request.common);
+  files.check();
   apply_common_options(request.common);
   runtime::set_torch_threads(request.common.threads);
   const std::vector<BenchResult> results = request.benchmark(request.options);
   std::fputs(bench_table(results).c_str(), stdout);
+  files.check_what_was_read();
   if (!request.common.json.empty()) write_file(request.common.json, bench_json(results));
 }
 

@@ -10,6 +10,8 @@
 #include "lte/base/config.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
+#include "lte/cli/command_files.h"
+#include "lte/cli/numbers.h"
 #include "lte/nn/device.h"
 
 namespace lte::infer {
@@ -56,6 +58,20 @@ fs::path make_report_folder(const std::string& report) {
   return report;
 }
 
+/// @throws lte::Error if an output would replace an input or another output
+void claim_files(const EvalRequest& request, CommandFiles* files) {
+  files->reads("--config", request.config);
+  files->reads("--checkpoint", request.checkpoint);
+  files->reads("--baselines", request.baselines);
+  files->reads_parts("--data", request.data, data::kDatasetParts);
+  files->reads_parts("--fit-baselines", request.fit_baselines, data::kDatasetParts);
+  files->writes_parts("--report", request.report, {"report.html", "metrics.csv"});
+  files->writes("--csv", request.csv);
+  files->writes("--out", request.out);
+  files->writes_common(request.tool.common);
+  files->check();
+}
+
 void fit_to_file(const EvalRequest& request) {
   check_writable(request.out);
   const Baselines fitted = fit_baselines(request.fit_baselines);
@@ -83,13 +99,13 @@ void add_eval_options(CLI::App& app, EvalRequest* r) {
   app.add_option("--seed", r->bootstrap.seed, "Seed of the resamples")->capture_default_str();
   auto* probes = app.add_option("--probes", r->probes,
                                 "Probes a scene of irradiance_probes; 0: without that predictor")
-                     ->check(CLI::NonNegativeNumber)
+                     ->check(non_negative_number())
                      ->capture_default_str();
   app.add_option(
          "--probe-rate", r->probe_rate,
          "Paths a second of a path tracer: as many probes as it bakes while a scene is encoded, "
          "and with the paths of the network's light estimates")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->excludes(probes);
   app.add_option("--fit-baselines", r->fit_baselines,
                  "Fit the baselines on this data set's training split and stop")
@@ -112,6 +128,8 @@ void read_run_config(EvalRequest* request) {
 
 void run_eval(const EvalRequest& request) {
   check_usage(request);
+  CommandFiles files;
+  claim_files(request, &files);
   apply_tool_options(request.tool);
   if (!request.fit_baselines.empty()) return fit_to_file(request);
   check_writable(request.tool.common.json);
@@ -120,11 +138,15 @@ void run_eval(const EvalRequest& request) {
   const fs::path checkpoint = checkpoint_or_shipped(request.checkpoint);
   const fs::path data =
       request.data.empty() ? asset_path(kShippedData, "--data") : fs::path(request.data);
+  files.reads("--checkpoint", checkpoint);
+  files.reads_parts("--data", data, data::kDatasetParts);
+  files.check();
   const c10::Device device = nn::choose_device(request.tool.device, 0, "--device");
   const runtime::Network network(checkpoint,
                                  {device, choose_precision(request.tool.precision, device)});
   const runtime::MemoryLimit memory(request.tool.max_memory_mb);
   const Baselines baselines = find_baselines(request, checkpoint, data);
+  files.check_what_was_read();
   const fs::path folder = make_report_folder(request.report);
 
   EvalSettings settings;

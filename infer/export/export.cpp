@@ -17,6 +17,7 @@
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/version.h"
+#include "lte/cli/command_files.h"
 #include "lte/nn/model_file.h"
 
 namespace lte::infer {
@@ -106,6 +107,11 @@ std::vector<ExportCheck> export_torchscript(const ExportOptions& options) {
     if (options.progress) options.progress(step);
   };
   const std::filesystem::path path = checkpoint_or_shipped(options.model);
+  CommandFiles files;
+  files.reads("--checkpoint", path);
+  files.writes("--out", options.out);
+  files.writes("--log-file", options.log_file);
+  files.check();
   say(concat("reading ", path.string()));
   nn::LightTransportModel model = nn::load_model(path);
   say("compiling the module");

@@ -13,8 +13,9 @@ namespace lte::infer {
 struct ExportOptions {
   std::string model;  ///< a model file; empty: the shipped one
   std::filesystem::path out;
-  bool portable = false;  ///< built-in operators alone
-  bool verify = false;    ///< load the file and compare with the native model at three sizes
+  bool portable = false;   ///< built-in operators alone
+  bool verify = false;     ///< load the file and compare with the native model at three sizes
+  std::string log_file{};  ///< --log-file, which is open already; empty: none
   /// Told what begins, e.g. "comparing at 257 scene points and 100 queries".
   std::function<void(const std::string& step)> progress = {};
 };

@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
                "Load the file again and compare with the native model at three sizes");
   return run_tool(app, argc, argv, [&] {
     apply_common_options(common);
+    options.log_file = common.log_file;
     options.progress = [](const std::string& step) { log_info("export: ", step); };
     for (const infer::ExportCheck& check : infer::export_torchscript(options)) {
       std::printf("verified M = %lld, Q = %lld: largest deviation %.2e of the largest value\n",

@@ -19,6 +19,8 @@
 #include "lte/base/log.h"
 #include "lte/base/process_memory.h"
 #include "lte/base/timer.h"
+#include "lte/cli/command_files.h"
+#include "lte/cli/numbers.h"
 #include "lte/nn/device.h"
 #include "lte/pathtrace/added_light.h"
 #include "lte/scene/import/environment_file.h"
@@ -152,6 +154,26 @@ void print_times(const RenderRequest& request, const StageSeconds& s, double tot
   std::printf(" | seconds: ");
   for (const Stage& stage : kStages) std::printf("%s %.2f, ", stage.name, s.*stage.seconds);
   std::printf("total %.2f | peak %.0f MiB\n", total, peak_rss_mb());
+}
+
+/// @throws lte::Error if an output would replace an input or another output
+void claim_files(const RenderRequest& request, CommandFiles* files) {
+  files->reads("SCENE", request.scene);
+  files->reads("--checkpoint", request.checkpoint);
+  files->reads("--camera", request.camera);
+  files->reads("--environment", request.environment);
+  files->writes("--out", request.out);
+  files->writes_common(request.tool.common);
+  files->check();
+}
+
+/// The same of the files of several views, whose names are made from --out.
+void claim_views(const RenderRequest& request, const std::vector<View>& views,
+                 CommandFiles* files) {
+  for (const View& view : views) {
+    if (view.out != request.out) files->writes("--out", view.out);
+  }
+  files->check();
 }
 
 /// The network if this picture needs one.
@@ -318,6 +340,8 @@ void run_render(const RenderRequest& request) {
     throw CLI::ValidationError("--out",
                                "name the picture to write (.exr or .png), or pass --validate-only");
   }
+  CommandFiles files;
+  claim_files(request, &files);
   apply_tool_options(request.tool);
   check_writable(request.out);
   check_writable(request.tool.common.json);
@@ -327,12 +351,14 @@ void run_render(const RenderRequest& request) {
   describe(scene, request.scene);
   Renderer renderer(scene);
   const std::vector<View> views = views_of(request, renderer.bvh());
+  claim_views(request, views, &files);
   say_unit(request.scene, renderer.bvh());
   if (!renderer.has_light())
     log_warning(request.scene,
                 ": nothing emits light; every output with light in it is black "
                 "(--environment 1,1,1 or --add-light auto gives it some)");
   const std::optional<runtime::Network> network = load_network(request, renderer);
+  files.check_what_was_read();
   renderer.seconds().load = total.seconds();
   const runtime::MemoryLimit memory(request.tool.max_memory_mb);
   if (network) {

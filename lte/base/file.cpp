@@ -5,9 +5,11 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <mutex>
 #include <random>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -67,14 +69,22 @@ static_assert(std::atomic<int>::is_always_lock_free, "the signal handler reads t
 
 Registry g_registry;
 
+/// The text of the SignalNote that lives. The size is set last and cleared first, so that the
+/// handler never meets half a text.
+std::array<char, 512> g_note;
+std::atomic<size_t> g_note_size{0};
+static_assert(std::atomic<size_t>::is_always_lock_free, "the signal handler reads it");
+
 extern "C" void remove_temporaries_and_exit(int signal) {
   g_registry.unlink_all();
+  const size_t size = g_note_size;
+  if (size > 0 && ::write(STDERR_FILENO, g_note.data(), size) < 0) _exit(128 + signal);
   _exit(128 + signal);
 }
 
-[[noreturn]] void fail(const fs::path& path, const std::string& what, int error) {
-  throw Error(concat(path.string(), ": ", what, ": ", std::strerror(error)));
-}
+std::mutex g_watch_mutex;
+std::vector<ReadWatch*> g_watches;
+
 
 /// The file that `path` leads to, so that a symbolic link survives; `path` itself, made absolute,
 /// if it is no link.
@@ -107,6 +117,14 @@ const std::string& process_token() {
 
 }  // namespace
 
+void fail_on_file(const fs::path& path, const std::string& what, int system_error) {
+  const std::string text = concat(path.string(), ": ", what, ": ", std::strerror(system_error));
+  // EFBIG: beyond the limit of this process (ulimit -f), to which no other file is an exception.
+  if (system_error == ENOSPC || system_error == EDQUOT || system_error == EFBIG)
+    throw DiskFull(text);
+  throw Error(text);
+}
+
 AtomicFile::AtomicFile(const fs::path& path) : path_(path) {
   static std::atomic<uint64_t> counter{0};
   const fs::path target = resolve(path);
@@ -118,7 +136,7 @@ AtomicFile::AtomicFile(const fs::path& path) : path_(path) {
     // A device or pipe cannot be replaced by a file of that name: write straight into it.
     temporary_ = path_;
     file_ = std::fopen(path_.c_str(), "we");
-    if (file_ == nullptr) fail(path_, "cannot write", errno);
+    if (file_ == nullptr) fail_on_file(path_, "cannot write", errno);
     return;
   }
   path_ = target;
@@ -136,8 +154,9 @@ AtomicFile::AtomicFile(const fs::path& path) : path_(path) {
       ::unlink(temporary_.c_str());
     }
     g_registry.remove(temporary_.string());
-    fail(path, error == ENOENT ? "cannot create: its directory does not exist" : "cannot create",
-         error);
+    fail_on_file(path,
+                 error == ENOENT ? "cannot create: its directory does not exist" : "cannot create",
+                 error);
   }
 }
 
@@ -151,17 +170,18 @@ AtomicFile::~AtomicFile() {
 
 void AtomicFile::write(const void* bytes, size_t size) {
   LTE_CHECK(file_ != nullptr, path_.string(), ": cannot write: already committed");
-  if (size > 0 && std::fwrite(bytes, 1, size, file_) != size) fail(path_, "cannot write", errno);
+  if (size > 0 && std::fwrite(bytes, 1, size, file_) != size)
+    fail_on_file(path_, "cannot write", errno);
 }
 
 void AtomicFile::commit() {
   LTE_CHECK(file_ != nullptr, path_.string(), ": cannot write: already committed");
   const bool direct = temporary_ == path_;
   // On failure file_ stays open and the destructor cleans up.
-  if (std::fflush(file_) != 0) fail(path_, "cannot write", errno);
-  if (!direct && ::fsync(::fileno(file_)) != 0) fail(path_, "cannot write", errno);
+  if (std::fflush(file_) != 0) fail_on_file(path_, "cannot write", errno);
+  if (!direct && ::fsync(::fileno(file_)) != 0) fail_on_file(path_, "cannot write", errno);
   if (!direct && ::rename(temporary_.c_str(), path_.c_str()) != 0) {
-    fail(path_, "cannot rename the finished file", errno);
+    fail_on_file(path_, "cannot rename the finished file", errno);
   }
   const int closed = std::fclose(file_);
   const int error = errno;
@@ -170,7 +190,7 @@ void AtomicFile::commit() {
     g_registry.remove(temporary_.string());
     sync_directory(path_.parent_path());
   }
-  if (closed != 0) fail(path_, "cannot write", error);
+  if (closed != 0) fail_on_file(path_, "cannot write", error);
 }
 
 void write_file(const fs::path& path, std::string_view text) {
@@ -182,7 +202,8 @@ void write_file(const fs::path& path, std::string_view text) {
 std::string read_file(const fs::path& path, size_t limit_bytes) {
   LTE_CHECK(!fs::is_directory(path), path.string(), ": cannot read: is a directory");
   std::FILE* file = std::fopen(path.c_str(), "rbe");
-  if (file == nullptr) fail(path, "cannot read", errno);
+  if (file == nullptr) fail_on_file(path, "cannot read", errno);
+  note_read(::fileno(file));
   std::string text;
   std::array<char, 65536> buffer;
   size_t got = 0;
@@ -192,7 +213,7 @@ std::string read_file(const fs::path& path, size_t limit_bytes) {
   }
   const int error = std::ferror(file) != 0 ? errno : 0;
   std::fclose(file);
-  if (error != 0) fail(path, "cannot read", error);
+  if (error != 0) fail_on_file(path, "cannot read", error);
   LTE_CHECK(text.size() <= limit_bytes, path.string(), ": is larger than the limit of ",
             limit_bytes, " bytes");
   return text;
@@ -220,9 +241,45 @@ void install_signal_cleanup() {
   sigaction(SIGXFSZ, &action, nullptr);
 }
 
+SignalNote::SignalNote(std::string_view line) {
+  constexpr size_t kMost = 500;
+  // A progress bar may stand on the terminal's last line.
+  const std::string text =
+      concat(::isatty(STDERR_FILENO) == 1 ? "\r\033[K" : "", line.substr(0, kMost), "\n");
+  std::memcpy(g_note.data(), text.data(), text.size());
+  g_note_size = text.size();
+}
+
+SignalNote::~SignalNote() { g_note_size = 0; }
+
+void note_read(int fd) {
+  const std::lock_guard lock(g_watch_mutex);
+  struct stat info {};
+  if (g_watches.empty() || ::fstat(fd, &info) != 0) return;
+  for (ReadWatch* watch : g_watches) watch->note(info.st_dev, info.st_ino);
+}
+
+ReadWatch::ReadWatch() {
+  const std::lock_guard lock(g_watch_mutex);
+  g_watches.push_back(this);
+}
+
+ReadWatch::~ReadWatch() {
+  const std::lock_guard lock(g_watch_mutex);
+  std::erase(g_watches, this);
+}
+
+bool ReadWatch::saw(const fs::path& path) const {
+  struct stat info {};
+  if (::stat(path.c_str(), &info) != 0) return false;
+  const std::lock_guard lock(g_watch_mutex);
+  return seen_.contains({info.st_dev, info.st_ino});
+}
+
 MappedFile::MappedFile(const fs::path& path) {
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0) fail(path, "cannot read", errno);
+  if (fd < 0) fail_on_file(path, "cannot read", errno);
+  note_read(fd);
   struct stat info {};
   const bool regular = ::fstat(fd, &info) == 0 && S_ISREG(info.st_mode);
   size_ = regular ? static_cast<size_t>(info.st_size) : 0;
@@ -234,7 +291,7 @@ MappedFile::MappedFile(const fs::path& path) {
   }
   ::close(fd);
   LTE_CHECK(regular, path.string(), ": cannot read: not a regular file");
-  if (error != 0) fail(path, "cannot map", error);
+  if (error != 0) fail_on_file(path, "cannot map", error);
   data_ = static_cast<const std::byte*>(data);
 }
 

@@ -12,6 +12,8 @@
 #include <nlohmann/json.hpp>
 
 #include "lte/base/check.h"
+#include "lte/base/checksum.h"
+#include "lte/base/text.h"
 
 namespace lte {
 namespace {
@@ -99,6 +101,28 @@ Json parse_header(const std::string& path, const char* begin, const char* end) {
   }
   LTE_CHECK(header.is_object(), path, ": not a safetensors file: its header is not a JSON object");
   return header;
+}
+
+constexpr size_t kChecksumDigits = 16;
+const std::string kNoChecksum(kChecksumDigits, '0');
+
+/// Where the digits of the checksum stand in a header as we write it; npos if they do not. Quotes
+/// within texts are escaped, so what is searched for is a key.
+size_t checksum_place(std::string_view header) {
+  const std::string key = concat('"', kChecksumKey, "\":\"");
+  const size_t at = header.find(key);
+  return at == std::string_view::npos ? at : at + key.size();
+}
+
+/// @param header   with zeros in place of the checksum
+/// @param tensors  in the order of their data
+std::string checksum_text(uint64_t header_size, const std::string& header,
+                          const std::vector<TensorView>& tensors) {
+  Checksum checksum;
+  checksum.add(&header_size, sizeof(header_size));
+  checksum.add(header);
+  for (const TensorView& tensor : tensors) checksum.add(tensor.data, tensor.size_bytes());
+  return formatted("%016llx", static_cast<unsigned long long>(checksum.value()));
 }
 
 /// A tensor of the header, with its range in the data.
@@ -198,9 +222,12 @@ void SafetensorsWriter::write(const std::filesystem::path& path) const {
     return dtype_size(a.second.dtype) > dtype_size(b.second.dtype);
   });
   Json header = Json::object();
-  if (!metadata_.empty()) header[kMetadataKey] = metadata_;
+  header[kMetadataKey] = metadata_;
+  header[kMetadataKey][kChecksumKey] = kNoChecksum;
   uint64_t offset = 0;
+  std::vector<TensorView> data;
   for (const auto& [name, tensor] : ordered) {
+    data.push_back(tensor);
     const uint64_t end = offset + tensor.size_bytes();
     header[name] = {{"dtype", dtype_name(tensor.dtype)},
                     {"shape", tensor.shape},
@@ -218,6 +245,7 @@ void SafetensorsWriter::write(const std::filesystem::path& path) const {
   LTE_CHECK(text.size() <= kMaxHeaderSize, path.string(), ": the header would be ", text.size(),
             " bytes; the format allows ", kMaxHeaderSize);
   const uint64_t header_size = text.size();
+  text.replace(checksum_place(text), kChecksumDigits, checksum_text(header_size, text, data));
   AtomicFile file(path);
   file.write(&header_size, sizeof(header_size));
   file.write(text);
@@ -256,6 +284,27 @@ SafetensorsFile::SafetensorsFile(const std::filesystem::path& path)
     entry.tensor.data = file_->data() + data_begin + entry.begin;
     tensors_.emplace(entry.name, std::move(entry.tensor));
   }
+}
+
+void SafetensorsFile::verify() const {
+  const auto found = metadata_.find(kChecksumKey);
+  if (found == metadata_.end()) return;
+  uint64_t size = 0;
+  std::memcpy(&size, file_->data(), kPrefixSize);
+  std::string header(reinterpret_cast<const char*>(file_->data()) + kPrefixSize, size);
+  std::vector<TensorView> data;
+  for (const auto& [name, tensor] : tensors_) data.push_back(tensor);
+  std::stable_sort(data.begin(), data.end(),
+                   [](const TensorView& a, const TensorView& b) { return a.data < b.data; });
+  const size_t at = checksum_place(header);
+  bool same = at != std::string::npos && at + kChecksumDigits <= header.size() &&
+              found->second.size() == kChecksumDigits;
+  if (same) {
+    header.replace(at, kChecksumDigits, kNoChecksum);
+    same = found->second == checksum_text(size, header, data);
+  }
+  LTE_CHECK(same, path_.string(), ": damaged: its bytes do not give its checksum (metadata \"",
+            kChecksumKey, "\"; a program that changes the file on purpose has to leave that out)");
 }
 
 const TensorView& SafetensorsFile::at(const std::string& name) const {

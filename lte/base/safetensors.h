@@ -60,6 +60,9 @@ struct TensorView {
   size_t size_bytes() const { return static_cast<size_t>(numel()) * dtype_size(dtype); }
 };
 
+/// Metadata of every file that SafetensorsWriter writes.
+inline constexpr const char* kChecksumKey = "lte_checksum";
+
 /// Collects tensors (borrowed: they must outlive write()) and writes them. The data starts at a
 /// multiple of 64 bytes; in it the tensors follow one another without gaps, which the format wants,
 /// wide elements first and then by name, so that each is aligned to its element.
@@ -75,7 +78,9 @@ class SafetensorsWriter {
   }
   void set_metadata(const std::string& key, const std::string& value) { metadata_[key] = value; }
 
-  /// Atomic. The same tensors and metadata give the same bytes.
+  /// Atomic. The same tensors and metadata give the same bytes. Adds the metadata
+  /// kChecksumKey, the Checksum of the whole file in 16 hexadecimal digits, computed with zeros in
+  /// their place.
   /// @throws lte::Error if the file cannot be written.
   void write(const std::filesystem::path& path) const;
 
@@ -91,6 +96,11 @@ class SafetensorsFile {
  public:
   /// @throws lte::Error naming `path` if it is missing, truncated or not safetensors.
   explicit SafetensorsFile(const std::filesystem::path& path);
+
+  /// Reads the whole file against its checksum. One that has none, as other programs and earlier
+  /// builds write them, passes.
+  /// @throws lte::Error naming `path` if any bit of header or data is not as it was written.
+  void verify() const;
 
   const std::filesystem::path& path() const { return path_; }
   bool contains(const std::string& name) const { return tensors_.count(name) > 0; }

@@ -15,6 +15,7 @@
 #include "lte/base/passive_waiting.h"
 #include "lte/base/text.h"
 #include "lte/base/version.h"
+#include "lte/cli/numbers.h"
 
 namespace lte {
 namespace {
@@ -47,6 +48,12 @@ void collect_names(const CLI::App& app, bool flags, std::vector<std::string>* na
   for (const CLI::App* command : app.get_subcommands()) collect_names(*command, flags, names);
 }
 
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
 /// What the parser did not recognize, with the nearest right name; empty if it recognized all.
 std::string unknown_arguments(const CLI::App& app) {
   const std::vector<std::string> left = app.remaining(true);
@@ -65,11 +72,20 @@ std::string unknown_arguments(const CLI::App& app) {
                                   : concat("unexpected argument \"", word, "\"");
   const std::string nearest = is_flag || is_command ? nearest_name(name, candidates) : "";
   if (!nearest.empty()) text += concat("; did you mean ", nearest, "?");
+  if (is_command && nearest.empty()) text += "; the commands are " + joined(candidates);
   return text;
 }
 
+/// Whether the first word stands where a command is expected and is none.
+bool names_no_command(const CLI::App& app) {
+  const std::vector<std::string> left = app.remaining(true);
+  return !left.empty() && left.front().rfind('-', 0) != 0 && app.get_subcommands().empty() &&
+         !app.get_subcommands({}).empty();
+}
+
 int report_usage(const CLI::App& app, const CLI::ParseError& error) {
-  if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
+  // --help and --version; but help for a command that does not exist is no help.
+  if (error.get_exit_code() == 0 && !names_no_command(app)) return app.exit(error);
   std::string text = unknown_arguments(app);
   if (text.empty()) text = one_line(error);
   std::cerr << app.get_name() << ": " << text << " (see " << app.get_name() << " --help)\n";
@@ -124,6 +140,7 @@ std::string config_text(CLI::App& app) {
 
 int run_tool(CLI::App& app, int argc, char** argv, const std::function<void()>& body) {
   install_signal_cleanup();
+  guard_numbers(&app);
   try {
     app.parse(argc, argv);
     wait_passively();

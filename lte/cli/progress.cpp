@@ -34,6 +34,11 @@ std::string clock_time(double seconds) {
   return formatted("%lld:%02lld:%02lld", total / 3600, total / 60 % 60, total % 60);
 }
 
+/// "0.15 s", "12 s", then "1:02": what the rate beside it was computed from.
+std::string time_taken(double seconds) {
+  return seconds < 59.5 ? formatted("%.2g s", seconds) : clock_time(seconds);
+}
+
 std::string bar(double fraction) {
   const int filled = static_cast<int>(fraction * kBarWidth);
   std::string text(kBarWidth, ' ');
@@ -83,7 +88,7 @@ void Progress::print(bool last) {
   const double rate = static_cast<double>(done) / seconds;
   const std::string speed = concat(short_number(rate), " ", unit_, "/s");
   if (last) {
-    log_info(label_, ": ", done, " ", unit_, " in ", clock_time(seconds), ", ", speed);
+    log_info(label_, ": ", done, " ", unit_, " in ", time_taken(seconds), ", ", speed);
     return;
   }
   if (log_level() < LogLevel::Info) return;

@@ -133,12 +133,9 @@ DatasetInfo read_dataset_info(const std::filesystem::path& directory, MissingSce
   const std::string file = info_path(directory).string();
   LTE_CHECK(std::filesystem::is_directory(directory), directory.string(),
             ": no such data-set directory");
-  LTE_CHECK(std::filesystem::exists(file) || !std::filesystem::exists(directory / "config.yaml"),
-            file,
-            ": missing: the data set is unfinished; lte_datagen generate --resume makes the rest, "
-            "--merge lists what is there");
-  LTE_CHECK(std::filesystem::exists(file), file,
-            ": missing; is this a data set? lte_datagen generate makes one");
+  if (!std::filesystem::exists(file) && std::filesystem::exists(directory / "config.yaml"))
+    throw UnfinishedDataset(concat(file, ": missing: the data set is unfinished"));
+  LTE_CHECK(std::filesystem::exists(file), file, ": missing; is this a data set?");
   const Json json = Json::parse(read_file(file), nullptr, false);
   LTE_CHECK(!json.is_discarded() && json.is_object(), file, ": not a JSON object, or truncated");
   LTE_CHECK(text_of(file, json, "format") == kFormat, file, ": key \"format\": expected \"",
@@ -166,10 +163,9 @@ DatasetInfo read_dataset_info(const std::filesystem::path& directory, MissingSce
     info.scenes.push_back(parse_entry(where, scenes[i]));
     const std::string& name = info.scenes.back().name;
     LTE_CHECK(names.insert(name).second, where, ": key \"name\": \"", name, "\" is there twice");
-    LTE_CHECK(
-        missing == MissingScenes::Allow || std::filesystem::exists(scene_path(directory, name)),
-        where, ": file ", scene_path(directory, name).string(),
-        " is missing; lte_datagen generate --resume makes it again");
+    const std::filesystem::path path = scene_path(directory, name);
+    if (missing == MissingScenes::Refuse && !std::filesystem::exists(path))
+      throw UnfinishedDataset(concat(where, ": file ", path.string(), " is missing"));
   }
   const auto listed = static_cast<int64_t>(info.scenes.size());
   info.planned = listed;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lte/base/check.h"
 #include "lte/data/scene_sample.h"
 
 namespace lte::data {
@@ -57,12 +58,25 @@ struct DatasetInfo {
 /// Atomic.
 void write_dataset_info(const std::filesystem::path& directory, const DatasetInfo& info);
 
+/// Files of a data set are missing that its generator can make. A program that has a command for
+/// that names it.
+class UnfinishedDataset : public Error {
+ public:
+  using Error::Error;
+};
+
+/// What of a data-set directory belongs to the data set: files, and folders with all in them.
+/// config.yaml and manifest are its generator's.
+inline const std::vector<std::string> kDatasetParts = {"dataset.json", "config.yaml", "scenes",
+                                                       "manifest"};
+
 /// Whether a listed scene whose file is missing is an error, or left for the reader to find out.
 enum class MissingScenes { Refuse, Allow };
 
 /// Warns if fewer scenes are listed than planned.
 /// @throws lte::Error naming the file and the key if dataset.json is missing, malformed or of a
-/// newer version, or names a scene twice or one whose file is missing.
+/// newer version, or names a scene twice; UnfinishedDataset if dataset.json is not written yet or
+/// names a scene whose file is missing.
 DatasetInfo read_dataset_info(const std::filesystem::path& directory,
                               MissingScenes missing = MissingScenes::Refuse);
 

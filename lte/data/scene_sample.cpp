@@ -194,6 +194,7 @@ void write_scene_sample(const std::filesystem::path& path, const SceneSample& sa
 SceneSample read_scene_sample(const std::filesystem::path& path) {
   const SafetensorsFile file(path);
   check_header(file);
+  file.verify();
   SceneSample sample;
   read_metadata(file, &sample);
   read_sizes(file, &sample);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lte/base/check.h"
+#include "lte/base/log.h"
 #include "lte/base/safetensors.h"
 #include "lte/base/version.h"
 #include "lte/nn/tensor_io.h"
@@ -13,6 +14,10 @@ namespace lte::nn {
 namespace {
 
 constexpr int64_t kFormatVersion = 1;
+
+/// Weights of the shipped models stay below 4. One beyond this bound makes nonsense of what the
+/// network answers; training under weight decay and clipping does not get there.
+constexpr float kLargestWeight = 1e6f;
 
 /// Keys that may differ between a file and the model that takes its weights: the same weights mean
 /// the same under them, or are meant to be tuned further.
@@ -36,6 +41,22 @@ ModelConfig read_config(const SafetensorsFile& file) {
   return config;
 }
 
+/// One line for the largest weight beyond kLargestWeight, if there is any.
+void warn_of_large_weights(const std::string& name, const LightTransportModelImpl& model) {
+  std::string tensor;
+  float largest = kLargestWeight;
+  for (const auto& item : model.named_parameters()) {
+    if (item.value().numel() == 0) continue;
+    const float value = item.value().abs().max().item<float>();
+    if (value <= largest) continue;
+    largest = value;
+    tensor = item.key();
+  }
+  if (!tensor.empty())
+    log_warning(name, ": tensor ", tensor, " has a weight of ", largest, ", above ", kLargestWeight,
+                ": the file is damaged or its training diverged");
+}
+
 void copy_weights(const SafetensorsFile& file, LightTransportModelImpl& model) {
   const std::string name = file.path().string();
   const at::NoGradGuard no_grad;
@@ -50,6 +71,7 @@ void copy_weights(const SafetensorsFile& file, LightTransportModelImpl& model) {
               " has a value that is not finite");
     item.value().copy_(from);
   }
+  warn_of_large_weights(name, model);
 }
 
 void check_same_config(const std::string& name, const ModelConfig& file, const ModelConfig& model) {
@@ -81,6 +103,7 @@ void save_model(const std::filesystem::path& path, const LightTransportModel& mo
 
 LightTransportModel load_model(const std::filesystem::path& path) {
   const SafetensorsFile file(path);
+  file.verify();  // before its configuration decides how large a model is made
   LightTransportModel model(read_config(file));
   copy_weights(file, *model);
   model->eval();
@@ -89,6 +112,7 @@ LightTransportModel load_model(const std::filesystem::path& path) {
 
 void load_weights(const std::filesystem::path& path, LightTransportModel& model) {
   const SafetensorsFile file(path);
+  file.verify();
   check_same_config(path.string(), read_config(file), model->config());
   copy_weights(file, *model);
 }

@@ -16,8 +16,10 @@ void save_model(const std::filesystem::path& path, const LightTransportModel& mo
                 const std::map<std::string, std::string>& extra = {});
 
 /// A model in evaluation mode with the file's configuration and weights.
-/// @throws lte::Error naming the file if it is no model or of a newer format, and naming the tensor
-///         that is missing, superfluous, of another shape, or not finite.
+/// Warns, in one line that names the tensor, of a weight beyond 10^6.
+/// @throws lte::Error naming the file if it is no model, of a newer format or damaged (its bytes do
+///         not give its checksum; files of earlier builds have none and are taken as they are), and
+///         naming the tensor that is missing, superfluous, of another shape, or not finite.
 LightTransportModel load_model(const std::filesystem::path& path);
 
 /// Copies weights of `path` into `model`.

@@ -6,11 +6,11 @@
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/support/file_limit.h"
 #include "tests/support/temp_dir.h"
 
 namespace lte {
@@ -116,22 +116,19 @@ TEST(AtomicFile, NamesMissingPermission) {
 
 TEST(AtomicFile, ReportsAFullDisk) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
+  EXPECT_THROW(write_file("/dev/full", "x"), DiskFull);
   EXPECT_THAT(error_of([] { write_file("/dev/full", "x"); }),
               AllOf(HasSubstr("/dev/full"), HasSubstr("No space left on device")));
 }
 
 TEST(AtomicFile, LeavesNothingWhenAWriteFails) {
   const TempDir dir;
-  rlimit old{};
-  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &old), 0);
-  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-  rlimit small = old;
-  small.rlim_cur = 4096;
-  setrlimit(RLIMIT_FSIZE, &small);
-  const std::string message =
-      error_of([&] { write_file(dir / "a.bin", std::string(100'000, 'x')); });
-  setrlimit(RLIMIT_FSIZE, &old);
-  std::signal(SIGXFSZ, handler);
+  std::string message;
+  {
+    const test::FileLimit full(4096);
+    message = error_of([&] { write_file(dir / "a.bin", std::string(100'000, 'x')); });
+    EXPECT_THROW(write_file(dir / "a.bin", std::string(100'000, 'x')), DiskFull);
+  }
   EXPECT_THAT(message, AllOf(HasSubstr("a.bin"), HasSubstr("File too large")));
   EXPECT_EQ(dir.count(), 0u);
 }
@@ -203,6 +200,36 @@ TEST(MappedFile, RefusesWhatIsNoFile) {
   const TempDir dir;
   EXPECT_THAT(error_of([&] { MappedFile{dir / "none"}; }), HasSubstr("No such file"));
   EXPECT_THAT(error_of([&] { MappedFile{dir.path()}; }), HasSubstr("not a regular file"));
+}
+
+TEST(ReadWatch, SeesWhatIsReadWhileItLives) {
+  const TempDir dir;
+  for (const char* name : {"before", "read", "mapped", "untouched"}) write_file(dir / name, name);
+  read_file(dir / "before");
+  const ReadWatch watch;
+  read_file(dir / "read");
+  std::filesystem::create_symlink(dir / "mapped", dir / "link");
+  const MappedFile map(dir / "link");
+  EXPECT_FALSE(watch.saw(dir / "before"));
+  EXPECT_TRUE(watch.saw(dir / "read"));
+  EXPECT_TRUE(watch.saw(dir / "mapped"));
+  EXPECT_FALSE(watch.saw(dir / "untouched"));
+  EXPECT_FALSE(watch.saw(dir / "missing"));
+}
+
+TEST(SignalNote, IsSaidByTheHandlerWhileItLives) {
+  const auto killed = [](bool noted) {
+    install_signal_cleanup();
+    if (noted) {
+      const SignalNote note("go on with --resume");
+      std::raise(SIGINT);
+    } else {
+      { const SignalNote note("go on with --resume"); }
+      std::raise(SIGINT);
+    }
+  };
+  EXPECT_EXIT(killed(true), testing::ExitedWithCode(128 + SIGINT), "^go on with --resume\n$");
+  EXPECT_EXIT(killed(false), testing::ExitedWithCode(128 + SIGINT), "^$");
 }
 
 }  // namespace

@@ -37,6 +37,20 @@ TEST(LockedFile, NamesWhatCannotBeOpened) {
   EXPECT_THAT(test::error_of([&] { LockedFile{dir / "no/a.log"}; }), HasSubstr("no/a.log"));
 }
 
+TEST(LockedFile, RemovedItIsMadeAnew) {
+  const test::TempDir dir;
+  auto first = std::make_unique<LockedFile>(dir / "a.lock");
+  EXPECT_TRUE(first->made());
+  first->remove();
+  EXPECT_EQ(dir.count(), 0u);
+  const LockedFile second(dir / "a.lock");
+  EXPECT_TRUE(second.made());
+  EXPECT_FALSE(second.busy()) << "the file that is locked still is another one";
+  first.reset();
+  EXPECT_TRUE(LockedFile(dir / "a.lock").busy());
+  EXPECT_FALSE(LockedFile(dir / "a.lock").made());
+}
+
 TEST(Temporaries, AreToldByTheirNames) {
   const test::TempDir dir;
   const AtomicFile file(dir / "a.tmp-b.txt");

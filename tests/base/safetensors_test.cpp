@@ -71,7 +71,11 @@ TEST(Safetensors, LayoutIsTheSpecifications) {
   EXPECT_EQ((8 + header_size) % 64, 0u);
   EXPECT_EQ(bytes.size(), 8 + header_size + 11);
   EXPECT_EQ(bytes[8], '{');
-  const auto header = nlohmann::json::parse(bytes.substr(8, header_size));
+  auto header = nlohmann::json::parse(bytes.substr(8, header_size));
+  const std::string checksum = header["__metadata__"][kChecksumKey];
+  EXPECT_EQ(checksum.size(), 16u);
+  EXPECT_EQ(checksum.find_first_not_of("0123456789abcdef"), std::string::npos);
+  header["__metadata__"].erase(kChecksumKey);
   const auto expected = nlohmann::json::parse(R"({"__metadata__": {"k": "v"},
     "a_odd": {"dtype": "U8", "shape": [3], "data_offsets": [8, 11]},
     "z_wide": {"dtype": "F64", "shape": [1], "data_offsets": [0, 8]}})");

@@ -97,6 +97,14 @@ TEST(RunTool, WrongUsageIsOneLineThatNamesTheNearestName) {
   EXPECT_THAT(usage({"--thread", "4", "info"}),
               HasSubstr("unknown option --thread; did you mean --threads?"));
   EXPECT_THAT(usage({"genrate"}), HasSubstr("unknown command \"genrate\"; did you mean generate?"));
+  for (const std::vector<std::string>& rest : {std::vector<std::string>{}, {"--help"}, {"-h"}}) {
+    std::vector<std::string> arguments = {"nonsense"};
+    arguments.insert(arguments.end(), rest.begin(), rest.end());
+    EXPECT_EQ(usage(arguments),
+              "lte_x: unknown command \"nonsense\"; the commands are generate, info (see lte_x "
+              "--help)\n");
+  }
+  EXPECT_THAT(usage({"genrate", "--help"}), HasSubstr("did you mean generate?"));
   EXPECT_THAT(usage({"info", "surplus"}), HasSubstr("unexpected argument \"surplus\""));
   EXPECT_THAT(usage({"generate"}), HasSubstr("--out is required"));
   EXPECT_THAT(usage({}), HasSubstr("subcommand is required"));

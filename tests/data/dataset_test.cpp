@@ -112,7 +112,7 @@ TEST_F(Dataset, HowLightWasEstimatedComesBackAndHasDefaultsInOlderFiles) {
 TEST_F(Dataset, AnUnfinishedDatasetSaysSo) {
   std::filesystem::create_directories(folder_ / "scenes");
   write_file(folder_ / "config.yaml", "scenes: 4\n");
-  EXPECT_THAT(error(), AllOf(HasSubstr("unfinished"), HasSubstr("--resume"), HasSubstr("--merge")));
+  EXPECT_THAT(error(), AllOf(HasSubstr("unfinished"), Not(HasSubstr("--"))));
 }
 
 TEST_F(Dataset, EntriesOfASplitKeepFileOrder) {

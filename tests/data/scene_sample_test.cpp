@@ -10,6 +10,7 @@
 #include "lte/base/file.h"
 #include "lte/base/safetensors.h"
 #include "tests/data/sample_fixture.h"
+#include "tests/support/temp_dir.h"
 
 namespace lte::data::test {
 namespace {
@@ -305,6 +306,27 @@ TEST_F(SceneSampleFile, EveryTruncationIsRefused) {
     EXPECT_THAT(error_of([&] { read_scene_sample(cut); }), HasSubstr(cut.string()))
         << size << " bytes";
   }
+}
+
+/// Every fifth bit, so that all places in a byte are met; refused, or the same sample.
+TEST_F(SceneSampleFile, FlippedBitsAreRefusedOrHarmless) {
+  const SceneSample whole = make_sample();
+  write_scene_sample(path(), whole);
+  const std::string bytes = read_file(path());
+  const auto damaged = folder_ / "damaged.safetensors";
+  size_t harmless = 0;
+  for (size_t bit = 0; bit < 8 * bytes.size(); bit += 5) {
+    std::string copy = bytes;
+    copy[bit / 8] = static_cast<char>(copy[bit / 8] ^ (1 << bit % 8));
+    lte::test::write_text(damaged, copy);
+    try {
+      expect_equal(read_scene_sample(damaged), whole);
+      ++harmless;
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr("damaged.safetensors")) << "bit " << bit;
+    }
+  }
+  EXPECT_LE(harmless, 8 * std::string(kChecksumKey).size()) << "in the name of that key alone";
 }
 
 TEST_F(SceneSampleFile, ForeignAndNewerFilesAreRefused) {

@@ -1,9 +1,13 @@
 #include "lte/nn/model_file.h"
 
+#include <algorithm>
 #include <filesystem>
+#include <fstream>
 
 #include <gtest/gtest.h>
 
+#include "lte/base/check.h"
+#include "lte/base/file.h"
 #include "lte/base/safetensors.h"
 #include "lte/nn/model_metadata.h"
 #include "tests/nn/support.h"
@@ -86,6 +90,63 @@ TEST_F(ModelFile, RefusesWhatIsNotThisModel) {
                        t[kName].data = reinterpret_cast<const std::byte*>(bad.data());
                      })),
                      {"edited.safetensors", kName, "not finite"});
+}
+
+/// A thousand bits of header and weights. What reads at all has the same weights.
+TEST_F(ModelFile, FlippedBitsAreRefusedOrHarmless) {
+  save_model(file("whole.safetensors"), model_);
+  const std::string bytes = read_file(file("whole.safetensors"));
+  const auto parameters = model_->named_parameters();
+  const size_t bits = 8 * bytes.size(), stride = bits / 1000 | 1;
+  size_t refused = 0, tried = 0;
+  for (size_t bit = 3; bit < bits; bit += stride, ++tried) {
+    std::string copy = bytes;
+    copy[bit / 8] = static_cast<char>(copy[bit / 8] ^ (1 << bit % 8));
+    std::ofstream(file("damaged.safetensors"), std::ios::binary) << copy;
+    try {
+      const LightTransportModel loaded = load_model(file("damaged.safetensors"));
+      for (const auto& item : loaded->named_parameters())
+        EXPECT_TRUE(torch::equal(item.value(), parameters[item.key()])) << "bit " << bit;
+    } catch (const Error& error) {
+      ++refused;
+      EXPECT_NE(std::string(error.what()).find("damaged.safetensors"), std::string::npos);
+    }
+  }
+  EXPECT_GE(tried, 900u);
+  EXPECT_GE(refused + 5, tried);
+}
+
+TEST_F(ModelFile, FilesWithoutAChecksumAreRead) {
+  save_model(file("a.safetensors"), model_);
+  std::string bytes = read_file(file("a.safetensors"));
+  // As files of earlier builds: the key is not there. Padding stands in for it.
+  const size_t key = bytes.find(std::string("\"") + kChecksumKey);
+  ASSERT_NE(key, std::string::npos);
+  const size_t end = bytes.find(',', key);
+  bytes.replace(key, end + 1 - key, end + 1 - key, ' ');
+  std::ofstream(file("b.safetensors"), std::ios::binary) << bytes;
+  testing::internal::CaptureStderr();
+  const LightTransportModel loaded = load_model(file("b.safetensors"));
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_TRUE(torch::equal(loaded->named_parameters()[kName], model_->named_parameters()[kName]));
+}
+
+TEST_F(ModelFile, AWeightBeyondTheBoundIsNamed) {
+  const auto said = [&](float weight) {
+    std::vector<float> weights(24, 0.5f);
+    weights[7] = -weight;
+    const auto path = edited([&](auto& t, auto&) {
+      t[kName].data = reinterpret_cast<const std::byte*>(weights.data());
+    });
+    testing::internal::CaptureStderr();
+    load_model(path);
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(said(1e6f), "");
+  const std::string line = said(1e30f);
+  EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
+  for (const char* part : {"warning: ", "edited.safetensors", kName.c_str(), "1e+30"})
+    EXPECT_NE(line.find(part), std::string::npos) << line;
 }
 
 TEST_F(ModelFile, WeightsOfAnotherConfigurationAreRefusedByName) {

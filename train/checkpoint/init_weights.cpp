@@ -116,6 +116,7 @@ void init_weights(const std::filesystem::path& path, const std::vector<std::stri
                   const nn::LightTransportModel& model, const LightEstimates& light) {
   const torch::NoGradGuard no_grad;
   const SafetensorsFile file(path);
+  file.verify();
   const std::string name = path.string();
   const std::map<std::string, TensorView> weights = weights_in(file);
   check_prefixes(name, except, model, weights);

@@ -38,6 +38,7 @@ void save_model_of_checkpoint(const std::filesystem::path& path,
 std::optional<int64_t> step_of_model(const std::filesystem::path& path) {
   try {
     const SafetensorsFile file(path);
+    file.verify();
     return std::stoll(file.metadata("step"));
   } catch (const std::exception&) {
     return std::nullopt;

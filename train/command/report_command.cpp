@@ -9,9 +9,11 @@
 #include "lte/base/config.h"
 #include "lte/base/file.h"
 #include "lte/base/text.h"
+#include "lte/cli/command_files.h"
 #include "lte/report/chart.h"
 #include "lte/report/html.h"
 #include "train/command/report_log.h"
+#include "train/command/run_files.h"
 #include "train/log/run_log.h"
 
 namespace lte::train {
@@ -184,6 +186,10 @@ CLI::App* add_report_command(CLI::App& app, ReportOptions* options) {
 }
 
 std::string write_run_report(const fs::path& run, fs::path out) {
+  CommandFiles files;
+  files.reads_parts("RUN", run, kRunParts);
+  files.writes("--out", out);
+  files.check();
   const fs::path yaml = run / "config.yaml", log_path = run / "log.jsonl";
   LTE_CHECK(fs::is_directory(run), run.string(), ": no such run directory");
   const RunHistory log = read_run_log(log_path);

@@ -3,7 +3,9 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
+#include <system_error>
 
 #include <ATen/Parallel.h>
 #include <nlohmann/json.hpp>
@@ -12,8 +14,12 @@
 #include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/base/process_memory.h"
+#include "lte/cli/command_files.h"
+#include "lte/cli/numbers.h"
+#include "lte/data/dataset.h"
 #include "lte/nn/device.h"
 #include "train/command/dry_run.h"
+#include "train/command/run_files.h"
 #include "train/distributed/rank.h"
 #include "train/loop/overfit.h"
 #include "train/loop/rate_sweep.h"
@@ -25,7 +31,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 void add_configuration(CLI::App& app, RunOptions* options) {
-  app.add_option("--config", options->config, "YAML file; see configs/");
+  app.add_option("--config", options->config,
+                 "YAML file; see configs/. With --resume the run's own unless given");
   app.add_option("--set", options->overrides, "Override a key of the configuration: key=value")
       ->take_all();
   app.add_option("--out", options->output, "Run directory (key `output`)");
@@ -35,7 +42,15 @@ void add_configuration(CLI::App& app, RunOptions* options) {
       ->capture_default_str();
   app.add_option("--stop-after", options->stop_after,
                  "End this session after so many steps, with a checkpoint; 0: never")
-      ->check(CLI::NonNegativeNumber);
+      ->check(non_negative_number());
+}
+
+/// --config, or that of the run that goes on.
+std::string config_file(const RunOptions& options) {
+  if (!options.config.empty()) return options.config;
+  if (!options.resume || options.output.empty())
+    throw CLI::RequiredError("--config (or --resume with --out RUN_DIR)");
+  return (std::filesystem::path(options.output) / "config.yaml").string();
 }
 
 Config load(const RunOptions& options) {
@@ -47,7 +62,24 @@ Config load(const RunOptions& options) {
     overrides.push_back("train.init_weights=" + Json(options.init_weights).dump());
   if (!options.init_except.empty())
     overrides.push_back("train.init_except=" + Json(options.init_except).dump());
-  return Config::load(options.config, overrides);
+  return Config::load(config_file(options), overrides);
+}
+
+/// No output of this command may replace what it reads. The run's own configuration may change when
+/// the run goes on.
+void check_files(const RunOptions& options, const TrainConfig& config, CommandFiles* files) {
+  const std::filesystem::path own = std::filesystem::path(config.output) / "config.yaml";
+  std::error_code error;
+  if (!options.resume || !std::filesystem::equivalent(config_file(options), own, error))
+    files->reads("--config", config_file(options));
+  files->reads_parts("data.root", config.data.root, data::kDatasetParts);
+  if (!options.resume) files->reads("--init-weights", config.train.init_weights);
+  if (!options.print_config && !options.dry_run && !options.validate_only)
+    files->writes_parts("--out", config.output, kRunParts);
+  files->writes("--json", options.json);
+  files->writes("--log-file", options.log_file);
+  files->check();
+  files->check_what_was_read();
 }
 
 Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
@@ -189,8 +221,10 @@ void add_run_options(CLI::App& app, RunOptions* options) {
 }
 
 RunResult run(const RunOptions& options) {
+  CommandFiles files;
   const Config yaml = load(options);
   const TrainConfig config = TrainConfig::read(yaml);
+  check_files(options, config, &files);
   if (options.threads > 0) at::set_num_threads(options.threads);
   if (options.print_config) return {yaml.to_yaml()};
   if (options.dry_run) {

@@ -12,12 +12,13 @@
 namespace lte::train {
 
 struct RunOptions {
-  std::string config;                  ///< YAML file
+  std::string config;                  ///< YAML file; empty when resuming: the run's own
   std::vector<std::string> overrides;  ///< --set key=value
   std::optional<uint64_t> seed;        ///< --seed, over the key `seed`
   std::string output;                  ///< --out, over the key `output`; empty: the key counts
   std::string device = "cpu";
   std::string json;                      ///< file of the result for machines; empty: none
+  std::string log_file;                  ///< --log-file, which is open already; empty: none
   int64_t stop_after = 0;                ///< steps of this session; 0: all
   std::string init_weights;              ///< --init-weights, over the key; empty: the key counts
   std::vector<std::string> init_except;  ///< --init-except, likewise
@@ -35,7 +36,7 @@ struct RunResult {
 /// Adds the flags of lte_train beside those that every tool has.
 void add_run_options(CLI::App& app, RunOptions* options);
 
-/// @throws lte::Error with one line for the user.
+/// @throws lte::Error with one line for the user; CLI::RequiredError without a configuration.
 RunResult run(const RunOptions& options);
 
 }  // namespace lte::train

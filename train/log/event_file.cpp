@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cerrno>
 #include <chrono>
 #include <cstring>
 
@@ -12,6 +11,7 @@
 #include "lte/base/check.h"
 #include "lte/base/crc32c.h"
 #include "lte/base/file.h"
+#include "lte/base/log.h"
 
 namespace lte::train {
 namespace {
@@ -143,24 +143,37 @@ EventFile::EventFile(const std::filesystem::path& folder, int64_t resume_step) {
   if (::gethostname(host.data(), host.size() - 1) != 0) host[0] = '\0';
   path_ = folder / concat(kPrefix, name_seconds(folder), ".", host[0] ? host.data() : "host", ".",
                           ::getpid());
-  out_.open(path_, std::ios::binary | std::ios::app);
-  append(event::version(now()));
-  append(event::session_start(now(), resume_step + 1));
+  file_ = std::make_unique<AppendFile>(path_);
+  waiting_ = event::record(event::version(now())) +
+             event::record(event::session_start(now(), resume_step + 1));
+  append("");
+}
+
+EventFile::~EventFile() {
+  if (!file_) return;  // moved from
+  append("");
+  if (left_out_ > 0 || !waiting_.empty())
+    log_warning(path_.string(), ": ", left_out_, " pictures and ", waiting_.size(),
+                " bytes of curves could not be written: ", file_->fault());
 }
 
 void EventFile::scalars(int64_t step, const NamedValues& values) {
-  append(event::scalars(now(), step, values));
+  const std::string data = event::record(event::scalars(now(), step, values));
+  if (!append(data)) waiting_ += data;
 }
 
 void EventFile::image(int64_t step, const std::string& tag, int width, int height,
                       std::span<const unsigned char> png) {
-  append(event::image(now(), step, tag, width, height, png));
+  if (!append(event::record(event::image(now(), step, tag, width, height, png)))) ++left_out_;
 }
 
-void EventFile::append(const std::string& data) {
-  const std::string bytes = event::record(data);
-  out_.write(bytes.data(), static_cast<std::streamsize>(bytes.size())).flush();
-  LTE_CHECK(out_, path_.string(), ": cannot append: ", std::strerror(errno));
+/// Appends what waits, and `data` behind it. If there is no room all that waits stays.
+bool EventFile::append(const std::string& data) {
+  if (!waiting_.empty()) {
+    if (!file_->append(waiting_)) return false;
+    waiting_.clear();
+  }
+  return file_->append(data);
 }
 
 }  // namespace lte::train

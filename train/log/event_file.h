@@ -8,11 +8,13 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
+#include <memory>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "train/log/append_file.h"
 
 namespace lte::train {
 
@@ -43,16 +45,24 @@ class EventFile {
   /// @throws lte::Error naming the file.
   EventFile(const std::filesystem::path& folder, int64_t resume_step);
 
-  /// Each call leaves whole records on disk.
+  /// Says what a full disk has kept out for good.
+  ~EventFile();
+  EventFile(EventFile&&) = default;
+  EventFile& operator=(EventFile&&) = delete;
+
+  /// Each call leaves whole records on disk. On a full one values wait for the next call that finds
+  /// room, and pictures are left out.
   void scalars(int64_t step, const NamedValues& values);
   void image(int64_t step, const std::string& tag, int width, int height,
              std::span<const unsigned char> png);
 
  private:
-  void append(const std::string& data);
+  bool append(const std::string& data);
 
   std::filesystem::path path_;
-  std::ofstream out_;
+  std::unique_ptr<AppendFile> file_;
+  std::string waiting_;   ///< records
+  int64_t left_out_ = 0;  ///< pictures
 };
 
 }  // namespace lte::train

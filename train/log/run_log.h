@@ -4,13 +4,14 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "train/log/append_file.h"
 #include "train/log/event_file.h"
 
 namespace lte::train {
@@ -24,9 +25,14 @@ class RunLog {
   /// the run writes later lines anew, and lines that a power cut took are back. Without `saved` (a
   /// checkpoint of an earlier build) it keeps its lines up to `resume_step`, and loses later ones
   /// and a last one that was cut short. In a new run, whose resume_step is 0, it is emptied.
-  /// @throws lte::Error if the file cannot be written.
+  /// @throws lte::Error if the file cannot be written for another reason than a full disk.
   RunLog(std::filesystem::path path, int64_t resume_step,
          const std::optional<std::string>& saved = std::nullopt);
+
+  /// Tries once more to write what a full disk has kept out, and says how many lines that were.
+  ~RunLog();
+  RunLog(const RunLog&) = delete;
+  RunLog& operator=(const RunLog&) = delete;
 
   /// From now on lines are written as events too, to a new file in `folder` (event_file.h).
   void add_events(const std::filesystem::path& folder, int64_t resume_step) {
@@ -35,20 +41,26 @@ class RunLog {
 
   /// Appends {"step": step, fields...} and flushes. Values that are not finite become null. As
   /// events "val_loss" is val/loss, "grad_norm_nne" is grad_norm/nne, and a field with neither
-  /// prefix is train/NAME.
+  /// prefix is train/NAME. On a full disk the line waits in memory and is written with the next one
+  /// for which there is room; the first that waits, and the end of the waiting, are said.
   /// @param scenes  validation loss of each scene, as the object "val_scenes"; empty: no such key
   void write(int64_t step, const NamedValues& fields, const NamedValues& scenes = {});
 
   /// Null without add_events().
   EventFile* events() { return events_ ? &*events_ : nullptr; }
 
-  /// What the file holds.
+  /// What the file holds, or will when there is room.
   const std::string& text() const { return text_; }
 
  private:
+  void write_waiting();
+  int64_t waiting_lines() const;
+
   std::filesystem::path path_;
   std::string text_;
-  std::ofstream out_;
+  size_t written_ = 0;                ///< of text_, in bytes
+  std::unique_ptr<AppendFile> file_;  ///< null as long as the file does not begin as text_ does
+  std::string fault_;                 ///< why lines wait; empty: none do
   std::optional<EventFile> events_;
 };
 

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <system_error>
 
 #include <ATen/ops/tensor.h>
 #include <torch/types.h>
@@ -11,6 +10,7 @@
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "train/checkpoint/first_model.h"
+#include "train/loop/config_changes.h"
 
 namespace lte::train {
 namespace {
@@ -21,16 +21,6 @@ std::string joined(const std::vector<std::string>& parts) {
   std::string text;
   for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
   return text;
-}
-
-/// Two writers would mix two runs in one directory: a batch system that starts a job again while
-/// the first still runs, say.
-std::unique_ptr<LockedFile> hold_directory(const fs::path& output) {
-  auto lock = std::make_unique<LockedFile>(output / ".lock");
-  LTE_CHECK(!lock->busy(), output.string(),
-            ": another lte_train runs in this directory; end it, or choose another with --out");
-  remove_leftovers(output);
-  return lock;
 }
 
 void check_fits(const fs::path& path, const CheckpointHeader& header, const RunStart& start) {
@@ -80,12 +70,7 @@ RunState start_run(const RunStart& start) {
       ": a run is there already; go on with --resume, or choose another directory with --out");
   RunState state;
   state.model = first_model(&start.config, &start.data);
-  if (start.leads) {
-    std::error_code error;
-    fs::create_directories(output, error);
-    LTE_CHECK(!error, output.string(), ": cannot create the run directory: ", error.message());
-    state.lock = hold_directory(output);
-  }
+  if (start.leads) state.lock = std::make_unique<RunLock>(output);
   state.model->to(start.device);
   state.optimizer = std::make_unique<Optimizer>(start.config.train, state.model);
   state.progress.seed = start.config.seed;
@@ -96,7 +81,7 @@ RunState start_run(const RunStart& start) {
 
 RunState resume_run(const RunStart& start) {
   RunState state;
-  if (start.leads && start.files.any()) state.lock = hold_directory(start.config.output);
+  if (start.leads && start.files.any()) state.lock = std::make_unique<RunLock>(start.config.output);
   const fs::path path = start.files.newest_whole(/*warn=*/start.leads);
   const CheckpointHeader header = read_checkpoint_header(path);
   check_fits(path, header, start);
@@ -109,6 +94,10 @@ RunState resume_run(const RunStart& start) {
   state.optimizer = std::make_unique<Optimizer>(start.config.train, state.model);
   load_checkpoint(path, state.model, state.optimizer.get());
   if (start.leads) mend_best_model(start, &state.progress);
+  if (start.leads) {
+    for (const std::string& change : config_changes(header.config, start.config_text))
+      log_info("changed from here on: ", change);
+  }
   log_info("resumed ", path.string(), " at step ", state.progress.step, " of ",
            start.config.train.steps);
   return state;

@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 
-#include "lte/base/locked_file.h"
 #include "lte/nn/model.h"
 #include "train/checkpoint/checkpoint.h"
 #include "train/checkpoint/checkpoint_files.h"
@@ -13,12 +12,13 @@
 #include "train/config.h"
 #include "train/data/run_data.h"
 #include "train/distributed/process_group.h"
+#include "train/loop/run_lock.h"
 #include "train/optim/optimizer.h"
 
 namespace lte::train {
 
 struct RunState {
-  std::unique_ptr<LockedFile> lock;  ///< of rank 0: who holds it writes the run directory
+  std::unique_ptr<RunLock> lock;  ///< of rank 0: who holds it writes the run directory
   nn::LightTransportModel model{nullptr};
   std::unique_ptr<Optimizer> optimizer;
   RunProgress progress;
@@ -42,7 +42,7 @@ struct RunStart {
 RunState start_run(const RunStart& start);
 
 /// Takes everything from the newest whole checkpoint, and makes the best model again if it is
-/// damaged.
+/// damaged. Says, a line each, which keys of the configuration differ from the checkpoint's.
 /// @throws lte::Error if there is none, if configuration or data set do not fit it, or if another
 /// process trains in the directory
 RunState resume_run(const RunStart& start);

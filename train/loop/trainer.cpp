@@ -16,6 +16,11 @@
 #include "train/loop/step_gradient.h"
 
 namespace lte::train {
+namespace {
+
+constexpr const char* kCheckpointStays = "; the last checkpoint stays, go on from it with --resume";
+
+}  // namespace
 
 Trainer::Trainer(const TrainConfig& config, std::string config_text, at::Device device, bool resume,
                  ProcessGroup* group)
@@ -42,13 +47,15 @@ Trainer::Trainer(const TrainConfig& config, std::string config_text, at::Device 
   loader_ = std::make_unique<BatchLoader>(config_, data_.scale, &data_.train, rank);
   seconds_before_ = state_.progress.seconds;
   if (!leads()) return;
-  log_ = std::make_unique<SessionLog>(config_, state_.progress, state_.log);
-  state_.log.reset();  // of the size of the log, and read
-  write_file(output_ / "config.yaml", config_text_);
   validation_ = validation_examples(config_, &data_.val);
   if (validation_.empty())
     log_warning(config_.data.root, ": the split \"val\" is empty; the run is not validated");
   if (config_.train.preview_every > 0) previews_ = std::make_unique<Previews>(config_, validation_);
+  // Last: a start that fails leaves nothing.
+  log_ = std::make_unique<SessionLog>(config_, state_.progress, state_.log);
+  state_.log.reset();  // of the size of the log, and read
+  write_file(output_ / "config.yaml", config_text_);
+  state_.lock->keep();
 }
 
 /// The signal that ends the run early, or 0. All processes of a group must answer alike.
@@ -97,11 +104,15 @@ void Trainer::train_steps(int64_t end) {
   lte::Progress line("training", end - state_.progress.step, "steps");
   session_timer_.restart();
   if (log_) log_->begin();
-  while (state_.progress.step < end && told_to_stop() == 0) {
-    train_step();
-    line.advance();
+  try {
+    while (state_.progress.step < end && told_to_stop() == 0) {
+      train_step();
+      line.advance();
+    }
+    if (leads() && saved_step_ != state_.progress.step) save();
+  } catch (const DiskFull& error) {  // of a model or a picture; save() speaks for itself
+    throw Error(concat(error.what(), kCheckpointStays));
   }
-  if (leads() && saved_step_ != state_.progress.step) save();
   // Rank 0 keeps the store: it must not leave before the others.
   if (group_) group_->wait_for_all();
 }
@@ -199,7 +210,7 @@ void Trainer::save() {
                       log_->text());
     });
   } catch (const Error& error) {
-    throw Error(concat(error.what(), "; the last checkpoint stays, go on from it with --resume"));
+    throw Error(concat(error.what(), kCheckpointStays));
   }
   saved_step_ = state_.progress.step;
   save_run_model(model_path(output_), state_.model, state_.optimizer.get(), origin());

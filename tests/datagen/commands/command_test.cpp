@@ -17,6 +17,7 @@
 #include "lte/scene/load.h"
 #include "tests/data/sample_fixture.h"
 #include "tests/datagen/scenes.h"
+#include "tests/support/folder_files.h"
 
 namespace lte::datagen::test {
 namespace {
@@ -55,12 +56,7 @@ class Command : public data::test::Folder {
   }
 
   std::map<std::string, std::string> files(const std::string& out) const {
-    std::map<std::string, std::string> all;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / out))
-      if (entry.is_regular_file() && entry.path().extension() != ".jsonl")
-        all[std::filesystem::relative(entry.path(), folder_ / out).string()] =
-            read_file(entry.path());
-    return all;
+    return lte::test::folder_files(folder_ / out);
   }
 };
 
@@ -97,7 +93,10 @@ TEST_F(Command, GeneratesHomesFromTheShippedConfig) {
 
 TEST_F(Command, WrongUsageExitsWithTwo) {
   EXPECT_EQ(run("").code, 2);
-  EXPECT_EQ(run("bakery").code, 2);
+  expect_failure(2, "unknown command \"bakery\"", run("bakery"));
+  expect_failure(2, "the commands are generate, bake, probe, info", run("nonsense"));
+  expect_failure(2, "the commands are generate, bake, probe, info", run("nonsense --help"));
+  EXPECT_EQ(run("nonsense --help").output, "");
   EXPECT_EQ(run("bake").code, 2);
   EXPECT_EQ(run("generate --out x").code, 2);
   EXPECT_EQ(run("generate --config tiny.yaml --out x --merge").code, 2);
@@ -333,6 +332,7 @@ TEST_F(Command, ResumeAndMergeNeedNoConfig) {
   ASSERT_EQ(run("generate --config tiny.yaml --out whole --quiet").code, 0);
   ASSERT_EQ(run("generate --config tiny.yaml --out part --shard 0/2 --quiet").code, 0);
   expect_failure(1, "unfinished", run("info part"));
+  EXPECT_THAT(run("info part").error, AllOf(HasSubstr("--resume"), HasSubstr("--merge")));
   const Outcome merged = run("generate --out part --merge");
   EXPECT_EQ(merged.code, 0);
   EXPECT_THAT(merged.error, HasSubstr("2 of 5 scenes are missing"));
@@ -372,13 +372,17 @@ TEST_F(Command, AKillLosesTheSceneInWorkAtMost) {
     // Waits for the first finished scene, kills, and reports what is left of the process.
     const std::string line =
         concat("cd '", folder_.string(), "' && { '", LTE_BINARY_DIR, "/bin/lte_datagen' ",
-               arguments, out, " & P=$!; while [ ! -e ", out,
+               arguments, out, " 2> said.txt & P=$!; while [ ! -e ", out,
                "/scenes/box_00000.safetensors ] && kill -0 $P 2>/dev/null; do "
                "sleep 0.01; done; kill -",
                signal, " $P; wait $P; true; }");
     write_file(folder_ / "kill.sh", line);
     ASSERT_EQ(
         std::system(concat("bash '", (folder_ / "kill.sh").string(), "' 2> /dev/null").c_str()), 0);
+    if (signal == std::string("TERM")) {
+      EXPECT_EQ(read_file(folder_ / "said.txt"),
+                "killed_TERM: stopped; the finished scenes stay, go on with --resume\n");
+    }
     const auto whole = files("whole");
     for (const auto& [name, bytes] : files(out)) {
       if (name == "dataset.json" || !whole.count(name)) continue;

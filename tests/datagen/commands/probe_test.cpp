@@ -60,6 +60,31 @@ TEST_F(Probe, ReadsPointsAndBringsNormalsToUnitLength) {
   EXPECT_EQ(points.lines[0], "1,2,3,0,2,0");
 }
 
+/// As spreadsheets and people write it.
+TEST_F(Probe, ReadsByteOrderMarksLineEndsOfWindowsAndBlanks) {
+  const std::string plain = concat(kHeader, "1,2,3,0,2,0\n-0.5,1e-3,+4,0,0,-1\n");
+  const ProbePoints expected = read(plain);
+  for (const std::string& text :
+       {"\xEF\xBB\xBF" + plain,
+        std::string("px,py,pz,nx,ny,nz\r\n1,2,3,0,2,0\r\n-0.5,1e-3,+4,0,0,-1\r\n"),
+        std::string("px, py, pz, nx, ny, nz\n1, 2, 3, 0, 2, 0\n-0.5, 1e-3, +4, 0, 0, -1"),
+        std::string("\xEF\xBB\xBF px\t,py ,pz,nx,ny,nz \r\n 1 ,\t2,3,0,2,0 \r\n \r\n"
+                    "-0.5,1e-3,+4,0,0,-1\r\n\r\n")}) {
+    const ProbePoints points = read(text);
+    EXPECT_EQ(points.position, expected.position) << text;
+    EXPECT_EQ(points.normal, expected.normal) << text;
+  }
+}
+
+TEST_F(Probe, BadHeadersAreNamedByColumn) {
+  EXPECT_THAT(error("px,py,z,nx,ny,nz\n0,0,0,0,1,0\n"),
+              AllOf(HasSubstr("line 1, column 3"), HasSubstr("\"pz\""), HasSubstr("got \"z\"")));
+  EXPECT_THAT(error("px;py;pz;nx;ny;nz\n0;0;0;0;1;0\n"),
+              AllOf(HasSubstr("line 1, column 1"), HasSubstr("separated by commas")));
+  EXPECT_THAT(error("px,py,pz,nx,ny\n"), HasSubstr("line 1, column 6"));
+  EXPECT_THAT(error("px,py,pz,nx,ny,nz,r\n"), HasSubstr("line 1, column 7"));
+}
+
 TEST_F(Probe, BadInputIsNamedByLineAndColumn) {
   const std::string good = concat(kHeader, "0,0,0,0,1,0\n");
   EXPECT_THAT(error("x,y,z,nx,ny,nz\n"),

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <sstream>
 
 #include <gmock/gmock.h>
@@ -17,6 +18,8 @@
 #include "tests/data/sample_fixture.h"
 #include "tests/datagen/scenes.h"
 #include "tests/support/every_light.h"
+#include "tests/support/file_limit.h"
+#include "tests/support/folder_files.h"
 
 namespace lte::datagen::test {
 namespace {
@@ -54,14 +57,9 @@ class Generate : public data::test::Folder {
     return generate_dataset(config, options);
   }
 
-  /// Relative path -> bytes of every file below but the manifests, which hold times.
+  /// But the manifests, which hold times.
   std::map<std::string, std::string> files(const std::string& out) const {
-    std::map<std::string, std::string> all;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / out))
-      if (entry.is_regular_file() && entry.path().extension() != ".jsonl")
-        all[std::filesystem::relative(entry.path(), folder_ / out).string()] =
-            read_file(entry.path());
-    return all;
+    return lte::test::folder_files(folder_ / out);
   }
 };
 
@@ -97,7 +95,7 @@ TEST_F(Generate, SameBytesWhateverThreadsShardsAndInterruptions) {
   EXPECT_EQ(first.missing, 3);
   EXPECT_EQ(first.listed, 0);
   EXPECT_THAT(error_of([&] { data::read_dataset_info(folder_ / "shards"); }),
-              AllOf(HasSubstr("unfinished"), HasSubstr("--merge")));
+              HasSubstr("unfinished"));
   EXPECT_EQ(generate("shards", tiny_config(), false, 0, 2).listed, 5);
   EXPECT_EQ(files("shards"), whole);
 
@@ -223,6 +221,31 @@ TEST_F(Generate, FailuresInARowEndTheRun) {
   EXPECT_THAT(error_of([&] { generate_dataset(config, options, maker); }),
               AllOf(HasSubstr("no power"), HasSubstr("in a row")));
   EXPECT_EQ(calls, kFailuresInARow);
+}
+
+TEST_F(Generate, AFullDiskEndsTheRunAtOnceAndResumeGoesOn) {
+  DatagenConfig config = tiny_config();
+  generate("whole", config);
+  const auto size = std::filesystem::file_size(data::scene_path(folder_ / "whole", box_name(2)));
+  // The disk fills up while the third scene is in work.
+  int calls = 0;
+  std::optional<lte::test::FileLimit> full;
+  const SceneMaker maker = [&](uint64_t seed, const std::string& name) {
+    if (++calls == 3) full.emplace(size / 2);
+    return generate_scene(config, seed, name);
+  };
+  GenerateOptions options;
+  options.out = folder_ / "a";
+  const std::string said = error_of([&] { generate_dataset(config, options, maker); });
+  full.reset();
+  EXPECT_EQ(calls, 3) << "the scenes behind it are not tried";
+  EXPECT_THAT(said,
+              AllOf(HasSubstr("box_00002"), HasSubstr("File too large"), HasSubstr("--resume")));
+  EXPECT_EQ(said.find('\n'), std::string::npos);
+  EXPECT_TRUE(read_manifests(options.out).at(1).error.empty());
+  EXPECT_FALSE(read_manifests(options.out).contains(2));
+  EXPECT_EQ(generate("a", config, true).kept, 2);
+  EXPECT_EQ(files("a"), files("whole"));
 }
 
 TEST_F(Generate, LeftoversOfKilledRunsGoAndThoseOfOthersStay) {

@@ -3,6 +3,7 @@
 #include <csignal>
 #include <cstring>
 #include <fstream>
+#include <sstream>
 
 #include <unistd.h>
 
@@ -309,18 +310,49 @@ TEST_F(RecoveryTool, AFullDiskEndsTheRunAndLeavesTheLastCheckpoint) {
   EXPECT_EQ(log_values(*runs_ / "straight"), log_values(run));
 }
 
-TEST_F(RecoveryTool, ALogThatCannotBeWrittenEndsTheRunToo) {
+TEST_F(RecoveryTool, ALogThatCannotBeWrittenEndsNoRun) {
   ASSERT_EQ(tool({"--stop-after", "3"}), 0) << error_;
   const fs::path log = dir_ / "run/log.jsonl";
   fs::remove(log);
   fs::create_symlink("/dev/full", log);  // no space is ever left there
-  EXPECT_EQ(tool({"--resume"}), 1);
-  EXPECT_EQ(std::count(error_.begin(), error_.end(), '\n'), 1) << error_;
-  for (const char* part : {"log.jsonl", "No space left on device"})
+  EXPECT_EQ(tool({"--resume"}), 0);
+  EXPECT_EQ(std::count(error_.begin(), error_.end(), '\n'), 2) << error_;
+  for (const char* part : {"log.jsonl", "No space left on device", "lines wait", "could not be"})
     EXPECT_NE(error_.find(part), std::string::npos) << error_;
   fs::remove(log);
   ASSERT_EQ(tool({"--resume"}), 0) << error_;
   EXPECT_EQ(log_values(*runs_ / "straight"), log_values(dir_ / "run"));
+}
+
+/// No key of the configuration changes unsaid.
+TEST_F(RecoveryTool, AResumedRunSaysWhichKeysChange) {
+  const auto resumed = [&](std::vector<std::string> args) {
+    args.insert(args.end(), {"--resume", "--stop-after", "1"});
+    test::ToolProcess child(args, dir_ / "tool");
+    EXPECT_EQ(child.wait(), 0) << child.err();
+    std::vector<std::string> changes;
+    std::istringstream lines(child.err());
+    const std::string mark = "changed from here on: ";
+    for (std::string line; std::getline(lines, line);)
+      if (line.starts_with(mark)) changes.push_back(line.substr(mark.size()));
+    return changes;
+  };
+  using Lines = std::vector<std::string>;
+  const std::string run = (dir_ / "run").string();
+  ASSERT_EQ(tool({"--stop-after", "1", "--set", "train.steps=20", "--set", "data.cache_mb=77"}), 0)
+      << error_;
+  EXPECT_EQ(resumed({"--out", run}), Lines{}) << "its own configuration is taken";
+  EXPECT_EQ(resumed({"--out", run, "--set", "train.steps=30"}), Lines{"train.steps: 20 -> 30"});
+  const Lines reset = resumed({"--config", config_});
+  ASSERT_EQ(reset.size(), 2u);
+  EXPECT_EQ(reset[0], "train.steps: 30 -> 8");
+  EXPECT_TRUE(reset[1].starts_with("data.cache_mb: 77 -> ")) << reset[1];
+  EXPECT_EQ(Config::load(dir_ / "run/config.yaml").to_yaml().find("cache_mb: 77"),
+            std::string::npos);
+  test::ToolProcess refused({"--out", run, "--resume", "--set", "model.channels=64", "--quiet"},
+                            dir_ / "tool");
+  EXPECT_EQ(refused.wait(), 1);
+  EXPECT_NE(refused.err().find("model.channels"), std::string::npos) << refused.err();
 }
 
 TEST_F(RecoveryTool, KilledAgainAndAgainItEndsAsIfNothingHadBeen) {

@@ -1,0 +1,153 @@
+// The flags of the tools with a network, in this process: no output replaces an input, no number is
+// another.
+#include <filesystem>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "infer/bench/bench_command.h"
+#include "infer/eval/eval_command.h"
+#include "infer/export/export.h"
+#include "infer/render/render_command.h"
+#include "lte/base/log.h"
+#include "lte/scene/export.h"
+#include "tests/infer/fixture.h"
+#include "tests/support/command_line.h"
+#include "tests/support/folder_files.h"
+#include "tests/support/temp_dir.h"
+
+namespace lte::infer {
+namespace {
+
+namespace fs = std::filesystem;
+using test::CommandOutcome;
+using test::expect_one_line;
+using test::folder_files;
+
+class InferFiles : public testing::Test {
+ protected:
+  InferFiles() : before_(fs::current_path()) {
+    fs::current_path(dir_.path());
+    scene::write_glb("room.glb", test::lit_floor());
+    test::save_tiny_model("tiny.safetensors");
+    test::write_random_dataset("homes");
+    test::write_text("camera.json",
+                     R"({"origin":[0,1,0],"target":[0,0,0],"up":[0,0,-1],"vfov":60})");
+    test::write_text("red.mtl", "newmtl red\nKd 1 0 0\n");
+    test::write_text("red.obj", "mtllib red.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    test::write_text("sky.png", "");
+    fs::create_symlink("sky.png", "link.png");
+    fs::create_hard_link("tiny.safetensors", "twin.safetensors");
+    fs::create_directory_symlink("homes", "houses");
+  }
+  ~InferFiles() override {
+    fs::current_path(before_);
+    set_log_level(LogLevel::Info);
+  }
+
+  /// Runs a command line whose words have no blanks in them; the first is the tool.
+  static CommandOutcome run_line(const std::string& line) {
+    std::istringstream words(line);
+    std::string tool;
+    words >> tool;
+    std::vector<std::string> arguments;
+    for (std::string word; words >> word;) arguments.push_back(word);
+    CLI::App app{"", tool};
+    RenderRequest render;
+    EvalRequest eval;
+    BenchRequest bench;
+    ExportOptions exported;
+    if (tool == "lte_render") {
+      add_render_options(app, &render);
+      return test::run_command(app, arguments, [&] { run_render(render); });
+    }
+    if (tool == "lte_eval") {
+      add_eval_options(app, &eval);
+      return test::run_command(app, arguments, [&] { run_eval(eval); });
+    }
+    if (tool == "lte_bench") {
+      add_bench_options(app, &bench);
+      return test::run_command(app, arguments, [&] { run_bench(bench); });
+    }
+    app.add_option("--checkpoint", exported.model);
+    app.add_option("--out", exported.out);
+    return test::run_command(app, arguments, [&] { export_torchscript(exported); });
+  }
+
+  test::TempDir dir_;
+  fs::path before_;
+};
+
+TEST_F(InferFiles, NoOutputReplacesAnInputOrAnotherOutput) {
+  struct Case {
+    const char *line, *first, *second;
+  };
+  const Case cases[] = {
+      {"lte_render room.glb --out a.png --json room.glb", "--json", "SCENE"},
+      {"lte_render room.glb --out a.png --json a.png", "--json", "--out"},
+      {"lte_render room.glb --out a.png --log-file room.glb", "--log-file", "SCENE"},
+      {"lte_render room.glb --out a.png --camera camera.json --json camera.json", "--json",
+       "--camera"},
+      {"lte_render room.glb --out sky.png --environment sky.png", "--out", "--environment"},
+      {"lte_render room.glb --out link.png --environment sky.png", "--out", "--environment"},
+      {"lte_render room.glb --out a.png --checkpoint tiny.safetensors --json twin.safetensors",
+       "--json", "--checkpoint"},
+      {"lte_render room.glb --validate-only --json room.glb", "--json", "SCENE"},
+      {"lte_eval --split test --data homes --csv e --json e", "--json", "--csv"},
+      {"lte_eval --split test --data homes --csv houses/dataset.json", "--csv", "--data"},
+      {"lte_eval --split test --data houses --json homes/scenes/test0.safetensors", "--json",
+       "--data"},
+      {"lte_eval --split test --checkpoint tiny.safetensors --csv tiny.safetensors", "--csv",
+       "--checkpoint"},
+      {"lte_eval --split test --data homes --report r --csv r/metrics.csv", "--csv", "--report"},
+      {"lte_eval --split test --data homes --report r --json r/report.html", "--json", "--report"},
+      {"lte_eval --fit-baselines homes --out homes/dataset.json", "--out", "--fit-baselines"},
+      {"lte_eval --split test --data homes --baselines camera.json --json camera.json", "--json",
+       "--baselines"},
+      {"lte_eval --split test --config camera.json --csv camera.json", "--csv", "--config"},
+      {"lte_bench pathtrace --scene room.glb --json room.glb", "--json", "--scene"},
+      {"lte_bench pareto --checkpoint tiny.safetensors --json twin.safetensors", "--json",
+       "--checkpoint"},
+      {"lte_export --checkpoint tiny.safetensors --out tiny.safetensors", "--out", "--checkpoint"},
+      {"lte_export --checkpoint tiny.safetensors --out twin.safetensors", "--out", "--checkpoint"},
+  };
+  const auto before = folder_files(".");
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.line);
+    expect_one_line(run_line(c.line), 1, {c.first, c.second, "name another file"});
+    EXPECT_EQ(folder_files("."), before);
+  }
+}
+
+TEST_F(InferFiles, FilesThatASceneNamesAreInputs) {
+  const auto before = folder_files(".");
+  expect_one_line(run_line("lte_render red.obj --environment 1,1,1 --mode reference --spp 1 --size "
+                           "8x8 --quiet --out a.png --json red.mtl"),
+                  1, {"--json", "input"});
+  EXPECT_EQ(folder_files("."), before);
+}
+
+TEST(InferFlags, WhatIsNoNumberIsRefusedByEveryFlag) {
+  test::expect_numbers_refused(
+      [](CLI::App& app) {
+        static RenderRequest request;
+        add_render_options(app, &request);
+      },
+      {"--exposure", "--seed", "--spp", "--threads", "--environment-turn"});
+  test::expect_numbers_refused(
+      [](CLI::App& app) {
+        static EvalRequest request;
+        add_eval_options(app, &request);
+      },
+      {"--seed", "--probe-rate", "--probes", "--resamples"});
+  test::expect_numbers_refused(
+      [](CLI::App& app) {
+        static BenchRequest request;
+        add_bench_options(app, &request);
+      },
+      {"--repeats", "--queries", "--reference-rays"});
+}
+
+}  // namespace
+}  // namespace lte::infer
