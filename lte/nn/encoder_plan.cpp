@@ -65,6 +65,18 @@ StagePlan pool(const at::Tensor& cells, int64_t bits) {
   return coarse;
 }
 
+/// Cosines and sines of the angles of `cells`, each [n, pairs]: as many pairs for each axis as fit,
+/// x first; what is left does not turn.
+std::tuple<at::Tensor, at::Tensor> rotary_angles(const at::Tensor& cells, int64_t pairs) {
+  const int64_t of_axis = pairs / 3;
+  const at::Tensor turn =
+      at::pow(2.0, at::arange(of_axis, cells.options().dtype(at::kDouble))).mul(kRotaryTurn);
+  // In double: a cell's number times the fastest angle has no digits to spare in float.
+  const at::Tensor angle = cells.to(at::kDouble).unsqueeze(2).mul(turn).flatten(1);
+  const at::Tensor all = at::constant_pad_nd(angle, {0, pairs - 3 * of_axis});
+  return {all.cos().to(at::kFloat), all.sin().to(at::kFloat)};
+}
+
 }  // namespace
 
 at::Tensor grid_cells(const at::Tensor& position, double* grid) {
@@ -96,6 +108,9 @@ std::vector<StagePlan> make_stages(const at::Tensor& cells, const ModelConfig& c
       stage = pool(stages.back().cells, bits + 1);
     }
     std::tie(stage.pairs, stage.tap_begin) = ops::convolution_pairs(stage.cells, kBlockKernel);
+    if (config.rotates_attention()) {
+      std::tie(stage.cosine, stage.sine) = rotary_angles(stage.cells, config.head_width / 2);
+    }
     if (stage.points() <= config.patch_size) {
       stage.patches.resize(1);
     } else {

@@ -26,6 +26,9 @@ struct StagePlan {
   at::Tensor cells;  ///< [n, 3] int32 grid cells
   /// ops::convolution_pairs() of the blocks' kernel, which all blocks of the stage share.
   at::Tensor pairs, tap_begin;
+  /// [n, head_width / 2] float32 of the angles that turn queries and keys (lte/ops/rotary.h);
+  /// undefined for models without rotary positions.
+  at::Tensor cosine, sine;
   std::vector<PatchMap> patches;  ///< one a curve in use; block i takes patches[i mod size]
   at::Tensor cluster;  ///< [points of the finer stage] int64 in [0, n); undefined for stage 0
 

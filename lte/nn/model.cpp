@@ -42,20 +42,21 @@ struct LightTransportModelImpl::Parts {
                     const at::Tensor& values) {
     const at::Tensor position = (queries.position - embedding.origin).div(embedding.scale);
     const at::Tensor attributes = surface_attributes(position, queries.normal, queries.albedo);
-    if (!embedding.cache.defined()) return answers(embedding, attributes, position, keys, values);
+    const Surface surface{position, queries.normal};
+    if (!embedding.cache.defined()) return answers(embedding, attributes, surface, keys, values);
     const LightReading light = embedding.cache.read(position, queries.normal);
     return light.irradiance *
-           answers(embedding, at::cat({attributes, light.features}, 1), position, keys, values);
+           answers(embedding, at::cat({attributes, light.features}, 1), surface, keys, values);
   }
 
   /// What the network says: irradiance, or the factor on that of the cache.
-  at::Tensor answers(const Embedding& embedding, const at::Tensor& attributes,
-                     const at::Tensor& position, const at::Tensor& keys, const at::Tensor& values) {
+  at::Tensor answers(const Embedding& embedding, const at::Tensor& attributes, const Surface& query,
+                     const at::Tensor& keys, const at::Tensor& values) {
+    const Surface latents{embedding.position, embedding.normal};
     if (!keys.defined()) {
-      return decoder->infer(attributes, position, embedding.position, embedding.spacing,
-                            embedding.table);
+      return decoder->infer(attributes, query, latents, embedding.spacing, embedding.table);
     }
-    const auto near = decoder->neighbourhood(position, embedding.position, embedding.spacing);
+    const auto near = decoder->neighbourhood(query, latents, embedding.spacing);
     return decoder->forward(attributes, near, keys, values);
   }
 
@@ -106,6 +107,10 @@ Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order
     attributes.push_back(compressed(points.indirect, embedding.emission_scale));
   embedding.position = plan.position;
   embedding.spacing = plan.spacing;
+  if (config_.reads_normals()) {
+    const int64_t m = plan.position.size(0);
+    embedding.normal = points.normal.index_select(0, plan.first_picks.narrow(0, 0, m));
+  }
   embedding.features =
       parts_->encoder->forward(parts_->nne->forward(at::cat(attributes, 1), plan), plan);
   if (config_.reads_indirect()) {

@@ -18,6 +18,7 @@ namespace lte::nn {
 /// The light transport embedding of one scene: everything decode() needs.
 struct Embedding {
   at::Tensor position;  ///< [m, 3] network space
+  at::Tensor normal;    ///< [m, 3] of models that read normals (PairGeometry); else undefined
   at::Tensor features;  ///< [m, D]
   at::Tensor origin;    ///< [3] world, b_min
   double scale = 1;     ///< s, metres

@@ -30,11 +30,12 @@ PointTransformerImpl::PointTransformerImpl(const ModelConfig& config) {
   } else {
     stem_conv_ = register_module("stem", SubmanifoldConv(kernel, D, down_width(0), false));
   }
-  stem_norm_ = register_module("stem_norm", layer_norm(down_width(0)));
+  stem_norm_ = register_module("stem_norm", PointNorm(down_width(0), config.centering));
   for (size_t s = 0; s < stages; ++s) {
     const std::string number = std::to_string(s);
     if (s > 0) {
-      pool_.push_back(register_module("pool" + number, Pooling(down_width(s - 1), down_width(s))));
+      pool_.push_back(register_module("pool" + number,
+                                      Pooling(down_width(s - 1), down_width(s), config.centering)));
     }
     down_.push_back(
         register_module("down" + number, Stage(config.encoder_depths[s], down_width(s), config)));
@@ -42,8 +43,8 @@ PointTransformerImpl::PointTransformerImpl(const ModelConfig& config) {
   for (size_t s = 0; s + 1 < stages; ++s) {
     const std::string number = std::to_string(s);
     const int64_t below = s + 2 < stages ? up_width(s + 1) : down_width(s + 1);
-    unpool_.push_back(
-        register_module("unpool" + number, Unpooling(below, down_width(s), up_width(s))));
+    unpool_.push_back(register_module(
+        "unpool" + number, Unpooling(below, down_width(s), up_width(s), config.centering)));
     up_.push_back(
         register_module("up" + number, Stage(config.decoder_depths[s], up_width(s), config)));
   }

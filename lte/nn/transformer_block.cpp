@@ -10,6 +10,7 @@
 #include "lte/nn/constants.h"
 #include "lte/ops/gelu.h"
 #include "lte/ops/patch_attention.h"
+#include "lte/ops/rotary.h"
 #include "lte/ops/submanifold_conv.h"
 
 namespace lte::nn {
@@ -24,11 +25,12 @@ PatchAttentionImpl::PatchAttentionImpl(int64_t channels, int64_t heads, double d
       qkv_(register_module("qkv", Linear(channels, 3 * channels))),
       proj_(register_module("proj", Linear(channels, channels))) {}
 
-at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, const PatchMap& map,
-                                       int64_t patch_size) {
+at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, const StagePlan& stage,
+                                       const PatchMap& map, int64_t patch_size) {
   const int64_t n = x.size(0), C = x.size(1);
   const bool one_patch = !map.gather.defined();
   at::Tensor qkv = qkv_->forward(x);
+  if (stage.cosine.defined()) qkv = ops::rotate_heads(qkv, stage.cosine, stage.sine, heads_);
   const bool inference = !at::GradMode::is_enabled() && !is_training();
   if (inference && qkv.device().is_cpu() && qkv.scalar_type() == at::kFloat &&
       C / heads_ <= ops::kWidestHead) {
@@ -49,6 +51,17 @@ at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, const PatchMap& map,
   if (flash) out = out.to(at::kFloat);
   if (!one_patch) out = out.index_select(0, map.inverse);
   return at::dropout(proj_->forward(out), dropout_, is_training());
+}
+
+PointNormImpl::PointNormImpl(int64_t channels, Centering centering)
+    : weight_(register_parameter("weight", at::ones({channels}))),
+      bias_(register_parameter("bias", at::zeros({channels}))) {
+  if (centering == Centering::Learned) share_ = register_parameter("share", at::ones({channels}));
+}
+
+at::Tensor PointNormImpl::forward(const at::Tensor& x) {
+  const at::Tensor centered = share_.defined() ? x - x.mean(0, /*keepdim=*/true).mul(share_) : x;
+  return at::layer_norm(centered, {x.size(1)}, weight_, bias_, kNormEpsilon);
 }
 
 SubmanifoldConvImpl::SubmanifoldConvImpl(int64_t kernel, int64_t inputs, int64_t outputs,
@@ -79,7 +92,7 @@ TransformerBlockImpl::TransformerBlockImpl(int64_t channels, const ModelConfig& 
     : patch_size_(config.patch_size),
       conv_(register_module("conv", SubmanifoldConv(kBlockKernel, channels, channels, true))),
       conv_linear_(register_module("conv_linear", Linear(channels, channels))),
-      conv_norm_(register_module("conv_norm", layer_norm(channels))),
+      conv_norm_(register_module("conv_norm", PointNorm(channels, config.centering))),
       norm1_(register_module("norm1", layer_norm(channels))),
       norm2_(register_module("norm2", layer_norm(channels))) {
   const int64_t heads = std::max<int64_t>(1, channels / config.head_width);
@@ -92,13 +105,13 @@ at::Tensor TransformerBlockImpl::forward(const at::Tensor& input, const StagePla
   at::Tensor x = conv_->forward(input, stage.pairs, stage.tap_begin);
   x = input + conv_norm_->forward(conv_linear_->forward(x));
   const PatchMap& map = stage.patches[order % stage.patches.size()];
-  x = x + attention_->forward(norm1_->forward(x), map, patch_size_);
+  x = x + attention_->forward(norm1_->forward(x), stage, map, patch_size_);
   return x + mlp_->forward(norm2_->forward(x));
 }
 
-PoolingImpl::PoolingImpl(int64_t inputs, int64_t outputs)
+PoolingImpl::PoolingImpl(int64_t inputs, int64_t outputs, Centering centering)
     : linear_(register_module("linear", Linear(inputs, outputs))),
-      norm_(register_module("norm", layer_norm(outputs))) {}
+      norm_(register_module("norm", PointNorm(outputs, centering))) {}
 
 at::Tensor cluster_argmax(const at::Tensor& x, const at::Tensor& cluster, int64_t clusters) {
   const at::NoGradGuard no_grad;
@@ -123,11 +136,11 @@ at::Tensor PoolingImpl::forward(const at::Tensor& fine, const at::Tensor& cluste
   return ops::gelu(norm_->forward(pooled));
 }
 
-UnpoolingImpl::UnpoolingImpl(int64_t coarse, int64_t skip, int64_t outputs)
+UnpoolingImpl::UnpoolingImpl(int64_t coarse, int64_t skip, int64_t outputs, Centering centering)
     : coarse_(register_module("coarse", Linear(coarse, outputs))),
       skip_(register_module("skip", Linear(skip, outputs))),
-      coarse_norm_(register_module("coarse_norm", layer_norm(outputs))),
-      skip_norm_(register_module("skip_norm", layer_norm(outputs))) {}
+      coarse_norm_(register_module("coarse_norm", PointNorm(outputs, centering))),
+      skip_norm_(register_module("skip_norm", PointNorm(outputs, centering))) {}
 
 at::Tensor UnpoolingImpl::forward(const at::Tensor& coarse, const at::Tensor& skip,
                                   const at::Tensor& cluster) {

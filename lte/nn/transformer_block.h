@@ -19,8 +19,12 @@ class PatchAttentionImpl : public torch::nn::Module {
  public:
   PatchAttentionImpl(int64_t channels, int64_t heads, double dropout);
 
-  /// @param x  [n, C]; @return [n, C]
-  at::Tensor forward(const at::Tensor& x, const PatchMap& map, int64_t patch_size);
+  /// @param x      [n, C]
+  /// @param stage  whose angles, if there are any, turn queries and keys
+  /// @param map    of the stage's maps
+  /// @return       [n, C]
+  at::Tensor forward(const at::Tensor& x, const StagePlan& stage, const PatchMap& map,
+                     int64_t patch_size);
 
  private:
   int64_t heads_;
@@ -48,7 +52,24 @@ class SubmanifoldConvImpl : public torch::nn::Module {
 };
 TORCH_MODULE(SubmanifoldConv);
 
-/// x += LN(Linear(conv(x))); x += Attention(LN(x)); x += MLP(LN(x)).
+/// LayerNorm of what is left when a learnt share of each channel's mean over the points has been
+/// subtracted: what all points have in common says nothing about any of them, and LayerNorm alone,
+/// which sees one point at a time, cannot remove it. Plain LayerNorm with Centering::None.
+/// Parameters: `weight`, `bias` [C], as LayerNorm's, and `share` [C], at first 1.
+class PointNormImpl : public torch::nn::Module {
+ public:
+  PointNormImpl(int64_t channels, Centering centering);
+
+  /// @param x  [n, C] of all points of a scene; @return [n, C]
+  at::Tensor forward(const at::Tensor& x);
+
+ private:
+  at::Tensor weight_, bias_;
+  at::Tensor share_;  ///< undefined without centering
+};
+TORCH_MODULE(PointNorm);
+
+/// x += PN(Linear(conv(x))); x += Attention(LN(x)); x += MLP(LN(x)), PN the PointNorm.
 /// Parameters: `conv.*`, `conv_linear.*`, `conv_norm.*`, `norm1.*`, `attention.*`, `norm2.*`,
 /// `mlp.*`.
 class TransformerBlockImpl : public torch::nn::Module {
@@ -62,16 +83,17 @@ class TransformerBlockImpl : public torch::nn::Module {
   int64_t patch_size_;
   SubmanifoldConv conv_{nullptr};
   Linear conv_linear_{nullptr};
-  torch::nn::LayerNorm conv_norm_{nullptr}, norm1_{nullptr}, norm2_{nullptr};
+  PointNorm conv_norm_{nullptr};
+  torch::nn::LayerNorm norm1_{nullptr}, norm2_{nullptr};
   PatchAttention attention_{nullptr};
   Mlp mlp_{nullptr};
 };
 TORCH_MODULE(TransformerBlock);
 
-/// Linear, maximum over the members of each cluster, LN, GELU. Parameters: `linear.*`, `norm.*`.
+/// Linear, maximum over the members of each cluster, PN, GELU. Parameters: `linear.*`, `norm.*`.
 class PoolingImpl : public torch::nn::Module {
  public:
-  PoolingImpl(int64_t inputs, int64_t outputs);
+  PoolingImpl(int64_t inputs, int64_t outputs, Centering centering);
 
   /// @param fine     [n, Cin]
   /// @param cluster  [n] int64 in [0, clusters), each cluster inhabited
@@ -80,21 +102,21 @@ class PoolingImpl : public torch::nn::Module {
 
  private:
   Linear linear_{nullptr};
-  torch::nn::LayerNorm norm_{nullptr};
+  PointNorm norm_{nullptr};
 };
 TORCH_MODULE(Pooling);
 
-/// GELU(LN(Linear(coarse)))[cluster] + GELU(LN(Linear(skip))).
+/// GELU(PN(Linear(coarse)))[cluster] + GELU(PN(Linear(skip))).
 /// Parameters: `coarse.*`, `coarse_norm.*`, `skip.*`, `skip_norm.*`.
 class UnpoolingImpl : public torch::nn::Module {
  public:
-  UnpoolingImpl(int64_t coarse, int64_t skip, int64_t outputs);
+  UnpoolingImpl(int64_t coarse, int64_t skip, int64_t outputs, Centering centering);
 
   at::Tensor forward(const at::Tensor& coarse, const at::Tensor& skip, const at::Tensor& cluster);
 
  private:
   Linear coarse_{nullptr}, skip_{nullptr};
-  torch::nn::LayerNorm coarse_norm_{nullptr}, skip_norm_{nullptr};
+  PointNorm coarse_norm_{nullptr}, skip_norm_{nullptr};
 };
 TORCH_MODULE(Unpooling);
 

@@ -290,8 +290,10 @@ TEST(Model, CurveOrdersVaryInTrainingOnly) {
   EXPECT_TRUE(varied);
 }
 
-TEST(Model, GradientsMatchFiniteDifferencesThroughEverything) {
-  LightTransportModel model = random_model();
+class ModelOf : public testing::TestWithParam<ModelConfig> {};
+
+TEST_P(ModelOf, GradientsMatchFiniteDifferencesThroughEverything) {
+  LightTransportModel model = random_model(GetParam());
   model->to(at::kDouble);
   const PointSet points = test::as_double(test::box_scene(60, 16));
   const QuerySet queries = test::as_double(test::box_queries(6, 17));
@@ -302,9 +304,20 @@ TEST(Model, GradientsMatchFiniteDifferencesThroughEverything) {
   test::expect_gradients_match(loss, model->parameters(), 1e-5);
 }
 
-TEST(Model, LearnsOneBatchByHeart) {
+TEST_P(ModelOf, AnswersAlikeWithAndWithoutGradients) {
+  LightTransportModel model = random_model(GetParam());
+  const PointSet points = test::box_scene(300, 20);
+  const QuerySet queries = test::box_queries(200, 21);
+  const at::Tensor trained = model->decode_normalized(model->encode(points), queries).detach();
+  const at::NoGradGuard no_grad;
+  EXPECT_LT(
+      test::relative_difference(model->decode_normalized(model->encode(points), queries), trained),
+      1e-5);
+}
+
+TEST_P(ModelOf, LearnsOneBatchByHeart) {
   torch::manual_seed(23);
-  LightTransportModel model(test::tiny_config());
+  LightTransportModel model(GetParam());
   model->train();
   const PointSet points = test::box_scene(80, 18);
   const QuerySet queries = test::box_queries(32, 19);
@@ -322,6 +335,27 @@ TEST(Model, LearnsOneBatchByHeart) {
   }
   EXPECT_GT(first, 0.1);
   EXPECT_LT(last, 0.005);
+}
+
+INSTANTIATE_TEST_SUITE_P(Configurations, ModelOf,
+                         testing::Values(test::tiny_config(), test::tiny_geometric_config()),
+                         [](const auto& info) {
+                           return info.param.reads_normals() ? "Geometric" : "AsInThePaper";
+                         });
+
+TEST(Model, TellsTheTwoSidesOfABoardApartByTheirNormals) {
+  const PointSet points = test::box_scene(200, 22);
+  const QuerySet queries = test::box_queries(40, 23);
+  for (const bool geometric : {false, true}) {
+    LightTransportModel model =
+        random_model(geometric ? test::tiny_geometric_config() : test::tiny_config());
+    const at::NoGradGuard no_grad;
+    Embedding embedding = model->encode(points);
+    const at::Tensor answer = model->decode(embedding, queries);
+    EXPECT_EQ(embedding.normal.defined(), geometric);
+    if (geometric) embedding.normal = -embedding.normal;
+    EXPECT_EQ(!torch::equal(model->decode(embedding, queries), answer), geometric);
+  }
 }
 
 }  // namespace

@@ -20,13 +20,6 @@
 #include "train/optim/schedule.h"
 
 namespace lte::train {
-namespace {
-
-/// PyTorch's default, as the paper names none.
-constexpr double kAdamEpsilon = 1e-8;
-
-}  // namespace
-
 std::string gradient_module(const std::string& parameter) {
   constexpr std::string_view kEncoder = "encoder.";
   if (!parameter.starts_with(kEncoder)) return parameter.substr(0, parameter.find('.'));
@@ -110,7 +103,7 @@ void Optimizer::update(int64_t step, double norm, std::optional<double> given_ra
     if (weights.empty()) continue;
     at::_foreach_add_(updates, 1);
     at::_fused_adamw_(weights, gradients, first, second, {}, updates, rate, config_.beta1,
-                      config_.beta2, matrices ? config_.weight_decay : 0, kAdamEpsilon,
+                      config_.beta2, matrices ? config_.weight_decay : 0, config_.adam_epsilon,
                       /*amsgrad=*/false, /*maximize=*/false);
   }
   if (average_.empty()) return;
