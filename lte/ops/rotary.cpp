@@ -40,8 +40,8 @@ at::Tensor composed_rotation(const at::Tensor& qkv, const at::Tensor& cosine,
   const at::Tensor a = turned.select(3, 0), b = turned.select(3, 1);  // [n, 2, heads, pairs]
   const at::Tensor c = cosine.to(qkv.scalar_type()).view({n, 1, 1, pairs}),
                    s = sine.to(qkv.scalar_type()).view({n, 1, 1, pairs});
-  return at::cat({at::stack({a * c - b * s, a * s + b * c}, 3), parts.narrow(1, 2, 1)}, 1)
-      .view({n, qkv.size(1)});
+  const at::Tensor first = a.mul(c).sub(b.mul(s)), second = a.mul(s).add(b.mul(c));
+  return at::cat({at::stack({first, second}, 3), parts.narrow(1, 2, 1)}, 1).view({n, qkv.size(1)});
 }
 
 }  // namespace
