@@ -81,6 +81,18 @@ LightTransportModelImpl::LightTransportModelImpl(const ModelConfig& config)
 
 Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order_seed,
                                           const Frame& frame) {
+  return encode(points, order_seed, frame, nullptr);
+}
+
+std::vector<StageHealth> LightTransportModelImpl::stage_health(const PointSet& points) {
+  const at::NoGradGuard no_grad;
+  StageRecorder recorder;
+  encode(points, 0, {}, &recorder);
+  return recorder.stages();
+}
+
+Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order_seed,
+                                          const Frame& frame, StageRecorder* recorder) {
   check_points(points, config_);
   Embedding embedding;
   embedding.scale = frame.scale > 0 ? frame.scale : config_.scale;
@@ -112,7 +124,7 @@ Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order
     embedding.normal = points.normal.index_select(0, plan.first_picks.narrow(0, 0, m));
   }
   embedding.features =
-      parts_->encoder->forward(parts_->nne->forward(at::cat(attributes, 1), plan), plan);
+      parts_->encoder->forward(parts_->nne->forward(at::cat(attributes, 1), plan), plan, recorder);
   if (config_.reads_indirect()) {
     const at::Tensor a = embedding.emission_scale.to(points.indirect.options());
     const at::Tensor light = at::cat({points.indirect, points.direct}, 1);

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include <torch/nn/module.h>
 #include <torch/nn/pimpl.h>
@@ -12,6 +13,7 @@
 #include "lte/nn/light_cache.h"
 #include "lte/nn/point_set.h"
 #include "lte/nn/precision.h"
+#include "lte/nn/stage_health.h"
 
 namespace lte::nn {
 
@@ -60,6 +62,10 @@ class LightTransportModelImpl : public torch::nn::Module {
   ///         the frame's scale, or a point below the frame's origin
   Embedding encode(const PointSet& points, uint64_t order_seed = 0, const Frame& frame = {});
 
+  /// What each stage of the encoder carries for a scene, in the order of the network.
+  /// @throws c10::Error as encode()
+  std::vector<StageHealth> stage_health(const PointSet& points);
+
   /// The arithmetic of encode() and decode() without gradients from now on, on a CPU as on a GPU.
   /// It rounds the weights that there are now: call it again when they have changed.
   void set_precision(Precision precision);
@@ -76,6 +82,9 @@ class LightTransportModelImpl : public torch::nn::Module {
   const ModelConfig& config() const { return config_; }
 
  private:
+  Embedding encode(const PointSet& points, uint64_t order_seed, const Frame& frame,
+                   StageRecorder* recorder);
+
   ModelConfig config_;
   struct Parts;
   std::shared_ptr<Parts> parts_;

@@ -25,12 +25,38 @@ PatchAttentionImpl::PatchAttentionImpl(int64_t channels, int64_t heads, double d
       qkv_(register_module("qkv", Linear(channels, 3 * channels))),
       proj_(register_module("proj", Linear(channels, channels))) {}
 
+at::Tensor PatchAttentionImpl::turned_qkv(const at::Tensor& x, const StagePlan& stage) {
+  const at::Tensor qkv = qkv_->forward(x);
+  return stage.cosine.defined() ? ops::rotate_heads(qkv, stage.cosine, stage.sine, heads_) : qkv;
+}
+
+double PatchAttentionImpl::entropy(const at::Tensor& x, const StagePlan& stage, const PatchMap& map,
+                                   int64_t patch_size) {
+  const at::NoGradGuard no_grad;
+  const int64_t n = x.size(0), width = x.size(1) / heads_;
+  const bool one_patch = !map.gather.defined();
+  const int64_t length = one_patch ? n : patch_size;
+  if (length < 2) return std::numeric_limits<double>::quiet_NaN();
+  at::Tensor qkv = turned_qkv(x, stage);
+  if (!one_patch) qkv = qkv.index_select(0, map.gather);
+  const at::Tensor parts = qkv.view({-1, length, 3, heads_, width});
+  double sum = 0;
+  for (int64_t patch = 0; patch < parts.size(0); ++patch) {  // one at a time: length² a head
+    const at::Tensor q = parts[patch].select(1, 0).transpose(0, 1),
+                     k = parts[patch].select(1, 1).transpose(0, 1);
+    const at::Tensor logits =
+        at::bmm(q, k.transpose(1, 2)).div(std::sqrt(static_cast<double>(width)));
+    const at::Tensor rows = at::log_softmax(logits, 2);
+    sum -= rows.exp().mul(rows).sum(2).mean().item<double>();
+  }
+  return sum / static_cast<double>(parts.size(0)) / std::log(static_cast<double>(length));
+}
+
 at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, const StagePlan& stage,
                                        const PatchMap& map, int64_t patch_size) {
   const int64_t n = x.size(0), C = x.size(1);
   const bool one_patch = !map.gather.defined();
-  at::Tensor qkv = qkv_->forward(x);
-  if (stage.cosine.defined()) qkv = ops::rotate_heads(qkv, stage.cosine, stage.sine, heads_);
+  at::Tensor qkv = turned_qkv(x, stage);
   const bool inference = !at::GradMode::is_enabled() && !is_training();
   if (inference && qkv.device().is_cpu() && qkv.scalar_type() == at::kFloat &&
       C / heads_ <= ops::kWidestHead) {
@@ -100,10 +126,21 @@ TransformerBlockImpl::TransformerBlockImpl(int64_t channels, const ModelConfig& 
   mlp_ = register_module("mlp", Mlp(channels, 4 * channels, channels, config.dropout, 0.5));
 }
 
+at::Tensor TransformerBlockImpl::convolve(const at::Tensor& input, const StagePlan& stage) {
+  const at::Tensor x = conv_->forward(input, stage.pairs, stage.tap_begin);
+  return input + conv_norm_->forward(conv_linear_->forward(x));
+}
+
+double TransformerBlockImpl::attention_entropy(const at::Tensor& input, const StagePlan& stage,
+                                               size_t order) {
+  const at::NoGradGuard no_grad;
+  const PatchMap& map = stage.patches[order % stage.patches.size()];
+  return attention_->entropy(norm1_->forward(convolve(input, stage)), stage, map, patch_size_);
+}
+
 at::Tensor TransformerBlockImpl::forward(const at::Tensor& input, const StagePlan& stage,
                                          size_t order) {
-  at::Tensor x = conv_->forward(input, stage.pairs, stage.tap_begin);
-  x = input + conv_norm_->forward(conv_linear_->forward(x));
+  at::Tensor x = convolve(input, stage);
   const PatchMap& map = stage.patches[order % stage.patches.size()];
   x = x + attention_->forward(norm1_->forward(x), stage, map, patch_size_);
   return x + mlp_->forward(norm2_->forward(x));

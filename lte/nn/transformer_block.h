@@ -26,7 +26,15 @@ class PatchAttentionImpl : public torch::nn::Module {
   at::Tensor forward(const at::Tensor& x, const StagePlan& stage, const PatchMap& map,
                      int64_t patch_size);
 
+  /// Entropy of the rows of attention that forward() would weigh values by, over the logarithm of
+  /// the points of a patch; a mean over heads and points, NaN for patches of one point.
+  double entropy(const at::Tensor& x, const StagePlan& stage, const PatchMap& map,
+                 int64_t patch_size);
+
  private:
+  /// Queries, keys and values of the points, turned.
+  at::Tensor turned_qkv(const at::Tensor& x, const StagePlan& stage);
+
   int64_t heads_;
   double dropout_;
   Linear qkv_{nullptr}, proj_{nullptr};
@@ -79,7 +87,12 @@ class TransformerBlockImpl : public torch::nn::Module {
   /// @param order  which of the stage's patch maps to use, modulo their number
   at::Tensor forward(const at::Tensor& input, const StagePlan& stage, size_t order);
 
+  /// PatchAttention::entropy() of what forward() would attend to.
+  double attention_entropy(const at::Tensor& input, const StagePlan& stage, size_t order);
+
  private:
+  at::Tensor convolve(const at::Tensor& input, const StagePlan& stage);
+
   int64_t patch_size_;
   SubmanifoldConv conv_{nullptr};
   Linear conv_linear_{nullptr};

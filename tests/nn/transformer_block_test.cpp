@@ -114,6 +114,31 @@ TEST(PatchAttention, WithRotaryPositionsIsSoftmaxOverTurnedQueriesAndKeys) {
   EXPECT_LT(test::relative_difference(got().detach(), expected), 1e-5) << "training";
 }
 
+TEST(PatchAttention, EntropyIsThatOfTheSoftmaxOverLogN) {
+  const at::NoGradGuard no_grad;
+  torch::manual_seed(10);
+  constexpr int64_t n = 20, C = 8, H = 2, K = 8;
+  PatchAttention attention(C, H, 0.0);
+  const at::Tensor x = torch::randn({n, C});
+  auto p = attention->named_parameters();
+  const auto entropy = [&](const PatchMap& map) { return attention->entropy(x, {}, map, K); };
+  p["qkv.weight"].zero_();
+  EXPECT_NEAR(entropy({}), 1, 1e-6) << "every point alike";
+  const PatchMap patches = make_patch_map(torch::randperm(n), K);
+  EXPECT_NEAR(entropy(patches), 1, 1e-6);
+  p["qkv.weight"].slice(0, 0, 2 * C).copy_(torch::eye(C).repeat({2, 1}) * 300);
+  EXPECT_LT(entropy({}), 0.01) << "a product of a vector with itself wins";
+  test::randomize(*attention, 3);
+  const at::Tensor qkv = x.matmul(p["qkv.weight"].t()) + p["qkv.bias"];
+  double sum = 0;
+  for (int64_t h = 0; h < H; ++h) {
+    const at::Tensor q = qkv.slice(1, 4 * h, 4 * h + 4), k = qkv.slice(1, C + 4 * h, C + 4 * h + 4);
+    const at::Tensor w = torch::softmax(q.matmul(k.t()) / 2, 1);
+    sum -= (w * w.log()).sum(1).mean().item<double>() / H;
+  }
+  EXPECT_NEAR(entropy({}), sum / std::log(double(n)), 1e-5);
+}
+
 TEST(ClusterArgmax, MatchesLoopsAndGivesTiesToTheLowestRow) {
   torch::manual_seed(6);
   const int64_t n = 60, C = 5, clusters = 9;

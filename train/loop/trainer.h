@@ -59,7 +59,8 @@ class Trainer {
   void train_steps(int64_t end);
   void train_step();
   void add_up(double* loss, int64_t* queries);
-  void after_step(double norm, const NamedValues& module_norms);
+  void after_step(double norm, const ModuleGradients& modules);
+  void write_health();
   bool validate_now();
   void draw_previews();
   void save();

@@ -83,6 +83,18 @@ std::vector<std::pair<std::string, double>> Optimizer::module_norms() const {
   return modules;
 }
 
+std::vector<std::pair<std::string, double>> Optimizer::module_rms() const {
+  std::vector<std::pair<std::string, double>> modules = module_norms();
+  for (auto& [module, value] : modules) {
+    int64_t numbers = 0;
+    for (size_t i = 0; i < names_.size(); ++i) {
+      if (gradient_module(names_[i]) == module) numbers += parameters_[i].numel();
+    }
+    value /= std::sqrt(static_cast<double>(numbers));
+  }
+  return modules;
+}
+
 void Optimizer::update(int64_t step, double norm, std::optional<double> given_rate) {
   const torch::NoGradGuard no_grad;
   if (config_.clip_norm > 0 && norm > config_.clip_norm) {
