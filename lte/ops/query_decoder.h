@@ -24,7 +24,7 @@ struct QueryNeighbourhood {
   double limit = 1;     ///< limited to ±limit
   /// [Q, 3] and [m, 3] float32, unit: of decoders whose γ reads kNormalInputs columns; else both
   /// undefined.
-  at::Tensor normal, anchor_normal;
+  at::Tensor normal = {}, anchor_normal = {};
 };
 
 /// @param attributes  [Q, A] float32, what the queries' own MLP sees

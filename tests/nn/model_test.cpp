@@ -339,8 +339,8 @@ TEST_P(ModelOf, LearnsOneBatchByHeart) {
 
 INSTANTIATE_TEST_SUITE_P(Configurations, ModelOf,
                          testing::Values(test::tiny_config(), test::tiny_geometric_config()),
-                         [](const auto& info) {
-                           return info.param.reads_normals() ? "Geometric" : "AsInThePaper";
+                         [](const auto& each) {
+                           return each.param.reads_normals() ? "Geometric" : "AsInThePaper";
                          });
 
 TEST(Model, TellsTheTwoSidesOfABoardApartByTheirNormals) {

@@ -12,6 +12,7 @@
 #include "lte/base/safetensors.h"
 #include "lte/base/text.h"
 #include "lte/nn/model_metadata.h"
+#include "train/checkpoint/checkpoint.h"
 #include "train/checkpoint/init_weights.h"
 #include "train/checkpoint/model_files.h"
 #include "train/data/batch.h"
