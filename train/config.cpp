@@ -4,6 +4,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/log.h"
+#include "lte/nn/constants.h"
 
 namespace lte::train {
 namespace {
@@ -74,6 +75,9 @@ void check_at_least(const char* key, int64_t value, int64_t least) {
 void check_optim(const OptimConfig& train) {
   check_at_least("train.steps", train.steps, 1);
   check_at_least("train.scenes_per_step", train.scenes_per_step, 1);
+  LTE_CHECK(train.scenes_per_pass >= 1 && train.scenes_per_pass <= nn::kMostScenes,
+            "train.scenes_per_pass: expected 1 to ", nn::kMostScenes, ", got ",
+            train.scenes_per_pass);
   check_at_least("train.warmup_steps", train.warmup_steps, 0);
   check_at_least("train.log_every", train.log_every, 1);
   check_at_least("train.checkpoint_every", train.checkpoint_every, 1);
@@ -111,6 +115,7 @@ OptimConfig read_optim(const Config& config) {
   OptimConfig train;
   config.read("steps", &train.steps);
   config.read("scenes_per_step", &train.scenes_per_step);
+  config.read("scenes_per_pass", &train.scenes_per_pass);
   config.read("learning_rate", &train.learning_rate);
   config.read("min_learning_rate", &train.min_learning_rate);
   config.read("warmup_steps", &train.warmup_steps);

@@ -61,6 +61,7 @@ struct AugmentConfig {
 struct OptimConfig {
   int64_t steps = 2'000'000;
   int64_t scenes_per_step = 3;
+  int64_t scenes_per_pass = 1;      ///< of them that go through the network at once
   double learning_rate = 2e-4;      ///< the highest one, after warm-up
   double min_learning_rate = 2e-6;  ///< the cosine's floor, reached at the last step
   int64_t warmup_steps = 2000;

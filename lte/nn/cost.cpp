@@ -17,7 +17,7 @@ double real(int64_t value) { return static_cast<double>(value); }
 double block_products(const ModelConfig& config, const StagePlan& stage, int64_t C) {
   const double n = real(stage.points()), width = real(C);
   const bool one_patch = stage.points() <= config.patch_size;
-  const double slots = one_patch ? n : real(stage.patches[0].gather.size(0));
+  const double slots = one_patch ? n : real(stage.scenes[0].patches[0].gather.size(0));
   const double convolution = real(stage.pairs.size(1)) * width * width;
   const double dense = (1 + 4 + 8) * n * width * width;  // after the convolution; attention; MLP
   return convolution + dense + 2 * slots * (one_patch ? n : real(config.patch_size)) * width;

@@ -35,6 +35,12 @@ struct Embedding {
   LightCache cache;  ///< of models whose `light_input` is traced
 };
 
+/// Several scenes that were embedded in one pass.
+struct SceneBatch {
+  std::vector<Embedding> scenes;
+  at::Tensor features;  ///< [Σ m, D]; those of each scene are its rows
+};
+
 /// Where a scene lies in network space: p̂ = (p − origin) / scale.
 struct Frame {
   at::Tensor origin;  ///< [3] world, at most every scene point; undefined: their least corner
@@ -62,6 +68,12 @@ class LightTransportModelImpl : public torch::nn::Module {
   ///         the frame's scale, or a point below the frame's origin
   Embedding encode(const PointSet& points, uint64_t order_seed = 0, const Frame& frame = {});
 
+  /// Embeds several scenes, at most kMostScenes, in one pass, in which no scene sees another: what
+  /// encode() gives for each, to rounding, in fewer and larger operations.
+  /// @throws c10::Error as encode(); lte::Error if a scene is too fine (make_encoder_plan())
+  SceneBatch encode_batch(const std::vector<PointSet>& scenes,
+                          const std::vector<uint64_t>& order_seeds);
+
   /// What each stage of the encoder carries for a scene, in the order of the network.
   /// @throws c10::Error as encode()
   std::vector<StageHealth> stage_health(const PointSet& points);
@@ -74,6 +86,10 @@ class LightTransportModelImpl : public torch::nn::Module {
   /// @return [Q, 3], non-negative
   at::Tensor decode_normalized(const Embedding& embedding, const QuerySet& queries);
 
+  /// The same for each scene of a batch, differentiable.
+  std::vector<at::Tensor> decode_normalized(const SceneBatch& batch,
+                                            const std::vector<QuerySet>& queries);
+
   /// Irradiance in W/m², [Q, 3]. Works through queries in blocks, so memory does not grow with Q
   /// beyond the output. Independent of block size and of the other queries to rounding.
   at::Tensor decode(const Embedding& embedding, const QuerySet& queries,
@@ -82,8 +98,10 @@ class LightTransportModelImpl : public torch::nn::Module {
   const ModelConfig& config() const { return config_; }
 
  private:
-  Embedding encode(const PointSet& points, uint64_t order_seed, const Frame& frame,
-                   StageRecorder* recorder);
+  Embedding place(const PointSet& points, const Frame& frame, at::Tensor* position,
+                  at::Tensor* attributes) const;
+  SceneBatch encode(const std::vector<PointSet>& scenes, const std::vector<uint64_t>& order_seeds,
+                    const Frame& frame, StageRecorder* recorder);
 
   ModelConfig config_;
   struct Parts;

@@ -61,19 +61,19 @@ at::Tensor PointTransformerImpl::forward(const at::Tensor& x, const EncoderPlan&
   };
   const at::Tensor stem = stem_conv_ ? stem_conv_->forward(x, plan.stem_pairs, plan.stem_tap_begin)
                                      : stem_linear_->forward(x);
-  std::vector<at::Tensor> skip = {ops::gelu(stem_norm_->forward(stem))};
+  std::vector<at::Tensor> skip = {ops::gelu(stem_norm_->forward(stem, plan.stages[0]))};
   record("stem", skip[0]);
   for (size_t s = 0; s < down_.size(); ++s) {
     const StagePlan& stage = plan.stages[s];
     if (s > 0) {
-      skip.push_back(pool_[s - 1]->forward(skip.back(), stage.cluster, stage.points()));
+      skip.push_back(pool_[s - 1]->forward(skip.back(), stage));
     }
     skip[s] = down_[s]->forward(skip[s], stage, recorder);
     record("down" + std::to_string(s), skip[s]);
   }
   at::Tensor y = skip.back();
   for (size_t s = up_.size(); s-- > 0;) {
-    y = unpool_[s]->forward(y, skip[s], plan.stages[s + 1].cluster);
+    y = unpool_[s]->forward(y, skip[s], plan.stages[s + 1], plan.stages[s]);
     y = up_[s]->forward(y, plan.stages[s], recorder);
     record("up" + std::to_string(s), y);
   }

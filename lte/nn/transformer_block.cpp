@@ -14,6 +14,21 @@
 #include "lte/ops/submanifold_conv.h"
 
 namespace lte::nn {
+namespace {
+
+const PatchMap& patch_map(const SceneRows& rows, size_t order) {
+  return rows.patches[order % rows.patches.size()];
+}
+
+/// Means of [n, C] over the points of each scene, [scenes, C].
+at::Tensor means_of_scenes(const at::Tensor& x, const StagePlan& stage) {
+  std::vector<at::Tensor> means;
+  for (const SceneRows& rows : stage.scenes)
+    means.push_back(x.narrow(0, rows.begin, rows.count).mean(0));
+  return at::stack(means);
+}
+
+}  // namespace
 
 torch::nn::LayerNorm layer_norm(int64_t channels) {
   return torch::nn::LayerNorm(torch::nn::LayerNormOptions({channels}).eps(kNormEpsilon));
@@ -30,9 +45,10 @@ at::Tensor PatchAttentionImpl::turned_qkv(const at::Tensor& x, const StagePlan& 
   return stage.cosine.defined() ? ops::rotate_heads(qkv, stage.cosine, stage.sine, heads_) : qkv;
 }
 
-double PatchAttentionImpl::entropy(const at::Tensor& x, const StagePlan& stage, const PatchMap& map,
+double PatchAttentionImpl::entropy(const at::Tensor& x, const StagePlan& stage, size_t order,
                                    int64_t patch_size) {
   const at::NoGradGuard no_grad;
+  const PatchMap& map = patch_map(stage.scenes.front(), order);
   const int64_t n = x.size(0), width = x.size(1) / heads_;
   const bool one_patch = !map.gather.defined();
   const int64_t length = one_patch ? n : patch_size;
@@ -52,18 +68,30 @@ double PatchAttentionImpl::entropy(const at::Tensor& x, const StagePlan& stage, 
   return sum / static_cast<double>(parts.size(0)) / std::log(static_cast<double>(length));
 }
 
-at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, const StagePlan& stage,
-                                       const PatchMap& map, int64_t patch_size) {
-  const int64_t n = x.size(0), C = x.size(1);
-  const bool one_patch = !map.gather.defined();
-  at::Tensor qkv = turned_qkv(x, stage);
-  const bool inference = !at::GradMode::is_enabled() && !is_training();
-  if (inference && qkv.device().is_cpu() && qkv.scalar_type() == at::kFloat &&
-      C / heads_ <= ops::kWidestHead) {
-    return proj_->forward(ops::patch_attention_inference(qkv, map.gather, map.inverse, heads_,
-                                                         patch_size, qkv_->in_bf16()));
+at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, const StagePlan& stage, size_t order,
+                                       int64_t patch_size) {
+  const at::Tensor qkv = turned_qkv(x, stage);
+  std::vector<at::Tensor> attended;
+  for (const SceneRows& rows : stage.scenes) {
+    const bool alone = stage.scenes.size() == 1;
+    attended.push_back(attend(alone ? qkv : qkv.narrow(0, rows.begin, rows.count),
+                              patch_map(rows, order), patch_size));
   }
-  if (!one_patch) qkv = qkv.index_select(0, map.gather);
+  const at::Tensor all = attended.size() == 1 ? attended.front() : at::cat(attended);
+  return at::dropout(proj_->forward(all), dropout_, is_training());
+}
+
+at::Tensor PatchAttentionImpl::attend(const at::Tensor& points, const PatchMap& map,
+                                      int64_t patch_size) {
+  const int64_t n = points.size(0), C = points.size(1) / 3;
+  const bool one_patch = !map.gather.defined();
+  const bool inference = !at::GradMode::is_enabled() && !is_training();
+  if (inference && points.device().is_cpu() && points.scalar_type() == at::kFloat &&
+      C / heads_ <= ops::kWidestHead) {
+    return ops::patch_attention_inference(points, map.gather, map.inverse, heads_, patch_size,
+                                          qkv_->in_bf16());
+  }
+  at::Tensor qkv = one_patch ? points : points.index_select(0, map.gather);
   const int64_t length = one_patch ? n : patch_size;
   // In bfloat16 CUDA has flash attention; LibTorch's kernel for the CPU gains nothing by it.
   const bool flash = (qkv_->in_autocast() || qkv_->in_bf16()) && qkv.is_cuda();
@@ -75,8 +103,7 @@ at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, const StagePlan& sta
   at::Tensor out = at::scaled_dot_product_attention(part[0], part[1], part[2]);
   out = out.transpose(1, 2).reshape({-1, C});
   if (flash) out = out.to(at::kFloat);
-  if (!one_patch) out = out.index_select(0, map.inverse);
-  return at::dropout(proj_->forward(out), dropout_, is_training());
+  return one_patch ? out : out.index_select(0, map.inverse);
 }
 
 PointNormImpl::PointNormImpl(int64_t channels, Centering centering)
@@ -85,8 +112,14 @@ PointNormImpl::PointNormImpl(int64_t channels, Centering centering)
   if (centering == Centering::Learned) share_ = register_parameter("share", at::ones({channels}));
 }
 
-at::Tensor PointNormImpl::forward(const at::Tensor& x) {
-  const at::Tensor centered = share_.defined() ? x - x.mean(0, /*keepdim=*/true).mul(share_) : x;
+at::Tensor PointNormImpl::forward(const at::Tensor& x, const StagePlan& stage) {
+  at::Tensor centered = x;
+  if (share_.defined()) {
+    const at::Tensor common = stage.scenes.size() == 1
+                                  ? x.mean(0, /*keepdim=*/true)
+                                  : means_of_scenes(x, stage).index_select(0, stage.scene);
+    centered = x - common.mul(share_);
+  }
   return at::layer_norm(centered, {x.size(1)}, weight_, bias_, kNormEpsilon);
 }
 
@@ -128,21 +161,19 @@ TransformerBlockImpl::TransformerBlockImpl(int64_t channels, const ModelConfig& 
 
 at::Tensor TransformerBlockImpl::convolve(const at::Tensor& input, const StagePlan& stage) {
   const at::Tensor x = conv_->forward(input, stage.pairs, stage.tap_begin);
-  return input + conv_norm_->forward(conv_linear_->forward(x));
+  return input + conv_norm_->forward(conv_linear_->forward(x), stage);
 }
 
 double TransformerBlockImpl::attention_entropy(const at::Tensor& input, const StagePlan& stage,
                                                size_t order) {
   const at::NoGradGuard no_grad;
-  const PatchMap& map = stage.patches[order % stage.patches.size()];
-  return attention_->entropy(norm1_->forward(convolve(input, stage)), stage, map, patch_size_);
+  return attention_->entropy(norm1_->forward(convolve(input, stage)), stage, order, patch_size_);
 }
 
 at::Tensor TransformerBlockImpl::forward(const at::Tensor& input, const StagePlan& stage,
                                          size_t order) {
   at::Tensor x = convolve(input, stage);
-  const PatchMap& map = stage.patches[order % stage.patches.size()];
-  x = x + attention_->forward(norm1_->forward(x), stage, map, patch_size_);
+  x = x + attention_->forward(norm1_->forward(x), stage, order, patch_size_);
   return x + mlp_->forward(norm2_->forward(x));
 }
 
@@ -165,12 +196,11 @@ at::Tensor cluster_argmax(const at::Tensor& x, const at::Tensor& cluster, int64_
       .scatter_reduce(0, target, row.masked_fill(below, n), "amin");
 }
 
-at::Tensor PoolingImpl::forward(const at::Tensor& fine, const at::Tensor& cluster,
-                                int64_t clusters) {
+at::Tensor PoolingImpl::forward(const at::Tensor& fine, const StagePlan& stage) {
   const at::Tensor x = linear_->forward(fine);
   // A gather: each gradient goes to one row, and no two to the same, so the sum needs no order.
-  const at::Tensor pooled = x.gather(0, cluster_argmax(x, cluster, clusters));
-  return ops::gelu(norm_->forward(pooled));
+  const at::Tensor pooled = x.gather(0, cluster_argmax(x, stage.cluster, stage.points()));
+  return ops::gelu(norm_->forward(pooled, stage));
 }
 
 UnpoolingImpl::UnpoolingImpl(int64_t coarse, int64_t skip, int64_t outputs, Centering centering)
@@ -180,10 +210,10 @@ UnpoolingImpl::UnpoolingImpl(int64_t coarse, int64_t skip, int64_t outputs, Cent
       skip_norm_(register_module("skip_norm", PointNorm(outputs, centering))) {}
 
 at::Tensor UnpoolingImpl::forward(const at::Tensor& coarse, const at::Tensor& skip,
-                                  const at::Tensor& cluster) {
-  const at::Tensor up = ops::gelu(coarse_norm_->forward(coarse_->forward(coarse)));
-  const at::Tensor across = ops::gelu(skip_norm_->forward(skip_->forward(skip)));
-  return up.index_select(0, cluster) + across;
+                                  const StagePlan& below, const StagePlan& stage) {
+  const at::Tensor up = ops::gelu(coarse_norm_->forward(coarse_->forward(coarse), below));
+  const at::Tensor across = ops::gelu(skip_norm_->forward(skip_->forward(skip), stage));
+  return up.index_select(0, below.cluster) + across;
 }
 
 }  // namespace lte::nn

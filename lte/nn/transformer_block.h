@@ -19,19 +19,23 @@ class PatchAttentionImpl : public torch::nn::Module {
  public:
   PatchAttentionImpl(int64_t channels, int64_t heads, double dropout);
 
+  /// Points attend to those of their own scene alone.
+  ///
   /// @param x      [n, C]
-  /// @param stage  whose angles, if there are any, turn queries and keys
-  /// @param map    of the stage's maps
+  /// @param stage  its scenes, and the angles, if there are any, that turn queries and keys
+  /// @param order  which of the patch maps to use, modulo their number
   /// @return       [n, C]
-  at::Tensor forward(const at::Tensor& x, const StagePlan& stage, const PatchMap& map,
-                     int64_t patch_size);
+  at::Tensor forward(const at::Tensor& x, const StagePlan& stage, size_t order, int64_t patch_size);
 
   /// Entropy of the rows of attention that forward() would weigh values by, over the logarithm of
   /// the points of a patch; a mean over heads and points, NaN for patches of one point.
-  double entropy(const at::Tensor& x, const StagePlan& stage, const PatchMap& map,
-                 int64_t patch_size);
+  /// @param stage  of one scene
+  double entropy(const at::Tensor& x, const StagePlan& stage, size_t order, int64_t patch_size);
 
  private:
+  /// What the points of one scene attend to.
+  /// @param qkv  [n, 3C] of the scene
+  at::Tensor attend(const at::Tensor& qkv, const PatchMap& map, int64_t patch_size);
   /// Queries, keys and values of the points, turned.
   at::Tensor turned_qkv(const at::Tensor& x, const StagePlan& stage);
 
@@ -68,8 +72,10 @@ class PointNormImpl : public torch::nn::Module {
  public:
   PointNormImpl(int64_t channels, Centering centering);
 
-  /// @param x  [n, C] of all points of a scene; @return [n, C]
-  at::Tensor forward(const at::Tensor& x);
+  /// @param x      [n, C]
+  /// @param stage  whose scenes the means are over
+  /// @return       [n, C]
+  at::Tensor forward(const at::Tensor& x, const StagePlan& stage);
 
  private:
   at::Tensor weight_, bias_;
@@ -108,10 +114,10 @@ class PoolingImpl : public torch::nn::Module {
  public:
   PoolingImpl(int64_t inputs, int64_t outputs, Centering centering);
 
-  /// @param fine     [n, Cin]
-  /// @param cluster  [n] int64 in [0, clusters), each cluster inhabited
-  /// @return         [clusters, Cout]
-  at::Tensor forward(const at::Tensor& fine, const at::Tensor& cluster, int64_t clusters);
+  /// @param fine   [n, Cin]
+  /// @param stage  the coarser one, whose clusters n points fall into
+  /// @return       [stage.points(), Cout]
+  at::Tensor forward(const at::Tensor& fine, const StagePlan& stage);
 
  private:
   Linear linear_{nullptr};
@@ -125,7 +131,10 @@ class UnpoolingImpl : public torch::nn::Module {
  public:
   UnpoolingImpl(int64_t coarse, int64_t skip, int64_t outputs, Centering centering);
 
-  at::Tensor forward(const at::Tensor& coarse, const at::Tensor& skip, const at::Tensor& cluster);
+  /// @param below  the stage that `coarse` has the points of
+  /// @param stage  the one that `skip` has the points of
+  at::Tensor forward(const at::Tensor& coarse, const at::Tensor& skip, const StagePlan& below,
+                     const StagePlan& stage);
 
  private:
   Linear coarse_{nullptr}, skip_{nullptr};

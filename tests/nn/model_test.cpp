@@ -1,8 +1,10 @@
 #include "lte/nn/model.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
+#include <torch/csrc/autograd/autograd.h>
 #include <torch/optim/adam.h>
 
 #include "lte/nn/cost.h"
@@ -335,6 +337,47 @@ TEST_P(ModelOf, LearnsOneBatchByHeart) {
   }
   EXPECT_GT(first, 0.1);
   EXPECT_LT(last, 0.005);
+}
+
+// Scenes of several sizes, so that some stages have one patch and some have several.
+TEST_P(ModelOf, SeveralScenesInOnePassAreWhatEachIsAloneGradientsIncluded) {
+  LightTransportModel model = random_model(GetParam());
+  model->to(at::kDouble);
+  std::vector<PointSet> scenes;
+  std::vector<QuerySet> queries;
+  std::vector<uint64_t> seeds;
+  for (const int64_t M : {150, 40, 333, 3}) {
+    const auto seed = static_cast<uint64_t>(M);
+    scenes.push_back(test::as_double(test::box_scene(M, seed)));
+    queries.push_back(test::as_double(test::box_queries(20 + M / 10, seed + 1)));
+    seeds.push_back(seed + 2);
+  }
+  model->train();  // the tiny network has no dropout, and curves are drawn from the seeds
+  const std::vector<at::Tensor> together =
+      model->decode_normalized(model->encode_batch(scenes, seeds), queries);
+  at::Tensor sum = torch::zeros({}, at::kDouble), alone_sum = sum;
+  ASSERT_EQ(together.size(), scenes.size());
+  for (size_t i = 0; i < scenes.size(); ++i) {
+    const at::Tensor alone =
+        model->decode_normalized(model->encode(scenes[i], seeds[i]), queries[i]);
+    EXPECT_LT(test::relative_difference(together[i], alone), 1e-10) << "scene " << i;
+    const at::Tensor weight = torch::rand_like(alone);
+    sum = sum + (together[i] * weight).sum();
+    alone_sum = alone_sum + (alone * weight).sum();
+  }
+  const auto got = torch::autograd::grad({sum}, model->parameters()),
+             expected = torch::autograd::grad({alone_sum}, model->parameters());
+  double largest = 0;
+  for (const at::Tensor& g : expected) largest = std::max(largest, g.norm().item<double>());
+  for (size_t i = 0; i < got.size(); ++i)
+    EXPECT_LT((got[i] - expected[i]).norm().item<double>(), 1e-9 * largest) << "parameter " << i;
+}
+
+TEST(Model, RefusesMoreScenesInAPassThanThereIsRoomFor) {
+  LightTransportModel model = random_model();
+  const std::vector<PointSet> scenes(17, test::box_scene(8, 1));
+  test::expect_error([&] { model->encode_batch(scenes, std::vector<uint64_t>(17, 0)); },
+                     {"17 scenes", "1 to 16"});
 }
 
 INSTANTIATE_TEST_SUITE_P(Configurations, ModelOf,

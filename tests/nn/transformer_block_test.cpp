@@ -13,6 +13,13 @@
 namespace lte::nn {
 namespace {
 
+/// A stage of one scene, of which nothing but its patches is known.
+StagePlan one_scene(int64_t points, const PatchMap& map) {
+  StagePlan stage;
+  stage.scenes = {{0, points, {map}}};
+  return stage;
+}
+
 /// One point at a time, with an explicit softmax over its patch's slots.
 at::Tensor naive_attention(const at::Tensor& x, PatchAttention& attention,
                            const std::vector<std::vector<int64_t>>& patches,
@@ -54,13 +61,15 @@ TEST(PatchAttention, MatchesAnExplicitSoftmaxOverEachPatch) {
   }
   for (const int64_t slot : {14, 15}) patches[2].push_back(order[slot].item<int64_t>());
   const at::Tensor expected = naive_attention(x, attention, patches, patch_of, H);
-  EXPECT_LT(test::relative_difference(attention->forward(x, {}, map, K), expected), 1e-12);
+  EXPECT_LT(test::relative_difference(attention->forward(x, one_scene(n, map), 0, K), expected),
+            1e-12);
 
   // A single patch: everyone sees everyone.
   std::vector<std::vector<int64_t>> all(1);
   for (int64_t i = 0; i < n; ++i) all[0].push_back(i);
   const at::Tensor global = naive_attention(x, attention, all, torch::zeros({n}, at::kLong), H);
-  EXPECT_LT(test::relative_difference(attention->forward(x, {}, PatchMap{}, 1024), global), 1e-12);
+  EXPECT_LT(test::relative_difference(attention->forward(x, one_scene(n, {}), 0, 1024), global),
+            1e-12);
 }
 
 // The angles by the formula of docs/model.md, in complex numbers: a pair (a, b) is a + ib.
@@ -91,7 +100,7 @@ TEST(PatchAttention, WithRotaryPositionsIsSoftmaxOverTurnedQueriesAndKeys) {
   config.head_width = 14;  // two angles an axis and a pair that does not turn
   config.channels = 28;
   constexpr int64_t n = 6, C = 28, H = 2;
-  const StagePlan stage = make_stages(torch::randint(50, {n, 3}, at::kInt), config, false, 0)[0];
+  const StagePlan stage = make_stages(torch::randint(50, {n, 3}, at::kInt), config, false, {0})[0];
   PatchAttention attention(C, H, 0.0);
   test::randomize(*attention, 5);
   attention->eval();
@@ -108,7 +117,7 @@ TEST(PatchAttention, WithRotaryPositionsIsSoftmaxOverTurnedQueriesAndKeys) {
   }
   const at::Tensor expected =
       out.matmul(p["proj.weight"].t().to(at::kDouble)) + p["proj.bias"].to(at::kDouble);
-  const auto got = [&] { return attention->forward(x, stage, PatchMap{}, 1024); };
+  const auto got = [&] { return attention->forward(x, stage, 0, 1024); };
   EXPECT_LT(test::relative_difference(got(), expected), 1e-5) << "inference";
   const at::AutoGradMode with_gradients(true);
   EXPECT_LT(test::relative_difference(got().detach(), expected), 1e-5) << "training";
@@ -121,7 +130,9 @@ TEST(PatchAttention, EntropyIsThatOfTheSoftmaxOverLogN) {
   PatchAttention attention(C, H, 0.0);
   const at::Tensor x = torch::randn({n, C});
   auto p = attention->named_parameters();
-  const auto entropy = [&](const PatchMap& map) { return attention->entropy(x, {}, map, K); };
+  const auto entropy = [&](const PatchMap& map) {
+    return attention->entropy(x, one_scene(n, map), 0, K);
+  };
   p["qkv.weight"].zero_();
   EXPECT_NEAR(entropy({}), 1, 1e-6) << "every point alike";
   const PatchMap patches = make_patch_map(torch::randperm(n), K);
@@ -160,7 +171,7 @@ TEST(ClusterArgmax, MatchesLoopsAndGivesTiesToTheLowestRow) {
 
 StagePlan some_stage(int64_t n, const ModelConfig& config) {
   torch::manual_seed(8);
-  return make_stages(torch::randint(6, {n, 3}, at::kInt), config, false, 0)[0];
+  return make_stages(torch::randint(6, {n, 3}, at::kInt), config, false, {0})[0];
 }
 
 TEST(TransformerBlock, GradientsMatchFiniteDifferences) {
@@ -188,14 +199,20 @@ TEST_P(PoolingWith, GradientsMatchFiniteDifferencesDownAndUp) {
   test::randomize(*unpool, 10);
   pool->to(at::kDouble);
   unpool->to(at::kDouble);
-  const at::Tensor cluster = torch::tensor({0, 2, 1, 1, 0, 2, 2});
+  StagePlan coarse = one_scene(3, {});
+  coarse.cells = torch::zeros({3, 3}, at::kInt);
+  coarse.cluster = torch::tensor({0, 2, 1, 1, 0, 2, 2});
   const at::Tensor x = torch::randn({7, 6}, at::kDouble).requires_grad_();
   std::vector<at::Tensor> inputs = pool->parameters();
   for (const at::Tensor& p : unpool->parameters()) inputs.push_back(p);
   inputs.push_back(x);
   const at::Tensor weight = torch::randn({7, 5}, at::kDouble);
   test::expect_gradients_match(
-      [&] { return (unpool->forward(pool->forward(x, cluster, 3), x, cluster) * weight).sum(); },
+      [&] {
+        const at::Tensor up =
+            unpool->forward(pool->forward(x, coarse), x, coarse, one_scene(7, {}));
+        return (up * weight).sum();
+      },
       inputs);
 }
 
@@ -208,12 +225,15 @@ TEST(PointNorm, SubtractsItsShareOfWhatPointsHaveInCommon) {
   centered->to(at::kDouble);
   plain->to(at::kDouble);
   const at::Tensor x = torch::randn({9, 6}, at::kDouble), common = torch::randn({6}, at::kDouble);
-  const at::Tensor of_x = centered->forward(x);
-  EXPECT_LT(test::relative_difference(centered->forward(x + 100 * common), of_x), 1e-11);
-  EXPECT_GT(test::relative_difference(plain->forward(x + 100 * common), plain->forward(x)), 0.1);
-  EXPECT_LT(test::relative_difference(of_x, plain->forward(x - x.mean(0))), 1e-12);
+  const auto norm = [](PointNorm& of, const at::Tensor& points) {
+    return of->forward(points, one_scene(9, {}));
+  };
+  const at::Tensor of_x = norm(centered, x);
+  EXPECT_LT(test::relative_difference(norm(centered, x + 100 * common), of_x), 1e-11);
+  EXPECT_GT(test::relative_difference(norm(plain, x + 100 * common), norm(plain, x)), 0.1);
+  EXPECT_LT(test::relative_difference(of_x, norm(plain, x - x.mean(0))), 1e-12);
   centered->named_parameters()["share"].zero_();
-  EXPECT_LT(test::relative_difference(centered->forward(x), plain->forward(x)), 1e-12);
+  EXPECT_LT(test::relative_difference(norm(centered, x), norm(plain, x)), 1e-12);
 }
 
 TEST(PointNorm, OfOnePointIsItsBias) {
@@ -221,7 +241,8 @@ TEST(PointNorm, OfOnePointIsItsBias) {
   PointNorm norm(4, Centering::Learned);
   const at::Tensor bias = torch::randn({4});
   norm->named_parameters()["bias"].copy_(bias);
-  EXPECT_TRUE(torch::equal(norm->forward(torch::randn({1, 4})), bias.unsqueeze(0)));
+  EXPECT_TRUE(
+      torch::equal(norm->forward(torch::randn({1, 4}), one_scene(1, {})), bias.unsqueeze(0)));
 }
 
 TEST(Pooling, ANaNStaysWhateverStandsBesideIt) {

@@ -1,7 +1,8 @@
 // The training loop.
 //
-// A step encodes each of its scenes by itself and adds up their gradients, so that no scene's
-// result depends on its batch mates and memory grows with threads, not with scenes_per_step.
+// A step takes its scenes in passes of `train.scenes_per_pass` and adds up their gradients. No
+// scene sees another, and memory grows with threads and the scenes of a pass, not with
+// scenes_per_step.
 #pragma once
 
 #include <cstdint>
