@@ -4,6 +4,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/log.h"
+#include "lte/nn/constants.h"
 
 namespace lte::train {
 namespace {
@@ -55,12 +56,15 @@ AugmentConfig read_augment(const Config& config) {
   read_old_permutation(config, &augment);
   config.read("gain", &augment.gain);
   config.read("tint", &augment.tint);
+  config.read("single_light", &augment.single_light);
   config.read("subsample", &augment.subsample);
   constexpr double kMost = 1e3;  // keeps products of both within float32 for any sane radiance
   LTE_CHECK(augment.gain >= 1 && augment.gain <= kMost, "augment.gain: expected 1 (off) to ", kMost,
             ", got ", augment.gain);
   LTE_CHECK(augment.tint >= 1 && augment.tint <= kMost, "augment.tint: expected 1 (off) to ", kMost,
             ", got ", augment.tint);
+  LTE_CHECK(augment.single_light >= 0 && augment.single_light <= 1,
+            "augment.single_light: expected a probability, 0 to 1, got ", augment.single_light);
   return augment;
 }
 
@@ -71,6 +75,9 @@ void check_at_least(const char* key, int64_t value, int64_t least) {
 void check_optim(const OptimConfig& train) {
   check_at_least("train.steps", train.steps, 1);
   check_at_least("train.scenes_per_step", train.scenes_per_step, 1);
+  LTE_CHECK(train.scenes_per_pass >= 1 && train.scenes_per_pass <= nn::kMostScenes,
+            "train.scenes_per_pass: expected 1 to ", nn::kMostScenes, ", got ",
+            train.scenes_per_pass);
   check_at_least("train.warmup_steps", train.warmup_steps, 0);
   check_at_least("train.log_every", train.log_every, 1);
   check_at_least("train.checkpoint_every", train.checkpoint_every, 1);
@@ -92,6 +99,10 @@ void check_optim(const OptimConfig& train) {
             train.beta1);
   LTE_CHECK(train.beta2 >= 0 && train.beta2 < 1, "train.beta2: expected 0 to below 1, got ",
             train.beta2);
+  LTE_CHECK(train.adam_epsilon > 0, "train.adam_epsilon: expected a positive number, got ",
+            train.adam_epsilon);
+  LTE_CHECK(train.decay_share > 0 && train.decay_share <= 1,
+            "train.decay_share: expected above 0 to 1, got ", train.decay_share);
   LTE_CHECK(train.clip_norm >= 0, "train.clip_norm: expected 0 (off) or more, got ",
             train.clip_norm);
   LTE_CHECK(train.ema_decay >= 0 && train.ema_decay < 1,
@@ -104,12 +115,15 @@ OptimConfig read_optim(const Config& config) {
   OptimConfig train;
   config.read("steps", &train.steps);
   config.read("scenes_per_step", &train.scenes_per_step);
+  config.read("scenes_per_pass", &train.scenes_per_pass);
   config.read("learning_rate", &train.learning_rate);
   config.read("min_learning_rate", &train.min_learning_rate);
   config.read("warmup_steps", &train.warmup_steps);
+  config.read("decay_share", &train.decay_share);
   config.read("weight_decay", &train.weight_decay);
   config.read("beta1", &train.beta1);
   config.read("beta2", &train.beta2);
+  config.read("adam_epsilon", &train.adam_epsilon);
   config.read("clip_norm", &train.clip_norm);
   config.read("ema_decay", &train.ema_decay);
   config.read("log_every", &train.log_every);

@@ -52,6 +52,8 @@ struct AugmentConfig {
   bool permute_colors = true;            ///< permutes R, G and B [false]
   double gain = 4.0;  ///< each luminaire's brightness times g, log-uniform in [1/gain, gain] [1]
   double tint = 2.0;  ///< the same for each channel of each luminaire by itself [1]
+  /// How often all luminaires but one, drawn afresh, are out [0].
+  double single_light = 0.0;
   /// Whether a scene's points are drawn afresh each time, rather than the same ones always [false].
   bool subsample = true;
 };
@@ -59,11 +61,16 @@ struct AugmentConfig {
 struct OptimConfig {
   int64_t steps = 2'000'000;
   int64_t scenes_per_step = 3;
+  int64_t scenes_per_pass = 1;      ///< of them that go through the network at once
   double learning_rate = 2e-4;      ///< the highest one, after warm-up
   double min_learning_rate = 2e-6;  ///< the cosine's floor, reached at the last step
   int64_t warmup_steps = 2000;
+  /// Share of the steps, the last ones, over which the rate falls; before, it is constant. 1: all
+  /// after warm-up.
+  double decay_share = 1.0;
   double weight_decay = 1e-4;  ///< of matrices and filters; biases and norms have none
   double beta1 = 0.9, beta2 = 0.999;
+  double adam_epsilon = 1e-8;         ///< added to the root of the second moment
   double clip_norm = 1.0;             ///< limit of the whole gradient's norm; 0: no clipping
   double ema_decay = 0.0;             ///< of the averaged weights; 0: none are kept
   int64_t log_every = 50;             ///< steps between lines of log.jsonl

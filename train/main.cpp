@@ -3,6 +3,7 @@
 
 #include "lte/base/process_memory.h"
 #include "lte/cli/cli.h"
+#include "train/command/health_command.h"
 #include "train/command/report_command.h"
 #include "train/command/train_command.h"
 
@@ -16,6 +17,7 @@ constexpr const char* kExamples = R"(Examples:
       --init-weights runs/demo/model.safetensors
   lte_train --config my.yaml --set data.root=data/homes --out runs/homes --find-lr
   lte_train report runs/demo
+  lte_train health runs/demo/model.safetensors --data data/rooms
 A run directory holds checkpoint.safetensors and the ones before it, checkpoint_best.safetensors,
 model.safetensors, model_best.safetensors, log.jsonl, config.yaml, tensorboard/ and previews/; it
 may be moved. --resume takes the newest checkpoint that is whole.
@@ -30,9 +32,11 @@ int main(int argc, char** argv) {
   lte::CommonOptions common;
   lte::train::RunOptions options;
   lte::train::ReportOptions report_options;
+  lte::train::HealthOptions health_options;
   lte::train::add_run_options(app, &options);
   lte::add_common_options(app, &common);
   const CLI::App* report = lte::train::add_report_command(app, &report_options);
+  const CLI::App* health = lte::train::add_health_command(app, &health_options);
 
   int signal = 0;
   const int status = lte::run_tool(app, argc, argv, [&] {
@@ -40,6 +44,11 @@ int main(int argc, char** argv) {
     lte::keep_freed_memory();
     if (report->parsed()) {
       std::cout << lte::train::write_run_report(report_options.run, report_options.out);
+      return;
+    }
+    if (health->parsed()) {
+      health_options.json = common.json;
+      std::cout << lte::train::run_health(health_options);
       return;
     }
     options.json = common.json;

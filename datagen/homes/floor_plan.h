@@ -62,7 +62,7 @@ inline constexpr float kMaxHomeExtent = 15.5f;  ///< of a home along x and z, re
 inline constexpr float kMaxHomeSphere = 22.4f;
 /// Homes of no more rooms have spheres within kMaxHomeExtent.
 inline constexpr int kMostRoomsOfSmallHomes = 2;
-inline constexpr float kRecess = 0.16f;         ///< of windows and the entrance into outer walls
+inline constexpr float kRecess = 0.16f;  ///< of windows and the entrance into outer walls
 
 /// Draws a floor plan.
 /// @param rooms  1 to 6, including the corridor, which homes of four rooms and more have

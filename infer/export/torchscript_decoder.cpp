@@ -23,6 +23,15 @@ constexpr const char* kSums = R"SCRIPT(    s1, s2 = self.neighbour_sums(
 constexpr const char* kPlaces = R"SCRIPT(    place = torch.linear(
         hidden, self.decoder_gamma_output_weight, self.decoder_gamma_output_bias))SCRIPT";
 
+// Joined to the offset: the cosines of the normals with each other and with it.
+constexpr const char* kNormals = R"SCRIPT(    here = queries[:, 3:6].unsqueeze(1)
+    there = embedding['normal'][index]
+    facing = torch.sum(here * there, [2], True)
+    above = torch.sum(here * offset, [2], True)
+    ahead = torch.sum(there * offset, [2], True)
+    offset = torch.cat([offset, facing, above, ahead], 2)
+)SCRIPT";
+
 constexpr const char* kSumAttention = "(q * s1[{l}] + s2[{l}]) / float(index.size(1))";
 constexpr const char* kSoftmaxAttention =
     "self.softmax_attention(\n"
@@ -55,7 +64,7 @@ def decode_block(self, embedding: Dict[str, Tensor], queries: Tensor) -> Tensor:
     index = self.nearest(position, anchors, {neighbours})
     offset = (position.unsqueeze(1) - anchors[index]) * (1.0 / float(embedding['spacing']))
     offset = torch.clamp(offset, -{offset_limit}, {offset_limit})
-    hidden = self.gelu(torch.linear(
+{normals}    hidden = self.gelu(torch.linear(
         offset, self.decoder_gamma_hidden_weight, self.decoder_gamma_hidden_bias))
 {gather}
     attributes = self.attributes(position, queries[:, 3:6], queries[:, 6:9])
@@ -94,6 +103,7 @@ std::string torchscript_decoder(const nn::ModelConfig& config) {
          fill(kDecode, {{"scale", number(config.scale)},
                         {"neighbours", std::to_string(config.query_neighbours)},
                         {"offset_limit", number(nn::kOffsetLimit)},
+                        {"normals", config.reads_normals() ? kNormals : ""},
                         {"gather", softmax ? kPlaces : kSums},
                         {"use_cache", cached ? kUseCache : ""},
                         {"layers", layers},

@@ -100,7 +100,7 @@ def encode(self, points: Tensor) -> Dict[str, Tensor]:
 {tables}    embedding: Dict[str, Tensor] = {}
     embedding['position'] = anchors
     embedding['features'] = features
-    embedding['table'] = {table}
+{normals}    embedding['table'] = {table}
     embedding['origin'] = origin
     embedding['spacing'] = torch.tensor(spacing, dtype=7)
     embedding['radiance'] = radiance
@@ -142,22 +142,25 @@ std::string encode(const nn::ModelConfig& config) {
              {{"from", std::to_string(from)}, {"to", std::to_string(from + 3)}});
   }
   constexpr int64_t kLastCell = (int64_t{1} << ops::kCurveBits) - 1;
-  return fill(kEncode,
-              {{"scale", number(config.scale)},
-               {"largest_position", number(nn::kLargestPosition)},
-               {"least_spacing", number(nn::kLeastSpacing)},
-               {"columns", std::to_string(kPointColumns + 3 * lights)},
-               {"light", std::string(lights > 0 ? ", direct irradiance" : "") +
-                             (lights > 1 ? ", indirect irradiance" : "")},
-               {"irradiance", irradiance},
-               {"fill_cache", config.reads_indirect() ? torchscript_fill_cache() : ""},
-               {"k", std::to_string(config.nne_neighbours)},
-               {"grid", number(config.grid_per_spacing)},
-               {"last_cell", number(kLastCell)},
-               {"table", config.normalizes_attention()
-                             ? "torch.stack([torch.stack(keys), torch.stack(values)])"
-                             : "self.neighbour_table(torch.stack(keys), torch.stack(values))"},
-               {"tables", table_lines(config)}});
+  return fill(
+      kEncode,
+      {{"scale", number(config.scale)},
+       {"largest_position", number(nn::kLargestPosition)},
+       {"least_spacing", number(nn::kLeastSpacing)},
+       {"columns", std::to_string(kPointColumns + 3 * lights)},
+       {"light", std::string(lights > 0 ? ", direct irradiance" : "") +
+                     (lights > 1 ? ", indirect irradiance" : "")},
+       {"irradiance", irradiance},
+       {"fill_cache", config.reads_indirect() ? torchscript_fill_cache() : ""},
+       {"k", std::to_string(config.nne_neighbours)},
+       {"grid", number(config.grid_per_spacing)},
+       {"last_cell", number(kLastCell)},
+       {"table", config.normalizes_attention()
+                     ? "torch.stack([torch.stack(keys), torch.stack(values)])"
+                     : "self.neighbour_table(torch.stack(keys), torch.stack(values))"},
+       {"normals",
+        config.reads_normals() ? "    embedding['normal'] = points[:, 3:6][picks[:count]]\n" : ""},
+       {"tables", table_lines(config)}});
 }
 
 }  // namespace

@@ -85,7 +85,6 @@ extern "C" void remove_temporaries_and_exit(int signal) {
 std::mutex g_watch_mutex;
 std::vector<ReadWatch*> g_watches;
 
-
 /// The file that `path` leads to, so that a symbolic link survives; `path` itself, made absolute,
 /// if it is no link.
 fs::path resolve(const fs::path& path) {

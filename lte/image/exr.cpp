@@ -263,14 +263,12 @@ std::optional<std::string> read_exr_text(const std::filesystem::path& path,
                                          const std::string& attribute) {
   const MappedFile mapped(path);
   const std::string_view bytes(reinterpret_cast<const char*>(mapped.data()), mapped.size());
-  return with_input(bytes, path.string(),
-                    [&](Imf::IStream& input) -> std::optional<std::string> {
-                      const Imf::InputFile file(input);
-                      const auto* text =
-                          file.header().findTypedAttribute<Imf::StringAttribute>(attribute);
-                      if (text == nullptr) return std::nullopt;
-                      return text->value();
-                    });
+  return with_input(bytes, path.string(), [&](Imf::IStream& input) -> std::optional<std::string> {
+    const Imf::InputFile file(input);
+    const auto* text = file.header().findTypedAttribute<Imf::StringAttribute>(attribute);
+    if (text == nullptr) return std::nullopt;
+    return text->value();
+  });
 }
 
 DeclaredSize declared_exr_size(std::string_view bytes, const std::string& name) {

@@ -41,6 +41,21 @@ void check_list(const char* key, const std::vector<int64_t>& values, size_t size
   for (const int64_t value : values) check_at_least(key, value, least);
 }
 
+/// All heads are as wide as the key says, so that a stage's angles serve all of its blocks; and a
+/// head has at least one pair of channels for each axis.
+void check_rotary(const ModelConfig& c) {
+  LTE_CHECK(c.head_width % 2 == 0 && c.head_width >= 6,
+            "model.attention_positions rotary: model.head_width must be even and at least 6, got ",
+            c.head_width);
+  for (const auto* widths : {&c.encoder_widths, &c.decoder_widths}) {
+    for (const int64_t width : *widths) {
+      LTE_CHECK(width * c.channels % c.head_width == 0,
+                "model.attention_positions rotary: model.head_width ", c.head_width,
+                " does not divide the stage width ", width * c.channels);
+    }
+  }
+}
+
 void check(const ModelConfig& c) {
   check_at_least("channels", c.channels, 1);
   check_at_least("nne_neighbours", c.nne_neighbours, 1);
@@ -64,6 +79,7 @@ void check(const ModelConfig& c) {
                 c.head_width, " does not divide the stage width ", channels);
     }
   }
+  if (c.rotates_attention()) check_rotary(c);
   LTE_CHECK(c.grid_per_spacing > 0, "model.grid_per_spacing must be positive, got ",
             c.grid_per_spacing);
   LTE_CHECK(c.dropout >= 0 && c.dropout < 1, "model.dropout must be in [0, 1), got ", c.dropout);
@@ -86,11 +102,14 @@ void for_each_field(Configuration& config, const Visit& visit) {
   visit("head_width", config.head_width);
   visit("patch_size", config.patch_size);
   visit("stem", config.stem);
+  visit("attention_positions", config.attention_positions);
+  visit("centering", config.centering);
   visit("grid_per_spacing", config.grid_per_spacing);
   visit("dropout", config.dropout);
   visit("query_neighbours", config.query_neighbours);
   visit("query_layers", config.query_layers);
   visit("gamma_hidden", config.gamma_hidden);
+  visit("pair_geometry", config.pair_geometry);
   visit("query_attention", config.query_attention);
   visit("ffn_ratio", config.ffn_ratio);
   visit("light_input", config.light_input);

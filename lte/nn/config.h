@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lte/base/config.h"
+#include "lte/ops/pair_geometry.h"
 
 namespace lte::nn {
 
@@ -20,6 +21,20 @@ enum class Stem { Conv5, Conv3, Linear };
 /// How a query weighs its neighbours: the paper's unnormalized sum, or a mean by weights that an
 /// MLP of (q − k + P) gives each channel (lte/nn/query_attention.h).
 enum class QueryAttention { Sum, Softmax };
+
+/// What tells patch attention where two points lie to each other: nothing but their features, as in
+/// the paper, or the cells of the points (lte/ops/rotary.h).
+enum class AttentionPositions { None, Rotary };
+
+/// What γ of the query decoder reads of a query and a latent: the offset between them, as in the
+/// paper, or their normals too (lte/ops/pair_geometry.h), without which a latent behind a board
+/// weighs as one before it.
+enum class PairGeometry { Offset, Normals };
+
+/// What the encoder's norms after convolutions, the stem, pooling and unpooling subtract: nothing
+/// that points share, or a learnt share of each channel's mean over the scene's points (GraphNorm,
+/// Cai et al. 2021). PTv3 has batch normalization there, which subtracts it too.
+enum class Centering { None, Learned };
 
 /// What scene points tell of light. The paper's carry emission alone. `Direct` adds the direct
 /// irradiance that falls on them, and `Traced` also an estimate of later bounces by a few paths
@@ -35,6 +50,15 @@ constexpr EnumNames<Stem, 3> enum_names(Stem) {
 }
 constexpr EnumNames<QueryAttention, 2> enum_names(QueryAttention) {
   return {{{QueryAttention::Sum, "sum"}, {QueryAttention::Softmax, "softmax"}}};
+}
+constexpr EnumNames<AttentionPositions, 2> enum_names(AttentionPositions) {
+  return {{{AttentionPositions::None, "none"}, {AttentionPositions::Rotary, "rotary"}}};
+}
+constexpr EnumNames<PairGeometry, 2> enum_names(PairGeometry) {
+  return {{{PairGeometry::Offset, "offset"}, {PairGeometry::Normals, "normals"}}};
+}
+constexpr EnumNames<Centering, 2> enum_names(Centering) {
+  return {{{Centering::None, "none"}, {Centering::Learned, "learned"}}};
 }
 constexpr EnumNames<LightInput, 3> enum_names(LightInput) {
   return {{{LightInput::Emission, "emission"},
@@ -55,11 +79,14 @@ struct ModelConfig {
   int64_t head_width = 32;  ///< channels a head; heads = max(1, width / head_width)
   int64_t patch_size = 1024;
   Stem stem = Stem::Conv5;
+  AttentionPositions attention_positions = AttentionPositions::None;
+  Centering centering = Centering::None;
   double grid_per_spacing = 0.8;  ///< serialization grid over the spacing of the m points
   double dropout = 0.1;           ///< after attention projections and inside MLPs while training
   int64_t query_neighbours = 32;  ///< κ
   int64_t query_layers = 6;
   int64_t gamma_hidden = 64;  ///< h of γ
+  PairGeometry pair_geometry = PairGeometry::Offset;
   QueryAttention query_attention = QueryAttention::Sum;
   int64_t ffn_ratio = 4;
   LightInput light_input = LightInput::Emission;
@@ -69,11 +96,15 @@ struct ModelConfig {
   double output_mean = 1.0;
 
   bool normalizes_attention() const { return query_attention == QueryAttention::Softmax; }
+  bool rotates_attention() const { return attention_positions == AttentionPositions::Rotary; }
+  bool reads_normals() const { return pair_geometry == PairGeometry::Normals; }
   bool reads_direct() const { return light_input != LightInput::Emission; }
   bool reads_indirect() const { return light_input == LightInput::Traced; }
   /// Edge in cells of the stem's convolution; 0 for a linear stem.
   int64_t stem_kernel() const { return stem == Stem::Conv5 ? 5 : stem == Stem::Conv3 ? 3 : 0; }
   bool predicts_total() const { return target == Target::Total; }
+  /// Columns that γ reads.
+  int64_t pair_inputs() const { return reads_normals() ? ops::kNormalInputs : ops::kOffsetInputs; }
   /// Columns that a query, and a scene point, go into the network with.
   int64_t query_inputs() const { return reads_indirect() ? 9 + kLightFeatures : 9; }
   int64_t point_inputs() const {

@@ -37,6 +37,14 @@ inline constexpr const char* kGeluForm = "none";
 /// Edge in cells of the convolutions of transformer blocks; the stem's is ModelConfig::stem.
 inline constexpr int64_t kBlockKernel = 3;
 
+/// Rotary positions: the i-th of an axis's angles is kRotaryTurn 2^i a cell of the stage, so that
+/// the slowest goes round once in 40 cells.
+inline constexpr double kRotaryTurn = 0.157;
+
+/// The most scenes of one pass, and the cells along an axis that each may have if there are several:
+/// together they fill the range of the curves.
+inline constexpr int64_t kMostScenes = 16, kSceneCells = 4096;
+
 /// Space-filling curves that the blocks of a stage take turns with: Z and Hilbert, each also with x
 /// and y exchanged.
 inline constexpr int64_t kCurves = 4;

@@ -17,7 +17,7 @@ double real(int64_t value) { return static_cast<double>(value); }
 double block_products(const ModelConfig& config, const StagePlan& stage, int64_t C) {
   const double n = real(stage.points()), width = real(C);
   const bool one_patch = stage.points() <= config.patch_size;
-  const double slots = one_patch ? n : real(stage.patches[0].gather.size(0));
+  const double slots = one_patch ? n : real(stage.scenes[0].patches[0].gather.size(0));
   const double convolution = real(stage.pairs.size(1)) * width * width;
   const double dense = (1 + 4 + 8) * n * width * width;  // after the convolution; attention; MLP
   return convolution + dense + 2 * slots * (one_patch ? n : real(config.patch_size)) * width;
@@ -93,7 +93,8 @@ double decoder_floats(const ModelConfig& config, double m, double Q) {
   const double D = real(config.channels), L = real(config.query_layers),
                K = real(config.query_neighbours);
   const double tables = 4 * L * m * D;  // keys and values, and stacked
-  const double pairs = Q * K * 3 + pair_floats(Q * K * real(config.gamma_hidden), 2) +
+  const double pairs = Q * K * real(config.pair_inputs()) +
+                       pair_floats(Q * K * real(config.gamma_hidden), 2) +
                        pair_floats(Q * K * D, 2) +  // γ, its output and that one's gradient
                        (config.normalizes_attention() ? pair_floats(Q * K * D, 8) : 0);
   const double layers = L * Q * D * (14 + 3 * real(config.ffn_ratio));
@@ -154,7 +155,7 @@ double decode_flops(const ModelConfig& config, int64_t m) {
                h = real(config.gamma_hidden), ratio = real(config.ffn_ratio),
                near = real(std::min(config.query_neighbours, m));
   const double point = real(config.query_inputs()) * D + D * D, head = D * D + 3 * D;
-  const double gamma = near * (3 * h + h * D), sums = 2 * near * L * D;
+  const double gamma = near * (real(config.pair_inputs()) * h + h * D), sums = 2 * near * L * D;
   const double weights = config.normalizes_attention() ? near * 2 * D * D : 0;
   const double layers = L * ((2 + 2 * ratio) * D * D + weights);
   return 2 * (point + gamma + sums + layers + head);

@@ -8,6 +8,7 @@
 
 #include <ATen/ATen.h>
 
+#include "lte/base/check.h"
 #include "lte/base/random.h"
 #include "lte/nn/constants.h"
 #include "lte/ops/curve_codes.h"
@@ -65,6 +66,92 @@ StagePlan pool(const at::Tensor& cells, int64_t bits) {
   return coarse;
 }
 
+/// The runs of rows that are the scenes'. Scene s has the cells from s · kSceneCells along x on, and
+/// pooling numbers clusters along the Z curve, whose foremost bit is that of x: so scenes stay in
+/// their order.
+std::vector<SceneRows> rows_of_scenes(const at::Tensor& cells, int64_t stage, size_t scenes) {
+  if (scenes == 1) return {{0, cells.size(0), {}}};
+  const at::Tensor counts =
+      at::bincount(cells.select(1, 0).div(kSceneCells >> stage, "floor").to(at::kLong), {},
+                   static_cast<int64_t>(scenes))
+          .to(at::kCPU);
+  std::vector<SceneRows> rows;
+  int64_t begin = 0;
+  for (size_t i = 0; i < scenes; ++i) {
+    const auto count = counts.const_data_ptr<int64_t>()[i];
+    rows.push_back({begin, count, {}});
+    begin += count;
+  }
+  return rows;
+}
+
+at::Tensor scene_numbers(const StagePlan& stage) {
+  std::vector<int64_t> counts;
+  for (const SceneRows& rows : stage.scenes) counts.push_back(rows.count);
+  return at::repeat_interleave(at::tensor(counts, stage.cells.options().dtype(at::kLong)));
+}
+
+/// Patches of a scene along each of the curves that `blocks` blocks take turns with.
+std::vector<PatchMap> patches_of(const at::Tensor& cells, const ModelConfig& config, int64_t bits,
+                                 const std::array<int64_t, kCurves>& curves, int64_t blocks) {
+  std::vector<PatchMap> patches;
+  if (cells.size(0) <= config.patch_size) {
+    patches.resize(1);
+    return patches;
+  }
+  for (int64_t i = 0; i < std::min(kCurves, blocks); ++i) {
+    const auto curve = static_cast<ops::Curve>(curves[static_cast<size_t>(i)]);
+    const at::Tensor code = ops::curve_codes(cells.contiguous(), curve, bits);
+    const at::Tensor order =
+        std::get<1>(at::sort(code, /*stable=*/true, /*dim=*/0, /*descending=*/false));
+    patches.push_back(make_patch_map(order, config.patch_size));
+  }
+  return patches;
+}
+
+/// What of a plan is one scene's own, before stages are made of all cells.
+struct ScenePart {
+  at::Tensor first_picks, first_neighbours, second_neighbours, position, cells;
+  double spacing = 1, grid = 1;
+};
+
+ScenePart make_part(const at::Tensor& position, const ModelConfig& config) {
+  const int64_t m1 = (position.size(0) + 1) / 2, m = (m1 + 1) / 2;
+  ScenePart part;
+  at::Tensor distance2;
+  std::tie(part.first_picks, distance2) = ops::farthest_point_sampling(position, m1);
+  const at::Tensor halved = position.index_select(0, part.first_picks);
+  part.position = halved.narrow(0, 0, m).contiguous();  // nested: a run of m picks begins the same
+  part.first_neighbours = std::get<0>(ops::knn(halved, position, config.nne_neighbours));
+  part.second_neighbours = std::get<0>(ops::knn(part.position, halved, config.nne_neighbours));
+  part.spacing = spacing_of(distance2, m);
+  part.grid = config.grid_per_spacing * part.spacing;
+  part.cells = grid_cells(part.position, &part.grid);
+  return part;
+}
+
+/// Moves the cells of scene `index` into their run along x.
+at::Tensor apart(const at::Tensor& cells, int64_t index) {
+  LTE_CHECK(cells.max().item<int64_t>() < kSceneCells, "scene ", index,
+            " of a pass over several is too fine: it has more than ", kSceneCells,
+            " cells along an axis; take one scene a pass");
+  const at::Tensor shift =
+      at::tensor({index * kSceneCells, int64_t{0}, int64_t{0}}, cells.options());
+  return cells.add(shift);
+}
+
+/// Cosines and sines of the angles of `cells`, each [n, pairs]: as many pairs for each axis as fit,
+/// x first; what is left does not turn.
+std::tuple<at::Tensor, at::Tensor> rotary_angles(const at::Tensor& cells, int64_t pairs) {
+  const int64_t of_axis = pairs / 3;
+  const at::Tensor turn =
+      at::pow(2.0, at::arange(of_axis, cells.options().dtype(at::kDouble))).mul(kRotaryTurn);
+  // In double: a cell's number times the fastest angle has no digits to spare in float.
+  const at::Tensor angle = cells.to(at::kDouble).unsqueeze(2).mul(turn).flatten(1);
+  const at::Tensor all = at::constant_pad_nd(angle, {0, pairs - 3 * of_axis});
+  return {all.cos().to(at::kFloat), all.sin().to(at::kFloat)};
+}
+
 }  // namespace
 
 at::Tensor grid_cells(const at::Tensor& position, double* grid) {
@@ -85,7 +172,7 @@ PatchMap make_patch_map(const at::Tensor& order, int64_t patch_size) {
 }
 
 std::vector<StagePlan> make_stages(const at::Tensor& cells, const ModelConfig& config, bool shuffle,
-                                   uint64_t order_seed) {
+                                   const std::vector<uint64_t>& order_seeds) {
   std::vector<StagePlan> stages;
   for (size_t s = 0; s < config.encoder_depths.size(); ++s) {
     const int64_t bits = ops::kCurveBits - static_cast<int64_t>(s);
@@ -96,17 +183,19 @@ std::vector<StagePlan> make_stages(const at::Tensor& cells, const ModelConfig& c
       stage = pool(stages.back().cells, bits + 1);
     }
     std::tie(stage.pairs, stage.tap_begin) = ops::convolution_pairs(stage.cells, kBlockKernel);
-    if (stage.points() <= config.patch_size) {
-      stage.patches.resize(1);
-    } else {
-      const auto rows = curve_rows(shuffle, order_seed, static_cast<int64_t>(s));
-      for (int64_t i = 0; i < std::min(kCurves, deepest(config, s)); ++i) {
-        const auto curve = static_cast<ops::Curve>(rows[static_cast<size_t>(i)]);
-        const at::Tensor code = ops::curve_codes(stage.cells, curve, bits);
-        const at::Tensor order =
-            std::get<1>(at::sort(code, /*stable=*/true, /*dim=*/0, /*descending=*/false));
-        stage.patches.push_back(make_patch_map(order, config.patch_size));
-      }
+    if (config.rotates_attention()) {
+      std::tie(stage.cosine, stage.sine) = rotary_angles(stage.cells, config.head_width / 2);
+    }
+    stage.scenes = rows_of_scenes(stage.cells, static_cast<int64_t>(s), order_seeds.size());
+    if (order_seeds.size() > 1) stage.scene = scene_numbers(stage);
+    for (size_t i = 0; i < order_seeds.size(); ++i) {
+      SceneRows& rows = stage.scenes[i];
+      // Where the scene would lie by itself, so that its curves are the same in any company.
+      const auto run = static_cast<int64_t>(i) * (kSceneCells >> s);
+      const at::Tensor own = stage.cells.narrow(0, rows.begin, rows.count) -
+                             at::tensor({run, int64_t{0}, int64_t{0}}, stage.cells.options());
+      const auto curves = curve_rows(shuffle, order_seeds[i], static_cast<int64_t>(s));
+      rows.patches = patches_of(own, config, bits, curves, deepest(config, s));
     }
     stages.push_back(std::move(stage));
   }
@@ -115,25 +204,47 @@ std::vector<StagePlan> make_stages(const at::Tensor& cells, const ModelConfig& c
 
 EncoderPlan make_encoder_plan(const at::Tensor& position, const ModelConfig& config, bool shuffle,
                               uint64_t order_seed) {
-  const int64_t M = position.size(0);
-  const int64_t m1 = (M + 1) / 2, m = (m1 + 1) / 2;
+  return make_encoder_plan(std::vector{position}, config, shuffle, std::vector{order_seed});
+}
+
+EncoderPlan make_encoder_plan(const std::vector<at::Tensor>& positions, const ModelConfig& config,
+                              bool shuffle, const std::vector<uint64_t>& order_seeds) {
+  LTE_CHECK(!positions.empty() && positions.size() == order_seeds.size() &&
+                static_cast<int64_t>(positions.size()) <= kMostScenes,
+            "a plan of ", positions.size(), " scenes with ", order_seeds.size(),
+            " seeds; expected 1 to ", kMostScenes, " and as many");
+  const bool several = positions.size() > 1;
   EncoderPlan plan;
-  at::Tensor distance2;
-  std::tie(plan.first_picks, distance2) = ops::farthest_point_sampling(position, m1);
-  const at::Tensor halved = position.index_select(0, plan.first_picks);
-  plan.position = halved.narrow(0, 0, m).contiguous();  // nested: a run of m picks begins the same
-  plan.first_neighbours = std::get<0>(ops::knn(halved, position, config.nne_neighbours));
-  plan.second_neighbours = std::get<0>(ops::knn(plan.position, halved, config.nne_neighbours));
-  plan.spacing = spacing_of(distance2, m);
-  plan.grid = config.grid_per_spacing * plan.spacing;
-  const at::Tensor cells = grid_cells(plan.position, &plan.grid);
-  plan.stages = make_stages(cells, config, shuffle, order_seed);
+  std::vector<at::Tensor> first_picks, second_picks, first_neighbours, second_neighbours, places,
+      cells;
+  int64_t points = 0, halved = 0;  // of the scenes so far
+  for (size_t i = 0; i < positions.size(); ++i) {
+    const ScenePart part = make_part(positions[i], config);
+    const int64_t m1 = part.first_picks.size(0), m = part.position.size(0);
+    first_picks.push_back(part.first_picks + points);
+    first_neighbours.push_back(part.first_neighbours + points);
+    second_picks.push_back(at::arange(halved, halved + m, part.first_picks.options()));
+    second_neighbours.push_back(part.second_neighbours + halved);
+    places.push_back(part.position);
+    cells.push_back(several ? apart(part.cells, static_cast<int64_t>(i)) : part.cells);
+    plan.spacing.push_back(part.spacing);
+    plan.grid.push_back(part.grid);
+    points += positions[i].size(0);
+    halved += m1;
+  }
+  plan.first_picks = at::cat(first_picks);
+  plan.second_picks = at::cat(second_picks);
+  plan.first_neighbours = at::cat(first_neighbours);
+  plan.second_neighbours = at::cat(second_neighbours);
+  plan.position = at::cat(places);
+  const at::Tensor all = at::cat(cells);
+  plan.stages = make_stages(all, config, shuffle, order_seeds);
   const int64_t kernel = config.stem_kernel();
   if (kernel == kBlockKernel) {
     plan.stem_pairs = plan.stages[0].pairs;
     plan.stem_tap_begin = plan.stages[0].tap_begin;
   } else if (kernel > 0) {
-    std::tie(plan.stem_pairs, plan.stem_tap_begin) = ops::convolution_pairs(cells, kernel);
+    std::tie(plan.stem_pairs, plan.stem_tap_begin) = ops::convolution_pairs(all, kernel);
   }
   return plan;
 }

@@ -42,20 +42,50 @@ struct LightTransportModelImpl::Parts {
                     const at::Tensor& values) {
     const at::Tensor position = (queries.position - embedding.origin).div(embedding.scale);
     const at::Tensor attributes = surface_attributes(position, queries.normal, queries.albedo);
-    if (!embedding.cache.defined()) return answers(embedding, attributes, position, keys, values);
+    const Surface surface{position, queries.normal};
+    if (!embedding.cache.defined()) return answers(embedding, attributes, surface, keys, values);
     const LightReading light = embedding.cache.read(position, queries.normal);
     return light.irradiance *
-           answers(embedding, at::cat({attributes, light.features}, 1), position, keys, values);
+           answers(embedding, at::cat({attributes, light.features}, 1), surface, keys, values);
+  }
+
+  /// decode() of each scene of a batch, the decoder run once for the queries of all of them.
+  std::vector<at::Tensor> decode(const SceneBatch& batch, const std::vector<QuerySet>& queries,
+                                 const at::Tensor& keys, const at::Tensor& values) {
+    std::vector<at::Tensor> attributes, index, geometry, light;
+    std::vector<int64_t> counts;
+    int64_t latents = 0;  // of the scenes before
+    for (size_t i = 0; i < queries.size(); ++i) {
+      const Embedding& embedding = batch.scenes[i];
+      const at::Tensor position = (queries[i].position - embedding.origin).div(embedding.scale);
+      at::Tensor columns = surface_attributes(position, queries[i].normal, queries[i].albedo);
+      if (embedding.cache.defined()) {
+        const LightReading reading = embedding.cache.read(position, queries[i].normal);
+        columns = at::cat({columns, reading.features}, 1);
+        light.push_back(reading.irradiance);
+      }
+      const auto near = decoder->neighbourhood(
+          {position, queries[i].normal}, {embedding.position, embedding.normal}, embedding.spacing);
+      attributes.push_back(columns);
+      index.push_back(near.index + latents);
+      geometry.push_back(near.geometry);
+      counts.push_back(position.size(0));
+      latents += embedding.position.size(0);
+    }
+    at::Tensor answer =
+        decoder->forward(at::cat(attributes), {at::cat(index), at::cat(geometry)}, keys, values);
+    if (!light.empty()) answer = answer * at::cat(light);
+    return answer.split_with_sizes(counts);
   }
 
   /// What the network says: irradiance, or the factor on that of the cache.
-  at::Tensor answers(const Embedding& embedding, const at::Tensor& attributes,
-                     const at::Tensor& position, const at::Tensor& keys, const at::Tensor& values) {
+  at::Tensor answers(const Embedding& embedding, const at::Tensor& attributes, const Surface& query,
+                     const at::Tensor& keys, const at::Tensor& values) {
+    const Surface latents{embedding.position, embedding.normal};
     if (!keys.defined()) {
-      return decoder->infer(attributes, position, embedding.position, embedding.spacing,
-                            embedding.table);
+      return decoder->infer(attributes, query, latents, embedding.spacing, embedding.table);
     }
-    const auto near = decoder->neighbourhood(position, embedding.position, embedding.spacing);
+    const auto near = decoder->neighbourhood(query, latents, embedding.spacing);
     return decoder->forward(attributes, near, keys, values);
   }
 
@@ -78,46 +108,92 @@ LightTransportModelImpl::LightTransportModelImpl(const ModelConfig& config)
   parts_->decoder = register_module("decoder", QueryDecoder(latent_width(config), config));
 }
 
-Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order_seed,
-                                          const Frame& frame) {
+/// A scene's place in network space and the scale of its light; what F reads of its points goes to
+/// `attributes`, where they lie to `position`.
+Embedding LightTransportModelImpl::place(const PointSet& points, const Frame& frame,
+                                         at::Tensor* position, at::Tensor* attributes) const {
   check_points(points, config_);
   Embedding embedding;
   embedding.scale = frame.scale > 0 ? frame.scale : config_.scale;
   embedding.origin = frame.origin.defined() ? frame.origin.to(points.position.options())
                                             : std::get<0>(points.position.min(0));
-  const at::Tensor position = (points.position - embedding.origin).div(embedding.scale);
-  const double extent = position.max().item<double>();
+  *position = (points.position - embedding.origin).div(embedding.scale);
+  const double extent = position->max().item<double>();
   TORCH_CHECK(extent <= kLargestPosition, "scene points: the scene is ", extent * embedding.scale,
               " m wide, more than the model's scale of ", embedding.scale,
               " m; a larger Frame::scale shrinks it to fit");
-  TORCH_CHECK(!frame.origin.defined() || position.min().item<double>() >= 0,
+  TORCH_CHECK(!frame.origin.defined() || position->min().item<double>() >= 0,
               "scene points: a position is less than the given least corner of the scene, ",
               embedding.origin[0].item<double>(), ", ", embedding.origin[1].item<double>(), ", ",
               embedding.origin[2].item<double>());
   embedding.emission_scale = emission_scale(points);
-
-  const EncoderPlan plan =
-      make_encoder_plan(position.to(at::kFloat).contiguous(), config_, is_training(), order_seed);
-  std::vector<at::Tensor> attributes = {surface_attributes(position, points.normal, points.albedo),
-                                        compressed(points.emission, embedding.emission_scale)};
+  std::vector<at::Tensor> columns = {surface_attributes(*position, points.normal, points.albedo),
+                                     compressed(points.emission, embedding.emission_scale)};
   if (config_.reads_direct())
-    attributes.push_back(compressed(points.direct, embedding.emission_scale));
-  if (config_.reads_indirect())
-    attributes.push_back(compressed(points.indirect, embedding.emission_scale));
-  embedding.position = plan.position;
-  embedding.spacing = plan.spacing;
-  embedding.features =
-      parts_->encoder->forward(parts_->nne->forward(at::cat(attributes, 1), plan), plan);
+    columns.push_back(compressed(points.direct, embedding.emission_scale));
   if (config_.reads_indirect()) {
+    columns.push_back(compressed(points.indirect, embedding.emission_scale));
     const at::Tensor a = embedding.emission_scale.to(points.indirect.options());
     const at::Tensor light = at::cat({points.indirect, points.direct}, 1);
-    embedding.cache = make_light_cache(position, points.normal, points.emission,
+    embedding.cache = make_light_cache(*position, points.normal, points.emission,
                                        light.div(at::where(a > 0, a, 1).repeat({2})));
   }
+  *attributes = at::cat(columns, 1);
+  return embedding;
+}
+
+SceneBatch LightTransportModelImpl::encode(const std::vector<PointSet>& scenes,
+                                           const std::vector<uint64_t>& order_seeds,
+                                           const Frame& frame, StageRecorder* recorder) {
+  SceneBatch batch;
+  std::vector<at::Tensor> positions, attributes, normals;
+  for (const PointSet& points : scenes) {
+    at::Tensor position, columns;
+    batch.scenes.push_back(place(points, frame, &position, &columns));
+    positions.push_back(position.to(at::kFloat).contiguous());
+    attributes.push_back(columns);
+    normals.push_back(points.normal);
+  }
+  const EncoderPlan plan = make_encoder_plan(positions, config_, is_training(), order_seeds);
+  batch.features = parts_->encoder->forward(
+      parts_->nne->forward(attributes.size() == 1 ? attributes[0] : at::cat(attributes), plan),
+      plan, recorder);
+  at::Tensor normal;
+  if (config_.reads_normals())
+    normal = at::cat(normals).index_select(0, plan.first_picks.index_select(0, plan.second_picks));
+  for (size_t i = 0; i < batch.scenes.size(); ++i) {
+    const SceneRows& rows = plan.stages.front().scenes[i];
+    const auto own = [&](const at::Tensor& of_all) {
+      return scenes.size() == 1 ? of_all : of_all.narrow(0, rows.begin, rows.count);
+    };
+    Embedding& embedding = batch.scenes[i];
+    embedding.position = own(plan.position);
+    embedding.spacing = plan.spacing[i];
+    embedding.features = own(batch.features);
+    if (normal.defined()) embedding.normal = own(normal);
+  }
+  return batch;
+}
+
+Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order_seed,
+                                          const Frame& frame) {
+  Embedding embedding = encode(std::vector{points}, {order_seed}, frame, nullptr).scenes[0];
   if (!at::GradMode::is_enabled() && embedding.features.scalar_type() == at::kFloat) {
     embedding.table = parts_->decoder->table(embedding.features);
   }
   return embedding;
+}
+
+SceneBatch LightTransportModelImpl::encode_batch(const std::vector<PointSet>& scenes,
+                                                 const std::vector<uint64_t>& order_seeds) {
+  return encode(scenes, order_seeds, {}, nullptr);
+}
+
+std::vector<StageHealth> LightTransportModelImpl::stage_health(const PointSet& points) {
+  const at::NoGradGuard no_grad;
+  StageRecorder recorder;
+  encode(std::vector{points}, {0}, {}, &recorder);
+  return recorder.stages();
 }
 
 void set_precision(torch::nn::Module& network, Precision precision) {
@@ -147,6 +223,15 @@ at::Tensor LightTransportModelImpl::decode_normalized(const Embedding& embedding
   }
   const auto [keys, values] = parts_->decoder->keys_and_values(embedding.features);
   return parts_->decode(embedding, queries, keys, values);
+}
+
+std::vector<at::Tensor> LightTransportModelImpl::decode_normalized(
+    const SceneBatch& batch, const std::vector<QuerySet>& queries) {
+  TORCH_CHECK(queries.size() == batch.scenes.size(), "decode: queries of ", queries.size(),
+              " scenes for ", batch.scenes.size());
+  for (const QuerySet& each : queries) check_queries(each);
+  const auto [keys, values] = parts_->decoder->keys_and_values(batch.features);
+  return parts_->decode(batch, queries, keys, values);
 }
 
 at::Tensor LightTransportModelImpl::decode(const Embedding& embedding, const QuerySet& queries,

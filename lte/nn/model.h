@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include <torch/nn/module.h>
 #include <torch/nn/pimpl.h>
@@ -12,12 +13,14 @@
 #include "lte/nn/light_cache.h"
 #include "lte/nn/point_set.h"
 #include "lte/nn/precision.h"
+#include "lte/nn/stage_health.h"
 
 namespace lte::nn {
 
 /// The light transport embedding of one scene: everything decode() needs.
 struct Embedding {
   at::Tensor position;  ///< [m, 3] network space
+  at::Tensor normal;    ///< [m, 3] of models that read normals (PairGeometry); else undefined
   at::Tensor features;  ///< [m, D]
   at::Tensor origin;    ///< [3] world, b_min
   double scale = 1;     ///< s, metres
@@ -30,6 +33,12 @@ struct Embedding {
   /// ops::neighbour_table() of all layers, which encode() makes outside training; else undefined.
   at::Tensor table;
   LightCache cache;  ///< of models whose `light_input` is traced
+};
+
+/// Several scenes that were embedded in one pass.
+struct SceneBatch {
+  std::vector<Embedding> scenes;
+  at::Tensor features;  ///< [Σ m, D]; those of each scene are its rows
 };
 
 /// Where a scene lies in network space: p̂ = (p − origin) / scale.
@@ -59,6 +68,16 @@ class LightTransportModelImpl : public torch::nn::Module {
   ///         the frame's scale, or a point below the frame's origin
   Embedding encode(const PointSet& points, uint64_t order_seed = 0, const Frame& frame = {});
 
+  /// Embeds several scenes, at most kMostScenes, in one pass, in which no scene sees another: what
+  /// encode() gives for each, to rounding, in fewer and larger operations.
+  /// @throws c10::Error as encode(); lte::Error if a scene is too fine (make_encoder_plan())
+  SceneBatch encode_batch(const std::vector<PointSet>& scenes,
+                          const std::vector<uint64_t>& order_seeds);
+
+  /// What each stage of the encoder carries for a scene, in the order of the network.
+  /// @throws c10::Error as encode()
+  std::vector<StageHealth> stage_health(const PointSet& points);
+
   /// The arithmetic of encode() and decode() without gradients from now on, on a CPU as on a GPU.
   /// It rounds the weights that there are now: call it again when they have changed.
   void set_precision(Precision precision);
@@ -66,6 +85,10 @@ class LightTransportModelImpl : public torch::nn::Module {
   /// Irradiance over the emission scale: what the loss sees.
   /// @return [Q, 3], non-negative
   at::Tensor decode_normalized(const Embedding& embedding, const QuerySet& queries);
+
+  /// The same for each scene of a batch, differentiable.
+  std::vector<at::Tensor> decode_normalized(const SceneBatch& batch,
+                                            const std::vector<QuerySet>& queries);
 
   /// Irradiance in W/m², [Q, 3]. Works through queries in blocks, so memory does not grow with Q
   /// beyond the output. Independent of block size and of the other queries to rounding.
@@ -75,6 +98,11 @@ class LightTransportModelImpl : public torch::nn::Module {
   const ModelConfig& config() const { return config_; }
 
  private:
+  Embedding place(const PointSet& points, const Frame& frame, at::Tensor* position,
+                  at::Tensor* attributes) const;
+  SceneBatch encode(const std::vector<PointSet>& scenes, const std::vector<uint64_t>& order_seeds,
+                    const Frame& frame, StageRecorder* recorder);
+
   ModelConfig config_;
   struct Parts;
   std::shared_ptr<Parts> parts_;

@@ -16,7 +16,7 @@ namespace lte::nn {
 struct ModelMetadata {
   int64_t scene_points = 20'000;     ///< M of the training
   bool scene_points_pruned = false;  ///< training saw scene points only where light reaches them
-  bool suns = false;  ///< training saw scenes with directional lights
+  bool suns = false;                 ///< training saw scenes with directional lights
   /// Paths a side of each scene point, and their largest number of bounces, behind the light
   /// estimates that a `traced` model was trained with. It must be fed such light: fewer paths are
   /// noisier and fewer bounces darker than all it has seen.

@@ -54,8 +54,10 @@ at::Tensor NearestNeighbourEmbeddingImpl::forward(const at::Tensor& attributes,
   const at::Tensor points = point_->forward(attributes);
   const at::Tensor halved =
       first_->forward(points, points.index_select(0, plan.first_picks), plan.first_neighbours);
-  return second_->forward(halved, halved.narrow(0, 0, plan.position.size(0)),
-                          plan.second_neighbours);
+  const bool alone = plan.stages.front().scenes.size() == 1;  // then a run, which needs no copy
+  const at::Tensor centers = alone ? halved.narrow(0, 0, plan.position.size(0))
+                                   : halved.index_select(0, plan.second_picks);
+  return second_->forward(halved, centers, plan.second_neighbours);
 }
 
 }  // namespace lte::nn

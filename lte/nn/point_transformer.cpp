@@ -13,8 +13,11 @@ StageImpl::StageImpl(int64_t depth, int64_t channels, const ModelConfig& config)
   }
 }
 
-at::Tensor StageImpl::forward(at::Tensor x, const StagePlan& plan) {
-  for (size_t i = 0; i < blocks_.size(); ++i) x = blocks_[i]->forward(x, plan, i);
+at::Tensor StageImpl::forward(at::Tensor x, const StagePlan& plan, StageRecorder* recorder) {
+  for (size_t i = 0; i < blocks_.size(); ++i) {
+    if (recorder != nullptr) recorder->block(blocks_[i]->attention_entropy(x, plan, i));
+    x = blocks_[i]->forward(x, plan, i);
+  }
   return x;
 }
 
@@ -30,11 +33,12 @@ PointTransformerImpl::PointTransformerImpl(const ModelConfig& config) {
   } else {
     stem_conv_ = register_module("stem", SubmanifoldConv(kernel, D, down_width(0), false));
   }
-  stem_norm_ = register_module("stem_norm", layer_norm(down_width(0)));
+  stem_norm_ = register_module("stem_norm", PointNorm(down_width(0), config.centering));
   for (size_t s = 0; s < stages; ++s) {
     const std::string number = std::to_string(s);
     if (s > 0) {
-      pool_.push_back(register_module("pool" + number, Pooling(down_width(s - 1), down_width(s))));
+      pool_.push_back(register_module("pool" + number,
+                                      Pooling(down_width(s - 1), down_width(s), config.centering)));
     }
     down_.push_back(
         register_module("down" + number, Stage(config.encoder_depths[s], down_width(s), config)));
@@ -42,29 +46,36 @@ PointTransformerImpl::PointTransformerImpl(const ModelConfig& config) {
   for (size_t s = 0; s + 1 < stages; ++s) {
     const std::string number = std::to_string(s);
     const int64_t below = s + 2 < stages ? up_width(s + 1) : down_width(s + 1);
-    unpool_.push_back(
-        register_module("unpool" + number, Unpooling(below, down_width(s), up_width(s))));
+    unpool_.push_back(register_module(
+        "unpool" + number, Unpooling(below, down_width(s), up_width(s), config.centering)));
     up_.push_back(
         register_module("up" + number, Stage(config.decoder_depths[s], up_width(s), config)));
   }
   norm_ = register_module("norm", layer_norm(stages > 1 ? up_width(0) : down_width(0)));
 }
 
-at::Tensor PointTransformerImpl::forward(const at::Tensor& x, const EncoderPlan& plan) {
+at::Tensor PointTransformerImpl::forward(const at::Tensor& x, const EncoderPlan& plan,
+                                         StageRecorder* recorder) {
+  const auto record = [&](const std::string& stage, const at::Tensor& features) {
+    if (recorder != nullptr) recorder->stage(stage, features);
+  };
   const at::Tensor stem = stem_conv_ ? stem_conv_->forward(x, plan.stem_pairs, plan.stem_tap_begin)
                                      : stem_linear_->forward(x);
-  std::vector<at::Tensor> skip = {ops::gelu(stem_norm_->forward(stem))};
+  std::vector<at::Tensor> skip = {ops::gelu(stem_norm_->forward(stem, plan.stages[0]))};
+  record("stem", skip[0]);
   for (size_t s = 0; s < down_.size(); ++s) {
     const StagePlan& stage = plan.stages[s];
     if (s > 0) {
-      skip.push_back(pool_[s - 1]->forward(skip.back(), stage.cluster, stage.points()));
+      skip.push_back(pool_[s - 1]->forward(skip.back(), stage));
     }
-    skip[s] = down_[s]->forward(skip[s], stage);
+    skip[s] = down_[s]->forward(skip[s], stage, recorder);
+    record("down" + std::to_string(s), skip[s]);
   }
   at::Tensor y = skip.back();
   for (size_t s = up_.size(); s-- > 0;) {
-    y = unpool_[s]->forward(y, skip[s], plan.stages[s + 1].cluster);
-    y = up_[s]->forward(y, plan.stages[s]);
+    y = unpool_[s]->forward(y, skip[s], plan.stages[s + 1], plan.stages[s]);
+    y = up_[s]->forward(y, plan.stages[s], recorder);
+    record("up" + std::to_string(s), y);
   }
   return norm_->forward(y);
 }

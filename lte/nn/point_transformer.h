@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "lte/nn/stage_health.h"
 #include "lte/nn/transformer_block.h"
 
 namespace lte::nn {
@@ -13,7 +14,8 @@ class StageImpl : public torch::nn::Module {
  public:
   StageImpl(int64_t depth, int64_t channels, const ModelConfig& config);
 
-  at::Tensor forward(at::Tensor x, const StagePlan& plan);
+  /// @param recorder  gets the entropy of each block's attention; null: nobody asks
+  at::Tensor forward(at::Tensor x, const StagePlan& plan, StageRecorder* recorder);
 
  private:
   std::vector<TransformerBlock> blocks_;
@@ -26,14 +28,17 @@ class PointTransformerImpl : public torch::nn::Module {
  public:
   explicit PointTransformerImpl(const ModelConfig& config);
 
-  /// @param x  [m, D]
-  /// @return   [m, latent_width()] (lte/nn/cost.h)
-  at::Tensor forward(const at::Tensor& x, const EncoderPlan& plan);
+  /// @param x         [m, D]
+  /// @param recorder  gets what each stage carries; null: nobody asks
+  /// @return          [m, latent_width()] (lte/nn/cost.h)
+  at::Tensor forward(const at::Tensor& x, const EncoderPlan& plan,
+                     StageRecorder* recorder = nullptr);
 
  private:
   SubmanifoldConv stem_conv_{nullptr};  ///< either this
   Linear stem_linear_{nullptr};         ///< or this
-  torch::nn::LayerNorm stem_norm_{nullptr}, norm_{nullptr};
+  PointNorm stem_norm_{nullptr};
+  torch::nn::LayerNorm norm_{nullptr};
   std::vector<Stage> down_, up_;
   std::vector<Pooling> pool_;      ///< pool_[s] leads from stage s to s + 1
   std::vector<Unpooling> unpool_;  ///< unpool_[s] leads from stage s + 1 to s

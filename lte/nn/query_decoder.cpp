@@ -61,10 +61,12 @@ ops::LayerWeights QueryLayerImpl::weights() const {
 }
 
 QueryDecoderImpl::QueryDecoderImpl(int64_t latent, const ModelConfig& config)
-    : neighbours_(config.query_neighbours), normalizes_(config.normalizes_attention()) {
+    : neighbours_(config.query_neighbours),
+      normalizes_(config.normalizes_attention()),
+      reads_normals_(config.reads_normals()) {
   const int64_t D = config.channels;
   point_ = register_module("point", Mlp(config.query_inputs(), D, D));
-  gamma_ = register_module("gamma", Mlp(3, config.gamma_hidden, D));
+  gamma_ = register_module("gamma", Mlp(config.pair_inputs(), config.gamma_hidden, D));
   for (int64_t i = 0; i < config.query_layers; ++i) {
     layers_.push_back(register_module("layer" + std::to_string(i), QueryLayer(latent, config)));
   }
@@ -112,16 +114,29 @@ at::Tensor QueryDecoderImpl::nearest(const at::Tensor& query, const at::Tensor& 
   return std::get<0>(ops::knn(query.to(at::kFloat).contiguous(), anchor, neighbours_));
 }
 
-QueryDecoderImpl::Neighbourhood QueryDecoderImpl::neighbourhood(const at::Tensor& query,
-                                                                const at::Tensor& anchor,
+QueryDecoderImpl::Neighbourhood QueryDecoderImpl::neighbourhood(const Surface& query,
+                                                                const Surface& anchor,
                                                                 double spacing) const {
   Neighbourhood near;
-  near.index = nearest(query, anchor);
+  near.index = nearest(query.position, anchor.position);
   const int64_t Q = near.index.size(0), K = near.index.size(1);
-  const at::Tensor at_anchor =
-      anchor.to(query.scalar_type()).index_select(0, near.index.reshape({-1})).view({Q, K, 3});
-  near.offset =
-      (query.unsqueeze(1) - at_anchor).mul_(1 / spacing).clamp_(-kOffsetLimit, kOffsetLimit);
+  const at::Tensor rows = near.index.reshape({-1});
+  const auto at_anchor = [&](const at::Tensor& of) {
+    return of.to(query.position.scalar_type()).index_select(0, rows).view({Q, K, 3});
+  };
+  const at::Tensor offset = (query.position.unsqueeze(1) - at_anchor(anchor.position))
+                                .mul_(1 / spacing)
+                                .clamp_(-kOffsetLimit, kOffsetLimit);
+  if (!reads_normals_) {
+    near.geometry = offset;
+    return near;
+  }
+  const at::Tensor here = query.normal.unsqueeze(1), there = at_anchor(anchor.normal);
+  const auto cosine = [](const at::Tensor& a, const at::Tensor& b) {
+    return (a * b).sum(2, /*keepdim=*/true);
+  };
+  near.geometry =
+      at::cat({offset, cosine(here, there), cosine(here, offset), cosine(there, offset)}, 2);
   return near;
 }
 
@@ -139,15 +154,16 @@ std::tuple<at::Tensor, at::Tensor> QueryDecoderImpl::neighbour_sums(const Neighb
   const int64_t width = std::max(gamma_->hidden()->weight.size(0), keys.size(2));
   const int64_t rows = rows_of_a_block(K * width);
   if (Q <= rows) {
-    return ops::neighbour_sums(keys, values, gamma_->forward(near.offset), near.index);
+    return ops::neighbour_sums(keys, values, gamma_->forward(near.geometry), near.index);
   }
   std::vector<at::Tensor> S1, S2;
   for (int64_t begin = 0; begin < Q; begin += rows) {
     const int64_t count = std::min(rows, Q - begin);
-    const at::Tensor offset = near.offset.narrow(0, begin, count),
+    const at::Tensor geometry = near.geometry.narrow(0, begin, count),
                      index = near.index.narrow(0, begin, count);
-    const auto sums = [this, offset, index](const std::vector<at::Tensor>& table) {
-      const auto [s1, s2] = ops::neighbour_sums(table[0], table[1], gamma_->forward(offset), index);
+    const auto sums = [this, geometry, index](const std::vector<at::Tensor>& table) {
+      const auto [s1, s2] =
+          ops::neighbour_sums(table[0], table[1], gamma_->forward(geometry), index);
       return std::vector<at::Tensor>{s1, s2};
     };
     const std::vector<at::Tensor> block = recompute(sums, {keys, values}, gamma_->parameters());
@@ -164,20 +180,24 @@ ops::DecoderWeights QueryDecoderImpl::weights() const {
       point_->weights(), gamma_->weights(), layers, {norm_->weight, norm_->bias}, head_->weights()};
 }
 
-at::Tensor QueryDecoderImpl::infer(const at::Tensor& attributes, const at::Tensor& query,
-                                   const at::Tensor& anchor, double spacing,
-                                   const at::Tensor& table) {
+at::Tensor QueryDecoderImpl::infer(const at::Tensor& attributes, const Surface& query,
+                                   const Surface& anchor, double spacing, const at::Tensor& table) {
   if (normalizes_) {
     const Neighbourhood near = neighbourhood(query, anchor, spacing);
     return run_softmax_layers(attributes, near, table[0], table[1]);
   }
   if (!is_training()) {  // dropout needs the layers one by one
-    const ops::QueryNeighbourhood near{query, anchor, nearest(query, anchor), 1 / spacing,
-                                       kOffsetLimit};
+    ops::QueryNeighbourhood near{query.position, anchor.position,
+                                 nearest(query.position, anchor.position), 1 / spacing,
+                                 kOffsetLimit};
+    if (reads_normals_) {
+      near.normal = query.normal;
+      near.anchor_normal = anchor.normal;
+    }
     return ops::query_decoder_inference(attributes, near, table, weights());
   }
   const Neighbourhood near = neighbourhood(query, anchor, spacing);
-  const at::Tensor hidden = gamma_->hidden_activations(near.offset);
+  const at::Tensor hidden = gamma_->hidden_activations(near.geometry);
   const Linear& last = gamma_->output();
   const auto [S1, S2] =
       ops::neighbour_sums_inference(table, hidden, last->weight, last->bias, near.index);
@@ -215,11 +235,11 @@ at::Tensor QueryDecoderImpl::attend(Mlp& omega, const at::Tensor& query, const a
   std::vector<at::Tensor> attended;
   for (int64_t begin = 0; begin == 0 || begin < Q; begin += rows) {
     const int64_t count = std::min(rows, Q - begin);
-    const at::Tensor offset = near.offset.narrow(0, begin, count),
+    const at::Tensor geometry = near.geometry.narrow(0, begin, count),
                      index = near.index.narrow(0, begin, count);
-    const auto of_block = [this, &omega, offset, index](const std::vector<at::Tensor>& in) {
+    const auto of_block = [this, &omega, geometry, index](const std::vector<at::Tensor>& in) {
       return std::vector<at::Tensor>{
-          softmax_attention(omega, in[0], in[1], in[2], gamma_->forward(offset), index)};
+          softmax_attention(omega, in[0], in[1], in[2], gamma_->forward(geometry), index)};
     };
     attended.push_back(
         recompute(of_block, {query.narrow(0, begin, count), key, value}, parameters)[0]);

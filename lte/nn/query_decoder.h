@@ -53,7 +53,13 @@ class QueryLayerImpl : public torch::nn::Module {
 };
 TORCH_MODULE(QueryLayer);
 
-/// Parameters: `point.*` (H, inputs -> D -> D), `gamma.*` (γ, 3 -> h -> D, shared by the layers),
+/// Where points of surfaces lie and which way they face.
+struct Surface {
+  at::Tensor position;  ///< [n, 3] network space
+  at::Tensor normal;    ///< [n, 3] unit; read by models with PairGeometry::Normals alone
+};
+
+/// Parameters: `point.*` (H, inputs -> D -> D), `gamma.*` (γ, 3 or 6 -> h -> D, shared by layers),
 /// `layerI.*`, `norm.*`, `head.*` (D -> D -> 3).
 class QueryDecoderImpl : public torch::nn::Module {
  public:
@@ -71,13 +77,13 @@ class QueryDecoderImpl : public torch::nn::Module {
   /// The latents nearest to each query: what no gradient passes through.
   struct Neighbourhood {
     at::Tensor index;  ///< [Q, κ] int64, κ = min(query_neighbours, m)
-    /// [Q, κ, 3]: (p_j − p_κ) / spacing, limited to ±kOffsetLimit (lte/nn/constants.h)
-    at::Tensor offset;
+    /// [Q, κ, 3 or 6], what γ reads (lte/ops/pair_geometry.h): (p_j − p_κ) / spacing, limited to
+    /// ±kOffsetLimit (lte/nn/constants.h), and by the configuration the cosines of the normals.
+    at::Tensor geometry;
   };
-  /// @param query   [Q, 3] network space
-  /// @param anchor  [m, 3] float32, likewise
-  Neighbourhood neighbourhood(const at::Tensor& query, const at::Tensor& anchor,
-                              double spacing) const;
+  /// @param query   Q points
+  /// @param anchor  the m latents, positions in float32
+  Neighbourhood neighbourhood(const Surface& query, const Surface& anchor, double spacing) const;
 
   /// @param attributes  [Q, ModelConfig::query_inputs()]: position (network space), normal, albedo,
   ///                    and of `traced` models what the light cache says
@@ -88,7 +94,7 @@ class QueryDecoderImpl : public torch::nn::Module {
   /// forward() from table(); float32, no gradients. Outside training everything is one operator,
   /// unless attention is normalized.
   /// `query`, `anchor` and `spacing` are those of neighbourhood().
-  at::Tensor infer(const at::Tensor& attributes, const at::Tensor& query, const at::Tensor& anchor,
+  at::Tensor infer(const at::Tensor& attributes, const Surface& query, const Surface& anchor,
                    double spacing, const at::Tensor& table);
 
  private:
@@ -110,7 +116,7 @@ class QueryDecoderImpl : public torch::nn::Module {
   at::Tensor answer(const at::Tensor& G);
 
   int64_t neighbours_;
-  bool normalizes_;
+  bool normalizes_, reads_normals_;
   Mlp point_{nullptr}, gamma_{nullptr}, head_{nullptr};
   torch::nn::LayerNorm norm_{nullptr};
   std::vector<QueryLayer> layers_;

@@ -10,9 +10,25 @@
 #include "lte/nn/constants.h"
 #include "lte/ops/gelu.h"
 #include "lte/ops/patch_attention.h"
+#include "lte/ops/rotary.h"
 #include "lte/ops/submanifold_conv.h"
 
 namespace lte::nn {
+namespace {
+
+const PatchMap& patch_map(const SceneRows& rows, size_t order) {
+  return rows.patches[order % rows.patches.size()];
+}
+
+/// Means of [n, C] over the points of each scene, [scenes, C].
+at::Tensor means_of_scenes(const at::Tensor& x, const StagePlan& stage) {
+  std::vector<at::Tensor> means;
+  for (const SceneRows& rows : stage.scenes)
+    means.push_back(x.narrow(0, rows.begin, rows.count).mean(0));
+  return at::stack(means);
+}
+
+}  // namespace
 
 torch::nn::LayerNorm layer_norm(int64_t channels) {
   return torch::nn::LayerNorm(torch::nn::LayerNormOptions({channels}).eps(kNormEpsilon));
@@ -24,18 +40,58 @@ PatchAttentionImpl::PatchAttentionImpl(int64_t channels, int64_t heads, double d
       qkv_(register_module("qkv", Linear(channels, 3 * channels))),
       proj_(register_module("proj", Linear(channels, channels))) {}
 
-at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, const PatchMap& map,
-                                       int64_t patch_size) {
-  const int64_t n = x.size(0), C = x.size(1);
+at::Tensor PatchAttentionImpl::turned_qkv(const at::Tensor& x, const StagePlan& stage) {
+  const at::Tensor qkv = qkv_->forward(x);
+  return stage.cosine.defined() ? ops::rotate_heads(qkv, stage.cosine, stage.sine, heads_) : qkv;
+}
+
+double PatchAttentionImpl::entropy(const at::Tensor& x, const StagePlan& stage, size_t order,
+                                   int64_t patch_size) {
+  const at::NoGradGuard no_grad;
+  const PatchMap& map = patch_map(stage.scenes.front(), order);
+  const int64_t n = x.size(0), width = x.size(1) / heads_;
   const bool one_patch = !map.gather.defined();
-  at::Tensor qkv = qkv_->forward(x);
-  const bool inference = !at::GradMode::is_enabled() && !is_training();
-  if (inference && qkv.device().is_cpu() && qkv.scalar_type() == at::kFloat &&
-      C / heads_ <= ops::kWidestHead) {
-    return proj_->forward(ops::patch_attention_inference(qkv, map.gather, map.inverse, heads_,
-                                                         patch_size, qkv_->in_bf16()));
-  }
+  const int64_t length = one_patch ? n : patch_size;
+  if (length < 2) return std::numeric_limits<double>::quiet_NaN();
+  at::Tensor qkv = turned_qkv(x, stage);
   if (!one_patch) qkv = qkv.index_select(0, map.gather);
+  const at::Tensor parts = qkv.view({-1, length, 3, heads_, width});
+  double sum = 0;
+  for (int64_t patch = 0; patch < parts.size(0); ++patch) {  // one at a time: length² a head
+    const at::Tensor q = parts[patch].select(1, 0).transpose(0, 1),
+                     k = parts[patch].select(1, 1).transpose(0, 1);
+    const at::Tensor logits =
+        at::bmm(q, k.transpose(1, 2)).div(std::sqrt(static_cast<double>(width)));
+    const at::Tensor rows = at::log_softmax(logits, 2);
+    sum -= rows.exp().mul(rows).sum(2).mean().item<double>();
+  }
+  return sum / static_cast<double>(parts.size(0)) / std::log(static_cast<double>(length));
+}
+
+at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, const StagePlan& stage, size_t order,
+                                       int64_t patch_size) {
+  const at::Tensor qkv = turned_qkv(x, stage);
+  std::vector<at::Tensor> attended;
+  for (const SceneRows& rows : stage.scenes) {
+    const bool alone = stage.scenes.size() == 1;
+    attended.push_back(attend(alone ? qkv : qkv.narrow(0, rows.begin, rows.count),
+                              patch_map(rows, order), patch_size));
+  }
+  const at::Tensor all = attended.size() == 1 ? attended.front() : at::cat(attended);
+  return at::dropout(proj_->forward(all), dropout_, is_training());
+}
+
+at::Tensor PatchAttentionImpl::attend(const at::Tensor& points, const PatchMap& map,
+                                      int64_t patch_size) {
+  const int64_t n = points.size(0), C = points.size(1) / 3;
+  const bool one_patch = !map.gather.defined();
+  const bool inference = !at::GradMode::is_enabled() && !is_training();
+  if (inference && points.device().is_cpu() && points.scalar_type() == at::kFloat &&
+      C / heads_ <= ops::kWidestHead) {
+    return ops::patch_attention_inference(points, map.gather, map.inverse, heads_, patch_size,
+                                          qkv_->in_bf16());
+  }
+  at::Tensor qkv = one_patch ? points : points.index_select(0, map.gather);
   const int64_t length = one_patch ? n : patch_size;
   // In bfloat16 CUDA has flash attention; LibTorch's kernel for the CPU gains nothing by it.
   const bool flash = (qkv_->in_autocast() || qkv_->in_bf16()) && qkv.is_cuda();
@@ -47,8 +103,24 @@ at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, const PatchMap& map,
   at::Tensor out = at::scaled_dot_product_attention(part[0], part[1], part[2]);
   out = out.transpose(1, 2).reshape({-1, C});
   if (flash) out = out.to(at::kFloat);
-  if (!one_patch) out = out.index_select(0, map.inverse);
-  return at::dropout(proj_->forward(out), dropout_, is_training());
+  return one_patch ? out : out.index_select(0, map.inverse);
+}
+
+PointNormImpl::PointNormImpl(int64_t channels, Centering centering)
+    : weight_(register_parameter("weight", at::ones({channels}))),
+      bias_(register_parameter("bias", at::zeros({channels}))) {
+  if (centering == Centering::Learned) share_ = register_parameter("share", at::ones({channels}));
+}
+
+at::Tensor PointNormImpl::forward(const at::Tensor& x, const StagePlan& stage) {
+  at::Tensor centered = x;
+  if (share_.defined()) {
+    const at::Tensor common = stage.scenes.size() == 1
+                                  ? x.mean(0, /*keepdim=*/true)
+                                  : means_of_scenes(x, stage).index_select(0, stage.scene);
+    centered = x - common.mul(share_);
+  }
+  return at::layer_norm(centered, {x.size(1)}, weight_, bias_, kNormEpsilon);
 }
 
 SubmanifoldConvImpl::SubmanifoldConvImpl(int64_t kernel, int64_t inputs, int64_t outputs,
@@ -79,7 +151,7 @@ TransformerBlockImpl::TransformerBlockImpl(int64_t channels, const ModelConfig& 
     : patch_size_(config.patch_size),
       conv_(register_module("conv", SubmanifoldConv(kBlockKernel, channels, channels, true))),
       conv_linear_(register_module("conv_linear", Linear(channels, channels))),
-      conv_norm_(register_module("conv_norm", layer_norm(channels))),
+      conv_norm_(register_module("conv_norm", PointNorm(channels, config.centering))),
       norm1_(register_module("norm1", layer_norm(channels))),
       norm2_(register_module("norm2", layer_norm(channels))) {
   const int64_t heads = std::max<int64_t>(1, channels / config.head_width);
@@ -87,18 +159,27 @@ TransformerBlockImpl::TransformerBlockImpl(int64_t channels, const ModelConfig& 
   mlp_ = register_module("mlp", Mlp(channels, 4 * channels, channels, config.dropout, 0.5));
 }
 
+at::Tensor TransformerBlockImpl::convolve(const at::Tensor& input, const StagePlan& stage) {
+  const at::Tensor x = conv_->forward(input, stage.pairs, stage.tap_begin);
+  return input + conv_norm_->forward(conv_linear_->forward(x), stage);
+}
+
+double TransformerBlockImpl::attention_entropy(const at::Tensor& input, const StagePlan& stage,
+                                               size_t order) {
+  const at::NoGradGuard no_grad;
+  return attention_->entropy(norm1_->forward(convolve(input, stage)), stage, order, patch_size_);
+}
+
 at::Tensor TransformerBlockImpl::forward(const at::Tensor& input, const StagePlan& stage,
                                          size_t order) {
-  at::Tensor x = conv_->forward(input, stage.pairs, stage.tap_begin);
-  x = input + conv_norm_->forward(conv_linear_->forward(x));
-  const PatchMap& map = stage.patches[order % stage.patches.size()];
-  x = x + attention_->forward(norm1_->forward(x), map, patch_size_);
+  at::Tensor x = convolve(input, stage);
+  x = x + attention_->forward(norm1_->forward(x), stage, order, patch_size_);
   return x + mlp_->forward(norm2_->forward(x));
 }
 
-PoolingImpl::PoolingImpl(int64_t inputs, int64_t outputs)
+PoolingImpl::PoolingImpl(int64_t inputs, int64_t outputs, Centering centering)
     : linear_(register_module("linear", Linear(inputs, outputs))),
-      norm_(register_module("norm", layer_norm(outputs))) {}
+      norm_(register_module("norm", PointNorm(outputs, centering))) {}
 
 at::Tensor cluster_argmax(const at::Tensor& x, const at::Tensor& cluster, int64_t clusters) {
   const at::NoGradGuard no_grad;
@@ -115,25 +196,24 @@ at::Tensor cluster_argmax(const at::Tensor& x, const at::Tensor& cluster, int64_
       .scatter_reduce(0, target, row.masked_fill(below, n), "amin");
 }
 
-at::Tensor PoolingImpl::forward(const at::Tensor& fine, const at::Tensor& cluster,
-                                int64_t clusters) {
+at::Tensor PoolingImpl::forward(const at::Tensor& fine, const StagePlan& stage) {
   const at::Tensor x = linear_->forward(fine);
   // A gather: each gradient goes to one row, and no two to the same, so the sum needs no order.
-  const at::Tensor pooled = x.gather(0, cluster_argmax(x, cluster, clusters));
-  return ops::gelu(norm_->forward(pooled));
+  const at::Tensor pooled = x.gather(0, cluster_argmax(x, stage.cluster, stage.points()));
+  return ops::gelu(norm_->forward(pooled, stage));
 }
 
-UnpoolingImpl::UnpoolingImpl(int64_t coarse, int64_t skip, int64_t outputs)
+UnpoolingImpl::UnpoolingImpl(int64_t coarse, int64_t skip, int64_t outputs, Centering centering)
     : coarse_(register_module("coarse", Linear(coarse, outputs))),
       skip_(register_module("skip", Linear(skip, outputs))),
-      coarse_norm_(register_module("coarse_norm", layer_norm(outputs))),
-      skip_norm_(register_module("skip_norm", layer_norm(outputs))) {}
+      coarse_norm_(register_module("coarse_norm", PointNorm(outputs, centering))),
+      skip_norm_(register_module("skip_norm", PointNorm(outputs, centering))) {}
 
 at::Tensor UnpoolingImpl::forward(const at::Tensor& coarse, const at::Tensor& skip,
-                                  const at::Tensor& cluster) {
-  const at::Tensor up = ops::gelu(coarse_norm_->forward(coarse_->forward(coarse)));
-  const at::Tensor across = ops::gelu(skip_norm_->forward(skip_->forward(skip)));
-  return up.index_select(0, cluster) + across;
+                                  const StagePlan& below, const StagePlan& stage) {
+  const at::Tensor up = ops::gelu(coarse_norm_->forward(coarse_->forward(coarse), below));
+  const at::Tensor across = ops::gelu(skip_norm_->forward(skip_->forward(skip), stage));
+  return up.index_select(0, below.cluster) + across;
 }
 
 }  // namespace lte::nn

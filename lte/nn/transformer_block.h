@@ -19,10 +19,26 @@ class PatchAttentionImpl : public torch::nn::Module {
  public:
   PatchAttentionImpl(int64_t channels, int64_t heads, double dropout);
 
-  /// @param x  [n, C]; @return [n, C]
-  at::Tensor forward(const at::Tensor& x, const PatchMap& map, int64_t patch_size);
+  /// Points attend to those of their own scene alone.
+  ///
+  /// @param x      [n, C]
+  /// @param stage  its scenes, and the angles, if there are any, that turn queries and keys
+  /// @param order  which of the patch maps to use, modulo their number
+  /// @return       [n, C]
+  at::Tensor forward(const at::Tensor& x, const StagePlan& stage, size_t order, int64_t patch_size);
+
+  /// Entropy of the rows of attention that forward() would weigh values by, over the logarithm of
+  /// the points of a patch; a mean over heads and points, NaN for patches of one point.
+  /// @param stage  of one scene
+  double entropy(const at::Tensor& x, const StagePlan& stage, size_t order, int64_t patch_size);
 
  private:
+  /// What the points of one scene attend to.
+  /// @param qkv  [n, 3C] of the scene
+  at::Tensor attend(const at::Tensor& qkv, const PatchMap& map, int64_t patch_size);
+  /// Queries, keys and values of the points, turned.
+  at::Tensor turned_qkv(const at::Tensor& x, const StagePlan& stage);
+
   int64_t heads_;
   double dropout_;
   Linear qkv_{nullptr}, proj_{nullptr};
@@ -48,7 +64,26 @@ class SubmanifoldConvImpl : public torch::nn::Module {
 };
 TORCH_MODULE(SubmanifoldConv);
 
-/// x += LN(Linear(conv(x))); x += Attention(LN(x)); x += MLP(LN(x)).
+/// LayerNorm of what is left when a learnt share of each channel's mean over the points has been
+/// subtracted: what all points have in common says nothing about any of them, and LayerNorm alone,
+/// which sees one point at a time, cannot remove it. Plain LayerNorm with Centering::None.
+/// Parameters: `weight`, `bias` [C], as LayerNorm's, and `share` [C], at first 1.
+class PointNormImpl : public torch::nn::Module {
+ public:
+  PointNormImpl(int64_t channels, Centering centering);
+
+  /// @param x      [n, C]
+  /// @param stage  whose scenes the means are over
+  /// @return       [n, C]
+  at::Tensor forward(const at::Tensor& x, const StagePlan& stage);
+
+ private:
+  at::Tensor weight_, bias_;
+  at::Tensor share_;  ///< undefined without centering
+};
+TORCH_MODULE(PointNorm);
+
+/// x += PN(Linear(conv(x))); x += Attention(LN(x)); x += MLP(LN(x)), PN the PointNorm.
 /// Parameters: `conv.*`, `conv_linear.*`, `conv_norm.*`, `norm1.*`, `attention.*`, `norm2.*`,
 /// `mlp.*`.
 class TransformerBlockImpl : public torch::nn::Module {
@@ -58,43 +93,52 @@ class TransformerBlockImpl : public torch::nn::Module {
   /// @param order  which of the stage's patch maps to use, modulo their number
   at::Tensor forward(const at::Tensor& input, const StagePlan& stage, size_t order);
 
+  /// PatchAttention::entropy() of what forward() would attend to.
+  double attention_entropy(const at::Tensor& input, const StagePlan& stage, size_t order);
+
  private:
+  at::Tensor convolve(const at::Tensor& input, const StagePlan& stage);
+
   int64_t patch_size_;
   SubmanifoldConv conv_{nullptr};
   Linear conv_linear_{nullptr};
-  torch::nn::LayerNorm conv_norm_{nullptr}, norm1_{nullptr}, norm2_{nullptr};
+  PointNorm conv_norm_{nullptr};
+  torch::nn::LayerNorm norm1_{nullptr}, norm2_{nullptr};
   PatchAttention attention_{nullptr};
   Mlp mlp_{nullptr};
 };
 TORCH_MODULE(TransformerBlock);
 
-/// Linear, maximum over the members of each cluster, LN, GELU. Parameters: `linear.*`, `norm.*`.
+/// Linear, maximum over the members of each cluster, PN, GELU. Parameters: `linear.*`, `norm.*`.
 class PoolingImpl : public torch::nn::Module {
  public:
-  PoolingImpl(int64_t inputs, int64_t outputs);
+  PoolingImpl(int64_t inputs, int64_t outputs, Centering centering);
 
-  /// @param fine     [n, Cin]
-  /// @param cluster  [n] int64 in [0, clusters), each cluster inhabited
-  /// @return         [clusters, Cout]
-  at::Tensor forward(const at::Tensor& fine, const at::Tensor& cluster, int64_t clusters);
+  /// @param fine   [n, Cin]
+  /// @param stage  the coarser one, whose clusters n points fall into
+  /// @return       [stage.points(), Cout]
+  at::Tensor forward(const at::Tensor& fine, const StagePlan& stage);
 
  private:
   Linear linear_{nullptr};
-  torch::nn::LayerNorm norm_{nullptr};
+  PointNorm norm_{nullptr};
 };
 TORCH_MODULE(Pooling);
 
-/// GELU(LN(Linear(coarse)))[cluster] + GELU(LN(Linear(skip))).
+/// GELU(PN(Linear(coarse)))[cluster] + GELU(PN(Linear(skip))).
 /// Parameters: `coarse.*`, `coarse_norm.*`, `skip.*`, `skip_norm.*`.
 class UnpoolingImpl : public torch::nn::Module {
  public:
-  UnpoolingImpl(int64_t coarse, int64_t skip, int64_t outputs);
+  UnpoolingImpl(int64_t coarse, int64_t skip, int64_t outputs, Centering centering);
 
-  at::Tensor forward(const at::Tensor& coarse, const at::Tensor& skip, const at::Tensor& cluster);
+  /// @param below  the stage that `coarse` has the points of
+  /// @param stage  the one that `skip` has the points of
+  at::Tensor forward(const at::Tensor& coarse, const at::Tensor& skip, const StagePlan& below,
+                     const StagePlan& stage);
 
  private:
   Linear coarse_{nullptr}, skip_{nullptr};
-  torch::nn::LayerNorm coarse_norm_{nullptr}, skip_norm_{nullptr};
+  PointNorm coarse_norm_{nullptr}, skip_norm_{nullptr};
 };
 TORCH_MODULE(Unpooling);
 

@@ -39,7 +39,7 @@ struct LayerWeights {
 /// Everything that query_decoder_inference() multiplies by.
 struct DecoderWeights {
   PerceptronWeights point;  ///< A -> . -> C, of the queries' own attributes
-  PerceptronWeights gamma;  ///< γ, 3 -> H -> C, of the offsets to the neighbours
+  PerceptronWeights gamma;  ///< γ, F -> H -> C, of the geometry of the pairs with the neighbours
   std::vector<LayerWeights> layers;
   NormWeights norm;
   PerceptronWeights head;  ///< C -> . -> O

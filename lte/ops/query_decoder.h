@@ -11,6 +11,7 @@
 #include <ATen/core/TensorBody.h>
 
 #include "lte/ops/decoder_weights.h"
+#include "lte/ops/pair_geometry.h"
 
 namespace lte::ops {
 
@@ -21,6 +22,9 @@ struct QueryNeighbourhood {
   at::Tensor index;     ///< [Q, K] int64, the latents near each query, in [0, m); K >= 1
   double scale = 1;     ///< offsets are (position − anchor) * scale,
   double limit = 1;     ///< limited to ±limit
+  /// [Q, 3] and [m, 3] float32, unit: of decoders whose γ reads kNormalInputs columns; else both
+  /// undefined.
+  at::Tensor normal = {}, anchor_normal = {};
 };
 
 /// @param attributes  [Q, A] float32, what the queries' own MLP sees

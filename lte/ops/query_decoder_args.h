@@ -11,7 +11,8 @@
 namespace lte::ops {
 
 struct DecoderSizes {
-  int64_t queries, attributes, neighbours, layers, latents, channels, gamma_hidden, outputs;
+  int64_t queries, attributes, neighbours, layers, latents, channels, gamma_inputs, gamma_hidden,
+      outputs;
 };
 
 /// The layers that `table` holds, whatever else it is: how long the list of weights has to be.
@@ -72,11 +73,11 @@ class DecoderWeightsCheck {
   at::Device device_;
 };
 
-inline void check_decoder_weights(const DecoderWeights& w, int64_t attributes, int64_t C,
-                                  const at::Device& device) {
+inline void check_decoder_weights(const DecoderWeights& w, int64_t attributes, int64_t gamma_inputs,
+                                  int64_t C, const at::Device& device) {
   const DecoderWeightsCheck check(device);
   check.perceptron(w.point, attributes, C, "point");
-  check.linear(w.gamma.hidden, 3, "gamma.hidden", /*may_be_bf16=*/false);
+  check.linear(w.gamma.hidden, gamma_inputs, "gamma.hidden", /*may_be_bf16=*/false);
   check.linear(w.gamma.output, w.gamma.hidden.outputs(), C, "gamma.output");
   for (const LayerWeights& layer : w.layers) {
     check.norm(layer.norm1, C, "norm1");
@@ -108,12 +109,21 @@ inline DecoderSizes check_query_decoder_args(const at::Tensor& attributes,
   check_shape(near.anchor, {sizes.latents, 3}, at::kFloat, op, "anchor");
   check_neighbours(near.index, Q, sizes.latents, op);
   TORCH_CHECK(near.index.size(1) >= 1, op, ": sums over no neighbours");
-  for (const at::Tensor& t : {attributes, near.position, near.anchor, near.index}) {
+  TORCH_CHECK(near.normal.defined() == near.anchor_normal.defined(), op,
+              ": normals of queries and of anchors go together");
+  if (near.normal.defined()) {
+    check_shape(near.normal, {Q, 3}, at::kFloat, op, "normal");
+    check_shape(near.anchor_normal, {sizes.latents, 3}, at::kFloat, op, "anchor_normal");
+  }
+  for (const at::Tensor& t :
+       {attributes, near.position, near.anchor, near.index, near.normal, near.anchor_normal}) {
+    if (!t.defined()) continue;
     check_device(t, "the queries and anchors", table, "tables", op);
   }
-  check_decoder_weights(w, attributes.size(1), C, table.device());
-  return {Q, attributes.size(1),       near.index.size(1),     sizes.layers, sizes.latents,
-          C, w.gamma.hidden.outputs(), w.head.output.outputs()};
+  const int64_t gamma_inputs = near.normal.defined() ? kNormalInputs : kOffsetInputs;
+  check_decoder_weights(w, attributes.size(1), gamma_inputs, C, table.device());
+  return {Q, attributes.size(1), near.index.size(1),       sizes.layers,           sizes.latents,
+          C, gamma_inputs,       w.gamma.hidden.outputs(), w.head.output.outputs()};
 }
 
 }  // namespace lte::ops

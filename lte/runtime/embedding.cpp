@@ -55,8 +55,8 @@ nn::Frame frame_of(const Network& network, const at::Tensor& position,
 /// Those on the network's device; some may be undefined.
 std::vector<at::Tensor> tensors_of(const nn::Embedding& embedding) {
   std::vector<at::Tensor> tensors = embedding.cache.tensors();
-  tensors.insert(tensors.end(),
-                 {embedding.position, embedding.features, embedding.origin, embedding.table});
+  tensors.insert(tensors.end(), {embedding.position, embedding.normal, embedding.features,
+                                 embedding.origin, embedding.table});
   return tensors;
 }
 

@@ -52,7 +52,7 @@ DecoderCase make_decoder_case(const DecoderAdversary& adversary, int64_t channel
 at::Tensor decode_fused(DecoderCase& c, nn::Precision precision) {
   const at::NoGradGuard no_grad;
   nn::set_precision(*c.decoder, precision);
-  return c.decoder->infer(c.attributes, c.position, c.anchor, c.spacing,
+  return c.decoder->infer(c.attributes, {c.position, {}}, {c.anchor, {}}, c.spacing,
                           c.decoder->table(c.latent));
 }
 
@@ -63,8 +63,9 @@ at::Tensor decode_exactly(const DecoderCase& c, int64_t layers) {
   std::map<std::string, at::Tensor> exact;
   for (const auto& item : c.decoder->named_parameters())
     exact[item.key()] = item.value().to(at::kDouble);
-  return reference_decoder(exact, config, c.attributes.to(at::kDouble), c.position.to(at::kDouble),
-                           c.anchor.to(at::kDouble), c.latent.to(at::kDouble), c.spacing);
+  return reference_decoder(exact, config, c.attributes.to(at::kDouble),
+                           {c.position.to(at::kDouble), {}}, {c.anchor.to(at::kDouble), {}},
+                           c.latent.to(at::kDouble), c.spacing);
 }
 
 DecoderCase cut(const DecoderCase& c, int64_t layers) {

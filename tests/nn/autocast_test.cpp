@@ -151,7 +151,8 @@ TEST(Autocast, GradientsOfAdversarialEmbeddingsStayFiniteAndNearFloat32) {
       set_autocast(*c.decoder, precision);
       const auto [keys, values] = c.decoder->keys_and_values(c.latent);
       const at::Tensor out = c.decoder->forward(
-          c.attributes, c.decoder->neighbourhood(c.position, c.anchor, c.spacing), keys, values);
+          c.attributes, c.decoder->neighbourhood({c.position, {}}, {c.anchor, {}}, c.spacing), keys,
+          values);
       std::vector<at::Tensor> wanted = c.decoder->parameters(), flat = {out.detach().flatten()};
       wanted.push_back(c.latent);
       for (const at::Tensor& g : torch::autograd::grad({at::log1p(out).sum()}, wanted))

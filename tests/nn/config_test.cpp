@@ -15,7 +15,7 @@ ModelConfig parse(const std::string& yaml) {
 }
 
 TEST(ModelConfig, YamlRoundTripKeepsEveryField) {
-  ModelConfig config = test::tiny_config();
+  ModelConfig config = test::tiny_geometric_config();
   config.nne_neighbours = 7;
   config.grid_per_spacing = 1.0 / 3;
   config.dropout = 0.125;
@@ -68,6 +68,11 @@ TEST(ModelConfig, ErrorsNameTheKey) {
            {"light_input: trace", "did you mean \"traced\"?"},
            {"target: direct", "target"},
            {"grid_per_spacing: 0", "grid_per_spacing"},
+           {"attention_positions: cells", "attention_positions"},
+           {"{attention_positions: rotary, head_width: 4}", "head_width must be even"},
+           {"{attention_positions: rotary, channels: 16, head_width: 32}", "does not divide"},
+           {"centering: batch", "centering"},
+           {"pair_geometry: distance", "pair_geometry"},
            {"dropout: 1", "dropout"},
            {"scale: -1", "scale"},
            {"output_mean: 0", "output_mean"},

@@ -38,7 +38,7 @@ TEST(EncoderPlan, StagesPoolByCoarserCellInZOrder) {
   torch::manual_seed(2);
   const at::Tensor cells = torch::randint(40, {300, 3}, at::kInt);
   ModelConfig config = test::tiny_config();
-  const auto stages = make_stages(cells, config, false, 0);
+  const auto stages = make_stages(cells, config, false, {0});
   ASSERT_EQ(stages.size(), 3u);
   for (size_t s = 1; s < stages.size(); ++s) {
     const at::Tensor parent = stages[s - 1].cells.bitwise_right_shift(1);
@@ -56,15 +56,15 @@ TEST(EncoderPlan, OneCurveABlockAndNoneForASinglePatch) {
   ModelConfig config = test::tiny_config();
   config.encoder_depths = {6, 1, 3};
   const at::Tensor line = torch::arange(64, at::kInt).unsqueeze(1).expand({64, 3}).contiguous();
-  const auto stages = make_stages(line, config, false, 0);
-  EXPECT_EQ(stages[0].patches.size(), 4u);  // there are four curves
-  EXPECT_EQ(stages[1].patches.size(), 1u);
-  EXPECT_EQ(stages[2].patches.size(), 3u);
+  const auto stages = make_stages(line, config, false, {0});
+  EXPECT_EQ(stages[0].scenes[0].patches.size(), 4u);  // there are four curves
+  EXPECT_EQ(stages[1].scenes[0].patches.size(), 1u);
+  EXPECT_EQ(stages[2].scenes[0].patches.size(), 3u);
   config.patch_size = 32;
-  const auto wide = make_stages(line, config, false, 0);
-  EXPECT_TRUE(wide[0].patches[0].gather.defined());
-  ASSERT_EQ(wide[1].patches.size(), 1u);
-  EXPECT_FALSE(wide[1].patches[0].gather.defined());
+  const auto wide = make_stages(line, config, false, {0});
+  EXPECT_TRUE(wide[0].scenes[0].patches[0].gather.defined());
+  ASSERT_EQ(wide[1].scenes[0].patches.size(), 1u);
+  EXPECT_FALSE(wide[1].scenes[0].patches[0].gather.defined());
 }
 
 TEST(EncoderPlan, PatchesFollowTheCurve) {
@@ -72,10 +72,11 @@ TEST(EncoderPlan, PatchesFollowTheCurve) {
   const at::Tensor cells = torch::randint(500, {50, 3}, at::kInt);
   ModelConfig config = test::tiny_config();
   config.encoder_depths = {4, 0, 0};
-  const auto stages = make_stages(cells, config, false, 0);
+  const auto stages = make_stages(cells, config, false, {0});
   for (size_t i = 0; i < 4; ++i) {
     const at::Tensor code = ops::curve_codes(cells, static_cast<ops::Curve>(i), 16);
-    const at::Tensor along = code.index_select(0, stages[0].patches[i].gather.narrow(0, 0, 50));
+    const at::Tensor along =
+        code.index_select(0, stages[0].scenes[0].patches[i].gather.narrow(0, 0, 50));
     EXPECT_TRUE((along.slice(0, 1) >= along.slice(0, 0, -1)).all().item<bool>()) << "curve " << i;
   }
 }
@@ -87,7 +88,7 @@ TEST(EncoderPlan, ShuffleIsDrawnFromTheSeed) {
   std::set<std::vector<int64_t>> first;
   for (uint64_t seed = 0; seed < 40; ++seed) {
     const auto order = [&] {
-      return list(make_stages(cells, config, true, seed)[0].patches[0].gather);
+      return list(make_stages(cells, config, true, {seed})[0].scenes[0].patches[0].gather);
     };
     EXPECT_EQ(order(), order());
     first.insert(order());
@@ -100,9 +101,9 @@ TEST(EncoderPlan, SpacingIsThatOfTheSparsestSetAndCoincidentPointsHaveOne) {
       torch::arange(17).to(at::kFloat).unsqueeze(1).mul(torch::tensor({{1.0f, 0.0f, 0.0f}})) / 16;
   const EncoderPlan plan = make_encoder_plan(line, test::tiny_config(), false, 0);
   EXPECT_EQ(plan.position.size(0), 5);  // 17 -> 9 -> 5: ends, middle, quarters
-  EXPECT_FLOAT_EQ(static_cast<float>(plan.spacing), 0.25f);
+  EXPECT_FLOAT_EQ(static_cast<float>(plan.spacing[0]), 0.25f);
   const EncoderPlan same = make_encoder_plan(torch::zeros({33, 3}), test::tiny_config(), false, 0);
-  EXPECT_GT(same.spacing, 0);
+  EXPECT_GT(same.spacing[0], 0);
   EXPECT_EQ(same.stages[0].points(), 9);
   EXPECT_EQ(same.stages[1].points(), 1);
 }

@@ -1,8 +1,10 @@
 #include "lte/nn/model.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
+#include <torch/csrc/autograd/autograd.h>
 #include <torch/optim/adam.h>
 
 #include "lte/nn/cost.h"
@@ -290,8 +292,10 @@ TEST(Model, CurveOrdersVaryInTrainingOnly) {
   EXPECT_TRUE(varied);
 }
 
-TEST(Model, GradientsMatchFiniteDifferencesThroughEverything) {
-  LightTransportModel model = random_model();
+class ModelOf : public testing::TestWithParam<ModelConfig> {};
+
+TEST_P(ModelOf, GradientsMatchFiniteDifferencesThroughEverything) {
+  LightTransportModel model = random_model(GetParam());
   model->to(at::kDouble);
   const PointSet points = test::as_double(test::box_scene(60, 16));
   const QuerySet queries = test::as_double(test::box_queries(6, 17));
@@ -302,9 +306,20 @@ TEST(Model, GradientsMatchFiniteDifferencesThroughEverything) {
   test::expect_gradients_match(loss, model->parameters(), 1e-5);
 }
 
-TEST(Model, LearnsOneBatchByHeart) {
+TEST_P(ModelOf, AnswersAlikeWithAndWithoutGradients) {
+  LightTransportModel model = random_model(GetParam());
+  const PointSet points = test::box_scene(300, 20);
+  const QuerySet queries = test::box_queries(200, 21);
+  const at::Tensor trained = model->decode_normalized(model->encode(points), queries).detach();
+  const at::NoGradGuard no_grad;
+  EXPECT_LT(
+      test::relative_difference(model->decode_normalized(model->encode(points), queries), trained),
+      1e-5);
+}
+
+TEST_P(ModelOf, LearnsOneBatchByHeart) {
   torch::manual_seed(23);
-  LightTransportModel model(test::tiny_config());
+  LightTransportModel model(GetParam());
   model->train();
   const PointSet points = test::box_scene(80, 18);
   const QuerySet queries = test::box_queries(32, 19);
@@ -322,6 +337,68 @@ TEST(Model, LearnsOneBatchByHeart) {
   }
   EXPECT_GT(first, 0.1);
   EXPECT_LT(last, 0.005);
+}
+
+// Scenes of several sizes, so that some stages have one patch and some have several.
+TEST_P(ModelOf, SeveralScenesInOnePassAreWhatEachIsAloneGradientsIncluded) {
+  LightTransportModel model = random_model(GetParam());
+  model->to(at::kDouble);
+  std::vector<PointSet> scenes;
+  std::vector<QuerySet> queries;
+  std::vector<uint64_t> seeds;
+  for (const int64_t M : {150, 40, 333, 3}) {
+    const auto seed = static_cast<uint64_t>(M);
+    scenes.push_back(test::as_double(test::box_scene(M, seed)));
+    queries.push_back(test::as_double(test::box_queries(20 + M / 10, seed + 1)));
+    seeds.push_back(seed + 2);
+  }
+  model->train();  // the tiny network has no dropout, and curves are drawn from the seeds
+  const std::vector<at::Tensor> together =
+      model->decode_normalized(model->encode_batch(scenes, seeds), queries);
+  at::Tensor sum = torch::zeros({}, at::kDouble), alone_sum = sum;
+  ASSERT_EQ(together.size(), scenes.size());
+  for (size_t i = 0; i < scenes.size(); ++i) {
+    const at::Tensor alone =
+        model->decode_normalized(model->encode(scenes[i], seeds[i]), queries[i]);
+    EXPECT_LT(test::relative_difference(together[i], alone), 1e-10) << "scene " << i;
+    const at::Tensor weight = torch::rand_like(alone);
+    sum = sum + (together[i] * weight).sum();
+    alone_sum = alone_sum + (alone * weight).sum();
+  }
+  const auto got = torch::autograd::grad({sum}, model->parameters()),
+             expected = torch::autograd::grad({alone_sum}, model->parameters());
+  double largest = 0;
+  for (const at::Tensor& g : expected) largest = std::max(largest, g.norm().item<double>());
+  for (size_t i = 0; i < got.size(); ++i)
+    EXPECT_LT((got[i] - expected[i]).norm().item<double>(), 1e-9 * largest) << "parameter " << i;
+}
+
+TEST(Model, RefusesMoreScenesInAPassThanThereIsRoomFor) {
+  LightTransportModel model = random_model();
+  const std::vector<PointSet> scenes(17, test::box_scene(8, 1));
+  test::expect_error([&] { model->encode_batch(scenes, std::vector<uint64_t>(17, 0)); },
+                     {"17 scenes", "1 to 16"});
+}
+
+INSTANTIATE_TEST_SUITE_P(Configurations, ModelOf,
+                         testing::Values(test::tiny_config(), test::tiny_geometric_config()),
+                         [](const auto& each) {
+                           return each.param.reads_normals() ? "Geometric" : "AsInThePaper";
+                         });
+
+TEST(Model, TellsTheTwoSidesOfABoardApartByTheirNormals) {
+  const PointSet points = test::box_scene(200, 22);
+  const QuerySet queries = test::box_queries(40, 23);
+  for (const bool geometric : {false, true}) {
+    LightTransportModel model =
+        random_model(geometric ? test::tiny_geometric_config() : test::tiny_config());
+    const at::NoGradGuard no_grad;
+    Embedding embedding = model->encode(points);
+    const at::Tensor answer = model->decode(embedding, queries);
+    EXPECT_EQ(embedding.normal.defined(), geometric);
+    if (geometric) embedding.normal = -embedding.normal;
+    EXPECT_EQ(!torch::equal(model->decode(embedding, queries), answer), geometric);
+  }
 }
 
 }  // namespace

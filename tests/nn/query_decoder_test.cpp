@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 #include <torch/csrc/autograd/autograd.h>
+#include <torch/nn/functional/normalization.h>
 
 #include "tests/nn/reference_decoder.h"
 #include "tests/nn/support.h"
@@ -12,27 +13,37 @@
 namespace lte::nn {
 namespace {
 
+struct Form {
+  QueryAttention attention;
+  PairGeometry geometry;
+};
+
 struct Case {
   ModelConfig config = test::tiny_config();
   QueryDecoder decoder{nullptr};
-  at::Tensor position, attributes, anchor, latent;
+  Surface query, anchor;
+  at::Tensor attributes, latent;
   double spacing = 0.1;
 
-  Case(int64_t Q, int64_t m, at::ScalarType dtype, QueryAttention attention) {
+  Case(int64_t Q, int64_t m, at::ScalarType dtype, const Form& form) {
     config.query_layers = 3;
-    config.query_attention = attention;
+    config.query_attention = form.attention;
+    config.pair_geometry = form.geometry;
     decoder = QueryDecoder(config.channels, config);
     test::randomize(*decoder, 11);
     decoder->to(dtype);
     decoder->eval();
-    position = torch::rand({Q, 3}).to(dtype);
-    attributes = torch::cat({4 * position, torch::randn({Q, 6}).to(dtype)}, 1);
-    anchor = torch::rand({m, 3});
+    const auto normals = [](int64_t n) {
+      return torch::nn::functional::normalize(torch::randn({n, 3}));
+    };
+    query = {torch::rand({Q, 3}).to(dtype), normals(Q).to(dtype)};
+    attributes = torch::cat({4 * query.position, torch::randn({Q, 6}).to(dtype)}, 1);
+    anchor = {torch::rand({m, 3}), normals(m)};
     latent = torch::randn({m, config.channels}).to(dtype).requires_grad_();
   }
 
   at::Tensor trained() {
-    const auto near = decoder->neighbourhood(position, anchor, spacing);
+    const auto near = decoder->neighbourhood(query, anchor, spacing);
     const auto [keys, values] = decoder->keys_and_values(latent);
     return decoder->forward(attributes, near, keys, values);
   }
@@ -40,12 +51,14 @@ struct Case {
   at::Tensor reference() {
     std::map<std::string, at::Tensor> parameters;
     for (const auto& item : decoder->named_parameters()) parameters[item.key()] = item.value();
-    return test::reference_decoder(parameters, config, attributes, position,
-                                   anchor.to(position.scalar_type()), latent, spacing);
+    const at::ScalarType dtype = query.position.scalar_type();
+    return test::reference_decoder(parameters, config, attributes, query,
+                                   {anchor.position.to(dtype), anchor.normal.to(dtype)}, latent,
+                                   spacing);
   }
 };
 
-class QueryDecoderOf : public testing::TestWithParam<QueryAttention> {};
+class QueryDecoderOf : public testing::TestWithParam<Form> {};
 
 TEST_P(QueryDecoderOf, IsThePairwiseEquationsGradientsIncluded) {
   for (const auto& [dtype, tolerance] :
@@ -79,7 +92,7 @@ TEST_P(QueryDecoderOf, InferenceAgreesWithTraining) {
   const at::Tensor expected = c.reference();
   const at::NoGradGuard no_grad;
   const at::Tensor got =
-      c.decoder->infer(c.attributes, c.position, c.anchor, c.spacing, c.decoder->table(c.latent));
+      c.decoder->infer(c.attributes, c.query, c.anchor, c.spacing, c.decoder->table(c.latent));
   EXPECT_LT(test::relative_difference(got, expected), 1e-5);
 }
 
@@ -94,7 +107,10 @@ TEST_P(QueryDecoderOf, GradientsMatchFiniteDifferences) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Attentions, QueryDecoderOf,
-                         testing::Values(QueryAttention::Sum, QueryAttention::Softmax));
+                         testing::Values(Form{QueryAttention::Sum, PairGeometry::Offset},
+                                         Form{QueryAttention::Sum, PairGeometry::Normals},
+                                         Form{QueryAttention::Softmax, PairGeometry::Offset},
+                                         Form{QueryAttention::Softmax, PairGeometry::Normals}));
 
 TEST(QueryDecoder, StartsAtTheTrainingMeanWithPositionsAsStrongAsKeys) {
   torch::manual_seed(3);
@@ -108,14 +124,14 @@ TEST(QueryDecoder, StartsAtTheTrainingMeanWithPositionsAsStrongAsKeys) {
       torch::cartesian_prod({torch::arange(30), torch::arange(30)}).to(at::kFloat);
   const at::Tensor grid = torch::cat({anchor, torch::zeros({900, 1})}, 1).contiguous();
   const at::Tensor query = torch::cat({10 + 10 * torch::rand({200, 2}), torch::zeros({200, 1})}, 1);
-  const auto near = decoder->neighbourhood(query, grid, 1.0);
+  const auto near = decoder->neighbourhood({query, {}}, {grid, {}}, 1.0);
   const at::Tensor latent = torch::randn({900, config.channels});
   const auto [keys, values] = decoder->keys_and_values(latent);
   const double key_std = keys.std().item<double>();
   EXPECT_NEAR(key_std, 1, 0.2);
   const auto parameters = decoder->named_parameters();
   const at::Tensor hidden = torch::gelu(torch::linear(
-      near.offset, parameters["gamma.hidden.weight"], parameters["gamma.hidden.bias"]));
+      near.geometry, parameters["gamma.hidden.weight"], parameters["gamma.hidden.bias"]));
   const at::Tensor P = torch::linear(hidden, parameters["gamma.output.weight"]);
   EXPECT_GT(P.std().item<double>(), 0.5);
   EXPECT_LT(P.std().item<double>(), 2);

@@ -97,7 +97,8 @@ TEST_P(RecomputedQueries, ManyHaveTheGradientsOfFewAtATime) {
   // whole.
   const auto [keys, values] = decoder->keys_and_values(latent);
   const auto part = [&, k = keys, v = values](int64_t begin, int64_t count) {
-    const auto near = decoder->neighbourhood(position.narrow(0, begin, count), anchor, 0.1);
+    const auto near =
+        decoder->neighbourhood({position.narrow(0, begin, count), {}}, {anchor, {}}, 0.1);
     const at::Tensor out = decoder->forward(attributes.narrow(0, begin, count), near, k, v);
     return (out * weight.narrow(0, begin, count)).sum();
   };

@@ -29,15 +29,23 @@ at::Tensor normalize(const Parameters& p, const std::string& name, const at::Ten
 }  // namespace
 
 at::Tensor reference_decoder(const Parameters& p, const nn::ModelConfig& config,
-                             const at::Tensor& attributes, const at::Tensor& position,
-                             const at::Tensor& anchor, const at::Tensor& latent, double spacing) {
-  const at::Tensor offset = position.unsqueeze(1) - anchor.unsqueeze(0);  // [Q, m, 3]
-  const int64_t k = std::min(config.query_neighbours, anchor.size(0));
+                             const at::Tensor& attributes, const nn::Surface& query,
+                             const nn::Surface& anchor, const at::Tensor& latent, double spacing) {
+  const at::Tensor offset = query.position.unsqueeze(1) - anchor.position.unsqueeze(0);
+  const int64_t k = std::min(config.query_neighbours, anchor.position.size(0));
   const at::Tensor nearest = std::get<1>(offset.square().sum(-1).topk(k, 1, /*largest=*/false));
   const at::Tensor near_offset = offset.gather(1, nearest.unsqueeze(-1).expand({-1, -1, 3}));
   const at::Tensor KV = latent.index({nearest});  // [Q, k, D]
 
-  const at::Tensor P = perceptron(p, "gamma", near_offset / spacing);
+  at::Tensor pair = near_offset / spacing;
+  if (config.pair_geometry == nn::PairGeometry::Normals) {
+    const at::Tensor n = query.normal, n_k = anchor.normal.index({nearest});
+    pair = torch::cat({pair, torch::einsum("qx,qkx->qk", {n, n_k}).unsqueeze(2),
+                       torch::einsum("qx,qkx->qk", {n, pair}).unsqueeze(2),
+                       torch::einsum("qkx,qkx->qk", {n_k, pair}).unsqueeze(2)},
+                      2);
+  }
+  const at::Tensor P = perceptron(p, "gamma", pair);
   at::Tensor G = perceptron(p, "point", attributes);
   for (int64_t l = 0; l < config.query_layers; ++l) {
     const std::string layer = "layer" + std::to_string(l) + ".";

@@ -8,15 +8,16 @@
 #include <ATen/core/Tensor.h>
 
 #include "lte/nn/config.h"
+#include "lte/nn/query_decoder.h"
 
 namespace lte::test {
 
 /// @param parameters  of a QueryDecoder, by name
-/// @param attributes  [Q, 9], @param position [Q, 3] and @param anchor [m, 3] network space, @param
-/// latent [m, D]
+/// @param attributes  [Q, 9], @param query of Q points and @param anchor of m in network space,
+/// normals only for a configuration that reads them, @param latent [m, D]
 at::Tensor reference_decoder(const std::map<std::string, at::Tensor>& parameters,
                              const nn::ModelConfig& config, const at::Tensor& attributes,
-                             const at::Tensor& position, const at::Tensor& anchor,
+                             const nn::Surface& query, const nn::Surface& anchor,
                              const at::Tensor& latent, double spacing);
 
 }  // namespace lte::test

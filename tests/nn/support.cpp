@@ -34,6 +34,14 @@ nn::ModelConfig tiny_config() {
   return config;
 }
 
+nn::ModelConfig tiny_geometric_config() {
+  nn::ModelConfig config = tiny_config();
+  config.attention_positions = nn::AttentionPositions::Rotary;
+  config.centering = nn::Centering::Learned;
+  config.pair_geometry = nn::PairGeometry::Normals;
+  return config;
+}
+
 namespace {
 
 void random_surface(int64_t rows, uint64_t seed, at::Tensor* position, at::Tensor* normal,

@@ -1,6 +1,7 @@
 #include "lte/nn/transformer_block.h"
 
 #include <cmath>
+#include <complex>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -11,6 +12,13 @@
 
 namespace lte::nn {
 namespace {
+
+/// A stage of one scene, of which nothing but its patches is known.
+StagePlan one_scene(int64_t points, const PatchMap& map) {
+  StagePlan stage;
+  stage.scenes = {{0, points, {map}}};
+  return stage;
+}
 
 /// One point at a time, with an explicit softmax over its patch's slots.
 at::Tensor naive_attention(const at::Tensor& x, PatchAttention& attention,
@@ -53,13 +61,93 @@ TEST(PatchAttention, MatchesAnExplicitSoftmaxOverEachPatch) {
   }
   for (const int64_t slot : {14, 15}) patches[2].push_back(order[slot].item<int64_t>());
   const at::Tensor expected = naive_attention(x, attention, patches, patch_of, H);
-  EXPECT_LT(test::relative_difference(attention->forward(x, map, K), expected), 1e-12);
+  EXPECT_LT(test::relative_difference(attention->forward(x, one_scene(n, map), 0, K), expected),
+            1e-12);
 
   // A single patch: everyone sees everyone.
   std::vector<std::vector<int64_t>> all(1);
   for (int64_t i = 0; i < n; ++i) all[0].push_back(i);
   const at::Tensor global = naive_attention(x, attention, all, torch::zeros({n}, at::kLong), H);
-  EXPECT_LT(test::relative_difference(attention->forward(x, PatchMap{}, 1024), global), 1e-12);
+  EXPECT_LT(test::relative_difference(attention->forward(x, one_scene(n, {}), 0, 1024), global),
+            1e-12);
+}
+
+// The angles by the formula of docs/model.md, in complex numbers: a pair (a, b) is a + ib.
+at::Tensor turned(const at::Tensor& x, const at::Tensor& cells, int64_t width) {
+  const int64_t pairs = width / 2, of_axis = pairs / 3;
+  at::Tensor out = x.clone();
+  for (int64_t i = 0; i < x.size(0); ++i) {
+    for (int64_t c = 0; c < x.size(1); c += width) {
+      for (int64_t p = 0; p < 3 * of_axis; ++p) {
+        const double angle =
+            cells[i][p / of_axis].item<double>() * 0.157 * std::pow(2.0, double(p % of_axis));
+        const std::complex<double> z(x[i][c + p].item<double>(),
+                                     x[i][c + pairs + p].item<double>());
+        const std::complex<double> w = z * std::polar(1.0, angle);
+        out[i][c + p] = w.real();
+        out[i][c + pairs + p] = w.imag();
+      }
+    }
+  }
+  return out;
+}
+
+TEST(PatchAttention, WithRotaryPositionsIsSoftmaxOverTurnedQueriesAndKeys) {
+  const at::NoGradGuard no_grad;
+  torch::manual_seed(9);
+  ModelConfig config = test::tiny_config();
+  config.attention_positions = AttentionPositions::Rotary;
+  config.head_width = 14;  // two angles an axis and a pair that does not turn
+  config.channels = 28;
+  constexpr int64_t n = 6, C = 28, H = 2;
+  const StagePlan stage = make_stages(torch::randint(50, {n, 3}, at::kInt), config, false, {0})[0];
+  PatchAttention attention(C, H, 0.0);
+  test::randomize(*attention, 5);
+  attention->eval();
+  const at::Tensor x = torch::randn({n, C});
+  const auto p = attention->named_parameters();
+  const at::Tensor qkv = (x.matmul(p["qkv.weight"].t()) + p["qkv.bias"]).to(at::kDouble);
+  const at::Tensor q = turned(qkv.slice(1, 0, C), stage.cells, config.head_width),
+                   k = turned(qkv.slice(1, C, 2 * C), stage.cells, config.head_width);
+  at::Tensor out = torch::empty({n, C}, at::kDouble);
+  for (int64_t h = 0; h < H; ++h) {
+    const auto head = [&](const at::Tensor& t) { return t.slice(1, 14 * h, 14 * (h + 1)); };
+    const at::Tensor w = torch::softmax(head(q).matmul(head(k).t()) / std::sqrt(14.0), 1);
+    head(out).copy_(w.matmul(head(qkv.slice(1, 2 * C))));
+  }
+  const at::Tensor expected =
+      out.matmul(p["proj.weight"].t().to(at::kDouble)) + p["proj.bias"].to(at::kDouble);
+  const auto got = [&] { return attention->forward(x, stage, 0, 1024); };
+  EXPECT_LT(test::relative_difference(got(), expected), 1e-5) << "inference";
+  const at::AutoGradMode with_gradients(true);
+  EXPECT_LT(test::relative_difference(got().detach(), expected), 1e-5) << "training";
+}
+
+TEST(PatchAttention, EntropyIsThatOfTheSoftmaxOverLogN) {
+  const at::NoGradGuard no_grad;
+  torch::manual_seed(10);
+  constexpr int64_t n = 20, C = 8, H = 2, K = 8;
+  PatchAttention attention(C, H, 0.0);
+  const at::Tensor x = torch::randn({n, C});
+  auto p = attention->named_parameters();
+  const auto entropy = [&](const PatchMap& map) {
+    return attention->entropy(x, one_scene(n, map), 0, K);
+  };
+  p["qkv.weight"].zero_();
+  EXPECT_NEAR(entropy({}), 1, 1e-6) << "every point alike";
+  const PatchMap patches = make_patch_map(torch::randperm(n), K);
+  EXPECT_NEAR(entropy(patches), 1, 1e-6);
+  p["qkv.weight"].slice(0, 0, 2 * C).copy_(torch::eye(C).repeat({2, 1}) * 300);
+  EXPECT_LT(entropy({}), 0.01) << "a product of a vector with itself wins";
+  test::randomize(*attention, 3);
+  const at::Tensor qkv = x.matmul(p["qkv.weight"].t()) + p["qkv.bias"];
+  double sum = 0;
+  for (int64_t h = 0; h < H; ++h) {
+    const at::Tensor q = qkv.slice(1, 4 * h, 4 * h + 4), k = qkv.slice(1, C + 4 * h, C + 4 * h + 4);
+    const at::Tensor w = torch::softmax(q.matmul(k.t()) / 2, 1);
+    sum -= (w * w.log()).sum(1).mean().item<double>() / H;
+  }
+  EXPECT_NEAR(entropy({}), sum / std::log(double(n)), 1e-5);
 }
 
 TEST(ClusterArgmax, MatchesLoopsAndGivesTiesToTheLowestRow) {
@@ -83,11 +171,13 @@ TEST(ClusterArgmax, MatchesLoopsAndGivesTiesToTheLowestRow) {
 
 StagePlan some_stage(int64_t n, const ModelConfig& config) {
   torch::manual_seed(8);
-  return make_stages(torch::randint(6, {n, 3}, at::kInt), config, false, 0)[0];
+  return make_stages(torch::randint(6, {n, 3}, at::kInt), config, false, {0})[0];
 }
 
 TEST(TransformerBlock, GradientsMatchFiniteDifferences) {
-  const ModelConfig config = test::tiny_config();
+  ModelConfig config = test::tiny_config();
+  config.attention_positions = AttentionPositions::Rotary;
+  config.centering = Centering::Learned;
   const StagePlan stage = some_stage(19, config);  // three patches, some points in one cell
   TransformerBlock block(8, config);
   test::randomize(*block, 7);
@@ -100,22 +190,59 @@ TEST(TransformerBlock, GradientsMatchFiniteDifferences) {
                                inputs);
 }
 
-TEST(Pooling, GradientsMatchFiniteDifferencesDownAndUp) {
-  Pooling pool(6, 8);
-  Unpooling unpool(8, 6, 5);
+class PoolingWith : public testing::TestWithParam<Centering> {};
+
+TEST_P(PoolingWith, GradientsMatchFiniteDifferencesDownAndUp) {
+  Pooling pool(6, 8, GetParam());
+  Unpooling unpool(8, 6, 5, GetParam());
   test::randomize(*pool, 9);
   test::randomize(*unpool, 10);
   pool->to(at::kDouble);
   unpool->to(at::kDouble);
-  const at::Tensor cluster = torch::tensor({0, 2, 1, 1, 0, 2, 2});
+  StagePlan coarse = one_scene(3, {});
+  coarse.cells = torch::zeros({3, 3}, at::kInt);
+  coarse.cluster = torch::tensor({0, 2, 1, 1, 0, 2, 2});
   const at::Tensor x = torch::randn({7, 6}, at::kDouble).requires_grad_();
   std::vector<at::Tensor> inputs = pool->parameters();
   for (const at::Tensor& p : unpool->parameters()) inputs.push_back(p);
   inputs.push_back(x);
   const at::Tensor weight = torch::randn({7, 5}, at::kDouble);
   test::expect_gradients_match(
-      [&] { return (unpool->forward(pool->forward(x, cluster, 3), x, cluster) * weight).sum(); },
+      [&] {
+        const at::Tensor up =
+            unpool->forward(pool->forward(x, coarse), x, coarse, one_scene(7, {}));
+        return (up * weight).sum();
+      },
       inputs);
+}
+
+INSTANTIATE_TEST_SUITE_P(Centerings, PoolingWith,
+                         testing::Values(Centering::None, Centering::Learned));
+
+TEST(PointNorm, SubtractsItsShareOfWhatPointsHaveInCommon) {
+  const at::NoGradGuard no_grad;
+  PointNorm centered(6, Centering::Learned), plain(6, Centering::None);
+  centered->to(at::kDouble);
+  plain->to(at::kDouble);
+  const at::Tensor x = torch::randn({9, 6}, at::kDouble), common = torch::randn({6}, at::kDouble);
+  const auto norm = [](PointNorm& of, const at::Tensor& points) {
+    return of->forward(points, one_scene(9, {}));
+  };
+  const at::Tensor of_x = norm(centered, x);
+  EXPECT_LT(test::relative_difference(norm(centered, x + 100 * common), of_x), 1e-11);
+  EXPECT_GT(test::relative_difference(norm(plain, x + 100 * common), norm(plain, x)), 0.1);
+  EXPECT_LT(test::relative_difference(of_x, norm(plain, x - x.mean(0))), 1e-12);
+  centered->named_parameters()["share"].zero_();
+  EXPECT_LT(test::relative_difference(norm(centered, x), norm(plain, x)), 1e-12);
+}
+
+TEST(PointNorm, OfOnePointIsItsBias) {
+  const at::NoGradGuard no_grad;
+  PointNorm norm(4, Centering::Learned);
+  const at::Tensor bias = torch::randn({4});
+  norm->named_parameters()["bias"].copy_(bias);
+  EXPECT_TRUE(
+      torch::equal(norm->forward(torch::randn({1, 4}), one_scene(1, {})), bias.unsqueeze(0)));
 }
 
 TEST(Pooling, ANaNStaysWhateverStandsBesideIt) {

@@ -11,9 +11,10 @@
 
 namespace lte::ops::test {
 
-/// Weights of a decoder of C channels, L layers, A attributes and one hidden width, from N(0, 1);
-/// matrices are divided by the root of their inputs.
-inline DecoderWeights decoder_weights(int64_t A, int64_t C, int64_t L, int64_t hidden) {
+/// Weights of a decoder of C channels, L layers, A attributes, one hidden width and a γ of so many
+/// inputs, from N(0, 1); matrices are divided by the root of their inputs.
+inline DecoderWeights decoder_weights(int64_t A, int64_t C, int64_t L, int64_t hidden,
+                                      int64_t gamma_inputs = kOffsetInputs) {
   uint64_t seed = 100;
   const auto vector = [&](int64_t size) { return normal({size}, seed++, at::kFloat); };
   const auto linear = [&](int64_t in, int64_t out) {
@@ -31,7 +32,7 @@ inline DecoderWeights decoder_weights(int64_t A, int64_t C, int64_t L, int64_t h
   };
   DecoderWeights w;
   w.point = perceptron(A, C);
-  w.gamma = perceptron(3, C);
+  w.gamma = perceptron(gamma_inputs, C);
   for (int64_t l = 0; l < L; ++l) {
     LayerWeights layer;
     layer.norm1 = norm();
@@ -104,7 +105,15 @@ inline at::Tensor decoder_reference(const at::Tensor& attributes, const QueryNei
       (near.position.unsqueeze(1) - near.anchor.index_select(0, rows).view({Q, K, 3}))
           .mul(near.scale)
           .clamp(-near.limit, near.limit);
-  const at::Tensor P = perceptron(wide(offset), w.gamma);
+  at::Tensor pair = wide(offset);
+  if (near.normal.defined()) {
+    const at::Tensor n = wide(near.normal).unsqueeze(1), n_k = gathered(near.anchor_normal);
+    const auto dot = [](const at::Tensor& a, const at::Tensor& b) {
+      return (a * b).sum(2, /*keepdim=*/true);
+    };
+    pair = at::cat({pair, dot(n, n_k), dot(n, pair), dot(n_k, pair)}, 2);
+  }
+  const at::Tensor P = perceptron(pair, w.gamma);
   at::Tensor G = perceptron(wide(attributes), w.point);
   for (size_t l = 0; l < w.layers.size(); ++l) {
     const LayerWeights& layer = w.layers[l];

@@ -19,8 +19,11 @@ at::Tensor floats(at::IntArrayRef shape, uint64_t seed) {
   return test::normal(shape, seed, at::kFloat);
 }
 
+at::Tensor unit(const at::Tensor& v) { return v / v.norm(2, {1}, /*keepdim=*/true); }
+
 struct Sizes {
   int64_t Q, m, K, C, L, hidden;
+  bool normals = false;  ///< whether γ reads them
 };
 
 /// A decoder with its inputs, on the CPU.
@@ -30,12 +33,17 @@ struct Case {
   QueryNeighbourhood near;
 
   Case(const Sizes& s, double scale, double limit)
-      : weights(test::decoder_weights(9, s.C, s.L, s.hidden)),
+      : weights(test::decoder_weights(9, s.C, s.L, s.hidden,
+                                      s.normals ? kNormalInputs : kOffsetInputs)),
         keys(floats({s.L, s.m, s.C}, 11)),
         values(floats({s.L, s.m, s.C}, 12)),
         attributes(floats({s.Q, 9}, 13)),
         near{test::uniform({s.Q, 3}, 14), test::uniform({s.m, 3}, 15),
-             test::integers(s.m, {s.Q, s.K}, 16), scale, limit} {}
+             test::integers(s.m, {s.Q, s.K}, 16), scale, limit} {
+    if (!s.normals) return;
+    near.normal = unit(floats({s.Q, 3}, 17));
+    near.anchor_normal = unit(floats({s.m, 3}, 18));
+  }
 
   at::Tensor expected(const at::Tensor& rows) const {
     return test::decoder_reference(attributes.index_select(0, rows), near_of(rows), keys, values,
@@ -43,8 +51,13 @@ struct Case {
   }
 
   QueryNeighbourhood near_of(const at::Tensor& rows) const {
-    return {near.position.index_select(0, rows), near.anchor, near.index.index_select(0, rows),
-            near.scale, near.limit};
+    return {near.position.index_select(0, rows),
+            near.anchor,
+            near.index.index_select(0, rows),
+            near.scale,
+            near.limit,
+            near.normal.defined() ? near.normal.index_select(0, rows) : near.normal,
+            near.anchor_normal};
   }
 };
 
@@ -52,8 +65,9 @@ class QueryDecoderInference : public test::PerDevice {
  protected:
   /// All queries on this device, on the CPU.
   at::Tensor infer(const Case& c) const {
-    const QueryNeighbourhood near{put(c.near.position), put(c.near.anchor), put(c.near.index),
-                                  c.near.scale, c.near.limit};
+    const QueryNeighbourhood near{
+        put(c.near.position), put(c.near.anchor), put(c.near.index),        c.near.scale,
+        c.near.limit,         put(c.near.normal), put(c.near.anchor_normal)};
     const at::Tensor table = neighbour_table(put(c.keys), put(c.values));
     const at::Tensor out =
         query_decoder_inference(put(c.attributes), near, table, test::on(GetParam(), c.weights));
@@ -65,9 +79,10 @@ LTE_FOR_EACH_DEVICE(QueryDecoderInference);
 
 // Sizes about a warp and a block of channels, a run of neighbours, of γ's activations and of
 // queries, and a tile of them.
-const Sizes kSizes[] = {{1, 1, 1, 1, 1, 1},       {250, 40, 9, 20, 3, 150},
-                        {100, 90, 33, 33, 2, 64}, {70, 200, 70, 257, 2, 65},
-                        {97, 30, 16, 16, 1, 8},   {20'000, 500, 32, 128, 6, 64}};
+const Sizes kSizes[] = {
+    {1, 1, 1, 1, 1, 1},        {250, 40, 9, 20, 3, 150},       {100, 90, 33, 33, 2, 64},
+    {70, 200, 70, 257, 2, 65}, {97, 30, 16, 16, 1, 8},         {20'000, 500, 32, 128, 6, 64},
+    {1, 1, 1, 1, 1, 1, true},  {250, 40, 9, 20, 3, 151, true}, {200, 90, 33, 64, 2, 64, true}};
 
 /// Rows about the borders of tiles and blocks of queries.
 at::Tensor some_rows(int64_t Q) {
@@ -144,6 +159,19 @@ TEST_P(QueryDecoderInference, RefusesBadInput) {
       },
       "neighbour_table()"));
   EXPECT_TRUE(refused([](Case& c) { c.near.index = c.near.index[0]; }, "[Q, K] int64"));
+  EXPECT_TRUE(refused([](Case& c) { c.near.normal = floats({4, 3}, 1); }, "go together"));
+  EXPECT_TRUE(refused(
+      [](Case& c) {
+        c.near.normal = floats({4, 3}, 1);
+        c.near.anchor_normal = floats({4, 3}, 1);
+      },
+      "anchor_normal must be"));
+  EXPECT_TRUE(refused(
+      [](Case& c) {
+        c.near.normal = floats({4, 3}, 1);
+        c.near.anchor_normal = floats({5, 3}, 1);
+      },
+      "gamma.hidden must be [outputs, 6]"));
   EXPECT_TRUE(
       refused([](Case& c) { c.near.index = c.near.index.narrow(1, 0, 0); }, "no neighbours"));
   EXPECT_TRUE(refused(

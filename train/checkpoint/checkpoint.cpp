@@ -117,6 +117,7 @@ void check_format(const SafetensorsFile& file) {
 fs::path checkpoint_path(const fs::path& run) { return run / "checkpoint.safetensors"; }
 fs::path model_path(const fs::path& run) { return run / "model.safetensors"; }
 fs::path best_model_path(const fs::path& run) { return run / "model_best.safetensors"; }
+fs::path start_path(const fs::path& run) { return run / "start.safetensors"; }
 
 void save_checkpoint(const fs::path& path, const nn::LightTransportModel& model,
                      const Optimizer& optimizer, const RunProgress& progress,

@@ -41,6 +41,8 @@ struct CheckpointHeader {
 std::filesystem::path checkpoint_path(const std::filesystem::path& run);
 std::filesystem::path model_path(const std::filesystem::path& run);
 std::filesystem::path best_model_path(const std::filesystem::path& run);
+/// The model that the run began with, which tells how far its weights have moved.
+std::filesystem::path start_path(const std::filesystem::path& run);
 
 /// Writes the file in one piece or not at all. Its tensors are "model.NAME", Optimizer::state() and
 /// "log" (the bytes of log.jsonl). Its metadata are format "lte-checkpoint", format_version,

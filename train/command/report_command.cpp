@@ -101,6 +101,33 @@ std::string optimizer_charts(const RunHistory& log) {
                  norms));
 }
 
+/// The lines of all figures whose names begin alike, named by the rest.
+std::vector<ChartLine> lines_with(const RunHistory& log, const std::string& prefix) {
+  std::vector<ChartLine> lines;
+  for (const auto& [name, series] : log.figures) {
+    if (name.starts_with(prefix)) lines.push_back({name.substr(prefix.size()), series});
+  }
+  return lines;
+}
+
+/// What the stages carry and whether all of the network moves; empty for logs without it.
+std::string health_section(const RunHistory& log) {
+  const auto chart = [&](const char* title, std::string_view prefix, const char* figure,
+                         bool log_y) {
+    const std::vector<ChartLine> lines = lines_with(log, concat(prefix, figure));
+    if (lines.empty()) return std::string();
+    return html_chart({.title = title, .x_label = "step", .log_y = log_y}, lines);
+  };
+  const std::string charts =
+      chart("share of a stage's features that differs between points", kHealthPrefix, "varying_",
+            false) +
+      chart("entropy of attention over log n", kHealthPrefix, "entropy_", false) +
+      chart("root mean square of a stage's features", kHealthPrefix, "rms_", true) +
+      chart("movement of weights since the start, relative", kHealthPrefix, "moved_", true) +
+      chart("root mean square of the gradient's entries", kModuleRmsPrefix, "", true);
+  return charts.empty() ? "" : "<h2>Health</h2>\n" + html_grid(charts);
+}
+
 /// Scenes by their latest validation loss, the worst first.
 std::vector<std::pair<double, std::string>> ranked(const RunHistory& log) {
   std::vector<std::pair<double, std::string>> out;
@@ -202,6 +229,7 @@ std::string write_run_report(const fs::path& run, fs::path out) {
   body += "<h2>Error</h2>\n" + loss_charts(log);
   body += "<h2>Scenes</h2>\n" + scene_section(log);
   body += "<h2>Optimization</h2>\n" + optimizer_charts(log);
+  body += health_section(log);
   body += "<h2>Time</h2>\n" + time_section(log, steps);
   body += "<h2>Configuration</h2>\n" +
           html_details("config.yaml", concat("<pre>", html_escape(config), "</pre>\n"));

@@ -110,6 +110,12 @@ Symmetry draw_symmetry(const AugmentConfig& config, int64_t light_groups, const 
       for (int channel = 0; channel < 3; ++channel) gain[channel] *= log_uniform(config.tint, rng);
     }
   }
+  if (config.single_light > 0 && light_groups > 1 && rng->uniform() < config.single_light) {
+    const auto lit = static_cast<size_t>(rng->below(static_cast<uint64_t>(light_groups)));
+    for (size_t group = 0; group < symmetry.gains.size(); ++group) {
+      if (group != lit) symmetry.gains[group] = Rgb{};
+    }
+  }
   return symmetry;
 }
 

@@ -32,6 +32,9 @@ std::string tag_of(const std::string& field) {
   if (field.starts_with(kValidation)) return "val/" + field.substr(kValidation.size());
   if (field.starts_with(kModuleNormPrefix))
     return "grad_norm/" + field.substr(kModuleNormPrefix.size());
+  if (field.starts_with(kModuleRmsPrefix))
+    return "grad_rms/" + field.substr(kModuleRmsPrefix.size());
+  if (field.starts_with(kHealthPrefix)) return "health/" + field.substr(kHealthPrefix.size());
   return "train/" + field;
 }
 

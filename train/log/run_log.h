@@ -18,6 +18,11 @@ namespace lte::train {
 
 /// What the field of a module's gradient norm begins with; the module's name follows.
 inline constexpr std::string_view kModuleNormPrefix = "grad_norm_";
+/// And of the root mean square of its entries.
+inline constexpr std::string_view kModuleRmsPrefix = "grad_rms_";
+/// What the fields of nn::StageHealth and of WeightMovement begin with; the figure's name, '_', and
+/// that of the stage or module follow.
+inline constexpr std::string_view kHealthPrefix = "health_";
 
 class RunLog {
  public:
@@ -40,9 +45,10 @@ class RunLog {
   }
 
   /// Appends {"step": step, fields...} and flushes. Values that are not finite become null. As
-  /// events "val_loss" is val/loss, "grad_norm_nne" is grad_norm/nne, and a field with neither
-  /// prefix is train/NAME. On a full disk the line waits in memory and is written with the next one
-  /// for which there is room; the first that waits, and the end of the waiting, are said.
+  /// events "val_loss" is val/loss, "grad_norm_nne" is grad_norm/nne, "health_rms_up0" is
+  /// health/rms_up0, and a field with none of these prefixes is train/NAME. On a full disk the line
+  /// waits in memory and is written with the next one for which there is room; the first that waits,
+  /// and the end of the waiting, are said.
   /// @param scenes  validation loss of each scene, as the object "val_scenes"; empty: no such key
   void write(int64_t step, const NamedValues& fields, const NamedValues& scenes = {});
 

@@ -9,6 +9,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/log.h"
+#include "lte/nn/model_file.h"
 #include "train/checkpoint/first_model.h"
 #include "train/loop/config_changes.h"
 
@@ -61,6 +62,18 @@ void mend_best_model(const RunStart& start, RunProgress* progress) {
                                         progress->best_step, progress->best_loss));
 }
 
+/// The weights that the run began with, from their file; null if that is gone or damaged.
+std::unique_ptr<WeightMovement> movement_since_start(const fs::path& output) {
+  const fs::path path = start_path(output);
+  if (!fs::exists(path)) return nullptr;
+  try {
+    return std::make_unique<WeightMovement>(nn::load_model(path));
+  } catch (const Error& error) {
+    log_warning(error.what(), "; how far weights have moved is not logged");
+    return nullptr;
+  }
+}
+
 }  // namespace
 
 RunState start_run(const RunStart& start) {
@@ -76,6 +89,11 @@ RunState start_run(const RunStart& start) {
   state.progress.seed = start.config.seed;
   state.progress.light = start.data.light;
   state.progress.data_fingerprint = start.data.fingerprint;
+  if (start.leads) {
+    save_run_model(start_path(output), state.model, state.optimizer.get(),
+                   model_origin(start.config, start.config_text, start.data, 0, std::nullopt));
+    state.movement = std::make_unique<WeightMovement>(state.model);
+  }
   return state;
 }
 
@@ -93,8 +111,9 @@ RunState resume_run(const RunStart& start) {
   state.model->to(start.device);
   state.optimizer = std::make_unique<Optimizer>(start.config.train, state.model);
   load_checkpoint(path, state.model, state.optimizer.get());
-  if (start.leads) mend_best_model(start, &state.progress);
   if (start.leads) {
+    mend_best_model(start, &state.progress);
+    state.movement = movement_since_start(start.config.output);
     for (const std::string& change : config_changes(header.config, start.config_text))
       log_info("changed from here on: ", change);
   }

@@ -14,6 +14,7 @@
 #include "train/distributed/process_group.h"
 #include "train/loop/run_lock.h"
 #include "train/optim/optimizer.h"
+#include "train/optim/weight_movement.h"
 
 namespace lte::train {
 
@@ -22,6 +23,7 @@ struct RunState {
   nn::LightTransportModel model{nullptr};
   std::unique_ptr<Optimizer> optimizer;
   RunProgress progress;
+  std::unique_ptr<WeightMovement> movement;  ///< of rank 0; null: the first weights are lost
   std::optional<std::string>
       log;  ///< log.jsonl, as the checkpoint that the run goes on from has it
 };

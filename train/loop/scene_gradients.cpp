@@ -43,6 +43,7 @@ SceneGradients::SceneGradients(const TrainConfig& config, const nn::LightTranspo
                                at::Device device, ProcessGroup* group)
     : loss_(config.loss),
       weight_(1 / static_cast<double>(config.train.scenes_per_step)),
+      pass_(static_cast<size_t>(config.train.scenes_per_pass)),
       device_(device),
       models_({model}) {
   const int threads = at::get_num_threads();
@@ -51,8 +52,9 @@ SceneGradients::SceneGradients(const TrainConfig& config, const nn::LightTranspo
     reducer_ = std::make_unique<GradientReducer>(*group, model->parameters());
   }
   const bool one_by_one = !device.is_cpu() || config.model.dropout > 0 || reducer_;
-  const int beside =
-      one_by_one ? 1 : std::min(threads, static_cast<int>(config.train.scenes_per_step));
+  const int64_t passes = (config.train.scenes_per_step + config.train.scenes_per_pass - 1) /
+                         config.train.scenes_per_pass;
+  const int beside = one_by_one ? 1 : std::min(threads, static_cast<int>(passes));
   threads_per_scene_ = std::max(1, threads / beside);
   for (int i = 1; i < beside; ++i) models_.push_back(replica_of(model));
   for (nn::LightTransportModel& each : models_) nn::set_autocast(*each, config.train.autocast);
@@ -62,19 +64,22 @@ SceneGradients::SceneGradients(const TrainConfig& config, const nn::LightTranspo
 
 double SceneGradients::accumulate(const std::vector<Example>& examples, int64_t step) {
   const OperatorThreads scope(threads_per_scene_);
+  std::vector<std::span<const Example>> passes;
+  for (size_t begin = 0; begin < examples.size(); begin += pass_)
+    passes.emplace_back(examples.data() + begin, std::min(pass_, examples.size() - begin));
   double loss = 0;
-  for (size_t begin = 0; begin < examples.size(); begin += models_.size()) {
-    const size_t count = std::min(models_.size(), examples.size() - begin);
+  for (size_t begin = 0; begin < passes.size(); begin += models_.size()) {
+    const size_t count = std::min(models_.size(), passes.size() - begin);
     std::vector<std::future<double>> others;
     for (size_t worker = 1; worker < count; ++worker) {
       others.push_back(std::async(std::launch::async, [&, worker] {
         at::set_num_threads(threads_per_scene_);
-        return run(worker, examples[begin + worker], step);
+        return run(worker, passes[begin + worker], step);
       }));
     }
-    const bool last = begin + count == examples.size();
+    const bool last = begin + count == passes.size();
     if (reducer_ && last) reducer_->reduce_next_backward();
-    loss += weight_ * run(0, examples[begin], step);
+    loss += weight_ * run(0, passes[begin], step);
     // In the order of the scenes, so that the sums are those of one thread.
     for (size_t worker = 1; worker < count; ++worker) {
       loss += weight_ * others[worker - 1].get();
@@ -84,21 +89,43 @@ double SceneGradients::accumulate(const std::vector<Example>& examples, int64_t 
   return loss;
 }
 
-double SceneGradients::run(size_t worker, const Example& stored, int64_t step) {
+double SceneGradients::run(size_t worker, std::span<const Example> scenes, int64_t step) {
   nn::LightTransportModel& model = models_[worker];
+  std::string names;
   try {
-    const Example example = stored.to(device_);
-    // So dropout depends on the example alone, whatever was drawn before.
-    if (models_.size() == 1) torch::manual_seed(example.seed);
-    const nn::Embedding embedding = model->encode(example.points, example.seed);
-    const at::Tensor loss = nn::relative_loss(model->decode_normalized(embedding, example.queries),
-                                              example.target, loss_, example.weight);
-    const double value = loss.item<double>();
-    LTE_CHECK(std::isfinite(value), "the loss is not finite (", value, ")");
-    (loss * (weight_ * processes_)).backward();  // reduced to the mean over processes
+    std::vector<Example> examples;
+    std::vector<nn::PointSet> points;
+    std::vector<nn::QuerySet> queries;
+    std::vector<uint64_t> seeds;
+    for (const Example& stored : scenes) {
+      names += (names.empty() ? "" : ", ") + stored.scene;
+      const Example& example = examples.emplace_back(stored.to(device_));
+      points.push_back(example.points);
+      queries.push_back(example.queries);
+      seeds.push_back(example.seed);
+    }
+    // So dropout depends on the examples alone, whatever was drawn before.
+    if (models_.size() == 1) torch::manual_seed(seeds.front());
+    std::vector<at::Tensor> predicted;
+    if (examples.size() == 1) {
+      predicted = {model->decode_normalized(model->encode(points[0], seeds[0]), queries[0])};
+    } else {
+      predicted = model->decode_normalized(model->encode_batch(points, seeds), queries);
+    }
+    at::Tensor sum;
+    for (size_t i = 0; i < examples.size(); ++i) {
+      const at::Tensor loss =
+          nn::relative_loss(predicted[i], examples[i].target, loss_, examples[i].weight);
+      const double value = loss.item<double>();
+      names = examples[i].scene;  // whose loss it is, should it be wrong
+      LTE_CHECK(std::isfinite(value), "the loss is not finite (", value, ")");
+      sum = sum.defined() ? sum + loss : loss;
+    }
+    const double value = sum.item<double>();
+    (sum * (weight_ * processes_)).backward();  // reduced to the mean over processes
     return value;
   } catch (const std::exception& error) {
-    throw Error(concat("step ", step, ": scene ", stored.scene, ": ", first_line(error.what()),
+    throw Error(concat("step ", step, ": scene ", names, ": ", first_line(error.what()),
                        "; no update was made, the last checkpoint stays"));
   }
 }

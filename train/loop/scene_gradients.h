@@ -1,4 +1,5 @@
-// Losses and gradients of the scenes of a step.
+// Losses and gradients of the scenes of a step, `train.scenes_per_pass` of them in one pass of the
+// network.
 //
 // On the CPU the scenes of a step run beside each other, each on its own replica of the model that
 // shares the weights: the networks one trains on a CPU are narrow, and one scene to a thread keeps
@@ -7,6 +8,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "lte/nn/model.h"
@@ -34,14 +36,18 @@ class SceneGradients {
   /// @throws lte::Error naming step and scene if the network refuses it or the loss is not finite
   double accumulate(const std::vector<Example>& examples, int64_t step);
   /// Adds the gradient of one scene by itself, in this process alone. @return its loss
-  double accumulate_alone(const Example& example, int64_t step) { return run(0, example, step); }
+  double accumulate_alone(const Example& example, int64_t step) {
+    return run(0, {&example, 1}, step);
+  }
 
  private:
-  double run(size_t worker, const Example& stored, int64_t step);
+  /// One pass. @return the sum of its scenes' losses
+  double run(size_t worker, std::span<const Example> scenes, int64_t step);
   void collect(size_t worker);
 
   nn::LossConfig loss_;
-  double weight_;  ///< of a scene in the mean
+  double weight_;    ///< of a scene in the mean
+  size_t pass_ = 1;  ///< scenes of a pass
   int processes_ = 1;
   at::Device device_;
   int threads_per_scene_ = 1;

@@ -1,5 +1,7 @@
 #include "train/loop/session_log.h"
 
+#include <cmath>
+
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/process_memory.h"
@@ -19,7 +21,7 @@ bool SessionLog::writes_at(int64_t step) const {
   return step % config_.log_every == 0 || step == config_.steps;
 }
 
-void SessionLog::write_step(RunProgress* progress, double norm, const NamedValues& module_norms,
+void SessionLog::write_step(RunProgress* progress, double norm, const ModuleGradients& modules,
                             double waited_seconds) {
   NamedValues fields = {
       {"loss", progress->window_loss / static_cast<double>(progress->window_steps)},
@@ -29,8 +31,10 @@ void SessionLog::write_step(RunProgress* progress, double norm, const NamedValue
       {"seconds", progress->seconds},
       {"wait_share", (waited_seconds - waited_before_) / window_timer_.seconds()},
       {"rss_mb", current_rss_mb()}};
-  for (const auto& [module, value] : module_norms)
+  for (const auto& [module, value] : modules.norms)
     fields.emplace_back(concat(kModuleNormPrefix, module), value);
+  for (const auto& [module, value] : modules.rms)
+    fields.emplace_back(concat(kModuleRmsPrefix, module), value);
   log_.write(progress->step, fields);
   waited_before_ = waited_seconds;
   window_queries_ = 0;
@@ -43,6 +47,20 @@ void SessionLog::write_validation(int64_t step, const ValidationResult& result, 
   NamedValues fields = result.fields();
   fields.emplace_back("val_seconds", seconds);
   log_.write(step, fields, result.scenes);
+}
+
+void SessionLog::write_health(int64_t step, const std::vector<nn::StageHealth>& stages,
+                              const NamedValues& moved) {
+  NamedValues fields;
+  for (const nn::StageHealth& stage : stages) {
+    fields.emplace_back(concat(kHealthPrefix, "rms_", stage.stage), stage.rms);
+    fields.emplace_back(concat(kHealthPrefix, "varying_", stage.stage), stage.varying);
+    if (!std::isnan(stage.entropy))
+      fields.emplace_back(concat(kHealthPrefix, "entropy_", stage.stage), stage.entropy);
+  }
+  for (const auto& [module, value] : moved)
+    fields.emplace_back(concat(kHealthPrefix, "moved_", module), value);
+  log_.write(step, fields);
 }
 
 void SessionLog::add_pictures(int64_t step, const std::vector<PreviewPicture>& pictures) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lte/base/timer.h"
+#include "lte/nn/stage_health.h"
 #include "train/checkpoint/checkpoint.h"
 #include "train/config.h"
 #include "train/log/run_log.h"
@@ -16,6 +17,11 @@
 #include "train/loop/validate.h"
 
 namespace lte::train {
+
+/// Of the last step's gradient, before clipping, of each module: L2 norm and root mean square.
+struct ModuleGradients {
+  NamedValues norms, rms;
+};
 
 class SessionLog {
  public:
@@ -33,12 +39,15 @@ class SessionLog {
 
   /// Writes the open line and empties the sums in `progress`.
   /// @param norm            of the last step's gradient, before clipping
-  /// @param module_norms    the same of each module
+  /// @param modules         the same of each module
   /// @param waited_seconds  for examples, in the whole session
-  void write_step(RunProgress* progress, double norm, const NamedValues& module_norms,
+  void write_step(RunProgress* progress, double norm, const ModuleGradients& modules,
                   double waited_seconds);
   /// @param seconds  that the validation took
   void write_validation(int64_t step, const ValidationResult& result, double seconds);
+  /// @param moved  WeightMovement::of(); empty: not known
+  void write_health(int64_t step, const std::vector<nn::StageHealth>& stages,
+                    const NamedValues& moved);
   /// Adds the pictures of the first `train.preview_scenes` to the event files.
   void add_pictures(int64_t step, const std::vector<PreviewPicture>& pictures);
   /// @param seconds  that drawing and writing the pictures took

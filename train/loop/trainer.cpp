@@ -130,8 +130,9 @@ void Trainer::train_step() {
   if (!std::isfinite(gradient.norm))
     fail_on_gradient(examples, progress.step, gradients_.get(), state_.optimizer.get());
   // Before the update clips the gradient.
-  const NamedValues module_norms =
-      log_ && log_->writes_at(progress.step + 1) ? state_.optimizer->module_norms() : NamedValues{};
+  ModuleGradients modules;
+  if (log_ && log_->writes_at(progress.step + 1))
+    modules = {state_.optimizer->module_norms(), state_.optimizer->module_rms()};
   state_.optimizer->update(progress.step, gradient.norm);
   progress.step += 1;
   progress.window_loss += loss;
@@ -140,7 +141,7 @@ void Trainer::train_step() {
   summary_.loss = loss;
   if (!log_) return;
   log_->add_queries(queries);
-  after_step(gradient.norm, module_norms);
+  after_step(gradient.norm, modules);
 }
 
 /// Makes loss and queries of this process those of all processes. A signal to one of them ends all
@@ -156,12 +157,12 @@ void Trainer::add_up(double* loss, int64_t* queries) {
 }
 
 /// What rank 0 does between two steps.
-void Trainer::after_step(double norm, const NamedValues& module_norms) {
+void Trainer::after_step(double norm, const ModuleGradients& modules) {
   const int64_t step = state_.progress.step;
   const OptimConfig& train = config_.train;
   const auto due = [&](int64_t every) { return step % every == 0 || step == train.steps; };
   if (log_->writes_at(step))
-    log_->write_step(&state_.progress, norm, module_norms, loader_->waited_seconds());
+    log_->write_step(&state_.progress, norm, modules, loader_->waited_seconds());
   const bool best = due(train.validate_every) && validate_now();
   if (previews_ && due(train.preview_every)) draw_previews();
   if (due(train.checkpoint_every) || best) save();
@@ -192,6 +193,7 @@ bool Trainer::validate_now() {
     summary_.validation = validate(state_.model, validation_, config_.loss, device_);
   }
   log_->write_validation(progress.step, *summary_.validation, timer.seconds());
+  write_health();
   const double loss = summary_.validation->loss;
   const bool best = loss < progress.best_loss;
   log_info("step ", progress.step, ": loss ", summary_.loss, ", validation loss ", loss, ", PSNR ",
@@ -201,6 +203,16 @@ bool Trainer::validate_now() {
   progress.best_step = progress.step;
   save_run_model(best_model_path(output_), state_.model, state_.optimizer.get(), origin());
   return true;
+}
+
+/// Of the weights that train, not of their average: the question is what training does.
+void Trainer::write_health() {
+  state_.model->eval();
+  const std::vector<nn::StageHealth> stages =
+      state_.model->stage_health(validation_.front().to(device_).points);
+  state_.model->train();
+  log_->write_health(state_.progress.step, stages,
+                     state_.movement ? state_.movement->of(state_.model) : NamedValues{});
 }
 
 void Trainer::save() {

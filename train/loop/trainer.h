@@ -1,7 +1,8 @@
 // The training loop.
 //
-// A step encodes each of its scenes by itself and adds up their gradients, so that no scene's
-// result depends on its batch mates and memory grows with threads, not with scenes_per_step.
+// A step takes its scenes in passes of `train.scenes_per_pass` and adds up their gradients. No
+// scene sees another, and memory grows with threads and the scenes of a pass, not with
+// scenes_per_step.
 #pragma once
 
 #include <cstdint>
@@ -59,7 +60,8 @@ class Trainer {
   void train_steps(int64_t end);
   void train_step();
   void add_up(double* loss, int64_t* queries);
-  void after_step(double norm, const NamedValues& module_norms);
+  void after_step(double norm, const ModuleGradients& modules);
+  void write_health();
   bool validate_now();
   void draw_previews();
   void save();

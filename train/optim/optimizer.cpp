@@ -20,13 +20,6 @@
 #include "train/optim/schedule.h"
 
 namespace lte::train {
-namespace {
-
-/// PyTorch's default, as the paper names none.
-constexpr double kAdamEpsilon = 1e-8;
-
-}  // namespace
-
 std::string gradient_module(const std::string& parameter) {
   constexpr std::string_view kEncoder = "encoder.";
   if (!parameter.starts_with(kEncoder)) return parameter.substr(0, parameter.find('.'));
@@ -90,6 +83,18 @@ std::vector<std::pair<std::string, double>> Optimizer::module_norms() const {
   return modules;
 }
 
+std::vector<std::pair<std::string, double>> Optimizer::module_rms() const {
+  std::vector<std::pair<std::string, double>> modules = module_norms();
+  for (auto& [module, value] : modules) {
+    int64_t numbers = 0;
+    for (size_t i = 0; i < names_.size(); ++i) {
+      if (gradient_module(names_[i]) == module) numbers += parameters_[i].numel();
+    }
+    value /= std::sqrt(static_cast<double>(numbers));
+  }
+  return modules;
+}
+
 void Optimizer::update(int64_t step, double norm, std::optional<double> given_rate) {
   const torch::NoGradGuard no_grad;
   if (config_.clip_norm > 0 && norm > config_.clip_norm) {
@@ -110,7 +115,7 @@ void Optimizer::update(int64_t step, double norm, std::optional<double> given_ra
     if (weights.empty()) continue;
     at::_foreach_add_(updates, 1);
     at::_fused_adamw_(weights, gradients, first, second, {}, updates, rate, config_.beta1,
-                      config_.beta2, matrices ? config_.weight_decay : 0, kAdamEpsilon,
+                      config_.beta2, matrices ? config_.weight_decay : 0, config_.adam_epsilon,
                       /*amsgrad=*/false, /*maximize=*/false);
   }
   if (average_.empty()) return;

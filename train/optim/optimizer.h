@@ -34,6 +34,9 @@ class Optimizer {
   /// L2 norm of the gradient of each module (gradient_module()), in the order of the model. Their
   /// squares sum to that of gradient_norm(). A module whose parameters have no gradient has 0.
   std::vector<std::pair<std::string, double>> module_norms() const;
+  /// Root mean square of an entry of each module's gradient: module_norms() over the root of its
+  /// number of parameters. Far below `adam_epsilon` they stand still.
+  std::vector<std::pair<std::string, double>> module_rms() const;
   /// Scales the gradient down to clip_norm if `norm` exceeds it, then updates weights and their
   /// average.
   /// @param step  steps done before this one: it decides learning rate and averaging rate

@@ -11,9 +11,12 @@ double learning_rate(const OptimConfig& config, int64_t step) {
     return config.learning_rate * static_cast<double>(step + 1) /
            static_cast<double>(config.warmup_steps);
   }
-  const int64_t last = std::max<int64_t>(config.steps - 1 - config.warmup_steps, 1);
+  const auto falling =
+      static_cast<int64_t>(std::llround(config.decay_share * static_cast<double>(config.steps)));
+  const int64_t first = std::max(config.warmup_steps, config.steps - falling);
+  const int64_t last = std::max<int64_t>(config.steps - 1 - first, 1);
   const double progress =
-      std::min(1.0, static_cast<double>(step - config.warmup_steps) / static_cast<double>(last));
+      std::clamp(static_cast<double>(step - first) / static_cast<double>(last), 0.0, 1.0);
   const double above = config.learning_rate - config.min_learning_rate;
   return config.min_learning_rate + above * 0.5 * (1 + std::cos(std::numbers::pi * progress));
 }

@@ -8,8 +8,9 @@
 
 namespace lte::train {
 
-/// Rises linearly over `warmup_steps` to `learning_rate`, then falls along half a cosine to
-/// `min_learning_rate`, which the last step uses.
+/// Rises linearly over `warmup_steps` to `learning_rate`, stays there until the last `decay_share`
+/// of all steps, and falls along half a cosine to `min_learning_rate`, which the last step uses.
+/// With a decay_share of 1 the fall begins after the warm-up.
 /// @param step  steps done before this one, 0 to config.steps − 1; later ones have the floor
 double learning_rate(const OptimConfig& config, int64_t step);
 

@@ -3,6 +3,7 @@
 // cache, and a layer's weights are read from the third once a tile.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include <ATen/Parallel.h>
@@ -45,21 +46,22 @@ struct PackedLayer {
 
 struct PackedDecoder {
   PackedLinear point_hidden, point_output;
-  std::vector<float> gamma_hidden;  ///< [H, 4]
+  std::vector<float> gamma_hidden;  ///< [H, F + 1]
   PackedLinear gamma_output;
   std::vector<PackedLayer> layers;
   PackedNorm norm;
   PackedLinear head_hidden, head_output;
 };
 
-/// γ's first layer as [H, 4]: three weights and the bias.
+/// γ's first layer as [H, F + 1]: a row of weights, then the bias.
 std::vector<float> pack_gamma_hidden(const LinearWeights& w) {
-  const int64_t H = w.outputs();
-  std::vector<float> packed(static_cast<size_t>(4 * H));
+  const int64_t H = w.outputs(), F = w.inputs();
+  std::vector<float> packed(static_cast<size_t>((F + 1) * H));
   const at::Tensor weight = w.weight.contiguous(), bias = w.bias.contiguous();
   for (int64_t h = 0; h < H; ++h) {
-    std::copy_n(weight.const_data_ptr<float>() + 3 * h, 3, packed.begin() + 4 * h);
-    packed[4 * h + 3] = bias.const_data_ptr<float>()[h];
+    const auto row = packed.begin() + (F + 1) * h;
+    std::copy_n(weight.const_data_ptr<float>() + F * h, F, row);
+    row[F] = bias.const_data_ptr<float>()[h];
   }
   return packed;
 }
@@ -81,7 +83,9 @@ PackedDecoder pack(const DecoderWeights& w) {
 struct Work {
   const PackedDecoder& net;
   DecoderSizes sizes;
-  const float *attribute, *position, *anchor, *table;
+  const float *attribute, *position, *anchor;
+  const float *normal, *anchor_normal;  ///< nullptr where γ reads the offset alone
+  const float* table;
   const int64_t* index;
   float scale, limit;
   float* out;
@@ -105,7 +109,7 @@ class TileDecoder {
         hidden_(kTile, kPanel),
         answer_(kTile, work.sizes.outputs),
         sums_(static_cast<size_t>(kTile * blocks_ * L_ * kPair)),
-        offset_(static_cast<size_t>(3 * pairs_)),
+        geometry_(static_cast<size_t>(work.sizes.gamma_inputs * pairs_)),
         activation_(work.net.gamma_output.in_bf16() ? 0
                                                     : static_cast<size_t>(kSubtile * H_ * pairs_)),
         rounded_(work.net.gamma_output.in_bf16()
@@ -134,23 +138,45 @@ class TileDecoder {
   }
 
  private:
+  /// Fills geometry_ with what γ reads of query q and its neighbours.
+  void measure_pairs(int64_t q) {
+    const float* at = work_.position + 3 * q;
+    const int64_t* near = work_.index + q * K_;
+    for (int64_t j = 0; j < K_; ++j) {
+      const float* p = work_.anchor + 3 * near[j];
+      for (int axis = 0; axis < 3; ++axis) {
+        const float offset = (at[axis] - p[axis]) * work_.scale;
+        geometry_[axis * pairs_ + j] = std::clamp(offset, -work_.limit, work_.limit);
+      }
+      if (work_.normal != nullptr) measure_normals(work_.normal + 3 * q, near[j], j);
+    }
+  }
+
+  /// Cosines of the normals with each other and with the offset of pair j.
+  void measure_normals(const float* normal, int64_t latent, int64_t j) {
+    const float* there = work_.anchor_normal + 3 * latent;
+    float facing = 0, above = 0, ahead = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const float offset = geometry_[axis * pairs_ + j];
+      facing += normal[axis] * there[axis];
+      above += normal[axis] * offset;
+      ahead += there[axis] * offset;
+    }
+    geometry_[3 * pairs_ + j] = facing;
+    geometry_[4 * pairs_ + j] = above;
+    geometry_[5 * pairs_ + j] = ahead;
+  }
+
   void sum_neighbours(int64_t first, int64_t count, float* out) {
     const PackedLinear& gamma = work_.net.gamma_output;
     for (int64_t i = 0; i < count; ++i) {
-      const float* q = work_.position + 3 * (first + i);
-      const int64_t* near = work_.index + (first + i) * K_;
-      for (int64_t j = 0; j < K_; ++j) {
-        const float* p = work_.anchor + 3 * near[j];
-        for (int axis = 0; axis < 3; ++axis) {
-          const float offset = (q[axis] - p[axis]) * work_.scale;
-          offset_[axis * pairs_ + j] = std::clamp(offset, -work_.limit, work_.limit);
-        }
-      }
+      measure_pairs(first + i);
+      const PairGeometry geometry{geometry_.data(), work_.sizes.gamma_inputs, pairs_};
       if (gamma.in_bf16()) {
-        bf16_kernels().hidden_positions(offset_.data(), pairs_, work_.net.gamma_hidden.data(), H_,
+        bf16_kernels().hidden_positions(geometry, work_.net.gamma_hidden.data(), H_,
                                         rounded_.data() + i * gamma.input_pairs() * pairs_);
       } else {
-        dense_kernels().hidden_positions(offset_.data(), pairs_, work_.net.gamma_hidden.data(), H_,
+        dense_kernels().hidden_positions(geometry, work_.net.gamma_hidden.data(), H_,
                                          activation_.data() + i * H_ * pairs_);
       }
     }
@@ -199,7 +225,7 @@ class TileDecoder {
   int64_t pairs_;          ///< K, rounded up to whole blocks
   Tile input_, features_, normed_, attended_, hidden_, answer_;
   std::vector<float> sums_;           ///< [kTile, blocks, L, 2, kBlock]
-  std::vector<float> offset_;         ///< [3, pairs] of one query
+  std::vector<float> geometry_;       ///< [F, pairs] of one query
   std::vector<float> activation_;     ///< [kSubtile, H, pairs]
   std::vector<uint32_t> rounded_;     ///< [kSubtile, ⌈H / 2⌉, pairs], in bfloat16 instead
   std::vector<float> pair_position_;  ///< [pairs, kBlock]
@@ -208,12 +234,28 @@ class TileDecoder {
 at::Tensor query_decoder_inference_cpu(const at::Tensor& any_attributes,
                                        const at::Tensor& any_position, const at::Tensor& any_anchor,
                                        const at::Tensor& any_index, double scale, double limit,
+                                       const std::optional<at::Tensor>& any_normal,
+                                       const std::optional<at::Tensor>& any_anchor_normal,
                                        const at::Tensor& table, at::TensorList list) {
   const DecoderWeights weights = DecoderWeights::from_list(list, table_layers(table));
-  const DecoderSizes sizes = check_query_decoder_args(
-      any_attributes, {any_position, any_anchor, any_index, scale, limit}, table, weights);
+  const QueryNeighbourhood near{any_position,
+                                any_anchor,
+                                any_index,
+                                scale,
+                                limit,
+                                any_normal.value_or(at::Tensor()),
+                                any_anchor_normal.value_or(at::Tensor())};
+  const DecoderSizes sizes = check_query_decoder_args(any_attributes, near, table, weights);
+  const auto dense_or_none = [](const at::Tensor& t) {
+    return t.defined() ? t.contiguous() : at::Tensor();
+  };
+  const auto data = [](const at::Tensor& t) {
+    return t.defined() ? t.const_data_ptr<float>() : nullptr;
+  };
   const at::Tensor attributes = any_attributes.contiguous(), position = any_position.contiguous(),
-                   anchor = any_anchor.contiguous(), index = any_index.contiguous();
+                   anchor = any_anchor.contiguous(), index = any_index.contiguous(),
+                   normal = dense_or_none(near.normal),
+                   anchor_normal = dense_or_none(near.anchor_normal);
   const int64_t Q = sizes.queries;
   const PackedDecoder net = pack(weights);
   at::Tensor out = at::empty({Q, sizes.outputs}, attributes.options());
@@ -222,6 +264,8 @@ at::Tensor query_decoder_inference_cpu(const at::Tensor& any_attributes,
                   attributes.const_data_ptr<float>(),
                   position.const_data_ptr<float>(),
                   anchor.const_data_ptr<float>(),
+                  data(normal),
+                  data(anchor_normal),
                   table.const_data_ptr<float>(),
                   index.const_data_ptr<int64_t>(),
                   static_cast<float>(scale),

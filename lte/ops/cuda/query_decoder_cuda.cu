@@ -6,6 +6,7 @@
 // [queries, K, .] but the indices is ever in global memory.
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 
 #include <ATen/core/Tensor.h>
 #include <ATen/core/grad_mode.h>
@@ -32,11 +33,13 @@ constexpr int kMaxThreads = 256;   ///< channels of a block; further ones are ot
 constexpr int64_t kBlock = 16384;  ///< queries whose sums exist, 100 MB at C = 128 and L = 6
 
 struct SumsArguments {
-  const float* position;     ///< [Q, 3]
-  const float* anchor;       ///< [m, 3]
-  const int64_t* index;      ///< [Q, K]
-  const float* hidden;       ///< [H, 3], γ's first layer
-  const float* hidden_bias;  ///< [H]
+  const float* position;       ///< [Q, 3]
+  const float* anchor;         ///< [m, 3]
+  const int64_t* index;        ///< [Q, K]
+  const float* normal;         ///< [Q, 3], or nullptr where γ reads the offset alone
+  const float* anchor_normal;  ///< [m, 3], likewise
+  const float* hidden;         ///< [H, F], γ's first layer
+  const float* hidden_bias;    ///< [H]
   const float* output;       ///< [H, C], γ's second, transposed: threads read consecutive channels
   const float* output_bias;  ///< [C]
   const float* table;        ///< [2, L, m, C], keys, then values
@@ -75,16 +78,38 @@ __device__ __forceinline__ void add_sums(const SumsArguments& a, int64_t q, int 
   }
 }
 
+/// Column k of what γ reads of query q and a neighbour; zeros without one (`latent` < 0).
+__device__ __forceinline__ void measure_pair(const SumsArguments& a, int64_t q, int64_t latent,
+                                             int k, float (&geometry)[kNormalInputs][kNeighbours]) {
+  float facing = 0, above = 0, ahead = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float there = latent >= 0 ? a.anchor[3 * latent + axis] : 0;
+    const float offset =
+        latent >= 0 ? fminf(fmaxf((a.position[3 * q + axis] - there) * a.scale, -a.limit), a.limit)
+                    : 0;
+    geometry[axis][k] = offset;
+    if (a.normal == nullptr || latent < 0) continue;
+    const float here = a.normal[3 * q + axis], far = a.anchor_normal[3 * latent + axis];
+    facing += here * far;
+    above += here * offset;
+    ahead += far * offset;
+  }
+  geometry[3][k] = facing;
+  geometry[4][k] = above;
+  geometry[5][k] = ahead;
+}
+
 /// Blocks: (query, run of channels). At least 32 threads. Every thread comes to every barrier,
 /// whether it has a channel or not.
 __global__ void __launch_bounds__(kMaxThreads) query_sums_kernel(const SumsArguments a) {
-  __shared__ float offset[3][kNeighbours];
+  __shared__ float geometry[kNormalInputs][kNeighbours];
   __shared__ int64_t latent[kNeighbours];
   __shared__ __align__(16) float hidden[kHidden][kNeighbours];
   const int64_t q = blockIdx.x;
   const int thread = static_cast<int>(threadIdx.x), threads = static_cast<int>(blockDim.x);
   const int c = static_cast<int>(blockIdx.y) * threads + thread;
   const bool active = c < a.C;
+  const int inputs = a.normal != nullptr ? kNormalInputs : kOffsetInputs;
   for (int first = 0; first < a.K; first += kNeighbours) {
     const int count = min(kNeighbours, a.K - first);
     __syncthreads();  // the neighbours before are no longer read
@@ -93,23 +118,20 @@ __global__ void __launch_bounds__(kMaxThreads) query_sums_kernel(const SumsArgum
       latent[thread] = real ? a.index[q * a.K + first + thread] : 0;
       CUDA_KERNEL_ASSERT(latent[thread] >= 0 && latent[thread] < a.m &&
                          "a neighbour outside the latents");
-      for (int axis = 0; axis < 3; ++axis) {
-        const float there = real ? a.anchor[3 * latent[thread] + axis] : 0;
-        const float o = (a.position[3 * q + axis] - there) * a.scale;
-        offset[axis][thread] = real ? fminf(fmaxf(o, -a.limit), a.limit) : 0;
-      }
+      measure_pair(a, q, real ? latent[thread] : -1, thread, geometry);
     }
     float P[kNeighbours];
 #pragma unroll
     for (int k = 0; k < kNeighbours; ++k) P[k] = active ? a.output_bias[c] : 0;
     for (int h0 = 0; h0 < a.H; h0 += kHidden) {
       const int rows = min(kHidden, a.H - h0);
-      __syncthreads();  // offsets are there, and the activations before no longer read
+      __syncthreads();  // the geometry is there, and the activations before no longer read
       for (int i = thread; i < rows * kNeighbours; i += threads) {
         const int h = i / kNeighbours, k = i % kNeighbours;
-        const float* w = a.hidden + 3 * (h0 + h);
-        const float x = w[0] * offset[0][k] + w[1] * offset[1][k] + w[2] * offset[2][k];
-        const float active_value = gelu(x + a.hidden_bias[h0 + h]);
+        const float* w = a.hidden + inputs * (h0 + h);
+        float x = a.hidden_bias[h0 + h];
+        for (int f = 0; f < inputs; ++f) x = fmaf(w[f], geometry[f][k], x);
+        const float active_value = gelu(x);
         hidden[h][k] =
             a.rounded ? __bfloat162float(__float2bfloat16_rn(active_value)) : active_value;
       }
@@ -171,11 +193,17 @@ at::Tensor run_layers(const at::Tensor& attributes, const at::Tensor& sums, int6
 at::Tensor query_decoder_inference_cuda(const at::Tensor& attributes,
                                         const at::Tensor& any_position,
                                         const at::Tensor& any_anchor, const at::Tensor& any_index,
-                                        double scale, double limit, const at::Tensor& table,
-                                        at::TensorList list) {
+                                        double scale, double limit,
+                                        const std::optional<at::Tensor>& any_normal,
+                                        const std::optional<at::Tensor>& any_anchor_normal,
+                                        const at::Tensor& table, at::TensorList list) {
   const DecoderWeights w = DecoderWeights::from_list(list, table_layers(table));
+  const at::Tensor normal = any_normal.has_value() ? any_normal->contiguous() : at::Tensor(),
+                   anchor_normal = any_anchor_normal.has_value() ? any_anchor_normal->contiguous()
+                                                                 : at::Tensor();
   const DecoderSizes sizes = check_query_decoder_args(
-      attributes, {any_position, any_anchor, any_index, scale, limit}, table, w);
+      attributes, {any_position, any_anchor, any_index, scale, limit, normal, anchor_normal}, table,
+      w);
   const c10::cuda::CUDAGuard guard(table.device());
   const at::NoGradGuard no_grad;
   const at::Tensor position = any_position.contiguous(), anchor = any_anchor.contiguous(),
@@ -184,7 +212,8 @@ at::Tensor query_decoder_inference_cuda(const at::Tensor& attributes,
                    gamma_hidden_bias = w.gamma.hidden.bias.contiguous(),
                    gamma_output = w.gamma.output.weight.to(at::kFloat).t().contiguous(),
                    gamma_bias = w.gamma.output.bias.contiguous();
-  SumsArguments arguments;
+  SumsArguments arguments{};
+  if (normal.defined()) arguments.anchor_normal = anchor_normal.const_data_ptr<float>();
   arguments.anchor = anchor.const_data_ptr<float>();
   arguments.hidden = gamma_hidden.const_data_ptr<float>();
   arguments.hidden_bias = gamma_hidden_bias.const_data_ptr<float>();
@@ -204,6 +233,7 @@ at::Tensor query_decoder_inference_cuda(const at::Tensor& attributes,
     const int64_t count = std::min(kBlock, sizes.queries - first);
     at::Tensor sums = at::empty({2, sizes.layers, count, sizes.channels}, table.options());
     arguments.position = position.const_data_ptr<float>() + 3 * first;
+    if (normal.defined()) arguments.normal = normal.const_data_ptr<float>() + 3 * first;
     arguments.index = index.const_data_ptr<int64_t>() + sizes.neighbours * first;
     arguments.sums = sums.data_ptr<float>();
     arguments.Q = count;

@@ -11,6 +11,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "lte/base/file.h"
+
 namespace lte::scene {
 namespace {
 
@@ -119,6 +121,7 @@ SceneFile::SceneFile(fs::path path, int descriptor, bool outside)
   LTE_CHECK(info && S_ISREG(info->st_mode), name_, ": cannot read: not a regular file");
   identity_ = {info->st_dev, info->st_ino};
   size_ = static_cast<size_t>(info->st_size);
+  note_read(descriptor);
   if (size_ == 0) return;  // mmap refuses an empty range
   void* const data = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, descriptor, 0);
   LTE_CHECK(data != MAP_FAILED, name_, ": cannot map: ", std::strerror(errno));

@@ -68,6 +68,22 @@ TEST_P(Export, AgreesWithTheNativeModelAtThreeSizes) {
 INSTANTIATE_TEST_SUITE_P(Stems, Export,
                          testing::Values(nn::Stem::Conv5, nn::Stem::Conv3, nn::Stem::Linear));
 
+TEST(ExportOfGeometry, RotaryPositionsNormalsAndCenteringAgreeWithTheNativeModel) {
+  const test::TempDir folder;
+  nn::ModelConfig config = small_config(nn::Stem::Conv3);
+  config.attention_positions = nn::AttentionPositions::Rotary;
+  config.pair_geometry = nn::PairGeometry::Normals;
+  config.centering = nn::Centering::Learned;
+  const std::filesystem::path model_file = save_untrained(folder.path(), config);
+  for (const bool portable : {false, true}) {
+    for (const ExportCheck& check :
+         export_torchscript({model_file.string(), folder.path() / "model.pt", portable, true})) {
+      EXPECT_LT(check.relative_error, 1e-5)
+          << (portable ? "portable" : "native") << ", M = " << check.scene_points;
+    }
+  }
+}
+
 TEST(ExportOfAttention, SoftmaxOverTheNeighboursAgreesWithTheNativeModel) {
   const test::TempDir folder;
   nn::ModelConfig config = small_config(nn::Stem::Linear);

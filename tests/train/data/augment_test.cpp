@@ -1,5 +1,6 @@
 #include "train/data/augment.h"
 
+#include <array>
 #include <cmath>
 #include <set>
 #include <string>
@@ -95,6 +96,32 @@ TEST(Augment, GainsAreLogUniformInTheirRange) {
   const double half = std::log(4.0);  // uniform in ±half: mean 0, variance half²/3
   EXPECT_NEAR(sum / kDraws, 0, 5 * half / std::sqrt(3.0 * kDraws));
   EXPECT_NEAR(square / kDraws, half * half / 3, 0.05);
+}
+
+TEST(Augment, OneLightAloneIsLitAsOftenAsAskedAndEachAsOften) {
+  AugmentConfig config;
+  config.single_light = 0.75;
+  Rng rng(31, 0);
+  constexpr int kDraws = 4000, kGroups = 3;
+  std::array<int, kGroups> lit{};
+  int single = 0;
+  for (int i = 0; i < kDraws; ++i) {
+    const Symmetry symmetry = draw_symmetry(config, kGroups, room(), kNoLimit, &rng);
+    int on = 0, last = 0;
+    for (int g = 0; g < kGroups; ++g) {
+      const Rgb& gain = symmetry.gains[static_cast<size_t>(g)];
+      if (gain[0] == 0 && gain[1] == 0 && gain[2] == 0) continue;
+      on += 1;
+      last = g;
+    }
+    ASSERT_TRUE(on == 1 || on == kGroups);
+    if (on > 1) continue;
+    single += 1;
+    lit[static_cast<size_t>(last)] += 1;
+  }
+  EXPECT_NEAR(single, 0.75 * kDraws, 110);  // four standard deviations
+  for (const int times : lit) EXPECT_NEAR(times, single / 3.0, 105);
+  EXPECT_NE(draw_symmetry(config, 1, room(), kNoLimit, &rng).gains[0][0], 0);
 }
 
 TEST(Augment, SwitchedOffIsTheIdentity) {

@@ -28,6 +28,17 @@ TEST(Schedule, FallsAlongHalfACosineToTheFloorAtTheLastStep) {
   EXPECT_NEAR(learning_rate(config(), 5000), 0.2, 1e-12);
 }
 
+TEST(Schedule, StaysConstantUntilTheLastShareOfTheSteps) {
+  OptimConfig train = config();
+  train.steps = 101;
+  train.decay_share = 0.2;  // the last 20 steps
+  EXPECT_DOUBLE_EQ(learning_rate(train, 4), 0.5);
+  EXPECT_DOUBLE_EQ(learning_rate(train, 10), 1.0);
+  EXPECT_DOUBLE_EQ(learning_rate(train, 81), 1.0);
+  EXPECT_LT(learning_rate(train, 82), 1.0);
+  EXPECT_NEAR(learning_rate(train, 100), 0.2, 1e-12);
+}
+
 TEST(Schedule, WithoutWarmUpStartsAtTheTop) {
   OptimConfig train = config();
   train.warmup_steps = 0;

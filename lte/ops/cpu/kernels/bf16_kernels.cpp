@@ -106,20 +106,33 @@ void activate_sum(const float* a, const float* b, int64_t count, float* out) {
   for (; i < count; ++i) out[i] = gelu(splat(a[i] + b[i]))[0];
 }
 
-void hidden_positions(const float* offset, int64_t pairs, const float* weight, int64_t H,
-                      uint32_t* out) {
+/// With the number of inputs known, so that the inner loop unrolls.
+template <int INPUTS>
+void hidden_rows(const PairGeometry& geometry, const float* weight, int64_t H, uint32_t* out) {
+  const int64_t pairs = geometry.pairs;
   const Bits upper = splat(uint32_t{0xffff0000});
   const auto hidden = [&](const float* w, int64_t i) {
-    return rounded(gelu(splat(w[3]) + splat(w[0]) * load(offset + i) +
-                        splat(w[1]) * load(offset + pairs + i) +
-                        splat(w[2]) * load(offset + 2 * pairs + i)));
+    Float sum = splat(w[INPUTS]);
+#pragma GCC unroll 8
+    for (int f = 0; f < INPUTS; ++f) {
+      sum = sum + splat(w[f]) * load(geometry.values + f * pairs + i);
+    }
+    return rounded(gelu(sum));
   };
-  for (int64_t h = 0; h < H; h += 2, out += pairs) {
+  for (int64_t h = 0; h < H; h += 2, weight += 2 * (INPUTS + 1), out += pairs) {
     for (int64_t i = 0; i < pairs; i += kLanes<float>) {
-      Bits pair = hidden(weight + 4 * h, i) >> 16;
-      if (h + 1 < H) pair |= hidden(weight + 4 * (h + 1), i) & upper;
+      Bits pair = hidden(weight, i) >> 16;
+      if (h + 1 < H) pair |= hidden(weight + INPUTS + 1, i) & upper;
       store(out + i, pair);
     }
+  }
+}
+
+void hidden_positions(PairGeometry geometry, const float* weight, int64_t H, uint32_t* out) {
+  if (geometry.inputs == kOffsetInputs) {
+    hidden_rows<kOffsetInputs>(geometry, weight, H, out);
+  } else {
+    hidden_rows<kNormalInputs>(geometry, weight, H, out);
   }
 }
 

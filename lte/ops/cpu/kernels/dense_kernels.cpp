@@ -191,16 +191,27 @@ void attend(AttendArguments arguments) {
   }
 }
 
-void hidden_positions(const float* offset, int64_t pairs, const float* weight, int64_t H,
-                      float* out) {
-  for (int64_t h = 0; h < H; ++h) {
-    const Float x = splat(weight[4 * h]), y = splat(weight[4 * h + 1]),
-                z = splat(weight[4 * h + 2]), bias = splat(weight[4 * h + 3]);
+/// With the number of inputs known, so that the inner loop unrolls.
+template <int INPUTS>
+void hidden_rows(const PairGeometry& geometry, const float* weight, int64_t H, float* out) {
+  const int64_t pairs = geometry.pairs;
+  for (int64_t h = 0; h < H; ++h, weight += INPUTS + 1) {
     for (int64_t i = 0; i < pairs; i += kLanes<float>) {
-      const Float dx = load(offset + i), dy = load(offset + pairs + i),
-                  dz = load(offset + 2 * pairs + i);
-      store(out + h * pairs + i, gelu(bias + x * dx + y * dy + z * dz));
+      Float sum = splat(weight[INPUTS]);
+#pragma GCC unroll 8
+      for (int f = 0; f < INPUTS; ++f) {
+        sum = sum + splat(weight[f]) * load(geometry.values + f * pairs + i);
+      }
+      store(out + h * pairs + i, gelu(sum));
     }
+  }
+}
+
+void hidden_positions(PairGeometry geometry, const float* weight, int64_t H, float* out) {
+  if (geometry.inputs == kOffsetInputs) {
+    hidden_rows<kOffsetInputs>(geometry, weight, H, out);
+  } else {
+    hidden_rows<kNormalInputs>(geometry, weight, H, out);
   }
 }
 

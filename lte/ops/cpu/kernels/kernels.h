@@ -16,6 +16,7 @@
 #include <cstdint>
 
 #include "lte/ops/cache_columns.h"
+#include "lte/ops/pair_geometry.h"
 
 namespace lte::ops {
 
@@ -137,6 +138,12 @@ struct AttendArguments {
   float* out;  ///< as `query`, and may be the same
 };
 
+/// What γ reads of a query's pairs with its neighbours, [inputs, pairs].
+struct PairGeometry {
+  const float* values;
+  int64_t inputs, pairs;
+};
+
 /// Dense layers on tiles of rows, float32. Each row's result is the same bits whatever rows there
 /// are besides.
 struct DenseKernels {
@@ -161,10 +168,9 @@ struct DenseKernels {
   void (*exponentiate)(float* x, int64_t rows, int64_t panel_stride, int64_t count,
                        float* inverse_sum);
   void (*attend)(AttendArguments arguments);
-  /// GELU of a layer 3 -> H, transposed: offset [3, pairs] -> out [H, pairs]; weight [H, 4], the
-  /// bias last; `pairs` a multiple of kBlock.
-  void (*hidden_positions)(const float* offset, int64_t pairs, const float* weight, int64_t H,
-                           float* out);
+  /// GELU of a layer F -> H, transposed: geometry [F, pairs] -> out [H, pairs]; weight [H, F + 1],
+  /// the bias last; `pairs` a multiple of kBlock.
+  void (*hidden_positions)(PairGeometry geometry, const float* weight, int64_t H, float* out);
 };
 
 /// Products of bfloat16 operands with sums in float32. Two inputs make a pair, the even one in the
@@ -187,8 +193,7 @@ struct Bf16Kernels {
   void (*activate)(float* x, int64_t rows, int64_t blocks);
   void (*activate_sum)(const float* a, const float* b, int64_t count, float* out);
   /// DenseKernels::hidden_positions() in pairs of h: [(H + 1) / 2, pairs].
-  void (*hidden_positions)(const float* offset, int64_t pairs, const float* weight, int64_t H,
-                           uint32_t* out);
+  void (*hidden_positions)(PairGeometry geometry, const float* weight, int64_t H, uint32_t* out);
   /// SumKernels::projected_sums() with pairs of hidden activations and weights.
   void (*projected_sums)(NeighbourTable<float> near, ProjectedPositions<uint32_t, float> position,
                          float* out);
