@@ -199,24 +199,6 @@ Image read_layer(const std::string& path, Imf::IStream& stream, const std::strin
   return image;
 }
 
-/// What `body` reads of the file; errors of OpenEXR become ours.
-template <typename Body>
-auto read(const std::filesystem::path& path, const Body& body) {
-  // Refused while the header is parsed, before OpenEXR allocates its table of line offsets.
-  static std::once_flag once;
-  std::call_once(once, [] { Imf::Header::setMaxImageSize(kMaxSide, kMaxSide); });
-  MappedInput input(path);
-  try {
-    return body(input);
-  } catch (const Error&) {
-    throw;
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& error) {
-    throw Error(concat(path.string(), ": cannot read as OpenEXR: ", error.what()));
-  }
-}
-
 }  // namespace
 
 void write_exr(const std::filesystem::path& path, const std::vector<Layer>& layers,

@@ -41,8 +41,8 @@ inline constexpr int64_t kBlockKernel = 3;
 /// the slowest goes round once in 40 cells.
 inline constexpr double kRotaryTurn = 0.157;
 
-/// The most scenes of one pass, and the cells along an axis that each may have if there are several:
-/// together they fill the range of the curves.
+/// The most scenes of one pass, and the cells along an axis that each may have if there are
+/// several: together they fill the range of the curves.
 inline constexpr int64_t kMostScenes = 16, kSceneCells = 4096;
 
 /// Space-filling curves that the blocks of a stage take turns with: Z and Hilbert, each also with x

@@ -66,9 +66,9 @@ StagePlan pool(const at::Tensor& cells, int64_t bits) {
   return coarse;
 }
 
-/// The runs of rows that are the scenes'. Scene s has the cells from s · kSceneCells along x on, and
-/// pooling numbers clusters along the Z curve, whose foremost bit is that of x: so scenes stay in
-/// their order.
+/// The runs of rows that are the scenes'. Scene s has the cells from s · kSceneCells along x on,
+/// and pooling numbers clusters along the Z curve, whose foremost bit is that of x: so scenes stay
+/// in their order.
 std::vector<SceneRows> rows_of_scenes(const at::Tensor& cells, int64_t stage, size_t scenes) {
   if (scenes == 1) return {{0, cells.size(0), {}}};
   const at::Tensor counts =

@@ -1,44 +1,15 @@
-// `lte_train health MODEL --data D`: whether all of a network works. Per stage what its features
-// and attention carry, and per module how large its gradients are and how far it has moved.
+// `lte_train health MODEL --data D`: whether all of a network works, as a table.
 #pragma once
 
-#include <filesystem>
 #include <string>
-#include <vector>
 
 #include "lte/cli/cli.h"
-#include "lte/nn/stage_health.h"
+#include "train/loop/model_health.h"
 
 namespace lte::train {
 
-struct HealthOptions {
-  std::string model;   ///< model file or checkpoint
-  std::string data;    ///< data set
-  std::string start;   ///< the run's first weights; empty: start.safetensors beside the model
-  std::string json;    ///< where the figures go for machines; empty: nowhere
-  int64_t scenes = 4;  ///< of the validation split, or of the training split if that is empty
-};
-
 /// Adds the subcommand. @return it, to ask whether it was given
 CLI::App* add_health_command(CLI::App& app, HealthOptions* options);
-
-struct ModuleHealth {
-  std::string module;  ///< gradient_module()
-  double gradient_rms = 0;
-  double moved = 0;  ///< |w − w₀| / |w₀|; NaN where the first weights are not known
-};
-
-struct HealthReport {
-  std::vector<nn::StageHealth> stages;  ///< means over the scenes
-  std::vector<ModuleHealth> modules;
-
-  /// A line for each stage that has collapsed and for each module that stands still: moved by less
-  /// than a tenth of the median module.
-  std::vector<std::string> faults() const;
-};
-
-/// @throws lte::Error naming the file: no model, no data set, none of its scenes can be used
-HealthReport measure_health(const HealthOptions& options);
 
 /// The figures as a table for people, and the faults under it.
 std::string health_table(const HealthReport& report);

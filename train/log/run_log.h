@@ -47,8 +47,8 @@ class RunLog {
   /// Appends {"step": step, fields...} and flushes. Values that are not finite become null. As
   /// events "val_loss" is val/loss, "grad_norm_nne" is grad_norm/nne, "health_rms_up0" is
   /// health/rms_up0, and a field with none of these prefixes is train/NAME. On a full disk the line
-  /// waits in memory and is written with the next one for which there is room; the first that waits,
-  /// and the end of the waiting, are said.
+  /// waits in memory and is written with the next one for which there is room; the first that
+  /// waits, and the end of the waiting, are said.
   /// @param scenes  validation loss of each scene, as the object "val_scenes"; empty: no such key
   void write(int64_t step, const NamedValues& fields, const NamedValues& scenes = {});
 
