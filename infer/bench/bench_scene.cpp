@@ -116,7 +116,9 @@ std::vector<BenchResult> bench_pareto(const BenchOptions& options) {
   for (const int64_t count : {2'048, 4'096, 8'192, 20'000}) {
     const auto sample = [&] {
       const bool prune = network.metadata().scene_points_pruned;
-      return sample_scene_points(bvh, count, prune, /*seed=*/0, nullptr);
+      scene::SurfaceSamples samples = sample_scene_points(bvh, count, prune, /*seed=*/0, nullptr);
+      leave_out_untrained_suns(bvh.scene(), network.metadata(), &samples);
+      return samples;
     };
     const auto encode = [&](scene::SurfaceSamples samples) {
       const LitSamples lit =

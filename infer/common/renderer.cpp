@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "infer/common/lit_samples.h"
+#include "infer/common/untrained_light.h"
 #include "lte/base/check.h"
 #include "lte/base/timer.h"
 #include "lte/pathtrace/irradiance.h"
@@ -170,6 +171,7 @@ void Renderer::embed(const runtime::Network& network, const EmbedSettings& setti
   const bool prune = settings.prune.value_or(network.metadata().scene_points_pruned);
   scene::SurfaceSamples samples =
       sample_scene_points(bvh_, count, prune, settings.seed, &pruned_points_);
+  leave_out_untrained_suns(bvh_.scene(), network.metadata(), &samples);
   seconds_.sample = timer.seconds();
   timer.restart();
   const LitSamples lit = add_light_estimates(bvh_, lights_, std::move(samples),

@@ -1,20 +1,54 @@
 #include "infer/common/untrained_light.h"
 
-#include <algorithm>
+#include <set>
+#include <vector>
 
 #include "lte/base/check.h"
 
 namespace lte::infer {
+namespace {
+
+/// Light groups of the suns that shine.
+std::set<int> sun_groups(const scene::Scene& scene) {
+  std::set<int> groups;
+  for (const scene::PunctualLight& light : scene.lights) {
+    if (light.kind == scene::LightKind::Directional && max_component(light.intensity) > 0)
+      groups.insert(light.light_group);
+  }
+  return groups;
+}
+
+template <typename T>
+void keep_rows(const std::vector<size_t>& rows, std::vector<T>* values) {
+  for (size_t i = 0; i < rows.size(); ++i) (*values)[i] = (*values)[rows[i]];
+  values->resize(rows.size());
+}
+
+}  // namespace
 
 std::string untrained_light_note(const scene::Scene& scene, const nn::ModelMetadata& model) {
-  const auto suns = std::count_if(
-      scene.lights.begin(), scene.lights.end(), [](const scene::PunctualLight& light) {
-        return light.kind == scene::LightKind::Directional && max_component(light.intensity) > 0;
-      });
+  const size_t suns = sun_groups(scene).size();
   if (suns == 0 || model.suns) return "";
   return concat(scene.name, ": ", suns, suns == 1 ? " directional light" : " directional lights",
                 ", but the model was trained without any: its indirect light is less certain here; "
                 "lte_render --mode reference traces it");
+}
+
+void leave_out_untrained_suns(const scene::Scene& scene, const nn::ModelMetadata& model,
+                              scene::SurfaceSamples* samples) {
+  const std::set<int> suns = sun_groups(scene);
+  if (model.suns || suns.empty() || suns.size() >= scene.light_groups.size()) return;
+  std::vector<size_t> rows;
+  for (size_t i = 0; i < samples->light_group.size(); ++i) {
+    if (!suns.contains(samples->light_group[i])) rows.push_back(i);
+  }
+  keep_rows(rows, &samples->position);
+  keep_rows(rows, &samples->normal);
+  keep_rows(rows, &samples->albedo);
+  keep_rows(rows, &samples->emission);
+  keep_rows(rows, &samples->gloss);
+  keep_rows(rows, &samples->area);
+  keep_rows(rows, &samples->light_group);
 }
 
 }  // namespace lte::infer

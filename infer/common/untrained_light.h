@@ -4,6 +4,7 @@
 #include <string>
 
 #include "lte/nn/model_metadata.h"
+#include "lte/scene/sampler.h"
 #include "lte/scene/scene.h"
 
 namespace lte::infer {
@@ -11,5 +12,13 @@ namespace lte::infer {
 /// A line for people who show the scene to a network that has never seen a sun; "" if it has none,
 /// or the network has seen some.
 std::string untrained_light_note(const scene::Scene& scene, const nn::ModelMetadata& model);
+
+/// Takes the points of suns out of the scene points of a network that has never seen one, if other
+/// light shines. A sun's point stands for all the power that falls on the scene, of which a room
+/// gets little, so beside it the lamps would look darker than any in training. What the sun does
+/// indoors such a network knows by the light estimates, if it reads them. By a sun alone it is
+/// better told of the light than of none.
+void leave_out_untrained_suns(const scene::Scene& scene, const nn::ModelMetadata& model,
+                              scene::SurfaceSamples* samples);
 
 }  // namespace lte::infer

@@ -313,6 +313,29 @@ TEST(UntrainedLight, IsNamedUntilAModelHasSeenSuns) {
   EXPECT_EQ(untrained_light_note(scene, model), "");
 }
 
+TEST(UntrainedLight, SunsLeaveThePointsOfAModelThatKnowsNoneWhereOtherLightShines) {
+  scene::Scene scene = test::dark_room();
+  test::add_punctual(&scene, scene::LightKind::Directional, {1, 1, 1});
+  const int sun = scene.lights.back().light_group;
+  nn::ModelMetadata model;
+  const auto points_of_the_sun = [&] {
+    const pathtrace::Bvh bvh(scene);
+    scene::SurfaceSamples samples = sample_scene_points(bvh, 500, /*prune=*/false, 0, nullptr);
+    const int64_t before = samples.size();
+    leave_out_untrained_suns(scene, model, &samples);
+    const auto left = std::count(samples.light_group.begin(), samples.light_group.end(), sun);
+    EXPECT_EQ(samples.size(), before - 1 + left);
+    EXPECT_EQ(samples.area.size(), samples.position.size());
+    EXPECT_EQ(samples.emission.size(), samples.position.size());
+    return left;
+  };
+  EXPECT_EQ(points_of_the_sun(), 1) << "no other light: better told than not";
+  test::add_punctual(&scene, scene::LightKind::Point, {1, 1, 1});
+  EXPECT_EQ(points_of_the_sun(), 0);
+  model.suns = true;
+  EXPECT_EQ(points_of_the_sun(), 1);
+}
+
 TEST(LitSamples, HoldTheIrradianceOfTheClosedForm) {
   const scene::Scene scene = lit_floor();
   const pathtrace::Bvh bvh(scene);
