@@ -221,6 +221,9 @@ EncoderPlan make_encoder_plan(const std::vector<at::Tensor>& positions, const Mo
   for (size_t i = 0; i < positions.size(); ++i) {
     const ScenePart part = make_part(positions[i], config);
     const int64_t m1 = part.first_picks.size(0), m = part.position.size(0);
+    LTE_CHECK(!several || (m1 >= config.nne_neighbours && m >= config.query_neighbours), "scene ",
+              i, " of a pass over several has ", positions[i].size(0),
+              " points, too few for as many neighbours as the others have; take one scene a pass");
     first_picks.push_back(part.first_picks + points);
     first_neighbours.push_back(part.first_neighbours + points);
     second_picks.push_back(at::arange(halved, halved + m, part.first_picks.options()));

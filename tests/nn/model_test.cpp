@@ -346,7 +346,7 @@ TEST_P(ModelOf, SeveralScenesInOnePassAreWhatEachIsAloneGradientsIncluded) {
   std::vector<PointSet> scenes;
   std::vector<QuerySet> queries;
   std::vector<uint64_t> seeds;
-  for (const int64_t M : {150, 40, 333, 3}) {
+  for (const int64_t M : {150, 40, 333, 20}) {
     const auto seed = static_cast<uint64_t>(M);
     scenes.push_back(test::as_double(test::box_scene(M, seed)));
     queries.push_back(test::as_double(test::box_queries(20 + M / 10, seed + 1)));
@@ -371,6 +371,13 @@ TEST_P(ModelOf, SeveralScenesInOnePassAreWhatEachIsAloneGradientsIncluded) {
   for (const at::Tensor& g : expected) largest = std::max(largest, g.norm().item<double>());
   for (size_t i = 0; i < got.size(); ++i)
     EXPECT_LT((got[i] - expected[i]).norm().item<double>(), 1e-9 * largest) << "parameter " << i;
+}
+
+TEST(Model, RefusesAPassWithASceneOfFewerPointsThanNeighbours) {
+  LightTransportModel model = random_model();
+  test::expect_error(
+      [&] { model->encode_batch({test::box_scene(100, 1), test::box_scene(8, 1)}, {0, 0}); },
+      {"scene 1 of a pass", "8 points", "one scene a pass"});
 }
 
 TEST(Model, RefusesMoreScenesInAPassThanThereIsRoomFor) {

@@ -11,11 +11,11 @@
 namespace lte::train {
 
 struct HealthOptions {
-  std::string model;   ///< model file or checkpoint
-  std::string data;    ///< data set
-  std::string start;   ///< the run's first weights; empty: start.safetensors beside the model
-  std::string json;    ///< where the figures go for machines; empty: nowhere
-  int64_t scenes = 4;  ///< of the validation split, or of the training split if that is empty
+  std::string model{};  ///< model file or checkpoint
+  std::string data{};   ///< data set
+  std::string start{};  ///< the run's first weights; empty: start.safetensors beside the model
+  std::string json{};   ///< where the figures go for machines; empty: nowhere
+  int64_t scenes = 4;   ///< of the validation split, or of the training split if that is empty
 };
 
 struct ModuleHealth {

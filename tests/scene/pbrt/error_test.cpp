@@ -119,8 +119,8 @@ TEST_F(PbrtError, Shapes) {
   expect("Shape \"disk\" \"float phimax\" 0", "scene.pbrt:2: Shape \"disk\": \"phimax\"");
   expect("Shape \"plymesh\"", "scene.pbrt:2: Shape \"plymesh\" needs \"string filename\"");
   expect("Shape \"plymesh\" \"string filename\" \"no.ply\"", "scene.pbrt:2: cannot find the file");
-  expect("Shape \"plymesh\" \"string filename\" \"/\"",
-         "scene.pbrt:2: \"/\" is not a regular file");
+  expect("Shape \"plymesh\" \"string filename\" \".\"",
+         "scene.pbrt:2: \".\" is not a regular file");
   write_file(dir_ / "bad.ply", "ply\nformat ascii 1.0\nelement vertex x\n");
   expect("Shape \"plymesh\" \"string filename\" \"bad.ply\"", "scene.pbrt:2: bad.ply:3: ");
   expect("Shape \"curve\"", "scene.pbrt: the scene has no triangles");
