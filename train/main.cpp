@@ -19,8 +19,8 @@ constexpr const char* kExamples = R"(Examples:
   lte_train report runs/demo
   lte_train health runs/demo/model.safetensors --data data/rooms
 A run directory holds checkpoint.safetensors and the ones before it, checkpoint_best.safetensors,
-model.safetensors, model_best.safetensors, log.jsonl, config.yaml, tensorboard/ and previews/; it
-may be moved. --resume takes the newest checkpoint that is whole.
+model.safetensors, model_best.safetensors, start.safetensors, log.jsonl, config.yaml, tensorboard/
+and previews/; it may be moved. --resume takes the newest checkpoint that is whole.
 Ctrl-C finishes the step and writes a checkpoint. docs/training.md is the guide,
 docs/training-keys.md explains every key.)";
 

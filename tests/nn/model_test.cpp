@@ -376,7 +376,9 @@ TEST_P(ModelOf, SeveralScenesInOnePassAreWhatEachIsAloneGradientsIncluded) {
 TEST(Model, RefusesAPassWithASceneOfFewerPointsThanNeighbours) {
   LightTransportModel model = random_model();
   test::expect_error(
-      [&] { model->encode_batch({test::box_scene(100, 1), test::box_scene(8, 1)}, {0, 0}); },
+      [&] {
+        model->encode_batch({test::box_scene(100, 1), test::box_scene(8, 1)}, {0, 0});
+      },
       {"scene 1 of a pass", "8 points", "one scene a pass"});
 }
 

@@ -89,11 +89,7 @@ RunState start_run(const RunStart& start) {
   state.progress.seed = start.config.seed;
   state.progress.light = start.data.light;
   state.progress.data_fingerprint = start.data.fingerprint;
-  if (start.leads) {
-    save_run_model(start_path(output), state.model, state.optimizer.get(),
-                   model_origin(start.config, start.config_text, start.data, 0, std::nullopt));
-    state.movement = std::make_unique<WeightMovement>(state.model);
-  }
+  if (start.leads) state.movement = std::make_unique<WeightMovement>(state.model);
   return state;
 }
 

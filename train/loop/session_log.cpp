@@ -43,14 +43,15 @@ void SessionLog::write_step(RunProgress* progress, double norm, const ModuleGrad
   window_timer_.restart();
 }
 
-void SessionLog::write_validation(int64_t step, const ValidationResult& result, double seconds) {
+void SessionLog::write_validation(int64_t step, const ValidationResult& result, double seconds,
+                                  const NamedValues& health) {
   NamedValues fields = result.fields();
   fields.emplace_back("val_seconds", seconds);
+  fields.insert(fields.end(), health.begin(), health.end());
   log_.write(step, fields, result.scenes);
 }
 
-void SessionLog::write_health(int64_t step, const std::vector<nn::StageHealth>& stages,
-                              const NamedValues& moved) {
+NamedValues health_fields(const std::vector<nn::StageHealth>& stages, const NamedValues& moved) {
   NamedValues fields;
   for (const nn::StageHealth& stage : stages) {
     fields.emplace_back(concat(kHealthPrefix, "rms_", stage.stage), stage.rms);
@@ -60,7 +61,7 @@ void SessionLog::write_health(int64_t step, const std::vector<nn::StageHealth>& 
   }
   for (const auto& [module, value] : moved)
     fields.emplace_back(concat(kHealthPrefix, "moved_", module), value);
-  log_.write(step, fields);
+  return fields;
 }
 
 void SessionLog::add_pictures(int64_t step, const std::vector<PreviewPicture>& pictures) {

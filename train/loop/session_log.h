@@ -23,6 +23,10 @@ struct ModuleGradients {
   NamedValues norms, rms;
 };
 
+/// What stages carry and how far modules have moved, as fields of the log.
+/// @param moved  WeightMovement::of(); empty: not known
+NamedValues health_fields(const std::vector<nn::StageHealth>& stages, const NamedValues& moved);
+
 class SessionLog {
  public:
   /// Opens the log of the run directory, and its event files if `train.tensorboard` says so.
@@ -44,10 +48,9 @@ class SessionLog {
   void write_step(RunProgress* progress, double norm, const ModuleGradients& modules,
                   double waited_seconds);
   /// @param seconds  that the validation took
-  void write_validation(int64_t step, const ValidationResult& result, double seconds);
-  /// @param moved  WeightMovement::of(); empty: not known
-  void write_health(int64_t step, const std::vector<nn::StageHealth>& stages,
-                    const NamedValues& moved);
+  /// @param health   health_fields(), in the same line
+  void write_validation(int64_t step, const ValidationResult& result, double seconds,
+                        const NamedValues& health);
   /// Adds the pictures of the first `train.preview_scenes` to the event files.
   void add_pictures(int64_t step, const std::vector<PreviewPicture>& pictures);
   /// @param seconds  that drawing and writing the pictures took

@@ -102,6 +102,9 @@ void Trainer::finish() {
 
 void Trainer::train_steps(int64_t end) {
   lte::Progress line("training", end - state_.progress.step, "steps");
+  // Only now, when nothing can fail any more that leaves the run directory as it was.
+  if (leads() && state_.progress.step == 0)
+    save_run_model(start_path(output_), state_.model, state_.optimizer.get(), origin());
   session_timer_.restart();
   if (log_) log_->begin();
   try {
@@ -192,8 +195,7 @@ bool Trainer::validate_now() {
     const AverageScope averaged(state_.optimizer.get());
     summary_.validation = validate(state_.model, validation_, config_.loss, device_);
   }
-  log_->write_validation(progress.step, *summary_.validation, timer.seconds());
-  write_health();
+  log_->write_validation(progress.step, *summary_.validation, timer.seconds(), health());
   const double loss = summary_.validation->loss;
   const bool best = loss < progress.best_loss;
   log_info("step ", progress.step, ": loss ", summary_.loss, ", validation loss ", loss, ", PSNR ",
@@ -206,13 +208,12 @@ bool Trainer::validate_now() {
 }
 
 /// Of the weights that train, not of their average: the question is what training does.
-void Trainer::write_health() {
+NamedValues Trainer::health() {
   state_.model->eval();
   const std::vector<nn::StageHealth> stages =
       state_.model->stage_health(validation_.front().to(device_).points);
   state_.model->train();
-  log_->write_health(state_.progress.step, stages,
-                     state_.movement ? state_.movement->of(state_.model) : NamedValues{});
+  return health_fields(stages, state_.movement ? state_.movement->of(state_.model) : NamedValues{});
 }
 
 void Trainer::save() {

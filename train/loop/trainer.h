@@ -61,7 +61,7 @@ class Trainer {
   void train_step();
   void add_up(double* loss, int64_t* queries);
   void after_step(double norm, const ModuleGradients& modules);
-  void write_health();
+  NamedValues health();
   bool validate_now();
   void draw_previews();
   void save();

@@ -54,6 +54,7 @@ TEST_F(Health, AShortTrainingMovesEveryModuleAndCollapsesNoStage) {
   }
   for (const ModuleHealth& module : report.modules) {
     EXPECT_GT(module.gradient_rms, 0) << module.module;
+    if (module.module == "encoder_norm") continue;  // has no matrix that could move
     EXPECT_GT(module.moved, 0.01) << module.module;
   }
   // The log has the same figures of the weights that were trained.
@@ -66,9 +67,9 @@ TEST_F(Health, NamesAStageWithOneVectorForAllPointsAndAModuleThatStandsStill) {
   const fs::path run = trained("broken", 20);
   nn::LightTransportModel model = nn::load_model(model_path(run)),
                           start = nn::load_model(start_path(run));
-  const torch::NoGradGuard no_grad;
   const auto before = start->named_parameters();
   for (auto& item : model->named_parameters()) {
+    const torch::NoGradGuard no_grad;
     const std::string& name = item.key();
     // Without its weights a norm answers its bias, whatever the point; a large one drowns the rest.
     if (name == "encoder.stem_norm.weight") item.value().zero_();
