@@ -127,7 +127,8 @@ at::Tensor EagerNetwork::stage(const std::string& name, int64_t depth, at::Tenso
     const std::string block = name + "." + std::to_string(i) + ".";
     const at::Tensor local = linear(block + "conv_linear", convolution(block + "conv", x, pairs));
     x = x + norm(block + "conv_norm", local);
-    const auto& map = plan.patches[static_cast<size_t>(i) % plan.patches.size()];
+    const std::vector<nn::PatchMap>& patches = plan.scenes.front().patches;
+    const nn::PatchMap& map = patches[static_cast<size_t>(i) % patches.size()];
     x = x + attention(block + "attention", norm(block + "norm1", x), map);
     x = x + perceptron(block + "mlp", norm(block + "norm2", x));
   }
