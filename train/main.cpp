@@ -42,13 +42,11 @@ int main(int argc, char** argv) {
   const int status = lte::run_tool(app, argc, argv, [&] {
     lte::apply_common_options(common);
     lte::keep_freed_memory();
-    if (report->parsed()) {
-      std::cout << lte::train::write_run_report(report_options.run, report_options.out);
-      return;
-    }
-    if (health->parsed()) {
-      health_options.json = common.json;
-      std::cout << lte::train::run_health(health_options);
+    health_options.json = common.json;
+    if (report->parsed() || health->parsed()) {
+      std::cout << (report->parsed()
+                        ? lte::train::write_run_report(report_options.run, report_options.out)
+                        : lte::train::run_health(health_options));
       return;
     }
     options.json = common.json;

@@ -101,6 +101,11 @@ struct GltfBuilder {
 
   std::string glb() {
     json["buffers"] = {{{"byteLength", bytes.size()}}};
+    return container();
+  }
+
+  /// `json` as it is and the bytes, in one file.
+  std::string container() const {
     std::string text = json.dump(), binary = bytes;
     text.resize((text.size() + 3) / 4 * 4, ' ');
     binary.resize((binary.size() + 3) / 4 * 4);

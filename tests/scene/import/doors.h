@@ -57,18 +57,7 @@ inline std::string glb_of(GltfBuilder builder, const std::string& buffer = "") {
   if (buffer.empty()) return whole;
   builder.json["buffers"].push_back({{"byteLength", 36}, {"uri", buffer}});
   for (Json& view : builder.json["bufferViews"]) view = {{"buffer", 1}, {"byteLength", 36}};
-  std::string text = builder.json.dump();
-  text.resize((text.size() + 3) / 4 * 4, ' ');
-  std::string binary = builder.bytes;
-  binary.resize((binary.size() + 3) / 4 * 4);
-  const auto word = [](size_t value) {
-    std::string out(4, '\0');
-    const auto narrow = static_cast<uint32_t>(value);
-    std::memcpy(out.data(), &narrow, 4);
-    return out;
-  };
-  return "glTF" + word(2) + word(28 + text.size() + binary.size()) + word(text.size()) + "JSON" +
-         text + word(binary.size()) + std::string("BIN\0", 4) + binary;
+  return builder.container();
 }
 
 inline std::vector<Door> doors() {

@@ -3,12 +3,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include "lte/scene/import/compressed_file.h"
 #include "lte/scene/import/refusal.h"
 #include "lte/scene/load.h"
 #include "tests/scene/import/doors.h"
+#include "tests/support/gzip.h"
 
 namespace lte::scene {
 namespace {
@@ -45,20 +45,6 @@ std::string png_header(uint32_t width, uint32_t height) {
     for (int shift = 24; shift >= 0; shift -= 8) out += static_cast<char>(side >> shift & 255);
   }
   return out + std::string("\x08\2\0\0\0\0\0\0\0", 9);
-}
-
-std::string gzip(const std::string& text) {
-  z_stream z{};
-  EXPECT_EQ(deflateInit2(&z, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
-  std::string out(deflateBound(&z, text.size()) + 64, '\0');
-  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-  z.avail_in = static_cast<uInt>(text.size());
-  z.next_out = reinterpret_cast<Bytef*>(out.data());
-  z.avail_out = static_cast<uInt>(out.size());
-  EXPECT_EQ(deflate(&z, Z_FINISH), Z_STREAM_END);
-  out.resize(z.total_out);
-  deflateEnd(&z);
-  return out;
 }
 
 /// What refuses a scene: the name of the limit, the value needed, and the message.
@@ -161,7 +147,7 @@ TEST_F(Budget, InflatedTextCountsOverTheScene) {
   const std::string triangle = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n";
   const std::string text = std::string(100'000, '\n') + triangle;
   const auto size = static_cast<int64_t>(text.size());
-  test::write_text(dir_ / "part.pbrt.gz", gzip(text));
+  test::write_text(dir_ / "part.pbrt.gz", test::gzip(text));
   test::write_text(dir_ / "twice.pbrt",
                    "WorldBegin\nInclude \"part.pbrt.gz\"\nInclude \"part.pbrt.gz\"\n");
   LoadLimits limits;
@@ -172,7 +158,7 @@ TEST_F(Budget, InflatedTextCountsOverTheScene) {
   EXPECT_EQ(refused.limit, "inflated");
   EXPECT_THAT(refused.message, AllOf(HasSubstr("part.pbrt.gz"), HasSubstr("of 200 kB")));
   // The scene's own file.
-  test::write_text(dir_ / "own.pbrt.gz", gzip("WorldBegin\n" + text));
+  test::write_text(dir_ / "own.pbrt.gz", test::gzip("WorldBegin\n" + text));
   limits.inflated_bytes = size;
   EXPECT_EQ(refusal(dir_ / "own.pbrt.gz", limits).limit, "inflated");
   limits.inflated_bytes = size + 11;
@@ -180,8 +166,8 @@ TEST_F(Budget, InflatedTextCountsOverTheScene) {
 }
 
 TEST_F(Budget, ALyingLengthOfGzipDoesNotMatter) {
-  std::string packed = gzip("WorldBegin\n" + std::string(50'000, ' ') +
-                            "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n");
+  std::string packed = test::gzip("WorldBegin\n" + std::string(50'000, ' ') +
+                                  "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]\n");
   for (const char byte : {'\0', '\xff'}) {
     for (size_t i = 1; i <= 4; ++i) packed[packed.size() - i] = byte;
     test::write_text(dir_ / "lie.pbrt.gz", packed);

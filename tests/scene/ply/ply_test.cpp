@@ -5,7 +5,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include "lte/base/file.h"
 #include "lte/image/tonemap.h"
@@ -13,6 +12,7 @@
 #include "lte/scene/load.h"
 #include "lte/scene/scene.h"
 #include "lte/scene/surface.h"
+#include "tests/support/gzip.h"
 #include "tests/support/temp_dir.h"
 
 namespace lte::scene::ply {
@@ -27,20 +27,6 @@ std::string bytes(T value, bool big) {
   std::string out(sizeof(T), '\0');
   std::memcpy(out.data(), &value, sizeof(T));
   if (big) out = {out.rbegin(), out.rend()};
-  return out;
-}
-
-std::string gzip(const std::string& text) {
-  z_stream z{};
-  EXPECT_EQ(deflateInit2(&z, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
-  std::string out(deflateBound(&z, text.size()) + 64, '\0');
-  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-  z.avail_in = static_cast<uInt>(text.size());
-  z.next_out = reinterpret_cast<Bytef*>(out.data());
-  z.avail_out = static_cast<uInt>(out.size());
-  EXPECT_EQ(deflate(&z, Z_FINISH), Z_STREAM_END);
-  out.resize(z.total_out);
-  deflateEnd(&z);
   return out;
 }
 
@@ -119,7 +105,7 @@ TEST_F(Ply, ReadsEveryEncoding) {
   for (const std::string& sample : {ascii_sample(), binary_sample(false), binary_sample(true)}) {
     SCOPED_TRACE(sample.substr(0, 30));
     expect_sample(read(sample));
-    expect_sample(read(gzip(sample)));
+    expect_sample(read(test::gzip(sample)));
   }
 }
 
@@ -179,7 +165,7 @@ TEST_F(Ply, LoadsAsAScene) {
   const Surface surface = evaluate_surface(scene, 0, 0, 0.3f, 0.3f, 0);
   EXPECT_NEAR(surface.albedo.y, image::srgb_to_linear(0.2f), 1e-5);
   EXPECT_EQ(surface.normal.z, 1);
-  write_file(dir_ / "M.PLY.gz", gzip(ascii_sample()));
+  write_file(dir_ / "M.PLY.gz", test::gzip(ascii_sample()));
   EXPECT_EQ(load_scene(dir_ / "M.PLY.gz").triangle_count(), 3);
   EXPECT_EQ(load_scene(dir_ / "M.PLY.gz").name, "M");
 }
@@ -297,14 +283,15 @@ TEST_F(Ply, BrokenBodies) {
 }
 
 TEST_F(Ply, BrokenGzip) {
-  const std::string packed = gzip(ascii_sample());
+  const std::string packed = test::gzip(ascii_sample());
   EXPECT_THAT(error(packed.substr(0, packed.size() / 2)), HasSubstr("m.ply: truncated gzip"));
   std::string damaged = packed;
   damaged[packed.size() - 6] ^= 1;  // of the checksum
   EXPECT_THAT(error(damaged), HasSubstr("m.ply: damaged gzip"));
   const std::string half = ascii_sample();
   const size_t middle = half.size() / 2;
-  expect_sample(read(gzip(half.substr(0, middle)) + gzip(half.substr(middle))));  // two members
+  expect_sample(
+      read(test::gzip(half.substr(0, middle)) + test::gzip(half.substr(middle))));  // two members
 }
 
 }  // namespace
