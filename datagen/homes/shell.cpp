@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "datagen/homes/wall_cells.h"
+
 namespace lte::datagen::homes {
 namespace {
 
@@ -37,44 +39,24 @@ void add_quad(Piece* piece, int material, const std::array<Vec3, 4>& corners,
   piece->add(quad, material, {}, false);
 }
 
-/// Adds a wall as seen from inside. It is a grid through the edges of its openings, so that no
-/// vertex lies on another rectangle's edge.
+/// Adds a wall as seen from inside.
 void add_wall(Piece* piece, const FloorPlan& plan, int room, Side side, int material) {
   const Rect& r = plan.rooms[static_cast<size_t>(room)].inner;
   const float face = plan.face(room, side);
-  std::vector<float> along{along_z(side) ? r.z0 : r.x0, along_z(side) ? r.z1 : r.x1},
-      up{0, plan.height};
-  std::vector<Opening> holes;
-  for (const Opening& o : plan.openings_of(room)) {
-    if (o.side != side) continue;
-    holes.push_back(o);
-    along.insert(along.end(), {o.from, o.to});
-    up.insert(up.end(), {o.bottom, o.top});
-  }
-  for (auto* cuts : {&along, &up}) {
-    std::sort(cuts->begin(), cuts->end());
-    cuts->erase(std::unique(cuts->begin(), cuts->end()), cuts->end());
-  }
   const bool flip =
       side == Side::PosX || side == Side::NegZ;  // seen from inside, `along` runs left
-  for (size_t i = 0; i + 1 < along.size(); ++i) {
-    for (size_t j = 0; j + 1 < up.size(); ++j) {
-      const float a0 = along[i], a1 = along[i + 1], y0 = up[j], y1 = up[j + 1];
-      const float a = (a0 + a1) / 2, y = (y0 + y1) / 2;
-      if (std::any_of(holes.begin(), holes.end(), [&](const Opening& o) {
-            return a > o.from && a < o.to && y > o.bottom && y < o.top;
-          }))
-        continue;
-      std::array<Vec3, 4> p{wall_point(side, face, a0, y0), wall_point(side, face, a0, y1),
-                            wall_point(side, face, a1, y1), wall_point(side, face, a1, y0)};
-      std::array<Vec2, 4> uv{Vec2{a0, -y0}, {a0, -y1}, {a1, -y1}, {a1, -y0}};
-      if (!flip) std::swap(p[1], p[3]), std::swap(uv[1], uv[3]);
-      const Vec3 normal = cross(p[1] - p[0], p[2] - p[0]);
-      const Vec3 inward =
-          wall_point(side, side == Side::NegX || side == Side::NegZ ? 1.0f : -1.0f, 0, 0);
-      if (dot(normal, inward) < 0) std::swap(p[1], p[3]), std::swap(uv[1], uv[3]);
-      add_quad(piece, material, p, uv);
-    }
+  const std::array<float, 2> along{along_z(side) ? r.z0 : r.x0, along_z(side) ? r.z1 : r.x1};
+  for (const auto& [a0, a1, y0, y1] :
+       wall_cells(plan.openings_of(room), side, along, {0, plan.height})) {
+    std::array<Vec3, 4> p{wall_point(side, face, a0, y0), wall_point(side, face, a0, y1),
+                          wall_point(side, face, a1, y1), wall_point(side, face, a1, y0)};
+    std::array<Vec2, 4> uv{Vec2{a0, -y0}, {a0, -y1}, {a1, -y1}, {a1, -y0}};
+    if (!flip) std::swap(p[1], p[3]), std::swap(uv[1], uv[3]);
+    const Vec3 normal = cross(p[1] - p[0], p[2] - p[0]);
+    const Vec3 inward =
+        wall_point(side, side == Side::NegX || side == Side::NegZ ? 1.0f : -1.0f, 0, 0);
+    if (dot(normal, inward) < 0) std::swap(p[1], p[3]), std::swap(uv[1], uv[3]);
+    add_quad(piece, material, p, uv);
   }
 }
 

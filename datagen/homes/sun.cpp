@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "datagen/homes/wall_cells.h"
+
 namespace lte::datagen::homes {
 namespace {
 
@@ -52,34 +54,13 @@ Mesh wall_cell(const Bounds& hull, Side side, float from, float to, float low, f
   }
 }
 
-/// A grid through the edges of the wall's windows, without the cells in them.
+/// A wall without its windows.
 void add_wall(Piece* piece, const Bounds& hull, Side side, const std::vector<Opening>& windows,
               int material) {
   const bool z = along_z(side);
-  std::vector<float> along{z ? hull.low.z : hull.low.x, z ? hull.high.z : hull.high.x};
-  std::vector<float> up{hull.low.y, hull.high.y};
-  std::vector<Opening> holes;
-  for (const Opening& o : windows) {
-    if (o.side != side) continue;
-    holes.push_back(o);
-    along.insert(along.end(), {o.from, o.to});
-    up.insert(up.end(), {o.bottom, o.top});
-  }
-  for (auto* cuts : {&along, &up}) {
-    std::sort(cuts->begin(), cuts->end());
-    cuts->erase(std::unique(cuts->begin(), cuts->end()), cuts->end());
-  }
-  for (size_t i = 0; i + 1 < along.size(); ++i) {
-    for (size_t j = 0; j + 1 < up.size(); ++j) {
-      const float a = (along[i] + along[i + 1]) / 2, y = (up[j] + up[j + 1]) / 2;
-      const auto holds = [&](const Opening& o) {
-        return a > o.from && a < o.to && y > o.bottom && y < o.top;
-      };
-      if (std::any_of(holes.begin(), holes.end(), holds)) continue;
-      piece->add(wall_cell(hull, side, along[i], along[i + 1], up[j], up[j + 1]), material, {},
-                 false);
-    }
-  }
+  const std::array<float, 2> along{z ? hull.low.z : hull.low.x, z ? hull.high.z : hull.high.x};
+  for (const auto& [a0, a1, y0, y1] : wall_cells(windows, side, along, {hull.low.y, hull.high.y}))
+    piece->add(wall_cell(hull, side, a0, a1, y0, y1), material, {}, false);
 }
 
 void add_hull(Stage* stage, int material) {
