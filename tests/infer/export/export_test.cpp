@@ -49,6 +49,19 @@ void write_rows(const std::filesystem::path& path, const at::Tensor& rows) {
              static_cast<std::streamsize>(flat.nbytes()));
 }
 
+/// A module of lte's operators and a portable one answer as the native model.
+void expect_both_kinds_agree(const nn::ModelConfig& config) {
+  const test::TempDir folder;
+  const std::filesystem::path model_file = save_untrained(folder.path(), config);
+  for (const bool portable : {false, true}) {
+    for (const ExportCheck& check :
+         export_torchscript({model_file.string(), folder.path() / "model.pt", portable, true})) {
+      EXPECT_LT(check.relative_error, 1e-5)
+          << (portable ? "portable" : "native") << ", M = " << check.scene_points;
+    }
+  }
+}
+
 class Export : public testing::TestWithParam<nn::Stem> {};
 
 TEST_P(Export, AgreesWithTheNativeModelAtThreeSizes) {
@@ -69,33 +82,17 @@ INSTANTIATE_TEST_SUITE_P(Stems, Export,
                          testing::Values(nn::Stem::Conv5, nn::Stem::Conv3, nn::Stem::Linear));
 
 TEST(ExportOfGeometry, RotaryPositionsNormalsAndCenteringAgreeWithTheNativeModel) {
-  const test::TempDir folder;
   nn::ModelConfig config = small_config(nn::Stem::Conv3);
   config.attention_positions = nn::AttentionPositions::Rotary;
   config.pair_geometry = nn::PairGeometry::Normals;
   config.centering = nn::Centering::Learned;
-  const std::filesystem::path model_file = save_untrained(folder.path(), config);
-  for (const bool portable : {false, true}) {
-    for (const ExportCheck& check :
-         export_torchscript({model_file.string(), folder.path() / "model.pt", portable, true})) {
-      EXPECT_LT(check.relative_error, 1e-5)
-          << (portable ? "portable" : "native") << ", M = " << check.scene_points;
-    }
-  }
+  expect_both_kinds_agree(config);
 }
 
 TEST(ExportOfAttention, SoftmaxOverTheNeighboursAgreesWithTheNativeModel) {
-  const test::TempDir folder;
   nn::ModelConfig config = small_config(nn::Stem::Linear);
   config.query_attention = nn::QueryAttention::Softmax;
-  const std::filesystem::path model_file = save_untrained(folder.path(), config);
-  for (const bool portable : {false, true}) {
-    for (const ExportCheck& check :
-         export_torchscript({model_file.string(), folder.path() / "model.pt", portable, true})) {
-      EXPECT_LT(check.relative_error, 1e-5)
-          << (portable ? "portable" : "native") << ", M = " << check.scene_points;
-    }
-  }
+  expect_both_kinds_agree(config);
 }
 
 TEST(ExportOfLight, ColumnsFollowTheModel) {
