@@ -36,12 +36,13 @@ ALLOWED = {
     "lte/pathtrace/transport": ["lte/base", "lte/scene/*", "lte/pathtrace",
                                 "lte/pathtrace/materials"],
     "lte/data": ["lte/base"],
+    "lte/radiosity": ["lte/base"],
     "lte/ops": ["lte/base", "lte/ops/cpu/*"],
     "lte/ops/cpu": ["lte/base", "lte/ops", "lte/ops/cpu/kernels"],
     "lte/ops/cpu/kernels": ["lte/base", "lte/ops"],
     "lte/ops/cuda": ["lte/base", "lte/ops"],
     "lte/nn": ["lte/base", "lte/ops"],
-    "lte/runtime": ["lte/base", "lte/ops", "lte/nn", "lte/data"],
+    "lte/runtime": ["lte/base", "lte/radiosity", "lte/ops", "lte/nn", "lte/data"],
     "lte/c_api": ["lte/base", "lte/ops", "lte/nn", "lte/data", "lte/runtime"],
     "datagen/common": LIBRARY_WITHOUT_TORCH,
     "datagen/boxes": LIBRARY_WITHOUT_TORCH + ["datagen/common"],
@@ -58,7 +59,7 @@ ALLOWED = {
     "train/log": ["lte/base", "lte/image"],
     "train/distributed": ["lte/base"],
     "train/optim": ["lte/base", "lte/nn", "train/config"],
-    "train/data": ["lte/base", "lte/cli", "lte/nn", "lte/data", "train/config",
+    "train/data": ["lte/base", "lte/cli", "lte/radiosity", "lte/nn", "lte/data", "train/config",
                    "train/distributed"],
     "train/checkpoint": ["lte/base", "lte/nn", "lte/data", "train/config", "train/data",
                          "train/optim"],
@@ -75,7 +76,7 @@ for tool in ("render", "eval", "export", "bench"):
     ALLOWED[f"infer/{tool}"] = ALLOWED["infer/common"] + ["infer/common", "lte/report"]
 
 NO_TORCH = ("lte/base", "lte/cli", "lte/report", "lte/image", "lte/scene", "lte/pathtrace",
-            "lte/data", "datagen")
+            "lte/data", "lte/radiosity", "datagen")
 OWN_INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"')
 TORCH_INCLUDE = re.compile(r"^\s*#\s*include\s*<(torch|ATen|c10)/([^>]+)>")
 CLI_INCLUDE = re.compile(r"^\s*#\s*include\s*<CLI/")

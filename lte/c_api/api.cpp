@@ -65,9 +65,10 @@ lte_model_info info_of(const lte::runtime::Network& network) {
   info.target = network.predicts_total() ? LTE_TARGET_TOTAL : LTE_TARGET_INDIRECT;
   info.scale = config.scale;
   info.device = network.device().is_cpu() ? LTE_DEVICE_CPU : network.device().index();
-  info.light_input = config.reads_indirect() ? LTE_LIGHT_TRACED
-                     : config.reads_direct() ? LTE_LIGHT_DIRECT
-                                             : LTE_LIGHT_EMISSION;
+  info.light_input = !config.reads_estimates() ? LTE_LIGHT_EMISSION
+                     : config.reads_indirect() ? LTE_LIGHT_TRACED
+                     : config.reads_direct()   ? LTE_LIGHT_DIRECT
+                                               : LTE_LIGHT_EMISSION;
   info.suns = network.metadata().suns;
   return info;
 }

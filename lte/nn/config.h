@@ -40,7 +40,9 @@ enum class Centering { None, Learned };
 /// irradiance that falls on them, and `Traced` also an estimate of later bounces by a few paths
 /// (PointSet::direct, PointSet::indirect). A network that reads traced light answers by what factor
 /// irradiance differs from that interpolated between the estimates (lte/nn/light_cache.h).
-enum class LightInput { Emission, Direct, Traced };
+/// `Radiosity` is the same with light that is solved on the points themselves, of their emission
+/// (lte/radiosity/point_radiosity.h), so that nobody has to trace a path.
+enum class LightInput { Emission, Direct, Traced, Radiosity };
 
 /// What the output means: light that bounced at least once, or all of it.
 enum class Target { Indirect, Total };
@@ -60,10 +62,11 @@ constexpr EnumNames<PairGeometry, 2> enum_names(PairGeometry) {
 constexpr EnumNames<Centering, 2> enum_names(Centering) {
   return {{{Centering::None, "none"}, {Centering::Learned, "learned"}}};
 }
-constexpr EnumNames<LightInput, 3> enum_names(LightInput) {
+constexpr EnumNames<LightInput, 4> enum_names(LightInput) {
   return {{{LightInput::Emission, "emission"},
            {LightInput::Direct, "direct"},
-           {LightInput::Traced, "traced"}}};
+           {LightInput::Traced, "traced"},
+           {LightInput::Radiosity, "radiosity"}}};
 }
 constexpr EnumNames<Target, 2> enum_names(Target) {
   return {{{Target::Indirect, "indirect"}, {Target::Total, "total"}}};
@@ -99,7 +102,11 @@ struct ModelConfig {
   bool rotates_attention() const { return attention_positions == AttentionPositions::Rotary; }
   bool reads_normals() const { return pair_geometry == PairGeometry::Normals; }
   bool reads_direct() const { return light_input != LightInput::Emission; }
-  bool reads_indirect() const { return light_input == LightInput::Traced; }
+  bool reads_indirect() const { return light_input == LightInput::Traced || solves_light(); }
+  /// Whether the light on scene points is solved rather than given.
+  bool solves_light() const { return light_input == LightInput::Radiosity; }
+  /// Whether scene points carry light that was estimated by paths.
+  bool reads_estimates() const { return reads_direct() && !solves_light(); }
   /// Edge in cells of the stem's convolution; 0 for a linear stem.
   int64_t stem_kernel() const { return stem == Stem::Conv5 ? 5 : stem == Stem::Conv3 ? 3 : 0; }
   bool predicts_total() const { return target == Target::Total; }

@@ -42,8 +42,8 @@ bool switch_of(const SafetensorsFile& file, const char* key, bool otherwise) {
 }  // namespace
 
 int ModelMetadata::light_depth_of(const ModelConfig& config) const {
-  if (config.reads_indirect()) return light_depth;
-  return config.reads_direct() ? 1 : 0;
+  if (!config.reads_estimates()) return 0;
+  return config.reads_indirect() ? light_depth : 1;
 }
 
 std::map<std::string, std::string> ModelMetadata::entries() const {

@@ -53,7 +53,7 @@ void check_light(const at::Tensor& irradiance, const PointSet& points, const cha
 
 }  // namespace
 
-void check_points(const PointSet& points, const ModelConfig& config) {
+void check_surfaces(const PointSet& points) {
   check_surface(points.position, points.normal, points.albedo, "scene points");
   const int64_t rows = points.position.size(0);
   TORCH_CHECK(rows >= 1, "scene points: there are none");
@@ -61,6 +61,10 @@ void check_points(const PointSet& points, const ModelConfig& config) {
   check_rows(points.area, rows, false, "scene points", "area");
   check_range(points.emission, 0, INFINITY, "scene points", "emission");
   check_range(points.area, 0, INFINITY, "scene points", "area");
+}
+
+void check_points(const PointSet& points, const ModelConfig& config) {
+  check_surfaces(points);
   if (config.reads_direct()) check_light(points.direct, points, "direct irradiance");
   if (config.reads_indirect()) check_light(points.indirect, points, "indirect irradiance");
 }

@@ -32,6 +32,8 @@ struct QuerySet {
 /// @throws c10::Error naming the first row that is not finite or out of range (docs/model.md), or
 ///         what a model of `config` reads and is missing
 void check_points(const PointSet& points, const ModelConfig& config);
+/// The same of all but the light on them.
+void check_surfaces(const PointSet& points);
 void check_queries(const QuerySet& queries);
 
 /// Area-weighted mean emission by color channel, [3] float64 on the CPU; 0 for a channel without

@@ -14,6 +14,7 @@
 #include "lte/base/check.h"
 #include "lte/nn/model.h"
 #include "lte/nn/one_line_errors.h"
+#include "lte/runtime/solved_light.h"
 
 namespace lte::runtime {
 namespace {
@@ -104,7 +105,7 @@ SceneEmbedding SceneEmbedding::from_tensors(const Network& network, const nn::Po
   const at::NoGradGuard no_grad;
   const c10::Device device = network.device();
   const c10::DeviceGuard guard(device);
-  const nn::PointSet set = on_device(points, device);
+  const nn::PointSet set = on_device(with_solved_light(points, network.config()), device);
   const nn::Frame frame = frame_of(network, set.position, options);
   auto state = std::make_unique<State>(network, options.memory);
   state->scene_points = set.position.size(0);

@@ -29,7 +29,7 @@ nn::LightTransportModel& Network::model() const { return state_->model; }
 bool Network::predicts_total() const { return config().predicts_total(); }
 
 LightRequest Network::light_request() const {
-  if (!config().reads_direct()) return {};
+  if (!config().reads_estimates()) return {};
   return {metadata().light_depth_of(config()), metadata().light_paths};
 }
 

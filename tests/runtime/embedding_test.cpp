@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "lte/nn/model_file.h"
+#include "lte/radiosity/point_radiosity.h"
 #include "lte/runtime/device.h"
 #include "tests/nn/support.h"
 
@@ -81,6 +82,33 @@ TEST(Network, AsksForTheLightThatItsModelReads) {
   config.light_input = nn::LightInput::Traced;
   EXPECT_EQ(tiny_network(config).light_request().depth, 5);
   EXPECT_EQ(tiny_network(config).light_request().paths, 32);
+  config.light_input = nn::LightInput::Radiosity;
+  EXPECT_EQ(tiny_network(config).light_request().depth, 0) << "which it has solved";
+}
+
+TEST(SceneEmbedding, SolvesTheLightOfModelsThatReadRadiosity) {
+  nn::ModelConfig config = test::tiny_config();
+  config.light_input = nn::LightInput::Radiosity;
+  const Network network = tiny_network(config);
+  const nn::PointSet points = test::box_scene(300, 1);
+  const ScenePoints scene = arrays(points);
+  const radiosity::PointLight light =
+      radiosity::solve({scene.position, scene.normal, scene.albedo, scene.emission, scene.area}, 1);
+  std::vector<Rgb> direct, indirect;
+  for (size_t i = 0; i < light.direct.size(); ++i) {
+    direct.push_back(light.direct[i][0] + light.direct[i][1]);
+    indirect.push_back(light.indirect[i][0] + light.indirect[i][1]);
+  }
+  ASSERT_GT(tensor(indirect).sum().item<double>(), 0);
+  ScenePoints given = scene;
+  given.direct = direct;
+  given.indirect = indirect;
+  const nn::QuerySet queries = test::box_queries(50, 2);
+  const std::vector<Rgb> answers = SceneEmbedding(network, scene).decode(arrays(queries));
+  EXPECT_EQ(answers, SceneEmbedding(network, given).decode(arrays(queries)));
+  for (Rgb& value : indirect) value *= 2;
+  EXPECT_NE(answers, SceneEmbedding(network, given).decode(arrays(queries)))
+      << "light that is given is read";
 }
 
 TEST(SceneEmbedding, ArraysAndTensorsGiveTheModelsAnswers) {
@@ -198,6 +226,9 @@ TEST(SceneEmbedding, RefusesWhatItCannotDoInOneLine) {
   EXPECT_THAT(
       message_of([&] { SceneEmbedding(tiny_network(config), arrays(test::box_scene(9, 1))); }),
       HasSubstr("direct irradiance is missing"));
+  config.light_input = nn::LightInput::Radiosity;
+  EXPECT_THAT(message_of([&] { SceneEmbedding(tiny_network(config), arrays(points)); }),
+              HasSubstr("row 17"));
 }
 
 }  // namespace

@@ -103,7 +103,7 @@ void check_config(const SafetensorsFile& file, const nn::ModelConfig& model,
             " m, but the data set's is ", model.scale,
             " m: positions in network space would not mean the same");
   // Weights that never saw such light are bound to nothing.
-  if (before.reads_direct()) check_light_estimates(name, model, light_of(file), light);
+  if (before.reads_estimates()) check_light_estimates(name, model, light_of(file), light);
   const std::vector<std::string> differences = model_differences(model, before);
   std::string text;
   for (const std::string& difference : differences) text += (text.empty() ? "" : ", ") + difference;

@@ -18,7 +18,7 @@ void save_run_model(const std::filesystem::path& path, const nn::LightTransportM
       {"scene_points", std::to_string(origin.scene_points)},
       {"scene_points_pruned", origin.pruned ? "true" : "false"},
       {"suns", origin.suns ? "true" : "false"}};
-  if (model->config().reads_direct()) {
+  if (model->config().reads_estimates()) {
     extra["light_paths"] = std::to_string(origin.light.paths);
     extra["light_depth"] = std::to_string(origin.light.depth);
   }

@@ -6,7 +6,7 @@ namespace lte::train {
 
 void check_light_estimates(const std::string& file, const nn::ModelConfig& model,
                            const LightEstimates& seen, const LightEstimates& data) {
-  if (!model.reads_direct()) return;
+  if (!model.reads_estimates()) return;
   // Direct light is the first bounce alone, however far the paths went on.
   const bool same_depth = !model.reads_indirect() || seen.depth == data.depth;
   LTE_CHECK(seen.paths == data.paths && same_depth, file,

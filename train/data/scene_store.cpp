@@ -4,6 +4,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/log.h"
+#include "lte/radiosity/point_radiosity.h"
 
 namespace lte::train {
 namespace {
@@ -11,6 +12,36 @@ namespace {
 template <typename T>
 size_t bytes_of(const std::vector<T>& values) {
   return values.size() * sizeof(T);
+}
+
+std::vector<Rgb> both_sides(const std::vector<radiosity::PointLight::Sides>& light) {
+  std::vector<Rgb> sums(light.size());
+  for (size_t i = 0; i < light.size(); ++i) sums[i] = light[i][0] + light[i][1];
+  return sums;
+}
+
+/// Puts into `scene` what a model of this `input` reads of the light on its points.
+void take_light(data::SceneSample* sample, nn::LightInput input, TrainingScene* scene) {
+  switch (input) {
+    case nn::LightInput::Emission:
+      return;
+    case nn::LightInput::Direct:
+      scene->direct = std::move(sample->scene_direct);
+      return;
+    case nn::LightInput::Traced:
+      scene->direct = std::move(sample->scene_direct);
+      scene->indirect = std::move(sample->scene_indirect);
+      return;
+    case nn::LightInput::Radiosity: {
+      const radiosity::PointLight light =
+          radiosity::solve({scene->position, scene->normal, scene->albedo, scene->emission,
+                            scene->area, scene->light},
+                           sample->light_groups);
+      scene->direct = both_sides(light.direct);
+      scene->indirect = both_sides(light.indirect);
+      return;
+    }
+  }
 }
 
 }  // namespace
@@ -25,7 +56,9 @@ size_t TrainingScene::size_bytes() const {
 TrainingScene read_training_scene(const std::filesystem::path& path, const std::string& name,
                                   nn::Target target, nn::LightInput light_input) {
   data::SceneSample sample = data::read_scene_sample(path);
-  LTE_CHECK(light_input == nn::LightInput::Emission || !sample.scene_direct.empty(), path.string(),
+  const bool needs_estimates =
+      light_input == nn::LightInput::Direct || light_input == nn::LightInput::Traced;
+  LTE_CHECK(!needs_estimates || !sample.scene_direct.empty(), path.string(),
             ": has no scene_direct, which model.light_input ", enum_name(light_input),
             " reads; bake the data again");
   data::drop_idle_queries(&sample);
@@ -38,8 +71,7 @@ TrainingScene read_training_scene(const std::filesystem::path& path, const std::
   scene.emission = std::move(sample.scene_emission);
   scene.area = std::move(sample.scene_area);
   scene.light = std::move(sample.scene_light);
-  if (light_input != nn::LightInput::Emission) scene.direct = std::move(sample.scene_direct);
-  if (light_input == nn::LightInput::Traced) scene.indirect = std::move(sample.scene_indirect);
+  take_light(&sample, light_input, &scene);
   scene.query_position = std::move(sample.query_position);
   scene.query_normal = std::move(sample.query_normal);
   scene.query_albedo = std::move(sample.query_albedo);

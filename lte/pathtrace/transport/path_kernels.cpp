@@ -7,10 +7,10 @@
 #include <limits>
 
 #include "lte/base/random.h"
+#include "lte/base/vector_clones.h"
 #include "lte/pathtrace/materials/lambert.h"
 #include "lte/pathtrace/transport/low_discrepancy.h"
 #include "lte/pathtrace/transport/square_to_triangle.h"
-#include "lte/pathtrace/transport/vector_clones.h"
 
 namespace lte::pathtrace {
 namespace {

@@ -9,6 +9,7 @@
 
 #include "lte/base/check.h"
 #include "lte/nn/loss.h"
+#include "lte/radiosity/point_radiosity.h"
 #include "tests/train/support.h"
 
 namespace lte::train {
@@ -236,6 +237,38 @@ TEST(NoiseWeight, WeightsEnterTheLossByQuery) {
   const double both =
       nn::relative_loss(predicted, target, config, at::tensor({1.5f, 0.25f})).item<double>();
   EXPECT_NEAR(both, (1.5 * first + 0.25 * second) / 2, 1e-6);
+}
+
+TEST(MakeExample, RadiosityIsSolvedByLightGroup) {
+  const test::TempDir dir;
+  data::SceneSample sample = test::box_sample(7);
+  sample.name = "room";
+  data::write_scene_sample(dir / "room.safetensors", sample);
+  const TrainingScene scene = read_training_scene(dir / "room.safetensors", "room",
+                                                  nn::Target::Indirect, nn::LightInput::Radiosity);
+  Symmetry symmetry = identity_symmetry(2);
+  symmetry.gains = {{2, 1, 0}, {0, 0.5f, 4}};
+  Rng rng(6);
+  const nn::PointSet points = make_example(scene, symmetry, 0, 5, &rng).points;
+  // One solution for the lights as they shine together.
+  const auto triples = [](const at::Tensor& t) {
+    return std::span(reinterpret_cast<const Vec3*>(t.const_data_ptr<float>()),
+                     static_cast<size_t>(t.size(0)));
+  };
+  const radiosity::PointLight light = radiosity::solve(
+      {triples(points.position), triples(points.normal), triples(points.albedo),
+       triples(points.emission),
+       std::span(points.area.const_data_ptr<float>(), static_cast<size_t>(points.area.size(0)))},
+      1);
+  double sum = 0;
+  for (size_t i = 0; i < light.indirect.size(); ++i) {
+    for (int c = 0; c < 3; ++c) {
+      const float expected = light.indirect[i][0][c] + light.indirect[i][1][c];
+      EXPECT_NEAR(triples(points.indirect)[i][c], expected, 1e-4f + 1e-4f * expected);
+      sum += expected;
+    }
+  }
+  EXPECT_GT(sum, 0);
 }
 
 TEST(MakeExample, LightOnScenePointsIsSummedOverGroupsUnderTheirGains) {

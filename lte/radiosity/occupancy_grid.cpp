@@ -1,0 +1,188 @@
+#include "lte/radiosity/occupancy_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lte/base/vector_clones.h"
+
+namespace lte::radiosity {
+namespace {
+
+/// Steps of a march, in cells: short enough that few marked cells are stepped over.
+constexpr float kStep = 0.7f;
+/// Clearances are told up to this many cells.
+constexpr int32_t kFarthest = 16;
+/// Cells by which the middle of a cell's points may lie off a plane and still be part of it.
+constexpr float kOwnCells = 0.3f;
+/// Marches that go on side by side.
+constexpr size_t kLanes = 16;
+
+/// out[i] = min over j of max(line[j], |i - j|), at most kFarthest.
+void spread(const std::vector<int32_t>& line, std::vector<int32_t>* out) {
+  const auto n = static_cast<int>(line.size());
+  for (int i = 0; i < n; ++i) {
+    int best = line[static_cast<size_t>(i)];
+    for (int away = 1; away < best; ++away) {
+      if (i >= away) best = std::min(best, std::max(line[static_cast<size_t>(i - away)], away));
+      if (i + away < n) best = std::min(best, std::max(line[static_cast<size_t>(i + away)], away));
+    }
+    (*out)[static_cast<size_t>(i)] = best;
+  }
+}
+
+}  // namespace
+
+/// Segments of one block, in cells from the grid's corner, each at `at` of its length.
+struct OccupancyGrid::Marches {
+  std::array<float, kLanes> x, y, z, dx, dy, dz, at, end;
+  std::array<int32_t, kLanes> cell, clearance;
+};
+
+OccupancyGrid::OccupancyGrid(std::span<const Vec3> positions, float cell) : cell_(cell) {
+  Bounds bounds;
+  for (const Vec3& p : positions) bounds.extend(p);
+  if (bounds.empty()) return;
+  const Vec3 extent = bounds.extent();
+  // One on either side, and one for points on the far faces of the bounds: marches leave the
+  // outermost marked cells before they leave the grid.
+  const auto count = [&](int axis) {
+    return 3 + static_cast<int64_t>(static_cast<double>(extent[axis]) / cell_);
+  };
+  cell_ = std::max(cell_, 1e-4f * max_component(extent));
+  if (cell_ <= 0) cell_ = 1;  // all points in one place
+  while (count(0) * count(1) * count(2) > kMostCells) cell_ *= 1.26f;
+  inverse_ = 1 / cell_;
+  low_ = bounds.low - Vec3{cell_, cell_, cell_};
+  for (int axis = 0; axis < 3; ++axis)
+    size_[static_cast<size_t>(axis)] = static_cast<int32_t>(count(axis));
+  clearance_.assign(static_cast<size_t>(count(0) * count(1) * count(2)), kFarthest);
+  middle_.resize(clearance_.size());
+  std::vector<float> counts(clearance_.size());
+  for (const Vec3& p : positions) {
+    const auto at = static_cast<size_t>(cell_at(place(p)));
+    clearance_[at] = 0;
+    counts[at] += 1;
+    middle_[at] += (p - middle_[at]) / counts[at];
+  }
+  measure_clearance();
+}
+
+/// One axis after another: a distance in the maximum norm is the largest of those along the axes.
+void OccupancyGrid::measure_clearance() {
+  const std::array<int64_t, 3> stride = {int64_t{size_[1]} * size_[2], size_[2], 1};
+  std::vector<int32_t> line, out;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const int64_t length = size_[axis], step = stride[axis];
+    line.resize(static_cast<size_t>(length));
+    out.resize(line.size());
+    const size_t other = axis == 0 ? 1 : 0, third = axis == 2 ? 1 : 2;
+    for (int64_t i = 0; i < size_[other]; ++i) {
+      for (int64_t j = 0; j < size_[third]; ++j) {
+        int32_t* first = clearance_.data() + i * stride[other] + j * stride[third];
+        for (int64_t k = 0; k < length; ++k) line[static_cast<size_t>(k)] = first[k * step];
+        spread(line, &out);
+        for (int64_t k = 0; k < length; ++k) first[k * step] = out[static_cast<size_t>(k)];
+      }
+    }
+  }
+}
+
+int32_t OccupancyGrid::cell_at(const Vec3& place) const {
+  const auto on = [&](float value, size_t axis) {
+    return std::clamp(static_cast<int32_t>(value), 0, size_[axis] - 1);
+  };
+  return (on(place.x, 0) * size_[1] + on(place.y, 1)) * size_[2] + on(place.z, 2);
+}
+
+/// Sets the march of a lane to the part of the segment that lies in the grid.
+void OccupancyGrid::start(const Vec3& from, const Vec3& to, size_t lane, Marches* marches) const {
+  const Vec3 a = place(from), whole = place(to) - a;
+  const float distance = length(whole);
+  const Vec3 u = normalize(whole);
+  float near = 0, far = distance;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto high = static_cast<float>(size_[static_cast<size_t>(axis)]);
+    if (u[axis] == 0) {
+      if (a[axis] < 0 || a[axis] > high) far = -1;
+      continue;
+    }
+    const float first = -a[axis] / u[axis], last = (high - a[axis]) / u[axis];
+    near = std::max(near, std::min(first, last));
+    far = std::min(far, std::max(first, last));
+  }
+  marches->x[lane] = a.x;
+  marches->y[lane] = a.y;
+  marches->z[lane] = a.z;
+  marches->dx[lane] = u.x;
+  marches->dy[lane] = u.y;
+  marches->dz[lane] = u.z;
+  marches->at[lane] = near;
+  marches->end[lane] = far;
+}
+
+/// Looks up the cells of all marches and moves each past what is empty. False when all have ended;
+/// the clearance of one that has ended is not 0.
+LTE_VECTOR_CLONES
+bool OccupancyGrid::leap(Marches* marches) const {
+  const int32_t nx = size_[0] - 1, ny = size_[1] - 1, nz = size_[2] - 1;
+  const int32_t step_x = size_[1] * size_[2], step_y = size_[2];
+  // Pointers, as the compiler keeps no loop over std::array in vectors.
+  const int32_t* __restrict clearances = clearance_.data();
+  const float *ox = marches->x.data(), *oy = marches->y.data(), *oz = marches->z.data(),
+              *dx = marches->dx.data(), *dy = marches->dy.data(), *dz = marches->dz.data(),
+              *end = marches->end.data();
+  float* __restrict at = marches->at.data();
+  int32_t* __restrict cell = marches->cell.data(), * __restrict clearance =
+                                                       marches->clearance.data();
+  for (size_t lane = 0; lane < kLanes; ++lane) {
+    const auto x = static_cast<int32_t>(ox[lane] + dx[lane] * at[lane]);
+    const auto y = static_cast<int32_t>(oy[lane] + dy[lane] * at[lane]);
+    const auto z = static_cast<int32_t>(oz[lane] + dz[lane] * at[lane]);
+    const int32_t cx = std::min(std::max(x, 0), nx);
+    const int32_t cy = std::min(std::max(y, 0), ny);
+    const int32_t cz = std::min(std::max(z, 0), nz);
+    cell[lane] = cx * step_x + cy * step_y + cz;
+  }
+  // By itself: the compiler gathers nothing, and would leave the rest of the loop scalar as well.
+  for (size_t lane = 0; lane < kLanes; ++lane)
+    clearance[lane] = clearances[static_cast<size_t>(cell[lane])];
+  int32_t live = 0;
+  for (size_t lane = 0; lane < kLanes; ++lane) {
+    const int32_t on = at[lane] <= end[lane] ? 1 : 0;
+    at[lane] += std::max(static_cast<float>(clearance[lane] - 1), kStep);
+    clearance[lane] = on != 0 ? clearance[lane] : kFarthest;
+    live |= on;
+  }
+  return live != 0;
+}
+
+bool OccupancyGrid::blocks(int32_t cell, const End& a, const End& b) const {
+  const Vec3& middle = middle_[static_cast<size_t>(cell)];
+  const float own = kOwnCells * cell_;
+  return std::abs(dot(middle - a.position, a.normal)) > own &&
+         std::abs(dot(middle - b.position, b.normal)) > own;
+}
+
+void OccupancyGrid::see(const End& a, std::span<const End> others,
+                        std::vector<uint8_t>* visible) const {
+  visible->assign(others.size(), 1);
+  if (clearance_.empty()) return;
+  Marches marches;
+  for (size_t first = 0; first < others.size(); first += kLanes) {
+    const size_t count = std::min(kLanes, others.size() - first);
+    for (size_t lane = 0; lane < kLanes; ++lane) {
+      start(a.position, others[first + std::min(lane, count - 1)].position, lane, &marches);
+      if (lane >= count) marches.end[lane] = -1;
+    }
+    while (leap(&marches)) {
+      for (size_t lane = 0; lane < count; ++lane) {
+        if (marches.clearance[lane] != 0) continue;
+        if (!blocks(marches.cell[lane], a, others[first + lane])) continue;
+        (*visible)[first + lane] = 0;
+        marches.end[lane] = -1;
+      }
+    }
+  }
+}
+
+}  // namespace lte::radiosity

@@ -1,0 +1,44 @@
+#include "lte/runtime/solved_light.h"
+
+#include <vector>
+
+#include <ATen/ops/empty.h>
+
+#include "lte/radiosity/point_radiosity.h"
+
+namespace lte::runtime {
+namespace {
+
+at::Tensor on_cpu(const at::Tensor& t) { return t.to(at::kCPU, at::kFloat).contiguous(); }
+
+std::span<const Vec3> triples(const at::Tensor& t) {
+  return {reinterpret_cast<const Vec3*>(t.const_data_ptr<float>()), static_cast<size_t>(t.size(0))};
+}
+
+/// [M, 3], both sides together, as models read light.
+at::Tensor both_sides(const std::vector<radiosity::PointLight::Sides>& light) {
+  at::Tensor out = at::empty({static_cast<int64_t>(light.size()), 3}, at::kFloat);
+  auto* values = reinterpret_cast<Vec3*>(out.data_ptr<float>());
+  for (size_t i = 0; i < light.size(); ++i) values[i] = light[i][0] + light[i][1];
+  return out;
+}
+
+}  // namespace
+
+nn::PointSet with_solved_light(nn::PointSet points, const nn::ModelConfig& config) {
+  if (!config.solves_light() || points.direct.defined() || points.indirect.defined()) return points;
+  nn::check_surfaces(points);
+  const c10::Device device = points.position.device();
+  const at::Tensor position = on_cpu(points.position), normal = on_cpu(points.normal),
+                   albedo = on_cpu(points.albedo), emission = on_cpu(points.emission),
+                   area = on_cpu(points.area);
+  const radiosity::PointLight light =
+      radiosity::solve({triples(position), triples(normal), triples(albedo), triples(emission),
+                        std::span(area.const_data_ptr<float>(), static_cast<size_t>(area.size(0)))},
+                       1);
+  points.direct = both_sides(light.direct).to(device);
+  points.indirect = both_sides(light.indirect).to(device);
+  return points;
+}
+
+}  // namespace lte::runtime

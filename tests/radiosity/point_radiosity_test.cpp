@@ -1,0 +1,173 @@
+#include "lte/radiosity/point_radiosity.h"
+
+#include <gtest/gtest.h>
+
+#include "lte/base/check.h"
+#include "lte/base/parallel.h"
+#include "lte/base/random.h"
+
+namespace lte::radiosity {
+namespace {
+
+/// Points in struct-of-arrays form that Points borrows.
+struct Set {
+  std::vector<Vec3> position, normal;
+  std::vector<Rgb> albedo, emission;
+  std::vector<float> area;
+  std::vector<int32_t> group;
+
+  void add(const Vec3& p, const Vec3& n, float albedo_value, const Rgb& light, float a,
+           int32_t light_group) {
+    position.push_back(p);
+    normal.push_back(n);
+    albedo.push_back({albedo_value, albedo_value, albedo_value});
+    emission.push_back(light);
+    area.push_back(a);
+    group.push_back(light_group);
+  }
+  Points points() const { return {position, normal, albedo, emission, area, group}; }
+};
+
+/// A unit vector, the i-th of `count` that are spread evenly (a Fibonacci sphere).
+Vec3 on_sphere(int i, int count) {
+  const double z = 1 - (2 * i + 1.0) / count, r = std::sqrt(1 - z * z),
+               angle = 2.399963229728653 * i;
+  return {static_cast<float>(r * std::cos(angle)), static_cast<float>(z),
+          static_cast<float>(r * std::sin(angle))};
+}
+
+/// An integrating sphere of radius 1 seen from inside: every patch sends every other the same
+/// irradiance, radiosity · area / 4π, wherever the two lie.
+Set integrating_sphere(int count, float albedo, int luminaires) {
+  Set set;
+  const float area = 4 * kPi / static_cast<float>(count);
+  for (int i = 0; i < count; ++i) {
+    const Vec3 p = on_sphere(i, count);
+    const bool shines = i < luminaires;
+    set.add(p, -p, albedo, shines ? Rgb{1, 2, 4} : Rgb{}, area, shines ? i % 2 : -1);
+  }
+  return set;
+}
+
+double mean_green(const std::vector<PointLight::Sides>& light, size_t first, size_t count,
+                  size_t side) {
+  double sum = 0;
+  for (size_t i = first; i < first + count; ++i) sum += light[i][side].y;
+  return sum / static_cast<double>(count);
+}
+
+TEST(PointRadiosity, AnIntegratingSphereHasItsClosedForm) {
+  constexpr int kCount = 6000, kLuminaires = 60;
+  constexpr float kAlbedo = 0.5f;
+  const Set set = integrating_sphere(kCount, kAlbedo, kLuminaires);
+  const PointLight light = solve(set.points(), 2, {.senders = 1200, .bounces = 4});
+  const double share = static_cast<double>(kLuminaires) / kCount;
+  const double direct = M_PI * 2 * share / 2;  // of each group in green
+  double indirect = 0, power = 1;
+  for (int bounce = 0; bounce < 4; ++bounce) {
+    power *= kAlbedo * (1 - share);
+    indirect += direct * power;
+  }
+  for (size_t group = 0; group < 2; ++group) {
+    const size_t first = group * kCount + kLuminaires, rest = kCount - kLuminaires;
+    EXPECT_NEAR(mean_green(light.direct, first, rest, 0), direct, 0.06 * direct);
+    // Links that graze the curved shell meet its cells, so some light of each bounce is lost.
+    EXPECT_NEAR(mean_green(light.indirect, first, rest, 0), indirect, 0.18 * indirect);
+    EXPECT_EQ(mean_green(light.direct, first, rest, 1), 0) << "outside";
+    EXPECT_EQ(mean_green(light.indirect, first, rest, 1), 0) << "outside";
+    EXPECT_EQ(mean_green(light.direct, group * kCount, kLuminaires, 0), 0) << "luminaires";
+  }
+}
+
+TEST(PointRadiosity, IsLinearInTheEmissionOfEachGroup) {
+  Set set = integrating_sphere(600, 0.7f, 12);
+  const PointLight once = solve(set.points(), 2);
+  for (size_t i = 0; i < set.emission.size(); ++i) {
+    if (set.group[i] == 1) set.emission[i] *= 4;
+  }
+  const PointLight gained = solve(set.points(), 2);
+  for (size_t i = 0; i < 600; ++i) {
+    EXPECT_EQ(gained.indirect[i], once.indirect[i]);
+    EXPECT_EQ(gained.indirect[600 + i][0], once.indirect[600 + i][0] * 4);
+  }
+}
+
+/// A floor and a lamp above it, with a board between the two.
+Set lamp_over_board(bool board) {
+  Set set;
+  constexpr int kSide = 40;
+  const auto grid = [&](float height, float half, const Vec3& normal, float albedo) {
+    const float step = 2 * half / kSide;
+    for (int i = 0; i < kSide; ++i) {
+      for (int j = 0; j < kSide; ++j) {
+        set.add({-half + step * (static_cast<float>(i) + 0.5f), height,
+                 -half + step * (static_cast<float>(j) + 0.5f)},
+                normal, albedo, {}, step * step, -1);
+      }
+    }
+  };
+  grid(0, 1, {0, 1, 0}, 0.5f);
+  if (board) grid(0.5f, 0.3f, {0, 1, 0}, 0.5f);
+  set.add({0, 1, 0}, {0, -1, 0}, 0, {100, 100, 100}, 1e-4f, 0);
+  return set;
+}
+
+TEST(PointRadiosity, DirectLightOfASmallLampIsThatOfTheInverseSquare) {
+  const Set set = lamp_over_board(false);
+  const PointLight light = solve(set.points(), 1);
+  for (size_t i = 0; i < set.position.size() - 1; ++i) {
+    const Vec3 d = set.position.back() - set.position[i];
+    const float cosine = d.y / length(d);
+    EXPECT_NEAR(light.direct[i][0].x, 100 * 1e-4f * cosine * cosine / dot(d, d), 1e-5f);
+  }
+}
+
+TEST(PointRadiosity, ABoardShadesTheFloorAndIsLitOnOneSide) {
+  const Set set = lamp_over_board(true);
+  const PointLight light = solve(set.points(), 1);
+  const auto at = [&](float x, float y, float z) {
+    size_t best = 0;
+    for (size_t i = 0; i < set.position.size(); ++i) {
+      if (length(set.position[i] - Vec3{x, y, z}) < length(set.position[best] - Vec3{x, y, z}))
+        best = i;
+    }
+    return best;
+  };
+  EXPECT_EQ(light.direct[at(0, 0, 0)][0].x, 0) << "in the shade";
+  EXPECT_GT(light.direct[at(0.9f, 0, 0.9f)][0].x, 1e-3f) << "beside it";
+  EXPECT_GT(light.direct[at(0.1f, 0.5f, 0.1f)][0].x, 1e-2f) << "its upper side";
+  EXPECT_EQ(light.direct[at(0.1f, 0.5f, 0.1f)][1].x, 0) << "its lower side";
+  EXPECT_GT(light.indirect[at(0, 0.5f, 0)][1].x, 0) << "the floor lights it from below";
+}
+
+TEST(PointRadiosity, AnswersAreTheSameForAnyNumberOfThreads) {
+  const Set set = integrating_sphere(500, 0.7f, 10);
+  set_num_threads(1);
+  const PointLight one = solve(set.points(), 2);
+  set_num_threads(2);
+  const PointLight two = solve(set.points(), 2);
+  set_num_threads(0);
+  EXPECT_EQ(one.direct, two.direct);
+  EXPECT_EQ(one.indirect, two.indirect);
+}
+
+TEST(PointRadiosity, PointsInOnePlaceWithoutAreaAreFinite) {
+  Set set;
+  for (int i = 0; i < 8; ++i) {
+    const bool shines = i == 0;
+    set.add({1, 1, 1}, {0, 1, 0}, 0.5f, shines ? Rgb{1, 1, 1} : Rgb{}, 0, shines ? 0 : -1);
+  }
+  const PointLight light = solve(set.points(), 1);
+  for (const PointLight::Sides& sides : light.indirect) EXPECT_TRUE(is_finite(sides[0]));
+  EXPECT_TRUE(solve({}, 0).direct.empty());
+}
+
+TEST(PointRadiosity, RefusesArraysAndGroupsThatDoNotFit) {
+  Set set = integrating_sphere(20, 0.5f, 2);
+  EXPECT_THROW(solve(set.points(), 1), Error);
+  set.area.pop_back();
+  EXPECT_THROW(solve(set.points(), 2), Error);
+}
+
+}  // namespace
+}  // namespace lte::radiosity
