@@ -4,6 +4,7 @@
 #include "datagen/commands/bake_command.h"
 #include "datagen/commands/generate_command.h"
 #include "datagen/commands/info_command.h"
+#include "datagen/commands/join_command.h"
 #include "datagen/commands/probe_command.h"
 #include "lte/base/check.h"
 #include "lte/base/version.h"
@@ -19,5 +20,6 @@ int main(int argc, char** argv) {
   lte::datagen::add_bake_command(app, &body);
   lte::datagen::add_probe_command(app, &body);
   lte::datagen::add_info_command(app, &body);
+  lte::datagen::add_join_command(app, &body);
   return lte::run_tool(app, argc, argv, [&body] { body(); });
 }

@@ -1,0 +1,55 @@
+#!/usr/bin/env bash
+# Makes a released model from nothing: its data, its training, its files.
+#
+#   scripts/train_released.sh lte-base [FOLDER]
+#
+# FOLDER (data/released by default) takes the data and the run. A run that was stopped goes on where
+# it was when the same line is given again. At its end the model, its configuration and its log are
+# in FOLDER/release, and its figures on the shipped test homes and on test boxes are printed.
+# Many hours of two cores.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+usage() { sed -n '2,9s/^# \{0,1\}//p' "$0"; }
+case ${1:-} in
+  lte-base) ;;
+  -h | --help) usage; exit 0 ;;
+  *) usage >&2; exit 2 ;;
+esac
+name=$1 folder=${2:-data/released}
+bin=${LTE_BIN:-build/bin}
+for tool in lte_datagen lte_train lte_eval; do
+  if [ ! -x "$bin/$tool" ]; then
+    echo "train_released.sh: $bin/$tool is missing: run scripts/build.sh first" >&2
+    exit 1
+  fi
+done
+mkdir -p "$folder"
+
+# $1: folder below $folder, $2: configuration. Quick where the data are there.
+make_data() {
+  echo "train_released.sh: $folder/$1 from configs/data/$2.yaml"
+  "$bin/lte_datagen" generate --config "configs/data/$2.yaml" --out "$folder/$1" --resume
+}
+make_data boxes boxes_many
+make_data homes homes_many
+make_data boxes_test boxes_test
+if [ ! -f "$folder/base/dataset.json" ]; then
+  rm -rf "$folder/base"
+  "$bin/lte_datagen" join "$folder/boxes" "$folder/homes" --out "$folder/base"
+fi
+
+run=$folder/$name
+flags=(--config configs/train/lte_base.yaml --set "data.root=$folder/base" --out "$run")
+if compgen -G "$run/checkpoint*.safetensors" > /dev/null; then
+  flags+=(--resume)
+fi
+"$bin/lte_train" "${flags[@]}"
+
+mkdir -p "$folder/release"
+cp "$run/model.safetensors" "$folder/release/$name.safetensors"
+cp "$run/config.yaml" "$folder/release/$name.yaml"
+cp "$run/log.jsonl" "$folder/release/$name.log.jsonl"
+"$bin/lte_eval" --checkpoint "$folder/release/$name.safetensors" --split test
+"$bin/lte_eval" --checkpoint "$folder/release/$name.safetensors" --data "$folder/boxes_test" \
+  --split test
