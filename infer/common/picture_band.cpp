@@ -12,8 +12,6 @@ using pathtrace::GBuffer;
 
 /// Metal below this share is left to the network: nobody would see it in its answer.
 constexpr float kLeastMetal = 0.05f;
-/// Albedo of a pixel of traced metal, at least, as layers divide by it.
-constexpr float kLeastTracedAlbedo = 1e-4f;
 
 void put(Image* image, int pixel, const Rgb& value) {
   float* p = image->pixels.data() + size_t{3} * static_cast<size_t>(pixel);

@@ -20,6 +20,9 @@ enum class Metal {
   Trace,    ///< the path tracer renders pixels that have metal in them
 };
 
+/// Albedo of a pixel whose radiance paths have found, at least, as light layers divide by it.
+inline constexpr float kLeastTracedAlbedo = 1e-4f;
+
 struct BandOptions {
   int antialias = 0;  ///< hits in a pixel at an edge; below 2: none but the centre's
   Metal metal = Metal::Diffuse;

@@ -36,7 +36,7 @@ double light_layers(const RenderSettings& settings) {
     case Output::Direct:
       return 1;
     default:
-      return settings.mode == Mode::Reference && settings.output == Output::Full ? 0 : 2;
+      return 2;
   }
 }
 

@@ -68,6 +68,21 @@ Image compose(const Frame& frame, Output output) {
   return out;
 }
 
+/// Turns the reference's radiance into light layers under which the sum of layers is the picture.
+void put_radiance(pathtrace::RadianceLayers layers, Frame* frame) {
+  frame->emission = std::move(layers.emission);
+  frame->direct = std::move(layers.direct);
+  frame->indirect = std::move(layers.indirect);
+  for (size_t i = 0; i < frame->albedo.pixels.size(); ++i) {
+    float &direct = frame->direct.pixels[i], &indirect = frame->indirect.pixels[i];
+    if (!(direct + indirect > 0)) continue;
+    float& albedo = frame->albedo.pixels[i];
+    albedo = std::max(albedo, kLeastTracedAlbedo);
+    direct *= kPi / albedo;
+    indirect *= kPi / albedo;
+  }
+}
+
 /// Copies the rows of a band, which begin at row `first`, into a picture of `height` rows that is
 /// made where it is missing.
 void put_rows(const Image& band, int first, int height, Image* picture) {
@@ -147,19 +162,32 @@ struct Renderer::Job {
   const scene::Camera& camera;
   const RenderSettings& settings;
   int64_t centre_queries = 0, extra_queries = 0;  ///< of the bands before
-  int64_t done = 0;                               ///< pixels of this band that were told of
+  int64_t band = 0;                               ///< pixels of this band
+  int64_t done = 0;                               ///< those of them that were told of
 
+  /// A pixel is told of once, by the first stage that has come so far.
   void advance(int64_t pixels) {
+    pixels = std::min(pixels, band - done);
     if (settings.done && pixels > 0) settings.done(pixels);
     done += pixels;
   }
 };
 
+/// What paths from the queries are asked for.
+struct Renderer::Estimate {
+  int rays = 0;
+  bool direct = true, indirect = true;
+};
+
 Renderer::Renderer(const scene::Scene& scene) : bvh_(scene), lights_(scene) {}
 
+bool Renderer::shows_indirect(Output output) const {
+  return has_light() && !is_geometry(output) && output != Output::Direct;
+}
+
 bool Renderer::needs_network(const RenderSettings& settings) const {
-  return settings.mode == Mode::Neural && has_light() && !is_geometry(settings.output) &&
-         settings.output != Output::Direct;
+  return settings.mode == Mode::Neural && settings.indirect == Indirect::Network &&
+         shows_indirect(settings.output);
 }
 
 void Renderer::embed(const runtime::Network& network, const EmbedSettings& settings) {
@@ -213,16 +241,16 @@ void Renderer::decode(const PictureBand& band, BandLight* light) {
 
 /// Irradiance by paths. The queries of centres are numbered through the picture, those that
 /// anti-aliasing adds from the number of its pixels on, so that they change no other.
-void Renderer::estimate(const PictureBand& band, bool direct_only, Job* job, BandLight* light) {
+void Renderer::estimate(const PictureBand& band, const Estimate& what, Job* job, BandLight* light) {
   const RenderSettings& settings = job->settings;
   pathtrace::IrradianceOptions options;
-  options.rays = settings.mode == Mode::Reference ? settings.spp : settings.direct_samples;
-  options.max_depth = direct_only ? 1 : settings.max_depth;
+  options.rays = what.rays;
+  options.max_depth = what.indirect ? settings.max_depth : 1;
   options.seed = settings.seed;
-  options.direct_only = direct_only;
+  options.direct_only = !what.indirect;
   const QuerySet& queries = band.queries();
-  light->direct.emplace(queries.position.size());
-  if (!direct_only) light->indirect.emplace(queries.position.size());
+  if (what.direct) light->direct.emplace(queries.position.size());
+  if (what.indirect) light->indirect.emplace(queries.position.size());
   const int64_t block = std::min(
       kProgressBlock, std::max<int64_t>(1024, kEstimateBlock / std::max(1, lights_.groups())));
   const auto run = [&](int64_t first, int64_t end, int64_t number) {
@@ -233,8 +261,9 @@ void Renderer::estimate(const PictureBand& band, bool direct_only, Job* job, Ban
           bvh_, lights_, std::span(queries.position).subspan(b, n),
           std::span(queries.normal).subspan(b, n), options, number + begin - first);
       for (size_t i = 0; i < n; ++i) {
-        (*light->direct)[b + i] = part.direct_sum(static_cast<int64_t>(i));
-        if (!direct_only) (*light->indirect)[b + i] = part.indirect_sum(static_cast<int64_t>(i));
+        const auto point = static_cast<int64_t>(i);
+        if (what.direct) (*light->direct)[b + i] = part.direct_sum(point);
+        if (what.indirect) (*light->indirect)[b + i] = part.indirect_sum(point);
       }
       if (end == band.centre_queries()) job->advance(static_cast<int64_t>(n));
     }
@@ -242,8 +271,6 @@ void Renderer::estimate(const PictureBand& band, bool direct_only, Job* job, Ban
   const int64_t centres = band.centre_queries();
   run(0, centres, job->centre_queries);
   run(centres, queries.size(), int64_t{settings.width} * settings.height + job->extra_queries);
-  job->centre_queries += centres;
-  job->extra_queries += queries.size() - centres;
 }
 
 void Renderer::trace_metal(const PictureBand& band, Job* job, BandLight* light) {
@@ -261,15 +288,19 @@ void Renderer::trace_metal(const PictureBand& band, Job* job, BandLight* light) 
 BandLight Renderer::neural(const PictureBand& band, Job* job) {
   const RenderSettings& settings = job->settings;
   BandLight light;
-  const bool network = needs_network(settings);
-  if (network) decode(band, &light);
+  if (needs_network(settings)) decode(band, &light);
   trace_metal(band, job, &light);
+  if (settings.indirect == Indirect::Paths && shows_indirect(settings.output)) {
+    const Timer timer;
+    estimate(band, {settings.spp, /*direct=*/false, /*indirect=*/true}, job, &light);
+    seconds_.reference += timer.seconds();
+  }
   // A total model's full picture needs no direct light; its indirect share is what direct light
   // leaves.
   const bool full = settings.output == Output::Full;
   if (light.total ? full : !full && settings.output != Output::Direct) return light;
   const Timer timer;
-  estimate(band, /*direct_only=*/true, job, &light);
+  estimate(band, {settings.direct_samples, /*direct=*/true, /*indirect=*/false}, job, &light);
   seconds_.direct += timer.seconds();
   if (!light.total) return light;
   light.indirect = std::move(light.total);
@@ -283,7 +314,8 @@ BandLight Renderer::reference(const PictureBand& band, Job* job) {
   BandLight light;
   trace_metal(band, job, &light);
   const Timer timer;
-  estimate(band, /*direct_only=*/job->settings.output == Output::Direct, job, &light);
+  const bool indirect = job->settings.output != Output::Direct;
+  estimate(band, {job->settings.spp, /*direct=*/true, indirect}, job, &light);
   seconds_.reference += timer.seconds();
   return light;
 }
@@ -297,15 +329,22 @@ Frame Renderer::render_band(const PictureRows& rows, Job* job) {
                          {by_paths ? 0 : settings.antialias, metal_of(settings),
                           settings.output == Output::Irradiance});
   seconds_.primary += timer.seconds();
+  job->band = int64_t{rows.width} * (rows.last - rows.first);
   BandLight light;
   if (!is_geometry(settings.output) && has_light() && !by_paths)
     light = settings.mode == Mode::Neural ? neural(band, job) : reference(band, job);
+  job->centre_queries += band.centre_queries();
+  job->extra_queries += band.queries().size() - band.centre_queries();
   Frame frame = band.resolve(light);
+  if (settings.mode == Mode::Neural && settings.indirect == Indirect::Paths && light.indirect) {
+    frame.traced_pixels += band.centre_queries();
+    frame.queries = 0;
+  }
   if (!by_paths) {
     frame.color = is_geometry(settings.output) || has_light()
                       ? compose(frame, settings.output)
                       : Image(frame.albedo.width, frame.albedo.height, 3);
-    job->advance(int64_t{rows.width} * (rows.last - rows.first) - job->done);
+    job->advance(job->band);
   }
   return frame;
 }
@@ -325,9 +364,12 @@ Frame Renderer::render(const scene::Camera& camera, const RenderSettings& settin
   }
   if (settings.mode == Mode::Reference && settings.output == Output::Full) {
     const Timer timer;
-    frame.color = pathtrace::render_reference(
-        bvh_, lights_, camera, settings.width, settings.height,
-        {settings.spp, settings.max_depth + 1, settings.seed}, settings.done);
+    pathtrace::RadianceLayers layers;
+    frame.color =
+        pathtrace::render_reference(bvh_, lights_, camera, settings.width, settings.height,
+                                    {settings.spp, settings.max_depth + 1, settings.seed},
+                                    settings.done, settings.layers ? &layers : nullptr);
+    if (settings.layers) put_radiance(std::move(layers), &frame);
     seconds_.reference = timer.seconds();
   }
   return frame;

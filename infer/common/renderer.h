@@ -22,6 +22,8 @@ namespace lte::infer {
 
 enum class Output { Full, Gi, Irradiance, Direct, Albedo, Normal, Depth };
 enum class Mode { Neural, Reference };
+/// Who answers for indirect light in neural mode.
+enum class Indirect { Network, Paths };
 
 /// The word for an output on the command line.
 const char* output_name(Output output);
@@ -37,8 +39,9 @@ struct RenderSettings {
   Output output = Output::Full;
   Mode mode = Mode::Neural;
   int width = 512, height = 512;
+  Indirect indirect = Indirect::Network;
   int direct_samples = 64;  ///< shadow rays a pixel
-  int spp = 64;             ///< paths a pixel: in reference mode, and for metal that is traced
+  int spp = 64;             ///< paths a pixel: in reference mode, and for what is traced in neural
   int max_depth = 5;        ///< of these paths: surface hits after the primary one
   uint64_t seed = 0;
   /// Hits in a pixel at an edge; 0 or 1 for the centre's alone. A reference of the full output
@@ -100,10 +103,12 @@ class Renderer {
   /// @throws lte::Error if the network is needed and embed() has not been called.
   Frame render(const scene::Camera& camera, const RenderSettings& settings);
 
-  /// Whether the network is needed: in neural mode, for an output with indirect light, where the
-  /// scene has light.
+  /// Whether the network is needed: in neural mode, for an output with indirect light that paths
+  /// do not answer for, where the scene has light.
   bool needs_network(const RenderSettings& settings) const;
 
+  /// Whether `output` has indirect light in it, and the scene light.
+  bool shows_indirect(Output output) const;
   bool has_light() const { return !lights_.empty(); }
   bool has_environment() const { return lights_.has_environment(); }
   const pathtrace::Bvh& bvh() const { return bvh_; }
@@ -114,11 +119,12 @@ class Renderer {
 
  private:
   struct Job;
+  struct Estimate;
   Frame render_band(const PictureRows& rows, Job* job);
   BandLight neural(const PictureBand& band, Job* job);
   BandLight reference(const PictureBand& band, Job* job);
   void decode(const PictureBand& band, BandLight* light);
-  void estimate(const PictureBand& band, bool direct_only, Job* job, BandLight* light);
+  void estimate(const PictureBand& band, const Estimate& what, Job* job, BandLight* light);
   void trace_metal(const PictureBand& band, Job* job, BandLight* light);
   Metal metal_of(const RenderSettings& settings) const;
 

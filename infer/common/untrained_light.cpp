@@ -18,6 +18,11 @@ std::set<int> sun_groups(const scene::Scene& scene) {
   return groups;
 }
 
+std::string suns_text(const scene::Scene& scene) {
+  const size_t suns = sun_groups(scene).size();
+  return concat(scene.name, ": ", suns, suns == 1 ? " directional light" : " directional lights");
+}
+
 template <typename T>
 void keep_rows(const std::vector<size_t>& rows, std::vector<T>* values) {
   for (size_t i = 0; i < rows.size(); ++i) (*values)[i] = (*values)[rows[i]];
@@ -26,12 +31,21 @@ void keep_rows(const std::vector<size_t>& rows, std::vector<T>* values) {
 
 }  // namespace
 
+bool has_untrained_light(const scene::Scene& scene, const nn::ModelMetadata& model) {
+  return !model.suns && !sun_groups(scene).empty();
+}
+
 std::string untrained_light_note(const scene::Scene& scene, const nn::ModelMetadata& model) {
-  const size_t suns = sun_groups(scene).size();
-  if (suns == 0 || model.suns) return "";
-  return concat(scene.name, ": ", suns, suns == 1 ? " directional light" : " directional lights",
-                ", but the model was trained without any: its indirect light is less certain here; "
-                "lte_render --mode reference traces it");
+  if (!has_untrained_light(scene, model)) return "";
+  return concat(suns_text(scene),
+                ", but the model was trained without any: its indirect light is wrong here; "
+                "lte_render --untrained-light trace finds it by paths");
+}
+
+std::string traced_light_note(const scene::Scene& scene, int spp) {
+  return concat(suns_text(scene),
+                ", but the model was trained without any: indirect light is path-traced, ", spp,
+                " paths a pixel (--untrained-light network asks the network)");
 }
 
 void leave_out_untrained_suns(const scene::Scene& scene, const nn::ModelMetadata& model,

@@ -9,9 +9,16 @@
 
 namespace lte::infer {
 
+/// Whether the scene has a sun that shines and the network has never seen one.
+bool has_untrained_light(const scene::Scene& scene, const nn::ModelMetadata& model);
+
 /// A line for people who show the scene to a network that has never seen a sun; "" if it has none,
 /// or the network has seen some.
 std::string untrained_light_note(const scene::Scene& scene, const nn::ModelMetadata& model);
+
+/// The line for people whose picture has indirect light by paths instead.
+/// @param spp  paths a pixel
+std::string traced_light_note(const scene::Scene& scene, int spp);
 
 /// Takes the points of suns out of the scene points of a network that has never seen one, if other
 /// light shines. A sun's point stands for all the power that falls on the scene, of which a room

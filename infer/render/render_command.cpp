@@ -176,13 +176,24 @@ void claim_views(const RenderRequest& request, const std::vector<View>& views,
   files->check();
 }
 
-/// The network if this picture needs one.
-std::optional<runtime::Network> load_network(const RenderRequest& request,
-                                             const Renderer& renderer) {
-  if (!renderer.needs_network(settings_of(request))) return std::nullopt;
+/// The network if this picture needs one. Where the scene has light that it has never seen, paths
+/// answer in its place, unless the flag says otherwise.
+std::optional<runtime::Network> load_network(const RenderRequest& request, const Renderer& renderer,
+                                             RenderSettings* settings) {
+  if (!renderer.needs_network(*settings)) return std::nullopt;
   const c10::Device device = nn::choose_device(request.tool.device, 0, "--device");
-  return runtime::Network(checkpoint_or_shipped(request.checkpoint),
-                          {device, choose_precision(request.tool.precision, device)});
+  std::optional<runtime::Network> network(
+      std::in_place, checkpoint_or_shipped(request.checkpoint),
+      runtime::NetworkOptions{device, choose_precision(request.tool.precision, device)});
+  const scene::Scene& scene = renderer.bvh().scene();
+  if (!has_untrained_light(scene, network->metadata())) return network;
+  if (request.untrained_light == "network") {
+    log_warning(untrained_light_note(scene, network->metadata()));
+    return network;
+  }
+  log_info(traced_light_note(scene, settings->spp));
+  settings->indirect = Indirect::Paths;
+  return std::nullopt;
 }
 
 int64_t scene_points(const RenderRequest& request, const runtime::Network& network) {
@@ -212,8 +223,7 @@ void add_seconds(const StageSeconds& picture, StageSeconds* sum) {
 
 /// Everything after the scene is encoded.
 void render_to_files(const RenderRequest& request, const std::vector<View>& views,
-                     Renderer* renderer, const Timer& total) {
-  RenderSettings settings = settings_of(request);
+                     RenderSettings settings, Renderer* renderer, const Timer& total) {
   StageSeconds seconds = renderer->seconds();
   nlohmann::json pictures = nlohmann::json::array();
   for (const View& view : views) {
@@ -292,10 +302,17 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
                  "(--spp a pixel), a matt surface of its color, or black")
       ->check(CLI::IsMember({"diffuse", "black", "trace"}))
       ->capture_default_str();
-  app.add_option("--spp", r->spp, "Paths a pixel: in reference mode, and for metal")
+  app.add_option("--untrained-light", r->untrained_light,
+                 "Neural mode: who answers for indirect light in a scene with directional lights "
+                 "if the model was trained without any: paths (--spp a pixel), or the network, "
+                 "wrongly")
+      ->check(CLI::IsMember({"trace", "network"}))
+      ->capture_default_str();
+  app.add_option("--spp", r->spp,
+                 "Paths a pixel: in reference mode, for metal, and for untrained light")
       ->check(CLI::Range(1, 1 << 24))
       ->capture_default_str();
-  app.add_option("--max-depth", r->max_depth, "Reference mode: surface hits after the first")
+  app.add_option("--max-depth", r->max_depth, "Of these paths: surface hits after the first")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   app.add_option("--direct-samples", r->direct_samples, "Neural mode: shadow rays a pixel")
@@ -345,7 +362,8 @@ void run_render(const RenderRequest& request) {
   apply_tool_options(request.tool);
   check_writable(request.out);
   check_writable(request.tool.common.json);
-  check_picture_fits(settings_of(request), available_memory_mb());
+  RenderSettings settings = settings_of(request);
+  check_picture_fits(settings, available_memory_mb());
   const Timer total;
   const scene::Scene scene = load(request);
   describe(scene, request.scene);
@@ -357,17 +375,15 @@ void run_render(const RenderRequest& request) {
     log_warning(request.scene,
                 ": nothing emits light; every output with light in it is black "
                 "(--environment 1,1,1 or --add-light auto gives it some)");
-  const std::optional<runtime::Network> network = load_network(request, renderer);
+  const std::optional<runtime::Network> network = load_network(request, renderer, &settings);
   files.check_what_was_read();
   renderer.seconds().load = total.seconds();
   const runtime::MemoryLimit memory(request.tool.max_memory_mb);
   if (network) {
     check_size(request.scene, scene, *network, request.rescale);
-    const std::string note = untrained_light_note(scene, network->metadata());
-    if (!note.empty()) log_warning(note);
     memory.check_encoding(network->config(), scene_points(request, *network));
   }
-  check_picture_fits(settings_of(request), memory);
+  check_picture_fits(settings, memory);
   if (request.validate_only) {  // as lte_datagen says it, and under --quiet too: it is the result
     std::printf("%s: valid scene, %lld triangles, %zu light groups\n", request.scene.c_str(),
                 static_cast<long long>(scene.triangle_count()), scene.light_groups.size());
@@ -375,9 +391,9 @@ void run_render(const RenderRequest& request) {
   }
   if (network) {
     embed(request, *network, memory, &renderer);
-    check_picture_fits(settings_of(request), memory);
+    check_picture_fits(settings, memory);
   }
-  render_to_files(request, views, &renderer, total);
+  render_to_files(request, views, std::move(settings), &renderer, total);
 }
 
 }  // namespace lte::infer

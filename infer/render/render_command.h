@@ -27,6 +27,7 @@ struct RenderRequest {
   double environment_turn = 0;      ///< degrees about +Y
   std::vector<std::string> lights;  ///< "auto" or "x,y,z,power": luminaires to add
   std::string antialias = std::to_string(kAntialias), metal = "trace";
+  std::string untrained_light = "trace";  ///< "trace" or "network"
   SceneFlags loading;
   ExposureOptions exposure;
   ToolOptions tool;

@@ -16,8 +16,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* kFormat = "lte-dataset";
-constexpr int kVersion = 1;
+constexpr const char* kDatasetFormat = "lte-dataset";
+constexpr int kDatasetVersion = 1;
 constexpr size_t kMaxNameLength = 200;
 
 /// A name is part of a path: letters, digits and "_-." only, and no leading dot.
@@ -109,7 +109,7 @@ Split parse_split(const std::string& word) {
 
 void write_dataset_info(const std::filesystem::path& directory, const DatasetInfo& info) {
   std::string text = concat(
-      "{\n\"format\": ", Json(kFormat).dump(), ",\n\"version\": ", kVersion,
+      "{\n\"format\": ", Json(kDatasetFormat).dump(), ",\n\"version\": ", kDatasetVersion,
       ",\n\"tool\": ", Json(info.tool_version).dump(), ",\n\"seed\": ", info.seed,
       ",\n\"scale\": ", Json(info.scale).dump(), ",\n\"light_paths\": ", info.light_paths,
       ",\n\"light_depth\": ", info.light_depth, ",\n\"pruned\": ", info.pruned ? "true" : "false",
@@ -138,12 +138,12 @@ DatasetInfo read_dataset_info(const std::filesystem::path& directory, MissingSce
   LTE_CHECK(std::filesystem::exists(file), file, ": missing; is this a data set?");
   const Json json = Json::parse(read_file(file), nullptr, false);
   LTE_CHECK(!json.is_discarded() && json.is_object(), file, ": not a JSON object, or truncated");
-  LTE_CHECK(text_of(file, json, "format") == kFormat, file, ": key \"format\": expected \"",
-            kFormat, "\"");
+  LTE_CHECK(text_of(file, json, "format") == kDatasetFormat, file, ": key \"format\": expected \"",
+            kDatasetFormat, "\"");
   DatasetInfo info;
   const uint64_t version = count_of(file, json, "version");
-  LTE_CHECK(version >= 1 && version <= kVersion, file, ": key \"version\": ", version,
-            " is not supported; this build reads up to ", kVersion, ": update lte");
+  LTE_CHECK(version >= 1 && version <= kDatasetVersion, file, ": key \"version\": ", version,
+            " is not supported; this build reads up to ", kDatasetVersion, ": update lte");
   info.version = static_cast<int>(version);
   info.tool_version = text_of(file, json, "tool");
   info.seed = count_of(file, json, "seed");

@@ -11,15 +11,13 @@
 #include "lte/base/random.h"
 #include "lte/base/text.h"
 #include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/free_space.h"
 #include "lte/scene/import/environment_file.h"
 
 namespace lte::pathtrace {
 namespace {
 
 constexpr int kCandidates = 1024;
-constexpr int kProbes = 48;        ///< directions around a place that test whether it is enclosed
-constexpr float kEnclosed = 0.7f;  ///< share of probes that must hit: a room may lack one wall
-constexpr float kFronts = 0.1f;    ///< share of hits on fronts: inside a solid there are none
 constexpr size_t kMostPanels = 64;
 constexpr float kRoomHeight = 2.5f;  ///< metres; lower scenes are scale models of such a room
 constexpr float kPanelSide = 0.3f, kPanelGap = 0.02f;
@@ -36,13 +34,6 @@ struct Panel {
   Vec3 center;
   float side = 0, floor_area = 0;
 };
-
-Vec3 probe_direction(int i) {
-  const float y = 1 - 2 * (static_cast<float>(i) + 0.5f) / kProbes;
-  const float across = std::sqrt(std::max(0.0f, 1 - y * y));
-  const float phi = 2.39996323f * static_cast<float>(i);
-  return {across * std::cos(phi), y, across * std::sin(phi)};
-}
 
 /// Fills `free_distance`; false for a place in the open or inside a solid.
 bool is_enclosed(const Bvh& bvh, float far, Place* place) {

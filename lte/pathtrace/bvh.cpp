@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 #include <string>
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/pathtrace/embree_scene.h"
 #include "lte/pathtrace/transport/ray_packets.h"
+#include "lte/scene/inverse_transpose.h"
 #include "lte/scene/number_check.h"
 #include "lte/scene/surface.h"
 
@@ -43,25 +45,14 @@ RTCScene build_mesh(RTCDevice device, const scene::Mesh& mesh) {
   return scene;
 }
 
-/// Rows of the inverse transpose, false if the transform is singular or not finite. In double: a
-/// determinant is a product of three scales and leaves the float range long before a scale does.
-bool inverse_transpose(const Affine& transform, std::array<Vec3, 3>* rows) {
-  const auto& m = transform.m;
-  double cofactor[3][3];
-  for (int i = 0; i < 3; ++i) {
-    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
-    for (int j = 0; j < 3; ++j) {
-      const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-      cofactor[i][j] =
-          static_cast<double>(m[i1][j1]) * m[i2][j2] - static_cast<double>(m[i1][j2]) * m[i2][j1];
-    }
-  }
-  const double determinant =
-      m[0][0] * cofactor[0][0] + m[0][1] * cofactor[0][1] + m[0][2] * cofactor[0][2];
-  if (determinant == 0 || !std::isfinite(determinant)) return false;
+/// False if the transform is singular or not finite.
+bool normal_transform(const Affine& transform, std::array<Vec3, 3>* rows) {
+  const std::optional<scene::Matrix3> inverse = scene::inverse_transpose(transform);
+  if (!inverse) return false;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
-      (*rows)[i][j] = static_cast<float>(cofactor[i][j] / determinant);
+      (*rows)[i][j] =
+          static_cast<float>((*inverse)[static_cast<size_t>(i)][static_cast<size_t>(j)]);
     }
     if (!is_finite((*rows)[i])) return false;
   }
@@ -86,7 +77,7 @@ InstanceRecord make_record(const scene::Scene& scene, int index, const Vec3& ori
   const scene::Instance& instance = scene.instances[index];
   const scene::Mesh& mesh = scene.meshes[instance.mesh];
   std::array<Vec3, 3> normal_rows;
-  if (mesh.triangles.empty() || !inverse_transpose(instance.to_world, &normal_rows) ||
+  if (mesh.triangles.empty() || !normal_transform(instance.to_world, &normal_rows) ||
       scene::inverse_stretch(instance.to_world) > 1 / scene::kMinScale) {
     return record;
   }

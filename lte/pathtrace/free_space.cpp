@@ -54,6 +54,13 @@ bool FreeSpace::surrounded() const {
 
 bool FreeSpace::closed() const { return *std::max_element(open.begin(), open.end()) <= kClosed; }
 
+Vec3 probe_direction(int i) {
+  const float y = 1 - 2 * (static_cast<float>(i) + 0.5f) / kProbes;
+  const float across = std::sqrt(std::max(0.0f, 1 - y * y));
+  const float phi = 2.39996323f * static_cast<float>(i);
+  return {across * std::cos(phi), y, across * std::sin(phi)};
+}
+
 FreeSpace survey(const Bvh& bvh) {
   FreeSpace out;
   const Bounds& bounds = bvh.bounds();

@@ -30,6 +30,15 @@ struct FreeSpace {
 /// way out of an open side, and a room's windows let some out of a closed one.
 inline constexpr float kOpen = 0.6f, kClosed = 0.15f;
 
+/// Places in rooms, as those who stand there see them: directions looked in; the share of them that
+/// must meet something, as a room may lack one wall; and the share of these that must be fronts, as
+/// inside a solid there are none.
+inline constexpr int kProbes = 48;
+inline constexpr float kEnclosed = 0.7f, kFronts = 0.1f;
+
+/// Evenly spread over the sphere (a Fibonacci lattice). @param i  0 to kProbes - 1, from the top
+Vec3 probe_direction(int i);
+
 /// Looks at a few hundred points of the bounding box. Deterministic.
 FreeSpace survey(const Bvh& bvh);
 

@@ -13,10 +13,8 @@ constexpr int kEyeCandidates = 256;  ///< in one go
 constexpr int kMostGoes = 16;        ///< until enough of them are indoors: a small house in a field
 constexpr int kEnoughIndoors = 12;
 constexpr int kEyesScored = 24;
-constexpr int kProbes = 48;        ///< directions over the sphere that test an eye point
-constexpr float kEnclosed = 0.7f;  ///< share of probes that must hit: a room may lack one wall
-constexpr float kIndoors = 0.85f;  ///< the same for a room with all its walls
-constexpr float kFronts = 0.1f;    ///< share of hits on fronts: inside a solid there are none
+/// Share of probes that must hit in a room with all its walls.
+constexpr float kIndoors = 0.85f;
 constexpr float kMostlyFronts = 0.5f;
 constexpr float kHighestCeiling = 20;  ///< metres above the eye; a dome of sky is farther away
 /// Probes so near the horizon ask for walls: windows take some of a room's, a garden has few.
@@ -55,14 +53,6 @@ struct Eye {
   bool sees_sky = false, lit = true;
   float lowest_floor = INFINITY;  ///< height of the lowest level surface in sight
 };
-
-/// Evenly spread directions (Fibonacci lattice).
-Vec3 probe_direction(int i) {
-  const float y = 1 - 2 * (static_cast<float>(i) + 0.5f) / kProbes;
-  const float radius = std::sqrt(std::max(0.0f, 1 - y * y));
-  const float phi = 2.39996323f * static_cast<float>(i);
-  return {radius * std::cos(phi), y, radius * std::sin(phi)};
-}
 
 struct Search {
   const Bvh& bvh;

@@ -106,10 +106,11 @@ void check_tracing(const Bvh& bvh, const Lights& lights, const RenderOptions& op
 
 image::Image render_reference(const Bvh& bvh, const Lights& lights, const scene::Camera& camera,
                               int width, int height, const RenderOptions& options,
-                              const PixelsDone& done) {
+                              const PixelsDone& done, RadianceLayers* layers) {
   check_view(camera, width, height);
   check_tracing(bvh, lights, options);
   image::Image out(width, height, 3);
+  if (layers != nullptr) layers->emission = layers->direct = layers->indirect = out;
   if (lights.empty()) return out;
   parallel_for(height, 1, [&](int64_t begin, int64_t end) {
     const auto tracer = std::make_unique<PixelTracer>(bvh, lights, camera, width, height, options);
@@ -121,6 +122,10 @@ image::Image render_reference(const Bvh& bvh, const Lights& lights, const scene:
       for (int x = 0; x < width; ++x) {
         const PixelRadiance& seen = row[static_cast<size_t>(x)];
         out.set_rgb(x, static_cast<int>(y), seen.emission + seen.direct + seen.indirect);
+        if (layers == nullptr) continue;
+        layers->emission.set_rgb(x, static_cast<int>(y), seen.emission);
+        layers->direct.set_rgb(x, static_cast<int>(y), seen.direct);
+        layers->indirect.set_rgb(x, static_cast<int>(y), seen.indirect);
       }
       if (done) done(width);
     }

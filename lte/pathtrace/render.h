@@ -22,15 +22,21 @@ struct RenderOptions {
 /// Told of pixels as they are done, by the threads that did them.
 using PixelsDone = std::function<void(int64_t pixels)>;
 
+/// The picture by what light did before it reached the camera: left a light that the camera sees,
+/// was reflected once, or more often. [height, width, 3] each.
+struct RadianceLayers {
+  image::Image emission, direct, indirect;
+};
+
 /// Radiance towards the camera by path tracing; [height, width, 3]. The result depends neither on
 /// threads nor on tiles.
+/// @param layers  its parts, whose sum it is; may be null
 /// @throws lte::Error if a size or an option is not positive or the camera is degenerate.
 image::Image render_reference(const Bvh& bvh, const Lights& lights, const scene::Camera& camera,
                               int width, int height, const RenderOptions& options,
-                              const PixelsDone& done = {});
+                              const PixelsDone& done = {}, RadianceLayers* layers = nullptr);
 
-/// Radiance that a pixel receives, by what it did before: left a light that the camera sees, was
-/// reflected once, or more often.
+/// The parts of a pixel's radiance, as those of RadianceLayers.
 struct PixelRadiance {
   Rgb emission, direct, indirect;
 };

@@ -18,7 +18,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-Json to_json(const Vec3& v) { return {v.x, v.y, v.z}; }
 Json to_json(const Vec2& v) { return {v.x, v.y}; }
 /// Writes 0 and 1 without a decimal point.
 Json to_json(float v) { return v == 0 || v == 1 ? Json(static_cast<int>(v)) : Json(v); }
@@ -163,7 +162,7 @@ class Exporter {
     // A power of two as strength: factor * strength gives back the very same floats.
     const float peak = max_component(material.emission);
     const float strength = peak > 1 ? std::exp2(std::ceil(std::log2(peak))) : 1.0f;
-    out["emissiveFactor"] = to_json(material.emission / strength);
+    out["emissiveFactor"] = vector_json(material.emission / strength);
     if (strength != 1) {
       use_extension("KHR_materials_emissive_strength");
       out["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"] = strength;
@@ -201,7 +200,7 @@ class Exporter {
     const float peak = max_component(light.intensity);
     const float intensity = peak > 0 ? std::exp2(std::ceil(std::log2(peak))) : 0.0f;
     Json out{{"name", light.name}, {"intensity", intensity}};
-    if (peak > 0) out["color"] = to_json(light.intensity / intensity);
+    if (peak > 0) out["color"] = vector_json(light.intensity / intensity);
     if (std::isfinite(light.range)) out["range"] = light.range;
     out["type"] = light.kind == LightKind::Point  ? "point"
                   : light.kind == LightKind::Spot ? "spot"

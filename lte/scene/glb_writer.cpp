@@ -17,9 +17,9 @@ constexpr int kFloat = 5126, kUnsignedInt = 5125;
 /// Chunks and views begin at multiples of four bytes.
 size_t padded(size_t size) { return (size + 3) / 4 * 4; }
 
-nlohmann::json to_json(const Vec3& v) { return {v.x, v.y, v.z}; }
-
 }  // namespace
+
+nlohmann::json vector_json(const Vec3& v) { return {v.x, v.y, v.z}; }
 
 int GlbWriter::add_bytes(const void* bytes, size_t size) {
   binary_.resize(padded(binary_.size()));
@@ -42,8 +42,8 @@ int GlbWriter::add_positions(const std::vector<Vec3>& values) {
   const int accessor = add_vectors(values);
   Bounds box;  // which the format demands for positions
   for (const Vec3& p : values) box.extend(p);
-  json_["accessors"].back()["min"] = to_json(box.low);
-  json_["accessors"].back()["max"] = to_json(box.high);
+  json_["accessors"].back()["min"] = vector_json(box.low);
+  json_["accessors"].back()["max"] = vector_json(box.high);
   return accessor;
 }
 

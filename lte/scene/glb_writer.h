@@ -13,6 +13,9 @@
 
 namespace lte::scene {
 
+/// The three numbers.
+nlohmann::json vector_json(const Vec3& v);
+
 class GlbWriter {
  public:
   /// The document; the caller adds to it, this class fills bufferViews, accessors and buffers.

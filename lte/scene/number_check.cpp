@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lte/base/check.h"
+#include "lte/scene/inverse_transpose.h"
 
 namespace lte::scene {
 namespace {
@@ -114,23 +115,12 @@ void check_cameras(const std::string& file, const Scene& scene) {
 }  // namespace
 
 double inverse_stretch(const Affine& transform) {
-  const auto& m = transform.m;
-  double cofactor[3][3];
-  for (int i = 0; i < 3; ++i) {
-    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
-    for (int j = 0; j < 3; ++j) {
-      const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-      cofactor[i][j] = double{m[i1][j1]} * m[i2][j2] - double{m[i1][j2]} * m[i2][j1];
-    }
-  }
-  const double determinant =
-      m[0][0] * cofactor[0][0] + m[0][1] * cofactor[0][1] + m[0][2] * cofactor[0][2];
-  if (determinant == 0 || !std::isfinite(determinant))
-    return std::numeric_limits<double>::infinity();
+  const std::optional<Matrix3> inverse = inverse_transpose(transform);
+  if (!inverse) return std::numeric_limits<double>::infinity();
   double largest = 0;
-  for (int j = 0; j < 3; ++j) {  // row j of the inverse is column j of the cofactors
+  for (size_t j = 0; j < 3; ++j) {  // row j of the inverse is column j of its transpose
     double sum = 0;
-    for (int i = 0; i < 3; ++i) sum += std::abs(cofactor[i][j] / determinant);
+    for (size_t i = 0; i < 3; ++i) sum += std::abs((*inverse)[i][j]);
     largest = std::max(largest, sum);
   }
   return largest;

@@ -81,9 +81,9 @@ def round_of(target: str, seconds: int, left: int, row: dict) -> None:
     for folder in (grown, findings):
         folder.mkdir(parents=True, exist_ok=True)
     command = [str(BUILD / "bin" / f"lte_{target}_fuzz"), f"-max_len={MAX_BYTES[target]}",
-               "-timeout=20", "-rss_limit_mb=3000", f"-max_total_time={seconds}", f"-runs={left}",
-               "-print_final_stats=1", f"-artifact_prefix={findings}/", str(grown),
-               *seeds(target)]
+               "-timeout=120", "-rss_limit_mb=3000", f"-max_total_time={seconds}", f"-runs={left}",
+               "-print_final_stats=1", "-print_funcs=0", f"-artifact_prefix={findings}/",
+               str(grown), *seeds(target)]
     # LibTorch keeps what it has until the end; leaks of ours are looked for in the other targets.
     environment = dict(os.environ, ASAN_OPTIONS=f"detect_leaks={int(target != 'render')}")
     begin = time.monotonic()

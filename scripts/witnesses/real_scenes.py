@@ -88,6 +88,11 @@ def warnings_of(text):
     return [line[len("warning: "):] for line in text.splitlines() if line.startswith("warning: ")]
 
 
+def traced_of(text):
+    """What the picture has of path tracing in the network's place: metal, suns."""
+    return [line for line in text.splitlines() if "path-traced" in line]
+
+
 def error_of(result, timeout):
     """The line that says why a run failed; empty if it did not."""
     if result["rc"] == 0:
@@ -165,7 +170,7 @@ def rendered(scene, folder, arguments, has_add_light):
     """Renders and compares one scene; the record that results.json keeps."""
     tool = str(arguments.build / "bin" / "lte_render")
     light = light_for(scene, tool, has_add_light, arguments.timeout)
-    record = {"added": " ".join(light), "warnings": [], "error": ""}
+    record = {"added": " ".join(light), "warnings": [], "traced": [], "error": ""}
     both = {"network": [], "reference": ["--mode", "reference", "--spp", str(arguments.spp)]}
     if arguments.checkpoint:
         both["network"] = ["--checkpoint", str(arguments.checkpoint)]
@@ -185,6 +190,8 @@ def rendered(scene, folder, arguments, has_add_light):
         for line in warnings_of(result["stderr"]):
             if line not in record["warnings"]:
                 record["warnings"].append(line)
+        if name == "network":
+            record["traced"] = traced_of(result["stderr"])
         record["error"] = error_of(result, arguments.timeout).removeprefix("lte_render: ").replace(
             str(scene), scene.name)
         if record["error"]:
@@ -245,7 +252,8 @@ def summary(records, left_out):
     text = (f"{len(records)} scenes: {sum(map(is_close, records))} within {CLOSE:.0%} of the "
             f"reference's mean radiance, {len(off)} farther off ({silent} of them without a "
             f"warning), {black} black in the reference, {len(records) - len(drawn)} refused or "
-            f"failed; {sum(bool(r['warnings']) for r in drawn)} drawn with a warning")
+            f"failed; {sum(bool(r['warnings']) for r in drawn)} drawn with a warning, "
+            f"{sum(bool(r['traced']) for r in drawn)} with paths for metal or suns")
     return text + (f"; {left_out} files are parts of other scenes" if left_out else "")
 
 
@@ -281,6 +289,8 @@ def scene_html(record, folder):
         folder / "reference.png", "path tracing") + "</div>"
     if record["added"]:
         yield f"<p class=note>added: {html.escape(record['added'])}</p>"
+    for line in record["traced"]:
+        yield f"<p class=note>{html.escape(line)}</p>"
     if record["warnings"]:
         yield "<ul class=note>" + "".join(
             f"<li>{html.escape(line)}</li>" for line in record["warnings"]) + "</ul>"
@@ -307,7 +317,9 @@ def table(records):
     yield "| scene | ratio | 8×8 | pixels | s | MiB | added | says |"
     yield "|---|---|---|---|---|---|---|---|"
     for r in records:
-        says = r["error"] or (f"{len(r['warnings'])} warnings" if r["warnings"] else "")
+        says = r["error"] or ", ".join(
+            ([f"{len(r['warnings'])} warnings"] if r["warnings"] else [])
+            + (["paths"] if r["traced"] else []))
         yield (f"| {r['scene']} | {figure(r.get('ratio'))} | {figure(r.get('block_rmse'))} | "
                f"{figure(r.get('rmse'))} | {figure(r['network']['seconds'], '{:.1f}')} | "
                f"{r['network']['peak_mb']} | {r['added']} | {says} |")

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <unistd.h>
 
@@ -36,7 +37,12 @@ inline const std::filesystem::path& folder() {
   return path;
 }
 
+/// Whether the scene that is written now holds the secret itself: the fuzzer learns it from the
+/// comparison below, and a message may quote the scene's own files.
+inline bool knows_secret = false;
+
 inline void write(const std::string& name, std::string_view bytes) {
+  knows_secret = knows_secret || bytes.find(kSecret) != bytes.npos;
   std::ofstream(folder() / name, std::ios::binary) << bytes;
 }
 
@@ -55,12 +61,13 @@ inline scene::LoadLimits small_limits() {
 /// Nothing if the file is refused. An lte::Error that names the file is a good answer; anything
 /// else is a finding.
 inline std::optional<scene::Scene> load(const std::string& name, const scene::LoadLimits& limits) {
+  const bool may_quote = std::exchange(knows_secret, false);
   try {
     return scene::load_scene(folder() / name, limits);
   } catch (const Error& error) {
     const std::string_view what = error.what();
     if (what.find(folder().string()) == what.npos || what.find('\n') != what.npos) std::abort();
-    if (what.find(kSecret) != what.npos) std::abort();
+    if (!may_quote && what.find(kSecret) != what.npos) std::abort();
     return std::nullopt;
   }
 }

@@ -107,11 +107,42 @@ TEST_F(Tools, ASunThatTheModelHasNeverSeenIsSaidInOneLine) {
   const std::string words = "1 directional light, but the model was trained without any";
   const Outcome unseen = render_sunny(" --checkpoint " + at("tiny.safetensors"));
   EXPECT_EQ(unseen.code, 0);
-  EXPECT_THAT(unseen.text, AllOf(HasSubstr(words), HasSubstr("--mode reference")));
+  EXPECT_THAT(unseen.text, AllOf(HasSubstr(words), HasSubstr("indirect light is path-traced"),
+                                 testing::Not(HasSubstr("warning"))));
   EXPECT_EQ(unseen.text.find(words), unseen.text.rfind(words));
+  const Outcome asked = render_sunny(" --untrained-light network --checkpoint " +
+                                     at("tiny.safetensors") + " --json " + at("asked.json"));
+  EXPECT_THAT(asked.text,
+              AllOf(HasSubstr("warning"), HasSubstr(words), HasSubstr("--untrained-light trace")));
+  EXPECT_EQ(asked.text.find(words), asked.text.rfind(words));
   EXPECT_THAT(render_sunny(" --checkpoint " + at("suns.safetensors")).text,
               testing::Not(HasSubstr(words)));
   EXPECT_THAT(render_sunny(" --mode reference --spp 1").text, testing::Not(HasSubstr(words)));
+  EXPECT_THAT(render_sunny(" --output direct").text, testing::Not(HasSubstr(words)));
+  expect_failure(render_sunny(" --untrained-light guess"), 2, HasSubstr("--untrained-light"));
+}
+
+TEST_F(Tools, LightThatTheModelHasNeverSeenIsTracedInItsPlace) {
+  scene::Scene sunny = test::dark_room();
+  test::add_punctual(&sunny, scene::LightKind::Directional, {5, 5, 5});
+  scene::write_glb(at("sunny.glb"), sunny);
+  const auto figures = [](const std::string& rest) {
+    const Outcome done =
+        run_tool("lte_render", at("sunny.glb") + " --quiet --size 24x16 --aa off --out " +
+                                   at("sunny.exr") + " --checkpoint " + at("tiny.safetensors") +
+                                   " --json " + at("sunny.json") + rest);
+    EXPECT_EQ(done.code, 0) << done.text;
+    return nlohmann::json::parse(read_file(at("sunny.json")));
+  };
+  const nlohmann::json asked = figures(" --untrained-light network");
+  EXPECT_EQ(asked.at("traced_pixels"), 0);
+  EXPECT_GT(asked.at("decoded_pixels"), 100);
+  const nlohmann::json traced = figures("");
+  EXPECT_EQ(traced.at("traced_pixels"), asked.at("decoded_pixels"));
+  EXPECT_EQ(traced.at("decoded_pixels"), 0);
+  const image::Image indirect = image::read_exr(at("sunny.exr"), "indirect");
+  figures(" --mode reference --output gi");
+  EXPECT_EQ(indirect.pixels, image::read_exr(at("sunny.exr"), "indirect").pixels);
 }
 
 TEST_F(Tools, TheSameSeedGivesTheSamePictureAndExposureIsRespected) {

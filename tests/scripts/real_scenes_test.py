@@ -63,6 +63,15 @@ class Figures(unittest.TestCase):
         self.assertEqual(records[0]["error"], "broken")
 
 
+class Lines(unittest.TestCase):
+    def test_warnings_and_what_was_traced(self):
+        text = ("room.glb: 12 triangles\nroom.glb: 1 directional light, but the model was trained "
+                "without any: indirect light is path-traced, 64 paths a pixel\nwarning: dark\n")
+        self.assertEqual(real_scenes.warnings_of(text), ["dark"])
+        self.assertEqual(len(real_scenes.traced_of(text)), 1)
+        self.assertIn("directional", real_scenes.traced_of(text)[0])
+
+
 class Files(unittest.TestCase):
     def test_parts_of_scenes_are_left_out(self):
         with tempfile.TemporaryDirectory() as name:

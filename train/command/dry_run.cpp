@@ -2,15 +2,12 @@
 
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
-
 #include "lte/base/text.h"
 #include "lte/nn/cost.h"
+#include "train/log/json.h"
 
 namespace lte::train {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 int64_t points_of(const TrainConfig& config) {
   return config.data.scene_points > 0 ? config.data.scene_points : DataConfig().scene_points;

@@ -2,19 +2,14 @@
 
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
 #include "lte/base/file.h"
 #include "lte/base/text.h"
+#include "train/log/json.h"
 
 namespace lte::train {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 std::string figure(double value) { return std::isfinite(value) ? formatted("%.3g", value) : "-"; }
-
-Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json health_json(const HealthReport& report) {
   Json json = {{"stages", Json::array()}, {"modules", Json::array()}, {"faults", report.faults()}};

@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <sstream>
 
-#include <nlohmann/json.hpp>
-
 #include "lte/base/check.h"
 #include "lte/base/file.h"
+#include "train/log/json.h"
 
 namespace lte::train {
 namespace {
-
-using Json = nlohmann::json;
 
 void add_numbers(const Json& object, double step, std::map<std::string, Series>* out) {
   for (const auto& [name, value] : object.items()) {

@@ -8,7 +8,6 @@
 #include <system_error>
 
 #include <ATen/Parallel.h>
-#include <nlohmann/json.hpp>
 
 #include "lte/base/check.h"
 #include "lte/base/file.h"
@@ -21,14 +20,13 @@
 #include "train/command/dry_run.h"
 #include "train/command/run_files.h"
 #include "train/distributed/rank.h"
+#include "train/log/json.h"
 #include "train/loop/overfit.h"
 #include "train/loop/rate_sweep.h"
 #include "train/loop/trainer.h"
 
 namespace lte::train {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 void add_configuration(CLI::App& app, RunOptions* options) {
   app.add_option("--config", options->config,
@@ -81,8 +79,6 @@ void check_files(const RunOptions& options, const TrainConfig& config, CommandFi
   files->check();
   files->check_what_was_read();
 }
-
-Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json summary_json(const TrainConfig& config, const TrainSummary& summary) {
   Json json = {{"output", config.output},

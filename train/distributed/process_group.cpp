@@ -67,6 +67,8 @@ void write(c10d::Store& store, const std::string& name, const std::string& text)
   store.set(name, std::vector<uint8_t>(text.begin(), text.end()));
 }
 
+}  // namespace
+
 /// Counts up in the store while it lives, and looks for a verdict there: a process that waits for
 /// one which waits for the culprit hears of it only when rank 0 leaves, and then the store is gone.
 class Heartbeat {
@@ -114,8 +116,6 @@ class Heartbeat {
 
   std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
 };
-
-}  // namespace
 
 struct ProcessGroup::State {
   c10::intrusive_ptr<c10d::TCPStore> store;  ///< of the collectives

@@ -16,8 +16,6 @@
 namespace lte::train {
 namespace {
 
-using c10d::ProcessGroup;
-
 #ifdef LTE_HAS_GLOO
 c10::intrusive_ptr<c10d::Backend> gloo_backend(const c10::intrusive_ptr<c10d::Store>& store,
                                                const Rank& rank,
@@ -61,12 +59,13 @@ c10::intrusive_ptr<c10d::Backend> nccl_backend(const c10::intrusive_ptr<c10d::St
 
 }  // namespace
 
-c10::intrusive_ptr<ProcessGroup> make_backend(const c10::intrusive_ptr<c10d::Store>& store,
-                                              const Rank& rank, at::Device device,
-                                              std::chrono::milliseconds timeout) {
-  auto group = c10::make_intrusive<ProcessGroup>(store, rank.index, rank.count);
+c10::intrusive_ptr<c10d::ProcessGroup> make_backend(const c10::intrusive_ptr<c10d::Store>& store,
+                                                    const Rank& rank, at::Device device,
+                                                    std::chrono::milliseconds timeout) {
+  auto group = c10::make_intrusive<c10d::ProcessGroup>(store, rank.index, rank.count);
   const bool cpu = device.is_cpu();
-  const auto type = cpu ? ProcessGroup::BackendType::GLOO : ProcessGroup::BackendType::NCCL;
+  const auto type =
+      cpu ? c10d::ProcessGroup::BackendType::GLOO : c10d::ProcessGroup::BackendType::NCCL;
   auto backend = cpu ? gloo_backend(store, rank, timeout) : nccl_backend(store, rank, timeout);
   backend->setSequenceNumberForGroup();
   group->setBackend(device.type(), type, backend);

@@ -5,16 +5,13 @@
 #include <sstream>
 #include <string_view>
 
-#include <nlohmann/json.hpp>
-
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
+#include "train/log/json.h"
 
 namespace lte::train {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string kept_lines(const std::string& text, int64_t resume_step) {
   std::string kept;

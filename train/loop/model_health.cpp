@@ -14,6 +14,7 @@
 #include "train/data/batch.h"
 #include "train/data/run_data.h"
 #include "train/loop/scene_gradients.h"
+#include "train/loop/validate.h"
 #include "train/optim/optimizer.h"
 #include "train/optim/weight_movement.h"
 
@@ -62,11 +63,6 @@ void add_stages(const std::vector<nn::StageHealth>& stages, std::vector<nn::Stag
     sum.varying += stages[i].varying;
     sum.entropy += stages[i].entropy;
   }
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values.empty() ? 0 : values[values.size() / 2];
 }
 
 }  // namespace

@@ -8,12 +8,6 @@
 namespace lte::train {
 namespace {
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const size_t n = values.size();
-  return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
-}
-
 struct SceneErrors {
   double loss = 0, mse = 0, psnr = 0, relmse = 0, bias = 0;
 };
@@ -43,6 +37,13 @@ std::vector<std::pair<std::string, double>> ValidationResult::fields() const {
           {"val_psnr", psnr}, {"val_relmse", relmse},           {"val_bias", bias}};
 }
 
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const size_t n = values.size();
+  return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
+}
+
 ValidationResult validate(nn::LightTransportModel& model, const std::vector<Example>& examples,
                           const nn::LossConfig& loss, at::Device device) {
   const torch::NoGradGuard no_grad;
@@ -64,7 +65,7 @@ ValidationResult validate(nn::LightTransportModel& model, const std::vector<Exam
     result.relmse += errors.relmse / count;
     result.bias += errors.bias / count;
   }
-  if (!losses.empty()) result.loss_median = median(losses);
+  result.loss_median = median(losses);
   model->train(was_training);
   return result;
 }

@@ -28,6 +28,9 @@ struct ValidationResult {
   std::vector<std::pair<std::string, double>> fields() const;
 };
 
+/// Of an even number of values the mean of the two in the middle; 0 of none.
+double median(std::vector<double> values);
+
 /// Runs the model in evaluation mode and without gradients, and puts its mode back.
 ValidationResult validate(nn::LightTransportModel& model, const std::vector<Example>& examples,
                           const nn::LossConfig& loss, at::Device device);

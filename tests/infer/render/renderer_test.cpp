@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "infer/common/lit_samples.h"
-#include "infer/common/untrained_light.h"
 #include "lte/base/check.h"
 #include "lte/pathtrace/auto_camera.h"
 #include "lte/pathtrace/irradiance.h"
@@ -122,6 +121,43 @@ TEST(Renderer, ReferenceAgreesWithTheClosedFormAndHasNoIndirectLightOverABlackCe
   EXPECT_NEAR(irradiance, wanted_irradiance, 0.01 * wanted_irradiance);
   EXPECT_NEAR(radiance, 0.5 / kPi * wanted_irradiance, 0.01 * 0.5 / kPi * wanted_irradiance);
   EXPECT_THAT(gi.color.pixels, testing::Each(0.0f));
+  double layer = 0;
+  for (size_t i = 0; i < expected.size(); ++i) layer += full.direct.pixels[3 * i];
+  EXPECT_NEAR(layer, wanted_irradiance, 0.01 * wanted_irradiance);
+  EXPECT_THAT(full.indirect.pixels, testing::Each(0.0f));
+}
+
+TEST(Renderer, LayersOfAFullReferenceAddUpToIt) {
+  const scene::Scene scene = test::furnished_room();
+  Renderer renderer(scene);
+  const scene::Camera camera = pathtrace::auto_camera(renderer.bvh());
+  RenderSettings wanted = settings(Output::Full, Mode::Reference);
+  const Frame full = renderer.render(camera, wanted);
+  double direct = 0, indirect = 0;
+  for (size_t i = 0; i < full.color.pixels.size(); ++i) {
+    const float sum =
+        full.emission.pixels[i] +
+        full.albedo.pixels[i] / kPi * (full.direct.pixels[i] + full.indirect.pixels[i]);
+    EXPECT_NEAR(full.color.pixels[i], sum, 1e-5f * (1 + sum));
+    direct += full.albedo.pixels[i] * full.direct.pixels[i];
+    indirect += full.albedo.pixels[i] * full.indirect.pixels[i];
+  }
+  wanted.layers = false;
+  const Frame bare = renderer.render(camera, wanted);
+  EXPECT_EQ(bare.color.pixels, full.color.pixels);
+  EXPECT_EQ(bare.direct.width, 0);
+  // The same light, asked for at points in the middle of pixels.
+  wanted.layers = true;
+  wanted.output = Output::Gi;
+  wanted.spp = 256;
+  const Frame points = renderer.render(camera, wanted);
+  double at_points[2] = {0, 0};
+  for (size_t i = 0; i < points.albedo.pixels.size(); ++i) {
+    at_points[0] += points.albedo.pixels[i] * points.direct.pixels[i];
+    at_points[1] += points.albedo.pixels[i] * points.indirect.pixels[i];
+  }
+  EXPECT_NEAR(direct, at_points[0], 0.1 * at_points[0]);
+  EXPECT_NEAR(indirect, at_points[1], 0.1 * at_points[1]);
 }
 
 TEST(Renderer, FullIsReflectedDirectAndIndirectLightAndEmission) {
@@ -295,45 +331,6 @@ TEST(Renderer, AScenePrunedToItsOnlyPointLightOrSunIsLit) {
         {"in", {3.8f, 1.2f, 0.2f}, {0, 1, 0.2f}, {0, 1, 0}, 70}, settings(Output::Irradiance));
     EXPECT_GT(*std::max_element(frame.indirect.pixels.begin(), frame.indirect.pixels.end()), 0);
   }
-}
-
-TEST(UntrainedLight, IsNamedUntilAModelHasSeenSuns) {
-  scene::Scene scene = test::dark_room();
-  scene.name = "attic";
-  nn::ModelMetadata model;
-  EXPECT_EQ(untrained_light_note(scene, model), "");
-  test::add_punctual(&scene, scene::LightKind::Spot, {1, 1, 1});
-  test::add_punctual(&scene, scene::LightKind::Directional, {0, 0, 0});
-  EXPECT_EQ(untrained_light_note(scene, model), "") << "a black sun is none";
-  test::add_punctual(&scene, scene::LightKind::Directional, {1, 1, 1});
-  EXPECT_THAT(untrained_light_note(scene, model),
-              testing::AllOf(testing::HasSubstr("attic: 1 directional light,"),
-                             testing::HasSubstr("--mode reference")));
-  model.suns = true;
-  EXPECT_EQ(untrained_light_note(scene, model), "");
-}
-
-TEST(UntrainedLight, SunsLeaveThePointsOfAModelThatKnowsNoneWhereOtherLightShines) {
-  scene::Scene scene = test::dark_room();
-  test::add_punctual(&scene, scene::LightKind::Directional, {1, 1, 1});
-  const int sun = scene.lights.back().light_group;
-  nn::ModelMetadata model;
-  const auto points_of_the_sun = [&] {
-    const pathtrace::Bvh bvh(scene);
-    scene::SurfaceSamples samples = sample_scene_points(bvh, 500, /*prune=*/false, 0, nullptr);
-    const int64_t before = samples.size();
-    leave_out_untrained_suns(scene, model, &samples);
-    const auto left = std::count(samples.light_group.begin(), samples.light_group.end(), sun);
-    EXPECT_EQ(samples.size(), before - 1 + left);
-    EXPECT_EQ(samples.area.size(), samples.position.size());
-    EXPECT_EQ(samples.emission.size(), samples.position.size());
-    return left;
-  };
-  EXPECT_EQ(points_of_the_sun(), 1) << "no other light: better told than not";
-  test::add_punctual(&scene, scene::LightKind::Point, {1, 1, 1});
-  EXPECT_EQ(points_of_the_sun(), 0);
-  model.suns = true;
-  EXPECT_EQ(points_of_the_sun(), 1);
 }
 
 TEST(LitSamples, HoldTheIrradianceOfTheClosedForm) {
