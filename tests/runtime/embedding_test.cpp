@@ -81,6 +81,11 @@ TEST(Network, AsksForTheLightThatItsModelReads) {
   config.light_input = nn::LightInput::Traced;
   EXPECT_EQ(tiny_network(config).light_request().depth, 5);
   EXPECT_EQ(tiny_network(config).light_request().paths, 32);
+  EXPECT_FALSE(tiny_network(config).light_request().sides);
+  config.light_sides = nn::LightSides::Apart;
+  config.light_variance = true;
+  EXPECT_TRUE(tiny_network(config).light_request().sides);
+  EXPECT_TRUE(tiny_network(config).light_request().errors);
 }
 
 TEST(SceneEmbedding, ArraysAndTensorsGiveTheModelsAnswers) {
