@@ -163,10 +163,11 @@ TEST(Model, RefusesSidesAndErrorsThatAreMissingOrImpossible) {
     edit(&points);
     test::expect_error([&] { irradiance(model, points, queries); }, words);
   };
-  refused([](PointSet* p) { p->direct_back = {}; },
+  refused([](PointSet* p) { p->direct_back = at::Tensor(); },
           {"scene points", "direct irradiance of the back is missing"});
-  refused([](PointSet* p) { p->indirect_back = {}; }, {"indirect irradiance of the back"});
-  refused([](PointSet* p) { p->indirect_error = {}; }, {"standard error", "is missing"});
+  refused([](PointSet* p) { p->indirect_back = at::Tensor(); },
+          {"indirect irradiance of the back"});
+  refused([](PointSet* p) { p->indirect_error = at::Tensor(); }, {"standard error", "is missing"});
   refused([](PointSet* p) { p->indirect_back[7][2] = 4; }, {"row 7", "more than that of both"});
   refused([](PointSet* p) { p->direct_back[7][2] = -1; },
           {"direct irradiance of the back", "row 7"});

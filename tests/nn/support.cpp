@@ -86,7 +86,9 @@ nn::QuerySet box_queries(int64_t Q, uint64_t seed) {
 }
 
 nn::PointSet as_double(nn::PointSet points) {
-  for (at::Tensor* t : points.tensors()) *t = t->to(at::kDouble);
+  for (at::Tensor* t : points.tensors()) {
+    if (t->defined()) *t = t->to(at::kDouble);
+  }
   return points;
 }
 

@@ -117,7 +117,7 @@ TEST(IrradianceCacheMeans, AreTheirFormulas) {
 /// Two sides of which nobody faces the back, and whose backs are dark, are one side.
 TEST(IrradianceCacheMeans, DarkBacksThatNobodyFacesChangeNothing) {
   Cache one(20, 100, 32);
-  one.normal.copy_(one.normal.select(0, 0).expand({20, 3}));
+  one.normal = one.normal.select(0, 0).expand({20, 3}).contiguous();
   const at::Tensor facing = at::matmul(one.normals, one.normal[0]).ge(0).unsqueeze(1);
   one.normals = at::where(facing, one.normals, -one.normals);
   Cache two = one;

@@ -50,8 +50,8 @@ at::Tensor areas(const TrainingScene& scene, const std::vector<int64_t>& rows) {
 }
 
 /// PointSet::indirect_error of the groups' light under their gains.
-at::Tensor errors(const TrainingScene& scene, const Symmetry& symmetry,
-                  const std::vector<int64_t>& rows) {
+at::Tensor light_errors(const TrainingScene& scene, const Symmetry& symmetry,
+                        const std::vector<int64_t>& rows) {
   const size_t M = scene.position.size();
   at::Tensor out = at::empty({static_cast<int64_t>(rows.size()), 2}, at::kFloat);
   auto* values = out.data_ptr<float>();
@@ -94,7 +94,7 @@ nn::PointSet gather_points(const TrainingScene& scene, const Symmetry& symmetry,
   points.indirect = lit(scene.indirect);
   points.direct_back = lit(scene.direct_back);
   points.indirect_back = lit(scene.indirect_back);
-  if (!scene.error.empty()) points.indirect_error = errors(scene, symmetry, rows);
+  if (!scene.error.empty()) points.indirect_error = light_errors(scene, symmetry, rows);
   return points;
 }
 

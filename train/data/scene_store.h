@@ -11,6 +11,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "lte/base/half.h"
 #include "lte/base/math.h"
 #include "lte/data/dataset.h"
 #include "lte/nn/config.h"
