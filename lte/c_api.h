@@ -116,6 +116,12 @@ typedef enum lte_light_input {
   LTE_LIGHT_TRACED = 2    /**< lte_scene_points::direct and indirect */
 } lte_light_input;
 
+/** How it wants the light on the two sides of a surface. */
+typedef enum lte_light_sides {
+  LTE_SIDES_SUM = 0,  /**< together */
+  LTE_SIDES_APART = 1 /**< lte_scene_points::direct_back, and indirect_back if it reads indirect */
+} lte_light_sides;
+
 typedef struct lte_model_info {
   size_t struct_size;
   int64_t channels; /**< D, the network's width */
@@ -130,6 +136,11 @@ typedef struct lte_model_info {
   int32_t suns;                /**< 1: training saw directional lights; 0: answers about them are
                                     those of a network that never met one */
   int32_t reserved;            /**< 0 */
+  int32_t light_sides;         /**< lte_light_sides */
+  int32_t light_variance;      /**< 1: it reads lte_scene_points::indirect_error */
+  int32_t light_paths;         /**< paths a side behind the estimates of the training, if it reads
+                                    light */
+  int32_t light_depth;         /**< surface hits of those paths */
 } lte_model_info;
 
 /** Describes a model.
@@ -179,6 +190,14 @@ typedef struct lte_scene_points {
   int32_t rescale;     /**< 1: a scene wider than the model's scale is shrunk for the network
                             alone; exact for light that comes from surfaces */
   int32_t reserved;    /**< 0 */
+  /** Of direct and indirect, what falls on the side that the normal leaves behind, no more than
+   *  they; where lte_model_info::light_sides asks for it, else data may be NULL. */
+  lte_float3_view direct_back;
+  lte_float3_view indirect_back;
+  /** Two floats a point, without gaps: the standard error of the indirect irradiance that falls on
+   *  the front, and on the back, over its value, of the mean over the channels, in [0, 1] and 0
+   *  where there is no light. Where lte_model_info::light_variance is 1; else it may be NULL. */
+  const float* indirect_error;
 } lte_scene_points;
 
 /** Runs the encoder. */

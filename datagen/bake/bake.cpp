@@ -230,6 +230,27 @@ void sample_points(const pathtrace::Bvh& bvh, const BakeOptions& options, data::
   out->query_albedo = std::move(points.albedo);
 }
 
+std::vector<Half> halves(const std::vector<float>& values) {
+  std::vector<Half> out(values.size());
+  std::transform(values.begin(), values.end(), out.begin(), to_half);
+  return out;
+}
+
+/// What networks read of the light on scene points.
+void bake_light(const Baker& baker, const BakeOptions& options, data::SceneSample* out) {
+  pathtrace::LightEstimates light = pathtrace::estimate_light(
+      baker.bvh(), baker.lights(), out->scene_position, out->scene_normal, out->scene_emission,
+      {.paths = options.light_paths,
+       .max_depth = options.max_depth,
+       .seed = stream_seed(options.seed, Stream::LightEstimates)});
+  out->scene_direct = std::move(light.direct);
+  out->scene_indirect = std::move(light.indirect);
+  out->scene_direct_back = std::move(light.direct_back);
+  out->scene_indirect_back = std::move(light.indirect_back);
+  out->scene_error = halves(light.error);
+  out->scene_error_back = halves(light.error_back);
+}
+
 void bake_incident_points(Baker* baker, const BakeOptions& options, data::SceneSample* out) {
   if (options.incident.points == 0) return;
   baker->begin("incident radiance", incident_paths(options.incident));
@@ -335,14 +356,7 @@ data::SceneSample bake_scene(const scene::Scene& scene, const BakeOptions& optio
   Baker baker(scene, options, show_progress);
   sample_points(baker.bvh(), options, &sample);
   sample.light_groups = baker.groups();
-  pathtrace::LightEstimates light =
-      pathtrace::estimate_light(baker.bvh(), baker.lights(), sample.scene_position,
-                                sample.scene_normal, sample.scene_emission,
-                                {.paths = options.light_paths,
-                                 .max_depth = options.max_depth,
-                                 .seed = stream_seed(options.seed, Stream::LightEstimates)});
-  sample.scene_direct = std::move(light.direct);
-  sample.scene_indirect = std::move(light.indirect);
+  bake_light(baker, options, &sample);
   const size_t N = sample.query_position.size();
   const uint64_t queries = stream_seed(options.seed, Stream::Queries);
   // The number of paths that a target takes is not known in advance.

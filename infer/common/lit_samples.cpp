@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "lte/data/dataset.h"
 #include "lte/data/light_groups.h"
 #include "lte/pathtrace/light_estimates.h"
 
@@ -11,18 +10,31 @@ namespace lte::infer {
 LitSamples add_light_estimates(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                                scene::SurfaceSamples surface, const runtime::LightRequest& input,
                                uint64_t seed) {
-  LitSamples out{std::move(surface), {}, {}};
+  LitSamples out{std::move(surface), {}};
   if (input.depth == 0) return out;
-  const size_t count = out.surface.position.size();
-  out.direct.resize(count);
-  if (input.depth > 1) out.indirect.resize(count);
-  if (lights.empty()) return out;
+  const bool indirect = input.depth > 1;
   const scene::SurfaceSamples& s = out.surface;
+  if (lights.empty()) {
+    const std::vector<Rgb> dark(s.position.size());
+    out.light.direct = dark;
+    if (indirect) out.light.indirect = dark;
+    if (input.sides) out.light.direct_back = dark;
+    if (input.sides && indirect) out.light.indirect_back = dark;
+    if (input.errors) out.light.error.resize(2 * dark.size());
+    return out;
+  }
   const pathtrace::LightEstimates light =
       pathtrace::estimate_light(bvh, lights, s.position, s.normal, s.emission,
                                 {.paths = input.paths, .max_depth = input.depth, .seed = seed});
-  out.direct = data::sum_groups(light.direct, lights.groups(), 1);
-  if (input.depth > 1) out.indirect = data::sum_groups(light.indirect, lights.groups(), 1);
+  data::GroupedLight read{.direct = light.direct};
+  if (indirect) read.indirect = light.indirect;
+  if (input.sides) read.direct_back = light.direct_back;
+  if (input.sides && indirect) read.indirect_back = light.indirect_back;
+  if (input.errors) {
+    read.error = light.error;
+    read.error_back = light.error_back;
+  }
+  out.light = data::sum_groups(read, lights.groups());
   return out;
 }
 

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "infer/common/points.h"
+#include "lte/data/light_groups.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights.h"
 #include "lte/runtime/network.h"
@@ -15,13 +15,13 @@ namespace lte::infer {
 /// Owns what ScenePoints borrows.
 struct LitSamples {
   scene::SurfaceSamples surface;
-  /// W/m², or empty: pathtrace::LightEstimates summed over light groups.
-  std::vector<Rgb> direct, indirect;
+  /// W/m²: pathtrace::LightEstimates summed over light groups; what nobody reads is empty.
+  data::PointLight light;
 
   /// Borrows from this.
   ScenePoints points() const {
-    return {surface.position, surface.normal, surface.albedo, surface.emission,
-            surface.area,     direct,         indirect};
+    return {surface.position, surface.normal, surface.albedo,    surface.emission,    surface.area,
+            light.direct,     light.indirect, light.direct_back, light.indirect_back, light.error};
   }
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <ATen/ATen.h>
@@ -31,14 +32,17 @@ nn::PointSet synthetic_room(int64_t count, uint64_t seed) {
       cumulative.push_back((cumulative.empty() ? 0 : cumulative.back()) + area);
     }
   }
-  nn::PointSet points{
+  nn::PointSet points = {
       at::empty({count, 3}),
       at::zeros({count, 3}),
       at::empty({count, 3}),
       at::zeros({count, 3}),
       at::full({count}, cumulative.back() / static_cast<float>(std::max<int64_t>(count, 1))),
       at::zeros({count, 3}),
-      at::zeros({count, 3})};
+      at::zeros({count, 3}),
+      {},
+      {},
+      {}};
   auto* position = points.position.data_ptr<float>();
   auto* normal = points.normal.data_ptr<float>();
   auto* albedo = points.albedo.data_ptr<float>();
@@ -66,6 +70,19 @@ nn::PointSet synthetic_room(int64_t count, uint64_t seed) {
     auto* values = irradiance.data_ptr<float>();
     for (int64_t i = 0; i < irradiance.numel(); ++i) values[i] = rng.uniform(0, 10);
   }
+  // Furniture and the room are closed: of three points in four the back is dark.
+  points.direct_back = at::zeros({count, 3});
+  points.indirect_back = at::zeros({count, 3});
+  points.indirect_error = at::empty({count, 2});
+  for (const auto& [both, back] : {std::pair{points.direct, points.direct_back},
+                                   std::pair{points.indirect, points.indirect_back}}) {
+    const auto* all = both.const_data_ptr<float>();
+    auto* values = back.data_ptr<float>();
+    for (int64_t i = 0; i < both.numel(); ++i)
+      if (i / 3 % 4 == 0) values[i] = all[i] * rng.uniform();
+  }
+  auto* error = points.indirect_error.data_ptr<float>();
+  for (int64_t i = 0; i < points.indirect_error.numel(); ++i) error[i] = rng.uniform();
   return points;
 }
 

@@ -8,7 +8,7 @@
 namespace lte::infer {
 
 /// Draws `count` points on the surfaces of a furnished box room with a ceiling lamp, float32 on the
-/// CPU, with random irradiance. The same for the same seed.
+/// CPU, with random irradiance on their sides. The same for the same seed.
 nn::PointSet synthetic_room(int64_t count, uint64_t seed);
 
 }  // namespace lte::infer

@@ -51,6 +51,9 @@ std::vector<std::string> point_columns(const nn::ModelConfig& config) {
   std::vector<std::string> out = {"position", "normal", "albedo", "emission", "area"};
   if (config.reads_direct()) out.emplace_back("direct");
   if (config.reads_indirect()) out.emplace_back("indirect");
+  if (config.parts_sides()) out.emplace_back("direct_back");
+  if (config.parts_sides() && config.reads_indirect()) out.emplace_back("indirect_back");
+  if (config.light_variance) out.emplace_back("indirect_error");
   return out;
 }
 
@@ -73,6 +76,9 @@ at::Tensor point_rows(const nn::PointSet& points, const nn::ModelConfig& config)
                                      points.area.unsqueeze(1)};
   if (config.reads_direct()) columns.push_back(points.direct);
   if (config.reads_indirect()) columns.push_back(points.indirect);
+  if (config.parts_sides()) columns.push_back(points.direct_back);
+  if (config.parts_sides() && config.reads_indirect()) columns.push_back(points.indirect_back);
+  if (config.light_variance) columns.push_back(points.indirect_error);
   return at::cat(columns, 1);
 }
 

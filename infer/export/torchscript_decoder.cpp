@@ -99,7 +99,7 @@ std::string torchscript_decoder(const nn::ModelConfig& config) {
                             {"p", "decoder_layer" + std::to_string(l)},
                             {"l", std::to_string(l)}});
   }
-  return (softmax ? kSoftmax : "") + (cached ? torchscript_read_cache() : "") +
+  return (softmax ? kSoftmax : "") + (cached ? torchscript_read_cache(config) : "") +
          fill(kDecode, {{"scale", number(config.scale)},
                         {"neighbours", std::to_string(config.query_neighbours)},
                         {"offset_limit", number(nn::kOffsetLimit)},

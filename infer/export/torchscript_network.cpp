@@ -15,9 +15,6 @@ namespace {
 /// Rows of nn::NeighbourMax worked through at a time: keeps its pairs within some 20 MB.
 constexpr int64_t kPairRows = 1024;
 
-/// Columns of `points` up to the area; irradiance follows, three columns a kind.
-constexpr int64_t kPointColumns = 13;
-
 constexpr const char* kCommon = R"SCRIPT(
 def gelu(self, x: Tensor) -> Tensor:
     return torch.gelu(x, approximate='{gelu_form}')
@@ -133,25 +130,16 @@ std::string table_lines(const nn::ModelConfig& config) {
 }
 
 std::string encode(const nn::ModelConfig& config) {
-  const int64_t lights = (config.reads_direct() ? 1 : 0) + (config.reads_indirect() ? 1 : 0);
-  std::string irradiance;
-  for (int64_t i = 0; i < lights; ++i) {
-    const int64_t from = kPointColumns + 3 * i;
-    irradiance +=
-        fill("    x = torch.cat([x, self.compressed(points[:, {from}:{to}], radiance)], 1)\n",
-             {{"from", std::to_string(from)}, {"to", std::to_string(from + 3)}});
-  }
   constexpr int64_t kLastCell = (int64_t{1} << ops::kCurveBits) - 1;
   return fill(
       kEncode,
       {{"scale", number(config.scale)},
        {"largest_position", number(nn::kLargestPosition)},
        {"least_spacing", number(nn::kLeastSpacing)},
-       {"columns", std::to_string(kPointColumns + 3 * lights)},
-       {"light", std::string(lights > 0 ? ", direct irradiance" : "") +
-                     (lights > 1 ? ", indirect irradiance" : "")},
-       {"irradiance", irradiance},
-       {"fill_cache", config.reads_indirect() ? torchscript_fill_cache() : ""},
+       {"columns", std::to_string(kPointColumns + light_columns(config))},
+       {"light", light_column_names(config)},
+       {"irradiance", torchscript_read_light(config)},
+       {"fill_cache", torchscript_fill_cache(config)},
        {"k", std::to_string(config.nne_neighbours)},
        {"grid", number(config.grid_per_spacing)},
        {"last_cell", number(kLastCell)},

@@ -15,7 +15,9 @@ std::string torchscript_attribute(const std::string& parameter);
 ///
 ///     encode(points: Tensor) -> Dict[str, Tensor]
 ///         points [M, 13]: position, normal, albedo, emission, area; then as the model's
-///         light_input asks, direct irradiance [M, 16], and indirect irradiance [M, 19]
+///         light_input asks, direct irradiance [M, 16], and indirect irradiance [M, 19]; then if
+///         its light_sides are apart, that of the back of each kind [M, 25]; then if it reads
+///         light_variance, the errors of front and back [M, 27]
 ///     decode(embedding: Dict[str, Tensor], queries: Tensor) -> Tensor
 ///         queries [Q, 9]: position, normal, albedo; result [Q, 3] irradiance, W/m²
 ///     forward(points: Tensor, queries: Tensor) -> Tensor

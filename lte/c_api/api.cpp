@@ -43,8 +43,9 @@ void apply_threads() {
 
 lte_embedding* encode(const lte_model* model, const lte_scene_points* points, c10::Device memory) {
   apply_threads();
-  return new lte_embedding{
-      lte::c_api::encode(model->network, read_struct(points, "lte_scene_points"), memory)};
+  return new lte_embedding{lte::c_api::encode(
+      model->network,
+      read_struct(points, "lte_scene_points", offsetof(lte_scene_points, direct_back)), memory)};
 }
 
 void decode(const lte_embedding* embedding, const lte_queries* queries, c10::Device memory,
@@ -70,6 +71,13 @@ lte_model_info info_of(const lte::runtime::Network& network) {
                      : config.reads_direct()   ? LTE_LIGHT_DIRECT
                                                : LTE_LIGHT_EMISSION;
   info.suns = network.metadata().suns;
+  info.light_sides =
+      config.parts_sides() && config.reads_estimates() ? LTE_SIDES_APART : LTE_SIDES_SUM;
+  info.light_variance = config.light_variance;
+  if (config.reads_direct()) {
+    info.light_paths = network.metadata().light_paths;
+    info.light_depth = network.metadata().light_depth_of(config);
+  }
   return info;
 }
 

@@ -68,11 +68,16 @@ nn::PointSet borrow_points(const lte_scene_points& p, at::Device memory) {
   points.normal = borrow_triples(p.normal, M, memory, "scene points: normal");
   points.albedo = borrow_triples(p.albedo, M, memory, "scene points: albedo");
   points.emission = borrow_triples(p.emission, M, memory, "scene points: emission");
-  if (p.direct.data != nullptr) {
-    points.direct = borrow_triples(p.direct, M, memory, "scene points: direct");
-  }
-  if (p.indirect.data != nullptr) {
-    points.indirect = borrow_triples(p.indirect, M, memory, "scene points: indirect");
+  const auto borrow_light = [&](const lte_float3_view& view, const char* name) {
+    return view.data == nullptr ? at::Tensor() : borrow_triples(view, M, memory, name);
+  };
+  points.direct = borrow_light(p.direct, "scene points: direct");
+  points.indirect = borrow_light(p.indirect, "scene points: indirect");
+  points.direct_back = borrow_light(p.direct_back, "scene points: direct_back");
+  points.indirect_back = borrow_light(p.indirect_back, "scene points: indirect_back");
+  if (p.indirect_error != nullptr) {
+    points.indirect_error =
+        borrow_floats(p.indirect_error, 2 * M, memory, "scene points: indirect_error").view({M, 2});
   }
   points.area = p.area == nullptr ? at::ones({M}, points.position.options())
                                   : borrow_floats(p.area, M, memory, "scene points: area");

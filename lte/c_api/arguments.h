@@ -19,21 +19,26 @@ namespace lte::c_api {
 /// Bytes by which a later version's struct may be longer; more means that struct_size was not set.
 inline constexpr size_t kGrowth = 4096;
 
-/// Returns a copy of the caller's struct.
-/// @throws ApiError if it is null, shorter than ours, or longer with anything but zeros at the end.
+/// Returns a copy of the caller's struct; fields that it does not have yet are 0.
+/// @param first  its size when the interface's version was new: callers built then have that much
+/// @throws ApiError if it is null, shorter, or longer than ours with anything but zeros at the end.
 template <typename T>
-T read_struct(const T* from, const char* name) {
+T read_struct(const T* from, const char* name, size_t first = sizeof(T)) {
   require(from != nullptr, name, " is null");
   size_t size = 0;
   std::memcpy(&size, from, sizeof size);
-  require(size >= sizeof(T) && size <= sizeof(T) + kGrowth, name, ": struct_size is ", size,
+  require(size >= first && size <= sizeof(T) + kGrowth, name, ": struct_size is ", size,
           ", expected sizeof(", name, "), ", sizeof(T));
   const auto* bytes = reinterpret_cast<const char*>(from);
-  const bool later = std::any_of(bytes + sizeof(T), bytes + size, [](char b) { return b != 0; });
+  const auto* end = bytes + size;
+  const bool later =
+      size > sizeof(T) && std::any_of(bytes + sizeof(T), end, [](char b) { return b != 0; });
   require(!later, name, " has fields that this library, version ", LTE_C_API_VERSION,
           " of the interface, does not know");
-  require(from->reserved == 0, name, ": reserved is ", from->reserved, ", expected 0");
-  return *from;
+  T values = {};
+  std::memcpy(&values, from, std::min(size, sizeof(T)));
+  require(values.reserved == 0, name, ": reserved is ", values.reserved, ", expected 0");
+  return values;
 }
 
 /// Fills the caller's struct as far as it goes; fields that a later version has at the end stay as

@@ -1,5 +1,6 @@
 #include "lte/data/light_groups.h"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace lte::data {
@@ -13,6 +14,32 @@ std::vector<Rgb> sum_groups(std::span<const Rgb> values, int64_t groups, double 
     out[i] *= static_cast<float>(factor);
   }
   return out;
+}
+
+std::vector<float> to_floats(std::span<const Half> values) {
+  std::vector<float> out(values.size());
+  std::transform(values.begin(), values.end(), out.begin(), to_float);
+  return out;
+}
+
+PointLight sum_groups(const GroupedLight& light, int64_t groups) {
+  PointLight sum{sum_groups(light.direct, groups, 1),
+                 sum_groups(light.indirect, groups, 1),
+                 sum_groups(light.direct_back, groups, 1),
+                 sum_groups(light.indirect_back, groups, 1),
+                 {}};
+  if (light.error.empty()) return sum;
+  const size_t count = sum.indirect.size();
+  for (size_t i = 0; i < count; ++i) {
+    ErrorOfSum front, back;
+    for (size_t at = i; at < light.error.size(); at += count) {
+      front.add(light.error[at], light.indirect[at] - light.indirect_back[at]);
+      back.add(light.error_back[at], light.indirect_back[at]);
+    }
+    sum.error.push_back(front.relative());
+    sum.error.push_back(back.relative());
+  }
+  return sum;
 }
 
 }  // namespace lte::data

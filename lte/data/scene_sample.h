@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "lte/base/half.h"
 #include "lte/base/math.h"
 #include "lte/data/incident_field.h"
 #include "lte/data/tensor_rule.h"
@@ -49,6 +50,11 @@ struct SceneSample {
   /// surface together, 0 at luminaires (pathtrace::estimate_light()). Both empty in files of
   /// earlier versions.
   std::vector<Rgb> scene_direct, scene_indirect;
+  /// Of these, what falls on the side that the normal leaves behind; and the standard error of
+  /// indirect irradiance on either side over its value (pathtrace::LightEstimates). All empty in
+  /// files of earlier versions.
+  std::vector<Rgb> scene_direct_back, scene_indirect_back;
+  std::vector<Half> scene_error, scene_error_back;
   /// As scene::Material has them; both empty where nothing is metal.
   std::vector<float> scene_metallic, scene_roughness;
   // Query points, [N]
@@ -86,6 +92,11 @@ void for_each_scene_tensor(Sample& sample, Visitor&& visit) {
   visit({"scene_light", {M}, LightGroup}, sample.scene_light);
   visit({"scene_direct", {G, M}, NonNegative, "scene_direct"}, sample.scene_direct);
   visit({"scene_indirect", {G, M}, NonNegative, "scene_direct"}, sample.scene_indirect);
+  const std::string back = "scene_direct_back";
+  visit({back, {G, M}, NonNegative, back}, sample.scene_direct_back);
+  visit({"scene_indirect_back", {G, M}, NonNegative, back}, sample.scene_indirect_back);
+  visit({"scene_error", {G, M}, Share, back}, sample.scene_error);
+  visit({"scene_error_back", {G, M}, Share, back}, sample.scene_error_back);
   visit({"scene_metallic", {M}, Share, "scene_metallic"}, sample.scene_metallic);
   visit({"scene_roughness", {M}, Share, "scene_metallic"}, sample.scene_roughness);
 }

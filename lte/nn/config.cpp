@@ -16,6 +16,8 @@ std::string text(double value) {
   return {digits.data(), end};
 }
 
+std::string text(bool value) { return value ? "true" : "false"; }
+
 std::string text(int64_t value) { return std::to_string(value); }
 
 template <EnumClass Enum>
@@ -56,6 +58,16 @@ void check_rotary(const ModelConfig& c) {
   }
 }
 
+void check_light(const ModelConfig& c) {
+  LTE_CHECK(!c.parts_sides() || c.reads_direct(),
+            "model.light_sides apart: model.light_input must be direct or traced, got ",
+            enum_name(c.light_input));
+  LTE_CHECK(!c.light_variance || (c.parts_sides() && c.light_input == LightInput::Traced),
+            "model.light_variance: model.light_input must be traced and model.light_sides apart, "
+            "got ",
+            enum_name(c.light_input), " and ", enum_name(c.light_sides));
+}
+
 void check(const ModelConfig& c) {
   check_at_least("channels", c.channels, 1);
   check_at_least("nne_neighbours", c.nne_neighbours, 1);
@@ -80,6 +92,7 @@ void check(const ModelConfig& c) {
     }
   }
   if (c.rotates_attention()) check_rotary(c);
+  check_light(c);
   LTE_CHECK(c.grid_per_spacing > 0, "model.grid_per_spacing must be positive, got ",
             c.grid_per_spacing);
   LTE_CHECK(c.dropout >= 0 && c.dropout < 1, "model.dropout must be in [0, 1), got ", c.dropout);
@@ -113,6 +126,8 @@ void for_each_field(Configuration& config, const Visit& visit) {
   visit("query_attention", config.query_attention);
   visit("ffn_ratio", config.ffn_ratio);
   visit("light_input", config.light_input);
+  visit("light_sides", config.light_sides);
+  visit("light_variance", config.light_variance);
   visit("target", config.target);
   visit("scale", config.scale);
   visit("output_mean", config.output_mean);

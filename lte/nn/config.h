@@ -13,6 +13,8 @@ namespace lte::nn {
 
 /// Columns of what a query reads of the light around it (lte/nn/light_cache.h).
 inline constexpr int64_t kLightFeatures = 12;
+/// The columns of those and of what `light_variance` adds.
+inline constexpr int64_t kMostLightFeatures = kLightFeatures + 1;
 
 /// How scene points enter the encoder: a submanifold convolution of 5³ or 3³ cells, or a layer that
 /// looks at each point alone.
@@ -44,6 +46,11 @@ enum class Centering { None, Learned };
 /// (lte/radiosity/point_radiosity.h), so that nobody has to trace a path.
 enum class LightInput { Emission, Direct, Traced, Radiosity };
 
+/// How the light on the two sides of a surface is told: its sum, so that a curtain tells neither
+/// side's, or that of the front and of the back, each by itself. A query of a `traced` network then
+/// reads only the side that faces as it does.
+enum class LightSides { Sum, Apart };
+
 /// What the output means: light that bounced at least once, or all of it.
 enum class Target { Indirect, Total };
 
@@ -67,6 +74,9 @@ constexpr EnumNames<LightInput, 4> enum_names(LightInput) {
            {LightInput::Direct, "direct"},
            {LightInput::Traced, "traced"},
            {LightInput::Radiosity, "radiosity"}}};
+}
+constexpr EnumNames<LightSides, 2> enum_names(LightSides) {
+  return {{{LightSides::Sum, "sum"}, {LightSides::Apart, "apart"}}};
 }
 constexpr EnumNames<Target, 2> enum_names(Target) {
   return {{{Target::Indirect, "indirect"}, {Target::Total, "total"}}};
@@ -93,6 +103,10 @@ struct ModelConfig {
   QueryAttention query_attention = QueryAttention::Sum;
   int64_t ffn_ratio = 4;
   LightInput light_input = LightInput::Emission;
+  LightSides light_sides = LightSides::Sum;
+  /// Scene points and queries are told the standard error of the traced estimates
+  /// (PointSet::indirect_error).
+  bool light_variance = false;
   Target target = Target::Indirect;
   double scale = 16.0;  ///< s, metres: network space is (p − b_min)/s
   /// Training mean of the normalized target. It sets the output bias at initialization.
@@ -107,16 +121,22 @@ struct ModelConfig {
   bool solves_light() const { return light_input == LightInput::Radiosity; }
   /// Whether scene points carry light that was estimated by paths.
   bool reads_estimates() const { return reads_direct() && !solves_light(); }
+  bool parts_sides() const { return light_sides == LightSides::Apart; }
   /// Edge in cells of the stem's convolution; 0 for a linear stem.
   int64_t stem_kernel() const { return stem == Stem::Conv5 ? 5 : stem == Stem::Conv3 ? 3 : 0; }
   bool predicts_total() const { return target == Target::Total; }
   /// Columns that γ reads.
   int64_t pair_inputs() const { return reads_normals() ? ops::kNormalInputs : ops::kOffsetInputs; }
   /// Columns that a query, and a scene point, go into the network with.
-  int64_t query_inputs() const { return reads_indirect() ? 9 + kLightFeatures : 9; }
-  int64_t point_inputs() const {
-    return 12 + (reads_direct() ? 3 : 0) + (reads_indirect() ? 3 : 0);
+  int64_t query_inputs() const {
+    return 9 + (reads_indirect() ? kLightFeatures : 0) + (light_variance ? 1 : 0);
   }
+  int64_t point_inputs() const {
+    const int64_t kinds = (reads_direct() ? 1 : 0) + (reads_indirect() ? 1 : 0);
+    return 12 + 3 * kinds * light_columns() + (light_variance ? light_columns() : 0);
+  }
+  /// Sides that light is told of by themselves.
+  int64_t light_columns() const { return parts_sides() ? 2 : 1; }
 
   /// Marks its keys as known. @throws lte::Error for values out of range, naming the key.
   static ModelConfig read(const Config& config);

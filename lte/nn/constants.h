@@ -58,6 +58,17 @@ inline constexpr int64_t kCacheNeighbours = 32;
 /// squared distance.
 inline constexpr ops::CacheWeights kCacheWeights = {2, 64, 1e-4F, 1e-16F};
 
+/// The same where the sides of a surface are apart (docs/lab/light-cache.md). Models that are told
+/// the sum were trained with those above.
+inline constexpr ops::CacheWeights kApartWeights = {1.5F, 256, 1e-3F, 1e-16F};
+
+/// Length of the normal of a surface's back, where sides are apart. The normals' product is raised
+/// to the fourth power, so a back counts for a tenth of a front. Most surfaces are those of closed
+/// bodies, whose backs are dark: a query on one face of a board, which is thinner than the points
+/// are apart, must not read the inside of the other. Behind a curtain, where nothing but backs
+/// faces the query, they still outweigh the least weight thirty times.
+inline constexpr double kCacheBack = 0.5623413251903491;
+
 /// This share of the mean irradiance is added everywhere, so that a factor can lift what the cache
 /// calls dark.
 inline constexpr double kCacheFloor = 0.02;

@@ -163,8 +163,9 @@ double decode_flops(const ModelConfig& config, int64_t m) {
 
 double encode_mb(const ModelConfig& config, int64_t M) {
   const double D = real(config.channels);
-  const double per_point = 600 + 40 * D;  // bytes
-  const double base = 20 + 0.45 * D;      // MiB, whatever the number of points
+  const double sides = config.parts_sides() ? 300 : 0;  // bytes of what is told of the back
+  const double per_point = 600 + sides + 40 * D;        // bytes
+  const double base = 20 + 0.45 * D;                    // MiB, whatever the number of points
   return base + 1.1 * per_point * real(M) / kMiB;
 }
 

@@ -108,6 +108,33 @@ LightTransportModelImpl::LightTransportModelImpl(const ModelConfig& config)
   parts_->decoder = register_module("decoder", QueryDecoder(latent_width(config), config));
 }
 
+/// What F reads of the light on scene points, and the cache of it.
+void LightTransportModelImpl::add_light(const PointSet& points, const at::Tensor& position,
+                                        std::vector<at::Tensor>* columns,
+                                        Embedding* embedding) const {
+  if (!config_.reads_direct()) return;
+  const auto sides = [&](const at::Tensor& both, const at::Tensor& back) {
+    if (!config_.parts_sides()) return std::vector{both};
+    return std::vector{both - back, back};
+  };
+  const std::vector<at::Tensor> direct = sides(points.direct, points.direct_back);
+  for (const at::Tensor& side : direct)
+    columns->push_back(compressed(side, embedding->emission_scale));
+  if (!config_.reads_indirect()) return;
+  const std::vector<at::Tensor> indirect = sides(points.indirect, points.indirect_back);
+  const at::Tensor a = embedding->emission_scale.to(points.indirect.options());
+  const at::Tensor scale = at::where(a > 0, a, 1).repeat({2});
+  std::vector<at::Tensor> light;
+  for (size_t side = 0; side < indirect.size(); ++side) {
+    columns->push_back(compressed(indirect[side], embedding->emission_scale));
+    light.push_back(at::cat({indirect[side], direct[side]}, 1).div(scale));
+  }
+  const at::Tensor error = config_.light_variance ? points.indirect_error : at::Tensor();
+  if (error.defined()) columns->push_back(error);
+  embedding->cache =
+      make_light_cache(position, points.normal, points.emission, at::cat(light, 1), error);
+}
+
 /// A scene's place in network space and the scale of its light; what F reads of its points goes to
 /// `attributes`, where they lie to `position`.
 Embedding LightTransportModelImpl::place(const PointSet& points, const Frame& frame,
@@ -129,15 +156,7 @@ Embedding LightTransportModelImpl::place(const PointSet& points, const Frame& fr
   embedding.emission_scale = emission_scale(points);
   std::vector<at::Tensor> columns = {surface_attributes(*position, points.normal, points.albedo),
                                      compressed(points.emission, embedding.emission_scale)};
-  if (config_.reads_direct())
-    columns.push_back(compressed(points.direct, embedding.emission_scale));
-  if (config_.reads_indirect()) {
-    columns.push_back(compressed(points.indirect, embedding.emission_scale));
-    const at::Tensor a = embedding.emission_scale.to(points.indirect.options());
-    const at::Tensor light = at::cat({points.indirect, points.direct}, 1);
-    embedding.cache = make_light_cache(*position, points.normal, points.emission,
-                                       light.div(at::where(a > 0, a, 1).repeat({2})));
-  }
+  add_light(points, *position, &columns, &embedding);
   *attributes = at::cat(columns, 1);
   return embedding;
 }

@@ -100,6 +100,8 @@ class LightTransportModelImpl : public torch::nn::Module {
  private:
   Embedding place(const PointSet& points, const Frame& frame, at::Tensor* position,
                   at::Tensor* attributes) const;
+  void add_light(const PointSet& points, const at::Tensor& position,
+                 std::vector<at::Tensor>* columns, Embedding* embedding) const;
   SceneBatch encode(const std::vector<PointSet>& scenes, const std::vector<uint64_t>& order_seeds,
                     const Frame& frame, StageRecorder* recorder);
 

@@ -51,6 +51,31 @@ void check_light(const at::Tensor& irradiance, const PointSet& points, const cha
   check_range(irradiance, 0, INFINITY, "scene points", name);
 }
 
+/// @throws c10::Error naming the first row at which the back has more light than both sides.
+void check_back(const at::Tensor& back, const at::Tensor& both, const PointSet& points,
+                const char* name) {
+  check_light(back, points, name);
+  const at::Tensor bad = (back > both).any(1);
+  if (!bad.any().item<bool>()) return;
+  TORCH_CHECK(false, "scene points: ", name, " of row ", bad.nonzero()[0][0].item<int64_t>(),
+              " is more than that of both sides");
+}
+
+void check_error(const PointSet& points) {
+  const at::Tensor& error = points.indirect_error;
+  TORCH_CHECK(error.defined(),
+              "scene points: standard error of indirect irradiance is missing, which this model "
+              "reads");
+  const int64_t rows = points.position.size(0);
+  TORCH_CHECK(error.dim() == 2 && error.size(0) == rows && error.size(1) == 2,
+              "scene points: standard error of indirect irradiance must be [", rows, ", 2], got ",
+              error.sizes());
+  const at::Tensor bad = ((error >= 0).logical_and(error <= 1)).logical_not().any(1);
+  if (!bad.any().item<bool>()) return;
+  TORCH_CHECK(false, "scene points: standard error of indirect irradiance of row ",
+              bad.nonzero()[0][0].item<int64_t>(), " is outside [0, 1]");
+}
+
 }  // namespace
 
 void check_surfaces(const PointSet& points) {
@@ -67,6 +92,11 @@ void check_points(const PointSet& points, const ModelConfig& config) {
   check_surfaces(points);
   if (config.reads_direct()) check_light(points.direct, points, "direct irradiance");
   if (config.reads_indirect()) check_light(points.indirect, points, "indirect irradiance");
+  if (!config.parts_sides()) return;
+  check_back(points.direct_back, points.direct, points, "direct irradiance of the back");
+  if (config.reads_indirect())
+    check_back(points.indirect_back, points.indirect, points, "indirect irradiance of the back");
+  if (config.light_variance) check_error(points);
 }
 
 void check_queries(const QuerySet& queries) {

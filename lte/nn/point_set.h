@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include <ATen/core/Tensor.h>
 
@@ -20,6 +21,18 @@ struct PointSet {
   /// [M, 3] W/m², irradiance on both sides of the surface together, 0 at luminaires: direct, and an
   /// estimate of all later bounces. Read as the model's `light_input` says, else undefined will do.
   at::Tensor direct, indirect;
+  /// [M, 3] of these, what falls on the side that the normal leaves behind; of models whose
+  /// `light_sides` is apart, else undefined will do.
+  at::Tensor direct_back, indirect_back;
+  /// [M, 2] standard error of indirect irradiance on the front and on the back over its value, of
+  /// the mean over the channels, in [0, 1]; of models with `light_variance`.
+  at::Tensor indirect_error;
+
+  /// All fields, of which some may be undefined.
+  std::vector<at::Tensor*> tensors() {
+    return {&position, &normal,   &albedo,      &emission,      &area,
+            &direct,   &indirect, &direct_back, &indirect_back, &indirect_error};
+  }
 };
 
 /// Query points in world space.

@@ -14,22 +14,32 @@ struct CacheWeights {
   float near, plane, least, least_distance2;
 };
 
-/// Channels of irradiance that a point of the cache holds: indirect and direct, three each.
+/// Channels of irradiance that a side of a point holds: indirect and direct, three each.
 inline constexpr int64_t kCacheLight = 6;
+/// Sides that a point may have. Of two a query reads one: that whose normal has the larger product
+/// with its own, the first where they are equal. Below, n_j and light_j are those of that side. The
+/// least weight has the light of both sides: where no point near faces as the query does, what is
+/// around is all that is known.
+inline constexpr int64_t kMostCacheSides = 2;
 /// Neighbours that a query may have.
 inline constexpr int64_t kMostCacheNeighbours = 64;
 
 /// Columns of irradiance_cache_means(). Sums and means are over the neighbours j of a query; g_j is
 /// the mean of the first three channels of point j.
 struct CacheColumn {
-  static constexpr int64_t kLight = 0;     ///< kCacheLight columns: Σ w_j light_j / Σ w_j
+  static constexpr int64_t kLight =
+      0;  ///< kCacheLight columns: Σ w_j light_j / Σ w_j, and `least` times
+          ///< the light of the other sides in that sum
   static constexpr int64_t kVariance = 6;  ///< Σ w_j (g_j − g)² / Σ w_j, g of the first 3 columns
   static constexpr int64_t kWeight = 7;      ///< Σ w_j
   static constexpr int64_t kFacing = 8;      ///< plain mean of max(0, n·n_j)
   static constexpr int64_t kHeight = 9;      ///< plain mean of h_j / d̄
   static constexpr int64_t kGrey = 10;       ///< plain mean of g_j
   static constexpr int64_t kDistance2 = 11;  ///< d̄²
+  /// Only of points that know the relative errors r_j of g_j: Σ (w_j r_j g_j)² / (Σ w_j)², the
+  /// variance of g that they make.
+  static constexpr int64_t kNoise = 12;
 };
-inline constexpr int64_t kCacheMeans = 12;  ///< columns in all
+inline constexpr int64_t kCacheMeans = 12;  ///< columns of points without errors; one more with
 
 }  // namespace lte::ops

@@ -15,21 +15,24 @@ constexpr int64_t kQueries = 64;  ///< that one thread takes at least
 
 at::Tensor irradiance_cache_means(const at::Tensor& position, const at::Tensor& normal,
                                   const at::Tensor& points, const at::Tensor& normals,
-                                  const at::Tensor& light, const at::Tensor& index,
-                                  const CacheWeights& weights) {
-  check_irradiance_cache_args(position, normal, points, normals, light, index);
+                                  const at::Tensor& light, const at::Tensor& errors,
+                                  const at::Tensor& index, const CacheWeights& weights) {
+  check_irradiance_cache_args(position, normal, points, normals, light, errors, index);
   const at::Tensor p = position.contiguous(), n = normal.contiguous(), from = points.contiguous(),
                    facing = normals.contiguous(), values = light.contiguous(),
+                   spread = errors.defined() ? errors.contiguous() : errors,
                    near = index.contiguous();
   const int64_t Q = near.size(0), K = near.size(1);
-  at::Tensor out = at::empty({Q, kCacheMeans}, p.options());
-  const CachePoints cache{from.const_data_ptr<float>(), facing.const_data_ptr<float>(),
-                          values.const_data_ptr<float>()};
+  const int64_t columns = kCacheMeans + (spread.defined() ? 1 : 0);
+  at::Tensor out = at::empty({Q, columns}, p.options());
+  const CachePoints cache{
+      from.const_data_ptr<float>(), facing.const_data_ptr<float>(), values.const_data_ptr<float>(),
+      spread.defined() ? spread.const_data_ptr<float>() : nullptr, facing.size(1) / 3};
   at::parallel_for(0, Q, kQueries, [&](int64_t begin, int64_t end) {
     const CacheQueries queries{p.const_data_ptr<float>() + 3 * begin,
                                n.const_data_ptr<float>() + 3 * begin,
                                near.const_data_ptr<int64_t>() + begin * K, end - begin, K};
-    cache_kernels().means(cache, queries, weights, out.data_ptr<float>() + kCacheMeans * begin);
+    cache_kernels().means(cache, queries, weights, out.data_ptr<float>() + columns * begin);
   });
   return out;
 }

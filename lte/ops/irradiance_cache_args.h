@@ -17,7 +17,8 @@ inline void check_columns(const at::Tensor& t, int64_t rows, int64_t columns, co
 
 inline void check_irradiance_cache_args(const at::Tensor& position, const at::Tensor& normal,
                                         const at::Tensor& points, const at::Tensor& normals,
-                                        const at::Tensor& light, const at::Tensor& index) {
+                                        const at::Tensor& light, const at::Tensor& errors,
+                                        const at::Tensor& index) {
   const char* op = "irradiance_cache_means";
   TORCH_CHECK(position.dim() == 2 && points.dim() == 2, op,
               ": position and points must be [., 3], got ", position.sizes(), " and ",
@@ -26,8 +27,10 @@ inline void check_irradiance_cache_args(const at::Tensor& position, const at::Te
   check_columns(position, Q, 3, op, "position");
   check_columns(normal, Q, 3, op, "normal");
   check_columns(points, S, 3, op, "points");
-  check_columns(normals, S, 3, op, "normals");
-  check_columns(light, S, kCacheLight, op, "light");
+  const int64_t sides = normals.dim() == 2 && normals.size(1) == 6 ? 2 : 1;
+  check_columns(normals, S, 3 * sides, op, "normals");
+  check_columns(light, S, kCacheLight * sides, op, "light");
+  if (errors.defined()) check_columns(errors, S, sides, op, "errors");
   check_device(index, "indices", position, "positions", op);
   check_neighbours(index, Q, S, op);
   const int64_t K = index.size(1);

@@ -27,6 +27,8 @@ struct IrradianceOptions {
   /// Without it, one ray stays one ray, which has no spread, and Irradiance::variance and
   /// variance_total stay empty; more rays give the same values.
   bool variance = true;
+  /// Irradiance::group_variance is wanted too. It needs `variance`.
+  bool group_variance = false;
   Sampling sampling = Sampling::Sobol;  ///< Random: to measure what stratification saves
 };
 
@@ -43,6 +45,9 @@ struct Irradiance {
   /// [points]: variance of the *mean* of indirect irradiance summed over groups, averaged over
   /// color channels.
   std::vector<float> variance;
+  /// [groups, points]: variance of the mean of indirect irradiance by light group, of the mean over
+  /// the color channels. Empty unless asked for.
+  std::vector<float> group_variance;
   /// [points]: the same of total irradiance, by color channel.
   std::vector<Rgb> variance_total;
   /// Paths a point: multiples of 8 above 8, of 64 above 64; at least 2 if variance is asked for.

@@ -1,39 +1,71 @@
 #include "lte/pathtrace/light_estimates.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "lte/base/check.h"
 #include "lte/base/random.h"
 #include "lte/pathtrace/irradiance.h"
 
 namespace lte::pathtrace {
+namespace {
+
+/// Where a point lies, and what it was in the arrays of all points.
+struct LitPoints {
+  std::vector<size_t> slots;
+  std::vector<Vec3> place, up, down;
+};
+
+LitPoints points_without_emission(std::span<const Vec3> positions, std::span<const Vec3> normals,
+                                  std::span<const Rgb> emission) {
+  LitPoints points;
+  for (size_t i = 0; i < positions.size(); ++i) {
+    if (max_component(emission[i]) > 0) continue;
+    points.slots.push_back(i);
+    points.place.push_back(positions[i]);
+    points.up.push_back(normals[i]);
+    points.down.push_back(-normals[i]);
+  }
+  return points;
+}
+
+/// At most 1: no values that are not negative spread more than their mean.
+float relative_error(float variance, const Rgb& mean) {
+  const float grey = (mean.x + mean.y + mean.z) / 3;
+  return grey > 0 ? std::min(1.0f, std::sqrt(variance) / grey) : 0.0f;
+}
+
+}  // namespace
 
 LightEstimates estimate_light(const Bvh& bvh, const Lights& lights, std::span<const Vec3> positions,
                               std::span<const Vec3> normals, std::span<const Rgb> emission,
                               const LightEstimateOptions& options) {
   LTE_CHECK(emission.size() == positions.size(), "light estimates: ", positions.size(),
             " positions but ", emission.size(), " emissions");
-  std::vector<size_t> slots;
-  std::vector<Vec3> place, up, down;
-  for (size_t i = 0; i < positions.size(); ++i) {
-    if (max_component(emission[i]) > 0) continue;
-    slots.push_back(i);
-    place.push_back(positions[i]);
-    up.push_back(normals[i]);
-    down.push_back(-normals[i]);
-  }
-  const size_t G = static_cast<size_t>(lights.groups()), M = positions.size(), S = slots.size();
-  LightEstimates light{std::vector<Rgb>(G * M), std::vector<Rgb>(G * M)};
-  if (slots.empty()) return light;
+  const LitPoints lit = points_without_emission(positions, normals, emission);
+  const size_t G = static_cast<size_t>(lights.groups()), M = positions.size(), S = lit.slots.size();
+  const std::vector<Rgb> dark(G * M);
+  const std::vector<float> exact(G * M);
+  LightEstimates light{dark, dark, dark, dark, exact, exact};
+  if (lit.slots.empty()) return light;
   IrradianceOptions tracing;
   tracing.rays = options.paths;
   tracing.max_depth = options.max_depth;
-  uint64_t side = 0;
-  for (const std::vector<Vec3>* towards : {&up, &down}) {
-    tracing.seed = hash_combine(options.seed, side++);
-    const Irradiance lit = estimate_irradiance(bvh, lights, place, *towards, tracing);
+  tracing.group_variance = true;
+  for (const bool back : {false, true}) {
+    tracing.seed = hash_combine(options.seed, back ? 1 : 0);
+    const Irradiance side =
+        estimate_irradiance(bvh, lights, lit.place, back ? lit.down : lit.up, tracing);
+    std::vector<float>& error = back ? light.error_back : light.error;
     for (size_t g = 0; g < G; ++g) {
       for (size_t i = 0; i < S; ++i) {
-        light.direct[g * M + slots[i]] += lit.direct[g * S + i];
-        light.indirect[g * M + slots[i]] += lit.indirect[g * S + i];
+        const size_t from = g * S + i, to = g * M + lit.slots[i];
+        light.direct[to] += side.direct[from];
+        light.indirect[to] += side.indirect[from];
+        error[to] = relative_error(side.group_variance[from], side.indirect[from]);
+        if (!back) continue;
+        light.direct_back[to] = side.direct[from];
+        light.indirect_back[to] = side.indirect[from];
       }
     }
   }

@@ -21,10 +21,14 @@ struct LightEstimateOptions {
   uint64_t seed;  ///< results depend on it and on the order of the points, not on threads
 };
 
-/// E(n) + E(−n) by light group at unit gain, W/m², [groups, points] each: light of depth 1, and of
-/// depths 2 to max_depth. Unbiased.
+/// By light group at unit gain, [groups, points] each. Irradiance is in W/m² and unbiased.
 struct LightEstimates {
-  std::vector<Rgb> direct, indirect;
+  std::vector<Rgb> direct, indirect;  ///< E(n) + E(−n): light of depth 1; of depths 2 to max_depth
+  std::vector<Rgb> direct_back, indirect_back;  ///< of these, E(−n)
+  /// Standard error of E(n) and of E(−n) of depths 2 to max_depth over their value, of the mean
+  /// over the color channels: in [0, 1], 0 where there is no light. From fewer than 4 paths it
+  /// means nothing, and from 32 it is itself known to half.
+  std::vector<float> error, error_back;
 };
 
 /// Surfaces reflect on both sides, and which of them the normal names is up to the file; the

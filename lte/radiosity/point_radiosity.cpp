@@ -26,6 +26,9 @@ struct Link {
   uint8_t from = 0, to = 0;  ///< sides
 };
 
+/// Of the side of the normal, and of the other.
+using Sides = std::array<Rgb, 2>;
+
 /// What one thread uses again and again.
 struct Work {
   std::vector<Link> links;
@@ -42,8 +45,8 @@ class Solver {
         count_(points.position.size()),
         blockers_(choose_roles()),
         grid_(blockers_, kCellSpacings * spacing_) {
-    light_.direct.resize(static_cast<size_t>(groups) * count_);
-    light_.indirect.resize(light_.direct.size());
+    direct_.resize(static_cast<size_t>(groups) * count_);
+    indirect_.resize(direct_.size());
   }
 
   PointLight run() {
@@ -52,20 +55,31 @@ class Solver {
       for (int64_t i = first; i < last; ++i) add_direct(dark_[static_cast<size_t>(i)], &work);
     });
     draw_senders();
-    const std::vector<PointLight::Sides> reflected = bounce();
+    const std::vector<Sides> reflected = bounce();
     parallel_for(static_cast<int64_t>(dark_.size()), kGrain, [&](int64_t first, int64_t last) {
       Work work;
       for (int64_t i = first; i < last; ++i) {
         const size_t point = dark_[static_cast<size_t>(i)];
         find_links(point, &work);
         for (int64_t g = 0; g < groups_; ++g)
-          light_.indirect[row(g) + point] = gather(work.links, g, reflected);
+          indirect_[row(g) + point] = gather(work.links, g, reflected);
       }
     });
-    return std::move(light_);
+    PointLight light;
+    add_sides(direct_, &light.direct, &light.direct_back);
+    add_sides(indirect_, &light.indirect, &light.indirect_back);
+    return light;
   }
 
  private:
+  static void add_sides(const std::vector<Sides>& sides, std::vector<Rgb>* both,
+                        std::vector<Rgb>* back) {
+    for (const auto& [front_side, back_side] : sides) {
+      both->push_back(front_side + back_side);
+      back->push_back(back_side);
+    }
+  }
+
   bool emits(size_t i) const { return max_component(points_.emission[i]) > 0; }
   size_t row(int64_t group) const { return static_cast<size_t>(group) * count_; }
   size_t sender_row(int64_t group) const { return static_cast<size_t>(group) * senders_.size(); }
@@ -142,7 +156,7 @@ class Solver {
     for (const Link& link : work->links) {
       const size_t j = luminaires_[static_cast<size_t>(link.sender)];
       const auto group = points_.light_group.empty() ? 0 : int64_t{points_.light_group[j]};
-      light_.direct[row(group) + i][link.to] += points_.emission[j] * link.weight;
+      direct_[row(group) + i][link.to] += points_.emission[j] * link.weight;
     }
   }
 
@@ -173,9 +187,9 @@ class Solver {
     }
   }
 
-  PointLight::Sides gather(const std::vector<Link>& links, int64_t group,
-                           const std::vector<PointLight::Sides>& radiosity) const {
-    PointLight::Sides sum{};
+  Sides gather(const std::vector<Link>& links, int64_t group,
+               const std::vector<Sides>& radiosity) const {
+    Sides sum{};
     for (const Link& link : links) {
       sum[link.to] +=
           radiosity[sender_row(group) + static_cast<size_t>(link.sender)][link.from] * link.weight;
@@ -184,7 +198,7 @@ class Solver {
   }
 
   /// Radiosity of the senders after all but the last reflection, [groups, senders].
-  std::vector<PointLight::Sides> bounce() const {
+  std::vector<Sides> bounce() const {
     const size_t m = senders_.size();
     std::vector<std::vector<Link>> links(m);
     parallel_for(static_cast<int64_t>(m), kGrain, [&](int64_t first, int64_t last) {
@@ -194,14 +208,14 @@ class Solver {
         links[k] = work.links;
       }
     });
-    std::vector<PointLight::Sides> radiosity(static_cast<size_t>(groups_) * m), next = radiosity;
+    std::vector<Sides> radiosity(static_cast<size_t>(groups_) * m), next = radiosity;
     for (int bounces = 0; bounces < options_.bounces; ++bounces) {
       parallel_for(groups_ * static_cast<int64_t>(m), kGrain, [&](int64_t first, int64_t last) {
         for (int64_t at = first; at < last; ++at) {
           const int64_t group = at / static_cast<int64_t>(m);
           const size_t k = static_cast<size_t>(at) - sender_row(group), point = senders_[k];
-          const PointLight::Sides received = gather(links[k], group, radiosity);
-          const PointLight::Sides& direct = light_.direct[row(group) + point];
+          const Sides received = gather(links[k], group, radiosity);
+          const Sides& direct = direct_[row(group) + point];
           for (size_t side = 0; side < 2; ++side) {
             next[static_cast<size_t>(at)][side] =
                 points_.albedo[point] * (direct[side] + received[side]);
@@ -223,8 +237,8 @@ class Solver {
   std::vector<Vec3> blockers_;
   OccupancyGrid grid_;
   std::vector<size_t> senders_;
-  float area_factor_ = 0;  ///< by which the senders stand for the others as well
-  PointLight light_;
+  float area_factor_ = 0;                 ///< by which the senders stand for the others as well
+  std::vector<Sides> direct_, indirect_;  ///< [groups, points]
 };
 
 void check(const Points& points, int64_t groups, const Options& options) {

@@ -31,11 +31,10 @@ struct Options {
   int bounces = 4;
 };
 
-/// Irradiance in W/m² on the two sides of each point, that of the normal first, [groups, points];
-/// 0 at points that emit.
+/// Irradiance in W/m², [groups, points] each; 0 at points that emit.
 struct PointLight {
-  using Sides = std::array<Rgb, 2>;
-  std::vector<Sides> direct, indirect;
+  std::vector<Rgb> direct, indirect;            ///< on the two sides of the surface together
+  std::vector<Rgb> direct_back, indirect_back;  ///< of that, on the side that faces away
 };
 
 /// The result depends on the order of the points, as the senders are drawn by it, and not on

@@ -28,8 +28,7 @@ c10::Stream current_stream(c10::Device device) {
 }
 
 nn::PointSet on_device(nn::PointSet points, c10::Device device) {
-  for (at::Tensor* t : {&points.position, &points.normal, &points.albedo, &points.emission,
-                        &points.area, &points.direct, &points.indirect}) {
+  for (at::Tensor* t : points.tensors()) {
     if (t->defined()) *t = t->to(device);
   }
   return points;

@@ -30,7 +30,8 @@ bool Network::predicts_total() const { return config().predicts_total(); }
 
 LightRequest Network::light_request() const {
   if (!config().reads_estimates()) return {};
-  return {metadata().light_depth_of(config()), metadata().light_paths};
+  return {metadata().light_depth_of(config()), metadata().light_paths, config().parts_sides(),
+          config().light_variance};
 }
 
 void Network::check_fits(double extent_m, bool rescale) const {

@@ -30,7 +30,9 @@ struct LightRequest {
   /// 0: nothing; 1: direct irradiance; more: irradiance of later bounces too, by paths of so many
   /// surface hits.
   int depth = 0;
-  int paths = 0;  ///< a side of each point
+  int paths = 0;        ///< a side of each point
+  bool sides = false;   ///< that of the back by itself too
+  bool errors = false;  ///< standard errors of the indirect light too
 };
 
 /// A handle: copies share the weights. Nothing about it changes once it is made, so any number of

@@ -20,19 +20,33 @@ void check_sizes(const ScenePoints& points) {
             "scene point arrays differ in length: ", size, " positions, ", points.normal.size(),
             " normals, ", points.albedo.size(), " albedos, ", points.emission.size(),
             " emissions, ", points.area.size(), " areas");
-  for (const auto& light : {points.direct, points.indirect}) {
+  for (const auto& light :
+       {points.direct, points.indirect, points.direct_back, points.indirect_back}) {
     LTE_CHECK(light.empty() || light.size() == size, "scene point arrays differ in length: ", size,
               " positions, ", light.size(), " irradiances");
   }
+  LTE_CHECK(points.indirect_error.empty() || points.indirect_error.size() == 2 * size,
+            "scene point arrays differ in length: ", size, " positions, ",
+            points.indirect_error.size(), " standard errors, expected two each");
 }
 
 }  // namespace
 
 nn::PointSet borrow(const ScenePoints& points) {
   check_sizes(points);
-  return {borrow(points.position),      borrow(points.normal), borrow(points.albedo),
-          borrow(points.emission),      borrow(points.area),   borrow_light(points.direct),
-          borrow_light(points.indirect)};
+  nn::PointSet set{borrow(points.position),
+                   borrow(points.normal),
+                   borrow(points.albedo),
+                   borrow(points.emission),
+                   borrow(points.area),
+                   borrow_light(points.direct),
+                   borrow_light(points.indirect),
+                   borrow_light(points.direct_back),
+                   borrow_light(points.indirect_back),
+                   {}};
+  if (!points.indirect_error.empty())
+    set.indirect_error = borrow(points.indirect_error).view({points.size(), 2});
+  return set;
 }
 
 nn::QuerySet borrow(const QueryPoints& queries) {

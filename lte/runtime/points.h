@@ -22,6 +22,8 @@ struct ScenePoints {
   std::span<const float> area;    ///< m²
   /// W/m², of the light that nn::PointSet names; empty unless the model reads it.
   std::span<const Rgb> direct = {}, indirect = {};
+  std::span<const Rgb> direct_back = {}, indirect_back = {};
+  std::span<const float> indirect_error = {};  ///< two a point: of the front, of the back
 
   int64_t size() const { return static_cast<int64_t>(position.size()); }
 };

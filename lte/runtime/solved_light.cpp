@@ -1,5 +1,6 @@
 #include "lte/runtime/solved_light.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <ATen/ops/empty.h>
@@ -15,11 +16,10 @@ std::span<const Vec3> triples(const at::Tensor& t) {
   return {reinterpret_cast<const Vec3*>(t.const_data_ptr<float>()), static_cast<size_t>(t.size(0))};
 }
 
-/// [M, 3], both sides together, as models read light.
-at::Tensor both_sides(const std::vector<radiosity::PointLight::Sides>& light) {
+/// [M, 3] of its own.
+at::Tensor tensor(const std::vector<Rgb>& light) {
   at::Tensor out = at::empty({static_cast<int64_t>(light.size()), 3}, at::kFloat);
-  auto* values = reinterpret_cast<Vec3*>(out.data_ptr<float>());
-  for (size_t i = 0; i < light.size(); ++i) values[i] = light[i][0] + light[i][1];
+  std::copy(light.begin(), light.end(), reinterpret_cast<Rgb*>(out.data_ptr<float>()));
   return out;
 }
 
@@ -36,8 +36,11 @@ nn::PointSet with_solved_light(nn::PointSet points, const nn::ModelConfig& confi
       radiosity::solve({triples(position), triples(normal), triples(albedo), triples(emission),
                         std::span(area.const_data_ptr<float>(), static_cast<size_t>(area.size(0)))},
                        1);
-  points.direct = both_sides(light.direct).to(device);
-  points.indirect = both_sides(light.indirect).to(device);
+  points.direct = tensor(light.direct).to(device);
+  points.indirect = tensor(light.indirect).to(device);
+  if (!config.parts_sides()) return points;
+  points.direct_back = tensor(light.direct_back).to(device);
+  points.indirect_back = tensor(light.indirect_back).to(device);
   return points;
 }
 

@@ -102,6 +102,47 @@ TEST(CApi, AModelThatReadsLightSaysSoAndIsGivenIt) {
   lte_model_release(handle);
 }
 
+TEST(CApi, AModelThatReadsSidesAndErrorsIsGivenThem) {
+  nn::ModelConfig config = test::tiny_config();
+  config.light_input = nn::LightInput::Traced;
+  config.light_sides = nn::LightSides::Apart;
+  config.light_variance = true;
+  nn::LightTransportModel model(config);
+  test::randomize(*model, 5);
+  model->eval();
+  const std::filesystem::path file = test::tiny_model_file().string() + ".apart";
+  nn::save_model(file, model, {{"light_paths", "16"}, {"light_depth", "3"}});
+  lte_model* handle = nullptr;
+  ASSERT_EQ(lte_model_open(file.c_str(), nullptr, &handle), LTE_OK) << lte_last_error();
+  std::filesystem::remove(file);
+  lte_model_info info = {};
+  info.struct_size = sizeof info;
+  ASSERT_EQ(lte_model_get_info(handle, &info), LTE_OK);
+  EXPECT_EQ(info.light_sides, LTE_SIDES_APART);
+  EXPECT_EQ(info.light_variance, 1);
+  EXPECT_EQ(info.light_paths, 16);
+  EXPECT_EQ(info.light_depth, 3);
+  const nn::PointSet points = box_scene(300, 1);
+  const nn::QuerySet queries = box_queries(50, 2);
+  {
+    const at::NoGradGuard no_grad;
+    const test::Embedding embedding(handle, c_points(points, /*light=*/true));
+    EXPECT_TRUE(at::equal(test::decode(embedding.handle, c_queries(queries)),
+                          model->decode(model->encode(points), queries)));
+  }
+  lte_embedding* embedding = nullptr;
+  const auto refused = [&](const lte_scene_points& scene, const char* words) {
+    EXPECT_NE(lte_model_encode(handle, &scene, &embedding), LTE_OK);
+    EXPECT_THAT(lte_last_error(), testing::HasSubstr(words));
+  };
+  lte_scene_points scene = c_points(points, /*light=*/true);
+  scene.indirect_error = nullptr;
+  refused(scene, "standard error of indirect irradiance is missing");
+  scene.struct_size = offsetof(lte_scene_points, direct_back);  // of an older program
+  refused(scene, "direct irradiance of the back is missing");
+  lte_model_release(handle);
+}
+
 TEST(CApi, ReadsAndWritesInterleavedArrays) {
   const nn::PointSet points = box_scene(300, 1);
   const nn::QuerySet queries = box_queries(200, 2);

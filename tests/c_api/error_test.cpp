@@ -66,8 +66,9 @@ TEST(CApiErrors, ModelsThatAreNone) {
 
 // Of version 1 of the interface, on 64 bits: programs have them compiled in.
 static_assert(sizeof(lte_float3_view) == 16 && sizeof(lte_model_options) == 16 &&
-              offsetof(lte_model_info, suns) == 64 && sizeof(lte_scene_points) == 136 &&
-              sizeof(lte_embedding_info) == 88 && sizeof(lte_queries) == 88);
+              offsetof(lte_model_info, suns) == 64 &&
+              offsetof(lte_scene_points, direct_back) == 136 && sizeof(lte_embedding_info) == 88 &&
+              sizeof(lte_queries) == 88);
 
 TEST(CApiErrors, StructsMayGrowButNotUnknowingly) {
   const nn::PointSet points = test::box_scene(60, 1);
@@ -79,6 +80,11 @@ TEST(CApiErrors, StructsMayGrowButNotUnknowingly) {
   later.known.struct_size = sizeof later;
   lte_embedding* embedding = nullptr;
   EXPECT_EQ(lte_model_encode(model.handle, &later.known, &embedding), LTE_OK) << lte_last_error();
+  lte_embedding_release(embedding);
+  lte_scene_points earlier = later.known;  // of a program that is older than the sides of light
+  earlier.struct_size = offsetof(lte_scene_points, direct_back);
+  earlier.direct_back.stride = -7;
+  EXPECT_EQ(lte_model_encode(model.handle, &earlier, &embedding), LTE_OK) << lte_last_error();
   lte_embedding_release(embedding);
   later.added = 1;
   expect_status(lte_model_encode(model.handle, &later.known, &embedding),

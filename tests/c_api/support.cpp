@@ -55,6 +55,9 @@ lte_scene_points c_points(const nn::PointSet& points, bool light) {
   if (light) {
     out.direct = view(points.direct);
     out.indirect = view(points.indirect);
+    out.direct_back = view(points.direct_back);
+    out.indirect_back = view(points.indirect_back);
+    out.indirect_error = points.indirect_error.const_data_ptr<float>();
   }
   return out;
 }

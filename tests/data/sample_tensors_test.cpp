@@ -23,6 +23,10 @@ SceneSample full_sample() {
   Rng rng(21);
   sample.scene_direct = random_vectors(&rng, G * M, 0, 5);
   sample.scene_indirect = random_vectors(&rng, G * M, 0, 5);
+  sample.scene_direct_back = random_vectors(&rng, G * M, 0, 5);
+  sample.scene_indirect_back = random_vectors(&rng, G * M, 0, 5);
+  sample.scene_error.assign(G * M, to_half(0.5f));
+  sample.scene_error_back.assign(G * M, to_half(1.0f));
   sample.scene_metallic.assign(M, 0.75f);
   sample.scene_roughness.assign(M, 0.25f);
   for (size_t i = 0; i < N; ++i) sample.query_rays.push_back(static_cast<int32_t>(64 * i));

@@ -109,6 +109,28 @@ TEST_F(SceneSampleFile, MetalAndIncidentRadianceComeBackBitForBit) {
   EXPECT_EQ(file.at("incident_scale").shape, (std::vector<int64_t>{3}));
 }
 
+TEST_F(SceneSampleFile, SidesOfLightComeTogetherOrNotAtAll) {
+  SceneSample sample = make_sample();
+  Rng rng(8);
+  for (auto* light : {&sample.scene_direct, &sample.scene_indirect, &sample.scene_direct_back})
+    *light = random_vectors(&rng, 2 * 8, 0, 5);
+  EXPECT_THAT(error_of([&] { write_scene_sample(path(), sample); }),
+              HasSubstr("scene_indirect_back"));
+  sample.scene_indirect_back = sample.scene_direct_back;
+  EXPECT_THAT(error_of([&] { write_scene_sample(path(), sample); }), HasSubstr("scene_error"));
+  sample.scene_error.assign(2 * 8, to_half(0.25f));
+  sample.scene_error_back.assign(2 * 8, to_half(1.0f));
+  write_scene_sample(path(), sample);
+  const SceneSample back = read_scene_sample(path());
+  EXPECT_EQ(back.scene_direct_back, sample.scene_direct_back);
+  EXPECT_EQ(back.scene_indirect_back, sample.scene_indirect_back);
+  EXPECT_EQ(back.scene_error, sample.scene_error);
+  EXPECT_EQ(back.scene_error_back, sample.scene_error_back);
+  sample.scene_error[3] = to_half(1.5f);
+  EXPECT_THAT(error_of([&] { write_scene_sample(path(), sample); }),
+              AllOf(HasSubstr("scene_error"), HasSubstr("value 3"), HasSubstr("[0, 1]")));
+}
+
 TEST_F(SceneSampleFile, LightOnScenePointsIsOptional) {
   SceneSample sample = make_sample();
   write_scene_sample(path(), sample);

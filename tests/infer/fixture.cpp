@@ -77,6 +77,7 @@ void save_tiny_model(const fs::path& path, const TinyModel& tiny) {
   config.gamma_hidden = 16;
   config.target = tiny.target;
   config.light_input = tiny.light_input;
+  config.light_sides = tiny.light_sides;
   config.scale = tiny.scale;
   at::manual_seed(tiny.seed);
   const nn::LightTransportModel model(config);

@@ -22,6 +22,7 @@ struct TinyModel {
   bool pruned = false;
   bool suns = false;
   nn::LightInput light_input = nn::LightInput::Emission;
+  nn::LightSides light_sides = nn::LightSides::Sum;
   uint64_t seed = 1;
 };
 

@@ -1,5 +1,7 @@
 #include "lte/nn/config.h"
 
+#include <tuple>
+
 #include <gtest/gtest.h>
 
 #include "tests/nn/support.h"
@@ -20,6 +22,9 @@ TEST(ModelConfig, YamlRoundTripKeepsEveryField) {
   config.grid_per_spacing = 1.0 / 3;
   config.dropout = 0.125;
   config.ffn_ratio = 3;
+  config.light_input = LightInput::Traced;
+  config.light_sides = LightSides::Apart;
+  config.light_variance = true;
   config.target = Target::Total;
   config.scale = 12.345678901234567;
   config.output_mean = 1e-3;
@@ -47,6 +52,20 @@ TEST(ModelConfig, DifferencesAreInTheOrderOfTheKeys) {
   EXPECT_EQ(found[1].second, "total");
 }
 
+TEST(ModelConfig, LightIsAsManyColumnsAsItIsTold) {
+  for (const auto& [yaml, point, query] : std::vector<std::tuple<std::string, int64_t, int64_t>>{
+           {"{}", 12, 9},
+           {"light_input: direct", 15, 9},
+           {"light_input: traced", 18, 21},
+           {"{light_input: direct, light_sides: apart}", 18, 9},
+           {"{light_input: traced, light_sides: apart}", 24, 21},
+           {"{light_input: traced, light_sides: apart, light_variance: true}", 26, 22}}) {
+    const ModelConfig config = parse(yaml);
+    EXPECT_EQ(config.point_inputs(), point) << yaml;
+    EXPECT_EQ(config.query_inputs(), query) << yaml;
+  }
+}
+
 TEST(ModelConfig, ErrorsNameTheKey) {
   for (const auto& [yaml, key] : std::vector<std::pair<std::string, std::string>>{
            {"channels: 0", "channels"},
@@ -66,6 +85,11 @@ TEST(ModelConfig, ErrorsNameTheKey) {
            {"channels: 100", "head_width"},
            {"stem: conv7", "stem: expected conv5 | conv3 | linear, got \"conv7\"; did you mean"},
            {"light_input: trace", "did you mean \"traced\"?"},
+           {"light_sides: apart", "light_sides apart: model.light_input must be direct or traced"},
+           {"{light_input: traced, light_sides: both}", "light_sides: expected sum | apart"},
+           {"{light_input: traced, light_variance: true}", "light_sides apart, got traced and sum"},
+           {"{light_input: direct, light_sides: apart, light_variance: true}", "got direct"},
+           {"{light_input: traced, light_variance: maybe}", "light_variance"},
            {"target: direct", "target"},
            {"grid_per_spacing: 0", "grid_per_spacing"},
            {"attention_positions: cells", "attention_positions"},

@@ -76,6 +76,72 @@ TEST(LightCache, AgreesWithItsFormulaInDoublePrecision) {
   }
 }
 
+/// A curtain of one sheet at z = 0 that has the irradiance 5 on its front and `behind` on its back.
+LightReading read_curtain(double behind, double side) {
+  torch::manual_seed(8);
+  const int64_t S = 3000, Q = 200;
+  const at::Tensor p = at::cat({at::rand({S, 2}), at::zeros({S, 1})}, 1),
+                   n = at::tensor({0.0f, 0.0f, 1.0f}).expand({S, 3});
+  const at::Tensor light =
+      at::cat({at::full({S, 6}, 5.0), at::full({S, 6}, behind)}, 1).to(at::kFloat);
+  const LightCache cache = make_light_cache(p, n, at::zeros({S, 3}), light, at::full({S, 2}, 0.5f));
+  const at::Tensor query = at::cat({at::rand({Q, 2}), at::zeros({Q, 1})}, 1);
+  LightReading reading = cache.read(query, n.narrow(0, 0, Q) * side);
+  reading.irradiance = reading.irradiance - cache.floor;
+  return reading;
+}
+
+/// Of the other side a query reads what the least weight is beside that of a front, or of a back.
+TEST(LightCache, ACurtainTellsEachSideItsOwnLight) {
+  for (const double behind : {0.0, 0.25, 40.0}) {
+    for (const double side : {1.0, -1.0}) {
+      const double own = side > 0 ? 5 : behind, other = side > 0 ? behind : 5;
+      const LightReading reading = read_curtain(behind, side);
+      const double share = side > 0 ? 0.01 : 0.06;
+      EXPECT_LE((reading.irradiance - own).abs().max().item<double>(), share * other + 1e-4)
+          << behind << ", side " << side;
+      EXPECT_LE((reading.features.narrow(1, 3, 3).expm1() - own).abs().max().item<double>(),
+                share * other + 1e-4);
+    }
+  }
+}
+
+/// Told the sum, as networks of `light_sides: sum` are, both sides of the curtain read it.
+TEST(LightCache, TheSumTellsTheFrontOfACurtainTheLightOfItsBack) {
+  const at::Tensor p = at::cat({at::rand({300, 2}), at::zeros({300, 1})}, 1),
+                   n = at::tensor({0.0f, 0.0f, 1.0f}).expand({300, 3});
+  const LightCache cache =
+      make_light_cache(p, n, at::zeros({300, 3}), at::full({300, 6}, 5.0f + 40.0f));
+  const at::Tensor read = cache.read(p, n).irradiance - cache.floor;
+  EXPECT_LT((read - 45).abs().max().item<double>(), 1e-3);
+}
+
+/// Of n estimates of relative error r that count alike the mean has the error r / sqrt(n); here
+/// some count for less, so that it is more, but less than that of one.
+TEST(LightCache, TellsTheErrorOfItsMean) {
+  const at::Tensor error = read_curtain(0, 1).features.select(1, kLightFeatures);
+  EXPECT_GT(error.min().item<double>(), 0.5 / std::sqrt(32.0));
+  EXPECT_LT(error.max().item<double>(), 0.5 / std::sqrt(8.0));
+}
+
+TEST(LightCache, TwoSidesAgreeInSingleAndDoublePrecision) {
+  torch::manual_seed(7);
+  for (const int64_t S : {1, 20, 700}) {
+    at::Tensor n = at::randn({S, 3}), up = at::randn({50, 3});
+    n.div_(n.norm(2, 1, true)), up.div_(up.norm(2, 1, true));
+    const at::Tensor p = at::rand({S, 3}), e = at::rand({S, 12}), dark = at::zeros({S, 3}),
+                     r = at::rand({S, 2}), q = at::rand({50, 3});
+    const auto exact = [](const at::Tensor& t) { return t.to(at::kDouble); };
+    const LightReading got = make_light_cache(p, n, dark, e, r).read(q, up);
+    const LightReading expected =
+        make_light_cache(exact(p), exact(n), exact(dark), exact(e), exact(r))
+            .read(exact(q), exact(up));
+    EXPECT_EQ(got.features.size(1), kMostLightFeatures);
+    EXPECT_LT((got.irradiance - expected.irradiance).abs().max().item<double>(), 1e-5) << S;
+    EXPECT_LT((got.features - expected.features).abs().max().item<double>(), 1e-3) << S;
+  }
+}
+
 TEST(LightCache, SinglePrecisionReadsWhatDoublePrecisionDoes) {
   torch::manual_seed(6);
   for (const int64_t S : {1, 20, 700}) {  // fewer points than neighbours, and more

@@ -117,6 +117,66 @@ TEST(Model, ReadsTheLightOnScenePointsThatItsConfigurationNames) {
   }
 }
 
+/// A sheet lit from below is not one lit from above, to a network that is told the sides.
+TEST(Model, KnowsWhichSideOfASurfaceIsLit) {
+  const QuerySet queries = test::box_queries(40, 2);
+  const PointSet front = test::box_scene(120, 1);
+  PointSet back = front;
+  back.direct_back = front.direct - front.direct_back;
+  back.indirect_back = front.indirect - front.indirect_back;
+  PointSet noisy = front;
+  noisy.indirect_error = front.indirect_error * 0.5;
+  for (const LightInput input : {LightInput::Direct, LightInput::Traced}) {
+    for (const LightSides sides : {LightSides::Sum, LightSides::Apart}) {
+      for (const bool variance : {false, true}) {
+        if (variance && (input == LightInput::Direct || sides == LightSides::Sum)) continue;
+        ModelConfig config = test::tiny_config();
+        config.light_input = input;
+        config.light_sides = sides;
+        config.light_variance = variance;
+        LightTransportModel model = random_model(config);
+        const at::Tensor answer = irradiance(model, front, queries);
+        const auto changes = [&](const PointSet& other) {
+          return !torch::equal(irradiance(model, other, queries), answer);
+        };
+        EXPECT_EQ(changes(back), sides == LightSides::Apart) << config.to_yaml();
+        EXPECT_EQ(changes(noisy), variance) << config.to_yaml();
+        PointSet gained = front;
+        for (at::Tensor* t : {&gained.emission, &gained.direct, &gained.indirect,
+                              &gained.direct_back, &gained.indirect_back})
+          *t = *t * 0.5;
+        EXPECT_TRUE(torch::equal(irradiance(model, gained, queries), answer * 0.5));
+      }
+    }
+  }
+}
+
+TEST(Model, RefusesSidesAndErrorsThatAreMissingOrImpossible) {
+  ModelConfig config = test::tiny_config();
+  config.light_input = LightInput::Traced;
+  config.light_sides = LightSides::Apart;
+  config.light_variance = true;
+  LightTransportModel model = random_model(config);
+  const QuerySet queries = test::box_queries(5, 2);
+  const auto refused = [&](const auto& edit, const std::vector<std::string>& words) {
+    PointSet points = test::box_scene(60, 1);
+    edit(&points);
+    test::expect_error([&] { irradiance(model, points, queries); }, words);
+  };
+  refused([](PointSet* p) { p->direct_back = at::Tensor(); },
+          {"scene points", "direct irradiance of the back is missing"});
+  refused([](PointSet* p) { p->indirect_back = at::Tensor(); },
+          {"indirect irradiance of the back"});
+  refused([](PointSet* p) { p->indirect_error = at::Tensor(); }, {"standard error", "is missing"});
+  refused([](PointSet* p) { p->indirect_back[7][2] = 4; }, {"row 7", "more than that of both"});
+  refused([](PointSet* p) { p->direct_back[7][2] = -1; },
+          {"direct irradiance of the back", "row 7"});
+  refused([](PointSet* p) { p->indirect_error[9][1] = 1.5; }, {"row 9", "outside [0, 1]"});
+  refused([](PointSet* p) { p->indirect_error[9][0] = NAN; }, {"row 9", "outside [0, 1]"});
+  refused([](PointSet* p) { p->indirect_error = p->indirect_error.narrow(1, 0, 1); },
+          {"must be [60, 2]"});
+}
+
 TEST(Model, BlackSceneIsExactlyBlack) {
   LightTransportModel model = random_model();
   PointSet points = test::box_scene(60, 1);

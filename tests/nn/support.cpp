@@ -71,6 +71,11 @@ nn::PointSet box_scene(int64_t M, uint64_t seed) {
   points.area = 0.01 + torch::rand({M}) * 0.01;
   points.direct = torch::where(lit, torch::zeros({M, 3}), 8 * torch::rand({M, 3}));
   points.indirect = torch::where(lit, torch::zeros({M, 3}), 3 * torch::rand({M, 3}));
+  // Every third point is on a sheet; the others are on closed bodies.
+  const at::Tensor share = torch::arange(M).remainder(3).eq(0).unsqueeze(1).to(at::kFloat) * 0.375;
+  points.direct_back = points.direct * share;
+  points.indirect_back = points.indirect * share;
+  points.indirect_error = torch::arange(2 * M).remainder(7).to(at::kFloat).view({M, 2}).div(8);
   return points;
 }
 
@@ -81,9 +86,8 @@ nn::QuerySet box_queries(int64_t Q, uint64_t seed) {
 }
 
 nn::PointSet as_double(nn::PointSet points) {
-  for (at::Tensor* t : {&points.position, &points.normal, &points.albedo, &points.emission,
-                        &points.area, &points.direct, &points.indirect}) {
-    *t = t->to(at::kDouble);
+  for (at::Tensor* t : points.tensors()) {
+    if (t->defined()) *t = t->to(at::kDouble);
   }
   return points;
 }

@@ -45,6 +45,10 @@ TEST(LightEstimates, BothSidesOfASurfaceCountByLightGroup) {
       EXPECT_NEAR(light.direct[g * 4 + i].x, expected, 0.02 * expected)
           << "group " << g << ", point " << i;
       EXPECT_EQ(light.indirect[g * 4 + i], Rgb{});  // black luminaires reflect nothing
+      const double behind = test::polygon_irradiance(two.polygons[g], positions[i], -normals[i]);
+      EXPECT_NEAR(light.direct_back[g * 4 + i].x, behind, 0.02 * expected)
+          << "group " << g << ", point " << i;
+      EXPECT_EQ(light.error[g * 4 + i], 0);
     }
     EXPECT_EQ(light.direct[g * 4 + 3], Rgb{});
   }
@@ -111,6 +115,63 @@ TEST(LightEstimates, AgreeWithManyIndependentPathsPointByPoint) {
                             "direct light");
   test::expect_within_error(sum_over_groups(light.indirect, count), own.indirect,
                             reference.indirect, "indirect light");
+}
+
+/// A sheet under a lamp, above a black floor: its front has the light of the closed form, and its
+/// back none, which is exactly 0.
+TEST(LightEstimates, TheBackOfASheetIsNotItsFront) {
+  scene::Scene scene;
+  const Vec3 corner{-0.5f, 2, -0.5f}, u{1, 0, 0}, v{0, 0, 1};
+  test::add_quad(&scene, corner, u, v, test::add_material(&scene, {0, 0, 0}, {1, 1, 1}));
+  test::add_quad(&scene, {-3, 1, -3}, {6, 0, 0}, {0, 0, 6},
+                 test::add_material(&scene, {0.8f, 0.8f, 0.8f}));
+  const Bvh bvh(scene);
+  const Lights lights(scene);
+  const std::vector<Vec3> positions(2, {0.2f, 1, 0.1f}), normals{{0, 1, 0}, {0, -1, 0}};
+  const LightEstimates light =
+      estimate_light(bvh, lights, positions, normals, std::vector<Rgb>(2), {4096, 5, 5});
+  const double expected = test::polygon_irradiance({corner, corner + u, corner + u + v, corner + v},
+                                                   positions[0], {0, 1, 0});
+  EXPECT_NEAR(light.direct[0].x, expected, 0.02 * expected);
+  EXPECT_EQ(light.direct_back[0], Rgb{});
+  EXPECT_EQ(light.indirect_back[0], Rgb{});
+  EXPECT_EQ(light.error_back[0], 0);
+  // The normal of the file may look either way.
+  EXPECT_NEAR(light.direct_back[1].x, expected, 0.02 * expected);
+  EXPECT_EQ(light.direct[1], light.direct_back[1]);
+}
+
+/// The standard error that few paths tell of themselves is, on average, how far they are apart from
+/// one another under other random numbers.
+TEST(LightEstimates, TellHowFarTheyAreOff) {
+  const scene::Scene scene = test::furnished_room();
+  const Bvh bvh(scene);
+  const Lights lights(scene);
+  const std::vector<Vec3> positions{{1.7f, 0, 2.5f}, {2.0f, 2.5f, 0.3f}},
+      normals{{0, 1, 0}, {0, -1, 0}};
+  constexpr int kRuns = 400;
+  const auto G = static_cast<size_t>(lights.groups());
+  for (size_t i = 0; i < positions.size(); ++i) {
+    const std::span place(&positions[i], 1), normal(&normals[i], 1);
+    std::vector<double> sum(G), squares(G), told(G);
+    for (uint64_t run = 0; run < kRuns; ++run) {
+      const LightEstimates light =
+          estimate_light(bvh, lights, place, normal, std::vector<Rgb>(1), {32, 5, run});
+      for (size_t g = 0; g < G; ++g) {
+        const Rgb front = light.indirect[g] - light.indirect_back[g];
+        const double grey = (front.x + front.y + front.z) / 3, error = light.error[g] * grey;
+        ASSERT_LE(light.error[g], 1);
+        sum[g] += grey;
+        squares[g] += grey * grey;
+        told[g] += error * error;
+      }
+    }
+    for (size_t g = 0; g < G; ++g) {
+      const double mean = sum[g] / kRuns, variance = squares[g] / kRuns - mean * mean;
+      ASSERT_GT(variance, 0);
+      EXPECT_NEAR(told[g] / kRuns, variance, 0.3 * variance) << "point " << i << ", group " << g;
+    }
+  }
 }
 
 TEST(LightEstimates, TakeNoneAndRefuseArraysOfDifferentLength) {

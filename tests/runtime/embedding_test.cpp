@@ -82,6 +82,13 @@ TEST(Network, AsksForTheLightThatItsModelReads) {
   config.light_input = nn::LightInput::Traced;
   EXPECT_EQ(tiny_network(config).light_request().depth, 5);
   EXPECT_EQ(tiny_network(config).light_request().paths, 32);
+  EXPECT_FALSE(tiny_network(config).light_request().sides);
+  config.light_sides = nn::LightSides::Apart;
+  config.light_variance = true;
+  EXPECT_TRUE(tiny_network(config).light_request().sides);
+  EXPECT_TRUE(tiny_network(config).light_request().errors);
+  config.light_sides = nn::LightSides::Sum;
+  config.light_variance = false;
   config.light_input = nn::LightInput::Radiosity;
   EXPECT_EQ(tiny_network(config).light_request().depth, 0) << "which it has solved";
 }
@@ -94,14 +101,10 @@ TEST(SceneEmbedding, SolvesTheLightOfModelsThatReadRadiosity) {
   const ScenePoints scene = arrays(points);
   const radiosity::PointLight light =
       radiosity::solve({scene.position, scene.normal, scene.albedo, scene.emission, scene.area}, 1);
-  std::vector<Rgb> direct, indirect;
-  for (size_t i = 0; i < light.direct.size(); ++i) {
-    direct.push_back(light.direct[i][0] + light.direct[i][1]);
-    indirect.push_back(light.indirect[i][0] + light.indirect[i][1]);
-  }
+  std::vector<Rgb> indirect = light.indirect;
   ASSERT_GT(tensor(indirect).sum().item<double>(), 0);
   ScenePoints given = scene;
-  given.direct = direct;
+  given.direct = light.direct;
   given.indirect = indirect;
   const nn::QuerySet queries = test::box_queries(50, 2);
   const std::vector<Rgb> answers = SceneEmbedding(network, scene).decode(arrays(queries));

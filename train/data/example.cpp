@@ -8,6 +8,7 @@
 #include <ATen/ops/empty.h>
 
 #include "lte/base/check.h"
+#include "lte/data/light_groups.h"
 
 namespace lte::train {
 namespace {
@@ -48,6 +49,27 @@ at::Tensor areas(const TrainingScene& scene, const std::vector<int64_t>& rows) {
   return out;
 }
 
+/// PointSet::indirect_error of the groups' light under their gains.
+at::Tensor light_errors(const TrainingScene& scene, const Symmetry& symmetry,
+                        const std::vector<int64_t>& rows) {
+  const size_t M = scene.position.size();
+  at::Tensor out = at::empty({static_cast<int64_t>(rows.size()), 2}, at::kFloat);
+  auto* values = out.data_ptr<float>();
+  for (size_t i = 0; i < rows.size(); ++i) {
+    data::ErrorOfSum front, back;
+    for (int64_t g = 0; g < scene.light_groups; ++g) {
+      const auto group = static_cast<int32_t>(g);
+      const size_t at = static_cast<size_t>(g) * M + static_cast<size_t>(rows[i]);
+      front.add(to_float(scene.error[at]),
+                symmetry.light(scene.indirect[at] - scene.indirect_back[at], group));
+      back.add(to_float(scene.error_back[at]), symmetry.light(scene.indirect_back[at], group));
+    }
+    values[2 * i] = front.relative();
+    values[2 * i + 1] = back.relative();
+  }
+  return out;
+}
+
 nn::PointSet gather_points(const TrainingScene& scene, const Symmetry& symmetry,
                            const std::vector<int64_t>& rows) {
   nn::PointSet points;
@@ -70,6 +92,9 @@ nn::PointSet gather_points(const TrainingScene& scene, const Symmetry& symmetry,
   };
   points.direct = lit(scene.direct);
   points.indirect = lit(scene.indirect);
+  points.direct_back = lit(scene.direct_back);
+  points.indirect_back = lit(scene.indirect_back);
+  if (!scene.error.empty()) points.indirect_error = light_errors(scene, symmetry, rows);
   return points;
 }
 
@@ -140,14 +165,12 @@ void weigh_noise(const TrainingScene& scene, const QueryOptions& options, const 
 
 Example Example::to(at::Device device) const {
   Example out = *this;
-  for (at::Tensor* tensor : {&out.points.position, &out.points.normal, &out.points.albedo,
-                             &out.points.emission, &out.points.area, &out.queries.position,
-                             &out.queries.normal, &out.queries.albedo, &out.target}) {
-    *tensor = tensor->to(device);
+  std::vector<at::Tensor*> tensors = out.points.tensors();
+  tensors.insert(tensors.end(), {&out.queries.position, &out.queries.normal, &out.queries.albedo,
+                                 &out.target, &out.weight});
+  for (at::Tensor* tensor : tensors) {
+    if (tensor->defined()) *tensor = tensor->to(device);
   }
-  if (out.weight.defined()) out.weight = out.weight.to(device);
-  if (points.direct.defined()) out.points.direct = points.direct.to(device);
-  if (points.indirect.defined()) out.points.indirect = points.indirect.to(device);
   return out;
 }
 

@@ -8,6 +8,9 @@
 
 namespace lte::train {
 
+/// Fewest paths a side from whose spread a standard error is told.
+inline constexpr int kLeastPathsOfError = 4;
+
 /// The default is that of files that do not say.
 struct LightEstimates {
   int paths = data::kDefaultLightPaths;  ///< a side of each scene point

@@ -35,9 +35,13 @@ RunData open_run_data(const TrainConfig& config) {
   std::vector<data::DatasetEntry> train = data::entries_of(info, data::Split::Train);
   LTE_CHECK(!train.empty(), (root / "dataset.json").string(),
             ": no scene is in the split \"train\"");
+  LTE_CHECK(!config.model.light_variance || info.light_paths >= kLeastPathsOfError,
+            "model.light_variance: the light estimates of ", root.string(), " come from ",
+            info.light_paths, " paths, and the spread of fewer than ", kLeastPathsOfError,
+            " says nothing");
   const uint64_t fingerprint = names_fingerprint(train);
   SceneStoreOptions options{config.model.target, static_cast<size_t>(config.data.cache_mb) << 20,
-                            info.scale, skip, config.model.light_input};
+                            info.scale, skip, LightKeys(config.model)};
   SceneStore train_store(root, std::move(train), options);
   options.cache_bytes = 0;  // each is read once
   SceneStore val_store(root, data::entries_of(info, data::Split::Val), options);

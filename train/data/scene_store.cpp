@@ -14,34 +14,41 @@ size_t bytes_of(const std::vector<T>& values) {
   return values.size() * sizeof(T);
 }
 
-std::vector<Rgb> both_sides(const std::vector<radiosity::PointLight::Sides>& light) {
-  std::vector<Rgb> sums(light.size());
-  for (size_t i = 0; i < light.size(); ++i) sums[i] = light[i][0] + light[i][1];
-  return sums;
+void check_light(const std::filesystem::path& path, const data::SceneSample& sample,
+                 const LightKeys& light) {
+  if (light.input == nn::LightInput::Radiosity) return;
+  LTE_CHECK(light.input == nn::LightInput::Emission || !sample.scene_direct.empty(), path.string(),
+            ": has no scene_direct, which model.light_input ", enum_name(light.input),
+            " reads; bake the data again");
+  LTE_CHECK(light.sides == nn::LightSides::Sum || !sample.scene_direct_back.empty(), path.string(),
+            ": has no scene_direct_back, which model.light_sides ", enum_name(light.sides),
+            " reads; bake the data again");
 }
 
-/// Puts into `scene` what a model of this `input` reads of the light on its points.
-void take_light(data::SceneSample* sample, nn::LightInput input, TrainingScene* scene) {
-  switch (input) {
-    case nn::LightInput::Emission:
-      return;
-    case nn::LightInput::Direct:
-      scene->direct = std::move(sample->scene_direct);
-      return;
-    case nn::LightInput::Traced:
-      scene->direct = std::move(sample->scene_direct);
-      scene->indirect = std::move(sample->scene_indirect);
-      return;
-    case nn::LightInput::Radiosity: {
-      const radiosity::PointLight light =
-          radiosity::solve({scene->position, scene->normal, scene->albedo, scene->emission,
-                            scene->area, scene->light},
-                           sample->light_groups);
-      scene->direct = both_sides(light.direct);
-      scene->indirect = both_sides(light.indirect);
-      return;
-    }
-  }
+/// Puts light that is solved on the points into the place of the sample's estimates.
+void solve_light(const TrainingScene& scene, data::SceneSample* sample) {
+  radiosity::PointLight light = radiosity::solve(
+      {scene.position, scene.normal, scene.albedo, scene.emission, scene.area, scene.light},
+      sample->light_groups);
+  sample->scene_direct = std::move(light.direct);
+  sample->scene_indirect = std::move(light.indirect);
+  sample->scene_direct_back = std::move(light.direct_back);
+  sample->scene_indirect_back = std::move(light.indirect_back);
+}
+
+void take_light(data::SceneSample* sample, const LightKeys& light, TrainingScene* scene) {
+  if (light.input == nn::LightInput::Emission) return;
+  if (light.input == nn::LightInput::Radiosity) solve_light(*scene, sample);
+  const bool direct_alone = light.input == nn::LightInput::Direct,
+             apart = light.sides == nn::LightSides::Apart;
+  scene->direct = std::move(sample->scene_direct);
+  if (apart) scene->direct_back = std::move(sample->scene_direct_back);
+  if (direct_alone) return;
+  scene->indirect = std::move(sample->scene_indirect);
+  if (apart) scene->indirect_back = std::move(sample->scene_indirect_back);
+  if (!light.variance) return;
+  scene->error = std::move(sample->scene_error);
+  scene->error_back = std::move(sample->scene_error_back);
 }
 
 }  // namespace
@@ -49,18 +56,15 @@ void take_light(data::SceneSample* sample, nn::LightInput input, TrainingScene* 
 size_t TrainingScene::size_bytes() const {
   return bytes_of(position) + bytes_of(normal) + bytes_of(albedo) + bytes_of(emission) +
          bytes_of(area) + bytes_of(light) + bytes_of(direct) + bytes_of(indirect) +
+         bytes_of(direct_back) + bytes_of(indirect_back) + bytes_of(error) + bytes_of(error_back) +
          bytes_of(query_position) + bytes_of(query_normal) + bytes_of(query_albedo) +
          bytes_of(target) + bytes_of(scores.noise) + bytes_of(scores.slope);
 }
 
 TrainingScene read_training_scene(const std::filesystem::path& path, const std::string& name,
-                                  nn::Target target, nn::LightInput light_input) {
+                                  nn::Target target, const LightKeys& light) {
   data::SceneSample sample = data::read_scene_sample(path);
-  const bool needs_estimates =
-      light_input == nn::LightInput::Direct || light_input == nn::LightInput::Traced;
-  LTE_CHECK(!needs_estimates || !sample.scene_direct.empty(), path.string(),
-            ": has no scene_direct, which model.light_input ", enum_name(light_input),
-            " reads; bake the data again");
+  check_light(path, sample, light);
   data::drop_idle_queries(&sample);
   TrainingScene scene;
   scene.name = name;
@@ -71,7 +75,7 @@ TrainingScene read_training_scene(const std::filesystem::path& path, const std::
   scene.emission = std::move(sample.scene_emission);
   scene.area = std::move(sample.scene_area);
   scene.light = std::move(sample.scene_light);
-  take_light(&sample, light_input, &scene);
+  take_light(&sample, light, &scene);
   scene.query_position = std::move(sample.query_position);
   scene.query_normal = std::move(sample.query_normal);
   scene.query_albedo = std::move(sample.query_albedo);
@@ -93,7 +97,7 @@ std::shared_ptr<const TrainingScene> SceneStore::read(size_t index) const {
   const std::string& name = entries_.at(index).name;
   const std::filesystem::path path = data::scene_path(root_, name);
   auto scene = std::make_shared<const TrainingScene>(
-      read_training_scene(path, name, options_.target, options_.light_input));
+      read_training_scene(path, name, options_.target, options_.light));
   const float extent = max_component(scene->bounds.extent());
   LTE_CHECK(extent <= static_cast<float>(options_.scale), path.string(), ": scene ", name, ": ",
             extent, " m wide, which exceeds the data set's scale of ", options_.scale, " m");

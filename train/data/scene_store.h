@@ -11,6 +11,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "lte/base/half.h"
 #include "lte/base/math.h"
 #include "lte/data/dataset.h"
 #include "lte/nn/config.h"
@@ -27,6 +28,8 @@ struct TrainingScene {
   std::vector<float> area;                         ///< [M] m²
   std::vector<int32_t> light;                      ///< [M] light group, −1 for none
   std::vector<Rgb> direct, indirect;               ///< [G, M] at unit gain; may be empty
+  std::vector<Rgb> direct_back, indirect_back;     ///< [G, M], of these; may be empty
+  std::vector<Half> error, error_back;             ///< [G, M], of indirect light; may be empty
   std::vector<Vec3> query_position, query_normal;  ///< [N]
   std::vector<Rgb> query_albedo;                   ///< [N]
   int64_t light_groups = 0;                        ///< G
@@ -39,19 +42,30 @@ struct TrainingScene {
   size_t size_bytes() const;
 };
 
-/// @param target       the model's
-/// @param light_input  the model's: what else is kept
+/// What a model reads of the light on scene points: keys of its configuration.
+struct LightKeys {
+  nn::LightInput input = nn::LightInput::Emission;
+  nn::LightSides sides = nn::LightSides::Sum;
+  bool variance = false;
+
+  LightKeys() = default;
+  LightKeys(nn::LightInput light_input) : input(light_input) {}  // NOLINT(*explicit*)
+  explicit LightKeys(const nn::ModelConfig& model)
+      : input(model.light_input), sides(model.light_sides), variance(model.light_variance) {}
+};
+
+/// @param target  the model's
+/// @param light   the model's: what else is kept
 /// @throws lte::Error as data::read_scene_sample(), or if the file lacks what the model reads.
 TrainingScene read_training_scene(const std::filesystem::path& path, const std::string& name,
-                                  nn::Target target,
-                                  nn::LightInput light_input = nn::LightInput::Emission);
+                                  nn::Target target, const LightKeys& light = {});
 
 struct SceneStoreOptions {
   nn::Target target = nn::Target::Indirect;
   size_t cache_bytes = 0;   ///< memory for scenes that are not in use
   double scale = INFINITY;  ///< s, metres: a scene must fit into a cube of this side
   bool skip_bad = false;    ///< go on without scenes that cannot be used
-  nn::LightInput light_input = nn::LightInput::Emission;
+  LightKeys light;
 };
 
 /// Reads scenes and keeps them. The least recently used ones are dropped once `cache_bytes` are

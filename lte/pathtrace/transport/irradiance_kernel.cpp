@@ -53,6 +53,7 @@ void PointSums::start_point() {
   std::fill(direct_.begin(), direct_.end(), Sum{});
   std::fill(indirect_.begin(), indirect_.end(), Sum{});
   std::fill(batch_.begin(), batch_.end(), BatchSum{});
+  std::fill(grey_.begin(), grey_.end(), 0.0);
 }
 
 void PointSums::add(int depth, std::span<const Contribution> contributions) {
@@ -62,6 +63,10 @@ void PointSums::add(int depth, std::span<const Contribution> contributions) {
     groups[static_cast<size_t>(c.light_group)].add(c.value);
     const int32_t batch = batch_of_path_[static_cast<size_t>(c.path)];
     (batch_[static_cast<size_t>(batch)].*part).add(c.value);
+    if (depth > 1 && !grey_.empty()) {
+      const auto row = static_cast<size_t>(c.light_group) * batch_.size();
+      grey_[row + static_cast<size_t>(batch)] += (c.value.x + c.value.y + c.value.z) / 3;
+    }
   }
 }
 
@@ -95,6 +100,16 @@ void PointSums::store(int64_t i, Irradiance* out) const {
   }
   out->variance[i] = (indirect.x + indirect.y + indirect.z) / 3;
   out->variance_total[i] = total;
+  for (size_t g = 0; !grey_.empty() && g < direct_.size(); ++g) {
+    double sum = 0, squares = 0;
+    for (size_t batch = 0; batch < batch_.size(); ++batch) {
+      const double mean = kPi * grey_[g * batch_.size() + batch] / batches_.size;
+      sum += mean;
+      squares += mean * mean;
+    }
+    out->group_variance[g * static_cast<size_t>(out->points) + static_cast<size_t>(i)] =
+        static_cast<float>(variance_of_mean(sum, squares, batches_.count));
+  }
 }
 
 }  // namespace lte::pathtrace

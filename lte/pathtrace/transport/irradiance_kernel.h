@@ -34,8 +34,13 @@ void check_irradiance_options(const IrradianceOptions& options);
 /// Sums of one point: by group, and by batch for the variance.
 class PointSums : public LightSink {
  public:
-  PointSums(int groups, const Batches& batches)
-      : batches_(batches), direct_(groups), indirect_(groups), batch_(batches.count) {}
+  /// @param by_group  batches are kept by group too
+  PointSums(int groups, const Batches& batches, bool by_group)
+      : batches_(batches),
+        direct_(groups),
+        indirect_(groups),
+        batch_(batches.count),
+        grey_(by_group ? static_cast<size_t>(groups) * static_cast<size_t>(batches.count) : 0) {}
 
   void start_point();
   /// Paths of the next block: of this batch, from the block's start on.
@@ -60,6 +65,7 @@ class PointSums : public LightSink {
   const Batches batches_;
   std::vector<Sum> direct_, indirect_;
   std::vector<BatchSum> batch_;
+  std::vector<double> grey_;  ///< [groups, batches] indirect light over the channels; may be empty
   int batch_of_path_size_ = 0;
   std::array<int32_t, kBlock> batch_of_path_;
 };
@@ -112,10 +118,11 @@ Irradiance run_irradiance(const Bvh& bvh, const Lights& lights, std::span<const 
     out.variance_total.resize(positions.size());
   }
   if (lights.empty()) return out;
+  if (options.variance && options.group_variance) out.group_variance.resize(out.direct.size());
   std::atomic<int64_t> rays_traced{0};
   constexpr int64_t kGrain = 4;  // a point is thousands of rays
   parallel_for(out.points, kGrain, [&](int64_t begin, int64_t end) {
-    PointSums sums(lights.groups(), batches);
+    PointSums sums(lights.groups(), batches, !out.group_variance.empty());
     const auto sampler = std::make_unique<PathSampler>(options.sampling, batches.size);
     const auto transport = std::make_unique<BasicTransport<Observer>>(bvh, lights, max_depth,
                                                                       options.roulette_depth, sums);

@@ -308,5 +308,28 @@ TEST_F(Evaluation, RefusesDataWithoutTheLightThatTheModelReads) {
   }
 }
 
+/// Data sets of before the sides were told apart serve models of then alone.
+TEST_F(Evaluation, RefusesDataWithoutTheSidesThatTheModelReads) {
+  test::TinyModel tiny;
+  tiny.light_input = nn::LightInput::Traced;
+  tiny.light_sides = nn::LightSides::Apart;
+  test::save_tiny_model(folder_ / "apart.safetensors", tiny);
+  const runtime::Network model(folder_ / "apart.safetensors");
+  for (const char* name : {"test0", "test1"}) {
+    const std::filesystem::path path = data::scene_path(settings_.data, name);
+    data::SceneSample sample = data::read_scene_sample(path);
+    const auto count = static_cast<size_t>(sample.light_groups * sample.scene_points());
+    sample.scene_direct.assign(count, Rgb{1, 1, 1});
+    sample.scene_indirect.assign(count, Rgb{1, 1, 1});
+    data::write_scene_sample(path, sample);
+  }
+  try {
+    evaluate(settings_, model, fit_baselines(settings_.data));
+    ADD_FAILURE() << "took data without the sides of surfaces";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("test0: has no scene_direct_back"));
+  }
+}
+
 }  // namespace
 }  // namespace lte::infer

@@ -114,6 +114,28 @@ TEST(ExportOfLight, ColumnsFollowTheModel) {
   }
 }
 
+TEST(ExportOfLight, SidesAndErrorsAgreeWithTheNativeModel) {
+  const test::TempDir folder;
+  for (const bool traced : {false, true}) {
+    for (const bool variance : {false, true}) {
+      if (variance && !traced) continue;
+      nn::ModelConfig config = small_config(nn::Stem::Linear);
+      config.light_input = traced ? nn::LightInput::Traced : nn::LightInput::Direct;
+      config.light_sides = nn::LightSides::Apart;
+      config.light_variance = variance;
+      const std::filesystem::path model_file = save_untrained(folder.path(), config);
+      for (const bool portable : {true, false}) {
+        for (const ExportCheck& check : export_torchscript(
+                 {model_file.string(), folder.path() / "model.pt", portable, true})) {
+          EXPECT_LT(check.relative_error, 1e-5) << config.to_yaml() << "M = " << check.scene_points;
+        }
+      }
+      torch::jit::Module module = torch::jit::load((folder.path() / "model.pt").string());
+      EXPECT_ANY_THROW(module.forward({at::rand({50, traced ? 19 : 16}), at::rand({5, 9})}));
+    }
+  }
+}
+
 TEST(PortableExport, LoadsInAProgramThatLinksNothingOfLte) {
   const test::TempDir folder;
   const std::filesystem::path model_file =

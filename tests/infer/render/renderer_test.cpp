@@ -289,8 +289,8 @@ TEST(Renderer, GivesModelsTheLightThatTheyRead) {
         sample_scene_points(room.renderer.bvh(), tiny.scene_points, /*prune=*/false,
                             /*seed=*/0, nullptr),
         network.light_request(), 0);
-    EXPECT_EQ(lit.direct.empty(), input == nn::LightInput::Emission);
-    EXPECT_EQ(lit.indirect.empty(), input != nn::LightInput::Traced);
+    EXPECT_EQ(lit.light.direct.empty(), input == nn::LightInput::Emission);
+    EXPECT_EQ(lit.light.indirect.empty(), input != nn::LightInput::Traced);
     const std::vector<Rgb> expected = answers(room, network, lit, camera);
     double sum = 0, difference = 0;
     for (int y = 0; y < 16; ++y) {
@@ -339,20 +339,51 @@ TEST(LitSamples, HoldTheIrradianceOfTheClosedForm) {
   const pathtrace::Lights lights(scene);
   const scene::SurfaceSamples surface =
       sample_scene_points(bvh, 2000, /*prune=*/false, /*seed=*/1, nullptr);
-  EXPECT_TRUE(add_light_estimates(bvh, lights, surface, {0, 0}, 1).direct.empty());
-  EXPECT_TRUE(add_light_estimates(bvh, lights, surface, {1, 32}, 1).indirect.empty());
+  EXPECT_TRUE(add_light_estimates(bvh, lights, surface, {0, 0}, 1).light.direct.empty());
+  EXPECT_TRUE(add_light_estimates(bvh, lights, surface, {1, 32}, 1).light.indirect.empty());
   const LitSamples lit = add_light_estimates(bvh, lights, surface, {5, 32}, 1);
-  ASSERT_EQ(lit.direct.size(), surface.position.size());
-  ASSERT_EQ(lit.indirect.size(), surface.position.size());
+  ASSERT_EQ(lit.light.direct.size(), surface.position.size());
+  ASSERT_EQ(lit.light.indirect.size(), surface.position.size());
   double traced = 0, expected = 0;
-  for (size_t i = 0; i < lit.direct.size(); ++i) {
+  for (size_t i = 0; i < lit.light.direct.size(); ++i) {
     if (max_component(surface.emission[i]) > 0) continue;
-    traced += lit.direct[i].x;
+    traced += lit.light.direct[i].x;
     expected += kLitFloorRadiance.x *
                 test::polygon_irradiance(test::lit_floor_light(), surface.position[i], {0, 1, 0});
-    EXPECT_EQ(lit.indirect[i], Rgb{}) << "the light is black";
+    EXPECT_EQ(lit.light.indirect[i], Rgb{}) << "the light is black";
   }
   EXPECT_NEAR(traced, expected, 0.02 * expected);
+}
+
+TEST(LitSamples, TellTheSidesAndTheErrorsThatAreAskedFor) {
+  const scene::Scene scene = test::furnished_room();
+  const pathtrace::Bvh bvh(scene);
+  const pathtrace::Lights lights(scene);
+  const scene::SurfaceSamples surface =
+      sample_scene_points(bvh, 500, /*prune=*/false, /*seed=*/1, nullptr);
+  const auto told = [&](bool sides, bool errors) {
+    return add_light_estimates(bvh, lights, surface, {5, 32, sides, errors}, 1).light;
+  };
+  const data::PointLight sum = told(false, false), apart = told(true, false),
+                         all = told(true, true);
+  EXPECT_TRUE(sum.direct_back.empty() && sum.indirect_back.empty() && sum.error.empty());
+  EXPECT_EQ(apart.direct, sum.direct);
+  EXPECT_EQ(apart.indirect, sum.indirect);
+  EXPECT_TRUE(apart.error.empty());
+  ASSERT_EQ(apart.indirect_back.size(), surface.position.size());
+  ASSERT_EQ(all.error.size(), 2 * surface.position.size());
+  // With normals turned over, the back is what the front was, under other random numbers.
+  scene::SurfaceSamples turned = surface;
+  for (Vec3& normal : turned.normal) normal = -normal;
+  const data::PointLight other =
+      add_light_estimates(bvh, lights, turned, {5, 32, true, true}, 1).light;
+  double front = 0, back = 0;
+  for (size_t i = 0; i < apart.direct.size(); ++i) {
+    front += luminance(apart.direct[i] - apart.direct_back[i]);
+    back += luminance(other.direct_back[i]);
+  }
+  EXPECT_GT(front, 0);
+  EXPECT_NEAR(back, front, 0.02 * front);
 }
 
 TEST(LitSamples, HoldTheIrradianceOfManyPathsWhereSurfacesReflect) {
@@ -367,13 +398,13 @@ TEST(LitSamples, HoldTheIrradianceOfManyPathsWhereSurfacesReflect) {
   const pathtrace::Irradiance front =
       pathtrace::estimate_irradiance(bvh, lights, surface.position, surface.normal, many);
   double direct = 0, indirect = 0, front_direct = 0, front_indirect = 0;
-  for (size_t i = 0; i < lit.direct.size(); ++i) {
+  for (size_t i = 0; i < lit.light.direct.size(); ++i) {
     if (max_component(surface.emission[i]) > 0) {
-      EXPECT_EQ(lit.indirect[i], Rgb{}) << "luminaires count as dark";
+      EXPECT_EQ(lit.light.indirect[i], Rgb{}) << "luminaires count as dark";
       continue;
     }
-    direct += luminance(lit.direct[i]);
-    indirect += luminance(lit.indirect[i]);
+    direct += luminance(lit.light.direct[i]);
+    indirect += luminance(lit.light.indirect[i]);
     front_direct += luminance(front.direct_sum(static_cast<int64_t>(i)));
     front_indirect += luminance(front.indirect_sum(static_cast<int64_t>(i)));
   }

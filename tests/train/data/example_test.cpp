@@ -263,7 +263,7 @@ TEST(MakeExample, RadiosityIsSolvedByLightGroup) {
   double sum = 0;
   for (size_t i = 0; i < light.indirect.size(); ++i) {
     for (int c = 0; c < 3; ++c) {
-      const float expected = light.indirect[i][0][c] + light.indirect[i][1][c];
+      const float expected = light.indirect[i][c];
       EXPECT_NEAR(triples(points.indirect)[i][c], expected, 1e-4f + 1e-4f * expected);
       sum += expected;
     }
@@ -314,6 +314,81 @@ TEST(MakeExample, LightOnScenePointsIsSummedOverGroupsUnderTheirGains) {
                       a[c] * sample.scene_direct[i][c] + b[c] * sample.scene_direct[M + i][c]);
       EXPECT_FLOAT_EQ(example.points.indirect[row][c].item<float>(),
                       a[c] * sample.scene_indirect[i][c] + b[c] * sample.scene_indirect[M + i][c]);
+    }
+  }
+}
+
+nn::ModelConfig model_of_sides() {
+  nn::ModelConfig model;
+  model.light_input = nn::LightInput::Traced;
+  model.light_sides = nn::LightSides::Apart;
+  model.light_variance = true;
+  return model;
+}
+
+/// The channels' mean of the light of a row.
+double grey(const at::Tensor& row) { return row.mean().item<double>(); }
+
+TEST(MakeExample, SymmetriesActOnBothSidesOfTheLight) {
+  const test::TempDir dir;
+  data::SceneSample sample = test::box_sample(7);
+  const std::filesystem::path path = dir / "room.safetensors";
+  const size_t M = sample.scene_position.size();
+  Rng random(3);
+  for (auto* light : {&sample.scene_direct_back, &sample.scene_indirect_back}) {
+    light->resize(2 * M);
+    for (Rgb& value : *light) value = {random.uniform(), random.uniform(), random.uniform()};
+  }
+  sample.scene_direct = sample.scene_direct_back;
+  sample.scene_indirect = sample.scene_indirect_back;
+  const auto refused = [&] {
+    data::SceneSample old = sample;
+    old.scene_direct_back.clear();
+    old.scene_indirect_back.clear();
+    data::write_scene_sample(path, old);
+    read_training_scene(path, "room", nn::Target::Indirect, LightKeys(model_of_sides()));
+  };
+  test::expect_error(refused, {"room.safetensors", "no scene_direct_back", "light_sides apart"});
+  for (Rgb& value : sample.scene_indirect) value += Rgb{1, 2, 3};  // the front, in every group
+  sample.scene_error.assign(2 * M, to_half(0.25f));
+  sample.scene_error_back.assign(2 * M, to_half(1.0f));
+  data::write_scene_sample(path, sample);
+  const TrainingScene scene =
+      read_training_scene(path, "room", nn::Target::Indirect, LightKeys(model_of_sides()));
+  Symmetry symmetry = identity_symmetry(2);
+  symmetry.mirror = true;
+  symmetry.channels = {2, 0, 1};
+  symmetry.gains = {{2, 1, 0}, {0, 0.5f, 3}};
+  Symmetry single = symmetry;
+  single.gains[1] = {0, 0, 0};
+  for (const Symmetry& drawn : {symmetry, single}) {
+    Rng rng(6);
+    const Example example = make_example(scene, drawn, 0, 5, &rng);
+    ASSERT_EQ(example.points.position.size(0), static_cast<int64_t>(M));
+    for (size_t i = 0; i < M; ++i) {
+      const auto row = static_cast<int64_t>(i);
+      double error[2] = {0, 0};
+      for (size_t g = 0; g < 2; ++g) {
+        const Rgb gain = drawn.gains[g], of_back = sample.scene_indirect_back[g * M + i] * gain,
+                  of_front = Rgb{1, 2, 3} * gain;
+        error[0] += std::pow(0.25 * (of_front.x + of_front.y + of_front.z) / 3, 2);
+        error[1] += std::pow((of_back.x + of_back.y + of_back.z) / 3, 2);
+      }
+      for (int c = 0; c < 3; ++c) {
+        const int from = drawn.channels[static_cast<size_t>(c)];
+        double direct = 0, indirect = 0;
+        for (size_t g = 0; g < 2; ++g) {
+          direct += drawn.gains[g][from] * sample.scene_direct_back[g * M + i][from];
+          indirect += drawn.gains[g][from] * sample.scene_indirect_back[g * M + i][from];
+        }
+        EXPECT_NEAR(example.points.direct_back[row][c].item<float>(), direct, 1e-5);
+        EXPECT_NEAR(example.points.indirect_back[row][c].item<float>(), indirect, 1e-5);
+      }
+      const at::Tensor back = example.points.indirect_back[row],
+                       front = example.points.indirect[row] - back,
+                       told = example.points.indirect_error[row];
+      EXPECT_NEAR(told[0].item<double>() * grey(front), std::sqrt(error[0]), 1e-4);
+      EXPECT_NEAR(told[1].item<double>() * grey(back), std::sqrt(error[1]), 1e-4);
     }
   }
 }

@@ -250,6 +250,31 @@ TEST_F(TrainerTest, AModelThatReadsLightIsBoundToHowItWasEstimated) {
   EXPECT_EQ(train(on_it("run", traced), true, 1).step, 2);
 }
 
+TEST_F(TrainerTest, AModelOfSidesAndErrorsTrainsAndWantsPathsEnough) {
+  const test::TempDir lit;
+  test::write_dataset(lit.path(), 2, 1, [](int, data::SceneSample* sample) {
+    const auto rows = static_cast<size_t>(sample->light_groups * sample->scene_points());
+    sample->scene_direct.assign(rows, Rgb{1, 1, 1});
+    sample->scene_indirect.assign(rows, Rgb{1, 1, 1});
+    sample->scene_direct_back.assign(rows, Rgb{0.25f, 0.5f, 1});
+    sample->scene_indirect_back.assign(rows, Rgb{0, 0.5f, 0.25f});
+    sample->scene_error.assign(rows, to_half(0.5f));
+    sample->scene_error_back.assign(rows, to_half(1.0f));
+  });
+  TrainConfig run =
+      config("run", "model: {light_input: traced, light_sides: apart, light_variance: true}\n");
+  run.data.root = lit.path().string();
+  EXPECT_EQ(train(run, false, 2).step, 2);
+  const SafetensorsFile model(dir_ / "run/model.safetensors");
+  EXPECT_THAT(model.metadata("model_config"), testing::HasSubstr("light_variance: true"));
+  data::DatasetInfo info = data::read_dataset_info(lit.path());
+  info.light_paths = 3;
+  data::write_dataset_info(lit.path(), info);
+  run = config("few", "model: {light_input: traced, light_sides: apart, light_variance: true}\n");
+  run.data.root = lit.path().string();
+  test::expect_error([&] { train(run); }, {"model.light_variance", "3 paths", "fewer than 4"});
+}
+
 TEST_F(TrainerTest, ASceneLargerThanTheScaleIsNamed) {
   const test::TempDir bad;
   test::write_dataset(bad.path(), 1, 0,

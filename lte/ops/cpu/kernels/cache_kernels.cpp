@@ -13,20 +13,46 @@ constexpr int64_t kMost = kMostCacheNeighbours, kChannels = kCacheLight;
 /// The neighbours of one query, by column; lanes past the last neighbour hold zeros.
 struct Neighbours {
   float offset[3][kMost], normal[3][kMost], light[kChannels][kMost];
-  float counted[kMost];  ///< 1 for a neighbour
+  float counted[kMost];    ///< 1 for a neighbour
+  float error[kMost];      ///< relative, where points have one
+  float other[kChannels];  ///< sum of the light on sides that are not read; 0 of one side
   float distance2[kMost], height[kMost], facing[kMost], grey[kMost], weight[kMost];
 };
 
+/// The row of the side of point j that faces as `normal` does.
+int64_t side_of(const CachePoints& points, int64_t j, const float* normal) {
+  if (points.sides == 1) return j;
+  const float* const n = points.normal + 3 * points.sides * j;
+  const float front = n[0] * normal[0] + n[1] * normal[1] + n[2] * normal[2],
+              back = n[3] * normal[0] + n[4] * normal[1] + n[5] * normal[2];
+  return 2 * j + (back > front ? 1 : 0);
+}
+
 void gather(const CachePoints& points, const int64_t* index, int64_t K, const float* position,
-            Neighbours& near) {
+            const float* normal, Neighbours& near) {
+  for (int64_t c = 0; c < kChannels; ++c) near.other[c] = 0;
   for (int64_t i = 0; i < K; ++i) {
-    const int64_t j = index[i];
+    const int64_t j = index[i], side = side_of(points, j, normal);
     for (int64_t c = 0; c < 3; ++c) {
       near.offset[c][i] = points.position[3 * j + c] - position[c];
-      near.normal[c][i] = points.normal[3 * j + c];
+      near.normal[c][i] = points.normal[3 * side + c];
     }
-    for (int64_t c = 0; c < kChannels; ++c) near.light[c][i] = points.light[kChannels * j + c];
+    for (int64_t c = 0; c < kChannels; ++c) near.light[c][i] = points.light[kChannels * side + c];
+    if (points.error != nullptr) near.error[i] = points.error[side];
+    if (points.sides == 1) continue;
+    const float* const other = points.light + kChannels * (4 * j + 1 - side);
+    for (int64_t c = 0; c < kChannels; ++c) near.other[c] += other[c];
   }
+}
+
+/// CacheColumn::kNoise from the weights that are there.
+float noise_of(const Neighbours& near, int64_t K, float part) {
+  Float squares{};
+  for (int64_t i = 0; i < K; i += kLanes<float>) {
+    const Float e = load(near.weight + i) * load(near.grey + i) * load(near.error + i);
+    squares += e * e;
+  }
+  return horizontal_sum(squares) * part * part;
 }
 
 Float dot(const float (*a)[kMost], int64_t i, const float* b) {
@@ -70,7 +96,8 @@ void means_of_query(Neighbours& near, int64_t K, const float* normal, const Cach
   }
   const float weight = horizontal_sum(total), part = 1.0f / weight;
   static_assert(CacheColumn::kLight == 0);
-  for (int64_t c = 0; c < kChannels; ++c) out[c] = horizontal_sum(sum[c]) * part;
+  for (int64_t c = 0; c < kChannels; ++c)
+    out[c] = (horizontal_sum(sum[c]) + weights.least * near.other[c]) * part;
   const Float mean = splat((out[0] + out[1] + out[2]) * (1.0f / 3));
   Float variance{};
   for (int64_t i = 0; i < K; i += kStep) {
@@ -86,12 +113,16 @@ void means_of_query(Neighbours& near, int64_t K, const float* normal, const Cach
 }
 
 void means(CachePoints points, CacheQueries queries, CacheWeights weights, float* out) {
-  const int64_t K = queries.K;
+  const int64_t K = queries.K, columns = kCacheMeans + (points.error != nullptr ? 1 : 0);
   Neighbours near = {};
   for (int64_t i = 0; i < K; ++i) near.counted[i] = 1;
   for (int64_t q = 0; q < queries.count; ++q) {
-    gather(points, queries.index + q * K, K, queries.position + 3 * q, near);
-    means_of_query(near, K, queries.normal + 3 * q, weights, out + kCacheMeans * q);
+    const float* const normal = queries.normal + 3 * q;
+    float* const row = out + columns * q;
+    gather(points, queries.index + q * K, K, queries.position + 3 * q, normal, near);
+    means_of_query(near, K, normal, weights, row);
+    if (points.error != nullptr)
+      row[CacheColumn::kNoise] = noise_of(near, K, 1.0f / row[CacheColumn::kWeight]);
   }
 }
 

@@ -202,8 +202,10 @@ struct Bf16Kernels {
 /// The points of an irradiance cache.
 struct CachePoints {
   const float* position;  ///< [S, 3]
-  const float* normal;    ///< [S, 3]
-  const float* light;     ///< [S, kCacheLight]
+  const float* normal;    ///< [S, 3 sides]
+  const float* light;     ///< [S, kCacheLight sides]
+  const float* error;     ///< [S, sides], or null
+  int64_t sides;          ///< 1 to kMostCacheSides
 };
 
 /// Queries and the points near them.
@@ -216,7 +218,7 @@ struct CacheQueries {
 
 /// Weighted means over a query's neighbours.
 struct CacheKernels {
-  /// irradiance_cache_means() (lte/ops/irradiance_cache.h): out [count, kCacheMeans].
+  /// irradiance_cache_means() (lte/ops/irradiance_cache.h): out [count, columns].
   void (*means)(CachePoints points, CacheQueries queries, CacheWeights weights, float* out);
 };
 
