@@ -30,7 +30,7 @@ QualitySettings quality_settings(Quality quality) {
       out.sparse = true;
       out.answers.step = 8;
       out.answers.edge_step = 4;
-      out.answers.tolerance = 0.2f;
+      out.answers.tolerance = 0.4f;
       out.answers.contact_radius = -1;
       out.answered_share = 0.05;
       break;
@@ -38,13 +38,15 @@ QualitySettings quality_settings(Quality quality) {
       out.direct_samples = 16;
       out.antialias = 4;
       out.sparse = true;
-      out.answered_share = 0.15;
+      out.answers.tolerance = 0.1f;
+      out.answers.contact_radius = -1;
+      out.answered_share = 0.1;
       break;
     case Quality::Final:
       out.direct_samples = RenderSettings().direct_samples;
       out.antialias = kAntialias;
       out.sparse = false;
-      out.answered_share = 0.15;
+      out.answered_share = 0.2;
       break;
   }
   return out;
