@@ -53,7 +53,7 @@ std::vector<Row> rows() {
     out.push_back({concat("8, edges to 2, tolerance ", tolerance), options(8, 2, tolerance, -1)});
   for (const int radius : {0, 1}) {
     out.push_back(
-        {concat("8, edges to 2, tolerance 0.05, contacts ", radius), options(8, 2, 0.05f, radius)});
+        {concat("8, edges to 2, tolerance 0.1, contacts ", radius), options(8, 2, 0.1f, radius)});
   }
   return out;
 }
