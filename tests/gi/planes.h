@@ -24,8 +24,11 @@ struct PlanePicture {
   std::vector<uint8_t> mask;
   std::vector<int> plane;  ///< the number of the plane, −1 for background
 
+  /// 60° over its height, or over the length of a strip of few rows.
   PlanePicture(int w, int h, const std::vector<Plane>& planes)
-      : width(w), height(h), pixel_size(2 * std::tan(kHalf) / static_cast<float>(h)) {
+      : width(w),
+        height(h),
+        pixel_size(2 * std::tan(kHalf) / static_cast<float>(w > 4 * h ? w : h)) {
     for (int y = 0; y < h; ++y) {
       for (int x = 0; x < w; ++x) add(x, y, planes);
     }

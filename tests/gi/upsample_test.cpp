@@ -51,7 +51,6 @@ TEST(Upsample, LinearIrradianceOverATiltedPlaneIsExactForAnySize) {
       const std::vector<uint8_t> before = given.known;
       EXPECT_THAT(upsample(picture.view(), step, given.known, given.values), testing::IsEmpty());
       for (size_t i = 0; i < truth.size(); ++i) {
-        if (!picture.mask[i]) continue;  // a picture of one row looks past the wall's horizon
         if (before[i]) {
           EXPECT_EQ(given.values[i], truth[i]) << "what is known keeps every bit";
         }

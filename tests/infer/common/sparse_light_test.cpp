@@ -85,7 +85,8 @@ TEST(SparseLight, QueriesOfAntialiasingLieInPixelsAtEdgesAndGetTheLightOfTheirSu
   EXPECT_LT(light.answers, rows.queries().size());
   for (size_t i = 0; i < light.irradiance.size(); ++i) {
     const Rgb truth = smooth(rows.queries().position[i], rows.queries().normal[i]);
-    EXPECT_NEAR(light.irradiance[i].x, truth.x, 0.2f);
+    // Four and a half pixels of 4 cm, over which `smooth` changes by 1.5 a metre at most.
+    EXPECT_NEAR(light.irradiance[i].x, truth.x, 0.3f);
   }
 }
 
