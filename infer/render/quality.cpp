@@ -28,9 +28,7 @@ QualitySettings quality_settings(Quality quality) {
       out.direct_samples = 4;
       out.antialias = 0;
       out.sparse = true;
-      out.answers.step = 8;
-      out.answers.edge_step = 4;
-      out.answers.tolerance = 0.4f;
+      out.answers.tolerance = 0.2f;
       out.answers.contact_radius = -1;
       out.answered_share = 0.05;
       break;
