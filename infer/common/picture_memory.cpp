@@ -11,6 +11,8 @@ constexpr double kMib = 1 << 20;
 // Bytes a pixel of a band: hits, queries, answers and layers; and a hit more of anti-aliasing, with
 // half of the pixels at edges.
 constexpr double kBandBytes = 240, kSubHitBytes = 36;
+// More where light is answered sparsely: mask, albedo, irradiance and states of its pixels.
+constexpr double kSparseBytes = 48;
 // A band's pixels (renderer.cpp).
 constexpr double kBand = 1 << 18;
 // Bytes a pixel of the frame: color and depth; with layers albedo, normal, emission, and as many of
@@ -49,7 +51,8 @@ double picture_mb(const RenderSettings& settings) {
   const double writing = settings.layers ? kExrShare * frame : kPngBytes;
   // A band is at least eight rows.
   const double band = std::min(pixels, std::max(kBand, 8.0 * settings.width));
-  const double work = kBandBytes + kSubHitBytes * std::max(0, settings.antialias);
+  const double work = kBandBytes + kSubHitBytes * std::max(0, settings.antialias) +
+                      (settings.sparse ? kSparseBytes : 0);
   // The last band is gone when the picture is written.
   return (pixels * frame + std::max(pixels * writing, band * work)) / kMib;
 }

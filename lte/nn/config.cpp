@@ -60,7 +60,7 @@ void check_rotary(const ModelConfig& c) {
 
 void check_light(const ModelConfig& c) {
   LTE_CHECK(!c.parts_sides() || c.reads_direct(),
-            "model.light_sides apart: model.light_input must be direct or traced, got ",
+            "model.light_sides apart: model.light_input must not be emission, got ",
             enum_name(c.light_input));
   LTE_CHECK(!c.light_variance || (c.parts_sides() && c.light_input == LightInput::Traced),
             "model.light_variance: model.light_input must be traced and model.light_sides apart, "

@@ -85,7 +85,7 @@ TEST(ModelConfig, ErrorsNameTheKey) {
            {"channels: 100", "head_width"},
            {"stem: conv7", "stem: expected conv5 | conv3 | linear, got \"conv7\"; did you mean"},
            {"light_input: trace", "did you mean \"traced\"?"},
-           {"light_sides: apart", "light_sides apart: model.light_input must be direct or traced"},
+           {"light_sides: apart", "light_sides apart: model.light_input must not be emission"},
            {"{light_input: traced, light_sides: both}", "light_sides: expected sum | apart"},
            {"{light_input: traced, light_variance: true}", "light_sides apart, got traced and sum"},
            {"{light_input: direct, light_sides: apart, light_variance: true}", "got direct"},
