@@ -8,7 +8,9 @@
 #include "infer/common/lit_samples.h"
 #include "infer/common/untrained_light.h"
 #include "lte/base/check.h"
+#include "lte/base/log.h"
 #include "lte/base/timer.h"
+#include "lte/pathtrace/direct_light.h"
 #include "lte/pathtrace/irradiance.h"
 
 namespace lte::infer {
@@ -33,6 +35,8 @@ constexpr double kEmissiveShare = 0.1;
 constexpr int64_t kEstimateBlock = int64_t{1} << 21;
 // Points between two looks at the progress.
 constexpr int64_t kProgressBlock = int64_t{1} << 14;
+// Shadow rays, at least, of hits in a denoised picture that stand on no centre's surface.
+constexpr int kLeastEdgeRays = 16;
 
 bool is_geometry(Output output) {
   return output == Output::Albedo || output == Output::Normal || output == Output::Depth;
@@ -100,6 +104,14 @@ void put_band(const Frame& band, int first, bool layers, int height, Frame* fram
   frame->metal_by_default += band.metal_by_default;
 }
 
+/// What is known of the centres, which come first.
+void take_centres(const PictureBand& band, const Image& picture, std::vector<Rgb>* values) {
+  for (size_t i = 0; i < band.centre_pixels().size(); ++i) {
+    const auto at = 3 * static_cast<size_t>(band.centre_pixels()[i]);
+    (*values)[i] = {picture.pixels[at], picture.pixels[at + 1], picture.pixels[at + 2]};
+  }
+}
+
 }  // namespace
 
 const char* output_name(Output output) {
@@ -148,9 +160,12 @@ struct Renderer::Job {
   const RenderSettings& settings;
   int64_t centre_queries = 0, extra_queries = 0;  ///< of the bands before
   int64_t done = 0;                               ///< pixels of this band that were told of
+  std::optional<SurfaceGuides> guides = {};       ///< with `centres`, or for a denoised reference
+  std::optional<CentreLight> centres = {};        ///< of the whole picture; it told of all pixels
+  bool told_of_all = false;
 
   void advance(int64_t pixels) {
-    if (settings.done && pixels > 0) settings.done(pixels);
+    if (settings.done && pixels > 0 && !told_of_all) settings.done(pixels);
     done += pixels;
   }
 };
@@ -216,7 +231,7 @@ void Renderer::decode(const PictureBand& band, BandLight* light) {
 void Renderer::estimate(const PictureBand& band, bool direct_only, Job* job, BandLight* light) {
   const RenderSettings& settings = job->settings;
   pathtrace::IrradianceOptions options;
-  options.rays = settings.mode == Mode::Reference ? settings.spp : settings.direct_samples;
+  options.rays = settings.spp;
   options.max_depth = direct_only ? 1 : settings.max_depth;
   options.seed = settings.seed;
   options.direct_only = direct_only;
@@ -240,9 +255,54 @@ void Renderer::estimate(const PictureBand& band, bool direct_only, Job* job, Ban
     }
   };
   const int64_t centres = band.centre_queries();
-  run(0, centres, job->centre_queries);
+  if (job->centres) {
+    take_centres(band, job->centres->direct, &*light->direct);
+    if (!direct_only) take_centres(band, job->centres->indirect, &*light->indirect);
+  } else {
+    run(0, centres, job->centre_queries);
+  }
   run(centres, queries.size(), int64_t{settings.width} * settings.height + job->extra_queries);
   job->centre_queries += centres;
+  job->extra_queries += queries.size() - centres;
+}
+
+/// Direct light by shadow rays. Centres draw from the stream of their pixel, those that
+/// anti-aliasing adds from the number of pixels on.
+void Renderer::sample_direct(const PictureBand& band, Job* job, BandLight* light) {
+  const RenderSettings& settings = job->settings;
+  const QuerySet& queries = band.queries();
+  light->direct.emplace(queries.position.size());
+  pathtrace::DirectOptions options;
+  options.seed = settings.seed;
+  const auto run = [&](int64_t first, int64_t end, int rays, const auto& stream_of) {
+    for (int64_t begin = first; begin < end; begin += kProgressBlock) {
+      const int64_t count = std::min(kProgressBlock, end - begin);
+      const auto b = static_cast<size_t>(begin), n = static_cast<size_t>(count);
+      std::vector<uint64_t> streams(n);
+      for (int64_t i = 0; i < count; ++i)
+        streams[static_cast<size_t>(i)] = static_cast<uint64_t>(stream_of(begin + i));
+      const pathtrace::DirectLight part =
+          pathtrace::estimate_direct(bvh_, lights_,
+                                     {std::span(queries.position).subspan(b, n),
+                                      std::span(queries.normal).subspan(b, n), streams},
+                                     std::vector<int32_t>(n, rays), options);
+      std::copy(part.irradiance.begin(), part.irradiance.end(), light->direct->begin() + begin);
+      if (end == band.centre_queries()) job->advance(count);
+    }
+  };
+  const int64_t centres = band.centre_queries();
+  if (job->centres) {
+    take_centres(band, job->centres->direct, &*light->direct);
+  } else {
+    run(0, centres, settings.direct_samples,
+        [&](int64_t i) { return band.centre_pixels()[static_cast<size_t>(i)]; });
+  }
+  // Nothing smooths the queries of single hits, so they get more rays beside smooth pixels.
+  const int rays = job->centres && settings.denoise != Denoise::Off
+                       ? std::max(settings.direct_samples, kLeastEdgeRays)
+                       : settings.direct_samples;
+  const int64_t number = int64_t{settings.width} * settings.height + job->extra_queries - centres;
+  run(centres, queries.size(), rays, [&](int64_t i) { return number + i; });
   job->extra_queries += queries.size() - centres;
 }
 
@@ -251,11 +311,61 @@ void Renderer::trace_metal(const PictureBand& band, Job* job, BandLight* light) 
   if (band.traced_pixels().empty()) return;
   const Timer timer;
   const int depth = settings.output == Output::Direct ? 1 : settings.max_depth;
-  light->traced = pathtrace::trace_pixels(bvh_, lights_, job->camera, settings.width,
-                                          settings.height, band.traced_pixels(),
-                                          {settings.spp, depth + 1, settings.seed}, settings.done);
+  light->traced =
+      pathtrace::trace_pixels(bvh_, lights_, job->camera, settings.width, settings.height,
+                              band.traced_pixels(), {settings.spp, depth + 1, settings.seed},
+                              job->told_of_all ? pathtrace::PixelsDone() : settings.done);
   job->done += static_cast<int64_t>(band.traced_pixels().size());
   seconds_.reference += timer.seconds();
+}
+
+/// Whether a neural picture shows sampled light. A total model's full picture needs no direct
+/// light; its indirect share is what direct light leaves.
+bool Renderer::needs_direct(const RenderSettings& settings) const {
+  const bool full = settings.output == Output::Full;
+  const bool total =
+      needs_network(settings) && embedding_ && embedding_->network().predicts_total();
+  return total ? !full : full || settings.output == Output::Direct;
+}
+
+const image::Denoiser* Renderer::denoiser_for(const RenderSettings& settings) {
+  const bool few = settings.mode == Mode::Neural && settings.direct_samples <= kDenoiseUpTo;
+  if (settings.denoise == Denoise::Off || (settings.denoise == Denoise::Auto && !few))
+    return nullptr;
+  if (!denoiser_) {
+    denoiser_.emplace();
+    log_info("denoising by ", denoiser_->description());
+  }
+  denoised_by_ = denoiser_->description();
+  return &*denoiser_;
+}
+
+/// Samples the light of the picture's centres at once, where rays are shared out or noise is taken
+/// away.
+void Renderer::prepare_centres(Job* job) {
+  const RenderSettings& settings = job->settings;
+  const bool reference = settings.mode == Mode::Reference;
+  if (is_geometry(settings.output) || !has_light() || (!reference && !needs_direct(settings)))
+    return;
+  const image::Denoiser* denoiser = denoiser_for(settings);
+  if (denoiser == nullptr && (reference || !settings.adaptive_direct)) return;
+  const Timer timer;
+  job->guides = trace_guides(bvh_, job->camera, settings.width, settings.height);
+  seconds_.primary += timer.seconds();
+  if (reference && settings.output == Output::Full) return;
+  CentreRequest request;
+  request.shadow_rays = {settings.direct_samples, settings.adaptive_direct, false, settings.seed};
+  request.paths = reference;
+  request.indirect = reference && settings.output != Output::Direct;
+  request.path_count = settings.spp;
+  request.max_depth = settings.max_depth;
+  request.denoiser = denoiser;
+  request.done = settings.done;
+  job->centres = light_centres(bvh_, lights_, *job->guides, request);
+  job->told_of_all = true;
+  (reference ? seconds_.reference : seconds_.direct) += job->centres->sampling_seconds;
+  seconds_.denoise += job->centres->denoising_seconds;
+  job->guides.reset();
 }
 
 BandLight Renderer::neural(const PictureBand& band, Job* job) {
@@ -264,12 +374,9 @@ BandLight Renderer::neural(const PictureBand& band, Job* job) {
   const bool network = needs_network(settings);
   if (network) decode(band, &light);
   trace_metal(band, job, &light);
-  // A total model's full picture needs no direct light; its indirect share is what direct light
-  // leaves.
-  const bool full = settings.output == Output::Full;
-  if (light.total ? full : !full && settings.output != Output::Direct) return light;
+  if (!needs_direct(settings)) return light;
   const Timer timer;
-  estimate(band, /*direct_only=*/true, job, &light);
+  sample_direct(band, job, &light);
   seconds_.direct += timer.seconds();
   if (!light.total) return light;
   light.indirect = std::move(light.total);
@@ -313,8 +420,10 @@ Frame Renderer::render_band(const PictureRows& rows, Job* job) {
 Frame Renderer::render(const scene::Camera& camera, const RenderSettings& settings) {
   LTE_CHECK(settings.width > 0 && settings.height > 0, "size ", settings.width, "x",
             settings.height, ": both sides must be positive");
-  seconds_.primary = seconds_.decode = seconds_.direct = seconds_.reference = 0;
+  seconds_.primary = seconds_.decode = seconds_.direct = seconds_.denoise = seconds_.reference = 0;
+  denoised_by_.clear();
   Job job{camera, settings};
+  prepare_centres(&job);
   Frame frame;
   const int64_t tall = kBandPixels / settings.width / kBandRows * kBandRows;
   const auto rows = static_cast<int>(std::max<int64_t>(tall, kBandRows));
@@ -329,6 +438,11 @@ Frame Renderer::render(const scene::Camera& camera, const RenderSettings& settin
         bvh_, lights_, camera, settings.width, settings.height,
         {settings.spp, settings.max_depth + 1, settings.seed}, settings.done);
     seconds_.reference = timer.seconds();
+    if (job.guides && denoiser_) {
+      const Timer denoising;
+      frame.color = denoise_radiance(*denoiser_, *job.guides, frame.color);
+      seconds_.denoise += denoising.seconds();
+    }
   }
   return frame;
 }

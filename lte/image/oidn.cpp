@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -54,6 +55,7 @@ std::vector<fs::path> oidn_candidates() {
   std::vector<fs::path> out;
   std::error_code ignored;
   if (const char* const chosen = std::getenv("LTE_OIDN"); chosen != nullptr && *chosen != '\0') {
+    if (std::string_view(chosen) == "off") return {};
     const fs::path path(chosen);
     return {fs::is_directory(path, ignored) ? path / kFile : path};
   }
@@ -159,7 +161,9 @@ Oidn::~Oidn() = default;
 
 std::optional<Oidn> Oidn::find(std::string* why_not) {
   std::string reasons;
-  for (const fs::path& candidate : oidn_candidates()) {
+  const std::vector<fs::path> candidates = oidn_candidates();
+  if (candidates.empty()) reasons = "LTE_OIDN=off";
+  for (const fs::path& candidate : candidates) {
     try {
       return Oidn(candidate);
     } catch (const Error& error) {

@@ -13,9 +13,9 @@ namespace lte::image {
 
 /// Where to look for the library. Files that do not exist are not tried.
 ///
-/// In this order: $LTE_OIDN, the library's file or its folder, which alone counts where it is set;
-/// the program's folder and ../lib beside it; PyPI's pyoidn in the .venv of the source tree; what
-/// the system's loader finds.
+/// In this order: $LTE_OIDN, the library's file or its folder, which alone counts where it is set
+/// ("off": none); the program's folder and ../lib beside it; PyPI's pyoidn in the .venv of the
+/// source tree; what the system's loader finds.
 std::vector<std::filesystem::path> oidn_candidates();
 
 /// How much time denoising may take.
