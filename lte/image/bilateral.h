@@ -1,4 +1,5 @@
-// A cross-bilateral filter for light on surfaces: what denoises where Open Image Denoise is missing.
+// A cross-bilateral filter for light on surfaces: what denoises where Open Image Denoise is
+// missing.
 //
 // It is the à-trous filter of Dammertz et al. 2010 with the weights of SVGF (Schied et al. 2017):
 // passes of 5 x 5 taps whose distance doubles. A tap counts if both points lie in each other's

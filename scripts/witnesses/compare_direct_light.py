@@ -76,6 +76,9 @@ def main():
         layers, _ = run(arguments.build, scene, arguments.size, "--output", "direct",
                         "--direct-samples", str(arguments.reference), "--seed", "7", *even)
         wanted = layers["direct"]
+        base = min(
+            run(arguments.build, scene, arguments.size, "--output", "albedo")[1]
+            for _ in range(arguments.repeat + 1))
         lit = [value for value in wanted if max(value) > 0]
         unit = sum(map(sum, lit)) / (3 * len(lit))
         print(f"\n| {pathlib.Path(scene).name}: relative MSE (seconds) | " +
@@ -87,12 +90,11 @@ def main():
                 if "--adaptive-direct" in flags and int(samples) < 3:
                     cells.append("")
                     continue
-                best, base = float("inf"), float("inf")
+                best = float("inf")
                 for _ in range(arguments.repeat):
                     layers, seconds = run(build, scene, arguments.size, "--output", "direct",
                                           "--direct-samples", samples, *flags, off=own)
                     best = min(best, seconds)
-                    base = min(base, run(build, scene, arguments.size, "--output", "albedo")[1])
                 error = relative_mse(layers["direct"], wanted, unit)
                 cells.append(f"{error:.2g} ({max(0.0, best - base):.2f})")
             print(f"| {samples} | " + " | ".join(cells) + " |", flush=True)
