@@ -56,7 +56,7 @@ install_torch() {
 install_oidn() {
   local marker=.venv/lte-oidn-$oidn_version
   if [ -e "$marker" ]; then say "Open Image Denoise: $oidn_version in .venv"; return; fi
-  say "Open Image Denoise: installing pyoidn $oidn_version into .venv (88 MB, 54 MB on disk)"
+  say "Open Image Denoise: installing pyoidn $oidn_version into .venv (88 MB to fetch, 65 MB kept)"
   [ -x .venv/bin/pip ] || make_environment .venv
   if .venv/bin/pip install --quiet --disable-pip-version-check --no-deps --no-compile \
     "pyoidn==$oidn_version"; then

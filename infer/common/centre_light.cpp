@@ -89,10 +89,13 @@ CentreLight light_centres(const pathtrace::Bvh& bvh, const pathtrace::Lights& li
 
 Image denoise_radiance(const image::Denoiser& denoiser, const SurfaceGuides& guides,
                        const Image& radiance) {
-  Image out =
-      denoiser.denoise({&radiance, &guides.normal, &guides.position, &guides.albedo, nullptr});
+  Image normal = guides.normal;
   for (size_t i = 0; i < guides.pixels(); ++i) {
-    if (guides.mask[i]) continue;
+    if (guides.emits[i]) std::fill_n(normal.pixels.begin() + static_cast<int64_t>(3 * i), 3, 0.0f);
+  }
+  Image out = denoiser.denoise({&radiance, &normal, &guides.position, &guides.albedo, nullptr});
+  for (size_t i = 0; i < guides.pixels(); ++i) {
+    if (guides.mask[i] && !guides.emits[i]) continue;
     std::copy_n(radiance.pixels.begin() + static_cast<int64_t>(3 * i), 3,
                 out.pixels.begin() + static_cast<int64_t>(3 * i));
   }

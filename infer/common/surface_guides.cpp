@@ -19,6 +19,7 @@ SurfaceGuides trace_guides(const pathtrace::Bvh& bvh, const scene::Camera& camer
   SurfaceGuides out;
   out.normal = out.position = out.albedo = image::Image(width, height, 3);
   out.mask.resize(static_cast<size_t>(width) * static_cast<size_t>(height));
+  out.emits = out.mask;
   const int rows = std::max(1, kPixelsAtOnce / width);
   for (int first = 0; first < height; first += rows) {
     const int last = std::min(first + rows, height);
@@ -30,6 +31,7 @@ SurfaceGuides trace_guides(const pathtrace::Bvh& bvh, const scene::Camera& camer
             static_cast<size_t>(y - first) * static_cast<size_t>(width) + static_cast<size_t>(x);
         if (!hits.mask[from]) continue;
         out.mask[out.index(x, y)] = 1;
+        out.emits[out.index(x, y)] = max_component(hits.emission[from]) > 0 ? 1 : 0;
         out.normal.set_rgb(x, y, hits.normal[from]);
         out.position.set_rgb(x, y, hits.position[from]);
         out.albedo.set_rgb(x, y, hits.albedo[from]);

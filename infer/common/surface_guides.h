@@ -12,7 +12,8 @@ namespace lte::infer {
 /// Pictures of one size, [height, width, 3]; 0 in the background.
 struct SurfaceGuides {
   image::Image normal, position, albedo;
-  std::vector<uint8_t> mask;  ///< [height * width] 1 where a surface is seen
+  std::vector<uint8_t> mask;   ///< [height * width] 1 where a surface is seen
+  std::vector<uint8_t> emits;  ///< likewise, 1 where it shines towards the camera
 
   int width() const { return normal.width; }
   int height() const { return normal.height; }

@@ -117,7 +117,7 @@ TEST_F(CentreLightOwnFilter, LeavesAntialiasedEdgesWhereTheyWere) {
   wanted.direct_samples = 8;
   wanted.denoise = Denoise::On;
   const Frame clean = renderer.render(test::outside_camera(), wanted);
-  EXPECT_GT(reference.edge_pixels, 100);
+  EXPECT_GT(reference.edge_pixels, 40);
   EXPECT_EQ(clean.edge_pixels, reference.edge_pixels);
   EXPECT_EQ(clean.albedo.pixels, reference.albedo.pixels);
   EXPECT_LT(error(clean.color, reference.color), 2e-3);
