@@ -75,19 +75,24 @@ TEST(ShadowRays, SharedOutHaveTheMeanOfEvenOnes) {
   EXPECT_NEAR(all, all_wanted, 4 * std::sqrt(all_variance) + 3e-4 * all_wanted);
 }
 
-TEST(ShadowRays, AreMoreWherePenumbraeAreAndTakeNoise) {
+/// On one plane of one brightness, in proportion to the standard error: twice as many where the
+/// variance is four times as large.
+TEST(ShadowRays, AreMoreWhereTheNoiseIs) {
   const Penumbra picture;
-  const PixelLight reference = picture.light(1 << 13, false, 77);
-  double even = 0, shared = 0;
-  for (uint64_t seed = 0; seed < 20; ++seed) {
-    const PixelLight a = picture.light(16, false, seed), b = picture.light(16, true, seed);
-    for (size_t i = 0; i < reference.irradiance.pixels.size(); ++i) {
-      const double wanted = reference.irradiance.pixels[i];
-      even += std::pow(a.irradiance.pixels[i] - wanted, 2) / (wanted * wanted + 0.01);
-      shared += std::pow(b.irradiance.pixels[i] - wanted, 2) / (wanted * wanted + 0.01);
-    }
+  const size_t pixels = picture.guides.pixels();
+  const std::vector<Rgb> irradiance(pixels, Rgb{1, 1, 1});
+  std::vector<float> variance(pixels);
+  for (size_t i = 0; i < pixels; ++i) variance[i] = i % kWidth < kWidth / 2 ? 0.01f : 0.04f;
+  const RayCounts counts = share_rays(picture.guides, {irradiance, variance, 2}, 60, 1);
+  double left = 0, right = 0, all = 0;
+  for (size_t i = 0; i < pixels; ++i) {
+    const size_t x = i % kWidth;
+    all += counts.rays[i];
+    if (x < 9) left += counts.rays[i] / (9.0 * kHeight);
+    if (x >= 15) right += counts.rays[i] / (9.0 * kHeight);
   }
-  EXPECT_LT(shared, 0.9 * even);
+  EXPECT_NEAR(all / static_cast<double>(pixels), 60, 0.5);
+  EXPECT_NEAR(right / left, 2, 0.02);
 }
 
 /// What makes them unbiased: no count of a color changes with any pilot of that color.
