@@ -2,14 +2,14 @@
 # Everything lte needs on Debian 12: packages, and LibTorch in .venv. Idempotent; takes a second
 # when nothing is to do.
 #
-#   scripts/setup.sh            packages, LibTorch
+#   scripts/setup.sh            packages, LibTorch, Open Image Denoise
 #   scripts/setup.sh --tests    and what tests are held against besides: PyPI's tensorboard
 #   LTE_SKIP_APT=1 ...          never touch the system's packages
 #   Torch_ROOT=/opt/libtorch .. use this LibTorch instead of the wheel
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-readonly torch_version=2.11.0
+readonly torch_version=2.11.0 oidn_version=2.5.1.0
 readonly packages=(build-essential cmake ninja-build ccache pkg-config python3 python3-venv
   libembree-dev libopenexr-dev libtinygltf-dev libstb-dev zlib1g-dev libdraco-dev libwebp-dev
   libflann-dev libcli11-dev libyaml-cpp-dev nlohmann-json3-dev libgloo-dev
@@ -51,6 +51,24 @@ install_torch() {
   touch "$marker"
 }
 
+# lte finds this library when it runs, and goes without where it is missing. The wheel carries
+# modules for GPUs too, which are not needed.
+install_oidn() {
+  local marker=.venv/lte-oidn-$oidn_version
+  if [ -e "$marker" ]; then say "Open Image Denoise: $oidn_version in .venv"; return; fi
+  say "Open Image Denoise: installing pyoidn $oidn_version into .venv (88 MB to fetch, 65 MB kept)"
+  [ -x .venv/bin/pip ] || make_environment .venv
+  if .venv/bin/pip install --quiet --disable-pip-version-check --no-deps --no-compile \
+    "pyoidn==$oidn_version"; then
+    local folder; folder=$(echo .venv/lib/python3*/site-packages/pyoidn/oidn)
+    rm -rf "$folder/bin" "$folder"/lib/libOpenImageDenoise_device_{cuda,hip,sycl}.so* \
+      "$folder"/lib/lib{sycl,umf,ur_}*
+    touch "$marker"
+  else
+    say "Open Image Denoise: could not be installed; lte denoises by a filter of its own"
+  fi
+}
+
 # The system's python3, so that neither wheel nor environment depends on whichever version manager
 # is active.
 make_environment() {
@@ -80,5 +98,6 @@ case "${1:-}" in
 esac
 if command -v dpkg-query >/dev/null; then install_packages; else say "packages: not Debian, see README for the list"; fi
 install_torch
+install_oidn
 [ -z "$tests" ] || install_witnesses
 say "done"

@@ -101,6 +101,7 @@ void PictureBand::ask_centres() {
     if (!is_traced_.empty() && is_traced_[i]) return;
     query_of_pixel_[i] = static_cast<int32_t>(queries_.size());
     queries_.add(hits_, i);
+    centre_pixels_.push_back(int64_t{rows_.first} * rows_.width + pixel);
   };
   // Square tiles of pixels: their shadow rays meet the same nodes and triangles.
   for (int tile_y = 0; tile_y < height; tile_y += kTile) {

@@ -59,6 +59,8 @@ class PictureBand {
     float depth = 0;
   };
   std::vector<ExtraQuery> extra_queries() const;
+  /// The pixel, y * width + x of the picture, of each of these.
+  const std::vector<int64_t>& centre_pixels() const { return centre_pixels_; }
   /// Pixels, y * width + x of the picture, that the path tracer is to render.
   const std::vector<int64_t>& traced_pixels() const { return traced_; }
 
@@ -93,6 +95,7 @@ class PictureBand {
   std::vector<int32_t> query_of_pixel_;  ///< by index in hits_
   QuerySet queries_;
   int64_t centre_queries_ = 0;
+  std::vector<int64_t> centre_pixels_;
 };
 
 }  // namespace lte::infer

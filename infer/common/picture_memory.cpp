@@ -22,11 +22,27 @@ constexpr double kColorBytes = 16, kLayerBytes = 36, kLightBytes = 12;
 // while it grows.
 constexpr double kPngBytes = 40, kExrShare = 1.5;
 
+// Where the light of all centres is sampled at once: guides, points, rays and the denoiser's copies
+// while that is done, and what is kept for the bands.
+constexpr double kCentreBytes = 150, kKeptBytes = 24;
+// Open Image Denoise, which works in tiles beyond its limit (image/oidn.cpp).
+constexpr double kOidnBytes = 600, kMostOidnMib = 768;
+
 // What image::encode_png() takes.
 constexpr int64_t kMostPngPixels = int64_t{1} << 28;
 
 std::string picture_text(const RenderSettings& settings) {
   return concat("a picture of ", settings.width, "x", settings.height);
+}
+
+/// Whether centres may be sampled before the bands.
+bool samples_centres(const RenderSettings& settings) {
+  if (settings.output == Output::Albedo || settings.output == Output::Normal ||
+      settings.output == Output::Depth)
+    return false;
+  const bool few = settings.mode == Mode::Neural && settings.direct_samples <= kDenoiseUpTo;
+  return settings.adaptive_direct || settings.denoise == Denoise::On ||
+         (settings.denoise == Denoise::Auto && few);
 }
 
 double light_layers(const RenderSettings& settings) {
@@ -54,7 +70,11 @@ double picture_mb(const RenderSettings& settings) {
   const double work = kBandBytes + kSubHitBytes * std::max(0, settings.antialias) +
                       (settings.sparse ? kSparseBytes : 0);
   // The last band is gone when the picture is written.
-  return (pixels * frame + std::max(pixels * writing, band * work)) / kMib;
+  const double bands = (pixels * frame + std::max(pixels * writing, band * work)) / kMib;
+  if (!samples_centres(settings)) return bands;
+  const double centres =
+      pixels * kCentreBytes / kMib + std::min(kMostOidnMib, pixels * kOidnBytes / kMib);
+  return std::max(bands + pixels * kKeptBytes / kMib, centres);
 }
 
 void check_picture_fits(const RenderSettings& settings, double available_mb) {

@@ -9,7 +9,9 @@
 #include "infer/common/sparse_light.h"
 #include "infer/common/untrained_light.h"
 #include "lte/base/check.h"
+#include "lte/base/log.h"
 #include "lte/base/timer.h"
+#include "lte/pathtrace/direct_light.h"
 #include "lte/pathtrace/irradiance.h"
 
 namespace lte::infer {
@@ -34,6 +36,8 @@ constexpr double kEmissiveShare = 0.1;
 constexpr int64_t kEstimateBlock = int64_t{1} << 21;
 // Points between two looks at the progress.
 constexpr int64_t kProgressBlock = int64_t{1} << 14;
+// Shadow rays, at least, of hits in a denoised picture that stand on no centre's surface.
+constexpr int kLeastEdgeRays = 16;
 
 bool is_geometry(Output output) {
   return output == Output::Albedo || output == Output::Normal || output == Output::Depth;
@@ -117,6 +121,14 @@ void put_band(const Frame& band, int first, bool layers, int height, Frame* fram
   frame->metal_by_default += band.metal_by_default;
 }
 
+/// What is known of the centres, which come first.
+void take_centres(const PictureBand& band, const Image& picture, std::vector<Rgb>* values) {
+  for (size_t i = 0; i < band.centre_pixels().size(); ++i) {
+    const auto at = 3 * static_cast<size_t>(band.centre_pixels()[i]);
+    (*values)[i] = {picture.pixels[at], picture.pixels[at + 1], picture.pixels[at + 2]};
+  }
+}
+
 }  // namespace
 
 const char* output_name(Output output) {
@@ -166,11 +178,14 @@ struct Renderer::Job {
   int64_t centre_queries = 0, extra_queries = 0;  ///< of the bands before
   int64_t band = 0;                               ///< pixels of this band
   int64_t done = 0;                               ///< those of them that were told of
+  std::optional<SurfaceGuides> guides = {};       ///< with `centres`, or for a denoised reference
+  std::optional<CentreLight> centres = {};        ///< of the whole picture; it told of all pixels
+  bool told_of_all = false;
 
   /// A pixel is told of once, by the first stage that has come so far.
   void advance(int64_t pixels) {
     pixels = std::min(pixels, band - done);
-    if (settings.done && pixels > 0) settings.done(pixels);
+    if (settings.done && pixels > 0 && !told_of_all) settings.done(pixels);
     done += pixels;
   }
 };
@@ -276,7 +291,6 @@ void Renderer::estimate(const PictureBand& band, const Estimate& what, Job* job,
   options.max_depth = what.indirect ? settings.max_depth : 1;
   options.seed = settings.seed;
   options.direct_only = !what.indirect;
-  RayPace* pace = settings.mode == Mode::Neural ? settings.pace : nullptr;
   const QuerySet& queries = band.queries();
   if (what.direct) light->direct.emplace(queries.position.size());
   if (what.indirect) light->indirect.emplace(queries.position.size());
@@ -286,15 +300,9 @@ void Renderer::estimate(const PictureBand& band, const Estimate& what, Job* job,
     for (int64_t begin = first; begin < end; begin += block) {
       const auto b = static_cast<size_t>(begin),
                  n = static_cast<size_t>(std::min(block, end - begin));
-      const Timer timer;
-      if (pace) {
-        options.rays = pace->rays(queries.size() - begin);
-        options.variance = false;  // one ray has none, and stays one
-      }
       const pathtrace::Irradiance part = pathtrace::estimate_irradiance(
           bvh_, lights_, std::span(queries.position).subspan(b, n),
           std::span(queries.normal).subspan(b, n), options, number + begin - first);
-      if (pace) pace->add(static_cast<int64_t>(n), options.rays, timer.seconds());
       for (size_t i = 0; i < n; ++i) {
         const auto point = static_cast<int64_t>(i);
         if (what.direct) (*light->direct)[b + i] = part.direct_sum(point);
@@ -304,8 +312,55 @@ void Renderer::estimate(const PictureBand& band, const Estimate& what, Job* job,
     }
   };
   const int64_t centres = band.centre_queries();
-  run(0, centres, job->centre_queries);
+  if (job->centres && settings.mode == Mode::Reference) {
+    if (what.direct) take_centres(band, job->centres->direct, &*light->direct);
+    if (what.indirect) take_centres(band, job->centres->indirect, &*light->indirect);
+  } else {
+    run(0, centres, job->centre_queries);
+  }
   run(centres, queries.size(), int64_t{settings.width} * settings.height + job->extra_queries);
+}
+
+/// Direct light by shadow rays. Centres draw from the stream of their pixel, those that
+/// anti-aliasing adds from the number of pixels on.
+void Renderer::sample_direct(const PictureBand& band, Job* job, BandLight* light) {
+  const RenderSettings& settings = job->settings;
+  const QuerySet& queries = band.queries();
+  light->direct.emplace(queries.position.size());
+  pathtrace::DirectOptions options;
+  options.seed = settings.seed;
+  const auto run = [&](int64_t first, int64_t end, int rays, const auto& stream_of) {
+    for (int64_t begin = first; begin < end; begin += kProgressBlock) {
+      const int64_t count = std::min(kProgressBlock, end - begin);
+      const auto b = static_cast<size_t>(begin), n = static_cast<size_t>(count);
+      std::vector<uint64_t> streams(n);
+      for (int64_t i = 0; i < count; ++i)
+        streams[static_cast<size_t>(i)] = static_cast<uint64_t>(stream_of(begin + i));
+      const Timer timer;
+      if (settings.pace != nullptr) rays = settings.pace->rays(queries.size() - begin);
+      const pathtrace::DirectLight part =
+          pathtrace::estimate_direct(bvh_, lights_,
+                                     {std::span(queries.position).subspan(b, n),
+                                      std::span(queries.normal).subspan(b, n), streams},
+                                     std::vector<int32_t>(n, rays), options);
+      if (settings.pace != nullptr) settings.pace->add(count, rays, timer.seconds());
+      std::copy(part.irradiance.begin(), part.irradiance.end(), light->direct->begin() + begin);
+      if (end == band.centre_queries()) job->advance(count);
+    }
+  };
+  const int64_t centres = band.centre_queries();
+  if (job->centres) {
+    take_centres(band, job->centres->direct, &*light->direct);
+  } else {
+    run(0, centres, settings.direct_samples,
+        [&](int64_t i) { return band.centre_pixels()[static_cast<size_t>(i)]; });
+  }
+  // Nothing smooths the queries of single hits, so they get more rays beside smooth pixels.
+  const int rays = job->centres && settings.denoise != Denoise::Off
+                       ? std::max(settings.direct_samples, kLeastEdgeRays)
+                       : settings.direct_samples;
+  const int64_t number = int64_t{settings.width} * settings.height + job->extra_queries - centres;
+  run(centres, queries.size(), rays, [&](int64_t i) { return number + i; });
 }
 
 void Renderer::trace_metal(const PictureBand& band, Job* job, BandLight* light) {
@@ -313,11 +368,62 @@ void Renderer::trace_metal(const PictureBand& band, Job* job, BandLight* light) 
   if (band.traced_pixels().empty()) return;
   const Timer timer;
   const int depth = settings.output == Output::Direct ? 1 : settings.max_depth;
-  light->traced = pathtrace::trace_pixels(bvh_, lights_, job->camera, settings.width,
-                                          settings.height, band.traced_pixels(),
-                                          {settings.spp, depth + 1, settings.seed}, settings.done);
+  light->traced =
+      pathtrace::trace_pixels(bvh_, lights_, job->camera, settings.width, settings.height,
+                              band.traced_pixels(), {settings.spp, depth + 1, settings.seed},
+                              job->told_of_all ? pathtrace::PixelsDone() : settings.done);
   job->done += static_cast<int64_t>(band.traced_pixels().size());
   seconds_.reference += timer.seconds();
+}
+
+/// Whether a neural picture shows sampled light. A total model's full picture needs no direct
+/// light; its indirect share is what direct light leaves.
+bool Renderer::needs_direct(const RenderSettings& settings) const {
+  const bool full = settings.output == Output::Full;
+  const bool total =
+      needs_network(settings) && embedding_ && embedding_->network().predicts_total();
+  return total ? !full : full || settings.output == Output::Direct;
+}
+
+const image::Denoiser* Renderer::denoiser_for(const RenderSettings& settings) {
+  const bool few = settings.mode == Mode::Neural && settings.direct_samples <= kDenoiseUpTo;
+  if (settings.denoise == Denoise::Off || (settings.denoise == Denoise::Auto && !few))
+    return nullptr;
+  if (!denoiser_) {
+    denoiser_.emplace();
+    log_info("denoising by ", denoiser_->description());
+  }
+  denoised_by_ = denoiser_->description();
+  return &*denoiser_;
+}
+
+/// Samples the light of the picture's centres at once, where rays are shared out or noise is taken
+/// away.
+void Renderer::prepare_centres(Job* job) {
+  const RenderSettings& settings = job->settings;
+  const bool reference = settings.mode == Mode::Reference;
+  if (is_geometry(settings.output) || !has_light() || (!reference && !needs_direct(settings)))
+    return;
+  if (settings.pace != nullptr) return;  // rays are chosen block by block
+  const image::Denoiser* denoiser = denoiser_for(settings);
+  if (denoiser == nullptr && (reference || !settings.adaptive_direct)) return;
+  const Timer timer;
+  job->guides = trace_guides(bvh_, job->camera, settings.width, settings.height);
+  seconds_.primary += timer.seconds();
+  if (reference && settings.output == Output::Full) return;
+  CentreRequest request;
+  request.shadow_rays = {settings.direct_samples, settings.adaptive_direct, false, settings.seed};
+  request.paths = reference;
+  request.indirect = reference && settings.output != Output::Direct;
+  request.path_count = settings.spp;
+  request.max_depth = settings.max_depth;
+  request.denoiser = denoiser;
+  request.done = settings.done;
+  job->centres = light_centres(bvh_, lights_, *job->guides, request);
+  job->told_of_all = true;
+  (reference ? seconds_.reference : seconds_.direct) += job->centres->sampling_seconds;
+  seconds_.denoise += job->centres->denoising_seconds;
+  job->guides.reset();
 }
 
 BandLight Renderer::neural(const PictureBand& band, Job* job) {
@@ -331,12 +437,9 @@ BandLight Renderer::neural(const PictureBand& band, Job* job) {
     estimate(band, {settings.spp, /*direct=*/false, /*indirect=*/true}, job, &light);
     seconds_.reference += timer.seconds();
   }
-  // A total model's full picture needs no direct light; its indirect share is what direct light
-  // leaves.
-  const bool full = settings.output == Output::Full;
-  if (light.total ? full : !full && settings.output != Output::Direct) return light;
+  if (!needs_direct(settings)) return light;
   const Timer timer;
-  estimate(band, {settings.direct_samples, /*direct=*/true, /*indirect=*/false}, job, &light);
+  sample_direct(band, job, &light);
   seconds_.direct += timer.seconds();
   if (!light.total) return light;
   light.indirect = std::move(light.total);
@@ -392,8 +495,10 @@ Frame Renderer::render_band(const PictureRows& rows, Job* job) {
 Frame Renderer::render(const scene::Camera& camera, const RenderSettings& settings) {
   LTE_CHECK(settings.width > 0 && settings.height > 0, "size ", settings.width, "x",
             settings.height, ": both sides must be positive");
-  seconds_.primary = seconds_.decode = seconds_.direct = seconds_.reference = 0;
+  seconds_.primary = seconds_.decode = seconds_.direct = seconds_.denoise = seconds_.reference = 0;
+  denoised_by_.clear();
   Job job{camera, settings};
+  prepare_centres(&job);
   Frame frame;
   const int64_t tall = kBandPixels / settings.width / kBandRows * kBandRows;
   const auto rows = static_cast<int>(std::max<int64_t>(tall, kBandRows));
@@ -411,6 +516,11 @@ Frame Renderer::render(const scene::Camera& camera, const RenderSettings& settin
                                     settings.done, settings.layers ? &layers : nullptr);
     if (settings.layers) put_radiance(std::move(layers), &frame);
     seconds_.reference = timer.seconds();
+    if (job.guides && denoiser_) {
+      const Timer denoising;
+      frame.color = denoise_radiance(*denoiser_, *job.guides, frame.color);
+      seconds_.denoise += denoising.seconds();
+    }
   }
   return frame;
 }

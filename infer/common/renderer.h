@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "infer/common/centre_light.h"
 #include "infer/common/frame.h"
 #include "infer/common/picture_band.h"
 #include "infer/common/ray_pace.h"
@@ -44,8 +45,13 @@ struct RenderSettings {
   int width = 512, height = 512;
   Indirect indirect = Indirect::Network;
   int direct_samples = 64;  ///< shadow rays a pixel
-  int spp = 64;             ///< paths a pixel: in reference mode, and for what is traced in neural
-  int max_depth = 5;        ///< of these paths: surface hits after the primary one
+  /// Share them out over pixels, more where penumbrae are: direct_samples is their mean.
+  bool adaptive_direct = false;
+  /// Take noise away: of sampled direct light; of a reference, all that paths have found. Auto:
+  /// of direct light by few samples (kDenoiseUpTo).
+  Denoise denoise = Denoise::Off;
+  int spp = 64;       ///< paths a pixel: in reference mode, and for what is traced in neural
+  int max_depth = 5;  ///< of these paths: surface hits after the primary one
   uint64_t seed = 0;
   /// Hits in a pixel at an edge; 0 or 1 for the centre's alone. A reference of the full output
   /// spreads its paths over the pixel and needs none.
@@ -80,7 +86,7 @@ struct EmbedSettings {
 /// estimates on scene points, for models that read them.
 struct StageSeconds {
   double load = 0, sample = 0, light = 0, encode = 0, primary = 0, decode = 0, direct = 0;
-  double reference = 0, write = 0;
+  double denoise = 0, reference = 0, write = 0;
 };
 
 /// The stages in the order in which they run.
@@ -88,15 +94,16 @@ struct Stage {
   const char* name;
   double StageSeconds::*seconds;
 };
-inline constexpr std::array<Stage, 9> kStages = {{{"load", &StageSeconds::load},
-                                                  {"sample", &StageSeconds::sample},
-                                                  {"light", &StageSeconds::light},
-                                                  {"encode", &StageSeconds::encode},
-                                                  {"primary", &StageSeconds::primary},
-                                                  {"decode", &StageSeconds::decode},
-                                                  {"direct", &StageSeconds::direct},
-                                                  {"reference", &StageSeconds::reference},
-                                                  {"write", &StageSeconds::write}}};
+inline constexpr std::array<Stage, 10> kStages = {{{"load", &StageSeconds::load},
+                                                   {"sample", &StageSeconds::sample},
+                                                   {"light", &StageSeconds::light},
+                                                   {"encode", &StageSeconds::encode},
+                                                   {"primary", &StageSeconds::primary},
+                                                   {"decode", &StageSeconds::decode},
+                                                   {"direct", &StageSeconds::direct},
+                                                   {"denoise", &StageSeconds::denoise},
+                                                   {"reference", &StageSeconds::reference},
+                                                   {"write", &StageSeconds::write}}};
 
 /// The BVH, the lights and at most one embedding of a scene, which must outlive it. Camera moves
 /// re-encode nothing.
@@ -118,6 +125,9 @@ class Renderer {
 
   /// Whether `output` has indirect light in it, and the scene light.
   bool shows_indirect(Output output) const;
+  /// What took noise away in the last render(): image::Denoiser::description(), or nothing.
+  const std::string& denoised_by() const { return denoised_by_; }
+
   bool has_light() const { return !lights_.empty(); }
   bool has_environment() const { return lights_.has_environment(); }
   const pathtrace::Bvh& bvh() const { return bvh_; }
@@ -136,6 +146,10 @@ class Renderer {
   std::vector<Rgb> decode_all(const QuerySet& queries, int64_t centres) const;
   gi::Answerer decoder() const;
   void estimate(const PictureBand& band, const Estimate& what, Job* job, BandLight* light);
+  void sample_direct(const PictureBand& band, Job* job, BandLight* light);
+  bool needs_direct(const RenderSettings& settings) const;
+  const image::Denoiser* denoiser_for(const RenderSettings& settings);
+  void prepare_centres(Job* job);
   void trace_metal(const PictureBand& band, Job* job, BandLight* light);
   Metal metal_of(const RenderSettings& settings) const;
 
@@ -143,6 +157,8 @@ class Renderer {
   pathtrace::Lights lights_;
   std::optional<runtime::SceneEmbedding> embedding_;
   StageSeconds seconds_;
+  std::optional<image::Denoiser> denoiser_;  ///< once one was needed
+  std::string denoised_by_;
   pathtrace::PruneCounts pruned_points_;
 };
 

@@ -85,6 +85,8 @@ RenderSettings settings_of(const RenderRequest& request) {
   settings.mode = parse_mode(request.mode);
   std::tie(settings.width, settings.height) = parse_size(request.size);
   settings.direct_samples = request.direct_samples;
+  settings.adaptive_direct = request.adaptive_direct;
+  settings.denoise = parse_denoise(request.denoise);
   settings.spp = request.spp;
   settings.max_depth = request.max_depth;
   settings.seed = request.seed;
@@ -174,6 +176,7 @@ nlohmann::json to_json(const RenderRequest& request, const Renderer& renderer,
                          {"precision", request.tool.precision},
                          {"size", {width, height}},
                          {"pruned_scene_points", renderer.pruned_points().pruned},
+                         {"denoiser", renderer.denoised_by()},
                          {"seconds", seconds_json(s, total)},
                          {"peak_rss_mb", peak_rss_mb()}};
   if (!request.time_budget.empty())
@@ -263,7 +266,7 @@ void embed(const RenderRequest& request, const runtime::Network& network,
 void add_seconds(const StageSeconds& picture, StageSeconds* sum) {
   for (double StageSeconds::*stage :
        {&StageSeconds::primary, &StageSeconds::decode, &StageSeconds::direct,
-        &StageSeconds::reference, &StageSeconds::write}) {
+        &StageSeconds::denoise, &StageSeconds::reference, &StageSeconds::write}) {
     sum->*stage += picture.*stage;
   }
 }
@@ -396,6 +399,15 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
       ->capture_default_str();
   app.add_option("--direct-samples", r->direct_samples, "Neural mode: shadow rays a pixel")
       ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
+  app.add_flag("--adaptive-direct", r->adaptive_direct,
+               "Neural mode: share the shadow rays out, more where penumbrae are; "
+               "--direct-samples is their mean");
+  app.add_option("--denoise", r->denoise,
+                 "Take noise out of direct light, or with --mode reference out of all light, by "
+                 "Open Image Denoise where it is found ($LTE_OIDN), else by a filter of lte's; "
+                 "auto: in neural mode up to 16 shadow rays a pixel")
+      ->check(CLI::IsMember({"auto", "on", "off"}))
       ->capture_default_str();
   app.add_option("--scene-points", r->scene_points,
                  "Scene points shown to the network; 0 for as many as in training")

@@ -27,6 +27,8 @@ struct RenderRequest {
   std::string environment;          ///< "R,G,B" or a picture; empty: that of the scene
   double environment_turn = 0;      ///< degrees about +Y
   std::vector<std::string> lights;  ///< "auto" or "x,y,z,power": luminaires to add
+  bool adaptive_direct = false;
+  std::string denoise = "auto";
   std::string antialias = std::to_string(kAntialias), metal = "trace";
   std::string untrained_light = "trace";  ///< "trace" or "network"
   std::string quality = "final", sparse = "auto";

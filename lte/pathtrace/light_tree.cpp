@@ -190,13 +190,14 @@ bool LightTree::first_share(uint32_t node, const Vec3& position, const Vec3& nor
   return a + b > 0;
 }
 
-bool LightTree::sample(const Vec3& position, const Vec3& normal, double u, uint32_t* light,
-                       float* probability) const {
+template <typename ShareOf>
+bool LightTree::descend(const ShareOf& share_of, double u, uint32_t* light,
+                        float* probability) const {
   if (nodes_.empty()) return false;
   double p = 1, share = 0;
   uint32_t node = 0;
   while (!nodes_[node].leaf) {
-    if (!first_share(node, position, normal, &share)) return false;
+    if (!share_of(node, &share)) return false;
     if (u < share) {
       u /= share;
       p *= share;
@@ -211,6 +212,27 @@ bool LightTree::sample(const Vec3& position, const Vec3& normal, double u, uint3
   *light = nodes_[node].index;
   *probability = static_cast<float>(p);
   return true;
+}
+
+bool LightTree::sample(const Vec3& position, const Vec3& normal, double u, uint32_t* light,
+                       float* probability) const {
+  const auto share_of = [&](uint32_t node, double* share) {
+    return first_share(node, position, normal, share);
+  };
+  return descend(share_of, u, light, probability);
+}
+
+bool LightTreeWalk::sample(double u, uint32_t* light, float* probability) {
+  const auto share_of = [this](uint32_t node, double* share) {
+    Entry& entry = entries_[node % entries_.size()];
+    if (entry.point != point_ || entry.node != node) {
+      entry = {point_, node, false, 0};
+      entry.drawn = tree_->first_share(node, position_, normal_, &entry.share);
+    }
+    *share = entry.share;
+    return entry.drawn;
+  };
+  return tree_->descend(share_of, u, light, probability);
 }
 
 float LightTree::probability(const Vec3& position, const Vec3& normal, uint32_t light) const {

@@ -2,6 +2,7 @@
 // cones that they shine into and are seen under (Conty Estevez and Kulla 2018, as in pbrt-v4).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -18,6 +19,8 @@ struct LightCluster {
   float cos_o = 1, cos_e = 1;
   bool two_sided = false;
 };
+
+class LightTreeWalk;
 
 /// Thread-safe once built.
 class LightTree {
@@ -38,6 +41,8 @@ class LightTree {
   float probability(const Vec3& position, const Vec3& normal, uint32_t light) const;
 
  private:
+  friend class LightTreeWalk;
+
   struct Node {
     LightCluster cluster;
     uint32_t index = 0;  ///< of the second child (the first follows its parent), or of the light
@@ -52,10 +57,41 @@ class LightTree {
   void build(std::vector<Item>& items, size_t begin, size_t end, uint64_t trail, int depth);
   /// Share of draws that the first of a node's two children gets; false if neither can be drawn.
   bool first_share(uint32_t node, const Vec3& position, const Vec3& normal, double* share) const;
+  /// sample() with any `share_of(node, share)` in the place of first_share().
+  template <typename ShareOf>
+  bool descend(const ShareOf& share_of, double u, uint32_t* light, float* probability) const;
 
   std::vector<Node> nodes_;
   std::vector<uint64_t> trails_;  ///< by light: bit k says which child to take at depth k
   std::vector<uint8_t> present_;  ///< by light
+};
+
+/// Draws many lights for one point: what a node's children may bring there is worked out once. Gives
+/// what LightTree::sample() gives. One for each thread.
+class LightTreeWalk {
+ public:
+  /// The point that lights are drawn for from here on. The tree must outlive its draws.
+  void start(const LightTree& tree, const Vec3& position, const Vec3& normal) {
+    tree_ = &tree;
+    position_ = position;
+    normal_ = normal;
+    ++point_;
+  }
+  bool sample(double u, uint32_t* light, float* probability);
+
+ private:
+  /// Of a node for point number `point`; nodes share entries, the last one stays.
+  struct Entry {
+    uint64_t point = 0;
+    uint32_t node = 0;
+    bool drawn = false;  ///< whether either child can be
+    double share = 0;
+  };
+
+  const LightTree* tree_ = nullptr;
+  Vec3 position_, normal_;
+  uint64_t point_ = 0;
+  std::array<Entry, 512> entries_;
 };
 
 /// An upper estimate, up to a factor, of what a cluster brings to a point: zero only if it brings

@@ -155,7 +155,7 @@ void Lights::build_tree(const std::vector<double>& weights) {
 
 /// An entry of the table for the point; false if no light can reach it.
 bool Lights::choose(const Vec3& position, const Vec3& normal, double u, uint32_t* index,
-                    float* probability) const {
+                    float* probability, LightTreeWalk* walk) const {
   if (!uses_tree_) {
     *index = table_.sample(u, probability);
     return true;
@@ -167,7 +167,9 @@ bool Lights::choose(const Vec3& position, const Vec3& normal, double u, uint32_t
     return true;
   }
   u = (u - directional_share_) / (1 - directional_share_);
-  if (!tree_.sample(position, normal, u, index, probability)) return false;
+  if (!(walk != nullptr ? walk->sample(u, index, probability)
+                        : tree_.sample(position, normal, u, index, probability)))
+    return false;
   *probability *= 1 - directional_share_;
   return true;
 }

@@ -97,8 +97,9 @@ class Lights {
   void equalize_groups(std::vector<double>* weights) const;
   /// The tree holds all lights but directional ones, which have no place and are drawn beside it.
   void build_tree(const std::vector<double>& weights);
+  /// @param walk  started for the point, where it asks for many lights; may be null
   bool choose(const Vec3& position, const Vec3& normal, double u, uint32_t* index,
-              float* probability) const;
+              float* probability, LightTreeWalk* walk = nullptr) const;
   LightSample sample_triangle(const EmissiveTriangle& light, const Vec3& position,
                               const Vec2& u_point) const;
 

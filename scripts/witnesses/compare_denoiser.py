@@ -175,6 +175,11 @@ def of_scene(arguments):
         rows.append((f"{paths} paths ({label}{note})", scores(traced[""][mask] / unit,
                                                               wanted / unit)))
         rows.append((f"{paths} paths, denoised", scores(smooth[mask] / unit, wanted / unit)))
+        # What is left when the network's answer is divided out may be smoother than light itself.
+        divisor = network[""] + 0.01 * unit
+        ratio, _ = denoise(traced[""] / divisor, traced["albedo"], traced["normal"])
+        rows.append((f"{paths} paths over the network's, denoised",
+                     scores((ratio * divisor)[mask] / unit, wanted / unit)))
     print(
         f"{arguments.scene}, {arguments.size}: irradiance over its mean; {arguments.spp} paths as "
         f"the reference; "

@@ -65,6 +65,27 @@ TEST(LightTree, ProbabilitiesAreADistributionAndThoseOfItsDraws) {
   }
 }
 
+/// More nodes than a walk has room for, so that some push others out.
+TEST(LightTree, AWalkDrawsWhatTheTreeDraws) {
+  Rng rng(8);
+  const LightTree few(random_lights(rng, 40)), many(random_lights(rng, 3000));
+  LightTreeWalk walk;
+  for (int trial = 0; trial < 20; ++trial) {
+    const LightTree& tree = trial % 2 == 0 ? few : many;
+    const Vec3 position = random_point(rng, 10), normal = random_unit(rng);
+    walk.start(tree, position, normal);
+    for (int k = 0; k < 300; ++k) {
+      const double u = rng.uniform();
+      uint32_t light = 0, again = 0;
+      float probability = 0, same = 0;
+      const bool drawn = tree.sample(position, normal, u, &light, &probability);
+      ASSERT_EQ(walk.sample(u, &again, &same), drawn);
+      ASSERT_EQ(again, light);
+      ASSERT_EQ(same, probability);
+    }
+  }
+}
+
 TEST(LightTree, LeavesOutOnlyWhatCannotShineHere) {
   Rng rng(9);
   const std::vector<LightCluster> lights = random_lights(rng, 200);

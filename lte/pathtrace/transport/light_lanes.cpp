@@ -15,14 +15,20 @@ void sample_light_lanes(const Lights& lights, const Lanes3& position, const Lane
   if (!lights.uses_tree_ && lights.only_plain_triangles_ && environment_share == 0) {
     draw_entries(lights.table_.columns(), numbers.choice, count, entry, probability);
   } else {
+    thread_local LightTreeWalk walk;
+    Vec3 point, side;
     for (int lane = 0; lane < count; ++lane) {
+      if (lane == 0 || position.at(lane) != point || normal.at(lane) != side) {
+        point = position.at(lane);
+        side = normal.at(lane);
+        walk.start(lights.tree_, point, side);
+      }
       double u = numbers.choice[lane] * 0x1p-32;
       bool other = u < environment_share;
       if (!other) {
         u = (u - environment_share) / (1 - environment_share);
-        const bool chosen =
-            !lights.table_.empty() &&
-            lights.choose(position.at(lane), normal.at(lane), u, &entry[lane], &probability[lane]);
+        const bool chosen = !lights.table_.empty() &&
+                            lights.choose(point, side, u, &entry[lane], &probability[lane], &walk);
         other = chosen && (entry[lane] >= triangles.size() || triangles[entry[lane]].textured);
         probability[lane] *= 1 - environment_share;
         if (chosen && !other) continue;

@@ -45,6 +45,13 @@ TEST(PictureMemory, GrowsByLayersAndPixelsAlone) {
   EXPECT_LT(picture_mb(settings(4096, 4096, Mode::Neural, false)), 0.5 * large);
   EXPECT_LE(picture_mb(settings(4096, 4096, Mode::Reference)), large);
   EXPECT_LT(picture_mb(settings(24, 16)), 1);
+  RenderSettings denoised = settings(4096, 4096);
+  denoised.denoise = Denoise::On;
+  EXPECT_GT(picture_mb(denoised), 4096 * 4096 * 100.0 / (1 << 20));
+  denoised.output = Output::Depth;
+  const double noisy_depth = picture_mb(denoised);
+  denoised.denoise = Denoise::Off;
+  EXPECT_EQ(picture_mb(denoised), noisy_depth);
 }
 
 }  // namespace

@@ -1,0 +1,49 @@
+// Light at the centres of all pixels of a picture, before anything is composed: where rays are
+// shared out over pixels and where noise is taken away. Both look across bands.
+//
+// Irradiance is denoised, not radiance: it has no texture, and every hit of an anti-aliased pixel
+// goes on taking it from a centre on its own surface.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "infer/common/shadow_rays.h"
+#include "infer/common/surface_guides.h"
+#include "lte/image/denoise.h"
+
+namespace lte::infer {
+
+enum class Denoise { Off, On, Auto };
+
+/// The setting of a word. @throws lte::Error naming the word and the ones there are.
+Denoise parse_denoise(const std::string& word);
+
+/// Shadow rays a pixel up to which Denoise::Auto takes noise away (docs/lab/direct-light.md).
+inline constexpr int kDenoiseUpTo = 16;
+
+/// What is wanted at the centres.
+struct CentreRequest {
+  ShadowRays shadow_rays;  ///< without paths
+  bool paths = false;      ///< a reference: direct and indirect light by paths
+  bool indirect = false;   ///< of paths
+  int path_count = 64, max_depth = 5;
+  const image::Denoiser* denoiser = nullptr;  ///< null: noise stays
+  std::function<void(int64_t pixels)> done;   ///< told of all pixels of the picture; may be empty
+};
+
+/// Irradiance, [height, width, 3], 0 in the background; empty where it is not wanted.
+struct CentreLight {
+  image::Image direct, indirect;
+  double sampling_seconds = 0, denoising_seconds = 0;
+};
+
+CentreLight light_centres(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                          const SurfaceGuides& guides, const CentreRequest& request);
+
+/// A path-traced picture without its noise. Background and what shines keep their values.
+/// @param radiance  [height, width, 3], what the guides' pixels send to the camera
+image::Image denoise_radiance(const image::Denoiser& denoiser, const SurfaceGuides& guides,
+                              const image::Image& radiance);
+
+}  // namespace lte::infer
