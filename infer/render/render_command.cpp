@@ -12,6 +12,7 @@
 #include "infer/common/renderer.h"
 #include "infer/common/untrained_light.h"
 #include "infer/render/frame_io.h"
+#include "infer/render/frame_set.h"
 #include "infer/render/notes.h"
 #include "infer/render/scene_size.h"
 #include "infer/render/views.h"
@@ -22,11 +23,8 @@
 #include "lte/cli/command_files.h"
 #include "lte/cli/numbers.h"
 #include "lte/nn/device.h"
-#include "lte/pathtrace/added_light.h"
-#include "lte/scene/import/environment_file.h"
 #include "lte/scene/light_points.h"
 #include "lte/scene/load_camera.h"
-#include "lte/scene/up_axis.h"
 
 namespace lte::infer {
 namespace {
@@ -87,17 +85,13 @@ RenderSettings settings_of(const RenderRequest& request) {
 std::vector<View> views_of(const RenderRequest& request, const pathtrace::Bvh& bvh) {
   const auto [width, height] = parse_size(request.size);
   const float aspect = static_cast<float>(width) / static_cast<float>(height);
-  std::vector<View> views = choose_views(bvh, request.camera, request.out, request.seed, aspect);
+  std::vector<View> views =
+      request.turntable > 0 ? turntable_views(bvh, request.camera, request.turntable, request.out,
+                                              request.seed, aspect)
+                            : choose_views(bvh, request.camera, request.out, request.seed, aspect);
+  check_in_view(bvh.scene(), bvh.bounds(), views, aspect);
   for (const View& view : views) check_writable(view.out);
   return views;
-}
-
-void describe(const scene::Scene& scene, const std::string& path) {
-  const Vec3 extent = scene.bounds().extent();
-  log_info(path, ": ", scene.triangle_count(), " triangles, ", scene.instances.size(),
-           " instances, ", scene.light_groups.size(), " lights, ", scene.cameras.size(),
-           " cameras, ", extent.x, " x ", extent.y, " x ", extent.z, " m");
-  for (const std::string& ignored : scene.ignored) log_warning(path, ": ignored ", ignored);
 }
 
 nlohmann::json seconds_json(const StageSeconds& s, double total) {
@@ -158,10 +152,10 @@ void print_times(const RenderRequest& request, const StageSeconds& s, double tot
 
 /// @throws lte::Error if an output would replace an input or another output
 void claim_files(const RenderRequest& request, CommandFiles* files) {
-  files->reads("SCENE", request.scene);
+  claim_scene(request, files);
+  claim_embedding(request.embedding, files);
   files->reads("--checkpoint", request.checkpoint);
   files->reads("--camera", request.camera);
-  files->reads("--environment", request.environment);
   files->writes("--out", request.out);
   files->writes_common(request.tool.common);
   files->check();
@@ -197,7 +191,7 @@ void embed(const RenderRequest& request, const runtime::Network& network,
   settings.rescale = request.rescale;
   if (request.prune != "auto") settings.prune = request.prune == "on";
   settings.memory = memory;
-  renderer->embed(network, settings);
+  provide_embedding(request.embedding, network, settings, renderer);
   memory.check("encoding the scene", {runtime::Remedy::FewerScenePoints});
 }
 
@@ -210,12 +204,36 @@ void add_seconds(const StageSeconds& picture, StageSeconds* sum) {
   }
 }
 
+/// What is on disk of the pictures of a pattern; nothing for a picture whose name was given.
+std::optional<FrameSet> frames_of(const RenderRequest& request, const std::vector<View>& views,
+                                  const scene::Scene& scene,
+                                  const std::optional<runtime::Network>& network) {
+  const bool named = views.front().out == request.out;
+  if (request.validate_only) return std::nullopt;
+  LTE_CHECK(!named || !request.resume,
+            "--resume goes with several pictures: --turntable, or --camera with a list or all");
+  if (named) return std::nullopt;
+  return FrameSet(request.out,
+                  frame_settings(*request.flags, scene, network ? &*network : nullptr));
+}
+
+/// The exposure of a picture; of the first one for all frames that share it.
+float exposure_of(const RenderRequest& request, const Frame& frame, Output output,
+                  std::optional<FrameSet>* frames) {
+  ExposureOptions options = request.exposure;
+  const bool shared = *frames && (request.one_exposure || request.turntable > 0);
+  if (shared && !options.exposure)
+    options.exposure = (*frames)->shared_exposure(double{frame_exposure(frame, output)});
+  return choose_exposure(frame, output, options);
+}
+
 /// Everything after the scene is encoded.
 void render_to_files(const RenderRequest& request, const std::vector<View>& views,
-                     Renderer* renderer, const Timer& total) {
+                     std::optional<FrameSet> frames, Renderer* renderer, const Timer& total) {
   RenderSettings settings = settings_of(request);
   StageSeconds seconds = renderer->seconds();
   nlohmann::json pictures = nlohmann::json::array();
+  if (frames && !views.empty()) frames->write_manifest();
   for (const View& view : views) {
     Frame frame;
     {
@@ -228,7 +246,7 @@ void render_to_files(const RenderRequest& request, const std::vector<View>& view
       log_warning(request.scene, ": camera ", view.camera.name,
                   " sees no surface; the picture is black");
     }
-    const float exposure = choose_exposure(frame, settings.output, request.exposure);
+    const float exposure = exposure_of(request, frame, settings.output, &frames);
     const Timer write;
     write_frame(view.out, frame, settings.output, exposure, &view.camera);
     renderer->seconds().write = write.seconds();
@@ -241,26 +259,14 @@ void render_to_files(const RenderRequest& request, const std::vector<View>& view
         to_json(request, settings, *renderer, pictures, seconds, total.seconds());
     write_file(request.tool.common.json, json.dump(2) + '\n');
   }
-  if (views.size() > 1 && !request.tool.common.quiet) std::printf("%zu pictures", views.size());
+  if (views.size() != 1 && !request.tool.common.quiet) std::printf("%zu pictures", views.size());
   print_times(request, seconds, total.seconds());
-}
-
-/// The scene as the flags want it.
-scene::Scene load(const RenderRequest& request) {
-  scene::Scene scene = load_scene(request.scene, request.loading);
-  scene::set_up_axis(request.up, request.scene, &scene);
-  LTE_CHECK(!request.environment.empty() || request.environment_turn == 0,
-            "--environment-turn needs --environment");
-  if (!request.environment.empty())
-    scene::set_environment(request.environment, request.environment_turn, &scene);
-  for (const std::string& light : request.lights)
-    log_info(request.scene, ": added ", pathtrace::add_light(light, &scene));
-  return scene;
 }
 
 }  // namespace
 
 void add_render_options(CLI::App& app, RenderRequest* r) {
+  r->flags = &app;
   app.add_option("scene", r->scene, "Scene to render: .gltf, .glb, .pbrt, .obj or .ply")
       ->required();
   app.add_option("--out", r->out,
@@ -268,8 +274,15 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
                  "pattern, %d or %04d for the number and {name} for the camera's name")
       ->check(CLI::Validator(check_picture, "FILE.exr|FILE.png"));
   app.add_option("--checkpoint", r->checkpoint, "Model; by default the shipped one");
-  app.add_option("--camera", r->camera,
+  app.add_option("--camera,--cameras", r->camera,
                  concat(scene::kCameraHelp, "; by default the scene's first camera, else auto"));
+  app.add_option("--turntable", r->turntable,
+                 "So many cameras that turn around the scene, or in place inside a room, from the "
+                 "one of --camera (by default auto) on; --out is a pattern")
+      ->check(CLI::Range(1, 100'000));
+  app.add_flag("--resume", r->resume,
+               "Several pictures: keep those that exist and make the rest, if they were made with "
+               "the same settings; without it a picture that exists is an error");
   app.add_option("--size", r->size, "Picture size")
       ->check(CLI::Validator(check_picture_size, "WxH"))
       ->capture_default_str();
@@ -311,27 +324,15 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
   app.add_flag("--rescale,!--no-rescale", r->rescale,
                "Shrink a scene larger than the model knows, for the network only (the default), or "
                "refuse it");
-  app.add_option("--up", r->up, scene::kUpHelp)
-      ->check(CLI::IsMember({"y", "z"}))
-      ->capture_default_str();
-  app.add_option("--environment", r->environment,
-                 "Light from all around, in the place of the scene's own: constant radiance R,G,B, "
-                 "or an equirectangular picture (.exr, .hdr, .pfm; .png, .jpg), Y up, +X in its "
-                 "middle");
-  app.add_option("--environment-turn", r->environment_turn,
-                 "Degrees by which to turn it about +Y, counter-clockwise from above");
-  app.add_option("--add-light", r->lights,
-                 "A luminaire more: x,y,z,power, a point light of so many watts; or auto, a panel "
-                 "under the ceiling of each room (an environment for a scene without any). "
-                 "Repeatable")
-      ->type_name("auto|x,y,z,W")
-      ->allow_extra_args(false);
+  add_embedding_flags(app, &r->embedding);
   add_exposure_options(app, &r->exposure);
+  app.add_flag("--one-exposure", r->one_exposure,
+               "Several pictures: all take the exposure of the first, as with --turntable");
   app.add_option("--seed", r->seed, "Seed of scene points and light samples")
       ->capture_default_str();
   app.add_flag("--validate-only", r->validate_only,
                "Check scene, camera and flags, and write nothing");
-  add_scene_flags(app, &r->loading);
+  add_scene_options(app, r);
   add_tool_options(app, &r->tool);
 }
 
@@ -345,12 +346,13 @@ void run_render(const RenderRequest& request) {
   apply_tool_options(request.tool);
   check_writable(request.out);
   check_writable(request.tool.common.json);
+  check_writable(request.embedding.save);
   check_picture_fits(settings_of(request), available_memory_mb());
   const Timer total;
-  const scene::Scene scene = load(request);
+  const scene::Scene scene = load_source(request);
   describe(scene, request.scene);
   Renderer renderer(scene);
-  const std::vector<View> views = views_of(request, renderer.bvh());
+  std::vector<View> views = views_of(request, renderer.bvh());
   claim_views(request, views, &files);
   say_unit(request.scene, renderer.bvh());
   if (!renderer.has_light())
@@ -365,19 +367,28 @@ void run_render(const RenderRequest& request) {
     check_size(request.scene, scene, *network, request.rescale);
     const std::string note = untrained_light_note(scene, network->metadata());
     if (!note.empty()) log_warning(note);
-    memory.check_encoding(network->config(), scene_points(request, *network));
+    if (request.embedding.load.empty())
+      memory.check_encoding(network->config(), scene_points(request, *network));
   }
   check_picture_fits(settings_of(request), memory);
+  LTE_CHECK(network || !request.embedding.any(), request.embedding.load, request.embedding.save,
+            ": this picture needs no embedding (--mode, --output, or a scene without light)");
+  std::optional<FrameSet> frames = frames_of(request, views, scene, network);
   if (request.validate_only) {  // as lte_datagen says it, and under --quiet too: it is the result
     std::printf("%s: valid scene, %lld triangles, %zu light groups\n", request.scene.c_str(),
                 static_cast<long long>(scene.triangle_count()), scene.light_groups.size());
     return;
   }
-  if (network) {
+  if (frames) {
+    files.writes("--out", frames->manifest());
+    files.check();
+    views = frames->missing(views, request.resume);
+  }
+  if (network && (!views.empty() || !request.embedding.save.empty())) {
     embed(request, *network, memory, &renderer);
     check_picture_fits(settings_of(request), memory);
   }
-  render_to_files(request, views, &renderer, total);
+  render_to_files(request, views, std::move(frames), &renderer, total);
 }
 
 }  // namespace lte::infer
