@@ -225,6 +225,24 @@ LTE_API lte_status lte_embedding_get_info(const lte_embedding* embedding, lte_em
  *  @note Calls of lte_embedding_decode() that have begun keep the earlier gain. */
 LTE_API lte_status lte_embedding_set_emission_gain(lte_embedding* embedding, const float* rgb);
 
+/** Writes an embedding to a file, which appears whole or not at all. An emission gain is no part of
+ *  it: gain 1 is saved.
+ *  @param path   UTF-8; by habit .safetensors
+ *  @param scene  what the scene is called or hashed to, at most 1,000 bytes of printable
+ *                ASCII, for lte_embedding_load() to compare; NULL: nothing
+ *  @note A file that cannot be written is LTE_ERROR_FILE. */
+LTE_API lte_status lte_embedding_save(const lte_embedding* embedding, const char* path,
+                                      const char* scene);
+
+/** Reads an embedding that lte_embedding_save() has written, in the place of lte_model_encode().
+ *  @param model  of the same weights as the one that encoded it, on whatever device; its answers
+ *                are then the same bits
+ *  @param scene  as it was saved
+ *  @note LTE_ERROR_FILE is a file that is missing, damaged, of a newer format, of another model or
+ *        of another scene; lte_last_error() tells which. */
+LTE_API lte_status lte_embedding_load(const lte_model* model, const char* path, const char* scene,
+                                      lte_embedding** embedding);
+
 /** Ends a handle; NULL is fine. */
 LTE_API void lte_embedding_release(lte_embedding* embedding);
 

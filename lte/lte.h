@@ -38,12 +38,16 @@
 #include "lte/pathtrace/hemisphere_bins.h"
 #include "lte/pathtrace/incident.h"
 #include "lte/pathtrace/irradiance.h"
+#include "lte/pathtrace/probe.h"
 #include "lte/pathtrace/reach.h"
 #include "lte/pathtrace/render.h"
+#include "lte/pathtrace/turntable.h"
 #include "lte/scene/export.h"
+#include "lte/scene/fingerprint.h"
 #include "lte/scene/load.h"
 #include "lte/scene/load_camera.h"
 #include "lte/scene/metal.h"
+#include "lte/scene/point_table.h"
 #include "lte/scene/sampler.h"
 #if __has_include(<ATen/core/Tensor.h>)
 #include "lte/nn/loss.h"
@@ -55,4 +59,5 @@
 #include "lte/ops/neighbour_sums.h"
 #include "lte/ops/submanifold_conv.h"
 #include "lte/runtime/embedding.h"
+#include "lte/runtime/embedding_file.h"
 #endif

@@ -70,11 +70,11 @@ ALLOWED = {
     "train/command": ["lte/base", "lte/cli", "lte/report", "lte/ops", "lte/nn", "lte/data",
                       "train/config", "train/log", "train/distributed", "train/loop"],
     "train": ["lte/base", "lte/cli", "train/command"],
-    # Render, eval, export and bench never include one another.
+    # Render, probe, eval, export and bench never include one another.
     "infer/common": LIBRARY_WITHOUT_TORCH + ["lte/gi", "lte/cli/*", "lte/ops", "lte/nn",
                                              "lte/runtime"],
 }
-for tool in ("render", "eval", "export", "bench"):
+for tool in ("render", "probe", "eval", "export", "bench"):
     ALLOWED[f"infer/{tool}"] = ALLOWED["infer/common"] + ["infer/common", "lte/report"]
 
 NO_TORCH = ("lte/base", "lte/cli", "lte/report", "lte/image", "lte/scene", "lte/pathtrace",

@@ -4,11 +4,12 @@
 #include <memory>
 
 #include "datagen/commands/info.h"
-#include "datagen/commands/probe.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/timer.h"
 #include "lte/cli/cli.h"
+#include "lte/cli/progress.h"
+#include "lte/pathtrace/probe.h"
 
 namespace lte::datagen {
 namespace {
@@ -19,10 +20,21 @@ constexpr int64_t kDefaultCap = 65536;
 struct ProbeFlags {
   CommonOptions common;
   SceneOptions options;
-  ProbeOptions probe;
+  pathtrace::ProbeOptions probe;
   std::string scene, points, out;
   bool has_rays = false, validate_only = false;
 };
+
+pathtrace::ProbeResult run(const scene::Scene& scene, const scene::PointTable& points,
+                           pathtrace::ProbeOptions options) {
+  const bool by_paths = options.target_error > 0;
+  Progress progress("probing", by_paths ? 0 : static_cast<int64_t>(points.size()),
+                    by_paths ? "paths" : "points");
+  options.done = [&progress](int64_t count) { progress.advance(count); };
+  const pathtrace::Bvh bvh(scene);
+  const pathtrace::Lights lights(scene);
+  return probe(bvh, lights, points, options);
+}
 
 void run_probe(ProbeFlags* flags) {
   CommandFiles files;
@@ -42,10 +54,10 @@ void run_probe(ProbeFlags* flags) {
             "--points is missing: name a CSV file with the header px,py,pz,nx,ny,nz");
   LTE_CHECK(!flags->out.empty(), "--out is missing: name the CSV file to write");
   if (flags->probe.target_error > 0 && !flags->has_rays) flags->probe.rays = kDefaultCap;
-  const ProbePoints points = read_probe_points(flags->points);
+  const scene::PointTable points = scene::read_point_table(flags->points);
   const Timer timer;
-  const ProbeResult result = probe(scene, points, flags->probe);
-  write_probe_result(flags->out, points, result);
+  const pathtrace::ProbeResult result = run(scene, points, flags->probe);
+  scene::write_point_table(flags->out, points, probe_columns(result));
   if (result.missed > 0) {
     log_warning(result.missed, " of ", points.lines.size(), " points are above --target-error ",
                 flags->probe.target_error, "; raise --rays above ", flags->probe.rays);

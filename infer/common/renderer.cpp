@@ -228,6 +228,16 @@ void Renderer::embed(const runtime::Network& network, const EmbedSettings& setti
   seconds_.encode = timer.seconds();
 }
 
+void Renderer::set_embedding(runtime::SceneEmbedding embedding) {
+  pruned_points_ = {};
+  embedding_.emplace(std::move(embedding));
+}
+
+const runtime::SceneEmbedding& Renderer::embedding() const {
+  LTE_CHECK(embedding_.has_value(), "there is no embedding: embed() comes first");
+  return *embedding_;
+}
+
 Metal Renderer::metal_of(const RenderSettings& settings) const {
   if (is_geometry(settings.output) || settings.output == Output::Irradiance || !has_light())
     return Metal::Diffuse;

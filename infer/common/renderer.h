@@ -116,6 +116,11 @@ class Renderer {
   ///         where memory lacks.
   void embed(const runtime::Network& network, const EmbedSettings& settings);
 
+  /// Takes an embedding of this scene that was made before, in the place of embed().
+  void set_embedding(runtime::SceneEmbedding embedding);
+  /// @throws lte::Error without one.
+  const runtime::SceneEmbedding& embedding() const;
+
   /// @throws lte::Error if the network is needed and embed() has not been called.
   Frame render(const scene::Camera& camera, const RenderSettings& settings);
 

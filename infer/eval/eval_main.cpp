@@ -2,6 +2,7 @@
 #include <iostream>
 
 #include "infer/eval/eval_command.h"
+#include "infer/eval/flicker_command.h"
 
 int main(int argc, char** argv) {
   CLI::App app{
@@ -12,10 +13,14 @@ int main(int argc, char** argv) {
       "  lte_eval --split test\n"
       "  lte_eval --checkpoint run/model.safetensors --data homes --split test --report report "
       "--json eval.json\n"
-      "  lte_eval --fit-baselines homes --out run/model.baselines.json");
+      "  lte_eval --fit-baselines homes --out run/model.baselines.json\n"
+      "  lte_eval flicker frames/*.exr --reference reference/*.exr");
   lte::infer::EvalRequest request;
   lte::infer::add_eval_options(app, &request);
+  lte::infer::FlickerRequest flicker;
+  const CLI::App* flicker_command = lte::infer::add_flicker_command(app, &flicker);
   return lte::infer::run_network_tool(app, argc, argv, [&] {
+    if (app.got_subcommand(flicker_command)) return run_flicker(flicker, request.tool.common);
     lte::infer::read_run_config(&request);
     if (request.tool.print_config) {
       std::cout << lte::config_text(app);

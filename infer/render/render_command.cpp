@@ -12,6 +12,7 @@
 #include "infer/common/renderer.h"
 #include "infer/common/untrained_light.h"
 #include "infer/render/frame_io.h"
+#include "infer/render/frame_set.h"
 #include "infer/render/notes.h"
 #include "infer/render/scene_size.h"
 #include "infer/render/time_budget.h"
@@ -23,11 +24,8 @@
 #include "lte/cli/command_files.h"
 #include "lte/cli/numbers.h"
 #include "lte/nn/device.h"
-#include "lte/pathtrace/added_light.h"
-#include "lte/scene/import/environment_file.h"
 #include "lte/scene/light_points.h"
 #include "lte/scene/load_camera.h"
-#include "lte/scene/up_axis.h"
 
 namespace lte::infer {
 namespace {
@@ -119,17 +117,13 @@ void check_dial(const RenderRequest& request) {
 std::vector<View> views_of(const RenderRequest& request, const pathtrace::Bvh& bvh) {
   const auto [width, height] = parse_size(request.size);
   const float aspect = static_cast<float>(width) / static_cast<float>(height);
-  std::vector<View> views = choose_views(bvh, request.camera, request.out, request.seed, aspect);
+  std::vector<View> views =
+      request.turntable > 0 ? turntable_views(bvh, request.camera, request.turntable, request.out,
+                                              request.seed, aspect)
+                            : choose_views(bvh, request.camera, request.out, request.seed, aspect);
+  check_in_view(bvh.scene(), bvh.bounds(), views, aspect);
   for (const View& view : views) check_writable(view.out);
   return views;
-}
-
-void describe(const scene::Scene& scene, const std::string& path) {
-  const Vec3 extent = scene.bounds().extent();
-  log_info(path, ": ", scene.triangle_count(), " triangles, ", scene.instances.size(),
-           " instances, ", scene.light_groups.size(), " lights, ", scene.cameras.size(),
-           " cameras, ", extent.x, " x ", extent.y, " x ", extent.z, " m");
-  for (const std::string& ignored : scene.ignored) log_warning(path, ": ignored ", ignored);
 }
 
 nlohmann::json seconds_json(const StageSeconds& s, double total) {
@@ -208,10 +202,10 @@ void print_times(const RenderRequest& request, const StageSeconds& s, double tot
 
 /// @throws lte::Error if an output would replace an input or another output
 void claim_files(const RenderRequest& request, CommandFiles* files) {
-  files->reads("SCENE", request.scene);
+  claim_scene(request, files);
+  claim_embedding(request.embedding, files);
   files->reads("--checkpoint", request.checkpoint);
   files->reads("--camera", request.camera);
-  files->reads("--environment", request.environment);
   files->writes("--out", request.out);
   files->writes_common(request.tool.common);
   files->check();
@@ -258,7 +252,7 @@ void embed(const RenderRequest& request, const runtime::Network& network,
   settings.rescale = request.rescale;
   if (request.prune != "auto") settings.prune = request.prune == "on";
   settings.memory = memory;
-  renderer->embed(network, settings);
+  provide_embedding(request.embedding, network, settings, renderer);
   memory.check("encoding the scene", {runtime::Remedy::FewerScenePoints});
 }
 
@@ -283,14 +277,44 @@ PicturePlan plan_of(const RenderRequest& request, const RenderSettings& base, co
   return plan;
 }
 
-/// Everything after the scene is encoded. @param work  runs since its points were drawn
-void render_to_files(const RenderRequest& request, const std::vector<View>& views,
-                     const RenderSettings& base, Renderer* renderer, const Timer& total,
-                     Timer work) {
+/// What is on disk of the pictures of a pattern; nothing for a picture whose name was given.
+std::optional<FrameSet> frames_of(const RenderRequest& request, const std::vector<View>& views,
+                                  const scene::Scene& scene,
+                                  const std::optional<runtime::Network>& network) {
+  const bool named = views.front().out == request.out;
+  if (request.validate_only) return std::nullopt;
+  LTE_CHECK(!named || !request.resume,
+            "--resume goes with several pictures: --turntable, or --camera with a list or all");
+  if (named) return std::nullopt;
+  return FrameSet(request.out,
+                  frame_settings(*request.flags, scene, network ? &*network : nullptr));
+}
+
+/// The exposure of a picture; of the first one for all frames that share it.
+float exposure_of(const RenderRequest& request, const Frame& frame, Output output,
+                  std::optional<FrameSet>* frames) {
+  ExposureOptions options = request.exposure;
+  const bool shared = *frames && (request.one_exposure || request.turntable > 0);
+  if (shared && !options.exposure)
+    options.exposure = (*frames)->shared_exposure(double{frame_exposure(frame, output)});
+  return choose_exposure(frame, output, options);
+}
+
+/// What is left to do when the scene is encoded.
+struct PictureRun {
+  std::vector<View> views;
+  RenderSettings settings;  ///< but for what a time budget decides
+  std::optional<FrameSet> frames;
+  Timer total;
+  Timer work;  ///< since the scene points were drawn
+};
+
+void render_to_files(const RenderRequest& request, PictureRun run, Renderer* renderer) {
   StageSeconds seconds = renderer->seconds();
   nlohmann::json pictures = nlohmann::json::array();
-  for (const View& view : views) {
-    PicturePlan plan = plan_of(request, base, view, work, renderer);
+  if (run.frames && !run.views.empty()) run.frames->write_manifest();
+  for (const View& view : run.views) {
+    PicturePlan plan = plan_of(request, run.settings, view, run.work, renderer);
     RenderSettings& settings = plan.settings;
     Frame frame;
     {
@@ -303,39 +327,28 @@ void render_to_files(const RenderRequest& request, const std::vector<View>& view
       log_warning(request.scene, ": camera ", view.camera.name,
                   " sees no surface; the picture is black");
     }
-    const float exposure = choose_exposure(frame, settings.output, request.exposure);
+    const float exposure = exposure_of(request, frame, settings.output, &run.frames);
     const Timer write;
     write_frame(view.out, frame, settings.output, exposure, &view.camera);
     renderer->seconds().write = write.seconds();
     add_seconds(renderer->seconds(), &seconds);
     pictures.push_back(picture_json(request, view, plan, frame, exposure));
-    print_exposure(request, view, exposure, views.size() > 1 ? "\n" : "");
-    work.restart();  // a view after the first has the budget for itself
+    print_exposure(request, view, exposure, run.views.size() > 1 ? "\n" : "");
+    run.work.restart();  // a view after the first has the budget for itself
   }
   if (!request.tool.common.json.empty()) {
-    const nlohmann::json json = to_json(request, *renderer, pictures, seconds, total.seconds());
+    const nlohmann::json json = to_json(request, *renderer, pictures, seconds, run.total.seconds());
     write_file(request.tool.common.json, json.dump(2) + '\n');
   }
-  if (views.size() > 1 && !request.tool.common.quiet) std::printf("%zu pictures", views.size());
-  print_times(request, seconds, total.seconds());
-}
-
-/// The scene as the flags want it.
-scene::Scene load(const RenderRequest& request) {
-  scene::Scene scene = load_scene(request.scene, request.loading);
-  scene::set_up_axis(request.up, request.scene, &scene);
-  LTE_CHECK(!request.environment.empty() || request.environment_turn == 0,
-            "--environment-turn needs --environment");
-  if (!request.environment.empty())
-    scene::set_environment(request.environment, request.environment_turn, &scene);
-  for (const std::string& light : request.lights)
-    log_info(request.scene, ": added ", pathtrace::add_light(light, &scene));
-  return scene;
+  if (run.views.size() != 1 && !request.tool.common.quiet)
+    std::printf("%zu pictures", run.views.size());
+  print_times(request, seconds, run.total.seconds());
 }
 
 }  // namespace
 
 void add_render_options(CLI::App& app, RenderRequest* r) {
+  r->flags = &app;
   app.add_option("scene", r->scene, "Scene to render: .gltf, .glb, .pbrt, .obj or .ply")
       ->required();
   app.add_option("--out", r->out,
@@ -343,8 +356,15 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
                  "pattern, %d or %04d for the number and {name} for the camera's name")
       ->check(CLI::Validator(check_picture, "FILE.exr|FILE.png"));
   app.add_option("--checkpoint", r->checkpoint, "Model; by default the shipped one");
-  app.add_option("--camera", r->camera,
+  app.add_option("--camera,--cameras", r->camera,
                  concat(scene::kCameraHelp, "; by default the scene's first camera, else auto"));
+  app.add_option("--turntable", r->turntable,
+                 "So many cameras that turn around the scene, or in place inside a room, from the "
+                 "one of --camera (by default auto) on; --out is a pattern")
+      ->check(CLI::Range(1, 100'000));
+  app.add_flag("--resume", r->resume,
+               "Several pictures: keep those that exist and make the rest, if they were made with "
+               "the same settings; without it a picture that exists is an error");
   app.add_option("--size", r->size, "Picture size")
       ->check(CLI::Validator(check_picture_size, "WxH"))
       ->capture_default_str();
@@ -419,27 +439,15 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
   app.add_flag("--rescale,!--no-rescale", r->rescale,
                "Shrink a scene larger than the model knows, for the network only (the default), or "
                "refuse it");
-  app.add_option("--up", r->up, scene::kUpHelp)
-      ->check(CLI::IsMember({"y", "z"}))
-      ->capture_default_str();
-  app.add_option("--environment", r->environment,
-                 "Light from all around, in the place of the scene's own: constant radiance R,G,B, "
-                 "or an equirectangular picture (.exr, .hdr, .pfm; .png, .jpg), Y up, +X in its "
-                 "middle");
-  app.add_option("--environment-turn", r->environment_turn,
-                 "Degrees by which to turn it about +Y, counter-clockwise from above");
-  app.add_option("--add-light", r->lights,
-                 "A luminaire more: x,y,z,power, a point light of so many watts; or auto, a panel "
-                 "under the ceiling of each room (an environment for a scene without any). "
-                 "Repeatable")
-      ->type_name("auto|x,y,z,W")
-      ->allow_extra_args(false);
+  add_embedding_flags(app, &r->embedding);
   add_exposure_options(app, &r->exposure);
+  app.add_flag("--one-exposure", r->one_exposure,
+               "Several pictures: all take the exposure of the first, as with --turntable");
   app.add_option("--seed", r->seed, "Seed of scene points and light samples")
       ->capture_default_str();
   app.add_flag("--validate-only", r->validate_only,
                "Check scene, camera and flags, and write nothing");
-  add_scene_flags(app, &r->loading);
+  add_scene_options(app, r);
   add_tool_options(app, &r->tool);
 }
 
@@ -454,13 +462,14 @@ void run_render(const RenderRequest& request) {
   apply_tool_options(request.tool);
   check_writable(request.out);
   check_writable(request.tool.common.json);
+  check_writable(request.embedding.save);
   RenderSettings settings = settings_of(request);
   check_picture_fits(settings, available_memory_mb());
   const Timer total;
-  const scene::Scene scene = load(request);
+  const scene::Scene scene = load_source(request);
   describe(scene, request.scene);
   Renderer renderer(scene);
-  const std::vector<View> views = views_of(request, renderer.bvh());
+  std::vector<View> views = views_of(request, renderer.bvh());
   claim_views(request, views, &files);
   say_unit(request.scene, renderer.bvh());
   if (!renderer.has_light())
@@ -473,20 +482,29 @@ void run_render(const RenderRequest& request) {
   const runtime::MemoryLimit memory(request.tool.max_memory_mb);
   if (network) {
     check_size(request.scene, scene, *network, request.rescale);
-    memory.check_encoding(network->config(), scene_points(request, *network));
+    if (request.embedding.load.empty())
+      memory.check_encoding(network->config(), scene_points(request, *network));
   }
   check_picture_fits(settings, memory);
+  LTE_CHECK(network || !request.embedding.any(), request.embedding.load, request.embedding.save,
+            ": this picture needs no embedding (--mode, --output, or a scene without light)");
+  std::optional<FrameSet> frames = frames_of(request, views, scene, network);
   if (request.validate_only) {  // as lte_datagen says it, and under --quiet too: it is the result
     std::printf("%s: valid scene, %lld triangles, %zu light groups\n", request.scene.c_str(),
                 static_cast<long long>(scene.triangle_count()), scene.light_groups.size());
     return;
   }
+  if (frames) {
+    files.writes("--out", frames->manifest());
+    files.check();
+    views = frames->missing(views, request.resume);
+  }
   const Timer work;
-  if (network) {
+  if (network && (!views.empty() || !request.embedding.save.empty())) {
     embed(request, *network, memory, &renderer);
     check_picture_fits(settings, memory);
   }
-  render_to_files(request, views, settings, &renderer, total, work);
+  render_to_files(request, {std::move(views), settings, std::move(frames), total, work}, &renderer);
 }
 
 }  // namespace lte::infer

@@ -5,28 +5,29 @@
 #include <string>
 #include <vector>
 
+#include "infer/common/embedding_flags.h"
 #include "infer/common/renderer.h"
+#include "infer/common/scene_source.h"
 #include "infer/common/tool_options.h"
 #include "infer/render/exposure.h"
 #include "infer/render/quality.h"
-#include "lte/cli/scene_flags.h"
 
 namespace lte::infer {
 
 /// The command line as it stands. The flags themselves check its words.
-struct RenderRequest {
-  std::string scene, checkpoint, camera, out;
+struct RenderRequest : SceneSource {
+  std::string checkpoint, camera, out;
+  int turntable = 0;  ///< cameras; 0: no turntable
+  bool resume = false;
+  bool one_exposure = false;  ///< that of the first picture is that of all
+  EmbeddingFlags embedding;
   std::string size = "512x512";
   std::string output = "full", mode = "neural";
   int spp = 64, max_depth = 5, direct_samples = 64;
   int64_t scene_points = 0;
   uint64_t seed = 0;
   bool rescale = true, validate_only = false;
-  std::string up = "y";
   std::string prune = "auto";
-  std::string environment;          ///< "R,G,B" or a picture; empty: that of the scene
-  double environment_turn = 0;      ///< degrees about +Y
-  std::vector<std::string> lights;  ///< "auto" or "x,y,z,power": luminaires to add
   bool adaptive_direct = false;
   std::string denoise = "auto";
   std::string antialias = std::to_string(kAntialias), metal = "trace";
@@ -34,9 +35,9 @@ struct RenderRequest {
   std::string quality = "final", sparse = "auto";
   std::string time_budget;  ///< "0.5s" or "200ms"; empty: none, `quality` counts
   GivenFlags given;         ///< flags of the quality that stand on the command line
-  SceneFlags loading;
   ExposureOptions exposure;
   ToolOptions tool;
+  CLI::App* flags = nullptr;  ///< that it was read from: frames remember their flags
 };
 
 void add_render_options(CLI::App& app, RenderRequest* request);

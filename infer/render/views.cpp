@@ -1,12 +1,16 @@
 #include "infer/render/views.h"
 
+#include <algorithm>
+#include <array>
 #include <cctype>
+#include <cmath>
 #include <map>
 #include <optional>
 
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/pathtrace/auto_camera.h"
+#include "lte/pathtrace/turntable.h"
 
 namespace lte::infer {
 namespace {
@@ -53,6 +57,36 @@ void name_pictures(const std::string& pattern, std::vector<View>* views) {
   }
 }
 
+const char* turn_text(pathtrace::Turn turn) {
+  switch (turn) {
+    case pathtrace::Turn::Around:
+      return "around the scene";
+    case pathtrace::Turn::LookRound:
+      return "in place, as the camera is inside a room";
+    default:
+      return "to and fro before the open side";
+  }
+}
+
+/// Whether a picture of this camera may show anything of a box: false if all corners of the box lie
+/// behind the camera, or beyond the same edge of the picture.
+bool may_see(const scene::Camera& camera, const Bounds& box, float aspect) {
+  const Vec3 view = normalize(camera.target - camera.origin);
+  const Vec3 right = normalize(cross(view, camera.up)), above = cross(right, view);
+  const float half = std::tan(camera.vfov * kPi / 360);
+  const std::array<Vec3, 5> inwards{view, view * (half * aspect) + right,
+                                    view * (half * aspect) - right, view * half + above,
+                                    view * half - above};
+  return std::all_of(inwards.begin(), inwards.end(), [&](const Vec3& inward) {
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3 p{corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                   corner & 4 ? box.high.z : box.low.z};
+      if (dot(p - camera.origin, inward) > 0) return true;
+    }
+    return false;
+  });
+}
+
 }  // namespace
 
 std::string picture_name(const std::string& pattern, size_t number, const std::string& name) {
@@ -85,6 +119,32 @@ std::vector<View> choose_views(const pathtrace::Bvh& bvh, const std::string& cam
   for (const scene::Camera& found : choice->cameras) views.push_back({found, out});
   if (choice->several && !out.empty()) name_pictures(out, &views);
   return views;
+}
+
+std::vector<View> turntable_views(const pathtrace::Bvh& bvh, const std::string& camera, int count,
+                                  const std::string& out, uint64_t seed, float aspect) {
+  const std::vector<View> first =
+      choose_views(bvh, camera.empty() ? "auto" : camera, "", seed, aspect);
+  LTE_CHECK(first.size() == 1, "--turntable begins with one camera, but --camera ", camera,
+            " names ", first.size());
+  const pathtrace::Turntable table = pathtrace::turntable(bvh, first.front().camera, count);
+  log_info("turntable: ", count, " cameras ", turn_text(table.turn));
+  std::vector<View> views;
+  for (const scene::Camera& each : table.cameras) views.push_back({each, out});
+  if (!out.empty()) name_pictures(out, &views);
+  return views;
+}
+
+void check_in_view(const scene::Scene& scene, const Bounds& bounds, const std::vector<View>& views,
+                   float aspect) {
+  if (scene.environment || bounds.empty()) return;
+  for (size_t i = 0; i < views.size(); ++i) {
+    const scene::Camera& camera = views[i].camera;
+    LTE_CHECK(may_see(camera, bounds, aspect), "camera ", i, " (\"", camera.name,
+              "\"): nothing of the scene is in its view; it lies at ", bounds.low.x, " ",
+              bounds.low.y, " ", bounds.low.z, " to ", bounds.high.x, " ", bounds.high.y, " ",
+              bounds.high.z);
+  }
 }
 
 }  // namespace lte::infer

@@ -26,6 +26,18 @@ struct View {
 std::vector<View> choose_views(const pathtrace::Bvh& bvh, const std::string& camera,
                                const std::string& out, uint64_t seed, float aspect);
 
+/// The cameras of --turntable (lte/pathtrace/turntable.h), which begins with that of --camera or,
+/// without it, with the automatic one. `out` is a pattern.
+/// @throws lte::Error as choose_views(), and if the flag names several cameras.
+std::vector<View> turntable_views(const pathtrace::Bvh& bvh, const std::string& camera, int count,
+                                  const std::string& out, uint64_t seed, float aspect);
+
+/// Refuses cameras that can see nothing at all: those whose pyramid of view misses the bounds of
+/// the scene. A scene with an environment shows that instead.
+/// @throws lte::Error naming the camera.
+void check_in_view(const scene::Scene& scene, const Bounds& bounds, const std::vector<View>& views,
+                   float aspect);
+
 /// `pattern` with the number and the name put in.
 std::string picture_name(const std::string& pattern, size_t number, const std::string& name);
 

@@ -168,6 +168,30 @@ lte_status lte_embedding_set_emission_gain(lte_embedding* embedding, const float
   });
 }
 
+lte_status lte_embedding_save(const lte_embedding* embedding, const char* path, const char* scene) {
+  return guarded(
+      [&] {
+        require(embedding != nullptr, "embedding is null");
+        require(path != nullptr, "path is null");
+        lte::c_api::save(embedding->scene, path, scene);
+      },
+      LTE_ERROR_FILE);
+}
+
+lte_status lte_embedding_load(const lte_model* model, const char* path, const char* scene,
+                              lte_embedding** embedding) {
+  if (embedding != nullptr) *embedding = nullptr;
+  return guarded(
+      [&] {
+        require(embedding != nullptr, "embedding is null");
+        require(model != nullptr, "model is null");
+        require(path != nullptr, "path is null");
+        apply_threads();
+        *embedding = new lte_embedding{lte::c_api::load(model->network, path, scene)};
+      },
+      LTE_ERROR_FILE);
+}
+
 void lte_embedding_release(lte_embedding* embedding) { delete embedding; }
 
 lte_status lte_embedding_decode(const lte_embedding* embedding, const lte_queries* queries,

@@ -1,18 +1,34 @@
 #include "lte/c_api/network.h"
 
 #include <algorithm>
+#include <cstring>
+#include <string>
 
 #include <ATen/ATen.h>
 
 #include "lte/c_api/arguments.h"
 #include "lte/nn/model.h"
+#include "lte/runtime/embedding_file.h"
 
 namespace lte::c_api {
 namespace {
 
+constexpr size_t kSceneName = 1000;  ///< bytes of what names a scene in a file
+
 nn::QuerySet rows_of(const nn::QuerySet& queries, const at::Tensor& rows) {
   return {queries.position.index_select(0, rows), queries.normal.index_select(0, rows),
           queries.albedo.index_select(0, rows)};
+}
+
+/// What the caller says of the scene, as an entry of the file.
+runtime::EmbeddingKey key_of(const char* scene) {
+  if (scene == nullptr) return {};
+  const size_t length = strnlen(scene, kSceneName + 1);
+  require(length <= kSceneName, "scene is longer than ", kSceneName, " bytes");
+  const std::string text(scene, length);
+  for (const char c : text)
+    require(c >= ' ' && c <= '~', "scene has a byte that is no printable ASCII");
+  return {{"scene", text}};
 }
 
 /// Zeros where `mask` is false, so that what is there is not looked at.
@@ -67,6 +83,14 @@ void decode(const runtime::SceneEmbedding& scene, const lte_queries& q, c10::Dev
   const at::Tensor answer = scene.decode_tensors(rows_of(set, rows), {false});
   out.zero_();
   out.index_copy_(0, rows, answer.to(memory));
+}
+
+void save(const runtime::SceneEmbedding& embedding, const char* path, const char* scene) {
+  runtime::save_embedding(path, embedding, key_of(scene));
+}
+
+runtime::SceneEmbedding load(const runtime::Network& network, const char* path, const char* scene) {
+  return runtime::load_embedding(path, network, key_of(scene));
 }
 
 void set_gain(runtime::SceneEmbedding* scene, const float* rgb) {

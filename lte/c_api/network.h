@@ -22,6 +22,11 @@ runtime::SceneEmbedding encode(const runtime::Network& network, const lte_scene_
 void decode(const runtime::SceneEmbedding& scene, const lte_queries& queries, c10::Device memory,
             float* irradiance, int64_t stride);
 
+/// @param scene  what the caller says of the scene, printable ASCII; null: nothing
+/// @throws ApiError, lte::Error
+void save(const runtime::SceneEmbedding& embedding, const char* path, const char* scene);
+runtime::SceneEmbedding load(const runtime::Network& network, const char* path, const char* scene);
+
 /// @throws ApiError unless the three are finite and not negative.
 void set_gain(runtime::SceneEmbedding* scene, const float* rgb);
 

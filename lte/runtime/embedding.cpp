@@ -79,6 +79,14 @@ MemoryNeed decoding_need(const Network& network, int64_t queries, int64_t block)
 struct SceneEmbedding::State {
   State(const Network& net, const MemoryLimit& limit) : network(net), memory(limit) {}
 
+  /// On a GPU: notes that what has been put on this stream makes the embedding.
+  void mark_ready() {
+    const c10::Device device = network.device();
+    if (device.is_cpu()) return;
+    ready.emplace(device.type());
+    ready->record(current_stream(device));
+  }
+
   Network network;
   MemoryLimit memory;
   int64_t scene_points = 0;
@@ -110,10 +118,16 @@ SceneEmbedding SceneEmbedding::from_tensors(const Network& network, const nn::Po
   state->scene_points = set.position.size(0);
   state->memory.check_encoding(network.config(), state->scene_points);
   state->embedding = network.model()->encode(set, 0, frame);
-  if (!device.is_cpu()) {
-    state->ready.emplace(device.type());
-    state->ready->record(current_stream(device));
-  }
+  state->mark_ready();
+  return SceneEmbedding(std::move(state));
+}
+
+SceneEmbedding SceneEmbedding::from_parts(const Network& network, const nn::Embedding& parts,
+                                          int64_t scene_points, const MemoryLimit& memory) {
+  auto state = std::make_unique<State>(network, memory);
+  state->scene_points = scene_points;
+  state->embedding = parts;
+  state->mark_ready();
   return SceneEmbedding(std::move(state));
 }
 
@@ -147,12 +161,15 @@ void SceneEmbedding::set_emission_gain(const std::array<double, 3>& gain) {
 }
 
 nn::Embedding SceneEmbedding::snapshot() const {
+  nn::Embedding embedding = parts();
+  const std::lock_guard lock(state_->mutex);
+  const auto& [r, g, b] = state_->gain;
+  embedding.emission_scale = embedding.emission_scale * at::tensor({r, g, b}, at::kDouble);
+  return embedding;
+}
+
+nn::Embedding SceneEmbedding::parts() const {
   nn::Embedding embedding = state_->embedding;
-  {
-    const std::lock_guard lock(state_->mutex);
-    const auto& [r, g, b] = state_->gain;
-    embedding.emission_scale = embedding.emission_scale * at::tensor({r, g, b}, at::kDouble);
-  }
   if (!state_->ready) return embedding;
   const c10::Stream stream = current_stream(network().device());
   state_->ready->block(stream);

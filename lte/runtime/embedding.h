@@ -80,6 +80,12 @@ class SceneEmbedding {
   /// @throws c10::Error for bad values.
   at::Tensor decode_tensors(const nn::QuerySet& queries, const nn::DecodeOptions& options) const;
 
+  /// The parts, for embedding_file.h: at gain 1, ready on the current stream.
+  nn::Embedding parts() const;
+  /// From the parts of an embedding that this network has made, on the network's device.
+  static SceneEmbedding from_parts(const Network& network, const nn::Embedding& parts,
+                                   int64_t scene_points, const MemoryLimit& memory);
+
  private:
   struct State;
   explicit SceneEmbedding(std::unique_ptr<State> state);

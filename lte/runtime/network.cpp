@@ -1,6 +1,8 @@
 #include "lte/runtime/network.h"
 
 #include "lte/base/check.h"
+#include "lte/base/checksum.h"
+#include "lte/base/text.h"
 #include "lte/nn/cost.h"
 #include "lte/nn/model.h"
 #include "lte/nn/model_file.h"
@@ -11,11 +13,12 @@ struct Network::State {
   nn::LightTransportModel model;
   nn::ModelMetadata metadata;
   c10::Device device;
+  nn::Precision precision;
 };
 
 Network::Network(const std::filesystem::path& path, const NetworkOptions& options)
-    : state_(std::make_shared<State>(
-          State{nn::load_model(path), nn::read_model_metadata(path), options.device})) {
+    : state_(std::make_shared<State>(State{nn::load_model(path), nn::read_model_metadata(path),
+                                           options.device, options.precision})) {
   state_->model->to(options.device);
   state_->model->eval();
   state_->model->set_precision(options.precision);
@@ -24,9 +27,21 @@ Network::Network(const std::filesystem::path& path, const NetworkOptions& option
 const nn::ModelConfig& Network::config() const { return state_->model->config(); }
 const nn::ModelMetadata& Network::metadata() const { return state_->metadata; }
 c10::Device Network::device() const { return state_->device; }
+nn::Precision Network::precision() const { return state_->precision; }
 int64_t Network::parameters() const { return nn::count_parameters(state_->model).total; }
 nn::LightTransportModel& Network::model() const { return state_->model; }
 bool Network::predicts_total() const { return config().predicts_total(); }
+
+std::string Network::fingerprint() const {
+  Checksum sum;
+  sum.add(config().to_yaml());
+  for (const auto& item : state_->model->named_parameters()) {
+    const at::Tensor values = item.value().detach().to(at::kCPU).contiguous();
+    sum.add(item.key());
+    sum.add(values.const_data_ptr(), values.nbytes());
+  }
+  return formatted("%016llx", static_cast<unsigned long long>(sum.value()));
+}
 
 LightRequest Network::light_request() const {
   if (!config().reads_estimates()) return {};

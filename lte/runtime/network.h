@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include <c10/core/Device.h>
 
@@ -46,6 +47,10 @@ class Network {
   const nn::ModelConfig& config() const;
   const nn::ModelMetadata& metadata() const;
   c10::Device device() const;
+  nn::Precision precision() const;
+  /// 16 hexadecimal digits of its configuration and of every weight, whatever file they came from.
+  /// Reads all weights.
+  std::string fingerprint() const;
   int64_t parameters() const;
   LightRequest light_request() const;
   bool predicts_total() const;  ///< the output is total irradiance, not indirect

@@ -143,9 +143,21 @@ std::optional<size_t> parse_index(const std::string& word) {
   return index;
 }
 
-CameraChoice from_file(const std::string& word) {
-  CameraChoice choice{load_cameras(word), false};
-  choice.several = choice.cameras.size() > 1;
+/// The cameras of a file, and whether it holds them as a list.
+CameraChoice read_cameras(const std::filesystem::path& path) {
+  const std::string file = path.string(), name = path.stem().string();
+  const Json json = parse_file(path);
+  const Json& found = cameras_in(json);
+  if (!found.is_array()) return {{read_camera(found, file, name)}, false};
+  LTE_CHECK(!found.empty() && found.size() <= kMaxCameras, file, ": expected 1 to ", kMaxCameras,
+            " cameras, got ", found.size());
+  // An array of numbers, say, is told what a camera looks like.
+  if (!found[0].is_object()) return {{read_camera(found[0], file, name)}, false};
+  CameraChoice choice{{}, true};
+  for (size_t i = 0; i < found.size(); ++i) {
+    choice.cameras.push_back(
+        read_camera(found[i], concat(file, ": camera ", i), concat(name, "_", i)));
+  }
   return choice;
 }
 
@@ -175,19 +187,7 @@ Vec3 default_up(const Vec3& view) {
 }
 
 std::vector<Camera> load_cameras(const std::filesystem::path& path) {
-  const std::string file = path.string(), name = path.stem().string();
-  const Json json = parse_file(path);
-  const Json& found = cameras_in(json);
-  if (!found.is_array()) return {read_camera(found, file, name)};
-  LTE_CHECK(!found.empty() && found.size() <= kMaxCameras, file, ": expected 1 to ", kMaxCameras,
-            " cameras, got ", found.size());
-  // An array of numbers, say, is told what a camera looks like.
-  if (!found[0].is_object()) return {read_camera(found[0], file, name)};
-  std::vector<Camera> cameras;
-  for (size_t i = 0; i < found.size(); ++i) {
-    cameras.push_back(read_camera(found[i], concat(file, ": camera ", i), concat(name, "_", i)));
-  }
-  return cameras;
+  return read_cameras(path).cameras;
 }
 
 Camera load_camera(const std::filesystem::path& path) {
@@ -225,7 +225,7 @@ std::optional<CameraChoice> find_cameras(const Scene& scene, const std::string& 
   std::error_code ignored;
   if (lower.ends_with(".json") || lower.ends_with(".exr") ||
       std::filesystem::is_regular_file(word, ignored)) {
-    return from_file(word);
+    return read_cameras(word);
   }
   refuse(scene, word);
 }

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "lte/nn/model_file.h"
 #include "tests/c_api/support.h"
 #include "tests/nn/support.h"
+#include "tests/support/temp_dir.h"
 #include "tests/support/worker_sleeps.h"
 
 namespace lte {
@@ -70,6 +72,41 @@ TEST(CApi, AnswersAreTheCppNetworks) {
     EXPECT_EQ(info.origin[i], points.position.select(1, i).min().item<double>());
     EXPECT_DOUBLE_EQ(info.radiance[i], radiance[i].item<double>());
   }
+}
+
+TEST(CApi, AnEmbeddingIsSavedAndReadBack) {
+  const test::TempDir folder;
+  const std::string path = (folder / "scene.safetensors").string();
+  const nn::QuerySet queries = box_queries(500, 2);
+  const test::Model model;
+  const test::Embedding made(model.handle, c_points(box_scene(300, 1)));
+  ASSERT_EQ(lte_embedding_save(made.handle, path.c_str(), "kitchen"), LTE_OK) << lte_last_error();
+  lte_embedding* read = nullptr;
+  ASSERT_EQ(lte_embedding_load(model.handle, path.c_str(), "kitchen", &read), LTE_OK)
+      << lte_last_error();
+  EXPECT_TRUE(at::equal(test::decode(read, c_queries(queries)),
+                        test::decode(made.handle, c_queries(queries))));
+  lte_embedding_release(read);
+
+  const auto refused = [&](const char* file, const char* scene, lte_status status) {
+    lte_embedding* other = made.handle;
+    EXPECT_EQ(lte_embedding_load(model.handle, file, scene, &other), status);
+    EXPECT_EQ(other, nullptr);
+    return std::string(lte_last_error());
+  };
+  EXPECT_THAT(refused(path.c_str(), "hall", LTE_ERROR_FILE), testing::HasSubstr("another scene"));
+  EXPECT_THAT(refused(path.c_str(), nullptr, LTE_ERROR_FILE), testing::HasSubstr("kitchen"));
+  EXPECT_THAT(refused("/nonexistent/none", "kitchen", LTE_ERROR_FILE), testing::HasSubstr("none"));
+  EXPECT_THAT(refused(nullptr, "kitchen", LTE_ERROR_INVALID_ARGUMENT), testing::HasSubstr("path"));
+  EXPECT_EQ(lte_embedding_save(made.handle, "/nonexistent/x", nullptr), LTE_ERROR_FILE);
+  EXPECT_EQ(lte_embedding_save(nullptr, path.c_str(), nullptr), LTE_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(lte_embedding_save(made.handle, path.c_str(), "\xff"), LTE_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(lte_embedding_save(made.handle, path.c_str(), std::string(1001, 'x').c_str()),
+            LTE_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(lte_embedding_load(nullptr, path.c_str(), "kitchen", &read),
+            LTE_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(lte_embedding_load(model.handle, path.c_str(), "kitchen", nullptr),
+            LTE_ERROR_INVALID_ARGUMENT);
 }
 
 TEST(CApi, AModelThatReadsLightSaysSoAndIsGivenIt) {

@@ -465,7 +465,7 @@ TEST_F(Tools, NoBaselinesAndNoTrainingScenesIsSaidWithTheRemedy) {
 }
 
 TEST_F(Tools, HelpShowsExamplesAndVersionIsPrinted) {
-  for (const char* tool : {"lte_render", "lte_eval"}) {
+  for (const char* tool : {"lte_render", "lte_eval", "lte_probe"}) {
     const Outcome help = run_tool(tool, "--help"), version = run_tool(tool, "--version");
     EXPECT_EQ(help.code, 0);
     EXPECT_THAT(help.text, AllOf(HasSubstr("Examples:"), HasSubstr("--max-memory"),

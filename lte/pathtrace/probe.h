@@ -1,31 +1,24 @@
-// Path-traced irradiance at points that a CSV file lists, for checks by other programs.
+// Path-traced irradiance at points that a table lists, for checks by other programs.
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
-#include <string>
+#include <functional>
 #include <vector>
 
 #include "lte/base/math.h"
-#include "lte/scene/scene.h"
+#include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/lights.h"
+#include "lte/scene/point_table.h"
 
-namespace lte::datagen {
-
-struct ProbePoints {
-  std::vector<std::string> lines;  ///< as read, one a point; the output repeats them
-  std::vector<Vec3> position, normal;
-};
-
-/// Reads `px,py,pz,nx,ny,nz` in world space and brings normals to unit length.
-/// @throws lte::Error naming file, line and column of a number that is missing or not finite, or of
-///         a zero normal.
-ProbePoints read_probe_points(const std::filesystem::path& path);
+namespace lte::pathtrace {
 
 struct ProbeOptions {
   int64_t rays = 1024;  ///< paths a point, or their cap under a target
   int max_depth = 5;
   double target_error = 0;  ///< relative standard error of total irradiance; 0: `rays` a point
   uint64_t seed = 1;
+  /// Told of points as they are done, or under a target of paths. May be empty.
+  std::function<void(int64_t count)> done;
 };
 
 struct ProbeResult {
@@ -39,11 +32,10 @@ struct ProbeResult {
 /// the same samples would bias it. Standard errors come from the spread of independently scrambled
 /// point sets, so they include the gain of stratification.
 /// @throws lte::Error if options are out of range.
-ProbeResult probe(const scene::Scene& scene, const ProbePoints& points,
+ProbeResult probe(const Bvh& bvh, const Lights& lights, const scene::PointTable& points,
                   const ProbeOptions& options);
 
-/// Writes the input columns, then total_r,g,b, direct_r,g,b, stderr_r,g,b and rays. Atomic.
-void write_probe_result(const std::filesystem::path& path, const ProbePoints& points,
-                        const ProbeResult& result);
+/// total_r,g,b, direct_r,g,b, stderr_r,g,b and rays.
+scene::PointColumns probe_columns(const ProbeResult& result);
 
-}  // namespace lte::datagen
+}  // namespace lte::pathtrace

@@ -1,0 +1,266 @@
+#include "infer/probe/probe_command.h"
+
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "infer/common/assets.h"
+#include "infer/common/renderer.h"
+#include "infer/common/untrained_light.h"
+#include "infer/probe/neural_probe.h"
+#include "lte/base/file.h"
+#include "lte/base/log.h"
+#include "lte/base/timer.h"
+#include "lte/cli/numbers.h"
+#include "lte/cli/progress.h"
+#include "lte/nn/device.h"
+#include "lte/pathtrace/probe.h"
+#include "lte/scene/light_points.h"
+
+namespace lte::infer {
+namespace {
+
+constexpr int64_t kReferenceRays = 1024, kShadowRays = 64;
+/// Cap on rays when --target-error decides how many a point needs and --rays is not given.
+constexpr int64_t kDefaultCap = 65536;
+
+/// A table in the making, and what there is to say about it.
+struct Answer {
+  pathtrace::ProbeResult light;
+  std::vector<double> expected_error;
+  int64_t off_surface = 0;
+};
+
+void check_usage(const ProbeRequest& request) {
+  const bool neural = request.mode == "neural";
+  if (neural && request.target_error > 0)
+    throw CLI::ValidationError("--target-error", "goes with --mode reference only");
+  if (!neural && request.embedding.any())
+    throw CLI::ValidationError("--embedding, --save-embedding", "go with --mode neural only");
+  if (request.validate_only) return;
+  if (request.points.empty())
+    throw CLI::ValidationError("--points", "name a CSV file with the header px,py,pz,nx,ny,nz");
+  if (request.out.empty()) throw CLI::ValidationError("--out", "name the CSV file to write");
+}
+
+pathtrace::ProbeOptions tracing_of(const ProbeRequest& request) {
+  pathtrace::ProbeOptions options;
+  const bool neural = request.mode == "neural";
+  options.rays = request.rays.value_or(neural                     ? kShadowRays
+                                       : request.target_error > 0 ? kDefaultCap
+                                                                  : kReferenceRays);
+  options.max_depth = neural ? 1 : request.max_depth;
+  options.target_error = request.target_error;
+  options.seed = request.seed;
+  return options;
+}
+
+/// Paths: all light in reference mode, direct light in neural mode.
+pathtrace::ProbeResult trace(const ProbeRequest& request, const Renderer& renderer,
+                             const scene::PointTable& points) {
+  pathtrace::ProbeOptions options = tracing_of(request);
+  const bool by_paths = options.target_error > 0;
+  Progress progress("tracing", by_paths ? 0 : static_cast<int64_t>(points.size()),
+                    by_paths ? "paths" : "points");
+  options.done = [&progress](int64_t count) { progress.advance(count); };
+  return pathtrace::probe(renderer.bvh(), renderer.lights(), points, options);
+}
+
+EmbedSettings embed_settings(const ProbeRequest& request, const runtime::MemoryLimit& memory) {
+  EmbedSettings settings;
+  settings.scene_points = request.scene_points;
+  settings.seed = request.seed;
+  settings.rescale = request.rescale;
+  if (request.prune != "auto") settings.prune = request.prune == "on";
+  settings.memory = memory;
+  return settings;
+}
+
+/// The network's answers by as many embeddings as --draws says; by one that is read from a file,
+/// that alone.
+Draws ask(const ProbeRequest& request, const runtime::Network& network,
+          const scene::PointTable& points, const std::vector<Rgb>& albedo, Renderer* renderer) {
+  EmbedSettings settings =
+      embed_settings(request, runtime::MemoryLimit(request.tool.max_memory_mb));
+  const int count = request.embedding.load.empty() ? request.draws : 1;
+  Draws draws;
+  for (int i = 0; i < count; ++i, ++settings.seed) {
+    if (i == 0) {
+      provide_embedding(request.embedding, network, settings, renderer);
+    } else {
+      renderer->embed(network, settings);
+    }
+    draws.add(renderer->embedding().decode({points.position, points.normal, albedo}));
+  }
+  return draws;
+}
+
+Answer ask_network(const ProbeRequest& request, const runtime::Network& network,
+                   const scene::PointTable& points, Renderer* renderer) {
+  const PointAlbedo surface = albedo_at(renderer->bvh(), points);
+  const Draws draws = ask(request, network, points, surface.albedo, renderer);
+  Answer answer{trace(request, *renderer, points), {}, surface.off_surface};
+  const std::vector<Rgb> mean = draws.mean();
+  const std::vector<double> spread = draws.standard_error();
+  answer.expected_error = expected_error(mean, spread);
+  for (size_t i = 0; i < mean.size(); ++i) {
+    Rgb& total = answer.light.total[i];
+    if (network.predicts_total()) {
+      total = mean[i];
+      continue;
+    }
+    total = answer.light.direct[i] + mean[i];
+    answer.expected_error[i] =
+        std::hypot(answer.expected_error[i], rms(answer.light.standard_error[i]));
+  }
+  return answer;
+}
+
+Answer ask_paths(const ProbeRequest& request, const Renderer& renderer,
+                 const scene::PointTable& points) {
+  Answer answer{trace(request, renderer, points), {}, 0};
+  for (const Rgb& error : answer.light.standard_error) answer.expected_error.push_back(rms(error));
+  return answer;
+}
+
+/// Black: nothing shines, so there is nothing to ask about.
+Answer darkness(const scene::PointTable& points) {
+  const std::vector<Rgb> black(points.size());
+  return {{black, black, black, std::vector<int64_t>(points.size()), 0},
+          std::vector<double>(points.size()),
+          0};
+}
+
+scene::PointColumns columns_of(const Answer& answer) {
+  scene::PointColumns columns = probe_columns(answer.light);
+  columns.names.push_back("expected_error");
+  for (size_t i = 0; i < columns.rows.size(); ++i)
+    columns.rows[i].push_back(answer.expected_error[i]);
+  return columns;
+}
+
+void say(const ProbeRequest& request, const Answer& answer, size_t points) {
+  if (answer.light.missed > 0)
+    log_warning(answer.light.missed, " of ", points, " points are above --target-error ",
+                request.target_error, "; raise --rays above ", tracing_of(request).rays);
+  if (answer.off_surface > 0)
+    log_warning(request.points, ": ", answer.off_surface, " of ", points,
+                " points lie on no surface; the network was trained on surfaces alone, so expect "
+                "more error there");
+}
+
+void write(const ProbeRequest& request, const scene::PointTable& points, const Answer& answer,
+           double seconds) {
+  scene::write_point_table(request.out, points, columns_of(answer));
+  log_info(request.out, ": ", points.size(), " points in ", seconds, " s");
+  if (request.tool.common.json.empty()) return;
+  const nlohmann::json json = {{"scene", request.scene},
+                               {"mode", request.mode},
+                               {"points", points.size()},
+                               {"off_surface", answer.off_surface},
+                               {"above_target", answer.light.missed},
+                               {"seconds", seconds}};
+  write_file(request.tool.common.json, json.dump(2) + "\n");
+}
+
+void claim_files(const ProbeRequest& request, CommandFiles* files) {
+  claim_scene(request, files);
+  claim_embedding(request.embedding, files);
+  files->reads("--points", request.points);
+  files->reads("--checkpoint", request.checkpoint);
+  files->writes("--out", request.out);
+  files->writes_common(request.tool.common);
+  files->check();
+}
+
+std::optional<runtime::Network> load_network(const ProbeRequest& request, const scene::Scene& scene,
+                                             bool has_light) {
+  if (request.mode != "neural" || !has_light) return std::nullopt;
+  const c10::Device device = nn::choose_device(request.tool.device, 0, "--device");
+  runtime::Network network(checkpoint_or_shipped(request.checkpoint),
+                           {device, choose_precision(request.tool.precision, device)});
+  network.check_fits(max_component(scene::point_bounds(scene).extent()), request.rescale);
+  const std::string note = untrained_light_note(scene, network.metadata());
+  if (!note.empty()) log_warning(note);
+  return network;
+}
+
+}  // namespace
+
+void add_probe_options(CLI::App& app, ProbeRequest* r) {
+  app.add_option("scene", r->scene, "Scene: .gltf, .glb, .pbrt, .obj or .ply")->required();
+  app.add_option("--points", r->points,
+                 "CSV file with the header px,py,pz,nx,ny,nz, world space, on surfaces");
+  app.add_option("--out", r->out, "CSV file to write");
+  app.add_option("--mode", r->mode, "The network, or the path-traced reference")
+      ->check(CLI::IsMember({"neural", "reference"}))
+      ->capture_default_str();
+  app.add_option("--checkpoint", r->checkpoint, "Model; by default the shipped one");
+  app.add_option("--rays", r->rays,
+                 "Reference mode: paths a point, 1024, or with --target-error their cap, 65536; "
+                 "neural mode: rays a point for direct light, 64")
+      ->check(CLI::Range(int64_t{1}, int64_t{1} << 30));
+  app.add_option("--max-depth", r->max_depth, "Reference mode: surface hits of a path")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--target-error", r->target_error,
+                 "Reference mode: relative standard error of total irradiance to reach, e.g. 0.01; "
+                 "0: fixed --rays")
+      ->check(non_negative_number());
+  app.add_option("--draws", r->draws,
+                 "Neural mode: embeddings to ask, each of scene points and light estimates of its "
+                 "own; the answer is their mean, and their spread goes into the expected error")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  app.add_option("--scene-points", r->scene_points,
+                 "Scene points shown to the network; 0 for as many as in training")
+      ->check(CLI::Range(int64_t{0}, int64_t{1} << 28));
+  app.add_option("--prune", r->prune,
+                 "Show the network only surfaces that light reaches; auto: as in its training")
+      ->check(CLI::IsMember({"auto", "on", "off"}))
+      ->capture_default_str();
+  app.add_flag("--rescale,!--no-rescale", r->rescale,
+               "Shrink a scene larger than the model knows, for the network only (the default), or "
+               "refuse it");
+  add_embedding_flags(app, &r->embedding);
+  app.add_option("--seed", r->seed, "Seed of scene points and paths")->capture_default_str();
+  app.add_flag("--validate-only", r->validate_only, "Check scene, points and flags, and stop");
+  add_scene_options(app, r);
+  add_tool_options(app, &r->tool);
+}
+
+void run_probe(const ProbeRequest& request) {
+  check_usage(request);
+  CommandFiles files;
+  claim_files(request, &files);
+  apply_tool_options(request.tool);
+  for (const std::string& path : {request.out, request.tool.common.json, request.embedding.save})
+    check_writable(path);
+  const Timer timer;
+  scene::PointTable points;
+  if (!request.points.empty()) points = scene::read_point_table(request.points);
+  const scene::Scene scene = load_source(request);
+  describe(scene, request.scene);
+  Renderer renderer(scene);
+  if (!renderer.has_light())
+    log_warning(request.scene,
+                ": nothing emits light (--environment 1,1,1 or --add-light auto gives it some)");
+  const std::optional<runtime::Network> network =
+      load_network(request, scene, renderer.has_light());
+  files.check_what_was_read();
+  if (request.validate_only) {
+    std::printf("%s: valid scene, %lld triangles, %zu light groups\n", request.scene.c_str(),
+                static_cast<long long>(scene.triangle_count()), scene.light_groups.size());
+    return;
+  }
+  const Answer answer = !renderer.has_light() ? darkness(points)
+                        : network             ? ask_network(request, *network, points, &renderer)
+                                              : ask_paths(request, renderer, points);
+  say(request, answer, points.size());
+  write(request, points, answer, timer.seconds());
+}
+
+}  // namespace lte::infer

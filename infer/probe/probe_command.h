@@ -1,0 +1,36 @@
+// What lte_probe does between its command line and its exit code.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "infer/common/embedding_flags.h"
+#include "infer/common/scene_source.h"
+#include "infer/common/tool_options.h"
+
+namespace lte::infer {
+
+/// The command line as it stands.
+struct ProbeRequest : SceneSource {
+  std::string points, out, checkpoint;
+  std::string mode = "neural";
+  std::optional<int64_t> rays;  ///< nothing: as many as suit the mode
+  int max_depth = 5;
+  double target_error = 0;
+  int draws = 2;
+  int64_t scene_points = 0;
+  uint64_t seed = 0;
+  bool rescale = true, validate_only = false;
+  std::string prune = "auto";
+  EmbeddingFlags embedding;
+  ToolOptions tool;
+};
+
+void add_probe_options(CLI::App& app, ProbeRequest* request);
+
+/// Loads, asks, writes the table, and prints a line.
+/// @throws lte::Error for bad input, CLI::ValidationError for flags that do not go together.
+void run_probe(const ProbeRequest& request);
+
+}  // namespace lte::infer

@@ -1,0 +1,67 @@
+#include "lte/pathtrace/turntable.h"
+
+#include <cmath>
+
+#include "lte/base/check.h"
+#include "lte/pathtrace/auto_camera.h"
+
+namespace lte::pathtrace {
+namespace {
+
+constexpr int kProbes = 64;
+/// Share of directions in which an enclosed place meets something: rooms have windows and doors.
+constexpr float kEnclosed = 0.7f;
+
+/// Whether most of the directions around a place meet something.
+bool is_enclosed(const Bvh& bvh, const Vec3& place) {
+  int hits = 0;
+  for (int i = 0; i < kProbes; ++i) {  // a Fibonacci lattice of directions
+    const float y = 1 - 2 * (static_cast<float>(i) + 0.5f) / kProbes;
+    const float radius = std::sqrt(std::max(0.0f, 1 - y * y));
+    const float phi = 2.39996323f * static_cast<float>(i);
+    hits += bvh.occluded({place, {radius * std::cos(phi), y, radius * std::sin(phi)}}) ? 1 : 0;
+  }
+  return static_cast<float>(hits) >= kEnclosed * kProbes;
+}
+
+Turn choose_turn(const Bvh& bvh, const Vec3& origin) {
+  if (bvh.bounds().empty()) return Turn::Around;
+  if (is_enclosed(bvh, origin)) return Turn::LookRound;
+  return open_side_view(bvh, survey(bvh), 1) ? Turn::Swing : Turn::Around;
+}
+
+/// What the camera turns about.
+Vec3 pivot_of(const Bvh& bvh, const scene::Camera& camera, Turn turn) {
+  if (turn == Turn::LookRound || bvh.bounds().empty()) return camera.origin;
+  const Vec3 view = normalize(camera.target - camera.origin);
+  const float along = dot(bvh.bounds().center() - camera.origin, view);
+  return along > 0 ? camera.origin + view * along : bvh.bounds().center();
+}
+
+/// `v` turned about +Y, counter-clockwise from above.
+Vec3 turned(const Vec3& v, double angle) {
+  const auto c = static_cast<float>(std::cos(angle)), s = static_cast<float>(std::sin(angle));
+  return {c * v.x + s * v.z, v.y, c * v.z - s * v.x};
+}
+
+}  // namespace
+
+Turntable turntable(const Bvh& bvh, const scene::Camera& first, int count) {
+  LTE_CHECK(count >= 1, "a turntable has 1 camera or more, got ", count);
+  Turntable out;
+  out.turn = choose_turn(bvh, first.origin);
+  const Vec3 pivot = pivot_of(bvh, first, out.turn);
+  out.cameras.assign(static_cast<size_t>(count), first);
+  for (int i = 1; i < count; ++i) {
+    const double phase = 2 * M_PI * i / count;
+    const double angle =
+        out.turn == Turn::Swing ? kSwingDegrees * M_PI / 180 * std::sin(phase) : phase;
+    scene::Camera& camera = out.cameras[static_cast<size_t>(i)];
+    camera.origin = pivot + turned(first.origin - pivot, angle);
+    camera.target = pivot + turned(first.target - pivot, angle);
+    camera.up = turned(first.up, angle);
+  }
+  return out;
+}
+
+}  // namespace lte::pathtrace

@@ -1,0 +1,179 @@
+#include "lte/runtime/embedding_file.h"
+
+#include <charconv>
+#include <string>
+
+#include <ATen/core/grad_mode.h>
+#include <ATen/ops/empty.h>
+#include <ATen/ops/isfinite.h>
+#include <ATen/ops/tensor.h>
+#include <c10/core/DeviceGuard.h>
+
+#include "lte/base/check.h"
+#include "lte/base/safetensors.h"
+#include "lte/base/version.h"
+#include "lte/nn/cost.h"
+#include "lte/nn/model.h"
+#include "lte/nn/query_decoder.h"
+#include "lte/nn/tensor_io.h"
+
+namespace lte::runtime {
+namespace {
+
+constexpr const char* kFormat = "lte-embedding";
+constexpr int64_t kFormatVersion = 1;
+constexpr const char* kKeyPrefix = "key ";
+
+at::Tensor one_number(double value) { return at::tensor({value}, at::kDouble); }
+
+int64_t parse_count(const std::string& file, const std::string& key, const std::string& text) {
+  int64_t value = 0;
+  const char* end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, value);
+  LTE_CHECK(read.ec == std::errc() && read.ptr == end && value >= 1, file, ": ", key, " \"",
+            text.substr(0, 40), "\" is not a positive number");
+  return value;
+}
+
+/// The file is one of ours, whole, and of a version that is understood.
+void check_format(const SafetensorsFile& file) {
+  const std::string name = file.path().string();
+  const auto& metadata = file.metadata();
+  const auto format = metadata.find("format");
+  LTE_CHECK(format != metadata.end() && format->second == kFormat, name,
+            ": not an embedding (its metadata has no format \"", kFormat, "\")");
+  const int64_t version = parse_count(name, "format_version", file.metadata("format_version"));
+  LTE_CHECK(version <= kFormatVersion, name, ": format version ", version,
+            " is newer than this program's ", kFormatVersion, "; update lte");
+  LTE_CHECK(metadata.contains(kChecksumKey), name, ": has no checksum; save it again");
+  file.verify();
+}
+
+void check_entry(const std::string& file, const std::string& what, const std::string& in_file,
+                 const std::string& here) {
+  LTE_CHECK(in_file == here, file, ": this embedding was made with another ", what, ": ",
+            in_file.substr(0, 80), ", here it is ", here);
+}
+
+void check_key(const SafetensorsFile& file, const EmbeddingKey& key) {
+  const std::string name = file.path().string();
+  const std::string prefix = kKeyPrefix;
+  for (const auto& [what, here] : key) {
+    const auto found = file.metadata().find(prefix + what);
+    LTE_CHECK(found != file.metadata().end(), name, ": this embedding does not say its ", what,
+              ", here it is ", here);
+    check_entry(name, what, found->second, here);
+  }
+  for (const auto& [entry, value] : file.metadata()) {
+    if (!entry.starts_with(prefix)) continue;
+    LTE_CHECK(key.contains(entry.substr(prefix.size())), name, ": this embedding was made with a ",
+              entry.substr(prefix.size()), " of ", value.substr(0, 80), ", which nothing here has");
+  }
+}
+
+/// The tensor, of this shape where −1 is any size, without a value that is not finite.
+at::Tensor read(const SafetensorsFile& file, const std::string& tensor, at::ScalarType type,
+                std::vector<int64_t> shape) {
+  const TensorView& view = file.at(tensor);
+  for (size_t i = 0; i < shape.size(); ++i)
+    if (shape[i] < 0) shape[i] = i < view.shape.size() ? view.shape[i] : 0;
+  const at::Tensor out = at::empty(shape, at::TensorOptions(type));
+  nn::read_tensor(file, tensor, out);
+  LTE_CHECK(at::isfinite(out).all().item<bool>(), file.path().string(), ": tensor ", tensor,
+            " has a value that is not finite");
+  return out;
+}
+
+double read_number(const SafetensorsFile& file, const std::string& tensor) {
+  return read(file, tensor, at::kDouble, {1}).item<double>();
+}
+
+nn::Embedding read_parts(const SafetensorsFile& file, const nn::ModelConfig& config,
+                         int64_t width) {
+  nn::Embedding parts;
+  parts.position = read(file, "position", at::kFloat, {-1, 3});
+  const int64_t m = parts.position.size(0);
+  LTE_CHECK(m >= 1, file.path().string(), ": has no latents");
+  parts.features = read(file, "features", at::kFloat, {m, width});
+  if (config.reads_normals()) parts.normal = read(file, "normal", at::kFloat, {m, 3});
+  parts.origin = read(file, "origin", at::kFloat, {3});
+  parts.scale = read_number(file, "scale");
+  parts.spacing = read_number(file, "spacing");  // 0 where points coincide
+  LTE_CHECK(parts.scale > 0 && parts.spacing >= 0, file.path().string(),
+            ": scale must be more than 0 and spacing not negative, got ", parts.scale, " and ",
+            parts.spacing);
+  parts.emission_scale = read(file, "emission_scale", at::kDouble, {3});
+  if (!config.reads_indirect()) return parts;
+  parts.cache.position = read(file, "cache.position", at::kFloat, {-1, 3});
+  const int64_t S = parts.cache.position.size(0);
+  parts.cache.normal = read(file, "cache.normal", at::kFloat, {S, 3});
+  parts.cache.light = read(file, "cache.light", at::kFloat, {S, 6});
+  parts.cache.floor = read(file, "cache.floor", at::kFloat, {3});
+  return parts;
+}
+
+nn::Embedding on_device(nn::Embedding parts, c10::Device device) {
+  for (at::Tensor* t :
+       {&parts.position, &parts.normal, &parts.features, &parts.origin, &parts.cache.position,
+        &parts.cache.normal, &parts.cache.light, &parts.cache.floor}) {
+    if (t->defined()) *t = t->to(device);
+  }
+  return parts;
+}
+
+nn::QueryDecoderImpl& decoder_of(const Network& network) {
+  const auto children = network.model()->named_children();
+  return *children["decoder"]->as<nn::QueryDecoderImpl>();
+}
+
+}  // namespace
+
+void save_embedding(const std::filesystem::path& path, const SceneEmbedding& embedding,
+                    const EmbeddingKey& key) {
+  const Network& network = embedding.network();
+  const nn::Embedding parts = embedding.parts();
+  std::map<std::string, at::Tensor> tensors = {{"position", parts.position},
+                                               {"features", parts.features},
+                                               {"origin", parts.origin},
+                                               {"scale", one_number(parts.scale)},
+                                               {"spacing", one_number(parts.spacing)},
+                                               {"emission_scale", parts.emission_scale}};
+  if (parts.normal.defined()) tensors["normal"] = parts.normal;
+  if (parts.cache.defined()) {
+    tensors["cache.position"] = parts.cache.position;
+    tensors["cache.normal"] = parts.cache.normal;
+    tensors["cache.light"] = parts.cache.light;
+    tensors["cache.floor"] = parts.cache.floor;
+  }
+  SafetensorsWriter writer;
+  std::map<std::string, at::Tensor> storage;
+  nn::add_tensors(tensors, &storage, &writer);
+  writer.set_metadata("format", kFormat);
+  writer.set_metadata("format_version", std::to_string(kFormatVersion));
+  writer.set_metadata("lte_version", version());
+  writer.set_metadata("model", network.fingerprint());
+  writer.set_metadata("precision", enum_name(network.precision()));
+  writer.set_metadata("scene_points", std::to_string(embedding.info().scene_points));
+  for (const auto& [what, value] : key) writer.set_metadata(kKeyPrefix + what, value);
+  writer.write(path);
+}
+
+SceneEmbedding load_embedding(const std::filesystem::path& path, const Network& network,
+                              const EmbeddingKey& key, const MemoryLimit& memory) {
+  const SafetensorsFile file(path);
+  check_format(file);
+  const std::string name = path.string();
+  check_entry(name, "model", file.metadata("model"), network.fingerprint());
+  check_entry(name, "precision", file.metadata("precision"), enum_name(network.precision()));
+  check_key(file, key);
+  const at::NoGradGuard no_grad;
+  const c10::DeviceGuard guard(network.device());
+  nn::QueryDecoderImpl& decoder = decoder_of(network);
+  nn::Embedding parts = on_device(
+      read_parts(file, network.config(), nn::latent_width(network.config())), network.device());
+  parts.table = decoder.table(parts.features);
+  return SceneEmbedding::from_parts(
+      network, parts, parse_count(name, "scene_points", file.metadata("scene_points")), memory);
+}
+
+}  // namespace lte::runtime

@@ -1,0 +1,218 @@
+// lte_probe in this process: its table, its modes, and what it refuses.
+#include <cmath>
+#include <filesystem>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "infer/probe/neural_probe.h"
+#include "infer/probe/probe_command.h"
+#include "lte/base/file.h"
+#include "lte/base/log.h"
+#include "lte/pathtrace/irradiance.h"
+#include "lte/scene/export.h"
+#include "tests/infer/fixture.h"
+#include "tests/support/command_line.h"
+#include "tests/support/folder_files.h"
+#include "tests/support/scenes.h"
+
+namespace lte::infer {
+namespace {
+
+namespace fs = std::filesystem;
+using test::CommandOutcome;
+using test::expect_one_line;
+
+class ProbeTool : public testing::Test {
+ protected:
+  ProbeTool() : before_(fs::current_path()) {
+    fs::current_path(dir_.path());
+    scene::write_glb("floor.glb", test::lit_floor());
+    scene::write_glb("room.glb", test::furnished_room());
+    test::save_tiny_model("tiny.safetensors", {.light_input = nn::LightInput::Traced});
+    test::write_text("points.csv", "px,py,pz,nx,ny,nz\n0.5,0,0,0,1,0\n-1,0,0.50,0,2,0\n");
+  }
+  ~ProbeTool() override {
+    fs::current_path(before_);
+    set_log_level(LogLevel::Info);
+  }
+
+  static CommandOutcome probe(const std::string& rest, const std::string& quiet = "--quiet") {
+    std::istringstream words(quiet + " --checkpoint tiny.safetensors " + rest);
+    std::vector<std::string> arguments;
+    for (std::string word; words >> word;) arguments.push_back(word);
+    CLI::App app{"", "lte_probe"};
+    ProbeRequest request;
+    add_probe_options(app, &request);
+    return test::run_command(app, arguments, [&] { run_probe(request); });
+  }
+  /// Header, then rows of numbers.
+  struct Table {
+    std::string header;
+    std::vector<std::vector<double>> rows;
+  };
+  static Table table(const std::string& path) {
+    std::istringstream text(read_file(path));
+    Table out;
+    std::getline(text, out.header);
+    for (std::string line; std::getline(text, line);) {
+      std::istringstream fields(line);
+      out.rows.emplace_back();
+      for (std::string field; std::getline(fields, field, ',');)
+        out.rows.back().push_back(std::stod(field));
+    }
+    return out;
+  }
+
+  test::TempDir dir_;
+  fs::path before_;
+};
+
+constexpr size_t kTotal = 6, kDirect = 9, kStderr = 12, kRays = 15, kExpected = 16;
+
+TEST_F(ProbeTool, NeuralAndReferenceWriteTheSameColumns) {
+  ASSERT_EQ(probe("floor.glb --points points.csv --out n.csv --rays 256 --json n.json").code, 0);
+  ASSERT_EQ(probe("floor.glb --points points.csv --out r.csv --mode reference --rays 1024").code,
+            0);
+  const Table neural = table("n.csv"), reference = table("r.csv");
+  EXPECT_EQ(neural.header,
+            "px,py,pz,nx,ny,nz,total_r,total_g,total_b,direct_r,direct_g,direct_b,stderr_r,"
+            "stderr_g,stderr_b,rays,expected_error");
+  EXPECT_EQ(neural.header, reference.header);
+  ASSERT_EQ(neural.rows.size(), 2u);
+  for (size_t i = 0; i < 2; ++i) {
+    const std::vector<double>&n = neural.rows[i], &r = reference.rows[i];
+    ASSERT_EQ(n.size(), 17u);
+    // The floor alone reflects, so all of its light is direct.
+    for (size_t c = 0; c < 3; ++c) {
+      EXPECT_NEAR(n[kDirect + c], r[kDirect + c], 6 * (n[kStderr + c] + r[kStderr + c]));
+      EXPECT_NEAR(r[kTotal + c], r[kDirect + c], 1e-6);
+      EXPECT_GE(n[kTotal + c], n[kDirect + c]);
+    }
+    EXPECT_GE(n[kRays], 256);
+    EXPECT_GE(r[kRays], 1024);
+    const double noise = std::hypot(r[kStderr], r[kStderr + 1], r[kStderr + 2]) / std::sqrt(3.0);
+    EXPECT_NEAR(r[kExpected], noise, 1e-6 * noise) << "of paths: their standard error";
+    EXPECT_GT(n[kExpected], 0);
+  }
+  EXPECT_EQ(nlohmann::json::parse(read_file("n.json")).at("points"), 2);
+}
+
+/// What is expected grows with what the draws disagree about, and never falls below it.
+TEST(ExpectedError, IsNoLessThanTheSpreadOfTheDraws) {
+  Draws draws;
+  draws.add({{1, 1, 1}, {1, 2, 3}});
+  EXPECT_TRUE(draws.standard_error().empty());
+  draws.add({{1, 1, 1}, {3, 4, 5}});
+  EXPECT_EQ(draws.mean(), (std::vector<Rgb>{{1, 1, 1}, {2, 3, 4}}));
+  const std::vector<double> spread = draws.standard_error();
+  // Of two values x ± d the standard error of the mean is d.
+  EXPECT_NEAR(spread[0], 0, 1e-9);
+  EXPECT_NEAR(spread[1], 1, 1e-6);
+  const std::vector<Rgb> same = {{1, 1, 1}, {1, 1, 1}};
+  const std::vector<double> expected = expected_error(same, spread);
+  EXPECT_GT(expected[1], expected[0]);
+  EXPECT_GT(expected[1], spread[1] * 0.5);
+}
+
+TEST_F(ProbeTool, TheAlbedoIsThatOfTheSurfaceAtThePoint) {
+  const scene::Scene scene = test::furnished_room();
+  const pathtrace::Bvh bvh(scene);
+  scene::PointTable points;
+  points.position = {{2, 0, 1}, {0.9f, 1.1f, 0.9f}, {2, 1.5f, 1.5f}};
+  points.normal = {{0, 1, 0}, {0, 1, 0}, {0, 1, 0}};
+  const PointAlbedo found = albedo_at(bvh, points);
+  EXPECT_EQ(found.albedo[0], (Rgb{0.8f, 0.8f, 0.8f}));
+  EXPECT_EQ(found.albedo[1], (Rgb{0.7f, 0.15f, 0.1f}));
+  EXPECT_EQ(found.albedo[2], kFreeAlbedo) << "in mid-air";
+  EXPECT_EQ(found.off_surface, 1);
+}
+
+TEST_F(ProbeTool, PointsOffSurfacesAreSaid) {
+  test::write_text("air.csv", "px,py,pz,nx,ny,nz\n0.5,1,0,0,1,0\n0.5,0,0,0,1,0\n");
+  const CommandOutcome run = probe("floor.glb --points air.csv --out a.csv", "--threads 1");
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.err + run.out, testing::HasSubstr("1 of 2 points lie on no surface"));
+}
+
+TEST_F(ProbeTool, ASavedEmbeddingGivesTheAnswersOfItsOneDraw) {
+  ASSERT_EQ(
+      probe("room.glb --points points.csv --draws 1 --out a.csv --save-embedding room.emb").code,
+      0);
+  ASSERT_EQ(probe("room.glb --points points.csv --out b.csv --embedding room.emb").code, 0);
+  EXPECT_EQ(read_file("a.csv"), read_file("b.csv"));
+  expect_one_line(probe("floor.glb --points points.csv --out c.csv --embedding room.emb"), 1,
+                  {"room.emb", "another scene geometry"});
+  EXPECT_FALSE(fs::exists("c.csv"));
+}
+
+TEST_F(ProbeTool, MoreDrawsAreOtherAnswersAndTheSameSeedTheSame) {
+  const std::string line = "room.glb --points points.csv --out ";
+  ASSERT_EQ(probe(line + "a.csv --draws 2 --seed 5").code, 0);
+  ASSERT_EQ(probe(line + "b.csv --draws 2 --seed 5").code, 0);
+  ASSERT_EQ(probe(line + "c.csv --draws 1 --seed 5").code, 0);
+  ASSERT_EQ(probe(line + "d.csv --draws 1 --seed 6").code, 0);
+  EXPECT_EQ(read_file("a.csv"), read_file("b.csv"));
+  const Table both = table("a.csv"), first = table("c.csv"), second = table("d.csv");
+  for (size_t c = 0; c < 3; ++c) {  // the mean of the two, of light that the network answers
+    const auto indirect = [&](const Table& of) {
+      return of.rows[0][kTotal + c] - of.rows[0][kDirect + c];
+    };
+    EXPECT_NEAR(indirect(both), (indirect(first) + indirect(second)) / 2,
+                1e-4 * indirect(both) + 1e-5);
+  }
+}
+
+TEST_F(ProbeTool, BadInputIsOneLineAndWritesNothing) {
+  test::write_text("bad.csv", "px,py,pz,nx,ny,nz\n0,0,x,0,1,0\n");
+  test::write_text("empty.csv", "px,py,pz,nx,ny,nz\n");
+  const auto before = test::folder_files(".");
+  const auto refused = [&](const std::string& line, int code,
+                           const std::vector<std::string>& words) {
+    SCOPED_TRACE(line);
+    expect_one_line(probe(line), code, words);
+    EXPECT_EQ(test::folder_files("."), before);
+  };
+  refused("floor.glb --points bad.csv --out a.csv", 1, {"bad.csv: line 2, column pz"});
+  refused("floor.glb --points empty.csv --out a.csv", 1, {"empty.csv: no points"});
+  refused("floor.glb --points none.csv --out a.csv", 1, {"none.csv"});
+  refused("none.glb --points points.csv --out a.csv", 1, {"none.glb"});
+  refused("floor.glb --points points.csv --out points.csv", 1, {"--out", "--points"});
+  refused("floor.glb --points points.csv --out no/a.csv", 1, {"no/a.csv"});
+  refused("floor.glb --points points.csv", 2, {"--out"});
+  refused("floor.glb --out a.csv", 2, {"--points"});
+  refused("floor.glb --points points.csv --out a.csv --draws 0", 2, {"--draws"});
+  refused("floor.glb --points points.csv --out a.csv --target-error 0.1", 2, {"--target-error"});
+  refused("floor.glb --points points.csv --out a.csv --mode reference --embedding e", 2,
+          {"--embedding"});
+  EXPECT_EQ(probe("floor.glb --validate-only").code, 0);
+  EXPECT_EQ(test::folder_files("."), before);
+}
+
+TEST_F(ProbeTool, WithoutLightEverythingIsBlack) {
+  scene::Scene dark = test::lit_floor();
+  for (scene::Material& material : dark.materials) material.emission = {};
+  for (scene::Instance& instance : dark.instances) instance.light_group = scene::kNone;
+  dark.light_groups.clear();
+  scene::write_glb("dark.glb", dark);
+  for (const char* mode : {"neural", "reference"}) {
+    ASSERT_EQ(probe("dark.glb --points points.csv --out d.csv --mode " + std::string(mode)).code,
+              0);
+    const Table rows = table("d.csv");
+    for (size_t c = kTotal; c <= kExpected; ++c) EXPECT_EQ(rows.rows[1][c], 0);
+  }
+}
+
+TEST(ProbeFlags, WhatIsNoNumberIsRefused) {
+  test::expect_numbers_refused(
+      [](CLI::App& app) {
+        static ProbeRequest request;
+        add_probe_options(app, &request);
+      },
+      {"--rays", "--draws", "--target-error", "--seed"});
+}
+
+}  // namespace
+}  // namespace lte::infer
