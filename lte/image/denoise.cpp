@@ -1,0 +1,85 @@
+#include "lte/image/denoise.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lte/base/check.h"
+
+namespace lte::image {
+namespace {
+
+/// Albedo below which a surface's light is not divided by it.
+constexpr float kLeastAlbedo = 1e-3f;
+
+bool is_background(const Image& normal, size_t pixel) {
+  const float* n = normal.pixels.data() + 3 * pixel;
+  return n[0] == 0 && n[1] == 0 && n[2] == 0;
+}
+
+/// The light with what a denoiser cannot take set to 0.
+Image cleaned(const NoisyPicture& picture) {
+  Image out = *picture.light;
+  for (size_t i = 0; i < out.pixels.size(); ++i) {
+    if (!std::isfinite(out.pixels[i]) || is_background(*picture.normal, i / 3)) out.pixels[i] = 0;
+  }
+  return out;
+}
+
+/// Albedo of 1 on every surface: irradiance has no texture, and background is none.
+Image white_surfaces(const Image& normal) {
+  Image out(normal.width, normal.height, 3);
+  for (size_t i = 0; i < out.pixels.size(); ++i)
+    out.pixels[i] = is_background(normal, i / 3) ? 0.0f : 1.0f;
+  return out;
+}
+
+void multiply(const Image& albedo, bool inverse, Image* light) {
+  for (size_t i = 0; i < light->pixels.size(); ++i) {
+    const float a = albedo.pixels[i];
+    if (a >= kLeastAlbedo) light->pixels[i] *= inverse ? 1 / a : a;
+  }
+}
+
+}  // namespace
+
+Denoiser::Denoiser(DenoiseBy by) {
+  std::string why_not;
+  if (by != DenoiseBy::Bilateral) oidn_ = Oidn::find(&why_not);
+  LTE_CHECK(oidn_ || by != DenoiseBy::OpenImageDenoise,
+            "Open Image Denoise was not found: ", why_not);
+  if (oidn_) {
+    description_ = oidn_->name();
+  } else if (by == DenoiseBy::Bilateral) {
+    description_ = "lte's bilateral filter";
+  } else {
+    description_ = "lte's bilateral filter, as Open Image Denoise was not found (" + why_not + ")";
+  }
+}
+
+Image Denoiser::denoise(const NoisyPicture& picture) const {
+  const auto check = [&](const Image* image, const char* what) {
+    LTE_CHECK(image != nullptr, "denoising needs ", what);
+    LTE_CHECK(image->width == picture.light->width && image->height == picture.light->height &&
+                  image->channels == 3,
+              what, " of ", image->width, "x", image->height, "x", image->channels, ": expected ",
+              picture.light->width, "x", picture.light->height, "x3");
+  };
+  check(picture.light, "a picture");
+  check(picture.normal, "normals");
+  if (picture.albedo != nullptr) check(picture.albedo, "albedo");
+  Image light = cleaned(picture);
+  if (oidn_) {
+    const Image albedo = picture.albedo ? *picture.albedo : white_surfaces(*picture.normal);
+    light = oidn_->denoise(light, {&albedo, picture.normal});
+    for (size_t i = 0; i < light.pixels.size(); ++i) {
+      if (is_background(*picture.normal, i / 3)) light.pixels[i] = 0;
+    }
+    return light;
+  }
+  if (picture.albedo != nullptr) multiply(*picture.albedo, /*inverse=*/true, &light);
+  light = bilateral_filter(light, {picture.normal, picture.position, picture.variance});
+  if (picture.albedo != nullptr) multiply(*picture.albedo, /*inverse=*/false, &light);
+  return light;
+}
+
+}  // namespace lte::image
