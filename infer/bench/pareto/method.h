@@ -63,6 +63,9 @@ std::vector<Method> choose_methods(const std::vector<std::string>& words);
 
 /// Path tracing, `paths` a pixel.
 Method path_tracing(int paths);
+/// Path tracing whose reflected light is denoised with the albedo and normals of pixel centres, by
+/// Open Image Denoise where it is found.
+Method denoised_paths(int paths);
 /// lte_render as it is: every pixel is decoded.
 /// @param direct_samples  shadow rays a pixel
 Method network_everywhere(int direct_samples);
