@@ -103,7 +103,9 @@ TEST(Stability, QuickCommandHoldsItsBounds) {
     for (const char* key : {"values", "shift", "mean", "p99", "max", "triangles", "seconds",
                             "processor_seconds", "bvh_seconds"})
       EXPECT_TRUE(row.at(key).is_number()) << key;
-    if (row.contains("bound") && row["bound"]["most"] == 0) EXPECT_EQ(row["max"], 0);
+    if (row.contains("bound") && row["bound"]["most"] == 0) {
+      EXPECT_EQ(row["max"], 0);
+    }
   }
   for (const char* group :
        {"triangles", "radiance", "unit", "place", "surfaces", "lights", "arithmetic", "order"})
