@@ -76,6 +76,9 @@ ALLOWED = {
 }
 for tool in ("render", "probe", "eval", "export", "bench"):
     ALLOWED[f"infer/{tool}"] = ALLOWED["infer/common"] + ["infer/common", "lte/report"]
+ALLOWED["infer/bench"] += ["infer/bench/*"]
+for part in ("pareto", "stability"):
+    ALLOWED[f"infer/bench/{part}"] = ALLOWED["infer/common"] + ["infer/common", "lte/report"]
 
 NO_TORCH = ("lte/base", "lte/cli", "lte/report", "lte/image", "lte/scene", "lte/pathtrace",
             "lte/gi", "lte/data", "lte/radiosity", "datagen")

@@ -1,5 +1,5 @@
-// The benchmarks of lte_bench: run time of every stage, and run time against error. Each result is
-// one row of JSON.
+// The benchmarks of single stages: run time, a row of JSON each. infer/bench/pareto has run time
+// against error, infer/bench/stability the stress of numbers.
 #pragma once
 
 #include <cstdint>
@@ -29,11 +29,8 @@ struct BenchOptions {
   int64_t queries = 512 * 512;
   std::string precision = "fp32";  ///< encoder and decoder: or bf16
   double max_memory_mb = 0;        ///< encoder and decoder: memory above the model; 0: no limit
-  std::string scene;               ///< pathtrace and pareto: scene file
+  std::string scene;               ///< pathtrace: scene file
   SceneFlags loading;              ///< of it
-  std::string checkpoint;          ///< pareto: the model whose error is measured
-  int width = 160, height = 120;   ///< pareto: view
-  int reference_rays = 4096;       ///< pareto: rays a pixel of the reference
 };
 
 /// Runs `work` once to warm up, then `repeats` times.
@@ -56,10 +53,6 @@ std::vector<BenchResult> bench_encoder(const BenchOptions& options);
 std::vector<BenchResult> bench_decoder(const BenchOptions& options);
 /// Times path tracing against bare Embree calls on the same rays.
 std::vector<BenchResult> bench_pathtrace(const BenchOptions& options);
-/// Measures error (MSE and relative MSE of indirect irradiance over a view) against run time: of
-/// path tracing at 1 to 1,024 rays a pixel, and of the network at several numbers of scene points,
-/// which are drawn, lit and encoded as lte_render does. All of that counts in the time.
-std::vector<BenchResult> bench_pareto(const BenchOptions& options);
 
 /// One row for each result.
 std::string bench_json(const std::vector<BenchResult>& results);

@@ -1,6 +1,7 @@
 #include "infer/bench/bench_command.h"
 
 #include <cstdio>
+#include <memory>
 
 #include "infer/common/tool_options.h"
 #include "lte/base/file.h"
@@ -10,6 +11,10 @@
 
 #ifndef LTE_HAS_SCENE
 #define LTE_HAS_SCENE 0
+#endif
+#if LTE_HAS_SCENE
+#include "infer/bench/pareto/pareto_command.h"
+#include "infer/bench/stability/stability_command.h"
 #endif
 
 namespace lte::infer {
@@ -33,21 +38,29 @@ void add_bench_options(CLI::App& app, BenchRequest* request) {
     add_network_options(*command, &options.precision, &options.max_memory_mb);
 #if LTE_HAS_SCENE
   CLI::App* pathtrace = add("pathtrace", "Path tracing against bare Embree calls", bench_pathtrace);
-  CLI::App* pareto = add("pareto", "Run time against error, beside path tracing", bench_pareto);
-  for (CLI::App* command : {pathtrace, pareto}) {
-    command->add_option("--scene", options.scene, "Scene (default: the shipped Cornell box)");
-    add_scene_flags(*command, &options.loading);
-  }
-  pareto->add_option("--checkpoint", options.checkpoint, "Model (default: the shipped one)");
-  pareto->add_option("--reference-rays", options.reference_rays, "Rays a pixel of the reference");
+  pathtrace->add_option("--scene", options.scene, "Scene (default: the shipped Cornell box)");
+  add_scene_flags(*pathtrace, &options.loading);
+  CLI::App* pareto = app.add_subcommand("pareto", "Run time against error of every method");
+  const auto chart = std::make_shared<ParetoRequest>();
+  add_pareto_options(*pareto, chart.get());
+  pareto->fallthrough()->callback([request, chart] {
+    request->command = [chart](const CommonOptions& common) { run_pareto(*chart, common); };
+  });
+  CLI::App* stability = app.add_subcommand(
+      "stability", "Finite answers, and how little they change, in scenes that strain numbers");
+  const auto stress = std::make_shared<StabilityRequest>();
+  add_stability_options(*stability, stress.get());
+  stability->fallthrough()->callback([request, stress] {
+    request->command = [stress](const CommonOptions& common) { run_stability(*stress, common); };
+  });
 #endif
   app.require_subcommand(1);
 }
 
 void run_bench(const BenchRequest& request) {
+  if (request.command) return request.command(request.common);
   CommandFiles files;
   files.reads("--scene", request.options.scene);
-  files.reads("--checkpoint", request.options.checkpoint);
   files.writes_common(request.common);
   files.check();
   apply_common_options(request.common);

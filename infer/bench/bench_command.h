@@ -12,14 +12,16 @@ namespace lte::infer {
 struct BenchRequest {
   BenchOptions options;
   CommonOptions common;
-  /// The benchmark whose subcommand was chosen.
+  /// The benchmark whose subcommand was chosen ...
   std::function<std::vector<BenchResult>(const BenchOptions&)> benchmark;
+  /// ... or the command that has a result of its own (pareto, stability).
+  std::function<void(const CommonOptions&)> command;
 };
 
 /// Adds the options and a subcommand for each benchmark, which parsing puts into `request`.
 void add_bench_options(CLI::App& app, BenchRequest* request);
 
-/// Runs the benchmark, prints a table and writes JSON if it is asked for.
+/// Runs the benchmark or command, prints a table and writes JSON if it is asked for.
 void run_bench(const BenchRequest& request);
 
 }  // namespace lte::infer

@@ -9,6 +9,7 @@
 
 #include "infer/common/assets.h"
 #include "infer/common/picture_memory.h"
+#include "infer/common/picture_size.h"
 #include "infer/common/renderer.h"
 #include "infer/common/untrained_light.h"
 #include "infer/render/frame_io.h"
@@ -30,25 +31,7 @@
 namespace lte::infer {
 namespace {
 
-constexpr int kLargestSide = 65'536;
 constexpr int kMostSubHits = 256;
-
-/// "640x480" -> {640, 480}; {0, 0} if it is anything else.
-std::pair<int, int> parse_size(const std::string& text) {
-  const char *at = text.data(), *end = at + text.size();
-  int width = 0, height = 0;
-  const auto first = std::from_chars(at, end, width);
-  if (first.ec != std::errc() || first.ptr == end || *first.ptr != 'x') return {0, 0};
-  const auto second = std::from_chars(first.ptr + 1, end, height);
-  if (second.ec != std::errc() || second.ptr != end) return {0, 0};
-  const auto fits = [](int side) { return side > 0 && side <= kLargestSide; };
-  return fits(width) && fits(height) ? std::pair(width, height) : std::pair(0, 0);
-}
-
-std::string check_picture_size(const std::string& text) {
-  if (parse_size(text).first > 0) return "";
-  return concat("\"", text, "\" is no size: expected WIDTHxHEIGHT, both from 1 to ", kLargestSide);
-}
 
 std::string check_picture(const std::string& path) {
   return is_picture_path(path) ? "" : concat("\"", path, "\" ends neither in .exr nor in .png");
@@ -81,7 +64,7 @@ RenderSettings settings_of(const RenderRequest& request) {
   RenderSettings settings;
   settings.output = parse_output(request.output);
   settings.mode = parse_mode(request.mode);
-  std::tie(settings.width, settings.height) = parse_size(request.size);
+  std::tie(settings.width, settings.height) = parse_picture_size(request.size);
   settings.direct_samples = request.direct_samples;
   settings.adaptive_direct = request.adaptive_direct;
   settings.denoise = parse_denoise(request.denoise);
@@ -115,7 +98,7 @@ void check_dial(const RenderRequest& request) {
 }
 
 std::vector<View> views_of(const RenderRequest& request, const pathtrace::Bvh& bvh) {
-  const auto [width, height] = parse_size(request.size);
+  const auto [width, height] = parse_picture_size(request.size);
   const float aspect = static_cast<float>(width) / static_cast<float>(height);
   std::vector<View> views =
       request.turntable > 0 ? turntable_views(bvh, request.camera, request.turntable, request.out,

@@ -35,13 +35,14 @@ struct Range {
   }
 };
 
-/// What can be drawn of a line, in the units of the axes: y is its logarithm where that is wanted.
+/// What can be drawn of a line, in the units of the axes: logarithms where they are wanted.
 /// Long lines become the means of as many equal shares as the chart has columns.
 Points drawable(const ChartLine& line, const ChartStyle& style) {
   Points out;
   for (const auto& [x, y] : line.points) {
-    if (!std::isfinite(x) || !std::isfinite(y) || (style.log_y && y <= 0)) continue;
-    out.emplace_back(x, style.log_y ? std::log10(y) : y);
+    if (!std::isfinite(x) || !std::isfinite(y)) continue;
+    if ((style.log_x && x <= 0) || (style.log_y && y <= 0)) continue;
+    out.emplace_back(style.log_x ? std::log10(x) : x, style.log_y ? std::log10(y) : y);
   }
   const auto most = static_cast<size_t>(style.width);
   if (out.size() <= most) return out;
@@ -95,27 +96,26 @@ class Canvas {
 
   void axes() {
     const double bottom = height_ - kBottom;
-    for (const double value : style_.log_y
-                                  ? log_ticks(std::pow(10.0, y_.low), std::pow(10.0, y_.high))
-                                  : linear_ticks(y_.low, y_.high)) {
+    for (const double value : ticks(style_.log_y, y_)) {
       const double y = place_y(style_.log_y ? std::log10(value) : value);
       segment(kLeft, y, right(), y);
       text(kLeft - 6, y + 4, "end", formatted("%.4g", value), "#555");
     }
-    for (const double value : linear_ticks(x_.low, x_.high)) {
-      segment(place_x(value), top_, place_x(value), bottom);
-      text(place_x(value), bottom + 17, "middle", formatted("%.6g", value), "#555");
+    for (const double value : ticks(style_.log_x, x_)) {
+      const double x = place_x(style_.log_x ? std::log10(value) : value);
+      segment(x, top_, x, bottom);
+      text(x, bottom + 17, "middle", formatted("%.6g", value), "#555");
     }
   }
 
   void line(const Points& points, const char* color) {
     std::string path;
     for (const auto& [x, y] : points) path += formatted("%.1f,%.1f ", place_x(x), place_y(y));
-    svg_ += points.size() > 1
-                ? concat("<polyline fill=none stroke-width=1.8 stroke=\"", color, "\" points=\"",
-                         path, "\"/>\n")
-                : formatted("<circle r=3.5 fill=\"%s\" cx=\"%.1f\" cy=\"%.1f\"/>\n", color,
-                            place_x(points[0].first), place_y(points[0].second));
+    svg_ += points.size() > 1 ? concat("<polyline fill=none stroke-width=1.8 stroke=\"", color,
+                                       "\" points=\"", path, "\"/>\n")
+                              : dot(points[0], color);
+    for (size_t i = 0; style_.markers && points.size() > 1 && i < points.size(); ++i)
+      svg_ += dot(points[i], color);
   }
 
   void legend(const LegendEntry& entry, const std::string& name, const char* color) {
@@ -128,6 +128,14 @@ class Canvas {
   std::string finish() const { return svg_ + "</svg>\n"; }
 
  private:
+  static std::vector<double> ticks(bool logarithmic, const Range& range) {
+    return logarithmic ? log_ticks(std::pow(10.0, range.low), std::pow(10.0, range.high))
+                       : linear_ticks(range.low, range.high);
+  }
+  std::string dot(const std::pair<double, double>& at, const char* color) const {
+    return formatted("<circle r=3.5 fill=\"%s\" cx=\"%.1f\" cy=\"%.1f\"/>\n", color,
+                     place_x(at.first), place_y(at.second));
+  }
   double right() const { return style_.width - kRight; }
   double place_x(double x) const {
     return kLeft + (x - x_.low) / (x_.high - x_.low) * (right() - kLeft);

@@ -14,9 +14,11 @@ struct ChartLine {
 
 struct ChartStyle {
   std::string title{}, x_label{};
-  bool log_y = false;  ///< values that are not positive are left out
-  int width = 540;     ///< units of the drawing, which the page scales to the room there is
-  int height = 270;    ///< without the legend
+  bool log_x = false;    ///< values that are not positive are left out
+  bool log_y = false;    ///< likewise
+  bool markers = false;  ///< a dot at every point, for lines through a few measurements
+  int width = 540;       ///< units of the drawing, which the page scales to the room there is
+  int height = 270;      ///< without the legend
 };
 
 /// Lines over a common x, with axes, round ticks, and a legend in rows between title and plot,

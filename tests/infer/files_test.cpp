@@ -146,7 +146,7 @@ TEST(InferFlags, WhatIsNoNumberIsRefusedByEveryFlag) {
         static BenchRequest request;
         add_bench_options(app, &request);
       },
-      {"--repeats", "--queries", "--reference-rays"});
+      {"--repeats", "--queries", "--reference-spp", "--views", "--triangles"});
 }
 
 }  // namespace

@@ -69,6 +69,15 @@ TEST(Chart, TakesLogarithmsAndLeavesOutWhatHasNone) {
   EXPECT_THAT(chart, HasSubstr("points=\"66.0,226.0 290.0,128.0 514.0,30.0 \""));
 }
 
+TEST(Chart, PutsPowerLawsOnAStraightLineWithADotAtEachPoint) {
+  const std::string chart =
+      html_chart({.title = "t", .log_x = true, .log_y = true, .markers = true},
+                 {{"", {{0.01, 100}, {1, 1}, {100, 0.01}, {0, 1}, {-1, 1}}}});
+  EXPECT_THAT(chart, HasSubstr("points=\"66.0,30.0 290.0,128.0 514.0,226.0 \""));
+  EXPECT_THAT(chart, HasSubstr("cx=\"290.0\" cy=\"128.0\""));
+  EXPECT_THAT(chart, HasSubstr(">0.01</text>"));
+}
+
 TEST(Chart, SaysSoWhenThereIsNothing) {
   EXPECT_THAT(html_chart({.title = "loss"}, {{"a", {}}}), HasSubstr("loss: nothing recorded"));
   EXPECT_THAT(html_chart({.title = "loss"}, {{"a", {{3, 7}}}}), HasSubstr("<circle"));

@@ -1,0 +1,25 @@
+// Pictures from irradiance at surface points, as lte_render composes them: for methods that answer
+// points by something else than the network.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "infer/bench/pareto/method.h"
+#include "infer/common/points.h"
+
+namespace lte::infer {
+
+/// Indirect irradiance at the points, W/m².
+using IndirectLight = std::function<std::vector<Rgb>(const QueryPoints&)>;
+
+/// Primary hits with anti-aliased edges, `indirect` at every query, direct light by
+/// `direct_samples` shadow rays, paths for metal. Stages: primary, indirect, direct, metal.
+MethodPicture compose_picture(const MethodScene& scene, const scene::Camera& camera,
+                              int direct_samples, const IndirectLight& indirect,
+                              StageTimes* stages);
+
+/// The picture of a frame with layers, and its indirect light.
+MethodPicture picture_of(const Frame& frame);
+
+}  // namespace lte::infer

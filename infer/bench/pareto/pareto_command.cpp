@@ -1,0 +1,82 @@
+#include "infer/bench/pareto/pareto_command.h"
+
+#include <cstdio>
+
+#include "infer/bench/pareto/pareto_report.h"
+#include "infer/common/picture_size.h"
+#include "infer/common/tool_options.h"
+#include "lte/base/check.h"
+#include "lte/base/file.h"
+#include "lte/cli/command_files.h"
+#include "lte/cli/numbers.h"
+#include "lte/runtime/device.h"
+#include "lte/scene/load_camera.h"
+
+namespace lte::infer {
+
+void add_pareto_options(CLI::App& command, ParetoRequest* request) {
+  ParetoOptions& options = request->options;
+  command.add_option("SCENE", options.scenes, "Scene files (default: the shipped Cornell box)");
+  command.add_option("--checkpoint", options.checkpoint, "Model; by default the shipped one");
+  command.add_option("--camera", options.camera,
+                     concat(scene::kCameraHelp, "; by default the scene's first, else auto"));
+  command
+      .add_option("--size", request->sizes,
+                  "Picture size; several make a chart each: 160x120,320x240")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::Validator(check_picture_size, "WxH"))
+      ->capture_default_str();
+  command
+      .add_option("--methods", options.methods,
+                  "Families or rows of the chart, such as paths,network-64; by default all")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command
+      .add_option("--views", options.views,
+                  "Views that are measured: the cameras given, or the first one turned")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command
+      .add_option("--repeats", options.repeats,
+                  "Timed runs of a method, of which the least counts; none after 20 s")
+      ->check(positive_number())
+      ->capture_default_str();
+  command.add_option("--max-depth", options.max_depth, "Surface hits of a path after the first")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command.add_option("--seed", options.seed, "Seed of every method")->capture_default_str();
+  command.add_option("--reference-spp", options.reference.spp, "Paths a pixel of the reference")
+      ->check(CLI::Range(2, 1 << 24))
+      ->capture_default_str();
+  command
+      .add_option("--reference-cache", request->cache,
+                  "Folder in which references are kept from run to run")
+      ->default_str(options.reference.cache.string());
+  command.add_option("--out", request->out, "Page with the charts to write (.html)");
+  add_scene_flags(command, &options.loading);
+}
+
+void run_pareto(const ParetoRequest& request, const CommonOptions& common) {
+  ParetoOptions options = request.options;
+  options.sizes.clear();
+  for (const std::string& size : request.sizes) options.sizes.push_back(parse_picture_size(size));
+  if (!request.cache.empty()) options.reference.cache = request.cache;
+  CommandFiles files;
+  for (const std::string& scene : options.scenes) files.reads("SCENE", scene);
+  files.reads("--checkpoint", options.checkpoint);
+  files.writes("--out", request.out);
+  files.writes_common(common);
+  files.check();
+  apply_common_options(common);
+  runtime::set_torch_threads(common.threads);
+  check_writable(request.out);
+  check_writable(common.json);
+  const std::vector<ParetoChart> charts = measure_pareto(options);
+  std::fputs(pareto_table(charts).c_str(), stdout);
+  files.check_what_was_read();
+  if (!common.json.empty()) write_file(common.json, pareto_json(options, charts));
+  if (!request.out.empty()) write_file(request.out, pareto_html(options, charts));
+}
+
+}  // namespace lte::infer

@@ -1,0 +1,59 @@
+#include "infer/bench/pareto/score.h"
+
+#include <limits>
+
+#include "lte/image/flip.h"
+#include "lte/image/metrics.h"
+#include "lte/image/tonemap.h"
+
+namespace lte::infer {
+namespace {
+
+image::Image times(const image::Image& image, float factor) {
+  image::Image out = image;
+  for (float& value : out.pixels) value *= factor;
+  return out;
+}
+
+double mean_of(const image::Image& image) {
+  double sum = 0;
+  for (const float value : image.pixels) sum += double{value};
+  return sum / static_cast<double>(image.pixels.size());
+}
+
+}  // namespace
+
+PictureScore score_picture(const image::Image& picture, const image::Image& reference) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  if (picture.width == 0) return {nan, nan, nan, nan};
+  PictureScore out;
+  out.mse = image::mse(picture.pixels, reference.pixels);
+  const double mean = mean_of(reference);
+  if (mean > 0) {
+    const auto unit = static_cast<float>(1 / mean);
+    out.relmse =
+        image::relative_mse(times(picture, unit).pixels, times(reference, unit).pixels, 1e-2);
+  } else {
+    out.relmse = nan;
+  }
+  const float exposure = image::auto_exposure(reference);
+  out.flip =
+      image::masked_mean(image::flip(times(picture, exposure), times(reference, exposure)), {});
+  out.ssim = image::ssim(image::tonemap(picture, exposure), image::tonemap(reference, exposure));
+  return out;
+}
+
+void ScoreMean::add(const PictureScore& score) {
+  sum_.mse += score.mse;
+  sum_.relmse += score.relmse;
+  sum_.flip += score.flip;
+  sum_.ssim += score.ssim;
+  ++count_;
+}
+
+PictureScore ScoreMean::mean() const {
+  const double n = count_;
+  return {sum_.mse / n, sum_.relmse / n, sum_.flip / n, sum_.ssim / n};
+}
+
+}  // namespace lte::infer

@@ -1,0 +1,44 @@
+#include "infer/bench/stability/stability_command.h"
+
+#include <cstdio>
+
+#include "infer/bench/stability/stability_report.h"
+#include "infer/common/tool_options.h"
+#include "lte/base/check.h"
+#include "lte/base/file.h"
+#include "lte/cli/command_files.h"
+#include "lte/runtime/device.h"
+
+namespace lte::infer {
+
+void add_stability_options(CLI::App& command, StabilityRequest* request) {
+  command.add_flag("--quick", request->options.quick, "Small sizes, for a few seconds");
+  command
+      .add_option("--triangles", request->options.triangles,
+                  "Without --quick: of the largest scene; two others have 3/10 and 1/10 as many")
+      ->check(CLI::Range(int64_t{1000}, int64_t{200'000'000}))
+      ->capture_default_str();
+  command.add_option("--checkpoint", request->options.checkpoint,
+                     "Model; by default the shipped one");
+  command.add_option("--out", request->out, "Page to write (.html)");
+}
+
+void run_stability(const StabilityRequest& request, const CommonOptions& common) {
+  CommandFiles files;
+  files.reads("--checkpoint", request.options.checkpoint);
+  files.writes("--out", request.out);
+  files.writes_common(common);
+  files.check();
+  apply_common_options(common);
+  runtime::set_torch_threads(common.threads);
+  check_writable(request.out);
+  check_writable(common.json);
+  const std::vector<StabilityRow> rows = measure_stability(request.options);
+  std::fputs(stability_table(rows).c_str(), stdout);
+  files.check_what_was_read();
+  if (!common.json.empty()) write_file(common.json, stability_json(request.options, rows));
+  if (!request.out.empty()) write_file(request.out, stability_html(request.options, rows));
+  if (!all_hold(rows)) throw Error(stability_verdict(rows));
+}
+
+}  // namespace lte::infer
