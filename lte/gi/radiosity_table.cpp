@@ -13,6 +13,8 @@ namespace lte::gi {
 namespace {
 
 constexpr double kEmissiveShare = 0.1;
+// Of a cell of the index, in radii: look-ups are many.
+constexpr float kCell = 0.5f;
 // Estimates keep two colors an entry and light group: blocks bound that memory.
 constexpr int64_t kEstimateBlock = int64_t{1} << 21;
 constexpr int64_t kGrain = 64;
@@ -121,7 +123,7 @@ RadiosityTable::RadiosityTable(const pathtrace::Bvh& bvh, const TableEntries& en
   }
   if (irradiance.empty()) return;
   radius_ = static_cast<float>(sum / static_cast<double>(radii.size()));
-  index_ = SurfaceIndex(entries.position, entries.normal, radii);
+  index_ = SurfaceIndex(entries.position, entries.normal, radii, kCell);
   entries_.resize(irradiance.size());
   std::vector<Walls> around(irradiance.size());
   std::vector<uint8_t> has_walls(irradiance.size());

@@ -53,7 +53,7 @@ std::vector<uint8_t> lit(const EntryLight& light);
 
 struct TableOptions {
   /// How far an entry speaks for its surroundings, in the edges of the square that it stands for.
-  float radius = 1.8f;
+  float radius = 1.5f;
   /// Least sum of weights for an answer; a single entry at its own place has 1.
   float least_weight = 0.4f;
 };

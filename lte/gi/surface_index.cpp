@@ -11,7 +11,7 @@ namespace lte::gi {
 namespace {
 
 constexpr float kMostRadii = 8;   // of the mean
-constexpr float kMostCells = 4;   // edges of a cell in the largest radius
+constexpr float kMostCells = 6;   // edges of a cell in the largest radius
 constexpr double kAxisBits = 20;  // of a cell's coordinate
 constexpr float kSlack = 1e-4f;   // of a cosine
 
@@ -43,7 +43,7 @@ float cosine_to_bin(const Vec3& n, int bin) {
 }  // namespace
 
 SurfaceIndex::SurfaceIndex(std::span<const Vec3> positions, std::span<const Vec3> normals,
-                           std::span<const float> radii) {
+                           std::span<const float> radii, float cell_edge) {
   LTE_CHECK(positions.size() == normals.size() && positions.size() == radii.size(),
             "surface points: ", positions.size(), " positions, ", normals.size(), " normals and ",
             radii.size(), " radii");
@@ -69,7 +69,7 @@ SurfaceIndex::SurfaceIndex(std::span<const Vec3> positions, std::span<const Vec3
   low_ = bounds.low - Vec3{largest, largest, largest};
   const float extent = max_component(bounds.extent()) + 2 * largest;
   const float finest = extent * static_cast<float>(std::exp2(1 - kAxisBits));
-  inverse_edge_ = 1 / std::max({mean, largest / kMostCells, finest});
+  inverse_edge_ = 1 / std::max({cell_edge * mean, largest / kMostCells, finest});
 
   cells_.assign(64, {});
   size_t used = 0;

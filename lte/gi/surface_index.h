@@ -29,9 +29,10 @@ class SurfaceIndex {
   /// @param normals  unit; of the side that the point stands on
   /// @param radii    metres, how far the point speaks for its surroundings; those above 8 times the
   ///                 mean are cut to that
+  /// @param cell_edge  edge of a cell in mean radii: smaller ones take memory and shorten lists
   /// @throws lte::Error if sizes differ, or a value is not finite or a radius not positive.
   SurfaceIndex(std::span<const Vec3> positions, std::span<const Vec3> normals,
-               std::span<const float> radii);
+               std::span<const float> radii, float cell_edge = 1);
 
   int64_t size() const { return static_cast<int64_t>(points_.size()); }
 

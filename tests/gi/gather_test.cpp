@@ -130,7 +130,7 @@ TEST(Gather, MatchesPathsOfOneBounceMoreThanItsTable) {
   const Errors e = errors(gathered.indirect, room.reference(4));
   EXPECT_LT(std::fabs(e.bias), 0.02);
   EXPECT_LT(e.rms, 0.06);
-  EXPECT_LT(gathered.misses, gathered.lookups / 20);
+  EXPECT_LT(gathered.misses, gathered.lookups / 10);
 }
 
 TEST(Gather, WithoutATableItIsPathTracing) {
