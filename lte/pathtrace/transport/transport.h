@@ -40,6 +40,11 @@ class LightSink {
 
 /// What BasicTransport tells of its rays before it traces them: nothing. Others have the same
 /// functions, and cost nothing where they are empty.
+///
+/// An observer may also end paths, by a function `bool known_irradiance(int depth, float distance,
+/// const Vec3& position, const Vec3& side, Rgb* irradiance)`. It is asked at every diffuse hit,
+/// `distance` from where the ray began, for the irradiance on this side of it. Where it knows it,
+/// the path ends there and brings that light, in light group kNone.
 struct NoObserver {
   void nearest(int /*depth*/, const PathBlock&) {}
   void shadow(const ShadowBlock&) {}
@@ -62,6 +67,11 @@ class BasicTransport {
   /// @param position  relative to the frame origin, already off the surface
   void trace_from_surface(const Vec3& position, const Vec3& normal, PathSampler& sampler);
 
+  /// Traces the paths of the sampler's block from diffuse surface points, whose origin and normal
+  /// the caller has put into the lanes of `start()`. No light is sampled at these points
+  /// themselves: contributions of depth 1 are not whole.
+  void trace_indirect(PathSampler& sampler);
+
   /// Traces the paths of the sampler's block along rays that the caller has put into its lanes of
   /// `start()`: origin relative to the frame origin, and unit direction.
   void trace_from_camera(PathSampler& sampler);
@@ -69,6 +79,8 @@ class BasicTransport {
 
  private:
   void follow(PathSampler& sampler);
+  bool end_where_known(int lane, int depth, const SurfacePoint& point, const Vec3& side,
+                       const Rgb& throughput);
   void shade(int depth);
   void collect_emission(int depth);
   void add_emission(int lane, const Rgb& emission, float cos_front);
@@ -102,7 +114,7 @@ class BasicTransport {
   alignas(64) int32_t flags_[kBlock];
   alignas(64) float light_weight_[kBlock];
   int contribution_count_ = 0;
-  Contribution contributions_[kBlock];
+  Contribution contributions_[2 * kBlock];  ///< a hit may emit, and end its path
 };
 
 using Transport = BasicTransport<NoObserver>;

@@ -46,6 +46,18 @@ void BasicTransport<Observer>::trace_from_surface(const Vec3& position, const Ve
 }
 
 template <typename Observer>
+void BasicTransport<Observer>::trace_indirect(PathSampler& sampler) {
+  paths_.size = sampler.paths();
+  metal_.clear();
+  for (int lane = 0; lane < paths_.size; ++lane) {
+    paths_.throughput.put(lane, {1, 1, 1});
+    paths_.path[lane] = lane;
+  }
+  scatter(0, sampler);
+  follow(sampler);
+}
+
+template <typename Observer>
 void BasicTransport<Observer>::trace_from_camera(PathSampler& sampler) {
   paths_.size = sampler.paths();
   for (int lane = 0; lane < paths_.size; ++lane) {
@@ -74,6 +86,25 @@ void BasicTransport<Observer>::follow(PathSampler& sampler) {
     if (depth >= roulette_depth_) russian_roulette(depth, sampler);
     scatter(depth, sampler);
   }
+}
+
+/// Asks the observer for the light on a diffuse hit, and adds it if it is known.
+/// @param throughput  albedo of the hit included
+template <typename Observer>
+bool BasicTransport<Observer>::end_where_known([[maybe_unused]] int lane,
+                                               [[maybe_unused]] int depth,
+                                               [[maybe_unused]] const SurfacePoint& point,
+                                               [[maybe_unused]] const Vec3& side,
+                                               [[maybe_unused]] const Rgb& throughput) {
+  if constexpr (requires(Rgb * e) { observer_.known_irradiance(1, 1.0f, side, side, e); }) {
+    Rgb irradiance;
+    if (!observer_.known_irradiance(depth, hits_.t[lane], point.position, side, &irradiance))
+      return false;
+    contributions_[contribution_count_++] = {throughput * irradiance * (1 / kPi), scene::kNone,
+                                             paths_.path[lane]};
+    return true;
+  }
+  return false;
 }
 
 /// Adds emission where rays have met something, and moves the paths on to their hits: origin, side,
@@ -111,6 +142,7 @@ void BasicTransport<Observer>::shade(int depth) {
       throughput *= lambert_weight(albedo);
     }
     if (!(max_component(throughput) > 0)) continue;
+    if (gloss.metallic <= 0 && end_where_known(lane, depth, point, side, throughput)) continue;
     paths_.origin.put(kept, point.position + side * point.offset);
     paths_.normal.put(kept, side);
     paths_.throughput.put(kept, throughput);

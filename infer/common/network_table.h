@@ -1,0 +1,25 @@
+// A radiosity table that a network has filled.
+#pragma once
+
+#include <cstdint>
+
+#include "lte/gi/radiosity_table.h"
+#include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/lights.h"
+#include "lte/runtime/embedding.h"
+
+namespace lte::infer {
+
+struct NetworkTableOptions {
+  int64_t entries = 4096;  ///< both sides of as many places count apart
+  int direct_rays = 64;    ///< an entry
+  uint64_t seed = 0;
+};
+
+/// Decodes indirect irradiance at points of the scene and adds direct light. A total model's answers
+/// stand as they are.
+gi::RadiosityTable network_table(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                                 const runtime::SceneEmbedding& embedding,
+                                 const NetworkTableOptions& options);
+
+}  // namespace lte::infer

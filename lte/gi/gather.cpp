@@ -1,0 +1,156 @@
+#include "lte/gi/gather.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <memory>
+#include <utility>
+
+#include "lte/base/check.h"
+#include "lte/base/parallel.h"
+#include "lte/pathtrace/transport/irradiance_kernel.h"
+#include "lte/pathtrace/transport/transport_impl.h"
+
+namespace lte::gi {
+namespace {
+
+using pathtrace::kBlock;
+
+constexpr int kRouletteDepth = 3;  // that of irradiance
+constexpr int kMaxRays = 1 << 20;
+constexpr int64_t kGrain = 64;  // points
+
+struct Counts {
+  int64_t lookups = 0, misses = 0;
+};
+
+/// Ends paths where the table knows the light.
+struct TableReader {
+  void nearest(int, const pathtrace::PathBlock&) {}
+  void shadow(const pathtrace::ShadowBlock&) {}
+  bool known_irradiance(int depth, float distance, const Vec3& position, const Vec3& side,
+                        Rgb* irradiance) {
+    if (depth == 1 && distance < near_m) return false;
+    ++counts->lookups;
+    if (table->lookup(position + frame, side, irradiance)) return true;
+    ++counts->misses;
+    return false;
+  }
+
+  const RadiosityTable* table;
+  Vec3 frame;
+  float near_m;
+  Counts* counts;
+};
+
+/// Gathers for points in blocks of paths that hold several points or a part of one.
+class Gatherer : public pathtrace::LightSink {
+ public:
+  Gatherer(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights, const RadiosityTable& table,
+           const GatherOptions& options)
+      : options_(options),
+        frame_(bvh.handles().origin),
+        half_extent_(0.5f * max_component(bvh.bounds().extent())),
+        sampler_(pathtrace::Sampling::Sobol, options.rays),
+        transport_(bvh, lights, options.max_depth, kRouletteDepth, *this,
+                   TableReader{&table, frame_, options.near * table.radius(), &counts_}) {}
+
+  /// @param first_stream  the number of the first point
+  void gather(std::span<const Vec3> positions, std::span<const Vec3> normals, int64_t first_stream,
+              std::span<Rgb> out) {
+    sums_.assign(positions.size(), {});
+    for (size_t i = 0; i < positions.size(); ++i) {
+      // The offset follows the world coordinates, as that of irradiance does.
+      const Vec3 origin = pathtrace::offset_origin(positions[i], normals[i], half_extent_) - frame_;
+      sampler_.start_stream(options_.seed, static_cast<uint64_t>(first_stream) + i);
+      sampler_.start_set();
+      for (int k = 0; k < options_.rays; ++k) {
+        if (sampler_.paths() == kBlock) flush();
+        const int lane = sampler_.paths();
+        transport_.start().origin.put(lane, origin);
+        transport_.start().normal.put(lane, normals[i]);
+        point_[static_cast<size_t>(lane)] = i;
+        sampler_.add_path();
+      }
+    }
+    flush();
+    const double scale = double{kPi} / options_.rays;
+    for (size_t i = 0; i < out.size(); ++i) {
+      out[i] = {static_cast<float>(sums_[i][0] * scale), static_cast<float>(sums_[i][1] * scale),
+                static_cast<float>(sums_[i][2] * scale)};
+    }
+  }
+
+  void add(int depth, std::span<const pathtrace::Contribution> contributions) override {
+    for (const pathtrace::Contribution& c : contributions) {
+      // What an emitter sends out by itself to the point is direct light there. What it or another
+      // surface reflects comes from the table.
+      if (depth == 1 && c.light_group != scene::kNone) continue;
+      std::array<double, 3>& sum = sums_[point_[static_cast<size_t>(c.path)]];
+      sum[0] += double{c.value.x};
+      sum[1] += double{c.value.y};
+      sum[2] += double{c.value.z};
+    }
+  }
+
+  int64_t rays_traced() const { return transport_.rays_traced(); }
+  const Counts& counts() const { return counts_; }
+
+ private:
+  void flush() {
+    transport_.trace_indirect(sampler_);
+    sampler_.clear();
+  }
+
+  const GatherOptions& options_;
+  const Vec3 frame_;
+  const float half_extent_;
+  Counts counts_;
+  pathtrace::PathSampler sampler_;
+  pathtrace::BasicTransport<TableReader> transport_;
+  std::array<size_t, kBlock> point_;
+  std::vector<std::array<double, 3>> sums_;
+};
+
+}  // namespace
+
+Gathered gather_irradiance(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                           const RadiosityTable& table, std::span<const Vec3> positions,
+                           std::span<const Vec3> normals, const GatherOptions& options,
+                           int64_t first_index) {
+  LTE_CHECK(&bvh.scene() == &lights.scene(), "the BVH and the lights are of two scenes");
+  LTE_CHECK(options.rays >= 1 && options.rays <= kMaxRays, "gather: rays must be 1 to ", kMaxRays,
+            ", got ", options.rays);
+  LTE_CHECK(options.max_depth >= 2, "gather: max_depth must be at least 2, got ",
+            options.max_depth);
+  LTE_CHECK(options.near >= 0, "gather: near must not be negative, got ", options.near);
+  pathtrace::check_points(positions, normals);
+  Gathered out;
+  out.indirect.resize(positions.size());
+  if (lights.empty()) return out;
+  std::atomic<int64_t> rays_traced{0}, lookups{0}, misses{0};
+  parallel_for(static_cast<int64_t>(positions.size()), kGrain, [&](int64_t begin, int64_t end) {
+    const auto gatherer = std::make_unique<Gatherer>(bvh, lights, table, options);
+    const auto first = static_cast<size_t>(begin), count = static_cast<size_t>(end - begin);
+    gatherer->gather(positions.subspan(first, count), normals.subspan(first, count),
+                     first_index + begin, std::span(out.indirect).subspan(first, count));
+    rays_traced += gatherer->rays_traced();
+    lookups += gatherer->counts().lookups;
+    misses += gatherer->counts().misses;
+  });
+  out.rays_traced = rays_traced;
+  out.lookups = lookups;
+  out.misses = misses;
+  return out;
+}
+
+std::vector<Rgb> GatherAnswer::operator()(std::span<const Vec3> positions,
+                                          std::span<const Vec3> normals,
+                                          std::span<const Rgb> /*albedo*/) {
+  Gathered gathered =
+      gather_irradiance(bvh_, lights_, table_, positions, normals, options_, asked_);
+  asked_ += static_cast<int64_t>(positions.size());
+  return std::move(gathered.indirect);
+}
+
+}  // namespace lte::gi

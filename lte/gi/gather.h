@@ -1,0 +1,66 @@
+// Final gather: indirect irradiance by one bounce of rays whose hits read a radiosity table.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lte/base/math.h"
+#include "lte/gi/radiosity_table.h"
+#include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/lights.h"
+
+namespace lte::gi {
+
+struct GatherOptions {
+  int rays = 16;  ///< cosine-stratified, a point
+  /// A hit nearer than this many radii of the table goes on by another segment, since the table
+  /// knows nothing finer than its radius: its direct light is one light sample, and its next hit
+  /// reads the table. Infinite: all do.
+  float near = 0.5f;
+  /// Surface hits of paths that the table does not end: those along metal, and those that leave the
+  /// surfaces it knows.
+  int max_depth = 5;
+  uint64_t seed = 0;
+};
+
+struct Gathered {
+  std::vector<Rgb> indirect;        ///< [points], summed over light groups, W/m²
+  int64_t rays_traced = 0;          ///< nearest and shadow rays
+  int64_t lookups = 0, misses = 0;  ///< of the table; a miss makes the path go on
+};
+
+/// Estimates indirect irradiance at points: what light brings that at least one surface has
+/// reflected. Emitters and environments that rays meet at once are direct light and do not count.
+/// Unbiased but for what the table's values are wrong by and for paths cut at max_depth. Where the
+/// table's light has depth d, the result has depth d + 1.
+///
+/// Point i draws from stream (seed, first_index + i): the result depends neither on threads nor on
+/// how a set is cut into calls.
+/// @throws lte::Error as pathtrace::estimate_irradiance()
+Gathered gather_irradiance(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                           const RadiosityTable& table, std::span<const Vec3> positions,
+                           std::span<const Vec3> normals, const GatherOptions& options,
+                           int64_t first_index = 0);
+
+/// gather_irradiance() as something that answers queries, in place of a network. Queries are
+/// numbered through all calls. The scene's things must outlive it.
+class GatherAnswer {
+ public:
+  GatherAnswer(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+               const RadiosityTable& table, const GatherOptions& options)
+      : bvh_(bvh), lights_(lights), table_(table), options_(options) {}
+
+  /// Indirect irradiance, one a query. @param albedo  is not looked at
+  std::vector<Rgb> operator()(std::span<const Vec3> positions, std::span<const Vec3> normals,
+                              std::span<const Rgb> albedo);
+
+ private:
+  const pathtrace::Bvh& bvh_;
+  const pathtrace::Lights& lights_;
+  const RadiosityTable& table_;
+  GatherOptions options_;
+  int64_t asked_ = 0;
+};
+
+}  // namespace lte::gi

@@ -1,0 +1,609 @@
+// What a table of radiosity, a final gather over it and a correction by residuals are worth: the
+// experiments of docs/lab/gather.md. Prints a table a scene.
+//
+// usage: lte_gather_bench [--model FILE] [--cache FOLDER] [--size WxH] SCENE ...
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <sys/resource.h>
+
+#include "infer/common/assets.h"
+#include "infer/common/lit_samples.h"
+#include "infer/common/network_table.h"
+#include "infer/common/renderer.h"
+#include "infer/common/untrained_light.h"
+#include "lte/base/check.h"
+#include "lte/base/file.h"
+#include "lte/base/parallel.h"
+#include "lte/cli/scene_flags.h"
+#include "lte/gi/gather.h"
+#include "lte/gi/radiosity_table.h"
+#include "lte/gi/residual.h"
+#include "lte/gi/surface_index.h"
+#include "lte/pathtrace/auto_camera.h"
+#include "lte/pathtrace/gbuffer.h"
+#include "lte/pathtrace/transport/irradiance_kernel.h"
+#include "lte/pathtrace/transport/transport.h"
+
+namespace {
+
+using namespace lte;
+
+constexpr int kHalfPaths = 512;  // of each of the two halves of the reference
+constexpr int kModelDepth = 5;   // that the network and the estimates have; a gather adds one
+constexpr double kEpsilon = 1e-2;
+
+/// Processor seconds of this process, user and system.
+double cpu_seconds() {
+  rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+/// Two independent estimates of indirect irradiance, by the depth where paths end: the product of a
+/// method's errors against both has no noise of theirs in its mean.
+struct Reference {
+  std::vector<Rgb> half[2][2];  ///< [half][0: depth 5, 1: depth 6]
+};
+
+/// Traces one half: depths 2 to 5, and 2 to 6, of the same paths.
+class HalfTracer : public pathtrace::LightSink {
+ public:
+  void add(int depth, std::span<const pathtrace::Contribution> contributions) override {
+    if (depth == 1) return;
+    for (const pathtrace::Contribution& c : contributions) {
+      for (int k = 0; k < 3; ++k) {
+        if (depth <= kModelDepth) sums[0][k] += double{c.value[k]};
+        sums[1][k] += double{c.value[k]};
+      }
+    }
+  }
+  double sums[2][3] = {};
+};
+
+void trace_half(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                std::span<const Vec3> positions, std::span<const Vec3> normals, uint64_t seed,
+                std::vector<Rgb>* depth5, std::vector<Rgb>* depth6) {
+  depth5->resize(positions.size());
+  depth6->resize(positions.size());
+  const float half_extent = 0.5f * max_component(bvh.bounds().extent());
+  parallel_for(static_cast<int64_t>(positions.size()), 16, [&](int64_t begin, int64_t end) {
+    HalfTracer sink;
+    const auto sampler =
+        std::make_unique<pathtrace::PathSampler>(pathtrace::Sampling::Sobol, kHalfPaths);
+    const auto transport =
+        std::make_unique<pathtrace::Transport>(bvh, lights, kModelDepth + 1, 3, sink);
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+      const Vec3 origin =
+          pathtrace::offset_origin(positions[i], normals[i], half_extent) - bvh.handles().origin;
+      std::memset(sink.sums, 0, sizeof(sink.sums));
+      sampler->start_stream(seed, i);
+      sampler->start_set();
+      for (int k = 0; k < kHalfPaths; ++k) {
+        const int lane = sampler->paths();
+        transport->start().origin.put(lane, origin);
+        transport->start().normal.put(lane, normals[i]);
+        sampler->add_path();
+        if (sampler->paths() < pathtrace::kBlock && k + 1 < kHalfPaths) continue;
+        transport->trace_indirect(*sampler);
+        sampler->clear();
+      }
+      for (int c = 0; c < 3; ++c) {
+        const double scale = double{kPi} / kHalfPaths;
+        (*depth5)[i][c] = static_cast<float>(sink.sums[0][c] * scale);
+        (*depth6)[i][c] = static_cast<float>(sink.sums[1][c] * scale);
+      }
+    }
+  });
+}
+
+struct View {
+  std::vector<Vec3> position, normal;
+  std::vector<Rgb> albedo;
+  std::vector<float> spacing;  ///< metres between neighbouring pixels on the surface
+};
+
+View look(const pathtrace::Bvh& bvh, int width, int height) {
+  const scene::Scene& scene = bvh.scene();
+  const scene::Camera camera =
+      scene.cameras.empty() ? pathtrace::auto_camera(bvh) : scene.cameras.front();
+  const pathtrace::GBuffer seen = pathtrace::trace_gbuffer(bvh, camera, width, height);
+  View view;
+  for (size_t i = 0; i < seen.mask.size(); ++i) {
+    if (!seen.mask[i] || max_component(seen.albedo[i]) <= 0) continue;
+    view.position.push_back(seen.position[i]);
+    view.normal.push_back(seen.normal[i]);
+    view.albedo.push_back(seen.albedo[i]);
+    const float cosine =
+        std::fabs(dot(normalize(camera.origin - seen.position[i]), seen.normal[i]));
+    view.spacing.push_back(pathtrace::pixel_size(camera, height) * seen.depth[i] /
+                           std::sqrt(std::max(cosine, 0.05f)));
+  }
+  LTE_CHECK(!view.position.empty(), "the camera sees no reflecting surface");
+  return view;
+}
+
+Reference reference_of(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights, const View& view,
+                       const std::filesystem::path& cached) {
+  Reference out;
+  const size_t count = view.position.size(), bytes = count * sizeof(Rgb);
+  if (std::filesystem::exists(cached) && std::filesystem::file_size(cached) == 4 * bytes) {
+    const std::string data = read_file(cached);
+    for (size_t k = 0; k < 4; ++k) {
+      out.half[k / 2][k % 2].resize(count);
+      std::memcpy(out.half[k / 2][k % 2].data(), data.data() + k * bytes, bytes);
+    }
+    return out;
+  }
+  std::string data;
+  for (auto& half : out.half) {
+    const uint64_t seed = &half == out.half ? 101 : 202;
+    trace_half(bvh, lights, view.position, view.normal, seed, &half[0], &half[1]);
+    for (const std::vector<Rgb>& values : half)
+      data.append(reinterpret_cast<const char*>(values.data()), bytes);
+  }
+  std::filesystem::create_directories(cached.parent_path());
+  write_file(cached, data);
+  return out;
+}
+
+struct Score {
+  double mse = 0, relmse = 0;
+};
+
+/// Errors without the reference's noise. @param one_more  the method's light has depth 6
+Score score(const std::vector<Rgb>& values, const Reference& reference, bool one_more) {
+  const std::vector<Rgb>&a = reference.half[0][one_more], &b = reference.half[1][one_more];
+  Score out;
+  for (size_t i = 0; i < values.size(); ++i) {
+    for (int c = 0; c < 3; ++c) {
+      const double error =
+          (double{values[i][c]} - double{a[i][c]}) * (double{values[i][c]} - double{b[i][c]});
+      const double mean = 0.5 * (double{a[i][c]} + double{b[i][c]});
+      out.mse += error;
+      out.relmse += error / (mean * mean + kEpsilon);
+    }
+  }
+  const auto count = 3 * static_cast<double>(values.size());
+  return {out.mse / count, out.relmse / count};
+}
+
+/// Errors of values that the first half went into, against the second, less its noise.
+Score score_against_second(const std::vector<Rgb>& values, const Reference& reference) {
+  const std::vector<Rgb>&a = reference.half[0][0], &b = reference.half[1][0];
+  Score out;
+  for (size_t i = 0; i < values.size(); ++i) {
+    for (int c = 0; c < 3; ++c) {
+      const double miss = double{values[i][c]} - double{b[i][c]};
+      const double noise = double{a[i][c]} - double{b[i][c]};
+      const double mean = 0.5 * (double{a[i][c]} + double{b[i][c]});
+      const double error = miss * miss - 0.5 * noise * noise;
+      out.mse += error;
+      out.relmse += error / (mean * mean + kEpsilon);
+    }
+  }
+  const auto count = 3 * static_cast<double>(values.size());
+  return {out.mse / count, out.relmse / count};
+}
+
+void print_row(const std::string& name, const Score& s, double seconds, double million_rays) {
+  const auto number = [](const char* format, double value) {
+    char text[32];
+    std::snprintf(text, sizeof(text), format, value);
+    return std::string(text);
+  };
+  std::printf("| %s | %s | %s | %.2e | %.4f |\n", name.c_str(),
+              seconds > 0 ? number("%.2f", seconds).c_str() : "",
+              million_rays > 0 ? number("%.2f", million_rays).c_str() : "", s.mse, s.relmse);
+  std::fflush(stdout);
+}
+
+/// The mean of `values` at the `k` points nearest to a place, weighted by closeness.
+std::vector<Rgb> nearest_means(const gi::TableEntries& entries, const std::vector<Rgb>& values,
+                               const View& view, size_t k) {
+  std::vector<float> radii;
+  for (const float area : entries.area)
+    radii.push_back(1.5f * std::sqrt(static_cast<float>(k) * area));
+  const gi::SurfaceIndex index(entries.position, entries.normal, radii);
+  std::vector<Rgb> out(view.position.size());
+  parallel_for(static_cast<int64_t>(out.size()), 64, [&](int64_t begin, int64_t end) {
+    struct Near {
+      float distance2;
+      uint32_t entry;
+    };
+    std::vector<Near> near;
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+      near.clear();
+      index.for_each(view.position[i], view.normal[i],
+                     [&](uint32_t entry, float, const Vec3& offset) {
+                       near.push_back({dot(offset, offset), entry});
+                     });
+      std::sort(near.begin(), near.end(),
+                [](const Near& a, const Near& b) { return a.distance2 < b.distance2; });
+      if (near.size() > k + 1) near.resize(k + 1);
+      if (near.empty()) continue;
+      const float edge2 = near.back().distance2 * 1.0001f;
+      Rgb sum;
+      float weights = 0;
+      for (const Near& n : near) {
+        const float weight = (1 - n.distance2 / edge2) * (1 - n.distance2 / edge2);
+        sum += values[n.entry] * weight;
+        weights += weight;
+      }
+      out[i] = weights > 0 ? sum / weights : values[near[0].entry];
+    }
+  });
+  return out;
+}
+
+/// One scene's experiments.
+class Experiments {
+ public:
+  Experiments(const scene::Scene& scene, const runtime::Network& network, int width, int height,
+              const std::filesystem::path& cached)
+      : bvh_(scene),
+        lights_(scene),
+        network_(network),
+        view_(look(bvh_, width, height)),
+        reference_(reference_of(bvh_, lights_, view_, cached)) {}
+
+  void run() {
+    std::printf("%zu pixels, %lld triangles\n\n", view_.position.size(),
+                static_cast<long long>(bvh_.scene().triangle_count()));
+    std::printf("| method | s | M rays | MSE | relMSE |\n|---|---:|---:|---:|---:|\n");
+    path_tracing();
+    encode();
+    blur_of_the_true_residual();
+    estimates_alone();
+    gathers();
+    residuals();
+  }
+
+ private:
+  using Work = std::function<std::vector<Rgb>(int64_t* rays)>;
+
+  void row(const std::string& name, bool one_more, double before_s, const Work& work,
+           int64_t rays_before = 0) {
+    int64_t rays = rays_before;
+    const double start = cpu_seconds();
+    const std::vector<Rgb> values = work(&rays);
+    const double seconds = before_s + cpu_seconds() - start;
+    print_row(name, score(values, reference_, one_more), seconds, 1e-6 * static_cast<double>(rays));
+  }
+
+  /// Indirect irradiance of the view by paths that no table ends.
+  std::vector<Rgb> traced(int paths, uint64_t seed, int64_t* rays) const {
+    const gi::RadiosityTable none(bvh_, {}, {});
+    gi::GatherOptions options;
+    options.rays = paths;
+    options.max_depth = kModelDepth;
+    options.seed = seed;
+    gi::Gathered gathered =
+        gi::gather_irradiance(bvh_, lights_, none, view_.position, view_.normal, options);
+    *rays += gathered.rays_traced;
+    return std::move(gathered.indirect);
+  }
+
+  void path_tracing() {
+    for (const int paths : {4, 16, 64, 256}) {
+      row("path tracing, " + std::to_string(paths) + " paths a pixel", false, 0,
+          [&](int64_t* rays) { return traced(paths, 7, rays); });
+    }
+  }
+
+  void encode() {
+    const auto make = [&] {
+      scene::SurfaceSamples samples =
+          infer::sample_scene_points(bvh_, network_.metadata().scene_points,
+                                     network_.metadata().scene_points_pruned, 0, nullptr);
+      infer::leave_out_untrained_suns(bvh_.scene(), network_.metadata(), &samples);
+      const infer::LitSamples lit = infer::add_light_estimates(bvh_, lights_, std::move(samples),
+                                                               network_.light_request(), 0);
+      return runtime::SceneEmbedding(network_, lit.points(), {.rescale = true});
+    };
+    make();  // warm-up
+    const double start = cpu_seconds();
+    embedding_.emplace(make());
+    encode_s_ = cpu_seconds() - start;
+    row("network at every pixel", false, encode_s_, [&](int64_t*) {
+      return answers_ = embedding_->decode({view_.position, view_.normal, view_.albedo});
+    });
+  }
+
+  void blur_of_the_true_residual() {
+    const double spacing = std::sqrt(scene::surface_area(bvh_.scene()) / 4096);
+    std::vector<Rgb> residual(answers_.size());
+    for (size_t i = 0; i < residual.size(); ++i)
+      residual[i] = reference_.half[0][0][i] - answers_[i];
+    for (const float radius : {0.0f, 0.125f, 0.25f, 0.5f, 1.0f, 2.0f, 4.0f}) {
+      std::vector<Rgb> corrected(answers_);
+      if (radius > 0) {
+        const gi::SurfaceIndex index(
+            view_.position, view_.normal,
+            std::vector<float>(residual.size(), radius * static_cast<float>(spacing)));
+        parallel_for(index.size(), 64, [&](int64_t begin, int64_t end) {
+          for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+            Rgb sum;
+            float weights = 0;
+            index.for_each(view_.position[i], view_.normal[i],
+                           [&](uint32_t j, float weight, const Vec3&) {
+                             sum += residual[j] * weight;
+                             weights += weight;
+                           });
+            if (weights > 0) corrected[i] += sum / weights;
+          }
+        });
+      } else {
+        corrected = reference_.half[0][0];
+      }
+      char name[96];
+      std::snprintf(name, sizeof(name), "network + true residual blurred over %.3g m",
+                    double{radius} * spacing);
+      print_row(name, score_against_second(corrected, reference_), 0, 0);
+    }
+  }
+
+  struct Lit {
+    gi::TableEntries entries;
+    gi::EntryLight light;
+    double seconds = 0;
+  };
+
+  /// Estimates at `count` entries, of which those that are lit stay.
+  Lit lit_entries(int64_t count, int paths) const {
+    Lit out;
+    const double start = cpu_seconds();
+    const gi::TableEntries all = gi::sample_entries(bvh_.scene(), count, 11);
+    const gi::EntryLight light = gi::estimate_entries(bvh_, lights_, all, paths, kModelDepth, 12);
+    const std::vector<uint8_t> keep = gi::lit(light);
+    out.entries = all.kept(keep);
+    for (size_t i = 0; i < keep.size(); ++i) {
+      if (!keep[i]) continue;
+      out.light.direct.push_back(light.direct[i]);
+      out.light.indirect.push_back(light.indirect[i]);
+    }
+    out.light.rays_traced = light.rays_traced;
+    out.seconds = cpu_seconds() - start;
+    return out;
+  }
+
+  void estimates_alone() {
+    struct Plan {
+      int64_t points;
+      int paths;
+    };
+    for (const Plan& plan : {Plan{1024, 256}, Plan{4096, 64}, Plan{16384, 16}}) {
+      const Lit lit = lit_entries(2 * plan.points, plan.paths);
+      for (const size_t k : {8, 16, 32}) {
+        row(
+            "estimates, " + std::to_string(plan.points) + " points x " +
+                std::to_string(plan.paths) + " paths a side, " + std::to_string(k) + " nearest",
+            false, lit.seconds,
+            [&](int64_t*) { return nearest_means(lit.entries, lit.light.indirect, view_, k); },
+            lit.light.rays_traced);
+      }
+    }
+  }
+
+  void gather_rows(const std::string& name, const gi::RadiosityTable& table, double before_s,
+                   int64_t rays_before, bool all_options) {
+    const auto add = [&](int rays_a_pixel, float near) {
+      gi::GatherOptions options;
+      options.rays = rays_a_pixel;
+      options.near = near;
+      options.seed = 5;
+      char text[64];
+      std::snprintf(text, sizeof(text), ", %d rays, near %.2g", rays_a_pixel, double{near});
+      row(
+          name + text, true, before_s,
+          [&](int64_t* rays) {
+            gi::Gathered gathered =
+                gi::gather_irradiance(bvh_, lights_, table, view_.position, view_.normal, options);
+            *rays += gathered.rays_traced;
+            misses_ = static_cast<double>(gathered.misses) /
+                      static_cast<double>(std::max<int64_t>(1, gathered.lookups));
+            return std::move(gathered.indirect);
+          },
+          rays_before);
+    };
+    const float near = gi::GatherOptions().near;
+    add(16, near);
+    add(64, near);
+    if (!all_options) return;
+    add(64, 0);
+    add(64, INFINITY);
+    add(256, near);
+  }
+
+  /// Nanoseconds of a look-up beside those of a path.
+  void time_lookups(const gi::RadiosityTable& table) const {
+    constexpr int kRepeats = 20;
+    double start = cpu_seconds();
+    Rgb sum;
+    int64_t found = 0;
+    for (int k = 0; k < kRepeats; ++k) {
+      for (size_t i = 0; i < view_.position.size(); ++i) {
+        Rgb e;
+        if (!table.lookup(view_.position[i], view_.normal[i], &e)) continue;
+        sum += e;
+        ++found;
+      }
+    }
+    const auto lookups = static_cast<double>(kRepeats * view_.position.size());
+    const double lookup_ns = 1e9 * (cpu_seconds() - start) / lookups;
+    start = cpu_seconds();
+    int64_t rays = 0;
+    const size_t pixels = traced(16, 3, &rays).size();
+    const double path_ns = 1e9 * (cpu_seconds() - start) / static_cast<double>(16 * pixels);
+    notes_.push_back(concat("table of ", table.size(), " entries: ", lookup_ns, " ns a look-up (",
+                            100 * static_cast<double>(found) / lookups, " % answered), ", path_ns,
+                            " ns a path, ",
+                            static_cast<double>(rays) / static_cast<double>(16 * pixels),
+                            " rays a path (sum ", sum.x, ")"));
+  }
+
+  void gathers() {
+    for (const int64_t count : {4096, 16384}) {
+      const std::string size = std::to_string(count);
+      {
+        const Lit best = lit_entries(count, count > 5000 ? 256 : 512);
+        const gi::RadiosityTable table(bvh_, best.entries, best.light.total());
+        time_lookups(table);
+        gather_rows("gather, reference at " + size + " entries", table, 0, 0, count < 5000);
+        notes_.push_back(concat("misses at ", count, " entries: ", 100 * misses_, " %"));
+      }
+      const int paths = count > 5000 ? 16 : 64;
+      const Lit raw = lit_entries(count, paths);
+      {
+        const double start = cpu_seconds();
+        const gi::RadiosityTable table(bvh_, raw.entries, raw.light.total());
+        gather_rows("gather, " + std::to_string(paths) + " paths at " + size + " entries", table,
+                    raw.seconds + cpu_seconds() - start, raw.light.rays_traced, false);
+      }
+      const double start = cpu_seconds();
+      const gi::RadiosityTable table =
+          infer::network_table(bvh_, lights_, *embedding_, {.entries = count, .seed = 11});
+      gather_rows("gather, network at " + size + " entries", table,
+                  encode_s_ + cpu_seconds() - start, 0, false);
+    }
+  }
+
+  using Batch = std::function<std::vector<Rgb>(uint64_t batch, int64_t* rays)>;
+
+  /// Estimates at pixels, corrected or smoothed from pixel to pixel.
+  void smoothed_row(const std::string& name, bool with_network, bool one_more, int batches,
+                    double before_s, int64_t rays_before, const Batch& estimates) {
+    const std::vector<Rgb> base = with_network ? answers_ : std::vector<Rgb>(view_.position.size());
+    row((with_network ? "network" : "nothing") + (" + residual at pixels, " + name), one_more,
+        before_s + (with_network ? encode_s_ : 0),
+        [&](int64_t* rays) {
+          gi::ResidualField field(view_.position, view_.normal, view_.spacing);
+          for (int k = 0; k < batches; ++k)
+            field.add(estimates(1000 + static_cast<uint64_t>(k), rays), base);
+          std::vector<Rgb> out = field.correct_points();
+          for (size_t i = 0; i < out.size(); ++i) out[i] += base[i];
+          notes_.push_back(concat(with_network ? "network" : "nothing", ", ", name, ": radius ",
+                                  field.radius_in_spacings(), " spacings"));
+          return out;
+        },
+        rays_before);
+  }
+
+  /// Corrections of the network, and of nothing, by the same rays.
+  void residuals() {
+    for (const int batches : {4, 16, 64}) {
+      for (const bool with_network : {false, true}) {
+        smoothed_row(std::to_string(batches) + " x 2 paths", with_network, false, batches, 0, 0,
+                     [&](uint64_t k, int64_t* rays) { return traced(2, k, rays); });
+      }
+    }
+    const Lit raw = lit_entries(4096, 64);
+    const gi::RadiosityTable by_paths(bvh_, raw.entries, raw.light.total());
+    const gi::RadiosityTable by_network =
+        infer::network_table(bvh_, lights_, *embedding_, {.entries = 4096, .seed = 11});
+    for (const int gather_rays : {2, 4, 16}) {
+      for (const bool with_network : {false, true}) {
+        const gi::RadiosityTable& table = with_network ? by_network : by_paths;
+        smoothed_row("4 x " + std::to_string(gather_rays) + " gather rays, " +
+                         (with_network ? "network" : "64 paths") + " at 4096 entries",
+                     with_network, true, 4, with_network ? 0 : raw.seconds,
+                     with_network ? 0 : raw.light.rays_traced, [&](uint64_t k, int64_t* rays) {
+                       gi::GatherOptions options;
+                       options.rays = gather_rays;
+                       options.seed = k;
+                       gi::Gathered gathered = gi::gather_irradiance(
+                           bvh_, lights_, table, view_.position, view_.normal, options);
+                       *rays += gathered.rays_traced;
+                       return std::move(gathered.indirect);
+                     });
+      }
+    }
+    const gi::TableEntries all = gi::sample_entries(bvh_.scene(), 8192, 21);
+    const std::vector<Rgb> at_points = embedding_->decode({all.position, all.normal, all.albedo});
+    std::vector<float> spacing;
+    for (const float area : all.area) spacing.push_back(std::sqrt(area));
+    const std::vector<Rgb> none(at_points.size());
+    for (const bool with_network : {false, true}) {
+      const std::vector<Rgb>& base = with_network ? at_points : none;
+      row(std::string(with_network ? "network" : "nothing") +
+              " + residual at 4096 points, 8 x 8 paths a side",
+          false, with_network ? encode_s_ : 0, [&](int64_t* rays) {
+            gi::ResidualField field(all.position, all.normal, spacing);
+            for (int k = 0; k < 8; ++k) {
+              const gi::EntryLight light = gi::estimate_entries(bvh_, lights_, all, 8, kModelDepth,
+                                                                3000 + static_cast<uint64_t>(k));
+              field.add(light.indirect, base);
+              *rays += light.rays_traced;
+            }
+            field.correct_points();
+            std::vector<Rgb> out = field.correct(view_.position, view_.normal);
+            if (with_network) {
+              for (size_t i = 0; i < out.size(); ++i) out[i] += answers_[i];
+            }
+            return out;
+          });
+    }
+    std::printf("\n");
+    for (const std::string& note : notes_) std::printf("    %s\n", note.c_str());
+    std::printf("\n");
+  }
+
+  pathtrace::Bvh bvh_;
+  pathtrace::Lights lights_;
+  const runtime::Network& network_;
+  View view_;
+  Reference reference_;
+  std::optional<runtime::SceneEmbedding> embedding_;
+  std::vector<Rgb> answers_;
+  double encode_s_ = 0, misses_ = 0;
+  mutable std::vector<std::string> notes_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string model, size = "160x120";
+  std::filesystem::path cache = "out/gather";
+  std::vector<std::filesystem::path> scenes;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const auto value = [&] { return std::string(i + 1 < argc ? argv[++i] : ""); };
+    if (word == "--model") {
+      model = value();
+    } else if (word == "--cache") {
+      cache = value();
+    } else if (word == "--size") {
+      size = value();
+    } else {
+      scenes.emplace_back(word);
+    }
+  }
+  try {
+    int width = 0, height = 0;
+    LTE_CHECK(std::sscanf(size.c_str(), "%dx%d", &width, &height) == 2, "--size ", size,
+              ": expected WIDTHxHEIGHT");
+    const runtime::Network network(infer::checkpoint_or_shipped(model));
+    for (const auto& path : scenes) {
+      const scene::Scene scene = load_scene(path, {});
+      std::printf("## %s\n\n", path.filename().c_str());
+      Experiments(scene, network, width, height,
+                  cache / concat(path.stem().string(), '-', size, '-', kHalfPaths, ".f32"))
+          .run();
+    }
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "lte_gather_bench: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,216 @@
+// Final gather against closed forms, and against the path tracer's whole paths.
+#include "lte/gi/gather.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "lte/base/check.h"
+#include "lte/pathtrace/irradiance.h"
+#include "lte/scene/sampler.h"
+#include "tests/support/closed_forms.h"
+#include "tests/support/scenes.h"
+
+namespace lte::gi {
+namespace {
+
+using test::add_instance;
+using test::add_material;
+using test::add_quad;
+
+constexpr float kAlways = std::numeric_limits<float>::infinity();
+
+/// In a closed box of radiance 1 and albedo ρ, light of depth 1 to d is π Σ_{k<d} ρ^k.
+class Furnace : public testing::Test {
+ protected:
+  static constexpr float kAlbedo = 0.6f;
+  Furnace() {
+    const int wall = add_material(&scene_, {kAlbedo, kAlbedo, kAlbedo}, {1, 1, 1});
+    add_instance(&scene_, test::box_mesh({-1, -1, -1}, {1, 1, 1}, wall, true));
+  }
+  Gathered gather(int table_depth, const GatherOptions& options) {
+    const pathtrace::Bvh bvh(scene_);
+    const pathtrace::Lights lights(scene_);
+    const TableEntries entries = sample_entries(scene_, 2000, 1);
+    const float e = kPi * static_cast<float>(test::geometric_sum(double{kAlbedo}, table_depth));
+    const RadiosityTable table(bvh, entries,
+                               std::vector<Rgb>(static_cast<size_t>(entries.size()), Rgb{e, e, e}));
+    return gather_irradiance(bvh, lights, table, positions_, normals_, options);
+  }
+  scene::Scene scene_;
+  const std::vector<Vec3> positions_{{0, 0, -1}, {0.3f, 1, -0.2f}, {-1, 0.9f, 0.95f}};
+  const std::vector<Vec3> normals_{{0, 0, 1}, {0, -1, 0}, {1, 0, 0}};
+};
+
+TEST_F(Furnace, ReadsThePerfectTableWithoutNoise) {
+  GatherOptions options;
+  options.near = 0;
+  const Gathered gathered = gather(4, options);
+  const double expected = double{kPi} * (test::geometric_sum(double{kAlbedo}, 5) - 1);
+  for (const Rgb& e : gathered.indirect) EXPECT_NEAR(double{e.x}, expected, 1e-4 * expected);
+  EXPECT_EQ(gathered.lookups, 3 * 16);
+  EXPECT_EQ(gathered.misses, 0);
+  EXPECT_EQ(gathered.rays_traced, 3 * 16);
+}
+
+TEST_F(Furnace, ASecondSegmentCountsNoLightTwice) {
+  GatherOptions options;
+  options.rays = 4096;
+  options.near = kAlways;
+  const Gathered gathered = gather(3, options);  // a segment adds one more bounce
+  const double expected = double{kPi} * (test::geometric_sum(double{kAlbedo}, 5) - 1);
+  for (const Rgb& e : gathered.indirect) EXPECT_NEAR(double{e.x}, expected, 0.01 * expected);
+}
+
+/// Points of a room, with the reference and a table that paths have filled.
+struct Room {
+  explicit Room(scene::Scene made)
+      : scene(std::move(made)), bvh(scene), lights(scene), points(visible_points()) {}
+
+  scene::SurfaceSamples visible_points() const {
+    scene::SamplerOptions options;
+    options.seed = 5;
+    options.punctual_lights = false;
+    scene::SurfaceSamples all = scene::sample_surface(scene, 150, options);
+    return all;
+  }
+  std::vector<Rgb> reference(int max_depth) const {
+    pathtrace::IrradianceOptions options;
+    options.rays = 2048;
+    options.max_depth = max_depth;
+    const auto e =
+        pathtrace::estimate_irradiance(bvh, lights, points.position, points.normal, options);
+    std::vector<Rgb> out;
+    for (int64_t i = 0; i < e.points; ++i) out.push_back(e.indirect_sum(i));
+    return out;
+  }
+  RadiosityTable table(int64_t count, int paths, int max_depth) const {
+    const TableEntries entries = sample_entries(scene, count, 3);
+    const EntryLight light = estimate_entries(bvh, lights, entries, paths, max_depth, 4);
+    const std::vector<uint8_t> keep = lit(light);
+    const std::vector<Rgb> total = light.total();
+    std::vector<Rgb> kept;
+    for (size_t i = 0; i < keep.size(); ++i) {
+      if (keep[i]) kept.push_back(total[i]);
+    }
+    return RadiosityTable(bvh, entries.kept(keep), kept);
+  }
+
+  scene::Scene scene;
+  pathtrace::Bvh bvh;
+  pathtrace::Lights lights;
+  scene::SurfaceSamples points;
+};
+
+struct Errors {
+  double bias, rms;  ///< relative to the mean reference
+};
+
+Errors errors(const std::vector<Rgb>& values, const std::vector<Rgb>& reference) {
+  double sum = 0, difference = 0, squares = 0;
+  for (size_t i = 0; i < values.size(); ++i) {
+    for (int c = 0; c < 3; ++c) {
+      const double d = double{values[i][c]} - double{reference[i][c]};
+      sum += double{reference[i][c]};
+      difference += d;
+      squares += d * d;
+    }
+  }
+  const auto count = 3 * static_cast<double>(values.size());
+  return {difference / sum, std::sqrt(squares / count) / (sum / count)};
+}
+
+TEST(Gather, MatchesPathsOfOneBounceMoreThanItsTable) {
+  const Room room(test::furnished_room());
+  const RadiosityTable table = room.table(3000, 128, 3);
+  GatherOptions options;
+  options.rays = 256;
+  const Gathered gathered = gather_irradiance(room.bvh, room.lights, table, room.points.position,
+                                              room.points.normal, options);
+  const Errors e = errors(gathered.indirect, room.reference(4));
+  EXPECT_LT(std::fabs(e.bias), 0.02);
+  EXPECT_LT(e.rms, 0.06);
+  EXPECT_LT(gathered.misses, gathered.lookups / 10);
+}
+
+TEST(Gather, WithoutATableItIsPathTracing) {
+  const Room room(test::furnished_room());
+  GatherOptions options;
+  options.rays = 1024;
+  options.max_depth = 4;
+  const Gathered gathered =
+      gather_irradiance(room.bvh, room.lights, RadiosityTable(room.bvh, {}, {}),
+                        room.points.position, room.points.normal, options);
+  const Errors e = errors(gathered.indirect, room.reference(4));
+  EXPECT_LT(std::fabs(e.bias), 0.01);
+  EXPECT_LT(e.rms, 0.06);
+}
+
+TEST(Gather, FollowsMetalToTheSurfaceThatItMirrors) {
+  scene::Scene scene = test::furnished_room();
+  add_quad(&scene, {3.9f, 0.2f, 0.2f}, {0, 0, 2.5f}, {0, 2, 0},
+           test::add_metal(&scene, {0.9f, 0.8f, 0.7f}, 0.2f));
+  const Room room(std::move(scene));
+  const RadiosityTable table = room.table(3000, 128, 5);
+  GatherOptions options;
+  options.rays = 256;
+  options.max_depth = 6;
+  const Gathered gathered = gather_irradiance(room.bvh, room.lights, table, room.points.position,
+                                              room.points.normal, options);
+  const Errors e = errors(gathered.indirect, room.reference(6));
+  EXPECT_LT(std::fabs(e.bias), 0.03);  // what metal shows has one bounce more
+  EXPECT_LT(e.rms, 0.1);
+}
+
+TEST(Gather, LightThatArrivesAtOnceIsNotIndirect) {
+  scene::Scene scene;
+  const int white = add_material(&scene, {0.8f, 0.8f, 0.8f});
+  const int lamp = add_material(&scene, {0, 0, 0}, {10, 10, 10});
+  add_quad(&scene, {-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, white);
+  add_quad(&scene, {-1, -1, 1}, {0, 2, 0}, {2, 0, 0}, lamp);  // looks down
+  const pathtrace::Bvh bvh(scene);
+  const pathtrace::Lights lights(scene);
+  const std::vector<Vec3> positions{{0, 0, 0}}, normals{{0, 0, 1}};
+  const Gathered gathered =
+      gather_irradiance(bvh, lights, RadiosityTable(bvh, {}, {}), positions, normals, {});
+  EXPECT_EQ(gathered.indirect[0], Rgb{});
+}
+
+TEST(Gather, DoesNotDependOnHowQueriesAreCutIntoCalls) {
+  const Room room(test::furnished_room());
+  const RadiosityTable table = room.table(500, 16, 3);
+  const auto& p = room.points.position;
+  const auto& n = room.points.normal;
+  GatherOptions options;
+  options.rays = 24;
+  const std::vector<Rgb> whole =
+      gather_irradiance(room.bvh, room.lights, table, p, n, options).indirect;
+  GatherAnswer answer(room.bvh, room.lights, table, options);
+  std::vector<Rgb> parts = answer(std::span(p).first(37), std::span(n).first(37), {});
+  const std::vector<Rgb> rest = answer(std::span(p).subspan(37), std::span(n).subspan(37), {});
+  parts.insert(parts.end(), rest.begin(), rest.end());
+  EXPECT_EQ(parts, whole);
+}
+
+TEST(Gather, RefusesOptionsOutOfRange) {
+  const scene::Scene scene = test::furnished_room();
+  const pathtrace::Bvh bvh(scene);
+  const pathtrace::Lights lights(scene);
+  const RadiosityTable table(bvh, {}, {});
+  const auto gather = [&](const GatherOptions& options) {
+    gather_irradiance(bvh, lights, table, {}, {}, options);
+  };
+  GatherOptions options;
+  gather(options);
+  options.rays = 0;
+  EXPECT_THROW(gather(options), Error);
+  options = {};
+  options.near = -1;
+  EXPECT_THROW(gather(options), Error);
+  options = {};
+  options.max_depth = 1;
+  EXPECT_THROW(gather(options), Error);
+}
+
+}  // namespace
+}  // namespace lte::gi

@@ -1,0 +1,89 @@
+// The index against a search through all points by the same definition of closeness.
+#include "lte/gi/surface_index.h"
+
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "lte/base/check.h"
+#include "lte/base/random.h"
+
+namespace lte::gi {
+namespace {
+
+Vec3 random_unit(Rng* rng) {
+  for (;;) {
+    const Vec3 v{rng->uniform(-1, 1), rng->uniform(-1, 1), rng->uniform(-1, 1)};
+    if (dot(v, v) > 0.01f && dot(v, v) < 1) return normalize(v);
+  }
+}
+
+struct Points {
+  std::vector<Vec3> position, normal;
+  std::vector<float> radius;
+};
+
+/// Points of a ball's volume: every normal, many radii, and several in each other's way.
+Points random_points(int count, uint64_t seed) {
+  Rng rng(seed);
+  Points out;
+  for (int i = 0; i < count; ++i) {
+    out.position.push_back(random_unit(&rng) * (0.7f * rng.uniform()));
+    out.normal.push_back(random_unit(&rng));
+    out.radius.push_back(rng.uniform(0.05f, 0.5f));
+  }
+  return out;
+}
+
+TEST(SurfaceIndex, FindsWhatASearchThroughAllPointsFinds) {
+  const Points points = random_points(1500, 1);
+  const SurfaceIndex index(points.position, points.normal, points.radius);
+  Rng rng(2);
+  int64_t found = 0;
+  for (int query = 0; query < 400; ++query) {
+    const Vec3 p = random_unit(&rng) * rng.uniform(0, 1.1f), n = random_unit(&rng);
+    std::map<uint32_t, float> listed;
+    index.for_each(p, n, [&](uint32_t i, float weight, const Vec3& offset) {
+      EXPECT_TRUE(listed.emplace(i, weight).second) << "twice";
+      EXPECT_EQ(offset, p - points.position[i]);
+    });
+    size_t expected = 0;
+    for (uint32_t i = 0; i < points.position.size(); ++i) {
+      const Vec3 d = p - points.position[i];
+      const double r = points.radius[i], far = double{dot(d, d)} / (r * r);
+      const double cosine = dot(n, points.normal[i]);
+      const double off =
+          std::max(std::fabs(dot(d, n)), std::fabs(dot(d, points.normal[i]))) / (0.2 * r);
+      if (far >= 1 || cosine <= 0.8 || off >= 1) continue;
+      const double weight = (1 - far) * (1 - far) * (1 - off * off) * (cosine - 0.8) / 0.2;
+      if (weight < 1e-4) continue;  // rounding decides
+      ++expected;
+      ASSERT_TRUE(listed.contains(i)) << "query " << query;
+      EXPECT_NEAR(listed[i], weight, 1e-4 + 1e-3 * weight);
+    }
+    EXPECT_GE(listed.size(), expected);
+    EXPECT_LE(listed.size(), expected + 2);
+    found += static_cast<int64_t>(expected);
+  }
+  EXPECT_GT(found, 400) << "the test has to find something";
+}
+
+TEST(SurfaceIndex, AnswersOutsideItsBoundsAndWithoutPoints) {
+  const Points points = random_points(10, 3);
+  const SurfaceIndex index(points.position, points.normal, points.radius);
+  const auto never = [](uint32_t, float, const Vec3&) { FAIL(); };
+  index.for_each({1e9f, 0, 0}, {0, 0, 1}, never);
+  index.for_each({-1e9f, -1e30f, 0}, {0, 0, 1}, never);
+  SurfaceIndex().for_each({0, 0, 0}, {0, 0, 1}, never);
+  EXPECT_EQ(SurfaceIndex({}, {}, {}).size(), 0);
+}
+
+TEST(SurfaceIndex, RefusesWhatIsNoPoint) {
+  const std::vector<Vec3> here{{0, 0, 0}}, up{{0, 0, 1}}, nowhere{{NAN, 0, 0}};
+  EXPECT_THROW(SurfaceIndex(here, up, std::vector<float>{0}), Error);
+  EXPECT_THROW(SurfaceIndex(nowhere, up, std::vector<float>{1}), Error);
+  EXPECT_THROW(SurfaceIndex(here, up, std::vector<float>{1, 1}), Error);
+}
+
+}  // namespace
+}  // namespace lte::gi
