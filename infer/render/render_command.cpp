@@ -146,7 +146,7 @@ nlohmann::json picture_json(const RenderRequest& request, const View& view, cons
 /// The keys of one picture stand beside those of the run; several are a list of their own.
 nlohmann::json to_json(const RenderRequest& request, const Renderer& renderer,
                        const nlohmann::json& pictures, const StageSeconds& s, double total) {
-  const auto [width, height] = parse_size(request.size);
+  const auto [width, height] = parse_picture_size(request.size);
   nlohmann::json json = {{"scene", request.scene},
                          {"output", request.output},
                          {"mode", request.mode},

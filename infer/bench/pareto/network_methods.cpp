@@ -23,11 +23,11 @@ constexpr int kEstimateShadowRays = 16;
 class EstimateCache {
  public:
   EstimateCache(const LitSamples& lit, float unit) : unit_(unit) {
-    for (size_t i = 0; i < lit.indirect.size(); ++i) {
+    for (size_t i = 0; i < lit.light.indirect.size(); ++i) {
       if (max_component(lit.surface.emission[i]) > 0) continue;
       position_.push_back(lit.surface.position[i] / unit);
       normal_.push_back(lit.surface.normal[i]);
-      light_.push_back(lit.indirect[i]);
+      light_.push_back(lit.light.indirect[i]);
     }
   }
 
@@ -41,7 +41,7 @@ class EstimateCache {
     const at::Tensor light = runtime::borrow(light_);
     const at::Tensor means = ops::irradiance_cache_means(
         query, runtime::borrow(queries.normal), points, runtime::borrow(normal_),
-        at::cat({light, at::zeros_like(light)}, 1), near, nn::kCacheWeights);
+        at::cat({light, at::zeros_like(light)}, 1), {}, near, nn::kCacheWeights);
     const auto rows = means.accessor<float, 2>();
     for (size_t i = 0; i < out.size(); ++i) {
       const auto row = rows[static_cast<int64_t>(i)];

@@ -203,9 +203,10 @@ class Measurement {
     Rng rng(kShuffle);
     for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[rng.below(i)]);
     const auto apply = [&order](auto* values) {
-      if (values->empty()) return;
+      const size_t each = values->size() / order.size();  // errors have one of each side
       auto moved = *values;
-      for (size_t i = 0; i < order.size(); ++i) moved[i] = (*values)[order[i]];
+      for (size_t i = 0; i < each * order.size(); ++i)
+        moved[i] = (*values)[each * order[i / each] + i % each];
       *values = std::move(moved);
     };
     scene::SurfaceSamples& s = lit->surface;
@@ -216,8 +217,11 @@ class Measurement {
     apply(&s.gloss);
     apply(&s.area);
     apply(&s.light_group);
-    apply(&lit->direct);
-    apply(&lit->indirect);
+    apply(&lit->light.direct);
+    apply(&lit->light.indirect);
+    apply(&lit->light.direct_back);
+    apply(&lit->light.indirect_back);
+    apply(&lit->light.error);
   }
 
   /// The network may change by three times what another draw of its points and paths does.
