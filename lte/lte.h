@@ -24,6 +24,8 @@
 #include "lte/base/safetensors.h"
 #include "lte/data/dataset.h"
 #include "lte/data/scene_sample.h"
+#include "lte/gi/sparse_pixels.h"
+#include "lte/gi/upsample.h"
 #include "lte/image/exr.h"
 #include "lte/image/metrics.h"
 #include "lte/image/png.h"

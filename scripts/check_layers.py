@@ -35,6 +35,7 @@ ALLOWED = {
     "lte/pathtrace/materials": ["lte/base", "lte/scene/*", "lte/pathtrace"],
     "lte/pathtrace/transport": ["lte/base", "lte/scene/*", "lte/pathtrace",
                                 "lte/pathtrace/materials"],
+    "lte/gi": ["lte/base", "lte/image", "lte/scene/*", "lte/pathtrace/*"],
     "lte/data": ["lte/base"],
     "lte/ops": ["lte/base", "lte/ops/cpu/*"],
     "lte/ops/cpu": ["lte/base", "lte/ops", "lte/ops/cpu/kernels"],
@@ -69,7 +70,8 @@ ALLOWED = {
                       "train/config", "train/log", "train/distributed", "train/loop"],
     "train": ["lte/base", "lte/cli", "train/command"],
     # Render, eval, export and bench never include one another.
-    "infer/common": LIBRARY_WITHOUT_TORCH + ["lte/cli/*", "lte/ops", "lte/nn", "lte/runtime"],
+    "infer/common": LIBRARY_WITHOUT_TORCH + ["lte/gi", "lte/cli/*", "lte/ops", "lte/nn",
+                                             "lte/runtime"],
 }
 for tool in ("render", "eval", "export", "bench"):
     ALLOWED[f"infer/{tool}"] = ALLOWED["infer/common"] + ["infer/common", "lte/report"]
@@ -78,7 +80,7 @@ for part in ("pareto", "stability"):
     ALLOWED[f"infer/bench/{part}"] = ALLOWED["infer/common"] + ["infer/common", "lte/report"]
 
 NO_TORCH = ("lte/base", "lte/cli", "lte/report", "lte/image", "lte/scene", "lte/pathtrace",
-            "lte/data", "datagen")
+            "lte/gi", "lte/data", "datagen")
 OWN_INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"')
 TORCH_INCLUDE = re.compile(r"^\s*#\s*include\s*<(torch|ATen|c10)/([^>]+)>")
 CLI_INCLUDE = re.compile(r"^\s*#\s*include\s*<CLI/")

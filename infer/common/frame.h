@@ -22,9 +22,10 @@ struct Frame {
   image::Image indirect;  ///< irradiance by all later bounces
   /// Irradiance of a model whose target is the total, when direct light was not needed.
   image::Image total;
-  int64_t background = 0;     ///< pixels whose centre meets nothing
-  int64_t queries = 0;        ///< points that reflect light: those that are decoded
-  int64_t edge_pixels = 0;    ///< pixels with several hits
+  int64_t background = 0;   ///< pixels whose centre meets nothing
+  int64_t queries = 0;      ///< points that reflect light
+  int64_t decoded = 0;      ///< those that the network has answered: fewer if it is asked sparsely
+  int64_t edge_pixels = 0;  ///< pixels with several hits
   int64_t traced_pixels = 0;  ///< pixels with metal that paths have rendered
   /// Sums over the pixels that see a surface: how metallic it is, and that of materials that are so
   /// by glTF's default (scene/metal.h).

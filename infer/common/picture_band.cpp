@@ -31,7 +31,10 @@ Rgb get(const Image& image, int pixel) {
 
 PictureBand::PictureBand(const pathtrace::Bvh& bvh, const scene::Camera& camera,
                          const PictureRows& rows, const BandOptions& options)
-    : scene_(bvh.scene()), rows_(rows), options_(options) {
+    : scene_(bvh.scene()),
+      rows_(rows),
+      pixel_size_(pathtrace::pixel_size(camera, rows.height)),
+      options_(options) {
   PictureRows seen = rows;
   if (options.antialias > 1) {  // the neighbours of the band's own pixels
     seen.first = std::max(0, rows.first - 1);
@@ -49,8 +52,7 @@ PictureBand::PictureBand(const pathtrace::Bvh& bvh, const scene::Camera& camera,
   list_traced();
   ask_centres();
   if (options.antialias > 1) {
-    assign_sources({hits_, seen, pathtrace::pixel_size(camera, rows.height)}, query_of_pixel_,
-                   &queries_, &sub_);
+    assign_sources({hits_, seen, pixel_size_}, query_of_pixel_, &queries_, &sub_);
   }
 }
 
@@ -64,8 +66,7 @@ void PictureBand::darken_metal(GBuffer* hits) const {
 /// is anti-aliased by itself.
 void PictureBand::take_samples(const pathtrace::Bvh& bvh, const scene::Camera& camera,
                                const PictureRows& seen) {
-  std::vector<int32_t> edges =
-      find_edges({hits_, seen, pathtrace::pixel_size(camera, rows_.height)});
+  std::vector<int32_t> edges = find_edges({hits_, seen, pixel_size_});
   const auto first = static_cast<int32_t>(hit_index(0)),
              last = static_cast<int32_t>(hit_index(pixels()));
   std::erase_if(edges, [&](int32_t pixel) {
@@ -112,6 +113,40 @@ void PictureBand::ask_centres() {
     }
   }
   centre_queries_ = queries_.size();
+}
+
+gi::PixelSurfaces PictureBand::surfaces(std::span<const uint8_t> mask) const {
+  const auto part = [&](const auto& values) {
+    return std::span(values).subspan(hit_index(0), static_cast<size_t>(pixels()));
+  };
+  gi::PixelSurfaces out;
+  out.width = rows_.width;
+  out.height = rows_.last - rows_.first;
+  out.position = part(hits_.position);
+  out.normal = part(hits_.normal);
+  out.depth = part(hits_.depth);
+  out.mask = mask;
+  out.pixel_size = pixel_size_;
+  return out;
+}
+
+std::span<const int32_t> PictureBand::query_of_pixel() const {
+  return std::span(query_of_pixel_).subspan(hit_index(0), static_cast<size_t>(pixels()));
+}
+
+std::vector<PictureBand::ExtraQuery> PictureBand::extra_queries() const {
+  std::vector<ExtraQuery> out;
+  out.reserve(static_cast<size_t>(queries_.size() - centre_queries_));
+  const auto count = static_cast<size_t>(sub_.per_pixel);
+  for (size_t entry = 0; entry < sub_.pixel.size(); ++entry) {
+    const int pixel = sub_.pixel[entry] - static_cast<int32_t>(hit_index(0));
+    for (size_t s = entry * count; s < (entry + 1) * count; ++s) {
+      // Queries were added in this order; what names one again shares it.
+      if (sub_.source[s] == centre_queries_ + static_cast<int64_t>(out.size()))
+        out.push_back({pixel, sub_.hits.depth[s]});
+    }
+  }
+  return out;
 }
 
 void PictureBand::count_metal(Frame* frame) const {
@@ -207,6 +242,7 @@ Frame PictureBand::resolve(const BandLight& light) const {
   if (light.total) frame.total = light_layer(*light.total, frame.albedo);
   put_traced(light, &frame);
   frame.queries = queries_.size();
+  frame.decoded = light.decoded;
   frame.edge_pixels = static_cast<int64_t>(sub_.pixel.size());
   frame.traced_pixels = static_cast<int64_t>(traced_.size());
   count_metal(&frame);

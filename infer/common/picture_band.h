@@ -9,6 +9,7 @@
 
 #include "infer/common/antialias.h"
 #include "infer/common/frame.h"
+#include "lte/gi/pixel_surfaces.h"
 #include "lte/pathtrace/render.h"
 
 namespace lte::infer {
@@ -31,6 +32,7 @@ struct BandOptions {
 struct BandLight {
   std::optional<std::vector<Rgb>> direct, indirect, total;
   std::vector<pathtrace::PixelRadiance> traced;  ///< an entry a traced pixel
+  int64_t decoded = 0;                           ///< queries that the network has answered
 };
 
 class PictureBand {
@@ -44,6 +46,16 @@ class PictureBand {
   /// picture.
   const QuerySet& queries() const { return queries_; }
   int64_t centre_queries() const { return centre_queries_; }
+  /// What the pixels of the band see. @param mask  per pixel, where irradiance is wanted
+  gi::PixelSurfaces surfaces(std::span<const uint8_t> mask) const;
+  /// The query of each pixel of the band, kNone if it asks nothing.
+  std::span<const int32_t> query_of_pixel() const;
+  /// The pixel in which each query beyond the centres' lies, and its depth.
+  struct ExtraQuery {
+    int pixel = 0;
+    float depth = 0;
+  };
+  std::vector<ExtraQuery> extra_queries() const;
   /// Pixels, y * width + x of the picture, that the path tracer is to render.
   const std::vector<int64_t>& traced_pixels() const { return traced_; }
 
@@ -68,6 +80,7 @@ class PictureBand {
 
   const scene::Scene& scene_;
   PictureRows rows_;  ///< of the band
+  float pixel_size_;
   BandOptions options_;
   int above_ = 0;  ///< rows in hits_ before those of the band: neighbours of its edges
   pathtrace::GBuffer hits_;

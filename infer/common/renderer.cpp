@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "infer/common/lit_samples.h"
+#include "infer/common/sparse_light.h"
 #include "infer/common/untrained_light.h"
 #include "lte/base/check.h"
 #include "lte/base/timer.h"
@@ -94,6 +95,7 @@ void put_band(const Frame& band, int first, bool layers, int height, Frame* fram
   }
   frame->background += band.background;
   frame->queries += band.queries;
+  frame->decoded += band.decoded;
   frame->edge_pixels += band.edge_pixels;
   frame->traced_pixels += band.traced_pixels;
   frame->metal += band.metal;
@@ -192,22 +194,48 @@ Metal Renderer::metal_of(const RenderSettings& settings) const {
 
 /// The network's answers. Those for pixel centres are asked apart from those that anti-aliasing
 /// adds: matrix products of other sizes may round otherwise, and centres keep every bit.
-void Renderer::decode(const PictureBand& band, BandLight* light) {
-  LTE_CHECK(embedding_.has_value(), "this output needs a model: embed() comes first");
-  const Timer timer;
-  const QuerySet& queries = band.queries();
+std::vector<Rgb> Renderer::decode_all(const QuerySet& queries, int64_t centres) const {
   const auto ask = [&](int64_t first, int64_t last) {
     const auto begin = static_cast<size_t>(first), count = static_cast<size_t>(last - first);
     return embedding_->decode({std::span(queries.position).subspan(begin, count),
                                std::span(queries.normal).subspan(begin, count),
                                std::span(queries.albedo).subspan(begin, count)});
   };
-  std::vector<Rgb> answers = ask(0, band.centre_queries());
-  if (queries.size() > band.centre_queries()) {
-    const std::vector<Rgb> more = ask(band.centre_queries(), queries.size());
+  std::vector<Rgb> answers = ask(0, centres);
+  if (queries.size() > centres) {
+    const std::vector<Rgb> more = ask(centres, queries.size());
     answers.insert(answers.end(), more.begin(), more.end());
   }
-  (embedding_->network().predicts_total() ? light->total : light->indirect) = std::move(answers);
+  return answers;
+}
+
+gi::Answerer Renderer::decoder() const {
+  return [this](std::span<const gi::Query> queries) {
+    QuerySet set;
+    for (const gi::Query& query : queries) {
+      set.position.push_back(query.position);
+      set.normal.push_back(query.normal);
+      set.albedo.push_back(query.albedo);
+    }
+    return decode_all(set, set.size());
+  };
+}
+
+void Renderer::decode(const PictureBand& band, const RenderSettings& settings, BandLight* light) {
+  LTE_CHECK(embedding_.has_value(), "this output needs a model: embed() comes first");
+  const Timer timer;
+  const gi::Answerer answerer = settings.answerer ? settings.answerer : decoder();
+  SparseLight answers;
+  if (settings.sparse) {
+    answers = light_sparsely(band, *settings.sparse, answerer);
+  } else if (settings.answerer) {
+    answers = light_everywhere(band, answerer);
+  } else {
+    answers = {decode_all(band.queries(), band.centre_queries()), band.queries().size()};
+  }
+  light->decoded = answers.answers;
+  (embedding_->network().predicts_total() ? light->total : light->indirect) =
+      std::move(answers.irradiance);
   seconds_.decode += timer.seconds();
 }
 
@@ -220,6 +248,7 @@ void Renderer::estimate(const PictureBand& band, bool direct_only, Job* job, Ban
   options.max_depth = direct_only ? 1 : settings.max_depth;
   options.seed = settings.seed;
   options.direct_only = direct_only;
+  RayPace* pace = settings.mode == Mode::Neural ? settings.pace : nullptr;
   const QuerySet& queries = band.queries();
   light->direct.emplace(queries.position.size());
   if (!direct_only) light->indirect.emplace(queries.position.size());
@@ -229,9 +258,15 @@ void Renderer::estimate(const PictureBand& band, bool direct_only, Job* job, Ban
     for (int64_t begin = first; begin < end; begin += block) {
       const auto b = static_cast<size_t>(begin),
                  n = static_cast<size_t>(std::min(block, end - begin));
+      const Timer timer;
+      if (pace) {
+        options.rays = pace->rays(queries.size() - begin);
+        options.variance = false;  // one ray has none, and stays one
+      }
       const pathtrace::Irradiance part = pathtrace::estimate_irradiance(
           bvh_, lights_, std::span(queries.position).subspan(b, n),
           std::span(queries.normal).subspan(b, n), options, number + begin - first);
+      if (pace) pace->add(static_cast<int64_t>(n), options.rays, timer.seconds());
       for (size_t i = 0; i < n; ++i) {
         (*light->direct)[b + i] = part.direct_sum(static_cast<int64_t>(i));
         if (!direct_only) (*light->indirect)[b + i] = part.indirect_sum(static_cast<int64_t>(i));
@@ -262,7 +297,7 @@ BandLight Renderer::neural(const PictureBand& band, Job* job) {
   const RenderSettings& settings = job->settings;
   BandLight light;
   const bool network = needs_network(settings);
-  if (network) decode(band, &light);
+  if (network) decode(band, settings, &light);
   trace_metal(band, job, &light);
   // A total model's full picture needs no direct light; its indirect share is what direct light
   // leaves.
@@ -292,6 +327,10 @@ Frame Renderer::render_band(const PictureRows& rows, Job* job) {
   const RenderSettings& settings = job->settings;
   const bool by_paths = settings.mode == Mode::Reference && settings.output == Output::Full;
   job->done = 0;
+  if (settings.pace) {
+    settings.pace->begin_rows(int64_t{rows.width} * (rows.last - rows.first),
+                              int64_t{rows.width} * (rows.height - rows.last));
+  }
   const Timer timer;
   const PictureBand band(bvh_, job->camera, rows,
                          {by_paths ? 0 : settings.antialias, metal_of(settings),

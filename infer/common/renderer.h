@@ -7,9 +7,12 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "infer/common/frame.h"
 #include "infer/common/picture_band.h"
+#include "infer/common/ray_pace.h"
+#include "lte/gi/sparse_pixels.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights.h"
 #include "lte/pathtrace/reach.h"
@@ -47,6 +50,12 @@ struct RenderSettings {
   /// What stands for metal in light outputs; Irradiance shows it like any surface. Reference mode
   /// always traces it.
   Metal metal = Metal::Trace;
+  /// Neural mode: ask few pixels for indirect light and take the others' from them; otherwise all.
+  std::optional<gi::SparseOptions> sparse;
+  /// Neural mode: what answers in the place of the network's decoder. May be null.
+  gi::Answerer answerer;
+  /// Neural mode: chooses the shadow rays in the place of `direct_samples`. May be null.
+  RayPace* pace = nullptr;
   /// Keep the layers of the frame. Without, it has its color and depth alone, and takes a fifth of
   /// the memory.
   bool layers = true;
@@ -117,7 +126,9 @@ class Renderer {
   Frame render_band(const PictureRows& rows, Job* job);
   BandLight neural(const PictureBand& band, Job* job);
   BandLight reference(const PictureBand& band, Job* job);
-  void decode(const PictureBand& band, BandLight* light);
+  void decode(const PictureBand& band, const RenderSettings& settings, BandLight* light);
+  std::vector<Rgb> decode_all(const QuerySet& queries, int64_t centres) const;
+  gi::Answerer decoder() const;
   void estimate(const PictureBand& band, bool direct_only, Job* job, BandLight* light);
   void trace_metal(const PictureBand& band, Job* job, BandLight* light);
   Metal metal_of(const RenderSettings& settings) const;

@@ -15,6 +15,7 @@
 #include "infer/render/frame_io.h"
 #include "infer/render/notes.h"
 #include "infer/render/scene_size.h"
+#include "infer/render/time_budget.h"
 #include "infer/render/views.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
@@ -52,6 +53,15 @@ std::string check_antialias(const std::string& text) {
   return concat("\"", text, "\": expected off, or hits a pixel from 1 to ", kMostSubHits);
 }
 
+std::string check_time_budget(const std::string& text) {
+  try {
+    parse_time_budget(text);
+    return "";
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
 RenderSettings settings_of(const RenderRequest& request) {
   RenderSettings settings;
   settings.output = parse_output(request.output);
@@ -64,7 +74,27 @@ RenderSettings settings_of(const RenderRequest& request) {
   settings.antialias = parse_antialias(request.antialias);
   settings.metal = parse_metal(request.metal);
   settings.layers = keeps_layers(request.out);
-  return settings;
+  // The rest of the quality stands in the request already (apply_quality()).
+  return with_quality(parse_enum<Quality>("--quality", request.quality),
+                      parse_enum<Sparse>("--sparse", request.sparse), {true, true, true}, settings);
+}
+
+/// Sets what the quality says in the place of flags that were not given.
+void apply_quality(const CLI::App& app, RenderRequest* r) {
+  r->given.direct_samples = app.count("--direct-samples") > 0;
+  r->given.antialias = app.count("--aa") > 0;
+  r->given.sparse = app.count("--sparse") > 0;
+  const QualitySettings chosen = quality_settings(parse_enum<Quality>("--quality", r->quality));
+  if (!r->given.direct_samples) r->direct_samples = chosen.direct_samples;
+  if (!r->given.antialias)
+    r->antialias = chosen.antialias > 0 ? std::to_string(chosen.antialias) : "off";
+}
+
+void check_dial(const RenderRequest& request) {
+  LTE_CHECK(request.time_budget.empty() || request.mode == "neural",
+            "--time-budget needs --mode neural: a reference takes --spp paths a pixel");
+  LTE_CHECK(request.sparse != "on" || request.mode == "neural",
+            "--sparse on needs --mode neural: a reference asks every pixel");
 }
 
 std::vector<View> views_of(const RenderRequest& request, const pathtrace::Bvh& bvh) {
@@ -89,31 +119,48 @@ nlohmann::json seconds_json(const StageSeconds& s, double total) {
   return out;
 }
 
+nlohmann::json sparse_json(const gi::SparseOptions& options) {
+  return {{"step", options.step},
+          {"edge_step", options.edge_step},
+          {"tolerance", options.tolerance},
+          {"contact_radius", options.contact_radius}};
+}
+
 /// What there is to say about a picture that has been written.
-nlohmann::json picture_json(const RenderRequest& request, const View& view, const Frame& frame,
-                            double exposure) {
+nlohmann::json picture_json(const RenderRequest& request, const View& view, const PicturePlan& plan,
+                            const Frame& frame, double exposure) {
+  const RenderSettings& settings = plan.settings;
+  const bool sparse = settings.sparse.has_value();
   return {{"out", view.out},
           {"camera", nlohmann::json::parse(scene::camera_json(view.camera))},
           {"exposure", exposure},
           {"ev", request.exposure.ev},
           {"background_pixels", frame.background},
-          {"decoded_pixels", frame.queries},
+          {"queries", frame.queries},
+          {"decoded_pixels", sparse && frame.decoded > 0 ? frame.decoded : frame.queries},
+          {"quality", enum_name(plan.quality)},
+          {"sparse", sparse ? sparse_json(*settings.sparse) : nlohmann::json(false)},
+          {"antialias", settings.antialias},
+          {"direct_samples",
+           plan.pace ? plan.pace->mean_rays() : static_cast<double>(settings.direct_samples)},
           {"edge_pixels", frame.edge_pixels},
           {"traced_pixels", frame.traced_pixels}};
 }
 
 /// The keys of one picture stand beside those of the run; several are a list of their own.
-nlohmann::json to_json(const RenderRequest& request, const RenderSettings& settings,
-                       const Renderer& renderer, const nlohmann::json& pictures,
-                       const StageSeconds& s, double total) {
+nlohmann::json to_json(const RenderRequest& request, const Renderer& renderer,
+                       const nlohmann::json& pictures, const StageSeconds& s, double total) {
+  const auto [width, height] = parse_size(request.size);
   nlohmann::json json = {{"scene", request.scene},
                          {"output", request.output},
                          {"mode", request.mode},
                          {"precision", request.tool.precision},
-                         {"size", {settings.width, settings.height}},
+                         {"size", {width, height}},
                          {"pruned_scene_points", renderer.pruned_points().pruned},
                          {"seconds", seconds_json(s, total)},
                          {"peak_rss_mb", peak_rss_mb()}};
+  if (!request.time_budget.empty())
+    json["time_budget_seconds"] = parse_time_budget(request.time_budget);
   if (pictures.size() == 1) {
     json.update(pictures[0]);
     return json;
@@ -193,13 +240,26 @@ void add_seconds(const StageSeconds& picture, StageSeconds* sum) {
   }
 }
 
-/// Everything after the scene is encoded.
+/// The switches of a picture: as the flags have them, or as the time that is left allows.
+PicturePlan plan_of(const RenderRequest& request, const View& view, const Timer& work,
+                    Renderer* renderer) {
+  if (request.time_budget.empty())
+    return {parse_enum<Quality>("--quality", request.quality), settings_of(request), nullptr};
+  PicturePlan plan = plan_picture(parse_time_budget(request.time_budget), work,
+                                  parse_enum<Sparse>("--sparse", request.sparse), request.given,
+                                  settings_of(request), view.camera, renderer);
+  log_info(view.out, ": ", enum_name(plan.quality), " quality fits into ", request.time_budget);
+  return plan;
+}
+
+/// Everything after the scene is encoded. @param work  runs since its points were drawn
 void render_to_files(const RenderRequest& request, const std::vector<View>& views,
-                     Renderer* renderer, const Timer& total) {
-  RenderSettings settings = settings_of(request);
+                     Renderer* renderer, const Timer& total, Timer work) {
   StageSeconds seconds = renderer->seconds();
   nlohmann::json pictures = nlohmann::json::array();
   for (const View& view : views) {
+    PicturePlan plan = plan_of(request, view, work, renderer);
+    RenderSettings& settings = plan.settings;
     Frame frame;
     {
       const PictureProgress progress(&settings);
@@ -216,12 +276,12 @@ void render_to_files(const RenderRequest& request, const std::vector<View>& view
     write_frame(view.out, frame, settings.output, exposure, &view.camera);
     renderer->seconds().write = write.seconds();
     add_seconds(renderer->seconds(), &seconds);
-    pictures.push_back(picture_json(request, view, frame, exposure));
+    pictures.push_back(picture_json(request, view, plan, frame, exposure));
     print_exposure(request, view, exposure, views.size() > 1 ? "\n" : "");
+    work.restart();  // a view after the first has the budget for itself
   }
   if (!request.tool.common.json.empty()) {
-    const nlohmann::json json =
-        to_json(request, settings, *renderer, pictures, seconds, total.seconds());
+    const nlohmann::json json = to_json(request, *renderer, pictures, seconds, total.seconds());
     write_file(request.tool.common.json, json.dump(2) + '\n');
   }
   if (views.size() > 1 && !request.tool.common.quiet) std::printf("%zu pictures", views.size());
@@ -264,6 +324,23 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
                  "The network, or the path-traced reference of the same quantity")
       ->check(CLI::IsMember({"neural", "reference"}))
       ->capture_default_str();
+  app.add_option("--quality", r->quality,
+                 "Neural mode, flags by hand win: draft (sparse answers, 4 shadow rays, no "
+                 "anti-aliasing), preview (sparse answers, 16 rays, --aa 4) or final (an answer a "
+                 "pixel, 64 rays, --aa 16)")
+      ->check(CLI::IsMember({"draft", "preview", "final"}))
+      ->capture_default_str();
+  app.add_option("--time-budget", r->time_budget,
+                 "Neural mode: instead of --quality, the best that is ready in a time such as 0.5s "
+                 "or 200ms, encoding included; reading the scene and writing the picture are not")
+      ->check(CLI::Validator(check_time_budget, "TIME"))
+      ->excludes("--quality");
+  app.add_option("--sparse", r->sparse,
+                 "Neural mode: ask the network at few pixels and interpolate between them (on), at "
+                 "every pixel (off), or as the quality has it (auto)")
+      ->check(CLI::IsMember({"auto", "off", "on"}))
+      ->capture_default_str();
+  app.parse_complete_callback([&app, r] { apply_quality(app, r); });
   app.add_option(
          "--aa", r->antialias,
          "Hits a pixel at edges, which share the answers of pixels; or off. A full reference "
@@ -323,6 +400,7 @@ void run_render(const RenderRequest& request) {
     throw CLI::ValidationError("--out",
                                "name the picture to write (.exr or .png), or pass --validate-only");
   }
+  check_dial(request);
   CommandFiles files;
   claim_files(request, &files);
   apply_tool_options(request.tool);
@@ -356,11 +434,12 @@ void run_render(const RenderRequest& request) {
                 static_cast<long long>(scene.triangle_count()), scene.light_groups.size());
     return;
   }
+  const Timer work;
   if (network) {
     embed(request, *network, memory, &renderer);
     check_picture_fits(settings_of(request), memory);
   }
-  render_to_files(request, views, &renderer, total);
+  render_to_files(request, views, &renderer, total, work);
 }
 
 }  // namespace lte::infer

@@ -8,6 +8,7 @@
 #include "infer/common/renderer.h"
 #include "infer/common/tool_options.h"
 #include "infer/render/exposure.h"
+#include "infer/render/quality.h"
 #include "lte/cli/scene_flags.h"
 
 namespace lte::infer {
@@ -27,6 +28,9 @@ struct RenderRequest {
   double environment_turn = 0;      ///< degrees about +Y
   std::vector<std::string> lights;  ///< "auto" or "x,y,z,power": luminaires to add
   std::string antialias = std::to_string(kAntialias), metal = "trace";
+  std::string quality = "final", sparse = "auto";
+  std::string time_budget;  ///< "0.5s" or "200ms"; empty: none, `quality` counts
+  GivenFlags given;         ///< flags of the quality that stand on the command line
   SceneFlags loading;
   ExposureOptions exposure;
   ToolOptions tool;

@@ -355,6 +355,45 @@ TEST_F(Tools, AntialiasingIsOnAndCanBeTurnedOff) {
   }
 }
 
+TEST_F(Tools, TheDialSetsSwitchesAndFlagsByHandWin) {
+  const auto told = [](const std::string& flags) {
+    const Outcome done = render("--out " + at("q.exr") + " --json " + at("q.json") + flags);
+    EXPECT_EQ(done.code, 0) << done.text;
+    return nlohmann::json::parse(read_file(at("q.json")));
+  };
+  const nlohmann::json last = told(""), draft = told(" --quality draft"),
+                       mixed = told(" --quality draft --direct-samples 9 --aa 2 --sparse off");
+  EXPECT_EQ(last.at("quality"), "final");
+  EXPECT_EQ(last.at("sparse"), false);
+  EXPECT_EQ(last.at("direct_samples"), 64);
+  EXPECT_EQ(last.at("antialias"), 16);
+  EXPECT_EQ(last.at("decoded_pixels"), last.at("queries"));
+  EXPECT_EQ(draft.at("quality"), "draft");
+  EXPECT_EQ(draft.at("sparse").at("step"), 8);
+  EXPECT_EQ(draft.at("antialias"), 0);
+  EXPECT_LT(draft.at("decoded_pixels"), draft.at("queries"));
+  EXPECT_EQ(mixed.at("direct_samples"), 9);
+  EXPECT_EQ(mixed.at("antialias"), 2);
+  EXPECT_EQ(mixed.at("decoded_pixels"), mixed.at("queries"));
+  const nlohmann::json timed = told(" --time-budget 300s");
+  EXPECT_EQ(timed.at("quality"), "final");
+  EXPECT_EQ(timed.at("time_budget_seconds"), 300);
+}
+
+TEST_F(Tools, ATimeBudgetThatCannotBeKeptIsOneLineAndNoFile) {
+  const std::string out = "--out " + at("never.png");
+  expect_failure(render(out + " --time-budget 1ms"), 1,
+                 AllOf(HasSubstr("--time-budget"), HasSubstr("expected")));
+  expect_failure(render(out + " --time-budget 0.5"), 2, HasSubstr("such as 0.5s or 200ms"));
+  expect_failure(render(out + " --time-budget 1s --quality draft"), 2, HasSubstr("--quality"));
+  expect_failure(render(out + " --time-budget 1s --mode reference"), 1,
+                 HasSubstr("--time-budget needs --mode neural"));
+  expect_failure(render(out + " --sparse on --mode reference"), 1,
+                 HasSubstr("--sparse on needs --mode neural"));
+  expect_failure(render(out + " --quality best"), 2, HasSubstr("best"));
+  EXPECT_FALSE(std::filesystem::exists(at("never.png")));
+}
+
 TEST_F(Tools, EvalWritesItsJsonAndReport) {
   const Outcome done = eval("--split test --report " + at("report") + " --json " + at("eval.json"));
   ASSERT_EQ(done.code, 0) << done.text;
