@@ -143,9 +143,12 @@ class Measurement {
         answers);
   }
 
+  /// A network that is told of emission alone takes its unit from the mean emission of the area,
+  /// which is half as much where every surface is there twice: no bound holds it.
   void surfaces() {
+    const Bound twice = network_.light_request().depth > 0 ? another_draw() : Bound{};
     add_both("surfaces", "each twice in one place", "each once", run({.coincident = true}, {}),
-             base_, {{Figure::Mean, paths_noise_}, another_draw()});
+             base_, {{Figure::Mean, paths_noise_}, twice});
     add_both("surfaces", "triangles without area between", "none", run({.degenerate = true}, {}),
              base_, {kExact, kExact});
     add_both("surfaces", "strips of 1/4096", "two triangles a side", run({.slivers = true}, {}),
@@ -188,8 +191,7 @@ class Measurement {
 
   void order() {
     const StressAnswers shuffled = run({}, {.edit = shuffle, .paths = false});
-    add_both("order", "scene points shuffled", "as drawn", shuffled, base_,
-             {{}, {Figure::Mean, network_noise_}});
+    add_both("order", "scene points shuffled", "as drawn", shuffled, base_, {{}, another_draw()});
     const StressAnswers reversed = run({}, {.reverse_queries = true, .paths = false});
     add_both("order", "queries from last to first", "first to last", reversed, base_,
              {{}, {Figure::Max, 1e-5}});
