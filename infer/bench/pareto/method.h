@@ -69,6 +69,12 @@ Method denoised_paths(int paths);
 /// lte_render as it is: every pixel is decoded.
 /// @param direct_samples  shadow rays a pixel
 Method network_everywhere(int direct_samples);
+/// The same with few pixels decoded and the others taken from them, as `--sparse on` has it; and as
+/// `--quality draft` has it.
+Method network_sparsely(int direct_samples);
+Method network_draft();
+/// Denoised path tracing of one pixel in step², upsampled as sparse answers are.
+Method reduced_paths(int step, int paths);
 /// The same pipeline without the network: light estimates at as many scene points, of as many paths
 /// as the network reads, averaged over the nearest at each pixel by distance, plane and normal.
 Method light_estimates(int64_t scene_points, int neighbours);

@@ -9,7 +9,11 @@ std::vector<Method> all_methods() {
   std::vector<Method> out;
   for (const int paths : {1, 4, 16, 64, 256, 1024}) out.push_back(path_tracing(paths));
   for (const int paths : {1, 4, 16, 64}) out.push_back(denoised_paths(paths));
+  for (const int step : {2, 4})
+    for (const int paths : {4, 16}) out.push_back(reduced_paths(step, paths));
   for (const int samples : {1, 4, 16, 64}) out.push_back(network_everywhere(samples));
+  out.push_back(network_draft());
+  for (const int samples : {4, 16}) out.push_back(network_sparsely(samples));
   for (const int64_t points : {1'024, 4'096, 16'384}) out.push_back(light_estimates(points, 32));
   out.push_back(light_estimates(4'096, 8));
   return out;

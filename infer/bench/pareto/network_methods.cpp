@@ -58,11 +58,13 @@ class EstimateCache {
 
 }  // namespace
 
-Method network_everywhere(int direct_samples) {
-  const std::string count = std::to_string(direct_samples);
-  Method method{
-      "network-" + count, "network", "every pixel decoded, " + count + " shadow rays a pixel", {}};
-  method.prepare = [direct_samples](const MethodScene& scene, StageTimes* stages) -> RenderView {
+namespace {
+
+/// lte_render with these settings, but for size, depth and seed.
+Method network_method(const std::string& name, const std::string& family, const std::string& words,
+                      const RenderSettings& settings) {
+  Method method{name, family, words, {}};
+  method.prepare = [settings](const MethodScene& scene, StageTimes* stages) -> RenderView {
     Renderer& renderer = scene.renderer;
     EmbedSettings embedding;
     embedding.seed = scene.seed;
@@ -71,14 +73,13 @@ Method network_everywhere(int direct_samples) {
     (*stages)["sample"] += renderer.seconds().sample;
     (*stages)["light"] += renderer.seconds().light;
     (*stages)["encode"] += renderer.seconds().encode;
-    return [scene, direct_samples](const scene::Camera& camera, StageTimes* view) {
-      RenderSettings settings;
-      settings.width = scene.width;
-      settings.height = scene.height;
-      settings.direct_samples = direct_samples;
-      settings.max_depth = scene.max_depth;
-      settings.seed = scene.seed;
-      const MethodPicture picture = picture_of(scene.renderer.render(camera, settings));
+    return [scene, settings](const scene::Camera& camera, StageTimes* view) {
+      RenderSettings asked = settings;
+      asked.width = scene.width;
+      asked.height = scene.height;
+      asked.max_depth = scene.max_depth;
+      asked.seed = scene.seed;
+      const MethodPicture picture = picture_of(scene.renderer.render(camera, asked));
       const StageSeconds& seconds = scene.renderer.seconds();
       (*view)["primary"] += seconds.primary;
       (*view)["decode"] += seconds.decode;
@@ -88,6 +89,40 @@ Method network_everywhere(int direct_samples) {
     };
   };
   return method;
+}
+
+}  // namespace
+
+Method network_everywhere(int direct_samples) {
+  const std::string count = std::to_string(direct_samples);
+  RenderSettings settings;
+  settings.direct_samples = direct_samples;
+  return network_method("network-" + count, "network",
+                        "every pixel decoded, " + count + " shadow rays a pixel", settings);
+}
+
+Method network_sparsely(int direct_samples) {
+  const std::string count = std::to_string(direct_samples);
+  RenderSettings settings;
+  settings.direct_samples = direct_samples;
+  settings.sparse.emplace();
+  return network_method("sparse-" + count, "sparse",
+                        "few pixels decoded, " + count + " shadow rays a pixel", settings);
+}
+
+Method network_draft() {
+  RenderSettings settings;
+  settings.direct_samples = 4;
+  settings.antialias = 0;
+  settings.sparse.emplace();
+  settings.sparse->step = 8;
+  settings.sparse->edge_step = 4;
+  settings.sparse->tolerance = 0.2F;
+  settings.sparse->contact_radius = -1;
+  return network_method("sparse-draft", "sparse",
+                        "as --quality draft: fewest pixels decoded, 4 shadow rays a pixel, edges "
+                        "not anti-aliased",
+                        settings);
 }
 
 Method light_estimates(int64_t scene_points, int neighbours) {
