@@ -16,7 +16,7 @@ struct NetworkTableOptions {
   uint64_t seed = 0;
 };
 
-/// Decodes indirect irradiance at points of the scene and adds direct light. A total model's answers
+/// Decodes indirect irradiance at points of the scene and adds direct light. Total models' answers
 /// stand as they are.
 gi::RadiosityTable network_table(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                                  const runtime::SceneEmbedding& embedding,

@@ -15,6 +15,8 @@ namespace {
 constexpr std::array<float, 4> kLadder{1.5f, ResidualField::kLeastRadius, 4, 8};
 // Where noise and the prior of a neighbourhood are pooled.
 constexpr float kPoolRadius = 4;
+// Products of different points that a neighbourhood needs, over those of a point with itself.
+constexpr float kLeastPairs = 0.5f;
 constexpr int64_t kGrain = 256;
 constexpr int64_t kRiskPoints = 4096;  // of which the risk is estimated
 
@@ -25,10 +27,13 @@ Rgb square(const Rgb& c) { return c * c; }
 /// Weighted sums over a neighbourhood.
 struct ResidualField::Smooth {
   float weights = 0;
-  Rgb mean;       ///< Σ w r / Σ w
-  Rgb variance;   ///< Σ w² σ² / (Σ w)²
-  Rgb signal;     ///< Σ w (r² − σ²) / Σ w
-  float own = 0;  ///< the point's own w / Σ w, if it is known to be among them
+  Rgb mean;         ///< Σ w r / Σ w
+  Rgb variance;     ///< Σ w² σ² / (Σ w)²
+  Rgb signal;       ///< Σ w (r² − σ²) / Σ w
+  float own = 0;    ///< the point's own w / Σ w, if it is known to be among them
+  Rgb square;       ///< Σ w r² / Σ w
+  Rgb shared;       ///< mean product of r at two different points: what neighbours have in common
+  float focus = 1;  ///< Σ w² / (Σ w)²: 1 for a point alone
 };
 
 ResidualField::ResidualField(std::vector<Vec3> positions, std::vector<Vec3> normals,
@@ -72,17 +77,24 @@ const SurfaceIndex& ResidualField::index(float radius) const {
 ResidualField::Smooth ResidualField::smooth(const SurfaceIndex& index, const Vec3& position,
                                             const Vec3& normal) const {
   Smooth out;
-  float at_point = 0;
+  float at_point = 0, weights2 = 0;
+  Rgb squares2;
   index.for_each(position, normal, [&](uint32_t i, float weight, const Vec3& offset) {
     out.weights += weight;
     out.mean += mean_[i] * weight;
     out.variance += noise_[i] * (weight * weight);
     out.signal += (square(mean_[i]) - noise_[i]) * weight;
+    out.square += square(mean_[i]) * weight;
+    squares2 += square(mean_[i]) * (weight * weight);
+    weights2 += weight * weight;
     if (offset == Vec3{}) at_point = weight;
   });
   if (!(out.weights > 0)) return {};
-  const float scale = 1 / out.weights;
+  const float scale = 1 / out.weights, pairs = out.weights * out.weights - weights2;
+  if (pairs > kLeastPairs * weights2) out.shared = (square(out.mean) - squares2) / pairs;
   out.mean *= scale;
+  out.square *= scale;
+  out.focus = weights2 * scale * scale;
   out.variance *= scale * scale;
   out.signal *= scale;
   out.own = at_point * scale;
@@ -90,7 +102,11 @@ ResidualField::Smooth ResidualField::smooth(const SurfaceIndex& index, const Vec
 }
 
 ResidualField::Smooth ResidualField::own(size_t i) const {
-  return {1, mean_[i], noise_[i], square(mean_[i]) - noise_[i], 1};
+  Smooth out;
+  out.weights = out.own = 1;
+  out.mean = mean_[i];
+  out.variance = noise_[i];
+  return out;
 }
 
 /// The variance of each point's mean. From few batches it is known badly, so it is pooled over
@@ -174,7 +190,13 @@ std::vector<Rgb> ResidualField::correct(std::span<const Vec3> positions,
   parallel_for(static_cast<int64_t>(positions.size()), kGrain, [&](int64_t begin, int64_t end) {
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
       const Smooth s = smooth(near, positions[i], normals[i]);
-      if (s.weights > 0) out[i] = shrunk(smooth(pool, positions[i], normals[i]), s);
+      if (!(s.weights > 0)) continue;
+      const Smooth wide = smooth(pool, positions[i], normals[i]);
+      for (int c = 0; c < 3; ++c) {
+        const float signal = std::max(0.0f, wide.shared[c]);
+        const float spread = std::max(0.0f, wide.square[c] - signal) * s.focus;
+        if (signal > 0) out[i][c] = s.mean[c] * signal / (signal + spread);
+      }
     }
   });
   return out;

@@ -37,7 +37,8 @@ class ResidualField {
   /// The correction to add at the points. Chooses the radius, radius_in_spacings() from then on.
   std::vector<Rgb> correct_points();
   /// The correction to add elsewhere, from the points around; 0 where there are none. At least
-  /// kLeastRadius wide.
+  /// kLeastRadius wide. Signal here is what different points have in common: an error that a point
+  /// has for itself says nothing of the places between.
   /// @note correct_points() has to come first after each add().
   std::vector<Rgb> correct(std::span<const Vec3> positions, std::span<const Vec3> normals) const;
 

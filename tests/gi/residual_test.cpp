@@ -133,6 +133,21 @@ TEST(Residual, CorrectsBetweenPointsAndNotOnTheOtherSide) {
   EXPECT_EQ(correction[2], Rgb{});
 }
 
+TEST(Residual, ErrorsThatNeighboursDoNotShareAreNotSpread) {
+  const Sheet sheet;
+  // Known without noise, and of another sign at every second point.
+  std::vector<Rgb> rough = sheet.answer;
+  for (size_t i = 0; i < rough.size(); ++i)
+    rough[i] += Rgb{1, 1, 1} * ((i / kEdge + i) % 2 == 0 ? 0.5f : -0.5f);
+  ResidualField field = sheet.field();
+  field.add(rough, sheet.answer);
+  field.add(rough, sheet.answer);
+  field.correct_points();
+  const std::vector<Rgb> between =
+      field.correct(std::vector<Vec3>{{0.505f, 0.497f, 0}}, std::vector<Vec3>{{0, 0, 1}});
+  EXPECT_LT(std::fabs(between[0].x), 0.02f);
+}
+
 TEST(Residual, RefusesWhatDoesNotFit) {
   const Sheet sheet;
   ResidualField field = sheet.field();
