@@ -65,7 +65,7 @@ struct SceneStoreOptions {
   size_t cache_bytes = 0;   ///< memory for scenes that are not in use
   double scale = INFINITY;  ///< s, metres: a scene must fit into a cube of this side
   bool skip_bad = false;    ///< go on without scenes that cannot be used
-  LightKeys light;
+  LightKeys light = {};
 };
 
 /// Reads scenes and keeps them. The least recently used ones are dropped once `cache_bytes` are
