@@ -66,8 +66,8 @@ class LightTree {
   std::vector<uint8_t> present_;  ///< by light
 };
 
-/// Draws many lights for one point: what a node's children may bring there is worked out once. Gives
-/// what LightTree::sample() gives. One for each thread.
+/// Draws many lights for one point: what a node's children may bring there is worked out once.
+/// Gives what LightTree::sample() gives. One for each thread.
 class LightTreeWalk {
  public:
   /// The point that lights are drawn for from here on. The tree must outlive its draws.

@@ -10,8 +10,8 @@ the query points, the reference's own variance taken off.
 
     scripts/dev/search_cache.py DIR [DIR ...] [--set back=0 ...] [--search] [--by-scene]
 
-Without --search it tells what the constants of today are worth, or others by --set. The formulas are written here a
-second time, independently of the library. Needs numpy and scipy.
+Without --search it tells what the constants of today are worth, or others by --set. The formulas
+are written here a second time, independently of the library. Needs numpy and scipy.
 """
 
 import argparse

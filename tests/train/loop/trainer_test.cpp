@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include <ATen/Parallel.h>
+#include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
 #include "lte/base/safetensors.h"
