@@ -24,7 +24,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SECTION = "## Five minutes with every tool"
 FOLDERS = ("assets", "configs", "scripts", "examples", "docs")
-OUTPUTS = ("--out", "--report", "--json", "--csv")
+OUTPUTS = ("--out", "--report", "--json", "--csv", "--save-embedding")
 # Flags with small values, for --run; and what replaces or follows a command that has none.
 SMALL = {"--size": "16x12", "--scenes": "6", "--rays": "8", "--spp": "2", "--queries": "50"}
 SETTINGS = {"train.steps": "2", "test_share": "0.34"}
