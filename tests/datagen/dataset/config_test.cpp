@@ -106,6 +106,15 @@ TEST(DatagenConfig, FormerNamesAreRead) {
   EXPECT_EQ(to_yaml(read_datagen_config(Config::parse(text, "test"))), to_yaml(boxes));
 }
 
+TEST(DatagenConfig, WhatOneModelLearnsFromCanBeJoined) {
+  const DatagenConfig boxes = shipped("boxes_many"), homes = shipped("homes_many");
+  EXPECT_EQ(boxes.scale, homes.scale);
+  EXPECT_EQ(boxes.bake.prune, homes.bake.prune);
+  EXPECT_EQ(boxes.bake.light_paths, homes.bake.light_paths);
+  EXPECT_EQ(boxes.bake.max_depth, homes.bake.max_depth);
+  EXPECT_NE(boxes.seed, homes.seed);
+}
+
 TEST(DatagenConfig, PaperHasThePapersCounts) {
   const DatagenConfig paper = shipped("paper");
   EXPECT_EQ(paper.generator, GeneratorKind::Homes);
