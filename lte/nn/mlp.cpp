@@ -34,7 +34,7 @@ ops::PerceptronWeights MlpImpl::weights() const {
 }
 
 at::Tensor MlpImpl::forward(const at::Tensor& x) {
-  if (!is_training() || dropout_ == 0) return output_->forward(hidden_activations(x));
+  if (!drops()) return output_->forward(hidden_activations(x));
   const at::Tensor hidden = at::dropout(hidden_activations(x), dropout_, true);
   return at::dropout(output_->forward(hidden), dropout_, true);
 }

@@ -30,6 +30,10 @@ class MlpImpl : public torch::nn::Module {
   /// Weight and bias of either layer, in the precision of inference.
   ops::PerceptronWeights weights() const;
 
+  /// Whether it drops out numbers, as it does while training, if asked to.
+  bool drops() const { return is_training() && dropout_ > 0; }
+  bool in_autocast() const { return hidden_->in_autocast(); }
+
   Linear& hidden() { return hidden_; }
   Linear& output() { return output_; }
 

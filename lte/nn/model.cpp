@@ -37,56 +37,53 @@ struct LightTransportModelImpl::Parts {
   PointTransformer encoder{nullptr};
   QueryDecoder decoder{nullptr};
 
-  /// [Q, 3] over the emission scale. Give either the table or keys and values.
-  at::Tensor decode(const Embedding& embedding, const QuerySet& queries, const at::Tensor& keys,
-                    const at::Tensor& values) {
+  /// What the decoder reads of queries of one scene, and the light that its answer is a factor on,
+  /// if it is one.
+  struct Asked {
+    at::Tensor attributes, light;
+    SceneQueries queries;
+  };
+  static Asked ask(const Embedding& embedding, const QuerySet& queries) {
+    Asked asked;
     const at::Tensor position = (queries.position - embedding.origin).div(embedding.scale);
-    const at::Tensor attributes = surface_attributes(position, queries.normal, queries.albedo);
-    const Surface surface{position, queries.normal};
-    if (!embedding.cache.defined()) return answers(embedding, attributes, surface, keys, values);
-    const LightReading light = embedding.cache.read(position, queries.normal);
-    return light.irradiance *
-           answers(embedding, at::cat({attributes, light.features}, 1), surface, keys, values);
+    asked.attributes = surface_attributes(position, queries.normal, queries.albedo);
+    asked.queries = {
+        {position, queries.normal}, {embedding.position, embedding.normal}, embedding.spacing};
+    if (embedding.cache.defined()) {
+      const LightReading reading = embedding.cache.read(position, queries.normal);
+      asked.attributes = at::cat({asked.attributes, reading.features}, 1);
+      asked.light = reading.irradiance;
+    }
+    return asked;
   }
 
-  /// decode() of each scene of a batch, the decoder run once for the queries of all of them.
-  std::vector<at::Tensor> decode(const SceneBatch& batch, const std::vector<QuerySet>& queries,
-                                 const at::Tensor& keys, const at::Tensor& values) {
-    std::vector<at::Tensor> attributes, index, geometry, light;
+  /// [Q, 3] over the emission scale, from the embedding's table.
+  at::Tensor decode(const Embedding& embedding, const QuerySet& queries) {
+    const Asked asked = ask(embedding, queries);
+    const at::Tensor answer =
+        decoder->infer(asked.attributes, asked.queries.query, asked.queries.anchor,
+                       embedding.spacing, embedding.table);
+    return asked.light.defined() ? asked.light * answer : answer;
+  }
+
+  /// The same, differentiable, for each of some scenes, the decoder run once for the queries of all
+  /// of them.
+  std::vector<at::Tensor> decode(const std::vector<Embedding>& scenes,
+                                 const std::vector<QuerySet>& queries,
+                                 const LatentTables& latents) {
+    std::vector<at::Tensor> attributes, light;
+    std::vector<SceneQueries> asked_for;
     std::vector<int64_t> counts;
-    int64_t latents = 0;  // of the scenes before
     for (size_t i = 0; i < queries.size(); ++i) {
-      const Embedding& embedding = batch.scenes[i];
-      const at::Tensor position = (queries[i].position - embedding.origin).div(embedding.scale);
-      at::Tensor columns = surface_attributes(position, queries[i].normal, queries[i].albedo);
-      if (embedding.cache.defined()) {
-        const LightReading reading = embedding.cache.read(position, queries[i].normal);
-        columns = at::cat({columns, reading.features}, 1);
-        light.push_back(reading.irradiance);
-      }
-      const auto near = decoder->neighbourhood(
-          {position, queries[i].normal}, {embedding.position, embedding.normal}, embedding.spacing);
-      attributes.push_back(columns);
-      index.push_back(near.index + latents);
-      geometry.push_back(near.geometry);
-      counts.push_back(position.size(0));
-      latents += embedding.position.size(0);
+      const Asked asked = ask(scenes[i], queries[i]);
+      attributes.push_back(asked.attributes);
+      asked_for.push_back(asked.queries);
+      if (asked.light.defined()) light.push_back(asked.light);
+      counts.push_back(queries[i].position.size(0));
     }
-    at::Tensor answer =
-        decoder->forward(at::cat(attributes), {at::cat(index), at::cat(geometry)}, keys, values);
+    at::Tensor answer = decoder->forward(at::cat(attributes), asked_for, latents);
     if (!light.empty()) answer = answer * at::cat(light);
     return answer.split_with_sizes(counts);
-  }
-
-  /// What the network says: irradiance, or the factor on that of the cache.
-  at::Tensor answers(const Embedding& embedding, const at::Tensor& attributes, const Surface& query,
-                     const at::Tensor& keys, const at::Tensor& values) {
-    const Surface latents{embedding.position, embedding.normal};
-    if (!keys.defined()) {
-      return decoder->infer(attributes, query, latents, embedding.spacing, embedding.table);
-    }
-    const auto near = decoder->neighbourhood(query, latents, embedding.spacing);
-    return decoder->forward(attributes, near, keys, values);
   }
 
   /// decode() from the table, the queries taken in an order in which neighbours share latents.
@@ -95,7 +92,7 @@ struct LightTransportModelImpl::Parts {
     const QuerySet ordered = {queries.position.index_select(0, order),
                               queries.normal.index_select(0, order),
                               queries.albedo.index_select(0, order)};
-    const at::Tensor answer = decode(embedding, ordered, {}, {});
+    const at::Tensor answer = decode(embedding, ordered);
     return at::empty_like(answer).index_copy_(0, order, answer);
   }
 };
@@ -238,10 +235,10 @@ at::Tensor LightTransportModelImpl::decode_normalized(const Embedding& embedding
                                                       const QuerySet& queries) {
   check_queries(queries);
   if (!at::GradMode::is_enabled() && embedding.table.defined()) {
-    return parts_->decode(embedding, queries, {}, {});
+    return parts_->decode(embedding, queries);
   }
-  const auto [keys, values] = parts_->decoder->keys_and_values(embedding.features);
-  return parts_->decode(embedding, queries, keys, values);
+  return parts_->decode({embedding}, {queries},
+                        parts_->decoder->latent_tables(embedding.features))[0];
 }
 
 std::vector<at::Tensor> LightTransportModelImpl::decode_normalized(
@@ -249,8 +246,7 @@ std::vector<at::Tensor> LightTransportModelImpl::decode_normalized(
   TORCH_CHECK(queries.size() == batch.scenes.size(), "decode: queries of ", queries.size(),
               " scenes for ", batch.scenes.size());
   for (const QuerySet& each : queries) check_queries(each);
-  const auto [keys, values] = parts_->decoder->keys_and_values(batch.features);
-  return parts_->decode(batch, queries, keys, values);
+  return parts_->decode(batch.scenes, queries, parts_->decoder->latent_tables(batch.features));
 }
 
 at::Tensor LightTransportModelImpl::decode(const Embedding& embedding, const QuerySet& queries,
@@ -262,11 +258,9 @@ at::Tensor LightTransportModelImpl::decode(const Embedding& embedding, const Que
   // Light is linear: without emission there is no irradiance, whatever the network would say.
   if (embedding.emission_scale.max().item<double>() == 0) return at::zeros_like(queries.position);
   at::Tensor out = at::empty({Q, 3}, embedding.features.options());
-  at::Tensor keys, values;
-  if (!embedding.table.defined()) {
-    std::tie(keys, values) = parts_->decoder->keys_and_values(embedding.features);
-  }
-  const bool fused = !keys.defined() && !is_training();
+  LatentTables latents;
+  if (!embedding.table.defined()) latents = parts_->decoder->latent_tables(embedding.features);
+  const bool fused = embedding.table.defined() && !is_training();
   const bool ordered = fused && queries.position.device().is_cpu();
   const int64_t fast = fused ? kTableBlock : kQueryBlock;
   const int64_t size = options.block > 0 ? std::min(options.block, fast) : fast;
@@ -276,8 +270,9 @@ at::Tensor LightTransportModelImpl::decode(const Embedding& embedding, const Que
                             queries.normal.narrow(0, begin, count),
                             queries.albedo.narrow(0, begin, count)};
     out.narrow(0, begin, count)
-        .copy_(ordered ? parts_->decode_ordered(embedding, block)
-                       : parts_->decode(embedding, block, keys, values));
+        .copy_(ordered                     ? parts_->decode_ordered(embedding, block)
+               : embedding.table.defined() ? parts_->decode(embedding, block)
+                                           : parts_->decode({embedding}, {block}, latents)[0]);
   }
   for (int64_t c = 0; c < 3; ++c) {  // by number: a tensor's way to a GPU would be waited for
     out.select(1, c).mul_(embedding.emission_scale[c].item<double>());

@@ -24,12 +24,15 @@ class NeighbourMaxImpl : public torch::nn::Module {
   /// @param center     [m, D] features of the sparser set
   /// @param neighbour  [m, k] int64 into `dense`
   /// @return           [m, D]
-  /// @note It works through the centres in blocks, which training recomputes, so that no [m, k, D]
-  /// tensor exists where that is large.
+  /// @note No [m, k, D] tensor exists where that is large: on the CPU in float32 all is one
+  /// operator; else it works through the centres in blocks, which training recomputes.
   at::Tensor forward(const at::Tensor& dense, const at::Tensor& center,
                      const at::Tensor& neighbour);
 
  private:
+  /// Whether ops::neighbour_max() trains what follows the first layer.
+  bool fuses(const at::Tensor& projected) const;
+
   Linear hidden_{nullptr}, output_{nullptr};
 };
 TORCH_MODULE(NeighbourMax);

@@ -9,7 +9,9 @@
 #include "lte/nn/recompute.h"
 #include "lte/nn/transformer_block.h"
 #include "lte/ops/knn.h"
+#include "lte/ops/linear.h"
 #include "lte/ops/neighbour_sums.h"
+#include "lte/ops/neighbour_sums_args.h"
 #include "lte/ops/query_decoder.h"
 
 namespace lte::nn {
@@ -62,6 +64,7 @@ ops::LayerWeights QueryLayerImpl::weights() const {
 
 QueryDecoderImpl::QueryDecoderImpl(int64_t latent, const ModelConfig& config)
     : neighbours_(config.query_neighbours),
+      dropout_(config.dropout),
       normalizes_(config.normalizes_attention()),
       reads_normals_(config.reads_normals()) {
   const int64_t D = config.channels;
@@ -145,6 +148,90 @@ at::Tensor QueryDecoderImpl::forward(const at::Tensor& attributes, const Neighbo
   if (normalizes_) return run_softmax_layers(attributes, near, keys, values);
   const auto [S1, S2] = neighbour_sums(near, keys, values);
   return run_layers(attributes, S1, S2, near.index.size(1));
+}
+
+bool QueryDecoderImpl::trains_fused(const at::Tensor& latent) const {
+  const Linear& key = layers_.front()->key();
+  return at::GradMode::is_enabled() && latent.device().is_cpu() &&
+         latent.scalar_type() == at::kFloat && !normalizes_ && !key->in_autocast() &&
+         (dropout_ == 0 || !is_training()) && key->weight.size(0) % ops::kTableBlock == 0;
+}
+
+LatentTables QueryDecoderImpl::latent_tables(const at::Tensor& latent) {
+  if (!trains_fused(latent)) {
+    const auto [keys, values] = keys_and_values(latent);
+    return {keys, values};
+  }
+  // One product makes the keys and values of all layers where ops::neighbour_table() has them.
+  std::vector<at::Tensor> weights, biases;
+  for (const QueryLayer& layer : layers_) {
+    for (const Linear& linear : {layer->key(), layer->value()}) {
+      weights.push_back(linear->weight);
+      biases.push_back(linear->bias);
+    }
+  }
+  const auto L = static_cast<int64_t>(layers_.size());
+  const int64_t blocks = weights[0].size(0) / ops::kTableBlock, width = latent.size(1);
+  const auto arranged = [&](const std::vector<at::Tensor>& of, int64_t columns) {
+    return at::cat(of)
+        .view({L, 2, blocks, ops::kTableBlock, columns})
+        .permute({2, 0, 1, 3, 4})
+        .reshape({-1, columns});
+  };
+  const at::Tensor all =
+      ops::linear(latent, arranged(weights, width), arranged(biases, 1).squeeze(1));
+  return {all.view({latent.size(0), blocks, L, 2, ops::kTableBlock}), {}};
+}
+
+at::Tensor QueryDecoderImpl::forward(const at::Tensor& attributes,
+                                     const std::vector<SceneQueries>& scenes,
+                                     const LatentTables& latents) {
+  if (latents.fused()) return forward_fused(attributes, scenes, latents.keys);
+  std::vector<at::Tensor> index, geometry;
+  int64_t before = 0;  // latents of the scenes before
+  for (const SceneQueries& scene : scenes) {
+    const Neighbourhood near = neighbourhood(scene.query, scene.anchor, scene.spacing);
+    index.push_back(near.index + before);
+    geometry.push_back(near.geometry);
+    before += scene.anchor.position.size(0);
+  }
+  return forward(attributes, {at::cat(index), at::cat(geometry)}, latents.keys, latents.values);
+}
+
+at::Tensor QueryDecoderImpl::forward_fused(const at::Tensor& attributes,
+                                           const std::vector<SceneQueries>& scenes,
+                                           const at::Tensor& table) {
+  // One scene's offsets are scaled by the operator; several scenes' spacings differ.
+  const bool alone = scenes.size() == 1;
+  // Queries near each other read the same latents: along a curve they find them in the cache.
+  std::vector<at::Tensor> order, query, anchor, normal, anchor_normal, index;
+  int64_t queries = 0, latents = 0;  // of the scenes before
+  for (const SceneQueries& scene : scenes) {
+    const at::Tensor along = ops::spatial_order(scene.query.position.to(at::kFloat).contiguous());
+    const at::Tensor position = scene.query.position.index_select(0, along);
+    order.push_back(along + queries);
+    index.push_back(nearest(position, scene.anchor.position) + latents);
+    query.push_back(alone ? position : position.div(scene.spacing));
+    anchor.push_back(alone ? scene.anchor.position : scene.anchor.position.div(scene.spacing));
+    if (reads_normals_) {
+      normal.push_back(scene.query.normal.index_select(0, along));
+      anchor_normal.push_back(scene.anchor.normal);
+    }
+    queries += position.size(0);
+    latents += scene.anchor.position.size(0);
+  }
+  ops::QueryNeighbourhood near{at::cat(query), at::cat(anchor), at::cat(index),
+                               alone ? 1 / scenes[0].spacing : 1.0, kOffsetLimit};
+  if (reads_normals_) {
+    near.normal = at::cat(normal);
+    near.anchor_normal = at::cat(anchor_normal);
+  }
+  const at::Tensor rows = at::cat(order);
+  const at::Tensor answers =
+      ops::query_decoder(attributes.index_select(0, rows), near, table, weights());
+  const at::Tensor place =
+      at::empty_like(rows).scatter_(0, rows, at::arange(rows.size(0), rows.options()));
+  return answers.index_select(0, place);
 }
 
 std::tuple<at::Tensor, at::Tensor> QueryDecoderImpl::neighbour_sums(const Neighbourhood& near,

@@ -45,6 +45,9 @@ class QueryLayerImpl : public torch::nn::Module {
   /// What forward() reads, in the precision of inference.
   ops::LayerWeights weights() const;
 
+  const Linear& key() const { return key_; }
+  const Linear& value() const { return value_; }
+
  private:
   double dropout_;
   torch::nn::LayerNorm norm1_{nullptr}, norm2_{nullptr};
@@ -57,6 +60,21 @@ TORCH_MODULE(QueryLayer);
 struct Surface {
   at::Tensor position;  ///< [n, 3] network space
   at::Tensor normal;    ///< [n, 3] unit; read by models with PairGeometry::Normals alone
+};
+
+/// Queries of one scene, the latents of that scene, and the unit of the offsets between them.
+struct SceneQueries {
+  Surface query, anchor;
+  double spacing;
+};
+
+/// What queries read of latents when answers are differentiated: keys and values of all layers,
+/// each [L, m, D]; or where the decoder is one operator, that operator's table of both, in `keys`
+/// alone.
+struct LatentTables {
+  at::Tensor keys, values;
+
+  bool fused() const { return !values.defined(); }
 };
 
 /// Parameters: `point.*` (H, inputs -> D -> D), `gamma.*` (γ, 3 or 6 -> h -> D, shared by layers),
@@ -91,6 +109,15 @@ class QueryDecoderImpl : public torch::nn::Module {
   at::Tensor forward(const at::Tensor& attributes, const Neighbourhood& near,
                      const at::Tensor& keys, const at::Tensor& values);
 
+  /// What the overload of forward() below reads of the latents of all scenes.
+  LatentTables latent_tables(const at::Tensor& latent);
+
+  /// forward() of the queries of several scenes, one after the other. On the CPU in float32 without
+  /// dropout, one operator does it all (ops::query_decoder), which keeps next to nothing for the
+  /// backward pass.
+  at::Tensor forward(const at::Tensor& attributes, const std::vector<SceneQueries>& scenes,
+                     const LatentTables& latents);
+
   /// forward() from table(); float32, no gradients. Outside training everything is one operator,
   /// unless attention is normalized.
   /// `query`, `anchor` and `spacing` are those of neighbourhood().
@@ -98,6 +125,10 @@ class QueryDecoderImpl : public torch::nn::Module {
                    double spacing, const at::Tensor& table);
 
  private:
+  /// Whether ops::query_decoder() differentiates what is computed from `latent`.
+  bool trains_fused(const at::Tensor& latent) const;
+  at::Tensor forward_fused(const at::Tensor& attributes, const std::vector<SceneQueries>& scenes,
+                           const at::Tensor& table);
   at::Tensor nearest(const at::Tensor& query, const at::Tensor& anchor) const;
   /// S1 and S2, each [L, Q, D]. Many queries go in blocks that training recomputes, so that no
   /// [Q, κ, D] tensor exists.
@@ -116,6 +147,7 @@ class QueryDecoderImpl : public torch::nn::Module {
   at::Tensor answer(const at::Tensor& G);
 
   int64_t neighbours_;
+  double dropout_;
   bool normalizes_, reads_normals_;
   Mlp point_{nullptr}, gamma_{nullptr}, head_{nullptr};
   torch::nn::LayerNorm norm_{nullptr};

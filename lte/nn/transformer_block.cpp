@@ -9,6 +9,7 @@
 
 #include "lte/nn/constants.h"
 #include "lte/ops/gelu.h"
+#include "lte/ops/norm_layers.h"
 #include "lte/ops/patch_attention.h"
 #include "lte/ops/rotary.h"
 #include "lte/ops/submanifold_conv.h"
@@ -18,6 +19,11 @@ namespace {
 
 const PatchMap& patch_map(const SceneRows& rows, size_t order) {
   return rows.patches[order % rows.patches.size()];
+}
+
+/// Whether what follows a norm of x is differentiated as one operator.
+bool trains_fused(const at::Tensor& x) {
+  return at::GradMode::is_enabled() && ops::suits_norm_layers(x);
 }
 
 /// Means of [n, C] over the points of each scene, [scenes, C].
@@ -40,8 +46,7 @@ PatchAttentionImpl::PatchAttentionImpl(int64_t channels, int64_t heads, double d
       qkv_(register_module("qkv", Linear(channels, 3 * channels))),
       proj_(register_module("proj", Linear(channels, channels))) {}
 
-at::Tensor PatchAttentionImpl::turned_qkv(const at::Tensor& x, const StagePlan& stage) {
-  const at::Tensor qkv = qkv_->forward(x);
+at::Tensor PatchAttentionImpl::turned(const at::Tensor& qkv, const StagePlan& stage) {
   return stage.cosine.defined() ? ops::rotate_heads(qkv, stage.cosine, stage.sine, heads_) : qkv;
 }
 
@@ -53,7 +58,7 @@ double PatchAttentionImpl::entropy(const at::Tensor& x, const StagePlan& stage, 
   const bool one_patch = !map.gather.defined();
   const int64_t length = one_patch ? n : patch_size;
   if (length < 2) return std::numeric_limits<double>::quiet_NaN();
-  at::Tensor qkv = turned_qkv(x, stage);
+  at::Tensor qkv = turned(qkv_->forward(x), stage);
   if (!one_patch) qkv = qkv.index_select(0, map.gather);
   const at::Tensor parts = qkv.view({-1, length, 3, heads_, width});
   double sum = 0;
@@ -70,7 +75,21 @@ double PatchAttentionImpl::entropy(const at::Tensor& x, const StagePlan& stage, 
 
 at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, const StagePlan& stage, size_t order,
                                        int64_t patch_size) {
-  const at::Tensor qkv = turned_qkv(x, stage);
+  return attend_in_scenes(qkv_->forward(x), stage, order, patch_size);
+}
+
+at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, torch::nn::LayerNorm& norm,
+                                       const StagePlan& stage, size_t order, int64_t patch_size) {
+  const bool fused = trains_fused(x) && !qkv_->in_autocast();
+  const at::Tensor qkv =
+      fused ? ops::norm_linear(x, {norm->weight, norm->bias}, {qkv_->weight, qkv_->bias})
+            : qkv_->forward(norm->forward(x));
+  return attend_in_scenes(qkv, stage, order, patch_size);
+}
+
+at::Tensor PatchAttentionImpl::attend_in_scenes(const at::Tensor& separate, const StagePlan& stage,
+                                                size_t order, int64_t patch_size) {
+  const at::Tensor qkv = turned(separate, stage);
   std::vector<at::Tensor> attended;
   for (const SceneRows& rows : stage.scenes) {
     const bool alone = stage.scenes.size() == 1;
@@ -173,7 +192,10 @@ double TransformerBlockImpl::attention_entropy(const at::Tensor& input, const St
 at::Tensor TransformerBlockImpl::forward(const at::Tensor& input, const StagePlan& stage,
                                          size_t order) {
   at::Tensor x = convolve(input, stage);
-  x = x + attention_->forward(norm1_->forward(x), stage, order, patch_size_);
+  x = x + attention_->forward(x, norm1_, stage, order, patch_size_);
+  if (trains_fused(x) && !mlp_->in_autocast() && !mlp_->drops()) {
+    return ops::feed_forward(x, {norm2_->weight, norm2_->bias}, mlp_->weights());
+  }
   return x + mlp_->forward(norm2_->forward(x));
 }
 

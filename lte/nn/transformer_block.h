@@ -27,6 +27,11 @@ class PatchAttentionImpl : public torch::nn::Module {
   /// @return       [n, C]
   at::Tensor forward(const at::Tensor& x, const StagePlan& stage, size_t order, int64_t patch_size);
 
+  /// forward() of norm(x); where it is differentiated in float32 on the CPU, norm and first layer
+  /// are one operator.
+  at::Tensor forward(const at::Tensor& x, torch::nn::LayerNorm& norm, const StagePlan& stage,
+                     size_t order, int64_t patch_size);
+
   /// Entropy of the rows of attention that forward() would weigh values by, over the logarithm of
   /// the points of a patch; a mean over heads and points, NaN for patches of one point.
   /// @param stage  of one scene
@@ -36,8 +41,11 @@ class PatchAttentionImpl : public torch::nn::Module {
   /// What the points of one scene attend to.
   /// @param qkv  [n, 3C] of the scene
   at::Tensor attend(const at::Tensor& qkv, const PatchMap& map, int64_t patch_size);
-  /// Queries, keys and values of the points, turned.
-  at::Tensor turned_qkv(const at::Tensor& x, const StagePlan& stage);
+  /// forward() from queries, keys and values.
+  at::Tensor attend_in_scenes(const at::Tensor& qkv, const StagePlan& stage, size_t order,
+                              int64_t patch_size);
+  /// Queries, keys and values of the points, with the first two turned.
+  at::Tensor turned(const at::Tensor& qkv, const StagePlan& stage);
 
   int64_t heads_;
   double dropout_;

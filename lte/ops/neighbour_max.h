@@ -6,6 +6,9 @@
 
 namespace lte::ops {
 
+/// What the channels of neighbour_max() are a multiple of.
+inline constexpr int64_t kMaximumBlock = 16;
+
 /// The maximum over k of W GELU(dense[neighbour[l][k]] + center[l]) + b.
 ///
 /// @param dense      [n, C] float32
@@ -18,5 +21,14 @@ namespace lte::ops {
 at::Tensor neighbour_max_inference(const at::Tensor& dense, const at::Tensor& center,
                                    const at::Tensor& neighbour, const at::Tensor& weight,
                                    const at::Tensor& bias);
+
+/// The same for training: differentiable once in all but `neighbour`. A gradient goes to the first
+/// of the pairs that share a maximum.
+///
+/// @param dense, center, weight  C a multiple of kMaximumBlock; float32
+/// @note CPU only. The same bits for any number of threads, gradients included.
+at::Tensor neighbour_max(const at::Tensor& dense, const at::Tensor& center,
+                         const at::Tensor& neighbour, const at::Tensor& weight,
+                         const at::Tensor& bias);
 
 }  // namespace lte::ops

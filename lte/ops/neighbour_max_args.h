@@ -2,13 +2,14 @@
 #pragma once
 
 #include "lte/ops/arguments.h"
+#include "lte/ops/neighbour_max.h"
 
 namespace lte::ops {
 
 inline void check_neighbour_max_args(const at::Tensor& dense, const at::Tensor& center,
                                      const at::Tensor& neighbour, const at::Tensor& weight,
-                                     const at::Tensor& bias) {
-  const char* op = "neighbour_max_inference";
+                                     const at::Tensor& bias,
+                                     const char* op = "neighbour_max_inference") {
   TORCH_CHECK(weight.dim() == 2 && bias.dim() == 1 && bias.size(0) == weight.size(0), op,
               ": weight must be [O, C] and bias [O], got ", weight.sizes(), " and ", bias.sizes());
   for (const at::Tensor& t : {dense, center}) {
@@ -23,6 +24,26 @@ inline void check_neighbour_max_args(const at::Tensor& dense, const at::Tensor& 
   }
   check_neighbours(neighbour, center.size(0), dense.size(0), op);
   TORCH_CHECK(neighbour.size(1) >= 1, op, ": a maximum over no neighbours");
+}
+
+/// The same, as the gradients need it.
+inline void check_neighbour_max_training_args(const at::Tensor& dense, const at::Tensor& center,
+                                              const at::Tensor& neighbour, const at::Tensor& weight,
+                                              const at::Tensor& bias) {
+  const char* op = "neighbour_max";
+  check_neighbour_max_args(dense, center, neighbour, weight, bias, op);
+  TORCH_CHECK(weight.scalar_type() == at::kFloat && weight.size(1) % kMaximumBlock == 0, op,
+              ": weight must be float32 with inputs in multiples of ", kMaximumBlock, ", got ",
+              weight.sizes(), " ", weight.scalar_type());
+}
+
+inline void check_neighbour_max_backward_args(const at::Tensor& grad, const at::Tensor& dense,
+                                              const at::Tensor& center, const at::Tensor& neighbour,
+                                              const at::Tensor& weight, const at::Tensor& winner) {
+  const char* op = "neighbour_max_backward";
+  check_neighbour_max_training_args(dense, center, neighbour, weight, weight.select(1, 0));
+  check_shape(grad, {center.size(0), weight.size(0)}, at::kFloat, op, "grad");
+  check_shape(winner, {center.size(0), weight.size(0)}, at::kInt, op, "winner");
 }
 
 }  // namespace lte::ops

@@ -42,6 +42,15 @@ struct QueryNeighbourhood {
 at::Tensor query_decoder_inference(const at::Tensor& attributes, const QueryNeighbourhood& near,
                                    const at::Tensor& table, const DecoderWeights& weights);
 
+/// The same for training: differentiable once in table and weights, not in the queries. The
+/// backward pass computes a tile's intermediates again, so that nothing of the size of queries ×
+/// neighbours but one position each is ever in memory.
+///
+/// @param weights  float32
+/// @note CPU only. The same bits for any number of threads, gradients included.
+at::Tensor query_decoder(const at::Tensor& attributes, const QueryNeighbourhood& near,
+                         const at::Tensor& table, const DecoderWeights& weights);
+
 /// An order in which consecutive points are near each other: along the Z curve of 1,024 cells an
 /// axis.
 ///

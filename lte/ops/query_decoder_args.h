@@ -1,4 +1,5 @@
-// What query_decoder_inference() accepts, and the sizes that its arguments agree on.
+// What query_decoder_inference(), query_decoder() and its gradient accept, and the sizes that their
+// arguments agree on.
 #pragma once
 
 #include <string>
@@ -124,6 +125,21 @@ inline DecoderSizes check_query_decoder_args(const at::Tensor& attributes,
   check_decoder_weights(w, attributes.size(1), gamma_inputs, C, table.device());
   return {Q, attributes.size(1), near.index.size(1),       sizes.layers,           sizes.latents,
           C, gamma_inputs,       w.gamma.hidden.outputs(), w.head.output.outputs()};
+}
+
+/// The same backwards; `sums` are those of the forward pass.
+inline void check_query_decoder_backward_args(const at::Tensor& grad, const at::Tensor& sums,
+                                              const DecoderSizes& sizes, const DecoderWeights& w) {
+  const char* op = "query_decoder_backward";
+  check_shape(grad, {sizes.queries, sizes.outputs}, at::kFloat, op, "grad");
+  check_shape(sums,
+              {sizes.queries, (sizes.channels + kTableBlock - 1) / kTableBlock, sizes.layers, 2,
+               kTableBlock},
+              at::kFloat, op, "sums");
+  for (const at::Tensor& t : w.to_list()) {
+    TORCH_CHECK(t.scalar_type() == at::kFloat, op, ": weights must be float32, got ",
+                t.scalar_type());
+  }
 }
 
 }  // namespace lte::ops

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <numeric>
 #include <vector>
 
 #include <ATen/Parallel.h>
@@ -69,18 +68,21 @@ class TileConvolution {
 /// The pairs with input and output exchanged, those of a tap sorted by what was the input.
 class ReversedPairs {
  public:
-  explicit ReversedPairs(const ConvolutionPairs& pairs)
+  /// @param rows  of the points
+  ReversedPairs(const ConvolutionPairs& pairs, int64_t rows)
       : output_(pairs.count), input_(pairs.count), pairs_(pairs) {
-    std::vector<int64_t> order;
+    std::vector<int64_t> next(static_cast<size_t>(rows) + 1);
     for (int64_t tap = 0; tap < pairs.taps; ++tap) {
-      const int64_t begin = pairs.begin[tap], count = pairs.begin[tap + 1] - begin;
-      order.resize(count);
-      std::iota(order.begin(), order.end(), begin);
-      std::stable_sort(order.begin(), order.end(),
-                       [&](int64_t a, int64_t b) { return pairs.input[a] < pairs.input[b]; });
-      for (int64_t i = 0; i < count; ++i) {
-        output_[begin + i] = pairs.input[order[i]];
-        input_[begin + i] = pairs.output[order[i]];
+      const int64_t begin = pairs.begin[tap], end = pairs.begin[tap + 1];
+      if (begin == end) continue;
+      std::fill(next.begin(), next.end(), 0);  // then: where the pairs of each input begin
+      for (int64_t i = begin; i < end; ++i) ++next[pairs.input[i] + 1];
+      next[0] = begin;
+      for (int64_t row = 0; row < rows; ++row) next[row + 1] += next[row];
+      for (int64_t i = begin; i < end; ++i) {
+        const int64_t to = next[pairs.input[i]]++;
+        output_[to] = pairs.input[i];
+        input_[to] = pairs.output[i];
       }
     }
   }
@@ -182,14 +184,14 @@ void convolve_tiles(const ConvolutionRows& input, const TapWeights& weights,
 
 void input_gradient_tiles(const ConvolutionRows& grad, const float* weight, int64_t inputs,
                           const ConvolutionPairs& pairs, float* out) {
-  const ReversedPairs reversed(pairs);
+  const ReversedPairs reversed(pairs, grad.N);
   const auto transposed = transposed_taps<float>(weight, inputs, grad.C, pairs);
   convolve_tiles(grad, TapWeights(transposed.data(), grad.C, inputs), reversed.pairs(), out);
 }
 
 void input_gradient_tiles(const ConvolutionRows& grad, const at::BFloat16* weight, int64_t inputs,
                           const ConvolutionPairs& pairs, float* out) {
-  const ReversedPairs reversed(pairs);
+  const ReversedPairs reversed(pairs, grad.N);
   // Two bfloat16 that are neighbours in a row are a pair of the transposed matrix.
   TapWeights weights(transposed_taps<uint32_t>(weight, inputs, grad.C / 2, pairs), grad.C, inputs);
   convolve_tiles(grad, weights, reversed.pairs(), out);

@@ -13,6 +13,7 @@
 
 #include "lte/ops/cpu/kernels/kernels.h"
 #include "lte/ops/cpu/packed_linear.h"
+#include "lte/ops/cpu/pairs_by_latent.h"
 #include "lte/ops/neighbour_sums_args.h"
 
 namespace lte::ops {
@@ -108,20 +109,6 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums_cpu(const at::Tensor& keys,
   });
   return {sum1, sum2};
 }
-
-/// Pairs of a query and a neighbour, by latent: those of latent j are rows[start[j]] up to
-/// rows[start[j + 1] - 1], ascending.
-struct PairsByLatent {
-  std::vector<int32_t> rows;
-  std::vector<int64_t> start;
-
-  PairsByLatent(const int64_t* index, int64_t count, int64_t m) : rows(count), start(m + 1) {
-    for (int64_t i = 0; i < count; ++i) ++start[index[i] + 1];
-    for (int64_t j = 0; j < m; ++j) start[j + 1] += start[j];
-    std::vector<int64_t> next(start.begin(), start.end() - 1);
-    for (int64_t i = 0; i < count; ++i) rows[next[index[i]]++] = static_cast<int32_t>(i);
-  }
-};
 
 std::tuple<at::Tensor, at::Tensor, at::Tensor> neighbour_sums_backward_cpu(
     const at::Tensor& grad1, const at::Tensor& grad2, const at::Tensor& keys,

@@ -42,10 +42,32 @@ PackedLinear::PackedLinear(const at::Tensor& w, const at::Tensor& b)
   }
   weight.resize(static_cast<size_t>(blocks * inputs * kBlock));
   const auto* from = rows.const_data_ptr<float>();
-  for (int64_t o = 0; o < outputs; ++o) {
-    float* to = weight.data() + o / kBlock * inputs * kBlock + o % kBlock;
-    for (int64_t i = 0; i < inputs; ++i) to[i * kBlock] = from[o * inputs + i];
+  for (int64_t block = 0; block < blocks; ++block) {
+    const int64_t count = std::min(kBlock, outputs - block * kBlock);
+    float* to = weight.data() + block * inputs * kBlock;
+    for (int64_t i = 0; i < inputs; ++i, to += kBlock) {
+      for (int64_t o = 0; o < count; ++o) to[o] = from[(block * kBlock + o) * inputs + i];
+    }
   }
+}
+
+PackedLinear PackedLinear::transposed(const at::Tensor& w) {
+  PackedLinear out;
+  out.inputs = w.size(0);
+  out.outputs = w.size(1);
+  out.blocks = blocks_of(out.outputs);
+  out.weight.resize(static_cast<size_t>(out.blocks * out.inputs * kBlock));
+  out.bias.resize(static_cast<size_t>(out.blocks * kBlock));
+  const at::Tensor rows = w.contiguous();
+  const auto* from = rows.const_data_ptr<float>();
+  float* to = out.weight.data();
+  for (int64_t b = 0; b < out.blocks; ++b) {
+    const int64_t count = std::min(kBlock, out.outputs - b * kBlock);
+    for (int64_t i = 0; i < out.inputs; ++i, to += kBlock) {
+      std::copy_n(from + i * out.outputs + b * kBlock, count, to);
+    }
+  }
+  return out;
 }
 
 void PackedLinear::multiply(const float* x, int64_t rows, int64_t k, int64_t count,

@@ -26,6 +26,9 @@ struct PackedLinear {
   ///           undefined: zero
   PackedLinear(const at::Tensor& w, const at::Tensor& b);
 
+  /// y = x W without bias, of a float32 W.
+  static PackedLinear transposed(const at::Tensor& w);
+
   bool in_bf16() const { return !pairs.empty(); }
   int64_t input_pairs() const { return (inputs + 1) / 2; }
 

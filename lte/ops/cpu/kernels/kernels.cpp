@@ -9,15 +9,16 @@
 
 #include "lte/ops/bf16.h"
 
-#define LTE_DECLARE_KERNELS(isa)               \
-  namespace lte::ops::isa {                    \
-  extern const PointKernels kPointKernels;     \
-  extern const CurveKernels kCurveKernels;     \
-  extern const DenseKernels kDenseKernels;     \
-  extern const Bf16Kernels kBf16Kernels;       \
-  extern const CacheKernels kCacheKernels;     \
-  extern const SumKernels<float> kFloatSums;   \
-  extern const SumKernels<double> kDoubleSums; \
+#define LTE_DECLARE_KERNELS(isa)                 \
+  namespace lte::ops::isa {                      \
+  extern const PointKernels kPointKernels;       \
+  extern const CurveKernels kCurveKernels;       \
+  extern const DenseKernels kDenseKernels;       \
+  extern const GradientKernels kGradientKernels; \
+  extern const Bf16Kernels kBf16Kernels;         \
+  extern const CacheKernels kCacheKernels;       \
+  extern const SumKernels<float> kFloatSums;     \
+  extern const SumKernels<double> kDoubleSums;   \
   }
 
 LTE_DECLARE_KERNELS(baseline)
@@ -37,6 +38,7 @@ struct Isa {
   const PointKernels* points;
   const CurveKernels* curves;
   const DenseKernels* dense;
+  const GradientKernels* gradients;
   const Bf16Kernels* bf16;
   const CacheKernels* cache;
   const SumKernels<float>* float_sums;
@@ -60,6 +62,7 @@ Isa choose() {
             &avx512::kPointKernels,
             &avx512::kCurveKernels,
             &avx512::kDenseKernels,
+            &avx512::kGradientKernels,
             has_bf16 ? &avx512_bf16::kBf16Kernels : &avx512::kBf16Kernels,
             &avx512::kCacheKernels,
             &avx512::kFloatSums,
@@ -70,6 +73,7 @@ Isa choose() {
             &avx2::kPointKernels,
             &avx2::kCurveKernels,
             &avx2::kDenseKernels,
+            &avx2::kGradientKernels,
             &avx2::kBf16Kernels,
             &avx2::kCacheKernels,
             &avx2::kFloatSums,
@@ -80,6 +84,7 @@ Isa choose() {
           &baseline::kPointKernels,
           &baseline::kCurveKernels,
           &baseline::kDenseKernels,
+          &baseline::kGradientKernels,
           &baseline::kBf16Kernels,
           &baseline::kCacheKernels,
           &baseline::kFloatSums,
@@ -96,6 +101,7 @@ const Isa& isa() {
 const PointKernels& point_kernels() { return *isa().points; }
 const CurveKernels& curve_kernels() { return *isa().curves; }
 const DenseKernels& dense_kernels() { return *isa().dense; }
+const GradientKernels& gradient_kernels() { return *isa().gradients; }
 const Bf16Kernels& bf16_kernels() { return *isa().bf16; }
 const CacheKernels& cache_kernels() { return *isa().cache; }
 bool has_bf16_products() { return std::string_view(cpu_isa()) == "avx512_bf16"; }

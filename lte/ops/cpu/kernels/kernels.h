@@ -173,6 +173,60 @@ struct DenseKernels {
   void (*hidden_positions)(PairGeometry geometry, const float* weight, int64_t H, float* out);
 };
 
+/// A norm over the channels of each row, backwards. Tiles lie as in DenseKernels::layer_norm().
+struct LayerNormGradient {
+  const float* x;  ///< what was normed
+  int64_t rows, panel_stride, channels;
+  const float* gain;         ///< zero past the last channel
+  const float* grad;         ///< by the norm's result
+  float* by_x;               ///< added to
+  float *by_gain, *by_bias;  ///< [channels to a whole block], added to
+};
+
+/// AttendArguments backwards: `grad` by the result becomes that by the query.
+struct AttendGradient {
+  const float* query;
+  int64_t rows, blocks;
+  const float* sums;
+  int64_t row_stride, block_stride;
+  float scale;
+  float* grad;
+  float* by_sums;  ///< laid out as `sums`
+};
+
+/// The maximum over k pairs of W GELU(dense[neighbour[i]] + center) + b, backwards, for one centre:
+/// only the pairs that are the largest of some output have a gradient.
+struct MaximumGradient {
+  const float *dense, *center;
+  const int64_t* neighbour;  ///< [k]
+  int64_t k, channels;       ///< channels: whole blocks
+  const float* weight;       ///< W, [outputs, channels]
+  int64_t outputs;
+  const int32_t* winner;                    ///< [outputs], of the k pairs
+  const float* grad;                        ///< [outputs]
+  float *hidden, *slope, *back;             ///< room for [k, channels] each
+  uint8_t* seen;                            ///< room for [k], zero before and after
+  float *by_dense, *by_center, *by_weight;  ///< as dense, center and weight; added to
+};
+
+/// Gradients over tiles of rows, float32. A panel's rows are kPanel apart.
+struct GradientKernels {
+  /// out[r][c] (+)= bias + Σ_k x[k][r] w[k][c]: DenseKernels::multiply() of an x that lies as
+  /// columns, K any.
+  void (*multiply_transposed)(MatrixProduct<float, float> product);
+  /// x = GELU(x), and the slope there, of one panel each.
+  void (*activate_with_slope)(float* x, int64_t rows, int64_t blocks, float* slope);
+  /// x ⊙= by, of one panel each.
+  void (*multiply_each)(float* x, const float* by, int64_t rows, int64_t blocks);
+  /// sum[c] += Σ_r x[r][c].
+  void (*sum_columns)(const float* x, int64_t rows, int64_t blocks, float* sum);
+  void (*layer_norm_gradient)(LayerNormGradient arguments);
+  void (*attend_gradient)(AttendGradient arguments);
+  /// DenseKernels::maximize(); winner[c] = place where x is larger.
+  void (*maximize_at)(const float* x, int32_t place, int64_t count, float* out, int32_t* winner);
+  void (*maximum_gradient)(MaximumGradient arguments);
+};
+
 /// Products of bfloat16 operands with sums in float32. Two inputs make a pair, the even one in the
 /// lower half. Inputs are rounded to the nearest even; where the processor has no bfloat16
 /// instructions the same is computed from float32 ones.
@@ -228,6 +282,7 @@ struct CacheKernels {
 const PointKernels& point_kernels();
 const CurveKernels& curve_kernels();
 const DenseKernels& dense_kernels();
+const GradientKernels& gradient_kernels();
 const Bf16Kernels& bf16_kernels();
 const CacheKernels& cache_kernels();
 template <typename T>

@@ -1,0 +1,71 @@
+// Gradients of dense layers by their weights, summed up over tiles of rows.
+#pragma once
+
+#include <vector>
+
+#include <ATen/core/Tensor.h>
+
+#include "lte/ops/cpu/packed_linear.h"
+
+namespace lte::ops {
+
+/// What a thread has summed up of the gradients of y = x Wᵀ + b by W and b.
+class LinearGradient {
+ public:
+  LinearGradient(int64_t inputs, int64_t outputs)
+      : inputs_(inputs),
+        outputs_(outputs),
+        weight_(static_cast<size_t>(panels_of(inputs) * outputs * kPanel)),
+        bias_(static_cast<size_t>(blocks_of(outputs) * kBlock)) {}
+  explicit LinearGradient(const PackedLinear& layer)
+      : LinearGradient(layer.inputs, layer.outputs) {}
+
+  /// @param grad  by y, [rows, outputs], @param x [rows, inputs], finite to whole blocks
+  void add(const Tile& grad, const Tile& x, int64_t rows) {
+    for (int64_t p = 0; p < panels_of(inputs_); ++p) add_panel(grad, x.panel(p), p, rows);
+  }
+
+  /// The same with panel `p` of x alone; the bias goes with the first.
+  void add_panel(const Tile& grad, const float* x, int64_t p, int64_t rows) {
+    const int64_t blocks = std::min(blocks_of(inputs_) - p * kPanelBlocks, kPanelBlocks);
+    for (int64_t o = 0; o < outputs_; o += kPanel) {
+      const float* g = grad.panel(o / kPanel);
+      const int64_t count = std::min(kPanel, outputs_ - o);
+      gradient_kernels().multiply_transposed({g, count, rows, x, kPanel, kBlock, nullptr, blocks,
+                                              true, weight_.data() + (p * outputs_ + o) * kPanel});
+      if (p == 0) gradient_kernels().sum_columns(g, rows, blocks_of(count), bias_.data() + o);
+    }
+  }
+
+  /// Adds the sums to tensors of the shapes of W and b.
+  void write(const at::Tensor& weight, const at::Tensor& bias) const {
+    auto* w = weight.data_ptr<float>();
+    auto* b = bias.data_ptr<float>();
+    for (int64_t o = 0; o < outputs_; ++o) {
+      b[o] += bias_[static_cast<size_t>(o)];
+      for (int64_t i = 0; i < inputs_; ++i) {
+        w[o * inputs_ + i] +=
+            weight_[static_cast<size_t>((i / kPanel * outputs_ + o) * kPanel + i % kPanel)];
+      }
+    }
+  }
+
+ private:
+  static constexpr int64_t kPanelBlocks = kPanel / kBlock;
+  int64_t inputs_, outputs_;
+  std::vector<float> weight_;  ///< [panels of inputs, outputs, kPanel]
+  std::vector<float> bias_;
+};
+
+/// Runs of `count` rows that are worked off by themselves, so that sums over rows are the same for
+/// any number of threads: kMostParts at most, of at least `least` rows.
+struct RowParts {
+  static constexpr int64_t kMostParts = 4;
+  int64_t count, parts;
+
+  RowParts(int64_t rows, int64_t least)
+      : count(rows), parts(std::clamp<int64_t>(rows / least, 1, kMostParts)) {}
+  int64_t begin(int64_t part) const { return count * part / parts; }
+};
+
+}  // namespace lte::ops
