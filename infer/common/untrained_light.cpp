@@ -42,6 +42,14 @@ std::string untrained_light_note(const scene::Scene& scene, const nn::ModelMetad
                 "lte_render --untrained-light trace finds it by paths");
 }
 
+std::string untrained_environment_note(const scene::Scene& scene, const nn::ModelMetadata& model) {
+  if (model.suns || !scene.environment || max_component(scene::fluence(*scene.environment)) <= 0)
+    return "";
+  return concat(scene.name,
+                ": an environment, which the model was not trained with: its indirect light may be "
+                "a tenth off here; --mode reference finds it by paths");
+}
+
 std::string traced_light_note(const scene::Scene& scene, int spp) {
   return concat(suns_text(scene),
                 ", but the model was trained without any: indirect light is path-traced, ", spp,

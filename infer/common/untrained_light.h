@@ -16,6 +16,10 @@ bool has_untrained_light(const scene::Scene& scene, const nn::ModelMetadata& mod
 /// or the network has seen some.
 std::string untrained_light_note(const scene::Scene& scene, const nn::ModelMetadata& model);
 
+/// A line for people who show a scene with an environment to a network that was trained without:
+/// "" if it has none. Homes with suns have skies, so a network that knows suns knows those.
+std::string untrained_environment_note(const scene::Scene& scene, const nn::ModelMetadata& model);
+
 /// The line for people whose picture has indirect light by paths instead.
 /// @param spp  paths a pixel
 std::string traced_light_note(const scene::Scene& scene, int spp);

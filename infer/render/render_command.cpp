@@ -465,6 +465,8 @@ void run_render(const RenderRequest& request) {
   const runtime::MemoryLimit memory(request.tool.max_memory_mb);
   if (network) {
     check_size(request.scene, scene, *network, request.rescale);
+    const std::string note = untrained_environment_note(scene, network->metadata());
+    if (!note.empty()) log_warning(note);
     if (request.embedding.load.empty())
       memory.check_encoding(network->config(), scene_points(request, *network));
   }

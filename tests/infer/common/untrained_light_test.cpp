@@ -31,6 +31,22 @@ TEST(UntrainedLight, IsNamedUntilAModelHasSeenSuns) {
   EXPECT_EQ(untrained_light_note(scene, model), "");
 }
 
+TEST(UntrainedLight, AnEnvironmentIsNamedUntilAModelHasSeenSkies) {
+  scene::Scene scene = test::dark_room();
+  scene.name = "attic";
+  nn::ModelMetadata model;
+  EXPECT_EQ(untrained_environment_note(scene, model), "");
+  scene::Environment black;
+  scene.environment = black;
+  EXPECT_EQ(untrained_environment_note(scene, model), "") << "a black one is none";
+  scene.environment->radiance = {0, 1, 0};
+  EXPECT_THAT(untrained_environment_note(scene, model),
+              testing::AllOf(testing::HasSubstr("attic: an environment"),
+                             testing::HasSubstr("--mode reference")));
+  model.suns = true;
+  EXPECT_EQ(untrained_environment_note(scene, model), "");
+}
+
 TEST(UntrainedLight, SunsLeaveThePointsOfAModelThatKnowsNoneWhereOtherLightShines) {
   scene::Scene scene = test::dark_room();
   test::add_punctual(&scene, scene::LightKind::Directional, {1, 1, 1});
