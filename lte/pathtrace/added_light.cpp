@@ -10,6 +10,7 @@
 #include "lte/base/check.h"
 #include "lte/base/random.h"
 #include "lte/base/text.h"
+#include "lte/pathtrace/auto_camera.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/free_space.h"
 #include "lte/scene/import/environment_file.h"
@@ -118,9 +119,18 @@ bool sees(const Bvh& bvh, const Place& place, const Panel& panel) {
   return distance == 0 || !bvh.occluded({place.eye, way / distance, 0, distance * 0.9999f});
 }
 
+/// Whether anybody would stand in the scene, as the automatic camera judges: the hollow parts of an
+/// object are enclosed as well.
+bool has_rooms(const Bvh& bvh) {
+  if (bvh.bounds().empty()) return false;
+  const FreeSpace space = survey(bvh);
+  return open_side_view(bvh, space, 1) || inside_view(bvh, space, 0);
+}
+
 std::vector<Panel> find_panels(const scene::Scene& scene) {
   const Bvh bvh(scene);
   std::vector<Panel> panels;
+  if (!has_rooms(bvh)) return panels;
   for (const Place& place : find_places(bvh)) {
     if (panels.size() == kMostPanels) break;
     const bool lit = std::any_of(panels.begin(), panels.end(),
@@ -156,10 +166,9 @@ void add_panel(const Panel& panel, scene::Scene* scene) {
 std::string add_panels(scene::Scene* scene) {
   const std::vector<Panel> panels = find_panels(*scene);
   if (panels.empty()) {
-    if (scene->environment)
-      return "nothing: no place is enclosed, and the scene has an environment";
+    if (scene->environment) return "nothing: there is no room, and the scene has an environment";
     scene::set_environment("1,1,1", 0, scene);
-    return "an environment of radiance 1, as no place is enclosed";
+    return "an environment of radiance 1, as there is no room";
   }
   std::string text;
   for (const Panel& panel : panels) {

@@ -85,6 +85,12 @@ TEST(AddedLight, WhatNothingEnclosesGetsAnEnvironment) {
   EXPECT_EQ(scene.light_groups.size(), 1u);
 }
 
+TEST(AddedLight, AHollowObjectGetsAnEnvironmentAndNoPanelInside) {
+  scene::Scene scene = test::vessel();
+  EXPECT_THAT(add_light("auto", &scene), HasSubstr("environment of radiance 1"));
+  EXPECT_TRUE(scene.environment.has_value());
+}
+
 TEST(AddedLight, APointLightSendsItsWattsEvenly) {
   scene::Scene scene = dark_rooms(1);
   add_light("2,1.5,-1e0,50", &scene);

@@ -196,4 +196,17 @@ inline scene::Scene hall_of_lamps() {
   return scene;
 }
 
+/// A hollow thing that is no room: two shells, of which the outer one faces outwards, and a level
+/// bottom inside.
+inline scene::Scene vessel() {
+  scene::Scene scene;
+  const int white = add_material(&scene, {0.7f, 0.7f, 0.7f});
+  add_instance(&scene, inward_sphere_mesh(40, 4, white));
+  scene::Mesh outer = inward_sphere_mesh(41, 4, white);
+  for (auto& triangle : outer.triangles) std::swap(triangle[0], triangle[1]);
+  add_instance(&scene, outer);
+  add_quad(&scene, {-20, -33, -20}, {0, 0, 40}, {40, 0, 0}, white);
+  return scene;
+}
+
 }  // namespace lte::test
