@@ -51,12 +51,6 @@ void trace_paths(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
 
 }  // namespace
 
-Denoise parse_denoise(const std::string& word) {
-  LTE_CHECK(word == "auto" || word == "on" || word == "off", "denoise \"", word,
-            "\": expected auto, on or off");
-  return word == "auto" ? Denoise::Auto : word == "on" ? Denoise::On : Denoise::Off;
-}
-
 CentreLight light_centres(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                           const SurfaceGuides& guides, const CentreRequest& request) {
   CentreLight out;

@@ -10,14 +10,15 @@
 
 #include "infer/common/shadow_rays.h"
 #include "infer/common/surface_guides.h"
+#include "lte/base/enum_names.h"
 #include "lte/image/denoise.h"
 
 namespace lte::infer {
 
 enum class Denoise { Off, On, Auto };
-
-/// The setting of a word. @throws lte::Error naming the word and the ones there are.
-Denoise parse_denoise(const std::string& word);
+constexpr EnumNames<Denoise, 3> enum_names(Denoise) {
+  return {{{Denoise::Auto, "auto"}, {Denoise::On, "on"}, {Denoise::Off, "off"}}};
+}
 
 /// Shadow rays a pixel up to which Denoise::Auto takes noise away (docs/lab/direct-light.md).
 inline constexpr int kDenoiseUpTo = 16;

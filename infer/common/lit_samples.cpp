@@ -6,6 +6,24 @@
 #include "lte/pathtrace/light_estimates.h"
 
 namespace lte::infer {
+namespace {
+
+// As in baked training data, so that the network sees luminaires as densely as it has learnt to.
+constexpr double kEmissiveShare = 0.1;
+
+}  // namespace
+
+scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t count, bool prune,
+                                          uint64_t seed, pathtrace::PruneCounts* counts) {
+  scene::SamplerOptions sampler;
+  sampler.seed = seed;
+  sampler.emissive_share = kEmissiveShare;
+  if (!prune) return scene::sample_surface(bvh.scene(), count, sampler);
+  const pathtrace::ReachOptions reach{pathtrace::ReachOptions().max_depth, seed};
+  pathtrace::PruneCounts ignored;
+  return pathtrace::sample_reached_surface(bvh, count, sampler, pathtrace::Sides::Either, reach,
+                                           counts != nullptr ? counts : &ignored);
+}
 
 LitSamples add_light_estimates(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                                scene::SurfaceSamples surface, const runtime::LightRequest& input,

@@ -7,10 +7,17 @@
 #include "lte/data/light_groups.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/reach.h"
 #include "lte/runtime/network.h"
 #include "lte/scene/sampler.h"
 
 namespace lte::infer {
+
+/// Draws the points that describe a scene to the network, as every tool does.
+/// @param prune   draw them only where light reaches
+/// @param counts  what was pruned; may be null
+scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t count, bool prune,
+                                          uint64_t seed, pathtrace::PruneCounts* counts);
 
 /// Owns what ScenePoints borrows.
 struct LitSamples {

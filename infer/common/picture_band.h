@@ -9,6 +9,7 @@
 
 #include "infer/common/antialias.h"
 #include "infer/common/frame.h"
+#include "lte/base/enum_names.h"
 #include "lte/gi/pixel_surfaces.h"
 #include "lte/pathtrace/render.h"
 
@@ -20,6 +21,9 @@ enum class Metal {
   Black,    ///< nothing: the matt share of the surface alone is lit
   Trace,    ///< the path tracer renders pixels that have metal in them
 };
+constexpr EnumNames<Metal, 3> enum_names(Metal) {
+  return {{{Metal::Diffuse, "diffuse"}, {Metal::Black, "black"}, {Metal::Trace, "trace"}}};
+}
 
 /// Albedo of a pixel whose radiance paths have found, at least, as light layers divide by it.
 inline constexpr float kLeastTracedAlbedo = 1e-4f;

@@ -1,10 +1,10 @@
 #include "infer/common/renderer.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 #include <vector>
 
+#include "infer/common/compose.h"
 #include "infer/common/lit_samples.h"
 #include "infer/common/sparse_light.h"
 #include "infer/common/untrained_light.h"
@@ -19,107 +19,15 @@ namespace {
 
 using image::Image;
 
-constexpr std::array<std::pair<const char*, Output>, 7> kOutputs{
-    {{"full", Output::Full},
-     {"gi", Output::Gi},
-     {"irradiance", Output::Irradiance},
-     {"direct", Output::Direct},
-     {"albedo", Output::Albedo},
-     {"normal", Output::Normal},
-     {"depth", Output::Depth}}};
 // Pixels of a band; its rows are a multiple of the tiles that pixels are asked in.
 constexpr int64_t kBandPixels = int64_t{1} << 18;
 constexpr int kBandRows = 8;
-// As in baked training data, so that the network sees luminaires as densely as it has learnt to.
-constexpr double kEmissiveShare = 0.1;
 // Estimates keep two colors a point and light group: blocks bound that memory.
 constexpr int64_t kEstimateBlock = int64_t{1} << 21;
 // Points between two looks at the progress.
 constexpr int64_t kProgressBlock = int64_t{1} << 14;
 // Shadow rays, at least, of hits in a denoised picture that stand on no centre's surface.
 constexpr int kLeastEdgeRays = 16;
-
-bool is_geometry(Output output) {
-  return output == Output::Albedo || output == Output::Normal || output == Output::Depth;
-}
-
-/// Adds albedo / π · irradiance: the radiance a Lambertian surface sends back.
-void add_reflected(Image* sum, const Image& albedo, const Image& irradiance) {
-  if (irradiance.width == 0) return;
-  for (size_t i = 0; i < sum->pixels.size(); ++i)
-    sum->pixels[i] += albedo.pixels[i] * irradiance.pixels[i] / kPi;
-}
-
-/// The chosen picture from its parts.
-Image compose(const Frame& frame, Output output) {
-  switch (output) {
-    case Output::Albedo:
-      return frame.albedo;
-    case Output::Normal:
-      return frame.normal;
-    case Output::Depth:
-      return frame.depth;
-    case Output::Irradiance:
-      return frame.indirect;
-    default:
-      break;
-  }
-  Image out(frame.albedo.width, frame.albedo.height, 3);
-  if (output == Output::Full) out = frame.emission;
-  if (output != Output::Gi) add_reflected(&out, frame.albedo, frame.direct);
-  if (output == Output::Direct) return out;
-  add_reflected(&out, frame.albedo, frame.indirect);
-  add_reflected(&out, frame.albedo, frame.total);
-  return out;
-}
-
-/// Turns the reference's radiance into light layers under which the sum of layers is the picture.
-void put_radiance(pathtrace::RadianceLayers layers, Frame* frame) {
-  frame->emission = std::move(layers.emission);
-  frame->direct = std::move(layers.direct);
-  frame->indirect = std::move(layers.indirect);
-  for (size_t i = 0; i < frame->albedo.pixels.size(); ++i) {
-    float &direct = frame->direct.pixels[i], &indirect = frame->indirect.pixels[i];
-    if (!(direct + indirect > 0)) continue;
-    float& albedo = frame->albedo.pixels[i];
-    albedo = std::max(albedo, kLeastTracedAlbedo);
-    direct *= kPi / albedo;
-    indirect *= kPi / albedo;
-  }
-}
-
-/// Copies the rows of a band, which begin at row `first`, into a picture of `height` rows that is
-/// made where it is missing.
-void put_rows(const Image& band, int first, int height, Image* picture) {
-  if (band.width == 0) return;
-  if (band.height == height) {
-    *picture = band;
-    return;
-  }
-  if (picture->width == 0) *picture = Image(band.width, height, band.channels);
-  std::copy(band.pixels.begin(), band.pixels.end(),
-            picture->pixels.begin() + static_cast<int64_t>(picture->offset(0, first)));
-}
-
-void put_band(const Frame& band, int first, bool layers, int height, Frame* frame) {
-  put_rows(band.color, first, height, &frame->color);
-  put_rows(band.depth, first, height, &frame->depth);
-  if (layers) {
-    put_rows(band.albedo, first, height, &frame->albedo);
-    put_rows(band.normal, first, height, &frame->normal);
-    put_rows(band.emission, first, height, &frame->emission);
-    put_rows(band.direct, first, height, &frame->direct);
-    put_rows(band.indirect, first, height, &frame->indirect);
-    put_rows(band.total, first, height, &frame->total);
-  }
-  frame->background += band.background;
-  frame->queries += band.queries;
-  frame->decoded += band.decoded;
-  frame->edge_pixels += band.edge_pixels;
-  frame->traced_pixels += band.traced_pixels;
-  frame->metal += band.metal;
-  frame->metal_by_default += band.metal_by_default;
-}
 
 /// What is known of the centres, which come first.
 void take_centres(const PictureBand& band, const Image& picture, std::vector<Rgb>* values) {
@@ -130,46 +38,6 @@ void take_centres(const PictureBand& band, const Image& picture, std::vector<Rgb
 }
 
 }  // namespace
-
-const char* output_name(Output output) {
-  for (const auto& [word, value] : kOutputs) {
-    if (value == output) return word;
-  }
-  return "";
-}
-
-Output parse_output(const std::string& word) {
-  std::string words;
-  for (const auto& [name, value] : kOutputs) {
-    if (word == name) return value;
-    words += concat(words.empty() ? "" : ", ", name);
-  }
-  throw Error(concat("output \"", word, "\": expected one of ", words));
-}
-
-Mode parse_mode(const std::string& word) {
-  LTE_CHECK(word == "neural" || word == "reference", "mode \"", word,
-            "\": expected neural or reference");
-  return word == "neural" ? Mode::Neural : Mode::Reference;
-}
-
-Metal parse_metal(const std::string& word) {
-  LTE_CHECK(word == "diffuse" || word == "black" || word == "trace", "metal \"", word,
-            "\": expected diffuse, black or trace");
-  return word == "diffuse" ? Metal::Diffuse : word == "black" ? Metal::Black : Metal::Trace;
-}
-
-scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t count, bool prune,
-                                          uint64_t seed, pathtrace::PruneCounts* counts) {
-  scene::SamplerOptions sampler;
-  sampler.seed = seed;
-  sampler.emissive_share = kEmissiveShare;
-  if (!prune) return scene::sample_surface(bvh.scene(), count, sampler);
-  const pathtrace::ReachOptions reach{pathtrace::ReachOptions().max_depth, seed};
-  pathtrace::PruneCounts ignored;
-  return pathtrace::sample_reached_surface(bvh, count, sampler, pathtrace::Sides::Either, reach,
-                                           counts != nullptr ? counts : &ignored);
-}
 
 /// A picture in the making.
 struct Renderer::Job {

@@ -11,6 +11,7 @@
 
 #include "infer/common/centre_light.h"
 #include "infer/common/frame.h"
+#include "infer/common/output.h"
 #include "infer/common/picture_band.h"
 #include "infer/common/ray_pace.h"
 #include "lte/gi/sparse_pixels.h"
@@ -19,22 +20,9 @@
 #include "lte/pathtrace/reach.h"
 #include "lte/pathtrace/render.h"
 #include "lte/runtime/embedding.h"
-#include "lte/scene/sampler.h"
 #include "lte/scene/scene.h"
 
 namespace lte::infer {
-
-enum class Output { Full, Gi, Irradiance, Direct, Albedo, Normal, Depth };
-enum class Mode { Neural, Reference };
-/// Who answers for indirect light in neural mode.
-enum class Indirect { Network, Paths };
-
-/// The word for an output on the command line.
-const char* output_name(Output output);
-/// The output or mode of a word. @throws lte::Error naming the word and the ones there are.
-Output parse_output(const std::string& word);
-Mode parse_mode(const std::string& word);
-Metal parse_metal(const std::string& word);
 
 /// Hits in a pixel at an edge, unless told otherwise.
 inline constexpr int kAntialias = 16;
@@ -166,11 +154,5 @@ class Renderer {
   std::string denoised_by_;
   pathtrace::PruneCounts pruned_points_;
 };
-
-/// Draws the points that describe a scene to the network, as every tool does.
-/// @param prune   draw them only where light reaches
-/// @param counts  what was pruned; may be null
-scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t count, bool prune,
-                                          uint64_t seed, pathtrace::PruneCounts* counts);
 
 }  // namespace lte::infer

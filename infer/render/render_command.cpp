@@ -62,17 +62,17 @@ std::string check_time_budget(const std::string& text) {
 
 RenderSettings settings_of(const RenderRequest& request) {
   RenderSettings settings;
-  settings.output = parse_output(request.output);
-  settings.mode = parse_mode(request.mode);
+  settings.output = parse_enum<Output>("--output", request.output);
+  settings.mode = parse_enum<Mode>("--mode", request.mode);
   std::tie(settings.width, settings.height) = parse_picture_size(request.size);
   settings.direct_samples = request.direct_samples;
   settings.adaptive_direct = request.adaptive_direct;
-  settings.denoise = parse_denoise(request.denoise);
+  settings.denoise = parse_enum<Denoise>("--denoise", request.denoise);
   settings.spp = request.spp;
   settings.max_depth = request.max_depth;
   settings.seed = request.seed;
   settings.antialias = parse_antialias(request.antialias);
-  settings.metal = parse_metal(request.metal);
+  settings.metal = parse_enum<Metal>("--metal", request.metal);
   settings.layers = keeps_layers(request.out);
   // The rest of the quality stands in the request already (apply_quality()).
   return with_quality(parse_enum<Quality>("--quality", request.quality),

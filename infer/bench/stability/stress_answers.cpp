@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "infer/common/lit_samples.h"
 #include "infer/common/renderer.h"
 #include "infer/common/untrained_light.h"
 #include "lte/base/timer.h"

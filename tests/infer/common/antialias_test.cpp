@@ -123,10 +123,10 @@ TEST(Antialias, PixelsAwayFromEdgesKeepEveryBit) {
     int64_t changed = 0;
     for (size_t i = 0; i < 3u * 48 * 36; ++i)
       changed += plain.color.pixels[i] != smooth.color.pixels[i] ? 1 : 0;
-    EXPECT_GT(changed, 0) << output_name(output);
+    EXPECT_GT(changed, 0) << enum_name(output);
     for (const size_t i : inside) {
       for (size_t c = 3 * i; c < 3 * i + 3; ++c)
-        ASSERT_EQ(plain.color.pixels[c], smooth.color.pixels[c]) << output_name(output) << " " << i;
+        ASSERT_EQ(plain.color.pixels[c], smooth.color.pixels[c]) << enum_name(output) << " " << i;
     }
   }
 }

@@ -143,9 +143,9 @@ TEST_F(CentreLightOwnFilter, DenoisesReferencesOfEveryOutput) {
     set_num_threads(1);  // `told` is not for several
     const Frame clean = renderer.render(camera, wanted);
     set_num_threads(0);
-    EXPECT_EQ(told, 48 * 32) << output_name(output);
+    EXPECT_EQ(told, 48 * 32) << enum_name(output);
     EXPECT_LT(error(clean.color, reference.color), 0.7 * error(noisy.color, reference.color))
-        << output_name(output);
+        << enum_name(output);
     EXPECT_NEAR(sum(clean.color), sum(noisy.color), 0.03 * sum(noisy.color));
   }
 }
@@ -175,9 +175,9 @@ TEST_F(CentreLightOwnFilter, DoesNotSeeBands) {
 }
 
 TEST(CentreLight, NamesWordsItDoesNotKnow) {
-  EXPECT_EQ(parse_denoise("auto"), Denoise::Auto);
-  EXPECT_THAT([] { parse_denoise("yes"); },
-              ThrowsMessage<Error>(HasSubstr("expected auto, on or off")));
+  EXPECT_EQ(parse_enum<Denoise>("--denoise", "auto"), Denoise::Auto);
+  EXPECT_THAT([] { parse_enum<Denoise>("--denoise", "yes"); },
+              ThrowsMessage<Error>(HasSubstr("expected auto | on | off")));
 }
 
 }  // namespace

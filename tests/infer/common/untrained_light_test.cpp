@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "infer/common/lit_samples.h"
 #include "infer/common/renderer.h"
 #include "tests/infer/fixture.h"
 #include "tests/support/every_light.h"
@@ -119,7 +120,7 @@ TEST(UntrainedLight, TracedLayersAreTheReferencesAndDirectLightStays) {
     const Output layers = output == Output::Full ? Output::Gi : output;
     const Frame reference =
         renderer.render(into_the_room(), settings(layers, Mode::Reference, Indirect::Network));
-    EXPECT_EQ(frame.indirect.pixels, reference.indirect.pixels) << output_name(output);
+    EXPECT_EQ(frame.indirect.pixels, reference.indirect.pixels) << enum_name(output);
   }
   const RenderSettings direct = settings(Output::Direct, Mode::Neural, Indirect::Network);
   EXPECT_EQ(renderer.render(into_the_room(), settings(Output::Full, Mode::Neural, Indirect::Paths))

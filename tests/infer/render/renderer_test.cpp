@@ -438,8 +438,8 @@ TEST(Renderer, RefusesWhatItCannotDo) {
   empty.width = 0;
   EXPECT_THROW(renderer.render(downward_camera(), empty), Error);
   EXPECT_THROW(renderer.render(downward_camera(), settings(Output::Full)), Error) << "no model";
-  EXPECT_THROW(parse_output("fulll"), Error);
-  EXPECT_THROW(parse_mode("path"), Error);
+  EXPECT_THROW(parse_enum<Output>("--output", "fulll"), Error);
+  EXPECT_THROW(parse_enum<Mode>("--mode", "path"), Error);
 }
 
 }  // namespace

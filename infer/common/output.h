@@ -1,0 +1,31 @@
+// What a picture shows, and who answers for it.
+#pragma once
+
+#include "lte/base/enum_names.h"
+
+namespace lte::infer {
+
+enum class Output { Full, Gi, Irradiance, Direct, Albedo, Normal, Depth };
+enum class Mode { Neural, Reference };
+/// Who answers for indirect light in neural mode.
+enum class Indirect { Network, Paths };
+
+constexpr EnumNames<Output, 7> enum_names(Output) {
+  return {{{Output::Full, "full"},
+           {Output::Gi, "gi"},
+           {Output::Irradiance, "irradiance"},
+           {Output::Direct, "direct"},
+           {Output::Albedo, "albedo"},
+           {Output::Normal, "normal"},
+           {Output::Depth, "depth"}}};
+}
+constexpr EnumNames<Mode, 2> enum_names(Mode) {
+  return {{{Mode::Neural, "neural"}, {Mode::Reference, "reference"}}};
+}
+
+/// Whether there is no light in it.
+constexpr bool is_geometry(Output output) {
+  return output == Output::Albedo || output == Output::Normal || output == Output::Depth;
+}
+
+}  // namespace lte::infer
