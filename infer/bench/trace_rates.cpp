@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <functional>
 #include <vector>
 
 #include "infer/bench/ray_replay.h"
 #include "lte/base/parallel.h"
+#include "lte/base/timer.h"
 #include "lte/pathtrace/transport/irradiance_kernel.h"
 #include "lte/pathtrace/transport/transport_impl.h"
 
@@ -20,11 +20,8 @@ struct Timed {
   double best_seconds = INFINITY, spent_seconds = 0;
 };
 
-/// Processor time of all threads by their number. What else runs on the machine takes wall time
-/// alone.
-double processor_seconds() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC / num_threads();
-}
+/// Processor time of a thread, in the mean.
+double thread_seconds() { return processor_seconds() / num_threads(); }
 
 /// Runs them turn by turn, so that a busy moment of the machine does not fall on one of them alone.
 void time_in_turns(double budget, std::vector<Timed>* calls) {
@@ -32,9 +29,9 @@ void time_in_turns(double budget, std::vector<Timed>* calls) {
     all_done = true;
     for (Timed& call : *calls) {
       if (call.spent_seconds >= budget) continue;
-      const double start = processor_seconds();
+      const double start = thread_seconds();
       call.run();
-      const double seconds = std::max(processor_seconds() - start, 1e-9);
+      const double seconds = std::max(thread_seconds() - start, 1e-9);
       call.best_seconds = std::min(call.best_seconds, seconds);
       call.spent_seconds += seconds;
       all_done = false;

@@ -1,7 +1,8 @@
-// Wall-clock seconds.
+// Wall-clock and processor seconds.
 #pragma once
 
 #include <chrono>
+#include <ctime>
 
 namespace lte {
 
@@ -15,5 +16,9 @@ class Timer {
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
+
+/// Seconds of all threads of this process, user's and system's: what else runs on the machine takes
+/// wall time alone.
+inline double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 }  // namespace lte

@@ -5,15 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <sys/resource.h>
 
 #include "infer/common/assets.h"
 #include "infer/common/lit_samples.h"
@@ -21,181 +17,19 @@
 #include "infer/common/renderer.h"
 #include "infer/common/untrained_light.h"
 #include "lte/base/check.h"
-#include "lte/base/file.h"
 #include "lte/base/parallel.h"
+#include "lte/base/timer.h"
 #include "lte/cli/scene_flags.h"
 #include "lte/gi/gather.h"
 #include "lte/gi/radiosity_table.h"
 #include "lte/gi/residual.h"
 #include "lte/gi/surface_index.h"
-#include "lte/pathtrace/auto_camera.h"
-#include "lte/pathtrace/gbuffer.h"
-#include "lte/pathtrace/transport/irradiance_kernel.h"
-#include "lte/pathtrace/transport/transport.h"
+#include "tests/bench/gather_reference.h"
 
 namespace {
 
 using namespace lte;
-
-constexpr int kHalfPaths = 512;  // of each of the two halves of the reference
-constexpr int kModelDepth = 5;   // that the network and the estimates have; a gather adds one
-constexpr double kEpsilon = 1e-2;
-
-/// Processor seconds of this process, user and system.
-double cpu_seconds() {
-  rusage usage;
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
-/// Two independent estimates of indirect irradiance, by the depth where paths end: the product of a
-/// method's errors against both has no noise of theirs in its mean.
-struct Reference {
-  std::vector<Rgb> half[2][2];  ///< [half][0: depth 5, 1: depth 6]
-};
-
-/// Traces one half: depths 2 to 5, and 2 to 6, of the same paths.
-class HalfTracer : public pathtrace::LightSink {
- public:
-  void add(int depth, std::span<const pathtrace::Contribution> contributions) override {
-    if (depth == 1) return;
-    for (const pathtrace::Contribution& c : contributions) {
-      for (int k = 0; k < 3; ++k) {
-        if (depth <= kModelDepth) sums[0][k] += double{c.value[k]};
-        sums[1][k] += double{c.value[k]};
-      }
-    }
-  }
-  double sums[2][3] = {};
-};
-
-void trace_half(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                std::span<const Vec3> positions, std::span<const Vec3> normals, uint64_t seed,
-                std::vector<Rgb>* depth5, std::vector<Rgb>* depth6) {
-  depth5->resize(positions.size());
-  depth6->resize(positions.size());
-  const float half_extent = 0.5f * max_component(bvh.bounds().extent());
-  parallel_for(static_cast<int64_t>(positions.size()), 16, [&](int64_t begin, int64_t end) {
-    HalfTracer sink;
-    const auto sampler =
-        std::make_unique<pathtrace::PathSampler>(pathtrace::Sampling::Sobol, kHalfPaths);
-    const auto transport =
-        std::make_unique<pathtrace::Transport>(bvh, lights, kModelDepth + 1, 3, sink);
-    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-      const Vec3 origin =
-          pathtrace::offset_origin(positions[i], normals[i], half_extent) - bvh.handles().origin;
-      std::memset(sink.sums, 0, sizeof(sink.sums));
-      sampler->start_stream(seed, i);
-      sampler->start_set();
-      for (int k = 0; k < kHalfPaths; ++k) {
-        const int lane = sampler->paths();
-        transport->start().origin.put(lane, origin);
-        transport->start().normal.put(lane, normals[i]);
-        sampler->add_path();
-        if (sampler->paths() < pathtrace::kBlock && k + 1 < kHalfPaths) continue;
-        transport->trace_indirect(*sampler);
-        sampler->clear();
-      }
-      for (int c = 0; c < 3; ++c) {
-        const double scale = double{kPi} / kHalfPaths;
-        (*depth5)[i][c] = static_cast<float>(sink.sums[0][c] * scale);
-        (*depth6)[i][c] = static_cast<float>(sink.sums[1][c] * scale);
-      }
-    }
-  });
-}
-
-struct View {
-  std::vector<Vec3> position, normal;
-  std::vector<Rgb> albedo;
-  std::vector<float> spacing;  ///< metres between neighbouring pixels on the surface
-};
-
-View look(const pathtrace::Bvh& bvh, int width, int height) {
-  const scene::Scene& scene = bvh.scene();
-  const scene::Camera camera =
-      scene.cameras.empty() ? pathtrace::auto_camera(bvh) : scene.cameras.front();
-  const pathtrace::GBuffer seen = pathtrace::trace_gbuffer(bvh, camera, width, height);
-  View view;
-  for (size_t i = 0; i < seen.mask.size(); ++i) {
-    if (!seen.mask[i] || max_component(seen.albedo[i]) <= 0) continue;
-    view.position.push_back(seen.position[i]);
-    view.normal.push_back(seen.normal[i]);
-    view.albedo.push_back(seen.albedo[i]);
-    const float cosine =
-        std::fabs(dot(normalize(camera.origin - seen.position[i]), seen.normal[i]));
-    view.spacing.push_back(pathtrace::pixel_size(camera, height) * seen.depth[i] /
-                           std::sqrt(std::max(cosine, 0.05f)));
-  }
-  LTE_CHECK(!view.position.empty(), "the camera sees no reflecting surface");
-  return view;
-}
-
-Reference reference_of(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights, const View& view,
-                       const std::filesystem::path& cached) {
-  Reference out;
-  const size_t count = view.position.size(), bytes = count * sizeof(Rgb);
-  if (std::filesystem::exists(cached) && std::filesystem::file_size(cached) == 4 * bytes) {
-    const std::string data = read_file(cached);
-    for (size_t k = 0; k < 4; ++k) {
-      out.half[k / 2][k % 2].resize(count);
-      std::memcpy(out.half[k / 2][k % 2].data(), data.data() + k * bytes, bytes);
-    }
-    return out;
-  }
-  std::string data;
-  for (auto& half : out.half) {
-    const uint64_t seed = &half == out.half ? 101 : 202;
-    trace_half(bvh, lights, view.position, view.normal, seed, &half[0], &half[1]);
-    for (const std::vector<Rgb>& values : half)
-      data.append(reinterpret_cast<const char*>(values.data()), bytes);
-  }
-  std::filesystem::create_directories(cached.parent_path());
-  write_file(cached, data);
-  return out;
-}
-
-struct Score {
-  double mse = 0, relmse = 0;
-};
-
-/// Errors without the reference's noise. @param one_more  the method's light has depth 6
-Score score(const std::vector<Rgb>& values, const Reference& reference, bool one_more) {
-  const std::vector<Rgb>&a = reference.half[0][one_more], &b = reference.half[1][one_more];
-  Score out;
-  for (size_t i = 0; i < values.size(); ++i) {
-    for (int c = 0; c < 3; ++c) {
-      const double error =
-          (double{values[i][c]} - double{a[i][c]}) * (double{values[i][c]} - double{b[i][c]});
-      const double mean = 0.5 * (double{a[i][c]} + double{b[i][c]});
-      out.mse += error;
-      out.relmse += error / (mean * mean + kEpsilon);
-    }
-  }
-  const auto count = 3 * static_cast<double>(values.size());
-  return {out.mse / count, out.relmse / count};
-}
-
-/// Errors of values that the first half went into, against the second, less its noise.
-Score score_against_second(const std::vector<Rgb>& values, const Reference& reference) {
-  const std::vector<Rgb>&a = reference.half[0][0], &b = reference.half[1][0];
-  Score out;
-  for (size_t i = 0; i < values.size(); ++i) {
-    for (int c = 0; c < 3; ++c) {
-      const double miss = double{values[i][c]} - double{b[i][c]};
-      const double noise = double{a[i][c]} - double{b[i][c]};
-      const double mean = 0.5 * (double{a[i][c]} + double{b[i][c]});
-      const double error = miss * miss - 0.5 * noise * noise;
-      out.mse += error;
-      out.relmse += error / (mean * mean + kEpsilon);
-    }
-  }
-  const auto count = 3 * static_cast<double>(values.size());
-  return {out.mse / count, out.relmse / count};
-}
+using namespace lte::bench;
 
 void print_row(const std::string& name, const Score& s, double seconds, double million_rays) {
   const auto number = [](const char* format, double value) {
@@ -276,9 +110,9 @@ class Experiments {
   void row(const std::string& name, bool one_more, double before_s, const Work& work,
            int64_t rays_before = 0) {
     int64_t rays = rays_before;
-    const double start = cpu_seconds();
+    const double start = processor_seconds();
     const std::vector<Rgb> values = work(&rays);
-    const double seconds = before_s + cpu_seconds() - start;
+    const double seconds = before_s + processor_seconds() - start;
     print_row(name, score(values, reference_, one_more), seconds, 1e-6 * static_cast<double>(rays));
   }
 
@@ -313,9 +147,9 @@ class Experiments {
       return runtime::SceneEmbedding(network_, lit.points(), {.rescale = true});
     };
     make();  // warm-up
-    const double start = cpu_seconds();
+    const double start = processor_seconds();
     embedding_.emplace(make());
-    encode_s_ = cpu_seconds() - start;
+    encode_s_ = processor_seconds() - start;
     row("network at every pixel", false, encode_s_, [&](int64_t*) {
       return answers_ = embedding_->decode({view_.position, view_.normal, view_.albedo});
     });
@@ -363,7 +197,7 @@ class Experiments {
   /// Estimates at `count` entries, of which those that are lit stay.
   Lit lit_entries(int64_t count, int paths) const {
     Lit out;
-    const double start = cpu_seconds();
+    const double start = processor_seconds();
     const gi::TableEntries all = gi::sample_entries(bvh_.scene(), count, 11);
     const gi::EntryLight light = gi::estimate_entries(bvh_, lights_, all, paths, kModelDepth, 12);
     const std::vector<uint8_t> keep = gi::lit(light);
@@ -374,7 +208,7 @@ class Experiments {
       out.light.indirect.push_back(light.indirect[i]);
     }
     out.light.rays_traced = light.rays_traced;
-    out.seconds = cpu_seconds() - start;
+    out.seconds = processor_seconds() - start;
     return out;
   }
 
@@ -429,7 +263,7 @@ class Experiments {
   /// Nanoseconds of a look-up beside those of a path.
   void time_lookups(const gi::RadiosityTable& table) const {
     constexpr int kRepeats = 20;
-    double start = cpu_seconds();
+    double start = processor_seconds();
     Rgb sum;
     int64_t found = 0;
     for (int k = 0; k < kRepeats; ++k) {
@@ -441,11 +275,11 @@ class Experiments {
       }
     }
     const auto lookups = static_cast<double>(kRepeats * view_.position.size());
-    const double lookup_ns = 1e9 * (cpu_seconds() - start) / lookups;
-    start = cpu_seconds();
+    const double lookup_ns = 1e9 * (processor_seconds() - start) / lookups;
+    start = processor_seconds();
     int64_t rays = 0;
     const size_t pixels = traced(16, 3, &rays).size();
-    const double path_ns = 1e9 * (cpu_seconds() - start) / static_cast<double>(16 * pixels);
+    const double path_ns = 1e9 * (processor_seconds() - start) / static_cast<double>(16 * pixels);
     notes_.push_back(concat("table of ", table.size(), " entries: ", lookup_ns, " ns a look-up (",
                             100 * static_cast<double>(found) / lookups, " % answered), ", path_ns,
                             " ns a path, ",
@@ -466,16 +300,16 @@ class Experiments {
       const int paths = count > 5000 ? 16 : 64;
       const Lit raw = lit_entries(count, paths);
       {
-        const double start = cpu_seconds();
+        const double start = processor_seconds();
         const gi::RadiosityTable table(bvh_, raw.entries, raw.light.total());
         gather_rows("gather, " + std::to_string(paths) + " paths at " + size + " entries", table,
-                    raw.seconds + cpu_seconds() - start, raw.light.rays_traced, false);
+                    raw.seconds + processor_seconds() - start, raw.light.rays_traced, false);
       }
-      const double start = cpu_seconds();
+      const double start = processor_seconds();
       const gi::RadiosityTable table =
           infer::network_table(bvh_, lights_, *embedding_, {.entries = count, .seed = 11});
       gather_rows("gather, network at " + size + " entries", table,
-                  encode_s_ + cpu_seconds() - start, 0, false);
+                  encode_s_ + processor_seconds() - start, 0, false);
     }
   }
 

@@ -8,12 +8,11 @@
 #include <string>
 #include <vector>
 
-#include <sys/resource.h>
-
 #include "infer/common/assets.h"
 #include "infer/common/renderer.h"
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
+#include "lte/base/timer.h"
 #include "lte/cli/scene_flags.h"
 #include "lte/gi/upsample.h"
 #include "lte/nn/device.h"
@@ -56,13 +55,6 @@ std::vector<Row> rows() {
         {concat("8, edges to 2, tolerance 0.1, contacts ", radius), options(8, 2, 0.1f, radius)});
   }
   return out;
-}
-
-double user_seconds() {
-  rusage use{};
-  getrusage(RUSAGE_SELF, &use);
-  return static_cast<double>(use.ru_utime.tv_sec) +
-         1e-6 * static_cast<double>(use.ru_utime.tv_usec);
 }
 
 double mean_square(const image::Image& a, const image::Image& b) {
@@ -114,7 +106,7 @@ void time_upsampling(const pathtrace::Bvh& bvh, const scene::Camera& camera, int
                                    hits.mask,
                                    pathtrace::pixel_size(camera, height)};
   constexpr int kRuns = 5;
-  double user = 0;
+  double seconds = 0;
   size_t holes = 0;
   set_num_threads(1);
   for (int run = 0; run < kRuns; ++run) {
@@ -123,13 +115,13 @@ void time_upsampling(const pathtrace::Bvh& bvh, const scene::Camera& camera, int
     for (int y = 0; y < height; y += 8) {
       for (int x = 0; x < width; x += 8) known[surfaces.at(x, y)] = hits.mask[surfaces.at(x, y)];
     }
-    const double before = user_seconds();
+    const double before = processor_seconds();
     holes = gi::upsample(surfaces, 8, known, values).size();
-    user += user_seconds() - before;
+    seconds += processor_seconds() - before;
   }
   set_num_threads(0);
-  std::printf("upsampling, one thread: %.1f ms of user time, %zu holes\n", 1000 * user / kRuns,
-              holes);
+  std::printf("upsampling, one thread: %.1f ms of processor time, %zu holes\n",
+              1000 * seconds / kRuns, holes);
 }
 
 void measure(const std::string& name, const runtime::Network& network, int width, int height,
@@ -157,16 +149,16 @@ void measure(const std::string& name, const runtime::Network& network, int width
   std::printf("\n%s, camera %s, %dx%d, %d paths\n", name.c_str(), camera.name.c_str(), width,
               height, paths);
   std::printf(
-      "| pixels answered | answered | of all | decode, user s | whole, s | mse | loss | "
+      "| pixels answered | answered | of all | processor s | whole, s | mse | loss | "
       "relmse | loss |\n|---|---:|---:|---:|---:|---:|---:|---:|---:|\n");
   const double noise = mean_square(truth.half_a, truth.half_b) / 4,
                relative_noise = relative(truth.half_a, truth.half_b, truth.mean) / 4;
   double every = 0, relative_every = 0;
   for (const Row& row : rows()) {
     settings.sparse = row.options;
-    const double before = user_seconds();
+    const double before = processor_seconds();
     const Frame frame = renderer.render(camera, settings);
-    const double user = user_seconds() - before;
+    const double seconds = processor_seconds() - before;
     const double mse = mean_square(frame.color, truth.mean) - noise;
     const double relmse = relative(frame.color, truth.mean, truth.mean) - relative_noise;
     if (!row.options) {
@@ -176,7 +168,7 @@ void measure(const std::string& name, const runtime::Network& network, int width
     std::printf("| %s | %lld | %.1f %% | %.2f | %.4g | %+.1f %% | %.4g | %+.1f %% |\n",
                 row.name.c_str(), static_cast<long long>(frame.decoded),
                 100.0 * static_cast<double>(frame.decoded) / static_cast<double>(frame.queries),
-                user, mse, 100 * (mse / every - 1), relmse, 100 * (relmse / relative_every - 1));
+                seconds, mse, 100 * (mse / every - 1), relmse, 100 * (relmse / relative_every - 1));
     std::fflush(stdout);
   }
   time_upsampling(renderer.bvh(), camera, width, height);

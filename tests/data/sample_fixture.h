@@ -27,6 +27,12 @@ class Folder : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
+/// A folder with a place for one sample.
+class SceneSampleFile : public Folder {
+ protected:
+  std::filesystem::path path() const { return folder_ / "room.safetensors"; }
+};
+
 /// The line with which `body` fails; "" if it does not.
 inline std::string error_of(const std::function<void()>& body) {
   try {
@@ -124,6 +130,48 @@ inline SceneSample make_sample(int64_t scene_points = 8, int64_t query_points = 
   sample.bounds_low = {-2.1f, -0.1f, 1.0f / 3};
   sample.bounds_high = {2, 3, 4};
   return sample;
+}
+
+inline void expect_equal(const View& a, const View& b) {
+  EXPECT_EQ(a.width, b.width);
+  EXPECT_EQ(a.height, b.height);
+  EXPECT_EQ(a.position, b.position);
+  EXPECT_EQ(a.normal, b.normal);
+  EXPECT_EQ(a.albedo, b.albedo);
+  EXPECT_EQ(a.mask, b.mask);
+  EXPECT_EQ(a.direct, b.direct);
+  EXPECT_EQ(a.indirect, b.indirect);
+  EXPECT_EQ(a.variance, b.variance);
+  EXPECT_EQ(a.path_traced_64, b.path_traced_64);
+}
+
+inline void expect_equal(const SceneSample& a, const SceneSample& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.scene_position, b.scene_position);
+  EXPECT_EQ(a.scene_normal, b.scene_normal);
+  EXPECT_EQ(a.scene_albedo, b.scene_albedo);
+  EXPECT_EQ(a.scene_emission, b.scene_emission);
+  EXPECT_EQ(a.scene_area, b.scene_area);
+  EXPECT_EQ(a.scene_light, b.scene_light);
+  EXPECT_EQ(a.query_position, b.query_position);
+  EXPECT_EQ(a.query_normal, b.query_normal);
+  EXPECT_EQ(a.query_albedo, b.query_albedo);
+  EXPECT_EQ(a.light_groups, b.light_groups);
+  EXPECT_EQ(a.direct, b.direct);
+  EXPECT_EQ(a.indirect, b.indirect);
+  EXPECT_EQ(a.variance, b.variance);
+  EXPECT_EQ(a.query_rays, b.query_rays);
+  EXPECT_EQ(a.path_traced_64, b.path_traced_64);
+  EXPECT_EQ(a.seed, b.seed);
+  EXPECT_EQ(a.rays, b.rays);
+  EXPECT_EQ(a.target_error, b.target_error);
+  EXPECT_EQ(a.pruned_scene_points, b.pruned_scene_points);
+  EXPECT_EQ(a.pruned_query_points, b.pruned_query_points);
+  EXPECT_EQ(a.max_depth, b.max_depth);
+  EXPECT_EQ(a.bounds_low, b.bounds_low);
+  EXPECT_EQ(a.bounds_high, b.bounds_high);
+  ASSERT_EQ(a.views.size(), b.views.size());
+  for (size_t k = 0; k < a.views.size(); ++k) expect_equal(a.views[k], b.views[k]);
 }
 
 }  // namespace lte::data::test

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <filesystem>
 #include <numeric>
 #include <set>
@@ -24,11 +23,11 @@ constexpr int kWarmUpWidth = 32, kWarmUpHeight = 24;
 template <typename Work>
 MethodTime measure(const Work& work) {
   MethodTime time;
-  const std::clock_t begin = std::clock();
+  const double begin = processor_seconds();
   const Timer timer;
   work(&time.stages);
   time.wall = timer.seconds();
-  time.processor = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  time.processor = processor_seconds() - begin;
   return time;
 }
 

@@ -1,7 +1,6 @@
 #include "infer/bench/stability/stress_answers.h"
 
 #include <algorithm>
-#include <ctime>
 #include <memory>
 #include <span>
 #include <utility>
@@ -67,10 +66,10 @@ std::vector<Rgb> ask_network(const pathtrace::Bvh& bvh, const pathtrace::Lights&
 }  // namespace
 
 WorkTime time_work(const std::function<void()>& work) {
-  const std::clock_t begin = std::clock();
+  const double begin = processor_seconds();
   const Timer timer;
   work();
-  return {timer.seconds(), static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC};
+  return {timer.seconds(), processor_seconds() - begin};
 }
 
 StressQuestions ask_stress_room(int64_t points, int paths, int64_t scene_points) {
