@@ -7,6 +7,16 @@
 namespace lte::infer {
 
 void add_embedding_flags(CLI::App& app, EmbeddingFlags* flags) {
+  app.add_option("--scene-points", flags->scene_points,
+                 "Scene points shown to the network; 0 for as many as in training")
+      ->check(CLI::Range(int64_t{0}, int64_t{1} << 28));
+  app.add_option("--prune", flags->prune,
+                 "Show the network only surfaces that light reaches; auto: as in its training")
+      ->check(CLI::IsMember({"auto", "on", "off"}))
+      ->capture_default_str();
+  app.add_flag("--rescale,!--no-rescale", flags->rescale,
+               "Shrink a scene larger than the model knows, for the network only (the default), or "
+               "refuse it");
   CLI::Option* load = app.add_option(
       "--embedding", flags->load,
       "Read the scene's embedding from this file of --save-embedding instead of making it; one of "
@@ -18,6 +28,17 @@ void add_embedding_flags(CLI::App& app, EmbeddingFlags* flags) {
 void claim_embedding(const EmbeddingFlags& flags, CommandFiles* files) {
   files->reads("--embedding", flags.load);
   files->writes("--save-embedding", flags.save);
+}
+
+EmbedSettings embed_settings(const EmbeddingFlags& flags, uint64_t seed,
+                             const runtime::MemoryLimit& memory) {
+  EmbedSettings settings;
+  settings.scene_points = flags.scene_points;
+  settings.seed = seed;
+  settings.rescale = flags.rescale;
+  if (flags.prune != "auto") settings.prune = flags.prune == "on";
+  settings.memory = memory;
+  return settings;
 }
 
 runtime::EmbeddingKey embedding_key(const scene::Scene& scene, const runtime::Network& network,
@@ -33,7 +54,7 @@ runtime::EmbeddingKey embedding_key(const scene::Scene& scene, const runtime::Ne
 
 void provide_embedding(const EmbeddingFlags& flags, const runtime::Network& network,
                        const EmbedSettings& settings, Renderer* renderer) {
-  if (!flags.any()) return renderer->embed(network, settings);
+  if (!flags.has_file()) return renderer->embed(network, settings);
   const runtime::EmbeddingKey key = embedding_key(renderer->bvh().scene(), network, settings);
   const Timer timer;
   if (!flags.load.empty()) {

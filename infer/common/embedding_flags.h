@@ -1,6 +1,8 @@
-// --embedding and --save-embedding: a scene's embedding kept from one run to the next.
+// Flags of a scene's embedding: what it is made of (--scene-points, --prune, --rescale), and a file
+// that keeps it from one run to the next (--embedding, --save-embedding).
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -12,15 +14,21 @@
 namespace lte::infer {
 
 struct EmbeddingFlags {
+  int64_t scene_points = 0;  ///< 0: as many as in the model's training
+  std::string prune = "auto";
+  bool rescale = true;
   std::string load, save;  ///< files; empty: none
 
-  bool any() const { return !load.empty() || !save.empty(); }
+  bool has_file() const { return !load.empty() || !save.empty(); }
 };
 
-/// Adds both flags, which exclude each other.
+/// Adds the flags. The two of files exclude each other.
 void add_embedding_flags(CLI::App& app, EmbeddingFlags* flags);
 
 void claim_embedding(const EmbeddingFlags& flags, CommandFiles* files);
+
+EmbedSettings embed_settings(const EmbeddingFlags& flags, uint64_t seed,
+                             const runtime::MemoryLimit& memory);
 
 /// Everything but network and precision that an embedding of Renderer::embed() depends on: the
 /// fingerprint of the scene, and how its points are drawn.

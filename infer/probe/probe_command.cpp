@@ -38,7 +38,7 @@ void check_usage(const ProbeRequest& request) {
   const bool neural = request.mode == "neural";
   if (neural && request.target_error > 0)
     throw CLI::ValidationError("--target-error", "goes with --mode reference only");
-  if (!neural && request.embedding.any())
+  if (!neural && request.embedding.has_file())
     throw CLI::ValidationError("--embedding, --save-embedding", "go with --mode neural only");
   if (request.validate_only) return;
   if (request.points.empty())
@@ -69,22 +69,12 @@ pathtrace::ProbeResult trace(const ProbeRequest& request, const Renderer& render
   return pathtrace::probe(renderer.bvh(), renderer.lights(), points, options);
 }
 
-EmbedSettings embed_settings(const ProbeRequest& request, const runtime::MemoryLimit& memory) {
-  EmbedSettings settings;
-  settings.scene_points = request.scene_points;
-  settings.seed = request.seed;
-  settings.rescale = request.rescale;
-  if (request.prune != "auto") settings.prune = request.prune == "on";
-  settings.memory = memory;
-  return settings;
-}
-
 /// The network's answers by as many embeddings as --draws says; by one that is read from a file,
 /// that alone.
 Draws ask(const ProbeRequest& request, const runtime::Network& network,
           const scene::PointTable& points, const std::vector<Rgb>& albedo, Renderer* renderer) {
-  EmbedSettings settings =
-      embed_settings(request, runtime::MemoryLimit(request.tool.max_memory_mb));
+  EmbedSettings settings = embed_settings(request.embedding, request.seed,
+                                          runtime::MemoryLimit(request.tool.max_memory_mb));
   const int count = request.embedding.load.empty() ? request.draws : 1;
   Draws draws;
   for (int i = 0; i < count; ++i, ++settings.seed) {
@@ -182,7 +172,7 @@ std::optional<runtime::Network> load_network(const ProbeRequest& request, const 
   const c10::Device device = nn::choose_device(request.tool.device, 0, "--device");
   runtime::Network network(checkpoint_or_shipped(request.checkpoint),
                            {device, choose_precision(request.tool.precision, device)});
-  network.check_fits(max_component(scene::point_bounds(scene).extent()), request.rescale);
+  network.check_fits(max_component(scene::point_bounds(scene).extent()), request.embedding.rescale);
   const std::string note = untrained_light_note(scene, network.metadata());
   if (!note.empty()) log_warning(note);
   return network;
@@ -215,16 +205,6 @@ void add_probe_options(CLI::App& app, ProbeRequest* r) {
                  "own; the answer is their mean, and their spread goes into the expected error")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
-  app.add_option("--scene-points", r->scene_points,
-                 "Scene points shown to the network; 0 for as many as in training")
-      ->check(CLI::Range(int64_t{0}, int64_t{1} << 28));
-  app.add_option("--prune", r->prune,
-                 "Show the network only surfaces that light reaches; auto: as in its training")
-      ->check(CLI::IsMember({"auto", "on", "off"}))
-      ->capture_default_str();
-  app.add_flag("--rescale,!--no-rescale", r->rescale,
-               "Shrink a scene larger than the model knows, for the network only (the default), or "
-               "refuse it");
   add_embedding_flags(app, &r->embedding);
   app.add_option("--seed", r->seed, "Seed of scene points and paths")->capture_default_str();
   app.add_flag("--validate-only", r->validate_only, "Check scene, points and flags, and stop");

@@ -19,10 +19,8 @@ struct ProbeRequest : SceneSource {
   int max_depth = 5;
   double target_error = 0;
   int draws = 2;
-  int64_t scene_points = 0;
   uint64_t seed = 0;
-  bool rescale = true, validate_only = false;
-  std::string prune = "auto";
+  bool validate_only = false;
   EmbeddingFlags embedding;
   ToolOptions tool;
 };

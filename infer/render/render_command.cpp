@@ -224,18 +224,14 @@ std::optional<runtime::Network> load_network(const RenderRequest& request, const
 }
 
 int64_t scene_points(const RenderRequest& request, const runtime::Network& network) {
-  return request.scene_points > 0 ? request.scene_points : network.metadata().scene_points;
+  return request.embedding.scene_points > 0 ? request.embedding.scene_points
+                                            : network.metadata().scene_points;
 }
 
 void embed(const RenderRequest& request, const runtime::Network& network,
            const runtime::MemoryLimit& memory, Renderer* renderer) {
-  EmbedSettings settings;
-  settings.scene_points = scene_points(request, network);
-  settings.seed = request.seed;
-  settings.rescale = request.rescale;
-  if (request.prune != "auto") settings.prune = request.prune == "on";
-  settings.memory = memory;
-  provide_embedding(request.embedding, network, settings, renderer);
+  provide_embedding(request.embedding, network,
+                    embed_settings(request.embedding, request.seed, memory), renderer);
   memory.check("encoding the scene", {runtime::Remedy::FewerScenePoints});
 }
 
@@ -412,16 +408,6 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
                  "auto: in neural mode up to 16 shadow rays a pixel")
       ->check(CLI::IsMember({"auto", "on", "off"}))
       ->capture_default_str();
-  app.add_option("--scene-points", r->scene_points,
-                 "Scene points shown to the network; 0 for as many as in training")
-      ->check(CLI::Range(int64_t{0}, int64_t{1} << 28));
-  app.add_option("--prune", r->prune,
-                 "Show the network only surfaces that light reaches; auto: as in its training")
-      ->check(CLI::IsMember({"auto", "on", "off"}))
-      ->capture_default_str();
-  app.add_flag("--rescale,!--no-rescale", r->rescale,
-               "Shrink a scene larger than the model knows, for the network only (the default), or "
-               "refuse it");
   add_embedding_flags(app, &r->embedding);
   add_exposure_options(app, &r->exposure);
   app.add_flag("--one-exposure", r->one_exposure,
@@ -464,14 +450,15 @@ void run_render(const RenderRequest& request) {
   renderer.seconds().load = total.seconds();
   const runtime::MemoryLimit memory(request.tool.max_memory_mb);
   if (network) {
-    check_size(request.scene, scene, *network, request.rescale);
+    check_size(request.scene, scene, *network, request.embedding.rescale);
     const std::string note = untrained_environment_note(scene, network->metadata());
     if (!note.empty()) log_warning(note);
     if (request.embedding.load.empty())
       memory.check_encoding(network->config(), scene_points(request, *network));
   }
   check_picture_fits(settings, memory);
-  LTE_CHECK(network || !request.embedding.any(), request.embedding.load, request.embedding.save,
+  LTE_CHECK(network || !request.embedding.has_file(), request.embedding.load,
+            request.embedding.save,
             ": this picture needs no embedding (--mode, --output, or a scene without light)");
   std::optional<FrameSet> frames = frames_of(request, views, scene, network);
   if (request.validate_only) {  // as lte_datagen says it, and under --quiet too: it is the result

@@ -24,10 +24,8 @@ struct RenderRequest : SceneSource {
   std::string size = "512x512";
   std::string output = "full", mode = "neural";
   int spp = 64, max_depth = 5, direct_samples = 64;
-  int64_t scene_points = 0;
   uint64_t seed = 0;
-  bool rescale = true, validate_only = false;
-  std::string prune = "auto";
+  bool validate_only = false;
   bool adaptive_direct = false;
   std::string denoise = "auto";
   std::string antialias = std::to_string(kAntialias), metal = "trace";
