@@ -1,7 +1,6 @@
 // The flags of the tools with a network, in this process: no output replaces an input, no number is
 // another.
 #include <filesystem>
-#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,11 +9,11 @@
 #include "infer/eval/eval_command.h"
 #include "infer/export/export.h"
 #include "infer/render/render_command.h"
-#include "lte/base/log.h"
 #include "lte/scene/export.h"
 #include "tests/infer/fixture.h"
 #include "tests/support/command_line.h"
 #include "tests/support/folder_files.h"
+#include "tests/support/in_folder.h"
 #include "tests/support/temp_dir.h"
 
 namespace lte::infer {
@@ -25,10 +24,9 @@ using test::CommandOutcome;
 using test::expect_one_line;
 using test::folder_files;
 
-class InferFiles : public testing::Test {
+class InferFiles : public test::InFolder {
  protected:
-  InferFiles() : before_(fs::current_path()) {
-    fs::current_path(dir_.path());
+  InferFiles() {
     scene::write_glb("room.glb", test::lit_floor());
     test::save_tiny_model("tiny.safetensors");
     test::write_random_dataset("homes");
@@ -41,18 +39,11 @@ class InferFiles : public testing::Test {
     fs::create_hard_link("tiny.safetensors", "twin.safetensors");
     fs::create_directory_symlink("homes", "houses");
   }
-  ~InferFiles() override {
-    fs::current_path(before_);
-    set_log_level(LogLevel::Info);
-  }
-
   /// Runs a command line whose words have no blanks in them; the first is the tool.
   static CommandOutcome run_line(const std::string& line) {
-    std::istringstream words(line);
-    std::string tool;
-    words >> tool;
-    std::vector<std::string> arguments;
-    for (std::string word; words >> word;) arguments.push_back(word);
+    std::vector<std::string> arguments = split(line);
+    const std::string tool = arguments.front();
+    arguments.erase(arguments.begin());
     CLI::App app{"", tool};
     RenderRequest render;
     EvalRequest eval;
@@ -74,9 +65,6 @@ class InferFiles : public testing::Test {
     app.add_option("--out", exported.out);
     return test::run_command(app, arguments, [&] { export_torchscript(exported); });
   }
-
-  test::TempDir dir_;
-  fs::path before_;
 };
 
 TEST_F(InferFiles, NoOutputReplacesAnInputOrAnotherOutput) {

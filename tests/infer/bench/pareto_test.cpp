@@ -18,6 +18,7 @@
 #include "tests/infer/fixture.h"
 #include "tests/support/command_line.h"
 #include "tests/support/folder_files.h"
+#include "tests/support/in_folder.h"
 #include "tests/support/room.h"
 #include "tests/support/temp_dir.h"
 
@@ -28,11 +29,10 @@ namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-class Pareto : public testing::Test {
+class Pareto : public test::InFolder {
  protected:
-  Pareto() : before_(fs::current_path()) {
+  Pareto() {
     set_log_level(LogLevel::Quiet);
-    fs::current_path(dir_.path());
     scene::Scene room = test::furnished_room();
     room.cameras.push_back({"inside", {2, 1.6F, 2.8F}, {2, 1, 0}, {0, 1, 0}, 70});
     scene::write_glb("room.glb", room);
@@ -44,11 +44,6 @@ class Pareto : public testing::Test {
     options_.views = 2;
     options_.reference = {512, "cache"};
   }
-  ~Pareto() override {
-    fs::current_path(before_);
-    set_log_level(LogLevel::Info);
-  }
-
   std::vector<ParetoRow> rows_of(const std::vector<std::string>& methods) {
     options_.methods = methods;
     return measure_pareto(options_).front().rows;
@@ -62,9 +57,7 @@ class Pareto : public testing::Test {
     return test::run_command(app, arguments, [&] { run_bench(request); });
   }
 
-  test::TempDir dir_;
   ParetoOptions options_;
-  fs::path before_;
 };
 
 TEST_F(Pareto, EveryMethodHasFiniteFigures) {

@@ -10,12 +10,12 @@
 #include "infer/probe/neural_probe.h"
 #include "infer/probe/probe_command.h"
 #include "lte/base/file.h"
-#include "lte/base/log.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/scene/export.h"
 #include "tests/infer/fixture.h"
 #include "tests/support/command_line.h"
 #include "tests/support/folder_files.h"
+#include "tests/support/in_folder.h"
 #include "tests/support/scenes.h"
 
 namespace lte::infer {
@@ -25,28 +25,20 @@ namespace fs = std::filesystem;
 using test::CommandOutcome;
 using test::expect_one_line;
 
-class ProbeTool : public testing::Test {
+class ProbeTool : public test::InFolder {
  protected:
-  ProbeTool() : before_(fs::current_path()) {
-    fs::current_path(dir_.path());
+  ProbeTool() {
     scene::write_glb("floor.glb", test::lit_floor());
     scene::write_glb("room.glb", test::furnished_room());
     test::save_tiny_model("tiny.safetensors", {.light_input = nn::LightInput::Traced});
     test::write_text("points.csv", "px,py,pz,nx,ny,nz\n0.5,0,0,0,1,0\n-1,0,0.50,0,2,0\n");
   }
-  ~ProbeTool() override {
-    fs::current_path(before_);
-    set_log_level(LogLevel::Info);
-  }
-
   static CommandOutcome probe(const std::string& rest, const std::string& quiet = "--quiet") {
-    std::istringstream words(quiet + " --checkpoint tiny.safetensors " + rest);
-    std::vector<std::string> arguments;
-    for (std::string word; words >> word;) arguments.push_back(word);
     CLI::App app{"", "lte_probe"};
     ProbeRequest request;
     add_probe_options(app, &request);
-    return test::run_command(app, arguments, [&] { run_probe(request); });
+    return test::run_command(app, split(quiet + " --checkpoint tiny.safetensors " + rest),
+                             [&] { run_probe(request); });
   }
   /// Header, then rows of numbers.
   struct Table {
@@ -65,9 +57,6 @@ class ProbeTool : public testing::Test {
     }
     return out;
   }
-
-  test::TempDir dir_;
-  fs::path before_;
 };
 
 constexpr size_t kTotal = 6, kDirect = 9, kStderr = 12, kRays = 15, kExpected = 16;

@@ -10,11 +10,11 @@
 #include "infer/render/frame_set.h"
 #include "infer/render/render_command.h"
 #include "lte/base/file.h"
-#include "lte/base/log.h"
 #include "lte/scene/export.h"
 #include "tests/infer/fixture.h"
 #include "tests/support/command_line.h"
 #include "tests/support/folder_files.h"
+#include "tests/support/in_folder.h"
 #include "tests/support/scenes.h"
 
 namespace lte::infer {
@@ -25,10 +25,9 @@ using test::CommandOutcome;
 using test::expect_one_line;
 using test::folder_files;
 
-class Frames : public testing::Test {
+class Frames : public test::InFolder {
  protected:
-  Frames() : before_(fs::current_path()) {
-    fs::current_path(dir_.path());
+  Frames() {
     scene::Scene room = test::furnished_room();
     room.cameras.push_back({"a", {2, 1.6f, 2.8f}, {2, 1, 0}, {0, 1, 0}, 70});
     room.cameras.push_back({"b", {1, 1.6f, 2.8f}, {2, 1, 0}, {0, 1, 0}, 70});
@@ -39,17 +38,10 @@ class Frames : public testing::Test {
     test::save_tiny_model("other.safetensors", {.light_input = nn::LightInput::Traced, .seed = 2});
     fs::create_directory("f");
   }
-  ~Frames() override {
-    fs::current_path(before_);
-    set_log_level(LogLevel::Info);
-  }
-
   static CommandOutcome render(const std::string& rest, const std::string& scene = "room.glb",
                                const std::string& model = "tiny.safetensors") {
-    std::istringstream words(scene + " --quiet --size 24x16 --direct-samples 2 --checkpoint " +
-                             model + " " + rest);
-    std::vector<std::string> arguments;
-    for (std::string word; words >> word;) arguments.push_back(word);
+    const std::vector<std::string> arguments = split(
+        scene + " --quiet --size 24x16 --direct-samples 2 --checkpoint " + model + " " + rest);
     CLI::App app{"", "lte_render"};
     RenderRequest request;
     add_render_options(app, &request);
@@ -59,9 +51,6 @@ class Frames : public testing::Test {
   static nlohmann::json json(const std::string& path) {
     return nlohmann::json::parse(read_file(path));
   }
-
-  test::TempDir dir_;
-  fs::path before_;
 };
 
 TEST_F(Frames, ATurntableWritesItsFramesUnderOneExposure) {
