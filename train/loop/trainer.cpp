@@ -198,8 +198,12 @@ bool Trainer::validate_now() {
   log_->write_validation(progress.step, *summary_.validation, timer.seconds(), health());
   const double loss = summary_.validation->loss;
   const bool best = loss < progress.best_loss;
-  log_info("step ", progress.step, ": loss ", summary_.loss, ", validation loss ", loss, ", PSNR ",
-           summary_.validation->psnr, " dB", best ? ", the best so far" : "");
+  std::string kinds;
+  for (const KindErrors& errors : summary_.validation->kinds)
+    kinds += concat(kinds.empty() ? " (" : ", ", errors.kind, " ", errors.loss);
+  if (!kinds.empty()) kinds += ")";
+  log_info("step ", progress.step, ": loss ", summary_.loss, ", validation loss ", loss, kinds,
+           ", PSNR ", summary_.validation->psnr, " dB", best ? ", the best so far" : "");
   if (!best) return false;
   progress.best_loss = loss;
   progress.best_step = progress.step;

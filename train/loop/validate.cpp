@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <torch/types.h>
 
@@ -33,8 +34,20 @@ SceneErrors scene_errors(const at::Tensor& predicted, const at::Tensor& target,
 }  // namespace
 
 std::vector<std::pair<std::string, double>> ValidationResult::fields() const {
-  return {{"val_loss", loss}, {"val_loss_median", loss_median}, {"val_mse", mse},
-          {"val_psnr", psnr}, {"val_relmse", relmse},           {"val_bias", bias}};
+  std::vector<std::pair<std::string, double>> out{
+      {"val_loss", loss}, {"val_loss_median", loss_median}, {"val_mse", mse},
+      {"val_psnr", psnr}, {"val_relmse", relmse},           {"val_bias", bias}};
+  for (const KindErrors& errors : kinds) {
+    out.emplace_back("val_loss_" + errors.kind, errors.loss);
+    out.emplace_back("val_mse_" + errors.kind, errors.mse);
+  }
+  return out;
+}
+
+std::string scene_kind(const std::string& scene) {
+  const size_t end = scene.find_last_not_of("0123456789");
+  if (end == std::string::npos) return scene;
+  return scene.substr(0, scene[end] == '_' && end > 0 ? end : end + 1);
 }
 
 double median(std::vector<double> values) {
@@ -51,6 +64,7 @@ ValidationResult validate(nn::LightTransportModel& model, const std::vector<Exam
   model->eval();
   ValidationResult result;
   std::vector<double> losses;
+  std::map<std::string, KindErrors> kinds;
   const auto count = static_cast<double>(examples.size());
   for (const Example& stored : examples) {
     const Example example = stored.to(device);
@@ -59,6 +73,10 @@ ValidationResult validate(nn::LightTransportModel& model, const std::vector<Exam
         scene_errors(model->decode_normalized(embedding, example.queries), example.target, loss);
     losses.push_back(errors.loss);
     result.scenes.emplace_back(example.scene, errors.loss);
+    KindErrors& kind = kinds[scene_kind(example.scene)];
+    ++kind.scenes;
+    kind.loss += errors.loss;
+    kind.mse += errors.mse;
     result.loss += errors.loss / count;
     result.mse += errors.mse / count;
     result.psnr += errors.psnr / count;
@@ -66,6 +84,11 @@ ValidationResult validate(nn::LightTransportModel& model, const std::vector<Exam
     result.bias += errors.bias / count;
   }
   result.loss_median = median(losses);
+  for (auto& [name, kind] : kinds) {
+    if (kinds.size() == 1) break;
+    const auto scenes = static_cast<double>(kind.scenes);
+    result.kinds.push_back({name, kind.scenes, kind.loss / scenes, kind.mse / scenes});
+  }
   model->train(was_training);
   return result;
 }

@@ -12,6 +12,13 @@
 
 namespace lte::train {
 
+/// Errors of the scenes of one kind, as of one data set among several that were joined.
+struct KindErrors {
+  std::string kind;
+  int64_t scenes = 0;
+  double loss = 0, mse = 0;  ///< means over them
+};
+
 /// Errors of irradiance over the emission scalar. They are means over scenes, so that each scene
 /// counts once, however many queries it has.
 struct ValidationResult {
@@ -23,10 +30,15 @@ struct ValidationResult {
   double relmse = 0;                                   ///< mean of (Î − I)² / (I² + 0.01)
   double bias = 0;                                     ///< mean of Î − I over the mean of I
   std::vector<std::pair<std::string, double>> scenes;  ///< loss of each, by name
+  /// By scene_kind(), in alphabetical order; empty if all are of one.
+  std::vector<KindErrors> kinds;
 
-  /// Names and values of a line of the log: "val_loss", ...
+  /// Names and values of a line of the log: "val_loss", ..., and of each kind "val_loss_box", ...
   std::vector<std::pair<std::string, double>> fields() const;
 };
+
+/// "home" of "home_00012": a scene's name without its number.
+std::string scene_kind(const std::string& scene);
 
 /// Of an even number of values the mean of the two in the middle; 0 of none.
 double median(std::vector<double> values);

@@ -167,6 +167,38 @@ TEST_F(TrainerTest, ModelFileIsTheAveragedOneAndSaysWhereItCameFrom) {
   EXPECT_EQ(file.metadata("suns"), "false") << "as dataset.json says";
 }
 
+TEST_F(TrainerTest, ErrorsOfEachKindOfSceneAreThoseOfItsScenesAlone) {
+  train(config("run"));
+  nn::LightTransportModel model = nn::load_model(dir_ / "run/model.safetensors");
+  const TrainConfig run = config("run");
+  RunData data = open_run_data(run);
+  std::vector<Example> examples = validation_examples(run, &data.val);
+  ASSERT_EQ(examples.size(), 2u);
+  EXPECT_TRUE(validate(model, examples, run.loss, at::kCPU).kinds.empty()) << "both are rooms";
+  examples[0].scene = "home_00007";
+  examples[1].scene = "box_00007";
+  const ValidationResult both = validate(model, examples, run.loss, at::kCPU),
+                         home = validate(model, {examples[0]}, run.loss, at::kCPU),
+                         box = validate(model, {examples[1]}, run.loss, at::kCPU);
+  ASSERT_EQ(both.kinds.size(), 2u);
+  EXPECT_EQ(both.kinds[0].kind, "box");
+  EXPECT_EQ(both.kinds[0].loss, box.loss);
+  EXPECT_EQ(both.kinds[0].mse, box.mse);
+  EXPECT_EQ(both.kinds[1].kind, "home");
+  EXPECT_EQ(both.kinds[1].loss, home.loss);
+  EXPECT_EQ(both.kinds[1].mse, home.mse);
+  EXPECT_NEAR(both.loss, 0.5 * (box.loss + home.loss), 1e-9 * both.loss);
+  EXPECT_EQ(both.fields().back().first, "val_mse_home");
+}
+
+TEST(SceneKind, IsTheNameWithoutItsNumber) {
+  EXPECT_EQ(scene_kind("home_00012"), "home");
+  EXPECT_EQ(scene_kind("living_room_2"), "living_room");
+  EXPECT_EQ(scene_kind("room7"), "room");
+  EXPECT_EQ(scene_kind("kitchen"), "kitchen");
+  EXPECT_EQ(scene_kind("2026"), "2026");
+}
+
 TEST_F(TrainerTest, AFirstOutputNearTheMeanOfTheReference) {
   const TrainConfig run =
       config("run", "train: {steps: 1, learning_rate: 1.0e-9, min_learning_rate: 0}\n");
