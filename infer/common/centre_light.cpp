@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 #include "lte/base/check.h"
 #include "lte/base/timer.h"
@@ -49,6 +50,18 @@ void trace_paths(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
   if (request.done && background > 0) request.done(background);
 }
 
+void gather_indirect(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                     const SurfaceGuides& guides, const CentreRequest& request, CentreLight* out) {
+  GatheredCentres light = gather_centres(
+      {bvh, lights, *request.table, request.max_depth, request.shadow_rays.seed}, guides,
+      request.pixel_size, request.skip_metal, request.gather, request.gather_denoiser);
+  out->indirect = std::move(light.irradiance);
+  out->gathered = light.gathered;
+  out->gathering_seconds = light.gather_seconds;
+  out->path_seconds = light.path_seconds;
+  out->denoising_seconds += light.denoise_seconds;
+}
+
 }  // namespace
 
 CentreLight light_centres(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
@@ -58,26 +71,29 @@ CentreLight light_centres(const pathtrace::Bvh& bvh, const pathtrace::Lights& li
   Timer timer;
   if (request.paths) {
     trace_paths(bvh, lights, guides, request, &out);
-  } else {
+  } else if (request.direct) {
     ShadowRays rays = request.shadow_rays;
     rays.variance = request.denoiser != nullptr && !request.denoiser->is_oidn();
     PixelLight light = light_pixels(bvh, lights, guides, rays);
     out.direct = std::move(light.irradiance);
     variance = std::move(light.variance);
-    if (request.done) request.done(static_cast<int64_t>(guides.pixels()));
   }
   out.sampling_seconds = timer.seconds();
   timer.restart();
-  if (request.denoiser == nullptr) return out;
-  image::NoisyPicture picture{&out.direct, &guides.normal, &guides.position, nullptr,
-                              variance.width > 0 ? &variance : nullptr};
-  out.direct = request.denoiser->denoise(picture);
-  if (out.indirect.width > 0) {
-    picture.light = &out.indirect;
-    picture.variance = nullptr;
-    out.indirect = request.denoiser->denoise(picture);
+  if (request.denoiser != nullptr) {
+    image::NoisyPicture picture{&out.direct, &guides.normal, &guides.position, nullptr,
+                                variance.width > 0 ? &variance : nullptr};
+    if (out.direct.width > 0) out.direct = request.denoiser->denoise(picture, request.quality);
+    if (out.indirect.width > 0) {
+      picture.light = &out.indirect;
+      picture.variance = nullptr;
+      out.indirect = request.denoiser->denoise(picture);
+    }
+    out.denoising_seconds = timer.seconds();
   }
-  out.denoising_seconds = timer.seconds();
+  if (request.paths) return out;
+  if (request.table != nullptr) gather_indirect(bvh, lights, guides, request, &out);
+  if (request.done) request.done(static_cast<int64_t>(guides.pixels()));
   return out;
 }
 

@@ -8,6 +8,7 @@
 #include <functional>
 #include <string>
 
+#include "infer/common/gathered_light.h"
 #include "infer/common/shadow_rays.h"
 #include "infer/common/surface_guides.h"
 #include "lte/base/enum_names.h"
@@ -30,13 +31,22 @@ struct CentreRequest {
   bool indirect = false;   ///< of paths
   int path_count = 64, max_depth = 5;
   const image::Denoiser* denoiser = nullptr;  ///< null: noise stays
-  std::function<void(int64_t pixels)> done;   ///< told of all pixels of the picture; may be empty
+  image::OidnQuality quality = image::OidnQuality::High;  ///< of direct light's
+  /// Without paths: what indirect light is gathered from, and with how many rays; null: none is.
+  const gi::RadiosityTable* table = nullptr;
+  GatherSettings gather;
+  float pixel_size = 0;                              ///< pathtrace::pixel_size()
+  bool skip_metal = false;                           ///< of what is gathered
+  const image::Denoiser* gather_denoiser = nullptr;  ///< null: noise stays
+  bool direct = true;                                ///< wanted
+  std::function<void(int64_t pixels)> done;  ///< told of all pixels of the picture; may be empty
 };
 
 /// Irradiance, [height, width, 3], 0 in the background; empty where it is not wanted.
 struct CentreLight {
   image::Image direct, indirect;
-  double sampling_seconds = 0, denoising_seconds = 0;
+  int64_t gathered = 0;  ///< pixels that rays were gathered at
+  double sampling_seconds = 0, denoising_seconds = 0, gathering_seconds = 0, path_seconds = 0;
 };
 
 CentreLight light_centres(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,

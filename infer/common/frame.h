@@ -22,9 +22,11 @@ struct Frame {
   image::Image indirect;  ///< irradiance by all later bounces
   /// Irradiance of a model whose target is the total, when direct light was not needed.
   image::Image total;
-  int64_t background = 0;   ///< pixels whose centre meets nothing
-  int64_t queries = 0;      ///< points that reflect light and that the network may be asked for
-  int64_t decoded = 0;      ///< those that the network has answered: fewer if it is asked sparsely
+  int64_t background = 0;  ///< pixels whose centre meets nothing
+  int64_t queries = 0;     ///< points that reflect light and that the network may be asked for
+  /// Those that the network has answered, fewer if it is asked sparsely; or that rays were gathered
+  /// at.
+  int64_t decoded = 0;
   int64_t edge_pixels = 0;  ///< pixels with several hits
   /// In neural mode, pixels with metal that paths have rendered, and all that reflect light where
   /// paths answer for indirect light.

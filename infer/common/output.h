@@ -8,7 +8,11 @@ namespace lte::infer {
 enum class Output { Full, Gi, Irradiance, Direct, Albedo, Normal, Depth };
 enum class Mode { Neural, Reference };
 /// Who answers for indirect light in neural mode.
-enum class Indirect { Network, Paths };
+enum class Indirect {
+  Network,
+  Paths,
+  Gather  ///< rays that read a table of the light on surfaces (light_table.h)
+};
 
 constexpr EnumNames<Output, 7> enum_names(Output) {
   return {{{Output::Full, "full"},
@@ -21,6 +25,10 @@ constexpr EnumNames<Output, 7> enum_names(Output) {
 }
 constexpr EnumNames<Mode, 2> enum_names(Mode) {
   return {{{Mode::Neural, "neural"}, {Mode::Reference, "reference"}}};
+}
+constexpr EnumNames<Indirect, 3> enum_names(Indirect) {
+  return {
+      {{Indirect::Network, "network"}, {Indirect::Gather, "gather"}, {Indirect::Paths, "paths"}}};
 }
 
 /// Whether there is no light in it.

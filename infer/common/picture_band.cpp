@@ -10,9 +10,6 @@ namespace {
 using image::Image;
 using pathtrace::GBuffer;
 
-/// Metal below this share is left to the network: nobody would see it in its answer.
-constexpr float kLeastMetal = 0.05f;
-
 void put(Image* image, int pixel, const Rgb& value) {
   float* p = image->pixels.data() + size_t{3} * static_cast<size_t>(pixel);
   p[0] = value.x;
@@ -44,7 +41,7 @@ PictureBand::PictureBand(const pathtrace::Bvh& bvh, const scene::Camera& camera,
   if (options.metal == Metal::Trace && !hits_.metallic.empty())
     is_traced_.assign(hits_.mask.size(), 0);
   for (size_t i = 0; i < is_traced_.size(); ++i)
-    is_traced_[i] = hits_.metallic[i] > kLeastMetal ? 1 : 0;
+    is_traced_[i] = is_metal(hits_.metallic[i]) ? 1 : 0;
   if (options.antialias > 1) take_samples(bvh, camera, seen);
   darken_metal(&hits_);
   list_traced();
@@ -77,8 +74,7 @@ void PictureBand::take_samples(const pathtrace::Bvh& bvh, const scene::Camera& c
   const auto count = static_cast<size_t>(sub_.per_pixel);
   for (size_t entry = 0; entry < sub_.pixel.size(); ++entry) {
     const auto begin = sub_.hits.metallic.begin() + static_cast<int64_t>(entry * count);
-    const bool metal = std::any_of(begin, begin + sub_.per_pixel,
-                                   [](float metallic) { return metallic > kLeastMetal; });
+    const bool metal = std::any_of(begin, begin + sub_.per_pixel, is_metal);
     if (!metal) continue;
     is_traced_[static_cast<size_t>(sub_.pixel[entry])] = 1;
     std::fill_n(sub_.hits.mask.begin() + static_cast<int64_t>(entry * count), count, uint8_t{0});

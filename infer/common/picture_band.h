@@ -25,6 +25,9 @@ constexpr EnumNames<Metal, 3> enum_names(Metal) {
   return {{{Metal::Diffuse, "diffuse"}, {Metal::Black, "black"}, {Metal::Trace, "trace"}}};
 }
 
+/// Whether a surface counts as metal: below that share nobody would see it in a matt answer.
+constexpr bool is_metal(float metallic) { return metallic > 0.05f; }
+
 /// Albedo of a pixel whose radiance paths have found, at least, as light layers divide by it.
 inline constexpr float kLeastTracedAlbedo = 1e-4f;
 

@@ -25,6 +25,9 @@ constexpr double kPngBytes = 40, kExrShare = 1.5;
 // Where the light of all centres is sampled at once: guides, points, rays and the denoiser's copies
 // while that is done, and what is kept for the bands.
 constexpr double kCentreBytes = 150, kKeptBytes = 24;
+// Gathered light: points, what they found and how pixels between them are filled; and the halves of
+// the paths that correct it, their differences and how those are smoothed.
+constexpr double kGatherBytes = 110, kCorrectionBytes = 320;
 // Open Image Denoise, which works in tiles beyond its limit (image/oidn.cpp).
 constexpr double kOidnBytes = 600, kMostOidnMib = 768;
 
@@ -35,13 +38,17 @@ std::string picture_text(const RenderSettings& settings) {
   return concat("a picture of ", settings.width, "x", settings.height);
 }
 
+bool gathers(const RenderSettings& settings) {
+  return settings.mode == Mode::Neural && settings.indirect == Indirect::Gather;
+}
+
 /// Whether centres may be sampled before the bands.
 bool samples_centres(const RenderSettings& settings) {
   if (settings.output == Output::Albedo || settings.output == Output::Normal ||
       settings.output == Output::Depth)
     return false;
   const bool few = settings.mode == Mode::Neural && settings.direct_samples <= kDenoiseUpTo;
-  return settings.adaptive_direct || settings.denoise == Denoise::On ||
+  return gathers(settings) || settings.adaptive_direct || settings.denoise == Denoise::On ||
          (settings.denoise == Denoise::Auto && few);
 }
 
@@ -72,8 +79,11 @@ double picture_mb(const RenderSettings& settings) {
   // The last band is gone when the picture is written.
   const double bands = (pixels * frame + std::max(pixels * writing, band * work)) / kMib;
   if (!samples_centres(settings)) return bands;
+  const double gather = !gathers(settings)          ? 0
+                        : settings.gather.paths > 0 ? kGatherBytes + kCorrectionBytes
+                                                    : kGatherBytes;
   const double centres =
-      pixels * kCentreBytes / kMib + std::min(kMostOidnMib, pixels * kOidnBytes / kMib);
+      pixels * (kCentreBytes + gather) / kMib + std::min(kMostOidnMib, pixels * kOidnBytes / kMib);
   return std::max(bands + pixels * kKeptBytes / kMib, centres);
 }
 

@@ -49,6 +49,7 @@ struct Renderer::Job {
   std::optional<SurfaceGuides> guides = {};       ///< with `centres`, or for a denoised reference
   std::optional<CentreLight> centres = {};        ///< of the whole picture; it told of all pixels
   bool told_of_all = false;
+  bool counted = false;  ///< what was gathered at centres, in a band
 
   /// A pixel is told of once, by the first stage that has come so far.
   void advance(int64_t pixels) {
@@ -75,6 +76,11 @@ bool Renderer::needs_network(const RenderSettings& settings) const {
          shows_indirect(settings.output);
 }
 
+bool Renderer::needs_table(const RenderSettings& settings) const {
+  return settings.mode == Mode::Neural && settings.indirect == Indirect::Gather &&
+         shows_indirect(settings.output);
+}
+
 void Renderer::embed(const runtime::Network& network, const EmbedSettings& settings) {
   Timer timer;
   embedding_.reset();  // two at a time would need twice the memory
@@ -94,6 +100,18 @@ void Renderer::embed(const runtime::Network& network, const EmbedSettings& setti
   embedding_.emplace(network, lit.points(),
                      runtime::EncodeOptions{settings.rescale, {}, settings.memory});
   seconds_.encode = timer.seconds();
+}
+
+void Renderer::make_table(const TableSettings& settings) {
+  const Timer timer;
+  table_.reset();  // two at a time would need twice the memory
+  table_.emplace(make_light_table(bvh_, lights_, embedding_ ? &*embedding_ : nullptr, settings));
+  seconds_.table = timer.seconds();
+}
+
+const gi::RadiosityTable& Renderer::table() const {
+  LTE_CHECK(table_.has_value(), "there is no table of light: make_table() comes first");
+  return *table_;
 }
 
 void Renderer::set_embedding(runtime::SceneEmbedding embedding) {
@@ -263,8 +281,11 @@ bool Renderer::needs_direct(const RenderSettings& settings) const {
   return total ? !full : full || settings.output == Output::Direct;
 }
 
-const image::Denoiser* Renderer::denoiser_for(const RenderSettings& settings) {
-  const bool few = settings.mode == Mode::Neural && settings.direct_samples <= kDenoiseUpTo;
+/// What takes noise out of sampled light: of direct light where it is few samples.
+/// @param gathered  of gathered light
+const image::Denoiser* Renderer::denoiser_for(const RenderSettings& settings, bool gathered) {
+  const bool few =
+      gathered || (settings.mode == Mode::Neural && settings.direct_samples <= kDenoiseUpTo);
   if (settings.denoise == Denoise::Off || (settings.denoise == Denoise::Auto && !few))
     return nullptr;
   if (!denoiser_) {
@@ -275,16 +296,17 @@ const image::Denoiser* Renderer::denoiser_for(const RenderSettings& settings) {
   return &*denoiser_;
 }
 
-/// Samples the light of the picture's centres at once, where rays are shared out or noise is taken
-/// away.
+/// Samples the light of the picture's centres at once, where it is gathered, rays are shared out or
+/// noise is taken away.
 void Renderer::prepare_centres(Job* job) {
   const RenderSettings& settings = job->settings;
   const bool reference = settings.mode == Mode::Reference;
-  if (is_geometry(settings.output) || !has_light() || (!reference && !needs_direct(settings)))
-    return;
-  if (settings.pace != nullptr) return;  // rays are chosen block by block
-  const image::Denoiser* denoiser = denoiser_for(settings);
-  if (denoiser == nullptr && (reference || !settings.adaptive_direct)) return;
+  const bool gathers = needs_table(settings);
+  const bool direct = reference || needs_direct(settings);
+  if (is_geometry(settings.output) || !has_light() || (!direct && !gathers)) return;
+  if (settings.pace != nullptr && !gathers) return;  // rays are chosen block by block
+  const image::Denoiser* denoiser = direct ? denoiser_for(settings, false) : nullptr;
+  if (denoiser == nullptr && !gathers && (reference || !settings.adaptive_direct)) return;
   const Timer timer;
   job->guides = trace_guides(bvh_, job->camera, settings.width, settings.height);
   seconds_.primary += timer.seconds();
@@ -296,12 +318,44 @@ void Renderer::prepare_centres(Job* job) {
   request.path_count = settings.spp;
   request.max_depth = settings.max_depth;
   request.denoiser = denoiser;
+  request.direct = direct;
+  if (gathers) {
+    request.table = &table();
+    request.gather = settings.gather;
+    request.quality = settings.gather.quality;
+    request.gather_denoiser = denoiser_for(settings, true);
+    request.pixel_size = pathtrace::pixel_size(job->camera, settings.height);
+    request.skip_metal = metal_of(settings) == Metal::Trace;
+  }
   request.done = settings.done;
   job->centres = light_centres(bvh_, lights_, *job->guides, request);
   job->told_of_all = true;
   (reference ? seconds_.reference : seconds_.direct) += job->centres->sampling_seconds;
   seconds_.denoise += job->centres->denoising_seconds;
+  seconds_.gather += job->centres->gathering_seconds;
+  seconds_.reference += job->centres->path_seconds;
   job->guides.reset();
+}
+
+/// Gathered light: that of centres is there already, and hits at edges that stand on no centre's
+/// surface gather by themselves.
+void Renderer::gather(const PictureBand& band, Job* job, BandLight* light) {
+  const Timer timer;
+  const RenderSettings& settings = job->settings;
+  const QuerySet& queries = band.queries();
+  light->indirect.emplace(queries.position.size());
+  take_centres(band, job->centres->indirect, &*light->indirect);
+  const auto centres = static_cast<size_t>(band.centre_queries());
+  const std::vector<Rgb> alone = gather_points(
+      {bvh_, lights_, table(), settings.max_depth, settings.seed},
+      std::span(queries.position).subspan(centres), std::span(queries.normal).subspan(centres),
+      std::max(settings.gather.rays, kLeastAloneRays),
+      int64_t{settings.width} * settings.height + job->extra_queries);
+  std::copy(alone.begin(), alone.end(), light->indirect->begin() + band.centre_queries());
+  light->decoded = static_cast<int64_t>(alone.size());
+  if (!job->counted) light->decoded += job->centres->gathered;
+  job->counted = true;
+  seconds_.gather += timer.seconds();
 }
 
 BandLight Renderer::neural(const PictureBand& band, Job* job) {
@@ -309,6 +363,7 @@ BandLight Renderer::neural(const PictureBand& band, Job* job) {
   BandLight light;
   const bool network = needs_network(settings);
   if (network) decode(band, settings, &light);
+  if (needs_table(settings)) gather(band, job, &light);
   trace_metal(band, job, &light);
   if (settings.indirect == Indirect::Paths && shows_indirect(settings.output)) {
     const Timer timer;
@@ -373,7 +428,8 @@ Frame Renderer::render_band(const PictureRows& rows, Job* job) {
 Frame Renderer::render(const scene::Camera& camera, const RenderSettings& settings) {
   LTE_CHECK(settings.width > 0 && settings.height > 0, "size ", settings.width, "x",
             settings.height, ": both sides must be positive");
-  seconds_.primary = seconds_.decode = seconds_.direct = seconds_.denoise = seconds_.reference = 0;
+  seconds_.primary = seconds_.decode = seconds_.gather = seconds_.direct = 0;
+  seconds_.denoise = seconds_.reference = 0;
   denoised_by_.clear();
   Job job{camera, settings};
   prepare_centres(&job);

@@ -11,6 +11,8 @@
 
 #include "infer/common/centre_light.h"
 #include "infer/common/frame.h"
+#include "infer/common/gathered_light.h"
+#include "infer/common/light_table.h"
 #include "infer/common/output.h"
 #include "infer/common/picture_band.h"
 #include "infer/common/ray_pace.h"
@@ -32,6 +34,8 @@ struct RenderSettings {
   Mode mode = Mode::Neural;
   int width = 512, height = 512;
   Indirect indirect = Indirect::Network;
+  GatherSettings gather;    ///< of Indirect::Gather, which takes its noise away unless `denoise` is
+                            ///< off
   int direct_samples = 64;  ///< shadow rays a pixel
   /// Share them out over pixels, more where penumbrae are: direct_samples is their mean.
   bool adaptive_direct = false;
@@ -71,10 +75,11 @@ struct EmbedSettings {
 };
 
 /// Wall-clock seconds by stage; `load` and `write` belong to the caller. `light` is the time of the
-/// estimates on scene points, for models that read them.
+/// estimates on scene points, for models that read them; `table` and `gather` belong to
+/// Indirect::Gather, whose correcting paths are in `reference`.
 struct StageSeconds {
-  double load = 0, sample = 0, light = 0, encode = 0, primary = 0, decode = 0, direct = 0;
-  double denoise = 0, reference = 0, write = 0;
+  double load = 0, sample = 0, light = 0, encode = 0, table = 0, primary = 0, decode = 0;
+  double gather = 0, direct = 0, denoise = 0, reference = 0, write = 0;
 };
 
 /// The stages in the order in which they run.
@@ -82,12 +87,14 @@ struct Stage {
   const char* name;
   double StageSeconds::*seconds;
 };
-inline constexpr std::array<Stage, 10> kStages = {{{"load", &StageSeconds::load},
+inline constexpr std::array<Stage, 12> kStages = {{{"load", &StageSeconds::load},
                                                    {"sample", &StageSeconds::sample},
                                                    {"light", &StageSeconds::light},
                                                    {"encode", &StageSeconds::encode},
+                                                   {"table", &StageSeconds::table},
                                                    {"primary", &StageSeconds::primary},
                                                    {"decode", &StageSeconds::decode},
+                                                   {"gather", &StageSeconds::gather},
                                                    {"direct", &StageSeconds::direct},
                                                    {"denoise", &StageSeconds::denoise},
                                                    {"reference", &StageSeconds::reference},
@@ -109,12 +116,22 @@ class Renderer {
   /// @throws lte::Error without one.
   const runtime::SceneEmbedding& embedding() const;
 
-  /// @throws lte::Error if the network is needed and embed() has not been called.
+  /// Makes the table that Indirect::Gather reads, in the place of the last one.
+  /// @throws lte::Error if the network is to fill it and embed() has not been called.
+  void make_table(const TableSettings& settings);
+  /// @throws lte::Error without one.
+  const gi::RadiosityTable& table() const;
+  bool has_table() const { return table_.has_value(); }
+
+  /// @throws lte::Error if the network or the table is needed and embed() or make_table() has not
+  ///         been called.
   Frame render(const scene::Camera& camera, const RenderSettings& settings);
 
   /// Whether the network is needed: in neural mode, for an output with indirect light that paths
   /// do not answer for, where the scene has light.
   bool needs_network(const RenderSettings& settings) const;
+  /// Whether a table is needed: likewise, where light is gathered.
+  bool needs_table(const RenderSettings& settings) const;
 
   /// Whether `output` has indirect light in it, and the scene light.
   bool shows_indirect(Output output) const;
@@ -141,14 +158,16 @@ class Renderer {
   void estimate(const PictureBand& band, const Estimate& what, Job* job, BandLight* light);
   void sample_direct(const PictureBand& band, Job* job, BandLight* light);
   bool needs_direct(const RenderSettings& settings) const;
-  const image::Denoiser* denoiser_for(const RenderSettings& settings);
+  const image::Denoiser* denoiser_for(const RenderSettings& settings, bool gathered);
   void prepare_centres(Job* job);
+  void gather(const PictureBand& band, Job* job, BandLight* light);
   void trace_metal(const PictureBand& band, Job* job, BandLight* light);
   Metal metal_of(const RenderSettings& settings) const;
 
   pathtrace::Bvh bvh_;
   pathtrace::Lights lights_;
   std::optional<runtime::SceneEmbedding> embedding_;
+  std::optional<gi::RadiosityTable> table_;
   StageSeconds seconds_;
   std::optional<image::Denoiser> denoiser_;  ///< once one was needed
   std::string denoised_by_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "infer/common/picture_band.h"
 #include "lte/pathtrace/gbuffer.h"
 
 namespace lte::infer {
@@ -19,7 +20,8 @@ SurfaceGuides trace_guides(const pathtrace::Bvh& bvh, const scene::Camera& camer
   SurfaceGuides out;
   out.normal = out.position = out.albedo = image::Image(width, height, 3);
   out.mask.resize(static_cast<size_t>(width) * static_cast<size_t>(height));
-  out.emits = out.mask;
+  out.emits = out.metal = out.mask;
+  out.depth.resize(out.mask.size());
   const int rows = std::max(1, kPixelsAtOnce / width);
   for (int first = 0; first < height; first += rows) {
     const int last = std::min(first + rows, height);
@@ -32,6 +34,9 @@ SurfaceGuides trace_guides(const pathtrace::Bvh& bvh, const scene::Camera& camer
         if (!hits.mask[from]) continue;
         out.mask[out.index(x, y)] = 1;
         out.emits[out.index(x, y)] = max_component(hits.emission[from]) > 0 ? 1 : 0;
+        out.metal[out.index(x, y)] =
+            !hits.metallic.empty() && is_metal(hits.metallic[from]) ? 1 : 0;
+        out.depth[out.index(x, y)] = hits.depth[from];
         out.normal.set_rgb(x, y, hits.normal[from]);
         out.position.set_rgb(x, y, hits.position[from]);
         out.albedo.set_rgb(x, y, hits.albedo[from]);

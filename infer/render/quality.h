@@ -27,6 +27,7 @@ struct QualitySettings {
   gi::SparseOptions answers;  ///< of --sparse on too
   /// Share of the pixels that is answered where sparse answers are in force, about: for plans.
   double answered_share = 1;
+  GatherSettings gather;  ///< of gathered light; its step where sparse answers are in force
 };
 
 QualitySettings quality_settings(Quality quality);
@@ -34,6 +35,7 @@ QualitySettings quality_settings(Quality quality);
 /// Flags that the user has given, which win over the quality's.
 struct GivenFlags {
   bool direct_samples = false, antialias = false, sparse = false;
+  bool gather_rays = false, correction_paths = false;
 };
 
 /// "0.5s" -> 0.5, "200ms" -> 0.2. @throws lte::Error for anything else.

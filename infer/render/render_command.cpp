@@ -14,6 +14,7 @@
 #include "infer/common/untrained_light.h"
 #include "infer/render/frame_io.h"
 #include "infer/render/frame_set.h"
+#include "infer/render/gather_plan.h"
 #include "infer/render/notes.h"
 #include "infer/render/scene_size.h"
 #include "infer/render/time_budget.h"
@@ -74,9 +75,12 @@ RenderSettings settings_of(const RenderRequest& request) {
   settings.antialias = parse_antialias(request.antialias);
   settings.metal = parse_enum<Metal>("--metal", request.metal);
   settings.layers = keeps_layers(request.out);
+  settings.indirect = request.gather.by;
+  settings.gather = request.gather_settings;
   // The rest of the quality stands in the request already (apply_quality()).
   return with_quality(parse_enum<Quality>("--quality", request.quality),
-                      parse_enum<Sparse>("--sparse", request.sparse), {true, true, true}, settings);
+                      parse_enum<Sparse>("--sparse", request.sparse),
+                      {true, true, true, true, true}, settings);
 }
 
 /// Sets what the quality says in the place of flags that were not given.
@@ -84,13 +88,20 @@ void apply_quality(const CLI::App& app, RenderRequest* r) {
   r->given.direct_samples = app.count("--direct-samples") > 0;
   r->given.antialias = app.count("--aa") > 0;
   r->given.sparse = app.count("--sparse") > 0;
+  resolve_indirect(app, r->mode == "neural", &r->gather);
+  r->given.gather_rays = r->gather.rays != 0;
+  r->given.correction_paths = r->gather.paths >= 0;
   const QualitySettings chosen = quality_settings(parse_enum<Quality>("--quality", r->quality));
   if (!r->given.direct_samples) r->direct_samples = chosen.direct_samples;
   if (!r->given.antialias)
     r->antialias = chosen.antialias > 0 ? std::to_string(chosen.antialias) : "off";
+  r->gather_settings = chosen.gather;
+  if (r->given.gather_rays) r->gather_settings.rays = r->gather.rays;
+  if (r->given.correction_paths) r->gather_settings.paths = r->gather.paths;
 }
 
 void check_dial(const RenderRequest& request) {
+  check_gather_flags(request.gather, request.mode == "neural");
   LTE_CHECK(request.time_budget.empty() || request.mode == "neural",
             "--time-budget needs --mode neural: a reference takes --spp paths a pixel");
   LTE_CHECK(request.sparse != "on" || request.mode == "neural",
@@ -115,27 +126,41 @@ nlohmann::json seconds_json(const StageSeconds& s, double total) {
   return out;
 }
 
-nlohmann::json sparse_json(const gi::SparseOptions& options) {
+nlohmann::json sparse_json(const RenderSettings& settings) {
+  if (settings.indirect == Indirect::Gather && settings.gather.step > 1)
+    return {{"step", settings.gather.step}};
+  if (!settings.sparse) return false;
+  const gi::SparseOptions& options = *settings.sparse;
   return {{"step", options.step},
           {"edge_step", options.edge_step},
           {"tolerance", options.tolerance},
           {"contact_radius", options.contact_radius}};
 }
 
+nlohmann::json gather_json(const RenderSettings& settings, const Frame& frame) {
+  if (settings.mode != Mode::Neural || settings.indirect != Indirect::Gather) return false;
+  return {{"rays", settings.gather.rays},
+          {"correction_paths", settings.gather.paths},
+          {"pixels", frame.decoded}};
+}
+
 /// What there is to say about a picture that has been written.
 nlohmann::json picture_json(const RenderRequest& request, const View& view, const PicturePlan& plan,
                             const Frame& frame, double exposure) {
   const RenderSettings& settings = plan.settings;
-  const bool sparse = settings.sparse.has_value();
   return {{"out", view.out},
           {"camera", nlohmann::json::parse(scene::camera_json(view.camera))},
           {"exposure", exposure},
           {"ev", request.exposure.ev},
           {"background_pixels", frame.background},
           {"queries", frame.queries},
-          {"decoded_pixels", sparse && frame.decoded > 0 ? frame.decoded : frame.queries},
+          {"decoded_pixels", settings.indirect == Indirect::Gather  ? 0
+                             : settings.sparse && frame.decoded > 0 ? frame.decoded
+                                                                    : frame.queries},
+          {"indirect", enum_name(settings.indirect)},
+          {"gather", gather_json(settings, frame)},
           {"quality", enum_name(plan.quality)},
-          {"sparse", sparse ? sparse_json(*settings.sparse) : nlohmann::json(false)},
+          {"sparse", sparse_json(settings)},
           {"antialias", settings.antialias},
           {"direct_samples",
            plan.pace ? plan.pace->mean_rays() : static_cast<double>(settings.direct_samples)},
@@ -158,6 +183,11 @@ nlohmann::json to_json(const RenderRequest& request, const Renderer& renderer,
                          {"peak_rss_mb", peak_rss_mb()}};
   if (!request.time_budget.empty())
     json["time_budget_seconds"] = parse_time_budget(request.time_budget);
+  if (renderer.has_table()) {
+    json["table"] = {{"light", request.gather.table},
+                     {"entries", renderer.table().size()},
+                     {"radius", renderer.table().radius()}};
+  }
   if (pictures.size() == 1) {
     json.update(pictures[0]);
     return json;
@@ -206,8 +236,14 @@ void claim_views(const RenderRequest& request, const std::vector<View>& views,
 /// The network if this picture needs one. Where the scene has light that it has never seen, paths
 /// answer in its place, unless the flag says otherwise.
 std::optional<runtime::Network> load_network(const RenderRequest& request, const Renderer& renderer,
-                                             RenderSettings* settings) {
-  if (!renderer.needs_network(*settings)) return std::nullopt;
+                                             RenderSettings* settings, TableSettings* table) {
+  const bool gathers = renderer.needs_table(*settings);
+  if (gathers && table->light == TableLight::Raw) {
+    log_info("indirect light is gathered from ", table->entries,
+             " path-traced estimates: no model is needed");
+    return std::nullopt;
+  }
+  if (!gathers && !renderer.needs_network(*settings)) return std::nullopt;
   const c10::Device device = nn::choose_device(request.tool.device, 0, "--device");
   std::optional<runtime::Network> network(
       std::in_place, checkpoint_or_shipped(request.checkpoint),
@@ -218,8 +254,12 @@ std::optional<runtime::Network> load_network(const RenderRequest& request, const
     log_warning(untrained_light_note(scene, network->metadata()));
     return network;
   }
-  log_info(traced_light_note(scene, settings->spp));
-  settings->indirect = Indirect::Paths;
+  log_info(traced_light_note(scene, gathers ? table->paths : settings->spp));
+  if (gathers) {
+    table->light = TableLight::Raw;
+  } else {
+    settings->indirect = Indirect::Paths;
+  }
   return std::nullopt;
 }
 
@@ -235,10 +275,17 @@ void embed(const RenderRequest& request, const runtime::Network& network,
   memory.check("encoding the scene", {runtime::Remedy::FewerScenePoints});
 }
 
+void check_table_fits(const TableSettings& settings, const scene::Scene& scene,
+                      const runtime::MemoryLimit& memory) {
+  memory.check_ahead(table_mb(settings, static_cast<int64_t>(scene.light_groups.size())),
+                     concat("a table of ", settings.entries, " points"),
+                     "take fewer --table-points");
+}
+
 /// Adds the stages that each picture has of its own.
 void add_seconds(const StageSeconds& picture, StageSeconds* sum) {
   for (double StageSeconds::*stage :
-       {&StageSeconds::primary, &StageSeconds::decode, &StageSeconds::direct,
+       {&StageSeconds::primary, &StageSeconds::decode, &StageSeconds::gather, &StageSeconds::direct,
         &StageSeconds::denoise, &StageSeconds::reference, &StageSeconds::write}) {
     sum->*stage += picture.*stage;
   }
@@ -249,9 +296,12 @@ PicturePlan plan_of(const RenderRequest& request, const RenderSettings& base, co
                     const Timer& work, Renderer* renderer) {
   if (request.time_budget.empty())
     return {parse_enum<Quality>("--quality", request.quality), base, nullptr};
-  PicturePlan plan = plan_picture(parse_time_budget(request.time_budget), work,
-                                  parse_enum<Sparse>("--sparse", request.sparse), request.given,
-                                  base, view.camera, renderer);
+  const double budget = parse_time_budget(request.time_budget);
+  const auto sparse = parse_enum<Sparse>("--sparse", request.sparse);
+  PicturePlan plan =
+      renderer->needs_table(base)
+          ? plan_gathered(budget, work, sparse, request.given, base, view.camera, renderer)
+          : plan_picture(budget, work, sparse, request.given, base, view.camera, renderer);
   log_info(view.out, ": ", enum_name(plan.quality), " quality fits into ", request.time_budget);
   return plan;
 }
@@ -358,7 +408,7 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
   app.add_option("--quality", r->quality,
                  "Neural mode, flags by hand win: draft (sparse answers, 4 shadow rays, no "
                  "anti-aliasing), preview (sparse answers, 16 rays, --aa 4) or final (an answer a "
-                 "pixel, 64 rays, --aa 16)")
+                 "pixel, 64 rays, --aa 16; gathered light is corrected by paths)")
       ->check(CLI::IsMember({"draft", "preview", "final"}))
       ->capture_default_str();
   app.add_option("--time-budget", r->time_budget,
@@ -408,6 +458,7 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
                  "auto: in neural mode up to 16 shadow rays a pixel")
       ->check(CLI::IsMember({"auto", "on", "off"}))
       ->capture_default_str();
+  add_gather_options(app, &r->gather);
   add_embedding_flags(app, &r->embedding);
   add_exposure_options(app, &r->exposure);
   app.add_flag("--one-exposure", r->one_exposure,
@@ -445,7 +496,9 @@ void run_render(const RenderRequest& request) {
     log_warning(request.scene,
                 ": nothing emits light; every output with light in it is black "
                 "(--environment 1,1,1 or --add-light auto gives it some)");
-  const std::optional<runtime::Network> network = load_network(request, renderer, &settings);
+  TableSettings table = table_settings(request.gather, settings.max_depth, settings.seed);
+  const std::optional<runtime::Network> network =
+      load_network(request, renderer, &settings, &table);
   files.check_what_was_read();
   renderer.seconds().load = total.seconds();
   const runtime::MemoryLimit memory(request.tool.max_memory_mb);
@@ -456,10 +509,12 @@ void run_render(const RenderRequest& request) {
     if (request.embedding.load.empty())
       memory.check_encoding(network->config(), scene_points(request, *network));
   }
+  const bool gathers = renderer.needs_table(settings);
+  if (gathers) check_table_fits(table, scene, memory);
   check_picture_fits(settings, memory);
-  LTE_CHECK(network || !request.embedding.has_file(), request.embedding.load,
-            request.embedding.save,
-            ": this picture needs no embedding (--mode, --output, or a scene without light)");
+  LTE_CHECK(
+      network || !request.embedding.has_file(), request.embedding.load, request.embedding.save,
+      ": this picture needs no embedding (--mode, --output, --indirect, or a scene without light)");
   std::optional<FrameSet> frames = frames_of(request, views, scene, network);
   if (request.validate_only) {  // as lte_datagen says it, and under --quiet too: it is the result
     std::printf("%s: valid scene, %lld triangles, %zu light groups\n", request.scene.c_str(),
@@ -475,6 +530,10 @@ void run_render(const RenderRequest& request) {
   if (network && (!views.empty() || !request.embedding.save.empty())) {
     embed(request, *network, memory, &renderer);
     check_picture_fits(settings, memory);
+  }
+  if (gathers && !views.empty()) {
+    check_table_fits(table, scene, memory);
+    renderer.make_table(table);
   }
   render_to_files(request, {std::move(views), settings, std::move(frames), total, work}, &renderer);
 }

@@ -10,6 +10,7 @@
 #include "infer/common/scene_source.h"
 #include "infer/common/tool_options.h"
 #include "infer/render/exposure.h"
+#include "infer/render/gather_flags.h"
 #include "infer/render/quality.h"
 
 namespace lte::infer {
@@ -31,6 +32,8 @@ struct RenderRequest : SceneSource {
   std::string antialias = std::to_string(kAntialias), metal = "trace";
   std::string untrained_light = "trace";  ///< "trace" or "network"
   std::string quality = "final", sparse = "auto";
+  GatherFlags gather;
+  GatherSettings gather_settings;  ///< those of the flags, else of the quality
   std::string time_budget;  ///< "0.5s" or "200ms"; empty: none, `quality` counts
   GivenFlags given;         ///< flags of the quality that stand on the command line
   ExposureOptions exposure;

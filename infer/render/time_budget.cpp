@@ -49,9 +49,17 @@ RenderSettings with_quality(Quality quality, Sparse sparse, const GivenFlags& gi
   const QualitySettings chosen = quality_settings(quality);
   if (!given.direct_samples) base.direct_samples = chosen.direct_samples;
   if (!given.antialias) base.antialias = chosen.antialias;
+  if (!given.gather_rays) base.gather.rays = chosen.gather.rays;
+  if (!given.correction_paths) base.gather.paths = chosen.gather.paths;
   base.sparse.reset();
+  base.gather.step = 1;
   const bool on = sparse == Sparse::On || (sparse == Sparse::Auto && chosen.sparse);
-  if (on && base.mode == Mode::Neural) base.sparse = chosen.answers;
+  if (!on || base.mode != Mode::Neural) return base;
+  if (base.indirect == Indirect::Gather) {
+    base.gather.step = chosen.gather.step;
+  } else {
+    base.sparse = chosen.answers;
+  }
   return base;
 }
 

@@ -53,7 +53,8 @@ class Filter {
 
   Image run() {
     for (int pass = 0; pass < options_.passes; ++pass) {
-      each_pixel([&](int x, int y, size_t i) { filter(x, y, i, 1 << pass); });
+      each_pixel(
+          [&](int x, int y, size_t i) { filter(x, y, i, 1 << (options_.first_pass + pass)); });
       std::swap(now_, next_);
     }
     Image out(width_, height_, 3);
@@ -184,8 +185,9 @@ Image bilateral_filter(const Image& noisy, const BilateralGuides& guides,
   check(guides.normal, 3, "normals");
   check(guides.position, 3, "positions");
   if (guides.variance != nullptr) check(guides.variance, 1, "variances");
-  LTE_CHECK(options.passes >= 0 && options.passes <= 12, "passes must be 0 to 12, got ",
-            options.passes);
+  LTE_CHECK(
+      options.passes >= 0 && options.first_pass >= 0 && options.first_pass + options.passes <= 12,
+      "passes must be 0 to 12, got ", options.passes, " after ", options.first_pass);
   LTE_CHECK(options.luminance_sigma > 0, "luminance_sigma must be positive, got ",
             options.luminance_sigma);
   return Filter(noisy, guides, options).run();

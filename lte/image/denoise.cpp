@@ -56,7 +56,7 @@ Denoiser::Denoiser(DenoiseBy by) {
   }
 }
 
-Image Denoiser::denoise(const NoisyPicture& picture) const {
+Image Denoiser::denoise(const NoisyPicture& picture, OidnQuality quality) const {
   const auto check = [&](const Image* image, const char* what) {
     LTE_CHECK(image != nullptr, "denoising needs ", what);
     LTE_CHECK(image->width == picture.light->width && image->height == picture.light->height &&
@@ -70,7 +70,7 @@ Image Denoiser::denoise(const NoisyPicture& picture) const {
   Image light = cleaned(picture);
   if (oidn_) {
     const Image albedo = picture.albedo ? *picture.albedo : white_surfaces(*picture.normal);
-    light = oidn_->denoise(light, {&albedo, picture.normal});
+    light = oidn_->denoise(light, {&albedo, picture.normal}, quality);
     for (size_t i = 0; i < light.pixels.size(); ++i) {
       if (is_background(*picture.normal, i / 3)) light.pixels[i] = 0;
     }

@@ -36,8 +36,9 @@ class Denoiser {
   const std::string& description() const { return description_; }
 
   /// The denoised picture; background is 0. Values that are not finite count as 0.
+  /// @param quality  of Open Image Denoise
   /// @throws lte::Error if a picture is missing or sizes differ.
-  Image denoise(const NoisyPicture& picture) const;
+  Image denoise(const NoisyPicture& picture, OidnQuality quality = OidnQuality::High) const;
 
  private:
   std::optional<Oidn> oidn_;

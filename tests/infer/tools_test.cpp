@@ -411,6 +411,55 @@ TEST_F(Tools, TheDialSetsSwitchesAndFlagsByHandWin) {
   EXPECT_EQ(timed.at("time_budget_seconds"), 300);
 }
 
+TEST_F(Tools, GatheredPicturesNeedNoModelAndKeepOneTable) {
+  const std::string common =
+      at("room.glb") + " --size 24x16 --checkpoint " + at("none.safetensors");
+  const auto told = [&](const std::string& flags) {
+    const Outcome done = run_tool("lte_render", common + flags + " --json " + at("g.json"));
+    EXPECT_EQ(done.code, 0) << done.text;
+    EXPECT_THAT(done.text, HasSubstr("no model is needed"));
+    return nlohmann::json::parse(read_file(at("g.json")));
+  };
+  const nlohmann::json one = told(" --indirect gather --out " + at("g.exr"));
+  EXPECT_EQ(one.at("indirect"), "gather");
+  EXPECT_EQ(one.at("decoded_pixels"), 0);
+  EXPECT_GT(one.at("gather").at("pixels"), 100);
+  EXPECT_EQ(one.at("table").at("light"), "raw");
+  EXPECT_GT(one.at("seconds").at("table"), 0);
+  EXPECT_GT(one.at("seconds").at("gather"), 0);
+  EXPECT_EQ(image::read_exr(at("g.exr"), "indirect").width, 24);
+  const nlohmann::json many = told(
+      " --gather-rays 4 --correction-paths 2 --table-points 500 --quality draft --turntable 3 "
+      "--camera inside --out " +
+      at("turn%d.png"));
+  ASSERT_EQ(many.at("pictures").size(), 3u);
+  EXPECT_LE(many.at("table").at("entries"), 500);
+  for (const nlohmann::json& picture : many.at("pictures")) {
+    EXPECT_EQ(picture.at("gather").at("rays"), 4);
+    EXPECT_EQ(picture.at("gather").at("correction_paths"), 2);
+  }
+  const Outcome filled = render("--indirect gather --table network --out " + at("n.exr"));
+  EXPECT_EQ(filled.code, 0) << filled.text;
+}
+
+TEST_F(Tools, FlagsOfGatheredLightThatMakeNoSenseAreOneLineAndNoFile) {
+  const std::string out = "--out " + at("never.png");
+  expect_failure(render(out + " --indirect network --gather-rays 4"), 1,
+                 HasSubstr("--gather-rays goes with --indirect gather"));
+  expect_failure(render(out + " --indirect gather --mode reference"), 1,
+                 HasSubstr("needs --mode neural"));
+  expect_failure(render(out + " --correction-paths 3"), 1, HasSubstr("an even number"));
+  expect_failure(render(out + " --indirect light"), 2, HasSubstr("--indirect"));
+  expect_failure(render(out + " --table estimates"), 2, HasSubstr("--table"));
+  expect_failure(render(out + " --table-points 0"), 2, HasSubstr("--table-points"));
+  expect_failure(render(out + " --gather-rays -1"), 2, HasSubstr("--gather-rays"));
+  expect_failure(render(out + " --indirect gather --table-points 4000000 --max-memory 500M"), 1,
+                 AllOf(HasSubstr("4000000 points"), HasSubstr("--table-points")));
+  expect_failure(render(out + " --indirect gather --time-budget 1ms"), 1,
+                 AllOf(HasSubstr("--time-budget"), HasSubstr("expected")));
+  EXPECT_FALSE(std::filesystem::exists(at("never.png")));
+}
+
 TEST_F(Tools, ATimeBudgetThatCannotBeKeptIsOneLineAndNoFile) {
   const std::string out = "--out " + at("never.png");
   expect_failure(render(out + " --time-budget 1ms"), 1,

@@ -78,5 +78,11 @@ Method reduced_paths(int step, int paths);
 /// The same pipeline without the network: light estimates at as many scene points, of as many paths
 /// as the network reads, averaged over the nearest at each pixel by distance, plane and normal.
 Method light_estimates(int64_t scene_points, int neighbours);
+/// As `--indirect gather` has it: light gathered from a table of raw estimates, with as many gather
+/// as shadow rays a pixel, denoised.
+Method gathered_light(int rays);
+/// The same at a quarter of the pixels; and from a table that the network has filled.
+Method gathered_sparsely(int rays);
+Method gathered_from_network(int rays);
 
 }  // namespace lte::infer

@@ -48,6 +48,9 @@ TEST(PictureMemory, GrowsByLayersAndPixelsAlone) {
   RenderSettings denoised = settings(4096, 4096);
   denoised.denoise = Denoise::On;
   EXPECT_GT(picture_mb(denoised), 4096 * 4096 * 100.0 / (1 << 20));
+  RenderSettings gathered = denoised;
+  gathered.indirect = Indirect::Gather;
+  EXPECT_GT(picture_mb(gathered), picture_mb(denoised) + 4096 * 4096 * 50.0 / (1 << 20));
   denoised.output = Output::Depth;
   const double noisy_depth = picture_mb(denoised);
   denoised.denoise = Denoise::Off;

@@ -1,0 +1,89 @@
+// Light gathered from a table of raw estimates or of the network's answers, without its noise: what
+// lte_render --indirect gather makes.
+#include <utility>
+
+#include "infer/bench/pareto/lit_picture.h"
+#include "infer/bench/pareto/method.h"
+
+namespace lte::infer {
+namespace {
+
+/// lte_render with these settings, but for size, depth and seed.
+Method gather_method(const std::string& name, const std::string& family, const std::string& words,
+                     const RenderSettings& settings, const TableSettings& table) {
+  Method method{name, family, words, {}};
+  method.prepare = [settings, table](const MethodScene& scene, StageTimes* stages) -> RenderView {
+    Renderer& renderer = scene.renderer;
+    TableSettings wanted = table;
+    wanted.max_depth = scene.max_depth;
+    wanted.seed = scene.seed;
+    if (table.light == TableLight::Network) {
+      EmbedSettings embedding;
+      embedding.seed = scene.seed;
+      embedding.rescale = true;
+      renderer.embed(scene.network, embedding);
+      (*stages)["sample"] += renderer.seconds().sample;
+      (*stages)["light"] += renderer.seconds().light;
+      (*stages)["encode"] += renderer.seconds().encode;
+    }
+    renderer.make_table(wanted);
+    (*stages)["table"] += renderer.seconds().table;
+    return [scene, settings](const scene::Camera& camera, StageTimes* view) {
+      RenderSettings asked = settings;
+      asked.width = scene.width;
+      asked.height = scene.height;
+      asked.max_depth = scene.max_depth;
+      asked.seed = scene.seed;
+      const MethodPicture picture = picture_of(scene.renderer.render(camera, asked));
+      const StageSeconds& seconds = scene.renderer.seconds();
+      (*view)["primary"] += seconds.primary;
+      (*view)["gather"] += seconds.gather;
+      (*view)[kDirect] += seconds.direct;
+      (*view)["denoise"] += seconds.denoise;
+      (*view)["paths"] += seconds.reference;
+      return picture;
+    };
+  };
+  return method;
+}
+
+/// Gathered pictures of so many gather and shadow rays a pixel.
+RenderSettings gathered(int rays, int step) {
+  RenderSettings settings;
+  settings.indirect = Indirect::Gather;
+  settings.gather.rays = rays;
+  settings.gather.step = step;
+  settings.direct_samples = rays;
+  settings.denoise = Denoise::Auto;
+  return settings;
+}
+
+std::string words_of(int rays) {
+  return std::to_string(rays) + " gather and shadow rays a pixel, ";
+}
+
+}  // namespace
+
+Method gathered_light(int rays) {
+  return gather_method("gather-" + std::to_string(rays), "gather",
+                       words_of(rays) + "a table of raw estimates, denoised", gathered(rays, 1),
+                       {});
+}
+
+Method gathered_sparsely(int rays) {
+  return gather_method("gather-sparse-" + std::to_string(rays), "gather",
+                       words_of(rays) +
+                           "gathered at a quarter of the pixels, a table of raw "
+                           "estimates, denoised",
+                       gathered(rays, 2), {});
+}
+
+Method gathered_from_network(int rays) {
+  TableSettings table;
+  table.light = TableLight::Network;
+  return gather_method("gather-network-" + std::to_string(rays), "gather-network",
+                       words_of(rays) + "a table of the network's answers, denoised",
+                       gathered(rays, 1), table);
+}
+
+}  // namespace lte::infer

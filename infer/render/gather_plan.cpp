@@ -1,0 +1,122 @@
+#include "infer/render/gather_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lte/base/check.h"
+
+namespace lte::infer {
+namespace {
+
+/// Pixels of the picture that rates are measured on, and its rays.
+constexpr double kRatePixels = 3072;
+constexpr int kRateRays = 4;
+/// Shares of the pixels that lie at edges, and that no pixel of a sparse grid stands for.
+constexpr double kEdges = 0.15, kAlone = 0.03;
+/// Room for what predictions leave out.
+constexpr double kRoom = 0.2;
+/// Paths a pixel of Final at most.
+constexpr int kMostPaths = 1 << 14;
+
+std::string hundredths(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.2f s", seconds);
+  return text;
+}
+
+GatherRates measure_gather_rates(const RenderSettings& base, const scene::Camera& camera,
+                                 Renderer* renderer) {
+  RenderSettings probe = base;
+  const double pixels = double{1} * base.width * base.height;
+  const double scale = std::min(1.0, std::sqrt(kRatePixels / pixels));
+  probe.width = std::max(1, static_cast<int>(base.width * scale));
+  probe.height = std::max(1, static_cast<int>(base.height * scale));
+  probe.direct_samples = kRateRays;
+  probe.gather = {kRateRays, 1, 0};
+  probe.antialias = 0;
+  probe.layers = false;
+  probe.done = {};
+  renderer->render(camera, probe);  // the denoiser's library is loaded once
+  const Frame frame = renderer->render(camera, probe);
+  const StageSeconds seconds = renderer->seconds();
+  const double hits = double{1} * probe.width * probe.height;
+  const double rays = kRateRays * static_cast<double>(std::max<int64_t>(1, frame.decoded));
+  GatherRates rates;
+  rates.primary_s = seconds.primary / (2 * hits);
+  rates.metal_s = seconds.reference / hits;
+  rates.ray_s = seconds.direct / rays;
+  rates.gather_s = seconds.gather / rays;
+  rates.denoise_s = seconds.denoise / (2 * hits);
+  probe.gather.paths = 2;
+  renderer->render(camera, probe);
+  const double paths = renderer->seconds().reference - seconds.reference;
+  rates.path_s = std::max(rates.gather_s, 2 * paths / rays);
+  return rates;
+}
+
+}  // namespace
+
+double predicted_gather_seconds(const RenderSettings& settings, const GatherRates& rates) {
+  const double pixels = double{1} * settings.width * settings.height;
+  const double hits = 2 + kEdges * settings.antialias;
+  const double step = settings.gather.step;
+  const double points = step > 1 ? 1 / (step * step) : 1;
+  const double alone = step > 1 ? kAlone * std::max(settings.gather.rays, kLeastAloneRays) : 0;
+  const bool smooth = settings.denoise == Denoise::On || (settings.denoise == Denoise::Auto &&
+                                                          settings.direct_samples <= kDenoiseUpTo);
+  const double denoised = settings.denoise == Denoise::Off ? 0 : points + (smooth ? 1 : 0);
+  // Corrections are smoothed too, at some three times the price of a denoiser.
+  const double corrected = settings.gather.paths > 0 ? 3 : 0;
+  return pixels * (1 + kRoom) *
+         (rates.primary_s * hits + rates.metal_s + rates.ray_s * settings.direct_samples +
+          rates.gather_s * (points * settings.gather.rays + alone) +
+          rates.path_s * settings.gather.paths + rates.denoise_s * (denoised + corrected));
+}
+
+std::vector<GatherRung> gather_ladder(Sparse sparse, const GivenFlags& given,
+                                      const RenderSettings& base) {
+  std::vector<GatherRung> out;
+  for (const Quality quality : {Quality::Draft, Quality::Preview, Quality::Final})
+    out.push_back({quality, with_quality(quality, sparse, given, base)});
+  const RenderSettings draft = out.front().settings;
+  RenderSettings least = draft;
+  if (!given.direct_samples) least.direct_samples = 1;
+  if (!given.gather_rays) least.gather.rays = 4;
+  if (!given.sparse) least.gather.step = 4;
+  out.insert(out.begin(), {Quality::Draft, least});
+  return out;
+}
+
+GatherRung choose_rung(double seconds, double spent, const GatherRates& rates,
+                       const std::vector<GatherRung>& ladder, const GivenFlags& given) {
+  const double need = predicted_gather_seconds(ladder.front().settings, rates);
+  LTE_CHECK(need <= seconds, "--time-budget: ", hundredths(std::max(0.0, seconds)),
+            " are left after ", hundredths(spent),
+            " for the table of light, and the quickest picture takes about ", hundredths(need),
+            ": expected ", hundredths(spent + need), " or more");
+  GatherRung best = ladder.front();
+  for (const GatherRung& rung : ladder) {
+    if (predicted_gather_seconds(rung.settings, rates) <= seconds) best = rung;
+  }
+  if (best.quality != Quality::Final || given.correction_paths) return best;
+  const double pixels = double{1} * best.settings.width * best.settings.height;
+  const double left = seconds - predicted_gather_seconds(best.settings, rates);
+  const double more = left / (pixels * (1 + kRoom) * std::max(rates.path_s, 1e-12));
+  best.settings.gather.paths += 2 * static_cast<int>(std::min(more, double{kMostPaths}) / 2);
+  return best;
+}
+
+PicturePlan plan_gathered(double budget_s, const Timer& clock, Sparse sparse,
+                          const GivenFlags& given, const RenderSettings& base,
+                          const scene::Camera& camera, Renderer* renderer) {
+  const double spent = clock.seconds();
+  LTE_CHECK(spent < budget_s, "--time-budget ", budget_s, "s: the table of light took ",
+            static_cast<int>(std::ceil(1000 * spent)),
+            " ms: expected more than that, or fewer --table-points");
+  const GatherRates rates = measure_gather_rates(base, camera, renderer);
+  const GatherRung rung = choose_rung(budget_s - clock.seconds(), spent, rates,
+                                      gather_ladder(sparse, given, base), given);
+  return {rung.quality, rung.settings, nullptr};
+}
+
+}  // namespace lte::infer

@@ -1,0 +1,45 @@
+// A picture of gathered light in a given time.
+#pragma once
+
+#include <vector>
+
+#include "infer/render/time_budget.h"
+
+namespace lte::infer {
+
+/// What the stages cost, as measured on a small picture.
+struct GatherRates {
+  double primary_s = 0;  ///< a hit
+  double ray_s = 0;      ///< a shadow ray at a pixel
+  double gather_s = 0;   ///< a gather ray
+  double path_s = 0;     ///< a path of the correction
+  double denoise_s = 0;  ///< a pixel of a picture that noise is taken out of
+  double metal_s = 0;    ///< a pixel, mean over all: paths where metal is
+};
+
+/// Predicted seconds of a picture with these settings.
+double predicted_gather_seconds(const RenderSettings& settings, const GatherRates& rates);
+
+/// A rung of the ladder that a budget climbs.
+struct GatherRung {
+  Quality quality = Quality::Draft;
+  RenderSettings settings;
+};
+
+/// The pictures that a budget may choose, from the quickest to the best: below Draft with fewer
+/// rays, up to Final, whose paths are as many as fit.
+std::vector<GatherRung> gather_ladder(Sparse sparse, const GivenFlags& given,
+                                      const RenderSettings& base);
+
+/// The best rung that is ready in `seconds`, with its paths.
+/// @param spent  seconds that are over already, for the message
+/// @throws lte::Error "--time-budget ...: ..." if none is.
+GatherRung choose_rung(double seconds, double spent, const GatherRates& rates,
+                       const std::vector<GatherRung>& ladder, const GivenFlags& given);
+
+/// plan_picture() for gathered light: the renderer has its table. All counts are chosen ahead.
+PicturePlan plan_gathered(double budget_s, const Timer& clock, Sparse sparse,
+                          const GivenFlags& given, const RenderSettings& base,
+                          const scene::Camera& camera, Renderer* renderer);
+
+}  // namespace lte::infer

@@ -1,0 +1,138 @@
+// The dial of gathered light: which flag asks for it, and what a time comes to.
+#include "infer/render/gather_plan.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "infer/render/gather_flags.h"
+#include "lte/base/check.h"
+#include "tests/infer/fixture.h"
+#include "tests/support/scenes.h"
+
+namespace lte::infer {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+RenderSettings base() {
+  RenderSettings out;
+  out.indirect = Indirect::Gather;
+  out.denoise = Denoise::Auto;
+  out.width = 640;
+  out.height = 480;
+  return out;
+}
+
+const GatherRates kRates{0.2e-6, 0.3e-6, 0.5e-6, 1.5e-6, 1e-6, 0};
+
+TEST(GatherPlan, QualitiesTakeLongerFromStepToStep) {
+  const std::vector<GatherRung> ladder = gather_ladder(Sparse::Auto, {}, base());
+  double before = 0;
+  for (const GatherRung& rung : ladder) {
+    const double now = predicted_gather_seconds(rung.settings, kRates);
+    EXPECT_GT(now, before) << enum_name(rung.quality);
+    EXPECT_EQ(choose_rung(1.001 * now, 0, kRates, ladder, {}).quality, rung.quality);
+    EXPECT_FALSE(rung.settings.sparse.has_value()) << "the network's quadtree is not meant";
+    before = now;
+  }
+  EXPECT_EQ(ladder.back().quality, Quality::Final);
+  EXPECT_EQ(ladder.back().settings.gather.step, 1);
+  EXPECT_GT(ladder.back().settings.gather.paths, 0) << "final has no floor";
+}
+
+TEST(GatherPlan, TimeBeyondFinalBuysPathsAndTooLittleIsRefusedInOneLine) {
+  const std::vector<GatherRung> ladder = gather_ladder(Sparse::Auto, {}, base());
+  const double final_s = predicted_gather_seconds(ladder.back().settings, kRates);
+  int before = ladder.back().settings.gather.paths - 1;
+  for (const double factor : {1.01, 2.0, 4.0, 8.0}) {
+    const RenderSettings chosen = choose_rung(factor * final_s, 0, kRates, ladder, {}).settings;
+    EXPECT_GT(chosen.gather.paths, before);
+    EXPECT_EQ(chosen.gather.paths % 2, 0);
+    EXPECT_LE(predicted_gather_seconds(chosen, kRates), factor * final_s);
+    before = chosen.gather.paths;
+  }
+  GivenFlags given;
+  given.correction_paths = true;
+  EXPECT_EQ(choose_rung(8 * final_s, 0, kRates, ladder, given).settings.gather.paths,
+            ladder.back().settings.gather.paths);
+  const double least = predicted_gather_seconds(ladder.front().settings, kRates);
+  EXPECT_THAT([&] { choose_rung(0.9 * least, 0.4, kRates, ladder, {}); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("--time-budget"), HasSubstr("expected"),
+                                         testing::Not(HasSubstr("\n")))));
+}
+
+TEST(GatherPlan, FlagsByHandWin) {
+  RenderSettings mine = base();
+  mine.gather = {5, 1, 6};
+  mine.direct_samples = 7;
+  mine.antialias = 3;
+  const RenderSettings draft =
+      with_quality(Quality::Draft, Sparse::Off, {true, true, true, true, true}, mine);
+  EXPECT_EQ(draft.gather.rays, 5);
+  EXPECT_EQ(draft.gather.step, 1);
+  EXPECT_EQ(draft.gather.paths, 6);
+  EXPECT_GT(with_quality(Quality::Final, Sparse::On, {}, mine).gather.step, 1);
+}
+
+TEST(GatherPlan, APictureOfALongBudgetIsFinal) {
+  const scene::Scene scene = test::furnished_room();
+  Renderer renderer(scene);
+  renderer.make_table({});
+  RenderSettings settings = base();
+  settings.width = 24;
+  settings.height = 16;
+  const scene::Camera camera{"in", {3.8f, 1.2f, 0.2f}, {0, 1, 0.2f}, {0, 1, 0}, 70};
+  const Timer clock;
+  const PicturePlan plan = plan_gathered(5, clock, Sparse::Auto, {}, settings, camera, &renderer);
+  EXPECT_EQ(plan.quality, Quality::Final);
+  EXPECT_EQ(plan.pace, nullptr);
+  EXPECT_GT(plan.settings.gather.paths, quality_settings(Quality::Final).gather.paths);
+  EXPECT_THAT([&] { plan_gathered(1e-9, clock, Sparse::Auto, {}, settings, camera, &renderer); },
+              ThrowsMessage<Error>(HasSubstr("--table-points")));
+}
+
+struct Parsed {
+  explicit Parsed(const std::string& line, bool neural = true) {
+    CLI::App app;
+    std::string ignored;
+    for (const char* flag : {"--quality", "--time-budget", "--checkpoint", "--embedding",
+                             "--save-embedding", "--scene-points", "--prune"})
+      app.add_option(flag, ignored);
+    add_gather_options(app, &flags);
+    app.parse(line);
+    resolve_indirect(app, neural, &flags);
+    check_gather_flags(flags, neural);
+  }
+  GatherFlags flags;
+};
+
+TEST(GatherFlags, WhoAnswersFollowsWhatWasAskedFor) {
+  const auto by = [](const std::string& line) { return Parsed(line).flags.by; };
+  EXPECT_EQ(by(""), Indirect::Network);
+  EXPECT_EQ(by("--quality draft"), Indirect::Gather);
+  EXPECT_EQ(by("--time-budget 1s"), Indirect::Gather);
+  EXPECT_EQ(by("--quality draft --checkpoint a"), Indirect::Network);
+  EXPECT_EQ(by("--gather-rays 4 --checkpoint a"), Indirect::Gather);
+  EXPECT_EQ(by("--indirect paths --quality draft"), Indirect::Paths);
+  EXPECT_EQ(by("--indirect network --time-budget 1s"), Indirect::Network);
+  EXPECT_EQ(Parsed("--quality draft", false).flags.by, Indirect::Network);
+  EXPECT_EQ(Parsed("--quality draft").flags.indirect, "gather");
+}
+
+TEST(GatherFlags, ContradictionsAreRefusedInOneLine) {
+  const auto refuse = [](const std::string& line, bool neural, const std::string& words) {
+    EXPECT_THAT([&] { Parsed(line, neural); },
+                ThrowsMessage<Error>(AllOf(HasSubstr(words), testing::Not(HasSubstr("\n")))))
+        << line;
+  };
+  refuse("--indirect network --gather-rays 4", true, "--gather-rays goes with --indirect gather");
+  refuse("--indirect paths --table network", true, "--table goes with --indirect gather");
+  refuse("--indirect network --table-points 100", true, "--table-points goes with");
+  refuse("--correction-paths 3", true, "--correction-paths 3: expected an even number");
+  refuse("--gather-rays 4", false, "--gather-rays needs --mode neural");
+  refuse("--indirect gather", false, "--indirect gather needs --mode neural");
+}
+
+}  // namespace
+}  // namespace lte::infer
