@@ -76,6 +76,8 @@ ALLOWED = {
 }
 for tool in ("render", "probe", "eval", "export", "bench"):
     ALLOWED[f"infer/{tool}"] = ALLOWED["infer/common"] + ["infer/common", "lte/report"]
+# A live view shows a session in the qualities of lte_render.
+ALLOWED["infer/view"] = ALLOWED["infer/render"] + ["infer/session", "infer/render"]
 ALLOWED["infer/bench"] += ["infer/bench/*"]
 for part in ("pareto", "stability"):
     ALLOWED[f"infer/bench/{part}"] = ALLOWED["infer/common"] + ["infer/common", "lte/report"]
