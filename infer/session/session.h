@@ -14,11 +14,9 @@
 // way there.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -156,7 +154,7 @@ class SessionState {
 using StatePtr = std::shared_ptr<const SessionState>;
 
 /// The largest difference of two sessions' answers.
-struct Change {
+struct AnswerChange {
   double largest = 0;   ///< of a component of irradiance, W/m²
   double relative = 0;  ///< that over the mean irradiance
 };
@@ -209,7 +207,7 @@ class Session {
   /// The largest difference between the answers of now and those of a session that begins with the
   /// scene as edited. Costs as much as making one.
   /// @throws lte::Error without a network
-  Change change_against_fresh(const runtime::QueryPoints& queries) const;
+  AnswerChange change_against_fresh(const runtime::QueryPoints& queries) const;
 
   SessionMemory memory() const;
 
