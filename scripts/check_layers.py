@@ -82,7 +82,6 @@ ALLOWED["infer/render"] += ["infer/session"]
 ALLOWED["infer/bench"] += ["infer/bench/*", "infer/session"]
 # A live view shows a session in the qualities of lte_render.
 ALLOWED["infer/view"] = ALLOWED["infer/render"] + ["infer/session", "infer/render"]
-ALLOWED["infer/bench"] += ["infer/bench/*"]
 for part in ("pareto", "stability"):
     ALLOWED[f"infer/bench/{part}"] = ALLOWED["infer/common"] + ["infer/common", "lte/report"]
 
