@@ -1,5 +1,5 @@
-// The edits of all pages, made one after another in a thread of their own: the camera moves on while
-// a scene is encoded anew.
+// The edits of all pages, made one after another in a thread of their own: the camera moves on
+// while a scene is encoded anew.
 #pragma once
 
 #include <atomic>

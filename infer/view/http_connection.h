@@ -19,8 +19,8 @@
 
 namespace lte::infer::view {
 
-/// Serves GET and HEAD of files that are in the table. Requests with a body are refused before it is
-/// read, as are headers above 8 KiB; a connection that says nothing for 20 s is closed.
+/// Serves GET and HEAD of files that are in the table. Requests with a body are refused before it
+/// is read, as are headers above 8 KiB; a connection that says nothing for 20 s is closed.
 class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  public:
   HttpConnection(boost::asio::ip::tcp::socket&& socket, const Access* access,

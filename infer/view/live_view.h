@@ -1,5 +1,5 @@
-// A session and the pages that look at it: hands what pages say to the thread that renders or to the
-// one that edits.
+// A session and the pages that look at it: hands what pages say to the thread that renders or to
+// the one that edits.
 #pragma once
 
 #include <memory>

@@ -62,9 +62,9 @@ struct Message {
 };
 
 /// Reads one message.
+/// Whether light 7 exists is not its business.
 /// @throws lte::Error in one line that names the key, for anything but a well-formed message: other
-///         JSON, an unknown type or key, a value out of its range. Says nothing of the scene: whether
-///         light 7 exists is the loop's to check.
+///         JSON, an unknown type or key, a value out of its range
 Message parse_message(std::string_view text);
 
 constexpr EnumNames<SaveFormat, 4> enum_names(SaveFormat) {

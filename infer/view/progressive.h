@@ -18,10 +18,10 @@ class Progressive {
  public:
   /// Seconds that a draft may take; its size is chosen by what the last ones took.
   static constexpr double kDraftSeconds = 0.06;
-  /// Passes whose mean the picture is in the end. The mean is shown from kLeastMean of them on; what
-  /// stands before that is denoised and so looks better than a mean of few.
+  /// Passes whose mean the picture is in the end. The mean is shown from kLeastMean of them on;
+  /// what stands before that is denoised and so looks better than a mean of few.
   static constexpr int kMeanPasses = 16, kLeastMean = 4;
-  /// Paths a pixel and pass, where paths stand for metal or for light that the network does not know.
+  /// Paths a pixel and pass, where paths stand for metal or for light unknown to the network.
   static constexpr int kPaths = 4;
   /// Paths a pixel of a reference that is done.
   static constexpr int kReferencePaths = 1024;
@@ -87,7 +87,7 @@ class Progressive {
   int64_t rendered_ = 0;
 };
 
-/// The camera turned by a fraction of a pixel, (0, 0) for none, so that pixel centres fall elsewhere.
+/// The camera turned by a fraction of a pixel, so that pixel centres fall elsewhere.
 scene::Camera jittered(const scene::Camera& camera, const PictureSize& size, float x, float y);
 
 }  // namespace lte::infer::view

@@ -161,7 +161,7 @@ export class Controls {
   }
 
   keyDown(event) {
-    const typing = /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) && event.target.type !== "range";
+    const typing = /^(number|search|text|select-one)$/.test(event.target.type ?? "");
     if (typing || document.querySelector("dialog[open]")) return;
     const flies = !event.ctrlKey && !event.metaKey &&
       (event.code in FLIGHTS || (event.code in LOOKS && event.target.type !== "range"));
@@ -169,7 +169,7 @@ export class Controls {
     event.preventDefault();
     if (this.keys.size === 0) {
       this.frameTime = performance.now();
-      requestAnimationFrame(() => this.flight(event.shiftKey));
+      requestAnimationFrame(() => this.flight());
     }
     this.keys.add(event.code);
     this.fast = event.shiftKey;

@@ -27,6 +27,14 @@ export function markBusy(input) {
   }
 }
 
+/** Whether a panel has not listed these things, by their names, before. */
+export function changed(panel, things) {
+  const names = JSON.stringify(things.map((thing) => thing.name));
+  if (panel.names === names) return false;
+  panel.names = names;
+  return true;
+}
+
 /** A number for people: few digits, no trailing zeros. */
 export function short(value, digits = 3) {
   return String(Number(value.toFixed(digits)));

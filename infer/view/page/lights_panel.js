@@ -1,6 +1,6 @@
 // The list of lights: a switch, a slider and a color for each.
 import { chroma, fromHex, toHex } from "./color.js";
-import { byId, make, markBusy, setIdle, short } from "./dom.js";
+import { byId, changed, make, markBusy, setIdle, short } from "./dom.js";
 
 const MOST_GAIN = 3;
 
@@ -16,13 +16,13 @@ export class LightsPanel {
 
   build() {
     const { lights } = this.store.scene;
-    if (this.rows.length === lights.length) return this.refresh();
+    if (!changed(this, lights)) return this.refresh();
     this.rows = lights.map((_, index) => this.row(index));
     this.pane.replaceChildren(...this.rows.map((row) => row.element));
     if (lights.length === 0) {
       this.pane.append(make("p", { className: "muted", textContent: "Nothing in this scene emits light." }));
     }
-    this.refresh();
+    return this.refresh();
   }
 
   row(index) {

@@ -1,5 +1,5 @@
 // Puts the page together: what the server says goes to the store, what hands do to the server.
-import { withTargetAt } from "./camera.js";
+import { project, withTargetAt } from "./camera.js";
 import { Connection } from "./connection.js";
 import { Controls } from "./controls.js";
 import { byId, make } from "./dom.js";
@@ -123,6 +123,7 @@ function findPivot() {
   pick(0.5, 0.5, (met) => {
     if (met.object < 0 || controls.active()) return;
     store.camera = withTargetAt(store.camera, length(sub(met.position, store.camera.origin)));
+    firstCamera = store.camera;
   });
 }
 
@@ -233,4 +234,4 @@ for (const button of document.querySelectorAll("[data-save]")) {
 }
 
 // For the console, and for tests.
-globalThis.lteView = { store, picture, send, meter };
+globalThis.lteView = { store, picture, send, meter, project };

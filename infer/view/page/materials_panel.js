@@ -1,6 +1,6 @@
 // Albedos: the list of materials, and the picker that the selection shows too.
 import { fromHex, toHex } from "./color.js";
-import { byId, make, markBusy, setIdle } from "./dom.js";
+import { byId, changed, make, markBusy, setIdle } from "./dom.js";
 
 /** A color input for the albedo of a material. */
 export function albedoInput(store, index, edit, newGesture) {
@@ -31,7 +31,7 @@ export class MaterialsPanel {
 
   build() {
     const { materials } = this.store.scene;
-    if (this.rows.length === materials.length) return this.refresh();
+    if (!changed(this, materials)) return this.refresh();
     this.rows = materials.map((material, index) => {
       const input = albedoInput(this.store, index, this.edit, this.newGesture);
       const kind = material.emissive ? "emits" : material.textured ? "tint" : "";
@@ -41,7 +41,7 @@ export class MaterialsPanel {
       return { element, input };
     });
     this.pane.replaceChildren(...this.rows.map((row) => row.element));
-    this.refresh();
+    return this.refresh();
   }
 
   refresh() {

@@ -1,5 +1,5 @@
 // The list of objects, and where the selected one stands.
-import { byId, make, markBusy, setIdle, short } from "./dom.js";
+import { byId, changed, make, markBusy, setIdle, short } from "./dom.js";
 import { albedoInput } from "./materials_panel.js";
 import { toHex } from "./color.js";
 import { foot } from "./store.js";
@@ -20,7 +20,7 @@ export class ObjectsPanel {
 
   build() {
     const { objects } = this.store.scene;
-    if (this.list.children.length !== objects.length) {
+    if (changed(this, objects)) {
       this.list.replaceChildren(...objects.map((object, index) =>
         make("button", { className: "row object", onclick: () => this.store.select(index) },
           make("span", { className: "name", textContent: object.name, title: object.name }),
@@ -75,7 +75,9 @@ export class ObjectsPanel {
     }
     this.inputs = { axes: axes.map((a) => a.input), turn: turn.input, size: size.input };
     this.refresh();
-    this.list.children[store.object].scrollIntoView({ block: "nearest" });
+    // Where the panel stands below the picture, the picture is to stay in sight.
+    const beside = !matchMedia("(max-width: 720px)").matches;
+    if (beside) this.list.children[store.object].scrollIntoView({ block: "nearest" });
   }
 
   refresh() {
