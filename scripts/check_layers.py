@@ -74,9 +74,14 @@ ALLOWED = {
     "infer/common": LIBRARY_WITHOUT_TORCH + ["lte/gi", "lte/cli/*", "lte/ops", "lte/nn",
                                              "lte/runtime"],
 }
+# A scene in memory that takes edits: for the tools that show one.
+ALLOWED["infer/session"] = ALLOWED["infer/common"] + ["infer/common"]
 for tool in ("render", "probe", "eval", "export", "bench"):
     ALLOWED[f"infer/{tool}"] = ALLOWED["infer/common"] + ["infer/common", "lte/report"]
-ALLOWED["infer/bench"] += ["infer/bench/*"]
+ALLOWED["infer/render"] += ["infer/session"]
+ALLOWED["infer/bench"] += ["infer/bench/*", "infer/session"]
+# A live view shows a session in the qualities of lte_render.
+ALLOWED["infer/view"] = ALLOWED["infer/render"] + ["infer/session", "infer/render"]
 for part in ("pareto", "stability"):
     ALLOWED[f"infer/bench/{part}"] = ALLOWED["infer/common"] + ["infer/common", "lte/report"]
 

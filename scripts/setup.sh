@@ -13,6 +13,7 @@ readonly torch_version=2.11.0 oidn_version=2.5.1.0
 readonly packages=(build-essential cmake ninja-build ccache pkg-config python3 python3-venv
   libembree-dev libopenexr-dev libtinygltf-dev libstb-dev zlib1g-dev libdraco-dev libwebp-dev
   libflann-dev libcli11-dev libyaml-cpp-dev nlohmann-json3-dev libgloo-dev
+  libboost-dev libturbojpeg0-dev
   libgtest-dev libgmock-dev libbenchmark-dev)
 
 say() { printf 'setup: %s\n' "$*"; }

@@ -29,8 +29,9 @@ struct BenchOptions {
   int64_t queries = 512 * 512;
   std::string precision = "fp32";  ///< encoder and decoder: or bf16
   double max_memory_mb = 0;        ///< encoder and decoder: memory above the model; 0: no limit
-  std::string scene;               ///< pathtrace: scene file
+  std::string scene;               ///< pathtrace and edits: scene file
   SceneFlags loading;              ///< of it
+  int random_edits = 0;            ///< edits: that many at random at the end
 };
 
 /// Runs `work` once to warm up, then `repeats` times.
@@ -53,6 +54,9 @@ std::vector<BenchResult> bench_encoder(const BenchOptions& options);
 std::vector<BenchResult> bench_decoder(const BenchOptions& options);
 /// Times path tracing against bare Embree calls on the same rays.
 std::vector<BenchResult> bench_pathtrace(const BenchOptions& options);
+
+/// Times a live scene from an edit to the picture after it, with the shipped model.
+std::vector<BenchResult> bench_edits(const BenchOptions& options);
 
 /// One row for each result.
 std::string bench_json(const std::vector<BenchResult>& results);

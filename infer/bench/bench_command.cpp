@@ -40,6 +40,11 @@ void add_bench_options(CLI::App& app, BenchRequest* request) {
   CLI::App* pathtrace = add("pathtrace", "Path tracing against bare Embree calls", bench_pathtrace);
   pathtrace->add_option("--scene", options.scene, "Scene (default: the shipped Cornell box)");
   add_scene_flags(*pathtrace, &options.loading);
+  CLI::App* edits =
+      add("edits", "From an edit of a live scene to the picture after it", bench_edits);
+  edits->add_option("--scene", options.scene, "Scene (default: the shipped living room)");
+  edits->add_option("--random", options.random_edits, "So many edits at random at the end");
+  add_scene_flags(*edits, &options.loading);
   CLI::App* pareto = app.add_subcommand("pareto", "Run time against error of every method");
   const auto chart = std::make_shared<ParetoRequest>();
   add_pareto_options(*pareto, chart.get());

@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "lte/data/light_groups.h"
-#include "lte/pathtrace/light_estimates.h"
 
 namespace lte::infer {
 namespace {
@@ -25,6 +24,20 @@ scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t cou
                                            counts != nullptr ? counts : &ignored);
 }
 
+data::GroupedLight light_to_read(const pathtrace::LightEstimates& light,
+                                 const runtime::LightRequest& input) {
+  const bool indirect = input.depth > 1;
+  data::GroupedLight read{.direct = light.direct};
+  if (indirect) read.indirect = light.indirect;
+  if (input.sides) read.direct_back = light.direct_back;
+  if (input.sides && indirect) read.indirect_back = light.indirect_back;
+  if (input.errors) {
+    read.error = light.error;
+    read.error_back = light.error_back;
+  }
+  return read;
+}
+
 LitSamples add_light_estimates(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                                scene::SurfaceSamples surface, const runtime::LightRequest& input,
                                uint64_t seed) {
@@ -44,15 +57,7 @@ LitSamples add_light_estimates(const pathtrace::Bvh& bvh, const pathtrace::Light
   const pathtrace::LightEstimates light =
       pathtrace::estimate_light(bvh, lights, s.position, s.normal, s.emission,
                                 {.paths = input.paths, .max_depth = input.depth, .seed = seed});
-  data::GroupedLight read{.direct = light.direct};
-  if (indirect) read.indirect = light.indirect;
-  if (input.sides) read.direct_back = light.direct_back;
-  if (input.sides && indirect) read.indirect_back = light.indirect_back;
-  if (input.errors) {
-    read.error = light.error;
-    read.error_back = light.error_back;
-  }
-  out.light = data::sum_groups(read, lights.groups());
+  out.light = data::sum_groups(light_to_read(light, input), lights.groups());
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include "infer/common/points.h"
 #include "lte/data/light_groups.h"
 #include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/light_estimates.h"
 #include "lte/pathtrace/lights.h"
 #include "lte/pathtrace/reach.h"
 #include "lte/runtime/network.h"
@@ -31,6 +32,10 @@ struct LitSamples {
             light.direct,     light.indirect, light.direct_back, light.indirect_back, light.error};
   }
 };
+
+/// Of estimates by light group, what a network of this light_request() reads; borrows from them.
+data::GroupedLight light_to_read(const pathtrace::LightEstimates& light,
+                                 const runtime::LightRequest& input);
 
 /// Estimates the light on `surface` that a network of this light_request() reads.
 LitSamples add_light_estimates(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,

@@ -65,7 +65,18 @@ struct Renderer::Estimate {
   bool direct = true, indirect = true;
 };
 
-Renderer::Renderer(const scene::Scene& scene) : bvh_(scene), lights_(scene) {}
+Renderer::Renderer(const scene::Scene& scene)
+    : Renderer(std::make_shared<pathtrace::Bvh>(scene), std::make_shared<pathtrace::Lights>(scene),
+               std::make_shared<SharedDenoiser>()) {}
+
+Renderer::Renderer(std::shared_ptr<const pathtrace::Bvh> bvh,
+                   std::shared_ptr<const pathtrace::Lights> lights,
+                   std::shared_ptr<SharedDenoiser> denoiser)
+    : held_bvh_(std::move(bvh)),
+      held_lights_(std::move(lights)),
+      bvh_(*held_bvh_),
+      lights_(*held_lights_),
+      denoiser_(std::move(denoiser)) {}
 
 bool Renderer::shows_indirect(Output output) const {
   return has_light() && !is_geometry(output) && output != Output::Direct;
@@ -97,8 +108,8 @@ void Renderer::embed(const runtime::Network& network, const EmbedSettings& setti
                                              network.light_request(), settings.seed);
   seconds_.light = timer.seconds();
   timer.restart();
-  embedding_.emplace(network, lit.points(),
-                     runtime::EncodeOptions{settings.rescale, {}, settings.memory});
+  embedding_ = std::make_shared<const runtime::SceneEmbedding>(
+      network, lit.points(), runtime::EncodeOptions{settings.rescale, {}, settings.memory});
   seconds_.encode = timer.seconds();
 }
 
@@ -115,12 +126,16 @@ const gi::RadiosityTable& Renderer::table() const {
 }
 
 void Renderer::set_embedding(runtime::SceneEmbedding embedding) {
+  set_embedding(std::make_shared<const runtime::SceneEmbedding>(std::move(embedding)));
+}
+
+void Renderer::set_embedding(std::shared_ptr<const runtime::SceneEmbedding> embedding) {
   pruned_points_ = {};
-  embedding_.emplace(std::move(embedding));
+  embedding_ = std::move(embedding);
 }
 
 const runtime::SceneEmbedding& Renderer::embedding() const {
-  LTE_CHECK(embedding_.has_value(), "there is no embedding: embed() comes first");
+  LTE_CHECK(embedding_ != nullptr, "there is no embedding: embed() comes first");
   return *embedding_;
 }
 
@@ -161,7 +176,7 @@ gi::Answerer Renderer::decoder() const {
 }
 
 void Renderer::decode(const PictureBand& band, const RenderSettings& settings, BandLight* light) {
-  LTE_CHECK(embedding_.has_value(), "this output needs a model: embed() comes first");
+  LTE_CHECK(embedding_ != nullptr, "this output needs a model: embed() comes first");
   const Timer timer;
   const gi::Answerer answerer = settings.answerer ? settings.answerer : decoder();
   SparseLight answers;
@@ -288,12 +303,9 @@ const image::Denoiser* Renderer::denoiser_for(const RenderSettings& settings, bo
       gathered || (settings.mode == Mode::Neural && settings.direct_samples <= kDenoiseUpTo);
   if (settings.denoise == Denoise::Off || (settings.denoise == Denoise::Auto && !few))
     return nullptr;
-  if (!denoiser_) {
-    denoiser_.emplace();
-    log_info("denoising by ", denoiser_->description());
-  }
-  denoised_by_ = denoiser_->description();
-  return &*denoiser_;
+  const image::Denoiser& denoiser = denoiser_->get();
+  denoised_by_ = denoiser.description();
+  return &denoiser;
 }
 
 /// Samples the light of the picture's centres at once, where it is gathered, rays are shared out or
@@ -450,9 +462,9 @@ Frame Renderer::render(const scene::Camera& camera, const RenderSettings& settin
                                     settings.done, settings.layers ? &layers : nullptr);
     if (settings.layers) put_radiance(std::move(layers), &frame);
     seconds_.reference = timer.seconds();
-    if (job.guides && denoiser_) {
+    if (job.guides) {
       const Timer denoising;
-      frame.color = denoise_radiance(*denoiser_, *job.guides, frame.color);
+      frame.color = denoise_radiance(denoiser_->get(), *job.guides, frame.color);
       seconds_.denoise += denoising.seconds();
     }
   }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "infer/common/output.h"
 #include "infer/common/picture_band.h"
 #include "infer/common/ray_pace.h"
+#include "infer/common/shared_denoiser.h"
 #include "lte/gi/sparse_pixels.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights.h"
@@ -105,6 +107,10 @@ inline constexpr std::array<Stage, 12> kStages = {{{"load", &StageSeconds::load}
 class Renderer {
  public:
   explicit Renderer(const scene::Scene& scene);
+  /// Over what others hold too: renderers of one scene in several threads, each its own.
+  Renderer(std::shared_ptr<const pathtrace::Bvh> bvh,
+           std::shared_ptr<const pathtrace::Lights> lights,
+           std::shared_ptr<SharedDenoiser> denoiser);
 
   /// Samples scene points and encodes them.
   /// @throws runtime::Refusal for a scene wider than the model knows, unless settings.rescale, and
@@ -113,6 +119,7 @@ class Renderer {
 
   /// Takes an embedding of this scene that was made before, in the place of embed().
   void set_embedding(runtime::SceneEmbedding embedding);
+  void set_embedding(std::shared_ptr<const runtime::SceneEmbedding> embedding);
   /// @throws lte::Error without one.
   const runtime::SceneEmbedding& embedding() const;
 
@@ -164,12 +171,14 @@ class Renderer {
   void trace_metal(const PictureBand& band, Job* job, BandLight* light);
   Metal metal_of(const RenderSettings& settings) const;
 
-  pathtrace::Bvh bvh_;
-  pathtrace::Lights lights_;
-  std::optional<runtime::SceneEmbedding> embedding_;
+  std::shared_ptr<const pathtrace::Bvh> held_bvh_;
+  std::shared_ptr<const pathtrace::Lights> held_lights_;
+  const pathtrace::Bvh& bvh_;
+  const pathtrace::Lights& lights_;
+  std::shared_ptr<const runtime::SceneEmbedding> embedding_;
   std::optional<gi::RadiosityTable> table_;
   StageSeconds seconds_;
-  std::optional<image::Denoiser> denoiser_;  ///< once one was needed
+  std::shared_ptr<SharedDenoiser> denoiser_;
   std::string denoised_by_;
   pathtrace::PruneCounts pruned_points_;
 };

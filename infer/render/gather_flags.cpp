@@ -8,8 +8,8 @@
 namespace lte::infer {
 namespace {
 
-constexpr std::array<const char*, 5> kNetworkFlags = {
-    "--checkpoint", "--embedding", "--save-embedding", "--scene-points", "--prune"};
+constexpr std::array<const char*, 6> kNetworkFlags = {
+    "--checkpoint", "--edit", "--embedding", "--save-embedding", "--scene-points", "--prune"};
 
 /// A flag of gathered light that says something; null if none does.
 const char* gather_flag(const GatherFlags& flags) {
@@ -49,7 +49,10 @@ void add_gather_options(CLI::App& app, GatherFlags* flags) {
 }
 
 void resolve_indirect(const CLI::App& app, bool neural, GatherFlags* flags) {
-  const auto given = [&](const char* name) { return app.count(name) > 0; };
+  const auto given = [&](const char* name) {
+    const CLI::Option* flag = app.get_option_no_throw(name);
+    return flag != nullptr && flag->count() > 0;
+  };
   if (flags->indirect != "auto") {
     flags->by = parse_enum<Indirect>("--indirect", flags->indirect);
   } else if (gather_flag(*flags) != nullptr) {

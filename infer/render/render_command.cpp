@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cstdio>
+#include <memory>
 #include <tuple>
 #include <utility>
 
@@ -12,13 +13,16 @@
 #include "infer/common/picture_size.h"
 #include "infer/common/renderer.h"
 #include "infer/common/untrained_light.h"
+#include "infer/render/edit_frames.h"
 #include "infer/render/frame_io.h"
 #include "infer/render/frame_set.h"
 #include "infer/render/gather_plan.h"
 #include "infer/render/notes.h"
+#include "infer/render/render_report.h"
 #include "infer/render/scene_size.h"
 #include "infer/render/time_budget.h"
 #include "infer/render/views.h"
+#include "lte/base/checksum.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/base/process_memory.h"
@@ -120,12 +124,6 @@ std::vector<View> views_of(const RenderRequest& request, const pathtrace::Bvh& b
   return views;
 }
 
-nlohmann::json seconds_json(const StageSeconds& s, double total) {
-  nlohmann::json out = {{"total", total}};
-  for (const Stage& stage : kStages) out[stage.name] = s.*stage.seconds;
-  return out;
-}
-
 nlohmann::json sparse_json(const RenderSettings& settings) {
   if (settings.indirect == Indirect::Gather && settings.gather.step > 1)
     return {{"step", settings.gather.step}};
@@ -206,19 +204,13 @@ void print_exposure(const RenderRequest& request, const View& view, double expos
   std::fflush(stdout);
 }
 
-void print_times(const RenderRequest& request, const StageSeconds& s, double total) {
-  if (request.tool.common.quiet) return;
-  std::printf(" | seconds: ");
-  for (const Stage& stage : kStages) std::printf("%s %.2f, ", stage.name, s.*stage.seconds);
-  std::printf("total %.2f | peak %.0f MiB\n", total, peak_rss_mb());
-}
-
 /// @throws lte::Error if an output would replace an input or another output
 void claim_files(const RenderRequest& request, CommandFiles* files) {
   claim_scene(request, files);
   claim_embedding(request.embedding, files);
   files->reads("--checkpoint", request.checkpoint);
   files->reads("--camera", request.camera);
+  claim_edits(request.edit, files);
   files->writes("--out", request.out);
   files->writes_common(request.tool.common);
   files->check();
@@ -243,7 +235,10 @@ std::optional<runtime::Network> load_network(const RenderRequest& request, const
              " path-traced estimates: no model is needed");
     return std::nullopt;
   }
-  if (!gathers && !renderer.needs_network(*settings)) return std::nullopt;
+  // An edit may bring light to a scene without any.
+  const bool may_come = request.edit.any() && settings->mode == Mode::Neural &&
+                        !is_geometry(settings->output) && settings->output != Output::Direct;
+  if (!gathers && !renderer.needs_network(*settings) && !may_come) return std::nullopt;
   const c10::Device device = nn::choose_device(request.tool.device, 0, "--device");
   std::optional<runtime::Network> network(
       std::in_place, checkpoint_or_shipped(request.checkpoint),
@@ -282,15 +277,6 @@ void check_table_fits(const TableSettings& settings, const scene::Scene& scene,
                      "take fewer --table-points");
 }
 
-/// Adds the stages that each picture has of its own.
-void add_seconds(const StageSeconds& picture, StageSeconds* sum) {
-  for (double StageSeconds::*stage :
-       {&StageSeconds::primary, &StageSeconds::decode, &StageSeconds::gather, &StageSeconds::direct,
-        &StageSeconds::denoise, &StageSeconds::reference, &StageSeconds::write}) {
-    sum->*stage += picture.*stage;
-  }
-}
-
 /// The switches of a picture: as the flags have them, or as the time that is left allows.
 PicturePlan plan_of(const RenderRequest& request, const RenderSettings& base, const View& view,
                     const Timer& work, Renderer* renderer) {
@@ -315,15 +301,21 @@ std::optional<FrameSet> frames_of(const RenderRequest& request, const std::vecto
   LTE_CHECK(!named || !request.resume,
             "--resume goes with several pictures: --turntable, or --camera with a list or all");
   if (named) return std::nullopt;
-  return FrameSet(request.out,
-                  frame_settings(*request.flags, scene, network ? &*network : nullptr));
+  FrameSettings settings = frame_settings(*request.flags, scene, network ? &*network : nullptr);
+  if (request.edit.any()) {
+    Checksum script;
+    script.add(read_file(request.edit.script));
+    settings["edits"] = script.text();
+  }
+  return FrameSet(request.out, std::move(settings));
 }
 
 /// The exposure of a picture; of the first one for all frames that share it.
 float exposure_of(const RenderRequest& request, const Frame& frame, Output output,
                   std::optional<FrameSet>* frames) {
   ExposureOptions options = request.exposure;
-  const bool shared = *frames && (request.one_exposure || request.turntable > 0);
+  const bool shared =
+      *frames && (request.one_exposure || request.turntable > 0 || request.edit.any());
   if (shared && !options.exposure)
     options.exposure = (*frames)->shared_exposure(double{frame_exposure(frame, output)});
   return choose_exposure(frame, output, options);
@@ -334,6 +326,7 @@ struct PictureRun {
   std::vector<View> views;
   RenderSettings settings;  ///< but for what a time budget decides
   std::optional<FrameSet> frames;
+  EditedFrames* edited = nullptr;  ///< of --edit
   Timer total;
   Timer work;  ///< since the scene points were drawn
 };
@@ -346,9 +339,11 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
     PicturePlan plan = plan_of(request, run.settings, view, run.work, renderer);
     RenderSettings& settings = plan.settings;
     Frame frame;
+    nlohmann::json edit;
     {
       const PictureProgress progress(&settings);
-      frame = renderer->render(view.camera, settings);
+      frame = run.edited ? run.edited->render(view, settings, &edit, &renderer->seconds())
+                         : renderer->render(view.camera, settings);
     }
     report_metal(request.scene, settings, frame);
     if (frame.background == int64_t{settings.width} * settings.height &&
@@ -362,6 +357,7 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
     renderer->seconds().write = write.seconds();
     add_seconds(renderer->seconds(), &seconds);
     pictures.push_back(picture_json(request, view, plan, frame, exposure));
+    if (run.edited) pictures.back()["edit"] = edit;
     print_exposure(request, view, exposure, run.views.size() > 1 ? "\n" : "");
     run.work.restart();  // a view after the first has the budget for itself
   }
@@ -371,7 +367,7 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
   }
   if (run.views.size() != 1 && !request.tool.common.quiet)
     std::printf("%zu pictures", run.views.size());
-  print_times(request, seconds, run.total.seconds());
+  if (!request.tool.common.quiet) print_times(seconds, run.total.seconds());
 }
 
 }  // namespace
@@ -460,6 +456,7 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
       ->capture_default_str();
   add_gather_options(app, &r->gather);
   add_embedding_flags(app, &r->embedding);
+  add_edit_flags(app, &r->edit);
   add_exposure_options(app, &r->exposure);
   app.add_flag("--one-exposure", r->one_exposure,
                "Several pictures: all take the exposure of the first, as with --turntable");
@@ -477,12 +474,19 @@ void run_render(const RenderRequest& request) {
                                "name the picture to write (.exr or .png), or pass --validate-only");
   }
   check_dial(request);
+  check_edit_flags(request.edit, request.out);
+  LTE_CHECK(!request.edit.any() || request.gather.by == Indirect::Network, "--edit and --indirect ",
+            request.gather.indirect, ": of an edited scene the network answers");
   CommandFiles files;
   claim_files(request, &files);
   apply_tool_options(request.tool);
   check_writable(request.out);
   check_writable(request.tool.common.json);
   check_writable(request.embedding.save);
+  check_writable(request.edit.video);
+  check_writable(request.edit.save_scene);
+  std::optional<EditScript> script;
+  if (request.edit.any()) script = load_edit_script(request.edit.script);
   RenderSettings settings = settings_of(request);
   check_picture_fits(settings, available_memory_mb());
   const Timer total;
@@ -490,6 +494,7 @@ void run_render(const RenderRequest& request) {
   describe(scene, request.scene);
   Renderer renderer(scene);
   std::vector<View> views = views_of(request, renderer.bvh());
+  if (script) views = edit_views(*script, scene, std::move(views), request.out);
   claim_views(request, views, &files);
   say_unit(request.scene, renderer.bvh());
   if (!renderer.has_light())
@@ -516,6 +521,7 @@ void run_render(const RenderRequest& request) {
       network || !request.embedding.has_file(), request.embedding.load, request.embedding.save,
       ": this picture needs no embedding (--mode, --output, --indirect, or a scene without light)");
   std::optional<FrameSet> frames = frames_of(request, views, scene, network);
+  std::vector<View> all_views = views;
   if (request.validate_only) {  // as lte_datagen says it, and under --quiet too: it is the result
     std::printf("%s: valid scene, %lld triangles, %zu light groups\n", request.scene.c_str(),
                 static_cast<long long>(scene.triangle_count()), scene.light_groups.size());
@@ -527,7 +533,15 @@ void run_render(const RenderRequest& request) {
     views = frames->missing(views, request.resume);
   }
   const Timer work;
-  if (network && (!views.empty() || !request.embedding.save.empty())) {
+  std::unique_ptr<EditedFrames> edited;
+  if (script) {
+    edited = std::make_unique<EditedFrames>(
+        *script, all_views, scene, network,
+        SessionSettings{embed_settings(request.embedding, request.seed, memory),
+                        request.untrained_light == "network"});
+    check_picture_fits(settings, memory);
+  }
+  if (network && !script && (!views.empty() || !request.embedding.save.empty())) {
     embed(request, *network, memory, &renderer);
     check_picture_fits(settings, memory);
   }
@@ -535,7 +549,10 @@ void run_render(const RenderRequest& request) {
     check_table_fits(table, scene, memory);
     renderer.make_table(table);
   }
-  render_to_files(request, {std::move(views), settings, std::move(frames), total, work}, &renderer);
+  render_to_files(request,
+                  {std::move(views), settings, std::move(frames), edited.get(), total, work},
+                  &renderer);
+  if (edited) edited->finish(request.edit, request.out);
 }
 
 }  // namespace lte::infer

@@ -9,6 +9,7 @@
 #include "infer/common/renderer.h"
 #include "infer/common/scene_source.h"
 #include "infer/common/tool_options.h"
+#include "infer/render/edit_flags.h"
 #include "infer/render/exposure.h"
 #include "infer/render/gather_flags.h"
 #include "infer/render/quality.h"
@@ -22,6 +23,7 @@ struct RenderRequest : SceneSource {
   bool resume = false;
   bool one_exposure = false;  ///< that of the first picture is that of all
   EmbeddingFlags embedding;
+  EditFlags edit;
   std::string size = "512x512";
   std::string output = "full", mode = "neural";
   int spp = 64, max_depth = 5, direct_samples = 64;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <mutex>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -140,6 +141,7 @@ struct Oidn::Device {
   Api api;
   fs::path path;
   Api::Handle handle = nullptr;
+  std::mutex mutex;  ///< one filter at a time
 };
 
 Oidn::Oidn(const fs::path& library) : device_(std::make_unique<Device>(library)) {
@@ -184,6 +186,7 @@ Image Oidn::denoise(const Image& noisy, const OidnGuides& guides, OidnQuality qu
   check_size(noisy, "a picture");
   LTE_CHECK(guides.normal == nullptr || guides.albedo != nullptr,
             "Open Image Denoise takes no normals without albedo");
+  const std::lock_guard lock(device_->mutex);
   const Api& api = device_->api;
   const std::unique_ptr<void, void (*)(void*)> filter(api.new_filter(device_->handle, "RT"),
                                                       api.release_filter);

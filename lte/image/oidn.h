@@ -27,8 +27,8 @@ struct OidnGuides {
   const Image* normal = nullptr;  ///< in [−1, 1]; needs albedo
 };
 
-/// A device of the library on the processor, with num_threads() threads. Movable. Not for two
-/// threads at a time.
+/// A device of the library on the processor, with num_threads() threads. Movable. Threads that
+/// denoise at the same time wait for one another.
 class Oidn {
  public:
   /// Opens the first candidate that works.

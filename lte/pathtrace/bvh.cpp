@@ -23,9 +23,25 @@ void check_device(RTCDevice device, const char* what) {
             error == RTC_ERROR_OUT_OF_MEMORY ? std::string() : std::to_string(error));
 }
 
+void set_indices(RTCGeometry geometry, const scene::Mesh& mesh, bool own) {
+  const size_t size = sizeof(mesh.triangles[0]), count = mesh.triangles.size();
+  if (!own) {
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                               mesh.triangles.data(), 0, size, count);
+    return;
+  }
+  void* indices =
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, size, count);
+  if (indices == nullptr) rtcReleaseGeometry(geometry);
+  LTE_CHECK(indices != nullptr, "Embree failed: no memory for the ", count, " triangles of mesh ",
+            mesh.name);
+  std::memcpy(indices, mesh.triangles.data(), size * count);
+}
+
 /// Embree reads 16 bytes at each 12-byte vertex, so the last one would be read past its vector:
-/// Embree keeps a padded copy of the positions and shares the indices, three times as large.
-RTCScene build_mesh(RTCDevice device, const scene::Mesh& mesh) {
+/// Embree keeps a padded copy of the positions and, unless it is to own them, shares the indices,
+/// three times as large.
+RTCScene build_mesh(RTCDevice device, const scene::Mesh& mesh, bool own_indices) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                            sizeof(Vec3), mesh.positions.size());
@@ -33,9 +49,7 @@ RTCScene build_mesh(RTCDevice device, const scene::Mesh& mesh) {
   LTE_CHECK(vertices != nullptr, "Embree failed: no memory for the ", mesh.positions.size(),
             " vertices of mesh ", mesh.name);
   std::memcpy(vertices, mesh.positions.data(), mesh.positions.size() * sizeof(Vec3));
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                             mesh.triangles.data(), 0, sizeof(mesh.triangles[0]),
-                             mesh.triangles.size());
+  set_indices(geometry, mesh, own_indices);
   rtcCommitGeometry(geometry);
   RTCScene scene = rtcNewScene(device);
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
@@ -123,28 +137,66 @@ Bvh::Handles::~Handles() {
   if (device != nullptr) rtcReleaseDevice(device);
 }
 
-Bvh::Bvh(const scene::Scene& scene)
+Bvh::Bvh(const scene::Scene& scene) : Bvh(scene, Indices::Borrowed) {}
+
+Bvh::Bvh(const scene::Scene& scene, Indices indices)
     : scene_(scene), bounds_(scene.bounds()), handles_(std::make_unique<Handles>()) {
+  start();
+  handles_->own_indices = indices == Indices::Own;
+  handles_->meshes.resize(scene.meshes.size(), nullptr);
+  attach_all(indices);
+}
+
+Bvh::Bvh(const scene::Scene& scene, const Bvh& trees, std::span<const int> tree_of_mesh)
+    : scene_(scene), bounds_(scene.bounds()), handles_(std::make_unique<Handles>()) {
+  Handles& h = *handles_;
+  const Handles& from = trees.handles();
+  LTE_CHECK(from.own_indices && tree_of_mesh.size() == scene.meshes.size(),
+            "a tree on the meshes of another: expected one that owns them, and ",
+            scene.meshes.size(), " numbers of meshes, got ", tree_of_mesh.size());
+  h.own_indices = true;
+  h.device = from.device;
+  rtcRetainDevice(h.device);
+  start();
+  for (const int mesh : tree_of_mesh) {
+    h.meshes.push_back(from.meshes.at(static_cast<size_t>(mesh)));
+    if (h.meshes.back() != nullptr) rtcRetainScene(h.meshes.back());
+  }
+  attach_all(Indices::Own);
+}
+
+std::unique_ptr<Bvh> Bvh::with_own_meshes(const scene::Scene& scene) {
+  return std::unique_ptr<Bvh>(new Bvh(scene, Indices::Own));
+}
+
+/// Checks where the scene lies, and opens what its trees go into.
+void Bvh::start() {
   Handles& h = *handles_;
   LTE_CHECK(bounds_.empty() || (scene::is_place(bounds_.low) && scene::is_place(bounds_.high)),
             "the scene reaches farther than ", scene::kMaxCoordinate, " from the origin");
   h.origin = frame_origin(bounds_);
-  h.device = rtcNewDevice(("threads=" + std::to_string(num_threads())).c_str());
+  if (h.device == nullptr)
+    h.device = rtcNewDevice(("threads=" + std::to_string(num_threads())).c_str());
   LTE_CHECK(h.device != nullptr, "Embree failed to start: error ", rtcGetDeviceError(nullptr));
   h.packet_width = native_packet_width(h.device);
   h.top = rtcNewScene(h.device);
   rtcSetSceneFlags(h.top, RTC_SCENE_FLAG_ROBUST);
-  h.meshes.resize(scene.meshes.size(), nullptr);
-  h.instances.reserve(scene.instances.size());
-  for (size_t i = 0; i < scene.instances.size(); ++i) {
-    const int mesh = scene.instances[i].mesh;
-    h.instances.push_back(make_record(scene, static_cast<int>(i), h.origin));
+}
+
+/// Builds the meshes' trees that are missing, and the tree over the instances.
+void Bvh::attach_all(Indices indices) {
+  Handles& h = *handles_;
+  h.instances.reserve(scene_.instances.size());
+  for (size_t i = 0; i < scene_.instances.size(); ++i) {
+    const int mesh = scene_.instances[i].mesh;
+    h.instances.push_back(make_record(scene_, static_cast<int>(i), h.origin));
     InstanceRecord& record = h.instances.back();
     if (record.triangles == nullptr) continue;
-    if (h.meshes[mesh] == nullptr) h.meshes[mesh] = build_mesh(h.device, scene.meshes[mesh]);
+    if (h.meshes[mesh] == nullptr)
+      h.meshes[mesh] = build_mesh(h.device, scene_.meshes[mesh], indices == Indices::Own);
     record.positions = static_cast<const float*>(
         rtcGetGeometryBufferData(rtcGetGeometry(h.meshes[mesh], 0), RTC_BUFFER_TYPE_VERTEX, 0));
-    attach_instance(&h, static_cast<int>(i), mesh, to_frame(scene.instances[i], h.origin));
+    attach_instance(&h, static_cast<int>(i), mesh, to_frame(scene_.instances[i], h.origin));
   }
   rtcCommitScene(h.top);
   check_device(h.device, "building the bounding volume hierarchy");

@@ -32,6 +32,16 @@ class Bvh {
   /// @throws lte::Error if Embree fails (out of memory), or the scene is too large for it
   ///         (scene/number_check.h).
   explicit Bvh(const scene::Scene& scene);
+  /// A tree that others may be built on: its meshes' trees borrow nothing of the scene, for 12 bytes
+  /// a triangle.
+  static std::unique_ptr<Bvh> with_own_meshes(const scene::Scene& scene);
+  /// The tree of a scene made of meshes that `trees` has: those are shared, and only the tree over
+  /// the instances is built. Either may be destroyed first.
+  /// @param trees         made by with_own_meshes()
+  /// @param tree_of_mesh  for each mesh of `scene` the mesh of trees.scene() of the same positions
+  ///                      and triangles
+  /// @throws lte::Error as Bvh(), and if sizes differ
+  Bvh(const scene::Scene& scene, const Bvh& trees, std::span<const int> tree_of_mesh);
   ~Bvh();
   Bvh(const Bvh&) = delete;
   Bvh& operator=(const Bvh&) = delete;
@@ -48,6 +58,11 @@ class Bvh {
   const Handles& handles() const { return *handles_; }
 
  private:
+  enum class Indices { Borrowed, Own };
+  Bvh(const scene::Scene& scene, Indices indices);
+  void start();
+  void attach_all(Indices indices);
+
   const scene::Scene& scene_;
   Bounds bounds_;
   std::unique_ptr<Handles> handles_;

@@ -53,6 +53,7 @@ struct Bvh::Handles {
   RTCDevice device = nullptr;
   RTCScene top = nullptr;
   std::vector<RTCScene> meshes;  ///< null for meshes without triangles
+  bool own_indices = false;      ///< meshes borrow nothing of the scene
   std::vector<InstanceRecord> instances;
   Vec3 origin;
   int packet_width = 4;  ///< rays that Embree takes at once on this machine

@@ -26,8 +26,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build-fuzz"
 CORPUS = ROOT / "tests/fuzz/corpus"
 # The importers are quick; a picture takes milliseconds.
-SHARES = {"gltf": 0.3, "obj": 0.25, "ply": 0.25, "pbrt": 0.15, "render": 0.05}
-MAX_BYTES = {"gltf": 16384, "obj": 4096, "ply": 4096, "pbrt": 4096, "render": 16384}
+SHARES = {"gltf": 0.3, "obj": 0.25, "ply": 0.2, "pbrt": 0.15, "render": 0.05, "view": 0.05}
+MAX_BYTES = {"gltf": 16384, "obj": 4096, "ply": 4096, "pbrt": 4096, "render": 16384, "view": 4096}
 STATE = BUILD / "campaign.json"
 
 
@@ -72,7 +72,8 @@ def print_status(state: dict) -> None:
 
 
 def seeds(target: str) -> list[str]:
-    folders = [CORPUS / name for name in (SHARES if target == "render" else [target])]
+    scenes = [name for name in SHARES if name != "view"]
+    folders = [CORPUS / name for name in (scenes if target == "render" else [target])]
     return [str(folder) for folder in folders if folder.is_dir()]
 
 

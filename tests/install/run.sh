@@ -26,7 +26,7 @@ cmp "$scratch/cmake.pfm" "$scratch/cc.pfm"
 
 bin=$scratch/prefix/bin
 cd "$scratch/prefix/share/lte"
-for file in LICENSE README.md CHANGELOG.md docs/README.md examples/c/render_room.c configs/data/boxes.yaml; do
+for file in LICENSE README.md CHANGELOG.md docs/README.md view/index.html view/main.js examples/c/render_room.c configs/data/boxes.yaml; do
   [ -e "$file" ] || { echo "install: share/lte/$file is missing"; exit 1; }
 done
 "$bin/lte_datagen" generate --config configs/data/boxes.yaml --print-config >/dev/null

@@ -1,7 +1,10 @@
 #include "lte/pathtrace/bvh.h"
 
+#include <memory>
+
 #include <gtest/gtest.h>
 
+#include "lte/base/check.h"
 #include "lte/base/random.h"
 #include "tests/support/scenes.h"
 
@@ -197,6 +200,37 @@ TEST(OffsetOrigin, LeavesTheSurfaceByMoreThanRoundingAndStaysNear) {
     EXPECT_GT(height, magnitude * 4e-7f);
     EXPECT_LT(height, magnitude * 4e-6f);
   }
+}
+
+/// The meshes' trees outlive the scene and the tree that they were made for.
+TEST(Bvh, OnTheMeshesOfAnotherFindsTheSameHits) {
+  auto first = std::make_unique<scene::Scene>(test::furnished_room());
+  auto trees = Bvh::with_own_meshes(*first);
+  scene::Scene moved = *first;
+  moved.instances[2].to_world = test::translation({1.2f, 0.2f, 2.1f});
+  moved.instances.erase(moved.instances.begin() + 1);
+  moved.meshes.push_back(moved.meshes[3]);  // another lamp of the same form
+  moved.instances.push_back({5, test::translation({0, -0.5f, 0}), 0});
+  const std::vector<int> tree_of_mesh = {0, 1, 2, 3, 4, 3};
+  const Bvh shared(moved, *trees, tree_of_mesh);
+  trees.reset();
+  first.reset();
+  const Bvh own(moved);
+  Rng rng(5, 0);
+  const auto uniform = [&] { return static_cast<float>(rng.next_u64() >> 40) * 0x1p-24f; };
+  int hits_of_added = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Ray ray{{4 * uniform(), 2.5f * uniform(), 3 * uniform()},
+                  {uniform() - 0.5f, uniform() - 0.5f, uniform() - 0.5f}};
+    const Hit a = shared.intersect(ray), b = own.intersect(ray);
+    ASSERT_EQ(a.instance, b.instance);
+    ASSERT_EQ(a.triangle, b.triangle);
+    ASSERT_EQ(a.t, b.t);
+    ASSERT_EQ(a.normal, b.normal);
+    hits_of_added += a.instance == 4 ? 1 : 0;
+  }
+  EXPECT_GT(hits_of_added, 10);
+  EXPECT_THROW(Bvh(moved, own, tree_of_mesh), Error) << "its meshes borrow from its scene";
 }
 
 }  // namespace

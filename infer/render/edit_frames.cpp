@@ -1,0 +1,62 @@
+#include "infer/render/edit_frames.h"
+
+#include <utility>
+
+#include "infer/render/video.h"
+#include "lte/base/check.h"
+
+namespace lte::infer {
+namespace {
+
+nlohmann::json edit_json(const EditReport& report) {
+  return {{"scene_ms", report.scene_ms},        {"bvh_ms", report.bvh_ms},
+          {"points_ms", report.points_ms},      {"light_ms", report.light_ms},
+          {"encode_ms", report.encode_ms},      {"total_ms", report.total_ms},
+          {"encodings", report.encodings},      {"layers", report.layers},
+          {"points_drawn", report.points_drawn}};
+}
+
+}  // namespace
+
+std::vector<View> edit_views(const EditScript& script, const scene::Scene& scene,
+                             std::vector<View> views, const std::string& pattern) {
+  rehearse(script, scene);
+  const auto count = static_cast<size_t>(script.frames);
+  LTE_CHECK(views.size() == 1 || views.size() == count, "--edit: its script has ", count,
+            " frames, but there are ", views.size(), " cameras: expected one, or one a frame");
+  if (views.size() == count && count > 1) return views;
+  LTE_CHECK(count == 1 || picture_name(pattern, 0, "") != picture_name(pattern, 1, ""), pattern,
+            ": the frames of --edit need a pattern: %d or %04d for their number, as in "
+            "frame_%04d.png");
+  std::vector<View> out;
+  for (size_t i = 0; i < count; ++i) {
+    const scene::Camera& camera = views.front().camera;
+    out.push_back({camera, pattern.empty() ? "" : picture_name(pattern, i, camera.name)});
+  }
+  return out;
+}
+
+EditedFrames::EditedFrames(EditScript script, const std::vector<View>& all,
+                           const scene::Scene& scene, std::optional<runtime::Network> network,
+                           const SessionSettings& settings)
+    : script_(std::move(script)),
+      session_(scene, std::move(network), settings),
+      player_(script_, &session_) {
+  for (size_t i = 0; i < all.size(); ++i) frame_of_[all[i].out] = static_cast<int>(i);
+}
+
+Frame EditedFrames::render(const View& view, const RenderSettings& settings, nlohmann::json* report,
+                           StageSeconds* seconds) {
+  *report = edit_json(player_.go_to(frame_of_.at(view.out)));
+  return session_.state()->render(view.camera, settings, seconds);
+}
+
+void EditedFrames::finish(const EditFlags& flags, const std::string& pattern) {
+  if (!flags.save_scene.empty()) {
+    player_.go_to(script_.frames - 1);
+    session_.state()->write_glb(flags.save_scene);
+  }
+  if (!flags.video.empty()) make_video(pattern, script_.fps, flags.video);
+}
+
+}  // namespace lte::infer

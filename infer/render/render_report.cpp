@@ -1,0 +1,29 @@
+#include "infer/render/render_report.h"
+
+#include <cstdio>
+
+#include "lte/base/process_memory.h"
+
+namespace lte::infer {
+
+nlohmann::json seconds_json(const StageSeconds& seconds, double total) {
+  nlohmann::json out = {{"total", total}};
+  for (const Stage& stage : kStages) out[stage.name] = seconds.*stage.seconds;
+  return out;
+}
+
+void add_seconds(const StageSeconds& picture, StageSeconds* sum) {
+  for (double StageSeconds::*stage :
+       {&StageSeconds::primary, &StageSeconds::decode, &StageSeconds::gather, &StageSeconds::direct,
+        &StageSeconds::denoise, &StageSeconds::reference, &StageSeconds::write}) {
+    sum->*stage += picture.*stage;
+  }
+}
+
+void print_times(const StageSeconds& seconds, double total) {
+  std::printf(" | seconds: ");
+  for (const Stage& stage : kStages) std::printf("%s %.2f, ", stage.name, seconds.*stage.seconds);
+  std::printf("total %.2f | peak %.0f MiB\n", total, peak_rss_mb());
+}
+
+}  // namespace lte::infer

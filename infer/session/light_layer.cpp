@@ -1,0 +1,144 @@
+#include "infer/session/light_layer.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "infer/common/lit_samples.h"
+#include "lte/base/timer.h"
+
+namespace lte::infer {
+namespace {
+
+std::set<int> shining_suns(const Draft& draft) {
+  std::set<int> groups;
+  for (const scene::PunctualLight& light : draft.lights) {
+    if (light.kind == scene::LightKind::Directional && max_component(light.intensity) > 0)
+      groups.insert(light.light_group);
+  }
+  return groups;
+}
+
+/// The points that a network sees beside the light of `groups`. Those of a sun that it was not
+/// trained with are left out unless nothing else shines, as leave_out_untrained_suns() has it.
+std::vector<size_t> rows_of(const Draft& draft, const scene::SurfaceSamples& surface,
+                            const std::vector<int>& groups, const runtime::Network& network) {
+  std::set<int> seen(groups.begin(), groups.end());
+  if (!network.metadata().suns) {
+    const std::set<int> suns = shining_suns(draft);
+    const bool others = std::any_of(seen.begin(), seen.end(),
+                                    [&](const int group) { return !suns.contains(group); });
+    if (others) std::erase_if(seen, [&](const int group) { return suns.contains(group); });
+  }
+  std::vector<size_t> rows;
+  for (size_t i = 0; i < surface.light_group.size(); ++i) {
+    const int group = surface.light_group[i];
+    if (group == scene::kNone || seen.contains(group)) rows.push_back(i);
+  }
+  return rows;
+}
+
+template <typename T>
+std::vector<T> select(const std::vector<T>& values, const std::vector<size_t>& rows,
+                      size_t columns = 1) {
+  std::vector<T> out;
+  if (values.empty()) return out;
+  out.reserve(rows.size() * columns);
+  for (const size_t row : rows) {
+    for (size_t c = 0; c < columns; ++c) out.push_back(values[row * columns + c]);
+  }
+  return out;
+}
+
+scene::SurfaceSamples select(const scene::SurfaceSamples& surface,
+                             const std::vector<size_t>& rows) {
+  scene::SurfaceSamples out;
+  out.position = select(surface.position, rows);
+  out.normal = select(surface.normal, rows);
+  out.albedo = select(surface.albedo, rows);
+  out.emission = select(surface.emission, rows);
+  out.gloss = select(surface.gloss, rows);
+  out.area = select(surface.area, rows);
+  out.light_group = select(surface.light_group, rows);
+  return out;
+}
+
+/// Of [G, M] values the rows of some groups.
+template <typename T>
+std::vector<T> groups_of(const std::vector<T>& values, size_t points,
+                         const std::vector<int>& groups) {
+  std::vector<T> out;
+  out.reserve(points * groups.size());
+  for (const int group : groups) {
+    const auto from = values.begin() + static_cast<ptrdiff_t>(points * static_cast<size_t>(group));
+    out.insert(out.end(), from, from + static_cast<ptrdiff_t>(points));
+  }
+  return out;
+}
+
+data::PointLight sum_of(const pathtrace::LightEstimates& light, size_t points,
+                        const std::vector<int>& groups, const runtime::LightRequest& input) {
+  pathtrace::LightEstimates some;
+  some.direct = groups_of(light.direct, points, groups);
+  some.indirect = groups_of(light.indirect, points, groups);
+  some.direct_back = groups_of(light.direct_back, points, groups);
+  some.indirect_back = groups_of(light.indirect_back, points, groups);
+  some.error = groups_of(light.error, points, groups);
+  some.error_back = groups_of(light.error_back, points, groups);
+  return data::sum_groups(light_to_read(some, input), static_cast<int64_t>(groups.size()));
+}
+
+}  // namespace
+
+GroupedPoints draw_points(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                          const runtime::Network& network, const EmbedSettings& settings,
+                          EditReport* report) {
+  const nn::ModelMetadata& model = network.metadata();
+  const int64_t count = settings.scene_points > 0 ? settings.scene_points : model.scene_points;
+  const bool prune = settings.prune.value_or(model.scene_points_pruned);
+  GroupedPoints out;
+  Timer timer;
+  out.surface = sample_scene_points(bvh, count, prune, settings.seed, &out.pruned);
+  report->points_ms += 1e3 * timer.seconds();
+  report->points_drawn += std::max(out.surface.size(), out.pruned.drawn);
+  const runtime::LightRequest input = network.light_request();
+  if (input.depth == 0) return out;
+  timer.restart();
+  const scene::SurfaceSamples& s = out.surface;
+  out.light = pathtrace::estimate_light(
+      bvh, lights, s.position, s.normal, s.emission,
+      {.paths = input.paths, .max_depth = input.depth, .seed = settings.seed});
+  report->light_ms += 1e3 * timer.seconds();
+  return out;
+}
+
+std::shared_ptr<const runtime::SceneEmbedding> encode_groups(const Draft& draft,
+                                                             const GroupedPoints& points,
+                                                             const std::vector<int>& groups,
+                                                             const runtime::Network& network,
+                                                             const EmbedSettings& settings) {
+  const size_t count = points.surface.position.size();
+  const std::vector<size_t> rows = rows_of(draft, points.surface, groups, network);
+  LitSamples lit;
+  if (points.light) lit.light = sum_of(*points.light, count, groups, network.light_request());
+  runtime::EncodeOptions options{settings.rescale, {}, settings.memory};
+  if (rows.size() == count) {
+    lit.surface = points.surface;
+  } else {
+    lit.surface = select(points.surface, rows);
+    lit.light.direct = select(lit.light.direct, rows);
+    lit.light.indirect = select(lit.light.indirect, rows);
+    lit.light.direct_back = select(lit.light.direct_back, rows);
+    lit.light.indirect_back = select(lit.light.indirect_back, rows);
+    lit.light.error = select(lit.light.error, rows, 2);
+    // All layers see the scene in the same place.
+    if (groups.size() < draft.settings.size()) {
+      Bounds bounds;
+      for (const Vec3& position : points.surface.position) bounds.extend(position);
+      options.origin = bounds.low;
+    }
+  }
+  return std::make_shared<const runtime::SceneEmbedding>(network, lit.points(), options);
+}
+
+}  // namespace lte::infer

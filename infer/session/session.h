@@ -1,0 +1,219 @@
+// A scene in memory that takes edits and answers pictures and points.
+//
+// What an edit needs is decided here:
+// - A dimmed or recoloured luminaire needs no encoding, as light is linear. The luminaire and the
+//   others are encoded apart when it is first touched; from then on a gain by channel is all.
+// - A new albedo leaves every point in its place; the light there and the encoding are made anew.
+// - A moved, added or removed object leaves the meshes' trees as they are and builds that of the
+//   instances; scene points, the light there and the encoding are made anew.
+//
+// Readers take a SessionState, which never changes: any number of threads may ask one at the same
+// time, and an edit makes another. So a picture never sees half of an edit.
+//
+// The answers depend on the scene as edited and on which luminaires have been touched, not on the
+// way there.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "infer/common/frame.h"
+#include "infer/common/renderer.h"
+#include "infer/session/edit.h"
+#include "lte/pathtrace/bvh.h"
+#include "lte/runtime/network.h"
+#include "lte/runtime/points.h"
+#include "lte/scene/scene.h"
+
+namespace lte::infer {
+
+struct SessionSettings {
+  EmbedSettings embedding;  ///< of every encoding
+  /// Ask the network for indirect light in a scene with a sun that it was not trained with; without,
+  /// paths answer there (RenderSettings::spp of them a pixel).
+  bool untrained_light = false;
+  int undo_steps = 100;  ///< that are kept
+};
+
+/// What was redone for an edit, and the wall-clock milliseconds of it; 0 where nothing was.
+struct EditReport {
+  uint64_t version = 0;  ///< of the state that holds the edit
+  double scene_ms = 0;   ///< the copy of the scene, and the list of its lights
+  double bvh_ms = 0;     ///< the tree over the instances
+  double points_ms = 0;  ///< scene points
+  double light_ms = 0;   ///< estimates of the light on them
+  double encode_ms = 0;  ///< the network
+  double total_ms = 0;
+  int encodings = 0;         ///< how often the network encoded: once a layer
+  int layers = 0;            ///< that answers are summed over: touched luminaires, and the others
+  int64_t points_drawn = 0;  ///< scene points that were drawn anew
+  bool bvh_rebuilt = false;
+  /// Numbers that AddInstance and AddLight gave, in the order of the edits; kNone if there are none
+  /// of the kind (a punctual light has no instance).
+  std::vector<int> added_instances, added_lights;
+};
+
+enum class LuminaireKind { Surface, Point, Spot, Directional, Environment };
+
+/// A luminaire for people and programs.
+struct LuminaireInfo {
+  int id = scene::kNone;
+  std::string name;  ///< unique
+  LuminaireKind kind = LuminaireKind::Surface;
+  double gain = 1;
+  Rgb color;             ///< largest component 1; {1, 1, 1} for one whose parts differ in colour
+  float brightness = 0;  ///< largest component of what it emits at gain 1, in its unit
+  Vec3 position;         ///< middle of its bounds; zero for a sun or an environment
+  Vec3 direction;        ///< of a spot or sun; zero for others
+  std::vector<int> instances;  ///< that shine as it
+  bool touched = false;        ///< encoded apart from the others
+};
+
+struct InstanceInfo {
+  int id = scene::kNone;
+  std::string name;  ///< unique: the luminaire's or mesh's, "#2" and so on behind repeated ones
+  int material = scene::kNone;
+  int light = scene::kNone;  ///< luminaire, kNone for one that does not shine
+  Affine to_world;
+  Bounds bounds;  ///< world
+};
+
+struct MaterialInfo {
+  int id = scene::kNone;
+  std::string name;  ///< unique
+  Rgb base_color;    ///< the factor beside the texture
+  bool textured = false, emissive = false;
+};
+
+/// What the ray through a point of a picture meets.
+struct Pick {
+  int instance = scene::kNone, material = scene::kNone, light = scene::kNone;
+  Vec3 position, normal;  ///< world; the normal faces the camera
+  Rgb albedo;
+  float distance = 0;
+};
+
+/// The scene at one moment. Immutable; thread-safe.
+class SessionState {
+ public:
+  ~SessionState();
+  SessionState(const SessionState&) = delete;
+  SessionState& operator=(const SessionState&) = delete;
+
+  /// Grows with every edit, undo and redo of its session.
+  uint64_t version() const;
+  /// States of equal numbers have the same surfaces in the same places.
+  uint64_t geometry_version() const;
+  /// The scene as edited, gains and colours included. Its indices are not the session's numbers.
+  const scene::Scene& scene() const;
+  const pathtrace::Bvh& bvh() const;
+  bool has_light() const;
+  /// Whether the network answers for indirect light: there is one, and it knows such light.
+  bool has_network() const;
+
+  std::vector<LuminaireInfo> luminaires() const;
+  std::vector<InstanceInfo> instances() const;
+  std::vector<MaterialInfo> materials() const;
+
+  /// Numbers of what goes by a name.
+  /// @throws lte::Error with the nearest names if there is none, or several
+  int find_luminaire(const std::string& name) const;
+  int find_instance(const std::string& name) const;
+  int find_material(const std::string& name) const;
+
+  /// A picture, as Renderer::render() gives it; `answerer` and `indirect` of the settings are set
+  /// here. Without a network, indirect light is that of paths.
+  /// @param seconds  set to the times of its stages; may be null
+  Frame render(const scene::Camera& camera, RenderSettings settings,
+               StageSeconds* seconds = nullptr) const;
+
+  /// Indirect irradiance in W/m² as the network says it, an entry a query; total irradiance for a
+  /// network that predicts that.
+  /// @throws lte::Error without a network, and as SceneEmbedding::decode()
+  std::vector<Rgb> irradiance(const runtime::QueryPoints& queries) const;
+
+  /// What lies under the image point (x, y) in [0, 1]², (0, 0) top left; nothing for background.
+  std::optional<Pick> pick(const scene::Camera& camera, float x, float y, float aspect) const;
+
+  /// The scene as edited as a .glb (lte/scene/export.h).
+  void write_glb(const std::filesystem::path& path) const;
+
+  struct Parts;  ///< infer/session/state.h
+
+ private:
+  friend class Session;
+  explicit SessionState(std::unique_ptr<const Parts> parts);
+  std::unique_ptr<const Parts> parts_;
+};
+
+using StatePtr = std::shared_ptr<const SessionState>;
+
+/// The largest difference of two sessions' answers.
+struct AnswerChange {
+  double largest = 0;   ///< of a component of irradiance, W/m²
+  double relative = 0;  ///< that over the mean irradiance
+};
+
+/// Bytes and objects that a session holds.
+struct SessionMemory {
+  int64_t scene_bytes = 0;      ///< meshes and textures of the state of now
+  int64_t embedding_bytes = 0;  ///< of all its layers
+  int64_t undo_steps = 0, redo_steps = 0;
+  int64_t undo_bytes = 0;
+  int64_t states = 0;  ///< of this session that are alive, those that readers hold included
+};
+
+/// Owns the state of now and the way back. Thread-safe: edits wait for one another, readers for
+/// nothing.
+class Session {
+ public:
+  /// Prepares the scene and encodes it.
+  /// @param network  none for a session that answers by paths alone
+  /// @throws as Renderer::embed()
+  Session(scene::Scene scene, std::optional<runtime::Network> network,
+          const SessionSettings& settings = {});
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// The state of now.
+  StatePtr state() const;
+  /// The work that making the first state took.
+  const EditReport& first_report() const;
+
+  /// Makes edits as one step: all of them or, where one is refused, none.
+  ///
+  /// @param merge  the step goes on with the one before, as while a slider is dragged: one undo()
+  ///               takes both back
+  /// @throws lte::Error naming the number that does not exist, or the value that is out of range
+  EditReport apply(std::span<const Edit> edits, bool merge = false);
+  EditReport apply(const Edit& edit, bool merge = false);
+
+  /// Takes the last step back, or makes it again. Nothing where there is none.
+  std::optional<EditReport> undo();
+  std::optional<EditReport> redo();
+  bool can_undo() const;
+  bool can_redo() const;
+
+  /// Encodes luminaires apart before they are dimmed, so that the first dimming takes no longer
+  /// than the next: all that are lit, if `lights` is empty. No step of undo().
+  EditReport separate(std::span<const int> lights = {});
+
+  /// The largest difference between the answers of now and those of a session that begins with the
+  /// scene as edited. Costs as much as making one.
+  /// @throws lte::Error without a network
+  AnswerChange change_against_fresh(const runtime::QueryPoints& queries) const;
+
+  SessionMemory memory() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace lte::infer

@@ -1,0 +1,59 @@
+// What a state of a session holds, and how one is made from a draft.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "infer/common/shared_denoiser.h"
+#include "infer/session/draft.h"
+#include "infer/session/light_layer.h"
+#include "infer/session/session.h"
+#include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/lights.h"
+
+namespace lte::infer {
+
+/// What all states of a session share.
+struct SessionBase {
+  SessionBase(scene::Scene first, std::optional<runtime::Network> with, SessionSettings how);
+
+  scene::Scene scene;  ///< with its meshes, textures and cameras; the rest is the first draft's
+  std::shared_ptr<const pathtrace::Bvh> trees;  ///< of the meshes
+  std::optional<runtime::Network> network;
+  SessionSettings settings;
+  std::shared_ptr<SharedDenoiser> denoiser = std::make_shared<SharedDenoiser>();
+};
+
+/// A layer and the factor by channel of its light.
+struct ScaledLayer {
+  std::shared_ptr<const LightLayer> layer;
+  Rgb scale{1, 1, 1};
+};
+
+struct SessionState::Parts {
+  std::shared_ptr<const SessionBase> base;
+  std::shared_ptr<const Draft> draft;
+  std::shared_ptr<const scene::Scene> scene;  ///< with gains and colours
+  std::shared_ptr<const pathtrace::Bvh> bvh;
+  std::shared_ptr<const pathtrace::Lights> lights;
+  std::shared_ptr<const GroupedPoints> points;  ///< null unless the network answers
+  std::vector<ScaledLayer> layers;              ///< none unless the network answers
+  bool asks_network = false;
+  uint64_t version = 0, geometry_version = 0;
+  std::shared_ptr<const int> alive;  ///< counts the states of a session
+
+  /// Sums over the layers.
+  std::vector<Rgb> answer(const runtime::QueryPoints& queries) const;
+};
+
+/// Makes what a draft needs that `before` has not got.
+/// @param before  null for all of it
+/// @param report  gets times and counts
+std::unique_ptr<SessionState::Parts> make_parts(std::shared_ptr<const SessionBase> base,
+                                                std::shared_ptr<const Draft> draft,
+                                                const SessionState::Parts* before,
+                                                EditReport* report);
+
+}  // namespace lte::infer

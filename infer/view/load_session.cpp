@@ -1,0 +1,83 @@
+#include "infer/view/load_session.h"
+
+#include <optional>
+#include <utility>
+
+#include "infer/common/assets.h"
+#include "infer/common/picture_size.h"
+#include "infer/common/untrained_light.h"
+#include "infer/render/scene_size.h"
+#include "infer/render/views.h"
+#include "lte/base/check.h"
+#include "lte/base/log.h"
+#include "lte/nn/device.h"
+#include "lte/scene/light_points.h"
+
+namespace lte::infer::view {
+namespace {
+
+runtime::Network load_network(const ViewRequest& request) {
+  const c10::Device device = nn::choose_device(request.tool.device, 0, "--device");
+  return runtime::Network(
+      checkpoint_or_shipped(request.checkpoint),
+      runtime::NetworkOptions{device, choose_precision(request.tool.precision, device)});
+}
+
+/// Says what the network makes of the scene.
+/// @throws runtime::Refusal where it cannot be used
+void check_network(const ViewRequest& request, const scene::Scene& scene,
+                   const runtime::Network& network, const SessionSettings& settings) {
+  check_size(request.scene, scene, network, request.rescale);
+  const std::string environment = untrained_environment_note(scene, network.metadata());
+  if (!environment.empty()) log_warning(environment);
+  if (has_untrained_light(scene, network.metadata())) {
+    log_warning(request.untrained_light == "network"
+                    ? untrained_light_note(scene, network.metadata())
+                    : traced_light_note(scene, Progressive::kPaths));
+  }
+  const int64_t asked = settings.embedding.scene_points;
+  settings.embedding.memory.check_encoding(network.config(),
+                                           asked > 0 ? asked : network.metadata().scene_points);
+}
+
+SessionSettings settings_of(const ViewRequest& request) {
+  SessionSettings settings;
+  settings.embedding.scene_points = request.scene_points;
+  settings.embedding.seed = request.seed;
+  settings.embedding.rescale = request.rescale;
+  settings.embedding.memory = runtime::MemoryLimit(request.tool.max_memory_mb);
+  settings.untrained_light = request.untrained_light == "network";
+  return settings;
+}
+
+}  // namespace
+
+LoadedSession load_session(const ViewRequest& request, const CommandFiles& files) {
+  scene::Scene scene = load_source(request);
+  describe(scene, request.scene);
+  const bool lit = !scene.light_groups.empty();
+  if (!lit)
+    log_warning(request.scene,
+                ": nothing emits light; there is nothing to see but surfaces "
+                "(--environment 1,1,1 or --add-light auto gives it some)");
+  const SessionSettings settings = settings_of(request);
+  std::optional<runtime::Network> network;
+  if (lit) network = load_network(request);
+  if (network) check_network(request, scene, *network, settings);
+  files.check_what_was_read();
+  LoadedSession out;
+  out.session = std::make_unique<Session>(std::move(scene), std::move(network), settings);
+  const auto [width, height] = parse_picture_size(request.size);
+  out.first.size = {width, height};
+  const float aspect = static_cast<float>(width) / static_cast<float>(height);
+  const StatePtr state = out.session->state();
+  const std::vector<View> views =
+      choose_views(state->bvh(), request.camera, "", request.seed, aspect);
+  LTE_CHECK(views.size() == 1, "--camera ", request.camera, ": expected one camera, got ",
+            views.size());
+  check_in_view(state->scene(), state->bvh().bounds(), views, aspect);
+  out.first.camera = views.front().camera;
+  return out;
+}
+
+}  // namespace lte::infer::view

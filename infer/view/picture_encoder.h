@@ -1,0 +1,17 @@
+// Pictures on their way to a page: JPEG by libjpeg-turbo.
+#pragma once
+
+#include <string>
+
+#include "infer/view/tone_curve.h"
+
+namespace lte::infer::view {
+
+/// A draft, which the next picture replaces at once, or one that may stay on the screen.
+enum class JpegQuality { Draft, Still };
+
+/// The bytes of a JPEG file. A draft has quality 80 and halved chroma, a still 92 and full chroma.
+/// @throws lte::Error where the library fails.
+std::string encode_jpeg(const DisplayPicture& picture, JpegQuality quality);
+
+}  // namespace lte::infer::view

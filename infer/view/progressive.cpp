@@ -1,0 +1,229 @@
+#include "infer/view/progressive.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "infer/render/quality.h"
+#include "lte/base/timer.h"
+
+namespace lte::infer::view {
+namespace {
+
+constexpr int kMostPathsAtOnce = 8;
+constexpr int kDraftSteps = 6;     // a draft has at least a sixth of the sides
+constexpr int kMeasuredShare = 4;  // of the sides, when a path a pixel is measured
+
+/// A pass that nobody waits for any more.
+struct Interrupted {};
+
+/// The element `index` of Halton's sequence in this base, in [0, 1).
+float halton(int index, int base) {
+  float value = 0, digit = 1;
+  for (; index > 0; index /= base) {
+    digit /= static_cast<float>(base);
+    value += digit * static_cast<float>(index % base);
+  }
+  return value;
+}
+
+Output output_of(Shown shown) {
+  switch (shown) {
+    case Shown::Indirect:
+      return Output::Gi;
+    case Shown::Direct:
+      return Output::Direct;
+    case Shown::Irradiance:
+      return Output::Irradiance;
+    case Shown::Albedo:
+      return Output::Albedo;
+    case Shown::Normal:
+      return Output::Normal;
+    default:
+      return Output::Full;
+  }
+}
+
+}  // namespace
+
+scene::Camera jittered(const scene::Camera& camera, const PictureSize& size, float x, float y) {
+  const Vec3 view = camera.target - camera.origin;
+  const Vec3 right = normalize(cross(view, camera.up)), above = normalize(cross(right, view));
+  const float pixel =
+      2 * length(view) * std::tan(camera.vfov * kPi / 360) / static_cast<float>(size.height);
+  scene::Camera out = camera;
+  out.target = camera.target + right * (x * pixel) + above * (y * pixel);
+  return out;
+}
+
+void Progressive::Sum::add(const image::Image& picture, double by) {
+  if (light.width == 0) light = image::Image(picture.width, picture.height, picture.channels);
+  const auto factor = static_cast<float>(by);
+  for (size_t i = 0; i < light.pixels.size(); ++i) light.pixels[i] += factor * picture.pixels[i];
+  weight += by;
+}
+
+image::Image Progressive::Sum::mean() const {
+  image::Image out = light;
+  const auto factor = static_cast<float>(1 / weight);
+  for (float& value : out.pixels) value *= factor;
+  return out;
+}
+
+void Progressive::restart(StatePtr state, const scene::Camera& camera, Shown shown,
+                          const PictureSize& size) {
+  state_ = std::move(state);
+  camera_ = camera;
+  shown_ = shown;
+  size_ = size;
+  sum_ = reference_sum_ = {};
+  reference_ = {};
+  pass_ = 0;
+  elapsed_ = 0;
+}
+
+int Progressive::passes() const {
+  const int neural = shown_ == Shown::Reference ? 0 : kMeanPasses;
+  return 2 + neural + (traces() ? kReferencePaths / kMostPathsAtOnce : 0);
+}
+
+bool Progressive::done() const {
+  const bool summed = shown_ == Shown::Reference || sum_.weight >= kMeanPasses;
+  const bool traced = !traces() || reference_sum_.weight >= kReferencePaths;
+  return pass_ >= 2 && summed && traced;
+}
+
+PictureSize Progressive::draft_size() const {
+  const double share = std::sqrt(kDraftSeconds / (draft_pixel_seconds_ * pixels()));
+  const int step = std::clamp(static_cast<int>(std::ceil(1 / share)), 1, kDraftSteps);
+  return {std::max(1, size_.width / step), std::max(1, size_.height / step)};
+}
+
+/// @param first  of the draft and the first whole picture: sparser, and denoised
+RenderSettings Progressive::settings(const PictureSize& size, bool first) const {
+  const QualitySettings quality = quality_settings(first ? Quality::Draft : Quality::Preview);
+  RenderSettings out;
+  out.output = output_of(shown_);
+  out.width = size.width;
+  out.height = size.height;
+  out.direct_samples = quality_settings(Quality::Draft).direct_samples;
+  out.denoise = first ? Denoise::Auto : Denoise::Off;
+  out.spp = kPaths;
+  out.antialias = 0;
+  out.sparse = quality.answers;
+  out.layers = false;
+  out.seed = static_cast<uint64_t>(pass_);
+  return out;
+}
+
+Frame Progressive::render(const scene::Camera& camera, RenderSettings settings,
+                          const std::function<bool()>& interrupted) {
+  if (interrupted) {
+    settings.done = [&interrupted](int64_t) {
+      if (interrupted()) throw Interrupted();
+    };
+  }
+  Frame frame = state_->render(camera, settings, &seconds_);
+  if (interrupted && interrupted()) throw Interrupted();
+  return frame;
+}
+
+void Progressive::show(image::Image picture, const image::Image& depth) {
+  picture_ = std::move(picture);
+  surfaces_.resize(depth.pixels.size());
+  std::transform(depth.pixels.begin(), depth.pixels.end(), surfaces_.begin(),
+                 [](float d) { return d > 0 ? uint8_t{1} : uint8_t{0}; });
+}
+
+void Progressive::draft() {
+  const PictureSize size = draft_size();
+  RenderSettings what = settings(size, /*first=*/true);
+  if (shown_ == Shown::Reference) {
+    what.mode = Mode::Reference;
+    what.spp = 1;
+    what.denoise = Denoise::Off;
+  }
+  const Timer timer;
+  Frame frame = render(camera_, what, nullptr);
+  draft_pixel_seconds_ = timer.seconds() / (double(size.width) * size.height);
+  show(std::move(frame.color), frame.depth);
+}
+
+void Progressive::whole(const std::function<bool()>& interrupted) {
+  if (shown_ == Shown::Reference) return trace(interrupted);
+  Frame frame = render(camera_, settings(size_, /*first=*/true), interrupted);
+  show(std::move(frame.color), frame.depth);
+}
+
+bool Progressive::mean(const std::function<bool()>& interrupted) {
+  const auto number = static_cast<int>(sum_.weight) + 1;
+  const scene::Camera camera =
+      jittered(camera_, size_, halton(number, 2) - 0.5f, halton(number, 3) - 0.5f);
+  const Frame frame = render(camera, settings(size_, /*first=*/false), interrupted);
+  sum_.add(frame.color, 1);
+  if (sum_.weight < kLeastMean) return false;
+  show(sum_.mean(), frame.depth);
+  return true;
+}
+
+/// Adds paths to the reference: one a pixel at first, then as many as there are, up to a limit.
+void Progressive::trace(const std::function<bool()>& interrupted) {
+  RenderSettings what;
+  what.mode = Mode::Reference;
+  what.width = size_.width;
+  what.height = size_.height;
+  what.spp = std::clamp(static_cast<int>(reference_sum_.weight), 1, kMostPathsAtOnce);
+  what.seed = static_cast<uint64_t>(pass_);
+  what.layers = false;
+  const Timer timer;
+  Frame frame = render(camera_, what, interrupted);
+  path_pixel_seconds_ = timer.seconds() / (pixels() * what.spp);
+  reference_sum_.add(frame.color, what.spp);
+  if (shown_ == Shown::Reference) {
+    show(reference_sum_.mean(), frame.depth);
+  } else {
+    reference_ = reference_sum_.mean();
+  }
+}
+
+void Progressive::measure_path(const std::function<bool()>& interrupted) {
+  RenderSettings what;
+  what.mode = Mode::Reference;
+  what.width = std::max(1, size_.width / kMeasuredShare);
+  what.height = std::max(1, size_.height / kMeasuredShare);
+  what.spp = 1;
+  what.layers = false;
+  const Timer timer;
+  const StageSeconds seconds = seconds_;
+  render(camera_, what, interrupted);
+  seconds_ = seconds;
+  path_pixel_seconds_ = timer.seconds() / (double(what.width) * what.height);
+}
+
+bool Progressive::step(const std::function<bool()>& interrupted) {
+  const Timer timer;
+  bool shows = true;
+  try {
+    seconds_ = {};
+    if (pass_ == 0) {
+      draft();
+      if (picture_.width == size_.width && shown_ != Shown::Reference) ++pass_;  // is whole already
+    } else if (pass_ == 1) {
+      whole(interrupted);
+    } else if (shown_ != Shown::Reference && sum_.weight < kMeanPasses) {
+      shows = mean(interrupted);
+    } else {
+      trace(interrupted);
+    }
+    ++pass_;
+    ++rendered_;
+    elapsed_ += timer.seconds();
+    if (path_pixel_seconds_ == 0 && done() && state_->has_light()) measure_path(interrupted);
+  } catch (const Interrupted&) {
+    elapsed_ += timer.seconds();
+    return false;
+  }
+  return shows;
+}
+
+}  // namespace lte::infer::view

@@ -1,0 +1,93 @@
+// A picture that gets better pass by pass: a draft within a fraction of a frame's time, a whole
+// picture by few rays, then the mean of many such with other rays and other places in the pixels.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "infer/common/renderer.h"
+#include "infer/session/session.h"
+#include "infer/view/view_state.h"
+#include "lte/image/image.h"
+
+namespace lte::infer::view {
+
+/// What a pass takes at least before it may be interrupted is one stage of Renderer.
+class Progressive {
+ public:
+  /// Seconds that a draft may take; its size is chosen by what the last ones took.
+  static constexpr double kDraftSeconds = 0.06;
+  /// Passes whose mean the picture is in the end. The mean is shown from kLeastMean of them on;
+  /// what stands before that is denoised and so looks better than a mean of few.
+  static constexpr int kMeanPasses = 16, kLeastMean = 4;
+  /// Paths a pixel and pass, where paths stand for metal or for light unknown to the network.
+  static constexpr int kPaths = 4;
+  /// Paths a pixel of a reference that is done.
+  static constexpr int kReferencePaths = 1024;
+
+  /// Begins anew.
+  void restart(StatePtr state, const scene::Camera& camera, Shown shown, const PictureSize& size);
+
+  bool done() const;
+  /// Renders the next pass.
+  /// @param interrupted  asked now and then by any thread; a pass that it ends has not happened. A
+  ///                     draft is never interrupted: one that moves on must see something.
+  /// @return  whether there is another picture to show
+  bool step(const std::function<bool()>& interrupted);
+
+  /// What there is to show, linear.
+  const image::Image& picture() const { return picture_; }
+  /// Of Shown::Difference: what `picture` is held against, empty while there is none.
+  const image::Image& reference() const { return reference_; }
+  /// 1 where a surface is seen, a byte a pixel of the picture.
+  const std::vector<uint8_t>& surfaces() const { return surfaces_; }
+
+  int pass() const { return pass_; }  ///< of those done; 1 after the draft
+  int passes() const;
+  double paths() const { return reference_sum_.weight; }    ///< a pixel
+  const StageSeconds& seconds() const { return seconds_; }  ///< of the last pass
+  double elapsed() const { return elapsed_; }               ///< seconds of all since restart()
+  /// Seconds of a path a pixel for this size, measured when one was traced; 0 before.
+  double path_seconds() const { return path_pixel_seconds_ * pixels(); }
+  int64_t rendered() const { return rendered_; }  ///< passes since the beginning
+
+ private:
+  struct Sum {
+    image::Image light;
+    double weight = 0;
+    void add(const image::Image& picture, double by);
+    image::Image mean() const;
+  };
+  double pixels() const { return double(size_.width) * size_.height; }
+  PictureSize draft_size() const;
+  bool traces() const { return shown_ == Shown::Reference || shown_ == Shown::Difference; }
+  RenderSettings settings(const PictureSize& size, bool first) const;
+  Frame render(const scene::Camera& camera, RenderSettings settings,
+               const std::function<bool()>& interrupted);
+  void draft();
+  void whole(const std::function<bool()>& interrupted);
+  bool mean(const std::function<bool()>& interrupted);
+  void trace(const std::function<bool()>& interrupted);
+  void measure_path(const std::function<bool()>& interrupted);
+  void show(image::Image picture, const image::Image& depth);
+
+  StatePtr state_;
+  scene::Camera camera_;
+  Shown shown_ = Shown::Full;
+  PictureSize size_;
+  image::Image picture_, reference_;
+  std::vector<uint8_t> surfaces_;
+  Sum sum_, reference_sum_;
+  int pass_ = 0;
+  StageSeconds seconds_;
+  double elapsed_ = 0;
+  double draft_pixel_seconds_ = 1e-6;  ///< a guess until the first draft
+  double path_pixel_seconds_ = 0;
+  int64_t rendered_ = 0;
+};
+
+/// The camera turned by a fraction of a pixel, so that pixel centres fall elsewhere.
+scene::Camera jittered(const scene::Camera& camera, const PictureSize& size, float x, float y);
+
+}  // namespace lte::infer::view

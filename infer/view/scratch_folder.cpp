@@ -1,0 +1,23 @@
+#include "infer/view/scratch_folder.h"
+
+#include <cerrno>
+#include <cstdlib>
+#include <string>
+#include <system_error>
+
+#include "lte/base/file.h"
+
+namespace lte::infer::view {
+
+ScratchFolder::ScratchFolder() {
+  std::string name = (std::filesystem::temp_directory_path() / "lte_view_XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) fail_on_file(name, "cannot be made", errno);
+  path_ = name;
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+}  // namespace lte::infer::view

@@ -1,0 +1,109 @@
+#include "infer/view/tone_curve.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "lte/base/parallel.h"
+#include "lte/base/srgb.h"
+
+namespace lte::infer::view {
+namespace {
+
+constexpr int kLevels = 4096;
+constexpr int64_t kRowsAtOnce = 32;
+// A difference of this much of the display's range has its full color.
+constexpr float kFullDifference = 0.25f;
+
+/// sRGB of [0, 1] in steps finer than its 8 bits, as the curve itself is costly.
+uint8_t to_byte(float value) {
+  static const std::array<uint8_t, kLevels + 1> table = [] {
+    std::array<uint8_t, kLevels + 1> out{};
+    for (int i = 0; i <= kLevels; ++i) {
+      // Entries lie evenly in the square root, which follows the curve's steep beginning.
+      const float root = static_cast<float>(i) / kLevels;
+      out[static_cast<size_t>(i)] =
+          static_cast<uint8_t>(std::lround(255 * linear_to_srgb(root * root)));
+    }
+    return out;
+  }();
+  const float root = std::sqrt(std::clamp(value, 0.0f, 1.0f));
+  return table[static_cast<size_t>(std::lround(root * kLevels))];
+}
+
+float hable(float x) {
+  constexpr float a = 0.15f, b = 0.50f, c = 0.10f, d = 0.20f, e = 0.02f, f = 0.30f;
+  return (x * (a * x + c * b) + d * e) / (x * (a * x + b) + d * f) - e / f;
+}
+
+/// Calls `pixel(rgb, bytes)` for every pixel.
+template <typename Pixel>
+DisplayPicture map_pixels(const image::Image& picture, const Pixel& pixel) {
+  DisplayPicture out{picture.width, picture.height, {}};
+  out.bytes.resize(size_t{3} * static_cast<size_t>(picture.width) *
+                   static_cast<size_t>(picture.height));
+  parallel_for(picture.height, kRowsAtOnce, [&](int64_t first, int64_t last) {
+    for (int y = static_cast<int>(first); y < static_cast<int>(last); ++y) {
+      for (int x = 0; x < picture.width; ++x)
+        pixel(x, y, out.bytes.data() + 3 * (size_t(y) * size_t(picture.width) + size_t(x)));
+    }
+  });
+  return out;
+}
+
+}  // namespace
+
+Rgb tone_map(ToneCurve curve, const Rgb& exposed) {
+  const Rgb light = max(exposed, {0, 0, 0});
+  switch (curve) {
+    case ToneCurve::Reinhard:
+      return min(light * (1 / (1 + luminance(light))), {1, 1, 1});
+    case ToneCurve::Filmic: {
+      constexpr float kBefore = 2;  // middle grey stays about where the other curves have it
+      const float white = 1 / hable(4 * kBefore);
+      return min(
+          Rgb{hable(kBefore * light.x), hable(kBefore * light.y), hable(kBefore * light.z)} * white,
+          {1, 1, 1});
+    }
+    default:
+      return min(light, {1, 1, 1});
+  }
+}
+
+DisplayPicture display_light(const image::Image& linear, float exposure, ToneCurve curve) {
+  return map_pixels(linear, [&](int x, int y, uint8_t* bytes) {
+    const Rgb light = linear.rgb(x, y) * exposure;
+    const Rgb shown = is_finite(light) ? tone_map(curve, light) : Rgb{1, 0, 1};
+    for (int c = 0; c < 3; ++c) bytes[c] = to_byte(shown[c]);
+  });
+}
+
+DisplayPicture display_albedo(const image::Image& albedo) {
+  return display_light(albedo, 1, ToneCurve::Linear);
+}
+
+DisplayPicture display_normal(const image::Image& normal) {
+  return map_pixels(normal, [&](int x, int y, uint8_t* bytes) {
+    const Vec3 n = normal.rgb(x, y);
+    for (int c = 0; c < 3; ++c) {
+      const float value = dot(n, n) > 0 ? std::clamp(0.5f * n[c] + 0.5f, 0.0f, 1.0f) : 0;
+      bytes[c] = static_cast<uint8_t>(std::lround(255 * value));
+    }
+  });
+}
+
+DisplayPicture display_difference(const image::Image& light, const image::Image& reference,
+                                  float exposure) {
+  return map_pixels(light, [&](int x, int y, uint8_t* bytes) {
+    const float off = exposure * luminance(light.rgb(x, y) - reference.rgb(x, y));
+    if (!std::isfinite(off)) {
+      bytes[0] = bytes[2] = 255;
+      return;
+    }
+    const float share = std::min(std::abs(off) / kFullDifference, 1.0f);
+    const Rgb tint = off > 0 ? Rgb{0.95f, 0.25f, 0.10f} : Rgb{0.10f, 0.40f, 1.0f};
+    for (int c = 0; c < 3; ++c) bytes[c] = to_byte(tint[c] * share);
+  });
+}
+
+}  // namespace lte::infer::view

@@ -1,0 +1,36 @@
+// From linear pictures to what the page shows: exposure, tone curve, signed differences.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "infer/view/view_state.h"
+#include "lte/image/image.h"
+
+namespace lte::infer::view {
+
+/// 8-bit sRGB, three bytes a pixel, rows from the top.
+struct DisplayPicture {
+  int width = 0, height = 0;
+  std::vector<uint8_t> bytes;
+};
+
+/// The curve without sRGB: exposed linear light to [0, 1]. Linear: clipped. The others keep hue by
+/// scaling with luminance (Reinhard) or work by channel (Filmic, Hable 2010, white at 4).
+Rgb tone_map(ToneCurve curve, const Rgb& exposed);
+
+/// A picture of light. Pixels that are not finite become magenta, so that they are seen.
+DisplayPicture display_light(const image::Image& linear, float exposure, ToneCurve curve);
+
+/// Albedo through sRGB alone.
+DisplayPicture display_albedo(const image::Image& albedo);
+
+/// Normals of [-1, 1] as colors; the zero normal of background stays black.
+DisplayPicture display_normal(const image::Image& normal);
+
+/// `light` - `reference`, exposed: red where there is too much light, blue where too little, by
+/// luminance, in full color from a quarter of the range of the display on; black where they agree.
+DisplayPicture display_difference(const image::Image& light, const image::Image& reference,
+                                  float exposure);
+
+}  // namespace lte::infer::view

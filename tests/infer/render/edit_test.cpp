@@ -1,0 +1,203 @@
+// --edit: scripts of edits, and their frames against pictures of the scene that they lead to.
+#include <cstdlib>
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "infer/render/edit_player.h"
+#include "infer/render/edit_script.h"
+#include "infer/render/render_command.h"
+#include "lte/base/file.h"
+#include "lte/base/log.h"
+#include "lte/image/exr.h"
+#include "lte/scene/export.h"
+#include "lte/scene/load.h"
+#include "tests/infer/fixture.h"
+#include "tests/support/command_line.h"
+#include "tests/support/folder_files.h"
+#include "tests/support/scenes.h"
+
+namespace lte::infer {
+namespace {
+
+namespace fs = std::filesystem;
+using test::CommandOutcome;
+using test::expect_one_line;
+
+TEST(EditScript, ReadsTracksAndEvents) {
+  const EditScript script = parse_edit_script(R"(
+frames: 11
+fps: 12
+edits:
+  - light: light0
+    frames: [0, 10]
+    gain: [1, 0]
+    color: [[1, 1, 1], [1, 0.5, 0]]
+  - instance: box
+    frame: 4
+    turn: 90
+  - remove_instance: box#2
+    frame: 6
+  - add_light: {name: bulb, kind: spot, position: [1, 2, 1], intensity: [1, 2, 3], outer_cone: 60}
+    frame: 2
+)",
+                                              "edits.yaml");
+  EXPECT_EQ(script.frames, 11);
+  EXPECT_EQ(script.fps, 12);
+  ASSERT_EQ(script.tracks.size(), 3u);
+  EXPECT_EQ(script.tracks[0].at(0), std::vector<double>{1});
+  EXPECT_NEAR(script.tracks[0].at(3)[0], 0.7, 1e-12);
+  EXPECT_NEAR(script.tracks[1].at(5)[1], 0.75, 1e-12);
+  EXPECT_EQ(script.tracks[2].at(9), std::vector<double>{90});
+  ASSERT_EQ(script.events.size(), 2u);
+  EXPECT_EQ(script.events[0].frame, 2) << "in the order of frames";
+  EXPECT_FLOAT_EQ(script.events[0].light.outer_cone, kPi / 3);
+}
+
+TEST(EditScript, NamesFileLineAndKeyOfWhatIsWrong) {
+  const auto refused = [](const std::string& edit, const std::string& why) {
+    try {
+      parse_edit_script("frames: 20\nedits:\n" + edit, "edits.yaml");
+      ADD_FAILURE() << why;
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), testing::StartsWith("edits.yaml:"));
+      EXPECT_THAT(error.what(), testing::HasSubstr(why));
+      EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr("\n")));
+    }
+  };
+  refused("  - {light: a, frames: [0, 7, 7], gain: [1, 2, 3]}", "3: frames: 7 after 7");
+  refused("  - {light: a, frames: [0, 20], gain: [1, 2]}", "from 0 to 19, got");
+  refused("  - {light: a, frame: 0.5, gain: 1}", "a whole number");
+  refused("  - {light: a, gain: .nan}", "3: gain: expected a finite number");
+  refused("  - {light: a, gain: -1}", "gain: -1: expected from 0");
+  refused("  - {light: a, frames: [0, 3], gain: 1}", "gain: expected a list of 2 values");
+  refused("  - {light: a, color: [1, 1]}", "color: expected 3 numbers");
+  refused("  - {material: a, base_color: [1, 1, 2]}", "base_color: 2: expected from 0 to 1");
+  refused("  - {instance: a, gian: 2}", "unknown key \"gian\"");
+  refused("  - {light: a, gian: 2}", "did you mean \"gain\"?");
+  refused("  - {light: a}", "nothing is changed");
+  refused("  - {lamp: a, gain: 2}", "expected one of light, instance, material");
+  refused("  - {light: a, frame: 1, frames: [1], gain: 2}", "beside frame");
+  refused("  - {add_light: {position: [0, 0, 0]}}", "intensity is missing");
+  refused("  - {add_light: {kind: lamp, intensity: [1, 1, 1]}}", "expected point | spot");
+  refused("  - 5", "expected a map");
+  EXPECT_THROW(parse_edit_script("edits: []", "edits.yaml"), Error) << "without frames";
+  EXPECT_THROW(parse_edit_script("frames: 0\nedits: []", "edits.yaml"), Error);
+}
+
+TEST(EditPlayer, TurnsAndScalesAboutTheMiddleAndMovesFromThePlaceInTheFile) {
+  const scene::Scene room = test::furnished_room();
+  Session session(room, std::nullopt);
+  const EditScript script = parse_edit_script(R"(
+frames: 5
+edits:
+  - {instance: "box#2", frames: [0, 4], move: [[0, 0, 0], [1, 0, 0]], turn: [0, 180], scale: [1, 2]}
+)",
+                                              "edits.yaml");
+  EditPlayer player(script, &session);
+  player.go_to(0);
+  const Bounds first = session.state()->instances()[2].bounds;
+  EXPECT_EQ(session.state()->instances()[2].to_world.m, room.instances[2].to_world.m);
+  player.go_to(4);
+  const Bounds last = session.state()->instances()[2].bounds;
+  EXPECT_NEAR(length(last.center() - first.center() - Vec3{1, 0, 0}), 0, 1e-5);
+  EXPECT_NEAR(length(last.extent() - first.extent() * 2), 0, 1e-5) << "half a turn";
+}
+
+class EditedPictures : public testing::Test {
+ protected:
+  EditedPictures() : before_(fs::current_path()) {
+    fs::current_path(dir_.path());
+    scene::Scene room = test::furnished_room();
+    room.cameras.push_back({"a", {2, 1.6f, 2.8f}, {2, 1, 0}, {0, 1, 0}, 70});
+    scene::write_glb("room.glb", room);
+    test::save_tiny_model("tiny.safetensors", {.light_input = nn::LightInput::Traced});
+    write_file("edits.yaml", R"(
+frames: 3
+edits:
+  - {instance: light0, frames: [0, 2], move: [[0, 0, 0], [0.5, -0.2, 0.5]]}
+  - {material: material1, frame: 1, base_color: [0.2, 0.2, 0.9]}
+)");
+  }
+  ~EditedPictures() override {
+    fs::current_path(before_);
+    set_log_level(LogLevel::Info);
+  }
+
+  static CommandOutcome render(const std::string& rest, const std::string& scene = "room.glb") {
+    std::istringstream words(scene +
+                             " --quiet --size 24x16 --direct-samples 2 --denoise off --checkpoint "
+                             "tiny.safetensors " +
+                             rest);
+    std::vector<std::string> arguments;
+    for (std::string word; words >> word;) arguments.push_back(word);
+    CLI::App app{"", "lte_render"};
+    RenderRequest request;
+    add_render_options(app, &request);
+    return test::run_command(app, arguments, [&] { run_render(request); });
+  }
+
+  test::TempDir dir_;
+  fs::path before_;
+};
+
+TEST_F(EditedPictures, TheLastFrameIsThePictureOfTheSavedScene) {
+  ASSERT_EQ(render("--edit edits.yaml --out f%d.exr --save-scene end.glb --json run.json").code, 0);
+  ASSERT_EQ(render("--out first.exr").code, 0);
+  ASSERT_EQ(render("--out last.exr", "end.glb").code, 0);
+  const auto color = [](const std::string& path) { return image::read_exr(path).pixels; };
+  EXPECT_EQ(color("f0.exr"), color("first.exr"));
+  EXPECT_EQ(color("f2.exr"), color("last.exr"));
+  EXPECT_NE(color("f1.exr"), color("f2.exr"));
+  const auto json = nlohmann::json::parse(read_file("run.json"));
+  ASSERT_EQ(json["pictures"].size(), 3u);
+  EXPECT_EQ(json["pictures"][1]["edit"]["encodings"], 1);
+}
+
+TEST_F(EditedPictures, GoOnWhereTheyStopped) {
+  ASSERT_EQ(render("--edit edits.yaml --out f%d.png").code, 0);
+  const std::string second = read_file("f1.png"), third = read_file("f2.png");
+  fs::remove("f2.png");
+  expect_one_line(render("--edit edits.yaml --out f%d.png"), 1, {"f0.png", "exists", "--resume"});
+  ASSERT_EQ(render("--edit edits.yaml --out f%d.png --resume").code, 0);
+  EXPECT_EQ(read_file("f1.png"), second);
+  EXPECT_EQ(read_file("f2.png"), third) << "the state of a frame depends on the frame alone";
+  write_file("edits.yaml", read_file("edits.yaml") + "  - {light: light1, gain: 2}\n");
+  fs::remove("f2.png");
+  expect_one_line(render("--edit edits.yaml --out f%d.png --resume"), 1, {"another edits"});
+}
+
+TEST_F(EditedPictures, RefusesWhatCannotBe) {
+  expect_one_line(render("--edit edits.yaml --out one.png"), 1, {"one.png", "%04d"});
+  write_file("wrong.yaml", "frames: 2\nedits:\n  - {light: lihgt1, gain: 2}\n");
+  expect_one_line(render("--edit wrong.yaml --out f%d.png"), 1,
+                  {"wrong.yaml:3", "\"lihgt1\"", "did you mean"});
+  write_file("sun.yaml", "frames: 2\nedits:\n  - {light: light0, position: [0, 1, 0]}\n");
+  expect_one_line(render("--edit sun.yaml --out f%d.png"), 1, {"sun.yaml", "move its instance"});
+  expect_one_line(render("--edit edits.yaml --out f%d.exr --video v.mp4"), 1, {"--video", ".png"});
+  EXPECT_NE(render("--edit edits.yaml --out f%d.png --time-budget 1s").code, 0);
+  EXPECT_NE(render("--out f.png --video v.mp4").code, 0);
+  EXPECT_EQ(test::folder_files(".").size(), 5u) << "room, model and three scripts";
+}
+
+/// A program of ffmpeg's name, which notes its arguments.
+TEST_F(EditedPictures, AVideoIsMadeByFfmpegWhereItIs) {
+  fs::create_directory("bin");
+  write_file("bin/ffmpeg", "#!/bin/sh\nfor last; do :; done\necho \"$@\" > \"$last\"\n");
+  fs::permissions("bin/ffmpeg", fs::perms::owner_all);
+  const std::string path = std::getenv("PATH") != nullptr ? std::getenv("PATH") : "";
+  setenv("PATH", ("" + (dir_.path() / "bin").string() + ":" + path).c_str(), 1);
+  EXPECT_EQ(render("--edit edits.yaml --out f%d.png --video v.mp4").code, 0);
+  EXPECT_THAT(read_file("v.mp4"), testing::HasSubstr("-framerate 24 -start_number 0 -i f%d.png"));
+  EXPECT_FALSE(fs::exists("v.part.mp4"));
+  setenv("PATH", (dir_.path() / "nowhere").c_str(), 1);
+  EXPECT_EQ(render("--edit edits.yaml --out g%d.png --video w.mp4").code, 0) << "frames are enough";
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_FALSE(fs::exists("w.mp4"));
+  EXPECT_TRUE(fs::exists("g2.png"));
+}
+
+}  // namespace
+}  // namespace lte::infer

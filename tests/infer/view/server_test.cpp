@@ -1,0 +1,283 @@
+// The server over real sockets, spoken to byte by byte.
+#include "infer/view/server.h"
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/core/buffers_to_string.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/websocket.hpp>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "infer/view/live_view.h"
+#include "lte/base/check.h"
+#include "tests/infer/fixture.h"
+#include "tests/infer/view/fake_pages.h"
+
+namespace lte::infer::view {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+using asio::ip::tcp;
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr const char* kHello = R"({"type":"hello","protocol":1,"n":1})";
+
+/// A server in a thread; with a scene if `ready`.
+class Served {
+ public:
+  explicit Served(bool ready = false, const std::string& token = "")
+      : files_(std::string(LTE_SOURCE_DIR) + "/infer/view/page"),
+        view_(std::make_unique<LiveView>(&io_)),
+        server_(&io_, {"127.0.0.1", 0, token}, &files_, view_->hub()) {
+    if (ready) {
+      ViewState first;
+      first.camera = test::downward_camera();
+      first.size = {24, 18};
+      view_->begin(std::make_unique<Session>(test::lit_floor(), std::nullopt), first);
+    }
+    thread_ = std::thread([this] { io_.run(); });
+  }
+  ~Served() {
+    io_.stop();
+    thread_.join();
+    view_.reset();
+  }
+
+  uint16_t port() const { return server_.port(); }
+  std::string host() const { return concat("127.0.0.1:", port()); }
+  LiveView* view() { return view_.get(); }
+  asio::io_context* io() { return &io_; }
+
+  tcp::socket connect() {
+    tcp::socket socket(client_);
+    socket.connect({asio::ip::address_v4::loopback(), port()});
+    return socket;
+  }
+
+  /// What comes back for these bytes until the server closes.
+  std::string say(const std::string& request) {
+    tcp::socket socket = connect();
+    boost::system::error_code ignored;
+    asio::write(socket, asio::buffer(request), ignored);
+    std::string answer;
+    asio::read(socket, asio::dynamic_buffer(answer), ignored);
+    return answer;
+  }
+  std::string get(const std::string& target, const std::string& more = "") {
+    return say("GET " + target + " HTTP/1.1\r\nHost: " + host() + "\r\nConnection: close\r\n" +
+               more + "\r\n");
+  }
+
+ private:
+  asio::io_context io_{1}, client_;
+  PageFiles files_;
+  std::unique_ptr<LiveView> view_;
+  Server server_;
+  std::thread thread_;
+};
+
+/// A page without a browser.
+class Socket {
+ public:
+  explicit Socket(Served* served, const std::string& target = "/socket",
+                  const std::string& origin = "")
+      : socket_(served->connect()) {
+    beast::get_lowest_layer(socket_).set_option(tcp::no_delay(true));
+    socket_.set_option(
+        beast::websocket::stream_base::decorator([origin](beast::websocket::request_type& request) {
+          if (!origin.empty()) request.set(beast::http::field::origin, origin);
+        }));
+    socket_.handshake(served->host(), target, error_);
+  }
+
+  bool open() const { return !error_; }
+  void send(const std::string& text, bool is_text = true) {
+    socket_.text(is_text);
+    socket_.write(asio::buffer(text), error_);
+  }
+  /// The next frame; empty once the socket is closed.
+  std::string read() {
+    beast::flat_buffer buffer;
+    socket_.read(buffer, error_);
+    return error_ ? "" : beast::buffers_to_string(buffer.data());
+  }
+  bool is_text() const { return socket_.got_text(); }
+  /// The next text of this type; null once the socket is closed.
+  json read_text(const std::string& type) {
+    for (;;) {
+      const std::string frame = read();
+      if (frame.empty()) return {};
+      if (!is_text()) continue;
+      const json text = json::parse(frame);
+      if (text.at("type") == type) return text;
+    }
+  }
+  json read_picture() {
+    for (;;) {
+      const std::string frame = read();
+      if (frame.empty()) return {};
+      if (!is_text()) return test::frame_header(frame);
+    }
+  }
+
+ private:
+  beast::websocket::stream<tcp::socket> socket_;
+  boost::system::error_code error_;
+};
+
+TEST(Server, ServesItsOwnFilesAlone) {
+  Served served;
+  EXPECT_THAT(served.get("/"), AllOf(StartsWith("HTTP/1.1 200"), HasSubstr("<!DOCTYPE html>"),
+                                     HasSubstr("Content-Security-Policy: default-src 'none'")));
+  EXPECT_THAT(served.get("/main.js"), HasSubstr("text/javascript"));
+  for (const char* target :
+       {"/../CMakeLists.txt", "/../../../etc/passwd", "/%2e%2e/CMakeLists.txt",
+        "/..%2f..%2fetc/passwd", "//etc/passwd", "/page/main.js", "/nothing"}) {
+    EXPECT_THAT(served.get(target), StartsWith("HTTP/1.1 404")) << target;
+  }
+}
+
+TEST(Server, RefusesWhatIsNoPlainRequest) {
+  Served served;
+  const std::string host = "Host: " + served.host() + "\r\n";
+  EXPECT_THAT(served.say("POST / HTTP/1.1\r\n" + host + "Content-Length: 5\r\n\r\nhello"),
+              StartsWith("HTTP/1.1 413"));
+  EXPECT_THAT(served.say("DELETE / HTTP/1.1\r\n" + host + "\r\n"), StartsWith("HTTP/1.1 405"));
+  EXPECT_THAT(served.say("\x16\x03\x01 no http at all\r\n\r\n"), StartsWith("HTTP/1.1 400"));
+  EXPECT_THAT(
+      served.say("GET / HTTP/1.1\r\n" + host + "X: " + std::string(20000, 'x') + "\r\n\r\n"),
+      StartsWith("HTTP/1.1 431"));
+  EXPECT_THAT(served.get("/socket"), StartsWith("HTTP/1.1 426"));
+  EXPECT_THAT(served.say("GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n"),
+              AllOf(StartsWith("HTTP/1.1 403"), HasSubstr("this machine")));
+  EXPECT_THAT(served.get("/"), StartsWith("HTTP/1.1 200"));  // and it goes on
+}
+
+TEST(Server, SocketsOfOtherOriginsAreRefused) {
+  Served served;
+  EXPECT_TRUE(Socket(&served, "/socket", "http://" + served.host()).open());
+  EXPECT_TRUE(Socket(&served).open());
+  EXPECT_FALSE(Socket(&served, "/socket", "http://evil.example").open());
+  EXPECT_FALSE(Socket(&served, "/elsewhere").open());
+}
+
+TEST(Server, TheTokenOpensPageAndSocket) {
+  Served served(/*ready=*/false, "a-good-token");
+  EXPECT_THAT(served.get("/"), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(served.get("/?token=a-good-token"), StartsWith("HTTP/1.1 200"));
+  EXPECT_FALSE(Socket(&served).open());
+  EXPECT_FALSE(Socket(&served, "/socket?token=a-bad-token").open());
+  EXPECT_TRUE(Socket(&served, "/socket?token=a-good-token").open());
+}
+
+TEST(Server, APortInUseIsNamed) {
+  Served served;
+  asio::io_context io;
+  LiveView other(&io);
+  const PageFiles files(std::string(LTE_SOURCE_DIR) + "/infer/view/page");
+  try {
+    Server(&io, {"127.0.0.1", served.port(), ""}, &files, other.hub());
+    FAIL() << "expected an error";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("--port"), HasSubstr("in use")));
+  }
+  EXPECT_THROW(parse_host("example.com"), Error);
+}
+
+TEST(Server, APageSaysHelloFirst) {
+  Served served;
+  Socket silent(&served);
+  silent.send(R"({"type":"undo","n":1})");
+  EXPECT_THAT(silent.read_text("error").at("message").get<std::string>(), HasSubstr("hello"));
+  EXPECT_EQ(silent.read(), "");
+  Socket polite(&served);
+  polite.send(kHello);
+  EXPECT_EQ(polite.read_text("welcome").at("phase"), "loading");
+  polite.send(R"({"type":"undo","n":2})");
+  EXPECT_THAT(polite.read_text("error").at("message").get<std::string>(), HasSubstr("loaded"));
+}
+
+TEST(Server, FramesTooLargeAndBinaryOnesEndAPage) {
+  Served served;
+  Socket large(&served);
+  large.send(kHello);
+  large.read_text("welcome");
+  large.send(std::string(kMostMessageBytes + 1, 'x'));
+  EXPECT_EQ(large.read_text("nothing"), nullptr);
+  Socket binary(&served);
+  binary.send(std::string("\0\1\2", 3), /*is_text=*/false);
+  EXPECT_THAT(binary.read_text("error").at("message").get<std::string>(), HasSubstr("text frame"));
+  EXPECT_EQ(binary.read(), "");
+}
+
+TEST(Server, APageIsToldOfFaultsAndGoesOn) {
+  Served served(/*ready=*/true);
+  Socket page(&served);
+  page.send(kHello);
+  EXPECT_EQ(page.read_text("scene").at("lights").size(), 1u);
+  page.send(R"({"type":"paint","n":2})");
+  EXPECT_THAT(page.read_text("error").at("message").get<std::string>(), HasSubstr("\"paint\""));
+  page.send(R"({"type":"light","n":3,"gesture":0,"light":5,"gain":1,"color":[1,1,1]})");
+  EXPECT_THAT(page.read_text("error").at("message").get<std::string>(), HasSubstr("light 5"));
+  page.send(R"({"type":"light","n":4,"gesture":0,"light":0,"gain":0.5,"color":[1,1,1]})");
+  const json edits = page.read_text("edits");
+  EXPECT_EQ(edits.at("edits").at(0).at("gain"), 0.5);
+  EXPECT_TRUE(edits.at("undo"));
+  page.send(R"({"type":"undo","n":5})");
+  EXPECT_EQ(page.read_text("scene").at("lights").at(0).at("gain"), 1.0);
+}
+
+TEST(Server, APageThatLooksOnSeesAnothersEdits) {
+  Served served(/*ready=*/true);
+  Socket one(&served), other(&served);
+  one.send(kHello);
+  other.send(kHello);
+  one.read_text("scene");
+  other.read_text("scene");
+  one.send(R"({"type":"material","n":2,"gesture":0,"material":0,"albedo":[0.5,0.25,0]})");
+  EXPECT_EQ(other.read_text("edits").at("edits").at(0).at("albedo"), json({0.5, 0.25, 0.0}));
+}
+
+TEST(Server, NoMoreThanTwoPicturesAreAheadOfAPage) {
+  Served served(/*ready=*/true);
+  Socket page(&served);
+  page.send(kHello);
+  const int64_t first = page.read_picture().at("picture").get<int64_t>();
+  page.read_picture();
+  // The others wait, and are dropped for later ones, until the page has said what it shows.
+  for (int i = 2; i < 30; ++i) {
+    page.send(concat(R"({"type":"view","ev":)", 0.1 * i, R"(,"n":)", i, "}"));
+    page.send(concat(R"({"type":"pick","x":0.5,"y":0.5,"n":)", 100 * i, "}"));
+    if (i > 2) continue;
+  }
+  page.send(concat(R"({"type":"shows","picture":)", first + 1, R"(,"n":9000})"));
+  EXPECT_GT(page.read_picture().at("picture").get<int64_t>(), first + 1);
+}
+
+TEST(Server, PagesHearWhyTheSceneCouldNotBeLoaded) {
+  Served served;
+  Socket page(&served);
+  page.send(kHello);
+  page.read_text("welcome");
+  asio::post(*served.io(), [&] {
+    served.view()->hub()->close_all(R"({"type":"failed","message":"room.glb: is no glTF"})");
+  });
+  EXPECT_EQ(page.read_text("failed").at("message"), "room.glb: is no glTF");
+  EXPECT_EQ(page.read(), "");
+}
+
+}  // namespace
+}  // namespace lte::infer::view

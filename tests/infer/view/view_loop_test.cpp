@@ -1,0 +1,167 @@
+#include "infer/view/view_loop.h"
+
+#include <cstring>
+#include <fstream>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "infer/view/session_scene.h"
+#include "lte/image/exr.h"
+#include "lte/image/png.h"
+#include "lte/scene/load_camera.h"
+#include "tests/infer/fixture.h"
+#include "tests/infer/view/fake_pages.h"
+#include "tests/support/temp_dir.h"
+
+namespace lte::infer::view {
+namespace {
+
+using nlohmann::json;
+
+/// A lit floor that paths answer for, seen by some pages.
+class Viewed {
+ public:
+  explicit Viewed(int pages = 1)
+      : pages_(pages),
+        session_(test::lit_floor(), std::nullopt),
+        scene_(describe_scene(*state())) {}
+
+  std::unique_ptr<ViewLoop> loop(Shown shown = Shown::Direct) {
+    ViewState first;
+    first.camera = test::downward_camera();
+    first.size = {24, 18};
+    auto out = std::make_unique<ViewLoop>(
+        [this] {
+          return Editor::Made{state(), {}};
+        },
+        &scene_, &pages_, first);
+    ChangeView view;
+    view.shown = shown;
+    out->post(9, 1, view);
+    return out;
+  }
+  StatePtr state() const { return session_.state(); }
+  Session* session() { return &session_; }
+  test::FakePages* pages() { return &pages_; }
+  const SceneDescription& scene() const { return scene_; }
+
+ private:
+  test::FakePages pages_;
+  Session session_;
+  SceneDescription scene_;
+};
+
+MoveCamera camera_at(float height) {
+  MoveCamera move;
+  move.camera = test::downward_camera();
+  move.camera.origin.y = height;
+  return move;
+}
+
+bool handled(const json& header, int client, int64_t number) {
+  const json& all = header.at("handled");
+  const std::string key = std::to_string(client);
+  return all.contains(key) && all.at(key).at(0).get<int64_t>() >= number;
+}
+
+TEST(ViewLoop, OfABurstOfCamerasTheLastIsShownAndFewAreRendered) {
+  Viewed viewed;
+  const auto loop = viewed.loop();
+  viewed.pages()->wait_for_picture([](const json& header) { return header.at("done") == true; });
+  const ViewLoop::Counts before = loop->counts();
+  for (int i = 1; i <= 100; ++i) loop->post(1, i, camera_at(1 + 0.005f * static_cast<float>(i)));
+  const std::string last = viewed.pages()->wait_for_picture(
+      [](const json& header) { return handled(header, 1, 100) && header.at("done") == true; });
+  ASSERT_FALSE(last.empty());
+  EXPECT_NEAR(test::frame_header(last).at("camera").at("origin").at(1).get<double>(), 1.5, 1e-6);
+  EXPECT_LT(loop->counts().cameras - before.cameras, 50);
+}
+
+TEST(ViewLoop, ManyPagesCostOneRendering) {
+  const auto passes = [](int pages) {
+    Viewed viewed(pages);
+    const auto loop = viewed.loop();
+    viewed.pages()->wait_for_picture([](const json& header) { return header.at("done") == true; });
+    return loop->counts().passes;
+  };
+  EXPECT_LE(passes(20), passes(1) + 2);  // a draft may have begun before the first message
+}
+
+TEST(ViewLoop, WithoutPagesNothingIsRendered) {
+  Viewed viewed(0);
+  const auto loop = viewed.loop();
+  for (int i = 1; i <= 5; ++i) loop->post(1, i, camera_at(1.2f));
+  loop->post(1, 6, PickAt{0.5f, 0.5f});
+  EXPECT_EQ(viewed.pages()->wait_for_text("picked").at("object"), 0);  // all before was handled
+  EXPECT_EQ(loop->counts().passes, 0);
+}
+
+TEST(ViewLoop, ADimmedLightIsShownAsLinearLightSays) {
+  Viewed viewed;
+  const auto loop = viewed.loop();
+  const auto done = [](uint64_t edits) {
+    return [edits](const json& header) {
+      return header.at("done") == true && header.at("shown") == "direct" &&
+             header.at("picture").get<uint64_t>() > edits;
+    };
+  };
+  const std::string bright = viewed.pages()->wait_for_picture(done(0));
+  ASSERT_FALSE(bright.empty());
+  const auto number = test::frame_header(bright).at("picture").get<uint64_t>();
+  viewed.session()->apply(SetLight{viewed.scene().lights.at(0).id, 0.5, {}});
+  loop->wake();
+  const std::string dim = viewed.pages()->wait_for_picture(done(number));
+  ASSERT_FALSE(dim.empty());
+  const double ratio =
+      test::mean_light(test::frame_picture(dim)) / test::mean_light(test::frame_picture(bright));
+  EXPECT_NEAR(ratio, 0.5, 0.01);
+}
+
+TEST(ViewLoop, ExposureChangesThePictureWithoutRendering) {
+  Viewed viewed;
+  const auto loop = viewed.loop();
+  ChangeView darker;
+  darker.ev = -1.0f;
+  const std::string first = viewed.pages()->wait_for_picture(
+      [](const json& header) { return header.at("done") == true; });
+  const int64_t passes = loop->counts().passes;
+  loop->post(1, 1, darker);
+  const std::string second = viewed.pages()->wait_for_picture(
+      [](const json& header) { return header.at("done") == true && header.at("ev") == -1.0; });
+  ASSERT_FALSE(second.empty());
+  EXPECT_EQ(loop->counts().passes, passes);
+  EXPECT_NEAR(
+      test::mean_light(test::frame_picture(second)) / test::mean_light(test::frame_picture(first)),
+      0.5, 0.01);
+}
+
+TEST(ViewLoop, SavesWhatItShows) {
+  Viewed viewed;
+  const auto loop = viewed.loop();
+  viewed.pages()->wait_for_picture([](const json& header) { return header.at("done") == true; });
+  const test::TempDir folder;
+  loop->post(1, 1, Save{SaveFormat::Exr});
+  const std::string exr = viewed.pages()->wait_for_file();
+  EXPECT_EQ(test::frame_header(exr).at("name"), "lit_floor.exr");
+  std::ofstream(folder / "a.exr", std::ios::binary) << test::frame_bytes(exr);
+  const image::Image linear = image::read_exr(folder / "a.exr");
+  EXPECT_EQ(linear.width, 24);
+  const scene::Camera camera = scene::load_camera(folder / "a.exr");
+  EXPECT_EQ(camera.origin, test::downward_camera().origin);
+  EXPECT_GT(linear.rgb(12, 9).x, linear.rgb(12, 9).y);
+  EXPECT_NEAR(linear.rgb(12, 9).y / linear.rgb(12, 9).z, 4.0 / 3, 1e-4);
+}
+
+TEST(ViewLoop, PicksWhatIsSeen) {
+  Viewed viewed;
+  const auto loop = viewed.loop();
+  loop->post(1, 1, PickAt{0.5f, 0.5f});
+  const json picked = viewed.pages()->wait_for_text("picked");
+  EXPECT_EQ(picked.at("object"), 0);
+  EXPECT_NEAR(picked.at("position").at(1).get<double>(), 0, 1e-5);
+  EXPECT_NEAR(picked.at("normal").at(1).get<double>(), 1, 1e-5);
+}
+
+}  // namespace
+}  // namespace lte::infer::view
