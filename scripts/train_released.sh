@@ -50,6 +50,7 @@ mkdir -p "$folder/release"
 cp "$run/model.safetensors" "$folder/release/$name.safetensors"
 cp "$run/config.yaml" "$folder/release/$name.yaml"
 cp "$run/log.jsonl" "$folder/release/$name.log.jsonl"
+"$bin/lte_eval" --fit-baselines "$folder/base" --out "$folder/release/$name.baselines.json"
 "$bin/lte_eval" --checkpoint "$folder/release/$name.safetensors" --split test
 "$bin/lte_eval" --checkpoint "$folder/release/$name.safetensors" --data "$folder/boxes_test" \
   --split test
