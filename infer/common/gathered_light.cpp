@@ -115,7 +115,8 @@ class Gatherer {
       put(&normal, small, get(guides_.normal, pixel));
       put(&position, small, get(guides_.position, pixel));
     });
-    const Image clean = denoiser_->denoise({&light, &normal, &position, nullptr, nullptr}, settings_.quality);
+    const Image clean =
+        denoiser_->denoise({&light, &normal, &position, nullptr, nullptr}, settings_.quality);
     for_grid([&](size_t small, size_t pixel) {
       if (reflects_[pixel]) put(&out_.irradiance, pixel, get(clean, small));
     });

@@ -12,7 +12,11 @@ namespace {
 constexpr double kRatePixels = 3072;
 constexpr int kRateRays = 4;
 /// Shares of the pixels that lie at edges, and that no pixel of a sparse grid stands for.
-constexpr double kEdges = 0.15, kAlone = 0.03;
+constexpr double kEdges = 0.3, kAlone = 0.03;
+/// Passes of the quickest denoiser that a correction by paths takes as long as.
+constexpr double kCorrectionPasses = 4;
+/// A budget beyond Final doubles its gather rays up to so many, and then buys paths.
+constexpr int kMostRays = 128;
 /// Room for what predictions leave out.
 constexpr double kRoom = 0.2;
 /// Paths a pixel of Final at most.
@@ -24,6 +28,18 @@ std::string hundredths(double seconds) {
   return text;
 }
 
+/// Time of a pass against the quickest (docs/lab/gather.md).
+double denoiser_factor(image::OidnQuality quality) {
+  switch (quality) {
+    case image::OidnQuality::Fast:
+      return 1;
+    case image::OidnQuality::Balanced:
+      return 2;
+    default:
+      return 4;
+  }
+}
+
 GatherRates measure_gather_rates(const RenderSettings& base, const scene::Camera& camera,
                                  Renderer* renderer) {
   RenderSettings probe = base;
@@ -32,7 +48,7 @@ GatherRates measure_gather_rates(const RenderSettings& base, const scene::Camera
   probe.width = std::max(1, static_cast<int>(base.width * scale));
   probe.height = std::max(1, static_cast<int>(base.height * scale));
   probe.direct_samples = kRateRays;
-  probe.gather = {kRateRays, 1, 0};
+  probe.gather = {kRateRays, 1, 0, image::OidnQuality::Fast};
   probe.antialias = 0;
   probe.layers = false;
   probe.done = {};
@@ -64,13 +80,13 @@ double predicted_gather_seconds(const RenderSettings& settings, const GatherRate
   const double alone = step > 1 ? kAlone * std::max(settings.gather.rays, kLeastAloneRays) : 0;
   const bool smooth = settings.denoise == Denoise::On || (settings.denoise == Denoise::Auto &&
                                                           settings.direct_samples <= kDenoiseUpTo);
-  const double denoised = settings.denoise == Denoise::Off ? 0 : points + (smooth ? 1 : 0);
-  // Corrections are smoothed too, at some three times the price of a denoiser.
-  const double corrected = settings.gather.paths > 0 ? 3 : 0;
+  const double passes = settings.denoise == Denoise::Off ? 0 : points + (smooth ? 1 : 0);
+  const double corrected = settings.gather.paths > 0 ? kCorrectionPasses : 0;
   return pixels * (1 + kRoom) *
          (rates.primary_s * hits + rates.metal_s + rates.ray_s * settings.direct_samples +
           rates.gather_s * (points * settings.gather.rays + alone) +
-          rates.path_s * settings.gather.paths + rates.denoise_s * (denoised + corrected));
+          rates.path_s * settings.gather.paths +
+          rates.denoise_s * (passes * denoiser_factor(settings.gather.quality) + corrected));
 }
 
 std::vector<GatherRung> gather_ladder(Sparse sparse, const GivenFlags& given,
@@ -81,6 +97,7 @@ std::vector<GatherRung> gather_ladder(Sparse sparse, const GivenFlags& given,
   const RenderSettings draft = out.front().settings;
   RenderSettings least = draft;
   if (!given.direct_samples) least.direct_samples = 1;
+  if (!given.antialias) least.antialias = 4;
   if (!given.gather_rays) least.gather.rays = 4;
   if (!given.sparse) least.gather.step = 4;
   out.insert(out.begin(), {Quality::Draft, least});
@@ -98,11 +115,18 @@ GatherRung choose_rung(double seconds, double spent, const GatherRates& rates,
   for (const GatherRung& rung : ladder) {
     if (predicted_gather_seconds(rung.settings, rates) <= seconds) best = rung;
   }
-  if (best.quality != Quality::Final || given.correction_paths) return best;
+  if (best.quality != Quality::Final) return best;
+  while (!given.gather_rays && 2 * best.settings.gather.rays <= kMostRays) {
+    RenderSettings more = best.settings;
+    more.gather.rays *= 2;
+    if (predicted_gather_seconds(more, rates) > seconds) return best;
+    best.settings = more;
+  }
+  if (given.correction_paths) return best;
   const double pixels = double{1} * best.settings.width * best.settings.height;
   const double left = seconds - predicted_gather_seconds(best.settings, rates);
-  const double more = left / (pixels * (1 + kRoom) * std::max(rates.path_s, 1e-12));
-  best.settings.gather.paths += 2 * static_cast<int>(std::min(more, double{kMostPaths}) / 2);
+  const double paths = left / (pixels * (1 + kRoom) * std::max(rates.path_s, 1e-12));
+  best.settings.gather.paths += 2 * static_cast<int>(std::min(paths, double{kMostPaths}) / 2);
   return best;
 }
 

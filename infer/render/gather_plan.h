@@ -13,7 +13,7 @@ struct GatherRates {
   double ray_s = 0;      ///< a shadow ray at a pixel
   double gather_s = 0;   ///< a gather ray
   double path_s = 0;     ///< a path of the correction
-  double denoise_s = 0;  ///< a pixel of a picture that noise is taken out of
+  double denoise_s = 0;  ///< a pixel of a picture that noise is taken out of, by OidnQuality::Fast
   double metal_s = 0;    ///< a pixel, mean over all: paths where metal is
 };
 
@@ -27,11 +27,11 @@ struct GatherRung {
 };
 
 /// The pictures that a budget may choose, from the quickest to the best: below Draft with fewer
-/// rays, up to Final, whose paths are as many as fit.
+/// rays, up to Final.
 std::vector<GatherRung> gather_ladder(Sparse sparse, const GivenFlags& given,
                                       const RenderSettings& base);
 
-/// The best rung that is ready in `seconds`, with its paths.
+/// The best rung that is ready in `seconds`. Time beyond Final buys gather rays, then paths.
 /// @param spent  seconds that are over already, for the message
 /// @throws lte::Error "--time-budget ...: ..." if none is.
 GatherRung choose_rung(double seconds, double spent, const GatherRates& rates,

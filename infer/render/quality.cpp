@@ -31,7 +31,8 @@ QualitySettings quality_settings(Quality quality) {
       out.answers.tolerance = 0.2f;
       out.answers.contact_radius = -1;
       out.answered_share = 0.05;
-      out.gather = {8, 2, 0};
+      out.gather = {8, 2, 0, image::OidnQuality::Fast};
+      out.gather_antialias = 8;
       break;
     case Quality::Preview:
       out.direct_samples = 16;
@@ -40,14 +41,16 @@ QualitySettings quality_settings(Quality quality) {
       out.answers.tolerance = 0.1f;
       out.answers.contact_radius = -1;
       out.answered_share = 0.1;
-      out.gather = {16, 2, 0};
+      out.gather = {16, 2, 0, image::OidnQuality::Balanced};
+      out.gather_antialias = kAntialias;
       break;
     case Quality::Final:
       out.direct_samples = RenderSettings().direct_samples;
       out.antialias = kAntialias;
       out.sparse = false;
       out.answered_share = 0.2;
-      out.gather = {32, 2, 16};
+      out.gather = {32, 2, 8, image::OidnQuality::High};
+      out.gather_antialias = kAntialias;
       break;
   }
   return out;

@@ -27,7 +27,8 @@ struct QualitySettings {
   gi::SparseOptions answers;  ///< of --sparse on too
   /// Share of the pixels that is answered where sparse answers are in force, about: for plans.
   double answered_share = 1;
-  GatherSettings gather;  ///< of gathered light; its step where sparse answers are in force
+  GatherSettings gather;     ///< of gathered light; its step where sparse answers are in force
+  int gather_antialias = 0;  ///< --aa of gathered light
 };
 
 QualitySettings quality_settings(Quality quality);

@@ -97,8 +97,8 @@ void apply_quality(const CLI::App& app, RenderRequest* r) {
   r->given.correction_paths = r->gather.paths >= 0;
   const QualitySettings chosen = quality_settings(parse_enum<Quality>("--quality", r->quality));
   if (!r->given.direct_samples) r->direct_samples = chosen.direct_samples;
-  if (!r->given.antialias)
-    r->antialias = chosen.antialias > 0 ? std::to_string(chosen.antialias) : "off";
+  const int hits = r->gather.by == Indirect::Gather ? chosen.gather_antialias : chosen.antialias;
+  if (!r->given.antialias) r->antialias = hits > 0 ? std::to_string(hits) : "off";
   r->gather_settings = chosen.gather;
   if (r->given.gather_rays) r->gather_settings.rays = r->gather.rays;
   if (r->given.correction_paths) r->gather_settings.paths = r->gather.paths;
@@ -402,9 +402,9 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
       ->check(CLI::IsMember({"neural", "reference"}))
       ->capture_default_str();
   app.add_option("--quality", r->quality,
-                 "Neural mode, flags by hand win: draft (sparse answers, 4 shadow rays, no "
-                 "anti-aliasing), preview (sparse answers, 16 rays, --aa 4) or final (an answer a "
-                 "pixel, 64 rays, --aa 16; gathered light is corrected by paths)")
+                 "Neural mode, flags by hand win: draft (sparse answers, 4 shadow rays), preview "
+                 "(sparse answers, 16 rays) or final (an answer a pixel, 64 rays; gathered light "
+                 "is corrected by paths)")
       ->check(CLI::IsMember({"draft", "preview", "final"}))
       ->capture_default_str();
   app.add_option("--time-budget", r->time_budget,

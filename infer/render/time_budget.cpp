@@ -48,14 +48,16 @@ RenderSettings with_quality(Quality quality, Sparse sparse, const GivenFlags& gi
                             RenderSettings base) {
   const QualitySettings chosen = quality_settings(quality);
   if (!given.direct_samples) base.direct_samples = chosen.direct_samples;
-  if (!given.antialias) base.antialias = chosen.antialias;
+  const bool gathers = base.indirect == Indirect::Gather;
+  if (!given.antialias) base.antialias = gathers ? chosen.gather_antialias : chosen.antialias;
+  base.gather.quality = chosen.gather.quality;
   if (!given.gather_rays) base.gather.rays = chosen.gather.rays;
   if (!given.correction_paths) base.gather.paths = chosen.gather.paths;
   base.sparse.reset();
   base.gather.step = 1;
   const bool on = sparse == Sparse::On || (sparse == Sparse::Auto && chosen.sparse);
   if (!on || base.mode != Mode::Neural) return base;
-  if (base.indirect == Indirect::Gather) {
+  if (gathers) {
     base.gather.step = chosen.gather.step;
   } else {
     base.sparse = chosen.answers;

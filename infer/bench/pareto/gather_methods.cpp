@@ -47,13 +47,18 @@ Method gather_method(const std::string& name, const std::string& family, const s
   return method;
 }
 
-/// Gathered pictures of so many gather and shadow rays a pixel.
+/// Pictures of so many gather and shadow rays a pixel.
+/// More rays leave less to the denoiser, which then is the better and slower one.
 RenderSettings gathered(int rays, int step) {
+  using image::OidnQuality;
   RenderSettings settings;
   settings.indirect = Indirect::Gather;
   settings.gather.rays = rays;
   settings.gather.step = step;
   settings.direct_samples = rays;
+  settings.gather.quality = rays <= 4    ? OidnQuality::Fast
+                            : rays <= 16 ? OidnQuality::Balanced
+                                         : OidnQuality::High;
   settings.denoise = Denoise::Auto;
   return settings;
 }

@@ -44,14 +44,17 @@ TEST(GatherPlan, QualitiesTakeLongerFromStepToStep) {
 TEST(GatherPlan, TimeBeyondFinalBuysPathsAndTooLittleIsRefusedInOneLine) {
   const std::vector<GatherRung> ladder = gather_ladder(Sparse::Auto, {}, base());
   const double final_s = predicted_gather_seconds(ladder.back().settings, kRates);
-  int before = ladder.back().settings.gather.paths - 1;
-  for (const double factor : {1.01, 2.0, 4.0, 8.0}) {
+  GatherSettings before = ladder.back().settings.gather;
+  for (const double factor : {1.01, 2.0, 4.0, 8.0, 16.0}) {
     const RenderSettings chosen = choose_rung(factor * final_s, 0, kRates, ladder, {}).settings;
-    EXPECT_GT(chosen.gather.paths, before);
+    EXPECT_GE(chosen.gather.rays, before.rays);
+    EXPECT_GE(chosen.gather.paths, before.paths);
     EXPECT_EQ(chosen.gather.paths % 2, 0);
     EXPECT_LE(predicted_gather_seconds(chosen, kRates), factor * final_s);
-    before = chosen.gather.paths;
+    before = chosen.gather;
   }
+  EXPECT_EQ(before.rays, 128);
+  EXPECT_GT(before.paths, 100) << "what is left are paths, so that nothing is a floor";
   GivenFlags given;
   given.correction_paths = true;
   EXPECT_EQ(choose_rung(8 * final_s, 0, kRates, ladder, given).settings.gather.paths,
