@@ -11,7 +11,8 @@ namespace {
 constexpr int64_t kGrain = 1 << 15;
 }
 
-AreaTable::AreaTable(const Scene& scene, std::vector<int> instances)
+AreaTable::AreaTable(const Scene& scene, std::vector<int> instances,
+                     const RepeatedTriangles* repeated)
     : instances_(std::move(instances)) {
   first_.reserve(instances_.size() + 1);
   first_.push_back(0);
@@ -24,8 +25,10 @@ AreaTable::AreaTable(const Scene& scene, std::vector<int> instances)
     auto slot = std::upper_bound(first_.begin(), first_.end(), begin) - first_.begin() - 1;
     for (int64_t i = begin; i < end; ++i) {
       while (i >= first_[static_cast<size_t>(slot) + 1]) ++slot;
-      const Instance& instance = scene.instances[instances_[static_cast<size_t>(slot)]];
+      const int index = instances_[static_cast<size_t>(slot)];
+      const Instance& instance = scene.instances[index];
       const auto triangle = static_cast<uint32_t>(i - first_[static_cast<size_t>(slot)]);
+      if (repeated != nullptr && repeated->contains(index, triangle)) continue;
       ends_[static_cast<size_t>(i)] =
           area(world_triangle(scene.meshes[instance.mesh], instance.to_world, triangle));
     }

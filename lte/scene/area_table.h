@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "lte/scene/repeated_triangles.h"
 #include "lte/scene/scene.h"
 
 namespace lte::scene {
@@ -18,7 +19,9 @@ class AreaTable {
     double fraction = 0;  ///< of the triangle's area that lies before the place, [0, 1)
   };
 
-  AreaTable(const Scene& scene, std::vector<int> instances);
+  /// @param repeated  triangles that count as having no area; null for none
+  AreaTable(const Scene& scene, std::vector<int> instances,
+            const RepeatedTriangles* repeated = nullptr);
 
   /// Area of all triangles in m², summed in double.
   double total() const { return ends_.empty() ? 0.0 : ends_.back(); }

@@ -11,6 +11,7 @@
 #include "lte/scene/obj/import.h"
 #include "lte/scene/pbrt/import.h"
 #include "lte/scene/ply/import.h"
+#include "lte/scene/triangle.h"
 
 namespace lte::scene {
 namespace {
@@ -21,6 +22,15 @@ constexpr struct {
 } kFormats[] = {{".gltf", gltf::import},    {".glb", gltf::import}, {".pbrt", pbrt::import},
                 {".pbrt.gz", pbrt::import}, {".obj", obj::import},  {".ply", ply::import},
                 {".ply.gz", ply::import}};
+
+bool has_area(const Scene& scene) {
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[static_cast<size_t>(instance.mesh)];
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t)
+      if (area(world_triangle(mesh, instance.to_world, t)) > 0) return true;
+  }
+  return false;
+}
 
 }  // namespace
 
@@ -33,6 +43,8 @@ Scene load_scene(const std::filesystem::path& path, const LoadLimits& limits) tr
     SceneFiles files(path, limits);
     Scene scene = import(&files);
     check_numbers(path.string(), scene);
+    LTE_CHECK(scene.instances.empty() || has_area(scene), path.string(),
+              ": no triangle has area, of ", scene.triangle_count());
     scene.name = file.substr(0, file.size() - extension.size());  // "room" of "room.pbrt.gz"
     return scene;
   }

@@ -143,8 +143,9 @@ struct Drawn {
   double area = 0;  ///< of the surfaces
 };
 
-Drawn draw_by_area(const Scene& scene, int64_t count, const SamplerOptions& options) {
-  const AreaTable all(scene, all_instances(scene));
+Drawn draw_by_area(const Scene& scene, int64_t count, const RepeatedTriangles& repeated,
+                   const SamplerOptions& options) {
+  const AreaTable all(scene, all_instances(scene), &repeated);
   check_area(scene, all.total());
   Drawn out{make_samples(count), all.total()};
   fill(scene, all, 0, count, options, &out.samples);
@@ -154,9 +155,10 @@ Drawn draw_by_area(const Scene& scene, int64_t count, const SamplerOptions& opti
 /// Each of the luminaires `alone` gets one point that stands for all of it. The others share the
 /// rest by area, with emissive_share of all points for luminaires.
 Drawn draw_with_share(const Scene& scene, int64_t count, const Luminaires& luminaires,
-                      const std::set<int>& alone, const SamplerOptions& options) {
+                      const std::set<int>& alone, const RepeatedTriangles& repeated,
+                      const SamplerOptions& options) {
   const Split split = split_instances(scene, alone);
-  const AreaTable emissive(scene, split.emissive), other(scene, split.other);
+  const AreaTable emissive(scene, split.emissive), other(scene, split.other, &repeated);
   const double shared = emissive.total() + other.total();
   Drawn out{make_samples(count), shared};
   const auto strata = count - static_cast<int64_t>(alone.size());
@@ -178,18 +180,19 @@ Drawn draw_with_share(const Scene& scene, int64_t count, const Luminaires& lumin
     std::vector<int> both = split.emissive;
     both.insert(both.end(), split.other.begin(), split.other.end());
     std::sort(both.begin(), both.end());
-    fill(scene, AreaTable(scene, both), 0, strata, options, &out.samples);
+    fill(scene, AreaTable(scene, both, &repeated), 0, strata, options, &out.samples);
   }
   return out;
 }
 
 /// Misses no luminaire: what no stratum met, being small beside others, gets a point of its own.
 /// Only where that would take more than half of the points does chance decide.
-Drawn draw_with_all_luminaires(const Scene& scene, int64_t count, const SamplerOptions& options) {
+Drawn draw_with_all_luminaires(const Scene& scene, int64_t count, const RepeatedTriangles& repeated,
+                               const SamplerOptions& options) {
   const Luminaires luminaires = find_luminaires(scene);
   std::set<int> alone;
   for (;;) {
-    Drawn drawn = draw_with_share(scene, count, luminaires, alone, options);
+    Drawn drawn = draw_with_share(scene, count, luminaires, alone, repeated, options);
     const std::vector<int>& groups = drawn.samples.light_group;
     const std::set<int> met(groups.begin(), groups.end());
     std::set<int> more = alone;
@@ -209,8 +212,10 @@ SurfaceSamples sample_surface(const Scene& scene, int64_t count, const SamplerOp
   LTE_CHECK(options.environment_share >= 0 && options.environment_share < 1,
             "sample_surface: environment_share must be in [0, 1), got ", options.environment_share);
   const int64_t surface = surface_point_count(scene, count, options);
-  Drawn drawn = options.emissive_share > 0 ? draw_with_all_luminaires(scene, surface, options)
-                                           : draw_by_area(scene, surface, options);
+  const RepeatedTriangles repeated(scene);
+  Drawn drawn = options.emissive_share > 0
+                    ? draw_with_all_luminaires(scene, surface, repeated, options)
+                    : draw_by_area(scene, surface, repeated, options);
   const int64_t local = light_point_counts(scene, count, options).local;
   const auto area = static_cast<float>(drawn.area / static_cast<double>(surface + local));
   append_light_points(scene, count, area, options, &drawn.samples);

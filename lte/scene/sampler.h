@@ -42,7 +42,7 @@ struct SamplerOptions {
 /// Draws exactly `count` points, stratified over the total area in the order of instances, with one
 /// uniform variate a stratum, so that equal areas get equal numbers to within one. Lights that are
 /// no surface come last: point and spot lights, suns, the environment. The points are the same for
-/// any number of threads.
+/// any number of threads. Repeated triangles (repeated_triangles.h) count once.
 /// @throws lte::Error if the scene has no area, `count` < 1, or such lights leave no point to the
 ///         surfaces.
 SurfaceSamples sample_surface(const Scene& scene, int64_t count, const SamplerOptions& options);
@@ -51,7 +51,7 @@ SurfaceSamples sample_surface(const Scene& scene, int64_t count, const SamplerOp
 /// @throws lte::Error if lights that are no surface leave none.
 int64_t surface_point_count(const Scene& scene, int64_t count, const SamplerOptions& options);
 
-/// Total world area of a scene, m².
+/// Total world area of a scene, m²; repeated triangles count each time.
 double surface_area(const Scene& scene);
 
 }  // namespace lte::scene

@@ -63,6 +63,41 @@ TEST(Sampler, CountsFollowAreasToWithinOne) {
   for (size_t i = 0; i < 4; ++i) EXPECT_NEAR(counts[i], 100.0 * static_cast<double>(i + 1), 1.0);
 }
 
+TEST(Sampler, CountsATriangleOnceHoweverOftenItStandsThere) {
+  Scene scene = staircase(2), once = scene;
+  // The first quad, of 1 of 3 m², nine times more: in its mesh, turned by one corner, and moved to
+  // its place from somewhere else.
+  Mesh& mesh = scene.meshes[0];
+  const auto triangles = mesh.triangles;
+  for (int i = 0; i < 8; ++i)
+    for (const auto& [a, b, c] : triangles) mesh.triangles.push_back({b, c, a});
+  test::add_instance(&scene, test::quad_mesh({4, 0, 0}, {1, 0, 0}, {0, 1, 0}, 0),
+                     test::translation({-4, 0, 0}));
+  EXPECT_NEAR(surface_area(scene), 12, 1e-6);
+  for (const double share : {0.0, 0.1}) {
+    SamplerOptions options = plain();
+    options.emissive_share = share;
+    const SurfaceSamples samples = sample_surface(scene, 999, options);
+    EXPECT_NEAR(sum(samples.area), 3, 1e-3);
+    int low = 0;
+    for (const Vec3& p : samples.position) low += p.z < 0.5f ? 1 : 0;
+    EXPECT_NEAR(low, 333, 1);
+    const SurfaceSamples plain_samples = sample_surface(once, 999, options);
+    EXPECT_EQ(samples.position, plain_samples.position) << "as if they were not there";
+  }
+}
+
+TEST(Sampler, CountsBothSidesOfASheetAndEachOfTwoLamps) {
+  Scene scene = staircase(1);
+  Mesh back = scene.meshes[0];
+  for (auto& triangle : back.triangles) std::swap(triangle[0], triangle[1]);
+  test::add_instance(&scene, back);
+  EXPECT_NEAR(sum(sample_surface(scene, 10, plain()).area), 2, 1e-5);
+  Scene lamps = small_light();
+  test::add_quad(&lamps, {0, 0, 1}, {0.01f, 0, 0}, {0, 0.01f, 0}, 1);
+  EXPECT_NEAR(sum(sample_surface(lamps, 10, plain()).area), 10.0002, 1e-5);
+}
+
 TEST(Sampler, IsUniformOnATriangle) {
   // 16 congruent sub-triangles by a 4 x 4 subdivision: chi-square over independent runs of few
   // points each, so that stratification cannot hide a bias. 15 degrees of freedom: 99.9 % quantile

@@ -28,12 +28,13 @@ std::string shown(std::string_view word) {
 
 Statements::Statements(std::string_view text, std::string name)
     : text_(text), name_(std::move(name)) {
-  if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);  // a byte order mark
+  if (text_.starts_with("\xEF\xBB\xBF")) text_.remove_prefix(3);     // a byte order mark
+  if (text_.find('\n') == std::string_view::npos) line_end_ = '\r';  // of an old Macintosh
 }
 
 std::string_view Statements::line() {
   ++line_;
-  const size_t end = text_.find('\n');
+  const size_t end = text_.find(line_end_);
   std::string_view out = text_.substr(0, end);
   text_.remove_prefix(end == std::string_view::npos ? text_.size() : end + 1);
   if (!out.empty() && out.back() == '\r') out.remove_suffix(1);

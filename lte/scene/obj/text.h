@@ -40,6 +40,7 @@ class Statements {
   std::string_view text_, statement_;
   std::string name_, joined_;
   int64_t line_ = 0, first_line_ = 0;
+  char line_end_ = '\n';
 };
 
 /// The word as it may stand in a message: short, and of printable characters.

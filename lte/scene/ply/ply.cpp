@@ -154,6 +154,9 @@ class Reader {
         LTE_CHECK(has_vertices, name_, ": faces come before vertices");
         has_faces = true;
         read_faces(element);
+      } else if (element.name == "tristrips") {
+        LTE_CHECK(has_vertices, name_, ": triangle strips come before vertices");
+        read_strips(element);
       } else {
         skip(element);
       }
@@ -236,17 +239,52 @@ class Reader {
     }
   }
 
+  /// Stanford's strips: indices one after another, −1 between two strips.
+  void read_strips(const Element& element) {
+    for (int64_t i = 0; i < element.count; ++i) {
+      for (const Property& property : element.properties) {
+        if (property.is_list() && property.name == "vertex_indices") {
+          read_strip(property, i);
+        } else {
+          skip(property, i, element.name);
+        }
+      }
+    }
+  }
+
+  void read_strip(const Property& property, int64_t list) {
+    const size_t length = list_length(property, list, "triangle strip");
+    std::array<uint32_t, 2> last{};
+    int64_t place = 0;  // in its strip
+    for (size_t k = 0; k < length; ++k) {
+      const double index = body_.next(property.type);
+      if (index == -1) {
+        place = 0;
+        continue;
+      }
+      const uint32_t corner = checked_index(index, "triangle strip", list);
+      if (place >= 2) {
+        const bool turned = place % 2 == 1;
+        add_face(out_.faces++, {last[turned ? 1 : 0], last[turned ? 0 : 1], corner});
+      }
+      last = {last[1], corner};
+      ++place;
+    }
+  }
+
+  uint32_t checked_index(double index, const char* what, int64_t number) const {
+    LTE_CHECK(index >= 0 && index < static_cast<double>(out_.positions.size()) &&
+                  index == std::floor(index),
+              body_.where(), ": ", what, " ", number, ": index ", index, ", but there are ",
+              out_.positions.size(), " vertices");
+    return static_cast<uint32_t>(index);
+  }
+
   void read_corners(const Property& property, int64_t face, std::vector<uint32_t>* corners) {
     const size_t length = list_length(property, face, "face");
     corners->resize(length);
-    for (uint32_t& corner : *corners) {
-      const double index = body_.next(property.type);
-      LTE_CHECK(index >= 0 && index < static_cast<double>(out_.positions.size()) &&
-                    index == std::floor(index),
-                body_.where(), ": face ", face, ": index ", index, ", but there are ",
-                out_.positions.size(), " vertices");
-      corner = static_cast<uint32_t>(index);
-    }
+    for (uint32_t& corner : *corners)
+      corner = checked_index(body_.next(property.type), "face", face);
   }
 
   void add_face(int64_t face, const std::vector<uint32_t>& corners) {

@@ -61,6 +61,18 @@ TEST_F(Obj, ReadsATriangle) {
   EXPECT_THAT(scene.ignored, IsEmpty());
 }
 
+TEST_F(Obj, ReadsLinesThatEndAsOnAnOldMacintosh) {
+  const Scene scene = load("# a comment\rv 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r");
+  ASSERT_EQ(scene.meshes.size(), 1u);
+  EXPECT_THAT(scene.meshes[0].triangles, ElementsAre(Triangle{0, 1, 2}));
+  expect_error("v 0 0 0\rv 1 0 0\rv 0 x 0\r", "line 3", "expected a number");
+}
+
+TEST_F(Obj, RefusesASceneWithoutArea) {
+  expect_error("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\nf 1 1 2\n", "", "has area");
+  EXPECT_EQ(load(std::string(kTriangle) + "f 1 1 2\nf 1 2 3\n").triangle_count(), 2);
+}
+
 TEST_F(Obj, ReadsEveryFormOfCornerAndNumber) {
   const Scene scene = load(
       "v +0 0.0 -0 1.0\nv 1e0 0 0\nv 0 1.5E+0 1e-50\n"

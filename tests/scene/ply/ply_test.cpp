@@ -74,6 +74,26 @@ void expect_sample(const PlyMesh& mesh) {
   EXPECT_EQ(mesh.colors[2].z, 0);
 }
 
+std::string strips(const std::string& lists, const std::string& type = "int") {
+  return "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
+         "property float z\nelement tristrips 1\nproperty list int " +
+         type + " vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n" + lists;
+}
+
+TEST_F(Ply, ReadsStripsOfTriangles) {
+  // All fronts are towards +z; −1 begins another strip, and two corners make none.
+  const PlyMesh mesh = read(strips("12 0 1 2 3 4 -1 -1 3 -1 2 3 4\n"));
+  EXPECT_THAT(mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{2, 1, 3}, Triangle{2, 3, 4},
+                                          Triangle{2, 3, 4}));
+  EXPECT_EQ(mesh.faces, 4);
+  EXPECT_THAT(error(strips("3 0 1 5\n")), HasSubstr("triangle strip 0: index 5"));
+  EXPECT_THAT(error(strips("3 0 1 -2\n")), HasSubstr("index -2"));
+  EXPECT_THAT(error(strips("2 0 1\n")), HasSubstr("no faces"));
+  LoadLimits limits;
+  limits.triangles = 2;
+  EXPECT_THAT(error(strips("5 0 1 2 3 4\n"), limits), HasSubstr("beyond the limit"));
+}
+
 std::string ascii_sample() {
   std::string out = sample_header("ascii") + "45 2 7 8\n46 0\n";
   for (const char* p : {"0 0", "1 0", "1 1", "0 1", "0.5 2"})
