@@ -22,11 +22,10 @@ struct BilateralGuides {
 
 struct BilateralOptions {
   int passes = 5;  ///< taps reach 2 (2^passes − 1) pixels to each side
-  /// Passes that are left out at the beginning: for one after another.
-  int first_pass = 0;
   /// Standard errors by which luminance may differ: more smooths more. Infinite: the filter is
   /// linear, and shadows are smoothed away.
   float luminance_sigma = 4;
+  int first_pass = 0;  ///< passes that are left out before these: those of a picture that had them
 };
 
 /// @param noisy  [height, width, 3], finite
