@@ -25,8 +25,7 @@ struct BilateralOptions {
   /// Standard errors by which luminance may differ: more smooths more. Infinite: the filter is
   /// linear, and shadows are smoothed away.
   float luminance_sigma = 4;
-  /// Passes that are left out at the beginning: for one after another.
-  int first_pass = 0;
+  int first_pass = 0;  ///< passes that are left out before these: those of a picture that had them
 };
 
 /// @param noisy  [height, width, 3], finite

@@ -179,6 +179,15 @@ TEST(Bilateral, HasNoOtherNumbersThanItWasGiven) {
   EXPECT_EQ(bilateral_filter(one, point.guides()).pixels, one.pixels);
 }
 
+TEST(Bilateral, PassesByThemselvesAreThoseOfOneRun) {
+  const Wall wall(40, 30);
+  Image step_by_step = noise(40, 30, 0.1);
+  const Image at_once = bilateral_filter(step_by_step, wall.guides(), {3, kInfinity});
+  for (int pass = 0; pass < 3; ++pass)
+    step_by_step = bilateral_filter(step_by_step, wall.guides(), {1, kInfinity, pass});
+  EXPECT_EQ(step_by_step.pixels, at_once.pixels);
+}
+
 TEST(Bilateral, DoesNotDependOnThreads) {
   const Wall wall(70, 50);
   const Image light = noise(70, 50, 0.01);
