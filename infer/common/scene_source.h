@@ -28,8 +28,10 @@ void add_scene_options(CLI::App& app, SceneSource* source);
 void claim_scene(const SceneSource& source, CommandFiles* files);
 
 /// The scene as the flags want it.
+/// @param camera  a word that scene::find_cameras() reads: what --add-light auto gives light to;
+///                empty: the scene's first camera, or else the automatic one
 /// @throws lte::Error as load_scene(), and naming the flag
-scene::Scene load_source(const SceneSource& source);
+scene::Scene load_source(const SceneSource& source, const std::string& camera = "auto");
 
 /// Says what a scene is in a line of the log, and what of its file was ignored.
 void describe(const scene::Scene& scene, const std::string& path);

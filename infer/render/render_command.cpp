@@ -449,7 +449,8 @@ void run_render(const RenderRequest& request) {
   RenderSettings settings = settings_of(request);
   check_picture_fits(settings, available_memory_mb());
   const Timer total;
-  const scene::Scene scene = load_source(request);
+  const bool turns = request.turntable > 0 && request.camera.empty();  // from the automatic one on
+  const scene::Scene scene = load_source(request, turns ? "auto" : request.camera);
   describe(scene, request.scene);
   Renderer renderer(scene);
   std::vector<View> views = views_of(request, renderer.bvh());

@@ -8,27 +8,22 @@
 #include <vector>
 
 #include "lte/base/check.h"
-#include "lte/base/random.h"
 #include "lte/base/text.h"
 #include "lte/pathtrace/auto_camera.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/free_space.h"
+#include "lte/pathtrace/room_places.h"
 #include "lte/scene/import/environment_file.h"
 
 namespace lte::pathtrace {
 namespace {
 
-constexpr int kCandidates = 1024;
+constexpr int kEnoughPlaces = 256;  ///< so that a cupboard of 1 % of a house has some
 constexpr size_t kMostPanels = 64;
-constexpr float kRoomHeight = 2.5f;  ///< metres; lower scenes are scale models of such a room
 constexpr float kPanelSide = 0.3f, kPanelGap = 0.02f;
 constexpr float kWattsPerSquareMetre = 10;
-
-/// A place at eye height in a room.
-struct Place {
-  Vec3 eye;
-  float free_distance = 0;  ///< geometric mean of the distances around it
-};
+/// Of a room's height: what is open to a side counts as so far.
+constexpr float kOpenSide = 2;
 
 /// A panel's square, below a ceiling.
 struct Panel {
@@ -36,72 +31,38 @@ struct Panel {
   float side = 0, floor_area = 0;
 };
 
-/// Fills `free_distance`; false for a place in the open or inside a solid.
-bool is_enclosed(const Bvh& bvh, float far, Place* place) {
-  int hits = 0, fronts = 0;
-  float log_sum = 0;
-  for (int i = 0; i < kProbes; ++i) {
-    const Vec3 direction = probe_direction(i);
-    const Hit hit = bvh.intersect({place->eye, direction});
-    hits += hit.valid() ? 1 : 0;
-    fronts += hit.valid() && dot(hit.normal, direction) < 0 ? 1 : 0;
-    log_sum += std::log(std::max(hit.valid() ? hit.t : far, 1e-4f * far));
-  }
-  place->free_distance = std::exp(log_sum / kProbes);
-  return static_cast<float>(hits) >= kEnclosed * kProbes &&
-         static_cast<float>(fronts) >= kFronts * static_cast<float>(hits);
-}
-
-/// Enclosed places at eye height above floors, the widest first.
-std::vector<Place> find_places(const Bvh& bvh) {
-  const Bounds& bounds = bvh.bounds();
-  const Vec3 extent = bounds.extent();
-  const float unit = std::min(1.0f, extent.y / kRoomHeight), far = length(extent);
-  std::vector<Place> places;
-  if (!(unit > 0)) return places;
-  Rng rng(0, 0x1a3b);
-  for (int i = 0; i < kCandidates; ++i) {
-    const float x = rng.uniform(), y = rng.uniform(), z = rng.uniform();
-    const Vec3 start = bounds.low + Vec3{x * extent.x, y * extent.y, z * extent.z};
-    const float height = rng.uniform(1.2f, 1.7f) * unit;
-    const Hit floor = bvh.intersect({start, {0, -1, 0}});
-    if (!floor.valid() || std::abs(floor.normal.y) < 0.7f) continue;
-    if (floor.t < height && bvh.occluded({start, {0, 1, 0}, 0, height - floor.t})) continue;
-    Place place{start + Vec3{0, height - floor.t, 0}};
-    if (is_enclosed(bvh, far, &place)) places.push_back(place);
-  }
-  std::sort(places.begin(), places.end(),
-            [](const Place& a, const Place& b) { return a.free_distance > b.free_distance; });
-  return places;
-}
-
 /// The middle between what lies to both sides along an axis, and the distance of the two.
-float centre_between(const Bvh& bvh, const Vec3& from, int axis, float far, Vec3* middle) {
+float centre_between(const Bvh& bvh, const Vec3& from, int axis, float open, Vec3* middle) {
   Vec3 along{};
   along[axis] = 1;
   const Hit ahead = bvh.intersect({from, along}), behind = bvh.intersect({from, -along});
-  const float a = ahead.valid() ? ahead.t : far, b = behind.valid() ? behind.t : far;
+  const float a = ahead.valid() ? ahead.t : open, b = behind.valid() ? behind.t : open;
   (*middle)[axis] += (a - b) / 2;
   return a + b;
 }
 
-/// The panel of the room that has this place, if there is a ceiling above it.
-std::optional<Panel> hang_panel(const Bvh& bvh, const Place& place) {
-  const Hit above = bvh.intersect({place.eye, {0, 1, 0}}),
-            below = bvh.intersect({place.eye, {0, -1, 0}});
+/// Whether nothing stands between two points.
+bool sees(const Bvh& bvh, const Vec3& from, const Vec3& to) {
+  const Vec3 way = to - from;
+  const float distance = length(way);
+  return distance == 0 || !bvh.occluded({from, way / distance, 0, distance * 0.9999f});
+}
+
+/// The panel of the room around `eye`, if that has a floor, a ceiling and a room's height.
+std::optional<Panel> hang_panel(const Bvh& bvh, const Vec3& eye, float lowest) {
+  const Hit above = bvh.intersect({eye, {0, 1, 0}}), below = bvh.intersect({eye, {0, -1, 0}});
   if (!above.valid() || !below.valid()) return std::nullopt;
-  const float gap = kPanelGap * (above.t + below.t);
-  const Vec3 under = place.eye + Vec3{0, std::max(above.t - gap, above.t / 2), 0};
-  const float far = length(bvh.bounds().extent());
+  const float height = above.t + below.t;
+  if (height < lowest) return std::nullopt;
+  const float gap = kPanelGap * height;
+  const Vec3 under = eye + Vec3{0, std::max(above.t - gap, above.t / 2), 0};
   Panel panel{under};
-  const float x = centre_between(bvh, under, 0, far, &panel.center);
-  const float z = centre_between(bvh, under, 2, far, &panel.center);
+  const float x = centre_between(bvh, under, 0, kOpenSide * height, &panel.center);
+  const float z = centre_between(bvh, under, 2, kOpenSide * height, &panel.center);
   panel.side = kPanelSide * std::min(x, z);
   panel.floor_area = x * z;
   // In the middle the ceiling may hang lower, or the middle may not be in the room at all.
-  const Vec3 seen = panel.center - place.eye;
-  const float distance = length(seen);
-  if (distance > 0 && bvh.occluded({place.eye, seen / distance, 0, distance})) panel.center = under;
+  if (!sees(bvh, eye, panel.center)) panel.center = under;
   const Hit ceiling = bvh.intersect({panel.center, {0, 1, 0}});
   if (!ceiling.valid() || ceiling.t > 2 * gap) panel.center = under;
   const float half = std::min({std::abs(panel.center.x - bvh.bounds().low.x),
@@ -113,32 +74,40 @@ std::optional<Panel> hang_panel(const Bvh& bvh, const Place& place) {
   return panel;
 }
 
-bool sees(const Bvh& bvh, const Place& place, const Panel& panel) {
-  const Vec3 way = panel.center - place.eye;
-  const float distance = length(way);
-  return distance == 0 || !bvh.occluded({place.eye, way / distance, 0, distance * 0.9999f});
-}
-
-/// Whether anybody would stand in the scene, as the automatic camera judges: the hollow parts of an
-/// object are enclosed as well.
-bool has_rooms(const Bvh& bvh) {
-  if (bvh.bounds().empty()) return false;
-  const FreeSpace space = survey(bvh);
-  return open_side_view(bvh, space, 1) || inside_view(bvh, space, 0);
-}
-
-std::vector<Panel> find_panels(const scene::Scene& scene) {
-  const Bvh bvh(scene);
+/// What "auto" adds.
+struct Choice {
   std::vector<Panel> panels;
-  if (!has_rooms(bvh)) return panels;
-  for (const Place& place : find_places(bvh)) {
-    if (panels.size() == kMostPanels) break;
-    const bool lit = std::any_of(panels.begin(), panels.end(),
-                                 [&](const Panel& panel) { return sees(bvh, place, panel); });
-    if (lit) continue;
-    if (const std::optional<Panel> panel = hang_panel(bvh, place)) panels.push_back(*panel);
-  }
-  return panels;
+  bool environment = false;
+};
+
+/// Panels where the cameras stand, if that is in rooms, and an environment for those outside.
+/// Before an open box they stand outside, and see its inside.
+Choice choose_lights(const scene::Scene& scene, std::span<const scene::Camera> cameras) {
+  const Bvh bvh(scene);
+  Choice out{{}, true};
+  if (bvh.bounds().empty()) return out;
+  const FreeSpace space = survey(bvh);
+  std::vector<Vec3> inside;
+  for (const scene::Camera& camera : cameras)
+    if (is_enclosed(bvh, camera.origin)) inside.push_back(camera.origin);
+  const bool open_box = open_side_view(bvh, space, 1).has_value();
+  if (!cameras.empty() && inside.empty() && !open_box) return out;
+
+  const auto add = [&](const Vec3& eye, float lowest) {
+    if (out.panels.size() == kMostPanels) return;
+    for (const Panel& panel : out.panels)
+      if (sees(bvh, eye, panel.center)) return;
+    if (const std::optional<Panel> panel = hang_panel(bvh, eye, lowest))
+      out.panels.push_back(*panel);
+  };
+  std::vector<RoomPlace> places = find_room_places(bvh, space, 0, kEnoughPlaces);
+  std::sort(places.begin(), places.end(), [](const RoomPlace& a, const RoomPlace& b) {
+    return a.free_distance > b.free_distance;
+  });
+  for (const RoomPlace& place : places) add(place.eye, kLowestRoom * space.unit);
+  for (const Vec3& eye : inside) add(eye, 0);  // which may be in no room
+  out.environment = out.panels.empty() || (!open_box && inside.size() < cameras.size());
+  return out;
 }
 
 float panel_watts(const Panel& panel) { return kWattsPerSquareMetre * panel.floor_area; }
@@ -163,21 +132,21 @@ void add_panel(const Panel& panel, scene::Scene* scene) {
   scene->meshes.push_back(std::move(mesh));
 }
 
-std::string add_panels(scene::Scene* scene) {
-  const std::vector<Panel> panels = find_panels(*scene);
-  if (panels.empty()) {
-    if (scene->environment) return "nothing: there is no room, and the scene has an environment";
-    scene::set_environment("1,1,1", 0, scene);
-    return "an environment of radiance 1, as there is no room";
-  }
+std::string add_automatic(std::span<const scene::Camera> cameras, scene::Scene* scene) {
+  const Choice choice = choose_lights(*scene, cameras);
   std::string text;
-  for (const Panel& panel : panels) {
+  for (const Panel& panel : choice.panels) {
     add_panel(panel, scene);
     text += formatted("%sa panel of %.3g x %.3g m and %.3g W at %.3g %.3g %.3g",
                       text.empty() ? "" : "; ", panel.side, panel.side, panel_watts(panel),
                       panel.center.x, panel.center.y, panel.center.z);
   }
-  return text;
+  if (!choice.environment) return text;
+  const char* why = cameras.empty() ? "there is no room" : "it is seen from outside";
+  if (scene->environment && !text.empty()) return text;
+  if (scene->environment) return concat("nothing: ", why, ", and the scene has an environment");
+  scene::set_environment("1,1,1", 0, scene);
+  return concat(text, text.empty() ? "" : "; ", "an environment of radiance 1, as ", why);
 }
 
 std::optional<std::array<float, 4>> parse_numbers(const std::string& text) {
@@ -195,8 +164,9 @@ std::optional<std::array<float, 4>> parse_numbers(const std::string& text) {
 
 }  // namespace
 
-std::string add_light(const std::string& text, scene::Scene* scene) {
-  if (text == "auto") return add_panels(scene);
+std::string add_light(const std::string& text, std::span<const scene::Camera> cameras,
+                      scene::Scene* scene) {
+  if (text == "auto") return add_automatic(cameras, scene);
   const std::optional<std::array<float, 4>> numbers = parse_numbers(text);
   LTE_CHECK(numbers, "added light \"", text,
             "\": expected auto, or x,y,z,power: four numbers, metres and watts");

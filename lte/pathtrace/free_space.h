@@ -1,4 +1,5 @@
-// What the empty space of a scene looks like: how high its rooms are, on which sides it is open.
+// What the empty space of a scene looks like: how high its rooms are, on which sides it is open,
+// how much of it is rooms. The automatic camera, its turntable and added lights all ask here.
 #pragma once
 
 #include <array>
@@ -17,6 +18,13 @@ struct FreeSpace {
   /// Share of front faces in what is seen from outside: 1 for objects and whole houses, 0 for a
   /// room that is nothing but its inner side.
   float outward = 0;
+  /// What counts as a metre at eye height. Scenes lower than a room are taken for scale models,
+  /// and rooms of more than 60 units are not in metres.
+  float unit = 1;
+  /// Share of what has a roof where a person could stand under it: a level floor, 1.8 units of
+  /// height or more, 0.3 of free space all round, walls. Half for a furnished house. The hollow
+  /// parts of a machine are not so.
+  float standing = 0;
 
   float below() const { return open[2]; }
   float above() const { return open[3]; }
@@ -24,6 +32,11 @@ struct FreeSpace {
   bool surrounded() const;
   /// Whether all six sides are.
   bool closed() const;
+  /// Whether those outside see front faces, as of objects and whole houses.
+  bool shows_outside() const { return outward > 0.5f; }
+  /// Whether its hollows are rooms. What shows no outside is nothing but rooms; what does needs
+  /// places to stand.
+  bool has_rooms() const;
 };
 
 /// Shares above kOpen are an open side, below kClosed a closed one. Furniture stops rays on their
@@ -36,8 +49,17 @@ inline constexpr float kOpen = 0.6f, kClosed = 0.15f;
 inline constexpr int kProbes = 48;
 inline constexpr float kEnclosed = 0.7f, kFronts = 0.1f;
 
+/// Units: rooms are not lower.
+inline constexpr float kLowestRoom = 1.8f;
+/// Share of what has a roof: less is no house. A machine has 0.03, a house on its side 0.26.
+inline constexpr float kStanding = 0.1f;
+
 /// Evenly spread over the sphere (a Fibonacci lattice). @param i  0 to kProbes - 1, from the top
 Vec3 probe_direction(int i);
+
+/// Whether a place is in a room, or in another hollow: kEnclosed of the directions meet something,
+/// and not all of it from behind.
+bool is_enclosed(const Bvh& bvh, const Vec3& place);
 
 /// Looks at a few hundred points of the bounding box. Deterministic.
 FreeSpace survey(const Bvh& bvh);

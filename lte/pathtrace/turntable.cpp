@@ -8,22 +8,6 @@
 namespace lte::pathtrace {
 namespace {
 
-constexpr int kProbes = 64;
-/// Share of directions in which an enclosed place meets something: rooms have windows and doors.
-constexpr float kEnclosed = 0.7f;
-
-/// Whether most of the directions around a place meet something.
-bool is_enclosed(const Bvh& bvh, const Vec3& place) {
-  int hits = 0;
-  for (int i = 0; i < kProbes; ++i) {  // a Fibonacci lattice of directions
-    const float y = 1 - 2 * (static_cast<float>(i) + 0.5f) / kProbes;
-    const float radius = std::sqrt(std::max(0.0f, 1 - y * y));
-    const float phi = 2.39996323f * static_cast<float>(i);
-    hits += bvh.occluded({place, {radius * std::cos(phi), y, radius * std::sin(phi)}}) ? 1 : 0;
-  }
-  return static_cast<float>(hits) >= kEnclosed * kProbes;
-}
-
 Turn choose_turn(const Bvh& bvh, const Vec3& origin) {
   if (bvh.bounds().empty()) return Turn::Around;
   if (is_enclosed(bvh, origin)) return Turn::LookRound;

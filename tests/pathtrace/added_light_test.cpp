@@ -1,12 +1,15 @@
 // Luminaires that are added to scenes.
 #include "lte/pathtrace/added_light.h"
 
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "lte/base/check.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/pathtrace/lights.h"
+#include "tests/support/machine.h"
 #include "tests/support/scenes.h"
 
 namespace lte::pathtrace {
@@ -89,6 +92,60 @@ TEST(AddedLight, AHollowObjectGetsAnEnvironmentAndNoPanelInside) {
   scene::Scene scene = test::vessel();
   EXPECT_THAT(add_light("auto", &scene), HasSubstr("environment of radiance 1"));
   EXPECT_TRUE(scene.environment.has_value());
+}
+
+scene::Camera camera_at(const Vec3& origin) {
+  scene::Camera camera;
+  camera.origin = origin;
+  camera.target = {2, 1, 1};
+  return camera;
+}
+
+TEST(AddedLight, IsWhereTheCamerasStand) {
+  const scene::Camera within = camera_at({1, 1.5f, 1}), outside = camera_at({9, 4, 9});
+  scene::Scene seen_from_outside = dark_rooms(1);
+  EXPECT_EQ(add_light("auto", std::vector{outside}, &seen_from_outside),
+            "an environment of radiance 1, as it is seen from outside");
+  EXPECT_EQ(seen_from_outside.instances.size(), 1u) << "no panel";
+  scene::Scene seen_from_within = dark_rooms(1);
+  add_light("auto", std::vector{within}, &seen_from_within);
+  EXPECT_EQ(seen_from_within.instances.size(), 2u);
+  EXPECT_FALSE(seen_from_within.environment.has_value());
+  scene::Scene from_both = dark_rooms(1);
+  add_light("auto", std::vector{outside, within}, &from_both);
+  EXPECT_EQ(from_both.instances.size(), 2u);
+  EXPECT_TRUE(from_both.environment.has_value());
+}
+
+TEST(AddedLight, ABoxThatIsOpenToTheCameraHasItsPanelInside) {
+  scene::Scene scene = dark_rooms(1);
+  scene.meshes[0].triangles.resize(10);  // without the side towards +z
+  add_light("auto", std::vector{camera_at({2, 1.2f, 9})}, &scene);
+  EXPECT_EQ(scene.instances.size(), 2u);
+  EXPECT_FALSE(scene.environment.has_value());
+}
+
+TEST(AddedLight, ACameraInAHollowThatIsNoRoomHasAPanelThere) {
+  scene::Scene scene = test::vessel();
+  const std::string said = add_light("auto", std::vector{camera_at({5, -10, 3})}, &scene);
+  EXPECT_THAT(said, HasSubstr("panel"));
+  EXPECT_FALSE(scene.environment.has_value());
+}
+
+TEST(AddedLight, AMachineWithAFewHollowsIsNoHouse) {
+  scene::Scene scene = test::machine();
+  EXPECT_EQ(add_light("auto", &scene), "an environment of radiance 1, as there is no room");
+  EXPECT_EQ(scene.light_groups.size(), 1u);
+}
+
+/// What hangs in the gap between two ceilings would light nobody.
+TEST(AddedLight, HangsNoPanelWhereNobodyCouldStand) {
+  scene::Scene scene = dark_rooms(1);
+  const int white = 0;
+  test::add_instance(&scene, test::box_mesh({0, 2.6f, 0}, {4, 3.4f, 3}, white, true));
+  add_light("auto", &scene);
+  ASSERT_EQ(scene.light_groups.size(), 1u);
+  EXPECT_LT(bounds_of(scene, scene.instances.back()).high.y, 2.5f);
 }
 
 TEST(AddedLight, APointLightSendsItsWattsEvenly) {

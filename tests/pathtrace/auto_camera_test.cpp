@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "lte/pathtrace/render.h"
+#include "tests/support/machine.h"
 #include "tests/support/scenes.h"
 
 namespace lte::pathtrace {
@@ -228,6 +229,31 @@ TEST(AutoCamera, SeesAVesselFromOutside) {
   const scene::Scene scene = test::vessel();
   const Bvh bvh(scene);
   EXPECT_GT(length(auto_camera(bvh).origin), 41);
+}
+
+TEST(AutoCamera, SeesAMachineFromOutside) {
+  const scene::Scene scene = test::machine();
+  const Bvh bvh(scene);
+  EXPECT_FALSE(is_within(auto_camera(bvh).origin, bvh.bounds()));
+  const FreeSpace space = survey(bvh);
+  EXPECT_GT(space.outward, 0.9f);
+  EXPECT_GT(space.standing, 0.0f) << "one could stand in its cells";
+  EXPECT_FALSE(space.has_rooms());
+}
+
+TEST(FreeSpace, MeasuresWhereOneCouldStand) {
+  scene::Scene scene;
+  const int white = add_material(&scene, {0.7f, 0.7f, 0.7f});
+  add_instance(&scene, test::box_mesh({0, 0, 0}, {8, 2.5f, 5}, white, true));
+  EXPECT_NEAR(survey(Bvh(scene)).standing, 7.4 * 4.4 / 40, 0.05) << "0.3 m from the walls";
+  // A wardrobe that reaches the ceiling takes its floor and 0.3 m around it.
+  add_instance(&scene, test::box_mesh({3, 0, 0}, {5, 2.5f, 2.5f}, white, false));
+  EXPECT_NEAR(survey(Bvh(scene)).standing, (7.4 * 4.4 - 2.6 * 2.5) / 40, 0.05);
+  scene::Scene low;
+  add_material(&low, {0.7f, 0.7f, 0.7f});
+  add_instance(&low, test::box_mesh({0, 0, 0}, {8, 1.2f, 5}, white, true));
+  add_instance(&low, test::box_mesh({0, 1.3f, 0}, {8, 2.5f, 5}, white, true));
+  EXPECT_EQ(survey(Bvh(low)).standing, 0) << "two layers that are too low";
 }
 
 TEST(AutoCamera, PrefersTheRoomWithTheLamp) {
