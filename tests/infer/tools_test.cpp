@@ -340,6 +340,26 @@ TEST_F(Tools, ALightThatIsAddedLightsADarkScene) {
   EXPECT_EQ(render("--validate-only --add-light auto").code, 0);
 }
 
+TEST_F(Tools, ALightThatIsAddedByItselfIsWhereTheCameraStands) {
+  const auto added = [&](const std::string& flags) {
+    return run_tool("lte_render", at("room.glb") +
+                                      " --validate-only --add-light auto --checkpoint " +
+                                      at("tiny.safetensors") + " " + flags)
+        .text;
+  };
+  const std::string panel = "added a panel", sky = "added an environment";
+  EXPECT_THAT(added(""), AllOf(HasSubstr(panel), testing::Not(HasSubstr("environment of"))))
+      << "the first";
+  EXPECT_THAT(added("--camera outside"), AllOf(HasSubstr(sky), testing::Not(HasSubstr(panel))));
+  EXPECT_THAT(added("--camera 1"), HasSubstr(sky));
+  EXPECT_THAT(added("--camera auto"), HasSubstr(panel));
+  EXPECT_THAT(added("--camera all --out " + at("%d.png")),
+              AllOf(HasSubstr(panel), HasSubstr("an environment of radiance 1")));
+  expect_failure(run_tool("lte_render", at("room.glb") + " --validate-only --add-light auto" +
+                                            " --camera nobody"),
+                 1, HasSubstr("nobody"));
+}
+
 TEST_F(Tools, APictureThatDoesNotFitIsRefusedBeforeAnyWork) {
   const auto run = [](const std::string& size, const std::string& rest) {
     return run_tool("lte_render", at("room.glb") + " --quiet --checkpoint " +
