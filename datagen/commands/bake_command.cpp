@@ -9,6 +9,7 @@
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/cli/cli.h"
+#include "lte/cli/writable.h"
 #include "lte/scene/load_camera.h"
 
 namespace lte::datagen {
@@ -39,6 +40,8 @@ void run_bake(BakeFlags flags) {
   files.check();
   apply_common_options(flags.common);
   check_bake_options(flags.bake);
+  check_writable(flags.out);
+  check_writable(flags.common.json);
   const scene::Scene scene = load_and_report(flags.scene, flags.options);
   set_cameras(flags, scene, &flags.bake);
   files.check_what_was_read();

@@ -9,6 +9,7 @@
 #include "lte/base/timer.h"
 #include "lte/cli/cli.h"
 #include "lte/cli/progress.h"
+#include "lte/cli/writable.h"
 #include "lte/pathtrace/probe.h"
 
 namespace lte::datagen {
@@ -44,6 +45,8 @@ void run_probe(ProbeFlags* flags) {
   files.writes_common(flags->common);
   files.check();
   apply_common_options(flags->common);
+  check_writable(flags->out);
+  check_writable(flags->common.json);
   const scene::Scene scene = load_and_report(flags->scene, flags->options);
   files.check_what_was_read();
   if (flags->validate_only) {

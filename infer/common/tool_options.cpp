@@ -1,17 +1,13 @@
 #include "infer/common/tool_options.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
 #include <utility>
 #include <vector>
-
-#include <unistd.h>
 
 #include "infer/common/memory.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
+#include "lte/cli/writable.h"
 #include "lte/nn/device.h"
 #include "lte/runtime/device.h"
 #include "lte/runtime/refusal.h"
@@ -107,15 +103,6 @@ int run_network_tool(CLI::App& app, int argc, char** argv, const std::function<v
   });
 }
 
-void check_writable(const std::string& path) {
-  if (path.empty()) return;
-  const std::filesystem::path parent = std::filesystem::path(path).parent_path();
-  const std::string folder = parent.empty() ? "." : parent.string();
-  LTE_CHECK(!std::filesystem::is_directory(path), path, ": cannot be written: is a folder");
-  LTE_CHECK(::access(folder.c_str(), W_OK) == 0, path,
-            ": cannot be written: ", std::strerror(errno));
-  LTE_CHECK(std::filesystem::is_directory(folder), path, ": cannot be written: ", folder,
-            " is not a folder");
-}
+void check_writable(const std::string& path) { lte::check_writable(path); }
 
 }  // namespace lte::infer

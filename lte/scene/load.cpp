@@ -43,8 +43,8 @@ Scene load_scene(const std::filesystem::path& path, const LoadLimits& limits) tr
     SceneFiles files(path, limits);
     Scene scene = import(&files);
     check_numbers(path.string(), scene);
-    LTE_CHECK(scene.instances.empty() || has_area(scene), path.string(), ": none of its ",
-              scene.triangle_count(), " triangles has area");
+    LTE_CHECK(scene.instances.empty() || has_area(scene), path.string(),
+              ": no triangle has area, of ", scene.triangle_count());
     scene.name = file.substr(0, file.size() - extension.size());  // "room" of "room.pbrt.gz"
     return scene;
   }

@@ -127,7 +127,7 @@ Json vector_json(const Vec3& v) { return {shortest(v.x), shortest(v.y), shortest
 std::string camera_names(const Scene& scene) {
   constexpr size_t kListed = 12;
   if (scene.cameras.empty()) return "the scene has no cameras";
-  std::string text = "the scene has ";
+  std::string text = "the scene's are ";
   for (size_t i = 0; i < scene.cameras.size() && i < kListed; ++i)
     text += concat(i > 0 ? ", " : "", i, " \"", scene.cameras[i].name, "\"");
   if (scene.cameras.size() > kListed)

@@ -105,8 +105,8 @@ TEST_F(FindCameras, ByNameByIndexAllAndFromAFile) {
 }
 
 TEST_F(FindCameras, UnknownOnesAreAnsweredWithTheList) {
-  EXPECT_THAT(refusal("kitchn"),
-              AllOf(HasSubstr("0 \"kitchen\", 1 \"hall\""), HasSubstr("did you mean \"kitchen\"")));
+  EXPECT_THAT(refusal("kitchn"), AllOf(HasSubstr("the scene's are 0 \"kitchen\", 1 \"hall\""),
+                                       HasSubstr("did you mean \"kitchen\"")));
   EXPECT_THAT(refusal("4"), HasSubstr("0 \"kitchen\""));
   EXPECT_THAT(refusal("-1"), HasSubstr("0 \"kitchen\""));
   EXPECT_THAT(refusal("hall"), AllOf(HasSubstr("2 cameras"), HasSubstr("index, such as 1")));

@@ -103,6 +103,21 @@ TEST_F(DatagenFiles, NoOutputReplacesAnInputOrAnotherOutput) {
   }
 }
 
+TEST_F(DatagenFiles, WhatCannotBeWrittenIsRefusedBeforeTheWork) {
+  fs::create_directory("folder");
+  const auto before = folder_files(".");
+  const std::string bake = "bake room.glb --queries 1000 --rays 64 --out ";
+  const std::string probe = "probe room.glb --points points.csv --rays 64 --out ";
+  for (const std::string& work : {bake, probe}) {
+    SCOPED_TRACE(work);
+    expect_one_line(run(work + "folder"), 1, {"folder", "cannot be written", "is a folder"});
+    expect_one_line(run(work + "none/a.out"), 1, {"none/a.out", "cannot be written"});
+    expect_one_line(run(work + "points.csv/a.out"), 1, {"points.csv/a.out", "cannot be written"});
+    expect_one_line(run(work + "a.out --json folder"), 1, {"folder", "cannot be written"});
+    EXPECT_EQ(folder_files("."), before);
+  }
+}
+
 TEST_F(DatagenFiles, FilesThatAnInputNamesAreInputs) {
   const auto before = folder_files(".");
   for (const std::string line :
