@@ -22,8 +22,10 @@ constexpr int kEnoughPlaces = 256;  ///< so that a cupboard of 1 % of a house ha
 constexpr size_t kMostPanels = 64;
 constexpr float kPanelSide = 0.3f, kPanelGap = 0.02f;
 constexpr float kWattsPerSquareMetre = 10;
-/// Of a room's height: what is open to a side counts as so far.
+/// Of a room's height: what is open to a side counts as so far, or as far as the scene reaches.
 constexpr float kOpenSide = 2;
+/// Of an open box's height: above what stands in it.
+constexpr float kUpInABox = 0.8f;
 
 /// A panel's square, below a ceiling.
 struct Panel {
@@ -36,7 +38,9 @@ float centre_between(const Bvh& bvh, const Vec3& from, int axis, float open, Vec
   Vec3 along{};
   along[axis] = 1;
   const Hit ahead = bvh.intersect({from, along}), behind = bvh.intersect({from, -along});
-  const float a = ahead.valid() ? ahead.t : open, b = behind.valid() ? behind.t : open;
+  const Bounds& bounds = bvh.bounds();
+  const float a = ahead.valid() ? ahead.t : std::min(open, bounds.high[axis] - from[axis]);
+  const float b = behind.valid() ? behind.t : std::min(open, from[axis] - bounds.low[axis]);
   (*middle)[axis] += (a - b) / 2;
   return a + b;
 }
@@ -106,6 +110,10 @@ Choice choose_lights(const scene::Scene& scene, std::span<const scene::Camera> c
   });
   for (const RoomPlace& place : places) add(place.eye, kLowestRoom * space.unit);
   for (const Vec3& eye : inside) add(eye, 0);  // which may be in no room
+  if (open_box) {                              // nor is a box that is lower than one
+    const Bounds& box = bvh.bounds();
+    add({box.center().x, box.low.y + kUpInABox * box.extent().y, box.center().z}, 0);
+  }
   out.environment = out.panels.empty() || (!open_box && inside.size() < cameras.size());
   return out;
 }

@@ -118,11 +118,19 @@ TEST(AddedLight, IsWhereTheCamerasStand) {
 }
 
 TEST(AddedLight, ABoxThatIsOpenToTheCameraHasItsPanelInside) {
-  scene::Scene scene = dark_rooms(1);
-  scene.meshes[0].triangles.resize(10);  // without the side towards +z
-  add_light("auto", std::vector{camera_at({2, 1.2f, 9})}, &scene);
-  EXPECT_EQ(scene.instances.size(), 2u);
-  EXPECT_FALSE(scene.environment.has_value());
+  for (const float scale : {1.0f, 0.2f}) {  // Cornell's is lower than a room
+    scene::Scene scene = dark_rooms(1);
+    scene.meshes[0].triangles.resize(10);  // without the side towards +z
+    scene.instances[0].to_world = test::scaling({scale, scale, scale});
+    add_light("auto", std::vector{camera_at(Vec3{2, 1.2f, 9} * scale)}, &scene);
+    ASSERT_EQ(scene.instances.size(), 2u);
+    EXPECT_FALSE(scene.environment.has_value());
+    const Bounds panel = bounds_of(scene, scene.instances[1]);
+    const Vec3 center = panel.center() / scale;
+    EXPECT_NEAR(center.x, 2, 1e-3f);
+    EXPECT_NEAR(center.y, 2.45f, 1e-2f);
+    EXPECT_NEAR(center.z, 1.5f, 1e-3f) << "in the middle of the box, its open side included";
+  }
 }
 
 TEST(AddedLight, ACameraInAHollowThatIsNoRoomHasAPanelThere) {
