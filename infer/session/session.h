@@ -34,8 +34,8 @@ namespace lte::infer {
 
 struct SessionSettings {
   EmbedSettings embedding;  ///< of every encoding
-  /// Ask the network for indirect light in a scene with a sun that it was not trained with; without,
-  /// paths answer there (RenderSettings::spp of them a pixel).
+  /// Ask the network for indirect light in a scene with a sun that it was not trained with;
+  /// without, paths answer there (RenderSettings::spp of them a pixel).
   bool untrained_light = false;
   int undo_steps = 100;  ///< that are kept
 };
@@ -144,6 +144,8 @@ class SessionState {
   void write_glb(const std::filesystem::path& path) const;
 
   struct Parts;  ///< infer/session/state.h
+  /// For what belongs to sessions.
+  const Parts& parts() const { return *parts_; }
 
  private:
   friend class Session;

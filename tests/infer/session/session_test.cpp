@@ -5,10 +5,13 @@
 #include <atomic>
 #include <cmath>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "infer/session/dimmable_picture.h"
 #include "lte/base/check.h"
 #include "lte/base/random.h"
 #include "lte/pathtrace/gbuffer.h"
@@ -27,9 +30,9 @@ using test::furnished_room;
 using test::rotation;
 using test::translation;
 
-runtime::Network network(nn::LightInput input = nn::LightInput::Traced, bool suns = false) {
+runtime::Network network(nn::LightInput input = nn::LightInput::Traced, bool pruned = false) {
   const test::TempDir folder;
-  test::save_tiny_model(folder / "tiny.safetensors", {.suns = suns, .light_input = input});
+  test::save_tiny_model(folder / "tiny.safetensors", {.pruned = pruned, .light_input = input});
   return runtime::Network(folder / "tiny.safetensors");
 }
 
@@ -170,7 +173,8 @@ TEST(Session, AnswersAreLinearInGainAndColorByChannel) {
   const std::vector<Rgb> dark = at(0, {1, 1, 1}), full = at(1, {1, 1, 1});
   const double scale = mean_of(full);
   ASSERT_GT(largest_difference(dark, full), 0.1 * scale);
-  for (const auto& [gain, color] : {std::pair<double, Rgb>{0.5, {1, 1, 1}}, {3, {1, 0.5f, 0.1f}}}) {
+  const std::vector<std::pair<double, Rgb>> lights = {{0.5, {1, 1, 1}}, {3, {1, 0.5f, 0.1f}}};
+  for (const auto& [gain, color] : lights) {
     std::vector<Rgb> law;
     const Rgb factor = color * static_cast<float>(gain);
     for (size_t i = 0; i < dark.size(); ++i) law.push_back(dark[i] + (full[i] - dark[i]) * factor);
@@ -203,7 +207,7 @@ TEST(Session, AnswersAreThoseOfAFreshSession) {
   test::add_point_light(&room, {1, 2, 1}, {1, 2, 3});
   const Points points(room);
   for (const nn::LightInput input : {nn::LightInput::Emission, nn::LightInput::Traced}) {
-    Session session(room, network(input));
+    Session session(room, network(input, /*pruned=*/input == nn::LightInput::Traced));
     const auto expect_fresh = [&](const char* what) {
       EXPECT_EQ(session.change_against_fresh(points.queries()).largest, 0) << what;
     };
@@ -221,7 +225,9 @@ TEST(Session, AnswersAreThoseOfAFreshSession) {
     expect_fresh("one lamp less");
     session.apply(RemoveInstance{added.added_instances.at(0)});
     expect_fresh("the other gone again");
-    session.apply(SetEnvironment{scene::Environment{{0.2f, 0.3f, 0.4f}}});
+    scene::Environment sky;
+    sky.radiance = {0.2f, 0.3f, 0.4f};
+    session.apply(SetEnvironment{sky});
     expect_fresh("a sky");
     while (session.undo()) expect_fresh("undone");
   }
@@ -389,6 +395,34 @@ TEST(Session, NamesLeadToNumbersOrToTheNearestName) {
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("did you mean \"light"));
   }
+}
+
+/// The sum of pictures by luminaire is the picture that all give together, but for the noise of
+/// direct light, of which rays leave none here.
+TEST(DimmablePicture, SumsWhatLuminairesGiveOneByOne) {
+  Session session(furnished_room(), network());
+  session.apply(SetLight{0, 0.5, {}});
+  for (const Output output : {Output::Gi, Output::Irradiance, Output::Full}) {
+    RenderSettings settings = picture(output);
+    settings.direct_samples = 1024;
+    const DimmablePicture dimmable(session.state(), camera(), settings);
+    session.apply(SetLight{0, 0.8, Rgb{1, 0.3f, 0.1f}}, true);
+    ASSERT_TRUE(dimmable.fits(*session.state()));
+    const Frame sum = dimmable.picture(*session.state());
+    const Frame whole = session.state()->render(camera(), settings);
+    double difference = 0, mean = 0;
+    for (size_t i = 0; i < whole.color.pixels.size(); ++i) {
+      difference += std::fabs(double{sum.color.pixels[i]} - whole.color.pixels[i]);
+      mean += std::fabs(double{whole.color.pixels[i]});
+    }
+    EXPECT_LT(difference, (output == Output::Full ? 0.02 : 1e-5) * mean);
+    EXPECT_EQ(sum.depth.pixels, whole.depth.pixels);
+  }
+  const DimmablePicture dimmable(session.state(), camera(), picture(Output::Direct));
+  session.apply(SetLight{1, 0.5, {}});
+  EXPECT_FALSE(dimmable.fits(*session.state())) << "another luminaire is apart now";
+  EXPECT_THROW(dimmable.picture(*session.state()), Error);
+  EXPECT_THROW(DimmablePicture(session.state(), camera(), picture(Output::Normal)), Error);
 }
 
 /// Each state's picture is its own, whatever edits come meanwhile.
