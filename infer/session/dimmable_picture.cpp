@@ -69,7 +69,7 @@ Frame DimmablePicture::picture(const SessionState& state) const {
   const std::vector<std::vector<int>> groups = partition(draft);
   for (size_t i = 0; i < groups.size(); ++i) {
     const LightSetting& setting = draft.settings[static_cast<size_t>(groups[i].front())];
-    add_scaled(layers_[i].color, setting.touched ? setting.scale() : Rgb{1, 1, 1}, &out.color);
+    add_scaled(layers_[i].color, setting.scale(), &out.color);
   }
   return out;
 }

@@ -72,7 +72,7 @@ void add_layers(const std::vector<std::vector<int>>& partition, const SessionSta
       ++report->encodings;
     }
     const LightSetting& setting = draft.settings[static_cast<size_t>(groups.front())];
-    parts->layers.push_back({std::move(layer), setting.touched ? setting.scale() : Rgb{1, 1, 1}});
+    parts->layers.push_back({std::move(layer), setting.scale()});
   }
   report->layers = static_cast<int>(parts->layers.size());
 }
