@@ -13,7 +13,8 @@ constexpr double kEmissiveShare = 0.1;
 }  // namespace
 
 scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t count, bool prune,
-                                          uint64_t seed, pathtrace::PruneCounts* counts) {
+                                          uint64_t seed, pathtrace::PruneCounts* counts,
+                                          const pathtrace::ReachRecall& recall) {
   scene::SamplerOptions sampler;
   sampler.seed = seed;
   sampler.emissive_share = kEmissiveShare;
@@ -21,7 +22,7 @@ scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t cou
   const pathtrace::ReachOptions reach{pathtrace::ReachOptions().max_depth, seed};
   pathtrace::PruneCounts ignored;
   return pathtrace::sample_reached_surface(bvh, count, sampler, pathtrace::Sides::Either, reach,
-                                           counts != nullptr ? counts : &ignored);
+                                           recall, counts != nullptr ? counts : &ignored);
 }
 
 data::GroupedLight light_to_read(const pathtrace::LightEstimates& light,

@@ -9,6 +9,7 @@
 #include "lte/pathtrace/light_estimates.h"
 #include "lte/pathtrace/lights.h"
 #include "lte/pathtrace/reach.h"
+#include "lte/pathtrace/reach_memory.h"
 #include "lte/runtime/network.h"
 #include "lte/scene/sampler.h"
 
@@ -17,8 +18,10 @@ namespace lte::infer {
 /// Draws the points that describe a scene to the network, as every tool does.
 /// @param prune   draw them only where light reaches
 /// @param counts  what was pruned; may be null
+/// @param recall  what is known of where light reaches
 scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t count, bool prune,
-                                          uint64_t seed, pathtrace::PruneCounts* counts);
+                                          uint64_t seed, pathtrace::PruneCounts* counts,
+                                          const pathtrace::ReachRecall& recall = {});
 
 /// Owns what ScenePoints borrows.
 struct LitSamples {

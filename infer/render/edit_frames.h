@@ -17,8 +17,8 @@
 
 namespace lte::infer {
 
-/// The views of a script's frames: one camera for all, or one each. Rehearses
-/// the script, too.
+/// The views of a script's frames: one camera for all, or one each. Rehearses the script, too.
+///
 /// @param views    of the command line
 /// @param pattern  --out, with %d or %04d in it
 /// @throws lte::Error as rehearse(), and if there are several cameras, but not one a frame, or

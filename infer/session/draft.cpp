@@ -240,6 +240,41 @@ bool same_points(const Draft& a, const Draft& b) {
          all_same(a.settings, b.settings, same_id);
 }
 
+Bounds placed_bounds(const scene::Mesh& mesh, const Affine& to_world) {
+  Bounds bounds;
+  for (const auto& triangle : mesh.triangles) {
+    for (const uint32_t corner : triangle) bounds.extend(to_world.point(mesh.positions[corner]));
+  }
+  return bounds;
+}
+
+std::optional<std::vector<Bounds>> changed_places(const scene::Scene& base, const Draft& before,
+                                                  const Draft& now) {
+  const auto same_role = [](const scene::Instance& a, const scene::Instance& b) {
+    return a.mesh == b.mesh && a.light_group == b.light_group;
+  };
+  const auto same_reflection = [](const scene::Material& a, const scene::Material& b) {
+    return (max_component(a.base_color) > 0) == (max_component(b.base_color) > 0) &&
+           a.emission == b.emission;
+  };
+  if (before.meshes != now.meshes || !all_same(before.instances, now.instances, same_role) ||
+      !all_same(before.materials, now.materials, same_reflection) ||
+      !all_same(before.lights, now.lights, same_light) ||
+      !same_environment(before.environment, now.environment) ||
+      before.settings.size() != now.settings.size())
+    return std::nullopt;
+  std::vector<Bounds> out;
+  for (size_t i = 0; i < now.instances.size(); ++i) {
+    const scene::Instance &a = before.instances[i], &b = now.instances[i];
+    if (same_instance(a, b)) continue;
+    if (a.light_group != kNone) return std::nullopt;
+    const int mesh = now.meshes[static_cast<size_t>(a.mesh)].base;
+    for (const Affine& place : {a.to_world, b.to_world})
+      out.push_back(placed_bounds(base.meshes[static_cast<size_t>(mesh)], place));
+  }
+  return out;
+}
+
 size_t index_of(const std::vector<Label>& labels, int id, const char* what) {
   const auto found = std::find_if(labels.begin(), labels.end(),
                                   [&](const Label& label) { return label.id == id; });

@@ -78,6 +78,14 @@ bool same_geometry(const Draft& a, const Draft& b);
 /// Whether, in addition, colours and unscaled light are the same: what scene points depend on.
 bool same_points(const Draft& a, const Draft& b);
 
+/// Where surfaces are gone or new, world, if nothing but that and colours differs: no luminaire has
+/// moved, come or gone, and no surface has become black or ceased to be.
+std::optional<std::vector<Bounds>> changed_places(const scene::Scene& base, const Draft& before,
+                                                  const Draft& now);
+
+/// World bounds of an instance of a mesh.
+Bounds placed_bounds(const scene::Mesh& mesh, const Affine& to_world);
+
 /// The index of the entry of this number.
 /// @param what  for the message @throws lte::Error if there is none
 size_t index_of(const std::vector<Label>& labels, int id, const char* what);

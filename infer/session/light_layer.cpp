@@ -92,13 +92,15 @@ data::PointLight sum_of(const pathtrace::LightEstimates& light, size_t points,
 
 GroupedPoints draw_points(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                           const runtime::Network& network, const EmbedSettings& settings,
-                          EditReport* report) {
+                          const PointsBefore& before, EditReport* report) {
   const nn::ModelMetadata& model = network.metadata();
   const int64_t count = settings.scene_points > 0 ? settings.scene_points : model.scene_points;
   const bool prune = settings.prune.value_or(model.scene_points_pruned);
   GroupedPoints out;
   Timer timer;
-  out.surface = sample_scene_points(bvh, count, prune, settings.seed, &out.pruned);
+  const pathtrace::ReachRecall recall{before.points != nullptr ? &before.points->reach : nullptr,
+                                      before.changed, &out.reach};
+  out.surface = sample_scene_points(bvh, count, prune, settings.seed, &out.pruned, recall);
   report->points_ms += 1e3 * timer.seconds();
   report->points_drawn += std::max(out.surface.size(), out.pruned.drawn);
   const runtime::LightRequest input = network.light_request();

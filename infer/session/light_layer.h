@@ -13,6 +13,7 @@
 #include "lte/pathtrace/light_estimates.h"
 #include "lte/pathtrace/lights.h"
 #include "lte/pathtrace/reach.h"
+#include "lte/pathtrace/reach_memory.h"
 #include "lte/runtime/embedding.h"
 #include "lte/runtime/network.h"
 #include "lte/scene/sampler.h"
@@ -25,13 +26,20 @@ struct GroupedPoints {
   /// By light group; nothing for a network that reads no light.
   std::optional<pathtrace::LightEstimates> light;
   pathtrace::PruneCounts pruned;
+  pathtrace::ReachMemory reach;  ///< of points that light does not reach
+};
+
+/// Points from before a change that moved surfaces and left light and colours alone.
+struct PointsBefore {
+  const GroupedPoints* points = nullptr;  ///< null: none
+  std::vector<Bounds> changed;            ///< where surfaces are gone or new
 };
 
 /// Draws the points and estimates the light on them, as Renderer::embed() does.
 /// @param report  gets points_ms, light_ms and points_drawn
 GroupedPoints draw_points(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                           const runtime::Network& network, const EmbedSettings& settings,
-                          EditReport* report);
+                          const PointsBefore& before, EditReport* report);
 
 /// The encoding of the light of some groups.
 struct LightLayer {

@@ -56,7 +56,7 @@ struct Session::Implementation {
     return now;
   }
 
-  const SessionState::Parts& parts(const StatePtr& state) const { return *state->parts_; }
+  const SessionState::Parts& parts(const StatePtr& state) const { return state->parts(); }
 
   /// Makes a state of the draft and puts it in the place of the one of now, and then has the steps
   /// of undo and redo changed.
@@ -64,7 +64,7 @@ struct Session::Implementation {
   void go_to(DraftPtr draft, const Timer& timer, EditReport* report, const Steps& change_steps) {
     const StatePtr last = state();
     std::unique_ptr<SessionState::Parts> made =
-        make_parts(base, std::move(draft), last ? last->parts_.get() : nullptr, report);
+        make_parts(base, std::move(draft), last ? &last->parts() : nullptr, report);
     made->alive = alive;
     StatePtr next(new SessionState(std::move(made)));
     report->total_ms = 1e3 * timer.seconds();

@@ -14,13 +14,7 @@ namespace {
 using scene::kNone;
 
 Bounds bounds_of(const scene::Scene& scene, const scene::Instance& instance) {
-  Bounds bounds;
-  const scene::Mesh& mesh = scene.meshes[static_cast<size_t>(instance.mesh)];
-  for (const auto& triangle : mesh.triangles) {
-    for (const uint32_t corner : triangle)
-      bounds.extend(instance.to_world.point(mesh.positions[corner]));
-  }
-  return bounds;
+  return placed_bounds(scene.meshes[static_cast<size_t>(instance.mesh)], instance.to_world);
 }
 
 LuminaireKind kind_of(scene::LightKind kind) {
@@ -150,15 +144,19 @@ int SessionState::find_material(const std::string& name) const {
 
 Frame SessionState::render(const scene::Camera& camera, RenderSettings settings,
                            StageSeconds* seconds) const {
-  const Parts& parts = *parts_;
-  Renderer renderer(parts.bvh, parts.lights, parts.base->denoiser);
+  return parts_->render(camera, std::move(settings), seconds);
+}
+
+Frame SessionState::Parts::render(const scene::Camera& camera, RenderSettings settings,
+                                  StageSeconds* seconds) const {
+  Renderer renderer(bvh, lights, base->denoiser);
   settings.answerer = nullptr;
-  settings.indirect = parts.asks_network ? Indirect::Network : Indirect::Paths;
-  if (!parts.layers.empty()) {
-    renderer.set_embedding(parts.layers.front().layer->embedding);
-    const bool plain = parts.layers.size() == 1 && parts.layers.front().scale == Rgb{1, 1, 1};
+  settings.indirect = asks_network ? Indirect::Network : Indirect::Paths;
+  if (!layers.empty()) {
+    renderer.set_embedding(layers.front().layer->embedding);
+    const bool plain = layers.size() == 1 && layers.front().scale == Rgb{1, 1, 1};
     if (!plain) {
-      settings.answerer = [&parts](std::span<const gi::Query> queries) {
+      settings.answerer = [this](std::span<const gi::Query> queries) {
         std::vector<Vec3> position, normal;
         std::vector<Rgb> albedo;
         for (const gi::Query& query : queries) {
@@ -166,7 +164,7 @@ Frame SessionState::render(const scene::Camera& camera, RenderSettings settings,
           normal.push_back(query.normal);
           albedo.push_back(query.albedo);
         }
-        return parts.answer({position, normal, albedo});
+        return answer({position, normal, albedo});
       };
     }
   }

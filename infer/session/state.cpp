@@ -42,25 +42,6 @@ bool is_scaled(const Draft& draft) {
                      [](const LightSetting& s) { return s.gain != 1 || s.color.has_value(); });
 }
 
-/// The light groups of each layer that has light: the untouched ones together, each touched one by
-/// itself.
-std::vector<std::vector<int>> partition(const Draft& draft) {
-  std::vector<std::vector<int>> parts(1);
-  for (size_t g = 0; g < draft.settings.size(); ++g) {
-    if (draft.settings[g].touched) {
-      parts.push_back({static_cast<int>(g)});
-    } else {
-      parts.front().push_back(static_cast<int>(g));
-    }
-  }
-  std::erase_if(parts, [&](const std::vector<int>& groups) {
-    return std::all_of(groups.begin(), groups.end(), [&](const int group) {
-      return draft.settings[static_cast<size_t>(group)].brightness <= 0;
-    });
-  });
-  return parts;
-}
-
 std::shared_ptr<const LightLayer> find_layer(const SessionState::Parts* before,
                                              const std::shared_ptr<const GroupedPoints>& points,
                                              const std::vector<int>& lights) {
@@ -91,12 +72,29 @@ void add_layers(const std::vector<std::vector<int>>& partition, const SessionSta
       ++report->encodings;
     }
     const LightSetting& setting = draft.settings[static_cast<size_t>(groups.front())];
-    parts->layers.push_back({std::move(layer), setting.touched ? setting.scale() : Rgb{1, 1, 1}});
+    parts->layers.push_back({std::move(layer), setting.scale()});
   }
   report->layers = static_cast<int>(parts->layers.size());
 }
 
 }  // namespace
+
+std::vector<std::vector<int>> partition(const Draft& draft) {
+  std::vector<std::vector<int>> parts(1);
+  for (size_t g = 0; g < draft.settings.size(); ++g) {
+    if (draft.settings[g].touched) {
+      parts.push_back({static_cast<int>(g)});
+    } else {
+      parts.front().push_back(static_cast<int>(g));
+    }
+  }
+  std::erase_if(parts, [&](const std::vector<int>& groups) {
+    return std::all_of(groups.begin(), groups.end(), [&](const int group) {
+      return draft.settings[static_cast<size_t>(group)].brightness <= 0;
+    });
+  });
+  return parts;
+}
 
 SessionBase::SessionBase(scene::Scene first, std::optional<runtime::Network> with,
                          SessionSettings how)
@@ -134,8 +132,14 @@ std::unique_ptr<SessionState::Parts> make_parts(std::shared_ptr<const SessionBas
   } else {
     const Traced at_gain_1 =
         is_scaled(now) ? trace(*parts->base, now, /*lit=*/false, report) : std::move(shown);
-    parts->points = std::make_shared<const GroupedPoints>(draw_points(
-        *at_gain_1.bvh, *at_gain_1.lights, *network, parts->base->settings.embedding, report));
+    PointsBefore points;
+    if (before != nullptr && before->points != nullptr) {
+      if (auto changed = changed_places(parts->base->scene, *before->draft, now))
+        points = {before->points.get(), std::move(*changed)};
+    }
+    parts->points = std::make_shared<const GroupedPoints>(
+        draw_points(*at_gain_1.bvh, *at_gain_1.lights, *network, parts->base->settings.embedding,
+                    points, report));
   }
   add_layers(layers, before, parts.get(), report);
   return parts;

@@ -46,7 +46,13 @@ struct SessionState::Parts {
 
   /// Sums over the layers.
   std::vector<Rgb> answer(const runtime::QueryPoints& queries) const;
+  /// SessionState::render()
+  Frame render(const scene::Camera& camera, RenderSettings settings, StageSeconds* seconds) const;
 };
+
+/// The light groups of each layer that has light: the untouched ones together, each touched one by
+/// itself.
+std::vector<std::vector<int>> partition(const Draft& draft);
 
 /// Makes what a draft needs that `before` has not got.
 /// @param before  null for all of it

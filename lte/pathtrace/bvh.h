@@ -32,8 +32,8 @@ class Bvh {
   /// @throws lte::Error if Embree fails (out of memory), or the scene is too large for it
   ///         (scene/number_check.h).
   explicit Bvh(const scene::Scene& scene);
-  /// A tree that others may be built on: its meshes' trees borrow nothing of the scene, for 12 bytes
-  /// a triangle.
+  /// A tree that others may be built on: its meshes' trees borrow nothing of the scene, for 12
+  /// bytes a triangle.
   static std::unique_ptr<Bvh> with_own_meshes(const scene::Scene& scene);
   /// The tree of a scene made of meshes that `trees` has: those are shared, and only the tree over
   /// the instances is built. Either may be destroyed first.

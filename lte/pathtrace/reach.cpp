@@ -1,5 +1,6 @@
 #include "lte/pathtrace/reach.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -9,6 +10,7 @@
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/base/random.h"
+#include "lte/pathtrace/reach_memory.h"
 #include "lte/pathtrace/reach_samples.h"
 #include "lte/pathtrace/transport/irradiance_kernel.h"
 #include "lte/pathtrace/transport/transport_impl.h"
@@ -24,6 +26,7 @@ constexpr int kMaxNeighbours = 40;    // points that a vertex looks for
 constexpr double kSearchRadius = 2;   // in units of the spacing of points
 constexpr double kMaxOversampling = 8;
 constexpr int64_t kProbePoints = 256;  // they estimate the reached share of the surface
+constexpr float kSamePlace = 1e-3f;    // of the scene's extent, to recall what was dark
 
 struct LightFound : public LightSink {
   void add(int, std::span<const Contribution> contributions) override {
@@ -36,12 +39,16 @@ struct LightFound : public LightSink {
 /// just off their surfaces, relative to the frame. The first is the point itself.
 struct VertexRecorder {
   void nearest(int depth, const PathBlock& rays) {
+    for (int lane = 0; lane < rays.size; ++lane) bounds->extend(rays.origin.at(lane));
     const int count = std::min(depth == 1 ? 1 : kVerticesPerDepth, rays.size);
     for (int lane = 0; lane < count; ++lane) vertices->push_back(rays.origin.at(lane));
   }
-  void shadow(const ShadowBlock&) {}
+  void shadow(const ShadowBlock& rays) {
+    for (int lane = 0; lane < rays.size; ++lane) bounds->extend(rays.origin.at(lane));
+  }
 
   std::vector<Vec3>* vertices = nullptr;
+  Bounds* bounds = nullptr;
 };
 
 /// Points by the cubic cells that they lie in.
@@ -83,11 +90,16 @@ class PointGrid {
   std::unordered_map<uint64_t, std::vector<uint32_t>> cells_;
 };
 
+bool overlap(const Bounds& a, const Bounds& b) {
+  return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
+         a.low.z <= b.high.z && b.low.z <= a.high.z;
+}
+
 /// Decides which points to keep, by the two conditions of reach.h.
 class ReachSearch {
  public:
   ReachSearch(const Bvh& bvh, std::span<const Vec3> positions, std::span<const Vec3> normals,
-              Sides sides, const ReachOptions& options)
+              Sides sides, const ReachOptions& options, const ReachRecall& recall = {})
       : bvh_(bvh),
         lights_(bvh.scene(), LightChoice::EachGroup),
         positions_(positions),
@@ -98,21 +110,66 @@ class ReachSearch {
         keep_(positions.size()),
         origin_(positions.size()),
         vertices_(positions.size()),
-        front_vertices_(positions.size()) {}
+        front_vertices_(positions.size()),
+        bounds_(positions.size()),
+        recalled_(positions.size()) {
+    recall_dark_points(recall);
+  }
 
   std::vector<uint8_t> run() {
     if (lights_.empty()) return std::vector<uint8_t>(positions_.size(), 1);
     for (const int paths : kPathsOfRounds) {
       parallel_for(static_cast<int64_t>(keep_.size()), kGrain, [&](int64_t begin, int64_t end) {
         for (int64_t i = begin; i < end; ++i)
-          if (!keep_[static_cast<size_t>(i)]) trace(static_cast<size_t>(i), paths);
+          if (!keep_[static_cast<size_t>(i)] && !recalled_[static_cast<size_t>(i)])
+            trace(static_cast<size_t>(i), paths);
       });
     }
+    if (now_ != nullptr) remember();
     spread_from_kept();
     return std::move(keep_);
   }
 
  private:
+  /// Takes over what is still dark from the search of the same number.
+  void recall_dark_points(const ReachRecall& recall) {
+    now_ = recall.now;
+    const size_t number = now_ != nullptr ? now_->searches.size() : 0;
+    if (recall.before == nullptr || number >= recall.before->searches.size()) return;
+    const ReachMemory::Search& before = recall.before->searches[number];
+    const Vec3 frame = bvh_.handles().origin;
+    if (before.dark_of_point.size() != positions_.size() || !(before.frame == frame)) return;
+    const float near = kSamePlace * 2 * half_extent_;
+    for (size_t i = 0; i < positions_.size(); ++i) {
+      if (before.dark_of_point[i] < 0) continue;
+      const auto& dark = before.dark[static_cast<size_t>(before.dark_of_point[i])];
+      if (max_component(abs(dark.position - positions_[i])) > near) continue;
+      const bool touched =
+          std::any_of(recall.changed.begin(), recall.changed.end(), [&](const Bounds& box) {
+            const Vec3 slack{near, near, near};
+            return overlap(dark.paths, {box.low - frame - slack, box.high - frame + slack});
+          });
+      if (touched) continue;
+      recalled_[i] = 1;
+      origin_[i] = dark.origin;
+      vertices_[i] = dark.vertices;
+      front_vertices_[i] = dark.front_vertices;
+      bounds_[i] = dark.paths;
+    }
+  }
+
+  void remember() const {
+    ReachMemory::Search& search = now_->searches.emplace_back();
+    search.frame = bvh_.handles().origin;
+    search.dark_of_point.assign(positions_.size(), -1);
+    for (size_t i = 0; i < positions_.size(); ++i) {
+      if (keep_[i]) continue;
+      search.dark_of_point[i] = static_cast<int32_t>(search.dark.size());
+      search.dark.push_back(
+          {positions_[i], bounds_[i], origin_[i], vertices_[i], front_vertices_[i]});
+    }
+  }
+
   Vec3 start(size_t i, const Vec3& side) const {
     return offset_origin(positions_[i], side, half_extent_) - bvh_.handles().origin;
   }
@@ -137,7 +194,8 @@ class ReachSearch {
     constexpr int kNoRoulette = 1 << 20;
     LightFound found;
     const auto transport = std::make_unique<BasicTransport<VertexRecorder>>(
-        bvh_, lights_, options_.max_depth, kNoRoulette, found, VertexRecorder{&vertices_[i]});
+        bvh_, lights_, options_.max_depth, kNoRoulette, found,
+        VertexRecorder{&vertices_[i], &bounds_[i]});
     const auto sampler = std::make_unique<PathSampler>(Sampling::Sobol, paths);
     sampler->start_stream(hash_combine(options_.seed, static_cast<uint64_t>(paths)), i);
     sampler->start_set();
@@ -198,12 +256,25 @@ class ReachSearch {
   /// The vertices of dark points: those of the paths from the front, then those from the back.
   std::vector<std::vector<Vec3>> vertices_;
   std::vector<size_t> front_vertices_;  ///< how many of them are the front's
+  std::vector<Bounds> bounds_;          ///< of all vertices of their paths
+  std::vector<uint8_t> recalled_;       ///< known to be dark
+  ReachMemory* now_ = nullptr;
 };
+
+void check_search(std::span<const Vec3> positions, std::span<const Vec3> normals,
+                  const ReachOptions& options) {
+  IrradianceOptions check;
+  check.max_depth = options.max_depth;
+  check_points(positions, normals);
+  check_irradiance_options(check);
+}
 
 /// Indices of the samples to keep.
 KeptSamples kept_samples(const Bvh& bvh, const scene::SurfaceSamples& samples, Sides sides,
-                         const ReachOptions& options) {
-  const std::vector<uint8_t> keep = reached(bvh, samples.position, samples.normal, sides, options);
+                         const ReachOptions& options, const ReachRecall& recall) {
+  check_search(samples.position, samples.normal, options);
+  const std::vector<uint8_t> keep =
+      ReachSearch(bvh, samples.position, samples.normal, sides, options, recall).run();
   KeptSamples kept;
   for (size_t i = 0; i < keep.size(); ++i) {
     const bool emits = sides == Sides::Either && samples.light_group[i] != scene::kNone;
@@ -219,11 +290,12 @@ KeptSamples kept_samples(const Bvh& bvh, const scene::SurfaceSamples& samples, S
 /// sample_reached_surface() without the lights that are no surface.
 scene::SurfaceSamples sample_surfaces(const Bvh& bvh, int64_t count,
                                       const scene::SamplerOptions& sampler, Sides sides,
-                                      const ReachOptions& options, PruneCounts* counts) {
+                                      const ReachOptions& options, const ReachRecall& recall,
+                                      PruneCounts* counts) {
   scene::SamplerOptions plain = sampler;
   plain.emissive_share = 0;
   const scene::SurfaceSamples probe = scene::sample_surface(bvh.scene(), kProbePoints, plain);
-  const auto found = static_cast<double>(kept_samples(bvh, probe, sides, options).size());
+  const auto found = static_cast<double>(kept_samples(bvh, probe, sides, options, recall).size());
   const double share = std::max(1.0, found) / kProbePoints;
   // Draws three standard errors of the share more than it asks for.
   const double error = std::sqrt((1 - share) / (share * kProbePoints));
@@ -232,7 +304,7 @@ scene::SurfaceSamples sample_surfaces(const Bvh& bvh, int64_t count,
     oversampling = std::min(oversampling, kMaxOversampling);
     const auto drawn = static_cast<int64_t>(std::ceil(static_cast<double>(count) * oversampling));
     scene::SurfaceSamples samples = scene::sample_surface(bvh.scene(), drawn, sampler);
-    KeptSamples kept = kept_samples(bvh, samples, sides, options);
+    KeptSamples kept = kept_samples(bvh, samples, sides, options, recall);
     const int64_t left = kept.size();
     if (left < count && oversampling < kMaxOversampling) {
       oversampling *=
@@ -252,23 +324,28 @@ scene::SurfaceSamples sample_surfaces(const Bvh& bvh, int64_t count,
 std::vector<uint8_t> reached(const Bvh& bvh, std::span<const Vec3> positions,
                              std::span<const Vec3> normals, Sides sides,
                              const ReachOptions& options) {
-  IrradianceOptions check;
-  check.max_depth = options.max_depth;
-  check_points(positions, normals);
-  check_irradiance_options(check);
+  check_search(positions, normals, options);
   return ReachSearch(bvh, positions, normals, sides, options).run();
 }
 
 scene::SurfaceSamples sample_reached_surface(const Bvh& bvh, int64_t count,
                                              const scene::SamplerOptions& sampler, Sides sides,
                                              const ReachOptions& options, PruneCounts* counts) {
+  return sample_reached_surface(bvh, count, sampler, sides, options, ReachRecall{}, counts);
+}
+
+scene::SurfaceSamples sample_reached_surface(const Bvh& bvh, int64_t count,
+                                             const scene::SamplerOptions& sampler, Sides sides,
+                                             const ReachOptions& options, const ReachRecall& recall,
+                                             PruneCounts* counts) {
   // Lights that are no surface are neither reached nor missed: they are added at the end.
   const scene::Scene& scene = bvh.scene();
   scene::SamplerOptions surfaces = sampler;
   surfaces.environment_share = 0;
   surfaces.punctual_lights = false;
-  scene::SurfaceSamples samples = sample_surfaces(
-      bvh, scene::surface_point_count(scene, count, sampler), surfaces, sides, options, counts);
+  scene::SurfaceSamples samples =
+      sample_surfaces(bvh, scene::surface_point_count(scene, count, sampler), surfaces, sides,
+                      options, recall, counts);
   const double area = std::accumulate(samples.area.begin(), samples.area.end(), 0.0);
   scene::append_light_points(scene, count,
                              static_cast<float>(area / static_cast<double>(samples.size())),

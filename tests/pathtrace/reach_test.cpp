@@ -1,10 +1,15 @@
 // What pruning keeps and drops, against scenes whose answer is plain and against long runs.
 #include "lte/pathtrace/reach.h"
 
+#include <utility>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "lte/base/parallel.h"
 #include "lte/pathtrace/irradiance.h"
+#include "lte/pathtrace/reach_memory.h"
+#include "tests/support/every_light.h"
 #include "tests/support/scenes.h"
 
 namespace lte::pathtrace {
@@ -145,6 +150,53 @@ TEST(Reach, DoesNotDependOnThreads) {
   set_num_threads(3);
   EXPECT_EQ(one, reached(bvh, floor.positions, floor.normals, Sides::Either, {}));
   set_num_threads(0);
+}
+
+/// What is recalled of a scene before an object moved changes no point: not where that opens a
+/// pocket, nor where it closes one.
+TEST(Reach, RecalledDarknessGivesThePointsOfAWholeSearch) {
+  scene::Scene scene = test::dark_room();
+  test::add_lamp(&scene, {0.5f, 2.4f, 1}, 0.5f, 1, {8, 4, 2});
+  const int grey = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
+  test::add_instance(&scene, test::box_mesh({-0.2f, 0, -0.2f}, {0.2f, 0.4f, 0.2f}, grey, false),
+                     test::translation({3.5f, 0, 1}));
+  scene::SamplerOptions sampler;
+  sampler.seed = 3;
+  sampler.emissive_share = 0.1;
+  ReachMemory memory;
+  PruneCounts counts;
+  {
+    const Bvh bvh(scene);
+    sample_reached_surface(bvh, 400, sampler, Sides::Either, {}, {nullptr, {}, &memory}, &counts);
+  }
+  const int64_t hidden = counts.pruned;
+  ASSERT_GT(hidden, 50) << "the inner box is dark";
+  // The small box, then the outer one away from the inner one, and back.
+  const std::vector<std::pair<size_t, Vec3>> moves = {
+      {4, {3.5f, 0, 2}}, {1, {0.9f, 0, 0.3f}}, {1, {0, 0, 0}}};
+  for (const auto& [index, place] : moves) {
+    const auto box = [&] {
+      Bounds out;
+      scene::Scene alone = scene;
+      alone.instances = {scene.instances[index]};
+      return alone.bounds();
+    };
+    std::vector<Bounds> changed = {box()};
+    scene.instances[index].to_world = test::translation(place);
+    changed.push_back(box());
+    const Bvh bvh(scene);
+    ReachMemory next;
+    PruneCounts whole_counts;
+    const scene::SurfaceSamples recalled = sample_reached_surface(
+        bvh, 400, sampler, Sides::Either, {}, {&memory, changed, &next}, &counts);
+    const scene::SurfaceSamples whole =
+        sample_reached_surface(bvh, 400, sampler, Sides::Either, {}, &whole_counts);
+    EXPECT_EQ(recalled.position, whole.position);
+    EXPECT_EQ(recalled.area, whole.area);
+    EXPECT_EQ(counts.pruned, whole_counts.pruned);
+    memory = std::move(next);
+  }
+  EXPECT_EQ(counts.pruned, hidden) << "all is as it was";
 }
 
 }  // namespace

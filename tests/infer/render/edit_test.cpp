@@ -1,6 +1,7 @@
 // --edit: scripts of edits, and their frames against pictures of the scene that they lead to.
 #include <cstdlib>
 #include <filesystem>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -111,8 +112,8 @@ class EditedPictures : public testing::Test {
   EditedPictures() : before_(fs::current_path()) {
     fs::current_path(dir_.path());
     scene::Scene room = test::furnished_room();
-    room.cameras.push_back({"a", {2, 1.6f, 2.8f}, {2, 1, 0}, {0, 1, 0}, 70});
     scene::write_glb("room.glb", room);
+    write_file("camera.json", R"({"origin": [2, 1.6, 2.8], "target": [2, 1, 0], "vfov": 70})");
     test::save_tiny_model("tiny.safetensors", {.light_input = nn::LightInput::Traced});
     write_file("edits.yaml", R"(
 frames: 3
@@ -128,8 +129,8 @@ edits:
 
   static CommandOutcome render(const std::string& rest, const std::string& scene = "room.glb") {
     std::istringstream words(scene +
-                             " --quiet --size 24x16 --direct-samples 2 --denoise off --checkpoint "
-                             "tiny.safetensors " +
+                             " --quiet --size 24x16 --direct-samples 2 --denoise off --camera "
+                             "camera.json --checkpoint tiny.safetensors " +
                              rest);
     std::vector<std::string> arguments;
     for (std::string word; words >> word;) arguments.push_back(word);
@@ -179,7 +180,7 @@ TEST_F(EditedPictures, RefusesWhatCannotBe) {
   expect_one_line(render("--edit edits.yaml --out f%d.exr --video v.mp4"), 1, {"--video", ".png"});
   EXPECT_NE(render("--edit edits.yaml --out f%d.png --time-budget 1s").code, 0);
   EXPECT_NE(render("--out f.png --video v.mp4").code, 0);
-  EXPECT_EQ(test::folder_files(".").size(), 5u) << "room, model and three scripts";
+  EXPECT_EQ(test::folder_files(".").size(), 6u) << "room, camera, model and three scripts";
 }
 
 /// A program of ffmpeg's name, which notes its arguments.
