@@ -187,8 +187,9 @@ typedef struct lte_scene_points {
   const float* origin; /**< 3 floats, always host memory: the least corner of the scene, no more
                             than any position. NULL: that of the points. Give it so that the
                             embedding of an edited scene changes no more than the edit asks for */
-  int32_t rescale;     /**< 1: a scene wider than the model's scale is shrunk for the network
-                            alone; exact for light that comes from surfaces */
+  int32_t rescale;     /**< 1: for the network alone a scene wider than the model's scale is
+                            shrunk, and one narrower than a quarter of it enlarged; exact for light
+                            that comes from surfaces */
   int32_t reserved;    /**< 0 */
   /** Of direct and indirect, what falls on the side that the normal leaves behind, no more than
    *  they; where lte_model_info::light_sides asks for it, else data may be NULL. */
@@ -210,7 +211,7 @@ typedef struct lte_embedding_info {
   int64_t latents;      /**< m, about M / 4 */
   int64_t bytes;        /**< of memory that the embedding holds */
   double origin[3];     /**< least corner, world */
-  double scale;         /**< metres that the network takes for its unit; more than the model's if
+  double scale;         /**< metres that the network takes for its unit; other than the model's if
                              the scene was rescaled */
   double radiance[3];   /**< mean emission by channel, gain included; irradiance is scaled by it */
 } lte_embedding_info;

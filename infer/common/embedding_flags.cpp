@@ -14,9 +14,10 @@ void add_embedding_flags(CLI::App& app, EmbeddingFlags* flags) {
                  "Show the network only surfaces that light reaches; auto: as in its training")
       ->check(CLI::IsMember({"auto", "on", "off"}))
       ->capture_default_str();
-  app.add_flag("--rescale,!--no-rescale", flags->rescale,
-               "Shrink a scene larger than the model knows, for the network only (the default), or "
-               "refuse it");
+  app.add_flag(
+      "--rescale,!--no-rescale", flags->rescale,
+      "Shrink a scene larger than the model knows and enlarge one that is much smaller, for "
+      "the network only (the default), or refuse the first and leave the second");
   CLI::Option* load = app.add_option(
       "--embedding", flags->load,
       "Read the scene's embedding from this file of --save-embedding instead of making it; one of "

@@ -21,6 +21,10 @@ void check_size(const std::string& name, const scene::Scene& scene, const runtim
   const double extent = max_component(scene::point_bounds(scene).extent());
   const double known = network.config().scale;
   network.check_fits(extent, rescale);
+  if (rescale && extent < network.least_extent()) {
+    log_info(name, ": spans ", extent, " m; for the network alone it is enlarged to ",
+             network.least_extent(), " m, as the least that it knows (--no-rescale: as it is)");
+  }
   if (extent <= known) return;
   log_info(name, ": spans ", extent, " m; for the network alone it is shrunk to the ", known,
            " m that the model knows (--no-rescale refuses instead)");

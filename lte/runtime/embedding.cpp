@@ -46,9 +46,13 @@ nn::Frame frame_of(const Network& network, const at::Tensor& position,
   const at::Tensor low = frame.origin.defined() ? frame.origin : std::get<0>(position.min(0));
   const at::Tensor high = std::get<0>(position.max(0));
   const double extent = (high.to(at::kDouble) - low.to(at::kDouble)).max().item<double>();
-  if (!std::isfinite(extent) || extent <= network.config().scale) return frame;
+  if (!std::isfinite(extent)) return frame;
   network.check_fits(extent, options.rescale);
-  frame.scale = extent * (1 + kShrinkMargin);
+  if (extent > network.config().scale) {
+    frame.scale = extent * (1 + kShrinkMargin);
+  } else if (options.rescale && extent > 0 && extent < network.least_extent()) {
+    frame.scale = network.config().scale * (extent / network.least_extent());
+  }
   return frame;
 }
 

@@ -26,8 +26,9 @@ struct Embedding;
 namespace lte::runtime {
 
 struct EncodeOptions {
-  /// Shrinks a scene that is wider than the model's scale, for the network only. That is exact for
-  /// light that comes from surfaces: uniform scaling of a scene does not change its irradiance.
+  /// Shrinks a scene that is wider than the model's scale, and enlarges one that is narrower than
+  /// Network::least_extent(), for the network only. That is exact for light that comes from
+  /// surfaces: uniform scaling of a scene does not change its irradiance.
   bool rescale = false;
   /// The least corner of the scene, no more than any position; by default that of the points. Give
   /// it so that an edit of the scene moves no point in network space.

@@ -183,6 +183,29 @@ TEST(SceneEmbedding, ASceneTooLargeIsRefusedOrShrunk) {
   EXPECT_THROW(network.check_fits(16.1, false), SceneTooLarge);
 }
 
+/// box_scene() is 5 m wide; powers of two scale it without rounding.
+TEST(SceneEmbedding, AScaleModelOfARoomIsEnlargedToTheLeastThatIsKnown) {
+  const Network network = tiny_network();
+  EXPECT_EQ(network.least_extent(), 4);
+  const auto answers_of = [&](float factor, bool rescale, double* scale) {
+    nn::PointSet points = test::box_scene(300, 1);
+    nn::QuerySet queries = test::box_queries(60, 2);
+    for (at::Tensor* p : {&points.position, &queries.position}) *p = (*p * factor).contiguous();
+    points.area = points.area * (factor * factor);
+    const SceneEmbedding embedding(network, arrays(points), {.rescale = rescale});
+    *scale = embedding.info().scale;
+    return tensor(embedding.decode(arrays(queries)));
+  };
+  double scale = 0, smaller = 0;
+  const at::Tensor tiny = answers_of(0.125f, true, &scale);
+  EXPECT_NEAR(scale, 16 * 0.625 / 4, 1e-3);
+  EXPECT_LT(test::relative_difference(answers_of(0.03125f, true, &smaller), tiny), 1e-4);
+  EXPECT_NEAR(smaller, scale / 4, 1e-3);
+  EXPECT_GT(test::relative_difference(answers_of(0.125f, false, &scale), tiny), 1e-3);
+  EXPECT_EQ(scale, 16) << "as it is, unless asked for";
+  EXPECT_TRUE(at::equal(answers_of(1, true, &scale), answers_of(1, false, &smaller)));
+}
+
 TEST(SceneEmbedding, AGivenLeastCornerKeepsNetworkSpaceInPlace) {
   const Network network = tiny_network();
   const nn::PointSet points = test::box_scene(300, 1);
