@@ -49,7 +49,8 @@ def main():
         page.evaluate("document.querySelector('[data-shown=full]').click()")
         page.evaluate("document.querySelector('[data-tab=materials]').click()")
         settled(page)
-        for name, width, height in (("tablet", 820, 1180), ("wide", 1180, 820), ("phone", 390, 844)):
+        sizes = {"tablet": (820, 1180), "wide": (1180, 820), "phone": (390, 844)}
+        for name, (width, height) in sizes.items():
             page.resize(width, height, touch=True)
             time.sleep(0.6)
             page.screenshot(args.folder / f"{name}.png")
