@@ -130,18 +130,20 @@ def main():
                                up=camera["up"], vfov=camera["vfov"])
 
         def moves(count):
-            times, sizes = [], []
+            times, headers = [], []
             for _ in range(count):
                 page.rest(choose.uniform(0.1, 0.6))
                 times.append(move())
-                sizes.append(page.header["width"])
-            return times, sizes
+                headers.append(page.header)
+            return times, headers
 
-        moves(5)
+        moves(3)
         before = processor_seconds(pid)
-        times, sizes = moves(args.moves)
-        row("camera", times, f"drafts {statistics.median(sizes):.0f} wide, "
+        times, headers = moves(args.moves)
+        row("camera", times, f"drafts {statistics.median(h['width'] for h in headers):.0f} wide "
+            f"in {statistics.median(h['elapsed'] for h in headers):.0f} ms, "
             f"{(processor_seconds(pid) - before) / args.moves:.2f} cpu s a move, refining included")
+        print("    the last draft:", json.dumps(headers[-1]["ms"]))
 
         def dim(light):
             gain = round(choose.uniform(0.1, 2), 3)

@@ -14,7 +14,7 @@ from page_test import READY, settled  # noqa: E402
 from view_server import ViewServer  # noqa: E402
 
 SELECT = """(() => {
-  const lamp = lteView.store.scene.objects.findIndex((o) => o.name.includes("floor lamp"));
+  const lamp = lteView.store.scene.objects.findIndex((o) => o.name.includes("piece 9"));
   if (lamp >= 0) lteView.store.select(lamp);
 })()"""
 
