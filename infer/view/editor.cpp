@@ -60,7 +60,7 @@ std::string Editor::scene_text() const {
 UndoSteps Editor::undo_steps() const { return {session_->can_undo(), session_->can_redo()}; }
 
 void Editor::run() {
-  while (!stopping_) work(inbox_.take(/*wait=*/true));
+  while (!stopping_) work(inbox_.take(Inbox::kAnyTime));
 }
 
 void Editor::work(const Inbox::Batch& batch) {

@@ -82,9 +82,9 @@ void Inbox::wake() {
   changed_.notify_all();
 }
 
-Inbox::Batch Inbox::take(bool wait) {
+Inbox::Batch Inbox::take(std::chrono::milliseconds most) {
   std::unique_lock lock(mutex_);
-  if (wait) changed_.wait(lock, [&] { return woken_ || !pending_.empty(); });
+  changed_.wait_for(lock, most, [&] { return woken_ || !pending_.empty(); });
   woken_ = false;
   return {std::exchange(pending_, {}), last_number_};
 }

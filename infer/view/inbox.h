@@ -2,6 +2,7 @@
 // number of messages.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <map>
@@ -40,8 +41,9 @@ class Inbox {
     std::map<int, int64_t> last_number;  ///< by page, of all its messages so far
   };
 
-  /// Everything that waits. Blocks until there is something, or wake(), if `wait`.
-  Batch take(bool wait);
+  /// Everything that waits. Blocks until there is something, or wake(), or for so long.
+  Batch take(std::chrono::milliseconds most);
+  static constexpr std::chrono::milliseconds kNoWait{0}, kAnyTime = std::chrono::hours(24);
 
   /// Whether anything waits: a rendering that runs may as well stop.
   bool waiting() const;

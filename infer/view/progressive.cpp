@@ -99,18 +99,20 @@ PictureSize Progressive::draft_size() const {
   return {std::max(1, size_.width / step), std::max(1, size_.height / step)};
 }
 
-/// @param first  of the draft and the first whole picture: sparser, and denoised
-RenderSettings Progressive::settings(const PictureSize& size, bool first) const {
-  const QualitySettings quality = quality_settings(first ? Quality::Draft : Quality::Preview);
+/// @param few  shadow rays: of the first whole pictures, which are waited for
+RenderSettings Progressive::settings(const PictureSize& size, bool few) const {
+  const QualitySettings quality = quality_settings(Quality::Draft);
   RenderSettings out;
   out.output = output_of(shown_);
   out.width = size.width;
   out.height = size.height;
-  out.direct_samples = quality_settings(Quality::Draft).direct_samples;
-  out.denoise = first ? Denoise::Auto : Denoise::Off;
+  out.direct_samples = few ? quality.direct_samples : 2 * quality.direct_samples;
+  // Opening a filter and running it takes longer than a draft may, and nothing can interrupt it.
+  out.denoise = Denoise::Off;
   out.spp = kPaths;
   out.antialias = 0;
-  out.sparse = quality.answers;
+  const bool rests = sum_.weight >= kLeastMean;
+  out.sparse = rests ? quality_settings(Quality::Preview).answers : quality.answers;
   out.layers = false;
   out.seed = static_cast<uint64_t>(pass_);
   return out;
@@ -137,7 +139,7 @@ void Progressive::show(image::Image picture, const image::Image& depth) {
 
 void Progressive::draft() {
   const PictureSize size = draft_size();
-  RenderSettings what = settings(size, /*first=*/true);
+  RenderSettings what = settings(size, /*few=*/false);
   if (shown_ == Shown::Reference) {
     what.mode = Mode::Reference;
     what.spp = 1;
@@ -151,7 +153,7 @@ void Progressive::draft() {
 
 void Progressive::whole(const std::function<bool()>& interrupted) {
   if (shown_ == Shown::Reference) return trace(interrupted);
-  Frame frame = render(camera_, settings(size_, /*first=*/true), interrupted);
+  Frame frame = render(camera_, settings(size_, /*few=*/true), interrupted);
   show(std::move(frame.color), frame.depth);
 }
 
@@ -159,7 +161,8 @@ bool Progressive::mean(const std::function<bool()>& interrupted) {
   const auto number = static_cast<int>(sum_.weight) + 1;
   const scene::Camera camera =
       jittered(camera_, size_, halton(number, 2) - 0.5f, halton(number, 3) - 0.5f);
-  const Frame frame = render(camera, settings(size_, /*first=*/false), interrupted);
+  const Frame frame =
+      render(camera, settings(size_, /*few=*/sum_.weight < kLeastMean), interrupted);
   sum_.add(frame.color, 1);
   if (sum_.weight < kLeastMean) return false;
   show(sum_.mean(), frame.depth);

@@ -18,9 +18,8 @@ class Progressive {
  public:
   /// Seconds that a draft may take; its size is chosen by what the last ones took.
   static constexpr double kDraftSeconds = 0.06;
-  /// Passes whose mean the picture is in the end. The mean is shown from kLeastMean of them on;
-  /// what stands before that is denoised and so looks better than a mean of few.
-  static constexpr int kMeanPasses = 16, kLeastMean = 4;
+  /// Passes whose mean the picture is in the end. The mean is shown from kLeastMean of them on.
+  static constexpr int kMeanPasses = 24, kLeastMean = 2;
   /// Paths a pixel and pass, where paths stand for metal or for light unknown to the network.
   static constexpr int kPaths = 4;
   /// Paths a pixel of a reference that is done.
@@ -62,7 +61,7 @@ class Progressive {
   double pixels() const { return double(size_.width) * size_.height; }
   PictureSize draft_size() const;
   bool traces() const { return shown_ == Shown::Reference || shown_ == Shown::Difference; }
-  RenderSettings settings(const PictureSize& size, bool first) const;
+  RenderSettings settings(const PictureSize& size, bool few) const;
   Frame render(const scene::Camera& camera, RenderSettings settings,
                const std::function<bool()>& interrupted);
   void draft();

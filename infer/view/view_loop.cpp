@@ -1,5 +1,6 @@
 #include "infer/view/view_loop.h"
 
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <utility>
@@ -19,6 +20,10 @@
 
 namespace lte::infer::view {
 namespace {
+
+/// Behind a draft: who moves on within this time sees the next draft at once, and does not wait for
+/// a stage of a whole picture that nobody will see.
+constexpr std::chrono::milliseconds kRest(100);
 
 using SharedFrame = std::shared_ptr<const std::string>;
 
@@ -80,7 +85,8 @@ bool ViewLoop::outdated() const { return stopping_ || inbox_.waiting(); }
 
 void ViewLoop::turn() {
   const bool rests = failed_ || pages_->count() == 0 || (!restart_ && progressive_.done());
-  const Inbox::Batch batch = inbox_.take(/*wait=*/rests);
+  const bool moves = !restart_ && progressive_.pass() == 1;
+  const Inbox::Batch batch = inbox_.take(rests ? Inbox::kAnyTime : moves ? kRest : Inbox::kNoWait);
   if (stopping_) return;
   failed_ = false;
   const Editor::Made made = newest_();

@@ -27,6 +27,9 @@ export function markBusy(input) {
   }
 }
 
+/** Whether the panel stands below the picture and not beside it, as in style.css. */
+export const isStacked = () => matchMedia("(max-width: 720px), (orientation: portrait)").matches;
+
 /** Whether a panel has not listed these things, by their names, before. */
 export function changed(panel, things) {
   const names = JSON.stringify(things.map((thing) => thing.name));

@@ -20,6 +20,7 @@ const PHASES = { connecting: "connecting", loading: "loading", ready: "live", lo
 const store = new Store();
 const meter = new Meter(store);
 const waiting = [];          // picks that the server has not answered, in order: functions
+const sent = { view: 0, edits: 0 };  // numbers of the last messages that a picture must show
 const stamps = new Map();    // message number -> {at: when it was sent, edits: whether it is one}
 let sentCamera = 0;          // number of the last camera message
 let cameraToSend = null;     // at most one a frame
@@ -45,7 +46,7 @@ const connection = new Connection({
 const handlers = {
   welcome(message) {
     store.client = message.client;
-    sentCamera = 0;
+    sentCamera = sent.view = sent.edits = 0;
     stamps.clear();
     if (message.phase === "loading") setPhase("loading", "Loading the scene …");
   },
@@ -87,7 +88,10 @@ function toast(text) {
 function send(message) {
   const number = connection.send(message);
   const edits = ["light", "material", "object", "undo", "redo", "reset"].includes(message.type);
-  if (number && message.type !== "save") stamps.set(number, { at: performance.now(), edits });
+  if (number && message.type !== "save") {
+    stamps.set(number, { at: performance.now(), edits });
+    sent[edits ? "edits" : "view"] = number;
+  }
   return number;
 }
 
@@ -104,9 +108,9 @@ function shown(header) {
 
 /** The time from the last message that this picture is the first to show. */
 function measureLatency(view, edits) {
-  for (const [number, sent] of stamps) {
-    if (number > (sent.edits ? edits : view)) continue;
-    meter.latency = performance.now() - sent.at;
+  for (const [number, stamp] of stamps) {
+    if (number > (stamp.edits ? edits : view)) continue;
+    meter.latency = performance.now() - stamp.at;
     stamps.delete(number);
   }
 }
@@ -233,5 +237,13 @@ for (const button of document.querySelectorAll("[data-save]")) {
   });
 }
 
+/** Whether the picture is finished and shows all that this page has asked for. */
+function caughtUp() {
+  const header = store.header;
+  if (!header?.done || cameraToSend || editsToSend.size > 0) return false;
+  const [view, edits] = header.handled[store.client] ?? [0, 0];
+  return document.body.dataset.phase === "ready" && view >= sent.view && edits >= sent.edits;
+}
+
 // For the console, and for tests.
-globalThis.lteView = { store, picture, send, meter, project };
+globalThis.lteView = { store, picture, send, meter, project, caughtUp };

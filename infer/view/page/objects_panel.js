@@ -1,5 +1,5 @@
 // The list of objects, and where the selected one stands.
-import { byId, changed, make, markBusy, setIdle, short } from "./dom.js";
+import { byId, changed, isStacked, make, markBusy, setIdle, short } from "./dom.js";
 import { albedoInput } from "./materials_panel.js";
 import { toHex } from "./color.js";
 import { foot } from "./store.js";
@@ -76,8 +76,7 @@ export class ObjectsPanel {
     this.inputs = { axes: axes.map((a) => a.input), turn: turn.input, size: size.input };
     this.refresh();
     // Where the panel stands below the picture, the picture is to stay in sight.
-    const beside = !matchMedia("(max-width: 720px)").matches;
-    if (beside) this.list.children[store.object].scrollIntoView({ block: "nearest" });
+    if (!isStacked()) this.list.children[store.object].scrollIntoView({ block: "nearest" });
   }
 
   refresh() {

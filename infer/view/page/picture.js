@@ -1,5 +1,6 @@
 // The picture and what is drawn over it, in the largest frame of its shape that fits.
 import { project } from "./camera.js";
+import { isStacked } from "./dom.js";
 import { corners } from "./store.js";
 
 const EDGES = [[0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7],
@@ -43,10 +44,10 @@ export class Picture {
 
   fit() {
     const { viewport, stage, overlay } = this;
-    const narrow = matchMedia("(max-width: 720px)").matches;
+    const stacked = isStacked();
     const width = viewport.clientWidth;
-    viewport.style.height = narrow ? `${Math.round(width / this.aspect)}px` : "";
-    const height = narrow ? width / this.aspect : viewport.clientHeight;
+    viewport.style.height = stacked ? `${Math.round(width / this.aspect)}px` : "";
+    const height = stacked ? width / this.aspect : viewport.clientHeight;
     const w = Math.floor(Math.min(width, height * this.aspect));
     stage.style.width = `${w}px`;
     stage.style.height = `${Math.round(w / this.aspect)}px`;

@@ -29,6 +29,7 @@ class Page:
         self.errors = []
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.call(f"{domain}.enable")
+        self.call("Page.bringToFront")  # a tab behind another draws no frames
         self.resize(width, height, touch)
 
     def resize(self, width, height, touch=False, scale=1):

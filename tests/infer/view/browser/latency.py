@@ -122,29 +122,33 @@ def main():
 
         def move():
             turn = choose.uniform(-0.3, 0.3)
+            c, s = math.cos(turn), math.sin(turn)
             x, y, z = (t - o for t, o in zip(camera["target"], camera["origin"]))
-            view = (x * math.cos(turn) + z * math.sin(turn), y, -x * math.sin(turn) + z * math.cos(turn))
+            view = (x * c + z * s, y, -x * s + z * c)
             target = [o + v for o, v in zip(camera["origin"], view)]
             return page.answer(False, type="camera", origin=camera["origin"], target=target,
                                up=camera["up"], vfov=camera["vfov"])
 
         def moves(count):
-            times, sizes = [], []
+            times, headers = [], []
             for _ in range(count):
                 page.rest(choose.uniform(0.1, 0.6))
                 times.append(move())
-                sizes.append(page.header["width"])
-            return times, sizes
+                headers.append(page.header)
+            return times, headers
 
-        moves(5)
+        moves(3)
         before = processor_seconds(pid)
-        times, sizes = moves(args.moves)
-        row("camera", times, f"drafts {statistics.median(sizes):.0f} wide, "
+        times, headers = moves(args.moves)
+        row("camera", times, f"drafts {statistics.median(h['width'] for h in headers):.0f} wide "
+            f"in {statistics.median(h['elapsed'] for h in headers):.0f} ms, "
             f"{(processor_seconds(pid) - before) / args.moves:.2f} cpu s a move, refining included")
+        print("    the last draft:", json.dumps(headers[-1]["ms"]))
 
         def dim(light):
-            return page.answer(True, type="light", light=light, gain=round(choose.uniform(0.1, 2), 3),
-                               color=[1, 1, 1], gesture=0)
+            gain = round(choose.uniform(0.1, 2), 3)
+            return page.answer(True, type="light", light=light, gain=gain, color=[1, 1, 1],
+                               gesture=0)
 
         first = [dim(light) for light in range(len(page.scene["lights"]))]
         row("dim, the first time of a light", first)
@@ -159,8 +163,8 @@ def main():
         for _ in range(max(1, args.edits // 2)):
             page.rest(choose.uniform(0.2, 0.8))
             shift = [round(choose.uniform(-0.3, 0.3), 3), 0, round(choose.uniform(-0.3, 0.3), 3)]
-            times.append(page.answer(True, type="object", object=number, move=shift, turn=0, scale=1,
-                                     gesture=0))
+            times.append(page.answer(True, type="object", object=number, move=shift, turn=0,
+                                     scale=1, gesture=0))
         row("move " + page.scene["objects"][number]["name"], times,
             f"last: {json.dumps(page.cost)}")
         page.send(type="reset")

@@ -26,7 +26,7 @@ PIXELS = """(() => {
   const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
   return [...data].filter((_, i) => i % 4 !== 3);
 })()"""
-READY = "document.body.dataset.phase === 'ready' && lteView.store.header?.done === true"
+READY = "globalThis.lteView?.caughtUp()"
 CAMERA = "JSON.stringify(lteView.store.header.camera)"
 
 
@@ -43,13 +43,15 @@ def check(condition, text):
 
 def settled(page):
     """Waits for the finished picture of all that was done so far."""
-    time.sleep(0.4)
+    time.sleep(0.1)  # messages go out with the next frame
     page.wait(READY, what="a finished picture")
 
 
 def stage(page):
-    return page.evaluate("(() => { const b = document.getElementById('overlay')"
-                         ".getBoundingClientRect(); return [b.left, b.top, b.width, b.height]; })()")
+    return page.evaluate("""(() => {
+      const box = document.getElementById("overlay").getBoundingClientRect();
+      return [box.left, box.top, box.width, box.height];
+    })()""")
 
 
 def at(page, x, y):
@@ -57,11 +59,12 @@ def at(page, x, y):
     return left + x * width, top + y * height
 
 
-def set_input(page, selector, value, event="input"):
+def set_input(page, selector, value):
     page.evaluate(f"""(() => {{
       const input = document.querySelector({json.dumps(selector)});
       input.value = {json.dumps(str(value))};
-      for (const kind of ["input", "change"]) input.dispatchEvent(new Event(kind, {{bubbles: true}}));
+      for (const kind of ["input", "change"])
+        input.dispatchEvent(new Event(kind, {{bubbles: true}}));
     }})()""")
 
 

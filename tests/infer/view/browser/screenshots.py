@@ -14,7 +14,7 @@ from page_test import READY, settled  # noqa: E402
 from view_server import ViewServer  # noqa: E402
 
 SELECT = """(() => {
-  const lamp = lteView.store.scene.objects.findIndex((o) => o.name.includes("floor lamp"));
+  const lamp = lteView.store.scene.objects.findIndex((o) => o.name.includes("piece 9"));
   if (lamp >= 0) lteView.store.select(lamp);
 })()"""
 
@@ -49,7 +49,8 @@ def main():
         page.evaluate("document.querySelector('[data-shown=full]').click()")
         page.evaluate("document.querySelector('[data-tab=materials]').click()")
         settled(page)
-        for name, width, height in (("tablet", 820, 1180), ("wide", 1180, 820), ("phone", 390, 844)):
+        sizes = {"tablet": (820, 1180), "wide": (1180, 820), "phone": (390, 844)}
+        for name, (width, height) in sizes.items():
             page.resize(width, height, touch=True)
             time.sleep(0.6)
             page.screenshot(args.folder / f"{name}.png")
