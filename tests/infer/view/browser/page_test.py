@@ -18,7 +18,7 @@ from view_server import ViewServer  # noqa: E402
 SKIPPED = 77
 ROOT = pathlib.Path(__file__).resolve().parents[4]
 SCENE = ROOT / "assets/scenes/cornell_box.glb"
-SIZE = "160x120"
+SIZE = "96x72"
 
 # Linear light of the picture on the screen, as a list of RGB triples.
 PIXELS = """(() => {
