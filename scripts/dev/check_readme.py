@@ -40,7 +40,7 @@ TINY = {
     "real_scenes.py": "--size 16x12 --spp 4",
 }
 DROPPED = ("--verify", )  # flags that take a minute whatever the size
-LONG = ("lte_eval --split test", "lte_bench")  # commands that do, which are not run
+LONG = ("lte_eval --split test", "lte_bench", "lte_view")  # commands that do, which are not run
 
 
 def section(text):
