@@ -1,19 +1,16 @@
 // The binaries: exit codes, one line on failure, nothing half-written.
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
 #include "lte/base/file.h"
 #include "lte/image/exr.h"
 #include "lte/image/png.h"
 #include "lte/scene/export.h"
-#include "tests/infer/fixture.h"
+#include "tests/infer/tools_fixture.h"
 #include "tests/support/every_light.h"
 
 namespace lte::infer {
@@ -21,64 +18,6 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-
-struct Outcome {
-  int code = -1;
-  std::string text;  ///< both streams
-};
-
-Outcome run_tool(const std::string& tool, const std::string& arguments) {
-  const std::string command =
-      std::string(LTE_BINARY_DIR) + "/bin/" + tool + " " + arguments + " --threads 1 2>&1";
-  Outcome out;
-  std::FILE* pipe = popen(command.c_str(), "r");
-  if (!pipe) return out;
-  char buffer[4096];
-  for (size_t n; (n = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) out.text.append(buffer, n);
-  const int status = pclose(pipe);
-  out.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return out;
-}
-
-/// A failure that a user can act on: this exit code, one line, and these words in it.
-void expect_failure(const Outcome& run, int code, const testing::Matcher<std::string>& words) {
-  EXPECT_EQ(run.code, code) << run.text;
-  EXPECT_THAT(run.text, words);
-  EXPECT_EQ(std::count(run.text.begin(), run.text.end(), '\n'), 1) << run.text;
-}
-
-class Tools : public testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    folder_ = new test::TempDir();
-    scene::Scene room = test::furnished_room();
-    room.cameras.push_back({"inside", {2, 1.6f, 2.8f}, {2, 1, 0}, {0, 1, 0}, 70});
-    room.cameras.push_back({"outside", {9, 2, 2.8f}, {2, 1, 0}, {0, 1, 0}, 60});
-    scene::write_glb(*folder_ / "room.glb", room);
-    scene::Scene dark = test::lit_floor();
-    for (scene::Material& material : dark.materials) material.emission = {};
-    for (scene::Instance& instance : dark.instances) instance.light_group = scene::kNone;
-    dark.light_groups.clear();
-    scene::write_glb(*folder_ / "dark.glb", dark);
-    test::save_tiny_model(*folder_ / "tiny.safetensors");
-    test::write_random_dataset(*folder_ / "data");
-  }
-  static void TearDownTestSuite() {
-    delete folder_;
-    folder_ = nullptr;
-  }
-  static std::string at(const std::string& name) { return (*folder_ / name).string(); }
-  static Outcome render(const std::string& rest) {
-    return run_tool("lte_render", at("room.glb") + " --quiet --size 24x16 --checkpoint " +
-                                      at("tiny.safetensors") + " " + rest);
-  }
-  static Outcome eval(const std::string& rest) {
-    return run_tool("lte_eval", "--quiet --checkpoint " + at("tiny.safetensors") + " --data " +
-                                    at("data") + " " + rest);
-  }
-  static test::TempDir* folder_;
-};
-test::TempDir* Tools::folder_ = nullptr;
 
 TEST_F(Tools, RenderWritesPictureAndTimes) {
   const Outcome done = render("--out " + at("a.exr") + " --json " + at("a.json"));
@@ -391,107 +330,6 @@ TEST_F(Tools, ProgressIsShownAndQuietIsQuiet) {
                     HasSubstr("export: comparing at 257 scene points")));
   EXPECT_THAT(run_tool("lte_export", exporting + " --quiet").text,
               testing::Not(HasSubstr("export: ")));
-}
-
-TEST_F(Tools, AntialiasingIsOnAndCanBeTurnedOff) {
-  const auto edges = [](const std::string& path) {
-    return nlohmann::json::parse(read_file(path)).at("edge_pixels").get<int64_t>();
-  };
-  ASSERT_EQ(render("--out " + at("aa.png") + " --json " + at("aa.json")).code, 0);
-  ASSERT_EQ(render("--aa off --out " + at("aa.png") + " --json " + at("off.json")).code, 0);
-  EXPECT_GT(edges(at("aa.json")), 0);
-  EXPECT_EQ(edges(at("off.json")), 0);
-  for (const char* bad : {"on", "0", "-4", "257", "4x", "1e2"}) {
-    expect_failure(render("--out " + at("n.png") + " --aa " + bad), 2, HasSubstr("--aa"));
-  }
-}
-
-TEST_F(Tools, TheDialSetsSwitchesAndFlagsByHandWin) {
-  const auto told = [](const std::string& flags) {
-    const Outcome done = render("--out " + at("q.exr") + " --json " + at("q.json") + flags);
-    EXPECT_EQ(done.code, 0) << done.text;
-    return nlohmann::json::parse(read_file(at("q.json")));
-  };
-  const nlohmann::json last = told(""), draft = told(" --quality draft"),
-                       mixed = told(" --quality draft --direct-samples 9 --aa 2 --sparse off");
-  EXPECT_EQ(last.at("quality"), "final");
-  EXPECT_EQ(last.at("sparse"), false);
-  EXPECT_EQ(last.at("direct_samples"), 64);
-  EXPECT_EQ(last.at("antialias"), 16);
-  EXPECT_EQ(last.at("decoded_pixels"), last.at("queries"));
-  EXPECT_EQ(draft.at("quality"), "draft");
-  EXPECT_EQ(draft.at("sparse").at("step"), 8);
-  EXPECT_EQ(draft.at("antialias"), 0);
-  EXPECT_LT(draft.at("decoded_pixels"), draft.at("queries"));
-  EXPECT_EQ(mixed.at("direct_samples"), 9);
-  EXPECT_EQ(mixed.at("antialias"), 2);
-  EXPECT_EQ(mixed.at("decoded_pixels"), mixed.at("queries"));
-  const nlohmann::json timed = told(" --time-budget 300s");
-  EXPECT_EQ(timed.at("quality"), "final");
-  EXPECT_EQ(timed.at("time_budget_seconds"), 300);
-}
-
-TEST_F(Tools, GatheredPicturesNeedNoModelAndKeepOneTable) {
-  const std::string common =
-      at("room.glb") + " --size 24x16 --checkpoint " + at("none.safetensors");
-  const auto told = [&](const std::string& flags) {
-    const Outcome done = run_tool("lte_render", common + flags + " --json " + at("g.json"));
-    EXPECT_EQ(done.code, 0) << done.text;
-    EXPECT_THAT(done.text, HasSubstr("no model is needed"));
-    return nlohmann::json::parse(read_file(at("g.json")));
-  };
-  const nlohmann::json one = told(" --indirect gather --out " + at("g.exr"));
-  EXPECT_EQ(one.at("indirect"), "gather");
-  EXPECT_EQ(one.at("decoded_pixels"), 0);
-  EXPECT_GT(one.at("gather").at("pixels"), 100);
-  EXPECT_EQ(one.at("table").at("light"), "raw");
-  EXPECT_GT(one.at("seconds").at("table"), 0);
-  EXPECT_GT(one.at("seconds").at("gather"), 0);
-  EXPECT_EQ(image::read_exr(at("g.exr"), "indirect").width, 24);
-  const nlohmann::json many = told(
-      " --gather-rays 4 --correction-paths 2 --table-points 500 --quality draft --turntable 3 "
-      "--camera inside --out " +
-      at("turn%d.png"));
-  ASSERT_EQ(many.at("pictures").size(), 3u);
-  EXPECT_LE(many.at("table").at("entries"), 500);
-  for (const nlohmann::json& picture : many.at("pictures")) {
-    EXPECT_EQ(picture.at("gather").at("rays"), 4);
-    EXPECT_EQ(picture.at("gather").at("correction_paths"), 2);
-  }
-  const Outcome filled = render("--indirect gather --table network --out " + at("n.exr"));
-  EXPECT_EQ(filled.code, 0) << filled.text;
-}
-
-TEST_F(Tools, FlagsOfGatheredLightThatMakeNoSenseAreOneLineAndNoFile) {
-  const std::string out = "--out " + at("never.png");
-  expect_failure(render(out + " --indirect network --gather-rays 4"), 1,
-                 HasSubstr("--gather-rays goes with --indirect gather"));
-  expect_failure(render(out + " --indirect gather --mode reference"), 1,
-                 HasSubstr("needs --mode neural"));
-  expect_failure(render(out + " --correction-paths 3"), 1, HasSubstr("an even number"));
-  expect_failure(render(out + " --indirect light"), 2, HasSubstr("--indirect"));
-  expect_failure(render(out + " --table estimates"), 2, HasSubstr("--table"));
-  expect_failure(render(out + " --table-points 0"), 2, HasSubstr("--table-points"));
-  expect_failure(render(out + " --gather-rays -1"), 2, HasSubstr("--gather-rays"));
-  expect_failure(render(out + " --indirect gather --table-points 4000000 --max-memory 500M"), 1,
-                 AllOf(HasSubstr("4000000 points"), HasSubstr("--table-points")));
-  expect_failure(render(out + " --indirect gather --time-budget 1ms"), 1,
-                 AllOf(HasSubstr("--time-budget"), HasSubstr("expected")));
-  EXPECT_FALSE(std::filesystem::exists(at("never.png")));
-}
-
-TEST_F(Tools, ATimeBudgetThatCannotBeKeptIsOneLineAndNoFile) {
-  const std::string out = "--out " + at("never.png");
-  expect_failure(render(out + " --time-budget 1ms"), 1,
-                 AllOf(HasSubstr("--time-budget"), HasSubstr("expected")));
-  expect_failure(render(out + " --time-budget 0.5"), 2, HasSubstr("such as 0.5s or 200ms"));
-  expect_failure(render(out + " --time-budget 1s --quality draft"), 2, HasSubstr("--quality"));
-  expect_failure(render(out + " --time-budget 1s --mode reference"), 1,
-                 HasSubstr("--time-budget needs --mode neural"));
-  expect_failure(render(out + " --sparse on --mode reference"), 1,
-                 HasSubstr("--sparse on needs --mode neural"));
-  expect_failure(render(out + " --quality best"), 2, HasSubstr("best"));
-  EXPECT_FALSE(std::filesystem::exists(at("never.png")));
 }
 
 TEST_F(Tools, EvalWritesItsJsonAndReport) {

@@ -1,0 +1,210 @@
+// Luminaires of a live scene: dimmed, recoloured, moved, added, by closed forms and linearity.
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "infer/session/dimmable_picture.h"
+#include "lte/base/check.h"
+#include "lte/pathtrace/gbuffer.h"
+#include "tests/infer/session/session_fixture.h"
+#include "tests/support/closed_forms.h"
+#include "tests/support/every_light.h"
+#include "tests/support/scenes.h"
+
+namespace lte::infer {
+namespace {
+
+using namespace session_test;
+using test::furnished_room;
+using test::translation;
+
+TEST(Session, AMovedLampTakesItsLightAlong) {
+  const runtime::Network net = network();
+  Session session(furnished_room(), net);
+  const LuminaireInfo lamp = session.state()->luminaires()[0];
+  ASSERT_EQ(lamp.instances.size(), 1u);
+  session.apply(MoveInstance{lamp.instances[0], translation({0.5f, -0.3f, 0.4f})});
+  const LuminaireInfo moved = session.state()->luminaires()[0];
+  EXPECT_NEAR(length(moved.position - lamp.position - Vec3{0.5f, -0.3f, 0.4f}), 0, 1e-5);
+  const scene::Scene scene = exported(*session.state());
+  EXPECT_EQ(session.state()->render(camera(), picture()).color.pixels,
+            rendered(scene, net, picture()).color.pixels);
+}
+
+TEST(Session, DirectLightOfADimmedLampIsItsClosedForm) {
+  Session session(test::lit_floor(), std::nullopt);
+  session.apply(SetLight{0, 0.25, Rgb{0.5f, 1, 0.25f}});
+  RenderSettings settings = picture(Output::Direct, Mode::Reference);
+  settings.spp = 256;
+  settings.metal = Metal::Diffuse;
+  const Frame frame = session.state()->render(test::downward_camera(), settings);
+  const pathtrace::GBuffer hits =
+      pathtrace::trace_gbuffer(session.state()->bvh(), test::downward_camera(), 24, 16);
+  // The largest component of the radiance is 5.
+  const Rgb radiance = Rgb{0.5f, 1, 0.25f} * (0.25f * 5);
+  for (size_t i = 0; i < hits.mask.size(); ++i) {
+    const double form =
+        test::polygon_irradiance(test::lit_floor_light(), hits.position[i], hits.normal[i]);
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_NEAR(frame.direct.pixels[3 * i + static_cast<size_t>(c)], radiance[c] * form,
+                  0.08 * radiance[c] * form + 1e-3);
+    }
+  }
+}
+
+/// Light is linear in each luminaire: every gain and colour follows from darkness and full light.
+TEST(Session, AnswersAreLinearInGainAndColorByChannel) {
+  const scene::Scene room = furnished_room();
+  const Points points(room);
+  Session session(room, network());
+  const auto at = [&](double gain, const Rgb& color) {
+    session.apply(SetLight{0, gain, color});
+    return session.state()->irradiance(points.queries());
+  };
+  const std::vector<Rgb> dark = at(0, {1, 1, 1}), full = at(1, {1, 1, 1});
+  const double scale = mean_of(full);
+  ASSERT_GT(largest_difference(dark, full), 0.1 * scale);
+  const std::vector<std::pair<double, Rgb>> lights = {{0.5, {1, 1, 1}}, {3, {1, 0.5f, 0.1f}}};
+  for (const auto& [gain, color] : lights) {
+    std::vector<Rgb> law;
+    const Rgb factor = color * static_cast<float>(gain);
+    for (size_t i = 0; i < dark.size(); ++i) law.push_back(dark[i] + (full[i] - dark[i]) * factor);
+    EXPECT_LT(largest_difference(at(gain, color), law), 1e-5 * (1 + gain) * scale);
+  }
+}
+
+TEST(Session, DimmingEncodesOnceALuminaireAndNeverAgain) {
+  scene::Scene room = furnished_room();
+  test::add_point_light(&room, {1, 2, 1}, {1, 2, 3});
+  Session session(std::move(room), network());
+  EXPECT_EQ(session.apply(SetLight{0, 0.5, {}}).encodings, 2) << "the lamp, and the others";
+  EXPECT_EQ(session.apply(SetLight{0, 0.3, {}}).encodings, 0);
+  EXPECT_EQ(session.apply(SetLight{0, {}, Rgb{1, 0, 0}}).encodings, 0);
+  const EditReport other = session.apply(SetLight{1, 2, {}});
+  EXPECT_EQ(other.encodings, 2) << "this lamp, and what is left";
+  EXPECT_EQ(other.points_drawn, 0);
+  EXPECT_FALSE(other.bvh_rebuilt);
+  EXPECT_EQ(other.layers, 3);
+  EXPECT_EQ(session.apply(SetLight{2, 2, {}}).encodings, 0) << "it was alone already";
+}
+
+TEST(Session, SeparatedLampsAreDimmedWithoutEncoding) {
+  Session session(furnished_room(), network());
+  EXPECT_EQ(session.separate().encodings, 2);
+  EXPECT_EQ(session.apply(SetLight{1, 0.5, {}}).encodings, 0);
+  EXPECT_EQ(session.undo()->encodings, 0) << "the step before has been separated, too";
+  EXPECT_FALSE(session.can_undo());
+}
+
+TEST(Session, LampsThatShareAMeshAreDimmedOneByOne) {
+  scene::Scene room = furnished_room();
+  scene::Instance twin = room.instances[3];
+  twin.to_world = translation({1.2f, 0, 0.5f});
+  twin.light_group = static_cast<int>(room.light_groups.size());
+  room.light_groups.emplace_back("twin");
+  room.instances.push_back(twin);
+  Session session(room, network());
+  session.apply(SetLight{2, 0, {}});
+  const StatePtr state = session.state();
+  const scene::Scene& scene = state->scene();
+  const auto emission = [&](size_t instance) {
+    return scene
+        .materials[static_cast<size_t>(
+            scene.meshes[static_cast<size_t>(scene.instances[instance].mesh)].material)]
+        .emission;
+  };
+  EXPECT_EQ(emission(3), (Rgb{12, 9, 6}));
+  EXPECT_EQ(emission(5), (Rgb{0, 0, 0}));
+  EXPECT_EQ(state->materials().size(), room.materials.size());
+  // Both have the base colour of the one material that people know.
+  session.apply(SetMaterial{3, {0.2f, 0.2f, 0.2f}});
+  for (const InstanceInfo& info : session.state()->instances()) {
+    if (info.material != 3) continue;
+    const Pick pick =
+        session.state()
+            ->pick(
+                {"", info.bounds.center() - Vec3{0, 0.3f, 0}, info.bounds.center(), {1, 0, 0}, 40},
+                0.5f, 0.5f, 1)
+            .value();
+    EXPECT_EQ(pick.instance, info.id);
+    EXPECT_EQ(pick.albedo, (Rgb{0.2f, 0.2f, 0.2f}));
+  }
+}
+
+TEST(Session, AColorWithoutRedCanBecomeRed) {
+  scene::Scene room = furnished_room();
+  room.materials[3].emission = {0, 8, 2};
+  const Points points(room);
+  Session session(room, network());
+  session.apply(SetLight{0, 0.5, Rgb{1, 0, 0}});
+  EXPECT_EQ(session.change_against_fresh(points.queries()).largest, 0);
+  EXPECT_EQ(session.state()->scene().materials[3].emission, (Rgb{4, 0, 0}));
+  EXPECT_EQ(session.apply(SetLight{0, 0.5, Rgb{0, 1, 1}}).encodings, 0);
+  EXPECT_EQ(session.state()->scene().materials[3].emission, (Rgb{0, 4, 4}));
+}
+
+TEST(Session, LampsComeAndGo) {
+  const runtime::Network net = network();
+  Session session(furnished_room(), net);
+  scene::PunctualLight bulb;
+  bulb.name = "bulb";
+  bulb.position = {1, 1, 1};
+  bulb.intensity = {1, 2, 3};
+  const EditReport added = session.apply(AddLight{bulb});
+  ASSERT_EQ(added.added_lights.size(), 1u);
+  const int id = added.added_lights[0];
+  EXPECT_EQ(session.state()->find_luminaire("bulb"), id);
+  session.apply(MoveLight{id, Vec3{3, 1, 1}, {}});
+  const scene::Scene scene = exported(*session.state());
+  EXPECT_EQ(scene.lights.at(0).position, (Vec3{3, 1, 1}));
+  EXPECT_EQ(session.state()->render(camera(), picture()).color.pixels,
+            rendered(scene, net, picture()).color.pixels);
+  session.apply(RemoveLight{id});
+  EXPECT_EQ(session.state()->render(camera(), picture()).color.pixels,
+            rendered(furnished_room(), net, picture()).color.pixels);
+  EXPECT_THROW(session.apply(RemoveLight{id}), Error) << "its number is gone for good";
+}
+
+TEST(Session, PathsAnswerForASunThatTheNetworkDoesNotKnow) {
+  scene::Scene room = furnished_room();
+  test::add_punctual(&room, scene::LightKind::Directional, {5, 5, 5});
+  Session session(room, network());
+  EXPECT_FALSE(session.state()->has_network());
+  EXPECT_GT(session.state()->render(camera(), picture()).traced_pixels, 0);
+  session.apply(SetLight{2, 0, {}});
+  EXPECT_TRUE(session.state()->has_network()) << "the sun has set";
+  EXPECT_EQ(session.state()->render(camera(), picture()).traced_pixels, 0);
+}
+
+/// The sum of pictures by luminaire is the picture that all give together, but for the noise of
+/// direct light, of which rays leave none here.
+TEST(DimmablePicture, SumsWhatLuminairesGiveOneByOne) {
+  Session session(furnished_room(), network());
+  session.apply(SetLight{0, 0.5, {}});
+  for (const Output output : {Output::Gi, Output::Irradiance, Output::Full}) {
+    RenderSettings settings = picture(output);
+    settings.direct_samples = 1024;
+    const DimmablePicture dimmable(session.state(), camera(), settings);
+    session.apply(SetLight{0, 0.8, Rgb{1, 0.3f, 0.1f}}, true);
+    ASSERT_TRUE(dimmable.fits(*session.state()));
+    const Frame sum = dimmable.picture(*session.state());
+    const Frame whole = session.state()->render(camera(), settings);
+    double difference = 0, mean = 0;
+    for (size_t i = 0; i < whole.color.pixels.size(); ++i) {
+      difference += std::fabs(double{sum.color.pixels[i]} - whole.color.pixels[i]);
+      mean += std::fabs(double{whole.color.pixels[i]});
+    }
+    EXPECT_LT(difference, (output == Output::Full ? 0.02 : 1e-5) * mean);
+    EXPECT_EQ(sum.depth.pixels, whole.depth.pixels);
+  }
+  const DimmablePicture dimmable(session.state(), camera(), picture(Output::Direct));
+  session.apply(SetLight{1, 0.5, {}});
+  EXPECT_FALSE(dimmable.fits(*session.state())) << "another luminaire is apart now";
+  EXPECT_THROW(dimmable.picture(*session.state()), Error);
+  EXPECT_THROW(DimmablePicture(session.state(), camera(), picture(Output::Normal)), Error);
+}
+
+}  // namespace
+}  // namespace lte::infer

@@ -1,0 +1,79 @@
+// A small network, a camera, and points of a scene: what tests of sessions compare.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "infer/common/renderer.h"
+#include "infer/session/session.h"
+#include "lte/scene/export.h"
+#include "lte/scene/load.h"
+#include "lte/scene/sampler.h"
+#include "tests/infer/fixture.h"
+
+namespace lte::infer::session_test {
+
+inline runtime::Network network(nn::LightInput input = nn::LightInput::Traced,
+                                bool pruned = false) {
+  const test::TempDir folder;
+  test::save_tiny_model(folder / "tiny.safetensors",
+                        {.scene_points = 120, .pruned = pruned, .light_input = input});
+  return runtime::Network(folder / "tiny.safetensors");
+}
+
+inline scene::Camera camera() { return {"", {2, 1.6f, 2.8f}, {2, 1, 0}, {0, 1, 0}, 70}; }
+
+inline RenderSettings picture(Output output = Output::Full, Mode mode = Mode::Neural) {
+  RenderSettings out;
+  out.output = output;
+  out.mode = mode;
+  out.width = 24;
+  out.height = 16;
+  out.direct_samples = 2;
+  out.spp = 2;
+  out.antialias = 0;
+  return out;
+}
+
+struct Points {
+  explicit Points(const scene::Scene& scene) {
+    scene::SamplerOptions options;
+    options.seed = 7;
+    samples = scene::sample_surface(scene, 200, options);
+  }
+  runtime::QueryPoints queries() const {
+    return {samples.position, samples.normal, samples.albedo};
+  }
+  scene::SurfaceSamples samples;
+};
+
+/// The scene as a file would have it.
+inline scene::Scene exported(const SessionState& state) {
+  const test::TempDir folder;
+  state.write_glb(folder / "scene.glb");
+  return scene::load_scene(folder / "scene.glb");
+}
+
+inline Frame rendered(const scene::Scene& scene, const runtime::Network& network,
+                      const RenderSettings& settings) {
+  Renderer renderer(scene);
+  if (renderer.needs_network(settings)) renderer.embed(network, {});
+  return renderer.render(camera(), settings);
+}
+
+inline double largest_difference(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
+  double out = a.size() == b.size() ? 0 : INFINITY;
+  for (size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    for (int c = 0; c < 3; ++c) out = std::max(out, std::fabs(double{a[i][c]} - b[i][c]));
+  }
+  return out;
+}
+
+inline double mean_of(const std::vector<Rgb>& values) {
+  double sum = 0;
+  for (const Rgb& v : values) sum += (double{v.x} + v.y + v.z) / 3;
+  return sum / static_cast<double>(values.size());
+}
+
+}  // namespace lte::infer::session_test
