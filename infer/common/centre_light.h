@@ -30,7 +30,7 @@ struct CentreRequest {
   bool paths = false;      ///< a reference: direct and indirect light by paths
   bool indirect = false;   ///< of paths
   int path_count = 64, max_depth = 5;
-  const image::Denoiser* denoiser = nullptr;  ///< null: noise stays
+  const image::Denoiser* denoiser = nullptr;              ///< null: noise stays
   image::OidnQuality quality = image::OidnQuality::High;  ///< of direct light's
   /// Without paths: what indirect light is gathered from, and with how many rays; null: none is.
   const gi::RadiosityTable* table = nullptr;
