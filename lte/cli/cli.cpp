@@ -66,6 +66,7 @@ std::string unknown_arguments(const CLI::App& app) {
   const std::string name = word.substr(0, word.find('='));
   std::vector<std::string> candidates;
   collect_names(app, is_flag, &candidates);
+  std::erase(candidates, name);  // of another command: here it is unknown
   const bool is_command = !is_flag && !candidates.empty() && app.get_subcommands().empty();
   std::string text = is_flag      ? concat("unknown option ", name)
                      : is_command ? concat("unknown command \"", name, "\"")

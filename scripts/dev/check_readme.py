@@ -133,9 +133,9 @@ def small(command):
         if word == "--set" and key in SETTINGS:
             words[i + 1] = f"{key}={SETTINGS[key]}"
     line = shlex.join(words)
-    is_report = words[1:2] == ["report"]
+    takes_settings = words[1:2] not in (["report"], ["health"])
     for start, more in TINY.items():
-        if start in line and not is_report and "--dry-run" not in line:
+        if start in line and takes_settings and "--dry-run" not in line:
             have = {words[i + 1].partition("=")[0] for i, w in enumerate(words) if w == "--set"}
             extra = shlex.split(more)
             pairs = [extra[i:i + 2] for i in range(0, len(extra), 2)]

@@ -96,6 +96,9 @@ TEST(RunTool, WrongUsageIsOneLineThatNamesTheNearestName) {
               HasSubstr("unknown option --uot; did you mean --out?"));
   EXPECT_THAT(usage({"--thread", "4", "info"}),
               HasSubstr("unknown option --thread; did you mean --threads?"));
+  EXPECT_EQ(usage({"info", "--threads", "4"}),
+            "lte_x: unknown option --threads (see lte_x --help)\n")
+      << "which the tool takes before the command";
   EXPECT_THAT(usage({"genrate"}), HasSubstr("unknown command \"genrate\"; did you mean generate?"));
   for (const std::vector<std::string>& rest : {std::vector<std::string>{}, {"--help"}, {"-h"}}) {
     std::vector<std::string> arguments = {"nonsense"};

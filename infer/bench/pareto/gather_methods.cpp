@@ -4,6 +4,7 @@
 
 #include "infer/bench/pareto/lit_picture.h"
 #include "infer/bench/pareto/method.h"
+#include "infer/bench/pareto/renderer_steps.h"
 
 namespace lte::infer {
 namespace {
@@ -17,24 +18,11 @@ Method gather_method(const std::string& name, const std::string& family, const s
     TableSettings wanted = table;
     wanted.max_depth = scene.max_depth;
     wanted.seed = scene.seed;
-    if (table.light == TableLight::Network) {
-      EmbedSettings embedding;
-      embedding.seed = scene.seed;
-      embedding.rescale = true;
-      renderer.embed(scene.network, embedding);
-      (*stages)["sample"] += renderer.seconds().sample;
-      (*stages)["light"] += renderer.seconds().light;
-      (*stages)["encode"] += renderer.seconds().encode;
-    }
+    if (table.light == TableLight::Network) embed_scene(scene, stages);
     renderer.make_table(wanted);
     (*stages)["table"] += renderer.seconds().table;
     return [scene, settings](const scene::Camera& camera, StageTimes* view) {
-      RenderSettings asked = settings;
-      asked.width = scene.width;
-      asked.height = scene.height;
-      asked.max_depth = scene.max_depth;
-      asked.seed = scene.seed;
-      const MethodPicture picture = picture_of(scene.renderer.render(camera, asked));
+      MethodPicture picture = render_view(scene, settings, camera);
       const StageSeconds& seconds = scene.renderer.seconds();
       (*view)["primary"] += seconds.primary;
       (*view)["gather"] += seconds.gather;

@@ -7,6 +7,7 @@
 
 #include "infer/bench/pareto/lit_picture.h"
 #include "infer/bench/pareto/method.h"
+#include "infer/bench/pareto/renderer_steps.h"
 #include "infer/common/lit_samples.h"
 #include "lte/base/timer.h"
 #include "lte/nn/constants.h"
@@ -56,30 +57,14 @@ class EstimateCache {
   std::vector<Rgb> light_;
 };
 
-}  // namespace
-
-namespace {
-
 /// lte_render with these settings, but for size, depth and seed.
 Method network_method(const std::string& name, const std::string& family, const std::string& words,
                       const RenderSettings& settings) {
   Method method{name, family, words, {}};
   method.prepare = [settings](const MethodScene& scene, StageTimes* stages) -> RenderView {
-    Renderer& renderer = scene.renderer;
-    EmbedSettings embedding;
-    embedding.seed = scene.seed;
-    embedding.rescale = true;
-    renderer.embed(scene.network, embedding);
-    (*stages)["sample"] += renderer.seconds().sample;
-    (*stages)["light"] += renderer.seconds().light;
-    (*stages)["encode"] += renderer.seconds().encode;
+    embed_scene(scene, stages);
     return [scene, settings](const scene::Camera& camera, StageTimes* view) {
-      RenderSettings asked = settings;
-      asked.width = scene.width;
-      asked.height = scene.height;
-      asked.max_depth = scene.max_depth;
-      asked.seed = scene.seed;
-      const MethodPicture picture = picture_of(scene.renderer.render(camera, asked));
+      MethodPicture picture = render_view(scene, settings, camera);
       const StageSeconds& seconds = scene.renderer.seconds();
       (*view)["primary"] += seconds.primary;
       (*view)["decode"] += seconds.decode;

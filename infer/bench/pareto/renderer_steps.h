@@ -1,0 +1,16 @@
+// What methods by lte_render's renderer share.
+#pragma once
+
+#include "infer/bench/pareto/method.h"
+#include "infer/common/renderer.h"
+
+namespace lte::infer {
+
+/// Encodes the scene for the network, and adds the stages of that.
+void embed_scene(const MethodScene& scene, StageTimes* stages);
+
+/// A picture with these settings, but for size, depth and seed, which are the scene's.
+MethodPicture render_view(const MethodScene& scene, const RenderSettings& settings,
+                          const scene::Camera& camera);
+
+}  // namespace lte::infer
