@@ -70,20 +70,21 @@ ALLOWED = {
     "train/command": ["lte/base", "lte/cli", "lte/report", "lte/ops", "lte/nn", "lte/data",
                       "train/config", "train/log", "train/distributed", "train/loop"],
     "train": ["lte/base", "lte/cli", "train/command"],
-    # Render, probe, eval, export and bench never include one another.
-    "infer/common": LIBRARY_WITHOUT_TORCH + ["lte/gi", "lte/cli/*", "lte/ops", "lte/nn",
-                                             "lte/runtime"],
 }
+# What the tools with a network stand on, each room on those before it.
+INFER = LIBRARY_WITHOUT_TORCH + ["lte/gi", "lte/cli/*", "lte/ops", "lte/nn", "lte/runtime"]
+INFER_SHARED = ["infer/tool", "infer/light", "infer/picture", "infer/renderer"]
+for depth, room in enumerate(INFER_SHARED):
+    ALLOWED[room] = INFER + INFER_SHARED[:depth]
 # A scene in memory that takes edits: for the tools that show one.
-ALLOWED["infer/session"] = ALLOWED["infer/common"] + ["infer/common"]
-for tool in ("render", "probe", "eval", "export", "bench"):
-    ALLOWED[f"infer/{tool}"] = ALLOWED["infer/common"] + ["infer/common", "lte/report"]
+ALLOWED["infer/session"] = INFER + INFER_SHARED
+# Render, probe, eval, export and bench never include one another.
+for tool in ("render", "probe", "eval", "export", "bench", "bench/pareto", "bench/stability"):
+    ALLOWED[f"infer/{tool}"] = INFER + INFER_SHARED + ["lte/report"]
 ALLOWED["infer/render"] += ["infer/session"]
 ALLOWED["infer/bench"] += ["infer/bench/*", "infer/session"]
 # A live view shows a session in the qualities of lte_render.
-ALLOWED["infer/view"] = ALLOWED["infer/render"] + ["infer/session", "infer/render"]
-for part in ("pareto", "stability"):
-    ALLOWED[f"infer/bench/{part}"] = ALLOWED["infer/common"] + ["infer/common", "lte/report"]
+ALLOWED["infer/view"] = ALLOWED["infer/render"] + ["infer/render"]
 
 NO_TORCH = ("lte/base", "lte/cli", "lte/report", "lte/image", "lte/scene", "lte/pathtrace",
             "lte/gi", "lte/data", "lte/radiosity", "datagen")

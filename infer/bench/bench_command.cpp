@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "infer/common/tool_options.h"
+#include "infer/tool/tool_options.h"
 #include "lte/base/file.h"
 #include "lte/cli/command_files.h"
 #include "lte/cli/numbers.h"

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "infer/bench/bench.h"
-#include "infer/common/assets.h"
 #include "infer/session/session.h"
+#include "infer/tool/assets.h"
 #include "lte/base/check.h"
 #include "lte/base/process_memory.h"
 #include "lte/base/random.h"

@@ -1,6 +1,6 @@
 // lte_bench: times of every stage, time against error, and the stress of numbers.
 #include "infer/bench/bench_command.h"
-#include "infer/common/tool_options.h"
+#include "infer/tool/tool_options.h"
 
 int main(int argc, char** argv) {
   CLI::App app{"Measure run time, run time against error, and numerical stability.", "lte_bench"};

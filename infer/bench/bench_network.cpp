@@ -3,9 +3,9 @@
 #include <ATen/core/grad_mode.h>
 
 #include "infer/bench/bench.h"
-#include "infer/common/memory.h"
-#include "infer/common/synthetic_room.h"
-#include "infer/common/tool_options.h"
+#include "infer/tool/memory.h"
+#include "infer/tool/synthetic_room.h"
+#include "infer/tool/tool_options.h"
 #include "lte/base/process_memory.h"
 #include "lte/nn/cost.h"
 #include "lte/ops/curve_codes.h"

@@ -1,7 +1,7 @@
 // lte_bench pathtrace: what needs a scene and Embree.
 #include "infer/bench/bench.h"
 #include "infer/bench/trace_rates.h"
-#include "infer/common/assets.h"
+#include "infer/tool/assets.h"
 #include "lte/base/parallel.h"
 #include "lte/base/process_memory.h"
 #include "lte/cli/scene_flags.h"

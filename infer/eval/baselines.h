@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "infer/common/points.h"
+#include "infer/light/points.h"
 #include "lte/data/light_groups.h"
 #include "lte/data/scene_sample.h"
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "infer/common/points.h"
+#include "infer/light/points.h"
 
 namespace lte::infer {
 

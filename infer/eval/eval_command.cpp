@@ -4,9 +4,9 @@
 #include <iostream>
 #include <system_error>
 
-#include "infer/common/assets.h"
 #include "infer/eval/eval_report.h"
 #include "infer/eval/evaluate.h"
+#include "infer/tool/assets.h"
 #include "lte/base/config.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
-#include "infer/common/tool_options.h"
 #include "infer/eval/bootstrap.h"
+#include "infer/tool/tool_options.h"
 
 namespace lte::infer {
 

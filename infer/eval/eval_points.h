@@ -5,8 +5,8 @@
 #include <array>
 #include <vector>
 
-#include "infer/common/points.h"
 #include "infer/eval/equal_samples.h"
+#include "infer/light/points.h"
 #include "lte/data/scene_sample.h"
 
 namespace lte::infer {

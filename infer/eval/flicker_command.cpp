@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "infer/common/flicker.h"
+#include "infer/picture/flicker.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/cli/command_files.h"

@@ -1,4 +1,4 @@
-// lte_eval flicker: the measure of infer/common/flicker.h on files.
+// lte_eval flicker: the measure of infer/picture/flicker.h on files.
 #pragma once
 
 #include <string>

@@ -5,7 +5,7 @@
 #include <functional>
 #include <limits>
 
-#include "infer/common/points.h"
+#include "infer/light/points.h"
 #include "lte/base/check.h"
 #include "lte/image/flip.h"
 #include "lte/image/metrics.h"

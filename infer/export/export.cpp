@@ -9,11 +9,11 @@
 #include <torch/csrc/jit/frontend/sugared_value.h>
 #include <torch/csrc/jit/serialization/import.h>
 
-#include "infer/common/assets.h"
-#include "infer/common/synthetic_room.h"
 #include "infer/export/silent_file.h"
 #include "infer/export/torchscript_network.h"
 #include "infer/export/torchscript_ops.h"
+#include "infer/tool/assets.h"
+#include "infer/tool/synthetic_room.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/version.h"

@@ -7,10 +7,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "infer/common/assets.h"
-#include "infer/common/renderer.h"
-#include "infer/common/untrained_light.h"
+#include "infer/light/untrained_light.h"
 #include "infer/probe/neural_probe.h"
+#include "infer/renderer/renderer.h"
+#include "infer/tool/assets.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/base/timer.h"

@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
-#include "infer/common/embedding_flags.h"
-#include "infer/common/scene_source.h"
-#include "infer/common/tool_options.h"
+#include "infer/renderer/embedding_flags.h"
+#include "infer/tool/scene_source.h"
+#include "infer/tool/tool_options.h"
 
 namespace lte::infer {
 

@@ -8,11 +8,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "infer/common/renderer.h"
 #include "infer/render/edit_flags.h"
 #include "infer/render/edit_player.h"
 #include "infer/render/edit_script.h"
 #include "infer/render/views.h"
+#include "infer/renderer/renderer.h"
 #include "infer/session/session.h"
 
 namespace lte::infer {

@@ -5,7 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "infer/common/renderer.h"
+#include "infer/renderer/renderer.h"
 
 namespace lte::infer {
 

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "infer/common/renderer.h"
+#include "infer/renderer/renderer.h"
 
 namespace lte::infer {
 

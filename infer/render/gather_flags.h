@@ -6,9 +6,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include "infer/common/gathered_light.h"
-#include "infer/common/light_table.h"
-#include "infer/common/output.h"
+#include "infer/light/light_table.h"
+#include "infer/picture/output.h"
+#include "infer/renderer/gathered_light.h"
 
 namespace lte::infer {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "infer/common/renderer.h"
+#include "infer/renderer/renderer.h"
 #include "lte/cli/progress.h"
 
 namespace lte::infer {

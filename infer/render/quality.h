@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "infer/common/renderer.h"
+#include "infer/renderer/renderer.h"
 #include "lte/base/enum_names.h"
 
 namespace lte::infer {

@@ -6,11 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "infer/common/assets.h"
-#include "infer/common/picture_memory.h"
-#include "infer/common/picture_size.h"
-#include "infer/common/renderer.h"
-#include "infer/common/untrained_light.h"
+#include "infer/light/untrained_light.h"
 #include "infer/render/edit_frames.h"
 #include "infer/render/frame_io.h"
 #include "infer/render/frame_set.h"
@@ -20,6 +16,10 @@
 #include "infer/render/scene_size.h"
 #include "infer/render/time_budget.h"
 #include "infer/render/views.h"
+#include "infer/renderer/picture_memory.h"
+#include "infer/renderer/renderer.h"
+#include "infer/tool/assets.h"
+#include "infer/tool/picture_size.h"
 #include "lte/base/checksum.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "infer/common/renderer.h"
+#include "infer/renderer/renderer.h"
 
 namespace lte::infer {
 

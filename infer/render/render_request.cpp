@@ -3,9 +3,9 @@
 #include <charconv>
 #include <tuple>
 
-#include "infer/common/picture_size.h"
 #include "infer/render/frame_io.h"
 #include "infer/render/time_budget.h"
+#include "infer/tool/picture_size.h"
 #include "lte/base/check.h"
 #include "lte/cli/numbers.h"
 #include "lte/scene/load_camera.h"

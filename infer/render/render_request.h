@@ -6,14 +6,14 @@
 
 #include <CLI/CLI.hpp>
 
-#include "infer/common/embedding_flags.h"
-#include "infer/common/renderer.h"
-#include "infer/common/scene_source.h"
-#include "infer/common/tool_options.h"
 #include "infer/render/edit_flags.h"
 #include "infer/render/exposure.h"
 #include "infer/render/gather_flags.h"
 #include "infer/render/quality.h"
+#include "infer/renderer/embedding_flags.h"
+#include "infer/renderer/renderer.h"
+#include "infer/tool/scene_source.h"
+#include "infer/tool/tool_options.h"
 
 namespace lte::infer {
 

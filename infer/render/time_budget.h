@@ -4,9 +4,9 @@
 #include <memory>
 #include <optional>
 
-#include "infer/common/ray_pace.h"
-#include "infer/common/renderer.h"
+#include "infer/picture/ray_pace.h"
 #include "infer/render/quality.h"
+#include "infer/renderer/renderer.h"
 #include "lte/base/timer.h"
 
 namespace lte::infer {

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "infer/common/frame.h"
-#include "infer/common/renderer.h"
+#include "infer/picture/frame.h"
+#include "infer/renderer/renderer.h"
 #include "infer/session/session.h"
 
 namespace lte::infer {

@@ -4,7 +4,7 @@
 #include <set>
 #include <utility>
 
-#include "infer/common/lit_samples.h"
+#include "infer/light/lit_samples.h"
 #include "lte/base/timer.h"
 
 namespace lte::infer {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "infer/common/renderer.h"
+#include "infer/renderer/renderer.h"
 #include "infer/session/draft.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/light_estimates.h"

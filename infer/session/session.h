@@ -22,8 +22,8 @@
 #include <string>
 #include <vector>
 
-#include "infer/common/frame.h"
-#include "infer/common/renderer.h"
+#include "infer/picture/frame.h"
+#include "infer/renderer/renderer.h"
 #include "infer/session/edit.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/runtime/network.h"

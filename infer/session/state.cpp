@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "infer/common/untrained_light.h"
+#include "infer/light/untrained_light.h"
 #include "lte/base/check.h"
 #include "lte/base/timer.h"
 

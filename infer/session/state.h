@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "infer/common/shared_denoiser.h"
+#include "infer/renderer/shared_denoiser.h"
 #include "infer/session/draft.h"
 #include "infer/session/light_layer.h"
 #include "infer/session/session.h"

@@ -3,11 +3,11 @@
 #include <optional>
 #include <utility>
 
-#include "infer/common/assets.h"
-#include "infer/common/picture_size.h"
-#include "infer/common/untrained_light.h"
+#include "infer/light/untrained_light.h"
 #include "infer/render/scene_size.h"
 #include "infer/render/views.h"
+#include "infer/tool/assets.h"
+#include "infer/tool/picture_size.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/nn/device.h"

@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "infer/common/renderer.h"
+#include "infer/renderer/renderer.h"
 #include "infer/session/session.h"
 #include "infer/view/view_state.h"
 #include "lte/image/image.h"

@@ -15,7 +15,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <nlohmann/json.hpp>
 
-#include "infer/common/picture_size.h"
+#include "infer/tool/picture_size.h"
 #include "infer/view/live_view.h"
 #include "infer/view/load_session.h"
 #include "infer/view/page_files.h"

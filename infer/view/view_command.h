@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
-#include "infer/common/scene_source.h"
-#include "infer/common/tool_options.h"
+#include "infer/tool/scene_source.h"
+#include "infer/tool/tool_options.h"
 
 namespace lte::infer::view {
 

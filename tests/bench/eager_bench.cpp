@@ -11,8 +11,8 @@
 #include <CLI/CLI.hpp>
 
 #include "infer/bench/bench.h"
-#include "infer/common/synthetic_room.h"
-#include "infer/common/tool_options.h"
+#include "infer/tool/synthetic_room.h"
+#include "infer/tool/tool_options.h"
 #include "lte/base/file.h"
 #include "lte/base/timer.h"
 #include "lte/cli/cli.h"

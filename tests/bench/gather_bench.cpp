@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "infer/common/assets.h"
-#include "infer/common/lit_samples.h"
-#include "infer/common/network_table.h"
-#include "infer/common/renderer.h"
-#include "infer/common/untrained_light.h"
+#include "infer/light/lit_samples.h"
+#include "infer/light/network_table.h"
+#include "infer/light/untrained_light.h"
+#include "infer/renderer/renderer.h"
+#include "infer/tool/assets.h"
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/base/timer.h"

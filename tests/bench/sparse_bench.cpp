@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "infer/common/assets.h"
-#include "infer/common/renderer.h"
+#include "infer/renderer/renderer.h"
+#include "infer/tool/assets.h"
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/base/timer.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <span>
 
-#include "infer/common/picture_band.h"
+#include "infer/picture/picture_band.h"
 #include "lte/base/timer.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/pathtrace/render.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "infer/bench/pareto/method.h"
-#include "infer/common/points.h"
+#include "infer/light/points.h"
 
 namespace lte::infer {
 

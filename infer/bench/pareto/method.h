@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "infer/common/renderer.h"
+#include "infer/renderer/renderer.h"
 #include "lte/image/image.h"
 #include "lte/runtime/network.h"
 #include "lte/scene/scene.h"

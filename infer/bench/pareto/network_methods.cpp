@@ -8,7 +8,7 @@
 #include "infer/bench/pareto/lit_picture.h"
 #include "infer/bench/pareto/method.h"
 #include "infer/bench/pareto/renderer_steps.h"
-#include "infer/common/lit_samples.h"
+#include "infer/light/lit_samples.h"
 #include "lte/base/timer.h"
 #include "lte/nn/constants.h"
 #include "lte/ops/irradiance_cache.h"

@@ -6,8 +6,8 @@
 #include <numeric>
 #include <set>
 
-#include "infer/common/assets.h"
-#include "infer/common/untrained_light.h"
+#include "infer/light/untrained_light.h"
+#include "infer/tool/assets.h"
 #include "lte/base/check.h"
 #include "lte/base/checksum.h"
 #include "lte/base/log.h"

@@ -3,8 +3,8 @@
 #include <cstdio>
 
 #include "infer/bench/pareto/pareto_report.h"
-#include "infer/common/picture_size.h"
-#include "infer/common/tool_options.h"
+#include "infer/tool/picture_size.h"
+#include "infer/tool/tool_options.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/cli/command_files.h"

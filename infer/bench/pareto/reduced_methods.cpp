@@ -8,7 +8,7 @@
 
 #include "infer/bench/pareto/lit_picture.h"
 #include "infer/bench/pareto/method.h"
-#include "infer/common/picture_band.h"
+#include "infer/picture/picture_band.h"
 #include "lte/base/timer.h"
 #include "lte/gi/upsample.h"
 #include "lte/image/denoise.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "infer/bench/pareto/method.h"
-#include "infer/common/renderer.h"
+#include "infer/renderer/renderer.h"
 
 namespace lte::infer {
 

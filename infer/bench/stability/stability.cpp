@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "infer/bench/stability/stress_answers.h"
-#include "infer/common/assets.h"
+#include "infer/tool/assets.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/parallel.h"

@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "infer/bench/stability/stability_report.h"
-#include "infer/common/tool_options.h"
+#include "infer/tool/tool_options.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/cli/command_files.h"

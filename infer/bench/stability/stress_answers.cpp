@@ -5,9 +5,9 @@
 #include <span>
 #include <utility>
 
-#include "infer/common/lit_samples.h"
-#include "infer/common/renderer.h"
-#include "infer/common/untrained_light.h"
+#include "infer/light/lit_samples.h"
+#include "infer/light/untrained_light.h"
+#include "infer/renderer/renderer.h"
 #include "lte/base/timer.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/runtime/embedding.h"

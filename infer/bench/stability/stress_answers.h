@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "infer/bench/stability/stress_scene.h"
-#include "infer/common/lit_samples.h"
-#include "infer/common/points.h"
+#include "infer/light/lit_samples.h"
+#include "infer/light/points.h"
 #include "lte/runtime/network.h"
 
 namespace lte::infer {

@@ -11,8 +11,8 @@
 #include <sys/resource.h>
 #include <torch/csrc/jit/serialization/import.h>
 
-#include "infer/common/synthetic_room.h"
 #include "infer/export/torchscript_network.h"
+#include "infer/tool/synthetic_room.h"
 #include "lte/base/check.h"
 #include "lte/nn/model_file.h"
 #include "tests/support/temp_dir.h"

@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "infer/common/embedding_flags.h"
 #include "infer/eval/flicker_command.h"
 #include "infer/render/frame_set.h"
 #include "infer/render/render_command.h"
+#include "infer/renderer/embedding_flags.h"
 #include "lte/base/file.h"
 #include "lte/scene/export.h"
 #include "tests/infer/fixture.h"

@@ -7,8 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "infer/common/renderer.h"
 #include "infer/render/notes.h"
+#include "infer/renderer/renderer.h"
 #include "tests/infer/fixture.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/scenes.h"

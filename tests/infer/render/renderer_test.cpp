@@ -1,5 +1,5 @@
 // Pictures against closed forms, the G-buffer, and laws that hold for any weights.
-#include "infer/common/renderer.h"
+#include "infer/renderer/renderer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "infer/common/lit_samples.h"
+#include "infer/light/lit_samples.h"
 #include "lte/base/check.h"
 #include "lte/pathtrace/auto_camera.h"
 #include "lte/pathtrace/irradiance.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "infer/common/renderer.h"
+#include "infer/renderer/renderer.h"
 #include "infer/session/session.h"
 #include "lte/scene/export.h"
 #include "lte/scene/load.h"

@@ -1,0 +1,55 @@
+#include "infer/light/light_table.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "infer/light/network_table.h"
+#include "lte/base/check.h"
+#include "lte/base/random.h"
+
+namespace lte::infer {
+namespace {
+
+// Bytes an entry: what it is made from, its light and walls, and its places in the index, which
+// lists it in every cell that it speaks for.
+constexpr double kEntryBytes = 2048;
+// Estimates of an entry and a light group, of as many as are made at once (gi/radiosity_table.cpp).
+constexpr double kEstimateBytes = 24, kMostEstimates = 1 << 21;
+// Entries draw other numbers than pixels.
+constexpr uint64_t kPlaces = 21, kLight = 22;
+
+}  // namespace
+
+gi::RadiosityTable make_light_table(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                                    const runtime::SceneEmbedding* embedding,
+                                    const TableSettings& settings) {
+  LTE_CHECK(settings.paths >= 1, "a table needs a path an entry, got ", settings.paths);
+  const uint64_t places = hash_combine(settings.seed, kPlaces);
+  if (settings.light == TableLight::Network) {
+    LTE_CHECK(embedding != nullptr, "a table of the network's light needs its embedding");
+    return network_table(bvh, lights, *embedding, {settings.entries, settings.paths, places});
+  }
+  // A gather adds a bounce to the table's light, so light of depth 1 is all that none has.
+  if (lights.empty() || settings.max_depth < 2) return {bvh, {}, {}};
+  const gi::TableEntries entries = gi::sample_entries(bvh.scene(), settings.entries, places);
+  const gi::EntryLight light =
+      gi::estimate_entries(bvh, lights, entries, settings.paths, settings.max_depth - 1,
+                           hash_combine(settings.seed, kLight));
+  const std::vector<uint8_t> keep = gi::lit(light);
+  const std::vector<Rgb> total = light.total();
+  std::vector<Rgb> kept;
+  for (size_t i = 0; i < keep.size(); ++i) {
+    if (keep[i]) kept.push_back(total[i]);
+  }
+  return {bvh, entries.kept(keep), std::move(kept)};
+}
+
+double table_mb(const TableSettings& settings, int64_t groups) {
+  const auto entries = static_cast<double>(settings.entries);
+  const double estimates =
+      std::min(entries * static_cast<double>(std::max<int64_t>(groups, 1)), kMostEstimates);
+  return (entries * kEntryBytes + estimates * kEstimateBytes) / (1 << 20);
+}
+
+}  // namespace lte::infer

@@ -1,0 +1,65 @@
+#include "infer/light/lit_samples.h"
+
+#include <utility>
+
+#include "lte/data/light_groups.h"
+
+namespace lte::infer {
+namespace {
+
+// As in baked training data, so that the network sees luminaires as densely as it has learnt to.
+constexpr double kEmissiveShare = 0.1;
+
+}  // namespace
+
+scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t count, bool prune,
+                                          uint64_t seed, pathtrace::PruneCounts* counts,
+                                          const pathtrace::ReachRecall& recall) {
+  scene::SamplerOptions sampler;
+  sampler.seed = seed;
+  sampler.emissive_share = kEmissiveShare;
+  if (!prune) return scene::sample_surface(bvh.scene(), count, sampler);
+  const pathtrace::ReachOptions reach{pathtrace::ReachOptions().max_depth, seed};
+  pathtrace::PruneCounts ignored;
+  return pathtrace::sample_reached_surface(bvh, count, sampler, pathtrace::Sides::Either, reach,
+                                           recall, counts != nullptr ? counts : &ignored);
+}
+
+data::GroupedLight light_to_read(const pathtrace::LightEstimates& light,
+                                 const runtime::LightRequest& input) {
+  const bool indirect = input.depth > 1;
+  data::GroupedLight read{.direct = light.direct};
+  if (indirect) read.indirect = light.indirect;
+  if (input.sides) read.direct_back = light.direct_back;
+  if (input.sides && indirect) read.indirect_back = light.indirect_back;
+  if (input.errors) {
+    read.error = light.error;
+    read.error_back = light.error_back;
+  }
+  return read;
+}
+
+LitSamples add_light_estimates(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                               scene::SurfaceSamples surface, const runtime::LightRequest& input,
+                               uint64_t seed) {
+  LitSamples out{std::move(surface), {}};
+  if (input.depth == 0) return out;
+  const bool indirect = input.depth > 1;
+  const scene::SurfaceSamples& s = out.surface;
+  if (lights.empty()) {
+    const std::vector<Rgb> dark(s.position.size());
+    out.light.direct = dark;
+    if (indirect) out.light.indirect = dark;
+    if (input.sides) out.light.direct_back = dark;
+    if (input.sides && indirect) out.light.indirect_back = dark;
+    if (input.errors) out.light.error.resize(2 * dark.size());
+    return out;
+  }
+  const pathtrace::LightEstimates light =
+      pathtrace::estimate_light(bvh, lights, s.position, s.normal, s.emission,
+                                {.paths = input.paths, .max_depth = input.depth, .seed = seed});
+  out.light = data::sum_groups(light_to_read(light, input), lights.groups());
+  return out;
+}
+
+}  // namespace lte::infer

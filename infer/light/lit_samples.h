@@ -1,0 +1,48 @@
+// Samples of a scene's surfaces with the light on them that a network asks for.
+#pragma once
+
+#include <cstdint>
+
+#include "infer/light/points.h"
+#include "lte/data/light_groups.h"
+#include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/light_estimates.h"
+#include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/reach.h"
+#include "lte/pathtrace/reach_memory.h"
+#include "lte/runtime/network.h"
+#include "lte/scene/sampler.h"
+
+namespace lte::infer {
+
+/// Draws the points that describe a scene to the network, as every tool does.
+/// @param prune   draw them only where light reaches
+/// @param counts  what was pruned; may be null
+/// @param recall  what is known of where light reaches
+scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t count, bool prune,
+                                          uint64_t seed, pathtrace::PruneCounts* counts,
+                                          const pathtrace::ReachRecall& recall = {});
+
+/// Owns what ScenePoints borrows.
+struct LitSamples {
+  scene::SurfaceSamples surface;
+  /// W/m²: pathtrace::LightEstimates summed over light groups; what nobody reads is empty.
+  data::PointLight light;
+
+  /// Borrows from this.
+  ScenePoints points() const {
+    return {surface.position, surface.normal, surface.albedo,    surface.emission,    surface.area,
+            light.direct,     light.indirect, light.direct_back, light.indirect_back, light.error};
+  }
+};
+
+/// Of estimates by light group, what a network of this light_request() reads; borrows from them.
+data::GroupedLight light_to_read(const pathtrace::LightEstimates& light,
+                                 const runtime::LightRequest& input);
+
+/// Estimates the light on `surface` that a network of this light_request() reads.
+LitSamples add_light_estimates(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                               scene::SurfaceSamples surface, const runtime::LightRequest& input,
+                               uint64_t seed);
+
+}  // namespace lte::infer

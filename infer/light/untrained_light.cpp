@@ -1,0 +1,76 @@
+#include "infer/light/untrained_light.h"
+
+#include <set>
+#include <vector>
+
+#include "lte/base/check.h"
+
+namespace lte::infer {
+namespace {
+
+/// Light groups of the suns that shine.
+std::set<int> sun_groups(const scene::Scene& scene) {
+  std::set<int> groups;
+  for (const scene::PunctualLight& light : scene.lights) {
+    if (light.kind == scene::LightKind::Directional && max_component(light.intensity) > 0)
+      groups.insert(light.light_group);
+  }
+  return groups;
+}
+
+std::string suns_text(const scene::Scene& scene) {
+  const size_t suns = sun_groups(scene).size();
+  return concat(scene.name, ": ", suns, suns == 1 ? " directional light" : " directional lights");
+}
+
+template <typename T>
+void keep_rows(const std::vector<size_t>& rows, std::vector<T>* values) {
+  for (size_t i = 0; i < rows.size(); ++i) (*values)[i] = (*values)[rows[i]];
+  values->resize(rows.size());
+}
+
+}  // namespace
+
+bool has_untrained_light(const scene::Scene& scene, const nn::ModelMetadata& model) {
+  return !model.suns && !sun_groups(scene).empty();
+}
+
+std::string untrained_light_note(const scene::Scene& scene, const nn::ModelMetadata& model) {
+  if (!has_untrained_light(scene, model)) return "";
+  return concat(suns_text(scene),
+                ", but the model was trained without any: its indirect light is wrong here; "
+                "lte_render --untrained-light trace finds it by paths");
+}
+
+std::string untrained_environment_note(const scene::Scene& scene, const nn::ModelMetadata& model) {
+  if (model.suns || !scene.environment || max_component(scene::fluence(*scene.environment)) <= 0)
+    return "";
+  return concat(scene.name,
+                ": an environment, which the model was not trained with: its indirect light may be "
+                "a tenth off here; --mode reference finds it by paths");
+}
+
+std::string traced_light_note(const scene::Scene& scene, int spp) {
+  return concat(suns_text(scene),
+                ", but the model was trained without any: indirect light is path-traced, ", spp,
+                " paths a pixel (--untrained-light network asks the network)");
+}
+
+void leave_out_untrained_suns(const scene::Scene& scene, const nn::ModelMetadata& model,
+                              scene::SurfaceSamples* samples) {
+  const std::set<int> suns = sun_groups(scene);
+  if (model.suns || suns.empty() || suns.size() >= scene.light_groups.size()) return;
+  std::vector<size_t> rows;
+  for (size_t i = 0; i < samples->light_group.size(); ++i) {
+    if (!suns.contains(samples->light_group[i])) rows.push_back(i);
+  }
+  keep_rows(rows, &samples->position);
+  keep_rows(rows, &samples->normal);
+  keep_rows(rows, &samples->albedo);
+  keep_rows(rows, &samples->emission);
+  keep_rows(rows, &samples->gloss);
+  keep_rows(rows, &samples->area);
+  keep_rows(rows, &samples->light_group);
+}
+
+}  // namespace lte::infer

@@ -1,0 +1,209 @@
+#include "infer/picture/antialias.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "lte/base/parallel.h"
+#include "lte/base/random.h"
+
+namespace lte::infer {
+namespace {
+
+using pathtrace::GBuffer;
+
+// Thresholds of an edge: what an eye sees as one surface stays one.
+constexpr float kSameNormal = 0.97f;   ///< cosine, 14°
+constexpr float kColorStep = 0.15f;    ///< of the root of albedo, about that of display values
+constexpr float kEmissionStep = 0.1f;  ///< relative
+constexpr float kMetalStep = 0.1f;
+// What may share an answer.
+constexpr float kSharedNormal = 0.9f;  ///< cosine, 26°
+
+constexpr std::pair<int, int> kAround[] = {{-1, -1}, {0, -1}, {1, -1}, {-1, 0},
+                                           {1, 0},   {-1, 1}, {0, 1},  {1, 1}};
+
+/// Whether both points lie in the planes of each other, within `tolerance` metres.
+bool same_plane(const Vec3& a, const Vec3& normal_a, const Vec3& b, const Vec3& normal_b,
+                float tolerance) {
+  const Vec3 between = b - a;
+  return std::abs(dot(between, normal_a)) <= tolerance &&
+         std::abs(dot(between, normal_b)) <= tolerance;
+}
+
+bool colors_differ(const Rgb& a, const Rgb& b) {
+  for (int c = 0; c < 3; ++c) {
+    if (std::abs(std::sqrt(a[c]) - std::sqrt(b[c])) > kColorStep) return true;
+  }
+  return false;
+}
+
+bool emissions_differ(const Rgb& a, const Rgb& b) {
+  for (int c = 0; c < 3; ++c) {
+    if (std::abs(a[c] - b[c]) > kEmissionStep * std::max(a[c], b[c])) return true;
+  }
+  return false;
+}
+
+bool pixels_differ(const EdgeView& view, size_t a, size_t b) {
+  const GBuffer& hits = view.hits;
+  if (hits.mask[a] != hits.mask[b] || hits.instance[a] != hits.instance[b]) return true;
+  if (!hits.mask[a]) return false;
+  if (dot(hits.normal[a], hits.normal[b]) < kSameNormal) return true;
+  const float tolerance = std::min(hits.depth[a], hits.depth[b]) * view.pixel_size;
+  if (!same_plane(hits.position[a], hits.normal[a], hits.position[b], hits.normal[b], tolerance))
+    return true;
+  if (colors_differ(hits.albedo[a], hits.albedo[b])) return true;
+  if (emissions_differ(hits.emission[a], hits.emission[b])) return true;
+  return !hits.metallic.empty() && std::abs(hits.metallic[a] - hits.metallic[b]) > kMetalStep;
+}
+
+/// Point `i` of `count` in the unit square: Hammersley's set, turned by two numbers.
+Vec2 stratified_point(int i, int count, float turn_x, float turn_y) {
+  float reversed = 0;
+  float digit = 0.5f;
+  for (int bits = i; bits > 0; bits >>= 1) {
+    if (bits & 1) reversed += digit;
+    digit *= 0.5f;
+  }
+  const float x = (static_cast<float>(i) + 0.5f) / static_cast<float>(count) + turn_x;
+  const float y = reversed + turn_y;
+  return {x - std::floor(x), y - std::floor(y)};
+}
+
+/// Finds the queries that answer the sub-hits of a pixel, one pixel after the other.
+class SourceFinder {
+ public:
+  SourceFinder(const EdgeView& view, std::span<const int32_t> query_of_pixel, QuerySet* queries,
+               SubHits* sub)
+      : view_(view),
+        query_of_pixel_(query_of_pixel),
+        queries_(*queries),
+        sub_(*sub),
+        own_(sub->pixel.size() + 1),
+        entry_(query_of_pixel.size(), scene::kNone) {
+    for (size_t i = 0; i < sub->pixel.size(); ++i)
+      entry_[static_cast<size_t>(sub->pixel[i])] = static_cast<int32_t>(i);
+  }
+
+  void find(size_t entry) {
+    own_[entry] = own_[entry + 1] = static_cast<int32_t>(queries_.size());
+    collect_candidates(entry);
+    const auto count = static_cast<size_t>(sub_.per_pixel);
+    for (size_t s = entry * count; s < (entry + 1) * count; ++s) {
+      sub_.source[s] = scene::kNone;
+      if (!sub_.hits.mask[s] || max_component(sub_.hits.albedo[s]) <= 0) continue;
+      sub_.source[s] = nearest_candidate(s);
+      if (sub_.source[s] != scene::kNone) continue;
+      sub_.source[s] = static_cast<int32_t>(queries_.size());
+      candidates_.push_back(sub_.source[s]);
+      queries_.add(sub_.hits, s);
+    }
+    own_[entry + 1] = static_cast<int32_t>(queries_.size());
+  }
+
+ private:
+  void add_pixel(size_t pixel) {
+    if (query_of_pixel_[pixel] != scene::kNone) candidates_.push_back(query_of_pixel_[pixel]);
+  }
+
+  /// The queries of the pixel and of its neighbours, and those that sub-hits before have added.
+  void collect_candidates(size_t entry) {
+    const int pixel = sub_.pixel[entry], width = view_.hits.width;
+    const int x = pixel % width, y = pixel / width;
+    candidates_.clear();
+    add_pixel(static_cast<size_t>(pixel));
+    for (const auto& [dx, dy] : kAround) {
+      if (x + dx < 0 || x + dx >= width || y + dy < 0 || y + dy >= view_.hits.height) continue;
+      const auto near = static_cast<size_t>((y + dy) * width + x + dx);
+      add_pixel(near);
+      const int32_t other = entry_[near];
+      if (other == scene::kNone || static_cast<size_t>(other) >= entry) continue;
+      const auto at = static_cast<size_t>(other);
+      for (int32_t q = own_[at]; q < own_[at + 1]; ++q) candidates_.push_back(q);
+    }
+  }
+
+  int32_t nearest_candidate(size_t s) const {
+    const Vec3 &position = sub_.hits.position[s], &normal = sub_.hits.normal[s];
+    const float tolerance = sub_.hits.depth[s] * view_.pixel_size;
+    int32_t best = scene::kNone;
+    float best_distance = INFINITY;
+    for (const int32_t q : candidates_) {
+      const auto at = static_cast<size_t>(q);
+      if (dot(normal, queries_.normal[at]) < kSharedNormal) continue;
+      if (!same_plane(position, normal, queries_.position[at], queries_.normal[at], tolerance))
+        continue;
+      const Vec3 between = queries_.position[at] - position;
+      const float distance = dot(between, between);
+      if (distance < best_distance) {
+        best_distance = distance;
+        best = q;
+      }
+    }
+    return best;
+  }
+
+  const EdgeView& view_;
+  std::span<const int32_t> query_of_pixel_;
+  QuerySet& queries_;
+  SubHits& sub_;
+  std::vector<int32_t> own_;    ///< first query that an edge pixel added, by its entry
+  std::vector<int32_t> entry_;  ///< of a pixel among the edge pixels
+  std::vector<int32_t> candidates_;
+};
+
+}  // namespace
+
+std::vector<int32_t> find_edges(const EdgeView& view) {
+  const int width = view.hits.width, height = view.hits.height;
+  const auto count = static_cast<size_t>(width) * static_cast<size_t>(height);
+  std::vector<uint8_t> is_edge(count);
+  parallel_for(height, 8, [&](int64_t begin, int64_t end) {
+    for (int64_t y = begin; y < end; ++y) {
+      for (int64_t x = 0; x < width; ++x) {
+        const auto i = static_cast<size_t>(y * width + x);
+        for (const auto& [dx, dy] : kAround) {
+          if (x + dx < 0 || x + dx >= width || y + dy < 0 || y + dy >= height) continue;
+          if (!pixels_differ(view, i, static_cast<size_t>((y + dy) * width + x + dx))) continue;
+          is_edge[i] = 1;
+          break;
+        }
+      }
+    }
+  });
+  std::vector<int32_t> out;
+  for (size_t i = 0; i < count; ++i) {
+    if (is_edge[i]) out.push_back(static_cast<int32_t>(i));
+  }
+  return out;
+}
+
+SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera,
+                       const PictureRows& rows, std::vector<int32_t> pixels, int per_pixel) {
+  SubHits out;
+  out.pixel = std::move(pixels);
+  out.per_pixel = per_pixel;
+  std::vector<Vec2> points;
+  points.reserve(out.pixel.size() * static_cast<size_t>(per_pixel));
+  for (const int32_t pixel : out.pixel) {
+    const int x = pixel % rows.width, y = rows.first + pixel / rows.width;
+    Rng turn(static_cast<uint64_t>(y), static_cast<uint64_t>(x));
+    const float turn_x = turn.uniform(), turn_y = turn.uniform();
+    for (int i = 0; i < per_pixel; ++i) {
+      const Vec2 within = stratified_point(i, per_pixel, turn_x, turn_y);
+      points.push_back({static_cast<float>(x) + within.x, static_cast<float>(y) + within.y});
+    }
+  }
+  out.hits = pathtrace::trace_image_points(bvh, camera, rows.width, rows.height, points);
+  out.source.assign(points.size(), scene::kNone);
+  return out;
+}
+
+void assign_sources(const EdgeView& view, std::span<const int32_t> query_of_pixel,
+                    QuerySet* queries, SubHits* sub) {
+  SourceFinder finder(view, query_of_pixel, queries, sub);
+  for (size_t entry = 0; entry < sub->pixel.size(); ++entry) finder.find(entry);
+}
+
+}  // namespace lte::infer

@@ -1,0 +1,247 @@
+#include "infer/picture/picture_band.h"
+
+#include <algorithm>
+
+#include "lte/scene/metal.h"
+
+namespace lte::infer {
+namespace {
+
+using image::Image;
+using pathtrace::GBuffer;
+
+void put(Image* image, int pixel, const Rgb& value) {
+  float* p = image->pixels.data() + size_t{3} * static_cast<size_t>(pixel);
+  p[0] = value.x;
+  p[1] = value.y;
+  p[2] = value.z;
+}
+
+Rgb get(const Image& image, int pixel) {
+  const float* p = image.pixels.data() + size_t{3} * static_cast<size_t>(pixel);
+  return {p[0], p[1], p[2]};
+}
+
+}  // namespace
+
+PictureBand::PictureBand(const pathtrace::Bvh& bvh, const scene::Camera& camera,
+                         const PictureRows& rows, const BandOptions& options)
+    : scene_(bvh.scene()),
+      rows_(rows),
+      pixel_size_(pathtrace::pixel_size(camera, rows.height)),
+      options_(options) {
+  PictureRows seen = rows;
+  if (options.antialias > 1) {  // the neighbours of the band's own pixels
+    seen.first = std::max(0, rows.first - 1);
+    seen.last = std::min(rows.height, rows.last + 1);
+  }
+  above_ = rows.first - seen.first;
+  hits_ =
+      pathtrace::trace_gbuffer_rows(bvh, camera, rows.width, rows.height, seen.first, seen.last);
+  if (options.metal == Metal::Trace && !hits_.metallic.empty())
+    is_traced_.assign(hits_.mask.size(), 0);
+  for (size_t i = 0; i < is_traced_.size(); ++i)
+    is_traced_[i] = is_metal(hits_.metallic[i]) ? 1 : 0;
+  if (options.antialias > 1) take_samples(bvh, camera, seen);
+  darken_metal(&hits_);
+  list_traced();
+  ask_centres();
+  if (options.antialias > 1) {
+    assign_sources({hits_, seen, pixel_size_}, query_of_pixel_, &queries_, &sub_);
+  }
+}
+
+/// Leaves the matt share of metallic surfaces alone, where metal is to be black.
+void PictureBand::darken_metal(GBuffer* hits) const {
+  if (options_.metal != Metal::Black || hits->metallic.empty()) return;
+  for (size_t i = 0; i < hits->albedo.size(); ++i) hits->albedo[i] *= 1 - hits->metallic[i];
+}
+
+/// Traces the sub-hits of edge pixels. Pixels that have metal in them go to the path tracer, which
+/// is anti-aliased by itself.
+void PictureBand::take_samples(const pathtrace::Bvh& bvh, const scene::Camera& camera,
+                               const PictureRows& seen) {
+  std::vector<int32_t> edges = find_edges({hits_, seen, pixel_size_});
+  const auto first = static_cast<int32_t>(hit_index(0)),
+             last = static_cast<int32_t>(hit_index(pixels()));
+  std::erase_if(edges, [&](int32_t pixel) {
+    return pixel < first || pixel >= last ||
+           (!is_traced_.empty() && is_traced_[static_cast<size_t>(pixel)]);
+  });
+  sub_ = trace_sub_hits(bvh, camera, seen, std::move(edges), options_.antialias);
+  darken_metal(&sub_.hits);
+  if (is_traced_.empty()) return;
+  const auto count = static_cast<size_t>(sub_.per_pixel);
+  for (size_t entry = 0; entry < sub_.pixel.size(); ++entry) {
+    const auto begin = sub_.hits.metallic.begin() + static_cast<int64_t>(entry * count);
+    const bool metal = std::any_of(begin, begin + sub_.per_pixel, is_metal);
+    if (!metal) continue;
+    is_traced_[static_cast<size_t>(sub_.pixel[entry])] = 1;
+    std::fill_n(sub_.hits.mask.begin() + static_cast<int64_t>(entry * count), count, uint8_t{0});
+  }
+}
+
+void PictureBand::list_traced() {
+  if (is_traced_.empty()) return;
+  for (int i = 0; i < pixels(); ++i) {
+    if (is_traced_[hit_index(i)]) traced_.push_back(int64_t{rows_.first} * rows_.width + i);
+  }
+}
+
+void PictureBand::ask_centres() {
+  query_of_pixel_.assign(hits_.mask.size(), scene::kNone);
+  const int width = rows_.width, height = rows_.last - rows_.first;
+  const auto ask = [&](int pixel) {
+    const size_t i = hit_index(pixel);
+    if (!hits_.mask[i] || max_component(hits_.albedo[i]) <= 0) return;
+    if (!is_traced_.empty() && is_traced_[i]) return;
+    query_of_pixel_[i] = static_cast<int32_t>(queries_.size());
+    queries_.add(hits_, i);
+    centre_pixels_.push_back(int64_t{rows_.first} * rows_.width + pixel);
+  };
+  // Square tiles of pixels: their shadow rays meet the same nodes and triangles.
+  for (int tile_y = 0; tile_y < height; tile_y += kTile) {
+    for (int tile_x = 0; tile_x < width; tile_x += kTile) {
+      for (int y = tile_y; y < std::min(tile_y + kTile, height); ++y) {
+        for (int x = tile_x; x < std::min(tile_x + kTile, width); ++x) ask(y * width + x);
+      }
+    }
+  }
+  centre_queries_ = queries_.size();
+}
+
+gi::PixelSurfaces PictureBand::surfaces(std::span<const uint8_t> mask) const {
+  const auto part = [&](const auto& values) {
+    return std::span(values).subspan(hit_index(0), static_cast<size_t>(pixels()));
+  };
+  gi::PixelSurfaces out;
+  out.width = rows_.width;
+  out.height = rows_.last - rows_.first;
+  out.position = part(hits_.position);
+  out.normal = part(hits_.normal);
+  out.depth = part(hits_.depth);
+  out.mask = mask;
+  out.pixel_size = pixel_size_;
+  return out;
+}
+
+std::span<const int32_t> PictureBand::query_of_pixel() const {
+  return std::span(query_of_pixel_).subspan(hit_index(0), static_cast<size_t>(pixels()));
+}
+
+std::vector<PictureBand::ExtraQuery> PictureBand::extra_queries() const {
+  std::vector<ExtraQuery> out;
+  out.reserve(static_cast<size_t>(queries_.size() - centre_queries_));
+  const auto count = static_cast<size_t>(sub_.per_pixel);
+  for (size_t entry = 0; entry < sub_.pixel.size(); ++entry) {
+    const int pixel = sub_.pixel[entry] - static_cast<int32_t>(hit_index(0));
+    for (size_t s = entry * count; s < (entry + 1) * count; ++s) {
+      // Queries were added in this order; what names one again shares it.
+      if (sub_.source[s] == centre_queries_ + static_cast<int64_t>(out.size()))
+        out.push_back({pixel, sub_.hits.depth[s]});
+    }
+  }
+  return out;
+}
+
+void PictureBand::count_metal(Frame* frame) const {
+  if (hits_.metallic.empty()) return;
+  for (int i = 0; i < pixels(); ++i) {
+    const size_t at = hit_index(i);
+    if (!hits_.mask[at]) continue;
+    const scene::Instance& instance = scene_.instances[static_cast<size_t>(hits_.instance[at])];
+    const int material = scene_.meshes[static_cast<size_t>(instance.mesh)].material;
+    frame->metal += double{hits_.metallic[at]};
+    if (scene::is_default_metal(scene_.materials[static_cast<size_t>(material)]))
+      frame->metal_by_default += double{hits_.metallic[at]};
+  }
+}
+
+/// Puts the answers of queries into pixels. Where a pixel has several hits, it gets their mean,
+/// weighted by albedo unless the options say otherwise.
+image::Image PictureBand::light_layer(std::span<const Rgb> values, const Image& albedo) const {
+  Image out(rows_.width, rows_.last - rows_.first, 3);
+  for (int i = 0; i < pixels(); ++i) {
+    const int32_t query = query_of_pixel_[hit_index(i)];
+    if (query != scene::kNone) put(&out, i, values[static_cast<size_t>(query)]);
+  }
+  const auto count = static_cast<size_t>(sub_.per_pixel);
+  for (size_t entry = 0; entry < sub_.pixel.size(); ++entry) {
+    Rgb plain, reflected;
+    for (size_t s = entry * count; s < (entry + 1) * count; ++s) {
+      if (sub_.source[s] == scene::kNone) continue;
+      const Rgb& irradiance = values[static_cast<size_t>(sub_.source[s])];
+      plain += irradiance;
+      reflected += sub_.hits.albedo[s] * irradiance;
+    }
+    const float share = 1.0f / static_cast<float>(count);
+    const int pixel = sub_.pixel[entry] - static_cast<int32_t>(hit_index(0));
+    const Rgb weight = get(albedo, pixel);
+    Rgb mean = plain * share;
+    for (int c = 0; c < 3 && !options_.plain_means; ++c) {
+      if (weight[c] > 0) mean[c] = reflected[c] * share / weight[c];
+    }
+    put(&out, pixel, mean);
+  }
+  return out;
+}
+
+/// Turns radiance of traced pixels into light layers.
+void PictureBand::put_traced(const BandLight& light, Frame* frame) const {
+  for (size_t k = 0; k < light.traced.size(); ++k) {
+    const auto pixel = static_cast<int>(traced_[k] - int64_t{rows_.first} * rows_.width);
+    const pathtrace::PixelRadiance& seen = light.traced[k];
+    const Rgb albedo = max(get(frame->albedo, pixel),
+                           {kLeastTracedAlbedo, kLeastTracedAlbedo, kLeastTracedAlbedo});
+    const auto irradiance = [&](const Rgb& radiance) {
+      return Rgb{radiance.x / albedo.x, radiance.y / albedo.y, radiance.z / albedo.z} * kPi;
+    };
+    put(&frame->albedo, pixel, albedo);
+    put(&frame->emission, pixel, seen.emission);
+    if (frame->direct.width > 0) put(&frame->direct, pixel, irradiance(seen.direct));
+    if (frame->indirect.width > 0) put(&frame->indirect, pixel, irradiance(seen.indirect));
+    if (frame->total.width > 0) put(&frame->total, pixel, irradiance(seen.direct + seen.indirect));
+  }
+}
+
+Frame PictureBand::resolve(const BandLight& light) const {
+  Frame frame;
+  const int width = rows_.width, height = rows_.last - rows_.first;
+  frame.albedo = frame.normal = frame.emission = Image(width, height, 3);
+  frame.depth = Image(width, height, 1);
+  for (int i = 0; i < pixels(); ++i) {
+    const size_t at = hit_index(i);
+    put(&frame.albedo, i, hits_.albedo[at]);
+    put(&frame.normal, i, hits_.normal[at]);
+    put(&frame.emission, i, hits_.emission[at]);
+    if (hits_.mask[at]) {
+      frame.depth.pixels[static_cast<size_t>(i)] = hits_.depth[at];
+    } else {
+      ++frame.background;
+    }
+  }
+  const auto count = static_cast<size_t>(sub_.per_pixel);
+  for (size_t entry = 0; entry < sub_.pixel.size(); ++entry) {
+    Rgb albedo, emission;
+    for (size_t s = entry * count; s < (entry + 1) * count; ++s) {
+      albedo += sub_.hits.albedo[s];
+      emission += sub_.hits.emission[s];
+    }
+    const float share = 1.0f / static_cast<float>(count);
+    const int pixel = sub_.pixel[entry] - static_cast<int32_t>(hit_index(0));
+    put(&frame.albedo, pixel, albedo * share);
+    put(&frame.emission, pixel, emission * share);
+  }
+  if (light.direct) frame.direct = light_layer(*light.direct, frame.albedo);
+  if (light.indirect) frame.indirect = light_layer(*light.indirect, frame.albedo);
+  if (light.total) frame.total = light_layer(*light.total, frame.albedo);
+  put_traced(light, &frame);
+  frame.queries = queries_.size();
+  frame.decoded = light.decoded;
+  frame.edge_pixels = static_cast<int64_t>(sub_.pixel.size());
+  frame.traced_pixels = static_cast<int64_t>(traced_.size());
+  count_metal(&frame);
+  return frame;
+}
+
+}  // namespace lte::infer

@@ -1,0 +1,108 @@
+// Some rows of a picture between what their pixels see and what they show. Pictures are rendered
+// band by band, so that their memory does not grow with their size by more than the layers take.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "infer/picture/antialias.h"
+#include "infer/picture/frame.h"
+#include "lte/base/enum_names.h"
+#include "lte/gi/pixel_surfaces.h"
+#include "lte/pathtrace/render.h"
+
+namespace lte::infer {
+
+/// What stands in a picture for metal, which the network does not know.
+enum class Metal {
+  Diffuse,  ///< a matt surface of its color
+  Black,    ///< nothing: the matt share of the surface alone is lit
+  Trace,    ///< the path tracer renders pixels that have metal in them
+};
+constexpr EnumNames<Metal, 3> enum_names(Metal) {
+  return {{{Metal::Diffuse, "diffuse"}, {Metal::Black, "black"}, {Metal::Trace, "trace"}}};
+}
+
+/// Whether a surface counts as metal: below that share nobody would see it in a matt answer.
+constexpr bool is_metal(float metallic) { return metallic > 0.05f; }
+
+/// Albedo of a pixel whose radiance paths have found, at least, as light layers divide by it.
+inline constexpr float kLeastTracedAlbedo = 1e-4f;
+
+struct BandOptions {
+  int antialias = 0;  ///< hits in a pixel at an edge; below 2: none but the centre's
+  Metal metal = Metal::Diffuse;
+  /// Means of irradiance do not weigh it by albedo: for a picture of irradiance itself.
+  bool plain_means = false;
+};
+
+/// Irradiance of a band's queries, an entry each; nothing where the output does not need it.
+struct BandLight {
+  std::optional<std::vector<Rgb>> direct, indirect, total;
+  std::vector<pathtrace::PixelRadiance> traced;  ///< an entry a traced pixel
+  int64_t decoded = 0;                           ///< queries that the network has answered
+};
+
+class PictureBand {
+ public:
+  /// Traces primary hits and finds what has to be asked.
+  PictureBand(const pathtrace::Bvh& bvh, const scene::Camera& camera, const PictureRows& rows,
+              const BandOptions& options);
+
+  /// Those of pixel centres come first, tile by tile: background and black surfaces are never asked
+  /// about. The order numbers the random streams of direct light, so another one is another
+  /// picture.
+  const QuerySet& queries() const { return queries_; }
+  int64_t centre_queries() const { return centre_queries_; }
+  /// What the pixels of the band see. @param mask  per pixel, where irradiance is wanted
+  gi::PixelSurfaces surfaces(std::span<const uint8_t> mask) const;
+  /// The query of each pixel of the band, kNone if it asks nothing.
+  std::span<const int32_t> query_of_pixel() const;
+  /// The pixel in which each query beyond the centres' lies, and its depth.
+  struct ExtraQuery {
+    int pixel = 0;
+    float depth = 0;
+  };
+  std::vector<ExtraQuery> extra_queries() const;
+  /// The pixel, y * width + x of the picture, of each of these.
+  const std::vector<int64_t>& centre_pixels() const { return centre_pixels_; }
+  /// Pixels, y * width + x of the picture, that the path tracer is to render.
+  const std::vector<int64_t>& traced_pixels() const { return traced_; }
+
+  /// The layers of the band, without `color`. Light layers are there where `light` has them.
+  Frame resolve(const BandLight& light) const;
+
+ private:
+  static constexpr int kTile = 8;
+
+  int pixels() const { return rows_.width * (rows_.last - rows_.first); }
+  /// The index in hits_ of pixel `i` of the band.
+  size_t hit_index(int i) const { return static_cast<size_t>(i + above_ * rows_.width); }
+
+  void darken_metal(pathtrace::GBuffer* hits) const;
+  void take_samples(const pathtrace::Bvh& bvh, const scene::Camera& camera,
+                    const PictureRows& seen);
+  void list_traced();
+  void ask_centres();
+  void count_metal(Frame* frame) const;
+  image::Image light_layer(std::span<const Rgb> values, const image::Image& albedo) const;
+  void put_traced(const BandLight& light, Frame* frame) const;
+
+  const scene::Scene& scene_;
+  PictureRows rows_;  ///< of the band
+  float pixel_size_;
+  BandOptions options_;
+  int above_ = 0;  ///< rows in hits_ before those of the band: neighbours of its edges
+  pathtrace::GBuffer hits_;
+  SubHits sub_;
+  std::vector<uint8_t> is_traced_;  ///< by index in hits_; empty if none can be
+  std::vector<int64_t> traced_;
+  std::vector<int32_t> query_of_pixel_;  ///< by index in hits_
+  QuerySet queries_;
+  int64_t centre_queries_ = 0;
+  std::vector<int64_t> centre_pixels_;
+};
+
+}  // namespace lte::infer

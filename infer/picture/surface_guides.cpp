@@ -1,0 +1,66 @@
+#include "infer/picture/surface_guides.h"
+
+#include <algorithm>
+
+#include "infer/picture/picture_band.h"
+#include "lte/pathtrace/gbuffer.h"
+
+namespace lte::infer {
+namespace {
+
+constexpr int kTile = 8;
+/// Pixels whose hits are there at once: a G-buffer takes more than its pictures.
+constexpr int kPixelsAtOnce = 1 << 18;
+
+}  // namespace
+
+SurfaceGuides trace_guides(const pathtrace::Bvh& bvh, const scene::Camera& camera, int width,
+                           int height) {
+  pathtrace::check_view(camera, width, height);
+  SurfaceGuides out;
+  out.normal = out.position = out.albedo = image::Image(width, height, 3);
+  out.mask.resize(static_cast<size_t>(width) * static_cast<size_t>(height));
+  out.emits = out.metal = out.mask;
+  out.depth.resize(out.mask.size());
+  const int rows = std::max(1, kPixelsAtOnce / width);
+  for (int first = 0; first < height; first += rows) {
+    const int last = std::min(first + rows, height);
+    const pathtrace::GBuffer hits =
+        pathtrace::trace_gbuffer_rows(bvh, camera, width, height, first, last);
+    for (int y = first; y < last; ++y) {
+      for (int x = 0; x < width; ++x) {
+        const size_t from =
+            static_cast<size_t>(y - first) * static_cast<size_t>(width) + static_cast<size_t>(x);
+        if (!hits.mask[from]) continue;
+        out.mask[out.index(x, y)] = 1;
+        out.emits[out.index(x, y)] = max_component(hits.emission[from]) > 0 ? 1 : 0;
+        out.metal[out.index(x, y)] =
+            !hits.metallic.empty() && is_metal(hits.metallic[from]) ? 1 : 0;
+        out.depth[out.index(x, y)] = hits.depth[from];
+        out.normal.set_rgb(x, y, hits.normal[from]);
+        out.position.set_rgb(x, y, hits.position[from]);
+        out.albedo.set_rgb(x, y, hits.albedo[from]);
+      }
+    }
+  }
+  return out;
+}
+
+SurfacePoints points_of(const SurfaceGuides& guides) {
+  SurfacePoints out;
+  for (int tile_y = 0; tile_y < guides.height(); tile_y += kTile) {
+    for (int tile_x = 0; tile_x < guides.width(); tile_x += kTile) {
+      for (int y = tile_y; y < std::min(tile_y + kTile, guides.height()); ++y) {
+        for (int x = tile_x; x < std::min(tile_x + kTile, guides.width()); ++x) {
+          if (!guides.mask[guides.index(x, y)]) continue;
+          out.position.push_back(guides.position.rgb(x, y));
+          out.normal.push_back(guides.normal.rgb(x, y));
+          out.pixel.push_back(guides.index(x, y));
+        }
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace lte::infer

@@ -1,0 +1,115 @@
+#include "infer/renderer/centre_light.h"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include "lte/base/check.h"
+#include "lte/base/timer.h"
+#include "lte/pathtrace/irradiance.h"
+
+namespace lte::infer {
+namespace {
+
+using image::Image;
+
+/// Estimates by paths keep two colors a point and light group: blocks bound that memory.
+constexpr size_t kEstimates = size_t{1} << 21;
+constexpr size_t kMostPoints = size_t{1} << 14, kLeastPoints = 1024;
+
+/// Direct and indirect light by paths. Pixels are numbered in the order of their points, as those
+/// of a picture in one band are without denoising.
+void trace_paths(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                 const SurfaceGuides& guides, const CentreRequest& request, CentreLight* out) {
+  pathtrace::IrradianceOptions options;
+  options.rays = request.path_count;
+  options.max_depth = request.indirect ? request.max_depth : 1;
+  options.direct_only = !request.indirect;
+  options.seed = request.shadow_rays.seed;
+  const SurfacePoints points = points_of(guides);
+  out->direct = Image(guides.width(), guides.height(), 3);
+  if (request.indirect) out->indirect = out->direct;
+  const auto put = [](Image* image, uint64_t pixel, const Rgb& value) {
+    for (size_t c = 0; c < 3; ++c) image->pixels[3 * pixel + c] = value[static_cast<int>(c)];
+  };
+  const auto groups = static_cast<size_t>(std::max(1, lights.groups()));
+  const size_t block = std::min(kMostPoints, std::max(kLeastPoints, kEstimates / groups));
+  for (size_t begin = 0; begin < points.pixel.size(); begin += block) {
+    const size_t count = std::min(block, points.pixel.size() - begin);
+    const pathtrace::Irradiance part = pathtrace::estimate_irradiance(
+        bvh, lights, std::span(points.position).subspan(begin, count),
+        std::span(points.normal).subspan(begin, count), options, static_cast<int64_t>(begin));
+    for (size_t i = 0; i < count; ++i) {
+      const uint64_t pixel = points.pixel[begin + i];
+      put(&out->direct, pixel, part.direct_sum(static_cast<int64_t>(i)));
+      if (request.indirect) put(&out->indirect, pixel, part.indirect_sum(static_cast<int64_t>(i)));
+    }
+    if (request.done) request.done(static_cast<int64_t>(count));
+  }
+  const auto background = static_cast<int64_t>(guides.pixels() - points.pixel.size());
+  if (request.done && background > 0) request.done(background);
+}
+
+void gather_indirect(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                     const SurfaceGuides& guides, const CentreRequest& request, CentreLight* out) {
+  GatheredCentres light = gather_centres(
+      {bvh, lights, *request.table, request.max_depth, request.shadow_rays.seed}, guides,
+      request.pixel_size, request.skip_metal, request.gather, request.gather_denoiser);
+  out->indirect = std::move(light.irradiance);
+  out->gathered = light.gathered;
+  out->gathering_seconds = light.gather_seconds;
+  out->path_seconds = light.path_seconds;
+  out->denoising_seconds += light.denoise_seconds;
+}
+
+}  // namespace
+
+CentreLight light_centres(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                          const SurfaceGuides& guides, const CentreRequest& request) {
+  CentreLight out;
+  Image variance;
+  Timer timer;
+  if (request.paths) {
+    trace_paths(bvh, lights, guides, request, &out);
+  } else if (request.direct) {
+    ShadowRays rays = request.shadow_rays;
+    rays.variance = request.denoiser != nullptr && !request.denoiser->is_oidn();
+    PixelLight light = light_pixels(bvh, lights, guides, rays);
+    out.direct = std::move(light.irradiance);
+    variance = std::move(light.variance);
+  }
+  out.sampling_seconds = timer.seconds();
+  timer.restart();
+  if (request.denoiser != nullptr) {
+    image::NoisyPicture picture{&out.direct, &guides.normal, &guides.position, nullptr,
+                                variance.width > 0 ? &variance : nullptr};
+    if (out.direct.width > 0) out.direct = request.denoiser->denoise(picture, request.quality);
+    if (out.indirect.width > 0) {
+      picture.light = &out.indirect;
+      picture.variance = nullptr;
+      out.indirect = request.denoiser->denoise(picture);
+    }
+    out.denoising_seconds = timer.seconds();
+  }
+  if (request.paths) return out;
+  if (request.table != nullptr) gather_indirect(bvh, lights, guides, request, &out);
+  if (request.done) request.done(static_cast<int64_t>(guides.pixels()));
+  return out;
+}
+
+Image denoise_radiance(const image::Denoiser& denoiser, const SurfaceGuides& guides,
+                       const Image& radiance) {
+  Image normal = guides.normal;
+  for (size_t i = 0; i < guides.pixels(); ++i) {
+    if (guides.emits[i]) std::fill_n(normal.pixels.begin() + static_cast<int64_t>(3 * i), 3, 0.0f);
+  }
+  Image out = denoiser.denoise({&radiance, &normal, &guides.position, &guides.albedo, nullptr});
+  for (size_t i = 0; i < guides.pixels(); ++i) {
+    if (guides.mask[i] && !guides.emits[i]) continue;
+    std::copy_n(radiance.pixels.begin() + static_cast<int64_t>(3 * i), 3,
+                out.pixels.begin() + static_cast<int64_t>(3 * i));
+  }
+  return out;
+}
+
+}  // namespace lte::infer

@@ -1,0 +1,71 @@
+#include "infer/renderer/embedding_flags.h"
+
+#include "lte/base/log.h"
+#include "lte/base/timer.h"
+#include "lte/scene/fingerprint.h"
+
+namespace lte::infer {
+
+void add_embedding_flags(CLI::App& app, EmbeddingFlags* flags) {
+  app.add_option("--scene-points", flags->scene_points,
+                 "Scene points shown to the network; 0 for as many as in training")
+      ->check(CLI::Range(int64_t{0}, int64_t{1} << 28));
+  app.add_option("--prune", flags->prune,
+                 "Show the network only surfaces that light reaches; auto: as in its training")
+      ->check(CLI::IsMember({"auto", "on", "off"}))
+      ->capture_default_str();
+  app.add_flag(
+      "--rescale,!--no-rescale", flags->rescale,
+      "Shrink a scene larger than the model knows and enlarge one that is much smaller, for "
+      "the network only (the default), or refuse the first and leave the second");
+  CLI::Option* load = app.add_option(
+      "--embedding", flags->load,
+      "Read the scene's embedding from this file of --save-embedding instead of making it; one of "
+      "another scene, model or setting is refused");
+  app.add_option("--save-embedding", flags->save, "Also write the scene's embedding to this file")
+      ->excludes(load);
+}
+
+void claim_embedding(const EmbeddingFlags& flags, CommandFiles* files) {
+  files->reads("--embedding", flags.load);
+  files->writes("--save-embedding", flags.save);
+}
+
+EmbedSettings embed_settings(const EmbeddingFlags& flags, uint64_t seed,
+                             const runtime::MemoryLimit& memory) {
+  EmbedSettings settings;
+  settings.scene_points = flags.scene_points;
+  settings.seed = seed;
+  settings.rescale = flags.rescale;
+  if (flags.prune != "auto") settings.prune = flags.prune == "on";
+  settings.memory = memory;
+  return settings;
+}
+
+runtime::EmbeddingKey embedding_key(const scene::Scene& scene, const runtime::Network& network,
+                                    const EmbedSettings& settings) {
+  const scene::Fingerprint print = fingerprint(scene);
+  const int64_t points =
+      settings.scene_points > 0 ? settings.scene_points : network.metadata().scene_points;
+  const bool prune = settings.prune.value_or(network.metadata().scene_points_pruned);
+  return {{"scene geometry", print.geometry}, {"scene materials", print.materials},
+          {"scene lights", print.lights},     {"scene-points", std::to_string(points)},
+          {"prune", prune ? "on" : "off"},    {"seed", std::to_string(settings.seed)}};
+}
+
+void provide_embedding(const EmbeddingFlags& flags, const runtime::Network& network,
+                       const EmbedSettings& settings, Renderer* renderer) {
+  if (!flags.has_file()) return renderer->embed(network, settings);
+  const runtime::EmbeddingKey key = embedding_key(renderer->bvh().scene(), network, settings);
+  const Timer timer;
+  if (!flags.load.empty()) {
+    renderer->set_embedding(runtime::load_embedding(flags.load, network, key, settings.memory));
+    renderer->seconds().encode = timer.seconds();
+    return;
+  }
+  renderer->embed(network, settings);
+  save_embedding(flags.save, renderer->embedding(), key);
+  log_info("wrote ", flags.save);
+}
+
+}  // namespace lte::infer

@@ -1,0 +1,44 @@
+// Flags of a scene's embedding: what it is made of (--scene-points, --prune, --rescale), and a file
+// that keeps it from one run to the next (--embedding, --save-embedding).
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "infer/renderer/renderer.h"
+#include "lte/cli/command_files.h"
+#include "lte/runtime/embedding_file.h"
+
+namespace lte::infer {
+
+struct EmbeddingFlags {
+  int64_t scene_points = 0;  ///< 0: as many as in the model's training
+  std::string prune = "auto";
+  bool rescale = true;
+  std::string load, save;  ///< files; empty: none
+
+  bool has_file() const { return !load.empty() || !save.empty(); }
+};
+
+/// Adds the flags. The two of files exclude each other.
+void add_embedding_flags(CLI::App& app, EmbeddingFlags* flags);
+
+void claim_embedding(const EmbeddingFlags& flags, CommandFiles* files);
+
+EmbedSettings embed_settings(const EmbeddingFlags& flags, uint64_t seed,
+                             const runtime::MemoryLimit& memory);
+
+/// Everything but network and precision that an embedding of Renderer::embed() depends on: the
+/// fingerprint of the scene, and how its points are drawn.
+runtime::EmbeddingKey embedding_key(const scene::Scene& scene, const runtime::Network& network,
+                                    const EmbedSettings& settings);
+
+/// Reads the renderer's embedding from the file of --embedding, or makes it by embed() and writes
+/// it to that of --save-embedding.
+/// @throws lte::Error as Renderer::embed() and runtime::load_embedding()
+void provide_embedding(const EmbeddingFlags& flags, const runtime::Network& network,
+                       const EmbedSettings& settings, Renderer* renderer);
+
+}  // namespace lte::infer

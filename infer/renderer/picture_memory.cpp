@@ -1,0 +1,107 @@
+#include "infer/renderer/picture_memory.h"
+
+#include <algorithm>
+
+#include "lte/base/check.h"
+
+namespace lte::infer {
+namespace {
+
+constexpr double kMib = 1 << 20;
+// Bytes a pixel of a band: hits, queries, answers and layers; and a hit more of anti-aliasing, with
+// half of the pixels at edges.
+constexpr double kBandBytes = 240, kSubHitBytes = 36;
+// More where light is answered sparsely: mask, albedo, irradiance and states of its pixels.
+constexpr double kSparseBytes = 48;
+// A band's pixels (renderer.cpp).
+constexpr double kBand = 1 << 18;
+// Bytes a pixel of the frame: color and depth; with layers albedo, normal, emission, and as many of
+// direct, indirect and total as there can be.
+constexpr double kColorBytes = 16, kLayerBytes = 36, kLightBytes = 12;
+// Writing a PNG takes a tone-mapped copy, its bytes, the compressor's and the file; an EXR the file
+// while it grows.
+constexpr double kPngBytes = 40, kExrShare = 1.5;
+
+// Where the light of all centres is sampled at once: guides, points, rays and the denoiser's copies
+// while that is done, and what is kept for the bands.
+constexpr double kCentreBytes = 150, kKeptBytes = 24;
+// Gathered light: points, what they found and how pixels between them are filled; and the halves of
+// the paths that correct it, their differences and how those are smoothed.
+constexpr double kGatherBytes = 110, kCorrectionBytes = 320;
+// Open Image Denoise, which works in tiles beyond its limit (image/oidn.cpp).
+constexpr double kOidnBytes = 600, kMostOidnMib = 768;
+
+// What image::encode_png() takes.
+constexpr int64_t kMostPngPixels = int64_t{1} << 28;
+
+std::string picture_text(const RenderSettings& settings) {
+  return concat("a picture of ", settings.width, "x", settings.height);
+}
+
+bool gathers(const RenderSettings& settings) {
+  return settings.mode == Mode::Neural && settings.indirect == Indirect::Gather;
+}
+
+/// Whether centres may be sampled before the bands.
+bool samples_centres(const RenderSettings& settings) {
+  if (settings.output == Output::Albedo || settings.output == Output::Normal ||
+      settings.output == Output::Depth)
+    return false;
+  const bool few = settings.mode == Mode::Neural && settings.direct_samples <= kDenoiseUpTo;
+  return gathers(settings) || settings.adaptive_direct || settings.denoise == Denoise::On ||
+         (settings.denoise == Denoise::Auto && few);
+}
+
+double light_layers(const RenderSettings& settings) {
+  switch (settings.output) {
+    case Output::Albedo:
+    case Output::Normal:
+    case Output::Depth:
+      return 0;
+    case Output::Direct:
+      return 1;
+    default:
+      return 2;
+  }
+}
+
+}  // namespace
+
+double picture_mb(const RenderSettings& settings) {
+  const double pixels = double{1} * settings.width * settings.height;
+  const double frame =
+      kColorBytes + (settings.layers ? kLayerBytes + kLightBytes * light_layers(settings) : 0);
+  const double writing = settings.layers ? kExrShare * frame : kPngBytes;
+  // A band is at least eight rows.
+  const double band = std::min(pixels, std::max(kBand, 8.0 * settings.width));
+  const double work = kBandBytes + kSubHitBytes * std::max(0, settings.antialias) +
+                      (settings.sparse ? kSparseBytes : 0);
+  // The last band is gone when the picture is written.
+  const double bands = (pixels * frame + std::max(pixels * writing, band * work)) / kMib;
+  if (!samples_centres(settings)) return bands;
+  const double gather = !gathers(settings)          ? 0
+                        : settings.gather.paths > 0 ? kGatherBytes + kCorrectionBytes
+                                                    : kGatherBytes;
+  const double centres =
+      pixels * (kCentreBytes + gather) / kMib + std::min(kMostOidnMib, pixels * kOidnBytes / kMib);
+  return std::max(bands + pixels * kKeptBytes / kMib, centres);
+}
+
+void check_picture_fits(const RenderSettings& settings, double available_mb) {
+  LTE_CHECK(settings.layers || int64_t{settings.width} * settings.height <= kMostPngPixels,
+            picture_text(settings), " has more than the ", kMostPngPixels,
+            " pixels of a PNG: write an .exr, or take a smaller one");
+  const double need = picture_mb(settings);
+  if (need <= available_mb) return;
+  throw runtime::NotEnoughMemory(
+      concat(picture_text(settings), " needs ", runtime::memory_text(need), " and ",
+             runtime::memory_text(available_mb), " are free: take a smaller one"),
+      {runtime::Remedy::FewerQueries});
+}
+
+void check_picture_fits(const RenderSettings& settings, const runtime::MemoryLimit& limit) {
+  limit.check_ahead(picture_mb(settings), picture_text(settings), "take a smaller one",
+                    {runtime::Remedy::FewerQueries});
+}
+
+}  // namespace lte::infer

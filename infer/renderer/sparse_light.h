@@ -1,0 +1,26 @@
+// The irradiance of a band's queries from answers at few of them.
+#pragma once
+
+#include <vector>
+
+#include "infer/picture/picture_band.h"
+#include "lte/gi/sparse_pixels.h"
+
+namespace lte::infer {
+
+struct SparseLight {
+  std::vector<Rgb> irradiance;  ///< an entry a query of the band
+  int64_t answers = 0;          ///< queries that were answered, those of anti-aliasing included
+};
+
+/// Answers pixel centres through the quadtree. A query that anti-aliasing added takes the mean of
+/// pixels next to it that see its surface; only where none does, it is answered itself.
+SparseLight light_sparsely(const PictureBand& band, const gi::SparseOptions& options,
+                           const gi::Answerer& answer);
+
+/// Every query of the band, without the quadtree. Those for pixel centres are asked apart from
+/// those that anti-aliasing adds: matrix products of other sizes may round otherwise, and centres
+/// keep every bit.
+SparseLight light_everywhere(const PictureBand& band, const gi::Answerer& answer);
+
+}  // namespace lte::infer

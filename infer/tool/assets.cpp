@@ -1,0 +1,38 @@
+#include "infer/tool/assets.h"
+
+#include <cstdlib>
+#include <system_error>
+#include <vector>
+
+#include "lte/base/check.h"
+
+namespace lte::infer {
+namespace fs = std::filesystem;
+
+fs::path asset_path(const std::string& relative, const std::string& instead) {
+  std::vector<fs::path> folders;
+  if (const char* chosen = std::getenv("LTE_ASSETS")) {
+    folders = {chosen};
+  } else {
+    std::error_code ignored;
+    const fs::path executable = fs::read_symlink("/proc/self/exe", ignored);
+    const fs::path prefix = executable.parent_path().parent_path();
+    folders = {prefix / "share" / "lte" / "assets", prefix.parent_path() / "assets",
+               LTE_SOURCE_ASSETS};
+  }
+  std::string looked;
+  for (const fs::path& folder : folders) {
+    std::error_code ignored;
+    if (fs::exists(folder / relative, ignored)) return folder / relative;
+    looked += (looked.empty() ? "" : ", ") + folder.string();
+  }
+  throw Error(concat("shipped file ", relative, " not found (looked in ", looked, "): pass ",
+                     instead, ", or set LTE_ASSETS to lte's assets folder"));
+}
+
+fs::path checkpoint_or_shipped(const std::string& checkpoint) {
+  return checkpoint.empty() ? asset_path("models/lte-small.safetensors", "--checkpoint")
+                            : fs::path(checkpoint);
+}
+
+}  // namespace lte::infer

@@ -1,0 +1,108 @@
+#include "infer/tool/tool_options.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "infer/tool/memory.h"
+#include "lte/base/check.h"
+#include "lte/base/log.h"
+#include "lte/cli/writable.h"
+#include "lte/nn/device.h"
+#include "lte/runtime/device.h"
+#include "lte/runtime/refusal.h"
+
+namespace lte::infer {
+namespace {
+
+using runtime::Remedy;
+
+constexpr std::pair<Remedy, const char*> kFlags[] = {
+    {Remedy::Rescale, "--rescale"},        {Remedy::FewerScenePoints, "--scene-points"},
+    {Remedy::FewerQueries, "--size"},      {Remedy::FewerQueries, "--queries"},
+    {Remedy::MemoryLimit, "--max-memory"},
+};
+
+/// Whether `app` or a command of it that was given has this flag.
+bool has_flag(const CLI::App& app, const char* flag) {
+  if (app.get_option_no_throw(flag) != nullptr) return true;
+  const auto commands = app.get_subcommands();
+  return std::any_of(commands.begin(), commands.end(),
+                     [&](const CLI::App* command) { return has_flag(*command, flag); });
+}
+
+/// " (--scene-points, --max-memory)", or nothing where `app` has no flag for any of the remedies.
+std::string flags_for(const CLI::App& app, const std::vector<Remedy>& remedies) {
+  std::string list;
+  for (const auto& [remedy, flag] : kFlags) {
+    const bool helps = std::find(remedies.begin(), remedies.end(), remedy) != remedies.end();
+    if (helps && has_flag(app, flag)) list += (list.empty() ? "" : ", ") + std::string(flag);
+  }
+  return list.empty() ? "" : " (" + list + ")";
+}
+
+}  // namespace
+
+void add_network_options(CLI::App& app, std::string* precision, double* max_memory_mb) {
+  const char* group = "Common options";
+  app.add_option(
+         "--precision", *precision,
+         "Arithmetic of the network: fp32, or bf16, which is faster where the processor has "
+         "bfloat16 products, with sums in fp32")
+      ->check(CLI::IsMember({"fp32", "bf16"}))
+      ->capture_default_str()
+      ->group(group);
+  const auto check = [](const std::string& text) {
+    try {
+      parse_memory(text);
+      return std::string();
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+  };
+  app.add_option_function<std::string>(
+         "--max-memory",
+         [max_memory_mb](const std::string& text) { *max_memory_mb = parse_memory(text); },
+         "What the run may take above scene and model, such as 500M or 2G (plain numbers are MiB): "
+         "fewer queries are decoded at a time, and what cannot fit is refused; 0 for no limit")
+      ->check(CLI::Validator(check, "SIZE"))
+      ->default_str("0")
+      ->group(group);
+}
+
+nn::Precision choose_precision(const std::string& word, c10::Device device) {
+  const auto precision = parse_enum<nn::Precision>("--precision", word);
+  if (precision == nn::Precision::Bf16) nn::warn_of_slow_bf16("--precision bf16", device);
+  return precision;
+}
+
+void add_tool_options(CLI::App& app, ToolOptions* options) {
+  add_common_options(app, &options->common);
+  const char* group = "Common options";
+  app.add_option("--device", options->device, "cpu or cuda; by default cuda where it can be had")
+      ->check(CLI::IsMember({"cpu", "cuda"}))
+      ->group(group);
+  add_network_options(app, &options->precision, &options->max_memory_mb);
+  app.add_flag("--print-config", options->print_config, "Print the settings in force and stop")
+      ->configurable(false)
+      ->group(group);
+}
+
+void apply_tool_options(const ToolOptions& options) {
+  apply_common_options(options.common);
+  runtime::set_torch_threads(options.common.threads);
+}
+
+int run_network_tool(CLI::App& app, int argc, char** argv, const std::function<void()>& body) {
+  return run_tool(app, argc, argv, [&] {
+    try {
+      body();
+    } catch (const runtime::Refusal& refusal) {
+      throw Error(refusal.what() + flags_for(app, refusal.remedies()));
+    }
+  });
+}
+
+void check_writable(const std::string& path) { lte::check_writable(path); }
+
+}  // namespace lte::infer
