@@ -12,6 +12,7 @@
 #include "lte/base/log.h"
 #include "lte/cli/command_files.h"
 #include "lte/cli/numbers.h"
+#include "lte/cli/writable.h"
 #include "lte/nn/device.h"
 
 namespace lte::infer {

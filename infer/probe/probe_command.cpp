@@ -16,6 +16,7 @@
 #include "lte/base/timer.h"
 #include "lte/cli/numbers.h"
 #include "lte/cli/progress.h"
+#include "lte/cli/writable.h"
 #include "lte/nn/device.h"
 #include "lte/pathtrace/probe.h"
 #include "lte/scene/light_points.h"

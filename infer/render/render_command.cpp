@@ -26,6 +26,7 @@
 #include "lte/base/process_memory.h"
 #include "lte/base/timer.h"
 #include "lte/cli/command_files.h"
+#include "lte/cli/writable.h"
 #include "lte/nn/device.h"
 #include "lte/scene/light_points.h"
 #include "lte/scene/load_camera.h"

@@ -134,7 +134,9 @@ Image correct_by_paths(const SurfaceGuides& guides, std::span<const uint8_t> mas
   for (int pass = 0; pass <= kPasses; ++pass) {
     if (pass > 0) {
       const image::BilateralGuides by{&normal, &guides.position, nullptr};
-      const image::BilateralOptions once{1, std::numeric_limits<float>::infinity(), pass - 1};
+      const image::BilateralOptions once{.passes = 1,
+                                         .luminance_sigma = std::numeric_limits<float>::infinity(),
+                                         .first_pass = pass - 1};
       smooth.a = image::bilateral_filter(smooth.a, by, once);
       smooth.b = image::bilateral_filter(smooth.b, by, once);
     }

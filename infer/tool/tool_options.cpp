@@ -7,7 +7,6 @@
 #include "infer/tool/memory.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
-#include "lte/cli/writable.h"
 #include "lte/nn/device.h"
 #include "lte/runtime/device.h"
 #include "lte/runtime/refusal.h"
@@ -102,7 +101,5 @@ int run_network_tool(CLI::App& app, int argc, char** argv, const std::function<v
     }
   });
 }
-
-void check_writable(const std::string& path) { lte::check_writable(path); }
 
 }  // namespace lte::infer

@@ -36,9 +36,4 @@ void apply_tool_options(const ToolOptions& options);
 /// that help: "(--rescale)".
 int run_network_tool(CLI::App& app, int argc, char** argv, const std::function<void()>& body);
 
-/// Fails early where a result could not be written late: the folder of `path` must exist and be
-/// writable.
-/// @throws lte::Error naming `path`; nothing happens if it is empty.
-void check_writable(const std::string& path);
-
 }  // namespace lte::infer

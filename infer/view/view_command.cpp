@@ -27,6 +27,7 @@
 #include "lte/base/text.h"
 #include "lte/base/timer.h"
 #include "lte/cli/command_files.h"
+#include "lte/cli/writable.h"
 #include "lte/scene/light_points.h"
 #include "lte/scene/load_camera.h"
 

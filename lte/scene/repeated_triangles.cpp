@@ -4,6 +4,8 @@
 #include <array>
 #include <bit>
 #include <cstddef>
+#include <functional>
+#include <string_view>
 #include <unordered_map>
 
 #include "lte/scene/triangle.h"
@@ -28,12 +30,7 @@ Key key_of(const WorldTriangle& triangle) {
 
 struct KeyHash {
   size_t operator()(const Key& key) const {
-    uint64_t hash = 0x9e3779b97f4a7c15;
-    for (const uint32_t word : key) {
-      hash = (hash ^ word) * 0xff51afd7ed558ccd;
-      hash ^= hash >> 32;
-    }
-    return hash;
+    return std::hash<std::string_view>()({reinterpret_cast<const char*>(key.data()), sizeof(Key)});
   }
 };
 

@@ -84,8 +84,8 @@ ValidationResult validate(nn::LightTransportModel& model, const std::vector<Exam
     result.bias += errors.bias / count;
   }
   result.loss_median = median(losses);
-  for (auto& [name, kind] : kinds) {
-    if (kinds.size() == 1) break;
+  if (kinds.size() == 1) kinds.clear();
+  for (const auto& [name, kind] : kinds) {
     const auto scenes = static_cast<double>(kind.scenes);
     result.kinds.push_back({name, kind.scenes, kind.loss / scenes, kind.mse / scenes});
   }

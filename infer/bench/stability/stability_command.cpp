@@ -7,6 +7,7 @@
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/cli/command_files.h"
+#include "lte/cli/writable.h"
 #include "lte/runtime/device.h"
 
 namespace lte::infer {
