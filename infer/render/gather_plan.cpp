@@ -22,12 +22,6 @@ constexpr double kRoom = 0.2;
 /// Paths a pixel of Final at most.
 constexpr int kMostPaths = 1 << 14;
 
-std::string hundredths(double seconds) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.2f s", seconds);
-  return text;
-}
-
 /// Time of a pass against the quickest (docs/lab/gather.md).
 double denoiser_factor(image::OidnQuality quality) {
   switch (quality) {
@@ -42,16 +36,8 @@ double denoiser_factor(image::OidnQuality quality) {
 
 GatherRates measure_gather_rates(const RenderSettings& base, const scene::Camera& camera,
                                  Renderer* renderer) {
-  RenderSettings probe = base;
-  const double pixels = double{1} * base.width * base.height;
-  const double scale = std::min(1.0, std::sqrt(kRatePixels / pixels));
-  probe.width = std::max(1, static_cast<int>(base.width * scale));
-  probe.height = std::max(1, static_cast<int>(base.height * scale));
-  probe.direct_samples = kRateRays;
+  RenderSettings probe = probe_settings(base, kRatePixels, kRateRays);
   probe.gather = {kRateRays, 1, 0, image::OidnQuality::Fast};
-  probe.antialias = 0;
-  probe.layers = false;
-  probe.done = {};
   renderer->render(camera, probe);  // the denoiser's library is loaded once
   const Frame frame = renderer->render(camera, probe);
   const StageSeconds seconds = renderer->seconds();
@@ -107,10 +93,10 @@ std::vector<GatherRung> gather_ladder(Sparse sparse, const GivenFlags& given,
 GatherRung choose_rung(double seconds, double spent, const GatherRates& rates,
                        const std::vector<GatherRung>& ladder, const GivenFlags& given) {
   const double need = predicted_gather_seconds(ladder.front().settings, rates);
-  LTE_CHECK(need <= seconds, "--time-budget: ", hundredths(std::max(0.0, seconds)),
-            " are left after ", hundredths(spent),
-            " for the table of light, and the quickest picture takes about ", hundredths(need),
-            ": expected ", hundredths(spent + need), " or more");
+  LTE_CHECK(need <= seconds, "--time-budget: ", seconds_text(std::max(0.0, seconds)),
+            " are left after ", seconds_text(spent),
+            " for the table of light, and the quickest picture takes about ", seconds_text(need),
+            ": expected ", seconds_text(spent + need), " or more");
   GatherRung best = ladder.front();
   for (const GatherRung& rung : ladder) {
     if (predicted_gather_seconds(rung.settings, rates) <= seconds) best = rung;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lte/base/check.h"
+#include "lte/base/text.h"
 
 namespace lte::infer {
 namespace {
@@ -12,12 +13,6 @@ namespace {
 constexpr double kEdgeShare = 0.15;
 /// Room for what predictions leave out, as a share of the prediction.
 constexpr double kSlack = 0.15;
-
-std::string seconds_text(double seconds) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.2f s", seconds);
-  return text;
-}
 
 }  // namespace
 
@@ -55,6 +50,8 @@ QualitySettings quality_settings(Quality quality) {
   }
   return out;
 }
+
+std::string seconds_text(double seconds) { return formatted("%.2f s", seconds); }
 
 double parse_time_budget(const std::string& text) {
   double value = 0;

@@ -42,6 +42,9 @@ struct GivenFlags {
 /// "0.5s" -> 0.5, "200ms" -> 0.2. @throws lte::Error for anything else.
 double parse_time_budget(const std::string& text);
 
+/// "0.25 s", for messages.
+std::string seconds_text(double seconds);
+
 /// What the stages of a picture cost, as measured on a small one.
 struct PictureRates {
   double primary_s = 0;  ///< a hit

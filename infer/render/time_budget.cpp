@@ -18,17 +18,7 @@ constexpr int kMostOfFinal = 4;
 /// Renders the view small and without any skip.
 PictureRates measure_rates(const RenderSettings& base, const scene::Camera& camera,
                            Renderer* renderer) {
-  RenderSettings probe = base;
-  const double pixels = double{1} * base.width * base.height;
-  const double scale = std::min(1.0, std::sqrt(kProbePixels / pixels));
-  probe.width = std::max(1, static_cast<int>(base.width * scale));
-  probe.height = std::max(1, static_cast<int>(base.height * scale));
-  probe.direct_samples = kProbeRays;
-  probe.antialias = 0;
-  probe.sparse.reset();
-  probe.layers = false;
-  probe.pace = nullptr;
-  probe.done = {};
+  const RenderSettings probe = probe_settings(base, kProbePixels, kProbeRays);
   const Frame frame = renderer->render(camera, probe);
   const StageSeconds& seconds = renderer->seconds();
   const double hits = double{1} * probe.width * probe.height;
@@ -43,6 +33,20 @@ PictureRates measure_rates(const RenderSettings& base, const scene::Camera& came
 }
 
 }  // namespace
+
+RenderSettings probe_settings(const RenderSettings& base, double pixels, int direct_samples) {
+  RenderSettings probe = base;
+  const double scale = std::min(1.0, std::sqrt(pixels / (double{1} * base.width * base.height)));
+  probe.width = std::max(1, static_cast<int>(base.width * scale));
+  probe.height = std::max(1, static_cast<int>(base.height * scale));
+  probe.direct_samples = direct_samples;
+  probe.antialias = 0;
+  probe.sparse.reset();
+  probe.layers = false;
+  probe.pace = nullptr;
+  probe.done = {};
+  return probe;
+}
 
 RenderSettings with_quality(Quality quality, Sparse sparse, const GivenFlags& given,
                             RenderSettings base) {

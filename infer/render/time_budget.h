@@ -22,6 +22,10 @@ struct PicturePlan {
 RenderSettings with_quality(Quality quality, Sparse sparse, const GivenFlags& given,
                             RenderSettings base);
 
+/// The picture that rates are measured on: the view, but of about `pixels` pixels at most and
+/// without any skip, layers or pace, and without the light of others.
+RenderSettings probe_settings(const RenderSettings& base, double pixels, int direct_samples);
+
 /// Chooses the best quality that is ready when `clock` says `budget_s`.
 /// @param renderer  has its embedding, if the output needs one
 /// @param base      the settings as the flags have them

@@ -146,23 +146,7 @@ Metal Renderer::metal_of(const RenderSettings& settings) const {
   return settings.output == Output::Full ? Metal::Diffuse : Metal::Trace;
 }
 
-/// The network's answers. Those for pixel centres are asked apart from those that anti-aliasing
-/// adds: matrix products of other sizes may round otherwise, and centres keep every bit.
-std::vector<Rgb> Renderer::decode_all(const QuerySet& queries, int64_t centres) const {
-  const auto ask = [&](int64_t first, int64_t last) {
-    const auto begin = static_cast<size_t>(first), count = static_cast<size_t>(last - first);
-    return embedding_->decode({std::span(queries.position).subspan(begin, count),
-                               std::span(queries.normal).subspan(begin, count),
-                               std::span(queries.albedo).subspan(begin, count)});
-  };
-  std::vector<Rgb> answers = ask(0, centres);
-  if (queries.size() > centres) {
-    const std::vector<Rgb> more = ask(centres, queries.size());
-    answers.insert(answers.end(), more.begin(), more.end());
-  }
-  return answers;
-}
-
+/// The network itself, as what answers queries.
 gi::Answerer Renderer::decoder() const {
   return [this](std::span<const gi::Query> queries) {
     QuerySet set;
@@ -171,7 +155,7 @@ gi::Answerer Renderer::decoder() const {
       set.normal.push_back(query.normal);
       set.albedo.push_back(query.albedo);
     }
-    return decode_all(set, set.size());
+    return embedding_->decode({set.position, set.normal, set.albedo});
   };
 }
 
@@ -179,14 +163,8 @@ void Renderer::decode(const PictureBand& band, const RenderSettings& settings, B
   LTE_CHECK(embedding_ != nullptr, "this output needs a model: embed() comes first");
   const Timer timer;
   const gi::Answerer answerer = settings.answerer ? settings.answerer : decoder();
-  SparseLight answers;
-  if (settings.sparse) {
-    answers = light_sparsely(band, *settings.sparse, answerer);
-  } else if (settings.answerer) {
-    answers = light_everywhere(band, answerer);
-  } else {
-    answers = {decode_all(band.queries(), band.centre_queries()), band.queries().size()};
-  }
+  SparseLight answers = settings.sparse ? light_sparsely(band, *settings.sparse, answerer)
+                                        : light_everywhere(band, answerer);
   light->decoded = answers.answers;
   (embedding_->network().predicts_total() ? light->total : light->indirect) =
       std::move(answers.irradiance);

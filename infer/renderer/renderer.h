@@ -160,7 +160,6 @@ class Renderer {
   BandLight neural(const PictureBand& band, Job* job);
   BandLight reference(const PictureBand& band, Job* job);
   void decode(const PictureBand& band, const RenderSettings& settings, BandLight* light);
-  std::vector<Rgb> decode_all(const QuerySet& queries, int64_t centres) const;
   gi::Answerer decoder() const;
   void estimate(const PictureBand& band, const Estimate& what, Job* job, BandLight* light);
   void sample_direct(const PictureBand& band, Job* job, BandLight* light);

@@ -4,49 +4,25 @@
 
 #include "infer/bench/pareto/method.h"
 #include "infer/bench/pareto/traced_picture.h"
+#include "infer/picture/surface_guides.h"
 #include "lte/base/timer.h"
 #include "lte/image/denoise.h"
-#include "lte/pathtrace/gbuffer.h"
 
 namespace lte::infer {
 namespace {
 
-struct DenoiserGuides {
-  image::Image normal, position, albedo;
-};
-
-/// What the centres of the pixels see: free of noise, if not of stairs.
-DenoiserGuides trace_guides(const MethodScene& scene, const scene::Camera& camera) {
-  const pathtrace::GBuffer hits =
-      pathtrace::trace_gbuffer(scene.renderer.bvh(), camera, scene.width, scene.height);
-  const image::Image black(scene.width, scene.height, 3);
-  DenoiserGuides out{black, black, black};
-  for (int y = 0; y < scene.height; ++y) {
-    for (int x = 0; x < scene.width; ++x) {
-      const size_t i =
-          static_cast<size_t>(y) * static_cast<size_t>(scene.width) + static_cast<size_t>(x);
-      if (!hits.mask[i]) continue;
-      out.normal.set_rgb(x, y, hits.normal[i]);
-      out.position.set_rgb(x, y, hits.position[i]);
-      out.albedo.set_rgb(x, y, hits.albedo[i]);
-    }
-  }
-  return out;
-}
-
 /// Reflected light without its noise. Where a pixel's centre sees no surface it stays as it is.
 image::Image denoise_reflected(const image::Denoiser& denoiser, const image::Image& light,
-                               const DenoiserGuides& guides) {
+                               const SurfaceGuides& guides) {
   image::NoisyPicture noisy;
   noisy.light = &light;
   noisy.normal = &guides.normal;
   noisy.position = &guides.position;
   noisy.albedo = &guides.albedo;
   image::Image out = denoiser.denoise(noisy);
-  for (size_t i = 0; i < out.pixels.size(); i += 3) {
-    const float* n = guides.normal.pixels.data() + i;
-    if (n[0] != 0 || n[1] != 0 || n[2] != 0) continue;
-    for (size_t c = i; c < i + 3; ++c) out.pixels[c] = light.pixels[c];
+  for (size_t i = 0; i < guides.pixels(); ++i) {
+    if (guides.mask[i]) continue;
+    for (size_t c = 3 * i; c < 3 * i + 3; ++c) out.pixels[c] = light.pixels[c];
   }
   return out;
 }
@@ -58,7 +34,8 @@ MethodPicture denoised_picture(const MethodScene& scene, const scene::Camera& ca
   TracedPicture traced = trace_picture(scene, camera, paths, scene.seed, {});
   (*stages)["paths"] += timer.seconds();
   timer.restart();
-  const auto guides = std::make_shared<const DenoiserGuides>(trace_guides(scene, camera));
+  const auto guides = std::make_shared<const SurfaceGuides>(
+      trace_guides(scene.renderer.bvh(), camera, scene.width, scene.height));
   (*stages)["primary"] += timer.seconds();
   timer.restart();
   image::Image light = traced.whole;

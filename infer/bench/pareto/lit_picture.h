@@ -13,8 +13,19 @@ namespace lte::infer {
 /// Indirect irradiance at the points, W/m².
 using IndirectLight = std::function<std::vector<Rgb>(const QueryPoints&)>;
 
-/// Primary hits with anti-aliased edges, `indirect` at every query, direct light by
-/// `direct_samples` shadow rays, paths for metal. Stages: primary, indirect, direct, metal.
+/// Irradiance at points, W/m².
+struct DirectAndIndirect {
+  std::vector<Rgb> direct, indirect;
+};
+using PointIrradiance = std::function<DirectAndIndirect(const QueryPoints&)>;
+
+/// Primary hits with anti-aliased edges, `light` at every query, paths for metal. Stages: primary,
+/// light, metal.
+MethodPicture compose_picture(const MethodScene& scene, const scene::Camera& camera,
+                              const PointIrradiance& light, StageTimes* stages);
+
+/// The same with `indirect` at every query and direct light by `direct_samples` shadow rays. The
+/// stage `light` has both, kDirect of it the shadow rays apart.
 MethodPicture compose_picture(const MethodScene& scene, const scene::Camera& camera,
                               int direct_samples, const IndirectLight& indirect,
                               StageTimes* stages);
