@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lte/nn/attention_record.h"
 #include "lte/nn/constants.h"
 #include "lte/nn/cost.h"
 #include "lte/nn/nearest_neighbour_embedding.h"
@@ -160,7 +161,7 @@ Embedding LightTransportModelImpl::place(const PointSet& points, const Frame& fr
 
 SceneBatch LightTransportModelImpl::encode(const std::vector<PointSet>& scenes,
                                            const std::vector<uint64_t>& order_seeds,
-                                           const Frame& frame, StageRecorder* recorder) {
+                                           const Frame& frame, EncoderRecorder* recorder) {
   SceneBatch batch;
   std::vector<at::Tensor> positions, attributes, normals;
   for (const PointSet& points : scenes) {
@@ -192,8 +193,16 @@ SceneBatch LightTransportModelImpl::encode(const std::vector<PointSet>& scenes,
 }
 
 Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order_seed,
-                                          const Frame& frame) {
-  Embedding embedding = encode(std::vector{points}, {order_seed}, frame, nullptr).scenes[0];
+                                          const Frame& frame, EncoderAttention* attention) {
+  Embedding embedding;
+  if (attention == nullptr) {
+    embedding = encode(std::vector{points}, {order_seed}, frame, nullptr).scenes[0];
+  } else {
+    *attention = {};
+    AttentionRecorder recorder(attention);
+    embedding = encode(std::vector{points}, {order_seed}, frame, &recorder).scenes[0];
+    attention->normal = points.normal.index_select(0, attention->scene_point);
+  }
   if (!at::GradMode::is_enabled() && embedding.features.scalar_type() == at::kFloat) {
     embedding.table = parts_->decoder->table(embedding.features);
   }
@@ -229,6 +238,16 @@ void set_autocast(torch::nn::Module& network, Precision precision) {
 
 void LightTransportModelImpl::set_precision(Precision precision) {
   nn::set_precision(*this, precision);
+}
+
+DecoderReading LightTransportModelImpl::read(const Embedding& embedding, const QuerySet& queries) {
+  check_queries(queries);
+  const at::NoGradGuard no_grad;
+  const Parts::Asked asked = Parts::ask(embedding, queries);
+  DecoderReading reading =
+      parts_->decoder->read(asked.attributes, asked.queries, embedding.features);
+  if (asked.light.defined()) reading.answer = asked.light * reading.answer;
+  return reading;
 }
 
 at::Tensor LightTransportModelImpl::decode_normalized(const Embedding& embedding,

@@ -17,6 +17,9 @@
 
 namespace lte::nn {
 
+struct DecoderReading;
+struct EncoderAttention;
+
 /// The light transport embedding of one scene: everything decode() needs.
 struct Embedding {
   at::Tensor position;  ///< [m, 3] network space
@@ -64,9 +67,12 @@ class LightTransportModelImpl : public torch::nn::Module {
   /// Embeds one scene. Differentiable in the parameters; under NoGradGuard it also makes the
   /// decoder's table. In training mode the curve orders are drawn from `order_seed`; in evaluation
   /// they are fixed. `frame` is for callers whose scene's bounds are not those of its points.
+  /// @param attention  gets what the blocks attend to (attention_record.h), at the cost of their
+  ///                   convolutions a second time; null: nothing is recorded
   /// @throws c10::Error naming the first row that is not finite or out of range, a scene wider than
   ///         the frame's scale, or a point below the frame's origin
-  Embedding encode(const PointSet& points, uint64_t order_seed = 0, const Frame& frame = {});
+  Embedding encode(const PointSet& points, uint64_t order_seed = 0, const Frame& frame = {},
+                   EncoderAttention* attention = nullptr);
 
   /// Embeds several scenes, at most kMostScenes, in one pass, in which no scene sees another: what
   /// encode() gives for each, to rounding, in fewer and larger operations.
@@ -81,6 +87,10 @@ class LightTransportModelImpl : public torch::nn::Module {
   /// The arithmetic of encode() and decode() without gradients from now on, on a CPU as on a GPU.
   /// It rounds the weights that there are now: call it again when they have changed.
   void set_precision(Precision precision);
+
+  /// What the decoder takes from which latent on the way to decode_normalized(), by layer: for few
+  /// queries, as it keeps [L, Q, κ, D] weights.
+  DecoderReading read(const Embedding& embedding, const QuerySet& queries);
 
   /// Irradiance over the emission scale: what the loss sees.
   /// @return [Q, 3], non-negative
@@ -103,7 +113,7 @@ class LightTransportModelImpl : public torch::nn::Module {
   void add_light(const PointSet& points, const at::Tensor& position,
                  std::vector<at::Tensor>* columns, Embedding* embedding) const;
   SceneBatch encode(const std::vector<PointSet>& scenes, const std::vector<uint64_t>& order_seeds,
-                    const Frame& frame, StageRecorder* recorder);
+                    const Frame& frame, EncoderRecorder* recorder);
 
   ModelConfig config_;
   struct Parts;

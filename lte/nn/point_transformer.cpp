@@ -13,9 +13,9 @@ StageImpl::StageImpl(int64_t depth, int64_t channels, const ModelConfig& config)
   }
 }
 
-at::Tensor StageImpl::forward(at::Tensor x, const StagePlan& plan, StageRecorder* recorder) {
+at::Tensor StageImpl::forward(at::Tensor x, const StagePlan& plan, EncoderRecorder* recorder) {
   for (size_t i = 0; i < blocks_.size(); ++i) {
-    if (recorder != nullptr) recorder->block(blocks_[i]->attention_entropy(x, plan, i));
+    if (recorder != nullptr) recorder->block(blocks_[i]->record_attention(x, plan, i));
     x = blocks_[i]->forward(x, plan, i);
   }
   return x;
@@ -55,27 +55,28 @@ PointTransformerImpl::PointTransformerImpl(const ModelConfig& config) {
 }
 
 at::Tensor PointTransformerImpl::forward(const at::Tensor& x, const EncoderPlan& plan,
-                                         StageRecorder* recorder) {
-  const auto record = [&](const std::string& stage, const at::Tensor& features) {
-    if (recorder != nullptr) recorder->stage(stage, features);
+                                         EncoderRecorder* recorder) {
+  const auto record = [&](const std::string& stage, size_t level, const at::Tensor& features) {
+    if (recorder != nullptr) recorder->stage(stage, level, features);
   };
+  if (recorder != nullptr) recorder->plan(plan);
   const at::Tensor stem = stem_conv_ ? stem_conv_->forward(x, plan.stem_pairs, plan.stem_tap_begin)
                                      : stem_linear_->forward(x);
   std::vector<at::Tensor> skip = {ops::gelu(stem_norm_->forward(stem, plan.stages[0]))};
-  record("stem", skip[0]);
+  record("stem", 0, skip[0]);
   for (size_t s = 0; s < down_.size(); ++s) {
     const StagePlan& stage = plan.stages[s];
     if (s > 0) {
       skip.push_back(pool_[s - 1]->forward(skip.back(), stage));
     }
     skip[s] = down_[s]->forward(skip[s], stage, recorder);
-    record("down" + std::to_string(s), skip[s]);
+    record("down" + std::to_string(s), s, skip[s]);
   }
   at::Tensor y = skip.back();
   for (size_t s = up_.size(); s-- > 0;) {
     y = unpool_[s]->forward(y, skip[s], plan.stages[s + 1], plan.stages[s]);
     y = up_[s]->forward(y, plan.stages[s], recorder);
-    record("up" + std::to_string(s), y);
+    record("up" + std::to_string(s), s, y);
   }
   return norm_->forward(y);
 }

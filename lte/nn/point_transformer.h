@@ -4,7 +4,6 @@
 
 #include <vector>
 
-#include "lte/nn/stage_health.h"
 #include "lte/nn/transformer_block.h"
 
 namespace lte::nn {
@@ -14,8 +13,8 @@ class StageImpl : public torch::nn::Module {
  public:
   StageImpl(int64_t depth, int64_t channels, const ModelConfig& config);
 
-  /// @param recorder  gets the entropy of each block's attention; null: nobody asks
-  at::Tensor forward(at::Tensor x, const StagePlan& plan, StageRecorder* recorder);
+  /// @param recorder  is told of each block's attention; null: nobody asks
+  at::Tensor forward(at::Tensor x, const StagePlan& plan, EncoderRecorder* recorder);
 
  private:
   std::vector<TransformerBlock> blocks_;
@@ -29,10 +28,10 @@ class PointTransformerImpl : public torch::nn::Module {
   explicit PointTransformerImpl(const ModelConfig& config);
 
   /// @param x         [m, D]
-  /// @param recorder  gets what each stage carries; null: nobody asks
+  /// @param recorder  is told of all blocks and stages; null: nobody asks
   /// @return          [m, latent_width()] (lte/nn/cost.h)
   at::Tensor forward(const at::Tensor& x, const EncoderPlan& plan,
-                     StageRecorder* recorder = nullptr);
+                     EncoderRecorder* recorder = nullptr);
 
  private:
   SubmanifoldConv stem_conv_{nullptr};  ///< either this

@@ -4,6 +4,10 @@
 
 namespace lte::nn {
 
+at::Tensor softmax_weights(Mlp& omega, const at::Tensor& relation) {
+  return at::softmax(omega->forward(relation), 1);
+}
+
 at::Tensor softmax_attention(Mlp& omega, const at::Tensor& query, const at::Tensor& key,
                              const at::Tensor& value, const at::Tensor& place,
                              const at::Tensor& index) {
@@ -11,8 +15,7 @@ at::Tensor softmax_attention(Mlp& omega, const at::Tensor& query, const at::Tens
     return rows.index_select(0, index.reshape({-1})).view(place.sizes());
   };
   const at::Tensor relation = query.unsqueeze(1) - near(key) + place;
-  const at::Tensor weight = at::softmax(omega->forward(relation), 1);
-  return (weight * (near(value) + place)).sum(1);
+  return (softmax_weights(omega, relation) * (near(value) + place)).sum(1);
 }
 
 }  // namespace lte::nn

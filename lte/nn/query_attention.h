@@ -8,6 +8,10 @@
 
 namespace lte::nn {
 
+/// The weights alone, softmax_κ(ω(relation)) over the neighbours in each channel.
+/// @param relation  [Q, κ, D], q − k_κ + P_κ
+at::Tensor softmax_weights(Mlp& omega, const at::Tensor& relation);
+
 /// Σ_κ softmax_κ(ω(q − k_κ + P_κ)) ⊙ (v_κ + P_κ), the softmax over the neighbours in each channel.
 ///
 /// @param omega  ω, D -> D -> D

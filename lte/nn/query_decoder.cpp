@@ -334,6 +334,25 @@ at::Tensor QueryDecoderImpl::attend(Mlp& omega, const at::Tensor& query, const a
   return attended.size() == 1 ? attended[0] : at::cat(attended);
 }
 
+DecoderReading QueryDecoderImpl::read(const at::Tensor& attributes, const SceneQueries& queries,
+                                      const at::Tensor& latent) {
+  const Neighbourhood near = neighbourhood(queries.query, queries.anchor, queries.spacing);
+  const at::Tensor place = gamma_->forward(near.geometry);
+  const double neighbours = static_cast<double>(near.index.size(1));
+  const at::Tensor rows = latent.index_select(0, near.index.reshape({-1}));
+  at::Tensor G = point_->forward(attributes);
+  std::vector<at::Tensor> weights, values;
+  for (QueryLayer& layer : layers_) {
+    const auto [key, value] = layer->keys_and_values(rows);
+    const at::Tensor relation = layer->query(G).unsqueeze(1) - key.view(place.sizes()) + place;
+    weights.push_back(normalizes_ ? softmax_weights(layer->omega(), relation)
+                                  : relation.div(neighbours));
+    values.push_back(value.view(place.sizes()) + place);
+    G = layer->advance(G, (weights.back() * values.back()).sum(1));
+  }
+  return {near.index, at::stack(weights), at::stack(values), answer(G)};
+}
+
 at::Tensor QueryDecoderImpl::answer(const at::Tensor& G) {
   return at::softplus(head_->forward(norm_->forward(G)));
 }

@@ -14,6 +14,7 @@
 #include <ATen/core/Tensor.h>
 #include <torch/nn/modules/normalization.h>
 
+#include "lte/nn/attention_record.h"
 #include "lte/nn/config.h"
 #include "lte/nn/linear.h"
 #include "lte/nn/mlp.h"
@@ -123,6 +124,12 @@ class QueryDecoderImpl : public torch::nn::Module {
   /// `query`, `anchor` and `spacing` are those of neighbourhood().
   at::Tensor infer(const at::Tensor& attributes, const Surface& query, const Surface& anchor,
                    double spacing, const at::Tensor& table);
+
+  /// What each layer takes from which latent, as the equations have it: nothing is factored, fused
+  /// or summed over neighbours before it is kept.
+  /// @param latent  [m, D]
+  DecoderReading read(const at::Tensor& attributes, const SceneQueries& queries,
+                      const at::Tensor& latent);
 
  private:
   /// Whether ops::query_decoder() differentiates what is computed from `latent`.

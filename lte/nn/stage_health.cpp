@@ -7,7 +7,7 @@
 
 namespace lte::nn {
 
-void StageRecorder::stage(const std::string& stage, const at::Tensor& features) {
+void StageRecorder::stage(const std::string& name, const at::Tensor& features) {
   const at::Tensor x = features.detach().to(at::kDouble);
   const double rms = std::sqrt(x.square().mean().item<double>());
   const double between = std::sqrt((x - x.mean(0)).square().mean().item<double>());
@@ -15,7 +15,7 @@ void StageRecorder::stage(const std::string& stage, const at::Tensor& features) 
   for (const double entropy : entropies_) sum += entropy;
   const double mean = entropies_.empty() ? std::numeric_limits<double>::quiet_NaN()
                                          : sum / static_cast<double>(entropies_.size());
-  stages_.push_back({stage, x.size(0), rms, rms > 0 ? between / rms : 0, mean});
+  stages_.push_back({name, x.size(0), rms, rms > 0 ? between / rms : 0, mean});
   entropies_.clear();
 }
 

@@ -8,6 +8,8 @@
 
 #include <ATen/core/Tensor.h>
 
+#include "lte/nn/attention_record.h"
+
 namespace lte::nn {
 
 struct StageHealth {
@@ -31,12 +33,15 @@ struct StageHealth {
 };
 
 /// Collects what the stages of one pass through the encoder carry.
-class StageRecorder {
+class StageRecorder : public EncoderRecorder {
  public:
-  /// Features [n, C] that leave `stage`.
-  void stage(const std::string& stage, const at::Tensor& features);
-  /// StageHealth::entropy of a block of the stage that is recorded next.
+  void block(BlockAttention attention) override { block(attention.entropy()); }
+  void stage(const std::string& name, size_t /*level*/, const at::Tensor& features) override {
+    stage(name, features);
+  }
+  /// The same from the entropy alone, and of whatever resolution.
   void block(double entropy) { entropies_.push_back(entropy); }
+  void stage(const std::string& name, const at::Tensor& features);
 
   const std::vector<StageHealth>& stages() const { return stages_; }
 

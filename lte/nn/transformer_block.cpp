@@ -50,27 +50,15 @@ at::Tensor PatchAttentionImpl::turned(const at::Tensor& qkv, const StagePlan& st
   return stage.cosine.defined() ? ops::rotate_heads(qkv, stage.cosine, stage.sine, heads_) : qkv;
 }
 
-double PatchAttentionImpl::entropy(const at::Tensor& x, const StagePlan& stage, size_t order,
-                                   int64_t patch_size) {
+BlockAttention PatchAttentionImpl::record(const at::Tensor& x, const StagePlan& stage, size_t order,
+                                          int64_t patch_size) {
   const at::NoGradGuard no_grad;
-  const PatchMap& map = patch_map(stage.scenes.front(), order);
-  const int64_t n = x.size(0), width = x.size(1) / heads_;
-  const bool one_patch = !map.gather.defined();
-  const int64_t length = one_patch ? n : patch_size;
-  if (length < 2) return std::numeric_limits<double>::quiet_NaN();
-  at::Tensor qkv = turned(qkv_->forward(x), stage);
-  if (!one_patch) qkv = qkv.index_select(0, map.gather);
-  const at::Tensor parts = qkv.view({-1, length, 3, heads_, width});
-  double sum = 0;
-  for (int64_t patch = 0; patch < parts.size(0); ++patch) {  // one at a time: length² a head
-    const at::Tensor q = parts[patch].select(1, 0).transpose(0, 1),
-                     k = parts[patch].select(1, 1).transpose(0, 1);
-    const at::Tensor logits =
-        at::bmm(q, k.transpose(1, 2)).div(std::sqrt(static_cast<double>(width)));
-    const at::Tensor rows = at::log_softmax(logits, 2);
-    sum -= rows.exp().mul(rows).sum(2).mean().item<double>();
-  }
-  return sum / static_cast<double>(parts.size(0)) / std::log(static_cast<double>(length));
+  BlockAttention out;
+  out.heads = heads_;
+  out.qkv = turned(qkv_->forward(x), stage);
+  out.patch = patch_map(stage.scenes.front(), order);
+  out.patch_size = patch_size;
+  return out;
 }
 
 at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, const StagePlan& stage, size_t order,
@@ -183,10 +171,10 @@ at::Tensor TransformerBlockImpl::convolve(const at::Tensor& input, const StagePl
   return input + conv_norm_->forward(conv_linear_->forward(x), stage);
 }
 
-double TransformerBlockImpl::attention_entropy(const at::Tensor& input, const StagePlan& stage,
-                                               size_t order) {
+BlockAttention TransformerBlockImpl::record_attention(const at::Tensor& input,
+                                                      const StagePlan& stage, size_t order) {
   const at::NoGradGuard no_grad;
-  return attention_->entropy(norm1_->forward(convolve(input, stage)), stage, order, patch_size_);
+  return attention_->record(norm1_->forward(convolve(input, stage)), stage, order, patch_size_);
 }
 
 at::Tensor TransformerBlockImpl::forward(const at::Tensor& input, const StagePlan& stage,

@@ -6,6 +6,7 @@
 #include <ATen/core/Tensor.h>
 #include <torch/nn/modules/normalization.h>
 
+#include "lte/nn/attention_record.h"
 #include "lte/nn/encoder_plan.h"
 #include "lte/nn/linear.h"
 #include "lte/nn/mlp.h"
@@ -32,10 +33,10 @@ class PatchAttentionImpl : public torch::nn::Module {
   at::Tensor forward(const at::Tensor& x, torch::nn::LayerNorm& norm, const StagePlan& stage,
                      size_t order, int64_t patch_size);
 
-  /// Entropy of the rows of attention that forward() would weigh values by, over the logarithm of
-  /// the points of a patch; a mean over heads and points, NaN for patches of one point.
+  /// What forward() would weigh values by, without name and level.
   /// @param stage  of one scene
-  double entropy(const at::Tensor& x, const StagePlan& stage, size_t order, int64_t patch_size);
+  BlockAttention record(const at::Tensor& x, const StagePlan& stage, size_t order,
+                        int64_t patch_size);
 
  private:
   /// What the points of one scene attend to.
@@ -101,8 +102,8 @@ class TransformerBlockImpl : public torch::nn::Module {
   /// @param order  which of the stage's patch maps to use, modulo their number
   at::Tensor forward(const at::Tensor& input, const StagePlan& stage, size_t order);
 
-  /// PatchAttention::entropy() of what forward() would attend to.
-  double attention_entropy(const at::Tensor& input, const StagePlan& stage, size_t order);
+  /// PatchAttention::record() of what forward() would attend to.
+  BlockAttention record_attention(const at::Tensor& input, const StagePlan& stage, size_t order);
 
  private:
   at::Tensor convolve(const at::Tensor& input, const StagePlan& stage);

@@ -12,6 +12,7 @@
 #include <c10/core/impl/VirtualGuardImpl.h>
 
 #include "lte/base/check.h"
+#include "lte/nn/attention_record.h"
 #include "lte/nn/model.h"
 #include "lte/nn/one_line_errors.h"
 #include "lte/runtime/solved_light.h"
@@ -94,7 +95,8 @@ struct SceneEmbedding::State {
   Network network;
   MemoryLimit memory;
   int64_t scene_points = 0;
-  nn::Embedding embedding;          ///< at gain 1
+  nn::Embedding embedding;                          ///< at gain 1
+  std::unique_ptr<nn::EncoderAttention> attention;  ///< if it is recorded
   std::optional<c10::Event> ready;  ///< on a GPU: when the kernels that make it are through
   mutable std::mutex mutex;         ///< for gain
   std::array<double, 3> gain = {1, 1, 1};
@@ -121,7 +123,8 @@ SceneEmbedding SceneEmbedding::from_tensors(const Network& network, const nn::Po
   auto state = std::make_unique<State>(network, options.memory);
   state->scene_points = set.position.size(0);
   state->memory.check_encoding(network.config(), state->scene_points);
-  state->embedding = network.model()->encode(set, 0, frame);
+  if (options.record_attention) state->attention = std::make_unique<nn::EncoderAttention>();
+  state->embedding = network.model()->encode(set, 0, frame, state->attention.get());
   state->mark_ready();
   return SceneEmbedding(std::move(state));
 }
@@ -171,6 +174,8 @@ nn::Embedding SceneEmbedding::snapshot() const {
   embedding.emission_scale = embedding.emission_scale * at::tensor({r, g, b}, at::kDouble);
   return embedding;
 }
+
+const nn::EncoderAttention* SceneEmbedding::attention() const { return state_->attention.get(); }
 
 nn::Embedding SceneEmbedding::parts() const {
   nn::Embedding embedding = state_->embedding;

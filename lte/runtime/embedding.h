@@ -21,6 +21,7 @@ class Tensor;
 namespace lte::nn {
 struct DecodeOptions;
 struct Embedding;
+struct EncoderAttention;
 }  // namespace lte::nn
 
 namespace lte::runtime {
@@ -35,6 +36,9 @@ struct EncodeOptions {
   std::optional<Vec3> origin = {};
   /// Encoding refuses what would not fit, and decoding takes no more queries at a time than do.
   MemoryLimit memory = {};
+  /// Keeps what the encoder's blocks attend to, for SceneAttention (attention.h). The embedding is
+  /// the same to the last bit; making it takes longer, and it holds more memory.
+  bool record_attention = false;
 };
 
 struct EmbeddingInfo {
@@ -80,6 +84,9 @@ class SceneEmbedding {
   /// put on this thread's stream, which waits for those of the encoder by itself.
   /// @throws c10::Error for bad values.
   at::Tensor decode_tensors(const nn::QuerySet& queries, const nn::DecodeOptions& options) const;
+
+  /// What EncodeOptions::record_attention keeps; null without it, and for an embedding from a file.
+  const nn::EncoderAttention* attention() const;
 
   /// The parts, for embedding_file.h: at gain 1, ready on the current stream.
   nn::Embedding parts() const;

@@ -131,7 +131,7 @@ TEST(PatchAttention, EntropyIsThatOfTheSoftmaxOverLogN) {
   const at::Tensor x = torch::randn({n, C});
   auto p = attention->named_parameters();
   const auto entropy = [&](const PatchMap& map) {
-    return attention->entropy(x, one_scene(n, map), 0, K);
+    return attention->record(x, one_scene(n, map), 0, K).entropy();
   };
   p["qkv.weight"].zero_();
   EXPECT_NEAR(entropy({}), 1, 1e-6) << "every point alike";
