@@ -77,6 +77,7 @@ void check(const ModelConfig& c) {
   check_at_least("query_layers", c.query_layers, 1);
   check_at_least("gamma_hidden", c.gamma_hidden, 1);
   check_at_least("ffn_ratio", c.ffn_ratio, 1);
+  check_at_least("radiance_lobes", c.radiance_lobes, 0);
   const size_t stages = c.encoder_depths.size();
   LTE_CHECK(stages >= 1 && stages <= 12, "model.encoder_depths must have 1 to 12 entries, got ",
             stages);
@@ -128,6 +129,8 @@ void for_each_field(Configuration& config, const Visit& visit) {
   visit("light_input", config.light_input);
   visit("light_sides", config.light_sides);
   visit("light_variance", config.light_variance);
+  visit("gloss", config.gloss);
+  visit("radiance_lobes", config.radiance_lobes);
   visit("target", config.target);
   visit("scale", config.scale);
   visit("output_mean", config.output_mean);

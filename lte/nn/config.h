@@ -15,6 +15,8 @@ namespace lte::nn {
 inline constexpr int64_t kLightFeatures = 12;
 /// The columns of those and of what `light_variance` adds.
 inline constexpr int64_t kMostLightFeatures = kLightFeatures + 1;
+/// Columns of what F reads of the gloss of a scene point, its last ones.
+inline constexpr int64_t kGlossColumns = 2;
 
 /// How scene points enter the encoder: a submanifold convolution of 5³ or 3³ cells, or a layer that
 /// looks at each point alone.
@@ -107,6 +109,11 @@ struct ModelConfig {
   /// Scene points and queries are told the standard error of the traced estimates
   /// (PointSet::indirect_error).
   bool light_variance = false;
+  /// Scene points tell how metallic and how rough they are (PointSet::gloss).
+  bool gloss = false;
+  /// Functions of direction that the radiance decoder makes for each point
+  /// (lte/nn/radiance_decoder.h); 0: the model has no such decoder.
+  int64_t radiance_lobes = 0;
   Target target = Target::Indirect;
   double scale = 16.0;  ///< s, metres: network space is (p − b_min)/s
   /// Training mean of the normalized target. It sets the output bias at initialization.
@@ -124,6 +131,7 @@ struct ModelConfig {
   bool parts_sides() const { return light_sides == LightSides::Apart; }
   /// Edge in cells of the stem's convolution; 0 for a linear stem.
   int64_t stem_kernel() const { return stem == Stem::Conv5 ? 5 : stem == Stem::Conv3 ? 3 : 0; }
+  bool predicts_radiance() const { return radiance_lobes > 0; }
   bool predicts_total() const { return target == Target::Total; }
   /// Columns that γ reads.
   int64_t pair_inputs() const { return reads_normals() ? ops::kNormalInputs : ops::kOffsetInputs; }
@@ -133,7 +141,8 @@ struct ModelConfig {
   }
   int64_t point_inputs() const {
     const int64_t kinds = (reads_direct() ? 1 : 0) + (reads_indirect() ? 1 : 0);
-    return 12 + 3 * kinds * light_columns() + (light_variance ? light_columns() : 0);
+    return 12 + 3 * kinds * light_columns() + (light_variance ? light_columns() : 0) +
+           (gloss ? kGlossColumns : 0);
   }
   /// Sides that light is told of by themselves.
   int64_t light_columns() const { return parts_sides() ? 2 : 1; }

@@ -110,6 +110,7 @@ ParameterCounts count_parameters(const LightTransportModel& model) {
     if (module.starts_with("nne.")) counts.nne += n;
     if (module.starts_with("encoder.")) counts.encoder += n;
     if (module.starts_with("decoder.")) counts.decoder += n;
+    if (module.starts_with("radiance.")) counts.radiance += n;
   }
   return counts;
 }
@@ -150,15 +151,34 @@ double encode_flops(const ModelConfig& config, const EncoderPlan& plan, int64_t 
   return 2 * products;
 }
 
-double decode_flops(const ModelConfig& config, int64_t m) {
+namespace {
+
+/// Multiply-adds of a query decoder's features or answers.
+double query_products(const ModelConfig& config, int64_t m, int64_t answers) {
   const double D = real(config.channels), L = real(config.query_layers),
                h = real(config.gamma_hidden), ratio = real(config.ffn_ratio),
                near = real(std::min(config.query_neighbours, m));
-  const double point = real(config.query_inputs()) * D + D * D, head = D * D + 3 * D;
+  const double point = real(config.query_inputs()) * D + D * D, head = D * D + real(answers) * D;
   const double gamma = near * (real(config.pair_inputs()) * h + h * D), sums = 2 * near * L * D;
   const double weights = config.normalizes_attention() ? near * 2 * D * D : 0;
   const double layers = L * ((2 + 2 * ratio) * D * D + weights);
-  return 2 * (point + gamma + sums + layers + head);
+  return point + gamma + sums + layers + head;
+}
+
+}  // namespace
+
+double decode_flops(const ModelConfig& config, int64_t m) {
+  return 2 * query_products(config, m, 3);
+}
+
+double radiance_flops(const ModelConfig& config, int64_t m) {
+  const double lobes = 5 * real(config.radiance_lobes * config.channels);
+  return 2 * (query_products(config, m, config.channels) + lobes);
+}
+
+double direction_flops(const ModelConfig& config) {
+  const double K = real(config.radiance_lobes);
+  return 2 * (3 * K + K * K + 3 * K);
 }
 
 double encode_mb(const ModelConfig& config, int64_t M) {

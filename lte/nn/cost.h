@@ -18,9 +18,10 @@ class LightTransportModel;  // lte/nn/model.h
 
 // Parameters
 
-/// Numbers of parameters: in all, and those of F and both G, of PTV3, and of the query decoder.
+/// Numbers of parameters: in all, and those of F and both G, of PTV3, of the query decoder, and of
+/// the radiance decoder.
 struct ParameterCounts {
-  int64_t total = 0, nne = 0, encoder = 0, decoder = 0;
+  int64_t total = 0, nne = 0, encoder = 0, decoder = 0, radiance = 0;
 };
 
 ParameterCounts count_parameters(const LightTransportModel& model);
@@ -48,6 +49,10 @@ double encode_flops(const ModelConfig& config, const EncoderPlan& plan, int64_t 
 /// One query against m latents, in the factored form (docs/model.md, "Identities"), which is the
 /// least known to do. The sums count two multiply-adds a neighbour, layer and channel.
 double decode_flops(const ModelConfig& config, int64_t m);
+
+/// The features and lobes of one point in the radiance decoder, and one direction from it.
+double radiance_flops(const ModelConfig& config, int64_t m);
+double direction_flops(const ModelConfig& config);
 
 // Memory of inference: the peak above the weights in MiB, as measured (docs/benchmarks.md), with a
 // tenth to spare.

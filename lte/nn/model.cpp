@@ -6,17 +6,10 @@
 #include "lte/nn/attention_record.h"
 #include "lte/nn/constants.h"
 #include "lte/nn/cost.h"
-#include "lte/nn/nearest_neighbour_embedding.h"
-#include "lte/nn/point_transformer.h"
-#include "lte/nn/query_decoder.h"
-#include "lte/ops/query_decoder.h"
+#include "lte/nn/model_parts.h"
 
 namespace lte::nn {
 namespace {
-
-/// Queries decoded at a time. By the fused operator their neighbours are all that is kept, 50 MB;
-/// else the intermediates are some 60 MB at D = 128 and stay in the outer caches' reach.
-constexpr int64_t kTableBlock = int64_t{1} << 17, kQueryBlock = 4096;
 
 /// log(1 + light/a) by channel: emission over its mean spans four decades, from dim panels to bare
 /// bulbs, and direct irradiance as many.
@@ -25,78 +18,17 @@ at::Tensor compressed(const at::Tensor& light, const at::Tensor& emission_scale)
   return at::log1p(light.to(at::kDouble).div(at::where(a > 0, a, 1))).to(light.scalar_type());
 }
 
-at::Tensor surface_attributes(const at::Tensor& position, const at::Tensor& normal,
-                              const at::Tensor& albedo) {
-  const at::Tensor p = position.clamp(-kPositionLimit, kPositionLimit).mul(kPositionGain);
-  return at::cat({p, normal, albedo}, 1);
+/// What F reads of gloss: how metallic a point is, and of that how smooth, so that what is no metal
+/// reads the same however rough it is said to be.
+at::Tensor gloss_columns(const PointSet& points) {
+  if (!points.gloss.defined())
+    return at::zeros({points.position.size(0), 2}, points.position.options());
+  const at::Tensor metallic = points.gloss.narrow(1, 0, 1),
+                   roughness = points.gloss.narrow(1, 1, 1);
+  return at::cat({metallic, metallic * (1 - roughness)}, 1);
 }
 
 }  // namespace
-
-struct LightTransportModelImpl::Parts {
-  NearestNeighbourEmbedding nne{nullptr};
-  PointTransformer encoder{nullptr};
-  QueryDecoder decoder{nullptr};
-
-  /// What the decoder reads of queries of one scene, and the light that its answer is a factor on,
-  /// if it is one.
-  struct Asked {
-    at::Tensor attributes, light;
-    SceneQueries queries;
-  };
-  static Asked ask(const Embedding& embedding, const QuerySet& queries) {
-    Asked asked;
-    const at::Tensor position = (queries.position - embedding.origin).div(embedding.scale);
-    asked.attributes = surface_attributes(position, queries.normal, queries.albedo);
-    asked.queries = {
-        {position, queries.normal}, {embedding.position, embedding.normal}, embedding.spacing};
-    if (embedding.cache.defined()) {
-      const LightReading reading = embedding.cache.read(position, queries.normal);
-      asked.attributes = at::cat({asked.attributes, reading.features}, 1);
-      asked.light = reading.irradiance;
-    }
-    return asked;
-  }
-
-  /// [Q, 3] over the emission scale, from the embedding's table.
-  at::Tensor decode(const Embedding& embedding, const QuerySet& queries) {
-    const Asked asked = ask(embedding, queries);
-    const at::Tensor answer =
-        decoder->infer(asked.attributes, asked.queries.query, asked.queries.anchor,
-                       embedding.spacing, embedding.table);
-    return asked.light.defined() ? asked.light * answer : answer;
-  }
-
-  /// The same, differentiable, for each of some scenes, the decoder run once for the queries of all
-  /// of them.
-  std::vector<at::Tensor> decode(const std::vector<Embedding>& scenes,
-                                 const std::vector<QuerySet>& queries,
-                                 const LatentTables& latents) {
-    std::vector<at::Tensor> attributes, light;
-    std::vector<SceneQueries> asked_for;
-    std::vector<int64_t> counts;
-    for (size_t i = 0; i < queries.size(); ++i) {
-      const Asked asked = ask(scenes[i], queries[i]);
-      attributes.push_back(asked.attributes);
-      asked_for.push_back(asked.queries);
-      if (asked.light.defined()) light.push_back(asked.light);
-      counts.push_back(queries[i].position.size(0));
-    }
-    at::Tensor answer = decoder->forward(at::cat(attributes), asked_for, latents);
-    if (!light.empty()) answer = answer * at::cat(light);
-    return answer.split_with_sizes(counts);
-  }
-
-  /// decode() from the table, the queries taken in an order in which neighbours share latents.
-  at::Tensor decode_ordered(const Embedding& embedding, const QuerySet& queries) {
-    const at::Tensor order = ops::spatial_order(queries.position.contiguous());
-    const QuerySet ordered = {queries.position.index_select(0, order),
-                              queries.normal.index_select(0, order),
-                              queries.albedo.index_select(0, order)};
-    const at::Tensor answer = decode(embedding, ordered);
-    return at::empty_like(answer).index_copy_(0, order, answer);
-  }
-};
 
 LightTransportModelImpl::LightTransportModelImpl(const ModelConfig& config)
     : config_(config), parts_(std::make_shared<Parts>()) {
@@ -104,6 +36,14 @@ LightTransportModelImpl::LightTransportModelImpl(const ModelConfig& config)
       register_module("nne", NearestNeighbourEmbedding(config.point_inputs(), config.channels));
   parts_->encoder = register_module("encoder", PointTransformer(config));
   parts_->decoder = register_module("decoder", QueryDecoder(latent_width(config), config));
+  if (config.predicts_radiance())
+    parts_->radiance = register_module("radiance", RadianceDecoder(latent_width(config), config));
+}
+
+void LightTransportModelImpl::make_tables(Embedding* embedding) {
+  embedding->table = parts_->decoder->table(embedding->features);
+  if (config_.predicts_radiance())
+    embedding->radiance_table = parts_->radiance->query()->table(embedding->features);
 }
 
 /// What F reads of the light on scene points, and the cache of it.
@@ -155,6 +95,7 @@ Embedding LightTransportModelImpl::place(const PointSet& points, const Frame& fr
   std::vector<at::Tensor> columns = {surface_attributes(*position, points.normal, points.albedo),
                                      compressed(points.emission, embedding.emission_scale)};
   add_light(points, *position, &columns, &embedding);
+  if (config_.gloss) columns.push_back(gloss_columns(points));
   *attributes = at::cat(columns, 1);
   return embedding;
 }
@@ -204,7 +145,7 @@ Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order
     attention->normal = points.normal.index_select(0, attention->scene_point);
   }
   if (!at::GradMode::is_enabled() && embedding.features.scalar_type() == at::kFloat) {
-    embedding.table = parts_->decoder->table(embedding.features);
+    make_tables(&embedding);
   }
   return embedding;
 }
@@ -285,17 +226,13 @@ at::Tensor LightTransportModelImpl::decode(const Embedding& embedding, const Que
   const int64_t size = options.block > 0 ? std::min(options.block, fast) : fast;
   for (int64_t begin = 0; begin < Q; begin += size) {
     const int64_t count = std::min(size, Q - begin);
-    const QuerySet block = {queries.position.narrow(0, begin, count),
-                            queries.normal.narrow(0, begin, count),
-                            queries.albedo.narrow(0, begin, count)};
+    const QuerySet block = block_of(queries, begin, count);
     out.narrow(0, begin, count)
         .copy_(ordered                     ? parts_->decode_ordered(embedding, block)
                : embedding.table.defined() ? parts_->decode(embedding, block)
                                            : parts_->decode({embedding}, {block}, latents)[0]);
   }
-  for (int64_t c = 0; c < 3; ++c) {  // by number: a tensor's way to a GPU would be waited for
-    out.select(1, c).mul_(embedding.emission_scale[c].item<double>());
-  }
+  scale_channels(embedding.emission_scale, 1, &out);
   return out;
 }
 

@@ -35,7 +35,8 @@ struct Embedding {
   at::Tensor emission_scale;
   /// ops::neighbour_table() of all layers, which encode() makes outside training; else undefined.
   at::Tensor table;
-  LightCache cache;  ///< of models whose `light_input` is traced
+  at::Tensor radiance_table;  ///< the same of the radiance decoder, of models that have one
+  LightCache cache;           ///< of models whose `light_input` is traced
 };
 
 /// Several scenes that were embedded in one pass.
@@ -59,7 +60,8 @@ struct DecodeOptions {
   int64_t block = 0;  ///< queries at a time, at most; 0 for a size that runs fast
 };
 
-/// Parameters: `nne.*`, `encoder.*`, `decoder.*` (names in model files; do not rename).
+/// Parameters: `nne.*`, `encoder.*`, `decoder.*`, and, of models with a radiance decoder,
+/// `radiance.*` (names in model files; do not rename).
 class LightTransportModelImpl : public torch::nn::Module {
  public:
   explicit LightTransportModelImpl(const ModelConfig& config);
@@ -105,9 +107,32 @@ class LightTransportModelImpl : public torch::nn::Module {
   at::Tensor decode(const Embedding& embedding, const QuerySet& queries,
                     const DecodeOptions& options = {});
 
+  /// Incident radiance L by direction as the loss sees it: π L over the emission scale. That is the
+  /// irradiance of a sky which is L everywhere, so it is of the order of decode_normalized()'s.
+  /// Differentiable.
+  ///
+  /// @param directions  of each scene [Q, N, 3] world, unit, away from the surface
+  /// @return  of each scene [Q, N, 3], non-negative
+  /// @throws c10::Error as check_directions(), or if the model has no radiance decoder
+  std::vector<at::Tensor> decode_radiance_normalized(const SceneBatch& batch,
+                                                     const std::vector<QuerySet>& queries,
+                                                     const std::vector<at::Tensor>& directions);
+
+  /// Incident radiance in W sr^-1 m^-2, [Q, N, 3]: of light that bounced at least once, unless the
+  /// model predicts the total. Works through queries in blocks.
+  /// @param directions  [Q, N, 3] world, unit, away from the surface
+  /// @throws c10::Error as decode_radiance_normalized()
+  at::Tensor decode_radiance(const Embedding& embedding, const QuerySet& queries,
+                             const at::Tensor& directions, const DecodeOptions& options = {});
+
+  /// Makes the tables that decode() and decode_radiance() read, of features in float32.
+  void make_tables(Embedding* embedding);
+
   const ModelConfig& config() const { return config_; }
 
  private:
+  at::Tensor radiance_of_block(const Embedding& embedding, const QuerySet& queries,
+                               const at::Tensor& directions);
   Embedding place(const PointSet& points, const Frame& frame, at::Tensor* position,
                   at::Tensor* attributes) const;
   void add_light(const PointSet& points, const at::Tensor& position,

@@ -61,19 +61,22 @@ void check_back(const at::Tensor& back, const at::Tensor& both, const PointSet& 
               " is more than that of both sides");
 }
 
-void check_error(const PointSet& points) {
-  const at::Tensor& error = points.indirect_error;
-  TORCH_CHECK(error.defined(),
-              "scene points: standard error of indirect irradiance is missing, which this model "
-              "reads");
+/// @throws c10::Error unless `shares` is [M, 2] in [0, 1]. Names the first row that is not.
+void check_shares(const at::Tensor& shares, const PointSet& points, const char* name) {
   const int64_t rows = points.position.size(0);
-  TORCH_CHECK(error.dim() == 2 && error.size(0) == rows && error.size(1) == 2,
-              "scene points: standard error of indirect irradiance must be [", rows, ", 2], got ",
-              error.sizes());
-  const at::Tensor bad = ((error >= 0).logical_and(error <= 1)).logical_not().any(1);
+  TORCH_CHECK(shares.dim() == 2 && shares.size(0) == rows && shares.size(1) == 2,
+              "scene points: ", name, " must be [", rows, ", 2], got ", shares.sizes());
+  const at::Tensor bad = ((shares >= 0).logical_and(shares <= 1)).logical_not().any(1);
   if (!bad.any().item<bool>()) return;
-  TORCH_CHECK(false, "scene points: standard error of indirect irradiance of row ",
-              bad.nonzero()[0][0].item<int64_t>(), " is outside [0, 1]");
+  TORCH_CHECK(false, "scene points: ", name, " of row ", bad.nonzero()[0][0].item<int64_t>(),
+              " is outside [0, 1]");
+}
+
+void check_error(const PointSet& points) {
+  constexpr const char* kName = "standard error of indirect irradiance";
+  TORCH_CHECK(points.indirect_error.defined(), "scene points: ", kName,
+              " is missing, which this model reads");
+  check_shares(points.indirect_error, points, kName);
 }
 
 }  // namespace
@@ -90,6 +93,8 @@ void check_surfaces(const PointSet& points) {
 
 void check_points(const PointSet& points, const ModelConfig& config) {
   check_surfaces(points);
+  if (config.gloss && points.gloss.defined())
+    check_shares(points.gloss, points, "gloss (metallic, roughness)");
   if (config.reads_direct()) check_light(points.direct, points, "direct irradiance");
   if (config.reads_indirect()) check_light(points.indirect, points, "indirect irradiance");
   if (!config.parts_sides()) return;
@@ -101,6 +106,26 @@ void check_points(const PointSet& points, const ModelConfig& config) {
 
 void check_queries(const QuerySet& queries) {
   check_surface(queries.position, queries.normal, queries.albedo, "query points");
+}
+
+void check_directions(const QuerySet& queries, const at::Tensor& directions) {
+  constexpr double kTolerance = 1e-2;
+  const int64_t Q = queries.position.size(0);
+  TORCH_CHECK(directions.defined() && directions.dim() == 3 && directions.size(0) == Q &&
+                  directions.size(2) == 3,
+              "directions: must be [", Q, ", N, 3], got ",
+              directions.defined() ? c10::str(directions.sizes()) : std::string("nothing"));
+  const auto refuse = [](const at::Tensor& bad, const char* what) {
+    if (!bad.any().item<bool>()) return;
+    const at::Tensor first = bad.nonzero()[0];
+    TORCH_CHECK(false, "directions: direction ", first[1].item<int64_t>(), " of query ",
+                first[0].item<int64_t>(), " ", what);
+  };
+  const at::Tensor length = directions.square().sum(2).sqrt();
+  // Written so that what is not finite is refused too.
+  refuse(((length - 1).abs() <= kTolerance).logical_not(), "is not a unit vector");
+  const at::Tensor cosine = (directions * queries.normal.unsqueeze(1)).sum(2);
+  refuse((cosine >= -kTolerance).logical_not(), "points into the surface");
 }
 
 at::Tensor emission_scale(const PointSet& points) {

@@ -27,11 +27,14 @@ struct PointSet {
   /// [M, 2] standard error of indirect irradiance on the front and on the back over its value, of
   /// the mean over the channels, in [0, 1]; of models with `light_variance`.
   at::Tensor indirect_error;
+  /// [M, 2] how metallic and how rough, in [0, 1]; read by models with `gloss`. Undefined: nothing
+  /// is metal.
+  at::Tensor gloss;
 
   /// All fields, of which some may be undefined.
   std::vector<at::Tensor*> tensors() {
-    return {&position, &normal,   &albedo,      &emission,      &area,
-            &direct,   &indirect, &direct_back, &indirect_back, &indirect_error};
+    return {&position, &normal,      &albedo,        &emission,       &area, &direct,
+            &indirect, &direct_back, &indirect_back, &indirect_error, &gloss};
   }
 };
 
@@ -48,6 +51,10 @@ void check_points(const PointSet& points, const ModelConfig& config);
 /// The same of all but the light on them.
 void check_surfaces(const PointSet& points);
 void check_queries(const QuerySet& queries);
+/// @param directions  [Q, N, 3], N of each query
+/// @throws c10::Error naming the first query and direction that is not unit, or points into the
+///         surface
+void check_directions(const QuerySet& queries, const at::Tensor& directions);
 
 /// Area-weighted mean emission by color channel, [3] float64 on the CPU; 0 for a channel without
 /// emission. The network reads emission divided by it, and answers irradiance divided by it: no

@@ -62,7 +62,13 @@ ops::LayerWeights QueryLayerImpl::weights() const {
           ffn_->weights()};
 }
 
-QueryDecoderImpl::QueryDecoderImpl(int64_t latent, const ModelConfig& config)
+double softplus_inverse(double value) {
+  return value + std::log(-std::expm1(-value));  // the form that does not overflow
+}
+
+double first_gain(const ModelConfig& config) { return config.reads_indirect() ? 0.01 : 0.1; }
+
+QueryDecoderImpl::QueryDecoderImpl(int64_t latent, const ModelConfig& config, int64_t features)
     : neighbours_(config.query_neighbours),
       dropout_(config.dropout),
       normalizes_(config.normalizes_attention()),
@@ -74,10 +80,13 @@ QueryDecoderImpl::QueryDecoderImpl(int64_t latent, const ModelConfig& config)
     layers_.push_back(register_module("layer" + std::to_string(i), QueryLayer(latent, config)));
   }
   norm_ = register_module("norm", layer_norm(D));
-  head_ = register_module("head", Mlp(D, D, 3, 0, config.reads_indirect() ? 0.01 : 0.1));
+  if (features > 0) {
+    head_ = register_module("head", Mlp(D, D, features));
+    return;
+  }
+  head_ = register_module("head", Mlp(D, D, 3, 0, first_gain(config)));
   const at::NoGradGuard no_grad;
-  const double mean = config.output_mean;  // softplus^-1, in the form that does not overflow
-  head_->output()->bias.fill_(mean + std::log(-std::expm1(-mean)));
+  head_->output()->bias.fill_(softplus_inverse(config.output_mean));
 }
 
 std::tuple<at::Tensor, at::Tensor> QueryDecoderImpl::keys_and_values(const at::Tensor& latent) {

@@ -78,12 +78,20 @@ struct LatentTables {
   bool fused() const { return !values.defined(); }
 };
 
+/// The number whose softplus is `value` > 0: the bias of an output that starts there.
+double softplus_inverse(double value);
+
+/// The standard deviation that a head's answers start with before their softplus.
+double first_gain(const ModelConfig& config);
+
 /// Parameters: `point.*` (H, inputs -> D -> D), `gamma.*` (γ, 3 or 6 -> h -> D, shared by layers),
-/// `layerI.*`, `norm.*`, `head.*` (D -> D -> 3).
+/// `layerI.*`, `norm.*`, `head.*` (D -> D -> 3, or as many as there are features).
 class QueryDecoderImpl : public torch::nn::Module {
  public:
-  /// @param latent  width of the latents
-  QueryDecoderImpl(int64_t latent, const ModelConfig& config);
+  /// @param latent    width of the latents
+  /// @param features  0: it answers irradiance, [Q, 3]; else so many features of a query, which
+  ///                  another module reads
+  QueryDecoderImpl(int64_t latent, const ModelConfig& config, int64_t features = 0);
 
   /// Keys and values of all layers, each [L, m, D].
   std::tuple<at::Tensor, at::Tensor> keys_and_values(const at::Tensor& latent);
@@ -106,7 +114,7 @@ class QueryDecoderImpl : public torch::nn::Module {
 
   /// @param attributes  [Q, ModelConfig::query_inputs()]: position (network space), normal, albedo,
   ///                    and of `traced` models what the light cache says
-  /// @return  [Q, 3], non-negative, differentiable
+  /// @return  [Q, 3] or [Q, features], non-negative, differentiable
   at::Tensor forward(const at::Tensor& attributes, const Neighbourhood& near,
                      const at::Tensor& keys, const at::Tensor& values);
 

@@ -59,7 +59,9 @@ TEST(ModelConfig, LightIsAsManyColumnsAsItIsTold) {
            {"light_input: traced", 18, 21},
            {"{light_input: direct, light_sides: apart}", 18, 9},
            {"{light_input: traced, light_sides: apart}", 24, 21},
-           {"{light_input: traced, light_sides: apart, light_variance: true}", 26, 22}}) {
+           {"{light_input: traced, light_sides: apart, light_variance: true}", 26, 22},
+           {"gloss: true", 14, 9},
+           {"{light_input: traced, light_sides: apart, gloss: true}", 26, 21}}) {
     const ModelConfig config = parse(yaml);
     EXPECT_EQ(config.point_inputs(), point) << yaml;
     EXPECT_EQ(config.query_inputs(), query) << yaml;
@@ -77,6 +79,7 @@ TEST(ModelConfig, ErrorsNameTheKey) {
            {"gamma_hidden: 0", "gamma_hidden"},
            {"query_attention: mean", "query_attention"},
            {"ffn_ratio: 0", "ffn_ratio"},
+           {"radiance_lobes: -1", "radiance_lobes"},
            {"encoder_depths: []", "encoder_depths"},
            {"encoder_depths: [1, -1, 1, 1, 1]", "encoder_depths"},
            {"encoder_widths: [1, 2]", "encoder_widths"},

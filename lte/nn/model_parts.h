@@ -1,0 +1,122 @@
+// The modules of the network and how queries are put to its decoders: what model.cpp and
+// model_radiance.cpp share.
+#pragma once
+
+#include <vector>
+
+#include <ATen/ATen.h>
+
+#include "lte/nn/constants.h"
+#include "lte/nn/model.h"
+#include "lte/nn/nearest_neighbour_embedding.h"
+#include "lte/nn/point_transformer.h"
+#include "lte/nn/query_decoder.h"
+#include "lte/nn/radiance_decoder.h"
+#include "lte/ops/query_decoder.h"
+
+namespace lte::nn {
+
+/// Queries decoded at a time. By the fused operator their neighbours are all that is kept, 50 MB;
+/// else the intermediates are some 60 MB at D = 128 and stay in the outer caches' reach.
+inline constexpr int64_t kTableBlock = int64_t{1} << 17, kQueryBlock = 4096;
+
+inline at::Tensor surface_attributes(const at::Tensor& position, const at::Tensor& normal,
+                                     const at::Tensor& albedo) {
+  const at::Tensor p = position.clamp(-kPositionLimit, kPositionLimit).mul(kPositionGain);
+  return at::cat({p, normal, albedo}, 1);
+}
+
+inline QuerySet rows_of(const QuerySet& queries, const at::Tensor& rows) {
+  return {queries.position.index_select(0, rows), queries.normal.index_select(0, rows),
+          queries.albedo.index_select(0, rows)};
+}
+
+inline QuerySet block_of(const QuerySet& queries, int64_t begin, int64_t count) {
+  return {queries.position.narrow(0, begin, count), queries.normal.narrow(0, begin, count),
+          queries.albedo.narrow(0, begin, count)};
+}
+
+/// Multiplies the channels, which are the last axis, by the scene's scales and by `factor`. By
+/// number: a tensor's way to a GPU would be waited for.
+inline void scale_channels(const at::Tensor& emission_scale, double factor, at::Tensor* out) {
+  for (int64_t c = 0; c < 3; ++c)
+    out->select(-1, c).mul_(emission_scale[c].item<double>() * factor);
+}
+
+struct LightTransportModelImpl::Parts {
+  NearestNeighbourEmbedding nne{nullptr};
+  PointTransformer encoder{nullptr};
+  QueryDecoder decoder{nullptr};
+  RadianceDecoder radiance{nullptr};  ///< null where the model has none
+
+  /// What the decoder reads of queries of one scene, and the light that its answer is a factor on,
+  /// if it is one.
+  struct Asked {
+    at::Tensor attributes, light;
+    SceneQueries queries;
+  };
+  static Asked ask(const Embedding& embedding, const QuerySet& queries) {
+    Asked asked;
+    const at::Tensor position = (queries.position - embedding.origin).div(embedding.scale);
+    asked.attributes = surface_attributes(position, queries.normal, queries.albedo);
+    asked.queries = {
+        {position, queries.normal}, {embedding.position, embedding.normal}, embedding.spacing};
+    if (embedding.cache.defined()) {
+      const LightReading reading = embedding.cache.read(position, queries.normal);
+      asked.attributes = at::cat({asked.attributes, reading.features}, 1);
+      asked.light = reading.irradiance;
+    }
+    return asked;
+  }
+
+  /// [Q, 3] over the emission scale, from the embedding's table.
+  at::Tensor decode(const Embedding& embedding, const QuerySet& queries) {
+    const Asked asked = ask(embedding, queries);
+    const at::Tensor answer =
+        decoder->infer(asked.attributes, asked.queries.query, asked.queries.anchor,
+                       embedding.spacing, embedding.table);
+    return asked.light.defined() ? asked.light * answer : answer;
+  }
+
+  /// What a decoder reads of the queries of several scenes, one after the other.
+  struct AskedOfAll {
+    at::Tensor attributes;
+    std::vector<at::Tensor> light;  ///< of each scene; empty where answers are no factors
+    std::vector<SceneQueries> queries;
+    std::vector<int64_t> counts;
+  };
+  static AskedOfAll ask(const std::vector<Embedding>& scenes,
+                        const std::vector<QuerySet>& queries) {
+    AskedOfAll all;
+    std::vector<at::Tensor> attributes;
+    for (size_t i = 0; i < queries.size(); ++i) {
+      const Asked asked = ask(scenes[i], queries[i]);
+      attributes.push_back(asked.attributes);
+      all.queries.push_back(asked.queries);
+      if (asked.light.defined()) all.light.push_back(asked.light);
+      all.counts.push_back(queries[i].position.size(0));
+    }
+    all.attributes = at::cat(attributes);
+    return all;
+  }
+
+  /// decode(), differentiable, for each of some scenes, the decoder run once for the queries of all
+  /// of them.
+  std::vector<at::Tensor> decode(const std::vector<Embedding>& scenes,
+                                 const std::vector<QuerySet>& queries,
+                                 const LatentTables& latents) {
+    const AskedOfAll asked = ask(scenes, queries);
+    at::Tensor answer = decoder->forward(asked.attributes, asked.queries, latents);
+    if (!asked.light.empty()) answer = answer * at::cat(asked.light);
+    return answer.split_with_sizes(asked.counts);
+  }
+
+  /// decode() from the table, the queries taken in an order in which neighbours share latents.
+  at::Tensor decode_ordered(const Embedding& embedding, const QuerySet& queries) {
+    const at::Tensor order = ops::spatial_order(queries.position.contiguous());
+    const at::Tensor answer = decode(embedding, rows_of(queries, order));
+    return at::empty_like(answer).index_copy_(0, order, answer);
+  }
+};
+
+}  // namespace lte::nn

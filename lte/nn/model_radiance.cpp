@@ -1,0 +1,93 @@
+#include <algorithm>
+#include <numbers>
+
+#include "lte/nn/model_parts.h"
+
+namespace lte::nn {
+namespace {
+
+/// Directions that are decoded at a time: their lobes are 32 MB at 64 a point.
+constexpr int64_t kDirectionBlock = int64_t{1} << 17;
+
+void check_radiance(const ModelConfig& config) {
+  TORCH_CHECK(config.predicts_radiance(),
+              "radiance: the model has no radiance decoder (its model.radiance_lobes is 0)");
+}
+
+}  // namespace
+
+std::vector<at::Tensor> LightTransportModelImpl::decode_radiance_normalized(
+    const SceneBatch& batch, const std::vector<QuerySet>& queries,
+    const std::vector<at::Tensor>& directions) {
+  check_radiance(config_);
+  TORCH_CHECK(queries.size() == batch.scenes.size() && directions.size() == queries.size(),
+              "radiance: queries of ", queries.size(), " scenes and directions of ",
+              directions.size(), " for ", batch.scenes.size());
+  for (size_t i = 0; i < queries.size(); ++i) {
+    check_queries(queries[i]);
+    check_directions(queries[i], directions[i]);
+  }
+  const Parts::AskedOfAll asked = Parts::ask(batch.scenes, queries);
+  QueryDecoder& query = parts_->radiance->query();
+  const std::vector<at::Tensor> features =
+      query->forward(asked.attributes, asked.queries, query->latent_tables(batch.features))
+          .split_with_sizes(asked.counts);
+  std::vector<at::Tensor> answers;
+  for (size_t i = 0; i < queries.size(); ++i) {
+    const at::Tensor answer = parts_->radiance->radiance(features[i], directions[i]);
+    answers.push_back(asked.light.empty() ? answer : asked.light[i].unsqueeze(1) * answer);
+  }
+  return answers;
+}
+
+/// What decode_radiance_normalized() says of one scene, without gradients.
+at::Tensor LightTransportModelImpl::radiance_of_block(const Embedding& embedding,
+                                                      const QuerySet& queries,
+                                                      const at::Tensor& directions) {
+  if (!embedding.radiance_table.defined() || is_training())
+    return decode_radiance_normalized({{embedding}, embedding.features}, {queries},
+                                      {directions})[0];
+  const bool ordered = queries.position.device().is_cpu();
+  const at::Tensor order =
+      ordered ? ops::spatial_order(queries.position.contiguous()) : at::Tensor();
+  const Parts::Asked asked = Parts::ask(embedding, ordered ? rows_of(queries, order) : queries);
+  at::Tensor features =
+      parts_->radiance->query()->infer(asked.attributes, asked.queries.query, asked.queries.anchor,
+                                       embedding.spacing, embedding.radiance_table);
+  if (!ordered) {
+    const at::Tensor answer = parts_->radiance->radiance(features, directions);
+    return asked.light.defined() ? asked.light.unsqueeze(1) * answer : answer;
+  }
+  const at::Tensor answer = parts_->radiance->radiance(features, directions.index_select(0, order));
+  return at::empty_like(answer).index_copy_(
+      0, order, asked.light.defined() ? asked.light.unsqueeze(1) * answer : answer);
+}
+
+at::Tensor LightTransportModelImpl::decode_radiance(const Embedding& embedding,
+                                                    const QuerySet& queries,
+                                                    const at::Tensor& directions,
+                                                    const DecodeOptions& options) {
+  check_radiance(config_);
+  TORCH_CHECK(options.block >= 0, "radiance: blocks of ", options.block, " queries");
+  const at::NoGradGuard no_grad;
+  if (options.check_values) {
+    check_queries(queries);
+    check_directions(queries, directions);
+  }
+  const int64_t Q = queries.position.size(0), N = directions.size(1);
+  at::Tensor out = at::zeros({Q, N, 3}, embedding.features.options());
+  // Light is linear: without emission there is none, whatever the network would say.
+  if (embedding.emission_scale.max().item<double>() == 0) return out;
+  const int64_t fast = std::max<int64_t>(1, kDirectionBlock / std::max<int64_t>(1, N));
+  const int64_t size = options.block > 0 ? std::min(options.block, fast) : fast;
+  for (int64_t begin = 0; begin < Q; begin += size) {
+    const int64_t count = std::min(size, Q - begin);
+    out.narrow(0, begin, count)
+        .copy_(radiance_of_block(embedding, block_of(queries, begin, count),
+                                 directions.narrow(0, begin, count)));
+  }
+  scale_channels(embedding.emission_scale, std::numbers::inv_pi, &out);
+  return out;
+}
+
+}  // namespace lte::nn

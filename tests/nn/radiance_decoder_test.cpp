@@ -1,0 +1,242 @@
+#include "lte/nn/radiance_decoder.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+#include <torch/nn/functional/normalization.h>
+
+#include "lte/base/safetensors.h"
+#include "lte/nn/cost.h"
+#include "lte/nn/model_file.h"
+#include "tests/nn/support.h"
+#include "tests/support/temp_dir.h"
+
+namespace lte::nn {
+namespace {
+
+ModelConfig radiance_config() {
+  ModelConfig config = test::tiny_geometric_config();
+  config.radiance_lobes = 6;
+  config.gloss = true;
+  return config;
+}
+
+/// N unit directions of each query, above its surface.
+at::Tensor directions_above(const QuerySet& queries, int64_t N, uint64_t seed) {
+  torch::manual_seed(seed);
+  const at::Tensor random = torch::randn({queries.position.size(0), N, 3}).to(queries.normal);
+  const at::Tensor unit = torch::nn::functional::normalize(
+      random, torch::nn::functional::NormalizeFuncOptions().dim(2));
+  const at::Tensor normal = queries.normal.unsqueeze(1);
+  const at::Tensor cosine = (unit * normal).sum(2, true);
+  return unit - 2 * cosine.clamp_max(0) * normal;
+}
+
+PointSet with_metal(PointSet points) {
+  torch::manual_seed(9);
+  points.gloss = torch::rand({points.position.size(0), 2});
+  return points;
+}
+
+struct Case {
+  LightTransportModel model{nullptr};
+  PointSet points = with_metal(test::box_scene(150, 1));
+  QuerySet queries = test::box_queries(40, 2);
+  at::Tensor directions = directions_above(queries, 7, 3);
+
+  explicit Case(ModelConfig config = radiance_config()) : model(config) {
+    test::randomize(*model, 4);
+    model->eval();
+  }
+  at::Tensor radiance() {
+    const at::NoGradGuard no_grad;
+    return model->decode_radiance(model->encode(points), queries, directions);
+  }
+};
+
+double gelu(double x) { return x * 0.5 * std::erfc(-x / std::sqrt(2.0)); }
+
+TEST(RadianceDecoder, IsTheLobesOfItsFeaturesDirectionByDirection) {
+  const ModelConfig config = radiance_config();
+  const int64_t D = config.channels, K = config.radiance_lobes, Q = 5, N = 3;
+  RadianceDecoder decoder(D, config);
+  test::randomize(*decoder, 11);
+  decoder->to(at::kDouble);
+  torch::manual_seed(1);
+  const at::Tensor features = torch::rand({Q, D}, at::kDouble);
+  const at::Tensor directions = torch::randn({Q, N, 3}, at::kDouble);
+  const at::NoGradGuard no_grad;
+  const at::Tensor got = decoder->radiance(features, directions);
+  const auto p = decoder->named_parameters();
+  const auto dense = [&](const std::string& name, const std::vector<double>& x) {
+    const at::Tensor weight = p[name + ".weight"], bias = p[name + ".bias"];
+    std::vector<double> y;
+    for (int64_t o = 0; o < weight.size(0); ++o) {
+      double sum = bias[o].item<double>();
+      for (size_t i = 0; i < x.size(); ++i)
+        sum += weight[o][static_cast<int64_t>(i)].item<double>() * x[i];
+      y.push_back(sum);
+    }
+    return y;
+  };
+  for (int64_t q = 0; q < Q; ++q) {
+    std::vector<double> f;
+    for (int64_t d = 0; d < D; ++d) f.push_back(features[q][d].item<double>());
+    const std::vector<double> own = dense("lobes", f);
+    for (int64_t n = 0; n < N; ++n) {
+      std::vector<double> lobes, mixed;
+      for (int64_t k = 0; k < K; ++k) {
+        double sum = own[static_cast<size_t>(3 * K + k)];
+        for (int64_t axis = 0; axis < 3; ++axis)
+          sum += own[static_cast<size_t>(3 * k + axis)] * directions[q][n][axis].item<double>();
+        lobes.push_back(gelu(sum));
+      }
+      const std::vector<double> mixtures = dense("mix", lobes);
+      for (int64_t k = 0; k < K; ++k)
+        mixed.push_back(
+            gelu(mixtures[static_cast<size_t>(k)] + own[static_cast<size_t>(4 * K + k)]));
+      const std::vector<double> color = dense("color", mixed);
+      for (int64_t c = 0; c < 3; ++c)
+        EXPECT_NEAR(got[q][n][c].item<double>(),
+                    std::log1p(std::exp(color[static_cast<size_t>(c)])), 1e-12);
+    }
+  }
+}
+
+TEST(RadianceDecoder, GradientsMatchFiniteDifferences) {
+  LightTransportModel model(radiance_config());
+  test::randomize(*model, 6);
+  model->to(at::kDouble);
+  model->eval();
+  const PointSet points = test::as_double(with_metal(test::box_scene(60, 1)));
+  const QuerySet queries = test::as_double(test::box_queries(6, 2));
+  const at::Tensor directions = directions_above(queries, 4, 3);
+  std::vector<at::Tensor> inputs;
+  for (const auto& item : model->named_parameters()) {
+    if (item.key().starts_with("radiance.")) inputs.push_back(item.value());
+  }
+  // The first layer sees gloss; through it all of the encoder is differentiated.
+  inputs.push_back(model->named_parameters()["nne.point.hidden.weight"]);
+  test::expect_gradients_match(
+      [&] {
+        const Embedding embedding = model->encode(points);
+        return model
+            ->decode_radiance_normalized({{embedding}, embedding.features}, {queries},
+                                         {directions})[0]
+            .square()
+            .sum();
+      },
+      inputs, 1e-5);
+}
+
+TEST(RadianceDecoder, InferenceAgreesWithTrainingInBlocksOfAnySize) {
+  Case c;
+  const Embedding embedding = c.model->encode(c.points);
+  ASSERT_FALSE(embedding.table.defined()) << "with gradients there are no tables";
+  const at::Tensor trained = c.model
+                                 ->decode_radiance_normalized({{embedding}, embedding.features},
+                                                              {c.queries}, {c.directions})[0]
+                                 .detach() *
+                             (embedding.emission_scale / std::numbers::pi).to(at::kFloat);
+  EXPECT_LT(test::relative_difference(c.radiance(), trained), 1e-5);
+  const at::NoGradGuard no_grad;
+  const at::Tensor blocks =
+      c.model->decode_radiance(c.model->encode(c.points), c.queries, c.directions, {.block = 7});
+  EXPECT_LT(test::relative_difference(blocks, trained), 1e-5);
+}
+
+TEST(RadianceDecoder, IsAFactorOnTheLightThatPointsAreTold) {
+  ModelConfig config = radiance_config();
+  config.light_input = LightInput::Traced;
+  config.light_sides = LightSides::Apart;
+  Case c(config);
+  const at::Tensor before = c.radiance();
+  // All light doubled: every input over the emission scale stays, so the answer is exactly twice.
+  for (at::Tensor* t : {&c.points.emission, &c.points.direct, &c.points.indirect,
+                        &c.points.direct_back, &c.points.indirect_back})
+    *t = *t * 2;
+  EXPECT_LT(test::relative_difference(c.radiance(), 2 * before), 1e-6);
+  // Fresh networks answer with the light itself: π L is the irradiance of the estimates.
+  torch::manual_seed(3);
+  config.output_mean = 1;
+  LightTransportModel fresh(config);
+  fresh->eval();
+  const at::NoGradGuard no_grad;
+  const Embedding embedding = fresh->encode(c.points);
+  const at::Tensor radiance = fresh->decode_radiance(embedding, c.queries, c.directions);
+  const at::Tensor irradiance = fresh->decode(embedding, c.queries);
+  EXPECT_LT(test::relative_difference(std::numbers::pi * radiance,
+                                      irradiance.unsqueeze(1).expand_as(radiance)),
+            0.1);
+}
+
+TEST(RadianceDecoder, WithoutEmissionThereIsNoRadiance) {
+  Case c;
+  c.points.emission = torch::zeros_like(c.points.emission);
+  EXPECT_EQ(c.radiance().abs().max().item<float>(), 0);
+}
+
+TEST(RadianceDecoder, PointsTellOfMetalToModelsThatReadIt) {
+  Case c;
+  const at::Tensor metal = c.radiance();
+  at::Tensor rough = c.points.gloss.clone();
+  rough.select(1, 0).zero_();
+  c.points.gloss = rough;
+  const at::Tensor none = c.radiance();
+  EXPECT_GT(test::relative_difference(none, metal), 1e-5);
+  c.points.gloss = at::Tensor();
+  EXPECT_TRUE(torch::equal(c.radiance(), none))
+      << "what is no metal reads the same at any roughness";
+  ModelConfig blind = radiance_config();
+  blind.gloss = false;
+  Case other(blind);
+  const at::Tensor with = other.radiance();
+  other.points.gloss = at::Tensor();
+  EXPECT_TRUE(torch::equal(other.radiance(), with));
+  c.points.gloss = rough.clone();
+  c.points.gloss[7][1] = 1.5;
+  test::expect_error([&] { c.radiance(); }, {"gloss", "row 7", "outside [0, 1]"});
+}
+
+TEST(RadianceDecoder, RefusesWhatItCannotAnswer) {
+  Case c;
+  c.directions[3][2] = 2 * c.directions[3][2];
+  test::expect_error([&] { c.radiance(); }, {"direction 2 of query 3", "unit"});
+  c.directions[3][2] = -c.queries.normal[3];
+  test::expect_error([&] { c.radiance(); }, {"direction 2 of query 3", "into the surface"});
+  c.directions[3][2] = torch::full({3}, NAN);
+  test::expect_error([&] { c.radiance(); }, {"direction 2 of query 3", "unit"});
+  c.directions = torch::zeros({40, 3});
+  test::expect_error([&] { c.radiance(); }, {"[40, N, 3]"});
+  Case without(test::tiny_config());
+  without.directions = directions_above(without.queries, 2, 1);
+  test::expect_error([&] { without.radiance(); }, {"no radiance decoder", "radiance_lobes"});
+}
+
+TEST(RadianceDecoder, IsInTheModelFile) {
+  const test::TempDir folder;
+  Case c;
+  save_model(folder / "m.safetensors", c.model);
+  const at::Tensor before = c.radiance();
+  c.model = load_model(folder / "m.safetensors");
+  EXPECT_EQ(c.model->config().radiance_lobes, 6);
+  EXPECT_TRUE(c.model->config().gloss);
+  EXPECT_TRUE(torch::equal(c.radiance(), before));
+}
+
+TEST(RadianceDecoder, AFurtherDirectionCostsAFewHundredthsOfAPoint) {
+  ModelConfig config;  // as configs/train/lte_radiance.yaml has it
+  config.channels = 48;
+  config.query_neighbours = 16;
+  config.query_layers = 4;
+  config.light_input = LightInput::Radiosity;
+  config.pair_geometry = PairGeometry::Normals;
+  config.radiance_lobes = 48;
+  EXPECT_LT(direction_flops(config), 0.05 * radiance_flops(config, 1024));
+  const ParameterCounts counts = count_parameters(Case().model);
+  EXPECT_EQ(counts.nne + counts.encoder + counts.decoder + counts.radiance, counts.total);
+}
+
+}  // namespace
+}  // namespace lte::nn
