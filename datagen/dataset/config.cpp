@@ -71,6 +71,11 @@ void visit(Io& io, C& config) {
     io("bins", config.bake.incident.bins);
     io("samples", config.bake.incident.samples);
   }
+  if (io.covers(config.metals.share > 0)) {
+    io.section("metals");
+    io("share", config.metals.share);
+    io("roughness", config.metals.roughness);
+  }
   if (io.covers(config.generator == GeneratorKind::Boxes)) visit_boxes(io, config.boxes);
   if (io.covers(config.generator == GeneratorKind::Homes)) visit_homes(io, config.homes);
 }
@@ -222,6 +227,8 @@ void check_datagen_config(const DatagenConfig& config) {
               "evaluation_splits: expected train, val or test, got \"", split, "\"");
   }
   check_bake_options(config.bake);
+  in_range("metals.share", config.metals.share, 0.0, 1.0);
+  range_in("metals.roughness", config.metals.roughness, 0.01, 1.0);
   if (config.generator == GeneratorKind::Boxes) check_boxes(config.boxes, config.scale);
   if (config.generator == GeneratorKind::Homes) check_homes(config.homes, config.scale);
 }

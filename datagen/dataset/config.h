@@ -9,6 +9,7 @@
 
 #include "datagen/bake/bake.h"
 #include "datagen/boxes/room.h"
+#include "datagen/common/metals.h"
 #include "datagen/homes/home.h"
 #include "lte/base/config.h"
 
@@ -31,6 +32,7 @@ struct DatagenConfig {
   GeneratorKind generator = GeneratorKind::Boxes;
   /// Keys at the top level, under `views` and under `incident`. Each scene draws a seed of its own.
   BakeOptions bake;
+  MetalConfig metals;
   boxes::RoomConfig boxes;
   homes::HomeConfig homes;
 };

@@ -217,9 +217,11 @@ GenerateResult merge_dataset(const fs::path& out) {
 }
 
 scene::Scene generate_scene(const DatagenConfig& config, uint64_t seed, const std::string& name) {
-  if (config.generator == GeneratorKind::Homes)
-    return homes::generate_home(config.homes, seed, name).scene;
-  return boxes::generate_room(config.boxes, seed, name).scene;
+  scene::Scene scene = config.generator == GeneratorKind::Homes
+                           ? homes::generate_home(config.homes, seed, name).scene
+                           : boxes::generate_room(config.boxes, seed, name).scene;
+  add_metals(config.metals, seed, &scene);
+  return scene;
 }
 
 }  // namespace lte::datagen

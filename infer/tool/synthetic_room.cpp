@@ -42,6 +42,7 @@ nn::PointSet synthetic_room(int64_t count, uint64_t seed) {
       at::zeros({count, 3}),
       {},
       {},
+      {},
       {}};
   auto* position = points.position.data_ptr<float>();
   auto* normal = points.normal.data_ptr<float>();

@@ -14,7 +14,6 @@
 #include "lte/base/version.h"
 #include "lte/nn/cost.h"
 #include "lte/nn/model.h"
-#include "lte/nn/query_decoder.h"
 #include "lte/nn/tensor_io.h"
 
 namespace lte::runtime {
@@ -106,8 +105,10 @@ nn::Embedding read_parts(const SafetensorsFile& file, const nn::ModelConfig& con
   if (!config.reads_indirect()) return parts;
   parts.cache.position = read(file, "cache.position", at::kFloat, {-1, 3});
   const int64_t S = parts.cache.position.size(0);
-  parts.cache.normal = read(file, "cache.normal", at::kFloat, {S, 3});
-  parts.cache.light = read(file, "cache.light", at::kFloat, {S, 6});
+  const int64_t sides = config.light_columns();
+  parts.cache.normal = read(file, "cache.normal", at::kFloat, {S, 3 * sides});
+  parts.cache.light = read(file, "cache.light", at::kFloat, {S, 6 * sides});
+  if (config.light_variance) parts.cache.error = read(file, "cache.error", at::kFloat, {S, sides});
   parts.cache.floor = read(file, "cache.floor", at::kFloat, {3});
   return parts;
 }
@@ -115,15 +116,10 @@ nn::Embedding read_parts(const SafetensorsFile& file, const nn::ModelConfig& con
 nn::Embedding on_device(nn::Embedding parts, c10::Device device) {
   for (at::Tensor* t :
        {&parts.position, &parts.normal, &parts.features, &parts.origin, &parts.cache.position,
-        &parts.cache.normal, &parts.cache.light, &parts.cache.floor}) {
+        &parts.cache.normal, &parts.cache.light, &parts.cache.error, &parts.cache.floor}) {
     if (t->defined()) *t = t->to(device);
   }
   return parts;
-}
-
-nn::QueryDecoderImpl& decoder_of(const Network& network) {
-  const auto children = network.model()->named_children();
-  return *children["decoder"]->as<nn::QueryDecoderImpl>();
 }
 
 }  // namespace
@@ -143,6 +139,7 @@ void save_embedding(const std::filesystem::path& path, const SceneEmbedding& emb
     tensors["cache.position"] = parts.cache.position;
     tensors["cache.normal"] = parts.cache.normal;
     tensors["cache.light"] = parts.cache.light;
+    if (parts.cache.error.defined()) tensors["cache.error"] = parts.cache.error;
     tensors["cache.floor"] = parts.cache.floor;
   }
   SafetensorsWriter writer;
@@ -168,10 +165,9 @@ SceneEmbedding load_embedding(const std::filesystem::path& path, const Network& 
   check_key(file, key);
   const at::NoGradGuard no_grad;
   const c10::DeviceGuard guard(network.device());
-  nn::QueryDecoderImpl& decoder = decoder_of(network);
   nn::Embedding parts = on_device(
       read_parts(file, network.config(), nn::latent_width(network.config())), network.device());
-  parts.table = decoder.table(parts.features);
+  network.model()->make_tables(&parts);
   return SceneEmbedding::from_parts(
       network, parts, parse_count(name, "scene_points", file.metadata("scene_points")), memory);
 }

@@ -28,6 +28,9 @@ void check_sizes(const ScenePoints& points) {
   LTE_CHECK(points.indirect_error.empty() || points.indirect_error.size() == 2 * size,
             "scene point arrays differ in length: ", size, " positions, ",
             points.indirect_error.size(), " standard errors, expected two each");
+  LTE_CHECK(points.gloss.empty() || points.gloss.size() == 2 * size,
+            "scene point arrays differ in length: ", size, " positions, ", points.gloss.size(),
+            " numbers of gloss, expected two each");
 }
 
 }  // namespace
@@ -43,9 +46,11 @@ nn::PointSet borrow(const ScenePoints& points) {
                    borrow_light(points.indirect),
                    borrow_light(points.direct_back),
                    borrow_light(points.indirect_back),
+                   {},
                    {}};
   if (!points.indirect_error.empty())
     set.indirect_error = borrow(points.indirect_error).view({points.size(), 2});
+  if (!points.gloss.empty()) set.gloss = borrow(points.gloss).view({points.size(), 2});
   return set;
 }
 

@@ -24,6 +24,8 @@ struct ScenePoints {
   std::span<const Rgb> direct = {}, indirect = {};
   std::span<const Rgb> direct_back = {}, indirect_back = {};
   std::span<const float> indirect_error = {};  ///< two a point: of the front, of the back
+  /// Two a point: how metallic and how rough, in [0, 1]. Empty: nothing is metal.
+  std::span<const float> gloss = {};
 
   int64_t size() const { return static_cast<int64_t>(position.size()); }
 };

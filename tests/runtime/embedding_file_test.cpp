@@ -34,6 +34,8 @@ class EmbeddingFile : public testing::Test {
     if (!config.reads_indirect()) return set;
     set.direct = set.emission * 0.1 + set.albedo;
     set.indirect = set.albedo * 0.5 + 0.1;
+    set.direct_back = 0.25 * set.direct;
+    set.indirect_back = 0.5 * set.indirect;
     return set;
   }
   std::string load_error(const Network& network, const EmbeddingKey& key) {
@@ -45,12 +47,17 @@ class EmbeddingFile : public testing::Test {
 };
 
 TEST_F(EmbeddingFile, GivesTheSameAnswersBitForBit) {
-  nn::ModelConfig plain = test::tiny_config(), traced = plain, normals = plain, softmax = plain;
+  nn::ModelConfig plain = test::tiny_config(), traced = plain, normals = plain, softmax = plain,
+                  apart, errors;
   traced.light_input = nn::LightInput::Traced;
+  apart = traced;
+  apart.light_sides = nn::LightSides::Apart;
+  errors = apart;
+  errors.light_variance = true;
   normals.pair_geometry = nn::PairGeometry::Normals;
   softmax.query_attention = nn::QueryAttention::Softmax;
   const nn::QuerySet queries = test::box_queries(500, 2);
-  for (const nn::ModelConfig& config : {plain, traced, normals, softmax}) {
+  for (const nn::ModelConfig& config : {plain, traced, normals, softmax, apart, errors}) {
     for (const nn::Precision precision : {nn::Precision::Fp32, nn::Precision::Bf16}) {
       const Network net = network(config, 5, {.precision = precision});
       const SceneEmbedding made = SceneEmbedding::from_tensors(net, points(config));

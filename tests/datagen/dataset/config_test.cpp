@@ -46,6 +46,7 @@ TEST(DatagenConfig, BaseNamesEveryKeyThatBoxesAndHomesShare) {
     EXPECT_TRUE(yaml.at("views").has(key)) << key;
   for (const char* key : {"points", "bins", "samples"})
     EXPECT_TRUE(yaml.at("incident").has(key)) << key;
+  for (const char* key : {"share", "roughness"}) EXPECT_TRUE(yaml.at("metals").has(key)) << key;
   for (const char* key : {"boxes", "homes", "generator"}) EXPECT_FALSE(yaml.has(key)) << key;
 }
 
@@ -72,10 +73,24 @@ TEST(DatagenConfig, ShippedFilesOfBoxesAreValidAndNameEveryKey) {
   }
 }
 
+TEST(DatagenConfig, GlossyFilesHaveMetalsAndMaps) {
+  for (const char* name : {"glossy", "glossy_homes", "glossy_test"}) {
+    const DatagenConfig config = shipped(name);
+    EXPECT_GT(config.metals.share, 0) << name;
+    EXPECT_EQ(config.metals.roughness.low, 0.05) << name;
+    EXPECT_EQ(config.metals.roughness.high, 0.5) << name;
+    EXPECT_GT(config.bake.incident.points, 0) << name;
+    EXPECT_EQ(config.bake.incident.bins, 32) << name;
+    EXPECT_TRUE(config.bake.prune) << name;
+  }
+  EXPECT_EQ(shipped("glossy_test").bake.incident.samples, 64);
+  EXPECT_EQ(shipped("glossy_test").test_share, 1);
+}
+
 TEST(DatagenConfig, ShippedFilesOfHomesAreValidAndNameEveryKey) {
   const DatagenConfig homes = shipped("homes");
-  for (const char* child :
-       {"homes", "homes_small", "homes_small_suns", "homes_suns", "homes_test", "paper"}) {
+  for (const char* child : {"glossy_homes", "homes", "homes_small", "homes_small_suns",
+                            "homes_suns", "homes_test", "paper"}) {
     const DatagenConfig config = shipped(child);
     EXPECT_EQ(config.generator, GeneratorKind::Homes) << child;
     EXPECT_TRUE(config.bake.prune) << child;
