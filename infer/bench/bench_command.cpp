@@ -13,6 +13,7 @@
 #define LTE_HAS_SCENE 0
 #endif
 #if LTE_HAS_SCENE
+#include "infer/bench/consistency_command.h"
 #include "infer/bench/pareto/pareto_command.h"
 #include "infer/bench/stability/stability_command.h"
 #endif
@@ -57,6 +58,13 @@ void add_bench_options(CLI::App& app, BenchRequest* request) {
   add_stability_options(*stability, stress.get());
   stability->fallthrough()->callback([request, stress] {
     request->command = [stress](const CommonOptions& common) { run_stability(*stress, common); };
+  });
+  CLI::App* consistency = app.add_subcommand(
+      "consistency", "Change of light between frames of a moving camera, beside path tracing");
+  const auto frames = std::make_shared<ConsistencyRequest>();
+  add_consistency_options(*consistency, frames.get());
+  consistency->fallthrough()->callback([request, frames] {
+    request->command = [frames](const CommonOptions& common) { run_consistency(*frames, common); };
   });
 #endif
   app.require_subcommand(1);

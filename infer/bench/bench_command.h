@@ -14,7 +14,7 @@ struct BenchRequest {
   CommonOptions common;
   /// The benchmark whose subcommand was chosen ...
   std::function<std::vector<BenchResult>(const BenchOptions&)> benchmark;
-  /// ... or the command that has a result of its own (pareto, stability).
+  /// ... or the command that has a result of its own (pareto, stability, consistency).
   std::function<void(const CommonOptions&)> command;
 };
 

@@ -35,6 +35,7 @@ void put_rows(const Image& band, int first, int height, Image* picture) {
 Image compose(const Frame& frame, Output output) {
   switch (output) {
     case Output::Albedo:
+    case Output::Attention:  // until it is painted
       return frame.albedo;
     case Output::Normal:
       return frame.normal;

@@ -4,51 +4,13 @@
 #include <cmath>
 #include <optional>
 
+#include "infer/picture/projection.h"
 #include "lte/base/check.h"
 
 namespace lte::infer {
 namespace {
 
 using image::Image;
-
-/// Places in a picture by its camera: (0, 0) is the top left corner, (width, height) the opposite.
-class Projection {
- public:
-  Projection(const scene::Camera& camera, int width, int height)
-      : origin_(camera.origin),
-        view_(normalize(camera.target - camera.origin)),
-        width_(static_cast<float>(width)),
-        height_(static_cast<float>(height)) {
-    const float aspect = width_ / height_;
-    right_ = at_depth_1(camera.direction(1, 0.5f, aspect)) - view_;
-    down_ = at_depth_1(camera.direction(0.5f, 1, aspect)) - view_;
-  }
-
-  /// The point at this depth that a place of the picture shows.
-  Vec3 point(float x, float y, float depth) const {
-    return origin_ +
-           (view_ + right_ * (2 * x / width_ - 1) + down_ * (2 * y / height_ - 1)) * depth;
-  }
-
-  struct Place {
-    float x, y, depth;
-  };
-  /// Where a point is seen; nothing if it lies behind the camera.
-  std::optional<Place> place(const Vec3& point) const {
-    const Vec3 v = point - origin_;
-    const float depth = dot(v, view_);
-    if (!(depth > 0)) return std::nullopt;
-    const Vec3 at = v / depth - view_;
-    return Place{(dot(at, right_) / dot(right_, right_) + 1) * width_ / 2,
-                 (dot(at, down_) / dot(down_, down_) + 1) * height_ / 2, depth};
-  }
-
- private:
-  Vec3 at_depth_1(const Vec3& direction) const { return direction / dot(direction, view_); }
-
-  Vec3 origin_, view_, right_, down_;
-  float width_, height_;
-};
 
 /// The light at a place, between the four pixels around it, if these see a surface at this depth.
 /// Over a plane the inverse of depth is linear in the picture.

@@ -22,6 +22,8 @@ struct Frame {
   image::Image indirect;  ///< irradiance by all later bounces
   /// Irradiance of a model whose target is the total, when direct light was not needed.
   image::Image total;
+  /// Of Output::Attention: multiples of an even share (attention_map.h), 1 channel.
+  image::Image attention;
   int64_t background = 0;  ///< pixels whose centre meets nothing
   int64_t queries = 0;     ///< points that reflect light and that the network may be asked for
   /// Those that the network has answered, fewer if it is asked sparsely; or that rays were gathered

@@ -5,7 +5,16 @@
 
 namespace lte::infer {
 
-enum class Output { Full, Gi, Irradiance, Direct, Albedo, Normal, Depth };
+enum class Output {
+  Full,
+  Gi,
+  Irradiance,
+  Direct,
+  Albedo,
+  Normal,
+  Depth,
+  Attention  ///< what the network looks at (attention_map.h); its picture is painted on surfaces
+};
 enum class Mode { Neural, Reference };
 /// Who answers for indirect light in neural mode.
 enum class Indirect {
@@ -14,14 +23,15 @@ enum class Indirect {
   Gather  ///< rays that read a table of the light on surfaces (light_table.h)
 };
 
-constexpr EnumNames<Output, 7> enum_names(Output) {
+constexpr EnumNames<Output, 8> enum_names(Output) {
   return {{{Output::Full, "full"},
            {Output::Gi, "gi"},
            {Output::Irradiance, "irradiance"},
            {Output::Direct, "direct"},
            {Output::Albedo, "albedo"},
            {Output::Normal, "normal"},
-           {Output::Depth, "depth"}}};
+           {Output::Depth, "depth"},
+           {Output::Attention, "attention"}}};
 }
 constexpr EnumNames<Mode, 2> enum_names(Mode) {
   return {{{Mode::Neural, "neural"}, {Mode::Reference, "reference"}}};
@@ -33,7 +43,8 @@ constexpr EnumNames<Indirect, 3> enum_names(Indirect) {
 
 /// Whether there is no light in it.
 constexpr bool is_geometry(Output output) {
-  return output == Output::Albedo || output == Output::Normal || output == Output::Depth;
+  return output == Output::Albedo || output == Output::Normal || output == Output::Depth ||
+         output == Output::Attention;
 }
 
 }  // namespace lte::infer

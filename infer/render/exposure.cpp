@@ -37,9 +37,7 @@ void add_exposure_options(CLI::App& app, ExposureOptions* options) {
 }
 
 float choose_exposure(const Frame& frame, Output output, const ExposureOptions& options) {
-  const bool is_light =
-      output != Output::Albedo && output != Output::Normal && output != Output::Depth;
-  if (!is_light) return 1;
+  if (is_geometry(output)) return 1;
   const double base = options.exposure ? *options.exposure : double{frame_exposure(frame, output)};
   using Limits = std::numeric_limits<float>;
   return static_cast<float>(

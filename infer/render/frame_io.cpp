@@ -23,17 +23,13 @@ std::string extension_of(const std::filesystem::path& path) {
   return extension;
 }
 
-bool is_light(Output output) {
-  return output != Output::Albedo && output != Output::Normal && output != Output::Depth;
-}
-
 void write_layers(const std::filesystem::path& path, const Frame& frame,
                   const scene::Camera* camera) {
   std::vector<image::Layer> layers{{"", &frame.color}};
   const std::pair<const char*, const Image*> named[] = {
-      {"albedo", &frame.albedo},     {"normal", &frame.normal}, {"depth", &frame.depth},
-      {"emission", &frame.emission}, {"direct", &frame.direct}, {"indirect", &frame.indirect},
-      {"total", &frame.total}};
+      {"albedo", &frame.albedo},     {"normal", &frame.normal},      {"depth", &frame.depth},
+      {"emission", &frame.emission}, {"direct", &frame.direct},      {"indirect", &frame.indirect},
+      {"total", &frame.total},       {"attention", &frame.attention}};
   for (const auto& [name, picture] : named) {
     if (picture->width > 0) layers.push_back({name, picture});
   }
@@ -63,7 +59,7 @@ Image display_depth(const Image& depth) {
 }  // namespace
 
 float frame_exposure(const Frame& frame, Output output) {
-  if (!is_light(output)) return 1;
+  if (is_geometry(output)) return 1;
   std::vector<uint8_t> surfaces;
   for (const float depth : frame.depth.pixels) surfaces.push_back(depth > 0 ? 1 : 0);
   return image::auto_exposure(frame.color, 0.95f, 0.8f, surfaces);
@@ -76,7 +72,7 @@ void write_frame(const std::filesystem::path& path, const Frame& frame, Output o
   LTE_CHECK(extension == ".png", path.string(), ": expected a name that ends in .exr or .png");
   if (output == Output::Normal) return image::write_png(path, display_normal(frame));
   if (output == Output::Depth) return image::write_png(path, display_depth(frame.depth));
-  image::write_png(path, image::tonemap(frame.color, is_light(output) ? exposure : 1.0f));
+  image::write_png(path, image::tonemap(frame.color, is_geometry(output) ? 1.0f : exposure));
 }
 
 bool keeps_layers(const std::filesystem::path& path) { return extension_of(path) == ".exr"; }

@@ -160,13 +160,15 @@ std::optional<runtime::Network> load_network(const RenderRequest& request, const
   // An edit may bring light to a scene without any.
   const bool may_come = request.edit.any() && settings->mode == Mode::Neural &&
                         !is_geometry(settings->output) && settings->output != Output::Direct;
-  if (!gathers && !renderer.needs_network(*settings) && !may_come) return std::nullopt;
+  const bool looks_inside = settings->output == Output::Attention;
+  if (!gathers && !renderer.needs_network(*settings) && !may_come && !looks_inside)
+    return std::nullopt;
   const c10::Device device = nn::choose_device(request.tool.device, 0, "--device");
   std::optional<runtime::Network> network(
       std::in_place, checkpoint_or_shipped(request.checkpoint),
       runtime::NetworkOptions{device, choose_precision(request.tool.precision, device)});
   const scene::Scene& scene = renderer.bvh().scene();
-  if (!has_untrained_light(scene, network->metadata())) return network;
+  if (looks_inside || !has_untrained_light(scene, network->metadata())) return network;
   if (request.untrained_light == "network") {
     log_warning(untrained_light_note(scene, network->metadata()));
     return network;
@@ -187,8 +189,9 @@ int64_t scene_points(const RenderRequest& request, const runtime::Network& netwo
 
 void embed(const RenderRequest& request, const runtime::Network& network,
            const runtime::MemoryLimit& memory, Renderer* renderer) {
-  provide_embedding(request.embedding, network,
-                    embed_settings(request.embedding, request.seed, memory), renderer);
+  EmbedSettings settings = embed_settings(request.embedding, request.seed, memory);
+  settings.record_attention = request.output == "attention";
+  provide_embedding(request.embedding, network, settings, renderer);
   memory.check("encoding the scene", {runtime::Remedy::FewerScenePoints});
 }
 
@@ -248,7 +251,8 @@ struct PictureRun {
   std::vector<View> views;
   RenderSettings settings;  ///< but for what a time budget decides
   std::optional<FrameSet> frames;
-  EditedFrames* edited = nullptr;  ///< of --edit
+  EditedFrames* edited = nullptr;     ///< of --edit
+  std::optional<AttentionLook> look;  ///< of --output attention
   Timer total;
   Timer work;  ///< since the scene points were drawn
 };
@@ -267,6 +271,7 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
       frame = run.edited ? run.edited->render(view, settings, &edit, &renderer->seconds())
                          : renderer->render(view.camera, settings);
     }
+    if (run.look) run.look->paint(view.camera, &frame);
     report_metal(request.scene, settings, frame);
     if (frame.background == int64_t{settings.width} * settings.height &&
         !renderer->has_environment()) {
@@ -280,6 +285,7 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
     add_seconds(renderer->seconds(), &seconds);
     pictures.push_back(picture_json(request, view, plan, frame, exposure));
     if (run.edited) pictures.back()["edit"] = edit;
+    if (run.look) pictures.back()["attention"] = run.look->json();
     print_exposure(request, view, exposure, run.views.size() > 1 ? "\n" : "");
     run.work.restart();  // a view after the first has the budget for itself
   }
@@ -301,6 +307,7 @@ void run_render(const RenderRequest& request) {
   }
   check_dial(request);
   check_edit_flags(request.edit, request.out);
+  check_attention_flags(request);
   LTE_CHECK(!request.edit.any() || request.gather.by == Indirect::Network, "--edit and --indirect ",
             request.gather.indirect, ": of an edited scene the network answers");
   CommandFiles files;
@@ -376,9 +383,16 @@ void run_render(const RenderRequest& request) {
     check_table_fits(table, scene, memory);
     renderer.make_table(table);
   }
-  render_to_files(request,
-                  {std::move(views), settings, std::move(frames), edited.get(), total, work},
-                  &renderer);
+  std::optional<AttentionLook> look;
+  if (settings.output == Output::Attention && !views.empty()) {
+    look.emplace(request.attention, renderer.bvh(), renderer.shared_embedding(),
+                 all_views.front().camera.origin);
+    log_info(look->text());
+  }
+  render_to_files(
+      request,
+      {std::move(views), settings, std::move(frames), edited.get(), std::move(look), total, work},
+      &renderer);
   if (edited) edited->finish(request.edit, request.out);
 }
 

@@ -74,7 +74,7 @@ RenderSettings settings_of(const RenderRequest& request) {
   settings.seed = request.seed;
   settings.antialias = parse_antialias(request.antialias);
   settings.metal = parse_enum<Metal>("--metal", request.metal);
-  settings.layers = keeps_layers(request.out);
+  settings.layers = keeps_layers(request.out) || settings.output == Output::Attention;
   settings.indirect = request.gather.by;
   settings.gather = request.gather_settings;
   // The rest of the quality stands in the request already (apply_quality()).
@@ -113,8 +113,10 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
       ->check(CLI::Validator(check_picture_size, "WxH"))
       ->capture_default_str();
   app.add_option("--output", r->output,
-                 "What to show; gi is reflected indirect light, irradiance is it untextured")
-      ->check(CLI::IsMember({"full", "gi", "irradiance", "direct", "albedo", "normal", "depth"}))
+                 "What to show; gi is reflected indirect light, irradiance is it untextured, "
+                 "attention what the network looks at (--point)")
+      ->check(CLI::IsMember(
+          {"full", "gi", "irradiance", "direct", "albedo", "normal", "depth", "attention"}))
       ->capture_default_str();
   app.add_option("--mode", r->mode,
                  "The network, or the path-traced reference of the same quantity")
@@ -176,6 +178,7 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
   add_gather_options(app, &r->gather);
   add_embedding_flags(app, &r->embedding);
   add_edit_flags(app, &r->edit);
+  add_attention_flags(app, &r->attention);
   add_exposure_options(app, &r->exposure);
   app.add_flag("--one-exposure", r->one_exposure,
                "Several pictures: all take the exposure of the first, as with --turntable");

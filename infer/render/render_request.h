@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "infer/render/attention_flags.h"
 #include "infer/render/edit_flags.h"
 #include "infer/render/exposure.h"
 #include "infer/render/gather_flags.h"
@@ -25,6 +26,7 @@ struct RenderRequest : SceneSource {
   bool one_exposure = false;  ///< that of the first picture is that of all
   EmbeddingFlags embedding;
   EditFlags edit;
+  AttentionFlags attention;
   std::string size = "512x512";
   std::string output = "full", mode = "neural";
   int spp = 64, max_depth = 5, direct_samples = 64;

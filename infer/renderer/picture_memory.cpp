@@ -44,25 +44,15 @@ bool gathers(const RenderSettings& settings) {
 
 /// Whether centres may be sampled before the bands.
 bool samples_centres(const RenderSettings& settings) {
-  if (settings.output == Output::Albedo || settings.output == Output::Normal ||
-      settings.output == Output::Depth)
-    return false;
+  if (is_geometry(settings.output)) return false;
   const bool few = settings.mode == Mode::Neural && settings.direct_samples <= kDenoiseUpTo;
   return gathers(settings) || settings.adaptive_direct || settings.denoise == Denoise::On ||
          (settings.denoise == Denoise::Auto && few);
 }
 
 double light_layers(const RenderSettings& settings) {
-  switch (settings.output) {
-    case Output::Albedo:
-    case Output::Normal:
-    case Output::Depth:
-      return 0;
-    case Output::Direct:
-      return 1;
-    default:
-      return 2;
-  }
+  if (is_geometry(settings.output)) return 0;
+  return settings.output == Output::Direct ? 1 : 2;
 }
 
 }  // namespace

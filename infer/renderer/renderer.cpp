@@ -109,7 +109,8 @@ void Renderer::embed(const runtime::Network& network, const EmbedSettings& setti
   seconds_.light = timer.seconds();
   timer.restart();
   embedding_ = std::make_shared<const runtime::SceneEmbedding>(
-      network, lit.points(), runtime::EncodeOptions{settings.rescale, {}, settings.memory});
+      network, lit.points(),
+      runtime::EncodeOptions{settings.rescale, {}, settings.memory, settings.record_attention});
   seconds_.encode = timer.seconds();
 }
 

@@ -73,7 +73,8 @@ struct EmbedSettings {
   /// Draw scene points only where light reaches them (pathtrace/reach.h); by default as in the
   /// model's training.
   std::optional<bool> prune;
-  runtime::MemoryLimit memory;  ///< of encoding, and of every later picture's decoding
+  runtime::MemoryLimit memory;    ///< of encoding, and of every later picture's decoding
+  bool record_attention = false;  ///< keep what the encoder's blocks attend to
 };
 
 /// Wall-clock seconds by stage; `load` and `write` belong to the caller. `light` is the time of the
@@ -122,6 +123,7 @@ class Renderer {
   void set_embedding(std::shared_ptr<const runtime::SceneEmbedding> embedding);
   /// @throws lte::Error without one.
   const runtime::SceneEmbedding& embedding() const;
+  std::shared_ptr<const runtime::SceneEmbedding> shared_embedding() const { return embedding_; }
 
   /// Makes the table that Indirect::Gather reads, in the place of the last one.
   /// @throws lte::Error if the network is to fill it and embed() has not been called.

@@ -123,7 +123,7 @@ std::shared_ptr<const runtime::SceneEmbedding> encode_groups(const Draft& draft,
   const std::vector<size_t> rows = rows_of(draft, points.surface, groups, network);
   LitSamples lit;
   if (points.light) lit.light = sum_of(*points.light, count, groups, network.light_request());
-  runtime::EncodeOptions options{settings.rescale, {}, settings.memory};
+  runtime::EncodeOptions options{settings.rescale, {}, settings.memory, settings.record_attention};
   if (rows.size() == count) {
     lit.surface = points.surface;
   } else {

@@ -137,6 +137,11 @@ class SessionState {
   /// @throws lte::Error without a network, and as SceneEmbedding::decode()
   std::vector<Rgb> irradiance(const runtime::QueryPoints& queries) const;
 
+  /// An embedding that keeps what the encoder attends to (lte/runtime/attention.h): the scene is
+  /// encoded once more. Of luminaires that are encoded apart it has the others, or else the first.
+  /// @throws lte::Error where the network does not answer
+  std::shared_ptr<const runtime::SceneEmbedding> record_attention() const;
+
   /// What lies under the image point (x, y) in [0, 1]², (0, 0) top left; nothing for background.
   std::optional<Pick> pick(const scene::Camera& camera, float x, float y, float aspect) const;
 

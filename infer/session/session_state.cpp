@@ -180,6 +180,17 @@ std::vector<Rgb> SessionState::irradiance(const runtime::QueryPoints& queries) c
   return parts_->answer(queries);
 }
 
+std::shared_ptr<const runtime::SceneEmbedding> SessionState::record_attention() const {
+  LTE_CHECK(!parts_->layers.empty(),
+            "there is no attention to look at: the network answers for no light of this scene");
+  std::vector<int> groups;
+  for (const int light : parts_->layers.front().layer->lights)
+    groups.push_back(static_cast<int>(group_of(*parts_->draft, light)));
+  EmbedSettings settings = parts_->base->settings.embedding;
+  settings.record_attention = true;
+  return encode_groups(*parts_->draft, *parts_->points, groups, *parts_->base->network, settings);
+}
+
 std::optional<Pick> SessionState::pick(const scene::Camera& camera, float x, float y,
                                        float aspect) const {
   const pathtrace::Hit hit =

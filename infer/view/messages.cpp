@@ -54,10 +54,15 @@ class Fields {
 
   template <typename Enum>
   Enum word(const char* key) {
+    return parse_enum<Enum>(concat("message ", type_, ": ", key), text(key));
+  }
+
+  /// A word of any letters, printable where it comes back in an answer.
+  std::string text(const char* key) {
     const json& found = value(key);
-    LTE_CHECK(found.is_string() && found.get_ref<const std::string&>().size() <= 40, where(key),
-              "expected a word");
-    return parse_enum<Enum>(concat("message ", type_, ": ", key), found.get<std::string>());
+    LTE_CHECK(found.is_string() && found.get_ref<const std::string&>().size() <= kMostWordBytes,
+              where(key), "expected a word");
+    return printable(found.get<std::string>());
   }
 
   PictureSize size(const char* key) {
@@ -83,7 +88,7 @@ class Fields {
 
   /// At most 40 bytes of a text, with what is no printable ASCII as '?'.
   static std::string printable(const std::string& text) {
-    std::string out = text.substr(0, 40);
+    std::string out = text.substr(0, kMostWordBytes);
     std::replace_if(
         out.begin(), out.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
     return out;
@@ -145,6 +150,16 @@ LightSetting read_light(Fields* fields) {
   return light;
 }
 
+LookInside read_look(Fields* fields) {
+  LookInside look;
+  look.position = fields->vector("position", -kFarthest, kFarthest);
+  look.normal = normalize(fields->vector("normal", -1, 1));
+  LTE_CHECK(length(look.normal) > 0.5f, "message look: normal: expected a direction");
+  look.block = fields->text("block");
+  look.head = static_cast<int>(fields->integer("head", -1, kMostIndex));
+  return look;
+}
+
 PageEdit read_edit(const std::string& type, Fields* fields) {
   if (type == "light") return read_light(fields);
   if (type == "material")
@@ -167,6 +182,7 @@ Request read_request(const std::string& type, Fields* fields) {
     return PickAt{static_cast<float>(fields->number("x", 0, 1)),
                   static_cast<float>(fields->number("y", 0, 1))};
   }
+  if (type == "look") return read_look(fields);
   if (type == "save") return Save{fields->word<SaveFormat>("format")};
   if (type == "undo") return Undo{};
   if (type == "redo") return Redo{};

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <variant>
 
@@ -15,6 +16,8 @@ namespace lte::infer::view {
 inline constexpr int kProtocol = 1;
 /// A frame above this is refused before it is read to its end.
 inline constexpr size_t kMostMessageBytes = 16 * 1024;
+/// Of a word in a message.
+inline constexpr size_t kMostWordBytes = 40;
 
 /// The first message of every page.
 struct Hello {
@@ -40,6 +43,12 @@ struct MakeEdit {
 struct PickAt {
   float x = 0, y = 0;
 };
+/// Asks what the network looks at for a point of a surface (attention_view.h).
+struct LookInside {
+  Vec3 position, normal;  ///< normal: the side asked about
+  std::string block = "decoder";
+  int head = -1;  ///< -1: the mean over all
+};
 enum class SaveFormat { Png, Exr, Camera, Glb };
 struct Save {
   SaveFormat format = SaveFormat::Png;
@@ -53,8 +62,8 @@ struct Shows {
   int64_t picture = 0;
 };
 
-using Request =
-    std::variant<Hello, MoveCamera, ChangeView, MakeEdit, PickAt, Save, Undo, Redo, Reset, Shows>;
+using Request = std::variant<Hello, MoveCamera, ChangeView, MakeEdit, PickAt, LookInside, Save,
+                             Undo, Redo, Reset, Shows>;
 
 struct Message {
   int64_t number = 0;  ///< rises from message to message of a page

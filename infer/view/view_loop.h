@@ -11,6 +11,7 @@
 #include <string>
 #include <thread>
 
+#include "infer/view/attention_view.h"
 #include "infer/view/editor.h"
 #include "infer/view/inbox.h"
 #include "infer/view/pages.h"
@@ -43,7 +44,7 @@ class ViewLoop {
   /// Ends the thread, after what it is doing. Nothing it was asked for happens any more.
   void stop();
 
-  /// Takes MoveCamera, ChangeView, PickAt, and Save of a picture or camera.
+  /// Takes MoveCamera, ChangeView, PickAt, LookInside, and Save of a picture or camera.
   /// @return  false if too much waits already
   bool post(int client, int64_t number, const Request& request);
   void forget(int client) { inbox_.forget(client); }
@@ -75,6 +76,7 @@ class ViewLoop {
   ViewState view_;
   Inbox inbox_;
   Progressive progressive_;
+  AttentionView attention_;
   StatePtr state_;
   std::map<int, Handled> handled_;
   /// Exposures before `ev`, of radiance and of irradiance; nothing before the first picture.

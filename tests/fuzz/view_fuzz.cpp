@@ -27,6 +27,10 @@ bool is_sound(const Message& message) {
     return !view->size || (view->size->width >= kLeastSide && view->size->width <= kMostSide &&
                            view->size->height >= kLeastSide && view->size->height <= kMostSide);
   }
+  if (const auto* look = std::get_if<LookInside>(&message.request)) {
+    return finite(look->position) && std::fabs(lte::length(look->normal) - 1) < 1e-3f &&
+           look->block.size() <= kMostWordBytes && look->head >= -1;
+  }
   const auto* edit = std::get_if<MakeEdit>(&message.request);
   if (edit == nullptr) return true;
   if (const auto* light = std::get_if<LightSetting>(&edit->edit))

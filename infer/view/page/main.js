@@ -1,4 +1,5 @@
 // Puts the page together: what the server says goes to the store, what hands do to the server.
+import { Attention } from "./attention.js";
 import { project, withTargetAt } from "./camera.js";
 import { Connection } from "./connection.js";
 import { Controls } from "./controls.js";
@@ -34,6 +35,7 @@ const connection = new Connection({
   open: () => setPhase("loading", "Loading the scene …"),
   lost() {
     waiting.length = 0;
+    attention.refused();
     if (document.body.dataset.phase !== "failed") setPhase("lost", "The server does not answer. Trying again …");
   },
   message: (message) => handlers[message.type]?.(message),
@@ -61,7 +63,11 @@ const handlers = {
     setUndo();
   },
   picked: (message) => waiting.shift()?.(message),
-  error: (message) => toast(message.message),
+  attention: (message) => attention.show(message),
+  error(message) {
+    attention.refused();
+    toast(message.message);
+  },
   failed: (message) => setPhase("failed", message.message),
 };
 
@@ -173,6 +179,7 @@ function place(index, change, gesture) {
 const controls = new Controls(store, picture, {
   camera: setCamera,
   pick: (x, y) => pick(x, y, (met) => {
+    if (attention.takes(met)) return;
     store.select(met.object === store.object && met.object >= 0 ? store.object : met.object, met.material);
     if (met.object >= 0) showTab("objects");
   }),
@@ -184,6 +191,8 @@ const newGesture = () => controls.newGesture();
 new LightsPanel(store, editLight, newGesture);
 new MaterialsPanel(store, editMaterial, newGesture);
 new ObjectsPanel(store, { place, material: editMaterial, focus: () => controls.focusSelection(), newGesture });
+const attention = new Attention(store, picture,
+  (question) => connection.send({ type: "look", ...question }) > 0);
 const viewPanel = new ViewPanel(store, {
   view: (change) => send({ type: "view", ...change }),
   camera: setCamera,
@@ -222,6 +231,7 @@ function showTab(name) {
     tab.setAttribute("aria-selected", String(chosen));
     byId(tab.dataset.tab).hidden = !chosen;
   }
+  attention.setActive(name === "attention");
 }
 
 for (const tab of document.querySelectorAll("[data-tab]")) {
@@ -246,4 +256,4 @@ function caughtUp() {
 }
 
 // For the console, and for tests.
-globalThis.lteView = { store, picture, send, meter, project, caughtUp };
+globalThis.lteView = { store, picture, send, meter, attention, project, caughtUp };
