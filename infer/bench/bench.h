@@ -32,6 +32,7 @@ struct BenchOptions {
   std::string scene;               ///< pathtrace and edits: scene file
   SceneFlags loading;              ///< of it
   int random_edits = 0;            ///< edits: that many at random at the end
+  int64_t session_points = 0;      ///< edits: scene points of the session; 0: the model's
 };
 
 /// Runs `work` once to warm up, then `repeats` times.

@@ -44,7 +44,9 @@ void add_bench_options(CLI::App& app, BenchRequest* request) {
   CLI::App* edits =
       add("edits", "From an edit of a live scene to the picture after it", bench_edits);
   edits->add_option("--scene", options.scene, "Scene (default: the shipped living room)");
-  edits->add_option("--random", options.random_edits, "So many edits at random at the end");
+  edits->add_option("--random", options.random_edits,
+                    "So many edits at random at the end; ends with 1 if memory grows");
+  edits->add_option("--points", options.session_points, "Scene points (default: the model's)");
   add_scene_flags(*edits, &options.loading);
   CLI::App* pareto = app.add_subcommand("pareto", "Run time against error of every method");
   const auto chart = std::make_shared<ParetoRequest>();

@@ -8,11 +8,11 @@
 #include <utility>
 
 #include "infer/bench/bench.h"
+#include "infer/bench/edit_growth.h"
+#include "infer/session/dimmable_picture.h"
 #include "infer/session/session.h"
 #include "infer/tool/assets.h"
 #include "lte/base/check.h"
-#include "lte/base/process_memory.h"
-#include "lte/base/random.h"
 #include "lte/base/timer.h"
 #include "lte/cli/scene_flags.h"
 #include "lte/pathtrace/auto_camera.h"
@@ -46,11 +46,18 @@ RenderSettings draft() {
   return settings;
 }
 
+SessionSettings session_settings(const BenchOptions& options) {
+  SessionSettings out;
+  out.embedding.scene_points = options.session_points;
+  return out;
+}
+
 class EditBench {
  public:
   EditBench(scene::Scene scene, const BenchOptions& options)
       : repeats_(std::max(1, options.repeats)),
-        session_(std::move(scene), runtime::Network(checkpoint_or_shipped(""))) {
+        session_(std::move(scene), runtime::Network(checkpoint_or_shipped("")),
+                 session_settings(options)) {
     const SessionState& state = *session_.state();
     camera_ = state.scene().cameras.empty() ? pathtrace::auto_camera(state.bvh())
                                             : state.scene().cameras.front();
@@ -75,17 +82,18 @@ class EditBench {
     measure("dim it again", [&](int i) {
       return session_.apply(SetLight{lights_[0], 0.5 + 0.01 * (i + 1), {}}, true);
     });
+    dim_a_sum();
     session_.undo();
     const InstanceInfo object = objects_[objects_.size() / 2];
     const int material = object.material;
     measure("recolour a material", [&](int i) {
       return session_.apply(SetMaterial{material, {0.5f, 0.3f, 0.01f * static_cast<float>(i)}});
     });
-    measure("move an object", [&](int i) { return session_.apply(moved(object, i)); });
-    if (!lamps_.empty())
-      measure("move a lamp", [&](int i) { return session_.apply(moved(lamps_[0], i)); });
-    compare_layers();
-    if (random_edits > 0) measure_growth(random_edits);
+    measure_move("an object", object);
+    if (!lamps_.empty()) measure_move("a lamp", lamps_[0]);
+    compare_light();
+    if (random_edits > 0)
+      results_.push_back(measure_growth(&session_, camera_, draft(), random_edits));
     return std::move(results_);
   }
 
@@ -96,6 +104,38 @@ class EditBench {
     MoveInstance edit{info.id, info.to_world};
     edit.to_world.m[0][3] += 0.02f * static_cast<float>(step + 1);
     return edit;
+  }
+
+  /// All of the light at once, and step by step as lte_view has it.
+  void measure_move(const std::string& what, const InstanceInfo& info) {
+    measure("move " + what, [&](int i) { return session_.apply(moved(info, i)); });
+    measure("move " + what + ", light of before",
+            [&](int i) { return session_.apply(moved(info, 10 + i), false, Accuracy::Kept); });
+    measure("move " + what + ", draft of the light", [&](int i) {
+      EditReport report = session_.apply(moved(info, 20 + i), false, Accuracy::Kept);
+      return report += session_.refine(Accuracy::Draft).value();
+    });
+    session_.refine();
+  }
+
+  /// A dimming that renders nothing, as a page's picture at rest has it.
+  void dim_a_sum() {
+    const RenderSettings settings = draft();
+    DimmablePicture sum(session_.state(), settings.output,
+                        int64_t{settings.width} * settings.height);
+    StageSeconds ignored;
+    Timer timer;
+    sum.add(camera_, settings, /*anew=*/true, &ignored);
+    BenchResult row{"dim a sum of pictures", repeats_, INFINITY, 0, {}};
+    row.figures["sum_ms"] = 1e3 * timer.seconds();
+    for (int i = 0; i < repeats_; ++i) {
+      timer.restart();
+      session_.apply(SetLight{lights_[0], 0.3 + 0.01 * i, {}}, true);
+      sum.color(*session_.state());
+      row.seconds_min = std::min(row.seconds_min, timer.seconds());
+    }
+    row.seconds_median = row.seconds_min;
+    results_.push_back(std::move(row));
   }
 
   struct Sample {
@@ -148,15 +188,19 @@ class EditBench {
     add(name, {sample(edit, 0)});
   }
 
-  /// One encoding of all light, and one a luminaire, against paths.
-  void compare_layers() {
+  /// One encoding of all light, one a luminaire, and the draft behind a move, against paths.
+  void compare_light() {
+    session_.apply(moved(objects_[objects_.size() / 2], 30), false, Accuracy::Kept);
     const StatePtr state = session_.state();
     scene::SamplerOptions sampler;
     sampler.seed = 11;
     const scene::SurfaceSamples points =
         scene::sample_surface(state->scene(), kReferencePoints, sampler);
     const runtime::QueryPoints queries{points.position, points.normal, points.albedo};
-    const std::vector<Rgb> together = state->irradiance(queries);
+    session_.refine(Accuracy::Draft);
+    const std::vector<Rgb> drafted = session_.state()->irradiance(queries);
+    session_.refine();
+    const std::vector<Rgb> together = session_.state()->irradiance(queries);
     session_.separate();
     const std::vector<Rgb> apart = session_.state()->irradiance(queries);
     pathtrace::IrradianceOptions tracing;
@@ -180,58 +224,9 @@ class EditBench {
     BenchResult row{"indirect light, relative RMS", points.size(), 0, 0, {}};
     row.figures["together_vs_paths"] = error(of(together), traced);
     row.figures["apart_vs_paths"] = error(of(apart), traced);
+    row.figures["draft_vs_paths"] = error(of(drafted), traced);
     row.figures["apart_vs_together"] = error(of(apart), of(together));
-    results_.push_back(std::move(row));
-  }
-
-  void measure_growth(int edits) {
-    Rng rng(3, 0);
-    const auto uniform = [&] { return static_cast<float>(rng.next_u64() >> 40) * 0x1p-24f; };
-    const auto any = [&](const auto& list) -> const auto& {
-      return list[static_cast<size_t>(uniform() * static_cast<float>(list.size()))];
-    };
-    std::vector<int> added;
-    const auto random_edit = [&](int step) {
-      const InstanceInfo& object = objects_[static_cast<size_t>(
-          uniform() * static_cast<float>(std::max<size_t>(1, objects_.size() - 1)))];
-      switch (step % 5) {
-        case 0:
-          session_.apply(SetLight{any(lights_), 2.0 * uniform(), {}});
-          break;
-        case 1:
-          session_.apply(SetMaterial{object.material, {uniform(), uniform(), uniform()}});
-          break;
-        case 2:
-          session_.apply(moved(object, static_cast<int>(10 * uniform())));
-          break;
-        case 3:
-          if (added.size() < 5) {
-            added.push_back(session_.apply(AddInstance{object.id, moved(object, 7).to_world})
-                                .added_instances.at(0));
-          } else {
-            session_.apply(RemoveInstance{added.back()});
-            added.pop_back();
-          }
-          break;
-        default:
-          session_.undo();
-          session_.redo();
-      }
-      if (step % 10 == 0) picture(camera_);
-    };
-    const int warm = edits / 10;
-    for (int i = 0; i < warm; ++i) random_edit(i);
-    const double before = current_rss_mb();
-    const Timer timer;
-    const double processor = processor_seconds();
-    for (int i = warm; i < edits; ++i) random_edit(i);
-    const double seconds = timer.seconds() / std::max(1, edits - warm);
-    BenchResult row{"random edits", edits, seconds, seconds, {}};
-    row.figures["processor_s"] = (processor_seconds() - processor) / std::max(1, edits - warm);
-    row.figures["rss_after_a_tenth_mb"] = before;
-    row.figures["rss_at_the_end_mb"] = current_rss_mb();
-    row.figures["peak_rss_mb"] = peak_rss_mb();
-    row.figures["states"] = static_cast<double>(session_.memory().states);
+    row.figures["draft_vs_together"] = error(of(drafted), of(together));
     results_.push_back(std::move(row));
   }
 

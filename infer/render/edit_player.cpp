@@ -23,20 +23,6 @@ auto at_place(const std::string& where, const Body& body) {
   }
 }
 
-void add_report(const EditReport& one, EditReport* sum) {
-  sum->version = one.version;
-  sum->scene_ms += one.scene_ms;
-  sum->bvh_ms += one.bvh_ms;
-  sum->points_ms += one.points_ms;
-  sum->light_ms += one.light_ms;
-  sum->encode_ms += one.encode_ms;
-  sum->total_ms += one.total_ms;
-  sum->encodings += one.encodings;
-  sum->layers = one.layers;
-  sum->points_drawn += one.points_drawn;
-  sum->bvh_rebuilt = sum->bvh_rebuilt || one.bvh_rebuilt;
-}
-
 const InstanceInfo& info_of(const std::vector<InstanceInfo>& instances, int id) {
   for (const InstanceInfo& info : instances) {
     if (info.id == id) return info;
@@ -88,7 +74,7 @@ void EditPlayer::happen(const EditEvent& event, EditReport* report) {
       }
     }
   };
-  add_report(at_place(event.where, [&] { return session_.apply(edit()); }), report);
+  *report += at_place(event.where, [&] { return session_.apply(edit()); });
   if (event.kind == EditEvent::Kind::RemoveLight || event.kind == EditEvent::Kind::RemoveInstance)
     removed_.insert(event.target);
 }
@@ -164,8 +150,7 @@ void EditPlayer::play_tracks(int frame, EditReport* report) {
   if (edits.empty()) return;
   const std::string& line = script_.tracks.front().where;
   // Which of them is refused the message says by its name.
-  add_report(at_place(line.substr(0, line.rfind(':')), [&] { return session_.apply(edits); }),
-             report);
+  *report += at_place(line.substr(0, line.rfind(':')), [&] { return session_.apply(edits); });
 }
 
 EditReport EditPlayer::go_to(int frame) {

@@ -111,7 +111,8 @@ std::vector<float> risk(const Halves& raw, const Halves& smooth, const BoxMean& 
 }  // namespace
 
 Image correct_by_paths(const SurfaceGuides& guides, std::span<const uint8_t> mask,
-                       const Image& answer, const Image& half_a, const Image& half_b) {
+                       const Image& answer, const Image& half_a, const Image& half_b,
+                       const std::function<void()>& check) {
   const auto is_of_size = [&](const Image& image) {
     return image.width == guides.width() && image.height == guides.height() && image.channels == 3;
   };
@@ -132,12 +133,14 @@ Image correct_by_paths(const SurfaceGuides& guides, std::span<const uint8_t> mas
   std::array<Image, kPasses + 1> corrections;
   Halves smooth = raw;
   for (int pass = 0; pass <= kPasses; ++pass) {
+    if (check) check();
     if (pass > 0) {
       const image::BilateralGuides by{&normal, &guides.position, nullptr};
       const image::BilateralOptions once{.passes = 1,
                                          .luminance_sigma = std::numeric_limits<float>::infinity(),
                                          .first_pass = pass - 1};
       smooth.a = image::bilateral_filter(smooth.a, by, once);
+      if (check) check();
       smooth.b = image::bilateral_filter(smooth.b, by, once);
     }
     const std::vector<float> now = risk(raw, smooth, mean);

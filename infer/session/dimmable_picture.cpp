@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "infer/session/state.h"
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 
@@ -13,18 +12,36 @@ namespace {
 constexpr int64_t kSumGrain = 1 << 14;
 
 /// The draft with the light of some groups alone, at gain 1.
-Draft lit_by(const Draft& draft, const std::vector<int>& groups) {
-  Draft out = draft;
-  for (size_t g = 0; g < out.settings.size(); ++g) {
+std::shared_ptr<const Draft> lit_by(const Draft& draft, const std::vector<int>& groups) {
+  auto out = std::make_shared<Draft>(draft);
+  for (size_t g = 0; g < out->settings.size(); ++g) {
     const bool shines =
         std::find(groups.begin(), groups.end(), static_cast<int>(g)) != groups.end();
-    out.settings[g].gain = shines ? 1 : 0;
-    out.settings[g].color.reset();
+    out->settings[g].gain = shines ? 1 : 0;
+    out->settings[g].color.reset();
   }
   return out;
 }
 
+/// The layer `number` of a state, its light alone.
+std::shared_ptr<const SessionState::Parts> layer_alone(const SessionState::Parts& state,
+                                                       const std::vector<int>& groups,
+                                                       size_t number) {
+  auto alone = std::make_shared<SessionState::Parts>();
+  alone->base = state.base;
+  alone->draft = lit_by(*state.draft, groups);
+  EditReport ignored;
+  const Traced traced = trace(*alone->base, *alone->draft, /*lit=*/true, &ignored);
+  alone->scene = traced.scene;
+  alone->bvh = traced.bvh;
+  alone->lights = traced.lights;
+  alone->asks_network = state.asks_network;  // decided for the whole picture
+  if (alone->asks_network) alone->layers = {{state.layers[number].layer}};
+  return alone;
+}
+
 void add_scaled(const image::Image& from, const Rgb& scale, image::Image* to) {
+  if (to->width == 0) *to = image::Image(from.width, from.height, from.channels);
   parallel_for(static_cast<int64_t>(from.pixels.size() / 3), kSumGrain,
                [&](int64_t begin, int64_t end) {
                  for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
@@ -34,42 +51,71 @@ void add_scaled(const image::Image& from, const Rgb& scale, image::Image* to) {
                });
 }
 
+bool same_layers(const std::vector<ScaledLayer>& a, const std::vector<ScaledLayer>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const ScaledLayer& s, const ScaledLayer& t) { return s.layer == t.layer; });
+}
+
 }  // namespace
 
-DimmablePicture::DimmablePicture(const StatePtr& state, const scene::Camera& camera,
-                                 RenderSettings settings)
-    : made_for_(state) {
-  LTE_CHECK(!is_geometry(settings.output), "a picture of ", enum_name(settings.output),
-            " has no light that could be dimmed");
-  settings.layers = false;
-  const SessionState::Parts& parts = state->parts();
-  for (const std::vector<int>& groups : partition(*parts.draft)) {
-    EditReport ignored;
-    auto alone = make_parts(parts.base, std::make_shared<Draft>(lit_by(*parts.draft, groups)),
-                            &parts, &ignored);
-    // Who answers is decided for the whole picture.
-    alone->asks_network = parts.asks_network;
-    if (!alone->asks_network) alone->layers.clear();
-    layers_.push_back(alone->render(camera, settings, nullptr));
+DimmablePicture::DimmablePicture(StatePtr state, Output output, int64_t pixels)
+    : made_for_(std::move(state)), output_(output) {
+  const SessionState::Parts& parts = made_for_->parts();
+  const std::vector<LightGroups> groups = layers_apart(*parts.draft);
+  const int64_t bytes = scene_bytes(*parts.scene) + pixels * int64_t{sizeof(Rgb)};
+  apart_ = !is_geometry(output) && parts.accuracy == Accuracy::Full && !groups.empty() &&
+           std::ssize(groups) * bytes <= kMostBytes;
+  if (!apart_) {
+    // The state keeps its parts.
+    layers_.push_back({std::shared_ptr<const SessionState::Parts>(made_for_, &parts), 0, {}});
+    return;
   }
-  if (layers_.empty()) layers_.push_back(parts.render(camera, settings, nullptr));  // dark
+  for (size_t i = 0; i < groups.size(); ++i)
+    layers_.push_back({layer_alone(parts, groups[i].groups, i), groups[i].groups.front(), {}});
 }
 
 bool DimmablePicture::fits(const SessionState& state) const {
+  if (!apart_) return state.version() == made_for_->version();
   const SessionState::Parts &a = made_for_->parts(), &b = state.parts();
-  return a.base == b.base && a.asks_network == b.asks_network && same_points(*a.draft, *b.draft) &&
-         partition(*a.draft) == partition(*b.draft);
+  return a.base == b.base && a.asks_network == b.asks_network && b.accuracy == Accuracy::Full &&
+         same_points(*a.draft, *b.draft) && layers_apart(*a.draft) == layers_apart(*b.draft) &&
+         same_layers(a.layers, b.layers);
 }
 
-Frame DimmablePicture::picture(const SessionState& state) const {
+void DimmablePicture::add(const scene::Camera& camera, RenderSettings settings, bool anew,
+                          StageSeconds* seconds) {
+  LTE_CHECK(settings.output == output_, "a picture of another output than the sum's");
+  settings.layers = false;
+  settings.direct_samples = std::max(1, settings.direct_samples / layers());
+  settings.spp = std::max(1, settings.spp / layers());
+  std::vector<Frame> frames;
+  *seconds = {};
+  for (const Layer& layer : layers_) {
+    StageSeconds part;
+    frames.push_back(layer.alone->render(camera, settings, &part));
+    for (const Stage& stage : kStages) seconds->*stage.seconds += part.*stage.seconds;
+  }
+  if (anew) clear();
+  for (size_t i = 0; i < layers_.size(); ++i) {
+    if (pictures_ == 0) {
+      layers_[i].sum = std::move(frames[i].color);
+    } else {
+      add_scaled(frames[i].color, {1, 1, 1}, &layers_[i].sum);
+    }
+  }
+  depth_ = std::move(frames.front().depth);
+  ++pictures_;
+}
+
+image::Image DimmablePicture::color(const SessionState& state) const {
   LTE_CHECK(fits(state), "the picture of this state is no sum of the layers that are rendered");
-  Frame out = layers_.front();
-  std::fill(out.color.pixels.begin(), out.color.pixels.end(), 0.0f);
-  const Draft& draft = *state.parts().draft;
-  const std::vector<std::vector<int>> groups = partition(draft);
-  for (size_t i = 0; i < groups.size(); ++i) {
-    const LightSetting& setting = draft.settings[static_cast<size_t>(groups[i].front())];
-    add_scaled(layers_[i].color, setting.scale(), &out.color);
+  LTE_CHECK(pictures_ > 0, "nothing has been rendered yet");
+  const float mean = 1 / static_cast<float>(pictures_);
+  image::Image out;
+  for (const Layer& layer : layers_) {
+    const auto& settings = state.parts().draft->settings;
+    const Rgb gain = apart_ ? settings[static_cast<size_t>(layer.group)].scale() : Rgb{1, 1, 1};
+    add_scaled(layer.sum, gain * mean, &out);
   }
   return out;
 }

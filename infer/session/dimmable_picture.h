@@ -1,35 +1,65 @@
-// A picture in which luminaires are dimmed and recoloured without rendering: light is linear in
-// each, and so is a picture before its exposure.
+// A picture as a sum by luminaire, in which they are dimmed and recoloured without rendering: light
+// is linear in each, and so is a picture before its exposure. It gets better picture by picture;
+// what has been rendered stays good whatever the gains.
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "infer/picture/frame.h"
 #include "infer/renderer/renderer.h"
 #include "infer/session/session.h"
+#include "infer/session/state.h"
 
 namespace lte::infer {
 
-/// For a slider that is dragged while the camera rests. Immutable once it is made; thread-safe.
+/// The mean of pictures of one camera. Copies share nothing that changes.
 class DimmablePicture {
  public:
-  /// Renders a picture for each layer of the state: the touched luminaires one by one, and the
-  /// others together.
-  /// @param settings  of an output that is light
-  /// @throws lte::Error for one that is not
-  DimmablePicture(const StatePtr& state, const scene::Camera& camera, RenderSettings settings);
+  /// Sums of more bytes than this, scenes by luminaire included, are not kept apart.
+  static constexpr int64_t kMostBytes = int64_t{256} << 20;
 
-  /// Whether the picture of `state` follows from these: it differs by gains and colours of touched
-  /// luminaires alone.
+  /// Begins without a picture. A layer is a touched luminaire or all the others together.
+  ///
+  /// There is one layer of all light, which no other gains fit, where the output has no light, the
+  /// state's is not Accuracy::Full, or the layers would take too much memory.
+  /// @param pixels  of the pictures to come
+  DimmablePicture(StatePtr state, Output output, int64_t pixels);
+
+  /// Whether it can be the picture of `state`: that differs from the one it was made for by gains
+  /// and colours of touched luminaires alone.
   bool fits(const SessionState& state) const;
+  int layers() const { return static_cast<int>(layers_.size()); }
 
-  /// The picture of `state`, which it fits(): color and depth. Its direct light is sampled layer by
+  /// Renders a picture a layer and adds it to the sums; shadow rays and paths are shared out among
+  /// the layers. What an exception of `settings.done` ends has not happened.
+  /// @param settings  of the output and the number of pixels given before
+  /// @param anew      drop the pictures before
+  /// @param seconds   set to the times of all layers' stages
+  void add(const scene::Camera& camera, RenderSettings settings, bool anew, StageSeconds* seconds);
+
+  int pictures() const { return pictures_; }  ///< in the mean
+  void clear() { pictures_ = 0; }
+
+  /// The mean as it is with the gains of `state`, which it fits(). Direct light is sampled layer by
   /// layer, so its noise is not that of SessionState::render().
-  Frame picture(const SessionState& state) const;
+  image::Image color(const SessionState& state) const;
+  /// Of the last picture.
+  const image::Image& depth() const { return depth_; }
 
  private:
+  struct Layer {
+    std::shared_ptr<const SessionState::Parts> alone;  ///< at gain 1
+    int group = 0;                                     ///< whose gain it has
+    image::Image sum;
+  };
   StatePtr made_for_;
-  std::vector<Frame> layers_;
+  Output output_;
+  bool apart_ = false;
+  std::vector<Layer> layers_;
+  image::Image depth_;
+  int pictures_ = 0;
 };
 
 }  // namespace lte::infer

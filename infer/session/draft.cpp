@@ -240,6 +240,13 @@ bool same_points(const Draft& a, const Draft& b) {
          all_same(a.settings, b.settings, same_id);
 }
 
+bool same_scene(const Draft& a, const Draft& b) {
+  const auto same_gain = [](const LightSetting& s, const LightSetting& t) {
+    return s.scale() == t.scale();
+  };
+  return same_points(a, b) && all_same(a.settings, b.settings, same_gain);
+}
+
 Bounds placed_bounds(const scene::Mesh& mesh, const Affine& to_world) {
   Bounds bounds;
   for (const auto& triangle : mesh.triangles) {

@@ -78,6 +78,9 @@ bool same_geometry(const Draft& a, const Draft& b);
 /// Whether, in addition, colours and unscaled light are the same: what scene points depend on.
 bool same_points(const Draft& a, const Draft& b);
 
+/// Whether gains and colours of luminaires are the same, too: everything that one sees.
+bool same_scene(const Draft& a, const Draft& b);
+
 /// Where surfaces are gone or new, world, if nothing but that and colours differs: no luminaire has
 /// moved, come or gone, and no surface has become black or ceased to be.
 std::optional<std::vector<Bounds>> changed_places(const scene::Scene& base, const Draft& before,

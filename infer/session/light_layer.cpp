@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "infer/light/lit_samples.h"
@@ -9,6 +10,10 @@
 
 namespace lte::infer {
 namespace {
+
+// Of Accuracy::Draft: one of so many points, and rounds of the search for light.
+constexpr int64_t kDraftShare = 2;
+constexpr int kDraftRounds = 2;
 
 std::set<int> shining_suns(const Draft& draft) {
   std::set<int> groups;
@@ -76,8 +81,14 @@ std::vector<T> groups_of(const std::vector<T>& values, size_t points,
   return out;
 }
 
+/// Multiplies the rows of [G, M] values by the gain of each group.
+void scale_rows(const std::vector<Rgb>& gains, size_t points, std::vector<Rgb>* values) {
+  for (size_t i = 0; i < values->size(); ++i) (*values)[i] *= gains[i / points];
+}
+
 data::PointLight sum_of(const pathtrace::LightEstimates& light, size_t points,
-                        const std::vector<int>& groups, const runtime::LightRequest& input) {
+                        const std::vector<int>& groups, const std::vector<Rgb>& gains,
+                        const runtime::LightRequest& input) {
   pathtrace::LightEstimates some;
   some.direct = groups_of(light.direct, points, groups);
   some.indirect = groups_of(light.indirect, points, groups);
@@ -85,6 +96,11 @@ data::PointLight sum_of(const pathtrace::LightEstimates& light, size_t points,
   some.indirect_back = groups_of(light.indirect_back, points, groups);
   some.error = groups_of(light.error, points, groups);
   some.error_back = groups_of(light.error_back, points, groups);
+  if (!gains.empty()) {
+    for (std::vector<Rgb>* values :
+         {&some.direct, &some.indirect, &some.direct_back, &some.indirect_back})
+      scale_rows(gains, points, values);
+  }
   return data::sum_groups(light_to_read(some, input), static_cast<int64_t>(groups.size()));
 }
 
@@ -92,14 +108,19 @@ data::PointLight sum_of(const pathtrace::LightEstimates& light, size_t points,
 
 GroupedPoints draw_points(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                           const runtime::Network& network, const EmbedSettings& settings,
-                          const PointsBefore& before, EditReport* report) {
+                          const PointsBefore& before, Accuracy accuracy,
+                          const std::function<void()>& check, EditReport* report) {
   const nn::ModelMetadata& model = network.metadata();
-  const int64_t count = settings.scene_points > 0 ? settings.scene_points : model.scene_points;
+  const bool whole = accuracy == Accuracy::Full;
+  const int64_t all = settings.scene_points > 0 ? settings.scene_points : model.scene_points;
+  const int64_t count = whole ? all : std::max<int64_t>(1, all / kDraftShare);
   const bool prune = settings.prune.value_or(model.scene_points_pruned);
   GroupedPoints out;
   Timer timer;
-  const pathtrace::ReachRecall recall{before.points != nullptr ? &before.points->reach : nullptr,
-                                      before.changed, &out.reach};
+  pathtrace::ReachRecall recall{before.points != nullptr ? &before.points->reach : nullptr,
+                                before.changed, &out.reach};
+  if (!whole) recall.rounds = kDraftRounds;
+  recall.check = check;
   out.surface = sample_scene_points(bvh, count, prune, settings.seed, &out.pruned, recall);
   report->points_ms += 1e3 * timer.seconds();
   report->points_drawn += std::max(out.surface.size(), out.pruned.drawn);
@@ -109,20 +130,74 @@ GroupedPoints draw_points(const pathtrace::Bvh& bvh, const pathtrace::Lights& li
   const scene::SurfaceSamples& s = out.surface;
   out.light = pathtrace::estimate_light(
       bvh, lights, s.position, s.normal, s.emission,
-      {.paths = input.paths, .max_depth = input.depth, .seed = settings.seed});
+      {.paths = input.paths, .max_depth = input.depth, .seed = settings.seed, .check = check});
   report->light_ms += 1e3 * timer.seconds();
   return out;
 }
 
-std::shared_ptr<const runtime::SceneEmbedding> encode_groups(const Draft& draft,
-                                                             const GroupedPoints& points,
-                                                             const std::vector<int>& groups,
-                                                             const runtime::Network& network,
-                                                             const EmbedSettings& settings) {
+std::vector<LightGroups> layers_apart(const Draft& draft) {
+  std::vector<LightGroups> layers(1);
+  for (size_t g = 0; g < draft.settings.size(); ++g) {
+    if (draft.settings[g].touched) {
+      layers.push_back({{static_cast<int>(g)}});
+    } else {
+      layers.front().groups.push_back(static_cast<int>(g));
+    }
+  }
+  std::erase_if(layers, [&](const LightGroups& layer) {
+    return std::all_of(layer.groups.begin(), layer.groups.end(), [&](const int group) {
+      return draft.settings[static_cast<size_t>(group)].brightness <= 0;
+    });
+  });
+  return layers;
+}
+
+std::vector<LightGroups> layers_together(const Draft& draft) {
+  LightGroups all{{}, /*as_dimmed=*/true};
+  for (size_t g = 0; g < draft.settings.size(); ++g) {
+    const LightSetting& setting = draft.settings[g];
+    if (setting.brightness > 0 && max_component(setting.scale()) > 0)
+      all.groups.push_back(static_cast<int>(g));
+  }
+  if (all.groups.empty()) return {};
+  return {all};
+}
+
+namespace {
+
+/// The numbers of a layer's luminaires and, where they are encoded as dimmed, the gains.
+std::pair<std::vector<int>, std::vector<Rgb>> lights_of(const Draft& draft,
+                                                        const LightGroups& layer) {
+  std::pair<std::vector<int>, std::vector<Rgb>> out;
+  for (const int group : layer.groups) {
+    const LightSetting& setting = draft.settings[static_cast<size_t>(group)];
+    out.first.push_back(setting.label.id);
+    if (layer.as_dimmed) out.second.push_back(setting.scale());
+  }
+  return out;
+}
+
+}  // namespace
+
+bool LightLayer::is(const Draft& draft, const LightGroups& wanted) const {
+  return lights_of(draft, wanted) == std::pair(lights, gains);
+}
+
+std::shared_ptr<const LightLayer> encode_layer(const Draft& draft,
+                                               std::shared_ptr<const GroupedPoints> drawn,
+                                               const LightGroups& wanted,
+                                               const runtime::Network& network,
+                                               const EmbedSettings& settings) {
+  auto layer = std::make_shared<LightLayer>();
+  layer->points = std::move(drawn);
+  std::tie(layer->lights, layer->gains) = lights_of(draft, wanted);
+  const GroupedPoints& points = *layer->points;
+  const std::vector<int>& groups = wanted.groups;
   const size_t count = points.surface.position.size();
   const std::vector<size_t> rows = rows_of(draft, points.surface, groups, network);
   LitSamples lit;
-  if (points.light) lit.light = sum_of(*points.light, count, groups, network.light_request());
+  if (points.light)
+    lit.light = sum_of(*points.light, count, groups, layer->gains, network.light_request());
   runtime::EncodeOptions options{settings.rescale, {}, settings.memory, settings.record_attention};
   if (rows.size() == count) {
     lit.surface = points.surface;
@@ -140,7 +215,16 @@ std::shared_ptr<const runtime::SceneEmbedding> encode_groups(const Draft& draft,
       options.origin = bounds.low;
     }
   }
-  return std::make_shared<const runtime::SceneEmbedding>(network, lit.points(), options);
+  if (wanted.as_dimmed) {
+    for (size_t i = 0; i < lit.surface.emission.size(); ++i) {
+      const int group = lit.surface.light_group[i];
+      if (group != scene::kNone)
+        lit.surface.emission[i] *= draft.settings[static_cast<size_t>(group)].scale();
+    }
+  }
+  layer->embedding =
+      std::make_shared<const runtime::SceneEmbedding>(network, lit.points(), options);
+  return layer;
 }
 
 }  // namespace lte::infer

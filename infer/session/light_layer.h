@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -22,6 +23,7 @@ namespace lte::infer {
 
 /// The points that describe a scene whose luminaires all have gain 1.
 struct GroupedPoints {
+  std::shared_ptr<const Draft> drawn_for;
   scene::SurfaceSamples surface;
   /// By light group; nothing for a network that reads no light.
   std::optional<pathtrace::LightEstimates> light;
@@ -36,25 +38,45 @@ struct PointsBefore {
 };
 
 /// Draws the points and estimates the light on them, as Renderer::embed() does.
-/// @param report  gets points_ms, light_ms and points_drawn
+/// @param accuracy  Draft or Full
+/// @param check     called now and then by any thread; what it throws ends it. May be null.
+/// @param report    gets points_ms, light_ms and points_drawn
 GroupedPoints draw_points(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                           const runtime::Network& network, const EmbedSettings& settings,
-                          const PointsBefore& before, EditReport* report);
+                          const PointsBefore& before, Accuracy accuracy,
+                          const std::function<void()>& check, EditReport* report);
+
+/// Luminaires whose light is encoded together.
+struct LightGroups {
+  std::vector<int> groups;  ///< in order, at least one
+  /// As bright as they are now, and not at gain 1: then no gain stands beside the answers.
+  bool as_dimmed = false;
+  friend bool operator==(const LightGroups&, const LightGroups&) = default;
+};
+
+/// The light groups of each layer that has light: the untouched ones together, each touched one by
+/// itself.
+std::vector<LightGroups> layers_apart(const Draft& draft);
+/// All that shine now in one layer, at their gains; none in the dark.
+std::vector<LightGroups> layers_together(const Draft& draft);
 
 /// The encoding of the light of some groups.
 struct LightLayer {
   std::shared_ptr<const GroupedPoints> points;
   std::vector<int> lights;  ///< luminaires, by their numbers
+  std::vector<Rgb> gains;   ///< of each, where they are encoded as dimmed; otherwise none
   std::shared_ptr<const runtime::SceneEmbedding> embedding;
+
+  /// Whether it is the layer of these groups of a draft.
+  bool is(const Draft& draft, const LightGroups& wanted) const;
 };
 
-/// Encodes the light of `groups` alone. The points of other luminaires are left out: in the dark
+/// Encodes the light of some groups alone. The points of other luminaires are left out: in the dark
 /// they would be surfaces whose light nobody has estimated.
-/// @param groups  in order, at least one
-std::shared_ptr<const runtime::SceneEmbedding> encode_groups(const Draft& draft,
-                                                             const GroupedPoints& points,
-                                                             const std::vector<int>& groups,
-                                                             const runtime::Network& network,
-                                                             const EmbedSettings& settings);
+std::shared_ptr<const LightLayer> encode_layer(const Draft& draft,
+                                               std::shared_ptr<const GroupedPoints> points,
+                                               const LightGroups& wanted,
+                                               const runtime::Network& network,
+                                               const EmbedSettings& settings);
 
 }  // namespace lte::infer

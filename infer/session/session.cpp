@@ -15,16 +15,6 @@ namespace {
 
 using DraftPtr = std::shared_ptr<const Draft>;
 
-int64_t bytes_of(const scene::Scene& scene) {
-  size_t bytes = 0;
-  for (const scene::Mesh& mesh : scene.meshes) {
-    bytes += mesh.positions.size() * sizeof(Vec3) +
-             mesh.triangles.size() * sizeof(mesh.triangles[0]) + mesh.colors.size() * sizeof(Rgb);
-    for (const std::vector<Vec2>& uvs : mesh.uvs) bytes += uvs.size() * sizeof(Vec2);
-  }
-  return static_cast<int64_t>(bytes);
-}
-
 /// The draft with some luminaires encoded apart; itself if they are already.
 DraftPtr touched(const DraftPtr& draft, const std::vector<int>& lights) {
   auto out = std::make_shared<Draft>(*draft);
@@ -37,7 +27,33 @@ DraftPtr touched(const DraftPtr& draft, const std::vector<int>& lights) {
   return changed ? out : draft;
 }
 
+/// What ends the work on a state that nobody waits for any more.
+struct Stopped {};
+
+std::function<void()> throwing(const Session::Stop& stop) {
+  if (!stop) return {};
+  return [&stop] {
+    if (stop()) throw Stopped();
+  };
+}
+
 }  // namespace
+
+EditReport& EditReport::operator+=(const EditReport& next) {
+  version = next.version;
+  scene_ms += next.scene_ms;
+  bvh_ms += next.bvh_ms;
+  points_ms += next.points_ms;
+  light_ms += next.light_ms;
+  encode_ms += next.encode_ms;
+  total_ms += next.total_ms;
+  encodings += next.encodings;
+  layers = next.layers;
+  points_drawn += next.points_drawn;
+  bvh_rebuilt = bvh_rebuilt || next.bvh_rebuilt;
+  accuracy = next.accuracy;
+  return *this;
+}
 
 struct Session::Implementation {
   std::shared_ptr<const SessionBase> base;
@@ -50,6 +66,7 @@ struct Session::Implementation {
   mutable std::mutex mutex;  ///< guards what follows, for moments; only edits change it
   StatePtr now;
   std::deque<DraftPtr> before, after;  ///< of undo and redo; the nearest step last
+  DraftPtr beginning;
 
   StatePtr state() const {
     const std::lock_guard lock(mutex);
@@ -61,10 +78,11 @@ struct Session::Implementation {
   /// Makes a state of the draft and puts it in the place of the one of now, and then has the steps
   /// of undo and redo changed.
   template <typename Steps>
-  void go_to(DraftPtr draft, const Timer& timer, EditReport* report, const Steps& change_steps) {
+  void go_to(DraftPtr draft, const Wanted& wanted, const Timer& timer, EditReport* report,
+             const Steps& change_steps) {
     const StatePtr last = state();
     std::unique_ptr<SessionState::Parts> made =
-        make_parts(base, std::move(draft), last ? &last->parts() : nullptr, report);
+        make_parts(base, std::move(draft), last ? &last->parts() : nullptr, wanted, report);
     made->alive = alive;
     StatePtr next(new SessionState(std::move(made)));
     report->total_ms = 1e3 * timer.seconds();
@@ -86,8 +104,8 @@ Session::Session(scene::Scene scene, std::optional<runtime::Network> network,
   Implementation& own = *implementation_;
   const Timer timer;
   own.base = std::make_shared<const SessionBase>(std::move(scene), std::move(network), settings);
-  auto draft = std::make_shared<Draft>(make_draft(own.base->scene, &own.ids));
-  own.go_to(std::move(draft), timer, &own.first, [] {});
+  own.beginning = std::make_shared<const Draft>(make_draft(own.base->scene, &own.ids));
+  own.go_to(own.beginning, {}, timer, &own.first, [] {});
 }
 
 Session::~Session() = default;
@@ -95,7 +113,7 @@ Session::~Session() = default;
 StatePtr Session::state() const { return implementation_->state(); }
 const EditReport& Session::first_report() const { return implementation_->first; }
 
-EditReport Session::apply(std::span<const Edit> edits, bool merge) {
+EditReport Session::apply(std::span<const Edit> edits, bool merge, Accuracy least) {
   Implementation& own = *implementation_;
   const std::lock_guard lock(own.edits);
   const Timer timer;
@@ -103,43 +121,69 @@ EditReport Session::apply(std::span<const Edit> edits, bool merge) {
   const DraftPtr last = own.parts(own.state()).draft;
   auto draft = std::make_shared<Draft>(*last);
   for (const Edit& edit : edits) apply_edit(edit, draft.get(), &own.ids, &report);
-  own.go_to(std::move(draft), timer, &report, [&] {
+  own.go_to(std::move(draft), {least}, timer, &report, [&] {
     own.after.clear();
     if (!merge || own.before.empty()) own.remember(last);
   });
   return report;
 }
 
-EditReport Session::apply(const Edit& edit, bool merge) {
-  return apply(std::span<const Edit>(&edit, 1), merge);
+EditReport Session::apply(const Edit& edit, bool merge, Accuracy least) {
+  return apply(std::span<const Edit>(&edit, 1), merge, least);
 }
 
-std::optional<EditReport> Session::undo() {
+std::optional<EditReport> Session::undo(Accuracy least) {
   Implementation& own = *implementation_;
   const std::lock_guard lock(own.edits);
   if (own.before.empty()) return std::nullopt;
   const Timer timer;
   EditReport report;
   const DraftPtr last = own.parts(own.state()).draft;
-  own.go_to(own.before.back(), timer, &report, [&] {
+  own.go_to(own.before.back(), {least}, timer, &report, [&] {
     own.before.pop_back();
     own.after.push_back(last);
   });
   return report;
 }
 
-std::optional<EditReport> Session::redo() {
+std::optional<EditReport> Session::redo(Accuracy least) {
   Implementation& own = *implementation_;
   const std::lock_guard lock(own.edits);
   if (own.after.empty()) return std::nullopt;
   const Timer timer;
   EditReport report;
   const DraftPtr last = own.parts(own.state()).draft;
-  own.go_to(own.after.back(), timer, &report, [&] {
+  own.go_to(own.after.back(), {least}, timer, &report, [&] {
     own.after.pop_back();
     own.remember(last);
   });
   return report;
+}
+
+std::optional<EditReport> Session::reset(Accuracy least) {
+  Implementation& own = *implementation_;
+  const std::lock_guard lock(own.edits);
+  const DraftPtr last = own.parts(own.state()).draft;
+  if (same_scene(*last, *own.beginning)) return std::nullopt;
+  const Timer timer;
+  EditReport report;
+  own.go_to(own.beginning, {least}, timer, &report, [&] {
+    own.after.clear();
+    own.remember(last);
+  });
+  return report;
+}
+
+bool Session::remembers(int instance) const {
+  const Implementation& own = *implementation_;
+  const auto has = [&](const DraftPtr& draft) {
+    return std::any_of(draft->instance_labels.begin(), draft->instance_labels.end(),
+                       [&](const Label& label) { return label.id == instance; });
+  };
+  const std::lock_guard lock(own.mutex);
+  return has(own.parts(own.now).draft) || has(own.beginning) ||
+         std::any_of(own.before.begin(), own.before.end(), has) ||
+         std::any_of(own.after.begin(), own.after.end(), has);
 }
 
 bool Session::can_undo() const {
@@ -152,7 +196,22 @@ bool Session::can_redo() const {
   return !implementation_->after.empty();
 }
 
-EditReport Session::separate(std::span<const int> lights) {
+std::optional<EditReport> Session::refine(Accuracy to, const Stop& stop) {
+  Implementation& own = *implementation_;
+  const std::lock_guard lock(own.edits);
+  const StatePtr last = own.state();
+  if (last->accuracy() >= to) return std::nullopt;
+  const Timer timer;
+  EditReport report;
+  try {
+    own.go_to(own.parts(last).draft, {to, throwing(stop)}, timer, &report, [] {});
+  } catch (const Stopped&) {
+    return std::nullopt;
+  }
+  return report;
+}
+
+std::optional<EditReport> Session::separate(std::span<const int> lights, const Stop& stop) {
   Implementation& own = *implementation_;
   const std::lock_guard lock(own.edits);
   const Timer timer;
@@ -163,11 +222,16 @@ EditReport Session::separate(std::span<const int> lights) {
   if (wanted.empty()) {
     for (const LightSetting& setting : last->settings) wanted.push_back(setting.label.id);
   }
-  own.go_to(touched(last, wanted), timer, &report, [&] {
-    for (std::deque<DraftPtr>* steps : {&own.before, &own.after}) {
-      for (DraftPtr& step : *steps) step = touched(step, wanted);
-    }
-  });
+  try {
+    own.go_to(touched(last, wanted), {Accuracy::Full, throwing(stop)}, timer, &report, [&] {
+      own.beginning = touched(own.beginning, wanted);
+      for (std::deque<DraftPtr>* steps : {&own.before, &own.after}) {
+        for (DraftPtr& step : *steps) step = touched(step, wanted);
+      }
+    });
+  } catch (const Stopped&) {
+    return std::nullopt;
+  }
   return report;
 }
 
@@ -179,16 +243,21 @@ AnswerChange Session::change_against_fresh(const runtime::QueryPoints& queries) 
   const SessionState::Parts& parts = own.parts(state);
   const auto base =
       std::make_shared<const SessionBase>(own.base->scene, own.base->network, own.base->settings);
-  const std::vector<Rgb> fresh = make_parts(base, parts.draft, nullptr, &ignored)->answer(queries);
+  const std::vector<Rgb> fresh =
+      make_parts(base, parts.draft, nullptr, {}, &ignored)->answer(queries);
   AnswerChange change;
-  double sum = 0;
+  double sum = 0, squares = 0, squares_off = 0;
   for (size_t i = 0; i < here.size(); ++i) {
     for (int c = 0; c < 3; ++c) {
-      change.largest = std::max(change.largest, std::fabs(double{here[i][c]} - fresh[i][c]));
+      const double off = double{here[i][c]} - fresh[i][c];
+      change.largest = std::max(change.largest, std::fabs(off));
+      squares_off += off * off;
+      squares += double{fresh[i][c]} * fresh[i][c];
       sum += double{fresh[i][c]} / (3.0 * static_cast<double>(here.size()));
     }
   }
   change.relative = sum > 0 ? change.largest / sum : change.largest;
+  change.rms = squares > 0 ? std::sqrt(squares_off / squares) : std::sqrt(squares_off);
   return change;
 }
 
@@ -197,7 +266,7 @@ SessionMemory Session::memory() const {
   SessionMemory out;
   const StatePtr state = own.state();
   const SessionState::Parts& parts = own.parts(state);
-  out.scene_bytes = bytes_of(*parts.scene);
+  out.scene_bytes = scene_bytes(*parts.scene);
   for (const ScaledLayer& each : parts.layers)
     out.embedding_bytes += each.layer->embedding->info().bytes;
   out.states = own.alive.use_count() - 1;

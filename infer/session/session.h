@@ -12,10 +12,13 @@
 //
 // The answers depend on the scene as edited and on which luminaires have been touched, not on the
 // way there.
+//
+// Who cannot wait for an encoding takes less accurate light first (Accuracy) and has it refined.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -25,6 +28,7 @@
 #include "infer/picture/frame.h"
 #include "infer/renderer/renderer.h"
 #include "infer/session/edit.h"
+#include "lte/base/enum_names.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/runtime/network.h"
 #include "lte/runtime/points.h"
@@ -40,6 +44,18 @@ struct SessionSettings {
   int undo_steps = 100;  ///< that are kept
 };
 
+/// How much of the edits a state's indirect light knows. Surfaces and direct light are those of the
+/// scene as edited, whatever this is.
+enum class Accuracy {
+  Kept,   ///< what the network said before the last edits, at the surfaces of now
+  Draft,  ///< half the scene points, a quicker search for those in the light, and all luminaires in
+          ///< one encoding
+  Full,   ///< all of it: what a fresh session says
+};
+constexpr EnumNames<Accuracy, 3> enum_names(Accuracy) {
+  return {{{Accuracy::Kept, "kept"}, {Accuracy::Draft, "draft"}, {Accuracy::Full, "full"}}};
+}
+
 /// What was redone for an edit, and the wall-clock milliseconds of it; 0 where nothing was.
 struct EditReport {
   uint64_t version = 0;  ///< of the state that holds the edit
@@ -53,9 +69,13 @@ struct EditReport {
   int layers = 0;            ///< that answers are summed over: touched luminaires, and the others
   int64_t points_drawn = 0;  ///< scene points that were drawn anew
   bool bvh_rebuilt = false;
+  Accuracy accuracy = Accuracy::Full;  ///< of the state
   /// Numbers that AddInstance and AddLight gave, in the order of the edits; kNone if there are none
   /// of the kind (a punctual light has no instance).
   std::vector<int> added_instances, added_lights;
+
+  /// Adds what was redone next. What was added stays that of each report.
+  EditReport& operator+=(const EditReport& next);
 };
 
 enum class LuminaireKind { Surface, Point, Spot, Directional, Environment };
@@ -109,6 +129,7 @@ class SessionState {
   uint64_t version() const;
   /// States of equal numbers have the same surfaces in the same places.
   uint64_t geometry_version() const;
+  Accuracy accuracy() const;
   /// The scene as edited, gains and colours included. Its indices are not the session's numbers.
   const scene::Scene& scene() const;
   const pathtrace::Bvh& bvh() const;
@@ -164,11 +185,12 @@ using StatePtr = std::shared_ptr<const SessionState>;
 struct AnswerChange {
   double largest = 0;   ///< of a component of irradiance, W/m²
   double relative = 0;  ///< that over the mean irradiance
+  double rms = 0;       ///< root mean square of the difference over that of the irradiance
 };
 
 /// Bytes and objects that a session holds.
 struct SessionMemory {
-  int64_t scene_bytes = 0;      ///< meshes and textures of the state of now
+  int64_t scene_bytes = 0;      ///< meshes of the state of now
   int64_t embedding_bytes = 0;  ///< of all its layers
   int64_t undo_steps = 0, redo_steps = 0;
   int64_t undo_bytes = 0;
@@ -197,19 +219,34 @@ class Session {
   ///
   /// @param merge  the step goes on with the one before, as while a slider is dragged: one undo()
   ///               takes both back
+  /// @param least  what the state is to have. It is more accurate where that costs no points and no
+  ///               encoding, and where there is nothing to keep.
   /// @throws lte::Error naming the number that does not exist, or the value that is out of range
-  EditReport apply(std::span<const Edit> edits, bool merge = false);
-  EditReport apply(const Edit& edit, bool merge = false);
+  EditReport apply(std::span<const Edit> edits, bool merge = false,
+                   Accuracy least = Accuracy::Full);
+  EditReport apply(const Edit& edit, bool merge = false, Accuracy least = Accuracy::Full);
 
   /// Takes the last step back, or makes it again. Nothing where there is none.
-  std::optional<EditReport> undo();
-  std::optional<EditReport> redo();
+  std::optional<EditReport> undo(Accuracy least = Accuracy::Full);
+  std::optional<EditReport> redo(Accuracy least = Accuracy::Full);
   bool can_undo() const;
   bool can_redo() const;
+  /// Takes all edits back, as one step. Nothing where the scene is as it began.
+  std::optional<EditReport> reset(Accuracy least = Accuracy::Full);
+  /// Whether an instance is in the scene of now, or comes back by undo(), redo() or reset().
+  bool remembers(int instance) const;
+
+  /// Asked now and then by any thread; true ends what is under way, and nothing has changed.
+  using Stop = std::function<bool()>;
+
+  /// Makes the light of now more accurate: `to` at least. No step of undo().
+  /// @return  nothing if it is so already, or `stop` has ended it
+  std::optional<EditReport> refine(Accuracy to = Accuracy::Full, const Stop& stop = {});
 
   /// Encodes luminaires apart before they are dimmed, so that the first dimming takes no longer
   /// than the next: all that are lit, if `lights` is empty. No step of undo().
-  EditReport separate(std::span<const int> lights = {});
+  /// @return  nothing if `stop` has ended it
+  std::optional<EditReport> separate(std::span<const int> lights = {}, const Stop& stop = {});
 
   /// The largest difference between the answers of now and those of a session that begins with the
   /// scene as edited. Costs as much as making one.

@@ -28,6 +28,9 @@ LuminaireKind kind_of(scene::LightKind kind) {
   }
 }
 
+/// Answers between two looks at whether a picture is still wanted: some 10 ms of two cores.
+constexpr size_t kAnswersAtOnce = 1024;
+
 Rgb color_of(const LightSetting& setting) {
   return setting.color ? *setting.color : setting.hue.value_or(Rgb{1, 1, 1});
 }
@@ -58,6 +61,7 @@ SessionState::~SessionState() = default;
 
 uint64_t SessionState::version() const { return parts_->version; }
 uint64_t SessionState::geometry_version() const { return parts_->geometry_version; }
+Accuracy SessionState::accuracy() const { return parts_->accuracy; }
 const scene::Scene& SessionState::scene() const { return *parts_->scene; }
 const pathtrace::Bvh& SessionState::bvh() const { return *parts_->bvh; }
 bool SessionState::has_light() const { return !parts_->lights->empty(); }
@@ -155,16 +159,26 @@ Frame SessionState::Parts::render(const scene::Camera& camera, RenderSettings se
   if (!layers.empty()) {
     renderer.set_embedding(layers.front().layer->embedding);
     const bool plain = layers.size() == 1 && layers.front().scale == Rgb{1, 1, 1};
-    if (!plain) {
-      settings.answerer = [this](std::span<const gi::Query> queries) {
-        std::vector<Vec3> position, normal;
-        std::vector<Rgb> albedo;
-        for (const gi::Query& query : queries) {
-          position.push_back(query.position);
-          normal.push_back(query.normal);
-          albedo.push_back(query.albedo);
+    if (!plain || settings.done) {
+      // Blocks, between which a picture that nobody waits for can be ended.
+      settings.answerer = [this, &told = settings.done](std::span<const gi::Query> queries) {
+        std::vector<Rgb> answers;
+        answers.reserve(queries.size());
+        while (!queries.empty()) {
+          const size_t block =
+              told ? std::min<size_t>(kAnswersAtOnce, queries.size()) : queries.size();
+          QuerySet set;
+          for (const gi::Query& query : queries.first(block)) {
+            set.position.push_back(query.position);
+            set.normal.push_back(query.normal);
+            set.albedo.push_back(query.albedo);
+          }
+          const std::vector<Rgb> part = answer({set.position, set.normal, set.albedo});
+          answers.insert(answers.end(), part.begin(), part.end());
+          queries = queries.subspan(block);
+          if (told) told(0);
         }
-        return answer({position, normal, albedo});
+        return answers;
       };
     }
   }

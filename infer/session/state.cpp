@@ -16,12 +16,138 @@ std::vector<int> tree_of_mesh(const Draft& draft) {
   return out;
 }
 
-/// A scene with its tree and lights.
-struct Traced {
-  std::shared_ptr<const scene::Scene> scene;
-  std::shared_ptr<const pathtrace::Bvh> bvh;
-  std::shared_ptr<const pathtrace::Lights> lights;
+bool is_scaled(const Draft& draft) {
+  return std::any_of(draft.settings.begin(), draft.settings.end(),
+                     [](const LightSetting& s) { return s.gain != 1 || s.color.has_value(); });
+}
+
+std::shared_ptr<const LightLayer> find_layer(const SessionState::Parts* before,
+                                             const std::shared_ptr<const GroupedPoints>& points,
+                                             const Draft& draft, const LightGroups& wanted) {
+  if (before == nullptr) return nullptr;
+  for (const ScaledLayer& each : before->layers) {
+    if (each.layer->points == points && each.layer->is(draft, wanted)) return each.layer;
+  }
+  return nullptr;
+}
+
+/// Whether points describe a scene: drawn for it or one that differs by gains and colours alone.
+bool fit(const std::shared_ptr<const GroupedPoints>& points, const Draft& draft) {
+  return points != nullptr && same_points(*points->drawn_for, draft);
+}
+
+/// Finds the light of a state whose scene is there.
+class Lighting {
+ public:
+  Lighting(const SessionState::Parts* before, const Wanted& wanted, SessionState::Parts* parts,
+           EditReport* report)
+      : before_(before),
+        wanted_(wanted),
+        parts_(*parts),
+        draft_(*parts->draft),
+        network_(*parts->base->network),
+        report_(*report) {}
+
+  void run() {
+    const std::vector<LightGroups> apart = layers_apart(draft_);
+    if (apart.empty()) return;
+    if (before_ != nullptr) {
+      parts_.full_points = before_->full_points;
+      parts_.draft_points = before_->draft_points;
+    }
+    const bool known = fit(parts_.full_points, draft_);
+    const bool free = known && std::all_of(apart.begin(), apart.end(), [&](const auto& layer) {
+                        return find_layer(before_, parts_.full_points, draft_, layer) != nullptr;
+                      });
+    const bool keeps = before_ != nullptr && !before_->layers.empty();
+    if (wanted_.least == Accuracy::Full || free) {
+      make(Accuracy::Full, apart, &parts_.full_points);
+    } else if (wanted_.least == Accuracy::Kept && keeps) {
+      keep_layers();
+    } else if (known) {
+      make(Accuracy::Full, apart, &parts_.full_points);
+    } else {
+      make(Accuracy::Draft, layers_together(draft_), &parts_.draft_points);
+    }
+  }
+
+ private:
+  void make(Accuracy accuracy, const std::vector<LightGroups>& layers,
+            std::shared_ptr<const GroupedPoints>* points) {
+    parts_.accuracy = accuracy;
+    if (!fit(*points, draft_)) *points = draw(accuracy, *points);
+    for (const LightGroups& groups : layers) {
+      std::shared_ptr<const LightLayer> layer = find_layer(before_, *points, draft_, groups);
+      if (layer == nullptr) {
+        if (wanted_.check) wanted_.check();
+        const Timer timer;
+        layer = encode_layer(draft_, *points, groups, network_, parts_.base->settings.embedding);
+        report_.encode_ms += 1e3 * timer.seconds();
+        ++report_.encodings;
+      }
+      const LightSetting& setting = draft_.settings[static_cast<size_t>(groups.groups.front())];
+      parts_.layers.push_back(
+          {std::move(layer), groups.as_dimmed ? Rgb{1, 1, 1} : setting.scale()});
+    }
+  }
+
+  std::shared_ptr<const GroupedPoints> draw(Accuracy accuracy,
+                                            const std::shared_ptr<const GroupedPoints>& last) {
+    const Traced at_gain_1 = is_scaled(draft_)
+                                 ? trace(*parts_.base, draft_, /*lit=*/false, &report_)
+                                 : Traced{parts_.scene, parts_.bvh, parts_.lights};
+    PointsBefore recalled;
+    if (last != nullptr) {
+      if (auto changed = changed_places(parts_.base->scene, *last->drawn_for, draft_))
+        recalled = {last.get(), std::move(*changed)};
+    }
+    auto points = std::make_shared<GroupedPoints>(
+        draw_points(*at_gain_1.bvh, *at_gain_1.lights, network_, parts_.base->settings.embedding,
+                    recalled, accuracy, wanted_.check, &report_));
+    points->drawn_for = parts_.draft;
+    return points;
+  }
+
+  /// Those of before, but for luminaires that have gone. One that has a layer of its own is as
+  /// bright as it is now.
+  void keep_layers() {
+    parts_.accuracy = Accuracy::Kept;
+    const auto setting_of = [&](int light) {
+      return std::find_if(draft_.settings.begin(), draft_.settings.end(),
+                          [&](const LightSetting& s) { return s.label.id == light; });
+    };
+    for (ScaledLayer kept : before_->layers) {
+      const std::vector<int>& lights = kept.layer->lights;
+      const bool gone = std::all_of(lights.begin(), lights.end(), [&](const int light) {
+        return setting_of(light) == draft_.settings.end();
+      });
+      if (gone) continue;
+      if (lights.size() == 1 && kept.layer->gains.empty())
+        kept.scale = setting_of(lights.front())->scale();
+      parts_.layers.push_back(std::move(kept));
+    }
+    if (parts_.layers.empty()) make(Accuracy::Draft, layers_together(draft_), &parts_.draft_points);
+  }
+
+  const SessionState::Parts* before_;
+  const Wanted& wanted_;
+  SessionState::Parts& parts_;
+  const Draft& draft_;
+  const runtime::Network& network_;
+  EditReport& report_;
 };
+
+}  // namespace
+
+int64_t scene_bytes(const scene::Scene& scene) {
+  size_t bytes = 0;
+  for (const scene::Mesh& mesh : scene.meshes) {
+    bytes += mesh.positions.size() * sizeof(Vec3) +
+             mesh.triangles.size() * sizeof(mesh.triangles[0]) + mesh.colors.size() * sizeof(Rgb);
+    for (const std::vector<Vec2>& uvs : mesh.uvs) bytes += uvs.size() * sizeof(Vec2);
+  }
+  return static_cast<int64_t>(bytes);
+}
 
 Traced trace(const SessionBase& base, const Draft& draft, bool lit, EditReport* report) {
   Traced out;
@@ -37,65 +163,6 @@ Traced trace(const SessionBase& base, const Draft& draft, bool lit, EditReport* 
   return out;
 }
 
-bool is_scaled(const Draft& draft) {
-  return std::any_of(draft.settings.begin(), draft.settings.end(),
-                     [](const LightSetting& s) { return s.gain != 1 || s.color.has_value(); });
-}
-
-std::shared_ptr<const LightLayer> find_layer(const SessionState::Parts* before,
-                                             const std::shared_ptr<const GroupedPoints>& points,
-                                             const std::vector<int>& lights) {
-  if (before == nullptr) return nullptr;
-  for (const ScaledLayer& each : before->layers) {
-    if (each.layer->points == points && each.layer->lights == lights) return each.layer;
-  }
-  return nullptr;
-}
-
-void add_layers(const std::vector<std::vector<int>>& partition, const SessionState::Parts* before,
-                SessionState::Parts* parts, EditReport* report) {
-  const Draft& draft = *parts->draft;
-  for (const std::vector<int>& groups : partition) {
-    std::vector<int> lights;
-    for (const int group : groups)
-      lights.push_back(draft.settings[static_cast<size_t>(group)].label.id);
-    std::shared_ptr<const LightLayer> layer = find_layer(before, parts->points, lights);
-    if (layer == nullptr) {
-      const Timer timer;
-      auto made = std::make_shared<LightLayer>();
-      made->points = parts->points;
-      made->lights = std::move(lights);
-      made->embedding = encode_groups(draft, *parts->points, groups, *parts->base->network,
-                                      parts->base->settings.embedding);
-      layer = std::move(made);
-      report->encode_ms += 1e3 * timer.seconds();
-      ++report->encodings;
-    }
-    const LightSetting& setting = draft.settings[static_cast<size_t>(groups.front())];
-    parts->layers.push_back({std::move(layer), setting.scale()});
-  }
-  report->layers = static_cast<int>(parts->layers.size());
-}
-
-}  // namespace
-
-std::vector<std::vector<int>> partition(const Draft& draft) {
-  std::vector<std::vector<int>> parts(1);
-  for (size_t g = 0; g < draft.settings.size(); ++g) {
-    if (draft.settings[g].touched) {
-      parts.push_back({static_cast<int>(g)});
-    } else {
-      parts.front().push_back(static_cast<int>(g));
-    }
-  }
-  std::erase_if(parts, [&](const std::vector<int>& groups) {
-    return std::all_of(groups.begin(), groups.end(), [&](const int group) {
-      return draft.settings[static_cast<size_t>(group)].brightness <= 0;
-    });
-  });
-  return parts;
-}
-
 SessionBase::SessionBase(scene::Scene first, std::optional<runtime::Network> with,
                          SessionSettings how)
     : scene(std::move(first)),
@@ -106,12 +173,14 @@ SessionBase::SessionBase(scene::Scene first, std::optional<runtime::Network> wit
 std::unique_ptr<SessionState::Parts> make_parts(std::shared_ptr<const SessionBase> base,
                                                 std::shared_ptr<const Draft> draft,
                                                 const SessionState::Parts* before,
-                                                EditReport* report) {
+                                                const Wanted& wanted, EditReport* report) {
   auto parts = std::make_unique<SessionState::Parts>();
   parts->base = std::move(base);
   parts->draft = std::move(draft);
   const Draft& now = *parts->draft;
-  Traced shown = trace(*parts->base, now, /*lit=*/true, report);
+  const bool refines = before != nullptr && before->draft == parts->draft;
+  const Traced shown = refines ? Traced{before->scene, before->bvh, before->lights}
+                               : trace(*parts->base, now, /*lit=*/true, report);
   parts->scene = shown.scene;
   parts->bvh = shown.bvh;
   parts->lights = shown.lights;
@@ -121,27 +190,11 @@ std::unique_ptr<SessionState::Parts> make_parts(std::shared_ptr<const SessionBas
   parts->version = (before != nullptr ? before->version : 0) + 1;
   report->version = parts->version;
   const std::optional<runtime::Network>& network = parts->base->network;
-  const bool known = network && (parts->base->settings.untrained_light ||
-                                 !has_untrained_light(*parts->scene, network->metadata()));
-  parts->asks_network = known;
-  if (!known) return parts;
-  const std::vector<std::vector<int>> layers = partition(now);
-  if (layers.empty()) return parts;
-  if (before != nullptr && before->points != nullptr && same_points(*before->draft, now)) {
-    parts->points = before->points;
-  } else {
-    const Traced at_gain_1 =
-        is_scaled(now) ? trace(*parts->base, now, /*lit=*/false, report) : std::move(shown);
-    PointsBefore points;
-    if (before != nullptr && before->points != nullptr) {
-      if (auto changed = changed_places(parts->base->scene, *before->draft, now))
-        points = {before->points.get(), std::move(*changed)};
-    }
-    parts->points = std::make_shared<const GroupedPoints>(
-        draw_points(*at_gain_1.bvh, *at_gain_1.lights, *network, parts->base->settings.embedding,
-                    points, report));
-  }
-  add_layers(layers, before, parts.get(), report);
+  parts->asks_network = network && (parts->base->settings.untrained_light ||
+                                    !has_untrained_light(*parts->scene, network->metadata()));
+  if (parts->asks_network) Lighting(before, wanted, parts.get(), report).run();
+  report->layers = static_cast<int>(parts->layers.size());
+  report->accuracy = parts->accuracy;
   return parts;
 }
 

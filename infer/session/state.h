@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -38,9 +39,12 @@ struct SessionState::Parts {
   std::shared_ptr<const scene::Scene> scene;  ///< with gains and colours
   std::shared_ptr<const pathtrace::Bvh> bvh;
   std::shared_ptr<const pathtrace::Lights> lights;
-  std::shared_ptr<const GroupedPoints> points;  ///< null unless the network answers
-  std::vector<ScaledLayer> layers;              ///< none unless the network answers
+  /// The last that were drawn of each accuracy, perhaps for a scene before this one; null at first
+  /// and unless the network answers.
+  std::shared_ptr<const GroupedPoints> full_points, draft_points;
+  std::vector<ScaledLayer> layers;  ///< none unless the network answers
   bool asks_network = false;
+  Accuracy accuracy = Accuracy::Full;
   uint64_t version = 0, geometry_version = 0;
   std::shared_ptr<const int> alive;  ///< counts the states of a session
 
@@ -50,9 +54,25 @@ struct SessionState::Parts {
   Frame render(const scene::Camera& camera, RenderSettings settings, StageSeconds* seconds) const;
 };
 
-/// The light groups of each layer that has light: the untouched ones together, each touched one by
-/// itself.
-std::vector<std::vector<int>> partition(const Draft& draft);
+/// Of the meshes, which each state has its own copy of.
+int64_t scene_bytes(const scene::Scene& scene);
+
+/// A scene with its tree and lights.
+struct Traced {
+  std::shared_ptr<const scene::Scene> scene;
+  std::shared_ptr<const pathtrace::Bvh> bvh;
+  std::shared_ptr<const pathtrace::Lights> lights;
+};
+
+/// @param lit     as in make_scene()
+/// @param report  gets scene_ms and bvh_ms
+Traced trace(const SessionBase& base, const Draft& draft, bool lit, EditReport* report);
+
+/// What make_parts() is asked for.
+struct Wanted {
+  Accuracy least = Accuracy::Full;
+  std::function<void()> check = {};  ///< called now and then by any thread; may throw, may be null
+};
 
 /// Makes what a draft needs that `before` has not got.
 /// @param before  null for all of it
@@ -60,6 +80,6 @@ std::vector<std::vector<int>> partition(const Draft& draft);
 std::unique_ptr<SessionState::Parts> make_parts(std::shared_ptr<const SessionBase> base,
                                                 std::shared_ptr<const Draft> draft,
                                                 const SessionState::Parts* before,
-                                                EditReport* report);
+                                                const Wanted& wanted, EditReport* report);
 
 }  // namespace lte::infer

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <memory>
 #include <optional>
-#include <string>
 
+#include "infer/session/draft.h"
 #include "infer/view/replies.h"
 #include "infer/view/scratch_folder.h"
 #include "infer/view/session_scene.h"
@@ -18,6 +17,10 @@ namespace {
 
 /// What a page can be sent at most.
 constexpr size_t kMostSceneBytes = size_t{256} << 20;
+/// Without a request, before all light of an edit is found.
+constexpr std::chrono::milliseconds kEditsRest(150);
+/// While edits follow one another, the light follows at least so often.
+constexpr double kLightSeconds = 0.4;
 
 bool one_step(const Pending& a, const Pending& b) {
   const auto* first = std::get_if<MakeEdit>(&a.request);
@@ -28,15 +31,19 @@ bool one_step(const Pending& a, const Pending& b) {
 
 }  // namespace
 
-Editor::Editor(Session* session, const SceneDescription* scene, Pages* pages,
-               std::function<void()> changed)
-    : session_(session), scene_(scene), pages_(pages), changed_(std::move(changed)) {
+Editor::Editor(Session* session, Pages* pages, std::function<void()> changed)
+    : session_(session), pages_(pages), changed_(std::move(changed)) {
   made_.state = session_->state();
-  loaded_ = settings_of(*made_.state, *scene_);
-  thread_ = std::thread([this] { run(); });
+  objects_ = list_objects(*made_.state);
+  next_ = next_after(*made_.state);
+  describe();
 }
 
 Editor::~Editor() { stop(); }
+
+void Editor::start() {
+  thread_ = std::thread([this] { run(); });
+}
 
 void Editor::stop() {
   stopping_ = true;
@@ -54,13 +61,65 @@ Editor::Made Editor::made() const {
 }
 
 std::string Editor::scene_text() const {
-  return scene_reply(*scene_, settings_of(*made().state, *scene_), undo_steps());
+  const Made now = made();
+  return scene_reply(*now.scene, settings_of(*now.state, *now.scene), undo_steps());
 }
 
 UndoSteps Editor::undo_steps() const { return {session_->can_undo(), session_->can_redo()}; }
 
+/// Lists the scene anew, and forgets objects that cannot come back.
+void Editor::describe() {
+  std::erase_if(objects_, [&](const ObjectDescription& object) {
+    return std::none_of(object.instances.begin(), object.instances.end(),
+                        [&](const int id) { return session_->remembers(id); });
+  });
+  const StatePtr state = session_->state();
+  auto scene = std::make_shared<const SceneDescription>(describe_scene(*state, objects_));
+  const std::lock_guard lock(mutex_);
+  made_.state = state;
+  made_.scene = std::move(scene);
+}
+
+/// @param handled  messages that are in the state of now; null for those before
+void Editor::publish(const std::map<int, int64_t>* handled) {
+  const StatePtr state = session_->state();
+  {
+    const std::lock_guard lock(mutex_);
+    made_.state = state;
+    if (handled != nullptr) made_.handled = *handled;
+    made_.settled = next_ == Next::Nothing || next_ == Next::Separation;
+  }
+  changed_();
+}
+
+Editor::Next Editor::next_after(const SessionState& state) const {
+  if (state.accuracy() == Accuracy::Kept) return Next::DraftLight;
+  if (state.accuracy() == Accuracy::Draft) return Next::FullLight;
+  if (!state.has_network()) return Next::Nothing;
+  const std::vector<LuminaireInfo> lights = state.luminaires();
+  const auto shines = [](const LuminaireInfo& light) { return light.brightness > 0; };
+  const auto open = [&](const LuminaireInfo& light) { return shines(light) && !light.touched; };
+  return std::count_if(lights.begin(), lights.end(), shines) <= kMostApart &&
+                 std::any_of(lights.begin(), lights.end(), open)
+             ? Next::Separation
+             : Next::Nothing;
+}
+
 void Editor::run() {
-  while (!stopping_) work(inbox_.take(Inbox::kAnyTime));
+  while (!stopping_) {
+    // A hand that never rests sees new light all the same.
+    const bool due = is_light_due();
+    const auto wait = due || next_ == Next::DraftLight ? Inbox::kNoWait
+                      : next_ == Next::Nothing         ? Inbox::kAnyTime
+                                                       : kEditsRest;
+    const Inbox::Batch batch = due ? Inbox::Batch() : inbox_.take(wait);
+    if (stopping_) return;
+    if (batch.requests.empty()) {
+      improve();
+    } else {
+      work(batch);
+    }
+  }
 }
 
 void Editor::work(const Inbox::Batch& batch) {
@@ -70,25 +129,30 @@ void Editor::work(const Inbox::Batch& batch) {
       ++last;
     const int client = batch.requests[first].client;
     try {
-      const std::span<const Pending> step = std::span(batch.requests).subspan(first, last - first);
-      if (std::holds_alternative<MakeEdit>(step.front().request)) {
-        make(step);
-      } else if (std::holds_alternative<Save>(step.front().request)) {
-        save(client);
-      } else {
-        turn_back(step.front());
-      }
+      answer(std::span(batch.requests).subspan(first, last - first));
     } catch (const std::exception& error) {
       pages_->tell(client, error_reply(first_line(error.what())));
       pages_->tell(client, scene_text());  // what the page shows already has not happened
     }
     first = last;
   }
-  {
-    const std::lock_guard lock(mutex_);
-    made_ = {session_->state(), batch.last_number};
-  }
-  changed_();
+  const Next next = next_after(*session_->state());
+  if (next == Next::DraftLight && next_ != Next::DraftLight) kept_.restart();
+  next_ = next;
+  publish(&batch.last_number);
+}
+
+bool Editor::is_light_due() const {
+  return next_ == Next::DraftLight && kept_.seconds() > kLightSeconds;
+}
+
+void Editor::answer(std::span<const Pending> step) {
+  const Request& request = step.front().request;
+  if (is_any<MakeEdit>(request)) return make(step);
+  if (is_any<Save>(request)) return save(step.front().client);
+  last_gesture_ = {};
+  if (is_any<Undo, Redo, Reset>(request)) return turn_back(step.front());
+  restructure(step.front());
 }
 
 void Editor::make(std::span<const Pending> edits) {
@@ -97,42 +161,73 @@ void Editor::make(std::span<const Pending> edits) {
   const std::pair<int, int64_t> gesture{edits.front().client,
                                         std::get<MakeEdit>(edits.front().request).gesture};
   const bool merge = gesture.second != 0 && gesture == last_gesture_;
-  const EditReport report = session_->apply(session_edits(settings, *scene_), merge);
+  const EditReport report =
+      session_->apply(session_edits(settings, *made().scene), merge, Accuracy::Kept);
   last_gesture_ = gesture;
   ++steps_;
   pages_->tell_all(edits_reply(gesture.first, settings, cost_of(report), undo_steps()));
 }
 
+/// Adds or removes something.
+void Editor::restructure(const Pending& pending) {
+  const Made before = made();
+  const EditReport report =
+      session_->apply(session_edits(pending.request, *session_->state(), *before.scene),
+                      /*merge=*/false, Accuracy::Kept);
+  Added added;
+  if (const auto* copy = std::get_if<CopyObject>(&pending.request)) {
+    std::vector<std::string> taken;
+    std::string name;
+    for (const ObjectDescription& object : objects_) {
+      taken.push_back(object.name);
+      if (object.id == copy->object) name = object.name;
+    }
+    objects_.push_back(
+        describe_object(*session_->state(), report.added_instances, unused_name(name, taken)));
+    added.object = objects_.back().id;
+  } else if (std::holds_alternative<AddLamp>(pending.request)) {
+    added.light = report.added_lights.front();
+  }
+  announce(report);
+  if (added.object >= 0 || added.light >= 0) pages_->tell(pending.client, added_reply(added));
+}
+
 void Editor::turn_back(const Pending& pending) {
-  last_gesture_ = {};
   std::optional<EditReport> report;
   if (std::holds_alternative<Undo>(pending.request)) {
-    report = session_->undo();
+    report = session_->undo(Accuracy::Kept);
   } else if (std::holds_alternative<Redo>(pending.request)) {
-    report = session_->redo();
+    report = session_->redo(Accuracy::Kept);
   } else {
-    return reset();
+    report = session_->reset(Accuracy::Kept);
   }
   if (report) announce(*report);
 }
 
-void Editor::reset() {
-  const std::vector<PageEdit> now = settings_of(*session_->state(), *scene_);
-  std::vector<PageEdit> back;
-  for (const PageEdit& setting : loaded_) {
-    if (std::find(now.begin(), now.end(), setting) == now.end()) back.push_back(setting);
-  }
-  if (!back.empty()) announce(session_->apply(session_edits(back, *scene_)));
-}
-
 void Editor::announce(const EditReport& report) {
   ++steps_;
-  {
-    const std::lock_guard lock(mutex_);
-    made_.state = session_->state();
-  }
+  describe();
   pages_->tell_all(scene_text());
   pages_->tell_all(edits_reply(0, {}, cost_of(report), undo_steps()));
+}
+
+/// Does what is next while no request waits.
+void Editor::improve() {
+  const auto stop = [this] { return stopping_ || (inbox_.waiting() && !is_light_due()); };
+  std::optional<EditReport> report;
+  try {
+    if (next_ == Next::DraftLight) report = session_->refine(Accuracy::Draft, stop);
+    if (next_ == Next::FullLight) report = session_->refine(Accuracy::Full, stop);
+    if (next_ == Next::Separation) report = session_->separate({}, stop);
+    if (!report) return;  // something else comes first
+    if (next_ != Next::Separation)
+      pages_->tell_all(edits_reply(0, {}, cost_of(*report), undo_steps()));
+    next_ = next_after(*session_->state());
+  } catch (const std::exception& error) {  // memory, most likely: the light stays as it is
+    next_ = Next::Nothing;
+    pages_->tell_all(error_reply(first_line(error.what())));
+  }
+  publish(nullptr);
 }
 
 void Editor::save(int client) {
@@ -140,7 +235,7 @@ void Editor::save(int client) {
   const std::filesystem::path file = folder.path() / "scene.glb";
   session_->state()->write_glb(file);
   pages_->give(client, std::make_shared<const std::string>(
-                           file_frame(scene_->name + "_edited.glb", "model/gltf-binary",
+                           file_frame(made().scene->name + "_edited.glb", "model/gltf-binary",
                                       read_file(file, kMostSceneBytes))));
 }
 

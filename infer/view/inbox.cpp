@@ -8,9 +8,8 @@ namespace {
 
 /// What comes before it must not be mixed with what comes after it.
 bool is_barrier(const Request& request) {
-  return std::holds_alternative<Undo>(request) || std::holds_alternative<Redo>(request) ||
-         std::holds_alternative<Reset>(request) || std::holds_alternative<Save>(request) ||
-         std::holds_alternative<PickAt>(request);
+  return is_any<Undo, Redo, Reset, Save, PickAt, CopyObject, RemoveObject, AddLamp, RemoveLamp>(
+      request);
 }
 
 void merge(const ChangeView& later, ChangeView* view) {

@@ -12,8 +12,8 @@ namespace {
 /// Whether the thread that edits has to answer.
 bool is_edit(const Request& request) {
   if (const auto* save = std::get_if<Save>(&request)) return save->format == SaveFormat::Glb;
-  return std::holds_alternative<MakeEdit>(request) || std::holds_alternative<Undo>(request) ||
-         std::holds_alternative<Redo>(request) || std::holds_alternative<Reset>(request);
+  return is_any<MakeEdit, CopyObject, RemoveObject, AddLamp, RemoveLamp, Undo, Redo, Reset>(
+      request);
 }
 
 }  // namespace
@@ -30,10 +30,9 @@ LiveView::~LiveView() {
 
 void LiveView::begin(std::unique_ptr<Session> session, const ViewState& first) {
   session_ = std::move(session);
-  scene_ = describe_scene(*session_->state());
-  // No page can ask for an edit before this returns, so the loop is there when one is made.
-  editor_ = std::make_unique<Editor>(session_.get(), &scene_, &hub_, [this] { loop_->wake(); });
-  loop_ = std::make_unique<ViewLoop>([this] { return editor_->made(); }, &scene_, &hub_, first);
+  editor_ = std::make_unique<Editor>(session_.get(), &hub_, [this] { loop_->wake(); });
+  loop_ = std::make_unique<ViewLoop>([this] { return editor_->made(); }, &hub_, first);
+  editor_->start();
   hub_.tell_all(editor_->scene_text());
 }
 

@@ -43,7 +43,6 @@ class LiveView {
 
   Hub hub_;
   std::unique_ptr<Session> session_;
-  SceneDescription scene_;
   std::unique_ptr<ViewLoop> loop_;
   std::unique_ptr<Editor> editor_;
 };

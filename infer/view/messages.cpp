@@ -16,8 +16,14 @@ using nlohmann::json;
 
 constexpr double kFarthest = 1e7;                  // units of the scene
 constexpr double kMostGain = 1e6;                  // of a light
+constexpr double kMostIntensity = 1e9;             // of a lamp that is added, W/sr
 constexpr int kMostIndex = 1 << 30;                // of anything in a scene
 constexpr int64_t kMostNumber = int64_t{1} << 53;  // what JavaScript counts exactly
+
+enum class LampKind { Point, Spot };
+constexpr EnumNames<LampKind, 2> enum_names(LampKind) {
+  return {{{LampKind::Point, "point"}, {LampKind::Spot, "spot"}}};
+}
 
 /// The keys of one message. Each is read once; what is left at the end is unknown.
 class Fields {
@@ -139,6 +145,13 @@ ChangeView read_view(Fields* fields) {
   return view;
 }
 
+Vec3 read_direction(const char* type, Fields* fields) {
+  const Vec3 direction = fields->vector("direction", -1e3, 1e3);
+  LTE_CHECK(length(direction) > 1e-6f, "message ", type,
+            ": direction: expected numbers that are not all 0");
+  return direction;
+}
+
 LightSetting read_light(Fields* fields) {
   LightSetting light;
   light.light = fields->index("light");
@@ -147,6 +160,7 @@ LightSetting read_light(Fields* fields) {
   LTE_CHECK(max_component(light.color) > 0,
             "message light: color: expected one that is not black (gain 0 switches a light off)");
   if (fields->has("position")) light.position = fields->vector("position", -kFarthest, kFarthest);
+  if (fields->has("direction")) light.direction = read_direction("light", fields);
   return light;
 }
 
@@ -158,6 +172,16 @@ LookInside read_look(Fields* fields) {
   look.block = fields->text("block");
   look.head = static_cast<int>(fields->integer("head", -1, kMostIndex));
   return look;
+}
+
+AddLamp read_lamp(Fields* fields) {
+  AddLamp lamp;
+  const auto kind = fields->word<LampKind>("kind");
+  lamp.kind = kind == LampKind::Spot ? scene::LightKind::Spot : scene::LightKind::Point;
+  lamp.position = fields->vector("position", -kFarthest, kFarthest);
+  if (fields->has("direction")) lamp.direction = read_direction("add_light", fields);
+  if (fields->has("intensity")) lamp.intensity = fields->vector("intensity", 0, kMostIntensity);
+  return lamp;
 }
 
 PageEdit read_edit(const std::string& type, Fields* fields) {
@@ -178,6 +202,11 @@ Request read_request(const std::string& type, Fields* fields) {
     const int64_t gesture = fields->integer("gesture", 0, kMostNumber);
     return MakeEdit{read_edit(type, fields), gesture};
   }
+  if (type == "copy_object")
+    return CopyObject{fields->index("object"), fields->vector("move", -kFarthest, kFarthest)};
+  if (type == "remove_object") return RemoveObject{fields->index("object")};
+  if (type == "add_light") return read_lamp(fields);
+  if (type == "remove_light") return RemoveLamp{fields->index("light")};
   if (type == "pick") {
     return PickAt{static_cast<float>(fields->number("x", 0, 1)),
                   static_cast<float>(fields->number("y", 0, 1))};

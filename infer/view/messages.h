@@ -39,6 +39,23 @@ struct MakeEdit {
   PageEdit edit;
   int64_t gesture = 0;
 };
+/// Places another object like one, so many metres from it.
+struct CopyObject {
+  int object = 0;
+  Vec3 move;
+};
+struct RemoveObject {
+  int object = 0;
+};
+/// Adds a point or spot light.
+struct AddLamp {
+  scene::LightKind kind = scene::LightKind::Point;
+  Vec3 position, direction{0, -1, 0};
+  std::optional<Rgb> intensity;  ///< W/sr; by default what lights a room of the scene's size
+};
+struct RemoveLamp {
+  int light = 0;
+};
 /// Asks what is seen at a point of the picture, (0, 0) top left, (1, 1) bottom right.
 struct PickAt {
   float x = 0, y = 0;
@@ -62,8 +79,15 @@ struct Shows {
   int64_t picture = 0;
 };
 
-using Request = std::variant<Hello, MoveCamera, ChangeView, MakeEdit, PickAt, LookInside, Save,
-                             Undo, Redo, Reset, Shows>;
+using Request =
+    std::variant<Hello, MoveCamera, ChangeView, MakeEdit, CopyObject, RemoveObject, AddLamp,
+                 RemoveLamp, PickAt, LookInside, Save, Undo, Redo, Reset, Shows>;
+
+/// Whether a request is one of these.
+template <typename... Types>
+bool is_any(const Request& request) {
+  return (std::holds_alternative<Types>(request) || ...);
+}
 
 struct Message {
   int64_t number = 0;  ///< rises from message to message of a page

@@ -17,6 +17,13 @@ constexpr int kMeasuredShare = 4;  // of the sides, when a path a pixel is measu
 /// A pass that nobody waits for any more.
 struct Interrupted {};
 
+std::function<void(int64_t)> throwing(const std::function<bool()>& interrupted) {
+  if (!interrupted) return {};
+  return [&interrupted](int64_t) {
+    if (interrupted()) throw Interrupted();
+  };
+}
+
 /// The element `index` of Halton's sequence in this base, in [0, 1).
 float halton(int index, int base) {
   float value = 0, digit = 1;
@@ -72,25 +79,41 @@ image::Image Progressive::Sum::mean() const {
 
 void Progressive::restart(StatePtr state, const scene::Camera& camera, Shown shown,
                           const PictureSize& size) {
+  const bool same = size == size_ && output_of(shown) == output_of(shown_);
+  if (!same || (light_ && !light_->fits(*state))) light_.reset();
+  if (light_) light_->clear();
   state_ = std::move(state);
   camera_ = camera;
   shown_ = shown;
   size_ = size;
-  sum_ = reference_sum_ = {};
+  averaged_ = 0;
+  residual_.clear();
+  reference_sum_ = {};
   reference_ = {};
   pass_ = 0;
   elapsed_ = 0;
 }
 
 int Progressive::passes() const {
-  const int neural = shown_ == Shown::Reference ? 0 : kMeanPasses;
+  const int neural =
+      (shown_ == Shown::Reference ? 0 : kMeanPasses) + (corrects() ? Residual::kSteps : 0);
   return 2 + neural + (traces() ? kReferencePaths / kMostPathsAtOnce : 0);
 }
 
 bool Progressive::done() const {
-  const bool summed = shown_ == Shown::Reference || sum_.weight >= kMeanPasses;
+  const bool summed = shown_ == Shown::Reference || averaged_ >= kMeanPasses;
   const bool traced = !traces() || reference_sum_.weight >= kReferencePaths;
-  return pass_ >= 2 && summed && traced;
+  return pass_ >= 2 && summed && traced && (!corrects() || residual_.done());
+}
+
+double Progressive::paths() const { return traces() ? reference_sum_.weight : residual_.paths(); }
+
+/// Whether paths have something to say of the network's light. A difference shows the network as it
+/// is.
+bool Progressive::corrects() const {
+  const bool indirect =
+      shown_ == Shown::Full || shown_ == Shown::Indirect || shown_ == Shown::Irradiance;
+  return indirect && state_ != nullptr && state_->has_network() && state_->has_light();
 }
 
 PictureSize Progressive::draft_size() const {
@@ -111,7 +134,7 @@ RenderSettings Progressive::settings(const PictureSize& size, bool few) const {
   out.denoise = Denoise::Off;
   out.spp = kPaths;
   out.antialias = 0;
-  const bool rests = sum_.weight >= kLeastMean;
+  const bool rests = averaged_ >= kLeastMean;
   out.sparse = rests ? quality_settings(Quality::Preview).answers : quality.answers;
   out.layers = false;
   out.seed = static_cast<uint64_t>(pass_);
@@ -120,14 +143,31 @@ RenderSettings Progressive::settings(const PictureSize& size, bool few) const {
 
 Frame Progressive::render(const scene::Camera& camera, RenderSettings settings,
                           const std::function<bool()>& interrupted) {
-  if (interrupted) {
-    settings.done = [&interrupted](int64_t) {
-      if (interrupted()) throw Interrupted();
-    };
-  }
+  settings.done = throwing(interrupted);
   Frame frame = state_->render(camera, settings, &seconds_);
   if (interrupted && interrupted()) throw Interrupted();
   return frame;
+}
+
+void Progressive::add_light(const scene::Camera& camera, RenderSettings settings, bool anew,
+                            const std::function<bool()>& interrupted) {
+  if (!light_) light_.emplace(state_, settings.output, static_cast<int64_t>(pixels()));
+  settings.done = throwing(interrupted);
+  light_->add(camera, std::move(settings), anew, &seconds_);
+}
+
+void Progressive::show_light() {
+  image::Image picture = light_->color(*state_);
+  residual_.add_to(&picture);
+  show(std::move(picture), light_->depth());
+}
+
+bool Progressive::relight(const StatePtr& state) {
+  if (traces() || !light_ || light_->pictures() == 0 || !light_->fits(*state)) return false;
+  state_ = state;
+  residual_.clear();  // it was of other light
+  picture_ = light_->color(*state_);
+  return true;
 }
 
 void Progressive::show(image::Image picture, const image::Image& depth) {
@@ -146,26 +186,39 @@ void Progressive::draft() {
     what.denoise = Denoise::Off;
   }
   const Timer timer;
-  Frame frame = render(camera_, what, nullptr);
+  if (size == size_ && shown_ != Shown::Reference) {  // is whole already
+    add_light(camera_, what, /*anew=*/true, nullptr);
+    show_light();
+    ++pass_;
+  } else {
+    Frame frame = render(camera_, what, nullptr);
+    show(std::move(frame.color), frame.depth);
+  }
   draft_pixel_seconds_ = timer.seconds() / (double(size.width) * size.height);
-  show(std::move(frame.color), frame.depth);
 }
 
 void Progressive::whole(const std::function<bool()>& interrupted) {
   if (shown_ == Shown::Reference) return trace(interrupted);
-  Frame frame = render(camera_, settings(size_, /*few=*/true), interrupted);
-  show(std::move(frame.color), frame.depth);
+  add_light(camera_, settings(size_, /*few=*/true), /*anew=*/true, interrupted);
+  show_light();
 }
 
 bool Progressive::mean(const std::function<bool()>& interrupted) {
-  const auto number = static_cast<int>(sum_.weight) + 1;
+  const int number = averaged_ + 1;
   const scene::Camera camera =
       jittered(camera_, size_, halton(number, 2) - 0.5f, halton(number, 3) - 0.5f);
-  const Frame frame =
-      render(camera, settings(size_, /*few=*/sum_.weight < kLeastMean), interrupted);
-  sum_.add(frame.color, 1);
-  if (sum_.weight < kLeastMean) return false;
-  show(sum_.mean(), frame.depth);
+  add_light(camera, settings(size_, /*few=*/averaged_ < kLeastMean), /*anew=*/averaged_ == 0,
+            interrupted);
+  if (++averaged_ < kLeastMean) return false;
+  show_light();
+  return true;
+}
+
+bool Progressive::correct(const std::function<bool()>& interrupted) {
+  RenderSettings what = settings(size_, /*few=*/false);
+  what.done = throwing(interrupted);
+  if (!residual_.step(*state_, camera_, std::move(what), &seconds_)) return false;
+  show_light();
   return true;
 }
 
@@ -210,11 +263,12 @@ bool Progressive::step(const std::function<bool()>& interrupted) {
     seconds_ = {};
     if (pass_ == 0) {
       draft();
-      if (picture_.width == size_.width && shown_ != Shown::Reference) ++pass_;  // is whole already
     } else if (pass_ == 1) {
       whole(interrupted);
-    } else if (shown_ != Shown::Reference && sum_.weight < kMeanPasses) {
+    } else if (shown_ != Shown::Reference && averaged_ < kMeanPasses) {
       shows = mean(interrupted);
+    } else if (corrects()) {
+      shows = correct(interrupted);
     } else {
       trace(interrupted);
     }

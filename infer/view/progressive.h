@@ -1,13 +1,18 @@
 // A picture that gets better pass by pass: a draft within a fraction of a frame's time, a whole
 // picture by few rays, then the mean of many such with other rays and other places in the pixels.
+// From the whole picture on it is a sum by luminaire, so that dimming one begins nothing anew. What
+// rests longer is corrected by paths.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "infer/renderer/renderer.h"
+#include "infer/session/dimmable_picture.h"
 #include "infer/session/session.h"
+#include "infer/view/residual.h"
 #include "infer/view/view_state.h"
 #include "lte/image/image.h"
 
@@ -28,6 +33,11 @@ class Progressive {
   /// Begins anew.
   void restart(StatePtr state, const scene::Camera& camera, Shown shown, const PictureSize& size);
 
+  /// Takes a state that differs by gains and colours alone: the picture is as it would be if all
+  /// its passes had been rendered with it.
+  /// @return  false, and nothing has changed, if it must begin anew
+  bool relight(const StatePtr& state);
+
   bool done() const;
   /// Renders the next pass.
   /// @param interrupted  asked now and then by any thread; a pass that it ends has not happened. A
@@ -44,7 +54,7 @@ class Progressive {
 
   int pass() const { return pass_; }  ///< of those done; 1 after the draft
   int passes() const;
-  double paths() const { return reference_sum_.weight; }    ///< a pixel
+  double paths() const;                                     ///< a pixel, of all that were traced
   const StageSeconds& seconds() const { return seconds_; }  ///< of the last pass
   double elapsed() const { return elapsed_; }               ///< seconds of all since restart()
   /// Seconds of a path a pixel for this size, measured when one was traced; 0 before.
@@ -52,6 +62,7 @@ class Progressive {
   int64_t rendered() const { return rendered_; }  ///< passes since the beginning
 
  private:
+  /// Weighted sum of references.
   struct Sum {
     image::Image light;
     double weight = 0;
@@ -61,15 +72,20 @@ class Progressive {
   double pixels() const { return double(size_.width) * size_.height; }
   PictureSize draft_size() const;
   bool traces() const { return shown_ == Shown::Reference || shown_ == Shown::Difference; }
+  bool corrects() const;
   RenderSettings settings(const PictureSize& size, bool few) const;
   Frame render(const scene::Camera& camera, RenderSettings settings,
                const std::function<bool()>& interrupted);
+  void add_light(const scene::Camera& camera, RenderSettings settings, bool anew,
+                 const std::function<bool()>& interrupted);
   void draft();
   void whole(const std::function<bool()>& interrupted);
   bool mean(const std::function<bool()>& interrupted);
+  bool correct(const std::function<bool()>& interrupted);
   void trace(const std::function<bool()>& interrupted);
   void measure_path(const std::function<bool()>& interrupted);
   void show(image::Image picture, const image::Image& depth);
+  void show_light();
 
   StatePtr state_;
   scene::Camera camera_;
@@ -77,7 +93,11 @@ class Progressive {
   PictureSize size_;
   image::Image picture_, reference_;
   std::vector<uint8_t> surfaces_;
-  Sum sum_, reference_sum_;
+  /// The whole picture, or the mean of `averaged_` ones; nothing before, or not of this state.
+  std::optional<DimmablePicture> light_;
+  int averaged_ = 0;
+  Residual residual_;
+  Sum reference_sum_;
   int pass_ = 0;
   StageSeconds seconds_;
   double elapsed_ = 0;

@@ -1,5 +1,7 @@
 #include "infer/view/replies.h"
 
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
 
 namespace lte::infer::view {
@@ -25,6 +27,7 @@ json edit_json(const PageEdit& edit) {
                 {"gain", light->gain},
                 {"color", vector_json(light->color)}};
     if (light->position) out["position"] = vector_json(*light->position);
+    if (light->direction) out["direction"] = vector_json(*light->direction);
     return out;
   }
   if (const auto* material = std::get_if<MaterialSetting>(&edit)) {
@@ -41,7 +44,16 @@ json edit_json(const PageEdit& edit) {
 }
 
 json cost_json(const EditCost& cost) {
-  return {{"ms", cost.milliseconds}, {"total", cost.total_ms}, {"encodings", cost.encodings}};
+  return {{"ms", cost.milliseconds},
+          {"total", cost.total_ms},
+          {"encodings", cost.encodings},
+          {"accuracy", enum_name(cost.accuracy)}};
+}
+
+template <typename Entries>
+const auto& described_as(const Entries& entries, int id) {
+  return *std::find_if(entries.begin(), entries.end(),
+                       [&](const auto& entry) { return entry.id == id; });
 }
 
 /// Names of a file may be any bytes.
@@ -83,18 +95,18 @@ std::string scene_reply(const SceneDescription& scene, const std::vector<PageEdi
   for (const PageEdit& setting : settings) {
     json entry = edit_json(setting);
     if (const auto* light = std::get_if<LightSetting>(&setting)) {
-      const LightDescription& described = scene.lights[static_cast<size_t>(light->light)];
+      const LightDescription& described = described_as(scene.lights, light->light);
       entry.update({{"name", described.name}, {"sort", described.sort}});
       out["lights"].push_back(entry);
     } else if (const auto* material = std::get_if<MaterialSetting>(&setting)) {
-      const auto& described = scene.materials[static_cast<size_t>(material->material)];
+      const MaterialDescription& described = described_as(scene.materials, material->material);
       entry.update({{"name", described.name},
                     {"textured", described.textured},
                     {"emissive", described.emissive}});
       out["materials"].push_back(entry);
     } else {
-      const auto number = static_cast<size_t>(std::get<ObjectSetting>(setting).object);
-      const ObjectDescription& described = scene.objects[number];
+      const int number = std::get<ObjectSetting>(setting).object;
+      const ObjectDescription& described = described_as(scene.objects, number);
       entry.update({{"name", described.name},
                     {"low", vector_json(described.bounds.low)},
                     {"high", vector_json(described.bounds.high)},
@@ -126,6 +138,10 @@ std::string picked_reply(const Picked& picked) {
                   {"normal", vector_json(picked.normal)}});
 }
 
+std::string added_reply(const Added& added) {
+  return text_of({{"type", "added"}, {"object", added.object}, {"light", added.light}});
+}
+
 std::string error_reply(const std::string& line) { return text_of(line_json("error", line)); }
 
 std::string failed_reply(const std::string& line) { return text_of(line_json("failed", line)); }
@@ -146,6 +162,7 @@ std::string picture_frame(const PictureHeader& header, const std::string& jpeg) 
                    {"pass", header.pass},
                    {"passes", header.passes},
                    {"done", header.done},
+                   {"light", enum_name(header.light)},
                    {"paths", header.paths},
                    {"elapsed", header.elapsed_ms},
                    {"path", header.path_ms},

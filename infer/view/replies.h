@@ -15,7 +15,7 @@ namespace lte::infer::view {
 std::string welcome_reply(int client, const std::string& phase);
 
 /// The scene as the file has it, and how it is set.
-/// @param settings  of every light, material and object, in the order of each kind
+/// @param settings  of lights, materials and objects that the scene has
 std::string scene_reply(const SceneDescription& scene, const std::vector<PageEdit>& settings,
                         const UndoSteps& undo);
 
@@ -24,6 +24,12 @@ std::string edits_reply(int client, const std::vector<PageEdit>& edits, const Ed
                         const UndoSteps& undo);
 
 std::string picked_reply(const Picked& picked);
+
+/// What a page has added; -1 for none.
+struct Added {
+  int object = -1, light = -1;
+};
+std::string added_reply(const Added& added);
 
 /// One line that the page shows.
 std::string error_reply(const std::string& line);
@@ -42,14 +48,15 @@ struct PictureHeader {
   Shown shown = Shown::Full;
   float ev = 0;
   ToneCurve curve = ToneCurve::Linear;
-  PictureSize size;           ///< of the view
-  int width = 0, height = 0;  ///< of this picture, smaller in drafts
-  int pass = 0;               ///< 0 for a draft
-  int passes = 0;             ///< when it is done
-  bool done = false;          ///< no better one comes
-  double paths = 0;           ///< a pixel, by now, where paths are traced
-  double elapsed_ms = 0;      ///< of all passes of this picture
-  double path_ms = 0;         ///< what a path a pixel takes at this size; 0: not known
+  PictureSize size;                 ///< of the view
+  int width = 0, height = 0;        ///< of this picture, smaller in drafts
+  int pass = 0;                     ///< 0 for a draft
+  int passes = 0;                   ///< when it is done
+  bool done = false;                ///< no better one comes
+  Accuracy light = Accuracy::Full;  ///< how much its indirect light knows of the last edits
+  double paths = 0;                 ///< a pixel, by now, where paths are traced
+  double elapsed_ms = 0;            ///< of all passes of this picture
+  double path_ms = 0;               ///< what a path a pixel takes at this size; 0: not known
   std::map<std::string, double> milliseconds;  ///< by stage
   /// By page: the last of its messages that the picture takes into account.
   std::map<int, Handled> handled;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "infer/session/session.h"
 #include "infer/view/view_state.h"
 #include "lte/scene/scene.h"
 
@@ -26,17 +27,19 @@ struct MaterialDescription {
 
 /// Something that moves as a whole: an instance, or several that a file places together.
 struct ObjectDescription {
+  int id = 0;  ///< the session's number of its first instance
   std::string name;
   std::vector<int> instances;    ///< the session's numbers
-  std::vector<Affine> to_world;  ///< of each, as loaded
-  Bounds bounds;                 ///< world, as loaded
+  std::vector<Affine> to_world;  ///< of each, as loaded or added
+  Bounds bounds;                 ///< world, as loaded or added
   bool shines = false;
 
   /// What it turns and scales about: the middle of its underside.
   Vec3 foot() const { return {bounds.center().x, bounds.low.y, bounds.center().z}; }
 };
 
-/// Indices into these are the numbers that messages have.
+/// The scene at one moment. The numbers that messages have are the ids in it: what comes and goes
+/// changes no other's.
 struct SceneDescription {
   std::string name;
   std::vector<LightDescription> lights;
@@ -60,6 +63,7 @@ struct EditCost {
   std::map<std::string, double> milliseconds;  ///< by stage
   double total_ms = 0;
   int encodings = 0;
+  Accuracy accuracy = Accuracy::Full;  ///< of the light that it has led to
 };
 
 /// Whether there is a step to take back, and one to make again.

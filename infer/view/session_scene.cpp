@@ -1,6 +1,7 @@
 #include "infer/view/session_scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <set>
 
@@ -26,6 +27,13 @@ const char* sort_name(LuminaireKind kind) {
   }
 }
 
+const InstanceInfo* find(const std::vector<InstanceInfo>& instances, int id) {
+  for (const InstanceInfo& info : instances) {
+    if (info.id == id) return &info;
+  }
+  return nullptr;
+}
+
 /// The name of a luminaire in it, else what it is made of.
 std::string object_name(const std::vector<const InstanceInfo*>& parts,
                         const std::vector<MaterialInfo>& materials, size_t number) {
@@ -43,63 +51,77 @@ std::string object_name(const std::vector<const InstanceInfo*>& parts,
   return made_of.empty() ? concat("object ", number) : made_of;
 }
 
+ObjectDescription object_of(const std::vector<const InstanceInfo*>& parts,
+                            const std::string& name) {
+  ObjectDescription object;
+  object.id = parts.front()->id;
+  object.name = name;
+  for (const InstanceInfo* part : parts) {
+    object.instances.push_back(part->id);
+    object.to_world.push_back(part->to_world);
+    object.bounds.extend(part->bounds.low);
+    object.bounds.extend(part->bounds.high);
+    object.shines = object.shines || part->light != scene::kNone;
+  }
+  return object;
+}
+
 std::vector<Shown> outputs_of(const SessionState& state) {
   if (!state.has_light()) return {Shown::Albedo, Shown::Normal};
   return {Shown::Full,      Shown::Indirect,   Shown::Direct, Shown::Irradiance,
           Shown::Reference, Shown::Difference, Shown::Albedo, Shown::Normal};
 }
 
-void add_objects(const SessionState& state, SceneDescription* out) {
-  const std::vector<InstanceInfo> instances = state.instances();
-  const std::vector<MaterialInfo> materials = state.materials();
-  std::vector<const InstanceInfo*> parts;
-  for (size_t i = 0; i < instances.size(); ++i) {
-    const InstanceInfo& instance = instances[i];
-    const bool joins = i > 0 && !is_identity(instance.to_world) &&
-                       instance.to_world.m == instances[i - 1].to_world.m;
-    if (!joins) {
-      out->objects.emplace_back();
-      parts.clear();
-    }
-    parts.push_back(&instance);
-    ObjectDescription& object = out->objects.back();
-    object.instances.push_back(instance.id);
-    object.to_world.push_back(instance.to_world);
-    object.bounds.extend(instance.bounds.low);
-    object.bounds.extend(instance.bounds.high);
-    object.shines = object.shines || instance.light != scene::kNone;
-    object.name = object_name(parts, materials, out->objects.size() - 1);
-  }
+/// The entry of this number. @throws lte::Error if there is none
+template <typename Entries>
+const auto& entry_of(const Entries& entries, int id, const char* what) {
+  const auto found = std::find_if(entries.begin(), entries.end(),
+                                  [&](const auto& entry) { return entry.id == id; });
+  LTE_CHECK(found != entries.end(), "there is no ", what, ' ', id, " in the scene");
+  return *found;
 }
 
 template <typename Entries>
-void check_index(int index, const Entries& entries, const char* what) {
-  LTE_CHECK(index >= 0 && static_cast<size_t>(index) < entries.size(), what, ' ', index,
-            ": the scene has ", entries.size());
+bool has(const Entries& entries, int id) {
+  return std::any_of(entries.begin(), entries.end(),
+                     [&](const auto& entry) { return entry.id == id; });
+}
+
+Affine shifted(const Affine& to_world, const Vec3& move) {
+  Affine out = to_world;
+  for (int axis = 0; axis < 3; ++axis) out.m[static_cast<size_t>(axis)][3] += move[axis];
+  return out;
+}
+
+/// Watts by which a lamp that is added lights a scene: those that a panel of --add-light auto has.
+float usual_power(const Bounds& bounds) {
+  constexpr float kWattsPerFloor = 10;  // W/m²
+  const Vec3 size = bounds.extent();
+  return kWattsPerFloor * std::max(size.x * size.z, 1e-3f);
 }
 
 void add_edits(const LightSetting& setting, const SceneDescription& scene,
                std::vector<infer::Edit>* out) {
-  check_index(setting.light, scene.lights, "light");
-  const LightDescription& light = scene.lights[static_cast<size_t>(setting.light)];
+  const LightDescription& light = entry_of(scene.lights, setting.light, "light");
   out->push_back(SetLight{light.id, double{setting.gain}, setting.color});
-  if (!setting.position) return;
-  LTE_CHECK(light.sort == "point" || light.sort == "spot", "light ", setting.light,
+  if (!setting.position && !setting.direction) return;
+  LTE_CHECK(!setting.position || light.sort == "point" || light.sort == "spot", "light ",
+            setting.light,
             ": only point and spot lights have a position; move the object that shines");
-  out->push_back(MoveLight{light.id, *setting.position, std::nullopt});
+  LTE_CHECK(!setting.direction || light.sort == "spot" || light.sort == "sun", "light ",
+            setting.light, ": only spot lights and suns have a direction");
+  out->push_back(MoveLight{light.id, setting.position, setting.direction});
 }
 
 void add_edits(const MaterialSetting& setting, const SceneDescription& scene,
                std::vector<infer::Edit>* out) {
-  check_index(setting.material, scene.materials, "material");
-  const auto number = static_cast<size_t>(setting.material);
-  out->push_back(SetMaterial{scene.materials[number].id, setting.albedo});
+  const int id = entry_of(scene.materials, setting.material, "material").id;
+  out->push_back(SetMaterial{id, setting.albedo});
 }
 
 void add_edits(const ObjectSetting& setting, const SceneDescription& scene,
                std::vector<infer::Edit>* out) {
-  check_index(setting.object, scene.objects, "object");
-  const ObjectDescription& object = scene.objects[static_cast<size_t>(setting.object)];
+  const ObjectDescription& object = entry_of(scene.objects, setting.object, "object");
   const bool home = setting.placement == Placement();
   const Affine change = placed(setting.placement, object.foot());
   for (size_t i = 0; i < object.instances.size(); ++i) {
@@ -108,55 +130,82 @@ void add_edits(const ObjectSetting& setting, const SceneDescription& scene,
   }
 }
 
-/// The entry whose number in the session is `id`; -1 if there is none.
-template <typename Entries>
-int index_of(const Entries& entries, int id) {
-  for (size_t i = 0; i < entries.size(); ++i) {
-    if (entries[i].id == id) return static_cast<int>(i);
-  }
-  return -1;
-}
-
 }  // namespace
 
-SceneDescription describe_scene(const SessionState& first) {
+std::vector<ObjectDescription> list_objects(const SessionState& first) {
+  const std::vector<InstanceInfo> instances = first.instances();
+  const std::vector<MaterialInfo> materials = first.materials();
+  std::vector<ObjectDescription> objects;
+  for (size_t begin = 0, end = 0; begin < instances.size(); begin = end) {
+    std::vector<const InstanceInfo*> parts;
+    const Affine& placed = instances[begin].to_world;
+    do {
+      parts.push_back(&instances[end++]);
+    } while (end < instances.size() && !is_identity(placed) &&
+             instances[end].to_world.m == placed.m);
+    objects.push_back(object_of(parts, object_name(parts, materials, objects.size())));
+  }
+  return objects;
+}
+
+ObjectDescription describe_object(const SessionState& state, const std::vector<int>& instances,
+                                  const std::string& name) {
+  const std::vector<InstanceInfo> all = state.instances();
+  std::vector<const InstanceInfo*> parts;
+  for (const int id : instances) {
+    parts.push_back(find(all, id));
+    LTE_CHECK(parts.back() != nullptr, "there is no instance ", id);
+  }
+  return object_of(parts, name);
+}
+
+SceneDescription describe_scene(const SessionState& state,
+                                const std::vector<ObjectDescription>& objects) {
   SceneDescription out;
-  const scene::Scene& scene = first.scene();
+  const scene::Scene& scene = state.scene();
   out.name = scene.name;
   out.cameras = scene.cameras;
   out.bounds = scene.bounds();
-  out.outputs = outputs_of(first);
-  for (const LuminaireInfo& light : first.luminaires())
+  out.outputs = outputs_of(state);
+  for (const LuminaireInfo& light : state.luminaires())
     out.lights.push_back({light.id, light.name, sort_name(light.kind)});
-  for (const MaterialInfo& material : first.materials())
+  for (const MaterialInfo& material : state.materials())
     out.materials.push_back({material.id, material.name, material.textured, material.emissive});
-  add_objects(first, &out);
+  const std::vector<InstanceInfo> instances = state.instances();
+  for (const ObjectDescription& known : objects) {
+    ObjectDescription object = known;
+    object.instances.clear();
+    object.to_world.clear();
+    for (size_t i = 0; i < known.instances.size(); ++i) {
+      if (find(instances, known.instances[i]) == nullptr) continue;
+      object.instances.push_back(known.instances[i]);
+      object.to_world.push_back(known.to_world[i]);
+    }
+    if (!object.instances.empty()) out.objects.push_back(std::move(object));
+  }
   return out;
 }
 
 std::vector<PageEdit> settings_of(const SessionState& state, const SceneDescription& scene) {
   std::vector<PageEdit> out;
   for (const LuminaireInfo& light : state.luminaires()) {
-    const int index = index_of(scene.lights, light.id);
-    if (index < 0) continue;
-    const bool placed_alone =
-        light.kind == LuminaireKind::Point || light.kind == LuminaireKind::Spot;
-    out.push_back(LightSetting{index, static_cast<float>(light.gain), light.color,
-                               placed_alone ? std::optional(light.position) : std::nullopt});
+    if (!has(scene.lights, light.id)) continue;
+    LightSetting setting{light.id, static_cast<float>(light.gain), light.color};
+    const bool spot = light.kind == LuminaireKind::Spot;
+    if (spot || light.kind == LuminaireKind::Point) setting.position = light.position;
+    if (spot || light.kind == LuminaireKind::Directional) setting.direction = light.direction;
+    out.push_back(setting);
   }
   for (const MaterialInfo& material : state.materials()) {
-    const int index = index_of(scene.materials, material.id);
-    if (index >= 0) out.push_back(MaterialSetting{index, material.base_color});
+    if (has(scene.materials, material.id))
+      out.push_back(MaterialSetting{material.id, material.base_color});
   }
   const std::vector<InstanceInfo> instances = state.instances();
-  for (size_t i = 0; i < scene.objects.size(); ++i) {
-    const ObjectDescription& object = scene.objects[i];
-    const auto now = std::find_if(
-        instances.begin(), instances.end(),
-        [&](const InstanceInfo& instance) { return instance.id == object.instances.front(); });
-    if (now == instances.end()) continue;
+  for (const ObjectDescription& object : scene.objects) {
+    const InstanceInfo* now = find(instances, object.instances.front());
+    if (now == nullptr) continue;
     out.push_back(ObjectSetting{
-        static_cast<int>(i), placement_of(object.to_world.front(), now->to_world, object.foot())});
+        object.id, placement_of(object.to_world.front(), now->to_world, object.foot())});
   }
   return out;
 }
@@ -169,6 +218,33 @@ std::vector<infer::Edit> session_edits(std::span<const PageEdit> edits,
   return out;
 }
 
+std::vector<infer::Edit> session_edits(const Request& request, const SessionState& state,
+                                       const SceneDescription& scene) {
+  std::vector<infer::Edit> out;
+  if (const auto* copy = std::get_if<CopyObject>(&request)) {
+    const std::vector<InstanceInfo> instances = state.instances();
+    for (const int id : entry_of(scene.objects, copy->object, "object").instances) {
+      const InstanceInfo& like = entry_of(instances, id, "instance");
+      out.push_back(AddInstance{id, shifted(like.to_world, copy->move)});
+    }
+  } else if (const auto* gone = std::get_if<RemoveObject>(&request)) {
+    for (const int id : entry_of(scene.objects, gone->object, "object").instances)
+      out.push_back(RemoveInstance{id});
+  } else if (const auto* lamp = std::get_if<AddLamp>(&request)) {
+    scene::PunctualLight light;
+    light.name = "lamp";
+    light.kind = lamp->kind;
+    light.position = lamp->position;
+    light.direction = lamp->direction;
+    const float intensity = usual_power(state.bvh().bounds()) / (4 * kPi);
+    light.intensity = lamp->intensity.value_or(Rgb{intensity, intensity, intensity});
+    out.push_back(AddLight{light});
+  } else if (const auto* dark = std::get_if<RemoveLamp>(&request)) {
+    out.push_back(RemoveLight{entry_of(scene.lights, dark->light, "light").id});
+  }
+  return out;
+}
+
 Picked pick(const SessionState& state, const SceneDescription& scene, const scene::Camera& camera,
             float aspect, float x, float y) {
   Picked out;
@@ -178,12 +254,11 @@ Picked pick(const SessionState& state, const SceneDescription& scene, const scen
   if (!met) return out;
   out.position = met->position;
   out.normal = met->normal;
-  out.material = index_of(scene.materials, met->material);
-  out.light = index_of(scene.lights, met->light);
-  for (size_t i = 0; i < scene.objects.size(); ++i) {
-    const std::vector<int>& parts = scene.objects[i].instances;
-    if (std::find(parts.begin(), parts.end(), met->instance) != parts.end())
-      out.object = static_cast<int>(i);
+  if (has(scene.materials, met->material)) out.material = met->material;
+  if (has(scene.lights, met->light)) out.light = met->light;
+  for (const ObjectDescription& object : scene.objects) {
+    const std::vector<int>& parts = object.instances;
+    if (std::find(parts.begin(), parts.end(), met->instance) != parts.end()) out.object = object.id;
   }
   return out;
 }
@@ -197,6 +272,7 @@ EditCost cost_of(const EditReport& report) {
                       {"encode", report.encode_ms}};
   out.total_ms = report.total_ms;
   out.encodings = report.encodings;
+  out.accuracy = report.accuracy;
   return out;
 }
 

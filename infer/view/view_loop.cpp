@@ -49,10 +49,10 @@ std::string exr_of(const image::Image& picture, const scene::Camera& camera) {
 
 }  // namespace
 
-ViewLoop::ViewLoop(std::function<Editor::Made()> newest, const SceneDescription* scene,
-                   Pages* pages, const ViewState& first)
-    : newest_(std::move(newest)), scene_(scene), pages_(pages), view_(first) {
-  if (!scene_->outputs.empty()) view_.shown = scene_->outputs.front();
+ViewLoop::ViewLoop(std::function<Editor::Made()> newest, Pages* pages, const ViewState& first)
+    : newest_(std::move(newest)), pages_(pages), view_(first) {
+  const Editor::Made made = newest_();
+  if (!made.scene->outputs.empty()) view_.shown = made.scene->outputs.front();
   thread_ = std::thread([this] { run(); });
 }
 
@@ -84,20 +84,31 @@ void ViewLoop::run() {
 bool ViewLoop::outdated() const { return stopping_ || inbox_.waiting(); }
 
 void ViewLoop::turn() {
-  const bool rests = failed_ || pages_->count() == 0 || (!restart_ && progressive_.done());
+  // Passes behind a draft would only take time from the light that is on its way.
+  const bool waits = progressive_.done() || (!made_.settled && progressive_.pass() > 0);
+  const bool rests = failed_ || pages_->count() == 0 || (!restart_ && waits);
   const bool moves = !restart_ && progressive_.pass() == 1;
   const Inbox::Batch batch = inbox_.take(rests ? Inbox::kAnyTime : moves ? kRest : Inbox::kNoWait);
   if (stopping_) return;
   failed_ = false;
-  const Editor::Made made = newest_();
-  if (state_ == nullptr || made.state->version() != state_->version()) restart_ = true;
-  state_ = made.state;
+  take(newest_());
   for (const Pending& pending : batch.requests) handle(pending);
   handled_.clear();
   for (const auto& [client, number] : batch.last_number) handled_[client].view = number;
-  for (const auto& [client, number] : made.handled) handled_[client].edits = number;
+  for (const auto& [client, number] : made_.handled) handled_[client].edits = number;
   if (pages_->count() == 0) return;
   render();
+}
+
+void ViewLoop::take(Editor::Made newest) {
+  const bool other = !made_.state || newest.state->version() != made_.state->version();
+  made_ = std::move(newest);
+  if (!other) return;
+  if (!restart_ && progressive_.relight(made_.state)) {
+    redisplay_ = true;
+  } else {
+    restart_ = true;
+  }
 }
 
 void ViewLoop::handle(const Pending& pending) {
@@ -112,11 +123,11 @@ void ViewLoop::handle(const Pending& pending) {
   } else if (const auto* at = std::get_if<PickAt>(&pending.request)) {
     const float aspect =
         static_cast<float>(view_.size.width) / static_cast<float>(view_.size.height);
-    pages_->tell(pending.client,
-                 picked_reply(pick(*state_, *scene_, view_.camera, aspect, at->x, at->y)));
+    pages_->tell(pending.client, picked_reply(pick(*made_.state, *made_.scene, view_.camera, aspect,
+                                                   at->x, at->y)));
   } else if (const auto* look = std::get_if<LookInside>(&pending.request)) {
     try {
-      pages_->tell(pending.client, attention_.answer(*state_, view_.camera, *look));
+      pages_->tell(pending.client, attention_.answer(*made_.state, view_.camera, *look));
     } catch (const std::exception& error) {
       pages_->tell(pending.client, error_reply(first_line(error.what())));
     }
@@ -146,11 +157,11 @@ void ViewLoop::change(const ChangeView& change) {
 
 void ViewLoop::render() {
   if (std::exchange(restart_, false)) {
-    progressive_.restart(state_, view_.camera, view_.shown, view_.size);
+    progressive_.restart(made_.state, view_.camera, view_.shown, view_.size);
   } else if (redisplay_ && progressive_.pass() > 0) {
     return publish();
   }
-  if (progressive_.done()) return;
+  if (progressive_.done() || (!made_.settled && progressive_.pass() > 0)) return;
   const int64_t before = progressive_.rendered();
   const bool shows = progressive_.step([this] { return outdated(); });
   passes_ += progressive_.rendered() - before;
@@ -200,7 +211,8 @@ void ViewLoop::publish() {
   header.height = shown.height;
   header.pass = progressive_.pass();
   header.passes = progressive_.passes();
-  header.done = progressive_.done();
+  header.done = progressive_.done() && made_.settled;
+  header.light = made_.state->accuracy();
   header.paths = progressive_.paths();
   for (const Stage& stage : kStages) {
     if (seconds.*stage.seconds > 0) header.milliseconds[stage.name] = 1e3 * seconds.*stage.seconds;
@@ -214,7 +226,7 @@ void ViewLoop::publish() {
 }
 
 void ViewLoop::save(int client, SaveFormat format) {
-  const std::string& name = scene_->name;
+  const std::string& name = made_.scene->name;
   if (format == SaveFormat::Camera)
     return pages_->give(client, shared_file(name + "_camera.json", "application/json",
                                             scene::camera_json(view_.camera) + '\n'));

@@ -35,8 +35,7 @@ class ViewLoop {
  public:
   /// @param newest  the state to show; must not block for long
   /// @param first   what is shown before a page asks for anything else
-  ViewLoop(std::function<Editor::Made()> newest, const SceneDescription* scene, Pages* pages,
-           const ViewState& first);
+  ViewLoop(std::function<Editor::Made()> newest, Pages* pages, const ViewState& first);
   ~ViewLoop();
   ViewLoop(const ViewLoop&) = delete;
   ViewLoop& operator=(const ViewLoop&) = delete;
@@ -61,6 +60,7 @@ class ViewLoop {
  private:
   void run();
   void turn();
+  void take(Editor::Made newest);
   void handle(const Pending& pending);
   void change(const ChangeView& change);
   void save(int client, SaveFormat format);
@@ -71,13 +71,12 @@ class ViewLoop {
   bool outdated() const;
 
   std::function<Editor::Made()> newest_;
-  const SceneDescription* scene_;
   Pages* pages_;
   ViewState view_;
   Inbox inbox_;
   Progressive progressive_;
   AttentionView attention_;
-  StatePtr state_;
+  Editor::Made made_;  ///< that is shown
   std::map<int, Handled> handled_;
   /// Exposures before `ev`, of radiance and of irradiance; nothing before the first picture.
   std::optional<float> radiance_exposure_, irradiance_exposure_;

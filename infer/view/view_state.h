@@ -33,9 +33,10 @@ struct Placement {
 
 struct LightSetting {
   int light = 0;
-  float gain = 1;                ///< of the light's radiance in the file
-  Rgb color{1, 1, 1};            ///< largest component 1
-  std::optional<Vec3> position;  ///< of a point or spot light; other lights move as objects
+  float gain = 1;                      ///< of the light's radiance in the file
+  Rgb color{1, 1, 1};                  ///< largest component 1
+  std::optional<Vec3> position = {};   ///< of a point or spot light; others move as objects
+  std::optional<Vec3> direction = {};  ///< the way a spot's or sun's light travels; any length
   friend bool operator==(const LightSetting&, const LightSetting&) = default;
 };
 struct MaterialSetting {

@@ -10,6 +10,9 @@
 namespace lte::pathtrace {
 namespace {
 
+/// Points between two calls of LightEstimateOptions::check.
+constexpr size_t kCheckedBlock = 512;
+
 /// Where a point lies, and what it was in the arrays of all points.
 struct LitPoints {
   std::vector<size_t> slots;
@@ -52,20 +55,27 @@ LightEstimates estimate_light(const Bvh& bvh, const Lights& lights, std::span<co
   tracing.rays = options.paths;
   tracing.max_depth = options.max_depth;
   tracing.group_variance = true;
+  const size_t block = options.check ? kCheckedBlock : S;
   for (const bool back : {false, true}) {
     tracing.seed = hash_combine(options.seed, back ? 1 : 0);
-    const Irradiance side =
-        estimate_irradiance(bvh, lights, lit.place, back ? lit.down : lit.up, tracing);
     std::vector<float>& error = back ? light.error_back : light.error;
-    for (size_t g = 0; g < G; ++g) {
-      for (size_t i = 0; i < S; ++i) {
-        const size_t from = g * S + i, to = g * M + lit.slots[i];
-        light.direct[to] += side.direct[from];
-        light.indirect[to] += side.indirect[from];
-        error[to] = relative_error(side.group_variance[from], side.indirect[from]);
-        if (!back) continue;
-        light.direct_back[to] = side.direct[from];
-        light.indirect_back[to] = side.indirect[from];
+    for (size_t first = 0; first < S; first += block) {
+      if (options.check) options.check();
+      const size_t count = std::min(block, S - first);
+      const Irradiance side =
+          estimate_irradiance(bvh, lights, std::span(lit.place).subspan(first, count),
+                              std::span(back ? lit.down : lit.up).subspan(first, count), tracing,
+                              static_cast<int64_t>(first));
+      for (size_t g = 0; g < G; ++g) {
+        for (size_t i = 0; i < count; ++i) {
+          const size_t from = g * count + i, to = g * M + lit.slots[first + i];
+          light.direct[to] += side.direct[from];
+          light.indirect[to] += side.indirect[from];
+          error[to] = relative_error(side.group_variance[from], side.indirect[from]);
+          if (!back) continue;
+          light.direct_back[to] = side.direct[from];
+          light.indirect_back[to] = side.indirect[from];
+        }
       }
     }
   }

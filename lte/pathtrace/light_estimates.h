@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -19,6 +20,8 @@ struct LightEstimateOptions {
   int paths;      ///< paths a side of a point
   int max_depth;  ///< surface hits of a path, as in IrradianceOptions; 1 is direct light alone
   uint64_t seed;  ///< results depend on it and on the order of the points, not on threads
+  /// Called now and then; what it throws ends the estimates. May be null.
+  std::function<void()> check = {};
 };
 
 /// By light group at unit gain, [groups, points] each. Irradiance is in W/m² and unbiased.

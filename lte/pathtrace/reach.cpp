@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <numeric>
 #include <unordered_map>
@@ -106,6 +107,7 @@ class ReachSearch {
         normals_(normals),
         sides_(sides),
         options_(options),
+        recall_(recall),
         half_extent_(0.5f * max_component(bvh.bounds().extent())),
         keep_(positions.size()),
         origin_(positions.size()),
@@ -113,13 +115,14 @@ class ReachSearch {
         front_vertices_(positions.size()),
         bounds_(positions.size()),
         recalled_(positions.size()) {
-    recall_dark_points(recall);
+    recall_dark_points();
   }
 
   std::vector<uint8_t> run() {
     if (lights_.empty()) return std::vector<uint8_t>(positions_.size(), 1);
-    for (const int paths : kPathsOfRounds) {
+    for (const int paths : std::span(kPathsOfRounds).first(static_cast<size_t>(recall_.rounds))) {
       parallel_for(static_cast<int64_t>(keep_.size()), kGrain, [&](int64_t begin, int64_t end) {
+        if (recall_.check) recall_.check();
         for (int64_t i = begin; i < end; ++i)
           if (!keep_[static_cast<size_t>(i)] && !recalled_[static_cast<size_t>(i)])
             trace(static_cast<size_t>(i), paths);
@@ -132,11 +135,11 @@ class ReachSearch {
 
  private:
   /// Takes over what is still dark from the search of the same number.
-  void recall_dark_points(const ReachRecall& recall) {
-    now_ = recall.now;
+  void recall_dark_points() {
+    now_ = recall_.now;
     const size_t number = now_ != nullptr ? now_->searches.size() : 0;
-    if (recall.before == nullptr || number >= recall.before->searches.size()) return;
-    const ReachMemory::Search& before = recall.before->searches[number];
+    if (recall_.before == nullptr || number >= recall_.before->searches.size()) return;
+    const ReachMemory::Search& before = recall_.before->searches[number];
     const Vec3 frame = bvh_.handles().origin;
     if (before.dark_of_point.size() != positions_.size() || !(before.frame == frame)) return;
     const float near = kSamePlace * 2 * half_extent_;
@@ -145,7 +148,7 @@ class ReachSearch {
       const auto& dark = before.dark[static_cast<size_t>(before.dark_of_point[i])];
       if (max_component(abs(dark.position - positions_[i])) > near) continue;
       const bool touched =
-          std::any_of(recall.changed.begin(), recall.changed.end(), [&](const Bounds& box) {
+          std::any_of(recall_.changed.begin(), recall_.changed.end(), [&](const Bounds& box) {
             const Vec3 slack{near, near, near};
             return overlap(dark.paths, {box.low - frame - slack, box.high - frame + slack});
           });
@@ -250,6 +253,7 @@ class ReachSearch {
   std::span<const Vec3> positions_, normals_;
   const Sides sides_;
   const ReachOptions& options_;
+  const ReachRecall recall_;
   const float half_extent_;
   std::vector<uint8_t> keep_;
   std::vector<Vec3> origin_;  ///< off the side that light reaches, relative to the frame
@@ -338,6 +342,9 @@ scene::SurfaceSamples sample_reached_surface(const Bvh& bvh, int64_t count,
                                              const scene::SamplerOptions& sampler, Sides sides,
                                              const ReachOptions& options, const ReachRecall& recall,
                                              PruneCounts* counts) {
+  LTE_CHECK(recall.rounds >= 1 && recall.rounds <= std::ssize(kPathsOfRounds),
+            "rounds of the search for light: expected 1 to ", std::ssize(kPathsOfRounds), ", got ",
+            recall.rounds);
   // Lights that are no surface are neither reached nor missed: they are added at the end.
   const scene::Scene& scene = bvh.scene();
   scene::SamplerOptions surfaces = sampler;

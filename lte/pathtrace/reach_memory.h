@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -31,12 +32,17 @@ struct ReachMemory {
   std::vector<Search> searches;
 };
 
-/// What is known of a scene from before a change.
+/// What is known of a scene from before a change, and what the search may take.
 struct ReachRecall {
   const ReachMemory* before = nullptr;  ///< null: nothing
   /// Where surfaces have been taken away or put since. Light and colours are the same.
   std::span<const Bounds> changed = {};
   ReachMemory* now = nullptr;  ///< gets what this search finds; may be null
+  /// Of condition 1 (reach.h): 1 to 3, for 4, 20 or 84 paths at most. Fewer take some points for
+  /// dark that little light reaches.
+  int rounds = 3;
+  /// Called now and then by any thread; what it throws ends the search. May be null.
+  std::function<void()> check = {};
 };
 
 /// sample_reached_surface() that takes a point for dark if it was so before and no path from it had

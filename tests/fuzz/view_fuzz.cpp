@@ -15,6 +15,8 @@ using namespace lte::infer::view;
 
 bool finite(const lte::Vec3& v) { return lte::is_finite(v); }
 
+bool is_way(const lte::Vec3& v) { return finite(v) && lte::length(v) > 0; }
+
 /// What the threads behind rely on; anything else is a finding.
 bool is_sound(const Message& message) {
   if (message.number < 1) return false;
@@ -31,11 +33,17 @@ bool is_sound(const Message& message) {
     return finite(look->position) && std::fabs(lte::length(look->normal) - 1) < 1e-3f &&
            look->block.size() <= kMostWordBytes && look->head >= -1;
   }
+  if (const auto* copy = std::get_if<CopyObject>(&message.request))
+    return copy->object >= 0 && finite(copy->move);
+  if (const auto* lamp = std::get_if<AddLamp>(&message.request))
+    return finite(lamp->position) && is_way(lamp->direction) &&
+           (!lamp->intensity || (finite(*lamp->intensity) && lamp->intensity->x >= 0));
   const auto* edit = std::get_if<MakeEdit>(&message.request);
   if (edit == nullptr) return true;
   if (const auto* light = std::get_if<LightSetting>(&edit->edit))
     return light->light >= 0 && light->gain >= 0 && std::isfinite(light->gain) &&
-           finite(light->color);
+           finite(light->color) && (!light->position || finite(*light->position)) &&
+           (!light->direction || is_way(*light->direction));
   if (const auto* material = std::get_if<MaterialSetting>(&edit->edit))
     return material->material >= 0 && finite(material->albedo);
   const auto& object = std::get<ObjectSetting>(edit->edit);

@@ -72,7 +72,7 @@ export class Controls {
   objectDrag(x, y) {
     const object = this.store.selected();
     const grip = this.grip(object, x, y);
-    return { kind: "object", object: this.store.object, from: [...object.move], grip,
+    return { kind: "object", object: object.object, from: [...object.move], grip,
              gesture: this.newGesture() };
   }
 
@@ -140,7 +140,8 @@ export class Controls {
       const now = meetPlane(camera, aspect, x, y, drag.grip.middle, [0, 1, 0], 100);
       if (now) by = [now[0] - drag.grip.floor[0], 0, now[2] - drag.grip.floor[2]];
     }
-    if (by) this.actions.place(drag.object, { move: add(drag.from, by) }, drag.gesture);
+    const place = this.store.placeOf("object", drag.object);  // another page may have removed it
+    if (by && place >= 0) this.actions.place(place, { move: add(drag.from, by) }, drag.gesture);
   }
 
   up(event, cancelled = false) {

@@ -30,11 +30,12 @@ export function markBusy(input) {
 /** Whether the panel stands below the picture and not beside it, as in style.css. */
 export const isStacked = () => matchMedia("(max-width: 720px), (orientation: portrait)").matches;
 
-/** Whether a panel has not listed these things, by their names, before. */
+/** Whether a panel has not listed these things, by their numbers and names, before. */
 export function changed(panel, things) {
-  const names = JSON.stringify(things.map((thing) => thing.name));
-  if (panel.names === names) return false;
-  panel.names = names;
+  const listed = JSON.stringify(things.map(({ light, material, object, name }) =>
+    [light ?? material ?? object, name]));
+  if (panel.listed === listed) return false;
+  panel.listed = listed;
   return true;
 }
 

@@ -5,11 +5,15 @@ import { byId, changed, make, markBusy, setIdle, short } from "./dom.js";
 const MOST_GAIN = 3;
 
 export class LightsPanel {
-  /** @param edit  (setting, gesture) sends an edit of a light */
-  constructor(store, edit, newGesture) {
-    Object.assign(this, { store, edit, newGesture });
+  /** @param actions  {edit(setting, gesture), add(kind), remove(light), newGesture()} */
+  constructor(store, actions) {
+    Object.assign(this, { store, actions });
     this.pane = byId("lights");
     this.rows = [];
+    const button = (kind, text) => make("button", { textContent: text, "data-add": kind,
+      title: "In front of the camera", onclick: () => actions.add(kind) });
+    this.adding = make("div", { className: "pair" },
+      button("point", "Add a point light"), button("spot", "Add a spot light"));
     store.on("scene", () => this.build());
     store.on("edits", () => this.refresh());
   }
@@ -22,6 +26,7 @@ export class LightsPanel {
     if (lights.length === 0) {
       this.pane.append(make("p", { className: "muted", textContent: "Nothing in this scene emits light." }));
     }
+    this.pane.append(this.adding);
     return this.refresh();
   }
 
@@ -29,10 +34,11 @@ export class LightsPanel {
     const light = () => this.store.scene.lights[index];
     let gesture = 0;
     const send = (change, ends) => {
-      gesture ||= this.newGesture();
+      gesture ||= this.actions.newGesture();
       Object.assign(light(), change);
-      const { gain, color, position } = light();
-      this.edit({ light: index, gain, color, ...(position ? { position } : {}) }, gesture);
+      const { light: number, gain, color, position, direction } = light();
+      this.actions.edit({ light: number, gain, color, ...(position ? { position } : {}),
+                          ...(direction ? { direction } : {}) }, gesture);
       if (ends) gesture = 0;
       this.refreshRow(index);
     };
@@ -57,23 +63,29 @@ export class LightsPanel {
       input.setAttribute("aria-label", `${input.title || "Brightness"}: ${name}`);
     }
     on.setAttribute("aria-label", `On: ${name}`);
-    const element = make("div", { className: "row light" }, on, label, percent, color, slider);
-    const axes = light().position ? this.axes(light, send) : [];
-    if (axes.length) element.append(make("div", { className: "triple" }, ...axes));
-    return { element, on, slider, percent, color, axes };
+    const remove = make("button", { className: "remove", textContent: "×", title: "Remove this light",
+      "aria-label": `Remove: ${name}`, onclick: () => this.actions.remove(light().light) });
+    const element = make("div", { className: "row light" }, on, label, percent, color, remove, slider);
+    const fields = [];
+    if (light().position) fields.push(this.axes("position", "metres", light, send));
+    if (light().direction) fields.push(this.axes("direction", "of its light's way", light, send));
+    for (const { inputs } of fields) element.append(make("div", { className: "triple" }, ...inputs));
+    return { element, on, slider, percent, color, fields };
   }
 
-  /** Number fields for the place of a point or spot light. */
-  axes(light, send) {
-    return ["x", "y", "z"].map((axis, i) => {
-      const input = make("input", { type: "number", step: 0.1, title: `${axis}, metres`, onchange: () => {
-        const position = [...light().position];
-        position[i] = Number(input.value);
-        if (Number.isFinite(position[i])) send({ position }, true);
+  /** Number fields for where a light stands, or which way it shines. */
+  axes(key, unit, light, send) {
+    const inputs = ["x", "y", "z"].map((axis, i) => {
+      const input = make("input", { type: "number", step: 0.1, title: `${axis}, ${unit}`, onchange: () => {
+        const value = [...light()[key]];
+        value[i] = Number(input.value);
+        const fine = value.every(Number.isFinite) && (key === "position" || value.some((v) => v !== 0));
+        if (fine) send({ [key]: value }, true);
       } });
       markBusy(input);
       return input;
     });
+    return { key, inputs };
   }
 
   refresh() {
@@ -87,6 +99,8 @@ export class LightsPanel {
     setIdle(row.slider, light.gain);
     setIdle(row.percent, short(100 * light.gain, 1));
     setIdle(row.color, toHex(light.color));
-    row.axes.forEach((input, i) => setIdle(input, short(light.position[i])));
+    for (const { key, inputs } of row.fields) {
+      inputs.forEach((input, i) => setIdle(input, short(light[key][i])));
+    }
   }
 }

@@ -11,12 +11,16 @@ import { ObjectsPanel, wrap } from "./objects_panel.js";
 import { Picture } from "./picture.js";
 import { keepFile } from "./saving.js";
 import { Store } from "./store.js";
-import { length, sub } from "./vector.js";
+import { add, length, scale, sub } from "./vector.js";
 import { ViewPanel } from "./view_panel.js";
 
 const TOAST_MS = 6000, MOST_TOASTS = 4;
+const LAMP_SHARE = 0.6;  // of the way from the camera to what it looks at, where a lamp is added
 const PHASES = { connecting: "connecting", loading: "loading", ready: "live", lost: "reconnecting",
                  failed: "ended" };
+
+const EDITS = new Set(["light", "material", "object", "copy_object", "remove_object", "add_light",
+                       "remove_light", "undo", "redo", "reset"]);
 
 const store = new Store();
 const meter = new Meter(store);
@@ -62,7 +66,12 @@ const handlers = {
     store.takeEdits(message);
     setUndo();
   },
-  picked: (message) => waiting.shift()?.(message),
+  picked: (message) => waiting.shift()?.({ ...message, object: store.placeOf("object", message.object),
+                                           material: store.placeOf("material", message.material) }),
+  added(message) {
+    if (message.object >= 0) store.select(store.placeOf("object", message.object));
+    showTab(message.object >= 0 ? "objects" : "lights");
+  },
   attention: (message) => attention.show(message),
   error(message) {
     attention.refused();
@@ -93,7 +102,7 @@ function toast(text) {
 
 function send(message) {
   const number = connection.send(message);
-  const edits = ["light", "material", "object", "undo", "redo", "reset"].includes(message.type);
+  const edits = EDITS.has(message.type);
   if (number && message.type !== "save") {
     stamps.set(number, { at: performance.now(), edits });
     sent[edits ? "edits" : "view"] = number;
@@ -172,8 +181,34 @@ const editMaterial = (setting, gesture) => edit({ type: "material", ...setting, 
 
 function place(index, change, gesture) {
   const object = Object.assign(store.scene.objects[index], change);
-  edit({ type: "object", object: index, move: object.move, turn: object.turn, scale: object.scale, gesture });
+  const { object: number, move, turn, scale } = object;
+  edit({ type: "object", object: number, move, turn, scale, gesture });
   store.tell("placing");
+}
+
+/** Copies the selected object to its side, towards the middle of the scene. */
+function copySelected() {
+  const object = store.selected();
+  if (!object) return;
+  const width = 1.05 * object.scale * (object.high[0] - object.low[0]);
+  const middle = (object.low[0] + object.high[0]) / 2 + object.move[0];
+  const inwards = middle < (store.scene.low[0] + store.scene.high[0]) / 2 ? 1 : -1;
+  send({ type: "copy_object", object: object.object, move: [inwards * width, 0, 0] });
+}
+
+function removeSelected() {
+  const object = store.selected();
+  if (object) send({ type: "remove_object", object: object.object });
+}
+
+/** Hangs a lamp between the camera and what it looks at. */
+function addLamp(kind) {
+  pick(0.5, 0.5, (met) => {
+    const { origin, target } = store.camera;
+    const end = met.object < 0 ? target : met.position;
+    const position = add(origin, scale(sub(end, origin), LAMP_SHARE));
+    send({ type: "add_light", kind, position });
+  });
 }
 
 const controls = new Controls(store, picture, {
@@ -188,9 +223,11 @@ const controls = new Controls(store, picture, {
 });
 const newGesture = () => controls.newGesture();
 
-new LightsPanel(store, editLight, newGesture);
+new LightsPanel(store, { edit: editLight, add: addLamp, newGesture,
+                         remove: (light) => send({ type: "remove_light", light }) });
 new MaterialsPanel(store, editMaterial, newGesture);
-new ObjectsPanel(store, { place, material: editMaterial, focus: () => controls.focusSelection(), newGesture });
+new ObjectsPanel(store, { place, material: editMaterial, focus: () => controls.focusSelection(), newGesture,
+                          copy: copySelected, remove: removeSelected });
 const attention = new Attention(store, picture,
   (question) => connection.send({ type: "look", ...question }) > 0);
 const viewPanel = new ViewPanel(store, {
@@ -209,7 +246,12 @@ function key(event) {
     event.preventDefault();
     return send({ type: "redo" });
   }
+  if (control && event.code === "KeyD") {
+    event.preventDefault();
+    return copySelected();
+  }
   if (control || event.altKey) return undefined;
+  if (event.code === "Delete") return removeSelected();
   if (event.key === "?") return byId("help").showModal();
   if (event.code === "Escape") return store.select(-1);
   if (event.code === "KeyF") return controls.focusSelection();

@@ -10,7 +10,7 @@ export function albedoInput(store, index, edit, newGesture) {
       gesture ||= newGesture();
       const albedo = fromHex(input.value);
       store.scene.materials[index].albedo = albedo;
-      edit({ material: index, albedo }, gesture);
+      edit({ material: store.scene.materials[index].material, albedo }, gesture);
     },
     onchange: () => { gesture = 0; } });
   markBusy(input);

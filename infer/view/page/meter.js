@@ -51,8 +51,10 @@ export class Meter {
 
   refreshEdit(cost) {
     this.edit.hidden = false;
-    const what = cost.encodings > 0 ? `, encoded ${cost.encodings === 1 ? "once" : `${cost.encodings} times`}`
-                                    : ", nothing encoded";
+    const encoded = cost.encodings > 0 ? `, encoded ${cost.encodings === 1 ? "once" : `${cost.encodings} times`}`
+                                       : ", nothing encoded";
+    const what = { kept: ", with the indirect light of before", draft: ", light of half the points" }[cost.accuracy]
+      ?? encoded;
     this.edit.replaceChildren(make("div", {}, make("b", { textContent: time(cost.total) }),
                                    ` for the last edit${what}`), ...bar(cost.ms));
   }

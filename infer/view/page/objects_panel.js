@@ -5,7 +5,10 @@ import { toHex } from "./color.js";
 import { foot } from "./store.js";
 
 export class ObjectsPanel {
-  /** @param actions  {place(object, change, gesture), material(setting, gesture), focus(), newGesture()} */
+  /**
+   * @param actions  {place(object, change, gesture), material(setting, gesture), focus(), copy(),
+   *                  remove(), newGesture()}
+   */
   constructor(store, actions) {
     Object.assign(this, { store, actions });
     this.card = make("div", { className: "card" });
@@ -65,7 +68,10 @@ export class ObjectsPanel {
       make("h3", { textContent: object.name }),
       make("div", { className: "triple" }, ...axes.map((a) => a.field)),
       make("div", { className: "pair" }, turn.field, size.field),
-      make("div", { className: "line" }, focus, home));
+      make("div", { className: "line" }, focus, home),
+      make("div", { className: "line" },
+        make("button", { textContent: "Copy", title: "Ctrl+D", onclick: actions.copy }),
+        make("button", { textContent: "Remove", title: "Delete", onclick: actions.remove })));
     this.albedo = null;
     if (store.material >= 0) {
       this.albedo = albedoInput(store, store.material, actions.material, actions.newGesture);

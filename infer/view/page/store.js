@@ -1,10 +1,14 @@
 // What the page knows: the scene as the server told of it, the view, and what is selected.
 
+const LISTS = { light: "lights", material: "materials", object: "objects" };
+
 export class Store extends EventTarget {
   constructor() {
     super();
     this.client = 0;
-    this.scene = null;    // {name, lights, materials, objects, cameras, outputs, low, high}
+    // {name, lights, materials, objects, cameras, outputs, low, high}. Messages have the numbers in
+    // the lists' entries (`light`, `material`, `object`); the page has places in the lists.
+    this.scene = null;
     this.camera = null;   // that of the hand: ahead of the picture while one moves
     this.header = null;   // of the picture that is shown
     this.object = -1;     // selected
@@ -21,12 +25,19 @@ export class Store extends EventTarget {
   }
 
   setScene(message) {
+    const object = this.selected()?.object;
+    const material = this.scene?.materials[this.material]?.material;
     this.scene = message;
     this.undo = message.undo;
     this.redo = message.redo;
-    if (this.object >= message.objects.length) this.object = -1;
-    if (this.material >= message.materials.length) this.material = -1;
+    this.object = this.placeOf("object", object);
+    this.material = this.placeOf("material", material);
     this.tell("scene");
+  }
+
+  /** Where the light, material or object of a number stands in its list; -1 for none. */
+  placeOf(kind, number) {
+    return this.scene[LISTS[kind]].findIndex((entry) => entry[kind] === number);
   }
 
   /** Takes over edits that were made, by this page or another. */
@@ -40,8 +51,8 @@ export class Store extends EventTarget {
   }
 
   put(edit) {
-    const list = { light: "lights", material: "materials", object: "objects" }[edit.kind];
-    Object.assign(this.scene[list][edit[edit.kind]], edit);
+    const entry = this.scene[LISTS[edit.kind]][this.placeOf(edit.kind, edit[edit.kind])];
+    if (entry) Object.assign(entry, edit);
   }
 
   select(object, material = -1) {

@@ -92,7 +92,7 @@ TEST(Session, DimmingEncodesOnceALuminaireAndNeverAgain) {
 
 TEST(Session, SeparatedLampsAreDimmedWithoutEncoding) {
   Session session(furnished_room(), network());
-  EXPECT_EQ(session.separate().encodings, 2);
+  EXPECT_EQ(session.separate()->encodings, 2);
   EXPECT_EQ(session.apply(SetLight{1, 0.5, {}}).encodings, 0);
   EXPECT_EQ(session.undo()->encodings, 0) << "the step before has been separated, too";
   EXPECT_FALSE(session.can_undo());
@@ -186,24 +186,61 @@ TEST(DimmablePicture, SumsWhatLuminairesGiveOneByOne) {
   for (const Output output : {Output::Gi, Output::Irradiance, Output::Full}) {
     RenderSettings settings = picture(output);
     settings.direct_samples = 1024;
-    const DimmablePicture dimmable(session.state(), camera(), settings);
+    StageSeconds seconds;
+    DimmablePicture dimmable(session.state(), output, 24 * 16);
+    EXPECT_EQ(dimmable.layers(), 2);
+    dimmable.add(camera(), settings, /*anew=*/true, &seconds);
     session.apply(SetLight{0, 0.8, Rgb{1, 0.3f, 0.1f}}, true);
     ASSERT_TRUE(dimmable.fits(*session.state()));
-    const Frame sum = dimmable.picture(*session.state());
+    const image::Image sum = dimmable.color(*session.state());
     const Frame whole = session.state()->render(camera(), settings);
     double difference = 0, mean = 0;
     for (size_t i = 0; i < whole.color.pixels.size(); ++i) {
-      difference += std::fabs(double{sum.color.pixels[i]} - whole.color.pixels[i]);
+      difference += std::fabs(double{sum.pixels[i]} - whole.color.pixels[i]);
       mean += std::fabs(double{whole.color.pixels[i]});
     }
     EXPECT_LT(difference, (output == Output::Full ? 0.02 : 1e-5) * mean);
-    EXPECT_EQ(sum.depth.pixels, whole.depth.pixels);
+    EXPECT_EQ(dimmable.depth().pixels, whole.depth.pixels);
   }
-  const DimmablePicture dimmable(session.state(), camera(), picture(Output::Direct));
+  const DimmablePicture dimmable(session.state(), Output::Direct, 24 * 16);
   session.apply(SetLight{1, 0.5, {}});
   EXPECT_FALSE(dimmable.fits(*session.state())) << "another luminaire is apart now";
-  EXPECT_THROW(dimmable.picture(*session.state()), Error);
-  EXPECT_THROW(DimmablePicture(session.state(), camera(), picture(Output::Normal)), Error);
+  EXPECT_THROW(dimmable.color(*session.state()), Error);
+}
+
+TEST(DimmablePicture, WhatHasNoLightOrTakesTooMuchMemoryIsOneLayer) {
+  Session session(furnished_room(), network());
+  session.separate();
+  const int64_t many = DimmablePicture::kMostBytes / 12;
+  EXPECT_EQ(DimmablePicture(session.state(), Output::Full, 100).layers(), 2);
+  EXPECT_EQ(DimmablePicture(session.state(), Output::Full, many).layers(), 1);
+  const DimmablePicture normals(session.state(), Output::Normal, 100);
+  EXPECT_EQ(normals.layers(), 1);
+  EXPECT_TRUE(normals.fits(*session.state()));
+  session.apply(SetLight{0, 0.5, {}});
+  EXPECT_FALSE(normals.fits(*session.state()));
+}
+
+TEST(DimmablePicture, APictureThatIsEndedHasNotHappened) {
+  Session session(furnished_room(), network());
+  session.separate();
+  RenderSettings settings = picture(Output::Gi);
+  StageSeconds seconds;
+  DimmablePicture dimmable(session.state(), Output::Gi, 24 * 16);
+  dimmable.add(camera(), settings, true, &seconds);
+  const std::vector<float> before = dimmable.color(*session.state()).pixels;
+  int told = 0;
+  settings.done = [&](int64_t) {
+    if (++told > 2) throw Error("ended");
+  };
+  EXPECT_THROW(dimmable.add(camera(), settings, true, &seconds), Error);
+  EXPECT_EQ(dimmable.pictures(), 1);
+  EXPECT_EQ(dimmable.color(*session.state()).pixels, before);
+  settings.done = nullptr;
+  dimmable.add(camera(), settings, false, &seconds);  // the same once more: so is the mean
+  EXPECT_EQ(dimmable.pictures(), 2);
+  const std::vector<float> mean = dimmable.color(*session.state()).pixels;
+  for (size_t i = 0; i < mean.size(); ++i) EXPECT_NEAR(mean[i], before[i], 1e-5f * before[i]);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // Edits of pages, from message to scene.
+#include <algorithm>
 #include <fstream>
 #include <memory>
 #include <optional>
@@ -7,10 +8,13 @@
 
 #include "infer/view/editor.h"
 #include "infer/view/session_scene.h"
+#include "infer/view/view_loop.h"
 #include "lte/cli/scene_flags.h"
 #include "lte/scene/scene.h"
 #include "tests/infer/fixture.h"
+#include "tests/infer/session/session_fixture.h"
 #include "tests/infer/view/fake_pages.h"
+#include "tests/support/scenes.h"
 #include "tests/support/temp_dir.h"
 
 namespace lte::infer::view {
@@ -20,8 +24,9 @@ class Edited : public testing::Test {
  protected:
   Edited()
       : session_(test::lit_floor(), std::nullopt),
-        scene_(describe_scene(*session_.state())),
-        editor_(std::make_unique<Editor>(&session_, &scene_, &pages_, [] {})) {}
+        editor_(std::make_unique<Editor>(&session_, &pages_, [] {})) {
+    editor_->start();
+  }
 
   void gain(int client, int64_t gesture, float value) {
     editor_->post(client, ++number_, MakeEdit{LightSetting{0, value, {1, 1, 1}, {}}, gesture});
@@ -46,7 +51,6 @@ class Edited : public testing::Test {
 
   test::FakePages pages_;
   Session session_;
-  SceneDescription scene_;
   std::unique_ptr<Editor> editor_;
   int64_t number_ = 0;
 };
@@ -78,8 +82,11 @@ TEST_F(Edited, ResetTakesAllBackAndCanBeUndone) {
   ask(MakeEdit{ObjectSetting{0, {{0, -1, 0}, 0, 1}}, 3});
   ask(Reset{});
   EXPECT_NEAR(gain_now(), 1, 1e-6);
-  const std::vector<PageEdit> now = settings_of(*editor_->made().state, scene_);
-  EXPECT_EQ(now, settings_of(*Session(test::lit_floor(), std::nullopt).state(), scene_));
+  const auto settings = [&](const SessionState& state) {
+    return settings_of(state, *editor_->made().scene);
+  };
+  EXPECT_EQ(settings(*editor_->made().state),
+            settings(*Session(test::lit_floor(), std::nullopt).state()));
   ask(Undo{});
   EXPECT_NEAR(gain_now(), 0.25, 1e-6);
 }
@@ -99,6 +106,96 @@ TEST_F(Edited, TheSceneIsSavedAsEdited) {
   for (const scene::Material& material : back.materials)
     brightest = std::max(brightest, max_component(material.emission));
   EXPECT_NEAR(brightest, 0.5f * max_component(test::kLitFloorRadiance), 1e-5f);
+}
+
+TEST_F(Edited, AnObjectIsCopiedRemovedAndBroughtBack) {
+  const auto objects = [&] { return editor_->made().scene->objects; };
+  ASSERT_EQ(objects().size(), 2u);
+  ask(CopyObject{0, {0, 1, 0}});
+  ASSERT_EQ(objects().size(), 3u);
+  const ObjectDescription copy = objects().back();
+  EXPECT_EQ(pages_.wait_for_text("added").at("object"), copy.id);
+  EXPECT_EQ(copy.name, objects().front().name + "#2");
+  EXPECT_NEAR(copy.bounds.low.y, objects().front().bounds.low.y + 1, 1e-6);
+  // Its number is its own: what comes and goes beside it changes none.
+  ask(MakeEdit{ObjectSetting{copy.id, {{0, 1, 0}, 0, 1}}, 1});
+  EXPECT_NEAR(editor_->made().state->instances().back().bounds.low.y, 2, 1e-6);
+  ask(RemoveObject{0});
+  ASSERT_EQ(objects().size(), 2u);
+  EXPECT_EQ(objects().back().id, copy.id);
+  EXPECT_EQ(objects().back().bounds.low.y, copy.bounds.low.y) << "where it was added";
+  ask(Undo{});
+  EXPECT_EQ(objects().size(), 3u);
+  ask(Reset{});
+  EXPECT_EQ(objects().size(), 2u);
+  ask(Undo{});
+  EXPECT_EQ(objects().back().id, copy.id);
+}
+
+TEST_F(Edited, ALampThatIsAddedLightsWhatIsUnderIt) {
+  ask(AddLamp{scene::LightKind::Point, {0, 1, 0}, {0, -1, 0}, Rgb{3, 2, 1}});
+  const int lamp = pages_.wait_for_text("added").at("light");
+  const SessionState& state = *editor_->made().state;
+  ASSERT_EQ(state.scene().lights.size(), 1u);
+  EXPECT_EQ(state.scene().lights[0].intensity, (Rgb{3, 2, 1}));
+  EXPECT_EQ(editor_->made().scene->lights.back().id, lamp);
+  EXPECT_EQ(editor_->made().scene->lights.back().sort, "point");
+  ask(MakeEdit{LightSetting{lamp, 0.5f, {1, 1, 1}, Vec3{1, 2, 1}}, 1});
+  EXPECT_EQ(editor_->made().state->scene().lights[0].position, (Vec3{1, 2, 1}));
+  ask(RemoveLamp{lamp});
+  EXPECT_TRUE(editor_->made().state->scene().lights.empty());
+  ask(RemoveLamp{lamp});
+  EXPECT_NE(pages_.wait_for_text("error"), nullptr);
+  // Ten watts for each square metre of the floor, of 16.
+  ask(AddLamp{scene::LightKind::Spot, {0, 1, 0}, {1, 0, 0}, {}});
+  const scene::PunctualLight& spot = editor_->made().state->scene().lights.at(0);
+  EXPECT_NEAR(spot.intensity.x, 160 / (4 * kPi), 1e-3);
+  EXPECT_EQ(spot.direction, (Vec3{1, 0, 0}));
+}
+
+TEST_F(Edited, WhatCannotComeBackIsForgotten) {
+  for (int i = 0; i < 3; ++i) {
+    ask(CopyObject{0, {0, 1, 0}});
+    const int copy = editor_->made().scene->objects.back().id;
+    ask(Undo{});
+    EXPECT_TRUE(session_.remembers(copy)) << "redo brings it back";
+    gain(1, i + 1, 0.5f);
+    EXPECT_FALSE(session_.remembers(copy)) << "nothing does any more";
+  }
+  EXPECT_EQ(editor_->made().scene->objects.size(), 2u);
+}
+
+/// With a network: what is shown at once is refined until it is the light of a fresh session, and
+/// lamps that rest are dimmed without encoding.
+TEST(EditedByNetwork, TheLightOfAMoveFollows) {
+  test::FakePages pages;
+  const scene::Scene room = test::furnished_room();
+  const session_test::Points points(room);
+  Session session(room, session_test::network());
+  std::unique_ptr<ViewLoop> loop;
+  Editor editor(&session, &pages, [&] { loop->wake(); });
+  ViewState first;
+  first.camera = session_test::camera();
+  first.size = {24, 16};
+  loop = std::make_unique<ViewLoop>([&] { return editor.made(); }, &pages, first);
+  editor.start();
+  editor.post(1, 5, MakeEdit{ObjectSetting{1, {{0.5f, 0, 0}, 0, 1}}, 1});
+  const std::string full = pages.wait_for_picture([](const nlohmann::json& header) {
+    return header.at("handled").contains("1") && header.at("done") == true;
+  });
+  ASSERT_FALSE(full.empty());
+  EXPECT_EQ(test::frame_header(full).at("light"), "full");
+  EXPECT_EQ(session.change_against_fresh(points.queries()).largest, 0);
+  const auto all_apart = [&] {
+    const auto lights = editor.made().state->luminaires();
+    return std::all_of(lights.begin(), lights.end(),
+                       [](const auto& light) { return light.touched; });
+  };
+  for (int i = 0; i < 60'000 && !all_apart(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_TRUE(all_apart());
+  EXPECT_EQ(session.apply(SetLight{0, 0.5, {}}).encodings, 0);
+  editor.stop();
 }
 
 }  // namespace

@@ -54,6 +54,22 @@ TEST(Messages, ReadsEveryType) {
           R"({"type":"object","n":6,"gesture":0,"object":3,"move":[0,0,1],"turn":90,"scale":2})")
           .edit,
       PageEdit(ObjectSetting{3, {{0, 0, 1}, 90, 2}}));
+  const auto copy = parse<CopyObject>(R"({"type":"copy_object","n":7,"object":3,"move":[1,0,-2]})");
+  EXPECT_EQ(copy.object, 3);
+  EXPECT_EQ(copy.move, (Vec3{1, 0, -2}));
+  EXPECT_EQ(parse<RemoveObject>(R"({"type":"remove_object","n":7,"object":4})").object, 4);
+  const auto lamp = parse<AddLamp>(
+      R"({"type":"add_light","n":7,"kind":"spot","position":[1,2,3],"direction":[1,0,0],"intensity":[4,5,6]})");
+  EXPECT_EQ(lamp.kind, scene::LightKind::Spot);
+  EXPECT_EQ(lamp.position, (Vec3{1, 2, 3}));
+  EXPECT_EQ(lamp.direction, (Vec3{1, 0, 0}));
+  EXPECT_EQ(lamp.intensity, (Rgb{4, 5, 6}));
+  EXPECT_FALSE(
+      parse<AddLamp>(R"({"type":"add_light","n":7,"kind":"point","position":[1,2,3]})").intensity);
+  EXPECT_EQ(parse<RemoveLamp>(R"({"type":"remove_light","n":7,"light":2})").light, 2);
+  const auto turned = parse<MakeEdit>(
+      R"({"type":"light","n":7,"gesture":0,"light":2,"gain":1,"color":[1,1,1],"direction":[0,-1,0]})");
+  EXPECT_EQ(std::get<LightSetting>(turned.edit).direction, (Vec3{0, -1, 0}));
   EXPECT_EQ(parse<PickAt>(R"({"type":"pick","n":7,"x":0.25,"y":1})").x, 0.25f);
   const auto look = parse<LookInside>(
       R"({"type":"look","n":7,"position":[1,2,3],"normal":[0,0.5,0],"block":"down0.1","head":2})");
@@ -106,6 +122,15 @@ TEST(Messages, RefusesWhatIsNoMessageInOneLine) {
       R"({"type":"undo","n":18446744073709551615})",
       R"({"type":"undo","n":"1"})",
       R"({"type":"undo","n":1}{"type":"undo","n":2})",
+      R"({"type":"add_light","n":1,"kind":"sun","position":[0,0,0]})",
+      R"({"type":"add_light","n":1,"kind":"point"})",
+      R"({"type":"add_light","n":1,"kind":"spot","position":[0,0,0],"direction":[0,0,0]})",
+      R"({"type":"add_light","n":1,"kind":"point","position":[0,0,0],"intensity":[-1,0,0]})",
+      R"({"type":"light","n":1,"gesture":0,"light":0,"gain":1,"color":[1,1,1],"direction":[0,0,0]})",
+      R"({"type":"copy_object","n":1,"object":1})",
+      R"({"type":"copy_object","n":1,"object":-1,"move":[0,0,0]})",
+      R"({"type":"remove_object","n":1,"object":1.5})",
+      R"({"type":"remove_light","n":1})",
       R"({"type":"pick","n":1,"x":1e999,"y":0})",
       R"({"type":"pick","n":1,"x":NaN,"y":0})",
       R"({"type":"pick","n":1,"x":"0","y":0})",

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/infer/fixture.h"
+#include "tests/infer/session/session_fixture.h"
+#include "tests/support/scenes.h"
 
 namespace lte::infer::view {
 namespace {
@@ -66,6 +68,86 @@ TEST(Progressive, AReferenceCountsItsPaths) {
     last = picture.paths();
   }
   EXPECT_GT(picture.path_seconds(), 0);
+}
+
+TEST(Progressive, ARelitPictureIsAsIfAllPassesHadTheNewGains) {
+  Session session(test::lit_floor(), std::nullopt);
+  session.separate();
+  const auto finish = [](Progressive* picture) {
+    for (int i = 0; i < 100 && !picture->done(); ++i) picture->step(kNever);
+  };
+  Progressive lit, fresh;
+  lit.restart(session.state(), test::downward_camera(), Shown::Direct, kSize);
+  finish(&lit);
+  const int64_t passes = lit.rendered();
+  session.apply(SetLight{0, 0.3, Rgb{1, 0.2f, 0.6f}});
+  ASSERT_TRUE(lit.relight(session.state()));
+  EXPECT_TRUE(lit.done());
+  EXPECT_EQ(lit.rendered(), passes);
+  fresh.restart(session.state(), test::downward_camera(), Shown::Direct, kSize);
+  finish(&fresh);
+  for (size_t i = 0; i < lit.picture().pixels.size(); ++i)
+    EXPECT_NEAR(lit.picture().pixels[i], fresh.picture().pixels[i],
+                1e-5f * fresh.picture().pixels[i]);
+  // What else changes begins anew.
+  Affine higher = session.state()->instances()[0].to_world;
+  higher.m[1][3] += 0.1f;
+  session.apply(MoveInstance{0, higher});
+  EXPECT_FALSE(lit.relight(session.state()));
+  lit.restart(session.state(), test::downward_camera(), Shown::Reference, kSize);
+  lit.step(kNever);
+  session.apply(SetLight{0, 1, {}});
+  EXPECT_FALSE(lit.relight(session.state()));
+}
+
+TEST(Progressive, WhatRestsIsCorrectedByPaths) {
+  Session session(test::furnished_room(), session_test::network());
+  session.separate();
+  Progressive picture;
+  picture.restart(session.state(), session_test::camera(), Shown::Irradiance, kSize);
+  for (int i = 0; i < 100 && picture.paths() == 0; ++i) picture.step(kNever);
+  const std::vector<float> before = picture.picture().pixels;
+  for (int i = 0; i < 100 && !picture.done(); ++i) picture.step(kNever);
+  EXPECT_EQ(picture.paths(), Residual::kMostPaths);
+  EXPECT_NE(picture.picture().pixels, before);
+  // Another gain has another residual.
+  session.apply(SetLight{0, 0.5, {}});
+  ASSERT_TRUE(picture.relight(session.state()));
+  EXPECT_FALSE(picture.done());
+  EXPECT_EQ(picture.paths(), 0);
+}
+
+/// Paths take away most of what an untrained network is wrong by, in every output.
+TEST(Residual, BringsAPictureNearToThatOfPaths) {
+  const Session session(test::furnished_room(), session_test::network());
+  for (const Output output : {Output::Irradiance, Output::Gi}) {
+    RenderSettings settings;
+    settings.output = output;
+    settings.width = kSize.width;
+    settings.height = kSize.height;
+    settings.antialias = 0;
+    image::Image picture = session.state()->render(session_test::camera(), settings).color;
+    RenderSettings paths = settings;
+    paths.mode = Mode::Reference;
+    paths.spp = 1024;
+    paths.seed = 99;
+    const Frame reference = session.state()->render(session_test::camera(), paths);
+    const auto error = [&] {
+      double off = 0;
+      for (size_t i = 0; i < picture.pixels.size(); ++i)
+        off += std::abs(picture.pixels[i] - reference.color.pixels[i]);
+      return off;
+    };
+    const double before = error();
+    Residual residual;
+    StageSeconds seconds;
+    int corrections = 0;
+    while (!residual.done())
+      corrections += residual.step(*session.state(), session_test::camera(), settings, &seconds);
+    EXPECT_EQ(corrections, 4) << "of 8, 16, 32 and 64 paths";
+    residual.add_to(&picture);
+    EXPECT_LT(error(), 0.5 * before);
+  }
 }
 
 TEST(Progressive, JitterMovesThePictureByItsShareOfAPixel) {

@@ -24,7 +24,7 @@ scene::Scene with_chair() {
 
 TEST(Replies, ListTheSceneAsItIsSet) {
   Session session(with_chair(), std::nullopt);
-  const SceneDescription scene = describe_scene(*session.state());
+  const SceneDescription scene = describe_scene(*session.state(), list_objects(*session.state()));
   ASSERT_EQ(scene.objects.size(), 3u);
   EXPECT_EQ(scene.objects[2].instances.size(), 2u);
   const std::vector<PageEdit> edits{LightSetting{0, 0.25f, {1, 0.5f, 0.5f}, {}},
@@ -49,7 +49,7 @@ TEST(Replies, ListTheSceneAsItIsSet) {
 
 TEST(Replies, NumbersThatTheSceneLacksAreRefused) {
   const Session session(test::lit_floor(), std::nullopt);
-  const SceneDescription scene = describe_scene(*session.state());
+  const SceneDescription scene = describe_scene(*session.state(), list_objects(*session.state()));
   for (const PageEdit& edit :
        {PageEdit(LightSetting{1, 1, {1, 1, 1}, {}}), PageEdit(MaterialSetting{99, {}}),
         PageEdit(ObjectSetting{2, {}}), PageEdit(LightSetting{0, 1, {1, 1, 1}, Vec3{1, 1, 1}})})

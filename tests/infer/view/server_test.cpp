@@ -2,9 +2,11 @@
 #include "infer/view/server.h"
 
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
@@ -259,6 +261,71 @@ TEST(Server, APageThatLooksOnSeesAnothersEdits) {
   other.read_text("scene");
   one.send(R"({"type":"material","n":2,"gesture":0,"material":0,"albedo":[0.5,0.25,0]})");
   EXPECT_EQ(other.read_text("edits").at("edits").at(0).at("albedo"), json({0.5, 0.25, 0.0}));
+}
+
+/// Twenty pages that edit at the same time: all end up with the same picture of the same scene, and
+/// a move costs what it costs one page.
+TEST(Server, TwentyPagesSeeOneSceneForOneRendering) {
+  constexpr int kPages = 20;
+  Served served(/*ready=*/true);
+  std::vector<std::unique_ptr<Socket>> pages;
+  std::vector<int> numbers(kPages, 1);
+  std::vector<json> last_edit(kPages);
+  for (int i = 0; i < kPages; ++i) {
+    pages.push_back(std::make_unique<Socket>(&served));
+    pages.back()->send(kHello);
+    ASSERT_EQ(pages.back()->read_text("scene").at("lights").size(), 1u);
+  }
+  const auto say = [&](int page, const std::string& message) {
+    const auto at = static_cast<size_t>(page);
+    pages[at]->send(concat("{", message, R"(,"n":)", ++numbers[at], "}"));
+    return numbers[at];
+  };
+  // Reads on, as a page does, until a finished picture shows all that is wanted.
+  const auto settled = [&](int page, const std::function<bool(const json&)>& wanted) {
+    const auto at = static_cast<size_t>(page);
+    for (;;) {
+      const std::string frame = pages[at]->read();
+      if (frame.empty()) return frame;
+      if (pages[at]->is_text()) {
+        const json text = json::parse(frame);
+        if (text.at("type") == "edits") last_edit[at] = text.at("edits").back();
+        continue;
+      }
+      const json header = test::frame_header(frame);
+      say(page, concat(R"("type":"shows","picture":)", header.at("picture").get<int>()));
+      if (header.at("done") == true && wanted(header.at("handled")))
+        return test::frame_bytes(frame);
+    }
+  };
+  std::vector<int> edits;
+  for (int i = 0; i < kPages; ++i) {
+    say(i, concat(R"("type":"camera","origin":[0,)", 1.2 + 0.01 * i,
+                  R"(,0],"target":[0,0,0],"up":[1,0,0],"vfov":40)"));
+    edits.push_back(say(i, concat(R"("type":"light","gesture":0,"light":0,"color":[1,1,1],"gain":)",
+                                  0.25 + 0.125 * i)));
+  }
+  const auto has_all = [&](const json& handled) {
+    for (size_t i = 0; i < edits.size(); ++i) {
+      const std::string client = std::to_string(i + 1);
+      if (!handled.contains(client) || handled.at(client).at(1).get<int>() < edits[i]) return false;
+    }
+    return true;
+  };
+  const std::string first = settled(0, has_all);
+  ASSERT_FALSE(first.empty());
+  for (int i = 1; i < kPages; ++i) {
+    EXPECT_EQ(settled(i, has_all), first) << i;
+    EXPECT_EQ(last_edit[static_cast<size_t>(i)], last_edit[0]) << "in the same order";
+  }
+  Socket late(&served);
+  late.send(kHello);
+  EXPECT_EQ(late.read_text("scene").at("lights").at(0).at("gain"), last_edit[0].at("gain"));
+  const int64_t before = served.view()->counts().view.passes;
+  const int moved =
+      say(0, R"("type":"camera","origin":[0,1.1,0],"target":[0,0,0],"up":[1,0,0],"vfov":40)");
+  settled(0, [&](const json& handled) { return handled.at("1").at(0).get<int>() >= moved; });
+  EXPECT_LE(served.view()->counts().view.passes - before, 2 + Progressive::kMeanPasses);
 }
 
 TEST(Server, NoMoreThanTwoPicturesAreAheadOfAPage) {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "infer/view/session_scene.h"
+#include "lte/base/srgb.h"
 #include "lte/image/exr.h"
 #include "lte/image/png.h"
 #include "lte/scene/load_camera.h"
@@ -25,7 +26,8 @@ class Viewed {
   explicit Viewed(int pages = 1)
       : pages_(pages),
         session_(test::lit_floor(), std::nullopt),
-        scene_(describe_scene(*state())) {}
+        scene_(std::make_shared<const SceneDescription>(
+            describe_scene(*state(), list_objects(*state())))) {}
 
   std::unique_ptr<ViewLoop> loop(Shown shown = Shown::Direct) {
     ViewState first;
@@ -33,9 +35,9 @@ class Viewed {
     first.size = {24, 18};
     auto out = std::make_unique<ViewLoop>(
         [this] {
-          return Editor::Made{state(), {}};
+          return Editor::Made{state(), scene_};
         },
-        &scene_, &pages_, first);
+        &pages_, first);
     ChangeView view;
     view.shown = shown;
     out->post(9, 1, view);
@@ -44,12 +46,12 @@ class Viewed {
   StatePtr state() const { return session_.state(); }
   Session* session() { return &session_; }
   test::FakePages* pages() { return &pages_; }
-  const SceneDescription& scene() const { return scene_; }
+  const SceneDescription& scene() const { return *scene_; }
 
  private:
   test::FakePages pages_;
   Session session_;
-  SceneDescription scene_;
+  std::shared_ptr<const SceneDescription> scene_;
 };
 
 MoveCamera camera_at(float height) {
@@ -116,6 +118,38 @@ TEST(ViewLoop, ADimmedLightIsShownAsLinearLightSays) {
   const double ratio =
       test::mean_light(test::frame_picture(dim)) / test::mean_light(test::frame_picture(bright));
   EXPECT_NEAR(ratio, 0.5, 0.01);
+}
+
+TEST(ViewLoop, ATouchedLightIsDimmedWithoutRendering) {
+  Viewed viewed;
+  const int light = viewed.scene().lights.at(0).id;
+  viewed.session()->separate();
+  const auto loop = viewed.loop();
+  const auto wait = [&](int64_t picture) {
+    return viewed.pages()->wait_for_picture([picture](const json& header) {
+      return header.at("done") == true && header.at("shown") == "direct" &&
+             header.at("picture").get<int64_t>() > picture;
+    });
+  };
+  const std::string bright = wait(0);
+  ASSERT_FALSE(bright.empty());
+  const int64_t passes = loop->counts().passes;
+  viewed.session()->apply(SetLight{light, 0.25, Rgb{1, 0.5f, 0.5f}});
+  loop->wake();
+  const std::string dim = wait(test::frame_header(bright).at("picture"));
+  ASSERT_FALSE(dim.empty());
+  EXPECT_EQ(loop->counts().passes, passes);
+  // By channel: the luminaire's own colour is (1, 0.8, 0.6).
+  const auto channel = [](const std::string& frame, size_t c) {
+    const image::Image picture = test::frame_picture(frame);
+    double sum = 0;
+    for (size_t i = c; i < picture.pixels.size(); i += 3) sum += srgb_to_linear(picture.pixels[i]);
+    return sum;
+  };
+  for (const auto& [c, law] : {std::pair(0, 0.25), {1, 0.25 * 0.5 / 0.8}, {2, 0.25 * 0.5 / 0.6}}) {
+    const auto at = static_cast<size_t>(c);
+    EXPECT_NEAR(channel(dim, at) / channel(bright, at), law, 0.02 * law + 0.003) << c;
+  }
 }
 
 TEST(ViewLoop, ExposureChangesThePictureWithoutRendering) {

@@ -150,23 +150,34 @@ def main():
             return page.answer(True, type="light", light=light, gain=gain, color=[1, 1, 1],
                                gesture=0)
 
-        first = [dim(light) for light in range(len(page.scene["lights"]))]
+        page.rest(1)
+        lights = [light["light"] for light in page.scene["lights"]]
+        first = [dim(light) for light in lights]
         row("dim, the first time of a light", first)
         times = []
         for i in range(args.edits):
             page.rest(choose.uniform(0.2, 0.8))
-            times.append(dim(i % len(first)))
+            times.append(dim(lights[i % len(lights)]))
         row("dim, again", times, f"last: {page.cost['total']:.0f} ms of edit, "
             f"{page.cost['encodings']} encodings")
-        number = next(i for i, o in enumerate(page.scene["objects"]) if args.object in o["name"])
-        times = []
+        number = next(o["object"] for o in page.scene["objects"] if args.object in o["name"])
+        name = next(o["name"] for o in page.scene["objects"] if o["object"] == number)
+        times, lit = [], []
         for _ in range(max(1, args.edits // 2)):
             page.rest(choose.uniform(0.2, 0.8))
             shift = [round(choose.uniform(-0.3, 0.3), 3), 0, round(choose.uniform(-0.3, 0.3), 3)]
+            start = time.monotonic()
             times.append(page.answer(True, type="object", object=number, move=shift, turn=0,
                                      scale=1, gesture=0))
-        row("move " + page.scene["objects"][number]["name"], times,
-            f"last: {json.dumps(page.cost)}")
+            page.wait(lambda: page.header["light"] != "kept")
+            lit.append(1000 * (time.monotonic() - start))
+            costs = json.dumps(page.cost)
+        row(f"move {name}: with direct light", times)
+        row("    with new indirect light", lit, f"last: {costs}")
+        start = time.monotonic()
+        page.wait(lambda: page.header["light"] == "full")
+        print(f"    with all of it {1000 * (time.monotonic() - start):.0f} ms later:",
+              json.dumps(page.cost))
         page.send(type="reset")
         page.rest(2)
         before = processor_seconds(pid)

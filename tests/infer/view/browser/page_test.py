@@ -153,6 +153,41 @@ def selects_and_moves(page):
     check(picked, "numbers turn it, and a picture shows that")
 
 
+def adds_and_removes(page):
+    settled(page)
+    count = "lteView.store.scene.{}.length"
+    objects, lights = page.evaluate(count.format("objects")), page.evaluate(count.format("lights"))
+    number = page.evaluate("lteView.store.selected().object")
+    page.key("KeyD", "d", modifiers=2)
+    page.wait(f"{count.format('objects')} === {objects + 1}", what="a copy of the object")
+    page.wait(f"lteView.store.selected() && lteView.store.selected().object !== {number}",
+              what="the copy is selected")
+    settled(page)
+    copy = page.evaluate("lteView.store.selected().object")
+    page.key("Delete", "Delete")
+    page.wait(f"{count.format('objects')} === {objects}", what="the copy is gone")
+    check(page.evaluate(f"lteView.store.placeOf('object', {copy})") == -1 and
+          page.evaluate(f"lteView.store.placeOf('object', {number})") >= 0,
+          "Ctrl+D copies the selected object, Delete removes the copy alone")
+    settled(page)
+    dark = sum(linear(value) for value in page.evaluate(PIXELS))
+    page.evaluate("document.querySelector('[data-add=point]').click()")
+    page.wait(f"{count.format('lights')} === {lights + 1}", what="a lamp more")
+    settled(page)
+    bright = sum(linear(value) for value in page.evaluate(PIXELS))
+    check(bright > 1.02 * dark, f"a lamp that is added gives light ({bright / dark:.2f} times)")
+    page.evaluate("[...document.querySelectorAll('.light .remove')].pop().click()")
+    page.wait(f"{count.format('lights')} === {lights}", what="the lamp is gone")
+    settled(page)
+    again = sum(linear(value) for value in page.evaluate(PIXELS))
+    check(abs(again / dark - 1) < 0.01, "without it the picture is as before")
+    page.key("KeyZ", "z", modifiers=2)
+    page.wait(f"{count.format('lights')} === {lights + 1}", what="undo brings the lamp back")
+    page.key("KeyZ", "z", modifiers=2)
+    page.wait(f"{count.format('lights')} === {lights}", what="undo takes it away again")
+    check(True, "lamps and objects come and go by undo, too")
+
+
 def shows_outputs(page):
     for shown in ("direct", "irradiance", "albedo", "normal", "indirect", "full"):
         page.evaluate(f"document.querySelector('[data-shown={shown}]').click()")
@@ -239,6 +274,7 @@ def main():
         moves_the_camera(page)
         shines_as_linear_light_says(page)
         selects_and_moves(page)
+        adds_and_removes(page)
         shows_outputs(page)
         looks_inside(page)
         fits(page)

@@ -1,0 +1,86 @@
+#include "infer/view/residual.h"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "infer/renderer/path_correction.h"
+
+namespace lte::infer::view {
+namespace {
+
+using image::Image;
+
+Image scaled(const Image& sum, float factor) {
+  Image out = sum;
+  for (float& value : out.pixels) value *= factor;
+  return out;
+}
+
+}  // namespace
+
+/// The network's answer at every pixel, and where it stands for a surface's light.
+void Residual::begin(const SessionState& state, const scene::Camera& camera,
+                     const RenderSettings& settings) {
+  SurfaceGuides guides = trace_guides(state.bvh(), camera, settings.width, settings.height);
+  RenderSettings network = settings;
+  network.output = Output::Irradiance;
+  network.sparse.reset();
+  network.antialias = 0;
+  network.layers = false;
+  answer_ = state.render(camera, network).color;
+  guides_ = std::move(guides);
+  reflects_.resize(guides_.pixels());
+  for (size_t i = 0; i < reflects_.size(); ++i) {
+    const float* albedo = guides_.albedo.pixels.data() + 3 * i;
+    const bool matt = std::max({albedo[0], albedo[1], albedo[2]}) > 0 && !guides_.metal[i];
+    reflects_[i] = guides_.mask[i] && matt ? 1 : 0;
+  }
+}
+
+bool Residual::step(const SessionState& state, const scene::Camera& camera, RenderSettings settings,
+                    StageSeconds* seconds) {
+  if (answer_.width == 0) begin(state, camera, settings);
+  const Output output = std::exchange(settings.output, Output::Irradiance);
+  settings.mode = Mode::Reference;
+  settings.spp = kPaths;
+  settings.antialias = 0;
+  settings.layers = false;
+  settings.seed = static_cast<uint64_t>(paths_) + 1;
+  const Image light = state.render(camera, settings, seconds).color;
+  const auto which = static_cast<size_t>(paths_ / kPaths) % 2;
+  std::array<Image, 2> halves = halves_;
+  if (halves[which].width == 0) halves[which] = Image(light.width, light.height, light.channels);
+  for (size_t i = 0; i < light.pixels.size(); ++i) halves[which].pixels[i] += light.pixels[i];
+  const int paths = paths_ + kPaths;
+  const bool corrects = paths > kPaths && std::has_single_bit(static_cast<unsigned>(paths));
+  if (corrects) {
+    const float mean = 2 * static_cast<float>(kPaths) / static_cast<float>(paths);
+    correction_ =
+        correction(scaled(halves[0], mean), scaled(halves[1], mean), output, settings.done);
+  }
+  halves_ = std::move(halves);
+  paths_ = paths;
+  return corrects;
+}
+
+/// What is to be added to a picture of that output, by the means of both halves.
+Image Residual::correction(const Image& half_a, const Image& half_b, Output output,
+                           const std::function<void(int64_t)>& done) const {
+  const auto check = [&] {
+    if (done) done(0);
+  };
+  Image out = correct_by_paths(guides_, reflects_, answer_, half_a, half_b, check);
+  for (size_t i = 0; i < out.pixels.size(); ++i) {
+    const float reflected = output == Output::Irradiance ? 1 : guides_.albedo.pixels[i] / kPi;
+    out.pixels[i] = reflects_[i / 3] ? reflected * (out.pixels[i] - answer_.pixels[i]) : 0;
+  }
+  return out;
+}
+
+void Residual::add_to(Image* picture) const {
+  if (correction_.width != picture->width) return;
+  for (size_t i = 0; i < picture->pixels.size(); ++i) picture->pixels[i] += correction_.pixels[i];
+}
+
+}  // namespace lte::infer::view
