@@ -1,5 +1,6 @@
 #include "train/config.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "lte/base/check.h"
@@ -21,10 +22,16 @@ DataConfig read_data(const Config& config) {
   config.read("cache_mb", &data.cache_mb);
   config.read("query_sampling", &data.query_sampling);
   config.read("on_bad_scene", &data.on_bad_scene);
+  config.read("radiance_points", &data.radiance_points);
+  config.read("radiance_directions", &data.radiance_directions);
   LTE_CHECK(data.scene_points >= 0, "data.scene_points: expected 0 (all) or more, got ",
             data.scene_points);
   LTE_CHECK(data.queries_per_scene >= 0, "data.queries_per_scene: expected 0 (all) or more, got ",
             data.queries_per_scene);
+  LTE_CHECK(data.radiance_points >= 0, "data.radiance_points: expected 0 (all) or more, got ",
+            data.radiance_points);
+  LTE_CHECK(data.radiance_directions >= 0,
+            "data.radiance_directions: expected 0 (all) or more, got ", data.radiance_directions);
   LTE_CHECK(data.cache_mb >= 0, "data.cache_mb: expected 0 (keep nothing) or more, got ",
             data.cache_mb);
   return data;
@@ -109,6 +116,10 @@ void check_optim(const OptimConfig& train) {
             "train.ema_decay: expected 0 (off) to below 1, got ", train.ema_decay);
   LTE_CHECK(train.init_except.empty() || !train.init_weights.empty(),
             "train.init_except: has no meaning without train.init_weights (--init-weights)");
+  LTE_CHECK(train.init_rate >= 0 && train.init_rate <= 1,
+            "train.init_rate: expected 0 (they stand still) to 1, got ", train.init_rate);
+  LTE_CHECK(train.init_rate == 1 || !train.init_weights.empty(),
+            "train.init_rate: has no meaning without train.init_weights (--init-weights)");
 }
 
 OptimConfig read_optim(const Config& config) {
@@ -139,6 +150,7 @@ OptimConfig read_optim(const Config& config) {
   config.read("timeout_s", &train.timeout_s);
   config.read("init_weights", &train.init_weights);
   config.read("init_except", &train.init_except);
+  config.read("init_rate", &train.init_rate);
   check_optim(train);
   return train;
 }
@@ -170,8 +182,22 @@ TrainConfig TrainConfig::read(const Config& config) {
   out.has_scale = model.has("scale");
   out.has_output_mean = model.has("output_mean");
   out.model = nn::ModelConfig::read(model);
+  loss.read("irradiance_weight", &out.irradiance_weight);
+  LTE_CHECK(out.irradiance_weight >= 0 && std::isfinite(out.irradiance_weight),
+            "loss.irradiance_weight: expected 0 (off) or more, got ", out.irradiance_weight);
+  LTE_CHECK(out.irradiance_weight == 1 || out.model.predicts_radiance(),
+            "loss.irradiance_weight: has no meaning without a radiance decoder "
+            "(model.radiance_lobes)");
   config.finish();
   return out;
+}
+
+double rate_factor(const OptimConfig& config, const std::string& parameter) {
+  if (config.init_weights.empty()) return 1;
+  const bool fresh =
+      std::any_of(config.init_except.begin(), config.init_except.end(),
+                  [&](const std::string& prefix) { return parameter.starts_with(prefix); });
+  return fresh ? 1 : config.init_rate;
 }
 
 std::vector<std::string> model_differences(const nn::ModelConfig& now,

@@ -28,6 +28,9 @@ struct DataConfig {
   QuerySampling query_sampling = QuerySampling::Uniform;  ///< uniform | variance | gradient
   int64_t cache_mb = 4096;                                ///< memory for scenes kept between steps
   BadScene on_bad_scene = BadScene::Fail;                 ///< fail | skip
+  // Of models with a radiance decoder.
+  int64_t radiance_points = 128;     ///< points of a scene with incident radiance; 0: all
+  int64_t radiance_directions = 64;  ///< of each of them; 0: all
 };
 
 /// The axes about which scenes are turned; Y is the vertical.
@@ -85,6 +88,8 @@ struct OptimConfig {
   int64_t timeout_s = 600;            ///< how long one process may keep the others waiting
   std::string init_weights;           ///< file whose weights a new run starts from; empty: none
   std::vector<std::string> init_except;  ///< prefixes of parameters that stay fresh all the same
+  /// Factor on the learning rate of parameters that init_weights gave; 0: they stay as they are.
+  double init_rate = 1.0;
   nn::Precision autocast = nn::Precision::Fp32;  ///< of products in training steps: none | bf16
 };
 
@@ -97,6 +102,9 @@ struct TrainConfig {
   nn::LossConfig loss;
   /// The key loss.noise_weight: how much less queries of a noisy reference count; 0: all alike.
   double noise_weight = 0;
+  /// The key loss.irradiance_weight: of the irradiance loss where the model predicts radiance too,
+  /// whose loss has the weight 1. 0: irradiance is not computed.
+  double irradiance_weight = 1;
   nn::ModelConfig model;
   bool has_scale = false;        ///< model.scale is given, and must be the data set's
   bool has_output_mean = false;  ///< model.output_mean is given, and is taken rather than measured
@@ -105,6 +113,10 @@ struct TrainConfig {
   /// @throws lte::Error naming the key: unknown, ill-typed or out of range.
   static TrainConfig read(const Config& config);
 };
+
+/// The factor on the learning rate of a parameter: OptimConfig::init_rate, or 1 where it starts
+/// fresh.
+double rate_factor(const OptimConfig& config, const std::string& parameter);
 
 /// @return the keys under `model:` in which two configurations differ, as "channels (64, was 128)";
 /// without scale and output_mean, which come from the data

@@ -5,6 +5,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
+#include "lte/pathtrace/guide.h"
 #include "lte/pathtrace/hemisphere_bins.h"
 #include "lte/pathtrace/materials/glossy_bsdf.h"
 #include "lte/pathtrace/materials/lambert.h"
@@ -267,6 +268,14 @@ const IncidentSamples& IncidentSampler::draw(const Vec3& position, const Vec3& n
                         normal, reflector.outgoing);
   return state_->draw(position, normal, count, rng,
                       [&bsdf](const Vec2& u) { return bsdf.sample(u); });
+}
+
+const IncidentSamples& IncidentSampler::draw(const Vec3& position, const Vec3& normal,
+                                             const Guide& guide, int64_t count, Rng& rng) {
+  return state_->draw(position, normal, count, rng, [&guide](const Vec2& u) {
+    const Guide::Draw drawn = guide.draw(u);
+    return ScatteringSample{drawn.direction, drawn.weight, drawn.pdf};
+  });
 }
 
 }  // namespace lte::pathtrace

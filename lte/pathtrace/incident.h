@@ -22,6 +22,8 @@
 
 namespace lte::pathtrace {
 
+class Guide;
+
 struct IncidentOptions {
   int bins = 32;     ///< even: bins × bins cells a point (hemisphere_bins.h)
   int samples = 64;  ///< paths a cell
@@ -85,6 +87,10 @@ class IncidentSampler {
   /// by its share of metal).
   /// @throws lte::Error if `reflector` is not metallic or is seen from behind `normal`.
   const IncidentSamples& draw(const Vec3& position, const Vec3& normal, const Reflector& reflector,
+                              int64_t count, Rng& rng);
+
+  /// Directions of a guide at this point (guide.h).
+  const IncidentSamples& draw(const Vec3& position, const Vec3& normal, const Guide& guide,
                               int64_t count, Rng& rng);
 
  private:

@@ -1,8 +1,10 @@
 #include "tests/train/support.h"
 
+#include <cmath>
 #include <fstream>
 
 #include "lte/base/check.h"
+#include "lte/base/half.h"
 #include "lte/base/random.h"
 
 namespace lte::test {
@@ -101,6 +103,51 @@ data::SceneSample box_sample(uint64_t seed, int64_t points, int64_t queries) {
   }
   sample.variance.assign(static_cast<size_t>(queries), 0.0f);
   return sample;
+}
+
+void add_incident(data::SceneSample* sample, int64_t points) {
+  constexpr int kBins = 4;
+  sample->scene_metallic.assign(sample->scene_position.size(), 0.0f);
+  sample->scene_roughness.assign(sample->scene_position.size(), 1.0f);
+  for (size_t i = 0; i < sample->scene_metallic.size(); i += 3) {
+    sample->scene_metallic[i] = 1;
+    sample->scene_roughness[i] = 0.2f;
+  }
+  data::IncidentField& field = sample->incident;
+  field.bins = kBins;
+  field.samples = 1;
+  for (int cell = 0; cell < kBins * kBins; ++cell) {  // on rings around the normal, of equal pdf
+    const float height = std::sqrt(static_cast<float>(cell / kBins) / kBins + 0.1f),
+                angle = kPi / 2 * static_cast<float>(cell % kBins);
+    const float across = std::sqrt(1 - height * height);
+    field.direction.push_back({across * std::cos(angle), across * std::sin(angle), height});
+    field.pdf.push_back(1 / kPi);
+  }
+  for (size_t i = 0; i < static_cast<size_t>(points); ++i) {
+    const Vec3 normal = sample->query_normal[i];
+    field.position.push_back(sample->query_position[i]);
+    field.normal.push_back(normal);
+    field.tangent.push_back(std::abs(normal.x) > 0.5f ? Vec3{0, 1, 0} : Vec3{1, 0, 0});
+    field.albedo.push_back(sample->query_albedo[i]);
+    field.metallic.push_back(0);
+    field.roughness.push_back(1);
+    field.scale.push_back(0.25f);
+  }
+  for (size_t group = 0; group < 2; ++group) {
+    const Vec3 lamp = sample->scene_position[8 * group];
+    for (size_t i = 0; i < static_cast<size_t>(points); ++i) {
+      const Vec3 normal = field.normal[i], tangent = field.tangent[i];
+      for (const Vec3& local : field.direction) {
+        const Vec3 world = tangent * local.x + cross(normal, tangent) * local.y + normal * local.z;
+        const float towards = std::max(0.0f, dot(world, normalize(lamp - field.position[i])));
+        const Rgb light = sample->scene_emission[8 * group] * (0.05f + 0.2f * towards * towards);
+        for (int c = 0; c < 3; ++c) {
+          field.indirect.push_back(to_half(light[c] / 0.25f));
+          field.direct.push_back(to_half(0.5f * light[c] / 0.25f));
+        }
+      }
+    }
+  }
 }
 
 void write_dataset(const std::filesystem::path& root, int train, int val,

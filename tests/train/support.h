@@ -36,6 +36,10 @@ Transport transport(const std::vector<Vec3>& position, const std::vector<Vec3>& 
 void write_dataset(const std::filesystem::path& root, int train, int val,
                    const std::function<void(int, data::SceneSample*)>& edit = {});
 
+/// Adds metal to the scene points, and incident radiance at `points` of the queries in 4 x 4 cells:
+/// of each group brighter towards its luminaire, and in proportion to its emission.
+void add_incident(data::SceneSample* sample, int64_t points = 60);
+
 /// Smallest network that has every part, some steps, no augmentation off.
 std::string tiny_yaml(const std::filesystem::path& root, const std::filesystem::path& output);
 train::TrainConfig tiny_config(const std::filesystem::path& root,

@@ -94,11 +94,23 @@ LightEstimates light_of(const SafetensorsFile& file) {
   return light;
 }
 
-void check_config(const SafetensorsFile& file, const nn::ModelConfig& model,
-                  const LightEstimates& light) {
+nn::ModelConfig config_in(const SafetensorsFile& file) {
+  return nn::ModelConfig::read(
+      Config::parse(file.metadata("model_config"), file.path().string() + ": model_config"));
+}
+
+/// What F reads of points. The columns of gloss are its last ones.
+constexpr const char* kPointWeight = "nne.point.hidden.weight";
+
+/// The columns that F has in the model and lacks in the file, which knows of no gloss.
+int64_t columns_of_gloss(const nn::ModelConfig& model, const nn::ModelConfig& file,
+                         const std::string& parameter) {
+  return parameter == kPointWeight && model.gloss && !file.gloss ? nn::kGlossColumns : 0;
+}
+
+void check_config(const SafetensorsFile& file, const nn::ModelConfig& before,
+                  const nn::ModelConfig& model, const LightEstimates& light) {
   const std::string name = file.path().string();
-  const auto before =
-      nn::ModelConfig::read(Config::parse(file.metadata("model_config"), name + ": model_config"));
   LTE_CHECK(before.scale == model.scale, name, ": its weights are for a scale of ", before.scale,
             " m, but the data set's is ", model.scale,
             " m: positions in network space would not mean the same");
@@ -119,6 +131,12 @@ void init_weights(const std::filesystem::path& path, const std::vector<std::stri
   file.verify();
   const std::string name = path.string();
   const std::map<std::string, TensorView> weights = weights_in(file);
+  const nn::ModelConfig before = config_in(file);
+  const auto shape_in_file = [&](const std::string& parameter, const at::Tensor& value) {
+    std::vector<int64_t> shape = value.sizes().vec();
+    if (!shape.empty()) shape.back() -= columns_of_gloss(model->config(), before, parameter);
+    return shape;
+  };
   check_prefixes(name, except, model, weights);
   NameList missing("missing"), extra("superfluous"), shapes("of another shape");
   const auto parameters = model->named_parameters();
@@ -128,7 +146,7 @@ void init_weights(const std::filesystem::path& path, const std::vector<std::stri
     if (found == weights.end()) {
       missing.add(item.key());
     } else if (found->second.dtype != DType::F32 ||
-               at::IntArrayRef(found->second.shape) != item.value().sizes()) {
+               found->second.shape != shape_in_file(item.key(), item.value())) {
       shapes.add(concat(item.key(), " ", at::IntArrayRef(found->second.shape), " for ",
                         item.value().sizes()));
     }
@@ -142,7 +160,7 @@ void init_weights(const std::filesystem::path& path, const std::vector<std::stri
   }
   LTE_CHECK(faults.empty(), name, ": its weights do not fit the model: ", faults,
             "; --init-except PREFIX leaves out parameters by name");
-  check_config(file, model->config(), light);
+  check_config(file, before, model->config(), light);
   for (const auto& item : parameters) {
     if (starts_with_any(item.key(), except)) continue;
     const TensorView& view = weights.at(item.key());
@@ -150,7 +168,14 @@ void init_weights(const std::filesystem::path& path, const std::vector<std::stri
         at::from_blob(const_cast<std::byte*>(view.data), view.shape, at::kFloat);
     LTE_CHECK(at::isfinite(values).all().item<bool>(), name, ": tensor ", item.key(),
               " holds values that are not finite");
-    item.value().copy_(values);
+    const int64_t fresh = columns_of_gloss(model->config(), before, item.key());
+    if (fresh == 0) {
+      item.value().copy_(values);
+    } else {  // so that the network answers as before until it has learnt of gloss
+      const int64_t known = values.size(1);
+      item.value().narrow(1, 0, known).copy_(values);
+      item.value().narrow(1, known, fresh).zero_();
+    }
   }
 }
 

@@ -13,7 +13,8 @@ namespace lte::train {
 /// Copies the weights of a model file, or of a checkpoint (the averaged ones if it has any), into
 /// `model`. Names and shapes must match one by one. Parameters whose names begin with one of
 /// `except` are left out on both sides and keep the model's fresh values. Settings that differ
-/// without changing a shape, and so change what the weights mean, draw a warning.
+/// without changing a shape, and so change what the weights mean, draw a warning. One that
+/// reads gloss takes the weights of one that does not; it hears nothing of gloss at first.
 /// @param except  prefixes of parameter names, "decoder.head." say; each must be of some parameter
 /// @param light   how the data set estimates the light that the model reads
 /// @throws lte::Error naming the file: unreadable, neither model nor checkpoint, trained at another

@@ -91,6 +91,7 @@ Json dry_run(const TrainConfig& config) {
                           {"nne", counts.nne},
                           {"encoder", counts.encoder},
                           {"decoder", counts.decoder}};
+  if (config.model.predicts_radiance()) report["parameters"]["radiance"] = counts.radiance;
   report["modules"] = module_counts(model);
   report["shapes"] = shapes_json(config);
   report["memory_mb"] = memory_json(estimate_memory(config, counts.total));

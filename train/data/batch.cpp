@@ -17,6 +17,9 @@ namespace {
 constexpr uint64_t kOrderStream = 1, kExampleStream = 2, kValidationStream = 3, kMeanStream = 4,
                    kReplacementStream = 5, kPointStream = 6;
 
+/// Points and directions of each that are validated.
+constexpr int64_t kValidationRadiancePoints = 64, kValidationDirections = 256;
+
 }  // namespace
 
 size_t EpochOrder::scene_at(uint64_t position) {
@@ -100,9 +103,11 @@ std::vector<Example> validation_examples(const TrainConfig& config, SceneStore* 
     const auto scene = store->get(i);
     if (!scene) continue;
     Rng rng(kValidationStream, i);  // not the run's seed: runs are compared on the same queries
-    examples.push_back(make_example(*scene, identity_symmetry(scene->light_groups),
-                                    config.data.scene_points, config.train.validation_queries,
-                                    &rng));
+    const std::vector<int64_t> rows = draw_scene_rows(*scene, config.data.scene_points, &rng);
+    QueryOptions queries{config.train.validation_queries};
+    queries.radiance = {kValidationRadiancePoints, kValidationDirections};
+    examples.push_back(
+        make_example(*scene, identity_symmetry(scene->light_groups), rows, queries, &rng));
   }
   return examples;
 }

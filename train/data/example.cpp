@@ -70,6 +70,17 @@ at::Tensor light_errors(const TrainingScene& scene, const Symmetry& symmetry,
   return out;
 }
 
+/// PointSet::gloss.
+at::Tensor gloss_of(const TrainingScene& scene, const std::vector<int64_t>& rows) {
+  at::Tensor out = at::empty({static_cast<int64_t>(rows.size()), 2}, at::kFloat);
+  auto* values = out.data_ptr<float>();
+  for (size_t i = 0; i < rows.size(); ++i) {
+    values[2 * i] = scene.metallic[static_cast<size_t>(rows[i])];
+    values[2 * i + 1] = scene.roughness[static_cast<size_t>(rows[i])];
+  }
+  return out;
+}
+
 nn::PointSet gather_points(const TrainingScene& scene, const Symmetry& symmetry,
                            const std::vector<int64_t>& rows) {
   nn::PointSet points;
@@ -95,6 +106,7 @@ nn::PointSet gather_points(const TrainingScene& scene, const Symmetry& symmetry,
   points.direct_back = lit(scene.direct_back);
   points.indirect_back = lit(scene.indirect_back);
   if (!scene.error.empty()) points.indirect_error = light_errors(scene, symmetry, rows);
+  if (!scene.metallic.empty()) points.gloss = gloss_of(scene, rows);
   return points;
 }
 
@@ -166,8 +178,10 @@ void weigh_noise(const TrainingScene& scene, const QueryOptions& options, const 
 Example Example::to(at::Device device) const {
   Example out = *this;
   std::vector<at::Tensor*> tensors = out.points.tensors();
-  tensors.insert(tensors.end(), {&out.queries.position, &out.queries.normal, &out.queries.albedo,
-                                 &out.target, &out.weight});
+  tensors.insert(tensors.end(),
+                 {&out.queries.position, &out.queries.normal, &out.queries.albedo, &out.target,
+                  &out.weight, &out.radiance.queries.position, &out.radiance.queries.normal,
+                  &out.radiance.queries.albedo, &out.radiance.directions, &out.radiance.target});
   for (at::Tensor* tensor : tensors) {
     if (tensor->defined()) *tensor = tensor->to(device);
   }
@@ -208,8 +222,11 @@ std::vector<int64_t> draw_scene_rows(const TrainingScene& scene, int64_t count, 
 }
 
 QueryOptions query_options(const TrainConfig& config) {
-  return {config.data.queries_per_scene, config.data.query_sampling, config.noise_weight,
-          config.loss.epsilon};
+  return {config.data.queries_per_scene,
+          config.data.query_sampling,
+          config.noise_weight,
+          config.loss.epsilon,
+          {config.data.radiance_points, config.data.radiance_directions}};
 }
 
 Example make_example(const TrainingScene& scene, const Symmetry& symmetry,
@@ -246,6 +263,8 @@ Example make_example(const TrainingScene& scene, const Symmetry& symmetry,
     std::copy(drawn.weight.begin(), drawn.weight.end(), example.weight.data_ptr<float>());
   }
   example.seed = rng->next_u64();
+  if (!scene.incident.empty())
+    example.radiance = make_radiance_example(scene, symmetry, factor, queries.radiance, rng);
   return example;
 }
 

@@ -9,6 +9,7 @@
 #include "lte/base/random.h"
 #include "lte/nn/model.h"
 #include "train/data/augment.h"
+#include "train/data/radiance_example.h"
 #include "train/data/scene_store.h"
 
 namespace lte::train {
@@ -17,9 +18,10 @@ struct Example {
   std::string scene;
   nn::PointSet points;
   nn::QuerySet queries;
-  at::Tensor target;  ///< [Q, 3] irradiance over the points' emission scalar
-  at::Tensor weight;  ///< [Q] of each query in the loss; undefined: all alike
-  uint64_t seed = 0;  ///< of curve orders and dropout
+  at::Tensor target;         ///< [Q, 3] irradiance over the points' emission scalar
+  at::Tensor weight;         ///< [Q] of each query in the loss; undefined: all alike
+  RadianceExample radiance;  ///< of models that predict it
+  uint64_t seed = 0;         ///< of curve orders and dropout
 
   Example to(at::Device device) const;
 };
@@ -46,6 +48,7 @@ struct QueryOptions {
   /// adds to its relative log error; then all are scaled to the mean they had. 0: none of this.
   double noise_weight = 0;
   double epsilon = 0.01;  ///< of the loss
+  RadianceOptions radiance = {};
 };
 
 /// How `config` draws the queries of training.

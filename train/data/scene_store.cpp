@@ -25,6 +25,16 @@ void check_light(const std::filesystem::path& path, const data::SceneSample& sam
             " reads; bake the data again");
 }
 
+/// Keeps what of incident radiance a model of the target learns.
+void take_incident(const std::filesystem::path& path, nn::Target target, data::SceneSample* sample,
+                   TrainingScene* scene) {
+  LTE_CHECK(!sample->incident.empty(), path.string(),
+            ": has no incident radiance, which a model with model.radiance_lobes learns; bake the "
+            "data with incident.points");
+  scene->incident = std::move(sample->incident);
+  if (target == nn::Target::Indirect) scene->incident.direct = {};
+}
+
 /// Puts light that is solved on the points into the place of the sample's estimates.
 void solve_light(const TrainingScene& scene, data::SceneSample* sample) {
   radiosity::PointLight light = radiosity::solve(
@@ -58,7 +68,8 @@ size_t TrainingScene::size_bytes() const {
          bytes_of(area) + bytes_of(light) + bytes_of(direct) + bytes_of(indirect) +
          bytes_of(direct_back) + bytes_of(indirect_back) + bytes_of(error) + bytes_of(error_back) +
          bytes_of(query_position) + bytes_of(query_normal) + bytes_of(query_albedo) +
-         bytes_of(target) + bytes_of(scores.noise) + bytes_of(scores.slope);
+         bytes_of(target) + bytes_of(scores.noise) + bytes_of(scores.slope) + bytes_of(metallic) +
+         bytes_of(roughness) + incident.size_bytes();
 }
 
 TrainingScene read_training_scene(const std::filesystem::path& path, const std::string& name,
@@ -75,7 +86,10 @@ TrainingScene read_training_scene(const std::filesystem::path& path, const std::
   scene.emission = std::move(sample.scene_emission);
   scene.area = std::move(sample.scene_area);
   scene.light = std::move(sample.scene_light);
+  scene.metallic = std::move(sample.scene_metallic);
+  scene.roughness = std::move(sample.scene_roughness);
   take_light(&sample, light, &scene);
+  if (light.radiance) take_incident(path, target, &sample, &scene);
   scene.query_position = std::move(sample.query_position);
   scene.query_normal = std::move(sample.query_normal);
   scene.query_albedo = std::move(sample.query_albedo);

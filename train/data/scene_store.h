@@ -14,6 +14,7 @@
 #include "lte/base/half.h"
 #include "lte/base/math.h"
 #include "lte/data/dataset.h"
+#include "lte/data/incident_field.h"
 #include "lte/nn/config.h"
 #include "train/data/query_scores.h"
 
@@ -30,28 +31,35 @@ struct TrainingScene {
   std::vector<Rgb> direct, indirect;               ///< [G, M] at unit gain; may be empty
   std::vector<Rgb> direct_back, indirect_back;     ///< [G, M], of these; may be empty
   std::vector<Half> error, error_back;             ///< [G, M], of indirect light; may be empty
+  std::vector<float> metallic, roughness;          ///< [M]; both empty where nothing is metal
   std::vector<Vec3> query_position, query_normal;  ///< [N]
   std::vector<Rgb> query_albedo;                   ///< [N]
   int64_t light_groups = 0;                        ///< G
   std::vector<Rgb> target;                         ///< [G, N] irradiance at unit gain, W/m²
-  QueryScores scores;                              ///< [N] each
-  Bounds bounds;                                   ///< of the scene points
+  /// Of models that predict radiance; its `direct` is empty unless they predict the total.
+  data::IncidentField incident;
+  QueryScores scores;  ///< [N] each
+  Bounds bounds;       ///< of the scene points
 
   int64_t scene_points() const { return static_cast<int64_t>(position.size()); }
   int64_t query_points() const { return static_cast<int64_t>(query_position.size()); }
   size_t size_bytes() const;
 };
 
-/// What a model reads of the light on scene points: keys of its configuration.
+/// What a model reads of the light on scene points, and which radiance it predicts: keys of its
+/// configuration.
 struct LightKeys {
   nn::LightInput input = nn::LightInput::Emission;
   nn::LightSides sides = nn::LightSides::Sum;
-  bool variance = false;
+  bool variance = false, radiance = false;
 
   LightKeys() = default;
   LightKeys(nn::LightInput light_input) : input(light_input) {}  // NOLINT(*explicit*)
   explicit LightKeys(const nn::ModelConfig& model)
-      : input(model.light_input), sides(model.light_sides), variance(model.light_variance) {}
+      : input(model.light_input),
+        sides(model.light_sides),
+        variance(model.light_variance),
+        radiance(model.predicts_radiance()) {}
 };
 
 /// @param target  the model's

@@ -58,7 +58,7 @@ OverfitResult overfit_one_scene(const TrainConfig& given, at::Device device) {
     ++result.steps;
     line.advance();
     if (result.steps % every != 0 && result.steps != steps) continue;
-    const ValidationResult now = validate(model, examples, config.loss, device);
+    const ValidationResult now = validate(model, examples, SceneLossConfig(config), device);
     result.psnr = now.psnr;
     result.loss = now.loss;
     log_info("step ", result.steps, ": loss ", now.loss, ", PSNR ", now.psnr, " dB");

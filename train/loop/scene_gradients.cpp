@@ -41,22 +41,27 @@ nn::LightTransportModel replica_of(const nn::LightTransportModel& model) {
 
 SceneGradients::SceneGradients(const TrainConfig& config, const nn::LightTransportModel& model,
                                at::Device device, ProcessGroup* group)
-    : loss_(config.loss),
+    : loss_(config),
       weight_(1 / static_cast<double>(config.train.scenes_per_step)),
       pass_(static_cast<size_t>(config.train.scenes_per_pass)),
       device_(device),
       models_({model}) {
   const int threads = at::get_num_threads();
+  freeze_still_parameters(config.train, models_.front());
+  trains_encoder_ = trains_encoder(model);
   if (group) {
     processes_ = group->rank().count;
-    reducer_ = std::make_unique<GradientReducer>(*group, model->parameters());
+    std::vector<at::Tensor> moving = model->parameters();
+    std::erase_if(moving, [](const at::Tensor& parameter) { return !parameter.requires_grad(); });
+    reducer_ = std::make_unique<GradientReducer>(*group, moving);
   }
   const bool one_by_one = !device.is_cpu() || config.model.dropout > 0 || reducer_;
   const int64_t passes = (config.train.scenes_per_step + config.train.scenes_per_pass - 1) /
                          config.train.scenes_per_pass;
   const int beside = one_by_one ? 1 : std::min(threads, static_cast<int>(passes));
   threads_per_scene_ = std::max(1, threads / beside);
-  for (int i = 1; i < beside; ++i) models_.push_back(replica_of(model));
+  for (int i = 1; i < beside; ++i)
+    freeze_still_parameters(config.train, models_.emplace_back(replica_of(model)));
   for (nn::LightTransportModel& each : models_) nn::set_autocast(*each, config.train.autocast);
   if (config.train.autocast == nn::Precision::Bf16)
     nn::warn_of_slow_bf16("train.autocast bf16", device);
@@ -95,31 +100,27 @@ double SceneGradients::run(size_t worker, std::span<const Example> scenes, int64
   try {
     std::vector<Example> examples;
     std::vector<nn::PointSet> points;
-    std::vector<nn::QuerySet> queries;
     std::vector<uint64_t> seeds;
     for (const Example& stored : scenes) {
       names += (names.empty() ? "" : ", ") + stored.scene;
       const Example& example = examples.emplace_back(stored.to(device_));
       points.push_back(example.points);
-      queries.push_back(example.queries);
       seeds.push_back(example.seed);
     }
     // So dropout depends on the examples alone, whatever was drawn before.
     if (models_.size() == 1) torch::manual_seed(seeds.front());
-    std::vector<at::Tensor> predicted;
-    if (examples.size() == 1) {
-      predicted = {model->decode_normalized(model->encode(points[0], seeds[0]), queries[0])};
-    } else {
-      predicted = model->decode_normalized(model->encode_batch(points, seeds), queries);
+    nn::SceneBatch batch;
+    {
+      const at::AutoGradMode latents(trains_encoder_);
+      batch = model->encode_batch(points, seeds);
     }
+    const std::vector<at::Tensor> losses = scene_losses(model, batch, examples, loss_);
     at::Tensor sum;
     for (size_t i = 0; i < examples.size(); ++i) {
-      const at::Tensor loss =
-          nn::relative_loss(predicted[i], examples[i].target, loss_, examples[i].weight);
-      const double value = loss.item<double>();
+      const double value = losses[i].item<double>();
       names = examples[i].scene;  // whose loss it is, should it be wrong
       LTE_CHECK(std::isfinite(value), "the loss is not finite (", value, ")");
-      sum = sum.defined() ? sum + loss : loss;
+      sum = sum.defined() ? sum + losses[i] : losses[i];
     }
     const double value = sum.item<double>();
     (sum * (weight_ * processes_)).backward();  // reduced to the mean over processes

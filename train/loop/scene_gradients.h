@@ -15,6 +15,7 @@
 #include "train/config.h"
 #include "train/data/example.h"
 #include "train/distributed/process_group.h"
+#include "train/loop/scene_loss.h"
 
 namespace lte::train {
 
@@ -45,9 +46,10 @@ class SceneGradients {
   double run(size_t worker, std::span<const Example> scenes, int64_t step);
   void collect(size_t worker);
 
-  nn::LossConfig loss_;
+  SceneLossConfig loss_;
   double weight_;    ///< of a scene in the mean
   size_t pass_ = 1;  ///< scenes of a pass
+  bool trains_encoder_ = true;
   int processes_ = 1;
   at::Device device_;
   int threads_per_scene_ = 1;

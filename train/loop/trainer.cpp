@@ -193,7 +193,7 @@ bool Trainer::validate_now() {
   RunProgress& progress = state_.progress;
   {
     const AverageScope averaged(state_.optimizer.get());
-    summary_.validation = validate(state_.model, validation_, config_.loss, device_);
+    summary_.validation = validate(state_.model, validation_, SceneLossConfig(config_), device_);
   }
   log_->write_validation(progress.step, *summary_.validation, timer.seconds(), health());
   const double loss = summary_.validation->loss;

@@ -31,12 +31,34 @@ SceneErrors scene_errors(const at::Tensor& predicted, const at::Tensor& target,
   return errors;
 }
 
+/// Adds the errors of radiance in a scene, which is one of `count`, if the model predicts it.
+/// @return its loss
+double add_radiance(nn::LightTransportModel& model, const nn::Embedding& embedding,
+                    const RadianceExample& example, const nn::LossConfig& loss, double count,
+                    ValidationResult* result) {
+  if (!model->config().predicts_radiance()) return 0;
+  const SceneErrors errors =
+      scene_errors(model->decode_radiance_normalized({{embedding}, embedding.features},
+                                                     {example.queries}, {example.directions})[0],
+                   example.target, loss);
+  if (!result->radiance) result->radiance = RadianceErrors{};
+  result->radiance->loss += errors.loss / count;
+  result->radiance->relmse += errors.relmse / count;
+  result->radiance->bias += errors.bias / count;
+  return errors.loss;
+}
+
 }  // namespace
 
 std::vector<std::pair<std::string, double>> ValidationResult::fields() const {
   std::vector<std::pair<std::string, double>> out{
       {"val_loss", loss}, {"val_loss_median", loss_median}, {"val_mse", mse},
       {"val_psnr", psnr}, {"val_relmse", relmse},           {"val_bias", bias}};
+  if (radiance) {
+    out.emplace_back("val_radiance_loss", radiance->loss);
+    out.emplace_back("val_radiance_relmse", radiance->relmse);
+    out.emplace_back("val_radiance_bias", radiance->bias);
+  }
   for (const KindErrors& errors : kinds) {
     out.emplace_back("val_loss_" + errors.kind, errors.loss);
     out.emplace_back("val_mse_" + errors.kind, errors.mse);
@@ -58,7 +80,7 @@ double median(std::vector<double> values) {
 }
 
 ValidationResult validate(nn::LightTransportModel& model, const std::vector<Example>& examples,
-                          const nn::LossConfig& loss, at::Device device) {
+                          const SceneLossConfig& config, at::Device device) {
   const torch::NoGradGuard no_grad;
   const bool was_training = model->is_training();
   model->eval();
@@ -69,8 +91,10 @@ ValidationResult validate(nn::LightTransportModel& model, const std::vector<Exam
   for (const Example& stored : examples) {
     const Example example = stored.to(device);
     const nn::Embedding embedding = model->encode(example.points, example.seed);
-    const SceneErrors errors =
-        scene_errors(model->decode_normalized(embedding, example.queries), example.target, loss);
+    SceneErrors errors = scene_errors(model->decode_normalized(embedding, example.queries),
+                                      example.target, config.loss);
+    errors.loss = config.irradiance_weight * errors.loss +
+                  add_radiance(model, embedding, example.radiance, config.loss, count, &result);
     losses.push_back(errors.loss);
     result.scenes.emplace_back(example.scene, errors.loss);
     KindErrors& kind = kinds[scene_kind(example.scene)];

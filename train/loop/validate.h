@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "lte/nn/loss.h"
 #include "lte/nn/model.h"
 #include "train/data/example.h"
+#include "train/loop/scene_loss.h"
 
 namespace lte::train {
 
@@ -19,10 +21,16 @@ struct KindErrors {
   double loss = 0, mse = 0;  ///< means over them
 };
 
+/// Errors of radiance by direction, of models that predict it: π L over the emission scale.
+struct RadianceErrors {
+  double loss = 0;
+  double relmse = 0, bias = 0;  ///< as those of irradiance
+};
+
 /// Errors of irradiance over the emission scalar. They are means over scenes, so that each scene
 /// counts once, however many queries it has.
 struct ValidationResult {
-  double loss = 0;
+  double loss = 0;         ///< what training lowers: that of radiance included
   double loss_median = 0;  ///< over scenes: a few hard ones rule the mean
   double mse = 0;
   /// Mean over scenes of 10 log10(peak² / MSE), where peak is the scene's largest reference value.
@@ -32,6 +40,7 @@ struct ValidationResult {
   std::vector<std::pair<std::string, double>> scenes;  ///< loss of each, by name
   /// By scene_kind(), in alphabetical order; empty if all are of one.
   std::vector<KindErrors> kinds;
+  std::optional<RadianceErrors> radiance;
 
   /// Names and values of a line of the log: "val_loss", ..., and of each kind "val_loss_box", ...
   std::vector<std::pair<std::string, double>> fields() const;
@@ -45,6 +54,6 @@ double median(std::vector<double> values);
 
 /// Runs the model in evaluation mode and without gradients, and puts its mode back.
 ValidationResult validate(nn::LightTransportModel& model, const std::vector<Example>& examples,
-                          const nn::LossConfig& loss, at::Device device);
+                          const SceneLossConfig& config, at::Device device);
 
 }  // namespace lte::train

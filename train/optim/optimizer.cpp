@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -37,6 +38,7 @@ Optimizer::Optimizer(const OptimConfig& config, const nn::LightTransportModel& m
     const at::Tensor& parameter = item.value();
     names_.push_back(item.key());
     parameters_.push_back(parameter);
+    rate_factors_.push_back(rate_factor(config, item.key()));
     first_moments_.push_back(at::zeros_like(parameter.detach()));
     second_moments_.push_back(at::zeros_like(parameter.detach()));
     updates_.push_back(at::zeros({}, parameter.options().requires_grad(false)));
@@ -102,25 +104,34 @@ void Optimizer::update(int64_t step, double norm, std::optional<double> given_ra
   }
   const double rate = given_rate ? *given_rate : learning_rate(config_, step);
   // Biases and norms do not decay.
-  for (const bool matrices : {true, false}) {
-    std::vector<at::Tensor> weights, gradients, first, second, updates;
-    for (size_t i = 0; i < parameters_.size(); ++i) {
-      if (!parameters_[i].grad().defined() || (parameters_[i].dim() >= 2) != matrices) continue;
-      weights.push_back(parameters_[i]);
-      gradients.push_back(parameters_[i].grad());
-      first.push_back(first_moments_[i]);
-      second.push_back(second_moments_[i]);
-      updates.push_back(updates_[i]);
-    }
-    if (weights.empty()) continue;
-    at::_foreach_add_(updates, 1);
-    at::_fused_adamw_(weights, gradients, first, second, {}, updates, rate, config_.beta1,
-                      config_.beta2, matrices ? config_.weight_decay : 0, config_.adam_epsilon,
-                      /*amsgrad=*/false, /*maximize=*/false);
+  const std::set<double> factors(rate_factors_.begin(), rate_factors_.end());
+  for (const double factor : factors) {
+    for (const bool matrices : {true, false}) update_group(factor, matrices, factor * rate);
   }
   if (average_.empty()) return;
   const double weight = 1 - ema_decay(config_, step);
   for (size_t i = 0; i < average_.size(); ++i) average_[i].lerp_(parameters_[i], weight);
+}
+
+/// Updates the parameters of one rate factor that are matrices, or that are not.
+void Optimizer::update_group(double factor, bool matrices, double rate) {
+  if (factor == 0) return;
+  std::vector<at::Tensor> weights, gradients, first, second, updates;
+  for (size_t i = 0; i < parameters_.size(); ++i) {
+    if (!parameters_[i].grad().defined() || (parameters_[i].dim() >= 2) != matrices ||
+        rate_factors_[i] != factor)
+      continue;
+    weights.push_back(parameters_[i]);
+    gradients.push_back(parameters_[i].grad());
+    first.push_back(first_moments_[i]);
+    second.push_back(second_moments_[i]);
+    updates.push_back(updates_[i]);
+  }
+  if (weights.empty()) return;
+  at::_foreach_add_(updates, 1);
+  at::_fused_adamw_(weights, gradients, first, second, {}, updates, rate, config_.beta1,
+                    config_.beta2, matrices ? config_.weight_decay : 0, config_.adam_epsilon,
+                    /*amsgrad=*/false, /*maximize=*/false);
 }
 
 void Optimizer::swap_average() {

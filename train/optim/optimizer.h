@@ -22,6 +22,7 @@ std::string gradient_module(const std::string& parameter);
 
 class Optimizer {
  public:
+  /// Each parameter's rate is the schedule's times its rate_factor(); with 0 it stands still.
   /// Weight decay applies to parameters of two dimensions or more; biases and norms are left alone.
   /// The averaged weights start as the model's present ones.
   Optimizer(const OptimConfig& config, const nn::LightTransportModel& model);
@@ -54,12 +55,14 @@ class Optimizer {
   void load_state(const SafetensorsFile& file);
 
  private:
+  void update_group(double factor, bool matrices, double rate);
   /// The gradients of the parameters that have one.
   std::vector<at::Tensor> gradients() const;
 
   OptimConfig config_;
   std::vector<std::string> names_;
   std::vector<at::Tensor> parameters_;
+  std::vector<double> rate_factors_;
   std::vector<at::Tensor> first_moments_, second_moments_;
   std::vector<at::Tensor> updates_;  ///< number of each parameter, float32 [] for the fused kernel
   std::vector<at::Tensor> average_;  ///< empty without averaging

@@ -54,7 +54,7 @@ TEST_F(AutocastTest, WeightsMomentsAndAverageStayInFloat32AndSoDoesValidation) {
   nn::LightTransportModel model = nn::load_model(dir_ / "run/model.safetensors");
   RunData data = open_run_data(run);
   const ValidationResult again =
-      validate(model, validation_examples(run, &data.val), run.loss, at::kCPU);
+      validate(model, validation_examples(run, &data.val), SceneLossConfig(run), at::kCPU);
   EXPECT_NEAR(again.loss, summary.validation->loss, 1e-6 * again.loss);
 }
 

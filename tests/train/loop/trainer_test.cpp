@@ -158,7 +158,7 @@ TEST_F(TrainerTest, ModelFileIsTheAveragedOneAndSaysWhereItCameFrom) {
   const TrainConfig run = config("run");
   RunData data = open_run_data(run);
   const ValidationResult again =
-      validate(model, validation_examples(run, &data.val), run.loss, at::kCPU);
+      validate(model, validation_examples(run, &data.val), SceneLossConfig(run), at::kCPU);
   EXPECT_NEAR(again.loss, summary.validation->loss, 1e-6 * again.loss);
   const SafetensorsFile file(dir_ / "run/model.safetensors");
   EXPECT_EQ(file.metadata("config"), "note: of the test\n");
@@ -174,12 +174,13 @@ TEST_F(TrainerTest, ErrorsOfEachKindOfSceneAreThoseOfItsScenesAlone) {
   RunData data = open_run_data(run);
   std::vector<Example> examples = validation_examples(run, &data.val);
   ASSERT_EQ(examples.size(), 2u);
-  EXPECT_TRUE(validate(model, examples, run.loss, at::kCPU).kinds.empty()) << "both are rooms";
+  EXPECT_TRUE(validate(model, examples, SceneLossConfig(run), at::kCPU).kinds.empty())
+      << "both are rooms";
   examples[0].scene = "home_00007";
   examples[1].scene = "box_00007";
-  const ValidationResult both = validate(model, examples, run.loss, at::kCPU),
-                         home = validate(model, {examples[0]}, run.loss, at::kCPU),
-                         box = validate(model, {examples[1]}, run.loss, at::kCPU);
+  const ValidationResult both = validate(model, examples, SceneLossConfig(run), at::kCPU),
+                         home = validate(model, {examples[0]}, SceneLossConfig(run), at::kCPU),
+                         box = validate(model, {examples[1]}, SceneLossConfig(run), at::kCPU);
   ASSERT_EQ(both.kinds.size(), 2u);
   EXPECT_EQ(both.kinds[0].kind, "box");
   EXPECT_EQ(both.kinds[0].loss, box.loss);

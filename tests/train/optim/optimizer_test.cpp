@@ -44,6 +44,28 @@ std::vector<at::Tensor> copies(const nn::LightTransportModel& model) {
 
 int64_t entries(const nn::LightTransportModel& model) { return nn::count_parameters(model).total; }
 
+TEST(Optimizer, ParametersThatWereGivenMoveAtAShareOfTheRate) {
+  OptimConfig train = config();
+  train.weight_decay = 0;
+  train.init_weights = "some.safetensors";
+  train.init_except = {"decoder.head."};
+  for (const double share : {0.0, 0.25, 1.0}) {
+    train.init_rate = share;
+    const nn::LightTransportModel model = tiny_model();
+    Optimizer optimizer(train, model);
+    const std::vector<at::Tensor> before = copies(model);
+    set_gradients(model, 0.3);
+    optimizer.update(0, 1);
+    size_t i = 0;
+    for (const auto& item : model->named_parameters()) {
+      const bool fresh = item.key().starts_with("decoder.head.");
+      const double expected = train.learning_rate * (fresh ? 1 : share);  // Adam's first step
+      const double moved = (before[i++] - item.value()).mean().item<double>();
+      EXPECT_NEAR(moved, expected, 1e-4 * train.learning_rate) << item.key() << " at " << share;
+    }
+  }
+}
+
 TEST(Optimizer, UpdatesAreAdamWsAndOnlyMatricesDecay) {
   const nn::LightTransportModel model = tiny_model();
   Optimizer optimizer(config(), model);
