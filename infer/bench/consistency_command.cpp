@@ -13,6 +13,7 @@
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/cli/command_files.h"
+#include "lte/cli/writable.h"
 #include "lte/runtime/device.h"
 #include "lte/scene/load_camera.h"
 

@@ -197,12 +197,14 @@ std::vector<Rgb> SessionState::irradiance(const runtime::QueryPoints& queries) c
 std::shared_ptr<const runtime::SceneEmbedding> SessionState::record_attention() const {
   LTE_CHECK(!parts_->layers.empty(),
             "there is no attention to look at: the network answers for no light of this scene");
-  std::vector<int> groups;
-  for (const int light : parts_->layers.front().layer->lights)
-    groups.push_back(static_cast<int>(group_of(*parts_->draft, light)));
+  const LightLayer& first = *parts_->layers.front().layer;
+  LightGroups wanted{.groups = {}, .as_dimmed = !first.gains.empty()};
+  for (const int light : first.lights)
+    wanted.groups.push_back(static_cast<int>(group_of(*parts_->draft, light)));
   EmbedSettings settings = parts_->base->settings.embedding;
   settings.record_attention = true;
-  return encode_groups(*parts_->draft, *parts_->points, groups, *parts_->base->network, settings);
+  return encode_layer(*parts_->draft, first.points, wanted, *parts_->base->network, settings)
+      ->embedding;
 }
 
 std::optional<Pick> SessionState::pick(const scene::Camera& camera, float x, float y,
