@@ -1,6 +1,7 @@
 #include "infer/picture/antialias.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -71,7 +72,7 @@ Vec2 stratified_point(int i, int count, float turn_x, float turn_y) {
   return {x - std::floor(x), y - std::floor(y)};
 }
 
-/// Finds the queries that answer the sub-hits of a pixel, one pixel after the other.
+/// Finds the queries that answer the sub-hits of edge pixels.
 class SourceFinder {
  public:
   SourceFinder(const EdgeView& view, std::span<const int32_t> query_of_pixel, QuerySet* queries,
@@ -86,14 +87,30 @@ class SourceFinder {
       entry_[static_cast<size_t>(sub->pixel[i])] = static_cast<int32_t>(i);
   }
 
-  void find(size_t entry) {
-    own_[entry] = own_[entry + 1] = static_cast<int32_t>(queries_.size());
-    collect_candidates(entry);
-    const auto count = static_cast<size_t>(sub_.per_pixel);
-    for (size_t s = entry * count; s < (entry + 1) * count; ++s) {
-      sub_.source[s] = scene::kNone;
-      if (!sub_.hits.mask[s] || max_component(sub_.hits.albedo[s]) <= 0) continue;
-      sub_.source[s] = nearest_candidate(s);
+  /// The nearest query of a pixel, the sub-hit's own or one of the eight around it. Entries do not
+  /// touch each other.
+  void find_pixels(size_t entry) {
+    std::array<int32_t, 9> candidates;
+    size_t count = 0;
+    each_pixel_around(entry, [&](size_t pixel) {
+      if (query_of_pixel_[pixel] != scene::kNone) candidates[count++] = query_of_pixel_[pixel];
+    });
+    for (size_t s = first(entry); s < first(entry + 1); ++s) {
+      if (reflects(s)) sub_.source[s] = nearest(s, std::span(candidates).first(count));
+    }
+  }
+
+  /// For sub-hits that found none: the nearest query that a sub-hit before has added, in this pixel
+  /// or next to it, or one more. In the order of the entries.
+  void find_or_add(size_t entry) {
+    own_[entry] = static_cast<int32_t>(queries_.size());
+    candidates_.clear();
+    bool collected = false;
+    for (size_t s = first(entry); s < first(entry + 1); ++s) {
+      if (sub_.source[s] != scene::kNone || !reflects(s)) continue;
+      if (!collected) collect_added(entry);
+      collected = true;
+      sub_.source[s] = nearest(s, candidates_);
       if (sub_.source[s] != scene::kNone) continue;
       sub_.source[s] = static_cast<int32_t>(queries_.size());
       candidates_.push_back(sub_.source[s]);
@@ -103,33 +120,38 @@ class SourceFinder {
   }
 
  private:
-  void add_pixel(size_t pixel) {
-    if (query_of_pixel_[pixel] != scene::kNone) candidates_.push_back(query_of_pixel_[pixel]);
+  size_t first(size_t entry) const { return entry * static_cast<size_t>(sub_.per_pixel); }
+  bool reflects(size_t s) const {
+    return sub_.hits.mask[s] && max_component(sub_.hits.albedo[s]) > 0;
   }
 
-  /// The queries of the pixel and of its neighbours, and those that sub-hits before have added.
-  void collect_candidates(size_t entry) {
+  template <typename Use>
+  void each_pixel_around(size_t entry, const Use& use) const {
     const int pixel = sub_.pixel[entry], width = view_.hits.width;
     const int x = pixel % width, y = pixel / width;
-    candidates_.clear();
-    add_pixel(static_cast<size_t>(pixel));
+    use(static_cast<size_t>(pixel));
     for (const auto& [dx, dy] : kAround) {
       if (x + dx < 0 || x + dx >= width || y + dy < 0 || y + dy >= view_.hits.height) continue;
-      const auto near = static_cast<size_t>((y + dy) * width + x + dx);
-      add_pixel(near);
-      const int32_t other = entry_[near];
-      if (other == scene::kNone || static_cast<size_t>(other) >= entry) continue;
-      const auto at = static_cast<size_t>(other);
-      for (int32_t q = own_[at]; q < own_[at + 1]; ++q) candidates_.push_back(q);
+      use(static_cast<size_t>((y + dy) * width + x + dx));
     }
   }
 
-  int32_t nearest_candidate(size_t s) const {
+  /// What sub-hits of entries before this one have added around it.
+  void collect_added(size_t entry) {
+    each_pixel_around(entry, [&](size_t pixel) {
+      const int32_t other = entry_[pixel];
+      if (other == scene::kNone || static_cast<size_t>(other) >= entry) return;
+      const auto at = static_cast<size_t>(other);
+      for (int32_t q = own_[at]; q < own_[at + 1]; ++q) candidates_.push_back(q);
+    });
+  }
+
+  int32_t nearest(size_t s, std::span<const int32_t> candidates) const {
     const Vec3 &position = sub_.hits.position[s], &normal = sub_.hits.normal[s];
     const float tolerance = sub_.hits.depth[s] * view_.pixel_size;
     int32_t best = scene::kNone;
     float best_distance = INFINITY;
-    for (const int32_t q : candidates_) {
+    for (const int32_t q : candidates) {
       const auto at = static_cast<size_t>(q);
       if (dot(normal, queries_.normal[at]) < kSharedNormal) continue;
       if (!same_plane(position, normal, queries_.position[at], queries_.normal[at], tolerance))
@@ -203,7 +225,11 @@ SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera,
 void assign_sources(const EdgeView& view, std::span<const int32_t> query_of_pixel,
                     QuerySet* queries, SubHits* sub) {
   SourceFinder finder(view, query_of_pixel, queries, sub);
-  for (size_t entry = 0; entry < sub->pixel.size(); ++entry) finder.find(entry);
+  parallel_for(static_cast<int64_t>(sub->pixel.size()), 512, [&](int64_t begin, int64_t end) {
+    for (int64_t entry = begin; entry < end; ++entry)
+      finder.find_pixels(static_cast<size_t>(entry));
+  });
+  for (size_t entry = 0; entry < sub->pixel.size(); ++entry) finder.find_or_add(entry);
 }
 
 }  // namespace lte::infer

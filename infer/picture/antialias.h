@@ -6,7 +6,7 @@
 // stratified set that is turned by a hash of the pixel. Each takes the irradiance of the nearest
 // query that stands on its plane and under its normal: its own pixel's, or one of the eight around
 // it. Where none does, it becomes a query itself, which later points of this and of the
-// neighbouring pixels share in turn.
+// neighbouring pixels that found none share in turn.
 #pragma once
 
 #include <cstdint>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "lte/base/parallel.h"
 #include "lte/scene/metal.h"
 
 namespace lte::infer {
@@ -17,6 +18,9 @@ void put(Image* image, int pixel, const Rgb& value) {
   p[2] = value.z;
 }
 
+/// Pixels that a thread takes at a time.
+constexpr int64_t kPixelsOfThread = 1 << 14;
+
 Rgb get(const Image& image, int pixel) {
   const float* p = image.pixels.data() + size_t{3} * static_cast<size_t>(pixel);
   return {p[0], p[1], p[2]};
@@ -25,7 +29,8 @@ Rgb get(const Image& image, int pixel) {
 }  // namespace
 
 PictureBand::PictureBand(const pathtrace::Bvh& bvh, const scene::Camera& camera,
-                         const PictureRows& rows, const BandOptions& options)
+                         const PictureRows& rows, const BandOptions& options,
+                         const pathtrace::GBuffer* hits, int first_row)
     : scene_(bvh.scene()),
       rows_(rows),
       pixel_size_(pathtrace::pixel_size(camera, rows.height)),
@@ -36,8 +41,9 @@ PictureBand::PictureBand(const pathtrace::Bvh& bvh, const scene::Camera& camera,
     seen.last = std::min(rows.height, rows.last + 1);
   }
   above_ = rows.first - seen.first;
-  hits_ =
-      pathtrace::trace_gbuffer_rows(bvh, camera, rows.width, rows.height, seen.first, seen.last);
+  hits_ = hits != nullptr ? pathtrace::rows_of(*hits, seen.first - first_row, seen.last - first_row)
+                          : pathtrace::trace_gbuffer_rows(bvh, camera, rows.width, rows.height,
+                                                          seen.first, seen.last);
   if (options.metal == Metal::Trace && !hits_.metallic.empty())
     is_traced_.assign(hits_.mask.size(), 0);
   for (size_t i = 0; i < is_traced_.size(); ++i)
@@ -49,6 +55,13 @@ PictureBand::PictureBand(const pathtrace::Bvh& bvh, const scene::Camera& camera,
   if (options.antialias > 1) {
     assign_sources({hits_, seen, pixel_size_}, query_of_pixel_, &queries_, &sub_);
   }
+}
+
+template <typename Use>
+void PictureBand::each_pixel(const Use& use) const {
+  parallel_for(pixels(), kPixelsOfThread, [&](int64_t begin, int64_t end) {
+    for (auto i = static_cast<int>(begin); i < end; ++i) use(i);
+  });
 }
 
 /// Leaves the matt share of metallic surfaces alone, where metal is to be black.
@@ -161,10 +174,10 @@ void PictureBand::count_metal(Frame* frame) const {
 /// weighted by albedo unless the options say otherwise.
 image::Image PictureBand::light_layer(std::span<const Rgb> values, const Image& albedo) const {
   Image out(rows_.width, rows_.last - rows_.first, 3);
-  for (int i = 0; i < pixels(); ++i) {
+  each_pixel([&](int i) {
     const int32_t query = query_of_pixel_[hit_index(i)];
     if (query != scene::kNone) put(&out, i, values[static_cast<size_t>(query)]);
-  }
+  });
   const auto count = static_cast<size_t>(sub_.per_pixel);
   for (size_t entry = 0; entry < sub_.pixel.size(); ++entry) {
     Rgb plain, reflected;
@@ -209,17 +222,15 @@ Frame PictureBand::resolve(const BandLight& light) const {
   const int width = rows_.width, height = rows_.last - rows_.first;
   frame.albedo = frame.normal = frame.emission = Image(width, height, 3);
   frame.depth = Image(width, height, 1);
-  for (int i = 0; i < pixels(); ++i) {
+  each_pixel([&](int i) {
     const size_t at = hit_index(i);
     put(&frame.albedo, i, hits_.albedo[at]);
     put(&frame.normal, i, hits_.normal[at]);
     put(&frame.emission, i, hits_.emission[at]);
-    if (hits_.mask[at]) {
-      frame.depth.pixels[static_cast<size_t>(i)] = hits_.depth[at];
-    } else {
-      ++frame.background;
-    }
-  }
+    if (hits_.mask[at]) frame.depth.pixels[static_cast<size_t>(i)] = hits_.depth[at];
+  });
+  const auto own = std::span(hits_.mask).subspan(hit_index(0), static_cast<size_t>(pixels()));
+  frame.background = std::count(own.begin(), own.end(), 0);
   const auto count = static_cast<size_t>(sub_.per_pixel);
   for (size_t entry = 0; entry < sub_.pixel.size(); ++entry) {
     Rgb albedo, emission;

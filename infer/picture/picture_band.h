@@ -48,8 +48,11 @@ struct BandLight {
 class PictureBand {
  public:
   /// Traces primary hits and finds what has to be asked.
+  /// @param hits       those of more rows, the neighbours' included, where they are there already
+  /// @param first_row  that `hits` begin with
   PictureBand(const pathtrace::Bvh& bvh, const scene::Camera& camera, const PictureRows& rows,
-              const BandOptions& options);
+              const BandOptions& options, const pathtrace::GBuffer* hits = nullptr,
+              int first_row = 0);
 
   /// Those of pixel centres come first, tile by tile: background and black surfaces are never asked
   /// about. The order numbers the random streams of direct light, so another one is another
@@ -81,6 +84,9 @@ class PictureBand {
   /// The index in hits_ of pixel `i` of the band.
   size_t hit_index(int i) const { return static_cast<size_t>(i + above_ * rows_.width); }
 
+  /// Calls use(pixel of the band) for all of them, in several threads.
+  template <typename Use>
+  void each_pixel(const Use& use) const;
   void darken_metal(pathtrace::GBuffer* hits) const;
   void take_samples(const pathtrace::Bvh& bvh, const scene::Camera& camera,
                     const PictureRows& seen);

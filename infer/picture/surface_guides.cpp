@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "infer/picture/picture_band.h"
-#include "lte/pathtrace/gbuffer.h"
+#include "lte/base/parallel.h"
 
 namespace lte::infer {
 namespace {
@@ -11,38 +11,56 @@ namespace {
 constexpr int kTile = 8;
 /// Pixels whose hits are there at once: a G-buffer takes more than its pictures.
 constexpr int kPixelsAtOnce = 1 << 18;
+constexpr int kRows = 16;  // that a thread takes at a time
+
+SurfaceGuides empty_guides(int width, int height) {
+  SurfaceGuides out;
+  out.normal = out.position = out.albedo = image::Image(width, height, 3);
+  out.mask.resize(static_cast<size_t>(width) * static_cast<size_t>(height));
+  out.emits = out.metal = out.mask;
+  out.depth.resize(out.mask.size());
+  return out;
+}
+
+/// Puts the hits of some rows, which begin at row `first`, into guides.
+void put_hits(const pathtrace::GBuffer& hits, int first, SurfaceGuides* guides) {
+  SurfaceGuides& out = *guides;
+  parallel_for(hits.height, kRows, [&](int64_t begin, int64_t end) {
+    for (int y = static_cast<int>(begin); y < end; ++y) {
+      for (int x = 0; x < hits.width; ++x) {
+        const size_t from =
+            static_cast<size_t>(y) * static_cast<size_t>(hits.width) + static_cast<size_t>(x);
+        const size_t to = out.index(x, first + y);
+        if (!hits.mask[from]) continue;
+        out.mask[to] = 1;
+        out.emits[to] = max_component(hits.emission[from]) > 0 ? 1 : 0;
+        out.metal[to] = !hits.metallic.empty() && is_metal(hits.metallic[from]) ? 1 : 0;
+        out.depth[to] = hits.depth[from];
+        out.normal.set_rgb(x, first + y, hits.normal[from]);
+        out.position.set_rgb(x, first + y, hits.position[from]);
+        out.albedo.set_rgb(x, first + y, hits.albedo[from]);
+      }
+    }
+  });
+}
 
 }  // namespace
 
 SurfaceGuides trace_guides(const pathtrace::Bvh& bvh, const scene::Camera& camera, int width,
                            int height) {
   pathtrace::check_view(camera, width, height);
-  SurfaceGuides out;
-  out.normal = out.position = out.albedo = image::Image(width, height, 3);
-  out.mask.resize(static_cast<size_t>(width) * static_cast<size_t>(height));
-  out.emits = out.metal = out.mask;
-  out.depth.resize(out.mask.size());
+  SurfaceGuides out = empty_guides(width, height);
   const int rows = std::max(1, kPixelsAtOnce / width);
   for (int first = 0; first < height; first += rows) {
     const int last = std::min(first + rows, height);
-    const pathtrace::GBuffer hits =
-        pathtrace::trace_gbuffer_rows(bvh, camera, width, height, first, last);
-    for (int y = first; y < last; ++y) {
-      for (int x = 0; x < width; ++x) {
-        const size_t from =
-            static_cast<size_t>(y - first) * static_cast<size_t>(width) + static_cast<size_t>(x);
-        if (!hits.mask[from]) continue;
-        out.mask[out.index(x, y)] = 1;
-        out.emits[out.index(x, y)] = max_component(hits.emission[from]) > 0 ? 1 : 0;
-        out.metal[out.index(x, y)] =
-            !hits.metallic.empty() && is_metal(hits.metallic[from]) ? 1 : 0;
-        out.depth[out.index(x, y)] = hits.depth[from];
-        out.normal.set_rgb(x, y, hits.normal[from]);
-        out.position.set_rgb(x, y, hits.position[from]);
-        out.albedo.set_rgb(x, y, hits.albedo[from]);
-      }
-    }
+    put_hits(pathtrace::trace_gbuffer_rows(bvh, camera, width, height, first, last), first, &out);
   }
+  return out;
+}
+
+SurfaceGuides guides_of(const pathtrace::GBuffer& hits) {
+  SurfaceGuides out = empty_guides(hits.width, hits.height);
+  put_hits(hits, 0, &out);
   return out;
 }
 

@@ -6,6 +6,7 @@
 
 #include "lte/image/image.h"
 #include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/gbuffer.h"
 
 namespace lte::infer {
 
@@ -28,6 +29,9 @@ struct SurfaceGuides {
 /// @throws lte::Error if a size is not positive or the camera is degenerate.
 SurfaceGuides trace_guides(const pathtrace::Bvh& bvh, const scene::Camera& camera, int width,
                            int height);
+
+/// The same of hits that are there.
+SurfaceGuides guides_of(const pathtrace::GBuffer& hits);
 
 /// Surface points of pixels tile by tile: their rays meet the same nodes and triangles.
 struct SurfacePoints {

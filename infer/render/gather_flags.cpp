@@ -46,6 +46,11 @@ void add_gather_options(CLI::App& app, GatherFlags* flags) {
                  "Of --indirect gather: places that the table knows, both sides counted")
       ->check(CLI::Range(int64_t{2}, int64_t{1} << 22))
       ->capture_default_str();
+  app.add_option("--keep-light", flags->keep_light,
+                 "Of --indirect gather with draft or preview quality and several pictures: take "
+                 "the light of earlier pictures where they show the same surfaces, and refine it")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
 }
 
 void resolve_indirect(const CLI::App& app, bool neural, GatherFlags* flags) {

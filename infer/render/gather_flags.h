@@ -16,7 +16,8 @@ struct GatherFlags {
   std::string indirect = "auto";  ///< or a word of Indirect
   std::string table = "raw";      ///< a word of TableLight
   int64_t table_points = TableSettings().entries;
-  int rays = 0, paths = -1;  ///< --gather-rays, --correction-paths; these: as the quality has
+  int rays = 0, paths = -1;       ///< --gather-rays, --correction-paths; these: as the quality has
+  std::string keep_light = "on";  ///< of several views
   Indirect by = Indirect::Network;  ///< found by resolve_indirect()
 };
 

@@ -44,7 +44,7 @@ GatherRates measure_gather_rates(const RenderSettings& base, const scene::Camera
   const double hits = double{1} * probe.width * probe.height;
   const double rays = kRateRays * static_cast<double>(std::max<int64_t>(1, frame.decoded));
   GatherRates rates;
-  rates.primary_s = seconds.primary / (2 * hits);
+  rates.primary_s = seconds.primary / hits;
   rates.metal_s = seconds.reference / hits;
   rates.ray_s = seconds.direct / rays;
   rates.gather_s = seconds.gather / rays;
@@ -60,18 +60,28 @@ GatherRates measure_gather_rates(const RenderSettings& base, const scene::Camera
 
 double predicted_gather_seconds(const RenderSettings& settings, const GatherRates& rates) {
   const double pixels = double{1} * settings.width * settings.height;
-  const double hits = 2 + kEdges * settings.antialias;
+  const double hits = 1 + kEdges * settings.antialias;
   const double step = settings.gather.step;
   const double points = step > 1 ? 1 / (step * step) : 1;
-  const double alone = step > 1 ? kAlone * std::max(settings.gather.rays, kLeastAloneRays) : 0;
+  const auto rays_of = [&](int rays) {
+    return points * rays + (step > 1 ? kAlone * std::max(rays, kLeastAloneRays) : 0);
+  };
+  const bool few_direct = settings.gather.direct && step > 1;
+  const double shadow_rays =
+      few_direct ? rays_of(settings.direct_samples) : double{1} * settings.direct_samples;
   const bool smooth = settings.denoise == Denoise::On || (settings.denoise == Denoise::Auto &&
                                                           settings.direct_samples <= kDenoiseUpTo);
-  const double passes = settings.denoise == Denoise::Off ? 0 : points + (smooth ? 1 : 0);
+  double passes = points;
+  if (few_direct) {
+    passes += settings.layers ? points : 0;
+  } else if (smooth) {
+    passes += 1;
+  }
+  if (settings.denoise == Denoise::Off) passes = 0;
   const double corrected = settings.gather.paths > 0 ? kCorrectionPasses : 0;
   return pixels * (1 + kRoom) *
-         (rates.primary_s * hits + rates.metal_s + rates.ray_s * settings.direct_samples +
-          rates.gather_s * (points * settings.gather.rays + alone) +
-          rates.path_s * settings.gather.paths +
+         (rates.primary_s * hits + rates.metal_s + rates.ray_s * shadow_rays +
+          rates.gather_s * rays_of(settings.gather.rays) + rates.path_s * settings.gather.paths +
           rates.denoise_s * (passes * denoiser_factor(settings.gather.quality) + corrected));
 }
 
@@ -82,7 +92,7 @@ std::vector<GatherRung> gather_ladder(Sparse sparse, const GivenFlags& given,
     out.push_back({quality, with_quality(quality, sparse, given, base)});
   const RenderSettings draft = out.front().settings;
   RenderSettings least = draft;
-  if (!given.direct_samples) least.direct_samples = 1;
+  if (!given.direct_samples) least.direct_samples = 4;
   if (!given.antialias) least.antialias = 4;
   if (!given.gather_rays) least.gather.rays = 4;
   if (!given.sparse) least.gather.step = 4;

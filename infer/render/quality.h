@@ -19,6 +19,9 @@ constexpr EnumNames<Sparse, 3> enum_names(Sparse) {
   return {{{Sparse::Auto, "auto"}, {Sparse::Off, "off"}, {Sparse::On, "on"}}};
 }
 
+/// Pixels beyond which a draft gathers at fewer of them: what a pixel shows is small then.
+inline constexpr int64_t kLargePicture = int64_t{1} << 20;
+
 /// What a quality stands for.
 struct QualitySettings {
   int direct_samples = 0;     ///< --direct-samples
@@ -27,8 +30,10 @@ struct QualitySettings {
   gi::SparseOptions answers;  ///< of --sparse on too
   /// Share of the pixels that is answered where sparse answers are in force, about: for plans.
   double answered_share = 1;
-  GatherSettings gather;     ///< of gathered light; its step where sparse answers are in force
-  int gather_antialias = 0;  ///< --aa of gathered light
+  GatherSettings gather;          ///< of gathered light; its step where sparse answers are in force
+  int large_step = 2;             ///< that step for pictures of more than kLargePicture pixels
+  int gather_antialias = 0;       ///< --aa of gathered light
+  int gather_direct_samples = 0;  ///< --direct-samples of it
 };
 
 QualitySettings quality_settings(Quality quality);

@@ -349,6 +349,7 @@ void run_render(const RenderRequest& request) {
       memory.check_encoding(network->config(), scene_points(request, *network));
   }
   const bool gathers = renderer.needs_table(settings);
+  settings.keep_light = gathers && views.size() > 1 && request.gather.keep_light == "on";
   if (gathers) check_table_fits(table, scene, memory);
   check_picture_fits(settings, memory);
   LTE_CHECK(

@@ -51,10 +51,13 @@ void apply_quality(const CLI::App& app, RenderRequest* r) {
   r->given.gather_rays = r->gather.rays != 0;
   r->given.correction_paths = r->gather.paths >= 0;
   const QualitySettings chosen = quality_settings(parse_enum<Quality>("--quality", r->quality));
-  if (!r->given.direct_samples) r->direct_samples = chosen.direct_samples;
-  const int hits = r->gather.by == Indirect::Gather ? chosen.gather_antialias : chosen.antialias;
+  const bool gathers = r->gather.by == Indirect::Gather;
+  if (!r->given.direct_samples)
+    r->direct_samples = gathers ? chosen.gather_direct_samples : chosen.direct_samples;
+  const int hits = gathers ? chosen.gather_antialias : chosen.antialias;
   if (!r->given.antialias) r->antialias = hits > 0 ? std::to_string(hits) : "off";
   r->gather_settings = chosen.gather;
+  if (r->given.direct_samples) r->gather_settings.direct = false;  // they are meant for every pixel
   if (r->given.gather_rays) r->gather_settings.rays = r->gather.rays;
   if (r->given.correction_paths) r->gather_settings.paths = r->gather.paths;
 }

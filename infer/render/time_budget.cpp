@@ -44,6 +44,7 @@ RenderSettings probe_settings(const RenderSettings& base, double pixels, int dir
   probe.sparse.reset();
   probe.layers = false;
   probe.pace = nullptr;
+  probe.keep_light = false;
   probe.done = {};
   return probe;
 }
@@ -51,8 +52,11 @@ RenderSettings probe_settings(const RenderSettings& base, double pixels, int dir
 RenderSettings with_quality(Quality quality, Sparse sparse, const GivenFlags& given,
                             RenderSettings base) {
   const QualitySettings chosen = quality_settings(quality);
-  if (!given.direct_samples) base.direct_samples = chosen.direct_samples;
   const bool gathers = base.indirect == Indirect::Gather;
+  if (!given.direct_samples) {
+    base.direct_samples = gathers ? chosen.gather_direct_samples : chosen.direct_samples;
+    base.gather.direct = chosen.gather.direct;
+  }
   if (!given.antialias) base.antialias = gathers ? chosen.gather_antialias : chosen.antialias;
   base.gather.quality = chosen.gather.quality;
   if (!given.gather_rays) base.gather.rays = chosen.gather.rays;
@@ -62,7 +66,8 @@ RenderSettings with_quality(Quality quality, Sparse sparse, const GivenFlags& gi
   const bool on = sparse == Sparse::On || (sparse == Sparse::Auto && chosen.sparse);
   if (!on || base.mode != Mode::Neural) return base;
   if (gathers) {
-    base.gather.step = chosen.gather.step;
+    const bool large = int64_t{base.width} * base.height > kLargePicture;
+    base.gather.step = large ? chosen.large_step : chosen.gather.step;
   } else {
     base.sparse = chosen.answers;
   }

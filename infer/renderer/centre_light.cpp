@@ -17,6 +17,11 @@ using image::Image;
 constexpr size_t kEstimates = size_t{1} << 21;
 constexpr size_t kMostPoints = size_t{1} << 14, kLeastPoints = 1024;
 
+/// Whether direct light is sampled where indirect light is gathered.
+bool samples_sparsely(const CentreRequest& request) {
+  return request.table != nullptr && request.direct && request.gather.direct;
+}
+
 /// Direct and indirect light by paths. Pixels are numbered in the order of their points, as those
 /// of a picture in one band are without denoising.
 void trace_paths(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
@@ -50,14 +55,21 @@ void trace_paths(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
   if (request.done && background > 0) request.done(background);
 }
 
-void gather_indirect(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                     const SurfaceGuides& guides, const CentreRequest& request, CentreLight* out) {
-  GatheredCentres light = gather_centres(
-      {bvh, lights, *request.table, request.max_depth, request.shadow_rays.seed}, guides,
-      request.pixel_size, request.skip_metal, request.gather, request.gather_denoiser);
-  out->indirect = std::move(light.irradiance);
-  out->gathered = light.gathered;
-  out->gathering_seconds = light.gather_seconds;
+void gather(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights, const SurfaceGuides& guides,
+            const CentreRequest& request, CentreLight* out) {
+  GatherScene scene{bvh, lights, *request.table, request.max_depth, request.shadow_rays.seed};
+  scene.cells = request.cells;
+  scene.view = request.view;
+  const GatherDirect direct{samples_sparsely(request) ? request.shadow_rays.samples : 0,
+                            request.sum};
+  GatheredCentres light = gather_centres(scene, guides, request.pixel_size, request.skip_metal,
+                                         request.gather, direct, request.gather_denoiser);
+  out->indirect = std::move(light.indirect);
+  out->total = std::move(light.total);
+  if (direct.shadow_rays > 0) out->direct = std::move(light.direct);
+  out->gathered = light.work.points;
+  out->gathering_seconds = light.work.gather_seconds + light.fill_seconds;
+  out->sampling_seconds += light.work.direct_seconds;
   out->path_seconds = light.path_seconds;
   out->denoising_seconds += light.denoise_seconds;
 }
@@ -71,7 +83,7 @@ CentreLight light_centres(const pathtrace::Bvh& bvh, const pathtrace::Lights& li
   Timer timer;
   if (request.paths) {
     trace_paths(bvh, lights, guides, request, &out);
-  } else if (request.direct) {
+  } else if (request.direct && !samples_sparsely(request)) {
     ShadowRays rays = request.shadow_rays;
     rays.variance = request.denoiser != nullptr && !request.denoiser->is_oidn();
     PixelLight light = light_pixels(bvh, lights, guides, rays);
@@ -92,7 +104,7 @@ CentreLight light_centres(const pathtrace::Bvh& bvh, const pathtrace::Lights& li
     out.denoising_seconds = timer.seconds();
   }
   if (request.paths) return out;
-  if (request.table != nullptr) gather_indirect(bvh, lights, guides, request, &out);
+  if (request.table != nullptr) gather(bvh, lights, guides, request, &out);
   if (request.done) request.done(static_cast<int64_t>(guides.pixels()));
   return out;
 }

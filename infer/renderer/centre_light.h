@@ -35,8 +35,12 @@ struct CentreRequest {
   /// Without paths: what indirect light is gathered from, and with how many rays; null: none is.
   const gi::RadiosityTable* table = nullptr;
   GatherSettings gather;
-  float pixel_size = 0;                              ///< pathtrace::pixel_size()
-  bool skip_metal = false;                           ///< of what is gathered
+  /// With gather.direct: direct and indirect light in one picture, CentreLight::total.
+  bool sum = false;
+  gi::LightCells* cells = nullptr;  ///< of what is gathered; null: views share nothing
+  int view = 0;                     ///< their LightCells::begin_view()
+  float pixel_size = 0;             ///< pathtrace::pixel_size()
+  bool skip_metal = false;          ///< of what is gathered
   const image::Denoiser* gather_denoiser = nullptr;  ///< null: noise stays
   bool direct = true;                                ///< wanted
   std::function<void(int64_t pixels)> done;  ///< told of all pixels of the picture; may be empty
@@ -44,7 +48,7 @@ struct CentreRequest {
 
 /// Irradiance, [height, width, 3], 0 in the background; empty where it is not wanted.
 struct CentreLight {
-  image::Image direct, indirect;
+  image::Image direct, indirect, total;
   int64_t gathered = 0;  ///< pixels that rays were gathered at
   double sampling_seconds = 0, denoising_seconds = 0, gathering_seconds = 0, path_seconds = 0;
 };

@@ -6,9 +6,9 @@
 
 #include "infer/renderer/path_correction.h"
 #include "lte/base/check.h"
+#include "lte/base/parallel.h"
 #include "lte/base/random.h"
 #include "lte/base/timer.h"
-#include "lte/gi/gather.h"
 #include "lte/gi/upsample.h"
 
 namespace lte::infer {
@@ -17,7 +17,8 @@ namespace {
 using image::Image;
 
 constexpr int kTile = 8;
-// Rays of gathers, of pixels that stand alone and of the two halves of the correcting paths are
+constexpr int64_t kPixels = 1 << 14;  // that a thread takes at a time
+// Rays at the grid, of pixels that stand alone and of the two halves of the correcting paths are
 // independent of each other, and of direct light's.
 constexpr uint64_t kGather = 31, kAlone = 32, kHalves = 33;
 
@@ -30,25 +31,16 @@ Rgb get(const Image& image, size_t pixel) {
   return {p[0], p[1], p[2]};
 }
 
-/// Points of pixels, whose rays meet the same nodes and triangles if the pixels are neighbours.
-struct Points {
-  std::vector<Vec3> position, normal;
-  std::vector<size_t> pixel;
-  void add(const SurfaceGuides& guides, size_t at) {
-    position.push_back(get(guides.position, at));
-    normal.push_back(get(guides.normal, at));
-    pixel.push_back(at);
-  }
-};
-
 /// A view whose light is gathered.
 class Gatherer {
  public:
   Gatherer(const GatherScene& scene, const SurfaceGuides& guides, float pixel_size, bool skip_metal,
-           const GatherSettings& settings, const image::Denoiser* denoiser)
+           const GatherSettings& settings, const GatherDirect& direct,
+           const image::Denoiser* denoiser)
       : scene_(scene),
         guides_(guides),
         settings_(settings),
+        direct_(direct),
         denoiser_(denoiser),
         columns_(settings.step, guides.width()),
         rows_(settings.step, guides.height()) {
@@ -60,37 +52,39 @@ class Gatherer {
     surfaces_.width = guides.width();
     surfaces_.height = guides.height();
     surfaces_.pixel_size = pixel_size;
+    const bool sum = direct.shadow_rays > 0 && direct.sum;
+    pictures_.push_back(sum ? &out_.total : &out_.indirect);
+    if (direct.shadow_rays > 0 && !sum) pictures_.push_back(&out_.direct);
+    for (Image* picture : pictures_) *picture = Image(guides.width(), guides.height(), 3);
   }
 
   GatheredCentres run() {
+    sample(grid_points(), settings_.rays, direct_.shadow_rays, kGather);
     Timer timer;
-    out_.irradiance = Image(guides_.width(), guides_.height(), 3);
-    const Points points = grid_points();
-    const std::vector<Rgb> light = rays(points, settings_.rays, kGather);
-    for (size_t k = 0; k < light.size(); ++k) put(&out_.irradiance, points.pixel[k], light[k]);
-    out_.gather_seconds = timer.seconds();
-    timer.restart();
     if (denoiser_ != nullptr) denoise();
     out_.denoise_seconds = timer.seconds();
-    timer.restart();
     if (settings_.step > 1) fill();
-    out_.gather_seconds += timer.seconds();
     if (settings_.paths > 0) correct();
     return std::move(out_);
   }
 
  private:
-  bool skips() const { return settings_.step > 1; }
+  void add_point(size_t pixel, int step, LitPoints* out) const {
+    out->position.push_back(get(guides_.position, pixel));
+    out->normal.push_back(get(guides_.normal, pixel));
+    out->extent.push_back(guides_.depth[pixel] * surfaces_.pixel_size * static_cast<float>(step));
+    out->pixel.push_back(pixel);
+  }
 
   /// Pixels of the grid that reflect light, tile by tile.
-  Points grid_points() const {
-    Points out;
+  LitPoints grid_points() const {
+    LitPoints out;
     for (int tile_y = 0; tile_y < rows_.count(); tile_y += kTile) {
       for (int tile_x = 0; tile_x < columns_.count(); tile_x += kTile) {
         for (int j = tile_y; j < std::min(tile_y + kTile, rows_.count()); ++j) {
           for (int i = tile_x; i < std::min(tile_x + kTile, columns_.count()); ++i) {
             const size_t pixel = guides_.index(columns_.at(i), rows_.at(j));
-            if (reflects_[pixel]) out.add(guides_, pixel);
+            if (reflects_[pixel]) add_point(pixel, settings_.step, &out);
           }
         }
       }
@@ -98,28 +92,43 @@ class Gatherer {
     return out;
   }
 
-  std::vector<Rgb> rays(const Points& points, int count, uint64_t stream) {
-    out_.gathered += static_cast<int64_t>(points.pixel.size());
+  /// Light at points, into their pixels.
+  void sample(const LitPoints& points, int rays, int shadow_rays, uint64_t stream) {
     GatherScene scene = scene_;
     scene.seed = hash_combine(scene_.seed, stream);
-    return gather_points(scene, points.position, points.normal, count, 0);
+    const PointLight light = light_points(scene, points, {rays, shadow_rays}, 0, &out_.work);
+    for (size_t k = 0; k < points.size(); ++k) {
+      if (direct_.shadow_rays == 0) {
+        put(&out_.indirect, points.pixel[k], light.indirect[k]);
+      } else if (direct_.sum) {
+        put(&out_.total, points.pixel[k], light.indirect[k] + light.direct[k]);
+      } else {
+        put(&out_.indirect, points.pixel[k], light.indirect[k]);
+        put(&out_.direct, points.pixel[k], light.direct[k]);
+      }
+    }
   }
 
   /// Takes noise away on the grid. What reflects nothing has no normal, like background.
   void denoise() {
     const Image black(columns_.count(), rows_.count(), 3);
-    Image light = black, normal = black, position = black;
+    Image normal = black, position = black;
     for_grid([&](size_t small, size_t pixel) {
       if (!reflects_[pixel]) return;
-      put(&light, small, get(out_.irradiance, pixel));
       put(&normal, small, get(guides_.normal, pixel));
       put(&position, small, get(guides_.position, pixel));
     });
-    const Image clean =
-        denoiser_->denoise({&light, &normal, &position, nullptr, nullptr}, settings_.quality);
-    for_grid([&](size_t small, size_t pixel) {
-      if (reflects_[pixel]) put(&out_.irradiance, pixel, get(clean, small));
-    });
+    for (Image* picture : pictures_) {
+      Image light = black;
+      for_grid([&](size_t small, size_t pixel) {
+        if (reflects_[pixel]) put(&light, small, get(*picture, pixel));
+      });
+      const Image clean =
+          denoiser_->denoise({&light, &normal, &position, nullptr, nullptr}, settings_.quality);
+      for_grid([&](size_t small, size_t pixel) {
+        if (reflects_[pixel]) put(picture, pixel, get(clean, small));
+      });
+    }
   }
 
   template <typename Use>
@@ -135,62 +144,77 @@ class Gatherer {
 
   /// The pixels between those of the grid.
   void fill() {
+    const Timer timer;
     std::vector<Vec3> position(guides_.pixels()), normal(guides_.pixels());
-    std::vector<Rgb> values(guides_.pixels());
-    std::vector<uint8_t> known(guides_.pixels());
-    for (size_t i = 0; i < values.size(); ++i) {
+    for_pixels([&](size_t i) {
       position[i] = get(guides_.position, i);
       normal[i] = get(guides_.normal, i);
-    }
-    for_grid([&](size_t, size_t pixel) {
-      values[pixel] = get(out_.irradiance, pixel);
-      known[pixel] = reflects_[pixel];
     });
     surfaces_.position = position;
     surfaces_.normal = normal;
     surfaces_.depth = guides_.depth;
     surfaces_.mask = reflects_;
-    const std::vector<int32_t> open = gi::upsample(surfaces_, settings_.step, known, values);
-    Points points;
-    for (const int32_t pixel : open) points.add(guides_, static_cast<size_t>(pixel));
-    const std::vector<Rgb> light = rays(points, std::max(settings_.rays, kLeastAloneRays), kAlone);
-    for (size_t k = 0; k < light.size(); ++k) values[points.pixel[k]] = light[k];
-    for (size_t i = 0; i < values.size(); ++i) {
-      if (reflects_[i]) put(&out_.irradiance, i, values[i]);
+    std::vector<int32_t> open;  // where surfaces decide alone: the same in all pictures
+    for (Image* picture : pictures_) {
+      std::vector<Rgb> values(guides_.pixels());
+      std::vector<uint8_t> known(guides_.pixels());
+      for_grid([&](size_t, size_t pixel) {
+        values[pixel] = get(*picture, pixel);
+        known[pixel] = reflects_[pixel];
+      });
+      open = gi::upsample(surfaces_, settings_.step, known, values);
+      for_pixels([&](size_t i) {
+        if (reflects_[i]) put(picture, i, values[i]);
+      });
     }
+    out_.fill_seconds = timer.seconds();
+    LitPoints points;
+    for (const int32_t pixel : open) add_point(static_cast<size_t>(pixel), 1, &points);
+    const auto alone = [](int count) { return count > 0 ? std::max(count, kLeastAloneRays) : 0; };
+    sample(points, alone(settings_.rays), alone(direct_.shadow_rays), kAlone);
+  }
+
+  template <typename Use>
+  void for_pixels(const Use& use) const {
+    parallel_for(static_cast<int64_t>(guides_.pixels()), kPixels, [&](int64_t begin, int64_t end) {
+      for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) use(i);
+    });
   }
 
   /// Paths know what the table does not.
   void correct() {
     Timer timer;
-    Points points;
+    LitPoints points;
     for (size_t i = 0; i < reflects_.size(); ++i) {
-      if (reflects_[i]) points.add(guides_, i);
+      if (reflects_[i]) add_point(i, 1, &points);
     }
     const gi::RadiosityTable none(scene_.bvh, {}, {});
     std::array<Image, 2> half;
+    LightWork work;
     for (uint64_t h = 0; h < 2; ++h) {
       half[h] = Image(guides_.width(), guides_.height(), 3);
-      const std::vector<Rgb> light =
-          gather_points({scene_.bvh, scene_.lights, none, scene_.max_depth,
-                         hash_combine(hash_combine(scene_.seed, kHalves), h)},
-                        points.position, points.normal, std::max(1, settings_.paths / 2), 0);
-      for (size_t k = 0; k < light.size(); ++k) put(&half[h], points.pixel[k], light[k]);
+      const PointLight light =
+          light_points({scene_.bvh, scene_.lights, none, scene_.max_depth,
+                        hash_combine(hash_combine(scene_.seed, kHalves), h)},
+                       points, {std::max(1, settings_.paths / 2), 0}, 0, &work);
+      for (size_t k = 0; k < points.size(); ++k) put(&half[h], points.pixel[k], light.indirect[k]);
     }
     out_.path_seconds = timer.seconds();
     timer.restart();
-    out_.irradiance = correct_by_paths(guides_, reflects_, out_.irradiance, half[0], half[1]);
+    out_.indirect = correct_by_paths(guides_, reflects_, out_.indirect, half[0], half[1]);
     out_.denoise_seconds += timer.seconds();
   }
 
   const GatherScene& scene_;
   const SurfaceGuides& guides_;
   const GatherSettings& settings_;
+  const GatherDirect& direct_;
   const image::Denoiser* denoiser_;
   gi::GridAxis columns_, rows_;
   gi::PixelSurfaces surfaces_;
   std::vector<uint8_t> reflects_;
   GatheredCentres out_;
+  std::vector<Image*> pictures_;  ///< those of out_ that are wanted
 };
 
 }  // namespace
@@ -204,23 +228,11 @@ void check_gather_settings(const GatherSettings& settings) {
             "gather: paths must be an even number, got ", settings.paths);
 }
 
-std::vector<Rgb> gather_points(const GatherScene& scene, std::span<const Vec3> positions,
-                               std::span<const Vec3> normals, int rays, int64_t first_index) {
-  if (scene.max_depth < 2) return std::vector<Rgb>(positions.size());
-  gi::GatherOptions options;
-  options.rays = rays;
-  options.max_depth = scene.max_depth;
-  options.seed = scene.seed;
-  return std::move(gi::gather_irradiance(scene.bvh, scene.lights, scene.table, positions, normals,
-                                         options, first_index)
-                       .indirect);
-}
-
 GatheredCentres gather_centres(const GatherScene& scene, const SurfaceGuides& guides,
                                float pixel_size, bool skip_metal, const GatherSettings& settings,
-                               const image::Denoiser* denoiser) {
+                               const GatherDirect& direct, const image::Denoiser* denoiser) {
   check_gather_settings(settings);
-  return Gatherer(scene, guides, pixel_size, skip_metal, settings, denoiser).run();
+  return Gatherer(scene, guides, pixel_size, skip_metal, settings, direct, denoiser).run();
 }
 
 }  // namespace lte::infer

@@ -1,13 +1,12 @@
-// Indirect light at the centres of all pixels by final gather, without its noise, and corrected by
-// paths where they say better.
+// Light at the centres of all pixels by final gather, without its noise, and corrected by paths
+// where they say better; direct light too, where a picture samples it as sparsely.
 #pragma once
 
 #include <cstdint>
 
 #include "infer/picture/surface_guides.h"
-#include "lte/gi/radiosity_table.h"
+#include "infer/renderer/point_light.h"
 #include "lte/image/denoise.h"
-#include "lte/pathtrace/lights.h"
 
 namespace lte::infer {
 
@@ -19,32 +18,27 @@ struct GatherSettings {
   /// Paths a pixel that correct the answer (path_correction.h); an even number, 0 for none.
   int paths = 0;
   image::OidnQuality quality = image::OidnQuality::High;  ///< of the denoiser
+  /// Direct light is sampled at these points alone, too.
+  bool direct = false;
 };
 
 /// @throws lte::Error naming what is out of range.
 void check_gather_settings(const GatherSettings& settings);
 
-/// What is gathered from.
-struct GatherScene {
-  const pathtrace::Bvh& bvh;
-  const pathtrace::Lights& lights;
-  const gi::RadiosityTable& table;
-  int max_depth = 5;  ///< of the picture: surface hits after the primary one
-  uint64_t seed = 0;
-};
-
 /// Rays, at least, where nothing smooths them: in pixels that stand alone.
 inline constexpr int kLeastAloneRays = 16;
 
-/// Indirect irradiance at points by themselves.
-/// @param first_index  numbers the streams of their rays
-std::vector<Rgb> gather_points(const GatherScene& scene, std::span<const Vec3> positions,
-                               std::span<const Vec3> normals, int rays, int64_t first_index);
+/// What is wanted beside indirect light.
+struct GatherDirect {
+  int shadow_rays = 0;  ///< a point; 0: no direct light
+  bool sum = false;     ///< one picture of both, whose noise is taken away at once
+};
 
+/// Pictures [height, width, 3], 0 where no light is reflected; empty where they are not wanted.
 struct GatheredCentres {
-  image::Image irradiance;  ///< [height, width, 3]; 0 where no light is reflected
-  int64_t gathered = 0;     ///< pixels that had rays
-  double gather_seconds = 0, path_seconds = 0, denoise_seconds = 0;
+  image::Image indirect, direct, total;
+  LightWork work;
+  double path_seconds = 0, denoise_seconds = 0, fill_seconds = 0;
 };
 
 /// @param pixel_size  pathtrace::pixel_size()
@@ -52,6 +46,6 @@ struct GatheredCentres {
 /// @param denoiser    null: noise stays
 GatheredCentres gather_centres(const GatherScene& scene, const SurfaceGuides& guides,
                                float pixel_size, bool skip_metal, const GatherSettings& settings,
-                               const image::Denoiser* denoiser);
+                               const GatherDirect& direct, const image::Denoiser* denoiser);
 
 }  // namespace lte::infer

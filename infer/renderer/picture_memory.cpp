@@ -25,6 +25,10 @@ constexpr double kPngBytes = 40, kExrShare = 1.5;
 // Where the light of all centres is sampled at once: guides, points, rays and the denoiser's copies
 // while that is done, and what is kept for the bands.
 constexpr double kCentreBytes = 150, kKeptBytes = 24;
+// First hits of a strip; light that is kept from view to view, all in all (gi/light_cells.h).
+constexpr double kHitBytes = 61, kCellsMib = 96;
+// A strip with the rows around it, at most (kStripPixels).
+constexpr double kStrip = 1.2 * kStripPixels;
 // Gathered light: points, what they found and how pixels between them are filled; and the halves of
 // the paths that correct it, their differences and how those are smoothed.
 constexpr double kGatherBytes = 110, kCorrectionBytes = 320;
@@ -72,9 +76,16 @@ double picture_mb(const RenderSettings& settings) {
   const double gather = !gathers(settings)          ? 0
                         : settings.gather.paths > 0 ? kGatherBytes + kCorrectionBytes
                                                     : kGatherBytes;
+  const bool by_paths = settings.mode == Mode::Reference && settings.output == Output::Full;
+  const double strip = by_paths ? pixels : std::min(pixels, kStrip);
+  const double step = gathers(settings) && settings.gather.direct ? settings.gather.step : 1;
   const double centres =
-      pixels * (kCentreBytes + gather) / kMib + std::min(kMostOidnMib, pixels * kOidnBytes / kMib);
-  return std::max(bands + pixels * kKeptBytes / kMib, centres);
+      strip * (kCentreBytes + gather) / kMib +
+      std::min(kMostOidnMib, strip / (step * step) * kOidnBytes / kMib) +
+      (strip < pixels ? pixels * frame / kMib : 0);  // that has some strips already
+  const double hits = std::min(pixels, kStrip) * kHitBytes / kMib;
+  const double cells = gathers(settings) && settings.keep_light ? kCellsMib : 0;
+  return std::max(bands + strip * kKeptBytes / kMib, centres) + hits + cells;
 }
 
 void check_picture_fits(const RenderSettings& settings, double available_mb) {

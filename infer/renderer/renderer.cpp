@@ -1,6 +1,7 @@
 #include "infer/renderer/renderer.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "infer/renderer/sparse_light.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
+#include "lte/base/random.h"
 #include "lte/base/timer.h"
 #include "lte/pathtrace/direct_light.h"
 #include "lte/pathtrace/irradiance.h"
@@ -22,6 +24,8 @@ using image::Image;
 // Pixels of a band; its rows are a multiple of the tiles that pixels are asked in.
 constexpr int64_t kBandPixels = int64_t{1} << 18;
 constexpr int kBandRows = 8;
+// Rows around a strip that the denoiser sees.
+constexpr int kRowsAround = 32;
 // Estimates keep two colors a point and light group: blocks bound that memory.
 constexpr int64_t kEstimateBlock = int64_t{1} << 21;
 // Points between two looks at the progress.
@@ -30,10 +34,12 @@ constexpr int64_t kProgressBlock = int64_t{1} << 14;
 constexpr int kLeastEdgeRays = 16;
 
 /// What is known of the centres, which come first.
-void take_centres(const PictureBand& band, const Image& picture, std::vector<Rgb>* values) {
+/// @param first  pixel of the picture that `known` begins with
+void take_centres(const PictureBand& band, const Image& known, int64_t first,
+                  std::vector<Rgb>* values) {
   for (size_t i = 0; i < band.centre_pixels().size(); ++i) {
-    const auto at = 3 * static_cast<size_t>(band.centre_pixels()[i]);
-    (*values)[i] = {picture.pixels[at], picture.pixels[at + 1], picture.pixels[at + 2]};
+    const auto at = 3 * static_cast<size_t>(band.centre_pixels()[i] - first);
+    (*values)[i] = {known.pixels[at], known.pixels[at + 1], known.pixels[at + 2]};
   }
 }
 
@@ -46,10 +52,17 @@ struct Renderer::Job {
   int64_t centre_queries = 0, extra_queries = 0;  ///< of the bands before
   int64_t band = 0;                               ///< pixels of this band
   int64_t done = 0;                               ///< those of them that were told of
-  std::optional<SurfaceGuides> guides = {};       ///< with `centres`, or for a denoised reference
-  std::optional<CentreLight> centres = {};        ///< of the whole picture; it told of all pixels
-  bool told_of_all = false;
-  bool counted = false;  ///< what was gathered at centres, in a band
+  // Of a strip and the rows around it, from `first_row` on.
+  int first_row = 0;
+  std::optional<pathtrace::GBuffer> hits = {};
+  std::optional<SurfaceGuides> guides = {};  ///< for a denoised reference: of the whole picture
+  std::optional<CentreLight> centres = {};
+  bool told_of_all = false;  ///< pixels, by `centres`
+  bool counted = false;      ///< what was gathered at centres, in a band
+  int view = 0;              ///< LightCells::begin_view()
+
+  /// What `centres` begins with, as a pixel of the picture.
+  int64_t first_pixel() const { return int64_t{settings.width} * first_row; }
 
   /// A pixel is told of once, by the first stage that has come so far.
   void advance(int64_t pixels) {
@@ -117,6 +130,7 @@ void Renderer::embed(const runtime::Network& network, const EmbedSettings& setti
 void Renderer::make_table(const TableSettings& settings) {
   const Timer timer;
   table_.reset();  // two at a time would need twice the memory
+  cells_.reset();
   table_.emplace(make_light_table(bvh_, lights_, embedding_ ? &*embedding_ : nullptr, settings));
   seconds_.table = timer.seconds();
 }
@@ -203,8 +217,9 @@ void Renderer::estimate(const PictureBand& band, const Estimate& what, Job* job,
   };
   const int64_t centres = band.centre_queries();
   if (job->centres && settings.mode == Mode::Reference) {
-    if (what.direct) take_centres(band, job->centres->direct, &*light->direct);
-    if (what.indirect) take_centres(band, job->centres->indirect, &*light->indirect);
+    if (what.direct) take_centres(band, job->centres->direct, job->first_pixel(), &*light->direct);
+    if (what.indirect)
+      take_centres(band, job->centres->indirect, job->first_pixel(), &*light->indirect);
   } else {
     run(0, centres, job->centre_queries);
   }
@@ -240,7 +255,7 @@ void Renderer::sample_direct(const PictureBand& band, Job* job, BandLight* light
   };
   const int64_t centres = band.centre_queries();
   if (job->centres) {
-    take_centres(band, job->centres->direct, &*light->direct);
+    take_centres(band, job->centres->direct, job->first_pixel(), &*light->direct);
   } else {
     run(0, centres, settings.direct_samples,
         [&](int64_t i) { return band.centre_pixels()[static_cast<size_t>(i)]; });
@@ -275,35 +290,72 @@ bool Renderer::needs_direct(const RenderSettings& settings) const {
   return total ? !full : full || settings.output == Output::Direct;
 }
 
-/// What takes noise out of sampled light: of direct light where it is few samples.
+/// Whether noise is taken out of sampled light: of direct light where it is few samples.
 /// @param gathered  of gathered light
-const image::Denoiser* Renderer::denoiser_for(const RenderSettings& settings, bool gathered) {
+bool Renderer::denoises(const RenderSettings& settings, bool gathered) const {
   const bool few =
       gathered || (settings.mode == Mode::Neural && settings.direct_samples <= kDenoiseUpTo);
-  if (settings.denoise == Denoise::Off || (settings.denoise == Denoise::Auto && !few))
-    return nullptr;
+  return settings.denoise != Denoise::Off && (settings.denoise != Denoise::Auto || few);
+}
+
+/// What takes that noise away; null if nothing does.
+const image::Denoiser* Renderer::denoiser_for(const RenderSettings& settings, bool gathered) {
+  if (!denoises(settings, gathered)) return nullptr;
   const image::Denoiser& denoiser = denoiser_->get();
   denoised_by_ = denoiser.description();
   return &denoiser;
 }
 
-/// Samples the light of the picture's centres at once, where it is gathered, rays are shared out or
-/// noise is taken away.
-void Renderer::prepare_centres(Job* job) {
-  const RenderSettings& settings = job->settings;
+/// Whether the light of centres is sampled at once, before the bands: where it is gathered, rays
+/// are shared out or noise is taken away.
+bool Renderer::samples_centres(const RenderSettings& settings) const {
   const bool reference = settings.mode == Mode::Reference;
   const bool gathers = needs_table(settings);
   const bool direct = reference || needs_direct(settings);
-  if (is_geometry(settings.output) || !has_light() || (!direct && !gathers)) return;
-  if (settings.pace != nullptr && !gathers) return;  // rays are chosen block by block
-  const image::Denoiser* denoiser = direct ? denoiser_for(settings, false) : nullptr;
-  if (denoiser == nullptr && !gathers && (reference || !settings.adaptive_direct)) return;
+  if (is_geometry(settings.output) || !has_light() || (!direct && !gathers)) return false;
+  if (settings.pace != nullptr && !gathers) return false;  // rays are chosen block by block
+  return gathers || (!reference && settings.adaptive_direct) || denoises(settings, false);
+}
+
+/// Rows that are worked on at once; all of them where nothing is sampled before the bands, and for
+/// a reference that is denoised when it is whole.
+int Renderer::strip_rows(const RenderSettings& settings) const {
+  const bool by_paths = settings.mode == Mode::Reference && settings.output == Output::Full;
+  if (by_paths || !samples_centres(settings)) return settings.height;
+  const int64_t rows = kStripPixels / settings.width / kBandRows * kBandRows;
+  return static_cast<int>(std::clamp<int64_t>(rows, kBandRows, settings.height));
+}
+
+/// Samples the light of a strip's centres.
+void Renderer::prepare_centres(const PictureRows& strip, Job* job) {
+  const RenderSettings& settings = job->settings;
+  job->hits.reset();
+  job->guides.reset();
+  job->centres.reset();
+  if (!samples_centres(settings)) return;
+  const bool reference = settings.mode == Mode::Reference;
+  const bool gathers = needs_table(settings);
+  const bool direct = reference || needs_direct(settings);
   const Timer timer;
-  job->guides = trace_guides(bvh_, job->camera, settings.width, settings.height);
+  const bool by_paths = reference && settings.output == Output::Full;
+  if (by_paths && int64_t{settings.width} * settings.height > kStripPixels) {
+    job->guides = trace_guides(bvh_, job->camera, settings.width, settings.height);
+  } else {
+    job->first_row = std::max(0, strip.first - kRowsAround);
+    job->hits = pathtrace::trace_gbuffer_rows(bvh_, job->camera, settings.width, settings.height,
+                                              job->first_row,
+                                              std::min(settings.height, strip.last + kRowsAround));
+    job->guides = guides_of(*job->hits);
+  }
   seconds_.primary += timer.seconds();
-  if (reference && settings.output == Output::Full) return;
+  const image::Denoiser* denoiser = direct ? denoiser_for(settings, false) : nullptr;
+  if (by_paths) return;
+  int64_t untold = int64_t{settings.width} * (strip.last - strip.first);
   CentreRequest request;
   request.shadow_rays = {settings.direct_samples, settings.adaptive_direct, false, settings.seed};
+  // Strips have streams of their own.
+  if (strip.first > 0)
+    request.shadow_rays.seed = hash_combine(settings.seed, static_cast<uint64_t>(strip.first));
   request.paths = reference;
   request.indirect = reference && settings.output != Output::Direct;
   request.path_count = settings.spp;
@@ -317,10 +369,22 @@ void Renderer::prepare_centres(Job* job) {
     request.gather_denoiser = denoiser_for(settings, true);
     request.pixel_size = pathtrace::pixel_size(job->camera, settings.height);
     request.skip_metal = metal_of(settings) == Metal::Trace;
+    request.gather.direct = gathers_direct(settings);
+    // Without layers nobody asks which light is which.
+    request.sum = !settings.layers && settings.gather.paths == 0;
+    if (keeps_cells(settings)) request.cells = &*cells_;
+    request.view = job->view;
   }
-  request.done = settings.done;
+  if (settings.done) {
+    request.done = [&](int64_t pixels) {  // of the strip, not of the rows around it
+      pixels = std::min(pixels, untold);
+      if (pixels > 0) settings.done(pixels);
+      untold -= pixels;
+    };
+  }
   job->centres = light_centres(bvh_, lights_, *job->guides, request);
   job->told_of_all = true;
+  job->counted = false;
   (reference ? seconds_.reference : seconds_.direct) += job->centres->sampling_seconds;
   seconds_.denoise += job->centres->denoising_seconds;
   seconds_.gather += job->centres->gathering_seconds;
@@ -328,25 +392,65 @@ void Renderer::prepare_centres(Job* job) {
   job->guides.reset();
 }
 
-/// Gathered light: that of centres is there already, and hits at edges that stand on no centre's
-/// surface gather by themselves.
+/// Whether views share light.
+bool Renderer::keeps_cells(const RenderSettings& settings) const {
+  return needs_table(settings) && settings.keep_light && settings.gather.step > 1;
+}
+
+/// Whether direct light is sampled where indirect light is gathered.
+bool Renderer::gathers_direct(const RenderSettings& settings) const {
+  return needs_table(settings) && needs_direct(settings) && settings.gather.direct &&
+         !settings.adaptive_direct;
+}
+
+/// Gathered light: that of centres is there already. Hits at edges that stand on no centre's
+/// surface take that of pixels near them where pixels do so too, and else gather by themselves.
 void Renderer::gather(const PictureBand& band, Job* job, BandLight* light) {
   const Timer timer;
   const RenderSettings& settings = job->settings;
   const QuerySet& queries = band.queries();
-  light->indirect.emplace(queries.position.size());
-  take_centres(band, job->centres->indirect, &*light->indirect);
-  const auto centres = static_cast<size_t>(band.centre_queries());
-  const std::vector<Rgb> alone = gather_points(
-      {bvh_, lights_, table(), settings.max_depth, settings.seed},
-      std::span(queries.position).subspan(centres), std::span(queries.normal).subspan(centres),
-      std::max(settings.gather.rays, kLeastAloneRays),
-      int64_t{settings.width} * settings.height + job->extra_queries);
-  std::copy(alone.begin(), alone.end(), light->indirect->begin() + band.centre_queries());
-  light->decoded = static_cast<int64_t>(alone.size());
+  struct Layer {
+    const Image& centres;
+    std::vector<Rgb>& out;
+  };
+  std::vector<Layer> layers;
+  const auto add_layer = [&](const Image& centres, std::optional<std::vector<Rgb>>* out) {
+    if (centres.width > 0) layers.push_back({centres, out->emplace(queries.position.size())});
+  };
+  const bool with_direct = gathers_direct(settings);
+  add_layer(job->centres->indirect, &light->indirect);
+  add_layer(job->centres->total, &light->total);
+  if (with_direct) add_layer(job->centres->direct, &light->direct);
+  std::vector<size_t> open;
+  for (const Layer& layer : layers) {
+    take_centres(band, layer.centres, job->first_pixel(), &layer.out);
+    if (settings.gather.step > 1) open = interpolate_extras(band, &layer.out);
+  }
+  LitPoints points;
+  if (settings.gather.step == 1) {
+    open.resize(queries.position.size() - static_cast<size_t>(band.centre_queries()));
+    std::iota(open.begin(), open.end(), static_cast<size_t>(band.centre_queries()));
+  }
+  for (const size_t query : open) {
+    points.position.push_back(queries.position[query]);
+    points.normal.push_back(queries.normal[query]);
+  }
+  LightWork work;
+  const PointLight alone =
+      light_points({bvh_, lights_, table(), settings.max_depth, settings.seed}, points,
+                   {std::max(settings.gather.rays, kLeastAloneRays),
+                    with_direct ? std::max(settings.direct_samples, kLeastEdgeRays) : 0},
+                   int64_t{settings.width} * settings.height + job->extra_queries, &work);
+  for (size_t k = 0; k < open.size(); ++k) {
+    if (light->indirect) (*light->indirect)[open[k]] = alone.indirect[k];
+    if (light->direct) (*light->direct)[open[k]] = alone.direct[k];
+    if (light->total) (*light->total)[open[k]] = alone.indirect[k] + alone.direct[k];
+  }
+  light->decoded = work.points;
   if (!job->counted) light->decoded += job->centres->gathered;
   job->counted = true;
-  seconds_.gather += timer.seconds();
+  seconds_.direct += work.direct_seconds;
+  seconds_.gather += timer.seconds() - work.direct_seconds;
 }
 
 BandLight Renderer::neural(const PictureBand& band, Job* job) {
@@ -361,7 +465,7 @@ BandLight Renderer::neural(const PictureBand& band, Job* job) {
     estimate(band, {settings.spp, /*direct=*/false, /*indirect=*/true}, job, &light);
     seconds_.reference += timer.seconds();
   }
-  if (!needs_direct(settings)) return light;
+  if (!needs_direct(settings) || gathers_direct(settings)) return light;
   const Timer timer;
   sample_direct(band, job, &light);
   seconds_.direct += timer.seconds();
@@ -394,7 +498,8 @@ Frame Renderer::render_band(const PictureRows& rows, Job* job) {
   const Timer timer;
   const PictureBand band(bvh_, job->camera, rows,
                          {by_paths ? 0 : settings.antialias, metal_of(settings),
-                          settings.output == Output::Irradiance});
+                          settings.output == Output::Irradiance},
+                         job->hits ? &*job->hits : nullptr, job->first_row);
   seconds_.primary += timer.seconds();
   job->band = int64_t{rows.width} * (rows.last - rows.first);
   BandLight light;
@@ -423,14 +528,18 @@ Frame Renderer::render(const scene::Camera& camera, const RenderSettings& settin
   seconds_.denoise = seconds_.reference = 0;
   denoised_by_.clear();
   Job job{camera, settings};
-  prepare_centres(&job);
+  if (keeps_cells(settings)) job.view = (cells_ ? *cells_ : cells_.emplace()).begin_view();
   Frame frame;
+  const int strip = strip_rows(settings);
   const int64_t tall = kBandPixels / settings.width / kBandRows * kBandRows;
   const auto rows = static_cast<int>(std::max<int64_t>(tall, kBandRows));
-  for (int first = 0; first < settings.height; first += rows) {
-    const PictureRows part{settings.width, settings.height, first,
-                           std::min(first + rows, settings.height)};
-    put_band(render_band(part, &job), first, settings.layers, settings.height, &frame);
+  for (int first = 0; first < settings.height; first += strip) {
+    const int last = std::min(first + strip, settings.height);
+    prepare_centres({settings.width, settings.height, first, last}, &job);
+    for (int row = first; row < last; row += rows) {
+      const PictureRows part{settings.width, settings.height, row, std::min(row + rows, last)};
+      put_band(render_band(part, &job), row, settings.layers, settings.height, &frame);
+    }
   }
   if (settings.mode == Mode::Reference && settings.output == Output::Full) {
     const Timer timer;

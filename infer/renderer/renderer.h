@@ -36,8 +36,12 @@ struct RenderSettings {
   Mode mode = Mode::Neural;
   int width = 512, height = 512;
   Indirect indirect = Indirect::Network;
-  GatherSettings gather;    ///< of Indirect::Gather, which takes its noise away unless `denoise` is
-                            ///< off
+  GatherSettings gather;  ///< of Indirect::Gather, which takes its noise away unless `denoise` is
+                          ///< off
+  /// Of Indirect::Gather at few pixels (gather.step): light that earlier pictures since
+  /// make_table() have found is taken again, and what this one finds is kept. So a picture depends
+  /// on those before it.
+  bool keep_light = false;
   int direct_samples = 64;  ///< shadow rays a pixel
   /// Share them out over pixels, more where penumbrae are: direct_samples is their mean.
   bool adaptive_direct = false;
@@ -103,6 +107,11 @@ inline constexpr std::array<Stage, 12> kStages = {{{"load", &StageSeconds::load}
                                                    {"reference", &StageSeconds::reference},
                                                    {"write", &StageSeconds::write}}};
 
+/// Where light is sampled for many centres at once and its noise is taken away, pictures are made
+/// in strips of so many pixels, and of some rows more to both sides that only the denoiser sees:
+/// that work takes ten times the memory of a frame.
+inline constexpr int64_t kStripPixels = int64_t{1} << 21;
+
 /// The BVH, the lights and at most one embedding of a scene, which must outlive it. Camera moves
 /// re-encode nothing.
 class Renderer {
@@ -166,9 +175,14 @@ class Renderer {
   void estimate(const PictureBand& band, const Estimate& what, Job* job, BandLight* light);
   void sample_direct(const PictureBand& band, Job* job, BandLight* light);
   bool needs_direct(const RenderSettings& settings) const;
+  int strip_rows(const RenderSettings& settings) const;
+  bool denoises(const RenderSettings& settings, bool gathered) const;
+  bool keeps_cells(const RenderSettings& settings) const;
   const image::Denoiser* denoiser_for(const RenderSettings& settings, bool gathered);
-  void prepare_centres(Job* job);
+  bool samples_centres(const RenderSettings& settings) const;
+  void prepare_centres(const PictureRows& strip, Job* job);
   void gather(const PictureBand& band, Job* job, BandLight* light);
+  bool gathers_direct(const RenderSettings& settings) const;
   void trace_metal(const PictureBand& band, Job* job, BandLight* light);
   Metal metal_of(const RenderSettings& settings) const;
 
@@ -178,6 +192,7 @@ class Renderer {
   const pathtrace::Lights& lights_;
   std::shared_ptr<const runtime::SceneEmbedding> embedding_;
   std::optional<gi::RadiosityTable> table_;
+  std::optional<gi::LightCells> cells_;  ///< of RenderSettings::keep_light
   StageSeconds seconds_;
   std::shared_ptr<SharedDenoiser> denoiser_;
   std::string denoised_by_;

@@ -42,22 +42,30 @@ struct Centres {
   std::vector<Rgb> albedo;
 };
 
-/// Fills the entries of `out` beyond the centres'; returns those that nothing stands for.
-std::vector<size_t> interpolate_extras(const PictureBand& band, const gi::PixelSurfaces& surfaces,
-                                       std::span<const Rgb> irradiance, std::vector<Rgb>* out) {
+}  // namespace
+
+std::vector<size_t> interpolate_extras(const PictureBand& band, std::vector<Rgb>* values) {
   const std::vector<PictureBand::ExtraQuery> extras = band.extra_queries();
   const QuerySet& queries = band.queries();
   const auto first = static_cast<size_t>(band.centre_queries());
-  std::vector<uint8_t> open(extras.size());
+  const auto query = band.query_of_pixel();
+  std::vector<uint8_t> mask(query.size()), open(extras.size());
+  std::vector<Rgb> of_pixel(query.size());
+  for (size_t i = 0; i < query.size(); ++i) {
+    if (query[i] == scene::kNone) continue;
+    mask[i] = 1;
+    of_pixel[i] = (*values)[static_cast<size_t>(query[i])];
+  }
+  const gi::PixelSurfaces surfaces = band.surfaces(mask);
   parallel_for(static_cast<int64_t>(extras.size()), 256, [&](int64_t begin, int64_t end) {
     for (auto k = static_cast<size_t>(begin); k < static_cast<size_t>(end); ++k) {
       const size_t at = first + k;
       const std::optional<Rgb> near = gi::nearest_known(
           surfaces, extras[k].pixel % surfaces.width, extras[k].pixel / surfaces.width,
-          {queries.position[at], queries.normal[at], extras[k].depth}, surfaces.mask, irradiance,
+          {queries.position[at], queries.normal[at], extras[k].depth}, mask, of_pixel,
           kExtraRadius);
       open[k] = near ? 0 : 1;
-      if (near) (*out)[at] = *near;
+      if (near) (*values)[at] = *near;
     }
   });
   std::vector<size_t> asked;
@@ -66,8 +74,6 @@ std::vector<size_t> interpolate_extras(const PictureBand& band, const gi::PixelS
   }
   return asked;
 }
-
-}  // namespace
 
 SparseLight light_sparsely(const PictureBand& band, const gi::SparseOptions& options,
                            const gi::Answerer& answer) {
@@ -83,8 +89,7 @@ SparseLight light_sparsely(const PictureBand& band, const gi::SparseOptions& opt
     if (query[i] != scene::kNone)
       out.irradiance[static_cast<size_t>(query[i])] = answers.irradiance[i];
   }
-  const std::vector<size_t> asked =
-      interpolate_extras(band, surfaces, answers.irradiance, &out.irradiance);
+  const std::vector<size_t> asked = interpolate_extras(band, &out.irradiance);
   const std::vector<Rgb> more = ask(band.queries(), asked, answer);
   for (size_t k = 0; k < asked.size(); ++k) out.irradiance[asked[k]] = more[k];
   out.answers += static_cast<int64_t>(asked.size());

@@ -13,6 +13,11 @@ struct SparseLight {
   int64_t answers = 0;          ///< queries that were answered, those of anti-aliasing included
 };
 
+/// Fills the entries of `values` beyond the centres' from pixels near them on their surface.
+/// @param values  irradiance, an entry a query; the centres' are there
+/// @return        the queries that no pixel stands for
+std::vector<size_t> interpolate_extras(const PictureBand& band, std::vector<Rgb>* values);
+
 /// Answers pixel centres through the quadtree. A query that anti-aliasing added takes the mean of
 /// pixels next to it that see its surface; only where none does, it is answered itself.
 SparseLight light_sparsely(const PictureBand& band, const gi::SparseOptions& options,

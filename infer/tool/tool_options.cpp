@@ -7,6 +7,7 @@
 #include "infer/tool/memory.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
+#include "lte/base/process_memory.h"
 #include "lte/nn/device.h"
 #include "lte/runtime/device.h"
 #include "lte/runtime/refusal.h"
@@ -93,6 +94,7 @@ void apply_tool_options(const ToolOptions& options) {
 }
 
 int run_network_tool(CLI::App& app, int argc, char** argv, const std::function<void()>& body) {
+  keep_freed_memory();  // pictures, as training steps, soon want again what they have freed
   return run_tool(app, argc, argv, [&] {
     try {
       body();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <memory>
 #include <utility>
 
@@ -19,6 +20,15 @@ using pathtrace::kBlock;
 constexpr int kRouletteDepth = 3;  // that of irradiance
 constexpr int kMaxRays = 1 << 20;
 constexpr int64_t kGrain = 64;  // points
+// Of the edge of what a ray stands for: textures are filtered over a part of it.
+constexpr float kFiltered = 0.25f;
+
+/// Metres a metre of a ray's length. A coarse texture has less noise and lies in the cache. Paths
+/// that no table ends are to converge to those of the path tracer, which filters nothing.
+float spread_of(const RadiosityTable& table, int rays) {
+  if (table.size() == 0) return 0;
+  return kFiltered * std::sqrt(2 * kPi / static_cast<float>(rays));
+}
 
 struct Counts {
   int64_t lookups = 0, misses = 0;
@@ -37,9 +47,12 @@ struct TableReader {
     return false;
   }
 
+  float footprint(float distance) const { return spread * distance; }
+
   const RadiosityTable* table;
   Vec3 frame;
   float near_m;
+  float spread;
   Counts* counts;
 };
 
@@ -53,7 +66,8 @@ class Gatherer : public pathtrace::LightSink {
         half_extent_(0.5f * max_component(bvh.bounds().extent())),
         sampler_(pathtrace::Sampling::Sobol, options.rays),
         transport_(bvh, lights, options.max_depth, kRouletteDepth, *this,
-                   TableReader{&table, frame_, options.near * table.radius(), &counts_}) {}
+                   TableReader{&table, frame_, options.near * table.radius(),
+                               spread_of(table, options.rays), &counts_}) {}
 
   /// @param first_stream  the number of the first point
   void gather(std::span<const Vec3> positions, std::span<const Vec3> normals, int64_t first_stream,

@@ -32,8 +32,9 @@ struct Gathered {
 
 /// Estimates indirect irradiance at points: what light brings that at least one surface has
 /// reflected. Emitters and environments that rays meet at once are direct light and do not count.
-/// Unbiased but for what the table's values are wrong by and for paths cut at max_depth. Where the
-/// table's light has depth d, the result has depth d + 1.
+/// Unbiased but for what the table's values are wrong by, for textures, which are filtered over a
+/// part of what a ray stands for, and for paths cut at max_depth. Where the table's light has depth
+/// d, the result has depth d + 1.
 ///
 /// Point i draws from stream (seed, first_index + i): the result depends neither on threads nor on
 /// how a set is cut into calls.

@@ -6,6 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "lte/base/parallel.h"
+
 namespace lte::image {
 namespace {
 
@@ -25,10 +27,13 @@ Rgb color_at(const Image& picture, int x, int y) {
 /// A new picture of 3 channels with `color(x, y)` in each pixel.
 template <typename Color>
 Image fill(const Image& like, const Color& color) {
+  constexpr int kRowsAtOnce = 16;
   Image out(like.width, like.height, 3);
-  for (int y = 0; y < like.height; ++y) {
-    for (int x = 0; x < like.width; ++x) out.set_rgb(x, y, color(x, y));
-  }
+  parallel_for(like.height, kRowsAtOnce, [&](int64_t begin, int64_t end) {
+    for (auto y = static_cast<int>(begin); y < end; ++y) {
+      for (int x = 0; x < like.width; ++x) out.set_rgb(x, y, color(x, y));
+    }
+  });
   return out;
 }
 

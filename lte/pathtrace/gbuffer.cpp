@@ -3,24 +3,27 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <type_traits>
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/pathtrace/embree_scene.h"
+#include "lte/pathtrace/transport/ray_packets.h"
+#include "lte/scene/camera_rays.h"
 #include "lte/scene/number_check.h"
 #include "lte/scene/surface.h"
 
 namespace lte::pathtrace {
 namespace {
 
-constexpr int kPacket = 8;
+constexpr int kPacket = 16;  // as many as any machine takes at once
 
 /// Traces primary rays in packets, which gain on coherent rays, and stores what they meet.
 class PrimaryTracer {
  public:
   PrimaryTracer(const Bvh& bvh, const scene::Camera& camera, int width, int height, GBuffer* out)
       : bvh_(bvh),
-        camera_(camera),
+        rays_(camera),
         out_(out),
         width_(static_cast<float>(width)),
         height_(static_cast<float>(height)),
@@ -30,37 +33,44 @@ class PrimaryTracer {
 
   /// Traces `count` image points, at most kPacket, into places `first` and following.
   void trace(const Vec2* points, int count, size_t first) const {
-    RTCRayHit8 packet;
-    alignas(32) int valid[kPacket];
-    for (int lane = 0; lane < kPacket; ++lane) {
+    if (bvh_.handles().packet_width == kPacket) {
+      trace_packet<kPacket>(points, count, first);
+      return;
+    }
+    constexpr int kHalf = kPacket / 2;
+    trace_packet<kHalf>(points, std::min(count, kHalf), first);
+    if (count > kHalf) trace_packet<kHalf>(points + kHalf, count - kHalf, first + kHalf);
+  }
+
+ private:
+  template <int N>
+  void trace_packet(const Vec2* points, int count, size_t first) const {
+    typename Packet<N>::Hits packet;
+    alignas(64) int valid[N];
+    set_constants(&packet.ray);
+    for (int lane = 0; lane < N; ++lane) {
       valid[lane] = lane < count ? -1 : 0;
       const Vec2& point = points[std::min(lane, count - 1)];
-      const Vec3 d = camera_.direction(point.x / width_, point.y / height_, width_ / height_);
-      RTCRay8& ray = packet.ray;
-      ray.org_x[lane] = origin_.x;
-      ray.org_y[lane] = origin_.y;
-      ray.org_z[lane] = origin_.z;
-      ray.dir_x[lane] = d.x;
-      ray.dir_y[lane] = d.y;
-      ray.dir_z[lane] = d.z;
-      ray.tnear[lane] = 0;
-      ray.tfar[lane] = INFINITY;
-      ray.time[lane] = 0;
-      ray.mask[lane] = ~0u;
-      ray.id[lane] = 0;
-      ray.flags[lane] = 0;
+      const Vec3 d = rays_.direction(point.x / width_, point.y / height_, width_ / height_);
+      packet.ray.org_x[lane] = origin_.x;
+      packet.ray.org_y[lane] = origin_.y;
+      packet.ray.org_z[lane] = origin_.z;
+      packet.ray.dir_x[lane] = d.x;
+      packet.ray.dir_y[lane] = d.y;
+      packet.ray.dir_z[lane] = d.z;
+      packet.ray.tfar[lane] = INFINITY;
       packet.hit.geomID[lane] = packet.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
     }
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    rtcIntersect8(valid, bvh_.handles().top, &context, &packet);
+    Packet<N>::kIntersect(valid, bvh_.handles().top, &context, &packet);
     for (int lane = 0; lane < count; ++lane) store(packet, lane, first + static_cast<size_t>(lane));
   }
 
- private:
-  void store(const RTCRayHit8& packet, int lane, size_t i) const {
-    const RTCHit8& hit = packet.hit;
+  template <typename Hits>
+  void store(const Hits& packet, int lane, size_t i) const {
+    const auto& hit = packet.hit;
     if (hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) {
       out_->depth[i] = INFINITY;
       out_->instance[i] = scene::kNone;
@@ -77,9 +87,13 @@ class PrimaryTracer {
     const Vec3 d{packet.ray.dir_x[lane], packet.ray.dir_y[lane], packet.ray.dir_z[lane]};
     const float cos_front = -dot(point.normal, d);
     const float footprint = packet.ray.tfar[lane] * pixel_size_;
-    Rgb emission;
-    scene::evaluate_appearance(bvh_.scene(), instance, hit.primID[lane], hit.u[lane], hit.v[lane],
-                               footprint, &out_->albedo[i], &emission);
+    Rgb emission = record.emission;
+    if (record.uniform) {
+      out_->albedo[i] = record.albedo;
+    } else {
+      scene::evaluate_appearance(bvh_.scene(), instance, hit.primID[lane], hit.u[lane], hit.v[lane],
+                                 footprint, &out_->albedo[i], &emission);
+    }
     out_->position[i] = point.position + bvh_.handles().origin;
     out_->normal[i] = cos_front >= 0 ? point.normal : -point.normal;
     out_->depth[i] = packet.ray.tfar[lane] * dot(d, axis_);
@@ -94,7 +108,7 @@ class PrimaryTracer {
   }
 
   const Bvh& bvh_;
-  const scene::Camera& camera_;
+  scene::CameraRays rays_;
   GBuffer* out_;
   float width_, height_;
   Vec3 axis_, origin_;
@@ -169,13 +183,34 @@ GBuffer trace_gbuffer_rows(const Bvh& bvh, const scene::Camera& camera, int widt
   return out;
 }
 
+GBuffer rows_of(const GBuffer& hits, int first, int last) {
+  LTE_CHECK(first >= 0 && first < last && last <= hits.height, "rows ", first, " to ", last,
+            " do not lie in a picture of ", hits.height);
+  const auto part = [&](const auto& values) {
+    const auto begin = values.begin() + int64_t{first} * hits.width;
+    return std::decay_t<decltype(values)>(begin, begin + int64_t{last - first} * hits.width);
+  };
+  GBuffer out;
+  out.width = hits.width;
+  out.height = last - first;
+  out.position = part(hits.position);
+  out.normal = part(hits.normal);
+  out.albedo = part(hits.albedo);
+  out.emission = part(hits.emission);
+  out.depth = part(hits.depth);
+  out.mask = part(hits.mask);
+  out.instance = part(hits.instance);
+  if (!hits.metallic.empty()) out.metallic = part(hits.metallic);
+  return out;
+}
+
 GBuffer trace_image_points(const Bvh& bvh, const scene::Camera& camera, int width, int height,
                            std::span<const Vec2> points) {
   check_view(camera, width, height);
   GBuffer out = empty_gbuffer(bvh, static_cast<int>(points.size()), 1);
   const PrimaryTracer tracer(bvh, camera, width, height, &out);
   const auto count = static_cast<int64_t>(points.size());
-  parallel_for(count, int64_t{512} * kPacket, [&](int64_t begin, int64_t end) {
+  parallel_for(count, int64_t{256} * kPacket, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; i += kPacket) {
       tracer.trace(points.data() + i, static_cast<int>(std::min<int64_t>(kPacket, end - i)),
                    static_cast<size_t>(i));

@@ -31,6 +31,9 @@ GBuffer trace_gbuffer(const Bvh& bvh, const scene::Camera& camera, int width, in
 GBuffer trace_gbuffer_rows(const Bvh& bvh, const scene::Camera& camera, int width, int height,
                            int first, int last);
 
+/// Rows `first` to `last` − 1 of hits that are there.
+GBuffer rows_of(const GBuffer& hits, int first, int last);
+
 /// Hits through any points of a picture of this size, in one row.
 /// @param points  in pixels: (0.5, 0.5) is the centre of the first
 GBuffer trace_image_points(const Bvh& bvh, const scene::Camera& camera, int width, int height,

@@ -10,6 +10,7 @@
 #include "lte/base/parallel.h"
 #include "lte/pathtrace/transport/path_sampler.h"
 #include "lte/pathtrace/transport/transport.h"
+#include "lte/scene/camera_rays.h"
 
 namespace lte::pathtrace {
 namespace {
@@ -19,7 +20,7 @@ class PixelTracer : public LightSink {
  public:
   PixelTracer(const Bvh& bvh, const Lights& lights, const scene::Camera& camera, int width,
               int height, const RenderOptions& options)
-      : camera_(camera),
+      : rays_(camera),
         options_(options),
         row_(width),
         width_(static_cast<float>(width)),
@@ -77,14 +78,14 @@ class PixelTracer : public LightSink {
       const auto x = static_cast<float>(pixel % row_), y = static_cast<float>(pixel / row_);
       transport_.start().origin.put(lane, origin_);
       transport_.start().direction.put(
-          lane, camera_.direction((x + to_unit(jitter_.x[lane])) / width_,
-                                  (y + to_unit(jitter_.y[lane])) / height_, width_ / height_));
+          lane, rays_.direction((x + to_unit(jitter_.x[lane])) / width_,
+                                (y + to_unit(jitter_.y[lane])) / height_, width_ / height_));
     }
     transport_.trace_from_camera(sampler_);
     sampler_.clear();
   }
 
-  const scene::Camera& camera_;
+  scene::CameraRays rays_;
   const RenderOptions& options_;
   const int64_t row_;
   const float width_, height_;

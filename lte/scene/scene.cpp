@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "lte/scene/camera_rays.h"
+
 namespace lte::scene {
 
 Vec2 TextureRef::transform(const Vec2& uv) const {
@@ -13,12 +15,7 @@ Vec2 TextureRef::transform(const Vec2& uv) const {
 }
 
 Vec3 Camera::direction(float x, float y, float aspect) const {
-  const Vec3 forward = normalize(target - origin);
-  const Vec3 right = normalize(cross(forward, up));
-  const Vec3 above = cross(right, forward);
-  if (mirrored) x = 1 - x;
-  const float half = std::tan(vfov * (kPi / 360.0f));
-  return normalize(forward + right * ((2 * x - 1) * half * aspect) + above * ((1 - 2 * y) * half));
+  return CameraRays(*this).direction(x, y, aspect);
 }
 
 int64_t Scene::triangle_count() const {

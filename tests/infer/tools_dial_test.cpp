@@ -1,5 +1,6 @@
 // lte_render's quality and time, as its users ask for them.
 #include <string>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -83,6 +84,27 @@ TEST_F(Tools, GatheredPicturesNeedNoModelAndKeepOneTable) {
   }
   const Outcome filled = render("--indirect gather --table network --out " + at("n.exr"));
   EXPECT_EQ(filled.code, 0) << filled.text;
+}
+
+/// The same view twice: by itself it is the same picture, with the light of the first a better one.
+TEST_F(Tools, PicturesOfADraftShareTheirLight) {
+  const std::string camera =
+      R"("origin": [2, 1.6, 2.8], "target": [2, 1, 0], "up": [0, 1, 0], "vfov": 70})";
+  write_file(at("two.json"), R"([{"name": "a", )" + camera + R"(, {"name": "b", )" + camera + "]");
+  const auto pictures = [&](const std::string& keep) {
+    const Outcome done = run_tool(
+        "lte_render", at("room.glb") + " --size 24x16 --quality draft --one-exposure --cameras " +
+                          at("two.json") + " --keep-light " + keep + " --out " +
+                          at(keep + "{name}.png"));
+    EXPECT_EQ(done.code, 0) << done.text;
+    return std::pair(read_file(at(keep + "a.png")), read_file(at(keep + "b.png")));
+  };
+  const auto [first, again] = pictures("off");
+  EXPECT_EQ(first, again);
+  const auto [same, better] = pictures("on");
+  EXPECT_EQ(same, first);
+  EXPECT_NE(better, first);
+  expect_failure(render("--keep-light maybe --out " + at("n.png")), 2, HasSubstr("--keep-light"));
 }
 
 TEST_F(Tools, FlagsOfGatheredLightThatMakeNoSenseAreOneLineAndNoFile) {

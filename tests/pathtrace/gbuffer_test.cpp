@@ -33,6 +33,13 @@ TEST(GBuffer, RowsAndPointsAreThoseOfTheWhole) {
   EXPECT_EQ(rows.depth, part(whole.depth, first, count));
   EXPECT_EQ(rows.instance, part(whole.instance, first, count));
   EXPECT_EQ(rows.metallic, part(whole.metallic, first, count));
+  const GBuffer copy = rows_of(whole, 5, 9);
+  EXPECT_EQ(copy.height, rows.height);
+  EXPECT_EQ(copy.position, rows.position);
+  EXPECT_EQ(copy.emission, rows.emission);
+  EXPECT_EQ(copy.mask, rows.mask);
+  EXPECT_EQ(copy.metallic, rows.metallic);
+  EXPECT_THROW(rows_of(whole, 5, 15), Error);
 
   std::vector<Vec2> points;
   for (size_t i = 0; i < count; ++i) {

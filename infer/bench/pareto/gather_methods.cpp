@@ -71,6 +71,19 @@ Method gathered_sparsely(int rays) {
                        gathered(rays, 2), {});
 }
 
+Method gathered_draft(bool keep_light) {
+  RenderSettings settings = gathered(8, 2);
+  settings.gather.direct = true;
+  settings.gather.quality = image::OidnQuality::Fast;
+  settings.antialias = 8;
+  settings.keep_light = keep_light;
+  return gather_method(
+      keep_light ? "gather-kept" : "gather-draft", "gather",
+      keep_light ? "as --quality draft for several views, which share their light"
+                 : "as --quality draft: 8 gather and shadow rays at a quarter of the pixels",
+      settings, {});
+}
+
 Method gathered_from_network(int rays) {
   TableSettings table;
   table.light = TableLight::Network;

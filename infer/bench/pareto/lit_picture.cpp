@@ -54,7 +54,7 @@ MethodPicture compose_picture(const MethodScene& scene, const scene::Camera& cam
   DirectAndIndirect answers = light({queries.position, queries.normal, queries.albedo});
   found.direct = std::move(answers.direct);
   found.indirect = std::move(answers.indirect);
-  lap("light");
+  timer.restart();
   if (!band.traced_pixels().empty()) {
     found.traced = pathtrace::trace_pixels(scene.renderer.bvh(), scene.renderer.lights(), camera,
                                            scene.width, scene.height, band.traced_pixels(),
@@ -71,8 +71,10 @@ MethodPicture compose_picture(const MethodScene& scene, const scene::Camera& cam
                               StageTimes* stages) {
   const auto both = [&](const QueryPoints& queries) {
     DirectAndIndirect out;
+    Timer timer;
     out.indirect = indirect(queries);
-    const Timer timer;
+    (*stages)["indirect"] += timer.seconds();
+    timer.restart();
     out.direct = direct_light(scene, queries, direct_samples);
     (*stages)[kDirect] += timer.seconds();
     return out;

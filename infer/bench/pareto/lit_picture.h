@@ -20,12 +20,12 @@ struct DirectAndIndirect {
 using PointIrradiance = std::function<DirectAndIndirect(const QueryPoints&)>;
 
 /// Primary hits with anti-aliased edges, `light` at every query, paths for metal. Stages: primary,
-/// light, metal.
+/// metal; those of `light` are its own.
 MethodPicture compose_picture(const MethodScene& scene, const scene::Camera& camera,
                               const PointIrradiance& light, StageTimes* stages);
 
-/// The same with `indirect` at every query and direct light by `direct_samples` shadow rays. The
-/// stage `light` has both, kDirect of it the shadow rays apart.
+/// The same with `indirect` at every query and direct light by `direct_samples` shadow rays. Stages
+/// more: indirect, direct.
 MethodPicture compose_picture(const MethodScene& scene, const scene::Camera& camera,
                               int direct_samples, const IndirectLight& indirect,
                               StageTimes* stages);

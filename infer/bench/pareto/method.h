@@ -84,5 +84,9 @@ Method gathered_light(int rays);
 /// The same at a quarter of the pixels; and from a table that the network has filled.
 Method gathered_sparsely(int rays);
 Method gathered_from_network(int rays);
+/// As `--quality draft` has it; and for several views that share their light.
+Method gathered_draft(bool keep_light);
+/// A light map for many views: as many paths at about so many texels on all surfaces, denoised.
+Method light_map(int64_t texels, int paths);
 
 }  // namespace lte::infer

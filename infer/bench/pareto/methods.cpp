@@ -16,8 +16,12 @@ std::vector<Method> all_methods() {
   for (const int samples : {4, 16}) out.push_back(network_sparsely(samples));
   for (const int64_t points : {1'024, 4'096, 16'384}) out.push_back(light_estimates(points, 32));
   out.push_back(light_estimates(4'096, 8));
+  out.push_back(light_map(int64_t{1} << 14, 64));
+  out.push_back(light_map(int64_t{1} << 16, 16));
+  out.push_back(light_map(int64_t{1} << 18, 16));
   for (const int rays : {4, 16, 64}) out.push_back(gathered_light(rays));
   for (const int rays : {4, 16}) out.push_back(gathered_sparsely(rays));
+  for (const bool keep_light : {false, true}) out.push_back(gathered_draft(keep_light));
   out.push_back(gathered_from_network(16));
   return out;
 }

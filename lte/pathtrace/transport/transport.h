@@ -45,6 +45,9 @@ class LightSink {
 /// const Vec3& position, const Vec3& side, Rgb* irradiance)`. It is asked at every diffuse hit,
 /// `distance` from where the ray began, for the irradiance on this side of it. Where it knows it,
 /// the path ends there and brings that light, in light group kNone.
+///
+/// And it may say, by a function `float footprint(float distance) const`, how many metres a ray of
+/// that length stands for, over which textures are filtered; without, paths read them unfiltered.
 struct NoObserver {
   void nearest(int /*depth*/, const PathBlock&) {}
   void shadow(const ShadowBlock&) {}
@@ -81,6 +84,7 @@ class BasicTransport {
   void follow(PathSampler& sampler);
   bool end_where_known(int lane, int depth, const SurfacePoint& point, const Vec3& side,
                        const Rgb& throughput);
+  float footprint(float distance) const;
   void shade(int depth);
   void collect_emission(int depth);
   void add_emission(int lane, const Rgb& emission, float cos_front);

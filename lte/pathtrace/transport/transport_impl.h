@@ -107,6 +107,13 @@ bool BasicTransport<Observer>::end_where_known([[maybe_unused]] int lane,
   return false;
 }
 
+/// Metres that a ray stands for where it meets a surface: textures are filtered over them.
+template <typename Observer>
+float BasicTransport<Observer>::footprint([[maybe_unused]] float distance) const {
+  if constexpr (requires { observer_.footprint(distance); }) return observer_.footprint(distance);
+  return 0;
+}
+
 /// Adds emission where rays have met something, and moves the paths on to their hits: origin, side,
 /// and throughput with the albedo of diffuse vertices. Closes up the lanes of paths that end.
 template <typename Observer>
@@ -123,8 +130,10 @@ void BasicTransport<Observer>::shade(int depth) {
     const uint32_t triangle = hits_.triangle[lane];
     const float u = hits_.u[lane], v = hits_.v[lane];
     Rgb albedo = record.albedo, emission = record.emission;
-    if (!record.uniform)
-      scene::evaluate_appearance(scene_, instance, triangle, u, v, 0, &albedo, &emission);
+    if (!record.uniform) {
+      scene::evaluate_appearance(scene_, instance, triangle, u, v, footprint(hits_.t[lane]),
+                                 &albedo, &emission);
+    }
     const SurfacePoint point = surface_point(record, triangle, u, v, hits_.normal.at(lane));
     const float cos_front = -dot(point.normal, paths_.direction.at(lane));
     if (record.emissive) add_emission(lane, emission, cos_front);

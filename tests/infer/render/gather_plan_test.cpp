@@ -76,6 +76,15 @@ TEST(GatherPlan, FlagsByHandWin) {
   EXPECT_EQ(draft.gather.step, 1);
   EXPECT_EQ(draft.gather.paths, 6);
   EXPECT_GT(with_quality(Quality::Final, Sparse::On, {}, mine).gather.step, 1);
+  RenderSettings large = base();
+  large.width = large.height = 1024;
+  EXPECT_EQ(with_quality(Quality::Draft, Sparse::Auto, {}, large).gather.step, 2);
+  large.width = 1025;
+  EXPECT_EQ(with_quality(Quality::Draft, Sparse::Auto, {}, large).gather.step, 4);
+  EXPECT_EQ(with_quality(Quality::Preview, Sparse::Auto, {}, large).gather.step, 2);
+  EXPECT_FALSE(draft.gather.direct) << "shadow rays by hand are for every pixel";
+  EXPECT_TRUE(with_quality(Quality::Draft, Sparse::Auto, {}, mine).gather.direct);
+  EXPECT_FALSE(with_quality(Quality::Final, Sparse::Auto, {}, mine).gather.direct);
 }
 
 TEST(GatherPlan, APictureOfALongBudgetIsFinal) {

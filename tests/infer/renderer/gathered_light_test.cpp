@@ -200,6 +200,106 @@ TEST(GatheredLight, ManyViewsReadOneTableAndDependOnNothingElse) {
   EXPECT_EQ(second.color.pixels, first.color.pixels);
 }
 
+/// With and without layers: one picture of all light, or two.
+TEST(GatheredLight, DirectLightOnTheGridIsThatOfThePathTracer) {
+  const scene::Scene scene = test::furnished_room();
+  Renderer renderer(scene);
+  renderer.make_table({});
+  RenderSettings settings = gathered(96, 72, 64, 2);
+  settings.output = Output::Full;
+  settings.antialias = 4;
+  settings.direct_samples = 64;
+  const Frame every = renderer.render(into_the_room(), settings);
+  settings.gather.direct = true;
+  const Frame sparse = renderer.render(into_the_room(), settings);
+  const Error2 apart = error(sparse.direct, every.direct);
+  EXPECT_LT(std::fabs(apart.bias), 0.01);
+  EXPECT_LT(apart.rms, 0.2);
+  settings.layers = false;
+  const Frame whole = renderer.render(into_the_room(), settings);
+  EXPECT_EQ(whole.direct.width, 0);
+  EXPECT_LT(error(whole.color, sparse.color).rms, 1e-5);
+  settings.adaptive_direct = settings.layers = true;
+  EXPECT_GT(error(renderer.render(into_the_room(), settings).direct, sparse.direct).rms, 1e-3)
+      << "shared out over all pixels";
+}
+
+scene::Camera turned_a_little() {
+  scene::Camera camera = into_the_room();
+  camera.target.z += 0.3f;
+  return camera;
+}
+
+TEST(GatheredLight, KeptFromViewToViewItConvergesAndSoonHasNoRays) {
+  const scene::Scene scene = test::furnished_room();
+  Renderer renderer(scene);
+  renderer.make_table({});
+  RenderSettings settings = gathered(96, 72, 8, 2);
+  settings.output = Output::Full;
+  settings.gather.direct = true;
+  settings.direct_samples = 8;
+  const Frame plain = renderer.render(into_the_room(), settings);
+  const int64_t fresh = renderer.render(turned_a_little(), settings).decoded;
+  settings.keep_light = true;
+  const Frame first = renderer.render(into_the_room(), settings);
+  EXPECT_EQ(first.color.pixels, plain.color.pixels) << "there is nothing to take yet";
+  for (int view = 1; view < 14; ++view) renderer.render(into_the_room(), settings);
+  const Frame last = renderer.render(into_the_room(), settings);
+  EXPECT_LT(last.decoded, first.decoded / 20) << "but for cells on the borders of pixels";
+  EXPECT_LT(renderer.render(turned_a_little(), settings).decoded, fresh * 2 / 3);
+  // Four times the rays: half the error, which the grid itself has a part of.
+  settings.keep_light = false;
+  settings.gather.rays = 256;
+  settings.direct_samples = 256;
+  const Frame wanted = renderer.render(into_the_room(), settings);
+  EXPECT_LT(error(last.indirect, wanted.indirect).rms,
+            0.7 * error(first.indirect, wanted.indirect).rms);
+  // Direct light has less noise and softer shadows, by a cell: at this size both weigh alike.
+  EXPECT_LT(error(last.direct, wanted.direct).rms, 1.1 * error(first.direct, wanted.direct).rms);
+  EXPECT_LT(std::fabs(error(last.color, wanted.color).bias), 0.01);
+}
+
+/// Two strips: no row is lost, moved or of other light at their border.
+TEST(GatheredLight, LargePicturesAreMadeInStrips) {
+  const scene::Scene scene = test::furnished_room();
+  Renderer renderer(scene);
+  renderer.make_table({});
+  // A tall one: strips of 1,024 rows.
+  RenderSettings settings = gathered(2048, 1032, 4, 4);
+  settings.output = Output::Full;
+  settings.gather.direct = true;
+  settings.direct_samples = 16;
+  int64_t told = 0;
+  settings.done = [&](int64_t pixels) { told += pixels; };
+  const Frame tall = renderer.render(into_the_room(), settings);
+  EXPECT_EQ(told, int64_t{2048} * 1032);
+  ASSERT_GT(int64_t{2048} * 1032, kStripPixels);
+  settings.output = Output::Albedo;
+  const Frame plain = renderer.render(into_the_room(), settings);
+  EXPECT_EQ(tall.albedo.pixels, plain.albedo.pixels);
+  EXPECT_EQ(tall.depth.pixels, plain.depth.pixels);
+  // Rows to both sides of the border have the same light as far as noise goes.
+  const auto row_mean = [&](int first, int last) {
+    double sum = 0;
+    for (int y = first; y < last; ++y)
+      for (int x = 0; x < 2048; ++x) sum += double{tall.direct.rgb(x, y).y};
+    return sum / (last - first);
+  };
+  EXPECT_NEAR(row_mean(1024, 1032) / row_mean(1016, 1024), 1, 0.05);
+}
+
+TEST(GatheredLight, WhatWasKeptGoesWithItsTable) {
+  const scene::Scene scene = test::furnished_room();
+  Renderer renderer(scene);
+  renderer.make_table({});
+  RenderSettings settings = gathered(32, 24, 8, 2);
+  settings.keep_light = true;
+  const Frame first = renderer.render(into_the_room(), settings);
+  EXPECT_NE(renderer.render(into_the_room(), settings).color.pixels, first.color.pixels);
+  renderer.make_table({});
+  EXPECT_EQ(renderer.render(into_the_room(), settings).color.pixels, first.color.pixels);
+}
+
 TEST(GatheredLight, NeedsATableAndForTheNetworksAnEmbedding) {
   const scene::Scene scene = test::furnished_room();
   Renderer renderer(scene);

@@ -39,6 +39,19 @@ TEST(PictureMemory, WhatDoesNotFitIsRefusedInOneLineForEveryMode) {
   EXPECT_NO_THROW(check_picture_fits(settings(512, 512), runtime::MemoryLimit()));
 }
 
+/// Pictures are made in strips, so that the work does not grow with them.
+TEST(PictureMemory, ADraftIn4KTakesLessThanOneGibibyte) {
+  RenderSettings draft = settings(3840, 2160, Mode::Neural, false);
+  draft.indirect = Indirect::Gather;
+  draft.denoise = Denoise::Auto;
+  draft.gather.step = 4;
+  draft.gather.direct = true;
+  const double once = picture_mb(draft);
+  EXPECT_LT(once, 1024);
+  draft.height *= 2;
+  EXPECT_LT(picture_mb(draft), once + 3840 * 2160 * 60.0 / (1 << 20)) << "by the frame alone";
+}
+
 TEST(PictureMemory, GrowsByLayersAndPixelsAlone) {
   const double large = picture_mb(settings(4096, 4096)), twice = picture_mb(settings(4096, 8192));
   EXPECT_NEAR(twice / large, 2, 0.15) << "a band's work does not grow with the picture";
@@ -48,9 +61,14 @@ TEST(PictureMemory, GrowsByLayersAndPixelsAlone) {
   RenderSettings denoised = settings(4096, 4096);
   denoised.denoise = Denoise::On;
   EXPECT_GT(picture_mb(denoised), 4096 * 4096 * 100.0 / (1 << 20));
-  RenderSettings gathered = denoised;
+  RenderSettings gathered = settings(1024, 1024, Mode::Neural, false);
+  const double plain = picture_mb(gathered);
   gathered.indirect = Indirect::Gather;
-  EXPECT_GT(picture_mb(gathered), picture_mb(denoised) + 4096 * 4096 * 50.0 / (1 << 20));
+  const double in_one_strip = picture_mb(gathered);
+  EXPECT_GT(in_one_strip, plain + 1024 * 1024 * 200.0 / (1 << 20));
+  gathered.keep_light = true;
+  EXPECT_GT(picture_mb(gathered), in_one_strip) << "cells";
+  denoised.output = Output::Depth;
   denoised.output = Output::Depth;
   const double noisy_depth = picture_mb(denoised);
   denoised.denoise = Denoise::Off;
