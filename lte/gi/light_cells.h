@@ -1,5 +1,5 @@
-// Light that earlier views of a scene have found, kept in cells of its surfaces: a further view asks
-// again only where it shows what none before has shown.
+// Light that earlier views of a scene have found, kept in cells of its surfaces: a further view
+// asks again only where it shows what none before has shown.
 //
 // A cell is a cube whose edge is a power of two of a metre, for one direction of normals. It keeps
 // means of unbiased estimates at the places in it, so that they get better with every ray that is

@@ -103,7 +103,7 @@ class LightMap {
   std::vector<Rgb> direct_, indirect_;
 };
 
-/// What the light map says at points; paths where it has no texel, such as on the back of a surface.
+/// What the light map says at points; paths where it has no texel, as on the back of a surface.
 DirectAndIndirect read_light_map(const LightMap& map, const MethodScene& scene,
                                  const QueryPoints& queries) {
   DirectAndIndirect out;
