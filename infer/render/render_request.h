@@ -27,12 +27,14 @@ struct RenderRequest : SceneSource {
   EditFlags edit;
   std::string size = "512x512";
   std::string output = "full", mode = "neural";
+  std::string point;  ///< "X,Y,Z" of output "incident"
   int spp = 64, max_depth = 5, direct_samples = 64;
   uint64_t seed = 0;
   bool validate_only = false;
   bool adaptive_direct = false;
   std::string denoise = "auto";
   std::string antialias = std::to_string(kAntialias), metal = "trace";
+  int reflections = kReflections;
   std::string untrained_light = "trace";  ///< "trace" or "network"
   std::string quality = "final", sparse = "auto";
   GatherFlags gather;

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "lte/base/math.h"
@@ -80,6 +81,16 @@ class SceneEmbedding {
   /// put on this thread's stream, which waits for those of the encoder by itself.
   /// @throws c10::Error for bad values.
   at::Tensor decode_tensors(const nn::QuerySet& queries, const nn::DecodeOptions& options) const;
+
+  /// Incident radiance in W sr^-1 m^-2 from so many directions of each query: of the light that the
+  /// model answers for, as irradiance is. Those of one query share what is gathered around it.
+  /// @param directions  the first query's, then the second's, ...: world, unit, away from the
+  ///                    surface
+  /// @return  one entry a direction
+  /// @throws lte::Error of one line as decode(), for a model without a radiance decoder, for
+  ///         directions that are not as many for each query, not unit or point into the surface.
+  std::vector<Rgb> decode_radiance(const QueryPoints& queries,
+                                   std::span<const Vec3> directions) const;
 
   /// The parts, for embedding_file.h: at gain 1, ready on the current stream.
   nn::Embedding parts() const;
