@@ -1,5 +1,5 @@
-// What glossy surfaces reflect of bounced light: directions drawn from the material, and the radiance
-// from there by the network's radiance decoder.
+// What glossy surfaces reflect of bounced light: directions drawn from the material, and the
+// radiance from there by the network's radiance decoder.
 #pragma once
 
 #include <cstdint>
