@@ -29,7 +29,8 @@ struct BenchOptions {
   int64_t queries = 512 * 512;
   std::string precision = "fp32";  ///< encoder and decoder: or bf16
   double max_memory_mb = 0;        ///< encoder and decoder: memory above the model; 0: no limit
-  std::string scene;               ///< pathtrace and edits: scene file
+  std::string scene;               ///< pathtrace, edits and guiding: scene file
+  std::string checkpoint;          ///< guiding: model with a radiance decoder
   SceneFlags loading;              ///< of it
   int random_edits = 0;            ///< edits: that many at random at the end
   int64_t session_points = 0;      ///< edits: scene points of the session; 0: the model's
@@ -53,8 +54,15 @@ std::vector<BenchResult> bench_ops(const BenchOptions& options);
 std::vector<BenchResult> bench_encoder(const BenchOptions& options);
 /// Times an untrained network from query points to irradiance.
 std::vector<BenchResult> bench_decoder(const BenchOptions& options);
+/// Times an untrained network from points to incident radiance from one direction, and from more.
+std::vector<BenchResult> bench_radiance(const BenchOptions& options);
 /// Times path tracing against bare Embree calls on the same rays.
 std::vector<BenchResult> bench_pathtrace(const BenchOptions& options);
+
+/// Measures the variance of indirect light at pixels of a scene with few paths each, their first
+/// directions drawn by the material, or by maps of a radiance decoder and the material. The means
+/// of both are the same but for noise.
+std::vector<BenchResult> bench_guiding(const BenchOptions& options);
 
 /// Times a live scene from an edit to the picture after it, with the shipped model.
 std::vector<BenchResult> bench_edits(const BenchOptions& options);

@@ -34,8 +34,10 @@ void add_bench_options(CLI::App& app, BenchRequest* request) {
     return command;
   };
   add("ops", "Every operator alone", bench_ops);
-  for (CLI::App* command : {add("encoder", "Scene points to embedding", bench_encoder),
-                            add("decoder", "Query points to irradiance", bench_decoder)})
+  for (CLI::App* command :
+       {add("encoder", "Scene points to embedding", bench_encoder),
+        add("decoder", "Query points to irradiance", bench_decoder),
+        add("radiance", "Query points to radiance by direction", bench_radiance)})
     add_network_options(*command, &options.precision, &options.max_memory_mb);
 #if LTE_HAS_SCENE
   CLI::App* pathtrace = add("pathtrace", "Path tracing against bare Embree calls", bench_pathtrace);
@@ -48,6 +50,13 @@ void add_bench_options(CLI::App& app, BenchRequest* request) {
                     "So many edits at random at the end; ends with 1 if memory grows");
   edits->add_option("--points", options.session_points, "Scene points (default: the model's)");
   add_scene_flags(*edits, &options.loading);
+  CLI::App* guiding =
+      add("guiding", "Variance of indirect light by paths that a radiance decoder guides",
+          bench_guiding);
+  guiding->add_option("--scene", options.scene, "Scene")->required();
+  guiding->add_option("--checkpoint", options.checkpoint, "Model with a radiance decoder")
+      ->required();
+  add_scene_flags(*guiding, &options.loading);
   CLI::App* pareto = app.add_subcommand("pareto", "Run time against error of every method");
   const auto chart = std::make_shared<ParetoRequest>();
   add_pareto_options(*pareto, chart.get());
@@ -76,6 +85,7 @@ void run_bench(const BenchRequest& request) {
   if (request.command) return request.command(request.common);
   CommandFiles files;
   files.reads("--scene", request.options.scene);
+  files.reads("--checkpoint", request.options.checkpoint);
   files.writes_common(request.common);
   files.check();
   apply_common_options(request.common);

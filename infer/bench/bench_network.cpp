@@ -22,9 +22,11 @@ at::Tensor cells_of(const at::Tensor& position, double spacing) {
   return ((position - low) / spacing).floor().to(at::kInt).contiguous();
 }
 
-nn::LightTransportModel untrained_model(int64_t channels, nn::Precision precision) {
+nn::LightTransportModel untrained_model(int64_t channels, nn::Precision precision,
+                                        int64_t radiance_lobes = 0) {
   nn::ModelConfig config;
   config.channels = channels;
+  config.radiance_lobes = radiance_lobes;
   nn::LightTransportModel model(config);
   model->eval();
   model->set_precision(precision);
@@ -120,7 +122,40 @@ BenchResult time_decoder(const BenchOptions& options, nn::LightTransportModel& m
   return result;
 }
 
+/// @param directions  of each query, along its normal
+BenchResult time_radiance(const BenchOptions& options, nn::LightTransportModel& model,
+                          const nn::Embedding& embedding, int64_t directions) {
+  const nn::PointSet surface = synthetic_room(options.queries, 2);
+  const nn::QuerySet queries{surface.position, surface.normal, surface.albedo};
+  const at::Tensor up =
+      surface.normal.unsqueeze(1).expand({options.queries, directions, 3}).contiguous();
+  const int64_t block =
+      MemoryLimit(options.max_memory_mb).query_block(model->config(), options.queries, kQueryBlock);
+  BenchResult result = time_repeats(
+      concat("radiance from ", directions, directions == 1 ? " direction" : " directions"),
+      options.queries, options.repeats, [&] {
+        model->decode_radiance(embedding, queries, up, {false, block});
+      });
+  result.precision = options.precision;
+  result.figures["channels"] = static_cast<double>(options.channels);
+  return result;
+}
+
 }  // namespace
+
+std::vector<BenchResult> bench_radiance(const BenchOptions& options) {
+  constexpr int64_t kLobes = 48, kMore = 16;
+  const at::NoGradGuard no_grad;
+  const nn::Precision precision = choose_precision(options.precision);
+  nn::LightTransportModel model = untrained_model(options.channels, precision, kLobes);
+  MemoryLimit(options.max_memory_mb).check_encoding(model->config(), options.scene_points);
+  const nn::Embedding embedding = model->encode(synthetic_room(options.scene_points, 1));
+  std::vector<BenchResult> results = {time_radiance(options, model, embedding, 1),
+                                      time_radiance(options, model, embedding, 1 + kMore)};
+  const double first = results[0].seconds_min, all = results[1].seconds_min;
+  results[1].figures["further_direction"] = (all - first) / (static_cast<double>(kMore) * first);
+  return results;
+}
 
 std::vector<BenchResult> bench_encoder(const BenchOptions& options) {
   const at::NoGradGuard no_grad;

@@ -3,6 +3,7 @@
 
 #include "infer/eval/eval_command.h"
 #include "infer/eval/flicker_command.h"
+#include "infer/eval/incident_command.h"
 
 int main(int argc, char** argv) {
   CLI::App app{
@@ -19,8 +20,11 @@ int main(int argc, char** argv) {
   lte::infer::add_eval_options(app, &request);
   lte::infer::FlickerRequest flicker;
   const CLI::App* flicker_command = lte::infer::add_flicker_command(app, &flicker);
+  lte::infer::IncidentRequest incident;
+  const CLI::App* incident_command = lte::infer::add_incident_command(app, &incident);
   return lte::infer::run_network_tool(app, argc, argv, [&] {
     if (app.got_subcommand(flicker_command)) return run_flicker(flicker, request.tool.common);
+    if (app.got_subcommand(incident_command)) return run_incident(incident, request);
     lte::infer::read_run_config(&request);
     if (request.tool.print_config) {
       std::cout << lte::config_text(app);

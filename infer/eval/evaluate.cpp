@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "infer/eval/embed_sample.h"
 #include "infer/eval/eval_points.h"
 #include "infer/eval/probes.h"
 #include "lte/base/check.h"
@@ -129,22 +130,6 @@ double light_paths(const data::SceneSample& sample, const data::DatasetInfo& inf
   return 2.0 * static_cast<double>(lit) * info.light_paths;
 }
 
-/// What the network reads of the light on the sample's scene points.
-data::PointLight light_of(const data::SceneSample& sample, const runtime::Network& network) {
-  const runtime::LightRequest wanted = network.light_request();
-  if (wanted.depth == 0) return {};
-  LTE_CHECK(!sample.scene_direct.empty(), sample.name,
-            ": has no scene_direct, which the model reads; bake the data again");
-  LTE_CHECK(!wanted.sides || !sample.scene_direct_back.empty(), sample.name,
-            ": has no scene_direct_back, the light on each side of a surface, which the model "
-            "reads; bake the data again");
-  const std::vector<float> error = data::to_floats(sample.scene_error),
-                           error_back = data::to_floats(sample.scene_error_back);
-  return data::sum_groups({sample.scene_direct, sample.scene_indirect, sample.scene_direct_back,
-                           sample.scene_indirect_back, error, error_back},
-                          sample.light_groups);
-}
-
 /// The probes that could be baked instead of preparing the network: in the time of the encoding,
 /// and with the paths that its light estimates take.
 int64_t probe_count(const EvalSettings& settings, const data::SceneSample& sample,
@@ -162,14 +147,8 @@ SceneResult evaluate_scene(const EvalSettings& settings, const data::DatasetInfo
   result.name = sample.name;
   result.points = sample.query_points();
   result.views = static_cast<int64_t>(sample.views.size());
-  const data::PointLight light = light_of(sample, network);
   const Timer timer;
-  const runtime::SceneEmbedding embedding(
-      network,
-      {sample.scene_position, sample.scene_normal, sample.scene_albedo, sample.scene_emission,
-       sample.scene_area, light.direct, light.indirect, light.direct_back, light.indirect_back,
-       light.error},
-      {.memory = settings.memory});
+  const runtime::SceneEmbedding embedding = embed_sample(sample, network, settings.memory);
   result.encode_seconds = timer.seconds();
   result.radiance = embedding.mean_emission();
   result.path_variance = single_path_variance(sample, result.radiance);

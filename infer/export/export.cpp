@@ -120,6 +120,8 @@ std::vector<ExportCheck> export_torchscript(const ExportOptions& options) {
   files.check();
   say(concat("reading ", path.string()));
   nn::LightTransportModel model = nn::load_model(path);
+  LTE_CHECK(!model->config().gloss, path.string(),
+            ": reads gloss (model.gloss), which the exported module's points do not have");
   say("compiling the module");
   const torch::jit::Module module = build_module(model, options.portable);
   const torch::jit::ExtraFilesMap extra{{"config.yaml", model->config().to_yaml()},

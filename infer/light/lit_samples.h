@@ -29,10 +29,16 @@ struct LitSamples {
   /// W/m²: pathtrace::LightEstimates summed over light groups; what nobody reads is empty.
   data::PointLight light;
 
+  /// Metallic and roughness of each point; borrows from this.
+  std::span<const float> gloss() const {
+    static_assert(sizeof(scene::Gloss) == 2 * sizeof(float));
+    return {reinterpret_cast<const float*>(surface.gloss.data()), 2 * surface.gloss.size()};
+  }
   /// Borrows from this.
   ScenePoints points() const {
-    return {surface.position, surface.normal, surface.albedo,    surface.emission,    surface.area,
-            light.direct,     light.indirect, light.direct_back, light.indirect_back, light.error};
+    return {surface.position,    surface.normal, surface.albedo, surface.emission,
+            surface.area,        light.direct,   light.indirect, light.direct_back,
+            light.indirect_back, light.error,    gloss()};
   }
 };
 

@@ -15,14 +15,18 @@
 
 namespace lte::infer {
 
-/// What stands in a picture for metal, which the network does not know.
+/// What stands in a picture for metal, which an irradiance decoder does not know.
 enum class Metal {
   Diffuse,  ///< a matt surface of its color
   Black,    ///< nothing: the matt share of the surface alone is lit
   Trace,    ///< the path tracer renders pixels that have metal in them
+  Network,  ///< the same of their direct light; a radiance decoder answers for later bounces
 };
-constexpr EnumNames<Metal, 3> enum_names(Metal) {
-  return {{{Metal::Diffuse, "diffuse"}, {Metal::Black, "black"}, {Metal::Trace, "trace"}}};
+constexpr EnumNames<Metal, 4> enum_names(Metal) {
+  return {{{Metal::Diffuse, "diffuse"},
+           {Metal::Black, "black"},
+           {Metal::Trace, "trace"},
+           {Metal::Network, "network"}}};
 }
 
 /// Whether a surface counts as metal: below that share nobody would see it in a matt answer.

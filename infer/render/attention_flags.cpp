@@ -8,10 +8,9 @@
 namespace lte::infer {
 namespace {
 
-SurfacePoint point_of(const AttentionFlags& flags, const pathtrace::Bvh& bvh, const Vec3& viewer) {
-  const Vec3 at{flags.point[0], flags.point[1], flags.point[2]};
+SurfacePoint point_of(const Vec3& at, const pathtrace::Bvh& bvh, const Vec3& viewer) {
   const float reach = pointing_reach(bvh.bounds());
-  const std::optional<SurfacePoint> found = surface_near(bvh, at, reach);
+  const std::optional<SurfacePoint> found = surface_near(bvh.scene(), at, reach);
   LTE_CHECK(found.has_value(), "--point ", at.x, ",", at.y, ",", at.z,
             ": there is no surface within ", reach, " m of it");
   return found->facing(viewer);
@@ -20,11 +19,6 @@ SurfacePoint point_of(const AttentionFlags& flags, const pathtrace::Bvh& bvh, co
 }  // namespace
 
 void add_attention_flags(CLI::App& app, AttentionFlags* flags) {
-  app.add_option("--point", flags->point,
-                 "With --output attention: the point looked at, metres, on or near a surface")
-      ->delimiter(',')
-      ->expected(3)
-      ->type_name("X,Y,Z");
   app.add_option("--block", flags->choice.block,
                  "With --output attention: decoder (how much each latent counts in the answer at "
                  "the point), decoder.L for one of its layers, or a block of the encoder such as "
@@ -39,12 +33,13 @@ void add_attention_flags(CLI::App& app, AttentionFlags* flags) {
 void check_attention_flags(const RenderRequest& request) {
   const AttentionFlags& flags = request.attention;
   if (request.output != "attention") {
-    const bool given =
-        !flags.point.empty() || flags.head >= 0 || flags.choice.block != AttentionChoice().block;
-    LTE_CHECK(!given, "--point, --block and --head need --output attention");
+    LTE_CHECK(request.point.empty() || request.output == "incident",
+              "--point needs --output attention or incident");
+    LTE_CHECK(flags.head < 0 && flags.choice.block == AttentionChoice().block,
+              "--block and --head need --output attention");
     return;
   }
-  LTE_CHECK(!flags.point.empty(),
+  LTE_CHECK(!request.point.empty(),
             "--output attention needs --point X,Y,Z: a point on or near a surface");
   LTE_CHECK(request.mode == "neural",
             "--output attention needs --mode neural: paths attend to "
@@ -55,10 +50,11 @@ void check_attention_flags(const RenderRequest& request) {
   LTE_CHECK(!request.edit.any(), "--output attention and --edit do not go together");
 }
 
-AttentionLook::AttentionLook(const AttentionFlags& flags, const pathtrace::Bvh& bvh,
+AttentionLook::AttentionLook(const AttentionFlags& flags, const Vec3& place,
+                             const pathtrace::Bvh& bvh,
                              std::shared_ptr<const runtime::SceneEmbedding> recorded,
                              const Vec3& viewer)
-    : inside_(std::move(recorded)), choice_(flags.choice), point_(point_of(flags, bvh, viewer)) {
+    : inside_(std::move(recorded)), choice_(flags.choice), point_(point_of(place, bvh, viewer)) {
   if (flags.head >= 0) choice_.head = flags.head;
   try {
     map_ = attention_map(inside_, point_, choice_);

@@ -29,6 +29,10 @@ void report_metal(const std::string& scene, const RenderSettings& settings, cons
       scene::metal_text({frame.metal / seen, frame.metal_by_default / seen}, "visible surface");
   if (settings.mode == Mode::Reference || settings.metal == Metal::Trace) {
     log_info(scene, ": ", share, "; path-traced there, ", settings.spp, " paths a pixel");
+  } else if (settings.metal == Metal::Network) {
+    log_info(scene, ": ", share, "; direct light path-traced there, ", settings.spp,
+             " paths a pixel; later bounces by the network, ", settings.reflections,
+             " directions a pixel");
   } else if (settings.metal == Metal::Diffuse) {
     log_warning(scene, ": ", share, "; shown as a matt surface of its color (--metal trace)");
   } else {

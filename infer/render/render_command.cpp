@@ -11,6 +11,7 @@
 #include "infer/render/frame_io.h"
 #include "infer/render/frame_set.h"
 #include "infer/render/gather_plan.h"
+#include "infer/render/incident_map.h"
 #include "infer/render/notes.h"
 #include "infer/render/render_report.h"
 #include "infer/render/scene_size.h"
@@ -301,6 +302,7 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
 }  // namespace
 
 void run_render(const RenderRequest& request) {
+  if (request.output == "incident") return run_incident_map(request);
   if (request.out.empty() && !request.validate_only) {
     throw CLI::ValidationError("--out",
                                "name the picture to write (.exr or .png), or pass --validate-only");
@@ -341,6 +343,10 @@ void run_render(const RenderRequest& request) {
   files.check_what_was_read();
   renderer.seconds().load = total.seconds();
   const runtime::MemoryLimit memory(request.tool.max_memory_mb);
+  LTE_CHECK(
+      !network || settings.metal != Metal::Network || network->config().predicts_radiance(),
+      checkpoint_or_shipped(request.checkpoint).string(),
+      ": has no radiance decoder, which --metal network asks (its model.radiance_lobes is 0)");
   if (network) {
     check_size(request.scene, scene, *network, request.embedding.rescale);
     const std::string note = untrained_environment_note(scene, network->metadata());
@@ -386,8 +392,8 @@ void run_render(const RenderRequest& request) {
   }
   std::optional<AttentionLook> look;
   if (settings.output == Output::Attention && !views.empty()) {
-    look.emplace(request.attention, renderer.bvh(), renderer.shared_embedding(),
-                 all_views.front().camera.origin);
+    look.emplace(request.attention, Vec3{request.point[0], request.point[1], request.point[2]},
+                 renderer.bvh(), renderer.shared_embedding(), all_views.front().camera.origin);
     log_info(look->text());
   }
   render_to_files(

@@ -77,6 +77,7 @@ RenderSettings settings_of(const RenderRequest& request) {
   settings.seed = request.seed;
   settings.antialias = parse_antialias(request.antialias);
   settings.metal = parse_enum<Metal>("--metal", request.metal);
+  settings.reflections = request.reflections;
   settings.layers = keeps_layers(request.out) || settings.output == Output::Attention;
   settings.indirect = request.gather.by;
   settings.gather = request.gather_settings;
@@ -90,6 +91,10 @@ void check_dial(const RenderRequest& request) {
   check_gather_flags(request.gather, request.mode == "neural");
   LTE_CHECK(request.time_budget.empty() || request.mode == "neural",
             "--time-budget needs --mode neural: a reference takes --spp paths a pixel");
+  LTE_CHECK(
+      request.metal != "network" || (request.mode == "neural" &&
+                                     request.gather.by == Indirect::Network && !request.edit.any()),
+      "--metal network needs --mode neural and --indirect network, and goes with no --edit");
   LTE_CHECK(request.sparse != "on" || request.mode == "neural",
             "--sparse on needs --mode neural: a reference asks every pixel");
 }
@@ -115,12 +120,20 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
   app.add_option("--size", r->size, "Picture size")
       ->check(CLI::Validator(check_picture_size, "WxH"))
       ->capture_default_str();
-  app.add_option("--output", r->output,
-                 "What to show; gi is reflected indirect light, irradiance is it untextured, "
-                 "attention what the network looks at (--point)")
-      ->check(CLI::IsMember(
-          {"full", "gi", "irradiance", "direct", "albedo", "normal", "depth", "attention"}))
+  app.add_option(
+         "--output", r->output,
+         "What to show; gi is reflected indirect light, irradiance is it untextured, "
+         "attention what the network looks at for --point, incident is radiance by direction "
+         "at --point, the network's beside the traced")
+      ->check(CLI::IsMember({"full", "gi", "irradiance", "direct", "albedo", "normal", "depth",
+                             "attention", "incident"}))
       ->capture_default_str();
+  app.add_option("--point", r->point,
+                 "Of --output attention and incident: a place in metres, of which the nearest "
+                 "surface point is shown")
+      ->delimiter(',')
+      ->expected(3)
+      ->type_name("X,Y,Z");
   app.add_option("--mode", r->mode,
                  "The network, or the path-traced reference of the same quantity")
       ->check(CLI::IsMember({"neural", "reference"}))
@@ -149,9 +162,14 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
       ->check(CLI::Validator(check_antialias, "off|N"))
       ->capture_default_str();
   app.add_option("--metal", r->metal,
-                 "Neural mode: what stands for metal, which the network does not know: paths "
-                 "(--spp a pixel), a matt surface of its color, or black")
-      ->check(CLI::IsMember({"diffuse", "black", "trace"}))
+                 "Neural mode: what stands for metal: paths (--spp a pixel), a matt surface of its "
+                 "color, black, or network: paths for direct light, and a model with a radiance "
+                 "decoder for what has bounced")
+      ->check(CLI::IsMember({"diffuse", "black", "trace", "network"}))
+      ->capture_default_str();
+  app.add_option("--reflections", r->reflections,
+                 "Of --metal network: directions a pixel that radiance is asked from")
+      ->check(CLI::Range(1, 4096))
       ->capture_default_str();
   app.add_option("--untrained-light", r->untrained_light,
                  "Neural mode: who answers for indirect light in a scene with directional lights "

@@ -29,12 +29,14 @@ struct RenderRequest : SceneSource {
   AttentionFlags attention;
   std::string size = "512x512";
   std::string output = "full", mode = "neural";
+  std::vector<float> point;  ///< X, Y, Z of outputs "attention" and "incident"; empty: not given
   int spp = 64, max_depth = 5, direct_samples = 64;
   uint64_t seed = 0;
   bool validate_only = false;
   bool adaptive_direct = false;
   std::string denoise = "auto";
   std::string antialias = std::to_string(kAntialias), metal = "trace";
+  int reflections = kReflections;
   std::string untrained_light = "trace";  ///< "trace" or "network"
   std::string quality = "final", sparse = "auto";
   GatherFlags gather;

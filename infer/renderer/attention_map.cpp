@@ -8,15 +8,13 @@
 #include "infer/picture/projection.h"
 #include "lte/base/check.h"
 #include "lte/base/srgb.h"
-#include "lte/scene/surface.h"
+#include "lte/scene/closest_point.h"
 
 namespace lte::infer {
 namespace {
 
 using runtime::SceneAttention;
 
-/// Directions in which a surface near a point is looked for.
-constexpr int kDirections = 1024;
 constexpr float kReach = 0.05f;  // of the scene's widest side
 const std::string kDecoder = "decoder";
 
@@ -45,14 +43,6 @@ Rgb heat(float t) {
     out[static_cast<int>(c)] = srgb_to_linear((low + f * (high - low)) / 255);
   }
   return out;
-}
-
-/// Evenly over the sphere: a spiral of golden angles.
-Vec3 direction(int i) {
-  const float z = 1 - (2 * static_cast<float>(i) + 1) / kDirections;
-  const float r = std::sqrt(std::max(0.0f, 1 - z * z));
-  const float turn = 2.39996323f * static_cast<float>(i);
-  return {r * std::cos(turn), r * std::sin(turn), z};
 }
 
 void ring(const Projection::Place& place, image::Image* picture) {
@@ -114,19 +104,11 @@ SurfacePoint SurfacePoint::facing(const Vec3& viewer) const {
 
 float pointing_reach(const Bounds& bounds) { return kReach * max_component(bounds.extent()); }
 
-std::optional<SurfacePoint> surface_near(const pathtrace::Bvh& bvh, const Vec3& point,
+std::optional<SurfacePoint> surface_near(const scene::Scene& scene, const Vec3& point,
                                          float reach) {
-  pathtrace::Hit nearest;
-  const auto look = [&](const Vec3& way) {
-    const pathtrace::Hit hit = bvh.intersect({point, way, 0, std::min(reach, nearest.t)});
-    if (hit.valid() && hit.t < nearest.t) nearest = hit;
-  };
-  for (int i = 0; i < kDirections; ++i) look(direction(i));
-  if (!nearest.valid()) return std::nullopt;
-  for (const Vec3& way : {nearest.normal, -nearest.normal}) look(way);  // the foot on its plane
-  const scene::Surface surface = scene::evaluate_surface(
-      bvh.scene(), nearest.instance, nearest.triangle, nearest.u, nearest.v, /*footprint=*/0);
-  return SurfacePoint{surface.position, nearest.normal, surface.albedo};
+  const scene::ClosestPoint found = scene::closest_point(scene, point);
+  if (found.distance > reach) return std::nullopt;
+  return SurfacePoint{found.surface.position, found.surface.normal, found.surface.albedo};
 }
 
 bool reads_decoder(const AttentionChoice& choice) {

@@ -9,8 +9,9 @@
 #include <vector>
 
 #include "infer/picture/frame.h"
-#include "lte/pathtrace/bvh.h"
+#include "lte/base/math.h"
 #include "lte/runtime/attention.h"
+#include "lte/scene/scene.h"
 
 namespace lte::infer {
 
@@ -23,8 +24,9 @@ struct SurfacePoint {
   SurfacePoint facing(const Vec3& viewer) const;
 };
 
-/// The surface nearest to a point, on its front; nothing where there is none within `reach`.
-std::optional<SurfacePoint> surface_near(const pathtrace::Bvh& bvh, const Vec3& point, float reach);
+/// The surface nearest to a point, on the side on which it lies, or the front if it lies on the
+/// surface; nothing where there is none within `reach`.
+std::optional<SurfacePoint> surface_near(const scene::Scene& scene, const Vec3& point, float reach);
 
 /// How far from a surface somebody may point and still mean it: a twentieth of the scene's widest
 /// side.

@@ -8,6 +8,7 @@
 #include "infer/light/lit_samples.h"
 #include "infer/light/untrained_light.h"
 #include "infer/picture/compose.h"
+#include "infer/renderer/reflected_light.h"
 #include "infer/renderer/sparse_light.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
@@ -157,7 +158,8 @@ const runtime::SceneEmbedding& Renderer::embedding() const {
 Metal Renderer::metal_of(const RenderSettings& settings) const {
   if (is_geometry(settings.output) || settings.output == Output::Irradiance || !has_light())
     return Metal::Diffuse;
-  if (settings.mode == Mode::Neural) return settings.metal;
+  if (settings.mode == Mode::Neural)
+    return settings.metal == Metal::Network ? Metal::Trace : settings.metal;
   return settings.output == Output::Full ? Metal::Diffuse : Metal::Trace;
 }
 
@@ -268,17 +270,31 @@ void Renderer::sample_direct(const PictureBand& band, Job* job, BandLight* light
   run(centres, queries.size(), rays, [&](int64_t i) { return number + i; });
 }
 
+/// Whether the radiance decoder answers for what metal reflects of bounced light. Where paths stand
+/// in for the network, they do for metal too.
+bool Renderer::reflects_by_network(const RenderSettings& settings) const {
+  return settings.metal == Metal::Network && needs_network(settings);
+}
+
 void Renderer::trace_metal(const PictureBand& band, Job* job, BandLight* light) {
   const RenderSettings& settings = job->settings;
   if (band.traced_pixels().empty()) return;
   const Timer timer;
-  const int depth = settings.output == Output::Direct ? 1 : settings.max_depth;
+  const bool by_network = reflects_by_network(settings);
+  const int depth = settings.output == Output::Direct || by_network ? 1 : settings.max_depth;
   light->traced =
       pathtrace::trace_pixels(bvh_, lights_, job->camera, settings.width, settings.height,
                               band.traced_pixels(), {settings.spp, depth + 1, settings.seed},
                               job->told_of_all ? pathtrace::PixelsDone() : settings.done);
   job->done += static_cast<int64_t>(band.traced_pixels().size());
   seconds_.reference += timer.seconds();
+  if (!by_network) return;
+  const Timer decoding;
+  const std::vector<Rgb> indirect = reflected_light(
+      bvh_, embedding(), job->camera,
+      {settings.width, settings.height, settings.reflections, settings.seed}, band.traced_pixels());
+  for (size_t i = 0; i < indirect.size(); ++i) light->traced[i].indirect = indirect[i];
+  seconds_.decode += decoding.seconds();
 }
 
 /// Whether a neural picture shows sampled light. A total model's full picture needs no direct

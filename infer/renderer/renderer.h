@@ -31,6 +31,9 @@ namespace lte::infer {
 /// Hits in a pixel at an edge, unless told otherwise.
 inline constexpr int kAntialias = 16;
 
+/// Directions a pixel whose radiance the decoder is asked for, unless told otherwise.
+inline constexpr int kReflections = 16;
+
 struct RenderSettings {
   Output output = Output::Full;
   Mode mode = Mode::Neural;
@@ -57,6 +60,8 @@ struct RenderSettings {
   /// What stands for metal in light outputs; Irradiance shows it like any surface. Reference mode
   /// always traces it.
   Metal metal = Metal::Trace;
+  /// Directions a pixel from which Metal::Network asks for radiance.
+  int reflections = kReflections;
   /// Neural mode: ask few pixels for indirect light and take the others' from them; otherwise all.
   std::optional<gi::SparseOptions> sparse;
   /// Neural mode: what answers in the place of the network's decoder. May be null.
@@ -185,6 +190,7 @@ class Renderer {
   bool gathers_direct(const RenderSettings& settings) const;
   void trace_metal(const PictureBand& band, Job* job, BandLight* light);
   Metal metal_of(const RenderSettings& settings) const;
+  bool reflects_by_network(const RenderSettings& settings) const;
 
   std::shared_ptr<const pathtrace::Bvh> held_bvh_;
   std::shared_ptr<const pathtrace::Lights> held_lights_;

@@ -44,7 +44,7 @@ void AttentionView::record(const SessionState& state) {
 std::string AttentionView::answer(const SessionState& state, const scene::Camera& camera,
                                   const LookInside& question) {
   const auto found =
-      surface_near(state.bvh(), question.position, pointing_reach(state.bvh().bounds()));
+      surface_near(state.bvh().scene(), question.position, pointing_reach(state.bvh().bounds()));
   LTE_CHECK(found.has_value(), "there is no surface near the point that was clicked");
   record(state);
   const SurfacePoint point = found->facing(question.position + question.normal);

@@ -16,6 +16,7 @@
 #include "lte/nn/model.h"
 #include "lte/nn/one_line_errors.h"
 #include "lte/runtime/solved_light.h"
+#include "lte/runtime/tensors.h"
 
 namespace lte::runtime {
 namespace {
@@ -61,7 +62,7 @@ nn::Frame frame_of(const Network& network, const at::Tensor& position,
 std::vector<at::Tensor> tensors_of(const nn::Embedding& embedding) {
   std::vector<at::Tensor> tensors = embedding.cache.tensors();
   tensors.insert(tensors.end(), {embedding.position, embedding.normal, embedding.features,
-                                 embedding.origin, embedding.table});
+                                 embedding.origin, embedding.table, embedding.radiance_table});
   return tensors;
 }
 
@@ -197,6 +198,34 @@ at::Tensor SceneEmbedding::decode_tensors(const nn::QuerySet& queries,
   const nn::QuerySet set = {queries.position.to(device), queries.normal.to(device),
                             queries.albedo.to(device)};
   return network().model()->decode(snapshot(), set, options);
+}
+
+std::vector<Rgb> SceneEmbedding::decode_radiance(const QueryPoints& queries,
+                                                 std::span<const Vec3> directions) const {
+  const nn::QuerySet set = borrow(queries);
+  const int64_t Q = queries.size(), all = static_cast<int64_t>(directions.size());
+  if (Q == 0 && all == 0) return {};
+  LTE_CHECK(Q > 0 && all > 0 && all % Q == 0, "radiance: ", all, " directions of ", Q,
+            " queries, expected as many of each");
+  const int64_t block = state_->memory.query_block(network().config(), Q, kQueryBlock);
+  const at::Tensor radiance = explain_out_of_memory(decoding_need(network(), Q, block), [&] {
+    return nn::one_line_errors([&] {
+      const at::NoGradGuard no_grad;
+      const c10::Device device = network().device();
+      const c10::DeviceGuard guard(device);
+      return network()
+          .model()
+          ->decode_radiance(snapshot(),
+                            {set.position.to(device), set.normal.to(device), set.albedo.to(device)},
+                            borrow(directions).view({Q, all / Q, 3}).to(device), {true, block})
+          .to(at::kCPU, at::kFloat)
+          .contiguous();
+    });
+  });
+  std::vector<Rgb> out(directions.size());
+  std::memcpy(static_cast<void*>(out.data()), radiance.const_data_ptr<float>(),
+              sizeof(Rgb) * out.size());
+  return out;
 }
 
 std::vector<Rgb> SceneEmbedding::decode(const QueryPoints& queries) const {

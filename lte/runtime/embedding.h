@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "lte/base/math.h"
@@ -87,6 +88,15 @@ class SceneEmbedding {
 
   /// What EncodeOptions::record_attention keeps; null without it, and for an embedding from a file.
   const nn::EncoderAttention* attention() const;
+  /// Incident radiance in W sr^-1 m^-2 from so many directions of each query: of the light that the
+  /// model answers for, as irradiance is. Those of one query share what is gathered around it.
+  /// @param directions  the first query's, then the second's, ...: world, unit, away from the
+  ///                    surface
+  /// @return  one entry a direction
+  /// @throws lte::Error of one line as decode(), for a model without a radiance decoder, for
+  ///         directions that are not as many for each query, not unit or point into the surface.
+  std::vector<Rgb> decode_radiance(const QueryPoints& queries,
+                                   std::span<const Vec3> directions) const;
 
   /// The parts, for embedding_file.h: at gain 1, ready on the current stream.
   nn::Embedding parts() const;

@@ -2,9 +2,11 @@
 
 #include <ATen/Context.h>
 
+#include "lte/base/half.h"
 #include "lte/base/random.h"
 #include "lte/nn/model.h"
 #include "lte/nn/model_file.h"
+#include "lte/pathtrace/hemisphere_bins.h"
 #include "tests/support/scenes.h"
 
 namespace lte::test {
@@ -79,8 +81,15 @@ void save_tiny_model(const fs::path& path, const TinyModel& tiny) {
   config.light_input = tiny.light_input;
   config.light_sides = tiny.light_sides;
   config.scale = tiny.scale;
+  config.radiance_lobes = tiny.radiance_lobes;
+  config.gloss = tiny.gloss;
   at::manual_seed(tiny.seed);
   const nn::LightTransportModel model(config);
+  if (tiny.even_radiance) {
+    const at::NoGradGuard no_grad;
+    model->named_parameters()["radiance.color.weight"].zero_();
+    model->named_parameters()["radiance.color.bias"].fill_(*tiny.even_radiance);
+  }
   nn::save_model(path, model,
                  {{"scene_points", std::to_string(tiny.scene_points)},
                   {"scene_points_pruned", tiny.pruned ? "true" : "false"},
@@ -130,6 +139,36 @@ data::SceneSample random_sample(const std::string& name, uint64_t seed) {
   sample.rays = 256;
   for (int i = 0; i < 2; ++i) sample.views.push_back(random_view(&rng, sample.light_groups));
   return sample;
+}
+
+void add_random_incident(data::SceneSample* sample, size_t points, uint64_t seed) {
+  constexpr int kBins = 4;
+  Rng rng(seed);
+  data::IncidentField& field = sample->incident;
+  field.bins = kBins;
+  field.samples = 3;
+  for (int row = 0; row < kBins; ++row) {
+    for (int column = 0; column < kBins; ++column) {
+      const auto centre = [](int cell) { return (static_cast<float>(cell) + 0.5f) / kBins; };
+      field.direction.push_back(pathtrace::bin_direction({centre(column), centre(row)}));
+      field.pdf.push_back(
+          static_cast<float>(1 / (kBins * kBins * pathtrace::bin_solid_angle(kBins, row, column))));
+    }
+  }
+  for (size_t i = 0; i < points; ++i) {
+    field.position.push_back(sample->query_position[i]);
+    field.normal.push_back(sample->query_normal[i]);
+    field.tangent.push_back(pathtrace::bin_tangent(sample->query_normal[i]));
+    field.albedo.push_back(sample->query_albedo[i]);
+    field.metallic.push_back(0);
+    field.roughness.push_back(1);
+    field.scale.push_back(i % 2 == 0 ? 0.5f : 0.125f);
+  }
+  const size_t values = static_cast<size_t>(sample->light_groups) * points * kBins * kBins * 3;
+  for (size_t i = 0; i < values; ++i) {
+    field.direct.push_back(to_half(rng.uniform(0, 4)));
+    field.indirect.push_back(to_half(rng.uniform(0, 2)));
+  }
 }
 
 void write_random_dataset(const fs::path& folder, double scale, bool with_test) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,11 @@ struct TinyModel {
   nn::LightInput light_input = nn::LightInput::Emission;
   nn::LightSides light_sides = nn::LightSides::Sum;
   uint64_t seed = 1;
+  int64_t radiance_lobes = 0;
+  bool gloss = false;
+  /// Of a radiance decoder that answers the same for all directions: softplus of it, over π, times
+  /// the emission scale, is the radiance. Nothing: random weights.
+  std::optional<double> even_radiance = {};
 };
 
 /// Saves a model of random weights as the trainer does.
@@ -42,6 +48,9 @@ scene::Camera outside_camera();
 
 /// Random surface points of a unit box with random positive values; valid, not physical.
 data::SceneSample random_sample(const std::string& name, uint64_t seed);
+
+/// Adds incident radiance from 4 x 4 random cells at `points` of the queries.
+void add_random_incident(data::SceneSample* sample, size_t points, uint64_t seed);
 
 /// Two training scenes "train0", "train1" and, if `with_test`, two test scenes "test0", "test1".
 void write_random_dataset(const std::filesystem::path& folder, double scale = 16,

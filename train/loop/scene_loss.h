@@ -1,4 +1,4 @@
-// The loss of scenes that went through the network together: of irradiance, of radiance, or both.
+// The loss of scenes that went through the network together: of irradiance, radiance, or both.
 #pragma once
 
 #include <vector>

@@ -1,0 +1,58 @@
+#include "infer/eval/incident_command.h"
+
+#include <iostream>
+
+#include "infer/eval/incident_eval.h"
+#include "infer/tool/assets.h"
+#include "lte/base/file.h"
+#include "lte/cli/command_files.h"
+#include "lte/nn/device.h"
+
+namespace lte::infer {
+
+CLI::App* add_incident_command(CLI::App& app, IncidentRequest* request) {
+  CLI::App* command = app.add_subcommand(
+      "incident",
+      "Error of a model's radiance by direction, beside spherical harmonics fitted to the traced "
+      "maps; needs --checkpoint of a model with a radiance decoder, --data and --split");
+  command->fallthrough();
+  command->add_option(
+      "--traced", request->traced,
+      "Data-set folder of the same scenes with fewer paths a direction, as a rival");
+  command->footer(
+      "Example:\n"
+      "  lte_datagen generate --config configs/data/glossy_test.yaml --out glossy_test\n"
+      "  lte_eval incident --checkpoint lte_radiance/model.safetensors --data glossy_test --split "
+      "test --json incident.json");
+  return command;
+}
+
+void run_incident(const IncidentRequest& request, const EvalRequest& eval) {
+  if (eval.data.empty())
+    throw CLI::ValidationError("--data", "name a data set with incident radiance");
+  if (eval.checkpoint.empty())
+    throw CLI::ValidationError("--checkpoint", "name a model with a radiance decoder");
+  if (eval.split.empty()) throw CLI::ValidationError("--split", "expected train, val or test");
+  CommandFiles files;
+  files.reads("--checkpoint", eval.checkpoint);
+  files.reads_parts("--data", eval.data, data::kDatasetParts);
+  files.reads_parts("--traced", request.traced, data::kDatasetParts);
+  files.writes_common(eval.tool.common);
+  files.check();
+  apply_tool_options(eval.tool);
+  check_writable(eval.tool.common.json);
+  const c10::Device device = nn::choose_device(eval.tool.device, 0, "--device");
+  const runtime::Network network(eval.checkpoint,
+                                 {device, choose_precision(eval.tool.precision, device)});
+  IncidentSettings settings;
+  settings.data = eval.data;
+  settings.split = data::parse_split(eval.split);
+  settings.traced = request.traced;
+  settings.memory = runtime::MemoryLimit(eval.tool.max_memory_mb);
+  const IncidentResult result = evaluate_incident(settings, network);
+  if (!eval.tool.common.json.empty())
+    write_file(eval.tool.common.json, incident_json(result, eval.checkpoint, eval.data));
+  std::cout << incident_table(result);
+}
+
+}  // namespace lte::infer

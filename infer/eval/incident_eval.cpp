@@ -1,0 +1,224 @@
+#include "infer/eval/incident_eval.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include <ATen/ATen.h>
+#include <nlohmann/json.hpp>
+
+#include "infer/eval/embed_sample.h"
+#include "lte/base/check.h"
+#include "lte/base/text.h"
+#include "lte/cli/progress.h"
+#include "lte/data/scene_sample.h"
+
+namespace lte::infer {
+namespace {
+
+/// π L over the scene's mean emission, [cells, points, 3] float64, of the light that the model
+/// answers for.
+at::Tensor reference_maps(const data::SceneSample& sample, bool total, double emission) {
+  const data::IncidentField& field = sample.incident;
+  const int64_t P = field.points(), cells = static_cast<int64_t>(field.direction.size());
+  at::Tensor out = at::zeros({P, cells, 3}, at::kDouble);
+  auto* values = out.data_ptr<double>();
+  const int64_t count = P * cells * 3;
+  for (int64_t i = 0; i < sample.light_groups * count; ++i) {
+    const auto at = static_cast<size_t>(i);
+    const double scale = field.scale[static_cast<size_t>(i % count / (cells * 3))];
+    double value = to_float(field.indirect[at]);
+    if (total) value += to_float(field.direct[at]);
+    values[i % count] += std::numbers::pi / emission * scale * value;
+  }
+  return out.transpose(0, 1).contiguous();
+}
+
+/// World directions of the cells, those of one point after those of another.
+std::vector<Vec3> world_directions(const data::IncidentField& field) {
+  std::vector<Vec3> out;
+  for (size_t p = 0; p < field.position.size(); ++p) {
+    const Vec3 normal = field.normal[p], tangent = field.tangent[p];
+    for (const Vec3& d : field.direction)
+      out.push_back(tangent * d.x + cross(normal, tangent) * d.y + normal * d.z);
+  }
+  return out;
+}
+
+/// The same form of what is said of each point and direction, in W sr⁻¹ m⁻².
+at::Tensor maps_of(const std::vector<Rgb>& radiance, int64_t points, double emission) {
+  const auto all = static_cast<int64_t>(radiance.size());
+  return at::from_blob(const_cast<Rgb*>(radiance.data()), {points, all / points, 3},
+                       at::TensorOptions(at::kFloat))
+      .to(at::kDouble)
+      .mul(std::numbers::pi / emission)
+      .transpose(0, 1)
+      .contiguous();
+}
+
+MapErrors errors_of(const at::Tensor& maps, const at::Tensor& reference) {
+  const at::Tensor wanted = at::log1p(reference), got = at::log1p(maps.clamp_min(0));
+  return {((got - wanted) / (wanted + kMapEpsilon)).square().mean().item<double>(),
+          (maps - reference).square().mean().item<double>()};
+}
+
+void add(const MapErrors& errors, double share, MapErrors* sum) {
+  sum->logrel += share * errors.logrel;
+  sum->mse += share * errors.mse;
+}
+
+/// Fits of every degree to maps of the cells of one data set.
+class HarmonicRivals {
+ public:
+  HarmonicRivals(const data::IncidentField& field, int highest, std::vector<HarmonicErrors>* out)
+      : out_(out) {
+    std::vector<double> solid_angle;
+    const auto cells = static_cast<double>(field.direction.size());
+    for (const float pdf : field.pdf) solid_angle.push_back(1 / (cells * pdf));
+    for (const HarmonicFit fit :
+         {HarmonicFit::Projected, HarmonicFit::Windowed, HarmonicFit::LeastSquares}) {
+      for (int degree = 0; degree <= highest; ++degree) {
+        fitters_.emplace_back(degree, fit, field.direction, solid_angle);
+        out_->push_back({fit, degree, {}, 0});
+      }
+    }
+  }
+
+  void add_scene(const at::Tensor& reference, double share) {
+    const at::Tensor tables = reference.flatten(1);
+    for (size_t i = 0; i < fitters_.size(); ++i) {
+      const at::Tensor fitted = fitters_[i].reconstruct(tables).view(reference.sizes());
+      add(errors_of(fitted, reference), share, &(*out_)[i].errors);
+      (*out_)[i].negative += share * (fitted < 0).to(at::kDouble).mean().item<double>();
+    }
+  }
+
+ private:
+  std::vector<HarmonicFitter> fitters_;
+  std::vector<HarmonicErrors>* out_;
+};
+
+data::SceneSample read_incident(const std::filesystem::path& folder, const std::string& name) {
+  const std::filesystem::path path = data::scene_path(folder, name);
+  data::SceneSample sample = data::read_scene_sample(path);
+  LTE_CHECK(!sample.incident.empty(), path.string(),
+            ": has no incident radiance; bake it with incident.points");
+  return sample;
+}
+
+/// Adds the errors of the model's answers, by direction and as irradiance.
+void add_network(const data::SceneSample& sample, const runtime::SceneEmbedding& embedding,
+                 const at::Tensor& reference, double share, IncidentResult* result) {
+  const data::IncidentField& field = sample.incident;
+  const double emission = embedding.mean_emission();
+  const runtime::QueryPoints queries{field.position, field.normal, field.albedo};
+  const at::Tensor neural = maps_of(embedding.decode_radiance(queries, world_directions(field)),
+                                    field.points(), emission);
+  add(errors_of(neural, reference), share, &result->neural);
+  std::vector<Rgb> even = embedding.decode(queries);
+  for (Rgb& value : even) value *= 1 / kPi;
+  const at::Tensor flat = maps_of(even, field.points(), emission).expand_as(reference);
+  add(errors_of(flat, reference), share, &result->even);
+}
+
+void add_traced(const IncidentSettings& settings, const data::SceneSample& sample, bool total,
+                const at::Tensor& reference, double emission, double share,
+                IncidentResult* result) {
+  const data::SceneSample rival = read_incident(settings.traced, sample.name);
+  const at::Tensor maps = reference_maps(rival, total, emission);
+  const bool same = maps.sizes() == reference.sizes() &&
+                    std::equal(rival.incident.position.begin(), rival.incident.position.end(),
+                               sample.incident.position.begin());
+  LTE_CHECK(same, data::scene_path(settings.traced, sample.name).string(),
+            ": has other points or directions than the scene of that name in ",
+            settings.data.string());
+  add(errors_of(maps, reference), share, &result->traced);
+  result->traced_paths = static_cast<double>(rival.incident.samples);
+}
+
+nlohmann::json to_json(const MapErrors& errors) {
+  return {{"logrel", errors.logrel}, {"mse", errors.mse}};
+}
+
+std::string row(const std::string& name, const MapErrors& errors) {
+  return formatted("  %-34s %10.4f %12.5f\n", name.c_str(), errors.logrel, errors.mse);
+}
+
+}  // namespace
+
+IncidentResult evaluate_incident(const IncidentSettings& settings,
+                                 const runtime::Network& network) {
+  LTE_CHECK(network.config().predicts_radiance(),
+            "the model has no radiance decoder (its model.radiance_lobes is 0)");
+  const std::vector<data::DatasetEntry> entries =
+      data::entries_of(data::read_dataset_info(settings.data), settings.split);
+  LTE_CHECK(!entries.empty(), settings.data.string(), ": no scene is in the split \"",
+            data::split_name(settings.split), "\"");
+  IncidentResult result;
+  std::optional<HarmonicRivals> rivals;
+  const double share = 1 / static_cast<double>(entries.size());
+  lte::Progress progress("evaluating", static_cast<int64_t>(entries.size()), "scenes");
+  for (const data::DatasetEntry& entry : entries) {
+    const data::SceneSample sample = read_incident(settings.data, entry.name);
+    const runtime::SceneEmbedding embedding = embed_sample(sample, network, settings.memory);
+    const double emission = embedding.mean_emission();
+    const bool total = network.predicts_total();
+    const at::Tensor reference = reference_maps(sample, total, emission);
+    if (!rivals) {
+      result.cells = reference.size(0);
+      rivals.emplace(sample.incident, settings.highest_degree, &result.harmonics);
+    }
+    LTE_CHECK(reference.size(0) == result.cells, entry.name, ": has ", reference.size(0),
+              " directions a point, and the scenes before it ", result.cells);
+    add_network(sample, embedding, reference, share, &result);
+    if (!settings.traced.empty())
+      add_traced(settings, sample, total, reference, emission, share, &result);
+    rivals->add_scene(reference, share);
+    ++result.scenes;
+    result.points += sample.incident.points();
+    progress.advance();
+  }
+  return result;
+}
+
+std::string incident_table(const IncidentResult& result) {
+  std::string text = formatted(
+      "%lld scenes, %lld points, %lld directions each\n", static_cast<long long>(result.scenes),
+      static_cast<long long>(result.points), static_cast<long long>(result.cells));
+  text += formatted("  %-34s %10s %12s\n", "", "logrel", "mse");
+  text += row("neural", result.neural);
+  text += row("even (the model's irradiance)", result.even);
+  if (result.traced_paths > 0)
+    text += row(formatted("traced, %.0f paths a direction", result.traced_paths), result.traced);
+  for (const HarmonicErrors& h : result.harmonics) {
+    if (h.degree % 2 == 1 && h.degree > 3) continue;  // all are in the JSON
+    text += row(formatted("harmonics, l <= %d, ", h.degree) + enum_name(h.fit), h.errors);
+  }
+  return text;
+}
+
+std::string incident_json(const IncidentResult& result, const std::string& model,
+                          const std::string& data) {
+  nlohmann::json json = {{"model", model},
+                         {"data", data},
+                         {"scenes", result.scenes},
+                         {"points", result.points},
+                         {"cells", result.cells},
+                         {"neural", to_json(result.neural)},
+                         {"even", to_json(result.even)}};
+  if (result.traced_paths > 0) {
+    json["traced"] = to_json(result.traced);
+    json["traced"]["paths"] = result.traced_paths;
+  }
+  for (const HarmonicErrors& h : result.harmonics) {
+    nlohmann::json entry = to_json(h.errors);
+    entry["degree"] = h.degree;
+    entry["coefficients"] = (h.degree + 1) * (h.degree + 1);
+    entry["negative"] = h.negative;
+    json["harmonics"][enum_name(h.fit)].push_back(entry);
+  }
+  return json.dump(2) + "\n";
+}
+
+}  // namespace lte::infer

@@ -1,0 +1,58 @@
+// Error of a model's incident radiance by direction on a baked data set, beside spherical harmonics
+// fitted to the very maps that it is compared with (the paper's supplement, section 4).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "infer/eval/spherical_harmonics.h"
+#include "lte/data/dataset.h"
+#include "lte/runtime/memory_limit.h"
+#include "lte/runtime/network.h"
+
+namespace lte::infer {
+
+struct IncidentSettings {
+  std::filesystem::path data;
+  data::Split split = data::Split::Test;
+  /// The same scenes and points with fewer paths a direction, as a rival; empty: none.
+  std::filesystem::path traced;
+  int highest_degree = 20;  ///< of the harmonics
+  runtime::MemoryLimit memory = {};
+};
+
+/// Means over scenes. x is π L over the scene's mean emission, y that of the reference.
+struct MapErrors {
+  double logrel = 0;  ///< mean ((log(x + 1) − log(y + 1)) / (log(y + 1) + kMapEpsilon))²
+  double mse = 0;     ///< mean (x − y)²
+};
+inline constexpr double kMapEpsilon = 0.1;
+
+struct HarmonicErrors {
+  HarmonicFit fit = HarmonicFit::Projected;
+  int degree = 0;
+  MapErrors errors;
+  double negative = 0;  ///< share of directions whose radiance comes out negative: ringing
+};
+
+struct IncidentResult {
+  int64_t scenes = 0, points = 0, cells = 0;
+  MapErrors neural;
+  /// The model's irradiance, as if it came evenly from everywhere.
+  MapErrors even;
+  MapErrors traced;         ///< of IncidentSettings::traced
+  double traced_paths = 0;  ///< a direction; 0 without
+  std::vector<HarmonicErrors> harmonics;
+};
+
+/// @throws lte::Error for a model without a radiance decoder, scenes without incident radiance, or
+///         a rival of other points
+IncidentResult evaluate_incident(const IncidentSettings& settings, const runtime::Network& network);
+
+std::string incident_table(const IncidentResult& result);
+std::string incident_json(const IncidentResult& result, const std::string& model,
+                          const std::string& data);
+
+}  // namespace lte::infer
