@@ -6,6 +6,7 @@
 #include "infer/tool/assets.h"
 #include "lte/base/file.h"
 #include "lte/cli/command_files.h"
+#include "lte/cli/writable.h"
 #include "lte/nn/device.h"
 
 namespace lte::infer {

@@ -14,6 +14,7 @@
 #include "lte/base/log.h"
 #include "lte/base/text.h"
 #include "lte/cli/command_files.h"
+#include "lte/cli/writable.h"
 #include "lte/image/exr.h"
 #include "lte/image/png.h"
 #include "lte/image/tonemap.h"
