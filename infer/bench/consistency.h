@@ -1,6 +1,6 @@
 // View consistency: how much the light of the same surface points changes while the camera moves
-// and the scene does not. The network's answers at points must not change at all; pictures change by
-// what stands between answers and pixels, and path tracing by its noise.
+// and the scene does not. The network's answers at points must not change at all; pictures change
+// by what stands between answers and pixels, and path tracing by its noise.
 #pragma once
 
 #include <cstdint>
