@@ -161,7 +161,7 @@ void RepeatedAnswers::add(std::span<const size_t> points, std::span<const Rgb> a
     ++compared_;
     for (int c = 0; c < 3; ++c) {
       const double change = std::abs(double{answers[i][c]} - double{first_[point][c]});
-      if (!(change <= largest_)) largest_ = change;  // NaN is a change too
+      if (change > largest_ || std::isnan(change)) largest_ = change;  // and NaN stays
     }
   }
 }

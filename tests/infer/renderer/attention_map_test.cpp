@@ -83,37 +83,42 @@ TEST(AttentionMap, ABlockOrHeadThatIsNotThereIsNamed) {
 }
 
 TEST(AttentionMap, IsPaintedWhereItsLatentsLie) {
+  constexpr int kWidth = 96, kHeight = 64;
   Room room;
   const runtime::SceneAttention inside(room.renderer.shared_embedding());
-  AttentionMap map;  // of one latent, which the camera sees
-  map.values.assign(inside.positions().size(), 0);
   RenderSettings settings = session_test::picture(Output::Attention);
-  settings.width = 48;
-  settings.height = 32;
+  settings.width = kWidth;
+  settings.height = kHeight;
   Frame frame = room.renderer.render(camera(), settings);
-  const Projection projection(camera(), 48, 32);
-  size_t seen = 0;
-  Projection::Place at{};
-  for (; seen < inside.positions().size(); ++seen) {
-    const auto place = projection.place(inside.positions()[seen]);
-    if (!place || !(place->x > 4 && place->x < 44 && place->y > 4 && place->y < 28)) continue;
-    at = *place;
-    const float depth = *frame.depth.at(static_cast<int>(at.x), static_cast<int>(at.y));
-    if (std::abs(depth - at.depth) < 0.05f) break;
+  const Projection projection(camera(), kWidth, kHeight);
+  AttentionMap map;
+  for (size_t i = 0; i < inside.positions().size(); ++i) map.values.push_back(i % 2 == 0 ? 3 : 0);
+  map.most = 3;
+  paint_attention(inside, map, {0, 50, 0}, camera(), &frame);
+  int high = 0, low = 0;
+  for (size_t i = 0; i < inside.positions().size(); ++i) {
+    const auto place = projection.place(inside.positions()[i]);
+    if (!place || !(place->x > 1 && place->x < kWidth - 1 && place->y > 1)) continue;
+    if (!(place->y < kHeight - 1)) continue;
+    const int x = static_cast<int>(place->x), y = static_cast<int>(place->y);
+    const Vec3 there = projection.point(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f,
+                                        *frame.depth.at(x, y));
+    const bool seen = length(there - inside.positions()[i]) < 0.06f &&
+                      dot(frame.normal.rgb(x, y), inside.normals()[i]) > 0.9f;
+    if (!seen) continue;
+    const float value = *frame.attention.at(x, y);
+    const Rgb color = frame.color.rgb(x, y);
+    if (map.values[i] > 0) {
+      EXPECT_GT(value, 2.2f) << "latent " << i;
+      EXPECT_GT(color.x, 1.5f * color.z) << "hot";
+      ++high;
+    } else {
+      EXPECT_LT(value, 0.8f) << "latent " << i;
+      ++low;
+    }
   }
-  ASSERT_LT(seen, inside.positions().size());
-  map.values[seen] = map.most = 3;
-  paint_attention(inside, map, inside.positions()[seen], camera(), &frame);
-  const auto brightest =
-      std::max_element(frame.attention.pixels.begin(), frame.attention.pixels.end());
-  const auto pixel = static_cast<int>(brightest - frame.attention.pixels.begin());
-  EXPECT_NEAR(static_cast<float>(pixel % 48) + 0.5f, at.x, 2);
-  EXPECT_NEAR(static_cast<float>(pixel / 48) + 0.5f, at.y, 2);
-  EXPECT_GT(*brightest, 1.5f);
-  EXPECT_LE(*brightest, 3.0f);
-  EXPECT_EQ(frame.color.channels, 3);
-  const Rgb hot = frame.color.rgb(pixel % 48, pixel / 48);
-  EXPECT_GT(hot.x, hot.z) << "yellow is hot";
+  EXPECT_GT(high, 1);
+  EXPECT_GT(low, 1);
 }
 
 }  // namespace
