@@ -109,12 +109,7 @@ image::Image fill_mask(std::span<const Rgb> values, std::span<const uint8_t> mas
   image::Image out(width, height, 3);
   size_t next = 0;
   for (size_t i = 0; i < mask.size(); ++i) {
-    if (!mask[i]) continue;
-    const Rgb& value = values[next++];
-    float* p = out.pixels.data() + 3 * i;
-    p[0] = value.x;
-    p[1] = value.y;
-    p[2] = value.z;
+    if (mask[i]) out.set_rgb(i, values[next++]);
   }
   return out;
 }

@@ -180,10 +180,7 @@ PixelLight light_pixels(const pathtrace::Bvh& bvh, const pathtrace::Lights& ligh
     }
   }
   out.irradiance = image::Image(guides.width(), guides.height(), 3);
-  for (size_t i = 0; i < irradiance.size(); ++i) {
-    for (int c = 0; c < 3; ++c)
-      out.irradiance.pixels[3 * i + static_cast<size_t>(c)] = irradiance[i][c];
-  }
+  for (size_t i = 0; i < irradiance.size(); ++i) out.irradiance.set_rgb(i, irradiance[i]);
   if (!variance.empty()) {
     out.variance = image::Image(guides.width(), guides.height(), 1);
     out.variance.pixels = std::move(variance);

@@ -146,8 +146,7 @@ void paint_attention(const SceneAttention& inside, const AttentionMap& map, cons
     const auto x = static_cast<float>(i % static_cast<size_t>(width)) + 0.5f,
                y = static_cast<float>(i / static_cast<size_t>(width)) + 0.5f;
     position.push_back(projection.point(x, y, depth));
-    const float* n = &frame->normal.pixels[3 * i];
-    normal.push_back({n[0], n[1], n[2]});
+    normal.push_back(frame->normal.rgb(i));
     pixels.push_back(i);
   }
   const std::vector<float> values = inside.interpolate(map.values, position, normal);
@@ -159,9 +158,7 @@ void paint_attention(const SceneAttention& inside, const AttentionMap& map, cons
     const float slant = std::abs(dot(normal[k], normalize(camera.origin - position[k])));
     const float shade = kLeastShade + (1 - kLeastShade) * slant;
     const float mix = std::min(1.0f, t / kFromGrey);
-    const Rgb color = (kGrey * (1 - mix) + heat(t) * mix) * shade;
-    for (size_t c = 0; c < 3; ++c)
-      frame->color.pixels[3 * pixels[k] + c] = color[static_cast<int>(c)];
+    frame->color.set_rgb(pixels[k], (kGrey * (1 - mix) + heat(t) * mix) * shade);
   }
   if (const auto place = projection.place(mark)) ring(*place, &frame->color);
 }

@@ -39,13 +39,10 @@ class Filter {
     next_ = now_;
     position_.resize(count);
     normal_.resize(count);
-    const auto vector = [](const Image& from, size_t i) {
-      return Vec3{from.pixels[3 * i], from.pixels[3 * i + 1], from.pixels[3 * i + 2]};
-    };
     for (size_t i = 0; i < count; ++i) {
-      now_.color[i] = vector(noisy, i);
-      position_[i] = vector(*guides.position, i);
-      normal_[i] = vector(*guides.normal, i);
+      now_.color[i] = noisy.rgb(i);
+      position_[i] = guides.position->rgb(i);
+      normal_[i] = guides.normal->rgb(i);
     }
     linear_ = !std::isfinite(options.luminance_sigma);
     if (!linear_) find_variance(guides.variance);
@@ -58,9 +55,7 @@ class Filter {
       std::swap(now_, next_);
     }
     Image out(width_, height_, 3);
-    for (size_t i = 0; i < now_.color.size(); ++i) {
-      for (int c = 0; c < 3; ++c) out.pixels[3 * i + static_cast<size_t>(c)] = now_.color[i][c];
-    }
+    for (size_t i = 0; i < now_.color.size(); ++i) out.set_rgb(i, now_.color[i]);
     return out;
   }
 

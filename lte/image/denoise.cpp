@@ -12,8 +12,8 @@ namespace {
 constexpr float kLeastAlbedo = 1e-3f;
 
 bool is_background(const Image& normal, size_t pixel) {
-  const float* n = normal.pixels.data() + 3 * pixel;
-  return n[0] == 0 && n[1] == 0 && n[2] == 0;
+  const Vec3 n = normal.rgb(pixel);
+  return n.x == 0 && n.y == 0 && n.z == 0;
 }
 
 /// The light with what a denoiser cannot take set to 0.

@@ -35,8 +35,8 @@ FlipExposures flip_exposures(const Image& reference, std::span<const uint8_t> ma
   std::vector<double> values;
   for (size_t i = 0; i < reference.pixels.size() / 3; ++i) {
     if (!mask.empty() && mask[i] == 0) continue;
-    const float* p = reference.pixels.data() + 3 * i;
-    values.push_back(kLuminance[0] * p[0] + kLuminance[1] * p[1] + kLuminance[2] * p[2]);
+    const Rgb p = reference.rgb(i);
+    values.push_back(kLuminance[0] * p.x + kLuminance[1] * p.y + kLuminance[2] * p.z);
   }
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
