@@ -69,12 +69,10 @@ double predicted_gather_seconds(const RenderSettings& settings, const GatherRate
   const bool few_direct = settings.gather.direct && step > 1;
   const double shadow_rays =
       few_direct ? rays_of(settings.direct_samples) : double{1} * settings.direct_samples;
-  const bool smooth = settings.denoise == Denoise::On || (settings.denoise == Denoise::Auto &&
-                                                          settings.direct_samples <= kDenoiseUpTo);
   double passes = points;
   if (few_direct) {
     passes += settings.layers ? points : 0;
-  } else if (smooth) {
+  } else if (denoises_sampled(settings)) {
     passes += 1;
   }
   if (settings.denoise == Denoise::Off) passes = 0;

@@ -152,8 +152,8 @@ void claim_views(const RenderRequest& request, const std::vector<View>& views,
 /// answer in its place, unless the flag says otherwise.
 std::optional<runtime::Network> load_network(const RenderRequest& request, const Renderer& renderer,
                                              RenderSettings* settings, TableSettings* table) {
-  const bool gathers = renderer.needs_table(*settings);
-  if (gathers && table->light == TableLight::Raw) {
+  const PictureNeeds needs = renderer.needs(*settings);
+  if (needs.table && table->light == TableLight::Raw) {
     log_info("indirect light is gathered from ", table->entries,
              " path-traced estimates: no model is needed");
     return std::nullopt;
@@ -162,8 +162,7 @@ std::optional<runtime::Network> load_network(const RenderRequest& request, const
   const bool may_come = request.edit.any() && settings->mode == Mode::Neural &&
                         !is_geometry(settings->output) && settings->output != Output::Direct;
   const bool looks_inside = settings->output == Output::Attention;
-  if (!gathers && !renderer.needs_network(*settings) && !may_come && !looks_inside)
-    return std::nullopt;
+  if (!needs.table && !needs.network && !may_come && !looks_inside) return std::nullopt;
   const c10::Device device = nn::choose_device(request.tool.device, 0, "--device");
   std::optional<runtime::Network> network(
       std::in_place, checkpoint_or_shipped(request.checkpoint),
@@ -174,8 +173,8 @@ std::optional<runtime::Network> load_network(const RenderRequest& request, const
     log_warning(untrained_light_note(scene, network->metadata()));
     return network;
   }
-  log_info(traced_light_note(scene, gathers ? table->paths : settings->spp));
-  if (gathers) {
+  log_info(traced_light_note(scene, needs.table ? table->paths : settings->spp));
+  if (needs.table) {
     table->light = TableLight::Raw;
   } else {
     settings->indirect = Indirect::Paths;
@@ -211,7 +210,7 @@ PicturePlan plan_of(const RenderRequest& request, const RenderSettings& base, co
   const double budget = parse_time_budget(request.time_budget);
   const auto sparse = parse_enum<Sparse>("--sparse", request.sparse);
   PicturePlan plan =
-      renderer->needs_table(base)
+      renderer->needs(base).table
           ? plan_gathered(budget, work, sparse, request.given, base, view.camera, renderer)
           : plan_picture(budget, work, sparse, request.given, base, view.camera, renderer);
   log_info(view.out, ": ", enum_name(plan.quality), " quality fits into ", request.time_budget);
@@ -354,7 +353,7 @@ void run_render(const RenderRequest& request) {
     if (request.embedding.load.empty())
       memory.check_encoding(network->config(), scene_points(request, *network));
   }
-  const bool gathers = renderer.needs_table(settings);
+  const bool gathers = renderer.needs(settings).table;
   settings.keep_light = gathers && views.size() > 1 && request.gather.keep_light == "on";
   if (gathers) check_table_fits(table, scene, memory);
   check_picture_fits(settings, memory);

@@ -13,11 +13,8 @@ nlohmann::json seconds_json(const StageSeconds& seconds, double total) {
 }
 
 void add_seconds(const StageSeconds& picture, StageSeconds* sum) {
-  for (double StageSeconds::*stage :
-       {&StageSeconds::primary, &StageSeconds::decode, &StageSeconds::gather, &StageSeconds::direct,
-        &StageSeconds::denoise, &StageSeconds::reference, &StageSeconds::write}) {
-    sum->*stage += picture.*stage;
-  }
+  for (double StageSeconds::*stage : kPictureStages) sum->*stage += picture.*stage;
+  sum->write += picture.write;
 }
 
 void print_times(const StageSeconds& seconds, double total) {

@@ -34,9 +34,6 @@ void trace_paths(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
   const SurfacePoints points = points_of(guides);
   out->direct = Image(guides.width(), guides.height(), 3);
   if (request.indirect) out->indirect = out->direct;
-  const auto put = [](Image* image, uint64_t pixel, const Rgb& value) {
-    for (size_t c = 0; c < 3; ++c) image->pixels[3 * pixel + c] = value[static_cast<int>(c)];
-  };
   const auto groups = static_cast<size_t>(std::max(1, lights.groups()));
   const size_t block = std::min(kMostPoints, std::max(kLeastPoints, kEstimates / groups));
   for (size_t begin = 0; begin < points.pixel.size(); begin += block) {
@@ -46,8 +43,9 @@ void trace_paths(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
         std::span(points.normal).subspan(begin, count), options, static_cast<int64_t>(begin));
     for (size_t i = 0; i < count; ++i) {
       const uint64_t pixel = points.pixel[begin + i];
-      put(&out->direct, pixel, part.direct_sum(static_cast<int64_t>(i)));
-      if (request.indirect) put(&out->indirect, pixel, part.indirect_sum(static_cast<int64_t>(i)));
+      out->direct.set_rgb(pixel, part.direct_sum(static_cast<int64_t>(i)));
+      if (request.indirect)
+        out->indirect.set_rgb(pixel, part.indirect_sum(static_cast<int64_t>(i)));
     }
     if (request.done) request.done(static_cast<int64_t>(count));
   }

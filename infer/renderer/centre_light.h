@@ -11,18 +11,9 @@
 #include "infer/picture/shadow_rays.h"
 #include "infer/picture/surface_guides.h"
 #include "infer/renderer/gathered_light.h"
-#include "lte/base/enum_names.h"
 #include "lte/image/denoise.h"
 
 namespace lte::infer {
-
-enum class Denoise { Off, On, Auto };
-constexpr EnumNames<Denoise, 3> enum_names(Denoise) {
-  return {{{Denoise::Auto, "auto"}, {Denoise::On, "on"}, {Denoise::Off, "off"}}};
-}
-
-/// Shadow rays a pixel up to which Denoise::Auto takes noise away (docs/lab/direct-light.md).
-inline constexpr int kDenoiseUpTo = 16;
 
 /// What is wanted at the centres.
 struct CentreRequest {

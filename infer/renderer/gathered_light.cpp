@@ -22,15 +22,6 @@ constexpr int64_t kPixels = 1 << 14;  // that a thread takes at a time
 // independent of each other, and of direct light's.
 constexpr uint64_t kGather = 31, kAlone = 32, kHalves = 33;
 
-void put(Image* image, size_t pixel, const Rgb& value) {
-  for (size_t c = 0; c < 3; ++c) image->pixels[3 * pixel + c] = value[static_cast<int>(c)];
-}
-
-Rgb get(const Image& image, size_t pixel) {
-  const float* p = image.pixels.data() + 3 * pixel;
-  return {p[0], p[1], p[2]};
-}
-
 /// A view whose light is gathered.
 class Gatherer {
  public:
@@ -46,7 +37,7 @@ class Gatherer {
         rows_(settings.step, guides.height()) {
     reflects_.resize(guides.pixels());
     for (size_t i = 0; i < reflects_.size(); ++i) {
-      reflects_[i] = guides.mask[i] && max_component(get(guides.albedo, i)) > 0 &&
+      reflects_[i] = guides.mask[i] && max_component(guides.albedo.rgb(i)) > 0 &&
                      !(skip_metal && guides.metal[i]);
     }
     surfaces_.width = guides.width();
@@ -70,8 +61,8 @@ class Gatherer {
 
  private:
   void add_point(size_t pixel, int step, LitPoints* out) const {
-    out->position.push_back(get(guides_.position, pixel));
-    out->normal.push_back(get(guides_.normal, pixel));
+    out->position.push_back(guides_.position.rgb(pixel));
+    out->normal.push_back(guides_.normal.rgb(pixel));
     out->extent.push_back(guides_.depth[pixel] * surfaces_.pixel_size * static_cast<float>(step));
     out->pixel.push_back(pixel);
   }
@@ -99,12 +90,12 @@ class Gatherer {
     const PointLight light = light_points(scene, points, {rays, shadow_rays}, 0, &out_.work);
     for (size_t k = 0; k < points.size(); ++k) {
       if (direct_.shadow_rays == 0) {
-        put(&out_.indirect, points.pixel[k], light.indirect[k]);
+        out_.indirect.set_rgb(points.pixel[k], light.indirect[k]);
       } else if (direct_.sum) {
-        put(&out_.total, points.pixel[k], light.indirect[k] + light.direct[k]);
+        out_.total.set_rgb(points.pixel[k], light.indirect[k] + light.direct[k]);
       } else {
-        put(&out_.indirect, points.pixel[k], light.indirect[k]);
-        put(&out_.direct, points.pixel[k], light.direct[k]);
+        out_.indirect.set_rgb(points.pixel[k], light.indirect[k]);
+        out_.direct.set_rgb(points.pixel[k], light.direct[k]);
       }
     }
   }
@@ -115,18 +106,18 @@ class Gatherer {
     Image normal = black, position = black;
     for_grid([&](size_t small, size_t pixel) {
       if (!reflects_[pixel]) return;
-      put(&normal, small, get(guides_.normal, pixel));
-      put(&position, small, get(guides_.position, pixel));
+      normal.set_rgb(small, guides_.normal.rgb(pixel));
+      position.set_rgb(small, guides_.position.rgb(pixel));
     });
     for (Image* picture : pictures_) {
       Image light = black;
       for_grid([&](size_t small, size_t pixel) {
-        if (reflects_[pixel]) put(&light, small, get(*picture, pixel));
+        if (reflects_[pixel]) light.set_rgb(small, picture->rgb(pixel));
       });
       const Image clean =
           denoiser_->denoise({&light, &normal, &position, nullptr, nullptr}, settings_.quality);
       for_grid([&](size_t small, size_t pixel) {
-        if (reflects_[pixel]) put(picture, pixel, get(clean, small));
+        if (reflects_[pixel]) picture->set_rgb(pixel, clean.rgb(small));
       });
     }
   }
@@ -147,8 +138,8 @@ class Gatherer {
     const Timer timer;
     std::vector<Vec3> position(guides_.pixels()), normal(guides_.pixels());
     for_pixels([&](size_t i) {
-      position[i] = get(guides_.position, i);
-      normal[i] = get(guides_.normal, i);
+      position[i] = guides_.position.rgb(i);
+      normal[i] = guides_.normal.rgb(i);
     });
     surfaces_.position = position;
     surfaces_.normal = normal;
@@ -159,12 +150,12 @@ class Gatherer {
       std::vector<Rgb> values(guides_.pixels());
       std::vector<uint8_t> known(guides_.pixels());
       for_grid([&](size_t, size_t pixel) {
-        values[pixel] = get(*picture, pixel);
+        values[pixel] = picture->rgb(pixel);
         known[pixel] = reflects_[pixel];
       });
       open = gi::upsample(surfaces_, settings_.step, known, values);
       for_pixels([&](size_t i) {
-        if (reflects_[i]) put(picture, i, values[i]);
+        if (reflects_[i]) picture->set_rgb(i, values[i]);
       });
     }
     out_.fill_seconds = timer.seconds();
@@ -197,7 +188,8 @@ class Gatherer {
           light_points({scene_.bvh, scene_.lights, none, scene_.max_depth,
                         hash_combine(hash_combine(scene_.seed, kHalves), h)},
                        points, {std::max(1, settings_.paths / 2), 0}, 0, &work);
-      for (size_t k = 0; k < points.size(); ++k) put(&half[h], points.pixel[k], light.indirect[k]);
+      for (size_t k = 0; k < points.size(); ++k)
+        half[h].set_rgb(points.pixel[k], light.indirect[k]);
     }
     out_.path_seconds = timer.seconds();
     timer.restart();

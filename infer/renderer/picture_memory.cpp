@@ -42,18 +42,6 @@ std::string picture_text(const RenderSettings& settings) {
   return concat("a picture of ", settings.width, "x", settings.height);
 }
 
-bool gathers(const RenderSettings& settings) {
-  return settings.mode == Mode::Neural && settings.indirect == Indirect::Gather;
-}
-
-/// Whether centres may be sampled before the bands.
-bool samples_centres(const RenderSettings& settings) {
-  if (is_geometry(settings.output)) return false;
-  const bool few = settings.mode == Mode::Neural && settings.direct_samples <= kDenoiseUpTo;
-  return gathers(settings) || settings.adaptive_direct || settings.denoise == Denoise::On ||
-         (settings.denoise == Denoise::Auto && few);
-}
-
 double light_layers(const RenderSettings& settings) {
   if (is_geometry(settings.output)) return 0;
   return settings.output == Output::Direct ? 1 : 2;
@@ -72,19 +60,19 @@ double picture_mb(const RenderSettings& settings) {
                       (settings.sparse ? kSparseBytes : 0);
   // The last band is gone when the picture is written.
   const double bands = (pixels * frame + std::max(pixels * writing, band * work)) / kMib;
-  if (!samples_centres(settings)) return bands;
-  const double gather = !gathers(settings)          ? 0
+  const PictureNeeds needs = needs_of(settings, /*has_light=*/true, /*total=*/false);
+  if (!needs.centres) return bands;
+  const double gather = !needs.table                ? 0
                         : settings.gather.paths > 0 ? kGatherBytes + kCorrectionBytes
                                                     : kGatherBytes;
-  const bool by_paths = settings.mode == Mode::Reference && settings.output == Output::Full;
-  const double strip = by_paths ? pixels : std::min(pixels, kStrip);
-  const double step = gathers(settings) && settings.gather.direct ? settings.gather.step : 1;
+  const double strip = needs.radiance ? pixels : std::min(pixels, kStrip);
+  const double step = needs.table && settings.gather.direct ? settings.gather.step : 1;
   const double centres =
       strip * (kCentreBytes + gather) / kMib +
       std::min(kMostOidnMib, strip / (step * step) * kOidnBytes / kMib) +
       (strip < pixels ? pixels * frame / kMib : 0);  // that has some strips already
   const double hits = std::min(pixels, kStrip) * kHitBytes / kMib;
-  const double cells = gathers(settings) && settings.keep_light ? kCellsMib : 0;
+  const double cells = needs.table && settings.keep_light ? kCellsMib : 0;
   return std::max(bands + strip * kKeptBytes / kMib, centres) + hits + cells;
 }
 

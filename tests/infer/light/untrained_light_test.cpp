@@ -101,7 +101,7 @@ TEST(UntrainedLight, PathsAnswerWithoutANetworkAsThePathTracerOfPicturesDoes) {
   const scene::Scene scene = sunny_room();
   Renderer renderer(scene);
   const RenderSettings paths = settings(Output::Full, Mode::Neural, Indirect::Paths);
-  EXPECT_FALSE(renderer.needs_network(paths));
+  EXPECT_FALSE(renderer.needs(paths).network);
   const Frame frame = renderer.render(into_the_room(), paths);
   EXPECT_EQ(frame.traced_pixels, int64_t{32} * 24 - frame.background);
   EXPECT_EQ(frame.queries, 0);

@@ -304,8 +304,8 @@ TEST(GatheredLight, NeedsATableAndForTheNetworksAnEmbedding) {
   const scene::Scene scene = test::furnished_room();
   Renderer renderer(scene);
   const RenderSettings settings = gathered(8, 8, 4, 1);
-  EXPECT_FALSE(renderer.needs_network(settings));
-  EXPECT_TRUE(renderer.needs_table(settings));
+  EXPECT_FALSE(renderer.needs(settings).network);
+  EXPECT_TRUE(renderer.needs(settings).table);
   EXPECT_THAT([&] { renderer.render(into_the_room(), settings); },
               ThrowsMessage<Error>(HasSubstr("make_table() comes first")));
   TableSettings table;

@@ -58,7 +58,7 @@ inline scene::Scene exported(const SessionState& state) {
 inline Frame rendered(const scene::Scene& scene, const runtime::Network& network,
                       const RenderSettings& settings) {
   Renderer renderer(scene);
-  if (renderer.needs_network(settings)) renderer.embed(network, {});
+  if (renderer.needs(settings).network) renderer.embed(network, {});
   return renderer.render(camera(), settings);
 }
 

@@ -1,0 +1,208 @@
+#include "infer/renderer/picture_job.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "infer/picture/compose.h"
+#include "lte/base/check.h"
+#include "lte/base/random.h"
+#include "lte/base/timer.h"
+#include "lte/pathtrace/render.h"
+
+namespace lte::infer {
+namespace {
+
+using image::Image;
+
+// Pixels of a band.
+constexpr int64_t kBandPixels = int64_t{1} << 18;
+// Rows around a strip that the denoiser sees.
+constexpr int kRowsAround = 32;
+
+}  // namespace
+
+PictureJob::PictureJob(const PictureSources& sources, const scene::Camera& camera,
+                       const RenderSettings& settings, const PictureNeeds& needs)
+    : from_(sources), camera_(camera), settings_(settings), needs_(needs) {
+  LTE_CHECK(settings.width > 0 && settings.height > 0, "size ", settings.width, "x",
+            settings.height, ": both sides must be positive");
+  LTE_CHECK(!needs.network || settings.answerer || from_.embedding != nullptr,
+            "this output needs a model: embed() comes first");
+  LTE_CHECK(!needs.table || from_.table != nullptr,
+            "there is no table of light: make_table() comes first");
+}
+
+/// A pixel is told of once, by the first stage that has come so far.
+void PictureJob::advance(int64_t pixels) {
+  pixels = std::min(pixels, band_pixels_ - done_);
+  if (settings_.done && pixels > 0 && !centres_) settings_.done(pixels);
+  done_ += pixels;
+}
+
+/// What takes noise away. The picture says so.
+const image::Denoiser* PictureJob::denoiser() {
+  const image::Denoiser& denoiser = from_.denoiser.get();
+  denoised_by_ = denoiser.description();
+  return &denoiser;
+}
+
+/// What is asked for at a strip's centres.
+CentreRequest PictureJob::centre_request(const PictureRows& strip) {
+  const bool reference = settings_.mode == Mode::Reference;
+  CentreRequest request;
+  request.direct = reference || needs_.direct;
+  request.shadow_rays = {settings_.direct_samples, settings_.adaptive_direct, false,
+                         settings_.seed};
+  // Strips have streams of their own.
+  if (strip.first > 0)
+    request.shadow_rays.seed = hash_combine(settings_.seed, static_cast<uint64_t>(strip.first));
+  request.paths = reference;
+  request.indirect = reference && needs_.indirect;
+  request.path_count = settings_.spp;
+  request.max_depth = settings_.max_depth;
+  if (request.direct && needs_.denoises_sampled) request.denoiser = denoiser();
+  if (!needs_.table) return request;
+  request.table = from_.table;
+  request.gather = settings_.gather;
+  request.gather.direct = needs_.gathers_direct;
+  request.quality = settings_.gather.quality;
+  if (needs_.denoises_gathered) request.gather_denoiser = denoiser();
+  request.pixel_size = pathtrace::pixel_size(camera_, settings_.height);
+  request.skip_metal = needs_.metal == Metal::Trace;
+  // Without layers nobody asks which light is which.
+  request.sum = !settings_.layers && settings_.gather.paths == 0;
+  if (needs_.keeps_cells) request.cells = from_.cells;
+  request.view = view_;
+  return request;
+}
+
+/// Samples the light of a strip's centres. A reference's noise is taken away when it is whole: then
+/// the hits are kept, where they are not too many.
+void PictureJob::prepare_centres(const PictureRows& strip) {
+  hits_.reset();
+  centres_.reset();
+  if (!needs_.centres || (needs_.radiance && pixels() > kStripPixels)) return;
+  const Timer timer;
+  first_row_ = std::max(0, strip.first - kRowsAround);
+  hits_ =
+      pathtrace::trace_gbuffer_rows(from_.bvh, camera_, settings_.width, settings_.height,
+                                    first_row_, std::min(strip.height, strip.last + kRowsAround));
+  seconds_.primary += timer.seconds();
+  if (needs_.radiance) return;
+  CentreRequest request = centre_request(strip);
+  int64_t untold = int64_t{strip.width} * (strip.last - strip.first);
+  if (settings_.done) {
+    request.done = [&](int64_t pixels) {  // of the strip, not of the rows around it
+      pixels = std::min(pixels, untold);
+      if (pixels > 0) settings_.done(pixels);
+      untold -= pixels;
+    };
+  }
+  centres_ = light_centres(from_.bvh, from_.lights, guides_of(*hits_), request);
+  counted_ = false;
+  (request.paths ? seconds_.reference : seconds_.direct) += centres_->sampling_seconds;
+  seconds_.denoise += centres_->denoising_seconds;
+  seconds_.gather += centres_->gathering_seconds;
+  seconds_.reference += centres_->path_seconds;
+}
+
+BandLight PictureJob::neural(const PictureBand& band) {
+  BandLight light;
+  if (needs_.network) decode(band, &light);
+  if (needs_.table) gather(band, &light);
+  trace_metal(band, &light);
+  if (needs_.indirect && settings_.indirect == Indirect::Paths) {
+    const Timer timer;
+    estimate(band, {settings_.spp, /*direct=*/false, /*indirect=*/true}, &light);
+    seconds_.reference += timer.seconds();
+  }
+  if (!needs_.direct || needs_.gathers_direct) return light;
+  const Timer timer;
+  sample_direct(band, &light);
+  seconds_.direct += timer.seconds();
+  if (!light.total) return light;
+  light.indirect = std::move(light.total);
+  light.total.reset();
+  for (size_t i = 0; i < light.indirect->size(); ++i)
+    (*light.indirect)[i] = max((*light.indirect)[i] - (*light.direct)[i], {0, 0, 0});
+  return light;
+}
+
+BandLight PictureJob::reference(const PictureBand& band) {
+  BandLight light;
+  trace_metal(band, &light);
+  const Timer timer;
+  estimate(band, {settings_.spp, /*direct=*/true, needs_.indirect}, &light);
+  seconds_.reference += timer.seconds();
+  return light;
+}
+
+Frame PictureJob::render_band(const PictureRows& rows) {
+  band_pixels_ = int64_t{rows.width} * (rows.last - rows.first);
+  done_ = 0;
+  if (settings_.pace)
+    settings_.pace->begin_rows(band_pixels_, int64_t{rows.width} * (rows.height - rows.last));
+  const Timer timer;
+  const PictureBand band(from_.bvh, camera_, rows,
+                         {needs_.radiance ? 0 : settings_.antialias, needs_.metal,
+                          settings_.output == Output::Irradiance},
+                         hits_ ? &*hits_ : nullptr, first_row_);
+  seconds_.primary += timer.seconds();
+  BandLight light;
+  if (needs_.light && !needs_.radiance)
+    light = settings_.mode == Mode::Neural ? neural(band) : reference(band);
+  centre_queries_ += band.centre_queries();
+  extra_queries_ += band.queries().size() - band.centre_queries();
+  Frame frame = band.resolve(light);
+  if (settings_.mode == Mode::Neural && settings_.indirect == Indirect::Paths && light.indirect) {
+    frame.traced_pixels += band.centre_queries();
+    frame.queries = 0;
+  }
+  if (needs_.radiance) return frame;
+  frame.color = needs_.light || is_geometry(settings_.output)
+                    ? compose(frame, settings_.output)
+                    : Image(frame.albedo.width, frame.albedo.height, 3);
+  advance(band_pixels_);
+  return frame;
+}
+
+/// The colors of a reference by paths through whole pixels.
+void PictureJob::add_radiance(Frame* frame) {
+  const int width = settings_.width, height = settings_.height;
+  const Timer timer;
+  pathtrace::RadianceLayers layers;
+  frame->color =
+      pathtrace::render_reference(from_.bvh, from_.lights, camera_, width, height,
+                                  {settings_.spp, settings_.max_depth + 1, settings_.seed},
+                                  settings_.done, settings_.layers ? &layers : nullptr);
+  if (settings_.layers) put_radiance(std::move(layers), frame);
+  seconds_.reference = timer.seconds();
+  if (!needs_.centres) return;
+  const Timer tracing;
+  const SurfaceGuides guides =
+      hits_ ? guides_of(*hits_) : trace_guides(from_.bvh, camera_, width, height);
+  seconds_.primary += tracing.seconds();
+  const Timer denoising;
+  frame->color = denoise_radiance(*denoiser(), guides, frame->color);
+  seconds_.denoise += denoising.seconds();
+}
+
+Frame PictureJob::render() {
+  if (needs_.keeps_cells) view_ = from_.cells->begin_view();
+  const int width = settings_.width, height = settings_.height;
+  const int64_t tall = kBandPixels / width / kBandRows * kBandRows;
+  const auto band_rows = static_cast<int>(std::max<int64_t>(tall, kBandRows));
+  Frame frame;
+  for (int first = 0; first < height; first += needs_.strip_rows) {
+    const int last = std::min(first + needs_.strip_rows, height);
+    prepare_centres({width, height, first, last});
+    for (int row = first; row < last; row += band_rows) {
+      const PictureRows rows{width, height, row, std::min(row + band_rows, last)};
+      put_band(render_band(rows), row, settings_.layers, height, &frame);
+    }
+  }
+  if (needs_.radiance) add_radiance(&frame);
+  return frame;
+}
+
+}  // namespace lte::infer
