@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <utility>
 
+#include "infer/eval/cached_light.h"
+#include "infer/eval/denoised_paths.h"
 #include "infer/eval/embed_sample.h"
 #include "infer/eval/eval_points.h"
 #include "infer/eval/probes.h"
@@ -21,6 +24,8 @@ namespace {
 constexpr double kSameScale = 1e-6;
 
 std::string few_paths_row(int paths) { return concat("path_tracing_", paths); }
+
+std::string denoised_row(const std::string& row) { return row + "_denoised"; }
 
 /// The network's indirect irradiance over the emission scalar. A model of total irradiance is
 /// compared on the same quantity, from which the reference's direct light is subtracted.
@@ -50,6 +55,9 @@ struct Predictors {
       if (!points.path_traced_few[i].empty())
         out.emplace_back(few_paths_row(data::kFewPaths[i]), points.path_traced_few[i]);
     }
+    if (auto light = cached_light(network, points.queries); !light.empty()) {
+      out.emplace_back("light_cache", data::sum_groups(light, 1, 1 / network.mean_emission()));
+    }
     out.emplace_back("constant_mean", baselines.constant_mean(points.queries));
     out.emplace_back("nearest_point", baselines.nearest_point(points.queries));
     out.emplace_back("blurred_direct", baselines.blurred_direct(points.queries));
@@ -59,6 +67,16 @@ struct Predictors {
     return out;
   }
 };
+
+/// Path tracing with a denoiser: rows that views alone have.
+void add_denoised(const image::Denoiser& denoiser, const data::View& view, Predictions* rows) {
+  Predictions denoised;
+  for (const auto& [name, light] : *rows) {
+    if (name.starts_with("path_tracing_"))
+      denoised.emplace_back(denoised_row(name), denoised_paths(denoiser, view, light));
+  }
+  std::move(denoised.begin(), denoised.end(), std::back_inserter(*rows));
+}
 
 /// Scores of one view, added up over the views of a scene; the caller divides.
 class ViewSums {
@@ -103,8 +121,8 @@ class ViewSums {
   int views_ = 0;
 };
 
-/// Adds rows of fewer paths after that of 64, if it is there. They are derived from it, except for
-/// views where the data has traced ones.
+/// Adds rows of fewer paths after that of 64, if it is there, and those of a denoiser. The former
+/// are derived from that of 64, except for views where the data has traced ones.
 void add_fewer_paths(const ReferenceNoise& points, const ViewSums& views, Scores* scores) {
   const auto found = std::find_if(scores->begin(), scores->end(),
                                   [](const auto& entry) { return entry.first == kPathTraced; });
@@ -116,6 +134,15 @@ void add_fewer_paths(const ReferenceNoise& points, const ViewSums& views, Scores
     Score score = derived_path_tracing(at_64, points, views.noise(), paths);
     score.views = views.mean(name).value_or(score.views);
     rows.emplace_back(name, score);
+  }
+  std::vector<std::string> traced = {kPathTraced};
+  for (const int paths : data::kFewPaths) traced.push_back(few_paths_row(paths));
+  for (const std::string& name : traced) {
+    const auto seen = views.mean(denoised_row(name));
+    if (!seen) continue;
+    Score score;
+    score.views = *seen;
+    rows.emplace_back(denoised_row(name), score);
   }
   scores->insert(found + 1, rows.begin(), rows.end());
 }
@@ -142,7 +169,7 @@ int64_t probe_count(const EvalSettings& settings, const data::SceneSample& sampl
 
 SceneResult evaluate_scene(const EvalSettings& settings, const data::DatasetInfo& info,
                            const data::SceneSample& sample, const runtime::Network& network,
-                           const Baselines& fitted) {
+                           const Baselines& fitted, const image::Denoiser& denoiser) {
   SceneResult result;
   result.name = sample.name;
   result.points = sample.query_points();
@@ -170,7 +197,8 @@ SceneResult evaluate_scene(const EvalSettings& settings, const data::DatasetInfo
   for (size_t k = 0; k < sample.views.size(); ++k) {
     const data::View& view = sample.views[k];
     const ViewPixels pixels(view, sample.light_groups, result.radiance);
-    const Predictions predictions = predictors.predict(pixels.points, &result.decode_seconds);
+    Predictions predictions = predictors.predict(pixels.points, &result.decode_seconds);
+    if (denoiser.is_oidn()) add_denoised(denoiser, view, &predictions);
     sums.add(predictions, pixels, view);
     if (settings.on_view) {
       settings.on_view({sample.name, static_cast<int>(k), view, pixels.points.reference,
@@ -243,6 +271,7 @@ EvalResult evaluate(const EvalSettings& settings, const runtime::Network& networ
     log_warning(settings.data.string(),
                 ": scenes with directional lights, but the model was trained without any");
   }
+  const image::Denoiser denoiser;
   EvalResult result;
   result.split = data::split_name(settings.split);
   result.bootstrap = settings.bootstrap;
@@ -251,7 +280,7 @@ EvalResult evaluate(const EvalSettings& settings, const runtime::Network& networ
     data::SceneSample sample = data::read_scene_sample(data::scene_path(settings.data, entry.name));
     data::drop_idle_queries(&sample);
     sample.name = entry.name;
-    result.scenes.push_back(evaluate_scene(settings, info, sample, network, baselines));
+    result.scenes.push_back(evaluate_scene(settings, info, sample, network, baselines, denoiser));
     if (settings.on_scene) settings.on_scene();
     progress.advance();
   }
