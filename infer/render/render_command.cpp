@@ -152,15 +152,16 @@ void claim_views(const RenderRequest& request, const std::vector<View>& views,
 /// answer in its place, unless the flag says otherwise.
 std::optional<runtime::Network> load_network(const RenderRequest& request, const Renderer& renderer,
                                              RenderSettings* settings, TableSettings* table) {
-  const bool gathers = renderer.needs_table(*settings);
+  // An edit may bring light to a scene without any.
+  const bool may_come = request.edit.any() && settings->mode == Mode::Neural &&
+                        !is_geometry(settings->output) && settings->output != Output::Direct;
+  const bool gathers =
+      renderer.needs_table(*settings) || (may_come && settings->indirect == Indirect::Gather);
   if (gathers && table->light == TableLight::Raw) {
     log_info("indirect light is gathered from ", table->entries,
              " path-traced estimates: no model is needed");
     return std::nullopt;
   }
-  // An edit may bring light to a scene without any.
-  const bool may_come = request.edit.any() && settings->mode == Mode::Neural &&
-                        !is_geometry(settings->output) && settings->output != Output::Direct;
   const bool looks_inside = settings->output == Output::Attention;
   if (!gathers && !renderer.needs_network(*settings) && !may_come && !looks_inside)
     return std::nullopt;
@@ -310,8 +311,10 @@ void run_render(const RenderRequest& request) {
   check_dial(request);
   check_edit_flags(request.edit, request.out);
   check_attention_flags(request);
-  LTE_CHECK(!request.edit.any() || request.gather.by == Indirect::Network, "--edit and --indirect ",
-            request.gather.indirect, ": of an edited scene the network answers");
+  LTE_CHECK(!request.edit.any() || request.gather.by != Indirect::Paths,
+            "--edit and --indirect paths: expected network or gather");
+  LTE_CHECK(!request.edit.any() || request.gather.table == "raw",
+            "--edit and --table network: of an edited scene the table is path-traced (raw)");
   CommandFiles files;
   claim_files(request, &files);
   apply_tool_options(request.tool);
@@ -379,14 +382,15 @@ void run_render(const RenderRequest& request) {
     edited = std::make_unique<EditedFrames>(
         *script, all_views, scene, network,
         SessionSettings{embed_settings(request.embedding, request.seed, memory),
-                        request.untrained_light == "network"});
+                        request.untrained_light == "network"},
+        table);
     check_picture_fits(settings, memory);
   }
   if (network && !script && (!views.empty() || !request.embedding.save.empty())) {
     embed(request, *network, memory, &renderer);
     check_picture_fits(settings, memory);
   }
-  if (gathers && !views.empty()) {
+  if (gathers && !views.empty() && !script) {
     check_table_fits(table, scene, memory);
     renderer.make_table(table);
   }
