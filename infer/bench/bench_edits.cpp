@@ -9,6 +9,7 @@
 
 #include "infer/bench/bench.h"
 #include "infer/bench/edit_growth.h"
+#include "infer/bench/encoding_reuse.h"
 #include "infer/session/dimmable_picture.h"
 #include "infer/session/session.h"
 #include "infer/tool/assets.h"
@@ -74,6 +75,7 @@ class EditBench {
   }
 
   std::vector<BenchResult> run(int random_edits) {
+    compare_encodings_of_a_move();
     picture(camera_);  // warm
     measure("camera move", [&](int) { return EditReport{}; });
     measure_once("dim a lamp, the first time", [&] {
@@ -104,6 +106,14 @@ class EditBench {
     MoveInstance edit{info.id, info.to_world};
     edit.to_world.m[0][3] += 0.02f * static_cast<float>(step + 1);
     return edit;
+  }
+
+  /// Before any luminaire is apart.
+  void compare_encodings_of_a_move() {
+    const StatePtr before = session_.state();
+    session_.apply(moved(objects_[objects_.size() / 2], 0));
+    results_.push_back(compare_encodings(*before, *session_.state()));
+    session_.undo();
   }
 
   /// All of the light at once, and step by step as lte_view has it.

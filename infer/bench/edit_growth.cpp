@@ -1,10 +1,12 @@
 #include "infer/bench/edit_growth.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <vector>
 
 #include "lte/base/check.h"
+#include "lte/base/log.h"
 #include "lte/base/process_memory.h"
 #include "lte/base/random.h"
 #include "lte/base/timer.h"
@@ -14,7 +16,10 @@ namespace {
 
 /// Things that random edits have added and not yet taken away, at a time.
 constexpr size_t kMostAdded = 4;
-constexpr int kEditsAPicture = 10;
+/// While a hand drags, light follows after some edits, and all of it, with a picture, now and then.
+constexpr int kEditsALight = 4, kEditsAPicture = 40;
+/// Places between the first edit and the last where resident memory is written down.
+constexpr int kRows = 4;
 
 class RandomEdits {
  public:
@@ -70,7 +75,6 @@ class RandomEdits {
         session_.undo(kKept);
         session_.redo(kKept);
     }
-    session_.refine(Accuracy::Draft);
   }
 
  private:
@@ -100,21 +104,28 @@ BenchResult measure_growth(Session* session, const scene::Camera& camera,
   RandomEdits random(session);
   const auto make = [&](int step) {
     random.make(step);
+    if (step % kEditsALight == 0) session->refine(Accuracy::Draft);
     if (step % kEditsAPicture != 0) return;
     session->refine();
     session->state()->render(camera, settings);
   };
+  BenchResult row{"random edits", edits, 0, 0, {}};
   const int warm = std::max(1, edits / 10);
-  for (int i = 0; i < warm; ++i) make(i);
-  const double before = current_rss_mb();
+  double before = current_rss_mb();
+  row.figures["rss_at_0_mb"] = before;
   const Timer timer;
-  for (int i = warm; i < edits; ++i) make(i);
-  const double seconds = timer.seconds() / std::max(1, edits - warm);
-  BenchResult row{"random edits", edits, seconds, seconds, {}};
+  for (int i = 1; i <= edits; ++i) {
+    make(i);
+    const double now = current_rss_mb();
+    if (i == warm) before = row.figures["rss_after_a_tenth_mb"] = now;
+    if (i % std::max(1, edits / kRows) == 0) {
+      row.figures[concat("rss_at_", i, "_mb")] = now;
+      log_info(i, " of ", edits, " random edits, ", std::lround(now), " MB resident");
+    }
+  }
+  row.seconds_min = row.seconds_median = timer.seconds() / edits;
   const SessionMemory memory = session->memory();
   const double after = current_rss_mb();
-  row.figures["rss_after_a_tenth_mb"] = before;
-  row.figures["rss_at_the_end_mb"] = after;
   row.figures["peak_rss_mb"] = peak_rss_mb();
   row.figures["states"] = static_cast<double>(memory.states);
   row.figures["undo_mb"] = static_cast<double>(memory.undo_bytes) / (1 << 20);

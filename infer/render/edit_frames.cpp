@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "infer/render/video.h"
+#include "infer/session/state.h"
 #include "lte/base/check.h"
 
 namespace lte::infer {
@@ -38,17 +39,33 @@ std::vector<View> edit_views(const EditScript& script, const scene::Scene& scene
 
 EditedFrames::EditedFrames(EditScript script, const std::vector<View>& all,
                            const scene::Scene& scene, std::optional<runtime::Network> network,
-                           const SessionSettings& settings)
+                           const SessionSettings& settings, const TableSettings& table)
     : script_(std::move(script)),
       session_(scene, std::move(network), settings),
-      player_(script_, &session_) {
+      player_(script_, &session_),
+      table_(table) {
   for (size_t i = 0; i < all.size(); ++i) frame_of_[all[i].out] = static_cast<int>(i);
 }
 
 Frame EditedFrames::render(const View& view, const RenderSettings& settings, nlohmann::json* report,
                            StageSeconds* seconds) {
   *report = edit_json(player_.go_to(frame_of_.at(view.out)));
+  if (settings.indirect == Indirect::Gather) return gather(view, settings, seconds);
   return session_.state()->render(view.camera, settings, seconds);
+}
+
+Frame EditedFrames::gather(const View& view, const RenderSettings& settings,
+                           StageSeconds* seconds) {
+  const StatePtr state = session_.state();
+  if (state != gathered_) {  // otherwise the camera alone has moved
+    const SessionState::Parts& parts = state->parts();
+    gatherer_.emplace(parts.bvh, parts.lights, parts.base->denoiser);
+    gathered_ = state;
+    if (gatherer_->needs(settings).table) gatherer_->make_table(table_);
+  }
+  Frame frame = gatherer_->render(view.camera, settings);
+  *seconds = std::exchange(gatherer_->seconds(), {});
+  return frame;
 }
 
 void EditedFrames::finish(const EditFlags& flags, const std::string& pattern) {

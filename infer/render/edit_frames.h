@@ -30,9 +30,12 @@ std::vector<View> edit_views(const EditScript& script, const scene::Scene& scene
 class EditedFrames {
  public:
   /// Encodes the scene.
-  /// @param all  the views of every frame, in order
+  /// @param all      the views of every frame, in order
+  /// @param network  none for Indirect::Gather
+  /// @param table    of Indirect::Gather; made anew for each frame that an edit has changed
   EditedFrames(EditScript script, const std::vector<View>& all, const scene::Scene& scene,
-               std::optional<runtime::Network> network, const SessionSettings& settings);
+               std::optional<runtime::Network> network, const SessionSettings& settings,
+               const TableSettings& table);
 
   /// Plays the script up to the frame of `view` and renders it.
   /// @param report   the edits as JSON: what was redone, milliseconds
@@ -44,10 +47,15 @@ class EditedFrames {
   void finish(const EditFlags& flags, const std::string& pattern);
 
  private:
+  Frame gather(const View& view, const RenderSettings& settings, StageSeconds* seconds);
+
   EditScript script_;
   Session session_;
   EditPlayer player_;
+  TableSettings table_;
   std::map<std::string, int> frame_of_;  ///< by file name
+  std::optional<Renderer> gatherer_;     ///< of the state `gathered_`, which its table is of
+  StatePtr gathered_;
 };
 
 }  // namespace lte::infer

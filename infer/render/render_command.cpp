@@ -153,16 +153,17 @@ void claim_views(const RenderRequest& request, const std::vector<View>& views,
 std::optional<runtime::Network> load_network(const RenderRequest& request, const Renderer& renderer,
                                              RenderSettings* settings, TableSettings* table) {
   const PictureNeeds needs = renderer.needs(*settings);
-  if (needs.table && table->light == TableLight::Raw) {
+  // An edit may bring light to a scene without any.
+  const bool may_come = request.edit.any() && settings->mode == Mode::Neural &&
+                        !is_geometry(settings->output) && settings->output != Output::Direct;
+  const bool gathers = needs.table || (may_come && settings->indirect == Indirect::Gather);
+  if (gathers && table->light == TableLight::Raw) {
     log_info("indirect light is gathered from ", table->entries,
              " path-traced estimates: no model is needed");
     return std::nullopt;
   }
-  // An edit may bring light to a scene without any.
-  const bool may_come = request.edit.any() && settings->mode == Mode::Neural &&
-                        !is_geometry(settings->output) && settings->output != Output::Direct;
   const bool looks_inside = settings->output == Output::Attention;
-  if (!needs.table && !needs.network && !may_come && !looks_inside) return std::nullopt;
+  if (!gathers && !needs.network && !may_come && !looks_inside) return std::nullopt;
   const c10::Device device = nn::choose_device(request.tool.device, 0, "--device");
   std::optional<runtime::Network> network(
       std::in_place, checkpoint_or_shipped(request.checkpoint),
@@ -173,8 +174,8 @@ std::optional<runtime::Network> load_network(const RenderRequest& request, const
     log_warning(untrained_light_note(scene, network->metadata()));
     return network;
   }
-  log_info(traced_light_note(scene, needs.table ? table->paths : settings->spp));
-  if (needs.table) {
+  log_info(traced_light_note(scene, gathers ? table->paths : settings->spp));
+  if (gathers) {
     table->light = TableLight::Raw;
   } else {
     settings->indirect = Indirect::Paths;
@@ -309,8 +310,10 @@ void run_render(const RenderRequest& request) {
   check_dial(request);
   check_edit_flags(request.edit, request.out);
   check_attention_flags(request);
-  LTE_CHECK(!request.edit.any() || request.gather.by == Indirect::Network, "--edit and --indirect ",
-            request.gather.indirect, ": of an edited scene the network answers");
+  LTE_CHECK(!request.edit.any() || request.gather.by != Indirect::Paths,
+            "--edit and --indirect paths: expected network or gather");
+  LTE_CHECK(!request.edit.any() || request.gather.table == "raw",
+            "--edit and --table network: of an edited scene the table is path-traced (raw)");
   CommandFiles files;
   claim_files(request, &files);
   apply_tool_options(request.tool);
@@ -378,14 +381,15 @@ void run_render(const RenderRequest& request) {
     edited = std::make_unique<EditedFrames>(
         *script, all_views, scene, network,
         SessionSettings{embed_settings(request.embedding, request.seed, memory),
-                        request.untrained_light == "network"});
+                        request.untrained_light == "network"},
+        table);
     check_picture_fits(settings, memory);
   }
   if (network && !script && (!views.empty() || !request.embedding.save.empty())) {
     embed(request, *network, memory, &renderer);
     check_picture_fits(settings, memory);
   }
-  if (gathers && !views.empty()) {
+  if (gathers && !views.empty() && !script) {
     check_table_fits(table, scene, memory);
     renderer.make_table(table);
   }

@@ -88,13 +88,13 @@ void DimmablePicture::add(const scene::Camera& camera, RenderSettings settings, 
   settings.layers = false;
   settings.direct_samples = std::max(1, settings.direct_samples / layers());
   settings.spp = std::max(1, settings.spp / layers());
-  std::vector<Frame> frames;
-  *seconds = {};
-  for (const Layer& layer : layers_) {
+  while (unfinished_.size() < layers_.size()) {
     StageSeconds part;
-    frames.push_back(layer.alone->render(camera, settings, &part));
-    for (const Stage& stage : kStages) seconds->*stage.seconds += part.*stage.seconds;
+    unfinished_.push_back(layers_[unfinished_.size()].alone->render(camera, settings, &part));
+    for (const Stage& stage : kStages) unfinished_seconds_.*stage.seconds += part.*stage.seconds;
   }
+  std::vector<Frame> frames = std::exchange(unfinished_, {});
+  *seconds = std::exchange(unfinished_seconds_, {});
   if (anew) clear();
   for (size_t i = 0; i < layers_.size(); ++i) {
     if (pictures_ == 0) {
@@ -105,6 +105,12 @@ void DimmablePicture::add(const scene::Camera& camera, RenderSettings settings, 
   }
   depth_ = std::move(frames.front().depth);
   ++pictures_;
+}
+
+void DimmablePicture::clear() {
+  pictures_ = 0;
+  unfinished_.clear();
+  unfinished_seconds_ = {};
 }
 
 image::Image DimmablePicture::color(const SessionState& state) const {

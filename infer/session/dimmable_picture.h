@@ -33,14 +33,17 @@ class DimmablePicture {
   int layers() const { return static_cast<int>(layers_.size()); }
 
   /// Renders a picture a layer and adds it to the sums; shadow rays and paths are shared out among
-  /// the layers. What an exception of `settings.done` ends has not happened.
+  /// the layers.
+  ///
+  /// What an exception of `settings.done` ends has not happened, but the layers that were done by
+  /// then are kept: the next add() must be for the same picture, and goes on with the others.
   /// @param settings  of the output and the number of pixels given before
   /// @param anew      drop the pictures before
   /// @param seconds   set to the times of all layers' stages
   void add(const scene::Camera& camera, RenderSettings settings, bool anew, StageSeconds* seconds);
 
   int pictures() const { return pictures_; }  ///< in the mean
-  void clear() { pictures_ = 0; }
+  void clear();
 
   /// The mean as it is with the gains of `state`, which it fits(). Direct light is sampled layer by
   /// layer, so its noise is not that of SessionState::render().
@@ -60,6 +63,9 @@ class DimmablePicture {
   std::vector<Layer> layers_;
   image::Image depth_;
   int pictures_ = 0;
+  /// Of a picture that was ended: the first layers' frames.
+  std::vector<Frame> unfinished_;
+  StageSeconds unfinished_seconds_;
 };
 
 }  // namespace lte::infer

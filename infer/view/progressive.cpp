@@ -80,8 +80,14 @@ image::Image Progressive::Sum::mean() const {
 void Progressive::restart(StatePtr state, const scene::Camera& camera, Shown shown,
                           const PictureSize& size) {
   const bool same = size == size_ && output_of(shown) == output_of(shown_);
-  if (!same || (light_ && !light_->fits(*state))) light_.reset();
-  if (light_) light_->clear();
+  if (!same || (light_ && !light_->fits(*state))) {
+    light_.reset();
+    draft_.reset();
+  }
+  if (light_) {
+    light_->clear();
+    draft_->clear();
+  }
   state_ = std::move(state);
   camera_ = camera;
   shown_ = shown;
@@ -149,24 +155,40 @@ Frame Progressive::render(const scene::Camera& camera, RenderSettings settings,
   return frame;
 }
 
+void Progressive::prepare_sums() {
+  if (light_) return;
+  light_.emplace(state_, output_of(shown_), static_cast<int64_t>(pixels()));
+  draft_ = light_;  // of the same layers
+}
+
 void Progressive::add_light(const scene::Camera& camera, RenderSettings settings, bool anew,
                             const std::function<bool()>& interrupted) {
-  if (!light_) light_.emplace(state_, settings.output, static_cast<int64_t>(pixels()));
+  prepare_sums();
   settings.done = throwing(interrupted);
   light_->add(camera, std::move(settings), anew, &seconds_);
 }
 
+/// The sum that the picture is made of; null if there is none.
+const DimmablePicture* Progressive::sum_shown() const {
+  for (const std::optional<DimmablePicture>* sum : {&light_, &draft_}) {
+    if (*sum && (*sum)->pictures() > 0) return &**sum;
+  }
+  return nullptr;
+}
+
 void Progressive::show_light() {
-  image::Image picture = light_->color(*state_);
+  const DimmablePicture& sum = *sum_shown();
+  image::Image picture = sum.color(*state_);
   residual_.add_to(&picture);
-  show(std::move(picture), light_->depth());
+  show(std::move(picture), sum.depth());
 }
 
 bool Progressive::relight(const StatePtr& state) {
-  if (traces() || !light_ || light_->pictures() == 0 || !light_->fits(*state)) return false;
+  const DimmablePicture* sum = sum_shown();
+  if (traces() || sum == nullptr || !sum->fits(*state)) return false;
   state_ = state;
   residual_.clear();  // it was of other light
-  picture_ = light_->color(*state_);
+  picture_ = sum->color(*state_);
   return true;
 }
 
@@ -180,19 +202,19 @@ void Progressive::show(image::Image picture, const image::Image& depth) {
 void Progressive::draft() {
   const PictureSize size = draft_size();
   RenderSettings what = settings(size, /*few=*/false);
+  Timer timer;
   if (shown_ == Shown::Reference) {
     what.mode = Mode::Reference;
     what.spp = 1;
-    what.denoise = Denoise::Off;
-  }
-  const Timer timer;
-  if (size == size_ && shown_ != Shown::Reference) {  // is whole already
-    add_light(camera_, what, /*anew=*/true, nullptr);
-    show_light();
-    ++pass_;
-  } else {
     Frame frame = render(camera_, what, nullptr);
     show(std::move(frame.color), frame.depth);
+  } else {
+    prepare_sums();
+    timer.restart();  // the next draft need not prepare them
+    const bool whole = size == size_;
+    (whole ? light_ : draft_)->add(camera_, what, /*anew=*/true, &seconds_);
+    if (whole) ++pass_;
+    show_light();
   }
   draft_pixel_seconds_ = timer.seconds() / (double(size.width) * size.height);
 }

@@ -1,7 +1,7 @@
 // A picture that gets better pass by pass: a draft within a fraction of a frame's time, a whole
 // picture by few rays, then the mean of many such with other rays and other places in the pixels.
-// From the whole picture on it is a sum by luminaire, so that dimming one begins nothing anew. What
-// rests longer is corrected by paths.
+// Each is a sum by luminaire, so that dimming one begins nothing anew. What rests longer is
+// corrected by paths.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ class Progressive {
   void restart(StatePtr state, const scene::Camera& camera, Shown shown, const PictureSize& size);
 
   /// Takes a state that differs by gains and colours alone: the picture is as it would be if all
-  /// its passes had been rendered with it.
+  /// its passes had been rendered with it. A pass that was interrupted goes on.
   /// @return  false, and nothing has changed, if it must begin anew
   bool relight(const StatePtr& state);
 
@@ -76,6 +76,7 @@ class Progressive {
   RenderSettings settings(const PictureSize& size, bool few) const;
   Frame render(const scene::Camera& camera, RenderSettings settings,
                const std::function<bool()>& interrupted);
+  void prepare_sums();
   void add_light(const scene::Camera& camera, RenderSettings settings, bool anew,
                  const std::function<bool()>& interrupted);
   void draft();
@@ -86,6 +87,7 @@ class Progressive {
   void measure_path(const std::function<bool()>& interrupted);
   void show(image::Image picture, const image::Image& depth);
   void show_light();
+  const DimmablePicture* sum_shown() const;
 
   StatePtr state_;
   scene::Camera camera_;
@@ -93,8 +95,9 @@ class Progressive {
   PictureSize size_;
   image::Image picture_, reference_;
   std::vector<uint8_t> surfaces_;
-  /// The whole picture, or the mean of `averaged_` ones; nothing before, or not of this state.
-  std::optional<DimmablePicture> light_;
+  /// The whole picture, or the mean of `averaged_` ones, and the draft before it. Either none, or
+  /// both for this state and, perhaps, still without a picture.
+  std::optional<DimmablePicture> light_, draft_;
   int averaged_ = 0;
   Residual residual_;
   Sum reference_sum_;

@@ -22,7 +22,8 @@ namespace lte::infer::view {
 namespace {
 
 /// Behind a draft: who moves on within this time sees the next draft at once, and does not wait for
-/// a stage of a whole picture that nobody will see.
+/// a stage of a whole picture that nobody will see. Who dims a lamp waits for none: what is
+/// rendered stays good.
 constexpr std::chrono::milliseconds kRest(100);
 
 using SharedFrame = std::shared_ptr<const std::string>;
@@ -87,7 +88,7 @@ void ViewLoop::turn() {
   // Passes behind a draft would only take time from the light that is on its way.
   const bool waits = progressive_.done() || (!made_.settled && progressive_.pass() > 0);
   const bool rests = failed_ || pages_->count() == 0 || (!restart_ && waits);
-  const bool moves = !restart_ && progressive_.pass() == 1;
+  const bool moves = !restart_ && !relit_ && progressive_.pass() == 1;
   const Inbox::Batch batch = inbox_.take(rests ? Inbox::kAnyTime : moves ? kRest : Inbox::kNoWait);
   if (stopping_) return;
   failed_ = false;
@@ -105,7 +106,7 @@ void ViewLoop::take(Editor::Made newest) {
   made_ = std::move(newest);
   if (!other) return;
   if (!restart_ && progressive_.relight(made_.state)) {
-    redisplay_ = true;
+    redisplay_ = relit_ = true;
   } else {
     restart_ = true;
   }
@@ -157,6 +158,7 @@ void ViewLoop::change(const ChangeView& change) {
 
 void ViewLoop::render() {
   if (std::exchange(restart_, false)) {
+    relit_ = false;
     progressive_.restart(made_.state, view_.camera, view_.shown, view_.size);
   } else if (redisplay_ && progressive_.pass() > 0) {
     return publish();

@@ -81,6 +81,7 @@ class ViewLoop {
   /// Exposures before `ev`, of radiance and of irradiance; nothing before the first picture.
   std::optional<float> radiance_exposure_, irradiance_exposure_;
   bool restart_ = true, redisplay_ = false, failed_ = false;
+  bool relit_ = false;  ///< since the last draft
   int64_t picture_ = 0;
   std::atomic<int64_t> passes_ = 0, pictures_ = 0, cameras_ = 0;
   std::atomic<bool> stopping_ = false;

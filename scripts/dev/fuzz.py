@@ -41,14 +41,14 @@ def run(*command: str) -> None:
         fail(f"failed: {' '.join(command)}")
 
 
-def build(jobs: int) -> None:
+def build(jobs: int, targets: list[str]) -> None:
     if not (BUILD / "build.ninja").exists():
         run("cmake", "-S", ".", "-B", str(BUILD), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
             "-DCMAKE_C_COMPILER=clang", "-DCMAKE_CXX_COMPILER=clang++", "-DLTE_FUZZ=ON",
             "-DLTE_TORCH=OFF", "-DLTE_CUDA=OFF", "-DLTE_TESTS=OFF", "-DLTE_WERROR=OFF")
-    run("ninja", "-C", str(BUILD), f"-j{jobs}", *(f"lte_{target}_fuzz" for target in SHARES))
+    run("ninja", "-C", str(BUILD), f"-j{jobs}", *(f"lte_{target}_fuzz" for target in targets))
     model = BUILD / "model.safetensors"
-    if not model.exists():
+    if "render" in targets and not model.exists():
         run(str(ROOT / "build/bin/lte_fuzz_model"), str(model))
 
 
@@ -116,7 +116,7 @@ def main() -> None:
     if args.status:
         return print_status(state)
     if not args.no_build:
-        build(args.jobs)
+        build(args.jobs, args.targets)
     if args.build_only:
         return
     end = time.monotonic() + args.seconds

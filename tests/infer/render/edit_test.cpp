@@ -1,4 +1,5 @@
 // --edit: scripts of edits, and their frames against pictures of the scene that they lead to.
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
@@ -157,6 +158,31 @@ TEST_F(EditedPictures, TheLastFrameIsThePictureOfTheSavedScene) {
   EXPECT_EQ(json["pictures"][1]["edit"]["encodings"], 1);
 }
 
+TEST_F(EditedPictures, AreGatheredAsThoseOfTheSavedScene) {
+  const std::string gather = "--indirect gather --table-points 200 ";
+  const auto color = [](const std::string& path) { return image::read_exr(path).pixels; };
+  ASSERT_EQ(render(gather + "--edit edits.yaml --out f%d.exr --save-scene end.glb").code, 0);
+  ASSERT_EQ(render(gather + "--out first.exr").code, 0);
+  ASSERT_EQ(render(gather + "--out last.exr", "end.glb").code, 0);
+  EXPECT_EQ(color("f0.exr"), color("first.exr"));
+  EXPECT_EQ(color("f2.exr"), color("last.exr"));
+  EXPECT_NE(color("f1.exr"), color("f2.exr"));
+  // Frames that no edit changes share a table; light that comes with an edit is gathered, too.
+  write_file("lamp.yaml", R"(
+frames: 3
+edits:
+  - {light: light0, frame: 0, gain: 0}
+  - {light: light1, frame: 0, gain: 0}
+  - {add_light: {name: bulb, kind: point, position: [2, 1.5, 1], intensity: [4, 4, 4]}, frame: 1}
+)");
+  ASSERT_EQ(render(gather + "--edit lamp.yaml --out g%d.exr --save-scene lit.glb").code, 0);
+  const std::vector<float> dark = color("g0.exr");
+  EXPECT_EQ(std::count(dark.begin(), dark.end(), 0.0f), std::ssize(dark));
+  ASSERT_EQ(render(gather + "--out lit.exr", "lit.glb").code, 0);
+  EXPECT_EQ(color("g1.exr"), color("lit.exr"));
+  EXPECT_EQ(color("g2.exr"), color("g1.exr"));
+}
+
 TEST_F(EditedPictures, GoOnWhereTheyStopped) {
   ASSERT_EQ(render("--edit edits.yaml --out f%d.png").code, 0);
   const std::string second = read_file("f1.png"), third = read_file("f2.png");
@@ -179,6 +205,10 @@ TEST_F(EditedPictures, RefusesWhatCannotBe) {
   expect_one_line(render("--edit sun.yaml --out f%d.png"), 1, {"sun.yaml", "move its instance"});
   expect_one_line(render("--edit edits.yaml --out f%d.exr --video v.mp4"), 1, {"--video", ".png"});
   EXPECT_NE(render("--edit edits.yaml --out f%d.png --time-budget 1s").code, 0);
+  expect_one_line(render("--edit edits.yaml --out f%d.png --indirect paths"), 1,
+                  {"--edit", "--indirect paths", "gather"});
+  expect_one_line(render("--edit edits.yaml --out f%d.png --table network"), 1,
+                  {"--edit", "--table network", "raw"});
   EXPECT_NE(render("--out f.png --video v.mp4").code, 0);
   EXPECT_EQ(test::folder_files(".").size(), 6u) << "room, camera, model and three scripts";
 }

@@ -243,5 +243,40 @@ TEST(DimmablePicture, APictureThatIsEndedHasNotHappened) {
   for (size_t i = 0; i < mean.size(); ++i) EXPECT_NEAR(mean[i], before[i], 1e-5f * before[i]);
 }
 
+TEST(DimmablePicture, APictureThatIsEndedGoesOnWithTheLayersThatItLacks) {
+  Session session(furnished_room(), network());
+  session.separate();
+  RenderSettings settings = picture(Output::Full);
+  StageSeconds seconds;
+  DimmablePicture at_once(session.state(), Output::Full, 24 * 16);
+  at_once.add(camera(), settings, true, &seconds);
+  int64_t told = 0;
+  settings.done = [&](int64_t pixels) {
+    told += pixels;
+    if (told > 24 * 16) throw Error("ended");  // in the second of two layers
+  };
+  DimmablePicture ended(session.state(), Output::Full, 24 * 16);
+  EXPECT_EQ(ended.layers(), 2);
+  EXPECT_THROW(ended.add(camera(), settings, true, &seconds), Error);
+  session.apply(SetLight{0, 0.5, {}});  // meanwhile a luminaire is dimmed
+  int64_t left = 0;
+  settings.done = [&](int64_t pixels) { left += pixels; };
+  ended.add(camera(), settings, true, &seconds);
+  EXPECT_EQ(left, 24 * 16) << "one layer";
+  EXPECT_EQ(ended.color(*session.state()).pixels, at_once.color(*session.state()).pixels);
+  // What clear() drops is rendered anew.
+  settings.done = [&](int64_t pixels) {
+    told += pixels;
+    if (told > 24 * 16) throw Error("ended");
+  };
+  told = 0;
+  EXPECT_THROW(ended.add(camera(), settings, true, &seconds), Error);
+  ended.clear();
+  left = 0;
+  settings.done = [&](int64_t pixels) { left += pixels; };
+  ended.add(camera(), settings, true, &seconds);
+  EXPECT_EQ(left, 2 * 24 * 16);
+}
+
 }  // namespace
 }  // namespace lte::infer

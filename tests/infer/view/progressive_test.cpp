@@ -1,6 +1,7 @@
 #include "infer/view/progressive.h"
 
 #include <cmath>
+#include <numeric>
 
 #include <gtest/gtest.h>
 
@@ -98,6 +99,36 @@ TEST(Progressive, ARelitPictureIsAsIfAllPassesHadTheNewGains) {
   lit.step(kNever);
   session.apply(SetLight{0, 1, {}});
   EXPECT_FALSE(lit.relight(session.state()));
+}
+
+TEST(Progressive, ADraftIsRelitToo) {
+  constexpr PictureSize kLarge{480, 360};  // of which a first draft is a third
+  Session session(test::lit_floor(), std::nullopt);
+  session.separate();
+  Progressive picture;
+  picture.restart(session.state(), test::downward_camera(), Shown::Direct, kLarge);
+  EXPECT_FALSE(picture.relight(session.state())) << "there is nothing yet";
+  picture.step(kNever);
+  ASSERT_EQ(picture.pass(), 1);
+  const image::Image bright = picture.picture();
+  ASSERT_LT(bright.width, kLarge.width);
+  session.apply(SetLight{0, 0.5, {}});
+  ASSERT_TRUE(picture.relight(session.state()));
+  EXPECT_EQ(picture.pass(), 1);
+  double sum = 0;
+  for (size_t i = 0; i < bright.pixels.size(); ++i) {
+    ASSERT_EQ(picture.picture().pixels[i], 0.5f * bright.pixels[i]);
+    sum += bright.pixels[i];
+  }
+  EXPECT_GT(sum, 0);
+  // The whole picture is of the new gain as well.
+  picture.step(kNever);
+  EXPECT_EQ(picture.picture().width, kLarge.width);
+  const auto mean = [](const image::Image& image) {
+    return std::accumulate(image.pixels.begin(), image.pixels.end(), 0.0) /
+           static_cast<double>(image.pixels.size());
+  };
+  EXPECT_NEAR(mean(picture.picture()), 0.5 * mean(bright), 0.02 * mean(bright));
 }
 
 TEST(Progressive, WhatRestsIsCorrectedByPaths) {
