@@ -67,7 +67,7 @@ for scene in home room cornell; do
   reference "$out/$scene.glb" "$out/${scene}_reference" --spp "$spp" --size "$size"
   for model in shipped trained; do
     checkpoint=$run/model.safetensors
-    [ $model = shipped ] && checkpoint=assets/models/lte-small.safetensors
+    [ $model = shipped ] && checkpoint=assets/models/lte-base.safetensors
     "$bin/lte_render" "$out/$scene.glb" --checkpoint "$checkpoint" --size "$size" \
       --exposure "$exposure" --out "$out/${scene}_$model.png" --json "$out/${scene}_$model.json"
   done

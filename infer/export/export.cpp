@@ -112,7 +112,7 @@ std::vector<ExportCheck> export_torchscript(const ExportOptions& options) {
   const auto say = [&](const std::string& step) {
     if (options.progress) options.progress(step);
   };
-  const std::filesystem::path path = checkpoint_or_shipped(options.model);
+  const std::filesystem::path path = checkpoint_or_shipped(options.model, kSmallModel);
   CommandFiles files;
   files.reads("--checkpoint", path);
   files.writes("--out", options.out);

@@ -14,7 +14,14 @@ namespace lte::infer {
 /// @throws lte::Error that lists where it looked.
 std::filesystem::path asset_path(const std::string& relative, const std::string& instead);
 
+/// The shipped models that tools take by themselves.
+inline constexpr const char* kBaseModel = "models/lte-base.safetensors";
+/// Told of path-traced light, which is quicker where a scene is edited: what an edit leaves alone is
+/// not traced again.
+inline constexpr const char* kSmallModel = "models/lte-small.safetensors";
+
 /// Returns `checkpoint`, or the shipped model if it is empty.
-std::filesystem::path checkpoint_or_shipped(const std::string& checkpoint);
+std::filesystem::path checkpoint_or_shipped(const std::string& checkpoint,
+                                            const char* shipped = kBaseModel);
 
 }  // namespace lte::infer

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iterator>
+#include <span>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -20,47 +21,64 @@ struct Recorded {
   const char* home;
   double points_mse, views_mse;
 };
-constexpr Recorded kRecorded[] = {{"home_00002", 1.2683529342583213, 0.1777509457209548},
-                                  {"home_00004", 0.6728384700379173, 0.1768641915005412}};
+struct Released {
+  const char* model;
+  Recorded homes[2];
+};
+constexpr Released kReleased[] = {{"lte-base",
+                                   {{"home_00002", 1.0245310059361334, 0.1994342531449579},
+                                    {"home_00004", 0.9895182170447806, 0.13918929321540413}}},
+                                  {"lte-small",
+                                   {{"home_00002", 1.2683529342583213, 0.1777509457209548},
+                                    {"home_00004", 0.6728384700379173, 0.1768641915005412}}}};
 constexpr double kTolerance = 0.05;
 
-/// A data set in `folder` that has just the homes above, of the shipped ones.
-void write_recorded_homes(const std::filesystem::path& folder) {
+/// A data set in `folder` that has just these homes, of the shipped ones.
+void write_homes(const std::filesystem::path& folder, std::span<const Recorded> homes) {
   const std::filesystem::path shipped = LTE_SOURCE_DIR "/assets/data/homes-test";
   data::DatasetInfo info = data::read_dataset_info(shipped);
-  info.planned = std::size(kRecorded);
+  info.planned = static_cast<int64_t>(homes.size());
   std::erase_if(info.scenes, [](const data::DatasetEntry& entry) {
-    return std::none_of(std::begin(kRecorded), std::end(kRecorded),
+    return std::none_of(homes.begin(), homes.end(),
                         [&](const Recorded& recorded) { return entry.name == recorded.home; });
   });
   std::filesystem::create_directories(folder / "scenes");
-  for (const Recorded& recorded : kRecorded)
+  for (const Recorded& recorded : homes)
     std::filesystem::copy_file(data::scene_path(shipped, recorded.home),
                                data::scene_path(folder, recorded.home));
   data::write_dataset_info(folder, info);
 }
 
-TEST(ReleasedModel, HasTheErrorThatWasMeasured) {
+class ReleasedModel : public testing::TestWithParam<Released> {};
+
+TEST_P(ReleasedModel, HasTheErrorThatWasMeasured) {
   const test::TempDir folder;
-  write_recorded_homes(folder / "homes");
-  const std::string command = concat(
-      "'", LTE_BINARY_DIR, "/bin/lte_eval' --quiet --split test --threads 2 --data '",
-      (folder / "homes").string(), "' --checkpoint '", LTE_SOURCE_DIR,
-      "/assets/models/lte-small.safetensors' --json '", (folder / "eval.json").string(), "'");
+  const Released& released = GetParam();
+  write_homes(folder / "homes", released.homes);
+  const std::string command =
+      concat("'", LTE_BINARY_DIR, "/bin/lte_eval' --quiet --split test --threads 2 --data '",
+             (folder / "homes").string(), "' --checkpoint '", LTE_SOURCE_DIR, "/assets/models/",
+             released.model, ".safetensors' --json '", (folder / "eval.json").string(), "'");
   ASSERT_EQ(std::system((command + " > /dev/null").c_str()), 0) << command;
   const auto scenes = nlohmann::json::parse(read_file(folder / "eval.json")).at("per_scene");
-  ASSERT_EQ(scenes.size(), std::size(kRecorded));
+  ASSERT_EQ(scenes.size(), std::size(released.homes));
   for (size_t i = 0; i < scenes.size(); ++i) {
+    const Recorded& recorded = released.homes[i];
     const auto& neural = scenes[i].at("metrics").at("neural");
-    const auto expect = [&](const char* where, double recorded) {
-      EXPECT_NEAR(neural.at(where).at("mse").get<double>(), recorded, kTolerance * recorded)
-          << kRecorded[i].home << ", " << where;
+    const auto expect = [&](const char* where, double mse) {
+      EXPECT_NEAR(neural.at(where).at("mse").get<double>(), mse, kTolerance * mse)
+          << recorded.home << ", " << where;
     };
-    EXPECT_EQ(scenes[i].at("name"), kRecorded[i].home);
-    expect("points", kRecorded[i].points_mse);
-    expect("views", kRecorded[i].views_mse);
+    EXPECT_EQ(scenes[i].at("name"), recorded.home);
+    expect("points", recorded.points_mse);
+    expect("views", recorded.views_mse);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Shipped, ReleasedModel, testing::ValuesIn(kReleased),
+                         [](const auto& tested) {
+                           return tested.param.model == std::string("lte-base") ? "Base" : "Small";
+                         });
 
 }  // namespace
 }  // namespace lte::infer
