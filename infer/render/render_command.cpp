@@ -284,6 +284,7 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
     write_frame(view.out, frame, settings.output, exposure, &view.camera);
     renderer->seconds().write = write.seconds();
     add_seconds(renderer->seconds(), &seconds);
+    if (run.edited) seconds.table += renderer->seconds().table;  // each frame has one of its own
     pictures.push_back(picture_json(request, view, plan, frame, exposure));
     if (run.edited) pictures.back()["edit"] = edit;
     if (run.look) pictures.back()["attention"] = run.look->json();

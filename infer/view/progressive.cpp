@@ -11,7 +11,7 @@ namespace lte::infer::view {
 namespace {
 
 constexpr int kMostPathsAtOnce = 8;
-constexpr int kDraftSteps = 6;     // a draft has at least a sixth of the sides
+constexpr int kDraftSteps = 8;     // a draft has at least an eighth of the sides
 constexpr int kMeasuredShare = 4;  // of the sides, when a path a pixel is measured
 
 /// A pass that nobody waits for any more.
@@ -211,6 +211,12 @@ void Progressive::draft() {
   } else {
     prepare_sums();
     timer.restart();  // the next draft need not prepare them
+    const int layers = draft_->layers();
+    if (layers > 1) {
+      what = settings(size, /*few=*/true);
+      // Each has its share of the light: an error in one is so much less in the sum.
+      if (what.sparse) what.sparse->tolerance *= static_cast<float>(layers);
+    }
     const bool whole = size == size_;
     (whole ? light_ : draft_)->add(camera_, what, /*anew=*/true, &seconds_);
     if (whole) ++pass_;

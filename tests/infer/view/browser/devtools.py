@@ -108,7 +108,9 @@ class Page:
         self.call("Input.dispatchKeyEvent", type="keyUp", code=code, key=key, modifiers=modifiers)
 
     def screenshot(self, path):
-        picture = self.call("Page.captureScreenshot", format="png")["data"]
+        """PNG, or JPEG by the name."""
+        how = {"format": "jpeg", "quality": 85} if str(path).endswith(".jpg") else {"format": "png"}
+        picture = self.call("Page.captureScreenshot", **how)["data"]
         pathlib.Path(path).write_bytes(base64.b64decode(picture))
 
     def close(self):

@@ -160,6 +160,10 @@ def main():
             times.append(dim(lights[i % len(lights)]))
         row("dim, again", times, f"last: {page.cost['total']:.0f} ms of edit, "
             f"{page.cost['encodings']} encodings")
+        times, headers = moves(args.moves)
+        row("camera, all lights apart", times,
+            f"drafts {statistics.median(h['width'] for h in headers):.0f} wide "
+            f"in {statistics.median(h['elapsed'] for h in headers):.0f} ms")
         number = next(o["object"] for o in page.scene["objects"] if args.object in o["name"])
         name = next(o["name"] for o in page.scene["objects"] if o["object"] == number)
         times, lit = [], []

@@ -2,6 +2,8 @@
 """Pictures of lte_view's page in several sizes, for docs/images and for looking at.
 
 usage: screenshots.py BUILD SCENE FOLDER [--size WxH]
+
+docs/images/view.jpg is view.jpg of the living room at 800x600.
 """
 import argparse
 import pathlib
@@ -33,9 +35,11 @@ def main():
     try:
         page = Page(browser)
         page.open(server.address)
-        page.wait(READY, what="the first finished picture", seconds=240)
+        page.wait("globalThis.lteView?.store?.header?.pass >= 26", seconds=600)  # before paths
         page.evaluate(SELECT)
         time.sleep(0.5)
+        page.screenshot(args.folder / "view.jpg")
+        page.wait(READY, what="the first finished picture", seconds=600)
         page.screenshot(args.folder / "lights.png")
         page.evaluate("document.querySelector('[data-tab=objects]').click()")
         time.sleep(0.3)
