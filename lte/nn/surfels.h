@@ -65,8 +65,8 @@ class Surfels {
   std::shared_ptr<const SurfelGrid> grid_;
 };
 
-/// The discs of scene points. What their fronts send out is of direct light that they are told of and
-/// of what the irradiance decoder answers there; that of their backs is of what they are told.
+/// The discs of scene points. What their fronts send out is of direct light that they are told of,
+/// and of what the irradiance decoder answers there; that of their backs is of what they are told.
 ///
 /// @param position  [M, 3] network space
 /// @param scale     metres of a unit of network space
