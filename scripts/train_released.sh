@@ -1,18 +1,19 @@
 #!/usr/bin/env bash
 # Makes a released model from nothing: its data, its training, its files.
 #
-#   scripts/train_released.sh lte-base [FOLDER]
+#   scripts/train_released.sh lte-base|lte-radiance [FOLDER]
 #
 # FOLDER (data/released by default) takes the data and the run. A run that was stopped goes on where
 # it was when the same line is given again. At its end the model, its configuration and its log are
-# in FOLDER/release, and its figures on the shipped test homes and on test boxes are printed.
-# Many hours of two cores.
+# in FOLDER/release, and its figures are printed: on the shipped test homes and on test boxes, and
+# of lte-radiance on glossy rooms. Many hours of two cores. lte-radiance starts from the shipped
+# lte-base.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-usage() { sed -n '2,9s/^# \{0,1\}//p' "$0"; }
+usage() { sed -n '2,10s/^# \{0,1\}//p' "$0"; }
 case ${1:-} in
-  lte-base) ;;
+  lte-base | lte-radiance) ;;
   -h | --help) usage; exit 0 ;;
   *) usage >&2; exit 2 ;;
 esac
@@ -31,6 +32,28 @@ make_data() {
   echo "train_released.sh: $folder/$1 from configs/data/$2.yaml"
   "$bin/lte_datagen" generate --config "configs/data/$2.yaml" --out "$folder/$1" --resume
 }
+# $1: training configuration, $2: data set, below $folder.
+train() {
+  local flags=(--config "configs/train/$1.yaml" --set "data.root=$folder/$2" --out "$folder/$name")
+  if compgen -G "$folder/$name/checkpoint*.safetensors" > /dev/null; then
+    flags+=(--resume)
+  fi
+  "$bin/lte_train" "${flags[@]}"
+  mkdir -p "$folder/release"
+  cp "$folder/$name/model.safetensors" "$folder/release/$name.safetensors"
+  cp "$folder/$name/config.yaml" "$folder/release/$name.yaml"
+  cp "$folder/$name/log.jsonl" "$folder/release/$name.log.jsonl"
+}
+
+if [ "$name" = lte-radiance ]; then
+  make_data glossy glossy
+  make_data glossy_test glossy_test
+  train lte_radiance glossy
+  "$bin/lte_eval" incident --checkpoint "$folder/release/$name.safetensors" \
+    --data "$folder/glossy_test" --split test --report "$folder/release/$name"
+  exit
+fi
+
 make_data boxes boxes_many
 make_data homes homes_many
 make_data boxes_test boxes_test
@@ -38,18 +61,7 @@ if [ ! -f "$folder/base/dataset.json" ]; then
   rm -rf "$folder/base"
   "$bin/lte_datagen" join "$folder/boxes" "$folder/homes" --out "$folder/base"
 fi
-
-run=$folder/$name
-flags=(--config configs/train/lte_base.yaml --set "data.root=$folder/base" --out "$run")
-if compgen -G "$run/checkpoint*.safetensors" > /dev/null; then
-  flags+=(--resume)
-fi
-"$bin/lte_train" "${flags[@]}"
-
-mkdir -p "$folder/release"
-cp "$run/model.safetensors" "$folder/release/$name.safetensors"
-cp "$run/config.yaml" "$folder/release/$name.yaml"
-cp "$run/log.jsonl" "$folder/release/$name.log.jsonl"
+train lte_base base
 "$bin/lte_eval" --fit-baselines "$folder/base" --out "$folder/release/$name.baselines.json"
 "$bin/lte_eval" --checkpoint "$folder/release/$name.safetensors" --split test
 "$bin/lte_eval" --checkpoint "$folder/release/$name.safetensors" --data "$folder/boxes_test" \

@@ -59,9 +59,9 @@ std::vector<BenchResult> bench_radiance(const BenchOptions& options);
 /// Times path tracing against bare Embree calls on the same rays.
 std::vector<BenchResult> bench_pathtrace(const BenchOptions& options);
 
-/// Measures the variance of indirect light at pixels of a scene with few paths each, their first
-/// directions drawn by the material, or by maps of a radiance decoder and the material. The means
-/// of both are the same but for noise.
+/// Measures the variance of light at pixels of a scene with few paths each, their first directions
+/// drawn by the material, or by maps of a radiance decoder and the material; and lamps met by these
+/// paths, or by a light sample for each path. Means are the same but for noise.
 std::vector<BenchResult> bench_guiding(const BenchOptions& options);
 
 /// Times a live scene from an edit to the picture after it, with the shipped model.

@@ -1,7 +1,9 @@
-// lte_bench guiding: the variance of indirect light with few paths a pixel, their first directions
-// drawn by the material alone or by the radiance decoder's maps too (the paper's supplement,
-// section 4).
+// lte_bench guiding: the variance of light with few paths a pixel, their first directions drawn by
+// the material alone or by the radiance decoder's maps too, and direct light found by these paths
+// or by light samples (the paper's supplement, section 4).
+#include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "infer/bench/bench.h"
@@ -14,6 +16,7 @@
 #include "lte/pathtrace/guide.h"
 #include "lte/pathtrace/hemisphere_bins.h"
 #include "lte/pathtrace/incident.h"
+#include "lte/pathtrace/lights.h"
 
 namespace lte::infer {
 namespace {
@@ -60,46 +63,101 @@ std::vector<Vec3> cells_around(const Vec3& normal) {
   return out;
 }
 
-/// Mean and variance of one path's indirect light towards the camera, in luminance.
-struct PathStatistics {
+/// Mean and variance of what one path or one light sample brings towards the camera, in luminance.
+struct Statistics {
   double mean = 0, variance = 0;
+
+  /// Of a sum of two that are drawn apart.
+  friend Statistics operator+(const Statistics& a, const Statistics& b) {
+    return {a.mean + b.mean, a.variance + b.variance};
+  }
+};
+
+class Moments {
+ public:
+  void add(double value) {
+    sum_ += value;
+    squares_ += value * value;
+  }
+  /// @param count  values, those of 0 included that nobody added
+  Statistics of(int64_t count) const {
+    const auto n = static_cast<double>(count);
+    const double mean = sum_ / n;
+    return {mean, std::max(0.0, (squares_ / n - mean * mean) * n / (n - 1))};
+  }
+
+ private:
+  double sum_ = 0, squares_ = 0;
+};
+
+/// Of paths: their indirect light, and all that they find.
+struct PathStatistics {
+  Statistics indirect, whole;
 };
 
 PathStatistics statistics_of(const pathtrace::IncidentSamples& samples,
                              const pathtrace::Guide& material) {
-  double sum = 0, squares = 0;
+  Moments indirect, whole;
   for (int64_t i = 0; i < samples.count; ++i) {
     const auto at = static_cast<size_t>(i);
     if (!(samples.pdf[at] > 0)) continue;
-    Rgb light{};
-    for (int64_t g = 0; g < samples.groups; ++g)
-      light += samples.indirect[static_cast<size_t>(g * samples.count + i)];
-    const double value = double{luminance(light * material.reflected(samples.direction[at]))} /
-                         double{samples.pdf[at]};
-    sum += value;
-    squares += value * value;
+    Rgb bounced{}, direct{};
+    for (int64_t g = 0; g < samples.groups; ++g) {
+      const auto slot = static_cast<size_t>(g * samples.count + i);
+      bounced += samples.indirect[slot];
+      direct += samples.direct[slot];
+    }
+    const Rgb reflected = material.reflected(samples.direction[at]);
+    const auto towards_camera = [&](const Rgb& light) {
+      return double{luminance(light * reflected)} / double{samples.pdf[at]};
+    };
+    indirect.add(towards_camera(bounced));
+    whole.add(towards_camera(bounced + direct));
   }
-  const auto n = static_cast<double>(samples.count);
-  const double mean = sum / n;
-  return {mean, std::max(0.0, (squares / n - mean * mean) * n / (n - 1))};
+  return {indirect.of(samples.count), whole.of(samples.count)};
+}
+
+/// Direct light by one light sample and its shadow ray.
+Statistics light_samples(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                         const Sight& sight, const pathtrace::Guide& material, Rng* rng) {
+  const float half_extent = 0.5f * max_component(bvh.bounds().extent());
+  const Vec3 origin = pathtrace::offset_origin(sight.position, sight.normal, half_extent);
+  Moments moments;
+  for (int64_t i = 0; i < kPaths; ++i) {
+    const double choice = rng->uniform();
+    const Vec2 place{rng->uniform(), rng->uniform()};
+    const pathtrace::LightSample drawn = lights.sample(origin, sight.normal, choice, place);
+    if (!(drawn.pdf > 0) || dot(drawn.direction, sight.normal) <= 0) continue;
+    constexpr float kShort = 0.999f;  // ends before the lamp itself
+    if (bvh.occluded({origin, drawn.direction, 0, drawn.distance * kShort})) continue;
+    moments.add(double{luminance(drawn.radiance * material.reflected(drawn.direction))} /
+                double{drawn.pdf});
+  }
+  return moments.of(kPaths);
 }
 
 /// Sums over pixels of one way to draw.
 struct Way {
-  double mean = 0, variance = 0, seconds = 0;
+  Statistics indirect{}, whole{};
+  double seconds = 0;
 
-  void add(const PathStatistics& pixel) {
-    mean += pixel.mean;
-    variance += pixel.variance;
+  void add(const Statistics& of_indirect, const Statistics& of_whole) {
+    indirect = indirect + of_indirect;
+    whole = whole + of_whole;
   }
-  /// Of the mean of `paths` paths, over the squared mean light of a pixel.
+  /// Variances of the mean of some paths, over the squared mean light of a pixel.
   BenchResult row(const std::string& name, int64_t pixels, double preparing) const {
     BenchResult out{name, pixels * kPaths, seconds, seconds, {}};
     const auto n = static_cast<double>(pixels);
-    const double relative = n > 0 && mean > 0 ? (variance / n) / ((mean / n) * (mean / n)) : 0;
-    for (const int paths : {2, 8, 32})
-      out.figures["relative_variance_" + std::to_string(paths)] = relative / paths;
-    out.figures["mean"] = n > 0 ? mean / n : 0;
+    const auto relative = [n](const Statistics& sum) {
+      return n > 0 && sum.mean > 0 ? (sum.variance / n) / ((sum.mean / n) * (sum.mean / n)) : 0;
+    };
+    for (const int paths : {2, 8, 32}) {
+      out.figures["relative_variance_" + std::to_string(paths)] = relative(indirect) / paths;
+      out.figures["whole_variance_" + std::to_string(paths)] = relative(whole) / paths;
+    }
+    out.figures["mean"] = n > 0 ? indirect.mean / n : 0;
+    out.figures["whole_mean"] = n > 0 ? whole.mean / n : 0;
     out.figures["preparing_seconds"] = preparing;
     return out;
   }
@@ -121,7 +179,7 @@ std::vector<BenchResult> bench_guiding(const BenchOptions& options) {
   const scene::Camera camera =
       scene.cameras.empty() ? pathtrace::auto_camera(renderer.bvh()) : scene.cameras.front();
   pathtrace::IncidentSampler sampler(renderer.bvh(), renderer.lights());
-  Way by_material, by_guide;
+  Way by_material, by_material_and_lights, by_guide_and_lights;
   double preparing = 0;
   const std::vector<Sight> sights = look(renderer.bvh(), camera);
   for (size_t i = 0; i < sights.size(); ++i) {
@@ -133,19 +191,30 @@ std::vector<BenchResult> bench_guiding(const BenchOptions& options) {
     preparing += timer.seconds();
     Rng rng(7, i);
     timer.restart();
-    by_guide.add(statistics_of(sampler.draw(s.position, s.normal, guide, kPaths, rng), guide));
-    by_guide.seconds += timer.seconds();
+    const Statistics guided =
+        statistics_of(sampler.draw(s.position, s.normal, guide, kPaths, rng), guide).indirect;
+    by_guide_and_lights.seconds += timer.seconds();
     timer.restart();
     const bool metal = s.reflector.gloss.metallic > 0;
-    by_material.add(statistics_of(metal
-                                      ? sampler.draw(s.position, s.normal, s.reflector, kPaths, rng)
-                                      : sampler.draw(s.position, s.normal, kPaths, rng),
-                                  guide));
+    const PathStatistics plain =
+        statistics_of(metal ? sampler.draw(s.position, s.normal, s.reflector, kPaths, rng)
+                            : sampler.draw(s.position, s.normal, kPaths, rng),
+                      guide);
     by_material.seconds += timer.seconds();
+    timer.restart();
+    const Statistics direct = light_samples(renderer.bvh(), renderer.lights(), s, guide, &rng);
+    const double of_lights = timer.seconds();
+    by_material.add(plain.indirect, plain.whole);
+    by_material_and_lights.add(plain.indirect, plain.indirect + direct);
+    by_guide_and_lights.add(guided, guided + direct);
+    by_material_and_lights.seconds += of_lights;
+    by_guide_and_lights.seconds += of_lights;
   }
+  by_material_and_lights.seconds += by_material.seconds;
   const auto pixels = static_cast<int64_t>(sights.size());
   return {by_material.row("paths by the material", pixels, 0),
-          by_guide.row("paths by the guide and the material", pixels, preparing)};
+          by_material_and_lights.row("paths by the material, lamps by light samples", pixels, 0),
+          by_guide_and_lights.row("guided paths, lamps by light samples", pixels, preparing)};
 }
 
 }  // namespace lte::infer

@@ -23,10 +23,8 @@ at::Tensor cells_of(const at::Tensor& position, double spacing) {
 }
 
 nn::LightTransportModel untrained_model(int64_t channels, nn::Precision precision,
-                                        int64_t radiance_lobes = 0) {
-  nn::ModelConfig config;
+                                        nn::ModelConfig config = {}) {
   config.channels = channels;
-  config.radiance_lobes = radiance_lobes;
   nn::LightTransportModel model(config);
   model->eval();
   model->set_precision(precision);
@@ -122,20 +120,38 @@ BenchResult time_decoder(const BenchOptions& options, nn::LightTransportModel& m
   return result;
 }
 
-/// @param directions  of each query, along its normal
+/// A radiance decoder among those that there are.
+struct RadianceKind {
+  const char* name;
+  nn::RadianceHead head;
+  int64_t lobes;
+  nn::RadianceBase base = nn::RadianceBase::Irradiance;
+};
+
+/// `count` unit directions of each query, those of a fan between its normal and its tangent plane.
+at::Tensor fan(const nn::QuerySet& queries, int64_t count) {
+  const at::Tensor normal = queries.normal;
+  // A vector across each normal: that along the axis in which the normal is least, without it.
+  const at::Tensor axis =
+      at::zeros_like(normal).scatter_(1, normal.abs().argmin(1, /*keepdim=*/true), 1);
+  const at::Tensor across = axis - (axis * normal).sum(1, true) * normal;
+  const at::Tensor tangent = across / across.norm(2, {1}, true);
+  const at::Tensor angle = at::linspace(0.05, 1.5, count).view({1, count, 1});
+  return (normal.unsqueeze(1) * angle.cos() + tangent.unsqueeze(1) * angle.sin()).contiguous();
+}
+
 BenchResult time_radiance(const BenchOptions& options, nn::LightTransportModel& model,
-                          const nn::Embedding& embedding, int64_t directions) {
+                          const nn::Embedding& embedding, const char* name, int64_t directions) {
   const nn::PointSet surface = synthetic_room(options.queries, 2);
   const nn::QuerySet queries{surface.position, surface.normal, surface.albedo};
-  const at::Tensor up =
-      surface.normal.unsqueeze(1).expand({options.queries, directions, 3}).contiguous();
+  const at::Tensor ways = fan(queries, directions);
   const int64_t block =
       MemoryLimit(options.max_memory_mb).query_block(model->config(), options.queries, kQueryBlock);
-  BenchResult result = time_repeats(
-      concat("radiance from ", directions, directions == 1 ? " direction" : " directions"),
-      options.queries, options.repeats, [&] {
-        model->decode_radiance(embedding, queries, up, {false, block});
-      });
+  BenchResult result =
+      time_repeats(concat(name, ": ", directions, directions == 1 ? " direction" : " directions"),
+                   options.queries, options.repeats, [&] {
+                     model->decode_radiance(embedding, queries, ways, {false, block});
+                   });
   result.precision = options.precision;
   result.figures["channels"] = static_cast<double>(options.channels);
   return result;
@@ -144,16 +160,33 @@ BenchResult time_radiance(const BenchOptions& options, nn::LightTransportModel& 
 }  // namespace
 
 std::vector<BenchResult> bench_radiance(const BenchOptions& options) {
-  constexpr int64_t kLobes = 48, kMore = 16;
+  constexpr int64_t kMore = 16;
+  constexpr double kMapCells = 1024;
+  constexpr RadianceKind kKinds[] = {
+      {"lobes", nn::RadianceHead::Directions, 48},
+      {"lobes and rays", nn::RadianceHead::Directions, 48, nn::RadianceBase::Points},
+      {"map in one pass", nn::RadianceHead::Map, 32},
+      {"spherical Gaussians", nn::RadianceHead::Gaussians, 48}};
   const at::NoGradGuard no_grad;
   const nn::Precision precision = choose_precision(options.precision);
-  nn::LightTransportModel model = untrained_model(options.channels, precision, kLobes);
-  MemoryLimit(options.max_memory_mb).check_encoding(model->config(), options.scene_points);
-  const nn::Embedding embedding = model->encode(synthetic_room(options.scene_points, 1));
-  std::vector<BenchResult> results = {time_radiance(options, model, embedding, 1),
-                                      time_radiance(options, model, embedding, 1 + kMore)};
-  const double first = results[0].seconds_min, all = results[1].seconds_min;
-  results[1].figures["further_direction"] = (all - first) / (static_cast<double>(kMore) * first);
+  std::vector<BenchResult> results;
+  for (const RadianceKind& kind : kKinds) {
+    nn::ModelConfig config;
+    config.light_input = nn::LightInput::Traced;
+    config.radiance_head = kind.head;
+    config.radiance_lobes = kind.lobes;
+    config.radiance_base = kind.base;
+    nn::LightTransportModel model = untrained_model(options.channels, precision, config);
+    MemoryLimit(options.max_memory_mb).check_encoding(model->config(), options.scene_points);
+    const nn::Embedding embedding = model->encode(synthetic_room(options.scene_points, 1));
+    results.push_back(time_radiance(options, model, embedding, kind.name, 1));
+    results.push_back(time_radiance(options, model, embedding, kind.name, 1 + kMore));
+    const double first = results[results.size() - 2].seconds_min;
+    const double further = (results.back().seconds_min - first) / (kMore * first);
+    // What a direction that enters before the attention would cost is a point anew: 1.
+    results.back().figures["further_direction"] = further;
+    results.back().figures["map_seconds"] = first * (1 + (kMapCells - 1) * further);
+  }
   return results;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "infer/eval/picture_sheet.h"
 #include "lte/image/png.h"
 #include "lte/image/tonemap.h"
 
@@ -11,7 +12,6 @@ namespace {
 
 using image::Image;
 
-constexpr int kGap = 4;                    // pixels between the pictures of a sheet
 constexpr float kDifferenceRange = 0.25f;  // of white
 constexpr int kSmallest = 192;             // pixels of a picture's width
 
@@ -23,35 +23,6 @@ Image difference(const Image& a, const Image& b, float factor) {
       *out.at(x, y) = factor * std::abs(luminance(a.rgb(x, y)) - luminance(b.rgb(x, y)));
   }
   return image::heat_map(out, kDifferenceRange);
-}
-
-Image white_sheet(int width, int height) {
-  Image out(width, height, 3);
-  std::fill(out.pixels.begin(), out.pixels.end(), 1.0f);
-  return out;
-}
-
-/// Draws each pixel of `picture` as a square of `zoom` pixels.
-void paste(const Image& picture, int left, int top, int zoom, Image* sheet) {
-  for (int y = 0; y < zoom * picture.height; ++y) {
-    for (int x = 0; x < zoom * picture.width; ++x)
-      sheet->set_rgb(left + x, top + y, picture.rgb(x / zoom, y / zoom));
-  }
-}
-
-Image stacked(const std::vector<Image>& rows) {
-  int width = 0, height = -kGap;
-  for (const Image& row : rows) {
-    width = std::max(width, row.width);
-    height += row.height + kGap;
-  }
-  Image sheet = white_sheet(width, height);
-  int top = 0;
-  for (const Image& row : rows) {
-    paste(row, 0, top, 1, &sheet);
-    top += row.height + kGap;
-  }
-  return sheet;
 }
 
 }  // namespace
@@ -74,11 +45,7 @@ Image view_row(const ViewPicture& picture) {
     columns.push_back(difference(path_traced, reference, exposure));
   }
   const int zoom = std::max(1, (kSmallest + view.width - 1) / view.width);
-  const int step = zoom * view.width + kGap;
-  Image row = white_sheet(static_cast<int>(columns.size()) * step - kGap, zoom * view.height);
-  for (size_t i = 0; i < columns.size(); ++i)
-    paste(columns[i], static_cast<int>(i) * step, 0, zoom, &row);
-  return row;
+  return side_by_side(columns, zoom);
 }
 
 void ContactSheets::add(const ViewPicture& picture) {

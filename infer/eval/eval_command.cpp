@@ -50,15 +50,6 @@ Baselines find_baselines(const EvalRequest& request, const fs::path& checkpoint,
   return fit_baselines(data);
 }
 
-fs::path make_report_folder(const std::string& report) {
-  if (report.empty()) return {};
-  std::error_code error;
-  fs::create_directories(report, error);
-  LTE_CHECK(!error, report, ": cannot be created: ", error.message());
-  check_writable((fs::path(report) / "metrics.csv").string());
-  return report;
-}
-
 /// @throws lte::Error if an output would replace an input or another output
 void claim_files(const EvalRequest& request, CommandFiles* files) {
   files->reads("--config", request.config);
@@ -81,6 +72,15 @@ void fit_to_file(const EvalRequest& request) {
 }
 
 }  // namespace
+
+fs::path make_report_folder(const std::string& report, const char* file) {
+  if (report.empty()) return {};
+  std::error_code error;
+  fs::create_directories(report, error);
+  LTE_CHECK(!error, report, ": cannot be created: ", error.message());
+  check_writable((fs::path(report) / file).string());
+  return report;
+}
 
 void add_eval_options(CLI::App& app, EvalRequest* r) {
   app.add_option("--config", r->config, "Training configuration: its data set and its run's model");
@@ -148,7 +148,7 @@ void run_eval(const EvalRequest& request) {
   const runtime::MemoryLimit memory(request.tool.max_memory_mb);
   const Baselines baselines = find_baselines(request, checkpoint, data);
   files.check_what_was_read();
-  const fs::path folder = make_report_folder(request.report);
+  const fs::path folder = make_report_folder(request.report, "metrics.csv");
 
   EvalSettings settings;
   settings.data = data;

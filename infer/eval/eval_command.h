@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 
 #include "infer/eval/bootstrap.h"
@@ -25,6 +26,10 @@ void add_eval_options(CLI::App& app, EvalRequest* request);
 /// data set, and the model of its run directory.
 /// @throws lte::Error naming the file.
 void read_run_config(EvalRequest* request);
+
+/// Makes the folder of --report, if one is named, and sees that `file` can be written there.
+/// @throws lte::Error naming the folder or the file
+std::filesystem::path make_report_folder(const std::string& report, const char* file);
 
 /// Evaluates and prints a table; or, with --fit-baselines, writes a baselines file.
 /// @throws lte::Error for bad input, CLI::ValidationError for flags that do not go together.

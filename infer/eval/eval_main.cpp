@@ -4,6 +4,7 @@
 #include "infer/eval/eval_command.h"
 #include "infer/eval/flicker_command.h"
 #include "infer/eval/incident_command.h"
+#include "infer/eval/pictures_command.h"
 
 int main(int argc, char** argv) {
   CLI::App app{
@@ -22,9 +23,12 @@ int main(int argc, char** argv) {
   const CLI::App* flicker_command = lte::infer::add_flicker_command(app, &flicker);
   lte::infer::IncidentRequest incident;
   const CLI::App* incident_command = lte::infer::add_incident_command(app, &incident);
+  lte::infer::PicturesRequest pictures;
+  const CLI::App* pictures_command = lte::infer::add_pictures_command(app, &pictures);
   return lte::infer::run_network_tool(app, argc, argv, [&] {
     if (app.got_subcommand(flicker_command)) return run_flicker(flicker, request.tool.common);
     if (app.got_subcommand(incident_command)) return run_incident(incident, request);
+    if (app.got_subcommand(pictures_command)) return run_pictures(pictures, request.tool.common);
     lte::infer::read_run_config(&request);
     if (request.tool.print_config) {
       std::cout << lte::config_text(app);

@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "infer/eval/incident_eval.h"
+#include "infer/eval/incident_page.h"
 #include "infer/tool/assets.h"
 #include "lte/base/file.h"
 #include "lte/cli/command_files.h"
@@ -10,6 +11,11 @@
 #include "lte/nn/device.h"
 
 namespace lte::infer {
+namespace {
+
+constexpr const char* kPage = "incident.html";
+
+}  // namespace
 
 CLI::App* add_incident_command(CLI::App& app, IncidentRequest* request) {
   CLI::App* command = app.add_subcommand(
@@ -24,7 +30,7 @@ CLI::App* add_incident_command(CLI::App& app, IncidentRequest* request) {
       "Example:\n"
       "  lte_datagen generate --config configs/data/glossy_test.yaml --out glossy_test\n"
       "  lte_eval incident --checkpoint lte_radiance/model.safetensors --data glossy_test --split "
-      "test --json incident.json");
+      "test --json incident.json --report incident");
   return command;
 }
 
@@ -38,10 +44,12 @@ void run_incident(const IncidentRequest& request, const EvalRequest& eval) {
   files.reads("--checkpoint", eval.checkpoint);
   files.reads_parts("--data", eval.data, data::kDatasetParts);
   files.reads_parts("--traced", request.traced, data::kDatasetParts);
+  files.writes_parts("--report", eval.report, {kPage});
   files.writes_common(eval.tool.common);
   files.check();
   apply_tool_options(eval.tool);
   check_writable(eval.tool.common.json);
+  const std::filesystem::path folder = make_report_folder(eval.report, kPage);
   const c10::Device device = nn::choose_device(eval.tool.device, 0, "--device");
   const runtime::Network network(eval.checkpoint,
                                  {device, choose_precision(eval.tool.precision, device)});
@@ -53,6 +61,8 @@ void run_incident(const IncidentRequest& request, const EvalRequest& eval) {
   const IncidentResult result = evaluate_incident(settings, network);
   if (!eval.tool.common.json.empty())
     write_file(eval.tool.common.json, incident_json(result, eval.checkpoint, eval.data));
+  if (!folder.empty())
+    write_file(folder / kPage, incident_html(result, eval.checkpoint, eval.data));
   std::cout << incident_table(result);
 }
 

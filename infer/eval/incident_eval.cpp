@@ -13,6 +13,7 @@
 #include "lte/base/text.h"
 #include "lte/cli/progress.h"
 #include "lte/data/scene_sample.h"
+#include "lte/nn/model.h"
 
 namespace lte::infer {
 namespace {
@@ -60,13 +61,21 @@ at::Tensor maps_of(const std::vector<Rgb>& radiance, int64_t points, double emis
 MapErrors errors_of(const at::Tensor& maps, const at::Tensor& reference) {
   const at::Tensor wanted = at::log1p(reference), got = at::log1p(maps.clamp_min(0));
   return {((got - wanted) / (wanted + kMapEpsilon)).square().mean().item<double>(),
+          (got - wanted).square().mean().item<double>(),
           (maps - reference).square().mean().item<double>()};
 }
 
 void add(const MapErrors& errors, double share, MapErrors* sum) {
   sum->logrel += share * errors.logrel;
+  sum->log_mse += share * errors.log_mse;
   sum->mse += share * errors.mse;
 }
+
+/// Degrees of the harmonics whose maps are kept.
+constexpr int kShown = 6, kShownHighest = 20;
+
+/// That of the first point, of maps [cells, points, 3].
+at::Tensor first_of(const at::Tensor& maps) { return maps.select(1, 0).contiguous(); }
 
 /// Fits of every degree to maps of the cells of one data set.
 class HarmonicRivals {
@@ -85,10 +94,16 @@ class HarmonicRivals {
     }
   }
 
-  void add_scene(const at::Tensor& reference, double share) {
+  /// @param row  gets the maps at the first point, of the degrees that are shown
+  void add_scene(const at::Tensor& reference, double share, MapRow* row) {
     const at::Tensor tables = reference.flatten(1);
     for (size_t i = 0; i < fitters_.size(); ++i) {
       const at::Tensor fitted = fitters_[i].reconstruct(tables).view(reference.sizes());
+      const HarmonicErrors& h = (*out_)[i];
+      const bool shown =
+          h.degree == kShown || (h.degree == kShownHighest && h.fit != HarmonicFit::Windowed);
+      if (row != nullptr && shown)
+        row->maps.emplace_back(concat("l ≤ ", h.degree, " ", enum_name(h.fit)), first_of(fitted));
       add(errors_of(fitted, reference), share, &(*out_)[i].errors);
       (*out_)[i].negative += share * (fitted < 0).to(at::kDouble).mean().item<double>();
     }
@@ -107,24 +122,48 @@ data::SceneSample read_incident(const std::filesystem::path& folder, const std::
   return sample;
 }
 
+/// What rays see of the scene points, in the form of reference_maps(); `even` where they meet none.
+at::Tensor seen_maps(const runtime::SceneEmbedding& embedding, const data::IncidentField& field,
+                     const std::vector<Vec3>& directions, const at::Tensor& even) {
+  const nn::Embedding parts = embedding.parts();
+  const auto tensor = [](const std::vector<Vec3>& of) {
+    return at::from_blob(const_cast<Vec3*>(of.data()), {static_cast<int64_t>(of.size()), 3},
+                         at::TensorOptions(at::kFloat));
+  };
+  const at::Tensor place = (tensor(field.position) - parts.origin.cpu()) / parts.scale;
+  const at::Tensor seen =
+      parts.surfels.see(place, tensor(directions).view({field.points(), -1, 3})).to(at::kDouble);
+  const at::Tensor unit = parts.emission_scale.to(at::kDouble) / embedding.mean_emission();
+  const at::Tensor light = (seen.narrow(2, nn::kSeenRadiance, 3) * unit).transpose(0, 1);
+  const at::Tensor hit = seen.select(2, nn::kSeenHit).transpose(0, 1).unsqueeze(2) > 0;
+  return at::where(hit, light, even);
+}
+
 /// Adds the errors of the model's answers, by direction and as irradiance.
+/// @param row  gets the maps at the first point; null: nobody
 void add_network(const data::SceneSample& sample, const runtime::SceneEmbedding& embedding,
-                 const at::Tensor& reference, double share, IncidentResult* result) {
+                 const at::Tensor& reference, double share, IncidentResult* result, MapRow* row) {
   const data::IncidentField& field = sample.incident;
   const double emission = embedding.mean_emission();
   const runtime::QueryPoints queries{field.position, field.normal, field.albedo};
-  const at::Tensor neural = maps_of(embedding.decode_radiance(queries, world_directions(field)),
-                                    field.points(), emission);
+  const std::vector<Vec3> directions = world_directions(field);
+  const std::vector<Rgb> answers = embedding.decode_radiance(queries, directions);
+  const at::Tensor neural = maps_of(answers, field.points(), emission);
   add(errors_of(neural, reference), share, &result->neural);
-  std::vector<Rgb> even = embedding.decode(queries);
-  for (Rgb& value : even) value *= 1 / kPi;
-  const at::Tensor flat = maps_of(even, field.points(), emission).expand_as(reference);
-  add(errors_of(flat, reference), share, &result->even);
+  std::vector<Rgb> uniform = embedding.decode(queries);
+  for (Rgb& value : uniform) value *= 1 / kPi;
+  const at::Tensor even = maps_of(uniform, field.points(), emission).expand_as(reference);
+  add(errors_of(even, reference), share, &result->even);
+  if (row != nullptr) row->maps.emplace_back("network", first_of(neural));
+  if (!result->casts_rays) return;
+  const at::Tensor seen = seen_maps(embedding, field, directions, even);
+  add(errors_of(seen, reference), share, &result->seen);
+  if (row != nullptr) row->maps.emplace_back("seen of the points", first_of(seen));
 }
 
 void add_traced(const IncidentSettings& settings, const data::SceneSample& sample, bool total,
-                const at::Tensor& reference, double emission, double share,
-                IncidentResult* result) {
+                const at::Tensor& reference, double emission, double share, IncidentResult* result,
+                MapRow* row) {
   const data::SceneSample rival = read_incident(settings.traced, sample.name);
   const at::Tensor maps = reference_maps(rival, total, emission);
   const bool same = maps.sizes() == reference.sizes() &&
@@ -135,14 +174,17 @@ void add_traced(const IncidentSettings& settings, const data::SceneSample& sampl
             settings.data.string());
   add(errors_of(maps, reference), share, &result->traced);
   result->traced_paths = static_cast<double>(rival.incident.samples);
+  if (row != nullptr)
+    row->maps.emplace_back(concat("traced, ", result->traced_paths, " paths"), first_of(maps));
 }
 
 nlohmann::json to_json(const MapErrors& errors) {
-  return {{"logrel", errors.logrel}, {"mse", errors.mse}};
+  return {{"logrel", errors.logrel}, {"log_mse", errors.log_mse}, {"mse", errors.mse}};
 }
 
 std::string row(const std::string& name, const MapErrors& errors) {
-  return formatted("  %-34s %10.4f %12.5f\n", name.c_str(), errors.logrel, errors.mse);
+  return formatted("  %-34s %10.4f %10.4f %12.5f\n", name.c_str(), errors.logrel, errors.log_mse,
+                   errors.mse);
 }
 
 }  // namespace
@@ -156,6 +198,7 @@ IncidentResult evaluate_incident(const IncidentSettings& settings,
   LTE_CHECK(!entries.empty(), settings.data.string(), ": no scene is in the split \"",
             data::split_name(settings.split), "\"");
   IncidentResult result;
+  result.casts_rays = network.config().casts_rays();
   std::optional<HarmonicRivals> rivals;
   const double share = 1 / static_cast<double>(entries.size());
   lte::Progress progress("evaluating", static_cast<int64_t>(entries.size()), "scenes");
@@ -171,10 +214,13 @@ IncidentResult evaluate_incident(const IncidentSettings& settings,
     }
     LTE_CHECK(reference.size(0) == result.cells, entry.name, ": has ", reference.size(0),
               " directions a point, and the scenes before it ", result.cells);
-    add_network(sample, embedding, reference, share, &result);
+    MapRow row{concat(entry.name, " 0"), {{"reference", first_of(reference)}}};
+    MapRow* shown = result.pictures.size() < kMapRows ? &row : nullptr;
+    add_network(sample, embedding, reference, share, &result, shown);
     if (!settings.traced.empty())
-      add_traced(settings, sample, total, reference, emission, share, &result);
-    rivals->add_scene(reference, share);
+      add_traced(settings, sample, total, reference, emission, share, &result, shown);
+    rivals->add_scene(reference, share, shown);
+    if (shown != nullptr) result.pictures.push_back(row);
     ++result.scenes;
     result.points += sample.incident.points();
     progress.advance();
@@ -186,8 +232,9 @@ std::string incident_table(const IncidentResult& result) {
   std::string text = formatted(
       "%lld scenes, %lld points, %lld directions each\n", static_cast<long long>(result.scenes),
       static_cast<long long>(result.points), static_cast<long long>(result.cells));
-  text += formatted("  %-34s %10s %12s\n", "", "logrel", "mse");
+  text += formatted("  %-34s %10s %10s %12s\n", "", "logrel", "log_mse", "mse");
   text += row("neural", result.neural);
+  if (result.casts_rays) text += row("seen of the points", result.seen);
   text += row("even (the model's irradiance)", result.even);
   if (result.traced_paths > 0)
     text += row(formatted("traced, %.0f paths a direction", result.traced_paths), result.traced);
@@ -207,6 +254,7 @@ std::string incident_json(const IncidentResult& result, const std::string& model
                          {"cells", result.cells},
                          {"neural", to_json(result.neural)},
                          {"even", to_json(result.even)}};
+  if (result.casts_rays) json["seen"] = to_json(result.seen);
   if (result.traced_paths > 0) {
     json["traced"] = to_json(result.traced);
     json["traced"]["paths"] = result.traced_paths;

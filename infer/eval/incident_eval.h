@@ -5,7 +5,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include <ATen/core/Tensor.h>
 
 #include "infer/eval/spherical_harmonics.h"
 #include "lte/data/dataset.h"
@@ -25,8 +28,9 @@ struct IncidentSettings {
 
 /// Means over scenes. x is π L over the scene's mean emission, y that of the reference.
 struct MapErrors {
-  double logrel = 0;  ///< mean ((log(x + 1) − log(y + 1)) / (log(y + 1) + kMapEpsilon))²
-  double mse = 0;     ///< mean (x − y)²
+  double logrel = 0;   ///< mean ((log(x + 1) − log(y + 1)) / (log(y + 1) + kMapEpsilon))²
+  double log_mse = 0;  ///< mean (log(x + 1) − log(y + 1))², which the dark does not rule
+  double mse = 0;      ///< mean (x − y)²
 };
 inline constexpr double kMapEpsilon = 0.1;
 
@@ -37,14 +41,27 @@ struct HarmonicErrors {
   double negative = 0;  ///< share of directions whose radiance comes out negative: ringing
 };
 
+/// Maps at one point beside one another, the reference first; each [cells, 3] float64 of x.
+struct MapRow {
+  std::string place;
+  std::vector<std::pair<std::string, at::Tensor>> maps;
+};
+/// Rows that are kept, one a scene.
+inline constexpr size_t kMapRows = 6;
+
 struct IncidentResult {
   int64_t scenes = 0, points = 0, cells = 0;
   MapErrors neural;
   /// The model's irradiance, as if it came evenly from everywhere.
   MapErrors even;
+  /// Of models that cast rays: what these see of the scene points, and the model's irradiance where
+  /// they meet none.
+  bool casts_rays = false;
+  MapErrors seen;
   MapErrors traced;         ///< of IncidentSettings::traced
   double traced_paths = 0;  ///< a direction; 0 without
   std::vector<HarmonicErrors> harmonics;
+  std::vector<MapRow> pictures;
 };
 
 /// @throws lte::Error for a model without a radiance decoder, scenes without incident radiance, or

@@ -68,6 +68,17 @@ void check_light(const ModelConfig& c) {
             enum_name(c.light_input), " and ", enum_name(c.light_sides));
 }
 
+void check_radiance(const ModelConfig& c) {
+  check_at_least("radiance_lobes", c.radiance_lobes, 0);
+  if (c.radiance_base == RadianceBase::Irradiance) return;
+  LTE_CHECK(c.reads_indirect(),
+            "model.radiance_base points: model.light_input must be traced or radiosity, got ",
+            enum_name(c.light_input));
+  LTE_CHECK(c.radiance_head == RadianceHead::Directions,
+            "model.radiance_base points: model.radiance_head must be directions, got ",
+            enum_name(c.radiance_head));
+}
+
 void check(const ModelConfig& c) {
   check_at_least("channels", c.channels, 1);
   check_at_least("nne_neighbours", c.nne_neighbours, 1);
@@ -77,7 +88,7 @@ void check(const ModelConfig& c) {
   check_at_least("query_layers", c.query_layers, 1);
   check_at_least("gamma_hidden", c.gamma_hidden, 1);
   check_at_least("ffn_ratio", c.ffn_ratio, 1);
-  check_at_least("radiance_lobes", c.radiance_lobes, 0);
+  check_radiance(c);
   const size_t stages = c.encoder_depths.size();
   LTE_CHECK(stages >= 1 && stages <= 12, "model.encoder_depths must have 1 to 12 entries, got ",
             stages);
@@ -131,6 +142,8 @@ void for_each_field(Configuration& config, const Visit& visit) {
   visit("light_variance", config.light_variance);
   visit("gloss", config.gloss);
   visit("radiance_lobes", config.radiance_lobes);
+  visit("radiance_head", config.radiance_head);
+  visit("radiance_base", config.radiance_base);
   visit("target", config.target);
   visit("scale", config.scale);
   visit("output_mean", config.output_mean);

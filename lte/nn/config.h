@@ -53,6 +53,15 @@ enum class LightInput { Emission, Direct, Traced, Radiosity };
 /// reads only the side that faces as it does.
 enum class LightSides { Sum, Apart };
 
+/// What the radiance decoder's answer is a factor on: the irradiance that models which read bounced
+/// light are told of, from everywhere alike, or beside it what a ray sees of the scene points
+/// (lte/nn/surfels.h).
+enum class RadianceBase { Irradiance, Points };
+
+/// How the radiance decoder answers (lte/nn/radiance_decoder.h): a perceptron asked direction by
+/// direction, a map of all directions in one pass, or a sum of spherical Gaussians.
+enum class RadianceHead { Directions, Map, Gaussians };
+
 /// What the output means: light that bounced at least once, or all of it.
 enum class Target { Indirect, Total };
 
@@ -79,6 +88,14 @@ constexpr EnumNames<LightInput, 4> enum_names(LightInput) {
 }
 constexpr EnumNames<LightSides, 2> enum_names(LightSides) {
   return {{{LightSides::Sum, "sum"}, {LightSides::Apart, "apart"}}};
+}
+constexpr EnumNames<RadianceBase, 2> enum_names(RadianceBase) {
+  return {{{RadianceBase::Irradiance, "irradiance"}, {RadianceBase::Points, "points"}}};
+}
+constexpr EnumNames<RadianceHead, 3> enum_names(RadianceHead) {
+  return {{{RadianceHead::Directions, "directions"},
+           {RadianceHead::Map, "map"},
+           {RadianceHead::Gaussians, "gaussians"}}};
 }
 constexpr EnumNames<Target, 2> enum_names(Target) {
   return {{{Target::Indirect, "indirect"}, {Target::Total, "total"}}};
@@ -112,8 +129,11 @@ struct ModelConfig {
   /// Scene points tell how metallic and how rough they are (PointSet::gloss).
   bool gloss = false;
   /// Functions of direction that the radiance decoder makes for each point
-  /// (lte/nn/radiance_decoder.h); 0: the model has no such decoder.
+  /// (lte/nn/radiance_decoder.h), cells along an edge of its map, or its spherical Gaussians.
+  /// 0: the model has no such decoder.
   int64_t radiance_lobes = 0;
+  RadianceHead radiance_head = RadianceHead::Directions;
+  RadianceBase radiance_base = RadianceBase::Irradiance;
   Target target = Target::Indirect;
   double scale = 16.0;  ///< s, metres: network space is (p − b_min)/s
   /// Training mean of the normalized target. It sets the output bias at initialization.
@@ -132,6 +152,8 @@ struct ModelConfig {
   /// Edge in cells of the stem's convolution; 0 for a linear stem.
   int64_t stem_kernel() const { return stem == Stem::Conv5 ? 5 : stem == Stem::Conv3 ? 3 : 0; }
   bool predicts_radiance() const { return radiance_lobes > 0; }
+  /// Whether the radiance decoder sees the scene points by rays.
+  bool casts_rays() const { return predicts_radiance() && radiance_base == RadianceBase::Points; }
   bool predicts_total() const { return target == Target::Total; }
   /// Columns that γ reads.
   int64_t pair_inputs() const { return reads_normals() ? ops::kNormalInputs : ops::kOffsetInputs; }

@@ -4,6 +4,7 @@
 
 #include "lte/nn/model.h"
 #include "lte/nn/recompute.h"
+#include "lte/nn/surfels.h"
 
 namespace lte::nn {
 namespace {
@@ -172,19 +173,27 @@ double decode_flops(const ModelConfig& config, int64_t m) {
 }
 
 double radiance_flops(const ModelConfig& config, int64_t m) {
-  const double lobes = 5 * real(config.radiance_lobes * config.channels);
+  const double K = real(config.radiance_lobes);
+  const double per_feature = config.radiance_head == RadianceHead::Map         ? 3 * K * K
+                             : config.radiance_head == RadianceHead::Gaussians ? 7 * K
+                                                                               : 5 * K;
+  const double lobes = per_feature * real(config.channels);
   return 2 * (query_products(config, m, config.channels) + lobes);
 }
 
 double direction_flops(const ModelConfig& config) {
   const double K = real(config.radiance_lobes);
-  return 2 * (3 * K + K * K + 3 * K);
+  if (config.radiance_head == RadianceHead::Map) return 0;  // a cell is looked up
+  if (config.radiance_head == RadianceHead::Gaussians) return 2 * (3 * K + 3 * K);
+  const double seen = config.casts_rays() ? real(kSeenFeatures) : 0;
+  return 2 * (3 * K + (K + seen) * K + (seen > 0 ? 6 : 3) * K);
 }
 
 double encode_mb(const ModelConfig& config, int64_t M) {
   const double D = real(config.channels);
   const double sides = config.parts_sides() ? 300 : 0;  // bytes of what is told of the back
-  const double per_point = 600 + sides + 40 * D;        // bytes
+  const double discs = config.casts_rays() ? 500 : 0;   // bytes of what rays meet
+  const double per_point = 600 + sides + discs + 40 * D;
   const double base = 20 + 0.45 * D;                    // MiB, whatever the number of points
   return base + 1.1 * per_point * real(M) / kMiB;
 }

@@ -100,6 +100,26 @@ Embedding LightTransportModelImpl::place(const PointSet& points, const Frame& fr
   return embedding;
 }
 
+/// What rays see of the scene, without gradients.
+void LightTransportModelImpl::add_surfels(const PointSet& points, const at::Tensor& position,
+                                          Embedding* embedding) {
+  const at::NoGradGuard no_grad;
+  QueryDecoder& decoder = parts_->decoder;
+  const bool was_training = decoder->is_training();
+  decoder->eval();  // the operator of inference, whatever is trained
+  Embedding still = *embedding;
+  still.features = embedding->features.detach();
+  const QuerySet fronts{points.position, points.normal, points.albedo};
+  const bool fused = still.features.scalar_type() == at::kFloat;
+  if (fused) still.table = decoder->table(still.features);
+  const at::Tensor irradiance =
+      fused ? parts_->decode_ordered(still, fronts)
+            : parts_->decode({still}, {fronts}, decoder->latent_tables(still.features))[0];
+  decoder->train(was_training);
+  embedding->surfels = make_surfels(points, position, embedding->scale, embedding->emission_scale,
+                                    irradiance, config_);
+}
+
 SceneBatch LightTransportModelImpl::encode(const std::vector<PointSet>& scenes,
                                            const std::vector<uint64_t>& order_seeds,
                                            const Frame& frame, EncoderRecorder* recorder) {
@@ -129,6 +149,7 @@ SceneBatch LightTransportModelImpl::encode(const std::vector<PointSet>& scenes,
     embedding.spacing = plan.spacing[i];
     embedding.features = own(batch.features);
     if (normal.defined()) embedding.normal = own(normal);
+    if (config_.casts_rays()) add_surfels(scenes[i], positions[i], &embedding);
   }
   return batch;
 }

@@ -14,6 +14,7 @@
 #include "lte/nn/point_set.h"
 #include "lte/nn/precision.h"
 #include "lte/nn/stage_health.h"
+#include "lte/nn/surfels.h"
 
 namespace lte::nn {
 
@@ -37,6 +38,7 @@ struct Embedding {
   at::Tensor table;
   at::Tensor radiance_table;  ///< the same of the radiance decoder, of models that have one
   LightCache cache;           ///< of models whose `light_input` is traced
+  Surfels surfels;            ///< of models whose `radiance_base` is points
 };
 
 /// Several scenes that were embedded in one pass.
@@ -137,6 +139,7 @@ class LightTransportModelImpl : public torch::nn::Module {
                   at::Tensor* attributes) const;
   void add_light(const PointSet& points, const at::Tensor& position,
                  std::vector<at::Tensor>* columns, Embedding* embedding) const;
+  void add_surfels(const PointSet& points, const at::Tensor& position, Embedding* embedding);
   SceneBatch encode(const std::vector<PointSet>& scenes, const std::vector<uint64_t>& order_seeds,
                     const Frame& frame, EncoderRecorder* recorder);
 

@@ -14,6 +14,13 @@ void check_radiance(const ModelConfig& config) {
               "radiance: the model has no radiance decoder (its model.radiance_lobes is 0)");
 }
 
+/// What rays from the queries see of the scene points; undefined in models that cast none.
+at::Tensor seen(const Embedding& embedding, const SceneQueries& queries,
+                const at::Tensor& directions) {
+  return embedding.surfels.defined() ? embedding.surfels.see(queries.query.position, directions)
+                                     : at::Tensor();
+}
+
 }  // namespace
 
 std::vector<at::Tensor> LightTransportModelImpl::decode_radiance_normalized(
@@ -34,8 +41,9 @@ std::vector<at::Tensor> LightTransportModelImpl::decode_radiance_normalized(
           .split_with_sizes(asked.counts);
   std::vector<at::Tensor> answers;
   for (size_t i = 0; i < queries.size(); ++i) {
-    const at::Tensor answer = parts_->radiance->radiance(features[i], directions[i]);
-    answers.push_back(asked.light.empty() ? answer : asked.light[i].unsqueeze(1) * answer);
+    answers.push_back(parts_->radiance->radiance(
+        features[i], directions[i], asked.light.empty() ? at::Tensor() : asked.light[i],
+        seen(batch.scenes[i], asked.queries[i], directions[i])));
   }
   return answers;
 }
@@ -51,16 +59,13 @@ at::Tensor LightTransportModelImpl::radiance_of_block(const Embedding& embedding
   const at::Tensor order =
       ordered ? ops::spatial_order(queries.position.contiguous()) : at::Tensor();
   const Parts::Asked asked = Parts::ask(embedding, ordered ? rows_of(queries, order) : queries);
-  at::Tensor features =
+  const at::Tensor features =
       parts_->radiance->query()->infer(asked.attributes, asked.queries.query, asked.queries.anchor,
                                        embedding.spacing, embedding.radiance_table);
-  if (!ordered) {
-    const at::Tensor answer = parts_->radiance->radiance(features, directions);
-    return asked.light.defined() ? asked.light.unsqueeze(1) * answer : answer;
-  }
-  const at::Tensor answer = parts_->radiance->radiance(features, directions.index_select(0, order));
-  return at::empty_like(answer).index_copy_(
-      0, order, asked.light.defined() ? asked.light.unsqueeze(1) * answer : answer);
+  const at::Tensor ways = ordered ? directions.index_select(0, order) : directions;
+  const at::Tensor answer =
+      parts_->radiance->radiance(features, ways, asked.light, seen(embedding, asked.queries, ways));
+  return ordered ? at::empty_like(answer).index_copy_(0, order, answer) : answer;
 }
 
 at::Tensor LightTransportModelImpl::decode_radiance(const Embedding& embedding,

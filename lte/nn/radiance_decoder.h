@@ -2,8 +2,13 @@
 // direction, from the latents nearest to the point.
 //
 // The direction enters late. A query decoder of its own gathers what a point needs to know of its
-// surroundings, once; of that the point's lobes are made, functions of direction with axes and
-// offsets of their own. A further direction evaluates them and a small perceptron.
+// surroundings, once; a head makes functions of direction of it. RadianceHead says which:
+//
+// - Directions: the point's lobes are ridge functions of direction with axes and offsets of their
+//   own. A further direction evaluates them and a small perceptron, which with
+//   RadianceBase::Points also reads what a ray sees of the scene points.
+// - Map: cells of an octahedral map of all directions (Meyer et al. 2010), in one pass.
+// - Gaussians: a sum of spherical Gaussians (Wang et al. 2009).
 #pragma once
 
 #include <cstdint>
@@ -12,8 +17,9 @@
 
 namespace lte::nn {
 
-/// Parameters: `query.*` (QueryDecoder whose head answers D features), `lobes.*` (D -> 5 K),
-/// `mix.*` (K -> K), `color.*` (K -> 3), with K lobes.
+/// Parameters: `query.*` (QueryDecoder whose head answers D features), and with K = radiance_lobes:
+/// of Directions `lobes.*` (D -> 5 K), `mix.*` (K -> K, or K + kSeenFeatures -> K) and `color.*`
+/// (K -> 3, or 6); of Map `map.*` (D -> 3 K²); of Gaussians `gaussians.*` (D -> 7 K).
 class RadianceDecoderImpl : public torch::nn::Module {
  public:
   /// @param latent  width of the latents
@@ -22,19 +28,40 @@ class RadianceDecoderImpl : public torch::nn::Module {
   /// What gathers features: its answers are features of points, [Q, D].
   QueryDecoder& query() { return query_; }
 
-  /// h_k = GELU(a_k · ω + b_k), then softplus(W_color GELU(W_mix h + c)) where the point's features
-  /// give a, b and c.
+  /// π radiance over the emission scale: r(ω) ⊙ light, or where rays were cast
+  /// r(ω) ⊙ light + s(ω) ⊙ what the ray sees. Where the point's features give a, b, c and more:
+  ///
+  /// - Directions: h_k = GELU(a_k · ω + b_k), then r, s = softplus(W_color GELU(W_mix [h, seen] +
+  ///   c));
+  /// - Map: r = softplus(the cell that ω lies in);
+  /// - Gaussians: r = Σ_k softplus(c_k) exp(softplus(b_k) (ω · a_k / |a_k| − 1)).
   ///
   /// @param features    [Q, D] of each point
   /// @param directions  [Q, N, 3] world, unit, away from the point
+  /// @param light       [Q, 3]; undefined: 1
+  /// @param seen        [Q, N, kSeenColumns] (lte/nn/surfels.h), of models that cast rays
   /// @return            [Q, N, 3], non-negative, differentiable in features and parameters
-  at::Tensor radiance(const at::Tensor& features, const at::Tensor& directions);
+  at::Tensor radiance(const at::Tensor& features, const at::Tensor& directions,
+                      const at::Tensor& light = {}, const at::Tensor& seen = {});
 
  private:
+  void make_directions(const ModelConfig& config);
+  void make_map(const ModelConfig& config);
+  void make_gaussians(const ModelConfig& config);
+  /// [Q, N, 3 or 6].
+  at::Tensor ask_directions(const at::Tensor& features, const at::Tensor& directions,
+                            const at::Tensor& seen);
+  at::Tensor ask_map(const at::Tensor& features, const at::Tensor& directions);
+  at::Tensor ask_gaussians(const at::Tensor& features, const at::Tensor& directions);
+
+  RadianceHead kind_;
   int64_t lobes_per_point_;
   QueryDecoder query_{nullptr};
-  Linear lobes_{nullptr}, mix_{nullptr}, color_{nullptr};
+  Linear lobes_{nullptr}, mix_{nullptr}, color_{nullptr}, map_{nullptr}, gaussians_{nullptr};
 };
 TORCH_MODULE(RadianceDecoder);
+
+/// The cell of an octahedral map of edge × edge cells that each direction lies in, [Q, N] int64.
+at::Tensor octahedral_cells(const at::Tensor& directions, int64_t edge);
 
 }  // namespace lte::nn

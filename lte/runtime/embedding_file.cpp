@@ -102,6 +102,9 @@ nn::Embedding read_parts(const SafetensorsFile& file, const nn::ModelConfig& con
             ": scale must be more than 0 and spacing not negative, got ", parts.scale, " and ",
             parts.spacing);
   parts.emission_scale = read(file, "emission_scale", at::kDouble, {3});
+  if (config.casts_rays())
+    parts.surfels = nn::Surfels(read(file, "surfels", at::kFloat, {-1, nn::Surfels::kColumns}),
+                                config.predicts_total());
   if (!config.reads_indirect()) return parts;
   parts.cache.position = read(file, "cache.position", at::kFloat, {-1, 3});
   const int64_t S = parts.cache.position.size(0);
@@ -135,6 +138,7 @@ void save_embedding(const std::filesystem::path& path, const SceneEmbedding& emb
                                                {"spacing", one_number(parts.spacing)},
                                                {"emission_scale", parts.emission_scale}};
   if (parts.normal.defined()) tensors["normal"] = parts.normal;
+  if (parts.surfels.defined()) tensors["surfels"] = parts.surfels.table();
   if (parts.cache.defined()) {
     tensors["cache.position"] = parts.cache.position;
     tensors["cache.normal"] = parts.cache.normal;

@@ -20,9 +20,10 @@ using EmbeddingKey = std::map<std::string, std::string>;
 /// Metadata: format "lte-embedding", format_version, lte_version, model, precision, scene_points,
 /// and each name of the key with "key " before it. Tensors: position [m, 3], features [m, D],
 /// origin [3], scale [1], spacing [1] and emission_scale [3] of nn::Embedding; normal [m, 3] where
-/// the model reads normals; cache.position, cache.normal [S, 3], cache.light [S, 6] and
-/// cache.floor [3] where it reads traced light. The decoder's table is left out, as it is made of
-/// the features in no time and ten times as large.
+/// the model reads normals; surfels [M, 21] where it casts rays among the scene points;
+/// cache.position, cache.normal [S, 3], cache.light [S, 6] and cache.floor [3] where it reads
+/// traced light. The decoder's table is left out, as it is made of the features in no time and ten
+/// times as large.
 /// @throws lte::Error if the file cannot be written.
 void save_embedding(const std::filesystem::path& path, const SceneEmbedding& embedding,
                     const EmbeddingKey& key);

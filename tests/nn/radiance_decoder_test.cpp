@@ -104,46 +104,135 @@ TEST(RadianceDecoder, IsTheLobesOfItsFeaturesDirectionByDirection) {
   }
 }
 
-TEST(RadianceDecoder, GradientsMatchFiniteDifferences) {
-  LightTransportModel model(radiance_config());
-  test::randomize(*model, 6);
-  model->to(at::kDouble);
-  model->eval();
-  const PointSet points = test::as_double(with_metal(test::box_scene(60, 1)));
-  const QuerySet queries = test::as_double(test::box_queries(6, 2));
-  const at::Tensor directions = directions_above(queries, 4, 3);
-  std::vector<at::Tensor> inputs;
-  for (const auto& item : model->named_parameters()) {
-    if (item.key().starts_with("radiance.")) inputs.push_back(item.value());
+TEST(RadianceDecoder, GaussiansAreTheirSum) {
+  ModelConfig config = radiance_config();
+  config.radiance_head = RadianceHead::Gaussians;
+  config.radiance_lobes = 3;
+  const int64_t D = config.channels, K = 3, Q = 4, N = 5;
+  RadianceDecoder decoder(D, config);
+  test::randomize(*decoder, 11);
+  decoder->to(at::kDouble);
+  torch::manual_seed(1);
+  const at::Tensor features = torch::rand({Q, D}, at::kDouble);
+  const at::Tensor directions = torch::nn::functional::normalize(
+      torch::randn({Q, N, 3}, at::kDouble), torch::nn::functional::NormalizeFuncOptions().dim(2));
+  const at::NoGradGuard no_grad;
+  const at::Tensor got = decoder->radiance(features, directions);
+  const auto p = decoder->named_parameters();
+  const at::Tensor own = features.matmul(p["gaussians.weight"].t()) + p["gaussians.bias"];
+  const auto number = [&](int64_t q, int64_t column) { return own[q][column].item<double>(); };
+  const auto softplus = [](double x) { return std::log1p(std::exp(x)); };
+  for (int64_t q = 0; q < Q; ++q) {
+    for (int64_t n = 0; n < N; ++n) {
+      double sum[3] = {};
+      for (int64_t k = 0; k < K; ++k) {
+        double along = 0, squares = 0;
+        for (int64_t axis = 0; axis < 3; ++axis) {
+          const double a = number(q, 3 * k + axis);
+          along += a * directions[q][n][axis].item<double>();
+          squares += a * a;
+        }
+        const double value =
+            std::exp(softplus(number(q, 3 * K + k)) * (along / std::sqrt(squares) - 1));
+        for (int64_t c = 0; c < 3; ++c) sum[c] += softplus(number(q, 4 * K + 3 * k + c)) * value;
+      }
+      for (int64_t c = 0; c < 3; ++c) EXPECT_NEAR(got[q][n][c].item<double>(), sum[c], 1e-10);
+    }
   }
-  // The first layer sees gloss; through it all of the encoder is differentiated.
-  inputs.push_back(model->named_parameters()["nne.point.hidden.weight"]);
-  test::expect_gradients_match(
-      [&] {
-        const Embedding embedding = model->encode(points);
-        return model
-            ->decode_radiance_normalized({{embedding}, embedding.features}, {queries},
-                                         {directions})[0]
-            .square()
-            .sum();
-      },
-      inputs, 1e-5);
+}
+
+TEST(RadianceDecoder, AnOctahedralMapHasACellForEveryDirection) {
+  const auto cell = [](float x, float y, float z, int64_t edge) {
+    return octahedral_cells(torch::tensor({x, y, z}).view({1, 1, 3}), edge).item<int64_t>();
+  };
+  // The upper half is the square on its corner in the middle; the lower folds into the corners.
+  EXPECT_EQ(cell(0.1f, 0.1f, 0.9f, 4), 10);
+  EXPECT_EQ(cell(-0.1f, 0.1f, 0.9f, 4), 9);
+  EXPECT_EQ(cell(0.1f, -0.1f, 0.9f, 4), 6);
+  EXPECT_EQ(cell(0.1f, 0.1f, -0.9f, 4), 15);
+  EXPECT_EQ(cell(-0.1f, -0.1f, -0.9f, 4), 0);
+  torch::manual_seed(2);
+  const at::Tensor all = octahedral_cells(torch::randn({1, 20000, 3}), 8);
+  const at::Tensor found = at::bincount(all.view({-1}), {}, 64);
+  EXPECT_EQ(found.size(0), 64);
+  EXPECT_GT(found.min().item<int64_t>(), 100) << "cells differ in solid angle by a factor of five";
+}
+
+/// A model of each head, and one that casts rays.
+std::vector<ModelConfig> all_kinds() {
+  ModelConfig map = radiance_config(), gaussians = map, casts = map;
+  map.radiance_head = RadianceHead::Map;
+  gaussians.radiance_head = RadianceHead::Gaussians;
+  casts.light_input = LightInput::Traced;
+  casts.radiance_base = RadianceBase::Points;
+  return {radiance_config(), map, gaussians, casts};
+}
+
+TEST(RadianceDecoder, GradientsMatchFiniteDifferences) {
+  for (const ModelConfig& config : all_kinds()) {
+    SCOPED_TRACE(config.to_yaml());
+    LightTransportModel model(config);
+    test::randomize(*model, 6);
+    model->to(at::kDouble);
+    model->eval();
+    const PointSet points = test::as_double(with_metal(test::box_scene(60, 1)));
+    const QuerySet queries = test::as_double(test::box_queries(6, 2));
+    const at::Tensor directions = directions_above(queries, 4, 3);
+    std::vector<at::Tensor> inputs;
+    for (const auto& item : model->named_parameters()) {
+      if (item.key().starts_with("radiance.")) inputs.push_back(item.value());
+    }
+    // The first layer sees gloss; through it all of the encoder is differentiated. Rays are not,
+    // and the light that they see is of the encoder too.
+    if (!config.casts_rays())
+      inputs.push_back(model->named_parameters()["nne.point.hidden.weight"]);
+    test::expect_gradients_match(
+        [&] {
+          const Embedding embedding = model->encode(points);
+          return model
+              ->decode_radiance_normalized({{embedding}, embedding.features}, {queries},
+                                           {directions})[0]
+              .square()
+              .sum();
+        },
+        inputs, 1e-5);
+  }
 }
 
 TEST(RadianceDecoder, InferenceAgreesWithTrainingInBlocksOfAnySize) {
-  Case c;
-  const Embedding embedding = c.model->encode(c.points);
-  ASSERT_FALSE(embedding.table.defined()) << "with gradients there are no tables";
-  const at::Tensor trained = c.model
-                                 ->decode_radiance_normalized({{embedding}, embedding.features},
-                                                              {c.queries}, {c.directions})[0]
-                                 .detach() *
-                             (embedding.emission_scale / std::numbers::pi).to(at::kFloat);
-  EXPECT_LT(test::relative_difference(c.radiance(), trained), 1e-5);
+  for (const ModelConfig& config : all_kinds()) {
+    SCOPED_TRACE(config.to_yaml());
+    Case c(config);
+    const Embedding embedding = c.model->encode(c.points);
+    ASSERT_FALSE(embedding.table.defined()) << "with gradients there are no tables";
+    const at::Tensor trained = c.model
+                                   ->decode_radiance_normalized({{embedding}, embedding.features},
+                                                                {c.queries}, {c.directions})[0]
+                                   .detach() *
+                               (embedding.emission_scale / std::numbers::pi).to(at::kFloat);
+    EXPECT_LT(test::relative_difference(c.radiance(), trained), 1e-5);
+    const at::NoGradGuard no_grad;
+    const at::Tensor blocks =
+        c.model->decode_radiance(c.model->encode(c.points), c.queries, c.directions, {.block = 7});
+    EXPECT_LT(test::relative_difference(blocks, trained), 1e-5);
+  }
+}
+
+TEST(RadianceDecoder, AFreshModelThatCastsRaysSaysMostlyWhatTheySee) {
+  const ModelConfig config = all_kinds().back();
+  torch::manual_seed(5);
+  LightTransportModel model(config);
+  model->eval();
+  const Case c(config);
   const at::NoGradGuard no_grad;
-  const at::Tensor blocks =
-      c.model->decode_radiance(c.model->encode(c.points), c.queries, c.directions, {.block = 7});
-  EXPECT_LT(test::relative_difference(blocks, trained), 1e-5);
+  const Embedding embedding = model->encode(c.points);
+  const at::Tensor answer = model->decode_radiance_normalized({{embedding}, embedding.features},
+                                                              {c.queries}, {c.directions})[0];
+  const at::Tensor place = (c.queries.position - embedding.origin) / embedding.scale;
+  const at::Tensor seen = embedding.surfels.see(place, c.directions);
+  const at::Tensor light = embedding.cache.read(place, c.queries.normal).irradiance.unsqueeze(1);
+  EXPECT_GT(seen.select(2, kSeenHit).mean().item<double>(), 0.03);
+  EXPECT_LT(test::relative_difference(answer, 0.8 * seen.narrow(2, 0, 3) + 0.2 * light), 0.1);
 }
 
 TEST(RadianceDecoder, IsAFactorOnTheLightThatPointsAreTold) {

@@ -48,22 +48,30 @@ class EmbeddingFile : public testing::Test {
 
 TEST_F(EmbeddingFile, GivesTheSameAnswersBitForBit) {
   nn::ModelConfig plain = test::tiny_config(), traced = plain, normals = plain, softmax = plain,
-                  apart, errors;
+                  apart, errors, casts;
   traced.light_input = nn::LightInput::Traced;
   apart = traced;
   apart.light_sides = nn::LightSides::Apart;
   errors = apart;
   errors.light_variance = true;
+  casts = apart;
+  casts.radiance_lobes = 4;
+  casts.radiance_base = nn::RadianceBase::Points;
   normals.pair_geometry = nn::PairGeometry::Normals;
   softmax.query_attention = nn::QueryAttention::Softmax;
   const nn::QuerySet queries = test::box_queries(500, 2);
-  for (const nn::ModelConfig& config : {plain, traced, normals, softmax, apart, errors}) {
+  for (const nn::ModelConfig& config : {plain, traced, normals, softmax, apart, errors, casts}) {
     for (const nn::Precision precision : {nn::Precision::Fp32, nn::Precision::Bf16}) {
       const Network net = network(config, 5, {.precision = precision});
       const SceneEmbedding made = SceneEmbedding::from_tensors(net, points(config));
       save_embedding(file(), made, {{"scene", "box"}});
       const SceneEmbedding read = load_embedding(file(), net, {{"scene", "box"}});
       EXPECT_TRUE(at::equal(made.decode_tensors(queries, {}), read.decode_tensors(queries, {})));
+      if (config.predicts_radiance()) {
+        const at::Tensor up = queries.normal.unsqueeze(1);
+        EXPECT_TRUE(at::equal(net.model()->decode_radiance(made.parts(), queries, up, {}),
+                              net.model()->decode_radiance(read.parts(), queries, up, {})));
+      }
       EXPECT_EQ(read.info().scene_points, 300);
       EXPECT_EQ(read.info().latents, made.info().latents);
       EXPECT_EQ(read.info().scale, made.info().scale);

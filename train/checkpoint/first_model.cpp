@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
+#include <torch/types.h>
 #include <torch/utils.h>
 
 #include "lte/base/check.h"
@@ -10,6 +12,31 @@
 #include "train/data/batch.h"
 
 namespace lte::train {
+
+namespace {
+
+constexpr const char* kRadiance = "radiance.";
+
+bool keeps_radiance_fresh(const OptimConfig& train) {
+  return std::find(train.init_except.begin(), train.init_except.end(), kRadiance) !=
+         train.init_except.end();
+}
+
+/// Copies what gathers light from around a query from the irradiance decoder to the radiance
+/// decoder, but for the head, whose answers are others: where latents lie and what they say is
+/// learnt already.
+void begin_radiance_as_irradiance(const nn::LightTransportModel& model) {
+  const torch::NoGradGuard no_grad;
+  const std::string of = "decoder.", to = concat(kRadiance, "query.");
+  auto parameters = model->named_parameters();
+  for (auto& item : parameters) {
+    const std::string& name = item.key();
+    if (!name.starts_with(to) || name.starts_with(to + "head.")) continue;
+    item.value().copy_(parameters[of + name.substr(to.size())]);
+  }
+}
+
+}  // namespace
 
 nn::LightTransportModel first_model(TrainConfig* config, RunData* data) {
   // A split that is all but black must not push the output's bias to −infinity.
@@ -24,8 +51,9 @@ nn::LightTransportModel first_model(TrainConfig* config, RunData* data) {
             ": the mean of the normalized reference is not finite; are there absurd radiances?");
   torch::manual_seed(config->seed);
   nn::LightTransportModel model(config->model);
-  if (!config->train.init_weights.empty())
-    init_weights(config->train.init_weights, config->train.init_except, model, data->light);
+  if (config->train.init_weights.empty()) return model;
+  init_weights(config->train.init_weights, config->train.init_except, model, data->light);
+  if (keeps_radiance_fresh(config->train)) begin_radiance_as_irradiance(model);
   return model;
 }
 

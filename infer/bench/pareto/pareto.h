@@ -9,7 +9,7 @@
 
 #include "infer/bench/pareto/method.h"
 #include "infer/bench/pareto/reference.h"
-#include "infer/bench/pareto/score.h"
+#include "infer/picture/picture_score.h"
 #include "lte/cli/scene_flags.h"
 
 namespace lte::infer {

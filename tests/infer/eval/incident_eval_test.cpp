@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "infer/eval/incident_page.h"
 #include "lte/base/check.h"
 #include "lte/base/half.h"
 #include "lte/base/random.h"
@@ -163,7 +164,7 @@ TEST_F(IncidentEval, ErrorsAreTheirFormulas) {
   EXPECT_EQ(result.cells, 16);
   EXPECT_EQ(result.traced.mse, 0) << "the rival is the reference itself";
   EXPECT_EQ(result.traced_paths, 3);
-  double logrel = 0, mse = 0;
+  double logrel = 0, log_mse = 0, mse = 0;
   for (const uint64_t seed : {3, 4}) {
     data::SceneSample sample = test::random_sample("", seed);
     test::add_random_incident(&sample, 5, 7);
@@ -184,11 +185,14 @@ TEST_F(IncidentEval, ErrorsAreTheirFormulas) {
       const double x = std::log1p(std::exp(0.3)) * emission[i % 3] / area / mean;
       const double off = (std::log1p(x) - std::log1p(y)) / (std::log1p(y) + kMapEpsilon);
       logrel += off * off / (2 * per_group);
+      log_mse += std::pow(std::log1p(x) - std::log1p(y), 2) / (2 * per_group);
       mse += (x - y) * (x - y) / (2 * per_group);
     }
   }
   EXPECT_NEAR(result.neural.logrel, logrel, 1e-4 * logrel);
+  EXPECT_NEAR(result.neural.log_mse, log_mse, 1e-4 * log_mse);
   EXPECT_NEAR(result.neural.mse, mse, 1e-4 * mse);
+  EXPECT_FALSE(result.casts_rays);
   // A constant of each map alone is no worse than one of all maps.
   for (const HarmonicErrors& h : result.harmonics) {
     if (h.fit == HarmonicFit::LeastSquares) {
@@ -200,6 +204,26 @@ TEST_F(IncidentEval, ErrorsAreTheirFormulas) {
   EXPECT_EQ(json["harmonics"]["windowed"].size(), 4u);
   EXPECT_EQ(json["harmonics"]["windowed"][2]["coefficients"], 9);
   EXPECT_THAT(incident_table(result), AllOf(HasSubstr("neural"), HasSubstr("l <= 2, projected")));
+}
+
+TEST_F(IncidentEval, ItsPageHasChartsAndTheMapsOfAPointAScene) {
+  even_ = 0.3;
+  write(true, 4);
+  const IncidentResult result = evaluate("data");
+  ASSERT_EQ(result.pictures.size(), 2u);
+  const MapRow& row = result.pictures.front();
+  ASSERT_EQ(row.maps.size(), 3u) << "no degree as high as those shown was fitted";
+  EXPECT_EQ(row.maps[0].first, "reference");
+  EXPECT_EQ(row.maps[1].first, "network");
+  EXPECT_TRUE(at::equal(row.maps[0].second, row.maps[2].second)) << "the rival is the reference";
+  const at::Tensor& network = row.maps[1].second;
+  EXPECT_EQ(network.sizes(), (std::vector<int64_t>{16, 3}));
+  EXPECT_TRUE(at::equal(std::get<0>(network.min(0)), std::get<0>(network.max(0))))
+      << "it answers the same everywhere";
+  const std::string page = incident_html(result, "the model", "the data");
+  EXPECT_THAT(page, AllOf(HasSubstr("<svg"), HasSubstr("harmonics, windowed"),
+                          HasSubstr("data:image/png;base64,"), HasSubstr("the model"),
+                          HasSubstr("reference | network | traced, 3 paths")));
 }
 
 TEST_F(IncidentEval, RefusesModelsWithoutADecoderAndScenesWithoutMaps) {

@@ -60,6 +60,28 @@ TEST_F(RadianceTraining, AWidenedModelAnswersIrradianceAsTheOneItStartsFrom) {
   EXPECT_LT(((a - b).abs().max() / b.max()).item<double>(), 1e-5);
 }
 
+TEST_F(RadianceTraining, BeginsByGatheringLightAsTheIrradianceDecoderDoes) {
+  TrainConfig start = config("steps: 1");
+  RunData data = open_run_data(start);
+  const nn::LightTransportModel model = first_model(&start, &data);
+  const auto parameters = model->named_parameters();
+  int copied = 0;
+  for (const auto& item : parameters) {
+    const std::string radiance = "radiance.query.";
+    if (!item.key().starts_with(radiance)) continue;
+    const at::Tensor irradiance = parameters["decoder." + item.key().substr(radiance.size())];
+    if (item.key().starts_with(radiance + "head.")) {
+      EXPECT_FALSE(item.value().sizes() == irradiance.sizes() &&
+                   torch::equal(item.value(), irradiance))
+          << item.key();
+      continue;
+    }
+    ++copied;
+    EXPECT_TRUE(torch::equal(item.value(), irradiance)) << item.key();
+  }
+  EXPECT_GT(copied, 20);
+}
+
 TEST_F(RadianceTraining, LowersTheLossOfRoomsItDoesNotTrainOn) {
   const TrainConfig few = config(
       "steps: 120, validate_every: 120, checkpoint_every: 120, "

@@ -1,4 +1,4 @@
-// How far a picture is from its reference, in the figures of the chart.
+// How far a picture is from its reference.
 #pragma once
 
 #include "lte/image/image.h"

@@ -1,4 +1,4 @@
-#include "infer/bench/pareto/score.h"
+#include "infer/picture/picture_score.h"
 
 #include <limits>
 

@@ -1,0 +1,14 @@
+// The page of lte_eval incident: error by the degree of the harmonics, and maps beside one another.
+#pragma once
+
+#include <string>
+
+#include "infer/eval/incident_eval.h"
+
+namespace lte::infer {
+
+/// @param model, data  what was compared, for the reader
+std::string incident_html(const IncidentResult& result, const std::string& model,
+                          const std::string& data);
+
+}  // namespace lte::infer
