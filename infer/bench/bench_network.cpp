@@ -160,8 +160,7 @@ BenchResult time_radiance(const BenchOptions& options, nn::LightTransportModel& 
 }  // namespace
 
 std::vector<BenchResult> bench_radiance(const BenchOptions& options) {
-  constexpr int64_t kMore = 16;
-  constexpr double kMapCells = 1024;
+  constexpr int64_t kMore = 63;
   constexpr RadianceKind kKinds[] = {
       {"lobes", nn::RadianceHead::Directions, 48},
       {"lobes and rays", nn::RadianceHead::Directions, 48, nn::RadianceBase::Points},
@@ -182,10 +181,9 @@ std::vector<BenchResult> bench_radiance(const BenchOptions& options) {
     results.push_back(time_radiance(options, model, embedding, kind.name, 1));
     results.push_back(time_radiance(options, model, embedding, kind.name, 1 + kMore));
     const double first = results[results.size() - 2].seconds_min;
-    const double further = (results.back().seconds_min - first) / (kMore * first);
-    // What a direction that enters before the attention would cost is a point anew: 1.
-    results.back().figures["further_direction"] = further;
-    results.back().figures["map_seconds"] = first * (1 + (kMapCells - 1) * further);
+    // A direction that entered before the attention would cost a point anew: 1.
+    results.back().figures["further_direction"] =
+        (results.back().seconds_min - first) / (kMore * first);
   }
   return results;
 }
