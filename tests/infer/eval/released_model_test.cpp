@@ -38,7 +38,7 @@ void write_homes(const std::filesystem::path& folder, std::span<const Recorded> 
   const std::filesystem::path shipped = LTE_SOURCE_DIR "/assets/data/homes-test";
   data::DatasetInfo info = data::read_dataset_info(shipped);
   info.planned = static_cast<int64_t>(homes.size());
-  std::erase_if(info.scenes, [](const data::DatasetEntry& entry) {
+  std::erase_if(info.scenes, [&](const data::DatasetEntry& entry) {
     return std::none_of(homes.begin(), homes.end(),
                         [&](const Recorded& recorded) { return entry.name == recorded.home; });
   });
