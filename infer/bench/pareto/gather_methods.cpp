@@ -5,6 +5,7 @@
 #include "infer/bench/pareto/lit_picture.h"
 #include "infer/bench/pareto/method.h"
 #include "infer/bench/pareto/renderer_steps.h"
+#include "lte/base/check.h"
 
 namespace lte::infer {
 namespace {
@@ -71,17 +72,23 @@ Method gathered_sparsely(int rays) {
                        gathered(rays, 2), {});
 }
 
-Method gathered_draft(bool keep_light) {
-  RenderSettings settings = gathered(8, 2);
+Method gathered_draft(DraftKind kind) {
+  const bool large = kind == DraftKind::Large, keep_light = kind == DraftKind::Kept;
+  RenderSettings settings = gathered(8, large ? 4 : 2);
   settings.gather.direct = true;
   settings.gather.quality = image::OidnQuality::Fast;
   settings.antialias = 8;
   settings.keep_light = keep_light;
-  return gather_method(
-      keep_light ? "gather-kept" : "gather-draft", "gather",
-      keep_light ? "as --quality draft for several views, which share their light"
-                 : "as --quality draft: 8 gather and shadow rays at a quarter of the pixels",
-      settings, {});
+  if (keep_light) {
+    return gather_method("gather-kept", "gather",
+                         "as --quality draft for several views, which share their light", settings,
+                         {});
+  }
+  return gather_method(large ? "gather-draft-large" : "gather-draft", "gather",
+                       concat("as --quality draft", large ? " of large pictures" : "",
+                              ": 8 gather and shadow rays at ", large ? "a sixteenth" : "a quarter",
+                              " of the pixels"),
+                       settings, {});
 }
 
 Method gathered_from_network(int rays) {

@@ -84,8 +84,9 @@ Method gathered_light(int rays);
 /// The same at a quarter of the pixels; and from a table that the network has filled.
 Method gathered_sparsely(int rays);
 Method gathered_from_network(int rays);
-/// As `--quality draft` has it; and for several views that share their light.
-Method gathered_draft(bool keep_light);
+/// As `--quality draft` has it; for those of more than 2^20 pixels; for views that share light.
+enum class DraftKind { Plain, Large, Kept };
+Method gathered_draft(DraftKind kind);
 /// A light map for many views: as many paths at about so many texels on all surfaces, denoised.
 Method light_map(int64_t texels, int paths);
 

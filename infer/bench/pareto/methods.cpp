@@ -21,7 +21,8 @@ std::vector<Method> all_methods() {
   out.push_back(light_map(int64_t{1} << 18, 16));
   for (const int rays : {4, 16, 64}) out.push_back(gathered_light(rays));
   for (const int rays : {4, 16}) out.push_back(gathered_sparsely(rays));
-  for (const bool keep_light : {false, true}) out.push_back(gathered_draft(keep_light));
+  for (const DraftKind kind : {DraftKind::Plain, DraftKind::Large, DraftKind::Kept})
+    out.push_back(gathered_draft(kind));
   out.push_back(gathered_from_network(16));
   return out;
 }
