@@ -194,7 +194,7 @@ double encode_mb(const ModelConfig& config, int64_t M) {
   const double sides = config.parts_sides() ? 300 : 0;  // bytes of what is told of the back
   const double discs = config.casts_rays() ? 500 : 0;   // bytes of what rays meet
   const double per_point = 600 + sides + discs + 40 * D;
-  const double base = 20 + 0.45 * D;                    // MiB, whatever the number of points
+  const double base = 20 + 0.45 * D;  // MiB, whatever the number of points
   return base + 1.1 * per_point * real(M) / kMiB;
 }
 
