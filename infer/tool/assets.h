@@ -16,8 +16,8 @@ std::filesystem::path asset_path(const std::string& relative, const std::string&
 
 /// The shipped models that tools take by themselves.
 inline constexpr const char* kBaseModel = "models/lte-base.safetensors";
-/// Told of path-traced light. Its module needs no solver beside it, and the drafts of live edits were
-/// tuned with it.
+/// Told of path-traced light. Its module needs no solver beside it, and the drafts of live edits
+/// were tuned with it.
 inline constexpr const char* kSmallModel = "models/lte-small.safetensors";
 
 /// Returns `checkpoint`, or the shipped model if it is empty.
