@@ -1,19 +1,19 @@
 #!/usr/bin/env bash
 # Makes a released model from nothing: its data, its training, its files.
 #
-#   scripts/train_released.sh lte-base|lte-radiance [FOLDER]
+#   scripts/train_released.sh lte-base|lte-hybrid|lte-radiance [FOLDER]
 #
 # FOLDER (data/released by default) takes the data and the run. A run that was stopped goes on where
 # it was when the same line is given again. At its end the model, its configuration and its log are
 # in FOLDER/release, and its figures are printed: on the shipped test homes and on test boxes, and
-# of lte-radiance on glossy rooms. Many hours of two cores. lte-radiance starts from the shipped
-# lte-base.
+# of lte-radiance on glossy rooms. Many hours of two cores. lte-hybrid and lte-radiance start from
+# the shipped lte-base.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 usage() { sed -n '2,10s/^# \{0,1\}//p' "$0"; }
 case ${1:-} in
-  lte-base | lte-radiance) ;;
+  lte-base | lte-hybrid | lte-radiance) ;;
   -h | --help) usage; exit 0 ;;
   *) usage >&2; exit 2 ;;
 esac
@@ -61,7 +61,7 @@ if [ ! -f "$folder/base/dataset.json" ]; then
   rm -rf "$folder/base"
   "$bin/lte_datagen" join "$folder/boxes" "$folder/homes" --out "$folder/base"
 fi
-train lte_base base
+train "${name//-/_}" base
 "$bin/lte_eval" --fit-baselines "$folder/base" --out "$folder/release/$name.baselines.json"
 "$bin/lte_eval" --checkpoint "$folder/release/$name.safetensors" --split test
 "$bin/lte_eval" --checkpoint "$folder/release/$name.safetensors" --data "$folder/boxes_test" \
