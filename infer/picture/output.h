@@ -22,6 +22,13 @@ enum class Indirect {
   Paths,
   Gather  ///< rays that read a table of the light on surfaces (light_table.h)
 };
+/// What stands in a picture for metal, which an irradiance decoder does not know.
+enum class Metal {
+  Diffuse,  ///< a matt surface of its color
+  Black,    ///< nothing: the matt share of the surface alone is lit
+  Trace,    ///< the path tracer renders pixels that have metal in them
+  Network,  ///< the same of their direct light; a radiance decoder answers for later bounces
+};
 
 constexpr EnumNames<Output, 8> enum_names(Output) {
   return {{{Output::Full, "full"},
@@ -39,6 +46,13 @@ constexpr EnumNames<Mode, 2> enum_names(Mode) {
 constexpr EnumNames<Indirect, 3> enum_names(Indirect) {
   return {
       {{Indirect::Network, "network"}, {Indirect::Gather, "gather"}, {Indirect::Paths, "paths"}}};
+}
+
+constexpr EnumNames<Metal, 4> enum_names(Metal) {
+  return {{{Metal::Diffuse, "diffuse"},
+           {Metal::Black, "black"},
+           {Metal::Trace, "trace"},
+           {Metal::Network, "network"}}};
 }
 
 /// Whether there is no light in it.

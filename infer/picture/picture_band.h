@@ -9,25 +9,11 @@
 
 #include "infer/picture/antialias.h"
 #include "infer/picture/frame.h"
-#include "lte/base/enum_names.h"
+#include "infer/picture/output.h"
 #include "lte/gi/pixel_surfaces.h"
 #include "lte/pathtrace/render.h"
 
 namespace lte::infer {
-
-/// What stands in a picture for metal, which an irradiance decoder does not know.
-enum class Metal {
-  Diffuse,  ///< a matt surface of its color
-  Black,    ///< nothing: the matt share of the surface alone is lit
-  Trace,    ///< the path tracer renders pixels that have metal in them
-  Network,  ///< the same of their direct light; a radiance decoder answers for later bounces
-};
-constexpr EnumNames<Metal, 4> enum_names(Metal) {
-  return {{{Metal::Diffuse, "diffuse"},
-           {Metal::Black, "black"},
-           {Metal::Trace, "trace"},
-           {Metal::Network, "network"}}};
-}
 
 /// Whether a surface counts as metal: below that share nobody would see it in a matt answer.
 constexpr bool is_metal(float metallic) { return metallic > 0.05f; }
