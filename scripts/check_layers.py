@@ -81,6 +81,13 @@ ALLOWED["infer/session"] = INFER + INFER_SHARED
 # Render, probe, eval, export and bench never include one another.
 for tool in ("render", "probe", "eval", "export", "bench", "bench/pareto", "bench/stability"):
     ALLOWED[f"infer/{tool}"] = INFER + INFER_SHARED + ["lte/report"]
+# The rooms of eval, each on those before it: how errors are measured, what the network is compared
+# with, the comparison, and what is said of it.
+EVAL = ["infer/eval/measure", "infer/eval/rivals", "infer/eval/evaluate", "infer/eval/report",
+        "infer/eval/incident"]
+for depth, room in enumerate(EVAL):
+    ALLOWED[room] = ALLOWED["infer/eval"] + EVAL[:depth]
+ALLOWED["infer/eval"] += EVAL
 ALLOWED["infer/render"] += ["infer/session"]
 ALLOWED["infer/bench"] += ["infer/bench/*", "infer/session"]
 # A live view shows a session in the qualities of lte_render.

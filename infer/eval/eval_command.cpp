@@ -4,8 +4,8 @@
 #include <iostream>
 #include <system_error>
 
-#include "infer/eval/eval_report.h"
 #include "infer/eval/evaluate.h"
+#include "infer/eval/report/eval_report.h"
 #include "infer/tool/assets.h"
 #include "lte/base/config.h"
 #include "lte/base/file.h"

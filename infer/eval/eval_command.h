@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "infer/eval/bootstrap.h"
+#include "infer/eval/measure/bootstrap.h"
 #include "infer/tool/tool_options.h"
 
 namespace lte::infer {

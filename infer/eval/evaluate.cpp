@@ -7,11 +7,11 @@
 #include <optional>
 #include <utility>
 
-#include "infer/eval/cached_light.h"
-#include "infer/eval/denoised_paths.h"
-#include "infer/eval/embed_sample.h"
-#include "infer/eval/eval_points.h"
-#include "infer/eval/probes.h"
+#include "infer/eval/measure/embed_sample.h"
+#include "infer/eval/measure/eval_points.h"
+#include "infer/eval/rivals/cached_light.h"
+#include "infer/eval/rivals/denoised_paths.h"
+#include "infer/eval/rivals/probes.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/timer.h"

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "infer/eval/baselines.h"
-#include "infer/eval/bootstrap.h"
-#include "infer/eval/equal_samples.h"
-#include "infer/eval/scores.h"
+#include "infer/eval/measure/bootstrap.h"
+#include "infer/eval/measure/equal_samples.h"
+#include "infer/eval/measure/scores.h"
+#include "infer/eval/rivals/baselines.h"
 #include "lte/data/dataset.h"
 #include "lte/runtime/memory_limit.h"
 #include "lte/runtime/network.h"

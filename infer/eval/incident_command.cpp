@@ -2,8 +2,8 @@
 
 #include <iostream>
 
-#include "infer/eval/incident_eval.h"
-#include "infer/eval/incident_page.h"
+#include "infer/eval/incident/incident_eval.h"
+#include "infer/eval/incident/incident_page.h"
 #include "infer/tool/assets.h"
 #include "lte/base/file.h"
 #include "lte/cli/command_files.h"

@@ -25,7 +25,7 @@ double mean_of(const image::Image& image) {
 
 PictureScore score_picture(const image::Image& picture, const image::Image& reference) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  if (picture.width == 0) return {nan, nan, nan, nan};
+  if (picture.width == 0) return {nan, nan, nan, nan, nan};
   PictureScore out;
   out.mse = image::mse(picture.pixels, reference.pixels);
   const double mean = mean_of(reference);
@@ -33,8 +33,9 @@ PictureScore score_picture(const image::Image& picture, const image::Image& refe
     const auto unit = static_cast<float>(1 / mean);
     out.relmse =
         image::relative_mse(times(picture, unit).pixels, times(reference, unit).pixels, 1e-2);
+    out.mean = mean_of(picture) / mean;
   } else {
-    out.relmse = nan;
+    out.relmse = out.mean = nan;
   }
   const float exposure = image::auto_exposure(reference);
   out.flip =
@@ -48,12 +49,13 @@ void ScoreMean::add(const PictureScore& score) {
   sum_.relmse += score.relmse;
   sum_.flip += score.flip;
   sum_.ssim += score.ssim;
+  sum_.mean += score.mean;
   ++count_;
 }
 
 PictureScore ScoreMean::mean() const {
   const double n = count_;
-  return {sum_.mse / n, sum_.relmse / n, sum_.flip / n, sum_.ssim / n};
+  return {sum_.mse / n, sum_.relmse / n, sum_.flip / n, sum_.ssim / n, sum_.mean / n};
 }
 
 }  // namespace lte::infer

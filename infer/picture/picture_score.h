@@ -11,6 +11,7 @@ struct PictureScore {
   double relmse = 0;  ///< of radiance over the reference's mean: (a − b)² / (b² + 0.01)
   double flip = 0;    ///< of pictures displayed at the reference's exposure, mean over pixels
   double ssim = 0;    ///< likewise
+  double mean = 0;    ///< of radiance over the reference's mean
 };
 
 /// @param picture  may be empty

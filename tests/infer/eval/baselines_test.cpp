@@ -1,10 +1,10 @@
 // The cheap predictors against sums done by hand.
-#include "infer/eval/baselines.h"
+#include "infer/eval/rivals/baselines.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "infer/eval/blur.h"
+#include "infer/eval/rivals/blur.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "tests/infer/fixture.h"

@@ -1,5 +1,5 @@
 // Bootstrap intervals against what can be counted or derived by hand.
-#include "infer/eval/bootstrap.h"
+#include "infer/eval/measure/bootstrap.h"
 
 #include <cmath>
 #include <limits>

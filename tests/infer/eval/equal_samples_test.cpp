@@ -1,5 +1,5 @@
 // Errors as path counts, against estimates that really are drawn with that many samples.
-#include "infer/eval/equal_samples.h"
+#include "infer/eval/measure/equal_samples.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // What an evaluation says first, on made-up figures.
-#include "infer/eval/eval_report.h"
+#include "infer/eval/report/eval_report.h"
 
 #include <cmath>
 #include <limits>

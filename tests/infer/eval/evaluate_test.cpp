@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "infer/eval/eval_report.h"
+#include "infer/eval/report/eval_report.h"
 #include "lte/base/check.h"
 #include "lte/image/denoise.h"
 #include "lte/image/png.h"

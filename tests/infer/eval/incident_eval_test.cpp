@@ -1,4 +1,4 @@
-#include "infer/eval/incident_eval.h"
+#include "infer/eval/incident/incident_eval.h"
 
 #include <cmath>
 #include <numbers>
@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "infer/eval/incident_page.h"
+#include "infer/eval/incident/incident_page.h"
 #include "lte/base/check.h"
 #include "lte/base/half.h"
 #include "lte/base/random.h"

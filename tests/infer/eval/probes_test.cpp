@@ -1,5 +1,5 @@
 // Interpolation between probes, against sums written out by hand.
-#include "infer/eval/probes.h"
+#include "infer/eval/rivals/probes.h"
 
 #include <algorithm>
 

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "infer/eval/cached_light.h"
-#include "infer/eval/denoised_paths.h"
+#include "infer/eval/rivals/cached_light.h"
+#include "infer/eval/rivals/denoised_paths.h"
 #include "lte/base/random.h"
 #include "tests/infer/fixture.h"
 

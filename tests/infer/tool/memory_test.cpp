@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "infer/eval/baselines.h"
-#include "infer/eval/scores.h"
+#include "infer/eval/measure/scores.h"
+#include "infer/eval/rivals/baselines.h"
 #include "infer/tool/assets.h"
 #include "infer/tool/synthetic_room.h"
 #include "lte/base/process_memory.h"

@@ -1,4 +1,4 @@
-#include "infer/eval/blur.h"
+#include "infer/eval/rivals/blur.h"
 
 #include <algorithm>
 #include <cmath>

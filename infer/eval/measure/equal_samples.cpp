@@ -1,4 +1,4 @@
-#include "infer/eval/equal_samples.h"
+#include "infer/eval/measure/equal_samples.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
-#include "infer/eval/contact_sheet.h"
+#include "infer/eval/report/contact_sheet.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "infer/eval/picture_sheet.h"
+#include "infer/eval/report/picture_sheet.h"
 #include "lte/image/png.h"
 #include "lte/image/tonemap.h"
 

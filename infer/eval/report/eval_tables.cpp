@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "infer/eval/eval_report.h"
+#include "infer/eval/report/eval_report.h"
 #include "lte/base/check.h"
 #include "lte/base/text.h"
 

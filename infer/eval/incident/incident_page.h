@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "infer/eval/incident_eval.h"
+#include "infer/eval/incident/incident_eval.h"
 
 namespace lte::infer {
 

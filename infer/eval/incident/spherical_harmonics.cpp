@@ -1,4 +1,4 @@
-#include "infer/eval/spherical_harmonics.h"
+#include "infer/eval/incident/spherical_harmonics.h"
 
 #include <cmath>
 #include <numbers>

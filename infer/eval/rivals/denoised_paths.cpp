@@ -1,6 +1,6 @@
-#include "infer/eval/denoised_paths.h"
+#include "infer/eval/rivals/denoised_paths.h"
 
-#include "infer/eval/scores.h"
+#include "infer/eval/measure/scores.h"
 
 namespace lte::infer {
 namespace {

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "infer/eval/equal_samples.h"
+#include "infer/eval/measure/equal_samples.h"
 #include "infer/light/points.h"
 #include "lte/data/scene_sample.h"
 

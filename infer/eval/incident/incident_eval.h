@@ -10,7 +10,7 @@
 
 #include <ATen/core/Tensor.h>
 
-#include "infer/eval/spherical_harmonics.h"
+#include "infer/eval/incident/spherical_harmonics.h"
 #include "lte/data/dataset.h"
 #include "lte/runtime/memory_limit.h"
 #include "lte/runtime/network.h"

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <span>
 
-#include "infer/eval/eval_report.h"
+#include "infer/eval/report/eval_report.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/report/html.h"

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "infer/eval/scores.h"
+#include "infer/eval/measure/scores.h"
 
 namespace lte::infer {
 

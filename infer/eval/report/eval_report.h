@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <string>
 
-#include "infer/eval/contact_sheet.h"
 #include "infer/eval/evaluate.h"
+#include "infer/eval/report/contact_sheet.h"
 
 namespace lte::infer {
 

@@ -1,4 +1,4 @@
-#include "infer/eval/picture_sheet.h"
+#include "infer/eval/report/picture_sheet.h"
 
 #include <algorithm>
 

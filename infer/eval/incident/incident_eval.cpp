@@ -1,4 +1,4 @@
-#include "infer/eval/incident_eval.h"
+#include "infer/eval/incident/incident_eval.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <ATen/ATen.h>
 #include <nlohmann/json.hpp>
 
-#include "infer/eval/embed_sample.h"
+#include "infer/eval/measure/embed_sample.h"
 #include "lte/base/check.h"
 #include "lte/base/text.h"
 #include "lte/cli/progress.h"

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "infer/eval/eval_report.h"
+#include "infer/eval/report/eval_report.h"
 #include "lte/base/process_memory.h"
 
 namespace lte::infer {

@@ -1,4 +1,4 @@
-#include "infer/eval/eval_report.h"
+#include "infer/eval/report/eval_report.h"
 
 #include <cmath>
 

@@ -1,8 +1,8 @@
-#include "infer/eval/eval_points.h"
+#include "infer/eval/measure/eval_points.h"
 
 #include <algorithm>
 
-#include "infer/eval/baselines.h"
+#include "lte/data/light_groups.h"
 
 namespace lte::infer {
 namespace {

@@ -1,10 +1,10 @@
-#include "infer/eval/probes.h"
+#include "infer/eval/rivals/probes.h"
 
 #include <algorithm>
 #include <array>
 #include <limits>
 
-#include "infer/eval/blur.h"
+#include "infer/eval/rivals/blur.h"
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 

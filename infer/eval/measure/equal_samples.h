@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "infer/eval/bootstrap.h"
-#include "infer/eval/scores.h"
+#include "infer/eval/measure/bootstrap.h"
+#include "infer/eval/measure/scores.h"
 
 namespace lte::infer {
 

@@ -1,4 +1,4 @@
-#include "infer/eval/bootstrap.h"
+#include "infer/eval/measure/bootstrap.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
-#include "infer/eval/baselines.h"
+#include "infer/eval/rivals/baselines.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <nlohmann/json.hpp>
 
-#include "infer/eval/blur.h"
+#include "infer/eval/rivals/blur.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/ops/knn.h"

@@ -1,12 +1,12 @@
-#include "infer/eval/incident_page.h"
+#include "infer/eval/incident/incident_page.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
-#include "infer/eval/eval_report.h"
-#include "infer/eval/picture_sheet.h"
+#include "infer/eval/report/eval_report.h"
+#include "infer/eval/report/picture_sheet.h"
 #include "lte/base/check.h"
 #include "lte/image/png.h"
 #include "lte/image/tonemap.h"

@@ -1,4 +1,4 @@
-#include "infer/eval/embed_sample.h"
+#include "infer/eval/measure/embed_sample.h"
 
 #include <vector>
 

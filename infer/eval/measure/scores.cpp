@@ -1,4 +1,4 @@
-#include "infer/eval/scores.h"
+#include "infer/eval/measure/scores.h"
 
 #include <algorithm>
 #include <cmath>
