@@ -18,7 +18,7 @@ struct ViewOptions {
 };
 
 /// `incident:` in the YAML config: radiance by direction at points of their own
-/// (lte/pathtrace/incident.h).
+/// (lte/pathtrace/incident/incident.h).
 struct IncidentBakeOptions {
   int64_t points = 0;    ///< 0 for none
   int64_t bins = 32;     ///< bins × bins directions
@@ -38,7 +38,7 @@ struct BakeOptions {
   /// Paths a side of a scene point, max_depth deep, for the light that a network reads there
   /// (lte/pathtrace/light_estimates.h).
   int light_paths = data::kDefaultLightPaths;
-  bool prune = false;           ///< draw points only where light reaches (lte/pathtrace/reach.h)
+  bool prune = false;  ///< draw points only where light reaches (lte/pathtrace/reach/reach.h)
   double emissive_share = 0.1;  ///< of scene points, guaranteed to luminaires
   /// Also bake path_traced_64, an estimate of 64 paths a point that is independent of the
   /// reference; in views also one with each number of paths in data::kFewPaths.

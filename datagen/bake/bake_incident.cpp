@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <span>
 
-#include "lte/pathtrace/hemisphere_bins.h"
-#include "lte/pathtrace/incident.h"
+#include "lte/pathtrace/incident/hemisphere_bins.h"
+#include "lte/pathtrace/incident/incident.h"
 #include "lte/scene/surface.h"
 
 namespace lte::datagen {

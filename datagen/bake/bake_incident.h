@@ -7,7 +7,7 @@
 #include "datagen/bake/bake.h"
 #include "lte/data/incident_field.h"
 #include "lte/pathtrace/bvh.h"
-#include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/lights/lights.h"
 #include "lte/scene/sampler.h"
 
 namespace lte::datagen {

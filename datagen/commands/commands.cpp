@@ -4,7 +4,7 @@
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
-#include "lte/pathtrace/added_light.h"
+#include "lte/pathtrace/placement/added_light.h"
 #include "lte/scene/import/environment_file.h"
 #include "lte/scene/metal.h"
 #include "lte/scene/up_axis.h"

@@ -8,7 +8,7 @@
 #include "lte/base/check.h"
 #include "lte/cli/cli.h"
 #include "lte/pathtrace/bvh.h"
-#include "lte/pathtrace/free_space.h"
+#include "lte/pathtrace/placement/free_space.h"
 #include "lte/scene/up_axis.h"
 
 namespace lte::datagen {

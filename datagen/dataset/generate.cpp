@@ -11,8 +11,8 @@
 #include "lte/base/log.h"
 #include "lte/base/timer.h"
 #include "lte/cli/progress.h"
-#include "lte/pathtrace/auto_camera.h"
 #include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/placement/auto_camera.h"
 #include "lte/scene/export.h"
 #include "lte/scene/light_points.h"
 

@@ -16,8 +16,8 @@
 #include "lte/base/check.h"
 #include "lte/base/timer.h"
 #include "lte/cli/scene_flags.h"
-#include "lte/pathtrace/auto_camera.h"
 #include "lte/pathtrace/irradiance.h"
+#include "lte/pathtrace/placement/auto_camera.h"
 #include "lte/scene/sampler.h"
 
 namespace lte::infer {

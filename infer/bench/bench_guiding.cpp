@@ -12,11 +12,11 @@
 #include "lte/base/check.h"
 #include "lte/base/random.h"
 #include "lte/base/timer.h"
-#include "lte/pathtrace/auto_camera.h"
-#include "lte/pathtrace/guide.h"
-#include "lte/pathtrace/hemisphere_bins.h"
-#include "lte/pathtrace/incident.h"
-#include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/incident/guide.h"
+#include "lte/pathtrace/incident/hemisphere_bins.h"
+#include "lte/pathtrace/incident/incident.h"
+#include "lte/pathtrace/lights/lights.h"
+#include "lte/pathtrace/placement/auto_camera.h"
 
 namespace lte::infer {
 namespace {

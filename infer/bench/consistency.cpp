@@ -7,7 +7,7 @@
 #include "infer/picture/projection.h"
 #include "infer/picture/surface_guides.h"
 #include "lte/base/check.h"
-#include "lte/pathtrace/turntable.h"
+#include "lte/pathtrace/placement/turntable.h"
 
 namespace lte::infer {
 namespace {

@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "lte/base/parallel.h"
+#include "lte/pathtrace/blocks/ray_packets.h"
 #include "lte/pathtrace/embree_scene.h"
-#include "lte/pathtrace/transport/ray_packets.h"
 
 namespace lte::infer {
 namespace {

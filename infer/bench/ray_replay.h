@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "lte/base/math.h"
+#include "lte/pathtrace/blocks/path_block.h"
 #include "lte/pathtrace/bvh.h"
-#include "lte/pathtrace/transport/path_block.h"
 
 namespace lte::infer {
 

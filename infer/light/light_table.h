@@ -6,7 +6,7 @@
 #include "lte/base/enum_names.h"
 #include "lte/gi/radiosity_table.h"
 #include "lte/pathtrace/bvh.h"
-#include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/lights/lights.h"
 #include "lte/runtime/embedding.h"
 
 namespace lte::infer {

@@ -7,9 +7,9 @@
 #include "lte/data/light_groups.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/light_estimates.h"
-#include "lte/pathtrace/lights.h"
-#include "lte/pathtrace/reach.h"
-#include "lte/pathtrace/reach_memory.h"
+#include "lte/pathtrace/lights/lights.h"
+#include "lte/pathtrace/reach/reach.h"
+#include "lte/pathtrace/reach/reach_memory.h"
 #include "lte/runtime/network.h"
 #include "lte/scene/sampler.h"
 

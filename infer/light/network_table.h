@@ -5,7 +5,7 @@
 
 #include "lte/gi/radiosity_table.h"
 #include "lte/pathtrace/bvh.h"
-#include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/lights/lights.h"
 #include "lte/runtime/embedding.h"
 
 namespace lte::infer {

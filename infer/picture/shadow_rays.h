@@ -11,7 +11,7 @@
 
 #include "infer/picture/surface_guides.h"
 #include "lte/pathtrace/direct_light.h"
-#include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/lights/lights.h"
 
 namespace lte::infer {
 

@@ -19,8 +19,8 @@
 #include "lte/image/png.h"
 #include "lte/image/tonemap.h"
 #include "lte/nn/device.h"
-#include "lte/pathtrace/hemisphere_bins.h"
-#include "lte/pathtrace/incident.h"
+#include "lte/pathtrace/incident/hemisphere_bins.h"
+#include "lte/pathtrace/incident/incident.h"
 #include "lte/scene/closest_point.h"
 
 namespace lte::infer {

@@ -1,7 +1,7 @@
 #include "infer/render/scene_size.h"
 
 #include "lte/base/log.h"
-#include "lte/pathtrace/free_space.h"
+#include "lte/pathtrace/placement/free_space.h"
 #include "lte/scene/light_points.h"
 
 namespace lte::infer {

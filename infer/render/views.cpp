@@ -9,8 +9,8 @@
 
 #include "lte/base/check.h"
 #include "lte/base/log.h"
-#include "lte/pathtrace/auto_camera.h"
-#include "lte/pathtrace/turntable.h"
+#include "lte/pathtrace/placement/auto_camera.h"
+#include "lte/pathtrace/placement/turntable.h"
 
 namespace lte::infer {
 namespace {

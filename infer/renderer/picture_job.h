@@ -15,7 +15,7 @@
 #include "infer/renderer/shared_denoiser.h"
 #include "lte/gi/sparse_pixels.h"
 #include "lte/pathtrace/bvh.h"
-#include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/lights/lights.h"
 #include "lte/runtime/embedding.h"
 
 namespace lte::infer {

@@ -6,7 +6,7 @@
 
 #include "lte/gi/light_cells.h"
 #include "lte/gi/radiosity_table.h"
-#include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/lights/lights.h"
 
 namespace lte::infer {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "lte/base/check.h"
-#include "lte/pathtrace/reflections.h"
+#include "lte/pathtrace/incident/reflections.h"
 
 namespace lte::infer {
 namespace {

@@ -12,8 +12,8 @@
 #include "infer/renderer/render_settings.h"
 #include "infer/renderer/shared_denoiser.h"
 #include "lte/pathtrace/bvh.h"
-#include "lte/pathtrace/lights.h"
-#include "lte/pathtrace/reach.h"
+#include "lte/pathtrace/lights/lights.h"
+#include "lte/pathtrace/reach/reach.h"
 #include "lte/runtime/embedding.h"
 #include "lte/scene/scene.h"
 

@@ -12,7 +12,7 @@
 #include "infer/session/light_layer.h"
 #include "infer/session/session.h"
 #include "lte/pathtrace/bvh.h"
-#include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/lights/lights.h"
 
 namespace lte::infer {
 

@@ -2,7 +2,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/log.h"
-#include "lte/pathtrace/added_light.h"
+#include "lte/pathtrace/placement/added_light.h"
 #include "lte/scene/import/environment_file.h"
 #include "lte/scene/load_camera.h"
 #include "lte/scene/up_axis.h"

@@ -8,7 +8,7 @@
 #include "lte/base/math.h"
 #include "lte/gi/radiosity_table.h"
 #include "lte/pathtrace/bvh.h"
-#include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/lights/lights.h"
 
 namespace lte::gi {
 

@@ -15,7 +15,7 @@
 #include "lte/base/math.h"
 #include "lte/gi/surface_index.h"
 #include "lte/pathtrace/bvh.h"
-#include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/lights/lights.h"
 
 namespace lte::gi {
 

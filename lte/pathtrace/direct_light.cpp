@@ -11,11 +11,11 @@
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/base/random.h"
+#include "lte/pathtrace/blocks/path_kernels.h"
+#include "lte/pathtrace/blocks/ray_packets.h"
 #include "lte/pathtrace/embree_scene.h"
+#include "lte/pathtrace/lights/light_lanes.h"
 #include "lte/pathtrace/transport/irradiance_kernel.h"
-#include "lte/pathtrace/transport/light_lanes.h"
-#include "lte/pathtrace/transport/path_kernels.h"
-#include "lte/pathtrace/transport/ray_packets.h"
 
 namespace lte::pathtrace {
 namespace {

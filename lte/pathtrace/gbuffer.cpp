@@ -7,8 +7,8 @@
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
+#include "lte/pathtrace/blocks/ray_packets.h"
 #include "lte/pathtrace/embree_scene.h"
-#include "lte/pathtrace/transport/ray_packets.h"
 #include "lte/scene/camera_rays.h"
 #include "lte/scene/number_check.h"
 #include "lte/scene/surface.h"

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "lte/base/math.h"
+#include "lte/pathtrace/blocks/path_sampler.h"
 #include "lte/pathtrace/bvh.h"
-#include "lte/pathtrace/lights.h"
-#include "lte/pathtrace/transport/path_sampler.h"
+#include "lte/pathtrace/lights/lights.h"
 
 namespace lte::pathtrace {
 

@@ -9,7 +9,7 @@
 
 #include "lte/base/math.h"
 #include "lte/pathtrace/bvh.h"
-#include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/lights/lights.h"
 
 namespace lte::pathtrace {
 

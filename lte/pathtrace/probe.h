@@ -7,7 +7,7 @@
 
 #include "lte/base/math.h"
 #include "lte/pathtrace/bvh.h"
-#include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/lights/lights.h"
 #include "lte/scene/point_table.h"
 
 namespace lte::pathtrace {

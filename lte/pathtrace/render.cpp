@@ -8,7 +8,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
-#include "lte/pathtrace/transport/path_sampler.h"
+#include "lte/pathtrace/blocks/path_sampler.h"
 #include "lte/pathtrace/transport/transport.h"
 #include "lte/scene/camera_rays.h"
 

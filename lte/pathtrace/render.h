@@ -9,7 +9,7 @@
 #include "lte/image/image.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/gbuffer.h"
-#include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/lights/lights.h"
 
 namespace lte::pathtrace {
 

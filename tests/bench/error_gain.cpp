@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "lte/pathtrace/irradiance.h"
-#include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/lights/lights.h"
 
 namespace lte::pathtrace {
 namespace {

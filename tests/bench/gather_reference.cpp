@@ -10,8 +10,8 @@
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/parallel.h"
-#include "lte/pathtrace/auto_camera.h"
 #include "lte/pathtrace/gbuffer.h"
+#include "lte/pathtrace/placement/auto_camera.h"
 #include "lte/pathtrace/transport/irradiance_kernel.h"
 #include "lte/pathtrace/transport/transport.h"
 

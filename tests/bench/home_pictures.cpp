@@ -15,7 +15,7 @@
 #include "lte/base/random.h"
 #include "lte/image/image.h"
 #include "lte/pathtrace/bvh.h"
-#include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/lights/lights.h"
 #include "lte/pathtrace/render.h"
 
 namespace {

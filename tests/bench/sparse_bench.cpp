@@ -16,8 +16,8 @@
 #include "lte/cli/scene_flags.h"
 #include "lte/gi/upsample.h"
 #include "lte/nn/device.h"
-#include "lte/pathtrace/auto_camera.h"
 #include "lte/pathtrace/gbuffer.h"
+#include "lte/pathtrace/placement/auto_camera.h"
 
 namespace {
 

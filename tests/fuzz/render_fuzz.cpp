@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "lte/c_api.h"
-#include "lte/pathtrace/auto_camera.h"
 #include "lte/pathtrace/irradiance.h"
-#include "lte/pathtrace/reach.h"
+#include "lte/pathtrace/placement/auto_camera.h"
+#include "lte/pathtrace/reach/reach.h"
 #include "lte/pathtrace/render.h"
 #include "lte/scene/sampler.h"
 #include "tests/fuzz/load.h"

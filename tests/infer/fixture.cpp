@@ -6,7 +6,7 @@
 #include "lte/base/random.h"
 #include "lte/nn/model.h"
 #include "lte/nn/model_file.h"
-#include "lte/pathtrace/hemisphere_bins.h"
+#include "lte/pathtrace/incident/hemisphere_bins.h"
 #include "tests/support/scenes.h"
 
 namespace lte::test {

@@ -2,7 +2,7 @@
 #include <optional>
 
 #include "infer/bench/pareto/pareto.h"
-#include "lte/pathtrace/auto_camera.h"
+#include "lte/pathtrace/placement/auto_camera.h"
 #include "lte/scene/load_camera.h"
 
 namespace lte::infer {

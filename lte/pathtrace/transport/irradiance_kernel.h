@@ -9,8 +9,8 @@
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
+#include "lte/pathtrace/blocks/path_sampler.h"
 #include "lte/pathtrace/irradiance.h"
-#include "lte/pathtrace/transport/path_sampler.h"
 #include "lte/pathtrace/transport/transport.h"
 
 namespace lte::pathtrace {

@@ -15,11 +15,11 @@
 #include <vector>
 
 #include "lte/base/math.h"
+#include "lte/pathtrace/blocks/path_block.h"
+#include "lte/pathtrace/blocks/path_sampler.h"
 #include "lte/pathtrace/embree_scene.h"
-#include "lte/pathtrace/lights.h"
+#include "lte/pathtrace/lights/lights.h"
 #include "lte/pathtrace/materials/glossy_bsdf.h"
-#include "lte/pathtrace/transport/path_block.h"
-#include "lte/pathtrace/transport/path_sampler.h"
 
 namespace lte::pathtrace {
 

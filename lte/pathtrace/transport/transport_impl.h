@@ -6,10 +6,10 @@
 #include <cmath>
 #include <utility>
 
+#include "lte/pathtrace/blocks/path_kernels.h"
+#include "lte/pathtrace/blocks/ray_packets.h"
+#include "lte/pathtrace/lights/light_lanes.h"
 #include "lte/pathtrace/materials/lambert.h"
-#include "lte/pathtrace/transport/light_lanes.h"
-#include "lte/pathtrace/transport/path_kernels.h"
-#include "lte/pathtrace/transport/ray_packets.h"
 #include "lte/pathtrace/transport/transport.h"
 #include "lte/scene/surface.h"
 

@@ -12,7 +12,7 @@
 #include "lte/base/check.h"
 #include "lte/base/half.h"
 #include "lte/base/random.h"
-#include "lte/pathtrace/hemisphere_bins.h"
+#include "lte/pathtrace/incident/hemisphere_bins.h"
 #include "tests/infer/fixture.h"
 
 namespace lte::infer {

@@ -1,5 +1,5 @@
 // Metal in pictures by the radiance decoder, and its maps beside the traced ones.
-#include "lte/pathtrace/reflections.h"
+#include "lte/pathtrace/incident/reflections.h"
 
 #include <algorithm>
 #include <cmath>

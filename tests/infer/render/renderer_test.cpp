@@ -10,8 +10,8 @@
 
 #include "infer/light/lit_samples.h"
 #include "lte/base/check.h"
-#include "lte/pathtrace/auto_camera.h"
 #include "lte/pathtrace/irradiance.h"
+#include "lte/pathtrace/placement/auto_camera.h"
 #include "lte/pathtrace/render.h"
 #include "tests/infer/fixture.h"
 #include "tests/support/closed_forms.h"

@@ -11,7 +11,7 @@
 #include "infer/renderer/renderer.h"
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
-#include "lte/pathtrace/auto_camera.h"
+#include "lte/pathtrace/placement/auto_camera.h"
 #include "tests/infer/fixture.h"
 #include "tests/support/scenes.h"
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "infer/renderer/renderer.h"
-#include "lte/pathtrace/auto_camera.h"
+#include "lte/pathtrace/placement/auto_camera.h"
 #include "tests/infer/fixture.h"
 #include "tests/support/scenes.h"
 

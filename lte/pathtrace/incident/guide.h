@@ -1,0 +1,58 @@
+// Path guiding by a map of radiance over the hemisphere of a point, such as a radiance decoder
+// answers (the paper's supplement, section 4): directions drawn in proportion to radiance times
+// what the surface reflects, by inverting the distribution over the cells of the map.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "lte/base/math.h"
+#include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/incident/incident.h"
+
+namespace lte::pathtrace {
+
+struct GuideOptions {
+  /// Share of draws that are spread evenly over the cells, so that no direction has density zero
+  /// and a wrong map does no more harm than that share.
+  float even_share = 0.1f;
+  /// Share of draws by the material alone, combined with the others by the balance heuristic.
+  float material_share = 0.5f;
+};
+
+/// Draws directions at one point, for one view of it.
+class Guide {
+ public:
+  /// @param radiance   [bins * bins] of the cells around `normal` (hemisphere_bins.h), in any
+  ///                   unit, not negative
+  /// @param reflector  the surface; a metallic of 0 is Lambertian
+  /// @throws lte::Error if sizes disagree, a value is negative or not finite, or a share is not in
+  ///         (0, 1] or [0, 1)
+  Guide(std::span<const Rgb> radiance, int bins, const Vec3& normal, const Reflector& reflector,
+        const GuideOptions& options = {});
+  ~Guide();
+  Guide(Guide&&) noexcept;
+
+  /// A direction, f cosθ over the density with which draw() makes it, and that density.
+  struct Draw {
+    Vec3 direction;  ///< world, unit; the normal where `pdf` is 0
+    Rgb weight;
+    float pdf = 0;  ///< 0: no direction came of this draw, which counts as a sample of 0
+  };
+  /// @param u  of the unit square
+  Draw draw(Vec2 u) const;
+
+  /// Solid-angle density of draw(): the sum over all the ways in which it may make a direction.
+  float pdf(const Vec3& direction) const;
+
+  /// f cosθ of a direction, 1/sr.
+  Rgb reflected(const Vec3& direction) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace lte::pathtrace

@@ -1,0 +1,58 @@
+// What a search for the surfaces that light reaches has found, for the next one: most of its time
+// goes into points in the dark, and few of them change when an object moves.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "lte/base/math.h"
+#include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/reach/reach.h"
+#include "lte/scene/sampler.h"
+
+namespace lte::pathtrace {
+
+/// The points of each search of one sample_reached_surface() from which no path found light, and
+/// where those paths went. Some hundred bytes a dark point.
+struct ReachMemory {
+  struct DarkPoint {
+    Vec3 position;               ///< world
+    Bounds paths;                ///< of all their vertices, relative to frame_origin()
+    Vec3 origin;                 ///< off the surface, relative to it as well
+    std::vector<Vec3> vertices;  ///< some of them, those of the front first
+    size_t front_vertices = 0;
+  };
+  struct Search {
+    Vec3 frame;
+    std::vector<int32_t> dark_of_point;  ///< index into `dark`, −1 for a point that paths reached
+    std::vector<DarkPoint> dark;
+  };
+  std::vector<Search> searches;
+};
+
+/// What is known of a scene from before a change, and what the search may take.
+struct ReachRecall {
+  const ReachMemory* before = nullptr;  ///< null: nothing
+  /// Where surfaces have been taken away or put since. Light and colours are the same.
+  std::span<const Bounds> changed = {};
+  ReachMemory* now = nullptr;  ///< gets what this search finds; may be null
+  /// Of condition 1 (reach.h): 1 to 3, for 4, 20 or 84 paths at most. Fewer take some points for
+  /// dark that little light reaches.
+  int rounds = 3;
+  /// Called now and then by any thread; what it throws ends the search. May be null.
+  std::function<void()> check = {};
+};
+
+/// sample_reached_surface() that takes a point for dark if it was so before and no path from it had
+/// come to a place that has changed. Points at the same number count as the same if they lie within
+/// a thousandth of the scene's extent.
+/// @note A change that none of 84 paths from a point met, and that yet lets light through to it, is
+///       missed.
+scene::SurfaceSamples sample_reached_surface(const Bvh& bvh, int64_t count,
+                                             const scene::SamplerOptions& sampler, Sides sides,
+                                             const ReachOptions& options, const ReachRecall& recall,
+                                             PruneCounts* counts);
+
+}  // namespace lte::pathtrace

@@ -1,0 +1,186 @@
+#include "lte/pathtrace/incident/guide.h"
+
+#include <cmath>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "lte/base/check.h"
+#include "lte/base/random.h"
+#include "lte/pathtrace/incident/hemisphere_bins.h"
+#include "tests/support/scenes.h"
+
+namespace lte::pathtrace {
+namespace {
+
+constexpr int kBins = 8;
+const Vec3 kNormal = normalize({0.3f, 1, -0.2f});
+
+/// A map with a bright corner, a dark half and an empty cell or two.
+std::vector<Rgb> some_map() {
+  std::vector<Rgb> map(kBins * kBins);
+  for (size_t i = 0; i < map.size(); ++i) {
+    const float value = i % 7 == 0 ? 0 : i < 20 ? 0.2f : 1.0f + static_cast<float>(i % 5);
+    map[i] = Rgb{1, 0.7f, 0.4f} * value;
+  }
+  map[kBins + 2] = {80, 80, 80};
+  return map;
+}
+
+Reflector reflector(float metallic, float roughness) {
+  Vec3 tangent, bitangent;
+  make_frame(kNormal, &tangent, &bitangent);
+  return {{0.8f, 0.5f, 0.3f}, {metallic, roughness}, normalize(kNormal + tangent * 0.9f)};
+}
+
+struct Local {
+  Vec3 tangent = bin_tangent(kNormal), bitangent = cross(kNormal, tangent);
+  Vec3 world(const Vec3& v) const { return tangent * v.x + bitangent * v.y + kNormal * v.z; }
+  Vec3 local(const Vec3& v) const { return {dot(v, tangent), dot(v, bitangent), dot(v, kNormal)}; }
+};
+
+/// Calls visit(cell of a coarse grid, direction, solid angle) for a fine grid of the hemisphere.
+template <typename Visit>
+void over_hemisphere(const Visit& visit) {
+  constexpr int kFine = 480;
+  const Local frame;
+  for (int row = 0; row < kFine; ++row) {
+    for (int column = 0; column < kFine; ++column) {
+      const Vec3 d = bin_direction(
+          {(static_cast<float>(column) + 0.5f) / kFine, (static_cast<float>(row) + 0.5f) / kFine});
+      const double solid_angle = M_PI / (double{kFine} * kFine * double{d.z});
+      visit(static_cast<size_t>(row / 40 * 12 + column / 40), frame.world(d), solid_angle);
+    }
+  }
+}
+
+class Guides : public testing::TestWithParam<std::pair<float, float>> {
+ protected:
+  Reflector surface() const { return reflector(GetParam().first, GetParam().second); }
+};
+
+/// χ² of where draws fall against the density, in cells that are not those of the map.
+TEST_P(Guides, DrawsFallAsTheDensitySays) {
+  const Guide guide(some_map(), kBins, kNormal, surface());
+  constexpr int kDraws = 200'000;
+  std::vector<double> expected(144), counts(144);
+  double total = 0;
+  over_hemisphere([&](size_t cell, const Vec3& direction, double solid_angle) {
+    const double share = guide.pdf(direction) * solid_angle;
+    EXPECT_GT(share, 0) << "no direction is left out";
+    expected[cell] += kDraws * share;
+    total += share;
+  });
+  const Local frame;
+  Rng rng(5);
+  double lost = 0;
+  for (int i = 0; i < kDraws; ++i) {
+    const float u = rng.uniform(), v = rng.uniform();
+    const Guide::Draw draw = guide.draw({u, v});
+    if (draw.pdf <= 0) {
+      ++lost;
+      continue;
+    }
+    EXPECT_NEAR(draw.pdf, guide.pdf(draw.direction), 1e-4f * draw.pdf);
+    const Vec2 place = bin_place(frame.local(draw.direction));
+    const auto at = [](float x) { return std::min(static_cast<int>(x * 12), 11); };
+    ++counts[static_cast<size_t>(at(place.y) * 12 + at(place.x))];
+  }
+  EXPECT_NEAR(total, 1 - lost / kDraws, 0.01) << "what is lost goes below the surface";
+  double chi2 = 0;
+  int freedom = 0;
+  for (size_t i = 0; i < expected.size(); ++i) {
+    if (expected[i] < 100) continue;
+    const double slack = 0.006 * expected[i];  // of the midpoints
+    chi2 += (counts[i] - expected[i]) * (counts[i] - expected[i]) / (expected[i] + slack * slack);
+    ++freedom;
+  }
+  EXPECT_GT(freedom, 30);
+  EXPECT_LT(chi2, freedom + 5 * std::sqrt(2.0 * freedom));
+}
+
+/// The mean of weights is ∫ f cosθ, whatever the map says.
+TEST_P(Guides, WeightsIntegrateWhatTheSurfaceReflects) {
+  for (const bool dark : {false, true}) {
+    const std::vector<Rgb> map = dark ? std::vector<Rgb>(kBins * kBins) : some_map();
+    const Guide guide(map, kBins, kNormal, surface());
+    double expected = 0;
+    over_hemisphere([&](size_t, const Vec3& direction, double solid_angle) {
+      expected += double{guide.reflected(direction).x} * solid_angle;
+    });
+    constexpr int kDraws = 400'000;
+    Rng rng(6);
+    double sum = 0, squares = 0;
+    for (int i = 0; i < kDraws; ++i) {
+      const float u = rng.uniform(), v = rng.uniform();
+      const double weight = guide.draw({u, v}).weight.x;
+      sum += weight;
+      squares += weight * weight;
+    }
+    const double mean = sum / kDraws, error = std::sqrt((squares / kDraws - mean * mean) / kDraws);
+    EXPECT_NEAR(mean, expected, 4 * error + 2e-3 * expected) << dark;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Surfaces, Guides,
+                         testing::Values(std::pair(0.0f, 1.0f), std::pair(1.0f, 0.3f),
+                                         std::pair(0.6f, 0.5f)));
+
+/// In a room lit through a slit: both ways of drawing have one mean, and the guide by the true map
+/// has far less variance.
+TEST(Guide, OfTheTrueMapHasTheSameMeanAndLessVariance) {
+  scene::Scene scene = test::furnished_room();
+  const Bvh bvh(scene);
+  const Lights lights(scene);
+  const Vec3 position = {3.2f, 0, 0.5f}, normal = {0, 1, 0};
+  const Reflector floor{{0.8f, 0.8f, 0.8f}, {0, 1}, normal};
+  IncidentOptions options;
+  options.bins = 16;
+  options.samples = 256;
+  const IncidentRadiance traced =
+      estimate_incident(bvh, lights, {&position, 1}, {&normal, 1}, options);
+  std::vector<Rgb> map(256);
+  for (size_t i = 0; i < traced.indirect.size(); ++i)
+    map[i % 256] += traced.indirect[i] + traced.direct[i];
+  const Guide guide(map, 16, normal, floor);
+  IncidentSampler sampler(bvh, lights);
+  constexpr int64_t kPaths = 40'000;
+  const auto statistics = [&](const IncidentSamples& samples) {
+    double sum = 0, squares = 0;
+    for (int64_t i = 0; i < samples.count; ++i) {
+      const auto at = static_cast<size_t>(i);
+      if (!(samples.pdf[at] > 0)) continue;
+      Rgb light{};
+      for (int64_t g = 0; g < samples.groups; ++g) {
+        const auto of_group = static_cast<size_t>(g * samples.count + i);
+        light += samples.direct[of_group] + samples.indirect[of_group];
+      }
+      const double value =
+          luminance(light * guide.reflected(samples.direction[at])) / double{samples.pdf[at]};
+      sum += value;
+      squares += value * value;
+    }
+    const double mean = sum / kPaths;
+    return std::pair(mean, squares / kPaths - mean * mean);
+  };
+  Rng one(1), two(2);
+  const auto [mean, variance] = statistics(sampler.draw(position, normal, guide, kPaths, one));
+  const auto [other, unguided] = statistics(sampler.draw(position, normal, kPaths, two));
+  EXPECT_NEAR(mean, other, 4 * std::sqrt((variance + unguided) / kPaths));
+  EXPECT_LT(variance, 0.4 * unguided);
+}
+
+TEST(Guide, RefusesWhatItCannotDrawFrom) {
+  const Reflector surface = reflector(1, 0.3f);
+  std::vector<Rgb> map = some_map();
+  EXPECT_THROW(Guide(map, 6, kNormal, surface), Error);
+  EXPECT_THROW(Guide(map, kBins, kNormal, surface, {0, 0.5f}), Error);
+  EXPECT_THROW(Guide(map, kBins, kNormal, surface, {0.1f, 1}), Error);
+  map[3].y = -1;
+  EXPECT_THROW(Guide(map, kBins, kNormal, surface), Error);
+  map[3].y = NAN;
+  EXPECT_THROW(Guide(map, kBins, kNormal, surface), Error);
+}
+
+}  // namespace
+}  // namespace lte::pathtrace

@@ -1,0 +1,187 @@
+// The light tree: a true distribution, zero only where nothing arrives, and the same irradiance as
+// drawing lights by power, with less noise.
+#include "lte/pathtrace/lights/light_tree.h"
+
+#include <gtest/gtest.h>
+
+#include "lte/base/random.h"
+#include "lte/pathtrace/irradiance.h"
+#include "tests/support/scenes.h"
+
+namespace lte::pathtrace {
+namespace {
+
+Vec3 random_unit(Rng& rng) {
+  const float z = rng.uniform(-1, 1), phi = 2 * kPi * rng.uniform(), r = std::sqrt(1 - z * z);
+  return {r * std::cos(phi), r * std::sin(phi), z};
+}
+Vec3 random_point(Rng& rng, float extent) {
+  return {rng.uniform(0, extent), rng.uniform(0, extent), rng.uniform(0, extent)};
+}
+
+/// Small flat lights, every fifth two-sided and every seventh black, and a few that shine all
+/// around.
+std::vector<LightCluster> random_lights(Rng& rng, size_t count) {
+  std::vector<LightCluster> lights(count);
+  for (size_t i = 0; i < count; ++i) {
+    const Vec3 p = random_point(rng, 10);
+    lights[i].bounds.extend(p);
+    lights[i].bounds.extend(p + random_point(rng, 0.3f));
+    lights[i].axis = random_unit(rng);
+    lights[i].power = i % 7 == 0 ? 0 : std::exp(rng.uniform(-4, 4));
+    lights[i].cos_e = 0;
+    lights[i].two_sided = i % 5 == 0;
+    if (i % 11 == 0) lights[i].cos_o = -1;
+  }
+  return lights;
+}
+
+TEST(LightTree, ProbabilitiesAreADistributionAndThoseOfItsDraws) {
+  Rng rng(4);
+  const std::vector<LightCluster> lights = random_lights(rng, 60);
+  const LightTree tree(lights);
+  for (int trial = 0; trial < 4; ++trial) {
+    const Vec3 position = random_point(rng, 10);
+    const Vec3 normal = trial == 0 ? Vec3{} : random_unit(rng);
+    double sum = 0;
+    for (uint32_t i = 0; i < lights.size(); ++i) sum += tree.probability(position, normal, i);
+    constexpr int kDraws = 20'000;
+    std::vector<int> drawn(lights.size());
+    int none = 0;
+    for (int k = 0; k < kDraws; ++k) {
+      uint32_t light = 0;
+      float probability = 0;
+      if (!tree.sample(position, normal, (k + 0.5) / kDraws, &light, &probability)) {
+        ++none;
+        continue;
+      }
+      ASSERT_NEAR(probability, tree.probability(position, normal, light), 1e-5 * probability);
+      ++drawn[light];
+    }
+    // What is not a light is a branch without any that can shine here.
+    EXPECT_NEAR(sum + none / double{kDraws}, 1, 5e-3);
+    for (uint32_t i = 0; i < lights.size(); ++i)  // u is a regular grid, cut into few intervals
+      EXPECT_NEAR(drawn[i] / double{kDraws}, tree.probability(position, normal, i), 2e-3) << i;
+  }
+}
+
+/// More nodes than a walk has room for, so that some push others out.
+TEST(LightTree, AWalkDrawsWhatTheTreeDraws) {
+  Rng rng(8);
+  const LightTree few(random_lights(rng, 40)), many(random_lights(rng, 3000));
+  LightTreeWalk walk;
+  for (int trial = 0; trial < 20; ++trial) {
+    const LightTree& tree = trial % 2 == 0 ? few : many;
+    const Vec3 position = random_point(rng, 10), normal = random_unit(rng);
+    walk.start(tree, position, normal);
+    for (int k = 0; k < 300; ++k) {
+      const double u = rng.uniform();
+      uint32_t light = 0, again = 0;
+      float probability = 0, same = 0;
+      const bool drawn = tree.sample(position, normal, u, &light, &probability);
+      ASSERT_EQ(walk.sample(u, &again, &same), drawn);
+      ASSERT_EQ(again, light);
+      ASSERT_EQ(same, probability);
+    }
+  }
+}
+
+TEST(LightTree, LeavesOutOnlyWhatCannotShineHere) {
+  Rng rng(9);
+  const std::vector<LightCluster> lights = random_lights(rng, 200);
+  const LightTree tree(lights);
+  int zeros = 0;
+  for (int trial = 0; trial < 20; ++trial) {
+    const Vec3 position = random_point(rng, 10), normal = random_unit(rng);
+    for (uint32_t i = 0; i < lights.size(); ++i) {
+      if (tree.probability(position, normal, i) > 0) continue;
+      ++zeros;
+      if (lights[i].power == 0) continue;
+      // No place of the light may both see the point in front of it and be above its horizon.
+      for (int corner = 0; corner < 27; ++corner) {
+        const Vec3 t{static_cast<float>(corner % 3) / 2, static_cast<float>(corner / 3 % 3) / 2,
+                     static_cast<float>(corner / 9) / 2};
+        const Vec3 place = lights[i].bounds.low + lights[i].bounds.extent() * t;
+        const Vec3 towards = normalize(place - position);
+        float front = -dot(lights[i].axis, towards);
+        if (lights[i].two_sided) front = std::fabs(front);
+        if (lights[i].cos_o < 0) front = 1;
+        EXPECT_FALSE(front > 1e-4f && dot(normal, towards) > 1e-4f) << "light " << i;
+      }
+    }
+  }
+  EXPECT_GT(zeros, 100);
+}
+
+TEST(LightTree, EmptyAndSingle) {
+  uint32_t light = 7;
+  float probability = 0;
+  EXPECT_FALSE(LightTree(std::vector<LightCluster>{}).sample({}, {}, 0.5, &light, &probability));
+  LightCluster only;
+  only.bounds.extend({0, 0, 0});
+  only.power = 2;
+  only.cos_o = -1;
+  only.cos_e = 0;
+  const LightTree tree({LightCluster{}, only});
+  ASSERT_TRUE(tree.sample({1, 2, 3}, {}, 0.9, &light, &probability));
+  EXPECT_EQ(light, 1u);
+  EXPECT_EQ(probability, 1);
+  EXPECT_EQ(tree.probability({1, 2, 3}, {}, 0), 0) << "black";
+}
+
+TEST(LightTree, CoincidentLightsStayApart) {
+  std::vector<LightCluster> lights(100);
+  for (LightCluster& light : lights) {
+    light.bounds.extend({1, 1, 1});
+    light.power = 1;
+    light.cos_e = 0;
+  }
+  const LightTree tree(lights);
+  for (uint32_t i = 0; i < lights.size(); ++i)
+    EXPECT_NEAR(tree.probability({1, 1, 3}, {}, i), 0.01, 1e-5);
+}
+
+TEST(LightTree, GivesTheIrradianceOfDrawingByPowerWithLessNoise) {
+  const scene::Scene scene = test::hall_of_lamps();
+  const Bvh bvh(scene);
+  const Lights tree(scene, LightChoice::Tree), power(scene, LightChoice::Power);
+  const std::vector<Vec3> positions{{3, 0, 3}, {10, 0, 10}, {12, 0, 4}, {0, 1, 7}, {15, 3, 15.5f}};
+  const std::vector<Vec3> normals{{0, 1, 0}, {0, 1, 0}, {0, 1, 0}, {1, 0, 0}, {0, -1, 0}};
+  IrradianceOptions options;
+  options.rays = 1 << 14;
+  options.max_depth = 3;
+  const Irradiance a = estimate_irradiance(bvh, tree, positions, normals, options);
+  options.seed = 2;
+  const Irradiance b = estimate_irradiance(bvh, power, positions, normals, options);
+  double noise_a = 0, noise_b = 0;
+  for (int64_t i = 0; i < a.points; ++i) {
+    const auto at = static_cast<size_t>(i);
+    for (int c = 0; c < 3; ++c) {
+      const double error = std::sqrt(a.variance_total[at][c] + b.variance_total[at][c]);
+      EXPECT_NEAR(a.total(i)[c], b.total(i)[c], 4 * error) << i << ' ' << c;
+    }
+    noise_a += a.variance_total[at].x;
+    noise_b += b.variance_total[at].x;
+  }
+  EXPECT_LT(noise_a, noise_b / 2);
+}
+
+TEST(LightTree, DirectionalLightsAreDrawnBesideIt) {
+  scene::Scene scene = test::hall_of_lamps();
+  test::add_point_light(&scene, {0, 0, 0}, {5, 5, 5});
+  scene.lights[2].kind = scene::LightKind::Directional;
+  scene.lights[2].direction = {0, -1, 0};
+  const Lights lights(scene, LightChoice::Tree);
+  Rng rng(1);
+  double irradiance = 0;
+  constexpr int kDraws = 4000;
+  for (int i = 0; i < kDraws; ++i) {
+    const LightSample s = lights.sample({10, 0, 10}, {0, 1, 0}, rng.next_u32() * 0x1p-32,
+                                        {rng.uniform(), rng.uniform()});
+    if (s.pdf > 0 && std::isinf(s.distance)) irradiance += s.radiance.x / s.pdf / kDraws;
+  }
+  EXPECT_NEAR(irradiance, 5, 0.4);
+}
+
+}  // namespace
+}  // namespace lte::pathtrace
