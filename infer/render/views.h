@@ -26,8 +26,8 @@ struct View {
 std::vector<View> choose_views(const pathtrace::Bvh& bvh, const std::string& camera,
                                const std::string& out, uint64_t seed, float aspect);
 
-/// The cameras of --turntable (lte/pathtrace/placement/turntable.h), which begins with that of --camera or,
-/// without it, with the automatic one. `out` is a pattern.
+/// The cameras of --turntable (lte/pathtrace/placement/turntable.h), which begins with that of
+/// --camera or, without it, with the automatic one. `out` is a pattern.
 /// @throws lte::Error as choose_views(), and if the flag names several cameras.
 std::vector<View> turntable_views(const pathtrace::Bvh& bvh, const std::string& camera, int count,
                                   const std::string& out, uint64_t seed, float aspect);

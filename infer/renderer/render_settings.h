@@ -74,8 +74,8 @@ struct EmbedSettings {
   int64_t scene_points = 0;  ///< M; 0 for that of the model's training
   uint64_t seed = 0;
   bool rescale = false;
-  /// Draw scene points only where light reaches them (pathtrace/reach/reach.h); by default as in the
-  /// model's training.
+  /// Draw scene points only where light reaches them (lte/pathtrace/reach/reach.h); by default as
+  /// in the model's training.
   std::optional<bool> prune;
   runtime::MemoryLimit memory;    ///< of encoding, and of every later picture's decoding
   bool record_attention = false;  ///< keep what the encoder's blocks attend to
