@@ -113,7 +113,7 @@ GatherRung choose_rung(double seconds, double spent, const GatherRates& rates,
   while (!given.gather_rays && 2 * best.settings.gather.rays <= kMostRays) {
     RenderSettings more = best.settings;
     more.gather.rays *= 2;
-    if (predicted_gather_seconds(more, rates) > seconds) return best;
+    if (predicted_gather_seconds(more, rates) > seconds) break;
     best.settings = more;
   }
   if (given.correction_paths) return best;
