@@ -32,7 +32,14 @@ void begin_radiance_as_irradiance(const nn::LightTransportModel& model) {
   for (auto& item : parameters) {
     const std::string& name = item.key();
     if (!name.starts_with(to) || name.starts_with(to + "head.")) continue;
-    item.value().copy_(parameters[of + name.substr(to.size())]);
+    const at::Tensor& known = parameters[of + name.substr(to.size())];
+    at::Tensor value = item.value();
+    // Where the radiance decoder reads more, the columns of that come last.
+    if (value.dim() == 2 && value.size(1) > known.size(1)) {
+      value.narrow(1, known.size(1), value.size(1) - known.size(1)).zero_();
+      value = value.narrow(1, 0, known.size(1));
+    }
+    value.copy_(known);
   }
 }
 

@@ -99,13 +99,19 @@ nn::ModelConfig config_in(const SafetensorsFile& file) {
       Config::parse(file.metadata("model_config"), file.path().string() + ": model_config"));
 }
 
-/// What F reads of points. The columns of gloss are its last ones.
+/// What F reads of points, and what a query tells of itself.
 constexpr const char* kPointWeight = "nne.point.hidden.weight";
+constexpr const char* kQueryWeight = "decoder.point.hidden.weight";
 
-/// The columns that F has in the model and lacks in the file, which knows of no gloss.
-int64_t columns_of_gloss(const nn::ModelConfig& model, const nn::ModelConfig& file,
-                         const std::string& parameter) {
-  return parameter == kPointWeight && model.gloss && !file.gloss ? nn::kGlossColumns : 0;
+/// The last columns of a layer that reads what the file's model is not told of: gloss, and before
+/// it the errors of light estimates.
+int64_t fresh_columns(const nn::ModelConfig& model, const nn::ModelConfig& file,
+                      const std::string& parameter) {
+  const bool gloss = model.gloss && !file.gloss;
+  const bool errors = model.light_variance && !file.light_variance && !file.gloss;
+  if (parameter == kPointWeight)
+    return (gloss ? nn::kGlossColumns : 0) + (errors ? model.light_columns() : 0);
+  return parameter == kQueryWeight && errors ? 1 : 0;
 }
 
 void check_config(const SafetensorsFile& file, const nn::ModelConfig& before,
@@ -134,7 +140,7 @@ void init_weights(const std::filesystem::path& path, const std::vector<std::stri
   const nn::ModelConfig before = config_in(file);
   const auto shape_in_file = [&](const std::string& parameter, const at::Tensor& value) {
     std::vector<int64_t> shape = value.sizes().vec();
-    if (!shape.empty()) shape.back() -= columns_of_gloss(model->config(), before, parameter);
+    if (!shape.empty()) shape.back() -= fresh_columns(model->config(), before, parameter);
     return shape;
   };
   check_prefixes(name, except, model, weights);
@@ -168,10 +174,10 @@ void init_weights(const std::filesystem::path& path, const std::vector<std::stri
         at::from_blob(const_cast<std::byte*>(view.data), view.shape, at::kFloat);
     LTE_CHECK(at::isfinite(values).all().item<bool>(), name, ": tensor ", item.key(),
               " holds values that are not finite");
-    const int64_t fresh = columns_of_gloss(model->config(), before, item.key());
+    const int64_t fresh = fresh_columns(model->config(), before, item.key());
     if (fresh == 0) {
       item.value().copy_(values);
-    } else {  // so that the network answers as before until it has learnt of gloss
+    } else {  // so that the network answers as before until it has learnt of them
       const int64_t known = values.size(1);
       item.value().narrow(1, 0, known).copy_(values);
       item.value().narrow(1, known, fresh).zero_();

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "lte/base/check.h"
+#include "lte/base/half.h"
 #include "lte/base/safetensors.h"
 #include "lte/nn/model_file.h"
 #include "tests/train/run_fixture.h"
@@ -134,6 +135,39 @@ TEST_F(InitWeights, ExceptionsAllowAnotherShape) {
   EXPECT_NO_THROW(first(from(source(), ", init_except: [decoder.layer2, decoder.gamma]", model)));
   EXPECT_NO_THROW(
       first(from(source(), ", init_except: [decoder.layer1]", "model: {query_layers: 1}\n")));
+}
+
+TEST_F(InitWeights, WhatTheModelIsToldBesidesCountsNothingAtFirst) {
+  const test::TempDir lit;
+  test::write_dataset(lit.path(), 2, 0, [](int, data::SceneSample* sample) {
+    const size_t rows = static_cast<size_t>(sample->light_groups * sample->scene_points());
+    sample->scene_direct.assign(rows, Rgb{1, 1, 1});
+    sample->scene_indirect = sample->scene_direct;
+    sample->scene_direct_back.assign(rows, Rgb{0.25f, 0.5f, 1});
+    sample->scene_indirect_back = sample->scene_direct_back;
+    sample->scene_error.assign(rows, to_half(0.25f));
+    sample->scene_error_back = sample->scene_error;
+  });
+  // Light that is solved comes in the columns of light that is traced.
+  train(config("told", "model: {light_input: radiosity, light_sides: apart}\n"));
+  const std::string known = model_path(dir_ / "told").string();
+  TrainConfig run = from(known, "",
+                         "model: {light_input: traced, light_sides: apart, "
+                         "light_variance: true}\n");
+  run.data.root = lit.path().string();
+  const nn::LightTransportModel model = first(run);
+  const SafetensorsFile file(known);
+  int wider = 0;
+  for (const auto& item : model->named_parameters()) {
+    const TensorView& before = file.at(item.key());
+    const int64_t fresh = item.value().size(-1) - before.shape.back();
+    if (fresh == 0) continue;
+    ++wider;
+    const at::Tensor value = item.value().detach();
+    EXPECT_TRUE(same(value.narrow(1, 0, before.shape.back()).contiguous(), before)) << item.key();
+    EXPECT_EQ(value.narrow(1, before.shape.back(), fresh).abs().max().item<float>(), 0);
+  }
+  EXPECT_EQ(wider, 2) << "what scene points are told, and what queries are";
 }
 
 TEST_F(InitWeights, APrefixOfNothingIsRefused) {
