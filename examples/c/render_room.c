@@ -28,8 +28,26 @@ static lte_float3_view view(const float* first, size_t stride) {
 enum { kPaths = 32 }; /* a scene point; as many as in the training of the shipped models */
 
 typedef struct Light {
-  float direct[3], indirect[3];
+  float direct[3], indirect[3], behind[3];
 } Light;
+
+/* What the model asks to be told of the light at the points; `light` and `error` have as many
+ * entries and twice as many. Nothing comes to the walls from behind. */
+static void add_light(const lte_model_info* info, const Surfel* points, Light* light, float* error,
+                      lte_scene_points* scene) {
+  for (int64_t i = 0; i < scene->count; ++i) {
+    const Light none = {{0}, {0}, {0}};
+    light[i] = none;
+    error[2 * i] = room_light(&points[i], kPaths, (uint32_t)i, light[i].direct, light[i].indirect);
+    error[2 * i + 1] = 0;
+  }
+  scene->direct = view(light->direct, sizeof *light);
+  scene->direct_back = view(light->behind, sizeof *light);
+  if (info->light_input != LTE_LIGHT_TRACED) return;
+  scene->indirect = view(light->indirect, sizeof *light);
+  scene->indirect_back = view(light->behind, sizeof *light);
+  scene->indirect_error = error;
+}
 
 /* Samples the room's surfaces, as many as the model wants, and encodes them. */
 static lte_status encode_room(const lte_model* model, lte_embedding** embedding) {
@@ -39,7 +57,9 @@ static lte_status encode_room(const lte_model* model, lte_embedding** embedding)
   const size_t count = (size_t)info.scene_points;
   Surfel* points = malloc(count * sizeof *points);
   Light* light = malloc(count * sizeof *light);
-  if (points == NULL || light == NULL) {
+  float* error = malloc(2 * count * sizeof *error);
+  if (points == NULL || light == NULL || error == NULL) {
+    free(error);
     free(light);
     free(points);
     return LTE_ERROR_OUT_OF_MEMORY;
@@ -51,14 +71,9 @@ static lte_status encode_room(const lte_model* model, lte_embedding** embedding)
   scene.normal = view(points->normal, sizeof *points);
   scene.albedo = view(points->albedo, sizeof *points);
   scene.emission = view(points->emission, sizeof *points);
-  if (info.light_input != LTE_LIGHT_EMISSION) {
-    for (size_t i = 0; i < count; ++i) {
-      room_light(&points[i], kPaths, (uint32_t)i, light[i].direct, light[i].indirect);
-    }
-    scene.direct = view(light->direct, sizeof *light);
-    if (info.light_input == LTE_LIGHT_TRACED) scene.indirect = view(light->indirect, sizeof *light);
-  }
+  if (info.light_input != LTE_LIGHT_EMISSION) add_light(&info, points, light, error, &scene);
   status = lte_model_encode(model, &scene, embedding);
+  free(error);
   free(light);
   free(points); /* the embedding keeps nothing of them */
   return status;

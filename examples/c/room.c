@@ -151,14 +151,23 @@ static void cosine_direction(const float normal[3], uint32_t* seed, float out[3]
   for (int i = 0; i < 3; ++i) out[i] = a * x[i] + b * y[i] + c * normal[i];
 }
 
-void room_light(const Surfel* at, int paths, uint32_t seed, float direct[3], float indirect[3]) {
+/* The standard error of a mean over it, of `count` values by their sum and that of squares. */
+static float relative_error(float sum, float squares, int count) {
+  if (sum <= 0 || count < 2) return 0;
+  const float mean = sum / (float)count;
+  const float variance = fmaxf(0, squares / (float)count - mean * mean) / (float)(count - 1);
+  return fminf(1, sqrtf(variance) / mean);
+}
+
+float room_light(const Surfel* at, int paths, uint32_t seed, float direct[3], float indirect[3]) {
   enum { kBounces = 4 }; /* with the direct light of the last, paths of five surfaces */
   for (int c = 0; c < 3; ++c) direct[c] = indirect[c] = 0;
-  if (at->emission[0] > 0) return; /* on the lamp, as lte_scene_points wants it */
+  if (at->emission[0] > 0) return 0; /* on the lamp, as lte_scene_points wants it */
   room_direct(at, direct);
+  float sum = 0, squares = 0; /* of what the paths bring, all channels together */
   for (int p = 0; p < paths; ++p) {
     Surfel here = *at;
-    float weight[3] = {1, 1, 1};
+    float weight[3] = {1, 1, 1}, brought = 0;
     for (int bounce = 0; bounce < kBounces; ++bounce) {
       float direction[3], lit[3];
       cosine_direction(here.normal, &seed, direction);
@@ -170,7 +179,11 @@ void room_light(const Surfel* at, int paths, uint32_t seed, float direct[3], flo
       for (int c = 0; c < 3; ++c) {
         weight[c] *= here.albedo[c];
         indirect[c] += weight[c] * lit[c] / (float)paths;
+        brought += weight[c] * lit[c];
       }
     }
+    sum += brought;
+    squares += brought * brought;
   }
+  return relative_error(sum, squares, paths);
 }

@@ -32,8 +32,10 @@ void room_gbuffer(Pixel* pixels, int width, int height);
 void room_direct(const Surfel* at, float irradiance[3]);
 
 /** Light at a surface sample, W/m^2: direct light as above, and indirect light by path tracing,
- *  which is noisy but not biased; 0 and 0 on the lamp. */
-void room_light(const Surfel* at, int paths, uint32_t seed, float direct[3], float indirect[3]);
+ *  which is noisy but not biased; 0 and 0 on the lamp.
+ *  Returns the standard error of the indirect light over its value, of the mean over the channels,
+ *  as the paths' spread tells it, at most 1. */
+float room_light(const Surfel* at, int paths, uint32_t seed, float direct[3], float indirect[3]);
 
 #ifdef __cplusplus
 }

@@ -94,6 +94,11 @@ void run(const char* path) {
   std::vector<at::Tensor> points = {surface};
   if (reads("\"direct\"")) points.push_back(direct);
   if (reads("\"indirect\"")) points.push_back(indirect);
+  // Nothing comes to the walls from behind, and radiosity has no noise.
+  const at::Tensor none = torch::zeros_like(direct);
+  if (reads("\"direct_back\"")) points.push_back(none);
+  if (reads("\"indirect_back\"")) points.push_back(none);
+  if (reads("\"indirect_error\"")) points.push_back(columns(none, 0, 2));
 
   std::vector<int64_t> nearest;
   for (const auto& place : kPlaces) {

@@ -67,8 +67,11 @@ def main():
 
     points = torch.cat([samples(*rectangle) for rectangle in ROOM])
     direct, indirect = light(points)
+    # Nothing comes to the walls from behind, and radiosity has no noise.
+    none = torch.zeros_like(direct)
     given = dict(zip(("position", "normal", "albedo", "emission", "area"),
-                     points.split([3, 3, 3, 3, 1], 1)), direct=direct, indirect=indirect)
+                     points.split([3, 3, 3, 3, 1], 1)), direct=direct, indirect=indirect,
+                 direct_back=none, indirect_back=none, indirect_error=none[:, :2])
     nearest = [int((points[:, :3] - torch.tensor(place)).square().sum(1).argmin())
                for place in PLACES.values()]
     with torch.no_grad():
