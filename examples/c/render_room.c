@@ -39,18 +39,22 @@ static lte_status encode_room(const lte_model* model, lte_embedding** embedding)
   const size_t count = (size_t)info.scene_points;
   Surfel* points = malloc(count * sizeof *points);
   Light* light = malloc(count * sizeof *light);
-  if (points == NULL || light == NULL) {
+  float* area = malloc(count * sizeof *area);
+  if (points == NULL || light == NULL || area == NULL) {
+    free(area);
     free(light);
     free(points);
     return LTE_ERROR_OUT_OF_MEMORY;
   }
-  room_sample(points, count, 1);
+  const float area_of_each = room_sample(points, count, 1);
+  for (size_t i = 0; i < count; ++i) area[i] = area_of_each;
   lte_scene_points scene = {sizeof scene};
   scene.count = info.scene_points;
   scene.position = view(points->position, sizeof *points);
   scene.normal = view(points->normal, sizeof *points);
   scene.albedo = view(points->albedo, sizeof *points);
   scene.emission = view(points->emission, sizeof *points);
+  scene.area = area;
   if (info.light_input != LTE_LIGHT_EMISSION) {
     for (size_t i = 0; i < count; ++i) {
       room_light(&points[i], kPaths, (uint32_t)i, light[i].direct, light[i].indirect);
@@ -59,6 +63,7 @@ static lte_status encode_room(const lte_model* model, lte_embedding** embedding)
     if (info.light_input == LTE_LIGHT_TRACED) scene.indirect = view(light->indirect, sizeof *light);
   }
   status = lte_model_encode(model, &scene, embedding);
+  free(area);
   free(light);
   free(points); /* the embedding keeps nothing of them */
   return status;
