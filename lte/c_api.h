@@ -1,5 +1,6 @@
 /* The network for renderers, in C: scene points in, a light transport embedding, irradiance at any
- * surface point out, and of some models radiance from any direction. docs/embedding-in-a-renderer.md tells how to use it.
+ * surface point out, and of some models radiance from any direction.
+ * docs/embedding-in-a-renderer.md tells how to use it.
  *
  *   lte_model* model;
  *   lte_embedding* embedding;
@@ -204,8 +205,8 @@ typedef struct lte_scene_points {
    *  the front, and on the back, over its value, of the mean over the channels, in [0, 1] and 0
    *  where there is no light. Where lte_model_info::light_variance is 1; else it may be NULL. */
   const float* indirect_error;
-  /** Two floats a point, without gaps: how metallic it is, and how rough (glTF's: GGX's alpha is its
-   *  square), in [0, 1]. Albedo is then the metal's reflectance at normal incidence. Read where
+  /** Two floats a point, without gaps, in [0, 1]: how metallic it is, and how rough (the square is
+   *  GGX's alpha). Of metal, albedo is the reflectance at normal incidence. Read where
    *  lte_model_info::gloss is 1. NULL: nothing is metal, as for programs older than the field. */
   const float* gloss;
 } lte_scene_points;
