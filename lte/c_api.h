@@ -1,5 +1,6 @@
 /* The network for renderers, in C: scene points in, a light transport embedding, irradiance at any
- * surface point out. docs/embedding-in-a-renderer.md tells how to use it.
+ * surface point out, and of some models radiance from any direction.
+ * docs/embedding-in-a-renderer.md tells how to use it.
  *
  *   lte_model* model;
  *   lte_embedding* embedding;
@@ -141,6 +142,10 @@ typedef struct lte_model_info {
   int32_t light_paths;         /**< paths a side behind the estimates of the training, if it reads
                                     light */
   int32_t light_depth;         /**< surface hits of those paths */
+  int32_t needs_area;          /**< 1: it works on the points' own areas, so that
+                                    lte_scene_points::area must be given, in m^2 */
+  int32_t gloss;               /**< 1: it reads lte_scene_points::gloss */
+  int32_t predicts_radiance;   /**< 1: lte_embedding_decode_radiance() answers */
 } lte_model_info;
 
 /** Describes a model.
@@ -183,7 +188,8 @@ typedef struct lte_scene_points {
   lte_float3_view direct;   /**< from luminaires straight */
   lte_float3_view indirect; /**< after one bounce or more */
   const float* area;   /**< m^2 that each point stands for, without gaps; NULL: all the same, as
-                            when they were drawn uniformly by area */
+                            when they were drawn uniformly by area. Refused as NULL where
+                            lte_model_info::needs_area is 1; else a common factor is free */
   const float* origin; /**< 3 floats, always host memory: the least corner of the scene, no more
                             than any position. NULL: that of the points. Give it so that the
                             embedding of an edited scene changes no more than the edit asks for */
@@ -199,6 +205,10 @@ typedef struct lte_scene_points {
    *  the front, and on the back, over its value, of the mean over the channels, in [0, 1] and 0
    *  where there is no light. Where lte_model_info::light_variance is 1; else it may be NULL. */
   const float* indirect_error;
+  /** Two floats a point, without gaps, in [0, 1]: how metallic it is, and how rough (the square is
+   *  GGX's alpha). Of metal, albedo is the reflectance at normal incidence. Read where
+   *  lte_model_info::gloss is 1. NULL: nothing is metal, as for programs older than the field. */
+  const float* gloss;
 } lte_scene_points;
 
 /** Runs the encoder. */
@@ -279,13 +289,34 @@ typedef struct lte_queries {
 LTE_API lte_status lte_embedding_decode(const lte_embedding* embedding, const lte_queries* queries,
                                         float* irradiance, int64_t irradiance_stride);
 
+/** Computes incident radiance at every query from directions of its own: of the light that
+ *  lte_embedding_decode() tells of (lte_model_info::target), so a lamp is seen in metal but not at
+ *  once where that is LTE_TARGET_INDIRECT. Wants lte_model_info::predicts_radiance.
+ *
+ *  @param directions         [N, D] triples, the first query's, then the second's and so on: world,
+ *                            unit, away from the surface, to where the light comes from. Lengths
+ *                            may be off by 0.01, and cosines to the normal as low as -0.01.
+ *  @param directions_a_query  D, at least 1. Further ones are cheap: what a query knows of its
+ *                            surroundings is gathered once.
+ *  @param radiance           [N, D, 3] float32, W sr^-1 m^-2; overlaps none of the other arrays
+ *  @param radiance_stride    bytes from one triple to the next, a multiple of 4, at least 12; 0: 12
+ *  @note Where the mask is 0 no direction is read, and the answers are 0. LTE_QUERIES_TRUSTED
+ *        vouches for the directions too.
+ *  @note An answer depends on the other queries and directions by rounding alone.
+ *  @note Works in blocks that take some 150 MB; besides, the checks take 30 bytes a direction. */
+LTE_API lte_status lte_embedding_decode_radiance(const lte_embedding* embedding,
+                                                 const lte_queries* queries,
+                                                 const lte_float3_view* directions,
+                                                 int64_t directions_a_query, float* radiance,
+                                                 int64_t radiance_stride);
+
 /* ---- CUDA ----
  * The same with arrays in device memory (or managed, or pinned and mapped) of the GPU on which the
  * model was opened, on the caller's stream. In a library built without CUDA they return
  * LTE_ERROR_NO_CUDA. They compile and their argument checks are tested; they have NOT yet been run
  * on a GPU. */
 
-/** lte_model_encode() with position, normal, albedo, emission and area in device memory.
+/** lte_model_encode() with all arrays but origin in device memory.
  *  @param stream  a cudaStream_t of the model's device; NULL is the default stream
  *  @note The host waits in between, as neighbourhoods are made on it. The last kernels may still
  *        run when the function returns; any stream may decode, as it waits for them by itself. */
@@ -298,6 +329,15 @@ LTE_API lte_status lte_model_encode_cuda(const lte_model* model, const lte_scene
 LTE_API lte_status lte_embedding_decode_cuda(const lte_embedding* embedding,
                                              const lte_queries* queries, void* stream,
                                              float* irradiance, int64_t irradiance_stride);
+
+/** lte_embedding_decode_radiance() with all arrays in device memory.
+ *  @note The host waits as in lte_embedding_decode_cuda(), and where the model casts rays among the
+ *        scene points, as these run on the CPU. */
+LTE_API lte_status lte_embedding_decode_radiance_cuda(const lte_embedding* embedding,
+                                                      const lte_queries* queries,
+                                                      const lte_float3_view* directions,
+                                                      int64_t directions_a_query, void* stream,
+                                                      float* radiance, int64_t radiance_stride);
 
 #ifdef __cplusplus
 }

@@ -58,21 +58,26 @@ static lte_status encode_room(const lte_model* model, lte_embedding** embedding)
   Surfel* points = malloc(count * sizeof *points);
   Light* light = malloc(count * sizeof *light);
   float* error = malloc(2 * count * sizeof *error);
-  if (points == NULL || light == NULL || error == NULL) {
+  float* area = malloc(count * sizeof *area);
+  if (points == NULL || light == NULL || error == NULL || area == NULL) {
+    free(area);
     free(error);
     free(light);
     free(points);
     return LTE_ERROR_OUT_OF_MEMORY;
   }
-  room_sample(points, count, 1);
+  const float area_of_each = room_sample(points, count, 1);
+  for (size_t i = 0; i < count; ++i) area[i] = area_of_each;
   lte_scene_points scene = {sizeof scene};
   scene.count = info.scene_points;
   scene.position = view(points->position, sizeof *points);
   scene.normal = view(points->normal, sizeof *points);
   scene.albedo = view(points->albedo, sizeof *points);
   scene.emission = view(points->emission, sizeof *points);
+  scene.area = area;
   if (info.light_input != LTE_LIGHT_EMISSION) add_light(&info, points, light, error, &scene);
   status = lte_model_encode(model, &scene, embedding);
+  free(area);
   free(error);
   free(light);
   free(points); /* the embedding keeps nothing of them */

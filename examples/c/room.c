@@ -53,7 +53,7 @@ static float uniform(uint32_t* state) {
   return (float)(word >> 8) / 16777216.0f;
 }
 
-void room_sample(Surfel* points, size_t count, uint32_t seed) {
+float room_sample(Surfel* points, size_t count, uint32_t seed) {
   float until[kRectangles], total = 0;
   for (int r = 0; r < kRectangles; ++r) {
     float area[3];
@@ -69,6 +69,7 @@ void room_sample(Surfel* points, size_t count, uint32_t seed) {
     const float u = uniform(&seed), v = uniform(&seed);
     surfel_at(&kRoom[r], u, v, &points[i]);
   }
+  return total / (float)count;
 }
 
 /* Distance along the ray to `r`, negative if it misses. Walls are seen from their front alone. */

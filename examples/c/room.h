@@ -22,8 +22,9 @@ typedef struct Pixel {
   uint8_t reflects; /* 0 on the lamp, whose own light is all there is to see */
 } Pixel;
 
-/** Draws `count` points uniformly by area; the same ones for the same seed. */
-void room_sample(Surfel* points, size_t count, uint32_t seed);
+/** Draws `count` points uniformly by area; the same ones for the same seed. Returns the area that
+ *  each stands for, m^2. */
+float room_sample(Surfel* points, size_t count, uint32_t seed);
 
 /** Looks from the front of the room to the back, rows from the top. */
 void room_gbuffer(Pixel* pixels, int width, int height);

@@ -1,4 +1,5 @@
-// Prints indirect irradiance at points of a small room, by a module that lte_export has written.
+// Prints indirect irradiance at points of a small room, by a module that lte_export has written,
+// and radiance there from other places, if the module tells it.
 //   room_light MODEL.pt
 // It needs LibTorch and nothing of lte, if the module was exported with --portable. room_light.py
 // beside it does the same in Python; docs/torchscript.md explains the tensors.
@@ -31,8 +32,13 @@ const Rectangle kRoom[] = {
     {{0, 0, 5}, {0, 2.5f, 0}, {4, 0, 0}, {0.75f, 0.75f, 0.75f}, {0, 0, 0}},    // front
     {{1.4f, 2.49f, 1.8f}, {1.2f, 0, 0}, {0, 0, 1.4f}, {0, 0, 0}, {12, 11, 9}}  // lamp
 };
-const std::pair<const char*, Triple> kPlaces[] = {
+using Places = std::vector<std::pair<std::string, Triple>>;
+const Places kPlaces = {
     {"floor", {2.1f, 0, 2.6f}}, {"left wall", {0, 1.3f, 2.6f}}, {"back wall", {2.1f, 1.3f, 0}}};
+/// Of each place, one that radiance comes from.
+const Places kSeen = {{"the left wall", {0, 1.3f, 2.6f}},
+                      {"the right wall", {4, 1.3f, 2.6f}},
+                      {"the floor", {2.1f, 0, 2.6f}}};
 
 at::Tensor tensor(const Triple& v) { return torch::tensor({v[0], v[1], v[2]}); }
 at::Tensor columns(const at::Tensor& rows, int64_t from, int64_t to) {
@@ -73,8 +79,30 @@ std::pair<at::Tensor, at::Tensor> light(const at::Tensor& points) {
   return {dark * direct, dark * (total - direct)};
 }
 
+/// The cells at some places, [places].
+at::Tensor nearest(const at::Tensor& points, const Places& places) {
+  std::vector<int64_t> cells;
+  for (const auto& place : places) {
+    const at::Tensor offset = columns(points, 0, 3) - tensor(place.second);
+    cells.push_back(offset.square().sum(1).argmin().item<int64_t>());
+  }
+  return torch::tensor(cells);
+}
+
 void print_rgb(const at::Tensor& rgb) {
   for (int c = 0; c < 3; ++c) std::printf("%7.3f", rgb[c].item<double>());
+}
+
+void print_table(const char* what, const std::vector<std::string>& names, const at::Tensor& answers,
+                 const at::Tensor& expected) {
+  std::printf("%-32snetwork: R      G      B   radiosity: R      G      B\n", what);
+  for (size_t i = 0; i < names.size(); ++i) {
+    std::printf("%-30s", names[i].c_str());
+    print_rgb(answers[static_cast<int64_t>(i)]);
+    std::printf("     ");
+    print_rgb(expected[static_cast<int64_t>(i)]);
+    std::printf("\n");
+  }
 }
 
 void run(const char* path) {
@@ -94,31 +122,30 @@ void run(const char* path) {
   std::vector<at::Tensor> points = {surface};
   if (reads("\"direct\"")) points.push_back(direct);
   if (reads("\"indirect\"")) points.push_back(indirect);
-  // Nothing comes to the walls from behind, and radiosity has no noise.
-  const at::Tensor none = torch::zeros_like(direct);
-  if (reads("\"direct_back\"")) points.push_back(none);
-  if (reads("\"indirect_back\"")) points.push_back(none);
-  if (reads("\"indirect_error\"")) points.push_back(columns(none, 0, 2));
+  // The backs of the walls are dark, the estimates exact, and nothing is metal.
+  for (const char* back : {"\"direct_back\"", "\"indirect_back\""})
+    if (reads(back)) points.push_back(torch::zeros_like(direct));
+  if (reads("\"indirect_error\"")) points.push_back(torch::zeros({surface.size(0), 2}));
+  if (reads("\"gloss\""))
+    points.push_back(torch::tensor({0.0f, 1.0f}).expand({surface.size(0), 2}));
 
-  std::vector<int64_t> nearest;
-  for (const auto& place : kPlaces) {
-    const at::Tensor offset = columns(surface, 0, 3) - tensor(place.second);
-    nearest.push_back(offset.square().sum(1).argmin().item<int64_t>());
-  }
-  const at::Tensor rows = torch::tensor(nearest),
-                   queries = columns(surface.index_select(0, rows), 0, 9);
+  const at::Tensor rows = nearest(surface, kPlaces), here = surface.index_select(0, rows),
+                   queries = columns(here, 0, 9);
   const c10::IValue embedding = model.get_method("encode")({torch::cat(points, 1)});
   const at::Tensor irradiance = model.get_method("decode")({embedding, queries}).toTensor();
+  std::vector<std::string> labels;
+  for (const auto& place : kPlaces) labels.push_back(place.first);
+  print_table("indirect irradiance, W/m^2", labels, irradiance, indirect.index_select(0, rows));
 
-  std::puts(
-      "indirect irradiance, W/m^2      network: R      G      B   radiosity: R      G      B");
-  for (size_t i = 0; i < std::size(kPlaces); ++i) {
-    std::printf("%-30s", kPlaces[i].first);
-    print_rgb(irradiance[static_cast<int64_t>(i)]);
-    std::printf("     ");
-    print_rgb(indirect[nearest[i]]);
-    std::printf("\n");
-  }
+  const auto ask = model.find_method("radiance");
+  if (!ask) return;
+  const at::Tensor seen = nearest(surface, kSeen), there = surface.index_select(0, seen),
+                   way = columns(there, 0, 3) - columns(here, 0, 3);
+  const at::Tensor directions = (way / way.norm(2, {1}, true)).unsqueeze(1);
+  const at::Tensor radiance = (*ask)({embedding, queries, directions}).toTensor().select(1, 0);
+  for (size_t i = 0; i < labels.size(); ++i) labels[i] += " from " + kSeen[i].first;
+  print_table("radiance, W sr^-1 m^-2", labels, radiance,
+              columns(there, 6, 9) / kPi * (direct + indirect).index_select(0, seen));
 }
 
 }  // namespace

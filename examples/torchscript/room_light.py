@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Prints indirect irradiance at points of a small room, by a module that lte_export has written.
+"""Prints indirect irradiance at points of a small room, by a module that lte_export has written,
+and radiance there from other places, if the module tells it.
 
 usage: room_light.py MODEL.pt
 
@@ -24,6 +25,8 @@ ROOM = (
     ((1.4, 2.49, 1.8), (1.2, 0, 0), (0, 0, 1.4), (0, 0, 0), (12, 11, 9)),  # lamp
 )
 PLACES = {"floor": (2.1, 0, 2.6), "left wall": (0, 1.3, 2.6), "back wall": (2.1, 1.3, 0)}
+# Of each place, one that radiance comes from.
+SEEN = {"the left wall": (0, 1.3, 2.6), "the right wall": (4, 1.3, 2.6), "the floor": (2.1, 0, 2.6)}
 
 
 def samples(corner, edge1, edge2, albedo, emission):
@@ -57,6 +60,19 @@ def light(points):
     return dark * direct, dark * (total - direct)
 
 
+def nearest(points, places):
+    """The cells at some places."""
+    return [int((points[:, :3] - torch.tensor(place)).square().sum(1).argmin())
+            for place in places]
+
+
+def print_table(what, names, answers, expected):
+    print(f"{what:32}network: R      G      B   radiosity: R      G      B")
+    for name, answer, right in zip(names, answers, expected):
+        print(f"{name:30}" + "".join(f"{v:7.3f}" for v in answer.tolist()) + "     " +
+              "".join(f"{v:7.3f}" for v in right.tolist()))
+
+
 def main():
     if len(sys.argv) != 2:
         print(__doc__.strip(), file=sys.stderr)
@@ -67,20 +83,24 @@ def main():
 
     points = torch.cat([samples(*rectangle) for rectangle in ROOM])
     direct, indirect = light(points)
-    # Nothing comes to the walls from behind, and radiosity has no noise.
-    none = torch.zeros_like(direct)
     given = dict(zip(("position", "normal", "albedo", "emission", "area"),
-                     points.split([3, 3, 3, 3, 1], 1)), direct=direct, indirect=indirect,
-                 direct_back=none, indirect_back=none, indirect_error=none[:, :2])
-    nearest = [int((points[:, :3] - torch.tensor(place)).square().sum(1).argmin())
-               for place in PLACES.values()]
+                     points.split([3, 3, 3, 3, 1], 1)), direct=direct, indirect=indirect)
+    # The backs of the walls are dark, the estimates exact, and nothing is metal.
+    given.update(direct_back=0 * direct, indirect_back=0 * direct, indirect_error=0 * direct[:, :2],
+                 gloss=torch.tensor([[0.0, 1.0]]).expand(len(points), 2))
+    rows, seen = nearest(points, PLACES.values()), nearest(points, SEEN.values())
     with torch.no_grad():
         embedding = model.encode(torch.cat([given[name] for name in columns], 1))
-        irradiance = model.decode(embedding, points[nearest, :9])
-    print("indirect irradiance, W/m^2      network: R      G      B   radiosity: R      G      B")
-    for name, row, answer in zip(PLACES, nearest, irradiance):
-        print(f"{name:30}" + "".join(f"{v:7.3f}" for v in answer.tolist()) + "     " +
-              "".join(f"{v:7.3f}" for v in indirect[row].tolist()))
+        irradiance = model.decode(embedding, points[rows, :9])
+        print_table("indirect irradiance, W/m^2", PLACES, irradiance, indirect[rows])
+        if not hasattr(model, "radiance"):
+            return 0
+        way = points[seen, :3] - points[rows, :3]
+        way = way / way.norm(dim=1, keepdim=True)
+        radiance = model.radiance(embedding, points[rows, :9], way[:, None])[:, 0]
+    sent = points[seen, 6:9] / math.pi * (direct + indirect)[seen]
+    names = [f"{place} from {other}" for place, other in zip(PLACES, SEEN)]
+    print_table("radiance, W sr^-1 m^-2", names, radiance, sent)
     return 0
 
 

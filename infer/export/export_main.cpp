@@ -9,7 +9,7 @@ int main(int argc, char** argv) {
   using namespace lte;
   CLI::App app{
       "Export a model as TorchScript: encode(points), decode(embedding, queries), forward(points, "
-      "queries).",
+      "queries), and of a model that predicts it radiance(embedding, queries, directions).",
       "lte_export"};
   app.footer(
       "Examples:\n  lte_export --out model.pt\n  lte_export --checkpoint runs/a/model.safetensors "
@@ -28,9 +28,12 @@ int main(int argc, char** argv) {
     options.log_file = common.log_file;
     options.progress = [](const std::string& step) { log_info("export: ", step); };
     for (const infer::ExportCheck& check : infer::export_torchscript(options)) {
-      std::printf("verified M = %lld, Q = %lld: largest deviation %.2e of the largest value\n",
+      std::printf("verified M = %lld, Q = %lld: largest deviation %.2e of the largest value",
                   static_cast<long long>(check.scene_points), static_cast<long long>(check.queries),
                   check.relative_error);
+      if (check.radiance_error > 0)
+        std::printf("; radiance: mean deviation %.2e of the mean", check.radiance_error);
+      std::printf("\n");
     }
     std::printf("wrote %s\n", options.out.c_str());
   });

@@ -4,6 +4,8 @@
 
 #include "infer/export/torchscript_cache.h"
 #include "infer/export/torchscript_decoder.h"
+#include "infer/export/torchscript_radiance.h"
+#include "infer/export/torchscript_rays.h"
 #include "infer/export/torchscript_text.h"
 #include "infer/export/torchscript_transformer.h"
 #include "lte/nn/constants.h"
@@ -92,16 +94,20 @@ def encode(self, points: Tensor) -> Dict[str, Tensor]:
     grid = max({grid} * spacing, float(torch.max(anchors)) / {last_cell})
     cells = torch.clamp(torch.floor(anchors.to(7) / grid), 0.0, {last_cell}).to(3).contiguous()
     features = self.transformer(y, cells)
-    keys: List[Tensor] = []
-    values: List[Tensor] = []
-{tables}    embedding: Dict[str, Tensor] = {}
+    embedding: Dict[str, Tensor] = {}
     embedding['position'] = anchors
     embedding['features'] = features
-{normals}    embedding['table'] = {table}
-    embedding['origin'] = origin
+{normals}{tables}    embedding['origin'] = origin
     embedding['spacing'] = torch.tensor(spacing, dtype=7)
     embedding['radiance'] = radiance
-{fill_cache}    return embedding
+{fill_cache}{make_surfels}    return embedding
+)SCRIPT";
+
+constexpr const char* kReadGloss = R"SCRIPT(    gloss = points[:, {from}:{end}]
+    assert bool(torch.all((gloss >= 0.0) & (gloss <= 1.0))), \
+        'points: metallic or roughness is outside [0, 1]'
+    metallic = points[:, {from}:{next}]
+    x = torch.cat([x, metallic, metallic * (1.0 - points[:, {next}:{end}])], 1)
 )SCRIPT";
 
 constexpr const char* kForward = R"SCRIPT(
@@ -117,16 +123,13 @@ std::string common() {
                         {"rows", std::to_string(kPairRows)}});
 }
 
-/// Keys and values of every layer, appended to `keys` and `values`.
-std::string table_lines(const nn::ModelConfig& config) {
-  std::string lines;
-  for (int64_t l = 0; l < config.query_layers; ++l) {
-    lines += fill(
-        "    keys.append(torch.linear(features, self.{p}_key_weight, self.{p}_key_bias))\n"
-        "    values.append(torch.linear(features, self.{p}_value_weight, self.{p}_value_bias))\n",
-        {{"p", "decoder_layer" + std::to_string(l)}});
-  }
-  return lines;
+/// Joins to x what F reads of gloss.
+std::string read_gloss(const nn::ModelConfig& config) {
+  if (!config.gloss) return "";
+  const int64_t from = kPointColumns + light_columns(config);
+  return fill(kReadGloss, {{"from", std::to_string(from)},
+                           {"next", std::to_string(from + 1)},
+                           {"end", std::to_string(from + 2)}});
 }
 
 std::string encode(const nn::ModelConfig& config) {
@@ -136,19 +139,18 @@ std::string encode(const nn::ModelConfig& config) {
       {{"scale", number(config.scale)},
        {"largest_position", number(nn::kLargestPosition)},
        {"least_spacing", number(nn::kLeastSpacing)},
-       {"columns", std::to_string(kPointColumns + light_columns(config))},
-       {"light", light_column_names(config)},
-       {"irradiance", torchscript_read_light(config)},
+       {"columns", std::to_string(kPointColumns + light_columns(config) +
+                                  (config.gloss ? nn::kGlossColumns : 0))},
+       {"light", light_column_names(config) + (config.gloss ? ", metallic, roughness" : "")},
+       {"irradiance", torchscript_read_light(config) + read_gloss(config)},
        {"fill_cache", torchscript_fill_cache(config)},
+       {"make_surfels", torchscript_make_surfels(config)},
        {"k", std::to_string(config.nne_neighbours)},
        {"grid", number(config.grid_per_spacing)},
        {"last_cell", number(kLastCell)},
-       {"table", config.normalizes_attention()
-                     ? "torch.stack([torch.stack(keys), torch.stack(values)])"
-                     : "self.neighbour_table(torch.stack(keys), torch.stack(values))"},
        {"normals",
         config.reads_normals() ? "    embedding['normal'] = points[:, 3:6][picks[:count]]\n" : ""},
-       {"tables", table_lines(config)}});
+       {"tables", torchscript_tables(config)}});
 }
 
 }  // namespace
@@ -161,7 +163,7 @@ std::string torchscript_attribute(const std::string& parameter) {
 
 std::string torchscript_network(const nn::ModelConfig& config) {
   return common() + torchscript_transformer(config) + encode(config) + torchscript_decoder(config) +
-         kForward;
+         torchscript_rays(config) + torchscript_radiance(config) + kForward;
 }
 
 }  // namespace lte::infer

@@ -55,6 +55,14 @@ void decode(const lte_embedding* embedding, const lte_queries* queries, c10::Dev
                      stride);
 }
 
+void decode_radiance(const lte_embedding* embedding, const lte_queries* queries,
+                     const lte::c_api::Directions& directions, c10::Device memory, float* radiance,
+                     int64_t stride) {
+  apply_threads();
+  lte::c_api::decode_radiance(embedding->scene, read_struct(queries, "lte_queries"), directions,
+                              memory, radiance, stride);
+}
+
 lte_model_info info_of(const lte::runtime::Network& network) {
   const lte::nn::ModelConfig& config = network.config();
   lte_model_info info = {};
@@ -74,6 +82,9 @@ lte_model_info info_of(const lte::runtime::Network& network) {
   info.light_sides =
       config.parts_sides() && config.reads_estimates() ? LTE_SIDES_APART : LTE_SIDES_SUM;
   info.light_variance = config.light_variance;
+  info.needs_area = lte::c_api::needs_area(config);
+  info.gloss = config.gloss;
+  info.predicts_radiance = config.predicts_radiance();
   if (config.reads_direct()) {
     info.light_paths = network.metadata().light_paths;
     info.light_depth = network.metadata().light_depth_of(config);
@@ -209,5 +220,30 @@ lte_status lte_embedding_decode_cuda(const lte_embedding* embedding, const lte_q
     const c10::Device device = embedding->scene.network().device();
     const StreamScope scope(device, stream);
     decode(embedding, queries, device, irradiance, irradiance_stride);
+  });
+}
+
+lte_status lte_embedding_decode_radiance(const lte_embedding* embedding, const lte_queries* queries,
+                                         const lte_float3_view* directions,
+                                         int64_t directions_a_query, float* radiance,
+                                         int64_t radiance_stride) {
+  return guarded([&] {
+    require(embedding != nullptr, "embedding is null");
+    decode_radiance(embedding, queries, {directions, directions_a_query}, c10::kCPU, radiance,
+                    radiance_stride);
+  });
+}
+
+lte_status lte_embedding_decode_radiance_cuda(const lte_embedding* embedding,
+                                              const lte_queries* queries,
+                                              const lte_float3_view* directions,
+                                              int64_t directions_a_query, void* stream,
+                                              float* radiance, int64_t radiance_stride) {
+  return guarded([&] {
+    require(embedding != nullptr, "embedding is null");
+    const c10::Device device = embedding->scene.network().device();
+    const StreamScope scope(device, stream);
+    decode_radiance(embedding, queries, {directions, directions_a_query}, device, radiance,
+                    radiance_stride);
   });
 }

@@ -75,10 +75,11 @@ nn::PointSet borrow_points(const lte_scene_points& p, at::Device memory) {
   points.indirect = borrow_light(p.indirect, "scene points: indirect");
   points.direct_back = borrow_light(p.direct_back, "scene points: direct_back");
   points.indirect_back = borrow_light(p.indirect_back, "scene points: indirect_back");
-  if (p.indirect_error != nullptr) {
-    points.indirect_error =
-        borrow_floats(p.indirect_error, 2 * M, memory, "scene points: indirect_error").view({M, 2});
-  }
+  const auto borrow_pairs = [&](const float* data, const char* name) {
+    return data == nullptr ? at::Tensor() : borrow_floats(data, 2 * M, memory, name).view({M, 2});
+  };
+  points.indirect_error = borrow_pairs(p.indirect_error, "scene points: indirect_error");
+  points.gloss = borrow_pairs(p.gloss, "scene points: gloss");
   points.area = p.area == nullptr ? at::ones({M}, points.position.options())
                                   : borrow_floats(p.area, M, memory, "scene points: area");
   return points;

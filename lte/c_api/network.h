@@ -6,11 +6,16 @@
 #include <c10/core/Device.h>
 
 #include "lte/c_api.h"
+#include "lte/nn/config.h"
 #include "lte/runtime/embedding.h"
 
 namespace lte::c_api {
 
 lte_embedding_info info_of(const runtime::SceneEmbedding& scene);
+
+/// Whether a model needs the points' areas in m², not only their ratios: light that is solved on
+/// the points, and the discs that rays meet, have the size that they say.
+bool needs_area(const nn::ModelConfig& config);
 
 /// @param memory  where the arrays of `points` are
 /// @throws ApiError, c10::Error, runtime::SceneTooLarge
@@ -21,6 +26,18 @@ runtime::SceneEmbedding encode(const runtime::Network& network, const lte_scene_
 /// @throws ApiError, c10::Error
 void decode(const runtime::SceneEmbedding& scene, const lte_queries& queries, c10::Device memory,
             float* irradiance, int64_t stride);
+
+/// As many directions of each query.
+struct Directions {
+  const lte_float3_view* triples;
+  int64_t a_query;
+};
+
+/// @param memory  where the arrays of `queries`, `directions` and `radiance` are
+/// @throws ApiError, c10::Error
+void decode_radiance(const runtime::SceneEmbedding& scene, const lte_queries& queries,
+                     const Directions& directions, c10::Device memory, float* radiance,
+                     int64_t stride);
 
 /// @param scene  what the caller says of the scene, printable ASCII; null: nothing
 /// @throws ApiError, lte::Error

@@ -36,6 +36,10 @@ nn::PointSet on_device(nn::PointSet points, c10::Device device) {
   return points;
 }
 
+nn::QuerySet on_device(const nn::QuerySet& queries, c10::Device device) {
+  return {queries.position.to(device), queries.normal.to(device), queries.albedo.to(device)};
+}
+
 /// Where the network sees the scene. Positions that are not finite are left to encode(), which
 /// names the row.
 nn::Frame frame_of(const Network& network, const at::Tensor& position,
@@ -78,6 +82,21 @@ MemoryNeed decoding_need(const Network& network, int64_t queries, int64_t block)
           decode_mb(network.config(), queries, block),
           "ask for fewer at once, or limit memory so that fewer are decoded at a time",
           {Remedy::FewerQueries, Remedy::MemoryLimit}};
+}
+
+/// The triples that `decode` answers, which takes as many queries at a time as memory allows.
+template <typename Decode>
+std::vector<Rgb> decode_on_host(const Network& network, const MemoryLimit& memory, int64_t queries,
+                                const Decode& decode) {
+  const int64_t block = memory.query_block(network.config(), queries, kQueryBlock);
+  const at::Tensor answer = explain_out_of_memory(decoding_need(network, queries, block), [&] {
+    return nn::one_line_errors([&] {
+      return decode(nn::DecodeOptions{true, block}).to(at::kCPU, at::kFloat).contiguous();
+    });
+  });
+  std::vector<Rgb> out(static_cast<size_t>(answer.numel() / 3));
+  std::memcpy(static_cast<void*>(out.data()), answer.const_data_ptr<float>(), answer.nbytes());
+  return out;
 }
 
 }  // namespace
@@ -149,6 +168,8 @@ EmbeddingInfo SceneEmbedding::info() const {
   for (const at::Tensor& t : tensors_of(embedding)) {
     if (t.defined()) info.bytes += static_cast<int64_t>(t.nbytes());
   }
+  if (embedding.surfels.defined())
+    info.bytes += static_cast<int64_t>(embedding.surfels.table().nbytes());
   const at::Tensor origin = embedding.origin.to(at::kCPU, at::kDouble);
   for (size_t i = 0; i < 3; ++i) {
     info.origin[i] = origin[static_cast<int64_t>(i)].item<double>();
@@ -195,9 +216,17 @@ at::Tensor SceneEmbedding::decode_tensors(const nn::QuerySet& queries,
   const at::NoGradGuard no_grad;
   const c10::Device device = network().device();
   const c10::DeviceGuard guard(device);
-  const nn::QuerySet set = {queries.position.to(device), queries.normal.to(device),
-                            queries.albedo.to(device)};
-  return network().model()->decode(snapshot(), set, options);
+  return network().model()->decode(snapshot(), on_device(queries, device), options);
+}
+
+at::Tensor SceneEmbedding::decode_radiance_tensors(const nn::QuerySet& queries,
+                                                   const at::Tensor& directions,
+                                                   const nn::DecodeOptions& options) const {
+  const at::NoGradGuard no_grad;
+  const c10::Device device = network().device();
+  const c10::DeviceGuard guard(device);
+  return network().model()->decode_radiance(snapshot(), on_device(queries, device),
+                                            directions.to(device), options);
 }
 
 std::vector<Rgb> SceneEmbedding::decode_radiance(const QueryPoints& queries,
@@ -207,41 +236,18 @@ std::vector<Rgb> SceneEmbedding::decode_radiance(const QueryPoints& queries,
   if (Q == 0 && all == 0) return {};
   LTE_CHECK(Q > 0 && all > 0 && all % Q == 0, "radiance: ", all, " directions of ", Q,
             " queries, expected as many of each");
-  const int64_t block = state_->memory.query_block(network().config(), Q, kQueryBlock);
-  const at::Tensor radiance = explain_out_of_memory(decoding_need(network(), Q, block), [&] {
-    return nn::one_line_errors([&] {
-      const at::NoGradGuard no_grad;
-      const c10::Device device = network().device();
-      const c10::DeviceGuard guard(device);
-      return network()
-          .model()
-          ->decode_radiance(snapshot(),
-                            {set.position.to(device), set.normal.to(device), set.albedo.to(device)},
-                            borrow(directions).view({Q, all / Q, 3}).to(device), {true, block})
-          .to(at::kCPU, at::kFloat)
-          .contiguous();
-    });
+  const at::Tensor ways = borrow(directions).view({Q, all / Q, 3});
+  return decode_on_host(network(), state_->memory, Q, [&](const nn::DecodeOptions& options) {
+    return decode_radiance_tensors(set, ways, options);
   });
-  std::vector<Rgb> out(directions.size());
-  std::memcpy(static_cast<void*>(out.data()), radiance.const_data_ptr<float>(),
-              sizeof(Rgb) * out.size());
-  return out;
 }
 
 std::vector<Rgb> SceneEmbedding::decode(const QueryPoints& queries) const {
   const nn::QuerySet set = borrow(queries);
   if (queries.size() == 0) return {};
-  const int64_t block = state_->memory.query_block(network().config(), queries.size(), kQueryBlock);
-  const at::Tensor irradiance =
-      explain_out_of_memory(decoding_need(network(), queries.size(), block), [&] {
-        return nn::one_line_errors([&] {
-          return decode_tensors(set, {true, block}).to(at::kCPU, at::kFloat).contiguous();
-        });
-      });
-  std::vector<Rgb> out(queries.position.size());
-  std::memcpy(static_cast<void*>(out.data()), irradiance.const_data_ptr<float>(),
-              sizeof(Rgb) * out.size());
-  return out;
+  return decode_on_host(
+      network(), state_->memory, queries.size(),
+      [&](const nn::DecodeOptions& options) { return decode_tensors(set, options); });
 }
 
 }  // namespace lte::runtime

@@ -86,8 +86,6 @@ class SceneEmbedding {
   /// @throws c10::Error for bad values.
   at::Tensor decode_tensors(const nn::QuerySet& queries, const nn::DecodeOptions& options) const;
 
-  /// What EncodeOptions::record_attention keeps; null without it, and for an embedding from a file.
-  const nn::EncoderAttention* attention() const;
   /// Incident radiance in W sr^-1 m^-2 from so many directions of each query: of the light that the
   /// model answers for, as irradiance is. Those of one query share what is gathered around it.
   /// @param directions  the first query's, then the second's, ...: world, unit, away from the
@@ -97,6 +95,13 @@ class SceneEmbedding {
   ///         directions that are not as many for each query, not unit or point into the surface.
   std::vector<Rgb> decode_radiance(const QueryPoints& queries,
                                    std::span<const Vec3> directions) const;
+  /// The same from tensors, as decode_tensors(): [Q, N, 3] of directions [Q, N, 3].
+  /// @throws c10::Error for bad values, and for a model without a radiance decoder.
+  at::Tensor decode_radiance_tensors(const nn::QuerySet& queries, const at::Tensor& directions,
+                                     const nn::DecodeOptions& options) const;
+
+  /// What EncodeOptions::record_attention keeps; null without it, and for an embedding from a file.
+  const nn::EncoderAttention* attention() const;
 
   /// The parts, for embedding_file.h: at gain 1, ready on the current stream.
   nn::Embedding parts() const;

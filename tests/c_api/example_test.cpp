@@ -49,7 +49,7 @@ std::vector<Rgb> predicted(const std::string& model) {
   const runtime::Network network(model);
   const auto M = static_cast<size_t>(network.metadata().scene_points);
   std::vector<Surfel> surfels(M);
-  room_sample(surfels.data(), M, 1);
+  const std::vector<float> area(M, room_sample(surfels.data(), M, 1));
   std::vector<Vec3> position, normal;
   std::vector<Rgb> albedo, emission, direct, indirect;
   const bool lit = network.light_request().depth > 0;
@@ -65,7 +65,6 @@ std::vector<Rgb> predicted(const std::string& model) {
     albedo.push_back(vec(s.albedo));
     emission.push_back(vec(s.emission));
   }
-  const std::vector<float> area(M, 1.0f);
   const runtime::SceneEmbedding embedding(
       network, {position, normal, albedo, emission, area, direct, indirect});
 
@@ -114,7 +113,8 @@ TEST_P(CExample, ItsPictureIsTheCppLibrarys) {
   EXPECT_FALSE(fs::exists(ppm));
 }
 
-INSTANTIATE_TEST_SUITE_P(ShippedModels, CExample, testing::Values("lte-demo", "lte-small"));
+INSTANTIATE_TEST_SUITE_P(ShippedModels, CExample,
+                         testing::Values("lte-demo", "lte-small", "lte-radiance"));
 
 TEST(CExampleRoom, DirectLightIsTheSumOverTheLamp) {
   std::vector<Pixel> pixels(kPixels);

@@ -14,40 +14,15 @@
 #include "infer/export/torchscript_network.h"
 #include "infer/tool/synthetic_room.h"
 #include "lte/base/check.h"
-#include "lte/nn/model_file.h"
+#include "tests/infer/export/support.h"
 #include "tests/support/temp_dir.h"
 
 namespace lte::infer {
 namespace {
 
-nn::ModelConfig small_config(nn::Stem stem) {
-  nn::ModelConfig config;
-  config.channels = 32;
-  config.encoder_depths = {2, 1, 1};
-  config.encoder_widths = {1, 1, 2};
-  config.decoder_depths = {1, 2};
-  config.decoder_widths = {1, 2};
-  config.patch_size = 64;  // so that the first stages are cut into patches
-  config.query_layers = 2;
-  config.stem = stem;
-  return config;
-}
-
-std::filesystem::path save_untrained(const std::filesystem::path& folder,
-                                     const nn::ModelConfig& config) {
-  torch::manual_seed(5);
-  nn::LightTransportModel model(config);
-  const std::filesystem::path path = folder / "model.safetensors";
-  nn::save_model(path, model);
-  return path;
-}
-
-void write_rows(const std::filesystem::path& path, const at::Tensor& rows) {
-  const at::Tensor flat = rows.contiguous();
-  std::ofstream(path, std::ios::binary)
-      .write(static_cast<const char*>(flat.const_data_ptr()),
-             static_cast<std::streamsize>(flat.nbytes()));
-}
+using test::save_untrained;
+using test::small_config;
+using test::write_rows;
 
 /// A module of lte's operators and a portable one answer as the native model.
 void expect_both_kinds_agree(const nn::ModelConfig& config) {
@@ -152,16 +127,14 @@ TEST(PortableExport, LoadsInAProgramThatLinksNothingOfLte) {
     return " '" + (folder.path() / name).string() + "'";
   };
   const std::string command = std::string(LTE_BINARY_DIR "/bin/portable_loader") +
-                              quoted("model.pt") + quoted("points") + quoted("queries") +
+                              quoted("model.pt") + " 13" + quoted("points") + quoted("queries") +
                               quoted("result");
   ASSERT_EQ(std::system(command.c_str()), 0);
 
   nn::LightTransportModel model = nn::load_model(model_file);
   const at::Tensor expected =
       model->decode(model->encode(points), {surface.position, surface.normal, surface.albedo});
-  at::Tensor got = at::empty_like(expected);
-  std::ifstream(folder.path() / "result", std::ios::binary)
-      .read(static_cast<char*>(got.data_ptr()), static_cast<std::streamsize>(got.nbytes()));
+  const at::Tensor got = test::read_rows(folder.path() / "result", expected);
   EXPECT_LT((got - expected).abs().max().item<double>(),
             1e-5 * expected.abs().max().item<double>());
 }
