@@ -57,7 +57,7 @@ class EditBench {
  public:
   EditBench(scene::Scene scene, const BenchOptions& options)
       : repeats_(std::max(1, options.repeats)),
-        session_(std::move(scene), runtime::Network(checkpoint_or_shipped("", kSmallModel)),
+        session_(std::move(scene), runtime::Network(checkpoint_or_shipped("", kHybridModel)),
                  session_settings(options)) {
     const SessionState& state = *session_.state();
     camera_ = state.scene().cameras.empty() ? pathtrace::auto_camera(state.bvh())

@@ -144,7 +144,7 @@ std::vector<ExportCheck> export_torchscript(const ExportOptions& options) {
   const auto say = [&](const std::string& step) {
     if (options.progress) options.progress(step);
   };
-  const std::filesystem::path path = checkpoint_or_shipped(options.model, kSmallModel);
+  const std::filesystem::path path = checkpoint_or_shipped(options.model, kHybridModel);
   CommandFiles files;
   files.reads("--checkpoint", path);
   files.writes("--out", options.out);

@@ -11,7 +11,7 @@
 namespace lte::infer {
 
 struct ExportOptions {
-  std::string model;  ///< a model file; empty: lte-small, whose module needs no solver beside it
+  std::string model;  ///< a model file; empty: lte-hybrid, whose module needs no solver beside it
   std::filesystem::path out;
   bool portable = false;   ///< built-in operators alone
   bool verify = false;     ///< load the file and compare with the native model at three sizes

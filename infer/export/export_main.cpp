@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
   infer::ExportOptions options;
   CommonOptions common;
   add_common_options(app, &common, /*with_json=*/false);
-  app.add_option("--checkpoint", options.model, "Model (default: lte-small)");
+  app.add_option("--checkpoint", options.model, "Model (default: lte-hybrid)");
   app.add_option("--out", options.out, "TorchScript file to write")->required();
   app.add_flag("--portable", options.portable,
                "Built-in operators alone: loads in PyTorch or LibTorch without lte");

@@ -16,9 +16,9 @@ std::filesystem::path asset_path(const std::string& relative, const std::string&
 
 /// The shipped models that tools take by themselves.
 inline constexpr const char* kBaseModel = "models/lte-base.safetensors";
-/// Told of path-traced light. Its module needs no solver beside it, and the drafts of live edits
-/// were tuned with it.
-inline constexpr const char* kSmallModel = "models/lte-small.safetensors";
+/// Told of path-traced light: what live edits are answered by, and its module needs no solver
+/// beside it.
+inline constexpr const char* kHybridModel = "models/lte-hybrid.safetensors";
 
 /// Returns `checkpoint`, or the shipped model if it is empty.
 std::filesystem::path checkpoint_or_shipped(const std::string& checkpoint,

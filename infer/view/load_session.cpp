@@ -19,7 +19,7 @@ namespace {
 runtime::Network load_network(const ViewRequest& request) {
   const c10::Device device = nn::choose_device(request.tool.device, 0, "--device");
   return runtime::Network(
-      checkpoint_or_shipped(request.checkpoint, kSmallModel),
+      checkpoint_or_shipped(request.checkpoint, kHybridModel),
       runtime::NetworkOptions{device, choose_precision(request.tool.precision, device)});
 }
 

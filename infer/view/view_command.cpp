@@ -148,7 +148,7 @@ class Run {
 
 void add_view_options(CLI::App& app, ViewRequest* r) {
   app.add_option("scene", r->scene, "Scene to show: .gltf, .glb, .pbrt, .obj or .ply")->required();
-  app.add_option("--checkpoint", r->checkpoint, "Model; by default lte-small");
+  app.add_option("--checkpoint", r->checkpoint, "Model; by default lte-hybrid");
   app.add_option("--host", r->host,
                  "Address to listen to: by default this machine alone; any other, such as 0.0.0.0, "
                  "asks pages for a token")

@@ -52,13 +52,16 @@ std::vector<Rgb> predicted(const std::string& model) {
   const std::vector<float> area(M, room_sample(surfels.data(), M, 1));
   std::vector<Vec3> position, normal;
   std::vector<Rgb> albedo, emission, direct, indirect;
+  std::vector<float> error;
   const bool lit = network.light_request().depth > 0;
   for (uint32_t i = 0; i < (lit ? M : 0); ++i) {
     float of_lamp[3], bounced[3];
-    room_light(&surfels[i], kPaths, i, of_lamp, bounced);
+    error.push_back(room_light(&surfels[i], kPaths, i, of_lamp, bounced));
+    error.push_back(0);
     direct.push_back(vec(of_lamp));
     indirect.push_back(vec(bounced));
   }
+  const std::vector<Rgb> behind(direct.size());
   for (const Surfel& s : surfels) {
     position.push_back(vec(s.position));
     normal.push_back(vec(s.normal));
@@ -66,7 +69,7 @@ std::vector<Rgb> predicted(const std::string& model) {
     emission.push_back(vec(s.emission));
   }
   const runtime::SceneEmbedding embedding(
-      network, {position, normal, albedo, emission, area, direct, indirect});
+      network, {position, normal, albedo, emission, area, direct, indirect, behind, behind, error});
 
   std::vector<Pixel> pixels(kPixels);
   room_gbuffer(pixels.data(), kWidth, kHeight);
@@ -114,7 +117,7 @@ TEST_P(CExample, ItsPictureIsTheCppLibrarys) {
 }
 
 INSTANTIATE_TEST_SUITE_P(ShippedModels, CExample,
-                         testing::Values("lte-demo", "lte-small", "lte-radiance"));
+                         testing::Values("lte-demo", "lte-hybrid", "lte-radiance"));
 
 TEST(CExampleRoom, DirectLightIsTheSumOverTheLamp) {
   std::vector<Pixel> pixels(kPixels);
