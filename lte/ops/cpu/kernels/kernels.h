@@ -17,6 +17,7 @@
 
 #include "lte/ops/cache_columns.h"
 #include "lte/ops/pair_geometry.h"
+#include "lte/ops/surfel_columns.h"
 
 namespace lte::ops {
 
@@ -276,6 +277,29 @@ struct CacheKernels {
   void (*means)(CachePoints points, CacheQueries queries, CacheWeights weights, float* out);
 };
 
+/// Discs that a ray may meet in a cell: some columns of SurfelGrid::geometry, of which up to 16
+/// past `count` may be read.
+struct SurfelProbe {
+  const float* geometry;  ///< a row is `stride` after the one before
+  int64_t stride, count;  ///< count <= kMostSurfels
+  float origin[3], direction[3];
+  float near, far;  ///< distances of the cell along the ray
+  float limit;      ///< the largest distance that counts
+};
+inline constexpr int64_t kMostSurfels = 64;
+
+/// Where a ray meets the planes of discs: the distance along it, the square of that to the middle,
+/// and the ray's share of the normal, which is negative on fronts. Only discs that are met have
+/// them.
+struct SurfelTests {
+  float distance[kMostSurfels], square[kMostSurfels], toward[kMostSurfels];
+};
+
+struct SurfelKernels {
+  /// A bit for each disc that is met.
+  uint64_t (*test)(SurfelProbe probe, SurfelTests* out);
+};
+
 /// The kernels of the best instruction set that the processor has: avx512 (for bfloat16:
 /// avx512_bf16), avx2 or baseline. The environment variable LTE_CPU_ISA names a lesser one, for
 /// tests; it is read once.
@@ -285,6 +309,7 @@ const DenseKernels& dense_kernels();
 const GradientKernels& gradient_kernels();
 const Bf16Kernels& bf16_kernels();
 const CacheKernels& cache_kernels();
+const SurfelKernels& surfel_kernels();
 template <typename T>
 const SumKernels<T>& sum_kernels();
 const char* cpu_isa();
