@@ -6,6 +6,7 @@
 
 #include "lte/nn/surfels.h"
 #include "lte/ops/gelu.h"
+#include "lte/ops/lobe_radiance.h"
 
 namespace lte::nn {
 namespace {
@@ -81,6 +82,12 @@ void RadianceDecoderImpl::make_gaussians(const ModelConfig& config) {
 
 at::Tensor RadianceDecoderImpl::radiance(const at::Tensor& features, const at::Tensor& directions,
                                          const at::Tensor& light, const at::Tensor& seen) {
+  // Without gradients one operator does it all.
+  if (kind_ == RadianceHead::Directions && !at::GradMode::is_enabled() &&
+      features.scalar_type() == at::kFloat)
+    return ops::lobe_radiance_inference(
+        lobes_->forward(features), directions.to(at::kFloat), light, seen,
+        {{mix_->inference_weight(), mix_->bias}, {color_->inference_weight(), color_->bias}});
   const at::Tensor factor = ask(features, directions, seen);
   const at::Tensor even = factor.narrow(2, 0, 3);
   const at::Tensor answer = light.defined() ? even * light.unsqueeze(1) : even;

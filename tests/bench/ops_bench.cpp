@@ -15,8 +15,10 @@
 #endif
 #include "lte/ops/curve_codes.h"
 #include "lte/ops/farthest_point.h"
+#include "lte/ops/gelu.h"
 #include "lte/ops/knn.h"
 #include "lte/ops/linear.h"
+#include "lte/ops/lobe_radiance.h"
 #include "lte/ops/neighbour_sums.h"
 #include "lte/ops/submanifold_conv.h"
 #include "lte/ops/surfel_rays.h"
@@ -181,6 +183,29 @@ BENCHMARK_CAPTURE(Dense, aten, true)
     ->Arg(128)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
+
+/// 48 lobes of 1,024 points in 64 directions: one operator, and one for each step.
+void LobeRadiance(benchmark::State& state, bool fused) {
+  const at::NoGradGuard no_grad;
+  const int64_t Q = 1024, N = 64, K = 48;
+  const at::Tensor own = at::randn({Q, 5 * K}), directions = at::randn({Q, N, 3}),
+                   light = at::rand({Q, 3});
+  const LobeWeights w{{at::randn({K, K}), at::randn({K})}, {at::randn({3, K}), at::randn({3})}};
+  const auto steps = [&] {
+    const at::Tensor lobes =
+        at::baddbmm(own.narrow(1, 3 * K, K).unsqueeze(1), directions,
+                    own.narrow(1, 0, 3 * K).reshape({Q, K, 3}).transpose(1, 2));
+    const at::Tensor mixed = lte::ops::linear(gelu(lobes), w.mix.weight, w.mix.bias);
+    const at::Tensor color = lte::ops::linear(gelu(mixed + own.narrow(1, 4 * K, K).unsqueeze(1)),
+                                              w.color.weight, w.color.bias);
+    return at::softplus(color) * light.unsqueeze(1);
+  };
+  for (auto _ : state)
+    benchmark::DoNotOptimize(fused ? lobe_radiance_inference(own, directions, light, {}, w)
+                                   : steps());
+}
+BENCHMARK_CAPTURE(LobeRadiance, one_operator, true)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(LobeRadiance, step_by_step, false)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 /// 65,536 rays from the walls of the room into it, among as many discs as the argument says.
 void SeeSurfels(benchmark::State& state) {

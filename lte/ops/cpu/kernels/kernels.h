@@ -145,6 +145,15 @@ struct PairGeometry {
   int64_t inputs, pairs;
 };
 
+/// Some lobes of a point, and directions that are asked of them.
+struct LobeRidges {
+  const float* lobes;       ///< x of the axes; y, z and the offsets are `stride` further each
+  int64_t stride;           ///< and there are zeros past the last lobe, to a whole block
+  const float* directions;  ///< [count, 3]
+  int64_t count, blocks;
+  float* out;  ///< [count, blocks * kBlock], one panel of a tile
+};
+
 /// Dense layers on tiles of rows, float32. Each row's result is the same bits whatever rows there
 /// are besides.
 struct DenseKernels {
@@ -172,6 +181,10 @@ struct DenseKernels {
   /// GELU of a layer F -> H, transposed: geometry [F, pairs] -> out [H, pairs]; weight [H, F + 1],
   /// the bias last; `pairs` a multiple of kBlock.
   void (*hidden_positions)(PairGeometry geometry, const float* weight, int64_t H, float* out);
+  /// out = GELU(axis · direction + offset) of each lobe.
+  void (*ridges)(LobeRidges lobes);
+  /// x = log(1 + exp(x)), softplus, to 10^-6, over the first block of each row of a panel.
+  void (*soften)(float* x, int64_t rows);
 };
 
 /// A norm over the channels of each row, backwards. Tiles lie as in DenseKernels::layer_norm().
