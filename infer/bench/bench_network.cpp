@@ -126,6 +126,7 @@ struct RadianceKind {
   nn::RadianceHead head;
   int64_t lobes;
   nn::RadianceBase base = nn::RadianceBase::Irradiance;
+  int64_t more = 63;  ///< further directions that are timed
 };
 
 /// `count` unit directions of each query, those of a fan between its normal and its tangent plane.
@@ -160,12 +161,13 @@ BenchResult time_radiance(const BenchOptions& options, nn::LightTransportModel& 
 }  // namespace
 
 std::vector<BenchResult> bench_radiance(const BenchOptions& options) {
-  constexpr int64_t kMore = 63;
   constexpr RadianceKind kKinds[] = {
       {"lobes", nn::RadianceHead::Directions, 48},
       {"lobes and rays", nn::RadianceHead::Directions, 48, nn::RadianceBase::Points},
       {"map in one pass", nn::RadianceHead::Map, 32},
-      {"spherical Gaussians", nn::RadianceHead::Gaussians, 48}};
+      {"spherical Gaussians", nn::RadianceHead::Gaussians, 48},
+      {"early", nn::RadianceHead::Early, 1, nn::RadianceBase::Irradiance, 7},
+      {"early and rays", nn::RadianceHead::Early, 1, nn::RadianceBase::Points, 7}};
   const at::NoGradGuard no_grad;
   const nn::Precision precision = choose_precision(options.precision);
   std::vector<BenchResult> results;
@@ -179,11 +181,10 @@ std::vector<BenchResult> bench_radiance(const BenchOptions& options) {
     MemoryLimit(options.max_memory_mb).check_encoding(model->config(), options.scene_points);
     const nn::Embedding embedding = model->encode(synthetic_room(options.scene_points, 1));
     results.push_back(time_radiance(options, model, embedding, kind.name, 1));
-    results.push_back(time_radiance(options, model, embedding, kind.name, 1 + kMore));
+    results.push_back(time_radiance(options, model, embedding, kind.name, 1 + kind.more));
     const double first = results[results.size() - 2].seconds_min;
-    // A direction that entered before the attention would cost a point anew: 1.
     results.back().figures["further_direction"] =
-        (results.back().seconds_min - first) / (kMore * first);
+        (results.back().seconds_min - first) / (static_cast<double>(kind.more) * first);
   }
   return results;
 }

@@ -74,8 +74,8 @@ void check_radiance(const ModelConfig& c) {
   LTE_CHECK(c.reads_indirect(),
             "model.radiance_base points: model.light_input must be traced or radiosity, got ",
             enum_name(c.light_input));
-  LTE_CHECK(c.radiance_head == RadianceHead::Directions,
-            "model.radiance_base points: model.radiance_head must be directions, got ",
+  LTE_CHECK(c.radiance_head == RadianceHead::Directions || c.enters_early(),
+            "model.radiance_base points: model.radiance_head must be directions or early, got ",
             enum_name(c.radiance_head));
 }
 

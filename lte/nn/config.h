@@ -59,8 +59,9 @@ enum class LightSides { Sum, Apart };
 enum class RadianceBase { Irradiance, Points };
 
 /// How the radiance decoder answers (lte/nn/radiance_decoder.h): a perceptron asked direction by
-/// direction, a map of all directions in one pass, or a sum of spherical Gaussians.
-enum class RadianceHead { Directions, Map, Gaussians };
+/// direction, a map of all directions in one pass, or a sum of spherical Gaussians; or `Early`,
+/// where each direction of a point is a query of its own that passes all layers.
+enum class RadianceHead { Directions, Map, Gaussians, Early };
 
 /// What the output means: light that bounced at least once, or all of it.
 enum class Target { Indirect, Total };
@@ -92,10 +93,11 @@ constexpr EnumNames<LightSides, 2> enum_names(LightSides) {
 constexpr EnumNames<RadianceBase, 2> enum_names(RadianceBase) {
   return {{{RadianceBase::Irradiance, "irradiance"}, {RadianceBase::Points, "points"}}};
 }
-constexpr EnumNames<RadianceHead, 3> enum_names(RadianceHead) {
+constexpr EnumNames<RadianceHead, 4> enum_names(RadianceHead) {
   return {{{RadianceHead::Directions, "directions"},
            {RadianceHead::Map, "map"},
-           {RadianceHead::Gaussians, "gaussians"}}};
+           {RadianceHead::Gaussians, "gaussians"},
+           {RadianceHead::Early, "early"}}};
 }
 constexpr EnumNames<Target, 2> enum_names(Target) {
   return {{{Target::Indirect, "indirect"}, {Target::Total, "total"}}};
@@ -129,8 +131,8 @@ struct ModelConfig {
   /// Scene points tell how metallic and how rough they are (PointSet::gloss).
   bool gloss = false;
   /// Functions of direction that the radiance decoder makes for each point
-  /// (lte/nn/radiance_decoder.h), cells along an edge of its map, or its spherical Gaussians.
-  /// 0: the model has no such decoder.
+  /// (lte/nn/radiance_decoder.h), cells along an edge of its map, or its spherical Gaussians; early
+  /// ones have no use for the number. 0: the model has no such decoder.
   int64_t radiance_lobes = 0;
   RadianceHead radiance_head = RadianceHead::Directions;
   RadianceBase radiance_base = RadianceBase::Irradiance;
@@ -154,6 +156,8 @@ struct ModelConfig {
   bool predicts_radiance() const { return radiance_lobes > 0; }
   /// Whether the radiance decoder sees the scene points by rays.
   bool casts_rays() const { return predicts_radiance() && radiance_base == RadianceBase::Points; }
+  /// Whether each direction is a query of its own in the radiance decoder.
+  bool enters_early() const { return radiance_head == RadianceHead::Early; }
   bool predicts_total() const { return target == Target::Total; }
   /// Columns that γ reads.
   int64_t pair_inputs() const { return reads_normals() ? ops::kNormalInputs : ops::kOffsetInputs; }

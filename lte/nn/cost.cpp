@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "lte/nn/model.h"
+#include "lte/nn/radiance_decoder.h"
 #include "lte/nn/recompute.h"
 #include "lte/nn/surfels.h"
 
@@ -155,11 +156,11 @@ double encode_flops(const ModelConfig& config, const EncoderPlan& plan, int64_t 
 namespace {
 
 /// Multiply-adds of a query decoder's features or answers.
-double query_products(const ModelConfig& config, int64_t m, int64_t answers) {
+double query_products(const ModelConfig& config, int64_t m, int64_t inputs, int64_t answers) {
   const double D = real(config.channels), L = real(config.query_layers),
                h = real(config.gamma_hidden), ratio = real(config.ffn_ratio),
                near = real(std::min(config.query_neighbours, m));
-  const double point = real(config.query_inputs()) * D + D * D, head = D * D + real(answers) * D;
+  const double point = real(inputs) * D + D * D, head = D * D + real(answers) * D;
   const double gamma = near * (real(config.pair_inputs()) * h + h * D), sums = 2 * near * L * D;
   const double weights = config.normalizes_attention() ? near * 2 * D * D : 0;
   const double layers = L * ((2 + 2 * ratio) * D * D + weights);
@@ -169,24 +170,28 @@ double query_products(const ModelConfig& config, int64_t m, int64_t answers) {
 }  // namespace
 
 double decode_flops(const ModelConfig& config, int64_t m) {
-  return 2 * query_products(config, m, 3);
+  return 2 * query_products(config, m, config.query_inputs(), 3);
 }
 
 double radiance_flops(const ModelConfig& config, int64_t m) {
+  if (config.enters_early()) return 0;
   const double K = real(config.radiance_lobes);
   const double per_feature = config.radiance_head == RadianceHead::Map         ? 3 * K * K
                              : config.radiance_head == RadianceHead::Gaussians ? 7 * K
                                                                                : 5 * K;
   const double lobes = per_feature * real(config.channels);
-  return 2 * (query_products(config, m, config.channels) + lobes);
+  return 2 * (query_products(config, m, config.query_inputs(), config.channels) + lobes);
 }
 
-double direction_flops(const ModelConfig& config) {
+double direction_flops(const ModelConfig& config, int64_t m) {
   const double K = real(config.radiance_lobes);
+  const int64_t factors = config.casts_rays() ? 6 : 3;
+  if (config.enters_early())
+    return 2 * query_products(config, m, config.query_inputs() + direction_inputs(config), factors);
   if (config.radiance_head == RadianceHead::Map) return 0;  // a cell is looked up
   if (config.radiance_head == RadianceHead::Gaussians) return 2 * (3 * K + 3 * K);
   const double seen = config.casts_rays() ? real(kSeenFeatures) : 0;
-  return 2 * (3 * K + (K + seen) * K + (seen > 0 ? 6 : 3) * K);
+  return 2 * (3 * K + (K + seen) * K + real(factors) * K);
 }
 
 double encode_mb(const ModelConfig& config, int64_t M) {

@@ -41,6 +41,8 @@ class LinearImpl : public torch::nn::LinearImpl {
   void set_autocast(Precision precision) {
     autocast_ = precision == Precision::Bf16 && !reads_or_answers();
   }
+  /// Keeps this layer in float32 too, however many inputs it has: for one that reads positions.
+  void keep_float32() { kept_ = true; }
 
   bool in_autocast() const { return autocast_ && is_differentiated(); }
   bool in_bf16() const { return rounded_.defined() && !is_differentiated(); }
@@ -50,12 +52,12 @@ class LinearImpl : public torch::nn::LinearImpl {
  private:
   static constexpr int64_t kRoundedBlock = 16;
   bool reads_or_answers() const {
-    return options.in_features() % kRoundedBlock != 0 ||
+    return kept_ || options.in_features() % kRoundedBlock != 0 ||
            options.out_features() % kRoundedBlock != 0;
   }
 
   at::Tensor rounded_;  ///< undefined in float32
-  bool autocast_ = false;
+  bool autocast_ = false, kept_ = false;
 };
 TORCH_MODULE(Linear);
 

@@ -41,7 +41,7 @@ LightTransportModelImpl::LightTransportModelImpl(const ModelConfig& config)
 }
 
 void LightTransportModelImpl::make_tables(Embedding* embedding) {
-  embedding->table = parts_->decoder->table(embedding->features);
+  if (!embedding->table.defined()) embedding->table = parts_->decoder->table(embedding->features);
   if (config_.predicts_radiance())
     embedding->radiance_table = parts_->radiance->query()->table(embedding->features);
 }
@@ -100,9 +100,11 @@ Embedding LightTransportModelImpl::place(const PointSet& points, const Frame& fr
   return embedding;
 }
 
-/// What rays see of the scene, without gradients.
+/// What rays see of the scene, without gradients. Where none are asked for, the table that this
+/// takes stays.
 void LightTransportModelImpl::add_surfels(const PointSet& points, const at::Tensor& position,
                                           Embedding* embedding) {
+  const bool keeps_table = !at::GradMode::is_enabled();
   const at::NoGradGuard no_grad;
   QueryDecoder& decoder = parts_->decoder;
   const bool was_training = decoder->is_training();
@@ -116,6 +118,7 @@ void LightTransportModelImpl::add_surfels(const PointSet& points, const at::Tens
       fused ? parts_->decode_ordered(still, fronts)
             : parts_->decode({still}, {fronts}, decoder->latent_tables(still.features))[0];
   decoder->train(was_training);
+  if (keeps_table) embedding->table = still.table;
   embedding->surfels = make_surfels(points, position, embedding->scale, embedding->emission_scale,
                                     irradiance, config_);
 }

@@ -127,7 +127,8 @@ class LightTransportModelImpl : public torch::nn::Module {
   at::Tensor decode_radiance(const Embedding& embedding, const QuerySet& queries,
                              const at::Tensor& directions, const DecodeOptions& options = {});
 
-  /// Makes the tables that decode() and decode_radiance() read, of features in float32.
+  /// Makes the tables that decode() and decode_radiance() read, of features in float32, unless they
+  /// are there.
   void make_tables(Embedding* embedding);
 
   const ModelConfig& config() const { return config_; }

@@ -78,6 +78,24 @@ struct LightTransportModelImpl::Parts {
     return asked.light.defined() ? asked.light * answer : answer;
   }
 
+  /// Each direction of the queries as a query of its own, which is told the direction and, of
+  /// models that cast rays, what the ray sees. The light stays that of the points, [Q, 3].
+  static Asked by_direction(const Asked& asked, const at::Tensor& directions,
+                            const at::Tensor& seen) {
+    const int64_t N = directions.size(1);
+    const auto each = [N](const at::Tensor& of) {
+      return of.unsqueeze(1).expand({-1, N, -1}).flatten(0, 1);
+    };
+    const auto dtype = asked.attributes.scalar_type();
+    std::vector<at::Tensor> columns = {each(asked.attributes), directions.flatten(0, 1).to(dtype)};
+    if (seen.defined())
+      columns.push_back(seen.narrow(2, kSeenLog, kSeenFeatures).flatten(0, 1).to(dtype));
+    const auto& [query, anchor, spacing] = asked.queries;
+    return {at::cat(columns, 1),
+            asked.light,
+            {{each(query.position), each(query.normal)}, anchor, spacing}};
+  }
+
   /// What a decoder reads of the queries of several scenes, one after the other.
   struct AskedOfAll {
     at::Tensor attributes;
@@ -85,16 +103,14 @@ struct LightTransportModelImpl::Parts {
     std::vector<SceneQueries> queries;
     std::vector<int64_t> counts;
   };
-  static AskedOfAll ask(const std::vector<Embedding>& scenes,
-                        const std::vector<QuerySet>& queries) {
+  static AskedOfAll together(const std::vector<Asked>& scenes) {
     AskedOfAll all;
     std::vector<at::Tensor> attributes;
-    for (size_t i = 0; i < queries.size(); ++i) {
-      const Asked asked = ask(scenes[i], queries[i]);
+    for (const Asked& asked : scenes) {
       attributes.push_back(asked.attributes);
       all.queries.push_back(asked.queries);
       if (asked.light.defined()) all.light.push_back(asked.light);
-      all.counts.push_back(queries[i].position.size(0));
+      all.counts.push_back(asked.attributes.size(0));
     }
     all.attributes = at::cat(attributes);
     return all;
@@ -105,7 +121,9 @@ struct LightTransportModelImpl::Parts {
   std::vector<at::Tensor> decode(const std::vector<Embedding>& scenes,
                                  const std::vector<QuerySet>& queries,
                                  const LatentTables& latents) {
-    const AskedOfAll asked = ask(scenes, queries);
+    std::vector<Asked> each;
+    for (size_t i = 0; i < queries.size(); ++i) each.push_back(ask(scenes[i], queries[i]));
+    const AskedOfAll asked = together(each);
     at::Tensor answer = decoder->forward(asked.attributes, asked.queries, latents);
     if (!asked.light.empty()) answer = answer * at::cat(asked.light);
     return answer.split_with_sizes(asked.counts);

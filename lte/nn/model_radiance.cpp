@@ -6,7 +6,8 @@
 namespace lte::nn {
 namespace {
 
-/// Directions that are decoded at a time: their lobes are 32 MB at 64 a point.
+/// Directions that are decoded at a time: their lobes are 32 MB at 64 a point. Early ones are as
+/// many queries as run fast.
 constexpr int64_t kDirectionBlock = int64_t{1} << 17;
 
 void check_radiance(const ModelConfig& config) {
@@ -21,6 +22,14 @@ at::Tensor seen(const Embedding& embedding, const SceneQueries& queries,
                                      : at::Tensor();
 }
 
+/// Queries that are taken at a time. Those of early directions are queries in the count of `most`,
+/// which is 0 for as many as run fast.
+int64_t query_block(const ModelConfig& config, int64_t most, int64_t directions) {
+  const int64_t N = std::max<int64_t>(1, directions);
+  const int64_t allowed = most == 0 ? kDirectionBlock : config.enters_early() ? most / N : most;
+  return std::max<int64_t>(1, std::min(allowed, kDirectionBlock / N));
+}
+
 }  // namespace
 
 std::vector<at::Tensor> LightTransportModelImpl::decode_radiance_normalized(
@@ -30,20 +39,25 @@ std::vector<at::Tensor> LightTransportModelImpl::decode_radiance_normalized(
   TORCH_CHECK(queries.size() == batch.scenes.size() && directions.size() == queries.size(),
               "radiance: queries of ", queries.size(), " scenes and directions of ",
               directions.size(), " for ", batch.scenes.size());
+  std::vector<Parts::Asked> each;
+  std::vector<at::Tensor> sights;
   for (size_t i = 0; i < queries.size(); ++i) {
     check_queries(queries[i]);
     check_directions(queries[i], directions[i]);
+    each.push_back(Parts::ask(batch.scenes[i], queries[i]));
+    sights.push_back(seen(batch.scenes[i], each[i].queries, directions[i]));
+    if (config_.enters_early()) each[i] = Parts::by_direction(each[i], directions[i], sights[i]);
   }
-  const Parts::AskedOfAll asked = Parts::ask(batch.scenes, queries);
+  const Parts::AskedOfAll asked = Parts::together(each);
   QueryDecoder& query = parts_->radiance->query();
   const std::vector<at::Tensor> features =
       query->forward(asked.attributes, asked.queries, query->latent_tables(batch.features))
           .split_with_sizes(asked.counts);
   std::vector<at::Tensor> answers;
   for (size_t i = 0; i < queries.size(); ++i) {
-    answers.push_back(parts_->radiance->radiance(
-        features[i], directions[i], asked.light.empty() ? at::Tensor() : asked.light[i],
-        seen(batch.scenes[i], asked.queries[i], directions[i])));
+    answers.push_back(
+        parts_->radiance->radiance(features[i], directions[i],
+                                   asked.light.empty() ? at::Tensor() : asked.light[i], sights[i]));
   }
   return answers;
 }
@@ -58,13 +72,14 @@ at::Tensor LightTransportModelImpl::radiance_of_block(const Embedding& embedding
   const bool ordered = queries.position.device().is_cpu();
   const at::Tensor order =
       ordered ? ops::spatial_order(queries.position.contiguous()) : at::Tensor();
-  const Parts::Asked asked = Parts::ask(embedding, ordered ? rows_of(queries, order) : queries);
+  Parts::Asked asked = Parts::ask(embedding, ordered ? rows_of(queries, order) : queries);
+  const at::Tensor ways = ordered ? directions.index_select(0, order) : directions;
+  const at::Tensor sight = seen(embedding, asked.queries, ways);
+  if (config_.enters_early()) asked = Parts::by_direction(asked, ways, sight);
   const at::Tensor features =
       parts_->radiance->query()->infer(asked.attributes, asked.queries.query, asked.queries.anchor,
                                        embedding.spacing, embedding.radiance_table);
-  const at::Tensor ways = ordered ? directions.index_select(0, order) : directions;
-  const at::Tensor answer =
-      parts_->radiance->radiance(features, ways, asked.light, seen(embedding, asked.queries, ways));
+  const at::Tensor answer = parts_->radiance->radiance(features, ways, asked.light, sight);
   return ordered ? at::empty_like(answer).index_copy_(0, order, answer) : answer;
 }
 
@@ -83,8 +98,7 @@ at::Tensor LightTransportModelImpl::decode_radiance(const Embedding& embedding,
   at::Tensor out = at::zeros({Q, N, 3}, embedding.features.options());
   // Light is linear: without emission there is none, whatever the network would say.
   if (embedding.emission_scale.max().item<double>() == 0) return out;
-  const int64_t fast = std::max<int64_t>(1, kDirectionBlock / std::max<int64_t>(1, N));
-  const int64_t size = options.block > 0 ? std::min(options.block, fast) : fast;
+  const int64_t size = query_block(config_, options.block, N);
   for (int64_t begin = 0; begin < Q; begin += size) {
     const int64_t count = std::min(size, Q - begin);
     out.narrow(0, begin, count)

@@ -68,13 +68,15 @@ double softplus_inverse(double value) {
 
 double first_gain(const ModelConfig& config) { return config.reads_indirect() ? 0.01 : 0.1; }
 
-QueryDecoderImpl::QueryDecoderImpl(int64_t latent, const ModelConfig& config, int64_t features)
+QueryDecoderImpl::QueryDecoderImpl(int64_t latent, const ModelConfig& config, int64_t features,
+                                   int64_t more_inputs)
     : neighbours_(config.query_neighbours),
       dropout_(config.dropout),
       normalizes_(config.normalizes_attention()),
       reads_normals_(config.reads_normals()) {
   const int64_t D = config.channels;
-  point_ = register_module("point", Mlp(config.query_inputs(), D, D));
+  point_ = register_module("point", Mlp(config.query_inputs() + more_inputs, D, D));
+  point_->hidden()->keep_float32();
   gamma_ = register_module("gamma", Mlp(config.pair_inputs(), config.gamma_hidden, D));
   for (int64_t i = 0; i < config.query_layers; ++i) {
     layers_.push_back(register_module("layer" + std::to_string(i), QueryLayer(latent, config)));

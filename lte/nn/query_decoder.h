@@ -91,7 +91,9 @@ class QueryDecoderImpl : public torch::nn::Module {
   /// @param latent    width of the latents
   /// @param features  0: it answers irradiance, [Q, 3]; else so many features of a query, which
   ///                  another module reads
-  QueryDecoderImpl(int64_t latent, const ModelConfig& config, int64_t features = 0);
+  /// @param more_inputs  columns of the attributes after ModelConfig::query_inputs()
+  QueryDecoderImpl(int64_t latent, const ModelConfig& config, int64_t features = 0,
+                   int64_t more_inputs = 0);
 
   /// Keys and values of all layers, each [L, m, D].
   std::tuple<at::Tensor, at::Tensor> keys_and_values(const at::Tensor& latent);
@@ -112,8 +114,8 @@ class QueryDecoderImpl : public torch::nn::Module {
   /// @param anchor  the m latents, positions in float32
   Neighbourhood neighbourhood(const Surface& query, const Surface& anchor, double spacing) const;
 
-  /// @param attributes  [Q, ModelConfig::query_inputs()]: position (network space), normal, albedo,
-  ///                    and of `traced` models what the light cache says
+  /// @param attributes  [Q, ModelConfig::query_inputs() + more_inputs]: position (network space),
+  ///                    normal, albedo, of `traced` models what the light cache says, and more
   /// @return  [Q, 3] or [Q, features], non-negative, differentiable
   at::Tensor forward(const at::Tensor& attributes, const Neighbourhood& near,
                      const at::Tensor& keys, const at::Tensor& values);
@@ -138,6 +140,9 @@ class QueryDecoderImpl : public torch::nn::Module {
   /// @param latent  [m, D]
   DecoderReading read(const at::Tensor& attributes, const SceneQueries& queries,
                       const at::Tensor& latent);
+
+  /// What answers, before its softplus.
+  Mlp& head() { return head_; }
 
  private:
   /// Whether ops::query_decoder() differentiates what is computed from `latent`.

@@ -6,6 +6,7 @@
 
 #include "lte/nn/surfels.h"
 #include "lte/ops/gelu.h"
+#include "lte/ops/lobe_radiance.h"
 
 namespace lte::nn {
 namespace {
@@ -16,30 +17,45 @@ constexpr double kFirstSeen = 0.8, kFirstLight = 0.2;
 /// What the sharpness of spherical Gaussians starts with: a half-width of about 35 degrees.
 constexpr double kFirstSharpness = 4;
 
+/// Makes r and s of a layer start with what they should where softplus follows it.
+void start_factors(Linear& last, const ModelConfig& config) {
+  initialize(last, first_gain(config));
+  const bool casts = config.casts_rays();
+  const at::NoGradGuard no_grad;
+  last->bias.narrow(0, 0, 3).fill_(softplus_inverse(casts ? kFirstLight : config.output_mean));
+  if (casts) last->bias.narrow(0, 3, 3).fill_(softplus_inverse(kFirstSeen));
+}
+
+int64_t factors(const ModelConfig& config) { return config.casts_rays() ? 6 : 3; }
+
 }  // namespace
+
+int64_t direction_inputs(const ModelConfig& config) {
+  return 3 + (config.casts_rays() ? kSeenFeatures : 0);
+}
 
 RadianceDecoderImpl::RadianceDecoderImpl(int64_t latent, const ModelConfig& config)
     : kind_(config.radiance_head),
       lobes_per_point_(config.radiance_lobes),
-      query_(register_module("query", QueryDecoder(latent, config, config.channels))) {
+      query_(register_module(
+          "query", config.enters_early()
+                       ? QueryDecoder(latent, config, factors(config), direction_inputs(config))
+                       : QueryDecoder(latent, config, config.channels))) {
   if (kind_ == RadianceHead::Directions) make_directions(config);
   if (kind_ == RadianceHead::Map) make_map(config);
   if (kind_ == RadianceHead::Gaussians) make_gaussians(config);
+  if (kind_ == RadianceHead::Early) start_factors(query_->head()->output(), config);
 }
 
 void RadianceDecoderImpl::make_directions(const ModelConfig& config) {
   const int64_t D = config.channels, K = config.radiance_lobes;
-  const bool casts = config.casts_rays();
   // Axis and offset of each lobe, and the offset of each mixture of them.
   lobes_ = register_module("lobes", Linear(D, 5 * K));
-  mix_ = register_module("mix", Linear(K + (casts ? kSeenFeatures : 0), K));
-  color_ = register_module("color", Linear(K, casts ? 6 : 3));
+  mix_ = register_module("mix", Linear(K + (config.casts_rays() ? kSeenFeatures : 0), K));
+  color_ = register_module("color", Linear(K, factors(config)));
   initialize(lobes_, 2);
   initialize(mix_, std::sqrt(2.0));
-  initialize(color_, first_gain(config));
-  const at::NoGradGuard no_grad;
-  color_->bias.narrow(0, 0, 3).fill_(softplus_inverse(casts ? kFirstLight : config.output_mean));
-  if (casts) color_->bias.narrow(0, 3, 3).fill_(softplus_inverse(kFirstSeen));
+  start_factors(color_, config);
 }
 
 void RadianceDecoderImpl::make_map(const ModelConfig& config) {
@@ -66,14 +82,32 @@ void RadianceDecoderImpl::make_gaussians(const ModelConfig& config) {
 
 at::Tensor RadianceDecoderImpl::radiance(const at::Tensor& features, const at::Tensor& directions,
                                          const at::Tensor& light, const at::Tensor& seen) {
-  const at::Tensor factor = kind_ == RadianceHead::Directions
-                                ? ask_directions(features, directions, seen)
-                            : kind_ == RadianceHead::Map ? ask_map(features, directions)
-                                                         : ask_gaussians(features, directions);
+  // Without gradients one operator does it all.
+  if (kind_ == RadianceHead::Directions && !at::GradMode::is_enabled() &&
+      features.scalar_type() == at::kFloat)
+    return ops::lobe_radiance_inference(
+        lobes_->forward(features), directions.to(at::kFloat), light, seen,
+        {{mix_->inference_weight(), mix_->bias}, {color_->inference_weight(), color_->bias}});
+  const at::Tensor factor = ask(features, directions, seen);
   const at::Tensor even = factor.narrow(2, 0, 3);
   const at::Tensor answer = light.defined() ? even * light.unsqueeze(1) : even;
   if (!seen.defined()) return answer;
   return at::addcmul(answer, factor.narrow(2, 3, 3), seen.narrow(2, kSeenRadiance, 3));
+}
+
+at::Tensor RadianceDecoderImpl::ask(const at::Tensor& features, const at::Tensor& directions,
+                                    const at::Tensor& seen) {
+  switch (kind_) {
+    case RadianceHead::Directions:
+      return ask_directions(features, directions, seen);
+    case RadianceHead::Map:
+      return ask_map(features, directions);
+    case RadianceHead::Gaussians:
+      return ask_gaussians(features, directions);
+    case RadianceHead::Early:
+      break;  // asked before its attention
+  }
+  return features.view({directions.size(0), directions.size(1), features.size(1)});
 }
 
 at::Tensor RadianceDecoderImpl::ask_directions(const at::Tensor& features,

@@ -5,55 +5,33 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 
 #include <ATen/core/Tensor.h>
 
-#include "lte/base/math.h"
 #include "lte/nn/point_set.h"
+#include "lte/ops/surfel_rays.h"
 
 namespace lte::nn {
 
-/// Columns of what a ray sees: π radiance over the emission scale by channel, log(1 + it), whether
-/// it meets a disc, the logarithm of the distance, the share of metal, and the cosine at the disc.
-enum SeenColumn : int64_t {
-  kSeenRadiance = 0,
-  kSeenLog = 3,
-  kSeenHit = 6,
-  kSeenDistance = 7,
-  kSeenMetal = 8,
-  kSeenCosine = 9
-};
-inline constexpr int64_t kSeenColumns = 10;
-/// Of these, what the network reads: all but the radiance itself.
-inline constexpr int64_t kSeenFeatures = kSeenColumns - kSeenLog;
+using enum ops::SeenColumn;
+using ops::kSeenColumns;
+using ops::kSeenFeatures;
 
-class SurfelGrid;
-
-/// The discs of a scene. A copy shares the grid.
+/// The discs of a scene.
 class Surfels {
  public:
   /// Columns of table().
-  enum Column : int64_t {
-    kPosition = 0,
-    kNormal = 3,
-    kRadius = 6,
-    kFront = 7,  ///< π times what the side of the normal sends out, over the emission scale
-    kBack = 10,
-    kEmission = 13,  ///< the same of what it emits
-    kMetal = 16,     ///< reflectance of the metal at normal incidence, by channel
-    kMetallic = 19,
-    kRoughness = 20
-  };
-  static constexpr int64_t kColumns = 21;
+  using enum ops::SurfelColumn::Name;
+  static constexpr int64_t kColumns = ops::kSurfelColumns;
 
   Surfels() = default;
-  /// @param table  [M, kColumns] float32 on the CPU
+  /// @param table  [M, kColumns] float32
   /// @param total  whether rays see emission too, not only what bounced
-  Surfels(const at::Tensor& table, bool total);
+  Surfels(const at::Tensor& table, bool total)
+      : grid_(ops::make_surfel_grid(table)), total_(total) {}
 
-  bool defined() const { return table_.defined(); }
-  const at::Tensor& table() const { return table_; }
+  bool defined() const { return grid_.defined(); }
+  const at::Tensor& table() const { return grid_.discs; }
 
   /// @param position    [Q, 3] network space, on a surface
   /// @param directions  [Q, N, 3] unit
@@ -61,8 +39,8 @@ class Surfels {
   at::Tensor see(const at::Tensor& position, const at::Tensor& directions) const;
 
  private:
-  at::Tensor table_;
-  std::shared_ptr<const SurfelGrid> grid_;
+  ops::SurfelGrid grid_;
+  bool total_ = false;
 };
 
 /// The discs of scene points. What their fronts send out is of direct light that they are told of,

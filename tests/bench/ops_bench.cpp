@@ -1,6 +1,8 @@
 // Times of the operators at the sizes of the network in docs/model.md, with FLANN and nanoflann
 // beside knn. ctest does not run it.
 //   lte_ops_microbench --benchmark_filter=Knn        at::set_num_threads: OMP_NUM_THREADS
+#include <cmath>
+
 #include <ATen/ATen.h>
 #include <ATen/core/grad_mode.h>
 #include <benchmark/benchmark.h>
@@ -13,10 +15,13 @@
 #endif
 #include "lte/ops/curve_codes.h"
 #include "lte/ops/farthest_point.h"
+#include "lte/ops/gelu.h"
 #include "lte/ops/knn.h"
 #include "lte/ops/linear.h"
+#include "lte/ops/lobe_radiance.h"
 #include "lte/ops/neighbour_sums.h"
 #include "lte/ops/submanifold_conv.h"
+#include "lte/ops/surfel_rays.h"
 
 namespace {
 
@@ -178,6 +183,54 @@ BENCHMARK_CAPTURE(Dense, aten, true)
     ->Arg(128)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
+
+/// 48 lobes of 1,024 points in 64 directions: one operator, and one for each step.
+void LobeRadiance(benchmark::State& state, bool fused) {
+  const at::NoGradGuard no_grad;
+  const int64_t Q = 1024, N = 64, K = 48;
+  const at::Tensor own = at::randn({Q, 5 * K}), directions = at::randn({Q, N, 3}),
+                   light = at::rand({Q, 3});
+  const LobeWeights w{{at::randn({K, K}), at::randn({K})}, {at::randn({3, K}), at::randn({3})}};
+  const auto steps = [&] {
+    const at::Tensor lobes =
+        at::baddbmm(own.narrow(1, 3 * K, K).unsqueeze(1), directions,
+                    own.narrow(1, 0, 3 * K).reshape({Q, K, 3}).transpose(1, 2));
+    const at::Tensor mixed = lte::ops::linear(gelu(lobes), w.mix.weight, w.mix.bias);
+    const at::Tensor color = lte::ops::linear(gelu(mixed + own.narrow(1, 4 * K, K).unsqueeze(1)),
+                                              w.color.weight, w.color.bias);
+    return at::softplus(color) * light.unsqueeze(1);
+  };
+  for (auto _ : state)
+    benchmark::DoNotOptimize(fused ? lobe_radiance_inference(own, directions, light, {}, w)
+                                   : steps());
+}
+BENCHMARK_CAPTURE(LobeRadiance, one_operator, true)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(LobeRadiance, step_by_step, false)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+/// 65,536 rays from the walls of the room into it, among as many discs as the argument says.
+void SeeSurfels(benchmark::State& state) {
+  const int64_t M = state.range(0), Q = 1024, N = 64;
+  const at::Tensor points = room(M), extent = at::tensor({10.f, 3.f, 8.f});
+  const auto inwards = [&](const at::Tensor& p) {
+    const at::Tensor normal = p.eq(0).to(at::kFloat) - p.eq(extent).to(at::kFloat);
+    return normal / normal.norm(2, 1, true);
+  };
+  at::Tensor discs = at::rand({M, kSurfelColumns});
+  discs.narrow(1, SurfelColumn::kPosition, 3).copy_(points);
+  discs.narrow(1, SurfelColumn::kNormal, 3).copy_(inwards(points));
+  // 268 m² of walls, and discs of 1.6 times the radius of the share of each.
+  discs.select(1, SurfelColumn::kRadius)
+      .fill_(1.6 * std::sqrt(268 / 3.14159 / static_cast<double>(M)));
+  discs.select(1, SurfelColumn::kMetallic).zero_();
+  const SurfelGrid grid = make_surfel_grid(discs);
+  const at::Tensor from = room(Q);
+  const at::Tensor ways = at::randn({Q, N, 3}), normal = inwards(from).unsqueeze(1);
+  const at::Tensor unit = ways / ways.norm(2, 2, true);
+  const at::Tensor above = unit - 2 * (unit * normal).sum(2, true).clamp_max(0) * normal;
+  for (auto _ : state) benchmark::DoNotOptimize(see_surfels(from, above, grid, false));
+  state.SetItemsProcessed(state.iterations() * Q * N);
+}
+BENCHMARK(SeeSurfels)->Arg(4096)->Arg(32768)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 void MatrixProduct(benchmark::State& state, bool aten) {  // what the machine can do
   const at::NoGradGuard no_grad;

@@ -84,7 +84,7 @@ TEST(ModelConfig, ErrorsNameTheKey) {
            {"{radiance_lobes: 4, radiance_base: points}",
             "radiance_base points: model.light_input"},
            {"{radiance_lobes: 4, radiance_base: points, light_input: traced, radiance_head: map}",
-            "radiance_head must be directions"},
+            "radiance_head must be directions or early, got map"},
            {"encoder_depths: []", "encoder_depths"},
            {"encoder_depths: [1, -1, 1, 1, 1]", "encoder_depths"},
            {"encoder_widths: [1, 2]", "encoder_widths"},

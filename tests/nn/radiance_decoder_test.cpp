@@ -1,14 +1,18 @@
 #include "lte/nn/radiance_decoder.h"
 
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <string>
 
 #include <gtest/gtest.h>
 #include <torch/nn/functional/normalization.h>
 
 #include "lte/base/safetensors.h"
+#include "lte/nn/constants.h"
 #include "lte/nn/cost.h"
 #include "lte/nn/model_file.h"
+#include "tests/nn/reference_decoder.h"
 #include "tests/nn/support.h"
 #include "tests/support/temp_dir.h"
 
@@ -158,14 +162,76 @@ TEST(RadianceDecoder, AnOctahedralMapHasACellForEveryDirection) {
   EXPECT_GT(found.min().item<int64_t>(), 100) << "cells differ in solid angle by a factor of five";
 }
 
-/// A model of each head, and one that casts rays.
+/// The early head, alone or with rays among the points.
+ModelConfig early_config(RadianceBase base) {
+  ModelConfig config = radiance_config();
+  config.radiance_head = RadianceHead::Early;
+  config.light_input = LightInput::Traced;
+  config.radiance_base = base;
+  return config;
+}
+
+/// A model of each head; the last two cast rays.
 std::vector<ModelConfig> all_kinds() {
   ModelConfig map = radiance_config(), gaussians = map, casts = map;
   map.radiance_head = RadianceHead::Map;
   gaussians.radiance_head = RadianceHead::Gaussians;
   casts.light_input = LightInput::Traced;
   casts.radiance_base = RadianceBase::Points;
-  return {radiance_config(), map, gaussians, casts};
+  return {radiance_config(),
+          map,
+          gaussians,
+          early_config(RadianceBase::Irradiance),
+          early_config(RadianceBase::Points),
+          casts};
+}
+
+TEST(RadianceDecoder, AnEarlyDirectionIsAQueryOfItsOwn) {
+  for (const RadianceBase base : {RadianceBase::Irradiance, RadianceBase::Points}) {
+    const ModelConfig config = early_config(base);
+    SCOPED_TRACE(config.to_yaml());
+    LightTransportModel model(config);
+    test::randomize(*model, 6);
+    model->to(at::kDouble);
+    model->eval();
+    const PointSet points = test::as_double(with_metal(test::box_scene(60, 1)));
+    const QuerySet queries = test::as_double(test::box_queries(5, 2));
+    const at::Tensor directions = directions_above(queries, 3, 3);
+    const at::NoGradGuard no_grad;
+    const Embedding embedding = model->encode(points);
+    const at::Tensor got = model->decode_radiance_normalized({{embedding}, embedding.features},
+                                                             {queries}, {directions})[0];
+    std::map<std::string, at::Tensor> parameters;
+    const std::string prefix = "radiance.query.";
+    for (const auto& item : model->named_parameters()) {
+      if (item.key().starts_with("radiance."))
+        parameters[item.key().substr(prefix.size())] = item.value();
+    }
+    EXPECT_EQ(parameters.at("point.hidden.weight").size(1),
+              9 + kLightFeatures + 3 + (config.casts_rays() ? kSeenFeatures : 0));
+    const at::Tensor place = (queries.position - embedding.origin) / embedding.scale;
+    const LightReading reading = embedding.cache.read(place, queries.normal);
+    const Surface latents{embedding.position.to(at::kDouble), embedding.normal.to(at::kDouble)};
+    for (int64_t q = 0; q < directions.size(0); ++q) {
+      const auto row = [q](const at::Tensor& of) { return of.narrow(0, q, 1); };
+      for (int64_t n = 0; n < directions.size(1); ++n) {
+        const at::Tensor way = row(directions).select(1, n);
+        std::vector<at::Tensor> columns = {kPositionGain * row(place), row(queries.normal),
+                                           row(queries.albedo), row(reading.features), way};
+        at::Tensor seen;
+        if (config.casts_rays()) {
+          seen = embedding.surfels.see(row(place), way.unsqueeze(1)).select(1, 0);
+          columns.push_back(seen.narrow(1, 3, kSeenFeatures));
+        }
+        const at::Tensor factors = test::reference_decoder(
+            parameters, config, torch::cat(columns, 1), {row(place), row(queries.normal)}, latents,
+            embedding.features, embedding.spacing);
+        at::Tensor expected = factors.narrow(1, 0, 3) * row(reading.irradiance);
+        if (seen.defined()) expected = expected + factors.narrow(1, 3, 3) * seen.narrow(1, 0, 3);
+        EXPECT_LT(test::relative_difference(row(got).select(1, n), expected), 1e-9);
+      }
+    }
+  }
 }
 
 TEST(RadianceDecoder, GradientsMatchFiniteDifferences) {
@@ -219,20 +285,23 @@ TEST(RadianceDecoder, InferenceAgreesWithTrainingInBlocksOfAnySize) {
 }
 
 TEST(RadianceDecoder, AFreshModelThatCastsRaysSaysMostlyWhatTheySee) {
-  const ModelConfig config = all_kinds().back();
-  torch::manual_seed(5);
-  LightTransportModel model(config);
-  model->eval();
-  const Case c(config);
-  const at::NoGradGuard no_grad;
-  const Embedding embedding = model->encode(c.points);
-  const at::Tensor answer = model->decode_radiance_normalized({{embedding}, embedding.features},
-                                                              {c.queries}, {c.directions})[0];
-  const at::Tensor place = (c.queries.position - embedding.origin) / embedding.scale;
-  const at::Tensor seen = embedding.surfels.see(place, c.directions);
-  const at::Tensor light = embedding.cache.read(place, c.queries.normal).irradiance.unsqueeze(1);
-  EXPECT_GT(seen.select(2, kSeenHit).mean().item<double>(), 0.03);
-  EXPECT_LT(test::relative_difference(answer, 0.8 * seen.narrow(2, 0, 3) + 0.2 * light), 0.1);
+  for (const ModelConfig& config : all_kinds()) {
+    if (!config.casts_rays()) continue;
+    SCOPED_TRACE(config.to_yaml());
+    torch::manual_seed(5);
+    LightTransportModel model(config);
+    model->eval();
+    const Case c(config);
+    const at::NoGradGuard no_grad;
+    const Embedding embedding = model->encode(c.points);
+    const at::Tensor answer = model->decode_radiance_normalized({{embedding}, embedding.features},
+                                                                {c.queries}, {c.directions})[0];
+    const at::Tensor place = (c.queries.position - embedding.origin) / embedding.scale;
+    const at::Tensor seen = embedding.surfels.see(place, c.directions);
+    const at::Tensor light = embedding.cache.read(place, c.queries.normal).irradiance.unsqueeze(1);
+    EXPECT_GT(seen.select(2, kSeenHit).mean().item<double>(), 0.03);
+    EXPECT_LT(test::relative_difference(answer, 0.8 * seen.narrow(2, 0, 3) + 0.2 * light), 0.1);
+  }
 }
 
 TEST(RadianceDecoder, IsAFactorOnTheLightThatPointsAreTold) {
@@ -322,9 +391,40 @@ TEST(RadianceDecoder, AFurtherDirectionCostsAFewHundredthsOfAPoint) {
   config.light_input = LightInput::Radiosity;
   config.pair_geometry = PairGeometry::Normals;
   config.radiance_lobes = 48;
-  EXPECT_LT(direction_flops(config), 0.05 * radiance_flops(config, 1024));
+  EXPECT_LT(direction_flops(config, 1024), 0.05 * radiance_flops(config, 1024));
   const ParameterCounts counts = count_parameters(Case().model);
   EXPECT_EQ(counts.nne + counts.encoder + counts.decoder + counts.radiance, counts.total);
+}
+
+TEST(RadianceDecoder, AnEarlyDirectionCostsAsMuchAsAnIrradianceQueryAndItsColumns) {
+  const ModelConfig config = early_config(RadianceBase::Points);
+  const int64_t D = config.channels;
+  EXPECT_EQ(radiance_flops(config, 20), 0);
+  EXPECT_EQ(direction_flops(config, 20),
+            decode_flops(config, 20) + static_cast<double>(2 * D * (3 + kSeenFeatures + 3)));
+  const ParameterCounts counts = count_parameters(Case(config).model);
+  EXPECT_EQ(counts.radiance, counts.decoder + D * (3 + kSeenFeatures) + 3 * D + 3);
+}
+
+TEST(RadianceDecoder, WhatReadsPositionsIsNeverRounded) {
+  // 9 + 12 + 1 + 3 + 7 inputs: a number that products in bfloat16 could take.
+  ModelConfig config = early_config(RadianceBase::Points);
+  config.light_sides = LightSides::Apart;
+  config.light_variance = true;
+  RadianceDecoder decoder(config.channels, config);
+  set_precision(*decoder, Precision::Bf16);
+  for (const auto& module : decoder->named_modules()) {
+    if (module.key() == "query.point.hidden") {
+      const LinearImpl& hidden = *module.value()->as<LinearImpl>();
+      EXPECT_EQ(hidden.options.in_features(), 32);
+      const at::NoGradGuard no_grad;
+      EXPECT_FALSE(hidden.in_bf16());
+    }
+    if (module.key() == "query.point.output") {
+      const at::NoGradGuard no_grad;
+      EXPECT_TRUE(module.value()->as<LinearImpl>()->in_bf16());
+    }
+  }
 }
 
 }  // namespace

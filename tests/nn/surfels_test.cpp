@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <torch/types.h>
 
+#include "lte/base/math.h"
 #include "lte/nn/model.h"
 #include "tests/nn/support.h"
 

@@ -167,6 +167,27 @@ void hidden_positions(PairGeometry geometry, const float* weight, int64_t H, flo
   }
 }
 
+void ridges(LobeRidges r) {
+  const int64_t columns = r.blocks * kBlock;
+  for (int64_t i = 0; i < r.count; ++i) {
+    const Float x = splat(r.directions[3 * i]), y = splat(r.directions[3 * i + 1]),
+                z = splat(r.directions[3 * i + 2]);
+    for (int64_t k = 0; k < columns; k += kLanes<float>) {
+      const float* lobe = r.lobes + k;
+      const Float along =
+          load(lobe) * x + load(lobe + r.stride) * y + load(lobe + 2 * r.stride) * z;
+      store(r.out + i * kPanel + k, gelu(along + load(lobe + 3 * r.stride)));
+    }
+  }
+}
+
+void soften(float* x, int64_t rows) {
+  for (int64_t r = 0; r < rows; ++r) {
+    for (int64_t i = r * kPanel; i < r * kPanel + kBlock; i += kLanes<float>)
+      store(x + i, softplus(load(x + i)));
+  }
+}
+
 }  // namespace
 
 extern const DenseKernels kDenseKernels;
@@ -180,6 +201,8 @@ const DenseKernels kDenseKernels{multiply_blocks<SingleProduct>,
                                  layer_norm,
                                  exponentiate,
                                  attend,
-                                 hidden_positions};
+                                 hidden_positions,
+                                 ridges,
+                                 soften};
 
 }  // namespace lte::ops::LTE_ISA

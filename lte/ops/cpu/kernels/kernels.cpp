@@ -17,6 +17,7 @@
   extern const GradientKernels kGradientKernels; \
   extern const Bf16Kernels kBf16Kernels;         \
   extern const CacheKernels kCacheKernels;       \
+  extern const SurfelKernels kSurfelKernels;     \
   extern const SumKernels<float> kFloatSums;     \
   extern const SumKernels<double> kDoubleSums;   \
   }
@@ -41,6 +42,7 @@ struct Isa {
   const GradientKernels* gradients;
   const Bf16Kernels* bf16;
   const CacheKernels* cache;
+  const SurfelKernels* surfels;
   const SumKernels<float>* float_sums;
   const SumKernels<double>* double_sums;
 };
@@ -65,6 +67,7 @@ Isa choose() {
             &avx512::kGradientKernels,
             has_bf16 ? &avx512_bf16::kBf16Kernels : &avx512::kBf16Kernels,
             &avx512::kCacheKernels,
+            &avx512::kSurfelKernels,
             &avx512::kFloatSums,
             &avx512::kDoubleSums};
   }
@@ -76,6 +79,7 @@ Isa choose() {
             &avx2::kGradientKernels,
             &avx2::kBf16Kernels,
             &avx2::kCacheKernels,
+            &avx2::kSurfelKernels,
             &avx2::kFloatSums,
             &avx2::kDoubleSums};
   }
@@ -87,6 +91,7 @@ Isa choose() {
           &baseline::kGradientKernels,
           &baseline::kBf16Kernels,
           &baseline::kCacheKernels,
+          &baseline::kSurfelKernels,
           &baseline::kFloatSums,
           &baseline::kDoubleSums};
 }
@@ -104,6 +109,7 @@ const DenseKernels& dense_kernels() { return *isa().dense; }
 const GradientKernels& gradient_kernels() { return *isa().gradients; }
 const Bf16Kernels& bf16_kernels() { return *isa().bf16; }
 const CacheKernels& cache_kernels() { return *isa().cache; }
+const SurfelKernels& surfel_kernels() { return *isa().surfels; }
 bool has_bf16_products() { return std::string_view(cpu_isa()) == "avx512_bf16"; }
 const char* cpu_isa() { return isa().name; }
 template <typename T>

@@ -17,6 +17,7 @@
 
 #include "lte/ops/cache_columns.h"
 #include "lte/ops/pair_geometry.h"
+#include "lte/ops/surfel_columns.h"
 
 namespace lte::ops {
 
@@ -144,6 +145,15 @@ struct PairGeometry {
   int64_t inputs, pairs;
 };
 
+/// Some lobes of a point, and directions that are asked of them.
+struct LobeRidges {
+  const float* lobes;       ///< x of the axes; y, z and the offsets are `stride` further each
+  int64_t stride;           ///< and there are zeros past the last lobe, to a whole block
+  const float* directions;  ///< [count, 3]
+  int64_t count, blocks;
+  float* out;  ///< [count, blocks * kBlock], one panel of a tile
+};
+
 /// Dense layers on tiles of rows, float32. Each row's result is the same bits whatever rows there
 /// are besides.
 struct DenseKernels {
@@ -171,6 +181,10 @@ struct DenseKernels {
   /// GELU of a layer F -> H, transposed: geometry [F, pairs] -> out [H, pairs]; weight [H, F + 1],
   /// the bias last; `pairs` a multiple of kBlock.
   void (*hidden_positions)(PairGeometry geometry, const float* weight, int64_t H, float* out);
+  /// out = GELU(axis · direction + offset) of each lobe.
+  void (*ridges)(LobeRidges lobes);
+  /// x = log(1 + exp(x)), softplus, to 10^-6, over the first block of each row of a panel.
+  void (*soften)(float* x, int64_t rows);
 };
 
 /// A norm over the channels of each row, backwards. Tiles lie as in DenseKernels::layer_norm().
@@ -276,6 +290,29 @@ struct CacheKernels {
   void (*means)(CachePoints points, CacheQueries queries, CacheWeights weights, float* out);
 };
 
+/// Discs that a ray may meet in a cell: some columns of SurfelGrid::geometry, of which up to 16
+/// past `count` may be read.
+struct SurfelProbe {
+  const float* geometry;  ///< a row is `stride` after the one before
+  int64_t stride, count;  ///< count <= kMostSurfels
+  float origin[3], direction[3];
+  float near, far;  ///< distances of the cell along the ray
+  float limit;      ///< the largest distance that counts
+};
+inline constexpr int64_t kMostSurfels = 64;
+
+/// Where a ray meets the planes of discs: the distance along it, the square of that to the middle,
+/// and the ray's share of the normal, which is negative on fronts. Only discs that are met have
+/// them.
+struct SurfelTests {
+  float distance[kMostSurfels], square[kMostSurfels], toward[kMostSurfels];
+};
+
+struct SurfelKernels {
+  /// A bit for each disc that is met.
+  uint64_t (*test)(SurfelProbe probe, SurfelTests* out);
+};
+
 /// The kernels of the best instruction set that the processor has: avx512 (for bfloat16:
 /// avx512_bf16), avx2 or baseline. The environment variable LTE_CPU_ISA names a lesser one, for
 /// tests; it is read once.
@@ -285,6 +322,7 @@ const DenseKernels& dense_kernels();
 const GradientKernels& gradient_kernels();
 const Bf16Kernels& bf16_kernels();
 const CacheKernels& cache_kernels();
+const SurfelKernels& surfel_kernels();
 template <typename T>
 const SumKernels<T>& sum_kernels();
 const char* cpu_isa();

@@ -35,4 +35,20 @@ static inline Vector<float> exponential(const Vector<float>& x) {
   return x > splat(-87.0f) ? p : Vector<float>{};
 }
 
+/// log(1 + exp(x)) to 10^-6 of the result, where that is at least 10^-30; what is not a number
+/// stays visible.
+static inline Vector<float> softplus(const Vector<float>& x) {
+  const Vector<float> zero{};
+  const Vector<float> t = exponential(x > zero ? -x : x);  // in [0, 1]
+  // log(1 + t) = 2 artanh(s), s <= 1/3: the next term is below 2e-8 of the sum.
+  const Vector<float> s = t / (t + splat(2.0f)), q = s * s;
+  Vector<float> p = q * splat(1.0f / 13) + splat(1.0f / 11);
+  p = p * q + splat(1.0f / 9);
+  p = p * q + splat(1.0f / 7);
+  p = p * q + splat(1.0f / 5);
+  p = p * q + splat(1.0f / 3);
+  p = p * q + splat(1.0f);
+  return (x < zero ? zero : x) + s * splat(2.0f) * p;
+}
+
 }  // namespace lte::ops::LTE_ISA
