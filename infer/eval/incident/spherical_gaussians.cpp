@@ -143,8 +143,8 @@ GaussianSums fit_lattice(int64_t lobes, const at::Tensor& directions, const at::
     *out++ = across * std::sin(azimuth);
     *out++ = z;
   }
-  // In a hexagonal grid an area a has neighbours at √(2 a / √3). A width 1/√λ of half of that leaves
-  // a sum of equal lobes flat to a percent.
+  // In a hexagonal grid an area a has neighbours at √(2 a / √3). A width 1/√λ of half of that
+  // leaves a sum of equal lobes flat to a percent.
   const double apart2 = 2 / std::numbers::sqrt3 * 2 * std::numbers::pi / count;
   const at::Tensor sharpness = at::full({1, lobes}, 4 / apart2, at::kDouble);
   // All maps share the basis: one problem with 3 P right-hand sides.

@@ -1,5 +1,6 @@
-// Sums of spherical Gaussians a exp(λ (μ · ω − 1)) (Wang et al., All-Frequency Rendering of Dynamic,
-// Spatially-Varying Reflectance, 2009), and how well they hold a map of radiance by direction.
+// Sums of spherical Gaussians a exp(λ (μ · ω − 1)) (Wang et al., All-Frequency Rendering of
+// Dynamic, Spatially-Varying Reflectance, 2009), and how well they hold a map of radiance by
+// direction.
 #pragma once
 
 #include <cstdint>
@@ -47,10 +48,10 @@ at::Tensor direction_table(std::span<const Vec3> directions);
 GaussianSums fit_lattice(int64_t lobes, const at::Tensor& directions, const at::Tensor& maps);
 
 /// Lobe by lobe: that of a dictionary which takes most of what is left, for all channels together,
-/// then all amplitudes anew (orthogonal matching pursuit under non-negativity: Bruckstein et al., On
-/// the Uniqueness of Nonnegative Sparse Solutions, 2008). Axes and sharpness then follow the
-/// gradient of the squared error, amplitudes at their best (variable projection: Golub and Pereyra,
-/// 1973).
+/// then all amplitudes anew (orthogonal matching pursuit under non-negativity: Bruckstein et al.,
+/// On the Uniqueness of Nonnegative Sparse Solutions, 2008). Axes and sharpness then follow the
+/// gradient of the squared error, amplitudes at their best (variable projection: Golub and
+/// Pereyra, 1973).
 /// @param lobes  numbers of lobes, rising
 /// @return       the sums of each number in `lobes`
 std::vector<GaussianSums> fit_greedily(std::span<const int> lobes, const at::Tensor& directions,
