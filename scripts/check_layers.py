@@ -92,7 +92,8 @@ for depth, room in enumerate(INFER_SHARED):
 # A scene in memory that takes edits: for the tools that show one.
 ALLOWED["infer/session"] = INFER + INFER_SHARED
 # Render, probe, eval, export and bench never include one another.
-for tool in ("render", "probe", "eval", "export", "bench", "bench/pareto", "bench/stability"):
+for tool in ("render", "probe", "eval", "export", "bench", "bench/guiding", "bench/pareto",
+             "bench/stability"):
     ALLOWED[f"infer/{tool}"] = INFER + INFER_SHARED + ["lte/report"]
 # The rooms of eval, each on those before it: how errors are measured, what the network is compared
 # with, the comparison, and what is said of it.

@@ -31,9 +31,12 @@ struct BenchOptions {
   double max_memory_mb = 0;        ///< encoder and decoder: memory above the model; 0: no limit
   std::string scene;               ///< pathtrace, edits and guiding: scene file
   std::string checkpoint;          ///< guiding: model with a radiance decoder
-  SceneFlags loading;              ///< of it
-  int random_edits = 0;            ///< edits: that many at random at the end
-  int64_t session_points = 0;      ///< edits: scene points of the session; 0: the model's
+  /// guiding: the picture whose pixels share maps, and how far they may be from the map's point.
+  std::string picture_size = "320x240";
+  double radius_m = 0.25;
+  SceneFlags loading;          ///< of it
+  int random_edits = 0;        ///< edits: that many at random at the end
+  int64_t session_points = 0;  ///< edits: scene points of the session; 0: the model's
 };
 
 /// Runs `work` once to warm up, then `repeats` times.
@@ -60,8 +63,9 @@ std::vector<BenchResult> bench_radiance(const BenchOptions& options);
 std::vector<BenchResult> bench_pathtrace(const BenchOptions& options);
 
 /// Measures the variance of light at pixels of a scene with few paths each, their first directions
-/// drawn by the material, or by maps of a radiance decoder and the material; and lamps met by these
-/// paths, or by a light sample for each path. Means are the same but for noise.
+/// drawn by the material, or by maps of a radiance decoder and the material, a map a pixel or one
+/// for all that is near; and lamps met by these paths, or by a light sample for each path. The same
+/// of irradiance at query points. Means are the same but for noise. Seconds are the processor's.
 std::vector<BenchResult> bench_guiding(const BenchOptions& options);
 
 /// Times a live scene from an edit to the picture after it, with the shipped model.

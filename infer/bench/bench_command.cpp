@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "infer/tool/picture_size.h"
 #include "infer/tool/tool_options.h"
 #include "lte/base/file.h"
 #include "lte/cli/command_files.h"
@@ -56,6 +57,12 @@ void add_bench_options(CLI::App& app, BenchRequest* request) {
   guiding->add_option("--scene", options.scene, "Scene")->required();
   guiding->add_option("--checkpoint", options.checkpoint, "Model with a radiance decoder")
       ->required();
+  guiding->add_option("--size", options.picture_size, "Size of the picture whose pixels share maps")
+      ->check(CLI::Validator(check_picture_size, "WxH"))
+      ->capture_default_str();
+  guiding->add_option("--radius", options.radius_m, "Metres from a shared map's point at most")
+      ->check(positive_number())
+      ->capture_default_str();
   add_scene_flags(*guiding, &options.loading);
   CLI::App* pareto = app.add_subcommand("pareto", "Run time against error of every method");
   const auto chart = std::make_shared<ParetoRequest>();

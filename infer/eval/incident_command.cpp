@@ -20,8 +20,9 @@ constexpr const char* kPage = "incident.html";
 CLI::App* add_incident_command(CLI::App& app, IncidentRequest* request) {
   CLI::App* command = app.add_subcommand(
       "incident",
-      "Error of a model's radiance by direction, beside spherical harmonics fitted to the traced "
-      "maps; needs --checkpoint of a model with a radiance decoder, --data and --split");
+      "Error of a model's radiance by direction, beside spherical harmonics and Gaussians fitted "
+      "to the traced maps; needs --checkpoint of a model with a radiance decoder, --data and "
+      "--split");
   command->fallthrough();
   command->add_option(
       "--traced", request->traced,

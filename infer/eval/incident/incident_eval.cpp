@@ -58,62 +58,6 @@ at::Tensor maps_of(const std::vector<Rgb>& radiance, int64_t points, double emis
       .contiguous();
 }
 
-MapErrors errors_of(const at::Tensor& maps, const at::Tensor& reference) {
-  const at::Tensor wanted = at::log1p(reference), got = at::log1p(maps.clamp_min(0));
-  return {((got - wanted) / (wanted + kMapEpsilon)).square().mean().item<double>(),
-          (got - wanted).square().mean().item<double>(),
-          (maps - reference).square().mean().item<double>()};
-}
-
-void add(const MapErrors& errors, double share, MapErrors* sum) {
-  sum->logrel += share * errors.logrel;
-  sum->log_mse += share * errors.log_mse;
-  sum->mse += share * errors.mse;
-}
-
-/// Degrees of the harmonics whose maps are kept.
-constexpr int kShown = 6, kShownHighest = 20;
-
-/// That of the first point, of maps [cells, points, 3].
-at::Tensor first_of(const at::Tensor& maps) { return maps.select(1, 0).contiguous(); }
-
-/// Fits of every degree to maps of the cells of one data set.
-class HarmonicRivals {
- public:
-  HarmonicRivals(const data::IncidentField& field, int highest, std::vector<HarmonicErrors>* out)
-      : out_(out) {
-    std::vector<double> solid_angle;
-    const auto cells = static_cast<double>(field.direction.size());
-    for (const float pdf : field.pdf) solid_angle.push_back(1 / (cells * pdf));
-    for (const HarmonicFit fit :
-         {HarmonicFit::Projected, HarmonicFit::Windowed, HarmonicFit::LeastSquares}) {
-      for (int degree = 0; degree <= highest; ++degree) {
-        fitters_.emplace_back(degree, fit, field.direction, solid_angle);
-        out_->push_back({fit, degree, {}, 0});
-      }
-    }
-  }
-
-  /// @param row  gets the maps at the first point, of the degrees that are shown
-  void add_scene(const at::Tensor& reference, double share, MapRow* row) {
-    const at::Tensor tables = reference.flatten(1);
-    for (size_t i = 0; i < fitters_.size(); ++i) {
-      const at::Tensor fitted = fitters_[i].reconstruct(tables).view(reference.sizes());
-      const HarmonicErrors& h = (*out_)[i];
-      const bool shown =
-          h.degree == kShown || (h.degree == kShownHighest && h.fit != HarmonicFit::Windowed);
-      if (row != nullptr && shown)
-        row->maps.emplace_back(concat("l ≤ ", h.degree, " ", enum_name(h.fit)), first_of(fitted));
-      add(errors_of(fitted, reference), share, &(*out_)[i].errors);
-      (*out_)[i].negative += share * (fitted < 0).to(at::kDouble).mean().item<double>();
-    }
-  }
-
- private:
-  std::vector<HarmonicFitter> fitters_;
-  std::vector<HarmonicErrors>* out_;
-};
-
 data::SceneSample read_incident(const std::filesystem::path& folder, const std::string& name) {
   const std::filesystem::path path = data::scene_path(folder, name);
   data::SceneSample sample = data::read_scene_sample(path);
@@ -149,15 +93,15 @@ void add_network(const data::SceneSample& sample, const runtime::SceneEmbedding&
   const std::vector<Vec3> directions = world_directions(field);
   const std::vector<Rgb> answers = embedding.decode_radiance(queries, directions);
   const at::Tensor neural = maps_of(answers, field.points(), emission);
-  add(errors_of(neural, reference), share, &result->neural);
+  result->neural.add(errors_of(neural, reference), share);
   std::vector<Rgb> uniform = embedding.decode(queries);
   for (Rgb& value : uniform) value *= 1 / kPi;
   const at::Tensor even = maps_of(uniform, field.points(), emission).expand_as(reference);
-  add(errors_of(even, reference), share, &result->even);
+  result->even.add(errors_of(even, reference), share);
   if (row != nullptr) row->maps.emplace_back("network", first_of(neural));
   if (!result->casts_rays) return;
   const at::Tensor seen = seen_maps(embedding, field, directions, even);
-  add(errors_of(seen, reference), share, &result->seen);
+  result->seen.add(errors_of(seen, reference), share);
   if (row != nullptr) row->maps.emplace_back("seen of the points", first_of(seen));
 }
 
@@ -172,7 +116,7 @@ void add_traced(const IncidentSettings& settings, const data::SceneSample& sampl
   LTE_CHECK(same, data::scene_path(settings.traced, sample.name).string(),
             ": has other points or directions than the scene of that name in ",
             settings.data.string());
-  add(errors_of(maps, reference), share, &result->traced);
+  result->traced.add(errors_of(maps, reference), share);
   result->traced_paths = static_cast<double>(rival.incident.samples);
   if (row != nullptr)
     row->maps.emplace_back(concat("traced, ", result->traced_paths, " paths"), first_of(maps));
@@ -199,7 +143,8 @@ IncidentResult evaluate_incident(const IncidentSettings& settings,
             data::split_name(settings.split), "\"");
   IncidentResult result;
   result.casts_rays = network.config().casts_rays();
-  std::optional<HarmonicRivals> rivals;
+  std::optional<HarmonicRivals> harmonics;
+  std::optional<GaussianRivals> gaussians;
   const double share = 1 / static_cast<double>(entries.size());
   lte::Progress progress("evaluating", static_cast<int64_t>(entries.size()), "scenes");
   for (const data::DatasetEntry& entry : entries) {
@@ -208,9 +153,10 @@ IncidentResult evaluate_incident(const IncidentSettings& settings,
     const double emission = embedding.mean_emission();
     const bool total = network.predicts_total();
     const at::Tensor reference = reference_maps(sample, total, emission);
-    if (!rivals) {
+    if (!harmonics) {
       result.cells = reference.size(0);
-      rivals.emplace(sample.incident, settings.highest_degree, &result.harmonics);
+      harmonics.emplace(sample.incident, settings.highest_degree, &result.harmonics);
+      gaussians.emplace(sample.incident, settings.lobes, &result.gaussians);
     }
     LTE_CHECK(reference.size(0) == result.cells, entry.name, ": has ", reference.size(0),
               " directions a point, and the scenes before it ", result.cells);
@@ -219,7 +165,8 @@ IncidentResult evaluate_incident(const IncidentSettings& settings,
     add_network(sample, embedding, reference, share, &result, shown);
     if (!settings.traced.empty())
       add_traced(settings, sample, total, reference, emission, share, &result, shown);
-    rivals->add_scene(reference, share, shown);
+    harmonics->add_scene(reference, share, shown);
+    gaussians->add_scene(reference, share, shown);
     if (shown != nullptr) result.pictures.push_back(row);
     ++result.scenes;
     result.points += sample.incident.points();
@@ -242,6 +189,8 @@ std::string incident_table(const IncidentResult& result) {
     if (h.degree % 2 == 1 && h.degree > 3) continue;  // all are in the JSON
     text += row(formatted("harmonics, l <= %d, ", h.degree) + enum_name(h.fit), h.errors);
   }
+  for (const GaussianErrors& g : result.gaussians)
+    text += row(formatted("gaussians, %d, ", g.lobes) + enum_name(g.fit), g.errors);
   return text;
 }
 
@@ -263,8 +212,15 @@ std::string incident_json(const IncidentResult& result, const std::string& model
     nlohmann::json entry = to_json(h.errors);
     entry["degree"] = h.degree;
     entry["coefficients"] = (h.degree + 1) * (h.degree + 1);
+    entry["numbers"] = h.numbers();
     entry["negative"] = h.negative;
     json["harmonics"][enum_name(h.fit)].push_back(entry);
+  }
+  for (const GaussianErrors& g : result.gaussians) {
+    nlohmann::json entry = to_json(g.errors);
+    entry["lobes"] = g.lobes;
+    entry["numbers"] = g.numbers();
+    json["gaussians"][enum_name(g.fit)].push_back(entry);
   }
   return json.dump(2) + "\n";
 }

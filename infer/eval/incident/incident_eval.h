@@ -1,16 +1,14 @@
 // Error of a model's incident radiance by direction on a baked data set, beside spherical harmonics
-// fitted to the very maps that it is compared with (the paper's supplement, section 4).
+// and spherical Gaussians fitted to the very maps that it is compared with (the paper's supplement,
+// section 4).
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include <ATen/core/Tensor.h>
-
-#include "infer/eval/incident/spherical_harmonics.h"
+#include "infer/eval/incident/map_rivals.h"
 #include "lte/data/dataset.h"
 #include "lte/runtime/memory_limit.h"
 #include "lte/runtime/network.h"
@@ -22,30 +20,11 @@ struct IncidentSettings {
   data::Split split = data::Split::Test;
   /// The same scenes and points with fewer paths a direction, as a rival; empty: none.
   std::filesystem::path traced;
-  int highest_degree = 20;  ///< of the harmonics
+  int highest_degree = 20;                      ///< of the harmonics
+  std::vector<int> lobes = {4, 8, 16, 32, 64};  ///< of the Gaussians, rising
   runtime::MemoryLimit memory = {};
 };
 
-/// Means over scenes. x is π L over the scene's mean emission, y that of the reference.
-struct MapErrors {
-  double logrel = 0;   ///< mean ((log(x + 1) − log(y + 1)) / (log(y + 1) + kMapEpsilon))²
-  double log_mse = 0;  ///< mean (log(x + 1) − log(y + 1))², which the dark does not rule
-  double mse = 0;      ///< mean (x − y)²
-};
-inline constexpr double kMapEpsilon = 0.1;
-
-struct HarmonicErrors {
-  HarmonicFit fit = HarmonicFit::Projected;
-  int degree = 0;
-  MapErrors errors;
-  double negative = 0;  ///< share of directions whose radiance comes out negative: ringing
-};
-
-/// Maps at one point beside one another, the reference first; each [cells, 3] float64 of x.
-struct MapRow {
-  std::string place;
-  std::vector<std::pair<std::string, at::Tensor>> maps;
-};
 /// Rows that are kept, one a scene.
 inline constexpr size_t kMapRows = 6;
 
@@ -61,6 +40,7 @@ struct IncidentResult {
   MapErrors traced;         ///< of IncidentSettings::traced
   double traced_paths = 0;  ///< a direction; 0 without
   std::vector<HarmonicErrors> harmonics;
+  std::vector<GaussianErrors> gaussians;
   std::vector<MapRow> pictures;
 };
 

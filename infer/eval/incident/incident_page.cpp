@@ -31,23 +31,45 @@ std::vector<std::pair<std::string, MapErrors>> flat_rows(const IncidentResult& r
   return rows;
 }
 
-std::string error_chart(const IncidentResult& result, const std::string& title,
+void add_point(const std::string& name, double x, double y, std::vector<ChartLine>* lines) {
+  if (lines->empty() || lines->back().name != name) lines->push_back({name, {}});
+  lines->back().points.emplace_back(x, y);
+}
+
+/// What the errors are drawn over.
+enum class Axis { Degree, Numbers };
+
+std::string error_chart(const IncidentResult& result, Axis axis, const std::string& title,
                         double MapErrors::*member) {
+  const bool by_degree = axis == Axis::Degree;
   std::vector<ChartLine> lines;
-  double highest = 0;
-  for (const HarmonicErrors& h : result.harmonics) {
-    const std::string name = concat("harmonics, ", enum_name(h.fit));
-    if (lines.empty() || lines.back().name != name) lines.push_back({name, {}});
-    lines.back().points.emplace_back(h.degree, h.errors.*member);
-    highest = std::max(highest, static_cast<double>(h.degree));
+  for (const HarmonicErrors& h : result.harmonics)
+    add_point(concat("harmonics, ", enum_name(h.fit)), by_degree ? h.degree : h.numbers(),
+              h.errors.*member, &lines);
+  if (!by_degree) {
+    for (const GaussianErrors& g : result.gaussians)
+      add_point(concat("Gaussians, ", enum_name(g.fit)), g.numbers(), g.errors.*member, &lines);
+  }
+  double lowest = 0, highest = 0;
+  for (const ChartLine& line : lines) {
+    lowest = line.points.front().first;
+    highest = std::max(highest, line.points.back().first);
   }
   for (const auto& [name, errors] : flat_rows(result))
-    lines.push_back({name, {{0, errors.*member}, {highest, errors.*member}}});
+    lines.push_back({name, {{lowest, errors.*member}, {highest, errors.*member}}});
   ChartStyle style;
   style.title = title;
-  style.x_label = "l of the harmonics at most";
+  style.x_label = by_degree ? "l of the harmonics at most" : "numbers stored for a map";
+  style.log_x = !by_degree;
   style.log_y = true;
   return html_chart(style, lines);
+}
+
+std::string error_charts(const IncidentResult& result, Axis axis) {
+  return html_grid(
+      error_chart(result, axis, "logrel: relative error of log(x + 1)", &MapErrors::logrel) +
+      error_chart(result, axis, "log_mse: squared error of log(x + 1)", &MapErrors::log_mse) +
+      error_chart(result, axis, "mse: squared error of x", &MapErrors::mse));
 }
 
 Image picture_of(const at::Tensor& map, float exposure) {
@@ -106,13 +128,18 @@ std::string maps(const IncidentResult& result) {
 std::string table(const IncidentResult& result) {
   std::vector<std::vector<std::string>> rows;
   for (const auto& [name, e] : flat_rows(result))
-    rows.push_back({name, figure(e.logrel), figure(e.log_mse), figure(e.mse), ""});
+    rows.push_back({name, "", figure(e.logrel), figure(e.log_mse), figure(e.mse), ""});
   for (const HarmonicErrors& h : result.harmonics) {
     if (h.degree % 2 == 1 && h.degree > 3) continue;
-    rows.push_back({concat("l ≤ ", h.degree, ", ", enum_name(h.fit)), figure(h.errors.logrel),
-                    figure(h.errors.log_mse), figure(h.errors.mse), figure(h.negative)});
+    rows.push_back({concat("l ≤ ", h.degree, ", ", enum_name(h.fit)), concat(h.numbers()),
+                    figure(h.errors.logrel), figure(h.errors.log_mse), figure(h.errors.mse),
+                    figure(h.negative)});
   }
-  return html_table({"", "logrel", "log_mse", "mse", "share below zero"}, rows, "neural");
+  for (const GaussianErrors& g : result.gaussians)
+    rows.push_back({concat(g.lobes, " Gaussians, ", enum_name(g.fit)), concat(g.numbers()),
+                    figure(g.errors.logrel), figure(g.errors.log_mse), figure(g.errors.mse), "0"});
+  return html_table({"", "numbers a map", "logrel", "log_mse", "mse", "share below zero"}, rows,
+                    "neural");
 }
 
 }  // namespace
@@ -121,15 +148,15 @@ std::string incident_html(const IncidentResult& result, const std::string& model
                           const std::string& data) {
   std::string body = html_note(concat("Model ", model, "; data ", data, "; ", result.points,
                                       " points, ", result.cells, " directions each."));
-  body +=
-      html_grid(error_chart(result, "logrel: relative error of log(x + 1)", &MapErrors::logrel) +
-                error_chart(result, "log_mse: squared error of log(x + 1)", &MapErrors::log_mse) +
-                error_chart(result, "mse: squared error of x", &MapErrors::mse));
+  body += error_charts(result, Axis::Degree);
+  if (!result.gaussians.empty())
+    body += "<h2>At equal storage</h2>\n" + error_charts(result, Axis::Numbers);
   body += maps(result) + "<h2>Error</h2>\n" + table(result);
   body += html_note(
       "x is π times radiance over the scene's mean emission, of light that has bounced before. "
       "logrel divides by the reference and so forgives what is too dark; log_mse does not. "
-      "Harmonics are fitted to the reference itself. Formulas: docs/metrics.md of lte.");
+      "Harmonics and Gaussians are fitted to the reference itself. Formulas: docs/metrics.md of "
+      "lte.");
   return html_page(
       concat("Radiance by direction in ", result.scenes, result.scenes == 1 ? " scene" : " scenes"),
       body);

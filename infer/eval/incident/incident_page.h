@@ -1,4 +1,5 @@
-// The page of lte_eval incident: error by the degree of the harmonics, and maps beside one another.
+// The page of lte_eval incident: error by the degree of the harmonics and by the numbers that a map
+// takes, and maps beside one another.
 #pragma once
 
 #include <string>

@@ -1,15 +1,16 @@
 // Path guiding by a map of radiance over the hemisphere of a point, such as a radiance decoder
 // answers (the paper's supplement, section 4): directions drawn in proportion to radiance times
 // what the surface reflects, by inverting the distribution over the cells of the map.
+//
+// A map may be made at one point and serve others near it (shared_places.h): the mean stays the
+// same whatever the map says, and only the variance depends on how well it fits.
 #pragma once
 
-#include <cstdint>
 #include <memory>
-#include <span>
-#include <vector>
 
 #include "lte/base/math.h"
 #include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/incident/guide_table.h"
 #include "lte/pathtrace/incident/incident.h"
 
 namespace lte::pathtrace {
@@ -25,13 +26,16 @@ struct GuideOptions {
 /// Draws directions at one point, for one view of it.
 class Guide {
  public:
-  /// @param radiance   [bins * bins] of the cells around `normal` (hemisphere_bins.h), in any
-  ///                   unit, not negative
+  /// By radiance times what the surface reflects.
+  /// @param map        around `normal`, or around that of a point nearby
   /// @param reflector  the surface; a metallic of 0 is Lambertian
-  /// @throws lte::Error if sizes disagree, a value is negative or not finite, or a share is not in
-  ///         (0, 1] or [0, 1)
-  Guide(std::span<const Rgb> radiance, int bins, const Vec3& normal, const Reflector& reflector,
+  /// @throws lte::Error as GuideTable, or if the material share is not in [0, 1), or is 0 for a map
+  ///         around another normal, whose hemisphere does not have all directions
+  Guide(const DirectionMap& map, const Vec3& normal, const Reflector& reflector,
         const GuideOptions& options = {});
+  /// By a table that is shared, made without the surface: cheap.
+  Guide(std::shared_ptr<const GuideTable> table, const Vec3& normal, const Reflector& reflector,
+        float material_share = GuideOptions{}.material_share);
   ~Guide();
   Guide(Guide&&) noexcept;
 

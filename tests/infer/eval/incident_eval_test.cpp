@@ -147,6 +147,7 @@ class IncidentEval : public testing::Test {
     IncidentSettings settings;
     settings.data = folder_ / "data";
     settings.highest_degree = 3;
+    settings.lobes = {2, 8, 32};
     if (!traced.empty()) settings.traced = folder_ / traced;
     return evaluate_incident(settings, runtime::Network(folder_ / "model.safetensors"));
   }
@@ -203,7 +204,16 @@ TEST_F(IncidentEval, ErrorsAreTheirFormulas) {
   const auto json = nlohmann::json::parse(incident_json(result, "m", "d"));
   EXPECT_EQ(json["harmonics"]["windowed"].size(), 4u);
   EXPECT_EQ(json["harmonics"]["windowed"][2]["coefficients"], 9);
-  EXPECT_THAT(incident_table(result), AllOf(HasSubstr("neural"), HasSubstr("l <= 2, projected")));
+  ASSERT_EQ(result.gaussians.size(), 6u);
+  EXPECT_LT(result.gaussians[5].errors.mse, result.gaussians[3].errors.mse)
+      << "32 lobes where the map needs them, and 2";
+  EXPECT_LT(result.gaussians[5].errors.mse, mse);
+  EXPECT_EQ(json["gaussians"]["lattice"][1]["lobes"], 8);
+  EXPECT_EQ(json["gaussians"]["lattice"][1]["numbers"], 24);
+  EXPECT_EQ(json["gaussians"]["greedy"][1]["numbers"], 48);
+  EXPECT_EQ(json["harmonics"]["windowed"][2]["numbers"], 27) << "a lattice of 9 lobes has as many";
+  EXPECT_THAT(incident_table(result), AllOf(HasSubstr("neural"), HasSubstr("l <= 2, projected"),
+                                            HasSubstr("gaussians, 8, greedy")));
 }
 
 TEST_F(IncidentEval, ItsPageHasChartsAndTheMapsOfAPointAScene) {
@@ -212,7 +222,8 @@ TEST_F(IncidentEval, ItsPageHasChartsAndTheMapsOfAPointAScene) {
   const IncidentResult result = evaluate("data");
   ASSERT_EQ(result.pictures.size(), 2u);
   const MapRow& row = result.pictures.front();
-  ASSERT_EQ(row.maps.size(), 3u) << "no degree as high as those shown was fitted";
+  ASSERT_EQ(row.maps.size(), 4u) << "no degree as high as those shown was fitted";
+  EXPECT_EQ(row.maps[3].first, "32 Gaussians greedy") << "192 numbers";
   EXPECT_EQ(row.maps[0].first, "reference");
   EXPECT_EQ(row.maps[1].first, "network");
   EXPECT_TRUE(at::equal(row.maps[0].second, row.maps[2].second)) << "the rival is the reference";
@@ -222,6 +233,7 @@ TEST_F(IncidentEval, ItsPageHasChartsAndTheMapsOfAPointAScene) {
       << "it answers the same everywhere";
   const std::string page = incident_html(result, "the model", "the data");
   EXPECT_THAT(page, AllOf(HasSubstr("<svg"), HasSubstr("harmonics, windowed"),
+                          HasSubstr("Gaussians, lattice"), HasSubstr("At equal storage"),
                           HasSubstr("data:image/png;base64,"), HasSubstr("the model"),
                           HasSubstr("reference | network | traced, 3 paths")));
 }

@@ -1,7 +1,9 @@
 #include "lte/pathtrace/incident/guide.h"
 
 #include <cmath>
+#include <memory>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -54,14 +56,34 @@ void over_hemisphere(const Visit& visit) {
   }
 }
 
-class Guides : public testing::TestWithParam<std::pair<float, float>> {
+/// How a guide comes by its map.
+enum class Made {
+  Here,          ///< around the point itself
+  Near,          ///< around one nearby, whose normal is another; the product is made here
+  NearAndShared  ///< the same by a table that knows no surface
+};
+
+struct Case {
+  float metallic, roughness;
+  Made made;
+};
+
+class Guides : public testing::TestWithParam<Case> {
  protected:
-  Reflector surface() const { return reflector(GetParam().first, GetParam().second); }
+  Reflector surface() const { return reflector(GetParam().metallic, GetParam().roughness); }
+
+  Guide guide(const std::vector<Rgb>& map) const {
+    if (GetParam().made == Made::Here) return {{map, kBins, kNormal}, kNormal, surface()};
+    const DirectionMap near{map, kBins, normalize({0.1f, 1, 0.3f})};
+    EXPECT_LT(dot(near.normal, kNormal), 0.9f);
+    if (GetParam().made == Made::Near) return {near, kNormal, surface()};
+    return {std::make_shared<const GuideTable>(near, 0.1f), kNormal, surface()};
+  }
 };
 
 /// χ² of where draws fall against the density, in cells that are not those of the map.
 TEST_P(Guides, DrawsFallAsTheDensitySays) {
-  const Guide guide(some_map(), kBins, kNormal, surface());
+  const Guide guide = Guides::guide(some_map());
   constexpr int kDraws = 200'000;
   std::vector<double> expected(144), counts(144);
   double total = 0;
@@ -103,7 +125,7 @@ TEST_P(Guides, DrawsFallAsTheDensitySays) {
 TEST_P(Guides, WeightsIntegrateWhatTheSurfaceReflects) {
   for (const bool dark : {false, true}) {
     const std::vector<Rgb> map = dark ? std::vector<Rgb>(kBins * kBins) : some_map();
-    const Guide guide(map, kBins, kNormal, surface());
+    const Guide guide = Guides::guide(map);
     double expected = 0;
     over_hemisphere([&](size_t, const Vec3& direction, double solid_angle) {
       expected += double{guide.reflected(direction).x} * solid_angle;
@@ -123,26 +145,29 @@ TEST_P(Guides, WeightsIntegrateWhatTheSurfaceReflects) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Surfaces, Guides,
-                         testing::Values(std::pair(0.0f, 1.0f), std::pair(1.0f, 0.3f),
-                                         std::pair(0.6f, 0.5f)));
+                         testing::Values(Case{0, 1, Made::Here}, Case{1, 0.3f, Made::Here},
+                                         Case{0.6f, 0.5f, Made::Here}, Case{0, 1, Made::Near},
+                                         Case{1, 0.3f, Made::Near}, Case{0, 1, Made::NearAndShared},
+                                         Case{0.6f, 0.5f, Made::NearAndShared}));
 
-/// In a room lit through a slit: both ways of drawing have one mean, and the guide by the true map
-/// has far less variance.
-TEST(Guide, OfTheTrueMapHasTheSameMeanAndLessVariance) {
-  scene::Scene scene = test::furnished_room();
-  const Bvh bvh(scene);
-  const Lights lights(scene);
-  const Vec3 position = {3.2f, 0, 0.5f}, normal = {0, 1, 0};
-  const Reflector floor{{0.8f, 0.8f, 0.8f}, {0, 1}, normal};
+/// Radiance over the cells at a point, traced.
+std::vector<Rgb> traced_map(const Bvh& bvh, const Lights& lights, const Vec3& position,
+                            const Vec3& normal, int bins) {
   IncidentOptions options;
-  options.bins = 16;
+  options.bins = bins;
   options.samples = 256;
   const IncidentRadiance traced =
       estimate_incident(bvh, lights, {&position, 1}, {&normal, 1}, options);
-  std::vector<Rgb> map(256);
+  std::vector<Rgb> map(static_cast<size_t>(traced.cells()));
   for (size_t i = 0; i < traced.indirect.size(); ++i)
-    map[i % 256] += traced.indirect[i] + traced.direct[i];
-  const Guide guide(map, 16, normal, floor);
+    map[i % map.size()] += traced.indirect[i] + traced.direct[i];
+  return map;
+}
+
+/// Draws by the guide and by the cosine have one mean within their errors, and the guide's variance
+/// is less than `share` of the other.
+void expect_same_mean(const Bvh& bvh, const Lights& lights, const Vec3& position,
+                      const Vec3& normal, const Guide& guide, double share) {
   IncidentSampler sampler(bvh, lights);
   constexpr int64_t kPaths = 40'000;
   const auto statistics = [&](const IncidentSamples& samples) {
@@ -167,19 +192,51 @@ TEST(Guide, OfTheTrueMapHasTheSameMeanAndLessVariance) {
   const auto [mean, variance] = statistics(sampler.draw(position, normal, guide, kPaths, one));
   const auto [other, unguided] = statistics(sampler.draw(position, normal, kPaths, two));
   EXPECT_NEAR(mean, other, 4 * std::sqrt((variance + unguided) / kPaths));
-  EXPECT_LT(variance, 0.4 * unguided);
+  EXPECT_LT(variance, share * unguided);
+}
+
+/// In a room lit through a slit: both ways of drawing have one mean, and the guide by the true map
+/// has far less variance.
+TEST(Guide, OfTheTrueMapHasTheSameMeanAndLessVariance) {
+  scene::Scene scene = test::furnished_room();
+  const Bvh bvh(scene);
+  const Lights lights(scene);
+  const Vec3 position = {3.2f, 0, 0.5f}, normal = {0, 1, 0};
+  const Reflector floor{{0.8f, 0.8f, 0.8f}, {0, 1}, normal};
+  const std::vector<Rgb> map = traced_map(bvh, lights, position, normal, 16);
+  expect_same_mean(bvh, lights, position, normal, Guide({map, 16, normal}, normal, floor), 0.4);
+}
+
+/// The same by a map that was made 40 cm away, around a normal that leans.
+TEST(Guide, OfANeighboursMapHasTheSameMeanAndLessVariance) {
+  scene::Scene scene = test::furnished_room();
+  const Bvh bvh(scene);
+  const Lights lights(scene);
+  const Vec3 position = {3.2f, 0, 0.5f}, normal = {0, 1, 0};
+  const Vec3 near = {2.9f, 0.02f, 0.8f}, leaning = normalize({0.1f, 1, 0.2f});
+  const Reflector floor{{0.8f, 0.8f, 0.8f}, {0, 1}, normal};
+  const std::vector<Rgb> map = traced_map(bvh, lights, near, leaning, 16);
+  const auto table = std::make_shared<const GuideTable>(DirectionMap{map, 16, leaning}, 0.1f);
+  const Guide guide(table, normal, floor);
+  expect_same_mean(bvh, lights, position, normal, guide, 0.75);
 }
 
 TEST(Guide, RefusesWhatItCannotDrawFrom) {
   const Reflector surface = reflector(1, 0.3f);
   std::vector<Rgb> map = some_map();
-  EXPECT_THROW(Guide(map, 6, kNormal, surface), Error);
-  EXPECT_THROW(Guide(map, kBins, kNormal, surface, {0, 0.5f}), Error);
-  EXPECT_THROW(Guide(map, kBins, kNormal, surface, {0.1f, 1}), Error);
+  const auto make = [&](int bins, const Vec3& normal, const GuideOptions& options) {
+    Guide({map, bins, normal}, kNormal, surface, options);
+  };
+  make(kBins, kNormal, {0.1f, 0});
+  EXPECT_THROW(make(6, kNormal, {}), Error);
+  EXPECT_THROW(make(kBins, kNormal, {0, 0.5f}), Error);
+  EXPECT_THROW(make(kBins, kNormal, {0.1f, 1}), Error);
+  EXPECT_THROW(make(kBins, normalize({0.1f, 1, 0.3f}), {0.1f, 0}), Error)
+      << "directions below the map's hemisphere would have density 0";
   map[3].y = -1;
-  EXPECT_THROW(Guide(map, kBins, kNormal, surface), Error);
+  EXPECT_THROW(make(kBins, kNormal, {}), Error);
   map[3].y = NAN;
-  EXPECT_THROW(Guide(map, kBins, kNormal, surface), Error);
+  EXPECT_THROW(make(kBins, kNormal, {}), Error);
 }
 
 }  // namespace

@@ -1,0 +1,15 @@
+// Do guided paths make training data cheaper? Irradiance at query points by cosine-distributed first
+// directions, as data sets are baked, and by guided ones.
+#pragma once
+
+#include <vector>
+
+#include "infer/bench/guiding/guiding_row.h"
+#include "infer/renderer/renderer.h"
+
+namespace lte::infer {
+
+/// @param renderer  with an embedding of a radiance decoder
+std::vector<GuidingRow> guided_irradiance(const Renderer& renderer, const GuidingOptions& options);
+
+}  // namespace lte::infer
