@@ -10,7 +10,7 @@
 namespace lte::infer {
 namespace {
 
-// The numbers of lte/nn/surfels.cpp and lte/nn/surfel_grid.cpp, which say what they are for. A test
+// The numbers of lte/nn/surfels.cpp and lte/ops/surfel_walk.h, which say what they are for. A test
 // holds the module's rays to those.
 constexpr double kOverlap = 1.6, kDistanceShift = 1.6, kLeastDistance = 1e-4;
 constexpr double kOwn = 0.1, kLayer = 0.5, kSpread = 0.35, kInside = 0.1, kLeastMetal = 0.02;

@@ -1,6 +1,6 @@
 // What rays see of discs that stand for a scene's points (surfels: Pfister et al. 2000; for light:
-// Christensen 2008, "Point-Based Approximate Global Illumination"). The discs lie in a regular grid,
-// through which a ray walks cell by cell (Amanatides and Woo 1987).
+// Christensen 2008, "Point-Based Approximate Global Illumination"). The discs lie in a regular
+// grid, through which a ray walks cell by cell (Amanatides and Woo 1987).
 #pragma once
 
 #include <array>
@@ -36,9 +36,9 @@ struct SurfelGrid {
 /// @note Made on the CPU, from where it is copied.
 SurfelGrid make_surfel_grid(const at::Tensor& discs);
 
-/// Discs whose middle a ray meets at nearly the nearest distance share the answer, by how near their
-/// middles are. Metals reflect the ray: four GGX half vectors at the first, the mirror's direction
-/// behind it, at most two bounces.
+/// Discs whose middle a ray meets at nearly the nearest distance share the answer, by how near
+/// their middles are. Metals reflect the ray: four GGX half vectors at the first, the mirror's
+/// direction behind it, at most two bounces.
 ///
 /// @param position    [Q, 3] float32, where rays start: on a surface, whose own discs are passed
 /// @param directions  [Q, N, 3] float32, unit

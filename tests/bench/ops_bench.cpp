@@ -195,9 +195,9 @@ void LobeRadiance(benchmark::State& state, bool fused) {
     const at::Tensor lobes =
         at::baddbmm(own.narrow(1, 3 * K, K).unsqueeze(1), directions,
                     own.narrow(1, 0, 3 * K).reshape({Q, K, 3}).transpose(1, 2));
-    const at::Tensor mixed = lte::ops::linear(gelu(lobes), w.mix.weight, w.mix.bias);
-    const at::Tensor color = lte::ops::linear(gelu(mixed + own.narrow(1, 4 * K, K).unsqueeze(1)),
-                                              w.color.weight, w.color.bias);
+    const at::Tensor mixed = lte::ops::linear(lte::ops::gelu(lobes), w.mix.weight, w.mix.bias);
+    const at::Tensor color = lte::ops::linear(
+        lte::ops::gelu(mixed + own.narrow(1, 4 * K, K).unsqueeze(1)), w.color.weight, w.color.bias);
     return at::softplus(color) * light.unsqueeze(1);
   };
   for (auto _ : state)

@@ -1,5 +1,5 @@
-// Which discs of a cell a ray meets, the discs in the lanes: PlainCells of surfel_walk.h without its
-// branches.
+// Which discs of a cell a ray meets, the discs in the lanes: PlainCells of surfel_walk.h without
+// its branches.
 #include "lte/ops/cpu/kernels/kernels.h"
 #include "lte/ops/cpu/kernels/vector.h"
 
