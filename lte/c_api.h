@@ -293,17 +293,17 @@ LTE_API lte_status lte_embedding_decode(const lte_embedding* embedding, const lt
  *  lte_embedding_decode() tells of (lte_model_info::target), so a lamp is seen in metal but not at
  *  once where that is LTE_TARGET_INDIRECT. Wants lte_model_info::predicts_radiance.
  *
- *  @param directions         [N, D] triples, the first query's, then the second's and so on: world,
- *                            unit, away from the surface, to where the light comes from. Lengths
- *                            may be off by 0.01, and cosines to the normal as low as -0.01.
+ *  @param directions          [N, D] triples, the first query's, then the second's and so on: unit,
+ *                             world, away from the surface, to where the light comes from. Lengths
+ *                             may be off by 0.01, and cosines to the normal as low as -0.01.
  *  @param directions_a_query  D, at least 1. Further ones are cheap: what a query knows of its
- *                            surroundings is gathered once.
- *  @param radiance           [N, D, 3] float32, W sr^-1 m^-2; overlaps none of the other arrays
- *  @param radiance_stride    bytes from one triple to the next, a multiple of 4, at least 12; 0: 12
+ *                             surroundings is gathered once.
+ *  @param radiance            [N, D, 3] float32, W sr^-1 m^-2; overlaps none of the other arrays
+ *  @param radiance_stride     as irradiance_stride of lte_embedding_decode()
  *  @note Where the mask is 0 no direction is read, and the answers are 0. LTE_QUERIES_TRUSTED
  *        vouches for the directions too.
  *  @note An answer depends on the other queries and directions by rounding alone.
- *  @note Works in blocks that take some 150 MB; besides, the checks take 30 bytes a direction. */
+ *  @note Works in blocks that take some 200 MB; besides, the checks take 30 bytes a direction. */
 LTE_API lte_status lte_embedding_decode_radiance(const lte_embedding* embedding,
                                                  const lte_queries* queries,
                                                  const lte_float3_view* directions,

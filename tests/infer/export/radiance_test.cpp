@@ -126,46 +126,37 @@ void expect_same_but_at_edges(const at::Tensor& got, const at::Tensor& expected,
 
 TEST_F(ExportOfRadiance, EachHeadAgreesWithTheNativeModel) {
   const Room room;
-  for (const auto head :
-       {nn::RadianceHead::Directions, nn::RadianceHead::Map, nn::RadianceHead::Gaussians}) {
-    for (const bool reads : {false, true}) {
-      nn::ModelConfig config = radiance_config();
-      config.radiance_head = head;
-      if (reads) {
-        config.light_input = nn::LightInput::Traced;
-        config.pair_geometry = nn::PairGeometry::Normals;
-        config.gloss = true;
-      } else {
-        config.query_attention = nn::QueryAttention::Softmax;
-      }
-      const auto file = test::save_untrained(folder_.path(), config);
-      const at::Tensor expected = room.native(file);
-      for (const bool portable : {false, true}) {
-        const at::Tensor got = answer(file, portable, room, config);
-        EXPECT_LT((got - expected).abs().max().item<double>(),
-                  1e-5 * expected.abs().max().item<double>())
-            << config.to_yaml() << (portable ? "portable" : "native");
-        EXPECT_GT(got.min().item<double>(), 0);
-      }
+  nn::ModelConfig lobes = radiance_config(), map = lobes, gaussians = lobes;
+  lobes.light_input = nn::LightInput::Traced;
+  lobes.pair_geometry = nn::PairGeometry::Normals;
+  map.radiance_head = nn::RadianceHead::Map;
+  map.query_attention = nn::QueryAttention::Softmax;
+  gaussians.radiance_head = nn::RadianceHead::Gaussians;
+  gaussians.gloss = true;
+  for (const nn::ModelConfig& config : {lobes, map, gaussians}) {
+    const auto file = test::save_untrained(folder_.path(), config);
+    const at::Tensor expected = room.native(file);
+    for (const bool portable : {false, true}) {
+      const at::Tensor got = answer(file, portable, room, config);
+      EXPECT_LT((got - expected).abs().max().item<double>(),
+                1e-5 * expected.abs().max().item<double>())
+          << config.to_yaml() << (portable ? "portable" : "native");
+      EXPECT_GT(got.min().item<double>(), 0);
     }
   }
 }
 
 TEST_F(ExportOfRadiance, RaysSeeTheDiscsOfTheNativeModel) {
   const Room room;
-  for (const bool total : {false, true}) {
-    for (const bool metal : {false, true}) {
-      nn::ModelConfig config = casting_config();
-      config.gloss = metal;
-      if (total) config.target = nn::Target::Total;
-      if (total && !metal) config.light_sides = nn::LightSides::Sum;
-      const auto file = test::save_untrained(folder_.path(), config);
-      const at::Tensor expected = room.native(file);
-      for (const bool portable : {false, true}) {
-        const at::Tensor got = answer(file, portable, room, config);
-        expect_same_but_at_edges(got, expected, config.to_yaml());
-      }
-    }
+  nn::ModelConfig metal = casting_config(), matt = metal;
+  matt.gloss = false;
+  matt.target = nn::Target::Total;
+  matt.light_sides = nn::LightSides::Sum;
+  for (const nn::ModelConfig& config : {metal, matt}) {
+    const auto file = test::save_untrained(folder_.path(), config);
+    const at::Tensor expected = room.native(file);
+    for (const bool portable : {false, true})
+      expect_same_but_at_edges(answer(file, portable, room, config), expected, config.to_yaml());
   }
 }
 
@@ -212,9 +203,9 @@ TEST_F(ExportOfRadiance, BlocksOfQueriesAndDirectionsAnswerAsOne) {
   const at::Tensor last =
       radiance(module, embedding, room.asked().slice(0, 4990), room.directions.slice(0, 4990));
   EXPECT_TRUE(at::allclose(all.slice(0, 4990), last, 1e-5, 1e-7));
-  EXPECT_EQ(
-      radiance(module, embedding, room.asked().slice(0, 0), room.directions.slice(0, 0)).sizes(),
-      (std::vector<int64_t>{0, kEach, 3}));
+  EXPECT_EQ(radiance(module, embedding, room.asked().slice(0, 0, 0), room.directions.slice(0, 0, 0))
+                .sizes(),
+            (std::vector<int64_t>{0, kEach, 3}));
 }
 
 TEST_F(ExportOfRadiance, RefusesWhatItCannotAnswer) {
