@@ -14,6 +14,10 @@ constexpr const char* kUseCache =
 constexpr const char* kNoCache = R"SCRIPT(    light = torch.ones_like(position)
 )SCRIPT";
 
+// Of directions that enter before the attention, with what their rays see.
+constexpr const char* kTold = R"SCRIPT(    attributes = torch.cat([attributes, told], 1)
+)SCRIPT";
+
 // What comes of a query's neighbours before the layers: for the sum over them S1 and S2 of all
 // layers at once, for the softmax the encoded offsets, which each layer reads anew.
 constexpr const char* kSums = R"SCRIPT(    s1, s2 = self.neighbour_sums(
@@ -57,7 +61,7 @@ constexpr const char* kLayer =
 )SCRIPT";
 
 constexpr const char* kGather = R"SCRIPT(
-def {name}(self, embedding: Dict[str, Tensor], queries: Tensor) -> Tuple[Tensor, Tensor]:
+def {name}(self, embedding: Dict[str, Tensor], queries: Tensor{argument}) -> Tuple[Tensor, Tensor]:
     anchors = embedding['position']
     position = (queries[:, 0:3] - embedding['origin']) / {scale}
     index = self.nearest(position, anchors, {neighbours})
@@ -67,7 +71,7 @@ def {name}(self, embedding: Dict[str, Tensor], queries: Tensor) -> Tuple[Tensor,
         offset, self.{d}_gamma_hidden_weight, self.{d}_gamma_hidden_bias))
 {gather}
     attributes = self.attributes(position, queries[:, 3:6], queries[:, 6:9])
-{use_cache}    g = self.mlp(
+{use_cache}{told}    g = self.mlp(
         attributes, self.{d}_point_hidden_weight, self.{d}_point_hidden_bias,
         self.{d}_point_output_weight, self.{d}_point_output_bias)
 {layers}    g = self.norm(g, self.{d}_norm_weight, self.{d}_norm_bias)
@@ -104,7 +108,8 @@ struct Decoder {
 constexpr Decoder kIrradiance = {"gather_irradiance", "decoder", "table"};
 constexpr Decoder kRadiance = {"gather_radiance", "radiance_query", "radiance_table"};
 
-std::string gather(const Decoder& decoder, const nn::ModelConfig& config) {
+/// @param told  whether queries are told more than what they are
+std::string gather(const Decoder& decoder, const nn::ModelConfig& config, bool told = false) {
   const bool softmax = config.normalizes_attention();
   std::string layers;
   for (int64_t l = 0; l < config.query_layers; ++l) {
@@ -118,6 +123,8 @@ std::string gather(const Decoder& decoder, const nn::ModelConfig& config) {
                         {"normals", config.reads_normals() ? kNormals : ""},
                         {"gather", softmax ? kPlaces : kSums},
                         {"use_cache", config.reads_indirect() ? kUseCache : kNoCache},
+                        {"argument", told ? ", told: Tensor" : ""},
+                        {"told", told ? kTold : ""},
                         {"layers", layers},
                         {"name", decoder.name},
                         {"d", decoder.parameters},
@@ -152,7 +159,7 @@ std::string torchscript_decoder(const nn::ModelConfig& config) {
   return (config.normalizes_attention() ? kSoftmax : "") +
          (config.reads_indirect() ? torchscript_read_cache(config) : "") +
          gather(kIrradiance, config) +
-         (config.predicts_radiance() ? gather(kRadiance, config) : "") +
+         (config.predicts_radiance() ? gather(kRadiance, config, config.enters_early()) : "") +
          fill(kDecode, {{"rows", std::to_string(kQueryRows)}});
 }
 

@@ -59,13 +59,28 @@ constexpr const char* kCast =
     seen.append(self.seen(embedding, position, directions))
 )SCRIPT";
 
+constexpr const char* kLate =
+    R"SCRIPT(    features, light = self.gather_radiance(embedding, queries)
+    factor = self.factor(features, directions, seen)
+    light = light.unsqueeze(1)
+)SCRIPT";
+
+// Each direction is a query of its own.
+constexpr const char* kEarly = R"SCRIPT(    count = directions.size(1)
+    told = torch.reshape(directions, [-1, 3])
+    if len(seen) > 0:
+        told = torch.cat([told, torch.reshape(seen[0][:, :, 3:10], [-1, 7])], 1)
+    each = torch.repeat_interleave(queries, count, 0)
+    factor, light = self.gather_radiance(embedding, each, told)
+    factor = torch.reshape(factor, [-1, count, factor.size(1)])
+    light = torch.reshape(light, [-1, count, 3])
+)SCRIPT";
+
 constexpr const char* kRadiance = R"SCRIPT(
 def radiance_block(self, embedding: Dict[str, Tensor], queries: Tensor,
                    directions: Tensor) -> Tensor:
-    features, light = self.gather_radiance(embedding, queries)
     seen: List[Tensor] = []
-{cast}    factor = self.factor(features, directions, seen)
-    answer = factor[:, :, 0:3] * light.unsqueeze(1)
+{cast}{factor}    answer = factor[:, :, 0:3] * light
     if len(seen) > 0:
         answer = answer + factor[:, :, 3:6] * seen[0][:, :, 0:3]
     return answer
@@ -90,6 +105,7 @@ def radiance(self, embedding: Dict[str, Tensor], queries: Tensor, directions: Te
     return torch.cat(out) * (embedding['radiance'] / {pi}).to(6)
 )SCRIPT";
 
+/// The method factor() of late directions.
 const char* head_of(const nn::ModelConfig& config) {
   switch (config.radiance_head) {
     case nn::RadianceHead::Directions:
@@ -97,20 +113,25 @@ const char* head_of(const nn::ModelConfig& config) {
     case nn::RadianceHead::Map:
       return kMap;
     case nn::RadianceHead::Gaussians:
+      return kGaussians;
+    case nn::RadianceHead::Early:
       break;
   }
-  return kGaussians;
+  return "";
 }
 
 }  // namespace
 
 std::string torchscript_radiance(const nn::ModelConfig& config) {
   if (!config.predicts_radiance()) return "";
+  // Early directions are queries.
+  const int64_t directions = config.enters_early() ? kQueryRows : kDirectionRows;
   return fill(head_of(config), {{"k", std::to_string(config.radiance_lobes)}}) +
          fill(kRadiance,
               {{"cast", config.casts_rays() ? fill(kCast, {{"scale", number(config.scale)}}) : ""},
+               {"factor", config.enters_early() ? kEarly : kLate},
                {"query_rows", std::to_string(kQueryRows)},
-               {"direction_rows", std::to_string(kDirectionRows)},
+               {"direction_rows", std::to_string(directions)},
                {"pi", number(std::numbers::pi)}});
 }
 

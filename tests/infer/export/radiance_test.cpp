@@ -129,11 +129,13 @@ TEST_F(ExportOfRadiance, EachHeadAgreesWithTheNativeModel) {
   nn::ModelConfig lobes = radiance_config(), map = lobes, gaussians = lobes;
   lobes.light_input = nn::LightInput::Traced;
   lobes.pair_geometry = nn::PairGeometry::Normals;
+  nn::ModelConfig early = lobes;
+  early.radiance_head = nn::RadianceHead::Early;
   map.radiance_head = nn::RadianceHead::Map;
   map.query_attention = nn::QueryAttention::Softmax;
   gaussians.radiance_head = nn::RadianceHead::Gaussians;
   gaussians.gloss = true;
-  for (const nn::ModelConfig& config : {lobes, map, gaussians}) {
+  for (const nn::ModelConfig& config : {lobes, map, gaussians, early}) {
     const auto file = test::save_untrained(folder_.path(), config);
     const at::Tensor expected = room.native(file);
     for (const bool portable : {false, true}) {
@@ -148,11 +150,12 @@ TEST_F(ExportOfRadiance, EachHeadAgreesWithTheNativeModel) {
 
 TEST_F(ExportOfRadiance, RaysSeeTheDiscsOfTheNativeModel) {
   const Room room;
-  nn::ModelConfig metal = casting_config(), matt = metal;
+  nn::ModelConfig metal = casting_config(), matt = metal, early = metal;
+  early.radiance_head = nn::RadianceHead::Early;
   matt.gloss = false;
   matt.target = nn::Target::Total;
   matt.light_sides = nn::LightSides::Sum;
-  for (const nn::ModelConfig& config : {metal, matt}) {
+  for (const nn::ModelConfig& config : {metal, matt, early}) {
     const auto file = test::save_untrained(folder_.path(), config);
     const at::Tensor expected = room.native(file);
     for (const bool portable : {false, true})
