@@ -186,7 +186,7 @@ TEST_F(ExportOfRadiance, APortableModuleAnswersInAProgramThatLinksNothingOfLte) 
   test::write_rows(folder_ / "points", room.rows(config));
   test::write_rows(folder_ / "queries", room.asked());
   test::write_rows(folder_ / "directions", room.directions);
-  std::string command = LTE_BINARY_DIR "/bin/portable_loader";
+  std::string command = "OMP_NUM_THREADS=1 " LTE_BINARY_DIR "/bin/portable_loader";
   for (const char* name :
        {"model.pt", "27", "points", "queries", "irradiance", "directions", "radiance"}) {
     command += " '" + (*name == '2' ? std::string(name) : (folder_ / name).string()) + "'";
