@@ -331,8 +331,7 @@ LTE_API lte_status lte_embedding_decode_cuda(const lte_embedding* embedding,
                                              float* irradiance, int64_t irradiance_stride);
 
 /** lte_embedding_decode_radiance() with all arrays in device memory.
- *  @note The host waits as in lte_embedding_decode_cuda(), and where the model casts rays among the
- *        scene points, as these run on the CPU. */
+ *  @note The host waits as in lte_embedding_decode_cuda(). */
 LTE_API lte_status lte_embedding_decode_radiance_cuda(const lte_embedding* embedding,
                                                       const lte_queries* queries,
                                                       const lte_float3_view* directions,

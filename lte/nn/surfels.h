@@ -4,6 +4,7 @@
 // traced path, and it follows metals from disc to disc.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include <ATen/core/Tensor.h>
@@ -32,6 +33,8 @@ class Surfels {
 
   bool defined() const { return grid_.defined(); }
   const at::Tensor& table() const { return grid_.discs; }
+  std::array<at::Tensor, 4> tensors() const { return grid_.tensors(); }
+  Surfels to(c10::Device device) const { return {table().to(device), total_}; }
 
   /// @param position    [Q, 3] network space, on a surface
   /// @param directions  [Q, N, 3] unit

@@ -27,6 +27,7 @@ struct SurfelGrid {
   std::array<int64_t, 3> size{1, 1, 1};  ///< cells along each axis
 
   bool defined() const { return discs.defined(); }
+  std::array<at::Tensor, 4> tensors() const { return {discs, geometry, first, member}; }
 };
 
 /// The grid of some discs, on their device.
@@ -45,7 +46,7 @@ SurfelGrid make_surfel_grid(const at::Tensor& discs);
 /// @param emission    whether rays see emission at once, not only in metal
 /// @return  [Q, N, kSeenColumns] float32
 /// @throws c10::Error on a wrong shape, dtype or device
-/// @note Not differentiable. Up to 24 discs of a ray count; each ray's answer depends on no other.
+/// @note Not differentiable. The 24 nearest discs of a ray count at most; each ray's answer depends on no other.
 at::Tensor see_surfels(const at::Tensor& position, const at::Tensor& directions,
                        const SurfelGrid& grid, bool emission);
 

@@ -65,13 +65,25 @@ struct Meetings {
   /// @param square  of the distance to the middle
   C10_HOST_DEVICE void add(float at, float square, float radius, int32_t row, bool on_front) {
     if (at > limit) return;
-    if (count < kMost) {
-      distance[count] = at;
-      weight[count] = expf(-square / (radius * radius * kSurfelSpread));
-      disc[count] = row;
-      front[count++] = on_front;
-    }
     limit = fminf(limit, at + kSurfelLayer * radius);
+    int place = count;
+    if (count < kMost) {
+      ++count;
+    } else {  // the nearest are kept, so that those that are seen are among them
+      place = farthest();
+      if (at >= distance[place]) return;
+    }
+    distance[place] = at;
+    weight[place] = expf(-square / (radius * radius * kSurfelSpread));
+    disc[place] = row;
+    front[place] = on_front;
+  }
+
+ private:
+  C10_HOST_DEVICE int farthest() const {
+    int out = 0;
+    for (int i = 1; i < kMost; ++i) out = distance[i] > distance[out] ? i : out;
+    return out;
   }
 };
 

@@ -67,6 +67,7 @@ std::vector<at::Tensor> tensors_of(const nn::Embedding& embedding) {
   std::vector<at::Tensor> tensors = embedding.cache.tensors();
   tensors.insert(tensors.end(), {embedding.position, embedding.normal, embedding.features,
                                  embedding.origin, embedding.table, embedding.radiance_table});
+  for (const at::Tensor& t : embedding.surfels.tensors()) tensors.push_back(t);
   return tensors;
 }
 
@@ -168,8 +169,6 @@ EmbeddingInfo SceneEmbedding::info() const {
   for (const at::Tensor& t : tensors_of(embedding)) {
     if (t.defined()) info.bytes += static_cast<int64_t>(t.nbytes());
   }
-  if (embedding.surfels.defined())
-    info.bytes += static_cast<int64_t>(embedding.surfels.table().nbytes());
   const at::Tensor origin = embedding.origin.to(at::kCPU, at::kDouble);
   for (size_t i = 0; i < 3; ++i) {
     info.origin[i] = origin[static_cast<int64_t>(i)].item<double>();

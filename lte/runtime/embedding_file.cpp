@@ -122,6 +122,7 @@ nn::Embedding on_device(nn::Embedding parts, c10::Device device) {
         &parts.cache.normal, &parts.cache.light, &parts.cache.error, &parts.cache.floor}) {
     if (t->defined()) *t = t->to(device);
   }
+  if (parts.surfels.defined() && !device.is_cpu()) parts.surfels = parts.surfels.to(device);
   return parts;
 }
 

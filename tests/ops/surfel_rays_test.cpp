@@ -139,6 +139,23 @@ TEST_P(SurfelRays, SeeWhatASearchThroughAllDiscsFinds) {
   }
 }
 
+TEST_P(SurfelRays, ANearDiscIsSeenBeforeMoreThanCount) {
+  at::Tensor discs = at::zeros({41, kSurfelColumns});
+  discs.narrow(1, Column::kPosition, 3).copy_(at::tensor({0.5f, 0.5f, 2.0f}));
+  discs.select(1, Column::kNormal + 2).fill_(-1);
+  discs.select(1, Column::kRadius).fill_(1);
+  discs.narrow(1, Column::kFront, 3).fill_(5);
+  // The nearest is the last of its cell.
+  discs[40][2] = 1;
+  discs[40][Column::kRadius] = 0.4f;
+  discs[40].narrow(0, Column::kFront, 3).fill_(2);
+  const at::Tensor seen = see_surfels(put(at::tensor({0.5f, 0.5f, 0.0f}).view({1, 3})),
+                                      put(at::tensor({0.0f, 0.0f, 1.0f}).view({1, 1, 3})),
+                                      make_surfel_grid(put(discs)), false)
+                              .cpu();
+  EXPECT_FLOAT_EQ(seen[0][0][kSeenRadiance].item<float>(), 2);
+}
+
 TEST_P(SurfelRays, OfNoDiscsAndNoRaysAreNothing) {
   const Rays rays(3, 2);
   const SurfelGrid empty = make_surfel_grid(put(at::zeros({0, kSurfelColumns})));
