@@ -54,7 +54,7 @@ TEST_F(Guiding, OfPixelsHasOneMeanWhateverTheWay) {
   options_.rows = 9;
   const std::vector<GuidingRow> rows =
       guided_pixels(*renderer_, pathtrace::auto_camera(renderer_->bvh()), options_);
-  ASSERT_EQ(rows.size(), 9u);
+  ASSERT_EQ(rows.size(), 11u);
   const GuidingRow &plain = rows[0], &lights = rows[1];
   const double mean = figure(plain, "mean"), whole = figure(plain, "whole_mean");
   EXPECT_GT(mean, 0);
@@ -88,7 +88,7 @@ TEST_F(Guiding, OfPixelsHasOneMeanWhateverTheWay) {
 TEST_F(Guiding, OfIrradianceHasOneMeanWhateverTheWay) {
   options_.query_points = 2048;
   const std::vector<GuidingRow> rows = guided_irradiance(*renderer_, options_);
-  ASSERT_EQ(rows.size(), 4u);
+  ASSERT_EQ(rows.size(), 5u);
   const double mean = figure(rows[0], "mean");
   EXPECT_GT(mean, 0);
   for (const GuidingRow& row : rows) {
