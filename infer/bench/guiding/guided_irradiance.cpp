@@ -17,8 +17,8 @@ namespace {
 constexpr int64_t kStride = 16;  ///< each so many-th point is measured
 constexpr int kBins = 16;
 
-/// Paths of an estimate, in one low-discrepancy set; and such estimates a point. The mean of several
-/// sets of 256 has their variance over their number.
+/// Paths of an estimate, in one low-discrepancy set; and such estimates a point. The mean of
+/// several sets of 256 has their variance over their number.
 constexpr std::array<std::pair<int, int>, 2> kSets = {{{64, 16}, {256, 8}}};
 constexpr std::array<int, 3> kPaths = {64, 256, 1024};
 

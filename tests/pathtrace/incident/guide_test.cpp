@@ -268,6 +268,7 @@ TEST(GuideField, DrawsFallAsTheDensitySays) {
   const GuideField field(
       places, {std::make_shared<const GuideTable>(DirectionMap{map, kBins, leaning}, 0.1f)}, 0.3f);
   EXPECT_EQ(field.at({0.2f, 0, 0}, kNormal), 0);
+  EXPECT_EQ(field.at({0.2f, 0, 0}, -kNormal), scene::kNone);
   EXPECT_EQ(field.at({5, 0, 0}, kNormal), scene::kNone);
   // In twelve by twelve cells, and what goes below the surface in one more.
   constexpr int kDraws = 200'000;
@@ -303,6 +304,33 @@ TEST(GuideField, DrawsFallAsTheDensitySays) {
   }
   EXPECT_GT(freedom, 30);
   EXPECT_LT(chi2, freedom + 5 * std::sqrt(2.0 * freedom));
+}
+
+/// Each point has a place as near as voxels of half a radius allow, which faces its way.
+TEST(GuideField, FindsAPlaceNearby) {
+  constexpr float kRadius = 0.4f;
+  SharedPlaces places(kRadius, 0.9f);
+  Rng rng(12);
+  const auto point = [&] { return Vec3{rng.uniform(-2, 2), 1, rng.uniform(-2, 2)}; };
+  for (int i = 0; i < 2000; ++i) places.join(point(), {0, i % 2 == 0 ? 1.0f : -1.0f, 0});
+  const std::vector<Rgb> map(4);
+  const auto table = std::make_shared<const GuideTable>(DirectionMap{map, 2, kNormal}, 1.0f);
+  const GuideField field(places, {places.position().size(), table}, 0.5f);
+  int near = 0;
+  const float slack = kRadius / 2 * std::sqrt(3.0f);  // twice half of a voxel's diagonal
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 position = point(), normal{0, i % 2 == 0 ? 1.0f : -1.0f, 0};
+    const int32_t nearest = places.find(position, normal), found = field.at(position, normal);
+    if (nearest < 0) continue;
+    ++near;
+    ASSERT_GE(found, 0);
+    const auto apart = [&](int32_t place) {
+      return length(places.position()[static_cast<size_t>(place)] - position);
+    };
+    EXPECT_LE(apart(found), apart(nearest) + slack);
+    EXPECT_EQ(places.normal()[static_cast<size_t>(found)], normal);
+  }
+  EXPECT_GT(near, 1800);
 }
 
 TEST(GuideField, RefusesTablesThatDoNotFit) {
