@@ -17,10 +17,7 @@ void describe_cells(data::IncidentField* field) {
   const int bins = field->bins;
   for (int row = 0; row < bins; ++row) {
     for (int column = 0; column < bins; ++column) {
-      const auto centre = [bins](int cell) {
-        return (static_cast<float>(cell) + 0.5f) / static_cast<float>(bins);
-      };
-      field->direction.push_back(pathtrace::bin_direction({centre(column), centre(row)}));
+      field->direction.push_back(pathtrace::bin_centre(bins, row, column));
       field->pdf.push_back(static_cast<float>(
           1 / (double{1} * bins * bins * pathtrace::bin_solid_angle(bins, row, column))));
     }

@@ -31,18 +31,6 @@ using image::Image;
 constexpr int kBins = 32;
 constexpr int kZoom = 8;  ///< pixels of a .png for a cell
 
-/// World directions of the cells around a normal, row by row.
-std::vector<Vec3> cell_directions(const Vec3& normal) {
-  const Vec3 tangent = pathtrace::bin_tangent(normal), bitangent = cross(normal, tangent);
-  std::vector<Vec3> out;
-  for (int cell = 0; cell < kBins * kBins; ++cell) {
-    const auto centre = [](int at) { return (static_cast<float>(at) + 0.5f) / kBins; };
-    const Vec3 d = pathtrace::bin_direction({centre(cell % kBins), centre(cell / kBins)});
-    out.push_back(tangent * d.x + bitangent * d.y + normal * d.z);
-  }
-  return out;
-}
-
 /// By paths, of the light that the model answers for.
 std::vector<Rgb> traced_map(const Renderer& renderer, const scene::Surface& at,
                             const RenderRequest& request, bool total) {
@@ -151,7 +139,7 @@ void run_incident_map(const RenderRequest& request) {
   const runtime::MemoryLimit memory(request.tool.max_memory_mb);
   provide_embedding(request.embedding, network,
                     embed_settings(request.embedding, request.seed, memory), &renderer);
-  const std::vector<Vec3> directions = cell_directions(at.normal);
+  const std::vector<Vec3> directions = pathtrace::bin_centres(kBins, at.normal);
   const std::vector<Rgb> neural = renderer.embedding().decode_radiance(
       {{&at.position, 1}, {&at.normal, 1}, {&at.albedo, 1}}, directions);
   const std::vector<Rgb> traced = traced_map(renderer, at, request, network.predicts_total());

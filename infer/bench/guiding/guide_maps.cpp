@@ -12,23 +12,21 @@ namespace {
 /// Places whose directions are asked for at a time.
 constexpr size_t kTogether = 256;
 
-void append_cells(const Vec3& normal, int bins, std::vector<Vec3>* out) {
-  const Vec3 tangent = pathtrace::bin_tangent(normal), bitangent = cross(normal, tangent);
-  for (int cell = 0; cell < bins * bins; ++cell) {
-    const auto centre = [bins](int at) {
-      return (static_cast<float>(at) + 0.5f) / static_cast<float>(bins);
-    };
-    const Vec3 d = pathtrace::bin_direction({centre(cell % bins), centre(cell / bins)});
-    out->push_back(tangent * d.x + bitangent * d.y + normal * d.z);
-  }
-}
-
 }  // namespace
 
-GuideMaps::GuideMaps(const MapPlaces& places, int bins)
+scene::SurfaceSamples points_all_over(const scene::Scene &scene, int64_t count) {
+  scene::SamplerOptions options;
+  options.seed = 5;
+  options.filter_footprint = false;
+  options.punctual_lights = false;
+  options.environment_share = 0;
+  return scene::sample_surface(scene, count, options);
+}
+
+GuideMaps::GuideMaps(const MapPlaces &places, int bins)
     : bins_(bins), normal_(places.normal.begin(), places.normal.end()) {}
 
-GuideMaps GuideMaps::predicted(const runtime::SceneEmbedding& embedding, const MapPlaces& places,
+GuideMaps GuideMaps::predicted(const runtime::SceneEmbedding &embedding, const MapPlaces &places,
                                int bins) {
   GuideMaps out(places, bins);
   const double start = processor_seconds();
@@ -36,7 +34,10 @@ GuideMaps GuideMaps::predicted(const runtime::SceneEmbedding& embedding, const M
     const size_t count = std::min(kTogether, places.size() - first);
     const auto normals = places.normal.subspan(first, count);
     std::vector<Vec3> directions;
-    for (const Vec3& normal : normals) append_cells(normal, bins, &directions);
+    for (const Vec3 &normal : normals) {
+      const std::vector<Vec3> cells = pathtrace::bin_centres(bins, normal);
+      directions.insert(directions.end(), cells.begin(), cells.end());
+    }
     const std::vector<Rgb> some = embedding.decode_radiance(
         {places.position.subspan(first, count), normals, places.albedo.subspan(first, count)},
         directions);
@@ -46,8 +47,8 @@ GuideMaps GuideMaps::predicted(const runtime::SceneEmbedding& embedding, const M
   return out;
 }
 
-GuideMaps GuideMaps::traced(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                            const MapPlaces& places, int bins, int paths) {
+GuideMaps GuideMaps::traced(const pathtrace::Bvh &bvh, const pathtrace::Lights &lights,
+                            const MapPlaces &places, int bins, int paths) {
   GuideMaps out(places, bins);
   const double start = processor_seconds();
   pathtrace::IncidentOptions options;
@@ -69,7 +70,7 @@ pathtrace::DirectionMap GuideMaps::at(size_t place) const {
   return {std::span(radiance_).subspan(place * cells, cells), bins_, normal_[place]};
 }
 
-SharedGuides::SharedGuides(const GuideMaps& maps) : maps_(maps) {
+SharedGuides::SharedGuides(const GuideMaps &maps) : maps_(maps) {
   const double start = processor_seconds();
   for (size_t i = 0; i < maps.size(); ++i)
     tables_.push_back(std::make_shared<const pathtrace::GuideTable>(
@@ -77,8 +78,8 @@ SharedGuides::SharedGuides(const GuideMaps& maps) : maps_(maps) {
   seconds_ = processor_seconds() - start;
 }
 
-pathtrace::Guide SharedGuides::guide(size_t place, const Vec3& normal,
-                                     const pathtrace::Reflector& reflector) const {
+pathtrace::Guide SharedGuides::guide(size_t place, const Vec3 &normal,
+                                     const pathtrace::Reflector &reflector) const {
   if (reflector.gloss.metallic > 0) return {maps_.at(place), normal, reflector};
   return {tables_[place], normal, reflector};
 }

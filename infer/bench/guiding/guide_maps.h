@@ -9,9 +9,11 @@
 #include "lte/base/text.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/incident/guide.h"
+#include "lte/pathtrace/incident/guide_field.h"
 #include "lte/pathtrace/incident/shared_places.h"
 #include "lte/pathtrace/lights/lights.h"
 #include "lte/runtime/embedding.h"
+#include "lte/scene/sampler.h"
 
 namespace lte::infer {
 
@@ -36,8 +38,30 @@ struct PlaceList {
   MapPlaces view() const { return {position, normal, albedo}; }
 };
 
-/// Cosine between the normals of points that share a map.
-inline constexpr float kLeastCosine = 0.9f;
+/// Points that stand for what is near them.
+class JoinedPlaces {
+ public:
+  explicit JoinedPlaces(double radius_m) : grid_(static_cast<float>(radius_m), kLeastCosine) {}
+
+  /// @return  the place of a point, which may be the point itself
+  size_t join(const Vec3& position, const Vec3& normal, const Rgb& albedo) {
+    const auto place = static_cast<size_t>(grid_.join(position, normal));
+    if (place == albedo_.size()) albedo_.push_back(albedo);
+    return place;
+  }
+  const pathtrace::SharedPlaces& grid() const { return grid_; }
+  MapPlaces view() const { return {grid_.position(), grid_.normal(), albedo_}; }
+
+ private:
+  /// Cosine between the normals of points that share a map.
+  static constexpr float kLeastCosine = 0.9f;
+
+  pathtrace::SharedPlaces grid_;
+  std::vector<Rgb> albedo_;
+};
+
+/// Points all over the surfaces of a scene, as query points are drawn.
+scene::SurfaceSamples points_all_over(const scene::Scene& scene, int64_t count);
 
 /// Paths a cell of maps that are traced.
 inline constexpr int kTracedPaths = 4;
@@ -80,6 +104,11 @@ class SharedGuides {
   pathtrace::Guide guide(size_t place, const Vec3& normal,
                          const pathtrace::Reflector& reflector) const;
   double seconds() const { return seconds_; }  ///< of the processor, of all places' tables
+
+  /// The same tables at every diffuse vertex of paths.
+  pathtrace::GuideField field(const JoinedPlaces& places) const {
+    return {places.grid(), tables_, pathtrace::GuideOptions{}.material_share};
+  }
 
  private:
   const GuideMaps& maps_;

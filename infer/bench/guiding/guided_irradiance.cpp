@@ -17,8 +17,8 @@ namespace {
 constexpr int64_t kStride = 16;  ///< each so many-th point is measured
 constexpr int kBins = 16;
 
-/// Paths of an estimate, in one low-discrepancy set; and such estimates a point. The mean of several
-/// sets of 256 has their variance over their number.
+/// Paths of an estimate, in one low-discrepancy set; and such estimates a point. The mean of
+/// several sets of 256 has their variance over their number.
 constexpr std::array<std::pair<int, int>, 2> kSets = {{{64, 16}, {256, 8}}};
 constexpr std::array<int, 3> kPaths = {64, 256, 1024};
 
@@ -29,11 +29,14 @@ class Estimates {
  public:
   Estimates(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
             const scene::SurfaceSamples& points)
-      : sampler_(bvh, lights), points_(points) {}
+      : bvh_(bvh), lights_(lights), points_(points) {}
 
   /// @param guide_of  the guide of a point; none: cosine-distributed directions
+  /// @param field     that of the paths on from there; null: none
   GuidingRow measure(const std::string& name, GuidingCost cost,
-                     const std::function<pathtrace::Guide(size_t)>& guide_of) {
+                     const std::function<pathtrace::Guide(size_t)>& guide_of,
+                     const pathtrace::GuideField* field = nullptr) {
+    pathtrace::IncidentSampler sampler(bvh_, lights_, field);
     std::array<double, 2> variance{};
     double mean = 0, seconds = 0, preparing = 0;
     int64_t paths = 0, measured = 0;
@@ -52,8 +55,8 @@ class Estimates {
         for (int r = 0; r < repeats; ++r) {
           const double begin = processor_seconds();
           const pathtrace::IncidentSamples& drawn =
-              guide ? sampler_.draw(position, normal, *guide, count, rng)
-                    : sampler_.draw(position, normal, count, rng);
+              guide ? sampler.draw(position, normal, *guide, count, rng)
+                    : sampler.draw(position, normal, count, rng);
           seconds += processor_seconds() - begin;
           estimates.add(statistics_of(drawn, diffuse).indirect.mean);
           paths += count;
@@ -80,7 +83,8 @@ class Estimates {
   }
 
  private:
-  pathtrace::IncidentSampler sampler_;
+  const pathtrace::Bvh& bvh_;
+  const pathtrace::Lights& lights_;
   const scene::SurfaceSamples& points_;
   std::array<Rgb, 4> even_{};
 };
@@ -88,27 +92,28 @@ class Estimates {
 }  // namespace
 
 std::vector<GuidingRow> guided_irradiance(const Renderer& renderer, const GuidingOptions& options) {
-  scene::SamplerOptions sampling;
-  sampling.seed = 5;
-  sampling.filter_footprint = false;
-  sampling.punctual_lights = false;
-  sampling.environment_share = 0;
   const scene::SurfaceSamples points =
-      scene::sample_surface(renderer.bvh().scene(), options.query_points, sampling);
+      points_all_over(renderer.bvh().scene(), options.query_points);
   Estimates estimates(renderer.bvh(), renderer.lights(), points);
   std::vector<GuidingRow> rows = {
       estimates.measure("irradiance, cosine-distributed paths", {}, nullptr)};
 
   const auto add = [&](const std::string& name, GuidingCost cost, const GuideMaps& maps,
-                       const std::vector<size_t>& map_of_point, size_t points_served) {
+                       const std::vector<size_t>& map_of_point, size_t points_served,
+                       const JoinedPlaces* at_every_vertex = nullptr) {
     const SharedGuides guides(maps);
     const auto served = static_cast<double>(points_served);
     cost.prediction = maps.seconds() / served;
     cost.tables += guides.seconds() / served;
     cost.maps = static_cast<int64_t>(maps.size());
-    rows.push_back(estimates.measure(name, cost, [&](size_t i) {
-      return guides.guide(map_of_point[i], points.normal[i], white(points.normal[i]));
-    }));
+    std::optional<pathtrace::GuideField> field;
+    if (at_every_vertex != nullptr) field.emplace(guides.field(*at_every_vertex));
+    rows.push_back(estimates.measure(
+        name, cost,
+        [&](size_t i) {
+          return guides.guide(map_of_point[i], points.normal[i], white(points.normal[i]));
+        },
+        field ? &*field : nullptr));
   };
 
   // A map for each of the points that are measured.
@@ -122,19 +127,17 @@ std::vector<GuidingRow> guided_irradiance(const Renderer& renderer, const Guidin
       GuideMaps::predicted(renderer.embedding(), own.view(), kBins), own_map, own.position.size());
 
   const double start = processor_seconds();
-  pathtrace::SharedPlaces places(static_cast<float>(options.radius_m), kLeastCosine);
-  PlaceList shared;
+  JoinedPlaces shared(options.radius_m);
   std::vector<size_t> shared_map;
-  for (size_t i = 0; i < points.position.size(); ++i) {
-    shared_map.push_back(static_cast<size_t>(places.join(points.position[i], points.normal[i])));
-    if (shared_map.back() == shared.position.size())
-      shared.push_back(points.position[i], points.normal[i], points.albedo[i]);
-  }
+  for (size_t i = 0; i < points.position.size(); ++i)
+    shared_map.push_back(shared.join(points.position[i], points.normal[i], points.albedo[i]));
   GuidingCost joining;
   joining.tables = (processor_seconds() - start) / static_cast<double>(shared_map.size());
-  add(guide_name("irradiance, guided", kBins, "maps shared"), joining,
-      GuideMaps::predicted(renderer.embedding(), shared.view(), kBins), shared_map,
+  const GuideMaps maps = GuideMaps::predicted(renderer.embedding(), shared.view(), kBins);
+  add(guide_name("irradiance, guided", kBins, "maps shared"), joining, maps, shared_map,
       shared_map.size());
+  add(guide_name("irradiance, guided at every vertex", kBins, "maps shared"), joining, maps,
+      shared_map, shared_map.size(), &shared);
   add(guide_name("irradiance, guided", kBins, "traced maps shared"), joining,
       GuideMaps::traced(renderer.bvh(), renderer.lights(), shared.view(), kBins, kTracedPaths),
       shared_map, shared_map.size());

@@ -1,5 +1,5 @@
-// Do guided paths make training data cheaper? Irradiance at query points by cosine-distributed first
-// directions, as data sets are baked, and by guided ones.
+// Do guided paths make training data cheaper? Irradiance at query points by cosine-distributed
+// first directions, as data sets are baked, and by guided ones.
 #pragma once
 
 #include <vector>

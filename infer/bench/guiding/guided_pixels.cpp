@@ -1,6 +1,7 @@
 #include "infer/bench/guiding/guided_pixels.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +13,9 @@
 
 namespace lte::infer {
 namespace {
+
+/// Points that the places of guides at every vertex come of.
+constexpr int64_t kPointsAllOver = 20'000;
 
 /// Sums over pixels of one way to draw.
 struct Way {
@@ -42,36 +46,21 @@ struct Way {
   }
 };
 
-/// What of a map serves the pixels: the places where maps are made, and which each pixel has.
+/// Which map serves which pixel.
 struct Sharing {
-  PlaceList places;
   std::vector<size_t> place_of;  ///< [sights]
   double pixels = 0;             ///< that the places serve
   double seconds = 0;            ///< of the processor, to find them
 };
 
-Sharing each_its_own(const std::vector<Sight>& sights) {
-  Sharing out;
-  for (const Sight& s : sights) {
-    out.place_of.push_back(out.place_of.size());
-    out.places.push_back(s.position, s.normal, s.reflector.color);
-  }
-  out.pixels = static_cast<double>(sights.size());
-  return out;
-}
-
-/// Over all pixels of a picture, of which the sights are some.
+/// Joins all pixels of a picture, of which the sights are some, to places.
 Sharing by_neighbours(const std::vector<Sight>& picture, const std::vector<Sight>& sights,
-                      double radius_m) {
+                      JoinedPlaces* places) {
+  const auto join = [&](const Sight& s) {
+    return places->join(s.position, s.normal, s.reflector.color);
+  };
   Sharing out;
   const double start = processor_seconds();
-  pathtrace::SharedPlaces places(static_cast<float>(radius_m), kLeastCosine);
-  const auto join = [&](const Sight& s) {
-    const auto place = static_cast<size_t>(places.join(s.position, s.normal));
-    if (place == out.places.position.size())
-      out.places.push_back(s.position, s.normal, s.reflector.color);
-    return place;
-  };
   for (const Sight& s : picture) join(s);
   out.seconds = processor_seconds() - start;
   for (const Sight& s : sights) out.place_of.push_back(join(s));
@@ -83,10 +72,7 @@ Sharing by_neighbours(const std::vector<Sight>& picture, const std::vector<Sight
 class Ways {
  public:
   Ways(const Renderer& renderer, std::vector<Sight> sights, int64_t paths)
-      : paths_(paths),
-        renderer_(renderer),
-        sampler_(renderer.bvh(), renderer.lights()),
-        sights_(std::move(sights)) {
+      : paths_(paths), renderer_(renderer), sights_(std::move(sights)) {
     const double start = processor_seconds();
     for (size_t i = 0; i < sights_.size(); ++i) {
       Rng rng(11, i);
@@ -100,6 +86,7 @@ class Ways {
   const std::vector<Sight>& sights() const { return sights_; }
 
   void add_by_material() {
+    pathtrace::IncidentSampler sampler(renderer_.bvh(), renderer_.lights());
     Way alone, with_lights;
     for (size_t i = 0; i < sights_.size(); ++i) {
       const Sight& s = sights_[i];
@@ -107,8 +94,8 @@ class Ways {
       const double start = processor_seconds();
       const pathtrace::IncidentSamples& drawn =
           s.reflector.gloss.metallic > 0
-              ? sampler_.draw(s.position, s.normal, s.reflector, paths_, rng)
-              : sampler_.draw(s.position, s.normal, paths_, rng);
+              ? sampler.draw(s.position, s.normal, s.reflector, paths_, rng)
+              : sampler.draw(s.position, s.normal, paths_, rng);
       alone.seconds += processor_seconds() - start;
       const PathStatistics plain = statistics_of(drawn, material(i));
       alone.add(plain.indirect, plain.whole);
@@ -122,8 +109,15 @@ class Ways {
                                     pixels() * paths_, cost));
   }
 
-  void add_guided(const std::string& name, const Sharing& sharing, const GuideMaps& maps) {
+  /// @param at_every_vertex  the places of the maps, which then guide paths on too; null: only
+  ///                         their first directions
+  void add_guided(const std::string& name, const Sharing& sharing, const GuideMaps& maps,
+                  const JoinedPlaces* at_every_vertex = nullptr) {
     const SharedGuides guides(maps);
+    std::optional<pathtrace::GuideField> field;
+    if (at_every_vertex != nullptr) field.emplace(guides.field(*at_every_vertex));
+    pathtrace::IncidentSampler sampler(renderer_.bvh(), renderer_.lights(),
+                                       field ? &*field : nullptr);
     Way way;
     double preparing = 0;
     for (size_t i = 0; i < sights_.size(); ++i) {
@@ -134,7 +128,7 @@ class Ways {
       preparing += processor_seconds() - start;
       start = processor_seconds();
       const pathtrace::IncidentSamples& drawn =
-          sampler_.draw(s.position, s.normal, guide, paths_, rng);
+          sampler.draw(s.position, s.normal, guide, paths_, rng);
       way.seconds += processor_seconds() - start;
       const Statistics guided = statistics_of(drawn, guide).indirect;
       way.add(guided, guided + direct_[i]);
@@ -160,7 +154,6 @@ class Ways {
 
   const int64_t paths_;  ///< of each sight and way
   const Renderer& renderer_;
-  pathtrace::IncidentSampler sampler_;
   std::vector<Sight> sights_;
   std::vector<Rgb> even_ = std::vector<Rgb>(4);
   std::vector<Statistics> direct_;  ///< [sights]
@@ -174,19 +167,44 @@ std::vector<GuidingRow> guided_pixels(const Renderer& renderer, const scene::Cam
                                       const GuidingOptions& options) {
   Ways ways(renderer, look(renderer.bvh(), camera, options.columns, options.rows), options.paths);
   ways.add_by_material();
-  const Sharing own = each_its_own(ways.sights());
-  const Sharing shared = by_neighbours(look(renderer.bvh(), camera, options.width, options.height),
-                                       ways.sights(), options.radius_m);
-  for (const auto& [sharing, name] :
-       {std::pair(&own, "a map a pixel"), std::pair(&shared, "maps shared")}) {
-    for (const int bins : {32, 16, 8})
-      ways.add_guided(guide_name("guided", bins, name), *sharing,
-                      GuideMaps::predicted(renderer.embedding(), sharing->places.view(), bins));
+  const runtime::SceneEmbedding& embedding = renderer.embedding();
+  PlaceList list;
+  Sharing own;
+  for (const Sight& s : ways.sights()) {
+    own.place_of.push_back(own.place_of.size());
+    list.push_back(s.position, s.normal, s.reflector.color);
   }
-  constexpr int kTracedBins = 16;
-  ways.add_guided(guide_name("guided", kTracedBins, "traced maps shared"), shared,
-                  GuideMaps::traced(renderer.bvh(), renderer.lights(), shared.places.view(),
-                                    kTracedBins, kTracedPaths));
+  own.pixels = static_cast<double>(own.place_of.size());
+  for (const int bins : {32, 16, 8})
+    ways.add_guided(guide_name("guided", bins, "a map a pixel"), own,
+                    GuideMaps::predicted(embedding, list.view(), bins));
+
+  const std::vector<Sight> picture = look(renderer.bvh(), camera, options.width, options.height);
+  JoinedPlaces seen(options.radius_m);
+  const Sharing shared = by_neighbours(picture, ways.sights(), &seen);
+  for (const int bins : {32, 16, 8})
+    ways.add_guided(guide_name("guided", bins, "maps shared"), shared,
+                    GuideMaps::predicted(embedding, seen.view(), bins));
+  constexpr int kBins = 16;
+  ways.add_guided(
+      guide_name("guided", kBins, "traced maps shared"), shared,
+      GuideMaps::traced(renderer.bvh(), renderer.lights(), seen.view(), kBins, kTracedPaths));
+
+  // Paths go on to what the picture does not see.
+  JoinedPlaces everywhere(options.radius_m);
+  const double start = processor_seconds();
+  const scene::SurfaceSamples points = points_all_over(renderer.bvh().scene(), kPointsAllOver);
+  for (size_t i = 0; i < points.position.size(); ++i)
+    everywhere.join(points.position[i], points.normal[i], points.albedo[i]);
+  const double joining = processor_seconds() - start;
+  Sharing all = by_neighbours(picture, ways.sights(), &everywhere);
+  all.seconds += joining;
+  ways.add_guided(guide_name("guided at every vertex", kBins, "maps shared"), all,
+                  GuideMaps::predicted(embedding, everywhere.view(), kBins), &everywhere);
+  ways.add_guided(
+      guide_name("guided at every vertex", kBins, "traced maps shared"), all,
+      GuideMaps::traced(renderer.bvh(), renderer.lights(), everywhere.view(), kBins, kTracedPaths),
+      &everywhere);
   return std::move(ways).rows();
 }
 

@@ -1,6 +1,6 @@
 // Variance of light at pixels with few paths each, their first directions drawn by the material
-// alone or by maps of the radiance decoder too, each pixel's own or shared by neighbours, and direct
-// light found by these paths or by light samples (the paper's supplement, section 4).
+// alone or by maps of the radiance decoder too, each pixel's own or shared by neighbours, and
+// direct light found by these paths or by light samples (the paper's supplement, section 4).
 #pragma once
 
 #include <vector>

@@ -6,8 +6,8 @@
 namespace lte::infer {
 
 /// argmin |A x − b|² over x ≥ 0 by the active-set method of Lawson and Hanson (Solving Least
-/// Squares Problems, 1974), on normal equations (Bro and de Jong, A Fast
-/// Non-Negativity-Constrained Least Squares Algorithm, 1997).
+/// Squares Problems, 1974), on normal equations (Bro and de Jong, A Fast Non-Negativity-Constrained
+/// Least Squares Algorithm, 1997).
 /// @param gram     [B, L, L] float64: AᵀA of each problem, with a positive diagonal
 /// @param moments  [B, L, T] float64: Aᵀb of its T right-hand sides
 /// @param start    [B, L, T] non-negative guess, whose zeros are likely those of the answer;

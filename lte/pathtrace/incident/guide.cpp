@@ -16,8 +16,6 @@ namespace {
 /// one direction to stand for all of its own, and would miss the lobe.
 constexpr float kLeastCellRoughness = 0.25f;
 
-constexpr float kBelowOne = 1 - 0x1p-24f;
-
 /// Cosine between normals of one hemisphere.
 constexpr float kSameWay = 0.99999f;
 
@@ -98,17 +96,14 @@ Rgb Guide::reflected(const Vec3& direction) const {
 
 Guide::Draw Guide::draw(Vec2 u) const {
   const State& s = *state_;
-  const float material = s.material_share;
   Draw out;
   out.direction = s.normal;
   Vec3 direction;
-  if (u.x < material) {
-    u.x = std::min(u.x / material, kBelowOne);
+  if (takes_first(s.material_share, &u.x)) {
     float drawn = 0;
     direction = s.surface.sample(u, &drawn);
     if (!(drawn > 0)) return out;
   } else {
-    u.x = std::min((u.x - material) / (1 - material), kBelowOne);
     direction = s.table->sample(u);
   }
   const float density = pdf(direction);

@@ -9,9 +9,8 @@
 #include <memory>
 
 #include "lte/base/math.h"
-#include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/incident/guide_table.h"
-#include "lte/pathtrace/incident/incident.h"
+#include "lte/pathtrace/incident/incident_sampler.h"
 
 namespace lte::pathtrace {
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "lte/base/check.h"
-#include "lte/pathtrace/incident/hemisphere_bins.h"
 
 namespace lte::pathtrace {
 namespace {
@@ -12,11 +11,11 @@ constexpr float kBelowOne = 1 - 0x1p-24f;
 
 }  // namespace
 
-GuideTable::GuideTable(int bins, const Vec3& normal)
-    : bins_(bins),
-      normal_(normal),
-      tangent_(bin_tangent(normal)),
-      bitangent_(cross(normal, tangent_)) {}
+bool takes_first(float share, float* u) {
+  const bool first = *u < share;
+  *u = std::min(first ? *u / share : (*u - share) / (1 - share), kBelowOne);
+  return first;
+}
 
 GuideTable::GuideTable(const DirectionMap& map, float even_share)
     : GuideTable(map.bins, map.normal) {
@@ -54,15 +53,12 @@ void GuideTable::fill(const std::vector<double>& weight, float even_share) {
 }
 
 Vec3 GuideTable::centre(size_t cell) const {
-  const auto n = static_cast<size_t>(bins_);
-  const auto middle = [this](size_t at) {
-    return (static_cast<float>(at) + 0.5f) / static_cast<float>(bins_);
-  };
-  return to_world(bin_direction({middle(cell % n), middle(cell / n)}));
+  const auto at = static_cast<int>(cell);
+  return frame_.to_world(bin_centre(bins_, at / bins_, at % bins_));
 }
 
 float GuideTable::pdf(const Vec3& direction) const {
-  const Vec3 local{dot(direction, tangent_), dot(direction, bitangent_), dot(direction, normal_)};
+  const Vec3 local = frame_.to_local(direction);
   if (!(local.z > 0)) return 0;
   const Vec2 place = bin_place(local);
   const auto at = [this](float x) {
@@ -82,7 +78,7 @@ Vec3 GuideTable::sample(const Vec2& u) const {
   const auto n = static_cast<size_t>(bins_);
   const auto row = static_cast<float>(cell / n), column = static_cast<float>(cell % n);
   const auto size = static_cast<float>(bins_);
-  return to_world(bin_direction({(column + inside) / size, (row + u.y) / size}));
+  return frame_.to_world(bin_direction({(column + inside) / size, (row + u.y) / size}));
 }
 
 }  // namespace lte::pathtrace

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lte/base/math.h"
+#include "lte/pathtrace/incident/hemisphere_bins.h"
 
 namespace lte::pathtrace {
 
@@ -15,6 +16,10 @@ struct DirectionMap {
   int bins = 0;                   ///< even
   Vec3 normal;                    ///< unit, the hemisphere's
 };
+
+/// Whether a draw is by the first of two ways, which has so large a share of draws; `u` in [0, 1)
+/// becomes the number that the way itself draws with.
+bool takes_first(float share, float* u);
 
 /// How likely each cell is. It holds no surface, so surfaces that are near to one another may
 /// share one.
@@ -45,18 +50,17 @@ class GuideTable {
   Vec3 sample(const Vec2& u) const;
 
   /// Height of a direction over the hemisphere's ground: the cosine to its normal.
-  float height(const Vec3& direction) const { return dot(direction, normal_); }
+  float height(const Vec3& direction) const { return dot(direction, frame_.normal()); }
 
  private:
-  GuideTable(int bins, const Vec3& normal);
+  GuideTable(int bins, const Vec3& normal) : bins_(bins), frame_(normal) {}
   static void check(const DirectionMap& map, float even_share);
   void fill(const std::vector<double>& weight, float even_share);
   /// Direction that stands for a cell, world.
   Vec3 centre(size_t cell) const;
-  Vec3 to_world(const Vec3& v) const { return tangent_ * v.x + bitangent_ * v.y + normal_ * v.z; }
 
   int bins_;
-  Vec3 normal_, tangent_, bitangent_;
+  BinFrame frame_;
   std::vector<float> share_;   ///< [cells] probability of each, which add up to 1
   std::vector<double> below_;  ///< [cells] of all up to and with it
 };

@@ -32,6 +32,23 @@ Vec2 bin_place(const Vec3& direction) {
   return {std::clamp((a + 1) / 2, 0.0f, 1.0f), std::clamp((b + 1) / 2, 0.0f, 1.0f)};
 }
 
+Vec3 bin_centre(int bins, int row, int column) {
+  const auto middle = [bins](int cell) {
+    return (static_cast<float>(cell) + 0.5f) / static_cast<float>(bins);
+  };
+  return bin_direction({middle(column), middle(row)});
+}
+
+std::vector<Vec3> bin_centres(int bins, const Vec3& normal) {
+  const BinFrame frame(normal);
+  std::vector<Vec3> out;
+  for (int row = 0; row < bins; ++row) {
+    for (int column = 0; column < bins; ++column)
+      out.push_back(frame.to_world(bin_centre(bins, row, column)));
+  }
+  return out;
+}
+
 double bin_solid_angle(int bins, int row, int column) {
   LTE_CHECK(bins >= 2 && bins % 2 == 0, "bins must be even and at least 2, got ", bins);
   // By symmetry in the quarter of positive coordinates, and there in the half where x >= y: radius

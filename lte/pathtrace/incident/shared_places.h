@@ -26,6 +26,7 @@ class SharedPlaces {
   /// The same, where a point without one becomes a place.
   int32_t join(const Vec3& position, const Vec3& normal);
 
+  float radius() const { return radius_; }
   const std::vector<Vec3>& position() const { return position_; }
   const std::vector<Vec3>& normal() const { return normal_; }
 

@@ -46,6 +46,12 @@ class LightSink {
 /// `distance` from where the ray began, for the irradiance on this side of it. Where it knows it,
 /// the path ends there and brings that light, in light group kNone.
 ///
+/// It may guide paths, by a function `int32_t guide(const Vec3& position, const Vec3& side) const`,
+/// which is asked at every diffuse hit for the number of what guides the path there, or kNone. That
+/// then draws its next direction, and says how densely (GuideField in incident/guide_field.h has
+/// these functions): `Vec3 guided_direction(int32_t guide, const Vec3& normal, Vec2 u) const` and
+/// `float guided_pdf(int32_t guide, float cosine, const Vec3& direction) const`.
+///
 /// And it may say, by a function `float footprint(float distance) const`, how many metres a ray of
 /// that length stands for, over which textures are filtered; without, paths read them unfiltered.
 struct NoObserver {
@@ -81,6 +87,11 @@ class BasicTransport {
   PathBlock& start() { return paths_; }
 
  private:
+  /// Whether the observer guides paths.
+  static constexpr bool kGuides = requires(const Observer& observer, const Vec3& v) {
+    observer.guide(v, v);
+  };
+
   void follow(PathSampler& sampler);
   bool end_where_known(int lane, int depth, const SurfacePoint& point, const Vec3& side,
                        const Rgb& throughput);
@@ -91,10 +102,12 @@ class BasicTransport {
   void add_environment(int lane);
   void sample_lights(int vertex, PathSampler& sampler);
   void weigh_metal();
+  void weigh_guided();
   void cast_shadows(int depth);
   void russian_roulette(int vertex, PathSampler& sampler);
   void scatter(int vertex, PathSampler& sampler);
-  void scatter_metal();
+  void scatter_one_by_one();
+  bool scatter_guided(int lane, Vec3* direction, Rgb* throughput, float* pdf) const;
   void move_lane(int from, int to);
   void deliver(int depth);
 
@@ -109,6 +122,7 @@ class BasicTransport {
   PathBlock paths_;
   std::vector<GlossyBsdf> metal_;         ///< metallic vertices where paths stand
   alignas(64) int32_t metal_of_[kBlock];  ///< lane's index into metal_, kNone if it is diffuse
+  alignas(64) int32_t guide_[kBlock];     ///< of a lane, by the observer; kNone without
   HitBlock hits_;
   LightBlock light_samples_;
   ShadowBlock shadows_;

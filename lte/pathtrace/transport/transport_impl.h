@@ -34,6 +34,7 @@ void BasicTransport<Observer>::trace_from_surface(const Vec3& position, const Ve
                                                   PathSampler& sampler) {
   paths_.size = sampler.paths();
   metal_.clear();
+  std::fill_n(guide_, paths_.size, scene::kNone);
   for (int lane = 0; lane < paths_.size; ++lane) {
     paths_.origin.put(lane, position);
     paths_.normal.put(lane, normal);
@@ -49,6 +50,7 @@ template <typename Observer>
 void BasicTransport<Observer>::trace_indirect(PathSampler& sampler) {
   paths_.size = sampler.paths();
   metal_.clear();
+  std::fill_n(guide_, paths_.size, scene::kNone);
   for (int lane = 0; lane < paths_.size; ++lane) {
     paths_.throughput.put(lane, {1, 1, 1});
     paths_.path[lane] = lane;
@@ -152,6 +154,8 @@ void BasicTransport<Observer>::shade(int depth) {
     }
     if (!(max_component(throughput) > 0)) continue;
     if (gloss.metallic <= 0 && end_where_known(lane, depth, point, side, throughput)) continue;
+    if constexpr (kGuides)
+      guide_[kept] = gloss.metallic > 0 ? scene::kNone : observer_.guide(point.position, side);
     paths_.origin.put(kept, point.position + side * point.offset);
     paths_.normal.put(kept, side);
     paths_.throughput.put(kept, throughput);
@@ -222,6 +226,7 @@ void BasicTransport<Observer>::sample_lights(int vertex, PathSampler& sampler) {
   weigh_diffuse(paths_.normal, light_samples_.direction, light_samples_.pdf, paths_.size,
                 light_weight_);
   if (!metal_.empty()) weigh_metal();
+  weigh_guided();
   cast_shadows(vertex + 1);
 }
 
@@ -235,6 +240,20 @@ void BasicTransport<Observer>::weigh_metal() {
     const float pdf = light_samples_.pdf[lane];
     light_weight_[lane] = 1 / (pdf < 0 ? -pdf : pdf + to_light.pdf);
     light_samples_.radiance.put(lane, light_samples_.radiance.at(lane) * to_light.value);
+  }
+}
+
+/// Weighs the light samples at guided vertices anew: paths meet these lights with another density.
+template <typename Observer>
+void BasicTransport<Observer>::weigh_guided() {
+  if constexpr (kGuides) {
+    for (int lane = 0; lane < paths_.size; ++lane) {
+      if (guide_[lane] == scene::kNone || light_weight_[lane] == 0) continue;
+      const Vec3 direction = light_samples_.direction.at(lane);
+      const float cosine = dot(paths_.normal.at(lane), direction), pdf = light_samples_.pdf[lane];
+      const float guided = observer_.guided_pdf(guide_[lane], cosine, direction);
+      light_weight_[lane] = lambert_pdf(cosine) / (pdf < 0 ? -pdf : pdf + guided);
+    }
   }
 }
 
@@ -287,6 +306,7 @@ void BasicTransport<Observer>::move_lane(int from, int to) {
   paths_.throughput.put(to, paths_.throughput.at(from));
   paths_.path[to] = paths_.path[from];
   metal_of_[to] = metal_of_[from];
+  if constexpr (kGuides) guide_[to] = guide_[from];
 }
 
 /// Draws the next directions.
@@ -295,19 +315,40 @@ void BasicTransport<Observer>::scatter(int vertex, PathSampler& sampler) {
   sampler.direction(vertex, paths_.path, paths_.size, &direction_numbers_);
   cosine_directions(direction_numbers_.x, direction_numbers_.y, paths_.size, paths_.normal,
                     &paths_.direction, paths_.pdf);
-  if (!metal_.empty()) scatter_metal();
+  if (kGuides || !metal_.empty()) scatter_one_by_one();
 }
 
-/// Draws the directions at metallic vertices anew, and closes up the lanes of paths that are lost
-/// there.
+/// Draws the direction of a guided vertex anew. False: it goes below the surface.
 template <typename Observer>
-void BasicTransport<Observer>::scatter_metal() {
+bool BasicTransport<Observer>::scatter_guided([[maybe_unused]] int lane,
+                                              [[maybe_unused]] Vec3* direction,
+                                              [[maybe_unused]] Rgb* throughput,
+                                              [[maybe_unused]] float* pdf) const {
+  if constexpr (kGuides) {
+    const Vec3 normal = paths_.normal.at(lane);
+    *direction = observer_.guided_direction(
+        guide_[lane], normal,
+        {to_unit(direction_numbers_.x[lane]), to_unit(direction_numbers_.y[lane])});
+    const float cosine = dot(normal, *direction);
+    if (!(cosine > 0)) return false;
+    *pdf = observer_.guided_pdf(guide_[lane], cosine, *direction);
+    *throughput *= lambert_pdf(cosine) / *pdf;
+  }
+  return true;
+}
+
+/// Draws the directions at metallic and guided vertices anew, and closes up the lanes of paths that
+/// are lost there.
+template <typename Observer>
+void BasicTransport<Observer>::scatter_one_by_one() {
   int kept = 0;
   for (int lane = 0; lane < paths_.size; ++lane) {
     Vec3 direction = paths_.direction.at(lane);
     Rgb throughput = paths_.throughput.at(lane);
     float pdf = paths_.pdf[lane];
-    if (metal_of_[lane] != scene::kNone) {
+    if (kGuides && guide_[lane] != scene::kNone) {
+      if (!scatter_guided(lane, &direction, &throughput, &pdf)) continue;
+    } else if (!metal_.empty() && metal_of_[lane] != scene::kNone) {
       const ScatteringSample next = metal_[static_cast<size_t>(metal_of_[lane])].sample(
           {to_unit(direction_numbers_.x[lane]), to_unit(direction_numbers_.y[lane])});
       direction = next.direction;

@@ -9,7 +9,10 @@
 
 #include "lte/base/check.h"
 #include "lte/base/random.h"
+#include "lte/pathtrace/incident/guide_field.h"
 #include "lte/pathtrace/incident/hemisphere_bins.h"
+#include "lte/pathtrace/incident/incident.h"
+#include "lte/scene/sampler.h"
 #include "tests/support/scenes.h"
 
 namespace lte::pathtrace {
@@ -166,9 +169,11 @@ std::vector<Rgb> traced_map(const Bvh& bvh, const Lights& lights, const Vec3& po
 
 /// Draws by the guide and by the cosine have one mean within their errors, and the guide's variance
 /// is less than `share` of the other.
+/// @param field  of the guided paths from their second vertex on; null: none
 void expect_same_mean(const Bvh& bvh, const Lights& lights, const Vec3& position,
-                      const Vec3& normal, const Guide& guide, double share) {
-  IncidentSampler sampler(bvh, lights);
+                      const Vec3& normal, const Guide& guide, double share,
+                      const GuideField* field = nullptr) {
+  IncidentSampler sampler(bvh, lights), by_field(bvh, lights, field);
   constexpr int64_t kPaths = 40'000;
   const auto statistics = [&](const IncidentSamples& samples) {
     double sum = 0, squares = 0;
@@ -189,7 +194,7 @@ void expect_same_mean(const Bvh& bvh, const Lights& lights, const Vec3& position
     return std::pair(mean, squares / kPaths - mean * mean);
   };
   Rng one(1), two(2);
-  const auto [mean, variance] = statistics(sampler.draw(position, normal, guide, kPaths, one));
+  const auto [mean, variance] = statistics(by_field.draw(position, normal, guide, kPaths, one));
   const auto [other, unguided] = statistics(sampler.draw(position, normal, kPaths, two));
   EXPECT_NEAR(mean, other, 4 * std::sqrt((variance + unguided) / kPaths));
   EXPECT_LT(variance, share * unguided);
@@ -219,6 +224,123 @@ TEST(Guide, OfANeighboursMapHasTheSameMeanAndLessVariance) {
   const auto table = std::make_shared<const GuideTable>(DirectionMap{map, 16, leaning}, 0.1f);
   const Guide guide(table, normal, floor);
   expect_same_mean(bvh, lights, position, normal, guide, 0.75);
+}
+
+/// A field whose tables say nothing true: bright and dark cells at random.
+GuideField arbitrary_field(const Bvh& bvh, float material_share) {
+  SharedPlaces places(0.7f, 0.8f);
+  const scene::SurfaceSamples points = scene::sample_surface(bvh.scene(), 500, {});
+  for (size_t i = 0; i < points.position.size(); i += 2)
+    places.join(points.position[i], points.normal[i]);
+  std::vector<std::shared_ptr<const GuideTable>> tables;
+  Rng rng(8);
+  for (const Vec3& normal : places.normal()) {
+    std::vector<Rgb> map(64);
+    for (Rgb& cell : map) cell = Rgb{1, 1, 1} * (rng.uniform() < 0.3f ? 5.0f : 0.1f);
+    tables.push_back(std::make_shared<const GuideTable>(DirectionMap{map, 8, normal}, 0.2f));
+  }
+  return {std::move(places), std::move(tables), material_share};
+}
+
+/// Whatever the tables say, light that has bounced once and more has one mean; lamps are met by
+/// guided paths and by light samples, whose weights must add up to one.
+TEST(GuideField, KeepsTheMeanOfPathsWhateverItSays) {
+  scene::Scene scene = test::furnished_room();
+  scene.materials[1].metallic = 1;
+  scene.materials[1].roughness = 0.4f;
+  const Bvh bvh(scene);
+  const Lights lights(scene);
+  const Vec3 position = {3.2f, 0, 0.5f}, normal = {0, 1, 0};
+  const Reflector floor{{0.8f, 0.8f, 0.8f}, {0, 1}, normal};
+  const std::vector<Rgb> even(16, {1, 1, 1});
+  const Guide guide({even, 4, normal}, normal, floor);
+  for (const float share : {0.1f, 0.5f}) {
+    const GuideField field = arbitrary_field(bvh, share);
+    expect_same_mean(bvh, lights, position, normal, guide, 20, &field);
+  }
+}
+
+TEST(GuideField, DrawsFallAsTheDensitySays) {
+  const Vec3 leaning = normalize({0.1f, 1, 0.3f});
+  SharedPlaces places(1, 0.5f);
+  places.join({}, leaning);
+  const std::vector<Rgb> map = some_map();
+  const GuideField field(
+      places, {std::make_shared<const GuideTable>(DirectionMap{map, kBins, leaning}, 0.1f)}, 0.3f);
+  EXPECT_EQ(field.at({0.2f, 0, 0}, kNormal), 0);
+  EXPECT_EQ(field.at({0.2f, 0, 0}, -kNormal), scene::kNone);
+  EXPECT_EQ(field.at({5, 0, 0}, kNormal), scene::kNone);
+  // In twelve by twelve cells, and what goes below the surface in one more.
+  constexpr int kDraws = 200'000;
+  std::vector<double> expected(145), counts(145);
+  double above = 0;
+  over_hemisphere([&](size_t cell, const Vec3& direction, double solid_angle) {
+    const double share = field.pdf(0, dot(direction, kNormal), direction) * solid_angle;
+    expected[cell] += kDraws * share;
+    above += share;
+  });
+  expected[144] = kDraws * (1 - above);
+  EXPECT_LT(above, 0.999) << "the table's hemisphere is not the surface's";
+  const Local frame;
+  Rng rng(9);
+  for (int i = 0; i < kDraws; ++i) {
+    const float u = rng.uniform(), v = rng.uniform();
+    const Vec3 local = frame.local(field.direction(0, kNormal, {u, v}));
+    if (!(local.z > 0)) {
+      ++counts[144];
+      continue;
+    }
+    const Vec2 place = bin_place(local);
+    const auto at = [](float x) { return std::min(static_cast<int>(x * 12), 11); };
+    ++counts[static_cast<size_t>(at(place.y) * 12 + at(place.x))];
+  }
+  double chi2 = 0;
+  int freedom = 0;
+  for (size_t i = 0; i < expected.size(); ++i) {
+    if (expected[i] < 100) continue;
+    const double slack = 0.006 * expected[i] + (i == 144 ? 0.002 * kDraws : 0);  // of the midpoints
+    chi2 += (counts[i] - expected[i]) * (counts[i] - expected[i]) / (expected[i] + slack * slack);
+    ++freedom;
+  }
+  EXPECT_GT(freedom, 30);
+  EXPECT_LT(chi2, freedom + 5 * std::sqrt(2.0 * freedom));
+}
+
+/// Each point has a place as near as voxels of half a radius allow, which faces its way.
+TEST(GuideField, FindsAPlaceNearby) {
+  constexpr float kRadius = 0.4f;
+  SharedPlaces places(kRadius, 0.9f);
+  Rng rng(12);
+  const auto point = [&] { return Vec3{rng.uniform(-2, 2), 1, rng.uniform(-2, 2)}; };
+  for (int i = 0; i < 2000; ++i) places.join(point(), {0, i % 2 == 0 ? 1.0f : -1.0f, 0});
+  const std::vector<Rgb> map(4);
+  const auto table = std::make_shared<const GuideTable>(DirectionMap{map, 2, kNormal}, 1.0f);
+  const GuideField field(places, {places.position().size(), table}, 0.5f);
+  int near = 0;
+  const float slack = kRadius / 2 * std::sqrt(3.0f);  // twice half of a voxel's diagonal
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 position = point(), normal{0, i % 2 == 0 ? 1.0f : -1.0f, 0};
+    const int32_t nearest = places.find(position, normal), found = field.at(position, normal);
+    if (nearest < 0) continue;
+    ++near;
+    ASSERT_GE(found, 0);
+    const auto apart = [&](int32_t place) {
+      return length(places.position()[static_cast<size_t>(place)] - position);
+    };
+    EXPECT_LE(apart(found), apart(nearest) + slack);
+    EXPECT_EQ(places.normal()[static_cast<size_t>(found)], normal);
+  }
+  EXPECT_GT(near, 1800);
+}
+
+TEST(GuideField, RefusesTablesThatDoNotFit) {
+  SharedPlaces places(1, 0.5f);
+  places.join({}, kNormal);
+  const std::vector<Rgb> map(4);
+  const auto table = std::make_shared<const GuideTable>(DirectionMap{map, 2, kNormal}, 1.0f);
+  EXPECT_THROW(GuideField(places, {}, 0.5f), Error);
+  EXPECT_THROW(GuideField(places, {table}, 0), Error);
+  EXPECT_THROW(GuideField(places, {table}, 1), Error);
 }
 
 TEST(Guide, RefusesWhatItCannotDrawFrom) {

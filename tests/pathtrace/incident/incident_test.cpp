@@ -7,6 +7,7 @@
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/pathtrace/incident/hemisphere_bins.h"
+#include "lte/pathtrace/incident/incident_sampler.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/pathtrace/render.h"
 #include "tests/pathtrace/materials/ggx_reference.h"
