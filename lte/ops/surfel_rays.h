@@ -46,7 +46,8 @@ SurfelGrid make_surfel_grid(const at::Tensor& discs);
 /// @param emission    whether rays see emission at once, not only in metal
 /// @return  [Q, N, kSeenColumns] float32
 /// @throws c10::Error on a wrong shape, dtype or device
-/// @note Not differentiable. The 24 nearest discs of a ray count at most; each ray's answer depends on no other.
+/// @note Not differentiable. The 24 nearest discs of a ray count at most; each ray's answer depends
+///       on no other.
 at::Tensor see_surfels(const at::Tensor& position, const at::Tensor& directions,
                        const SurfelGrid& grid, bool emission);
 

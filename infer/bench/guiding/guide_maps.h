@@ -94,8 +94,8 @@ class GuideMaps {
   std::vector<Rgb> radiance_;  ///< [places, cells]
 };
 
-/// Guides by maps that several surfaces share: one table for all that is diffuse around a place, one
-/// of its own for each view of metal.
+/// Guides by maps that several surfaces share: one table for all that is diffuse around a place,
+/// and one of its own for each view of metal.
 class SharedGuides {
  public:
   /// @param maps  of the places; must outlive this
