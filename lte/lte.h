@@ -37,6 +37,7 @@
 #include "lte/pathtrace/direct_light.h"
 #include "lte/pathtrace/incident/hemisphere_bins.h"
 #include "lte/pathtrace/incident/incident.h"
+#include "lte/pathtrace/incident/incident_sampler.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/pathtrace/placement/added_light.h"
 #include "lte/pathtrace/placement/auto_camera.h"

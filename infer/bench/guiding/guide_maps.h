@@ -105,9 +105,9 @@ class SharedGuides {
                          const pathtrace::Reflector& reflector) const;
   double seconds() const { return seconds_; }  ///< of the processor, of all places' tables
 
-  /// The same tables at every diffuse vertex of paths.
-  pathtrace::GuideField field(const JoinedPlaces& places) const {
-    return {places.grid(), tables_, pathtrace::GuideOptions{}.material_share};
+  /// The same tables where paths meet diffuse surfaces, so many times.
+  pathtrace::GuideField field(const JoinedPlaces& places, int hits) const {
+    return {places.grid(), tables_, pathtrace::GuideOptions{}.material_share, hits};
   }
 
  private:

@@ -99,15 +99,15 @@ std::vector<GuidingRow> guided_irradiance(const Renderer& renderer, const Guidin
       estimates.measure("irradiance, cosine-distributed paths", {}, nullptr)};
 
   const auto add = [&](const std::string& name, GuidingCost cost, const GuideMaps& maps,
-                       const std::vector<size_t>& map_of_point, size_t points_served,
-                       const JoinedPlaces* at_every_vertex = nullptr) {
+                       const std::vector<size_t>& map_of_point, size_t points_served, int hits = 0,
+                       const JoinedPlaces* places = nullptr) {
     const SharedGuides guides(maps);
     const auto served = static_cast<double>(points_served);
     cost.prediction = maps.seconds() / served;
     cost.tables += guides.seconds() / served;
     cost.maps = static_cast<int64_t>(maps.size());
     std::optional<pathtrace::GuideField> field;
-    if (at_every_vertex != nullptr) field.emplace(guides.field(*at_every_vertex));
+    if (hits > 0) field.emplace(guides.field(*places, hits));
     rows.push_back(estimates.measure(
         name, cost,
         [&](size_t i) {
@@ -136,8 +136,10 @@ std::vector<GuidingRow> guided_irradiance(const Renderer& renderer, const Guidin
   const GuideMaps maps = GuideMaps::predicted(renderer.embedding(), shared.view(), kBins);
   add(guide_name("irradiance, guided", kBins, "maps shared"), joining, maps, shared_map,
       shared_map.size());
+  add(guide_name("irradiance, guided at two vertices", kBins, "maps shared"), joining, maps,
+      shared_map, shared_map.size(), 1, &shared);
   add(guide_name("irradiance, guided at every vertex", kBins, "maps shared"), joining, maps,
-      shared_map, shared_map.size(), &shared);
+      shared_map, shared_map.size(), pathtrace::GuideField::kAllHits, &shared);
   add(guide_name("irradiance, guided", kBins, "traced maps shared"), joining,
       GuideMaps::traced(renderer.bvh(), renderer.lights(), shared.view(), kBins, kTracedPaths),
       shared_map, shared_map.size());

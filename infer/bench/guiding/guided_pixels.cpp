@@ -109,13 +109,13 @@ class Ways {
                                     pixels() * paths_, cost));
   }
 
-  /// @param at_every_vertex  the places of the maps, which then guide paths on too; null: only
-  ///                         their first directions
+  /// @param hits    at which paths are guided on; 0: only their first directions are
+  /// @param places  of the maps, for these hits
   void add_guided(const std::string& name, const Sharing& sharing, const GuideMaps& maps,
-                  const JoinedPlaces* at_every_vertex = nullptr) {
+                  int hits = 0, const JoinedPlaces* places = nullptr) {
     const SharedGuides guides(maps);
     std::optional<pathtrace::GuideField> field;
-    if (at_every_vertex != nullptr) field.emplace(guides.field(*at_every_vertex));
+    if (hits > 0) field.emplace(guides.field(*places, hits));
     pathtrace::IncidentSampler sampler(renderer_.bvh(), renderer_.lights(),
                                        field ? &*field : nullptr);
     Way way;
@@ -199,12 +199,15 @@ std::vector<GuidingRow> guided_pixels(const Renderer& renderer, const scene::Cam
   const double joining = processor_seconds() - start;
   Sharing all = by_neighbours(picture, ways.sights(), &everywhere);
   all.seconds += joining;
-  ways.add_guided(guide_name("guided at every vertex", kBins, "maps shared"), all,
-                  GuideMaps::predicted(embedding, everywhere.view(), kBins), &everywhere);
-  ways.add_guided(
-      guide_name("guided at every vertex", kBins, "traced maps shared"), all,
-      GuideMaps::traced(renderer.bvh(), renderer.lights(), everywhere.view(), kBins, kTracedPaths),
-      &everywhere);
+  const GuideMaps predicted = GuideMaps::predicted(embedding, everywhere.view(), kBins);
+  const GuideMaps traced =
+      GuideMaps::traced(renderer.bvh(), renderer.lights(), everywhere.view(), kBins, kTracedPaths);
+  for (const auto& [hits, way] :
+       {std::pair(1, "guided at two vertices"),
+        std::pair(pathtrace::GuideField::kAllHits, "guided at every vertex")}) {
+    ways.add_guided(guide_name(way, kBins, "maps shared"), all, predicted, hits, &everywhere);
+    ways.add_guided(guide_name(way, kBins, "traced maps shared"), all, traced, hits, &everywhere);
+  }
   return std::move(ways).rows();
 }
 

@@ -12,15 +12,17 @@
 namespace lte::pathtrace {
 
 GuideField::GuideField(SharedPlaces places, std::vector<std::shared_ptr<const GuideTable>> tables,
-                       float material_share)
+                       float material_share, int hits)
     : width_(0.5f * places.radius()),
       places_(std::move(places)),
       tables_(std::move(tables)),
-      material_share_(material_share) {
+      material_share_(material_share),
+      hits_(hits) {
   LTE_CHECK(tables_.size() == places_.position().size(), "a field of ", places_.position().size(),
             " places needs as many tables, got ", tables_.size());
   LTE_CHECK(material_share > 0 && material_share < 1,
             "a field's material share must lie in (0, 1), got ", material_share);
+  LTE_CHECK(hits >= 1, "a field must guide at one hit of a path at least, got ", hits);
   fill();
 }
 

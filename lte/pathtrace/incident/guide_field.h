@@ -1,4 +1,4 @@
-// Guides all over a scene, for every diffuse vertex of a path: tables at places, each of which
+// Guides all over a scene, for the diffuse vertices of a path: tables at places, each of which
 // serves what is near it.
 #pragma once
 
@@ -18,9 +18,11 @@ class GuideField {
  public:
   /// @param tables          one for each place
   /// @param material_share  of draws by the cosine, in (0, 1)
-  /// @throws lte::Error if there are not as many tables as places, or for another share
+  /// @param hits            of a path that are guided, the first ones; at least 1
+  /// @throws lte::Error if there are not as many tables as places, or for another share or hits
   GuideField(SharedPlaces places, std::vector<std::shared_ptr<const GuideTable>> tables,
-             float material_share);
+             float material_share, int hits = kAllHits);
+  static constexpr int kAllHits = 1 << 20;
 
   /// The place that guides at a surface point, one of the nearest; kNone where none is near.
   /// @param position  world
@@ -33,6 +35,9 @@ class GuideField {
 
   /// Solid-angle density of direction(). @param cosine  of the direction, above 0
   float pdf(int32_t place, float cosine, const Vec3& direction) const;
+
+  /// Of a path, the first ones, that are guided.
+  int hits() const { return hits_; }
 
  private:
   /// A cube in space, half a radius wide, and the axis that normals there lie nearest to.
@@ -55,6 +60,7 @@ class GuideField {
   SharedPlaces places_;
   std::vector<std::shared_ptr<const GuideTable>> tables_;
   float material_share_;
+  int hits_;
   std::vector<Entry> entries_;  ///< a hash table with open addressing; a power of two of them
 };
 

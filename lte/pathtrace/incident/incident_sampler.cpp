@@ -33,8 +33,8 @@ class FieldObserver : public NoObserver {
   FieldObserver(const Bvh& bvh, const GuideField& field)
       : origin_(bvh.handles().origin), field_(&field) {}
 
-  int32_t guide(const Vec3& position, const Vec3& side) const {
-    return field_->at(position + origin_, side);
+  int32_t guide(int depth, const Vec3& position, const Vec3& side) const {
+    return depth <= field_->hits() ? field_->at(position + origin_, side) : scene::kNone;
   }
   Vec3 guided_direction(int32_t guide, const Vec3& normal, const Vec2& u) const {
     return field_->direction(guide, normal, u);

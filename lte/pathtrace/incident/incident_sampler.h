@@ -37,8 +37,8 @@ struct Reflector {
 /// renderer that compares. Not thread-safe: one a thread. Keeps references to what it is given.
 class IncidentSampler {
  public:
-  /// @param field  guides paths on at every diffuse vertex; null: they go on by the cosine. The
-  ///               mean of what is drawn is the same.
+  /// @param field  guides paths on where they meet diffuse surfaces; null: they go on by the
+  ///               cosine. The mean of what is drawn is the same.
   /// @throws lte::Error if the BVH and the lights are of two scenes, or a depth is below 1.
   IncidentSampler(const Bvh& bvh, const Lights& lights, const GuideField* field = nullptr,
                   int max_depth = 5, int roulette_depth = 3);

@@ -46,11 +46,11 @@ class LightSink {
 /// `distance` from where the ray began, for the irradiance on this side of it. Where it knows it,
 /// the path ends there and brings that light, in light group kNone.
 ///
-/// It may guide paths, by a function `int32_t guide(const Vec3& position, const Vec3& side) const`,
-/// which is asked at every diffuse hit for the number of what guides the path there, or kNone. That
-/// then draws its next direction, and says how densely (GuideField in incident/guide_field.h has
-/// these functions): `Vec3 guided_direction(int32_t guide, const Vec3& normal, Vec2 u) const` and
-/// `float guided_pdf(int32_t guide, float cosine, const Vec3& direction) const`.
+/// It may guide paths, by a function `int32_t guide(int depth, const Vec3& position, const Vec3&
+/// side) const`, which is asked at every diffuse hit for the number of what guides the path there,
+/// or kNone. `Vec3 guided_direction(int32_t guide, const Vec3& normal, const Vec2& u) const` then
+/// draws its next direction, and `float guided_pdf(int32_t guide, float cosine, const Vec3&
+/// direction) const` says how densely.
 ///
 /// And it may say, by a function `float footprint(float distance) const`, how many metres a ray of
 /// that length stands for, over which textures are filtered; without, paths read them unfiltered.
@@ -89,7 +89,7 @@ class BasicTransport {
  private:
   /// Whether the observer guides paths.
   static constexpr bool kGuides = requires(const Observer& observer, const Vec3& v) {
-    observer.guide(v, v);
+    observer.guide(1, v, v);
   };
 
   void follow(PathSampler& sampler);
@@ -123,6 +123,7 @@ class BasicTransport {
   std::vector<GlossyBsdf> metal_;         ///< metallic vertices where paths stand
   alignas(64) int32_t metal_of_[kBlock];  ///< lane's index into metal_, kNone if it is diffuse
   alignas(64) int32_t guide_[kBlock];     ///< of a lane, by the observer; kNone without
+  bool guided_ = false;                   ///< some lane has a guide
   HitBlock hits_;
   LightBlock light_samples_;
   ShadowBlock shadows_;

@@ -34,7 +34,7 @@ void BasicTransport<Observer>::trace_from_surface(const Vec3& position, const Ve
                                                   PathSampler& sampler) {
   paths_.size = sampler.paths();
   metal_.clear();
-  std::fill_n(guide_, paths_.size, scene::kNone);
+  guided_ = false;
   for (int lane = 0; lane < paths_.size; ++lane) {
     paths_.origin.put(lane, position);
     paths_.normal.put(lane, normal);
@@ -50,7 +50,7 @@ template <typename Observer>
 void BasicTransport<Observer>::trace_indirect(PathSampler& sampler) {
   paths_.size = sampler.paths();
   metal_.clear();
-  std::fill_n(guide_, paths_.size, scene::kNone);
+  guided_ = false;
   for (int lane = 0; lane < paths_.size; ++lane) {
     paths_.throughput.put(lane, {1, 1, 1});
     paths_.path[lane] = lane;
@@ -122,6 +122,7 @@ template <typename Observer>
 void BasicTransport<Observer>::shade(int depth) {
   int kept = 0;
   metal_.clear();
+  guided_ = false;
   for (int lane = 0; lane < paths_.size; ++lane) {
     const int instance = hits_.instance[lane];
     if (instance == scene::kNone) {
@@ -154,8 +155,11 @@ void BasicTransport<Observer>::shade(int depth) {
     }
     if (!(max_component(throughput) > 0)) continue;
     if (gloss.metallic <= 0 && end_where_known(lane, depth, point, side, throughput)) continue;
-    if constexpr (kGuides)
-      guide_[kept] = gloss.metallic > 0 ? scene::kNone : observer_.guide(point.position, side);
+    if constexpr (kGuides) {
+      guide_[kept] =
+          gloss.metallic > 0 ? scene::kNone : observer_.guide(depth, point.position, side);
+      guided_ |= guide_[kept] != scene::kNone;
+    }
     paths_.origin.put(kept, point.position + side * point.offset);
     paths_.normal.put(kept, side);
     paths_.throughput.put(kept, throughput);
@@ -226,7 +230,7 @@ void BasicTransport<Observer>::sample_lights(int vertex, PathSampler& sampler) {
   weigh_diffuse(paths_.normal, light_samples_.direction, light_samples_.pdf, paths_.size,
                 light_weight_);
   if (!metal_.empty()) weigh_metal();
-  weigh_guided();
+  if (guided_) weigh_guided();
   cast_shadows(vertex + 1);
 }
 
@@ -315,7 +319,7 @@ void BasicTransport<Observer>::scatter(int vertex, PathSampler& sampler) {
   sampler.direction(vertex, paths_.path, paths_.size, &direction_numbers_);
   cosine_directions(direction_numbers_.x, direction_numbers_.y, paths_.size, paths_.normal,
                     &paths_.direction, paths_.pdf);
-  if (kGuides || !metal_.empty()) scatter_one_by_one();
+  if (guided_ || !metal_.empty()) scatter_one_by_one();
 }
 
 /// Draws the direction of a guided vertex anew. False: it goes below the surface.
@@ -346,7 +350,7 @@ void BasicTransport<Observer>::scatter_one_by_one() {
     Vec3 direction = paths_.direction.at(lane);
     Rgb throughput = paths_.throughput.at(lane);
     float pdf = paths_.pdf[lane];
-    if (kGuides && guide_[lane] != scene::kNone) {
+    if (guided_ && guide_[lane] != scene::kNone) {
       if (!scatter_guided(lane, &direction, &throughput, &pdf)) continue;
     } else if (!metal_.empty() && metal_of_[lane] != scene::kNone) {
       const ScatteringSample next = metal_[static_cast<size_t>(metal_of_[lane])].sample(

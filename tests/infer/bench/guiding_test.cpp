@@ -55,7 +55,7 @@ TEST_F(Guiding, OfPixelsHasOneMeanWhateverTheWay) {
   options_.paths = 512;
   const std::vector<GuidingRow> rows =
       guided_pixels(*renderer_, pathtrace::auto_camera(renderer_->bvh()), options_);
-  ASSERT_EQ(rows.size(), 11u);
+  ASSERT_EQ(rows.size(), 13u);
   const GuidingRow &plain = rows[0], &lights = rows[1];
   const double mean = figure(plain, "mean"), whole = figure(plain, "whole_mean");
   EXPECT_GT(mean, 0);
@@ -89,7 +89,7 @@ TEST_F(Guiding, OfPixelsHasOneMeanWhateverTheWay) {
 TEST_F(Guiding, OfIrradianceHasOneMeanWhateverTheWay) {
   options_.query_points = 1024;
   const std::vector<GuidingRow> rows = guided_irradiance(*renderer_, options_);
-  ASSERT_EQ(rows.size(), 5u);
+  ASSERT_EQ(rows.size(), 6u);
   const double mean = figure(rows[0], "mean");
   EXPECT_GT(mean, 0);
   for (const GuidingRow& row : rows) {

@@ -227,7 +227,7 @@ TEST(Guide, OfANeighboursMapHasTheSameMeanAndLessVariance) {
 }
 
 /// A field whose tables say nothing true: bright and dark cells at random.
-GuideField arbitrary_field(const Bvh& bvh, float material_share) {
+GuideField arbitrary_field(const Bvh& bvh, float material_share, int hits) {
   SharedPlaces places(0.7f, 0.8f);
   const scene::SurfaceSamples points = scene::sample_surface(bvh.scene(), 500, {});
   for (size_t i = 0; i < points.position.size(); i += 2)
@@ -239,7 +239,7 @@ GuideField arbitrary_field(const Bvh& bvh, float material_share) {
     for (Rgb& cell : map) cell = Rgb{1, 1, 1} * (rng.uniform() < 0.3f ? 5.0f : 0.1f);
     tables.push_back(std::make_shared<const GuideTable>(DirectionMap{map, 8, normal}, 0.2f));
   }
-  return {std::move(places), std::move(tables), material_share};
+  return {std::move(places), std::move(tables), material_share, hits};
 }
 
 /// Whatever the tables say, light that has bounced once and more has one mean; lamps are met by
@@ -254,8 +254,9 @@ TEST(GuideField, KeepsTheMeanOfPathsWhateverItSays) {
   const Reflector floor{{0.8f, 0.8f, 0.8f}, {0, 1}, normal};
   const std::vector<Rgb> even(16, {1, 1, 1});
   const Guide guide({even, 4, normal}, normal, floor);
-  for (const float share : {0.1f, 0.5f}) {
-    const GuideField field = arbitrary_field(bvh, share);
+  for (const auto& [share, hits] : {std::pair(0.1f, GuideField::kAllHits), std::pair(0.5f, 1),
+                                    std::pair(0.5f, GuideField::kAllHits)}) {
+    const GuideField field = arbitrary_field(bvh, share, hits);
     expect_same_mean(bvh, lights, position, normal, guide, 20, &field);
   }
 }
@@ -341,6 +342,7 @@ TEST(GuideField, RefusesTablesThatDoNotFit) {
   EXPECT_THROW(GuideField(places, {}, 0.5f), Error);
   EXPECT_THROW(GuideField(places, {table}, 0), Error);
   EXPECT_THROW(GuideField(places, {table}, 1), Error);
+  EXPECT_THROW(GuideField(places, {table}, 0.5f, 0), Error);
 }
 
 TEST(Guide, RefusesWhatItCannotDrawFrom) {
