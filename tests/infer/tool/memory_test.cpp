@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "infer/eval/measure/embed_sample.h"
 #include "infer/eval/measure/scores.h"
 #include "infer/eval/rivals/baselines.h"
 #include "infer/tool/assets.h"
@@ -84,12 +85,7 @@ TEST(Precision, Bf16KeepsTheShippedModelsErrorWithinAPercent) {
     for (size_t s = 0; s < 3; ++s) {
       const data::SceneSample sample =
           data::read_scene_sample(data::scene_path(data, entries[s].name));
-      const std::vector<Rgb> direct = data::sum_groups(sample.scene_direct, sample.light_groups, 1);
-      const std::vector<Rgb> indirect =
-          data::sum_groups(sample.scene_indirect, sample.light_groups, 1);
-      const runtime::SceneEmbedding embedding(
-          network, {sample.scene_position, sample.scene_normal, sample.scene_albedo,
-                    sample.scene_emission, sample.scene_area, direct, indirect});
+      const runtime::SceneEmbedding embedding = embed_sample(sample, network, {});
       const std::vector<Rgb> got =
           embedding.decode({sample.query_position, sample.query_normal, sample.query_albedo});
       const std::vector<Rgb> reference = data::sum_groups(sample.indirect, sample.light_groups, 1);
