@@ -106,7 +106,7 @@ void run_consistency(const ConsistencyRequest& request, const CommonOptions& com
   const scene::Camera first = pareto_views(renderer.bvh(), request.camera, 1, aspect).front();
   const runtime::Network network(checkpoint_or_shipped(request.checkpoint));
   LTE_CHECK(!has_untrained_light(scene, network.metadata()), scene.name,
-            ": the model knows no directional light, so there is nothing of it to measure");
+            ": the model knows no light from outside, so there is nothing of it to measure");
   EmbedSettings embedding;
   embedding.rescale = true;
   renderer.embed(network, embedding);

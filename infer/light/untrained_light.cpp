@@ -18,9 +18,17 @@ std::set<int> sun_groups(const scene::Scene& scene) {
   return groups;
 }
 
-std::string suns_text(const scene::Scene& scene) {
+bool has_sky(const scene::Scene& scene) {
+  return scene.environment && max_component(scene::fluence(*scene.environment)) > 0;
+}
+
+/// The scene's name, and what shines on it from outside.
+std::string lights_text(const scene::Scene& scene) {
   const size_t suns = sun_groups(scene).size();
-  return concat(scene.name, ": ", suns, suns == 1 ? " directional light" : " directional lights");
+  std::string text;
+  if (suns > 0) text = concat(suns, suns == 1 ? " directional light" : " directional lights");
+  if (has_sky(scene)) text += text.empty() ? "an environment" : " and an environment";
+  return concat(scene.name, ": ", text);
 }
 
 template <typename T>
@@ -32,28 +40,20 @@ void keep_rows(const std::vector<size_t>& rows, std::vector<T>* values) {
 }  // namespace
 
 bool has_untrained_light(const scene::Scene& scene, const nn::ModelMetadata& model) {
-  return !model.suns && !sun_groups(scene).empty();
+  return !model.suns && (has_sky(scene) || !sun_groups(scene).empty());
 }
 
 std::string untrained_light_note(const scene::Scene& scene, const nn::ModelMetadata& model) {
   if (!has_untrained_light(scene, model)) return "";
-  return concat(suns_text(scene),
-                ", but the model was trained without any: its indirect light is wrong here; "
+  return concat(lights_text(scene),
+                ", but the model was trained without such light: its indirect light is wrong here; "
                 "lte_render --untrained-light trace finds it by paths");
 }
 
-std::string untrained_environment_note(const scene::Scene& scene, const nn::ModelMetadata& model) {
-  if (model.suns || !scene.environment || max_component(scene::fluence(*scene.environment)) <= 0)
-    return "";
-  return concat(scene.name,
-                ": an environment, which the model was not trained with: its indirect light may be "
-                "a tenth off here; --mode reference finds it by paths");
-}
-
 std::string traced_light_note(const scene::Scene& scene, int spp) {
-  return concat(suns_text(scene),
-                ", but the model was trained without any: indirect light is path-traced, ", spp,
-                " paths a pixel (--untrained-light network asks the network)");
+  return concat(lights_text(scene),
+                ", but the model was trained without such light: indirect light is path-traced, ",
+                spp, " paths a pixel (--untrained-light network asks the network)");
 }
 
 void leave_out_untrained_suns(const scene::Scene& scene, const nn::ModelMetadata& model,

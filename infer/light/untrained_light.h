@@ -9,16 +9,12 @@
 
 namespace lte::infer {
 
-/// Whether the scene has a sun that shines and the network has never seen one.
+/// Whether the scene has a sun or an environment that shines and the network has never seen one.
+/// Homes with suns have skies, so a network that knows suns knows those.
 bool has_untrained_light(const scene::Scene& scene, const nn::ModelMetadata& model);
 
-/// A line for people who show the scene to a network that has never seen a sun; "" if it has none,
-/// or the network has seen some.
+/// A line for people who show the scene to such a network; "" if there is no such light.
 std::string untrained_light_note(const scene::Scene& scene, const nn::ModelMetadata& model);
-
-/// A line for people who show a scene with an environment to a network that was trained without:
-/// "" if it has none. Homes with suns have skies, so a network that knows suns knows those.
-std::string untrained_environment_note(const scene::Scene& scene, const nn::ModelMetadata& model);
 
 /// The line for people whose picture has indirect light by paths instead.
 /// @param spp  paths a pixel

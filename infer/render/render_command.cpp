@@ -352,8 +352,6 @@ void run_render(const RenderRequest& request) {
       ": has no radiance decoder, which --metal network asks (its model.radiance_lobes is 0)");
   if (network) {
     check_size(request.scene, scene, *network, request.embedding.rescale);
-    const std::string note = untrained_environment_note(scene, network->metadata());
-    if (!note.empty()) log_warning(note);
     if (request.embedding.load.empty())
       memory.check_encoding(network->config(), scene_points(request, *network));
   }

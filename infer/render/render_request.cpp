@@ -173,8 +173,8 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
       ->capture_default_str();
   app.add_option("--untrained-light", r->untrained_light,
                  "Neural mode: who answers for indirect light in a scene with directional lights "
-                 "if the model was trained without any: paths (--spp a pixel), or the network, "
-                 "wrongly")
+                 "or an environment if the model was trained without any: paths (--spp a pixel), "
+                 "or the network, wrongly")
       ->check(CLI::IsMember({"trace", "network"}))
       ->capture_default_str();
   app.add_option("--spp", r->spp,

@@ -28,8 +28,6 @@ runtime::Network load_network(const ViewRequest& request) {
 void check_network(const ViewRequest& request, const scene::Scene& scene,
                    const runtime::Network& network, const SessionSettings& settings) {
   check_size(request.scene, scene, network, request.rescale);
-  const std::string environment = untrained_environment_note(scene, network.metadata());
-  if (!environment.empty()) log_warning(environment);
   if (has_untrained_light(scene, network.metadata())) {
     log_warning(request.untrained_light == "network"
                     ? untrained_light_note(scene, network.metadata())

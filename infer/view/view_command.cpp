@@ -167,8 +167,9 @@ void add_view_options(CLI::App& app, ViewRequest* r) {
       ->check(CLI::Validator(check_view_size, "WxH"))
       ->capture_default_str();
   app.add_option("--untrained-light", r->untrained_light,
-                 "Who answers for indirect light in a scene with directional lights if the model "
-                 "was trained without any: paths, or the network, wrongly")
+                 "Who answers for indirect light in a scene with directional lights or an "
+                 "environment if the model was trained without any: paths, or the network, "
+                 "wrongly")
       ->check(CLI::IsMember({"trace", "network"}))
       ->capture_default_str();
   app.add_option("--scene-points", r->scene_points,

@@ -89,7 +89,7 @@ def warnings_of(text):
 
 
 def traced_of(text):
-    """What the picture has of path tracing in the network's place: metal, suns."""
+    """What the picture has of path tracing in the network's place: metal, suns, skies."""
     return [line for line in text.splitlines() if "path-traced" in line]
 
 
@@ -253,7 +253,7 @@ def summary(records, left_out):
             f"reference's mean radiance, {len(off)} farther off ({silent} of them without a "
             f"warning), {black} black in the reference, {len(records) - len(drawn)} refused or "
             f"failed; {sum(bool(r['warnings']) for r in drawn)} drawn with a warning, "
-            f"{sum(bool(r['traced']) for r in drawn)} with paths for metal or suns")
+            f"{sum(bool(r['traced']) for r in drawn)} with paths for metal, suns or skies")
     return text + (f"; {left_out} files are parts of other scenes" if left_out else "")
 
 

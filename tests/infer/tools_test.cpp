@@ -43,7 +43,7 @@ TEST_F(Tools, ASunThatTheModelHasNeverSeenIsSaidInOneLine) {
     return run_tool("lte_render",
                     at("sunny.glb") + " --size 24x16 --out " + at("sunny.exr") + rest);
   };
-  const std::string words = "1 directional light, but the model was trained without any";
+  const std::string words = "1 directional light, but the model was trained without such light";
   const Outcome unseen = render_sunny(" --checkpoint " + at("tiny.safetensors"));
   EXPECT_EQ(unseen.code, 0);
   EXPECT_THAT(unseen.text, AllOf(HasSubstr(words), HasSubstr("indirect light is path-traced"),

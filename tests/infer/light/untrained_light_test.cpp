@@ -1,4 +1,5 @@
-// Suns before a network that has seen none: what is said, shown to it, and traced in its place.
+// Suns and skies before a network that has seen none: what is said, shown to it, and traced in its
+// place.
 #include "infer/light/untrained_light.h"
 
 #include <algorithm>
@@ -36,16 +37,21 @@ TEST(UntrainedLight, AnEnvironmentIsNamedUntilAModelHasSeenSkies) {
   scene::Scene scene = test::dark_room();
   scene.name = "attic";
   nn::ModelMetadata model;
-  EXPECT_EQ(untrained_environment_note(scene, model), "");
   scene::Environment black;
   scene.environment = black;
-  EXPECT_EQ(untrained_environment_note(scene, model), "") << "a black one is none";
+  EXPECT_FALSE(has_untrained_light(scene, model)) << "a black one is none";
+  EXPECT_EQ(untrained_light_note(scene, model), "");
   scene.environment->radiance = {0, 1, 0};
-  EXPECT_THAT(untrained_environment_note(scene, model),
-              testing::AllOf(testing::HasSubstr("attic: an environment"),
-                             testing::HasSubstr("--mode reference")));
+  EXPECT_TRUE(has_untrained_light(scene, model));
+  EXPECT_THAT(untrained_light_note(scene, model),
+              testing::AllOf(testing::HasSubstr("attic: an environment,"),
+                             testing::HasSubstr("--untrained-light trace")));
+  test::add_punctual(&scene, scene::LightKind::Directional, {1, 1, 1});
+  EXPECT_THAT(traced_light_note(scene, 64),
+              testing::AllOf(testing::HasSubstr("1 directional light and an environment,"),
+                             testing::HasSubstr("64 paths a pixel")));
   model.suns = true;
-  EXPECT_EQ(untrained_environment_note(scene, model), "");
+  EXPECT_FALSE(has_untrained_light(scene, model));
 }
 
 TEST(UntrainedLight, SunsLeaveThePointsOfAModelThatKnowsNoneWhereOtherLightShines) {

@@ -63,7 +63,9 @@ TEST(Session, AnswersAreThoseOfAFreshSession) {
   test::add_point_light(&room, {1, 2, 1}, {1, 2, 3});
   const Points points(room);
   for (const nn::LightInput input : {nn::LightInput::Emission, nn::LightInput::Traced}) {
-    Session session(room, network(input, /*pruned=*/input == nn::LightInput::Traced));
+    SessionSettings settings;
+    settings.untrained_light = true;  // the network is asked under a sky, too
+    Session session(room, network(input, /*pruned=*/input == nn::LightInput::Traced), settings);
     const auto expect_fresh = [&](const char* what) {
       EXPECT_EQ(session.change_against_fresh(points.queries()).largest, 0) << what;
     };
