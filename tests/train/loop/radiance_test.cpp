@@ -82,6 +82,19 @@ TEST_F(RadianceTraining, BeginsByGatheringLightAsTheIrradianceDecoderDoes) {
   EXPECT_GT(copied, 20);
 }
 
+TEST_F(RadianceTraining, WhatAnEarlyDirectionTellsBesidesCountsNothingAtFirst) {
+  TrainConfig start = config("steps: 1");
+  start.model.radiance_head = nn::RadianceHead::Early;
+  RunData data = open_run_data(start);
+  const nn::LightTransportModel model = first_model(&start, &data);
+  const auto parameters = model->named_parameters();
+  const at::Tensor &told = parameters["radiance.query.point.hidden.weight"],
+                   &known = parameters["decoder.point.hidden.weight"];
+  ASSERT_EQ(told.size(1), known.size(1) + 3);
+  EXPECT_TRUE(torch::equal(told.narrow(1, 0, known.size(1)), known));
+  EXPECT_EQ(told.narrow(1, known.size(1), 3).abs().max().item<float>(), 0);
+}
+
 TEST_F(RadianceTraining, LowersTheLossOfRoomsItDoesNotTrainOn) {
   const TrainConfig few = config(
       "steps: 120, validate_every: 120, checkpoint_every: 120, "
