@@ -64,6 +64,7 @@ AugmentConfig read_augment(const Config& config) {
   config.read("gain", &augment.gain);
   config.read("tint", &augment.tint);
   config.read("single_light", &augment.single_light);
+  config.read("thinning", &augment.thinning);
   config.read("subsample", &augment.subsample);
   constexpr double kMost = 1e3;  // keeps products of both within float32 for any sane radiance
   LTE_CHECK(augment.gain >= 1 && augment.gain <= kMost, "augment.gain: expected 1 (off) to ", kMost,
@@ -72,6 +73,10 @@ AugmentConfig read_augment(const Config& config) {
             ", got ", augment.tint);
   LTE_CHECK(augment.single_light >= 0 && augment.single_light <= 1,
             "augment.single_light: expected a probability, 0 to 1, got ", augment.single_light);
+  LTE_CHECK(augment.thinning >= 1 && augment.thinning <= kMost,
+            "augment.thinning: expected 1 (off) to ", kMost, ", got ", augment.thinning);
+  LTE_CHECK(augment.thinning == 1 || augment.subsample,
+            "augment.thinning: draws points afresh, so augment.subsample must be true");
   return augment;
 }
 

@@ -57,6 +57,8 @@ struct AugmentConfig {
   double tint = 2.0;  ///< the same for each channel of each luminaire by itself [1]
   /// How often all luminaires but one, drawn afresh, are out [0].
   double single_light = 0.0;
+  /// A scene's points over a divisor that is log-uniform in [1, thinning], drawn afresh [1].
+  double thinning = 1.0;
   /// Whether a scene's points are drawn afresh each time, rather than the same ones always [false].
   bool subsample = true;
 };

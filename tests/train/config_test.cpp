@@ -138,6 +138,8 @@ TEST(TrainConfig, ValuesOutOfRangeNameTheKey) {
                           "loss: {noise_weight: -1}",
                           "augment: {gain: 0.5}",
                           "augment: {tint: 1e9}",
+                          "augment: {thinning: 0.5}",
+                          "augment: {thinning: 2, subsample: false}",
                           "loss: {epsilon: 0}"}) {
     const std::string text = bad;
     const size_t brace = text.find('{');

@@ -1,6 +1,7 @@
 #include "train/data/batch.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -57,7 +58,16 @@ std::shared_ptr<const TrainingScene> BatchLoader::scene_at(uint64_t position) {
 
 /// Drawn afresh, or always the same ones: then they depend on the seed and the scene's name alone.
 std::vector<int64_t> BatchLoader::scene_rows(const TrainingScene& scene, Rng* rng) const {
-  if (config_.augment.subsample) return draw_scene_rows(scene, config_.data.scene_points, rng);
+  if (config_.augment.subsample) {
+    int64_t count = config_.data.scene_points;
+    if (config_.augment.thinning > 1) {
+      const int64_t most =
+          count == 0 ? scene.scene_points() : std::min(count, scene.scene_points());
+      const double divisor = std::pow(config_.augment.thinning, rng->uniform());
+      count = std::max<int64_t>(1, std::llround(static_cast<double>(most) / divisor));
+    }
+    return draw_scene_rows(scene, count, rng);
+  }
   uint64_t stream = kPointStream;
   for (const char letter : scene.name) stream = hash_combine(stream, static_cast<uint8_t>(letter));
   Rng always(config_.seed, stream);

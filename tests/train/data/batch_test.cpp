@@ -1,6 +1,8 @@
 #include "train/data/batch.h"
 
+#include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 #include <string>
 
@@ -79,6 +81,25 @@ TEST_F(BatchLoaderTest, DrawsAsManyPointsAndQueriesAsAskedAfreshEachEpoch) {
     EXPECT_FALSE(at::equal(all[later].queries.position, all[0].queries.position));
     EXPECT_FALSE(at::equal(all[later].points.position, all[0].points.position));
   }
+}
+
+TEST_F(BatchLoaderTest, ThinningDrawsCountsOverItsWholeRange) {
+  const TrainConfig config =
+      test::tiny_config(dir_.path(), dir_ / "run", "augment: {thinning: 4}\n");
+  RunData data = open_run_data(config);
+  BatchLoader loader(config, data.scale, &data.train);
+  std::vector<double> halvings;  // of the 192 points that are asked for
+  for (int64_t step = 0; step < 40; ++step) {
+    for (const Example& example : loader.take(step))
+      halvings.push_back(std::log2(192.0 / static_cast<double>(example.points.position.size(0))));
+  }
+  for (const double halving : halvings) {
+    EXPECT_GE(halving, -0.05);  // each luminaire keeps a point, so counts are not exact
+    EXPECT_LE(halving, 2.05);
+  }
+  const double mean =
+      std::accumulate(halvings.begin(), halvings.end(), 0.0) / static_cast<double>(halvings.size());
+  EXPECT_NEAR(mean, 1, 0.3) << "log-uniform between none and two, some eighty draws";
 }
 
 TEST_F(BatchLoaderTest, WithoutSubsamplingASceneHasTheSamePointsInEveryEpoch) {
