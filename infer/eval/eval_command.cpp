@@ -90,6 +90,10 @@ void add_eval_options(CLI::App& app, EvalRequest* r) {
   app.add_option("--data", r->data, "Data-set folder; by default the shipped homes");
   app.add_option("--baselines", r->baselines,
                  "Fitted baselines; by default CHECKPOINT's stem + .baselines.json");
+  app.add_option("--scene-points", r->scene_points,
+                 "Scene points shown to the network, drawn from those of the data; 0 for as many "
+                 "as in training")
+      ->check(non_negative_number());
   app.add_option("--report", r->report,
                  "Folder for report.html, metrics.csv and a contact sheet of each scene");
   app.add_option("--csv", r->csv, "Every metric by scene and predictor, as CSV");
@@ -153,6 +157,7 @@ void run_eval(const EvalRequest& request) {
   EvalSettings settings;
   settings.data = data;
   settings.split = data::parse_split(request.split);
+  settings.scene_points = request.scene_points;
   settings.bootstrap = request.bootstrap;
   settings.probes = request.probes;
   settings.probe_rate = request.probe_rate;

@@ -14,6 +14,7 @@ struct EvalRequest {
   std::string config, checkpoint, data, split, baselines, report;
   std::string fit_baselines, out;
   std::string csv;
+  int64_t scene_points = 0;
   BootstrapSettings bootstrap;
   int64_t probes = 128;
   double probe_rate = 0;  ///< paths a second; 0: `probes` decides

@@ -16,6 +16,7 @@
 #include "lte/base/log.h"
 #include "lte/base/timer.h"
 #include "lte/cli/progress.h"
+#include "lte/data/sample_rows.h"
 #include "lte/runtime/embedding.h"
 
 namespace lte::infer {
@@ -279,6 +280,7 @@ EvalResult evaluate(const EvalSettings& settings, const runtime::Network& networ
   for (const data::DatasetEntry& entry : entries) {
     data::SceneSample sample = data::read_scene_sample(data::scene_path(settings.data, entry.name));
     data::drop_idle_queries(&sample);
+    thin_for(network, settings.scene_points, &sample);
     sample.name = entry.name;
     result.scenes.push_back(evaluate_scene(settings, info, sample, network, baselines, denoiser));
     if (settings.on_scene) settings.on_scene();

@@ -64,6 +64,7 @@ using ViewSink = std::function<void(const ViewPicture&)>;
 struct EvalSettings {
   std::filesystem::path data;
   data::Split split = data::Split::Test;
+  int64_t scene_points = 0;  ///< shown to the model; 0: as many as in training
   BootstrapSettings bootstrap;
   int64_t probes = 128;  ///< of irradiance_probes, a scene; 0: without that predictor
   /// Paths a second that a path tracer is known to trace. If positive, there are as many probes,

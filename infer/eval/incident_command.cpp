@@ -58,6 +58,7 @@ void run_incident(const IncidentRequest& request, const EvalRequest& eval) {
   settings.data = eval.data;
   settings.split = data::parse_split(eval.split);
   settings.traced = request.traced;
+  settings.scene_points = eval.scene_points;
   settings.memory = runtime::MemoryLimit(eval.tool.max_memory_mb);
   const IncidentResult result = evaluate_incident(settings, network);
   if (!eval.tool.common.json.empty())

@@ -203,34 +203,4 @@ SceneSample read_scene_sample(const std::filesystem::path& path) {
   return sample;
 }
 
-int64_t drop_idle_queries(SceneSample* sample) {
-  for (View& view : sample->views) {
-    for (size_t i = 0; i < view.mask.size(); ++i) {
-      if (max_component(view.albedo[i]) <= 0) view.mask[i] = 0;
-    }
-  }
-  const auto N = static_cast<size_t>(sample->query_points());
-  const auto G = static_cast<size_t>(sample->light_groups);
-  std::vector<size_t> kept;
-  for (size_t i = 0; i < N; ++i) {
-    bool reached = false;
-    for (size_t g = 0; g < G && !reached; ++g) {
-      reached = max_component(sample->direct[g * N + i]) > 0 ||
-                max_component(sample->indirect[g * N + i]) > 0;
-    }
-    if (reached && max_component(sample->query_albedo[i]) > 0) kept.push_back(i);
-  }
-  if (kept.empty() || kept.size() == N) return 0;
-  const auto compact = [&](const TensorRule&, auto& values) {
-    const size_t rows = values.size() / N;  // light groups, or one; none if the tensor is not there
-    for (size_t row = 0; row < rows; ++row) {
-      for (size_t k = 0; k < kept.size(); ++k)
-        values[row * kept.size() + k] = values[row * N + kept[k]];
-    }
-    values.resize(rows * kept.size());
-  };
-  for_each_query_tensor(*sample, compact);
-  return static_cast<int64_t>(N - kept.size());
-}
-
 }  // namespace lte::data

@@ -165,14 +165,4 @@ void write_scene_sample(const std::filesystem::path& path, const SceneSample& sa
 /// wrong shape, non-finite, negative irradiance, light group out of range, normal not unit.
 SceneSample read_scene_sample(const std::filesystem::path& path);
 
-/// Removes the query points that no picture asks about. First, those that no traced path has
-/// connected to a light (direct and indirect irradiance exactly zero in every group): the insides
-/// of closed furniture and the like, one point in ten of a furnished room. Second, those on
-/// surfaces that reflect nothing, which the renderer leaves out too; the pixels that show such
-/// surfaces leave the views' masks. A relative loss would spend most of its gradient on telling the
-/// zero of the first from a small number; the second, panes behind a sunlit blind among them, can
-/// be brighter than all else. A sample of which no point would stay keeps them all.
-/// @return  how many points were removed
-int64_t drop_idle_queries(SceneSample* sample);
-
 }  // namespace lte::data

@@ -10,6 +10,7 @@
 #include "lte/base/check.h"
 #include "lte/base/random.h"
 #include "lte/base/timer.h"
+#include "lte/data/sample_rows.h"
 
 namespace lte::train {
 namespace {
@@ -66,12 +67,12 @@ std::vector<int64_t> BatchLoader::scene_rows(const TrainingScene& scene, Rng* rn
       const double divisor = std::pow(config_.augment.thinning, rng->uniform());
       count = std::max<int64_t>(1, std::llround(static_cast<double>(most) / divisor));
     }
-    return draw_scene_rows(scene, count, rng);
+    return data::draw_scene_rows(scene.light, count, rng);
   }
   uint64_t stream = kPointStream;
   for (const char letter : scene.name) stream = hash_combine(stream, static_cast<uint8_t>(letter));
   Rng always(config_.seed, stream);
-  return draw_scene_rows(scene, config_.data.scene_points, &always);
+  return data::draw_scene_rows(scene.light, config_.data.scene_points, &always);
 }
 
 std::vector<Example> BatchLoader::make(int64_t step) {
@@ -113,7 +114,8 @@ std::vector<Example> validation_examples(const TrainConfig& config, SceneStore* 
     const auto scene = store->get(i);
     if (!scene) continue;
     Rng rng(kValidationStream, i);  // not the run's seed: runs are compared on the same queries
-    const std::vector<int64_t> rows = draw_scene_rows(*scene, config.data.scene_points, &rng);
+    const std::vector<int64_t> rows =
+        data::draw_scene_rows(scene->light, config.data.scene_points, &rng);
     QueryOptions queries{config.train.validation_queries};
     queries.radiance = {kValidationRadiancePoints, kValidationDirections};
     examples.push_back(

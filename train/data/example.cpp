@@ -9,6 +9,7 @@
 
 #include "lte/base/check.h"
 #include "lte/data/light_groups.h"
+#include "lte/data/sample_rows.h"
 
 namespace lte::train {
 namespace {
@@ -19,33 +20,6 @@ at::Tensor triples(const std::vector<int64_t>& rows, const Value& value) {
   at::Tensor out = at::empty({static_cast<int64_t>(rows.size()), 3}, at::kFloat);
   auto* values = reinterpret_cast<Vec3*>(out.data_ptr<float>());
   for (size_t i = 0; i < rows.size(); ++i) values[i] = value(static_cast<size_t>(rows[i]));
-  return out;
-}
-
-/// Rows by light group.
-std::map<int32_t, std::vector<int64_t>> classes_of(const TrainingScene& scene) {
-  std::map<int32_t, std::vector<int64_t>> classes;
-  for (size_t i = 0; i < scene.light.size(); ++i)
-    classes[scene.light[i]].push_back(static_cast<int64_t>(i));
-  return classes;
-}
-
-/// Areas of the kept points, scaled so that each class keeps its whole area: the emission scalar
-/// must not jump with the draw.
-at::Tensor areas(const TrainingScene& scene, const std::vector<int64_t>& rows) {
-  std::map<int32_t, double> all, kept;
-  for (size_t i = 0; i < scene.area.size(); ++i) all[scene.light[i]] += scene.area[i];
-  for (const int64_t row : rows)
-    kept[scene.light[static_cast<size_t>(row)]] += scene.area[static_cast<size_t>(row)];
-  at::Tensor out = at::empty({static_cast<int64_t>(rows.size())}, at::kFloat);
-  auto* values = out.data_ptr<float>();
-  const bool whole = rows.size() == scene.area.size();
-  for (size_t i = 0; i < rows.size(); ++i) {
-    const auto row = static_cast<size_t>(rows[i]);
-    const double share = kept[scene.light[row]];
-    const double factor = whole || share <= 0 ? 1.0 : all[scene.light[row]] / share;
-    values[i] = static_cast<float>(scene.area[row] * factor);
-  }
   return out;
 }
 
@@ -89,7 +63,9 @@ nn::PointSet gather_points(const TrainingScene& scene, const Symmetry& symmetry,
   points.albedo = triples(rows, [&](size_t i) { return symmetry.color(scene.albedo[i]); });
   points.emission =
       triples(rows, [&](size_t i) { return symmetry.light(scene.emission[i], scene.light[i]); });
-  points.area = areas(scene, rows);
+  const std::vector<float> area = data::kept_areas(scene.light, scene.area, rows);
+  points.area = at::empty({static_cast<int64_t>(rows.size())}, at::kFloat);
+  std::copy(area.begin(), area.end(), points.area.data_ptr<float>());
   const size_t M = scene.position.size();
   const auto lit = [&](const std::vector<Rgb>& by_group) {
     if (by_group.empty()) return at::Tensor();
@@ -145,7 +121,7 @@ DrawnQueries draw_by_score(const std::vector<float>& scores, bool square_root, i
 DrawnQueries draw_queries(const TrainingScene& scene, const QueryOptions& options, Rng* rng) {
   const int64_t rows = scene.query_points();
   if (options.sampling == QuerySampling::Uniform || options.count == 0 || options.count >= rows)
-    return {draw_rows(rows, options.count, rng), {}};
+    return {data::draw_rows(rows, options.count, rng), {}};
   const bool by_noise = options.sampling == QuerySampling::Variance;
   return draw_by_score(by_noise ? scene.scores.noise : scene.scores.slope, by_noise, options.count,
                        rng);
@@ -186,39 +162,6 @@ Example Example::to(at::Device device) const {
     if (tensor->defined()) *tensor = tensor->to(device);
   }
   return out;
-}
-
-std::vector<int64_t> draw_rows(int64_t rows, int64_t count, Rng* rng) {
-  const bool all = count == 0 || count >= rows;
-  const int64_t taken = all ? rows : count;
-  // A random start makes every row equally likely although the runs differ in length by one.
-  const int64_t start = all ? 0 : static_cast<int64_t>(rng->below(static_cast<uint64_t>(rows)));
-  std::vector<int64_t> drawn(static_cast<size_t>(taken));
-  for (int64_t i = 0; i < taken; ++i) {
-    const auto begin = static_cast<int64_t>(static_cast<Wide>(i) * static_cast<Wide>(rows) /
-                                            static_cast<Wide>(taken));
-    const auto end = static_cast<int64_t>(static_cast<Wide>(i + 1) * static_cast<Wide>(rows) /
-                                          static_cast<Wide>(taken));
-    const int64_t pick =
-        all ? begin : begin + static_cast<int64_t>(rng->below(static_cast<uint64_t>(end - begin)));
-    drawn[static_cast<size_t>(i)] = (start + pick) % rows;
-  }
-  std::sort(drawn.begin(), drawn.end());
-  return drawn;
-}
-
-std::vector<int64_t> draw_scene_rows(const TrainingScene& scene, int64_t count, Rng* rng) {
-  const int64_t rows = scene.scene_points();
-  if (count == 0 || count >= rows) return draw_rows(rows, 0, rng);
-  std::vector<int64_t> drawn;
-  for (const auto& [group, members] : classes_of(scene)) {
-    const auto size = static_cast<int64_t>(members.size());
-    const int64_t share = std::max<int64_t>(1, (size * count + rows / 2) / rows);
-    for (const int64_t i : draw_rows(size, share, rng))
-      drawn.push_back(members[static_cast<size_t>(i)]);
-  }
-  std::sort(drawn.begin(), drawn.end());
-  return drawn;
 }
 
 QueryOptions query_options(const TrainConfig& config) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lte/base/random.h"
+#include "lte/data/sample_rows.h"
 #include "lte/nn/model.h"
 #include "train/data/augment.h"
 #include "train/data/radiance_example.h"
@@ -25,17 +26,6 @@ struct Example {
 
   Example to(at::Device device) const;
 };
-
-/// Draws `count` distinct rows of [0, rows), ascending; all of them if count is 0 or not below
-/// rows. Each row is as likely as any other. The rows are cut into `count` runs of equal length to
-/// within one row, from a random start, and one row comes from each: so tables that are sorted in
-/// space are covered evenly.
-std::vector<int64_t> draw_rows(int64_t rows, int64_t count, Rng* rng);
-
-/// Draws the scene points that are kept when a file has more than `count`, ascending. It calls
-/// draw_rows() within each light group and within the rest, for each in proportion and for at least
-/// one point, so that no luminaire is lost.
-std::vector<int64_t> draw_scene_rows(const TrainingScene& scene, int64_t count, Rng* rng);
 
 /// How the queries of an example are drawn and weighed.
 struct QueryOptions {
@@ -62,7 +52,7 @@ Example make_example(const TrainingScene& scene, const Symmetry& symmetry,
 /// The same with queries that are all alike, and with `scene_points` points drawn; 0: all.
 inline Example make_example(const TrainingScene& scene, const Symmetry& symmetry,
                             int64_t scene_points, int64_t queries, Rng* rng) {
-  const std::vector<int64_t> rows = draw_scene_rows(scene, scene_points, rng);
+  const std::vector<int64_t> rows = data::draw_scene_rows(scene.light, scene_points, rng);
   return make_example(scene, symmetry, rows, QueryOptions{queries}, rng);
 }
 

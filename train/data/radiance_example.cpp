@@ -6,6 +6,7 @@
 #include <ATen/ops/empty.h>
 
 #include "lte/base/half.h"
+#include "lte/data/sample_rows.h"
 #include "train/data/example.h"
 
 namespace lte::train {
@@ -73,10 +74,10 @@ RadianceExample make_radiance_example(const TrainingScene& scene, const Symmetry
                                       const RadianceOptions& options, Rng* rng) {
   const data::IncidentField& field = scene.incident;
   const CellReader reader(scene, symmetry, factors);
-  const std::vector<int64_t> points = draw_rows(field.points(), options.points, rng);
+  const std::vector<int64_t> points = data::draw_rows(field.points(), options.points, rng);
   std::vector<std::pair<size_t, size_t>> drawn;  // point and cell
   for (const int64_t point : points) {
-    for (const int64_t cell : draw_rows(reader.cells(), options.directions, rng))
+    for (const int64_t cell : data::draw_rows(reader.cells(), options.directions, rng))
       drawn.emplace_back(static_cast<size_t>(point), static_cast<size_t>(cell));
   }
   const auto P = static_cast<int64_t>(points.size()),

@@ -4,6 +4,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/log.h"
+#include "lte/data/sample_rows.h"
 #include "lte/radiosity/point_radiosity.h"
 
 namespace lte::train {

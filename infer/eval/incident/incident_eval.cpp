@@ -148,7 +148,8 @@ IncidentResult evaluate_incident(const IncidentSettings& settings,
   const double share = 1 / static_cast<double>(entries.size());
   lte::Progress progress("evaluating", static_cast<int64_t>(entries.size()), "scenes");
   for (const data::DatasetEntry& entry : entries) {
-    const data::SceneSample sample = read_incident(settings.data, entry.name);
+    data::SceneSample sample = read_incident(settings.data, entry.name);
+    thin_for(network, settings.scene_points, &sample);
     const runtime::SceneEmbedding embedding = embed_sample(sample, network, settings.memory);
     const double emission = embedding.mean_emission();
     const bool total = network.predicts_total();

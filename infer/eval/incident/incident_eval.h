@@ -20,6 +20,7 @@ struct IncidentSettings {
   data::Split split = data::Split::Test;
   /// The same scenes and points with fewer paths a direction, as a rival; empty: none.
   std::filesystem::path traced;
+  int64_t scene_points = 0;                     ///< shown to the model; 0: as many as in training
   int highest_degree = 20;                      ///< of the harmonics
   std::vector<int> lobes = {4, 8, 16, 32, 64};  ///< of the Gaussians, rising
   runtime::MemoryLimit memory = {};

@@ -4,6 +4,7 @@
 
 #include "lte/base/check.h"
 #include "lte/data/light_groups.h"
+#include "lte/data/sample_rows.h"
 
 namespace lte::infer {
 namespace {
@@ -35,6 +36,10 @@ std::vector<float> gloss_of(const data::SceneSample& sample) {
 }
 
 }  // namespace
+
+void thin_for(const runtime::Network& network, int64_t count, data::SceneSample* sample) {
+  data::thin_scene_points(sample, count > 0 ? count : network.metadata().scene_points);
+}
 
 runtime::SceneEmbedding embed_sample(const data::SceneSample& sample,
                                      const runtime::Network& network,

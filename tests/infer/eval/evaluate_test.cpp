@@ -11,6 +11,7 @@
 
 #include "infer/eval/report/eval_report.h"
 #include "lte/base/check.h"
+#include "lte/data/sample_rows.h"
 #include "lte/image/denoise.h"
 #include "lte/image/png.h"
 #include "tests/infer/fixture.h"
@@ -140,6 +141,28 @@ TEST_F(Evaluation, ComparesIndirectIrradianceOverTheEmissionScalar) {
   EXPECT_EQ(scene.scores[1].first, "path_tracing_64");
   EXPECT_NEAR(scene.scores[1].second.points[0], error, 1e-4 * error);
   EXPECT_NEAR(scene.reference_noise, 1e-4 / (scene.radiance * scene.radiance), 1e-8);
+}
+
+TEST_F(Evaluation, ShowsTheModelAsManyScenePointsAsAsked) {
+  const runtime::Network model = predictor();
+  const Baselines baselines = fit_baselines(settings_.data);
+  const auto points_mse = [&] {
+    return find_score(evaluate(settings_, model, baselines).scenes[0].scores, "neural")->points[0];
+  };
+  const double of_all = points_mse();
+  settings_.scene_points = 16;
+  const double of_few = points_mse();
+  EXPECT_NE(of_few, of_all);
+  // The same of files that have no more.
+  for (const char* name : {"test0", "test1"}) {
+    const std::filesystem::path path = data::scene_path(settings_.data, name);
+    data::SceneSample sample = data::read_scene_sample(path);
+    ASSERT_GT(sample.scene_points(), 20);
+    data::thin_scene_points(&sample, 16);
+    data::write_scene_sample(path, sample);
+  }
+  settings_.scene_points = 0;
+  EXPECT_EQ(points_mse(), of_few);
 }
 
 TEST_F(Evaluation, GivesIntervalsAndSamplesAroundItsFigures) {

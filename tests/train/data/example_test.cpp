@@ -34,46 +34,6 @@ TrainingScene uneven_scene() {
   return scene;
 }
 
-TEST(DrawRows, AreDistinctAscendingAndInRange) {
-  Rng rng(1);
-  for (const int64_t rows : {1, 2, 7, 100, 8193}) {
-    for (const int64_t count : {int64_t{1}, rows / 2 + 1, rows - 1, rows, rows + 5, int64_t{0}}) {
-      const std::vector<int64_t> drawn = draw_rows(rows, count, &rng);
-      const bool all = count == 0 || count >= rows;
-      ASSERT_EQ(static_cast<int64_t>(drawn.size()), all ? rows : count) << rows << ", " << count;
-      for (size_t i = 0; i < drawn.size(); ++i) {
-        EXPECT_GE(drawn[i], i == 0 ? 0 : drawn[i - 1] + 1);
-        EXPECT_LT(drawn[i], rows);
-      }
-    }
-  }
-}
-
-TEST(DrawRows, EveryRowIsEquallyLikely) {
-  // 7 of 10: runs of one and of two rows, which without the random start would be drawn with
-  // probability 1 and 1/2.
-  Rng rng(2);
-  constexpr int kDraws = 20'000;
-  std::vector<int> hits(10, 0);
-  for (int draw = 0; draw < kDraws; ++draw) {
-    for (const int64_t row : draw_rows(10, 7, &rng)) ++hits[static_cast<size_t>(row)];
-  }
-  for (const int count : hits) EXPECT_NEAR(count, 0.7 * kDraws, 5 * 65);  // standard deviation 65
-}
-
-TEST(DrawSceneRows, KeepsEveryLuminaireAndTheProportions) {
-  const TrainingScene scene = uneven_scene();
-  Rng rng(3);
-  for (int draw = 0; draw < 20; ++draw) {
-    std::map<int32_t, int> kept;
-    for (const int64_t row : draw_scene_rows(scene, 100, &rng))
-      ++kept[scene.light[static_cast<size_t>(row)]];
-    EXPECT_EQ(kept[0], 1);  // three in a thousand, of a hundred: still there
-    EXPECT_EQ(kept[1], 5);
-    EXPECT_EQ(kept[-1], 95);
-  }
-}
-
 TEST(MakeExample, SubsamplingKeepsAreaAndEmissionScalar) {
   const TrainingScene scene = uneven_scene();
   Rng rng(4);
@@ -159,7 +119,7 @@ DrawnMeans means_of_draws(const TrainingScene& scene, QuerySampling sampling) {
   DrawnMeans means;
   double square = 0;
   for (int draw = 0; draw < kDraws; ++draw) {
-    const std::vector<int64_t> rows = draw_scene_rows(scene, 64, &rng);
+    const std::vector<int64_t> rows = data::draw_scene_rows(scene.light, 64, &rng);
     const Example example = make_example(scene, identity_symmetry(2), rows, options, &rng);
     const auto* x = example.queries.position.const_data_ptr<float>();
     const float* weights =
@@ -204,7 +164,7 @@ TEST(NoiseWeight, CountsNoisyQueriesLessAndKeepsTheMean) {
   options.noise_weight = 2;
   options.epsilon = 0.1;
   Rng rng(18);
-  const std::vector<int64_t> all = draw_scene_rows(scene, 0, &rng);
+  const std::vector<int64_t> all = data::draw_scene_rows(scene.light, 0, &rng);
   const Example example = make_example(scene, identity_symmetry(2), all, options, &rng);
   ASSERT_EQ(example.weight.size(0), scene.query_points());
   EXPECT_NEAR(example.weight.mean().item<double>(), 1, 1e-5);

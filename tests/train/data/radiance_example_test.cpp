@@ -111,7 +111,7 @@ TEST(RadianceExample, ExamplesCarryItAndTheMetalOfTheirPoints) {
   Rng rng(3);
   QueryOptions options{20};
   options.radiance = {5, 4};
-  const std::vector<int64_t> rows = draw_scene_rows(scene, 90, &rng);
+  const std::vector<int64_t> rows = data::draw_scene_rows(scene.light, 90, &rng);
   const Example example = make_example(scene, identity_symmetry(2), rows, options, &rng);
   ASSERT_TRUE(example.radiance.defined());
   EXPECT_EQ(example.radiance.target.sizes(), (std::vector<int64_t>{5, 4, 3}));
