@@ -1,5 +1,6 @@
 #include "infer/view/load_session.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -33,14 +34,14 @@ void check_network(const ViewRequest& request, const scene::Scene& scene,
                     ? untrained_light_note(scene, network.metadata())
                     : traced_light_note(scene, Progressive::kPaths));
   }
-  const int64_t asked = settings.embedding.scene_points;
-  settings.embedding.memory.check_encoding(network.config(),
-                                           asked > 0 ? asked : network.metadata().scene_points);
+  settings.embedding.memory.check_encoding(network.config(), settings.embedding.scene_points);
 }
 
-SessionSettings settings_of(const ViewRequest& request) {
+SessionSettings settings_of(const ViewRequest& request,
+                            const std::optional<runtime::Network>& network) {
+  const int64_t trained = network ? network->metadata().scene_points : 0;
   SessionSettings settings;
-  settings.embedding.scene_points = request.scene_points;
+  settings.embedding.scene_points = live_scene_points(request.scene_points, trained);
   settings.embedding.seed = request.seed;
   settings.embedding.rescale = request.rescale;
   settings.embedding.memory = runtime::MemoryLimit(request.tool.max_memory_mb);
@@ -50,6 +51,12 @@ SessionSettings settings_of(const ViewRequest& request) {
 
 }  // namespace
 
+int64_t live_scene_points(const std::optional<int64_t>& asked, int64_t trained) {
+  constexpr int64_t kMost = 4096;
+  const int64_t points = asked.value_or(std::min(trained, kMost));
+  return points > 0 ? points : trained;
+}
+
 LoadedSession load_session(const ViewRequest& request, const CommandFiles& files) {
   scene::Scene scene = load_source(request);
   describe(scene, request.scene);
@@ -58,9 +65,9 @@ LoadedSession load_session(const ViewRequest& request, const CommandFiles& files
     log_warning(request.scene,
                 ": nothing emits light; there is nothing to see but surfaces "
                 "(--environment 1,1,1 or --add-light auto gives it some)");
-  const SessionSettings settings = settings_of(request);
   std::optional<runtime::Network> network;
   if (lit) network = load_network(request);
+  const SessionSettings settings = settings_of(request, network);
   if (network) check_network(request, scene, *network, settings);
   files.check_what_was_read();
   LoadedSession out;

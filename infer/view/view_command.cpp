@@ -172,8 +172,10 @@ void add_view_options(CLI::App& app, ViewRequest* r) {
                  "wrongly")
       ->check(CLI::IsMember({"trace", "network"}))
       ->capture_default_str();
-  app.add_option("--scene-points", r->scene_points,
-                 "Scene points shown to the network; 0 for as many as in training")
+  app.add_option(
+         "--scene-points", r->scene_points,
+         "Scene points shown to the network; 0 for as many as in training, by default 4,096 "
+         "of them at most, as an edit traces light on all of them")
       ->check(CLI::Range(int64_t{0}, int64_t{1} << 28));
   app.add_flag("--rescale,!--no-rescale", r->rescale,
                "Shrink a scene larger than the model knows, for the network only (the default), or "

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "infer/tool/scene_source.h"
@@ -16,7 +17,7 @@ struct ViewRequest : SceneSource {
   int port = 8420;
   std::string token;  ///< "auto" for one by chance; empty: none on this machine, else by chance
   std::string size = "640x480";
-  int64_t scene_points = 0;
+  std::optional<int64_t> scene_points;
   uint64_t seed = 0;
   bool rescale = true, validate_only = false;
   std::string untrained_light = "trace";  ///< "trace" or "network"
