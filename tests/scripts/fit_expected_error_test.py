@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""scripts/dev/fit_expected_error.py on errors drawn with known shares: it finds them again, whatever
-the scenes' brightness and the noise of their references, and tells how often they hold."""
+"""scripts/dev/fit_expected_error.py on errors drawn with known shares: it finds them again,
+whatever the scenes' brightness and the noise of their references, and tells how often they
+hold."""
 import pathlib
 import sys
 import unittest
