@@ -3,12 +3,11 @@
 #include <cstdio>
 #include <memory>
 
+#include "infer/tool/begin_command.h"
 #include "infer/tool/picture_size.h"
 #include "infer/tool/tool_options.h"
 #include "lte/base/file.h"
-#include "lte/cli/command_files.h"
 #include "lte/cli/numbers.h"
-#include "lte/runtime/device.h"
 
 #ifndef LTE_HAS_SCENE
 #define LTE_HAS_SCENE 0
@@ -93,10 +92,7 @@ void run_bench(const BenchRequest& request) {
   CommandFiles files;
   files.reads("--scene", request.options.scene);
   files.reads("--checkpoint", request.options.checkpoint);
-  files.writes_common(request.common);
-  files.check();
-  apply_common_options(request.common);
-  runtime::set_torch_threads(request.common.threads);
+  begin_command(request.common, &files);
   const std::vector<BenchResult> results = request.benchmark(request.options);
   std::fputs(bench_table(results).c_str(), stdout);
   files.check_what_was_read();

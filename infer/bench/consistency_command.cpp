@@ -8,13 +8,11 @@
 #include "infer/bench/pareto/pareto.h"
 #include "infer/light/untrained_light.h"
 #include "infer/tool/assets.h"
+#include "infer/tool/begin_command.h"
 #include "infer/tool/picture_size.h"
 #include "infer/tool/tool_options.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
-#include "lte/cli/command_files.h"
-#include "lte/cli/writable.h"
-#include "lte/runtime/device.h"
 #include "lte/scene/load_camera.h"
 
 namespace lte::infer {
@@ -91,11 +89,7 @@ void run_consistency(const ConsistencyRequest& request, const CommonOptions& com
   CommandFiles files;
   files.reads("SCENE", request.scene);
   files.reads("--checkpoint", request.checkpoint);
-  files.writes_common(common);
-  files.check();
-  apply_common_options(common);
-  runtime::set_torch_threads(common.threads);
-  check_writable(common.json);
+  begin_command(common, &files);
   const scene::Scene scene =
       load_scene(request.scene.empty() ? asset_path("scenes/living_room.glb", "SCENE")
                                        : std::filesystem::path(request.scene),

@@ -9,9 +9,9 @@
 
 #include "infer/eval/measure/embed_sample.h"
 #include "infer/eval/measure/eval_points.h"
-#include "infer/eval/rivals/cached_light.h"
 #include "infer/eval/rivals/denoised_paths.h"
 #include "infer/eval/rivals/probes.h"
+#include "infer/light/cached_light.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/timer.h"

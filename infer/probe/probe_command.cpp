@@ -32,6 +32,7 @@ constexpr int64_t kDefaultCap = 65536;
 struct Answer {
   pathtrace::ProbeResult light;
   std::vector<double> expected_error;
+  std::vector<ErrorTerms> error_terms;  ///< of the network, if they are asked for
   int64_t off_surface = 0;
 };
 
@@ -41,6 +42,8 @@ void check_usage(const ProbeRequest& request) {
     throw CLI::ValidationError("--target-error", "goes with --mode reference only");
   if (!neural && request.embedding.has_file())
     throw CLI::ValidationError("--embedding, --save-embedding", "go with --mode neural only");
+  if (!neural && request.error_terms)
+    throw CLI::ValidationError("--error-terms", "goes with --mode neural only");
   if (request.validate_only) return;
   if (request.points.empty())
     throw CLI::ValidationError("--points", "name a CSV file with the header px,py,pz,nx,ny,nz");
@@ -84,7 +87,7 @@ Draws ask(const ProbeRequest& request, const runtime::Network& network,
     } else {
       renderer->embed(network, settings);
     }
-    draws.add(renderer->embedding().decode({points.position, points.normal, albedo}));
+    draws.add(ask_at(renderer->embedding(), points, albedo));
   }
   return draws;
 }
@@ -93,35 +96,40 @@ Answer ask_network(const ProbeRequest& request, const runtime::Network& network,
                    const scene::PointTable& points, Renderer* renderer) {
   const PointAlbedo surface = albedo_at(renderer->bvh(), points);
   const Draws draws = ask(request, network, points, surface.albedo, renderer);
-  Answer answer{trace(request, *renderer, points), {}, surface.off_surface};
+  Answer answer{trace(request, *renderer, points), {}, {}, surface.off_surface};
   const std::vector<Rgb> mean = draws.mean();
-  const std::vector<double> spread = draws.standard_error();
-  answer.expected_error = expected_error(mean, spread);
+  const std::vector<ErrorTerms> terms =
+      draws.error_terms(nearness_at(renderer->bvh(), points, latent_spacing(renderer->embedding())),
+                        answer.light.direct);
+  const ErrorTerms& shares = error_shares(network.config().light_input, draws.count() > 1);
   for (size_t i = 0; i < mean.size(); ++i) {
     Rgb& total = answer.light.total[i];
+    double error = expected_error(terms[i], shares);
     if (network.predicts_total()) {
       total = mean[i];
-      continue;
+    } else {
+      total = answer.light.direct[i] + mean[i];
+      error = std::hypot(error, rms(answer.light.standard_error[i]));
     }
-    total = answer.light.direct[i] + mean[i];
-    answer.expected_error[i] =
-        std::hypot(answer.expected_error[i], rms(answer.light.standard_error[i]));
+    answer.expected_error.push_back(error);
   }
+  if (request.error_terms) answer.error_terms = terms;
   return answer;
 }
 
 Answer ask_paths(const ProbeRequest& request, const Renderer& renderer,
                  const scene::PointTable& points) {
-  Answer answer{trace(request, renderer, points), {}, 0};
+  Answer answer{trace(request, renderer, points), {}, {}, 0};
   for (const Rgb& error : answer.light.standard_error) answer.expected_error.push_back(rms(error));
   return answer;
 }
 
 /// Black: nothing shines, so there is nothing to ask about.
-Answer darkness(const scene::PointTable& points) {
+Answer darkness(const ProbeRequest& request, const scene::PointTable& points) {
   const std::vector<Rgb> black(points.size());
   return {{black, black, black, std::vector<int64_t>(points.size()), 0},
           std::vector<double>(points.size()),
+          std::vector<ErrorTerms>(request.error_terms ? points.size() : 0),
           0};
 }
 
@@ -130,6 +138,12 @@ scene::PointColumns columns_of(const Answer& answer) {
   columns.names.push_back("expected_error");
   for (size_t i = 0; i < columns.rows.size(); ++i)
     columns.rows[i].push_back(answer.expected_error[i]);
+  if (answer.error_terms.empty()) return columns;
+  columns.names.insert(columns.names.end(), ErrorTerms::kNames.begin(), ErrorTerms::kNames.end());
+  for (size_t i = 0; i < columns.rows.size(); ++i) {
+    const auto values = answer.error_terms[i].values();
+    columns.rows[i].insert(columns.rows[i].end(), values.begin(), values.end());
+  }
   return columns;
 }
 
@@ -206,6 +220,8 @@ void add_probe_options(CLI::App& app, ProbeRequest* r) {
                  "own; the answer is their mean, and their spread goes into the expected error")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
+  app.add_flag("--error-terms", r->error_terms,
+               "Neural mode: also write the terms that the expected error is made of");
   add_embedding_flags(app, &r->embedding);
   app.add_option("--seed", r->seed, "Seed of scene points and paths")->capture_default_str();
   app.add_flag("--validate-only", r->validate_only, "Check scene, points and flags, and stop");
@@ -237,7 +253,7 @@ void run_probe(const ProbeRequest& request) {
                 static_cast<long long>(scene.triangle_count()), scene.light_groups.size());
     return;
   }
-  const Answer answer = !renderer.has_light() ? darkness(points)
+  const Answer answer = !renderer.has_light() ? darkness(request, points)
                         : network             ? ask_network(request, *network, points, &renderer)
                                               : ask_paths(request, renderer, points);
   say(request, answer, points.size());

@@ -20,6 +20,7 @@ struct ProbeRequest : SceneSource {
   double target_error = 0;
   int draws = 2;
   uint64_t seed = 0;
+  bool error_terms = false;
   bool validate_only = false;
   EmbeddingFlags embedding;
   ToolOptions tool;

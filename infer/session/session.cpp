@@ -91,6 +91,21 @@ struct Session::Implementation {
     change_steps();
   }
 
+  /// Goes to the nearest of `steps`, if there is one, and has the draft of before kept.
+  template <typename Keep>
+  std::optional<EditReport> step(std::deque<DraftPtr>* steps, Accuracy least, const Keep& keep) {
+    const std::lock_guard lock(edits);
+    if (steps->empty()) return std::nullopt;
+    const Timer timer;
+    EditReport report;
+    const DraftPtr last = parts(state()).draft;
+    go_to(steps->back(), {least}, timer, &report, [&] {
+      steps->pop_back();
+      keep(last);
+    });
+    return report;
+  }
+
   void remember(DraftPtr draft) {
     before.push_back(std::move(draft));
     while (before.size() > static_cast<size_t>(std::max(0, base->settings.undo_steps)))
@@ -134,30 +149,13 @@ EditReport Session::apply(const Edit& edit, bool merge, Accuracy least) {
 
 std::optional<EditReport> Session::undo(Accuracy least) {
   Implementation& own = *implementation_;
-  const std::lock_guard lock(own.edits);
-  if (own.before.empty()) return std::nullopt;
-  const Timer timer;
-  EditReport report;
-  const DraftPtr last = own.parts(own.state()).draft;
-  own.go_to(own.before.back(), {least}, timer, &report, [&] {
-    own.before.pop_back();
-    own.after.push_back(last);
-  });
-  return report;
+  return own.step(&own.before, least,
+                  [&own](DraftPtr last) { own.after.push_back(std::move(last)); });
 }
 
 std::optional<EditReport> Session::redo(Accuracy least) {
   Implementation& own = *implementation_;
-  const std::lock_guard lock(own.edits);
-  if (own.after.empty()) return std::nullopt;
-  const Timer timer;
-  EditReport report;
-  const DraftPtr last = own.parts(own.state()).draft;
-  own.go_to(own.after.back(), {least}, timer, &report, [&] {
-    own.after.pop_back();
-    own.remember(last);
-  });
-  return report;
+  return own.step(&own.after, least, [&own](DraftPtr last) { own.remember(std::move(last)); });
 }
 
 std::optional<EditReport> Session::reset(Accuracy least) {

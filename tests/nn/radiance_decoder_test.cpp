@@ -186,17 +186,31 @@ std::vector<ModelConfig> all_kinds() {
           casts};
 }
 
+/// A model of random weights in float64, and what it is asked.
+struct DoubleCase {
+  LightTransportModel model;
+  PointSet points;
+  QuerySet queries;
+  at::Tensor directions;  ///< [queries, ways, 3]
+};
+
+DoubleCase double_case(const ModelConfig& config, int64_t queries, int64_t ways) {
+  DoubleCase out{LightTransportModel(config),
+                 test::as_double(with_metal(test::box_scene(60, 1))),
+                 test::as_double(test::box_queries(queries, 2)),
+                 {}};
+  out.directions = directions_above(out.queries, ways, 3);
+  test::randomize(*out.model, 6);
+  out.model->to(at::kDouble);
+  out.model->eval();
+  return out;
+}
+
 TEST(RadianceDecoder, AnEarlyDirectionIsAQueryOfItsOwn) {
   for (const RadianceBase base : {RadianceBase::Irradiance, RadianceBase::Points}) {
     const ModelConfig config = early_config(base);
     SCOPED_TRACE(config.to_yaml());
-    LightTransportModel model(config);
-    test::randomize(*model, 6);
-    model->to(at::kDouble);
-    model->eval();
-    const PointSet points = test::as_double(with_metal(test::box_scene(60, 1)));
-    const QuerySet queries = test::as_double(test::box_queries(5, 2));
-    const at::Tensor directions = directions_above(queries, 3, 3);
+    auto [model, points, queries, directions] = double_case(config, 5, 3);
     const at::NoGradGuard no_grad;
     const Embedding embedding = model->encode(points);
     const at::Tensor got = model->decode_radiance_normalized({{embedding}, embedding.features},
@@ -237,13 +251,7 @@ TEST(RadianceDecoder, AnEarlyDirectionIsAQueryOfItsOwn) {
 TEST(RadianceDecoder, GradientsMatchFiniteDifferences) {
   for (const ModelConfig& config : all_kinds()) {
     SCOPED_TRACE(config.to_yaml());
-    LightTransportModel model(config);
-    test::randomize(*model, 6);
-    model->to(at::kDouble);
-    model->eval();
-    const PointSet points = test::as_double(with_metal(test::box_scene(60, 1)));
-    const QuerySet queries = test::as_double(test::box_queries(6, 2));
-    const at::Tensor directions = directions_above(queries, 4, 3);
+    auto [model, points, queries, directions] = double_case(config, 6, 4);
     std::vector<at::Tensor> inputs;
     for (const auto& item : model->named_parameters()) {
       if (item.key().starts_with("radiance.")) inputs.push_back(item.value());

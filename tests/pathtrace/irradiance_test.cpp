@@ -7,6 +7,7 @@
 #include "lte/base/random.h"
 #include "lte/scene/surface.h"
 #include "tests/support/closed_forms.h"
+#include "tests/support/naive_path_tracer.h"
 #include "tests/support/scenes.h"
 
 namespace lte::pathtrace {
@@ -262,29 +263,6 @@ TEST(PunctualLights, DirectIrradianceIsExactAndShadowed) {
   EXPECT_NEAR(sun.total(0).x, 18 * std::sqrt(0.5), 1e-4);
 }
 
-/// Emission counts at every hit, from the sides that emit; paths by cosine sampling alone, through
-/// the public queries.
-Rgb naive_radiance(const Bvh& bvh, Vec3 origin, Vec3 direction, int max_depth, Rng& rng) {
-  Rgb throughput{1, 1, 1}, sum;
-  for (int depth = 1; depth <= max_depth; ++depth) {
-    const Hit hit = bvh.intersect({origin, direction, 1e-4f});
-    if (!hit.valid()) break;
-    const scene::Surface surface =
-        scene::evaluate_surface(bvh.scene(), hit.instance, hit.triangle, hit.u, hit.v, 0);
-    const bool front = dot(surface.normal, direction) < 0;
-    if (front || surface.emits_back) sum += throughput * surface.emission;
-    throughput *= surface.albedo;
-    origin = surface.position;
-    const Vec3 side = front ? surface.normal : -surface.normal;
-    Vec3 tangent, bitangent;
-    make_frame(side, &tangent, &bitangent);
-    const float r = std::sqrt(rng.uniform()), phi = 2 * kPi * rng.uniform();
-    direction = tangent * (r * std::cos(phi)) + bitangent * (r * std::sin(phi)) +
-                side * std::sqrt(1 - r * r);
-  }
-  return sum;
-}
-
 TEST(Transport, AgreesWithANaivePathTracer) {
   const scene::Scene scene = test::furnished_room();
   const Bvh bvh(scene);
@@ -294,20 +272,10 @@ TEST(Transport, AgreesWithANaivePathTracer) {
   const Irradiance e = estimate_irradiance(bvh, lights, positions, normals, with(8192, 5));
   constexpr int kPaths = 120'000;
   for (size_t i = 0; i < positions.size(); ++i) {
-    Rng rng(77, i);
-    double sum[3] = {}, squares[3] = {};
-    for (int path = 0; path < kPaths; ++path) {
-      Vec3 tangent, bitangent;
-      make_frame(normals[i], &tangent, &bitangent);
-      const float r = std::sqrt(rng.uniform()), phi = 2 * kPi * rng.uniform();
-      const Vec3 direction = tangent * (r * std::cos(phi)) + bitangent * (r * std::sin(phi)) +
-                             normals[i] * std::sqrt(1 - r * r);
-      const Rgb value = naive_radiance(bvh, positions[i], direction, 5, rng) * kPi;
-      for (int c = 0; c < 3; ++c) sum[c] += value[c], squares[c] += value[c] * value[c];
-    }
+    const test::NaiveIrradiance naive =
+        test::naive_irradiance(bvh, positions[i], normals[i], 5, kPaths, Rng(77, i));
     for (int c = 0; c < 3; ++c) {
-      const double mean = sum[c] / kPaths;
-      const double variance = (squares[c] / kPaths - mean * mean) / kPaths;
+      const double mean = naive.mean[c], variance = naive.variance[c];
       const double error = std::sqrt(variance + e.variance_total[i][c]);
       EXPECT_NEAR(e.total(static_cast<int64_t>(i))[c], mean, 4 * error)
           << "point " << i << " channel " << c;

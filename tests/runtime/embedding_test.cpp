@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,10 +16,12 @@
 #include "lte/radiosity/point_radiosity.h"
 #include "lte/runtime/device.h"
 #include "tests/nn/support.h"
+#include "tests/support/message_of.h"
 
 namespace lte::runtime {
 namespace {
 
+using test::message_of;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
@@ -218,15 +219,6 @@ TEST(SceneEmbedding, KeepsToItsMemoryLimit) {
   const nn::PointSet points = test::box_scene(300, 1);
   EXPECT_THROW(SceneEmbedding(network, arrays(points), {.memory = MemoryLimit(2)}),
                NotEnoughMemory);
-}
-
-std::string message_of(const std::function<void()>& body) {
-  try {
-    body();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(SceneEmbedding, RefusesWhatItCannotDoInOneLine) {

@@ -3,14 +3,12 @@
 #include <cstdio>
 
 #include "infer/bench/pareto/pareto_report.h"
+#include "infer/tool/begin_command.h"
 #include "infer/tool/picture_size.h"
 #include "infer/tool/tool_options.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
-#include "lte/cli/command_files.h"
 #include "lte/cli/numbers.h"
-#include "lte/cli/writable.h"
-#include "lte/runtime/device.h"
 #include "lte/scene/load_camera.h"
 
 namespace lte::infer {
@@ -66,13 +64,7 @@ void run_pareto(const ParetoRequest& request, const CommonOptions& common) {
   CommandFiles files;
   for (const std::string& scene : options.scenes) files.reads("SCENE", scene);
   files.reads("--checkpoint", options.checkpoint);
-  files.writes("--out", request.out);
-  files.writes_common(common);
-  files.check();
-  apply_common_options(common);
-  runtime::set_torch_threads(common.threads);
-  check_writable(request.out);
-  check_writable(common.json);
+  begin_command(common, &files, request.out);
   const std::vector<ParetoChart> charts = measure_pareto(options);
   std::fputs(pareto_table(charts).c_str(), stdout);
   files.check_what_was_read();

@@ -3,12 +3,10 @@
 #include <cstdio>
 
 #include "infer/bench/stability/stability_report.h"
+#include "infer/tool/begin_command.h"
 #include "infer/tool/tool_options.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
-#include "lte/cli/command_files.h"
-#include "lte/cli/writable.h"
-#include "lte/runtime/device.h"
 
 namespace lte::infer {
 
@@ -27,13 +25,7 @@ void add_stability_options(CLI::App& command, StabilityRequest* request) {
 void run_stability(const StabilityRequest& request, const CommonOptions& common) {
   CommandFiles files;
   files.reads("--checkpoint", request.options.checkpoint);
-  files.writes("--out", request.out);
-  files.writes_common(common);
-  files.check();
-  apply_common_options(common);
-  runtime::set_torch_threads(common.threads);
-  check_writable(request.out);
-  check_writable(common.json);
+  begin_command(common, &files, request.out);
   const std::vector<StabilityRow> rows = measure_stability(request.options);
   std::fputs(stability_table(rows).c_str(), stdout);
   files.check_what_was_read();

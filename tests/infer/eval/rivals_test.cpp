@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "infer/eval/rivals/cached_light.h"
+#include "infer/light/cached_light.h"
 #include "infer/eval/rivals/denoised_paths.h"
 #include "lte/base/random.h"
 #include "tests/infer/fixture.h"

@@ -10,6 +10,7 @@
 #include "infer/export/export.h"
 #include "infer/tool/synthetic_room.h"
 #include "tests/infer/export/support.h"
+#include "tests/support/message_of.h"
 #include "tests/support/temp_dir.h"
 
 namespace lte::infer {
@@ -98,17 +99,6 @@ class ExportOfRadiance : public testing::Test {
   }
   test::TempDir folder_;
 };
-
-/// What an exception of LibTorch says; "" if there is none.
-template <typename Body>
-std::string message_of(const Body& body) {
-  try {
-    body();
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-  return "";
-}
 
 /// Nearly all answers are the same; a few rays pass the edge of a disc so narrowly that rounding
 /// decides whether they meet it.
@@ -219,7 +209,7 @@ TEST_F(ExportOfRadiance, RefusesWhatItCannotAnswer) {
   const at::Tensor rows = room.rows(config);
   const c10::IValue embedding = encode(module, rows);
   const auto error = [&](const at::Tensor& directions) {
-    return message_of([&] { radiance(module, embedding, room.asked(), directions); });
+    return test::message_of([&] { radiance(module, embedding, room.asked(), directions); });
   };
   EXPECT_THAT(error(room.directions * 1.1), testing::HasSubstr("not a unit vector"));
   EXPECT_THAT(error(room.directions.masked_fill(at::arange(3).eq(1), NAN)),
@@ -228,7 +218,7 @@ TEST_F(ExportOfRadiance, RefusesWhatItCannotAnswer) {
   EXPECT_THAT(error(room.directions.slice(0, 0, 5)), testing::HasSubstr("must be [Q, N, 3]"));
   EXPECT_THAT(error(room.surface.normal), testing::HasSubstr("must be [Q, N, 3]"));
   const auto refused = [&](const at::Tensor& points) {
-    return message_of([&] { encode(module, points); });
+    return test::message_of([&] { encode(module, points); });
   };
   EXPECT_THAT(refused(rows.slice(1, 0, 25)), testing::HasSubstr("metallic, roughness"));
   at::Tensor bad = rows.clone();

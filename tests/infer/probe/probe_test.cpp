@@ -89,23 +89,6 @@ TEST_F(ProbeTool, NeuralAndReferenceWriteTheSameColumns) {
   EXPECT_EQ(nlohmann::json::parse(read_file("n.json")).at("points"), 2);
 }
 
-/// What is expected grows with what the draws disagree about, and never falls below it.
-TEST(ExpectedError, IsNoLessThanTheSpreadOfTheDraws) {
-  Draws draws;
-  draws.add({{1, 1, 1}, {1, 2, 3}});
-  EXPECT_TRUE(draws.standard_error().empty());
-  draws.add({{1, 1, 1}, {3, 4, 5}});
-  EXPECT_EQ(draws.mean(), (std::vector<Rgb>{{1, 1, 1}, {2, 3, 4}}));
-  const std::vector<double> spread = draws.standard_error();
-  // Of two values x ± d the standard error of the mean is d.
-  EXPECT_NEAR(spread[0], 0, 1e-9);
-  EXPECT_NEAR(spread[1], 1, 1e-6);
-  const std::vector<Rgb> same = {{1, 1, 1}, {1, 1, 1}};
-  const std::vector<double> expected = expected_error(same, spread);
-  EXPECT_GT(expected[1], expected[0]);
-  EXPECT_GT(expected[1], spread[1] * 0.5);
-}
-
 TEST_F(ProbeTool, TheAlbedoIsThatOfTheSurfaceAtThePoint) {
   const scene::Scene scene = test::furnished_room();
   const pathtrace::Bvh bvh(scene);
@@ -135,6 +118,28 @@ TEST_F(ProbeTool, ASavedEmbeddingGivesTheAnswersOfItsOneDraw) {
   expect_one_line(probe("floor.glb --points points.csv --out c.csv --embedding room.emb"), 1,
                   {"room.emb", "another scene geometry"});
   EXPECT_FALSE(fs::exists("c.csv"));
+}
+
+TEST_F(ProbeTool, TheTermsOfTheExpectedErrorAreWritten) {
+  ASSERT_EQ(probe("room.glb --points points.csv --out a.csv --error-terms --draws 2").code, 0);
+  const Table rows = table("a.csv");
+  EXPECT_TRUE(rows.header.ends_with(
+      ",expected_error,term_draws,term_mean,term_answer,term_near,term_change,term_cache,"
+      "term_direct"));
+  for (const std::vector<double>& row : rows.rows) {
+    ASSERT_EQ(row.size(), kExpected + 8);
+    const ErrorTerms terms = {row[kExpected + 1], row[kExpected + 2], row[kExpected + 3],
+                              row[kExpected + 4], row[kExpected + 5], row[kExpected + 6],
+                              row[kExpected + 7]};
+    const double noise = std::hypot(row[kStderr], row[kStderr + 1], row[kStderr + 2]);
+    const double expected = std::hypot(
+        expected_error(terms, error_shares(nn::LightInput::Traced, true)), noise / std::sqrt(3.0));
+    EXPECT_NEAR(row[kExpected], expected, 1e-6 * expected);
+    EXPECT_GT(terms.draws, 0);
+    EXPECT_GT(terms.near, 0) << "the room is closed";
+  }
+  expect_one_line(probe("room.glb --points points.csv --out b.csv --error-terms --mode reference"),
+                  2, {"--error-terms"});
 }
 
 TEST_F(ProbeTool, MoreDrawsAreOtherAnswersAndTheSameSeedTheSame) {

@@ -12,20 +12,13 @@
 #include "lte/data/dataset.h"
 #include "lte/runtime/embedding.h"
 #include "tests/infer/fixture.h"
+#include "tests/support/message_of.h"
 
 namespace lte::infer {
 namespace {
 
+using test::message_of;
 using testing::HasSubstr;
-
-std::string message_of(const std::function<void()>& body) {
-  try {
-    body();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
 
 TEST(Memory, SizesAreReadWithTheirUnits) {
   EXPECT_EQ(parse_memory("500M"), 500);

@@ -10,6 +10,7 @@
 #include "lte/scene/import/environment_file.h"
 #include "lte/scene/surface.h"
 #include "tests/support/closed_forms.h"
+#include "tests/support/naive_path_tracer.h"
 #include "tests/support/scenes.h"
 
 namespace lte::pathtrace {
@@ -240,31 +241,6 @@ TEST(EnvironmentSampler, DensityIntegratesToOneAndIsThatOfTheSamples) {
   EXPECT_TRUE(EnvironmentSampler(half_sky(0)).black());
 }
 
-/// Radiance along a path that finds light by leaving or by hitting alone.
-Rgb naive_radiance(const Bvh& bvh, Vec3 origin, Vec3 direction, int hits, Rng& rng) {
-  Rgb throughput{1, 1, 1}, sum;
-  for (int k = 0; k < hits; ++k) {
-    const Hit hit = bvh.intersect({origin + direction * 1e-4f, direction});
-    if (!hit.valid()) return sum + throughput * bvh.scene().environment->radiance_from(direction);
-    Rgb albedo, emission;
-    evaluate_appearance(bvh.scene(), hit.instance, hit.triangle, hit.u, hit.v, 0, &albedo,
-                        &emission);
-    if (dot(hit.normal, direction) < 0) sum += throughput * emission;
-    throughput *= albedo;
-    origin += direction * (hit.t + 1e-4f);
-    const Vec3 side = dot(hit.normal, direction) < 0 ? hit.normal : -hit.normal;
-    origin += side * 1e-4f;
-    for (;;) {  // cosine-distributed: the side plus a point of the unit sphere
-      const Vec3 p{rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)};
-      const float norm = length(p);
-      if (norm > 1 || norm < 0.01f) continue;
-      direction = normalize(side + p / norm);
-      break;
-    }
-  }
-  return sum;
-}
-
 /// A furnished room without its ceiling, two lamps in it; and a hall of a hundred, drawn by a tree.
 TEST(EnvironmentLight, AgreesWithANaivePathTracerBesideLamps) {
   scene::Scene room = test::furnished_room();
@@ -284,22 +260,10 @@ TEST(EnvironmentLight, AgreesWithANaivePathTracerBesideLamps) {
     const Bvh bvh(*scene);
     constexpr int kPaths = 60'000;
     for (size_t i = 0; i < positions.size(); ++i) {
-      Rng rng(5, i);
-      double sum = 0, squares = 0;
-      for (int path = 0; path < kPaths; ++path) {
-        Vec3 tangent, bitangent;
-        make_frame(normals[i], &tangent, &bitangent);
-        const float r = std::sqrt(rng.uniform()), phi = 2 * kPi * rng.uniform();
-        const Vec3 direction = tangent * (r * std::cos(phi)) + bitangent * (r * std::sin(phi)) +
-                               normals[i] * std::sqrt(1 - r * r);
-        const double value = kPi * naive_radiance(bvh, positions[i], direction, 5, rng).y;
-        sum += value;
-        squares += value * value;
-      }
-      const double mean = sum / kPaths;
-      const double variance = (squares / kPaths - mean * mean) / kPaths;
-      EXPECT_NEAR(e.total(static_cast<int64_t>(i)).y, mean,
-                  4 * std::sqrt(variance + e.variance_total[i].y))
+      const test::NaiveIrradiance naive =
+          test::naive_irradiance(bvh, positions[i], normals[i], 5, kPaths, Rng(5, i));
+      EXPECT_NEAR(e.total(static_cast<int64_t>(i)).y, naive.mean[1],
+                  4 * std::sqrt(naive.variance[1] + e.variance_total[i].y))
           << i;
     }
   }

@@ -1,4 +1,4 @@
-#include "infer/eval/rivals/cached_light.h"
+#include "infer/light/cached_light.h"
 
 #include <ATen/ATen.h>
 #include <c10/core/GradMode.h>

@@ -1,0 +1,55 @@
+#include "infer/probe/expected_error.h"
+
+#include <cmath>
+
+namespace lte::infer {
+namespace {
+
+struct SharesOfModel {
+  ErrorTerms one_draw, several_draws;
+};
+
+/// lte-base.
+constexpr SharesOfModel kRadiosity = {
+    .one_draw = {.mean = 0.022, .answer = 0.072, .near = 0.43, .change = 1.4, .direct = 0.037},
+    .several_draws = {.draws = 0.91,
+                      .mean = 0.018,
+                      .answer = 0.067,
+                      .near = 0.38,
+                      .change = 1.1,
+                      .direct = 0.033}};
+/// lte-hybrid.
+constexpr SharesOfModel kTraced = {.one_draw = {.mean = 0.011,
+                                                .answer = 0.023,
+                                                .near = 0.26,
+                                                .change = 1.1,
+                                                .cache = 0.49,
+                                                .direct = 0.013},
+                                   .several_draws = {.draws = 0.74,
+                                                     .mean = 0.0094,
+                                                     .near = 0.21,
+                                                     .change = 0.82,
+                                                     .cache = 0.47,
+                                                     .direct = 0.0051}};
+/// lte-demo.
+constexpr SharesOfModel kEmission = {
+    .one_draw = {.answer = 0.19, .near = 0.73, .change = 4.7, .direct = 0.12},
+    .several_draws = {.draws = 2.4, .answer = 0.15, .near = 0.66, .change = 4.4, .direct = 0.11}};
+
+}  // namespace
+
+const ErrorTerms& error_shares(nn::LightInput input, bool several) {
+  const SharesOfModel& shares = input == nn::LightInput::Radiosity ? kRadiosity
+                                : input == nn::LightInput::Traced  ? kTraced
+                                                                   : kEmission;
+  return several ? shares.several_draws : shares.one_draw;
+}
+
+double expected_error(const ErrorTerms& terms, const ErrorTerms& shares) {
+  const auto term = terms.values(), share = shares.values();
+  double squares = 0;
+  for (size_t i = 0; i < term.size(); ++i) squares += std::pow(share[i] * term[i], 2);
+  return std::sqrt(squares);
+}
+
+}  // namespace lte::infer
