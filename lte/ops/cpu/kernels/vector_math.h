@@ -9,10 +9,19 @@
 
 namespace lte::ops::LTE_ISA {
 
+/// By halves: lane by lane each addition would wait for the one before.
 static inline float horizontal_sum(const Vector<float>& v) {
-  float sum = 0;
-  for (int lane = 0; lane < kLanes<float>; ++lane) sum += v[lane];
-  return sum;
+  typedef float Quarter __attribute__((vector_size(16)));
+  Quarter part[kVectorBytes / 16];
+  __builtin_memcpy(part, &v, sizeof part);
+#if defined(__AVX512F__)
+  part[0] += part[2];
+  part[1] += part[3];
+#endif
+#if defined(__AVX2__)
+  part[0] += part[1];
+#endif
+  return (part[0][0] + part[0][2]) + (part[0][1] + part[0][3]);
 }
 
 /// 2^n times a polynomial of the rest, to 2 units in the last place; for x <= 0, and 0 below -87.
