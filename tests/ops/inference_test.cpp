@@ -110,6 +110,31 @@ TEST(PatchAttention, SurvivesScoresBeyondTheRangeOfExp) {
   EXPECT_LT(relative_error(got, attention_reference(qkv, 1)), 2e-3);  // rounding of scores of 10^4
 }
 
+TEST(PatchAttention, IsTheSameWhetherScoresAreKnownToBeSmallOrNot) {
+  // Tiles of queries whose scores are small lie beside some whose are not, and beside the border.
+  const at::Tensor qkv = floats({300, 96}, 11);
+  for (const double gain : {0.01, 1.0, 3.0, 4.0, 6.0, 12.0}) {
+    at::Tensor x = qkv.clone();
+    x.narrow(1, 0, 32).mul_(gain);
+    x.narrow(0, 100, 100).narrow(1, 0, 32).mul_(3);
+    const at::Tensor got = patch_attention_inference(x, {}, {}, 2, 1);
+    EXPECT_LT(relative_error(got, attention_reference(x, 2)), 3e-6 * std::max(1.0, gain)) << gain;
+    EXPECT_TRUE(at::equal(
+        test::with_threads(1, [&] { return patch_attention_inference(x, {}, {}, 2, 1); }), got));
+  }
+}
+
+TEST(PatchAttention, KeepsWhatIsNotANumberInItsHeadAndPatch) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const int64_t part : {0, 1, 2}) {  // of a query, a key, a value
+    at::Tensor x = floats({40, 96}, 12);
+    x[7][part * 32 + 3] = nan;
+    const at::Tensor got = patch_attention_inference(x, {}, {}, 2, 1);
+    EXPECT_TRUE(got[7].slice(0, 0, 16).isnan().any().item<bool>() || part == 1) << part;
+    EXPECT_TRUE(got.slice(1, 16).isfinite().all().item<bool>()) << "the other head";
+  }
+}
+
 TEST(PatchAttention, RefusesBadInput) {
   const at::Tensor qkv = floats({4, 12}, 9), slots = at::arange(4, at::kLong);
   EXPECT_TRUE(test::throws_saying([&] { patch_attention_inference(qkv, {}, {}, 3, 1); }, "heads"));

@@ -123,14 +123,15 @@ void exponentiate(float* x, int64_t rows, int64_t panel_stride, int64_t count, f
     for (int lane = 0; lane < kLanes<float>; ++lane) {
       largest = most[lane] > largest ? most[lane] : largest;
     }
-    const Float base = splat(largest);
+    const Float base = splat(largest), least = splat(-120.0f);
     Float sum{};
     float rest = 0;
     for (int64_t c = 0; c < count; c += kPanel) {
       float* p = row + c / kPanel * panel_stride;
       int64_t i = 0;
       for (; i < end_of(c); i += kLanes<float>) {
-        const Float value = exponential(load(p + i) - base);
+        const Float exponent = load(p + i) - base;
+        const Float power = power_of_two(exponent), value = exponent > least ? power : Float{};
         store(p + i, value);
         if (i + kLanes<float> <= end_of(c)) {
           sum += value;
@@ -140,6 +141,42 @@ void exponentiate(float* x, int64_t rows, int64_t panel_stride, int64_t count, f
       }
     }
     inverse_sum[r] = 1.0f / (horizontal_sum(sum) + rest);
+  }
+}
+
+float largest_square(const float* x, int64_t rows, int64_t stride, int64_t columns) {
+  float largest = 0, finite = 0;
+  for (int64_t r = 0; r < rows; ++r) {
+    const float* row = x + r * stride;
+    const int64_t whole = columns / kLanes<float> * kLanes<float>;
+    float square = horizontal_sum(
+        sum_vectors(0, whole, [&](int64_t i) { return load(row + i) * load(row + i); }));
+    for (int64_t i = whole; i < columns; ++i) square += row[i] * row[i];
+    largest = square > largest ? square : largest;
+    finite += square * 0;
+  }
+  return largest + finite;
+}
+
+void raise(float* x, int64_t rows, int64_t count, float* sum) {
+  for (int64_t r = 0; r < rows; ++r) {
+    float* row = x + r * kPanel;
+    Float total = load(sum + r * kBlock);
+    int64_t i = 0;
+#pragma GCC unroll 4
+    for (; i + kLanes<float> <= count; i += kLanes<float>) {
+      const Float value = power_of_two(load(row + i));
+      store(row + i, value);
+      total += value;
+    }
+    if (i < count) {
+      float value[kLanes<float>] = {};
+      for (int64_t lane = 0; i + lane < count; ++lane) {
+        value[lane] = row[i + lane] = power_of_two(splat(row[i + lane]))[0];
+      }
+      total += load(value);
+    }
+    store(sum + r * kBlock, total);
   }
 }
 
@@ -226,6 +263,8 @@ const DenseKernels kDenseKernels{multiply_blocks<SingleProduct>,
                                  accumulate,
                                  layer_norm,
                                  exponentiate,
+                                 largest_square,
+                                 raise,
                                  attend,
                                  hidden_positions,
                                  ridges,

@@ -177,6 +177,11 @@ struct DenseKernels {
   /// over the sum of row r.
   void (*exponentiate)(float* x, int64_t rows, int64_t panel_stride, int64_t count,
                        float* inverse_sum);
+  /// The largest Σ x² of a row; not a number if any row is not finite.
+  float (*largest_square)(const float* x, int64_t rows, int64_t stride, int64_t columns);
+  /// x = 2^x over the first `count` columns of a panel, |x| <= 120; what row r adds up to is added
+  /// to the kBlock numbers from sum + r * kBlock, whose sum it is.
+  void (*raise)(float* x, int64_t rows, int64_t count, float* sum);
   void (*attend)(AttendArguments arguments);
   /// GELU of a layer F -> H, transposed: geometry [F, pairs] -> out [H, pairs]; weight [H, F + 1],
   /// the bias last; `pairs` a multiple of kBlock.

@@ -44,6 +44,23 @@ static inline Vector<float> exponential(const Vector<float>& x) {
   return x > splat(-87.0f) ? p : Vector<float>{};
 }
 
+/// 2^x to 3 · 10^-7 of it; |x| <= 120.
+static inline Vector<float> power_of_two(const Vector<float>& x) {
+  const Vector<float> magic = splat(12582912.0f);  // as above
+  const Vector<float> whole = x + magic, f = x - (whole - magic);
+  Vector<float> p = f * splat(1.33908634e-3f) + splat(9.67603192e-3f);
+  p = p * f + splat(5.55035711e-2f);
+  p = p * f + splat(2.40221075e-1f);
+  p = p * f + splat(6.93147188e-1f);
+  p = p * f + splat(1.0f);
+  Vector<uint32_t> bits, shift;
+  __builtin_memcpy(&bits, &p, sizeof bits);
+  __builtin_memcpy(&shift, &whole, sizeof shift);
+  bits += shift << 23;
+  __builtin_memcpy(&p, &bits, sizeof p);
+  return p;
+}
+
 /// log(1 + exp(x)) to 10^-6 of the result, where that is at least 10^-30; what is not a number
 /// stays visible.
 static inline Vector<float> softplus(const Vector<float>& x) {
