@@ -55,7 +55,7 @@ class TileDecoder {
         rounded_(work.net.gamma_output.in_bf16()
                      ? static_cast<size_t>(kSubtile * work.net.gamma_output.input_pairs() * pairs_)
                      : 0),
-        pair_position_(static_cast<size_t>(pairs_ * kBlock)) {}
+        pair_position_(static_cast<size_t>(kProjectedBlocks * pairs_ * kBlock)) {}
 
   /// Queries [first, first + rows), at most kTile.
   void run(int64_t first, int64_t rows) {
@@ -150,7 +150,7 @@ class TileDecoder {
   std::vector<float> geometry_;       ///< [F, pairs] of one query
   std::vector<float> activation_;     ///< [kSubtile, H, pairs]
   std::vector<uint32_t> rounded_;     ///< [kSubtile, ⌈H / 2⌉, pairs], in bfloat16 instead
-  std::vector<float> pair_position_;  ///< [pairs, kBlock]
+  std::vector<float> pair_position_;  ///< [kProjectedBlocks, pairs, kBlock]
 };
 
 at::Tensor decode(const DecoderInputs& in, const DecoderWeights& weights, float* sums) {
