@@ -191,13 +191,17 @@ PoolingImpl::PoolingImpl(int64_t inputs, int64_t outputs, Centering centering)
     : linear_(register_module("linear", Linear(inputs, outputs))),
       norm_(register_module("norm", PointNorm(outputs, centering))) {}
 
+at::Tensor cluster_max(const at::Tensor& x, const at::Tensor& cluster, int64_t clusters) {
+  const at::Tensor target = cluster.unsqueeze(1).expand_as(x);
+  const double lowest = -std::numeric_limits<double>::infinity();
+  return at::full({clusters, x.size(1)}, lowest, x.options()).scatter_reduce(0, target, x, "amax");
+}
+
 at::Tensor cluster_argmax(const at::Tensor& x, const at::Tensor& cluster, int64_t clusters) {
   const at::NoGradGuard no_grad;
   const int64_t n = x.size(0), C = x.size(1);
   const at::Tensor target = cluster.unsqueeze(1).expand({n, C});
-  const double lowest = -std::numeric_limits<double>::infinity();
-  const at::Tensor top =
-      at::full({clusters, C}, lowest, x.options()).scatter_reduce(0, target, x, "amax");
+  const at::Tensor top = cluster_max(x, cluster, clusters);
   // A NaN is no maximum's equal, but it stays: the maximum of its cluster is NaN, and it alone is
   // not passed over.
   const at::Tensor below = x.ne(top.index_select(0, cluster)).logical_and(x.eq(x));
@@ -208,6 +212,9 @@ at::Tensor cluster_argmax(const at::Tensor& x, const at::Tensor& cluster, int64_
 
 at::Tensor PoolingImpl::forward(const at::Tensor& fine, const StagePlan& stage) {
   const at::Tensor x = linear_->forward(fine);
+  if (!at::GradMode::is_enabled()) {
+    return ops::gelu(norm_->forward(cluster_max(x, stage.cluster, stage.points()), stage));
+  }
   // A gather: each gradient goes to one row, and no two to the same, so the sum needs no order.
   const at::Tensor pooled = x.gather(0, cluster_argmax(x, stage.cluster, stage.points()));
   return ops::gelu(norm_->forward(pooled, stage));

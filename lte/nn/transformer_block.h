@@ -151,6 +151,8 @@ class UnpoolingImpl : public torch::nn::Module {
 };
 TORCH_MODULE(Unpooling);
 
+/// Each cluster's maximum by channel, [clusters, C]; NaN where one of its rows has that.
+at::Tensor cluster_max(const at::Tensor& x, const at::Tensor& cluster, int64_t clusters);
 /// Row of each cluster's maximum by channel, [clusters, C] int64; ties go to the lowest row.
 at::Tensor cluster_argmax(const at::Tensor& x, const at::Tensor& cluster, int64_t clusters);
 
