@@ -191,6 +191,22 @@ TEST(TransformerBlock, GradientsMatchFiniteDifferences) {
                                inputs);
 }
 
+TEST(TransformerBlock, InferenceIsThatOfFloat64ForFewPointsAndForMany) {
+  const at::NoGradGuard no_grad;
+  ModelConfig config = test::tiny_config();
+  config.centering = Centering::Learned;
+  for (const int64_t n : {40, 511, 512, 1300}) {
+    const StagePlan stage = some_stage(n, config);
+    TransformerBlock block(24, config);
+    test::randomize(*block, 16);
+    block->eval();
+    const at::Tensor x = torch::randn({n, 24}), got = block->forward(x, stage, 0);
+    block->to(at::kDouble);
+    EXPECT_LT(test::relative_difference(got, block->forward(x.to(at::kDouble), stage, 0)), 1e-5)
+        << n;
+  }
+}
+
 class PoolingWith : public testing::TestWithParam<Centering> {};
 
 TEST_P(PoolingWith, GradientsMatchFiniteDifferencesDownAndUp) {
