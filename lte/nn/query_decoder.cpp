@@ -17,8 +17,36 @@
 namespace lte::nn {
 namespace {
 
-/// Latents whose keys and values are made at a time: 100 MB at D = 128 and six layers.
+/// Latents whose keys and values are made at a time where a copy puts them into the table, which
+/// so exists once: 100 MB at D = 128 and six layers.
 constexpr int64_t kTableChunk = 8192;
+
+/// Whether the channels of keys and values fill the blocks of ops::neighbour_table().
+bool fills_table_blocks(const std::vector<QueryLayer>& layers) {
+  return layers.front()->key()->weight.size(0) % ops::kTableBlock == 0;
+}
+
+/// The table, which one product makes of weights in its order; the channels fill its blocks.
+at::Tensor arranged_table(const std::vector<QueryLayer>& layers, const at::Tensor& latent) {
+  std::vector<at::Tensor> weights, biases;
+  for (const QueryLayer& layer : layers) {
+    for (const Linear& linear : {layer->key(), layer->value()}) {
+      weights.push_back(linear->inference_weight());
+      biases.push_back(linear->bias);
+    }
+  }
+  const auto L = static_cast<int64_t>(layers.size());
+  const int64_t blocks = weights[0].size(0) / ops::kTableBlock, width = latent.size(1);
+  const auto arranged = [&](const std::vector<at::Tensor>& of, int64_t columns) {
+    return at::cat(of)
+        .view({L, 2, blocks, ops::kTableBlock, columns})
+        .permute({2, 0, 1, 3, 4})
+        .reshape({-1, columns});
+  };
+  const at::Tensor all =
+      ops::linear(latent, arranged(weights, width), arranged(biases, 1).squeeze(1));
+  return all.view({latent.size(0), blocks, L, 2, ops::kTableBlock});
+}
 
 }  // namespace
 
@@ -106,6 +134,9 @@ at::Tensor QueryDecoderImpl::table(const at::Tensor& latent) {
     const auto [keys, values] = keys_and_values(latent);
     return at::stack({keys, values});
   }
+  if (latent.device().is_cpu() && fills_table_blocks(layers_)) {
+    return arranged_table(layers_, latent);
+  }
   const int64_t m = latent.size(0);
   const int64_t chunks = latent.device().is_cpu() ? std::max<int64_t>(1, m / kTableChunk) : 1;
   at::Tensor out;
@@ -165,7 +196,7 @@ bool QueryDecoderImpl::trains_fused(const at::Tensor& latent) const {
   const Linear& key = layers_.front()->key();
   return at::GradMode::is_enabled() && latent.device().is_cpu() &&
          latent.scalar_type() == at::kFloat && !normalizes_ && !key->in_autocast() &&
-         (dropout_ == 0 || !is_training()) && key->weight.size(0) % ops::kTableBlock == 0;
+         (dropout_ == 0 || !is_training()) && fills_table_blocks(layers_);
 }
 
 LatentTables QueryDecoderImpl::latent_tables(const at::Tensor& latent) {
@@ -173,25 +204,7 @@ LatentTables QueryDecoderImpl::latent_tables(const at::Tensor& latent) {
     const auto [keys, values] = keys_and_values(latent);
     return {keys, values};
   }
-  // One product makes the keys and values of all layers where ops::neighbour_table() has them.
-  std::vector<at::Tensor> weights, biases;
-  for (const QueryLayer& layer : layers_) {
-    for (const Linear& linear : {layer->key(), layer->value()}) {
-      weights.push_back(linear->weight);
-      biases.push_back(linear->bias);
-    }
-  }
-  const auto L = static_cast<int64_t>(layers_.size());
-  const int64_t blocks = weights[0].size(0) / ops::kTableBlock, width = latent.size(1);
-  const auto arranged = [&](const std::vector<at::Tensor>& of, int64_t columns) {
-    return at::cat(of)
-        .view({L, 2, blocks, ops::kTableBlock, columns})
-        .permute({2, 0, 1, 3, 4})
-        .reshape({-1, columns});
-  };
-  const at::Tensor all =
-      ops::linear(latent, arranged(weights, width), arranged(biases, 1).squeeze(1));
-  return {all.view({latent.size(0), blocks, L, 2, ops::kTableBlock}), {}};
+  return {arranged_table(layers_, latent), {}};
 }
 
 at::Tensor QueryDecoderImpl::forward(const at::Tensor& attributes,

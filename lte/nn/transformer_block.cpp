@@ -21,9 +21,12 @@ const PatchMap& patch_map(const SceneRows& rows, size_t order) {
   return rows.patches[order % rows.patches.size()];
 }
 
-/// Whether what follows a norm of x is differentiated as one operator.
-bool trains_fused(const at::Tensor& x) {
-  return at::GradMode::is_enabled() && ops::suits_norm_layers(x);
+/// Points below which it costs more to arrange the weights of a norm's layers than it gains.
+constexpr int64_t kLeastFused = 512;
+
+/// Whether a norm of x and the float32 layers that follow it are one operator.
+bool fuses(const at::Tensor& x) {
+  return ops::suits_norm_layers(x) && (at::GradMode::is_enabled() || x.size(0) >= kLeastFused);
 }
 
 /// Means of [n, C] over the points of each scene, [scenes, C].
@@ -63,12 +66,21 @@ BlockAttention PatchAttentionImpl::record(const at::Tensor& x, const StagePlan& 
 
 at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, const StagePlan& stage, size_t order,
                                        int64_t patch_size) {
-  return attend_in_scenes(qkv_->forward(x), stage, order, patch_size);
+  return project(attend_in_scenes(qkv_->forward(x), stage, order, patch_size));
+}
+
+at::Tensor PatchAttentionImpl::project(const at::Tensor& attended) {
+  return at::dropout(proj_->forward(attended), dropout_, is_training());
 }
 
 at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, torch::nn::LayerNorm& norm,
                                        const StagePlan& stage, size_t order, int64_t patch_size) {
-  const bool fused = trains_fused(x) && !qkv_->in_autocast();
+  return project(attended(x, norm, stage, order, patch_size));
+}
+
+at::Tensor PatchAttentionImpl::attended(const at::Tensor& x, torch::nn::LayerNorm& norm,
+                                        const StagePlan& stage, size_t order, int64_t patch_size) {
+  const bool fused = fuses(x) && !qkv_->in_autocast() && !qkv_->in_bf16();
   const at::Tensor qkv =
       fused ? ops::norm_linear(x, {norm->weight, norm->bias}, {qkv_->weight, qkv_->bias})
             : qkv_->forward(norm->forward(x));
@@ -84,8 +96,7 @@ at::Tensor PatchAttentionImpl::attend_in_scenes(const at::Tensor& separate, cons
     attended.push_back(attend(alone ? qkv : qkv.narrow(0, rows.begin, rows.count),
                               patch_map(rows, order), patch_size));
   }
-  const at::Tensor all = attended.size() == 1 ? attended.front() : at::cat(attended);
-  return at::dropout(proj_->forward(all), dropout_, is_training());
+  return attended.size() == 1 ? attended.front() : at::cat(attended);
 }
 
 at::Tensor PatchAttentionImpl::attend(const at::Tensor& points, const PatchMap& map,
@@ -180,8 +191,13 @@ BlockAttention TransformerBlockImpl::record_attention(const at::Tensor& input,
 at::Tensor TransformerBlockImpl::forward(const at::Tensor& input, const StagePlan& stage,
                                          size_t order) {
   at::Tensor x = convolve(input, stage);
+  if (!at::GradMode::is_enabled() && fuses(x) && !attention_->in_bf16() && !is_training()) {
+    return ops::project_feed_forward(x, attention_->attended(x, norm1_, stage, order, patch_size_),
+                                     attention_->projection(), {norm2_->weight, norm2_->bias},
+                                     mlp_->weights());
+  }
   x = x + attention_->forward(x, norm1_, stage, order, patch_size_);
-  if (trains_fused(x) && !mlp_->in_autocast() && !mlp_->drops()) {
+  if (fuses(x) && !mlp_->in_autocast() && !mlp_->hidden()->in_bf16() && !mlp_->drops()) {
     return ops::feed_forward(x, {norm2_->weight, norm2_->bias}, mlp_->weights());
   }
   return x + mlp_->forward(norm2_->forward(x));
@@ -191,13 +207,17 @@ PoolingImpl::PoolingImpl(int64_t inputs, int64_t outputs, Centering centering)
     : linear_(register_module("linear", Linear(inputs, outputs))),
       norm_(register_module("norm", PointNorm(outputs, centering))) {}
 
+at::Tensor cluster_max(const at::Tensor& x, const at::Tensor& cluster, int64_t clusters) {
+  const at::Tensor target = cluster.unsqueeze(1).expand_as(x);
+  const double lowest = -std::numeric_limits<double>::infinity();
+  return at::full({clusters, x.size(1)}, lowest, x.options()).scatter_reduce(0, target, x, "amax");
+}
+
 at::Tensor cluster_argmax(const at::Tensor& x, const at::Tensor& cluster, int64_t clusters) {
   const at::NoGradGuard no_grad;
   const int64_t n = x.size(0), C = x.size(1);
   const at::Tensor target = cluster.unsqueeze(1).expand({n, C});
-  const double lowest = -std::numeric_limits<double>::infinity();
-  const at::Tensor top =
-      at::full({clusters, C}, lowest, x.options()).scatter_reduce(0, target, x, "amax");
+  const at::Tensor top = cluster_max(x, cluster, clusters);
   // A NaN is no maximum's equal, but it stays: the maximum of its cluster is NaN, and it alone is
   // not passed over.
   const at::Tensor below = x.ne(top.index_select(0, cluster)).logical_and(x.eq(x));
@@ -208,6 +228,9 @@ at::Tensor cluster_argmax(const at::Tensor& x, const at::Tensor& cluster, int64_
 
 at::Tensor PoolingImpl::forward(const at::Tensor& fine, const StagePlan& stage) {
   const at::Tensor x = linear_->forward(fine);
+  if (!at::GradMode::is_enabled()) {
+    return ops::gelu(norm_->forward(cluster_max(x, stage.cluster, stage.points()), stage));
+  }
   // A gather: each gradient goes to one row, and no two to the same, so the sum needs no order.
   const at::Tensor pooled = x.gather(0, cluster_argmax(x, stage.cluster, stage.points()));
   return ops::gelu(norm_->forward(pooled, stage));

@@ -28,21 +28,28 @@ class PatchAttentionImpl : public torch::nn::Module {
   /// @return       [n, C]
   at::Tensor forward(const at::Tensor& x, const StagePlan& stage, size_t order, int64_t patch_size);
 
-  /// forward() of norm(x); where it is differentiated in float32 on the CPU, norm and first layer
-  /// are one operator.
+  /// forward() of norm(x); in float32 on the CPU norm and first layer are one operator, unless the
+  /// points are few and nothing is differentiated.
   at::Tensor forward(const at::Tensor& x, torch::nn::LayerNorm& norm, const StagePlan& stage,
                      size_t order, int64_t patch_size);
+  /// The same before the last layer, `proj`.
+  at::Tensor attended(const at::Tensor& x, torch::nn::LayerNorm& norm, const StagePlan& stage,
+                      size_t order, int64_t patch_size);
 
   /// What forward() would weigh values by, without name and level.
   /// @param stage  of one scene
   BlockAttention record(const at::Tensor& x, const StagePlan& stage, size_t order,
                         int64_t patch_size);
 
+  ops::LinearWeights projection() const { return {proj_->inference_weight(), proj_->bias}; }
+  bool in_bf16() const { return qkv_->in_bf16(); }
+
  private:
   /// What the points of one scene attend to.
   /// @param qkv  [n, 3C] of the scene
   at::Tensor attend(const at::Tensor& qkv, const PatchMap& map, int64_t patch_size);
-  /// forward() from queries, keys and values.
+  at::Tensor project(const at::Tensor& attended);
+  /// What project() takes, from queries, keys and values.
   at::Tensor attend_in_scenes(const at::Tensor& qkv, const StagePlan& stage, size_t order,
                               int64_t patch_size);
   /// Queries, keys and values of the points, with the first two turned.
@@ -151,6 +158,8 @@ class UnpoolingImpl : public torch::nn::Module {
 };
 TORCH_MODULE(Unpooling);
 
+/// Each cluster's maximum by channel, [clusters, C]; NaN where one of its rows has that.
+at::Tensor cluster_max(const at::Tensor& x, const at::Tensor& cluster, int64_t clusters);
 /// Row of each cluster's maximum by channel, [clusters, C] int64; ties go to the lowest row.
 at::Tensor cluster_argmax(const at::Tensor& x, const at::Tensor& cluster, int64_t clusters);
 

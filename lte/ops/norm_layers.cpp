@@ -15,6 +15,7 @@ TORCH_LIBRARY_FRAGMENT(lte, m) {
   m.def("norm_linear(Tensor x, Tensor[] weights) -> Tensor");
   m.def("norm_linear_backward(Tensor grad, Tensor x, Tensor[] weights) -> (Tensor, Tensor[])");
   m.def("feed_forward(Tensor x, Tensor[] weights) -> Tensor");
+  m.def("project_feed_forward(Tensor x, Tensor attended, Tensor[] weights) -> Tensor");
   m.def("feed_forward_backward(Tensor grad, Tensor x, Tensor[] weights) -> (Tensor, Tensor[])");
 }
 
@@ -60,6 +61,15 @@ class TrainedNormLayer : public torch::autograd::Function<TrainedNormLayer> {
   }
 };
 
+std::vector<at::Tensor> list_of(const NormWeights& norm, const PerceptronWeights& perceptron) {
+  return {norm.gain,
+          norm.bias,
+          perceptron.hidden.weight,
+          perceptron.hidden.bias,
+          perceptron.output.weight,
+          perceptron.output.bias};
+}
+
 }  // namespace
 
 at::Tensor norm_linear(const at::Tensor& x, const NormWeights& norm, const LinearWeights& linear) {
@@ -69,13 +79,19 @@ at::Tensor norm_linear(const at::Tensor& x, const NormWeights& norm, const Linea
 
 at::Tensor feed_forward(const at::Tensor& x, const NormWeights& norm,
                         const PerceptronWeights& perceptron) {
-  const std::vector<at::Tensor> weights = {norm.gain,
-                                           norm.bias,
-                                           perceptron.hidden.weight,
-                                           perceptron.hidden.bias,
-                                           perceptron.output.weight,
-                                           perceptron.output.bias};
-  return TrainedNormLayer::apply(true, x, at::TensorList(weights));
+  return TrainedNormLayer::apply(true, x, at::TensorList(list_of(norm, perceptron)));
+}
+
+at::Tensor project_feed_forward(const at::Tensor& x, const at::Tensor& attended,
+                                const LinearWeights& projection, const NormWeights& norm,
+                                const PerceptronWeights& perceptron) {
+  using Signature = at::Tensor(const at::Tensor&, const at::Tensor&, at::TensorList);
+  static const auto op = find_operator<Signature>("lte::project_feed_forward");
+  std::vector<at::Tensor> weights = list_of(norm, perceptron);
+  weights.push_back(projection.weight);
+  weights.push_back(projection.bias);
+  const at::AutoDispatchBelowADInplaceOrView below;
+  return op.call(x, attended, weights);
 }
 
 }  // namespace lte::ops

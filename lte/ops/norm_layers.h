@@ -25,4 +25,11 @@ at::Tensor norm_linear(const at::Tensor& x, const NormWeights& norm, const Linea
 at::Tensor feed_forward(const at::Tensor& x, const NormWeights& norm,
                         const PerceptronWeights& perceptron);
 
+/// feed_forward() of x + W a + b, W and b those of `projection`. Not differentiable.
+///
+/// @param attended  a, [n, inputs of the projection] float32 on the CPU
+at::Tensor project_feed_forward(const at::Tensor& x, const at::Tensor& attended,
+                                const LinearWeights& projection, const NormWeights& norm,
+                                const PerceptronWeights& perceptron);
+
 }  // namespace lte::ops

@@ -157,6 +157,7 @@ TEST(ClusterArgmax, MatchesLoopsAndGivesTiesToTheLowestRow) {
   at::Tensor cluster = torch::randint(clusters, {n});
   cluster.narrow(0, 0, clusters).copy_(torch::arange(clusters));
   const at::Tensor got = cluster_argmax(x, cluster, clusters);
+  EXPECT_TRUE(at::equal(cluster_max(x, cluster, clusters), x.gather(0, got)));
   for (int64_t c = 0; c < clusters; ++c) {
     for (int64_t j = 0; j < C; ++j) {
       int64_t best = -1;
@@ -188,6 +189,22 @@ TEST(TransformerBlock, GradientsMatchFiniteDifferences) {
   inputs.push_back(x);
   test::expect_gradients_match([&] { return (block->forward(x, stage, 0) * weight).sum(); },
                                inputs);
+}
+
+TEST(TransformerBlock, InferenceIsThatOfFloat64ForFewPointsAndForMany) {
+  const at::NoGradGuard no_grad;
+  ModelConfig config = test::tiny_config();
+  config.centering = Centering::Learned;
+  for (const int64_t n : {40, 511, 512, 1300}) {
+    const StagePlan stage = some_stage(n, config);
+    TransformerBlock block(24, config);
+    test::randomize(*block, 16);
+    block->eval();
+    const at::Tensor x = torch::randn({n, 24}), got = block->forward(x, stage, 0);
+    block->to(at::kDouble);
+    EXPECT_LT(test::relative_difference(got, block->forward(x.to(at::kDouble), stage, 0)), 1e-5)
+        << n;
+  }
 }
 
 class PoolingWith : public testing::TestWithParam<Centering> {};
@@ -252,6 +269,7 @@ TEST(Pooling, ANaNStaysWhateverStandsBesideIt) {
     const at::Tensor x = torch::tensor({{other, nan}, {nan, other}, {2.0f, 3.0f}, {5.0f, 3.0f}});
     const at::Tensor row = cluster_argmax(x, cluster, 2);
     const at::Tensor top = x.gather(0, row);
+    EXPECT_TRUE(cluster_max(x, cluster, 2).allclose(top, 0, 0, /*equal_nan=*/true)) << other;
     EXPECT_TRUE(top[0].isnan().all().item<bool>()) << other;
     EXPECT_TRUE(torch::equal(top[1], torch::tensor({5.0f, 3.0f}))) << "another cluster";
     EXPECT_EQ(row[1][1].item<int64_t>(), 2) << "ties go to the lowest row";

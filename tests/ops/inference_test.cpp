@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "lte/ops/neighbour_max.h"
+#include "lte/ops/norm_layers.h"
 #include "lte/ops/patch_attention.h"
 #include "lte/ops/query_decoder.h"
 #include "tests/ops/fixtures.h"
@@ -110,6 +111,31 @@ TEST(PatchAttention, SurvivesScoresBeyondTheRangeOfExp) {
   EXPECT_LT(relative_error(got, attention_reference(qkv, 1)), 2e-3);  // rounding of scores of 10^4
 }
 
+TEST(PatchAttention, IsTheSameWhetherScoresAreKnownToBeSmallOrNot) {
+  // Tiles of queries whose scores are small lie beside some whose are not, and beside the border.
+  const at::Tensor qkv = floats({300, 96}, 11);
+  for (const double gain : {0.01, 1.0, 3.0, 4.0, 6.0, 12.0}) {
+    at::Tensor x = qkv.clone();
+    x.narrow(1, 0, 32).mul_(gain);
+    x.narrow(0, 100, 100).narrow(1, 0, 32).mul_(3);
+    const at::Tensor got = patch_attention_inference(x, {}, {}, 2, 1);
+    EXPECT_LT(relative_error(got, attention_reference(x, 2)), 3e-6 * std::max(1.0, gain)) << gain;
+    EXPECT_TRUE(at::equal(
+        test::with_threads(1, [&] { return patch_attention_inference(x, {}, {}, 2, 1); }), got));
+  }
+}
+
+TEST(PatchAttention, KeepsWhatIsNotANumberInItsHeadAndPatch) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const int64_t part : {0, 1, 2}) {  // of a query, a key, a value
+    at::Tensor x = floats({40, 96}, 12);
+    x[7][part * 32 + 3] = nan;
+    const at::Tensor got = patch_attention_inference(x, {}, {}, 2, 1);
+    EXPECT_TRUE(got[7].slice(0, 0, 16).isnan().any().item<bool>() || part == 1) << part;
+    EXPECT_TRUE(got.slice(1, 16).isfinite().all().item<bool>()) << "the other head";
+  }
+}
+
 TEST(PatchAttention, RefusesBadInput) {
   const at::Tensor qkv = floats({4, 12}, 9), slots = at::arange(4, at::kLong);
   EXPECT_TRUE(test::throws_saying([&] { patch_attention_inference(qkv, {}, {}, 3, 1); }, "heads"));
@@ -119,6 +145,45 @@ TEST(PatchAttention, RefusesBadInput) {
                                   "no whole patches"));
   EXPECT_TRUE(test::throws_saying([&] { patch_attention_inference(qkv, slots + 1, slots, 1, 4); },
                                   "entry 3 of gather"));
+}
+
+TEST(ProjectFeedForward, IsThePerceptronAfterTheSum) {
+  for (const auto& [n, C, inputs, width] : {std::array<int64_t, 4>{0, 16, 16, 64},
+                                            {1, 16, 16, 64},
+                                            {97, 48, 32, 144},
+                                            {40, 13, 7, 29},
+                                            {600, 130, 140, 260}}) {
+    const at::Tensor x = floats({n, C}, 13), a = floats({n, inputs}, 14),
+                     W = floats({C, inputs}, 15), b = floats({C}, 16), gain = floats({C}, 17),
+                     shift = floats({C}, 18), W1 = floats({width, C}, 19), b1 = floats({width}, 20),
+                     W2 = floats({C, width}, 21), b2 = floats({C}, 22);
+    const auto wide = [](const at::Tensor& t) { return t.to(at::kDouble); };
+    const at::Tensor sum = wide(x) + at::linear(wide(a), wide(W), wide(b));
+    const at::Tensor normed = at::layer_norm(sum, {C}, wide(gain), wide(shift));
+    const at::Tensor hidden = at::gelu(at::linear(normed, wide(W1), wide(b1)));
+    const at::Tensor expected = sum + at::linear(hidden, wide(W2), wide(b2));
+    const auto run = [&] {
+      return project_feed_forward(x, a, {W, b}, {gain, shift}, {{W1, b1}, {W2, b2}});
+    };
+    const at::Tensor got = run();
+    EXPECT_EQ(got.sizes(), expected.sizes());
+    if (n > 0) EXPECT_LT(relative_error(got, expected), 2e-6) << "n " << n << ", C " << C;
+    EXPECT_TRUE(at::equal(test::with_threads(1, run), got));
+  }
+}
+
+TEST(ProjectFeedForward, RefusesBadInput) {
+  const at::Tensor x = floats({6, 4}, 1), v = floats({4}, 2), square = floats({4, 4}, 3);
+  const auto refused = [&](const at::Tensor& attended, const at::Tensor& W, const char* words) {
+    return test::throws_saying(
+        [&] {
+          project_feed_forward(x, attended, {W, v}, {v, v}, {{square, v}, {square, v}});
+        },
+        words);
+  };
+  EXPECT_TRUE(refused(floats({5, 4}, 4), square, "attended must be [6, 4]"));
+  EXPECT_TRUE(refused(floats({6, 3}, 4), square, "attended must be [6, 4]"));
+  EXPECT_TRUE(refused(x, floats({5, 4}, 5), "bias"));
 }
 
 TEST(SpatialOrder, IsAPermutationThatKeepsNeighboursTogether) {

@@ -135,6 +135,9 @@ TEST(QueryDecoderInferenceOnTheCpu, EachQueryIsTheSameBitsInAnyCompany) {
     return query_decoder_inference(c.attributes, c.near, table, c.weights);
   };
   const at::Tensor all = whole();
+  // More tiles of other lengths.
+  const at::Tensor twice = at::cat({at::arange(250, at::kLong), at::arange(250, at::kLong)});
+  EXPECT_TRUE(at::equal(some(twice), at::cat({all, all})));
   const at::Tensor order = at::arange(249, -1, -1, at::kLong);
   EXPECT_TRUE(at::equal(some(order), all.index_select(0, order)));
   for (const int64_t row : {0, 1, 95, 96, 249}) {

@@ -171,13 +171,17 @@ std::vector<T> transposed_taps(const void* weight, int64_t rows, int64_t columns
 void convolve_tiles(const ConvolutionRows& input, const TapWeights& weights,
                     const ConvolutionPairs& pairs, float* out) {
   // Threads own blocks of rows and panels of columns: stages with few points have wide features.
-  constexpr int64_t kBlockRows = 256;  // the weights of a tap are read once for so many
-  const int64_t blocks = (input.N + kBlockRows - 1) / kBlockRows;
+  // The weights of a tap are read once a block, from the third-level cache. A row adds up its taps
+  // in their order however many rows a block has.
+  constexpr int64_t kFewestRows = 256, kMostRows = 2048;
+  const int64_t share = (input.N + at::get_num_threads() - 1) / at::get_num_threads();
+  const int64_t block = std::clamp(share, kFewestRows, kMostRows);
+  const int64_t blocks = (input.N + block - 1) / block;
   at::parallel_for(0, blocks * panels_of(weights.outputs), 1, [&](int64_t begin, int64_t end) {
     TileConvolution convolution(input, weights, pairs, out);
     for (int64_t i = begin; i < end; ++i) {
-      const int64_t first = i % blocks * kBlockRows;
-      convolution.run(first, std::min(input.N, first + kBlockRows), i / blocks);
+      const int64_t first = i % blocks * block;
+      convolution.run(first, std::min(input.N, first + block), i / blocks);
     }
   });
 }

@@ -186,7 +186,7 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums_inference_cpu(const at::Tensor
   at::parallel_for(0, Q, kTile, [&](int64_t begin, int64_t end) {
     const SumKernels<float>& kernels = sum_kernels<float>();
     const int64_t rows = blocks_of(K) * kBlock;
-    std::vector<float> transposed(kTile * H * rows), position(rows * kBlock),
+    std::vector<float> transposed(kTile * H * rows), position(kProjectedBlocks * rows * kBlock),
         tile(kTile * blocks * L * kPair);
     for (int64_t q = begin; q < end; q += kTile) {
       const int64_t count = std::min(kTile, end - q);

@@ -118,23 +118,54 @@ void check_feed_forward(const at::Tensor& x, at::TensorList w) {
               " outputs, got ", w[4].sizes());
 }
 
-at::Tensor feed_forward_cpu(const at::Tensor& any_x, at::TensorList w) {
-  check_feed_forward(any_x, w);
+/// feed_forward() of x + add(x's tile), where add(first, rows, tile) adds to rows [first, first +
+/// rows) of x. `least` rows are worth a thread.
+template <typename MakeAdd>
+at::Tensor feed_tiles(const at::Tensor& any_x, at::TensorList w, int64_t least,
+                      const MakeAdd& make_add) {
   const at::Tensor x = any_x.contiguous();
   const int64_t n = x.size(0), C = x.size(1);
   const PackedNorm norm(w[0], w[1]);
   const PackedLinear hidden(w[2], w[3]), output(w[4], w[5]);
   at::Tensor out = at::empty_like(x);
-  at::parallel_for(0, n, kLeastNormPart, [&](int64_t begin, int64_t end) {
+  at::parallel_for(0, n, least, [&](int64_t begin, int64_t end) {
     Tile input(kNormTile, C), normed(kNormTile, C), activation(kNormTile, kPanel);
+    auto add = make_add();
     over_tiles(begin, end, [&](int64_t first, int64_t rows) {
       load_rows(x.const_data_ptr<float>(), C, first, rows, input);
+      add(first, rows, input);
       norm.apply(input, rows, C, normed);
       perceptron(hidden, output, normed, rows, true, activation, input);
       store_rows(input, C, first, rows, out.data_ptr<float>());
     });
   });
   return out;
+}
+
+at::Tensor feed_forward_cpu(const at::Tensor& x, at::TensorList w) {
+  check_feed_forward(x, w);
+  return feed_tiles(x, w, kLeastNormPart, [] { return [](int64_t, int64_t, Tile&) {}; });
+}
+
+at::Tensor project_feed_forward_cpu(const at::Tensor& x, const at::Tensor& any_attended,
+                                    at::TensorList w) {
+  const char* op = "project_feed_forward";
+  TORCH_CHECK(w.size() == 8, op, ": expected 8 weights, got ", w.size());
+  check_feed_forward(x, w.slice(0, 6));
+  check_shape(any_attended, {x.size(0), w[6].size(1)}, at::kFloat, op, "attended");
+  check_layer_args(any_attended, w[6], w[7], op);
+  TORCH_CHECK(w[6].size(0) == x.size(1), op, ": the projection must have ", x.size(1),
+              " outputs, got ", w[6].sizes());
+  const at::Tensor attended = any_attended.contiguous();
+  const auto* from = attended.const_data_ptr<float>();
+  const PackedLinear projection(w[6], w[7]);
+  return feed_tiles(x, w.slice(0, 6), kLeastNormPart / 4, [&] {
+    return [&, tile = Tile(kNormTile, projection.inputs)](int64_t first, int64_t rows,
+                                                          Tile& input) mutable {
+      load_rows(from, projection.inputs, first, rows, tile);
+      dense(projection, tile, rows, true, input);
+    };
+  });
 }
 
 std::tuple<at::Tensor, std::vector<at::Tensor>> feed_forward_backward_cpu(
@@ -185,5 +216,6 @@ TORCH_LIBRARY_IMPL(lte, CPU, m) {
   m.impl("norm_linear", lte::ops::norm_linear_cpu);
   m.impl("norm_linear_backward", lte::ops::norm_linear_backward_cpu);
   m.impl("feed_forward", lte::ops::feed_forward_cpu);
+  m.impl("project_feed_forward", lte::ops::project_feed_forward_cpu);
   m.impl("feed_forward_backward", lte::ops::feed_forward_backward_cpu);
 }

@@ -1,16 +1,19 @@
 // Patch attention on the CPU: a thread takes a head of a patch, packs its keys and values, and
-// walks tiles of queries; a tile's scores, 384 KiB at patches of 1,024, stay in the second-level
-// cache.
+// walks tiles of queries.
 //
-// A row of scores exists as a whole, so the softmax is the plain one of two passes: exp() of all
-// scores less the largest, and one over their sum, by which the answer is multiplied in the end.
-// Flash attention's running maximum pays where a row does not fit the cache; a patch's does.
+// Scores are made in units of log 2, so that a weight is 2^score. Where no query and key of a tile
+// can have a score beyond kSafeScore, by the lengths of the longest ones, no largest score is
+// subtracted: a panel of keys goes through all three steps (scores, powers, weighted sum of values)
+// while it is in the first-level cache, and the answer is divided by the sum of the weights in the
+// end. Elsewhere a row of scores is made as a whole, 192 KiB a tile at patches of 1,024, and the
+// softmax is the plain one of two passes. Flash attention's running maximum is needed in neither.
 // Products run over panels of keys: keys are packed by blocks of 16 for the scores, values by rows
 // for the answer, and the scores themselves are then the left factor of the second product, where
 // they lie. In bfloat16 both are packed in pairs, of channels for the scores and of keys for the
 // answer, as those are what the two products sum over.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -24,7 +27,9 @@
 namespace lte::ops {
 namespace {
 
-constexpr int64_t kTile = 96;  ///< queries at a time
+constexpr int64_t kTile = 48;  ///< queries at a time, whose scores of a panel are 24 KiB
+/// Scores whose powers of two add up without overflow or underflow.
+constexpr float kSafeScore = 30;
 static_assert(kWidestHead <= kPanel);
 
 struct Work {
@@ -44,7 +49,8 @@ class HeadAttention {
         query_(kTile, kPanel),
         scores_(kTile, work.length),
         answer_(kTile, kPanel),
-        inverse_sum_(kTile) {
+        inverse_sum_(kTile),
+        sum_(kTile * kBlock) {
     const int64_t keys = blocks_of(work.length) * kBlock;
     if (work.bf16) {
       key_pairs_.resize(static_cast<size_t>(keys * half(work.d)));
@@ -59,6 +65,13 @@ class HeadAttention {
   void run(int64_t patch, int64_t head) {
     const int64_t first = patch * work_.length;
     pack(first, head);
+    longest_key_ = 0;
+    for (int64_t j = 0; j < work_.length; ++j) {
+      const float square =
+          dense_kernels().largest_square(channels(first + j, 1, head), 1, 0, work_.d);
+      if (!(square <= longest_key_)) longest_key_ = square;  // and stays what is not a number
+      if (std::isnan(square)) break;
+    }
     for (int64_t q = 0; q < work_.length; q += kTile) {
       attend(first, q, std::min(kTile, work_.length - q), head);
     }
@@ -113,9 +126,8 @@ class HeadAttention {
   }
 
   /// scores (rows × keys [j, j + kPanel)) = query · keys.
-  void score(int64_t rows, int64_t j) {
+  void score(int64_t rows, int64_t j, float* out) {
     const int64_t d = work_.d, blocks = blocks_of(std::min(kPanel, work_.length - j));
-    float* out = scores_.panel(j / kPanel);
     if (work_.bf16) {
       bf16_kernels().multiply({query_.panel(0), rows, d, key_pairs_.data() + j * half(d), kBlock,
                                half(d) * kBlock, nullptr, blocks, false, out});
@@ -126,9 +138,8 @@ class HeadAttention {
   }
 
   /// answer += weights of keys [j, j + kPanel) · values.
-  void weigh(int64_t rows, int64_t j) {
+  void weigh(int64_t rows, int64_t j, const float* weights) {
     const int64_t count = std::min(kPanel, work_.length - j), blocks = width_ / kBlock;
-    const float* weights = scores_.panel(j / kPanel);
     if (work_.bf16) {
       bf16_kernels().multiply({weights, rows, count, value_pairs_.data() + j / 2 * width_, width_,
                                kBlock, nullptr, blocks, j > 0, answer_.panel(0)});
@@ -140,16 +151,18 @@ class HeadAttention {
 
   /// Queries [q, q + rows) of the patch that begins at slot `first`.
   void attend(int64_t first, int64_t q, int64_t rows, int64_t head) {
-    const int64_t d = work_.d, length = work_.length;
-    const float scale = 1 / std::sqrt(static_cast<float>(d));
+    const int64_t d = work_.d;
+    const float scale = std::numbers::log2e_v<float> / std::sqrt(static_cast<float>(d));
     for (int64_t i = 0; i < rows; ++i) {
       const float* from = channels(first + q + i, 0, head);
       for (int64_t c = 0; c < d; ++c) query_.panel(0)[i * kPanel + c] = from[c] * scale;
     }
-    for (int64_t j = 0; j < length; j += kPanel) score(rows, j);
-    dense_kernels().exponentiate(scores_.panel(0), rows, scores_.panel_stride(), length,
-                                 inverse_sum_.data());
-    for (int64_t j = 0; j < length; j += kPanel) weigh(rows, j);
+    const float longest_query = dense_kernels().largest_square(query_.panel(0), rows, kPanel, d);
+    if (longest_query * longest_key_ <= kSafeScore * kSafeScore) {
+      weigh_panels(rows);
+    } else {
+      weigh_rows(rows);
+    }
     for (int64_t i = 0; i < rows; ++i) {
       const int64_t slot = first + q + i, row = point(slot);
       if (work_.inverse != nullptr && work_.inverse[row] != slot) continue;
@@ -158,12 +171,38 @@ class HeadAttention {
     }
   }
 
+  /// The tile's answers and sums of weights, panel by panel; no score is beyond kSafeScore.
+  void weigh_panels(int64_t rows) {
+    std::fill_n(sum_.begin(), rows * kBlock, 0.0f);
+    for (int64_t j = 0; j < work_.length; j += kPanel) {
+      score(rows, j, scores_.panel(0));
+      dense_kernels().raise(scores_.panel(0), rows, std::min(kPanel, work_.length - j),
+                            sum_.data());
+      weigh(rows, j, scores_.panel(0));
+    }
+    for (int64_t i = 0; i < rows; ++i) {
+      float sum = 0;
+      for (int64_t lane = 0; lane < kBlock; ++lane) sum += sum_[i * kBlock + lane];
+      inverse_sum_[i] = 1 / sum;
+    }
+  }
+
+  /// The same with scores of any size, row by row.
+  void weigh_rows(int64_t rows) {
+    for (int64_t j = 0; j < work_.length; j += kPanel) score(rows, j, scores_.panel(j / kPanel));
+    dense_kernels().exponentiate(scores_.panel(0), rows, scores_.panel_stride(), work_.length,
+                                 inverse_sum_.data());
+    for (int64_t j = 0; j < work_.length; j += kPanel) weigh(rows, j, scores_.panel(j / kPanel));
+  }
+
   const Work& work_;
   int64_t width_;  ///< d, rounded up to whole blocks
   std::vector<float> keys_, values_;
   std::vector<uint32_t> key_pairs_, value_pairs_;  ///< in bfloat16, instead
   Tile query_, scores_, answer_;
   std::vector<float> inverse_sum_;
+  std::vector<float> sum_;  ///< [kTile, kBlock], parts of the sums of weights
+  float longest_key_ = 0;   ///< the largest square of a key's length
 };
 
 at::Tensor patch_attention_inference_cpu(const at::Tensor& any_qkv,

@@ -1,6 +1,7 @@
 // The query decoder on the CPU. A thread takes a tile of queries through everything: positions,
 // sums over neighbours, all layers, the head. A tile's intermediates stay in the second-level
-// cache, and a layer's weights are read from the third once a tile.
+// cache, and a layer's weights are read from the third once a tile: with fewer queries a tile the
+// products wait for them.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -15,8 +16,9 @@
 namespace lte::ops {
 namespace {
 
-constexpr int64_t kTile = 96;     ///< queries of a tile; a multiple of the kernels' rows
-constexpr int64_t kSubtile = 16;  ///< queries whose activations of γ, 128 KiB, exist at once
+constexpr int64_t kTile = 192;       ///< most queries of a tile; a multiple of the kernels' rows
+constexpr int64_t kRowsAtOnce = 12;  ///< of the kernels' products
+constexpr int64_t kSubtile = 16;     ///< queries whose activations of γ, 128 KiB, exist at once
 constexpr int64_t kPair = 2 * kBlock;
 
 /// What all tiles read.
@@ -55,7 +57,7 @@ class TileDecoder {
         rounded_(work.net.gamma_output.in_bf16()
                      ? static_cast<size_t>(kSubtile * work.net.gamma_output.input_pairs() * pairs_)
                      : 0),
-        pair_position_(static_cast<size_t>(pairs_ * kBlock)) {}
+        pair_position_(static_cast<size_t>(kProjectedBlocks * pairs_ * kBlock)) {}
 
   /// Queries [first, first + rows), at most kTile.
   void run(int64_t first, int64_t rows) {
@@ -150,7 +152,7 @@ class TileDecoder {
   std::vector<float> geometry_;       ///< [F, pairs] of one query
   std::vector<float> activation_;     ///< [kSubtile, H, pairs]
   std::vector<uint32_t> rounded_;     ///< [kSubtile, ⌈H / 2⌉, pairs], in bfloat16 instead
-  std::vector<float> pair_position_;  ///< [pairs, kBlock]
+  std::vector<float> pair_position_;  ///< [kProjectedBlocks, pairs, kBlock]
 };
 
 at::Tensor decode(const DecoderInputs& in, const DecoderWeights& weights, float* sums) {
@@ -165,11 +167,13 @@ at::Tensor decode(const DecoderInputs& in, const DecoderWeights& weights, float*
                   in.near.index.const_data_ptr<int64_t>(),
                   sums,
                   out.data_ptr<float>()};
-  at::parallel_for(0, (Q + kTile - 1) / kTile, 1, [&](int64_t begin, int64_t end) {
+  // Few queries make smaller tiles, so that all threads have some.
+  const int64_t share = (Q + at::get_num_threads() - 1) / at::get_num_threads();
+  const int64_t tile = std::min(kTile, (share + kRowsAtOnce - 1) / kRowsAtOnce * kRowsAtOnce);
+  const int64_t tiles = tile > 0 ? (Q + tile - 1) / tile : 0;
+  at::parallel_for(0, tiles, 1, [&](int64_t begin, int64_t end) {
     TileDecoder decoder(work);
-    for (int64_t t = begin; t < end; ++t) {
-      decoder.run(t * kTile, std::min(kTile, Q - t * kTile));
-    }
+    for (int64_t t = begin; t < end; ++t) decoder.run(t * tile, std::min(tile, Q - t * tile));
   });
   return out;
 }

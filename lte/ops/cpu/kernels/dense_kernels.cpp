@@ -38,44 +38,70 @@ void accumulate(const float* x, int64_t count, float* out) {
       [&](int64_t i) { out[i] += x[i]; });
 }
 
+/// Some columns of a row, a multiple of kBlock, that lie one after the other.
+struct Run {
+  int64_t offset, first, count;  ///< where they lie, and which columns they are
+};
+
+/// Calls use(run) for the panels of a row of `columns`, whole blocks.
+template <typename Use>
+inline void over_panels(int64_t columns, int64_t panel_stride, const Use& use) {
+  for (int64_t c = 0; c < columns; c += kPanel) {
+    use(Run{c / kPanel * panel_stride, c, columns - c < kPanel ? columns - c : kPanel});
+  }
+}
+
+/// Σ of value(i) over the vectors that begin at [from, to), in two chains.
+template <typename Value>
+inline Float sum_vectors(int64_t from, int64_t to, const Value& value) {
+  Float even{}, odd{};
+  int64_t i = from;
+#pragma GCC unroll 4
+  for (; i + 2 * kLanes<float> <= to; i += 2 * kLanes<float>) {
+    even += value(i);
+    odd += value(i + kLanes<float>);
+  }
+  if (i < to) even += value(i);
+  return even + odd;
+}
+
 void layer_norm(const float* x, int64_t rows, int64_t panel_stride, int64_t channels,
                 const float* gain, const float* bias, float* out) {
-  const int64_t blocks = (channels + kBlock - 1) / kBlock;
-  constexpr int64_t kBlocks = kPanel / kBlock;
+  const int64_t columns = (channels + kBlock - 1) / kBlock * kBlock,
+                whole = channels / kBlock * kBlock;
   // Columns past the last channel hold zeros; they must not count in the variance.
   float counted[kBlock];
-  for (int64_t i = 0; i < kBlock; ++i) {
-    counted[i] = (blocks - 1) * kBlock + i < channels ? 1.0f : 0.0f;
-  }
+  for (int64_t i = 0; i < kBlock; ++i) counted[i] = whole + i < channels ? 1.0f : 0.0f;
   const float inverse = 1.0f / static_cast<float>(channels);
   for (int64_t r = 0; r < rows; ++r) {
-    const auto at = [&](int64_t b) {
-      return b / kBlocks * panel_stride + r * kPanel + b % kBlocks * kBlock;
-    };
-    Float sum[kVectors] = {};
-    for (int64_t b = 0; b < blocks; ++b) {
-      for (int v = 0; v < kVectors; ++v) sum[v] += load(x + at(b) + v * kLanes<float>);
-    }
-    float total = 0;
-    for (int v = 0; v < kVectors; ++v) total += horizontal_sum(sum[v]);
-    const Float mean = splat(total * inverse);
-    Float square[kVectors] = {};
-    for (int64_t b = 0; b < blocks; ++b) {
-      for (int v = 0; v < kVectors; ++v) {
-        Float d = load(x + at(b) + v * kLanes<float>) - mean;
-        if (b == blocks - 1) d *= load(counted + v * kLanes<float>);
-        square[v] += d * d;
+    const float* row = x + r * kPanel;
+    Float sum{};
+    over_panels(columns, panel_stride, [&](const Run& run) {
+      sum += sum_vectors(0, run.count, [&](int64_t i) { return load(row + run.offset + i); });
+    });
+    const Float mean = splat(horizontal_sum(sum) * inverse);
+    Float squares{};
+    over_panels(columns, panel_stride, [&](const Run& run) {
+      const auto square = [&](int64_t i) {
+        const Float d = load(row + run.offset + i) - mean;
+        return d * d;
+      };
+      const int64_t full = run.first + run.count > whole ? run.count - kBlock : run.count;
+      squares += sum_vectors(0, full, square);
+      squares += sum_vectors(full, run.count,
+                             [&](int64_t i) { return square(i) * load(counted + (i - full)); });
+    });
+    const float variance = horizontal_sum(squares) * inverse;
+    const Float scale = splat(1.0f / __builtin_sqrtf(variance + kNormEpsilon));
+    over_panels(columns, panel_stride, [&](const Run& run) {
+      const float* from = row + run.offset;
+      float* to = out + r * kPanel + run.offset;
+#pragma GCC unroll 4
+      for (int64_t i = 0; i < run.count; i += kLanes<float>) {
+        const int64_t c = run.first + i;
+        store(to + i, (load(from + i) - mean) * (scale * load(gain + c)) + load(bias + c));
       }
-    }
-    total = 0;
-    for (int v = 0; v < kVectors; ++v) total += horizontal_sum(square[v]);
-    const Float scale = splat(1.0f / __builtin_sqrtf(total * inverse + kNormEpsilon));
-    for (int64_t b = 0; b < blocks; ++b) {
-      for (int v = 0; v < kVectors; ++v) {
-        const int64_t c = b * kBlock + v * kLanes<float>, i = at(b) + v * kLanes<float>;
-        store(out + i, (load(x + i) - mean) * scale * load(gain + c) + load(bias + c));
-      }
-    }
+    });
   }
 }
 
@@ -97,14 +123,15 @@ void exponentiate(float* x, int64_t rows, int64_t panel_stride, int64_t count, f
     for (int lane = 0; lane < kLanes<float>; ++lane) {
       largest = most[lane] > largest ? most[lane] : largest;
     }
-    const Float base = splat(largest);
+    const Float base = splat(largest), least = splat(-120.0f);
     Float sum{};
     float rest = 0;
     for (int64_t c = 0; c < count; c += kPanel) {
       float* p = row + c / kPanel * panel_stride;
       int64_t i = 0;
       for (; i < end_of(c); i += kLanes<float>) {
-        const Float value = exponential(load(p + i) - base);
+        const Float exponent = load(p + i) - base;
+        const Float power = power_of_two(exponent), value = exponent > least ? power : Float{};
         store(p + i, value);
         if (i + kLanes<float> <= end_of(c)) {
           sum += value;
@@ -114,6 +141,42 @@ void exponentiate(float* x, int64_t rows, int64_t panel_stride, int64_t count, f
       }
     }
     inverse_sum[r] = 1.0f / (horizontal_sum(sum) + rest);
+  }
+}
+
+float largest_square(const float* x, int64_t rows, int64_t stride, int64_t columns) {
+  float largest = 0, finite = 0;
+  for (int64_t r = 0; r < rows; ++r) {
+    const float* row = x + r * stride;
+    const int64_t whole = columns / kLanes<float> * kLanes<float>;
+    float square = horizontal_sum(
+        sum_vectors(0, whole, [&](int64_t i) { return load(row + i) * load(row + i); }));
+    for (int64_t i = whole; i < columns; ++i) square += row[i] * row[i];
+    largest = square > largest ? square : largest;
+    finite += square * 0;
+  }
+  return largest + finite;
+}
+
+void raise(float* x, int64_t rows, int64_t count, float* sum) {
+  for (int64_t r = 0; r < rows; ++r) {
+    float* row = x + r * kPanel;
+    Float total = load(sum + r * kBlock);
+    int64_t i = 0;
+#pragma GCC unroll 4
+    for (; i + kLanes<float> <= count; i += kLanes<float>) {
+      const Float value = power_of_two(load(row + i));
+      store(row + i, value);
+      total += value;
+    }
+    if (i < count) {
+      float value[kLanes<float>] = {};
+      for (int64_t lane = 0; i + lane < count; ++lane) {
+        value[lane] = row[i + lane] = power_of_two(splat(row[i + lane]))[0];
+      }
+      total += load(value);
+    }
+    store(sum + r * kBlock, total);
   }
 }
 
@@ -200,6 +263,8 @@ const DenseKernels kDenseKernels{multiply_blocks<SingleProduct>,
                                  accumulate,
                                  layer_norm,
                                  exponentiate,
+                                 largest_square,
+                                 raise,
                                  attend,
                                  hidden_positions,
                                  ridges,

@@ -73,15 +73,19 @@ struct Positions {
   int64_t row_stride, block_stride;
 };
 
-/// Positions that exist for one query and block at a time: P = bias + Σ_h hidden[h] weight[b][h].
-/// In bfloat16 `Hidden` are pairs, and `inputs` counts those.
+/// Blocks of positions that exist at once, at most.
+inline constexpr int64_t kProjectedBlocks = 2;
+
+/// Positions that exist for one query and a block or two at a time:
+/// P = bias + Σ_h hidden[h] weight[b][h]. In bfloat16 `Hidden` are pairs, and `inputs` counts
+/// those.
 template <typename Hidden, typename T>
 struct ProjectedPositions {
   const Hidden* hidden;  ///< [inputs, rows] of each query; rows: K rounded up to whole blocks
   int64_t inputs;
   const Hidden* weight;  ///< [blocks, inputs, kBlock]
   const T* bias;         ///< [blocks, kBlock]
-  T* position;           ///< room for [rows, kBlock]
+  T* position;           ///< room for [kProjectedBlocks, rows, kBlock]
 };
 
 /// What the gradient by one latent's row of the table is made of.
@@ -173,10 +177,15 @@ struct DenseKernels {
   /// gain and bias too.
   void (*layer_norm)(const float* x, int64_t rows, int64_t panel_stride, int64_t channels,
                      const float* gain, const float* bias, float* out);
-  /// x = exp(x − the row's largest) over the first `count` columns of each row; inverse_sum[r]: one
+  /// x = 2^(x − the row's largest) over the first `count` columns of each row; inverse_sum[r]: one
   /// over the sum of row r.
   void (*exponentiate)(float* x, int64_t rows, int64_t panel_stride, int64_t count,
                        float* inverse_sum);
+  /// The largest Σ x² of a row; not a number if any row is not finite.
+  float (*largest_square)(const float* x, int64_t rows, int64_t stride, int64_t columns);
+  /// x = 2^x over the first `count` columns of a panel, |x| <= 120; what row r adds up to is added
+  /// to the kBlock numbers from sum + r * kBlock, whose sum it is.
+  void (*raise)(float* x, int64_t rows, int64_t count, float* sum);
   void (*attend)(AttendArguments arguments);
   /// GELU of a layer F -> H, transposed: geometry [F, pairs] -> out [H, pairs]; weight [H, F + 1],
   /// the bias last; `pairs` a multiple of kBlock.

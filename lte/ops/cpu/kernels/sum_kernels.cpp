@@ -111,11 +111,12 @@ void table_gradient(LatentGradient<T> latent, T* out) {
   }
 }
 
-/// ROWS positions of one block from the transposed activations [H, stride].
-template <typename T, int ROWS>
+/// ROWS positions of BLOCKS blocks from the transposed activations [H, stride]. Blocks of weights
+/// are H * kBlock apart, those of positions `out_stride`.
+template <typename T, int ROWS, int BLOCKS>
 void project_rows(const T* hidden, int64_t stride, int64_t H, const T* weight, const T* bias,
-                  T* out) {
-  constexpr int kVectors = kBlock / kLanes<T>;
+                  T* out, int64_t out_stride) {
+  constexpr int kOfBlock = kBlock / kLanes<T>, kVectors = BLOCKS * kOfBlock;
   Vector<T> sum[ROWS][kVectors];
 #pragma GCC unroll 16
   for (int r = 0; r < ROWS; ++r) {
@@ -125,7 +126,9 @@ void project_rows(const T* hidden, int64_t stride, int64_t H, const T* weight, c
   for (int64_t h = 0; h < H; ++h) {
     Vector<T> w[kVectors];
 #pragma GCC unroll 8
-    for (int v = 0; v < kVectors; ++v) w[v] = load(weight + h * kBlock + v * kLanes<T>);
+    for (int v = 0; v < kVectors; ++v) {
+      w[v] = load(weight + v / kOfBlock * H * kBlock + h * kBlock + v % kOfBlock * kLanes<T>);
+    }
 #pragma GCC unroll 16
     for (int r = 0; r < ROWS; ++r) {
       const Vector<T> x = splat(hidden[h * stride + r]);
@@ -136,27 +139,42 @@ void project_rows(const T* hidden, int64_t stride, int64_t H, const T* weight, c
 #pragma GCC unroll 16
   for (int r = 0; r < ROWS; ++r) {
 #pragma GCC unroll 8
-    for (int v = 0; v < kVectors; ++v) store(out + r * kBlock + v * kLanes<T>, sum[r][v]);
+    for (int v = 0; v < kVectors; ++v) {
+      store(out + v / kOfBlock * out_stride + r * kBlock + v % kOfBlock * kLanes<T>, sum[r][v]);
+    }
+  }
+}
+
+/// projected_sums() of blocks [b, b + BLOCKS).
+template <typename T, int ROWS, int BLOCKS>
+void project_and_sum(const NeighbourTable<T>& near, const ProjectedPositions<T, T>& p, int64_t b,
+                     T* out) {
+  const int64_t run = near.layers * kPair, stride = near.blocks * run;
+  const int64_t rows = (near.K + kBlock - 1) / kBlock * kBlock;
+  for (int64_t q = 0; q < near.queries; ++q) {
+    for (int64_t r = 0; r < rows; r += ROWS) {
+      project_rows<T, ROWS, BLOCKS>(p.hidden + q * p.inputs * rows + r, rows, p.inputs,
+                                    p.weight + b * p.inputs * kBlock, p.bias + b * kBlock,
+                                    p.position + r * kBlock, rows * kBlock);
+    }
+    for (int64_t i = 0; i < BLOCKS; ++i) {
+      sum_query(near.table + (b + i) * run, stride, near.layers, near.index + q * near.K, near.K,
+                p.position + i * rows * kBlock, kBlock, out + q * stride + (b + i) * run);
+    }
   }
 }
 
 template <typename T>
 void projected_sums(NeighbourTable<T> near, ProjectedPositions<T, T> p, T* out) {
   constexpr int kVectors = kBlock / kLanes<T>;
-  constexpr int kRows = kVectors == 1 ? 16 : kVectors == 2 ? 4 : 2;
-  const int64_t run = near.layers * kPair, stride = near.blocks * run;
-  const int64_t rows = (near.K + kBlock - 1) / kBlock * kBlock;
-  for (int64_t b = 0; b < near.blocks; ++b) {
-    for (int64_t q = 0; q < near.queries; ++q) {
-      for (int64_t r = 0; r < rows; r += kRows) {
-        project_rows<T, kRows>(p.hidden + q * p.inputs * rows + r, rows, p.inputs,
-                               p.weight + b * p.inputs * kBlock, p.bias + b * kBlock,
-                               p.position + r * kBlock);
-      }
-      sum_query(near.table + b * run, stride, near.layers, near.index + q * near.K, near.K,
-                p.position, kBlock, out + q * stride + b * run);
-    }
+  // Where a block is one vector, two share each hidden activation that is read.
+  constexpr int kBlocks = kVectors == 1 ? kProjectedBlocks : 1;
+  constexpr int kRows = kVectors == 1 ? 8 : kVectors == 2 ? 4 : 2;
+  int64_t b = 0;
+  for (; b + kBlocks <= near.blocks; b += kBlocks) {
+    project_and_sum<T, kRows, kBlocks>(near, p, b, out);
   }
+  for (; b < near.blocks; ++b) project_and_sum<T, kRows, 1>(near, p, b, out);
 }
 
 }  // namespace

@@ -9,10 +9,19 @@
 
 namespace lte::ops::LTE_ISA {
 
+/// By halves: lane by lane each addition would wait for the one before.
 static inline float horizontal_sum(const Vector<float>& v) {
-  float sum = 0;
-  for (int lane = 0; lane < kLanes<float>; ++lane) sum += v[lane];
-  return sum;
+  typedef float Quarter __attribute__((vector_size(16)));
+  Quarter part[kVectorBytes / 16];
+  __builtin_memcpy(part, &v, sizeof part);
+#if defined(__AVX512F__)
+  part[0] += part[2];
+  part[1] += part[3];
+#endif
+#if defined(__AVX2__)
+  part[0] += part[1];
+#endif
+  return (part[0][0] + part[0][2]) + (part[0][1] + part[0][3]);
 }
 
 /// 2^n times a polynomial of the rest, to 2 units in the last place; for x <= 0, and 0 below -87.
@@ -33,6 +42,23 @@ static inline Vector<float> exponential(const Vector<float>& x) {
   bits += shift << 23;
   __builtin_memcpy(&p, &bits, sizeof p);
   return x > splat(-87.0f) ? p : Vector<float>{};
+}
+
+/// 2^x to 3 · 10^-7 of it; |x| <= 120.
+static inline Vector<float> power_of_two(const Vector<float>& x) {
+  const Vector<float> magic = splat(12582912.0f);  // as above
+  const Vector<float> whole = x + magic, f = x - (whole - magic);
+  Vector<float> p = f * splat(1.33908634e-3f) + splat(9.67603192e-3f);
+  p = p * f + splat(5.55035711e-2f);
+  p = p * f + splat(2.40221075e-1f);
+  p = p * f + splat(6.93147188e-1f);
+  p = p * f + splat(1.0f);
+  Vector<uint32_t> bits, shift;
+  __builtin_memcpy(&bits, &p, sizeof bits);
+  __builtin_memcpy(&shift, &whole, sizeof shift);
+  bits += shift << 23;
+  __builtin_memcpy(&p, &bits, sizeof p);
+  return p;
 }
 
 /// log(1 + exp(x)) to 10^-6 of the result, where that is at least 10^-30; what is not a number
