@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "lte/base/parallel.h"
@@ -18,11 +19,17 @@ constexpr float kSameNormal = 0.97f;   ///< cosine, 14°
 constexpr float kColorStep = 0.15f;    ///< of the root of albedo, about that of display values
 constexpr float kEmissionStep = 0.1f;  ///< relative
 constexpr float kMetalStep = 0.1f;
+// Points in a pixel from which on a stratified four of them are traced first.
+constexpr int kLeastProbed = 8;
 // What may share an answer.
 constexpr float kSharedNormal = 0.9f;  ///< cosine, 26°
 
 constexpr std::pair<int, int> kAround[] = {{-1, -1}, {0, -1}, {1, -1}, {-1, 0},
                                            {1, 0},   {-1, 1}, {0, 1},  {1, 1}};
+
+/// Those of them that come later, row by row.
+constexpr std::array<std::pair<int, int>, 4> kAfter = {{{1, 0}, {-1, 1}, {0, 1}, {1, 1}}};
+constexpr int64_t kRows = 8;  // that a thread takes at a time
 
 /// Whether both points lie in the planes of each other, within `tolerance` metres.
 bool same_plane(const Vec3& a, const Vec3& normal_a, const Vec3& b, const Vec3& normal_b,
@@ -33,6 +40,7 @@ bool same_plane(const Vec3& a, const Vec3& normal_a, const Vec3& b, const Vec3& 
 }
 
 bool colors_differ(const Rgb& a, const Rgb& b) {
+  if (a == b) return false;
   for (int c = 0; c < 3; ++c) {
     if (std::abs(std::sqrt(a[c]) - std::sqrt(b[c])) > kColorStep) return true;
   }
@@ -40,23 +48,24 @@ bool colors_differ(const Rgb& a, const Rgb& b) {
 }
 
 bool emissions_differ(const Rgb& a, const Rgb& b) {
+  if (a == b) return false;
   for (int c = 0; c < 3; ++c) {
     if (std::abs(a[c] - b[c]) > kEmissionStep * std::max(a[c], b[c])) return true;
   }
   return false;
 }
 
-bool pixels_differ(const EdgeView& view, size_t a, size_t b) {
-  const GBuffer& hits = view.hits;
-  if (hits.mask[a] != hits.mask[b] || hits.instance[a] != hits.instance[b]) return true;
-  if (!hits.mask[a]) return false;
-  if (dot(hits.normal[a], hits.normal[b]) < kSameNormal) return true;
-  const float tolerance = std::min(hits.depth[a], hits.depth[b]) * view.pixel_size;
-  if (!same_plane(hits.position[a], hits.normal[a], hits.position[b], hits.normal[b], tolerance))
+/// Whether two hits, each by its place in a buffer, see something else.
+bool hits_differ(const GBuffer& of_a, size_t a, const GBuffer& of_b, size_t b, float pixel_size) {
+  if (of_a.mask[a] != of_b.mask[b] || of_a.instance[a] != of_b.instance[b]) return true;
+  if (!of_a.mask[a]) return false;
+  if (dot(of_a.normal[a], of_b.normal[b]) < kSameNormal) return true;
+  const float tolerance = std::min(of_a.depth[a], of_b.depth[b]) * pixel_size;
+  if (!same_plane(of_a.position[a], of_a.normal[a], of_b.position[b], of_b.normal[b], tolerance))
     return true;
-  if (colors_differ(hits.albedo[a], hits.albedo[b])) return true;
-  if (emissions_differ(hits.emission[a], hits.emission[b])) return true;
-  return !hits.metallic.empty() && std::abs(hits.metallic[a] - hits.metallic[b]) > kMetalStep;
+  if (colors_differ(of_a.albedo[a], of_b.albedo[b])) return true;
+  if (emissions_differ(of_a.emission[a], of_b.emission[b])) return true;
+  return !of_a.metallic.empty() && std::abs(of_a.metallic[a] - of_b.metallic[b]) > kMetalStep;
 }
 
 /// Point `i` of `count` in the unit square: Hammersley's set, turned by two numbers.
@@ -70,6 +79,91 @@ Vec2 stratified_point(int i, int count, float turn_x, float turn_y) {
   const float x = (static_cast<float>(i) + 0.5f) / static_cast<float>(count) + turn_x;
   const float y = reversed + turn_y;
   return {x - std::floor(x), y - std::floor(y)};
+}
+
+/// Four of `count` points, one in each quarter of the pixel's columns and, of 8 or 16, of its rows:
+/// the lowest two bits of a number say in which.
+std::vector<int> stratified_four(int count) {
+  std::vector<int> out;
+  unsigned taken = 0;
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    const int first = quarter * count / 4, end = (quarter + 1) * count / 4;
+    int chosen = first;
+    for (int i = end - 1; i >= first; --i) {
+      if (!(taken >> (i % 4) & 1)) chosen = i;
+    }
+    taken |= 1u << (chosen % 4);
+    out.push_back(chosen);
+  }
+  return out;
+}
+
+/// Traces the points of these numbers, of `count`, in each of `pixels`.
+GBuffer trace_points(const pathtrace::Bvh& bvh, const scene::Camera& camera,
+                     const PictureRows& rows, std::span<const int32_t> pixels,
+                     std::span<const int> numbers, int count) {
+  std::vector<Vec2> points(pixels.size() * numbers.size());
+  parallel_for(static_cast<int64_t>(pixels.size()), 512, [&](int64_t begin, int64_t end) {
+    for (auto entry = static_cast<size_t>(begin); entry < static_cast<size_t>(end); ++entry) {
+      const int x = pixels[entry] % rows.width, y = rows.first + pixels[entry] / rows.width;
+      Rng turn(static_cast<uint64_t>(y), static_cast<uint64_t>(x));
+      const float turn_x = turn.uniform(), turn_y = turn.uniform();
+      for (size_t k = 0; k < numbers.size(); ++k) {
+        const Vec2 within = stratified_point(numbers[k], count, turn_x, turn_y);
+        points[entry * numbers.size() + k] = {static_cast<float>(x) + within.x,
+                                              static_cast<float>(y) + within.y};
+      }
+    }
+  });
+  return pathtrace::trace_image_points(bvh, camera, rows.width, rows.height, points);
+}
+
+/// Numbers of the `pixels` in which a probe sees something else than the centre.
+std::vector<size_t> entries_with_edges(const EdgeView& view, std::span<const int32_t> pixels,
+                                       const GBuffer& probes, size_t per_pixel) {
+  std::vector<uint8_t> differs(pixels.size());
+  parallel_for(static_cast<int64_t>(pixels.size()), 512, [&](int64_t begin, int64_t end) {
+    for (auto entry = static_cast<size_t>(begin); entry < static_cast<size_t>(end); ++entry) {
+      const size_t centre = view.first + static_cast<size_t>(pixels[entry]);
+      for (size_t k = entry * per_pixel; k < (entry + 1) * per_pixel && !differs[entry]; ++k)
+        differs[entry] = hits_differ(view.hits, centre, probes, k, view.pixel_size) ? 1 : 0;
+    }
+  });
+  std::vector<size_t> out;
+  for (size_t entry = 0; entry < pixels.size(); ++entry) {
+    if (differs[entry]) out.push_back(entry);
+  }
+  return out;
+}
+
+/// The hits `a` of the pixels `kept`, so many a pixel, each followed by those of `b` of its own.
+GBuffer joined(const GBuffer& a, size_t of_a, std::span<const size_t> kept, const GBuffer& b,
+               size_t of_b) {
+  GBuffer out;
+  out.width = static_cast<int>(kept.size() * (of_a + of_b));
+  out.height = 1;
+  const auto join = [&](auto GBuffer::*field) {
+    if ((a.*field).empty()) return;
+    (out.*field).resize(static_cast<size_t>(out.width));
+    parallel_for(static_cast<int64_t>(kept.size()), 4096, [&](int64_t begin, int64_t end) {
+      for (int64_t entry = begin; entry < end; ++entry) {
+        const auto count_a = static_cast<int64_t>(of_a), count_b = static_cast<int64_t>(of_b);
+        const auto from = static_cast<int64_t>(kept[static_cast<size_t>(entry)]) * count_a;
+        const auto to = (out.*field).begin() + entry * (count_a + count_b);
+        std::copy_n((a.*field).begin() + from, count_a, to);
+        std::copy_n((b.*field).begin() + entry * count_b, count_b, to + count_a);
+      }
+    });
+  };
+  join(&GBuffer::position);
+  join(&GBuffer::normal);
+  join(&GBuffer::albedo);
+  join(&GBuffer::emission);
+  join(&GBuffer::depth);
+  join(&GBuffer::mask);
+  join(&GBuffer::instance);
+  join(&GBuffer::metallic);
+  return out;
 }
 
 /// Finds the queries that answer the sub-hits of edge pixels.
@@ -127,11 +221,11 @@ class SourceFinder {
 
   template <typename Use>
   void each_pixel_around(size_t entry, const Use& use) const {
-    const int pixel = sub_.pixel[entry], width = view_.hits.width;
+    const int pixel = sub_.pixel[entry], width = view_.width();
     const int x = pixel % width, y = pixel / width;
     use(static_cast<size_t>(pixel));
     for (const auto& [dx, dy] : kAround) {
-      if (x + dx < 0 || x + dx >= width || y + dy < 0 || y + dy >= view_.hits.height) continue;
+      if (x + dx < 0 || x + dx >= width || y + dy < 0 || y + dy >= view_.height()) continue;
       use(static_cast<size_t>((y + dy) * width + x + dx));
     }
   }
@@ -178,47 +272,65 @@ class SourceFinder {
 }  // namespace
 
 std::vector<int32_t> find_edges(const EdgeView& view) {
-  const int width = view.hits.width, height = view.hits.height;
-  const auto count = static_cast<size_t>(width) * static_cast<size_t>(height);
-  std::vector<uint8_t> is_edge(count);
-  parallel_for(height, 8, [&](int64_t begin, int64_t end) {
-    for (int64_t y = begin; y < end; ++y) {
-      for (int64_t x = 0; x < width; ++x) {
-        const auto i = static_cast<size_t>(y * width + x);
-        for (const auto& [dx, dy] : kAround) {
-          if (x + dx < 0 || x + dx >= width || y + dy < 0 || y + dy >= height) continue;
-          if (!pixels_differ(view, i, static_cast<size_t>((y + dy) * width + x + dx))) continue;
-          is_edge[i] = 1;
-          break;
+  const int width = view.width(), height = view.height();
+  const auto inside = [&](int x, int y) { return x >= 0 && x < width && y < height; };
+  const auto at = [&](int x, int y) {
+    return static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
+  };
+  // A bit for each neighbour of kAfter that differs: each pair is looked at once.
+  std::vector<uint8_t> differs(at(0, height));
+  parallel_for(height, kRows, [&](int64_t begin, int64_t end) {
+    for (auto y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+      for (int x = 0; x < width; ++x) {
+        const size_t i = view.first + at(x, y);
+        unsigned bits = 0;
+        for (size_t k = 0; k < kAfter.size(); ++k) {
+          const auto& [dx, dy] = kAfter[k];
+          if (inside(x + dx, y + dy) &&
+              hits_differ(view.hits, i, view.hits, view.first + at(x + dx, y + dy),
+                          view.pixel_size))
+            bits |= 1u << k;
         }
+        differs[at(x, y)] = static_cast<uint8_t>(bits);
       }
     }
   });
   std::vector<int32_t> out;
-  for (size_t i = 0; i < count; ++i) {
-    if (is_edge[i]) out.push_back(static_cast<int32_t>(i));
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      bool edge = differs[at(x, y)] != 0;
+      for (size_t k = 0; k < kAfter.size() && !edge; ++k) {
+        const auto& [dx, dy] = kAfter[k];
+        if (y - dy >= 0 && inside(x - dx, y - dy)) edge = differs[at(x - dx, y - dy)] >> k & 1;
+      }
+      if (edge) out.push_back(static_cast<int32_t>(at(x, y)));
+    }
   }
   return out;
 }
 
-SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera,
-                       const PictureRows& rows, std::vector<int32_t> pixels, int per_pixel) {
+SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera, const EdgeView& view,
+                       std::vector<int32_t> pixels, int per_pixel) {
   SubHits out;
-  out.pixel = std::move(pixels);
   out.per_pixel = per_pixel;
-  std::vector<Vec2> points;
-  points.reserve(out.pixel.size() * static_cast<size_t>(per_pixel));
-  for (const int32_t pixel : out.pixel) {
-    const int x = pixel % rows.width, y = rows.first + pixel / rows.width;
-    Rng turn(static_cast<uint64_t>(y), static_cast<uint64_t>(x));
-    const float turn_x = turn.uniform(), turn_y = turn.uniform();
-    for (int i = 0; i < per_pixel; ++i) {
-      const Vec2 within = stratified_point(i, per_pixel, turn_x, turn_y);
-      points.push_back({static_cast<float>(x) + within.x, static_cast<float>(y) + within.y});
-    }
+  std::vector<int> first(static_cast<size_t>(per_pixel)), others;
+  std::iota(first.begin(), first.end(), 0);
+  if (per_pixel >= kLeastProbed) {
+    others = std::exchange(first, stratified_four(per_pixel));
+    for (const int probe : first) std::erase(others, probe);
   }
-  out.hits = pathtrace::trace_image_points(bvh, camera, rows.width, rows.height, points);
-  out.source.assign(points.size(), scene::kNone);
+  out.hits = trace_points(bvh, camera, view.rows, pixels, first, per_pixel);
+  out.pixel = std::move(pixels);
+  if (!others.empty()) {
+    const std::vector<size_t> kept = entries_with_edges(view, out.pixel, out.hits, first.size());
+    std::vector<int32_t> kept_pixels;
+    for (const size_t entry : kept) kept_pixels.push_back(out.pixel[entry]);
+    out.pixel = std::move(kept_pixels);
+    out.hits =
+        joined(out.hits, first.size(), kept,
+               trace_points(bvh, camera, view.rows, out.pixel, others, per_pixel), others.size());
+  }
+  out.source.assign(out.hits.mask.size(), scene::kNone);
   return out;
 }
 

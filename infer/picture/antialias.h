@@ -3,10 +3,12 @@
 //
 // A pixel lies at an edge where a neighbour sees something else: background, another instance,
 // another plane, normal, color, emission or share of metal. There N image points are traced, a
-// stratified set that is turned by a hash of the pixel. Each takes the irradiance of the nearest
-// query that stands on its plane and under its normal: its own pixel's, or one of the eight around
-// it. Where none does, it becomes a query itself, which later points of this and of the
-// neighbouring pixels that found none share in turn.
+// stratified set that is turned by a hash of the pixel; of 8 or more first a stratified four, and
+// the others where one of these sees something else than the centre. Else the centre stays: the
+// edge lies in the neighbour. Each point takes the irradiance of the nearest query that stands on
+// its plane and under its normal: its own pixel's, or one of the eight around it. Where none does,
+// it becomes a query itself, which later points of this and of the neighbouring pixels that found
+// none share in turn.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +25,16 @@ struct QuerySet {
   std::vector<Rgb> albedo;
 
   int64_t size() const { return static_cast<int64_t>(position.size()); }
+  void resize(size_t count) {
+    position.resize(count);
+    normal.resize(count);
+    albedo.resize(count);
+  }
+  void put(size_t query, const pathtrace::GBuffer& hits, size_t index) {
+    position[query] = hits.position[index];
+    normal[query] = hits.normal[index];
+    albedo[query] = hits.albedo[index];
+  }
   void add(const pathtrace::GBuffer& hits, size_t index) {
     position.push_back(hits.position[index]);
     normal.push_back(hits.normal[index]);
@@ -36,30 +48,35 @@ struct PictureRows {
   int first = 0, last = 0;    ///< rows
 };
 
-/// What anti-aliasing looks at.
+/// What anti-aliasing looks at. Pixels are numbered from the first of `rows` on.
 struct EdgeView {
-  const pathtrace::GBuffer& hits;  ///< of `rows`
+  const pathtrace::GBuffer& hits;  ///< of `rows`, at least
   PictureRows rows;
   float pixel_size = 0;  ///< edge of what a pixel covers at depth 1, in metres
+  size_t first = 0;      ///< of hits: the first pixel of `rows`
+
+  int width() const { return rows.width; }
+  int height() const { return rows.last - rows.first; }
 };
 
-/// The pixels of `view.hits` that lie at an edge, in order.
+/// The pixels of `view` that lie at an edge, in order.
 std::vector<int32_t> find_edges(const EdgeView& view);
 
 /// Hits inside edge pixels.
 struct SubHits {
-  std::vector<int32_t> pixel;  ///< index into the rows' hits
+  std::vector<int32_t> pixel;  ///< of the rows, in order
   int per_pixel = 0;
   pathtrace::GBuffer hits;      ///< [pixels * per_pixel], in one row
   std::vector<int32_t> source;  ///< the query that answers, kNone where nothing is reflected
 };
 
-/// Traces `per_pixel` points in each of `pixels`.
-SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera,
-                       const PictureRows& rows, std::vector<int32_t> pixels, int per_pixel);
+/// Traces `per_pixel` points in each of `pixels` that more than one surface shows in. Of fewer than
+/// 8 points all are traced in every pixel.
+SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera, const EdgeView& view,
+                       std::vector<int32_t> pixels, int per_pixel);
 
 /// Finds the source of every sub-hit, and appends to `queries` those that no query answers.
-/// @param query_of_pixel  of each pixel of `view.hits`, kNone if it asks nothing
+/// @param query_of_pixel  of each pixel of `view`, kNone if it asks nothing
 void assign_sources(const EdgeView& view, std::span<const int32_t> query_of_pixel,
                     QuerySet* queries, SubHits* sub);
 
