@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "lte/base/parallel.h"
@@ -19,8 +18,6 @@ constexpr float kSameNormal = 0.97f;   ///< cosine, 14°
 constexpr float kColorStep = 0.15f;    ///< of the root of albedo, about that of display values
 constexpr float kEmissionStep = 0.1f;  ///< relative
 constexpr float kMetalStep = 0.1f;
-// Points in a pixel from which on a stratified four of them are traced first.
-constexpr int kLeastProbed = 8;
 // What may share an answer.
 constexpr float kSharedNormal = 0.9f;  ///< cosine, 26°
 
@@ -79,91 +76,6 @@ Vec2 stratified_point(int i, int count, float turn_x, float turn_y) {
   const float x = (static_cast<float>(i) + 0.5f) / static_cast<float>(count) + turn_x;
   const float y = reversed + turn_y;
   return {x - std::floor(x), y - std::floor(y)};
-}
-
-/// Four of `count` points, one in each quarter of the pixel's columns and, of 8 or 16, of its rows:
-/// the lowest two bits of a number say in which.
-std::vector<int> stratified_four(int count) {
-  std::vector<int> out;
-  unsigned taken = 0;
-  for (int quarter = 0; quarter < 4; ++quarter) {
-    const int first = quarter * count / 4, end = (quarter + 1) * count / 4;
-    int chosen = first;
-    for (int i = end - 1; i >= first; --i) {
-      if (!(taken >> (i % 4) & 1)) chosen = i;
-    }
-    taken |= 1u << (chosen % 4);
-    out.push_back(chosen);
-  }
-  return out;
-}
-
-/// Traces the points of these numbers, of `count`, in each of `pixels`.
-GBuffer trace_points(const pathtrace::Bvh& bvh, const scene::Camera& camera,
-                     const PictureRows& rows, std::span<const int32_t> pixels,
-                     std::span<const int> numbers, int count) {
-  std::vector<Vec2> points(pixels.size() * numbers.size());
-  parallel_for(static_cast<int64_t>(pixels.size()), 512, [&](int64_t begin, int64_t end) {
-    for (auto entry = static_cast<size_t>(begin); entry < static_cast<size_t>(end); ++entry) {
-      const int x = pixels[entry] % rows.width, y = rows.first + pixels[entry] / rows.width;
-      Rng turn(static_cast<uint64_t>(y), static_cast<uint64_t>(x));
-      const float turn_x = turn.uniform(), turn_y = turn.uniform();
-      for (size_t k = 0; k < numbers.size(); ++k) {
-        const Vec2 within = stratified_point(numbers[k], count, turn_x, turn_y);
-        points[entry * numbers.size() + k] = {static_cast<float>(x) + within.x,
-                                              static_cast<float>(y) + within.y};
-      }
-    }
-  });
-  return pathtrace::trace_image_points(bvh, camera, rows.width, rows.height, points);
-}
-
-/// Numbers of the `pixels` in which a probe sees something else than the centre.
-std::vector<size_t> entries_with_edges(const EdgeView& view, std::span<const int32_t> pixels,
-                                       const GBuffer& probes, size_t per_pixel) {
-  std::vector<uint8_t> differs(pixels.size());
-  parallel_for(static_cast<int64_t>(pixels.size()), 512, [&](int64_t begin, int64_t end) {
-    for (auto entry = static_cast<size_t>(begin); entry < static_cast<size_t>(end); ++entry) {
-      const size_t centre = view.first + static_cast<size_t>(pixels[entry]);
-      for (size_t k = entry * per_pixel; k < (entry + 1) * per_pixel && !differs[entry]; ++k)
-        differs[entry] = hits_differ(view.hits, centre, probes, k, view.pixel_size) ? 1 : 0;
-    }
-  });
-  std::vector<size_t> out;
-  for (size_t entry = 0; entry < pixels.size(); ++entry) {
-    if (differs[entry]) out.push_back(entry);
-  }
-  return out;
-}
-
-/// The hits `a` of the pixels `kept`, so many a pixel, each followed by those of `b` of its own.
-GBuffer joined(const GBuffer& a, size_t of_a, std::span<const size_t> kept, const GBuffer& b,
-               size_t of_b) {
-  GBuffer out;
-  out.width = static_cast<int>(kept.size() * (of_a + of_b));
-  out.height = 1;
-  const auto join = [&](auto GBuffer::*field) {
-    if ((a.*field).empty()) return;
-    (out.*field).resize(static_cast<size_t>(out.width));
-    parallel_for(static_cast<int64_t>(kept.size()), 4096, [&](int64_t begin, int64_t end) {
-      for (int64_t entry = begin; entry < end; ++entry) {
-        const auto count_a = static_cast<int64_t>(of_a), count_b = static_cast<int64_t>(of_b);
-        const auto from = static_cast<int64_t>(kept[static_cast<size_t>(entry)]) * count_a;
-        const auto to = (out.*field).begin() + entry * (count_a + count_b);
-        std::copy_n((a.*field).begin() + from, count_a, to);
-        std::copy_n((b.*field).begin() + entry * count_b, count_b, to + count_a);
-      }
-    });
-  };
-  join(&GBuffer::position);
-  join(&GBuffer::normal);
-  join(&GBuffer::albedo);
-  join(&GBuffer::emission);
-  join(&GBuffer::depth);
-  join(&GBuffer::mask);
-  join(&GBuffer::instance);
-  join(&GBuffer::metallic);
-  return out;
 }
 
 /// Finds the queries that answer the sub-hits of edge pixels.
@@ -309,28 +221,27 @@ std::vector<int32_t> find_edges(const EdgeView& view) {
   return out;
 }
 
-SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera, const EdgeView& view,
-                       std::vector<int32_t> pixels, int per_pixel) {
+SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera,
+                       const PictureRows& rows, std::vector<int32_t> pixels, int per_pixel) {
   SubHits out;
-  out.per_pixel = per_pixel;
-  std::vector<int> first(static_cast<size_t>(per_pixel)), others;
-  std::iota(first.begin(), first.end(), 0);
-  if (per_pixel >= kLeastProbed) {
-    others = std::exchange(first, stratified_four(per_pixel));
-    for (const int probe : first) std::erase(others, probe);
-  }
-  out.hits = trace_points(bvh, camera, view.rows, pixels, first, per_pixel);
   out.pixel = std::move(pixels);
-  if (!others.empty()) {
-    const std::vector<size_t> kept = entries_with_edges(view, out.pixel, out.hits, first.size());
-    std::vector<int32_t> kept_pixels;
-    for (const size_t entry : kept) kept_pixels.push_back(out.pixel[entry]);
-    out.pixel = std::move(kept_pixels);
-    out.hits =
-        joined(out.hits, first.size(), kept,
-               trace_points(bvh, camera, view.rows, out.pixel, others, per_pixel), others.size());
-  }
-  out.source.assign(out.hits.mask.size(), scene::kNone);
+  out.per_pixel = per_pixel;
+  const auto count = static_cast<size_t>(per_pixel);
+  std::vector<Vec2> points(out.pixel.size() * count);
+  parallel_for(static_cast<int64_t>(out.pixel.size()), 512, [&](int64_t begin, int64_t end) {
+    for (auto entry = static_cast<size_t>(begin); entry < static_cast<size_t>(end); ++entry) {
+      const int x = out.pixel[entry] % rows.width, y = rows.first + out.pixel[entry] / rows.width;
+      Rng turn(static_cast<uint64_t>(y), static_cast<uint64_t>(x));
+      const float turn_x = turn.uniform(), turn_y = turn.uniform();
+      for (int i = 0; i < per_pixel; ++i) {
+        const Vec2 within = stratified_point(i, per_pixel, turn_x, turn_y);
+        points[entry * count + static_cast<size_t>(i)] = {static_cast<float>(x) + within.x,
+                                                          static_cast<float>(y) + within.y};
+      }
+    }
+  });
+  out.hits = pathtrace::trace_image_points(bvh, camera, rows.width, rows.height, points);
+  out.source.assign(points.size(), scene::kNone);
   return out;
 }
 

@@ -3,12 +3,10 @@
 //
 // A pixel lies at an edge where a neighbour sees something else: background, another instance,
 // another plane, normal, color, emission or share of metal. There N image points are traced, a
-// stratified set that is turned by a hash of the pixel; of 8 or more first a stratified four, and
-// the others where one of these sees something else than the centre. Else the centre stays: the
-// edge lies in the neighbour. Each point takes the irradiance of the nearest query that stands on
-// its plane and under its normal: its own pixel's, or one of the eight around it. Where none does,
-// it becomes a query itself, which later points of this and of the neighbouring pixels that found
-// none share in turn.
+// stratified set that is turned by a hash of the pixel. Each takes the irradiance of the nearest
+// query that stands on its plane and under its normal: its own pixel's, or one of the eight around
+// it. Where none does, it becomes a query itself, which later points of this and of the
+// neighbouring pixels that found none share in turn.
 #pragma once
 
 #include <cstdint>
@@ -70,10 +68,9 @@ struct SubHits {
   std::vector<int32_t> source;  ///< the query that answers, kNone where nothing is reflected
 };
 
-/// Traces `per_pixel` points in each of `pixels` that more than one surface shows in. Of fewer than
-/// 8 points all are traced in every pixel.
-SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera, const EdgeView& view,
-                       std::vector<int32_t> pixels, int per_pixel);
+/// Traces `per_pixel` points in each of `pixels`.
+SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera,
+                       const PictureRows& rows, std::vector<int32_t> pixels, int per_pixel);
 
 /// Finds the source of every sub-hit, and appends to `queries` those that no query answers.
 /// @param query_of_pixel  of each pixel of `view`, kNone if it asks nothing

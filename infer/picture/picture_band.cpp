@@ -99,7 +99,7 @@ void PictureBand::take_samples(const pathtrace::Bvh& bvh, const scene::Camera& c
     return pixel < first || pixel >= last ||
            (!is_traced_.empty() && is_traced_[static_cast<size_t>(pixel)]);
   });
-  sub_ = trace_sub_hits(bvh, camera, view, std::move(edges), options_.antialias);
+  sub_ = trace_sub_hits(bvh, camera, view.rows, std::move(edges), options_.antialias);
   darken_metal(&sub_.hits);
   if (is_traced_.empty()) return;
   const auto count = static_cast<size_t>(sub_.per_pixel);
