@@ -24,6 +24,10 @@ constexpr float kSharedNormal = 0.9f;  ///< cosine, 26°
 constexpr std::pair<int, int> kAround[] = {{-1, -1}, {0, -1}, {1, -1}, {-1, 0},
                                            {1, 0},   {-1, 1}, {0, 1},  {1, 1}};
 
+/// Those of them that come later, row by row.
+constexpr std::array<std::pair<int, int>, 4> kAfter = {{{1, 0}, {-1, 1}, {0, 1}, {1, 1}}};
+constexpr int64_t kRows = 8;  // that a thread takes at a time
+
 /// Whether both points lie in the planes of each other, within `tolerance` metres.
 bool same_plane(const Vec3& a, const Vec3& normal_a, const Vec3& b, const Vec3& normal_b,
                 float tolerance) {
@@ -33,6 +37,7 @@ bool same_plane(const Vec3& a, const Vec3& normal_a, const Vec3& b, const Vec3& 
 }
 
 bool colors_differ(const Rgb& a, const Rgb& b) {
+  if (a == b) return false;
   for (int c = 0; c < 3; ++c) {
     if (std::abs(std::sqrt(a[c]) - std::sqrt(b[c])) > kColorStep) return true;
   }
@@ -40,23 +45,24 @@ bool colors_differ(const Rgb& a, const Rgb& b) {
 }
 
 bool emissions_differ(const Rgb& a, const Rgb& b) {
+  if (a == b) return false;
   for (int c = 0; c < 3; ++c) {
     if (std::abs(a[c] - b[c]) > kEmissionStep * std::max(a[c], b[c])) return true;
   }
   return false;
 }
 
-bool pixels_differ(const EdgeView& view, size_t a, size_t b) {
-  const GBuffer& hits = view.hits;
-  if (hits.mask[a] != hits.mask[b] || hits.instance[a] != hits.instance[b]) return true;
-  if (!hits.mask[a]) return false;
-  if (dot(hits.normal[a], hits.normal[b]) < kSameNormal) return true;
-  const float tolerance = std::min(hits.depth[a], hits.depth[b]) * view.pixel_size;
-  if (!same_plane(hits.position[a], hits.normal[a], hits.position[b], hits.normal[b], tolerance))
+/// Whether two hits, each by its place in a buffer, see something else.
+bool hits_differ(const GBuffer& of_a, size_t a, const GBuffer& of_b, size_t b, float pixel_size) {
+  if (of_a.mask[a] != of_b.mask[b] || of_a.instance[a] != of_b.instance[b]) return true;
+  if (!of_a.mask[a]) return false;
+  if (dot(of_a.normal[a], of_b.normal[b]) < kSameNormal) return true;
+  const float tolerance = std::min(of_a.depth[a], of_b.depth[b]) * pixel_size;
+  if (!same_plane(of_a.position[a], of_a.normal[a], of_b.position[b], of_b.normal[b], tolerance))
     return true;
-  if (colors_differ(hits.albedo[a], hits.albedo[b])) return true;
-  if (emissions_differ(hits.emission[a], hits.emission[b])) return true;
-  return !hits.metallic.empty() && std::abs(hits.metallic[a] - hits.metallic[b]) > kMetalStep;
+  if (colors_differ(of_a.albedo[a], of_b.albedo[b])) return true;
+  if (emissions_differ(of_a.emission[a], of_b.emission[b])) return true;
+  return !of_a.metallic.empty() && std::abs(of_a.metallic[a] - of_b.metallic[b]) > kMetalStep;
 }
 
 /// Point `i` of `count` in the unit square: Hammersley's set, turned by two numbers.
@@ -127,11 +133,11 @@ class SourceFinder {
 
   template <typename Use>
   void each_pixel_around(size_t entry, const Use& use) const {
-    const int pixel = sub_.pixel[entry], width = view_.hits.width;
+    const int pixel = sub_.pixel[entry], width = view_.width();
     const int x = pixel % width, y = pixel / width;
     use(static_cast<size_t>(pixel));
     for (const auto& [dx, dy] : kAround) {
-      if (x + dx < 0 || x + dx >= width || y + dy < 0 || y + dy >= view_.hits.height) continue;
+      if (x + dx < 0 || x + dx >= width || y + dy < 0 || y + dy >= view_.height()) continue;
       use(static_cast<size_t>((y + dy) * width + x + dx));
     }
   }
@@ -178,25 +184,39 @@ class SourceFinder {
 }  // namespace
 
 std::vector<int32_t> find_edges(const EdgeView& view) {
-  const int width = view.hits.width, height = view.hits.height;
-  const auto count = static_cast<size_t>(width) * static_cast<size_t>(height);
-  std::vector<uint8_t> is_edge(count);
-  parallel_for(height, 8, [&](int64_t begin, int64_t end) {
-    for (int64_t y = begin; y < end; ++y) {
-      for (int64_t x = 0; x < width; ++x) {
-        const auto i = static_cast<size_t>(y * width + x);
-        for (const auto& [dx, dy] : kAround) {
-          if (x + dx < 0 || x + dx >= width || y + dy < 0 || y + dy >= height) continue;
-          if (!pixels_differ(view, i, static_cast<size_t>((y + dy) * width + x + dx))) continue;
-          is_edge[i] = 1;
-          break;
+  const int width = view.width(), height = view.height();
+  const auto inside = [&](int x, int y) { return x >= 0 && x < width && y < height; };
+  const auto at = [&](int x, int y) {
+    return static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
+  };
+  // A bit for each neighbour of kAfter that differs: each pair is looked at once.
+  std::vector<uint8_t> differs(at(0, height));
+  parallel_for(height, kRows, [&](int64_t begin, int64_t end) {
+    for (auto y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+      for (int x = 0; x < width; ++x) {
+        const size_t i = view.first + at(x, y);
+        unsigned bits = 0;
+        for (size_t k = 0; k < kAfter.size(); ++k) {
+          const auto& [dx, dy] = kAfter[k];
+          if (inside(x + dx, y + dy) &&
+              hits_differ(view.hits, i, view.hits, view.first + at(x + dx, y + dy),
+                          view.pixel_size))
+            bits |= 1u << k;
         }
+        differs[at(x, y)] = static_cast<uint8_t>(bits);
       }
     }
   });
   std::vector<int32_t> out;
-  for (size_t i = 0; i < count; ++i) {
-    if (is_edge[i]) out.push_back(static_cast<int32_t>(i));
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      bool edge = differs[at(x, y)] != 0;
+      for (size_t k = 0; k < kAfter.size() && !edge; ++k) {
+        const auto& [dx, dy] = kAfter[k];
+        if (y - dy >= 0 && inside(x - dx, y - dy)) edge = differs[at(x - dx, y - dy)] >> k & 1;
+      }
+      if (edge) out.push_back(static_cast<int32_t>(at(x, y)));
+    }
   }
   return out;
 }
@@ -206,17 +226,20 @@ SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera,
   SubHits out;
   out.pixel = std::move(pixels);
   out.per_pixel = per_pixel;
-  std::vector<Vec2> points;
-  points.reserve(out.pixel.size() * static_cast<size_t>(per_pixel));
-  for (const int32_t pixel : out.pixel) {
-    const int x = pixel % rows.width, y = rows.first + pixel / rows.width;
-    Rng turn(static_cast<uint64_t>(y), static_cast<uint64_t>(x));
-    const float turn_x = turn.uniform(), turn_y = turn.uniform();
-    for (int i = 0; i < per_pixel; ++i) {
-      const Vec2 within = stratified_point(i, per_pixel, turn_x, turn_y);
-      points.push_back({static_cast<float>(x) + within.x, static_cast<float>(y) + within.y});
+  const auto count = static_cast<size_t>(per_pixel);
+  std::vector<Vec2> points(out.pixel.size() * count);
+  parallel_for(static_cast<int64_t>(out.pixel.size()), 512, [&](int64_t begin, int64_t end) {
+    for (auto entry = static_cast<size_t>(begin); entry < static_cast<size_t>(end); ++entry) {
+      const int x = out.pixel[entry] % rows.width, y = rows.first + out.pixel[entry] / rows.width;
+      Rng turn(static_cast<uint64_t>(y), static_cast<uint64_t>(x));
+      const float turn_x = turn.uniform(), turn_y = turn.uniform();
+      for (int i = 0; i < per_pixel; ++i) {
+        const Vec2 within = stratified_point(i, per_pixel, turn_x, turn_y);
+        points[entry * count + static_cast<size_t>(i)] = {static_cast<float>(x) + within.x,
+                                                          static_cast<float>(y) + within.y};
+      }
     }
-  }
+  });
   out.hits = pathtrace::trace_image_points(bvh, camera, rows.width, rows.height, points);
   out.source.assign(points.size(), scene::kNone);
   return out;

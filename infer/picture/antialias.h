@@ -23,6 +23,16 @@ struct QuerySet {
   std::vector<Rgb> albedo;
 
   int64_t size() const { return static_cast<int64_t>(position.size()); }
+  void resize(size_t count) {
+    position.resize(count);
+    normal.resize(count);
+    albedo.resize(count);
+  }
+  void put(size_t query, const pathtrace::GBuffer& hits, size_t index) {
+    position[query] = hits.position[index];
+    normal[query] = hits.normal[index];
+    albedo[query] = hits.albedo[index];
+  }
   void add(const pathtrace::GBuffer& hits, size_t index) {
     position.push_back(hits.position[index]);
     normal.push_back(hits.normal[index]);
@@ -36,19 +46,23 @@ struct PictureRows {
   int first = 0, last = 0;    ///< rows
 };
 
-/// What anti-aliasing looks at.
+/// What anti-aliasing looks at. Pixels are numbered from the first of `rows` on.
 struct EdgeView {
-  const pathtrace::GBuffer& hits;  ///< of `rows`
+  const pathtrace::GBuffer& hits;  ///< of `rows`, at least
   PictureRows rows;
   float pixel_size = 0;  ///< edge of what a pixel covers at depth 1, in metres
+  size_t first = 0;      ///< of hits: the first pixel of `rows`
+
+  int width() const { return rows.width; }
+  int height() const { return rows.last - rows.first; }
 };
 
-/// The pixels of `view.hits` that lie at an edge, in order.
+/// The pixels of `view` that lie at an edge, in order.
 std::vector<int32_t> find_edges(const EdgeView& view);
 
 /// Hits inside edge pixels.
 struct SubHits {
-  std::vector<int32_t> pixel;  ///< index into the rows' hits
+  std::vector<int32_t> pixel;  ///< of the rows, in order
   int per_pixel = 0;
   pathtrace::GBuffer hits;      ///< [pixels * per_pixel], in one row
   std::vector<int32_t> source;  ///< the query that answers, kNone where nothing is reflected
@@ -59,7 +73,7 @@ SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera,
                        const PictureRows& rows, std::vector<int32_t> pixels, int per_pixel);
 
 /// Finds the source of every sub-hit, and appends to `queries` those that no query answers.
-/// @param query_of_pixel  of each pixel of `view.hits`, kNone if it asks nothing
+/// @param query_of_pixel  of each pixel of `view`, kNone if it asks nothing
 void assign_sources(const EdgeView& view, std::span<const int32_t> query_of_pixel,
                     QuerySet* queries, SubHits* sub);
 

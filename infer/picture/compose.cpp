@@ -4,17 +4,22 @@
 #include <utility>
 
 #include "infer/picture/picture_band.h"
+#include "lte/base/parallel.h"
 
 namespace lte::infer {
 namespace {
 
 using image::Image;
 
+constexpr int64_t kValues = 1 << 16;  // that a thread takes at a time
+
 /// Adds albedo / π · irradiance: the radiance a Lambertian surface sends back.
 void add_reflected(Image* sum, const Image& albedo, const Image& irradiance) {
   if (irradiance.width == 0) return;
-  for (size_t i = 0; i < sum->pixels.size(); ++i)
-    sum->pixels[i] += albedo.pixels[i] * irradiance.pixels[i] / kPi;
+  parallel_for(static_cast<int64_t>(sum->pixels.size()), kValues, [&](int64_t begin, int64_t end) {
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
+      sum->pixels[i] += albedo.pixels[i] * irradiance.pixels[i] / kPi;
+  });
 }
 
 /// Copies the rows of a band, which begin at row `first`, into a picture of `height` rows that is

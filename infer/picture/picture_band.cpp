@@ -1,6 +1,7 @@
 #include "infer/picture/picture_band.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "lte/base/parallel.h"
 #include "lte/scene/metal.h"
@@ -19,7 +20,7 @@ void put(Image* image, int pixel, const Rgb& value) {
 }
 
 /// Pixels that a thread takes at a time.
-constexpr int64_t kPixelsOfThread = 1 << 14;
+constexpr int64_t kPixelsOfThread = 1 << 14, kEdgesOfThread = 1 << 10;
 
 Rgb get(const Image& image, int pixel) {
   const float* p = image.pixels.data() + size_t{3} * static_cast<size_t>(pixel);
@@ -41,20 +42,27 @@ PictureBand::PictureBand(const pathtrace::Bvh& bvh, const scene::Camera& camera,
     seen.last = std::min(rows.height, rows.last + 1);
   }
   above_ = rows.first - seen.first;
-  hits_ = hits != nullptr ? pathtrace::rows_of(*hits, seen.first - first_row, seen.last - first_row)
-                          : pathtrace::trace_gbuffer_rows(bvh, camera, rows.width, rows.height,
-                                                          seen.first, seen.last);
-  if (options.metal == Metal::Trace && !hits_.metallic.empty())
-    is_traced_.assign(hits_.mask.size(), 0);
+  if (hits == nullptr) {
+    own_ =
+        pathtrace::trace_gbuffer_rows(bvh, camera, rows.width, rows.height, seen.first, seen.last);
+  } else if (options.metal == Metal::Black && !hits->metallic.empty()) {  // which is changed
+    own_ = pathtrace::rows_of(*hits, seen.first - first_row, seen.last - first_row);
+  } else {
+    lent_ = hits;
+    first_seen_ = static_cast<size_t>(seen.first - first_row) * static_cast<size_t>(rows.width);
+  }
+  const EdgeView view{this->hits(), seen, pixel_size_, first_seen_};
+  query_of_pixel_.assign(static_cast<size_t>(view.width()) * static_cast<size_t>(view.height()),
+                         scene::kNone);
+  if (options.metal == Metal::Trace && !this->hits().metallic.empty())
+    is_traced_.assign(query_of_pixel_.size(), 0);
   for (size_t i = 0; i < is_traced_.size(); ++i)
-    is_traced_[i] = is_metal(hits_.metallic[i]) ? 1 : 0;
-  if (options.antialias > 1) take_samples(bvh, camera, seen);
-  darken_metal(&hits_);
+    is_traced_[i] = is_metal(this->hits().metallic[first_seen_ + i]) ? 1 : 0;
+  if (options.antialias > 1) take_samples(bvh, camera, view);
+  darken_metal(&own_);
   list_traced();
   ask_centres();
-  if (options.antialias > 1) {
-    assign_sources({hits_, seen, pixel_size_}, query_of_pixel_, &queries_, &sub_);
-  }
+  if (options.antialias > 1) assign_sources(view, query_of_pixel_, &queries_, &sub_);
 }
 
 template <typename Use>
@@ -62,6 +70,16 @@ void PictureBand::each_pixel(const Use& use) const {
   parallel_for(pixels(), kPixelsOfThread, [&](int64_t begin, int64_t end) {
     for (auto i = static_cast<int>(begin); i < end; ++i) use(i);
   });
+}
+
+/// Calls use(entry of sub_) for all of them, in several threads.
+template <typename Use>
+void PictureBand::each_edge(const Use& use) const {
+  parallel_for(
+      static_cast<int64_t>(sub_.pixel.size()), kEdgesOfThread, [&](int64_t begin, int64_t end) {
+        for (auto entry = static_cast<size_t>(begin); entry < static_cast<size_t>(end); ++entry)
+          use(entry);
+      });
 }
 
 /// Leaves the matt share of metallic surfaces alone, where metal is to be black.
@@ -73,15 +91,15 @@ void PictureBand::darken_metal(GBuffer* hits) const {
 /// Traces the sub-hits of edge pixels. Pixels that have metal in them go to the path tracer, which
 /// is anti-aliased by itself.
 void PictureBand::take_samples(const pathtrace::Bvh& bvh, const scene::Camera& camera,
-                               const PictureRows& seen) {
-  std::vector<int32_t> edges = find_edges({hits_, seen, pixel_size_});
-  const auto first = static_cast<int32_t>(hit_index(0)),
-             last = static_cast<int32_t>(hit_index(pixels()));
+                               const EdgeView& view) {
+  std::vector<int32_t> edges = find_edges(view);
+  const auto first = static_cast<int32_t>(seen_index(0)),
+             last = static_cast<int32_t>(seen_index(pixels()));
   std::erase_if(edges, [&](int32_t pixel) {
     return pixel < first || pixel >= last ||
            (!is_traced_.empty() && is_traced_[static_cast<size_t>(pixel)]);
   });
-  sub_ = trace_sub_hits(bvh, camera, seen, std::move(edges), options_.antialias);
+  sub_ = trace_sub_hits(bvh, camera, view.rows, std::move(edges), options_.antialias);
   darken_metal(&sub_.hits);
   if (is_traced_.empty()) return;
   const auto count = static_cast<size_t>(sub_.per_pixel);
@@ -97,49 +115,68 @@ void PictureBand::take_samples(const pathtrace::Bvh& bvh, const scene::Camera& c
 void PictureBand::list_traced() {
   if (is_traced_.empty()) return;
   for (int i = 0; i < pixels(); ++i) {
-    if (is_traced_[hit_index(i)]) traced_.push_back(int64_t{rows_.first} * rows_.width + i);
+    if (is_traced_[seen_index(i)]) traced_.push_back(int64_t{rows_.first} * rows_.width + i);
   }
 }
 
 void PictureBand::ask_centres() {
-  query_of_pixel_.assign(hits_.mask.size(), scene::kNone);
+  const GBuffer& hits = this->hits();
   const int width = rows_.width, height = rows_.last - rows_.first;
-  const auto ask = [&](int pixel) {
+  const auto asks = [&](int pixel) {
     const size_t i = hit_index(pixel);
-    if (!hits_.mask[i] || max_component(hits_.albedo[i]) <= 0) return;
-    if (!is_traced_.empty() && is_traced_[i]) return;
-    query_of_pixel_[i] = static_cast<int32_t>(queries_.size());
-    queries_.add(hits_, i);
-    centre_pixels_.push_back(int64_t{rows_.first} * rows_.width + pixel);
+    return hits.mask[i] && max_component(hits.albedo[i]) > 0 &&
+           (is_traced_.empty() || !is_traced_[seen_index(pixel)]);
   };
   // Square tiles of pixels: their shadow rays meet the same nodes and triangles.
-  for (int tile_y = 0; tile_y < height; tile_y += kTile) {
+  const auto each_tile = [&](int64_t tile_row, const auto& use) {
+    const int tile_y = static_cast<int>(tile_row) * kTile;
     for (int tile_x = 0; tile_x < width; tile_x += kTile) {
       for (int y = tile_y; y < std::min(tile_y + kTile, height); ++y) {
-        for (int x = tile_x; x < std::min(tile_x + kTile, width); ++x) ask(y * width + x);
+        for (int x = tile_x; x < std::min(tile_x + kTile, width); ++x) {
+          if (asks(y * width + x)) use(y * width + x);
+        }
       }
     }
-  }
+  };
+  const int64_t tile_rows = (height + kTile - 1) / kTile;
+  std::vector<size_t> first(static_cast<size_t>(tile_rows) + 1);
+  parallel_for(tile_rows, 1, [&](int64_t begin, int64_t) {
+    size_t count = 0;
+    each_tile(begin, [&](int) { ++count; });
+    first[static_cast<size_t>(begin) + 1] = count;
+  });
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  queries_.resize(first.back());
+  centre_pixels_.resize(first.back());
+  parallel_for(tile_rows, 1, [&](int64_t begin, int64_t) {
+    size_t query = first[static_cast<size_t>(begin)];
+    each_tile(begin, [&](int pixel) {
+      query_of_pixel_[seen_index(pixel)] = static_cast<int32_t>(query);
+      queries_.put(query, hits, hit_index(pixel));
+      centre_pixels_[query++] = int64_t{rows_.first} * width + pixel;
+    });
+  });
   centre_queries_ = queries_.size();
 }
 
 gi::PixelSurfaces PictureBand::surfaces(std::span<const uint8_t> mask) const {
+  const GBuffer& hits = this->hits();
   const auto part = [&](const auto& values) {
     return std::span(values).subspan(hit_index(0), static_cast<size_t>(pixels()));
   };
   gi::PixelSurfaces out;
   out.width = rows_.width;
   out.height = rows_.last - rows_.first;
-  out.position = part(hits_.position);
-  out.normal = part(hits_.normal);
-  out.depth = part(hits_.depth);
+  out.position = part(hits.position);
+  out.normal = part(hits.normal);
+  out.depth = part(hits.depth);
   out.mask = mask;
   out.pixel_size = pixel_size_;
   return out;
 }
 
 std::span<const int32_t> PictureBand::query_of_pixel() const {
-  return std::span(query_of_pixel_).subspan(hit_index(0), static_cast<size_t>(pixels()));
+  return std::span(query_of_pixel_).subspan(seen_index(0), static_cast<size_t>(pixels()));
 }
 
 std::vector<PictureBand::ExtraQuery> PictureBand::extra_queries() const {
@@ -147,7 +184,7 @@ std::vector<PictureBand::ExtraQuery> PictureBand::extra_queries() const {
   out.reserve(static_cast<size_t>(queries_.size() - centre_queries_));
   const auto count = static_cast<size_t>(sub_.per_pixel);
   for (size_t entry = 0; entry < sub_.pixel.size(); ++entry) {
-    const int pixel = sub_.pixel[entry] - static_cast<int32_t>(hit_index(0));
+    const int pixel = sub_.pixel[entry] - static_cast<int32_t>(seen_index(0));
     for (size_t s = entry * count; s < (entry + 1) * count; ++s) {
       // Queries were added in this order; what names one again shares it.
       if (sub_.source[s] == centre_queries_ + static_cast<int64_t>(out.size()))
@@ -158,15 +195,16 @@ std::vector<PictureBand::ExtraQuery> PictureBand::extra_queries() const {
 }
 
 void PictureBand::count_metal(Frame* frame) const {
-  if (hits_.metallic.empty()) return;
+  const GBuffer& hits = this->hits();
+  if (hits.metallic.empty()) return;
   for (int i = 0; i < pixels(); ++i) {
     const size_t at = hit_index(i);
-    if (!hits_.mask[at]) continue;
-    const scene::Instance& instance = scene_.instances[static_cast<size_t>(hits_.instance[at])];
+    if (!hits.mask[at]) continue;
+    const scene::Instance& instance = scene_.instances[static_cast<size_t>(hits.instance[at])];
     const int material = scene_.meshes[static_cast<size_t>(instance.mesh)].material;
-    frame->metal += double{hits_.metallic[at]};
+    frame->metal += double{hits.metallic[at]};
     if (scene::is_default_metal(scene_.materials[static_cast<size_t>(material)]))
-      frame->metal_by_default += double{hits_.metallic[at]};
+      frame->metal_by_default += double{hits.metallic[at]};
   }
 }
 
@@ -175,11 +213,11 @@ void PictureBand::count_metal(Frame* frame) const {
 image::Image PictureBand::light_layer(std::span<const Rgb> values, const Image& albedo) const {
   Image out(rows_.width, rows_.last - rows_.first, 3);
   each_pixel([&](int i) {
-    const int32_t query = query_of_pixel_[hit_index(i)];
+    const int32_t query = query_of_pixel_[seen_index(i)];
     if (query != scene::kNone) put(&out, i, values[static_cast<size_t>(query)]);
   });
   const auto count = static_cast<size_t>(sub_.per_pixel);
-  for (size_t entry = 0; entry < sub_.pixel.size(); ++entry) {
+  each_edge([&](size_t entry) {
     Rgb plain, reflected;
     for (size_t s = entry * count; s < (entry + 1) * count; ++s) {
       if (sub_.source[s] == scene::kNone) continue;
@@ -188,14 +226,14 @@ image::Image PictureBand::light_layer(std::span<const Rgb> values, const Image& 
       reflected += sub_.hits.albedo[s] * irradiance;
     }
     const float share = 1.0f / static_cast<float>(count);
-    const int pixel = sub_.pixel[entry] - static_cast<int32_t>(hit_index(0));
+    const int pixel = sub_.pixel[entry] - static_cast<int32_t>(seen_index(0));
     const Rgb weight = get(albedo, pixel);
     Rgb mean = plain * share;
     for (int c = 0; c < 3 && !options_.plain_means; ++c) {
       if (weight[c] > 0) mean[c] = reflected[c] * share / weight[c];
     }
     put(&out, pixel, mean);
-  }
+  });
   return out;
 }
 
@@ -222,27 +260,28 @@ Frame PictureBand::resolve(const BandLight& light) const {
   const int width = rows_.width, height = rows_.last - rows_.first;
   frame.albedo = frame.normal = frame.emission = Image(width, height, 3);
   frame.depth = Image(width, height, 1);
+  const GBuffer& hits = this->hits();
   each_pixel([&](int i) {
     const size_t at = hit_index(i);
-    put(&frame.albedo, i, hits_.albedo[at]);
-    put(&frame.normal, i, hits_.normal[at]);
-    put(&frame.emission, i, hits_.emission[at]);
-    if (hits_.mask[at]) frame.depth.pixels[static_cast<size_t>(i)] = hits_.depth[at];
+    put(&frame.albedo, i, hits.albedo[at]);
+    put(&frame.normal, i, hits.normal[at]);
+    put(&frame.emission, i, hits.emission[at]);
+    if (hits.mask[at]) frame.depth.pixels[static_cast<size_t>(i)] = hits.depth[at];
   });
-  const auto own = std::span(hits_.mask).subspan(hit_index(0), static_cast<size_t>(pixels()));
+  const auto own = std::span(hits.mask).subspan(hit_index(0), static_cast<size_t>(pixels()));
   frame.background = std::count(own.begin(), own.end(), 0);
   const auto count = static_cast<size_t>(sub_.per_pixel);
-  for (size_t entry = 0; entry < sub_.pixel.size(); ++entry) {
+  each_edge([&](size_t entry) {
     Rgb albedo, emission;
     for (size_t s = entry * count; s < (entry + 1) * count; ++s) {
       albedo += sub_.hits.albedo[s];
       emission += sub_.hits.emission[s];
     }
     const float share = 1.0f / static_cast<float>(count);
-    const int pixel = sub_.pixel[entry] - static_cast<int32_t>(hit_index(0));
+    const int pixel = sub_.pixel[entry] - static_cast<int32_t>(seen_index(0));
     put(&frame.albedo, pixel, albedo * share);
     put(&frame.emission, pixel, emission * share);
-  }
+  });
   if (light.direct) frame.direct = light_layer(*light.direct, frame.albedo);
   if (light.indirect) frame.indirect = light_layer(*light.indirect, frame.albedo);
   if (light.total) frame.total = light_layer(*light.total, frame.albedo);

@@ -38,7 +38,8 @@ struct BandLight {
 class PictureBand {
  public:
   /// Traces primary hits and finds what has to be asked.
-  /// @param hits       those of more rows, the neighbours' included, where they are there already
+  /// @param hits       those of more rows, the neighbours' included, where they are there already;
+  ///                   they must outlive the band
   /// @param first_row  that `hits` begin with
   PictureBand(const pathtrace::Bvh& bvh, const scene::Camera& camera, const PictureRows& rows,
               const BandOptions& options, const pathtrace::GBuffer* hits = nullptr,
@@ -71,15 +72,19 @@ class PictureBand {
   static constexpr int kTile = 8;
 
   int pixels() const { return rows_.width * (rows_.last - rows_.first); }
-  /// The index in hits_ of pixel `i` of the band.
-  size_t hit_index(int i) const { return static_cast<size_t>(i + above_ * rows_.width); }
+  const pathtrace::GBuffer& hits() const { return lent_ != nullptr ? *lent_ : own_; }
+  /// Of pixel `i` of the band among those that are seen, its neighbours included.
+  size_t seen_index(int i) const { return static_cast<size_t>(i + above_ * rows_.width); }
+  /// The same in hits().
+  size_t hit_index(int i) const { return first_seen_ + seen_index(i); }
 
   /// Calls use(pixel of the band) for all of them, in several threads.
   template <typename Use>
   void each_pixel(const Use& use) const;
   void darken_metal(pathtrace::GBuffer* hits) const;
-  void take_samples(const pathtrace::Bvh& bvh, const scene::Camera& camera,
-                    const PictureRows& seen);
+  template <typename Use>
+  void each_edge(const Use& use) const;
+  void take_samples(const pathtrace::Bvh& bvh, const scene::Camera& camera, const EdgeView& view);
   void list_traced();
   void ask_centres();
   void count_metal(Frame* frame) const;
@@ -90,12 +95,14 @@ class PictureBand {
   PictureRows rows_;  ///< of the band
   float pixel_size_;
   BandOptions options_;
-  int above_ = 0;  ///< rows in hits_ before those of the band: neighbours of its edges
-  pathtrace::GBuffer hits_;
+  int above_ = 0;  ///< rows that are seen before those of the band: neighbours of its edges
+  const pathtrace::GBuffer* lent_ = nullptr;  ///< the caller's hits, or null for those below
+  pathtrace::GBuffer own_;
+  size_t first_seen_ = 0;  ///< in hits()
   SubHits sub_;
-  std::vector<uint8_t> is_traced_;  ///< by index in hits_; empty if none can be
+  std::vector<uint8_t> is_traced_;  ///< by seen_index(); empty if none can be
   std::vector<int64_t> traced_;
-  std::vector<int32_t> query_of_pixel_;  ///< by index in hits_
+  std::vector<int32_t> query_of_pixel_;  ///< by seen_index()
   QuerySet queries_;
   int64_t centre_queries_ = 0;
   std::vector<int64_t> centre_pixels_;

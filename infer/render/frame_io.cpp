@@ -61,6 +61,7 @@ Image display_depth(const Image& depth) {
 float frame_exposure(const Frame& frame, Output output) {
   if (is_geometry(output)) return 1;
   std::vector<uint8_t> surfaces;
+  surfaces.reserve(frame.depth.pixels.size());
   for (const float depth : frame.depth.pixels) surfaces.push_back(depth > 0 ? 1 : 0);
   return image::auto_exposure(frame.color, 0.95f, 0.8f, surfaces);
 }

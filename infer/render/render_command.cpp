@@ -13,6 +13,7 @@
 #include "infer/render/gather_plan.h"
 #include "infer/render/incident_map.h"
 #include "infer/render/notes.h"
+#include "infer/render/picture_writer.h"
 #include "infer/render/render_report.h"
 #include "infer/render/scene_size.h"
 #include "infer/render/time_budget.h"
@@ -34,6 +35,9 @@
 
 namespace lte::infer {
 namespace {
+
+/// Of a picture that is written while the next one is made.
+constexpr int64_t kMostPixelsBeside = int64_t{1} << 20;
 
 std::vector<View> views_of(const RenderRequest& request, const pathtrace::Bvh& bvh) {
   const auto [width, height] = parse_picture_size(request.size);
@@ -118,10 +122,10 @@ nlohmann::json to_json(const RenderRequest& request, const Renderer& renderer,
   return json;
 }
 
-void print_exposure(const RenderRequest& request, const View& view, double exposure,
+void print_exposure(const RenderRequest& request, const std::string& out, double exposure,
                     const char* end) {
   if (request.tool.common.quiet) return;
-  std::printf("%s: exposure %.4g", view.out.c_str(), exposure);
+  std::printf("%s: exposure %.4g", out.c_str(), exposure);
   if (request.exposure.ev != 0) std::printf(" (ev %+g)", request.exposure.ev);
   std::fputs(end, stdout);
   std::fflush(stdout);
@@ -262,6 +266,13 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
   StageSeconds seconds = renderer->seconds();
   nlohmann::json pictures = nlohmann::json::array();
   if (run.frames && !run.views.empty()) run.frames->write_manifest();
+  const char* const end = run.views.size() > 1 ? "\n" : "";
+  PictureWriter writer([&](const FinishedPicture& picture) {
+    print_exposure(request, picture.out.string(), picture.exposure, end);
+  });
+  // The time of a budget is the picture's alone, and large pictures fit into memory once.
+  const bool beside = request.time_budget.empty() && !run.views.empty() &&
+                      int64_t{run.settings.width} * run.settings.height <= kMostPixelsBeside;
   for (const View& view : run.views) {
     PicturePlan plan = plan_of(request, run.settings, view, run.work, renderer);
     RenderSettings& settings = plan.settings;
@@ -280,17 +291,17 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
                   " sees no surface; the picture is black");
     }
     const float exposure = exposure_of(request, frame, settings.output, &run.frames);
-    const Timer write;
-    write_frame(view.out, frame, settings.output, exposure, &view.camera);
-    renderer->seconds().write = write.seconds();
     add_seconds(renderer->seconds(), &seconds);
     if (run.edited) seconds.table += renderer->seconds().table;  // each frame has one of its own
     pictures.push_back(picture_json(request, view, plan, frame, exposure));
     if (run.edited) pictures.back()["edit"] = edit;
     if (run.look) pictures.back()["attention"] = run.look->json();
-    print_exposure(request, view, exposure, run.views.size() > 1 ? "\n" : "");
+    writer.write({view.out, std::move(frame), settings.output, exposure, view.camera});
+    if (!beside) writer.finish();
     run.work.restart();  // a view after the first has the budget for itself
   }
+  writer.finish();
+  seconds.write += writer.seconds();
   if (!request.tool.common.json.empty()) {
     const nlohmann::json json = to_json(request, *renderer, pictures, seconds, run.total.seconds());
     write_file(request.tool.common.json, json.dump(2) + '\n');
@@ -329,9 +340,15 @@ void run_render(const RenderRequest& request) {
   check_picture_fits(settings, available_memory_mb());
   const Timer total;
   const bool turns = request.turntable > 0 && request.camera.empty();  // from the automatic one on
+  const auto denoiser = std::make_shared<SharedDenoiser>();
+  if (settings.mode == Mode::Neural && settings.indirect == Indirect::Gather &&
+      settings.denoise != Denoise::Off && !request.validate_only) {
+    denoiser->prepare(settings.gather.quality);
+  }
   const scene::Scene scene = load_source(request, turns ? "auto" : request.camera);
   describe(scene, request.scene);
-  Renderer renderer(scene);
+  Renderer renderer(std::make_shared<pathtrace::Bvh>(scene),
+                    std::make_shared<pathtrace::Lights>(scene), denoiser);
   std::vector<View> views = views_of(request, renderer.bvh());
   if (script) views = edit_views(*script, scene, std::move(views), request.out);
   claim_views(request, views, &files);

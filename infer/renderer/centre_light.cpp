@@ -53,14 +53,14 @@ void trace_paths(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
   if (request.done && background > 0) request.done(background);
 }
 
-void gather(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights, const SurfaceGuides& guides,
-            const CentreRequest& request, CentreLight* out) {
+void gather(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+            const pathtrace::GBuffer& hits, const CentreRequest& request, CentreLight* out) {
   GatherScene scene{bvh, lights, *request.table, request.max_depth, request.shadow_rays.seed};
   scene.cells = request.cells;
   scene.view = request.view;
   const GatherDirect direct{samples_sparsely(request) ? request.shadow_rays.samples : 0,
                             request.sum};
-  GatheredCentres light = gather_centres(scene, guides, request.pixel_size, request.skip_metal,
+  GatheredCentres light = gather_centres(scene, hits, request.pixel_size, request.skip_metal,
                                          request.gather, direct, request.gather_denoiser);
   out->indirect = std::move(light.indirect);
   out->total = std::move(light.total);
@@ -75,13 +75,16 @@ void gather(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights, const Su
 }  // namespace
 
 CentreLight light_centres(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                          const SurfaceGuides& guides, const CentreRequest& request) {
+                          const pathtrace::GBuffer& hits, const CentreRequest& request) {
   CentreLight out;
   Image variance;
+  SurfaceGuides guides;  // a draft needs none: they take as much memory as the hits
+  const bool sampled = request.paths || (request.direct && !samples_sparsely(request));
+  if (sampled) guides = guides_of(hits);
   Timer timer;
   if (request.paths) {
     trace_paths(bvh, lights, guides, request, &out);
-  } else if (request.direct && !samples_sparsely(request)) {
+  } else if (sampled) {
     ShadowRays rays = request.shadow_rays;
     rays.variance = request.denoiser != nullptr && !request.denoiser->is_oidn();
     PixelLight light = light_pixels(bvh, lights, guides, rays);
@@ -90,7 +93,7 @@ CentreLight light_centres(const pathtrace::Bvh& bvh, const pathtrace::Lights& li
   }
   out.sampling_seconds = timer.seconds();
   timer.restart();
-  if (request.denoiser != nullptr) {
+  if (request.denoiser != nullptr && sampled) {
     image::NoisyPicture picture{&out.direct, &guides.normal, &guides.position, nullptr,
                                 variance.width > 0 ? &variance : nullptr};
     if (out.direct.width > 0) out.direct = request.denoiser->denoise(picture, request.quality);
@@ -102,8 +105,8 @@ CentreLight light_centres(const pathtrace::Bvh& bvh, const pathtrace::Lights& li
     out.denoising_seconds = timer.seconds();
   }
   if (request.paths) return out;
-  if (request.table != nullptr) gather(bvh, lights, guides, request, &out);
-  if (request.done) request.done(static_cast<int64_t>(guides.pixels()));
+  if (request.table != nullptr) gather(bvh, lights, hits, request, &out);
+  if (request.done) request.done(static_cast<int64_t>(hits.mask.size()));
   return out;
 }
 

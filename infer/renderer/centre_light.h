@@ -44,8 +44,9 @@ struct CentreLight {
   double sampling_seconds = 0, denoising_seconds = 0, gathering_seconds = 0, path_seconds = 0;
 };
 
+/// @param hits  at the centres
 CentreLight light_centres(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                          const SurfaceGuides& guides, const CentreRequest& request);
+                          const pathtrace::GBuffer& hits, const CentreRequest& request);
 
 /// A path-traced picture without its noise. Background and what shines keep their values.
 /// @param radiance  [height, width, 3], what the guides' pixels send to the camera

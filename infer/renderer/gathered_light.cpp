@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "infer/picture/picture_band.h"
+#include "infer/picture/surface_guides.h"
 #include "infer/renderer/path_correction.h"
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
@@ -17,7 +19,8 @@ namespace {
 using image::Image;
 
 constexpr int kTile = 8;
-constexpr int64_t kPixels = 1 << 14;  // that a thread takes at a time
+// What a thread takes at a time.
+constexpr int64_t kPixels = 1 << 14, kRows = 8;
 // Rays at the grid, of pixels that stand alone and of the two halves of the correcting paths are
 // independent of each other, and of direct light's.
 constexpr uint64_t kGather = 31, kAlone = 32, kHalves = 33;
@@ -25,28 +28,33 @@ constexpr uint64_t kGather = 31, kAlone = 32, kHalves = 33;
 /// A view whose light is gathered.
 class Gatherer {
  public:
-  Gatherer(const GatherScene& scene, const SurfaceGuides& guides, float pixel_size, bool skip_metal,
-           const GatherSettings& settings, const GatherDirect& direct,
+  Gatherer(const GatherScene& scene, const pathtrace::GBuffer& hits, float pixel_size,
+           bool skip_metal, const GatherSettings& settings, const GatherDirect& direct,
            const image::Denoiser* denoiser)
       : scene_(scene),
-        guides_(guides),
+        hits_(hits),
         settings_(settings),
         direct_(direct),
         denoiser_(denoiser),
-        columns_(settings.step, guides.width()),
-        rows_(settings.step, guides.height()) {
-    reflects_.resize(guides.pixels());
-    for (size_t i = 0; i < reflects_.size(); ++i) {
-      reflects_[i] = guides.mask[i] && max_component(guides.albedo.rgb(i)) > 0 &&
-                     !(skip_metal && guides.metal[i]);
-    }
-    surfaces_.width = guides.width();
-    surfaces_.height = guides.height();
+        columns_(settings.step, hits.width),
+        rows_(settings.step, hits.height),
+        reflects_(hits.mask.size()) {
+    const bool metal = skip_metal && !hits.metallic.empty();
+    for_pixels([&](size_t i) {
+      reflects_[i] = hits.mask[i] && max_component(hits.albedo[i]) > 0 &&
+                     !(metal && is_metal(hits.metallic[i]));
+    });
+    surfaces_.width = hits.width;
+    surfaces_.height = hits.height;
+    surfaces_.position = hits.position;
+    surfaces_.normal = hits.normal;
+    surfaces_.depth = hits.depth;
+    surfaces_.mask = reflects_;
     surfaces_.pixel_size = pixel_size;
     const bool sum = direct.shadow_rays > 0 && direct.sum;
-    pictures_.push_back(sum ? &out_.total : &out_.indirect);
-    if (direct.shadow_rays > 0 && !sum) pictures_.push_back(&out_.direct);
-    for (Image* picture : pictures_) *picture = Image(guides.width(), guides.height(), 3);
+    layers_.push_back({sum ? &out_.total : &out_.indirect, {}});
+    if (direct.shadow_rays > 0 && !sum) layers_.push_back({&out_.direct, {}});
+    for (Layer& layer : layers_) layer.values.resize(reflects_.size());
   }
 
   GatheredCentres run() {
@@ -55,26 +63,39 @@ class Gatherer {
     if (denoiser_ != nullptr) denoise();
     out_.denoise_seconds = timer.seconds();
     if (settings_.step > 1) fill();
+    timer.restart();
+    for (Layer& layer : layers_) {
+      *layer.out = Image(hits_.width, hits_.height, 3);
+      for_pixels([&](size_t i) { layer.out->set_rgb(i, layer.values[i]); });
+    }
+    out_.fill_seconds += timer.seconds();
     if (settings_.paths > 0) correct();
     return std::move(out_);
   }
 
  private:
+  /// Light of one kind, 0 where none is reflected.
+  struct Layer {
+    Image* out;
+    std::vector<Rgb> values;
+  };
+
   void add_point(size_t pixel, int step, LitPoints* out) const {
-    out->position.push_back(guides_.position.rgb(pixel));
-    out->normal.push_back(guides_.normal.rgb(pixel));
-    out->extent.push_back(guides_.depth[pixel] * surfaces_.pixel_size * static_cast<float>(step));
+    out->position.push_back(hits_.position[pixel]);
+    out->normal.push_back(hits_.normal[pixel]);
+    out->extent.push_back(hits_.depth[pixel] * surfaces_.pixel_size * static_cast<float>(step));
     out->pixel.push_back(pixel);
   }
 
   /// Pixels of the grid that reflect light, tile by tile.
   LitPoints grid_points() const {
     LitPoints out;
+    out.reserve(grid_size());
     for (int tile_y = 0; tile_y < rows_.count(); tile_y += kTile) {
       for (int tile_x = 0; tile_x < columns_.count(); tile_x += kTile) {
         for (int j = tile_y; j < std::min(tile_y + kTile, rows_.count()); ++j) {
           for (int i = tile_x; i < std::min(tile_x + kTile, columns_.count()); ++i) {
-            const size_t pixel = guides_.index(columns_.at(i), rows_.at(j));
+            const size_t pixel = surfaces_.at(columns_.at(i), rows_.at(j));
             if (reflects_[pixel]) add_point(pixel, settings_.step, &out);
           }
         }
@@ -89,14 +110,13 @@ class Gatherer {
     scene.seed = hash_combine(scene_.seed, stream);
     const PointLight light = light_points(scene, points, {rays, shadow_rays}, 0, &out_.work);
     for (size_t k = 0; k < points.size(); ++k) {
-      if (direct_.shadow_rays == 0) {
-        out_.indirect.set_rgb(points.pixel[k], light.indirect[k]);
-      } else if (direct_.sum) {
-        out_.total.set_rgb(points.pixel[k], light.indirect[k] + light.direct[k]);
-      } else {
-        out_.indirect.set_rgb(points.pixel[k], light.indirect[k]);
-        out_.direct.set_rgb(points.pixel[k], light.direct[k]);
+      const size_t pixel = points.pixel[k];
+      if (direct_.shadow_rays > 0 && direct_.sum) {
+        layers_[0].values[pixel] = light.indirect[k] + light.direct[k];
+        continue;
       }
+      layers_[0].values[pixel] = light.indirect[k];
+      if (direct_.shadow_rays > 0) layers_[1].values[pixel] = light.direct[k];
     }
   }
 
@@ -106,57 +126,48 @@ class Gatherer {
     Image normal = black, position = black;
     for_grid([&](size_t small, size_t pixel) {
       if (!reflects_[pixel]) return;
-      normal.set_rgb(small, guides_.normal.rgb(pixel));
-      position.set_rgb(small, guides_.position.rgb(pixel));
+      normal.set_rgb(small, hits_.normal[pixel]);
+      position.set_rgb(small, hits_.position[pixel]);
     });
-    for (Image* picture : pictures_) {
+    for (Layer& layer : layers_) {
       Image light = black;
       for_grid([&](size_t small, size_t pixel) {
-        if (reflects_[pixel]) light.set_rgb(small, picture->rgb(pixel));
+        if (reflects_[pixel]) light.set_rgb(small, layer.values[pixel]);
       });
       const Image clean =
           denoiser_->denoise({&light, &normal, &position, nullptr, nullptr}, settings_.quality);
       for_grid([&](size_t small, size_t pixel) {
-        if (reflects_[pixel]) picture->set_rgb(pixel, clean.rgb(small));
+        if (reflects_[pixel]) layer.values[pixel] = clean.rgb(small);
       });
     }
   }
 
+  size_t grid_size() const {
+    return static_cast<size_t>(columns_.count()) * static_cast<size_t>(rows_.count());
+  }
+
+  /// Calls use(number on the grid, pixel) for all of the grid, in several threads.
   template <typename Use>
   void for_grid(const Use& use) const {
-    for (int j = 0; j < rows_.count(); ++j) {
-      for (int i = 0; i < columns_.count(); ++i) {
-        const auto small =
-            static_cast<size_t>(j) * static_cast<size_t>(columns_.count()) + static_cast<size_t>(i);
-        use(small, guides_.index(columns_.at(i), rows_.at(j)));
+    parallel_for(rows_.count(), kRows, [&](int64_t begin, int64_t end) {
+      for (auto j = static_cast<int>(begin); j < static_cast<int>(end); ++j) {
+        for (int i = 0; i < columns_.count(); ++i) {
+          const auto small = static_cast<size_t>(j) * static_cast<size_t>(columns_.count()) +
+                             static_cast<size_t>(i);
+          use(small, surfaces_.at(columns_.at(i), rows_.at(j)));
+        }
       }
-    }
+    });
   }
 
   /// The pixels between those of the grid.
   void fill() {
     const Timer timer;
-    std::vector<Vec3> position(guides_.pixels()), normal(guides_.pixels());
-    for_pixels([&](size_t i) {
-      position[i] = guides_.position.rgb(i);
-      normal[i] = guides_.normal.rgb(i);
-    });
-    surfaces_.position = position;
-    surfaces_.normal = normal;
-    surfaces_.depth = guides_.depth;
-    surfaces_.mask = reflects_;
-    std::vector<int32_t> open;  // where surfaces decide alone: the same in all pictures
-    for (Image* picture : pictures_) {
-      std::vector<Rgb> values(guides_.pixels());
-      std::vector<uint8_t> known(guides_.pixels());
-      for_grid([&](size_t, size_t pixel) {
-        values[pixel] = picture->rgb(pixel);
-        known[pixel] = reflects_[pixel];
-      });
-      open = gi::upsample(surfaces_, settings_.step, known, values);
-      for_pixels([&](size_t i) {
-        if (reflects_[i]) picture->set_rgb(i, values[i]);
-      });
+    std::vector<int32_t> open;  // where surfaces decide alone: the same in all layers
+    for (Layer& layer : layers_) {
+      std::vector<uint8_t> known(reflects_.size());
+      for_grid([&](size_t, size_t pixel) { known[pixel] = reflects_[pixel]; });
+      open = gi::upsample(surfaces_, settings_.step, known, layer.values);
     }
     out_.fill_seconds = timer.seconds();
     LitPoints points;
@@ -165,9 +176,10 @@ class Gatherer {
     sample(points, alone(settings_.rays), alone(direct_.shadow_rays), kAlone);
   }
 
+  /// Calls use(pixel) for all of them, in several threads.
   template <typename Use>
   void for_pixels(const Use& use) const {
-    parallel_for(static_cast<int64_t>(guides_.pixels()), kPixels, [&](int64_t begin, int64_t end) {
+    parallel_for(static_cast<int64_t>(hits_.mask.size()), kPixels, [&](int64_t begin, int64_t end) {
       for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) use(i);
     });
   }
@@ -183,7 +195,7 @@ class Gatherer {
     std::array<Image, 2> half;
     LightWork work;
     for (uint64_t h = 0; h < 2; ++h) {
-      half[h] = Image(guides_.width(), guides_.height(), 3);
+      half[h] = Image(hits_.width, hits_.height, 3);
       const PointLight light =
           light_points({scene_.bvh, scene_.lights, none, scene_.max_depth,
                         hash_combine(hash_combine(scene_.seed, kHalves), h)},
@@ -193,12 +205,12 @@ class Gatherer {
     }
     out_.path_seconds = timer.seconds();
     timer.restart();
-    out_.indirect = correct_by_paths(guides_, reflects_, out_.indirect, half[0], half[1]);
+    out_.indirect = correct_by_paths(guides_of(hits_), reflects_, out_.indirect, half[0], half[1]);
     out_.denoise_seconds += timer.seconds();
   }
 
   const GatherScene& scene_;
-  const SurfaceGuides& guides_;
+  const pathtrace::GBuffer& hits_;
   const GatherSettings& settings_;
   const GatherDirect& direct_;
   const image::Denoiser* denoiser_;
@@ -206,7 +218,7 @@ class Gatherer {
   gi::PixelSurfaces surfaces_;
   std::vector<uint8_t> reflects_;
   GatheredCentres out_;
-  std::vector<Image*> pictures_;  ///< those of out_ that are wanted
+  std::vector<Layer> layers_;  ///< those of out_ that are wanted
 };
 
 }  // namespace
@@ -220,11 +232,11 @@ void check_gather_settings(const GatherSettings& settings) {
             "gather: paths must be an even number, got ", settings.paths);
 }
 
-GatheredCentres gather_centres(const GatherScene& scene, const SurfaceGuides& guides,
+GatheredCentres gather_centres(const GatherScene& scene, const pathtrace::GBuffer& hits,
                                float pixel_size, bool skip_metal, const GatherSettings& settings,
                                const GatherDirect& direct, const image::Denoiser* denoiser) {
   check_gather_settings(settings);
-  return Gatherer(scene, guides, pixel_size, skip_metal, settings, direct, denoiser).run();
+  return Gatherer(scene, hits, pixel_size, skip_metal, settings, direct, denoiser).run();
 }
 
 }  // namespace lte::infer

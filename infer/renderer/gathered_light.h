@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
-#include "infer/picture/surface_guides.h"
 #include "infer/renderer/point_light.h"
 #include "lte/image/denoise.h"
+#include "lte/pathtrace/gbuffer.h"
 
 namespace lte::infer {
 
@@ -41,10 +41,11 @@ struct GatheredCentres {
   double path_seconds = 0, denoise_seconds = 0, fill_seconds = 0;
 };
 
+/// @param hits        at the centres
 /// @param pixel_size  pathtrace::pixel_size()
 /// @param skip_metal  metal is left out: others show it
 /// @param denoiser    null: noise stays
-GatheredCentres gather_centres(const GatherScene& scene, const SurfaceGuides& guides,
+GatheredCentres gather_centres(const GatherScene& scene, const pathtrace::GBuffer& hits,
                                float pixel_size, bool skip_metal, const GatherSettings& settings,
                                const GatherDirect& direct, const image::Denoiser* denoiser);
 

@@ -98,7 +98,7 @@ void PictureJob::prepare_centres(const PictureRows& strip) {
       untold -= pixels;
     };
   }
-  centres_ = light_centres(from_.bvh, from_.lights, guides_of(*hits_), request);
+  centres_ = light_centres(from_.bvh, from_.lights, *hits_, request);
   counted_ = false;
   (request.paths ? seconds_.reference : seconds_.direct) += centres_->sampling_seconds;
   seconds_.denoise += centres_->denoising_seconds;

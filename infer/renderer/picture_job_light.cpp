@@ -7,6 +7,7 @@
 #include "infer/renderer/reflected_light.h"
 #include "infer/renderer/sparse_light.h"
 #include "lte/base/check.h"
+#include "lte/base/parallel.h"
 #include "lte/base/timer.h"
 #include "lte/pathtrace/direct_light.h"
 #include "lte/pathtrace/irradiance.h"
@@ -30,8 +31,12 @@ constexpr int kLeastEdgeRays = 16;
 void PictureJob::take_centres(const PictureBand& band, const Image& known,
                               std::vector<Rgb>* values) const {
   const int64_t first = int64_t{settings_.width} * first_row_;
-  for (size_t i = 0; i < band.centre_pixels().size(); ++i)
-    (*values)[i] = known.rgb(static_cast<size_t>(band.centre_pixels()[i] - first));
+  const std::vector<int64_t>& pixels = band.centre_pixels();
+  parallel_for(static_cast<int64_t>(pixels.size()), kProgressBlock,
+               [&](int64_t begin, int64_t end) {
+                 for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
+                   (*values)[i] = known.rgb(static_cast<size_t>(pixels[i] - first));
+               });
 }
 
 /// The network itself, as what answers queries.

@@ -28,6 +28,7 @@ struct LitPoints {
   std::vector<size_t> pixel;
 
   size_t size() const { return position.size(); }
+  void reserve(size_t count);
   LitPoints some(std::span<const size_t> which) const;
 };
 

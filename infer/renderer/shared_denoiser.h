@@ -2,6 +2,7 @@
 // one process need not spend each.
 #pragma once
 
+#include <future>
 #include <mutex>
 #include <optional>
 
@@ -13,9 +14,12 @@ namespace lte::infer {
 class SharedDenoiser {
  public:
   const image::Denoiser& get();
+  /// Opens it in another thread, for who will need it soon: while a scene is read, processors wait.
+  void prepare(image::OidnQuality quality);
 
  private:
   std::mutex mutex_;
+  std::future<image::Denoiser> opening_;
   std::optional<image::Denoiser> denoiser_;
 };
 

@@ -12,6 +12,8 @@ namespace {
 /// Pixels around its own in which a query of anti-aliasing looks for its surface. Those next to it
 /// hold none, or it would have shared their query.
 constexpr int kExtraRadius = 4;
+/// Pixels that a thread takes at a time.
+constexpr int64_t kPixels = 1 << 14;
 
 gi::Query query_at(const QuerySet& queries, size_t index) {
   return {queries.position[index], queries.normal[index], queries.albedo[index]};
@@ -51,11 +53,14 @@ std::vector<size_t> interpolate_extras(const PictureBand& band, std::vector<Rgb>
   const auto query = band.query_of_pixel();
   std::vector<uint8_t> mask(query.size()), open(extras.size());
   std::vector<Rgb> of_pixel(query.size());
-  for (size_t i = 0; i < query.size(); ++i) {
-    if (query[i] == scene::kNone) continue;
-    mask[i] = 1;
-    of_pixel[i] = (*values)[static_cast<size_t>(query[i])];
-  }
+  if (extras.empty()) return {};
+  parallel_for(static_cast<int64_t>(query.size()), kPixels, [&](int64_t begin, int64_t end) {
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+      if (query[i] == scene::kNone) continue;
+      mask[i] = 1;
+      of_pixel[i] = (*values)[static_cast<size_t>(query[i])];
+    }
+  });
   const gi::PixelSurfaces surfaces = band.surfaces(mask);
   parallel_for(static_cast<int64_t>(extras.size()), 256, [&](int64_t begin, int64_t end) {
     for (auto k = static_cast<size_t>(begin); k < static_cast<size_t>(end); ++k) {

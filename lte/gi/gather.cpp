@@ -71,8 +71,9 @@ class Gatherer : public pathtrace::LightSink {
 
   /// @param first_stream  the number of the first point
   void gather(std::span<const Vec3> positions, std::span<const Vec3> normals, int64_t first_stream,
-              std::span<Rgb> out) {
+              std::span<Rgb> out, std::span<Rgb> met) {
     sums_.assign(positions.size(), {});
+    met_.assign(positions.size(), {});
     for (size_t i = 0; i < positions.size(); ++i) {
       // The offset follows the world coordinates, as that of irradiance does.
       const Vec3 origin = pathtrace::offset_origin(positions[i], normals[i], half_extent_) - frame_;
@@ -90,8 +91,8 @@ class Gatherer : public pathtrace::LightSink {
     flush();
     const double scale = double{kPi} / options_.rays;
     for (size_t i = 0; i < out.size(); ++i) {
-      out[i] = {static_cast<float>(sums_[i][0] * scale), static_cast<float>(sums_[i][1] * scale),
-                static_cast<float>(sums_[i][2] * scale)};
+      out[i] = scaled(sums_[i], scale);
+      met[i] = scaled(met_[i], scale);
     }
   }
 
@@ -99,8 +100,8 @@ class Gatherer : public pathtrace::LightSink {
     for (const pathtrace::Contribution& c : contributions) {
       // What an emitter sends out by itself to the point is direct light there. What it or another
       // surface reflects comes from the table.
-      if (depth == 1 && c.light_group != scene::kNone) continue;
-      std::array<double, 3>& sum = sums_[point_[static_cast<size_t>(c.path)]];
+      std::vector<Sum>& kind = depth == 1 && c.light_group != scene::kNone ? met_ : sums_;
+      Sum& sum = kind[point_[static_cast<size_t>(c.path)]];
       sum[0] += double{c.value.x};
       sum[1] += double{c.value.y};
       sum[2] += double{c.value.z};
@@ -111,6 +112,13 @@ class Gatherer : public pathtrace::LightSink {
   const Counts& counts() const { return counts_; }
 
  private:
+  using Sum = std::array<double, 3>;
+
+  static Rgb scaled(const Sum& sum, double scale) {
+    return {static_cast<float>(sum[0] * scale), static_cast<float>(sum[1] * scale),
+            static_cast<float>(sum[2] * scale)};
+  }
+
   void flush() {
     transport_.trace_indirect(sampler_);
     sampler_.clear();
@@ -123,7 +131,7 @@ class Gatherer : public pathtrace::LightSink {
   pathtrace::PathSampler sampler_;
   pathtrace::BasicTransport<TableReader> transport_;
   std::array<size_t, kBlock> point_;
-  std::vector<std::array<double, 3>> sums_;
+  std::vector<Sum> sums_, met_;
 };
 
 }  // namespace
@@ -141,13 +149,15 @@ Gathered gather_irradiance(const pathtrace::Bvh& bvh, const pathtrace::Lights& l
   pathtrace::check_points(positions, normals);
   Gathered out;
   out.indirect.resize(positions.size());
+  out.met.resize(positions.size());
   if (lights.empty()) return out;
   std::atomic<int64_t> rays_traced{0}, lookups{0}, misses{0};
   parallel_for(static_cast<int64_t>(positions.size()), kGrain, [&](int64_t begin, int64_t end) {
     const auto gatherer = std::make_unique<Gatherer>(bvh, lights, table, options);
     const auto first = static_cast<size_t>(begin), count = static_cast<size_t>(end - begin);
     gatherer->gather(positions.subspan(first, count), normals.subspan(first, count),
-                     first_index + begin, std::span(out.indirect).subspan(first, count));
+                     first_index + begin, std::span(out.indirect).subspan(first, count),
+                     std::span(out.met).subspan(first, count));
     rays_traced += gatherer->rays_traced();
     lookups += gatherer->counts().lookups;
     misses += gatherer->counts().misses;

@@ -25,13 +25,16 @@ struct GatherOptions {
 };
 
 struct Gathered {
-  std::vector<Rgb> indirect;        ///< [points], summed over light groups, W/m²
+  std::vector<Rgb> indirect;  ///< [points], summed over light groups, W/m²
+  /// [points]: of direct light what the rays meet, by the balance heuristic against as many light
+  /// samples (pathtrace::DirectOptions::hemisphere_elsewhere with a share of 1). Both sum up to it.
+  std::vector<Rgb> met;
   int64_t rays_traced = 0;          ///< nearest and shadow rays
   int64_t lookups = 0, misses = 0;  ///< of the table; a miss makes the path go on
 };
 
 /// Estimates indirect irradiance at points: what light brings that at least one surface has
-/// reflected. Emitters and environments that rays meet at once are direct light and do not count.
+/// reflected. Emitters and environments that rays meet at once are direct light, and apart.
 /// Unbiased but for what the table's values are wrong by, for textures, which are filtered over a
 /// part of what a ray stands for, and for paths cut at max_depth. Where the table's light has depth
 /// d, the result has depth d + 1.

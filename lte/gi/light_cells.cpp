@@ -12,6 +12,7 @@ namespace {
 
 constexpr size_t kFirstSlots = 1 << 10;
 constexpr float kFinest = 1e-6f;  // metres
+constexpr int kFinerLevels = 2;
 /// Walls lie at round coordinates, where rounding would put a place now into one cell and now into
 /// the next.
 constexpr float kShift = 0.3183f;
@@ -55,8 +56,16 @@ int LightCells::begin_view() {
 }
 
 const CellLight* LightCells::find(const Vec3& position, const Vec3& normal, float extent) const {
-  const Cell& cell = cells_[slot(key_of(position, normal, extent))];
+  const Cell& cell = cells_[known_slot(position, normal, extent)];
   return cell.key != 0 ? &cell.light : nullptr;
+}
+
+size_t LightCells::known_slot(const Vec3& position, const Vec3& normal, float extent) const {
+  const size_t own = slot(key_of(position, normal, extent));
+  size_t at = own;
+  for (int finer = 1; finer <= kFinerLevels && cells_[at].key == 0; ++finer)
+    at = slot(key_of(position, normal, std::ldexp(extent, -finer)));
+  return cells_[at].key != 0 ? at : own;
 }
 
 void LightCells::add(const Vec3& position, const Vec3& normal, float extent,
@@ -64,12 +73,16 @@ void LightCells::add(const Vec3& position, const Vec3& normal, float extent,
   const uint64_t key = key_of(position, normal, extent);
   size_t at = slot(key);
   if (cells_[at].key == 0) {
+    Cell& known = cells_[known_slot(position, normal, extent)];
+    const CellLight before = known.light;
+    if (known.key != 0) known.view = std::max(views_ - 1, 0);
     if (!(light.direct_rays > 0) && !(light.indirect_rays > 0)) return;
     if (2 * static_cast<size_t>(size_ + 1) > cells_.size()) {
       rebuild(2 * cells_.size(), 0);
       at = slot(key);
     }
     cells_[at].key = key;
+    cells_[at].light = before;
     ++size_;
   }
   cells_[at].view = std::max(views_ - 1, 0);

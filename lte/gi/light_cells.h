@@ -32,11 +32,12 @@ class LightCells {
   /// A view begins. @return  its number, from 0 on
   int begin_view();
 
-  /// What is known of a place, null for nothing.
+  /// What is known of a place, null for nothing: that of its cell, or else of one that is half or a
+  /// quarter as wide, as a view from nearer has left it.
   /// @param normal  unit, of the side that is asked about
   /// @param extent  metres that the place stands for: cells are as wide as that, or up to twice
   const CellLight* find(const Vec3& position, const Vec3& normal, float extent) const;
-  /// Adds estimates; without rays it notes that the place was shown.
+  /// Adds estimates, to what find() gives; without rays it notes that the place was shown.
   void add(const Vec3& position, const Vec3& normal, float extent, const CellLight& light);
 
   int64_t size() const { return size_; }
@@ -48,6 +49,9 @@ class LightCells {
     CellLight light;
   };
   size_t slot(uint64_t key) const;
+  /// The slot of the widest cell that find() looks at and that is there; else that of the cell
+  /// itself, which is empty.
+  size_t known_slot(const Vec3& position, const Vec3& normal, float extent) const;
   void rebuild(size_t slots, int oldest_view);
 
   int64_t most_, size_ = 0;

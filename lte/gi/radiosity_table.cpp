@@ -124,6 +124,7 @@ RadiosityTable::RadiosityTable(const pathtrace::Bvh& bvh, const TableEntries& en
   if (irradiance.empty()) return;
   radius_ = static_cast<float>(sum / static_cast<double>(radii.size()));
   index_ = SurfaceIndex(entries.position, entries.normal, radii, kCell);
+  index_.pack();
   entries_.resize(irradiance.size());
   std::vector<Walls> around(irradiance.size());
   std::vector<uint8_t> has_walls(irradiance.size());

@@ -98,6 +98,35 @@ SurfaceIndex::SurfaceIndex(std::span<const Vec3> positions, std::span<const Vec3
     for_each_list(points_[i], [&](uint64_t key) { listed_[slot(key).end++] = i; });
 }
 
+void SurfaceIndex::pack() {
+  constexpr uint32_t kLanes = SurfaceLanes::kLanes;
+  if (!lanes_.empty()) return;
+  uint32_t blocks = 0;
+  for (const Cell& cell : cells_) blocks += (cell.end - cell.begin + kLanes - 1) / kLanes;
+  lanes_.resize(blocks);
+  blocks = 0;
+  for (Cell& cell : cells_) {
+    const uint32_t begin = blocks;
+    for (uint32_t k = cell.begin; k < cell.end; ++k) {
+      const uint32_t lane = (k - cell.begin) % kLanes;
+      SurfaceLanes& block = lanes_[begin + (k - cell.begin) / kLanes];
+      const Point& point = points_[listed_[k]];
+      block.x[lane] = point.position.x;
+      block.y[lane] = point.position.y;
+      block.z[lane] = point.position.z;
+      block.normal_x[lane] = point.normal.x;
+      block.normal_y[lane] = point.normal.y;
+      block.normal_z[lane] = point.normal.z;
+      block.inverse_radius2[lane] = point.inverse_radius2;
+      block.point[lane] = listed_[k];
+    }
+    blocks += (cell.end - cell.begin + kLanes - 1) / kLanes;
+    cell.begin = begin;
+    cell.end = blocks;
+  }
+  listed_ = {};
+}
+
 SurfaceIndex::Cell& SurfaceIndex::slot(uint64_t key) {
   size_t at = mix_bits(key) & (cells_.size() - 1);
   while (cells_[at].key != kEmpty && cells_[at].key != key) at = (at + 1) & (cells_.size() - 1);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "lte/base/math.h"
+#include "lte/gi/surface_lanes.h"
 
 namespace lte::gi {
 
@@ -34,6 +35,10 @@ class SurfaceIndex {
   SurfaceIndex(std::span<const Vec3> positions, std::span<const Vec3> normals,
                std::span<const float> radii, float cell_edge = 1);
 
+  /// Lays out every list as look-ups read it: they are quicker, and a point takes 32 bytes a list
+  /// that it stands in instead of 4.
+  void pack();
+
   int64_t size() const { return static_cast<int64_t>(points_.size()); }
 
   /// Calls use(point, weight, offset) for all points that speak for `position` on the side
@@ -43,6 +48,7 @@ class SurfaceIndex {
   void for_each(const Vec3& position, const Vec3& normal, const Use& use) const {
     const Cell* cell = find(position, normal);
     if (cell == nullptr) return;
+    if (!lanes_.empty()) return for_each_packed(*cell, position, normal, use);
     for (uint32_t k = cell->begin; k < cell->end; ++k) {
       const uint32_t index = listed_[k];
       const Point& point = points_[index];
@@ -61,6 +67,8 @@ class SurfaceIndex {
   }
 
  private:
+  static constexpr uint32_t kAtOnce = 8;  ///< blocks of lanes that are weighed in one go
+
   struct Point {
     Vec3 position;
     float inverse_radius2;
@@ -69,10 +77,31 @@ class SurfaceIndex {
   };
   struct Cell {
     uint64_t key = kEmpty;
-    uint32_t begin = 0, end = 0;  ///< of listed_
+    uint32_t begin = 0, end = 0;  ///< of listed_, or of lanes_
   };
   static constexpr uint64_t kEmpty = ~uint64_t{0};
   static constexpr int64_t kCells = int64_t{1} << 20;  ///< along each axis at most
+
+  template <typename Use>
+  void for_each_packed(const Cell& cell, const Vec3& position, const Vec3& normal,
+                       const Use& use) const {
+    for (uint32_t first = cell.begin; first < cell.end; first += kAtOnce) {
+      const auto blocks = static_cast<int>(std::min(kAtOnce, cell.end - first));
+      alignas(64) float weights[kAtOnce * SurfaceLanes::kLanes];
+      int speaking[kAtOnce * SurfaceLanes::kLanes], count = 0;
+      weigh_lanes(lanes_.data() + first, blocks, position, normal, weights);
+      for (int i = 0; i < blocks * SurfaceLanes::kLanes; ++i) {  // without a branch to guess
+        speaking[count] = i;
+        count += weights[i] > 0 ? 1 : 0;
+      }
+      for (int k = 0; k < count; ++k) {
+        const SurfaceLanes& block =
+            lanes_[first + static_cast<uint32_t>(speaking[k] / SurfaceLanes::kLanes)];
+        const int lane = speaking[k] % SurfaceLanes::kLanes;
+        use(block.point[lane], weights[speaking[k]], position - block.position(lane));
+      }
+    }
+  }
 
   const Cell* find(const Vec3& position, const Vec3& normal) const;
   Cell& slot(uint64_t key);
@@ -82,7 +111,8 @@ class SurfaceIndex {
 
   std::vector<Point> points_;
   std::vector<uint32_t> listed_;
-  std::vector<Cell> cells_;  ///< open addressing; a power of two
+  std::vector<SurfaceLanes> lanes_;  ///< in its place, once packed
+  std::vector<Cell> cells_;          ///< open addressing; a power of two
   Vec3 low_;
   float inverse_edge_ = 1;
 };

@@ -40,6 +40,7 @@ Image fill(const Image& like, const Color& color) {
 /// Luminances that are positive and finite, of the pixels that an optional mask has.
 std::vector<float> luminances(const Image& linear, std::span<const uint8_t> mask) {
   std::vector<float> values;
+  values.reserve(linear.pixels.size() / static_cast<size_t>(linear.channels));
   for (int y = 0; y < linear.height; ++y) {
     for (int x = 0; x < linear.width; ++x) {
       const auto i =

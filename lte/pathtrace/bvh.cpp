@@ -41,7 +41,7 @@ void set_indices(RTCGeometry geometry, const scene::Mesh& mesh, bool own) {
 /// Embree reads 16 bytes at each 12-byte vertex, so the last one would be read past its vector:
 /// Embree keeps a padded copy of the positions and, unless it is to own them, shares the indices,
 /// three times as large.
-RTCScene build_mesh(RTCDevice device, const scene::Mesh& mesh, bool own_indices) {
+RTCGeometry make_geometry(RTCDevice device, const scene::Mesh& mesh, bool own_indices) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                            sizeof(Vec3), mesh.positions.size());
@@ -51,12 +51,31 @@ RTCScene build_mesh(RTCDevice device, const scene::Mesh& mesh, bool own_indices)
   std::memcpy(vertices, mesh.positions.data(), mesh.positions.size() * sizeof(Vec3));
   set_indices(geometry, mesh, own_indices);
   rtcCommitGeometry(geometry);
+  return geometry;
+}
+
+const float* positions_of(RTCGeometry geometry) {
+  return static_cast<const float*>(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0));
+}
+
+RTCScene build_mesh(RTCDevice device, const scene::Mesh& mesh, bool own_indices) {
+  RTCGeometry geometry = make_geometry(device, mesh, own_indices);
   RTCScene scene = rtcNewScene(device);
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
   rtcAttachGeometry(scene, geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(scene);
   return scene;
+}
+
+/// A mesh that stands in the frame as it is: rays need not enter a tree of its own, and meet it at
+/// the same places to the last bit.
+const float* attach_flat(Bvh::Handles* handles, int index, const scene::Mesh& mesh) {
+  RTCGeometry geometry = make_geometry(handles->device, mesh, /*own_indices=*/false);
+  const float* positions = positions_of(geometry);
+  rtcAttachGeometryByID(handles->top, geometry, static_cast<unsigned>(index));
+  rtcReleaseGeometry(geometry);
+  return positions;
 }
 
 /// False if the transform is singular or not finite.
@@ -183,20 +202,27 @@ void Bvh::start() {
   rtcSetSceneFlags(h.top, RTC_SCENE_FLAG_ROBUST);
 }
 
-/// Builds the meshes' trees that are missing, and the tree over the instances.
+/// Builds the meshes' trees that are missing, and the tree over the instances. Triangles of meshes
+/// that are borrowed, stand in the scene once and are not moved go into that tree themselves.
 void Bvh::attach_all(Indices indices) {
   Handles& h = *handles_;
   h.instances.reserve(scene_.instances.size());
+  std::vector<int> uses(scene_.meshes.size());
+  for (const scene::Instance& instance : scene_.instances) ++uses[instance.mesh];
   for (size_t i = 0; i < scene_.instances.size(); ++i) {
     const int mesh = scene_.instances[i].mesh;
     h.instances.push_back(make_record(scene_, static_cast<int>(i), h.origin));
     InstanceRecord& record = h.instances.back();
     if (record.triangles == nullptr) continue;
+    const Affine transform = to_frame(scene_.instances[i], h.origin);
+    if (indices == Indices::Borrowed && uses[mesh] == 1 && transform.m == Affine().m) {
+      record.positions = attach_flat(&h, static_cast<int>(i), scene_.meshes[mesh]);
+      continue;
+    }
     if (h.meshes[mesh] == nullptr)
       h.meshes[mesh] = build_mesh(h.device, scene_.meshes[mesh], indices == Indices::Own);
-    record.positions = static_cast<const float*>(
-        rtcGetGeometryBufferData(rtcGetGeometry(h.meshes[mesh], 0), RTC_BUFFER_TYPE_VERTEX, 0));
-    attach_instance(&h, static_cast<int>(i), mesh, to_frame(scene_.instances[i], h.origin));
+    record.positions = positions_of(rtcGetGeometry(h.meshes[mesh], 0));
+    attach_instance(&h, static_cast<int>(i), mesh, transform);
   }
   rtcCommitScene(h.top);
   check_device(h.device, "building the bounding volume hierarchy");
@@ -214,7 +240,7 @@ Hit Bvh::intersect(const Ray& ray) const {
   Hit hit;
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
   hit.t = query.ray.tfar;
-  hit.instance = static_cast<int>(query.hit.instID[0]);
+  hit.instance = static_cast<int>(instance_of(query.hit.instID[0], query.hit.geomID));
   hit.triangle = query.hit.primID;
   hit.u = query.hit.u;
   hit.v = query.hit.v;

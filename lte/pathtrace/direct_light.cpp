@@ -97,7 +97,9 @@ class DirectEstimator {
     for (uint32_t& seed : seeds) seed = numbers.next_u32();
     const float rounding = numbers.uniform();
     const auto rays =
-        static_cast<int32_t>(std::floor(share_ * static_cast<float>(count) + rounding));
+        options_.hemisphere_elsewhere
+            ? 0
+            : static_cast<int32_t>(std::floor(share_ * static_cast<float>(count) + rounding));
     const Vec3 origin =
         offset_origin(points_.positions[at], points_.normals[at], half_extent_) - handles_.origin;
     const auto add = [&](Samples* block, int32_t k) {

@@ -27,6 +27,9 @@ struct DirectOptions {
   /// the balance heuristic. They bound the noise near large lights, where light samples alone have
   /// no bound; elsewhere they cost more than they bring. 0 leaves them out.
   float hemisphere_share = 0.25f;
+  /// Light samples are weighed as beside such rays, but none are traced: the caller has others that
+  /// bring their part, as many as the share says.
+  bool hemisphere_elsewhere = false;
   /// The samples of a point are cut into two halves, which are stratified apart, so that their
   /// difference tells the variance. Points with one sample have none.
   bool variance = false;

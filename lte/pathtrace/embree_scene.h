@@ -104,6 +104,12 @@ inline bool occluded(RTCScene top, const Vec3& origin, const Vec3& direction, fl
   return ray.tfar < 0;  // Embree's sign for occluded
 }
 
+/// The instance that a ray has met. Flat ones have no scene of their own; the number of a miss is
+/// scene::kNone.
+inline uint32_t instance_of(uint32_t instance, uint32_t geometry) {
+  return instance != RTC_INVALID_GEOMETRY_ID ? instance : geometry;
+}
+
 inline Vec3 abs(const Vec3& a) { return {std::fabs(a.x), std::fabs(a.y), std::fabs(a.z)}; }
 
 /// Unit normal of the front from Embree's.

@@ -80,7 +80,7 @@ class PrimaryTracer {
       }
       return;
     }
-    const auto instance = static_cast<int>(hit.instID[0][lane]);
+    const auto instance = static_cast<int>(instance_of(hit.instID[0][lane], hit.geomID[lane]));
     const InstanceRecord& record = bvh_.handles().instances[static_cast<size_t>(instance)];
     const SurfacePoint point = surface_point(record, hit.primID[lane], hit.u[lane], hit.v[lane],
                                              {hit.Ng_x[lane], hit.Ng_y[lane], hit.Ng_z[lane]});

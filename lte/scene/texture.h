@@ -31,7 +31,7 @@ class Texture {
   struct Level {
     int width, height;
     std::vector<uint8_t> coded;  ///< level 0: texels as they came
-    std::vector<uint16_t> half;  ///< coarser levels: linear, 16-bit fixed point of [0, 1]
+    std::vector<uint16_t> half;  ///< coarser levels: linear, 16-bit fixed point of [0, 1]; padded
   };
   Rgb bilinear(const Level& level, const Vec2& uv, Wrap wrap_u, Wrap wrap_v) const;
 

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "lte/base/check.h"
+#include "lte/pathtrace/direct_light.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/scene/sampler.h"
 #include "tests/support/closed_forms.h"
@@ -51,6 +52,27 @@ TEST_F(Furnace, ReadsThePerfectTableWithoutNoise) {
   EXPECT_EQ(gathered.lookups, 3 * 16);
   EXPECT_EQ(gathered.misses, 0);
   EXPECT_EQ(gathered.rays_traced, 3 * 16);
+}
+
+/// Rays that meet what shines, and as many light samples: together they are direct light.
+TEST_F(Furnace, WhatItsRaysMeetCompletesLightSamples) {
+  GatherOptions options;
+  options.rays = 1024;
+  const Gathered gathered = gather(3, options);
+  const pathtrace::Bvh bvh(scene_);
+  const pathtrace::Lights lights(scene_);
+  pathtrace::DirectOptions direct;
+  direct.hemisphere_share = 1;
+  direct.hemisphere_elsewhere = true;
+  const std::vector<uint64_t> streams{0, 1, 2};
+  const pathtrace::DirectLight sampled = pathtrace::estimate_direct(
+      bvh, lights, {positions_, normals_, streams}, std::vector<int32_t>(3, options.rays), direct);
+  EXPECT_LE(sampled.rays_traced, 3 * options.rays) << "shadow rays alone";
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_GT(gathered.met[i].x, 0.2f);
+    EXPECT_GT(sampled.irradiance[i].x, 0.2f);
+    EXPECT_NEAR(gathered.met[i].x + sampled.irradiance[i].x, kPi, 0.02f * kPi) << i;
+  }
 }
 
 TEST_F(Furnace, ASecondSegmentCountsNoLightTwice) {

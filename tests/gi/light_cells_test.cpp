@@ -92,6 +92,42 @@ TEST(LightCells, BeyondTheirNumberForgetWhatTheLastViewsDidNotShow) {
   EXPECT_THROW(LightCells(0), Error);
 }
 
+/// What a view from nearer knows serves one from farther, and not the other way round: it would
+/// blur.
+TEST(LightCells, FinerCellsAnswerForWiderOnes) {
+  const Vec3 place{0.26f, 0, 0.26f};
+  for (const auto& [factor, known] :
+       {std::pair{0.5f, false}, {1.0f, true}, {2.0f, true}, {4.0f, true}, {8.0f, false}}) {
+    LightCells cells;
+    cells.begin_view();
+    cells.add(place, kUp, 0.02f, light(3, 2));
+    const CellLight* found = cells.find(place, kUp, 0.02f * factor);
+    ASSERT_EQ(found != nullptr, known) << factor;
+    if (!known) continue;
+    EXPECT_EQ(found->direct.x, 3);
+    cells.add(place, kUp, 0.02f * factor, light(6, 1));  // its own cell begins with that
+    EXPECT_EQ(cells.size(), factor > 1 ? 2 : 1);
+    const CellLight* own = cells.find(place, kUp, 0.02f * factor);
+    EXPECT_EQ(own->direct_rays, 3);
+    EXPECT_NEAR(own->direct.x, 4, 1e-6);
+    EXPECT_EQ(cells.find(place, kUp, 0.02f)->direct_rays, factor > 1 ? 2 : 3);
+  }
+}
+
+/// A view that needs no rays keeps the finer cells that it reads.
+TEST(LightCells, ShownByAViewFromFartherStay) {
+  LightCells cells(1);
+  cells.begin_view();
+  cells.add({5, 0.1f, 0.1f}, kUp, 0.1f, light(1, 1));
+  cells.add({9, 0.1f, 0.1f}, kUp, 0.1f, light(1, 1));
+  for (int view = 0; view < 4; ++view) {
+    cells.begin_view();
+    cells.add({5, 0.1f, 0.1f}, kUp, 0.2f, {});
+  }
+  EXPECT_EQ(cells.size(), 1);
+  EXPECT_NE(cells.find({5, 0.1f, 0.1f}, kUp, 0.1f), nullptr);
+}
+
 TEST(LightCells, WithoutRaysAddNothing) {
   LightCells cells;
   cells.add({1, 1, 1}, kUp, 0.1f, {});

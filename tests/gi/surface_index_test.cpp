@@ -68,6 +68,43 @@ TEST(SurfaceIndex, FindsWhatASearchThroughAllPointsFinds) {
   EXPECT_GT(found, 400) << "the test has to find something";
 }
 
+/// Few points, whose lists have lanes without one, and many, whose lists are longer than what is
+/// weighed in one go.
+TEST(SurfaceIndex, FindsTheSameOncePacked) {
+  for (const int count : {1, 7, 300, 4000}) {
+    const Points points = random_points(count, 5);
+    const SurfaceIndex plain(points.position, points.normal, points.radius, 0.5f);
+    SurfaceIndex packed = plain;
+    packed.pack();
+    packed.pack();
+    EXPECT_EQ(packed.size(), count);
+    Rng rng(6);
+    size_t found = 0, most = 0;
+    for (int query = 0; query < 500; ++query) {
+      const size_t near = static_cast<size_t>(query) % points.position.size();
+      const Vec3 p = points.position[near] + random_unit(&rng) * 0.02f;
+      const Vec3 n = normalize(points.normal[near] + random_unit(&rng) * 0.2f);
+      std::vector<std::pair<uint32_t, float>> a, b;
+      plain.for_each(p, n, [&](uint32_t i, float w, const Vec3&) { a.emplace_back(i, w); });
+      packed.for_each(p, n, [&](uint32_t i, float w, const Vec3& offset) {
+        b.emplace_back(i, w);
+        EXPECT_EQ(offset, p - points.position[i]);
+      });
+      std::erase_if(a, [](const auto& of) { return of.second < 1e-6f; });  // rounding decides
+      std::erase_if(b, [](const auto& of) { return of.second < 1e-6f; });
+      ASSERT_EQ(a.size(), b.size());
+      for (size_t k = 0; k < a.size(); ++k) {
+        EXPECT_EQ(a[k].first, b[k].first) << "in their order";
+        EXPECT_NEAR(a[k].second, b[k].second, 1e-5f);
+      }
+      found += a.size();
+      most = std::max(most, a.size());
+    }
+    EXPECT_GT(found, 50u) << count;
+    if (count == 4000) EXPECT_GT(most, 64u);
+  }
+}
+
 TEST(SurfaceIndex, AnswersOutsideItsBoundsAndWithoutPoints) {
   const Points points = random_points(10, 3);
   const SurfaceIndex index(points.position, points.normal, points.radius);

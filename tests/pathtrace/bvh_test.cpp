@@ -1,6 +1,7 @@
 #include "lte/pathtrace/bvh.h"
 
 #include <memory>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -200,6 +201,44 @@ TEST(OffsetOrigin, LeavesTheSurfaceByMoreThanRoundingAndStaysNear) {
     EXPECT_GT(height, magnitude * 4e-7f);
     EXPECT_LT(height, magnitude * 4e-6f);
   }
+}
+
+/// Meshes that are not moved need no tree of their own; those that others may share have one.
+TEST(Bvh, WithoutTreesOfItsMeshesFindsTheSameHits) {
+  scene::Scene scene;
+  const int material = add_material(&scene, {1, 1, 1});
+  Rng rng(9);
+  const auto random_vector = [&rng] {
+    return Vec3{rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)};
+  };
+  for (int i = 0; i < 9; ++i) {
+    scene::Mesh mesh;
+    mesh.material = material;
+    for (uint32_t t = 0; t < 20; ++t) {
+      const Vec3 center = random_vector();
+      for (int c = 0; c < 3; ++c) mesh.positions.push_back(center + random_vector() * 0.3f);
+      mesh.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+    }
+    add_instance(&scene, mesh, i % 3 == 2 ? test::translation(random_vector()) : Affine());
+  }
+  scene.instances.push_back({0, test::translation({0.1f, 0, 0})});  // the first one twice
+  const Bvh flat(scene);
+  const auto nested = Bvh::with_own_meshes(scene);
+  std::set<int> met;
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3 origin = random_vector() * 2;
+    const Ray ray{origin, normalize(random_vector() * 0.7f - origin)};
+    const Hit a = flat.intersect(ray), b = nested->intersect(ray);
+    ASSERT_EQ(a.instance, b.instance);
+    ASSERT_EQ(flat.occluded(ray), a.valid());
+    if (!a.valid()) continue;
+    met.insert(a.instance);
+    ASSERT_EQ(a.triangle, b.triangle);
+    ASSERT_EQ(a.t, b.t);
+    ASSERT_EQ(a.u, b.u);
+    ASSERT_EQ(a.normal, b.normal);
+  }
+  EXPECT_EQ(met.size(), 10u);
 }
 
 /// The meshes' trees outlive the scene and the tree that they were made for.

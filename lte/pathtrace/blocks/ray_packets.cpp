@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lte/pathtrace/embree_scene.h"
+
 namespace lte::pathtrace {
 namespace {
 
@@ -34,7 +36,10 @@ void intersect_packets(RTCScene top, const Lanes3& origin, const Lanes3& directi
     std::fill_n(packet.hit.geomID, N, RTC_INVALID_GEOMETRY_ID);
     std::fill_n(packet.hit.instID[0], N, RTC_INVALID_GEOMETRY_ID);
     Packet<N>::kIntersect(valid, top, &context, &packet);
-    std::copy_n(packet.hit.instID[0], N, hits->instance + first);  // kNone is all ones too
+    for (int lane = 0; lane < N; ++lane) {  // kNone is all ones too
+      hits->instance[first + lane] =
+          static_cast<int32_t>(instance_of(packet.hit.instID[0][lane], packet.hit.geomID[lane]));
+    }
     std::copy_n(packet.hit.primID, N, hits->triangle + first);
     std::copy_n(packet.ray.tfar, N, hits->t + first);
     std::copy_n(packet.hit.u, N, hits->u + first);

@@ -4,6 +4,10 @@
 #include <array>
 #include <cmath>
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 namespace lte::pathtrace {
 namespace {
 
@@ -20,6 +24,29 @@ float cos_difference(float sin_a, float cos_a, float sin_b, float cos_b) {
 float sin_difference(float sin_a, float cos_a, float sin_b, float cos_b) {
   return cos_a > cos_b ? 0 : sin_a * cos_b - cos_a * sin_b;
 }
+
+/// A number of each of two clusters. The upper half repeats the lower one: what is worked out there
+/// is not looked at.
+using Pair = float __attribute__((vector_size(16)));
+using PairOfFlags = int32_t __attribute__((vector_size(16)));
+
+Pair both(float x) { return Pair{x, x, x, x}; }
+Pair load(const float (&of)[2]) { return Pair{of[0], of[1], of[0], of[1]}; }
+PairOfFlags load(const int32_t (&of)[2]) { return PairOfFlags{of[0], of[1], of[0], of[1]}; }
+Pair largest(const Pair& a, const Pair& b) { return a < b ? b : a; }
+Pair within_one(const Pair& x) {
+  const Pair above = x < -both(1) ? -both(1) : x;
+  return both(1) < above ? both(1) : above;
+}
+Pair root(const Pair& x) {
+#if defined(__SSE2__)
+  return _mm_sqrt_ps(x);
+#else
+  return Pair{std::sqrt(x[0]), std::sqrt(x[1]), 0, 0};
+#endif
+}
+Pair root_of_positive(const Pair& x) { return root(largest(both(0), x)); }
+Pair sines(const Pair& cosine) { return root_of_positive(1 - cosine * cosine); }
 
 Vec3 rotated(const Vec3& v, const Vec3& axis, double angle) {
   const auto c = static_cast<float>(std::cos(angle)), s = static_cast<float>(std::sin(angle));
@@ -180,12 +207,63 @@ void LightTree::build(std::vector<Item>& items, size_t begin, size_t end, uint64
   const auto second = static_cast<uint32_t>(nodes_.size());
   build(items, split, end, trail | (uint64_t{1} << depth), depth + 1);
   nodes_[at] = {all, second, false};
+  children_.resize(nodes_.size());
+  children_[at] = children_of(nodes_[at + 1].cluster, nodes_[second].cluster);
 }
 
+LightTree::Children LightTree::children_of(const LightCluster& first, const LightCluster& second) {
+  Children out;
+  for (int k = 0; k < 2; ++k) {
+    const LightCluster& cluster = k == 0 ? first : second;
+    const Vec3 center = cluster.bounds.center(), half = cluster.bounds.extent() * 0.5f;
+    out.x[k] = center.x;
+    out.y[k] = center.y;
+    out.z[k] = center.z;
+    out.radius2[k] = dot(half, half);
+    out.axis_x[k] = cluster.axis.x;
+    out.axis_y[k] = cluster.axis.y;
+    out.axis_z[k] = cluster.axis.z;
+    out.power[k] = cluster.power;
+    out.cos_o[k] = cluster.cos_o;
+    out.sin_o[k] = sine(cluster.cos_o);
+    out.cos_e[k] = cluster.cos_e;
+    out.two_sided[k] = cluster.two_sided ? -1 : 0;
+  }
+  return out;
+}
+
+/// cluster_importance() of both children at once.
 bool LightTree::first_share(uint32_t node, const Vec3& position, const Vec3& normal,
                             double* share) const {
-  const double a = cluster_importance(nodes_[node + 1].cluster, position, normal);
-  const double b = cluster_importance(nodes_[nodes_[node].index].cluster, position, normal);
+  const Children& at = children_[node];
+  const Pair zero = both(0), one = both(1);
+  const Pair x = position.x - load(at.x), y = position.y - load(at.y), z = position.z - load(at.z);
+  const Pair radius2 = load(at.radius2), distance2 = x * x + y * y + z * z;
+  const Pair d2 = largest(distance2, radius2), power = load(at.power);
+  const Pair inverse = 1 / root(distance2);
+  const auto apart = distance2 > zero;  // else the point is the centre, seen along z
+  const Pair from_x = apart ? x * inverse : zero, from_y = apart ? y * inverse : zero,
+             from_z = apart ? z * inverse : one;
+  const Pair cos_b =
+      distance2 <= radius2 * 1.0001f ? -one : root_of_positive(1 - radius2 / distance2);
+  const Pair sin_b = sines(cos_b);
+  Pair cos_w =
+      within_one(load(at.axis_x) * from_x + load(at.axis_y) * from_y + load(at.axis_z) * from_z);
+  cos_w = load(at.two_sided) ? largest(cos_w, -cos_w) : cos_w;
+  const Pair sin_w = sines(cos_w), cos_o = load(at.cos_o), sin_o = load(at.sin_o);
+  const auto inside = cos_w > cos_o;
+  const Pair cos_x = inside ? one : cos_w * cos_o + sin_w * sin_o;
+  const Pair sin_x = inside ? zero : sin_w * cos_o - cos_w * sin_o;
+  const Pair cos_emitted = cos_x > cos_b ? one : cos_x * cos_b + sin_x * sin_b;
+  Pair importance = power * largest(cos_emitted, zero) / d2;
+  if (dot(normal, normal) > 0) {
+    const Pair cos_i = within_one(-(from_x * normal.x + from_y * normal.y + from_z * normal.z));
+    const Pair seen = cos_i > cos_b ? one : cos_i * cos_b + sines(cos_i) * sin_b;
+    importance *= largest(seen, zero);
+  }
+  importance = cos_emitted <= load(at.cos_e) ? zero : importance;
+  importance = d2 > zero ? importance : power;
+  const double a = double{importance[0]}, b = double{importance[1]};
   *share = a / (a + b);
   return a + b > 0;
 }

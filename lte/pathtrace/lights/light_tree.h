@@ -48,12 +48,20 @@ class LightTree {
     uint32_t index = 0;  ///< of the second child (the first follows its parent), or of the light
     bool leaf = false;
   };
+  /// The clusters of a node's two children as cluster_importance() needs them.
+  struct Children {
+    float x[2], y[2], z[2], radius2[2];  ///< of the sphere around the bounds
+    float axis_x[2], axis_y[2], axis_z[2];
+    float power[2], cos_o[2], sin_o[2], cos_e[2];
+    int32_t two_sided[2];  ///< all bits set, or none
+  };
   struct Item {
     LightCluster cluster;
     Vec3 center;
     uint32_t light = 0;
   };
 
+  static Children children_of(const LightCluster& first, const LightCluster& second);
   void build(std::vector<Item>& items, size_t begin, size_t end, uint64_t trail, int depth);
   /// Share of draws that the first of a node's two children gets; false if neither can be drawn.
   bool first_share(uint32_t node, const Vec3& position, const Vec3& normal, double* share) const;
@@ -62,8 +70,9 @@ class LightTree {
   bool descend(const ShareOf& share_of, double u, uint32_t* light, float* probability) const;
 
   std::vector<Node> nodes_;
-  std::vector<uint64_t> trails_;  ///< by light: bit k says which child to take at depth k
-  std::vector<uint8_t> present_;  ///< by light
+  std::vector<Children> children_;  ///< by node; of a leaf nothing
+  std::vector<uint64_t> trails_;    ///< by light: bit k says which child to take at depth k
+  std::vector<uint8_t> present_;    ///< by light
 };
 
 /// Draws many lights for one point: what a node's children may bring there is worked out once.

@@ -160,15 +160,17 @@ TEST_F(CentreLightOwnFilter, DoesNotSeeBands) {
   wanted.denoise = Denoise::On;
   const scene::Camera camera = pathtrace::auto_camera(renderer.bvh());
   const Frame frame = renderer.render(camera, wanted);
-  const SurfaceGuides guides = trace_guides(renderer.bvh(), camera, 1024, 300);
+  const pathtrace::GBuffer hits = pathtrace::trace_gbuffer(renderer.bvh(), camera, 1024, 300);
   const image::Denoiser denoiser;
   CentreRequest request;
   request.shadow_rays = {2, false, false, 0};
   request.denoiser = &denoiser;
-  const CentreLight light = light_centres(renderer.bvh(), renderer.lights(), guides, request);
+  const CentreLight light = light_centres(renderer.bvh(), renderer.lights(), hits, request);
   for (int y = 240; y < 270; ++y) {
     for (int x = 0; x < 1024; x += 13) {
-      if (max_component(guides.albedo.rgb(x, y)) <= 0) continue;
+      if (max_component(
+              hits.albedo[size_t{1024} * static_cast<size_t>(y) + static_cast<size_t>(x)]) <= 0)
+        continue;
       EXPECT_EQ(frame.direct.rgb(x, y), light.direct.rgb(x, y));
     }
   }

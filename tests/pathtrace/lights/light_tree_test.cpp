@@ -65,6 +65,33 @@ TEST(LightTree, ProbabilitiesAreADistributionAndThoseOfItsDraws) {
   }
 }
 
+/// The tree works out both children of a node at once.
+TEST(LightTree, SharesDrawsByTheImportanceOfEachLight) {
+  Rng rng(12);
+  int of_both = 0, of_one = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    std::vector<LightCluster> lights = random_lights(rng, 23);
+    lights = {lights[1 + static_cast<size_t>(trial) % 20],
+              lights[2 + static_cast<size_t>(trial) % 20]};
+    Vec3 position = random_point(rng, 10);
+    if (trial % 10 == 3) position = lights[0].bounds.center();
+    if (trial % 10 == 5) lights[1].bounds.high = lights[1].bounds.low;
+    const Vec3 normal = trial % 4 == 0 ? Vec3{} : random_unit(rng);
+    const double a = cluster_importance(lights[0], position, normal);
+    const double b = cluster_importance(lights[1], position, normal);
+    const double share = LightTree(lights).probability(position, normal, 0);
+    if (!(lights[0].power > 0 && lights[1].power > 0)) continue;
+    if (!(a + b > 0)) {
+      EXPECT_EQ(share, 0);
+      continue;
+    }
+    (a > 0 && b > 0 ? of_both : of_one) += 1;
+    EXPECT_NEAR(share, a / (a + b), 1e-6);
+  }
+  EXPECT_GT(of_both, 200);
+  EXPECT_GT(of_one, 200);
+}
+
 /// More nodes than a walk has room for, so that some push others out.
 TEST(LightTree, AWalkDrawsWhatTheTreeDraws) {
   Rng rng(8);

@@ -1,0 +1,34 @@
+#include "infer/render/picture_writer.h"
+
+#include <utility>
+
+#include "infer/render/frame_io.h"
+#include "lte/base/timer.h"
+
+namespace lte::infer {
+
+PictureWriter::PictureWriter(std::function<void(const FinishedPicture&)> written)
+    : written_(std::move(written)) {}
+
+PictureWriter::~PictureWriter() {
+  if (busy_.valid()) busy_.wait();
+}
+
+void PictureWriter::write(FinishedPicture picture) {
+  finish();
+  picture_ = std::move(picture);
+  busy_ = std::async(std::launch::async, [&p = *picture_] {
+    const Timer timer;
+    write_frame(p.out, p.frame, p.output, p.exposure, &p.camera);
+    return timer.seconds();
+  });
+}
+
+void PictureWriter::finish() {
+  if (!busy_.valid()) return;
+  seconds_ += busy_.get();
+  written_(*picture_);
+  picture_.reset();
+}
+
+}  // namespace lte::infer
