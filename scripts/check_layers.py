@@ -103,6 +103,8 @@ for depth, room in enumerate(EVAL):
     ALLOWED[room] = ALLOWED["infer/eval"] + EVAL[:depth]
 ALLOWED["infer/eval"] += EVAL
 ALLOWED["infer/render"] += ["infer/session"]
+# A row of the chart is what lte_render makes of a time.
+ALLOWED["infer/bench/pareto"] += ["infer/render"]
 ALLOWED["infer/bench"] += ["infer/bench/*", "infer/session"]
 # A live view shows a session in the qualities of lte_render.
 ALLOWED["infer/view"] = ALLOWED["infer/render"] + ["infer/render"]

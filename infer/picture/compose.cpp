@@ -89,6 +89,7 @@ void put_band(const Frame& band, int first, bool layers, int height, Frame* fram
   frame->queries += band.queries;
   frame->decoded += band.decoded;
   frame->edge_pixels += band.edge_pixels;
+  frame->correction_paths += band.correction_paths;
   frame->traced_pixels += band.traced_pixels;
   frame->metal += band.metal;
   frame->metal_by_default += band.metal_by_default;

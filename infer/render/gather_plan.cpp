@@ -8,18 +8,30 @@
 namespace lte::infer {
 namespace {
 
-/// Pixels of the picture that rates are measured on, and its rays.
-constexpr double kRatePixels = 3072;
-constexpr int kRateRays = 4;
-/// Shares of the pixels that lie at edges, and that no pixel of a sparse grid stands for.
-constexpr double kEdges = 0.3, kAlone = 0.03;
-/// Passes of the quickest denoiser that a correction by paths takes as long as.
-constexpr double kCorrectionPasses = 4;
-/// A budget beyond Final doubles its gather rays up to so many, and then buys paths.
+/// Pixels of the picture that rates are measured on: so many a second of the budget, between these
+/// bounds. Smaller ones are slower by the pixel.
+constexpr double kRatePixels = 6144, kLeastRatePixels = 1536;
+constexpr int kRateRays = 8;
+/// Share of the pixels that lie at edges, and what a hit there costs beside one at a centre.
+constexpr double kEdges = 0.25, kEdgeHit = 0.35;
+/// Share of the pixels that no pixel of a sparse grid stands for.
+constexpr double kAlone = 0.015;
+/// Filling the pixels between those of a grid, in passes of the quickest denoiser.
+constexpr double kFill = 0.4;
+/// A budget beyond Final doubles its gather rays up to so many, while the picture before paths
+/// takes no more than this share of the time.
 constexpr int kMostRays = 128;
+constexpr double kMostRaysShare = 0.35;
 /// Room for what predictions leave out.
-constexpr double kRoom = 0.2;
-/// Paths a pixel of Final at most.
+constexpr double kRoom = 0.05;
+/// Shares of the time that a picture takes before its paths: Final at most; others where it is
+/// less, by more rays.
+constexpr double kFinalShare = 0.5, kBaseShare = 0.6;
+/// What a picture before its paths may take beyond its prediction until its rays become fewer.
+constexpr double kBaseRoom = 1.25;
+/// The fewest rays of a machine that has become slow, as a share of the wanted ones.
+constexpr double kLeastRays = 0.25;
+/// Paths a pixel of Final at most, where they are chosen ahead.
 constexpr int kMostPaths = 1 << 14;
 
 /// Time of a pass against the quickest (docs/lab/gather.md).
@@ -30,18 +42,28 @@ double denoiser_factor(image::OidnQuality quality) {
     case image::OidnQuality::Balanced:
       return 2;
     default:
-      return 4;
+      return 3.5;
   }
 }
 
-GatherRates measure_gather_rates(const RenderSettings& base, const scene::Camera& camera,
-                                 Renderer* renderer) {
-  RenderSettings probe = probe_settings(base, kRatePixels, kRateRays);
+double pixels_of(const RenderSettings& settings) {
+  return double{1} * settings.width * settings.height;
+}
+
+/// The picture without its paths.
+RenderSettings base_of(RenderSettings settings) {
+  settings.gather.paths = 0;
+  return settings;
+}
+
+GatherRates measure_gather_rates(const RenderSettings& base, double pixels,
+                                 const scene::Camera& camera, Renderer* renderer) {
+  RenderSettings probe = probe_settings(base, pixels, kRateRays);
   probe.gather = {kRateRays, 1, 0, image::OidnQuality::Fast};
   renderer->render(camera, probe);  // the denoiser's library is loaded once
   const Frame frame = renderer->render(camera, probe);
   const StageSeconds seconds = renderer->seconds();
-  const double hits = double{1} * probe.width * probe.height;
+  const double hits = pixels_of(probe);
   const double rays = kRateRays * static_cast<double>(std::max<int64_t>(1, frame.decoded));
   GatherRates rates;
   rates.primary_s = seconds.primary / hits;
@@ -51,36 +73,89 @@ GatherRates measure_gather_rates(const RenderSettings& base, const scene::Camera
   rates.denoise_s = seconds.denoise / (2 * hits);
   probe.gather.paths = 2;
   renderer->render(camera, probe);
-  const double paths = renderer->seconds().reference - seconds.reference;
-  rates.path_s = std::max(rates.gather_s, 2 * paths / rays);
+  const StageSeconds& corrected = renderer->seconds();
+  rates.path_s = std::max(rates.gather_s, (corrected.reference - seconds.reference) / (2 * hits));
+  rates.finish_s = std::max(0.0, corrected.denoise - seconds.denoise) / hits;
   return rates;
+}
+
+/// Predicted seconds of a picture before its paths, by when they are spent.
+struct BaseSeconds {
+  double before = 0;  ///< first hits, metal, and direct light where it is sampled at every pixel
+  double rays = 0;    ///< at the points of the grid: what a pace may change
+  double after = 0;   ///< denoising, pixels between points, hits at edges
+  double sum() const { return before + rays + after; }
+};
+
+BaseSeconds base_seconds(const RenderSettings& settings, const GatherRates& rates) {
+  const double pixels = pixels_of(settings) * (1 + kRoom);
+  const double step = settings.gather.step;
+  const double points = 1 / (step * step);
+  const bool few_direct = settings.gather.direct && step > 1;
+  const double sampled_passes = !few_direct && denoises_sampled(settings) ? 1 : 0;
+  const double gathered_passes = few_direct && settings.layers ? 2 * points : points;
+  const double pass = settings.denoise == Denoise::Off
+                          ? 0
+                          : rates.denoise_s * denoiser_factor(settings.gather.quality);
+  const auto point = [&](int gather, int shadow) {
+    return rates.gather_s * gather + (few_direct ? rates.ray_s * shadow : 0);
+  };
+  BaseSeconds out;
+  out.before = pixels * (rates.primary_s + rates.metal_s + pass * sampled_passes +
+                         (few_direct ? 0 : rates.ray_s * settings.direct_samples));
+  out.rays = pixels * points * point(settings.gather.rays, settings.direct_samples);
+  out.after = pixels * (rates.primary_s * kEdges * kEdgeHit * settings.antialias +
+                        kAlone * point(std::max(settings.gather.rays, kLeastAloneRays),
+                                       std::max(settings.direct_samples, kLeastAloneRays)) +
+                        pass * gathered_passes + (step > 1 ? kFill * rates.denoise_s : 0));
+  return out;
+}
+
+/// Spends what a picture of gathered light leaves of the time, where paths are not counted by hand.
+void choose_pace(double seconds, const GatherRates& rates, const GivenFlags& given,
+                 GatherChoice* choice) {
+  RenderSettings& settings = choice->rung.settings;
+  const double pixels = pixels_of(settings);
+  const BaseSeconds base = base_seconds(settings, rates);
+  const bool final = choice->rung.quality == Quality::Final;
+  const bool by_hand = given.gather_rays || given.direct_samples;
+  // When the base is to be ready: rays become more where that is later than predicted.
+  double base_end = kBaseRoom * base.sum();
+  if (!final && !by_hand)
+    base_end = std::min(base.sum() + (kMostRungRays - 1) * base.rays, kBaseShare * seconds);
+  base_end = std::max(base_end, base.sum());
+  // A path in both halves of each pixel at an edge is the least that paths can do.
+  const double least_paths =
+      pixels * (2 * kEdges * rates.path_s + (final ? 1 : 0.1) * rates.finish_s);
+  const bool paths = final || (!given.correction_paths && base_end + 2 * least_paths <= seconds);
+  PaceSettings& pace = choice->pace;
+  pace.paths = paths;
+  pace.base_s = (paths ? base_end : seconds) / pixels;
+  pace.after_rays_s = base.after / pixels;
+  pace.gather_s = rates.gather_s;
+  pace.shadow_s = rates.ray_s;
+  pace.path_s = rates.path_s;
+  pace.finish_s = rates.finish_s;
+  pace.least = by_hand ? 1 : kLeastRays;
+  pace.most = by_hand || final ? 1 : kMostRungRays;
+  choice->paced = true;
+  settings.gather.paths = paths ? std::max(2, settings.gather.paths) : 0;
+}
+
+/// The same where all counts are chosen ahead: of irradiance alone.
+void count_paths(double seconds, const GatherRates& rates, RenderSettings* settings) {
+  const double left = seconds - predicted_gather_seconds(*settings, rates);
+  const double paths = left / (pixels_of(*settings) * (1 + kRoom) * std::max(rates.path_s, 1e-12));
+  settings->gather.paths += 2 * static_cast<int>(std::clamp(paths, 0.0, double{kMostPaths}) / 2);
 }
 
 }  // namespace
 
 double predicted_gather_seconds(const RenderSettings& settings, const GatherRates& rates) {
-  const double pixels = double{1} * settings.width * settings.height;
-  const double hits = 1 + kEdges * settings.antialias;
-  const double step = settings.gather.step;
-  const double points = step > 1 ? 1 / (step * step) : 1;
-  const auto rays_of = [&](int rays) {
-    return points * rays + (step > 1 ? kAlone * std::max(rays, kLeastAloneRays) : 0);
-  };
-  const bool few_direct = settings.gather.direct && step > 1;
-  const double shadow_rays =
-      few_direct ? rays_of(settings.direct_samples) : double{1} * settings.direct_samples;
-  double passes = points;
-  if (few_direct) {
-    passes += settings.layers ? points : 0;
-  } else if (denoises_sampled(settings)) {
-    passes += 1;
-  }
-  if (settings.denoise == Denoise::Off) passes = 0;
-  const double corrected = settings.gather.paths > 0 ? kCorrectionPasses : 0;
-  return pixels * (1 + kRoom) *
-         (rates.primary_s * hits + rates.metal_s + rates.ray_s * shadow_rays +
-          rates.gather_s * rays_of(settings.gather.rays) + rates.path_s * settings.gather.paths +
-          rates.denoise_s * (passes * denoiser_factor(settings.gather.quality) + corrected));
+  const int paths = settings.gather.paths;
+  return base_seconds(settings, rates).sum() +
+         pixels_of(settings) * (1 + kRoom) *
+             (rates.path_s * paths + (paths > 0 ? rates.finish_s : 0));
 }
 
 std::vector<GatherRung> gather_ladder(Sparse sparse, const GivenFlags& given,
@@ -89,39 +164,48 @@ std::vector<GatherRung> gather_ladder(Sparse sparse, const GivenFlags& given,
   for (const Quality quality : {Quality::Draft, Quality::Preview, Quality::Final})
     out.push_back({quality, with_quality(quality, sparse, given, base)});
   const RenderSettings draft = out.front().settings;
-  RenderSettings least = draft;
-  if (!given.direct_samples) least.direct_samples = 4;
-  if (!given.antialias) least.antialias = 4;
-  if (!given.gather_rays) least.gather.rays = 4;
-  if (!given.sparse) least.gather.step = 4;
-  out.insert(out.begin(), {Quality::Draft, least});
+  const auto quicker = [&](int rays, int step, int antialias) {
+    RenderSettings least = draft;
+    if (!given.direct_samples) least.direct_samples = rays;
+    if (!given.antialias) least.antialias = antialias;
+    if (!given.gather_rays) least.gather.rays = rays;
+    if (!given.sparse) least.gather.step = std::max(step, least.gather.step);
+    return GatherRung{Quality::Draft, least};
+  };
+  out.insert(out.begin(), {quicker(4, 8, 0), quicker(4, 4, 4)});
   return out;
 }
 
-GatherRung choose_rung(double seconds, double spent, const GatherRates& rates,
-                       const std::vector<GatherRung>& ladder, const GivenFlags& given) {
-  const double need = predicted_gather_seconds(ladder.front().settings, rates);
+GatherChoice choose_rung(double seconds, double spent, const GatherRates& rates,
+                         const std::vector<GatherRung>& ladder, const GivenFlags& given) {
+  const double need = predicted_gather_seconds(base_of(ladder.front().settings), rates);
   LTE_CHECK(need <= seconds, "--time-budget: ", seconds_text(std::max(0.0, seconds)),
             " are left after ", seconds_text(spent),
             " for the table of light, and the quickest picture takes about ", seconds_text(need),
             ": expected ", seconds_text(spent + need), " or more");
-  GatherRung best = ladder.front();
+  const bool full = ladder.front().settings.output == Output::Full;
+  GatherChoice choice{ladder.front(), {}, false};
   for (const GatherRung& rung : ladder) {
-    if (predicted_gather_seconds(rung.settings, rates) <= seconds) best = rung;
+    const bool counted = given.correction_paths || !full;
+    const double share = rung.quality == Quality::Final && !counted ? kFinalShare : 1;
+    const RenderSettings settings = counted ? rung.settings : base_of(rung.settings);
+    if (predicted_gather_seconds(settings, rates) <= share * seconds) choice.rung = rung;
   }
-  if (best.quality != Quality::Final) return best;
-  while (!given.gather_rays && 2 * best.settings.gather.rays <= kMostRays) {
-    RenderSettings more = best.settings;
-    more.gather.rays *= 2;
-    if (predicted_gather_seconds(more, rates) > seconds) break;
-    best.settings = more;
+  RenderSettings& best = choice.rung.settings;
+  if (choice.rung.quality == Quality::Final) {
+    while (!given.gather_rays && 2 * best.gather.rays <= kMostRays) {
+      RenderSettings more = best;
+      more.gather.rays *= 2;
+      if (predicted_gather_seconds(base_of(more), rates) > kMostRaysShare * seconds) break;
+      best = more;
+    }
   }
-  if (given.correction_paths) return best;
-  const double pixels = double{1} * best.settings.width * best.settings.height;
-  const double left = seconds - predicted_gather_seconds(best.settings, rates);
-  const double paths = left / (pixels * (1 + kRoom) * std::max(rates.path_s, 1e-12));
-  best.settings.gather.paths += 2 * static_cast<int>(std::min(paths, double{kMostPaths}) / 2);
-  return best;
+  if (full && !given.correction_paths) {
+    choose_pace(seconds, rates, given, &choice);
+  } else if (choice.rung.quality == Quality::Final && !given.correction_paths) {
+    count_paths(seconds, rates, &best);
+  }
+  return choice;
 }
 
 PicturePlan plan_gathered(double budget_s, const Timer& clock, Sparse sparse,
@@ -131,10 +215,17 @@ PicturePlan plan_gathered(double budget_s, const Timer& clock, Sparse sparse,
   LTE_CHECK(spent < budget_s, "--time-budget ", budget_s, "s: the table of light took ",
             static_cast<int>(std::ceil(1000 * spent)),
             " ms: expected more than that, or fewer --table-points");
-  const GatherRates rates = measure_gather_rates(base, camera, renderer);
-  const GatherRung rung = choose_rung(budget_s - clock.seconds(), spent, rates,
-                                      gather_ladder(sparse, given, base), given);
-  return {rung.quality, rung.settings, nullptr};
+  const double pixels = std::clamp(kRatePixels * budget_s, kLeastRatePixels, kRatePixels);
+  const GatherRates rates = measure_gather_rates(base, pixels, camera, renderer);
+  GatherChoice choice = choose_rung(budget_s - clock.seconds(), spent, rates,
+                                    gather_ladder(sparse, given, base), given);
+  PicturePlan plan{choice.rung.quality, choice.rung.settings, nullptr, nullptr};
+  if (!choice.paced) return plan;
+  choice.pace.budget_s = budget_s;
+  plan.gather_pace =
+      std::make_unique<PicturePace>(choice.pace, [&clock] { return clock.seconds(); });
+  plan.settings.gather.pace = plan.gather_pace.get();
+  return plan;
 }
 
 }  // namespace lte::infer

@@ -14,6 +14,7 @@ struct GatherRates {
   double gather_s = 0;   ///< a gather ray
   double path_s = 0;     ///< a path of the correction
   double denoise_s = 0;  ///< a pixel of a picture that noise is taken out of, by OidnQuality::Fast
+  double finish_s = 0;   ///< a pixel that paths correct: what smoothing the correction takes
   double metal_s = 0;    ///< a pixel, mean over all: paths where metal is
 };
 
@@ -31,13 +32,24 @@ struct GatherRung {
 std::vector<GatherRung> gather_ladder(Sparse sparse, const GivenFlags& given,
                                       const RenderSettings& base);
 
-/// The best rung that is ready in `seconds`. Time beyond Final buys gather rays, then paths.
-/// @param spent  seconds that are over already, for the message
-/// @throws lte::Error "--time-budget ...: ..." if none is.
-GatherRung choose_rung(double seconds, double spent, const GatherRates& rates,
-                       const std::vector<GatherRung>& ladder, const GivenFlags& given);
+/// What a budget has chosen: a rung, and how what is left of the time is spent.
+struct GatherChoice {
+  GatherRung rung;
+  PaceSettings pace;   ///< but for its budget
+  bool paced = false;  ///< else all counts are those of the rung
+};
 
-/// plan_picture() for gathered light: the renderer has its table. All counts are chosen ahead.
+/// The best rung that leaves time for what comes after it: Final takes half of `seconds` at most,
+/// and the other half is for correcting paths. Below Final rays become more, up to kMostRungRays
+/// times, and what is then left are paths.
+/// @param spent  seconds that are over already, for the message
+/// @throws lte::Error "--time-budget ...: ..." if none is ready in time.
+GatherChoice choose_rung(double seconds, double spent, const GatherRates& rates,
+                         const std::vector<GatherRung>& ladder, const GivenFlags& given);
+inline constexpr double kMostRungRays = 3;
+
+/// plan_picture() for gathered light: the renderer has its table.
+/// @param clock  must outlive the plan
 PicturePlan plan_gathered(double budget_s, const Timer& clock, Sparse sparse,
                           const GivenFlags& given, const RenderSettings& base,
                           const scene::Camera& camera, Renderer* renderer);

@@ -62,11 +62,21 @@ nlohmann::json sparse_json(const RenderSettings& settings) {
           {"contact_radius", options.contact_radius}};
 }
 
+/// Counts that a pace has chosen are means.
 nlohmann::json gather_json(const RenderSettings& settings, const Frame& frame) {
   if (settings.mode != Mode::Neural || settings.indirect != Indirect::Gather) return false;
-  return {{"rays", settings.gather.rays},
-          {"correction_paths", settings.gather.paths},
+  const PicturePace* pace = settings.gather.pace;
+  return {{"rays", pace ? pace->mean_gather_rays() : double{1} * settings.gather.rays},
+          {"correction_paths", settings.output == Output::Full ? frame.correction_paths
+                                                               : double{1} * settings.gather.paths},
           {"pixels", frame.decoded}};
+}
+
+/// Shadow rays a pixel; a mean where a pace has chosen them.
+double shadow_rays(const PicturePlan& plan) {
+  if (plan.pace) return plan.pace->mean_rays();
+  const double mean = plan.gather_pace ? plan.gather_pace->mean_shadow_rays() : 0;
+  return mean > 0 ? mean : plan.settings.direct_samples;
 }
 
 /// What there is to say about a picture that has been written.
@@ -87,8 +97,7 @@ nlohmann::json picture_json(const RenderRequest& request, const View& view, cons
           {"quality", enum_name(plan.quality)},
           {"sparse", sparse_json(settings)},
           {"antialias", settings.antialias},
-          {"direct_samples",
-           plan.pace ? plan.pace->mean_rays() : static_cast<double>(settings.direct_samples)},
+          {"direct_samples", shadow_rays(plan)},
           {"edge_pixels", frame.edge_pixels},
           {"traced_pixels", frame.traced_pixels}};
 }
@@ -211,7 +220,7 @@ void check_table_fits(const TableSettings& settings, const scene::Scene& scene,
 PicturePlan plan_of(const RenderRequest& request, const RenderSettings& base, const View& view,
                     const Timer& work, Renderer* renderer) {
   if (request.time_budget.empty())
-    return {parse_enum<Quality>("--quality", request.quality), base, nullptr};
+    return {parse_enum<Quality>("--quality", request.quality), base, nullptr, nullptr};
   const double budget = parse_time_budget(request.time_budget);
   const auto sparse = parse_enum<Sparse>("--sparse", request.sparse);
   PicturePlan plan =

@@ -16,6 +16,7 @@ struct PicturePlan {
   Quality quality = Quality::Final;
   RenderSettings settings;
   std::unique_ptr<RayPace> pace;  ///< settings.pace; none without a budget or with rays by hand
+  std::unique_ptr<PicturePace> gather_pace;  ///< settings.gather.pace, of gathered light
 };
 
 /// The settings of `quality`, but for those of `base` that the user has given.

@@ -1,6 +1,7 @@
 #include "infer/renderer/gathered_light.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,7 @@ using image::Image;
 constexpr int kTile = 8;
 // What a thread takes at a time.
 constexpr int64_t kPixels = 1 << 14, kRows = 8;
+constexpr size_t kPacedPoints = 1 << 13;  // whose rays a pace chooses at once
 // Rays at the grid, of pixels that stand alone and of the two halves of the correcting paths are
 // independent of each other, and of direct light's.
 constexpr uint64_t kGather = 31, kAlone = 32, kHalves = 33;
@@ -58,7 +60,7 @@ class Gatherer {
   }
 
   GatheredCentres run() {
-    sample(grid_points(), settings_.rays, direct_.shadow_rays, kGather);
+    sample_grid();
     Timer timer;
     if (denoiser_ != nullptr) denoise();
     out_.denoise_seconds = timer.seconds();
@@ -69,7 +71,7 @@ class Gatherer {
       for_pixels([&](size_t i) { layer.out->set_rgb(i, layer.values[i]); });
     }
     out_.fill_seconds += timer.seconds();
-    if (settings_.paths > 0) correct();
+    if (settings_.paths > 0) correct();  // of irradiance alone
     return std::move(out_);
   }
 
@@ -104,11 +106,34 @@ class Gatherer {
     return out;
   }
 
+  /// Light on the grid, with the rays that were wanted or that a pace has time for.
+  void sample_grid() {
+    const LitPoints points = grid_points();
+    const LightRays wanted{settings_.rays, direct_.shadow_rays};
+    if (settings_.pace == nullptr) {
+      sample(points, wanted, kGather, 0);
+      return;
+    }
+    std::vector<size_t> block;
+    for (size_t begin = 0; begin < points.size(); begin += kPacedPoints) {
+      block.resize(std::min(kPacedPoints, points.size() - begin));
+      std::iota(block.begin(), block.end(), begin);
+      const LightRays rays =
+          settings_.pace->rays(wanted, static_cast<int64_t>(points.size() - begin));
+      const LightWork before = out_.work;
+      sample(points.some(block), rays, kGather, static_cast<int64_t>(begin));
+      settings_.pace->add_rays(
+          rays, {out_.work.points - before.points, out_.work.gather_seconds - before.gather_seconds,
+                 out_.work.direct_seconds - before.direct_seconds});
+    }
+  }
+
   /// Light at points, into their pixels.
-  void sample(const LitPoints& points, int rays, int shadow_rays, uint64_t stream) {
+  void sample(const LitPoints& points, const LightRays& rays, uint64_t stream,
+              int64_t first_index) {
     GatherScene scene = scene_;
     scene.seed = hash_combine(scene_.seed, stream);
-    const PointLight light = light_points(scene, points, {rays, shadow_rays}, 0, &out_.work);
+    const PointLight light = light_points(scene, points, rays, first_index, &out_.work);
     for (size_t k = 0; k < points.size(); ++k) {
       const size_t pixel = points.pixel[k];
       if (direct_.shadow_rays > 0 && direct_.sum) {
@@ -173,7 +198,7 @@ class Gatherer {
     LitPoints points;
     for (const int32_t pixel : open) add_point(static_cast<size_t>(pixel), 1, &points);
     const auto alone = [](int count) { return count > 0 ? std::max(count, kLeastAloneRays) : 0; };
-    sample(points, alone(settings_.rays), alone(direct_.shadow_rays), kAlone);
+    sample(points, {alone(settings_.rays), alone(direct_.shadow_rays)}, kAlone, 0);
   }
 
   /// Calls use(pixel) for all of them, in several threads.

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "infer/renderer/picture_pace.h"
 #include "infer/renderer/point_light.h"
 #include "lte/image/denoise.h"
 #include "lte/pathtrace/gbuffer.h"
@@ -15,11 +16,15 @@ struct GatherSettings {
   /// Points at every so many columns and rows: a power of two. Pixels in between take their light
   /// from those on their surface, and have rays of their own where there are none.
   int step = 1;
-  /// Paths a pixel that correct the answer (path_correction.h); an even number, 0 for none.
+  /// Paths a pixel that correct the answer; an even number, 0 for none. A full picture is corrected
+  /// by paths through whole pixels (pixel_correction.h), irradiance alone by paths from their
+  /// centres (path_correction.h).
   int paths = 0;
   image::OidnQuality quality = image::OidnQuality::High;  ///< of the denoiser
   /// Direct light is sampled at these points alone, too.
   bool direct = false;
+  /// Chooses the rays near `rays`, and in a full picture the paths. May be null.
+  PicturePace* pace = nullptr;
 };
 
 /// @throws lte::Error naming what is out of range.

@@ -1,10 +1,8 @@
 // What paths know better than an answer: a picture of irradiance that converges as they do.
 //
 // Two independent halves of the paths are compared with the answer. What both say differs from it
-// by more than their noise is the answer's error. The mean difference is added after a smoothing
-// over the surface, as wide as the estimated error is least there: not at all where paths are few
-// or the answer is right, pixel by pixel where they are many. So with more paths the error falls to
-// that of the paths and has no floor.
+// by more than their noise is its error (residual_bands.h), and is added. So with more paths the
+// error falls to that of the paths and has no floor.
 #pragma once
 
 #include <cstdint>

@@ -18,6 +18,8 @@ using image::Image;
 constexpr int64_t kBandPixels = int64_t{1} << 18;
 // Rows around a strip that the denoiser sees.
 constexpr int kRowsAround = 32;
+// Paths through pixels are independent of all that the picture has used before.
+constexpr uint64_t kPixelPaths = 34;
 
 }  // namespace
 
@@ -71,6 +73,7 @@ CentreRequest PictureJob::centre_request(const PictureRows& strip) {
   request.skip_metal = needs_.metal == Metal::Trace;
   // Without layers nobody asks which light is which.
   request.sum = !settings_.layers && settings_.gather.paths == 0;
+  if (needs_.corrects_pixels) request.gather.paths = 0;  // they come when edges are there too
   if (needs_.keeps_cells) request.cells = from_.cells;
   request.view = view_;
   return request;
@@ -90,12 +93,13 @@ void PictureJob::prepare_centres(const PictureRows& strip) {
   seconds_.primary += timer.seconds();
   if (needs_.radiance) return;
   CentreRequest request = centre_request(strip);
-  int64_t untold = int64_t{strip.width} * (strip.last - strip.first);
+  untold_ = int64_t{strip.width} * (strip.last - strip.first);
   if (settings_.done) {
-    request.done = [&](int64_t pixels) {  // of the strip, not of the rows around it
-      pixels = std::min(pixels, untold);
+    request.done = [&](int64_t pixels) {        // of the strip, not of the rows around it
+      if (needs_.corrects_pixels) pixels /= 2;  // paths are the other half
+      pixels = std::min(pixels, untold_);
       if (pixels > 0) settings_.done(pixels);
-      untold -= pixels;
+      untold_ -= pixels;
     };
   }
   centres_ = light_centres(from_.bvh, from_.lights, *hits_, request);
@@ -166,6 +170,54 @@ Frame PictureJob::render_band(const PictureRows& rows) {
   return frame;
 }
 
+/// Paths as they are asked for, or until the time is used.
+void PictureJob::trace_passes(const std::vector<PixelKind>& kinds, PixelPaths* paths) {
+  std::vector<int64_t> rough, smooth;
+  for (size_t i = 0; i < kinds.size(); ++i) {
+    if (kinds[i] == PixelKind::Rough) rough.push_back(static_cast<int64_t>(i));
+    if (kinds[i] == PixelKind::Smooth) smooth.push_back(static_cast<int64_t>(i));
+  }
+  PicturePace* pace = settings_.gather.pace;
+  if (pace == nullptr) {
+    paths->add(rough, std::max(1, settings_.gather.paths / 2));
+    paths->add(smooth, std::max(1, settings_.gather.paths / 2));
+    return;
+  }
+  pace->begin_paths(static_cast<int64_t>(rough.size()), static_cast<int64_t>(smooth.size()));
+  for (PixelPass pass = pace->next_pass(); !pass.empty(); pass = pace->next_pass()) {
+    if (pass.rough > 0) paths->add(rough, pass.rough);
+    if (pass.smooth > 0) paths->add(smooth, pass.smooth);
+    pace->add_pass(pass);
+    if (settings_.done && untold_ > 1) {
+      settings_.done(untold_ / 2);
+      untold_ -= untold_ / 2;
+    }
+  }
+}
+
+/// Corrects a strip by paths through its pixels.
+void PictureJob::correct(const PictureRows& strip, Frame* frame) {
+  Timer timer;
+  const pathtrace::GBuffer hits =
+      pathtrace::rows_of(*hits_, strip.first - first_row_, strip.last - first_row_);
+  const SurfaceGuides guides = guides_of(hits);
+  const std::vector<PixelKind> kinds = pixel_kinds(
+      hits, pathtrace::pixel_size(camera_, settings_.height), needs_.metal != Metal::Trace);
+  PixelPaths paths(from_.bvh, from_.lights, camera_, strip, settings_.max_depth,
+                   hash_combine(settings_.seed, kPixelPaths));
+  trace_passes(kinds, &paths);
+  seconds_.reference += timer.seconds();
+  timer.restart();
+  const double pixels = double{1} * settings_.width * settings_.height;
+  frame->correction_paths = paths.mean_paths() * static_cast<double>(kinds.size()) / pixels;
+  if (frame->correction_paths > 0) {
+    correct_pixels(guides, kinds, paths.paths(), paths.take(), frame);
+    frame->color = compose(*frame, settings_.output);
+  }
+  if (settings_.done && untold_ > 0) settings_.done(untold_);
+  seconds_.denoise += timer.seconds();
+}
+
 /// The colors of a reference by paths through whole pixels.
 void PictureJob::add_radiance(Frame* frame) {
   const int width = settings_.width, height = settings_.height;
@@ -195,11 +247,25 @@ Frame PictureJob::render() {
   Frame frame;
   for (int first = 0; first < height; first += needs_.strip_rows) {
     const int last = std::min(first + needs_.strip_rows, height);
-    prepare_centres({width, height, first, last});
+    const PictureRows strip{width, height, first, last};
+    if (settings_.gather.pace != nullptr && needs_.table) {
+      settings_.gather.pace->begin_rows(int64_t{width} * (last - first),
+                                        int64_t{width} * (height - last));
+    }
+    prepare_centres(strip);
+    Frame corrected;  // all layers of the strip
     for (int row = first; row < last; row += band_rows) {
       const PictureRows rows{width, height, row, std::min(row + band_rows, last)};
-      put_band(render_band(rows), row, settings_.layers, height, &frame);
+      const Frame band = render_band(rows);
+      if (needs_.corrects_pixels) {
+        put_band(band, row - first, /*layers=*/true, last - first, &corrected);
+      } else {
+        put_band(band, row, settings_.layers, height, &frame);
+      }
     }
+    if (!needs_.corrects_pixels) continue;
+    correct(strip, &corrected);
+    put_band(corrected, first, settings_.layers, height, &frame);
   }
   if (needs_.radiance) add_radiance(&frame);
   return frame;

@@ -11,6 +11,8 @@
 #include "infer/picture/picture_band.h"
 #include "infer/renderer/centre_light.h"
 #include "infer/renderer/picture_needs.h"
+#include "infer/renderer/pixel_correction.h"
+#include "infer/renderer/pixel_paths.h"
 #include "infer/renderer/render_settings.h"
 #include "infer/renderer/shared_denoiser.h"
 #include "lte/gi/sparse_pixels.h"
@@ -56,6 +58,8 @@ class PictureJob {
   void add_radiance(Frame* frame);
 
   void prepare_centres(const PictureRows& strip);
+  void correct(const PictureRows& strip, Frame* frame);
+  void trace_passes(const std::vector<PixelKind>& kinds, PixelPaths* paths);
   CentreRequest centre_request(const PictureRows& strip);
   const image::Denoiser* denoiser();
 
@@ -85,6 +89,7 @@ class PictureJob {
   std::optional<pathtrace::GBuffer> hits_;
   std::optional<CentreLight> centres_;
   bool counted_ = false;  ///< what was gathered at centres, in a band
+  int64_t untold_ = 0;    ///< of its pixels: nobody was told that they are done
 
   int64_t band_pixels_ = 0, done_ = 0;  ///< of this band; of them, those that were told of
 };

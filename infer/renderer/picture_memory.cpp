@@ -32,6 +32,8 @@ constexpr double kStrip = 1.2 * kStripPixels;
 // Gathered light: points, what they found and how pixels between them are filled; and the halves of
 // the paths that correct it, their differences and how those are smoothed.
 constexpr double kGatherBytes = 110, kCorrectionBytes = 320;
+// Where paths correct whole pixels: all layers of the strip beside that.
+constexpr double kStripLayerBytes = 76;
 // Open Image Denoise, which works in tiles beyond its limit (image/oidn.cpp).
 constexpr double kOidnBytes = 600, kMostOidnMib = 768;
 
@@ -62,18 +64,20 @@ double picture_mb(const RenderSettings& settings) {
   const double bands = (pixels * frame + std::max(pixels * writing, band * work)) / kMib;
   const PictureNeeds needs = needs_of(settings, /*has_light=*/true, /*total=*/false);
   if (!needs.centres) return bands;
-  const double gather = !needs.table                ? 0
-                        : settings.gather.paths > 0 ? kGatherBytes + kCorrectionBytes
-                                                    : kGatherBytes;
+  const bool corrects_points = settings.gather.paths > 0 && !needs.corrects_pixels;
+  const double gather = !needs.table      ? 0
+                        : corrects_points ? kGatherBytes + kCorrectionBytes
+                                          : kGatherBytes;
   const double strip = needs.radiance ? pixels : std::min(pixels, kStrip);
   const double step = needs.table && settings.gather.direct ? settings.gather.step : 1;
-  const double centres =
-      strip * (kCentreBytes + gather) / kMib +
-      std::min(kMostOidnMib, strip / (step * step) * kOidnBytes / kMib) +
-      (strip < pixels ? pixels * frame / kMib : 0);  // that has some strips already
+  const double before = strip < pixels ? pixels * frame / kMib : 0;  // strips that are there
+  const double centres = strip * (kCentreBytes + gather) / kMib +
+                         std::min(kMostOidnMib, strip / (step * step) * kOidnBytes / kMib) + before;
+  const double corrected =
+      needs.corrects_pixels ? strip * (kCorrectionBytes + kStripLayerBytes) / kMib + before : 0;
   const double hits = std::min(pixels, kStrip) * kHitBytes / kMib;
   const double cells = needs.table && settings.keep_light ? kCellsMib : 0;
-  return std::max(bands + strip * kKeptBytes / kMib, centres) + hits + cells;
+  return std::max({bands + strip * kKeptBytes / kMib, centres, corrected}) + hits + cells;
 }
 
 void check_picture_fits(const RenderSettings& settings, double available_mb) {

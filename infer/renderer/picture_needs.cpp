@@ -50,6 +50,7 @@ PictureNeeds needs_of(const RenderSettings& settings, bool has_light, bool total
   needs.gathers_direct =
       needs.table && needs.direct && settings.gather.direct && !settings.adaptive_direct;
   needs.keeps_cells = needs.table && settings.keep_light && settings.gather.step > 1;
+  needs.corrects_pixels = needs.table && full && settings.gather.paths > 0;
   needs.radiance = !neural && full;
   needs.denoises_sampled = denoises_sampled(settings);
   needs.denoises_gathered = settings.denoise != Denoise::Off;

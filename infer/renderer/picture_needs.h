@@ -15,7 +15,9 @@ struct PictureNeeds {
   /// Direct light is sampled where indirect light is gathered.
   bool gathers_direct = false;
   bool keeps_cells = false;  ///< views share what is gathered
-  bool radiance = false;     ///< a reference whose paths find whole pixels
+  /// Paths through whole pixels correct what is gathered.
+  bool corrects_pixels = false;
+  bool radiance = false;  ///< a reference whose paths find whole pixels
   /// The light of centres is sampled at once, before the bands: where it is gathered, rays are
   /// shared out or noise is taken away.
   bool centres = false;

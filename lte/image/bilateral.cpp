@@ -1,5 +1,6 @@
 #include "lte/image/bilateral.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -44,14 +45,12 @@ class Filter {
       position_[i] = guides.position->rgb(i);
       normal_[i] = guides.normal->rgb(i);
     }
-    linear_ = !std::isfinite(options.luminance_sigma);
-    if (!linear_) find_variance(guides.variance);
+    find_variance(guides.variance);
   }
 
   Image run() {
     for (int pass = 0; pass < options_.passes; ++pass) {
-      each_pixel(
-          [&](int x, int y, size_t i) { filter(x, y, i, 1 << (options_.first_pass + pass)); });
+      each_pixel([&](int x, int y, size_t i) { filter(x, y, i, 1 << pass); });
       std::swap(now_, next_);
     }
     Image out(width_, height_, 3);
@@ -125,11 +124,8 @@ class Filter {
     next_.variance[i] = now_.variance[i];
     if (background(i)) return;
     const float own = luminance(now_.color[i]);
-    float scale = 0;
-    if (!linear_) {
-      const float error = options_.luminance_sigma * std::sqrt(variance_around(x, y, i));
-      scale = 1 / (error + 1e-6f * std::fabs(own) + std::numeric_limits<float>::min());
-    }
+    const float error = options_.luminance_sigma * std::sqrt(variance_around(x, y, i));
+    const float scale = 1 / (error + 1e-6f * std::fabs(own) + std::numeric_limits<float>::min());
     Rgb sum;
     float weights = 0, variance = 0;
     for (int row = -2; row <= 2; ++row) {
@@ -139,7 +135,7 @@ class Filter {
         const size_t j = index(tap_x, tap_y);
         if (j != i && !mixes(i, j)) continue;
         float weight = kTaps[static_cast<size_t>(column + 2)] * kTaps[static_cast<size_t>(row + 2)];
-        if (!linear_) weight *= std::exp(-std::fabs(luminance(now_.color[j]) - own) * scale);
+        weight *= std::exp(-std::fabs(luminance(now_.color[j]) - own) * scale);
         sum += now_.color[j] * weight;
         weights += weight;
         variance += weight * weight * now_.variance[j];
@@ -151,7 +147,6 @@ class Filter {
 
   const int width_, height_;
   const BilateralOptions& options_;
-  bool linear_ = false;
   std::vector<Vec3> position_, normal_;
   Plane now_, next_;
 };
@@ -167,6 +162,48 @@ bool same_surface(const Vec3& position_a, const Vec3& normal_a, const Vec3& posi
   return above_a * above_a <= limit && above_b * above_b <= limit;
 }
 
+void surface_means(const Image& normal, const Image& position, int step,
+                   std::span<Image* const> pictures) {
+  const int width = normal.width, height = normal.height;
+  const auto is_of_size = [&](const Image& image) {
+    return image.width == width && image.height == height && image.channels == 3;
+  };
+  LTE_CHECK(step >= 1 && is_of_size(normal) && is_of_size(position) &&
+                std::ranges::all_of(pictures, [&](const Image* p) { return is_of_size(*p); }),
+            "surface means: expected pictures of one size, got some of others");
+  std::vector<Image> means;
+  for (const Image* picture : pictures) means.push_back(*picture);
+  parallel_for(height, kRowsAtOnce, [&](int64_t begin, int64_t end) {
+    std::vector<Rgb> sums(pictures.size());
+    for (auto y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+      for (int x = 0; x < width; ++x) {
+        const Vec3 at = position.rgb(x, y), up = normal.rgb(x, y);
+        if (!(dot(up, up) > 0)) continue;
+        std::fill(sums.begin(), sums.end(), Rgb{});
+        float weights = 0;
+        for (int row = -2; row <= 2; ++row) {
+          const int tap_y = y + row * step;
+          if (tap_y < 0 || tap_y >= height) continue;
+          for (int column = -2; column <= 2; ++column) {
+            const int tap_x = x + column * step;
+            if (tap_x < 0 || tap_x >= width) continue;
+            const bool own = row == 0 && column == 0;
+            if (!own && !same_surface(at, up, position.rgb(tap_x, tap_y), normal.rgb(tap_x, tap_y)))
+              continue;
+            const float weight =
+                kTaps[static_cast<size_t>(column + 2)] * kTaps[static_cast<size_t>(row + 2)];
+            for (size_t k = 0; k < sums.size(); ++k)
+              sums[k] += pictures[k]->rgb(tap_x, tap_y) * weight;
+            weights += weight;
+          }
+        }
+        for (size_t k = 0; k < sums.size(); ++k) means[k].set_rgb(x, y, sums[k] * (1 / weights));
+      }
+    }
+  });
+  for (size_t k = 0; k < means.size(); ++k) *pictures[k] = std::move(means[k]);
+}
+
 Image bilateral_filter(const Image& noisy, const BilateralGuides& guides,
                        const BilateralOptions& options) {
   const auto check = [&](const Image* image, int channels, const char* what) {
@@ -180,9 +217,8 @@ Image bilateral_filter(const Image& noisy, const BilateralGuides& guides,
   check(guides.normal, 3, "normals");
   check(guides.position, 3, "positions");
   if (guides.variance != nullptr) check(guides.variance, 1, "variances");
-  LTE_CHECK(
-      options.passes >= 0 && options.first_pass >= 0 && options.first_pass + options.passes <= 12,
-      "passes must be 0 to 12, got ", options.passes, " after ", options.first_pass);
+  LTE_CHECK(options.passes >= 0 && options.passes <= 12, "passes must be 0 to 12, got ",
+            options.passes);
   LTE_CHECK(options.luminance_sigma > 0, "luminance_sigma must be positive, got ",
             options.luminance_sigma);
   return Filter(noisy, guides, options).run();

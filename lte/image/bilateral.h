@@ -7,6 +7,8 @@
 // its value differs, measured in the standard error of the noise, so that shadows stay.
 #pragma once
 
+#include <span>
+
 #include "lte/image/image.h"
 
 namespace lte::image {
@@ -22,10 +24,8 @@ struct BilateralGuides {
 
 struct BilateralOptions {
   int passes = 5;  ///< taps reach 2 (2^passes − 1) pixels to each side
-  /// Standard errors by which luminance may differ: more smooths more. Infinite: the filter is
-  /// linear, and shadows are smoothed away.
+  /// Standard errors by which luminance may differ: more smooths more.
   float luminance_sigma = 4;
-  int first_pass = 0;  ///< passes that are left out before these: those of a picture that had them
 };
 
 /// @param noisy  [height, width, 3], finite
@@ -33,6 +33,13 @@ struct BilateralOptions {
 /// @throws lte::Error if a guide is missing or of another size, or an option is out of range.
 Image bilateral_filter(const Image& noisy, const BilateralGuides& guides,
                        const BilateralOptions& options = {});
+
+/// One pass without regard to values, over taps `step` pixels apart, of several pictures at once.
+/// It is linear, so shadows are smoothed away.
+/// @param normal, position  as those of BilateralGuides
+/// @param pictures          of their size, [height, width, 3]; background stays as it is
+void surface_means(const Image& normal, const Image& position, int step,
+                   std::span<Image* const> pictures);
 
 /// Whether the filter may mix two surface points.
 bool same_surface(const Vec3& position_a, const Vec3& normal_a, const Vec3& position_b,

@@ -1,6 +1,7 @@
 // The bilateral filter: what it leaves alone, what it never mixes, and how much noise it takes.
 #include "lte/image/bilateral.h"
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -197,6 +198,30 @@ TEST(Bilateral, DoesNotDependOnThreads) {
   const Image one = bilateral_filter(light, wall.guides());
   set_num_threads(threads);
   EXPECT_EQ(one.pixels, many.pixels);
+}
+
+TEST(SurfaceMeans, AreThoseOfTheSurfaceAndOfEachPicture) {
+  Wall wall(16, 8);
+  for (int y = 0; y < 8; ++y)
+    for (int x = 8; x < 16; ++x) wall.normal.set_rgb(x, y, {1, 0, 0});  // a corner
+  Image light(16, 8, 3), other(16, 8, 3);
+  for (int y = 0; y < 8; ++y) {
+    for (int x = 0; x < 16; ++x) {
+      light.set_rgb(x, y, x < 8 ? Rgb{1, 2, 3} : Rgb{5, 5, 5});
+      other.set_rgb(x, y, {static_cast<float>(x % 2), 0, 0});
+    }
+  }
+  const Image before = light;
+  surface_means(wall.normal, wall.position, 1, std::array<Image*, 2>{&light, &other});
+  for (size_t k = 0; k < light.pixels.size(); ++k)
+    EXPECT_NEAR(light.pixels[k], before.pixels[k], 1e-5f) << "nothing crosses the corner";
+  // 1/16, 4/16, 6/16, 4/16, 1/16 over 1 0 1 0 1 or 0 1 0 1 0.
+  EXPECT_NEAR(other.rgb(4, 4).x, 0.5f, 1e-5f);
+  EXPECT_NEAR(other.rgb(5, 4).x, 0.5f, 1e-5f);
+  const Image small(4, 4, 3);
+  Image wrong = small;
+  EXPECT_THAT([&] { surface_means(wall.normal, wall.position, 1, std::array<Image*, 1>{&wrong}); },
+              ThrowsMessage<Error>(HasSubstr("surface means")));
 }
 
 TEST(Bilateral, NamesWhatIsWrong) {

@@ -87,6 +87,10 @@ Method gathered_from_network(int rays);
 /// As `--quality draft` has it; for those of more than 2^20 pixels; for views that share light.
 enum class DraftKind { Plain, Large, Kept };
 Method gathered_draft(DraftKind kind);
+/// As `--quality final` has it, with its own number of correcting paths or, from 0 on, so many.
+Method gathered_final(int paths = -1);
+/// As `--time-budget` has it: what is done once and one view together take this time.
+Method time_budget(double seconds);
 /// A light map for many views: as many paths at about so many texels on all surfaces, denoised.
 Method light_map(int64_t texels, int paths);
 

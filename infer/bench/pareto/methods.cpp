@@ -24,6 +24,9 @@ std::vector<Method> all_methods() {
   for (const DraftKind kind : {DraftKind::Plain, DraftKind::Large, DraftKind::Kept})
     out.push_back(gathered_draft(kind));
   out.push_back(gathered_from_network(16));
+  out.push_back(gathered_final());
+  out.push_back(gathered_final(64));
+  for (const double seconds : {0.5, 1.0, 2.0, 5.0, 10.0, 30.0}) out.push_back(time_budget(seconds));
   return out;
 }
 

@@ -24,15 +24,24 @@ RenderSettings base() {
   return out;
 }
 
-const GatherRates kRates{0.2e-6, 0.3e-6, 0.5e-6, 1.5e-6, 1e-6, 0};
+const GatherRates kRates{0.2e-6, 0.3e-6, 0.5e-6, 1.5e-6, 1e-6, 2e-6, 0};
+
+double base_seconds(RenderSettings settings) {
+  settings.gather.paths = 0;
+  return predicted_gather_seconds(settings, kRates);
+}
 
 TEST(GatherPlan, QualitiesTakeLongerFromStepToStep) {
   const std::vector<GatherRung> ladder = gather_ladder(Sparse::Auto, {}, base());
   double before = 0;
   for (const GatherRung& rung : ladder) {
-    const double now = predicted_gather_seconds(rung.settings, kRates);
+    const double now = base_seconds(rung.settings);
     EXPECT_GT(now, before) << enum_name(rung.quality);
-    EXPECT_EQ(choose_rung(1.001 * now, 0, kRates, ladder, {}).quality, rung.quality);
+    const bool final = rung.quality == Quality::Final;
+    const GatherChoice choice = choose_rung((final ? 2.001 : 1.001) * now, 0, kRates, ladder, {});
+    EXPECT_EQ(choice.rung.quality, rung.quality);
+    EXPECT_EQ(choice.rung.settings.gather.step, rung.settings.gather.step);
+    EXPECT_TRUE(choice.paced);
     EXPECT_FALSE(rung.settings.sparse.has_value()) << "the network's quadtree is not meant";
     before = now;
   }
@@ -41,26 +50,58 @@ TEST(GatherPlan, QualitiesTakeLongerFromStepToStep) {
   EXPECT_GT(ladder.back().settings.gather.paths, 0) << "final has no floor";
 }
 
-TEST(GatherPlan, TimeBeyondFinalBuysPathsAndTooLittleIsRefusedInOneLine) {
+TEST(GatherPlan, TimeBeyondAPictureIsForPaths) {
+  const std::vector<GatherRung> ladder = gather_ladder(Sparse::Auto, {}, base());
+  const double final_s = base_seconds(ladder.back().settings);
+  const double pixels = 640 * 480;
+  int rays = 0;
+  for (const double factor : {2.01, 4.0, 8.0, 16.0, 64.0}) {
+    const GatherChoice choice = choose_rung(factor * final_s, 0, kRates, ladder, {});
+    EXPECT_EQ(choice.rung.quality, Quality::Final);
+    EXPECT_GE(choice.rung.settings.gather.rays, rays);
+    EXPECT_GT(choice.rung.settings.gather.paths, 0);
+    EXPECT_TRUE(choice.pace.paths);
+    EXPECT_LE(pixels * choice.pace.base_s, 0.65 * factor * final_s);
+    EXPECT_LT(choice.pace.after_rays_s, choice.pace.base_s);
+    EXPECT_EQ(choice.pace.path_s, kRates.path_s);
+    rays = choice.rung.settings.gather.rays;
+  }
+  EXPECT_EQ(rays, 128);
+  // Below Final rays become more; where nothing else fits they have all of the time.
+  const double least = base_seconds(ladder.front().settings);
+  const GatherChoice quick = choose_rung(1.05 * least, 0, kRates, ladder, {});
+  EXPECT_FALSE(quick.pace.paths);
+  EXPECT_EQ(quick.rung.settings.gather.paths, 0) << "so both lights are denoised at once";
+  EXPECT_NEAR(pixels * quick.pace.base_s, 1.05 * least, 1e-9);
+  EXPECT_GT(quick.pace.most, 1);
+  EXPECT_LT(quick.pace.least, 1);
+  GivenFlags given;
+  given.gather_rays = true;
+  EXPECT_EQ(choose_rung(1.5 * least, 0, kRates, ladder, given).pace.most, 1);
+}
+
+TEST(GatherPlan, CountsByHandAreKept) {
   const std::vector<GatherRung> ladder = gather_ladder(Sparse::Auto, {}, base());
   const double final_s = predicted_gather_seconds(ladder.back().settings, kRates);
-  GatherSettings before = ladder.back().settings.gather;
-  for (const double factor : {1.01, 1.5, 2.0, 4.0, 8.0, 16.0}) {
-    const RenderSettings chosen = choose_rung(factor * final_s, 0, kRates, ladder, {}).settings;
-    EXPECT_GE(chosen.gather.rays, before.rays);
-    EXPECT_GE(chosen.gather.paths, ladder.back().settings.gather.paths);
-    EXPECT_EQ(chosen.gather.paths % 2, 0);
-    EXPECT_LE(predicted_gather_seconds(chosen, kRates), factor * final_s);
-    EXPECT_GT(predicted_gather_seconds(chosen, kRates), 0.8 * factor * final_s) << "time is left";
-    before = chosen.gather;
-  }
-  EXPECT_EQ(before.rays, 128);
-  EXPECT_GT(before.paths, 100) << "what is left are paths, so that nothing is a floor";
   GivenFlags given;
   given.correction_paths = true;
-  EXPECT_EQ(choose_rung(8 * final_s, 0, kRates, ladder, given).settings.gather.paths,
-            ladder.back().settings.gather.paths);
-  const double least = predicted_gather_seconds(ladder.front().settings, kRates);
+  const GatherChoice choice = choose_rung(8 * final_s, 0, kRates, ladder, given);
+  EXPECT_EQ(choice.rung.settings.gather.paths, ladder.back().settings.gather.paths);
+  // Paths of irradiance alone are counted ahead.
+  RenderSettings light = base();
+  light.output = Output::Irradiance;
+  const GatherChoice ahead =
+      choose_rung(8 * final_s, 0, kRates, gather_ladder(Sparse::Auto, {}, light), {});
+  EXPECT_FALSE(ahead.paced);
+  EXPECT_GT(ahead.rung.settings.gather.paths, 8);
+  EXPECT_EQ(ahead.rung.settings.gather.paths % 2, 0);
+  EXPECT_LE(predicted_gather_seconds(ahead.rung.settings, kRates), 8 * final_s);
+  EXPECT_GT(predicted_gather_seconds(ahead.rung.settings, kRates), 0.9 * 8 * final_s);
+}
+
+TEST(GatherPlan, TooLittleTimeIsRefusedInOneLine) {
+  const std::vector<GatherRung> ladder = gather_ladder(Sparse::Auto, {}, base());
+  const double least = base_seconds(ladder.front().settings);
   EXPECT_THAT([&] { choose_rung(0.9 * least, 0.4, kRates, ladder, {}); },
               ThrowsMessage<Error>(AllOf(HasSubstr("--time-budget"), HasSubstr("expected"),
                                          testing::Not(HasSubstr("\n")))));
@@ -97,10 +138,13 @@ TEST(GatherPlan, APictureOfALongBudgetIsFinal) {
   settings.height = 16;
   const scene::Camera camera{"in", {3.8f, 1.2f, 0.2f}, {0, 1, 0.2f}, {0, 1, 0}, 70};
   const Timer clock;
-  const PicturePlan plan = plan_gathered(5, clock, Sparse::Auto, {}, settings, camera, &renderer);
+  const PicturePlan plan = plan_gathered(1.5, clock, Sparse::Auto, {}, settings, camera, &renderer);
   EXPECT_EQ(plan.quality, Quality::Final);
   EXPECT_EQ(plan.pace, nullptr);
-  EXPECT_GT(plan.settings.gather.paths, quality_settings(Quality::Final).gather.paths);
+  ASSERT_NE(plan.gather_pace, nullptr);
+  EXPECT_EQ(plan.settings.gather.pace, plan.gather_pace.get());
+  EXPECT_GT(renderer.render(camera, plan.settings).correction_paths,
+            quality_settings(Quality::Final).gather.paths);
   EXPECT_THAT([&] { plan_gathered(1e-9, clock, Sparse::Auto, {}, settings, camera, &renderer); },
               ThrowsMessage<Error>(HasSubstr("--table-points")));
 }

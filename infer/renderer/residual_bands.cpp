@@ -1,0 +1,105 @@
+#include "infer/renderer/residual_bands.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "infer/picture/box_mean.h"
+#include "lte/image/bilateral.h"
+
+namespace lte::infer {
+namespace {
+
+using image::Image;
+
+/// Bands beside the mean over what lies around: 5 passes reach 62 pixels to each side.
+constexpr int kPasses = 5;
+/// Half an edge of the square over which powers are estimated; at least twice the band's width.
+constexpr int kWindow = 6;
+/// Standard errors of the power's estimate that are not believed.
+constexpr float kDoubt = 1;
+
+int window(int pass) { return std::max(kWindow, 2 << pass); }
+
+/// The share of a band that is the answer's error, per pixel.
+std::vector<float> shares(const ResidualHalves& band, const BoxMean& mean, int radius,
+                          std::span<const float> scale) {
+  const size_t pixels = band.a.pixels.size() / 3;
+  std::vector<float> power(pixels), noise(pixels), counts;
+  for (size_t i = 0; i < pixels; ++i) {
+    const float weight = scale.empty() ? 1 : scale[i] * scale[i];
+    for (size_t k = 3 * i; k < 3 * i + 3; ++k) {
+      const float a = band.a.pixels[k], b = band.b.pixels[k];
+      power[i] += weight * a * b;
+      noise[i] += weight * (a - b) * (a - b) / 4;  // of the mean of both
+    }
+  }
+  power = mean(power, radius, &counts);
+  noise = mean(noise, radius);
+  for (size_t i = 0; i < pixels; ++i) {
+    const float variance = std::max(0.0f, noise[i]);
+    // Of pure noise the product has a standard deviation of twice the mean's variance.
+    const float sure = power[i] - kDoubt * 2 * variance / std::sqrt(std::max(1.0f, counts[i]));
+    power[i] = sure > 0 ? sure / (sure + variance) : 0;
+  }
+  return power;
+}
+
+void add_share(const std::vector<float>& share, const ResidualHalves& band,
+               std::span<const uint8_t> mask, Image* sum) {
+  for (size_t i = 0; i < share.size(); ++i) {
+    if (!mask[i]) continue;
+    for (size_t k = 3 * i; k < 3 * i + 3; ++k)
+      sum->pixels[k] += share[i] * (band.a.pixels[k] + band.b.pixels[k]) / 2;
+  }
+}
+
+void subtract(const Image& other, Image* image) {
+  for (size_t k = 0; k < image->pixels.size(); ++k) image->pixels[k] -= other.pixels[k];
+}
+
+}  // namespace
+
+std::vector<Image> error_of(std::vector<ResidualHalves> residuals, const ResidualSurfaces& surfaces,
+                            const std::function<void()>& check) {
+  const Image& position = surfaces.position;
+  Image normal = surfaces.normal;  // nothing from outside of the mask is to be mixed in
+  for (size_t i = 0; i < surfaces.mask.size(); ++i) {
+    if (!surfaces.mask[i]) normal.set_rgb(i, {0, 0, 0});
+  }
+  const BoxMean mean(position.width, position.height, surfaces.mask);
+  std::vector<Image> out(residuals.size(), Image(position.width, position.height, 3));
+  for (int pass = 0; pass <= kPasses; ++pass) {
+    if (check) check();
+    std::vector<ResidualHalves> coarse;
+    if (pass < kPasses) {
+      coarse = residuals;
+      std::vector<Image*> pictures;
+      for (ResidualHalves& halves : coarse) {
+        pictures.push_back(&halves.a);
+        pictures.push_back(&halves.b);
+      }
+      image::surface_means(normal, position, 1 << pass, pictures);
+    }
+    for (size_t r = 0; r < residuals.size(); ++r) {
+      ResidualHalves& band = residuals[r];
+      if (pass < kPasses) {
+        subtract(coarse[r].a, &band.a);
+        subtract(coarse[r].b, &band.b);
+      }
+      add_share(shares(band, mean, window(pass), {}), band, surfaces.mask, &out[r]);
+    }
+    if (pass < kPasses) residuals = std::move(coarse);
+  }
+  return out;
+}
+
+Image error_of_pixels(const ResidualHalves& residual, std::span<const uint8_t> mask,
+                      std::span<const float> scale) {
+  const BoxMean mean(residual.a.width, residual.a.height, mask);
+  Image out(residual.a.width, residual.a.height, 3);
+  add_share(shares(residual, mean, kWindow, scale), residual, mask, &out);
+  return out;
+}
+
+}  // namespace lte::infer

@@ -1,0 +1,171 @@
+// Pictures corrected by paths through their pixels: closed forms, made-up errors, and the path
+// tracer's own pictures.
+#include "infer/renderer/pixel_correction.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "infer/renderer/pixel_paths.h"
+#include "infer/renderer/renderer.h"
+#include "tests/support/closed_forms.h"
+#include "tests/support/scenes.h"
+
+namespace lte::infer {
+namespace {
+
+using image::Image;
+
+constexpr float kAlbedo = 0.6f;
+
+/// A closed box of radiance 1 at every wall.
+scene::Scene furnace() {
+  scene::Scene scene;
+  const int wall = test::add_material(&scene, {kAlbedo, kAlbedo, kAlbedo}, {1, 1, 1});
+  test::add_instance(&scene, test::box_mesh({-1, -1, -1}, {1, 1, 1}, wall, true));
+  return scene;
+}
+
+scene::Camera in_the_furnace() { return {"in", {0.5f, 0, 0}, {-1, 0.1f, 0}, {0, 1, 0}, 90}; }
+
+scene::Camera into_the_room() { return {"in", {3.8f, 1.2f, 0.2f}, {0, 1, 0.2f}, {0, 1, 0}, 70}; }
+
+RenderSettings gathered(int width, int height, int paths) {
+  RenderSettings out;
+  out.indirect = Indirect::Gather;
+  out.gather.rays = 8;
+  out.gather.paths = paths;
+  out.direct_samples = 8;
+  out.denoise = Denoise::Auto;
+  out.width = width;
+  out.height = height;
+  return out;
+}
+
+double mse(const Image& a, const Image& b) {
+  double sum = 0;
+  for (size_t k = 0; k < a.pixels.size(); ++k)
+    sum += std::pow(double{a.pixels[k]} - double{b.pixels[k]}, 2);
+  return sum / static_cast<double>(a.pixels.size());
+}
+
+/// In the box, what a camera sees after depth reflections is the geometric sum of albedos.
+TEST(PixelCorrection, AWrongPictureOfAFurnaceFallsToItsClosedForm) {
+  const scene::Scene scene = furnace();
+  Renderer renderer(scene);
+  renderer.make_table({});
+  const scene::Camera camera = in_the_furnace();
+  constexpr int kWidth = 48, kHeight = 36;
+  Frame wrong = renderer.render(camera, gathered(kWidth, kHeight, 0));
+  for (Image* layer : {&wrong.direct, &wrong.indirect})
+    for (float& value : layer->pixels) value *= 1.4f;
+  const pathtrace::GBuffer hits = pathtrace::trace_gbuffer(renderer.bvh(), camera, kWidth, kHeight);
+  const std::vector<PixelKind> kinds =
+      pixel_kinds(hits, pathtrace::pixel_size(camera, kHeight), false);
+  const double expected = test::geometric_sum(double{kAlbedo}, 6);
+  double before = 1;
+  for (const int count : {4, 32, 256}) {
+    PixelPaths paths(renderer.bvh(), renderer.lights(), camera, {kWidth, kHeight, 0, kHeight}, 5,
+                     9);
+    std::vector<int64_t> all(kinds.size());
+    for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int64_t>(i);
+    paths.add(all, count);
+    EXPECT_DOUBLE_EQ(paths.mean_paths(), 2 * count);
+    Frame frame = wrong;
+    correct_pixels(guides_of(hits), kinds, paths.paths(), paths.take(), &frame);
+    double sum = 0, squares = 0;
+    for (size_t k = 0; k < frame.albedo.pixels.size(); ++k) {
+      const double seen = double{frame.emission.pixels[k]} +
+                          double{frame.albedo.pixels[k]} / double{kPi} *
+                              (double{frame.direct.pixels[k]} + double{frame.indirect.pixels[k]});
+      sum += seen;
+      squares += (seen / expected - 1) * (seen / expected - 1);
+    }
+    const auto n = static_cast<double>(frame.albedo.pixels.size());
+    EXPECT_NEAR(sum / n, expected, 0.02 * expected) << count << " paths";
+    EXPECT_LT(squares / n, 0.7 * before) << count << " paths";
+    before = squares / n;
+  }
+  EXPECT_LT(std::sqrt(before), 0.03);
+}
+
+TEST(PixelCorrection, APictureOfARoomTendsToTheReference) {
+  const scene::Scene scene = test::furnished_room();
+  Renderer renderer(scene);
+  TableSettings poor;  // whose answers are wrong
+  poor.entries = 64;
+  poor.paths = 2;
+  renderer.make_table(poor);
+  constexpr int kWidth = 48, kHeight = 36;
+  RenderSettings reference = gathered(kWidth, kHeight, 0);
+  reference.mode = Mode::Reference;
+  reference.spp = 1024;
+  reference.seed = 77;
+  const Image wanted = renderer.render(into_the_room(), reference).color;
+  const double uncorrected =
+      mse(renderer.render(into_the_room(), gathered(kWidth, kHeight, 0)).color, wanted);
+  double before = uncorrected;
+  for (const int count : {8, 64, 512}) {
+    const Frame frame = renderer.render(into_the_room(), gathered(kWidth, kHeight, count));
+    EXPECT_DOUBLE_EQ(frame.correction_paths, count);
+    reference.spp = count;
+    reference.seed = 78;
+    const double noise = mse(renderer.render(into_the_room(), reference).color, wanted);
+    const double now = mse(frame.color, wanted);
+    EXPECT_LT(now, 1.05 * noise) << count << " paths";
+    EXPECT_LT(now, 0.8 * before) << count << " paths";
+    before = now;
+  }
+  EXPECT_LT(before, 0.25 * uncorrected);
+}
+
+TEST(PixelCorrection, LayersStillAddUpToThePicture) {
+  const scene::Scene scene = test::furnished_room();
+  Renderer renderer(scene);
+  renderer.make_table({});
+  const Frame frame = renderer.render(into_the_room(), gathered(48, 36, 32));
+  for (size_t k = 0; k < frame.color.pixels.size(); ++k) {
+    const float sum =
+        frame.emission.pixels[k] +
+        frame.albedo.pixels[k] / kPi * (frame.direct.pixels[k] + frame.indirect.pixels[k]);
+    EXPECT_NEAR(frame.color.pixels[k], sum, 1e-4f * (1 + sum));
+    EXPECT_GE(frame.color.pixels[k], 0);
+  }
+  RenderSettings bare = gathered(48, 36, 32);
+  bare.layers = false;
+  EXPECT_EQ(renderer.render(into_the_room(), bare).color.pixels, frame.color.pixels);
+}
+
+TEST(PixelCorrection, PixelsWithoutPathsAndThoseThatAreFixedStay) {
+  const scene::Scene scene = furnace();
+  Renderer renderer(scene);
+  renderer.make_table({});
+  constexpr int kSide = 24;
+  const Frame before = renderer.render(in_the_furnace(), gathered(kSide, kSide, 0));
+  const pathtrace::GBuffer hits =
+      pathtrace::trace_gbuffer(renderer.bvh(), in_the_furnace(), kSide, kSide);
+  std::vector<PixelKind> kinds(hits.mask.size(), PixelKind::Smooth);
+  std::vector<int32_t> paths(kinds.size(), 4);
+  for (size_t i = 0; i < kinds.size(); ++i) {
+    if (i % 3 == 1) kinds[i] = PixelKind::Fixed;
+    if (i % 3 == 2) paths[i] = 0;
+  }
+  Image bright(kSide, kSide, 3);
+  for (float& value : bright.pixels) value = 7;
+  Frame after = before;
+  correct_pixels(guides_of(hits), kinds, paths,
+                 {{{bright, bright, bright}, {bright, bright, bright}}}, &after);
+  for (size_t i = 0; i < kinds.size(); ++i) {
+    for (size_t k = 3 * i; k < 3 * i + 3; ++k) {
+      if (i % 3 == 0) {
+        EXPECT_GT(after.direct.pixels[k], 2 * before.direct.pixels[k]);
+      } else {
+        EXPECT_EQ(after.direct.pixels[k], before.direct.pixels[k]);
+        EXPECT_EQ(after.emission.pixels[k], before.emission.pixels[k]);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lte::infer
