@@ -19,18 +19,14 @@ constexpr SharesOfModel kRadiosity = {
                       .change = 1.1,
                       .direct = 0.033}};
 /// lte-hybrid.
-constexpr SharesOfModel kTraced = {.one_draw = {.mean = 0.011,
-                                                .answer = 0.023,
-                                                .near = 0.26,
-                                                .change = 1.1,
-                                                .cache = 0.49,
-                                                .direct = 0.013},
-                                   .several_draws = {.draws = 0.74,
-                                                     .mean = 0.0094,
-                                                     .near = 0.21,
-                                                     .change = 0.82,
-                                                     .cache = 0.47,
-                                                     .direct = 0.0051}};
+constexpr SharesOfModel kTraced = {
+    .one_draw = {.mean = 0.014,
+                 .answer = 0.030,
+                 .near = 0.29,
+                 .change = 0.97,
+                 .cache = 0.47,
+                 .direct = 0.0087},
+    .several_draws = {.draws = 0.67, .mean = 0.014, .near = 0.23, .change = 0.79, .cache = 0.50}};
 /// lte-demo.
 constexpr SharesOfModel kEmission = {
     .one_draw = {.answer = 0.19, .near = 0.73, .change = 4.7, .direct = 0.12},

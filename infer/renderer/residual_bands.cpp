@@ -17,7 +17,7 @@ constexpr int kPasses = 5;
 /// Half an edge of the square over which powers are estimated; at least twice the band's width.
 constexpr int kWindow = 6;
 /// Standard errors of the power's estimate that are not believed.
-constexpr float kDoubt = 1;
+constexpr float kDoubt = 3;
 
 int window(int pass) { return std::max(kWindow, 2 << pass); }
 

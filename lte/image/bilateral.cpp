@@ -219,8 +219,8 @@ Image bilateral_filter(const Image& noisy, const BilateralGuides& guides,
   if (guides.variance != nullptr) check(guides.variance, 1, "variances");
   LTE_CHECK(options.passes >= 0 && options.passes <= 12, "passes must be 0 to 12, got ",
             options.passes);
-  LTE_CHECK(options.luminance_sigma > 0, "luminance_sigma must be positive, got ",
-            options.luminance_sigma);
+  LTE_CHECK(options.luminance_sigma > 0 && std::isfinite(options.luminance_sigma),
+            "luminance_sigma must be positive and finite, got ", options.luminance_sigma);
   return Filter(noisy, guides, options).run();
 }
 

@@ -90,7 +90,9 @@ TEST(DenseKernels, RaisesTwoToEachScoreAndAddsRowsUp) {
         EXPECT_NEAR(tile.at(r, c) / exact, 1, 3e-7) << x[r][c].item<double>();
         expected += exact;
       }
-      if (count < kPanel) EXPECT_EQ(tile.at(r, count), 99) << "past the last";
+      if (count < kPanel) {
+        EXPECT_EQ(tile.at(r, count), 99) << "past the last";
+      }
       for (int64_t lane = 0; lane < kBlock; ++lane) total += sum[r * kBlock + lane];
       EXPECT_NEAR(total / expected, 1, 1e-6) << count;
     }

@@ -167,7 +167,9 @@ TEST(ProjectFeedForward, IsThePerceptronAfterTheSum) {
     };
     const at::Tensor got = run();
     EXPECT_EQ(got.sizes(), expected.sizes());
-    if (n > 0) EXPECT_LT(relative_error(got, expected), 2e-6) << "n " << n << ", C " << C;
+    if (n > 0) {
+      EXPECT_LT(relative_error(got, expected), 2e-6) << "n " << n << ", C " << C;
+    }
     EXPECT_TRUE(at::equal(test::with_threads(1, run), got));
   }
 }

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "infer/light/cached_light.h"
 #include "infer/eval/rivals/denoised_paths.h"
+#include "infer/light/cached_light.h"
 #include "lte/base/random.h"
 #include "tests/infer/fixture.h"
 

@@ -78,7 +78,7 @@ TEST(PicturePace, TimeIsUsedAndNotOverrunWhateverWasExpected) {
         PicturePace pace(machine.plan(budget, true, wrong), [&] { return machine.now; });
         machine.render(&pace, {8, 8}, strips);
         EXPECT_LE(machine.now, 1.05 * budget) << wrong << " " << strips;
-        EXPECT_GE(machine.now, 0.85 * budget) << wrong << " " << strips;
+        EXPECT_GE(machine.now, 0.8 * budget) << wrong << " " << strips;
         EXPECT_GT(machine.passes, 0);
         EXPECT_LT(machine.passes, 40 * strips) << "each has a cost of its own";
       }
@@ -110,7 +110,7 @@ TEST(PicturePace, AMachineThatBecomesSlowGetsFewerRaysAndPaths) {
       if (budget == 1.0) machine.finish_s = 0;
       machine.slow_at = slow_at;
       machine.render(&pace, {8, 8});
-      EXPECT_LE(machine.now, 1.25 * budget) << slow_at;
+      EXPECT_LE(machine.now, 1.3 * budget) << slow_at;
       EXPECT_GE(pace.mean_gather_rays(), 2);
     }
   }
