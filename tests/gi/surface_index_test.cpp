@@ -101,7 +101,9 @@ TEST(SurfaceIndex, FindsTheSameOncePacked) {
       most = std::max(most, a.size());
     }
     EXPECT_GT(found, 50u) << count;
-    if (count == 4000) EXPECT_GT(most, 64u);
+    if (count == 4000) {
+      EXPECT_GT(most, 64u);
+    }
   }
 }
 
