@@ -1,5 +1,6 @@
 #include "lte/pathtrace/bvh.h"
 
+#include <functional>
 #include <memory>
 #include <set>
 
@@ -139,6 +140,18 @@ double brute_force(const scene::Scene& scene, const Ray& ray, int* instance) {
   return best;
 }
 
+/// Twenty small triangles around random places.
+scene::Mesh random_triangles(const std::function<Vec3()>& random_vector, int material) {
+  scene::Mesh mesh;
+  mesh.material = material;
+  for (uint32_t t = 0; t < 20; ++t) {
+    const Vec3 center = random_vector();
+    for (int c = 0; c < 3; ++c) mesh.positions.push_back(center + random_vector() * 0.3f);
+    mesh.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+  }
+  return mesh;
+}
+
 TEST(Bvh, MatchesBruteForceOverRandomInstancedTriangles) {
   scene::Scene scene;
   const int material = add_material(&scene, {1, 1, 1});
@@ -147,13 +160,7 @@ TEST(Bvh, MatchesBruteForceOverRandomInstancedTriangles) {
     return Vec3{rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)};
   };
   for (int i = 0; i < 12; ++i) {
-    scene::Mesh mesh;
-    mesh.material = material;
-    for (uint32_t t = 0; t < 20; ++t) {
-      const Vec3 center = random_vector();
-      for (int c = 0; c < 3; ++c) mesh.positions.push_back(center + random_vector() * 0.3f);
-      mesh.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
-    }
+    const scene::Mesh mesh = random_triangles(random_vector, material);
     add_instance(&scene, mesh,
                  test::translation(random_vector()) *
                      test::rotation(normalize(random_vector()), rng.uniform(0, 6)) *
@@ -212,13 +219,7 @@ TEST(Bvh, WithoutTreesOfItsMeshesFindsTheSameHits) {
     return Vec3{rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)};
   };
   for (int i = 0; i < 9; ++i) {
-    scene::Mesh mesh;
-    mesh.material = material;
-    for (uint32_t t = 0; t < 20; ++t) {
-      const Vec3 center = random_vector();
-      for (int c = 0; c < 3; ++c) mesh.positions.push_back(center + random_vector() * 0.3f);
-      mesh.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
-    }
+    const scene::Mesh mesh = random_triangles(random_vector, material);
     add_instance(&scene, mesh, i % 3 == 2 ? test::translation(random_vector()) : Affine());
   }
   scene.instances.push_back({0, test::translation({0.1f, 0, 0})});  // the first one twice
