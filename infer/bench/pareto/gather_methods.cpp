@@ -5,6 +5,7 @@
 #include "infer/bench/pareto/lit_picture.h"
 #include "infer/bench/pareto/method.h"
 #include "infer/bench/pareto/renderer_steps.h"
+#include "infer/render/time_budget.h"
 #include "lte/base/check.h"
 
 namespace lte::infer {
@@ -15,21 +16,11 @@ Method gather_method(const std::string& name, const std::string& family, const s
                      const RenderSettings& settings, const TableSettings& table) {
   Method method{name, family, words, {}};
   method.prepare = [settings, table](const MethodScene& scene, StageTimes* stages) -> RenderView {
-    Renderer& renderer = scene.renderer;
-    TableSettings wanted = table;
-    wanted.max_depth = scene.max_depth;
-    wanted.seed = scene.seed;
     if (table.light == TableLight::Network) embed_scene(scene, stages);
-    renderer.make_table(wanted);
-    (*stages)["table"] += renderer.seconds().table;
+    make_table(scene, table, stages);
     return [scene, settings](const scene::Camera& camera, StageTimes* view) {
       MethodPicture picture = render_view(scene, settings, camera);
-      const StageSeconds& seconds = scene.renderer.seconds();
-      (*view)["primary"] += seconds.primary;
-      (*view)["gather"] += seconds.gather;
-      (*view)[kDirect] += seconds.direct;
-      (*view)["denoise"] += seconds.denoise;
-      (*view)["paths"] += seconds.reference;
+      add_picture_stages(scene, view);
       return picture;
     };
   };
@@ -89,6 +80,18 @@ Method gathered_draft(DraftKind kind) {
                               ": 8 gather and shadow rays at ", large ? "a sixteenth" : "a quarter",
                               " of the pixels"),
                        settings, {});
+}
+
+Method gathered_final(int paths) {
+  RenderSettings settings;
+  settings.indirect = Indirect::Gather;
+  settings.denoise = Denoise::Auto;
+  settings = with_quality(Quality::Final, Sparse::Auto, {}, settings);
+  if (paths >= 0) settings.gather.paths = paths;
+  return gather_method(
+      paths < 0 ? "gather-final" : concat("gather-final-", paths), "gather-final",
+      concat("as --quality final", paths < 0 ? "" : concat(" --correction-paths ", paths)),
+      settings, {});
 }
 
 Method gathered_from_network(int rays) {
