@@ -48,7 +48,7 @@ void add_gather_options(CLI::App& app, GatherFlags* flags) {
       ->capture_default_str();
   app.add_option("--keep-light", flags->keep_light,
                  "Of --indirect gather with draft or preview quality and several pictures: take "
-                 "the light of earlier pictures where they show the same surfaces, and refine it")
+                 "the light of earlier pictures where they show the same surfaces")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
 }

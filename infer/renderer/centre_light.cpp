@@ -55,13 +55,13 @@ void trace_paths(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
 
 void gather(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
             const pathtrace::GBuffer& hits, const CentreRequest& request, CentreLight* out) {
-  GatherScene scene{bvh, lights, *request.table, request.max_depth, request.shadow_rays.seed};
-  scene.cells = request.cells;
-  scene.view = request.view;
+  const GatherScene scene{bvh, lights, *request.table, request.max_depth, request.shadow_rays.seed};
   const GatherDirect direct{samples_sparsely(request) ? request.shadow_rays.samples : 0,
                             request.sum};
-  GatheredCentres light = gather_centres(scene, hits, request.pixel_size, request.skip_metal,
-                                         request.gather, direct, request.gather_denoiser);
+  const GatherRows rows{hits,         request.pixel_size, request.skip_metal,
+                        request.kept, request.projection, request.first_row};
+  GatheredCentres light =
+      gather_centres(scene, rows, request.gather, direct, request.gather_denoiser);
   out->indirect = std::move(light.indirect);
   out->total = std::move(light.total);
   if (direct.shadow_rays > 0) out->direct = std::move(light.direct);

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "infer/picture/shadow_rays.h"
@@ -28,10 +29,11 @@ struct CentreRequest {
   GatherSettings gather;
   /// With gather.direct: direct and indirect light in one picture, CentreLight::total.
   bool sum = false;
-  gi::LightCells* cells = nullptr;  ///< of what is gathered; null: views share nothing
-  int view = 0;                     ///< their LightCells::begin_view()
-  float pixel_size = 0;             ///< pathtrace::pixel_size()
-  bool skip_metal = false;          ///< of what is gathered
+  KeptViews* kept = nullptr;             ///< of what is gathered; null: pictures share nothing
+  std::optional<Projection> projection;  ///< of the picture, with `kept`
+  int first_row = 0;                     ///< of the picture, that of the hits
+  float pixel_size = 0;                  ///< pathtrace::pixel_size()
+  bool skip_metal = false;               ///< of what is gathered
   const image::Denoiser* gather_denoiser = nullptr;  ///< null: noise stays
   bool direct = true;                                ///< wanted
   std::function<void(int64_t pixels)> done;  ///< told of all pixels of the picture; may be empty

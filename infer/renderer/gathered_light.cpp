@@ -8,6 +8,7 @@
 #include "infer/picture/picture_band.h"
 #include "infer/picture/surface_guides.h"
 #include "infer/renderer/path_correction.h"
+#include "infer/renderer/tile_cover.h"
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/base/random.h"
@@ -20,39 +21,42 @@ namespace {
 using image::Image;
 
 constexpr int kTile = 8;
+// Of the grid, where pictures share light: tiles that are denoised, of whose points one in so
+// many at least is new, and what the denoiser sees around them.
+constexpr int kNoisyTile = 32, kMuchNew = 8, kAround = 12;
 // What a thread takes at a time.
 constexpr int64_t kPixels = 1 << 14, kRows = 8;
 constexpr size_t kPacedPoints = 1 << 13;  // whose rays a pace chooses at once
-// Rays at the grid, of pixels that stand alone and of the two halves of the correcting paths are
-// independent of each other, and of direct light's.
-constexpr uint64_t kGather = 31, kAlone = 32, kHalves = 33;
+// Rays at the grid, of pixels that stand alone, on it too, and of the two halves of the correcting
+// paths are independent of each other, and of direct light's.
+constexpr uint64_t kGather = 31, kAlone = 32, kHalves = 33, kScattered = 35;
 
 /// A view whose light is gathered.
 class Gatherer {
  public:
-  Gatherer(const GatherScene& scene, const pathtrace::GBuffer& hits, float pixel_size,
-           bool skip_metal, const GatherSettings& settings, const GatherDirect& direct,
-           const image::Denoiser* denoiser)
+  Gatherer(const GatherScene& scene, const GatherRows& rows, const GatherSettings& settings,
+           const GatherDirect& direct, const image::Denoiser* denoiser)
       : scene_(scene),
-        hits_(hits),
+        of_(rows),
+        hits_(rows.hits),
         settings_(settings),
         direct_(direct),
         denoiser_(denoiser),
-        columns_(settings.step, hits.width),
-        rows_(settings.step, hits.height),
-        reflects_(hits.mask.size()) {
-    const bool metal = skip_metal && !hits.metallic.empty();
+        columns_(settings.step, hits_.width),
+        rows_(settings.step, hits_.height),
+        reflects_(hits_.mask.size()) {
+    const bool metal = rows.skip_metal && !hits_.metallic.empty();
     for_pixels([&](size_t i) {
-      reflects_[i] = hits.mask[i] && max_component(hits.albedo[i]) > 0 &&
-                     !(metal && is_metal(hits.metallic[i]));
+      reflects_[i] = hits_.mask[i] && max_component(hits_.albedo[i]) > 0 &&
+                     !(metal && is_metal(hits_.metallic[i]));
     });
-    surfaces_.width = hits.width;
-    surfaces_.height = hits.height;
-    surfaces_.position = hits.position;
-    surfaces_.normal = hits.normal;
-    surfaces_.depth = hits.depth;
+    surfaces_.width = hits_.width;
+    surfaces_.height = hits_.height;
+    surfaces_.position = hits_.position;
+    surfaces_.normal = hits_.normal;
+    surfaces_.depth = hits_.depth;
     surfaces_.mask = reflects_;
-    surfaces_.pixel_size = pixel_size;
+    surfaces_.pixel_size = rows.pixel_size;
     const bool sum = direct.shadow_rays > 0 && direct.sum;
     layers_.push_back({sum ? &out_.total : &out_.indirect, {}});
     if (direct.shadow_rays > 0 && !sum) layers_.push_back({&out_.direct, {}});
@@ -60,10 +64,22 @@ class Gatherer {
   }
 
   GatheredCentres run() {
-    sample_grid();
     Timer timer;
-    if (denoiser_ != nullptr) denoise();
+    if (of_.kept != nullptr) {
+      take_kept();
+      mark_new();
+    }
+    out_.fill_seconds = timer.seconds();
+    sample_grid();
+    if (view_) sample_alone(grid_points(/*smoothed=*/false), kScattered);
+    timer.restart();
+    if (denoiser_ != nullptr) {
+      for (const TileRect& part : noisy_parts()) denoise(part);
+    }
     out_.denoise_seconds = timer.seconds();
+    timer.restart();
+    if (of_.kept != nullptr) keep();
+    out_.fill_seconds += timer.seconds();
     if (settings_.step > 1) fill();
     timer.restart();
     for (Layer& layer : layers_) {
@@ -82,15 +98,68 @@ class Gatherer {
     std::vector<Rgb> values;
   };
 
-  void add_point(size_t pixel, int step, LitPoints* out) const {
+  void add_point(size_t pixel, LitPoints* out) const {
     out->position.push_back(hits_.position[pixel]);
     out->normal.push_back(hits_.normal[pixel]);
-    out->extent.push_back(hits_.depth[pixel] * surfaces_.pixel_size * static_cast<float>(step));
     out->pixel.push_back(pixel);
   }
 
-  /// Pixels of the grid that reflect light, tile by tile.
-  LitPoints grid_points() const {
+  /// Takes what earlier pictures know of the grid. A row begins without a hint, so that nothing
+  /// depends on how rows are shared out.
+  void take_kept() {
+    KeptView& view =
+        view_.emplace(*of_.projection, of_.first_row, columns_, rows_, surfaces_.pixel_size);
+    view.kind = kept_kind();
+    parallel_for(rows_.count(), kRows, [&](int64_t begin, int64_t end) {
+      for (auto row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
+        int hint = -1;
+        for (int column = 0; column < columns_.count(); ++column) {
+          const size_t pixel = surfaces_.at(columns_.at(column), rows_.at(row));
+          if (!reflects_[pixel]) continue;
+          const size_t at = grid_index(column, row);
+          view.mask[at] = 1;
+          view.position[at] = hits_.position[pixel];
+          view.normal[at] = hits_.normal[pixel];
+          view.depth[at] = hits_.depth[pixel];
+          const auto found = find_kept(pixel, &hint);
+          if (!found) continue;
+          view.steps[at] = found->steps;
+          for (size_t k = 0; k < layers_.size(); ++k) layers_[k].values[pixel] = found->value(k);
+        }
+      }
+    });
+  }
+
+  std::optional<KeptViews::Found> find_kept(size_t pixel, int* hint) const {
+    const float extent =
+        hits_.depth[pixel] * surfaces_.pixel_size * static_cast<float>(settings_.step);
+    return of_.kept->find(gi::point_of(surfaces_, pixel), extent, kept_kind(), hint);
+  }
+
+  /// For later pictures.
+  void keep() {
+    view_->values.assign(layers_.size(), std::vector<Rgb>(grid_size()));
+    for_grid([&](size_t small, size_t pixel) {
+      for (size_t k = 0; k < layers_.size(); ++k)
+        view_->values[k][small] = layers_[k].values[pixel];
+    });
+    of_.kept->add(std::move(*view_));
+  }
+
+  bool is_new(size_t on_grid) const { return !view_ || view_->steps[on_grid] == 0; }
+
+  KeptKind kept_kind() const {
+    KeptKind kind;
+    kind.direct = direct_.shadow_rays > 0;
+    kind.sum = kind.direct && direct_.sum;
+    kind.gather_rays = settings_.rays;
+    kind.shadow_rays = direct_.shadow_rays;
+    return kind;
+  }
+
+  /// Pixels of the grid that reflect light and are not known, tile by tile.
+  /// @param smoothed  those that are denoised then, or the others
+  LitPoints grid_points(bool smoothed) const {
     LitPoints out;
     out.reserve(grid_size());
     for (int tile_y = 0; tile_y < rows_.count(); tile_y += kTile) {
@@ -98,7 +167,8 @@ class Gatherer {
         for (int j = tile_y; j < std::min(tile_y + kTile, rows_.count()); ++j) {
           for (int i = tile_x; i < std::min(tile_x + kTile, columns_.count()); ++i) {
             const size_t pixel = surfaces_.at(columns_.at(i), rows_.at(j));
-            if (reflects_[pixel]) add_point(pixel, settings_.step, &out);
+            if (reflects_[pixel] && is_new(grid_index(i, j)) && is_smoothed(i, j) == smoothed)
+              add_point(pixel, &out);
           }
         }
       }
@@ -108,7 +178,7 @@ class Gatherer {
 
   /// Light on the grid, with the rays that were wanted or that a pace has time for.
   void sample_grid() {
-    const LitPoints points = grid_points();
+    const LitPoints points = grid_points(/*smoothed=*/true);
     const LightRays wanted{settings_.rays, direct_.shadow_rays};
     if (settings_.pace == nullptr) {
       sample(points, wanted, kGather, 0);
@@ -145,26 +215,107 @@ class Gatherer {
     }
   }
 
-  /// Takes noise away on the grid. What reflects nothing has no normal, like background.
-  void denoise() {
-    const Image black(columns_.count(), rows_.count(), 3);
+  /// Tiles of the grid in which much is new, where pictures share light.
+  void mark_new() {
+    tile_columns_ = (columns_.count() + kNoisyTile - 1) / kNoisyTile;
+    const int tile_rows = (rows_.count() + kNoisyTile - 1) / kNoisyTile;
+    struct Points {
+      int lit = 0, fresh = 0;
+    };
+    std::vector<Points> tiles(static_cast<size_t>(tile_columns_) * static_cast<size_t>(tile_rows));
+    for (int row = 0; row < rows_.count(); ++row) {
+      for (int column = 0; column < columns_.count(); ++column) {
+        const size_t at = grid_index(column, row);
+        Points& tile = tiles[tile_index(column, row)];
+        tile.lit += view_->mask[at];
+        tile.fresh += view_->mask[at] && view_->steps[at] == 0 ? 1 : 0;
+      }
+    }
+    much_new_.resize(tiles.size());
+    std::transform(tiles.begin(), tiles.end(), much_new_.begin(), [](const Points& tile) {
+      return tile.fresh > 0 && kMuchNew * tile.fresh >= tile.lit ? 1 : 0;
+    });
+  }
+
+  size_t tile_index(int column, int row) const {
+    return static_cast<size_t>(row / kNoisyTile) * static_cast<size_t>(tile_columns_) +
+           static_cast<size_t>(column / kNoisyTile);
+  }
+
+  /// Whether noise is taken away from a point of the grid.
+  bool is_smoothed(int column, int row) const {
+    return !view_ || much_new_[tile_index(column, row)] != 0;
+  }
+
+  /// What is denoised: all of the grid, or where pictures share light the tiles in which much is
+  /// new.
+  std::vector<TileRect> noisy_parts() const {
+    const TileRect all{0, 0, columns_.count(), rows_.count()};
+    if (!view_) return {all};
+    const int tile_rows = static_cast<int>(much_new_.size()) / tile_columns_;
+    std::vector<TileRect> parts = cover_tiles(much_new_, tile_columns_, tile_rows);
+    int64_t seen = 0;
+    for (TileRect& part : parts) {
+      part = {part.left * kNoisyTile, part.top * kNoisyTile,
+              std::min(all.right, part.right * kNoisyTile),
+              std::min(all.bottom, part.bottom * kNoisyTile)};
+      seen += with_surroundings(part).size();
+    }
+    return seen < all.size() ? parts : std::vector<TileRect>{all};
+  }
+
+  /// With what the denoiser sees around it.
+  TileRect with_surroundings(const TileRect& part) const {
+    return {std::max(0, part.left - kAround), std::max(0, part.top - kAround),
+            std::min(columns_.count(), part.right + kAround),
+            std::min(rows_.count(), part.bottom + kAround)};
+  }
+
+  /// Takes noise away from what is new in a part of the grid. What reflects nothing has no normal,
+  /// like background.
+  void denoise(const TileRect& inner) {
+    const TileRect part = with_surroundings(inner);
+    const Image black(part.right - part.left, part.bottom - part.top, 3);
     Image normal = black, position = black;
-    for_grid([&](size_t small, size_t pixel) {
+    for_part(part, [&](size_t small, size_t, size_t pixel) {
       if (!reflects_[pixel]) return;
       normal.set_rgb(small, hits_.normal[pixel]);
       position.set_rgb(small, hits_.position[pixel]);
     });
+    const auto width = static_cast<size_t>(columns_.count());
+    const auto is_inner = [&](size_t on_grid) {
+      return inner.contains(static_cast<int>(on_grid % width), static_cast<int>(on_grid / width));
+    };
     for (Layer& layer : layers_) {
       Image light = black;
-      for_grid([&](size_t small, size_t pixel) {
+      for_part(part, [&](size_t small, size_t, size_t pixel) {
         if (reflects_[pixel]) light.set_rgb(small, layer.values[pixel]);
       });
       const Image clean =
           denoiser_->denoise({&light, &normal, &position, nullptr, nullptr}, settings_.quality);
-      for_grid([&](size_t small, size_t pixel) {
-        if (reflects_[pixel]) layer.values[pixel] = clean.rgb(small);
+      for_part(part, [&](size_t small, size_t on_grid, size_t pixel) {
+        if (reflects_[pixel] && is_new(on_grid) && is_inner(on_grid))
+          layer.values[pixel] = clean.rgb(small);
       });
     }
+  }
+
+  /// Calls use(number in the part, number on the grid, pixel) for all of it, in several threads.
+  template <typename Use>
+  void for_part(const TileRect& part, const Use& use) const {
+    parallel_for(part.bottom - part.top, kRows, [&](int64_t begin, int64_t end) {
+      for (int j = part.top + static_cast<int>(begin); j < part.top + static_cast<int>(end); ++j) {
+        size_t small =
+            static_cast<size_t>(j - part.top) * static_cast<size_t>(part.right - part.left);
+        for (int i = part.left; i < part.right; ++i)
+          use(small++, grid_index(i, j), surfaces_.at(columns_.at(i), rows_.at(j)));
+      }
+    });
+  }
+
+  size_t grid_index(int column, int row) const {
+    return static_cast<size_t>(row) * static_cast<size_t>(columns_.count()) +
+           static_cast<size_t>(column);
   }
 
   size_t grid_size() const {
@@ -174,15 +325,8 @@ class Gatherer {
   /// Calls use(number on the grid, pixel) for all of the grid, in several threads.
   template <typename Use>
   void for_grid(const Use& use) const {
-    parallel_for(rows_.count(), kRows, [&](int64_t begin, int64_t end) {
-      for (auto j = static_cast<int>(begin); j < static_cast<int>(end); ++j) {
-        for (int i = 0; i < columns_.count(); ++i) {
-          const auto small = static_cast<size_t>(j) * static_cast<size_t>(columns_.count()) +
-                             static_cast<size_t>(i);
-          use(small, surfaces_.at(columns_.at(i), rows_.at(j)));
-        }
-      }
-    });
+    for_part({0, 0, columns_.count(), rows_.count()},
+             [&](size_t, size_t on_grid, size_t pixel) { use(on_grid, pixel); });
   }
 
   /// The pixels between those of the grid.
@@ -194,11 +338,22 @@ class Gatherer {
       for_grid([&](size_t, size_t pixel) { known[pixel] = reflects_[pixel]; });
       open = gi::upsample(surfaces_, settings_.step, known, layer.values);
     }
-    out_.fill_seconds = timer.seconds();
+    out_.fill_seconds += timer.seconds();
     LitPoints points;
-    for (const int32_t pixel : open) add_point(static_cast<size_t>(pixel), 1, &points);
+    int hint = -1;
+    for (const int32_t pixel : open) {
+      const auto at = static_cast<size_t>(pixel);
+      const auto found = of_.kept != nullptr ? find_kept(at, &hint) : std::nullopt;
+      if (!found) add_point(at, &points);
+      for (size_t k = 0; found && k < layers_.size(); ++k) layers_[k].values[at] = found->value(k);
+    }
+    sample_alone(points, kAlone);
+  }
+
+  /// Nothing smooths these.
+  void sample_alone(const LitPoints& points, uint64_t stream) {
     const auto alone = [](int count) { return count > 0 ? std::max(count, kLeastAloneRays) : 0; };
-    sample(points, {alone(settings_.rays), alone(direct_.shadow_rays)}, kAlone, 0);
+    sample(points, {alone(settings_.rays), alone(direct_.shadow_rays)}, stream, 0);
   }
 
   /// Calls use(pixel) for all of them, in several threads.
@@ -214,7 +369,7 @@ class Gatherer {
     Timer timer;
     LitPoints points;
     for (size_t i = 0; i < reflects_.size(); ++i) {
-      if (reflects_[i]) add_point(i, 1, &points);
+      if (reflects_[i]) add_point(i, &points);
     }
     const gi::RadiosityTable none(scene_.bvh, {}, {});
     std::array<Image, 2> half;
@@ -235,6 +390,7 @@ class Gatherer {
   }
 
   const GatherScene& scene_;
+  const GatherRows& of_;
   const pathtrace::GBuffer& hits_;
   const GatherSettings& settings_;
   const GatherDirect& direct_;
@@ -242,6 +398,9 @@ class Gatherer {
   gi::GridAxis columns_, rows_;
   gi::PixelSurfaces surfaces_;
   std::vector<uint8_t> reflects_;
+  std::optional<KeptView> view_;   ///< of this picture, where light is kept
+  std::vector<uint8_t> much_new_;  ///< tiles of kNoisyTile² points of the grid, by tile_index()
+  int tile_columns_ = 0;
   GatheredCentres out_;
   std::vector<Layer> layers_;  ///< those of out_ that are wanted
 };
@@ -257,11 +416,11 @@ void check_gather_settings(const GatherSettings& settings) {
             "gather: paths must be an even number, got ", settings.paths);
 }
 
-GatheredCentres gather_centres(const GatherScene& scene, const pathtrace::GBuffer& hits,
-                               float pixel_size, bool skip_metal, const GatherSettings& settings,
-                               const GatherDirect& direct, const image::Denoiser* denoiser) {
+GatheredCentres gather_centres(const GatherScene& scene, const GatherRows& rows,
+                               const GatherSettings& settings, const GatherDirect& direct,
+                               const image::Denoiser* denoiser) {
   check_gather_settings(settings);
-  return Gatherer(scene, hits, pixel_size, skip_metal, settings, direct, denoiser).run();
+  return Gatherer(scene, rows, settings, direct, denoiser).run();
 }
 
 }  // namespace lte::infer

@@ -3,7 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
+#include "infer/picture/projection.h"
+#include "infer/renderer/kept_views.h"
 #include "infer/renderer/picture_pace.h"
 #include "infer/renderer/point_light.h"
 #include "lte/image/denoise.h"
@@ -39,6 +42,18 @@ struct GatherDirect {
   bool sum = false;     ///< one picture of both, whose noise is taken away at once
 };
 
+/// Rows of a picture whose light is gathered.
+struct GatherRows {
+  const pathtrace::GBuffer& hits;  ///< at the centres
+  float pixel_size = 0;            ///< pathtrace::pixel_size()
+  bool skip_metal = false;         ///< metal is left out: others show it
+  /// Light that earlier pictures have found is taken from here, and what is found is added; null
+  /// for neither.
+  KeptViews* kept = nullptr;
+  std::optional<Projection> projection;  ///< of the whole picture, with `kept`
+  int first_row = 0;                     ///< of the picture, that of the hits
+};
+
 /// Pictures [height, width, 3], 0 where no light is reflected; empty where they are not wanted.
 struct GatheredCentres {
   image::Image indirect, direct, total;
@@ -46,12 +61,9 @@ struct GatheredCentres {
   double path_seconds = 0, denoise_seconds = 0, fill_seconds = 0;
 };
 
-/// @param hits        at the centres
-/// @param pixel_size  pathtrace::pixel_size()
-/// @param skip_metal  metal is left out: others show it
-/// @param denoiser    null: noise stays
-GatheredCentres gather_centres(const GatherScene& scene, const pathtrace::GBuffer& hits,
-                               float pixel_size, bool skip_metal, const GatherSettings& settings,
-                               const GatherDirect& direct, const image::Denoiser* denoiser);
+/// @param denoiser  null: noise stays
+GatheredCentres gather_centres(const GatherScene& scene, const GatherRows& rows,
+                               const GatherSettings& settings, const GatherDirect& direct,
+                               const image::Denoiser* denoiser);
 
 }  // namespace lte::infer

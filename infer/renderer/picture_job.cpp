@@ -74,8 +74,10 @@ CentreRequest PictureJob::centre_request(const PictureRows& strip) {
   // Without layers nobody asks which light is which.
   request.sum = !settings_.layers && settings_.gather.paths == 0;
   if (needs_.corrects_pixels) request.gather.paths = 0;  // they come when edges are there too
-  if (needs_.keeps_cells) request.cells = from_.cells;
-  request.view = view_;
+  if (!needs_.keeps_light) return request;
+  request.kept = from_.kept;
+  request.projection.emplace(camera_, settings_.width, settings_.height);
+  request.first_row = first_row_;
   return request;
 }
 
@@ -240,7 +242,6 @@ void PictureJob::add_radiance(Frame* frame) {
 }
 
 Frame PictureJob::render() {
-  if (needs_.keeps_cells) view_ = from_.cells->begin_view();
   const int width = settings_.width, height = settings_.height;
   const int64_t tall = kBandPixels / width / kBandRows * kBandRows;
   const auto band_rows = static_cast<int>(std::max<int64_t>(tall, kBandRows));

@@ -28,7 +28,7 @@ struct PictureSources {
   const pathtrace::Lights& lights;
   const runtime::SceneEmbedding* embedding;
   const gi::RadiosityTable* table;
-  gi::LightCells* cells;
+  KeptViews* kept;
   SharedDenoiser& denoiser;
 };
 
@@ -81,7 +81,6 @@ class PictureJob {
   const PictureNeeds needs_;
   StageSeconds seconds_;
   std::string denoised_by_;
-  int view_ = 0;                                    ///< LightCells::begin_view()
   int64_t centre_queries_ = 0, extra_queries_ = 0;  ///< of the bands before
 
   // Of a strip and the rows around it, from first_row_ on.

@@ -25,8 +25,8 @@ constexpr double kPngBytes = 40, kExrShare = 1.5;
 // Where the light of all centres is sampled at once: guides, points, rays and the denoiser's copies
 // while that is done, and what is kept for the bands.
 constexpr double kCentreBytes = 150, kKeptBytes = 24;
-// First hits of a strip; light that is kept from view to view, all in all (gi/light_cells.h).
-constexpr double kHitBytes = 61, kCellsMib = 96;
+// First hits of a strip; light that is kept from picture to picture, all in all (kept_views.h).
+constexpr double kHitBytes = 61, kKeptMib = 96;
 // A strip with the rows around it, at most (kStripPixels).
 constexpr double kStrip = 1.2 * kStripPixels;
 // Gathered light: points, what they found and how pixels between them are filled; and the halves of
@@ -76,8 +76,8 @@ double picture_mb(const RenderSettings& settings) {
   const double corrected =
       needs.corrects_pixels ? strip * (kCorrectionBytes + kStripLayerBytes) / kMib + before : 0;
   const double hits = std::min(pixels, kStrip) * kHitBytes / kMib;
-  const double cells = needs.table && settings.keep_light ? kCellsMib : 0;
-  return std::max({bands + strip * kKeptBytes / kMib, centres, corrected}) + hits + cells;
+  const double kept = needs.table && settings.keep_light ? kKeptMib : 0;
+  return std::max({bands + strip * kKeptBytes / kMib, centres, corrected}) + hits + kept;
 }
 
 void check_picture_fits(const RenderSettings& settings, double available_mb) {

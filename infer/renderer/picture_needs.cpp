@@ -49,7 +49,7 @@ PictureNeeds needs_of(const RenderSettings& settings, bool has_light, bool total
       neural && (needs.network && total ? !full : full || settings.output == Output::Direct);
   needs.gathers_direct =
       needs.table && needs.direct && settings.gather.direct && !settings.adaptive_direct;
-  needs.keeps_cells = needs.table && settings.keep_light && settings.gather.step > 1;
+  needs.keeps_light = needs.table && settings.keep_light && settings.gather.step > 1;
   needs.corrects_pixels = needs.table && full && settings.gather.paths > 0;
   needs.radiance = !neural && full;
   needs.denoises_sampled = denoises_sampled(settings);

@@ -14,7 +14,7 @@ struct PictureNeeds {
   bool direct = false;    ///< sampled light of a neural picture
   /// Direct light is sampled where indirect light is gathered.
   bool gathers_direct = false;
-  bool keeps_cells = false;  ///< views share what is gathered
+  bool keeps_light = false;  ///< pictures share what is gathered
   /// Paths through whole pixels correct what is gathered.
   bool corrects_pixels = false;
   bool radiance = false;  ///< a reference whose paths find whole pixels

@@ -1,10 +1,9 @@
-// Light at surface points by gather rays and shadow rays, and what earlier views know of it.
+// Light at surface points by gather rays and shadow rays.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "lte/gi/light_cells.h"
 #include "lte/gi/radiosity_table.h"
 #include "lte/pathtrace/lights/lights.h"
 
@@ -17,14 +16,11 @@ struct GatherScene {
   const gi::RadiosityTable& table;
   int max_depth = 5;  ///< of the picture: surface hits after the primary one
   uint64_t seed = 0;
-  gi::LightCells* cells = nullptr;  ///< what earlier views have found, and later ones will; or null
-  int view = 0;                     ///< LightCells::begin_view(); draws other numbers
 };
 
 /// Points of pixels, whose rays meet the same nodes and triangles if the pixels are neighbours.
 struct LitPoints {
   std::vector<Vec3> position, normal;
-  std::vector<float> extent;  ///< metres that each stands for: of cells
   std::vector<size_t> pixel;
 
   size_t size() const { return position.size(); }
@@ -48,8 +44,7 @@ struct LightWork {
   double gather_seconds = 0, direct_seconds = 0;
 };
 
-/// Estimates light at points. With cells, a point that enough rays know of gets none, and one that
-/// some know of a quarter of them, so that it gets better from view to view.
+/// Estimates light at points.
 /// @param first_index  numbers the streams of their rays
 PointLight light_points(const GatherScene& scene, const LitPoints& points, const LightRays& rays,
                         int64_t first_index, LightWork* work);

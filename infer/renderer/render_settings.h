@@ -37,8 +37,8 @@ struct RenderSettings {
   GatherSettings gather;  ///< of Indirect::Gather, which takes its noise away unless `denoise` is
                           ///< off
   /// Of Indirect::Gather at few pixels (gather.step): light that earlier pictures since
-  /// make_table() have found is taken again, and what this one finds is kept. So a picture depends
-  /// on those before it.
+  /// make_table() have found is taken where this one shows the same surfaces, and what it finds is
+  /// kept (kept_views.h). So a picture depends on those before it.
   bool keep_light = false;
   int direct_samples = 64;  ///< shadow rays a pixel
   /// Share them out over pixels, more where penumbrae are: direct_samples is their mean.

@@ -48,7 +48,7 @@ void Renderer::embed(const runtime::Network& network, const EmbedSettings& setti
 void Renderer::make_table(const TableSettings& settings) {
   const Timer timer;
   table_.reset();  // two at a time would need twice the memory
-  cells_.reset();
+  kept_.reset();
   table_.emplace(make_light_table(bvh_, lights_, embedding_ ? &*embedding_ : nullptr, settings));
   seconds_.table = timer.seconds();
 }
@@ -78,9 +78,9 @@ PictureNeeds Renderer::needs(const RenderSettings& settings) const {
 
 Frame Renderer::render(const scene::Camera& camera, const RenderSettings& settings) {
   const PictureNeeds needs = this->needs(settings);
-  if (needs.keeps_cells && !cells_) cells_.emplace();
+  if (needs.keeps_light && !kept_) kept_.emplace();
   PictureJob job({bvh_, lights_, embedding_.get(), table_ ? &*table_ : nullptr,
-                  cells_ ? &*cells_ : nullptr, *denoiser_},
+                  kept_ ? &*kept_ : nullptr, *denoiser_},
                  camera, settings, needs);
   Frame frame = job.render();
   for (double StageSeconds::*stage : kPictureStages) seconds_.*stage = job.seconds().*stage;

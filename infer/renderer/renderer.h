@@ -73,7 +73,7 @@ class Renderer {
   const pathtrace::Lights& lights_;
   std::shared_ptr<const runtime::SceneEmbedding> embedding_;
   std::optional<gi::RadiosityTable> table_;
-  std::optional<gi::LightCells> cells_;  ///< of RenderSettings::keep_light
+  std::optional<KeptViews> kept_;  ///< of RenderSettings::keep_light
   StageSeconds seconds_;
   std::shared_ptr<SharedDenoiser> denoiser_;
   std::string denoised_by_;

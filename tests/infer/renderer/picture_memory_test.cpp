@@ -67,7 +67,7 @@ TEST(PictureMemory, GrowsByLayersAndPixelsAlone) {
   const double in_one_strip = picture_mb(gathered);
   EXPECT_GT(in_one_strip, plain + 1024 * 1024 * 200.0 / (1 << 20));
   gathered.keep_light = true;
-  EXPECT_GT(picture_mb(gathered), in_one_strip) << "cells";
+  EXPECT_GT(picture_mb(gathered), in_one_strip) << "kept light";
   denoised.output = Output::Depth;
   denoised.output = Output::Depth;
   const double noisy_depth = picture_mb(denoised);
