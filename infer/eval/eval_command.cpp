@@ -94,6 +94,8 @@ void add_eval_options(CLI::App& app, EvalRequest* r) {
                  "Scene points shown to the network, drawn from those of the data; 0 for as many "
                  "as in training")
       ->check(non_negative_number());
+  app.add_flag("--light-by-light", r->light_by_light,
+               "Also encode each luminaire by itself and add up the answers (row neural_by_light)");
   app.add_option("--report", r->report,
                  "Folder for report.html, metrics.csv and a contact sheet of each scene");
   app.add_option("--csv", r->csv, "Every metric by scene and predictor, as CSV");
@@ -158,6 +160,7 @@ void run_eval(const EvalRequest& request) {
   settings.data = data;
   settings.split = data::parse_split(request.split);
   settings.scene_points = request.scene_points;
+  settings.light_by_light = request.light_by_light;
   settings.bootstrap = request.bootstrap;
   settings.probes = request.probes;
   settings.probe_rate = request.probe_rate;

@@ -28,13 +28,19 @@ std::string few_paths_row(int paths) { return concat("path_tracing_", paths); }
 
 std::string denoised_row(const std::string& row) { return row + "_denoised"; }
 
-/// The network's indirect irradiance over the emission scalar. A model of total irradiance is
-/// compared on the same quantity, from which the reference's direct light is subtracted.
-std::vector<Rgb> neural(const runtime::SceneEmbedding& network, const EvalPoints& points) {
-  std::vector<Rgb> out =
-      data::sum_groups(network.decode(points.queries), 1, 1 / network.mean_emission());
-  if (!network.network().predicts_total()) return out;
-  for (size_t i = 0; i < out.size(); ++i) out[i] = max(out[i] - points.direct[i], Vec3{});
+/// The network's indirect irradiance over the emission scalar, summed over embeddings of the
+/// scene's light. A model of total irradiance is compared on the same quantity, from which the
+/// reference's direct light is subtracted.
+std::vector<Rgb> neural(std::span<const runtime::SceneEmbedding> lights, double mean_emission,
+                        const EvalPoints& points) {
+  std::vector<Rgb> out(points.queries.position.size());
+  for (const runtime::SceneEmbedding& light : lights) {
+    const std::vector<Rgb> part =
+        data::sum_groups(light.decode(points.queries), 1, 1 / mean_emission);
+    for (size_t i = 0; i < out.size(); ++i) out[i] += part[i];
+    if (!light.network().predicts_total() || &light != &lights.back()) continue;
+    for (size_t i = 0; i < out.size(); ++i) out[i] = max(out[i] - points.direct[i], Vec3{});
+  }
   return out;
 }
 
@@ -45,12 +51,15 @@ struct Predictors {
   const runtime::SceneEmbedding& network;
   const BaselinePredictor& baselines;
   const ProbeField& probes;
+  std::span<const runtime::SceneEmbedding> by_light;  ///< luminaires apart; may be empty
 
   Predictions predict(const EvalPoints& points, double* decode_seconds) const {
     Predictions out;
     const Timer timer;
-    out.emplace_back("neural", neural(network, points));
+    out.emplace_back("neural", neural({&network, 1}, network.mean_emission(), points));
     *decode_seconds += timer.seconds();
+    if (!by_light.empty())
+      out.emplace_back("neural_by_light", neural(by_light, network.mean_emission(), points));
     if (!points.path_traced.empty()) out.emplace_back(kPathTraced, points.path_traced);
     for (size_t i = 0; i < data::kFewPaths.size(); ++i) {
       if (!points.path_traced_few[i].empty())
@@ -189,7 +198,9 @@ SceneResult evaluate_scene(const EvalSettings& settings, const data::DatasetInfo
       probe_count(settings, sample, result.encode_seconds, light_paths(sample, info, network)));
   result.probes = probes.size();
   result.reference_noise = points.noise().mse;
-  const Predictors predictors{embedding, baselines, probes};
+  std::vector<runtime::SceneEmbedding> by_light;
+  if (settings.light_by_light) by_light = embed_by_light(sample, network, settings.memory);
+  const Predictors predictors{embedding, baselines, probes, by_light};
   for (const auto& [name, values] : predictors.predict(points, &result.decode_seconds)) {
     result.scores.emplace_back(name, Score());
     result.scores.back().second.points = score_points(values, points.reference);

@@ -71,6 +71,7 @@ struct EvalSettings {
   /// each with the paths of the data's points, as it would bake while the network is prepared: in
   /// the time of the encoding, and with the paths of the light estimates that the network reads.
   double probe_rate = 0;
+  bool light_by_light = false;  ///< also encode each luminaire by itself, and add up the answers
   runtime::MemoryLimit memory;
   ViewSink on_view;                ///< may be empty
   std::function<void()> on_scene;  ///< after each scene; may be empty

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "infer/eval/measure/embed_sample.h"
 #include "infer/eval/report/eval_report.h"
 #include "lte/base/check.h"
 #include "lte/data/sample_rows.h"
@@ -163,6 +164,48 @@ TEST_F(Evaluation, ShowsTheModelAsManyScenePointsAsAsked) {
   }
   settings_.scene_points = 0;
   EXPECT_EQ(points_mse(), of_few);
+}
+
+/// Against files in which one luminaire or the other is black.
+TEST_F(Evaluation, AddsUpWhatTheNetworkSaysOfEachLuminaire) {
+  const runtime::Network model = predictor();
+  const Baselines baselines = fit_baselines(settings_.data);
+  settings_.light_by_light = true;
+  const SceneResult scene = evaluate(settings_, model, baselines).scenes[0];
+  const std::filesystem::path path = data::scene_path(settings_.data, "test0");
+  const data::SceneSample whole = data::read_scene_sample(path);
+  std::vector<Rgb> sum(whole.query_position.size()), reference(sum.size());
+  for (const int32_t lit : {0, 1}) {
+    data::SceneSample sample = whole;
+    for (size_t i = 0; i < sample.scene_light.size(); ++i) {
+      if (sample.scene_light[i] != lit) sample.scene_emission[i] = {};
+    }
+    const std::vector<Rgb> part =
+        embed_sample(sample, model, {})
+            .decode({whole.query_position, whole.query_normal, whole.query_albedo});
+    for (size_t i = 0; i < sum.size(); ++i) {
+      const float scale = static_cast<float>(1 / scene.radiance);
+      sum[i] += part[i] * scale;
+      reference[i] += whole.indirect[static_cast<size_t>(lit) * sum.size() + i] * scale;
+    }
+  }
+  const Score* const by_light = find_score(scene.scores, "neural_by_light");
+  ASSERT_NE(by_light, nullptr);
+  const double mse = score_points(sum, reference)[0];
+  EXPECT_NEAR(by_light->points[0], mse, 1e-4 * mse);
+  EXPECT_NE(by_light->points[0], find_score(scene.scores, "neural")->points[0]);
+  EXPECT_TRUE(std::isfinite(by_light->views[0]));
+  // Of one luminaire it is the network itself.
+  for (const char* name : {"test0", "test1"}) {
+    data::SceneSample sample = data::read_scene_sample(data::scene_path(settings_.data, name));
+    for (size_t i = 0; i < sample.scene_light.size(); ++i) {
+      if (sample.scene_light[i] == 1) sample.scene_emission[i] = {};
+    }
+    data::write_scene_sample(data::scene_path(settings_.data, name), sample);
+  }
+  const SceneResult one = evaluate(settings_, model, baselines).scenes[0];
+  EXPECT_EQ(find_score(one.scores, "neural_by_light")->points[0],
+            find_score(one.scores, "neural")->points[0]);
 }
 
 TEST_F(Evaluation, GivesIntervalsAndSamplesAroundItsFigures) {
