@@ -1,7 +1,9 @@
 #include "infer/renderer/residual_bands.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "infer/picture/box_mean.h"
@@ -15,17 +17,21 @@ using image::Image;
 /// Bands beside the mean over what lies around: 5 passes reach 62 pixels to each side.
 constexpr int kPasses = 5;
 /// Half an edge of the square over which powers are estimated; at least twice the band's width.
-constexpr int kWindow = 6;
-/// Standard errors of the power's estimate that are not believed.
-constexpr float kDoubt = 3;
+constexpr int kWindow = 16;
+/// Standard errors of a power's estimate that believe half of it.
+constexpr float kDoubt = 2;
+/// Pixels of a wide surface that smoothing has made one, in each band: the sum of the squared
+/// autocorrelation of its noise.
+constexpr std::array<float, kPasses + 1> kAlike = {1.1f, 5.1f, 23, 96, 388, 2270};
 
 int window(int pass) { return std::max(kWindow, 2 << pass); }
 
 /// The share of a band that is the answer's error, per pixel.
-std::vector<float> shares(const ResidualHalves& band, const BoxMean& mean, int radius,
+/// @param alike  pixels that count as one where means are taken
+std::vector<float> shares(const ResidualHalves& band, const BoxMean& mean, int radius, float alike,
                           std::span<const float> scale) {
   const size_t pixels = band.a.pixels.size() / 3;
-  std::vector<float> power(pixels), noise(pixels), counts;
+  std::vector<float> power(pixels), square(pixels), noise(pixels), counts;
   for (size_t i = 0; i < pixels; ++i) {
     const float weight = scale.empty() ? 1 : scale[i] * scale[i];
     for (size_t k = 3 * i; k < 3 * i + 3; ++k) {
@@ -33,16 +39,23 @@ std::vector<float> shares(const ResidualHalves& band, const BoxMean& mean, int r
       power[i] += weight * a * b;
       noise[i] += weight * (a - b) * (a - b) / 4;  // of the mean of both
     }
+    square[i] = std::min(power[i] * power[i], std::numeric_limits<float>::max());
   }
   power = mean(power, radius, &counts);
+  square = mean(square, radius);
   noise = mean(noise, radius);
   for (size_t i = 0; i < pixels; ++i) {
     const float variance = std::max(0.0f, noise[i]);
-    // Of pure noise the product has a standard deviation of twice the mean's variance.
-    const float sure = power[i] - kDoubt * 2 * variance / std::sqrt(std::max(1.0f, counts[i]));
+    // Of pure noise the product has a standard deviation of twice the mean's variance, or more
+    // where some pixels are noisier than others.
+    const float spread =
+        std::max(2 * variance, std::sqrt(std::max(0.0f, square[i] - power[i] * power[i])));
+    const float error = spread / std::sqrt(std::max(1.0f, counts[i] / alike));
+    const float doubt = power[i] > 0 ? kDoubt * error / power[i] : 0;
+    const float sure = power[i] / (1 + doubt * doubt);
     power[i] = sure > 0 ? sure / (sure + variance) : 0;
   }
-  return power;
+  return mean(power, radius / 2);  // what chance has let through here, it has not beside
 }
 
 void add_share(const std::vector<float>& share, const ResidualHalves& band,
@@ -87,7 +100,8 @@ std::vector<Image> error_of(std::vector<ResidualHalves> residuals, const Residua
         subtract(coarse[r].a, &band.a);
         subtract(coarse[r].b, &band.b);
       }
-      add_share(shares(band, mean, window(pass), {}), band, surfaces.mask, &out[r]);
+      add_share(shares(band, mean, window(pass), kAlike[static_cast<size_t>(pass)], {}), band,
+                surfaces.mask, &out[r]);
     }
     if (pass < kPasses) residuals = std::move(coarse);
   }
@@ -98,7 +112,7 @@ Image error_of_pixels(const ResidualHalves& residual, std::span<const uint8_t> m
                       std::span<const float> scale) {
   const BoxMean mean(residual.a.width, residual.a.height, mask);
   Image out(residual.a.width, residual.a.height, 3);
-  add_share(shares(residual, mean, kWindow, scale), residual, mask, &out);
+  add_share(shares(residual, mean, kWindow, 1, scale), residual, mask, &out);
   return out;
 }
 

@@ -4,9 +4,10 @@
 // that of a room's wall, by smoothing over surfaces (à-trous wavelets). In every band and place the
 // product of both halves has no noise in its mean: it is the power of the error. Their difference
 // is the noise's. The band is kept by the share that the error has of both (Wiener's filter): not
-// at all where paths are few or the answer is right, wholly where they are many. So what is left
-// is never much more than the lesser of the answer's error and the paths' noise, and it has no
-// floor.
+// at all where paths are few or the answer is right, wholly where they are many. A power is
+// believed by how far it stands out of its own standard error, or few paths would add what chance
+// has made of them. So what is left is never much more than the lesser of the answer's error and
+// the paths' noise, and it has no floor.
 #pragma once
 
 #include <cstdint>
