@@ -1,6 +1,5 @@
 // Files that are broken or hostile: each must be refused by name, none may crash the reader.
 #include <cstring>
-#include <fstream>
 #include <optional>
 
 #include <gmock/gmock.h>
@@ -30,16 +29,10 @@ std::string aligned(std::string header, const std::string& data) {
   return file_bytes(header, data);
 }
 
-/// Without the fsync of write_file(), which thousands of files would feel.
-void put(const std::filesystem::path& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary)
-      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
-
 /// What the reader says to `bytes`, or nothing if it takes them.
 std::optional<std::string> refusal(const std::string& bytes) {
   static const TempDir dir;
-  put(dir / "bad.safetensors", bytes);
+  test::write_text(dir / "bad.safetensors", bytes);
   try {
     const SafetensorsFile file(dir / "bad.safetensors");
     return std::nullopt;
@@ -168,7 +161,7 @@ TEST(SafetensorsErrors, ChangedBytesNeverReachOutsideTheFile) {
     for (uint64_t change = 0; change <= rng.below(3); ++change) {
       bad[rng.below(bad.size() - 36)] = static_cast<char>(rng.next_u32());
     }
-    put(dir / "changed", bad);
+    test::write_text(dir / "changed", bad);
     try {
       const SafetensorsFile file(dir / "changed");
       double sum = 0;  // reads every byte a view offers

@@ -10,21 +10,14 @@
 #include "lte/base/check.h"
 #include "lte/base/random.h"
 #include "lte/data/scene_sample.h"
+#include "tests/support/temp_dir.h"
 
 namespace lte::data::test {
 
 class Folder : public ::testing::Test {
  protected:
-  void SetUp() override {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::path(::testing::TempDir()) /
-              concat("lte_", info->test_suite_name(), "_", info->name());
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  std::filesystem::path folder_;
+  const lte::test::TempDir own_;
+  const std::filesystem::path folder_ = own_.path();
 };
 
 /// A folder with a place for one sample.

@@ -1,7 +1,6 @@
 #include "lte/image/png.h"
 
 #include <cmath>
-#include <fstream>
 
 #include <gmock/gmock.h>
 
@@ -130,7 +129,7 @@ TEST(Png, EveryTruncationIsRefusedOrWhole) {
   const std::string bytes(png.begin(), png.end());
   // The last 12 bytes (IEND) carry no pixel.
   for (size_t size = 0; size + 12 < bytes.size(); size += 3) {
-    std::ofstream(dir / "cut.png", std::ios::binary) << bytes.substr(0, size);
+    test::write_text(dir / "cut.png", bytes.substr(0, size));
     EXPECT_THAT(error_of([&] { read_png(dir / "cut.png"); }), HasSubstr("cannot decode")) << size;
   }
 }

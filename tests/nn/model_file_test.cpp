@@ -11,19 +11,18 @@
 #include "lte/base/safetensors.h"
 #include "lte/nn/model_metadata.h"
 #include "tests/nn/support.h"
+#include "tests/support/temp_dir.h"
 
 namespace lte::nn {
 namespace {
 
 class ModelFile : public ::testing::Test {
  protected:
-  ModelFile() : directory_(std::filesystem::path(testing::TempDir()) / "lte_nn_model_file") {
-    std::filesystem::create_directories(directory_);
+  ModelFile() {
     torch::manual_seed(1);
     model_ = LightTransportModel(test::tiny_config());
     test::randomize(*model_, 2);
   }
-  ~ModelFile() override { std::filesystem::remove_all(directory_); }
 
   std::filesystem::path file(const std::string& name) const { return directory_ / name; }
 
@@ -42,7 +41,7 @@ class ModelFile : public ::testing::Test {
     return file("edited.safetensors");
   }
 
-  std::filesystem::path directory_;
+  const test::TempDir directory_;
   LightTransportModel model_{nullptr};
 };
 
@@ -102,7 +101,7 @@ TEST_F(ModelFile, FlippedBitsAreRefusedOrHarmless) {
   for (size_t bit = 3; bit < bits; bit += stride, ++tried) {
     std::string copy = bytes;
     copy[bit / 8] = static_cast<char>(copy[bit / 8] ^ (1 << bit % 8));
-    std::ofstream(file("damaged.safetensors"), std::ios::binary) << copy;
+    test::write_text(file("damaged.safetensors"), copy);
     try {
       const LightTransportModel loaded = load_model(file("damaged.safetensors"));
       for (const auto& item : loaded->named_parameters())

@@ -46,8 +46,10 @@ class TempDir {
   std::filesystem::path path_;
 };
 
-/// Writes a file without the sync of write_file(): some tests write thousands.
+/// Writes a file without the sync of write_file(): some tests write thousands. A new one each time:
+/// where an old one is cut to nothing and filled again, ext4 waits for the disk too.
 inline void write_text(const std::filesystem::path& path, const std::string& text) {
+  std::filesystem::remove(path);
   std::ofstream(path, std::ios::binary) << text;
 }
 

@@ -34,7 +34,6 @@ struct Outcome {
 class Command : public data::test::Folder {
  protected:
   void SetUp() override {
-    Folder::SetUp();
     write_file(folder_ / "tiny.yaml", to_yaml(tiny_config()));
     scene::write_glb(folder_ / "box.glb", furnace(2, 0.5f));
   }

@@ -35,7 +35,6 @@ void declare(CLI::App& app, CommandBody* body) {
 class DatagenFiles : public data::test::Folder {
  protected:
   void SetUp() override {
-    Folder::SetUp();
     before_ = fs::current_path();
     fs::current_path(folder_);
     scene::write_glb("room.glb", furnace(2, 0.5f));
@@ -51,7 +50,6 @@ class DatagenFiles : public data::test::Folder {
   void TearDown() override {
     fs::current_path(before_);
     set_log_level(LogLevel::Info);
-    Folder::TearDown();
   }
 
   /// Runs a command line whose words have no blanks in them.

@@ -38,14 +38,10 @@ std::string box_name(int64_t index) { return scene_name(GeneratorKind::Boxes, in
 
 class Generate : public data::test::Folder {
  protected:
-  void SetUp() override {
-    Folder::SetUp();
-    set_log_level(LogLevel::Quiet);
-  }
+  void SetUp() override { set_log_level(LogLevel::Quiet); }
   void TearDown() override {
     set_log_level(LogLevel::Info);
     set_num_threads(0);
-    Folder::TearDown();
   }
 
   GenerateResult generate(const std::string& out, const DatagenConfig& config = tiny_config(),

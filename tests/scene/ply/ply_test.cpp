@@ -33,7 +33,7 @@ std::string bytes(T value, bool big) {
 class Ply : public ::testing::Test {
  protected:
   PlyMesh read(const std::string& content, const LoadLimits& limits = {}) {
-    write_file(dir_ / "m.ply", content);
+    test::write_text(dir_ / "m.ply", content);
     SceneFiles files(dir_ / "m.ply", limits);
     return read_ply(files.open_scene(), &files.budget());
   }
