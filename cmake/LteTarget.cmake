@@ -75,7 +75,15 @@ function(lte_add_test folder)
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_compile_definitions(${name} PRIVATE LTE_SOURCE_DIR="${PROJECT_SOURCE_DIR}" LTE_BINARY_DIR="${CMAKE_BINARY_DIR}")
   add_test(NAME ${folder} COMMAND ${name} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
-  set_tests_properties(${folder} PROPERTIES TIMEOUT 600 LABELS "${arg_LABELS}")
+  set_tests_properties(${folder} PROPERTIES TIMEOUT 1200 LABELS "${arg_LABELS}")
+  lte_test_environment(${folder})
+endfunction()
+
+# lte_test_environment(TEST [NAME=VALUE ...]): variables that a ctest entry runs with, and where
+# GoogleTest puts its results: a file an entry, as entries of one program may run at the same time.
+function(lte_test_environment test)
+  set_tests_properties(${test} PROPERTIES ENVIRONMENT
+    "GTEST_OUTPUT=json:${CMAKE_BINARY_DIR}/test-results/${test}.json;${ARGN}")
 endfunction()
 
 # lte_test_as_avx2(FOLDER [FILTER]): the same tests once more as a processor without AVX-512 would
@@ -83,6 +91,7 @@ endfunction()
 function(lte_test_as_avx2 folder)
   add_test(NAME ${folder}_avx2 COMMAND lte_${folder}_test ${ARGN}
            WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
-  set_tests_properties(${folder}_avx2 PROPERTIES TIMEOUT 600 ENVIRONMENT
-    "LTE_CPU_ISA=avx2;ATEN_CPU_CAPABILITY=avx2;ONEDNN_MAX_CPU_ISA=AVX2;MKL_ENABLE_INSTRUCTIONS=AVX2")
+  set_tests_properties(${folder}_avx2 PROPERTIES TIMEOUT 1200)
+  lte_test_environment(${folder}_avx2 LTE_CPU_ISA=avx2 ATEN_CPU_CAPABILITY=avx2
+    ONEDNN_MAX_CPU_ISA=AVX2 MKL_ENABLE_INSTRUCTIONS=AVX2)
 endfunction()

@@ -22,6 +22,6 @@ scripts/build.sh $preset
 # Which tests ran and which skipped goes to a file a program; scripts/dev/check_skips.py reads them.
 results=$PWD/$([ $preset = asan ] && echo build-asan || echo build)/test-results
 rm -rf "$results"
-mkdir -p "$results"
-GTEST_OUTPUT=json:$results/ ctest --preset $preset "$@"
+# Two programs at a time: most of what they do takes one thread, and some wait for other processes.
+ctest --preset $preset --parallel $(($(nproc) > 1 ? 2 : 1)) "$@"
 [ $# -gt 0 ] || scripts/dev/check_skips.py "$results"
