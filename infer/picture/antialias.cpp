@@ -29,16 +29,17 @@ constexpr std::array<std::pair<int, int>, 4> kAfter = {{{1, 0}, {-1, 1}, {0, 1},
 constexpr int64_t kRows = 8;  // that a thread takes at a time
 
 /// Whether both points lie in the planes of each other, within `tolerance` metres.
-bool same_plane(const Vec3& a, const Vec3& normal_a, const Vec3& b, const Vec3& normal_b,
-                float tolerance) {
+inline bool same_plane(const Vec3& a, const Vec3& normal_a, const Vec3& b, const Vec3& normal_b,
+                       float tolerance) {
   const Vec3 between = b - a;
   return std::abs(dot(between, normal_a)) <= tolerance &&
          std::abs(dot(between, normal_b)) <= tolerance;
 }
 
 bool colors_differ(const Rgb& a, const Rgb& b) {
-  if (a == b) return false;
   for (int c = 0; c < 3; ++c) {
+    // Roots of numbers that are nearer than the step's square are nearer than the step.
+    if (std::abs(a[c] - b[c]) < 0.99f * kColorStep * kColorStep) continue;
     if (std::abs(std::sqrt(a[c]) - std::sqrt(b[c])) > kColorStep) return true;
   }
   return false;
@@ -81,14 +82,14 @@ Vec2 stratified_point(int i, int count, float turn_x, float turn_y) {
 /// Finds the queries that answer the sub-hits of edge pixels.
 class SourceFinder {
  public:
-  SourceFinder(const EdgeView& view, std::span<const int32_t> query_of_pixel, QuerySet* queries,
-               SubHits* sub)
+  SourceFinder(const EdgeView& view, const PixelQueries& asked, QuerySet* queries, SubHits* sub)
       : view_(view),
-        query_of_pixel_(query_of_pixel),
+        asked_(asked),
         queries_(*queries),
         sub_(*sub),
         own_(sub->pixel.size() + 1),
-        entry_(query_of_pixel.size(), scene::kNone) {
+        open_(sub->pixel.size()),
+        entry_(asked.of_pixel.size(), scene::kNone) {
     for (size_t i = 0; i < sub->pixel.size(); ++i)
       entry_[static_cast<size_t>(sub->pixel[i])] = static_cast<int32_t>(i);
   }
@@ -96,39 +97,51 @@ class SourceFinder {
   /// The nearest query of a pixel, the sub-hit's own or one of the eight around it. Entries do not
   /// touch each other.
   void find_pixels(size_t entry) {
-    std::array<int32_t, 9> candidates;
+    std::array<Candidate, 9> candidates;
     size_t count = 0;
     each_pixel_around(entry, [&](size_t pixel) {
-      if (query_of_pixel_[pixel] != scene::kNone) candidates[count++] = query_of_pixel_[pixel];
+      const int32_t query = asked_.of_pixel[pixel];
+      const size_t hit = view_.first + pixel;
+      if (query != scene::kNone)
+        candidates[count++] = {view_.hits.position[hit], view_.hits.normal[hit], query};
     });
     for (size_t s = first(entry); s < first(entry + 1); ++s) {
-      if (reflects(s)) sub_.source[s] = nearest(s, std::span(candidates).first(count));
+      if (!reflects(s)) continue;
+      sub_.source[s] = nearest(s, std::span(candidates).first(count));
+      if (sub_.source[s] == scene::kNone) open_[entry] = 1;
     }
   }
 
   /// For sub-hits that found none: the nearest query that a sub-hit before has added, in this pixel
   /// or next to it, or one more. In the order of the entries.
   void find_or_add(size_t entry) {
-    own_[entry] = static_cast<int32_t>(queries_.size());
-    candidates_.clear();
-    bool collected = false;
+    own_[entry] = own_[entry + 1] = static_cast<int32_t>(queries_.size());
+    if (!open_[entry]) return;
+    collect_added(entry);
     for (size_t s = first(entry); s < first(entry + 1); ++s) {
       if (sub_.source[s] != scene::kNone || !reflects(s)) continue;
-      if (!collected) collect_added(entry);
-      collected = true;
-      sub_.source[s] = nearest(s, candidates_);
+      sub_.source[s] = nearest(s, added_);
       if (sub_.source[s] != scene::kNone) continue;
-      sub_.source[s] = static_cast<int32_t>(queries_.size());
-      candidates_.push_back(sub_.source[s]);
       queries_.add(sub_.hits, s);
+      added_.push_back(candidate(static_cast<int32_t>(queries_.size()) - 1));
+      sub_.source[s] = added_.back().query;
     }
     own_[entry + 1] = static_cast<int32_t>(queries_.size());
   }
 
  private:
+  struct Candidate {
+    Vec3 position, normal;
+    int32_t query = scene::kNone;
+  };
+
   size_t first(size_t entry) const { return entry * static_cast<size_t>(sub_.per_pixel); }
   bool reflects(size_t s) const {
     return sub_.hits.mask[s] && max_component(sub_.hits.albedo[s]) > 0;
+  }
+  Candidate candidate(int32_t listed) const {
+    const auto at = static_cast<size_t>(listed);
+    return {queries_.position[at], queries_.normal[at], asked_.first_listed + listed};
   }
 
   template <typename Use>
@@ -144,41 +157,39 @@ class SourceFinder {
 
   /// What sub-hits of entries before this one have added around it.
   void collect_added(size_t entry) {
+    added_.clear();
     each_pixel_around(entry, [&](size_t pixel) {
       const int32_t other = entry_[pixel];
       if (other == scene::kNone || static_cast<size_t>(other) >= entry) return;
       const auto at = static_cast<size_t>(other);
-      for (int32_t q = own_[at]; q < own_[at + 1]; ++q) candidates_.push_back(q);
+      for (int32_t q = own_[at]; q < own_[at + 1]; ++q) added_.push_back(candidate(q));
     });
   }
 
-  int32_t nearest(size_t s, std::span<const int32_t> candidates) const {
+  int32_t nearest(size_t s, std::span<const Candidate> candidates) const {
     const Vec3 &position = sub_.hits.position[s], &normal = sub_.hits.normal[s];
     const float tolerance = sub_.hits.depth[s] * view_.pixel_size;
     int32_t best = scene::kNone;
     float best_distance = INFINITY;
-    for (const int32_t q : candidates) {
-      const auto at = static_cast<size_t>(q);
-      if (dot(normal, queries_.normal[at]) < kSharedNormal) continue;
-      if (!same_plane(position, normal, queries_.position[at], queries_.normal[at], tolerance))
-        continue;
-      const Vec3 between = queries_.position[at] - position;
+    for (const Candidate& candidate : candidates) {
+      const Vec3 between = candidate.position - position;
       const float distance = dot(between, between);
-      if (distance < best_distance) {
-        best_distance = distance;
-        best = q;
-      }
+      if (!(distance < best_distance) || dot(normal, candidate.normal) < kSharedNormal) continue;
+      if (!same_plane(position, normal, candidate.position, candidate.normal, tolerance)) continue;
+      best_distance = distance;
+      best = candidate.query;
     }
     return best;
   }
 
   const EdgeView& view_;
-  std::span<const int32_t> query_of_pixel_;
+  const PixelQueries& asked_;
   QuerySet& queries_;
   SubHits& sub_;
-  std::vector<int32_t> own_;    ///< first query that an edge pixel added, by its entry
+  std::vector<int32_t> own_;    ///< place of the first query that an edge pixel added, by its entry
+  std::vector<uint8_t> open_;   ///< by entry: a sub-hit found no pixel
   std::vector<int32_t> entry_;  ///< of a pixel among the edge pixels
-  std::vector<int32_t> candidates_;
+  std::vector<Candidate> added_;
 };
 
 }  // namespace
@@ -207,17 +218,23 @@ std::vector<int32_t> find_edges(const EdgeView& view) {
       }
     }
   });
-  std::vector<int32_t> out;
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      bool edge = differs[at(x, y)] != 0;
-      for (size_t k = 0; k < kAfter.size() && !edge; ++k) {
-        const auto& [dx, dy] = kAfter[k];
-        if (y - dy >= 0 && inside(x - dx, y - dy)) edge = differs[at(x - dx, y - dy)] >> k & 1;
+  std::vector<std::vector<int32_t>> found(static_cast<size_t>((height + kRows - 1) / kRows));
+  parallel_for(height, kRows, [&](int64_t begin, int64_t end) {
+    std::vector<int32_t>& edges = found[static_cast<size_t>(begin / kRows)];
+    for (auto y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+      for (int x = 0; x < width; ++x) {
+        bool edge = differs[at(x, y)] != 0;
+        for (size_t k = 0; k < kAfter.size() && !edge; ++k) {
+          const auto& [dx, dy] = kAfter[k];
+          if (y - dy >= 0 && inside(x - dx, y - dy))
+            edge = (differs[at(x - dx, y - dy)] >> k & 1) != 0;
+        }
+        if (edge) edges.push_back(static_cast<int32_t>(at(x, y)));
       }
-      if (edge) out.push_back(static_cast<int32_t>(at(x, y)));
     }
-  }
+  });
+  std::vector<int32_t> out;
+  for (const std::vector<int32_t>& edges : found) out.insert(out.end(), edges.begin(), edges.end());
   return out;
 }
 
@@ -245,9 +262,9 @@ SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera,
   return out;
 }
 
-void assign_sources(const EdgeView& view, std::span<const int32_t> query_of_pixel,
-                    QuerySet* queries, SubHits* sub) {
-  SourceFinder finder(view, query_of_pixel, queries, sub);
+void assign_sources(const EdgeView& view, const PixelQueries& asked, QuerySet* queries,
+                    SubHits* sub) {
+  SourceFinder finder(view, asked, queries, sub);
   parallel_for(static_cast<int64_t>(sub->pixel.size()), 512, [&](int64_t begin, int64_t end) {
     for (int64_t entry = begin; entry < end; ++entry)
       finder.find_pixels(static_cast<size_t>(entry));

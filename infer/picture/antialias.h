@@ -72,9 +72,14 @@ struct SubHits {
 SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera,
                        const PictureRows& rows, std::vector<int32_t> pixels, int per_pixel);
 
+/// The numbers of queries.
+struct PixelQueries {
+  std::span<const int32_t> of_pixel;  ///< of each pixel of a view, kNone if it asks nothing
+  int32_t first_listed = 0;           ///< of the first in the QuerySet
+};
+
 /// Finds the source of every sub-hit, and appends to `queries` those that no query answers.
-/// @param query_of_pixel  of each pixel of `view`, kNone if it asks nothing
-void assign_sources(const EdgeView& view, std::span<const int32_t> query_of_pixel,
-                    QuerySet* queries, SubHits* sub);
+void assign_sources(const EdgeView& view, const PixelQueries& asked, QuerySet* queries,
+                    SubHits* sub);
 
 }  // namespace lte::infer

@@ -1,8 +1,10 @@
 #include "infer/picture/picture_band.h"
 
 #include <algorithm>
+#include <atomic>
 #include <numeric>
 
+#include "infer/picture/compose.h"
 #include "lte/base/parallel.h"
 #include "lte/scene/metal.h"
 
@@ -35,7 +37,8 @@ PictureBand::PictureBand(const pathtrace::Bvh& bvh, const scene::Camera& camera,
     : scene_(bvh.scene()),
       rows_(rows),
       pixel_size_(pathtrace::pixel_size(camera, rows.height)),
-      options_(options) {
+      options_(options),
+      first_row_(first_row) {
   PictureRows seen = rows;
   if (options.antialias > 1) {  // the neighbours of the band's own pixels
     seen.first = std::max(0, rows.first - 1);
@@ -61,8 +64,13 @@ PictureBand::PictureBand(const pathtrace::Bvh& bvh, const scene::Camera& camera,
   if (options.antialias > 1) take_samples(bvh, camera, view);
   darken_metal(&own_);
   list_traced();
-  ask_centres();
-  if (options.antialias > 1) assign_sources(view, query_of_pixel_, &queries_, &sub_);
+  if (options.centres_known) {
+    number_centres();
+  } else {
+    ask_centres();
+  }
+  if (options.antialias > 1)
+    assign_sources(view, {query_of_pixel_, first_listed_}, &queries_, &sub_);
 }
 
 template <typename Use>
@@ -119,14 +127,32 @@ void PictureBand::list_traced() {
   }
 }
 
+bool PictureBand::asks(int pixel) const {
+  const GBuffer& hits = this->hits();
+  const size_t i = hit_index(pixel);
+  return hits.mask[i] && max_component(hits.albedo[i]) > 0 &&
+         (is_traced_.empty() || !is_traced_[seen_index(pixel)]);
+}
+
+/// Centres whose light is known: pixels are their numbers.
+void PictureBand::number_centres() {
+  first_listed_ = static_cast<int32_t>(query_of_pixel_.size());
+  std::atomic<int64_t> asking = 0;
+  parallel_for(pixels(), kPixelsOfThread, [&](int64_t begin, int64_t end) {
+    int64_t some = 0;
+    for (auto i = static_cast<int>(begin); i < end; ++i) {
+      if (!asks(i)) continue;
+      query_of_pixel_[seen_index(i)] = static_cast<int32_t>(seen_index(i));
+      ++some;
+    }
+    asking += some;
+  });
+  asking_centres_ = asking;
+}
+
 void PictureBand::ask_centres() {
   const GBuffer& hits = this->hits();
   const int width = rows_.width, height = rows_.last - rows_.first;
-  const auto asks = [&](int pixel) {
-    const size_t i = hit_index(pixel);
-    return hits.mask[i] && max_component(hits.albedo[i]) > 0 &&
-           (is_traced_.empty() || !is_traced_[seen_index(pixel)]);
-  };
   // Square tiles of pixels: their shadow rays meet the same nodes and triangles.
   const auto each_tile = [&](int64_t tile_row, const auto& use) {
     const int tile_y = static_cast<int>(tile_row) * kTile;
@@ -156,7 +182,7 @@ void PictureBand::ask_centres() {
       centre_pixels_[query++] = int64_t{rows_.first} * width + pixel;
     });
   });
-  centre_queries_ = queries_.size();
+  centre_queries_ = asking_centres_ = queries_.size();
 }
 
 gi::PixelSurfaces PictureBand::surfaces(std::span<const uint8_t> mask) const {
@@ -187,7 +213,7 @@ std::vector<PictureBand::ExtraQuery> PictureBand::extra_queries() const {
     const int pixel = sub_.pixel[entry] - static_cast<int32_t>(seen_index(0));
     for (size_t s = entry * count; s < (entry + 1) * count; ++s) {
       // Queries were added in this order; what names one again shares it.
-      if (sub_.source[s] == centre_queries_ + static_cast<int64_t>(out.size()))
+      if (sub_.source[s] == first_listed_ + centre_queries_ + static_cast<int64_t>(out.size()))
         out.push_back({pixel, sub_.hits.depth[s]});
     }
   }
@@ -208,31 +234,57 @@ void PictureBand::count_metal(Frame* frame) const {
   }
 }
 
-/// Puts the answers of queries into pixels. Where a pixel has several hits, it gets their mean,
-/// weighted by albedo unless the options say otherwise.
-image::Image PictureBand::light_layer(std::span<const Rgb> values, const Image& albedo) const {
+PictureBand::Layer PictureBand::layer_of(const std::optional<std::vector<Rgb>>& queries,
+                                         const Image* centres) {
+  return queries ? Layer{*queries, centres} : Layer{};
+}
+
+Rgb PictureBand::irradiance(const Layer& layer, int32_t query) const {
+  if (query >= first_listed_) return layer.queries[static_cast<size_t>(query - first_listed_)];
+  return layer.centres->rgb(static_cast<int64_t>(first_lent_row() - above_) * rows_.width + query);
+}
+
+void PictureBand::edge_surface(size_t entry, Rgb* albedo, Rgb* emission) const {
+  const auto count = static_cast<size_t>(sub_.per_pixel);
+  *albedo = *emission = {};
+  for (size_t s = entry * count; s < (entry + 1) * count; ++s) {
+    *albedo += sub_.hits.albedo[s];
+    *emission += sub_.hits.emission[s];
+  }
+  const float share = 1.0f / static_cast<float>(count);
+  *albedo *= share;
+  *emission *= share;
+}
+
+/// Weighted by albedo, unless the options say otherwise.
+/// @param albedo  the mean of the pixel
+Rgb PictureBand::edge_irradiance(const Layer& layer, size_t entry, const Rgb& albedo) const {
+  const auto count = static_cast<size_t>(sub_.per_pixel);
+  Rgb plain, reflected;
+  for (size_t s = entry * count; s < (entry + 1) * count; ++s) {
+    if (sub_.source[s] == scene::kNone) continue;
+    const Rgb found = irradiance(layer, sub_.source[s]);
+    plain += found;
+    reflected += sub_.hits.albedo[s] * found;
+  }
+  const float share = 1.0f / static_cast<float>(count);
+  Rgb mean = plain * share;
+  for (int c = 0; c < 3 && !options_.plain_means; ++c) {
+    if (albedo[c] > 0) mean[c] = reflected[c] * share / albedo[c];
+  }
+  return mean;
+}
+
+/// Puts the answers of queries into pixels.
+image::Image PictureBand::light_layer(const Layer& layer, const Image& albedo) const {
   Image out(rows_.width, rows_.last - rows_.first, 3);
   each_pixel([&](int i) {
     const int32_t query = query_of_pixel_[seen_index(i)];
-    if (query != scene::kNone) put(&out, i, values[static_cast<size_t>(query)]);
+    if (query != scene::kNone) put(&out, i, irradiance(layer, query));
   });
-  const auto count = static_cast<size_t>(sub_.per_pixel);
   each_edge([&](size_t entry) {
-    Rgb plain, reflected;
-    for (size_t s = entry * count; s < (entry + 1) * count; ++s) {
-      if (sub_.source[s] == scene::kNone) continue;
-      const Rgb& irradiance = values[static_cast<size_t>(sub_.source[s])];
-      plain += irradiance;
-      reflected += sub_.hits.albedo[s] * irradiance;
-    }
-    const float share = 1.0f / static_cast<float>(count);
     const int pixel = sub_.pixel[entry] - static_cast<int32_t>(seen_index(0));
-    const Rgb weight = get(albedo, pixel);
-    Rgb mean = plain * share;
-    for (int c = 0; c < 3 && !options_.plain_means; ++c) {
-      if (weight[c] > 0) mean[c] = reflected[c] * share / weight[c];
-    }
-    put(&out, pixel, mean);
+    put(&out, pixel, edge_irradiance(layer, entry, get(albedo, pixel)));
   });
   return out;
 }
@@ -268,30 +320,62 @@ Frame PictureBand::resolve(const BandLight& light) const {
     put(&frame.emission, i, hits.emission[at]);
     if (hits.mask[at]) frame.depth.pixels[static_cast<size_t>(i)] = hits.depth[at];
   });
-  const auto own = std::span(hits.mask).subspan(hit_index(0), static_cast<size_t>(pixels()));
-  frame.background = std::count(own.begin(), own.end(), 0);
-  const auto count = static_cast<size_t>(sub_.per_pixel);
   each_edge([&](size_t entry) {
     Rgb albedo, emission;
-    for (size_t s = entry * count; s < (entry + 1) * count; ++s) {
-      albedo += sub_.hits.albedo[s];
-      emission += sub_.hits.emission[s];
-    }
-    const float share = 1.0f / static_cast<float>(count);
+    edge_surface(entry, &albedo, &emission);
     const int pixel = sub_.pixel[entry] - static_cast<int32_t>(seen_index(0));
-    put(&frame.albedo, pixel, albedo * share);
-    put(&frame.emission, pixel, emission * share);
+    put(&frame.albedo, pixel, albedo);
+    put(&frame.emission, pixel, emission);
   });
-  if (light.direct) frame.direct = light_layer(*light.direct, frame.albedo);
-  if (light.indirect) frame.indirect = light_layer(*light.indirect, frame.albedo);
-  if (light.total) frame.total = light_layer(*light.total, frame.albedo);
+  const auto layer = [&](const std::optional<std::vector<Rgb>>& queries, const Image* centres) {
+    return queries ? light_layer(layer_of(queries, centres), frame.albedo) : Image();
+  };
+  frame.direct = layer(light.direct, light.centres.direct);
+  frame.indirect = layer(light.indirect, light.centres.indirect);
+  frame.total = layer(light.total, light.centres.total);
   put_traced(light, &frame);
-  frame.queries = queries_.size();
-  frame.decoded = light.decoded;
-  frame.edge_pixels = static_cast<int64_t>(sub_.pixel.size());
-  frame.traced_pixels = static_cast<int64_t>(traced_.size());
-  count_metal(&frame);
+  count(light, &frame);
   return frame;
+}
+
+void PictureBand::show(const BandLight& light, Output output, Frame* frame) const {
+  const GBuffer& hits = this->hits();
+  const Layer direct = layer_of(light.direct, light.centres.direct),
+              indirect = layer_of(light.indirect, light.centres.indirect),
+              total = layer_of(light.total, light.centres.total);
+  const int first = rows_.first * rows_.width;
+  each_pixel([&](int i) {
+    const size_t at = hit_index(i);
+    PixelLayers seen{hits.albedo[at], hits.emission[at], {}, {}, {}};
+    const int32_t query = query_of_pixel_[seen_index(i)];
+    if (query != scene::kNone) {
+      if (light.direct) seen.direct = irradiance(direct, query);
+      if (light.indirect) seen.indirect = irradiance(indirect, query);
+      if (light.total) seen.total = irradiance(total, query);
+    }
+    put(&frame->color, first + i, color_of(seen, output));
+    if (hits.mask[at]) frame->depth.pixels[static_cast<size_t>(first + i)] = hits.depth[at];
+  });
+  each_edge([&](size_t entry) {
+    PixelLayers seen;
+    edge_surface(entry, &seen.albedo, &seen.emission);
+    if (light.direct) seen.direct = edge_irradiance(direct, entry, seen.albedo);
+    if (light.indirect) seen.indirect = edge_irradiance(indirect, entry, seen.albedo);
+    if (light.total) seen.total = edge_irradiance(total, entry, seen.albedo);
+    put(&frame->color, first + sub_.pixel[entry] - static_cast<int32_t>(seen_index(0)),
+        color_of(seen, output));
+  });
+  count(light, frame);
+}
+
+void PictureBand::count(const BandLight& light, Frame* frame) const {
+  const auto own = std::span(hits().mask).subspan(hit_index(0), static_cast<size_t>(pixels()));
+  frame->background += std::count(own.begin(), own.end(), 0);
+  frame->queries += asking_centres_ + queries_.size() - centre_queries_;
+  frame->decoded += light.decoded;
+  frame->edge_pixels += static_cast<int64_t>(sub_.pixel.size());
+  frame->traced_pixels += static_cast<int64_t>(traced_.size());
+  count_metal(frame);
 }
 
 }  // namespace lte::infer

@@ -26,11 +26,20 @@ struct BandOptions {
   Metal metal = Metal::Diffuse;
   /// Means of irradiance do not weigh it by albedo: for a picture of irradiance itself.
   bool plain_means = false;
+  /// The light of centres is there already (BandLight::centres): queries are those beyond them
+  /// alone.
+  bool centres_known = false;
+};
+
+/// Irradiance at the centres of the pixels of the rows that a band's hits are lent from.
+struct CentreLayers {
+  const image::Image *direct = nullptr, *indirect = nullptr, *total = nullptr;
 };
 
 /// Irradiance of a band's queries, an entry each; nothing where the output does not need it.
 struct BandLight {
   std::optional<std::vector<Rgb>> direct, indirect, total;
+  CentreLayers centres;  ///< of the same kinds, with BandOptions::centres_known
   std::vector<pathtrace::PixelRadiance> traced;  ///< an entry a traced pixel
   int64_t decoded = 0;                           ///< queries that the network has answered
 };
@@ -50,9 +59,12 @@ class PictureBand {
   /// picture.
   const QuerySet& queries() const { return queries_; }
   int64_t centre_queries() const { return centre_queries_; }
+  /// Rows of lent hits before those of the band.
+  int first_lent_row() const { return rows_.first - first_row_; }
   /// What the pixels of the band see. @param mask  per pixel, where irradiance is wanted
   gi::PixelSurfaces surfaces(std::span<const uint8_t> mask) const;
-  /// The query of each pixel of the band, kNone if it asks nothing.
+  /// The query of each pixel of the band, kNone if it asks nothing. Where the light of centres is
+  /// known, a number that queries() does not have.
   std::span<const int32_t> query_of_pixel() const;
   /// The pixel in which each query beyond the centres' lies, and its depth.
   struct ExtraQuery {
@@ -67,9 +79,25 @@ class PictureBand {
 
   /// The layers of the band, without `color`. Light layers are there where `light` has them.
   Frame resolve(const BandLight& light) const;
+  /// The same as color and depth alone, in the band's rows of a frame that has these images. Adds
+  /// to its counts. For bands without traced pixels.
+  /// @param output  one that shows light
+  void show(const BandLight& light, Output output, Frame* frame) const;
 
  private:
   static constexpr int kTile = 8;
+
+  /// Irradiance of one kind.
+  struct Layer {
+    std::span<const Rgb> queries;  ///< by place in queries_
+    const image::Image* centres = nullptr;
+  };
+  static Layer layer_of(const std::optional<std::vector<Rgb>>& queries,
+                        const image::Image* centres);
+  Rgb irradiance(const Layer& layer, int32_t query) const;
+  /// Means over the hits of an edge pixel.
+  Rgb edge_irradiance(const Layer& layer, size_t entry, const Rgb& albedo) const;
+  void edge_surface(size_t entry, Rgb* albedo, Rgb* emission) const;
 
   int pixels() const { return rows_.width * (rows_.last - rows_.first); }
   const pathtrace::GBuffer& hits() const { return lent_ != nullptr ? *lent_ : own_; }
@@ -86,16 +114,20 @@ class PictureBand {
   void each_edge(const Use& use) const;
   void take_samples(const pathtrace::Bvh& bvh, const scene::Camera& camera, const EdgeView& view);
   void list_traced();
+  bool asks(int pixel) const;
   void ask_centres();
+  void number_centres();
+  void count(const BandLight& light, Frame* frame) const;
   void count_metal(Frame* frame) const;
-  image::Image light_layer(std::span<const Rgb> values, const image::Image& albedo) const;
+  image::Image light_layer(const Layer& layer, const image::Image& albedo) const;
   void put_traced(const BandLight& light, Frame* frame) const;
 
   const scene::Scene& scene_;
   PictureRows rows_;  ///< of the band
   float pixel_size_;
   BandOptions options_;
-  int above_ = 0;  ///< rows that are seen before those of the band: neighbours of its edges
+  int first_row_ = 0;  ///< of lent hits
+  int above_ = 0;      ///< rows that are seen before those of the band: neighbours of its edges
   const pathtrace::GBuffer* lent_ = nullptr;  ///< the caller's hits, or null for those below
   pathtrace::GBuffer own_;
   size_t first_seen_ = 0;  ///< in hits()
@@ -104,7 +136,9 @@ class PictureBand {
   std::vector<int64_t> traced_;
   std::vector<int32_t> query_of_pixel_;  ///< by seen_index()
   QuerySet queries_;
-  int64_t centre_queries_ = 0;
+  int32_t first_listed_ = 0;    ///< the number of the first of queries_
+  int64_t centre_queries_ = 0;  ///< of queries_
+  int64_t asking_centres_ = 0;  ///< whether they are listed or known
   std::vector<int64_t> centre_pixels_;
 };
 

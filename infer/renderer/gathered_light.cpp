@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "lte/base/random.h"
 #include "lte/base/timer.h"
 #include "lte/gi/upsample.h"
+#include "lte/image/rgb_view.h"
 
 namespace lte::infer {
 namespace {
@@ -60,7 +62,10 @@ class Gatherer {
     const bool sum = direct.shadow_rays > 0 && direct.sum;
     layers_.push_back({sum ? &out_.total : &out_.indirect, {}});
     if (direct.shadow_rays > 0 && !sum) layers_.push_back({&out_.direct, {}});
-    for (Layer& layer : layers_) layer.values.resize(reflects_.size());
+    for (Layer& layer : layers_) {
+      *layer.out = Image(hits_.width, hits_.height, 3);
+      layer.values = image::rgb_view(*layer.out);
+    }
   }
 
   GatheredCentres run() {
@@ -81,12 +86,6 @@ class Gatherer {
     if (of_.kept != nullptr) keep();
     out_.fill_seconds += timer.seconds();
     if (settings_.step > 1) fill();
-    timer.restart();
-    for (Layer& layer : layers_) {
-      *layer.out = Image(hits_.width, hits_.height, 3);
-      for_pixels([&](size_t i) { layer.out->set_rgb(i, layer.values[i]); });
-    }
-    out_.fill_seconds += timer.seconds();
     if (settings_.paths > 0) correct();  // of irradiance alone
     return std::move(out_);
   }
@@ -95,7 +94,7 @@ class Gatherer {
   /// Light of one kind, 0 where none is reflected.
   struct Layer {
     Image* out;
-    std::vector<Rgb> values;
+    std::span<Rgb> values;  ///< of out
   };
 
   void add_point(size_t pixel, LitPoints* out) const {

@@ -143,7 +143,7 @@ BandLight PictureJob::reference(const PictureBand& band) {
   return light;
 }
 
-Frame PictureJob::render_band(const PictureRows& rows) {
+Frame PictureJob::render_band(const PictureRows& rows, Frame* shown) {
   band_pixels_ = int64_t{rows.width} * (rows.last - rows.first);
   done_ = 0;
   if (settings_.pace)
@@ -151,7 +151,7 @@ Frame PictureJob::render_band(const PictureRows& rows) {
   const Timer timer;
   const PictureBand band(from_.bvh, camera_, rows,
                          {needs_.radiance ? 0 : settings_.antialias, needs_.metal,
-                          settings_.output == Output::Irradiance},
+                          settings_.output == Output::Irradiance, /*centres_known=*/needs_.table},
                          hits_ ? &*hits_ : nullptr, first_row_);
   seconds_.primary += timer.seconds();
   BandLight light;
@@ -159,6 +159,11 @@ Frame PictureJob::render_band(const PictureRows& rows) {
     light = settings_.mode == Mode::Neural ? neural(band) : reference(band);
   centre_queries_ += band.centre_queries();
   extra_queries_ += band.queries().size() - band.centre_queries();
+  if (shown != nullptr && needs_.table && band.traced_pixels().empty()) {
+    band.show(light, settings_.output, shown);
+    advance(band_pixels_);
+    return {};
+  }
   Frame frame = band.resolve(light);
   if (settings_.mode == Mode::Neural && settings_.indirect == Indirect::Paths && light.indirect) {
     frame.traced_pixels += band.centre_queries();
@@ -246,6 +251,10 @@ Frame PictureJob::render() {
   const int64_t tall = kBandPixels / width / kBandRows * kBandRows;
   const auto band_rows = static_cast<int>(std::max<int64_t>(tall, kBandRows));
   Frame frame;
+  if (needs_.table && !settings_.layers) {
+    frame.color = Image(width, height, 3);
+    frame.depth = Image(width, height, 1);
+  }
   for (int first = 0; first < height; first += needs_.strip_rows) {
     const int last = std::min(first + needs_.strip_rows, height);
     const PictureRows strip{width, height, first, last};
@@ -257,7 +266,8 @@ Frame PictureJob::render() {
     Frame corrected;  // all layers of the strip
     for (int row = first; row < last; row += band_rows) {
       const PictureRows rows{width, height, row, std::min(row + band_rows, last)};
-      const Frame band = render_band(rows);
+      const bool layers = settings_.layers || needs_.corrects_pixels;
+      const Frame band = render_band(rows, layers ? nullptr : &frame);
       if (needs_.corrects_pixels) {
         put_band(band, row - first, /*layers=*/true, last - first, &corrected);
       } else {

@@ -52,7 +52,8 @@ class PictureJob {
     bool direct = true, indirect = true;
   };
 
-  Frame render_band(const PictureRows& rows);
+  /// @param shown  takes color and depth where nothing else is asked for; null: the layers are
+  Frame render_band(const PictureRows& rows, Frame* shown);
   BandLight neural(const PictureBand& band);
   BandLight reference(const PictureBand& band);
   void add_radiance(Frame* frame);

@@ -9,6 +9,7 @@
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/base/timer.h"
+#include "lte/image/rgb_view.h"
 #include "lte/pathtrace/direct_light.h"
 #include "lte/pathtrace/irradiance.h"
 
@@ -130,6 +131,7 @@ void PictureJob::sample_direct(const PictureBand& band, BandLight* light) {
   };
   const int64_t centres = band.centre_queries();
   if (centres_) {
+    light->centres.direct = &centres_->direct;
     take_centres(band, centres_->direct, &*light->direct);
   } else {
     run(0, centres, settings_.direct_samples,
@@ -174,22 +176,28 @@ void PictureJob::gather(const PictureBand& band, BandLight* light) {
     std::vector<Rgb>& out;
   };
   std::vector<Layer> layers;
-  const auto add_layer = [&](const Image& centres, std::optional<std::vector<Rgb>>* out) {
-    if (centres.width > 0) layers.push_back({centres, out->emplace(queries.position.size())});
+  const auto add_layer = [&](const Image& centres, const Image** known,
+                             std::optional<std::vector<Rgb>>* out) {
+    if (centres.width == 0) return;
+    *known = &centres;
+    layers.push_back({centres, out->emplace(queries.position.size())});
   };
   const bool with_direct = needs_.gathers_direct;
-  add_layer(centres_->indirect, &light->indirect);
-  add_layer(centres_->total, &light->total);
-  if (with_direct) add_layer(centres_->direct, &light->direct);
+  add_layer(centres_->indirect, &light->centres.indirect, &light->indirect);
+  add_layer(centres_->total, &light->centres.total, &light->total);
+  if (with_direct) add_layer(centres_->direct, &light->centres.direct, &light->direct);
   std::vector<size_t> open;
+  const auto first =
+      static_cast<size_t>(band.first_lent_row()) * static_cast<size_t>(settings_.width);
   for (const Layer& layer : layers) {
-    take_centres(band, layer.centres, &layer.out);
-    if (settings_.gather.step > 1) open = interpolate_extras(band, &layer.out);
+    const std::span<const Rgb> of_pixel =
+        image::rgb_view(layer.centres).subspan(first, band.query_of_pixel().size());
+    if (settings_.gather.step > 1) open = interpolate_extras(band, of_pixel, layer.out);
   }
   LitPoints points;
   if (settings_.gather.step == 1) {
-    open.resize(queries.position.size() - static_cast<size_t>(band.centre_queries()));
-    std::iota(open.begin(), open.end(), static_cast<size_t>(band.centre_queries()));
+    open.resize(queries.position.size());
+    std::iota(open.begin(), open.end(), size_t{0});
   }
   for (const size_t query : open) {
     points.position.push_back(queries.position[query]);

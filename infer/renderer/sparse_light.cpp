@@ -47,19 +47,28 @@ struct Centres {
 }  // namespace
 
 std::vector<size_t> interpolate_extras(const PictureBand& band, std::vector<Rgb>* values) {
+  const auto query = band.query_of_pixel();
+  if (band.queries().size() == band.centre_queries()) return {};
+  std::vector<Rgb> of_pixel(query.size());
+  parallel_for(static_cast<int64_t>(query.size()), kPixels, [&](int64_t begin, int64_t end) {
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+      if (query[i] != scene::kNone) of_pixel[i] = (*values)[static_cast<size_t>(query[i])];
+    }
+  });
+  return interpolate_extras(band, of_pixel, *values);
+}
+
+std::vector<size_t> interpolate_extras(const PictureBand& band, std::span<const Rgb> of_pixel,
+                                       std::span<Rgb> values) {
   const std::vector<PictureBand::ExtraQuery> extras = band.extra_queries();
   const QuerySet& queries = band.queries();
   const auto first = static_cast<size_t>(band.centre_queries());
   const auto query = band.query_of_pixel();
-  std::vector<uint8_t> mask(query.size()), open(extras.size());
-  std::vector<Rgb> of_pixel(query.size());
   if (extras.empty()) return {};
+  std::vector<uint8_t> mask(query.size()), open(extras.size());
   parallel_for(static_cast<int64_t>(query.size()), kPixels, [&](int64_t begin, int64_t end) {
-    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-      if (query[i] == scene::kNone) continue;
-      mask[i] = 1;
-      of_pixel[i] = (*values)[static_cast<size_t>(query[i])];
-    }
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
+      mask[i] = query[i] != scene::kNone ? 1 : 0;
   });
   const gi::PixelSurfaces surfaces = band.surfaces(mask);
   parallel_for(static_cast<int64_t>(extras.size()), 256, [&](int64_t begin, int64_t end) {
@@ -70,7 +79,7 @@ std::vector<size_t> interpolate_extras(const PictureBand& band, std::vector<Rgb>
           {queries.position[at], queries.normal[at], extras[k].depth}, mask, of_pixel,
           kExtraRadius);
       open[k] = near ? 0 : 1;
-      if (near) (*values)[at] = *near;
+      if (near) values[at] = *near;
     }
   });
   std::vector<size_t> asked;

@@ -1,6 +1,7 @@
 // The irradiance of a band's queries from answers at few of them.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "infer/picture/picture_band.h"
@@ -17,6 +18,11 @@ struct SparseLight {
 /// @param values  irradiance, an entry a query; the centres' are there
 /// @return        the queries that no pixel stands for
 std::vector<size_t> interpolate_extras(const PictureBand& band, std::vector<Rgb>* values);
+/// The same where the light of centres is known (BandOptions::centres_known).
+/// @param of_pixel  irradiance, an entry a pixel of the band
+/// @param values    an entry a query
+std::vector<size_t> interpolate_extras(const PictureBand& band, std::span<const Rgb> of_pixel,
+                                       std::span<Rgb> values);
 
 /// Answers pixel centres through the quadtree. A query that anti-aliasing added takes the mean of
 /// pixels next to it that see its surface; only where none does, it is answered itself.

@@ -11,6 +11,7 @@
 #include "lte/base/parallel.h"
 #include "lte/pathtrace/transport/irradiance_kernel.h"
 #include "lte/pathtrace/transport/transport_impl.h"
+#include "lte/scene/texel_densities.h"
 
 namespace lte::gi {
 namespace {
@@ -53,6 +54,7 @@ struct TableReader {
   Vec3 frame;
   float near_m;
   float spread;
+  scene::TexelDensities* texels;
   Counts* counts;
 };
 
@@ -67,7 +69,7 @@ class Gatherer : public pathtrace::LightSink {
         sampler_(pathtrace::Sampling::Sobol, options.rays),
         transport_(bvh, lights, options.max_depth, kRouletteDepth, *this,
                    TableReader{&table, frame_, options.near * table.radius(),
-                               spread_of(table, options.rays), &counts_}) {}
+                               spread_of(table, options.rays), &texels_, &counts_}) {}
 
   /// @param first_stream  the number of the first point
   void gather(std::span<const Vec3> positions, std::span<const Vec3> normals, int64_t first_stream,
@@ -128,6 +130,7 @@ class Gatherer : public pathtrace::LightSink {
   const Vec3 frame_;
   const float half_extent_;
   Counts counts_;
+  scene::TexelDensities texels_;
   pathtrace::PathSampler sampler_;
   pathtrace::BasicTransport<TableReader> transport_;
   std::array<size_t, kBlock> point_;

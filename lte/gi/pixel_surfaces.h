@@ -53,6 +53,8 @@ inline float similarity(const PixelSurfaces& surfaces, const SurfacePoint& point
   const float limit =
       kMostPlaneDistance * std::min(point.depth, surfaces.depth[source]) * surfaces.pixel_size;
   if (!(distance < limit)) return 0;
+  // Where both factors are 1, no quotient is needed.
+  if (distance * 5.01f < limit && cosine > kLeastCosine + 0.801f * (1 - kLeastCosine)) return 1;
   const float in_plane = 1 - distance / limit;
   const float alike = (cosine - kLeastCosine) / (1 - kLeastCosine);
   return std::min(1.0f, 1.25f * in_plane) * std::min(1.0f, 1.25f * alike);

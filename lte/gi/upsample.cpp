@@ -9,7 +9,7 @@
 namespace lte::gi {
 namespace {
 
-constexpr int64_t kRows = 8;  ///< that a thread takes at a time
+constexpr int64_t kRows = 8, kPixels = 1 << 14;  ///< that a thread takes at a time
 
 /// The weighted mean of the entries of a stencil that `use` names.
 Rgb mean_of(const Stencil& stencil, std::span<const float> weight, unsigned use,
@@ -29,9 +29,15 @@ Rgb mean_of(const Stencil& stencil, std::span<const float> weight, unsigned use,
 std::vector<int32_t> fill_from_nearest(const PixelSurfaces& surfaces, int radius,
                                        std::span<uint8_t> known, std::span<Rgb> values) {
   std::vector<int32_t> open, holes;
-  for (size_t i = 0; i < surfaces.size(); ++i) {
-    if (surfaces.mask[i] && !known[i]) open.push_back(static_cast<int32_t>(i));
-  }
+  const auto size = static_cast<int64_t>(surfaces.size());
+  std::vector<std::vector<int32_t>> parts(static_cast<size_t>((size + kPixels - 1) / kPixels));
+  parallel_for(size, kPixels, [&](int64_t begin, int64_t end) {
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+      if (surfaces.mask[i] && !known[i])
+        parts[static_cast<size_t>(begin / kPixels)].push_back(static_cast<int32_t>(i));
+    }
+  });
+  for (const std::vector<int32_t>& part : parts) open.insert(open.end(), part.begin(), part.end());
   std::vector<std::optional<Rgb>> found(open.size());
   parallel_for(static_cast<int64_t>(open.size()), 256, [&](int64_t begin, int64_t end) {
     for (auto k = static_cast<size_t>(begin); k < static_cast<size_t>(end); ++k) {

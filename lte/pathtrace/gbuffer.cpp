@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <type_traits>
 
 #include "lte/base/check.h"
@@ -12,11 +14,13 @@
 #include "lte/scene/camera_rays.h"
 #include "lte/scene/number_check.h"
 #include "lte/scene/surface.h"
+#include "lte/scene/texel_densities.h"
 
 namespace lte::pathtrace {
 namespace {
 
-constexpr int kPacket = 16;  // as many as any machine takes at once
+constexpr int kPacket = 16;           // as many as any machine takes at once
+constexpr size_t kFewHits = 1 << 14;  // whose memory is not worth another thread
 
 /// Traces primary rays in packets, which gain on coherent rays, and stores what they meet.
 class PrimaryTracer {
@@ -32,19 +36,20 @@ class PrimaryTracer {
         pixel_size_(pixel_size(camera, height)) {}
 
   /// Traces `count` image points, at most kPacket, into places `first` and following.
-  void trace(const Vec2* points, int count, size_t first) const {
+  void trace(const Vec2* points, int count, size_t first, scene::TexelDensities* texels) const {
     if (bvh_.handles().packet_width == kPacket) {
-      trace_packet<kPacket>(points, count, first);
+      trace_packet<kPacket>(points, count, first, texels);
       return;
     }
     constexpr int kHalf = kPacket / 2;
-    trace_packet<kHalf>(points, std::min(count, kHalf), first);
-    if (count > kHalf) trace_packet<kHalf>(points + kHalf, count - kHalf, first + kHalf);
+    trace_packet<kHalf>(points, std::min(count, kHalf), first, texels);
+    if (count > kHalf) trace_packet<kHalf>(points + kHalf, count - kHalf, first + kHalf, texels);
   }
 
  private:
   template <int N>
-  void trace_packet(const Vec2* points, int count, size_t first) const {
+  void trace_packet(const Vec2* points, int count, size_t first,
+                    scene::TexelDensities* texels) const {
     typename Packet<N>::Hits packet;
     alignas(64) int valid[N];
     set_constants(&packet.ray);
@@ -65,11 +70,12 @@ class PrimaryTracer {
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     Packet<N>::kIntersect(valid, bvh_.handles().top, &context, &packet);
-    for (int lane = 0; lane < count; ++lane) store(packet, lane, first + static_cast<size_t>(lane));
+    for (int lane = 0; lane < count; ++lane)
+      store(packet, lane, first + static_cast<size_t>(lane), texels);
   }
 
   template <typename Hits>
-  void store(const Hits& packet, int lane, size_t i) const {
+  void store(const Hits& packet, int lane, size_t i, scene::TexelDensities* texels) const {
     const auto& hit = packet.hit;
     if (hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) {
       out_->depth[i] = INFINITY;
@@ -92,7 +98,7 @@ class PrimaryTracer {
       out_->albedo[i] = record.albedo;
     } else {
       scene::evaluate_appearance(bvh_.scene(), instance, hit.primID[lane], hit.u[lane], hit.v[lane],
-                                 footprint, &out_->albedo[i], &emission);
+                                 footprint, texels, &out_->albedo[i], &emission);
     }
     out_->position[i] = point.position + bvh_.handles().origin;
     out_->normal[i] = cos_front >= 0 ? point.normal : -point.normal;
@@ -120,17 +126,21 @@ GBuffer empty_gbuffer(const Bvh& bvh, int width, int height) {
   out.width = width;
   out.height = height;
   const auto count = static_cast<size_t>(width) * static_cast<size_t>(height);
-  out.position.resize(count);
-  out.normal.resize(count);
-  out.albedo.resize(count);
-  out.emission.resize(count);
-  out.depth.resize(count);
-  out.mask.resize(count);
-  out.instance.resize(count);
   const auto& instances = bvh.handles().instances;
   const bool glossy = std::any_of(instances.begin(), instances.end(),
                                   [](const InstanceRecord& record) { return record.glossy; });
-  if (glossy) out.metallic.resize(count);
+  // The system clears every page that is written for the first time: in all threads at once.
+  const std::function<void()> make[] = {
+      [&] { out.position.resize(count); }, [&] { out.normal.resize(count); },
+      [&] { out.albedo.resize(count); },   [&] { out.emission.resize(count); },
+      [&] { out.depth.resize(count); },    [&] { out.instance.resize(count); },
+      [&] { out.mask.resize(count); },     [&] { out.metallic.resize(glossy ? count : 0); },
+  };
+  const auto make_some = [&](int64_t begin, int64_t end) {
+    for (int64_t k = begin; k < end; ++k) make[k]();
+  };
+  const int64_t arrays = std::size(make);
+  parallel_for(arrays, count < kFewHits ? arrays : 1, make_some);
   return out;
 }
 
@@ -168,15 +178,16 @@ GBuffer trace_gbuffer_rows(const Bvh& bvh, const scene::Camera& camera, int widt
   const PrimaryTracer tracer(bvh, camera, width, height, &out);
   parallel_for(last - first, 4, [&](int64_t begin, int64_t end) {
     std::array<Vec2, kPacket> points;
+    scene::TexelDensities texels;
     for (int64_t row = begin; row < end; ++row) {
       const float y = static_cast<float>(first + row) + 0.5f;
       for (int x = 0; x < width; x += kPacket) {
         const int count = std::min(kPacket, width - x);
         for (int lane = 0; lane < count; ++lane)
           points[static_cast<size_t>(lane)] = {static_cast<float>(x + lane) + 0.5f, y};
-        tracer.trace(
-            points.data(), count,
-            static_cast<size_t>(row) * static_cast<size_t>(width) + static_cast<size_t>(x));
+        tracer.trace(points.data(), count,
+                     static_cast<size_t>(row) * static_cast<size_t>(width) + static_cast<size_t>(x),
+                     &texels);
       }
     }
   });
@@ -211,9 +222,10 @@ GBuffer trace_image_points(const Bvh& bvh, const scene::Camera& camera, int widt
   const PrimaryTracer tracer(bvh, camera, width, height, &out);
   const auto count = static_cast<int64_t>(points.size());
   parallel_for(count, int64_t{256} * kPacket, [&](int64_t begin, int64_t end) {
+    scene::TexelDensities texels;
     for (int64_t i = begin; i < end; i += kPacket) {
       tracer.trace(points.data() + i, static_cast<int>(std::min<int64_t>(kPacket, end - i)),
-                   static_cast<size_t>(i));
+                   static_cast<size_t>(i), &texels);
     }
   });
   return out;

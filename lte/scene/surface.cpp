@@ -1,6 +1,7 @@
 // Appearance at a point of a triangle.
 #include "lte/scene/surface.h"
 
+#include "lte/scene/texel_densities.h"
 #include "lte/scene/triangle.h"
 
 namespace lte::scene {
@@ -22,12 +23,16 @@ Vec2 interpolate(const Barycentric& b, const Vec2& a0, const Vec2& a1, const Vec
 /// One texture lookup on one triangle.
 class TextureLookup {
  public:
-  TextureLookup(const Scene& scene, const Instance& instance, uint32_t triangle, float footprint)
+  /// @param known  may be null
+  TextureLookup(const Scene& scene, int instance, uint32_t triangle, float footprint,
+                TexelDensities* known = nullptr)
       : scene_(scene),
-        instance_(instance),
-        mesh_(scene.meshes[instance.mesh]),
+        number_(instance),
+        instance_(scene.instances[instance]),
+        mesh_(scene.meshes[instance_.mesh]),
         triangle_(triangle),
-        footprint_(footprint) {}
+        footprint_(footprint),
+        known_(known) {}
 
   /// White where there is no texture or the mesh lacks its UV set: the factor alone stays.
   Rgb operator()(const TextureRef& ref, const Barycentric& b) const {
@@ -43,24 +48,33 @@ class TextureLookup {
   }
 
  private:
-  /// Edge in texels of the square that covers footprint² world metres, by the ratio of the
-  /// triangle's areas.
+  /// Edge in texels of the square that covers footprint² world metres.
   float texels(const Texture& texture, const TextureRef& ref, const Vec2& uv0, const Vec2& uv1,
                const Vec2& uv2) const {
+    const auto work_out = [&] { return density(texture, ref, uv0, uv1, uv2); };
+    const double a_metre =
+        known_ != nullptr ? known_->of(ref, number_, triangle_, work_out) : work_out();
+    return static_cast<float>(a_metre * footprint_);
+  }
+
+  /// Edges of texels a world metre, by the ratio of the triangle's areas.
+  double density(const Texture& texture, const TextureRef& ref, const Vec2& uv0, const Vec2& uv1,
+                 const Vec2& uv2) const {
     const Vec2 a = ref.transform(uv0), b = ref.transform(uv1), c = ref.transform(uv2);
     const double world = area(world_triangle(mesh_, instance_.to_world, triangle_));
     if (!(world > 0)) return 0;
     const double uv = 0.5 * std::abs((double{b.x} - a.x) * (double{c.y} - a.y) -
                                      (double{c.x} - a.x) * (double{b.y} - a.y));
-    return static_cast<float>(std::sqrt(uv * texture.width() * texture.height() / world) *
-                              footprint_);
+    return std::sqrt(uv * texture.width() * texture.height() / world);
   }
 
   const Scene& scene_;
+  int number_;
   const Instance& instance_;
   const Mesh& mesh_;
   uint32_t triangle_;
   float footprint_;
+  TexelDensities* known_;
 };
 
 Rgb saturate(const Rgb& c) { return min(max(c, {0, 0, 0}), {1, 1, 1}); }
@@ -69,10 +83,14 @@ Rgb saturate(const Rgb& c) { return min(max(c, {0, 0, 0}), {1, 1, 1}); }
 
 void evaluate_appearance(const Scene& scene, int instance, uint32_t triangle, float u, float v,
                          float footprint, Rgb* albedo, Rgb* emission) {
-  const Instance& placed = scene.instances[instance];
-  const Mesh& mesh = scene.meshes[placed.mesh];
+  evaluate_appearance(scene, instance, triangle, u, v, footprint, nullptr, albedo, emission);
+}
+
+void evaluate_appearance(const Scene& scene, int instance, uint32_t triangle, float u, float v,
+                         float footprint, TexelDensities* known, Rgb* albedo, Rgb* emission) {
+  const Mesh& mesh = scene.meshes[scene.instances[instance].mesh];
   const Material& material = scene.materials[mesh.material];
-  const TextureLookup lookup(scene, placed, triangle, footprint);
+  const TextureLookup lookup(scene, instance, triangle, footprint, known);
   const Barycentric b{1 - u - v, u, v};
   Rgb color = material.base_color * lookup(material.base_color_texture, b);
   if (!mesh.colors.empty()) {
@@ -90,7 +108,7 @@ Gloss evaluate_gloss(const Scene& scene, int instance, uint32_t triangle, float 
   const Material& material = scene.materials[scene.meshes[placed.mesh].material];
   if (material.metallic_roughness_texture.texture == kNone)
     return {material.metallic, material.roughness};
-  const TextureLookup lookup(scene, placed, triangle, footprint);
+  const TextureLookup lookup(scene, instance, triangle, footprint);
   const Rgb texel = lookup(material.metallic_roughness_texture, {1 - u - v, u, v});
   return {material.metallic * texel.z, material.roughness * texel.y};
 }

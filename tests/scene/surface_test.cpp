@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "lte/scene/scene.h"
+#include "lte/scene/texel_densities.h"
 #include "tests/support/scenes.h"
 
 namespace lte::scene {
@@ -64,6 +65,28 @@ TEST(Surface, FootprintFollowsTheInstanceScale) {
   scene.instances[0].to_world = test::scaling({4, 4, 4});
   // 4 m for 2 texels: 1 m is half a texel, so the finest level stays.
   expect_near(evaluate_surface(scene, 0, 0, 0.5f, 0.25f, 1.0f).albedo, {0, 0.5f, 0}, 1e-5f);
+}
+
+TEST(Surface, KnownTexelDensitiesChangeNoBit) {
+  Scene scene = textured_square(false);
+  scene.instances.push_back(scene.instances[0]);
+  scene.instances[1].to_world = test::scaling({2, 3, 1});
+  scene.materials[0].emission = {1, 1, 1};  // two textures of one material
+  scene.materials[0].emission_texture = scene.materials[0].base_color_texture;
+  scene.materials[0].emission_texture.scale = {3, 3};
+  TexelDensities known;
+  for (const float footprint : {0.3f, 0.7f, 0.4f, 0.0f}) {
+    for (int instance = 0; instance < 2; ++instance) {
+      for (uint32_t triangle = 0; triangle < 2; ++triangle) {
+        Rgb albedo, emission, same_albedo, same_emission;
+        evaluate_appearance(scene, instance, triangle, 0.3f, 0.2f, footprint, &albedo, &emission);
+        evaluate_appearance(scene, instance, triangle, 0.3f, 0.2f, footprint, &known, &same_albedo,
+                            &same_emission);
+        EXPECT_EQ(same_albedo, albedo) << footprint << " " << instance << " " << triangle;
+        EXPECT_EQ(same_emission, emission) << footprint << " " << instance << " " << triangle;
+      }
+    }
+  }
 }
 
 TEST(Surface, ClampsAlbedoButNotEmission) {

@@ -53,7 +53,8 @@ class LightSink {
 /// direction) const` says how densely.
 ///
 /// And it may say, by a function `float footprint(float distance) const`, how many metres a ray of
-/// that length stands for, over which textures are filtered; without, paths read them unfiltered.
+/// that length stands for, over which textures are filtered; without, paths read them unfiltered. A
+/// member `scene::TexelDensities* texels` beside it saves working out how dense they are each time.
 struct NoObserver {
   void nearest(int /*depth*/, const PathBlock&) {}
   void shadow(const ShadowBlock&) {}

@@ -12,6 +12,7 @@
 #include "lte/pathtrace/materials/lambert.h"
 #include "lte/pathtrace/transport/transport.h"
 #include "lte/scene/surface.h"
+#include "lte/scene/texel_densities.h"
 
 namespace lte::pathtrace {
 
@@ -134,8 +135,13 @@ void BasicTransport<Observer>::shade(int depth) {
     const float u = hits_.u[lane], v = hits_.v[lane];
     Rgb albedo = record.albedo, emission = record.emission;
     if (!record.uniform) {
-      scene::evaluate_appearance(scene_, instance, triangle, u, v, footprint(hits_.t[lane]),
-                                 &albedo, &emission);
+      if constexpr (requires { observer_.texels; }) {
+        scene::evaluate_appearance(scene_, instance, triangle, u, v, footprint(hits_.t[lane]),
+                                   observer_.texels, &albedo, &emission);
+      } else {
+        scene::evaluate_appearance(scene_, instance, triangle, u, v, footprint(hits_.t[lane]),
+                                   &albedo, &emission);
+      }
     }
     const SurfacePoint point = surface_point(record, triangle, u, v, hits_.normal.at(lane));
     const float cos_front = -dot(point.normal, paths_.direction.at(lane));

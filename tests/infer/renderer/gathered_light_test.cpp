@@ -219,6 +219,9 @@ TEST(GatheredLight, DirectLightOnTheGridIsThatOfThePathTracer) {
   const Frame whole = renderer.render(into_the_room(), settings);
   EXPECT_EQ(whole.direct.width, 0);
   EXPECT_LT(error(whole.color, sparse.color).rms, 1e-5);
+  EXPECT_EQ(whole.depth.pixels, sparse.depth.pixels);
+  EXPECT_EQ(whole.queries, sparse.queries);
+  EXPECT_EQ(whole.edge_pixels, sparse.edge_pixels);
   settings.adaptive_direct = settings.layers = true;
   EXPECT_GT(error(renderer.render(into_the_room(), settings).direct, sparse.direct).rms, 1e-3)
       << "shared out over all pixels";
