@@ -25,13 +25,17 @@ using image::Image;
 constexpr int kTile = 8;
 // Of the grid, where pictures share light: tiles that are denoised, of whose points one in so
 // many at least is new, and what the denoiser sees around them.
-constexpr int kNoisyTile = 32, kMuchNew = 8, kAround = 12;
+constexpr int kNoisyTile = 32, kMuchNew = 4, kAround = 16;
+// Points to each side whose mean new points in other tiles take, and how many of them one from an
+// earlier picture counts for.
+constexpr int kWindow = 3;
+constexpr float kKnownWeight = 4;
 // What a thread takes at a time.
 constexpr int64_t kPixels = 1 << 14, kRows = 8;
 constexpr size_t kPacedPoints = 1 << 13;  // whose rays a pace chooses at once
-// Rays at the grid, of pixels that stand alone, on it too, and of the two halves of the correcting
-// paths are independent of each other, and of direct light's.
-constexpr uint64_t kGather = 31, kAlone = 32, kHalves = 33, kScattered = 35;
+// Rays at the grid, of pixels that stand alone and of the two halves of the correcting paths are
+// independent of each other, and of direct light's.
+constexpr uint64_t kGather = 31, kAlone = 32, kHalves = 33;
 
 /// A view whose light is gathered.
 class Gatherer {
@@ -76,10 +80,10 @@ class Gatherer {
     }
     out_.fill_seconds = timer.seconds();
     sample_grid();
-    if (view_) sample_alone(grid_points(/*smoothed=*/false), kScattered);
     timer.restart();
     if (denoiser_ != nullptr) {
       for (const TileRect& part : noisy_parts()) denoise(part);
+      if (view_) smooth_scattered();
     }
     out_.denoise_seconds = timer.seconds();
     timer.restart();
@@ -147,6 +151,14 @@ class Gatherer {
 
   bool is_new(size_t on_grid) const { return !view_ || view_->steps[on_grid] == 0; }
 
+  /// Whether it is a new point in a tile of few.
+  bool is_scattered(size_t on_grid) const {
+    const auto width = static_cast<size_t>(columns_.count());
+    return view_ && view_->mask[on_grid] && is_new(on_grid) &&
+           !much_new_[tile_index(static_cast<int>(on_grid % width),
+                                 static_cast<int>(on_grid / width))];
+  }
+
   KeptKind kept_kind() const {
     KeptKind kind;
     kind.direct = direct_.shadow_rays > 0;
@@ -157,8 +169,7 @@ class Gatherer {
   }
 
   /// Pixels of the grid that reflect light and are not known, tile by tile.
-  /// @param smoothed  those that are denoised then, or the others
-  LitPoints grid_points(bool smoothed) const {
+  LitPoints grid_points() const {
     LitPoints out;
     out.reserve(grid_size());
     for (int tile_y = 0; tile_y < rows_.count(); tile_y += kTile) {
@@ -166,8 +177,7 @@ class Gatherer {
         for (int j = tile_y; j < std::min(tile_y + kTile, rows_.count()); ++j) {
           for (int i = tile_x; i < std::min(tile_x + kTile, columns_.count()); ++i) {
             const size_t pixel = surfaces_.at(columns_.at(i), rows_.at(j));
-            if (reflects_[pixel] && is_new(grid_index(i, j)) && is_smoothed(i, j) == smoothed)
-              add_point(pixel, &out);
+            if (reflects_[pixel] && is_new(grid_index(i, j))) add_point(pixel, &out);
           }
         }
       }
@@ -177,7 +187,7 @@ class Gatherer {
 
   /// Light on the grid, with the rays that were wanted or that a pace has time for.
   void sample_grid() {
-    const LitPoints points = grid_points(/*smoothed=*/true);
+    const LitPoints points = grid_points();
     const LightRays wanted{settings_.rays, direct_.shadow_rays};
     if (settings_.pace == nullptr) {
       sample(points, wanted, kGather, 0);
@@ -241,11 +251,6 @@ class Gatherer {
            static_cast<size_t>(column / kNoisyTile);
   }
 
-  /// Whether noise is taken away from a point of the grid.
-  bool is_smoothed(int column, int row) const {
-    return !view_ || much_new_[tile_index(column, row)] != 0;
-  }
-
   /// What is denoised: all of the grid, or where pictures share light the tiles in which much is
   /// new.
   std::vector<TileRect> noisy_parts() const {
@@ -299,6 +304,39 @@ class Gatherer {
     }
   }
 
+  /// New points in tiles of few take means over the points around them, of which those from earlier
+  /// pictures are without noise. Open Image Denoise would take the noise of a narrow strip between
+  /// such points for texture, and it would stay on its surface.
+  void smooth_scattered() {
+    const gi::PixelSurfaces points = view_->surfaces();
+    std::vector<std::vector<Rgb>> smooth(layers_.size(), std::vector<Rgb>(grid_size()));
+    for_grid([&](size_t at, size_t) {
+      if (!is_scattered(at)) return;
+      const gi::SurfacePoint here = gi::point_of(points, at);
+      const auto column = static_cast<int>(at % static_cast<size_t>(points.width)),
+                 row = static_cast<int>(at / static_cast<size_t>(points.width));
+      float sum = 0;
+      for (int j = std::max(0, row - kWindow); j <= std::min(row + kWindow, points.height - 1);
+           ++j) {
+        for (int i = std::max(0, column - kWindow);
+             i <= std::min(column + kWindow, points.width - 1); ++i) {
+          const size_t other = grid_index(i, j);
+          const float known = is_new(other) ? 1 : kKnownWeight;
+          const float weight = view_->mask[other] ? known * gi::similarity(points, here, other) : 0;
+          sum += weight;
+          const size_t pixel = surfaces_.at(columns_.at(i), rows_.at(j));
+          for (size_t k = 0; k < layers_.size() && weight > 0; ++k)
+            smooth[k][at] += layers_[k].values[pixel] * weight;
+        }
+      }
+      for (size_t k = 0; k < layers_.size(); ++k) smooth[k][at] = smooth[k][at] / sum;
+    });
+    for_grid([&](size_t at, size_t pixel) {
+      for (size_t k = 0; k < layers_.size() && is_scattered(at); ++k)
+        layers_[k].values[pixel] = smooth[k][at];
+    });
+  }
+
   /// Calls use(number in the part, number on the grid, pixel) for all of it, in several threads.
   template <typename Use>
   void for_part(const TileRect& part, const Use& use) const {
@@ -346,13 +384,8 @@ class Gatherer {
       if (!found) add_point(at, &points);
       for (size_t k = 0; found && k < layers_.size(); ++k) layers_[k].values[at] = found->value(k);
     }
-    sample_alone(points, kAlone);
-  }
-
-  /// Nothing smooths these.
-  void sample_alone(const LitPoints& points, uint64_t stream) {
     const auto alone = [](int count) { return count > 0 ? std::max(count, kLeastAloneRays) : 0; };
-    sample(points, {alone(settings_.rays), alone(direct_.shadow_rays)}, stream, 0);
+    sample(points, {alone(settings_.rays), alone(direct_.shadow_rays)}, kAlone, 0);
   }
 
   /// Calls use(pixel) for all of them, in several threads.
