@@ -26,8 +26,10 @@ bool fills_table_blocks(const std::vector<QueryLayer>& layers) {
   return layers.front()->key()->weight.size(0) % ops::kTableBlock == 0;
 }
 
-/// The table, which one product makes of weights in its order; the channels fill its blocks.
-at::Tensor arranged_table(const std::vector<QueryLayer>& layers, const at::Tensor& latent) {
+/// The table, which one product makes of weights in its order; the channels fill its blocks. `gap`
+/// numbers follow each latent.
+at::Tensor arranged_table(const std::vector<QueryLayer>& layers, const at::Tensor& latent,
+                          int64_t gap) {
   std::vector<at::Tensor> weights, biases;
   for (const QueryLayer& layer : layers) {
     for (const Linear& linear : {layer->key(), layer->value()}) {
@@ -38,14 +40,15 @@ at::Tensor arranged_table(const std::vector<QueryLayer>& layers, const at::Tenso
   const auto L = static_cast<int64_t>(layers.size());
   const int64_t blocks = weights[0].size(0) / ops::kTableBlock, width = latent.size(1);
   const auto arranged = [&](const std::vector<at::Tensor>& of, int64_t columns) {
-    return at::cat(of)
-        .view({L, 2, blocks, ops::kTableBlock, columns})
-        .permute({2, 0, 1, 3, 4})
-        .reshape({-1, columns});
+    const at::Tensor rows = at::cat(of)
+                                .view({L, 2, blocks, ops::kTableBlock, columns})
+                                .permute({2, 0, 1, 3, 4})
+                                .reshape({-1, columns});
+    return gap > 0 ? at::constant_pad_nd(rows, {0, 0, 0, gap}) : rows;
   };
   const at::Tensor all =
       ops::linear(latent, arranged(weights, width), arranged(biases, 1).squeeze(1));
-  return all.view({latent.size(0), blocks, L, 2, ops::kTableBlock});
+  return all.narrow(1, 0, all.size(1) - gap).view({latent.size(0), blocks, L, 2, ops::kTableBlock});
 }
 
 }  // namespace
@@ -135,7 +138,7 @@ at::Tensor QueryDecoderImpl::table(const at::Tensor& latent) {
     return at::stack({keys, values});
   }
   if (latent.device().is_cpu() && fills_table_blocks(layers_)) {
-    return arranged_table(layers_, latent);
+    return arranged_table(layers_, latent, ops::kTableGap);
   }
   const int64_t m = latent.size(0);
   const int64_t chunks = latent.device().is_cpu() ? std::max<int64_t>(1, m / kTableChunk) : 1;
@@ -148,7 +151,7 @@ at::Tensor QueryDecoderImpl::table(const at::Tensor& latent) {
     if (!out.defined()) {
       std::vector<int64_t> shape = part.sizes().vec();
       shape[0] = m;
-      out = at::empty(shape, part.options());
+      out = at::empty_strided(shape, part.strides(), part.options());
     }
     out.slice(0, begin, end).copy_(part);
   }
@@ -204,7 +207,7 @@ LatentTables QueryDecoderImpl::latent_tables(const at::Tensor& latent) {
     const auto [keys, values] = keys_and_values(latent);
     return {keys, values};
   }
-  return {arranged_table(layers_, latent), {}};
+  return {arranged_table(layers_, latent, /*gap=*/0), {}};
 }
 
 at::Tensor QueryDecoderImpl::forward(const at::Tensor& attributes,

@@ -34,8 +34,8 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums(const at::Tensor& keys, const 
 ///
 /// @param keys, values  as of neighbour_sums()
 /// @return  opaque to callers, but that its axis of latents can be sliced on the CPU, the first:
-///          [m, ⌈C/16⌉, L, 2, 16], k, then v, of 16 channels, channels past C zero; on CUDA
-///          [2, L, m, C]
+///          [m, ⌈C/16⌉, L, 2, 16], k, then v, of 16 channels, channels past C zero, with a gap
+///          after each latent; on CUDA [2, L, m, C]
 /// @throws c10::Error on a wrong shape, dtype or device
 at::Tensor neighbour_table(const at::Tensor& keys, const at::Tensor& values);
 

@@ -8,19 +8,24 @@ namespace lte::ops {
 /// Channels of a block of neighbour_table()'s layout on the CPU.
 inline constexpr int64_t kTableBlock = 16;
 
+/// Numbers after each latent there, a cache line: without them a block of channels of all latents
+/// falls into few sets of the first-level cache where C is a power of two, and drives itself out.
+inline constexpr int64_t kTableGap = kTableBlock;
+
 /// What a table says of itself.
 struct TableSizes {
   int64_t layers, latents;
 };
 
 /// `table` is one of neighbour_table() for C channels: [m, ⌈C / kTableBlock⌉, L, 2, kTableBlock] on
-/// the CPU, [2, L, m, C] on CUDA; float32.
+/// the CPU, where only the first axis may have gaps; [2, L, m, C] on CUDA; float32.
 inline TableSizes check_table(const at::Tensor& table, int64_t C, const char* op) {
   const bool blocked = table.dim() == 5 && table.size(1) == (C + kTableBlock - 1) / kTableBlock &&
                        table.size(3) == 2 && table.size(4) == kTableBlock;
   const bool stacked = table.dim() == 4 && table.size(0) == 2 && table.size(3) == C;
   TORCH_CHECK((table.is_cpu() ? blocked : stacked) && table.scalar_type() == at::kFloat &&
-                  table.is_contiguous(),
+                  (table.is_cpu() ? table.size(0) == 0 || table.select(0, 0).is_contiguous()
+                                  : table.is_contiguous()),
               op, ": table must come from neighbour_table() at C = ", C, " in float32, got ",
               table.sizes(), " ", table.scalar_type());
   if (table.is_cpu()) return {table.size(2), table.size(0)};

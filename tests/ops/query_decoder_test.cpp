@@ -146,6 +146,19 @@ TEST(QueryDecoderInferenceOnTheCpu, EachQueryIsTheSameBitsInAnyCompany) {
   EXPECT_TRUE(at::equal(test::with_threads(1, whole), all));
 }
 
+// Whether latents lie one after the other or with gaps does not matter.
+TEST(QueryDecoderInferenceOnTheCpu, ReadsTablesWithoutGaps) {
+  const Case c({30, 12, 5, 32, 2, 40}, 3, 64);
+  const at::Tensor table = neighbour_table(c.keys, c.values);
+  EXPECT_GT(table.stride(0), table.select(0, 0).numel());
+  const auto with = [&](const at::Tensor& t) {
+    return query_decoder_inference(c.attributes, c.near, t, c.weights);
+  };
+  EXPECT_TRUE(at::equal(with(table.contiguous()), with(table)));
+  EXPECT_TRUE(test::throws_saying([&] { with(table.transpose(3, 4).contiguous().transpose(3, 4)); },
+                                  "neighbour_table()"));
+}
+
 TEST_P(QueryDecoderInference, RefusesBadInput) {
   const Case good({4, 5, 3, 20, 2, 30}, 1, 64);
   EXPECT_NO_THROW(infer(good));

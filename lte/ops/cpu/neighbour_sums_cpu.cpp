@@ -9,6 +9,7 @@
 #include <ATen/ops/constant_pad_nd.h>
 #include <ATen/ops/empty.h>
 #include <ATen/ops/empty_like.h>
+#include <ATen/ops/empty_strided.h>
 #include <torch/library.h>
 
 #include "lte/ops/cpu/kernels/kernels.h"
@@ -25,21 +26,18 @@ constexpr int64_t kTile = 16;
 constexpr int64_t kPair = 2 * kBlock;
 static_assert(kTableBlock == kBlock);
 
-/// Rows [begin, end) of two [L, n, C] tensors as [n, blocks, L, 2, kBlock]. `out` starts at row
-/// `begin`.
+/// A row of two [L, n, C] tensors as [blocks, L, 2, kBlock].
 template <typename T>
-void interleave(const T* first, const T* second, int64_t L, int64_t n, int64_t C, int64_t begin,
-                int64_t end, T* out) {
-  for (int64_t row = begin; row < end; ++row) {
-    for (int64_t c = 0; c < C; c += kBlock) {
-      const int64_t count = std::min(kBlock, C - c);
-      for (int64_t l = 0; l < L; ++l, out += kPair) {
-        const int64_t from = (l * n + row) * C + c;
-        std::copy_n(first + from, count, out);
-        std::fill(out + count, out + kBlock, T{0});
-        std::copy_n(second + from, count, out + kBlock);
-        std::fill(out + kBlock + count, out + kPair, T{0});
-      }
+void interleave(const T* first, const T* second, int64_t L, int64_t n, int64_t C, int64_t row,
+                T* out) {
+  for (int64_t c = 0; c < C; c += kBlock) {
+    const int64_t count = std::min(kBlock, C - c);
+    for (int64_t l = 0; l < L; ++l, out += kPair) {
+      const int64_t from = (l * n + row) * C + c;
+      std::copy_n(first + from, count, out);
+      std::fill(out + count, out + kBlock, T{0});
+      std::copy_n(second + from, count, out + kBlock);
+      std::fill(out + kBlock + count, out + kPair, T{0});
     }
   }
 }
@@ -59,15 +57,18 @@ void deinterleave(const T* in, int64_t L, int64_t n, int64_t C, int64_t begin, i
   }
 }
 
-at::Tensor interleaved(const at::Tensor& first, const at::Tensor& second) {
+/// As [n, blocks, L, 2, kBlock] with `gap` numbers after each row.
+at::Tensor interleaved(const at::Tensor& first, const at::Tensor& second, int64_t gap = 0) {
   const int64_t L = first.size(0), n = first.size(1), C = first.size(2);
-  at::Tensor out = at::empty({n, blocks_of(C), L, 2, kBlock}, first.options());
+  const int64_t stride = blocks_of(C) * L * kPair + gap;
+  at::Tensor out = at::empty_strided({n, blocks_of(C), L, 2, kBlock},
+                                     {stride, L * kPair, kPair, kBlock, 1}, first.options());
   AT_DISPATCH_FLOATING_TYPES(first.scalar_type(), "neighbour_table", [&] {
     const auto* a = first.const_data_ptr<scalar_t>();
     const auto* b = second.const_data_ptr<scalar_t>();
     auto* to = out.data_ptr<scalar_t>();
     at::parallel_for(0, n, 64, [&](int64_t begin, int64_t end) {
-      interleave(a, b, L, n, C, begin, end, to + begin * blocks_of(C) * L * kPair);
+      for (int64_t row = begin; row < end; ++row) interleave(a, b, L, n, C, row, to + row * stride);
     });
   });
   return out;
@@ -101,8 +102,9 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums_cpu(const at::Tensor& keys,
       std::vector<scalar_t> tile(kTile * blocks * L * kPair);
       for (int64_t q = begin; q < end; q += kTile) {
         const int64_t count = std::min(kTile, end - q);
-        sum_kernels<scalar_t>().sums({entries, blocks, L, latent + q * K, count, K},
-                                     {from + q * K * width, width, kBlock}, tile.data());
+        sum_kernels<scalar_t>().sums(
+            {entries, table.stride(0), blocks, L, latent + q * K, count, K},
+            {from + q * K * width, width, kBlock}, tile.data());
         deinterleave(tile.data(), L, Q, C, q, q + count, out1, out2);
       }
     });
@@ -132,8 +134,9 @@ std::tuple<at::Tensor, at::Tensor, at::Tensor> neighbour_sums_backward_cpu(
     auto* to = by_position.data_ptr<scalar_t>();
     at::parallel_for(0, Q, kTile, [&](int64_t begin, int64_t end) {
       for (int64_t q = begin; q < end; q += kTile) {
-        kernels.position_gradient({entries, blocks, L, latent + q * K, std::min(kTile, end - q), K},
-                                  g + q * entry, from + q * K * width, to + q * K * width);
+        kernels.position_gradient(
+            {entries, entry, blocks, L, latent + q * K, std::min(kTile, end - q), K}, g + q * entry,
+            from + q * K * width, to + q * K * width);
       }
     });
     const PairsByLatent pairs(latent, Q * K, m);
@@ -155,7 +158,7 @@ std::tuple<at::Tensor, at::Tensor, at::Tensor> neighbour_sums_backward_cpu(
 
 at::Tensor neighbour_table_cpu(const at::Tensor& keys, const at::Tensor& values) {
   check_neighbour_table_args(keys, values);
-  return interleaved(keys.contiguous(), values.contiguous());
+  return interleaved(keys.contiguous(), values.contiguous(), kTableGap);
 }
 
 /// [K, H] as [H, rows], rows past K zero.
@@ -186,7 +189,8 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums_inference_cpu(const at::Tensor
   at::parallel_for(0, Q, kTile, [&](int64_t begin, int64_t end) {
     const SumKernels<float>& kernels = sum_kernels<float>();
     const int64_t rows = blocks_of(K) * kBlock;
-    std::vector<float> transposed(kTile * H * rows), position(kProjectedBlocks * rows * kBlock),
+    std::vector<float> transposed(kTile * H * rows),
+        position(kProjectedQueries * kProjectedBlocks * rows * kBlock),
         tile(kTile * blocks * L * kPair);
     for (int64_t q = begin; q < end; q += kTile) {
       const int64_t count = std::min(kTile, end - q);
@@ -194,7 +198,7 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums_inference_cpu(const at::Tensor
         transpose(activation + (q + i) * K * H, K, H, rows, transposed.data() + i * H * rows);
       }
       kernels.projected_sums(
-          {entries, blocks, L, latent + q * K, count, K},
+          {entries, table.stride(0), blocks, L, latent + q * K, count, K},
           {transposed.data(), H, gamma.weight.data(), gamma.bias.data(), position.data()},
           tile.data());
       deinterleave(tile.data(), L, Q, C, q, q + count, out1, out2);

@@ -35,6 +35,7 @@ struct Work {
   const float *grad, *attribute;
   PairReader pairs;
   const float* table;
+  int64_t table_stride;  ///< from one latent to the next
   const int64_t* index;
   const float* sums;
   float* by_sums;    ///< as `sums`
@@ -225,7 +226,7 @@ class TileReturn {
       copy_panels(pair_, count, positions + i * width);
     }
     sum_kernels<float>().position_gradient(
-        {work_.table, blocks_, L_, work_.index + first * K_, rows, K_},
+        {work_.table, work_.table_stride, blocks_, L_, work_.index + first * K_, rows, K_},
         work_.by_sums + first * sums_stride(), positions, by_position_.data());
     for (int64_t i = 0; i < pairs; i += kPanel) {
       const int64_t count = std::min(kPanel, pairs - i);
@@ -295,7 +296,7 @@ at::Tensor table_gradient(const DecoderInputs& in, const Work& work) {
     for (int64_t i = begin; i < end; ++i) {
       const int64_t j = latents[i];
       sum_kernels<float>().table_gradient(
-          {work.table + j * entry, work.by_sums, blocks, sizes.layers,
+          {work.table + j * work.table_stride, work.by_sums, blocks, sizes.layers,
            pairs.rows.data() + pairs.start[j], pairs.start[j + 1] - pairs.start[j],
            sizes.neighbours, work.positions},
           to + j * entry);
@@ -329,6 +330,7 @@ std::tuple<at::Tensor, std::vector<at::Tensor>> query_decoder_backward_cpu(
                   in.attributes.const_data_ptr<float>(),
                   PairReader(in.near),
                   in.table.const_data_ptr<float>(),
+                  in.table.stride(0),
                   in.near.index.const_data_ptr<int64_t>(),
                   sums.const_data_ptr<float>(),
                   by_sums.data_ptr<float>(),

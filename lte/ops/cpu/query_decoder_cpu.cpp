@@ -28,6 +28,7 @@ struct Work {
   const float* attribute;
   PairReader pairs;
   const float* table;
+  int64_t table_stride;  ///< from one latent to the next
   const int64_t* index;
   float* sums;  ///< of all queries, [Q, blocks, L, 2, kBlock], or null: they are not kept
   float* out;
@@ -57,7 +58,8 @@ class TileDecoder {
         rounded_(work.net.gamma_output.in_bf16()
                      ? static_cast<size_t>(kSubtile * work.net.gamma_output.input_pairs() * pairs_)
                      : 0),
-        pair_position_(static_cast<size_t>(kProjectedBlocks * pairs_ * kBlock)) {}
+        pair_position_(
+            static_cast<size_t>(kProjectedQueries * kProjectedBlocks * pairs_ * kBlock)) {}
 
   /// Queries [first, first + rows), at most kTile.
   void run(int64_t first, int64_t rows) {
@@ -99,7 +101,8 @@ class TileDecoder {
                                          activation_.data() + i * H_ * pairs_);
       }
     }
-    const NeighbourTable<float> near{work_.table, blocks_, L_, work_.index + first * K_, count, K_};
+    const NeighbourTable<float> near{
+        work_.table, work_.table_stride, blocks_, L_, work_.index + first * K_, count, K_};
     if (gamma.in_bf16()) {
       bf16_kernels().projected_sums(near,
                                     {rounded_.data(), gamma.input_pairs(), gamma.pairs.data(),
@@ -152,7 +155,7 @@ class TileDecoder {
   std::vector<float> geometry_;       ///< [F, pairs] of one query
   std::vector<float> activation_;     ///< [kSubtile, H, pairs]
   std::vector<uint32_t> rounded_;     ///< [kSubtile, ⌈H / 2⌉, pairs], in bfloat16 instead
-  std::vector<float> pair_position_;  ///< [kProjectedBlocks, pairs, kBlock]
+  std::vector<float> pair_position_;  ///< of as many queries and blocks as exist at once
 };
 
 at::Tensor decode(const DecoderInputs& in, const DecoderWeights& weights, float* sums) {
@@ -164,6 +167,7 @@ at::Tensor decode(const DecoderInputs& in, const DecoderWeights& weights, float*
                   in.attributes.const_data_ptr<float>(),
                   PairReader(in.near),
                   in.table.const_data_ptr<float>(),
+                  in.table.stride(0),
                   in.near.index.const_data_ptr<int64_t>(),
                   sums,
                   out.data_ptr<float>()};

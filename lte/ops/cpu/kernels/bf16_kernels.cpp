@@ -6,6 +6,8 @@
 // bfloat16 is the upper half of a float32, so a pair is taken apart by a shift and a mask, and two
 // float32 instructions in the order of the one give the same sums. Rounding by hand adds half of
 // the last place kept, less one where that place is even, and lets the carry run.
+#include <algorithm>
+
 #include "lte/ops/cpu/kernels/kernels.h"
 #include "lte/ops/cpu/kernels/product.h"
 #include "lte/ops/cpu/kernels/sum_query.h"
@@ -171,14 +173,21 @@ void projected_sums(NeighbourTable<float> near, ProjectedPositions<uint32_t, flo
   const int64_t run = near.layers * kPair, stride = near.blocks * run;
   const int64_t rows = (near.K + kBlock - 1) / kBlock * kBlock;
   for (int64_t b = 0; b < near.blocks; ++b) {
-    for (int64_t q = 0; q < near.queries; ++q) {
-      for (int64_t r = 0; r < rows; r += kProjected) {
-        project_rows<kProjected>(p.hidden + q * p.inputs * rows + r, rows, p.inputs,
-                                 p.weight + b * p.inputs * kBlock, p.bias + b * kBlock,
-                                 p.position + r * kBlock);
+    for (int64_t first = 0; first < near.queries; first += kProjectedQueries) {
+      const int64_t end = std::min(first + kProjectedQueries, near.queries);
+      float* position = p.position;
+      for (int64_t q = first; q < end; ++q, position += rows * kBlock) {
+        for (int64_t r = 0; r < rows; r += kProjected) {
+          project_rows<kProjected>(p.hidden + q * p.inputs * rows + r, rows, p.inputs,
+                                   p.weight + b * p.inputs * kBlock, p.bias + b * kBlock,
+                                   position + r * kBlock);
+        }
       }
-      sum_query(near.table + b * run, stride, near.layers, near.index + q * near.K, near.K,
-                p.position, kBlock, out + q * stride + b * run);
+      position = p.position;
+      for (int64_t q = first; q < end; ++q, position += rows * kBlock) {
+        sum_query(near.table + b * run, near.stride, near.layers, near.index + q * near.K, near.K,
+                  position, kBlock, out + q * stride + b * run);
+      }
     }
   }
 }

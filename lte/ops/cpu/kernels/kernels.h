@@ -60,6 +60,7 @@ struct CurveKernels {
 template <typename T>
 struct NeighbourTable {
   const T* table;  ///< [m, blocks, layers, 2, kBlock]: (k, v)
+  int64_t stride;  ///< from one latent's entry to the next
   int64_t blocks, layers;
   const int64_t* index;  ///< [queries, K], rows of the table
   int64_t queries, K;
@@ -73,10 +74,11 @@ struct Positions {
   int64_t row_stride, block_stride;
 };
 
-/// Blocks of positions that exist at once, at most.
-inline constexpr int64_t kProjectedBlocks = 2;
+/// Blocks of positions, and queries that have them, that exist at once, at most. Queries near each
+/// other read the same latents, which stay in the first-level cache as long as nothing else is read.
+inline constexpr int64_t kProjectedBlocks = 2, kProjectedQueries = 8;
 
-/// Positions that exist for one query and a block or two at a time:
+/// Positions that exist for a few queries and a block or two at a time:
 /// P = bias + Σ_h hidden[h] weight[b][h]. In bfloat16 `Hidden` are pairs, and `inputs` counts
 /// those.
 template <typename Hidden, typename T>
@@ -85,7 +87,7 @@ struct ProjectedPositions {
   int64_t inputs;
   const Hidden* weight;  ///< [blocks, inputs, kBlock]
   const T* bias;         ///< [blocks, kBlock]
-  T* position;           ///< room for [kProjectedBlocks, rows, kBlock]
+  T* position;           ///< room for [kProjectedQueries, kProjectedBlocks, rows, kBlock]
 };
 
 /// What the gradient by one latent's row of the table is made of.

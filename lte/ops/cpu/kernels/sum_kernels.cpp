@@ -5,6 +5,8 @@
 // block of channels outside and queries inside, so that queries near each other find the entries of
 // their common neighbours in the first-level cache; all layers of an entry in one go, as many as
 // have accumulators in the registers; and a row of lanes at a time.
+#include <algorithm>
+
 #include "lte/ops/cpu/kernels/kernels.h"
 #include "lte/ops/cpu/kernels/sum_query.h"
 #include "lte/ops/cpu/kernels/vector.h"
@@ -20,7 +22,7 @@ void sums(NeighbourTable<T> near, Positions<T> p, T* out) {
   const int64_t run = near.layers * kPair, stride = near.blocks * run;
   for (int64_t b = 0; b < near.blocks; ++b) {
     for (int64_t q = 0; q < near.queries; ++q) {
-      sum_query(near.table + b * run, stride, near.layers, near.index + q * near.K, near.K,
+      sum_query(near.table + b * run, near.stride, near.layers, near.index + q * near.K, near.K,
                 p.values + q * near.K * p.row_stride + b * p.block_stride, p.row_stride,
                 out + q * stride + b * run);
     }
@@ -31,7 +33,7 @@ void sums(NeighbourTable<T> near, Positions<T> p, T* out) {
 /// multiplication, and what is left of each layer is g2 ⊙ (v − k).
 template <typename T>
 void position_gradient(NeighbourTable<T> near, const T* grad, const T* position, T* out) {
-  const auto [table, blocks, layers, index, queries, K] = near;
+  const auto [table, table_stride, blocks, layers, index, queries, K] = near;
   const int64_t run = layers * kPair, stride = blocks * run, row_stride = blocks * kBlock;
   for (int64_t b = 0; b < blocks; ++b) {
     for (int64_t q = 0; q < queries; ++q) {
@@ -45,7 +47,7 @@ void position_gradient(NeighbourTable<T> near, const T* grad, const T* position,
         g2 += g2;
         for (int64_t i = 0; i < K; ++i) {
           const int64_t row = (q * K + i) * row_stride + b * kBlock + lane;
-          const T* entry = table + index[q * K + i] * stride + b * run + lane;
+          const T* entry = table + index[q * K + i] * table_stride + b * run + lane;
           Vector<T> sum = g1 + g2 * load(position + row);
           for (int64_t l = 0; l < layers; ++l) {
             sum += load(g + l * kPair + kBlock) *
@@ -151,15 +153,22 @@ void project_and_sum(const NeighbourTable<T>& near, const ProjectedPositions<T, 
                      T* out) {
   const int64_t run = near.layers * kPair, stride = near.blocks * run;
   const int64_t rows = (near.K + kBlock - 1) / kBlock * kBlock;
-  for (int64_t q = 0; q < near.queries; ++q) {
-    for (int64_t r = 0; r < rows; r += ROWS) {
-      project_rows<T, ROWS, BLOCKS>(p.hidden + q * p.inputs * rows + r, rows, p.inputs,
-                                    p.weight + b * p.inputs * kBlock, p.bias + b * kBlock,
-                                    p.position + r * kBlock, rows * kBlock);
+  for (int64_t first = 0; first < near.queries; first += kProjectedQueries) {
+    const int64_t end = std::min(first + kProjectedQueries, near.queries);
+    T* position = p.position;
+    for (int64_t q = first; q < end; ++q, position += BLOCKS * rows * kBlock) {
+      for (int64_t r = 0; r < rows; r += ROWS) {
+        project_rows<T, ROWS, BLOCKS>(p.hidden + q * p.inputs * rows + r, rows, p.inputs,
+                                      p.weight + b * p.inputs * kBlock, p.bias + b * kBlock,
+                                      position + r * kBlock, rows * kBlock);
+      }
     }
-    for (int64_t i = 0; i < BLOCKS; ++i) {
-      sum_query(near.table + (b + i) * run, stride, near.layers, near.index + q * near.K, near.K,
-                p.position + i * rows * kBlock, kBlock, out + q * stride + (b + i) * run);
+    position = p.position;
+    for (int64_t q = first; q < end; ++q) {
+      for (int64_t i = 0; i < BLOCKS; ++i, position += rows * kBlock) {
+        sum_query(near.table + (b + i) * run, near.stride, near.layers, near.index + q * near.K,
+                  near.K, position, kBlock, out + q * stride + (b + i) * run);
+      }
     }
   }
 }
