@@ -26,7 +26,9 @@ constexpr std::pair<int, int> kAround[] = {{-1, -1}, {0, -1}, {1, -1}, {-1, 0},
 
 /// Those of them that come later, row by row.
 constexpr std::array<std::pair<int, int>, 4> kAfter = {{{1, 0}, {-1, 1}, {0, 1}, {1, 1}}};
-constexpr int64_t kRows = 8;  // that a thread takes at a time
+constexpr int64_t kRows = 8, kEntries = 512;  // that a thread takes at a time
+// Hits of a pixel that come first: this share of all, but as many at least.
+constexpr int kFewShare = 2, kFewestHits = 4;
 
 /// Whether both points lie in the planes of each other, within `tolerance` metres.
 inline bool same_plane(const Vec3& a, const Vec3& normal_a, const Vec3& b, const Vec3& normal_b,
@@ -66,18 +68,54 @@ bool hits_differ(const GBuffer& of_a, size_t a, const GBuffer& of_b, size_t b, f
   return !of_a.metallic.empty() && std::abs(of_a.metallic[a] - of_b.metallic[b]) > kMetalStep;
 }
 
-/// Point `i` of `count` in the unit square: Hammersley's set, turned by two numbers.
-Vec2 stratified_point(int i, int count, float turn_x, float turn_y) {
-  float reversed = 0;
-  float digit = 0.5f;
-  for (int bits = i; bits > 0; bits >>= 1) {
-    if (bits & 1) reversed += digit;
-    digit *= 0.5f;
+/// Hammersley's points in the unit square. The first `few` are stratified by themselves: one in
+/// each of as many columns, and in rows of their own as far as there are such.
+std::vector<Vec2> stratified_points(int count, int few) {
+  std::vector<Vec2> points(static_cast<size_t>(count));
+  for (int i = 0; i < count; ++i) {
+    float reversed = 0, digit = 0.5f;
+    for (int bits = i; bits > 0; bits >>= 1) {
+      if (bits & 1) reversed += digit;
+      digit *= 0.5f;
+    }
+    points[static_cast<size_t>(i)] = {(static_cast<float>(i) + 0.5f) / static_cast<float>(count),
+                                      reversed};
   }
-  const float x = (static_cast<float>(i) + 0.5f) / static_cast<float>(count) + turn_x;
-  const float y = reversed + turn_y;
-  return {x - std::floor(x), y - std::floor(y)};
+  std::vector<uint8_t> row_is_taken(static_cast<size_t>(few));
+  const auto row_of = [&](const Vec2& point) {
+    return static_cast<size_t>(point.y * static_cast<float>(few));
+  };
+  for (int column = 0; column < few; ++column) {
+    // What is chosen moves forward, what it passes back by one: later columns stay where they are.
+    const auto first = points.begin() + column * count / few,
+               end = points.begin() + (column + 1) * count / few;
+    auto chosen =
+        std::find_if(first, end, [&](const Vec2& point) { return !row_is_taken[row_of(point)]; });
+    if (chosen == end) chosen = first;
+    row_is_taken[row_of(*chosen)] = 1;
+    std::rotate(points.begin() + column, chosen, chosen + 1);
+  }
+  return points;
 }
+
+/// Places within a pixel, turned by a hash of the pixel.
+class PixelPoints {
+ public:
+  PixelPoints(int x, int y) : x_(static_cast<float>(x)), y_(static_cast<float>(y)) {
+    Rng turn(static_cast<uint64_t>(y), static_cast<uint64_t>(x));
+    turn_x_ = turn.uniform();
+    turn_y_ = turn.uniform();
+  }
+
+  /// @param within  of the unit square
+  Vec2 at(const Vec2& within) const {
+    const float x = within.x + turn_x_, y = within.y + turn_y_;
+    return {x_ + (x - std::floor(x)), y_ + (y - std::floor(y))};
+  }
+
+ private:
+  float x_, y_, turn_x_ = 0, turn_y_ = 0;
+};
 
 /// Finds the queries that answer the sub-hits of edge pixels.
 class SourceFinder {
@@ -105,11 +143,11 @@ class SourceFinder {
       if (query != scene::kNone)
         candidates[count++] = {view_.hits.position[hit], view_.hits.normal[hit], query};
     });
-    for (size_t s = first(entry); s < first(entry + 1); ++s) {
-      if (!reflects(s)) continue;
+    sub_.each(entry, [&](size_t s) {
+      if (!reflects(s)) return;
       sub_.source[s] = nearest(s, std::span(candidates).first(count));
       if (sub_.source[s] == scene::kNone) open_[entry] = 1;
-    }
+    });
   }
 
   /// For sub-hits that found none: the nearest query that a sub-hit before has added, in this pixel
@@ -118,14 +156,14 @@ class SourceFinder {
     own_[entry] = own_[entry + 1] = static_cast<int32_t>(queries_.size());
     if (!open_[entry]) return;
     collect_added(entry);
-    for (size_t s = first(entry); s < first(entry + 1); ++s) {
-      if (sub_.source[s] != scene::kNone || !reflects(s)) continue;
+    sub_.each(entry, [&](size_t s) {
+      if (sub_.source[s] != scene::kNone || !reflects(s)) return;
       sub_.source[s] = nearest(s, added_);
-      if (sub_.source[s] != scene::kNone) continue;
+      if (sub_.source[s] != scene::kNone) return;
       queries_.add(sub_.hits, s);
       added_.push_back(candidate(static_cast<int32_t>(queries_.size()) - 1));
       sub_.source[s] = added_.back().query;
-    }
+    });
     own_[entry + 1] = static_cast<int32_t>(queries_.size());
   }
 
@@ -135,7 +173,6 @@ class SourceFinder {
     int32_t query = scene::kNone;
   };
 
-  size_t first(size_t entry) const { return entry * static_cast<size_t>(sub_.per_pixel); }
   bool reflects(size_t s) const {
     return sub_.hits.mask[s] && max_component(sub_.hits.albedo[s]) > 0;
   }
@@ -192,6 +229,19 @@ class SourceFinder {
   std::vector<Candidate> added_;
 };
 
+/// Whether what is around a pixel sends out more light or less: the smallest part of a lamp counts.
+bool is_near_lamp(const EdgeView& view, int32_t pixel) {
+  const int width = view.width(), x = pixel % width, y = pixel / width;
+  const auto emission = [&](int column, int row) {
+    return view.hits.emission[view.first + static_cast<size_t>(row * width + column)];
+  };
+  return std::any_of(std::begin(kAround), std::end(kAround), [&](const auto& step) {
+    const int column = x + step.first, row = y + step.second;
+    return column >= 0 && column < width && row >= 0 && row < view.height() &&
+           emissions_differ(emission(x, y), emission(column, row));
+  });
+}
+
 }  // namespace
 
 std::vector<int32_t> find_edges(const EdgeView& view) {
@@ -200,18 +250,21 @@ std::vector<int32_t> find_edges(const EdgeView& view) {
   const auto at = [&](int x, int y) {
     return static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
   };
+  const auto differ = [&](size_t a, size_t b, bool beside) {
+    a += view.first;
+    b += view.first;
+    return beside ? hits_differ(view.hits, a, view.hits, b, view.pixel_size)
+                  : emissions_differ(view.hits.emission[a], view.hits.emission[b]);
+  };
   // A bit for each neighbour of kAfter that differs: each pair is looked at once.
   std::vector<uint8_t> differs(at(0, height));
   parallel_for(height, kRows, [&](int64_t begin, int64_t end) {
     for (auto y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
       for (int x = 0; x < width; ++x) {
-        const size_t i = view.first + at(x, y);
         unsigned bits = 0;
         for (size_t k = 0; k < kAfter.size(); ++k) {
           const auto& [dx, dy] = kAfter[k];
-          if (inside(x + dx, y + dy) &&
-              hits_differ(view.hits, i, view.hits, view.first + at(x + dx, y + dy),
-                          view.pixel_size))
+          if (inside(x + dx, y + dy) && differ(at(x, y), at(x + dx, y + dy), dx * dy == 0))
             bits |= 1u << k;
         }
         differs[at(x, y)] = static_cast<uint8_t>(bits);
@@ -238,34 +291,57 @@ std::vector<int32_t> find_edges(const EdgeView& view) {
   return out;
 }
 
-SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera,
-                       const PictureRows& rows, std::vector<int32_t> pixels, int per_pixel) {
+SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera, const EdgeView& view,
+                       std::vector<int32_t> pixels, int many) {
   SubHits out;
   out.pixel = std::move(pixels);
-  out.per_pixel = per_pixel;
-  const auto count = static_cast<size_t>(per_pixel);
-  std::vector<Vec2> points(out.pixel.size() * count);
-  parallel_for(static_cast<int64_t>(out.pixel.size()), 512, [&](int64_t begin, int64_t end) {
-    for (auto entry = static_cast<size_t>(begin); entry < static_cast<size_t>(end); ++entry) {
-      const int x = out.pixel[entry] % rows.width, y = rows.first + out.pixel[entry] / rows.width;
-      Rng turn(static_cast<uint64_t>(y), static_cast<uint64_t>(x));
-      const float turn_x = turn.uniform(), turn_y = turn.uniform();
-      for (int i = 0; i < per_pixel; ++i) {
-        const Vec2 within = stratified_point(i, per_pixel, turn_x, turn_y);
-        points[entry * count + static_cast<size_t>(i)] = {static_cast<float>(x) + within.x,
-                                                          static_cast<float>(y) + within.y};
+  out.few = std::min(many, std::max(kFewestHits, many / kFewShare));
+  out.many = many;
+  out.more.assign(out.pixel.size(), scene::kNone);
+  out.hits.reserve(out.pixel.size() * static_cast<size_t>(many));
+  const std::vector<Vec2> within = stratified_points(many, out.few);
+  const PictureRows& rows = view.rows;
+  // The points `of_each` in some of the pixels, by their entries.
+  const auto trace = [&](const auto& entry_of, size_t entries, std::span<const Vec2> of_each) {
+    std::vector<Vec2> points(entries * of_each.size());
+    parallel_for(static_cast<int64_t>(entries), kEntries, [&](int64_t begin, int64_t end) {
+      for (auto k = static_cast<size_t>(begin); k < static_cast<size_t>(end); ++k) {
+        const int32_t pixel = out.pixel[entry_of(k)];
+        const PixelPoints inside(pixel % rows.width, rows.first + pixel / rows.width);
+        for (size_t i = 0; i < of_each.size(); ++i)
+          points[k * of_each.size() + i] = inside.at(of_each[i]);
       }
+    });
+    pathtrace::append_image_points(bvh, camera, rows.width, rows.height, points, &out.hits);
+  };
+  const auto few = static_cast<size_t>(out.few);
+  trace([](size_t k) { return k; }, out.pixel.size(), std::span(within).first(few));
+  if (out.few < many) {
+    parallel_for(static_cast<int64_t>(out.pixel.size()), kEntries, [&](int64_t begin, int64_t end) {
+      for (auto entry = static_cast<size_t>(begin); entry < static_cast<size_t>(end); ++entry) {
+        const size_t centre = view.first + static_cast<size_t>(out.pixel[entry]);
+        bool open = is_near_lamp(view, out.pixel[entry]);
+        for (size_t s = entry * few; s < (entry + 1) * few && !open; ++s)
+          open = hits_differ(view.hits, centre, out.hits, s, view.pixel_size);
+        if (open) out.more[entry] = 0;
+      }
+    });
+    std::vector<size_t> open;
+    for (size_t entry = 0; entry < out.more.size(); ++entry) {
+      if (out.more[entry] == scene::kNone) continue;
+      out.more[entry] = static_cast<int32_t>(open.size());
+      open.push_back(entry);
     }
-  });
-  out.hits = pathtrace::trace_image_points(bvh, camera, rows.width, rows.height, points);
-  out.source.assign(points.size(), scene::kNone);
+    trace([&](size_t k) { return open[k]; }, open.size(), std::span(within).subspan(few));
+  }
+  out.source.assign(out.hits.mask.size(), scene::kNone);
   return out;
 }
 
 void assign_sources(const EdgeView& view, const PixelQueries& asked, QuerySet* queries,
                     SubHits* sub) {
   SourceFinder finder(view, asked, queries, sub);
-  parallel_for(static_cast<int64_t>(sub->pixel.size()), 512, [&](int64_t begin, int64_t end) {
+  parallel_for(static_cast<int64_t>(sub->pixel.size()), kEntries, [&](int64_t begin, int64_t end) {
     for (int64_t entry = begin; entry < end; ++entry)
       finder.find_pixels(static_cast<size_t>(entry));
   });

@@ -1,12 +1,14 @@
 // Anti-aliasing: several primary hits in the pixels at edges, which share the answers that pixels
 // ask for anyway.
 //
-// A pixel lies at an edge where a neighbour sees something else: background, another instance,
-// another plane, normal, color, emission or share of metal. There N image points are traced, a
-// stratified set that is turned by a hash of the pixel. Each takes the irradiance of the nearest
-// query that stands on its plane and under its normal: its own pixel's, or one of the eight around
-// it. Where none does, it becomes a query itself, which later points of this and of the
-// neighbouring pixels that found none share in turn.
+// A pixel lies at an edge where one of the four beside it sees something else: background, another
+// instance, another plane, normal, color, emission or share of metal. There N image points are
+// traced, a stratified set that is turned by a hash of the pixel. Half of them, but four at least,
+// come first: where all of them see what the centre sees and no lamp is near, the edge lies in the
+// neighbour, and the others are left out. Each takes the irradiance of the nearest query that
+// stands on its plane and under its normal: its own pixel's, or one of the eight around it. Where
+// none does, it becomes a query itself, which later points of this and of the neighbouring pixels
+// that found none share in turn.
 #pragma once
 
 #include <cstdint>
@@ -57,20 +59,35 @@ struct EdgeView {
   int height() const { return rows.last - rows.first; }
 };
 
-/// The pixels of `view` that lie at an edge, in order.
+/// The pixels of `view` that lie at an edge, in order. On the diagonals only lamps count, whose
+/// corners do. Else they are not needed: where a straight edge parts a pixel, the centre of one of
+/// the four beside it lies on the other side, as of cos θ and sin θ one is at least
+/// (cos θ + sin θ) / 2, the farthest that a corner lies from the centre across an edge under θ.
 std::vector<int32_t> find_edges(const EdgeView& view);
 
-/// Hits inside edge pixels.
+/// Hits inside edge pixels, of which each has `few` or `many`.
 struct SubHits {
   std::vector<int32_t> pixel;  ///< of the rows, in order
-  int per_pixel = 0;
-  pathtrace::GBuffer hits;      ///< [pixels * per_pixel], in one row
+  int few = 0, many = 0;
+  std::vector<int32_t> more;    ///< by pixel: its place among those of many, kNone if it has few
+  pathtrace::GBuffer hits;      ///< in one row: the first few of all pixels, then those that follow
   std::vector<int32_t> source;  ///< the query that answers, kNone where nothing is reflected
+
+  int count(size_t entry) const { return more[entry] == scene::kNone ? few : many; }
+  /// Calls use(place in hits) for those of a pixel.
+  template <typename Use>
+  void each(size_t entry, const Use& use) const {
+    const auto first = static_cast<size_t>(few), others = static_cast<size_t>(many - few);
+    for (size_t s = entry * first; s < (entry + 1) * first; ++s) use(s);
+    if (more[entry] == scene::kNone) return;
+    const size_t begin = pixel.size() * first + static_cast<size_t>(more[entry]) * others;
+    for (size_t s = begin; s < begin + others; ++s) use(s);
+  }
 };
 
-/// Traces `per_pixel` points in each of `pixels`.
-SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera,
-                       const PictureRows& rows, std::vector<int32_t> pixels, int per_pixel);
+/// Traces up to `many` points in each of `pixels` of the view.
+SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera, const EdgeView& view,
+                       std::vector<int32_t> pixels, int many);
 
 /// The numbers of queries.
 struct PixelQueries {

@@ -107,16 +107,15 @@ void PictureBand::take_samples(const pathtrace::Bvh& bvh, const scene::Camera& c
     return pixel < first || pixel >= last ||
            (!is_traced_.empty() && is_traced_[static_cast<size_t>(pixel)]);
   });
-  sub_ = trace_sub_hits(bvh, camera, view.rows, std::move(edges), options_.antialias);
+  sub_ = trace_sub_hits(bvh, camera, view, std::move(edges), options_.antialias);
   darken_metal(&sub_.hits);
   if (is_traced_.empty()) return;
-  const auto count = static_cast<size_t>(sub_.per_pixel);
   for (size_t entry = 0; entry < sub_.pixel.size(); ++entry) {
-    const auto begin = sub_.hits.metallic.begin() + static_cast<int64_t>(entry * count);
-    const bool metal = std::any_of(begin, begin + sub_.per_pixel, is_metal);
+    bool metal = false;
+    sub_.each(entry, [&](size_t s) { metal = metal || is_metal(sub_.hits.metallic[s]); });
     if (!metal) continue;
     is_traced_[static_cast<size_t>(sub_.pixel[entry])] = 1;
-    std::fill_n(sub_.hits.mask.begin() + static_cast<int64_t>(entry * count), count, uint8_t{0});
+    sub_.each(entry, [&](size_t s) { sub_.hits.mask[s] = 0; });
   }
 }
 
@@ -208,14 +207,13 @@ std::span<const int32_t> PictureBand::query_of_pixel() const {
 std::vector<PictureBand::ExtraQuery> PictureBand::extra_queries() const {
   std::vector<ExtraQuery> out;
   out.reserve(static_cast<size_t>(queries_.size() - centre_queries_));
-  const auto count = static_cast<size_t>(sub_.per_pixel);
   for (size_t entry = 0; entry < sub_.pixel.size(); ++entry) {
     const int pixel = sub_.pixel[entry] - static_cast<int32_t>(seen_index(0));
-    for (size_t s = entry * count; s < (entry + 1) * count; ++s) {
+    sub_.each(entry, [&](size_t s) {
       // Queries were added in this order; what names one again shares it.
       if (sub_.source[s] == first_listed_ + centre_queries_ + static_cast<int64_t>(out.size()))
         out.push_back({pixel, sub_.hits.depth[s]});
-    }
+    });
   }
   return out;
 }
@@ -245,13 +243,12 @@ Rgb PictureBand::irradiance(const Layer& layer, int32_t query) const {
 }
 
 void PictureBand::edge_surface(size_t entry, Rgb* albedo, Rgb* emission) const {
-  const auto count = static_cast<size_t>(sub_.per_pixel);
   *albedo = *emission = {};
-  for (size_t s = entry * count; s < (entry + 1) * count; ++s) {
+  sub_.each(entry, [&](size_t s) {
     *albedo += sub_.hits.albedo[s];
     *emission += sub_.hits.emission[s];
-  }
-  const float share = 1.0f / static_cast<float>(count);
+  });
+  const float share = 1.0f / static_cast<float>(sub_.count(entry));
   *albedo *= share;
   *emission *= share;
 }
@@ -259,15 +256,14 @@ void PictureBand::edge_surface(size_t entry, Rgb* albedo, Rgb* emission) const {
 /// Weighted by albedo, unless the options say otherwise.
 /// @param albedo  the mean of the pixel
 Rgb PictureBand::edge_irradiance(const Layer& layer, size_t entry, const Rgb& albedo) const {
-  const auto count = static_cast<size_t>(sub_.per_pixel);
   Rgb plain, reflected;
-  for (size_t s = entry * count; s < (entry + 1) * count; ++s) {
-    if (sub_.source[s] == scene::kNone) continue;
+  sub_.each(entry, [&](size_t s) {
+    if (sub_.source[s] == scene::kNone) return;
     const Rgb found = irradiance(layer, sub_.source[s]);
     plain += found;
     reflected += sub_.hits.albedo[s] * found;
-  }
-  const float share = 1.0f / static_cast<float>(count);
+  });
+  const float share = 1.0f / static_cast<float>(sub_.count(entry));
   Rgb mean = plain * share;
   for (int c = 0; c < 3 && !options_.plain_means; ++c) {
     if (albedo[c] > 0) mean[c] = reflected[c] * share / albedo[c];

@@ -28,6 +28,7 @@ QualitySettings quality_settings(Quality quality) {
       out.answered_share = 0.05;
       out.gather = {8, 2, 0, image::OidnQuality::Fast, /*direct=*/true};
       out.large_step = 4;
+      out.large_rays = 6;
       out.gather_direct_samples = 8;
       out.gather_antialias = 8;
       break;

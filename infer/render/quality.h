@@ -32,6 +32,7 @@ struct QualitySettings {
   double answered_share = 1;
   GatherSettings gather;          ///< of gathered light; its step where sparse answers are in force
   int large_step = 2;             ///< that step for pictures of more than kLargePicture pixels
+  int large_rays = 0;             ///< gather and shadow rays of those; 0: as of others
   int gather_antialias = 0;       ///< --aa of gathered light
   int gather_direct_samples = 0;  ///< --direct-samples of it
 };

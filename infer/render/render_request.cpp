@@ -42,24 +42,14 @@ std::string check_time_budget(const std::string& text) {
   }
 }
 
-/// Sets what the quality says in the place of flags that were not given.
-void apply_quality(const CLI::App& app, RenderRequest* r) {
+/// Which flags win over the quality, and who answers for indirect light.
+void note_given(const CLI::App& app, RenderRequest* r) {
+  resolve_indirect(app, r->mode == "neural", &r->gather);
   r->given.direct_samples = app.count("--direct-samples") > 0;
   r->given.antialias = app.count("--aa") > 0;
   r->given.sparse = app.count("--sparse") > 0;
-  resolve_indirect(app, r->mode == "neural", &r->gather);
   r->given.gather_rays = r->gather.rays != 0;
   r->given.correction_paths = r->gather.paths >= 0;
-  const QualitySettings chosen = quality_settings(parse_enum<Quality>("--quality", r->quality));
-  const bool gathers = r->gather.by == Indirect::Gather;
-  if (!r->given.direct_samples)
-    r->direct_samples = gathers ? chosen.gather_direct_samples : chosen.direct_samples;
-  const int hits = gathers ? chosen.gather_antialias : chosen.antialias;
-  if (!r->given.antialias) r->antialias = hits > 0 ? std::to_string(hits) : "off";
-  r->gather_settings = chosen.gather;
-  if (r->given.direct_samples) r->gather_settings.direct = false;  // they are meant for every pixel
-  if (r->given.gather_rays) r->gather_settings.rays = r->gather.rays;
-  if (r->given.correction_paths) r->gather_settings.paths = r->gather.paths;
 }
 
 }  // namespace
@@ -80,11 +70,10 @@ RenderSettings settings_of(const RenderRequest& request) {
   settings.reflections = request.reflections;
   settings.layers = keeps_layers(request.out) || settings.output == Output::Attention;
   settings.indirect = request.gather.by;
-  settings.gather = request.gather_settings;
-  // The rest of the quality stands in the request already (apply_quality()).
+  if (request.given.gather_rays) settings.gather.rays = request.gather.rays;
+  if (request.given.correction_paths) settings.gather.paths = request.gather.paths;
   return with_quality(parse_enum<Quality>("--quality", request.quality),
-                      parse_enum<Sparse>("--sparse", request.sparse),
-                      {true, true, true, true, true}, settings);
+                      parse_enum<Sparse>("--sparse", request.sparse), request.given, settings);
 }
 
 void check_dial(const RenderRequest& request) {
@@ -154,7 +143,7 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
                  "every pixel (off), or as the quality has it (auto)")
       ->check(CLI::IsMember({"auto", "off", "on"}))
       ->capture_default_str();
-  app.parse_complete_callback([&app, r] { apply_quality(app, r); });
+  app.parse_complete_callback([&app, r] { note_given(app, r); });
   app.add_option(
          "--aa", r->antialias,
          "Hits a pixel at edges, which share the answers of pixels; or off. A full reference "

@@ -40,9 +40,8 @@ struct RenderRequest : SceneSource {
   std::string untrained_light = "trace";  ///< "trace" or "network"
   std::string quality = "final", sparse = "auto";
   GatherFlags gather;
-  GatherSettings gather_settings;  ///< those of the flags, else of the quality
-  std::string time_budget;         ///< "0.5s" or "200ms"; empty: none, `quality` counts
-  GivenFlags given;                ///< flags of the quality that stand on the command line
+  std::string time_budget;  ///< "0.5s" or "200ms"; empty: none, `quality` counts
+  GivenFlags given;         ///< flags of the quality that stand on the command line
   ExposureOptions exposure;
   ToolOptions tool;
   CLI::App* flags = nullptr;  ///< that it was read from: frames remember their flags

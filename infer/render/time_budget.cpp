@@ -68,6 +68,10 @@ RenderSettings with_quality(Quality quality, Sparse sparse, const GivenFlags& gi
   if (gathers) {
     const bool large = int64_t{base.width} * base.height > kLargePicture;
     base.gather.step = large ? chosen.large_step : chosen.gather.step;
+    if (large && chosen.large_rays > 0) {
+      if (!given.gather_rays) base.gather.rays = chosen.large_rays;
+      if (!given.direct_samples) base.direct_samples = chosen.large_rays;
+    }
   } else {
     base.sparse = chosen.answers;
   }

@@ -121,8 +121,9 @@ class PrimaryTracer {
   float pixel_size_;
 };
 
-GBuffer empty_gbuffer(const Bvh& bvh, int width, int height) {
-  GBuffer out;
+/// Makes room for hits up to `width` * `height`, background so far.
+void resize(const Bvh& bvh, int width, int height, GBuffer* hits) {
+  GBuffer& out = *hits;
   out.width = width;
   out.height = height;
   const auto count = static_cast<size_t>(width) * static_cast<size_t>(height);
@@ -141,10 +142,16 @@ GBuffer empty_gbuffer(const Bvh& bvh, int width, int height) {
   };
   const int64_t arrays = std::size(make);
   parallel_for(arrays, count < kFewHits ? arrays : 1, make_some);
-  return out;
 }
 
 }  // namespace
+
+void GBuffer::reserve(size_t count) {
+  for (std::vector<Vec3>* values : {&position, &normal, &albedo, &emission}) values->reserve(count);
+  depth.reserve(count);
+  mask.reserve(count);
+  instance.reserve(count);
+}
 
 void check_view(const scene::Camera& camera, int width, int height) {
   LTE_CHECK(width > 0 && height > 0, "an image needs a positive size, got ", width, "x", height);
@@ -174,7 +181,8 @@ GBuffer trace_gbuffer_rows(const Bvh& bvh, const scene::Camera& camera, int widt
   check_view(camera, width, height);
   LTE_CHECK(first >= 0 && first < last && last <= height, "rows ", first, " to ", last,
             " do not lie in a picture of ", height);
-  GBuffer out = empty_gbuffer(bvh, width, last - first);
+  GBuffer out;
+  resize(bvh, width, last - first, &out);
   const PrimaryTracer tracer(bvh, camera, width, height, &out);
   parallel_for(last - first, 4, [&](int64_t begin, int64_t end) {
     std::array<Vec2, kPacket> points;
@@ -215,20 +223,20 @@ GBuffer rows_of(const GBuffer& hits, int first, int last) {
   return out;
 }
 
-GBuffer trace_image_points(const Bvh& bvh, const scene::Camera& camera, int width, int height,
-                           std::span<const Vec2> points) {
+void append_image_points(const Bvh& bvh, const scene::Camera& camera, int width, int height,
+                         std::span<const Vec2> points, GBuffer* row) {
   check_view(camera, width, height);
-  GBuffer out = empty_gbuffer(bvh, static_cast<int>(points.size()), 1);
-  const PrimaryTracer tracer(bvh, camera, width, height, &out);
+  const size_t known = row->mask.size();
+  resize(bvh, static_cast<int>(known + points.size()), 1, row);
+  const PrimaryTracer tracer(bvh, camera, width, height, row);
   const auto count = static_cast<int64_t>(points.size());
   parallel_for(count, int64_t{256} * kPacket, [&](int64_t begin, int64_t end) {
     scene::TexelDensities texels;
     for (int64_t i = begin; i < end; i += kPacket) {
       tracer.trace(points.data() + i, static_cast<int>(std::min<int64_t>(kPacket, end - i)),
-                   static_cast<size_t>(i), &texels);
+                   known + static_cast<size_t>(i), &texels);
     }
   });
-  return out;
 }
 
 }  // namespace lte::pathtrace

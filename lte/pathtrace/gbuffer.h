@@ -21,6 +21,9 @@ struct GBuffer {
   std::vector<int32_t> instance;  ///< scene::kNone for background
   /// How metallic the surface is, [0, 1]; empty for a scene without metal.
   std::vector<float> metallic;
+
+  /// Room for so many hits, of which what is not needed costs no memory.
+  void reserve(size_t count);
 };
 
 /// Hits through pixel centres. Albedo, emission and metal are filtered over the pixel's footprint.
@@ -34,10 +37,11 @@ GBuffer trace_gbuffer_rows(const Bvh& bvh, const scene::Camera& camera, int widt
 /// Rows `first` to `last` − 1 of hits that are there.
 GBuffer rows_of(const GBuffer& hits, int first, int last);
 
-/// Hits through any points of a picture of this size, in one row.
+/// Hits through any points of a picture of this size, after those of a row that is there or begins
+/// empty.
 /// @param points  in pixels: (0.5, 0.5) is the centre of the first
-GBuffer trace_image_points(const Bvh& bvh, const scene::Camera& camera, int width, int height,
-                           std::span<const Vec2> points);
+void append_image_points(const Bvh& bvh, const scene::Camera& camera, int width, int height,
+                         std::span<const Vec2> points, GBuffer* row);
 
 /// Edge of what a pixel covers at depth 1, in metres.
 float pixel_size(const scene::Camera& camera, int height);

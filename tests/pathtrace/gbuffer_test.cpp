@@ -47,11 +47,14 @@ TEST(GBuffer, RowsAndPointsAreThoseOfTheWhole) {
     points.push_back(
         {static_cast<float>(pixel % kWidth) + 0.5f, static_cast<float>(pixel / kWidth) + 0.5f});
   }
-  const GBuffer hits = trace_image_points(bvh, view(), kWidth, kHeight, points);
+  GBuffer hits;
+  append_image_points(bvh, view(), kWidth, kHeight, std::span(points).first(1), &hits);
+  append_image_points(bvh, view(), kWidth, kHeight, std::span(points).subspan(1), &hits);
   EXPECT_EQ(hits.position, rows.position);
   EXPECT_EQ(hits.albedo, rows.albedo);
   EXPECT_EQ(hits.emission, rows.emission);
-  EXPECT_THAT(trace_image_points(bvh, view(), kWidth, kHeight, {}).position, testing::IsEmpty());
+  append_image_points(bvh, view(), kWidth, kHeight, {}, &hits);
+  EXPECT_EQ(hits.mask.size(), count);
   EXPECT_THROW(trace_gbuffer_rows(bvh, view(), kWidth, kHeight, 5, 15), Error);
 }
 

@@ -65,10 +65,11 @@ Method gathered_sparsely(int rays) {
 
 Method gathered_draft(DraftKind kind) {
   const bool large = kind == DraftKind::Large, keep_light = kind == DraftKind::Kept;
-  RenderSettings settings = gathered(8, large ? 4 : 2);
-  settings.gather.direct = true;
-  settings.gather.quality = image::OidnQuality::Fast;
-  settings.antialias = 8;
+  RenderSettings settings;
+  settings.indirect = Indirect::Gather;
+  settings.denoise = Denoise::Auto;
+  if (large) settings.width = settings.height = 2048;
+  settings = with_quality(Quality::Draft, Sparse::Auto, {}, settings);
   settings.keep_light = keep_light;
   if (keep_light) {
     return gather_method("gather-kept", "gather",
@@ -76,8 +77,9 @@ Method gathered_draft(DraftKind kind) {
                          {});
   }
   return gather_method(large ? "gather-draft-large" : "gather-draft", "gather",
-                       concat("as --quality draft", large ? " of large pictures" : "",
-                              ": 8 gather and shadow rays at ", large ? "a sixteenth" : "a quarter",
+                       concat("as --quality draft", large ? " of large pictures" : "", ": ",
+                              large ? "6 gather and shadow rays at a sixteenth"
+                                    : "8 gather and shadow rays at a quarter",
                               " of the pixels"),
                        settings, {});
 }

@@ -191,6 +191,46 @@ TEST(Antialias, FewPointsAreAskedBeyondThoseOfPixels) {
   EXPECT_LT(smooth.queries - plain, smooth.edge_pixels / 10);
 }
 
+/// Hits in each column of pixels of two halves that meet at 0.3 of column 20: in the pixels of row
+/// 20, 0 for those that no edge touches.
+std::vector<int> hits_by_column(const Rgb& emission) {
+  constexpr int kSize = 40;
+  scene::Scene scene;
+  const int left = test::add_material(&scene, {0.8f, 0.8f, 0.8f}, emission),
+            right = test::add_material(&scene, {0.1f, 0.1f, 0.1f});
+  const float meet = 2 * 20.3f / kSize - 1;
+  test::add_quad(&scene, {meet, -10, -1}, {0, 20, 0}, {-20, 0, 0}, left);
+  test::add_quad(&scene, {meet, -10, -1}, {20, 0, 0}, {0, 20, 0}, right);
+  const pathtrace::Bvh bvh(scene);
+  const scene::Camera camera = square_camera();
+  const pathtrace::GBuffer hits = pathtrace::trace_gbuffer(bvh, camera, kSize, kSize);
+  const EdgeView view{hits, {kSize, kSize, 0, kSize}, pathtrace::pixel_size(camera, kSize)};
+  const SubHits sub = trace_sub_hits(bvh, camera, view, find_edges(view), 8);
+  std::vector<int> out(kSize);
+  for (size_t entry = 0; entry < sub.pixel.size(); ++entry) {
+    int count = 0;
+    sub.each(entry, [&](size_t s) {
+      ++count;
+      EXPECT_EQ(sub.hits.mask[s], 1);
+      EXPECT_NEAR(sub.hits.depth[s], 1, 1e-5);
+      const auto column = static_cast<int>(std::floor((sub.hits.position[s].x + 1) * kSize / 2));
+      EXPECT_EQ(column, sub.pixel[entry] % kSize);
+    });
+    EXPECT_EQ(count, sub.count(entry));
+    if (sub.pixel[entry] / kSize == 20) out[static_cast<size_t>(sub.pixel[entry] % kSize)] = count;
+  }
+  return out;
+}
+
+TEST(Antialias, MoreHitsOnlyWhereTheFirstSeeAnEdge) {
+  std::vector<int> expected(40);
+  expected[20] = 8;
+  expected[19] = 4;  // whole, but its neighbour's centre sees the other half
+  EXPECT_EQ(hits_by_column({}), expected);
+  expected[19] = 8;  // beside a lamp, the smallest part of which counts
+  EXPECT_EQ(hits_by_column({10, 10, 10}), expected);
+}
+
 TEST(Antialias, BandsMeetWithoutASeam) {
   // Higher than a band, with edges on every row.
   scene::Scene scene;

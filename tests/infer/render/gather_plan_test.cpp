@@ -123,7 +123,13 @@ TEST(GatherPlan, FlagsByHandWin) {
   EXPECT_EQ(with_quality(Quality::Draft, Sparse::Auto, {}, large).gather.step, 2);
   large.width = 1025;
   EXPECT_EQ(with_quality(Quality::Draft, Sparse::Auto, {}, large).gather.step, 4);
+  EXPECT_EQ(with_quality(Quality::Draft, Sparse::Auto, {}, large).gather.rays, 6);
+  EXPECT_EQ(with_quality(Quality::Draft, Sparse::Auto, {}, large).direct_samples, 6);
+  EXPECT_EQ(with_quality(Quality::Draft, Sparse::Auto, {.gather_rays = true}, large).gather.rays,
+            base().gather.rays);
   EXPECT_EQ(with_quality(Quality::Preview, Sparse::Auto, {}, large).gather.step, 2);
+  EXPECT_EQ(with_quality(Quality::Preview, Sparse::Auto, {}, large).gather.rays, 16);
+  EXPECT_EQ(with_quality(Quality::Final, Sparse::On, {}, large).gather.rays, 32);
   EXPECT_FALSE(draft.gather.direct) << "shadow rays by hand are for every pixel";
   EXPECT_TRUE(with_quality(Quality::Draft, Sparse::Auto, {}, mine).gather.direct);
   EXPECT_FALSE(with_quality(Quality::Final, Sparse::Auto, {}, mine).gather.direct);

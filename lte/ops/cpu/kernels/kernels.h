@@ -75,7 +75,7 @@ struct Positions {
 };
 
 /// Blocks of positions, and queries that have them, that exist at once, at most. Queries near each
-/// other read the same latents, which stay in the first-level cache as long as nothing else is read.
+/// other read the same latents, which stay in the first-level cache while nothing else is read.
 inline constexpr int64_t kProjectedBlocks = 2, kProjectedQueries = 8;
 
 /// Positions that exist for a few queries and a block or two at a time:
