@@ -117,6 +117,16 @@ class PixelPoints {
   float x_, y_, turn_x_ = 0, turn_y_ = 0;
 };
 
+/// Calls use(pixel) for those around a pixel that the view has.
+template <typename Use>
+void each_around(const EdgeView& view, int32_t pixel, const Use& use) {
+  const int width = view.width(), x = pixel % width, y = pixel / width;
+  for (const auto& [dx, dy] : kAround) {
+    if (x + dx < 0 || x + dx >= width || y + dy < 0 || y + dy >= view.height()) continue;
+    use(static_cast<size_t>(y + dy) * static_cast<size_t>(width) + static_cast<size_t>(x + dx));
+  }
+}
+
 /// Finds the queries that answer the sub-hits of edge pixels.
 class SourceFinder {
  public:
@@ -137,7 +147,7 @@ class SourceFinder {
   void find_pixels(size_t entry) {
     std::array<Candidate, 9> candidates;
     size_t count = 0;
-    each_pixel_around(entry, [&](size_t pixel) {
+    each_pixel_near(entry, [&](size_t pixel) {
       const int32_t query = asked_.of_pixel[pixel];
       const size_t hit = view_.first + pixel;
       if (query != scene::kNone)
@@ -181,21 +191,17 @@ class SourceFinder {
     return {queries_.position[at], queries_.normal[at], asked_.first_listed + listed};
   }
 
+  /// Its own first.
   template <typename Use>
-  void each_pixel_around(size_t entry, const Use& use) const {
-    const int pixel = sub_.pixel[entry], width = view_.width();
-    const int x = pixel % width, y = pixel / width;
-    use(static_cast<size_t>(pixel));
-    for (const auto& [dx, dy] : kAround) {
-      if (x + dx < 0 || x + dx >= width || y + dy < 0 || y + dy >= view_.height()) continue;
-      use(static_cast<size_t>((y + dy) * width + x + dx));
-    }
+  void each_pixel_near(size_t entry, const Use& use) const {
+    use(static_cast<size_t>(sub_.pixel[entry]));
+    each_around(view_, sub_.pixel[entry], use);
   }
 
   /// What sub-hits of entries before this one have added around it.
   void collect_added(size_t entry) {
     added_.clear();
-    each_pixel_around(entry, [&](size_t pixel) {
+    each_pixel_near(entry, [&](size_t pixel) {
       const int32_t other = entry_[pixel];
       if (other == scene::kNone || static_cast<size_t>(other) >= entry) return;
       const auto at = static_cast<size_t>(other);
@@ -231,15 +237,12 @@ class SourceFinder {
 
 /// Whether what is around a pixel sends out more light or less: the smallest part of a lamp counts.
 bool is_near_lamp(const EdgeView& view, int32_t pixel) {
-  const int width = view.width(), x = pixel % width, y = pixel / width;
-  const auto emission = [&](int column, int row) {
-    return view.hits.emission[view.first + static_cast<size_t>(row * width + column)];
-  };
-  return std::any_of(std::begin(kAround), std::end(kAround), [&](const auto& step) {
-    const int column = x + step.first, row = y + step.second;
-    return column >= 0 && column < width && row >= 0 && row < view.height() &&
-           emissions_differ(emission(x, y), emission(column, row));
+  const auto emission = [&](size_t i) { return view.hits.emission[view.first + i]; };
+  bool lamp = false;
+  each_around(view, pixel, [&](size_t other) {
+    lamp = lamp || emissions_differ(emission(static_cast<size_t>(pixel)), emission(other));
   });
+  return lamp;
 }
 
 }  // namespace

@@ -350,7 +350,8 @@ void PictureBand::show(const BandLight& light, Output output, Frame* frame) cons
       if (light.total) seen.total = irradiance(total, query);
     }
     put(&frame->color, first + i, color_of(seen, output));
-    if (hits.mask[at]) frame->depth.pixels[static_cast<size_t>(first + i)] = hits.depth[at];
+    if (hits.mask[at])
+      frame->depth.pixels[static_cast<size_t>(first) + static_cast<size_t>(i)] = hits.depth[at];
   });
   each_edge([&](size_t entry) {
     PixelLayers seen;

@@ -102,7 +102,9 @@ class PictureBand {
   int pixels() const { return rows_.width * (rows_.last - rows_.first); }
   const pathtrace::GBuffer& hits() const { return lent_ != nullptr ? *lent_ : own_; }
   /// Of pixel `i` of the band among those that are seen, its neighbours included.
-  size_t seen_index(int i) const { return static_cast<size_t>(i + above_ * rows_.width); }
+  size_t seen_index(int i) const {
+    return static_cast<size_t>(i) + static_cast<size_t>(above_) * static_cast<size_t>(rows_.width);
+  }
   /// The same in hits().
   size_t hit_index(int i) const { return first_seen_ + seen_index(i); }
 

@@ -8,10 +8,10 @@
 namespace lte::gi {
 
 /// Eight points of one list. Lanes without a point have a normal of 0, which weighs nothing.
-struct SurfaceLanes {
+struct alignas(64) SurfaceLanes {
   static constexpr int kLanes = 8;
 
-  alignas(64) float x[kLanes] = {}, y[kLanes] = {}, z[kLanes] = {};
+  float x[kLanes] = {}, y[kLanes] = {}, z[kLanes] = {};
   float normal_x[kLanes] = {}, normal_y[kLanes] = {}, normal_z[kLanes] = {};
   float inverse_radius2[kLanes] = {};
   uint32_t point[kLanes] = {};  ///< its number in the index
