@@ -34,7 +34,8 @@ make_data() {
 }
 # $1: training configuration, $2: data set, below $folder.
 train() {
-  local flags=(--config "configs/train/$1.yaml" --set "data.root=$folder/$2" --out "$folder/$name")
+  local flags=(--config "configs/train/$1.yaml" --set "data.root=$folder/$2"
+    --set "data.solved_light=$folder/solved_light/$2" --out "$folder/$name")
   if compgen -G "$folder/$name/checkpoint*.safetensors" > /dev/null; then
     flags+=(--resume)
   fi

@@ -22,6 +22,7 @@ DataConfig read_data(const Config& config) {
   config.read("cache_mb", &data.cache_mb);
   config.read("query_sampling", &data.query_sampling);
   config.read("on_bad_scene", &data.on_bad_scene);
+  config.read("solved_light", &data.solved_light);
   config.read("radiance_points", &data.radiance_points);
   config.read("radiance_directions", &data.radiance_directions);
   LTE_CHECK(data.scene_points >= 0, "data.scene_points: expected 0 (all) or more, got ",

@@ -28,6 +28,7 @@ struct DataConfig {
   QuerySampling query_sampling = QuerySampling::Uniform;  ///< uniform | variance | gradient
   int64_t cache_mb = 4096;                                ///< memory for scenes kept between steps
   BadScene on_bad_scene = BadScene::Fail;                 ///< fail | skip
+  std::string solved_light;  ///< folder that keeps light solved on scene points; empty: none
   // Of models with a radiance decoder.
   int64_t radiance_points = 128;     ///< points of a scene with incident radiance; 0: all
   int64_t radiance_directions = 64;  ///< of each of them; 0: all

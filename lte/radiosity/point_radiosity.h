@@ -31,6 +31,9 @@ struct Options {
   int bounces = 4;
 };
 
+/// Raised by every change after which solve() gives other values: of files that keep solutions.
+inline constexpr int kSolverVersion = 1;
+
 /// Irradiance in W/m², [groups, points] each; 0 at points that emit.
 struct PointLight {
   std::vector<Rgb> direct, indirect;            ///< on the two sides of the surface together

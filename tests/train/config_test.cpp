@@ -21,6 +21,7 @@ TEST(TrainConfig, BaseYamlHoldsTheDefaultsOfTheCode) {
   EXPECT_EQ(file.data.queries_per_scene, code.data.queries_per_scene);
   EXPECT_EQ(file.data.cache_mb, code.data.cache_mb);
   EXPECT_EQ(file.data.on_bad_scene, code.data.on_bad_scene);
+  EXPECT_EQ(file.data.solved_light, code.data.solved_light);
   EXPECT_EQ(file.augment.rotate, code.augment.rotate);
   EXPECT_EQ(file.augment.permute_colors, code.augment.permute_colors);
   EXPECT_EQ(file.train.keep_checkpoints, code.train.keep_checkpoints);

@@ -40,8 +40,12 @@ RunData open_run_data(const TrainConfig& config) {
             info.light_paths, " paths, and the spread of fewer than ", kLeastPathsOfError,
             " says nothing");
   const uint64_t fingerprint = names_fingerprint(train);
-  SceneStoreOptions options{config.model.target, static_cast<size_t>(config.data.cache_mb) << 20,
-                            info.scale, skip, LightKeys(config.model)};
+  SceneStoreOptions options{config.model.target,
+                            static_cast<size_t>(config.data.cache_mb) << 20,
+                            info.scale,
+                            skip,
+                            LightKeys(config.model),
+                            config.data.solved_light};
   SceneStore train_store(root, std::move(train), options);
   options.cache_bytes = 0;  // each is read once
   SceneStore val_store(root, data::entries_of(info, data::Split::Val), options);

@@ -5,7 +5,7 @@
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/data/sample_rows.h"
-#include "lte/radiosity/point_radiosity.h"
+#include "train/data/solved_light.h"
 
 namespace lte::train {
 namespace {
@@ -37,8 +37,10 @@ void take_incident(const std::filesystem::path& path, nn::Target target, data::S
 }
 
 /// Puts light that is solved on the points into the place of the sample's estimates.
-void solve_light(const TrainingScene& scene, data::SceneSample* sample) {
-  radiosity::PointLight light = radiosity::solve(
+void solve_light(const TrainingScene& scene, const std::filesystem::path& solved,
+                 data::SceneSample* sample) {
+  radiosity::PointLight light = solved_light(
+      solved, scene.name,
       {scene.position, scene.normal, scene.albedo, scene.emission, scene.area, scene.light},
       sample->light_groups);
   sample->scene_direct = std::move(light.direct);
@@ -47,9 +49,10 @@ void solve_light(const TrainingScene& scene, data::SceneSample* sample) {
   sample->scene_indirect_back = std::move(light.indirect_back);
 }
 
-void take_light(data::SceneSample* sample, const LightKeys& light, TrainingScene* scene) {
+void take_light(data::SceneSample* sample, const LightKeys& light,
+                const std::filesystem::path& solved, TrainingScene* scene) {
   if (light.input == nn::LightInput::Emission) return;
-  if (light.input == nn::LightInput::Radiosity) solve_light(*scene, sample);
+  if (light.input == nn::LightInput::Radiosity) solve_light(*scene, solved, sample);
   const bool direct_alone = light.input == nn::LightInput::Direct,
              apart = light.sides == nn::LightSides::Apart;
   scene->direct = std::move(sample->scene_direct);
@@ -74,7 +77,8 @@ size_t TrainingScene::size_bytes() const {
 }
 
 TrainingScene read_training_scene(const std::filesystem::path& path, const std::string& name,
-                                  nn::Target target, const LightKeys& light) {
+                                  nn::Target target, const LightKeys& light,
+                                  const std::filesystem::path& solved) {
   data::SceneSample sample = data::read_scene_sample(path);
   check_light(path, sample, light);
   data::drop_idle_queries(&sample);
@@ -89,7 +93,7 @@ TrainingScene read_training_scene(const std::filesystem::path& path, const std::
   scene.light = std::move(sample.scene_light);
   scene.metallic = std::move(sample.scene_metallic);
   scene.roughness = std::move(sample.scene_roughness);
-  take_light(&sample, light, &scene);
+  take_light(&sample, light, solved, &scene);
   if (light.radiance) take_incident(path, target, &sample, &scene);
   scene.query_position = std::move(sample.query_position);
   scene.query_normal = std::move(sample.query_normal);
@@ -112,7 +116,7 @@ std::shared_ptr<const TrainingScene> SceneStore::read(size_t index) const {
   const std::string& name = entries_.at(index).name;
   const std::filesystem::path path = data::scene_path(root_, name);
   auto scene = std::make_shared<const TrainingScene>(
-      read_training_scene(path, name, options_.target, options_.light));
+      read_training_scene(path, name, options_.target, options_.light, options_.solved));
   const float extent = max_component(scene->bounds.extent());
   LTE_CHECK(extent <= static_cast<float>(options_.scale), path.string(), ": scene ", name, ": ",
             extent, " m wide, which exceeds the data set's scale of ", options_.scale, " m");

@@ -64,9 +64,11 @@ struct LightKeys {
 
 /// @param target  the model's
 /// @param light   the model's: what else is kept
+/// @param solved  folder of solved_light()
 /// @throws lte::Error as data::read_scene_sample(), or if the file lacks what the model reads.
 TrainingScene read_training_scene(const std::filesystem::path& path, const std::string& name,
-                                  nn::Target target, const LightKeys& light = {});
+                                  nn::Target target, const LightKeys& light = {},
+                                  const std::filesystem::path& solved = {});
 
 struct SceneStoreOptions {
   nn::Target target = nn::Target::Indirect;
@@ -74,6 +76,7 @@ struct SceneStoreOptions {
   double scale = INFINITY;  ///< s, metres: a scene must fit into a cube of this side
   bool skip_bad = false;    ///< go on without scenes that cannot be used
   LightKeys light = {};
+  std::filesystem::path solved = {};  ///< folder of solved_light(); empty: solutions are not kept
 };
 
 /// Reads scenes and keeps them. The least recently used ones are dropped once `cache_bytes` are
