@@ -14,8 +14,8 @@ constexpr double kRatePixels = 6144, kLeastRatePixels = 1536;
 constexpr int kRateRays = 8;
 /// Share of the pixels that lie at edges, and what a hit there costs beside one at a centre.
 constexpr double kEdges = 0.25, kEdgeHit = 0.35;
-/// Share of the pixels that no pixel of a sparse grid stands for.
-constexpr double kAlone = 0.015;
+/// Share of the pixels that no pixel of a sparse grid stands for and that have rays of their own.
+constexpr double kAlone = 0.008;
 /// Filling the pixels between those of a grid, in passes of the quickest denoiser.
 constexpr double kFill = 0.4;
 /// A budget beyond Final doubles its gather rays up to so many, while the picture before paths

@@ -14,6 +14,7 @@
 #include "lte/base/parallel.h"
 #include "lte/base/random.h"
 #include "lte/base/timer.h"
+#include "lte/gi/lone_pixels.h"
 #include "lte/gi/upsample.h"
 #include "lte/image/rgb_view.h"
 
@@ -30,12 +31,15 @@ constexpr int kNoisyTile = 32, kMuchNew = 4, kAround = 16;
 // earlier picture counts for.
 constexpr int kWindow = 3;
 constexpr float kKnownWeight = 4;
+// Of pixels that stand alone one in each block of so many squared is asked, and its answer goes so
+// far.
+constexpr int kAloneBlock = 2, kAloneRadius = 3;
 // What a thread takes at a time.
 constexpr int64_t kPixels = 1 << 14, kRows = 8;
 constexpr size_t kPacedPoints = 1 << 13;  // whose rays a pace chooses at once
 // Rays at the grid, of pixels that stand alone and of the two halves of the correcting paths are
 // independent of each other, and of direct light's.
-constexpr uint64_t kGather = 31, kAlone = 32, kHalves = 33;
+constexpr uint64_t kGather = 31, kAlone = 32, kHalves = 33, kStillAlone = 34;
 
 /// A view whose light is gathered.
 class Gatherer {
@@ -376,16 +380,34 @@ class Gatherer {
       open = gi::upsample(surfaces_, settings_.step, known, layer.values);
     }
     out_.fill_seconds += timer.seconds();
-    LitPoints points;
+    light_alone(std::move(open));
+  }
+
+  /// Pixels that no point of the grid stands for: some of them answer for those around, too.
+  void light_alone(std::vector<int32_t> open) {
+    std::vector<uint8_t> answered(reflects_.size());
     int hint = -1;
-    for (const int32_t pixel : open) {
+    std::erase_if(open, [&](int32_t pixel) {
       const auto at = static_cast<size_t>(pixel);
       const auto found = of_.kept != nullptr ? find_kept(at, &hint) : std::nullopt;
-      if (!found) add_point(at, &points);
       for (size_t k = 0; found && k < layers_.size(); ++k) layers_[k].values[at] = found->value(k);
-    }
-    const auto alone = [](int count) { return count > 0 ? std::max(count, kLeastAloneRays) : 0; };
-    sample(points, {alone(settings_.rays), alone(direct_.shadow_rays)}, kAlone, 0);
+      if (found) answered[at] = 1;
+      return found.has_value();
+    });
+    const auto answer = [&](const std::vector<int32_t>& pixels, uint64_t stream) {
+      LitPoints points;
+      points.reserve(pixels.size());
+      for (const int32_t pixel : pixels) {
+        add_point(static_cast<size_t>(pixel), &points);
+        answered[static_cast<size_t>(pixel)] = 1;
+      }
+      const auto alone = [](int count) { return count > 0 ? std::max(count, kLeastAloneRays) : 0; };
+      sample(points, {alone(settings_.rays), alone(direct_.shadow_rays)}, stream, 0);
+    };
+    answer(gi::first_of_blocks(surfaces_, open, kAloneBlock), kAlone);
+    std::vector<std::span<Rgb>> values;
+    for (const Layer& layer : layers_) values.push_back(layer.values);
+    answer(gi::share_answers(surfaces_, open, answered, kAloneRadius, values), kStillAlone);
   }
 
   /// Calls use(pixel) for all of them, in several threads.

@@ -33,8 +33,8 @@ struct GatherSettings {
 /// @throws lte::Error naming what is out of range.
 void check_gather_settings(const GatherSettings& settings);
 
-/// Rays, at least, where nothing smooths them: in pixels that stand alone.
-inline constexpr int kLeastAloneRays = 16;
+/// Rays, at least, of pixels that stand alone, where no denoiser takes their noise away.
+inline constexpr int kLeastAloneRays = 8;
 
 /// What is wanted beside indirect light.
 struct GatherDirect {

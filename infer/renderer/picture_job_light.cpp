@@ -23,7 +23,7 @@ using image::Image;
 constexpr int64_t kEstimateBlock = int64_t{1} << 21;
 // Points between two looks at the progress.
 constexpr int64_t kProgressBlock = int64_t{1} << 14;
-// Shadow rays, at least, of hits in a denoised picture that stand on no centre's surface.
+// Gather and shadow rays, at least, of hits in a denoised picture that lie on no centre's surface.
 constexpr int kLeastEdgeRays = 16;
 
 }  // namespace
@@ -206,7 +206,7 @@ void PictureJob::gather(const PictureBand& band, BandLight* light) {
   LightWork work;
   const PointLight alone = light_points(
       {from_.bvh, from_.lights, *from_.table, settings_.max_depth, settings_.seed}, points,
-      {std::max(settings_.gather.rays, kLeastAloneRays),
+      {std::max(settings_.gather.rays, kLeastEdgeRays),
        with_direct ? std::max(settings_.direct_samples, kLeastEdgeRays) : 0},
       pixels() + extra_queries_, &work);
   for (size_t k = 0; k < open.size(); ++k) {
