@@ -282,17 +282,14 @@ scene::Camera view_camera(const pathtrace::Bvh& bvh, const BakeOptions& options,
 data::View bake_view(Baker* baker, const BakeOptions& options, int64_t index) {
   const uint64_t seed = stream_seed(options.seed, Stream::View, index);
   const scene::Camera camera = view_camera(baker->bvh(), options, index);
-  pathtrace::GBuffer hits =
+  const pathtrace::GBuffer hits =
       pathtrace::trace_gbuffer(baker->bvh(), camera, static_cast<int>(options.views.width),
                                static_cast<int>(options.views.height));
   const size_t pixels = hits.mask.size();
   std::vector<size_t> slots;
   std::vector<Vec3> position, normal;
   for (size_t i = 0; i < pixels; ++i) {
-    if (!hits.mask[i]) {
-      hits.position[i] = hits.normal[i] = hits.albedo[i] = {};
-      continue;
-    }
+    if (!hits.mask[i]) continue;
     slots.push_back(i);
     position.push_back(hits.position[i]);
     normal.push_back(hits.normal[i]);
@@ -310,10 +307,10 @@ data::View bake_view(Baker* baker, const BakeOptions& options, int64_t index) {
                                                    hash_combine(seed, 3 + i), slots, pixels);
     }
   }
-  view.position = std::move(hits.position);
-  view.normal = std::move(hits.normal);
-  view.albedo = std::move(hits.albedo);
-  view.mask = std::move(hits.mask);
+  view.position.assign(hits.position.begin(), hits.position.end());
+  view.normal.assign(hits.normal.begin(), hits.normal.end());
+  view.albedo.assign(hits.albedo.begin(), hits.albedo.end());
+  view.mask.assign(hits.mask.begin(), hits.mask.end());
   return view;
 }
 

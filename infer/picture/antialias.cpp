@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "infer/picture/hit_difference.h"
 #include "lte/base/parallel.h"
 #include "lte/base/random.h"
 
@@ -13,11 +14,6 @@ namespace {
 
 using pathtrace::GBuffer;
 
-// Thresholds of an edge: what an eye sees as one surface stays one.
-constexpr float kSameNormal = 0.97f;   ///< cosine, 14°
-constexpr float kColorStep = 0.15f;    ///< of the root of albedo, about that of display values
-constexpr float kEmissionStep = 0.1f;  ///< relative
-constexpr float kMetalStep = 0.1f;
 // What may share an answer.
 constexpr float kSharedNormal = 0.9f;  ///< cosine, 26°
 
@@ -26,47 +22,9 @@ constexpr std::pair<int, int> kAround[] = {{-1, -1}, {0, -1}, {1, -1}, {-1, 0},
 
 /// Those of them that come later, row by row.
 constexpr std::array<std::pair<int, int>, 4> kAfter = {{{1, 0}, {-1, 1}, {0, 1}, {1, 1}}};
-constexpr int64_t kRows = 8, kEntries = 512;  // that a thread takes at a time
+constexpr int64_t kRows = 2, kEntries = 128;  // that a thread takes at a time
 // Hits of a pixel that come first: this share of all, but as many at least.
 constexpr int kFewShare = 2, kFewestHits = 4;
-
-/// Whether both points lie in the planes of each other, within `tolerance` metres.
-inline bool same_plane(const Vec3& a, const Vec3& normal_a, const Vec3& b, const Vec3& normal_b,
-                       float tolerance) {
-  const Vec3 between = b - a;
-  return std::abs(dot(between, normal_a)) <= tolerance &&
-         std::abs(dot(between, normal_b)) <= tolerance;
-}
-
-bool colors_differ(const Rgb& a, const Rgb& b) {
-  for (int c = 0; c < 3; ++c) {
-    // Roots of numbers that are nearer than the step's square are nearer than the step.
-    if (std::abs(a[c] - b[c]) < 0.99f * kColorStep * kColorStep) continue;
-    if (std::abs(std::sqrt(a[c]) - std::sqrt(b[c])) > kColorStep) return true;
-  }
-  return false;
-}
-
-bool emissions_differ(const Rgb& a, const Rgb& b) {
-  if (a == b) return false;
-  for (int c = 0; c < 3; ++c) {
-    if (std::abs(a[c] - b[c]) > kEmissionStep * std::max(a[c], b[c])) return true;
-  }
-  return false;
-}
-
-/// Whether two hits, each by its place in a buffer, see something else.
-bool hits_differ(const GBuffer& of_a, size_t a, const GBuffer& of_b, size_t b, float pixel_size) {
-  if (of_a.mask[a] != of_b.mask[b] || of_a.instance[a] != of_b.instance[b]) return true;
-  if (!of_a.mask[a]) return false;
-  if (dot(of_a.normal[a], of_b.normal[b]) < kSameNormal) return true;
-  const float tolerance = std::min(of_a.depth[a], of_b.depth[b]) * pixel_size;
-  if (!same_plane(of_a.position[a], of_a.normal[a], of_b.position[b], of_b.normal[b], tolerance))
-    return true;
-  if (colors_differ(of_a.albedo[a], of_b.albedo[b])) return true;
-  if (emissions_differ(of_a.emission[a], of_b.emission[b])) return true;
-  return !of_a.metallic.empty() && std::abs(of_a.metallic[a] - of_b.metallic[b]) > kMetalStep;
-}
 
 /// Hammersley's points in the unit square. The first `few` are stratified by themselves: one in
 /// each of as many columns, and in rows of their own as far as there are such.
@@ -248,44 +206,47 @@ bool is_near_lamp(const EdgeView& view, int32_t pixel) {
 }  // namespace
 
 std::vector<int32_t> find_edges(const EdgeView& view) {
-  const int width = view.width(), height = view.height();
-  const auto inside = [&](int x, int y) { return x >= 0 && x < width && y < height; };
-  const auto at = [&](int x, int y) {
-    return static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
-  };
-  const auto differ = [&](size_t a, size_t b, bool beside) {
-    a += view.first;
-    b += view.first;
-    return beside ? hits_differ(view.hits, a, view.hits, b, view.pixel_size)
-                  : emissions_differ(view.hits.emission[a], view.hits.emission[b]);
-  };
+  const auto width = static_cast<size_t>(view.width());
+  const int height = view.height();
   // A bit for each neighbour of kAfter that differs: each pair is looked at once.
-  std::vector<uint8_t> differs(at(0, height));
+  std::vector<uint8_t> differs(width * static_cast<size_t>(height));
   parallel_for(height, kRows, [&](int64_t begin, int64_t end) {
     for (auto y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
-      for (int x = 0; x < width; ++x) {
-        unsigned bits = 0;
-        for (size_t k = 0; k < kAfter.size(); ++k) {
-          const auto& [dx, dy] = kAfter[k];
-          if (inside(x + dx, y + dy) && differ(at(x, y), at(x + dx, y + dy), dx * dy == 0))
-            bits |= 1u << k;
+      for (size_t k = 0; k < kAfter.size(); ++k) {
+        const auto& [dx, dy] = kAfter[k];
+        if (y + dy >= height) continue;
+        // The pixels of the row that have such a neighbour.
+        const size_t first = static_cast<size_t>(y) * width + (dx < 0 ? 1 : 0),
+                     count = dx == 0 ? width : width - 1;
+        const size_t a = view.first + first,
+                     b = a + static_cast<size_t>(dy) * width + static_cast<size_t>(dx);
+        const auto bit = static_cast<uint8_t>(1u << k);
+        if (dx * dy == 0) {
+          mark_differing_hits(view.hits, a, b, count, view.pixel_size, bit, &differs[first]);
+        } else {
+          mark_differing_emissions(view.hits, a, b, count, bit, &differs[first]);
         }
-        differs[at(x, y)] = static_cast<uint8_t>(bits);
       }
     }
   });
   std::vector<std::vector<int32_t>> found(static_cast<size_t>((height + kRows - 1) / kRows));
   parallel_for(height, kRows, [&](int64_t begin, int64_t end) {
     std::vector<int32_t>& edges = found[static_cast<size_t>(begin / kRows)];
+    std::vector<uint8_t> is_edge(width);
     for (auto y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
-      for (int x = 0; x < width; ++x) {
-        bool edge = differs[at(x, y)] != 0;
-        for (size_t k = 0; k < kAfter.size() && !edge; ++k) {
-          const auto& [dx, dy] = kAfter[k];
-          if (y - dy >= 0 && inside(x - dx, y - dy))
-            edge = (differs[at(x - dx, y - dy)] >> k & 1) != 0;
-        }
-        if (edge) edges.push_back(static_cast<int32_t>(at(x, y)));
+      const uint8_t* row = differs.data() + static_cast<size_t>(y) * width;
+      std::copy_n(row, width, is_edge.begin());
+      for (size_t k = 0; k < kAfter.size(); ++k) {
+        const auto& [dx, dy] = kAfter[k];
+        if (y - dy < 0) continue;
+        const size_t first = dx > 0 ? 1 : 0, last = dx < 0 ? width - 1 : width;
+        const uint8_t* before = row - static_cast<size_t>(dy) * width - dx;
+        const auto bit = static_cast<uint8_t>(1u << k);
+        for (size_t x = first; x < last; ++x)
+          is_edge[x] = static_cast<uint8_t>(is_edge[x] | (before[x] & bit));
+      }
+      for (size_t x = 0; x < width; ++x) {
+        if (is_edge[x]) edges.push_back(static_cast<int32_t>(static_cast<size_t>(y) * width + x));
       }
     }
   });

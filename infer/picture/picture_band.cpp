@@ -22,7 +22,7 @@ void put(Image* image, int pixel, const Rgb& value) {
 }
 
 /// Pixels that a thread takes at a time.
-constexpr int64_t kPixelsOfThread = 1 << 14, kEdgesOfThread = 1 << 10;
+constexpr int64_t kPixelsOfThread = 1 << 12, kEdgesOfThread = 1 << 8;
 
 Rgb get(const Image& image, int pixel) {
   const float* p = image.pixels.data() + size_t{3} * static_cast<size_t>(pixel);

@@ -15,7 +15,7 @@ namespace {
 using image::Image;
 
 // Pixels of a band.
-constexpr int64_t kBandPixels = int64_t{1} << 18;
+constexpr int64_t kBandPixels = int64_t{1} << 19;
 // Rows around a strip that the denoiser sees.
 constexpr int kRowsAround = 32;
 // Paths through pixels are independent of all that the picture has used before.

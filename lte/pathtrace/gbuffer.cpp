@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
-#include <iterator>
 #include <type_traits>
 
 #include "lte/base/check.h"
@@ -19,8 +17,7 @@
 namespace lte::pathtrace {
 namespace {
 
-constexpr int kPacket = 16;           // as many as any machine takes at once
-constexpr size_t kFewHits = 1 << 14;  // whose memory is not worth another thread
+constexpr int kPacket = 16;  // as many as any machine takes at once
 
 /// Traces primary rays in packets, which gain on coherent rays, and stores what they meet.
 class PrimaryTracer {
@@ -78,12 +75,7 @@ class PrimaryTracer {
   void store(const Hits& packet, int lane, size_t i, scene::TexelDensities* texels) const {
     const auto& hit = packet.hit;
     if (hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) {
-      out_->depth[i] = INFINITY;
-      out_->instance[i] = scene::kNone;
-      if (bvh_.scene().environment) {
-        out_->emission[i] = bvh_.scene().environment->radiance_from(
-            {packet.ray.dir_x[lane], packet.ray.dir_y[lane], packet.ray.dir_z[lane]});
-      }
+      store_background({packet.ray.dir_x[lane], packet.ray.dir_y[lane], packet.ray.dir_z[lane]}, i);
       return;
     }
     const auto instance = static_cast<int>(instance_of(hit.instID[0][lane], hit.geomID[lane]));
@@ -105,12 +97,25 @@ class PrimaryTracer {
     out_->depth[i] = packet.ray.tfar[lane] * dot(d, axis_);
     out_->mask[i] = 1;
     out_->instance[i] = instance;
-    if (record.emissive && (cos_front > 0 || record.two_sided)) out_->emission[i] = emission;
-    if (record.glossy) {
-      out_->metallic[i] = scene::evaluate_gloss(bvh_.scene(), instance, hit.primID[lane],
-                                                hit.u[lane], hit.v[lane], footprint)
-                              .metallic;
-    }
+    const bool shines = record.emissive && (cos_front > 0 || record.two_sided);
+    out_->emission[i] = shines ? emission : Rgb{};
+    if (out_->metallic.empty()) return;
+    out_->metallic[i] = !record.glossy
+                            ? 0
+                            : scene::evaluate_gloss(bvh_.scene(), instance, hit.primID[lane],
+                                                    hit.u[lane], hit.v[lane], footprint)
+                                  .metallic;
+  }
+
+  void store_background(const Vec3& direction, size_t i) const {
+    const auto& environment = bvh_.scene().environment;
+    out_->position[i] = out_->normal[i] = Vec3{};
+    out_->albedo[i] = Rgb{};
+    out_->emission[i] = environment ? environment->radiance_from(direction) : Rgb{};
+    out_->depth[i] = INFINITY;
+    out_->mask[i] = 0;
+    out_->instance[i] = scene::kNone;
+    if (!out_->metallic.empty()) out_->metallic[i] = 0;
   }
 
   const Bvh& bvh_;
@@ -121,7 +126,7 @@ class PrimaryTracer {
   float pixel_size_;
 };
 
-/// Makes room for hits up to `width` * `height`, background so far.
+/// Makes room for hits up to `width` * `height`.
 void resize(const Bvh& bvh, int width, int height, GBuffer* hits) {
   GBuffer& out = *hits;
   out.width = width;
@@ -130,24 +135,19 @@ void resize(const Bvh& bvh, int width, int height, GBuffer* hits) {
   const auto& instances = bvh.handles().instances;
   const bool glossy = std::any_of(instances.begin(), instances.end(),
                                   [](const InstanceRecord& record) { return record.glossy; });
-  // The system clears every page that is written for the first time: in all threads at once.
-  const std::function<void()> make[] = {
-      [&] { out.position.resize(count); }, [&] { out.normal.resize(count); },
-      [&] { out.albedo.resize(count); },   [&] { out.emission.resize(count); },
-      [&] { out.depth.resize(count); },    [&] { out.instance.resize(count); },
-      [&] { out.mask.resize(count); },     [&] { out.metallic.resize(glossy ? count : 0); },
-  };
-  const auto make_some = [&](int64_t begin, int64_t end) {
-    for (int64_t k = begin; k < end; ++k) make[k]();
-  };
-  const int64_t arrays = std::size(make);
-  parallel_for(arrays, count < kFewHits ? arrays : 1, make_some);
+  for (UnfilledVector<Vec3>* values : {&out.position, &out.normal, &out.albedo, &out.emission})
+    values->resize(count);
+  out.depth.resize(count);
+  out.mask.resize(count);
+  out.instance.resize(count);
+  if (glossy) out.metallic.resize(count);
 }
 
 }  // namespace
 
 void GBuffer::reserve(size_t count) {
-  for (std::vector<Vec3>* values : {&position, &normal, &albedo, &emission}) values->reserve(count);
+  for (UnfilledVector<Vec3>* values : {&position, &normal, &albedo, &emission})
+    values->reserve(count);
   depth.reserve(count);
   mask.reserve(count);
   instance.reserve(count);
@@ -230,7 +230,7 @@ void append_image_points(const Bvh& bvh, const scene::Camera& camera, int width,
   resize(bvh, static_cast<int>(known + points.size()), 1, row);
   const PrimaryTracer tracer(bvh, camera, width, height, row);
   const auto count = static_cast<int64_t>(points.size());
-  parallel_for(count, int64_t{256} * kPacket, [&](int64_t begin, int64_t end) {
+  parallel_for(count, int64_t{64} * kPacket, [&](int64_t begin, int64_t end) {
     scene::TexelDensities texels;
     for (int64_t i = begin; i < end; i += kPacket) {
       tracer.trace(points.data() + i, static_cast<int>(std::min<int64_t>(kPacket, end - i)),

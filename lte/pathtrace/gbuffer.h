@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "lte/base/unfilled_vector.h"
 #include "lte/pathtrace/bvh.h"
 
 namespace lte::pathtrace {
@@ -13,14 +14,14 @@ namespace lte::pathtrace {
 /// Primary hits, in rows. Normals face the camera: irradiance is that of the visible side.
 struct GBuffer {
   int width = 0, height = 0;
-  std::vector<Vec3> position, normal;  ///< [height * width]
-  std::vector<Rgb> albedo;             ///< [height * width]
-  std::vector<Rgb> emission;      ///< radiance towards the camera, the environment's for background
-  std::vector<float> depth;       ///< distance along the camera's axis; INFINITY for background
-  std::vector<uint8_t> mask;      ///< 1 where a surface was hit
-  std::vector<int32_t> instance;  ///< scene::kNone for background
+  UnfilledVector<Vec3> position, normal;  ///< [height * width]; zero for background
+  UnfilledVector<Rgb> albedo;             ///< [height * width]; zero for background
+  UnfilledVector<Rgb> emission;  ///< radiance towards the camera, the environment's for background
+  UnfilledVector<float> depth;   ///< distance along the camera's axis; INFINITY for background
+  UnfilledVector<uint8_t> mask;  ///< 1 where a surface was hit
+  UnfilledVector<int32_t> instance;  ///< scene::kNone for background
   /// How metallic the surface is, [0, 1]; empty for a scene without metal.
-  std::vector<float> metallic;
+  UnfilledVector<float> metallic;
 
   /// Room for so many hits, of which what is not needed costs no memory.
   void reserve(size_t count);

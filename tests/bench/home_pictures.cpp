@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -48,7 +49,7 @@ void write_pfm(const std::string& path, const image::Image& image) {
   write_file(path, bytes);
 }
 
-image::Image as_image(const std::vector<Vec3>& values, int width, int height) {
+image::Image as_image(std::span<const Vec3> values, int width, int height) {
   image::Image out(width, height, 3);
   for (size_t i = 0; i < values.size(); ++i)
     for (int c = 0; c < 3; ++c) out.pixels[3 * i + static_cast<size_t>(c)] = values[i][c];

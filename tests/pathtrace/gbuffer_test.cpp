@@ -12,8 +12,8 @@ namespace {
 
 scene::Camera view() { return {"view", {3.7f, 1.5f, 2.7f}, {1, 0.8f, 1}, {0, 1, 0}, 60}; }
 
-template <typename T>
-std::vector<T> part(const std::vector<T>& values, size_t first, size_t count) {
+template <typename Values>
+Values part(const Values& values, size_t first, size_t count) {
   return {values.begin() + static_cast<int64_t>(first),
           values.begin() + static_cast<int64_t>(first + count)};
 }
