@@ -73,7 +73,7 @@ void write_frame(const std::filesystem::path& path, const Frame& frame, Output o
   LTE_CHECK(extension == ".png", path.string(), ": expected a name that ends in .exr or .png");
   if (output == Output::Normal) return image::write_png(path, display_normal(frame));
   if (output == Output::Depth) return image::write_png(path, display_depth(frame.depth));
-  image::write_png(path, image::tonemap(frame.color, is_geometry(output) ? 1.0f : exposure));
+  image::write_png(path, image::display(frame.color, is_geometry(output) ? 1.0f : exposure));
 }
 
 bool keeps_layers(const std::filesystem::path& path) { return extension_of(path) == ".exr"; }

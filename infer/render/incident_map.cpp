@@ -76,7 +76,7 @@ void write_maps(const RenderRequest& request, const Image& maps) {
   if (keeps_layers(request.out)) return image::write_exr(request.out, {{"", &maps}});
   const double exposure = request.exposure.exposure.value_or(double{image::auto_exposure(maps)}) *
                           std::exp2(request.exposure.ev);
-  image::write_png(request.out, image::tonemap(zoomed(maps), static_cast<float>(exposure)));
+  image::write_png(request.out, image::display(zoomed(maps), static_cast<float>(exposure)));
 }
 
 nlohmann::json triple(const Vec3& v) { return {v.x, v.y, v.z}; }

@@ -1,35 +1,17 @@
 #include "infer/view/tone_curve.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "lte/base/parallel.h"
-#include "lte/base/srgb.h"
+#include "lte/image/srgb_byte.h"
 
 namespace lte::infer::view {
 namespace {
 
-constexpr int kLevels = 4096;
 constexpr int64_t kRowsAtOnce = 32;
 // A difference of this much of the display's range has its full color.
 constexpr float kFullDifference = 0.25f;
-
-/// sRGB of [0, 1] in steps finer than its 8 bits, as the curve itself is costly.
-uint8_t to_byte(float value) {
-  static const std::array<uint8_t, kLevels + 1> table = [] {
-    std::array<uint8_t, kLevels + 1> out{};
-    for (int i = 0; i <= kLevels; ++i) {
-      // Entries lie evenly in the square root, which follows the curve's steep beginning.
-      const float root = static_cast<float>(i) / kLevels;
-      out[static_cast<size_t>(i)] =
-          static_cast<uint8_t>(std::lround(255 * linear_to_srgb(root * root)));
-    }
-    return out;
-  }();
-  const float root = std::sqrt(std::clamp(value, 0.0f, 1.0f));
-  return table[static_cast<size_t>(std::lround(root * kLevels))];
-}
 
 float hable(float x) {
   constexpr float a = 0.15f, b = 0.50f, c = 0.10f, d = 0.20f, e = 0.02f, f = 0.30f;
@@ -71,10 +53,11 @@ Rgb tone_map(ToneCurve curve, const Rgb& exposed) {
 }
 
 DisplayPicture display_light(const image::Image& linear, float exposure, ToneCurve curve) {
+  const image::SrgbBytes& byte_of = image::srgb_bytes();
   return map_pixels(linear, [&](int x, int y, uint8_t* bytes) {
     const Rgb light = linear.rgb(x, y) * exposure;
     const Rgb shown = is_finite(light) ? tone_map(curve, light) : Rgb{1, 0, 1};
-    for (int c = 0; c < 3; ++c) bytes[c] = to_byte(shown[c]);
+    for (int c = 0; c < 3; ++c) bytes[c] = byte_of(shown[c]);
   });
 }
 
@@ -94,6 +77,7 @@ DisplayPicture display_normal(const image::Image& normal) {
 
 DisplayPicture display_difference(const image::Image& light, const image::Image& reference,
                                   float exposure) {
+  const image::SrgbBytes& byte_of = image::srgb_bytes();
   return map_pixels(light, [&](int x, int y, uint8_t* bytes) {
     const float off = exposure * luminance(light.rgb(x, y) - reference.rgb(x, y));
     if (!std::isfinite(off)) {
@@ -102,7 +86,7 @@ DisplayPicture display_difference(const image::Image& light, const image::Image&
     }
     const float share = std::min(std::abs(off) / kFullDifference, 1.0f);
     const Rgb tint = off > 0 ? Rgb{0.95f, 0.25f, 0.10f} : Rgb{0.10f, 0.40f, 1.0f};
-    for (int c = 0; c < 3; ++c) bytes[c] = to_byte(tint[c] * share);
+    for (int c = 0; c < 3; ++c) bytes[c] = byte_of(tint[c] * share);
   });
 }
 

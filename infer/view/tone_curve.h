@@ -5,15 +5,12 @@
 #include <vector>
 
 #include "infer/view/view_state.h"
+#include "lte/image/display_picture.h"
 #include "lte/image/image.h"
 
 namespace lte::infer::view {
 
-/// 8-bit sRGB, three bytes a pixel, rows from the top.
-struct DisplayPicture {
-  int width = 0, height = 0;
-  std::vector<uint8_t> bytes;
-};
+using image::DisplayPicture;
 
 /// The curve without sRGB: exposed linear light to [0, 1]. Linear: clipped. The others keep hue by
 /// scaling with luminance (Reinhard) or work by channel (Filmic, Hable 2010, white at 4).

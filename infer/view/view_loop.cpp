@@ -34,10 +34,7 @@ SharedFrame shared_file(const std::string& name, const std::string& media,
 }
 
 std::string png_of(const DisplayPicture& picture) {
-  image::Image image(picture.width, picture.height, 3);
-  for (size_t i = 0; i < picture.bytes.size(); ++i)
-    image.pixels[i] = static_cast<float>(picture.bytes[i]) / 255;
-  const std::vector<unsigned char> bytes = image::encode_png(image);
+  const std::vector<unsigned char> bytes = image::encode_png(picture);
   return {bytes.begin(), bytes.end()};
 }
 

@@ -76,6 +76,23 @@ unsigned char to_byte(float value) {
   return static_cast<unsigned char>(std::lround(255 * std::min(value, 1.0f)));
 }
 
+std::vector<unsigned char> encode(const std::vector<uint8_t>& bytes, int width, int height,
+                                  int channels) {
+  LTE_CHECK(static_cast<int64_t>(width) * height <= int64_t{1} << 28, "PNG: ", width, " x ", height,
+            " pixels are too many");
+  std::vector<unsigned char> png;
+  const int written =
+      stbi_write_png_to_func(append, &png, width, height, channels, bytes.data(), width * channels);
+  LTE_CHECK(written != 0, "PNG: cannot encode ", width, " x ", height, " pixels");
+  return png;
+}
+
+void write(const std::filesystem::path& path, const std::vector<unsigned char>& png) {
+  AtomicFile file(path);
+  file.write(png.data(), png.size());
+  file.commit();
+}
+
 template <typename T>
 Image to_image(const T* samples, int width, int height, int channels) {
   Image picture(width, height, channels);
@@ -90,23 +107,21 @@ Image to_image(const T* samples, int width, int height, int channels) {
 std::vector<unsigned char> encode_png(const Image& display) {
   LTE_CHECK(display.channels == 1 || display.channels == 3, "PNG: expected 1 or 3 channels, got ",
             display.channels);
-  LTE_CHECK(static_cast<int64_t>(display.width) * display.height <= int64_t{1} << 28,
-            "PNG: ", display.width, " x ", display.height, " pixels are too many");
-  std::vector<unsigned char> bytes(display.pixels.size());
+  std::vector<uint8_t> bytes(display.pixels.size());
   std::transform(display.pixels.begin(), display.pixels.end(), bytes.begin(), to_byte);
-  std::vector<unsigned char> png;
-  const int written =
-      stbi_write_png_to_func(append, &png, display.width, display.height, display.channels,
-                             bytes.data(), display.width * display.channels);
-  LTE_CHECK(written != 0, "PNG: cannot encode ", display.width, " x ", display.height, " pixels");
-  return png;
+  return encode(bytes, display.width, display.height, display.channels);
+}
+
+std::vector<unsigned char> encode_png(const DisplayPicture& picture) {
+  return encode(picture.bytes, picture.width, picture.height, 3);
 }
 
 void write_png(const std::filesystem::path& path, const Image& display) {
-  const std::vector<unsigned char> png = encode_png(display);
-  AtomicFile file(path);
-  file.write(png.data(), png.size());
-  file.commit();
+  write(path, encode_png(display));
+}
+
+void write_png(const std::filesystem::path& path, const DisplayPicture& picture) {
+  write(path, encode_png(picture));
 }
 
 Image read_png(const std::filesystem::path& path, int64_t limit_pixels) {

@@ -8,16 +8,19 @@
 #include <vector>
 
 #include "lte/image/declared_size.h"
+#include "lte/image/display_picture.h"
 #include "lte/image/image.h"
 
 namespace lte::image {
 
 /// Writes 1- or 3-channel values already in display space, [0, 1], rounded to 8 bits. Atomic.
 void write_png(const std::filesystem::path& path, const Image& display);
+void write_png(const std::filesystem::path& path, const DisplayPicture& picture);
 
 /// The same bytes in memory, for reports and logs that embed pictures.
 /// @throws lte::Error unless the picture has 1 or 3 channels and at most 2^28 pixels.
 std::vector<unsigned char> encode_png(const Image& display);
+std::vector<unsigned char> encode_png(const DisplayPicture& picture);
 
 /// Reads an 8- or 16-bit PNG or JPEG: its values / max, not linearized, in 3 channels, or 4 with
 /// alpha.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lte/base/parallel.h"
+#include "lte/image/srgb_byte.h"
 
 namespace lte::image {
 namespace {
@@ -24,10 +25,17 @@ Rgb color_at(const Image& picture, int x, int y) {
   return picture.channels == 1 ? Rgb{p[0], p[0], p[0]} : Rgb{p[0], p[1], p[2]};
 }
 
+constexpr int64_t kRowsAtOnce = 16;
+
+/// Before the display curve.
+Rgb exposed(const Image& linear, int x, int y, float exposure) {
+  const Rgb color = color_at(linear, x, y);
+  return is_finite(color) ? color * exposure : kInvalid;
+}
+
 /// A new picture of 3 channels with `color(x, y)` in each pixel.
 template <typename Color>
 Image fill(const Image& like, const Color& color) {
-  constexpr int kRowsAtOnce = 16;
   Image out(like.width, like.height, 3);
   parallel_for(like.height, kRowsAtOnce, [&](int64_t begin, int64_t end) {
     for (auto y = static_cast<int>(begin); y < end; ++y) {
@@ -80,11 +88,27 @@ float auto_exposure(const Image& linear, float percentile, float target,
 Image tonemap(const Image& linear, float exposure) {
   check_channels(linear, "tone mapping");
   return fill(linear, [&](int x, int y) {
-    const Rgb color = color_at(linear, x, y);
-    if (!is_finite(color)) return kInvalid;
-    return Rgb{linear_to_srgb(exposure * color.x), linear_to_srgb(exposure * color.y),
-               linear_to_srgb(exposure * color.z)};
+    const Rgb color = exposed(linear, x, y, exposure);
+    return Rgb{linear_to_srgb(color.x), linear_to_srgb(color.y), linear_to_srgb(color.z)};
   });
+}
+
+DisplayPicture display(const Image& linear, float exposure) {
+  check_channels(linear, "display");
+  DisplayPicture out{linear.width, linear.height, {}};
+  const auto row_bytes = size_t{3} * static_cast<size_t>(linear.width);
+  out.bytes.resize(row_bytes * static_cast<size_t>(linear.height));
+  const SrgbBytes& byte_of = srgb_bytes();
+  parallel_for(linear.height, kRowsAtOnce, [&](int64_t begin, int64_t end) {
+    for (auto y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+      uint8_t* bytes = out.bytes.data() + static_cast<size_t>(y) * row_bytes;
+      for (int x = 0; x < linear.width; ++x, bytes += 3) {
+        const Rgb color = exposed(linear, x, y, exposure);
+        for (int c = 0; c < 3; ++c) bytes[c] = byte_of(color[c]);
+      }
+    }
+  });
+  return out;
 }
 
 Image heat_map(const Image& scalar, float max) {

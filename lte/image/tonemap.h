@@ -5,6 +5,7 @@
 #include <span>
 
 #include "lte/base/srgb.h"
+#include "lte/image/display_picture.h"
 #include "lte/image/image.h"
 
 namespace lte::image {
@@ -25,6 +26,9 @@ inline constexpr double kLeastMetered = 0.01;
 /// Puts clamp(exposure * linear) through the sRGB curve, into 3 channels (a one-channel image gives
 /// grey). A pixel that is not finite becomes magenta, so that it is seen.
 Image tonemap(const Image& linear, float exposure);
+
+/// tonemap() rounded to 8 bits.
+DisplayPicture display(const Image& linear, float exposure);
 
 /// False colors (black, blue, green, yellow, red) of a one-channel image over [0, max]; magenta
 /// where it is not finite.

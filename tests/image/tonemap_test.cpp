@@ -1,9 +1,13 @@
 #include "lte/image/tonemap.h"
 
+#include <bit>
 #include <cmath>
 
 #include <gmock/gmock.h>
 
+#include "lte/base/random.h"
+#include "lte/image/png.h"
+#include "lte/image/srgb_byte.h"
 #include "tests/image/random_image.h"
 #include "tests/support/temp_dir.h"
 
@@ -99,6 +103,42 @@ TEST(Tonemap, AppliesExposureAndCurve) {
   EXPECT_EQ(out.rgb(1, 0), (Rgb{1, 0, 1}));
   EXPECT_EQ(out.rgb(2, 0), (Rgb{1, 0, 1}));
   EXPECT_EQ(out.rgb(3, 0), (Rgb{0, 0, 0}));
+}
+
+TEST(Display, BytesAreThoseOfTheCurve) {
+  const auto byte = [](float linear) {
+    return static_cast<int>(std::lround(255 * linear_to_srgb(linear)));
+  };
+  const SrgbBytes& table = srgb_bytes();
+  for (const float value : {0.0f, -1.0f, -0.0f, NAN, 1.0f, 2.0f, INFINITY, -INFINITY, 1e-45f})
+    EXPECT_EQ(table(value), byte(value)) << value;
+  // Floats of all sizes, and every one around the thresholds.
+  for (uint32_t bits = 0; bits < 0x3f800000; bits += 1021) {
+    const auto value = std::bit_cast<float>(bits);
+    ASSERT_EQ(table(value), byte(value)) << value;
+  }
+  for (int code = 0; code < 255; ++code) {
+    const float middle = srgb_to_linear((static_cast<float>(code) + 0.5f) / 255);
+    const uint32_t around = std::bit_cast<uint32_t>(middle);
+    for (uint32_t bits = around - 500; bits < around + 500; ++bits) {
+      const auto value = std::bit_cast<float>(bits);
+      ASSERT_EQ(table(value), byte(value)) << value;
+    }
+  }
+}
+
+TEST(Display, IsToneMappingRounded) {
+  for (const int channels : {1, 3}) {
+    Image picture(31, 37, channels);
+    Rng rng(1);
+    for (float& value : picture.pixels) value = 2 * rng.uniform() - 0.2f;
+    picture.pixels[5] = NAN;
+    picture.pixels[40] = INFINITY;
+    const Image mapped = tonemap(picture, 0.7f);
+    const DisplayPicture shown = display(picture, 0.7f);
+    EXPECT_EQ(encode_png(shown), encode_png(mapped));
+  }
+  EXPECT_THAT(error_of([] { display(Image(1, 1, 2), 1); }), HasSubstr("got 2"));
 }
 
 TEST(Tonemap, OneChannelGivesGrey) {
