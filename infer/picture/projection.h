@@ -19,6 +19,8 @@ class Projection {
     const float aspect = width_ / height_;
     right_ = at_depth_1(camera.direction(1, 0.5f, aspect)) - view_;
     down_ = at_depth_1(camera.direction(0.5f, 1, aspect)) - view_;
+    pixels_right_ = right_ * (width_ / 2 / dot(right_, right_));
+    pixels_down_ = down_ * (height_ / 2 / dot(down_, down_));
   }
 
   /// The point at this depth that a place of the picture shows.
@@ -36,14 +38,14 @@ class Projection {
     const float depth = dot(v, view_);
     if (!(depth > 0)) return std::nullopt;
     const Vec3 at = v / depth - view_;
-    return Place{(dot(at, right_) / dot(right_, right_) + 1) * width_ / 2,
-                 (dot(at, down_) / dot(down_, down_) + 1) * height_ / 2, depth};
+    return Place{dot(at, pixels_right_) + width_ / 2, dot(at, pixels_down_) + height_ / 2, depth};
   }
 
  private:
   Vec3 at_depth_1(const Vec3& direction) const { return direction / dot(direction, view_); }
 
   Vec3 origin_, view_, right_, down_;
+  Vec3 pixels_right_, pixels_down_;  ///< pixels a length along each of both, at depth 1
   float width_, height_;
 };
 

@@ -15,6 +15,8 @@ constexpr float kWidest = 1.5f;
 constexpr float kLeastShare = 0.3f;
 /// What was taken no more often is good enough to look no further.
 constexpr uint8_t kFewSteps = 2;
+/// KeptView::steps of what has no light.
+constexpr uint8_t kNoLight = 255;
 
 /// Two neighbours of a grid around a place along one of its axes.
 struct Between {
@@ -27,7 +29,8 @@ std::optional<Between> between(const gi::GridAxis& axis, float place) {
   const float at = place - 0.5f;
   if (!(at >= -0.5f && at <= static_cast<float>(axis.last) + 0.5f)) return std::nullopt;
   Between out;
-  out.before = std::clamp(static_cast<int>(at) / axis.step, 0, std::max(0, axis.count() - 2));
+  const auto cell = static_cast<int>(at * (1 / static_cast<float>(axis.step)));
+  out.before = std::clamp(cell, 0, std::max(0, axis.count() - 2));
   out.after = std::min(out.before + 1, axis.count() - 1);
   const int first = axis.at(out.before), last = axis.at(out.after);
   if (last > first)
@@ -36,8 +39,9 @@ std::optional<Between> between(const gi::GridAxis& axis, float place) {
   return out;
 }
 
+/// @param most  steps of which what is taken must have fewer
 std::optional<KeptViews::Found> find_in(const KeptView& view, const gi::SurfacePoint& point,
-                                        float extent) {
+                                        float extent, int most) {
   const auto place = view.projection.place(point.position);
   if (!place) return std::nullopt;
   const float here = place->depth * view.pixel_size * static_cast<float>(view.columns.step);
@@ -52,13 +56,16 @@ std::optional<KeptViews::Found> find_in(const KeptView& view, const gi::SurfaceP
   out.around.weight = {(1 - x->share) * (1 - y->share), x->share * (1 - y->share),
                        (1 - x->share) * y->share, x->share * y->share};
   out.around.count = 4;
+  // A byte each, before all that a point has: most views have nothing better than is known.
+  const auto steps = [&](size_t k) { return view.steps[out.around.pixel[k]]; };
+  if (std::min({steps(0), steps(1), steps(2), steps(3)}) >= most) return std::nullopt;
   float on_surface = 0, sum = 0;
   // The depth that the view sees the point at: what limits how far off its plane others may lie.
   const gi::SurfacePoint seen{point.position, point.normal, place->depth};
   for (size_t k = 0; k < 4; ++k) {
     const size_t source = out.around.pixel[k];
     float& weight = out.around.weight[k];
-    const float alike = view.mask[source] ? gi::similarity(surfaces, seen, source) : 0;
+    const float alike = view.steps[source] != kNoLight ? gi::similarity(surfaces, seen, source) : 0;
     if (!(weight * alike > 0)) {
       weight = 0;
       continue;
@@ -69,7 +76,7 @@ std::optional<KeptViews::Found> find_in(const KeptView& view, const gi::SurfaceP
     sum += weight;
     out.steps = std::max(out.steps, view.steps[source]);
   }
-  if (!(on_surface >= kLeastShare) || out.steps >= kMostKeptSteps) return std::nullopt;
+  if (!(on_surface >= kLeastShare) || out.steps >= most) return std::nullopt;
   for (float& weight : out.around.weight) weight /= sum;
   ++out.steps;
   return out;
@@ -115,6 +122,9 @@ KeptViews::KeptViews(int64_t most) : most_(most) {
 
 void KeptViews::add(KeptView view) {
   points_ += static_cast<int64_t>(view.size());
+  for (size_t i = 0; i < view.size(); ++i) {
+    if (!view.mask[i]) view.steps[i] = kNoLight;
+  }
   views_.push_back(std::move(view));
   while (views_.size() > 1 && points_ - static_cast<int64_t>(views_.front().size()) >= most_) {
     points_ -= static_cast<int64_t>(views_.front().size());
@@ -136,8 +146,8 @@ std::optional<KeptViews::Found> KeptViews::find(const gi::SurfacePoint& point, f
   const auto look = [&](int index) {
     const KeptView& view = views_[static_cast<size_t>(index)];
     if (!view.kind.serves(kind)) return false;
-    const auto found = find_in(view, point, extent);
-    if (!found || (best && best->steps <= found->steps)) return false;
+    const auto found = find_in(view, point, extent, best ? best->steps - 1 : kMostKeptSteps);
+    if (!found) return false;
     best = found;
     *hint = index;
     return best->steps <= kFewSteps;

@@ -39,13 +39,17 @@ Prediction predict(const PixelSurfaces& surfaces, size_t pixel, const Stencil& s
 struct GridAxis {
   int step, last;
 
-  GridAxis(int grid_step, int length) : step(grid_step), last(length - 1) {}
-  int count() const { return (last + step - 1) / step + 1; }
+  GridAxis(int grid_step, int length)
+      : step(grid_step), last(length - 1), count_((last + step - 1) / step + 1) {}
+  int count() const { return count_; }
   int at(int index) const { return index * step < last ? index * step : last; }
   /// Whether the grid of twice the step has it not.
   bool is_new(int index) const { return index % 2 == 1 && at(index) != last; }
   int before(int index) const { return is_new(index) ? at(index) - step : at(index); }
   int after(int index) const { return is_new(index) ? at(index + 1) : at(index); }
+
+ private:
+  int count_;
 };
 
 /// The stencil of the grid's place (column, row), of which one coordinate at least is new.

@@ -90,10 +90,10 @@ TEST_F(Pareto, EveryMethodHasFiniteFigures) {
   }
 }
 
-/// What is said to take a second takes no longer, however little of it a small picture needs.
+/// Two seconds leave paths some, on a busy machine too.
 TEST_F(Pareto, ABudgetCountsTheTableIn) {
   options_.views = 1;
-  const std::vector<ParetoRow> rows = rows_of({"budget-0.5s"});
+  const std::vector<ParetoRow> rows = rows_of({"budget-2s"});
   ASSERT_EQ(rows.size(), 1u);
   EXPECT_EQ(rows[0].once.stages.count("table"), 1u);
   EXPECT_GT(rows[0].view.stages.at("paths"), 0) << "what the rays leave is for paths";
