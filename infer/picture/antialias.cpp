@@ -12,8 +12,6 @@
 namespace lte::infer {
 namespace {
 
-using pathtrace::GBuffer;
-
 // What may share an answer.
 constexpr float kSharedNormal = 0.9f;  ///< cosine, 26°
 
