@@ -37,7 +37,8 @@ TORCH_INCLUDE = re.compile(r"^\s*#\s*include\s*<(torch|ATen|c10)/", re.M)
 FOLDERS = ("lte", "datagen", "train", "infer", "tests")
 # What clang does not take, or what would set the precompiled header's macros apart from the rest's.
 GCC_ALONE = re.compile(
-    r"-fpch-preprocess|-Winvalid-pch|-fopenmp|-Werror|-O\d|-W.*psabi|-ffp-.*|-m.*|-fvisibility.*")
+    r"-fpch-preprocess|-Winvalid-pch|-fopenmp|-Werror|-O\d|-W.*psabi|-ffp-.*|-fno-math-errno|"
+    r"-fno-trapping-math|-m.*|-fvisibility.*")
 
 
 def all_headers() -> list[str]:
