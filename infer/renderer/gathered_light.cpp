@@ -61,13 +61,12 @@ class Gatherer {
     surfaces_.mask = reflects_;
     surfaces_.pixel_size = rows.pixel_size;
     const bool sum = direct.shadow_rays > 0 && direct.sum;
-    layers_.push_back({sum ? &out_.total : &out_.indirect, {}});
-    if (direct.shadow_rays > 0 && !sum) layers_.push_back({&out_.direct, {}});
-    for (Layer& layer : layers_) {
-      *layer.out = Image(hits_.width, hits_.height, 3);
-      layer.values = image::rgb_view(*layer.out);
-      values_.push_back(layer.values);
-    }
+    const auto add_layer = [&](Image* image) {
+      *image = Image(hits_.width, hits_.height, 3);
+      layers_.push_back(image::rgb_view(*image));
+    };
+    add_layer(sum ? &out_.total : &out_.indirect);
+    if (direct.shadow_rays > 0 && !sum) add_layer(&out_.direct);
   }
 
   GatheredCentres run() {
@@ -91,12 +90,6 @@ class Gatherer {
   }
 
  private:
-  /// Light of one kind, 0 where none is reflected.
-  struct Layer {
-    Image* out;
-    std::span<Rgb> values;  ///< of out
-  };
-
   void add_point(size_t pixel, LitPoints* out) const {
     out->position.push_back(hits_.position[pixel]);
     out->normal.push_back(hits_.normal[pixel]);
@@ -106,7 +99,7 @@ class Gatherer {
   /// What earlier pictures know of this one's grid.
   void take_kept() {
     shared_.emplace(SharedPicture{of_.kept, *of_.projection, of_.first_row, kept_kind(), grid_,
-                                  surfaces_, values_});
+                                  surfaces_, layers_});
   }
 
   bool is_new(size_t on_grid) const { return !shared_ || shared_->is_new(on_grid); }
@@ -169,11 +162,11 @@ class Gatherer {
     for (size_t k = 0; k < points.size(); ++k) {
       const size_t pixel = points.pixel[k];
       if (direct_.shadow_rays > 0 && direct_.sum) {
-        layers_[0].values[pixel] = light.indirect[k] + light.direct[k];
+        layers_[0][pixel] = light.indirect[k] + light.direct[k];
         continue;
       }
-      layers_[0].values[pixel] = light.indirect[k];
-      if (direct_.shadow_rays > 0) layers_[1].values[pixel] = light.direct[k];
+      layers_[0][pixel] = light.indirect[k];
+      if (direct_.shadow_rays > 0) layers_[1][pixel] = light.direct[k];
     }
   }
 
@@ -191,16 +184,16 @@ class Gatherer {
     const auto is_inner = [&](size_t on_grid) {
       return inner.contains(grid_.column_of(on_grid), grid_.row_of(on_grid));
     };
-    for (Layer& layer : layers_) {
+    for (const std::span<Rgb> layer : layers_) {
       Image light = black;
       grid_.for_part(part, [&](size_t small, size_t, size_t pixel) {
-        if (reflects_[pixel]) light.set_rgb(small, layer.values[pixel]);
+        if (reflects_[pixel]) light.set_rgb(small, layer[pixel]);
       });
       const Image clean =
           denoiser_->denoise({&light, &normal, &position, nullptr, nullptr}, settings_.quality);
       grid_.for_part(part, [&](size_t small, size_t on_grid, size_t pixel) {
         if (reflects_[pixel] && is_new(on_grid) && is_inner(on_grid))
-          layer.values[pixel] = clean.rgb(small);
+          layer[pixel] = clean.rgb(small);
       });
     }
   }
@@ -209,10 +202,10 @@ class Gatherer {
   void fill() {
     const Timer timer;
     std::vector<int32_t> open;  // where surfaces decide alone: the same in all layers
-    for (Layer& layer : layers_) {
+    for (const std::span<Rgb> layer : layers_) {
       std::vector<uint8_t> known(reflects_.size());
       grid_.for_all([&](size_t, size_t pixel) { known[pixel] = reflects_[pixel]; });
-      open = gi::upsample(surfaces_, settings_.step, known, layer.values);
+      open = gi::upsample(surfaces_, settings_.step, known, layer);
     }
     out_.fill_seconds += timer.seconds();
     light_alone(std::move(open));
@@ -225,7 +218,7 @@ class Gatherer {
     std::erase_if(open, [&](int32_t pixel) {
       const auto at = static_cast<size_t>(pixel);
       const auto found = shared_ ? shared_->find(at, &hint) : std::nullopt;
-      for (size_t k = 0; found && k < values_.size(); ++k) values_[k][at] = found->value(k);
+      for (size_t k = 0; found && k < layers_.size(); ++k) layers_[k][at] = found->value(k);
       if (found) answered[at] = 1;
       return found.has_value();
     });
@@ -240,7 +233,7 @@ class Gatherer {
       sample(points, {alone(settings_.rays), alone(direct_.shadow_rays)}, stream, 0);
     };
     answer(gi::first_of_blocks(surfaces_, open, kAloneBlock), kAlone);
-    answer(gi::share_answers(surfaces_, open, answered, kAloneRadius, values_), kStillAlone);
+    answer(gi::share_answers(surfaces_, open, answered, kAloneRadius, layers_), kStillAlone);
   }
 
   /// Calls use(pixel) for all of them, in several threads.
@@ -286,9 +279,9 @@ class Gatherer {
   gi::PixelSurfaces surfaces_;
   std::vector<uint8_t> reflects_;
   GatheredCentres out_;
-  std::vector<Layer> layers_;           ///< those of out_ that are wanted
-  std::vector<std::span<Rgb>> values_;  ///< theirs
-  std::optional<KeptGrid> shared_;      ///< where pictures share light
+  /// Light of each kind that is wanted, a pixel each; views of out_.
+  std::vector<std::span<Rgb>> layers_;
+  std::optional<KeptGrid> shared_;  ///< where pictures share light
 };
 
 }  // namespace
