@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <condition_variable>
+#include <csignal>
 #include <cstdlib>
 #include <exception>
 #include <future>
@@ -133,6 +134,9 @@ ProcessGroup::ProcessGroup(const Rank& rank, at::Device device, seconds timeout)
   // A failure is told once, in a line, not by every layer of LibTorch with its backtrace.
   setenv("TORCH_CPP_LOG_LEVEL", "ERROR", /*overwrite=*/0);
   c10::initLogging();
+  // What is sent to a process that has just died fails with an error that is told, not with the
+  // end of this one.
+  std::signal(SIGPIPE, SIG_IGN);
   try {
     state_->store = open_store(rank, rank.leads(), timeout);
     state_->board = open_store(rank, false, timeout);
