@@ -39,8 +39,9 @@ struct KeptView {
   KeptKind kind;
   std::vector<Vec3> position, normal;
   std::vector<float> depth;
-  std::vector<uint8_t> mask;   ///< 1 where there is light
-  std::vector<uint8_t> steps;  ///< taken from another view so many times; 0: rays found it
+  std::vector<uint8_t> mask;  ///< 1 where there is light
+  /// Taken from another view so many times; 0: rays found it. 255, once it is kept: no light.
+  std::vector<uint8_t> steps;
   std::vector<std::vector<Rgb>> values;  ///< a layer each; as many as the kind has
 
   size_t size() const { return mask.size(); }
