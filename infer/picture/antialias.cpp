@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "infer/picture/hit_difference.h"
@@ -23,6 +24,10 @@ constexpr std::array<std::pair<int, int>, 4> kAfter = {{{1, 0}, {-1, 1}, {0, 1},
 constexpr int64_t kRows = 2, kEntries = 128;  // that a thread takes at a time
 // Hits of a pixel that come first: this share of all, but as many at least.
 constexpr int kFewShare = 2, kFewestHits = 4;
+// Hits for the emission of pixels at the edge of a lamp, for each that others have; and one in how
+// many pixels of a view they are at most.
+constexpr int kLampHits = 8;
+constexpr size_t kPixelsALampHit = 4;
 
 /// Hammersley's points in the unit square. The first `few` are stratified by themselves: one in
 /// each of as many columns, and in rows of their own as far as there are such.
@@ -201,6 +206,77 @@ bool is_near_lamp(const EdgeView& view, int32_t pixel) {
   return lamp;
 }
 
+/// Hits of pixels in a row.
+class PixelTracer {
+ public:
+  /// All that is given must outlive it.
+  PixelTracer(const pathtrace::Bvh& bvh, const scene::Camera& camera, const PictureRows& rows,
+              std::span<const int32_t> pixels)
+      : bvh_(bvh), camera_(camera), rows_(rows), pixels_(pixels) {}
+
+  /// Appends the points `within` each of these pixels, by their entries.
+  void append(std::span<const size_t> entries, std::span<const Vec2> within,
+              pathtrace::GBuffer* hits) const {
+    std::vector<Vec2> points(entries.size() * within.size());
+    parallel_for(static_cast<int64_t>(entries.size()), kEntries, [&](int64_t begin, int64_t end) {
+      for (auto k = static_cast<size_t>(begin); k < static_cast<size_t>(end); ++k) {
+        const int32_t pixel = pixels_[entries[k]];
+        const PixelPoints inside(pixel % rows_.width, rows_.first + pixel / rows_.width);
+        for (size_t i = 0; i < within.size(); ++i)
+          points[k * within.size() + i] = inside.at(within[i]);
+      }
+    });
+    pathtrace::append_image_points(bvh_, camera_, rows_.width, rows_.height, points, hits);
+  }
+
+ private:
+  const pathtrace::Bvh& bvh_;
+  const scene::Camera& camera_;
+  const PictureRows& rows_;
+  std::span<const int32_t> pixels_;
+};
+
+/// The means of what sub-hits send out, and the pixels in which they differ.
+std::vector<size_t> average_emission(SubHits* sub) {
+  sub->emission.resize(sub->pixel.size());
+  std::vector<uint8_t> unlike(sub->pixel.size());
+  parallel_for(static_cast<int64_t>(unlike.size()), kEntries, [&](int64_t begin, int64_t end) {
+    for (auto entry = static_cast<size_t>(begin); entry < static_cast<size_t>(end); ++entry) {
+      const Rgb& first = sub->hits.emission[entry * static_cast<size_t>(sub->few)];
+      Rgb sum;
+      sub->each(entry, [&](size_t s) {
+        const Rgb& emission = sub->hits.emission[s];
+        sum += emission;
+        unlike[entry] = unlike[entry] || emissions_differ(first, emission);
+      });
+      sub->emission[entry] = sum * (1.0f / static_cast<float>(sub->count(entry)));
+    }
+  });
+  std::vector<size_t> out;
+  for (size_t entry = 0; entry < unlike.size(); ++entry) {
+    if (unlike[entry]) out.push_back(entry);
+  }
+  return out;
+}
+
+/// Looks closer at what share of a pixel lamps have.
+/// @param most  hits
+void refine_emission(const PixelTracer& tracer, size_t most, SubHits* sub) {
+  const std::vector<size_t> lamps = average_emission(sub);
+  if (lamps.empty()) return;
+  const auto hits =
+      static_cast<int>(std::min(static_cast<size_t>(kLampHits * sub->many), most / lamps.size()));
+  if (hits <= sub->many) return;
+  pathtrace::GBuffer more;
+  tracer.append(lamps, stratified_points(hits, hits), &more);
+  for (size_t k = 0; k < lamps.size(); ++k) {
+    Rgb sum;
+    for (size_t i = 0; i < static_cast<size_t>(hits); ++i)
+      sum += more.emission[k * static_cast<size_t>(hits) + i];
+    sub->emission[lamps[k]] = sum * (1.0f / static_cast<float>(hits));
+  }
+}
+
 }  // namespace
 
 std::vector<int32_t> find_edges(const EdgeView& view) {
@@ -262,22 +338,11 @@ SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera, c
   out.more.assign(out.pixel.size(), scene::kNone);
   out.hits.reserve(out.pixel.size() * static_cast<size_t>(many));
   const std::vector<Vec2> within = stratified_points(many, out.few);
-  const PictureRows& rows = view.rows;
-  // The points `of_each` in some of the pixels, by their entries.
-  const auto trace = [&](const auto& entry_of, size_t entries, std::span<const Vec2> of_each) {
-    std::vector<Vec2> points(entries * of_each.size());
-    parallel_for(static_cast<int64_t>(entries), kEntries, [&](int64_t begin, int64_t end) {
-      for (auto k = static_cast<size_t>(begin); k < static_cast<size_t>(end); ++k) {
-        const int32_t pixel = out.pixel[entry_of(k)];
-        const PixelPoints inside(pixel % rows.width, rows.first + pixel / rows.width);
-        for (size_t i = 0; i < of_each.size(); ++i)
-          points[k * of_each.size() + i] = inside.at(of_each[i]);
-      }
-    });
-    pathtrace::append_image_points(bvh, camera, rows.width, rows.height, points, &out.hits);
-  };
+  const PixelTracer tracer(bvh, camera, view.rows, out.pixel);
+  std::vector<size_t> all(out.pixel.size());
+  std::iota(all.begin(), all.end(), size_t{0});
   const auto few = static_cast<size_t>(out.few);
-  trace([](size_t k) { return k; }, out.pixel.size(), std::span(within).first(few));
+  tracer.append(all, std::span(within).first(few), &out.hits);
   if (out.few < many) {
     parallel_for(static_cast<int64_t>(out.pixel.size()), kEntries, [&](int64_t begin, int64_t end) {
       for (auto entry = static_cast<size_t>(begin); entry < static_cast<size_t>(end); ++entry) {
@@ -294,8 +359,9 @@ SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera, c
       out.more[entry] = static_cast<int32_t>(open.size());
       open.push_back(entry);
     }
-    trace([&](size_t k) { return open[k]; }, open.size(), std::span(within).subspan(few));
+    tracer.append(open, std::span(within).subspan(few), &out.hits);
   }
+  refine_emission(tracer, view.hits.mask.size() / kPixelsALampHit, &out);
   out.source.assign(out.hits.mask.size(), scene::kNone);
   return out;
 }

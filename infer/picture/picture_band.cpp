@@ -242,15 +242,10 @@ Rgb PictureBand::irradiance(const Layer& layer, int32_t query) const {
   return layer.centres->rgb(static_cast<int64_t>(first_lent_row() - above_) * rows_.width + query);
 }
 
-void PictureBand::edge_surface(size_t entry, Rgb* albedo, Rgb* emission) const {
-  *albedo = *emission = {};
-  sub_.each(entry, [&](size_t s) {
-    *albedo += sub_.hits.albedo[s];
-    *emission += sub_.hits.emission[s];
-  });
-  const float share = 1.0f / static_cast<float>(sub_.count(entry));
-  *albedo *= share;
-  *emission *= share;
+Rgb PictureBand::edge_albedo(size_t entry) const {
+  Rgb sum;
+  sub_.each(entry, [&](size_t s) { sum += sub_.hits.albedo[s]; });
+  return sum * (1.0f / static_cast<float>(sub_.count(entry)));
 }
 
 /// Weighted by albedo, unless the options say otherwise.
@@ -317,11 +312,9 @@ Frame PictureBand::resolve(const BandLight& light) const {
     if (hits.mask[at]) frame.depth.pixels[static_cast<size_t>(i)] = hits.depth[at];
   });
   each_edge([&](size_t entry) {
-    Rgb albedo, emission;
-    edge_surface(entry, &albedo, &emission);
     const int pixel = sub_.pixel[entry] - static_cast<int32_t>(seen_index(0));
-    put(&frame.albedo, pixel, albedo);
-    put(&frame.emission, pixel, emission);
+    put(&frame.albedo, pixel, edge_albedo(entry));
+    put(&frame.emission, pixel, sub_.emission[entry]);
   });
   const auto layer = [&](const std::optional<std::vector<Rgb>>& queries, const Image* centres) {
     return queries ? light_layer(layer_of(queries, centres), frame.albedo) : Image();
@@ -355,7 +348,8 @@ void PictureBand::show(const BandLight& light, Output output, Frame* frame) cons
   });
   each_edge([&](size_t entry) {
     PixelLayers seen;
-    edge_surface(entry, &seen.albedo, &seen.emission);
+    seen.albedo = edge_albedo(entry);
+    seen.emission = sub_.emission[entry];
     if (light.direct) seen.direct = edge_irradiance(direct, entry, seen.albedo);
     if (light.indirect) seen.indirect = edge_irradiance(indirect, entry, seen.albedo);
     if (light.total) seen.total = edge_irradiance(total, entry, seen.albedo);

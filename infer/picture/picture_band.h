@@ -97,7 +97,7 @@ class PictureBand {
   Rgb irradiance(const Layer& layer, int32_t query) const;
   /// Means over the hits of an edge pixel.
   Rgb edge_irradiance(const Layer& layer, size_t entry, const Rgb& albedo) const;
-  void edge_surface(size_t entry, Rgb* albedo, Rgb* emission) const;
+  Rgb edge_albedo(size_t entry) const;
 
   int pixels() const { return rows_.width * (rows_.last - rows_.first); }
   const pathtrace::GBuffer& hits() const { return lent_ != nullptr ? *lent_ : own_; }

@@ -17,7 +17,7 @@ SurfaceGuides empty_guides(int width, int height) {
   SurfaceGuides out;
   out.normal = out.position = out.albedo = image::Image(width, height, 3);
   out.mask.resize(static_cast<size_t>(width) * static_cast<size_t>(height));
-  out.emits = out.metal = out.mask;
+  out.metal = out.mask;
   out.depth.resize(out.mask.size());
   return out;
 }
@@ -33,7 +33,6 @@ void put_hits(const pathtrace::GBuffer& hits, int first, SurfaceGuides* guides) 
         const size_t to = out.index(x, first + y);
         if (!hits.mask[from]) continue;
         out.mask[to] = 1;
-        out.emits[to] = max_component(hits.emission[from]) > 0 ? 1 : 0;
         out.metal[to] = !hits.metallic.empty() && is_metal(hits.metallic[from]) ? 1 : 0;
         out.depth[to] = hits.depth[from];
         out.normal.set_rgb(x, first + y, hits.normal[from]);

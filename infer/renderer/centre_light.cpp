@@ -110,19 +110,4 @@ CentreLight light_centres(const pathtrace::Bvh& bvh, const pathtrace::Lights& li
   return out;
 }
 
-Image denoise_radiance(const image::Denoiser& denoiser, const SurfaceGuides& guides,
-                       const Image& radiance) {
-  Image normal = guides.normal;
-  for (size_t i = 0; i < guides.pixels(); ++i) {
-    if (guides.emits[i]) std::fill_n(normal.pixels.begin() + static_cast<int64_t>(3 * i), 3, 0.0f);
-  }
-  Image out = denoiser.denoise({&radiance, &normal, &guides.position, &guides.albedo, nullptr});
-  for (size_t i = 0; i < guides.pixels(); ++i) {
-    if (guides.mask[i] && !guides.emits[i]) continue;
-    std::copy_n(radiance.pixels.begin() + static_cast<int64_t>(3 * i), 3,
-                out.pixels.begin() + static_cast<int64_t>(3 * i));
-  }
-  return out;
-}
-
 }  // namespace lte::infer

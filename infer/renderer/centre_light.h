@@ -50,9 +50,4 @@ struct CentreLight {
 CentreLight light_centres(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                           const pathtrace::GBuffer& hits, const CentreRequest& request);
 
-/// A path-traced picture without its noise. Background and what shines keep their values.
-/// @param radiance  [height, width, 3], what the guides' pixels send to the camera
-image::Image denoise_radiance(const image::Denoiser& denoiser, const SurfaceGuides& guides,
-                              const image::Image& radiance);
-
 }  // namespace lte::infer

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "infer/picture/compose.h"
+#include "infer/renderer/denoised_paths.h"
 #include "lte/base/check.h"
 #include "lte/base/random.h"
 #include "lte/base/timer.h"
@@ -218,7 +219,10 @@ void PictureJob::correct(const PictureRows& strip, Frame* frame) {
   const double pixels = double{1} * settings_.width * settings_.height;
   frame->correction_paths = paths.mean_paths() * static_cast<double>(kinds.size()) / pixels;
   if (frame->correction_paths > 0) {
-    correct_pixels(guides, kinds, paths.paths(), paths.take(), frame);
+    const std::array<pathtrace::RadianceLayers, 2> halves = paths.take();
+    if (settings_.denoise != Denoise::Off && denoiser()->is_oidn())
+      draw_to_denoised(*denoiser(), guides, kinds, paths.paths(), halves, frame);
+    correct_pixels(guides, kinds, paths.paths(), halves, frame);
     frame->color = compose(*frame, settings_.output);
   }
   if (settings_.done && untold_ > 0) settings_.done(untold_);
@@ -230,19 +234,30 @@ void PictureJob::add_radiance(Frame* frame) {
   const int width = settings_.width, height = settings_.height;
   const Timer timer;
   pathtrace::RadianceLayers layers;
+  const bool parts = settings_.layers || needs_.centres;
   frame->color =
       pathtrace::render_reference(from_.bvh, from_.lights, camera_, width, height,
                                   {settings_.spp, settings_.max_depth + 1, settings_.seed},
-                                  settings_.done, settings_.layers ? &layers : nullptr);
-  if (settings_.layers) put_radiance(std::move(layers), frame);
+                                  settings_.done, parts ? &layers : nullptr);
   seconds_.reference = timer.seconds();
-  if (!needs_.centres) return;
+  if (needs_.centres) denoise_radiance(layers, frame);
+  if (settings_.layers) put_radiance(std::move(layers), frame);
+}
+
+/// Takes the noise of what surfaces reflect out of a reference's colors.
+void PictureJob::denoise_radiance(const pathtrace::RadianceLayers& layers, Frame* frame) {
   const Timer tracing;
   const SurfaceGuides guides =
-      hits_ ? guides_of(*hits_) : trace_guides(from_.bvh, camera_, width, height);
+      hits_ ? guides_of(*hits_)
+            : trace_guides(from_.bvh, camera_, settings_.width, settings_.height);
   seconds_.primary += tracing.seconds();
   const Timer denoising;
-  frame->color = denoise_radiance(*denoiser(), guides, frame->color);
+  Image reflected = layers.direct;
+  for (size_t k = 0; k < reflected.pixels.size(); ++k)
+    reflected.pixels[k] += layers.indirect.pixels[k];
+  frame->color = denoise_reflected(*denoiser(), guides, reflected, guides.albedo);
+  for (size_t k = 0; k < reflected.pixels.size(); ++k)
+    frame->color.pixels[k] += layers.emission.pixels[k];
   seconds_.denoise += denoising.seconds();
 }
 

@@ -57,6 +57,7 @@ class PictureJob {
   BandLight neural(const PictureBand& band);
   BandLight reference(const PictureBand& band);
   void add_radiance(Frame* frame);
+  void denoise_radiance(const pathtrace::RadianceLayers& layers, Frame* frame);
 
   void prepare_centres(const PictureRows& strip);
   void correct(const PictureRows& strip, Frame* frame);

@@ -17,6 +17,9 @@ using pathtrace::RadianceLayers;
 
 /// Channels that reflect less have no irradiance to speak of.
 constexpr float kLeastAlbedo = 1e-3f;
+/// Paths in both halves that tell more of a lamp's share in a pixel than the hits at its edge, of
+/// which there are up to as many (antialias.h) in strata.
+constexpr int32_t kEmissionPaths = 128;
 /// Of the picture's mean: what is darker counts like that in statistics of radiance.
 constexpr float kDark = 0.1f;
 
@@ -83,21 +86,6 @@ Image reflected(const Image& albedo, const Image& irradiance) {
   return out;
 }
 
-/// One over what a pixel shows: its error counts by what an eye would make of it.
-std::vector<float> relative_scale(const Frame& frame) {
-  const size_t pixels = frame.albedo.pixels.size() / 3;
-  std::vector<float> shown(pixels);
-  double sum = 0;
-  for (size_t i = 0; i < pixels; ++i) {
-    const Rgb light = frame.direct.rgb(i) + frame.indirect.rgb(i);
-    shown[i] = luminance(frame.emission.rgb(i) + frame.albedo.rgb(i) * light * (1 / kPi));
-    sum += double{shown[i]};
-  }
-  const float dark = kDark * static_cast<float>(sum / static_cast<double>(pixels)) + 1e-30f;
-  for (float& value : shown) value = 1 / (value + dark);
-  return shown;
-}
-
 }  // namespace
 
 std::vector<PixelKind> pixel_kinds(const pathtrace::GBuffer& hits, float pixel_size,
@@ -113,6 +101,20 @@ std::vector<PixelKind> pixel_kinds(const pathtrace::GBuffer& hits, float pixel_s
     if (metal && keep_metal) out[i] = PixelKind::Fixed;
   }
   return out;
+}
+
+std::vector<float> relative_scale(const Frame& frame) {
+  const size_t pixels = frame.albedo.pixels.size() / 3;
+  std::vector<float> shown(pixels);
+  double sum = 0;
+  for (size_t i = 0; i < pixels; ++i) {
+    const Rgb light = frame.direct.rgb(i) + frame.indirect.rgb(i);
+    shown[i] = luminance(frame.emission.rgb(i) + frame.albedo.rgb(i) * light * (1 / kPi));
+    sum += double{shown[i]};
+  }
+  const float dark = kDark * static_cast<float>(sum / static_cast<double>(pixels)) + 1e-30f;
+  for (float& value : shown) value = 1 / (value + dark);
+  return shown;
 }
 
 void correct_pixels(const SurfaceGuides& guides, std::span<const PixelKind> kinds,
@@ -134,9 +136,13 @@ void correct_pixels(const SurfaceGuides& guides, std::span<const PixelKind> kind
                                   rough, scale);
   }
   if (any(smooth)) correct_smooth(guides, smooth, parts, frame->albedo);
-  frame->emission =
-      corrected_radiance(frame->emission, {&halves[0].emission, &halves[1].emission},
-                         pixels_of(kinds, paths, {PixelKind::Smooth, PixelKind::Rough}), scale);
+  // Few paths can find lamps that no hit has met, but not say better where a lamp ends.
+  std::vector<uint8_t> emission = pixels_of(kinds, paths, {PixelKind::Smooth, PixelKind::Rough});
+  for (size_t i = 0; i < emission.size(); ++i) {
+    if (2 * paths[i] < kEmissionPaths && max_component(frame->emission.rgb(i)) > 0) emission[i] = 0;
+  }
+  frame->emission = corrected_radiance(frame->emission, {&halves[0].emission, &halves[1].emission},
+                                       emission, scale);
   for (size_t k = 0; k < frame->albedo.pixels.size(); ++k) {
     if (!rough[k / 3]) continue;
     float& albedo = frame->albedo.pixels[k];

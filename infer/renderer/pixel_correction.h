@@ -26,6 +26,10 @@ enum class PixelKind : uint8_t {
 std::vector<PixelKind> pixel_kinds(const pathtrace::GBuffer& hits, float pixel_size,
                                    bool keep_metal);
 
+/// One over what each pixel shows, and a tenth of the picture's mean: errors times it count by what
+/// an eye would make of them.
+std::vector<float> relative_scale(const Frame& frame);
+
 /// @param guides  what the frame's pixels see
 /// @param kinds   likewise
 /// @param paths   of each pixel; what has none stays as it is

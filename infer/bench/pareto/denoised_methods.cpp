@@ -4,28 +4,17 @@
 
 #include "infer/bench/pareto/method.h"
 #include "infer/bench/pareto/traced_picture.h"
+#include "infer/picture/picture_band.h"
 #include "infer/picture/surface_guides.h"
+#include "infer/renderer/denoised_paths.h"
 #include "lte/base/timer.h"
 #include "lte/image/denoise.h"
 
 namespace lte::infer {
 namespace {
 
-/// Reflected light without its noise. Where a pixel's centre sees no surface it stays as it is.
-image::Image denoise_reflected(const image::Denoiser& denoiser, const image::Image& light,
-                               const SurfaceGuides& guides) {
-  image::NoisyPicture noisy;
-  noisy.light = &light;
-  noisy.normal = &guides.normal;
-  noisy.position = &guides.position;
-  noisy.albedo = &guides.albedo;
-  image::Image out = denoiser.denoise(noisy);
-  for (size_t i = 0; i < guides.pixels(); ++i) {
-    if (guides.mask[i]) continue;
-    for (size_t c = 3 * i; c < 3 * i + 3; ++c) out.pixels[c] = light.pixels[c];
-  }
-  return out;
-}
+/// As the default of --aa.
+constexpr int kHitsAtEdges = 16;
 
 MethodPicture denoised_picture(const MethodScene& scene, const scene::Camera& camera, int paths,
                                const std::shared_ptr<const image::Denoiser>& denoiser,
@@ -34,18 +23,23 @@ MethodPicture denoised_picture(const MethodScene& scene, const scene::Camera& ca
   TracedPicture traced = trace_picture(scene, camera, paths, scene.seed, {});
   (*stages)["paths"] += timer.seconds();
   timer.restart();
-  const auto guides = std::make_shared<const SurfaceGuides>(
-      trace_guides(scene.renderer.bvh(), camera, scene.width, scene.height));
+  // Albedo and emission are those of whole pixels, as renderers give them to denoisers.
+  const pathtrace::GBuffer hits =
+      pathtrace::trace_gbuffer(scene.renderer.bvh(), camera, scene.width, scene.height);
+  const auto guides = std::make_shared<const SurfaceGuides>(guides_of(hits));
+  const PictureBand band(scene.renderer.bvh(), camera, {scene.width, scene.height, 0, scene.height},
+                         {kHitsAtEdges}, &hits);
+  const auto seen = std::make_shared<const Frame>(band.resolve({}));
   (*stages)["primary"] += timer.seconds();
   timer.restart();
   image::Image light = traced.whole;
   for (size_t i = 0; i < light.pixels.size(); ++i) light.pixels[i] -= traced.emission.pixels[i];
-  image::Image whole = denoise_reflected(*denoiser, light, *guides);
-  for (size_t i = 0; i < whole.pixels.size(); ++i) whole.pixels[i] += traced.emission.pixels[i];
+  image::Image whole = denoise_reflected(*denoiser, *guides, light, seen->albedo);
+  for (size_t i = 0; i < whole.pixels.size(); ++i) whole.pixels[i] += seen->emission.pixels[i];
   (*stages)["denoise"] += timer.seconds();
   // Of indirect light alone one picture is denoised too, which takes as long.
-  return {std::move(whole), [denoiser, guides, indirect = std::move(traced.indirect)] {
-            return denoise_reflected(*denoiser, indirect, *guides);
+  return {std::move(whole), [denoiser, guides, seen, indirect = std::move(traced.indirect)] {
+            return denoise_reflected(*denoiser, *guides, indirect, seen->albedo);
           }};
 }
 

@@ -1,0 +1,99 @@
+#include "infer/renderer/denoised_paths.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "infer/picture/box_mean.h"
+#include "lte/base/check.h"
+
+namespace lte::infer {
+namespace {
+
+using image::Image;
+
+/// Half an edge of the square over which weights are estimated.
+constexpr int kWindow = 16;
+/// Lesser reflected light is none: there is nothing to scale.
+constexpr float kBlack = 1e-12f;
+
+Image reflected_of(const Frame& frame) {
+  Image out = frame.albedo;
+  for (size_t k = 0; k < out.pixels.size(); ++k)
+    out.pixels[k] *= (frame.direct.pixels[k] + frame.indirect.pixels[k]) / kPi;
+  return out;
+}
+
+/// What half of the paths found; where there are none, what is shown.
+Image found_by(const pathtrace::RadianceLayers& half, std::span<const uint8_t> drawn,
+               const Image& shown) {
+  Image out = shown;
+  for (size_t k = 0; k < out.pixels.size(); ++k) {
+    if (drawn[k / 3]) out.pixels[k] = half.direct.pixels[k] + half.indirect.pixels[k];
+  }
+  return out;
+}
+
+/// How far to go from `shown` to `smooth[h]`, by `found[1 - h]`, per pixel.
+std::vector<float> weights(const std::array<Image, 2>& found, const std::array<Image, 2>& smooth,
+                           const Image& shown, std::span<const uint8_t> drawn,
+                           std::span<const float> scale) {
+  std::vector<float> along(drawn.size()), square(drawn.size());
+  for (size_t k = 0; k < shown.pixels.size(); ++k) {
+    if (!drawn[k / 3]) continue;
+    const float weight = scale[k / 3] * scale[k / 3], from = shown.pixels[k];
+    for (size_t h = 0; h < 2; ++h) {
+      const float way = smooth[h].pixels[k] - from;
+      along[k / 3] += weight * way * (found[1 - h].pixels[k] - from);
+      square[k / 3] += weight * way * way;
+    }
+  }
+  const BoxMean mean(shown.width, shown.height, drawn);
+  along = mean(along, kWindow);
+  square = mean(square, kWindow);
+  for (size_t i = 0; i < along.size(); ++i)
+    along[i] = square[i] > 0 ? std::clamp(along[i] / square[i], 0.0f, 1.0f) : 0;
+  return along;
+}
+
+}  // namespace
+
+Image denoise_reflected(const image::Denoiser& denoiser, const SurfaceGuides& guides,
+                        const Image& reflected, const Image& albedo, image::OidnQuality quality) {
+  Image out =
+      denoiser.denoise({&reflected, &guides.normal, &guides.position, &albedo, nullptr}, quality);
+  for (size_t i = 0; i < guides.pixels(); ++i) {
+    if (!guides.mask[i]) out.set_rgb(i, reflected.rgb(i));
+  }
+  return out;
+}
+
+void draw_to_denoised(const image::Denoiser& denoiser, const SurfaceGuides& guides,
+                      std::span<const PixelKind> kinds, std::span<const int32_t> paths,
+                      const std::array<pathtrace::RadianceLayers, 2>& halves, Frame* frame) {
+  LTE_CHECK(guides.pixels() == kinds.size() && kinds.size() == paths.size() &&
+                frame->albedo.pixels.size() == 3 * kinds.size() && frame->direct.width > 0 &&
+                frame->indirect.width > 0,
+            "denoised paths: pictures of different sizes");
+  std::vector<uint8_t> drawn(kinds.size());
+  for (size_t i = 0; i < drawn.size(); ++i)
+    drawn[i] = guides.mask[i] && paths[i] > 0 && kinds[i] != PixelKind::Fixed;
+  const Image shown = reflected_of(*frame);
+  std::array<Image, 2> found, smooth;
+  for (size_t h = 0; h < 2; ++h) {
+    found[h] = found_by(halves[h], drawn, shown);
+    smooth[h] =
+        denoise_reflected(denoiser, guides, found[h], frame->albedo, image::OidnQuality::Balanced);
+  }
+  const std::vector<float> weight = weights(found, smooth, shown, drawn, relative_scale(*frame));
+  for (size_t k = 0; k < shown.pixels.size(); ++k) {
+    const float from = shown.pixels[k];
+    if (!drawn[k / 3] || from < kBlack) continue;
+    const float to = (smooth[0].pixels[k] + smooth[1].pixels[k]) / 2;
+    const float factor = std::max(0.0f, 1 + weight[k / 3] * (to / from - 1));
+    frame->direct.pixels[k] *= factor;
+    frame->indirect.pixels[k] *= factor;
+  }
+}
+
+}  // namespace lte::infer
