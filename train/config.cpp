@@ -14,6 +14,9 @@ namespace {
 constexpr EnumNames<nn::Precision, 2> kAutocastNames = {
     {{nn::Precision::Fp32, "none"}, {nn::Precision::Bf16, "bf16"}}};
 
+constexpr EnumNames<OptimizerKind, 2> kOptimizerNames = {
+    {{OptimizerKind::AdamW, "adamw"}, {OptimizerKind::Muon, "muon"}}};
+
 DataConfig read_data(const Config& config) {
   DataConfig data;
   config.read("root", &data.root);
@@ -112,6 +115,8 @@ void check_optim(const OptimConfig& train) {
             train.beta1);
   LTE_CHECK(train.beta2 >= 0 && train.beta2 < 1, "train.beta2: expected 0 to below 1, got ",
             train.beta2);
+  LTE_CHECK(train.muon_momentum >= 0 && train.muon_momentum < 1,
+            "train.muon_momentum: expected 0 to below 1, got ", train.muon_momentum);
   LTE_CHECK(train.adam_epsilon > 0, "train.adam_epsilon: expected a positive number, got ",
             train.adam_epsilon);
   LTE_CHECK(train.decay_share > 0 && train.decay_share <= 1,
@@ -141,6 +146,8 @@ OptimConfig read_optim(const Config& config) {
   config.read("beta1", &train.beta1);
   config.read("beta2", &train.beta2);
   config.read("adam_epsilon", &train.adam_epsilon);
+  config.read("optimizer", &train.optimizer, kOptimizerNames);
+  config.read("muon_momentum", &train.muon_momentum);
   config.read("clip_norm", &train.clip_norm);
   config.read("ema_decay", &train.ema_decay);
   config.read("log_every", &train.log_every);

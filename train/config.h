@@ -64,6 +64,8 @@ struct AugmentConfig {
   bool subsample = true;
 };
 
+enum class OptimizerKind { AdamW, Muon };  ///< of matrices between features; AdamW moves all else
+
 struct OptimConfig {
   int64_t steps = 2'000'000;
   int64_t scenes_per_step = 3;
@@ -76,7 +78,9 @@ struct OptimConfig {
   double decay_share = 1.0;
   double weight_decay = 1e-4;  ///< of matrices and filters; biases and norms have none
   double beta1 = 0.9, beta2 = 0.999;
-  double adam_epsilon = 1e-8;         ///< added to the root of the second moment
+  double adam_epsilon = 1e-8;  ///< added to the root of the second moment
+  OptimizerKind optimizer = OptimizerKind::AdamW;
+  double muon_momentum = 0.95;
   double clip_norm = 1.0;             ///< limit of the whole gradient's norm; 0: no clipping
   double ema_decay = 0.0;             ///< of the averaged weights; 0: none are kept
   int64_t log_every = 50;             ///< steps between lines of log.jsonl

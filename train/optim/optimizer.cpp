@@ -11,6 +11,7 @@
 #include <ATen/ops/_foreach_mul.h>
 #include <ATen/ops/_foreach_norm.h>
 #include <ATen/ops/_fused_adamw.h>
+#include <ATen/ops/cat.h>
 #include <ATen/ops/lerp.h>
 #include <ATen/ops/stack.h>
 #include <ATen/ops/tensor.h>
@@ -18,6 +19,7 @@
 #include <ATen/ops/zeros_like.h>
 
 #include "lte/nn/tensor_io.h"
+#include "train/optim/orthogonal.h"
 #include "train/optim/schedule.h"
 
 namespace lte::train {
@@ -32,6 +34,28 @@ std::string gradient_module(const std::string& parameter) {
   return "encoder_" + part;
 }
 
+namespace {
+
+/// Root mean square of an entry of Muon's update at a rate of 1, about that of AdamW's.
+constexpr double kUpdateRms = 0.2;
+/// Layers of fewer inputs or outputs, which read offsets or write an answer, are AdamW's.
+constexpr int64_t kLeastSide = 16;
+
+/// [B, N, M] of a layer's weights: queries, keys and values apart, a convolution's taps together.
+at::Tensor matrices_of(const std::string& name, const at::Tensor& weights) {
+  if (weights.dim() == 3) return weights.reshape({1, -1, weights.size(2)});
+  if (name.ends_with("qkv.weight")) return weights.reshape({3, -1, weights.size(1)});
+  return weights.unsqueeze(0);
+}
+
+bool is_orthogonal(const OptimConfig& config, const std::string& name, const at::Tensor& weights) {
+  if (config.optimizer != OptimizerKind::Muon || weights.dim() < 2) return false;
+  const at::Tensor matrices = matrices_of(name, weights.detach());
+  return std::min(matrices.size(1), matrices.size(2)) >= kLeastSide;
+}
+
+}  // namespace
+
 Optimizer::Optimizer(const OptimConfig& config, const nn::LightTransportModel& model)
     : config_(config) {
   for (const auto& item : model->named_parameters()) {
@@ -40,7 +64,9 @@ Optimizer::Optimizer(const OptimConfig& config, const nn::LightTransportModel& m
     parameters_.push_back(parameter);
     rate_factors_.push_back(rate_factor(config, item.key()));
     first_moments_.push_back(at::zeros_like(parameter.detach()));
-    second_moments_.push_back(at::zeros_like(parameter.detach()));
+    const bool orthogonal = is_orthogonal(config, item.key(), parameter);
+    orthogonal_.push_back(orthogonal);
+    second_moments_.push_back(orthogonal ? at::Tensor() : at::zeros_like(parameter.detach()));
     updates_.push_back(at::zeros({}, parameter.options().requires_grad(false)));
     if (config_.ema_decay > 0) average_.push_back(parameter.detach().clone());
   }
@@ -107,6 +133,7 @@ void Optimizer::update(int64_t step, double norm, std::optional<double> given_ra
   const std::set<double> factors(rate_factors_.begin(), rate_factors_.end());
   for (const double factor : factors) {
     for (const bool matrices : {true, false}) update_group(factor, matrices, factor * rate);
+    if (factor > 0) update_orthogonal(factor, factor * rate);
   }
   if (average_.empty()) return;
   const double weight = 1 - ema_decay(config_, step);
@@ -119,7 +146,7 @@ void Optimizer::update_group(double factor, bool matrices, double rate) {
   std::vector<at::Tensor> weights, gradients, first, second, updates;
   for (size_t i = 0; i < parameters_.size(); ++i) {
     if (!parameters_[i].grad().defined() || (parameters_[i].dim() >= 2) != matrices ||
-        rate_factors_[i] != factor)
+        rate_factors_[i] != factor || orthogonal_[i])
       continue;
     weights.push_back(parameters_[i]);
     gradients.push_back(parameters_[i].grad());
@@ -132,6 +159,37 @@ void Optimizer::update_group(double factor, bool matrices, double rate) {
   at::_fused_adamw_(weights, gradients, first, second, {}, updates, rate, config_.beta1,
                     config_.beta2, matrices ? config_.weight_decay : 0, config_.adam_epsilon,
                     /*amsgrad=*/false, /*maximize=*/false);
+}
+
+/// Updates the matrices of one rate factor that Muon moves, those of one shape together.
+void Optimizer::update_orthogonal(double factor, double rate) {
+  std::map<std::pair<int64_t, int64_t>, std::vector<size_t>> shapes;
+  std::map<size_t, at::Tensor> steps;
+  for (size_t i = 0; i < parameters_.size(); ++i) {
+    if (!orthogonal_[i] || rate_factors_[i] != factor || !parameters_[i].grad().defined()) continue;
+    const at::Tensor gradient = parameters_[i].grad();
+    first_moments_[i].lerp_(gradient, 1 - config_.muon_momentum);
+    steps[i] = matrices_of(names_[i], gradient.lerp(first_moments_[i], config_.muon_momentum));
+    shapes[{steps[i].size(1), steps[i].size(2)}].push_back(i);
+  }
+  for (const auto& [shape, members] : shapes) {
+    std::vector<at::Tensor> stack;
+    std::vector<int64_t> counts;
+    for (const size_t i : members) {
+      stack.push_back(steps[i]);
+      counts.push_back(steps[i].size(0));
+    }
+    // Orthogonal matrices have entries of the root of 1 / the longer side (Liu et al. 2025).
+    const double length =
+        kUpdateRms * std::sqrt(static_cast<double>(std::max(shape.first, shape.second)));
+    const std::vector<at::Tensor> moved = orthogonal(at::cat(stack)).split_with_sizes(counts);
+    for (size_t k = 0; k < members.size(); ++k) {
+      at::Tensor& weights = parameters_[members[k]];
+      weights.mul_(1 - rate * config_.weight_decay);
+      weights.sub_(moved[k].reshape(weights.sizes()), rate * length);
+      updates_[members[k]] += 1;
+    }
+  }
 }
 
 void Optimizer::swap_average() {
@@ -148,7 +206,7 @@ std::map<std::string, at::Tensor> Optimizer::state() const {
   for (size_t i = 0; i < names_.size(); ++i) {
     updates.push_back(updates_[i].item<int64_t>());
     tensors["exp_avg." + names_[i]] = first_moments_[i];
-    tensors["exp_avg_sq." + names_[i]] = second_moments_[i];
+    if (!orthogonal_[i]) tensors["exp_avg_sq." + names_[i]] = second_moments_[i];
     if (has_average()) tensors["average." + names_[i]] = average_[i];
   }
   tensors["updates"] = at::tensor(updates, at::kLong);
@@ -167,7 +225,7 @@ void Optimizer::load_state(const SafetensorsFile& file) {
     updates_[i].fill_(updates[i]);
     if (updates[i] == 0) continue;  // files of earlier versions have no moments then
     nn::read_tensor(file, "exp_avg." + names_[i], first_moments_[i]);
-    nn::read_tensor(file, "exp_avg_sq." + names_[i], second_moments_[i]);
+    if (!orthogonal_[i]) nn::read_tensor(file, "exp_avg_sq." + names_[i], second_moments_[i]);
   }
 }
 

@@ -1,5 +1,5 @@
-// The weight update: AdamW with clipping of the gradient's norm, and an optional moving average of
-// the weights.
+// The weight update: AdamW, and Muon for matrices where it is asked for, with clipping of the
+// gradient's norm and an optional moving average of the weights.
 #pragma once
 
 #include <cstdint>
@@ -48,14 +48,16 @@ class Optimizer {
   /// Exchanges the model's weights and their average, without copying. No-op without an average.
   void swap_average();
 
-  /// Everything that the next update depends on: "exp_avg.NAME", "exp_avg_sq.NAME", "average.NAME",
-  /// and "updates", the number of updates of each parameter, [P] int64 in the model's order.
+  /// Everything that the next update depends on: "exp_avg.NAME", "exp_avg_sq.NAME" (not of what
+  /// Muon moves), "average.NAME", and "updates", the number of updates of each parameter, [P] int64
+  /// in the model's order.
   std::map<std::string, at::Tensor> state() const;
   /// @throws lte::Error naming file and tensor if one is missing or of another shape.
   void load_state(const SafetensorsFile& file);
 
  private:
   void update_group(double factor, bool matrices, double rate);
+  void update_orthogonal(double factor, double rate);
   /// The gradients of the parameters that have one.
   std::vector<at::Tensor> gradients() const;
 
@@ -63,6 +65,7 @@ class Optimizer {
   std::vector<std::string> names_;
   std::vector<at::Tensor> parameters_;
   std::vector<double> rate_factors_;
+  std::vector<bool> orthogonal_;  ///< moved by Muon
   std::vector<at::Tensor> first_moments_, second_moments_;
   std::vector<at::Tensor> updates_;  ///< number of each parameter, float32 [] for the fused kernel
   std::vector<at::Tensor> average_;  ///< empty without averaging

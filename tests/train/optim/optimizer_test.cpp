@@ -95,6 +95,45 @@ TEST(Optimizer, UpdatesAreAdamWsAndOnlyMatricesDecay) {
   }
 }
 
+TEST(Optimizer, MuonMovesMatricesAlongTheirSingularVectorsAndTheRestAsAdamW) {
+  OptimConfig train = config();
+  train.optimizer = OptimizerKind::Muon;
+  const nn::LightTransportModel model = tiny_model(), witness = tiny_model();
+  Optimizer optimizer(train, model), adamw(config(), witness);
+  const std::vector<at::Tensor> before = copies(model);
+  torch::manual_seed(8);
+  std::vector<at::Tensor> gradients;
+  for (size_t i = 0; i < before.size(); ++i) {
+    gradients.push_back(torch::randn_like(before[i]));
+    model->parameters()[i].mutable_grad() = gradients[i].clone();
+    witness->parameters()[i].mutable_grad() = gradients[i].clone();
+  }
+  optimizer.update(0, 1);
+  adamw.update(0, 1);
+  const double rate = learning_rate(train, 0);
+  int64_t by_muon = 0;
+  size_t i = 0;
+  for (const auto& item : model->named_parameters()) {
+    const at::Tensor moved = before[i] * (1 - rate * train.weight_decay) - item.value();
+    const at::Tensor& gradient = gradients[i];
+    const bool as_adamw = torch::equal(item.value(), witness->parameters()[i]);
+    if (!as_adamw) {
+      ++by_muon;
+      EXPECT_GE(item.value().dim(), 2) << item.key();
+      // A random gradient has no small singular values: a fifth of the rate in every entry.
+      EXPECT_NEAR(moved.square().mean().sqrt().item<double>(), 0.2 * rate, 0.06 * rate)
+          << item.key();
+      EXPECT_GT((moved * gradient).sum().item<double>(), 0) << item.key();
+    }
+    ++i;
+  }
+  EXPECT_GT(by_muon, 10);
+  for (const char* name : {"decoder.head.output.weight", "decoder.gamma.hidden.weight"}) {
+    const auto parameters = model->named_parameters(), others = witness->named_parameters();
+    EXPECT_TRUE(torch::equal(parameters[name], others[name])) << name << ": in or out of a scene";
+  }
+}
+
 TEST(Optimizer, GradientNormIsThatOfAllEntries) {
   const nn::LightTransportModel model = tiny_model();
   Optimizer optimizer(config(), model);
@@ -183,9 +222,10 @@ TEST(Optimizer, AverageFollowsItsRecurrenceAndSwapsBack) {
   EXPECT_TRUE(at::equal(model->parameters()[0], weights));
 }
 
-TEST(Optimizer, StateSurvivesAFile) {
+void expect_state_survives_a_file(OptimizerKind kind) {
   const test::TempDir dir;
   OptimConfig train = config();
+  train.optimizer = kind;
   train.ema_decay = 0.9;
   const nn::LightTransportModel a = tiny_model(), b = tiny_model();
   Optimizer first(train, a), second(train, b);
@@ -211,6 +251,11 @@ TEST(Optimizer, StateSurvivesAFile) {
   ASSERT_EQ(state_a.size(), state_b.size());
   for (const auto& [name, tensor] : state_a)
     EXPECT_TRUE(at::equal(tensor, state_b.at(name))) << name;
+}
+
+TEST(Optimizer, StateSurvivesAFile) {
+  for (const OptimizerKind kind : {OptimizerKind::AdamW, OptimizerKind::Muon})
+    expect_state_survives_a_file(kind);
 }
 
 }  // namespace
