@@ -1,5 +1,6 @@
 #include "train/optim/orthogonal.h"
 
+#include <ATen/TensorOperators.h>
 #include <ATen/ops/bmm.h>
 #include <ATen/ops/eye.h>
 
