@@ -48,7 +48,7 @@ void correct_smooth(const SurfaceGuides& guides, std::span<const uint8_t> mask,
   std::vector<ResidualHalves> residuals;
   for (const Part& part : parts) {
     const Image black(albedo.width, albedo.height, 3);
-    ResidualHalves& halves = residuals.emplace_back(black, black);
+    ResidualHalves& halves = residuals.emplace_back(ResidualHalves{black, black});
     for (size_t k = 0; k < black.pixels.size(); ++k) {
       const float reflects = albedo.pixels[k];
       if (!mask[k / 3] || reflects < kLeastAlbedo) continue;
