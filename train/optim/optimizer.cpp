@@ -18,6 +18,7 @@
 #include <ATen/ops/zeros.h>
 #include <ATen/ops/zeros_like.h>
 
+#include "lte/base/check.h"
 #include "lte/nn/tensor_io.h"
 #include "train/optim/orthogonal.h"
 #include "train/optim/schedule.h"
@@ -225,7 +226,12 @@ void Optimizer::load_state(const SafetensorsFile& file) {
     updates_[i].fill_(updates[i]);
     if (updates[i] == 0) continue;  // files of earlier versions have no moments then
     nn::read_tensor(file, "exp_avg." + names_[i], first_moments_[i]);
-    if (!orthogonal_[i]) nn::read_tensor(file, "exp_avg_sq." + names_[i], second_moments_[i]);
+    if (orthogonal_[i]) continue;
+    const std::string second = "exp_avg_sq." + names_[i];
+    LTE_CHECK(file.contains(second), file.path().string(), ": has no tensor \"", second,
+              "\": a run with train.optimizer: muon cannot go on with adamw (--init-weights takes "
+              "its weights)");
+    nn::read_tensor(file, second, second_moments_[i]);
   }
 }
 

@@ -253,6 +253,29 @@ void expect_state_survives_a_file(OptimizerKind kind) {
     EXPECT_TRUE(at::equal(tensor, state_b.at(name))) << name;
 }
 
+TEST(Optimizer, AStateOfMuonIsRefusedByAdamW) {
+  const test::TempDir dir;
+  OptimConfig train = config();
+  const nn::LightTransportModel model = tiny_model();
+  Optimizer adamw(train, model);
+  train.optimizer = OptimizerKind::Muon;
+  Optimizer muon(train, model);
+  set_gradients(model, 0.3);
+  muon.update(0, 1);
+  SafetensorsWriter writer;
+  std::map<std::string, at::Tensor> storage;
+  nn::add_tensors(muon.state(), &storage, &writer);
+  writer.write(dir / "state.safetensors");
+  try {
+    adamw.load_state(SafetensorsFile(dir / "state.safetensors"));
+    FAIL() << "went on without second moments";
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    EXPECT_NE(message.find("state.safetensors"), std::string::npos) << message;
+    EXPECT_NE(message.find("train.optimizer"), std::string::npos) << message;
+  }
+}
+
 TEST(Optimizer, StateSurvivesAFile) {
   for (const OptimizerKind kind : {OptimizerKind::AdamW, OptimizerKind::Muon})
     expect_state_survives_a_file(kind);
