@@ -81,7 +81,8 @@ ALLOWED = {
                    "train/config", "train/log", "train/distributed", "train/optim", "train/data",
                    "train/checkpoint"],
     "train/command": ["lte/base", "lte/cli", "lte/report", "lte/ops", "lte/nn", "lte/data",
-                      "train/config", "train/log", "train/distributed", "train/loop"],
+                      "train/config", "train/log", "train/distributed", "train/optim",
+                      "train/loop"],
     "train": ["lte/base", "lte/cli", "train/command"],
 }
 # What the tools with a network stand on, each room on those before it.

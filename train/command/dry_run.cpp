@@ -5,6 +5,7 @@
 #include "lte/base/text.h"
 #include "lte/nn/cost.h"
 #include "train/log/json.h"
+#include "train/optim/optimizer.h"
 
 namespace lte::train {
 namespace {
@@ -68,13 +69,19 @@ std::string row(const std::string& name, const std::string& value) {
 
 }  // namespace
 
-MemoryEstimate estimate_memory(const TrainConfig& config, int64_t parameters) {
+MemoryEstimate estimate_memory(const TrainConfig& config, const nn::LightTransportModel& model) {
   const int64_t M = points_of(config), Q = queries_of(config);
+  int64_t parameters = 0, moments = 0;
+  for (const auto& item : model->named_parameters()) {
+    const int64_t count = item.value().numel();
+    parameters += count;
+    moments += moved_by_muon(config.train, item.key(), item.value()) ? count : 2 * count;
+  }
   const double weights = nn::weight_bytes(parameters);
   MemoryEstimate memory;
   memory.weights = weights;
   memory.gradients = weights;
-  memory.moments = 2 * weights;
+  memory.moments = nn::weight_bytes(moments);
   memory.average = config.train.ema_decay > 0 ? weights : 0;
   memory.activations = nn::activation_bytes(config.model, M, Q);
   memory.examples =
@@ -94,7 +101,7 @@ Json dry_run(const TrainConfig& config) {
   if (config.model.predicts_radiance()) report["parameters"]["radiance"] = counts.radiance;
   report["modules"] = module_counts(model);
   report["shapes"] = shapes_json(config);
-  report["memory_mb"] = memory_json(estimate_memory(config, counts.total));
+  report["memory_mb"] = memory_json(estimate_memory(config, model));
   report["training"] = {{"steps", config.train.steps},
                         {"scenes_per_step", config.train.scenes_per_step},
                         {"queries_per_step", config.train.scenes_per_step * queries_of(config)}};

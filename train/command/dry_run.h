@@ -24,7 +24,7 @@ struct MemoryEstimate {
 
 /// `data.scene_points` or `data.queries_per_scene` of 0 (all) count as the defaults, as the files
 /// are not read.
-MemoryEstimate estimate_memory(const TrainConfig& config, int64_t parameters);
+MemoryEstimate estimate_memory(const TrainConfig& config, const nn::LightTransportModel& model);
 
 /// {"parameters":{total,nne,encoder,decoder}, "modules":{..}, "shapes":{..}, "memory_mb":{..},
 /// "training":{..}}.

@@ -49,13 +49,14 @@ at::Tensor matrices_of(const std::string& name, const at::Tensor& weights) {
   return weights.unsqueeze(0);
 }
 
-bool is_orthogonal(const OptimConfig& config, const std::string& name, const at::Tensor& weights) {
+}  // namespace
+
+bool moved_by_muon(const OptimConfig& config, const std::string& parameter,
+                   const at::Tensor& weights) {
   if (config.optimizer != OptimizerKind::Muon || weights.dim() < 2) return false;
-  const at::Tensor matrices = matrices_of(name, weights.detach());
+  const at::Tensor matrices = matrices_of(parameter, weights.detach());
   return std::min(matrices.size(1), matrices.size(2)) >= kLeastSide;
 }
-
-}  // namespace
 
 Optimizer::Optimizer(const OptimConfig& config, const nn::LightTransportModel& model)
     : config_(config) {
@@ -65,9 +66,8 @@ Optimizer::Optimizer(const OptimConfig& config, const nn::LightTransportModel& m
     parameters_.push_back(parameter);
     rate_factors_.push_back(rate_factor(config, item.key()));
     first_moments_.push_back(at::zeros_like(parameter.detach()));
-    const bool orthogonal = is_orthogonal(config, item.key(), parameter);
-    orthogonal_.push_back(orthogonal);
-    second_moments_.push_back(orthogonal ? at::Tensor() : at::zeros_like(parameter.detach()));
+    by_muon_.push_back(moved_by_muon(config, item.key(), parameter));
+    second_moments_.push_back(by_muon_.back() ? at::Tensor() : at::zeros_like(parameter.detach()));
     updates_.push_back(at::zeros({}, parameter.options().requires_grad(false)));
     if (config_.ema_decay > 0) average_.push_back(parameter.detach().clone());
   }
@@ -147,7 +147,7 @@ void Optimizer::update_group(double factor, bool matrices, double rate) {
   std::vector<at::Tensor> weights, gradients, first, second, updates;
   for (size_t i = 0; i < parameters_.size(); ++i) {
     if (!parameters_[i].grad().defined() || (parameters_[i].dim() >= 2) != matrices ||
-        rate_factors_[i] != factor || orthogonal_[i])
+        rate_factors_[i] != factor || by_muon_[i])
       continue;
     weights.push_back(parameters_[i]);
     gradients.push_back(parameters_[i].grad());
@@ -167,7 +167,7 @@ void Optimizer::update_orthogonal(double factor, double rate) {
   std::map<std::pair<int64_t, int64_t>, std::vector<size_t>> shapes;
   std::map<size_t, at::Tensor> steps;
   for (size_t i = 0; i < parameters_.size(); ++i) {
-    if (!orthogonal_[i] || rate_factors_[i] != factor || !parameters_[i].grad().defined()) continue;
+    if (!by_muon_[i] || rate_factors_[i] != factor || !parameters_[i].grad().defined()) continue;
     const at::Tensor gradient = parameters_[i].grad();
     first_moments_[i].lerp_(gradient, 1 - config_.muon_momentum);
     steps[i] = matrices_of(names_[i], gradient.lerp(first_moments_[i], config_.muon_momentum));
@@ -207,7 +207,7 @@ std::map<std::string, at::Tensor> Optimizer::state() const {
   for (size_t i = 0; i < names_.size(); ++i) {
     updates.push_back(updates_[i].item<int64_t>());
     tensors["exp_avg." + names_[i]] = first_moments_[i];
-    if (!orthogonal_[i]) tensors["exp_avg_sq." + names_[i]] = second_moments_[i];
+    if (!by_muon_[i]) tensors["exp_avg_sq." + names_[i]] = second_moments_[i];
     if (has_average()) tensors["average." + names_[i]] = average_[i];
   }
   tensors["updates"] = at::tensor(updates, at::kLong);
@@ -226,7 +226,7 @@ void Optimizer::load_state(const SafetensorsFile& file) {
     updates_[i].fill_(updates[i]);
     if (updates[i] == 0) continue;  // files of earlier versions have no moments then
     nn::read_tensor(file, "exp_avg." + names_[i], first_moments_[i]);
-    if (orthogonal_[i]) continue;
+    if (by_muon_[i]) continue;
     const std::string second = "exp_avg_sq." + names_[i];
     LTE_CHECK(file.contains(second), file.path().string(), ": has no tensor \"", second,
               "\": a run with train.optimizer: muon cannot go on with adamw (--init-weights takes "

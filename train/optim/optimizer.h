@@ -20,6 +20,11 @@ namespace lte::train {
 /// stands before the first dot.
 std::string gradient_module(const std::string& parameter);
 
+/// Whether Muon moves a parameter, which then has one moment: a matrix between features, or a
+/// convolution's. What reads offsets or writes an answer, biases and norms are AdamW's.
+bool moved_by_muon(const OptimConfig& config, const std::string& parameter,
+                   const at::Tensor& weights);
+
 class Optimizer {
  public:
   /// Each parameter's rate is the schedule's times its rate_factor(); with 0 it stands still.
@@ -65,7 +70,7 @@ class Optimizer {
   std::vector<std::string> names_;
   std::vector<at::Tensor> parameters_;
   std::vector<double> rate_factors_;
-  std::vector<bool> orthogonal_;  ///< moved by Muon
+  std::vector<bool> by_muon_;
   std::vector<at::Tensor> first_moments_, second_moments_;
   std::vector<at::Tensor> updates_;  ///< number of each parameter, float32 [] for the fused kernel
   std::vector<at::Tensor> average_;  ///< empty without averaging

@@ -2,7 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lte/nn/cost.h"
 #include "tests/train/support.h"
+#include "train/optim/optimizer.h"
 
 namespace lte::train {
 namespace {
@@ -33,17 +35,33 @@ TEST(DryRun, ShapesFollowTheConfiguration) {
 
 TEST(DryRun, WeightsAndMomentsAreCountedExactly) {
   TrainConfig config = test::tiny_config("data", "run");
-  const MemoryEstimate with_average = estimate_memory(config, 1000);
-  EXPECT_EQ(with_average.weights, 4000);
-  EXPECT_EQ(with_average.gradients, 4000);
-  EXPECT_EQ(with_average.moments, 8000);
-  EXPECT_EQ(with_average.average, 4000);
+  const nn::LightTransportModel model(config.model);
+  const auto bytes = 4.0 * static_cast<double>(nn::count_parameters(model).total);
+  const MemoryEstimate with_average = estimate_memory(config, model);
+  EXPECT_EQ(with_average.weights, bytes);
+  EXPECT_EQ(with_average.gradients, bytes);
+  EXPECT_EQ(with_average.moments, 2 * bytes);
+  EXPECT_EQ(with_average.average, bytes);
   config.train.ema_decay = 0;
-  EXPECT_EQ(estimate_memory(config, 1000).average, 0);
+  EXPECT_EQ(estimate_memory(config, model).average, 0);
   const double before = with_average.activations;
   config.data.queries_per_scene *= 2;
   config.data.scene_points *= 2;
-  EXPECT_NEAR(estimate_memory(config, 1000).activations, 2 * before, 1e-6 * before);
+  EXPECT_NEAR(estimate_memory(config, model).activations, 2 * before, 1e-6 * before);
+}
+
+TEST(DryRun, MuonHasOneMomentOfTheMatricesThatItMoves) {
+  TrainConfig config = test::tiny_config("data", "run");
+  config.train.optimizer = OptimizerKind::Muon;
+  const nn::LightTransportModel model(config.model);
+  const Optimizer optimizer(config.train, model);
+  double bytes = 0;
+  for (const auto& [name, tensor] : optimizer.state()) {
+    if (name.starts_with("exp_avg")) bytes += static_cast<double>(tensor.nbytes());
+  }
+  const MemoryEstimate memory = estimate_memory(config, model);
+  EXPECT_EQ(memory.moments, bytes);
+  EXPECT_LT(memory.moments, 1.5 * memory.weights);
 }
 
 TEST(DryRun, TableShowsTheSameNumbers) {

@@ -1,6 +1,9 @@
 #include "train/optim/optimizer.h"
 
 #include <cmath>
+#include <filesystem>
+#include <map>
+#include <string>
 
 #include <torch/types.h>
 #include <torch/utils.h>
@@ -222,6 +225,13 @@ TEST(Optimizer, AverageFollowsItsRecurrenceAndSwapsBack) {
   EXPECT_TRUE(at::equal(model->parameters()[0], weights));
 }
 
+void save_state(const Optimizer& optimizer, const std::filesystem::path& file) {
+  SafetensorsWriter writer;
+  std::map<std::string, at::Tensor> storage;
+  nn::add_tensors(optimizer.state(), &storage, &writer);
+  writer.write(file);
+}
+
 void expect_state_survives_a_file(OptimizerKind kind) {
   const test::TempDir dir;
   OptimConfig train = config();
@@ -231,10 +241,7 @@ void expect_state_survives_a_file(OptimizerKind kind) {
   Optimizer first(train, a), second(train, b);
   set_gradients(a, 0.3);
   first.update(0, 1);
-  SafetensorsWriter writer;
-  std::map<std::string, at::Tensor> storage;
-  nn::add_tensors(first.state(), &storage, &writer);
-  writer.write(dir / "state.safetensors");
+  save_state(first, dir / "state.safetensors");
   {
     const torch::NoGradGuard no_grad;
     for (size_t i = 0; i < a->parameters().size(); ++i)
@@ -262,10 +269,7 @@ TEST(Optimizer, AStateOfMuonIsRefusedByAdamW) {
   Optimizer muon(train, model);
   set_gradients(model, 0.3);
   muon.update(0, 1);
-  SafetensorsWriter writer;
-  std::map<std::string, at::Tensor> storage;
-  nn::add_tensors(muon.state(), &storage, &writer);
-  writer.write(dir / "state.safetensors");
+  save_state(muon, dir / "state.safetensors");
   try {
     adamw.load_state(SafetensorsFile(dir / "state.safetensors"));
     FAIL() << "went on without second moments";
