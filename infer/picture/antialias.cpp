@@ -24,10 +24,8 @@ constexpr std::array<std::pair<int, int>, 4> kAfter = {{{1, 0}, {-1, 1}, {0, 1},
 constexpr int64_t kRows = 2, kEntries = 128;  // that a thread takes at a time
 // Hits of a pixel that come first: this share of all, but as many at least.
 constexpr int kFewShare = 2, kFewestHits = 4;
-// Hits for the emission of pixels at the edge of a lamp, for each that others have; and one in how
-// many pixels of a view they are at most.
-constexpr int kLampHits = 8;
-constexpr size_t kPixelsALampHit = 4;
+// Hits for emission are so many at most, for each pixel of a view and each hit of one at an edge.
+constexpr size_t kLampHitShare = 32;
 
 /// Hammersley's points in the unit square. The first `few` are stratified by themselves: one in
 /// each of as many columns, and in rows of their own as far as there are such.
@@ -236,36 +234,40 @@ class PixelTracer {
   std::span<const int32_t> pixels_;
 };
 
-/// The means of what sub-hits send out, and the pixels in which they differ.
-std::vector<size_t> average_emission(SubHits* sub) {
+/// The means of what sub-hits send out, and the pixels which lamps may have a share of: those where
+/// sub-hits differ, and all near a lamp. If its edge lies as in one pixel in all that it runs
+/// through, a small share that hits rarely meet would be missing from the whole edge.
+/// @param near_lamp  by entry
+std::vector<size_t> average_emission(std::span<const uint8_t> near_lamp, SubHits* sub) {
   sub->emission.resize(sub->pixel.size());
-  std::vector<uint8_t> unlike(sub->pixel.size());
-  parallel_for(static_cast<int64_t>(unlike.size()), kEntries, [&](int64_t begin, int64_t end) {
+  std::vector<uint8_t> shared(near_lamp.begin(), near_lamp.end());
+  parallel_for(static_cast<int64_t>(shared.size()), kEntries, [&](int64_t begin, int64_t end) {
     for (auto entry = static_cast<size_t>(begin); entry < static_cast<size_t>(end); ++entry) {
       const Rgb& first = sub->hits.emission[entry * static_cast<size_t>(sub->few)];
       Rgb sum;
       sub->each(entry, [&](size_t s) {
         const Rgb& emission = sub->hits.emission[s];
         sum += emission;
-        unlike[entry] = unlike[entry] || emissions_differ(first, emission);
+        shared[entry] = shared[entry] || emissions_differ(first, emission);
       });
       sub->emission[entry] = sum * (1.0f / static_cast<float>(sub->count(entry)));
     }
   });
   std::vector<size_t> out;
-  for (size_t entry = 0; entry < unlike.size(); ++entry) {
-    if (unlike[entry]) out.push_back(entry);
+  for (size_t entry = 0; entry < shared.size(); ++entry) {
+    if (shared[entry]) out.push_back(entry);
   }
   return out;
 }
 
 /// Looks closer at what share of a pixel lamps have.
 /// @param most  hits
-void refine_emission(const PixelTracer& tracer, size_t most, SubHits* sub) {
-  const std::vector<size_t> lamps = average_emission(sub);
+void refine_emission(const PixelTracer& tracer, std::span<const uint8_t> near_lamp, size_t most,
+                     SubHits* sub) {
+  const std::vector<size_t> lamps = average_emission(near_lamp, sub);
   if (lamps.empty()) return;
   const auto hits =
-      static_cast<int>(std::min(static_cast<size_t>(kLampHits * sub->many), most / lamps.size()));
+      static_cast<int>(std::min(static_cast<size_t>(lamp_hits(sub->many)), most / lamps.size()));
   if (hits <= sub->many) return;
   pathtrace::GBuffer more;
   tracer.append(lamps, stratified_points(hits, hits), &more);
@@ -343,16 +345,18 @@ SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera, c
   std::iota(all.begin(), all.end(), size_t{0});
   const auto few = static_cast<size_t>(out.few);
   tracer.append(all, std::span(within).first(few), &out.hits);
+  std::vector<uint8_t> near_lamp(out.pixel.size());
+  parallel_for(static_cast<int64_t>(out.pixel.size()), kEntries, [&](int64_t begin, int64_t end) {
+    for (auto entry = static_cast<size_t>(begin); entry < static_cast<size_t>(end); ++entry) {
+      near_lamp[entry] = is_near_lamp(view, out.pixel[entry]) ? 1 : 0;
+      const size_t centre = view.first + static_cast<size_t>(out.pixel[entry]);
+      bool open = near_lamp[entry] != 0;
+      for (size_t s = entry * few; s < (entry + 1) * few && !open; ++s)
+        open = hits_differ(view.hits, centre, out.hits, s, view.pixel_size);
+      if (open) out.more[entry] = 0;
+    }
+  });
   if (out.few < many) {
-    parallel_for(static_cast<int64_t>(out.pixel.size()), kEntries, [&](int64_t begin, int64_t end) {
-      for (auto entry = static_cast<size_t>(begin); entry < static_cast<size_t>(end); ++entry) {
-        const size_t centre = view.first + static_cast<size_t>(out.pixel[entry]);
-        bool open = is_near_lamp(view, out.pixel[entry]);
-        for (size_t s = entry * few; s < (entry + 1) * few && !open; ++s)
-          open = hits_differ(view.hits, centre, out.hits, s, view.pixel_size);
-        if (open) out.more[entry] = 0;
-      }
-    });
     std::vector<size_t> open;
     for (size_t entry = 0; entry < out.more.size(); ++entry) {
       if (out.more[entry] == scene::kNone) continue;
@@ -361,7 +365,8 @@ SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera, c
     }
     tracer.append(open, std::span(within).subspan(few), &out.hits);
   }
-  refine_emission(tracer, view.hits.mask.size() / kPixelsALampHit, &out);
+  refine_emission(tracer, near_lamp,
+                  view.hits.mask.size() * static_cast<size_t>(many) / kLampHitShare, &out);
   out.source.assign(out.hits.mask.size(), scene::kNone);
   return out;
 }

@@ -11,8 +11,8 @@
 // that found none share in turn.
 //
 // A lamp shines a hundred times as bright as what is beside it, so what share of a pixel it has is
-// most of a picture's squared error. Pixels whose hits shine unlike get eight times as many, for
-// their emission alone.
+// most of a picture's squared error. Pixels near a lamp, and others whose hits shine unlike, get
+// lamp_hits() for their emission alone.
 #pragma once
 
 #include <cstdint>
@@ -76,7 +76,7 @@ struct SubHits {
   std::vector<int32_t> more;    ///< by pixel: its place among those of many, kNone if it has few
   pathtrace::GBuffer hits;      ///< in one row: the first few of all pixels, then those that follow
   std::vector<int32_t> source;  ///< the query that answers, kNone where nothing is reflected
-  std::vector<Rgb> emission;    ///< by pixel: the mean, of further hits too where they shine unlike
+  std::vector<Rgb> emission;    ///< by pixel: the mean, of further hits where a lamp may be
 
   int count(size_t entry) const { return more[entry] == scene::kNone ? few : many; }
   /// Calls use(place in hits) for those of a pixel.
@@ -90,8 +90,11 @@ struct SubHits {
   }
 };
 
-/// Traces up to `many` points in each of `pixels` of the view, and more for emission: a quarter of
-/// the view's pixels in all, at most.
+/// Hits for the emission of a pixel that a lamp may have a share of, where others have `many`.
+constexpr int lamp_hits(int many) { return 2 * many * many; }
+
+/// Traces up to `many` points in each of `pixels` of the view, and lamp_hits() for emission: `many`
+/// for 32 pixels of the view in all, at most.
 SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera, const EdgeView& view,
                        std::vector<int32_t> pixels, int many);
 

@@ -6,6 +6,7 @@
 
 #include "infer/picture/antialias.h"
 #include "infer/picture/picture_band.h"
+#include "infer/renderer/render_settings.h"
 #include "infer/renderer/residual_bands.h"
 #include "lte/base/check.h"
 
@@ -18,8 +19,8 @@ using pathtrace::RadianceLayers;
 /// Channels that reflect less have no irradiance to speak of.
 constexpr float kLeastAlbedo = 1e-3f;
 /// Paths in both halves that tell more of a lamp's share in a pixel than the hits at its edge, of
-/// which there are up to as many (antialias.h) in strata.
-constexpr int32_t kEmissionPaths = 128;
+/// which there are up to as many in strata.
+constexpr int32_t kEmissionPaths = lamp_hits(kAntialias);
 /// Of the picture's mean: what is darker counts like that in statistics of radiance.
 constexpr float kDark = 0.1f;
 

@@ -111,7 +111,7 @@ TEST(Antialias, PixelsAtTheEdgeOfALampHaveHundredHitsForItsLight) {
   for (const double degrees : {7.0, 30.0, 45.0, 83.0}) {
     const CoverageError error = coverage_error(degrees, 400, 16);
     EXPECT_LT(error.rms, 0.6 / std::sqrt(6.0 * 70)) << degrees;
-    EXPECT_NEAR(error.mean, 0, 0.01) << degrees;
+    EXPECT_NEAR(error.mean, 0, 0.004) << degrees;  // at 45° all pixels of the edge lie alike
   }
 }
 
