@@ -103,11 +103,14 @@ at::Tensor PatchAttentionImpl::attend(const at::Tensor& points, const PatchMap& 
                                       int64_t patch_size) {
   const int64_t n = points.size(0), C = points.size(1) / 3;
   const bool one_patch = !map.gather.defined();
-  const bool inference = !at::GradMode::is_enabled() && !is_training();
-  if (inference && points.device().is_cpu() && points.scalar_type() == at::kFloat &&
+  if (points.device().is_cpu() && points.scalar_type() == at::kFloat &&
       C / heads_ <= ops::kWidestHead) {
-    return ops::patch_attention_inference(points, map.gather, map.inverse, heads_, patch_size,
-                                          qkv_->in_bf16());
+    if (!at::GradMode::is_enabled() && !is_training()) {
+      return ops::patch_attention_inference(points, map.gather, map.inverse, heads_, patch_size,
+                                            qkv_->in_bf16());
+    }
+    if (!qkv_->in_autocast() && !qkv_->in_bf16())
+      return ops::patch_attention(points, map.gather, map.inverse, heads_, patch_size);
   }
   at::Tensor qkv = one_patch ? points : points.index_select(0, map.gather);
   const int64_t length = one_patch ? n : patch_size;

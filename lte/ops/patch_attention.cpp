@@ -1,7 +1,10 @@
 #include "lte/ops/patch_attention.h"
 
 #include <optional>
+#include <tuple>
 
+#include <ATen/core/LegacyTypeDispatch.h>
+#include <torch/csrc/autograd/custom_function.h>
 #include <torch/library.h>
 
 #include "lte/ops/dispatch.h"
@@ -10,19 +13,66 @@ TORCH_LIBRARY_FRAGMENT(lte, m) {
   m.def(
       "patch_attention_inference(Tensor qkv, Tensor? gather, Tensor? inverse, int heads, int "
       "patch, bool bf16=False) -> Tensor");
+  // The answer, and log2 of the sum of 2^score of each slot and head, scores in units of log 2.
+  m.def(
+      "patch_attention(Tensor qkv, Tensor? gather, Tensor? inverse, int heads, int patch) -> "
+      "(Tensor, Tensor)");
+  // The gradient by qkv.
+  m.def(
+      "patch_attention_backward(Tensor grad, Tensor qkv, Tensor out, Tensor log_sum, Tensor? "
+      "gather, Tensor? inverse, int heads, int patch) -> Tensor");
 }
 
 namespace lte::ops {
+namespace {
+
+using torch::autograd::AutogradContext;
+using torch::autograd::variable_list;
+using Slots = std::optional<at::Tensor>;
+
+Slots given(const at::Tensor& slots) { return slots.defined() ? Slots(slots) : std::nullopt; }
+
+class PatchAttention : public torch::autograd::Function<PatchAttention> {
+ public:
+  static at::Tensor forward(AutogradContext* context, const at::Tensor& qkv, const Slots& gather,
+                            const Slots& inverse, int64_t heads, int64_t patch) {
+    using Signature = std::tuple<at::Tensor, at::Tensor>(const at::Tensor&, const Slots&,
+                                                         const Slots&, int64_t, int64_t);
+    static const auto op = find_operator<Signature>("lte::patch_attention");
+    const at::AutoDispatchBelowADInplaceOrView below;
+    const auto [out, log_sum] = op.call(qkv, gather, inverse, heads, patch);
+    context->save_for_backward(
+        {qkv, out, log_sum, gather.value_or(at::Tensor()), inverse.value_or(at::Tensor())});
+    context->saved_data["heads"] = heads;
+    context->saved_data["patch"] = patch;
+    return out;
+  }
+
+  static variable_list backward(AutogradContext* context, const variable_list& grads) {
+    using Signature = at::Tensor(const at::Tensor&, const at::Tensor&, const at::Tensor&,
+                                 const at::Tensor&, const Slots&, const Slots&, int64_t, int64_t);
+    static const auto op = find_operator<Signature>("lte::patch_attention_backward");
+    const variable_list saved = context->get_saved_variables();
+    const at::Tensor by_qkv =
+        op.call(grads[0], saved[0], saved[1], saved[2], given(saved[3]), given(saved[4]),
+                context->saved_data["heads"].toInt(), context->saved_data["patch"].toInt());
+    return {by_qkv, at::Tensor(), at::Tensor(), at::Tensor(), at::Tensor()};
+  }
+};
+
+}  // namespace
+
+at::Tensor patch_attention(const at::Tensor& qkv, const at::Tensor& gather,
+                           const at::Tensor& inverse, int64_t heads, int64_t patch) {
+  return PatchAttention::apply(qkv, given(gather), given(inverse), heads, patch);
+}
 
 at::Tensor patch_attention_inference(const at::Tensor& qkv, const at::Tensor& gather,
                                      const at::Tensor& inverse, int64_t heads, int64_t patch,
                                      bool bf16) {
-  using Signature = at::Tensor(const at::Tensor&, const std::optional<at::Tensor>&,
-                               const std::optional<at::Tensor>&, int64_t, int64_t, bool);
+  using Signature =
+      at::Tensor(const at::Tensor&, const Slots&, const Slots&, int64_t, int64_t, bool);
   static const auto op = find_operator<Signature>("lte::patch_attention_inference");
-  const auto given = [](const at::Tensor& t) {
-    return t.defined() ? std::optional(t) : std::nullopt;
-  };
   return op.call(qkv, given(gather), given(inverse), heads, patch, bf16);
 }
 

@@ -104,13 +104,15 @@ TEST(DenseKernels, TheSoftmaxOfAnyScoresIsThatOfBaseTwo) {
     constexpr int64_t kRows = 2;
     const at::Tensor x = test::normal({kRows, count}, 5).mul(300).to(at::kFloat);
     Rows tile(kRows, count, x, 1e9f);
-    std::vector<float> inverse(kRows);
-    dense_kernels().exponentiate(tile.values.data(), kRows, tile.stride(), count, inverse.data());
+    std::vector<float> inverse(kRows), largest(kRows);
+    dense_kernels().exponentiate(tile.values.data(), kRows, tile.stride(), count, inverse.data(),
+                                 largest.data());
     const at::Tensor wide = x.to(at::kDouble) * std::log(2.0), exact = at::softmax(wide, 1);
     for (int64_t r = 0; r < kRows; ++r) {
       for (int64_t c = 0; c < count; ++c) {
         EXPECT_NEAR(tile.at(r, c) * inverse[r], exact[r][c].item<double>(), 1e-6);
       }
+      EXPECT_EQ(largest[static_cast<size_t>(r)], x[r].max().item<float>());
     }
   }
 }

@@ -105,7 +105,8 @@ void layer_norm(const float* x, int64_t rows, int64_t panel_stride, int64_t chan
   }
 }
 
-void exponentiate(float* x, int64_t rows, int64_t panel_stride, int64_t count, float* inverse_sum) {
+void exponentiate(float* x, int64_t rows, int64_t panel_stride, int64_t count, float* inverse_sum,
+                  float* largest_of_row) {
   for (int64_t r = 0; r < rows; ++r) {
     float* row = x + r * kPanel;
     const auto end_of = [&](int64_t c) { return count - c < kPanel ? count - c : kPanel; };
@@ -123,6 +124,7 @@ void exponentiate(float* x, int64_t rows, int64_t panel_stride, int64_t count, f
     for (int lane = 0; lane < kLanes<float>; ++lane) {
       largest = most[lane] > largest ? most[lane] : largest;
     }
+    largest_of_row[r] = largest;
     const Float base = splat(largest), least = splat(-120.0f);
     Float sum{};
     float rest = 0;

@@ -103,6 +103,20 @@ void attend_gradient(AttendGradient arguments) {
   }
 }
 
+void attention_gradient(AttentionGradient a) {
+  const Float least = splat(-120.0f);
+  for (int64_t r = 0; r < a.rows; ++r) {
+    const Float log_sum = splat(a.log_sum[r]), mean = splat(a.mean[r]);
+#pragma GCC unroll 4
+    for (int64_t i = r * kPanel; i < r * kPanel + a.blocks * kBlock; i += kLanes<float>) {
+      const Float exponent = load(a.scores + i) - log_sum, power = power_of_two(exponent);
+      const Float weight = exponent > least ? power : Float{};
+      store(a.scores + i, weight);
+      store(a.grad + i, weight * (load(a.grad + i) - mean));
+    }
+  }
+}
+
 void maximize_at(const float* x, int32_t place, int64_t count, float* out, int32_t* winner) {
   over_row(
       count,
@@ -164,6 +178,7 @@ const GradientKernels kGradientKernels{multiply_blocks<TransposedProduct>,
                                        sum_columns,
                                        layer_norm_gradient,
                                        attend_gradient,
+                                       attention_gradient,
                                        maximize_at,
                                        maximum_gradient};
 

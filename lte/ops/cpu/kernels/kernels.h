@@ -179,10 +179,10 @@ struct DenseKernels {
   /// gain and bias too.
   void (*layer_norm)(const float* x, int64_t rows, int64_t panel_stride, int64_t channels,
                      const float* gain, const float* bias, float* out);
-  /// x = 2^(x − the row's largest) over the first `count` columns of each row; inverse_sum[r]: one
-  /// over the sum of row r.
+  /// x = 2^(x − largest[r]) over the first `count` columns of each row r, whose largest that is;
+  /// inverse_sum[r]: one over the sum of row r.
   void (*exponentiate)(float* x, int64_t rows, int64_t panel_stride, int64_t count,
-                       float* inverse_sum);
+                       float* inverse_sum, float* largest);
   /// The largest Σ x² of a row; not a number if any row is not finite.
   float (*largest_square)(const float* x, int64_t rows, int64_t stride, int64_t columns);
   /// x = 2^x over the first `count` columns of a panel, |x| <= 120; what row r adds up to is added
@@ -234,6 +234,15 @@ struct MaximumGradient {
   float *by_dense, *by_center, *by_weight;  ///< as dense, center and weight; added to
 };
 
+/// Weights of attention, and the gradient by its scores, of one panel of keys.
+struct AttentionGradient {
+  float* scores;  ///< in units of log 2; becomes weights 2^(score − log_sum)
+  float* grad;    ///< by the weights; becomes that by the scores in units of e
+  int64_t rows, blocks;
+  const float* log_sum;  ///< [rows]
+  const float* mean;     ///< [rows], Σ weight · grad over all keys
+};
+
 /// Gradients over tiles of rows, float32. A panel's rows are kPanel apart.
 struct GradientKernels {
   /// out[r][c] (+)= bias + Σ_k x[k][r] w[k][c]: DenseKernels::multiply() of an x that lies as
@@ -247,6 +256,7 @@ struct GradientKernels {
   void (*sum_columns)(const float* x, int64_t rows, int64_t blocks, float* sum);
   void (*layer_norm_gradient)(LayerNormGradient arguments);
   void (*attend_gradient)(AttendGradient arguments);
+  void (*attention_gradient)(AttentionGradient arguments);
   /// DenseKernels::maximize(); winner[c] = place where x is larger.
   void (*maximize_at)(const float* x, int32_t place, int64_t count, float* out, int32_t* winner);
   void (*maximum_gradient)(MaximumGradient arguments);

@@ -1,0 +1,179 @@
+// The gradient of patch attention on the CPU. Nothing of the size of queries × keys is kept: a
+// thread takes a head of a patch and makes its weights again, a tile of queries and a panel of keys
+// at a time, from the scores and the logarithms of their sums that the forward pass left (Dao et
+// al. 2022, "FlashAttention", appendix B). While tile and panel are in the caches they give their
+// part of all three gradients.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include <ATen/Parallel.h>
+#include <ATen/ops/empty.h>
+#include <ATen/ops/zeros_like.h>
+#include <torch/library.h>
+
+#include "lte/ops/cpu/attention_input.h"
+#include "lte/ops/cpu/packed_linear.h"
+#include "lte/ops/patch_attention_args.h"
+
+namespace lte::ops {
+namespace {
+
+constexpr int64_t kTile = 48;  ///< queries at a time
+constexpr int64_t kQuery = AttentionInput::kQuery, kKey = AttentionInput::kKey,
+                  kValue = AttentionInput::kValue;
+
+struct Work {
+  const AttentionInput& input;
+  const float* grad;     ///< [n, C]
+  const float* out;      ///< [n, C]
+  const float* log_sum;  ///< [slots, heads]
+  float* by_slot;        ///< [slots, 3C]
+};
+
+/// One thread's working memory.
+class HeadGradient {
+ public:
+  explicit HeadGradient(const Work& work)
+      : work_(work),
+        of_(work.input),
+        d_(of_.width()),
+        length_(of_.length()),
+        width_(blocks_of(d_) * kBlock),
+        key_blocks_(static_cast<size_t>(blocks_of(length_) * kBlock * d_)),
+        value_blocks_(key_blocks_.size()),
+        key_rows_(static_cast<size_t>(length_ * width_)),
+        log_sum_(kTile),
+        mean_(kTile),
+        query_(kTile, kPanel),
+        grad_(kTile, kPanel),
+        weights_(kTile, kPanel),
+        by_scores_(kTile, kPanel),
+        by_query_(kTile, kPanel),
+        by_key_(length_, kPanel),
+        by_value_(length_, kPanel) {}
+
+  void run(int64_t patch, int64_t head) {
+    first_ = patch * length_;
+    head_ = head;
+    of_.pack_blocks(first_, kKey, head, key_blocks_.data());
+    of_.pack_blocks(first_, kValue, head, value_blocks_.data());
+    of_.pack_rows(first_, kKey, head, width_, key_rows_.data());
+    for (int64_t q = 0; q < length_; q += kTile) {
+      const int64_t rows = std::min(kTile, length_ - q);
+      take_queries(q, rows);
+      for (int64_t j = 0; j < length_; j += kPanel) add_panel(q, rows, j);
+      // The scores' gradient is in units of e, so that of a query has the plain factor.
+      put(q, rows, kQuery, 1 / std::sqrt(static_cast<float>(d_)), by_query_.panel(0));
+    }
+    put(0, length_, kKey, std::numbers::ln2_v<float>, by_key_.panel(0));  // of scaled queries
+    put(0, length_, kValue, 1, by_value_.panel(0));
+  }
+
+ private:
+  /// Queries [q, q + rows) and what comes back to them; nothing does to slots without a say.
+  void take_queries(int64_t q, int64_t rows) {
+    of_.scaled_queries(first_, q, rows, head_, query_.panel(0));
+    for (int64_t i = 0; i < rows; ++i) {
+      const int64_t slot = first_ + q + i;
+      const bool answers = of_.answers(slot);
+      const int64_t at = of_.point(slot) * of_.channels() + head_ * d_;
+      float* grad = grad_.panel(0) + i * kPanel;
+      float mean = 0;
+      for (int64_t c = 0; c < d_; ++c) {
+        grad[c] = answers ? work_.grad[at + c] : 0;
+        mean += answers ? work_.grad[at + c] * work_.out[at + c] : 0;
+      }
+      mean_[static_cast<size_t>(i)] = mean;
+      log_sum_[static_cast<size_t>(i)] = work_.log_sum[slot * of_.heads() + head_];
+    }
+  }
+
+  /// Keys and values [j, j + kPanel) against the tile's queries.
+  void add_panel(int64_t q, int64_t rows, int64_t j) {
+    const int64_t keys = std::min(kPanel, length_ - j), blocks = blocks_of(keys),
+                  columns = width_ / kBlock;
+    float *weights = weights_.panel(0), *by_scores = by_scores_.panel(0);
+    const auto against = [&](const float* tile, const std::vector<float>& packed, float* out) {
+      dense_kernels().multiply({tile, rows, d_, packed.data() + j * d_, kBlock, d_ * kBlock,
+                                nullptr, blocks, false, out});
+    };
+    against(query_.panel(0), key_blocks_, weights);
+    against(grad_.panel(0), value_blocks_, by_scores);
+    gradient_kernels().attention_gradient(
+        {weights, by_scores, rows, blocks, log_sum_.data(), mean_.data()});
+    dense_kernels().multiply({by_scores, rows, keys, key_rows_.data() + j * width_, width_, kBlock,
+                              nullptr, columns, j > 0, by_query_.panel(0)});
+    gradient_kernels().multiply_transposed({by_scores, keys, rows, query_.panel(0), kPanel, kBlock,
+                                            nullptr, columns, q > 0,
+                                            by_key_.panel(0) + j * kPanel});
+    gradient_kernels().multiply_transposed({weights, keys, rows, grad_.panel(0), kPanel, kBlock,
+                                            nullptr, columns, q > 0,
+                                            by_value_.panel(0) + j * kPanel});
+  }
+
+  /// Rows of a tile times `factor` as the gradient of slots [q, q + rows).
+  void put(int64_t q, int64_t rows, int64_t part, float factor, const float* tile) {
+    for (int64_t i = 0; i < rows; ++i) {
+      float* to = work_.by_slot + ((first_ + q + i) * 3 + part) * of_.channels() + head_ * d_;
+      for (int64_t c = 0; c < d_; ++c) to[c] = tile[i * kPanel + c] * factor;
+    }
+  }
+
+  const Work& work_;
+  const AttentionInput& of_;
+  int64_t d_, length_;
+  int64_t width_;  ///< d, rounded up to whole blocks
+  int64_t first_ = 0, head_ = 0;
+  std::vector<float> key_blocks_, value_blocks_, key_rows_;
+  std::vector<float> log_sum_, mean_;
+  Tile query_, grad_, weights_, by_scores_, by_query_, by_key_, by_value_;
+};
+
+/// Sums what the slots of each point have: its own first, then those that repeat it.
+at::Tensor by_point(const AttentionInput& input, const at::Tensor& by_slot) {
+  if (input.in_one_patch()) return by_slot;
+  const int64_t n = input.points(), columns = by_slot.size(1);
+  at::Tensor out = at::empty({n, columns}, by_slot.options());
+  const auto* from = by_slot.const_data_ptr<float>();
+  auto* to = out.data_ptr<float>();
+  at::parallel_for(0, n, 64, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i)
+      std::copy_n(from + input.slot_of(i) * columns, columns, to + i * columns);
+  });
+  for (int64_t slot = 0; slot < input.slots(); ++slot) {
+    if (!input.answers(slot)) {
+      dense_kernels().accumulate(from + slot * columns, columns, to + input.point(slot) * columns);
+    }
+  }
+  return out;
+}
+
+at::Tensor patch_attention_backward_cpu(const at::Tensor& any_grad, const at::Tensor& qkv,
+                                        const at::Tensor& out, const at::Tensor& log_sum,
+                                        const std::optional<at::Tensor>& gather,
+                                        const std::optional<at::Tensor>& inverse, int64_t heads,
+                                        int64_t patch) {
+  check_patch_attention_args("patch_attention_backward", qkv, gather, inverse, heads, patch);
+  const AttentionInput input(qkv, gather, inverse, heads, patch);
+  if (input.points() == 0) return at::zeros_like(qkv);
+  const at::Tensor grad = any_grad.contiguous();
+  check_patch_attention_backward_args(grad, out, log_sum, input.slots(), qkv, heads);
+  at::Tensor by_slot = at::empty({input.slots(), qkv.size(1)}, qkv.options());
+  const Work work{input, grad.const_data_ptr<float>(), out.const_data_ptr<float>(),
+                  log_sum.const_data_ptr<float>(), by_slot.data_ptr<float>()};
+  at::parallel_for(0, input.patches() * heads, 1, [&](int64_t begin, int64_t end) {
+    HeadGradient head(work);
+    for (int64_t i = begin; i < end; ++i) head.run(i / heads, i % heads);
+  });
+  return by_point(input, by_slot);
+}
+
+}  // namespace
+}  // namespace lte::ops
+
+TORCH_LIBRARY_IMPL(lte, CPU, m) {
+  m.impl("patch_attention_backward", lte::ops::patch_attention_backward_cpu);
+}
