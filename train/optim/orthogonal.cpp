@@ -20,7 +20,7 @@ at::Tensor orthogonal(const at::Tensor& matrices) {
   for (int step = 0; step < kSteps; ++step) {
     const at::Tensor change = kA * one + kB * gram + kC * at::bmm(gram, gram);
     factor = at::bmm(factor, change);
-    gram = at::bmm(at::bmm(change, gram), change);
+    if (step + 1 < kSteps) gram = at::bmm(at::bmm(change, gram), change);
   }
   return at::bmm(matrices, factor);
 }
