@@ -11,13 +11,13 @@ struct SharesOfModel {
 
 /// lte-base.
 constexpr SharesOfModel kRadiosity = {
-    .one_draw = {.mean = 0.022, .answer = 0.072, .near = 0.43, .change = 1.4, .direct = 0.037},
-    .several_draws = {.draws = 0.91,
+    .one_draw = {.mean = 0.018, .answer = 0.049, .near = 0.39, .change = 1.0, .direct = 0.020},
+    .several_draws = {.draws = 1.0,
                       .mean = 0.018,
-                      .answer = 0.067,
-                      .near = 0.38,
-                      .change = 1.1,
-                      .direct = 0.033}};
+                      .answer = 0.041,
+                      .near = 0.35,
+                      .change = 0.73,
+                      .direct = 0.018}};
 /// lte-hybrid.
 constexpr SharesOfModel kTraced = {
     .one_draw = {.mean = 0.014,
