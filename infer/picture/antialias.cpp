@@ -349,6 +349,7 @@ SubHits trace_sub_hits(const pathtrace::Bvh& bvh, const scene::Camera& camera, c
   parallel_for(static_cast<int64_t>(out.pixel.size()), kEntries, [&](int64_t begin, int64_t end) {
     for (auto entry = static_cast<size_t>(begin); entry < static_cast<size_t>(end); ++entry) {
       near_lamp[entry] = is_near_lamp(view, out.pixel[entry]) ? 1 : 0;
+      if (out.few == many) continue;
       const size_t centre = view.first + static_cast<size_t>(out.pixel[entry]);
       bool open = near_lamp[entry] != 0;
       for (size_t s = entry * few; s < (entry + 1) * few && !open; ++s)
