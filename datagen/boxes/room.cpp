@@ -15,6 +15,8 @@ namespace {
 constexpr int kPlaceAttempts = 24;
 constexpr float kGap = 0.02f;           // metres between pieces, and between a piece and a wall
 constexpr float kDoorClearance = 0.8f;  // metres kept free on both sides of the doorway
+// In the order of quarter turns: where the back of a piece that faces +z comes to lie.
+constexpr unsigned kSideFaces[4] = {kNegZ, kNegX, kPosZ, kPosX};
 
 bool overlap(const Bounds& a, const Bounds& b, float margin) {
   for (int axis = 0; axis < 3; ++axis)
@@ -42,6 +44,7 @@ class RoomMaker {
       furnish(room);
       hang_pictures(room);
     }
+    resize();
   }
 
  private:
@@ -65,6 +68,7 @@ class RoomMaker {
   Affine try_placement(const Bounds& local, const Bounds& inner, bool at_wall);
   bool is_free(const Bounds& bounds) const;
   void hang_pictures(int room);
+  void resize();
   void add(const std::string& name, const std::vector<Part>& parts, const Affine& to_world);
 
   const RoomConfig& config_;
@@ -86,6 +90,11 @@ void RoomMaker::lay_out() {
   const float width = draw(config_.width_m), depth = draw(config_.depth_m);
   const float high = draw(config_.height_m);
   plan_.rooms.push_back({{0, 0, 0}, {width, high, depth}});
+  plan_.missing_walls.assign(two ? 2 : 1, 0);
+  // Nothing is drawn for what a configuration never asks for: its scenes stay the ones they were.
+  if (config_.open_share > 0 && rng_.uniform() < config_.open_share)
+    for (unsigned& face : plan_.missing_walls)
+      face = two ? (rng_.below(2) == 0 ? kNegZ : kPosZ) : kSideFaces[rng_.below(4)];
   if (!two) return;
   const float thickness = rng_.uniform(0.1f, static_cast<float>(kMaxPartitionThickness));
   const float second = draw(config_.width_m);
@@ -112,9 +121,16 @@ void RoomMaker::build_shell() {
     const int accent = rng_.below(3) == 0 ? materials_.wall() : wall;  // one wall of its own color
     const unsigned accent_side = rng_.below(2) == 0 ? kNegZ : kPosZ;
     std::vector<Part> parts{{box.low, box.high, materials_.floor(), kNegY, 0, true},
-                            {box.low, box.high, materials_.ceiling(), kPosY, 0, true},
-                            {box.low, box.high, wall, kSides & ~open & ~accent_side, 0, true},
-                            {box.low, box.high, accent, accent_side, 0, true}};
+                            {box.low, box.high, materials_.ceiling(), kPosY, 0, true}};
+    const unsigned missing = plan_.missing_walls[static_cast<size_t>(r)];
+    if (missing == 0) {
+      parts.push_back({box.low, box.high, wall, kSides & ~open & ~accent_side, 0, true});
+      parts.push_back({box.low, box.high, accent, accent_side, 0, true});
+    } else {
+      for (const unsigned side : kSideFaces)
+        if ((side & (open | missing)) == 0)
+          parts.push_back({box.low, box.high, materials_.wall(), side, 0, true});
+    }
     partition_walls.push_back(wall);
     add(concat("shell ", r), parts, {});
   }
@@ -248,11 +264,12 @@ void RoomMaker::hang_pictures(int room) {
   const uint64_t pictures = rng_.below(4);
   for (uint64_t i = 0; i < pictures; ++i) {
     const uint64_t quarter = rng_.below(4);
+    const bool nowhere = kSideFaces[quarter] == plan_.missing_walls[static_cast<size_t>(room)];
     const float width = rng_.uniform(0.3f, 1.0f), high = rng_.uniform(0.3f, 0.8f);
     const float thickness = rng_.uniform(0.015f, 0.04f), bottom = rng_.uniform(1.0f, 1.4f);
     const float u = rng_.uniform();
     const float wall = quarter % 2 == 0 ? inner.extent().x : inner.extent().z;
-    if (width + 0.2f > wall || bottom + high > height() - 0.1f) continue;
+    if (nowhere || width + 0.2f > wall || bottom + high > height() - 0.1f) continue;
     const float along = 0.1f + width / 2 + u * (wall - width - 0.2f);
     Vec3 at{inner.low.x + along, bottom, inner.low.z};
     if (quarter == 1) at = {inner.low.x, bottom, inner.low.z + along};
@@ -277,6 +294,25 @@ void RoomMaker::hang_pictures(int room) {
     plan_.furniture.push_back({name, room, bounds});
     taken_.push_back(bounds);
   }
+}
+
+/// Furniture, lights and their distances keep their proportions: a doll's house, or a hall.
+void RoomMaker::resize() {
+  if (config_.size_factor.low == 1 && config_.size_factor.high == 1) return;
+  const double low = std::log(config_.size_factor.low), high = std::log(config_.size_factor.high);
+  const auto factor = static_cast<float>(std::exp(low + (high - low) * rng_.uniform()));
+  for (scene::Instance& instance : scene_.instances)
+    for (auto& row : instance.to_world.m)
+      for (float& element : row) element *= factor;
+  const auto scale = [factor](Bounds* bounds) {
+    if (bounds->empty()) return;
+    bounds->low = bounds->low * factor;
+    bounds->high = bounds->high * factor;
+  };
+  for (Bounds& room : plan_.rooms) scale(&room);
+  scale(&plan_.doorway);
+  for (PlacedPiece& piece : plan_.furniture) scale(&piece.bounds);
+  for (Bounds& light : plan_.lights) scale(&light);
 }
 
 }  // namespace

@@ -20,6 +20,10 @@ struct RoomConfig {
   CountRange lights{1, 3};       ///< ceiling lights a scene
   Range radiance{2, 40};         ///< of a light, W sr^-1 m^-2 (luminance), log-uniform
   double two_room_share = 0.25;  ///< of scenes: two rooms and a doorway between them
+  /// Of scenes: one side of each room has no wall, so that light leaves it, and every wall that is
+  /// left has a color of its own.
+  double open_share = 0;
+  Range size_factor{1, 1};  ///< the furnished scene is made larger by it, log-uniform
   std::vector<int64_t> texture_sizes{128, 256};  ///< texels an edge; one is drawn a texture
 };
 
@@ -34,8 +38,9 @@ struct PlacedPiece {
 
 /// Where everything is, for tests and for people to look at.
 struct RoomPlan {
-  std::vector<Bounds> rooms;  ///< inner boxes, one or two, side by side along x
-  Bounds doorway;             ///< the opening in the partition; empty for one room
+  std::vector<Bounds> rooms;            ///< inner boxes, one or two, side by side along x
+  Bounds doorway;                       ///< the opening in the partition; empty for one room
+  std::vector<unsigned> missing_walls;  ///< of each room: 0, or the face (kNegX, ...) left open
   std::vector<PlacedPiece> furniture;
   std::vector<Bounds> lights;  ///< housings, flush with the ceiling; the bottom face emits
 };
@@ -45,8 +50,9 @@ struct Room {
   RoomPlan plan;
 };
 
-/// Makes a room of closed, Lambertian, textured surfaces with one light group a ceiling light. Y is
-/// up, units are metres, the floor is at y = 0. The same (config, seed) gives the same room.
+/// Makes a room of Lambertian, textured surfaces, closed but for `missing_walls`, with one light
+/// group a ceiling light. Y is up, units are metres, the floor is at y = 0. The same (config, seed)
+/// gives the same room.
 /// @throws lte::Error if no ceiling light fits a room of the configured size.
 Room generate_room(const RoomConfig& config, uint64_t seed, const std::string& name = "room");
 

@@ -20,6 +20,8 @@ void visit_boxes(Io& io, B& boxes) {
   io("lights", boxes.lights);
   io("radiance", boxes.radiance);
   io("two_room_share", boxes.two_room_share);
+  io("open_share", boxes.open_share);
+  io("size_factor", boxes.size_factor);
   io("texture_sizes", boxes.texture_sizes);
 }
 
@@ -182,11 +184,14 @@ void check_boxes(const boxes::RoomConfig& boxes, double scale) {
   range_in<CountRange, int64_t>("boxes.lights", boxes.lights, 1, 16);
   range_in("boxes.radiance", boxes.radiance, 1e-6, 1e6);
   in_range("boxes.two_room_share", boxes.two_room_share, 0.0, 1.0);
+  in_range("boxes.open_share", boxes.open_share, 0.0, 1.0);
+  range_in("boxes.size_factor", boxes.size_factor, 0.01, 100.0);
   check_texture_sizes("boxes.texture_sizes", boxes.texture_sizes);
   const double width = boxes.two_room_share > 0
                            ? 2 * boxes.width_m.high + boxes::kMaxPartitionThickness
                            : boxes.width_m.high;
-  const double longest = std::max({width, boxes.depth_m.high, boxes.height_m.high});
+  const double longest =
+      std::max({width, boxes.depth_m.high, boxes.height_m.high}) * boxes.size_factor.high;
   LTE_CHECK(longest <= scale, "scale: ", scale,
             " m is less than the largest scene that `boxes` allows, ", longest, " m");
 }

@@ -186,6 +186,82 @@ TEST(BoxRoom, EveryRayFromFreeSpaceMeetsAFront) {
   EXPECT_LE(backs, rays / 50'000) << "something is open or inside out";
 }
 
+TEST(BoxRoom, OpenRoomsLackTheOneWallThatThePlanNames) {
+  RoomConfig rooms = config();
+  rooms.open_share = 0.5;
+  int open = 0;
+  constexpr int kScenes = 200;
+  for (uint64_t seed = 0; seed < kScenes; ++seed) {
+    const Room room = generate_room(rooms, seed);
+    ASSERT_EQ(room.plan.missing_walls.size(), room.plan.rooms.size());
+    open += room.plan.missing_walls[0] != 0;
+    const pathtrace::Bvh bvh(room.scene);
+    for (size_t r = 0; r < room.plan.rooms.size(); ++r) {
+      const Bounds& inner = room.plan.rooms[r];
+      for (const int axis : {0, 2}) {
+        for (const bool high : {false, true}) {
+          Vec3 from = inner.center(), out;
+          from.y = inner.high.y - 0.05f;  // above pictures and the doorway
+          from[axis] = high ? inner.high[axis] - 0.01f : inner.low[axis] + 0.01f;
+          out[axis] = high ? 1.0f : -1.0f;
+          const unsigned face = 1u << (2 * axis + (high ? 1 : 0));
+          const float far = high == (r == 0) || axis == 2 ? 100.0f : 0.02f;  // not the other room
+          EXPECT_EQ(bvh.occluded({from, out, 0, far}), face != room.plan.missing_walls[r])
+              << "seed " << seed << ", room " << r << ", face " << face;
+        }
+      }
+    }
+  }
+  EXPECT_NEAR(open, 0.5 * kScenes, 4 * std::sqrt(kScenes * 0.25));
+}
+
+TEST(BoxRoom, PicturesHangOnWallsThatAreThere) {
+  RoomConfig rooms = config();
+  rooms.open_share = 1;
+  int64_t pictures = 0;
+  for (uint64_t seed = 0; seed < kRooms; ++seed) {
+    const RoomPlan plan = generate_room(rooms, seed).plan;
+    for (const PlacedPiece& piece : plan.furniture) {
+      if (!piece.name.ends_with("picture")) continue;
+      ++pictures;
+      const auto r = static_cast<size_t>(piece.room);
+      const Bounds& inner = plan.rooms[r];
+      for (const int axis : {0, 2}) {
+        const unsigned low = 1u << (2 * axis), high = low << 1;
+        EXPECT_FALSE(plan.missing_walls[r] == low && piece.bounds.low[axis] == inner.low[axis]);
+        EXPECT_FALSE(plan.missing_walls[r] == high && piece.bounds.high[axis] == inner.high[axis]);
+      }
+    }
+  }
+  EXPECT_GT(pictures, static_cast<int64_t>(kRooms) / 2);
+}
+
+TEST(BoxRoom, SizeFactorEnlargesEverythingButTheLight) {
+  RoomConfig large = config();
+  large.size_factor = {2, 2};
+  for (uint64_t seed = 0; seed < 10; ++seed) {
+    const Room a = generate_room(config(), seed), b = generate_room(large, seed);
+    EXPECT_EQ(b.scene.bounds().high, a.scene.bounds().high * 2);
+    EXPECT_NEAR(scene::surface_area(b.scene), 4 * scene::surface_area(a.scene),
+                1e-4 * scene::surface_area(b.scene));
+    ASSERT_EQ(a.plan.furniture.size(), b.plan.furniture.size());
+    for (size_t i = 0; i < a.plan.furniture.size(); ++i)
+      EXPECT_EQ(b.plan.furniture[i].bounds.high, a.plan.furniture[i].bounds.high * 2);
+    ASSERT_EQ(a.scene.materials.size(), b.scene.materials.size());
+    for (size_t i = 0; i < a.scene.materials.size(); ++i)
+      EXPECT_EQ(a.scene.materials[i].emission, b.scene.materials[i].emission);
+  }
+  large.size_factor = {0.5, 4};  // a factor of its own for each scene
+  const Room one = generate_room(large, 1), two = generate_room(large, 2);
+  const float first = one.scene.bounds().high.y, second = two.scene.bounds().high.y;
+  for (const float height : {first, second}) {
+    EXPECT_GE(height, 0.5f * 2.3f);
+    EXPECT_LE(height, 4 * 3.2f);
+  }
+  EXPECT_NE(first / generate_room(config(), 1).scene.bounds().high.y,
+            second / generate_room(config(), 2).scene.bounds().high.y);
+}
+
 TEST(BoxRoom, LightGroupsAndRadianceAreAsConfigured) {
   for (uint64_t seed = 0; seed < kRooms; ++seed) {
     const Room room = generate_room(config(), seed);

@@ -67,7 +67,7 @@ TEST(DatagenConfig, ShippedFilesOfBoxesAreValidAndNameEveryKey) {
   const Config all = Config::parse(to_yaml(boxes), "all");
   for (const char* key : kCommonKeys) EXPECT_TRUE(yaml.has(key)) << key;
   for (const char* key : {"width_m", "depth_m", "height_m", "furniture", "lights", "radiance",
-                          "two_room_share", "texture_sizes"}) {
+                          "two_room_share", "open_share", "size_factor", "texture_sizes"}) {
     EXPECT_TRUE(yaml.at("boxes").has(key)) << key;
     EXPECT_TRUE(all.at("boxes").has(key)) << key;
   }
@@ -123,11 +123,13 @@ TEST(DatagenConfig, FormerNamesAreRead) {
 
 TEST(DatagenConfig, WhatOneModelLearnsFromCanBeJoined) {
   const DatagenConfig boxes = shipped("boxes_many"), homes = shipped("homes_many");
-  EXPECT_EQ(boxes.scale, homes.scale);
-  EXPECT_EQ(boxes.bake.prune, homes.bake.prune);
-  EXPECT_EQ(boxes.bake.light_paths, homes.bake.light_paths);
-  EXPECT_EQ(boxes.bake.max_depth, homes.bake.max_depth);
-  EXPECT_NE(boxes.seed, homes.seed);
+  for (const DatagenConfig& other : {boxes, shipped("boxes_open")}) {
+    EXPECT_EQ(other.scale, homes.scale);
+    EXPECT_EQ(other.bake.prune, homes.bake.prune);
+    EXPECT_EQ(other.bake.light_paths, homes.bake.light_paths);
+    EXPECT_EQ(other.bake.max_depth, homes.bake.max_depth);
+    EXPECT_NE(other.seed, homes.seed);
+  }
 }
 
 TEST(DatagenConfig, PaperHasThePapersCounts) {
@@ -194,6 +196,10 @@ TEST(DatagenConfig, ValuesOutOfRangeAreNamed) {
   EXPECT_THAT(error_in("boxes: {width_m: [3, 4, 5]}"),
               AllOf(HasSubstr("boxes.width_m"), HasSubstr("3 numbers")));
   EXPECT_THAT(error_in("boxes: {lights: [0, 1]}"), HasSubstr("boxes.lights"));
+  EXPECT_THAT(error_in("boxes: {open_share: 1.5}"), HasSubstr("boxes.open_share"));
+  EXPECT_THAT(error_in("boxes: {size_factor: [0, 1]}"), HasSubstr("boxes.size_factor"));
+  EXPECT_THAT(error_in("boxes: {size_factor: [1, 2]}"),
+              AllOf(HasSubstr("scale"), HasSubstr("28.4")));
   EXPECT_THAT(error_in("boxes: {texture_sizes: []}"), HasSubstr("boxes.texture_sizes"));
   EXPECT_THAT(error_in("incident: {points: -1}"), HasSubstr("incident.points"));
   EXPECT_THAT(error_in("incident: {bins: 5}"),
