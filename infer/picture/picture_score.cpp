@@ -23,20 +23,21 @@ double mean_of(const image::Image& image) {
 
 }  // namespace
 
+double relative_mse(const image::Image& picture, const image::Image& reference) {
+  const double mean = mean_of(reference);
+  if (!(mean > 0)) return std::numeric_limits<double>::quiet_NaN();
+  const auto unit = static_cast<float>(1 / mean);
+  return image::relative_mse(times(picture, unit).pixels, times(reference, unit).pixels, 1e-2);
+}
+
 PictureScore score_picture(const image::Image& picture, const image::Image& reference) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   if (picture.width == 0) return {nan, nan, nan, nan, nan};
   PictureScore out;
   out.mse = image::mse(picture.pixels, reference.pixels);
+  out.relmse = relative_mse(picture, reference);
   const double mean = mean_of(reference);
-  if (mean > 0) {
-    const auto unit = static_cast<float>(1 / mean);
-    out.relmse =
-        image::relative_mse(times(picture, unit).pixels, times(reference, unit).pixels, 1e-2);
-    out.mean = mean_of(picture) / mean;
-  } else {
-    out.relmse = out.mean = nan;
-  }
+  out.mean = mean > 0 ? mean_of(picture) / mean : nan;
   const float exposure = image::auto_exposure(reference);
   out.flip =
       image::masked_mean(image::flip(times(picture, exposure), times(reference, exposure)), {});

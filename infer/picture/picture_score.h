@@ -14,6 +14,9 @@ struct PictureScore {
   double mean = 0;    ///< of radiance over the reference's mean
 };
 
+/// PictureScore::relmse. NaN for a reference that is dark all over.
+double relative_mse(const image::Image& picture, const image::Image& reference);
+
 /// @param picture  may be empty
 /// @throws lte::Error if the sizes differ, or a side is under 11 pixels.
 PictureScore score_picture(const image::Image& picture, const image::Image& reference);

@@ -104,6 +104,11 @@ ParetoRow measure_method(const Method& method, const Subject& subject, int repea
   return row;
 }
 
+void add_share(double share, const PictureNoise& noise, PictureNoise* sum) {
+  sum->mse += share * noise.mse;
+  sum->relmse += share * noise.relmse;
+}
+
 ParetoChart measure_chart(const ParetoOptions& options, const std::vector<Method>& methods,
                           const MethodScene& scene, const std::string& name) {
   const pathtrace::Bvh& bvh = scene.renderer.bvh();
@@ -121,8 +126,8 @@ ParetoChart measure_chart(const ParetoOptions& options, const std::vector<Method
     subject.references.push_back(
         find_reference(scene, subject.cameras[v], concat(name, "-view", v), options.reference));
     const double share = 1 / static_cast<double>(subject.cameras.size());
-    chart.whole_noise += share * subject.references.back().whole_mse;
-    chart.indirect_noise += share * subject.references.back().indirect_mse;
+    add_share(share, subject.references.back().whole_noise, &chart.whole_noise);
+    add_share(share, subject.references.back().indirect_noise, &chart.indirect_noise);
   }
   warm_up(methods, scene, subject.cameras.front());
   for (const Method& method : methods)

@@ -54,7 +54,7 @@ struct ParetoChart {
   std::string scene;
   int width = 0, height = 0;
   int64_t triangles = 0, lights = 0;
-  double whole_noise = 0, indirect_noise = 0;  ///< MSE of the reference itself, mean over views
+  PictureNoise whole_noise, indirect_noise;  ///< means over views
   std::vector<ParetoRow> rows;
 };
 

@@ -16,9 +16,15 @@ using Json = nlohmann::json;
 /// JSON has no NaN.
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
-Json json_of(const PictureScore& score) {
+Json json_of(const PictureNoise& noise) {
+  return {{"mse", number(noise.mse)}, {"relmse", number(noise.relmse)}};
+}
+
+Json json_of(const PictureScore& score, const PictureNoise& noise) {
   return {{"mse", number(score.mse)},
           {"relmse", number(score.relmse)},
+          {"own_mse", number(score.mse - noise.mse)},
+          {"own_relmse", number(score.relmse - noise.relmse)},
           {"flip", number(score.flip)},
           {"ssim", number(score.ssim)}};
 }
@@ -27,7 +33,7 @@ Json json_of(const MethodTime& time) {
   return {{"seconds", time.wall}, {"processor_seconds", time.processor}, {"stages", time.stages}};
 }
 
-Json json_of(const ParetoRow& row, const std::vector<int>& fronts) {
+Json json_of(const ParetoRow& row, const ParetoChart& chart, const std::vector<int>& fronts) {
   Json seconds;
   for (const int views : kViewCounts) seconds[std::to_string(views)] = row.seconds(views);
   return {{"name", row.name},
@@ -37,8 +43,8 @@ Json json_of(const ParetoRow& row, const std::vector<int>& fronts) {
           {"view", json_of(row.view)},
           {"seconds_of_views", seconds},
           {"indirect_seconds", row.indirect_seconds()},
-          {"whole", json_of(row.whole)},
-          {"indirect", json_of(row.indirect)},
+          {"whole", json_of(row.whole, chart.whole_noise)},
+          {"indirect", json_of(row.indirect, chart.indirect_noise)},
           {"on_front_of_views", fronts}};
 }
 
@@ -62,16 +68,23 @@ std::string pareto_table(const std::vector<ParetoChart>& charts) {
         "%s, %d x %d, %lld triangles; front: numbers of views at which no row is both "
         "faster and closer\n",
         chart.scene.c_str(), chart.width, chart.height, static_cast<long long>(chart.triangles));
-    out += formatted("%-20s %9s %9s %9s  %9s %9s %7s %7s  %9s %9s  %s\n", "method", "once s",
-                     "a view s", "u + s", "MSE", "relMSE", "FLIP", "SSIM", "ind. MSE", "relMSE",
-                     "front");
+    out += formatted(
+        "own: without the reference's noise, MSE %.1e and relMSE %.1e, of indirect light %.1e and "
+        "%.1e\n",
+        chart.whole_noise.mse, chart.whole_noise.relmse, chart.indirect_noise.mse,
+        chart.indirect_noise.relmse);
+    out += formatted("%-20s %9s %9s %9s  %9s %9s %9s %9s %7s %7s  %9s %9s  %s\n", "method",
+                     "once s", "a view s", "u + s", "MSE", "relMSE", "own MSE", "relMSE", "FLIP",
+                     "SSIM", "ind. MSE", "relMSE", "front");
     const std::vector<std::vector<int>> fronts = fronts_of(chart);
     for (size_t i = 0; i < chart.rows.size(); ++i) {
       const ParetoRow& row = chart.rows[i];
-      out += formatted("%-20s %9.3f %9.3f %9.3f  %9.2e %9.2e %7.4f %7.4f  %9.2e %9.2e ",
+      out += formatted("%-20s %9.3f %9.3f %9.3f  %9.2e %9.2e %9.2e %9.2e %7.4f %7.4f  %9.2e %9.2e ",
                        row.name.c_str(), row.once.wall, row.view.wall,
                        row.once.processor + row.view.processor, row.whole.mse, row.whole.relmse,
-                       row.whole.flip, row.whole.ssim, row.indirect.mse, row.indirect.relmse);
+                       row.whole.mse - chart.whole_noise.mse,
+                       row.whole.relmse - chart.whole_noise.relmse, row.whole.flip, row.whole.ssim,
+                       row.indirect.mse, row.indirect.relmse);
       for (const int views : fronts[i]) out += " " + std::to_string(views);
       out += "\n";
     }
@@ -89,16 +102,18 @@ std::string pareto_json(const ParetoOptions& options, const std::vector<ParetoCh
            {"reference_spp", options.reference.spp},
            {"charts", Json::array()}};
   for (const ParetoChart& chart : charts) {
-    Json json{{"scene", chart.scene},
-              {"width", chart.width},
-              {"height", chart.height},
-              {"triangles", chart.triangles},
-              {"lights", chart.lights},
-              {"reference_mse", {{"whole", chart.whole_noise}, {"indirect", chart.indirect_noise}}},
-              {"rows", Json::array()}};
+    Json json{
+        {"scene", chart.scene},
+        {"width", chart.width},
+        {"height", chart.height},
+        {"triangles", chart.triangles},
+        {"lights", chart.lights},
+        {"reference_noise",
+         {{"whole", json_of(chart.whole_noise)}, {"indirect", json_of(chart.indirect_noise)}}},
+        {"rows", Json::array()}};
     const std::vector<std::vector<int>> fronts = fronts_of(chart);
     for (size_t i = 0; i < chart.rows.size(); ++i)
-      json["rows"].push_back(json_of(chart.rows[i], fronts[i]));
+      json["rows"].push_back(json_of(chart.rows[i], chart, fronts[i]));
     out["charts"].push_back(json);
   }
   return out.dump(1) + "\n";

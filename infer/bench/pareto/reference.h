@@ -9,10 +9,15 @@
 
 namespace lte::infer {
 
+/// What a reference's own noise adds to the errors of every row, estimated from two halves of its
+/// paths. That of relMSE leaves out what noise does to the denominator.
+struct PictureNoise {
+  double mse = 0, relmse = 0;
+};
+
 struct Reference {
   image::Image whole, indirect;
-  /// What its own noise adds to the MSE of every row, estimated from two halves of the paths.
-  double whole_mse = 0, indirect_mse = 0;
+  PictureNoise whole_noise, indirect_noise;
 };
 
 struct ReferenceSettings {

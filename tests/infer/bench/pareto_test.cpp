@@ -110,6 +110,22 @@ TEST_F(Pareto, TheErrorOfPathTracingFallsWithPaths) {
   EXPECT_GT(rows[2].whole.ssim, rows[0].whole.ssim);
 }
 
+/// A reference of 64 paths is as noisy as a picture of 64 other ones.
+TEST_F(Pareto, OwnErrorsAreWithoutTheReferencesNoise) {
+  options_.reference.spp = 64;
+  options_.methods = {"paths-64"};
+  const ParetoChart chart = measure_pareto(options_).at(0);
+  const ParetoRow& row = chart.rows.at(0);
+  const auto even = [](double raw, double noise) {
+    EXPECT_GT(raw - noise, 0.6 * noise);
+    EXPECT_LT(raw - noise, 1.7 * noise);
+  };
+  even(row.whole.mse, chart.whole_noise.mse);
+  even(row.whole.relmse, chart.whole_noise.relmse);
+  even(row.indirect.mse, chart.indirect_noise.mse);
+  even(row.indirect.relmse, chart.indirect_noise.relmse);
+}
+
 /// A thousand estimates of an interior without the network come near the reference, whose path
 /// tracer shares neither cache nor neighbours with them.
 TEST_F(Pareto, EstimatesWithoutTheNetworkComeNear) {
@@ -170,7 +186,15 @@ TEST_F(Pareto, CommandWritesPageAndData) {
   ASSERT_EQ(json.at("charts").size(), 2u);
   const nlohmann::json& chart = json["charts"][1];
   EXPECT_EQ(chart.at("width"), 20);
-  EXPECT_GT(chart.at("reference_mse").at("whole").get<double>(), 0);
+  for (const char* light : {"whole", "indirect"}) {
+    for (const char* error : {"mse", "relmse"}) {
+      const double noise = chart.at("reference_noise").at(light).at(error);
+      EXPECT_GT(noise, 0);
+      const nlohmann::json& score = chart["rows"][0].at(light);
+      EXPECT_NEAR(score.at(std::string("own_") + error).get<double>() + noise,
+                  score.at(error).get<double>(), 1e-9 * score.at(error).get<double>());
+    }
+  }
   ASSERT_EQ(chart.at("rows").size(), 3u);
   const nlohmann::json& row = chart["rows"][2];
   EXPECT_EQ(row.at("family"), "network");
