@@ -10,14 +10,19 @@ struct SharesOfModel {
 };
 
 /// lte-base.
-constexpr SharesOfModel kRadiosity = {
-    .one_draw = {.mean = 0.018, .answer = 0.049, .near = 0.39, .change = 1.0, .direct = 0.020},
-    .several_draws = {.draws = 1.0,
-                      .mean = 0.018,
-                      .answer = 0.041,
-                      .near = 0.35,
-                      .change = 0.73,
-                      .direct = 0.018}};
+constexpr SharesOfModel kRadiosity = {.one_draw = {.mean = 0.013,
+                                                   .answer = 0.057,
+                                                   .near = 0.38,
+                                                   .change = 0.75,
+                                                   .cache = 0.019,
+                                                   .direct = 0.013},
+                                      .several_draws = {.draws = 1.2,
+                                                        .mean = 0.011,
+                                                        .answer = 0.045,
+                                                        .near = 0.33,
+                                                        .change = 0.52,
+                                                        .cache = 0.016,
+                                                        .direct = 0.014}};
 /// lte-hybrid.
 constexpr SharesOfModel kTraced = {
     .one_draw = {.mean = 0.014,
