@@ -24,14 +24,19 @@ constexpr SharesOfModel kRadiosity = {.one_draw = {.mean = 0.013,
                                                         .cache = 0.016,
                                                         .direct = 0.014}};
 /// lte-hybrid.
-constexpr SharesOfModel kTraced = {
-    .one_draw = {.mean = 0.014,
-                 .answer = 0.030,
-                 .near = 0.29,
-                 .change = 0.97,
-                 .cache = 0.47,
-                 .direct = 0.0087},
-    .several_draws = {.draws = 0.67, .mean = 0.014, .near = 0.23, .change = 0.79, .cache = 0.50}};
+constexpr SharesOfModel kTraced = {.one_draw = {.mean = 0.014,
+                                                .answer = 0.027,
+                                                .near = 0.26,
+                                                .change = 0.67,
+                                                .cache = 0.34,
+                                                .direct = 0.0055},
+                                   .several_draws = {.draws = 0.84,
+                                                     .mean = 0.011,
+                                                     .answer = 0.0066,
+                                                     .near = 0.21,
+                                                     .change = 0.52,
+                                                     .cache = 0.34,
+                                                     .direct = 0.0068}};
 /// lte-demo.
 constexpr SharesOfModel kEmission = {
     .one_draw = {.answer = 0.19, .near = 0.73, .change = 4.7, .direct = 0.12},
