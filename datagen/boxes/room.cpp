@@ -5,6 +5,7 @@
 
 #include "datagen/boxes/furniture.h"
 #include "datagen/boxes/materials.h"
+#include "datagen/common/lighting.h"
 #include "datagen/common/parts.h"
 #include "lte/base/check.h"
 #include "lte/base/random.h"
@@ -24,7 +25,18 @@ bool overlap(const Bounds& a, const Bounds& b, float margin) {
   return true;
 }
 
+float log_uniform(const Range& range, Rng* rng) {
+  const double low = std::log(range.low), high = std::log(range.high);
+  return static_cast<float>(std::exp(low + (high - low) * rng->uniform()));
+}
+
 Bounds grown(const Bounds& b, const Vec3& by) { return {b.low - by, b.high + by}; }
+
+/// Of the room, through one of its sides.
+Vec3 outwards(unsigned side) {
+  if (side == kNegX || side == kPosX) return {side == kPosX ? 1.0f : -1.0f, 0, 0};
+  return {0, 0, side == kPosZ ? 1.0f : -1.0f};
+}
 
 /// Builds one scene, step by step; the order of the steps is the order of the random draws.
 class RoomMaker {
@@ -32,6 +44,7 @@ class RoomMaker {
   RoomMaker(const RoomConfig& config, uint64_t seed, Room* room)
       : config_(config),
         rng_(seed, 0x726f6f6dULL),
+        sky_rng_(seed, 0x736b79ULL),
         scene_(room->scene),
         plan_(room->plan),
         materials_(&room->scene, config.texture_sizes, seed) {}
@@ -39,12 +52,14 @@ class RoomMaker {
   void make() {
     lay_out();
     build_shell();
-    place_lights();
+    const bool sky = sky_rng_.uniform() < config_.sky_share && plan_.missing_walls[0] != 0;
+    if (!sky || sky_rng_.below(2) == 0) place_lights();
     for (int room = 0; room < rooms(); ++room) {
       furnish(room);
       hang_pictures(room);
     }
     resize();
+    if (sky) add_daylight();
   }
 
  private:
@@ -62,6 +77,7 @@ class RoomMaker {
   void build_shell();
   void build_partition(int left_wall, int right_wall);
   void place_lights();
+  void add_daylight();
   bool place_light(int room);
   void furnish(int room);
   bool place_piece(int room, PieceKind kind);
@@ -73,6 +89,7 @@ class RoomMaker {
 
   const RoomConfig& config_;
   Rng rng_;
+  Rng sky_rng_;  // of its own: scenes of configurations without skies are what they were
   scene::Scene& scene_;
   RoomPlan& plan_;
   MaterialFactory materials_;
@@ -188,9 +205,7 @@ bool RoomMaker::place_light(int room) {
   const float warmth = rng_.uniform();
   Rgb tint = Rgb{0.80f, 0.90f, 1.0f} * (1 - warmth) + Rgb{1.0f, 0.75f, 0.50f} * warmth;
   tint = tint / luminance(tint);
-  const auto low_log = std::log(config_.radiance.low), high_log = std::log(config_.radiance.high);
-  const double level = std::exp(low_log + (high_log - low_log) * rng_.uniform());
-  const int emitter = materials_.light(tint * static_cast<float>(level));
+  const int emitter = materials_.light(tint * log_uniform(config_.radiance, &rng_));
 
   const std::string name = concat("light ", plan_.lights.size());
   add(name + " frame", {{box.low, box.high, materials_.trim(), kSides, 0, false}}, {});
@@ -199,6 +214,14 @@ bool RoomMaker::place_light(int room) {
   scene_.light_groups.push_back(name);
   plan_.lights.push_back(box);
   return true;
+}
+
+void RoomMaker::add_daylight() {
+  const float level = log_uniform(config_.radiance, &sky_rng_) * sky_rng_.uniform(0.025f, 0.25f);
+  const Rgb radiance = light_tint(sky_rng_.uniform(0, 0.35f)) * level;
+  if (sky_rng_.below(2) == 0)
+    add_sun(outwards(plan_.missing_walls[0]), radiance, &sky_rng_, &scene_);
+  add_sky(radiance, &scene_);
 }
 
 bool RoomMaker::is_free(const Bounds& bounds) const {
@@ -299,8 +322,7 @@ void RoomMaker::hang_pictures(int room) {
 /// Furniture, lights and their distances keep their proportions: a doll's house, or a hall.
 void RoomMaker::resize() {
   if (config_.size_factor.low == 1 && config_.size_factor.high == 1) return;
-  const double low = std::log(config_.size_factor.low), high = std::log(config_.size_factor.high);
-  const auto factor = static_cast<float>(std::exp(low + (high - low) * rng_.uniform()));
+  const float factor = log_uniform(config_.size_factor, &rng_);
   for (scene::Instance& instance : scene_.instances)
     for (auto& row : instance.to_world.m)
       for (float& element : row) element *= factor;

@@ -23,6 +23,9 @@ struct RoomConfig {
   /// Of scenes: one side of each room has no wall, so that light leaves it, and every wall that is
   /// left has a color of its own.
   double open_share = 0;
+  /// Of scenes with a side open: a sky shines in, in half of them a sun with it, and in half of
+  /// them in place of the ceiling lights. Its radiance is 1/40 to 1/4 of `radiance`.
+  double sky_share = 0;
   Range size_factor{1, 1};  ///< the furnished scene is made larger by it, log-uniform
   std::vector<int64_t> texture_sizes{128, 256};  ///< texels an edge; one is drawn a texture
 };
@@ -51,8 +54,8 @@ struct Room {
 };
 
 /// Makes a room of Lambertian, textured surfaces, closed but for `missing_walls`, with one light
-/// group a ceiling light. Y is up, units are metres, the floor is at y = 0. The same (config, seed)
-/// gives the same room.
+/// group a ceiling light, one for a sun and one for a sky. Y is up, units are metres, the floor is
+/// at y = 0. The same (config, seed) gives the same room.
 /// @throws lte::Error if no ceiling light fits a room of the configured size.
 Room generate_room(const RoomConfig& config, uint64_t seed, const std::string& name = "room");
 

@@ -1,6 +1,7 @@
 #include "datagen/dataset/config.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <nlohmann/json.hpp>
 
@@ -21,6 +22,8 @@ void visit_boxes(Io& io, B& boxes) {
   io("radiance", boxes.radiance);
   io("two_room_share", boxes.two_room_share);
   io("open_share", boxes.open_share);
+  // Written only where asked for: config.yaml of boxes without skies stays what it was.
+  if (io.covers(boxes.sky_share > 0)) io("sky_share", boxes.sky_share);
   io("size_factor", boxes.size_factor);
   io("texture_sizes", boxes.texture_sizes);
 }
@@ -185,6 +188,7 @@ void check_boxes(const boxes::RoomConfig& boxes, double scale) {
   range_in("boxes.radiance", boxes.radiance, 1e-6, 1e6);
   in_range("boxes.two_room_share", boxes.two_room_share, 0.0, 1.0);
   in_range("boxes.open_share", boxes.open_share, 0.0, 1.0);
+  in_range("boxes.sky_share", boxes.sky_share, 0.0, 1.0);
   range_in("boxes.size_factor", boxes.size_factor, 0.01, 100.0);
   check_texture_sizes("boxes.texture_sizes", boxes.texture_sizes);
   const double width = boxes.two_room_share > 0
@@ -194,6 +198,11 @@ void check_boxes(const boxes::RoomConfig& boxes, double scale) {
       std::max({width, boxes.depth_m.high, boxes.height_m.high}) * boxes.size_factor.high;
   LTE_CHECK(longest <= scale, "scale: ", scale,
             " m is less than the largest scene that `boxes` allows, ", longest, " m");
+  const double sphere =
+      std::hypot(width, boxes.depth_m.high, boxes.height_m.high) * boxes.size_factor.high;
+  LTE_CHECK(boxes.sky_share == 0 || sphere <= scale, "scale: ", scale,
+            " m is less than the sphere around the largest scene that `boxes` allows, ", sphere,
+            " m, on which a sky (boxes.sky_share) stands");
 }
 
 void check_homes(const homes::HomeConfig& homes, double scale) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datagen/common/lighting.h"
 #include "datagen/homes/cameras.h"
 #include "datagen/homes/furnish.h"
 #include "datagen/homes/kit.h"
@@ -45,7 +46,7 @@ Home generate_home(const HomeConfig& config, uint64_t seed, const std::string& n
   const bool daylight = rng.uniform() < config.daylight_share && has_window(home.plan.floor);
   const float sky = daylight ? 0.6f * kit.radiance * rng.uniform(0.5f, 1.5f) : 0.0f;
 
-  const Rgb sky_radiance = Palette::tint(rng.uniform(0, 0.35f)) * sky;
+  const Rgb sky_radiance = light_tint(rng.uniform(0, 0.35f)) * sky;
   Rng sun_rng(seed, 0x73756eULL);  // of its own: homes without suns are what they always were
   const bool sunny = daylight && sun_rng.uniform() < config.sun_share;
 

@@ -21,7 +21,7 @@ struct Kit {
 
   float draw(float low, float high) { return rng.uniform(low, high); }
   int count(int low, int high) {
-    return low + static_cast<int>(rng.below(static_cast<uint64_t>(high - low + 1)));
+    return low + static_cast<int>(rng.below(static_cast<uint64_t>(int64_t{high} - low + 1)));
   }
   bool chance(float probability) { return rng.uniform() < probability; }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "datagen/common/lighting.h"
+
 namespace lte::datagen::homes {
 namespace {
 
@@ -16,7 +18,7 @@ void add_panel(Stage* stage, Kit* kit, const Bounds& box, bool on) {
   piece.add(panel(lo + x + z, -z, y), trim, {}, false);  // +x
   piece.add(panel(lo + x, -x, y), trim, {}, false);      // −z
   piece.add(panel(lo + z, x, y), trim, {}, false);       // +z
-  const Rgb radiance = Palette::tint(kit->draw(0, 0.9f)) * (kit->radiance * kit->draw(0.7f, 1.3f));
+  const Rgb radiance = light_tint(kit->draw(0, 0.9f)) * (kit->radiance * kit->draw(0.7f, 1.3f));
   const int face = on ? kit->palette->emitter("ceiling light", radiance) : kit->palette->paper();
   piece.add(panel(lo, x, z), face, {}, false);
   stage->plan().ceiling_lights.push_back(box);
@@ -32,7 +34,7 @@ void add_spot(Stage* stage, Kit* kit, const Vec3& at) {
               kit->palette->metal(), at, false, 1);
   const float power = kPi * kit->radiance * 0.36f * kit->draw(0.2f, 0.4f);
   spot.point_lights.push_back(
-      {at - Vec3{0, 0.06f, 0}, Palette::tint(kit->draw(0.3f, 0.9f)) * (power / (4 * kPi))});
+      {at - Vec3{0, 0.06f, 0}, light_tint(kit->draw(0.3f, 0.9f)) * (power / (4 * kPi))});
   stage->build(std::move(spot));
 }
 

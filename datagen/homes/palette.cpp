@@ -260,9 +260,4 @@ int Palette::emitter(const std::string& name, const Rgb& radiance, float albedo)
   return material;
 }
 
-Rgb Palette::tint(float warmth) {
-  const Rgb color = mix(Rgb{0.8f, 0.9f, 1.0f}, Rgb{1.0f, 0.72f, 0.42f}, warmth);
-  return color / luminance(color);
-}
-
 }  // namespace lte::datagen::homes

@@ -57,16 +57,13 @@ class Palette {
   /// An emitter of one side, new at every call.
   int emitter(const std::string& name, const Rgb& radiance, float albedo = 0.7f);
 
-  /// A white of luminance 1, from cool (0) to warm (1).
-  static Rgb tint(float warmth);
-
  private:
   int add(const std::string& name, const Rgb& color);
   int add(const std::string& name, const TexturePtr& texture, Vec2 tile_m);
   int size() { return static_cast<int>(sizes_[rng_.below(sizes_.size())]); }
   float draw(float low, float high) { return rng_.uniform(low, high); }
   int count(int low, int high) {
-    return low + static_cast<int>(rng_.below(static_cast<uint64_t>(high - low + 1)));
+    return low + static_cast<int>(rng_.below(static_cast<uint64_t>(int64_t{high} - low + 1)));
   }
   bool chance(float probability) { return rng_.uniform() < probability; }
   Rgb scheme_color(float saturation, float low, float high);

@@ -1,9 +1,9 @@
 #include "datagen/homes/sun.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
+#include "datagen/common/lighting.h"
 #include "datagen/homes/wall_cells.h"
 
 namespace lte::datagen::homes {
@@ -76,33 +76,14 @@ void add_hull(Stage* stage, int material) {
   stage->build(std::move(piece));
 }
 
-/// Towards the sun: out of the window, up to 60 degrees to its sides.
-Vec3 towards_sun(const Opening& window, Rng* rng) {
-  const auto angle = [&](float low, float high) { return rng->uniform(low, high) * kPi / 180; };
-  const Vec3 out = outwards(window.side), across{out.z, 0, -out.x};
-  const float turn = angle(-60, 60), height = angle(10, 55);
-  return normalize((out * std::cos(turn) + across * std::sin(turn)) * std::cos(height) +
-                   Vec3{0, std::sin(height), 0});
-}
-
 }  // namespace
 
 void add_sun_and_sky(Stage* stage, Kit* kit, const Rgb& sky, Rng* rng) {
   add_hull(stage, kit->palette->trim());
   const std::vector<Opening> windows = windows_of(stage->plan().floor);
   const Opening& window = windows.at(rng->below(windows.size()));
-  scene::PunctualLight sun;
-  sun.name = "sun";
-  sun.kind = scene::LightKind::Directional;
-  sun.direction = -towards_sun(window, rng);
-  const Rgb tint = Palette::tint(rng->uniform(0.3f, 0.9f));
-  sun.intensity = tint * (kPi * luminance(sky) * rng->uniform(1, 6));
-  sun.light_group = stage->add_group(sun.name);
-  stage->scene().lights.push_back(sun);
-  scene::Environment environment;
-  environment.radiance = sky;
-  environment.light_group = stage->add_group("sky");
-  stage->scene().environment = environment;
+  add_sun(outwards(window.side), sky, rng, &stage->scene());
+  add_sky(sky, &stage->scene());
 }
 
 }  // namespace lte::datagen::homes

@@ -1,6 +1,7 @@
 #include "lte/radiosity/occupancy_grid.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "lte/base/vector_clones.h"
@@ -14,19 +15,22 @@ constexpr float kStep = 0.7f;
 constexpr int32_t kFarthest = 16;
 /// Cells by which the middle of a cell's points may lie off a plane and still be part of it.
 constexpr float kOwnCells = 0.3f;
-/// Marches that go on side by side.
-constexpr size_t kLanes = 16;
+/// Marches that go on side by side: several vectors of them, as each waits for its cells.
+constexpr size_t kLanes = 64;
+/// Of those whose hits are told in one word of 32 bits, which vectors hold.
+constexpr size_t kWord = 16;
 
 /// out[i] = min over j of max(line[j], |i - j|), at most kFarthest.
 void spread(const std::vector<int32_t>& line, std::vector<int32_t>* out) {
-  const auto n = static_cast<int>(line.size());
-  for (int i = 0; i < n; ++i) {
-    int best = line[static_cast<size_t>(i)];
-    for (int away = 1; away < best; ++away) {
-      if (i >= away) best = std::min(best, std::max(line[static_cast<size_t>(i - away)], away));
-      if (i + away < n) best = std::min(best, std::max(line[static_cast<size_t>(i + away)], away));
+  const size_t n = line.size();
+  for (size_t i = 0; i < n; ++i) {
+    int32_t best = line[i];
+    for (size_t away = 1; away < static_cast<size_t>(best); ++away) {
+      const auto steps = static_cast<int32_t>(away);
+      if (i >= away) best = std::min(best, std::max(line[i - away], steps));
+      if (i + away < n) best = std::min(best, std::max(line[i + away], steps));
     }
-    (*out)[static_cast<size_t>(i)] = best;
+    (*out)[i] = best;
   }
 }
 
@@ -36,7 +40,9 @@ void spread(const std::vector<int32_t>& line, std::vector<int32_t>* out) {
 struct OccupancyGrid::Marches {
   std::array<float, kLanes> x, y, z, dx, dy, dz, at, end;
   std::array<int32_t, kLanes> cell, clearance;
+  uint64_t hits;  ///< bit i: lane i has come to a marked cell
 };
+static_assert(kLanes == 64 && kLanes % kWord == 0, "Marches::hits has a bit a lane");
 
 OccupancyGrid::OccupancyGrid(std::span<const Vec3> positions, float cell) : cell_(cell) {
   Bounds bounds;
@@ -94,6 +100,15 @@ int32_t OccupancyGrid::cell_at(const Vec3& place) const {
   return (on(place.x, 0) * size_[1] + on(place.y, 1)) * size_[2] + on(place.z, 2);
 }
 
+std::optional<int32_t> OccupancyGrid::cell_of(const Vec3& p) const {
+  const Vec3 at = place(p);
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto size = static_cast<float>(size_[static_cast<size_t>(axis)]);
+    if (!(at[axis] >= 0 && at[axis] < size)) return std::nullopt;
+  }
+  return cell_at(at);
+}
+
 /// Sets the march of a lane to the part of the segment that lies in the grid.
 void OccupancyGrid::start(const Vec3& from, const Vec3& to, size_t lane, Marches* marches) const {
   const Vec3 a = place(from), whole = place(to) - a;
@@ -120,8 +135,8 @@ void OccupancyGrid::start(const Vec3& from, const Vec3& to, size_t lane, Marches
   marches->end[lane] = far;
 }
 
-/// Looks up the cells of all marches and moves each past what is empty. False when all have ended;
-/// the clearance of one that has ended is not 0.
+/// Looks up the cells of all marches, notes hits and moves each past what is empty. False when all
+/// have ended; one that has ended hits nothing.
 LTE_VECTOR_CLONES
 bool OccupancyGrid::leap(Marches* marches) const {
   const int32_t nx = size_[0] - 1, ny = size_[1] - 1, nz = size_[2] - 1;
@@ -153,14 +168,22 @@ bool OccupancyGrid::leap(Marches* marches) const {
     clearance[lane] = on != 0 ? clearance[lane] : kFarthest;
     live |= on;
   }
+  marches->hits = 0;
+  for (size_t first = 0; first < kLanes; first += kWord) {
+    uint32_t word = 0;
+    for (size_t lane = 0; lane < kWord; ++lane)
+      word |= (clearance[first + lane] == 0 ? 1u : 0u) << lane;
+    marches->hits |= uint64_t{word} << first;
+  }
   return live != 0;
 }
 
 bool OccupancyGrid::blocks(int32_t cell, const End& a, const End& b) const {
   const Vec3& middle = middle_[static_cast<size_t>(cell)];
   const float own = kOwnCells * cell_;
-  return std::abs(dot(middle - a.position, a.normal)) > own &&
-         std::abs(dot(middle - b.position, b.normal)) > own;
+  const float off_a = std::abs(dot(middle - a.position, a.normal)),
+              off_b = std::abs(dot(middle - b.position, b.normal));
+  return std::min(off_a, off_b) > own;
 }
 
 void OccupancyGrid::see(const End& a, std::span<const End> others,
@@ -175,11 +198,13 @@ void OccupancyGrid::see(const End& a, std::span<const End> others,
       if (lane >= count) marches.end[lane] = -1;
     }
     while (leap(&marches)) {
-      for (size_t lane = 0; lane < count; ++lane) {
-        if (marches.clearance[lane] != 0) continue;
-        if (!blocks(marches.cell[lane], a, others[first + lane])) continue;
-        (*visible)[first + lane] = 0;
-        marches.end[lane] = -1;
+      for (uint64_t hits = marches.hits; hits != 0; hits &= hits - 1) {
+        const auto lane = static_cast<size_t>(std::countr_zero(hits));
+        // Selected, not branched on: nobody foretells which hits block.
+        const bool blocked = blocks(marches.cell[lane], a, others[first + lane]);
+        uint8_t& seen = (*visible)[first + lane];
+        seen = blocked ? 0 : seen;
+        marches.end[lane] = blocked ? -1 : marches.end[lane];
       }
     }
   }

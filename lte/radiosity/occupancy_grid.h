@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,6 +19,8 @@ class OccupancyGrid {
   OccupancyGrid(std::span<const Vec3> positions, float cell);
 
   float cell() const { return cell_; }
+  /// Index of the cell that `p` lies in; none outside the grid.
+  std::optional<int32_t> cell_of(const Vec3& p) const;
 
   /// A point of a surface.
   struct End {

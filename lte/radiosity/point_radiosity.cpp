@@ -1,12 +1,16 @@
 #include "lte/radiosity/point_radiosity.h"
 
+#include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <limits>
+#include <optional>
+#include <utility>
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/base/random.h"
 #include "lte/radiosity/occupancy_grid.h"
+#include "lte/radiosity/patches.h"
 
 namespace lte::radiosity {
 namespace {
@@ -15,15 +19,18 @@ namespace {
 // 0.9 to 1.3, and with what a cell's own surface is (occupancy_grid.cpp), this agreed best with
 // path-traced light in twelve rooms of boxes and ten homes.
 constexpr float kCellSpacings = 0.9f;
-// What weighs less is left out: emission and radiosity times these.
-constexpr float kLeastDirect = 1e-6f, kLeastTransfer = 2e-4f;
+// What weighs less is left out: emission and radiosity times these. A small lamp of many points
+// weighs little by each of them.
+constexpr float kLeastDirect = 1e-9f, kLeastTransfer = 2e-4f;
+/// Luminaires face alike whose normals have components on the same side of it.
+constexpr float kAlike = 0.5f;
 constexpr int64_t kGrain = 16;
 
 /// Light that goes from a sender to a receiver.
 struct Link {
-  int32_t sender;            ///< index among the senders
-  float weight;              ///< irradiance here over radiosity there
-  uint8_t from = 0, to = 0;  ///< sides
+  size_t sender;    ///< index among the senders
+  float weight;     ///< irradiance here over radiosity there
+  size_t from, to;  ///< sides
 };
 
 /// Of the side of the normal, and of the other.
@@ -31,9 +38,18 @@ using Sides = std::array<Rgb, 2>;
 
 /// What one thread uses again and again.
 struct Work {
+  Transfers transfers;
   std::vector<Link> links;
+  std::vector<size_t> asked;  ///< clusters
   std::vector<OccupancyGrid::End> ends;
   std::vector<uint8_t> visible;
+};
+
+/// Luminaires in one cell of the grid that face alike: no finer does the grid tell who sees them,
+/// so one march is for all.
+struct Cluster {
+  size_t first, last;  ///< of the luminaires
+  OccupancyGrid::End end;
 };
 
 class Solver {
@@ -45,6 +61,7 @@ class Solver {
         count_(points.position.size()),
         blockers_(choose_roles()),
         grid_(blockers_, kCellSpacings * spacing_) {
+    cluster_luminaires();
     direct_.resize(static_cast<size_t>(groups) * count_);
     indirect_.resize(direct_.size());
   }
@@ -106,57 +123,73 @@ class Solver {
     return blockers;
   }
 
-  /// cos cos′ A / (d² + A/π) of receiver `i` and sender `j` of area A: π times the form
-  /// factor of a disc, exact where it is seen head-on. It stays finite where the two touch.
-  float transfer(size_t i, size_t j, float area) const {
-    const Vec3 d = points_.position[j] - points_.position[i];
-    const float d2 = dot(d, d);
-    if (!(d2 > 0)) return 0;
-    const float cosines = std::abs(dot(d, points_.normal[i]) * dot(d, points_.normal[j])) / d2;
-    return cosines * area / (d2 + area / kPi);
-  }
   OccupancyGrid::End end_of(size_t i) const { return {points_.position[i], points_.normal[i]}; }
 
-  /// What point `i` receives from those of `from` whose weight is at least `least`, visible or not;
-  /// `area(k)` is that of the k-th.
-  template <typename Area>
-  void weigh(size_t i, const std::vector<size_t>& from, float least, const Area& area,
-             Work* work) const {
-    work->links.clear();
-    work->ends.clear();
-    for (size_t k = 0; k < from.size(); ++k) {
-      const size_t j = from[k];
-      const float weight = transfer(i, j, area(j));
-      if (!(weight >= least)) continue;
-      const Vec3 d = points_.position[j] - points_.position[i];
-      const auto side = static_cast<uint8_t>(dot(d, points_.normal[j]) > 0 ? 1 : 0);
-      const auto to = static_cast<uint8_t>(dot(d, points_.normal[i]) < 0 ? 1 : 0);
-      work->links.push_back({static_cast<int32_t>(k), weight, side, to});
-      work->ends.push_back(end_of(j));
+  /// Brings luminaires into the order of their clusters. Each that stands outside the grid has one
+  /// of its own.
+  void cluster_luminaires() {
+    const auto alone = static_cast<int64_t>(std::numeric_limits<int32_t>::max());
+    std::vector<std::pair<int64_t, size_t>> keyed;
+    for (const size_t i : luminaires_) {
+      const Vec3& n = points_.normal[i];
+      int64_t facing = 0;
+      for (int axis = 0; axis < 3; ++axis)
+        facing = 3 * facing + (n[axis] > kAlike ? 2 : n[axis] < -kAlike ? 1 : 0);
+      const std::optional<int32_t> cell = grid_.cell_of(points_.position[i]);
+      keyed.emplace_back(
+          cell ? 27 * int64_t{*cell} + facing : 27 * (alone + static_cast<int64_t>(i)), i);
     }
+    std::sort(keyed.begin(), keyed.end());
+    for (size_t k = 0; k < keyed.size(); ++k) {
+      const size_t i = luminaires_[k] = keyed[k].second;
+      luminaire_patches_.add(points_.position[i], points_.normal[i], points_.area[i]);
+      if (k == 0 || keyed[k].first != keyed[k - 1].first) clusters_.push_back({k, k, {}});
+      clusters_.back().last = k + 1;
+    }
+    for (Cluster& cluster : clusters_) cluster.end = luminaire_patches_.end(middle_of(cluster));
   }
-  /// Takes away those that point `i` does not see.
-  void drop_hidden(size_t i, Work* work) const {
-    grid_.see(end_of(i), work->ends, &work->visible);
-    size_t kept = 0;
-    for (size_t k = 0; k < work->links.size(); ++k) {
-      if (work->visible[k] != 0) work->links[kept++] = work->links[k];
+  /// The luminaire that is nearest to the mean of its cluster.
+  size_t middle_of(const Cluster& cluster) const {
+    Vec3 mean;
+    for (size_t k = cluster.first; k < cluster.last; ++k)
+      mean += luminaire_patches_.end(k).position / static_cast<float>(cluster.last - cluster.first);
+    size_t best = cluster.first;
+    float least = std::numeric_limits<float>::infinity();
+    for (size_t k = cluster.first; k < cluster.last; ++k) {
+      const float distance = length(luminaire_patches_.end(k).position - mean);
+      if (distance < least) least = distance, best = k;
     }
-    work->links.resize(kept);
+    return best;
   }
 
   void add_direct(size_t i, Work* work) {
-    weigh(
-        i, luminaires_, kLeastDirect, [&](size_t j) { return points_.area[j]; }, work);
-    std::erase_if(work->links, [](const Link& link) { return link.from != 0; });
+    luminaire_patches_.transfer_to(end_of(i), &work->transfers);
+    const std::vector<float>& weight = work->transfers.weight;
+    const std::vector<int32_t>& sides = work->transfers.sides;
+    const auto counts = [&](size_t k) {
+      return weight[k] >= kLeastDirect && (sides[k] & Transfers::kFromBack) == 0;
+    };
+    work->asked.clear();
     work->ends.clear();
-    for (const Link& link : work->links)
-      work->ends.push_back(end_of(luminaires_[static_cast<size_t>(link.sender)]));
-    drop_hidden(i, work);
-    for (const Link& link : work->links) {
-      const size_t j = luminaires_[static_cast<size_t>(link.sender)];
-      const auto group = points_.light_group.empty() ? 0 : int64_t{points_.light_group[j]};
-      direct_[row(group) + i][link.to] += points_.emission[j] * link.weight;
+    for (size_t c = 0; c < clusters_.size(); ++c) {
+      const Cluster& cluster = clusters_[c];
+      for (size_t k = cluster.first; k < cluster.last; ++k) {
+        if (!counts(k)) continue;
+        work->asked.push_back(c);
+        work->ends.push_back(cluster.end);
+        break;
+      }
+    }
+    grid_.see(end_of(i), work->ends, &work->visible);
+    for (size_t a = 0; a < work->asked.size(); ++a) {
+      if (work->visible[a] == 0) continue;
+      const Cluster& cluster = clusters_[work->asked[a]];
+      for (size_t k = cluster.first; k < cluster.last; ++k) {
+        if (!counts(k)) continue;
+        const size_t j = luminaires_[k], to = (sides[k] & Transfers::kToBack) != 0 ? 1 : 0;
+        const auto group = points_.light_group.empty() ? 0 : int64_t{points_.light_group[j]};
+        direct_[row(group) + i][to] += points_.emission[j] * weight[k];
+      }
     }
   }
 
@@ -170,16 +203,32 @@ class Solver {
       area += points_.area[senders_[k]];
     }
     senders_.resize(wanted);
-    area_factor_ = area > 0 ? static_cast<float>(dark_area_ / area) : 0;
+    // They stand for the others as well.
+    const float factor = area > 0 ? static_cast<float>(dark_area_ / area) : 0;
+    for (const size_t i : senders_)
+      sender_patches_.add(points_.position[i], points_.normal[i], points_.area[i] * factor);
   }
 
-  /// What point `i` receives from all senders. What their areas overlap is taken off: a side gets
-  /// at most what a full hemisphere gives.
+  /// What point `i` receives from all senders that it sees. What their areas overlap is taken off:
+  /// a side gets at most what a full hemisphere gives.
   void find_links(size_t i, Work* work) const {
-    weigh(
-        i, senders_, kLeastTransfer, [&](size_t j) { return points_.area[j] * area_factor_; },
-        work);
-    drop_hidden(i, work);
+    sender_patches_.transfer_to(end_of(i), &work->transfers);
+    const auto& [weight, sides] = work->transfers;
+    work->links.clear();
+    work->ends.clear();
+    for (size_t k = 0; k < senders_.size(); ++k) {
+      if (!(weight[k] >= kLeastTransfer)) continue;
+      const size_t from = (sides[k] & Transfers::kFromBack) != 0 ? 1 : 0;
+      work->links.push_back(
+          {k, weight[k], from, (sides[k] & Transfers::kToBack) != 0 ? size_t{1} : 0});
+      work->ends.push_back(sender_patches_.end(k));
+    }
+    grid_.see(end_of(i), work->ends, &work->visible);
+    size_t kept = 0;
+    for (size_t k = 0; k < work->links.size(); ++k) {
+      if (work->visible[k] != 0) work->links[kept++] = work->links[k];
+    }
+    work->links.resize(kept);
     std::array<float, 2> covered{};
     for (Link& link : work->links) covered[link.to] += link.weight /= kPi;
     for (Link& link : work->links) {
@@ -191,8 +240,7 @@ class Solver {
                const std::vector<Sides>& radiosity) const {
     Sides sum{};
     for (const Link& link : links) {
-      sum[link.to] +=
-          radiosity[sender_row(group) + static_cast<size_t>(link.sender)][link.from] * link.weight;
+      sum[link.to] += radiosity[sender_row(group) + link.sender][link.from] * link.weight;
     }
     return sum;
   }
@@ -236,8 +284,9 @@ class Solver {
   float spacing_ = 0;
   std::vector<Vec3> blockers_;
   OccupancyGrid grid_;
+  Patches luminaire_patches_, sender_patches_;
+  std::vector<Cluster> clusters_;
   std::vector<size_t> senders_;
-  float area_factor_ = 0;                 ///< by which the senders stand for the others as well
   std::vector<Sides> direct_, indirect_;  ///< [groups, points]
 };
 

@@ -48,11 +48,22 @@ TEST(OccupancyGrid, AnEndOnThePlateDoesNotHideItself) {
   EXPECT_FALSE(sees(grid, {0.5f, 0.5f, 0.5f}, across, {0.7f, 0.5f, 1}, -kUp));
 }
 
+TEST(OccupancyGrid, TellsTheCellOfWhatIsInside) {
+  const OccupancyGrid grid(plate(), 0.025f);
+  const std::optional<int32_t> cell = grid.cell_of({0.5f, 0.5f, 0.5f});
+  ASSERT_TRUE(cell);
+  EXPECT_EQ(grid.cell_of({0.5f, 0.5f, 0.501f}), cell);
+  EXPECT_NE(grid.cell_of({0.53f, 0.5f, 0.5f}), cell);
+  EXPECT_FALSE(grid.cell_of({0.5f, 0.5f, 0.8f}));
+  EXPECT_FALSE(grid.cell_of({-1, 0.5f, 0.5f}));
+  EXPECT_FALSE(grid.cell_of({NAN, 0.5f, 0.5f}));
+}
+
 TEST(OccupancyGrid, ManyAreSeenAsEachIsAlone) {
   const OccupancyGrid grid(plate(), 0.025f);
   std::vector<OccupancyGrid::End> others;
-  for (int i = 0; i < 45; ++i)
-    others.push_back({{0.05f * static_cast<float>(i) - 0.5f, 0.4f, 1}, -kUp});
+  for (int i = 0; i < 150; ++i)
+    others.push_back({{0.015f * static_cast<float>(i) - 0.5f, 0.4f, 1}, -kUp});
   std::vector<uint8_t> visible;
   grid.see({{0.5f, 0.5f, 0}, kUp}, others, &visible);
   for (size_t i = 0; i < others.size(); ++i) {

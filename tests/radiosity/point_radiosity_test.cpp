@@ -91,8 +91,8 @@ TEST(PointRadiosity, IsLinearInTheEmissionOfEachGroup) {
   }
 }
 
-/// A floor and a lamp above it, with a board between the two.
-Set lamp_over_board(bool board) {
+/// A floor and a board above it.
+Set floor_and_board(bool board) {
   Set set;
   constexpr int kSide = 40;
   const auto grid = [&](float height, float half, const Vec3& normal, float albedo) {
@@ -107,6 +107,12 @@ Set lamp_over_board(bool board) {
   };
   grid(0, 1, {0, 1, 0}, 0.5f);
   if (board) grid(0.5f, 0.3f, {0, 1, 0}, 0.5f);
+  return set;
+}
+
+/// A floor and a lamp above it, with a board between the two.
+Set lamp_over_board(bool board) {
+  Set set = floor_and_board(board);
   set.add({0, 1, 0}, {0, -1, 0}, 0, {100, 100, 100}, 1e-4f, 0);
   return set;
 }
@@ -119,6 +125,33 @@ TEST(PointRadiosity, DirectLightOfASmallLampIsThatOfTheInverseSquare) {
     const float cosine = d.y / length(d);
     EXPECT_NEAR(light.direct[i].x, 100 * 1e-4f * cosine * cosine / dot(d, d), 1e-5f);
   }
+}
+
+/// A panel of 10 cm that shines downwards and half as much upwards: its 800 points lie in few cells
+/// of the grid, so they share their marches, and each weighs little by itself.
+TEST(PointRadiosity, PointsOfALampInOneCellEachLightAsTheyFace) {
+  Set set = floor_and_board(false);
+  set.add({0.9f, 3.2f, 0.9f}, {0, -1, 0}, 0.5f, {}, 1e-4f, -1);  // the grid reaches up to it
+  constexpr int kSide = 20;
+  constexpr float kStep = 0.1f / kSide, kHeight = 3;
+  for (int i = 0; i < kSide; ++i) {
+    for (int j = 0; j < kSide; ++j) {
+      const Vec3 p{kStep * (static_cast<float>(i) + 0.5f) - 0.05f, kHeight,
+                   kStep * (static_cast<float>(j) + 0.5f) - 0.05f};
+      set.add(p, {0, -1, 0}, 0, {10, 10, 10}, kStep * kStep, 0);
+      set.add(p, {0, 1, 0}, 0, {5, 5, 5}, kStep * kStep, 0);
+    }
+  }
+  const PointLight light = solve(set.points(), 1);
+  for (size_t i = 0; i < 1600; ++i) {
+    const Vec3 d = Vec3{0, kHeight, 0} - set.position[i];
+    const float cosine = d.y / length(d);
+    const float expected = 10 * 0.01f * cosine * cosine / dot(d, d);
+    EXPECT_NEAR(light.direct[i].x, expected, 0.01f * expected) << "point " << i;
+  }
+  const Vec3 up = set.position[1600] - Vec3{0, kHeight, 0};
+  const float above = up.y / length(up), expected = 5 * 0.01f * above * above / dot(up, up);
+  EXPECT_NEAR(light.direct[1600].x, expected, 0.02f * expected);
 }
 
 TEST(PointRadiosity, ABoardShadesTheFloorAndIsLitOnOneSide) {

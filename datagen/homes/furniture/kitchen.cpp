@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datagen/common/lighting.h"
 #include "datagen/homes/furniture/furniture.h"
 
 namespace lte::datagen::homes {
@@ -136,7 +137,7 @@ void add_wall_units(Kit* kit, Piece* piece, const Run& run) {
     }
     if (b - a < 0.4f || !kit->chance(kit->lit_share)) continue;
     const int light =
-        kit->palette->emitter("kitchen strip", Palette::tint(0.6f) * (3 * kit->radiance));
+        kit->palette->emitter("kitchen strip", light_tint(0.6f) * (3 * kit->radiance));
     const float z = kBack + 0.12f, x0 = a + 0.05f, x1 = b - 0.05f;
     kit->block(piece, {x0, low - 0.014f, z}, {x1, low, z + 0.03f}, kit->palette->chrome(), 0.002f);
     piece->add(

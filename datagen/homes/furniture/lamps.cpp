@@ -1,6 +1,7 @@
 // Lamps: stands, shades, bulbs. A lit lamp has one emitter, its bulb or its glowing shade.
 #include <cmath>
 
+#include "datagen/common/lighting.h"
 #include "datagen/homes/furniture/furniture.h"
 
 namespace lte::datagen::homes {
@@ -11,7 +12,7 @@ constexpr float kPanelArea = 0.36f;
 
 Rgb lamp_radiance(Kit* kit, float area) {
   const float share = kit->draw(0.05f, 0.18f);
-  return Palette::tint(kit->draw(0.5f, 1)) * (kit->radiance * share * kPanelArea / area);
+  return light_tint(kit->draw(0.5f, 1)) * (kit->radiance * share * kPanelArea / area);
 }
 
 void add_bulb(Kit* kit, Piece* piece, const Vec3& at, float radius, bool lit) {

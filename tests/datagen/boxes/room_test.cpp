@@ -215,6 +215,45 @@ TEST(BoxRoom, OpenRoomsLackTheOneWallThatThePlanNames) {
   EXPECT_NEAR(open, 0.5 * kScenes, 4 * std::sqrt(kScenes * 0.25));
 }
 
+TEST(BoxRoom, SkyAndSunShineInThroughTheOpenSide) {
+  RoomConfig rooms = config(), dark = rooms;
+  rooms.open_share = dark.open_share = 0.5;
+  rooms.sky_share = 1;
+  int skies = 0, suns = 0, lamps = 0;
+  constexpr int kScenes = 200;
+  for (uint64_t seed = 0; seed < kScenes; ++seed) {
+    const Room room = generate_room(rooms, seed), before = generate_room(dark, seed);
+    EXPECT_FALSE(before.scene.environment);
+    EXPECT_EQ(room.plan.rooms[0].high, before.plan.rooms[0].high) << "the same room under the sky";
+    EXPECT_EQ(room.plan.missing_walls, before.plan.missing_walls);
+    const bool open = room.plan.missing_walls[0] != 0;
+    ASSERT_EQ(room.scene.environment.has_value(), open) << "seed " << seed;
+    EXPECT_EQ(room.scene.light_groups.size(),
+              room.plan.lights.size() + room.scene.lights.size() + (open ? 1 : 0));
+    if (!open) continue;
+    ++skies;
+    lamps += !room.plan.lights.empty();
+    if (room.scene.lights.empty()) continue;
+    ++suns;
+    const scene::PunctualLight& sun = room.scene.lights[0];
+    ASSERT_EQ(sun.kind, scene::LightKind::Directional);
+    const double ratio =
+        luminance(sun.intensity) / (M_PI * luminance(room.scene.environment->radiance));
+    EXPECT_GE(ratio, 0.999);
+    EXPECT_LE(ratio, 6.001);
+    const unsigned side = room.plan.missing_walls[0];
+    const int axis = side == kNegX || side == kPosX ? 0 : 2;
+    const bool high = side == kPosX || side == kPosZ;
+    EXPECT_GT((high ? -1 : 1) * sun.direction[axis], 0.25f) << "it shines in, seed " << seed;
+    const pathtrace::Bvh bvh(room.scene);
+    Vec3 from = room.plan.rooms[0].center();
+    from[axis] = high ? room.plan.rooms[0].high[axis] : room.plan.rooms[0].low[axis];
+    EXPECT_FALSE(bvh.occluded({from, -sun.direction})) << "seed " << seed;
+  }
+  for (const int half : {suns, lamps}) EXPECT_NEAR(half, 0.5 * skies, 4 * std::sqrt(skies * 0.25));
+  EXPECT_GT(skies, kScenes / 4);
+}
+
 TEST(BoxRoom, PicturesHangOnWallsThatAreThere) {
   RoomConfig rooms = config();
   rooms.open_share = 1;

@@ -123,7 +123,8 @@ TEST(DatagenConfig, FormerNamesAreRead) {
 
 TEST(DatagenConfig, WhatOneModelLearnsFromCanBeJoined) {
   const DatagenConfig boxes = shipped("boxes_many"), homes = shipped("homes_many");
-  for (const DatagenConfig& other : {boxes, shipped("boxes_open")}) {
+  for (const DatagenConfig& other :
+       {boxes, shipped("boxes_open"), shipped("boxes_sky"), shipped("homes_daylight")}) {
     EXPECT_EQ(other.scale, homes.scale);
     EXPECT_EQ(other.bake.prune, homes.bake.prune);
     EXPECT_EQ(other.bake.light_paths, homes.bake.light_paths);
@@ -197,6 +198,10 @@ TEST(DatagenConfig, ValuesOutOfRangeAreNamed) {
               AllOf(HasSubstr("boxes.width_m"), HasSubstr("3 numbers")));
   EXPECT_THAT(error_in("boxes: {lights: [0, 1]}"), HasSubstr("boxes.lights"));
   EXPECT_THAT(error_in("boxes: {open_share: 1.5}"), HasSubstr("boxes.open_share"));
+  EXPECT_THAT(error_in("boxes: {sky_share: -1}"), HasSubstr("boxes.sky_share"));
+  EXPECT_THAT(error_in("boxes: {sky_share: 0.5}"),
+              AllOf(HasSubstr("scale: 16"), HasSubstr("sky_share")));
+  EXPECT_EQ(error_in("boxes: {sky_share: 0.5, width_m: [3, 4]}"), "");
   EXPECT_THAT(error_in("boxes: {size_factor: [0, 1]}"), HasSubstr("boxes.size_factor"));
   EXPECT_THAT(error_in("boxes: {size_factor: [1, 2]}"),
               AllOf(HasSubstr("scale"), HasSubstr("28.4")));
