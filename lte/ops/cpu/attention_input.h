@@ -19,21 +19,26 @@ class AttentionInput {
   /// Arguments as patch_attention_inference() has them, checked.
   AttentionInput(const at::Tensor& qkv, const std::optional<at::Tensor>& gather,
                  const std::optional<at::Tensor>& inverse, int64_t heads, int64_t patch)
-      : qkv_(qkv.contiguous()), values_(qkv_.const_data_ptr<float>()), heads_(heads) {
+      : qkv_(qkv.contiguous()),
+        values_(qkv_.const_data_ptr<float>()),
+        points_(qkv_.size(0)),
+        channels_(qkv_.size(1) / 3),
+        heads_(heads),
+        width_(channels_ / heads) {
     if (gather.has_value()) {
       gather_ = gather->contiguous();
       inverse_ = inverse->contiguous();
       slot_of_point_ = inverse_.const_data_ptr<int64_t>();
       point_of_slot_ = gather_.const_data_ptr<int64_t>();
     }
-    length_ = gather.has_value() ? patch : points();
+    length_ = gather.has_value() ? patch : points_;
   }
 
-  int64_t points() const { return qkv_.size(0); }
-  int64_t channels() const { return qkv_.size(1) / 3; }
+  int64_t points() const { return points_; }
+  int64_t channels() const { return channels_; }
   int64_t heads() const { return heads_; }
-  int64_t width() const { return channels() / heads_; }  ///< of a head
-  int64_t length() const { return length_; }             ///< slots of a patch
+  int64_t width() const { return width_; }    ///< of a head
+  int64_t length() const { return length_; }  ///< slots of a patch
   int64_t slots() const { return gather_.defined() ? gather_.numel() : points(); }
   int64_t patches() const { return slots() / length_; }
   bool in_one_patch() const { return !gather_.defined(); }
@@ -88,7 +93,8 @@ class AttentionInput {
   at::Tensor qkv_, gather_, inverse_;
   const float* values_;
   const int64_t *point_of_slot_ = nullptr, *slot_of_point_ = nullptr;
-  int64_t heads_, length_ = 0;
+  // Kept, as rows are found by them one by one.
+  int64_t points_, channels_, heads_, width_, length_ = 0;
 };
 
 }  // namespace lte::ops
