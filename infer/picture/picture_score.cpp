@@ -23,6 +23,12 @@ double mean_of(const image::Image& image) {
 
 }  // namespace
 
+PictureScore without(const ReferenceNoise& noise, PictureScore score) {
+  score.mse -= noise.mse;
+  score.relmse -= noise.relmse;
+  return score;
+}
+
 double relative_mse(const image::Image& picture, const image::Image& reference) {
   const double mean = mean_of(reference);
   if (!(mean > 0)) return std::numeric_limits<double>::quiet_NaN();

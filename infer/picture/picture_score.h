@@ -14,6 +14,14 @@ struct PictureScore {
   double mean = 0;    ///< of radiance over the reference's mean
 };
 
+/// What the noise of a reference adds to errors against it, mean squared and relative.
+struct ReferenceNoise {
+  double mse = 0, relmse = 0;
+};
+
+/// `score` without what the reference's noise adds to it.
+PictureScore without(const ReferenceNoise& noise, PictureScore score);
+
 /// PictureScore::relmse. NaN for a reference that is dark all over.
 double relative_mse(const image::Image& picture, const image::Image& reference);
 

@@ -104,7 +104,7 @@ ParetoRow measure_method(const Method& method, const Subject& subject, int repea
   return row;
 }
 
-void add_share(double share, const PictureNoise& noise, PictureNoise* sum) {
+void add_share(double share, const ReferenceNoise& noise, ReferenceNoise* sum) {
   sum->mse += share * noise.mse;
   sum->relmse += share * noise.relmse;
 }

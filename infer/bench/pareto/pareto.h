@@ -54,7 +54,7 @@ struct ParetoChart {
   std::string scene;
   int width = 0, height = 0;
   int64_t triangles = 0, lights = 0;
-  PictureNoise whole_noise, indirect_noise;  ///< means over views
+  ReferenceNoise whole_noise, indirect_noise;  ///< means over views
   std::vector<ParetoRow> rows;
 };
 

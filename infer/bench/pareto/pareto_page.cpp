@@ -77,13 +77,13 @@ std::string row_table(const ParetoChart& chart) {
   const std::vector<std::vector<int>> fronts = fronts_of(chart);
   for (size_t i = 0; i < chart.rows.size(); ++i) {
     const ParetoRow& row = chart.rows[i];
+    const PictureScore own = without(chart.whole_noise, row.whole);
     std::string front;
     for (const int views : fronts[i]) front += concat(front.empty() ? "" : ", ", views);
     rows.push_back({row.name, formatted("%.3f", row.once.wall), formatted("%.3f", row.view.wall),
                     formatted("%.3f", row.once.processor + row.view.processor),
                     formatted("%.2e", row.whole.mse), formatted("%.2e", row.whole.relmse),
-                    formatted("%.2e", row.whole.mse - chart.whole_noise.mse),
-                    formatted("%.2e", row.whole.relmse - chart.whole_noise.relmse),
+                    formatted("%.2e", own.mse), formatted("%.2e", own.relmse),
                     formatted("%.4f", row.whole.flip), formatted("%.4f", row.whole.ssim),
                     formatted("%.2e", row.indirect.mse), formatted("%.2e", row.indirect.relmse),
                     formatted("%.4f", row.indirect.flip), formatted("%.4f", row.indirect.ssim),

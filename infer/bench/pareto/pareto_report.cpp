@@ -16,17 +16,15 @@ using Json = nlohmann::json;
 /// JSON has no NaN.
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
-Json json_of(const PictureNoise& noise) {
+Json json_of(const ReferenceNoise& noise) {
   return {{"mse", number(noise.mse)}, {"relmse", number(noise.relmse)}};
 }
 
-Json json_of(const PictureScore& score, const PictureNoise& noise) {
-  return {{"mse", number(score.mse)},
-          {"relmse", number(score.relmse)},
-          {"own_mse", number(score.mse - noise.mse)},
-          {"own_relmse", number(score.relmse - noise.relmse)},
-          {"flip", number(score.flip)},
-          {"ssim", number(score.ssim)}};
+Json json_of(const PictureScore& score, const ReferenceNoise& noise) {
+  const PictureScore own = without(noise, score);
+  return {{"mse", number(score.mse)},   {"relmse", number(score.relmse)},
+          {"own_mse", number(own.mse)}, {"own_relmse", number(own.relmse)},
+          {"flip", number(score.flip)}, {"ssim", number(score.ssim)}};
 }
 
 Json json_of(const MethodTime& time) {
@@ -79,12 +77,12 @@ std::string pareto_table(const std::vector<ParetoChart>& charts) {
     const std::vector<std::vector<int>> fronts = fronts_of(chart);
     for (size_t i = 0; i < chart.rows.size(); ++i) {
       const ParetoRow& row = chart.rows[i];
+      const PictureScore own = without(chart.whole_noise, row.whole);
       out += formatted("%-20s %9.3f %9.3f %9.3f  %9.2e %9.2e %9.2e %9.2e %7.4f %7.4f  %9.2e %9.2e ",
                        row.name.c_str(), row.once.wall, row.view.wall,
                        row.once.processor + row.view.processor, row.whole.mse, row.whole.relmse,
-                       row.whole.mse - chart.whole_noise.mse,
-                       row.whole.relmse - chart.whole_noise.relmse, row.whole.flip, row.whole.ssim,
-                       row.indirect.mse, row.indirect.relmse);
+                       own.mse, own.relmse, row.whole.flip, row.whole.ssim, row.indirect.mse,
+                       row.indirect.relmse);
       for (const int views : fronts[i]) out += " " + std::to_string(views);
       out += "\n";
     }

@@ -42,7 +42,7 @@ std::string file_words(const std::string& name) {
 }
 
 /// Makes `image` the mean of both pictures. Half of their difference has the noise of that mean.
-PictureNoise merge(const image::Image& other, image::Image* image) {
+ReferenceNoise merge(const image::Image& other, image::Image* image) {
   image::Image moved = other;  // the mean and its noise, as a picture of the same light
   for (size_t i = 0; i < image->pixels.size(); ++i) {
     const float mean = 0.5F * (image->pixels[i] + other.pixels[i]);
@@ -52,11 +52,11 @@ PictureNoise merge(const image::Image& other, image::Image* image) {
   return {image::mse(moved.pixels, image->pixels), relative_mse(moved, *image)};
 }
 
-nlohmann::json attribute_of(const PictureNoise& noise) {
+nlohmann::json attribute_of(const ReferenceNoise& noise) {
   return {{"mse", noise.mse}, {"relmse", noise.relmse}};
 }
 
-PictureNoise noise_of(const nlohmann::json& json) { return {json.at("mse"), json.at("relmse")}; }
+ReferenceNoise noise_of(const nlohmann::json& json) { return {json.at("mse"), json.at("relmse")}; }
 
 Reference trace_reference(const MethodScene& scene, const scene::Camera& camera,
                           const std::string& name, int half) {

@@ -6,18 +6,15 @@
 #include <string>
 
 #include "infer/bench/pareto/method.h"
+#include "infer/picture/picture_score.h"
 
 namespace lte::infer {
 
-/// What a reference's own noise adds to the errors of every row, estimated from two halves of its
-/// paths. That of relMSE leaves out what noise does to the denominator.
-struct PictureNoise {
-  double mse = 0, relmse = 0;
-};
-
 struct Reference {
   image::Image whole, indirect;
-  PictureNoise whole_noise, indirect_noise;
+  /// Estimated from two halves of the paths. That of relMSE leaves out what noise does to the
+  /// denominator.
+  ReferenceNoise whole_noise, indirect_noise;
 };
 
 struct ReferenceSettings {

@@ -11,23 +11,19 @@
 
 #include "infer/eval/measure/bootstrap.h"
 #include "infer/eval/measure/scores.h"
+#include "infer/picture/picture_score.h"
 
 namespace lte::infer {
 
 inline constexpr const char* kPathTraced = "path_tracing_64";
 inline constexpr double kPathsStored = 64;
 
-/// What the reference's own noise adds to a mean squared error and to a relative one; over the
-/// emission scalar squared.
-struct ReferenceNoise {
-  double mse = 0, relmse = 0;
-};
-
 /// Solves a/n + r = mse for n. Infinite if `mse` is below r; NaN where a figure is missing or path
 /// tracing shows no variance.
 double equal_samples(double mse, double path_traced_mse, double noise);
 
-/// Derives the score of `paths` paths from that of 64. Figures that do not follow from a variance
+/// Derives the score of `paths` paths from that of 64; the noises are over the emission scalar
+/// squared. Figures that do not follow from a variance
 /// are NaN: logrel, SSIM, FLIP.
 Score derived_path_tracing(const Score& at_64, const ReferenceNoise& points,
                            const ReferenceNoise& views, double paths);
