@@ -10,33 +10,32 @@ struct SharesOfModel {
 };
 
 /// lte-base.
-constexpr SharesOfModel kRadiosity = {.one_draw = {.mean = 0.013,
-                                                   .answer = 0.057,
-                                                   .near = 0.38,
-                                                   .change = 0.75,
-                                                   .cache = 0.019,
+constexpr SharesOfModel kRadiosity = {.one_draw = {.mean = 0.014,
+                                                   .answer = 0.048,
+                                                   .near = 0.36,
+                                                   .change = 0.7,
+                                                   .cache = 0.067,
                                                    .direct = 0.013},
-                                      .several_draws = {.draws = 1.2,
-                                                        .mean = 0.011,
-                                                        .answer = 0.045,
-                                                        .near = 0.33,
-                                                        .change = 0.52,
-                                                        .cache = 0.016,
-                                                        .direct = 0.014}};
+                                      .several_draws = {.draws = 1.3,
+                                                        .mean = 0.012,
+                                                        .answer = 0.037,
+                                                        .near = 0.32,
+                                                        .change = 0.47,
+                                                        .cache = 0.012,
+                                                        .direct = 0.012}};
 /// lte-hybrid.
 constexpr SharesOfModel kTraced = {.one_draw = {.mean = 0.014,
-                                                .answer = 0.027,
+                                                .answer = 0.024,
                                                 .near = 0.26,
-                                                .change = 0.67,
-                                                .cache = 0.34,
-                                                .direct = 0.0055},
-                                   .several_draws = {.draws = 0.84,
-                                                     .mean = 0.011,
-                                                     .answer = 0.0066,
-                                                     .near = 0.21,
-                                                     .change = 0.52,
+                                                .change = 0.63,
+                                                .cache = 0.32,
+                                                .direct = 0.006},
+                                   .several_draws = {.draws = 0.82,
+                                                     .mean = 0.012,
+                                                     .near = 0.22,
+                                                     .change = 0.45,
                                                      .cache = 0.34,
-                                                     .direct = 0.0068}};
+                                                     .direct = 0.0065}};
 /// lte-demo.
 constexpr SharesOfModel kEmission = {
     .one_draw = {.answer = 0.19, .near = 0.73, .change = 4.7, .direct = 0.12},

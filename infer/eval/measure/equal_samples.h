@@ -23,8 +23,7 @@ inline constexpr double kPathsStored = 64;
 double equal_samples(double mse, double path_traced_mse, double noise);
 
 /// Derives the score of `paths` paths from that of 64; the noises are over the emission scalar
-/// squared. Figures that do not follow from a variance
-/// are NaN: logrel, SSIM, FLIP.
+/// squared. Figures that do not follow from a variance are NaN: logrel, SSIM, FLIP.
 Score derived_path_tracing(const Score& at_64, const ReferenceNoise& points,
                            const ReferenceNoise& views, double paths);
 
