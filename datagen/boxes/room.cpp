@@ -25,11 +25,6 @@ bool overlap(const Bounds& a, const Bounds& b, float margin) {
   return true;
 }
 
-float log_uniform(const Range& range, Rng* rng) {
-  const double low = std::log(range.low), high = std::log(range.high);
-  return static_cast<float>(std::exp(low + (high - low) * rng->uniform()));
-}
-
 Bounds grown(const Bounds& b, const Vec3& by) { return {b.low - by, b.high + by}; }
 
 /// Of the room, through one of its sides.

@@ -15,11 +15,6 @@
 namespace lte::datagen::homes {
 namespace {
 
-float log_uniform(const Range& range, Rng* rng) {
-  const double low = std::log(range.low), high = std::log(range.high);
-  return static_cast<float>(std::exp(low + (high - low) * rng->uniform()));
-}
-
 bool has_window(const FloorPlan& plan) {
   return std::any_of(plan.openings.begin(), plan.openings.end(),
                      [](const Opening& o) { return o.kind == OpeningKind::Window; });

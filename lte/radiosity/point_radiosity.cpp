@@ -22,7 +22,7 @@ constexpr float kCellSpacings = 0.9f;
 // What weighs less is left out: emission and radiosity times these. A small lamp of many points
 // weighs little by each of them.
 constexpr float kLeastDirect = 1e-9f, kLeastTransfer = 2e-4f;
-/// Luminaires face alike whose normals have components on the same side of it.
+/// Normals are alike that agree, axis by axis, on being above it, below −it or between.
 constexpr float kAlike = 0.5f;
 constexpr int64_t kGrain = 16;
 
