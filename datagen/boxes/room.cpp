@@ -1,7 +1,6 @@
 #include "datagen/boxes/room.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "datagen/boxes/furniture.h"
 #include "datagen/boxes/materials.h"

@@ -1,7 +1,6 @@
 #include "datagen/homes/home.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "datagen/common/lighting.h"
 #include "datagen/homes/cameras.h"

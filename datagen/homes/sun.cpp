@@ -1,6 +1,6 @@
 #include "datagen/homes/sun.h"
 
-#include <algorithm>
+#include <array>
 #include <vector>
 
 #include "datagen/common/lighting.h"

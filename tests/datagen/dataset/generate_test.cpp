@@ -339,6 +339,22 @@ TEST_F(Generate, SetsWithSunsSayIt) {
   EXPECT_GE(std::count(home.scene_light.begin(), home.scene_light.end(), sun + 1), 1) << "the sky";
 }
 
+TEST_F(Generate, SetsOfBoxesWithSkiesSayItAndShowIt) {
+  DatagenConfig config = tiny_config();
+  config.scenes = 1;
+  config.boxes.sky_share = 1;
+  config.boxes.width_m = config.boxes.depth_m = {3, 4};
+  generate("closed", config);
+  EXPECT_FALSE(data::read_dataset_info(folder_ / "closed").suns) << "no side is open";
+  config.boxes.open_share = 1;
+  generate("sky", config);
+  EXPECT_TRUE(data::read_dataset_info(folder_ / "sky").suns);
+  const data::SceneSample box = data::read_scene_sample(
+      data::scene_path(folder_ / "sky", scene_name(GeneratorKind::Boxes, 0)));
+  const auto sky = static_cast<int>(box.light_groups) - 1;
+  EXPECT_GE(std::count(box.scene_light.begin(), box.scene_light.end(), sky), 1);
+}
+
 TEST_F(Generate, AnotherSeedGivesOtherScenes) {
   DatagenConfig config = tiny_config();
   config.scenes = 1;
