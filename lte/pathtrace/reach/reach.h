@@ -6,10 +6,14 @@
 //      each of at most `max_depth` hits, with a light sample at every vertex that draws all light
 //      groups alike, so that a faint lamp in a closed room is found beside bright ones outside; or
 //   2. a vertex of those paths sees a point nearby that is kept: then there is a way for light to
-//      reach it, if perhaps a longer one. This spreads from kept points until nothing changes.
+//      reach it, if perhaps a longer one.
+//
+// After each round of paths the second spreads from kept points until nothing changes, and the next
+// round goes out from what is dark still. Dark points whose paths lead to one another lie in one
+// pocket. Where 256 paths from a pocket have found nothing no more are traced there.
 //
 // Both conditions keep only what is truly connected to a light; the rest is pruned. That errs where
-// light comes in through an opening that none of 84 paths from any point of a pocket finds.
+// light comes in through an opening that none of the paths from a pocket finds.
 #pragma once
 
 #include <cstdint>

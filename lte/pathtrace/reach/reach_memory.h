@@ -9,6 +9,7 @@
 
 #include "lte/base/math.h"
 #include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/reach/light_finder.h"
 #include "lte/pathtrace/reach/reach.h"
 #include "lte/scene/sampler.h"
 
@@ -18,11 +19,8 @@ namespace lte::pathtrace {
 /// where those paths went. Some hundred bytes a dark point.
 struct ReachMemory {
   struct DarkPoint {
-    Vec3 position;               ///< world
-    Bounds paths;                ///< of all their vertices, relative to frame_origin()
-    Vec3 origin;                 ///< off the surface, relative to it as well
-    std::vector<Vec3> vertices;  ///< some of them, those of the front first
-    size_t front_vertices = 0;
+    Vec3 position;              ///< world
+    std::vector<Place> places;  ///< its front and, for Sides::Either, its back
   };
   struct Search {
     Vec3 frame;

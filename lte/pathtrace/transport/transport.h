@@ -52,6 +52,9 @@ class LightSink {
 /// draws its next direction, and `float guided_pdf(int32_t guide, float cosine, const Vec3&
 /// direction) const` says how densely.
 ///
+/// It may end paths unasked, by a function `bool wanted(int32_t path) const`, which is asked before
+/// each of their rays.
+///
 /// And it may say, by a function `float footprint(float distance) const`, how many metres a ray of
 /// that length stands for, over which textures are filtered; without, paths read them unfiltered. A
 /// member `scene::TexelDensities* texels` beside it saves working out how dense they are each time.
@@ -77,9 +80,12 @@ class BasicTransport {
   /// @param position  relative to the frame origin, already off the surface
   void trace_from_surface(const Vec3& position, const Vec3& normal, PathSampler& sampler);
 
-  /// Traces the paths of the sampler's block from diffuse surface points, whose origin and normal
-  /// the caller has put into the lanes of `start()`. No light is sampled at these points
-  /// themselves: contributions of depth 1 are not whole.
+  /// The same from as many points as there are paths, whose origin and normal the caller has put
+  /// into the lanes of `start()`.
+  void trace_from_surfaces(PathSampler& sampler);
+
+  /// The same, but no light is sampled at these points themselves: contributions of depth 1 are not
+  /// whole.
   void trace_indirect(PathSampler& sampler);
 
   /// Traces the paths of the sampler's block along rays that the caller has put into its lanes of
@@ -93,7 +99,9 @@ class BasicTransport {
     observer.guide(1, v, v);
   };
 
+  void start_at_surfaces(const PathSampler& sampler);
   void follow(PathSampler& sampler);
+  void end_unwanted();
   bool end_where_known(int lane, int depth, const SurfacePoint& point, const Vec3& side,
                        const Rgb& throughput);
   float footprint(float distance) const;

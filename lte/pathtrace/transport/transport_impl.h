@@ -33,15 +33,16 @@ BasicTransport<Observer>::BasicTransport(const Bvh& bvh, const Lights& lights, i
 template <typename Observer>
 void BasicTransport<Observer>::trace_from_surface(const Vec3& position, const Vec3& normal,
                                                   PathSampler& sampler) {
-  paths_.size = sampler.paths();
-  metal_.clear();
-  guided_ = false;
-  for (int lane = 0; lane < paths_.size; ++lane) {
+  for (int lane = 0; lane < sampler.paths(); ++lane) {
     paths_.origin.put(lane, position);
     paths_.normal.put(lane, normal);
-    paths_.throughput.put(lane, {1, 1, 1});
-    paths_.path[lane] = lane;
   }
+  trace_from_surfaces(sampler);
+}
+
+template <typename Observer>
+void BasicTransport<Observer>::trace_from_surfaces(PathSampler& sampler) {
+  start_at_surfaces(sampler);
   sample_lights(0, sampler);
   scatter(0, sampler);
   follow(sampler);
@@ -49,6 +50,13 @@ void BasicTransport<Observer>::trace_from_surface(const Vec3& position, const Ve
 
 template <typename Observer>
 void BasicTransport<Observer>::trace_indirect(PathSampler& sampler) {
+  start_at_surfaces(sampler);
+  scatter(0, sampler);
+  follow(sampler);
+}
+
+template <typename Observer>
+void BasicTransport<Observer>::start_at_surfaces(const PathSampler& sampler) {
   paths_.size = sampler.paths();
   metal_.clear();
   guided_ = false;
@@ -56,8 +64,6 @@ void BasicTransport<Observer>::trace_indirect(PathSampler& sampler) {
     paths_.throughput.put(lane, {1, 1, 1});
     paths_.path[lane] = lane;
   }
-  scatter(0, sampler);
-  follow(sampler);
 }
 
 template <typename Observer>
@@ -75,7 +81,9 @@ void BasicTransport<Observer>::trace_from_camera(PathSampler& sampler) {
 /// Follows the paths of the block from hit to hit; the first hit has depth 1.
 template <typename Observer>
 void BasicTransport<Observer>::follow(PathSampler& sampler) {
-  for (int depth = 1; depth <= max_depth_ && paths_.size > 0; ++depth) {
+  for (int depth = 1; depth <= max_depth_; ++depth) {
+    end_unwanted();
+    if (paths_.size == 0) return;
     // The last ray can only find an area light or the environment.
     const bool last = depth == max_depth_;
     if (last && !lights_.can_be_hit()) return;
@@ -88,6 +96,21 @@ void BasicTransport<Observer>::follow(PathSampler& sampler) {
     sample_lights(depth, sampler);
     if (depth >= roulette_depth_) russian_roulette(depth, sampler);
     scatter(depth, sampler);
+  }
+}
+
+/// Ends the paths that the observer does not want any more, and closes up their lanes.
+template <typename Observer>
+void BasicTransport<Observer>::end_unwanted() {
+  if constexpr (requires { observer_.wanted(0); }) {
+    int kept = 0;
+    for (int lane = 0; lane < paths_.size; ++lane) {
+      if (!observer_.wanted(paths_.path[lane])) continue;
+      move_lane(lane, kept);
+      paths_.direction.put(kept, paths_.direction.at(lane));
+      paths_.pdf[kept++] = paths_.pdf[lane];
+    }
+    paths_.size = kept;
   }
 }
 
