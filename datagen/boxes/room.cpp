@@ -213,9 +213,10 @@ bool RoomMaker::place_light(int room) {
 void RoomMaker::add_daylight() {
   const float level = log_uniform(config_.radiance, &sky_rng_) * sky_rng_.uniform(0.025f, 0.25f);
   const Rgb radiance = light_tint(sky_rng_.uniform(0, 0.35f)) * level;
-  if (sky_rng_.below(2) == 0)
-    add_sun(outwards(plan_.missing_walls[0]), radiance, &sky_rng_, &scene_);
-  add_sky(radiance, &scene_);
+  const bool sunny = sky_rng_.below(2) == 0;
+  Daylight light = daylight(radiance, outwards(plan_.missing_walls[0]), &sky_rng_);
+  if (sunny) add_sun(&light, &sky_rng_, &scene_);
+  add_sky(light, config_.sky_picture_share, &sky_rng_, &scene_);
 }
 
 bool RoomMaker::is_free(const Bounds& bounds) const {

@@ -131,7 +131,8 @@ void add_generate_command(CLI::App& app, CommandBody* body) {
       "--merge", flags->merge,
       "Bake nothing: write dataset.json of the scenes that are there, though some be missing");
   for (CLI::Option* other : {config, scenes, seed, shard, resume}) merge->excludes(other);
-  command->add_flag("--glb", flags->options.glb, "Also write each scene as scenes/NAME.glb");
+  command->add_flag("--glb", flags->options.glb,
+                    "Also write each scene as scenes/NAME.glb, its sky as NAME.sky.exr");
   command->add_flag("--print-config", flags->print_config,
                     "Print the whole configuration and stop");
   add_common_options(*command, &flags->common);

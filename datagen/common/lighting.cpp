@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "datagen/common/cie_sky.h"
 #include "datagen/common/raster.h"
 
 namespace lte::datagen {
@@ -27,22 +28,37 @@ Rgb light_tint(float warmth) {
   return color / luminance(color);
 }
 
-void add_sky(const Rgb& radiance, scene::Scene* scene) {
-  scene::Environment environment;
-  environment.radiance = radiance;
-  environment.light_group = add_group("sky", scene);
-  scene->environment = environment;
+Daylight daylight(const Rgb& radiance, const Vec3& out, Rng* rng) {
+  return {radiance, towards_sun(out, rng), 0};
 }
 
-void add_sun(const Vec3& out, const Rgb& sky, Rng* rng, scene::Scene* scene) {
+void add_sun(Daylight* daylight, Rng* rng, scene::Scene* scene) {
   scene::PunctualLight sun;
   sun.name = "sun";
   sun.kind = scene::LightKind::Directional;
-  sun.direction = -towards_sun(out, rng);
+  sun.direction = -daylight->sun;
   const Rgb color = light_tint(rng->uniform(0.3f, 0.9f));
-  sun.intensity = color * (kPi * luminance(sky) * rng->uniform(1, 6));
+  const float ratio = rng->uniform(1, 6);
+  sun.intensity = color * (kPi * luminance(daylight->radiance) * ratio);
   sun.light_group = add_group("sun", scene);
   scene->lights.push_back(sun);
+  daylight->sun_on_roof = ratio * daylight->sun.y;
+}
+
+void add_sky(const Daylight& daylight, double picture_share, Rng* rng, scene::Scene* scene) {
+  scene::Environment sky;
+  sky.radiance = daylight.radiance;
+  sky.light_group = add_group("sky", scene);
+  if (picture_share > 0 && rng->uniform() < picture_share) {
+    const CieSky& kind = kCieSkies[rng->below(kCieSkies.size())];
+    const Rgb white{1, 1, 1}, blue{0.35f, 0.6f, 1.6f},
+        soil = mix({0.3f, 0.2f, 0.12f}, {1, 1, 1}, rng->uniform());
+    const Rgb zenith = mix(white, blue, rng->uniform());
+    const Rgb horizon = mix(white, zenith, rng->uniform());
+    const Rgb ground = soil * (rng->uniform(0.05f, 0.4f) * (1 + daylight.sun_on_roof));
+    sky.map = sky_picture(kind, daylight.sun, zenith, horizon, ground);
+  }
+  scene->environment = sky;
 }
 
 }  // namespace lte::datagen

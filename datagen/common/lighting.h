@@ -9,14 +9,25 @@ namespace lte::datagen {
 /// A white of luminance 1, from cool (warmth 0) to warm (1).
 Rgb light_tint(float warmth);
 
-/// Adds a sky of one radiance from all around, with its own light group.
-/// @param radiance  W sr^-1 m^-2
-void add_sky(const Rgb& radiance, scene::Scene* scene);
+/// What shines in at an opening.
+struct Daylight {
+  Rgb radiance;  ///< W sr^-1 m^-2: what, from all around, would light a roof as the sky does
+  /// Towards the sun, whether it shines or not: 10 to 55 degrees high, up to 60 degrees to the
+  /// sides of the way out of the opening.
+  Vec3 sun;
+  float sun_on_roof = 0;  ///< irradiance of the sun on a roof over the sky's; 0: no sun
+};
 
-/// Adds a sun that looks in at an opening, 10 to 55 degrees high, with its own light group.
-/// @param out  horizontal unit vector out of the opening; the sun stands up to 60 degrees to its
-///             sides
-/// @param sky  its irradiance is 1 to 6 times what this radiance gives on a roof
-void add_sun(const Vec3& out, const Rgb& sky, Rng* rng, scene::Scene* scene);
+/// A sky through an opening.
+/// @param out  horizontal unit vector out of the opening
+Daylight daylight(const Rgb& radiance, const Vec3& out, Rng* rng);
+
+/// Adds the sun, with its own light group. Straight above, its irradiance would be 1 to 6 times the
+/// sky's on a roof.
+void add_sun(Daylight* daylight, Rng* rng, scene::Scene* scene);
+
+/// Adds the sky, with its own light group: one radiance from all around, or in `picture_share` of
+/// the skies one of CIE's over a ground that sky and sun light.
+void add_sky(const Daylight& daylight, double picture_share, Rng* rng, scene::Scene* scene);
 
 }  // namespace lte::datagen

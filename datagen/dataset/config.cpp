@@ -24,6 +24,7 @@ void visit_boxes(Io& io, B& boxes) {
   io("open_share", boxes.open_share);
   // Written only where asked for: config.yaml of boxes without skies stays what it was.
   if (io.covers(boxes.sky_share > 0)) io("sky_share", boxes.sky_share);
+  if (io.covers(boxes.sky_picture_share > 0)) io("sky_picture_share", boxes.sky_picture_share);
   io("size_factor", boxes.size_factor);
   io("texture_sizes", boxes.texture_sizes);
 }
@@ -38,6 +39,7 @@ void visit_homes(Io& io, H& homes) {
   io("daylight_share", homes.daylight_share);
   // Written only where asked for: config.yaml of homes without suns stays what it was.
   if (io.covers(homes.sun_share > 0)) io("sun_share", homes.sun_share);
+  if (io.covers(homes.sky_picture_share > 0)) io("sky_picture_share", homes.sky_picture_share);
   io("lit_share", homes.lit_share);
   io("clutter", homes.clutter);
   io("texture_sizes", homes.texture_sizes);
@@ -189,6 +191,7 @@ void check_boxes(const boxes::RoomConfig& boxes, double scale) {
   in_range("boxes.two_room_share", boxes.two_room_share, 0.0, 1.0);
   in_range("boxes.open_share", boxes.open_share, 0.0, 1.0);
   in_range("boxes.sky_share", boxes.sky_share, 0.0, 1.0);
+  in_range("boxes.sky_picture_share", boxes.sky_picture_share, 0.0, 1.0);
   range_in("boxes.size_factor", boxes.size_factor, 0.01, 100.0);
   check_texture_sizes("boxes.texture_sizes", boxes.texture_sizes);
   const double width = boxes.two_room_share > 0
@@ -212,6 +215,7 @@ void check_homes(const homes::HomeConfig& homes, double scale) {
   range_in("homes.radiance", homes.radiance, 1e-6, 1e6);
   in_range("homes.daylight_share", homes.daylight_share, 0.0, 1.0);
   in_range("homes.sun_share", homes.sun_share, 0.0, 1.0);
+  in_range("homes.sky_picture_share", homes.sky_picture_share, 0.0, 1.0);
   in_range("homes.lit_share", homes.lit_share, 0.0, 1.0);
   in_range("homes.clutter", homes.clutter, 0.0, 2.0);
   check_texture_sizes("homes.texture_sizes", homes.texture_sizes);

@@ -11,6 +11,7 @@
 #include "lte/base/log.h"
 #include "lte/base/timer.h"
 #include "lte/cli/progress.h"
+#include "lte/image/exr.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/placement/auto_camera.h"
 #include "lte/scene/export.h"
@@ -21,15 +22,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Writes the environment of a scene, which glTF has no place for, as `--environment` reads it.
+void export_sky(const fs::path& path, const scene::Environment& sky) {
+  image::Image picture(sky.map ? sky.map->width() : 2, sky.map ? sky.map->height() : 1, 3);
+  for (size_t i = 0; i < picture.pixels.size() / 3; ++i)
+    picture.set_rgb(i, sky.map ? sky.radiance * sky.map->texel(i) : sky.radiance);
+  image::write_exr(path, {{"", &picture}});
+}
+
 /// Writes a scene with cameras, so that a viewer opens at a sensible place: those of the generator,
 /// or that of the first view.
-void export_glb(const fs::path& path, scene::Scene scene) {
+void export_glb(fs::path path, scene::Scene scene) {
   if (scene.cameras.empty()) {
     const scene::Scene geometry = scene;
     const pathtrace::Bvh bvh(geometry);
     scene.cameras = {pathtrace::auto_camera(bvh, 0)};
   }
   scene::write_glb(path, scene);
+  if (scene.environment) export_sky(path.replace_extension(".sky.exr"), *scene.environment);
 }
 
 /// Returns the memory of the last scene to the system. The heap would keep that of the largest

@@ -50,7 +50,7 @@ Home generate_home(const HomeConfig& config, uint64_t seed, const std::string& n
   place_ceiling_lights(&stage, &kit, daylight);
   for (int room = 0; room < static_cast<int>(home.plan.floor.rooms.size()); ++room)
     Furnisher(&stage, &kit, room, static_cast<float>(config.clutter)).furnish();
-  if (sunny) add_sun_and_sky(&stage, &kit, sky_radiance, &sun_rng);
+  if (sunny) add_sun_and_sky(&stage, &kit, sky_radiance, config.sky_picture_share, &sun_rng);
   home.scene.cameras = room_cameras(home.plan);
   return home;
 }

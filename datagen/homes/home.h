@@ -21,6 +21,7 @@ struct HomeConfig {
   Range radiance{4, 30};
   double daylight_share = 0.5;
   double sun_share = 0;
+  double sky_picture_share = 0;
   double lit_share = 0.7;
   double clutter = 0.7;
   std::vector<int64_t> texture_sizes{512, 1024};

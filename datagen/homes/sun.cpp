@@ -78,12 +78,13 @@ void add_hull(Stage* stage, int material) {
 
 }  // namespace
 
-void add_sun_and_sky(Stage* stage, Kit* kit, const Rgb& sky, Rng* rng) {
+void add_sun_and_sky(Stage* stage, Kit* kit, const Rgb& sky, double picture_share, Rng* rng) {
   add_hull(stage, kit->palette->trim());
   const std::vector<Opening> windows = windows_of(stage->plan().floor);
   const Opening& window = windows.at(rng->below(windows.size()));
-  add_sun(outwards(window.side), sky, rng, &stage->scene());
-  add_sky(sky, &stage->scene());
+  Daylight light = daylight(sky, outwards(window.side), rng);
+  add_sun(&light, rng, &stage->scene());
+  add_sky(light, picture_share, rng, &stage->scene());
 }
 
 }  // namespace lte::datagen::homes

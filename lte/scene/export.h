@@ -9,7 +9,7 @@ namespace lte::scene {
 
 /// Writes a .glb (binary glTF 2.0): meshes, instances as nodes, base colors, metal, textures as
 /// PNG, emission with KHR_materials_emissive_strength, punctual lights, cameras. Atomic.
-/// load_scene() of the file gives the same scene.
+/// load_scene() of the file gives the same scene, but for its environment: glTF has none.
 void write_glb(const std::filesystem::path& path, const Scene& scene);
 
 }  // namespace lte::scene

@@ -169,6 +169,8 @@ TEST(DatagenConfig, SunsAreWrittenOnlyWhereThereAreAny) {
   EXPECT_NE(text.find("  sun_share: 0.5\n"), std::string::npos);
   EXPECT_EQ(to_yaml(read_datagen_config(Config::parse(text, "test.yaml"))), text);
   EXPECT_THAT(error_in("generator: homes\nhomes: {sun_share: 2}"), HasSubstr("homes.sun_share"));
+  EXPECT_THAT(error_in("generator: homes\nhomes: {sky_picture_share: 2}"),
+              HasSubstr("homes.sky_picture_share"));
   // The sphere around the largest home is wider than the home.
   EXPECT_THAT(error_in("generator: homes\nhomes: {sun_share: 0.5}"),
               AllOf(HasSubstr("scale: 16"), HasSubstr("sun_share")));
@@ -199,6 +201,7 @@ TEST(DatagenConfig, ValuesOutOfRangeAreNamed) {
   EXPECT_THAT(error_in("boxes: {lights: [0, 1]}"), HasSubstr("boxes.lights"));
   EXPECT_THAT(error_in("boxes: {open_share: 1.5}"), HasSubstr("boxes.open_share"));
   EXPECT_THAT(error_in("boxes: {sky_share: -1}"), HasSubstr("boxes.sky_share"));
+  EXPECT_THAT(error_in("boxes: {sky_picture_share: 1.5}"), HasSubstr("boxes.sky_picture_share"));
   EXPECT_THAT(error_in("boxes: {sky_share: 0.5}"),
               AllOf(HasSubstr("scale: 16"), HasSubstr("sky_share")));
   EXPECT_EQ(error_in("boxes: {sky_share: 0.5, width_m: [3, 4]}"), "");

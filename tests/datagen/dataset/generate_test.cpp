@@ -14,6 +14,7 @@
 #include "lte/base/log.h"
 #include "lte/base/parallel.h"
 #include "lte/data/dataset.h"
+#include "lte/scene/import/environment_file.h"
 #include "lte/scene/load.h"
 #include "tests/data/sample_fixture.h"
 #include "tests/datagen/scenes.h"
@@ -460,6 +461,31 @@ TEST_F(Generate, GlbIsTheSceneThatWasBaked) {
   const Vec3 difference = loaded.bounds().high - room.scene.bounds().high;
   EXPECT_LT(length(difference), 1e-4f);
   EXPECT_EQ(loaded.cameras.size(), 1u);
+}
+
+TEST_F(Generate, TheSkyOfAGlbStandsBesideIt) {
+  for (const double pictures : {0.0, 1.0}) {
+    DatagenConfig config = tiny_config();
+    config.scenes = 1;
+    config.boxes.width_m = config.boxes.depth_m = {3, 4};
+    config.boxes.open_share = config.boxes.sky_share = 1;
+    config.boxes.sky_picture_share = pictures;
+    GenerateOptions options;
+    options.out = folder_ / (pictures > 0 ? "pictures" : "plain");
+    options.glb = true;
+    generate_dataset(config, options);
+    const std::filesystem::path scenes = options.out / "scenes";
+    scene::Scene loaded = scene::load_scene(scenes / "box_00000.glb");
+    EXPECT_FALSE(loaded.environment);
+    scene::set_environment(scenes / "box_00000.sky.exr", 0, &loaded);
+    const boxes::Room room = boxes::generate_room(config.boxes, scene_seed(config.seed, 0));
+    ASSERT_TRUE(room.scene.environment);
+    EXPECT_EQ(room.scene.environment->map != nullptr, pictures > 0);
+    EXPECT_EQ(loaded.light_groups.size(), room.scene.light_groups.size());
+    for (const Vec3& d : {Vec3{0, 1, 0}, Vec3{0.6f, 0.8f, 0}, Vec3{-0.8f, 0, 0.6f},
+                          Vec3{0, -0.6f, 0.8f}, Vec3{0, 0.6f, -0.8f}})
+      EXPECT_EQ(loaded.environment->radiance_from(d), room.scene.environment->radiance_from(d));
+  }
 }
 
 TEST_F(Generate, HomesAreTheSameBytesAndAnotherConfigurationIsRefused) {
