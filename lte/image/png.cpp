@@ -53,6 +53,11 @@ unsigned char* compress_by_zlib(unsigned char* bytes, int size, int* compressed_
 namespace lte::image {
 namespace {
 
+/// One filter for all rows, the difference to the row above: trying all five takes as long as the
+/// compression and saves a twentieth of the bytes of rendered pictures.
+constexpr int kUpFilter = 2;
+[[maybe_unused]] const int g_filter = stbi_write_force_png_filter = kUpFilter;
+
 struct StbFree {
   void operator()(void* pixels) const { stbi_image_free(pixels); }
 };
