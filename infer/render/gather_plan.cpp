@@ -18,15 +18,16 @@ constexpr double kEdges = 0.25, kEdgeHit = 0.35;
 constexpr double kAlone = 0.008;
 /// Filling the pixels between those of a grid, in passes of the quickest denoiser.
 constexpr double kFill = 0.4;
-/// A budget beyond Final doubles its gather rays up to so many, while the picture before paths
-/// takes no more than this share of the time.
+/// Where no paths follow, a budget beyond Final doubles its gather rays up to so many, while the
+/// picture takes no more than this share of the time.
 constexpr int kMostRays = 128;
 constexpr double kMostRaysShare = 0.35;
 /// Room for what predictions leave out.
 constexpr double kRoom = 0.05;
-/// Shares of the time that a picture takes before its paths: Final at most; others where it is
-/// less, by more rays.
-constexpr double kFinalShare = 0.5, kBaseShare = 0.6;
+/// Share of the time that a picture takes before its paths where it is less, by more rays.
+constexpr double kBaseShare = 0.6;
+/// Paths that pixels at edges have in either half before others have any.
+constexpr int kRoughFirst = 16;
 /// What a picture before its paths may take beyond its prediction until its rays become fewer.
 constexpr double kBaseRoom = 1.25;
 /// The fewest rays of a machine that has become slow, as a share of the wanted ones.
@@ -117,19 +118,19 @@ void choose_pace(double seconds, const GatherRates& rates, const GivenFlags& giv
   RenderSettings& settings = choice->rung.settings;
   const double pixels = pixels_of(settings);
   const BaseSeconds base = base_seconds(settings, rates);
-  const bool final = choice->rung.quality == Quality::Final;
   const bool by_hand = given.gather_rays || given.direct_samples;
   // When the base is to be ready: rays become more where that is later than predicted.
   double base_end = kBaseRoom * base.sum();
-  if (!final && !by_hand)
+  if (!by_hand)
     base_end = std::min(base.sum() + (kMostRungRays - 1) * base.rays, kBaseShare * seconds);
   base_end = std::max(base_end, base.sum());
   // A path in both halves of each pixel at an edge is the least that paths can do.
   const double least_paths =
-      pixels * (2 * kEdges * rates.path_s + (final ? 1 : 0.1) * rates.finish_s);
-  const bool paths = final || (!given.correction_paths && base_end + 2 * least_paths <= seconds);
+      pixels * (2 * kEdges * rates.path_s + PicturePace::kRoughFinish * rates.finish_s);
+  const bool paths = base_end + 2 * least_paths <= seconds;
   PaceSettings& pace = choice->pace;
   pace.paths = paths;
+  pace.rough_first = kRoughFirst;
   pace.base_s = (paths ? base_end : seconds) / pixels;
   pace.after_rays_s = base.after / pixels;
   pace.gather_s = rates.gather_s;
@@ -137,7 +138,7 @@ void choose_pace(double seconds, const GatherRates& rates, const GivenFlags& giv
   pace.path_s = rates.path_s;
   pace.finish_s = rates.finish_s;
   pace.least = by_hand ? 1 : kLeastRays;
-  pace.most = by_hand || final ? 1 : kMostRungRays;
+  pace.most = by_hand ? 1 : kMostRungRays;
   choice->paced = true;
   settings.gather.paths = paths ? std::max(2, settings.gather.paths) : 0;
 }
@@ -185,11 +186,12 @@ GatherChoice choose_rung(double seconds, double spent, const GatherRates& rates,
             ": expected ", seconds_text(spent + need), " or more");
   const bool full = ladder.front().settings.output == Output::Full;
   GatherChoice choice{ladder.front(), {}, false};
+  const bool paced = full && !given.correction_paths;
   for (const GatherRung& rung : ladder) {
-    const bool counted = given.correction_paths || !full;
-    const double share = rung.quality == Quality::Final && !counted ? kFinalShare : 1;
-    const RenderSettings settings = counted ? rung.settings : base_of(rung.settings);
-    if (predicted_gather_seconds(settings, rates) <= share * seconds) choice.rung = rung;
+    // What time there is beyond Preview is better spent on paths than on Final's rays.
+    if (paced && rung.quality == Quality::Final) continue;
+    const RenderSettings settings = paced ? base_of(rung.settings) : rung.settings;
+    if (predicted_gather_seconds(settings, rates) <= seconds) choice.rung = rung;
   }
   RenderSettings& best = choice.rung.settings;
   if (choice.rung.quality == Quality::Final) {
@@ -200,7 +202,7 @@ GatherChoice choose_rung(double seconds, double spent, const GatherRates& rates,
       best = more;
     }
   }
-  if (full && !given.correction_paths) {
+  if (paced) {
     choose_pace(seconds, rates, given, &choice);
   } else if (choice.rung.quality == Quality::Final && !given.correction_paths) {
     count_paths(seconds, rates, &best);

@@ -56,6 +56,24 @@ std::vector<float> weights(const std::array<Image, 2>& found, const std::array<I
   return along;
 }
 
+/// The same for pixels of either kind by themselves: at edges the denoiser errs otherwise than on
+/// surfaces, and they have more paths.
+std::vector<float> weights_by_kind(const std::array<Image, 2>& found,
+                                   const std::array<Image, 2>& smooth, const Image& shown,
+                                   std::span<const uint8_t> drawn, std::span<const PixelKind> kinds,
+                                   std::span<const float> scale) {
+  std::vector<float> out(drawn.size());
+  for (const PixelKind kind : {PixelKind::Smooth, PixelKind::Rough}) {
+    std::vector<uint8_t> some(drawn.size());
+    for (size_t i = 0; i < some.size(); ++i) some[i] = drawn[i] && kinds[i] == kind;
+    const std::vector<float> weight = weights(found, smooth, shown, some, scale);
+    for (size_t i = 0; i < some.size(); ++i) {
+      if (some[i]) out[i] = weight[i];
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 Image denoise_reflected(const image::Denoiser& denoiser, const SurfaceGuides& guides,
@@ -85,7 +103,8 @@ void draw_to_denoised(const image::Denoiser& denoiser, const SurfaceGuides& guid
     smooth[h] =
         denoise_reflected(denoiser, guides, found[h], frame->albedo, image::OidnQuality::Balanced);
   }
-  const std::vector<float> weight = weights(found, smooth, shown, drawn, relative_scale(*frame));
+  const std::vector<float> weight =
+      weights_by_kind(found, smooth, shown, drawn, kinds, relative_scale(*frame));
   for (size_t k = 0; k < shown.pixels.size(); ++k) {
     const float from = shown.pixels[k];
     if (!drawn[k / 3] || from < kBlack) continue;

@@ -8,7 +8,10 @@ namespace lte::infer {
 namespace {
 
 /// Paths in rough pixels for one in smooth ones: most of a picture's error is at edges.
-constexpr int kRoughPaths = 3;
+constexpr int kRoughPaths = 5;
+/// Smooth pixels begin with so many, in either half: fewer tell a denoiser too little. It is a pass
+/// of its own, as their paths may take longer than those at edges did.
+constexpr int kSmoothFirst = 5;
 /// Shares of the time left that a pass is to take where it can be smaller, and where it is the
 /// least there is.
 constexpr double kShare = 0.5, kLast = 0.9;
@@ -73,24 +76,28 @@ double PicturePace::pass_paths(const PixelPass& pass) const {
 
 bool PicturePace::fits(const PixelPass& pass, double share) const {
   const bool smooths = paths_.smooth + pass.smooth > 0;
-  // Rough pixels take a tenth of the others' smoothing.
-  const double finish = settings_.finish_s * static_cast<double>(pixels_) * (smooths ? 1 : 0.1);
+  const double finish =
+      settings_.finish_s * static_cast<double>(pixels_) * (smooths ? 1 : kRoughFinish);
   const double left = rows_end_s_ - clock_() - finish;
   return pass_paths(pass) > 0 && path_rate_ * pass_paths(pass) <= share * left;
 }
 
 PixelPass PicturePace::next_pass() {
   pass_begin_s_ = clock_();
-  const int most = (kMostPaths - paths_.rough) / kRoughPaths;
+  const int most = (kMostPaths - paths_.rough) / kRoughPaths;  // of smooth pixels
   if (!settings_.paths || !(path_rate_ > 0) || most < 1) return {};
-  const auto many = [](int count, bool smooth) {
-    return PixelPass{kRoughPaths * count, smooth ? count : 0};
-  };
   const bool has_smooth = smooth_ > 0;
-  int count = most;
-  while (count > 1 && !fits(many(count, has_smooth), kShare)) count = count * 3 / 4;
-  if (fits(many(count, has_smooth), count > 1 ? kShare : kLast)) return many(count, has_smooth);
-  for (int rough = kRoughPaths; rough >= 1; --rough) {
+  if (paths_.rough >= settings_.rough_first || rough_ == 0) {
+    const auto many = [&](int count) {
+      return PixelPass{kRoughPaths * count, has_smooth ? count : 0};
+    };
+    const bool first = has_smooth && paths_.smooth == 0;
+    int count = first ? kSmoothFirst : most;
+    while (!first && count > 1 && !fits(many(count), kShare)) count = count * 3 / 4;
+    if (fits(many(count), !first && count > 1 ? kShare : kLast)) return many(count);
+  }
+  for (int rough = std::max(kRoughPaths, settings_.rough_first - paths_.rough); rough >= 1;
+       --rough) {
     if (fits({rough, 0}, rough > 1 ? kShare : kLast)) return {rough, 0};
   }
   return {};

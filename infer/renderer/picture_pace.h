@@ -22,6 +22,7 @@ struct PaceSettings {
   double path_s = 0;                  ///< a path through a pixel
   double finish_s = 0;                ///< a pixel whose correction is smoothed
   bool paths = true;                  ///< time beyond the base is for them
+  int rough_first = 0;                ///< paths of rough pixels in either half before smooth ones'
   double least = 1, most = 1;         ///< rays, in multiples of the wanted ones
 };
 
@@ -33,6 +34,9 @@ struct PixelPass {
 
 class PicturePace {
  public:
+  /// What correcting rough pixels alone takes of the time that all take: the denoiser's.
+  static constexpr double kRoughFinish = 0.7;
+
   /// @param clock  seconds since the work has begun
   PicturePace(const PaceSettings& settings, std::function<double()> clock);
 
@@ -47,8 +51,8 @@ class PicturePace {
 
   /// The gathered rows are there. @param rough, smooth  pixels of either kind
   void begin_paths(int64_t rough, int64_t smooth);
-  /// The next pass; empty where no time is left for one. First for a path in rough pixels, which
-  /// have most to gain, then for three there and one in each smooth pixel.
+  /// The next pass; empty where no time is left for one. First for those of rough pixels alone,
+  /// which have most to gain, then for five there and one in each smooth pixel.
   PixelPass next_pass();
   /// It is done.
   void add_pass(const PixelPass& pass);

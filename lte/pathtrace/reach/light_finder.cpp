@@ -110,9 +110,9 @@ void find_light(const Bvh& bvh, const Lights& lights, const ReachOptions& option
                  const auto tracer = std::make_unique<BlockTracer>(bvh, lights, options, paths);
                  for (int64_t first = begin; first < end; first += of_block) {
                    const int64_t count = std::min(of_block, end - first);
-                   tracer->trace(numbers.subspan(static_cast<size_t>(first),
-                                                 static_cast<size_t>(count)),
-                                 places);
+                   tracer->trace(
+                       numbers.subspan(static_cast<size_t>(first), static_cast<size_t>(count)),
+                       places);
                  }
                });
 }

@@ -20,11 +20,11 @@ struct PathVertex {
 
 /// One side of a point, and what paths from there have met.
 struct Place {
-  Vec3 origin, side;    ///< as PathVertex
-  uint32_t point = 0;   ///< its random numbers are those of this stream
-  bool lit = false;     ///< a path found light, or a way to another lit place
-  int64_t paths = 0;    ///< that were traced and found none
-  Bounds bounds;        ///< of all their vertices
+  Vec3 origin, side;   ///< as PathVertex
+  uint32_t point = 0;  ///< its random numbers are those of this stream
+  bool lit = false;    ///< a path found light, or a way to another lit place
+  int64_t paths = 0;   ///< that were traced and found none
+  Bounds bounds;       ///< of all their vertices
   /// Of the paths of the last round: some of each depth, the place itself first. Empty if lit.
   std::vector<PathVertex> vertices;
 };

@@ -52,7 +52,8 @@ PlaceGrid::PlaceGrid(const std::vector<Place>& places, std::span<const uint32_t>
 
 std::array<uint64_t, 8> PlaceGrid::cells_around(const Vec3& point) const {
   const Vec3 at = point / (2 * radius_);
-  std::array<CellNumber, 2> reach;  // the cell that the point is in, and the neighbours nearest to it
+  std::array<CellNumber, 2>
+      reach;  // the cell that the point is in, and the neighbours nearest to it
   for (size_t axis = 0; axis < 3; ++axis) {
     const float x = at[static_cast<int>(axis)];
     reach[0][axis] = cell_along(x);
@@ -65,7 +66,8 @@ std::array<uint64_t, 8> PlaceGrid::cells_around(const Vec3& point) const {
 }
 
 PlaceGrid::Cell PlaceGrid::find(uint64_t key) const {
-  for (size_t slot = mix_bits(key) & (slots_.size() - 1);; slot = (slot + 1) & (slots_.size() - 1)) {
+  for (size_t slot = mix_bits(key) & (slots_.size() - 1);;
+       slot = (slot + 1) & (slots_.size() - 1)) {
     const Cell& cell = slots_[slot];
     if (cell.begin == cell.end || cell.key == key) return cell;
   }

@@ -17,8 +17,8 @@ namespace lte::pathtrace {
 namespace {
 
 constexpr std::array<int, kReachRounds> kPathsOfRounds{4, 16, 64};
-/// Paths that all places of a pocket have together, after which it counts as dark: three times those
-/// of a place that is alone.
+/// Paths that all places of a pocket have together, after which it counts as dark: three times
+/// those of a place that is alone.
 constexpr int64_t kPathsOfPocket = 256;
 constexpr int64_t kGrain = 64;
 constexpr int kMostRays = 3;         // from a vertex to places nearby
@@ -114,9 +114,8 @@ class ReachSearch {
           std::any_of(recall_.changed.begin(), recall_.changed.end(), [&](const Bounds& box) {
             const Vec3 slack{near, near, near};
             const Bounds changed{box.low - frame - slack, box.high - frame + slack};
-            return std::any_of(dark.places.begin(), dark.places.end(), [&](const auto& place) {
-              return overlap(place.bounds, changed);
-            });
+            return std::any_of(dark.places.begin(), dark.places.end(),
+                               [&](const auto& place) { return overlap(place.bounds, changed); });
           });
       if (touched) continue;
       for (size_t side = 0; side < std::min(sides_, dark.places.size()); ++side) {
@@ -158,8 +157,10 @@ class ReachSearch {
   void spread_from_lit() {
     std::vector<uint32_t> lit, dark;
     for (uint32_t p = 0; p < places_.size(); ++p) {
-      if (places_[p].lit) lit.push_back(p);
-      else if (!kept(point_of(p))) dark.push_back(p);
+      if (places_[p].lit)
+        lit.push_back(p);
+      else if (!kept(point_of(p)))
+        dark.push_back(p);
     }
     while (!lit.empty() && !dark.empty()) {
       const PlaceGrid grid(places_, lit, radius_);
@@ -226,8 +227,8 @@ class ReachSearch {
   const ReachOptions& options_;
   const ReachRecall& recall_;
   std::span<const Vec3> positions_;
-  const size_t sides_;          ///< of a point: 1 or 2
-  std::vector<Place> places_;   ///< the fronts of all points, then their backs
+  const size_t sides_;            ///< of a point: 1 or 2
+  std::vector<Place> places_;     ///< the fronts of all points, then their backs
   std::vector<uint8_t> settled_;  ///< [places] not worth tracing any more
   float radius_ = 0;
 };

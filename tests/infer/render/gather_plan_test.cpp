@@ -37,10 +37,10 @@ TEST(GatherPlan, QualitiesTakeLongerFromStepToStep) {
   for (const GatherRung& rung : ladder) {
     const double now = base_seconds(rung.settings);
     EXPECT_GT(now, before) << enum_name(rung.quality);
+    const GatherChoice choice = choose_rung(1.001 * now, 0, kRates, ladder, {});
     const bool final = rung.quality == Quality::Final;
-    const GatherChoice choice = choose_rung((final ? 2.001 : 1.001) * now, 0, kRates, ladder, {});
-    EXPECT_EQ(choice.rung.quality, rung.quality);
-    EXPECT_EQ(choice.rung.settings.gather.step, rung.settings.gather.step);
+    EXPECT_EQ(choice.rung.quality, final ? Quality::Preview : rung.quality);
+    EXPECT_TRUE(final || choice.rung.settings.gather.step == rung.settings.gather.step);
     EXPECT_TRUE(choice.paced);
     EXPECT_FALSE(rung.settings.sparse.has_value()) << "the network's quadtree is not meant";
     before = now;
@@ -52,22 +52,21 @@ TEST(GatherPlan, QualitiesTakeLongerFromStepToStep) {
 
 TEST(GatherPlan, TimeBeyondAPictureIsForPaths) {
   const std::vector<GatherRung> ladder = gather_ladder(Sparse::Auto, {}, base());
-  const double final_s = base_seconds(ladder.back().settings);
+  const GatherRung& preview = ladder[ladder.size() - 2];
+  const double preview_s = base_seconds(preview.settings);
   const double pixels = 640 * 480;
-  int rays = 0;
-  for (const double factor : {2.01, 4.0, 8.0, 16.0, 64.0}) {
-    const GatherChoice choice = choose_rung(factor * final_s, 0, kRates, ladder, {});
-    EXPECT_EQ(choice.rung.quality, Quality::Final);
-    EXPECT_GE(choice.rung.settings.gather.rays, rays);
+  for (const double factor : {4.0, 8.0, 16.0, 64.0}) {
+    const GatherChoice choice = choose_rung(factor * preview_s, 0, kRates, ladder, {});
+    EXPECT_EQ(choice.rung.quality, Quality::Preview) << "paths find more than Final's rays";
+    EXPECT_EQ(choice.rung.settings.gather.rays, preview.settings.gather.rays);
     EXPECT_GT(choice.rung.settings.gather.paths, 0);
     EXPECT_TRUE(choice.pace.paths);
-    EXPECT_LE(pixels * choice.pace.base_s, 0.65 * factor * final_s);
+    EXPECT_GT(choice.pace.rough_first, 0);
+    EXPECT_LE(pixels * choice.pace.base_s, 0.65 * factor * preview_s);
     EXPECT_LT(choice.pace.after_rays_s, choice.pace.base_s);
     EXPECT_EQ(choice.pace.path_s, kRates.path_s);
-    rays = choice.rung.settings.gather.rays;
   }
-  EXPECT_EQ(rays, 128);
-  // Below Final rays become more; where nothing else fits they have all of the time.
+  // Rays become more before that; where nothing else fits they have all of the time.
   const double least = base_seconds(ladder.front().settings);
   const GatherChoice quick = choose_rung(1.05 * least, 0, kRates, ladder, {});
   EXPECT_FALSE(quick.pace.paths);
@@ -135,7 +134,7 @@ TEST(GatherPlan, FlagsByHandWin) {
   EXPECT_FALSE(with_quality(Quality::Final, Sparse::Auto, {}, mine).gather.direct);
 }
 
-TEST(GatherPlan, APictureOfALongBudgetIsFinal) {
+TEST(GatherPlan, APictureOfALongBudgetHasMorePathsThanFinal) {
   const scene::Scene scene = test::furnished_room();
   Renderer renderer(scene);
   renderer.make_table({});
@@ -145,7 +144,7 @@ TEST(GatherPlan, APictureOfALongBudgetIsFinal) {
   const scene::Camera camera{"in", {3.8f, 1.2f, 0.2f}, {0, 1, 0.2f}, {0, 1, 0}, 70};
   const Timer clock;
   const PicturePlan plan = plan_gathered(1.5, clock, Sparse::Auto, {}, settings, camera, &renderer);
-  EXPECT_EQ(plan.quality, Quality::Final);
+  EXPECT_EQ(plan.quality, Quality::Preview);
   EXPECT_EQ(plan.pace, nullptr);
   ASSERT_NE(plan.gather_pace, nullptr);
   EXPECT_EQ(plan.settings.gather.pace, plan.gather_pace.get());
