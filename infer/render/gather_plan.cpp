@@ -73,6 +73,8 @@ GatherRates measure_gather_rates(const RenderSettings& base, double pixels,
   rates.gather_s = seconds.gather / rays;
   rates.denoise_s = seconds.denoise / (2 * hits);
   probe.gather.paths = 2;
+  // The denoiser of paths is set up once, too. Quicker pictures have no time for any.
+  if (pixels >= kRatePixels) renderer->render(camera, probe);
   renderer->render(camera, probe);
   const StageSeconds& corrected = renderer->seconds();
   rates.path_s = std::max(rates.gather_s, (corrected.reference - seconds.reference) / (2 * hits));
