@@ -45,7 +45,7 @@ ALLOWED = {
                                "lte/pathtrace/transport"],
     # What rays find out about a scene before its light is traced: where light can come, and where
     # a camera and a lamp may stand.
-    "lte/pathtrace/reach": ["lte/base", "lte/scene/*", "lte/pathtrace",
+    "lte/pathtrace/reach": ["lte/base", "lte/scene/*", "lte/pathtrace", "lte/pathtrace/lights",
                             "lte/pathtrace/transport"],
     "lte/pathtrace/placement": ["lte/base", "lte/scene/*", "lte/pathtrace"],
     "lte/gi": ["lte/base", "lte/image", "lte/scene/*", "lte/pathtrace/*"],

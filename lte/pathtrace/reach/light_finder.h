@@ -25,7 +25,8 @@ struct Place {
   bool lit = false;    ///< a path found light, or a way to another lit place
   int64_t paths = 0;   ///< that were traced and found none
   Bounds bounds;       ///< of all their vertices
-  /// Of the paths of the last round: some of each depth, the place itself first. Empty if lit.
+  /// Of the paths of the last round: some of each depth, the place itself first. Empty if they
+  /// found light.
   std::vector<PathVertex> vertices;
 };
 

@@ -15,8 +15,8 @@
 
 namespace lte::pathtrace {
 
-/// The points of each search of one sample_reached_surface() from which no path found light, and
-/// where those paths went. Some hundred bytes a dark point.
+/// The points of each search of one sample_reached_surface() that stayed dark, and where their
+/// paths went. Some hundred bytes a dark point.
 struct ReachMemory {
   struct DarkPoint {
     Vec3 position;              ///< world
