@@ -126,10 +126,11 @@ void choose_pace(double seconds, const GatherRates& rates, const GivenFlags& giv
   if (!by_hand)
     base_end = std::min(base.sum() + (kMostRungRays - 1) * base.rays, kBaseShare * seconds);
   base_end = std::max(base_end, base.sum());
-  // A path in both halves of each pixel at an edge is the least that paths can do.
+  // Two paths in both halves of each pixel at an edge are the least that help.
   const double least_paths =
-      pixels * (2 * kEdges * rates.path_s + PicturePace::kRoughFinish * rates.finish_s);
-  const bool paths = base_end + 2 * least_paths <= seconds;
+      pixels * (4 * kEdges * rates.path_s + PicturePace::kRoughFinish * rates.finish_s);
+  const bool paths = kBaseRoom * base.sum() + least_paths <= seconds;
+  if (paths) base_end = std::min(base_end, seconds - least_paths);
   PaceSettings& pace = choice->pace;
   pace.paths = paths;
   pace.rough_first = kRoughFirst;

@@ -35,7 +35,7 @@ struct PixelPass {
 class PicturePace {
  public:
   /// What correcting rough pixels alone takes of the time that all take: the denoiser's.
-  static constexpr double kRoughFinish = 0.7;
+  static constexpr double kRoughFinish = 0.4;
 
   /// @param clock  seconds since the work has begun
   PicturePace(const PaceSettings& settings, std::function<double()> clock);
