@@ -80,6 +80,7 @@ void put_band(const Frame& band, int first, bool layers, int height, Frame* fram
   if (layers) {
     put_rows(band.albedo, first, height, &frame->albedo);
     put_rows(band.normal, first, height, &frame->normal);
+    put_rows(band.mean_normal, first, height, &frame->mean_normal);
     put_rows(band.emission, first, height, &frame->emission);
     put_rows(band.direct, first, height, &frame->direct);
     put_rows(band.indirect, first, height, &frame->indirect);

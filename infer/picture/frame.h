@@ -18,6 +18,8 @@ namespace lte::infer {
 struct Frame {
   image::Image color;  ///< the chosen output, linear; depth has one channel
   image::Image albedo, normal, depth, emission;
+  /// Over the hits of a pixel, 0 where they meet nothing: not unit at edges. Only if asked for.
+  image::Image mean_normal;
   image::Image direct;    ///< irradiance by direct light, W/m²
   image::Image indirect;  ///< irradiance by all later bounces
   /// Irradiance of a model whose target is the total, when direct light was not needed.

@@ -248,6 +248,12 @@ Rgb PictureBand::edge_albedo(size_t entry) const {
   return sum * (1.0f / static_cast<float>(sub_.count(entry)));
 }
 
+Vec3 PictureBand::edge_normal(size_t entry) const {
+  Vec3 sum;
+  sub_.each(entry, [&](size_t s) { sum += sub_.hits.normal[s]; });
+  return sum * (1.0f / static_cast<float>(sub_.count(entry)));
+}
+
 /// Weighted by albedo, unless the options say otherwise.
 /// @param albedo  the mean of the pixel
 Rgb PictureBand::edge_irradiance(const Layer& layer, size_t entry, const Rgb& albedo) const {
@@ -311,8 +317,10 @@ Frame PictureBand::resolve(const BandLight& light) const {
     put(&frame.emission, i, hits.emission[at]);
     if (hits.mask[at]) frame.depth.pixels[static_cast<size_t>(i)] = hits.depth[at];
   });
+  if (options_.mean_normal) frame.mean_normal = frame.normal;
   each_edge([&](size_t entry) {
     const int pixel = sub_.pixel[entry] - static_cast<int32_t>(seen_index(0));
+    if (options_.mean_normal) put(&frame.mean_normal, pixel, edge_normal(entry));
     put(&frame.albedo, pixel, edge_albedo(entry));
     put(&frame.emission, pixel, sub_.emission[entry]);
   });

@@ -29,6 +29,7 @@ struct BandOptions {
   /// The light of centres is there already (BandLight::centres): queries are those beyond them
   /// alone.
   bool centres_known = false;
+  bool mean_normal = false;  ///< the frame has that layer too
 };
 
 /// Irradiance at the centres of the pixels of the rows that a band's hits are lent from.
@@ -98,6 +99,7 @@ class PictureBand {
   /// Means over the hits of an edge pixel.
   Rgb edge_irradiance(const Layer& layer, size_t entry, const Rgb& albedo) const;
   Rgb edge_albedo(size_t entry) const;
+  Vec3 edge_normal(size_t entry) const;
 
   int pixels() const { return rows_.width * (rows_.last - rows_.first); }
   const pathtrace::GBuffer& hits() const { return lent_ != nullptr ? *lent_ : own_; }

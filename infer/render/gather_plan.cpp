@@ -28,6 +28,8 @@ constexpr double kRoom = 0.05;
 constexpr double kBaseShare = 0.6;
 /// Paths that pixels at edges have in either half before others have any.
 constexpr int kRoughFirst = 16;
+/// Over what the probe's correction takes by pixel: a whole picture's takes more.
+constexpr double kFinishRoom = 1.15;
 /// What a picture before its paths may take beyond its prediction until its rays become fewer.
 constexpr double kBaseRoom = 1.25;
 /// The fewest rays of a machine that has become slow, as a share of the wanted ones.
@@ -139,7 +141,7 @@ void choose_pace(double seconds, const GatherRates& rates, const GivenFlags& giv
   pace.gather_s = rates.gather_s;
   pace.shadow_s = rates.ray_s;
   pace.path_s = rates.path_s;
-  pace.finish_s = rates.finish_s;
+  pace.finish_s = kFinishRoom * rates.finish_s;
   pace.least = by_hand ? 1 : kLeastRays;
   pace.most = by_hand ? 1 : kMostRungRays;
   choice->paced = true;

@@ -11,25 +11,39 @@ namespace lte::infer {
 namespace {
 
 using image::Image;
+using pathtrace::RadianceLayers;
 
 /// Half an edge of the square over which weights are estimated.
 constexpr int kWindow = 16;
 /// Lesser reflected light is none: there is nothing to scale.
 constexpr float kBlack = 1e-12f;
 
-Image reflected_of(const Frame& frame) {
-  Image out = frame.albedo;
-  for (size_t k = 0; k < out.pixels.size(); ++k)
-    out.pixels[k] *= (frame.direct.pixels[k] + frame.indirect.pixels[k]) / kPi;
+/// A layer of irradiance, and the radiance that paths find of it.
+struct Part {
+  Image Frame::*layer;
+  Image RadianceLayers::*found;
+};
+constexpr Part kDirect{&Frame::direct, &RadianceLayers::direct},
+    kIndirect{&Frame::indirect, &RadianceLayers::indirect};
+
+/// What the frame shows of some parts.
+Image reflected_of(const Frame& frame, std::span<const Part> parts) {
+  Image out(frame.albedo.width, frame.albedo.height, 3);
+  for (const Part& part : parts) {
+    for (size_t k = 0; k < out.pixels.size(); ++k)
+      out.pixels[k] += frame.albedo.pixels[k] * (frame.*part.layer).pixels[k] / kPi;
+  }
   return out;
 }
 
-/// What half of the paths found; where there are none, what is shown.
-Image found_by(const pathtrace::RadianceLayers& half, std::span<const uint8_t> drawn,
-               const Image& shown) {
+/// What half of the paths found of them; where there are none, what is shown.
+Image found_by(const RadianceLayers& half, std::span<const Part> parts,
+               std::span<const uint8_t> drawn, const Image& shown) {
   Image out = shown;
   for (size_t k = 0; k < out.pixels.size(); ++k) {
-    if (drawn[k / 3]) out.pixels[k] = half.direct.pixels[k] + half.indirect.pixels[k];
+    if (!drawn[k / 3]) continue;
+    out.pixels[k] = 0;
+    for (const Part& part : parts) out.pixels[k] += (half.*part.found).pixels[k];
   }
   return out;
 }
@@ -74,12 +88,43 @@ std::vector<float> weights_by_kind(const std::array<Image, 2>& found,
   return out;
 }
 
+/// What parts of a frame are drawn by.
+struct Drawing {
+  const image::Denoiser& denoiser;
+  const SurfaceGuides& guides;
+  std::span<const PixelKind> kinds;
+  std::span<const uint8_t> drawn;
+  const std::array<RadianceLayers, 2>& halves;
+  const std::vector<float> scale;
+
+  /// Draws the sum of some parts, whose shares in it stay.
+  void draw(std::span<const Part> parts, Frame* frame) const {
+    const Image shown = reflected_of(*frame, parts);
+    std::array<Image, 2> found, smooth;
+    for (size_t h = 0; h < 2; ++h) {
+      found[h] = found_by(halves[h], parts, drawn, shown);
+      smooth[h] = denoise_reflected(denoiser, guides, found[h], {frame->albedo, frame->mean_normal},
+                                    image::OidnQuality::Balanced);
+    }
+    const std::vector<float> weight = weights_by_kind(found, smooth, shown, drawn, kinds, scale);
+    for (size_t k = 0; k < shown.pixels.size(); ++k) {
+      const float from = shown.pixels[k];
+      if (!drawn[k / 3] || from < kBlack) continue;
+      const float to = (smooth[0].pixels[k] + smooth[1].pixels[k]) / 2;
+      const float factor = std::max(0.0f, 1 + weight[k / 3] * (to / from - 1));
+      for (const Part& part : parts) (frame->*part.layer).pixels[k] *= factor;
+    }
+  }
+};
+
 }  // namespace
 
 Image denoise_reflected(const image::Denoiser& denoiser, const SurfaceGuides& guides,
-                        const Image& reflected, const Image& albedo, image::OidnQuality quality) {
+                        const Image& reflected, const PixelMeans& seen,
+                        image::OidnQuality quality) {
+  const Image& normal = denoiser.is_oidn() ? seen.normal : guides.normal;
   Image out =
-      denoiser.denoise({&reflected, &guides.normal, &guides.position, &albedo, nullptr}, quality);
+      denoiser.denoise({&reflected, &normal, &guides.position, &seen.albedo, nullptr}, quality);
   for (size_t i = 0; i < guides.pixels(); ++i) {
     if (!guides.mask[i]) out.set_rgb(i, reflected.rgb(i));
   }
@@ -88,31 +133,20 @@ Image denoise_reflected(const image::Denoiser& denoiser, const SurfaceGuides& gu
 
 void draw_to_denoised(const image::Denoiser& denoiser, const SurfaceGuides& guides,
                       std::span<const PixelKind> kinds, std::span<const int32_t> paths,
-                      const std::array<pathtrace::RadianceLayers, 2>& halves, Frame* frame) {
+                      const std::array<RadianceLayers, 2>& halves, Frame* frame) {
   LTE_CHECK(guides.pixels() == kinds.size() && kinds.size() == paths.size() &&
                 frame->albedo.pixels.size() == 3 * kinds.size() && frame->direct.width > 0 &&
-                frame->indirect.width > 0,
+                frame->indirect.width > 0 &&
+                frame->mean_normal.pixels.size() == frame->albedo.pixels.size(),
             "denoised paths: pictures of different sizes");
   std::vector<uint8_t> drawn(kinds.size());
   for (size_t i = 0; i < drawn.size(); ++i)
     drawn[i] = guides.mask[i] && paths[i] > 0 && kinds[i] != PixelKind::Fixed;
-  const Image shown = reflected_of(*frame);
-  std::array<Image, 2> found, smooth;
-  for (size_t h = 0; h < 2; ++h) {
-    found[h] = found_by(halves[h], drawn, shown);
-    smooth[h] =
-        denoise_reflected(denoiser, guides, found[h], frame->albedo, image::OidnQuality::Balanced);
-  }
-  const std::vector<float> weight =
-      weights_by_kind(found, smooth, shown, drawn, kinds, relative_scale(*frame));
-  for (size_t k = 0; k < shown.pixels.size(); ++k) {
-    const float from = shown.pixels[k];
-    if (!drawn[k / 3] || from < kBlack) continue;
-    const float to = (smooth[0].pixels[k] + smooth[1].pixels[k]) / 2;
-    const float factor = std::max(0.0f, 1 + weight[k / 3] * (to / from - 1));
-    frame->direct.pixels[k] *= factor;
-    frame->indirect.pixels[k] *= factor;
-  }
+  const Drawing drawing{denoiser, guides, kinds, drawn, halves, relative_scale(*frame)};
+  drawing.draw(std::array{kDirect, kIndirect}, frame);
+  bool smooth = false;
+  for (size_t i = 0; i < drawn.size(); ++i) smooth |= drawn[i] && kinds[i] == PixelKind::Smooth;
+  if (smooth) drawing.draw(std::array{kIndirect}, frame);
 }
 
 }  // namespace lte::infer

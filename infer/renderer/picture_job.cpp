@@ -152,7 +152,8 @@ Frame PictureJob::render_band(const PictureRows& rows, Frame* shown) {
   const Timer timer;
   const PictureBand band(from_.bvh, camera_, rows,
                          {needs_.radiance ? 0 : settings_.antialias, needs_.metal,
-                          settings_.output == Output::Irradiance, /*centres_known=*/needs_.table},
+                          settings_.output == Output::Irradiance, /*centres_known=*/needs_.table,
+                          /*mean_normal=*/needs_.corrects_pixels},
                          hits_ ? &*hits_ : nullptr, first_row_);
   seconds_.primary += timer.seconds();
   BandLight light;
@@ -225,6 +226,7 @@ void PictureJob::correct(const PictureRows& strip, Frame* frame) {
     correct_pixels(guides, kinds, paths.paths(), halves, frame);
     frame->color = compose(*frame, settings_.output);
   }
+  frame->mean_normal = {};
   if (settings_.done && untold_ > 0) settings_.done(untold_);
   seconds_.denoise += timer.seconds();
 }
@@ -255,7 +257,7 @@ void PictureJob::denoise_radiance(const pathtrace::RadianceLayers& layers, Frame
   Image reflected = layers.direct;
   for (size_t k = 0; k < reflected.pixels.size(); ++k)
     reflected.pixels[k] += layers.indirect.pixels[k];
-  frame->color = denoise_reflected(*denoiser(), guides, reflected, guides.albedo);
+  frame->color = denoise_reflected(*denoiser(), guides, reflected, {guides.albedo, guides.normal});
   for (size_t k = 0; k < reflected.pixels.size(); ++k)
     frame->color.pixels[k] += layers.emission.pixels[k];
   seconds_.denoise += denoising.seconds();

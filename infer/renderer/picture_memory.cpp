@@ -33,7 +33,7 @@ constexpr double kStrip = 1.2 * kStripPixels;
 // the paths that correct it, their differences and how those are smoothed.
 constexpr double kGatherBytes = 110, kCorrectionBytes = 320;
 // Where paths correct whole pixels: all layers of the strip beside that.
-constexpr double kStripLayerBytes = 76;
+constexpr double kStripLayerBytes = 88;
 // Open Image Denoise, which works in tiles beyond its limit (image/oidn.cpp).
 constexpr double kOidnBytes = 600, kMostOidnMib = 768;
 

@@ -23,24 +23,26 @@ MethodPicture denoised_picture(const MethodScene& scene, const scene::Camera& ca
   TracedPicture traced = trace_picture(scene, camera, paths, scene.seed, {});
   (*stages)["paths"] += timer.seconds();
   timer.restart();
-  // Albedo and emission are those of whole pixels, as renderers give them to denoisers.
+  // Albedo, normals and emission are those of whole pixels, as renderers give them to denoisers.
   const pathtrace::GBuffer hits =
       pathtrace::trace_gbuffer(scene.renderer.bvh(), camera, scene.width, scene.height);
   const auto guides = std::make_shared<const SurfaceGuides>(guides_of(hits));
   const PictureBand band(scene.renderer.bvh(), camera, {scene.width, scene.height, 0, scene.height},
-                         {kHitsAtEdges}, &hits);
+                         {.antialias = kHitsAtEdges, .mean_normal = true}, &hits);
   const auto seen = std::make_shared<const Frame>(band.resolve({}));
   (*stages)["primary"] += timer.seconds();
   timer.restart();
   image::Image light = traced.whole;
   for (size_t i = 0; i < light.pixels.size(); ++i) light.pixels[i] -= traced.emission.pixels[i];
-  image::Image whole = denoise_reflected(*denoiser, *guides, light, seen->albedo);
+  image::Image whole =
+      denoise_reflected(*denoiser, *guides, light, {seen->albedo, seen->mean_normal});
   for (size_t i = 0; i < whole.pixels.size(); ++i) whole.pixels[i] += seen->emission.pixels[i];
   (*stages)["denoise"] += timer.seconds();
   // Of indirect light alone one picture is denoised too, which takes as long.
-  return {std::move(whole), [denoiser, guides, seen, indirect = std::move(traced.indirect)] {
-            return denoise_reflected(*denoiser, *guides, indirect, seen->albedo);
-          }};
+  return {
+      std::move(whole), [denoiser, guides, seen, indirect = std::move(traced.indirect)] {
+        return denoise_reflected(*denoiser, *guides, indirect, {seen->albedo, seen->mean_normal});
+      }};
 }
 
 }  // namespace
