@@ -29,7 +29,7 @@ constexpr double kBaseShare = 0.6;
 /// Paths that pixels at edges have in either half before others have any.
 constexpr int kRoughFirst = 16;
 /// Over what the probe's correction takes by pixel: a whole picture's takes more.
-constexpr double kFinishRoom = 1.15;
+constexpr double kFinishRoom = 1.2;
 /// What a picture before its paths may take beyond its prediction until its rays become fewer.
 constexpr double kBaseRoom = 1.25;
 /// The fewest rays of a machine that has become slow, as a share of the wanted ones.
@@ -131,7 +131,8 @@ void choose_pace(double seconds, const GatherRates& rates, const GivenFlags& giv
   // Two paths in both halves of each pixel at an edge are the least that help.
   const double least_paths =
       pixels * (4 * kEdges * rates.path_s + PicturePace::kRoughFinish * rates.finish_s);
-  const bool paths = kBaseRoom * base.sum() + least_paths <= seconds;
+  // Where the base turns out slower than predicted, the pace has none.
+  const bool paths = base.sum() + least_paths <= seconds;
   if (paths) base_end = std::min(base_end, seconds - least_paths);
   PaceSettings& pace = choice->pace;
   pace.paths = paths;
