@@ -6,6 +6,7 @@
 #include <string>
 
 #include "lte/base/check.h"
+#include "lte/base/cpu_isa.h"
 #include "lte/base/parallel.h"
 #include "lte/pathtrace/blocks/ray_packets.h"
 #include "lte/pathtrace/embree_scene.h"
@@ -21,6 +22,14 @@ void check_device(RTCDevice device, const char* what) {
   LTE_CHECK(error == RTC_ERROR_NONE, "Embree failed while ", what, ": ",
             error == RTC_ERROR_OUT_OF_MEMORY ? "out of memory" : "error ",
             error == RTC_ERROR_OUT_OF_MEMORY ? std::string() : std::to_string(error));
+}
+
+std::string device_settings() {
+  std::string threads = "threads=" + std::to_string(num_threads());
+  const std::string isa = wanted_cpu_isa();
+  if (isa == "avx2") return threads + ",isa=avx2";
+  if (isa == "baseline") return threads + ",isa=sse2";
+  return threads;
 }
 
 void set_indices(RTCGeometry geometry, const scene::Mesh& mesh, bool own) {
@@ -194,8 +203,7 @@ void Bvh::start() {
   LTE_CHECK(bounds_.empty() || (scene::is_place(bounds_.low) && scene::is_place(bounds_.high)),
             "the scene reaches farther than ", scene::kMaxCoordinate, " from the origin");
   h.origin = frame_origin(bounds_);
-  if (h.device == nullptr)
-    h.device = rtcNewDevice(("threads=" + std::to_string(num_threads())).c_str());
+  if (h.device == nullptr) h.device = rtcNewDevice(device_settings().c_str());
   LTE_CHECK(h.device != nullptr, "Embree failed to start: error ", rtcGetDeviceError(nullptr));
   h.packet_width = native_packet_width(h.device);
   h.top = rtcNewScene(h.device);

@@ -3,11 +3,14 @@
 #include <functional>
 #include <memory>
 #include <set>
+#include <string>
 
 #include <gtest/gtest.h>
 
 #include "lte/base/check.h"
+#include "lte/base/cpu_isa.h"
 #include "lte/base/random.h"
+#include "lte/pathtrace/embree_scene.h"
 #include "tests/support/scenes.h"
 
 namespace lte::pathtrace {
@@ -271,6 +274,23 @@ TEST(Bvh, OnTheMeshesOfAnotherFindsTheSameHits) {
   }
   EXPECT_GT(hits_of_added, 10);
   EXPECT_THROW(Bvh(moved, own, tree_of_mesh), Error) << "its meshes borrow from its scene";
+}
+
+TEST(Bvh, TakesPacketsOfTheInstructionSetThatIsAskedFor) {
+  const scene::Scene scene = test::furnished_room();
+  const int width = Bvh(scene).handles().packet_width;
+  const std::string asked = wanted_cpu_isa();
+  if (asked == "baseline") {
+    EXPECT_EQ(width, 4);
+  } else if (asked == "avx2") {
+    EXPECT_LE(width, 8);
+  }
+#if defined(__x86_64__)
+  const bool avx512 = __builtin_cpu_supports("avx512vl") != 0;
+  if (__builtin_cpu_supports("avx2") && asked != "baseline") {
+    EXPECT_EQ(width, avx512 && asked != "avx2" ? 16 : 8);
+  }
+#endif
 }
 
 }  // namespace

@@ -1,12 +1,10 @@
 #include "lte/ops/cpu/kernels/kernels.h"
 
-#include <cstdlib>
 #include <string>
 #include <string_view>
 #include <type_traits>
 
-#include <c10/util/Exception.h>
-
+#include "lte/base/cpu_isa.h"
 #include "lte/ops/bf16.h"
 
 #define LTE_DECLARE_KERNELS(isa)                 \
@@ -48,11 +46,7 @@ struct Isa {
 };
 
 Isa choose() {
-  const char* variable = std::getenv("LTE_CPU_ISA");
-  const std::string wanted = variable == nullptr ? "" : variable;
-  TORCH_CHECK(wanted.empty() || wanted == "baseline" || wanted == "avx2" || wanted == "avx512" ||
-                  wanted == "avx512_bf16",
-              "LTE_CPU_ISA must be baseline, avx2, avx512 or avx512_bf16, got ", wanted);
+  const std::string wanted = wanted_cpu_isa();
 #if defined(LTE_X86)
   const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
   const bool has_avx512 = has_avx2 && __builtin_cpu_supports("avx512f") &&
