@@ -10,19 +10,19 @@ struct SharesOfModel {
 };
 
 /// lte-base.
-constexpr SharesOfModel kRadiosity = {.one_draw = {.mean = 0.014,
-                                                   .answer = 0.048,
-                                                   .near = 0.36,
-                                                   .change = 0.7,
-                                                   .cache = 0.067,
-                                                   .direct = 0.013},
-                                      .several_draws = {.draws = 1.3,
-                                                        .mean = 0.012,
+constexpr SharesOfModel kRadiosity = {.one_draw = {.mean = 0.016,
+                                                   .answer = 0.046,
+                                                   .near = 0.34,
+                                                   .change = 0.69,
+                                                   .cache = 0.064,
+                                                   .direct = 0.017},
+                                      .several_draws = {.draws = 1.4,
+                                                        .mean = 0.011,
                                                         .answer = 0.037,
-                                                        .near = 0.32,
-                                                        .change = 0.47,
-                                                        .cache = 0.012,
-                                                        .direct = 0.012}};
+                                                        .near = 0.29,
+                                                        .change = 0.45,
+                                                        .cache = 0.016,
+                                                        .direct = 0.015}};
 /// lte-hybrid.
 constexpr SharesOfModel kTraced = {.one_draw = {.mean = 0.014,
                                                 .answer = 0.024,
