@@ -24,11 +24,12 @@ void check_device(RTCDevice device, const char* what) {
             error == RTC_ERROR_OUT_OF_MEMORY ? std::string() : std::to_string(error));
 }
 
+/// max_isa, unlike isa, is no error where the processor has less.
 std::string device_settings() {
   std::string threads = "threads=" + std::to_string(num_threads());
   const std::string isa = wanted_cpu_isa();
-  if (isa == "avx2") return threads + ",isa=avx2";
-  if (isa == "baseline") return threads + ",isa=sse2";
+  if (isa == "avx2") return threads + ",max_isa=avx2";
+  if (isa == "baseline") return threads + ",max_isa=sse2";
   return threads;
 }
 
