@@ -78,7 +78,7 @@ void parallel_for(int64_t count, int64_t grain, const std::function<void(int64_t
   Job job(count, grain, body);
   const int64_t chunks = (count - 1) / grain + 1;
   const int64_t workers = t_inside ? 1 : std::min<int64_t>(num_threads(), chunks);
-  std::vector<std::thread> threads;
+  std::vector<std::jthread> threads;  // joined before the job goes, whatever is thrown
   threads.reserve(static_cast<size_t>(workers - 1));
   for (int64_t i = 1; i < workers; ++i) {
     try {
@@ -88,7 +88,7 @@ void parallel_for(int64_t count, int64_t grain, const std::function<void(int64_t
     }
   }
   job.work();
-  for (std::thread& thread : threads) thread.join();
+  threads.clear();
   job.rethrow();
 }
 

@@ -30,7 +30,9 @@ InterruptGuard::InterruptGuard() {
   action.sa_handler = note_signal;
   action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
-  for (size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &action, &g_before[i]);
+  // All are known before one is replaced, as the handler restores them all.
+  for (size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], nullptr, &g_before[i]);
+  for (const int signal : kSignals) sigaction(signal, &action, nullptr);
 }
 
 InterruptGuard::~InterruptGuard() { restore(); }
