@@ -2,6 +2,7 @@
 """Renders a folder of anyone's scenes by the network and by path tracing, and compares.
 
 usage: scripts/witnesses/real_scenes.py FOLDER [--out out/real-scenes] [--size 160x120] [--spp 256]
+           [-- FLAGS OF lte_render]
 
 FOLDER is searched for .gltf, .glb, .obj, .ply and .pbrt files, in its folders too; a .pbrt without
 WorldBegin and a .ply that a .pbrt names are parts of others and left out. Each scene is rendered
@@ -140,6 +141,13 @@ def relative_rmse(found, wanted):
     return math.sqrt(square / (3 * len(wanted))) / mean
 
 
+def reflected(layers):
+    """Indirect light as the picture has it, times π. Irradiance alone would not do: where the
+    centre of a pixel sees nothing, the reference divides what the rest of it sees by almost 0."""
+    return [tuple(a * e for a, e in zip(albedo, irradiance))
+            for albedo, irradiance in zip(layers["albedo"], layers["indirect"])]
+
+
 def compare(found, wanted, width, height):
     found_mean, wanted_mean = (sum(map(luminance, picture)) for picture in (found, wanted))
     return {
@@ -199,6 +207,7 @@ def rendered(scene, folder, arguments, has_add_light):
     width, height, network = read_exr(folder / "network.exr")
     reference = read_exr(folder / "reference.exr")[2]
     record.update(compare(network[""], reference[""], width, height))
+    record["indirect"] = compare(*map(reflected, (network, reference)), width, height)
     exposure = exposure_of(reference[""])
     for name, layers in (("network", network), ("reference", reference)):
         (folder / f"{name}.png").write_bytes(displayed(layers[""], width, height, exposure))
@@ -210,7 +219,8 @@ def key_of(scene, arguments):
     """Changes with whatever changes the result."""
     told = scene.stat()
     parts = (str(scene), told.st_size, told.st_mtime_ns, arguments.size, arguments.spp,
-             str(arguments.checkpoint), arguments.flags, arguments.version, arguments.built)
+             str(arguments.checkpoint), arguments.flags, arguments.version, arguments.built,
+             pathlib.Path(__file__).read_bytes())
     return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 
@@ -281,7 +291,10 @@ def failures_html(records):
 def scene_html(record, folder):
     yield f"<h2>{html.escape(record['scene'])}</h2>"
     yield (f"<p>ratio <b>{figure(record['ratio'])}</b>, 8×8 blocks "
-           f"<b>{figure(record['block_rmse'])}</b>, pixels {figure(record['rmse'])} · network "
+           f"<b>{figure(record['block_rmse'])}</b>, pixels {figure(record['rmse'])} · indirect "
+           f"light {figure(record['indirect']['ratio'])}, "
+           f"{figure(record['indirect']['block_rmse'])}, "
+           f"{figure(record['indirect']['rmse'])} · network "
            f"{record['network']['seconds']:.1f} s, {record['network']['peak_mb']} MiB · "
            f"reference {record['reference']['seconds']:.1f} s, "
            f"{record['reference']['peak_mb']} MiB</p>")
@@ -304,7 +317,8 @@ def page(records, folders, head, note):
     yield f"<p class=headline>{html.escape(head)}</p><p class=note>{html.escape(note)}</p>"
     yield ("<p class=note>Ratio: mean luminance of the network's picture over the reference's. "
            "Blocks, pixels: root mean square difference over the mean of the reference, of means "
-           "over 8×8 pixels and of pixels. Pictures of a scene share an exposure.</p>")
+           "over 8×8 pixels and of pixels; then the same of reflected indirect light alone. "
+           "Pictures of a scene share an exposure.</p>")
     yield from failures_html([record for record in records if record["error"]])
     for record in records:
         if not record["error"]:
@@ -314,19 +328,24 @@ def page(records, folders, head, note):
 
 def table(records):
     """Markdown."""
-    yield "| scene | ratio | 8×8 | pixels | s | MiB | added | says |"
-    yield "|---|---|---|---|---|---|---|---|"
+    yield ("| scene | ratio | 8×8 | pixels | indirect: ratio | 8×8 | pixels | s | MiB | added | "
+           "says |")
+    yield "|---|---|---|---|---|---|---|---|---|---|---|"
     for r in records:
         says = r["error"] or ", ".join(
             ([f"{len(r['warnings'])} warnings"] if r["warnings"] else [])
             + (["paths"] if r["traced"] else []))
         yield (f"| {r['scene']} | {figure(r.get('ratio'))} | {figure(r.get('block_rmse'))} | "
-               f"{figure(r.get('rmse'))} | {figure(r['network']['seconds'], '{:.1f}')} | "
+               f"{figure(r.get('rmse'))} | "
+               + "".join(f"{figure(r.get('indirect', {}).get(key))} | "
+                         for key in ("ratio", "block_rmse", "rmse"))
+               + f"{figure(r['network']['seconds'], '{:.1f}')} | "
                f"{r['network']['peak_mb']} | {r['added']} | {says} |")
 
 
 def parsed():
     parser = argparse.ArgumentParser(description=__doc__,
+                                     epilog="What stands after -- goes to lte_render, both times.",
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out/real-scenes"))
@@ -336,8 +355,10 @@ def parsed():
     parser.add_argument("--checkpoint", type=pathlib.Path, help="model; by default the shipped one")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build")
     parser.add_argument("--markdown", action="store_true", help="print the table too")
-    parser.add_argument("flags", nargs="*", help="after --: flags for lte_render, both times")
-    arguments = parser.parse_args()
+    # By hand, as argparse gives a last positional nothing where flags stand between it and another.
+    at = sys.argv.index("--") if "--" in sys.argv else len(sys.argv)
+    arguments = parser.parse_args(sys.argv[1:at])
+    arguments.flags = sys.argv[at + 1:]
     if not arguments.folder.is_dir():
         parser.error(f"{arguments.folder}: no such folder")
     tool = arguments.build / "bin" / "lte_render"

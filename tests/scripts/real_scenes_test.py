@@ -25,9 +25,9 @@ BUILD = pathlib.Path(sys.argv.pop(1)).resolve() if len(sys.argv) > 1 else ROOT /
 QUAD = "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nf 4 3 2 1\n"  # front upwards, without a light
 
 
-def run(*arguments):
+def run(*arguments, flags=()):
     output = io.StringIO()
-    argv = ["real_scenes.py", *map(str, arguments), "--build", str(BUILD)]
+    argv = ["real_scenes.py", *map(str, arguments), "--build", str(BUILD), *flags]
     with mock.patch.object(sys, "argv", argv), contextlib.redirect_stdout(output):
         real_scenes.main()
     return output.getvalue()
@@ -110,6 +110,11 @@ class Scenes(unittest.TestCase):
             self.assertIn("broken.gltf", found["broken.gltf"]["error"])
             # At this size the lamp is a few pixels, whose edges rule the mean.
             self.assertTrue(0.5 < found["box.glb"]["ratio"] < 2, found["box.glb"]["ratio"])
+            indirect = found["box.glb"]["indirect"]
+            self.assertTrue(0.8 < indirect["ratio"] < 1.25, indirect["ratio"])
+            self.assertGreater(indirect["rmse"], indirect["block_rmse"])
+            self.assertIn(f"indirect light {indirect['ratio']:.3f}, ",
+                          (out / "index.html").read_text())
             self.assertEqual(found["box.glb"]["added"], "")
             self.assertGreater(found["box.glb"]["network"]["peak_mb"], 10)
             self.assertTrue(found["dark.obj"]["added"].startswith("--"))
@@ -120,6 +125,12 @@ class Scenes(unittest.TestCase):
             self.assertLess(page.index("broken.gltf"), page.index("box.glb"))
             self.assertEqual(run(*arguments).count("(kept)"), 3)
             self.assertNotIn("(kept)", run(*arguments[:-1], "8"))
+            run(*arguments, flags=("--", "--environment", "0,9,0"))
+            lit = json.loads((out / "results.json").read_text())["scenes"]
+            seen = {r["scene"]: r["network"]["rc"] for r in lit}
+            self.assertEqual(seen["box.glb"], 0)
+            traced = {r["scene"]: r["indirect"]["ratio"] for r in lit if not r["error"]}
+            self.assertNotEqual(traced["box.glb"], indirect["ratio"])
 
     def test_layers_of_a_picture(self):
         with tempfile.TemporaryDirectory() as name:
