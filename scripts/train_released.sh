@@ -58,13 +58,14 @@ fi
 make_data boxes boxes_many
 make_data open boxes_open
 make_data sky boxes_sky
+make_data shut boxes_shut
 make_data homes homes_many
 make_data daylight homes_daylight
 make_data boxes_test boxes_test
 if [ ! -f "$folder/base/dataset.json" ]; then
   rm -rf "$folder/base"
-  "$bin/lte_datagen" join "$folder/boxes" "$folder/open" "$folder/sky" "$folder/homes" \
-    "$folder/daylight" --out "$folder/base"
+  "$bin/lte_datagen" join "$folder/boxes" "$folder/open" "$folder/sky" "$folder/shut" \
+    "$folder/homes" "$folder/daylight" --out "$folder/base"
 fi
 train "${name//-/_}" base
 "$bin/lte_eval" --fit-baselines "$folder/base" --out "$folder/release/$name.baselines.json"

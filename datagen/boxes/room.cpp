@@ -46,8 +46,9 @@ class RoomMaker {
   void make() {
     lay_out();
     build_shell();
-    const bool sky = sky_rng_.uniform() < config_.sky_share && plan_.missing_walls[0] != 0;
-    if (!sky || sky_rng_.below(2) == 0) place_lights();
+    const bool open = plan_.missing_walls[0] != 0;
+    const bool sky = sky_rng_.uniform() < (open ? config_.sky_share : config_.shut_sky_share);
+    if (!sky || !open || sky_rng_.below(2) == 0) place_lights();
     for (int room = 0; room < rooms(); ++room) {
       furnish(room);
       hang_pictures(room);
@@ -214,7 +215,9 @@ void RoomMaker::add_daylight() {
   const float level = log_uniform(config_.radiance, &sky_rng_) * sky_rng_.uniform(0.025f, 0.25f);
   const Rgb radiance = light_tint(sky_rng_.uniform(0, 0.35f)) * level;
   const bool sunny = sky_rng_.below(2) == 0;
-  Daylight light = daylight(radiance, outwards(plan_.missing_walls[0]), &sky_rng_);
+  const unsigned open = plan_.missing_walls[0];
+  const unsigned side = open != 0 ? open : kSideFaces[sky_rng_.below(4)];
+  Daylight light = daylight(radiance, outwards(side), &sky_rng_);
   if (sunny) add_sun(&light, &sky_rng_, &scene_);
   add_sky(light, config_.sky_picture_share, &sky_rng_, &scene_);
 }

@@ -26,6 +26,8 @@ struct RoomConfig {
   /// Of scenes with a side open: a sky shines in, in half of them a sun with it, and in half of
   /// them in place of the ceiling lights. Its radiance is 1/40 to 1/4 of `radiance`.
   double sky_share = 0;
+  /// Of scenes with every wall: such a sky outside, none of whose light comes in.
+  double shut_sky_share = 0;
   double sky_picture_share = 0;  ///< of skies: one of CIE's in place of one radiance
   Range size_factor{1, 1};       ///< the furnished scene is made larger by it, log-uniform
   std::vector<int64_t> texture_sizes{128, 256};  ///< texels an edge; one is drawn a texture

@@ -24,6 +24,7 @@ void visit_boxes(Io& io, B& boxes) {
   io("open_share", boxes.open_share);
   // Written only where asked for: config.yaml of boxes without skies stays what it was.
   if (io.covers(boxes.sky_share > 0)) io("sky_share", boxes.sky_share);
+  if (io.covers(boxes.shut_sky_share > 0)) io("shut_sky_share", boxes.shut_sky_share);
   if (io.covers(boxes.sky_picture_share > 0)) io("sky_picture_share", boxes.sky_picture_share);
   io("size_factor", boxes.size_factor);
   io("texture_sizes", boxes.texture_sizes);
@@ -191,6 +192,7 @@ void check_boxes(const boxes::RoomConfig& boxes, double scale) {
   in_range("boxes.two_room_share", boxes.two_room_share, 0.0, 1.0);
   in_range("boxes.open_share", boxes.open_share, 0.0, 1.0);
   in_range("boxes.sky_share", boxes.sky_share, 0.0, 1.0);
+  in_range("boxes.shut_sky_share", boxes.shut_sky_share, 0.0, 1.0);
   in_range("boxes.sky_picture_share", boxes.sky_picture_share, 0.0, 1.0);
   range_in("boxes.size_factor", boxes.size_factor, 0.01, 100.0);
   check_texture_sizes("boxes.texture_sizes", boxes.texture_sizes);
@@ -203,9 +205,10 @@ void check_boxes(const boxes::RoomConfig& boxes, double scale) {
             " m is less than the largest scene that `boxes` allows, ", longest, " m");
   const double sphere =
       std::hypot(width, boxes.depth_m.high, boxes.height_m.high) * boxes.size_factor.high;
-  LTE_CHECK(boxes.sky_share == 0 || sphere <= scale, "scale: ", scale,
+  LTE_CHECK((boxes.sky_share == 0 && boxes.shut_sky_share == 0) || sphere <= scale,
+            "scale: ", scale,
             " m is less than the sphere around the largest scene that `boxes` allows, ", sphere,
-            " m, on which a sky (boxes.sky_share) stands");
+            " m, on which a sky (boxes.sky_share, boxes.shut_sky_share) stands");
 }
 
 void check_homes(const homes::HomeConfig& homes, double scale) {

@@ -254,6 +254,33 @@ TEST(BoxRoom, SkyAndSunShineInThroughTheOpenSide) {
   EXPECT_GT(skies, kScenes / 4);
 }
 
+TEST(BoxRoom, NoneOfASkyOutsideComesIntoAShutRoom) {
+  RoomConfig rooms = config(), dark = rooms;
+  rooms.open_share = dark.open_share = 0.5;
+  rooms.shut_sky_share = 1;
+  int shut = 0, suns = 0;
+  for (uint64_t seed = 0; seed < 60; ++seed) {
+    const Room room = generate_room(rooms, seed), before = generate_room(dark, seed);
+    EXPECT_EQ(room.plan.rooms[0].high, before.plan.rooms[0].high) << "the same room under the sky";
+    EXPECT_EQ(room.plan.lights.size(), before.plan.lights.size()) << "its lamps stay";
+    ASSERT_EQ(room.scene.environment.has_value(), room.plan.missing_walls[0] == 0) << seed;
+    if (!room.scene.environment) continue;
+    ++shut;
+    suns += !room.scene.lights.empty();
+    const pathtrace::Bvh bvh(room.scene);
+    Rng rng(seed, 1);
+    for (const Bounds& inner : room.plan.rooms) {
+      for (int i = 0; i < 200; ++i) {
+        const Vec3 to = {rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)};
+        EXPECT_TRUE(bvh.occluded({inner.center(), normalize(to)})) << "seed " << seed;
+      }
+    }
+  }
+  EXPECT_GT(shut, 15);
+  EXPECT_GT(suns, 0);
+  EXPECT_LT(suns, shut);
+}
+
 TEST(BoxRoom, PicturesHangOnWallsThatAreThere) {
   RoomConfig rooms = config();
   rooms.open_share = 1;

@@ -123,8 +123,8 @@ TEST(DatagenConfig, FormerNamesAreRead) {
 
 TEST(DatagenConfig, WhatOneModelLearnsFromCanBeJoined) {
   const DatagenConfig boxes = shipped("boxes_many"), homes = shipped("homes_many");
-  for (const DatagenConfig& other :
-       {boxes, shipped("boxes_open"), shipped("boxes_sky"), shipped("homes_daylight")}) {
+  for (const DatagenConfig& other : {boxes, shipped("boxes_open"), shipped("boxes_sky"),
+                                     shipped("boxes_shut"), shipped("homes_daylight")}) {
     EXPECT_EQ(other.scale, homes.scale);
     EXPECT_EQ(other.bake.prune, homes.bake.prune);
     EXPECT_EQ(other.bake.light_paths, homes.bake.light_paths);
@@ -201,6 +201,8 @@ TEST(DatagenConfig, ValuesOutOfRangeAreNamed) {
   EXPECT_THAT(error_in("boxes: {lights: [0, 1]}"), HasSubstr("boxes.lights"));
   EXPECT_THAT(error_in("boxes: {open_share: 1.5}"), HasSubstr("boxes.open_share"));
   EXPECT_THAT(error_in("boxes: {sky_share: -1}"), HasSubstr("boxes.sky_share"));
+  EXPECT_THAT(error_in("boxes: {shut_sky_share: 2}"), HasSubstr("boxes.shut_sky_share"));
+  EXPECT_THAT(error_in("boxes: {shut_sky_share: 0.5}"), HasSubstr("scale: 16"));
   EXPECT_THAT(error_in("boxes: {sky_picture_share: 1.5}"), HasSubstr("boxes.sky_picture_share"));
   EXPECT_THAT(error_in("boxes: {sky_share: 0.5}"),
               AllOf(HasSubstr("scale: 16"), HasSubstr("sky_share")));

@@ -39,6 +39,9 @@ TEST_F(Generate, SetsOfBoxesWithSkiesSayItAndShowIt) {
   config.boxes.width_m = config.boxes.depth_m = {3, 4};
   generate("closed", config);
   EXPECT_FALSE(data::read_dataset_info(folder_ / "closed").suns) << "no side is open";
+  config.boxes.shut_sky_share = 1;
+  generate("shut", config);
+  EXPECT_TRUE(data::read_dataset_info(folder_ / "shut").suns);
   config.boxes.open_share = 1;
   generate("sky", config);
   EXPECT_TRUE(data::read_dataset_info(folder_ / "sky").suns);
