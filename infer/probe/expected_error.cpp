@@ -24,18 +24,19 @@ constexpr SharesOfModel kRadiosity = {.one_draw = {.mean = 0.016,
                                                         .cache = 0.016,
                                                         .direct = 0.015}};
 /// lte-hybrid.
-constexpr SharesOfModel kTraced = {.one_draw = {.mean = 0.014,
-                                                .answer = 0.024,
-                                                .near = 0.26,
+constexpr SharesOfModel kTraced = {.one_draw = {.mean = 0.016,
+                                                .answer = 0.021,
+                                                .near = 0.23,
                                                 .change = 0.63,
-                                                .cache = 0.32,
-                                                .direct = 0.006},
-                                   .several_draws = {.draws = 0.82,
+                                                .cache = 0.29,
+                                                .direct = 0.012},
+                                   .several_draws = {.draws = 0.94,
                                                      .mean = 0.012,
-                                                     .near = 0.22,
-                                                     .change = 0.45,
-                                                     .cache = 0.34,
-                                                     .direct = 0.0065}};
+                                                     .answer = 0.011,
+                                                     .near = 0.18,
+                                                     .change = 0.4,
+                                                     .cache = 0.33,
+                                                     .direct = 0.009}};
 /// lte-demo.
 constexpr SharesOfModel kEmission = {
     .one_draw = {.answer = 0.19, .near = 0.73, .change = 4.7, .direct = 0.12},
