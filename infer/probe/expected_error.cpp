@@ -10,19 +10,19 @@ struct SharesOfModel {
 };
 
 /// lte-base.
-constexpr SharesOfModel kRadiosity = {.one_draw = {.mean = 0.016,
-                                                   .answer = 0.046,
-                                                   .near = 0.34,
-                                                   .change = 0.69,
-                                                   .cache = 0.064,
-                                                   .direct = 0.017},
+constexpr SharesOfModel kRadiosity = {.one_draw = {.mean = 0.014,
+                                                   .answer = 0.041,
+                                                   .near = 0.32,
+                                                   .change = 0.63,
+                                                   .cache = 0.14,
+                                                   .direct = 0.016},
                                       .several_draws = {.draws = 1.4,
-                                                        .mean = 0.011,
-                                                        .answer = 0.037,
+                                                        .mean = 0.01,
+                                                        .answer = 0.034,
                                                         .near = 0.29,
-                                                        .change = 0.45,
-                                                        .cache = 0.016,
-                                                        .direct = 0.015}};
+                                                        .change = 0.34,
+                                                        .cache = 0.097,
+                                                        .direct = 0.013}};
 /// lte-hybrid.
 constexpr SharesOfModel kTraced = {.one_draw = {.mean = 0.016,
                                                 .answer = 0.021,

@@ -13,12 +13,20 @@ namespace {
 constexpr float kStep = 0.7f;
 /// Clearances are told up to this many cells.
 constexpr int32_t kFarthest = 16;
-/// Cells by which the middle of a cell's points may lie off a plane and still be part of it.
-constexpr float kOwnCells = 0.3f;
+/// Cells by which an end may lie off a surfel's plane and still be on that surface.
+constexpr float kOwnCells = 0.4f;
+/// Cells around its middle in which a surfel blocks.
+constexpr float kRadiusCells = 1;
 /// Marches that go on side by side: several vectors of them, as each waits for its cells.
 constexpr size_t kLanes = 64;
 /// Of those whose hits are told in one word of 32 bits, which vectors hold.
 constexpr size_t kWord = 16;
+
+/// What stands for the surfels of a cell, at most one an axis, in place of its clearance.
+int32_t mark_of(size_t first, size_t count) { return -static_cast<int32_t>(4 * first + count); }
+std::span<const Surfel> marked(const std::vector<Surfel>& surfels, int32_t mark) {
+  return {surfels.data() + (-mark >> 2), static_cast<size_t>(-mark & 3)};
+}
 
 /// out[i] = min over j of max(line[j], |i - j|), at most kFarthest.
 void spread(const std::vector<int32_t>& line, std::vector<int32_t>* out) {
@@ -44,46 +52,30 @@ struct OccupancyGrid::Marches {
 };
 static_assert(kLanes == 64 && kLanes % kWord == 0, "Marches::hits has a bit a lane");
 
-OccupancyGrid::OccupancyGrid(std::span<const Vec3> positions, float cell) : cell_(cell) {
-  Bounds bounds;
-  for (const Vec3& p : positions) bounds.extend(p);
-  if (bounds.empty()) return;
-  const Vec3 extent = bounds.extent();
-  // One on either side, and one for points on the far faces of the bounds: marches leave the
-  // outermost marked cells before they leave the grid.
-  const auto count = [&](int axis) {
-    return 3 + static_cast<int64_t>(static_cast<double>(extent[axis]) / cell_);
-  };
-  cell_ = std::max(cell_, 1e-4f * max_component(extent));
-  if (cell_ <= 0) cell_ = 1;  // all points in one place
-  while (count(0) * count(1) * count(2) > kMostCells) cell_ *= 1.26f;
-  inverse_ = 1 / cell_;
-  low_ = bounds.low - Vec3{cell_, cell_, cell_};
-  for (int axis = 0; axis < 3; ++axis)
-    size_[static_cast<size_t>(axis)] = static_cast<int32_t>(count(axis));
-  clearance_.assign(static_cast<size_t>(count(0) * count(1) * count(2)), kFarthest);
-  middle_.resize(clearance_.size());
-  std::vector<float> counts(clearance_.size());
-  for (const Vec3& p : positions) {
-    const auto at = static_cast<size_t>(cell_at(place(p)));
-    clearance_[at] = 0;
-    counts[at] += 1;
-    middle_[at] += (p - middle_[at]) / counts[at];
-  }
+OccupancyGrid::OccupancyGrid(std::span<const Vec3> positions, std::span<const Vec3> normals,
+                             float cell)
+    : shape_(GridShape::around(positions, cell)),
+      surfels_(surfels_of(positions, normals, shape_)),
+      clearance_(static_cast<size_t>(shape_.cells()), kFarthest) {
+  for (const Surfel& surfel : surfels_) clearance_[static_cast<size_t>(surfel.cell)] = 0;
   measure_clearance();
+  for (size_t first = 0, last = 0; first < surfels_.size(); first = last) {
+    while (last < surfels_.size() && surfels_[last].cell == surfels_[first].cell) ++last;
+    clearance_[static_cast<size_t>(surfels_[first].cell)] = mark_of(first, last - first);
+  }
 }
 
 /// One axis after another: a distance in the maximum norm is the largest of those along the axes.
 void OccupancyGrid::measure_clearance() {
-  const std::array<int64_t, 3> stride = {int64_t{size_[1]} * size_[2], size_[2], 1};
+  const std::array<int64_t, 3> stride = shape_.strides();
   std::vector<int32_t> line, out;
   for (size_t axis = 0; axis < 3; ++axis) {
-    const int64_t length = size_[axis], step = stride[axis];
+    const int64_t length = shape_.size[axis], step = stride[axis];
     line.resize(static_cast<size_t>(length));
     out.resize(line.size());
     const size_t other = axis == 0 ? 1 : 0, third = axis == 2 ? 1 : 2;
-    for (int64_t i = 0; i < size_[other]; ++i) {
-      for (int64_t j = 0; j < size_[third]; ++j) {
+    for (int64_t i = 0; i < shape_.size[other]; ++i) {
+      for (int64_t j = 0; j < shape_.size[third]; ++j) {
         int32_t* first = clearance_.data() + i * stride[other] + j * stride[third];
         for (int64_t k = 0; k < length; ++k) line[static_cast<size_t>(k)] = first[k * step];
         spread(line, &out);
@@ -93,30 +85,14 @@ void OccupancyGrid::measure_clearance() {
   }
 }
 
-int32_t OccupancyGrid::cell_at(const Vec3& place) const {
-  const auto on = [&](float value, size_t axis) {
-    return std::clamp(static_cast<int32_t>(value), 0, size_[axis] - 1);
-  };
-  return (on(place.x, 0) * size_[1] + on(place.y, 1)) * size_[2] + on(place.z, 2);
-}
-
-std::optional<int32_t> OccupancyGrid::cell_of(const Vec3& p) const {
-  const Vec3 at = place(p);
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto size = static_cast<float>(size_[static_cast<size_t>(axis)]);
-    if (!(at[axis] >= 0 && at[axis] < size)) return std::nullopt;
-  }
-  return cell_at(at);
-}
-
 /// Sets the march of a lane to the part of the segment that lies in the grid.
 void OccupancyGrid::start(const Vec3& from, const Vec3& to, size_t lane, Marches* marches) const {
-  const Vec3 a = place(from), whole = place(to) - a;
+  const Vec3 a = shape_.place(from), whole = shape_.place(to) - a;
   const float distance = length(whole);
   const Vec3 u = normalize(whole);
   float near = 0, far = distance;
   for (int axis = 0; axis < 3; ++axis) {
-    const auto high = static_cast<float>(size_[static_cast<size_t>(axis)]);
+    const auto high = static_cast<float>(shape_.size[static_cast<size_t>(axis)]);
     if (u[axis] == 0) {
       if (a[axis] < 0 || a[axis] > high) far = -1;
       continue;
@@ -139,8 +115,9 @@ void OccupancyGrid::start(const Vec3& from, const Vec3& to, size_t lane, Marches
 /// have ended; one that has ended hits nothing.
 LTE_VECTOR_CLONES
 bool OccupancyGrid::leap(Marches* marches) const {
-  const int32_t nx = size_[0] - 1, ny = size_[1] - 1, nz = size_[2] - 1;
-  const int32_t step_x = size_[1] * size_[2], step_y = size_[2];
+  const std::array<int32_t, 3>& size = shape_.size;
+  const int32_t nx = size[0] - 1, ny = size[1] - 1, nz = size[2] - 1;
+  const int32_t step_x = size[1] * size[2], step_y = size[2];
   // Pointers, as the compiler keeps no loop over std::array in vectors.
   const int32_t* __restrict clearances = clearance_.data();
   const float *ox = marches->x.data(), *oy = marches->y.data(), *oz = marches->z.data(),
@@ -172,21 +149,29 @@ bool OccupancyGrid::leap(Marches* marches) const {
   for (size_t first = 0; first < kLanes; first += kWord) {
     uint32_t word = 0;
     for (size_t lane = 0; lane < kWord; ++lane)
-      word |= (clearance[first + lane] == 0 ? 1u : 0u) << lane;
+      word |= (clearance[first + lane] < 0 ? 1u : 0u) << lane;
     marches->hits |= uint64_t{word} << first;
   }
   return live != 0;
 }
 
-bool OccupancyGrid::blocks(int32_t cell, const End& a, const End& b) const {
-  const Vec3& middle = middle_[static_cast<size_t>(cell)];
-  const float own = kOwnCells * cell_;
-  const float off_a = std::abs(dot(middle - a.position, a.normal)),
-              off_b = std::abs(dot(middle - b.position, b.normal));
-  return std::min(off_a, off_b) > own;
+/// Whether the segment crosses a surfel of a cell, or the part of its plane right beside it.
+bool OccupancyGrid::blocks(int32_t mark, const Vec3& a, const Vec3& b) const {
+  const float own = kOwnCells * shape_.cell, radius = kRadiusCells * shape_.cell;
+  bool blocked = false;
+  for (const Surfel& s : marked(surfels_, mark)) {
+    const float above = dot(a - s.middle, s.normal), below = dot(b - s.middle, s.normal);
+    // From the middle to where the plane is crossed, times `span`: as in see(), nothing is branched
+    // on, and nothing divided by.
+    const float span = above - below, reach = radius * span;
+    const Vec3 off = (a - s.middle) * span + (b - a) * above;
+    blocked |= (above * below < 0) & (std::min(std::abs(above), std::abs(below)) > own) &
+               (dot(off, off) < reach * reach);
+  }
+  return blocked;
 }
 
-void OccupancyGrid::see(const End& a, std::span<const End> others,
+void OccupancyGrid::see(const Vec3& a, std::span<const Vec3> others,
                         std::vector<uint8_t>* visible) const {
   visible->assign(others.size(), 1);
   if (clearance_.empty()) return;
@@ -194,14 +179,14 @@ void OccupancyGrid::see(const End& a, std::span<const End> others,
   for (size_t first = 0; first < others.size(); first += kLanes) {
     const size_t count = std::min(kLanes, others.size() - first);
     for (size_t lane = 0; lane < kLanes; ++lane) {
-      start(a.position, others[first + std::min(lane, count - 1)].position, lane, &marches);
+      start(a, others[first + std::min(lane, count - 1)], lane, &marches);
       if (lane >= count) marches.end[lane] = -1;
     }
     while (leap(&marches)) {
       for (uint64_t hits = marches.hits; hits != 0; hits &= hits - 1) {
         const auto lane = static_cast<size_t>(std::countr_zero(hits));
         // Selected, not branched on: nobody foretells which hits block.
-        const bool blocked = blocks(marches.cell[lane], a, others[first + lane]);
+        const bool blocked = blocks(marches.clearance[lane], a, others[first + lane]);
         uint8_t& seen = (*visible)[first + lane];
         seen = blocked ? 0 : seen;
         marches.end[lane] = blocked ? -1 : marches.end[lane];

@@ -40,7 +40,7 @@ void Patches::add(const Vec3& position, const Vec3& normal, float area) {
   area_.push_back(area);
 }
 
-void Patches::transfer_to(const OccupancyGrid::End& point, Transfers* transfers) const {
+void Patches::transfer_to(const Place& point, Transfers* transfers) const {
   transfers->weight.resize(size());
   transfers->sides.resize(size());
   weigh({x_.data(), y_.data(), z_.data(), nx_.data(), ny_.data(), nz_.data(), area_.data()},

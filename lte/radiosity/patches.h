@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "lte/base/math.h"
-#include "lte/radiosity/occupancy_grid.h"
 
 namespace lte::radiosity {
 
@@ -17,6 +16,11 @@ struct Transfers {
   std::vector<int32_t> sides;
 };
 
+/// A place on a surface.
+struct Place {
+  Vec3 position, normal;  ///< unit normal
+};
+
 class Patches {
  public:
   /// @param normal  unit vector
@@ -24,14 +28,12 @@ class Patches {
   void add(const Vec3& position, const Vec3& normal, float area);
 
   size_t size() const { return area_.size(); }
-  OccupancyGrid::End end(size_t k) const {
-    return {{x_[k], y_[k], z_[k]}, {nx_[k], ny_[k], nz_[k]}};
-  }
+  Place place(size_t k) const { return {{x_[k], y_[k], z_[k]}, {nx_[k], ny_[k], nz_[k]}}; }
 
   /// What a point receives from each patch if nothing is between them: weights
   /// cos cos′ A / (d² + A/π), π times the form factor of a disc of area A, exact where it is seen
   /// head-on. They stay finite where the two touch.
-  void transfer_to(const OccupancyGrid::End& point, Transfers* transfers) const;
+  void transfer_to(const Place& point, Transfers* transfers) const;
 
  private:
   std::vector<float> x_, y_, z_, nx_, ny_, nz_, area_;

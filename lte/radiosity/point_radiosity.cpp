@@ -15,10 +15,12 @@
 namespace lte::radiosity {
 namespace {
 
-// Cells of so many spacings of the points: surfaces are closed for a march but for few holes. Of
-// 0.9 to 1.3, and with what a cell's own surface is (occupancy_grid.cpp), this agreed best with
-// path-traced light in twelve rooms of boxes and ten homes.
-constexpr float kCellSpacings = 0.9f;
+// Cells of so many spacings of the points. Of 0.6 to 1.1, and with how far planes are closed
+// (surfels.cpp) and what an end's own surface is (occupancy_grid.cpp), this agreed best with
+// path-traced light in homes and boxes, by lamps and by daylight.
+constexpr float kCellSpacings = 0.6f;
+// Luminaires are near each other in cubes of so many spacings.
+constexpr float kClusterSpacings = 0.9f;
 // What weighs less is left out: emission and radiosity times these. A small lamp of many points
 // weighs little by each of them.
 constexpr float kLeastDirect = 1e-9f, kLeastTransfer = 2e-4f;
@@ -41,15 +43,15 @@ struct Work {
   Transfers transfers;
   std::vector<Link> links;
   std::vector<size_t> asked;  ///< clusters
-  std::vector<OccupancyGrid::End> ends;
+  std::vector<Vec3> ends;
   std::vector<uint8_t> visible;
 };
 
-/// Luminaires in one cell of the grid that face alike: no finer does the grid tell who sees them,
-/// so one march is for all.
+/// Luminaires near each other that face alike: hardly finer does the grid tell who sees them, so
+/// one march is for all.
 struct Cluster {
   size_t first, last;  ///< of the luminaires
-  OccupancyGrid::End end;
+  Vec3 middle;         ///< one of them
 };
 
 class Solver {
@@ -60,7 +62,7 @@ class Solver {
         options_(options),
         count_(points.position.size()),
         blockers_(choose_roles()),
-        grid_(blockers_, kCellSpacings * spacing_) {
+        grid_(blockers_.position, blockers_.normal, kCellSpacings * spacing_) {
     cluster_luminaires();
     direct_.resize(static_cast<size_t>(groups) * count_);
     indirect_.resize(direct_.size());
@@ -101,16 +103,24 @@ class Solver {
   size_t row(int64_t group) const { return static_cast<size_t>(group) * count_; }
   size_t sender_row(int64_t group) const { return static_cast<size_t>(group) * senders_.size(); }
 
+  struct Blockers {
+    std::vector<Vec3> position, normal;
+    void add(const Vec3& p, const Vec3& n) {
+      position.push_back(p);
+      normal.push_back(n);
+    }
+  };
+
   /// Sorts points into those that emit and those that do not, and returns what blocks the view:
   /// the latter, and luminaires among them. Lights of the sky stand far outside.
-  std::vector<Vec3> choose_roles() {
-    std::vector<Vec3> blockers;
+  Blockers choose_roles() {
+    Blockers blockers;
     Bounds bounds;
     for (size_t i = 0; i < count_; ++i) {
       (emits(i) ? luminaires_ : dark_).push_back(i);
       if (emits(i)) continue;
       dark_area_ += points_.area[i];
-      blockers.push_back(points_.position[i]);
+      blockers.add(points_.position[i], points_.normal[i]);
       bounds.extend(points_.position[i]);
     }
     const auto dark = static_cast<double>(std::max<size_t>(dark_.size(), 1));
@@ -118,16 +128,17 @@ class Solver {
     for (const size_t i : luminaires_) {
       const Vec3& p = points_.position[i];
       if (min(p, bounds.low) == bounds.low && max(p, bounds.high) == bounds.high)
-        blockers.push_back(p);
+        blockers.add(p, points_.normal[i]);
     }
     return blockers;
   }
 
-  OccupancyGrid::End end_of(size_t i) const { return {points_.position[i], points_.normal[i]}; }
+  Place place_of(size_t i) const { return {points_.position[i], points_.normal[i]}; }
 
   /// Brings luminaires into the order of their clusters. Each that stands outside the grid has one
   /// of its own.
   void cluster_luminaires() {
+    const GridShape cubes = GridShape::around(blockers_.position, kClusterSpacings * spacing_);
     const auto alone = static_cast<int64_t>(std::numeric_limits<int32_t>::max());
     std::vector<std::pair<int64_t, size_t>> keyed;
     for (const size_t i : luminaires_) {
@@ -135,7 +146,7 @@ class Solver {
       int64_t facing = 0;
       for (int axis = 0; axis < 3; ++axis)
         facing = 3 * facing + (n[axis] > kAlike ? 2 : n[axis] < -kAlike ? 1 : 0);
-      const std::optional<int32_t> cell = grid_.cell_of(points_.position[i]);
+      const std::optional<int32_t> cell = cubes.cell_of(points_.position[i]);
       keyed.emplace_back(
           cell ? 27 * int64_t{*cell} + facing : 27 * (alone + static_cast<int64_t>(i)), i);
     }
@@ -146,24 +157,26 @@ class Solver {
       if (k == 0 || keyed[k].first != keyed[k - 1].first) clusters_.push_back({k, k, {}});
       clusters_.back().last = k + 1;
     }
-    for (Cluster& cluster : clusters_) cluster.end = luminaire_patches_.end(middle_of(cluster));
+    for (Cluster& cluster : clusters_)
+      cluster.middle = luminaire_patches_.place(middle_of(cluster)).position;
   }
   /// The luminaire that is nearest to the mean of its cluster.
   size_t middle_of(const Cluster& cluster) const {
     Vec3 mean;
     for (size_t k = cluster.first; k < cluster.last; ++k)
-      mean += luminaire_patches_.end(k).position / static_cast<float>(cluster.last - cluster.first);
+      mean +=
+          luminaire_patches_.place(k).position / static_cast<float>(cluster.last - cluster.first);
     size_t best = cluster.first;
     float least = std::numeric_limits<float>::infinity();
     for (size_t k = cluster.first; k < cluster.last; ++k) {
-      const float distance = length(luminaire_patches_.end(k).position - mean);
+      const float distance = length(luminaire_patches_.place(k).position - mean);
       if (distance < least) least = distance, best = k;
     }
     return best;
   }
 
   void add_direct(size_t i, Work* work) {
-    luminaire_patches_.transfer_to(end_of(i), &work->transfers);
+    luminaire_patches_.transfer_to(place_of(i), &work->transfers);
     const std::vector<float>& weight = work->transfers.weight;
     const std::vector<int32_t>& sides = work->transfers.sides;
     const auto counts = [&](size_t k) {
@@ -176,11 +189,11 @@ class Solver {
       for (size_t k = cluster.first; k < cluster.last; ++k) {
         if (!counts(k)) continue;
         work->asked.push_back(c);
-        work->ends.push_back(cluster.end);
+        work->ends.push_back(cluster.middle);
         break;
       }
     }
-    grid_.see(end_of(i), work->ends, &work->visible);
+    grid_.see(points_.position[i], work->ends, &work->visible);
     for (size_t a = 0; a < work->asked.size(); ++a) {
       if (work->visible[a] == 0) continue;
       const Cluster& cluster = clusters_[work->asked[a]];
@@ -212,7 +225,7 @@ class Solver {
   /// What point `i` receives from all senders that it sees. What their areas overlap is taken off:
   /// a side gets at most what a full hemisphere gives.
   void find_links(size_t i, Work* work) const {
-    sender_patches_.transfer_to(end_of(i), &work->transfers);
+    sender_patches_.transfer_to(place_of(i), &work->transfers);
     const auto& [weight, sides] = work->transfers;
     work->links.clear();
     work->ends.clear();
@@ -221,9 +234,9 @@ class Solver {
       const size_t from = (sides[k] & Transfers::kFromBack) != 0 ? 1 : 0;
       work->links.push_back(
           {k, weight[k], from, (sides[k] & Transfers::kToBack) != 0 ? size_t{1} : 0});
-      work->ends.push_back(sender_patches_.end(k));
+      work->ends.push_back(sender_patches_.place(k).position);
     }
-    grid_.see(end_of(i), work->ends, &work->visible);
+    grid_.see(points_.position[i], work->ends, &work->visible);
     size_t kept = 0;
     for (size_t k = 0; k < work->links.size(); ++k) {
       if (work->visible[k] != 0) work->links[kept++] = work->links[k];
@@ -282,7 +295,7 @@ class Solver {
   std::vector<size_t> luminaires_, dark_;
   double dark_area_ = 0;
   float spacing_ = 0;
-  std::vector<Vec3> blockers_;
+  Blockers blockers_;
   OccupancyGrid grid_;
   Patches luminaire_patches_, sender_patches_;
   std::vector<Cluster> clusters_;

@@ -32,7 +32,7 @@ struct Options {
 };
 
 /// Raised by every change after which solve() gives other values: of files that keep solutions.
-inline constexpr int kSolverVersion = 2;
+inline constexpr int kSolverVersion = 3;
 
 /// Irradiance in W/m², [groups, points] each; 0 at points that emit.
 struct PointLight {
