@@ -1,8 +1,9 @@
 // Diffuse light between the points that describe a scene, by radiosity on the points themselves
 // (Goral et al. 1984, "Modeling the Interaction of Light Between Diffuse Surfaces"; points as
 // elements as in Lehtinen et al. 2008, "A Meshless Hierarchical Representation for Light
-// Transport"). No ray is traced and no surface is needed: a grid of the points stands for what
-// blocks the view. Coarse, and without noise: a start for a network, which learns what it misses.
+// Transport"). No ray is traced and no surface is needed: pieces of planes through the points stand
+// for what blocks the view. Coarse, and without noise: a start for a network, which learns what it
+// misses.
 #pragma once
 
 #include <array>

@@ -79,7 +79,7 @@ class CellIndex {
       : surfels_(surfels), ranges_(static_cast<size_t>(grid.cells())) {
     for (size_t i = 0; i < surfels.size(); ++i) {
       Range& range = ranges_[static_cast<size_t>(surfels[i].cell)];
-      if (range.count++ == 0) range.first = i;
+      if (range.count++ == 0) range.first = static_cast<uint32_t>(i);
     }
   }
 
@@ -93,7 +93,7 @@ class CellIndex {
 
  private:
   struct Range {
-    size_t first = 0, count = 0;
+    uint32_t first = 0, count = 0;
   };
   const std::vector<Surfel>& surfels_;
   std::vector<Range> ranges_;
