@@ -182,11 +182,11 @@ int64_t DatasetFolder::write_index(const FolderState& state) const {
   info.seed = config_.seed;
   info.scale = config_.scale;
   info.pruned = config_.bake.prune;
-  const boxes::RoomConfig& boxes = config_.boxes;
+  const boxes::RoomConfig& rooms = config_.boxes;
   info.suns = config_.generator == GeneratorKind::Homes
                   ? config_.homes.sun_share > 0
-                  : (boxes.open_share > 0 && boxes.sky_share > 0) ||
-                        (boxes.open_share < 1 && boxes.shut_sky_share > 0);
+                  : (rooms.open_share > 0 && rooms.sky_share > 0) ||
+                        (rooms.open_share < 1 && rooms.shut_sky_share > 0);
   info.light_paths = config_.bake.light_paths;
   info.light_depth = config_.bake.max_depth;
   info.planned = planned_;

@@ -47,7 +47,7 @@ void spread(const std::vector<int32_t>& line, std::vector<int32_t>* out) {
 /// Segments of one block, in cells from the grid's corner, each at `at` of its length.
 struct OccupancyGrid::Marches {
   std::array<float, kLanes> x, y, z, dx, dy, dz, at, end;
-  std::array<int32_t, kLanes> cell, clearance;
+  std::array<int32_t, kLanes> clearance;
   uint64_t hits;  ///< bit i: lane i has come to a marked cell
 };
 static_assert(kLanes == 64 && kLanes % kWord == 0, "Marches::hits has a bit a lane");
@@ -124,8 +124,8 @@ bool OccupancyGrid::leap(Marches* marches) const {
               *dx = marches->dx.data(), *dy = marches->dy.data(), *dz = marches->dz.data(),
               *end = marches->end.data();
   float* __restrict at = marches->at.data();
-  int32_t* __restrict cell = marches->cell.data(), * __restrict clearance =
-                                                       marches->clearance.data();
+  int32_t* __restrict clearance = marches->clearance.data();
+  int32_t cell[kLanes];
   for (size_t lane = 0; lane < kLanes; ++lane) {
     const auto x = static_cast<int32_t>(ox[lane] + dx[lane] * at[lane]);
     const auto y = static_cast<int32_t>(oy[lane] + dy[lane] * at[lane]);

@@ -16,11 +16,12 @@ constexpr float kFlat = 0.2f;
 /// Cosine between the normals of two that lie in one plane.
 constexpr float kAlike = 0.95f;
 
+std::pair<int32_t, int32_t> key(const Surfel& s) { return {s.cell, s.axis}; }
+bool comes_first(const Surfel& a, const Surfel& b) { return key(a) < key(b); }
+
 /// Brings surfels into order and makes one of those of the same cell and axis: their means.
 void merge(std::vector<Surfel>* surfels) {
-  const auto key = [](const Surfel& s) { return std::pair(s.cell, s.axis); };
-  std::stable_sort(surfels->begin(), surfels->end(),
-                   [&](const Surfel& a, const Surfel& b) { return key(a) < key(b); });
+  std::stable_sort(surfels->begin(), surfels->end(), comes_first);
   size_t kept = 0;
   for (size_t first = 0; first < surfels->size();) {
     Surfel mean = (*surfels)[first];
@@ -145,8 +146,9 @@ std::vector<Surfel> surfels_of(std::span<const Vec3> positions, std::span<const 
                                const GridShape& grid) {
   std::vector<Surfel> surfels = at_points(positions, normals, grid);
   const std::vector<Surfel> fills = between(surfels, grid);
+  const auto points = static_cast<std::ptrdiff_t>(surfels.size());
   surfels.insert(surfels.end(), fills.begin(), fills.end());
-  merge(&surfels);  // no two are of one cell and axis, so only their order changes
+  std::inplace_merge(surfels.begin(), surfels.begin() + points, surfels.end(), comes_first);
   return surfels;
 }
 
