@@ -31,9 +31,11 @@ add_library(lte::torch_cuda ALIAS lte_torch_cuda)
 set_target_properties(lte_torch_cuda PROPERTIES EXPORT_NAME torch_cuda)
 target_link_libraries(lte_torch_cuda INTERFACE $<BUILD_INTERFACE:${LTE_TORCH_CUDA}> $<BUILD_INTERFACE:${LTE_C10_CUDA}> $<BUILD_INTERFACE:CUDA::cudart>)
 # libtorch_cuda names cuBLAS, cuDNN, NCCL and others, which the machine that runs it has and this
-# one may lack. No symbol of libtorch_cuda is called by name: where the linker drops such libraries,
-# LibTorch would find no device.
-target_link_options(lte_torch_cuda INTERFACE LINKER:--allow-shlib-undefined LINKER:--no-as-needed)
+# one may lack: nor must programs that link a library of ours look for them.
+add_link_options(LINKER:--allow-shlib-undefined)
+# No symbol of libtorch_cuda is called by name: where the linker drops such libraries, LibTorch
+# would find no device.
+target_link_options(lte_torch_cuda INTERFACE LINKER:--no-as-needed)
 target_compile_options(lte_torch_cuda INTERFACE $<$<COMPILE_LANGUAGE:CUDA>:--expt-relaxed-constexpr -Xcompiler=-fPIC>)
 set(LTE_CUDA_ENABLED ON)
 message(STATUS "CUDA: on, architectures ${CMAKE_CUDA_ARCHITECTURES}")
