@@ -6,6 +6,7 @@
 
 TORCH_LIBRARY_FRAGMENT(lte, m) {
   m.def("farthest_point_sampling(Tensor points, int count) -> (Tensor, Tensor)");
+  m.def("farthest_point_sampling_of_sets(Tensor[] sets, int[] counts) -> (Tensor[], Tensor[])");
 }
 
 namespace lte::ops {
@@ -15,6 +16,13 @@ std::tuple<at::Tensor, at::Tensor> farthest_point_sampling(const at::Tensor& poi
   static const auto op =
       find_operator<decltype(farthest_point_sampling)>("lte::farthest_point_sampling");
   return op.call(points, count);
+}
+
+std::tuple<std::vector<at::Tensor>, std::vector<at::Tensor>> farthest_point_sampling_of_sets(
+    at::TensorList sets, at::IntArrayRef counts) {
+  static const auto op = find_operator<decltype(farthest_point_sampling_of_sets)>(
+      "lte::farthest_point_sampling_of_sets");
+  return op.call(sets, counts);
 }
 
 }  // namespace lte::ops

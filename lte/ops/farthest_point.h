@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <tuple>
+#include <vector>
 
 #include <ATen/core/Tensor.h>
 
@@ -22,5 +23,15 @@ namespace lte::ops {
 /// @note Exact; duplicates are picked last, at distance 0. CPU and CUDA agree bit for bit. Not
 ///       differentiable.
 std::tuple<at::Tensor, at::Tensor> farthest_point_sampling(const at::Tensor& points, int64_t count);
+
+/// The same of several sets of points, each as by itself: on a GPU beside each other, as one keeps
+/// but one multiprocessor busy.
+///
+/// @param sets    all on one device
+/// @param counts  one for each set
+/// @return  indices and insertion distances² of each set
+/// @throws c10::Error as farthest_point_sampling(), or if there are not as many counts as sets
+std::tuple<std::vector<at::Tensor>, std::vector<at::Tensor>> farthest_point_sampling_of_sets(
+    at::TensorList sets, at::IntArrayRef counts);
 
 }  // namespace lte::ops

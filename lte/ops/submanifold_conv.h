@@ -24,7 +24,7 @@ inline constexpr int64_t kConvolutionCellBits = 20;
 ///          and tap_begin [taps + 1] int64 on the CPU
 /// @throws c10::Error on a wrong shape, dtype or layout, a cell outside the range, or a kernel that
 ///         is even or too wide
-/// @note Cells on a GPU are copied to the host, which makes the pairs.
+/// @note With cells on a GPU the host waits for the number of pairs.
 std::tuple<at::Tensor, at::Tensor> convolution_pairs(const at::Tensor& cells, int64_t kernel);
 
 /// Output channels of bfloat16 weights are a multiple of this.
@@ -39,7 +39,7 @@ inline constexpr int64_t kConvolutionBlock = 16;
 /// @param pairs, tap_begin  of convolution_pairs()
 /// @return  [N, Cout]; differentiable in input, weight and bias
 /// @throws c10::Error on a wrong shape, dtype or device, pairs out of order, or, on the CPU, a pair
-///         that names a row past the input; on CUDA ATen's gather asserts that on the device
+///         that names a row past the input; on CUDA that fails a device-side assertion
 /// @note Deterministic: no atomics, sums in tap order.
 at::Tensor submanifold_conv(const at::Tensor& input, const at::Tensor& weight,
                             const at::Tensor& bias, const at::Tensor& pairs,

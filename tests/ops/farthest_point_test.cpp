@@ -101,6 +101,34 @@ TEST_P(FarthestPoint, PicksEveryPointOnceAndDuplicatesLast) {
   EXPECT_TRUE(distance.narrow(0, 300, 600).eq(0).all().item<bool>());
 }
 
+TEST_P(FarthestPoint, MatchesTheCpuInAnyMemory) {
+  // Points and distances in a GPU's registers, distances alone, and neither.
+  for (const int64_t N : {3000, 8000, 8200, 16500, 33000}) {
+    const at::Tensor points = test::uniform({N, 3}, 15);
+    const auto [index, distance] = sample(points, 300);
+    const auto [expected_index, expected_distance] = farthest_point_sampling(points, 300);
+    EXPECT_TRUE(at::equal(index, expected_index)) << N;
+    EXPECT_TRUE(at::equal(distance, expected_distance)) << N;
+  }
+}
+
+TEST_P(FarthestPoint, SetsArePickedFromEachAsByItself) {
+  std::vector<at::Tensor> sets;
+  std::vector<int64_t> counts;
+  for (int64_t i = 0; i < 19; ++i) {
+    sets.push_back(put(test::uniform({1 + 61 * i, 3}, 16 + static_cast<uint64_t>(i))));
+    counts.push_back(i == 3 ? 0 : 1 + 30 * i);
+  }
+  const auto [picks, distances] = farthest_point_sampling_of_sets(sets, counts);
+  ASSERT_EQ(picks.size(), sets.size());
+  for (size_t i = 0; i < sets.size(); ++i) {
+    const auto [index, distance] = farthest_point_sampling(sets[i].cpu(), counts[i]);
+    EXPECT_TRUE(at::equal(picks[i].cpu(), index)) << i;
+    EXPECT_TRUE(at::equal(distances[i].cpu(), distance)) << i;
+  }
+  EXPECT_TRUE(throws_saying([&] { farthest_point_sampling_of_sets(sets, {1, 2}); }, "2 counts"));
+}
+
 TEST_P(FarthestPoint, PicksNothingFromNothing) {
   EXPECT_EQ(sample(at::empty({0, 3}), 0).first.size(0), 0);
   EXPECT_EQ(sample(at::zeros({5, 3}), 0).second.size(0), 0);

@@ -124,7 +124,6 @@ TEST_P(ConvolutionPairs, RefuseBadInput) {
   EXPECT_TRUE(refused(good.to(at::kLong), 3, "Int"));
   EXPECT_TRUE(refused(good.narrow(1, 0, 2), 3, "[N, 3]"));
   EXPECT_TRUE(refused(put(at::zeros({3, 4}, at::kInt)).t(), 3, "contiguous"));
-  // The host makes the pairs of a GPU too, so it sees the values.
   at::Tensor bad = good.clone();
   bad[3][2] = 1 << 20;
   EXPECT_TRUE(refused(bad, 3, "row 3 of cells"));

@@ -158,9 +158,19 @@ std::tuple<at::Tensor, at::Tensor> farthest_point_sampling_cpu(const at::Tensor&
   return {index, distance};
 }
 
+std::tuple<std::vector<at::Tensor>, std::vector<at::Tensor>> farthest_point_sampling_of_sets_cpu(
+    at::TensorList sets, at::IntArrayRef counts) {
+  check_farthest_point_sets(sets, counts);
+  std::vector<at::Tensor> picks(sets.size()), insertions(sets.size());
+  for (size_t i = 0; i < sets.size(); ++i)
+    std::tie(picks[i], insertions[i]) = farthest_point_sampling_cpu(sets[i], counts[i]);
+  return {picks, insertions};
+}
+
 }  // namespace
 }  // namespace lte::ops
 
 TORCH_LIBRARY_IMPL(lte, CPU, m) {
   m.impl("farthest_point_sampling", lte::ops::farthest_point_sampling_cpu);
+  m.impl("farthest_point_sampling_of_sets", lte::ops::farthest_point_sampling_of_sets_cpu);
 }
