@@ -313,8 +313,7 @@ LTE_API lte_status lte_embedding_decode_radiance(const lte_embedding* embedding,
 /* ---- CUDA ----
  * The same with arrays in device memory (or managed, or pinned and mapped) of the GPU on which the
  * model was opened, on the caller's stream. In a library built without CUDA they return
- * LTE_ERROR_NO_CUDA. They compile and their argument checks are tested; they have NOT yet been run
- * on a GPU. */
+ * LTE_ERROR_NO_CUDA. tests/c_api holds them against the CPU where there is a GPU. */
 
 /** lte_model_encode() with all arrays but origin in device memory.
  *  @param stream  a cudaStream_t of the model's device; NULL is the default stream

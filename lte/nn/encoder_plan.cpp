@@ -115,11 +115,15 @@ struct ScenePart {
   double spacing = 1, grid = 1;
 };
 
-ScenePart make_part(const at::Tensor& position, const ModelConfig& config) {
-  const int64_t m1 = (position.size(0) + 1) / 2, m = (m1 + 1) / 2;
+/// Points that are left of n after one halving.
+int64_t half_of(int64_t n) { return (n + 1) / 2; }
+
+/// @param picks, distance2  of half of the points by farthest point sampling
+ScenePart make_part(const at::Tensor& position, const at::Tensor& picks,
+                    const at::Tensor& distance2, const ModelConfig& config) {
+  const int64_t m = half_of(picks.size(0));
   ScenePart part;
-  at::Tensor distance2;
-  std::tie(part.first_picks, distance2) = ops::farthest_point_sampling(position, m1);
+  part.first_picks = picks;
   const at::Tensor halved = position.index_select(0, part.first_picks);
   part.position = halved.narrow(0, 0, m).contiguous();  // nested: a run of m picks begins the same
   part.first_neighbours = std::get<0>(ops::knn(halved, position, config.nne_neighbours));
@@ -217,9 +221,12 @@ EncoderPlan make_encoder_plan(const std::vector<at::Tensor>& positions, const Mo
   EncoderPlan plan;
   std::vector<at::Tensor> first_picks, second_picks, first_neighbours, second_neighbours, places,
       cells;
+  std::vector<int64_t> halves;
+  for (const at::Tensor& position : positions) halves.push_back(half_of(position.size(0)));
+  const auto [picks, distances] = ops::farthest_point_sampling_of_sets(positions, halves);
   int64_t points = 0, halved = 0;  // of the scenes so far
   for (size_t i = 0; i < positions.size(); ++i) {
-    const ScenePart part = make_part(positions[i], config);
+    const ScenePart part = make_part(positions[i], picks[i], distances[i], config);
     const int64_t m1 = part.first_picks.size(0), m = part.position.size(0);
     LTE_CHECK(!several || (m1 >= config.nne_neighbours && m >= config.query_neighbours), "scene ",
               i, " of a pass over several has ", positions[i].size(0),

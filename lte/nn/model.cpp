@@ -75,9 +75,9 @@ void LightTransportModelImpl::add_light(const PointSet& points, const at::Tensor
 
 /// A scene's place in network space and the scale of its light; what F reads of its points goes to
 /// `attributes`, where they lie to `position`.
-Embedding LightTransportModelImpl::place(const PointSet& points, const Frame& frame,
+Embedding LightTransportModelImpl::place(const PointSet& points, const Frame& frame, Values values,
                                          at::Tensor* position, at::Tensor* attributes) const {
-  check_points(points, config_);
+  if (values == Values::Checked) check_points(points, config_);
   Embedding embedding;
   embedding.scale = frame.scale > 0 ? frame.scale : config_.scale;
   embedding.origin = frame.origin.defined() ? frame.origin.to(points.position.options())
@@ -125,12 +125,13 @@ void LightTransportModelImpl::add_surfels(const PointSet& points, const at::Tens
 
 SceneBatch LightTransportModelImpl::encode(const std::vector<PointSet>& scenes,
                                            const std::vector<uint64_t>& order_seeds,
-                                           const Frame& frame, EncoderRecorder* recorder) {
+                                           const Frame& frame, EncoderRecorder* recorder,
+                                           Values values) {
   SceneBatch batch;
   std::vector<at::Tensor> positions, attributes, normals;
   for (const PointSet& points : scenes) {
     at::Tensor position, columns;
-    batch.scenes.push_back(place(points, frame, &position, &columns));
+    batch.scenes.push_back(place(points, frame, values, &position, &columns));
     positions.push_back(position.to(at::kFloat).contiguous());
     attributes.push_back(columns);
     normals.push_back(points.normal);
@@ -175,8 +176,9 @@ Embedding LightTransportModelImpl::encode(const PointSet& points, uint64_t order
 }
 
 SceneBatch LightTransportModelImpl::encode_batch(const std::vector<PointSet>& scenes,
-                                                 const std::vector<uint64_t>& order_seeds) {
-  return encode(scenes, order_seeds, {}, nullptr);
+                                                 const std::vector<uint64_t>& order_seeds,
+                                                 Values values) {
+  return encode(scenes, order_seeds, {}, nullptr, values);
 }
 
 std::vector<StageHealth> LightTransportModelImpl::stage_health(const PointSet& points) {
@@ -226,10 +228,12 @@ at::Tensor LightTransportModelImpl::decode_normalized(const Embedding& embedding
 }
 
 std::vector<at::Tensor> LightTransportModelImpl::decode_normalized(
-    const SceneBatch& batch, const std::vector<QuerySet>& queries) {
+    const SceneBatch& batch, const std::vector<QuerySet>& queries, Values values) {
   TORCH_CHECK(queries.size() == batch.scenes.size(), "decode: queries of ", queries.size(),
               " scenes for ", batch.scenes.size());
-  for (const QuerySet& each : queries) check_queries(each);
+  if (values == Values::Checked) {
+    for (const QuerySet& each : queries) check_queries(each);
+  }
   return parts_->decode(batch.scenes, queries, parts_->decoder->latent_tables(batch.features));
 }
 
@@ -245,14 +249,13 @@ at::Tensor LightTransportModelImpl::decode(const Embedding& embedding, const Que
   LatentTables latents;
   if (!embedding.table.defined()) latents = parts_->decoder->latent_tables(embedding.features);
   const bool fused = embedding.table.defined() && !is_training();
-  const bool ordered = fused && queries.position.device().is_cpu();
   const int64_t fast = fused ? kTableBlock : kQueryBlock;
   const int64_t size = options.block > 0 ? std::min(options.block, fast) : fast;
   for (int64_t begin = 0; begin < Q; begin += size) {
     const int64_t count = std::min(size, Q - begin);
     const QuerySet block = block_of(queries, begin, count);
     out.narrow(0, begin, count)
-        .copy_(ordered                     ? parts_->decode_ordered(embedding, block)
+        .copy_(fused                       ? parts_->decode_ordered(embedding, block)
                : embedding.table.defined() ? parts_->decode(embedding, block)
                                            : parts_->decode({embedding}, {block}, latents)[0]);
   }

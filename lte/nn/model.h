@@ -55,6 +55,10 @@ struct Frame {
   double scale = 0;
 };
 
+/// Whether a call looks at the values that it is given, which on a GPU waits for them. Unchecked:
+/// check_points() and check_queries() have seen them, or the caller answers for them.
+enum class Values { Checked, Unchecked };
+
 struct DecodeOptions {
   /// false for queries that check_queries() has seen or the caller answers for: on a GPU nothing
   /// then waits for it.
@@ -82,7 +86,8 @@ class LightTransportModelImpl : public torch::nn::Module {
   /// encode() gives for each, to rounding, in fewer and larger operations.
   /// @throws c10::Error as encode(); lte::Error if a scene is too fine (make_encoder_plan())
   SceneBatch encode_batch(const std::vector<PointSet>& scenes,
-                          const std::vector<uint64_t>& order_seeds);
+                          const std::vector<uint64_t>& order_seeds,
+                          Values values = Values::Checked);
 
   /// What each stage of the encoder carries for a scene, in the order of the network.
   /// @throws c10::Error as encode()
@@ -102,7 +107,8 @@ class LightTransportModelImpl : public torch::nn::Module {
 
   /// The same for each scene of a batch, differentiable.
   std::vector<at::Tensor> decode_normalized(const SceneBatch& batch,
-                                            const std::vector<QuerySet>& queries);
+                                            const std::vector<QuerySet>& queries,
+                                            Values values = Values::Checked);
 
   /// Irradiance in W/m², [Q, 3]. Works through queries in blocks, so memory does not grow with Q
   /// beyond the output. Independent of block size and of the other queries to rounding.
@@ -136,13 +142,13 @@ class LightTransportModelImpl : public torch::nn::Module {
  private:
   at::Tensor radiance_of_block(const Embedding& embedding, const QuerySet& queries,
                                const at::Tensor& directions);
-  Embedding place(const PointSet& points, const Frame& frame, at::Tensor* position,
+  Embedding place(const PointSet& points, const Frame& frame, Values values, at::Tensor* position,
                   at::Tensor* attributes) const;
   void add_light(const PointSet& points, const at::Tensor& position,
                  std::vector<at::Tensor>* columns, Embedding* embedding) const;
   void add_surfels(const PointSet& points, const at::Tensor& position, Embedding* embedding);
   SceneBatch encode(const std::vector<PointSet>& scenes, const std::vector<uint64_t>& order_seeds,
-                    const Frame& frame, EncoderRecorder* recorder);
+                    const Frame& frame, EncoderRecorder* recorder, Values values = Values::Checked);
 
   ModelConfig config_;
   struct Parts;

@@ -129,8 +129,10 @@ struct LightTransportModelImpl::Parts {
     return answer.split_with_sizes(asked.counts);
   }
 
-  /// decode() from the table, the queries taken in an order in which neighbours share latents.
+  /// decode() from the table, on the CPU with the queries in an order in which neighbours share
+  /// latents.
   at::Tensor decode_ordered(const Embedding& embedding, const QuerySet& queries) {
+    if (!queries.position.is_cpu()) return decode(embedding, queries);
     const at::Tensor order = ops::spatial_order(queries.position.contiguous());
     const at::Tensor answer = decode(embedding, rows_of(queries, order));
     return at::empty_like(answer).index_copy_(0, order, answer);

@@ -30,7 +30,7 @@ at::Tensor NeighbourMaxImpl::forward(const at::Tensor& dense, const at::Tensor& 
     return ops::neighbour_max(of_dense, of_center, neighbour, output_->weight, output_->bias);
   }
   const int64_t m = neighbour.size(0), k = neighbour.size(1), D = of_dense.size(1);
-  const int64_t rows = std::max<int64_t>(1, std::min(m, rows_of_a_block(k * D)));
+  const int64_t rows = std::max<int64_t>(1, std::min(m, rows_of_a_block(k * D, dense.device())));
   std::vector<at::Tensor> out;
   for (int64_t begin = 0; begin < m; begin += rows) {
     const int64_t count = std::min(rows, m - begin);

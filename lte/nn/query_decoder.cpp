@@ -266,7 +266,7 @@ std::tuple<at::Tensor, at::Tensor> QueryDecoderImpl::neighbour_sums(const Neighb
                                                                     const at::Tensor& values) {
   const int64_t Q = near.index.size(0), K = near.index.size(1);
   const int64_t width = std::max(gamma_->hidden()->weight.size(0), keys.size(2));
-  const int64_t rows = rows_of_a_block(K * width);
+  const int64_t rows = rows_of_a_block(K * width, keys.device());
   if (Q <= rows) {
     return ops::neighbour_sums(keys, values, gamma_->forward(near.geometry), near.index);
   }
@@ -343,7 +343,8 @@ at::Tensor QueryDecoderImpl::run_softmax_layers(const at::Tensor& attributes,
 at::Tensor QueryDecoderImpl::attend(Mlp& omega, const at::Tensor& query, const at::Tensor& key,
                                     const at::Tensor& value, const Neighbourhood& near) {
   const int64_t Q = near.index.size(0), K = near.index.size(1);
-  const int64_t rows = rows_of_a_block(K * std::max(gamma_->hidden()->weight.size(0), key.size(1)));
+  const int64_t rows =
+      rows_of_a_block(K * std::max(gamma_->hidden()->weight.size(0), key.size(1)), key.device());
   std::vector<at::Tensor> parameters = gamma_->parameters();
   for (const at::Tensor& parameter : omega->parameters()) parameters.push_back(parameter);
   std::vector<at::Tensor> attended;

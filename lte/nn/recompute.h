@@ -26,15 +26,15 @@ std::vector<at::Tensor> recompute(TensorFunction function, const std::vector<at:
 /// or this is the first run of a function that runs again with gradients.
 bool is_differentiated();
 
-/// Numbers that pairs of points and neighbours may hold between two layers: 16 MiB in float32. What
-/// has more works in blocks of rows, which training recomputes.
-inline constexpr int64_t kPairNumbers = int64_t{1} << 22;
+/// Numbers that pairs of points and neighbours may hold between two layers: 16 MiB in float32, on a
+/// GPU, where what is small waits for its launch, 256 MiB. What has more works in blocks of rows,
+/// which training recomputes.
+inline constexpr int64_t kPairNumbers = int64_t{1} << 22, kPairNumbersOnGpu = int64_t{1} << 26;
 
 /// Rows of a block, at least 1, where each row has so many numbers.
-inline int64_t rows_of_a_block(int64_t numbers_per_row) {
-  return numbers_per_row >= kPairNumbers
-             ? 1
-             : kPairNumbers / (numbers_per_row > 0 ? numbers_per_row : 1);
+inline int64_t rows_of_a_block(int64_t numbers_per_row, at::Device device) {
+  const int64_t most = device.is_cpu() ? kPairNumbers : kPairNumbersOnGpu;
+  return numbers_per_row >= most ? 1 : most / (numbers_per_row > 0 ? numbers_per_row : 1);
 }
 
 }  // namespace lte::nn

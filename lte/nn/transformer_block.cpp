@@ -29,11 +29,18 @@ bool fuses(const at::Tensor& x) {
   return ops::suits_norm_layers(x) && (at::GradMode::is_enabled() || x.size(0) >= kLeastFused);
 }
 
+/// The rows of each scene. Split at once, for gradients to be put together by one copy.
+std::vector<at::Tensor> rows_of_scenes(const at::Tensor& x, const StagePlan& stage) {
+  if (stage.scenes.size() == 1) return {x};
+  std::vector<int64_t> counts;
+  for (const SceneRows& rows : stage.scenes) counts.push_back(rows.count);
+  return x.split_with_sizes(counts);
+}
+
 /// Means of [n, C] over the points of each scene, [scenes, C].
 at::Tensor means_of_scenes(const at::Tensor& x, const StagePlan& stage) {
   std::vector<at::Tensor> means;
-  for (const SceneRows& rows : stage.scenes)
-    means.push_back(x.narrow(0, rows.begin, rows.count).mean(0));
+  for (const at::Tensor& of_scene : rows_of_scenes(x, stage)) means.push_back(of_scene.mean(0));
   return at::stack(means);
 }
 
@@ -89,13 +96,10 @@ at::Tensor PatchAttentionImpl::attended(const at::Tensor& x, torch::nn::LayerNor
 
 at::Tensor PatchAttentionImpl::attend_in_scenes(const at::Tensor& separate, const StagePlan& stage,
                                                 size_t order, int64_t patch_size) {
-  const at::Tensor qkv = turned(separate, stage);
+  const std::vector<at::Tensor> qkv = rows_of_scenes(turned(separate, stage), stage);
   std::vector<at::Tensor> attended;
-  for (const SceneRows& rows : stage.scenes) {
-    const bool alone = stage.scenes.size() == 1;
-    attended.push_back(attend(alone ? qkv : qkv.narrow(0, rows.begin, rows.count),
-                              patch_map(rows, order), patch_size));
-  }
+  for (size_t i = 0; i < qkv.size(); ++i)
+    attended.push_back(attend(qkv[i], patch_map(stage.scenes[i], order), patch_size));
   return attended.size() == 1 ? attended.front() : at::cat(attended);
 }
 

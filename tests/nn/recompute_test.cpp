@@ -82,7 +82,8 @@ TEST_P(RecomputedQueries, ManyHaveTheGradientsOfFewAtATime) {
   QueryDecoder decoder(config.channels, config);
   test::randomize(*decoder, 12);
   set_autocast(*decoder, std::get<1>(GetParam()));
-  const int64_t rows = rows_of_a_block(32 * std::max(config.gamma_hidden, config.channels));
+  const int64_t rows =
+      rows_of_a_block(32 * std::max(config.gamma_hidden, config.channels), at::kCPU);
   const int64_t Q = 2 * rows + 7;
   const at::Tensor position = torch::rand({Q, 3}), anchor = torch::rand({50, 3}),
                    attributes = torch::randn({Q, 9}), weight = torch::randn({Q, 3}),
@@ -122,7 +123,7 @@ INSTANTIATE_TEST_SUITE_P(Decoders, RecomputedQueries,
                                           testing::Values(Precision::Fp32, Precision::Bf16)));
 
 TEST(Recompute, ManyPointsHaveTheGradientsOfFewAtATime) {
-  const int64_t D = 64, k = 32, rows = rows_of_a_block(k * D), m = rows + 5;
+  const int64_t D = 64, k = 32, rows = rows_of_a_block(k * D, at::kCPU), m = rows + 5;
   NeighbourMax maximum(D);
   const at::Tensor dense = torch::randn({100, D}).requires_grad_(),
                    center = torch::randn({m, D}).requires_grad_(),
