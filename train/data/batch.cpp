@@ -37,24 +37,30 @@ size_t EpochOrder::scene_at(uint64_t position) {
 }
 
 BatchLoader::BatchLoader(const TrainConfig& config, double scale, SceneStore* store,
-                         const Rank& rank)
+                         const Rank& rank, int threads)
     : config_(config),
       scale_(scale),
       store_(store),
       rank_(rank),
+      threads_(threads),
       order_(config.seed, store->size()) {}
 
 BatchLoader::~BatchLoader() {
   if (next_.valid()) next_.wait();
 }
 
-std::shared_ptr<const TrainingScene> BatchLoader::scene_at(uint64_t position) {
-  auto scene = store_->get(order_.scene_at(position));
+std::vector<std::shared_ptr<const TrainingScene>> BatchLoader::scenes_at(
+    const std::vector<uint64_t>& positions) {
+  std::vector<size_t> indices;
+  for (const uint64_t position : positions) indices.push_back(order_.scene_at(position));
+  std::vector<std::shared_ptr<const TrainingScene>> scenes = store_->get(indices);
   // A scene that is skipped gives way to one that the position alone decides. The store throws when
   // none is left, so this ends.
-  for (Rng rng(config_.seed, hash_combine(kReplacementStream, position)); !scene;)
-    scene = store_->get(rng.below(store_->size()));
-  return scene;
+  for (size_t i = 0; i < scenes.size(); ++i) {
+    for (Rng rng(config_.seed, hash_combine(kReplacementStream, positions[i])); !scenes[i];)
+      scenes[i] = store_->get(rng.below(store_->size()));
+  }
+  return scenes;
 }
 
 /// Drawn afresh, or always the same ones: then they depend on the seed and the scene's name alone.
@@ -75,18 +81,30 @@ std::vector<int64_t> BatchLoader::scene_rows(const TrainingScene& scene, Rng* rn
   return data::draw_scene_rows(scene.light, config_.data.scene_points, &always);
 }
 
+Example BatchLoader::make_one(uint64_t position, const TrainingScene& scene) const {
+  Rng rng(config_.seed, hash_combine(kExampleStream, position));
+  const Symmetry symmetry =
+      draw_symmetry(config_.augment, scene.light_groups, scene.bounds, scale_, &rng);
+  return make_example(scene, symmetry, scene_rows(scene, &rng), query_options(config_), &rng);
+}
+
 std::vector<Example> BatchLoader::make(int64_t step) {
-  std::vector<Example> examples;
+  std::vector<uint64_t> positions;
   const int64_t count = config_.train.scenes_per_step;
-  for (int64_t slot = rank_.index; slot < count; slot += rank_.count) {
-    const auto position = static_cast<uint64_t>(step * count + slot);
-    const auto scene = scene_at(position);
-    Rng rng(config_.seed, hash_combine(kExampleStream, position));
-    const Symmetry symmetry =
-        draw_symmetry(config_.augment, scene->light_groups, scene->bounds, scale_, &rng);
-    examples.push_back(
-        make_example(*scene, symmetry, scene_rows(*scene, &rng), query_options(config_), &rng));
-  }
+  for (int64_t slot = rank_.index; slot < count; slot += rank_.count)
+    positions.push_back(static_cast<uint64_t>(step * count + slot));
+  const std::vector<std::shared_ptr<const TrainingScene>> scenes = scenes_at(positions);
+  std::vector<Example> examples(scenes.size());
+  const auto make_every = [&](size_t first, size_t stride) {
+    for (size_t i = first; i < scenes.size(); i += stride)
+      examples[i] = make_one(positions[i], *scenes[i]);
+  };
+  const size_t threads = std::min(static_cast<size_t>(threads_), scenes.size());
+  std::vector<std::future<void>> others;
+  for (size_t i = 1; i < threads; ++i)
+    others.push_back(std::async(std::launch::async, make_every, i, threads));
+  make_every(0, threads);
+  for (std::future<void>& other : others) other.get();
   return examples;
 }
 

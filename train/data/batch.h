@@ -37,8 +37,11 @@ class EpochOrder {
 /// alone: the same one whichever process asks, however often the run is stopped.
 class BatchLoader {
  public:
-  /// @param scale  s, metres: a rotated scene must fit into a cube of this side
-  BatchLoader(const TrainConfig& config, double scale, SceneStore* store, const Rank& rank = {});
+  /// @param scale    s, metres: a rotated scene must fit into a cube of this side
+  /// @param threads  that share the making of a step's examples; more than one where a GPU leaves
+  ///                 the processor idle
+  BatchLoader(const TrainConfig& config, double scale, SceneStore* store, const Rank& rank = {},
+              int threads = 1);
   ~BatchLoader();
   BatchLoader(const BatchLoader&) = delete;
   BatchLoader& operator=(const BatchLoader&) = delete;
@@ -49,14 +52,17 @@ class BatchLoader {
   double waited_seconds() const { return waited_seconds_; }
 
  private:
-  std::shared_ptr<const TrainingScene> scene_at(uint64_t position);
+  std::vector<std::shared_ptr<const TrainingScene>> scenes_at(
+      const std::vector<uint64_t>& positions);
   std::vector<int64_t> scene_rows(const TrainingScene& scene, Rng* rng) const;
+  Example make_one(uint64_t position, const TrainingScene& scene) const;
   std::vector<Example> make(int64_t step);
 
   TrainConfig config_;
   double scale_;
   SceneStore* store_;
   Rank rank_;
+  int threads_;
   EpochOrder order_;
   std::future<std::vector<Example>> next_;
   int64_t next_step_ = -1;

@@ -4,6 +4,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/log.h"
+#include "lte/base/parallel.h"
 #include "lte/data/sample_rows.h"
 #include "train/data/solved_light.h"
 
@@ -124,26 +125,54 @@ std::shared_ptr<const TrainingScene> SceneStore::read(size_t index) const {
 }
 
 std::shared_ptr<const TrainingScene> SceneStore::get(size_t index) {
-  const auto found = slots_.find(index);
-  if (found != slots_.end()) {
-    uses_.splice(uses_.begin(), uses_, found->second.use);
-    return found->second.scene;
+  return get({&index, 1}).front();
+}
+
+std::vector<std::shared_ptr<const TrainingScene>> SceneStore::get(std::span<const size_t> indices) {
+  std::vector<std::shared_ptr<const TrainingScene>> scenes(indices.size());
+  std::vector<std::exception_ptr> errors(indices.size());
+  std::vector<size_t> missing;  // places in `indices`
+  for (size_t i = 0; i < indices.size(); ++i) {
+    const auto found = slots_.find(indices[i]);
+    if (found != slots_.end()) {
+      uses_.splice(uses_.begin(), uses_, found->second.use);
+      scenes[i] = found->second.scene;
+    } else if (!bad_.contains(indices[i])) {
+      missing.push_back(i);
+    }
   }
-  if (bad_.contains(index)) return nullptr;
-  std::shared_ptr<const TrainingScene> scene;
+  parallel_for(static_cast<int64_t>(missing.size()), 1, [&](int64_t begin, int64_t end) {
+    for (int64_t k = begin; k < end; ++k) {
+      const size_t i = missing[static_cast<size_t>(k)];
+      try {
+        scenes[i] = read(indices[i]);
+      } catch (const Error&) {
+        errors[i] = std::current_exception();
+      }
+    }
+  });
+  for (const size_t i : missing) scenes[i] = keep(indices[i], std::move(scenes[i]), errors[i]);
+  return scenes;
+}
+
+std::shared_ptr<const TrainingScene> SceneStore::keep(size_t index,
+                                                      std::shared_ptr<const TrainingScene> scene,
+                                                      const std::exception_ptr& error) {
   try {
-    scene = read(index);
-  } catch (const Error& error) {
+    if (error) std::rethrow_exception(error);
+  } catch (const Error& why) {
     if (!options_.skip_bad)
-      throw Error(concat(error.what(), "; data.on_bad_scene=skip goes on without such scenes"));
-    bad_.insert(index);
+      throw Error(concat(why.what(), "; data.on_bad_scene=skip goes on without such scenes"));
+    if (!bad_.insert(index).second) return nullptr;
     LTE_CHECK(bad_.size() < entries_.size(), root_.string(), ": none of its ", entries_.size(),
-              " scenes can be used; of the last: ", error.what());
-    log_warning("scene ", name(index), " is skipped: ", error.what());
+              " scenes can be used; of the last: ", why.what());
+    log_warning("scene ", name(index), " is skipped: ", why.what());
     return nullptr;
   }
+  const auto [slot, fresh] = slots_.try_emplace(index);
+  if (!fresh) return slot->second.scene;  // asked for twice at once
   uses_.push_front(index);
-  slots_[index] = {scene, uses_.begin()};
+  slot->second = {scene, uses_.begin()};
   cached_bytes_ += scene->size_bytes();
   while (cached_bytes_ > options_.cache_bytes && uses_.size() > 1) {
     const auto oldest = slots_.find(uses_.back());

@@ -3,10 +3,12 @@
 
 #include <cmath>
 #include <cstdint>
+#include <exception>
 #include <filesystem>
 #include <list>
 #include <memory>
 #include <set>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -94,12 +96,18 @@ class SceneStore {
   /// @throws lte::Error naming file, tensor and index of what is wrong with a scene; if bad scenes
   /// are skipped, only when none is left
   std::shared_ptr<const TrainingScene> get(size_t index);
+  /// The same of several scenes: what is not kept is read, and its light solved, beside each other.
+  std::vector<std::shared_ptr<const TrainingScene>> get(std::span<const size_t> indices);
   /// Indices of the scenes skipped so far.
   const std::set<size_t>& bad() const { return bad_; }
   size_t cached_bytes() const { return cached_bytes_; }
 
  private:
   std::shared_ptr<const TrainingScene> read(size_t index) const;
+  /// @param scene, error  what read() gave
+  std::shared_ptr<const TrainingScene> keep(size_t index,
+                                            std::shared_ptr<const TrainingScene> scene,
+                                            const std::exception_ptr& error);
 
   struct Slot {
     std::shared_ptr<const TrainingScene> scene;

@@ -96,6 +96,8 @@ double SceneGradients::accumulate(const std::vector<Example>& examples, int64_t 
 
 double SceneGradients::run(size_t worker, std::span<const Example> scenes, int64_t step) {
   nn::LightTransportModel& model = models_[worker];
+  // What goes to a GPU is looked at before: there each look would wait for it.
+  const auto values = device_.is_cpu() ? nn::Values::Checked : nn::Values::Unchecked;
   std::string names;
   try {
     std::vector<Example> examples;
@@ -103,6 +105,10 @@ double SceneGradients::run(size_t worker, std::span<const Example> scenes, int64
     std::vector<uint64_t> seeds;
     for (const Example& stored : scenes) {
       names += (names.empty() ? "" : ", ") + stored.scene;
+      if (values == nn::Values::Unchecked) {
+        nn::check_points(stored.points, model->config());
+        nn::check_queries(stored.queries);
+      }
       const Example& example = examples.emplace_back(stored.to(device_));
       points.push_back(example.points);
       seeds.push_back(example.seed);
@@ -112,9 +118,9 @@ double SceneGradients::run(size_t worker, std::span<const Example> scenes, int64
     nn::SceneBatch batch;
     {
       const at::AutoGradMode latents(trains_encoder_);
-      batch = model->encode_batch(points, seeds);
+      batch = model->encode_batch(points, seeds, values);
     }
-    const std::vector<at::Tensor> losses = scene_losses(model, batch, examples, loss_);
+    const std::vector<at::Tensor> losses = scene_losses(model, batch, examples, loss_, values);
     at::Tensor sum;
     for (size_t i = 0; i < examples.size(); ++i) {
       const double value = losses[i].item<double>();

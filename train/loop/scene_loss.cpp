@@ -6,7 +6,7 @@ namespace lte::train {
 
 std::vector<at::Tensor> scene_losses(nn::LightTransportModel& model, const nn::SceneBatch& batch,
                                      const std::vector<Example>& examples,
-                                     const SceneLossConfig& config) {
+                                     const SceneLossConfig& config, nn::Values values) {
   std::vector<at::Tensor> losses(examples.size());
   const auto add = [&](size_t i, const at::Tensor& loss) {
     losses[i] = losses[i].defined() ? losses[i] + loss : loss;
@@ -14,7 +14,7 @@ std::vector<at::Tensor> scene_losses(nn::LightTransportModel& model, const nn::S
   if (config.irradiance_weight > 0) {
     std::vector<nn::QuerySet> queries;
     for (const Example& example : examples) queries.push_back(example.queries);
-    const std::vector<at::Tensor> predicted = model->decode_normalized(batch, queries);
+    const std::vector<at::Tensor> predicted = model->decode_normalized(batch, queries, values);
     for (size_t i = 0; i < examples.size(); ++i) {
       const at::Tensor loss =
           nn::relative_loss(predicted[i], examples[i].target, config.loss, examples[i].weight);

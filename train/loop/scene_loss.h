@@ -21,9 +21,11 @@ struct SceneLossConfig {
 
 /// Of each scene a scalar: irradiance_weight times the loss of irradiance, and, of models that
 /// predict it, that of radiance; each as the configuration has it. Differentiable.
+/// @param values  of the queries
 std::vector<at::Tensor> scene_losses(nn::LightTransportModel& model, const nn::SceneBatch& batch,
                                      const std::vector<Example>& examples,
-                                     const SceneLossConfig& config);
+                                     const SceneLossConfig& config,
+                                     nn::Values values = nn::Values::Checked);
 
 /// Whether gradients go to any parameter of what makes latents.
 bool trains_encoder(const nn::LightTransportModel& model);

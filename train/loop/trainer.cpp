@@ -5,6 +5,7 @@
 #include <csignal>
 #include <utility>
 
+#include <ATen/Parallel.h>
 #include <torch/types.h>
 
 #include "lte/base/check.h"
@@ -44,7 +45,8 @@ Trainer::Trainer(const TrainConfig& config, std::string config_text, at::Device 
   state_.model->train();
   if (group_) agree_on_start(start, state_, *group_);
   gradients_ = std::make_unique<SceneGradients>(config_, state_.model, device_, group_);
-  loader_ = std::make_unique<BatchLoader>(config_, data_.scale, &data_.train, rank);
+  const int makers = device_.is_cpu() ? 1 : at::get_num_threads();
+  loader_ = std::make_unique<BatchLoader>(config_, data_.scale, &data_.train, rank, makers);
   seconds_before_ = state_.progress.seconds;
   if (!leads()) return;
   validation_ = validation_examples(config_, &data_.val);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <ATen/ops/_foreach_add.h>
+#include <ATen/ops/_foreach_lerp.h>
 #include <ATen/ops/_foreach_mul.h>
 #include <ATen/ops/_foreach_norm.h>
 #include <ATen/ops/_fused_adamw.h>
@@ -137,8 +138,7 @@ void Optimizer::update(int64_t step, double norm, std::optional<double> given_ra
     if (factor > 0) update_orthogonal(factor, factor * rate);
   }
   if (average_.empty()) return;
-  const double weight = 1 - ema_decay(config_, step);
-  for (size_t i = 0; i < average_.size(); ++i) average_[i].lerp_(parameters_[i], weight);
+  at::_foreach_lerp_(average_, parameters_, 1 - ema_decay(config_, step));
 }
 
 /// Updates the parameters of one rate factor that are matrices, or that are not.
@@ -164,33 +164,41 @@ void Optimizer::update_group(double factor, bool matrices, double rate) {
 
 /// Updates the matrices of one rate factor that Muon moves, those of one shape together.
 void Optimizer::update_orthogonal(double factor, double rate) {
-  std::map<std::pair<int64_t, int64_t>, std::vector<size_t>> shapes;
-  std::map<size_t, at::Tensor> steps;
+  std::vector<size_t> moved;  // indices of the parameters
+  std::vector<at::Tensor> weights, gradients, moments, counts;
   for (size_t i = 0; i < parameters_.size(); ++i) {
     if (!by_muon_[i] || rate_factors_[i] != factor || !parameters_[i].grad().defined()) continue;
-    const at::Tensor gradient = parameters_[i].grad();
-    first_moments_[i].lerp_(gradient, 1 - config_.muon_momentum);
-    steps[i] = matrices_of(names_[i], gradient.lerp(first_moments_[i], config_.muon_momentum));
-    shapes[{steps[i].size(1), steps[i].size(2)}].push_back(i);
+    moved.push_back(i);
+    weights.push_back(parameters_[i]);
+    gradients.push_back(parameters_[i].grad());
+    moments.push_back(first_moments_[i]);
+    counts.push_back(updates_[i]);
   }
+  if (moved.empty()) return;
+  at::_foreach_lerp_(moments, gradients, 1 - config_.muon_momentum);
+  std::vector<at::Tensor> steps = at::_foreach_lerp(gradients, moments, config_.muon_momentum);
+  std::map<std::pair<int64_t, int64_t>, std::vector<size_t>> shapes;  // places in `moved`
+  for (size_t k = 0; k < moved.size(); ++k) {
+    steps[k] = matrices_of(names_[moved[k]], steps[k]);
+    shapes[{steps[k].size(1), steps[k].size(2)}].push_back(k);
+  }
+  at::_foreach_mul_(weights, 1 - rate * config_.weight_decay);
   for (const auto& [shape, members] : shapes) {
-    std::vector<at::Tensor> stack;
-    std::vector<int64_t> counts;
-    for (const size_t i : members) {
-      stack.push_back(steps[i]);
-      counts.push_back(steps[i].size(0));
+    std::vector<at::Tensor> stack, targets;
+    std::vector<int64_t> matrices;
+    for (const size_t k : members) {
+      stack.push_back(steps[k]);
+      matrices.push_back(steps[k].size(0));
+      targets.push_back(weights[k]);
     }
     // Orthogonal matrices have entries of the root of 1 / the longer side (Liu et al. 2025).
     const double length =
         kUpdateRms * std::sqrt(static_cast<double>(std::max(shape.first, shape.second)));
-    const std::vector<at::Tensor> moved = orthogonal(at::cat(stack)).split_with_sizes(counts);
-    for (size_t k = 0; k < members.size(); ++k) {
-      at::Tensor& weights = parameters_[members[k]];
-      weights.mul_(1 - rate * config_.weight_decay);
-      weights.sub_(moved[k].reshape(weights.sizes()), rate * length);
-      updates_[members[k]] += 1;
-    }
+    std::vector<at::Tensor> turned = orthogonal(at::cat(stack)).split_with_sizes(matrices);
+    for (size_t k = 0; k < members.size(); ++k) turned[k] = turned[k].reshape(targets[k].sizes());
+    at::_foreach_add_(targets, turned, -rate * length);
   }
+  at::_foreach_add_(counts, 1);
 }
 
 void Optimizer::swap_average() {

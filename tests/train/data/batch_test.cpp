@@ -63,6 +63,16 @@ TEST_F(BatchLoaderTest, AStepsExamplesDoNotDependOnHowItWasReached) {
   for (size_t i = 0; i < 2; ++i) expect_same(at_four[i], again[i]);
 }
 
+TEST_F(BatchLoaderTest, AStepsExamplesDoNotDependOnHowManyThreadsMakeThem) {
+  TrainConfig config = test::tiny_config(dir_.path(), dir_ / "run");
+  config.train.scenes_per_step = 5;
+  RunData one = open_run_data(config), more = open_run_data(config);
+  BatchLoader a(config, one.scale, &one.train), b(config, more.scale, &more.train, {}, 3);
+  const std::vector<Example> right = a.take(0), got = b.take(0);
+  ASSERT_EQ(got.size(), 5u);
+  for (size_t i = 0; i < 5; ++i) expect_same(got[i], right[i]);
+}
+
 TEST_F(BatchLoaderTest, DrawsAsManyPointsAndQueriesAsAskedAfreshEachEpoch) {
   const TrainConfig config =
       test::tiny_config(dir_.path(), dir_ / "run", "augment: {rotate: none, mirror: false}\n");

@@ -369,6 +369,34 @@ TEST(SceneStore, DropsTheLeastRecentlyUsed) {
   EXPECT_EQ(probe.cached_bytes(), one) << "the latest stays whatever the limit";
 }
 
+TEST(SceneStore, GivesSeveralAsItGivesOneByOne) {
+  const test::TempDir dir;
+  test::write_dataset(dir.path(), 4, 0);
+  const auto entries = data::entries_of(data::read_dataset_info(dir.path()), data::Split::Train);
+  std::filesystem::remove(data::scene_path(dir.path(), entries[1].name));
+  SceneStoreOptions options{nn::Target::Indirect, size_t{1} << 30};
+  options.skip_bad = true;
+  SceneStore store(dir.path(), entries, options), each(dir.path(), entries, options);
+  const auto kept = store.get(3);
+  const std::vector<size_t> wanted = {2, 1, 3, 0, 2};
+  const auto scenes = store.get(wanted);
+  ASSERT_EQ(scenes.size(), wanted.size());
+  for (size_t i = 0; i < wanted.size(); ++i) {
+    const auto right = each.get(wanted[i]);
+    ASSERT_EQ(scenes[i] == nullptr, right == nullptr) << i;
+    if (right) {
+      EXPECT_EQ(scenes[i]->name, right->name) << i;
+    }
+  }
+  EXPECT_EQ(scenes[1], nullptr) << "its file is gone";
+  EXPECT_EQ(scenes[2], kept);
+  EXPECT_EQ(scenes[0], scenes[4]) << "asked for twice at once";
+  EXPECT_EQ(store.bad(), std::set<size_t>{1});
+  EXPECT_EQ(store.cached_bytes(), each.cached_bytes());
+  SceneStore strict(dir.path(), entries, {nn::Target::Indirect, size_t{1} << 30});
+  EXPECT_THROW(strict.get(wanted), Error);
+}
+
 TEST(SceneStore, TotalIsDirectPlusIndirect) {
   const test::TempDir dir;
   test::write_dataset(dir.path(), 1, 0);
