@@ -6,6 +6,7 @@
 
 #include <ATen/ATen.h>
 #include <ATen/Parallel.h>
+#include <c10/core/impl/VirtualGuardImpl.h>
 #include <nlohmann/json.hpp>
 
 #include "lte/base/process_memory.h"
@@ -45,12 +46,23 @@ BenchResult time_repeats(const std::string& name, int64_t n, int repeats,
   return result_of(name, n, std::move(seconds));
 }
 
-double measure_gemm_gflops(nn::Precision precision) {
-  // The decoder's largest product at the size of its blocks.
-  const int64_t rows = 4096, inner = 128, columns = 512;
-  const at::Tensor a = at::rand({rows, inner}), b = at::rand({columns, inner});
+BenchResult time_repeats(const std::string& name, int64_t n, int repeats, c10::Device device,
+                         const std::function<void()>& work) {
+  if (device.is_cpu()) return time_repeats(name, n, repeats, work);
+  const c10::impl::VirtualGuardImpl of_device(device.type());
+  return time_repeats(name, n, repeats, [&] {
+    work();
+    of_device.synchronizeDevice(device.index());
+  });
+}
+
+double measure_gemm_gflops(c10::Device device, nn::Precision precision) {
+  // The decoder's largest product at the size of its blocks; on a GPU of more rows, next to which
+  // its launch is nothing.
+  const int64_t rows = device.is_cpu() ? 4096 : 262144, inner = 128, columns = 512;
+  const at::Tensor a = at::rand({rows, inner}, device), b = at::rand({columns, inner}, device);
   const auto seconds = [&](const std::function<void()>& product) {
-    return time_repeats("gemm", rows, 31, product).seconds_min;
+    return time_repeats("gemm", rows, 31, device, product).seconds_min;
   };
   double least = 0;
   if (precision == nn::Precision::Fp32) {

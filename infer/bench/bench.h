@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <c10/core/Device.h>
+
 #include "lte/cli/scene_flags.h"
 #include "lte/nn/precision.h"
 
@@ -28,6 +30,7 @@ struct BenchOptions {
   int64_t scene_points = 20'000;  ///< M
   int64_t queries = 512 * 512;
   std::string precision = "fp32";  ///< encoder and decoder: or bf16
+  std::string device = "cpu";      ///< ops, encoder, decoder and radiance: or cuda
   double max_memory_mb = 0;        ///< encoder and decoder: memory above the model; 0: no limit
   std::string scene;               ///< pathtrace, edits and guiding: scene file
   std::string checkpoint;          ///< guiding: model with a radiance decoder
@@ -43,13 +46,17 @@ struct BenchOptions {
 BenchResult time_repeats(const std::string& name, int64_t n, int repeats,
                          const std::function<void()>& work);
 
+/// The same of work on `device`, which each run waits for.
+BenchResult time_repeats(const std::string& name, int64_t n, int repeats, c10::Device device,
+                         const std::function<void()>& work);
+
 /// Adds `flops`, and how many times as long the work took as a matrix product of as many operations
 /// at the rate `gemm_gflops`.
 void add_limit(BenchResult& result, double flops, double gemm_gflops);
 
-/// Measures the sustained rate of matrix products in this process, GFLOP/s, which the network is
+/// Measures the sustained rate of matrix products on a device, GFLOP/s, which the network is
 /// compared with. For bf16 it is the higher one of LibTorch's product and lte's.
-double measure_gemm_gflops(nn::Precision precision = nn::Precision::Fp32);
+double measure_gemm_gflops(c10::Device device, nn::Precision precision = nn::Precision::Fp32);
 
 /// Times every operator alone.
 std::vector<BenchResult> bench_ops(const BenchOptions& options);

@@ -33,12 +33,19 @@ void add_bench_options(CLI::App& app, BenchRequest* request) {
     command->callback([request, benchmark] { request->benchmark = benchmark; });
     return command;
   };
-  add("ops", "Every operator alone", bench_ops);
+  const auto add_device = [&options](CLI::App* command) {
+    command->add_option("--device", options.device, "cpu or cuda")
+        ->check(CLI::IsMember({"cpu", "cuda"}))
+        ->capture_default_str();
+  };
+  add_device(add("ops", "Every operator alone", bench_ops));
   for (CLI::App* command :
        {add("encoder", "Scene points to embedding", bench_encoder),
         add("decoder", "Query points to irradiance", bench_decoder),
-        add("radiance", "Query points to radiance by direction", bench_radiance)})
+        add("radiance", "Query points to radiance by direction", bench_radiance)}) {
+    add_device(command);
     add_network_options(*command, &options.precision, &options.max_memory_mb);
+  }
 #if LTE_HAS_SCENE
   CLI::App* pathtrace = add("pathtrace", "Path tracing against bare Embree calls", bench_pathtrace);
   pathtrace->add_option("--scene", options.scene, "Scene (default: the shipped Cornell box)");

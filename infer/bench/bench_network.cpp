@@ -8,6 +8,7 @@
 #include "infer/tool/tool_options.h"
 #include "lte/base/process_memory.h"
 #include "lte/nn/cost.h"
+#include "lte/nn/device.h"
 #include "lte/ops/curve_codes.h"
 #include "lte/ops/farthest_point.h"
 #include "lte/ops/knn.h"
@@ -22,10 +23,24 @@ at::Tensor cells_of(const at::Tensor& position, double spacing) {
   return ((position - low) / spacing).floor().to(at::kInt).contiguous();
 }
 
-nn::LightTransportModel untrained_model(int64_t channels, nn::Precision precision,
-                                        nn::ModelConfig config = {}) {
+c10::Device device_of(const BenchOptions& options) {
+  return options.device == "cpu" ? c10::Device(c10::kCPU)
+                                 : nn::choose_device(options.device, 0, "--device");
+}
+
+nn::PointSet room_on(c10::Device device, int64_t count, uint64_t seed) {
+  nn::PointSet room = synthetic_room(count, seed);
+  for (at::Tensor* t : room.tensors()) {
+    if (t->defined()) *t = t->to(device);
+  }
+  return room;
+}
+
+nn::LightTransportModel untrained_model(c10::Device device, int64_t channels,
+                                        nn::Precision precision, nn::ModelConfig config = {}) {
   config.channels = channels;
   nn::LightTransportModel model(config);
+  model->to(device);
   model->eval();
   model->set_precision(precision);
   return model;
@@ -35,17 +50,18 @@ nn::LightTransportModel untrained_model(int64_t channels, nn::Precision precisio
 
 std::vector<BenchResult> bench_ops(const BenchOptions& options) {
   const at::NoGradGuard no_grad;
+  const c10::Device device = device_of(options);
   std::vector<BenchResult> results;
-  const double gemm_gflops = measure_gemm_gflops();
+  const double gemm_gflops = measure_gemm_gflops(device);
   const auto run = [&](const std::string& name, int64_t n, const std::function<void()>& work) {
-    results.push_back(time_repeats(name, n, options.repeats, work));
+    results.push_back(time_repeats(name, n, options.repeats, device, work));
     results.back().figures["gemm_gflops_measured"] = gemm_gflops;
   };
   const int64_t M = options.scene_points, m = std::max<int64_t>(1, M / 4), Q = options.queries,
                 D = options.channels;
-  const at::Tensor points = synthetic_room(M, 1).position;
+  const at::Tensor points = room_on(device, M, 1).position;
   const at::Tensor latents = points.slice(0, 0, m).contiguous();
-  const at::Tensor queries = synthetic_room(Q, 2).position;
+  const at::Tensor queries = room_on(device, Q, 2).position;
   const at::Tensor cells = cells_of(latents, 0.15);
 
   run("farthest_point_sampling M -> M/2", M, [&] { ops::farthest_point_sampling(points, M / 2); });
@@ -55,7 +71,7 @@ std::vector<BenchResult> bench_ops(const BenchOptions& options) {
   run("convolution_pairs 3x3x3", m, [&] { ops::convolution_pairs(cells, 3); });
 
   const auto [pairs, begin] = ops::convolution_pairs(cells, 3);
-  const at::Tensor input = at::rand({m, D}), weight = at::rand({27, D, D});
+  const at::Tensor input = at::rand({m, D}, device), weight = at::rand({27, D, D}, device);
   run("submanifold_conv 3x3x3 D -> D", m,
       [&] { ops::submanifold_conv(input, weight, {}, pairs, begin); });
   add_limit(results.back(), 2 * static_cast<double>(pairs.size(1) * D * D), gemm_gflops);
@@ -63,9 +79,10 @@ std::vector<BenchResult> bench_ops(const BenchOptions& options) {
   const int64_t layers = 6, hidden_width = 64, block = std::min<int64_t>(Q, 8192);
   const at::Tensor index =
       std::get<0>(ops::knn(queries.slice(0, 0, block).contiguous(), latents, 32));
-  const at::Tensor table = ops::neighbour_table(at::rand({layers, m, D}), at::rand({layers, m, D}));
-  const at::Tensor hidden = at::rand({block, index.size(1), hidden_width});
-  const at::Tensor gamma = at::rand({D, hidden_width}), bias = at::rand({D});
+  const at::Tensor table =
+      ops::neighbour_table(at::rand({layers, m, D}, device), at::rand({layers, m, D}, device));
+  const at::Tensor hidden = at::rand({block, index.size(1), hidden_width}, device);
+  const at::Tensor gamma = at::rand({D, hidden_width}, device), bias = at::rand({D}, device);
   run("neighbour_sums_inference 6 layers", block,
       [&] { ops::neighbour_sums_inference(table, hidden, gamma, bias, index); });
   add_limit(results.back(),
@@ -76,47 +93,47 @@ std::vector<BenchResult> bench_ops(const BenchOptions& options) {
 namespace {
 
 /// What encoder and decoder report of a network besides times.
-void add_network_figures(BenchResult& result, const BenchOptions& options, double above_mb,
-                         double flops, nn::Precision precision) {
+void add_network_figures(BenchResult& result, const BenchOptions& options, c10::Device device,
+                         double above_mb, double flops, nn::Precision precision) {
   result.precision = options.precision;
   result.figures["channels"] = static_cast<double>(options.channels);
-  result.figures["rss_above_model_mb"] = above_mb;
-  add_limit(result, flops, measure_gemm_gflops(precision));
+  if (device.is_cpu()) result.figures["rss_above_model_mb"] = above_mb;
+  add_limit(result, flops, measure_gemm_gflops(device, precision));
 }
 
-BenchResult time_encoder(const BenchOptions& options, nn::LightTransportModel& model,
-                         nn::Precision precision) {
-  const nn::PointSet points = synthetic_room(options.scene_points, 1);
+BenchResult time_encoder(const BenchOptions& options, c10::Device device,
+                         nn::LightTransportModel& model, nn::Precision precision) {
+  const nn::PointSet points = room_on(device, options.scene_points, 1);
   reset_peak_rss();
   const double before_mb = current_rss_mb();
-  BenchResult result =
-      time_repeats("encode", options.scene_points, options.repeats, [&] { model->encode(points); });
+  BenchResult result = time_repeats("encode", options.scene_points, options.repeats, device,
+                                    [&] { model->encode(points); });
   const double above_mb = peak_rss_mb() - before_mb;
   const at::Tensor position =
       (points.position - std::get<0>(points.position.min(0))).div(model->config().scale);
   const nn::EncoderPlan plan =
       nn::make_encoder_plan(position.contiguous(), model->config(), false, 0);
-  add_network_figures(result, options, above_mb,
+  add_network_figures(result, options, device, above_mb,
                       nn::encode_flops(model->config(), plan, options.scene_points), precision);
   return result;
 }
 
-BenchResult time_decoder(const BenchOptions& options, nn::LightTransportModel& model,
-                         nn::Precision precision) {
-  const nn::Embedding embedding = model->encode(synthetic_room(options.scene_points, 1));
-  const nn::PointSet surface = synthetic_room(options.queries, 2);
+BenchResult time_decoder(const BenchOptions& options, c10::Device device,
+                         nn::LightTransportModel& model, nn::Precision precision) {
+  const nn::Embedding embedding = model->encode(room_on(device, options.scene_points, 1));
+  const nn::PointSet surface = room_on(device, options.queries, 2);
   const nn::QuerySet queries{surface.position, surface.normal, surface.albedo};
   const int64_t block =
       MemoryLimit(options.max_memory_mb).query_block(model->config(), options.queries, kQueryBlock);
   reset_peak_rss();
   const double before_mb = current_rss_mb();
-  BenchResult result = time_repeats("decode", options.queries, options.repeats, [&] {
+  BenchResult result = time_repeats("decode", options.queries, options.repeats, device, [&] {
     model->decode(embedding, queries, {true, block});
   });
   const double above_mb = peak_rss_mb() - before_mb;
   const double flops = static_cast<double>(options.queries) *
                        nn::decode_flops(model->config(), embedding.position.size(0));
-  add_network_figures(result, options, above_mb, flops, precision);
+  add_network_figures(result, options, device, above_mb, flops, precision);
   return result;
 }
 
@@ -137,20 +154,21 @@ at::Tensor fan(const nn::QuerySet& queries, int64_t count) {
       at::zeros_like(normal).scatter_(1, normal.abs().argmin(1, /*keepdim=*/true), 1);
   const at::Tensor across = axis - (axis * normal).sum(1, true) * normal;
   const at::Tensor tangent = across / across.norm(2, {1}, true);
-  const at::Tensor angle = at::linspace(0.05, 1.5, count).view({1, count, 1});
+  const at::Tensor angle = at::linspace(0.05, 1.5, count, normal.options()).view({1, count, 1});
   return (normal.unsqueeze(1) * angle.cos() + tangent.unsqueeze(1) * angle.sin()).contiguous();
 }
 
-BenchResult time_radiance(const BenchOptions& options, nn::LightTransportModel& model,
-                          const nn::Embedding& embedding, const char* name, int64_t directions) {
-  const nn::PointSet surface = synthetic_room(options.queries, 2);
+BenchResult time_radiance(const BenchOptions& options, c10::Device device,
+                          nn::LightTransportModel& model, const nn::Embedding& embedding,
+                          const char* name, int64_t directions) {
+  const nn::PointSet surface = room_on(device, options.queries, 2);
   const nn::QuerySet queries{surface.position, surface.normal, surface.albedo};
   const at::Tensor ways = fan(queries, directions);
   const int64_t block =
       MemoryLimit(options.max_memory_mb).query_block(model->config(), options.queries, kQueryBlock);
   BenchResult result =
       time_repeats(concat(name, ": ", directions, directions == 1 ? " direction" : " directions"),
-                   options.queries, options.repeats, [&] {
+                   options.queries, options.repeats, device, [&] {
                      model->decode_radiance(embedding, queries, ways, {false, block});
                    });
   result.precision = options.precision;
@@ -169,7 +187,8 @@ std::vector<BenchResult> bench_radiance(const BenchOptions& options) {
       {"early", nn::RadianceHead::Early, 1, nn::RadianceBase::Irradiance, 7},
       {"early and rays", nn::RadianceHead::Early, 1, nn::RadianceBase::Points, 7}};
   const at::NoGradGuard no_grad;
-  const nn::Precision precision = choose_precision(options.precision);
+  const c10::Device device = device_of(options);
+  const nn::Precision precision = choose_precision(options.precision, device);
   std::vector<BenchResult> results;
   for (const RadianceKind& kind : kKinds) {
     nn::ModelConfig config;
@@ -177,11 +196,11 @@ std::vector<BenchResult> bench_radiance(const BenchOptions& options) {
     config.radiance_head = kind.head;
     config.radiance_lobes = kind.lobes;
     config.radiance_base = kind.base;
-    nn::LightTransportModel model = untrained_model(options.channels, precision, config);
+    nn::LightTransportModel model = untrained_model(device, options.channels, precision, config);
     MemoryLimit(options.max_memory_mb).check_encoding(model->config(), options.scene_points);
-    const nn::Embedding embedding = model->encode(synthetic_room(options.scene_points, 1));
-    results.push_back(time_radiance(options, model, embedding, kind.name, 1));
-    results.push_back(time_radiance(options, model, embedding, kind.name, 1 + kind.more));
+    const nn::Embedding embedding = model->encode(room_on(device, options.scene_points, 1));
+    results.push_back(time_radiance(options, device, model, embedding, kind.name, 1));
+    results.push_back(time_radiance(options, device, model, embedding, kind.name, 1 + kind.more));
     const double first = results[results.size() - 2].seconds_min;
     results.back().figures["further_direction"] =
         (results.back().seconds_min - first) / (static_cast<double>(kind.more) * first);
@@ -191,25 +210,27 @@ std::vector<BenchResult> bench_radiance(const BenchOptions& options) {
 
 std::vector<BenchResult> bench_encoder(const BenchOptions& options) {
   const at::NoGradGuard no_grad;
-  const nn::Precision precision = choose_precision(options.precision);
-  nn::LightTransportModel model = untrained_model(options.channels, precision);
+  const c10::Device device = device_of(options);
+  const nn::Precision precision = choose_precision(options.precision, device);
+  nn::LightTransportModel model = untrained_model(device, options.channels, precision);
   const int64_t M = options.scene_points;
   MemoryLimit(options.max_memory_mb).check_encoding(model->config(), M);
   return {runtime::explain_out_of_memory(
       {concat("encoding ", M, " scene points"), encode_mb(model->config(), M),
        "take fewer (--scene-points), or fewer --channels"},
-      [&] { return time_encoder(options, model, precision); })};
+      [&] { return time_encoder(options, device, model, precision); })};
 }
 
 std::vector<BenchResult> bench_decoder(const BenchOptions& options) {
   const at::NoGradGuard no_grad;
-  const nn::Precision precision = choose_precision(options.precision);
-  nn::LightTransportModel model = untrained_model(options.channels, precision);
+  const c10::Device device = device_of(options);
+  const nn::Precision precision = choose_precision(options.precision, device);
+  nn::LightTransportModel model = untrained_model(device, options.channels, precision);
   const int64_t Q = options.queries;
   return {runtime::explain_out_of_memory(
       {concat("decoding ", Q, " queries"), decode_mb(model->config(), Q, kQueryBlock),
        "ask for fewer (--queries), or decode fewer at a time (--max-memory)"},
-      [&] { return time_decoder(options, model, precision); })};
+      [&] { return time_decoder(options, device, model, precision); })};
 }
 
 }  // namespace lte::infer
