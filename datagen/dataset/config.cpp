@@ -64,6 +64,7 @@ void visit(Io& io, C& config) {
   io("min_rays", config.bake.min_rays);
   io("max_rays", config.bake.max_rays);
   io("max_depth", config.bake.max_depth);
+  io("light_paths", config.bake.light_paths);
   io("prune", config.bake.prune);
   io("emissive_share", config.bake.emissive_share);
   io("path_tracing_64", config.bake.path_tracing_64);

@@ -26,9 +26,9 @@ TEST(DatagenConfig, WrittenAndReadAgainIsTheSame) {
 }
 
 constexpr const char* kCommonKeys[] = {
-    "scenes",       "seed",      "scale",    "val_share",     "test_share",   "evaluation_splits",
-    "scene_points", "rays",      "min_rays", "query_points",  "target_error", "path_tracing_64",
-    "max_rays",     "max_depth", "prune",    "emissive_share"};
+    "scenes",       "seed",      "scale",    "val_share",      "test_share",   "evaluation_splits",
+    "scene_points", "rays",      "min_rays", "query_points",   "target_error", "path_tracing_64",
+    "max_rays",     "max_depth", "prune",    "emissive_share", "light_paths"};
 
 DatagenConfig shipped(const std::string& name) {
   return load_datagen_config(concat(LTE_SOURCE_DIR, "/configs/data/", name, ".yaml"));
