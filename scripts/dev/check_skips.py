@@ -13,7 +13,7 @@ import sys
 
 # Tests that may skip, by name: GoogleTest before 1.13 leaves the reason out of its JSON.
 WARRANTED = {
-    "*Cuda": "no CUDA device",  # only a build with CUDA has such tests
+    "*Cuda*": "no CUDA device",  # only a build with CUDA has such tests
     "*FullDisk*": "no /dev/full",
     "*Passive*": "one processor, or the sanitizer takes all addresses",
     "CanStartThreads.*": "the sanitizer takes all addresses",
