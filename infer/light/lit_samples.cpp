@@ -1,7 +1,9 @@
 #include "infer/light/lit_samples.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "infer/light/unreached_light.h"
 #include "lte/data/light_groups.h"
 
 namespace lte::infer {
@@ -14,15 +16,20 @@ constexpr double kEmissiveShare = 0.1;
 
 scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t count, bool prune,
                                           uint64_t seed, pathtrace::PruneCounts* counts,
-                                          const pathtrace::ReachRecall& recall) {
+                                          const pathtrace::ReachRecall& recall,
+                                          const std::vector<int>& without) {
   scene::SamplerOptions sampler;
   sampler.seed = seed;
   sampler.emissive_share = kEmissiveShare;
   if (!prune) return scene::sample_surface(bvh.scene(), count, sampler);
-  const pathtrace::ReachOptions reach{pathtrace::ReachOptions().max_depth, seed};
+  const pathtrace::ReachOptions reach{pathtrace::ReachOptions().max_depth, seed, without};
   pathtrace::PruneCounts ignored;
-  return pathtrace::sample_reached_surface(bvh, count, sampler, pathtrace::Sides::Either, reach,
-                                           recall, counts != nullptr ? counts : &ignored);
+  scene::SurfaceSamples samples =
+      pathtrace::sample_reached_surface(bvh, count, sampler, pathtrace::Sides::Either, reach,
+                                        recall, counts != nullptr ? counts : &ignored);
+  if (!without.empty())
+    keep_points([&](int group) { return std::ranges::count(without, group) == 0; }, &samples);
+  return samples;
 }
 
 data::GroupedLight light_to_read(const pathtrace::LightEstimates& light,
@@ -41,7 +48,7 @@ data::GroupedLight light_to_read(const pathtrace::LightEstimates& light,
 
 LitSamples add_light_estimates(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                                scene::SurfaceSamples surface, const runtime::LightRequest& input,
-                               uint64_t seed) {
+                               uint64_t seed, std::span<const int> left_out) {
   LitSamples out{std::move(surface), {}};
   if (input.depth == 0) return out;
   const bool indirect = input.depth > 1;
@@ -55,9 +62,10 @@ LitSamples add_light_estimates(const pathtrace::Bvh& bvh, const pathtrace::Light
     if (input.errors) out.light.error.resize(2 * dark.size());
     return out;
   }
-  const pathtrace::LightEstimates light =
+  pathtrace::LightEstimates light =
       pathtrace::estimate_light(bvh, lights, s.position, s.normal, s.emission,
                                 {.paths = input.paths, .max_depth = input.depth, .seed = seed});
+  leave_out(left_out, lights.groups(), &light);
   out.light = data::sum_groups(light_to_read(light, input), lights.groups());
   return out;
 }

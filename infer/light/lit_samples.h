@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "infer/light/points.h"
 #include "lte/data/light_groups.h"
@@ -19,9 +21,12 @@ namespace lte::infer {
 /// @param prune   draw them only where light reaches
 /// @param counts  what was pruned; may be null
 /// @param recall  what is known of where light reaches
+/// @param without  light groups of which, where points are pruned, there are none, nor points that
+///                 they alone reach
 scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t count, bool prune,
                                           uint64_t seed, pathtrace::PruneCounts* counts,
-                                          const pathtrace::ReachRecall& recall = {});
+                                          const pathtrace::ReachRecall& recall = {},
+                                          const std::vector<int>& without = {});
 
 /// Owns what ScenePoints borrows.
 struct LitSamples {
@@ -47,8 +52,9 @@ data::GroupedLight light_to_read(const pathtrace::LightEstimates& light,
                                  const runtime::LightRequest& input);
 
 /// Estimates the light on `surface` that a network of this light_request() reads.
+/// @param left_out  light groups whose light is not to be among it
 LitSamples add_light_estimates(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                                scene::SurfaceSamples surface, const runtime::LightRequest& input,
-                               uint64_t seed);
+                               uint64_t seed, std::span<const int> left_out = {});
 
 }  // namespace lte::infer

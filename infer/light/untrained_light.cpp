@@ -1,8 +1,8 @@
 #include "infer/light/untrained_light.h"
 
 #include <set>
-#include <vector>
 
+#include "infer/light/unreached_light.h"
 #include "lte/base/check.h"
 
 namespace lte::infer {
@@ -31,12 +31,6 @@ std::string lights_text(const scene::Scene& scene) {
   return concat(scene.name, ": ", text);
 }
 
-template <typename T>
-void keep_rows(const std::vector<size_t>& rows, std::vector<T>* values) {
-  for (size_t i = 0; i < rows.size(); ++i) (*values)[i] = (*values)[rows[i]];
-  values->resize(rows.size());
-}
-
 }  // namespace
 
 bool has_untrained_light(const scene::Scene& scene, const nn::ModelMetadata& model) {
@@ -60,17 +54,7 @@ void leave_out_untrained_suns(const scene::Scene& scene, const nn::ModelMetadata
                               scene::SurfaceSamples* samples) {
   const std::set<int> suns = sun_groups(scene);
   if (model.suns || suns.empty() || suns.size() >= scene.light_groups.size()) return;
-  std::vector<size_t> rows;
-  for (size_t i = 0; i < samples->light_group.size(); ++i) {
-    if (!suns.contains(samples->light_group[i])) rows.push_back(i);
-  }
-  keep_rows(rows, &samples->position);
-  keep_rows(rows, &samples->normal);
-  keep_rows(rows, &samples->albedo);
-  keep_rows(rows, &samples->emission);
-  keep_rows(rows, &samples->gloss);
-  keep_rows(rows, &samples->area);
-  keep_rows(rows, &samples->light_group);
+  keep_points([&](int group) { return !suns.contains(group); }, samples);
 }
 
 }  // namespace lte::infer

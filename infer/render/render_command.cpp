@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "infer/light/unreached_light.h"
 #include "infer/light/untrained_light.h"
 #include "infer/render/edit_frames.h"
 #include "infer/render/frame_io.h"
@@ -201,11 +202,31 @@ int64_t scene_points(const RenderRequest& request, const runtime::Network& netwo
                                             : network.metadata().scene_points;
 }
 
-void embed(const RenderRequest& request, const runtime::Network& network,
-           const runtime::MemoryLimit& memory, Renderer* renderer) {
+/// The light groups that bring no light to what the views see. A file's embedding is for any view.
+std::vector<int> unreached_light(const RenderRequest& request, const std::vector<View>& views,
+                                 bool prunes, const Renderer& renderer) {
+  if (!prunes || request.embedding.has_file()) return {};
+  std::vector<scene::Camera> cameras;
+  for (const View& view : views) cameras.push_back(view.camera);
+  std::vector<int> groups = unreached_groups(renderer.bvh(), cameras, request.seed);
+  if (!groups.empty()) {
+    log_info("the network is not told of light that does not reach what is seen (",
+             names_of(renderer.bvh().scene(), groups), "); --prune off tells it of all");
+  }
+  return groups;
+}
+
+void embed(const RenderRequest& request, const std::vector<View>& views,
+           const runtime::Network& network, const runtime::MemoryLimit& memory,
+           Renderer* renderer) {
   EmbedSettings settings = embed_settings(request.embedding, request.seed, memory);
   settings.record_attention = request.output == "attention";
+  const Timer timer;
+  settings.unreached = unreached_light(
+      request, views, settings.prune.value_or(network.metadata().scene_points_pruned), *renderer);
+  const double search = timer.seconds();
   provide_embedding(request.embedding, network, settings, renderer);
+  renderer->seconds().sample += search;
   memory.check("encoding the scene", {runtime::Remedy::FewerScenePoints});
 }
 
@@ -411,7 +432,7 @@ void run_render(const RenderRequest& request) {
     check_picture_fits(settings, memory);
   }
   if (network && !script && (!views.empty() || !request.embedding.save.empty())) {
-    embed(request, *network, memory, &renderer);
+    embed(request, all_views, *network, memory, &renderer);
     check_picture_fits(settings, memory);
   }
   if (gathers && !views.empty() && !script) {

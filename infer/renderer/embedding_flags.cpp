@@ -10,8 +10,10 @@ void add_embedding_flags(CLI::App& app, EmbeddingFlags* flags) {
   app.add_option("--scene-points", flags->scene_points,
                  "Scene points shown to the network; 0 for as many as in training")
       ->check(CLI::Range(int64_t{0}, int64_t{1} << 28));
-  app.add_option("--prune", flags->prune,
-                 "Show the network only surfaces that light reaches; auto: as in its training")
+  app.add_option(
+         "--prune", flags->prune,
+         "Show the network only surfaces that light reaches, and for pictures only light that "
+         "reaches what is seen; auto: as in its training")
       ->check(CLI::IsMember({"auto", "on", "off"}))
       ->capture_default_str();
   app.add_flag(

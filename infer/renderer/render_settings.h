@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "infer/picture/output.h"
 #include "infer/picture/ray_pace.h"
@@ -77,6 +78,9 @@ struct EmbedSettings {
   /// Draw scene points only where light reaches them (lte/pathtrace/reach/reach.h); by default as
   /// in the model's training.
   std::optional<bool> prune;
+  /// Light groups that bring no light to what will be asked about (unreached_groups()). Where
+  /// points are pruned, the network is not told of them.
+  std::vector<int> unreached;
   runtime::MemoryLimit memory;    ///< of encoding, and of every later picture's decoding
   bool record_attention = false;  ///< keep what the encoder's blocks attend to
 };

@@ -205,6 +205,20 @@ Drawn draw_with_all_luminaires(const Scene& scene, int64_t count, const Repeated
 
 }  // namespace
 
+void SurfaceSamples::keep(const std::vector<size_t>& rows) {
+  const auto reduce = [&](auto* values) {
+    for (size_t i = 0; i < rows.size(); ++i) (*values)[i] = (*values)[rows[i]];
+    values->resize(rows.size());
+  };
+  reduce(&position);
+  reduce(&normal);
+  reduce(&albedo);
+  reduce(&emission);
+  reduce(&gloss);
+  reduce(&area);
+  reduce(&light_group);
+}
+
 SurfaceSamples sample_surface(const Scene& scene, int64_t count, const SamplerOptions& options) {
   LTE_CHECK(count >= 1, "sample_surface: at least 1 point is needed, got ", count);
   LTE_CHECK(options.emissive_share >= 0 && options.emissive_share < 1,

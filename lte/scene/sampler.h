@@ -2,6 +2,7 @@
 // section 3.2.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -19,6 +20,8 @@ struct SurfaceSamples {
   std::vector<int> light_group;  ///< kNone unless emissive
 
   int64_t size() const { return static_cast<int64_t>(position.size()); }
+  /// Reduces every array to these rows, which ascend.
+  void keep(const std::vector<size_t>& rows);
 };
 
 struct SamplerOptions {

@@ -19,12 +19,15 @@ constexpr int64_t kBlocksOfTask = 4;
 /// The places of one block of paths, as many paths each, one place after another.
 struct PlacesOfBlock : LightSink {
   void add(int, std::span<const Contribution> contributions) override {
-    for (const Contribution& c : contributions)
-      if (max_component(c.value) > 0) at(c.path).lit = true;
+    for (const Contribution& c : contributions) {
+      if (max_component(c.value) > 0 && std::ranges::count(*without, c.light_group) == 0)
+        at(c.path).lit = true;
+    }
   }
   Place& at(int32_t path) { return *places[static_cast<size_t>(path / paths)]; }
 
   int paths = 0;
+  const std::vector<int>* without = nullptr;  ///< ReachOptions::without
   std::array<Place*, kBlock> places;
 };
 
@@ -60,6 +63,7 @@ class BlockTracer {
         transport_(bvh, lights, options.max_depth, kNoRoulette, block_, VertexRecorder{&block_}),
         sampler_(Sampling::Sobol, paths) {
     block_.paths = paths;
+    block_.without = &options.without;
   }
 
   void trace(std::span<const uint32_t> numbers, std::vector<Place>* places) {

@@ -28,6 +28,7 @@ namespace lte::pathtrace {
 struct ReachOptions {
   int max_depth = 5;
   uint64_t seed = 0;
+  std::vector<int> without = {};  ///< light groups that do not count as light
 };
 
 /// Which side of its surface makes a point worth keeping.

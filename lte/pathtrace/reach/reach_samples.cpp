@@ -12,23 +12,6 @@ namespace {
 /// The samples of each luminaire, by light group.
 using ByGroup = std::map<int, std::vector<size_t>>;
 
-/// Reduces an array to the entries that `kept` lists.
-template <typename T>
-void gather(const std::vector<size_t>& kept, std::vector<T>* values) {
-  for (size_t k = 0; k < kept.size(); ++k) (*values)[k] = (*values)[kept[k]];
-  values->resize(kept.size());
-}
-
-void gather(const std::vector<size_t>& kept, scene::SurfaceSamples* samples) {
-  gather(kept, &samples->position);
-  gather(kept, &samples->normal);
-  gather(kept, &samples->albedo);
-  gather(kept, &samples->emission);
-  gather(kept, &samples->gloss);
-  gather(kept, &samples->area);
-  gather(kept, &samples->light_group);
-}
-
 /// Keeps `count` of the indices, evenly, so that they are as stratified as they were.
 void thin(int64_t count, std::vector<size_t>* indices) {
   const auto left = static_cast<int64_t>(indices->size());
@@ -125,7 +108,7 @@ void reduce_samples(const scene::Scene& scene, KeptSamples kept, int64_t count,
   std::vector<size_t> all(static_cast<size_t>(kept.size()));
   std::merge(kept.luminaires.begin(), kept.luminaires.end(), kept.others.begin(), kept.others.end(),
              all.begin());
-  gather(all, samples);
+  samples->keep(all);
 }
 
 }  // namespace lte::pathtrace

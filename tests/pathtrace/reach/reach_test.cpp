@@ -83,6 +83,20 @@ TEST(Reach, KeepsACupboardWithAFaintLampOfItsOwn) {
   EXPECT_EQ(keep, std::vector<uint8_t>(keep.size(), 1));
 }
 
+TEST(Reach, LightGroupsMayNotCount) {
+  scene::Scene scene = room_with_cupboard(0);
+  add_point_light(&scene, {2.9f, 0.5f, 1.9f}, {9, 9, 9});
+  const int lamp = scene.lights.back().light_group;
+  const Bvh bvh(scene);
+  const FloorPoints floor;
+  const auto keep = [&](std::vector<int> without) {
+    return reached(bvh, floor.positions, floor.normals, Sides::Front,
+                   {.without = std::move(without)});
+  };
+  EXPECT_EQ(keep({lamp}), complement(floor.inside));
+  EXPECT_EQ(keep({1 - lamp}), floor.inside);
+}
+
 TEST(Reach, ASurfaceLitFromBehindStaysAScenePointButNotAQueryPoint) {
   const scene::Scene scene = room_with_cupboard(0);
   const Bvh bvh(scene);

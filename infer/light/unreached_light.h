@@ -1,0 +1,34 @@
+// Luminaires that bring no light to what is seen: the sky outside a closed room, the lamps of the
+// flat next door. Light is linear, so a network that is not told of them answers the same question,
+// and a thousandth of a bright sky that it would let through a wall is no longer there.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/light_estimates.h"
+#include "lte/scene/sampler.h"
+#include "lte/scene/scene.h"
+
+namespace lte::infer {
+
+/// The light groups of which nothing arrives at the surfaces that cameras see, by 64 paths of five
+/// hits from each of some 400 places, with a light sample at every hit that draws all groups alike.
+/// What one path in 30,000 would find may be missed: it then counts as none.
+/// @return  in order; empty where no surface is seen
+std::vector<int> unreached_groups(const pathtrace::Bvh& bvh, std::span<const scene::Camera> cameras,
+                                  uint64_t seed);
+
+/// The names of light groups for a line to people: "the environment, lamp".
+std::string names_of(const scene::Scene& scene, std::span<const int> groups);
+
+/// Keeps the points whose light group (kNone for those of surfaces) `keeps` is for.
+void keep_points(const std::function<bool(int group)>& keeps, scene::SurfaceSamples* samples);
+
+/// Takes the light of groups out of estimates of `all_groups`: zeros stand for it.
+void leave_out(std::span<const int> groups, int64_t all_groups, pathtrace::LightEstimates* light);
+
+}  // namespace lte::infer

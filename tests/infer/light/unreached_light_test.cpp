@@ -1,0 +1,153 @@
+// Luminaires that bring no light to what is seen: which they are, and that a network is not told of
+// them.
+#include "infer/light/unreached_light.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "infer/light/lit_samples.h"
+#include "infer/renderer/renderer.h"
+#include "tests/infer/fixture.h"
+#include "tests/support/scenes.h"
+
+namespace lte::infer {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+/// Two closed rooms side by side, 4 x 3 x 5 m each, a lamp under either ceiling, under a sky.
+struct TwoRooms {
+  int lamp = 0, other_lamp = 0, sky = 0;
+  scene::Scene scene;
+
+  explicit TwoRooms(float sky_radiance = 1, bool roof = true) {
+    const int wall = test::add_material(&scene, {0.6f, 0.5f, 0.4f}, {}, /*double_sided=*/true);
+    lamp = add_room(0, wall, roof);
+    other_lamp = add_room(10, wall, /*roof=*/true);
+    scene.environment.emplace();
+    scene.environment->radiance = {sky_radiance, sky_radiance, sky_radiance};
+    sky = static_cast<int>(scene.light_groups.size());
+    scene.environment->light_group = sky;
+    scene.light_groups.push_back("the sky");
+  }
+
+  /// Looks from one corner of the first room at the other.
+  static scene::Camera inside() { return {"in", {0.3f, 1.5f, 0.3f}, {3, 1, 4}, {0, 1, 0}, 70}; }
+  static scene::Camera outside() { return {"out", {2, 8, -9}, {5, 1, 2}, {0, 1, 0}, 60}; }
+
+ private:
+  int add_room(float x, int wall, bool roof) {
+    scene::Mesh box = test::box_mesh({x, 0, 0}, {x + 4, 3, 5}, wall, /*inwards=*/true);
+    if (!roof) box.triangles.erase(box.triangles.begin() + 6, box.triangles.begin() + 8);
+    test::add_instance(&scene, std::move(box));
+    const int shine = test::add_material(&scene, {}, {4, 4, 4});
+    const int instance = test::add_quad(&scene, {x + 1.5f, 2.9f, 2}, {1, 0, 0}, {0, 0, 1}, shine);
+    return scene.instances[static_cast<size_t>(instance)].light_group;
+  }
+};
+
+std::vector<int> unreached(const TwoRooms& rooms, const std::vector<scene::Camera>& cameras) {
+  const pathtrace::Bvh bvh(rooms.scene);
+  return unreached_groups(bvh, cameras, 0);
+}
+
+TEST(UnreachedLight, IsThatOfOtherRoomsAndOfTheSkyOutside) {
+  // However bright it is, and however dim the lamp is beside it.
+  for (const float sky : {1.0f, 1e4f}) {
+    const TwoRooms rooms(sky);
+    EXPECT_THAT(unreached(rooms, {TwoRooms::inside()}), ElementsAre(rooms.other_lamp, rooms.sky));
+    EXPECT_THAT(unreached(rooms, {TwoRooms::outside()}), ElementsAre(rooms.lamp, rooms.other_lamp));
+    EXPECT_THAT(unreached(rooms, {TwoRooms::inside(), TwoRooms::outside()}),
+                ElementsAre(rooms.other_lamp));
+  }
+}
+
+TEST(UnreachedLight, IsNoneThatComesInThroughAnOpening) {
+  const TwoRooms rooms(1, /*roof=*/false);
+  EXPECT_THAT(unreached(rooms, {TwoRooms::inside()}), ElementsAre(rooms.other_lamp));
+}
+
+TEST(UnreachedLight, IsUnknownWhereNoSurfaceIsSeen) {
+  const TwoRooms rooms;
+  const scene::Camera up = {"up", {2, 8, 2}, {2, 9, 2}, {1, 0, 0}, 40};
+  EXPECT_THAT(unreached(rooms, {up}), IsEmpty());
+  EXPECT_THAT(unreached(rooms, {}), IsEmpty());
+}
+
+TEST(UnreachedLight, HasNames) {
+  const TwoRooms rooms;
+  const std::array groups = {rooms.other_lamp, rooms.sky};
+  EXPECT_EQ(names_of(rooms.scene, groups), "light1, the sky");
+}
+
+/// What a network answers at the floor of the first room.
+Rgb answer(float sky, const std::vector<int>& left_out, nn::LightInput light_input, bool prune) {
+  const TwoRooms rooms(sky);
+  const test::TempDir folder;
+  test::save_tiny_model(
+      folder / "tiny.safetensors",
+      {.scene_points = 400, .pruned = true, .suns = true, .light_input = light_input});
+  const runtime::Network network(folder / "tiny.safetensors");
+  Renderer renderer(rooms.scene);
+  EmbedSettings settings;
+  settings.unreached = left_out;
+  settings.prune = prune;
+  renderer.embed(network, settings);
+  const std::vector<Vec3> position = {{1, 0, 1}}, normal = {{0, 1, 0}};
+  const std::vector<Rgb> albedo = {{0.5f, 0.5f, 0.5f}};
+  return renderer.embedding().decode({position, normal, albedo})[0];
+}
+
+TEST(UnreachedLight, IsNothingThatTheNetworkIsToldOf) {
+  const TwoRooms rooms;
+  const std::vector<int> sky = {rooms.sky};
+  for (const nn::LightInput input : {nn::LightInput::Emission, nn::LightInput::Traced}) {
+    const auto red = [&](float radiance, const std::vector<int>& left_out, bool prune) {
+      return answer(radiance, left_out, input, prune).x;
+    };
+    EXPECT_EQ(red(1, sky, true), red(1000, sky, true)) << enum_name(input);
+    EXPECT_NE(red(1, {}, true), red(1000, {}, true)) << enum_name(input);
+    EXPECT_NE(red(1, sky, false), red(1000, sky, false)) << "--prune off tells it of all";
+  }
+}
+
+TEST(UnreachedLight, LeavesNoPointsThatItAloneReaches) {
+  const TwoRooms rooms;
+  const pathtrace::Bvh bvh(rooms.scene);
+  pathtrace::PruneCounts counts;
+  const scene::SurfaceSamples all = sample_scene_points(bvh, 600, /*prune=*/true, 0, &counts);
+  const scene::SurfaceSamples some =
+      sample_scene_points(bvh, 600, /*prune=*/true, 0, &counts, {}, {rooms.other_lamp, rooms.sky});
+  const auto in_the_other_room = [](const scene::SurfaceSamples& samples) {
+    return std::ranges::count_if(samples.position, [](const Vec3& p) { return p.x > 5; });
+  };
+  EXPECT_GT(in_the_other_room(all), 100);
+  EXPECT_EQ(in_the_other_room(some), 0);
+  for (const int group : some.light_group)
+    EXPECT_TRUE(group == scene::kNone || group == rooms.lamp);
+  EXPECT_GT(some.size(), 450) << "what is left stands closer";
+}
+
+TEST(UnreachedLight, LeavesZerosInEstimates) {
+  pathtrace::LightEstimates light;
+  light.direct.assign(3 * 2, Rgb{1, 2, 3});
+  light.indirect_back = light.direct;
+  light.error.assign(3 * 2, 0.5f);
+  const std::array groups = {0, 2};
+  leave_out(groups, 3, &light);
+  for (size_t i = 0; i < 6; ++i) {
+    const bool stays = i / 2 == 1;
+    EXPECT_EQ(light.direct[i].x, stays ? 1 : 0);
+    EXPECT_EQ(light.indirect_back[i].z, stays ? 3 : 0);
+    EXPECT_EQ(light.error[i], stays ? 0.5f : 0.0f);
+  }
+  EXPECT_TRUE(light.indirect.empty());
+}
+
+}  // namespace
+}  // namespace lte::infer
