@@ -103,6 +103,14 @@ nlohmann::json picture_json(const RenderRequest& request, const View& view, cons
           {"traced_pixels", frame.traced_pixels}};
 }
 
+/// The names of the light groups that the network was not told of.
+nlohmann::json left_out_lights(const Renderer& renderer) {
+  nlohmann::json names = nlohmann::json::array();
+  for (const int group : renderer.left_out())
+    names.push_back(renderer.bvh().scene().light_groups[static_cast<size_t>(group)]);
+  return names;
+}
+
 /// The keys of one picture stand beside those of the run; several are a list of their own.
 nlohmann::json to_json(const RenderRequest& request, const Renderer& renderer,
                        const nlohmann::json& pictures, const StageSeconds& s, double total) {
@@ -113,6 +121,7 @@ nlohmann::json to_json(const RenderRequest& request, const Renderer& renderer,
                          {"precision", request.tool.precision},
                          {"size", {width, height}},
                          {"pruned_scene_points", renderer.pruned_points().pruned},
+                         {"left_out_lights", left_out_lights(renderer)},
                          {"denoiser", renderer.denoised_by()},
                          {"seconds", seconds_json(s, total)},
                          {"peak_rss_mb", peak_rss_mb()}};
@@ -202,10 +211,9 @@ int64_t scene_points(const RenderRequest& request, const runtime::Network& netwo
                                             : network.metadata().scene_points;
 }
 
-/// The light groups that bring no light to what the views see. A file's embedding is for any view.
+/// The light groups that bring no light to what the views see.
 std::vector<int> unreached_light(const RenderRequest& request, const std::vector<View>& views,
-                                 bool prunes, const Renderer& renderer) {
-  if (!prunes || request.embedding.has_file()) return {};
+                                 const Renderer& renderer) {
   std::vector<scene::Camera> cameras;
   for (const View& view : views) cameras.push_back(view.camera);
   std::vector<int> groups = unreached_groups(renderer.bvh(), cameras, request.seed);
@@ -221,10 +229,13 @@ void embed(const RenderRequest& request, const std::vector<View>& views,
            Renderer* renderer) {
   EmbedSettings settings = embed_settings(request.embedding, request.seed, memory);
   settings.record_attention = request.output == "attention";
-  const Timer timer;
-  settings.unreached = unreached_light(
-      request, views, settings.prune.value_or(network.metadata().scene_points_pruned), *renderer);
-  const double search = timer.seconds();
+  double search = 0;
+  const bool prunes = settings.prune.value_or(network.metadata().scene_points_pruned);
+  if (prunes && !request.embedding.has_file()) {  // a file's embedding is for any view
+    const Timer timer;
+    settings.unreached = unreached_light(request, views, *renderer);
+    search = timer.seconds();
+  }
   provide_embedding(request.embedding, network, settings, renderer);
   renderer->seconds().sample += search;
   memory.check("encoding the scene", {runtime::Remedy::FewerScenePoints});

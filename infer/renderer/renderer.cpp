@@ -30,14 +30,14 @@ void Renderer::embed(const runtime::Network& network, const EmbedSettings& setti
       settings.scene_points > 0 ? settings.scene_points : network.metadata().scene_points;
   pruned_points_ = {};
   const bool prune = settings.prune.value_or(network.metadata().scene_points_pruned);
-  const std::vector<int> unreached = prune ? settings.unreached : std::vector<int>();
+  left_out_ = prune ? settings.unreached : std::vector<int>();
   scene::SurfaceSamples samples =
-      sample_scene_points(bvh_, count, prune, settings.seed, &pruned_points_, {}, unreached);
+      sample_scene_points(bvh_, count, prune, settings.seed, &pruned_points_, {}, left_out_);
   leave_out_untrained_suns(bvh_.scene(), network.metadata(), &samples);
   seconds_.sample = timer.seconds();
   timer.restart();
   const LitSamples lit = add_light_estimates(bvh_, lights_, std::move(samples),
-                                             network.light_request(), settings.seed, unreached);
+                                             network.light_request(), settings.seed, left_out_);
   seconds_.light = timer.seconds();
   timer.restart();
   embedding_ = std::make_shared<const runtime::SceneEmbedding>(
@@ -65,6 +65,7 @@ void Renderer::set_embedding(runtime::SceneEmbedding embedding) {
 
 void Renderer::set_embedding(std::shared_ptr<const runtime::SceneEmbedding> embedding) {
   pruned_points_ = {};
+  left_out_.clear();
   embedding_ = std::move(embedding);
 }
 

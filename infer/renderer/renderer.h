@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "infer/light/light_table.h"
 #include "infer/picture/frame.h"
@@ -65,6 +66,8 @@ class Renderer {
   StageSeconds& seconds() { return seconds_; }
   /// Counts of the last embed(); zeros if it did not prune.
   const pathtrace::PruneCounts& pruned_points() const { return pruned_points_; }
+  /// Light groups that the last embed() did not tell the network of, as they reach nothing.
+  const std::vector<int>& left_out() const { return left_out_; }
 
  private:
   std::shared_ptr<const pathtrace::Bvh> held_bvh_;
@@ -78,6 +81,7 @@ class Renderer {
   std::shared_ptr<SharedDenoiser> denoiser_;
   std::string denoised_by_;
   pathtrace::PruneCounts pruned_points_;
+  std::vector<int> left_out_;
 };
 
 }  // namespace lte::infer

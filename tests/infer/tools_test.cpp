@@ -61,6 +61,29 @@ TEST_F(Tools, ASunThatTheModelHasNeverSeenIsSaidInOneLine) {
   expect_failure(render_sunny(" --untrained-light guess"), 2, HasSubstr("--untrained-light"));
 }
 
+TEST_F(Tools, LightThatReachesNothingSeenIsNamedAndLeftOut) {
+  scene::Scene scene = test::furnished_room();
+  const int wall = test::add_material(&scene, {0.5f, 0.5f, 0.5f}, {}, /*double_sided=*/true);
+  test::add_instance(&scene, test::box_mesh({8, 0, 0}, {9, 1, 1}, wall, /*inwards=*/true));
+  test::add_punctual(&scene, scene::LightKind::Point, {5, 5, 5}, {8.5f, 0.5f, 0.5f});
+  scene.cameras.push_back({"inside", {2, 1.6f, 2.8f}, {2, 1, 0}, {0, 1, 0}, 70});
+  scene::write_glb(at("boxed.glb"), scene);
+  const auto left_out = [](const std::string& prune, std::string* text) {
+    const Outcome done =
+        run_tool("lte_render", at("boxed.glb") + " --size 24x16 --out " + at("boxed.exr") +
+                                   " --checkpoint " + at("tiny.safetensors") + " --json " +
+                                   at("boxed.json") + " --prune " + prune);
+    EXPECT_EQ(done.code, 0) << done.text;
+    *text = done.text;
+    return nlohmann::json::parse(read_file(at("boxed.json"))).at("left_out_lights").size();
+  };
+  std::string text;
+  EXPECT_EQ(left_out("on", &text), 1u);
+  EXPECT_THAT(text, AllOf(HasSubstr("is not told of light"), HasSubstr("--prune off")));
+  EXPECT_EQ(left_out("off", &text), 0u);
+  EXPECT_THAT(text, testing::Not(HasSubstr("is not told of light")));
+}
+
 TEST_F(Tools, LightThatTheModelHasNeverSeenIsTracedInItsPlace) {
   scene::Scene sunny = test::dark_room();
   test::add_punctual(&sunny, scene::LightKind::Directional, {5, 5, 5});
