@@ -22,13 +22,13 @@ constexpr uint64_t kPlaces = 21, kLight = 22;
 }  // namespace
 
 gi::RadiosityTable make_light_table(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                                    const runtime::SceneEmbedding* embedding,
+                                    const EmbeddingDraws& draws,
                                     const TableSettings& settings) {
   LTE_CHECK(settings.paths >= 1, "a table needs a path an entry, got ", settings.paths);
   const uint64_t places = hash_combine(settings.seed, kPlaces);
   if (settings.light == TableLight::Network) {
-    LTE_CHECK(embedding != nullptr, "a table of the network's light needs its embedding");
-    return network_table(bvh, lights, *embedding, {settings.entries, settings.paths, places});
+    LTE_CHECK(!draws.empty(), "a table of the network's light needs its embedding");
+    return network_table(bvh, lights, draws, {settings.entries, settings.paths, places});
   }
   // A gather adds a bounce to the table's light, so light of depth 1 is all that none has.
   if (lights.empty() || settings.max_depth < 2) return {bvh, {}, {}};

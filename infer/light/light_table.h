@@ -3,11 +3,11 @@
 
 #include <cstdint>
 
+#include "infer/light/embedding_draws.h"
 #include "lte/base/enum_names.h"
 #include "lte/gi/radiosity_table.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights/lights.h"
-#include "lte/runtime/embedding.h"
 
 namespace lte::infer {
 
@@ -29,10 +29,10 @@ struct TableSettings {
 };
 
 /// Entries that any light reaches, with their light.
-/// @param embedding  of this scene; may be null for TableLight::Raw
-/// @throws lte::Error without the embedding that is needed
+/// @param draws  embeddings of this scene; TableLight::Raw needs none
+/// @throws lte::Error without an embedding that is needed
 gi::RadiosityTable make_light_table(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                                    const runtime::SceneEmbedding* embedding,
+                                    const EmbeddingDraws& draws,
                                     const TableSettings& settings);
 
 /// What making and keeping a table takes, in MiB.

@@ -3,10 +3,10 @@
 
 #include <cstdint>
 
+#include "infer/light/embedding_draws.h"
 #include "lte/gi/radiosity_table.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights/lights.h"
-#include "lte/runtime/embedding.h"
 
 namespace lte::infer {
 
@@ -19,7 +19,7 @@ struct NetworkTableOptions {
 /// Decodes indirect irradiance at points of the scene and adds direct light. Total models' answers
 /// stand as they are.
 gi::RadiosityTable network_table(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                                 const runtime::SceneEmbedding& embedding,
+                                 const EmbeddingDraws& draws,
                                  const NetworkTableOptions& options);
 
 }  // namespace lte::infer

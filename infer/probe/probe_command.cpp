@@ -79,7 +79,8 @@ Draws ask(const ProbeRequest& request, const runtime::Network& network,
           const scene::PointTable& points, const std::vector<Rgb>& albedo, Renderer* renderer) {
   EmbedSettings settings = embed_settings(request.embedding, request.seed,
                                           runtime::MemoryLimit(request.tool.max_memory_mb));
-  const int count = request.embedding.load.empty() ? request.draws : 1;
+  const int count = request.embedding.load.empty() ? request.embedding.draws : 1;
+  settings.draws = 1;  // one after the other, as their spread tells too
   Draws draws;
   for (int i = 0; i < count; ++i, ++settings.seed) {
     if (i == 0) {
@@ -215,14 +216,9 @@ void add_probe_options(CLI::App& app, ProbeRequest* r) {
                  "Reference mode: relative standard error of total irradiance to reach, e.g. 0.01; "
                  "0: fixed --rays")
       ->check(non_negative_number());
-  app.add_option("--draws", r->draws,
-                 "Neural mode: embeddings to ask, each of scene points and light estimates of its "
-                 "own; the answer is their mean, and their spread goes into the expected error")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
   app.add_flag("--error-terms", r->error_terms,
                "Neural mode: also write the terms that the expected error is made of");
-  add_embedding_flags(app, &r->embedding);
+  add_embedding_flags(app, &r->embedding, /*draws=*/2);
   app.add_option("--seed", r->seed, "Seed of scene points and paths")->capture_default_str();
   app.add_flag("--validate-only", r->validate_only, "Check scene, points and flags, and stop");
   add_scene_options(app, r);

@@ -18,7 +18,6 @@ struct ProbeRequest : SceneSource {
   std::optional<int64_t> rays;  ///< nothing: as many as suit the mode
   int max_depth = 5;
   double target_error = 0;
-  int draws = 2;
   uint64_t seed = 0;
   bool error_terms = false;
   bool validate_only = false;

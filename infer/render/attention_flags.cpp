@@ -47,6 +47,8 @@ void check_attention_flags(const RenderRequest& request) {
   LTE_CHECK(request.embedding.load.empty(),
             "--output attention and --embedding: a file of latents does not hold what the encoder "
             "attended to");
+  LTE_CHECK(request.embedding.draws == 1,
+            "--output attention and --draws: it shows what one embedding attends to");
   LTE_CHECK(!request.edit.any(), "--output attention and --edit do not go together");
 }
 

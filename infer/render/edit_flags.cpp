@@ -26,7 +26,8 @@ void add_edit_flags(CLI::App& app, EditFlags* flags) {
           ->check(CLI::ExistingFile)
           ->excludes("--time-budget")
           ->excludes("--embedding")
-          ->excludes("--save-embedding");
+          ->excludes("--save-embedding")
+          ->excludes("--draws");
   app.add_option("--video", flags->video,
                  "With --edit: also make a video of the frames (.mp4, .webm, .mkv or .gif), where "
                  "ffmpeg is found")

@@ -8,8 +8,9 @@
 namespace lte::infer {
 namespace {
 
-constexpr std::array<const char*, 6> kNetworkFlags = {
-    "--checkpoint", "--edit", "--embedding", "--save-embedding", "--scene-points", "--prune"};
+constexpr std::array<const char*, 7> kNetworkFlags = {
+    "--checkpoint",   "--edit",  "--embedding", "--save-embedding",
+    "--scene-points", "--prune", "--draws"};
 
 /// A flag of gathered light that says something; null if none does.
 const char* gather_flag(const GatherFlags& flags) {

@@ -117,6 +117,7 @@ Image maps_side_by_side(std::span<const Rgb> left, std::span<const Rgb> right, i
 
 void run_incident_map(const RenderRequest& request) {
   check_flags(request);
+  check_draws(request.embedding);
   const Vec3 place{request.point[0], request.point[1], request.point[2]};
   CommandFiles files;
   claim_map_files(request, &files);
@@ -140,7 +141,7 @@ void run_incident_map(const RenderRequest& request) {
   provide_embedding(request.embedding, network,
                     embed_settings(request.embedding, request.seed, memory), &renderer);
   const std::vector<Vec3> directions = pathtrace::bin_centres(kBins, at.normal);
-  const std::vector<Rgb> neural = renderer.embedding().decode_radiance(
+  const std::vector<Rgb> neural = renderer.draws().decode_radiance(
       {{&at.position, 1}, {&at.normal, 1}, {&at.albedo, 1}}, directions);
   const std::vector<Rgb> traced = traced_map(renderer, at, request, network.predicts_total());
   write_maps(request, maps_side_by_side(neural, traced, kBins));

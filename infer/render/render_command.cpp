@@ -363,6 +363,7 @@ void run_render(const RenderRequest& request) {
   check_dial(request);
   check_edit_flags(request.edit, request.out);
   check_attention_flags(request);
+  check_draws(request.embedding);
   LTE_CHECK(!request.edit.any() || request.gather.by != Indirect::Paths,
             "--edit and --indirect paths: expected network or gather");
   LTE_CHECK(!request.edit.any() || request.gather.table == "raw",

@@ -1,12 +1,14 @@
 #include "infer/renderer/embedding_flags.h"
 
+#include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/timer.h"
 #include "lte/scene/fingerprint.h"
 
 namespace lte::infer {
 
-void add_embedding_flags(CLI::App& app, EmbeddingFlags* flags) {
+void add_embedding_flags(CLI::App& app, EmbeddingFlags* flags, int draws) {
+  flags->draws = draws;
   app.add_option("--scene-points", flags->scene_points,
                  "Scene points shown to the network; 0 for as many as in training")
       ->check(CLI::Range(int64_t{0}, int64_t{1} << 28));
@@ -20,12 +22,22 @@ void add_embedding_flags(CLI::App& app, EmbeddingFlags* flags) {
       "--rescale,!--no-rescale", flags->rescale,
       "Shrink a scene larger than the model knows and enlarge one that is much smaller, for "
       "the network only (the default), or refuse the first and leave the second");
+  app.add_option("--draws", flags->draws,
+                 "Embeddings to ask, each of scene points and light estimates of its own, in as "
+                 "many times the time: the answer is their mean")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
   CLI::Option* load = app.add_option(
       "--embedding", flags->load,
       "Read the scene's embedding from this file of --save-embedding instead of making it; one of "
       "another scene, model or setting is refused");
   app.add_option("--save-embedding", flags->save, "Also write the scene's embedding to this file")
       ->excludes(load);
+}
+
+void check_draws(const EmbeddingFlags& flags) {
+  LTE_CHECK(flags.draws == 1 || !flags.has_file(), "--draws ", flags.draws,
+            " and --embedding or --save-embedding: a file holds one embedding");
 }
 
 void claim_embedding(const EmbeddingFlags& flags, CommandFiles* files) {
@@ -39,6 +51,7 @@ EmbedSettings embed_settings(const EmbeddingFlags& flags, uint64_t seed,
   settings.scene_points = flags.scene_points;
   settings.seed = seed;
   settings.rescale = flags.rescale;
+  settings.draws = flags.draws;
   if (flags.prune != "auto") settings.prune = flags.prune == "on";
   settings.memory = memory;
   return settings;

@@ -1,5 +1,6 @@
-// Flags of a scene's embedding: what it is made of (--scene-points, --prune, --rescale), and a file
-// that keeps it from one run to the next (--embedding, --save-embedding).
+// Flags of a scene's embedding: what it is made of (--scene-points, --prune, --rescale), how many
+// there are (--draws), and a file that keeps one from one run to the next (--embedding,
+// --save-embedding).
 #pragma once
 
 #include <cstdint>
@@ -17,13 +18,19 @@ struct EmbeddingFlags {
   int64_t scene_points = 0;  ///< 0: as many as in the model's training
   std::string prune = "auto";
   bool rescale = true;
+  int draws = 1;
   std::string load, save;  ///< files; empty: none
 
   bool has_file() const { return !load.empty() || !save.empty(); }
 };
 
 /// Adds the flags. The two of files exclude each other.
-void add_embedding_flags(CLI::App& app, EmbeddingFlags* flags);
+/// @param draws  the default of --draws
+void add_embedding_flags(CLI::App& app, EmbeddingFlags* flags, int draws = 1);
+
+/// For tools that show one answer: a file holds one embedding.
+/// @throws lte::Error for several draws and a file.
+void check_draws(const EmbeddingFlags& flags);
 
 void claim_embedding(const EmbeddingFlags& flags, CommandFiles* files);
 

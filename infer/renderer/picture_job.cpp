@@ -29,7 +29,7 @@ PictureJob::PictureJob(const PictureSources& sources, const scene::Camera& camer
     : from_(sources), camera_(camera), settings_(settings), needs_(needs) {
   LTE_CHECK(settings.width > 0 && settings.height > 0, "size ", settings.width, "x",
             settings.height, ": both sides must be positive");
-  LTE_CHECK(!needs.network || settings.answerer || from_.embedding != nullptr,
+  LTE_CHECK(!needs.network || settings.answerer || !from_.draws.empty(),
             "this output needs a model: embed() comes first");
   LTE_CHECK(!needs.table || from_.table != nullptr,
             "there is no table of light: make_table() comes first");

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "infer/light/embedding_draws.h"
 #include "infer/picture/frame.h"
 #include "infer/picture/picture_band.h"
 #include "infer/renderer/centre_light.h"
@@ -18,7 +19,6 @@
 #include "lte/gi/sparse_pixels.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights/lights.h"
-#include "lte/runtime/embedding.h"
 
 namespace lte::infer {
 
@@ -26,7 +26,7 @@ namespace lte::infer {
 struct PictureSources {
   const pathtrace::Bvh& bvh;
   const pathtrace::Lights& lights;
-  const runtime::SceneEmbedding* embedding;
+  const EmbeddingDraws& draws;
   const gi::RadiosityTable* table;
   KeptViews* kept;
   SharedDenoiser& denoiser;

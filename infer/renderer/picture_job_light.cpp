@@ -49,18 +49,18 @@ gi::Answerer PictureJob::decoder() const {
       set.normal.push_back(query.normal);
       set.albedo.push_back(query.albedo);
     }
-    return from_.embedding->decode({set.position, set.normal, set.albedo});
+    return from_.draws.decode({set.position, set.normal, set.albedo});
   };
 }
 
 void PictureJob::decode(const PictureBand& band, BandLight* light) {
-  LTE_CHECK(from_.embedding != nullptr, "this output needs a model: embed() comes first");
+  LTE_CHECK(!from_.draws.empty(), "this output needs a model: embed() comes first");
   const Timer timer;
   const gi::Answerer answerer = settings_.answerer ? settings_.answerer : decoder();
   SparseLight answers = settings_.sparse ? light_sparsely(band, *settings_.sparse, answerer)
                                          : light_everywhere(band, answerer);
   light->decoded = answers.answers;
-  (from_.embedding->network().predicts_total() ? light->total : light->indirect) =
+  (from_.draws.network().predicts_total() ? light->total : light->indirect) =
       std::move(answers.irradiance);
   seconds_.decode += timer.seconds();
 }
@@ -159,7 +159,7 @@ void PictureJob::trace_metal(const PictureBand& band, BandLight* light) {
   if (!needs_.reflects_by_network) return;
   const Timer decoding;
   const std::vector<Rgb> indirect =
-      reflected_light(from_.bvh, *from_.embedding, camera_,
+      reflected_light(from_.bvh, from_.draws, camera_,
                       {settings_.width, settings_.height, settings_.reflections, settings_.seed},
                       band.traced_pixels());
   for (size_t i = 0; i < indirect.size(); ++i) light->traced[i].indirect = indirect[i];

@@ -15,13 +15,12 @@ constexpr size_t kPixelsAtOnce = size_t{1} << 14;
 
 }  // namespace
 
-std::vector<Rgb> reflected_light(const pathtrace::Bvh& bvh,
-                                 const runtime::SceneEmbedding& embedding,
+std::vector<Rgb> reflected_light(const pathtrace::Bvh& bvh, const EmbeddingDraws& draws,
                                  const scene::Camera& camera, const ReflectedSettings& settings,
                                  std::span<const int64_t> pixels) {
-  LTE_CHECK(embedding.network().config().predicts_radiance(),
+  LTE_CHECK(draws.network().config().predicts_radiance(),
             "--metal network: the model has no radiance decoder (its model.radiance_lobes is 0)");
-  LTE_CHECK(!embedding.network().predicts_total(),
+  LTE_CHECK(!draws.network().predicts_total(),
             "--metal network: the model predicts direct light too, which paths add");
   pathtrace::ReflectionOptions options;
   options.points = std::min(kPlaces, settings.directions);
@@ -34,7 +33,7 @@ std::vector<Rgb> reflected_light(const pathtrace::Bvh& bvh,
     const pathtrace::Reflections drawn = pathtrace::draw_reflections(
         bvh, camera, settings.width, settings.height, pixels.subspan(begin, count), options);
     const std::vector<Rgb> radiance =
-        embedding.decode_radiance({drawn.position, drawn.normal, drawn.albedo}, drawn.direction);
+        draws.decode_radiance({drawn.position, drawn.normal, drawn.albedo}, drawn.direction);
     for (size_t i = 0; i < radiance.size(); ++i) {
       const size_t point = i / static_cast<size_t>(options.directions);
       out[begin + static_cast<size_t>(drawn.pixel[point])] += drawn.weight[i] * radiance[i] * share;

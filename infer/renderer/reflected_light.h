@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "infer/light/embedding_draws.h"
 #include "lte/base/math.h"
 #include "lte/pathtrace/bvh.h"
-#include "lte/runtime/embedding.h"
 #include "lte/scene/scene.h"
 
 namespace lte::infer {
@@ -22,8 +22,7 @@ struct ReflectedSettings {
 /// Radiance towards the camera by light that has bounced before, one entry a pixel.
 /// @param pixels  y * width + x
 /// @throws lte::Error for a model without a radiance decoder, or one that predicts direct light too
-std::vector<Rgb> reflected_light(const pathtrace::Bvh& bvh,
-                                 const runtime::SceneEmbedding& embedding,
+std::vector<Rgb> reflected_light(const pathtrace::Bvh& bvh, const EmbeddingDraws& draws,
                                  const scene::Camera& camera, const ReflectedSettings& settings,
                                  std::span<const int64_t> pixels);
 

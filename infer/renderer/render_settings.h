@@ -74,6 +74,7 @@ struct RenderSettings {
 struct EmbedSettings {
   int64_t scene_points = 0;  ///< M; 0 for that of the model's training
   uint64_t seed = 0;
+  int draws = 1;  ///< embeddings whose answers are averaged, of this seed and the next ones
   bool rescale = false;
   /// Draw scene points only where light reaches them (lte/pathtrace/reach/reach.h); by default as
   /// in the model's training.

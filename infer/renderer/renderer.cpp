@@ -24,33 +24,45 @@ Renderer::Renderer(std::shared_ptr<const pathtrace::Bvh> bvh,
       denoiser_(std::move(denoiser)) {}
 
 void Renderer::embed(const runtime::Network& network, const EmbedSettings& settings) {
-  Timer timer;
-  embedding_.reset();  // two at a time would need twice the memory
-  const int64_t count =
-      settings.scene_points > 0 ? settings.scene_points : network.metadata().scene_points;
+  draws_.clear();  // those of before and the new ones would need twice the memory
+  seconds_.sample = seconds_.light = seconds_.encode = 0;
   pruned_points_ = {};
   const bool prune = settings.prune.value_or(network.metadata().scene_points_pruned);
   left_out_ = prune ? settings.unreached : std::vector<int>();
+  EmbedSettings draw = settings;
+  for (int k = 0; k < settings.draws; ++k, ++draw.seed) draws_.add(encode(network, draw));
+}
+
+std::shared_ptr<const runtime::SceneEmbedding> Renderer::encode(const runtime::Network& network,
+                                                                const EmbedSettings& settings) {
+  Timer timer;
+  const int64_t count =
+      settings.scene_points > 0 ? settings.scene_points : network.metadata().scene_points;
+  const bool prune = settings.prune.value_or(network.metadata().scene_points_pruned);
+  pathtrace::PruneCounts pruned;
   scene::SurfaceSamples samples =
-      sample_scene_points(bvh_, count, prune, settings.seed, &pruned_points_, {}, left_out_);
+      sample_scene_points(bvh_, count, prune, settings.seed, &pruned, {}, left_out_);
+  pruned_points_.drawn += pruned.drawn;
+  pruned_points_.pruned += pruned.pruned;
   leave_out_untrained_suns(bvh_.scene(), network.metadata(), &samples);
-  seconds_.sample = timer.seconds();
+  seconds_.sample += timer.seconds();
   timer.restart();
   const LitSamples lit = add_light_estimates(bvh_, lights_, std::move(samples),
                                              network.light_request(), settings.seed, left_out_);
-  seconds_.light = timer.seconds();
+  seconds_.light += timer.seconds();
   timer.restart();
-  embedding_ = std::make_shared<const runtime::SceneEmbedding>(
+  auto embedding = std::make_shared<const runtime::SceneEmbedding>(
       network, lit.points(),
       runtime::EncodeOptions{settings.rescale, {}, settings.memory, settings.record_attention});
-  seconds_.encode = timer.seconds();
+  seconds_.encode += timer.seconds();
+  return embedding;
 }
 
 void Renderer::make_table(const TableSettings& settings) {
   const Timer timer;
   table_.reset();  // two at a time would need twice the memory
   kept_.reset();
-  table_.emplace(make_light_table(bvh_, lights_, embedding_ ? &*embedding_ : nullptr, settings));
+  table_.emplace(make_light_table(bvh_, lights_, draws_, settings));
   seconds_.table = timer.seconds();
 }
 
@@ -66,22 +78,18 @@ void Renderer::set_embedding(runtime::SceneEmbedding embedding) {
 void Renderer::set_embedding(std::shared_ptr<const runtime::SceneEmbedding> embedding) {
   pruned_points_ = {};
   left_out_.clear();
-  embedding_ = std::move(embedding);
-}
-
-const runtime::SceneEmbedding& Renderer::embedding() const {
-  LTE_CHECK(embedding_ != nullptr, "there is no embedding: embed() comes first");
-  return *embedding_;
+  draws_.clear();
+  draws_.add(std::move(embedding));
 }
 
 PictureNeeds Renderer::needs(const RenderSettings& settings) const {
-  return needs_of(settings, has_light(), embedding_ && embedding_->network().predicts_total());
+  return needs_of(settings, has_light(), !draws_.empty() && draws_.network().predicts_total());
 }
 
 Frame Renderer::render(const scene::Camera& camera, const RenderSettings& settings) {
   const PictureNeeds needs = this->needs(settings);
   if (needs.keeps_light && !kept_) kept_.emplace();
-  PictureJob job({bvh_, lights_, embedding_.get(), table_ ? &*table_ : nullptr,
+  PictureJob job({bvh_, lights_, draws_, table_ ? &*table_ : nullptr,
                   kept_ ? &*kept_ : nullptr, *denoiser_},
                  camera, settings, needs);
   Frame frame = job.render();

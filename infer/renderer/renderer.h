@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "infer/light/embedding_draws.h"
 #include "infer/light/light_table.h"
 #include "infer/picture/frame.h"
 #include "infer/renderer/picture_needs.h"
@@ -20,7 +21,7 @@
 
 namespace lte::infer {
 
-/// The BVH, the lights and at most one embedding of a scene, which must outlive it. Camera moves
+/// The BVH, the lights and the embeddings, if any, of a scene, which must outlive it. Camera moves
 /// re-encode nothing.
 class Renderer {
  public:
@@ -30,7 +31,7 @@ class Renderer {
            std::shared_ptr<const pathtrace::Lights> lights,
            std::shared_ptr<SharedDenoiser> denoiser);
 
-  /// Samples scene points and encodes them.
+  /// Samples scene points and encodes them, as often as settings.draws says.
   /// @throws runtime::Refusal for a scene wider than the model knows, unless settings.rescale, and
   ///         where memory lacks.
   void embed(const runtime::Network& network, const EmbedSettings& settings);
@@ -38,9 +39,13 @@ class Renderer {
   /// Takes an embedding of this scene that was made before, in the place of embed().
   void set_embedding(runtime::SceneEmbedding embedding);
   void set_embedding(std::shared_ptr<const runtime::SceneEmbedding> embedding);
-  /// @throws lte::Error without one.
-  const runtime::SceneEmbedding& embedding() const;
-  std::shared_ptr<const runtime::SceneEmbedding> shared_embedding() const { return embedding_; }
+  /// The first one. @throws lte::Error without any.
+  const runtime::SceneEmbedding& embedding() const { return *draws_.first(); }
+  std::shared_ptr<const runtime::SceneEmbedding> shared_embedding() const {
+    return draws_.first();
+  }
+  /// What answers: all that embed() made.
+  const EmbeddingDraws& draws() const { return draws_; }
 
   /// Makes the table that Indirect::Gather reads, in the place of the last one.
   /// @throws lte::Error if the network is to fill it and embed() has not been called.
@@ -70,11 +75,14 @@ class Renderer {
   const std::vector<int>& left_out() const { return left_out_; }
 
  private:
+  std::shared_ptr<const runtime::SceneEmbedding> encode(const runtime::Network& network,
+                                                        const EmbedSettings& settings);
+
   std::shared_ptr<const pathtrace::Bvh> held_bvh_;
   std::shared_ptr<const pathtrace::Lights> held_lights_;
   const pathtrace::Bvh& bvh_;
   const pathtrace::Lights& lights_;
-  std::shared_ptr<const runtime::SceneEmbedding> embedding_;
+  EmbeddingDraws draws_;
   std::optional<gi::RadiosityTable> table_;
   std::optional<KeptViews> kept_;  ///< of RenderSettings::keep_light
   StageSeconds seconds_;

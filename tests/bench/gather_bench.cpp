@@ -148,10 +148,11 @@ class Experiments {
     };
     make();  // warm-up
     const double start = processor_seconds();
-    embedding_.emplace(make());
+    embedding_.clear();
+    embedding_.add(std::make_shared<const runtime::SceneEmbedding>(make()));
     encode_s_ = processor_seconds() - start;
     row("network at every pixel", false, encode_s_, [&](int64_t*) {
-      return answers_ = embedding_->decode({view_.position, view_.normal, view_.albedo});
+      return answers_ = embedding_.decode({view_.position, view_.normal, view_.albedo});
     });
   }
 
@@ -307,7 +308,7 @@ class Experiments {
       }
       const double start = processor_seconds();
       const gi::RadiosityTable table =
-          infer::network_table(bvh_, lights_, *embedding_, {.entries = count, .seed = 11});
+          infer::network_table(bvh_, lights_, embedding_, {.entries = count, .seed = 11});
       gather_rows("gather, network at " + size + " entries", table,
                   encode_s_ + processor_seconds() - start, 0, false);
     }
@@ -345,7 +346,7 @@ class Experiments {
     const Lit raw = lit_entries(4096, 64);
     const gi::RadiosityTable by_paths(bvh_, raw.entries, raw.light.total());
     const gi::RadiosityTable by_network =
-        infer::network_table(bvh_, lights_, *embedding_, {.entries = 4096, .seed = 11});
+        infer::network_table(bvh_, lights_, embedding_, {.entries = 4096, .seed = 11});
     for (const int gather_rays : {2, 4, 16}) {
       for (const bool with_network : {false, true}) {
         const gi::RadiosityTable& table = with_network ? by_network : by_paths;
@@ -364,7 +365,7 @@ class Experiments {
       }
     }
     const gi::TableEntries all = gi::sample_entries(bvh_.scene(), 8192, 21);
-    const std::vector<Rgb> at_points = embedding_->decode({all.position, all.normal, all.albedo});
+    const std::vector<Rgb> at_points = embedding_.decode({all.position, all.normal, all.albedo});
     std::vector<float> spacing;
     for (const float area : all.area) spacing.push_back(std::sqrt(area));
     const std::vector<Rgb> none(at_points.size());
@@ -398,7 +399,7 @@ class Experiments {
   const runtime::Network& network_;
   View view_;
   Reference reference_;
-  std::optional<runtime::SceneEmbedding> embedding_;
+  infer::EmbeddingDraws embedding_;
   std::vector<Rgb> answers_;
   double encode_s_ = 0, misses_ = 0;
   mutable std::vector<std::string> notes_;

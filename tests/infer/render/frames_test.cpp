@@ -169,6 +169,10 @@ TEST_F(Frames, AnotherEmbeddingIsRefusedByWhatDiffers) {
   refused(render(use + "--output depth"), {"room.emb", "needs no embedding"});
   refused(render("--camera a --out x.png --save-embedding room.glb"),
           {"--save-embedding", "SCENE"});
+  refused(render(use + "--draws 2"), {"--draws 2", "one embedding"});
+  refused(render("--camera a --out x.png --draws 2 --save-embedding y.emb"), {"--draws 2"});
+  refused(render("--camera a --out x.png --draws 2 --output attention --point 1,1,1"),
+          {"--output attention", "--draws"});
   EXPECT_EQ(render(use + "--save-embedding y.emb").code, 2) << "they exclude each other";
 }
 

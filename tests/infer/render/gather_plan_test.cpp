@@ -159,7 +159,7 @@ struct Parsed {
     CLI::App app;
     std::string ignored;
     for (const char* flag : {"--quality", "--time-budget", "--checkpoint", "--embedding",
-                             "--save-embedding", "--scene-points", "--prune"})
+                             "--save-embedding", "--scene-points", "--prune", "--draws"})
       app.add_option(flag, ignored);
     add_gather_options(app, &flags);
     app.parse(line);

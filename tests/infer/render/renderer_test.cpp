@@ -244,6 +244,29 @@ TEST(Renderer, RescaleShowsTheNetworkTheSceneThatItKnows) {
   EXPECT_LT(error, 0.02 * power);
 }
 
+TEST(Renderer, DrawsOfScenePointsAreAveraged) {
+  EmbedSettings embed;
+  embed.seed = 5;
+  embed.draws = 2;
+  Embedded both(test::furnished_room(), {}, embed);
+  EXPECT_EQ(both.renderer.draws().count(), 2u);
+  std::vector<Frame> draws;
+  for (embed.draws = 1; embed.seed < 7; ++embed.seed) {
+    Embedded one(test::furnished_room(), {}, embed);
+    const scene::Camera camera = pathtrace::auto_camera(one.renderer.bvh());
+    draws.push_back(one.renderer.render(camera, settings(Output::Irradiance)));
+  }
+  const scene::Camera camera = pathtrace::auto_camera(both.renderer.bvh());
+  const Frame mean = both.renderer.render(camera, settings(Output::Irradiance));
+  float apart = 0;
+  for (size_t i = 0; i < mean.color.pixels.size(); ++i) {
+    const float a = draws[0].color.pixels[i], b = draws[1].color.pixels[i];
+    EXPECT_NEAR(mean.color.pixels[i], (a + b) / 2, 1e-6f * (a + b));
+    apart = std::max(apart, std::abs(a - b) / (a + b + 1e-6f));
+  }
+  EXPECT_GT(apart, 1e-3f) << "each draw has points of its own";
+}
+
 TEST(Renderer, PrunesScenePointsAsInTrainingUnlessToldOtherwise) {
   scene::Scene scene = lit_floor();
   // Half the surface lies in the dark below the floor.
