@@ -8,8 +8,8 @@ namespace lte::infer {
 namespace {
 
 template <typename Ask>
-std::vector<Rgb> mean_of(
-    const std::vector<std::shared_ptr<const runtime::SceneEmbedding>>& draws, const Ask& ask) {
+std::vector<Rgb> mean_of(const std::vector<std::shared_ptr<const runtime::SceneEmbedding>>& draws,
+                         const Ask& ask) {
   std::vector<Rgb> mean = ask(*draws.front());
   if (draws.size() == 1) return mean;
   for (size_t k = 1; k < draws.size(); ++k) {

@@ -22,8 +22,7 @@ constexpr uint64_t kPlaces = 21, kLight = 22;
 }  // namespace
 
 gi::RadiosityTable make_light_table(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                                    const EmbeddingDraws& draws,
-                                    const TableSettings& settings) {
+                                    const EmbeddingDraws& draws, const TableSettings& settings) {
   LTE_CHECK(settings.paths >= 1, "a table needs a path an entry, got ", settings.paths);
   const uint64_t places = hash_combine(settings.seed, kPlaces);
   if (settings.light == TableLight::Network) {

@@ -32,8 +32,7 @@ struct TableSettings {
 /// @param draws  embeddings of this scene; TableLight::Raw needs none
 /// @throws lte::Error without an embedding that is needed
 gi::RadiosityTable make_light_table(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                                    const EmbeddingDraws& draws,
-                                    const TableSettings& settings);
+                                    const EmbeddingDraws& draws, const TableSettings& settings);
 
 /// What making and keeping a table takes, in MiB.
 /// @param groups  light groups of the scene

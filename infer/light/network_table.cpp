@@ -5,8 +5,7 @@
 namespace lte::infer {
 
 gi::RadiosityTable network_table(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                                 const EmbeddingDraws& draws,
-                                 const NetworkTableOptions& options) {
+                                 const EmbeddingDraws& draws, const NetworkTableOptions& options) {
   const gi::TableEntries entries = gi::sample_entries(bvh.scene(), options.entries, options.seed);
   std::vector<Rgb> total = draws.decode({entries.position, entries.normal, entries.albedo});
   if (!draws.network().predicts_total()) {

@@ -19,7 +19,6 @@ struct NetworkTableOptions {
 /// Decodes indirect irradiance at points of the scene and adds direct light. Total models' answers
 /// stand as they are.
 gi::RadiosityTable network_table(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                                 const EmbeddingDraws& draws,
-                                 const NetworkTableOptions& options);
+                                 const EmbeddingDraws& draws, const NetworkTableOptions& options);
 
 }  // namespace lte::infer

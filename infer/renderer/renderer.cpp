@@ -89,9 +89,9 @@ PictureNeeds Renderer::needs(const RenderSettings& settings) const {
 Frame Renderer::render(const scene::Camera& camera, const RenderSettings& settings) {
   const PictureNeeds needs = this->needs(settings);
   if (needs.keeps_light && !kept_) kept_.emplace();
-  PictureJob job({bvh_, lights_, draws_, table_ ? &*table_ : nullptr,
-                  kept_ ? &*kept_ : nullptr, *denoiser_},
-                 camera, settings, needs);
+  PictureJob job(
+      {bvh_, lights_, draws_, table_ ? &*table_ : nullptr, kept_ ? &*kept_ : nullptr, *denoiser_},
+      camera, settings, needs);
   Frame frame = job.render();
   for (double StageSeconds::*stage : kPictureStages) seconds_.*stage = job.seconds().*stage;
   denoised_by_ = job.denoised_by();

@@ -41,9 +41,7 @@ class Renderer {
   void set_embedding(std::shared_ptr<const runtime::SceneEmbedding> embedding);
   /// The first one. @throws lte::Error without any.
   const runtime::SceneEmbedding& embedding() const { return *draws_.first(); }
-  std::shared_ptr<const runtime::SceneEmbedding> shared_embedding() const {
-    return draws_.first();
-  }
+  std::shared_ptr<const runtime::SceneEmbedding> shared_embedding() const { return draws_.first(); }
   /// What answers: all that embed() made.
   const EmbeddingDraws& draws() const { return draws_; }
 
