@@ -32,7 +32,7 @@ struct Frame {
   /// at.
   int64_t decoded = 0;
   int64_t edge_pixels = 0;      ///< pixels with several hits
-  double correction_paths = 0;  ///< a pixel, that have corrected what was gathered, on average
+  double correction_paths = 0;  ///< a pixel, that have corrected the picture, on average
   /// In neural mode, pixels with metal that paths have rendered, and all that reflect light where
   /// paths answer for indirect light.
   int64_t traced_pixels = 0;

@@ -12,10 +12,9 @@ constexpr std::array<const char*, 7> kNetworkFlags = {
     "--checkpoint",   "--edit",  "--embedding", "--save-embedding",
     "--scene-points", "--prune", "--draws"};
 
-/// A flag of gathered light that says something; null if none does.
+/// A flag of gathered light alone that says something; null if none does.
 const char* gather_flag(const GatherFlags& flags) {
   if (flags.rays != 0) return "--gather-rays";
-  if (flags.paths >= 0) return "--correction-paths";
   if (flags.table != GatherFlags().table) return "--table";
   return flags.table_points != GatherFlags().table_points ? "--table-points" : nullptr;
 }
@@ -34,8 +33,9 @@ void add_gather_options(CLI::App& app, GatherFlags* flags) {
       ->check(CLI::Range(0, 1 << 14))
       ->capture_default_str();
   app.add_option("--correction-paths", flags->paths,
-                 "Of --indirect gather: paths a pixel that correct what was gathered, an even "
-                 "number or 0; -1 for those of the quality")
+                 "Paths a pixel that correct gathered light or, in a full picture, what the "
+                 "network answers: an even number or 0; -1 for those of the quality, which are "
+                 "of gathered light alone")
       ->check(CLI::Range(-1, 1 << 20))
       ->capture_default_str();
   app.add_option("--table", flags->table,
@@ -66,7 +66,8 @@ void resolve_indirect(const CLI::App& app, bool neural, GatherFlags* flags) {
   } else if (!neural || std::any_of(kNetworkFlags.begin(), kNetworkFlags.end(), given)) {
     flags->by = Indirect::Network;
   } else {
-    flags->by = given("--quality") || given("--time-budget") ? Indirect::Gather : Indirect::Network;
+    const bool asks = given("--quality") || given("--time-budget") || flags->paths >= 0;
+    flags->by = asks ? Indirect::Gather : Indirect::Network;
   }
   flags->indirect = enum_name(flags->by);
 }
@@ -75,8 +76,13 @@ void check_gather_flags(const GatherFlags& flags, bool neural) {
   const char* flag = gather_flag(flags);
   LTE_CHECK(flag == nullptr || flags.by == Indirect::Gather, flag,
             " goes with --indirect gather, not with --indirect ", flags.indirect);
-  LTE_CHECK(neural || flags.by != Indirect::Gather, flag != nullptr ? flag : "--indirect gather",
+  LTE_CHECK(neural || (flags.by != Indirect::Gather && flags.paths < 0),
+            flag != nullptr    ? flag
+            : flags.paths >= 0 ? "--correction-paths"
+                               : "--indirect gather",
             " needs --mode neural: a reference takes --spp paths a pixel");
+  LTE_CHECK(flags.paths <= 0 || flags.by != Indirect::Paths,
+            "--correction-paths goes with --indirect gather or network, not with --indirect paths");
   LTE_CHECK(flags.paths <= 0 || flags.paths % 2 == 0, "--correction-paths ", flags.paths,
             ": expected an even number, as two halves are compared");
 }

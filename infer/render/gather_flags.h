@@ -23,9 +23,10 @@ struct GatherFlags {
 
 void add_gather_options(CLI::App& app, GatherFlags* flags);
 
-/// Says who answers. Auto: gathered light where a flag of it is given; the network where a flag of
-/// that is; else gathered light if a quality or a time was asked for, as the chart of time against
-/// error says (docs/benchmarks.md), and the network without either. Puts the word into `indirect`.
+/// Says who answers. Auto: gathered light where a flag of it alone is given; the network where a
+/// flag of that is; else gathered light if a quality, a time or a correction was asked for, as the
+/// chart of time against error says (docs/benchmarks.md), and the network without any. Puts the
+/// word into `indirect`.
 /// @param neural  the mode; a reference asks neither
 void resolve_indirect(const CLI::App& app, bool neural, GatherFlags* flags);
 

@@ -95,6 +95,7 @@ nlohmann::json picture_json(const RenderRequest& request, const View& view, cons
                                                                     : frame.queries},
           {"indirect", enum_name(settings.indirect)},
           {"gather", gather_json(settings, frame)},
+          {"correction_paths", frame.correction_paths},
           {"quality", enum_name(plan.quality)},
           {"sparse", sparse_json(settings)},
           {"antialias", settings.antialias},
@@ -405,6 +406,10 @@ void run_render(const RenderRequest& request) {
   files.check_what_was_read();
   renderer.seconds().load = total.seconds();
   const runtime::MemoryLimit memory(request.tool.max_memory_mb);
+  LTE_CHECK(!network || !network->predicts_total() || settings.correction_paths == 0 ||
+                settings.indirect != Indirect::Network,
+            checkpoint_or_shipped(request.checkpoint).string(),
+            ": predicts direct and indirect light in one, which --correction-paths does not know");
   LTE_CHECK(
       !network || settings.metal != Metal::Network || network->config().predicts_radiance(),
       checkpoint_or_shipped(request.checkpoint).string(),

@@ -71,7 +71,8 @@ RenderSettings settings_of(const RenderRequest& request) {
   settings.layers = keeps_layers(request.out) || settings.output == Output::Attention;
   settings.indirect = request.gather.by;
   if (request.given.gather_rays) settings.gather.rays = request.gather.rays;
-  if (request.given.correction_paths) settings.gather.paths = request.gather.paths;
+  if (request.given.correction_paths)
+    settings.correction_paths = settings.gather.paths = request.gather.paths;
   return with_quality(parse_enum<Quality>("--quality", request.quality),
                       parse_enum<Sparse>("--sparse", request.sparse), request.given, settings);
 }
@@ -80,6 +81,10 @@ void check_dial(const RenderRequest& request) {
   check_gather_flags(request.gather, request.mode == "neural");
   LTE_CHECK(request.time_budget.empty() || request.mode == "neural",
             "--time-budget needs --mode neural: a reference takes --spp paths a pixel");
+  LTE_CHECK(request.gather.paths <= 0 || request.gather.by != Indirect::Network ||
+                (request.output == "full" && request.time_budget.empty()),
+            "--correction-paths with --indirect network needs --output full, and goes with no "
+            "--time-budget");
   LTE_CHECK(
       request.metal != "network" || (request.mode == "neural" &&
                                      request.gather.by == Indirect::Network && !request.edit.any()),

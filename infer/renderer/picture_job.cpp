@@ -38,8 +38,11 @@ PictureJob::PictureJob(const PictureSources& sources, const scene::Camera& camer
 /// A pixel is told of once, by the first stage that has come so far.
 void PictureJob::advance(int64_t pixels) {
   pixels = std::min(pixels, band_pixels_ - done_);
-  if (settings_.done && pixels > 0 && !centres_) settings_.done(pixels);
   done_ += pixels;
+  if (!settings_.done || pixels <= 0 || centres_) return;
+  const int64_t told = needs_.corrects_pixels() ? pixels / 2 : pixels;  // paths are the other half
+  settings_.done(told);
+  untold_ -= told;
 }
 
 /// What takes noise away. The picture says so.
@@ -74,7 +77,7 @@ CentreRequest PictureJob::centre_request(const PictureRows& strip) {
   request.skip_metal = needs_.metal == Metal::Trace;
   // Without layers nobody asks which light is which.
   request.sum = !settings_.layers && settings_.gather.paths == 0;
-  if (needs_.corrects_pixels) request.gather.paths = 0;  // they come when edges are there too
+  if (needs_.corrects_pixels()) request.gather.paths = 0;  // they come when edges are there too
   if (!needs_.keeps_light) return request;
   request.kept = from_.kept;
   request.projection.emplace(camera_, settings_.width, settings_.height);
@@ -87,19 +90,20 @@ CentreRequest PictureJob::centre_request(const PictureRows& strip) {
 void PictureJob::prepare_centres(const PictureRows& strip) {
   hits_.reset();
   centres_.reset();
-  if (!needs_.centres || (needs_.radiance && pixels() > kStripPixels)) return;
-  const Timer timer;
-  first_row_ = std::max(0, strip.first - kRowsAround);
-  hits_ =
-      pathtrace::trace_gbuffer_rows(from_.bvh, camera_, settings_.width, settings_.height,
-                                    first_row_, std::min(strip.height, strip.last + kRowsAround));
-  seconds_.primary += timer.seconds();
-  if (needs_.radiance) return;
-  CentreRequest request = centre_request(strip);
   untold_ = int64_t{strip.width} * (strip.last - strip.first);
+  if (!needs_.centres && !needs_.corrects_pixels()) return;
+  if (needs_.radiance && pixels() > kStripPixels) return;
+  const Timer timer;
+  const int around = needs_.centres ? kRowsAround : 0;
+  first_row_ = std::max(0, strip.first - around);
+  hits_ = pathtrace::trace_gbuffer_rows(from_.bvh, camera_, settings_.width, settings_.height,
+                                        first_row_, std::min(strip.height, strip.last + around));
+  seconds_.primary += timer.seconds();
+  if (needs_.radiance || !needs_.centres) return;
+  CentreRequest request = centre_request(strip);
   if (settings_.done) {
-    request.done = [&](int64_t pixels) {        // of the strip, not of the rows around it
-      if (needs_.corrects_pixels) pixels /= 2;  // paths are the other half
+    request.done = [&](int64_t pixels) {          // of the strip, not of the rows around it
+      if (needs_.corrects_pixels()) pixels /= 2;  // paths are the other half
       pixels = std::min(pixels, untold_);
       if (pixels > 0) settings_.done(pixels);
       untold_ -= pixels;
@@ -153,7 +157,7 @@ Frame PictureJob::render_band(const PictureRows& rows, Frame* shown) {
   const PictureBand band(from_.bvh, camera_, rows,
                          {needs_.radiance ? 0 : settings_.antialias, needs_.metal,
                           settings_.output == Output::Irradiance, /*centres_known=*/needs_.table,
-                          /*mean_normal=*/needs_.corrects_pixels},
+                          /*mean_normal=*/needs_.corrects_pixels()},
                          hits_ ? &*hits_ : nullptr, first_row_);
   seconds_.primary += timer.seconds();
   BandLight light;
@@ -186,10 +190,10 @@ void PictureJob::trace_passes(const std::vector<PixelKind>& kinds, PixelPaths* p
     if (kinds[i] == PixelKind::Rough) rough.push_back(static_cast<int64_t>(i));
     if (kinds[i] == PixelKind::Smooth) smooth.push_back(static_cast<int64_t>(i));
   }
-  PicturePace* pace = settings_.gather.pace;
+  PicturePace* pace = needs_.table ? settings_.gather.pace : nullptr;
   if (pace == nullptr) {
-    paths->add(rough, std::max(1, settings_.gather.paths / 2));
-    paths->add(smooth, std::max(1, settings_.gather.paths / 2));
+    paths->add(rough, std::max(1, needs_.correction_paths / 2));
+    paths->add(smooth, std::max(1, needs_.correction_paths / 2));
     return;
   }
   pace->begin_paths(static_cast<int64_t>(rough.size()), static_cast<int64_t>(smooth.size()));
@@ -283,15 +287,15 @@ Frame PictureJob::render() {
     Frame corrected;  // all layers of the strip
     for (int row = first; row < last; row += band_rows) {
       const PictureRows rows{width, height, row, std::min(row + band_rows, last)};
-      const bool layers = settings_.layers || needs_.corrects_pixels;
+      const bool layers = settings_.layers || needs_.corrects_pixels();
       const Frame band = render_band(rows, layers ? nullptr : &frame);
-      if (needs_.corrects_pixels) {
+      if (needs_.corrects_pixels()) {
         put_band(band, row - first, /*layers=*/true, last - first, &corrected);
       } else {
         put_band(band, row, settings_.layers, height, &frame);
       }
     }
-    if (!needs_.corrects_pixels) continue;
+    if (!needs_.corrects_pixels()) continue;
     correct(strip, &corrected);
     put_band(corrected, first, settings_.layers, height, &frame);
   }

@@ -63,8 +63,8 @@ double picture_mb(const RenderSettings& settings) {
   // The last band is gone when the picture is written.
   const double bands = (pixels * frame + std::max(pixels * writing, band * work)) / kMib;
   const PictureNeeds needs = needs_of(settings, /*has_light=*/true, /*total=*/false);
-  if (!needs.centres) return bands;
-  const bool corrects_points = settings.gather.paths > 0 && !needs.corrects_pixels;
+  if (!needs.centres && !needs.corrects_pixels()) return bands;
+  const bool corrects_points = settings.gather.paths > 0 && !needs.corrects_pixels();
   const double gather = !needs.table      ? 0
                         : corrects_points ? kGatherBytes + kCorrectionBytes
                                           : kGatherBytes;
@@ -74,7 +74,7 @@ double picture_mb(const RenderSettings& settings) {
   const double centres = strip * (kCentreBytes + gather) / kMib +
                          std::min(kMostOidnMib, strip / (step * step) * kOidnBytes / kMib) + before;
   const double corrected =
-      needs.corrects_pixels ? strip * (kCorrectionBytes + kStripLayerBytes) / kMib + before : 0;
+      needs.corrects_pixels() ? strip * (kCorrectionBytes + kStripLayerBytes) / kMib + before : 0;
   const double hits = std::min(pixels, kStrip) * kHitBytes / kMib;
   const double kept = needs.table && settings.keep_light ? kKeptMib : 0;
   return std::max({bands + strip * kKeptBytes / kMib, centres, corrected}) + hits + kept;

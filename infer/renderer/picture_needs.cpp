@@ -13,6 +13,13 @@ Metal metal_of(const RenderSettings& settings, bool has_light) {
   return settings.output == Output::Full ? Metal::Diffuse : Metal::Trace;
 }
 
+/// None of a total model's pictures, which have no layer of indirect light.
+int correction_paths(const RenderSettings& settings, const PictureNeeds& needs, bool total) {
+  if (settings.output != Output::Full) return 0;
+  if (needs.table) return settings.gather.paths;
+  return needs.network && !total ? settings.correction_paths : 0;
+}
+
 bool samples_centres(const RenderSettings& settings, const PictureNeeds& needs) {
   const bool reference = settings.mode == Mode::Reference;
   if (!needs.light || (!reference && !needs.direct && !needs.table)) return false;
@@ -23,7 +30,7 @@ bool samples_centres(const RenderSettings& settings, const PictureNeeds& needs) 
 /// All rows where nothing is sampled before the bands, and for a reference that is denoised when
 /// it is whole.
 int strip_rows(const RenderSettings& settings, const PictureNeeds& needs) {
-  if (needs.radiance || !needs.centres) return settings.height;
+  if (needs.radiance || (!needs.centres && !needs.corrects_pixels())) return settings.height;
   const int64_t rows = kStripPixels / settings.width / kBandRows * kBandRows;
   return static_cast<int>(std::clamp<int64_t>(rows, kBandRows, settings.height));
 }
@@ -50,7 +57,7 @@ PictureNeeds needs_of(const RenderSettings& settings, bool has_light, bool total
   needs.gathers_direct =
       needs.table && needs.direct && settings.gather.direct && !settings.adaptive_direct;
   needs.keeps_light = needs.table && settings.keep_light && settings.gather.step > 1;
-  needs.corrects_pixels = needs.table && full && settings.gather.paths > 0;
+  needs.correction_paths = correction_paths(settings, needs, total);
   needs.radiance = !neural && full;
   needs.denoises_sampled = denoises_sampled(settings);
   needs.denoises_gathered = settings.denoise != Denoise::Off;

@@ -15,8 +15,9 @@ struct PictureNeeds {
   /// Direct light is sampled where indirect light is gathered.
   bool gathers_direct = false;
   bool keeps_light = false;  ///< pictures share what is gathered
-  /// Paths through whole pixels correct what is gathered.
-  bool corrects_pixels = false;
+  /// Paths through each whole pixel that correct what is gathered or what the network answers.
+  int correction_paths = 0;
+  bool corrects_pixels() const { return correction_paths > 0; }
   bool radiance = false;  ///< a reference whose paths find whole pixels
   /// The light of centres is sampled at once, before the bands: where it is gathered, rays are
   /// shared out or noise is taken away.

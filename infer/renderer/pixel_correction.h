@@ -1,6 +1,6 @@
-// A gathered picture corrected by paths through whole pixels, as the reference spreads them: what
-// edges, textures, shadows and the table of light have lost comes back, so that with more paths the
-// picture tends to the reference.
+// A picture of gathered light or by the network corrected by paths through whole pixels, as the
+// reference spreads them: what edges, textures, shadows and the answers have lost comes back, so
+// that with more paths the picture tends to the reference.
 #pragma once
 
 #include <array>

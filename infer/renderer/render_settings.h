@@ -41,6 +41,9 @@ struct RenderSettings {
   /// make_table() have found is taken where this one shows the same surfaces, and what it finds is
   /// kept (kept_views.h). So a picture depends on those before it.
   bool keep_light = false;
+  /// Of Indirect::Network, for full pictures by a model of indirect light: paths through each whole
+  /// pixel that correct the picture (pixel_correction.h); an even number, 0 for none.
+  int correction_paths = 0;
   int direct_samples = 64;  ///< shadow rays a pixel
   /// Share them out over pixels, more where penumbrae are: direct_samples is their mean.
   bool adaptive_direct = false;

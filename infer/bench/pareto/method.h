@@ -73,6 +73,8 @@ Method network_everywhere(int direct_samples);
 /// `--quality draft` has it.
 Method network_sparsely(int direct_samples);
 Method network_draft();
+/// lte_render --indirect network --correction-paths.
+Method network_corrected(int paths);
 /// Denoised path tracing of one pixel in step², upsampled as sparse answers are.
 Method reduced_paths(int step, int paths);
 /// The same pipeline without the network: light estimates at as many scene points, of as many paths

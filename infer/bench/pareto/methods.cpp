@@ -26,6 +26,7 @@ std::vector<Method> all_methods() {
   out.push_back(gathered_from_network(16));
   out.push_back(gathered_final());
   out.push_back(gathered_final(64));
+  for (const int paths : {8, 64}) out.push_back(network_corrected(paths));
   for (const double seconds : {0.5, 1.0, 2.0, 5.0, 10.0, 30.0}) out.push_back(time_budget(seconds));
   return out;
 }

@@ -69,7 +69,8 @@ Method network_method(const std::string& name, const std::string& family, const 
       (*view)["primary"] += seconds.primary;
       (*view)["decode"] += seconds.decode;
       (*view)[kDirect] += seconds.direct;
-      (*view)["metal"] += seconds.reference;
+      (*view)["paths"] += seconds.reference;  // of metal and of corrections
+      (*view)["denoise"] += seconds.denoise;
       return picture;
     };
   };
@@ -84,6 +85,16 @@ Method network_everywhere(int direct_samples) {
   settings.direct_samples = direct_samples;
   return network_method("network-" + count, "network",
                         "every pixel decoded, " + count + " shadow rays a pixel", settings);
+}
+
+Method network_corrected(int paths) {
+  const std::string count = std::to_string(paths);
+  RenderSettings settings;
+  settings.denoise = Denoise::Auto;
+  settings.correction_paths = paths;
+  return network_method(
+      "network-final-" + count, "network-final",
+      "every pixel decoded, 64 shadow rays and " + count + " correcting paths a pixel", settings);
 }
 
 Method network_sparsely(int direct_samples) {

@@ -176,6 +176,9 @@ TEST(GatherFlags, WhoAnswersFollowsWhatWasAskedFor) {
   EXPECT_EQ(by("--time-budget 1s"), Indirect::Gather);
   EXPECT_EQ(by("--quality draft --checkpoint a"), Indirect::Network);
   EXPECT_EQ(by("--gather-rays 4 --checkpoint a"), Indirect::Gather);
+  EXPECT_EQ(by("--correction-paths 8"), Indirect::Gather);
+  EXPECT_EQ(by("--correction-paths 8 --checkpoint a"), Indirect::Network);
+  EXPECT_EQ(by("--indirect network --correction-paths 8"), Indirect::Network);
   EXPECT_EQ(by("--indirect paths --quality draft"), Indirect::Paths);
   EXPECT_EQ(by("--indirect network --time-budget 1s"), Indirect::Network);
   EXPECT_EQ(Parsed("--quality draft", false).flags.by, Indirect::Network);
@@ -192,6 +195,8 @@ TEST(GatherFlags, ContradictionsAreRefusedInOneLine) {
   refuse("--indirect paths --table network", true, "--table goes with --indirect gather");
   refuse("--indirect network --table-points 100", true, "--table-points goes with");
   refuse("--correction-paths 3", true, "--correction-paths 3: expected an even number");
+  refuse("--correction-paths 8", false, "--correction-paths needs --mode neural");
+  refuse("--indirect paths --correction-paths 8", true, "gather or network, not with");
   refuse("--gather-rays 4", false, "--gather-rays needs --mode neural");
   refuse("--indirect gather", false, "--indirect gather needs --mode neural");
 }

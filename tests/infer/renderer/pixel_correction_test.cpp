@@ -3,11 +3,13 @@
 #include "infer/renderer/pixel_correction.h"
 
 #include <cmath>
+#include <functional>
 
 #include <gtest/gtest.h>
 
 #include "infer/renderer/pixel_paths.h"
 #include "infer/renderer/renderer.h"
+#include "tests/infer/fixture.h"
 #include "tests/support/closed_forms.h"
 #include "tests/support/scenes.h"
 
@@ -94,24 +96,20 @@ TEST(PixelCorrection, AWrongPictureOfAFurnaceFallsToItsClosedForm) {
   EXPECT_LT(std::sqrt(before), 0.03);
 }
 
-TEST(PixelCorrection, APictureOfARoomTendsToTheReference) {
-  const scene::Scene scene = test::furnished_room();
-  Renderer renderer(scene);
-  TableSettings poor;  // whose answers are wrong
-  poor.entries = 64;
-  poor.paths = 2;
-  renderer.make_table(poor);
-  constexpr int kWidth = 48, kHeight = 36;
-  RenderSettings reference = gathered(kWidth, kHeight, 0);
+/// @param settings  of so many correcting paths, whose answers are wrong
+void expect_it_tends_to_the_reference(Renderer& renderer,
+                                      const std::function<RenderSettings(int paths)>& settings) {
+  RenderSettings reference = settings(0);
   reference.mode = Mode::Reference;
+  reference.denoise = Denoise::Off;
   reference.spp = 1024;
   reference.seed = 77;
   const Image wanted = renderer.render(into_the_room(), reference).color;
   const double uncorrected =
-      relative_mse(renderer.render(into_the_room(), gathered(kWidth, kHeight, 0)).color, wanted);
+      relative_mse(renderer.render(into_the_room(), settings(0)).color, wanted);
   double before = uncorrected;
   for (const int count : {8, 64, 512}) {
-    const Frame frame = renderer.render(into_the_room(), gathered(kWidth, kHeight, count));
+    const Frame frame = renderer.render(into_the_room(), settings(count));
     EXPECT_DOUBLE_EQ(frame.correction_paths, count);
     reference.spp = count;
     reference.seed = 78;
@@ -122,6 +120,34 @@ TEST(PixelCorrection, APictureOfARoomTendsToTheReference) {
     before = now;
   }
   EXPECT_LT(before, 0.25 * uncorrected);
+}
+
+TEST(PixelCorrection, APictureOfARoomTendsToTheReference) {
+  const scene::Scene scene = test::furnished_room();
+  Renderer renderer(scene);
+  TableSettings poor;
+  poor.entries = 64;
+  poor.paths = 2;
+  renderer.make_table(poor);
+  expect_it_tends_to_the_reference(renderer, [](int paths) { return gathered(48, 36, paths); });
+}
+
+TEST(PixelCorrection, SoDoesThatOfANetworkWithoutTraining) {
+  const scene::Scene scene = test::furnished_room();
+  Renderer renderer(scene);
+  const test::TempDir folder;
+  test::save_tiny_model(folder / "tiny.safetensors");
+  renderer.embed(runtime::Network(folder / "tiny.safetensors"), {});
+  for (const Denoise denoise : {Denoise::Auto, Denoise::On}) {  // direct light with noise, without
+    expect_it_tends_to_the_reference(renderer, [denoise](int paths) {
+      RenderSettings out;
+      out.width = 48;
+      out.height = 36;
+      out.denoise = denoise;
+      out.correction_paths = paths;
+      return out;
+    });
+  }
 }
 
 TEST(PixelCorrection, LayersStillAddUpToThePicture) {
