@@ -24,19 +24,15 @@ constexpr SharesOfModel kRadiosity = {.one_draw = {.mean = 0.014,
                                                         .cache = 0.097,
                                                         .direct = 0.013}};
 /// lte-hybrid.
-constexpr SharesOfModel kTraced = {.one_draw = {.mean = 0.016,
-                                                .answer = 0.021,
-                                                .near = 0.23,
-                                                .change = 0.63,
-                                                .cache = 0.29,
-                                                .direct = 0.012},
-                                   .several_draws = {.draws = 0.94,
-                                                     .mean = 0.012,
-                                                     .answer = 0.011,
-                                                     .near = 0.18,
-                                                     .change = 0.4,
-                                                     .cache = 0.33,
-                                                     .direct = 0.009}};
+constexpr SharesOfModel kTraced = {
+    .one_draw = {.mean = 0.014,
+                 .answer = 0.018,
+                 .near = 0.23,
+                 .change = 0.65,
+                 .cache = 0.24,
+                 .direct = 0.012},
+    .several_draws = {
+        .draws = 1, .mean = 0.01, .answer = 0.0094, .near = 0.18, .change = 0.4, .cache = 0.29}};
 /// lte-demo.
 constexpr SharesOfModel kEmission = {
     .one_draw = {.answer = 0.19, .near = 0.73, .change = 4.7, .direct = 0.12},

@@ -216,6 +216,7 @@ int64_t scene_points(const RenderRequest& request, const runtime::Network& netwo
 std::vector<int> unreached_light(const RenderRequest& request, const std::vector<View>& views,
                                  const Renderer& renderer) {
   std::vector<scene::Camera> cameras;
+  cameras.reserve(views.size());
   for (const View& view : views) cameras.push_back(view.camera);
   std::vector<int> groups = unreached_groups(renderer.bvh(), cameras, request.seed);
   if (!groups.empty()) {
