@@ -28,14 +28,6 @@ c10::Device device_of(const BenchOptions& options) {
                                  : nn::choose_device(options.device, 0, "--device");
 }
 
-nn::PointSet room_on(c10::Device device, int64_t count, uint64_t seed) {
-  nn::PointSet room = synthetic_room(count, seed);
-  for (at::Tensor* t : room.tensors()) {
-    if (t->defined()) *t = t->to(device);
-  }
-  return room;
-}
-
 nn::LightTransportModel untrained_model(c10::Device device, int64_t channels,
                                         nn::Precision precision, nn::ModelConfig config = {}) {
   config.channels = channels;
@@ -59,9 +51,9 @@ std::vector<BenchResult> bench_ops(const BenchOptions& options) {
   };
   const int64_t M = options.scene_points, m = std::max<int64_t>(1, M / 4), Q = options.queries,
                 D = options.channels;
-  const at::Tensor points = room_on(device, M, 1).position;
+  const at::Tensor points = synthetic_room(M, 1).to(device).position;
   const at::Tensor latents = points.slice(0, 0, m).contiguous();
-  const at::Tensor queries = room_on(device, Q, 2).position;
+  const at::Tensor queries = synthetic_room(Q, 2).to(device).position;
   const at::Tensor cells = cells_of(latents, 0.15);
 
   run("farthest_point_sampling M -> M/2", M, [&] { ops::farthest_point_sampling(points, M / 2); });
@@ -103,7 +95,7 @@ void add_network_figures(BenchResult& result, const BenchOptions& options, c10::
 
 BenchResult time_encoder(const BenchOptions& options, c10::Device device,
                          nn::LightTransportModel& model, nn::Precision precision) {
-  const nn::PointSet points = room_on(device, options.scene_points, 1);
+  const nn::PointSet points = synthetic_room(options.scene_points, 1).to(device);
   reset_peak_rss();
   const double before_mb = current_rss_mb();
   BenchResult result = time_repeats("encode", options.scene_points, options.repeats, device,
@@ -120,8 +112,8 @@ BenchResult time_encoder(const BenchOptions& options, c10::Device device,
 
 BenchResult time_decoder(const BenchOptions& options, c10::Device device,
                          nn::LightTransportModel& model, nn::Precision precision) {
-  const nn::Embedding embedding = model->encode(room_on(device, options.scene_points, 1));
-  const nn::PointSet surface = room_on(device, options.queries, 2);
+  const nn::Embedding embedding = model->encode(synthetic_room(options.scene_points, 1).to(device));
+  const nn::PointSet surface = synthetic_room(options.queries, 2).to(device);
   const nn::QuerySet queries{surface.position, surface.normal, surface.albedo};
   const int64_t block =
       MemoryLimit(options.max_memory_mb).query_block(model->config(), options.queries, kQueryBlock);
@@ -161,7 +153,7 @@ at::Tensor fan(const nn::QuerySet& queries, int64_t count) {
 BenchResult time_radiance(const BenchOptions& options, c10::Device device,
                           nn::LightTransportModel& model, const nn::Embedding& embedding,
                           const char* name, int64_t directions) {
-  const nn::PointSet surface = room_on(device, options.queries, 2);
+  const nn::PointSet surface = synthetic_room(options.queries, 2).to(device);
   const nn::QuerySet queries{surface.position, surface.normal, surface.albedo};
   const at::Tensor ways = fan(queries, directions);
   const int64_t block =
@@ -198,7 +190,8 @@ std::vector<BenchResult> bench_radiance(const BenchOptions& options) {
     config.radiance_base = kind.base;
     nn::LightTransportModel model = untrained_model(device, options.channels, precision, config);
     MemoryLimit(options.max_memory_mb).check_encoding(model->config(), options.scene_points);
-    const nn::Embedding embedding = model->encode(room_on(device, options.scene_points, 1));
+    const nn::Embedding embedding =
+        model->encode(synthetic_room(options.scene_points, 1).to(device));
     results.push_back(time_radiance(options, device, model, embedding, kind.name, 1));
     results.push_back(time_radiance(options, device, model, embedding, kind.name, 1 + kind.more));
     const double first = results[results.size() - 2].seconds_min;

@@ -128,6 +128,18 @@ void check_directions(const QuerySet& queries, const at::Tensor& directions) {
   refuse((cosine >= -kTolerance).logical_not(), "points into the surface");
 }
 
+PointSet PointSet::to(c10::Device device) const {
+  PointSet out = *this;
+  for (at::Tensor* t : out.tensors()) {
+    if (t->defined()) *t = t->to(device);
+  }
+  return out;
+}
+
+QuerySet QuerySet::to(c10::Device device) const {
+  return {position.to(device), normal.to(device), albedo.to(device)};
+}
+
 at::Tensor emission_scale(const PointSet& points) {
   const at::Tensor emission = points.emission.to(at::kDouble);
   const at::Tensor area = points.area.to(at::kDouble);

@@ -36,6 +36,8 @@ struct PointSet {
     return {&position, &normal,      &albedo,        &emission,       &area, &direct,
             &indirect, &direct_back, &indirect_back, &indirect_error, &gloss};
   }
+  /// The same on a device; what is there already is shared.
+  PointSet to(c10::Device device) const;
 };
 
 /// Query points in world space.
@@ -43,6 +45,9 @@ struct QuerySet {
   at::Tensor position;  ///< [Q, 3] metres
   at::Tensor normal;    ///< [Q, 3] unit, towards the side asked about
   at::Tensor albedo;    ///< [Q, 3]
+
+  /// The same on a device; what is there already is shared.
+  QuerySet to(c10::Device device) const;
 };
 
 /// @throws c10::Error naming the first row that is not finite or out of range (docs/model.md), or

@@ -29,17 +29,6 @@ c10::Stream current_stream(c10::Device device) {
   return c10::impl::VirtualGuardImpl(device.type()).getStream(device);
 }
 
-nn::PointSet on_device(nn::PointSet points, c10::Device device) {
-  for (at::Tensor* t : points.tensors()) {
-    if (t->defined()) *t = t->to(device);
-  }
-  return points;
-}
-
-nn::QuerySet on_device(const nn::QuerySet& queries, c10::Device device) {
-  return {queries.position.to(device), queries.normal.to(device), queries.albedo.to(device)};
-}
-
 /// Where the network sees the scene. Positions that are not finite are left to encode(), which
 /// names the row.
 nn::Frame frame_of(const Network& network, const at::Tensor& position,
@@ -139,7 +128,7 @@ SceneEmbedding SceneEmbedding::from_tensors(const Network& network, const nn::Po
   const at::NoGradGuard no_grad;
   const c10::Device device = network.device();
   const c10::DeviceGuard guard(device);
-  const nn::PointSet set = on_device(with_solved_light(points, network.config()), device);
+  const nn::PointSet set = with_solved_light(points, network.config()).to(device);
   const nn::Frame frame = frame_of(network, set.position, options);
   auto state = std::make_unique<State>(network, options.memory);
   state->scene_points = set.position.size(0);
@@ -215,7 +204,7 @@ at::Tensor SceneEmbedding::decode_tensors(const nn::QuerySet& queries,
   const at::NoGradGuard no_grad;
   const c10::Device device = network().device();
   const c10::DeviceGuard guard(device);
-  return network().model()->decode(snapshot(), on_device(queries, device), options);
+  return network().model()->decode(snapshot(), queries.to(device), options);
 }
 
 at::Tensor SceneEmbedding::decode_radiance_tensors(const nn::QuerySet& queries,
@@ -224,8 +213,8 @@ at::Tensor SceneEmbedding::decode_radiance_tensors(const nn::QuerySet& queries,
   const at::NoGradGuard no_grad;
   const c10::Device device = network().device();
   const c10::DeviceGuard guard(device);
-  return network().model()->decode_radiance(snapshot(), on_device(queries, device),
-                                            directions.to(device), options);
+  return network().model()->decode_radiance(snapshot(), queries.to(device), directions.to(device),
+                                            options);
 }
 
 std::vector<Rgb> SceneEmbedding::decode_radiance(const QueryPoints& queries,

@@ -21,17 +21,6 @@ namespace {
 
 constexpr int64_t kPoints = 300, kQueries = 90, kEach = 4;
 
-nn::PointSet to(at::Device device, nn::PointSet points) {
-  for (at::Tensor* t : points.tensors()) {
-    if (t->defined()) *t = t->to(device);
-  }
-  return points;
-}
-
-nn::QuerySet to(at::Device device, const nn::QuerySet& queries) {
-  return {queries.position.to(device), queries.normal.to(device), queries.albedo.to(device)};
-}
-
 c10::impl::VirtualGuardImpl cuda() { return c10::impl::VirtualGuardImpl(c10::kCUDA); }
 
 class CApiCuda : public testing::Test {
@@ -65,8 +54,8 @@ class CApiCuda : public testing::Test {
     at::manual_seed(7);
     const at::Tensor way = queries_.normal.unsqueeze(1) + 0.5 * at::rand({kQueries, kEach, 3});
     directions_ = way.div(way.norm(2, {2}, true)).contiguous();
-    device_points_ = to(at::kCUDA, points_);
-    device_queries_ = to(at::kCUDA, queries_);
+    device_points_ = points_.to(at::kCUDA);
+    device_queries_ = queries_.to(at::kCUDA);
     device_directions_ = directions_.to(at::kCUDA);
     const test::Embedding embedding(on_cpu_, scene(points_));
     right_ = test::decode(embedding.handle, test::c_queries(queries_));

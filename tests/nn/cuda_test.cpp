@@ -41,17 +41,6 @@ std::vector<Network> networks() {
   return all;
 }
 
-PointSet on(at::Device device, PointSet points) {
-  for (at::Tensor* t : points.tensors()) {
-    if (t->defined()) *t = t->to(device);
-  }
-  return points;
-}
-
-QuerySet on(at::Device device, const QuerySet& queries) {
-  return {queries.position.to(device), queries.normal.to(device), queries.albedo.to(device)};
-}
-
 class NetworkOnCuda : public testing::TestWithParam<Network> {
  protected:
   void SetUp() override {
@@ -83,8 +72,8 @@ class NetworkOnCuda : public testing::TestWithParam<Network> {
   static at::Tensor answers(at::Device device) {
     const at::NoGradGuard no_grad;
     LightTransportModel model = model_on(device);
-    const Embedding embedding = model->encode(on(device, points()));
-    const QuerySet queries = on(device, test::box_queries(kQueries, 2));
+    const Embedding embedding = model->encode(points().to(device));
+    const QuerySet queries = test::box_queries(kQueries, 2).to(device);
     at::Tensor all = model->decode(embedding, queries).cpu();
     if (GetParam().config.radiance_lobes > 0) {
       const at::Tensor radiance =
@@ -102,8 +91,8 @@ class NetworkOnCuda : public testing::TestWithParam<Network> {
   static Gradients gradients(at::Device device) {
     LightTransportModel model = model_on(device);
     model->train();
-    const SceneBatch batch = model->encode_batch({on(device, points())}, {3});
-    const std::vector<QuerySet> queries = {on(device, test::box_queries(kQueries, 2))};
+    const SceneBatch batch = model->encode_batch({points().to(device)}, {3});
+    const std::vector<QuerySet> queries = {test::box_queries(kQueries, 2).to(device)};
     const at::Tensor answer = model->decode_normalized(batch, queries).at(0);
     at::manual_seed(5);
     const at::Tensor target = at::rand({kQueries, 3}).to(device);
