@@ -22,13 +22,20 @@ scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t cou
   sampler.seed = seed;
   sampler.emissive_share = kEmissiveShare;
   if (!prune) return scene::sample_surface(bvh.scene(), count, sampler);
-  const pathtrace::ReachOptions reach{pathtrace::ReachOptions().max_depth, seed, without};
   pathtrace::PruneCounts ignored;
-  scene::SurfaceSamples samples =
-      pathtrace::sample_reached_surface(bvh, count, sampler, pathtrace::Sides::Either, reach,
-                                        recall, counts != nullptr ? counts : &ignored);
-  if (!without.empty())
-    keep_points([&](int group) { return std::ranges::count(without, group) == 0; }, &samples);
+  const auto reached_without = [&](const std::vector<int>& groups) {
+    const pathtrace::ReachOptions reach{pathtrace::ReachOptions().max_depth, seed, groups};
+    return pathtrace::sample_reached_surface(bvh, count, sampler, pathtrace::Sides::Either, reach,
+                                             recall, counts != nullptr ? counts : &ignored);
+  };
+  scene::SurfaceSamples samples = reached_without(without);
+  if (without.empty()) return samples;
+  const auto told = [&](int group) { return std::ranges::count(without, group) == 0; };
+  keep_points(told, &samples);
+  if (samples.position.empty()) {  // no light is left: of any surfaces the answer is darkness
+    samples = reached_without({});
+    keep_points(told, &samples);
+  }
   return samples;
 }
 

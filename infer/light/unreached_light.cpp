@@ -14,7 +14,9 @@ namespace {
 
 constexpr int kWidth = 24, kHeight = 18;  ///< places of one camera
 constexpr size_t kMostCameras = 24;       ///< of a turntable say, evenly spread
-constexpr int kPaths = 64;                ///< from a place
+constexpr int kPaths = 64;                ///< from a place that a camera sees
+constexpr int64_t kAllPaths = int64_t{kPaths} * kWidth * kHeight;
+constexpr int64_t kLeastPaths = 4;  ///< from a place, however many there are
 constexpr int kNoRoulette = 1 << 20;
 
 struct Places {
@@ -38,21 +40,19 @@ Places seen_places(const pathtrace::Bvh& bvh, std::span<const scene::Camera> cam
   return places;
 }
 
-}  // namespace
-
-std::vector<int> unreached_groups(const pathtrace::Bvh& bvh, std::span<const scene::Camera> cameras,
-                                  uint64_t seed) {
+/// @param paths  from each place
+std::vector<int> unreached_by(const pathtrace::Bvh& bvh, std::span<const Vec3> position,
+                              std::span<const Vec3> normal, int64_t paths, uint64_t seed) {
   const pathtrace::Lights lights(bvh.scene(), pathtrace::LightChoice::EachGroup);
-  const Places places = seen_places(bvh, cameras);
   std::vector<int> unreached;
-  if (lights.empty() || places.position.empty()) return unreached;
+  if (lights.empty() || position.empty()) return unreached;
   pathtrace::IrradianceOptions options;
-  options.rays = kPaths;
+  options.rays = paths;
   options.seed = seed;
   options.roulette_depth = kNoRoulette;
   options.variance = false;
   const pathtrace::Irradiance found =
-      pathtrace::estimate_irradiance(bvh, lights, places.position, places.normal, options);
+      pathtrace::estimate_irradiance(bvh, lights, position, normal, options);
   for (int64_t group = 0; group < found.groups; ++group) {
     const auto arrives = [&](const std::vector<Rgb>& light) {
       const auto first = light.begin() + group * found.points;
@@ -65,11 +65,33 @@ std::vector<int> unreached_groups(const pathtrace::Bvh& bvh, std::span<const sce
   return unreached;
 }
 
-std::string names_of(const scene::Scene& scene, std::span<const int> groups) {
-  std::string text;
-  for (const int group : groups)
-    text += concat(text.empty() ? "" : ", ", scene.light_groups[static_cast<size_t>(group)]);
-  return text;
+}  // namespace
+
+std::vector<int> unreached_groups(const pathtrace::Bvh& bvh, std::span<const Vec3> position,
+                                  std::span<const Vec3> normal, uint64_t seed) {
+  const auto places = static_cast<int64_t>(std::max<size_t>(position.size(), 1));
+  return unreached_by(bvh, position, normal, std::max(kLeastPaths, kAllPaths / places), seed);
+}
+
+std::vector<int> unreached_groups(const pathtrace::Bvh& bvh, std::span<const scene::Camera> cameras,
+                                  uint64_t seed) {
+  const Places seen = seen_places(bvh, cameras);
+  return unreached_by(bvh, seen.position, seen.normal, kPaths, seed);
+}
+
+std::vector<std::string> names_of(const scene::Scene& scene, std::span<const int> groups) {
+  std::vector<std::string> names;
+  for (const int group : groups) names.push_back(scene.light_groups[static_cast<size_t>(group)]);
+  return names;
+}
+
+std::string left_out_note(const scene::Scene& scene, std::span<const int> groups,
+                          std::string_view what) {
+  std::string names;
+  for (const std::string& name : names_of(scene, groups))
+    names += concat(names.empty() ? "" : ", ", name);
+  return concat("the network is not told of light that does not reach ", what, " (", names,
+                "); --prune off tells it of all");
 }
 
 void keep_points(const std::function<bool(int group)>& keeps, scene::SurfaceSamples* samples) {

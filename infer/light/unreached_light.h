@@ -1,11 +1,13 @@
-// Luminaires that bring no light to what is seen: the sky outside a closed room, the lamps of the
-// flat next door. Light is linear, so a network that is not told of them answers the same question,
-// and a thousandth of a bright sky that it would let through a wall is no longer there.
+// Luminaires that bring no light to what is asked about: the sky outside a closed room, the lamps
+// of the flat next door. Light is linear, so a network that is not told of them answers the same
+// question, and a thousandth of a bright sky that it would let through a wall is no longer there.
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "lte/pathtrace/bvh.h"
@@ -15,15 +17,25 @@
 
 namespace lte::infer {
 
-/// The light groups of which nothing arrives at the surfaces that cameras see, by 64 paths of five
-/// hits from each of some 400 places, with a light sample at every hit that draws all groups alike.
-/// What one path in 30,000 would find may be missed: it then counts as none.
-/// @return  in order; empty where no surface is seen
+/// The light groups of which nothing arrives at places on surfaces, by some 28,000 paths of five
+/// hits in all and four from each place at least, with a light sample at every hit that draws all
+/// groups alike. What one path in 30,000 would find may be missed: it then counts as none.
+/// @param position, normal  of the places; normals unit, towards the side that is asked about
+/// @return  in order; empty without places
+std::vector<int> unreached_groups(const pathtrace::Bvh& bvh, std::span<const Vec3> position,
+                                  std::span<const Vec3> normal, uint64_t seed);
+
+/// The same of some 400 places that cameras see, 64 paths from each; empty where no surface is
+/// seen.
 std::vector<int> unreached_groups(const pathtrace::Bvh& bvh, std::span<const scene::Camera> cameras,
                                   uint64_t seed);
 
-/// The names of light groups for a line to people: "the environment, lamp".
-std::string names_of(const scene::Scene& scene, std::span<const int> groups);
+/// The names of light groups, for a report.
+std::vector<std::string> names_of(const scene::Scene& scene, std::span<const int> groups);
+
+/// A line to people: that the network is not told of light that does not reach `what`, and which.
+std::string left_out_note(const scene::Scene& scene, std::span<const int> groups,
+                          std::string_view what);
 
 /// Keeps the points whose light group (kNone for those of surfaces) `keeps` is for.
 void keep_points(const std::function<bool(int group)>& keeps, scene::SurfaceSamples* samples);

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "infer/light/unreached_light.h"
 #include "infer/light/untrained_light.h"
 #include "infer/probe/neural_probe.h"
 #include "infer/renderer/renderer.h"
@@ -34,6 +35,7 @@ struct Answer {
   std::vector<double> expected_error;
   std::vector<ErrorTerms> error_terms;  ///< of the network, if they are asked for
   int64_t off_surface = 0;
+  std::vector<std::string> left_out;  ///< names of lights that the network was not told of
 };
 
 void check_usage(const ProbeRequest& request) {
@@ -73,6 +75,15 @@ pathtrace::ProbeResult trace(const ProbeRequest& request, const Renderer& render
   return pathtrace::probe(renderer.bvh(), renderer.lights(), points, options);
 }
 
+/// The light groups that bring no light to the points.
+std::vector<int> unreached_light(const ProbeRequest& request, const scene::PointTable& points,
+                                 const Renderer& renderer) {
+  std::vector<int> groups =
+      unreached_groups(renderer.bvh(), points.position, points.normal, request.seed);
+  if (!groups.empty()) log_info(left_out_note(renderer.bvh().scene(), groups, "the points"));
+  return groups;
+}
+
 /// The network's answers by as many embeddings as --draws says; by one that is read from a file,
 /// that alone.
 Draws ask(const ProbeRequest& request, const runtime::Network& network,
@@ -81,6 +92,8 @@ Draws ask(const ProbeRequest& request, const runtime::Network& network,
                                           runtime::MemoryLimit(request.tool.max_memory_mb));
   const int count = request.embedding.load.empty() ? request.embedding.draws : 1;
   settings.draws = 1;  // one after the other, as their spread tells too
+  if (settings.prunes(network) && !request.embedding.has_file())  // a file's is for any points
+    settings.unreached = unreached_light(request, points, *renderer);
   Draws draws;
   for (int i = 0; i < count; ++i, ++settings.seed) {
     if (i == 0) {
@@ -97,7 +110,11 @@ Answer ask_network(const ProbeRequest& request, const runtime::Network& network,
                    const scene::PointTable& points, Renderer* renderer) {
   const PointAlbedo surface = albedo_at(renderer->bvh(), points);
   const Draws draws = ask(request, network, points, surface.albedo, renderer);
-  Answer answer{trace(request, *renderer, points), {}, {}, surface.off_surface};
+  Answer answer{trace(request, *renderer, points),
+                {},
+                {},
+                surface.off_surface,
+                names_of(renderer->bvh().scene(), renderer->left_out())};
   const std::vector<Rgb> mean = draws.mean();
   const std::vector<ErrorTerms> terms =
       draws.error_terms(nearness_at(renderer->bvh(), points, latent_spacing(renderer->embedding())),
@@ -120,7 +137,7 @@ Answer ask_network(const ProbeRequest& request, const runtime::Network& network,
 
 Answer ask_paths(const ProbeRequest& request, const Renderer& renderer,
                  const scene::PointTable& points) {
-  Answer answer{trace(request, renderer, points), {}, {}, 0};
+  Answer answer{trace(request, renderer, points), {}, {}, 0, {}};
   for (const Rgb& error : answer.light.standard_error) answer.expected_error.push_back(rms(error));
   return answer;
 }
@@ -131,7 +148,8 @@ Answer darkness(const ProbeRequest& request, const scene::PointTable& points) {
   return {{black, black, black, std::vector<int64_t>(points.size()), 0},
           std::vector<double>(points.size()),
           std::vector<ErrorTerms>(request.error_terms ? points.size() : 0),
-          0};
+          0,
+          {}};
 }
 
 scene::PointColumns columns_of(const Answer& answer) {
@@ -168,6 +186,7 @@ void write(const ProbeRequest& request, const scene::PointTable& points, const A
                                {"points", points.size()},
                                {"off_surface", answer.off_surface},
                                {"above_target", answer.light.missed},
+                               {"left_out_lights", answer.left_out},
                                {"seconds", seconds}};
   write_file(request.tool.common.json, json.dump(2) + "\n");
 }

@@ -104,14 +104,6 @@ nlohmann::json picture_json(const RenderRequest& request, const View& view, cons
           {"traced_pixels", frame.traced_pixels}};
 }
 
-/// The names of the light groups that the network was not told of.
-nlohmann::json left_out_lights(const Renderer& renderer) {
-  nlohmann::json names = nlohmann::json::array();
-  for (const int group : renderer.left_out())
-    names.push_back(renderer.bvh().scene().light_groups[static_cast<size_t>(group)]);
-  return names;
-}
-
 /// The keys of one picture stand beside those of the run; several are a list of their own.
 nlohmann::json to_json(const RenderRequest& request, const Renderer& renderer,
                        const nlohmann::json& pictures, const StageSeconds& s, double total) {
@@ -122,7 +114,7 @@ nlohmann::json to_json(const RenderRequest& request, const Renderer& renderer,
                          {"precision", request.tool.precision},
                          {"size", {width, height}},
                          {"pruned_scene_points", renderer.pruned_points().pruned},
-                         {"left_out_lights", left_out_lights(renderer)},
+                         {"left_out_lights", names_of(renderer.bvh().scene(), renderer.left_out())},
                          {"denoiser", renderer.denoised_by()},
                          {"seconds", seconds_json(s, total)},
                          {"peak_rss_mb", peak_rss_mb()}};
@@ -219,10 +211,7 @@ std::vector<int> unreached_light(const RenderRequest& request, const std::vector
   cameras.reserve(views.size());
   for (const View& view : views) cameras.push_back(view.camera);
   std::vector<int> groups = unreached_groups(renderer.bvh(), cameras, request.seed);
-  if (!groups.empty()) {
-    log_info("the network is not told of light that does not reach what is seen (",
-             names_of(renderer.bvh().scene(), groups), "); --prune off tells it of all");
-  }
+  if (!groups.empty()) log_info(left_out_note(renderer.bvh().scene(), groups, "what is seen"));
   return groups;
 }
 
@@ -232,8 +221,8 @@ void embed(const RenderRequest& request, const std::vector<View>& views,
   EmbedSettings settings = embed_settings(request.embedding, request.seed, memory);
   settings.record_attention = request.output == "attention";
   double search = 0;
-  const bool prunes = settings.prune.value_or(network.metadata().scene_points_pruned);
-  if (prunes && !request.embedding.has_file()) {  // a file's embedding is for any view
+  if (settings.prunes(network) &&
+      !request.embedding.has_file()) {  // a file's embedding is for any view
     const Timer timer;
     settings.unreached = unreached_light(request, views, *renderer);
     search = timer.seconds();

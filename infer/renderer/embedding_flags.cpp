@@ -14,8 +14,8 @@ void add_embedding_flags(CLI::App& app, EmbeddingFlags* flags, int draws) {
       ->check(CLI::Range(int64_t{0}, int64_t{1} << 28));
   app.add_option(
          "--prune", flags->prune,
-         "Show the network only surfaces that light reaches, and for pictures only light that "
-         "reaches what is seen; auto: as in its training")
+         "Show the network only surfaces that light reaches, and only light that reaches what is "
+         "seen or asked about; auto: as in its training")
       ->check(CLI::IsMember({"auto", "on", "off"}))
       ->capture_default_str();
   app.add_flag(
@@ -62,10 +62,12 @@ runtime::EmbeddingKey embedding_key(const scene::Scene& scene, const runtime::Ne
   const scene::Fingerprint print = fingerprint(scene);
   const int64_t points =
       settings.scene_points > 0 ? settings.scene_points : network.metadata().scene_points;
-  const bool prune = settings.prune.value_or(network.metadata().scene_points_pruned);
-  return {{"scene geometry", print.geometry}, {"scene materials", print.materials},
-          {"scene lights", print.lights},     {"scene-points", std::to_string(points)},
-          {"prune", prune ? "on" : "off"},    {"seed", std::to_string(settings.seed)}};
+  return {{"scene geometry", print.geometry},
+          {"scene materials", print.materials},
+          {"scene lights", print.lights},
+          {"scene-points", std::to_string(points)},
+          {"prune", settings.prunes(network) ? "on" : "off"},
+          {"seed", std::to_string(settings.seed)}};
 }
 
 void provide_embedding(const EmbeddingFlags& flags, const runtime::Network& network,

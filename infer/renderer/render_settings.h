@@ -87,6 +87,10 @@ struct EmbedSettings {
   std::vector<int> unreached;
   runtime::MemoryLimit memory;    ///< of encoding, and of every later picture's decoding
   bool record_attention = false;  ///< keep what the encoder's blocks attend to
+
+  bool prunes(const runtime::Network& network) const {
+    return prune.value_or(network.metadata().scene_points_pruned);
+  }
 };
 
 /// Wall-clock seconds by stage; `load` and `write` belong to the caller. `light` is the time of the

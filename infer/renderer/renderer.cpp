@@ -27,8 +27,7 @@ void Renderer::embed(const runtime::Network& network, const EmbedSettings& setti
   draws_.clear();  // those of before and the new ones would need twice the memory
   seconds_.sample = seconds_.light = seconds_.encode = 0;
   pruned_points_ = {};
-  const bool prune = settings.prune.value_or(network.metadata().scene_points_pruned);
-  left_out_ = prune ? settings.unreached : std::vector<int>();
+  left_out_ = settings.prunes(network) ? settings.unreached : std::vector<int>();
   EmbedSettings draw = settings;
   for (int k = 0; k < settings.draws; ++k, ++draw.seed) draws_.add(encode(network, draw));
 }
@@ -38,10 +37,9 @@ std::shared_ptr<const runtime::SceneEmbedding> Renderer::encode(const runtime::N
   Timer timer;
   const int64_t count =
       settings.scene_points > 0 ? settings.scene_points : network.metadata().scene_points;
-  const bool prune = settings.prune.value_or(network.metadata().scene_points_pruned);
   pathtrace::PruneCounts pruned;
-  scene::SurfaceSamples samples =
-      sample_scene_points(bvh_, count, prune, settings.seed, &pruned, {}, left_out_);
+  scene::SurfaceSamples samples = sample_scene_points(bvh_, count, settings.prunes(network),
+                                                      settings.seed, &pruned, {}, left_out_);
   pruned_points_.drawn += pruned.drawn;
   pruned_points_.pruned += pruned.pruned;
   leave_out_untrained_suns(bvh_.scene(), network.metadata(), &samples);

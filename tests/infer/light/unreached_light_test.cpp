@@ -79,10 +79,29 @@ TEST(UnreachedLight, IsUnknownWhereNoSurfaceIsSeen) {
   EXPECT_THAT(unreached(rooms, {}), IsEmpty());
 }
 
+TEST(UnreachedLight, OfPointsIsThatOfEachOfThem) {
+  const TwoRooms rooms(1e4f);
+  const pathtrace::Bvh bvh(rooms.scene);
+  const Vec3 up{0, 1, 0};
+  // However many points there are beside the one that it reaches.
+  for (const size_t in_the_first : {1, 20000}) {
+    std::vector<Vec3> position(in_the_first, Vec3{1, 0, 1}), normal(in_the_first, up);
+    EXPECT_THAT(unreached_groups(bvh, position, normal, 0),
+                ElementsAre(rooms.other_lamp, rooms.sky));
+    position.push_back({11, 0, 1});
+    normal.push_back(up);
+    EXPECT_THAT(unreached_groups(bvh, position, normal, 0), ElementsAre(rooms.sky));
+  }
+  EXPECT_THAT(unreached_groups(bvh, std::vector<Vec3>(), std::vector<Vec3>(), 0), IsEmpty());
+}
+
 TEST(UnreachedLight, HasNames) {
   const TwoRooms rooms;
   const std::array groups = {rooms.other_lamp, rooms.sky};
-  EXPECT_EQ(names_of(rooms.scene, groups), "light1, the sky");
+  EXPECT_THAT(names_of(rooms.scene, groups), ElementsAre("light1", "the sky"));
+  EXPECT_EQ(left_out_note(rooms.scene, groups, "the points"),
+            "the network is not told of light that does not reach the points (light1, the sky); "
+            "--prune off tells it of all");
 }
 
 /// What a network answers at the floor of the first room.
@@ -113,6 +132,14 @@ TEST(UnreachedLight, IsNothingThatTheNetworkIsToldOf) {
     EXPECT_EQ(red(1, sky, true), red(1000, sky, true)) << enum_name(input);
     EXPECT_NE(red(1, {}, true), red(1000, {}, true)) << enum_name(input);
     EXPECT_NE(red(1, sky, false), red(1000, sky, false)) << "--prune off tells it of all";
+  }
+}
+
+TEST(UnreachedLight, MayBeAll) {
+  const TwoRooms rooms;
+  for (const nn::LightInput input : {nn::LightInput::Emission, nn::LightInput::Traced}) {
+    const Rgb dark = answer(1, {rooms.lamp, rooms.other_lamp, rooms.sky}, input, true);
+    EXPECT_EQ(dark, Rgb()) << enum_name(input);
   }
 }
 

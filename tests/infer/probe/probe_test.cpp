@@ -102,6 +102,28 @@ TEST_F(ProbeTool, TheAlbedoIsThatOfTheSurfaceAtThePoint) {
   EXPECT_EQ(found.off_surface, 1);
 }
 
+TEST_F(ProbeTool, ASkyOutsideAClosedRoomChangesNoAnswer) {
+  test::save_tiny_model(
+      "tiny.safetensors",
+      {.scene_points = 400, .pruned = true, .suns = true, .light_input = nn::LightInput::Traced});
+  test::write_text("in.csv", "px,py,pz,nx,ny,nz\n1,0,0.2,0,1,0\n2,0,2.8,0,1,0\n");
+  const std::string ask = "room.glb --points in.csv ";
+  const auto by = [&](const std::string& flags) {
+    EXPECT_EQ(probe(ask + "--out by.csv --json by.json " + flags).code, 0) << flags;
+    return read_file("by.csv");
+  };
+  const std::string dim = by("--environment 1,1,1");
+  EXPECT_EQ(nlohmann::json::parse(read_file("by.json"))["left_out_lights"],
+            nlohmann::json({"environment"}));
+  EXPECT_EQ(by("--environment 1000,1000,1000"), dim);
+  EXPECT_NE(by("--environment 1000,1000,1000 --prune off"), by("--environment 1,1,1 --prune off"));
+  EXPECT_TRUE(nlohmann::json::parse(read_file("by.json"))["left_out_lights"].empty());
+  test::write_text("out.csv", "px,py,pz,nx,ny,nz\n1,0,0.2,0,-1,0\n");
+  const CommandOutcome outside =
+      probe("room.glb --points out.csv --environment 1,1,1 --out o.csv", "--threads 1");
+  EXPECT_THAT(outside.err + outside.out, testing::HasSubstr("does not reach the points ("));
+}
+
 TEST_F(ProbeTool, PointsOffSurfacesAreSaid) {
   test::write_text("air.csv", "px,py,pz,nx,ny,nz\n0.5,1,0,0,1,0\n0.5,0,0,0,1,0\n");
   const CommandOutcome run = probe("floor.glb --points air.csv --out a.csv", "--threads 1");
