@@ -15,8 +15,9 @@ namespace {
 constexpr int kWidth = 24, kHeight = 18;  ///< places of one camera
 constexpr size_t kMostCameras = 24;       ///< of a turntable say, evenly spread
 constexpr int kPaths = 64;                ///< from a place that a camera sees
-constexpr int64_t kAllPaths = int64_t{kPaths} * kWidth * kHeight;
-constexpr int64_t kLeastPaths = 4;  ///< from a place, however many there are
+constexpr int kAllPaths = kPaths * kWidth * kHeight;
+constexpr size_t kBlock = 4096;  ///< places of one search
+constexpr int kLeastPaths = 4;   ///< from a place, however many there are
 constexpr int kNoRoulette = 1 << 20;
 
 struct Places {
@@ -40,9 +41,23 @@ Places seen_places(const pathtrace::Bvh& bvh, std::span<const scene::Camera> cam
   return places;
 }
 
+/// Which groups some light of has been found, one flag each.
+void note_arrivals(const pathtrace::Irradiance& found, std::vector<uint8_t>* arrived) {
+  for (int64_t group = 0; group < found.groups; ++group) {
+    const auto lights = [&](const std::vector<Rgb>& light) {
+      const auto first = light.begin() + group * found.points;
+      return std::any_of(first, first + found.points,
+                         [](const Rgb& value) { return max_component(value) > 0; });
+    };
+    if (lights(found.direct) || lights(found.indirect)) (*arrived)[static_cast<size_t>(group)] = 1;
+  }
+}
+
+/// A block of places at a time, as what is found has a value for each group and place; no more of
+/// them when all light has been found.
 /// @param paths  from each place
 std::vector<int> unreached_by(const pathtrace::Bvh& bvh, std::span<const Vec3> position,
-                              std::span<const Vec3> normal, int64_t paths, uint64_t seed) {
+                              std::span<const Vec3> normal, int paths, uint64_t seed) {
   const pathtrace::Lights lights(bvh.scene(), pathtrace::LightChoice::EachGroup);
   std::vector<int> unreached;
   if (lights.empty() || position.empty()) return unreached;
@@ -51,16 +66,17 @@ std::vector<int> unreached_by(const pathtrace::Bvh& bvh, std::span<const Vec3> p
   options.seed = seed;
   options.roulette_depth = kNoRoulette;
   options.variance = false;
-  const pathtrace::Irradiance found =
-      pathtrace::estimate_irradiance(bvh, lights, position, normal, options);
-  for (int64_t group = 0; group < found.groups; ++group) {
-    const auto arrives = [&](const std::vector<Rgb>& light) {
-      const auto first = light.begin() + group * found.points;
-      return std::any_of(first, first + found.points,
-                         [](const Rgb& value) { return max_component(value) > 0; });
-    };
-    if (!arrives(found.direct) && !arrives(found.indirect))
-      unreached.push_back(static_cast<int>(group));
+  std::vector<uint8_t> arrived(static_cast<size_t>(lights.groups()));
+  for (size_t first = 0; first < position.size(); first += kBlock) {
+    const size_t count = std::min(kBlock, position.size() - first);
+    note_arrivals(pathtrace::estimate_irradiance(bvh, lights, position.subspan(first, count),
+                                                 normal.subspan(first, count), options,
+                                                 static_cast<int64_t>(first)),
+                  &arrived);
+    if (std::ranges::count(arrived, 0) == 0) return unreached;
+  }
+  for (size_t group = 0; group < arrived.size(); ++group) {
+    if (!arrived[group]) unreached.push_back(static_cast<int>(group));
   }
   return unreached;
 }
@@ -69,8 +85,8 @@ std::vector<int> unreached_by(const pathtrace::Bvh& bvh, std::span<const Vec3> p
 
 std::vector<int> unreached_groups(const pathtrace::Bvh& bvh, std::span<const Vec3> position,
                                   std::span<const Vec3> normal, uint64_t seed) {
-  const auto places = static_cast<int64_t>(std::max<size_t>(position.size(), 1));
-  return unreached_by(bvh, position, normal, std::max(kLeastPaths, kAllPaths / places), seed);
+  const auto share = static_cast<int>(kAllPaths / std::max<size_t>(position.size(), 1));
+  return unreached_by(bvh, position, normal, std::max(kLeastPaths, share), seed);
 }
 
 std::vector<int> unreached_groups(const pathtrace::Bvh& bvh, std::span<const scene::Camera> cameras,
