@@ -36,7 +36,7 @@ c10::Device choose_device(const std::string& request, int gpu, const std::string
 void warn_of_slow_bf16(const std::string& setting, c10::Device device) {
   if (!device.is_cpu() || ops::has_bf16_products()) return;
   log_warning(setting,
-              ": this processor has no bfloat16 products (AVX512-BF16); they are computed from "
+              ": this processor has no bfloat16 products (AVX512-BF16 or AMX); they are made of "
               "float32 instructions, which is slower than float32");
 }
 

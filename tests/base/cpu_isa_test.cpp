@@ -28,7 +28,7 @@ class Wanted {
 };
 
 TEST(CpuIsa, IsWhatTheEnvironmentSays) {
-  for (const char* isa : {"baseline", "avx2", "avx512", "avx512_bf16"}) {
+  for (const char* isa : {"baseline", "avx2", "avx512", "avx512_bf16", "amx"}) {
     const Wanted wanted(isa);
     EXPECT_EQ(wanted_cpu_isa(), isa);
   }

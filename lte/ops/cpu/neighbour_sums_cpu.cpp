@@ -199,7 +199,7 @@ std::tuple<at::Tensor, at::Tensor> neighbour_sums_inference_cpu(const at::Tensor
       }
       kernels.projected_sums(
           {entries, table.stride(0), blocks, L, latent + q * K, count, K},
-          {transposed.data(), H, gamma.weight.data(), gamma.bias.data(), position.data()},
+          {transposed.data(), 0, H, gamma.weight.data(), gamma.bias.data(), position.data()},
           tile.data());
       deinterleave(tile.data(), L, Q, C, q, q + count, out1, out2);
     }

@@ -21,22 +21,24 @@ struct PackedLayer {
 
 struct PackedDecoder {
   PackedLinear point_hidden, point_output;
-  std::vector<float> gamma_hidden;  ///< [H, F + 1]
+  /// [H, F + 1]; where γ's output is in bfloat16 [F + 1, 2 hidden_pairs(H)] instead.
+  std::vector<float> gamma_hidden;
   PackedLinear gamma_output;
   std::vector<PackedLayer> layers;
   PackedNorm norm;
   PackedLinear head_hidden, head_output;
 };
 
-/// γ's first layer as [H, F + 1]: a row of weights, then the bias.
-inline std::vector<float> pack_gamma_hidden(const LinearWeights& w) {
+/// γ's first layer: weights, then biases, of PackedDecoder's shapes.
+inline std::vector<float> pack_gamma_hidden(const LinearWeights& w, bool bf16) {
   const int64_t H = w.outputs(), F = w.inputs();
-  std::vector<float> packed(static_cast<size_t>((F + 1) * H));
+  const int64_t of_output = bf16 ? 1 : F + 1, of_input = bf16 ? 2 * hidden_pairs(H) : 1;
+  std::vector<float> packed(static_cast<size_t>(bf16 ? (F + 1) * of_input : H * of_output));
   const at::Tensor weight = w.weight.contiguous(), bias = w.bias.contiguous();
   for (int64_t h = 0; h < H; ++h) {
-    const auto row = packed.begin() + (F + 1) * h;
-    std::copy_n(weight.const_data_ptr<float>() + F * h, F, row);
-    row[F] = bias.const_data_ptr<float>()[h];
+    const auto row = packed.begin() + h * of_output;
+    for (int64_t f = 0; f < F; ++f) row[f * of_input] = weight.const_data_ptr<float>()[h * F + f];
+    row[F * of_input] = bias.const_data_ptr<float>()[h];
   }
   return packed;
 }
@@ -49,9 +51,14 @@ inline PackedDecoder pack(const DecoderWeights& w) {
     layers.push_back({norm(layer.norm1), linear(layer.query), linear(layer.output),
                       norm(layer.norm2), linear(layer.ffn.hidden), linear(layer.ffn.output)});
   }
-  return {linear(w.point.hidden), linear(w.point.output), pack_gamma_hidden(w.gamma.hidden),
-          linear(w.gamma.output), std::move(layers),      norm(w.norm),
-          linear(w.head.hidden),  linear(w.head.output)};
+  return {linear(w.point.hidden),
+          linear(w.point.output),
+          pack_gamma_hidden(w.gamma.hidden, w.gamma.output.weight.scalar_type() == at::kBFloat16),
+          linear(w.gamma.output),
+          std::move(layers),
+          norm(w.norm),
+          linear(w.head.hidden),
+          linear(w.head.output)};
 }
 
 /// The arguments of a decoder, contiguous.

@@ -56,7 +56,7 @@ class TileDecoder {
         activation_(work.net.gamma_output.in_bf16() ? 0
                                                     : static_cast<size_t>(kSubtile * H_ * pairs_)),
         rounded_(work.net.gamma_output.in_bf16()
-                     ? static_cast<size_t>(kSubtile * work.net.gamma_output.input_pairs() * pairs_)
+                     ? static_cast<size_t>(kSubtile * pairs_ * hidden_pairs(H_))
                      : 0),
         pair_position_(
             static_cast<size_t>(kProjectedQueries * kProjectedBlocks * pairs_ * kBlock)) {}
@@ -95,7 +95,7 @@ class TileDecoder {
       const PairGeometry geometry{geometry_.data(), work_.sizes.gamma_inputs, pairs_};
       if (gamma.in_bf16()) {
         bf16_kernels().hidden_positions(geometry, work_.net.gamma_hidden.data(), H_,
-                                        rounded_.data() + i * gamma.input_pairs() * pairs_);
+                                        rounded_.data() + i * pairs_ * hidden_pairs(H_));
       } else {
         dense_kernels().hidden_positions(geometry, work_.net.gamma_hidden.data(), H_,
                                          activation_.data() + i * H_ * pairs_);
@@ -105,14 +105,14 @@ class TileDecoder {
         work_.table, work_.table_stride, blocks_, L_, work_.index + first * K_, count, K_};
     if (gamma.in_bf16()) {
       bf16_kernels().projected_sums(near,
-                                    {rounded_.data(), gamma.input_pairs(), gamma.pairs.data(),
-                                     gamma.bias.data(), pair_position_.data()},
+                                    {rounded_.data(), hidden_pairs(H_), gamma.input_pairs(),
+                                     gamma.pairs.data(), gamma.bias.data(), pair_position_.data()},
                                     out);
     } else {
-      sum_kernels<float>().projected_sums(
-          near,
-          {activation_.data(), H_, gamma.weight.data(), gamma.bias.data(), pair_position_.data()},
-          out);
+      sum_kernels<float>().projected_sums(near,
+                                          {activation_.data(), 0, H_, gamma.weight.data(),
+                                           gamma.bias.data(), pair_position_.data()},
+                                          out);
     }
   }
 
@@ -154,7 +154,7 @@ class TileDecoder {
   std::vector<float> sums_;           ///< [kTile, blocks, L, 2, kBlock], unless they are kept
   std::vector<float> geometry_;       ///< [F, pairs] of one query
   std::vector<float> activation_;     ///< [kSubtile, H, pairs]
-  std::vector<uint32_t> rounded_;     ///< [kSubtile, ⌈H / 2⌉, pairs], in bfloat16 instead
+  std::vector<uint32_t> rounded_;     ///< [kSubtile, pairs, hidden_pairs(H)], in bfloat16 instead
   std::vector<float> pair_position_;  ///< of as many queries and blocks as exist at once
 };
 

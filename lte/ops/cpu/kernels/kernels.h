@@ -83,7 +83,10 @@ inline constexpr int64_t kProjectedBlocks = 2, kProjectedQueries = 8;
 /// those.
 template <typename Hidden, typename T>
 struct ProjectedPositions {
-  const Hidden* hidden;  ///< [inputs, rows] of each query; rows: K rounded up to whole blocks
+  /// Of each query [inputs, rows], rows being K rounded up to whole blocks; in bfloat16 [rows,
+  /// stride].
+  const Hidden* hidden;
+  int64_t stride;  ///< in bfloat16; else not read
   int64_t inputs;
   const Hidden* weight;  ///< [blocks, inputs, kBlock]
   const T* bias;         ///< [blocks, kBlock]
@@ -262,6 +265,9 @@ struct GradientKernels {
   void (*maximum_gradient)(MaximumGradient arguments);
 };
 
+/// Pairs of H hidden activations in bfloat16, rounded up to whole vectors.
+inline int64_t hidden_pairs(int64_t H) { return (H + 31) / 32 * 16; }
+
 /// Products of bfloat16 operands with sums in float32. Two inputs make a pair, the even one in the
 /// lower half. Inputs are rounded to the nearest even; where the processor has no bfloat16
 /// instructions the same is computed from float32 ones.
@@ -281,7 +287,8 @@ struct Bf16Kernels {
   /// rounding.
   void (*activate)(float* x, int64_t rows, int64_t blocks);
   void (*activate_sum)(const float* a, const float* b, int64_t count, float* out);
-  /// DenseKernels::hidden_positions() in pairs of h: [(H + 1) / 2, pairs].
+  /// DenseKernels::hidden_positions() with a row a pair: out [pairs, hidden_pairs(H)]; weight
+  /// [F + 1, 2 hidden_pairs(H)], the bias last, zero past H.
   void (*hidden_positions)(PairGeometry geometry, const float* weight, int64_t H, uint32_t* out);
   /// SumKernels::projected_sums() with pairs of hidden activations and weights.
   void (*projected_sums)(NeighbourTable<float> near, ProjectedPositions<uint32_t, float> position,
@@ -334,7 +341,7 @@ struct SurfelKernels {
   uint64_t (*test)(SurfelProbe probe, SurfelTests* out);
 };
 
-/// The kernels of the best instruction set that the processor has: avx512 (for bfloat16:
+/// The kernels of the best instruction set that the processor has: avx512 (for bfloat16: amx or
 /// avx512_bf16), avx2 or baseline. The environment variable LTE_CPU_ISA names a lesser one, for
 /// tests; it is read once.
 const PointKernels& point_kernels();
