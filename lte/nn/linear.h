@@ -5,6 +5,7 @@
 
 #include "lte/nn/precision.h"
 #include "lte/nn/recompute.h"
+#include "lte/ops/decoder_weights.h"
 #include "lte/ops/linear.h"
 
 namespace lte::nn {
@@ -43,6 +44,12 @@ class LinearImpl : public torch::nn::LinearImpl {
   }
   /// Keeps this layer in float32 too, however many inputs it has: for one that reads positions.
   void keep_float32() { kept_ = true; }
+
+  /// The layer as fused operators read it, in training and inference.
+  ops::LinearWeights weights() const {
+    return {inference_weight(), bias,
+            in_autocast() ? weight.detach().to(at::kBFloat16) : at::Tensor()};
+  }
 
   bool in_autocast() const { return autocast_ && is_differentiated(); }
   bool in_bf16() const { return rounded_.defined() && !is_differentiated(); }

@@ -28,10 +28,7 @@ at::Tensor MlpImpl::hidden_activations(const at::Tensor& x) {
                                 : ops::linear_gelu(x, hidden_->inference_weight(), hidden_->bias);
 }
 
-ops::PerceptronWeights MlpImpl::weights() const {
-  return {{hidden_->inference_weight(), hidden_->bias},
-          {output_->inference_weight(), output_->bias}};
-}
+ops::PerceptronWeights MlpImpl::weights() const { return {hidden_->weights(), output_->weights()}; }
 
 at::Tensor MlpImpl::forward(const at::Tensor& x) {
   if (!drops()) return output_->forward(hidden_activations(x));

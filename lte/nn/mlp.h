@@ -27,7 +27,7 @@ class MlpImpl : public torch::nn::Module {
   /// GELU of the first layer, [..., hidden]: for callers that fuse the second.
   at::Tensor hidden_activations(const at::Tensor& x);
 
-  /// Weight and bias of either layer, in the precision of inference.
+  /// Both layers as fused operators read them.
   ops::PerceptronWeights weights() const;
 
   /// Whether it drops out numbers, as it does while training, if asked to.

@@ -27,7 +27,7 @@ at::Tensor NeighbourMaxImpl::forward(const at::Tensor& dense, const at::Tensor& 
                                         output_->bias);
   }
   if (fuses(of_dense)) {
-    return ops::neighbour_max(of_dense, of_center, neighbour, output_->weight, output_->bias);
+    return ops::neighbour_max(of_dense, of_center, neighbour, output_->weights());
   }
   const int64_t m = neighbour.size(0), k = neighbour.size(1), D = of_dense.size(1);
   const int64_t rows = std::max<int64_t>(1, std::min(m, rows_of_a_block(k * D, dense.device())));
@@ -49,7 +49,7 @@ at::Tensor NeighbourMaxImpl::forward(const at::Tensor& dense, const at::Tensor& 
 
 bool NeighbourMaxImpl::fuses(const at::Tensor& projected) const {
   return projected.device().is_cpu() && projected.scalar_type() == at::kFloat &&
-         projected.size(1) % ops::kMaximumBlock == 0 && !output_->in_autocast();
+         projected.size(1) % ops::kMaximumBlock == 0;
 }
 
 NearestNeighbourEmbeddingImpl::NearestNeighbourEmbeddingImpl(int64_t inputs, int64_t channels)

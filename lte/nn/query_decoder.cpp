@@ -46,8 +46,8 @@ at::Tensor arranged_table(const std::vector<QueryLayer>& layers, const at::Tenso
                                 .reshape({-1, columns});
     return gap > 0 ? at::constant_pad_nd(rows, {0, 0, 0, gap}) : rows;
   };
-  const at::Tensor all =
-      ops::linear(latent, arranged(weights, width), arranged(biases, 1).squeeze(1));
+  const at::Tensor all = layers.front()->key()->product(latent, arranged(weights, width),
+                                                        arranged(biases, 1).squeeze(1));
   return all.narrow(1, 0, all.size(1) - gap).view({latent.size(0), blocks, L, 2, ops::kTableBlock});
 }
 
@@ -87,8 +87,8 @@ at::Tensor QueryLayerImpl::advance(const at::Tensor& G, const at::Tensor& attend
 
 ops::LayerWeights QueryLayerImpl::weights() const {
   return {{norm1_->weight, norm1_->bias},
-          {query_->inference_weight(), query_->bias},
-          {output_->inference_weight(), output_->bias},
+          query_->weights(),
+          output_->weights(),
           {norm2_->weight, norm2_->bias},
           ffn_->weights()};
 }
@@ -196,10 +196,9 @@ at::Tensor QueryDecoderImpl::forward(const at::Tensor& attributes, const Neighbo
 }
 
 bool QueryDecoderImpl::trains_fused(const at::Tensor& latent) const {
-  const Linear& key = layers_.front()->key();
   return at::GradMode::is_enabled() && latent.device().is_cpu() &&
-         latent.scalar_type() == at::kFloat && !normalizes_ && !key->in_autocast() &&
-         (dropout_ == 0 || !is_training()) && fills_table_blocks(layers_);
+         latent.scalar_type() == at::kFloat && !normalizes_ && (dropout_ == 0 || !is_training()) &&
+         fills_table_blocks(layers_);
 }
 
 LatentTables QueryDecoderImpl::latent_tables(const at::Tensor& latent) {

@@ -24,7 +24,7 @@ const PatchMap& patch_map(const SceneRows& rows, size_t order) {
 /// Points below which it costs more to arrange the weights of a norm's layers than it gains.
 constexpr int64_t kLeastFused = 512;
 
-/// Whether a norm of x and the float32 layers that follow it are one operator.
+/// Whether a norm of x and the layers that follow it are one operator.
 bool fuses(const at::Tensor& x) {
   return ops::suits_norm_layers(x) && (at::GradMode::is_enabled() || x.size(0) >= kLeastFused);
 }
@@ -87,10 +87,8 @@ at::Tensor PatchAttentionImpl::forward(const at::Tensor& x, torch::nn::LayerNorm
 
 at::Tensor PatchAttentionImpl::attended(const at::Tensor& x, torch::nn::LayerNorm& norm,
                                         const StagePlan& stage, size_t order, int64_t patch_size) {
-  const bool fused = fuses(x) && !qkv_->in_autocast() && !qkv_->in_bf16();
-  const at::Tensor qkv =
-      fused ? ops::norm_linear(x, {norm->weight, norm->bias}, {qkv_->weight, qkv_->bias})
-            : qkv_->forward(norm->forward(x));
+  const at::Tensor qkv = fuses(x) ? ops::norm_linear(x, {norm->weight, norm->bias}, qkv_->weights())
+                                  : qkv_->forward(norm->forward(x));
   return attend_in_scenes(qkv, stage, order, patch_size);
 }
 
@@ -113,12 +111,11 @@ at::Tensor PatchAttentionImpl::attend(const at::Tensor& points, const PatchMap& 
       return ops::patch_attention_inference(points, map.gather, map.inverse, heads_, patch_size,
                                             qkv_->in_bf16());
     }
-    if (!qkv_->in_autocast() && !qkv_->in_bf16())
-      return ops::patch_attention(points, map.gather, map.inverse, heads_, patch_size);
+    return ops::patch_attention(points, map.gather, map.inverse, heads_, patch_size,
+                                qkv_->in_autocast() || qkv_->in_bf16());
   }
   at::Tensor qkv = one_patch ? points : points.index_select(0, map.gather);
   const int64_t length = one_patch ? n : patch_size;
-  // In bfloat16 CUDA has flash attention; LibTorch's kernel for the CPU gains nothing by it.
   const bool flash = (qkv_->in_autocast() || qkv_->in_bf16()) && qkv.is_cuda();
   if (flash) qkv = qkv.to(at::kBFloat16);
   // Three of [patches, heads, length, C / heads]. Unbound before they are transposed, so that the
@@ -198,13 +195,13 @@ BlockAttention TransformerBlockImpl::record_attention(const at::Tensor& input,
 at::Tensor TransformerBlockImpl::forward(const at::Tensor& input, const StagePlan& stage,
                                          size_t order) {
   at::Tensor x = convolve(input, stage);
-  if (!at::GradMode::is_enabled() && fuses(x) && !attention_->in_bf16() && !is_training()) {
+  if (!at::GradMode::is_enabled() && fuses(x) && !is_training()) {
     return ops::project_feed_forward(x, attention_->attended(x, norm1_, stage, order, patch_size_),
                                      attention_->projection(), {norm2_->weight, norm2_->bias},
                                      mlp_->weights());
   }
   x = x + attention_->forward(x, norm1_, stage, order, patch_size_);
-  if (fuses(x) && !mlp_->in_autocast() && !mlp_->hidden()->in_bf16() && !mlp_->drops()) {
+  if (fuses(x) && !mlp_->drops()) {
     return ops::feed_forward(x, {norm2_->weight, norm2_->bias}, mlp_->weights());
   }
   return x + mlp_->forward(norm2_->forward(x));

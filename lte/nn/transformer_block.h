@@ -41,8 +41,7 @@ class PatchAttentionImpl : public torch::nn::Module {
   BlockAttention record(const at::Tensor& x, const StagePlan& stage, size_t order,
                         int64_t patch_size);
 
-  ops::LinearWeights projection() const { return {proj_->inference_weight(), proj_->bias}; }
-  bool in_bf16() const { return qkv_->in_bf16(); }
+  ops::LinearWeights projection() const { return proj_->weights(); }
 
  private:
   /// What the points of one scene attend to.

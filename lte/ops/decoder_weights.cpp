@@ -46,6 +46,21 @@ std::vector<at::Tensor> DecoderWeights::to_list() const {
   return list;
 }
 
+std::vector<at::Tensor> DecoderWeights::list_as_read() const {
+  DecoderWeights read = *this;
+  std::vector<LinearWeights*> dense;
+  const auto add = [&dense](PerceptronWeights& w) {
+    dense.insert(dense.end(), {&w.hidden, &w.output});
+  };
+  for (PerceptronWeights* w : {&read.point, &read.gamma, &read.head}) add(*w);
+  for (LayerWeights& layer : read.layers) {
+    dense.insert(dense.end(), {&layer.query, &layer.output});
+    add(layer.ffn);
+  }
+  for (LinearWeights* w : dense) w->weight = w->as_read();
+  return read.to_list();
+}
+
 DecoderWeights DecoderWeights::from_list(at::TensorList list, int64_t layers) {
   DecoderWeights out;
   out.layers.resize(static_cast<size_t>(layers));

@@ -12,6 +12,11 @@ namespace lte::ops {
 /// y = x Wᵀ + b: weight [outputs, inputs], bias [outputs].
 struct LinearWeights {
   at::Tensor weight, bias;
+  /// Training in mixed precision: the weight in bfloat16 (bf16.h), which products read in its
+  /// place; gradients are those by `weight`. Undefined: they read `weight`.
+  at::Tensor rounded = {};
+
+  const at::Tensor& as_read() const { return rounded.defined() ? rounded : weight; }
 
   int64_t inputs() const { return weight.size(1); }
   int64_t outputs() const { return weight.size(0); }
@@ -47,6 +52,8 @@ struct DecoderWeights {
   /// All tensors: point, gamma, the layers in their order, norm, head; of each the members in the
   /// order of their declarations.
   std::vector<at::Tensor> to_list() const;
+  /// The same with what products read, LinearWeights::as_read().
+  std::vector<at::Tensor> list_as_read() const;
 
   /// The weights of a decoder of `layers` layers from to_list()'s list.
   /// @throws c10::Error if the list is not as long as that

@@ -30,14 +30,15 @@ class NeighbourMax : public torch::autograd::Function<NeighbourMax> {
  public:
   static at::Tensor forward(AutogradContext* context, const at::Tensor& dense,
                             const at::Tensor& center, const at::Tensor& neighbour,
-                            const at::Tensor& weight, const at::Tensor& bias) {
+                            const at::Tensor& /*weight*/, const at::Tensor& bias,
+                            const at::Tensor& read) {
     using Signature =
         std::tuple<at::Tensor, at::Tensor>(const at::Tensor&, const at::Tensor&, const at::Tensor&,
                                            const at::Tensor&, const at::Tensor&);
     static const auto op = find_operator<Signature>("lte::neighbour_max");
     const at::AutoDispatchBelowADInplaceOrView below;
-    const auto [out, winner] = op.call(dense, center, neighbour, weight, bias);
-    context->save_for_backward({dense, center, neighbour, weight, winner});
+    const auto [out, winner] = op.call(dense, center, neighbour, read, bias);
+    context->save_for_backward({dense, center, neighbour, read, winner});
     return out;
   }
 
@@ -49,16 +50,15 @@ class NeighbourMax : public torch::autograd::Function<NeighbourMax> {
     const variable_list saved = context->get_saved_variables();
     const auto [dense, center, weight, bias] =
         op.call(grads[0], saved[0], saved[1], saved[2], saved[3], saved[4]);
-    return {dense, center, at::Tensor(), weight, bias};
+    return {dense, center, at::Tensor(), weight, bias, at::Tensor()};
   }
 };
 
 }  // namespace
 
 at::Tensor neighbour_max(const at::Tensor& dense, const at::Tensor& center,
-                         const at::Tensor& neighbour, const at::Tensor& weight,
-                         const at::Tensor& bias) {
-  return NeighbourMax::apply(dense, center, neighbour, weight, bias);
+                         const at::Tensor& neighbour, const LinearWeights& layer) {
+  return NeighbourMax::apply(dense, center, neighbour, layer.weight, layer.bias, layer.as_read());
 }
 
 at::Tensor neighbour_max_inference(const at::Tensor& dense, const at::Tensor& center,

@@ -4,6 +4,8 @@
 
 #include <ATen/core/Tensor.h>
 
+#include "lte/ops/decoder_weights.h"
+
 namespace lte::ops {
 
 /// What the channels of neighbour_max() are a multiple of.
@@ -25,10 +27,12 @@ at::Tensor neighbour_max_inference(const at::Tensor& dense, const at::Tensor& ce
 /// The same for training: differentiable once in all but `neighbour`. A gradient goes to the first
 /// of the pairs that share a maximum.
 ///
-/// @param dense, center, weight  C a multiple of kMaximumBlock; float32
+/// @param dense, center  C a multiple of kMaximumBlock
+/// @param layer          float32; may have a rounding, which the products of the way forth read
+///                       with rounded activations; those of the way back, a few each maximum, read
+///                       it with float32 ones
 /// @note CPU only. The same bits for any number of threads, gradients included.
 at::Tensor neighbour_max(const at::Tensor& dense, const at::Tensor& center,
-                         const at::Tensor& neighbour, const at::Tensor& weight,
-                         const at::Tensor& bias);
+                         const at::Tensor& neighbour, const LinearWeights& layer);
 
 }  // namespace lte::ops

@@ -32,16 +32,16 @@ inline void check_neighbour_max_training_args(const at::Tensor& dense, const at:
                                               const at::Tensor& bias) {
   const char* op = "neighbour_max";
   check_neighbour_max_args(dense, center, neighbour, weight, bias, op);
-  TORCH_CHECK(weight.scalar_type() == at::kFloat && weight.size(1) % kMaximumBlock == 0, op,
-              ": weight must be float32 with inputs in multiples of ", kMaximumBlock, ", got ",
-              weight.sizes(), " ", weight.scalar_type());
+  TORCH_CHECK(weight.size(1) % kMaximumBlock == 0, op, ": weight must have inputs in multiples of ",
+              kMaximumBlock, ", got ", weight.sizes());
 }
 
 inline void check_neighbour_max_backward_args(const at::Tensor& grad, const at::Tensor& dense,
                                               const at::Tensor& center, const at::Tensor& neighbour,
                                               const at::Tensor& weight, const at::Tensor& winner) {
   const char* op = "neighbour_max_backward";
-  check_neighbour_max_training_args(dense, center, neighbour, weight, weight.select(1, 0));
+  check_neighbour_max_training_args(dense, center, neighbour, weight,
+                                    weight.select(1, 0).to(at::kFloat));
   check_shape(grad, {center.size(0), weight.size(0)}, at::kFloat, op, "grad");
   check_shape(winner, {center.size(0), weight.size(0)}, at::kInt, op, "winner");
 }

@@ -15,8 +15,10 @@ inline bool suits_norm_layers(const at::Tensor& x) {
 
 /// W LN(x) + b.
 ///
-/// @param x  [n, C] float32 on the CPU
-/// @return   [n, O]; differentiable once in x and all weights
+/// @param x       [n, C] float32 on the CPU
+/// @param linear  float32, or bfloat16 where no gradient is asked; may have a rounding, by which
+///                mixed precision rounds x and gradients too as products read them
+/// @return        [n, O]; differentiable once in x and all weights
 /// @throws c10::Error on a wrong shape, dtype or device
 /// @note The same bits for any number of threads, gradients included.
 at::Tensor norm_linear(const at::Tensor& x, const NormWeights& norm, const LinearWeights& linear);

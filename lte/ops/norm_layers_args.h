@@ -20,9 +20,12 @@ inline void check_layer_args(const at::Tensor& x, const at::Tensor& weight, cons
                              const char* op) {
   check_linear_args(x, weight, bias, op);
   for (const at::Tensor& t : {weight, bias}) {
-    TORCH_CHECK(t.defined() && t.scalar_type() == at::kFloat && t.is_cpu(), op,
-                ": weights must be float32 on the CPU");
+    TORCH_CHECK(t.defined() && t.is_cpu(), op, ": weights must be on the CPU");
   }
+  TORCH_CHECK(bias.scalar_type() == at::kFloat &&
+                  (weight.scalar_type() == at::kFloat || weight.scalar_type() == at::kBFloat16),
+              op, ": weights must be float32 or bfloat16 and biases float32, got ",
+              weight.scalar_type(), " and ", bias.scalar_type());
 }
 
 }  // namespace lte::ops

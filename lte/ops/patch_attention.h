@@ -28,11 +28,13 @@ at::Tensor patch_attention_inference(const at::Tensor& qkv, const at::Tensor& ga
                                      const at::Tensor& inverse, int64_t heads, int64_t patch,
                                      bool bf16 = false);
 
-/// The same for training: differentiable once in qkv, in float32 products. Nothing of the size of
-/// queries × keys is kept for the gradient.
+/// The same for training: differentiable once in qkv. Nothing of the size of queries × keys is kept
+/// for the gradient.
 ///
+/// @param bf16  round what products read on the way back too: gradients of answers and scores
 /// @note CPU only. The same bits for any number of threads, gradients included.
 at::Tensor patch_attention(const at::Tensor& qkv, const at::Tensor& gather,
-                           const at::Tensor& inverse, int64_t heads, int64_t patch);
+                           const at::Tensor& inverse, int64_t heads, int64_t patch,
+                           bool bf16 = false);
 
 }  // namespace lte::ops

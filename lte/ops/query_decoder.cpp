@@ -50,7 +50,8 @@ class QueryDecoder : public torch::autograd::Function<QueryDecoder> {
  public:
   static at::Tensor forward(AutogradContext* context,
                             const c10::intrusive_ptr<DecoderQueries>& queries,
-                            const at::Tensor& table, at::TensorList weights) {
+                            const at::Tensor& table, at::TensorList /*weights*/,
+                            at::TensorList read) {
     using Signature = std::tuple<at::Tensor, at::Tensor>(
         const at::Tensor&, const at::Tensor&, const at::Tensor&, const at::Tensor&, double, double,
         const std::optional<at::Tensor>&, const std::optional<at::Tensor>&, const at::Tensor&,
@@ -60,10 +61,10 @@ class QueryDecoder : public torch::autograd::Function<QueryDecoder> {
     const QueryNeighbourhood& near = queries->near;
     const auto [out, sums] =
         op.call(queries->attributes, near.position, near.anchor, near.index, near.scale, near.limit,
-                optional(near.normal), optional(near.anchor_normal), table, weights);
+                optional(near.normal), optional(near.anchor_normal), table, read);
     context->saved_data["queries"] = c10::IValue::make_capsule(queries);
     variable_list saved = {table, sums};
-    saved.insert(saved.end(), weights.begin(), weights.end());
+    saved.insert(saved.end(), read.begin(), read.end());
     context->save_for_backward(std::move(saved));
     return out;
   }
@@ -84,6 +85,7 @@ class QueryDecoder : public torch::autograd::Function<QueryDecoder> {
                 at::TensorList(saved).slice(2));
     variable_list out = {at::Tensor(), table};
     out.insert(out.end(), weights.begin(), weights.end());
+    out.resize(out.size() + weights.size());  // none by what products read
     return out;
   }
 };
@@ -98,8 +100,8 @@ at::Tensor query_decoder(const at::Tensor& attributes, const QueryNeighbourhood&
   const auto queries = c10::make_intrusive<DecoderQueries>();
   queries->attributes = attributes;
   queries->near = near;
-  const std::vector<at::Tensor> list = weights.to_list();
-  return QueryDecoder::apply(queries, table, at::TensorList(list));
+  const std::vector<at::Tensor> list = weights.to_list(), read = weights.list_as_read();
+  return QueryDecoder::apply(queries, table, at::TensorList(list), at::TensorList(read));
 }
 
 at::Tensor query_decoder_inference(const at::Tensor& attributes, const QueryNeighbourhood& near,

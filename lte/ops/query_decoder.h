@@ -46,7 +46,8 @@ at::Tensor query_decoder_inference(const at::Tensor& attributes, const QueryNeig
 /// backward pass computes a tile's intermediates again, so that nothing of the size of queries ×
 /// neighbours but one position each is ever in memory.
 ///
-/// @param weights  float32
+/// @param weights  float32; dense ones but that of `gamma.hidden` may have a rounding, by which
+///                 mixed precision rounds inputs and gradients too as products read them
 /// @note CPU only. The same bits for any number of threads, gradients included.
 at::Tensor query_decoder(const at::Tensor& attributes, const QueryNeighbourhood& near,
                          const at::Tensor& table, const DecoderWeights& weights);

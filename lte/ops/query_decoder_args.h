@@ -129,17 +129,13 @@ inline DecoderSizes check_query_decoder_args(const at::Tensor& attributes,
 
 /// The same backwards; `sums` are those of the forward pass.
 inline void check_query_decoder_backward_args(const at::Tensor& grad, const at::Tensor& sums,
-                                              const DecoderSizes& sizes, const DecoderWeights& w) {
+                                              const DecoderSizes& sizes) {
   const char* op = "query_decoder_backward";
   check_shape(grad, {sizes.queries, sizes.outputs}, at::kFloat, op, "grad");
   check_shape(sums,
               {sizes.queries, (sizes.channels + kTableBlock - 1) / kTableBlock, sizes.layers, 2,
                kTableBlock},
               at::kFloat, op, "sums");
-  for (const at::Tensor& t : w.to_list()) {
-    TORCH_CHECK(t.scalar_type() == at::kFloat, op, ": weights must be float32, got ",
-                t.scalar_type());
-  }
 }
 
 }  // namespace lte::ops

@@ -127,9 +127,4 @@ inline at::Tensor decoder_reference(const at::Tensor& attributes, const QueryNei
   return at::softplus(perceptron(norm(G, w.norm), w.head));
 }
 
-/// Euclidean norm of the difference over that of the reference.
-inline double norm_error(const at::Tensor& got, const at::Tensor& expected) {
-  return ((got.to(at::kDouble) - expected).norm() / expected.norm()).item<double>();
-}
-
 }  // namespace lte::ops::test

@@ -30,6 +30,11 @@ inline at::Tensor integers(int64_t high, at::IntArrayRef shape, uint64_t seed,
   return at::randint(high, shape, generator(seed), at::TensorOptions().dtype(dtype));
 }
 
+/// Euclidean norm of the difference over that of the reference.
+inline double norm_error(const at::Tensor& got, const at::Tensor& expected) {
+  return ((got.to(at::kDouble) - expected).norm() / expected.norm()).item<double>();
+}
+
 /// Point sets that break searches: name and [N, 3] float32.
 inline std::vector<std::pair<std::string, at::Tensor>> awkward_points(int64_t N) {
   const at::Tensor base = uniform({N, 3}, 7);

@@ -9,19 +9,17 @@
 #include "lte/ops/neighbour_max.h"
 #include "lte/ops/neighbour_sums.h"
 #include "lte/ops/norm_layers.h"
-#include "lte/ops/patch_attention.h"
 #include "lte/ops/query_decoder.h"
 #include "tests/ops/decoder_fixture.h"
 #include "tests/ops/fixtures.h"
+#include "tests/ops/training_fixture.h"
 
 namespace lte::ops {
 namespace {
 
-/// Wants gradients from now on.
-at::Tensor leaf(const at::Tensor& t) { return t.detach().clone().requires_grad_(); }
-at::Tensor wide_leaf(const at::Tensor& t) {
-  return t.detach().to(at::kDouble).clone().requires_grad_();
-}
+using test::is_of_rounding;
+using test::leaf;
+using test::wide_leaf;
 
 TEST(TrainedNeighbourMax, IsTheMaximumWithItsGradients) {
   // Sizes about a block of columns, a panel, a tile of rows and a part of them.
@@ -43,7 +41,7 @@ TEST(TrainedNeighbourMax, IsTheMaximumWithItsGradients) {
         exact[0].index_select(0, neighbour.view({-1})).view({m, k, C}) + exact[1].unsqueeze(1));
     // Ties, of neighbours that come twice, go to the first.
     const at::Tensor expected = std::get<0>(at::linear(pair, exact[2], exact[3]).max(1));
-    const at::Tensor got = neighbour_max(single[0], single[1], neighbour, single[2], single[3]);
+    const at::Tensor got = neighbour_max(single[0], single[1], neighbour, {single[2], single[3]});
     EXPECT_LT(test::norm_error(got.detach(), expected.detach()), 1e-6);
     expected.backward(weight);
     got.backward(weight.to(at::kFloat));
@@ -54,6 +52,31 @@ TEST(TrainedNeighbourMax, IsTheMaximumWithItsGradients) {
   }
 }
 
+/// `w` as mixed precision reads it.
+LinearWeights with_rounding(const LinearWeights& w) {
+  return {w.weight, w.bias, w.weight.detach().to(at::kBFloat16)};
+}
+
+TEST(TrainedNeighbourMax, InMixedPrecisionIsThatOfInferenceInBfloat16) {
+  const at::Tensor neighbour = test::integers(60, {300, 5}, 5),
+                   grad = test::normal({300, 32}, 6, at::kFloat);
+  const std::vector<at::Tensor> in = {
+      leaf(test::normal({60, 48}, 1, at::kFloat)), leaf(test::normal({300, 48}, 2, at::kFloat)),
+      leaf(test::normal({32, 48}, 3, at::kFloat)), leaf(test::normal({32}, 4, at::kFloat))};
+  const LinearWeights layer = with_rounding({in[2], in[3]});
+  const at::Tensor got = neighbour_max(in[0], in[1], neighbour, layer);
+  EXPECT_TRUE(at::equal(
+      got.detach(), neighbour_max_inference(in[0], in[1], neighbour, layer.rounded, layer.bias)));
+  got.backward(grad);
+  const at::Tensor by_weight = in[2].grad().clone();
+  EXPECT_EQ(by_weight.scalar_type(), at::kFloat);
+  in[2].mutable_grad().reset();
+  neighbour_max(in[0], in[1], neighbour, {in[2], in[3]}).backward(grad);
+  // Where two pairs are as large but for rounding, another one has the gradient.
+  EXPECT_LT(test::norm_error(by_weight, in[2].grad()), 0.2);
+  EXPECT_GT(test::norm_error(by_weight, in[2].grad()), 0);
+}
+
 TEST(TrainedNeighbourMax, DoesNotDependOnThreads) {
   const at::Tensor neighbour = test::integers(60, {2100, 5}, 5);
   const auto gradient = [&](int threads) {
@@ -61,7 +84,7 @@ TEST(TrainedNeighbourMax, DoesNotDependOnThreads) {
       const at::Tensor dense = leaf(test::normal({60, 16}, 1, at::kFloat)),
                        center = test::normal({2100, 16}, 2, at::kFloat),
                        weight = leaf(test::normal({16, 16}, 3, at::kFloat));
-      neighbour_max(dense, center, neighbour, weight, test::normal({16}, 4, at::kFloat))
+      neighbour_max(dense, center, neighbour, {weight, test::normal({16}, 4, at::kFloat)})
           .square()
           .sum()
           .backward();
@@ -76,119 +99,9 @@ TEST(TrainedNeighbourMax, RefusesBadInput) {
                    b = test::normal({3}, 3, at::kFloat);
   EXPECT_TRUE(test::throws_saying(
       [&] {
-        neighbour_max(x, x, test::integers(4, {4, 2}, 4), w, b);
+        neighbour_max(x, x, test::integers(4, {4, 2}, 4), {w, b});
       },
       "in multiples of 16"));
-}
-
-/// Slots of patches, and which of them a point takes its result from.
-struct Patches {
-  at::Tensor gather, inverse;
-  int64_t length = 0;
-};
-
-/// Points in a random order; the last patch repeats what slots one patch before hold.
-Patches patches_of(int64_t n, int64_t length) {
-  Patches out;
-  out.length = length;
-  const at::Tensor order = at::argsort(test::normal({n}, 21));
-  const int64_t missing = (length - n % length) % length, end = n / length * length;
-  out.gather =
-      missing == 0 ? order : at::cat({order, order.slice(0, end - missing, end)}).contiguous();
-  out.inverse = at::empty_like(order).scatter_(0, order, at::arange(n, at::kLong));
-  return out;
-}
-
-/// Softmax attention as it is written down, of any dtype.
-at::Tensor plain_attention(const at::Tensor& qkv, const Patches& patches, int64_t heads) {
-  const bool one = !patches.gather.defined();
-  const int64_t length = one ? qkv.size(0) : patches.length, d = qkv.size(1) / 3 / heads;
-  const at::Tensor part = (one ? qkv : qkv.index_select(0, patches.gather))
-                              .view({-1, length, 3, heads, d})
-                              .permute({2, 0, 3, 1, 4});
-  const at::Tensor weight = at::softmax(
-      at::matmul(part[0], part[1].transpose(2, 3)) / std::sqrt(static_cast<double>(d)), -1);
-  const at::Tensor out = at::matmul(weight, part[2]).transpose(1, 2).reshape({-1, qkv.size(1) / 3});
-  return one ? out : out.index_select(0, patches.inverse);
-}
-
-void expect_attention_with_gradient(const at::Tensor& qkv, const Patches& patches, int64_t heads,
-                                    double tolerance) {
-  const at::Tensor exact = wide_leaf(qkv), single = leaf(qkv),
-                   weight = test::normal({qkv.size(0), qkv.size(1) / 3}, 22);
-  const at::Tensor expected = plain_attention(exact, patches, heads),
-                   got = patch_attention(single, patches.gather, patches.inverse, heads,
-                                         patches.length);
-  EXPECT_LT(test::norm_error(got.detach(), expected.detach()), tolerance);
-  expected.backward(weight);
-  got.backward(weight.to(at::kFloat));
-  for (const int64_t part : {0, 1, 2}) {
-    const int64_t C = qkv.size(1) / 3;
-    EXPECT_LT(
-        test::norm_error(single.grad().narrow(1, part * C, C), exact.grad().narrow(1, part * C, C)),
-        tolerance)
-        << "part " << part << ", " << qkv.sizes() << ", heads " << heads << ", patch "
-        << patches.length;
-  }
-}
-
-TEST(TrainedPatchAttention, IsSoftmaxAttentionWithItsGradient) {
-  // Sizes about a block, a panel of keys and a tile of queries.
-  for (const auto& [n, C, heads] : {std::array<int64_t, 3>{2, 4, 1},
-                                    {15, 6, 2},
-                                    {48, 48, 3},
-                                    {49, 40, 2},
-                                    {129, 96, 6},
-                                    {300, 128, 1}}) {
-    expect_attention_with_gradient(2 * test::normal({n, 3 * C}, 20, at::kFloat), {}, heads, 5e-6);
-  }
-}
-
-TEST(TrainedPatchAttention, AddsUpWhatTheSlotsOfAPointHave) {
-  for (const auto& [n, length] : {std::array<int64_t, 2>{10, 4}, {12, 4}, {130, 50}, {200, 150}}) {
-    expect_attention_with_gradient(test::normal({n, 96}, 23, at::kFloat), patches_of(n, length), 2,
-                                   5e-6);
-  }
-}
-
-TEST(TrainedPatchAttention, HasGradientsAtAnyScores) {
-  // Scores of which some are known to be small and some are not, and such as leave one weight.
-  for (const double gain : {0.01, 3.0, 6.0, 40.0}) {
-    at::Tensor qkv = test::normal({150, 96}, 24, at::kFloat);
-    qkv.narrow(1, 0, 32).mul_(gain);
-    qkv.narrow(0, 100, 50).narrow(1, 0, 32).mul_(3);
-    expect_attention_with_gradient(qkv, {}, 2, 5e-6 * std::max(1.0, gain));
-  }
-}
-
-TEST(TrainedPatchAttention, OfOnePointIsItsValue) {
-  const at::Tensor qkv = leaf(test::normal({1, 24}, 25, at::kFloat));
-  const at::Tensor got = patch_attention(qkv, {}, {}, 2, 1);
-  EXPECT_LT(test::norm_error(got.detach(), qkv.detach().narrow(1, 16, 8)), 1e-6);
-  got.sum().backward();
-  EXPECT_NEAR(qkv.grad().narrow(1, 0, 16).abs().max().item<float>(), 0, 1e-5);
-  EXPECT_NEAR(qkv.grad().narrow(1, 16, 8).min().item<float>(), 1, 1e-6);
-  EXPECT_EQ(patch_attention(at::empty({0, 24}, at::kFloat), {}, {}, 2, 1).size(0), 0);
-}
-
-TEST(TrainedPatchAttention, DoesNotDependOnThreads) {
-  const Patches patches = patches_of(330, 100);
-  const auto gradient = [&](int threads) {
-    return test::with_threads(threads, [&] {
-      const at::Tensor qkv = leaf(test::normal({330, 96}, 26, at::kFloat));
-      patch_attention(qkv, patches.gather, patches.inverse, 2, 100).square().sum().backward();
-      return qkv.grad();
-    });
-  };
-  EXPECT_TRUE(at::equal(gradient(1), gradient(3)));
-}
-
-TEST(TrainedPatchAttention, RefusesBadInput) {
-  const at::Tensor qkv = test::normal({4, 12}, 27, at::kFloat);
-  EXPECT_TRUE(
-      test::throws_saying([&] { patch_attention(qkv, {}, {}, 3, 1); }, "divided by 3 heads"));
-  EXPECT_TRUE(
-      test::throws_saying([&] { patch_attention(qkv.to(at::kDouble), {}, {}, 1, 1); }, "float32"));
 }
 
 /// Queries about latents, and all that a decoder reads.
@@ -286,6 +199,43 @@ TEST(TrainedQueryDecoder, AnswersAsInInference) {
                         query_decoder_inference(c.attributes(), c.near(), table, c.weights())));
 }
 
+TEST(TrainedQueryDecoder, InMixedPrecisionAnswersAsInferenceInBfloat16) {
+  for (const DecoderCase& c : {DecoderCase{97, 16, 48, 3, 192, true}, {70, 9, 16, 2, 32, false}}) {
+    const at::Tensor table = neighbour_table(c.keys(), c.keys(18)),
+                     grad = test::normal({c.Q, 3}, 19, at::kFloat);
+    const auto gradients = [&](bool rounds, int threads) {
+      std::vector<at::Tensor> all = {leaf(table)};
+      for (const at::Tensor& t : c.weights().to_list()) all.push_back(leaf(t));
+      DecoderWeights weights = DecoderWeights::from_list(at::TensorList(all).slice(1), c.L);
+      if (rounds) {
+        weights.point.output = with_rounding(weights.point.output);
+        weights.gamma.output = with_rounding(weights.gamma.output);
+        weights.head = {with_rounding(weights.head.hidden), with_rounding(weights.head.output)};
+        for (LayerWeights& layer : weights.layers) {
+          layer.query = with_rounding(layer.query);
+          layer.output = with_rounding(layer.output);
+          layer.ffn = {with_rounding(layer.ffn.hidden), with_rounding(layer.ffn.output)};
+        }
+      }
+      const at::Tensor got = test::with_threads(threads, [&] {
+        const at::Tensor out = query_decoder(c.attributes(), c.near(), all[0], weights);
+        out.backward(grad);
+        return out.detach();
+      });
+      const DecoderWeights half = rounds ? test::in_bf16(c.weights()) : c.weights();
+      EXPECT_TRUE(at::equal(got, query_decoder_inference(c.attributes(), c.near(), table, half)));
+      for (at::Tensor& t : all) t = t.grad();
+      return all;
+    };
+    const std::vector<at::Tensor> exact = gradients(false, 1), got = gradients(true, 1),
+                                  threaded = gradients(true, 3);
+    for (size_t i = 0; i < exact.size(); ++i) {
+      EXPECT_TRUE(is_of_rounding(test::norm_error(got[i], exact[i]))) << "tensor " << i;
+      EXPECT_TRUE(at::equal(got[i], threaded[i])) << "tensor " << i;
+    }
+  }
+}
+
 /// Weights of a norm, of a layer after it, and of one after that.
 std::vector<at::Tensor> block_weights(int64_t C, int64_t width, int64_t outputs) {
   return {test::normal({C}, 22, at::kFloat),
@@ -342,6 +292,48 @@ TEST(TrainedNormLayers, HaveTheGradientsOfTheirDefinitions) {
       return at::linear(normed(t), t[3], t[4]);
     };
     EXPECT_LT(worst_error(in, linear, linear_exact), 5e-6) << "n " << n << ", C " << C;
+  }
+}
+
+TEST(TrainedNormLayers, InMixedPrecisionRoundWhatProductsRead) {
+  for (const auto& [n, C] : {std::array<int64_t, 2>{97, 48}, {40, 16}, {1100, 32}, {30, 144}}) {
+    std::vector<at::Tensor> in = {test::normal({n, C}, 21, at::kFloat)};
+    for (const at::Tensor& t : block_weights(C, 4 * C, C)) in.push_back(t);
+    const auto normed = [](const std::vector<at::Tensor>& t) {
+      return at::layer_norm(t[0], {t[0].size(1)}, t[1], t[2]);
+    };
+    const Formula feed = [](const std::vector<at::Tensor>& t) {
+      return feed_forward(t[0], {t[1], t[2]},
+                          {with_rounding({t[3], t[4]}), with_rounding({t[5], t[6]})});
+    };
+    const Formula feed_exact = [&](const std::vector<at::Tensor>& t) {
+      return t[0] + at::linear(at::gelu(at::linear(normed(t), t[3], t[4])), t[5], t[6]);
+    };
+    EXPECT_TRUE(is_of_rounding(worst_error(in, feed, feed_exact))) << "n " << n << ", C " << C;
+    in.resize(5);
+    const Formula linear = [](const std::vector<at::Tensor>& t) {
+      return norm_linear(t[0], {t[1], t[2]}, with_rounding({t[3], t[4]}));
+    };
+    const auto round = [](const at::Tensor& t) {
+      return t.detach().to(at::kBFloat16).to(at::kDouble);
+    };
+    std::vector<at::Tensor> single, wide;
+    for (const at::Tensor& t : in) {
+      single.push_back(leaf(t));
+      wide.push_back(wide_leaf(t));
+    }
+    const at::Tensor grad = test::normal({n, 4 * C}, 28, at::kFloat), out = linear(single),
+                     x = normed(wide);
+    const at::Tensor exact = at::linear(round(x), round(wide[3]), wide[4].detach());
+    out.backward(grad);
+    x.backward(at::mm(round(grad), round(wide[3])));
+    EXPECT_LT(test::norm_error(out.detach(), exact), 1e-4);
+    for (const size_t i : {0, 1, 2}) {
+      EXPECT_LT(test::norm_error(single[i].grad(), wide[i].grad()), 1e-4) << "argument " << i;
+    }
+    EXPECT_LT(test::norm_error(single[3].grad(), at::mm(round(grad).t(), round(x))), 1e-4);
+    EXPECT_LT(test::norm_error(single[4].grad(), grad.to(at::kDouble).sum(0)), 1e-6)
+        << "not rounded";
   }
 }
 

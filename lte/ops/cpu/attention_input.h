@@ -65,22 +65,8 @@ class AttentionInput {
 
   static constexpr int64_t kQuery = 0, kKey = 1, kValue = 2;
 
-  /// Rows of the patch that begins at slot `first`, as the right factor of a product over
-  /// channels: [blocks of rows, width, kBlock]. Rows past the last are left as they are.
-  void pack_blocks(int64_t first, int64_t part, int64_t head, float* out) const {
-    const int64_t d = width();
-    for (int64_t j = 0; j < length_; ++j) {
-      const float* from = row(first + j, part, head);
-      float* to = out + j / kBlock * d * kBlock + j % kBlock;
-      for (int64_t c = 0; c < d; ++c) to[c * kBlock] = from[c];
-    }
-  }
-  /// The same as the right factor of a product over rows, [length, stride].
-  void pack_rows(int64_t first, int64_t part, int64_t head, int64_t stride, float* out) const {
-    for (int64_t j = 0; j < length_; ++j)
-      std::copy_n(row(first + j, part, head), width(), out + j * stride);
-  }
-  /// Queries [q, q + rows) of that patch times query_scale(), into one panel of a tile.
+  /// Queries [q, q + rows) of the patch that begins at slot `first`, times query_scale(), into one
+  /// panel of a tile.
   void scaled_queries(int64_t first, int64_t q, int64_t rows, int64_t head, float* out) const {
     const float scale = query_scale();
     for (int64_t i = 0; i < rows; ++i) {

@@ -9,16 +9,16 @@
 
 namespace lte::ops {
 
-/// What a thread has summed up of the gradients of y = x Wᵀ + b by W and b.
+/// What a thread has summed up of the gradients of y = x Wᵀ + b by W and b. Of a layer in bfloat16
+/// products read gradients and inputs rounded.
 class LinearGradient {
  public:
-  LinearGradient(int64_t inputs, int64_t outputs)
-      : inputs_(inputs),
-        outputs_(outputs),
-        weight_(static_cast<size_t>(panels_of(inputs) * outputs * kPanel)),
-        bias_(static_cast<size_t>(blocks_of(outputs) * kBlock)) {}
   explicit LinearGradient(const PackedLinear& layer)
-      : LinearGradient(layer.inputs, layer.outputs) {}
+      : inputs_(layer.inputs),
+        outputs_(layer.outputs),
+        in_bf16_(layer.in_bf16()),
+        weight_(static_cast<size_t>(panels_of(inputs_) * outputs_ * kPanel)),
+        bias_(static_cast<size_t>(blocks_of(outputs_) * kBlock)) {}
 
   /// @param grad  by y, [rows, outputs], @param x [rows, inputs], finite to whole blocks
   void add(const Tile& grad, const Tile& x, int64_t rows) {
@@ -28,11 +28,19 @@ class LinearGradient {
   /// The same with panel `p` of x alone; the bias goes with the first.
   void add_panel(const Tile& grad, const float* x, int64_t p, int64_t rows) {
     const int64_t blocks = std::min(blocks_of(inputs_) - p * kPanelBlocks, kPanelBlocks);
+    if (in_bf16_) pair_up(x, rows, blocks, x_pairs_);
     for (int64_t o = 0; o < outputs_; o += kPanel) {
       const float* g = grad.panel(o / kPanel);
       const int64_t count = std::min(kPanel, outputs_ - o);
-      gradient_kernels().multiply_transposed({g, count, rows, x, kPanel, kBlock, nullptr, blocks,
-                                              true, weight_.data() + (p * outputs_ + o) * kPanel});
+      float* to = weight_.data() + (p * outputs_ + o) * kPanel;
+      if (in_bf16_) {
+        pair_up(g, rows, blocks_of(count), grad_pairs_);
+        bf16_kernels().multiply_transposed(grad_pairs_.data(), count, (rows + 1) / 2,
+                                           x_pairs_.data(), blocks, true, to);
+      } else {
+        gradient_kernels().multiply_transposed(
+            {g, count, rows, x, kPanel, kBlock, nullptr, blocks, true, to});
+      }
       if (p == 0) gradient_kernels().sum_columns(g, rows, blocks_of(count), bias_.data() + o);
     }
   }
@@ -51,10 +59,22 @@ class LinearGradient {
   }
 
  private:
+  /// Rows of a panel as pairs of two rows.
+  static void pair_up(const float* panel, int64_t rows, int64_t blocks, std::vector<uint32_t>& to) {
+    to.resize(static_cast<size_t>((rows + 1) / 2 * kPanel));
+    for (int64_t r = 0; r < rows; r += 2) {
+      const float* even = panel + r * kPanel;
+      bf16_kernels().pair_rows(even, r + 1 < rows ? even + kPanel : nullptr, blocks * kBlock,
+                               to.data() + r / 2 * kPanel);
+    }
+  }
+
   static constexpr int64_t kPanelBlocks = kPanel / kBlock;
   int64_t inputs_, outputs_;
+  bool in_bf16_;
   std::vector<float> weight_;  ///< [panels of inputs, outputs, kPanel]
   std::vector<float> bias_;
+  std::vector<uint32_t> grad_pairs_, x_pairs_;  ///< of a tile, in bfloat16
 };
 
 /// Runs of `count` rows that are worked off by themselves, so that sums over rows are the same for

@@ -126,7 +126,7 @@ std::tuple<at::Tensor, at::Tensor, at::Tensor, at::Tensor> neighbour_max_backwar
                                     winner);
   const at::Tensor grad = any_grad.contiguous(), dense = any_dense.contiguous(),
                    center = any_center.contiguous(), neighbour = any_neighbour.contiguous(),
-                   weight = any_weight.contiguous();
+                   weight = any_weight.to(at::kFloat).contiguous();
   const int64_t m = center.size(0), k = neighbour.size(1), C = weight.size(1), O = weight.size(0);
   const RowParts parts(m, kLeastPart);
   at::Tensor by_dense = at::zeros({parts.parts, dense.size(0), C}, dense.options()),

@@ -6,7 +6,6 @@
 #include <ATen/Parallel.h>
 #include <ATen/ops/empty.h>
 #include <ATen/ops/empty_like.h>
-#include <ATen/ops/zeros_like.h>
 #include <torch/library.h>
 
 #include "lte/ops/cpu/tile_layers.h"
@@ -25,12 +24,6 @@ void over_tiles(int64_t begin, int64_t end, const Use& use) {
   for (int64_t first = begin; first < end; first += kNormTile) {
     use(first, std::min(kNormTile, end - first));
   }
-}
-
-std::vector<at::Tensor> zeros_of(at::TensorList weights) {
-  std::vector<at::Tensor> zeros;
-  for (const at::Tensor& t : weights) zeros.push_back(at::zeros_like(t));
-  return zeros;
 }
 
 void clear_rows(Tile& tile, int64_t columns, int64_t rows) {

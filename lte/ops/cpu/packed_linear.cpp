@@ -56,6 +56,7 @@ PackedLinear::PackedLinear(const at::Tensor& w, const at::Tensor& b)
 }
 
 PackedLinear PackedLinear::transposed(const at::Tensor& w) {
+  if (w.scalar_type() == at::kBFloat16) return {w.t(), at::Tensor()};
   PackedLinear out;
   out.inputs = w.size(0);
   out.outputs = w.size(1);

@@ -26,7 +26,7 @@ struct PackedLinear {
   ///           undefined: zero
   PackedLinear(const at::Tensor& w, const at::Tensor& b);
 
-  /// y = x W without bias, of a float32 W.
+  /// y = x W without bias.
   static PackedLinear transposed(const at::Tensor& w);
 
   bool in_bf16() const { return !pairs.empty(); }

@@ -15,6 +15,7 @@
 #include <torch/library.h>
 
 #include "lte/ops/cpu/attention_input.h"
+#include "lte/ops/cpu/head_factors.h"
 #include "lte/ops/cpu/packed_linear.h"
 #include "lte/ops/patch_attention_args.h"
 
@@ -27,10 +28,63 @@ constexpr int64_t kQuery = AttentionInput::kQuery, kKey = AttentionInput::kKey,
 
 struct Work {
   const AttentionInput& input;
+  bool bf16;
   const float* grad;     ///< [n, C]
   const float* out;      ///< [n, C]
   const float* log_sum;  ///< [slots, heads]
   float* by_slot;        ///< [slots, 3C]
+};
+
+/// Gradients by keys or values: sums over queries of scores times rows, for one head of a patch.
+/// They are kept as [panels of keys, d, kPanel], as scores are then the right factor, where they
+/// lie: in bfloat16 their rows become pairs at once.
+class SumsByKey {
+ public:
+  SumsByKey(const AttentionInput& input, bool bf16)
+      : d_(input.width()),
+        length_(input.length()),
+        bf16_(bf16),
+        turned_(static_cast<size_t>(d_ * kPanel)),
+        pairs_(bf16 ? static_cast<size_t>(kTile / 2 * kPanel) : 0),
+        sums_(static_cast<size_t>(panels_of(length_) * d_ * kPanel)) {}
+
+  /// The left factor of the sums to come. @param tile [rows, d], one panel
+  void take(const float* tile, int64_t rows) {
+    rows_ = rows;
+    for (int64_t r = 0; r < rows; ++r) {
+      for (int64_t c = 0; c < d_; ++c) turned_[c * kPanel + r] = tile[r * kPanel + c];
+    }
+  }
+
+  /// Sums of keys [j, j + kPanel) (+)= the tile, transposed, times scores [rows, kPanel].
+  void add(float* scores, int64_t j, bool add) {
+    const int64_t blocks = blocks_of(std::min(kPanel, length_ - j));
+    float* to = sums_.data() + j * d_;
+    if (!bf16_) {
+      dense_kernels().multiply(
+          {turned_.data(), d_, rows_, scores, kPanel, kBlock, nullptr, blocks, add, to});
+      return;
+    }
+    for (int64_t r = 0; r < rows_; r += 2) {
+      const float* even = scores + r * kPanel;
+      bf16_kernels().pair_rows(even, r + 1 < rows_ ? even + kPanel : nullptr, blocks * kBlock,
+                               pairs_.data() + r / 2 * kPanel);
+    }
+    bf16_kernels().multiply(
+        {turned_.data(), d_, rows_, pairs_.data(), kPanel, kBlock, nullptr, blocks, add, to});
+  }
+
+  float at(int64_t key, int64_t channel) const {
+    return sums_[(key / kPanel * d_ + channel) * kPanel + key % kPanel];
+  }
+
+ private:
+  int64_t d_, length_;
+  bool bf16_;
+  int64_t rows_ = 0;
+  std::vector<float> turned_;    ///< [d, kPanel], a column a query
+  std::vector<uint32_t> pairs_;  ///< [kTile / 2, kPanel]
+  std::vector<float> sums_;
 };
 
 /// One thread's working memory.
@@ -41,10 +95,9 @@ class HeadGradient {
         of_(work.input),
         d_(of_.width()),
         length_(of_.length()),
-        width_(blocks_of(d_) * kBlock),
-        key_blocks_(static_cast<size_t>(blocks_of(length_) * kBlock * d_)),
-        value_blocks_(key_blocks_.size()),
-        key_rows_(static_cast<size_t>(length_ * width_)),
+        keys_(of_, work.bf16),
+        values_(of_, work.bf16),
+        key_slots_(of_, work.bf16),
         log_sum_(kTile),
         mean_(kTile),
         query_(kTile, kPanel),
@@ -52,24 +105,26 @@ class HeadGradient {
         weights_(kTile, kPanel),
         by_scores_(kTile, kPanel),
         by_query_(kTile, kPanel),
-        by_key_(length_, kPanel),
-        by_value_(length_, kPanel) {}
+        by_key_(of_, work.bf16),
+        by_value_(of_, work.bf16) {}
 
   void run(int64_t patch, int64_t head) {
     first_ = patch * length_;
     head_ = head;
-    of_.pack_blocks(first_, kKey, head, key_blocks_.data());
-    of_.pack_blocks(first_, kValue, head, value_blocks_.data());
-    of_.pack_rows(first_, kKey, head, width_, key_rows_.data());
+    keys_.pack(first_, kKey, head);
+    values_.pack(first_, kValue, head);
+    key_slots_.pack(first_, kKey, head);
     for (int64_t q = 0; q < length_; q += kTile) {
       const int64_t rows = std::min(kTile, length_ - q);
       take_queries(q, rows);
       for (int64_t j = 0; j < length_; j += kPanel) add_panel(q, rows, j);
       // The scores' gradient is in units of e, so that of a query has the plain factor.
-      put(q, rows, kQuery, 1 / std::sqrt(static_cast<float>(d_)), by_query_.panel(0));
+      put(q, rows, kQuery, 1 / std::sqrt(static_cast<float>(d_)),
+          [&](int64_t i, int64_t c) { return by_query_.panel(0)[i * kPanel + c]; });
     }
-    put(0, length_, kKey, std::numbers::ln2_v<float>, by_key_.panel(0));  // of scaled queries
-    put(0, length_, kValue, 1, by_value_.panel(0));
+    put(0, length_, kKey, std::numbers::ln2_v<float>,  // of scaled queries
+        [&](int64_t i, int64_t c) { return by_key_.at(i, c); });
+    put(0, length_, kValue, 1, [&](int64_t i, int64_t c) { return by_value_.at(i, c); });
   }
 
  private:
@@ -89,47 +144,41 @@ class HeadGradient {
       mean_[static_cast<size_t>(i)] = mean;
       log_sum_[static_cast<size_t>(i)] = work_.log_sum[slot * of_.heads() + head_];
     }
+    by_key_.take(query_.panel(0), rows);
+    by_value_.take(grad_.panel(0), rows);
   }
 
   /// Keys and values [j, j + kPanel) against the tile's queries.
   void add_panel(int64_t q, int64_t rows, int64_t j) {
-    const int64_t keys = std::min(kPanel, length_ - j), blocks = blocks_of(keys),
-                  columns = width_ / kBlock;
     float *weights = weights_.panel(0), *by_scores = by_scores_.panel(0);
-    const auto against = [&](const float* tile, const std::vector<float>& packed, float* out) {
-      dense_kernels().multiply({tile, rows, d_, packed.data() + j * d_, kBlock, d_ * kBlock,
-                                nullptr, blocks, false, out});
-    };
-    against(query_.panel(0), key_blocks_, weights);
-    against(grad_.panel(0), value_blocks_, by_scores);
-    gradient_kernels().attention_gradient(
-        {weights, by_scores, rows, blocks, log_sum_.data(), mean_.data()});
-    dense_kernels().multiply({by_scores, rows, keys, key_rows_.data() + j * width_, width_, kBlock,
-                              nullptr, columns, j > 0, by_query_.panel(0)});
-    gradient_kernels().multiply_transposed({by_scores, keys, rows, query_.panel(0), kPanel, kBlock,
-                                            nullptr, columns, q > 0,
-                                            by_key_.panel(0) + j * kPanel});
-    gradient_kernels().multiply_transposed({weights, keys, rows, grad_.panel(0), kPanel, kBlock,
-                                            nullptr, columns, q > 0,
-                                            by_value_.panel(0) + j * kPanel});
+    keys_.multiply(query_.panel(0), rows, j, weights);
+    values_.multiply(grad_.panel(0), rows, j, by_scores);
+    gradient_kernels().attention_gradient({weights, by_scores, rows,
+                                           blocks_of(std::min(kPanel, length_ - j)),
+                                           log_sum_.data(), mean_.data()});
+    key_slots_.multiply(by_scores, rows, j, j > 0, by_query_.panel(0));
+    by_key_.add(by_scores, j, q > 0);
+    by_value_.add(weights, j, q > 0);
   }
 
-  /// Rows of a tile times `factor` as the gradient of slots [q, q + rows).
-  void put(int64_t q, int64_t rows, int64_t part, float factor, const float* tile) {
+  /// of(row, channel) times `factor` as the gradient of slots [q, q + rows).
+  template <typename Of>
+  void put(int64_t q, int64_t rows, int64_t part, float factor, const Of& of) {
     for (int64_t i = 0; i < rows; ++i) {
       float* to = work_.by_slot + ((first_ + q + i) * 3 + part) * of_.channels() + head_ * d_;
-      for (int64_t c = 0; c < d_; ++c) to[c] = tile[i * kPanel + c] * factor;
+      for (int64_t c = 0; c < d_; ++c) to[c] = of(i, c) * factor;
     }
   }
 
   const Work& work_;
   const AttentionInput& of_;
   int64_t d_, length_;
-  int64_t width_;  ///< d, rounded up to whole blocks
   int64_t first_ = 0, head_ = 0;
-  std::vector<float> key_blocks_, value_blocks_, key_rows_;
+  ChannelFactor keys_, values_;
+  SlotFactor key_slots_;
   std::vector<float> log_sum_, mean_;
-  Tile query_, grad_, weights_, by_scores_, by_query_, by_key_, by_value_;
+  Tile query_, grad_, weights_, by_scores_, by_query_;
+  SumsByKey by_key_, by_value_;
 };
 
 /// Sums what the slots of each point have: its own first, then those that repeat it.
@@ -155,15 +204,19 @@ at::Tensor patch_attention_backward_cpu(const at::Tensor& any_grad, const at::Te
                                         const at::Tensor& out, const at::Tensor& log_sum,
                                         const std::optional<at::Tensor>& gather,
                                         const std::optional<at::Tensor>& inverse, int64_t heads,
-                                        int64_t patch) {
+                                        int64_t patch, bool bf16) {
   check_patch_attention_args("patch_attention_backward", qkv, gather, inverse, heads, patch);
   const AttentionInput input(qkv, gather, inverse, heads, patch);
   if (input.points() == 0) return at::zeros_like(qkv);
   const at::Tensor grad = any_grad.contiguous();
   check_patch_attention_backward_args(grad, out, log_sum, input.slots(), qkv, heads);
   at::Tensor by_slot = at::empty({input.slots(), qkv.size(1)}, qkv.options());
-  const Work work{input, grad.const_data_ptr<float>(), out.const_data_ptr<float>(),
-                  log_sum.const_data_ptr<float>(), by_slot.data_ptr<float>()};
+  const Work work{input,
+                  bf16,
+                  grad.const_data_ptr<float>(),
+                  out.const_data_ptr<float>(),
+                  log_sum.const_data_ptr<float>(),
+                  by_slot.data_ptr<float>()};
   at::parallel_for(0, input.patches() * heads, 1, [&](int64_t begin, int64_t end) {
     HeadGradient head(work);
     for (int64_t i = begin; i < end; ++i) head.run(i / heads, i % heads);

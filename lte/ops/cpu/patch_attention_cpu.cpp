@@ -22,6 +22,7 @@
 #include <torch/library.h>
 
 #include "lte/ops/cpu/attention_input.h"
+#include "lte/ops/cpu/head_factors.h"
 #include "lte/ops/cpu/packed_linear.h"
 #include "lte/ops/patch_attention_args.h"
 
@@ -48,27 +49,19 @@ class HeadAttention {
         of_(work.input),
         d_(of_.width()),
         length_(of_.length()),
-        width_(blocks_of(d_) * kBlock),
+        keys_(of_, work.bf16),
+        values_(of_, work.bf16),
         query_(kTile, kPanel),
         scores_(kTile, length_),
         answer_(kTile, kPanel),
         inverse_sum_(kTile),
         largest_(kTile),
-        sum_(kTile * kBlock) {
-    const int64_t keys = blocks_of(length_) * kBlock;
-    if (work.bf16) {
-      key_pairs_.resize(static_cast<size_t>(keys * half(d_)));
-      value_pairs_.resize(static_cast<size_t>(half(length_) * width_));
-      keys_.resize(static_cast<size_t>(d_ * kBlock));  // one block, on the way into pairs
-    } else {
-      keys_.resize(static_cast<size_t>(keys * d_));
-      values_.resize(static_cast<size_t>(length_ * width_));
-    }
-  }
+        sum_(kTile * kBlock) {}
 
   void run(int64_t patch, int64_t head) {
     const int64_t first = patch * length_;
-    pack(first, head);
+    keys_.pack(first, AttentionInput::kKey, head);
+    values_.pack(first, AttentionInput::kValue, head);
     longest_key_ = 0;
     for (int64_t j = 0; j < length_; ++j) {
       const float square =
@@ -82,67 +75,6 @@ class HeadAttention {
   }
 
  private:
-  static int64_t half(int64_t n) { return (n + 1) / 2; }
-
-  /// Keys as [blocks of keys, d, kBlock], values as [keys, d], padded to whole blocks.
-  void pack(int64_t first, int64_t head) {
-    if (work_.bf16) {
-      pack_in_pairs(first, head);
-      return;
-    }
-    of_.pack_blocks(first, AttentionInput::kKey, head, keys_.data());
-    of_.pack_rows(first, AttentionInput::kValue, head, width_, values_.data());
-  }
-
-  /// Keys as [blocks of keys, ⌈d / 2⌉, kBlock] pairs of channels, values as [⌈keys / 2⌉, d] pairs
-  /// of keys.
-  void pack_in_pairs(int64_t first, int64_t head) {
-    const int64_t d = d_, length = length_;
-    for (int64_t j = 0; j < length; j += kBlock) {
-      float* block = keys_.data();
-      for (int64_t i = 0; i < std::min(kBlock, length - j); ++i) {
-        const float* key = of_.row(first + j + i, AttentionInput::kKey, head);
-        for (int64_t c = 0; c < d; ++c) block[c * kBlock + i] = key[c];
-      }
-      uint32_t* to = key_pairs_.data() + j * half(d);
-      for (int64_t c = 0; c < d; c += 2) {
-        const float* even = block + c * kBlock;
-        bf16_kernels().pair_rows(even, c + 1 < d ? even + kBlock : nullptr, kBlock,
-                                 to + c / 2 * kBlock);
-      }
-    }
-    for (int64_t j = 0; j < length; j += 2) {
-      const float* odd =
-          j + 1 < length ? of_.row(first + j + 1, AttentionInput::kValue, head) : nullptr;
-      bf16_kernels().pair_rows(of_.row(first + j, AttentionInput::kValue, head), odd, d,
-                               value_pairs_.data() + j / 2 * width_);
-    }
-  }
-
-  /// scores (rows × keys [j, j + kPanel)) = query · keys.
-  void score(int64_t rows, int64_t j, float* out) {
-    const int64_t d = d_, blocks = blocks_of(std::min(kPanel, length_ - j));
-    if (work_.bf16) {
-      bf16_kernels().multiply({query_.panel(0), rows, d, key_pairs_.data() + j * half(d), kBlock,
-                               half(d) * kBlock, nullptr, blocks, false, out});
-    } else {
-      dense_kernels().multiply({query_.panel(0), rows, d, keys_.data() + j * d, kBlock, d * kBlock,
-                                nullptr, blocks, false, out});
-    }
-  }
-
-  /// answer += weights of keys [j, j + kPanel) · values.
-  void weigh(int64_t rows, int64_t j, const float* weights) {
-    const int64_t count = std::min(kPanel, length_ - j), blocks = width_ / kBlock;
-    if (work_.bf16) {
-      bf16_kernels().multiply({weights, rows, count, value_pairs_.data() + j / 2 * width_, width_,
-                               kBlock, nullptr, blocks, j > 0, answer_.panel(0)});
-    } else {
-      dense_kernels().multiply({weights, rows, count, values_.data() + j * width_, width_, kBlock,
-                                nullptr, blocks, j > 0, answer_.panel(0)});
-    }
-  }
-
   /// Queries [q, q + rows) of the patch that begins at slot `first`.
   void attend(int64_t first, int64_t q, int64_t rows, int64_t head) {
     of_.scaled_queries(first, q, rows, head, query_.panel(0));
@@ -166,9 +98,9 @@ class HeadAttention {
   void weigh_panels(int64_t rows) {
     std::fill_n(sum_.begin(), rows * kBlock, 0.0f);
     for (int64_t j = 0; j < length_; j += kPanel) {
-      score(rows, j, scores_.panel(0));
+      keys_.multiply(query_.panel(0), rows, j, scores_.panel(0));
       dense_kernels().raise(scores_.panel(0), rows, std::min(kPanel, length_ - j), sum_.data());
-      weigh(rows, j, scores_.panel(0));
+      values_.multiply(scores_.panel(0), rows, j, j > 0, answer_.panel(0));
     }
     for (int64_t i = 0; i < rows; ++i) {
       float sum = 0;
@@ -180,18 +112,19 @@ class HeadAttention {
 
   /// The same with scores of any size, row by row.
   void weigh_rows(int64_t rows) {
-    for (int64_t j = 0; j < length_; j += kPanel) score(rows, j, scores_.panel(j / kPanel));
+    for (int64_t j = 0; j < length_; j += kPanel)
+      keys_.multiply(query_.panel(0), rows, j, scores_.panel(j / kPanel));
     dense_kernels().exponentiate(scores_.panel(0), rows, scores_.panel_stride(), length_,
                                  inverse_sum_.data(), largest_.data());
-    for (int64_t j = 0; j < length_; j += kPanel) weigh(rows, j, scores_.panel(j / kPanel));
+    for (int64_t j = 0; j < length_; j += kPanel)
+      values_.multiply(scores_.panel(j / kPanel), rows, j, j > 0, answer_.panel(0));
   }
 
   const Work& work_;
   const AttentionInput& of_;
   int64_t d_, length_;
-  int64_t width_;  ///< d, rounded up to whole blocks
-  std::vector<float> keys_, values_;
-  std::vector<uint32_t> key_pairs_, value_pairs_;  ///< in bfloat16, instead
+  ChannelFactor keys_;
+  SlotFactor values_;
   Tile query_, scores_, answer_;
   std::vector<float> inverse_sum_, largest_;  ///< by query: of weights 2^(score - largest)
   std::vector<float> sum_;                    ///< [kTile, kBlock], parts of the sums of weights
@@ -222,11 +155,11 @@ at::Tensor patch_attention_inference_cpu(const at::Tensor& qkv,
 std::tuple<at::Tensor, at::Tensor> patch_attention_cpu(const at::Tensor& qkv,
                                                        const std::optional<at::Tensor>& gather,
                                                        const std::optional<at::Tensor>& inverse,
-                                                       int64_t heads, int64_t patch) {
+                                                       int64_t heads, int64_t patch, bool bf16) {
   check_patch_attention_args("patch_attention", qkv, gather, inverse, heads, patch);
   const AttentionInput input(qkv, gather, inverse, heads, patch);
   at::Tensor log_sum = at::empty({input.slots(), heads}, qkv.options());
-  at::Tensor out = attend(input, false, qkv, log_sum.data_ptr<float>());
+  at::Tensor out = attend(input, bf16, qkv, log_sum.data_ptr<float>());
   return {out, log_sum};
 }
 

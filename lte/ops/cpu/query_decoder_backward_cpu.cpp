@@ -13,7 +13,6 @@
 
 #include <ATen/Parallel.h>
 #include <ATen/ops/empty.h>
-#include <ATen/ops/zeros_like.h>
 #include <torch/library.h>
 
 #include "lte/ops/cpu/decoder_sums.h"
@@ -316,10 +315,9 @@ std::tuple<at::Tensor, std::vector<at::Tensor>> query_decoder_backward_cpu(
                           anchor_normal.value_or(at::Tensor())},
                          table, weights);
   const int64_t Q = in.sizes.queries, blocks = blocks_of(in.sizes.channels);
-  check_query_decoder_backward_args(any_grad, sums, in.sizes, weights);
+  check_query_decoder_backward_args(any_grad, sums, in.sizes);
   const at::Tensor grad = any_grad.contiguous();
-  std::vector<at::Tensor> by_weights;
-  for (const at::Tensor& t : list) by_weights.push_back(at::zeros_like(t));
+  const std::vector<at::Tensor> by_weights = zeros_of(list);
   at::Tensor by_sums = at::empty(sums.sizes(), sums.options()),
              positions =
                  at::empty({Q * in.sizes.neighbours, blocks * kBlock}, attributes.options());

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <ATen/core/Tensor.h>
+#include <ATen/ops/zeros.h>
 
 #include "lte/ops/cpu/linear_gradient.h"
 #include "lte/ops/cpu/packed_linear.h"
@@ -36,6 +37,14 @@ struct Layer {
   explicit Layer(const LinearWeights& w)
       : forward(w.weight, w.bias), backward(PackedLinear::transposed(w.weight)) {}
 };
+
+/// What gradients by `weights` are added up in: float32, whatever products read.
+inline std::vector<at::Tensor> zeros_of(at::TensorList weights) {
+  std::vector<at::Tensor> zeros;
+  for (const at::Tensor& t : weights)
+    zeros.push_back(at::zeros(t.sizes(), t.options().dtype(at::kFloat)));
+  return zeros;
+}
 
 struct Perceptron {
   Layer hidden, output;
