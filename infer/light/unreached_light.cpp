@@ -83,16 +83,14 @@ std::vector<int> unreached_by(const pathtrace::Bvh& bvh, std::span<const Vec3> p
 
 }  // namespace
 
-std::vector<int> unreached_groups(const pathtrace::Bvh& bvh, std::span<const Vec3> position,
-                                  std::span<const Vec3> normal, uint64_t seed) {
+std::vector<int> unreached_groups(const pathtrace::Bvh& bvh, const Asked& asked, uint64_t seed) {
+  if (const auto* cameras = std::get_if<std::vector<scene::Camera>>(&asked)) {
+    const Places seen = seen_places(bvh, *cameras);
+    return unreached_by(bvh, seen.position, seen.normal, kPaths, seed);
+  }
+  const auto& [position, normal] = std::get<SurfacePlaces>(asked);
   const auto share = static_cast<int>(kAllPaths / std::max<size_t>(position.size(), 1));
   return unreached_by(bvh, position, normal, std::max(kLeastPaths, share), seed);
-}
-
-std::vector<int> unreached_groups(const pathtrace::Bvh& bvh, std::span<const scene::Camera> cameras,
-                                  uint64_t seed) {
-  const Places seen = seen_places(bvh, cameras);
-  return unreached_by(bvh, seen.position, seen.normal, kPaths, seed);
 }
 
 std::vector<std::string> names_of(const scene::Scene& scene, std::span<const int> groups) {
@@ -102,11 +100,13 @@ std::vector<std::string> names_of(const scene::Scene& scene, std::span<const int
 }
 
 std::string left_out_note(const scene::Scene& scene, std::span<const int> groups,
-                          std::string_view what) {
+                          const Asked& asked) {
   std::string names;
   for (const std::string& name : names_of(scene, groups))
     names += concat(names.empty() ? "" : ", ", name);
-  return concat("the network is not told of light that does not reach ", what, " (", names,
+  const bool places = std::holds_alternative<SurfacePlaces>(asked);
+  return concat("the network is not told of light that does not reach ",
+                places ? "the points" : "what is seen", " (", names,
                 "); --prune off tells it of all");
 }
 

@@ -7,7 +7,7 @@
 #include <functional>
 #include <span>
 #include <string>
-#include <string_view>
+#include <variant>
 #include <vector>
 
 #include "lte/pathtrace/bvh.h"
@@ -17,25 +17,29 @@
 
 namespace lte::infer {
 
-/// The light groups of which nothing arrives at places on surfaces, by some 28,000 paths of five
-/// hits in all and four from each place at least, with a light sample at every hit that draws all
-/// groups alike. What one path in 30,000 would find may be missed: it then counts as none.
-/// @param position, normal  of the places; normals unit, towards the side that is asked about
-/// @return  in order; empty without places
-std::vector<int> unreached_groups(const pathtrace::Bvh& bvh, std::span<const Vec3> position,
-                                  std::span<const Vec3> normal, uint64_t seed);
+/// Places on surfaces, of others' memory.
+struct SurfacePlaces {
+  std::span<const Vec3> position;
+  std::span<const Vec3> normal;  ///< unit, towards the side that is asked about
+};
 
-/// The same of some 400 places that cameras see, 64 paths from each; empty where no surface is
-/// seen.
-std::vector<int> unreached_groups(const pathtrace::Bvh& bvh, std::span<const scene::Camera> cameras,
-                                  uint64_t seed);
+/// What a network is asked about: what cameras see, or places.
+using Asked = std::variant<std::vector<scene::Camera>, SurfacePlaces>;
+
+/// The light groups of which nothing arrives at what is asked about, by some 28,000 paths of five
+/// hits in all and four from each place at least, with a light sample at every hit that draws all
+/// groups alike. What one path in 30,000 would find may be missed: it then counts as none. Of
+/// cameras these are the paths from some 400 places that they see, 64 from each.
+/// @return  in order; empty without places, and where no surface is seen
+std::vector<int> unreached_groups(const pathtrace::Bvh& bvh, const Asked& asked, uint64_t seed);
 
 /// The names of light groups, for a report.
 std::vector<std::string> names_of(const scene::Scene& scene, std::span<const int> groups);
 
-/// A line to people: that the network is not told of light that does not reach `what`, and which.
+/// A line to people: that the network is not told of light that does not reach what is asked about,
+/// and which.
 std::string left_out_note(const scene::Scene& scene, std::span<const int> groups,
-                          std::string_view what);
+                          const Asked& asked);
 
 /// Keeps the points whose light group (kNone for those of surfaces) `keeps` is for.
 void keep_points(const std::function<bool(int group)>& keeps, scene::SurfaceSamples* samples);

@@ -75,15 +75,6 @@ pathtrace::ProbeResult trace(const ProbeRequest& request, const Renderer& render
   return pathtrace::probe(renderer.bvh(), renderer.lights(), points, options);
 }
 
-/// The light groups that bring no light to the points.
-std::vector<int> unreached_light(const ProbeRequest& request, const scene::PointTable& points,
-                                 const Renderer& renderer) {
-  std::vector<int> groups =
-      unreached_groups(renderer.bvh(), points.position, points.normal, request.seed);
-  if (!groups.empty()) log_info(left_out_note(renderer.bvh().scene(), groups, "the points"));
-  return groups;
-}
-
 /// The network's answers by as many embeddings as --draws says; by one that is read from a file,
 /// that alone.
 Draws ask(const ProbeRequest& request, const runtime::Network& network,
@@ -92,8 +83,8 @@ Draws ask(const ProbeRequest& request, const runtime::Network& network,
                                           runtime::MemoryLimit(request.tool.max_memory_mb));
   const int count = request.embedding.load.empty() ? request.embedding.draws : 1;
   settings.draws = 1;  // one after the other, as their spread tells too
-  if (settings.prunes(network) && !request.embedding.has_file())  // a file's is for any points
-    settings.unreached = unreached_light(request, points, *renderer);
+  leave_out_unreached(request.embedding, renderer->bvh(), network,
+                      SurfacePlaces{points.position, points.normal}, &settings);
   Draws draws;
   for (int i = 0; i < count; ++i, ++settings.seed) {
     if (i == 0) {

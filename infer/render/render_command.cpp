@@ -6,7 +6,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "infer/light/unreached_light.h"
 #include "infer/light/untrained_light.h"
 #include "infer/render/edit_frames.h"
 #include "infer/render/frame_io.h"
@@ -204,29 +203,13 @@ int64_t scene_points(const RenderRequest& request, const runtime::Network& netwo
                                             : network.metadata().scene_points;
 }
 
-/// The light groups that bring no light to what the views see.
-std::vector<int> unreached_light(const RenderRequest& request, const std::vector<View>& views,
-                                 const Renderer& renderer) {
-  std::vector<scene::Camera> cameras;
-  cameras.reserve(views.size());
-  for (const View& view : views) cameras.push_back(view.camera);
-  std::vector<int> groups = unreached_groups(renderer.bvh(), cameras, request.seed);
-  if (!groups.empty()) log_info(left_out_note(renderer.bvh().scene(), groups, "what is seen"));
-  return groups;
-}
-
 void embed(const RenderRequest& request, const std::vector<View>& views,
            const runtime::Network& network, const runtime::MemoryLimit& memory,
            Renderer* renderer) {
   EmbedSettings settings = embed_settings(request.embedding, request.seed, memory);
   settings.record_attention = request.output == "attention";
-  double search = 0;
-  if (settings.prunes(network) &&
-      !request.embedding.has_file()) {  // a file's embedding is for any view
-    const Timer timer;
-    settings.unreached = unreached_light(request, views, *renderer);
-    search = timer.seconds();
-  }
+  const double search = leave_out_unreached(request.embedding, renderer->bvh(), network,
+                                            cameras_of(views), &settings);
   provide_embedding(request.embedding, network, settings, renderer);
   renderer->seconds().sample += search;
   memory.check("encoding the scene", {runtime::Remedy::FewerScenePoints});

@@ -135,6 +135,13 @@ std::vector<View> turntable_views(const pathtrace::Bvh& bvh, const std::string& 
   return views;
 }
 
+std::vector<scene::Camera> cameras_of(const std::vector<View>& views) {
+  std::vector<scene::Camera> cameras;
+  cameras.reserve(views.size());
+  for (const View& view : views) cameras.push_back(view.camera);
+  return cameras;
+}
+
 void check_in_view(const scene::Scene& scene, const Bounds& bounds, const std::vector<View>& views,
                    float aspect) {
   if (scene.environment || bounds.empty()) return;

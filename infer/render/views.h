@@ -32,6 +32,9 @@ std::vector<View> choose_views(const pathtrace::Bvh& bvh, const std::string& cam
 std::vector<View> turntable_views(const pathtrace::Bvh& bvh, const std::string& camera, int count,
                                   const std::string& out, uint64_t seed, float aspect);
 
+/// Those of the views, in order.
+std::vector<scene::Camera> cameras_of(const std::vector<View>& views);
+
 /// Refuses cameras that can see nothing at all: those whose pyramid of view misses the bounds of
 /// the scene. A scene with an environment shows that instead.
 /// @throws lte::Error naming the camera.

@@ -57,6 +57,24 @@ EmbedSettings embed_settings(const EmbeddingFlags& flags, uint64_t seed,
   return settings;
 }
 
+std::vector<int> left_out_light(const EmbeddingFlags& flags, const pathtrace::Bvh& bvh,
+                                const runtime::Network& network, const EmbedSettings& settings,
+                                const Asked& asked) {
+  if (flags.has_file()) return {};
+  return left_out_light(bvh, network, settings, asked);
+}
+
+double leave_out_unreached(const EmbeddingFlags& flags, const pathtrace::Bvh& bvh,
+                           const runtime::Network& network, const Asked& asked,
+                           EmbedSettings* settings) {
+  const Timer timer;
+  settings->unreached = left_out_light(flags, bvh, network, *settings, asked);
+  const double seconds = flags.has_file() ? 0 : timer.seconds();
+  if (!settings->unreached.empty())
+    log_info(left_out_note(bvh.scene(), settings->unreached, asked));
+  return seconds;
+}
+
 runtime::EmbeddingKey embedding_key(const scene::Scene& scene, const runtime::Network& network,
                                     const EmbedSettings& settings) {
   const scene::Fingerprint print = fingerprint(scene);

@@ -5,9 +5,11 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
+#include "infer/renderer/left_out_light.h"
 #include "infer/renderer/renderer.h"
 #include "lte/cli/command_files.h"
 #include "lte/runtime/embedding_file.h"
@@ -36,6 +38,18 @@ void claim_embedding(const EmbeddingFlags& flags, CommandFiles* files);
 
 EmbedSettings embed_settings(const EmbeddingFlags& flags, uint64_t seed,
                              const runtime::MemoryLimit& memory);
+
+/// left_out_light() of an embedding of these flags: nothing where a file has it, as that answers
+/// whatever another command asks.
+std::vector<int> left_out_light(const EmbeddingFlags& flags, const pathtrace::Bvh& bvh,
+                                const runtime::Network& network, const EmbedSettings& settings,
+                                const Asked& asked);
+
+/// Has the settings leave that light out, and says so in a line.
+/// @return  seconds that it was looked for
+double leave_out_unreached(const EmbeddingFlags& flags, const pathtrace::Bvh& bvh,
+                           const runtime::Network& network, const Asked& asked,
+                           EmbedSettings* settings);
 
 /// Everything but network and precision that an embedding of Renderer::embed() depends on: the
 /// fingerprint of the scene, and how its points are drawn.

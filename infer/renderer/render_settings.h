@@ -82,7 +82,7 @@ struct EmbedSettings {
   /// Draw scene points only where light reaches them (lte/pathtrace/reach/reach.h); by default as
   /// in the model's training.
   std::optional<bool> prune;
-  /// Light groups that bring no light to what will be asked about (unreached_groups()). Where
+  /// Light groups that bring no light to what will be asked about (left_out_light()). Where
   /// points are pruned, the network is not told of them.
   std::vector<int> unreached;
   runtime::MemoryLimit memory;    ///< of encoding, and of every later picture's decoding

@@ -53,7 +53,7 @@ struct TwoRooms {
 
 std::vector<int> unreached(const TwoRooms& rooms, const std::vector<scene::Camera>& cameras) {
   const pathtrace::Bvh bvh(rooms.scene);
-  return unreached_groups(bvh, cameras, 0);
+  return unreached_groups(bvh, Asked(cameras), 0);
 }
 
 TEST(UnreachedLight, IsThatOfOtherRoomsAndOfTheSkyOutside) {
@@ -86,22 +86,24 @@ TEST(UnreachedLight, OfPointsIsThatOfEachOfThem) {
   // However many points there are beside the one that it reaches.
   for (const size_t in_the_first : {1, 20000}) {
     std::vector<Vec3> position(in_the_first, Vec3{1, 0, 1}), normal(in_the_first, up);
-    EXPECT_THAT(unreached_groups(bvh, position, normal, 0),
+    EXPECT_THAT(unreached_groups(bvh, SurfacePlaces{position, normal}, 0),
                 ElementsAre(rooms.other_lamp, rooms.sky));
     position.push_back({11, 0, 1});
     normal.push_back(up);
-    EXPECT_THAT(unreached_groups(bvh, position, normal, 0), ElementsAre(rooms.sky));
+    EXPECT_THAT(unreached_groups(bvh, SurfacePlaces{position, normal}, 0), ElementsAre(rooms.sky));
   }
-  EXPECT_THAT(unreached_groups(bvh, std::vector<Vec3>(), std::vector<Vec3>(), 0), IsEmpty());
+  EXPECT_THAT(unreached_groups(bvh, SurfacePlaces{}, 0), IsEmpty());
 }
 
 TEST(UnreachedLight, HasNames) {
   const TwoRooms rooms;
   const std::array groups = {rooms.other_lamp, rooms.sky};
   EXPECT_THAT(names_of(rooms.scene, groups), ElementsAre("light1", "the sky"));
-  EXPECT_EQ(left_out_note(rooms.scene, groups, "the points"),
+  EXPECT_EQ(left_out_note(rooms.scene, groups, SurfacePlaces{}),
             "the network is not told of light that does not reach the points (light1, the sky); "
             "--prune off tells it of all");
+  EXPECT_THAT(left_out_note(rooms.scene, groups, std::vector{TwoRooms::inside()}),
+              testing::HasSubstr("does not reach what is seen (light1, the sky)"));
 }
 
 /// What a network answers at the floor of the first room.
