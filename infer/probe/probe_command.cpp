@@ -75,16 +75,25 @@ pathtrace::ProbeResult trace(const ProbeRequest& request, const Renderer& render
   return pathtrace::probe(renderer.bvh(), renderer.lights(), points, options);
 }
 
-/// The network's answers by as many embeddings as --draws says; by one that is read from a file,
-/// that alone.
-Draws ask(const ProbeRequest& request, const runtime::Network& network,
-          const scene::PointTable& points, const std::vector<Rgb>& albedo, Renderer* renderer) {
+/// What the network is told of the scene. Warns of light in it that the network does not know.
+EmbedSettings told_of(const ProbeRequest& request, const runtime::Network& network,
+                      const scene::PointTable& points, const Renderer& renderer) {
   EmbedSettings settings = embed_settings(request.embedding, request.seed,
                                           runtime::MemoryLimit(request.tool.max_memory_mb));
+  leave_out_unreached(request.embedding, renderer.bvh(), network,
+                      SurfacePlaces{points.position, points.normal}, &settings);
+  const std::string note =
+      untrained_light_note(renderer.bvh().scene(), network.metadata(), settings.unreached);
+  if (!note.empty()) log_warning(note);
+  return settings;
+}
+
+/// The network's answers by as many embeddings as --draws says; by one that is read from a file,
+/// that alone.
+Draws ask(const ProbeRequest& request, const runtime::Network& network, EmbedSettings settings,
+          const scene::PointTable& points, const std::vector<Rgb>& albedo, Renderer* renderer) {
   const int count = request.embedding.load.empty() ? request.embedding.draws : 1;
   settings.draws = 1;  // one after the other, as their spread tells too
-  leave_out_unreached(request.embedding, renderer->bvh(), network,
-                      SurfacePlaces{points.position, points.normal}, &settings);
   Draws draws;
   for (int i = 0; i < count; ++i, ++settings.seed) {
     if (i == 0) {
@@ -98,9 +107,10 @@ Draws ask(const ProbeRequest& request, const runtime::Network& network,
 }
 
 Answer ask_network(const ProbeRequest& request, const runtime::Network& network,
-                   const scene::PointTable& points, Renderer* renderer) {
+                   const EmbedSettings& settings, const scene::PointTable& points,
+                   Renderer* renderer) {
   const PointAlbedo surface = albedo_at(renderer->bvh(), points);
-  const Draws draws = ask(request, network, points, surface.albedo, renderer);
+  const Draws draws = ask(request, network, settings, points, surface.albedo, renderer);
   Answer answer{trace(request, *renderer, points),
                 {},
                 {},
@@ -199,8 +209,6 @@ std::optional<runtime::Network> load_network(const ProbeRequest& request, const 
   runtime::Network network(checkpoint_or_shipped(request.checkpoint),
                            {device, choose_precision(request.tool.precision, device)});
   network.check_fits(max_component(scene::point_bounds(scene).extent()), request.embedding.rescale);
-  const std::string note = untrained_light_note(scene, network.metadata());
-  if (!note.empty()) log_warning(note);
   return network;
 }
 
@@ -254,14 +262,16 @@ void run_probe(const ProbeRequest& request) {
   const std::optional<runtime::Network> network =
       load_network(request, scene, renderer.has_light());
   files.check_what_was_read();
+  EmbedSettings settings;
+  if (network) settings = told_of(request, *network, points, renderer);
   if (request.validate_only) {
     std::printf("%s: valid scene, %lld triangles, %zu light groups\n", request.scene.c_str(),
                 static_cast<long long>(scene.triangle_count()), scene.light_groups.size());
     return;
   }
   const Answer answer = !renderer.has_light() ? darkness(request, points)
-                        : network             ? ask_network(request, *network, points, &renderer)
-                                              : ask_paths(request, renderer, points);
+                        : network ? ask_network(request, *network, settings, points, &renderer)
+                                  : ask_paths(request, renderer, points);
   say(request, answer, points.size());
   write(request, points, answer, timer.seconds());
 }

@@ -163,10 +163,12 @@ void claim_views(const RenderRequest& request, const std::vector<View>& views,
   files->check();
 }
 
-/// The network if this picture needs one. Where the scene has light that it has never seen, paths
+/// The network if these pictures need one. Where it is told of light that it has never seen, paths
 /// answer in its place, unless the flag says otherwise.
-std::optional<runtime::Network> load_network(const RenderRequest& request, const Renderer& renderer,
-                                             RenderSettings* settings, TableSettings* table) {
+std::optional<runtime::Network> load_network(const RenderRequest& request,
+                                             const std::vector<View>& views,
+                                             const Renderer& renderer, RenderSettings* settings,
+                                             TableSettings* table) {
   const PictureNeeds needs = renderer.needs(*settings);
   // An edit may bring light to a scene without any.
   const bool may_come = request.edit.any() && settings->mode == Mode::Neural &&
@@ -185,11 +187,15 @@ std::optional<runtime::Network> load_network(const RenderRequest& request, const
       runtime::NetworkOptions{device, choose_precision(request.tool.precision, device)});
   const scene::Scene& scene = renderer.bvh().scene();
   if (looks_inside || !has_untrained_light(scene, network->metadata())) return network;
+  const std::vector<int> left_out =
+      left_out_light(request.embedding, renderer.bvh(), *network,
+                     embed_settings(request.embedding, request.seed, {}), cameras_of(views));
+  if (!has_untrained_light(scene, network->metadata(), left_out)) return network;
   if (request.untrained_light == "network") {
-    log_warning(untrained_light_note(scene, network->metadata()));
+    log_warning(untrained_light_note(scene, network->metadata(), left_out));
     return network;
   }
-  log_info(traced_light_note(scene, gathers ? table->paths : settings->spp));
+  log_info(traced_light_note(scene, gathers ? table->paths : settings->spp, left_out));
   if (gathers) {
     table->light = TableLight::Raw;
   } else {
@@ -375,7 +381,7 @@ void run_render(const RenderRequest& request) {
                 "(--environment 1,1,1 or --add-light auto gives it some)");
   TableSettings table = table_settings(request.gather, settings.max_depth, settings.seed);
   const std::optional<runtime::Network> network =
-      load_network(request, renderer, &settings, &table);
+      load_network(request, views, renderer, &settings, &table);
   files.check_what_was_read();
   renderer.seconds().load = total.seconds();
   const runtime::MemoryLimit memory(request.tool.max_memory_mb);

@@ -42,7 +42,7 @@ std::shared_ptr<const runtime::SceneEmbedding> Renderer::encode(const runtime::N
                                                       settings.seed, &pruned, {}, left_out_);
   pruned_points_.drawn += pruned.drawn;
   pruned_points_.pruned += pruned.pruned;
-  leave_out_untrained_suns(bvh_.scene(), network.metadata(), &samples);
+  leave_out_untrained_suns(bvh_.scene(), network.metadata(), &samples, left_out_);
   seconds_.sample += timer.seconds();
   timer.restart();
   const LitSamples lit = add_light_estimates(bvh_, lights_, std::move(samples),

@@ -82,6 +82,11 @@ TEST_F(Tools, LightThatReachesNothingSeenIsNamedAndLeftOut) {
   EXPECT_THAT(text, AllOf(HasSubstr("is not told of light"), HasSubstr("--prune off")));
   EXPECT_EQ(left_out("off", &text), 0u);
   EXPECT_THAT(text, testing::Not(HasSubstr("is not told of light")));
+  const std::string unknown = "the model was trained without such light";
+  EXPECT_EQ(left_out("on --environment 1,1,1", &text), 2u);
+  EXPECT_THAT(text, testing::Not(HasSubstr(unknown))) << "the network does not meet the sky";
+  EXPECT_EQ(left_out("off --environment 1,1,1", &text), 0u);
+  EXPECT_THAT(text, HasSubstr(unknown));
 }
 
 TEST_F(Tools, LightThatTheModelHasNeverSeenIsTracedInItsPlace) {

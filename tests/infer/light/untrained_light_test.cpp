@@ -54,6 +54,21 @@ TEST(UntrainedLight, AnEnvironmentIsNamedUntilAModelHasSeenSkies) {
   EXPECT_FALSE(has_untrained_light(scene, model));
 }
 
+TEST(UntrainedLight, IsNoneThatTheNetworkIsNotToldOf) {
+  scene::Scene scene = test::dark_room();
+  scene.name = "attic";
+  test::add_punctual(&scene, scene::LightKind::Directional, {1, 1, 1});
+  test::add_punctual(&scene, scene::LightKind::Directional, {1, 1, 1});
+  const nn::ModelMetadata model;
+  const std::vector<int> one = {scene.lights[0].light_group};
+  const std::vector<int> both = {one[0], scene.lights[1].light_group};
+  EXPECT_TRUE(has_untrained_light(scene, model, one));
+  EXPECT_THAT(untrained_light_note(scene, model, one),
+              testing::HasSubstr("attic: 1 directional light,"));
+  EXPECT_FALSE(has_untrained_light(scene, model, both));
+  EXPECT_EQ(untrained_light_note(scene, model, both), "");
+}
+
 TEST(UntrainedLight, SunsLeaveThePointsOfAModelThatKnowsNoneWhereOtherLightShines) {
   scene::Scene scene = test::dark_room();
   test::add_punctual(&scene, scene::LightKind::Directional, {1, 1, 1});

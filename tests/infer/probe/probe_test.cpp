@@ -102,6 +102,20 @@ TEST_F(ProbeTool, TheAlbedoIsThatOfTheSurfaceAtThePoint) {
   EXPECT_EQ(found.off_surface, 1);
 }
 
+TEST_F(ProbeTool, WarnsOfUntrainedLightThatTheNetworkIsToldOf) {
+  test::save_tiny_model("tiny.safetensors", {.scene_points = 400, .pruned = true});
+  const std::string ask = "room.glb --points in.csv --out out.csv --environment 1,1,1 ";
+  test::write_text("in.csv", "px,py,pz,nx,ny,nz\n1,0,0.2,0,1,0\n");
+  const std::string unknown = "the model was trained without such light";
+  const auto said = [&](const std::string& flags) {
+    const CommandOutcome run = probe(ask + flags, "--threads 1");
+    EXPECT_EQ(run.code, 0) << run.err;
+    return run.err + run.out;
+  };
+  EXPECT_THAT(said(""), testing::Not(testing::HasSubstr(unknown)));
+  EXPECT_THAT(said("--prune off"), testing::HasSubstr(unknown));
+}
+
 TEST_F(ProbeTool, ASkyOutsideAClosedRoomChangesNoAnswer) {
   test::save_tiny_model(
       "tiny.safetensors",
