@@ -55,14 +55,15 @@ double pixels_of(const RenderSettings& settings) {
 
 /// The picture without its paths.
 RenderSettings base_of(RenderSettings settings) {
-  settings.gather.paths = 0;
+  settings.correction_paths = 0;
   return settings;
 }
 
 GatherRates measure_gather_rates(const RenderSettings& base, double pixels,
                                  const scene::Camera& camera, Renderer* renderer) {
   RenderSettings probe = probe_settings(base, pixels, kRateRays);
-  probe.gather = {kRateRays, 1, 0, image::OidnQuality::Fast};
+  probe.gather = {kRateRays, 1, image::OidnQuality::Fast};
+  probe.correction_paths = 0;
   renderer->render(camera, probe);  // the denoiser's library is loaded once
   const Frame frame = renderer->render(camera, probe);
   const StageSeconds seconds = renderer->seconds();
@@ -74,7 +75,7 @@ GatherRates measure_gather_rates(const RenderSettings& base, double pixels,
   rates.ray_s = seconds.direct / rays;
   rates.gather_s = seconds.gather / rays;
   rates.denoise_s = seconds.denoise / (2 * hits);
-  probe.gather.paths = 2;
+  probe.correction_paths = 2;
   // The denoiser of paths is set up once, too. Quicker pictures have no time for any.
   if (pixels >= kRatePixels) renderer->render(camera, probe);
   renderer->render(camera, probe);
@@ -146,20 +147,21 @@ void choose_pace(double seconds, const GatherRates& rates, const GivenFlags& giv
   pace.least = by_hand ? 1 : kLeastRays;
   pace.most = by_hand ? 1 : kMostRungRays;
   choice->paced = true;
-  settings.gather.paths = paths ? std::max(2, settings.gather.paths) : 0;
+  settings.correction_paths = paths ? std::max(2, settings.correction_paths) : 0;
 }
 
 /// The same where all counts are chosen ahead: of irradiance alone.
 void count_paths(double seconds, const GatherRates& rates, RenderSettings* settings) {
   const double left = seconds - predicted_gather_seconds(*settings, rates);
   const double paths = left / (pixels_of(*settings) * (1 + kRoom) * std::max(rates.path_s, 1e-12));
-  settings->gather.paths += 2 * static_cast<int>(std::clamp(paths, 0.0, double{kMostPaths}) / 2);
+  settings->correction_paths +=
+      2 * static_cast<int>(std::clamp(paths, 0.0, double{kMostPaths}) / 2);
 }
 
 }  // namespace
 
 double predicted_gather_seconds(const RenderSettings& settings, const GatherRates& rates) {
-  const int paths = settings.gather.paths;
+  const int paths = settings.correction_paths;
   return base_seconds(settings, rates).sum() +
          pixels_of(settings) * (1 + kRoom) *
              (rates.path_s * paths + (paths > 0 ? rates.finish_s : 0));

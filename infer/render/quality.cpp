@@ -26,7 +26,7 @@ QualitySettings quality_settings(Quality quality) {
       out.answers.tolerance = 0.2f;
       out.answers.contact_radius = -1;
       out.answered_share = 0.05;
-      out.gather = {8, 2, 0, image::OidnQuality::Fast, /*direct=*/true};
+      out.gather = {8, 2, image::OidnQuality::Fast, /*direct=*/true};
       out.large_step = 4;
       out.large_rays = 6;
       out.gather_direct_samples = 8;
@@ -39,7 +39,7 @@ QualitySettings quality_settings(Quality quality) {
       out.answers.tolerance = 0.1f;
       out.answers.contact_radius = -1;
       out.answered_share = 0.1;
-      out.gather = {16, 2, 0, image::OidnQuality::Balanced};
+      out.gather = {16, 2, image::OidnQuality::Balanced};
       out.gather_direct_samples = out.direct_samples;
       out.gather_antialias = kAntialias;
       break;
@@ -48,7 +48,8 @@ QualitySettings quality_settings(Quality quality) {
       out.antialias = kAntialias;
       out.sparse = false;
       out.answered_share = 0.2;
-      out.gather = {32, 2, 8, image::OidnQuality::High};
+      out.gather = {32, 2, image::OidnQuality::High};
+      out.correction_paths = 8;
       out.gather_direct_samples = out.direct_samples;
       out.gather_antialias = kAntialias;
       break;

@@ -31,6 +31,7 @@ struct QualitySettings {
   /// Share of the pixels that is answered where sparse answers are in force, about: for plans.
   double answered_share = 1;
   GatherSettings gather;          ///< of gathered light; its step where sparse answers are in force
+  int correction_paths = 0;       ///< --correction-paths of gathered light; the network's has none
   int large_step = 2;             ///< that step for pictures of more than kLargePicture pixels
   int large_rays = 0;             ///< gather and shadow rays of those; 0: as of others
   int gather_antialias = 0;       ///< --aa of gathered light

@@ -66,10 +66,11 @@ nlohmann::json sparse_json(const RenderSettings& settings) {
 nlohmann::json gather_json(const RenderSettings& settings, const Frame& frame) {
   if (settings.mode != Mode::Neural || settings.indirect != Indirect::Gather) return false;
   const PicturePace* pace = settings.gather.pace;
-  return {{"rays", pace ? pace->mean_gather_rays() : double{1} * settings.gather.rays},
-          {"correction_paths", settings.output == Output::Full ? frame.correction_paths
-                                                               : double{1} * settings.gather.paths},
-          {"pixels", frame.decoded}};
+  return {
+      {"rays", pace ? pace->mean_gather_rays() : double{1} * settings.gather.rays},
+      {"correction_paths", settings.output == Output::Full ? frame.correction_paths
+                                                           : double{1} * settings.correction_paths},
+      {"pixels", frame.decoded}};
 }
 
 /// Shadow rays a pixel; a mean where a pace has chosen them.

@@ -71,8 +71,7 @@ RenderSettings settings_of(const RenderRequest& request) {
   settings.layers = keeps_layers(request.out) || settings.output == Output::Attention;
   settings.indirect = request.gather.by;
   if (request.given.gather_rays) settings.gather.rays = request.gather.rays;
-  if (request.given.correction_paths)
-    settings.correction_paths = settings.gather.paths = request.gather.paths;
+  if (request.given.correction_paths) settings.correction_paths = request.gather.paths;
   return with_quality(parse_enum<Quality>("--quality", request.quality),
                       parse_enum<Sparse>("--sparse", request.sparse), request.given, settings);
 }

@@ -60,7 +60,7 @@ RenderSettings with_quality(Quality quality, Sparse sparse, const GivenFlags& gi
   if (!given.antialias) base.antialias = gathers ? chosen.gather_antialias : chosen.antialias;
   base.gather.quality = chosen.gather.quality;
   if (!given.gather_rays) base.gather.rays = chosen.gather.rays;
-  if (!given.correction_paths) base.gather.paths = chosen.gather.paths;
+  if (!given.correction_paths) base.correction_paths = gathers ? chosen.correction_paths : 0;
   base.sparse.reset();
   base.gather.step = 1;
   const bool on = sparse == Sparse::On || (sparse == Sparse::Auto && chosen.sparse);

@@ -60,8 +60,8 @@ void gather(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                             request.sum};
   const GatherRows rows{hits,         request.pixel_size, request.skip_metal,
                         request.kept, request.projection, request.first_row};
-  GatheredCentres light =
-      gather_centres(scene, rows, request.gather, direct, request.gather_denoiser);
+  GatheredCentres light = gather_centres(scene, rows, request.gather, direct,
+                                         request.correction_paths, request.gather_denoiser);
   out->indirect = std::move(light.indirect);
   out->total = std::move(light.total);
   if (direct.shadow_rays > 0) out->direct = std::move(light.direct);

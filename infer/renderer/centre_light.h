@@ -27,6 +27,7 @@ struct CentreRequest {
   /// Without paths: what indirect light is gathered from, and with how many rays; null: none is.
   const gi::RadiosityTable* table = nullptr;
   GatherSettings gather;
+  int correction_paths = 0;  ///< from each centre, that correct what is gathered
   /// With gather.direct: direct and indirect light in one picture, CentreLight::total.
   bool sum = false;
   KeptViews* kept = nullptr;             ///< of what is gathered; null: pictures share nothing

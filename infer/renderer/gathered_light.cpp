@@ -39,12 +39,13 @@ constexpr uint64_t kGather = 31, kAlone = 32, kHalves = 33, kStillAlone = 34;
 class Gatherer {
  public:
   Gatherer(const GatherScene& scene, const GatherRows& rows, const GatherSettings& settings,
-           const GatherDirect& direct, const image::Denoiser* denoiser)
+           const GatherDirect& direct, int correction_paths, const image::Denoiser* denoiser)
       : scene_(scene),
         of_(rows),
         hits_(rows.hits),
         settings_(settings),
         direct_(direct),
+        correction_paths_(correction_paths),
         denoiser_(denoiser),
         grid_(settings.step, hits_.width, hits_.height),
         reflects_(hits_.mask.size()) {
@@ -85,7 +86,7 @@ class Gatherer {
     if (shared_) shared_->keep();
     out_.fill_seconds += timer.seconds();
     if (settings_.step > 1) fill();
-    if (settings_.paths > 0) correct();  // of irradiance alone
+    if (correction_paths_ > 0) correct();  // of irradiance alone
     return std::move(out_);
   }
 
@@ -259,7 +260,7 @@ class Gatherer {
       const PointLight light =
           light_points({scene_.bvh, scene_.lights, none, scene_.max_depth,
                         hash_combine(hash_combine(scene_.seed, kHalves), h)},
-                       points, {std::max(1, settings_.paths / 2), 0}, 0, &work);
+                       points, {std::max(1, correction_paths_ / 2), 0}, 0, &work);
       for (size_t k = 0; k < points.size(); ++k)
         half[h].set_rgb(points.pixel[k], light.indirect[k]);
     }
@@ -274,6 +275,7 @@ class Gatherer {
   const pathtrace::GBuffer& hits_;
   const GatherSettings& settings_;
   const GatherDirect& direct_;
+  const int correction_paths_;
   const image::Denoiser* denoiser_;
   PictureGrid grid_;
   gi::PixelSurfaces surfaces_;
@@ -291,15 +293,13 @@ void check_gather_settings(const GatherSettings& settings) {
   LTE_CHECK(settings.rays >= 1, "gather: rays must be at least 1, got ", settings.rays);
   LTE_CHECK(step >= 1 && step <= 64 && (step & (step - 1)) == 0,
             "gather: step must be a power of two up to 64, got ", step);
-  LTE_CHECK(settings.paths >= 0 && settings.paths % 2 == 0,
-            "gather: paths must be an even number, got ", settings.paths);
 }
 
 GatheredCentres gather_centres(const GatherScene& scene, const GatherRows& rows,
                                const GatherSettings& settings, const GatherDirect& direct,
-                               const image::Denoiser* denoiser) {
+                               int correction_paths, const image::Denoiser* denoiser) {
   check_gather_settings(settings);
-  return Gatherer(scene, rows, settings, direct, denoiser).run();
+  return Gatherer(scene, rows, settings, direct, correction_paths, denoiser).run();
 }
 
 }  // namespace lte::infer

@@ -19,10 +19,6 @@ struct GatherSettings {
   /// Points at every so many columns and rows: a power of two. Pixels in between take their light
   /// from those on their surface, and have rays of their own where there are none.
   int step = 1;
-  /// Paths a pixel that correct the answer; an even number, 0 for none. A full picture is corrected
-  /// by paths through whole pixels (pixel_correction.h), irradiance alone by paths from their
-  /// centres (path_correction.h).
-  int paths = 0;
   image::OidnQuality quality = image::OidnQuality::High;  ///< of the denoiser
   /// Direct light is sampled at these points alone, too.
   bool direct = false;
@@ -61,9 +57,11 @@ struct GatheredCentres {
   double path_seconds = 0, denoise_seconds = 0, fill_seconds = 0;
 };
 
-/// @param denoiser  null: noise stays
+/// @param correction_paths  from each pixel's centre that correct indirect light; an even number, 0
+///                          for none
+/// @param denoiser          null: noise stays
 GatheredCentres gather_centres(const GatherScene& scene, const GatherRows& rows,
                                const GatherSettings& settings, const GatherDirect& direct,
-                               const image::Denoiser* denoiser);
+                               int correction_paths, const image::Denoiser* denoiser);
 
 }  // namespace lte::infer

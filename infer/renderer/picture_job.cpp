@@ -29,6 +29,8 @@ PictureJob::PictureJob(const PictureSources& sources, const scene::Camera& camer
     : from_(sources), camera_(camera), settings_(settings), needs_(needs) {
   LTE_CHECK(settings.width > 0 && settings.height > 0, "size ", settings.width, "x",
             settings.height, ": both sides must be positive");
+  LTE_CHECK(settings.correction_paths >= 0 && settings.correction_paths % 2 == 0,
+            "correction paths must be an even number, got ", settings.correction_paths);
   LTE_CHECK(!needs.network || settings.answerer || !from_.draws.empty(),
             "this output needs a model: embed() comes first");
   LTE_CHECK(!needs.table || from_.table != nullptr,
@@ -76,8 +78,9 @@ CentreRequest PictureJob::centre_request(const PictureRows& strip) {
   request.pixel_size = pathtrace::pixel_size(camera_, settings_.height);
   request.skip_metal = needs_.metal == Metal::Trace;
   // Without layers nobody asks which light is which.
-  request.sum = !settings_.layers && settings_.gather.paths == 0;
-  if (needs_.corrects_pixels()) request.gather.paths = 0;  // they come when edges are there too
+  request.sum = !settings_.layers && settings_.correction_paths == 0;
+  // Those of whole pixels come when edges are there, too.
+  if (!needs_.corrects_pixels()) request.correction_paths = settings_.correction_paths;
   if (!needs_.keeps_light) return request;
   request.kept = from_.kept;
   request.projection.emplace(camera_, settings_.width, settings_.height);

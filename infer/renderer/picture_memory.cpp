@@ -64,7 +64,7 @@ double picture_mb(const RenderSettings& settings) {
   const double bands = (pixels * frame + std::max(pixels * writing, band * work)) / kMib;
   const PictureNeeds needs = needs_of(settings, /*has_light=*/true, /*total=*/false);
   if (!needs.centres && !needs.corrects_pixels()) return bands;
-  const bool corrects_points = settings.gather.paths > 0 && !needs.corrects_pixels();
+  const bool corrects_points = settings.correction_paths > 0 && !needs.corrects_pixels();
   const double gather = !needs.table      ? 0
                         : corrects_points ? kGatherBytes + kCorrectionBytes
                                           : kGatherBytes;

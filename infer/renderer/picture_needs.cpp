@@ -16,8 +16,7 @@ Metal metal_of(const RenderSettings& settings, bool has_light) {
 /// None of a total model's pictures, which have no layer of indirect light.
 int correction_paths(const RenderSettings& settings, const PictureNeeds& needs, bool total) {
   if (settings.output != Output::Full) return 0;
-  if (needs.table) return settings.gather.paths;
-  return needs.network && !total ? settings.correction_paths : 0;
+  return needs.table || (needs.network && !total) ? settings.correction_paths : 0;
 }
 
 bool samples_centres(const RenderSettings& settings, const PictureNeeds& needs) {

@@ -41,8 +41,10 @@ struct RenderSettings {
   /// make_table() have found is taken where this one shows the same surfaces, and what it finds is
   /// kept (kept_views.h). So a picture depends on those before it.
   bool keep_light = false;
-  /// Of Indirect::Network, for full pictures by a model of indirect light: paths through each whole
-  /// pixel that correct the picture (pixel_correction.h); an even number, 0 for none.
+  /// Paths a pixel that correct indirect light; an even number, 0 for none. A full picture of
+  /// Indirect::Gather, or by a network of indirect light alone, is corrected by paths through whole
+  /// pixels (pixel_correction.h), what is gathered of irradiance alone by paths from their centres
+  /// (path_correction.h). Other pictures have none.
   int correction_paths = 0;
   int direct_samples = 64;  ///< shadow rays a pixel
   /// Share them out over pixels, more where penumbrae are: direct_samples is their mean.

@@ -89,7 +89,7 @@ Method gathered_final(int paths) {
   settings.indirect = Indirect::Gather;
   settings.denoise = Denoise::Auto;
   settings = with_quality(Quality::Final, Sparse::Auto, {}, settings);
-  if (paths >= 0) settings.gather.paths = paths;
+  if (paths >= 0) settings.correction_paths = paths;
   return gather_method(
       paths < 0 ? "gather-final" : concat("gather-final-", paths), "gather-final",
       concat("as --quality final", paths < 0 ? "" : concat(" --correction-paths ", paths)),

@@ -27,7 +27,7 @@ RenderSettings base() {
 const GatherRates kRates{0.2e-6, 0.3e-6, 0.5e-6, 1.5e-6, 1e-6, 2e-6, 0};
 
 double base_seconds(RenderSettings settings) {
-  settings.gather.paths = 0;
+  settings.correction_paths = 0;
   return predicted_gather_seconds(settings, kRates);
 }
 
@@ -47,7 +47,7 @@ TEST(GatherPlan, QualitiesTakeLongerFromStepToStep) {
   }
   EXPECT_EQ(ladder.back().quality, Quality::Final);
   EXPECT_EQ(ladder.back().settings.gather.step, 1);
-  EXPECT_GT(ladder.back().settings.gather.paths, 0) << "final has no floor";
+  EXPECT_GT(ladder.back().settings.correction_paths, 0) << "final has no floor";
 }
 
 TEST(GatherPlan, TimeBeyondAPictureIsForPaths) {
@@ -59,7 +59,7 @@ TEST(GatherPlan, TimeBeyondAPictureIsForPaths) {
     const GatherChoice choice = choose_rung(factor * preview_s, 0, kRates, ladder, {});
     EXPECT_EQ(choice.rung.quality, Quality::Preview) << "paths find more than Final's rays";
     EXPECT_EQ(choice.rung.settings.gather.rays, preview.settings.gather.rays);
-    EXPECT_GT(choice.rung.settings.gather.paths, 0);
+    EXPECT_GT(choice.rung.settings.correction_paths, 0);
     EXPECT_TRUE(choice.pace.paths);
     EXPECT_GT(choice.pace.rough_first, 0);
     EXPECT_LE(pixels * choice.pace.base_s, 0.65 * factor * preview_s);
@@ -70,7 +70,7 @@ TEST(GatherPlan, TimeBeyondAPictureIsForPaths) {
   const double least = base_seconds(ladder.front().settings);
   const GatherChoice quick = choose_rung(1.05 * least, 0, kRates, ladder, {});
   EXPECT_FALSE(quick.pace.paths);
-  EXPECT_EQ(quick.rung.settings.gather.paths, 0) << "so both lights are denoised at once";
+  EXPECT_EQ(quick.rung.settings.correction_paths, 0) << "so both lights are denoised at once";
   EXPECT_NEAR(pixels * quick.pace.base_s, 1.05 * least, 1e-9);
   EXPECT_GT(quick.pace.most, 1);
   EXPECT_LT(quick.pace.least, 1);
@@ -85,15 +85,15 @@ TEST(GatherPlan, CountsByHandAreKept) {
   GivenFlags given;
   given.correction_paths = true;
   const GatherChoice choice = choose_rung(8 * final_s, 0, kRates, ladder, given);
-  EXPECT_EQ(choice.rung.settings.gather.paths, ladder.back().settings.gather.paths);
+  EXPECT_EQ(choice.rung.settings.correction_paths, ladder.back().settings.correction_paths);
   // Paths of irradiance alone are counted ahead.
   RenderSettings light = base();
   light.output = Output::Irradiance;
   const GatherChoice ahead =
       choose_rung(8 * final_s, 0, kRates, gather_ladder(Sparse::Auto, {}, light), {});
   EXPECT_FALSE(ahead.paced);
-  EXPECT_GT(ahead.rung.settings.gather.paths, 8);
-  EXPECT_EQ(ahead.rung.settings.gather.paths % 2, 0);
+  EXPECT_GT(ahead.rung.settings.correction_paths, 8);
+  EXPECT_EQ(ahead.rung.settings.correction_paths % 2, 0);
   EXPECT_LE(predicted_gather_seconds(ahead.rung.settings, kRates), 8 * final_s);
   EXPECT_GT(predicted_gather_seconds(ahead.rung.settings, kRates), 0.9 * 8 * final_s);
 }
@@ -108,14 +108,15 @@ TEST(GatherPlan, TooLittleTimeIsRefusedInOneLine) {
 
 TEST(GatherPlan, FlagsByHandWin) {
   RenderSettings mine = base();
-  mine.gather = {5, 1, 6};
+  mine.gather = {5, 1};
+  mine.correction_paths = 6;
   mine.direct_samples = 7;
   mine.antialias = 3;
   const RenderSettings draft =
       with_quality(Quality::Draft, Sparse::Off, {true, true, true, true, true}, mine);
   EXPECT_EQ(draft.gather.rays, 5);
   EXPECT_EQ(draft.gather.step, 1);
-  EXPECT_EQ(draft.gather.paths, 6);
+  EXPECT_EQ(draft.correction_paths, 6);
   EXPECT_GT(with_quality(Quality::Final, Sparse::On, {}, mine).gather.step, 1);
   RenderSettings large = base();
   large.width = large.height = 1024;
@@ -134,6 +135,16 @@ TEST(GatherPlan, FlagsByHandWin) {
   EXPECT_FALSE(with_quality(Quality::Final, Sparse::Auto, {}, mine).gather.direct);
 }
 
+TEST(GatherPlan, AQualityCorrectsGatheredLightAlone) {
+  RenderSettings settings = base();
+  EXPECT_EQ(with_quality(Quality::Final, Sparse::Auto, {}, settings).correction_paths, 8);
+  settings.indirect = Indirect::Network;
+  EXPECT_EQ(with_quality(Quality::Final, Sparse::Auto, {}, settings).correction_paths, 0);
+  settings.correction_paths = 6;
+  const GivenFlags given{.correction_paths = true};
+  EXPECT_EQ(with_quality(Quality::Final, Sparse::Auto, given, settings).correction_paths, 6);
+}
+
 TEST(GatherPlan, APictureOfALongBudgetHasMorePathsThanFinal) {
   const scene::Scene scene = test::furnished_room();
   Renderer renderer(scene);
@@ -149,7 +160,7 @@ TEST(GatherPlan, APictureOfALongBudgetHasMorePathsThanFinal) {
   ASSERT_NE(plan.gather_pace, nullptr);
   EXPECT_EQ(plan.settings.gather.pace, plan.gather_pace.get());
   EXPECT_GT(renderer.render(camera, plan.settings).correction_paths,
-            quality_settings(Quality::Final).gather.paths);
+            quality_settings(Quality::Final).correction_paths);
   EXPECT_THAT([&] { plan_gathered(1e-9, clock, Sparse::Auto, {}, settings, camera, &renderer); },
               ThrowsMessage<Error>(HasSubstr("--table-points")));
 }

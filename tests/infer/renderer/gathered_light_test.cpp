@@ -165,7 +165,7 @@ TEST(GatheredLight, CorrectedByPathsItFallsToTheirNoiseAndHasNoFloor) {
       error(renderer.render(into_the_room(), settings).indirect, wanted.indirect).rms;
   double before = alone;
   for (const int paths : {32, 256, 1024}) {
-    settings.gather.paths = paths;
+    settings.correction_paths = paths;
     const double now =
         error(renderer.render(into_the_room(), settings).indirect, wanted.indirect).rms;
     EXPECT_LT(now, before) << paths;
@@ -365,10 +365,9 @@ TEST(GatheredLight, NeedsATableAndForTheNetworksAnEmbedding) {
 }
 
 TEST(GatheredLight, RefusesSettingsOutOfRange) {
-  EXPECT_THROW(check_gather_settings({0, 1, 0}), Error);
-  EXPECT_THROW(check_gather_settings({1, 3, 0}), Error);
-  EXPECT_THROW(check_gather_settings({1, 1, 3}), Error);
-  EXPECT_NO_THROW(check_gather_settings({1, 4, 2}));
+  EXPECT_THROW(check_gather_settings({0, 1}), Error);
+  EXPECT_THROW(check_gather_settings({1, 3}), Error);
+  EXPECT_NO_THROW(check_gather_settings({1, 4}));
 }
 
 /// Light of one bounce has no indirect part, and a dark scene none at all.

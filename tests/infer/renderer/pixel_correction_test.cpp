@@ -36,7 +36,7 @@ RenderSettings gathered(int width, int height, int paths) {
   RenderSettings out;
   out.indirect = Indirect::Gather;
   out.gather.rays = 8;
-  out.gather.paths = paths;
+  out.correction_paths = paths;
   out.direct_samples = 8;
   out.denoise = Denoise::Auto;
   out.width = width;
