@@ -2,9 +2,11 @@
 
 #include <utility>
 
+#include "infer/light/unreached_light.h"
 #include "infer/render/video.h"
 #include "infer/session/state.h"
 #include "lte/base/check.h"
+#include "lte/base/log.h"
 
 namespace lte::infer {
 namespace {
@@ -15,6 +17,11 @@ nlohmann::json edit_json(const EditReport& report) {
           {"encode_ms", report.encode_ms},      {"total_ms", report.total_ms},
           {"encodings", report.encodings},      {"layers", report.layers},
           {"points_drawn", report.points_drawn}};
+}
+
+SessionSettings seen_from(SessionSettings settings, const std::vector<View>& views) {
+  settings.cameras = cameras_of(views);
+  return settings;
 }
 
 }  // namespace
@@ -39,9 +46,9 @@ std::vector<View> edit_views(const EditScript& script, const scene::Scene& scene
 
 EditedFrames::EditedFrames(EditScript script, const std::vector<View>& all,
                            const scene::Scene& scene, std::optional<runtime::Network> network,
-                           const SessionSettings& settings, const TableSettings& table)
+                           SessionSettings settings, const TableSettings& table)
     : script_(std::move(script)),
-      session_(scene, std::move(network), settings),
+      session_(scene, std::move(network), seen_from(std::move(settings), all)),
       player_(script_, &session_),
       table_(table) {
   for (size_t i = 0; i < all.size(); ++i) frame_of_[all[i].out] = static_cast<int>(i);
@@ -50,8 +57,20 @@ EditedFrames::EditedFrames(EditScript script, const std::vector<View>& all,
 Frame EditedFrames::render(const View& view, const RenderSettings& settings, nlohmann::json* report,
                            StageSeconds* seconds) {
   *report = edit_json(player_.go_to(frame_of_.at(view.out)));
+  say_left_out();
+  (*report)["left_out_lights"] = left_out_;
   if (settings.indirect == Indirect::Gather) return gather(view, settings, seconds);
   return session_.state()->render(view.camera, settings, seconds);
+}
+
+/// Where that has changed, a line names the light that the network is not told of.
+void EditedFrames::say_left_out() {
+  const StatePtr state = session_.state();
+  const std::vector<int> groups = state->left_out();
+  std::vector<std::string> names = names_of(state->scene(), groups);
+  if (names == left_out_) return;
+  left_out_ = std::move(names);
+  if (!groups.empty()) log_info(left_out_note(state->scene(), groups, state->parts().cameras));
 }
 
 Frame EditedFrames::gather(const View& view, const RenderSettings& settings,

@@ -29,12 +29,13 @@ std::vector<View> edit_views(const EditScript& script, const scene::Scene& scene
 /// Renders the frames of a script, in order.
 class EditedFrames {
  public:
-  /// Encodes the scene.
+  /// Encodes the scene, without light that reaches nothing that any frame sees: so a frame does not
+  /// depend on which others are made, and a camera that moves has nothing encoded anew.
   /// @param all      the views of every frame, in order
   /// @param network  none for Indirect::Gather
   /// @param table    of Indirect::Gather; made anew for each frame that an edit has changed
   EditedFrames(EditScript script, const std::vector<View>& all, const scene::Scene& scene,
-               std::optional<runtime::Network> network, const SessionSettings& settings,
+               std::optional<runtime::Network> network, SessionSettings settings,
                const TableSettings& table);
 
   /// Plays the script up to the frame of `view` and renders it.
@@ -47,6 +48,7 @@ class EditedFrames {
   void finish(const EditFlags& flags, const std::string& pattern);
 
  private:
+  void say_left_out();
   Frame gather(const View& view, const RenderSettings& settings, StageSeconds* seconds);
 
   EditScript script_;
@@ -54,6 +56,7 @@ class EditedFrames {
   EditPlayer player_;
   TableSettings table_;
   std::map<std::string, int> frame_of_;  ///< by file name
+  std::vector<std::string> left_out_;    ///< that a line has named last
   std::optional<Renderer> gatherer_;     ///< of the state `gathered_`, which its table is of
   StatePtr gathered_;
 };

@@ -54,14 +54,13 @@ gi::Answerer PictureJob::decoder() const {
 }
 
 void PictureJob::decode(const PictureBand& band, BandLight* light) {
-  LTE_CHECK(!from_.draws.empty(), "this output needs a model: embed() comes first");
   const Timer timer;
   const gi::Answerer answerer = settings_.answerer ? settings_.answerer : decoder();
   SparseLight answers = settings_.sparse ? light_sparsely(band, *settings_.sparse, answerer)
                                          : light_everywhere(band, answerer);
   light->decoded = answers.answers;
-  (from_.draws.network().predicts_total() ? light->total : light->indirect) =
-      std::move(answers.irradiance);
+  const bool total = !from_.draws.empty() && from_.draws.network().predicts_total();
+  (total ? light->total : light->indirect) = std::move(answers.irradiance);
   seconds_.decode += timer.seconds();
 }
 

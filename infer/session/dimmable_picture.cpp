@@ -23,10 +23,21 @@ std::shared_ptr<const Draft> lit_by(const Draft& draft, const std::vector<int>& 
   return out;
 }
 
-/// The layer `number` of a state, its light alone.
+/// What the network makes of the light of some groups; null if it is told of none of it.
+std::shared_ptr<const LightLayer> encoding_of(const SessionState::Parts& state,
+                                              const std::vector<int>& groups) {
+  for (const ScaledLayer& each : state.layers) {
+    for (const int group : groups) {
+      const int light = state.draft->settings[static_cast<size_t>(group)].label.id;
+      if (std::ranges::count(each.layer->lights, light) > 0) return each.layer;
+    }
+  }
+  return nullptr;
+}
+
+/// A state with the light of some groups alone.
 std::shared_ptr<const SessionState::Parts> layer_alone(const SessionState::Parts& state,
-                                                       const std::vector<int>& groups,
-                                                       size_t number) {
+                                                       const std::vector<int>& groups) {
   auto alone = std::make_shared<SessionState::Parts>();
   alone->base = state.base;
   alone->draft = lit_by(*state.draft, groups);
@@ -36,7 +47,7 @@ std::shared_ptr<const SessionState::Parts> layer_alone(const SessionState::Parts
   alone->bvh = traced.bvh;
   alone->lights = traced.lights;
   alone->asks_network = state.asks_network;  // decided for the whole picture
-  if (alone->asks_network) alone->layers = {{state.layers[number].layer}};
+  if (auto encoding = encoding_of(state, groups)) alone->layers = {{std::move(encoding)}};
   return alone;
 }
 
@@ -70,8 +81,8 @@ DimmablePicture::DimmablePicture(StatePtr state, Output output, int64_t pixels)
     layers_.push_back({std::shared_ptr<const SessionState::Parts>(made_for_, &parts), 0, {}});
     return;
   }
-  for (size_t i = 0; i < groups.size(); ++i)
-    layers_.push_back({layer_alone(parts, groups[i].groups, i), groups[i].groups.front(), {}});
+  for (const LightGroups& each : groups)
+    layers_.push_back({layer_alone(parts, each.groups), each.groups.front(), {}});
 }
 
 bool DimmablePicture::fits(const SessionState& state) const {

@@ -114,14 +114,15 @@ GroupedPoints draw_points(const pathtrace::Bvh& bvh, const pathtrace::Lights& li
   const bool whole = accuracy == Accuracy::Full;
   const int64_t all = settings.scene_points > 0 ? settings.scene_points : model.scene_points;
   const int64_t count = whole ? all : std::max<int64_t>(1, all / kDraftShare);
-  const bool prune = settings.prune.value_or(model.scene_points_pruned);
+  const bool prune = settings.prunes(network);
   GroupedPoints out;
   Timer timer;
   pathtrace::ReachRecall recall{before.points != nullptr ? &before.points->reach : nullptr,
                                 before.changed, &out.reach};
   if (!whole) recall.rounds = kDraftRounds;
   recall.check = check;
-  out.surface = sample_scene_points(bvh, count, prune, settings.seed, &out.pruned, recall);
+  out.surface = sample_scene_points(bvh, count, prune, settings.seed, &out.pruned, recall,
+                                    settings.unreached);
   report->points_ms += 1e3 * timer.seconds();
   report->points_drawn += std::max(out.surface.size(), out.pruned.drawn);
   const runtime::LightRequest input = network.light_request();

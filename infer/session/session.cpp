@@ -209,6 +209,25 @@ std::optional<EditReport> Session::refine(Accuracy to, const Stop& stop) {
   return report;
 }
 
+std::optional<EditReport> Session::look_from(std::vector<scene::Camera> cameras, Accuracy least,
+                                             const Stop& stop) {
+  Implementation& own = *implementation_;
+  const std::lock_guard lock(own.edits);
+  const StatePtr last = own.state();
+  const SessionState::Parts& parts = own.parts(last);
+  cameras = without_repeats(std::move(cameras));
+  if (same_cameras(parts.cameras, cameras)) return std::nullopt;
+  const Timer timer;
+  EditReport report;
+  try {
+    own.go_to(parts.draft, {least, throwing(stop), std::move(cameras)}, timer, &report, [] {});
+  } catch (const Stopped&) {
+    return std::nullopt;
+  }
+  if (report.version == last->version()) return std::nullopt;
+  return report;
+}
+
 std::optional<EditReport> Session::separate(std::span<const int> lights, const Stop& stop) {
   Implementation& own = *implementation_;
   const std::lock_guard lock(own.edits);
@@ -242,7 +261,7 @@ AnswerChange Session::change_against_fresh(const runtime::QueryPoints& queries) 
   const auto base =
       std::make_shared<const SessionBase>(own.base->scene, own.base->network, own.base->settings);
   const std::vector<Rgb> fresh =
-      make_parts(base, parts.draft, nullptr, {}, &ignored)->answer(queries);
+      make_parts(base, parts.draft, nullptr, {.cameras = parts.cameras}, &ignored)->answer(queries);
   AnswerChange change;
   double sum = 0, squares = 0, squares_off = 0;
   for (size_t i = 0; i < here.size(); ++i) {

@@ -10,10 +10,15 @@
 // Readers take a SessionState, which never changes: any number of threads may ask one at the same
 // time, and an edit makes another. So a picture never sees half of an edit.
 //
-// The answers depend on the scene as edited and on which luminaires have been touched, not on the
-// way there.
+// The answers depend on the scene as edited, on which luminaires have been touched and on what the
+// cameras see, not on the way there.
 //
 // Who cannot wait for an encoding takes less accurate light first (Accuracy) and has it refined.
+//
+// Light that does not reach what the cameras see (the sky outside a closed room) is not told to the
+// network, which would let a little of it through walls. Which that is, is found anew for other
+// cameras and after edits of anything but gains and colours; only where it is other light than
+// before is the scene encoded anew.
 #pragma once
 
 #include <cstdint>
@@ -37,11 +42,12 @@
 namespace lte::infer {
 
 struct SessionSettings {
-  EmbedSettings embedding;  ///< of every encoding
+  EmbedSettings embedding;  ///< of every encoding; `unreached` is not read
   /// Ask the network for indirect light in a scene with a sun that it was not trained with;
   /// without, paths answer there (RenderSettings::spp of them a pixel).
   bool untrained_light = false;
-  int undo_steps = 100;  ///< that are kept
+  int undo_steps = 100;                     ///< that are kept
+  std::vector<scene::Camera> cameras = {};  ///< as of Session::look_from()
 };
 
 /// How much of the edits a state's indirect light knows. Surfaces and direct light are those of the
@@ -61,7 +67,7 @@ struct EditReport {
   uint64_t version = 0;  ///< of the state that holds the edit
   double scene_ms = 0;   ///< the copy of the scene, and the list of its lights
   double bvh_ms = 0;     ///< the tree over the instances
-  double points_ms = 0;  ///< scene points
+  double points_ms = 0;  ///< scene points, and what light reaches
   double light_ms = 0;   ///< estimates of the light on them
   double encode_ms = 0;  ///< the network
   double total_ms = 0;
@@ -125,7 +131,7 @@ class SessionState {
   SessionState(const SessionState&) = delete;
   SessionState& operator=(const SessionState&) = delete;
 
-  /// Grows with every edit, undo and redo of its session.
+  /// Grows with every edit, undo and redo of its session. States of equal numbers answer the same.
   uint64_t version() const;
   /// States of equal numbers have the same surfaces in the same places.
   uint64_t geometry_version() const;
@@ -136,6 +142,10 @@ class SessionState {
   bool has_light() const;
   /// Whether the network answers for indirect light: there is one, and it knows such light.
   bool has_network() const;
+
+  /// Light groups of scene() that the network is not told of, in order: those that did not reach
+  /// what the cameras see when light was last found.
+  std::vector<int> left_out() const;
 
   std::vector<LuminaireInfo> luminaires() const;
   std::vector<InstanceInfo> instances() const;
@@ -242,6 +252,13 @@ class Session {
   /// Makes the light of now more accurate: `to` at least. No step of undo().
   /// @return  nothing if it is so already, or `stop` has ended it
   std::optional<EditReport> refine(Accuracy to = Accuracy::Full, const Stop& stop = {});
+
+  /// From now on answers are asked for where these cameras see surfaces; none: anywhere. Where
+  /// points are pruned, light that does not get there is left out. No step of undo().
+  /// @return  nothing if what the network is told of has not changed, and no answer with it, or
+  ///          `stop` has ended it
+  std::optional<EditReport> look_from(std::vector<scene::Camera> cameras,
+                                      Accuracy least = Accuracy::Full, const Stop& stop = {});
 
   /// Encodes luminaires apart before they are dimmed, so that the first dimming takes no longer
   /// than the next: all that are lit, if `lights` is empty. No step of undo().

@@ -67,6 +67,11 @@ const pathtrace::Bvh& SessionState::bvh() const { return *parts_->bvh; }
 bool SessionState::has_light() const { return !parts_->lights->empty(); }
 bool SessionState::has_network() const { return parts_->asks_network; }
 
+std::vector<int> SessionState::left_out() const {
+  if (parts_->unreached == nullptr) return {};
+  return groups_of(*parts_->draft, parts_->unreached->lights);
+}
+
 std::vector<LuminaireInfo> SessionState::luminaires() const {
   const Draft& draft = *parts_->draft;
   std::vector<LuminaireInfo> out(draft.settings.size());
@@ -156,31 +161,29 @@ Frame SessionState::Parts::render(const scene::Camera& camera, RenderSettings se
   Renderer renderer(bvh, lights, base->denoiser);
   settings.answerer = nullptr;
   settings.indirect = asks_network ? Indirect::Network : Indirect::Paths;
-  if (!layers.empty()) {
-    renderer.set_embedding(layers.front().layer->embedding);
-    const bool plain = layers.size() == 1 && layers.front().scale == Rgb{1, 1, 1};
-    if (!plain || settings.done) {
-      // Blocks, between which a picture that nobody waits for can be ended.
-      settings.answerer = [this, &told = settings.done](std::span<const gi::Query> queries) {
-        std::vector<Rgb> answers;
-        answers.reserve(queries.size());
-        while (!queries.empty()) {
-          const size_t block =
-              told ? std::min<size_t>(kAnswersAtOnce, queries.size()) : queries.size();
-          QuerySet set;
-          for (const gi::Query& query : queries.first(block)) {
-            set.position.push_back(query.position);
-            set.normal.push_back(query.normal);
-            set.albedo.push_back(query.albedo);
-          }
-          const std::vector<Rgb> part = answer({set.position, set.normal, set.albedo});
-          answers.insert(answers.end(), part.begin(), part.end());
-          queries = queries.subspan(block);
-          if (told) told(0);
+  if (!layers.empty()) renderer.set_embedding(layers.front().layer->embedding);
+  const bool plain = layers.size() == 1 && layers.front().scale == Rgb{1, 1, 1};
+  if (asks_network && (!plain || settings.done)) {
+    // Blocks, between which a picture that nobody waits for can be ended.
+    settings.answerer = [this, &told = settings.done](std::span<const gi::Query> queries) {
+      std::vector<Rgb> answers;
+      answers.reserve(queries.size());
+      while (!queries.empty()) {
+        const size_t block =
+            told ? std::min<size_t>(kAnswersAtOnce, queries.size()) : queries.size();
+        QuerySet set;
+        for (const gi::Query& query : queries.first(block)) {
+          set.position.push_back(query.position);
+          set.normal.push_back(query.normal);
+          set.albedo.push_back(query.albedo);
         }
-        return answers;
-      };
-    }
+        const std::vector<Rgb> part = answer({set.position, set.normal, set.albedo});
+        answers.insert(answers.end(), part.begin(), part.end());
+        queries = queries.subspan(block);
+        if (told) told(0);
+      }
+      return answers;
+    };
   }
   Frame frame = renderer.render(camera, settings);
   if (seconds != nullptr) *seconds = renderer.seconds();

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "infer/light/untrained_light.h"
+#include "infer/renderer/left_out_light.h"
 #include "lte/base/check.h"
 #include "lte/base/timer.h"
 
@@ -31,9 +32,13 @@ std::shared_ptr<const LightLayer> find_layer(const SessionState::Parts* before,
   return nullptr;
 }
 
-/// Whether points describe a scene: drawn for it or one that differs by gains and colours alone.
-bool fit(const std::shared_ptr<const GroupedPoints>& points, const Draft& draft) {
-  return points != nullptr && same_points(*points->drawn_for, draft);
+/// Of states of one draft.
+bool same_answers(const SessionState::Parts& a, const SessionState::Parts& b) {
+  const auto same = [](const ScaledLayer& s, const ScaledLayer& t) {
+    return s.layer == t.layer && s.scale == t.scale;
+  };
+  return a.asks_network == b.asks_network && a.accuracy == b.accuracy &&
+         std::equal(a.layers.begin(), a.layers.end(), b.layers.begin(), b.layers.end(), same);
 }
 
 /// Finds the light of a state whose scene is there.
@@ -49,33 +54,103 @@ class Lighting {
         report_(*report) {}
 
   void run() {
-    const std::vector<LightGroups> apart = layers_apart(draft_);
-    if (apart.empty()) return;
     if (before_ != nullptr) {
       parts_.full_points = before_->full_points;
       parts_.draft_points = before_->draft_points;
+      if (looks()) parts_.unreached = before_->unreached;
     }
-    const bool known = fit(parts_.full_points, draft_);
-    const bool free = known && std::all_of(apart.begin(), apart.end(), [&](const auto& layer) {
-                        return find_layer(before_, parts_.full_points, draft_, layer) != nullptr;
-                      });
-    const bool keeps = before_ != nullptr && !before_->layers.empty();
-    if (wanted_.least == Accuracy::Full || free) {
-      make(Accuracy::Full, apart, &parts_.full_points);
-    } else if (wanted_.least == Accuracy::Kept && keeps) {
-      keep_layers();
-    } else if (known) {
-      make(Accuracy::Full, apart, &parts_.full_points);
-    } else {
-      make(Accuracy::Draft, layers_together(draft_), &parts_.draft_points);
-    }
+    parts_.asks_network = knows_light();
+    if (parts_.asks_network) find_light();
   }
 
  private:
+  /// Whether the network was trained with all kinds of light that it is told of.
+  bool knows_light() {
+    const nn::ModelMetadata& model = network_.metadata();
+    if (parts_.base->settings.untrained_light || !has_untrained_light(*parts_.scene, model))
+      return true;
+    if (!looks()) return false;
+    find_unreached();  // before anything is kept: paths may have to answer
+    return !has_untrained_light(*parts_.scene, model, unreached_groups());
+  }
+
+  void find_light() {
+    if (layers_apart(draft_).empty()) return;
+    const bool keeps = before_ != nullptr && !before_->layers.empty();
+    if (looks() && !knows_unreached()) {
+      if (wanted_.least == Accuracy::Kept && keeps) return keep_layers();
+      find_unreached();
+    }
+    const std::vector<LightGroups> apart =
+        without(layers_apart(draft_), draft_, unreached_groups());
+    if (apart.empty()) return;  // nothing that reaches what is seen
+    const bool known = fit(parts_.full_points);
+    const bool free = known && std::all_of(apart.begin(), apart.end(), [&](const auto& layer) {
+                        return find_layer(before_, parts_.full_points, draft_, layer) != nullptr;
+                      });
+    if (wanted_.least == Accuracy::Kept && keeps && !free) {
+      keep_layers();
+    } else if (wanted_.least == Accuracy::Full || known) {
+      make(Accuracy::Full, apart, &parts_.full_points);
+    } else {
+      make_draft();
+    }
+  }
+
+  /// Whether anything is left out where it does not reach what is seen.
+  bool looks() const {
+    return !parts_.cameras.empty() && parts_.base->settings.embedding.prunes(network_);
+  }
+
+  bool knows_unreached() const {
+    return parts_.unreached != nullptr && parts_.unreached->fits(draft_, parts_.cameras);
+  }
+
+  void find_unreached() {
+    if (knows_unreached()) return;
+    if (wanted_.check) wanted_.check();
+    const Traced& scene = at_gain_1();
+    const Timer timer;
+    UnreachedLights found{parts_.draft, parts_.cameras, {}};
+    for (const int group :
+         left_out_light(*scene.bvh, network_, parts_.base->settings.embedding, parts_.cameras))
+      found.lights.push_back(draft_.settings[static_cast<size_t>(group)].label.id);
+    parts_.unreached = std::make_shared<const UnreachedLights>(std::move(found));
+    report_.points_ms += 1e3 * timer.seconds();
+  }
+
+  std::vector<int> unreached_groups() const {
+    return parts_.unreached ? groups_of(draft_, parts_.unreached->lights) : std::vector<int>();
+  }
+
+  std::vector<int> unreached_lights() const {
+    return parts_.unreached ? parts_.unreached->lights : std::vector<int>();
+  }
+
+  /// Whether points describe what the network is to be told: drawn for this scene or one that
+  /// differs by gains and colours alone, and without the same luminaires.
+  bool fit(const std::shared_ptr<const GroupedPoints>& points) const {
+    return points != nullptr && same_points(*points->drawn_for, draft_) &&
+           points->without == unreached_lights();
+  }
+
+  const Traced& at_gain_1() {
+    if (!at_gain_1_) {
+      at_gain_1_ = is_scaled(draft_) ? trace(*parts_.base, draft_, /*lit=*/false, &report_)
+                                     : Traced{parts_.scene, parts_.bvh, parts_.lights};
+    }
+    return *at_gain_1_;
+  }
+
+  void make_draft() {
+    make(Accuracy::Draft, without(layers_together(draft_), draft_, unreached_groups()),
+         &parts_.draft_points);
+  }
+
   void make(Accuracy accuracy, const std::vector<LightGroups>& layers,
             std::shared_ptr<const GroupedPoints>* points) {
     parts_.accuracy = accuracy;
-    if (!fit(*points, draft_)) *points = draw(accuracy, *points);
+    if (!fit(*points)) *points = draw(accuracy, *points);
     for (const LightGroups& groups : layers) {
       std::shared_ptr<const LightLayer> layer = find_layer(before_, *points, draft_, groups);
       if (layer == nullptr) {
@@ -93,18 +168,20 @@ class Lighting {
 
   std::shared_ptr<const GroupedPoints> draw(Accuracy accuracy,
                                             const std::shared_ptr<const GroupedPoints>& last) {
-    const Traced at_gain_1 = is_scaled(draft_)
-                                 ? trace(*parts_.base, draft_, /*lit=*/false, &report_)
-                                 : Traced{parts_.scene, parts_.bvh, parts_.lights};
+    const Traced& scene = at_gain_1();
+    EmbedSettings settings = parts_.base->settings.embedding;
+    settings.unreached = unreached_groups();
     PointsBefore recalled;
-    if (last != nullptr) {
+    // What was dark may not be so to other luminaires.
+    if (last != nullptr && last->without == unreached_lights()) {
       if (auto changed = changed_places(parts_.base->scene, *last->drawn_for, draft_))
         recalled = {last.get(), std::move(*changed)};
     }
-    auto points = std::make_shared<GroupedPoints>(
-        draw_points(*at_gain_1.bvh, *at_gain_1.lights, network_, parts_.base->settings.embedding,
-                    recalled, accuracy, wanted_.check, &report_));
+    auto points =
+        std::make_shared<GroupedPoints>(draw_points(*scene.bvh, *scene.lights, network_, settings,
+                                                    recalled, accuracy, wanted_.check, &report_));
     points->drawn_for = parts_.draft;
+    points->without = unreached_lights();
     return points;
   }
 
@@ -126,7 +203,9 @@ class Lighting {
         kept.scale = setting_of(lights.front())->scale();
       parts_.layers.push_back(std::move(kept));
     }
-    if (parts_.layers.empty()) make(Accuracy::Draft, layers_together(draft_), &parts_.draft_points);
+    if (!parts_.layers.empty()) return;
+    if (looks()) find_unreached();
+    make_draft();
   }
 
   const SessionState::Parts* before_;
@@ -135,6 +214,7 @@ class Lighting {
   const Draft& draft_;
   const runtime::Network& network_;
   EditReport& report_;
+  std::optional<Traced> at_gain_1_;
 };
 
 }  // namespace
@@ -187,12 +267,13 @@ std::unique_ptr<SessionState::Parts> make_parts(std::shared_ptr<const SessionBas
   const bool geometry = before == nullptr || !same_geometry(*before->draft, now);
   report->bvh_rebuilt = geometry;
   parts->geometry_version = (before != nullptr ? before->geometry_version : 0) + (geometry ? 1 : 0);
-  parts->version = (before != nullptr ? before->version : 0) + 1;
+  parts->cameras = wanted.cameras      ? without_repeats(*wanted.cameras)
+                   : before != nullptr ? before->cameras
+                                       : without_repeats(parts->base->settings.cameras);
+  if (parts->base->network) Lighting(before, wanted, parts.get(), report).run();
+  const bool same = wanted.cameras && refines && same_answers(*before, *parts);
+  parts->version = (before != nullptr ? before->version : 0) + (same ? 0 : 1);
   report->version = parts->version;
-  const std::optional<runtime::Network>& network = parts->base->network;
-  parts->asks_network = network && (parts->base->settings.untrained_light ||
-                                    !has_untrained_light(*parts->scene, network->metadata()));
-  if (parts->asks_network) Lighting(before, wanted, parts.get(), report).run();
   report->layers = static_cast<int>(parts->layers.size());
   report->accuracy = parts->accuracy;
   return parts;

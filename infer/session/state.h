@@ -11,6 +11,7 @@
 #include "infer/session/draft.h"
 #include "infer/session/light_layer.h"
 #include "infer/session/session.h"
+#include "infer/session/unreached_lights.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights/lights.h"
 
@@ -40,9 +41,14 @@ struct SessionState::Parts {
   std::shared_ptr<const pathtrace::Bvh> bvh;
   std::shared_ptr<const pathtrace::Lights> lights;
   /// The last that were drawn of each accuracy, perhaps for a scene before this one; null at first
-  /// and unless the network answers.
+  /// and without a network.
   std::shared_ptr<const GroupedPoints> full_points, draft_points;
-  std::vector<ScaledLayer> layers;  ///< none unless the network answers
+  std::vector<scene::Camera> cameras;  ///< of Session::look_from()
+  /// What was last found, perhaps for a scene or cameras before these; null where nothing is
+  /// looked for.
+  std::shared_ptr<const UnreachedLights> unreached;
+  /// None unless the network answers, and where no light reaches what the cameras see.
+  std::vector<ScaledLayer> layers;
   bool asks_network = false;
   Accuracy accuracy = Accuracy::Full;
   uint64_t version = 0, geometry_version = 0;
@@ -72,9 +78,12 @@ Traced trace(const SessionBase& base, const Draft& draft, bool lit, EditReport* 
 struct Wanted {
   Accuracy least = Accuracy::Full;
   std::function<void()> check = {};  ///< called now and then by any thread; may throw, may be null
+  /// Nothing: those of before, or of the session's settings.
+  std::optional<std::vector<scene::Camera>> cameras = {};
 };
 
-/// Makes what a draft needs that `before` has not got.
+/// Makes what a draft needs that `before` has not got. Its version is that of `before` where other
+/// cameras of the same draft have changed no answer.
 /// @param before  null for all of it
 /// @param report  gets times and counts
 std::unique_ptr<SessionState::Parts> make_parts(std::shared_ptr<const SessionBase> base,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <optional>
+#include <utility>
 
 #include "infer/session/draft.h"
 #include "infer/view/replies.h"
@@ -53,6 +54,25 @@ void Editor::stop() {
 
 bool Editor::post(int client, int64_t number, const Request& request) {
   return inbox_.post(client, number, request);
+}
+
+/// Wakes nobody who works: what is under way goes on, and the camera comes next.
+void Editor::look_from(const scene::Camera& camera) {
+  {
+    const std::lock_guard lock(mutex_);
+    camera_ = camera;
+  }
+  if (idle_) inbox_.wake();
+}
+
+bool Editor::camera_waits() const {
+  const std::lock_guard lock(mutex_);
+  return camera_.has_value();
+}
+
+std::optional<scene::Camera> Editor::take_camera() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(camera_, std::nullopt);
 }
 
 Editor::Made Editor::made() const {
@@ -109,10 +129,11 @@ void Editor::run() {
   while (!stopping_) {
     // A hand that never rests sees new light all the same.
     const bool due = is_light_due();
-    const auto wait = due || next_ == Next::DraftLight ? Inbox::kNoWait
-                      : next_ == Next::Nothing         ? Inbox::kAnyTime
-                                                       : kEditsRest;
+    idle_ = next_ == Next::Nothing;  // before it is known whether a camera is there
+    const bool now = due || next_ == Next::DraftLight || camera_waits();
+    const auto wait = now ? Inbox::kNoWait : idle_ ? Inbox::kAnyTime : kEditsRest;
     const Inbox::Batch batch = due ? Inbox::Batch() : inbox_.take(wait);
+    idle_ = false;
     if (stopping_) return;
     if (batch.requests.empty()) {
       improve();
@@ -216,11 +237,18 @@ void Editor::improve() {
   const auto stop = [this] { return stopping_ || (inbox_.waiting() && !is_light_due()); };
   std::optional<EditReport> report;
   try {
-    if (next_ == Next::DraftLight) report = session_->refine(Accuracy::Draft, stop);
-    if (next_ == Next::FullLight) report = session_->refine(Accuracy::Full, stop);
-    if (next_ == Next::Separation) report = session_->separate({}, stop);
+    const std::optional<scene::Camera> camera = take_camera();
+    if (camera) {
+      report = look(*camera, stop);
+    } else if (next_ == Next::DraftLight) {
+      report = session_->refine(Accuracy::Draft, stop);
+    } else if (next_ == Next::FullLight) {
+      report = session_->refine(Accuracy::Full, stop);
+    } else if (next_ == Next::Separation) {
+      report = session_->separate({}, stop);
+    }
     if (!report) return;  // something else comes first
-    if (next_ != Next::Separation)
+    if (camera || next_ != Next::Separation)
       pages_->tell_all(edits_reply(0, {}, cost_of(*report), undo_steps()));
     next_ = next_after(*session_->state());
   } catch (const std::exception& error) {  // memory, most likely: the light stays as it is
@@ -228,6 +256,15 @@ void Editor::improve() {
     pages_->tell_all(error_reply(first_line(error.what())));
   }
   publish(nullptr);
+}
+
+/// Draft light, as after an edit: what comes in sight is soon lit.
+std::optional<EditReport> Editor::look(const scene::Camera& camera, const Session::Stop& stop) {
+  auto report = session_->look_from({camera}, Accuracy::Draft, stop);
+  if (report || !stop()) return report;
+  const std::lock_guard lock(mutex_);  // perhaps it was ended: once more, unless another has come
+  if (!camera_) camera_ = camera;
+  return report;
 }
 
 void Editor::save(int client) {

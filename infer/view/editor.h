@@ -12,6 +12,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <thread>
@@ -51,6 +52,10 @@ class Editor {
   bool post(int client, int64_t number, const Request& request);
   void forget(int client) { inbox_.forget(client); }
 
+  /// The camera has come to rest here. Once no request waits the light is left out that does not
+  /// reach what it sees, or brought in again; the last camera counts. May be called by any thread.
+  void look_from(const scene::Camera& camera);
+
   /// A state of the scene and, by page, the last message that is in it.
   struct Made {
     StatePtr state;
@@ -78,6 +83,9 @@ class Editor {
   void turn_back(const Pending& pending);
   void save(int client);
   void improve();
+  bool camera_waits() const;
+  std::optional<scene::Camera> take_camera();
+  std::optional<EditReport> look(const scene::Camera& camera, const Session::Stop& stop);
   void announce(const EditReport& report);
   void describe();
   void publish(const std::map<int, int64_t>* handled);
@@ -93,10 +101,11 @@ class Editor {
   Next next_ = Next::Nothing;
   Timer kept_;  ///< since the light was last more than Accuracy::Kept
   Inbox inbox_;
-  mutable std::mutex mutex_;
+  mutable std::mutex mutex_;  ///< guards what follows
   Made made_;
+  std::optional<scene::Camera> camera_;  ///< to look from
   std::atomic<int64_t> steps_ = 0;
-  std::atomic<bool> stopping_ = false;
+  std::atomic<bool> stopping_ = false, idle_ = false;
   std::thread thread_;
 };
 

@@ -31,7 +31,8 @@ LiveView::~LiveView() {
 void LiveView::begin(std::unique_ptr<Session> session, const ViewState& first) {
   session_ = std::move(session);
   editor_ = std::make_unique<Editor>(session_.get(), &hub_, [this] { loop_->wake(); });
-  loop_ = std::make_unique<ViewLoop>([this] { return editor_->made(); }, &hub_, first);
+  loop_ = std::make_unique<ViewLoop>([this] { return editor_->made(); }, &hub_, first,
+                                     [this](const auto& camera) { editor_->look_from(camera); });
   editor_->start();
   hub_.tell_all(editor_->scene_text());
 }

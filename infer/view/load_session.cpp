@@ -29,12 +29,32 @@ runtime::Network load_network(const ViewRequest& request) {
 void check_network(const ViewRequest& request, const scene::Scene& scene,
                    const runtime::Network& network, const SessionSettings& settings) {
   check_size(request.scene, scene, network, request.rescale);
-  if (has_untrained_light(scene, network.metadata())) {
-    log_warning(request.untrained_light == "network"
-                    ? untrained_light_note(scene, network.metadata())
-                    : traced_light_note(scene, Progressive::kPaths));
-  }
   settings.embedding.memory.check_encoding(network.config(), settings.embedding.scene_points);
+}
+
+/// Warns of light that the network is told of and does not know, or that is traced for that.
+void warn_of_light(const ViewRequest& request, const SessionState& state,
+                   const nn::ModelMetadata& model) {
+  const std::vector<int> left_out = state.left_out();
+  if (!has_untrained_light(state.scene(), model, left_out)) return;
+  log_warning(request.untrained_light == "network"
+                  ? untrained_light_note(state.scene(), model, left_out)
+                  : traced_light_note(state.scene(), Progressive::kPaths, left_out));
+}
+
+/// What is seen until a page asks for anything else.
+ViewState first_view(const ViewRequest& request, const scene::Scene& scene) {
+  const auto [width, height] = parse_picture_size(request.size);
+  const float aspect = static_cast<float>(width) / static_cast<float>(height);
+  const pathtrace::Bvh bvh(scene);
+  const std::vector<View> views = choose_views(bvh, request.camera, "", request.seed, aspect);
+  LTE_CHECK(views.size() == 1, "--camera ", request.camera, ": expected one camera, got ",
+            views.size());
+  check_in_view(scene, bvh.bounds(), views, aspect);
+  ViewState first;
+  first.camera = views.front().camera;
+  first.size = {width, height};
+  return first;
 }
 
 SessionSettings settings_of(const ViewRequest& request,
@@ -67,21 +87,16 @@ LoadedSession load_session(const ViewRequest& request, const CommandFiles& files
                 "(--environment 1,1,1 or --add-light auto gives it some)");
   std::optional<runtime::Network> network;
   if (lit) network = load_network(request);
-  const SessionSettings settings = settings_of(request, network);
+  SessionSettings settings = settings_of(request, network);
   if (network) check_network(request, scene, *network, settings);
   files.check_what_was_read();
   LoadedSession out;
+  out.first = first_view(request, scene);
+  settings.cameras = {out.first.camera};
+  std::optional<nn::ModelMetadata> model;
+  if (network) model = network->metadata();
   out.session = std::make_unique<Session>(std::move(scene), std::move(network), settings);
-  const auto [width, height] = parse_picture_size(request.size);
-  out.first.size = {width, height};
-  const float aspect = static_cast<float>(width) / static_cast<float>(height);
-  const StatePtr state = out.session->state();
-  const std::vector<View> views =
-      choose_views(state->bvh(), request.camera, "", request.seed, aspect);
-  LTE_CHECK(views.size() == 1, "--camera ", request.camera, ": expected one camera, got ",
-            views.size());
-  check_in_view(state->scene(), state->bvh().bounds(), views, aspect);
-  out.first.camera = views.front().camera;
+  if (model) warn_of_light(request, *out.session->state(), *model);
   return out;
 }
 

@@ -25,6 +25,7 @@ namespace {
 /// a stage of a whole picture that nobody will see. Who dims a lamp waits for none: what is
 /// rendered stays good.
 constexpr std::chrono::milliseconds kRest(100);
+constexpr double kRestSeconds = std::chrono::duration<double>(kRest).count();
 
 using SharedFrame = std::shared_ptr<const std::string>;
 
@@ -47,8 +48,9 @@ std::string exr_of(const image::Image& picture, const scene::Camera& camera) {
 
 }  // namespace
 
-ViewLoop::ViewLoop(std::function<Editor::Made()> newest, Pages* pages, const ViewState& first)
-    : newest_(std::move(newest)), pages_(pages), view_(first) {
+ViewLoop::ViewLoop(std::function<Editor::Made()> newest, Pages* pages, const ViewState& first,
+                   AtRest at_rest)
+    : newest_(std::move(newest)), at_rest_(std::move(at_rest)), pages_(pages), view_(first) {
   const Editor::Made made = newest_();
   if (!made.scene->outputs.empty()) view_.shown = made.scene->outputs.front();
   thread_ = std::thread([this] { run(); });
@@ -84,8 +86,8 @@ bool ViewLoop::outdated() const { return stopping_ || inbox_.waiting(); }
 void ViewLoop::turn() {
   // Passes behind a draft would only take time from the light that is on its way.
   const bool waits = progressive_.done() || (!made_.settled && progressive_.pass() > 0);
-  const bool rests = failed_ || pages_->count() == 0 || (!restart_ && waits);
-  const bool moves = !restart_ && !relit_ && progressive_.pass() == 1;
+  const bool rests = failed_ || pages_->count() == 0 || (!restart_ && waits && !moved_);
+  const bool moves = !restart_ && ((!relit_ && progressive_.pass() == 1) || (waits && moved_));
   const Inbox::Batch batch = inbox_.take(rests ? Inbox::kAnyTime : moves ? kRest : Inbox::kNoWait);
   if (stopping_) return;
   failed_ = false;
@@ -114,7 +116,8 @@ void ViewLoop::handle(const Pending& pending) {
     const bool mirrored = view_.camera.mirrored;
     view_.camera = move->camera;
     view_.camera.mirrored = mirrored;
-    restart_ = true;
+    restart_ = moved_ = true;
+    moving_.restart();
     ++cameras_;
   } else if (const auto* view = std::get_if<ChangeView>(&pending.request)) {
     change(*view);
@@ -160,11 +163,20 @@ void ViewLoop::render() {
   } else if (redisplay_ && progressive_.pass() > 0) {
     return publish();
   }
+  tell_of_rest();
   if (progressive_.done() || (!made_.settled && progressive_.pass() > 0)) return;
   const int64_t before = progressive_.rendered();
   const bool shows = progressive_.step([this] { return outdated(); });
   passes_ += progressive_.rendered() - before;
   if (shows) publish();
+}
+
+/// A camera rests when its draft has been seen and none has followed for a while: what is found out
+/// then takes no time from who drags, and comes early in what is refined.
+void ViewLoop::tell_of_rest() {
+  if (!moved_ || progressive_.pass() == 0 || moving_.seconds() < kRestSeconds) return;
+  moved_ = false;
+  if (at_rest_) at_rest_(view_.camera);
 }
 
 /// The factor before the curve. It is metered once, so that a dimmed light looks dimmer.

@@ -19,6 +19,7 @@
 #include "infer/view/replies.h"
 #include "infer/view/scene_description.h"
 #include "infer/view/tone_curve.h"
+#include "lte/base/timer.h"
 
 namespace lte::infer::view {
 
@@ -33,9 +34,13 @@ struct ViewState {
 
 class ViewLoop {
  public:
-  /// @param newest  the state to show; must not block for long
-  /// @param first   what is shown before a page asks for anything else
-  ViewLoop(std::function<Editor::Made()> newest, Pages* pages, const ViewState& first);
+  using AtRest = std::function<void(const scene::Camera& camera)>;
+
+  /// @param newest   the state to show; must not block for long
+  /// @param first    what is shown before a page asks for anything else
+  /// @param at_rest  told, by the loop's thread, of each camera that has come to rest; may be null
+  ViewLoop(std::function<Editor::Made()> newest, Pages* pages, const ViewState& first,
+           AtRest at_rest = {});
   ~ViewLoop();
   ViewLoop(const ViewLoop&) = delete;
   ViewLoop& operator=(const ViewLoop&) = delete;
@@ -69,8 +74,10 @@ class ViewLoop {
   float exposure();
   DisplayPicture display();
   bool outdated() const;
+  void tell_of_rest();
 
   std::function<Editor::Made()> newest_;
+  AtRest at_rest_;
   Pages* pages_;
   ViewState view_;
   Inbox inbox_;
@@ -82,6 +89,8 @@ class ViewLoop {
   std::optional<float> radiance_exposure_, irradiance_exposure_;
   bool restart_ = true, redisplay_ = false, failed_ = false;
   bool relit_ = false;  ///< since the last draft
+  bool moved_ = true;   ///< the camera, since it last rested
+  Timer moving_;        ///< since the camera last moved
   int64_t picture_ = 0;
   std::atomic<int64_t> passes_ = 0, pictures_ = 0, cameras_ = 0;
   std::atomic<bool> stopping_ = false;

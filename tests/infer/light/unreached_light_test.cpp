@@ -12,44 +12,14 @@
 #include "infer/light/lit_samples.h"
 #include "infer/renderer/renderer.h"
 #include "tests/infer/fixture.h"
-#include "tests/support/scenes.h"
+#include "tests/infer/light/two_rooms.h"
 
 namespace lte::infer {
 namespace {
 
+using test::TwoRooms;
 using testing::ElementsAre;
 using testing::IsEmpty;
-
-/// Two closed rooms side by side, 4 x 3 x 5 m each, a lamp under either ceiling, under a sky.
-struct TwoRooms {
-  int lamp = 0, other_lamp = 0, sky = 0;
-  scene::Scene scene;
-
-  explicit TwoRooms(float sky_radiance = 1, bool roof = true) {
-    const int wall = test::add_material(&scene, {0.6f, 0.5f, 0.4f}, {}, /*double_sided=*/true);
-    lamp = add_room(0, wall, roof);
-    other_lamp = add_room(10, wall, /*roof=*/true);
-    scene.environment.emplace();
-    scene.environment->radiance = {sky_radiance, sky_radiance, sky_radiance};
-    sky = static_cast<int>(scene.light_groups.size());
-    scene.environment->light_group = sky;
-    scene.light_groups.push_back("the sky");
-  }
-
-  /// Looks from one corner of the first room at the other.
-  static scene::Camera inside() { return {"in", {0.3f, 1.5f, 0.3f}, {3, 1, 4}, {0, 1, 0}, 70}; }
-  static scene::Camera outside() { return {"out", {2, 8, -9}, {5, 1, 2}, {0, 1, 0}, 60}; }
-
- private:
-  int add_room(float x, int wall, bool roof) {
-    scene::Mesh box = test::box_mesh({x, 0, 0}, {x + 4, 3, 5}, wall, /*inwards=*/true);
-    if (!roof) box.triangles.erase(box.triangles.begin() + 6, box.triangles.begin() + 8);
-    test::add_instance(&scene, std::move(box));
-    const int shine = test::add_material(&scene, {}, {4, 4, 4});
-    const int instance = test::add_quad(&scene, {x + 1.5f, 2.9f, 2}, {1, 0, 0}, {0, 0, 1}, shine);
-    return scene.instances[static_cast<size_t>(instance)].light_group;
-  }
-};
 
 std::vector<int> unreached(const TwoRooms& rooms, const std::vector<scene::Camera>& cameras) {
   const pathtrace::Bvh bvh(rooms.scene);

@@ -158,6 +158,25 @@ TEST_F(EditedPictures, TheLastFrameIsThePictureOfTheSavedScene) {
   EXPECT_EQ(json["pictures"][1]["edit"]["encodings"], 1);
 }
 
+TEST_F(EditedPictures, HaveNoLightOfASkyOutside) {
+  test::save_tiny_model("tiny.safetensors", {.scene_points = 400, .pruned = true, .suns = true});
+  const auto second = [](const std::string& flags) {
+    EXPECT_EQ(render("--edit edits.yaml --output gi --json run.json --out f%d.exr " + flags).code,
+              0);
+    return image::read_exr("f1.exr").pixels;
+  };
+  const auto left_out = [] {
+    return nlohmann::json::parse(read_file("run.json"))["pictures"][1]["edit"]["left_out_lights"];
+  };
+  const std::vector<float> dim = second("--environment 1,1,1");
+  EXPECT_EQ(left_out(), nlohmann::json({"environment"}));
+  fs::remove("f0.exr"), fs::remove("f1.exr"), fs::remove("f2.exr");
+  EXPECT_EQ(second("--environment 1000,1000,1000"), dim);
+  fs::remove("f0.exr"), fs::remove("f1.exr"), fs::remove("f2.exr");
+  EXPECT_NE(second("--environment 1000,1000,1000 --prune off"), dim);
+  EXPECT_TRUE(left_out().empty());
+}
+
 TEST_F(EditedPictures, AreGatheredAsThoseOfTheSavedScene) {
   const std::string gather = "--indirect gather --table-points 200 ";
   const auto color = [](const std::string& path) { return image::read_exr(path).pixels; };

@@ -14,11 +14,12 @@
 
 namespace lte::infer::session_test {
 
-inline runtime::Network network(nn::LightInput input = nn::LightInput::Traced,
-                                bool pruned = false) {
+inline runtime::Network network(nn::LightInput input = nn::LightInput::Traced, bool pruned = false,
+                                bool suns = false) {
   const test::TempDir folder;
-  test::save_tiny_model(folder / "tiny.safetensors",
-                        {.scene_points = 120, .pruned = pruned, .light_input = input});
+  test::save_tiny_model(
+      folder / "tiny.safetensors",
+      {.scene_points = 120, .pruned = pruned, .suns = suns, .light_input = input});
   return runtime::Network(folder / "tiny.safetensors");
 }
 

@@ -12,6 +12,7 @@
 #include "lte/cli/scene_flags.h"
 #include "lte/scene/scene.h"
 #include "tests/infer/fixture.h"
+#include "tests/infer/light/two_rooms.h"
 #include "tests/infer/session/session_fixture.h"
 #include "tests/infer/view/fake_pages.h"
 #include "tests/support/scenes.h"
@@ -195,6 +196,37 @@ TEST(EditedByNetwork, TheLightOfAMoveFollows) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   EXPECT_TRUE(all_apart());
   EXPECT_EQ(session.apply(SetLight{0, 0.5, {}}).encodings, 0);
+  editor.stop();
+}
+
+/// Of a room under a sky.
+TEST(EditedByNetwork, WhatTheCameraSeesDecidesWhichLightIsLeftOut) {
+  test::FakePages pages;
+  const test::TwoRooms rooms;
+  Session session(rooms.scene,
+                  session_test::network(nn::LightInput::Traced, /*pruned=*/true, /*suns=*/true));
+  std::unique_ptr<ViewLoop> loop;
+  Editor editor(&session, &pages, [&] { loop->wake(); });
+  ViewState first;
+  first.camera = test::TwoRooms::inside();
+  first.size = {24, 16};
+  loop = std::make_unique<ViewLoop>([&] { return editor.made(); }, &pages, first,
+                                    [&](const auto& camera) { editor.look_from(camera); });
+  editor.start();
+  const auto comes_to = [&](const std::vector<int>& left_out) {
+    for (int i = 0; i < 60'000; ++i) {
+      const Editor::Made made = editor.made();
+      if (made.settled && made.state->left_out() == left_out) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return false;
+  };
+  EXPECT_TRUE(comes_to({rooms.other_lamp, rooms.sky}));
+  MoveCamera out;
+  out.camera = test::TwoRooms::outside();
+  loop->post(1, 1, out);
+  EXPECT_TRUE(comes_to({rooms.lamp, rooms.other_lamp}));
+  EXPECT_EQ(editor.made().state->accuracy(), Accuracy::Full);
   editor.stop();
 }
 

@@ -1,6 +1,13 @@
 #include "infer/view/load_session.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "lte/scene/export.h"
+#include "tests/infer/fixture.h"
+#include "tests/infer/light/two_rooms.h"
+#include "tests/support/captured_log.h"
+#include "tests/support/temp_dir.h"
 
 namespace lte::infer::view {
 namespace {
@@ -11,6 +18,33 @@ TEST(LiveScenePoints, AreThoseAskedForOrOfTrainingButFewByDefault) {
   EXPECT_EQ(live_scene_points(0, 8192), 8192);
   EXPECT_EQ(live_scene_points(6000, 8192), 6000);
   EXPECT_EQ(live_scene_points({}, 0), 0) << "no network";
+}
+
+/// A model that has seen no sky, in a room under one.
+TEST(LoadSession, LeavesOutWhatDoesNotReachTheFirstView) {
+  const test::TempDir folder;
+  test::save_tiny_model(folder / "tiny.safetensors", {.scene_points = 200, .pruned = true});
+  const auto loaded_from = [&](const scene::Camera& camera, std::string* said) {
+    test::TwoRooms rooms;
+    rooms.scene.cameras = {camera};
+    scene::write_glb(folder / "rooms.glb", rooms.scene);
+    ViewRequest request;
+    request.scene = (folder / "rooms.glb").string();
+    request.checkpoint = (folder / "tiny.safetensors").string();
+    request.environment = "1,1,1";
+    LoadedSession loaded;
+    *said =
+        test::stderr_of(LogLevel::Warning, [&] { loaded = load_session(request, CommandFiles()); });
+    return loaded;
+  };
+  std::string said;
+  const LoadedSession inside = loaded_from(test::TwoRooms::inside(), &said);
+  EXPECT_EQ(inside.session->state()->left_out().size(), 2u);
+  EXPECT_TRUE(inside.session->state()->has_network());
+  EXPECT_EQ(said, "");
+  const LoadedSession outside = loaded_from(test::TwoRooms::outside(), &said);
+  EXPECT_FALSE(outside.session->state()->has_network());
+  EXPECT_THAT(said, testing::HasSubstr("the model was trained without such light"));
 }
 
 }  // namespace

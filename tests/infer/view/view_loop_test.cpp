@@ -3,6 +3,10 @@
 #include <cstring>
 #include <fstream>
 #include <memory>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -29,7 +33,7 @@ class Viewed {
         scene_(std::make_shared<const SceneDescription>(
             describe_scene(*state(), list_objects(*state())))) {}
 
-  std::unique_ptr<ViewLoop> loop(Shown shown = Shown::Direct) {
+  std::unique_ptr<ViewLoop> loop(Shown shown = Shown::Direct, ViewLoop::AtRest at_rest = {}) {
     ViewState first;
     first.camera = test::downward_camera();
     first.size = {24, 18};
@@ -37,7 +41,7 @@ class Viewed {
         [this] {
           return Editor::Made{state(), scene_};
         },
-        &pages_, first);
+        &pages_, first, std::move(at_rest));
     ChangeView view;
     view.shown = shown;
     out->post(9, 1, view);
@@ -78,6 +82,29 @@ TEST(ViewLoop, OfABurstOfCamerasTheLastIsShownAndFewAreRendered) {
   ASSERT_FALSE(last.empty());
   EXPECT_NEAR(test::frame_header(last).at("camera").at("origin").at(1).get<double>(), 1.5, 1e-6);
   EXPECT_LT(loop->counts().cameras - before.cameras, 50);
+}
+
+TEST(ViewLoop, TellsOfACameraThatRestsAndOfFewThatMove) {
+  Viewed viewed;
+  std::mutex mutex;
+  std::vector<float> heights;
+  const auto loop = viewed.loop(Shown::Direct, [&](const scene::Camera& camera) {
+    const std::lock_guard lock(mutex);
+    heights.push_back(camera.origin.y);
+  });
+  const auto told_last = [&] {
+    const std::lock_guard lock(mutex);
+    return heights.empty() ? 0 : heights.back();
+  };
+  for (int i = 1; i <= 50; ++i) {
+    loop->post(1, i, camera_at(1 + 0.01f * static_cast<float>(i)));
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  for (int i = 0; i < 60'000 && told_last() != 1.5f; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_EQ(told_last(), 1.5f);
+  const std::lock_guard lock(mutex);
+  EXPECT_LT(heights.size(), 25u);
 }
 
 TEST(ViewLoop, ManyPagesCostOneRendering) {

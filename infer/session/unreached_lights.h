@@ -1,0 +1,39 @@
+// Luminaires that bring no light to what a session's cameras see: its network is not told of them.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "infer/session/draft.h"
+#include "infer/session/light_layer.h"
+#include "lte/scene/scene.h"
+
+namespace lte::infer {
+
+/// Whether both see the same, whatever their names.
+bool same_camera(const scene::Camera& a, const scene::Camera& b);
+bool same_cameras(const std::vector<scene::Camera>& a, const std::vector<scene::Camera>& b);
+
+/// Cameras but for those that are as the one before: of one that stays for many pictures as many
+/// places are looked at as of a single picture's.
+std::vector<scene::Camera> without_repeats(std::vector<scene::Camera> cameras);
+
+/// What left_out_light() has found for a draft whose luminaires all have gain 1, so that one which
+/// is switched off counts as it will when it is on.
+struct UnreachedLights {
+  std::shared_ptr<const Draft> found_for;
+  std::vector<scene::Camera> cameras;
+  std::vector<int> lights;  ///< their numbers, by light group
+
+  /// Whether it holds for a draft and cameras.
+  bool fits(const Draft& draft, const std::vector<scene::Camera>& seen_by) const;
+};
+
+/// The light groups of a draft whose numbers are among `lights`.
+std::vector<int> groups_of(const Draft& draft, const std::vector<int>& lights);
+
+/// Layers without some light groups; those in which nothing that shines is left are gone.
+std::vector<LightGroups> without(std::vector<LightGroups> layers, const Draft& draft,
+                                 const std::vector<int>& groups);
+
+}  // namespace lte::infer
