@@ -237,8 +237,9 @@ TEST_F(EditedPictures, AVideoIsMadeByFfmpegWhereItIs) {
   fs::create_directory("bin");
   write_file("bin/ffmpeg", "#!/bin/sh\nfor last; do :; done\necho \"$@\" > \"$last\"\n");
   fs::permissions("bin/ffmpeg", fs::perms::owner_all);
-  const std::string path = std::getenv("PATH") != nullptr ? std::getenv("PATH") : "";
-  setenv("PATH", ("" + (dir_.path() / "bin").string() + ":" + path).c_str(), 1);
+  const char* before = std::getenv("PATH");
+  const std::string path = before != nullptr ? before : "";
+  setenv("PATH", ((dir_.path() / "bin").string() + ":" + path).c_str(), 1);
   EXPECT_EQ(render("--edit edits.yaml --out f%d.png --video v.mp4").code, 0);
   EXPECT_THAT(read_file("v.mp4"), testing::HasSubstr("-framerate 24 -start_number 0 -i f%d.png"));
   EXPECT_FALSE(fs::exists("v.part.mp4"));
