@@ -28,7 +28,7 @@ class PatchAttentionImpl : public torch::nn::Module {
   /// @return       [n, C]
   at::Tensor forward(const at::Tensor& x, const StagePlan& stage, size_t order, int64_t patch_size);
 
-  /// forward() of norm(x); in float32 on the CPU norm and first layer are one operator, unless the
+  /// forward() of norm(x); on the CPU norm and first layer are one operator, unless the
   /// points are few and nothing is differentiated.
   at::Tensor forward(const at::Tensor& x, torch::nn::LayerNorm& norm, const StagePlan& stage,
                      size_t order, int64_t patch_size);

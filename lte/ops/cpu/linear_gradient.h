@@ -62,11 +62,7 @@ class LinearGradient {
   /// Rows of a panel as pairs of two rows.
   static void pair_up(const float* panel, int64_t rows, int64_t blocks, std::vector<uint32_t>& to) {
     to.resize(static_cast<size_t>((rows + 1) / 2 * kPanel));
-    for (int64_t r = 0; r < rows; r += 2) {
-      const float* even = panel + r * kPanel;
-      bf16_kernels().pair_rows(even, r + 1 < rows ? even + kPanel : nullptr, blocks * kBlock,
-                               to.data() + r / 2 * kPanel);
-    }
+    pair_up_rows(panel, rows, blocks, to.data());
   }
 
   static constexpr int64_t kPanelBlocks = kPanel / kBlock;

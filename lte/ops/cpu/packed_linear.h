@@ -42,6 +42,15 @@ struct PackedLinear {
 /// them.
 void pack_pairs(const at::Tensor& w, int64_t begin, int64_t end, uint32_t* out);
 
+/// Rows of one panel of float32 as pairs of two rows, `to` [⌈rows / 2⌉, kPanel].
+inline void pair_up_rows(const float* panel, int64_t rows, int64_t blocks, uint32_t* to) {
+  for (int64_t r = 0; r < rows; r += 2) {
+    const float* even = panel + r * kPanel;
+    bf16_kernels().pair_rows(even, r + 1 < rows ? even + kPanel : nullptr, blocks * kBlock,
+                             to + r / 2 * kPanel);
+  }
+}
+
 /// A tile of `rows` rows at most, each as long as `channels`: panels of kPanel columns, one after
 /// the other.
 class Tile {

@@ -57,7 +57,7 @@ class SumsByKey {
   }
 
   /// Sums of keys [j, j + kPanel) (+)= the tile, transposed, times scores [rows, kPanel].
-  void add(float* scores, int64_t j, bool add) {
+  void add(const float* scores, int64_t j, bool add) {
     const int64_t blocks = blocks_of(std::min(kPanel, length_ - j));
     float* to = sums_.data() + j * d_;
     if (!bf16_) {
@@ -65,11 +65,7 @@ class SumsByKey {
           {turned_.data(), d_, rows_, scores, kPanel, kBlock, nullptr, blocks, add, to});
       return;
     }
-    for (int64_t r = 0; r < rows_; r += 2) {
-      const float* even = scores + r * kPanel;
-      bf16_kernels().pair_rows(even, r + 1 < rows_ ? even + kPanel : nullptr, blocks * kBlock,
-                               pairs_.data() + r / 2 * kPanel);
-    }
+    pair_up_rows(scores, rows_, blocks, pairs_.data());
     bf16_kernels().multiply(
         {turned_.data(), d_, rows_, pairs_.data(), kPanel, kBlock, nullptr, blocks, add, to});
   }
