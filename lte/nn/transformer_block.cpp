@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
+#include <ATen/Context.h>
 #include <torch/nn/init.h>
 
 #include "lte/nn/constants.h"
@@ -28,6 +30,22 @@ constexpr int64_t kLeastFused = 512;
 bool fuses(const at::Tensor& x) {
   return ops::suits_norm_layers(x) && (at::GradMode::is_enabled() || x.size(0) >= kLeastFused);
 }
+
+/// Keeps LibTorch from taking cuDNN's attention, which it prefers for bfloat16 on Hopper and which
+/// needs a plan for every length that it has not seen before (pytorch#155958): scenes hardly ever
+/// have the same one twice.
+class WithoutCudnnAttention {
+ public:
+  WithoutCudnnAttention() : before_(at::globalContext().userEnabledCuDNNSDP()) {
+    at::globalContext().setSDPUseCuDNN(false);
+  }
+  ~WithoutCudnnAttention() { at::globalContext().setSDPUseCuDNN(before_); }
+  WithoutCudnnAttention(const WithoutCudnnAttention&) = delete;
+  WithoutCudnnAttention& operator=(const WithoutCudnnAttention&) = delete;
+
+ private:
+  bool before_;
+};
 
 /// The rows of each scene. Split at once, for gradients to be put together by one copy.
 std::vector<at::Tensor> rows_of_scenes(const at::Tensor& x, const StagePlan& stage) {
@@ -122,6 +140,8 @@ at::Tensor PatchAttentionImpl::attend(const at::Tensor& points, const PatchMap& 
   // gradient is put together by one copy.
   std::vector<at::Tensor> part = qkv.view({-1, length, 3, heads_, C / heads_}).unbind(2);
   for (at::Tensor& t : part) t = t.transpose(1, 2);
+  std::optional<WithoutCudnnAttention> scope;
+  if (flash) scope.emplace();
   at::Tensor out = at::scaled_dot_product_attention(part[0], part[1], part[2]);
   out = out.transpose(1, 2).reshape({-1, C});
   if (flash) out = out.to(at::kFloat);

@@ -12,6 +12,7 @@
 #include "lte/base/log.h"
 #include "lte/base/safetensors.h"
 #include "train/checkpoint/checkpoint.h"
+#include "train/checkpoint/widen.h"
 #include "train/config.h"
 
 namespace lte::train {
@@ -124,7 +125,10 @@ void check_config(const SafetensorsFile& file, const nn::ModelConfig& before,
   if (before.reads_estimates()) check_light_estimates(name, model, light_of(file), light);
   const std::vector<std::string> differences = model_differences(model, before);
   std::string text;
-  for (const std::string& difference : differences) text += (text.empty() ? "" : ", ") + difference;
+  for (const std::string& difference : differences) {
+    if (difference.starts_with("channels ") && widening(model, before) > 1) continue;
+    text += (text.empty() ? "" : ", ") + difference;
+  }
   if (!text.empty()) log_warning(name, ": trained with another model.", text);
 }
 
@@ -138,10 +142,18 @@ void init_weights(const std::filesystem::path& path, const std::vector<std::stri
   const std::string name = path.string();
   const std::map<std::string, TensorView> weights = weights_in(file);
   const nn::ModelConfig before = config_in(file);
-  const auto shape_in_file = [&](const std::string& parameter, const at::Tensor& value) {
+  const int64_t factor = widening(model->config(), before);
+  const auto known_shape = [&](const std::string& parameter, const at::Tensor& value) {
     std::vector<int64_t> shape = value.sizes().vec();
     if (!shape.empty()) shape.back() -= fresh_columns(model->config(), before, parameter);
     return shape;
+  };
+  const auto fits = [&](const TensorView& view, const std::vector<int64_t>& shape) {
+    return view.dtype == DType::F32 &&
+           std::equal(shape.begin(), shape.end(), view.shape.begin(), view.shape.end(),
+                      [&](int64_t here, int64_t there) {
+                        return here == there || here == factor * there;
+                      });
   };
   check_prefixes(name, except, model, weights);
   NameList missing("missing"), extra("superfluous"), shapes("of another shape");
@@ -151,8 +163,7 @@ void init_weights(const std::filesystem::path& path, const std::vector<std::stri
     const auto found = weights.find(item.key());
     if (found == weights.end()) {
       missing.add(item.key());
-    } else if (found->second.dtype != DType::F32 ||
-               found->second.shape != shape_in_file(item.key(), item.value())) {
+    } else if (!fits(found->second, known_shape(item.key(), item.value()))) {
       shapes.add(concat(item.key(), " ", at::IntArrayRef(found->second.shape), " for ",
                         item.value().sizes()));
     }
@@ -167,13 +178,17 @@ void init_weights(const std::filesystem::path& path, const std::vector<std::stri
   LTE_CHECK(faults.empty(), name, ": its weights do not fit the model: ", faults,
             "; --init-except PREFIX leaves out parameters by name");
   check_config(file, before, model->config(), light);
+  if (factor > 1)
+    log_info(name, ": ", before.channels, " channels are made ", model->config().channels,
+             "; the network begins with the same answers");
   for (const auto& item : parameters) {
     if (starts_with_any(item.key(), except)) continue;
     const TensorView& view = weights.at(item.key());
-    const at::Tensor values =
-        at::from_blob(const_cast<std::byte*>(view.data), view.shape, at::kFloat);
+    at::Tensor values = at::from_blob(const_cast<std::byte*>(view.data), view.shape, at::kFloat);
     LTE_CHECK(at::isfinite(values).all().item<bool>(), name, ": tensor ", item.key(),
               " holds values that are not finite");
+    if (factor > 1)
+      values = widened(item.key(), values, known_shape(item.key(), item.value()), factor);
     const int64_t fresh = fresh_columns(model->config(), before, item.key());
     if (fresh == 0) {
       item.value().copy_(values);

@@ -14,7 +14,8 @@ namespace lte::train {
 /// `model`. Names and shapes must match one by one. Parameters whose names begin with one of
 /// `except` are left out on both sides and keep the model's fresh values. Settings that differ
 /// without changing a shape, and so change what the weights mean, draw a warning. One that
-/// reads gloss takes the weights of one that does not; it hears nothing of gloss at first.
+/// reads gloss takes the weights of one that does not; it hears nothing of gloss at first. One that
+/// is some whole times as wide is widened (widen.h) and begins with the same answers.
 /// @param except  prefixes of parameter names, "decoder.head." say; each must be of some parameter
 /// @param light   how the data set estimates the light that the model reads
 /// @throws lte::Error naming the file: unreadable, neither model nor checkpoint, trained at another

@@ -5,6 +5,7 @@
 #include <future>
 
 #include <ATen/Parallel.h>
+#include <ATen/ops/stack.h>
 #include <torch/utils.h>
 
 #include "lte/base/check.h"
@@ -121,15 +122,17 @@ double SceneGradients::run(size_t worker, std::span<const Example> scenes, int64
       batch = model->encode_batch(points, seeds, values);
     }
     const std::vector<at::Tensor> losses = scene_losses(model, batch, examples, loss_, values);
-    at::Tensor sum;
+    const at::Tensor each = at::stack(losses);
+    (each.sum() * (weight_ * processes_)).backward();  // reduced to the mean over processes
+    // Only now: a GPU goes on with the gradients while their losses are waited for.
+    const at::Tensor values_of_scenes = each.detach().to(at::kCPU, at::kDouble);
+    double value = 0;
     for (size_t i = 0; i < examples.size(); ++i) {
-      const double value = losses[i].item<double>();
+      const double loss = values_of_scenes[static_cast<int64_t>(i)].item<double>();
       names = examples[i].scene;  // whose loss it is, should it be wrong
-      LTE_CHECK(std::isfinite(value), "the loss is not finite (", value, ")");
-      sum = sum.defined() ? sum + losses[i] : losses[i];
+      LTE_CHECK(std::isfinite(loss), "the loss is not finite (", loss, ")");
+      value += loss;
     }
-    const double value = sum.item<double>();
-    (sum * (weight_ * processes_)).backward();  // reduced to the mean over processes
     return value;
   } catch (const std::exception& error) {
     throw Error(concat("step ", step, ": scene ", names, ": ", first_line(error.what()),

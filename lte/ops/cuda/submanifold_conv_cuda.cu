@@ -1,6 +1,7 @@
 // CUDA twins of submanifold_conv and its gradients: the products of all pairs, of all taps in one
-// launch, and one kernel that adds up what falls on a row. In other types than float32, and of very
-// large kernels, rows are gathered, and each tap is a matrix product of LibTorch's.
+// launch, and one kernel that adds up what falls on a row. Factors in bfloat16 are multiplied as
+// float32. In float64, and of very large kernels, rows are gathered, and each tap is a matrix
+// product of LibTorch's.
 //
 // The kernel that adds has a thread for each row and channel, which takes the pairs of its row in
 // their order: no atomics, and the sums have the same bits each time.
@@ -61,13 +62,10 @@ bool in_one_launch(const at::Tensor& rows, const at::Tensor& weight) {
          weight.size(0) <= kMostTaps;
 }
 
-/// `out` = a b. Where the factors are bfloat16, sums and result are float32.
-void multiply(const at::Tensor& a, const at::Tensor& b, at::Tensor out) {
-  if (a.scalar_type() == at::kBFloat16) {
-    at::mm_out(out, a, b, at::kFloat);
-  } else {
-    at::mm_out(out, a, b);
-  }
+/// A factor as the kernels read it: in float32 with the values of bfloat16 where the weights are
+/// that. A product a tap in bfloat16 would be some thirty launches, which take longer.
+at::Tensor factor(const at::Tensor& values, at::ScalarType weights) {
+  return weights == at::kBFloat16 ? values.to(weights).to(at::kFloat) : values;
 }
 
 /// `order` lists the rows of `values` by the row of `out` that they go to; those of row r are
@@ -98,10 +96,12 @@ void add_rows(const at::Tensor& values, const at::Tensor& to, at::Tensor* out) {
   });
 }
 
-at::Tensor submanifold_conv_cuda(const at::Tensor& input, const at::Tensor& weight,
+at::Tensor submanifold_conv_cuda(const at::Tensor& given_input, const at::Tensor& given_weight,
                                  const std::optional<at::Tensor>& bias, const at::Tensor& pairs,
                                  const at::Tensor& tap_begin) {
-  check_submanifold_conv_args(input, weight, bias, pairs, tap_begin);
+  check_submanifold_conv_args(given_input, given_weight, bias, pairs, tap_begin);
+  const at::ScalarType type = given_weight.scalar_type();
+  const at::Tensor input = factor(given_input, type), weight = factor(given_weight, type);
   const c10::cuda::CUDAGuard guard(input.device());
   const int64_t N = input.size(0), inputs = weight.size(1), outputs = weight.size(2);
   at::Tensor out = bias.has_value() && bias->defined()
@@ -113,14 +113,13 @@ at::Tensor submanifold_conv_cuda(const at::Tensor& input, const at::Tensor& weig
     add_rows(products, pairs[0], &out);
     return out;
   }
-  const at::Tensor read = input.to(weight.scalar_type());  // rounded, where the weight is
   for (const TapRun& run : runs_of_taps(tap_begin, std::max(inputs, outputs))) {
     const at::Tensor rows = pairs.narrow(1, run.begin, run.pairs);
-    const at::Tensor gathered = read.index_select(0, rows.select(0, 1));
+    const at::Tensor gathered = input.index_select(0, rows.select(0, 1));
     const at::Tensor products = at::empty({run.pairs, outputs}, out.options());
     for_each_tap(run, tap_begin, [&](int64_t tap, int64_t first, int64_t count) {
-      multiply(gathered.narrow(0, first, count), weight.select(0, tap),
-               products.narrow(0, first, count));
+      at::Tensor of_tap = products.narrow(0, first, count);
+      at::mm_out(of_tap, gathered.narrow(0, first, count), weight.select(0, tap));
     });
     add_rows(products, rows.select(0, 0), &out);
   }
@@ -128,9 +127,12 @@ at::Tensor submanifold_conv_cuda(const at::Tensor& input, const at::Tensor& weig
 }
 
 std::tuple<at::Tensor, at::Tensor> submanifold_conv_backward_cuda(
-    const at::Tensor& grad, const at::Tensor& input, const at::Tensor& weight,
+    const at::Tensor& given_grad, const at::Tensor& given_input, const at::Tensor& given_weight,
     const at::Tensor& pairs, const at::Tensor& tap_begin, bool need_input, bool need_weight) {
-  check_submanifold_conv_backward_args(grad, input, weight, pairs, tap_begin);
+  check_submanifold_conv_backward_args(given_grad, given_input, given_weight, pairs, tap_begin);
+  const at::ScalarType type = given_weight.scalar_type();
+  const at::Tensor grad = factor(given_grad, type), input = factor(given_input, type),
+                   weight = factor(given_weight, type);
   const c10::cuda::CUDAGuard guard(grad.device());
   const auto zeros = [&](bool needed, const at::Tensor& like) {
     return at::zeros(needed ? like.sizes() : at::IntArrayRef{0}, grad.options());
@@ -146,23 +148,22 @@ std::tuple<at::Tensor, at::Tensor> submanifold_conv_backward_cuda(
                pairs[1], &grad_input);
     return {grad_input, grad_weight};
   }
-  const at::Tensor read = grad.to(input.scalar_type());  // rounded, where the input was
   const int64_t inputs = weight.size(1), outputs = weight.size(2);
   for (const TapRun& run : runs_of_taps(tap_begin, std::max(inputs, outputs))) {
     const at::Tensor rows = pairs.narrow(1, run.begin, run.pairs);
-    const at::Tensor outer = read.index_select(0, rows.select(0, 0));
+    const at::Tensor outer = grad.index_select(0, rows.select(0, 0));
     if (need_weight) {
       const at::Tensor gathered = input.index_select(0, rows.select(0, 1));
       for_each_tap(run, tap_begin, [&](int64_t tap, int64_t first, int64_t count) {
-        multiply(gathered.narrow(0, first, count).t(), outer.narrow(0, first, count),
-                 grad_weight.select(0, tap));
+        at::Tensor of_tap = grad_weight.select(0, tap);
+        at::mm_out(of_tap, gathered.narrow(0, first, count).t(), outer.narrow(0, first, count));
       });
     }
     if (!need_input) continue;
     const at::Tensor products = at::empty({run.pairs, inputs}, grad.options());
     for_each_tap(run, tap_begin, [&](int64_t tap, int64_t first, int64_t count) {
-      multiply(outer.narrow(0, first, count), weight.select(0, tap).t(),
-               products.narrow(0, first, count));
+      at::Tensor of_tap = products.narrow(0, first, count);
+      at::mm_out(of_tap, outer.narrow(0, first, count), weight.select(0, tap).t());
     });
     add_rows(products, rows.select(0, 1), &grad_input);
   }

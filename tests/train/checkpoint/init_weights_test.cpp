@@ -11,6 +11,7 @@
 #include "tests/train/run_fixture.h"
 #include "tests/train/tool_process.h"
 #include "train/checkpoint/first_model.h"
+#include "train/data/batch.h"
 
 namespace lte::train {
 namespace {
@@ -135,6 +136,49 @@ TEST_F(InitWeights, ExceptionsAllowAnotherShape) {
   EXPECT_NO_THROW(first(from(source(), ", init_except: [decoder.layer2, decoder.gamma]", model)));
   EXPECT_NO_THROW(
       first(from(source(), ", init_except: [decoder.layer1]", "model: {query_layers: 1}\n")));
+}
+
+/// With all that the released models are made of, so that every kind of layer is widened.
+constexpr const char* kRichModel =
+    "encoder_depths: [1, 1, 1], encoder_widths: [1, 1, 2], decoder_depths: [1, 1], "
+    "decoder_widths: [1, 1], head_width: 8, stem: conv3, attention_positions: rotary, "
+    "pair_geometry: normals, centering: learned, light_input: radiosity, light_sides: apart";
+
+at::Tensor answers_of(nn::LightTransportModel model, const Example& example) {
+  model->eval();
+  const at::NoGradGuard no_grad;
+  return model->decode_normalized(model->encode(example.points), example.queries);
+}
+
+TEST_F(InitWeights, AWiderModelBeginsWithTheSameAnswers) {
+  const auto rich = [](int64_t channels) {
+    return concat("model: {", kRichModel, ", channels: ", channels, "}\n");
+  };
+  TrainConfig narrow = config("narrow", rich(16));
+  train(narrow);
+  const std::string file = model_path(dir_ / "narrow").string();
+  RunData data = open_run_data(narrow);
+  const Example example = validation_examples(narrow, &data.train).front();
+  const at::Tensor expected = answers_of(first(from(file, "", rich(16))), example);
+  for (const int64_t channels : {32, 48}) {
+    nn::LightTransportModel model{nullptr};
+    const std::string said =
+        test::captured_stderr([&] { model = first(from(file, "", rich(channels))); });
+    EXPECT_EQ(said.find("another model"), std::string::npos) << said;
+    EXPECT_TRUE(at::allclose(answers_of(model, example), expected, 1e-4, 1e-5)) << channels;
+    // Copies learn each for itself.
+    const at::Tensor weight = model->named_parameters()["encoder.down1.0.conv_linear.weight"];
+    model->train();
+    model->decode_normalized(model->encode(example.points), example.queries).sum().backward();
+    EXPECT_FALSE(at::allclose(weight.grad().narrow(0, 0, 16), weight.grad().narrow(0, 16, 16)));
+  }
+}
+
+TEST_F(InitWeights, OnlyWholeTimesAsWideWillDo) {
+  for (const char* model : {"channels: 48", "channels: 64, head_width: 16"}) {
+    test::expect_error([&] { first(from(source(), "", concat("model: {", model, "}\n"))); },
+                       {"do not fit the model", "of another shape"});
+  }
 }
 
 TEST_F(InitWeights, WhatTheModelIsToldBesidesCountsNothingAtFirst) {
