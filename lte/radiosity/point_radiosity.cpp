@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
-#include "lte/base/random.h"
 #include "lte/radiosity/occupancy_grid.h"
 #include "lte/radiosity/patches.h"
 
@@ -19,11 +19,16 @@ namespace {
 // (surfels.cpp) and what an end's own surface is (occupancy_grid.cpp), this agreed best with
 // path-traced light in homes and boxes, by lamps and by daylight.
 constexpr float kCellSpacings = 0.6f;
-// Luminaires are near each other in cubes of so many spacings.
+// Luminaires are near each other in cubes of so many spacings: those of the points there are, or of
+// as many as this where there are more. A march for each luminaire of each point grows with the
+// square of the points, and tells the network no more.
 constexpr float kClusterSpacings = 0.9f;
+constexpr double kFinestClusters = 8192;
 // What weighs less is left out: emission and radiosity times these. A small lamp of many points
 // weighs little by each of them.
 constexpr float kLeastDirect = 1e-9f, kLeastTransfer = 2e-4f;
+/// Of what senders stand for, the share that is reflected light; the other is area.
+constexpr double kShareByLight = 0.5;
 /// Normals are alike that agree, axis by axis, on being above it, below −it or between.
 constexpr float kAlike = 0.5f;
 constexpr int64_t kGrain = 16;
@@ -34,6 +39,17 @@ struct Link {
   float weight;     ///< irradiance here over radiosity there
   size_t from, to;  ///< sides
 };
+
+/// Of the unit cube that a place lies in, none of whose coordinates is below 0.
+uint64_t morton_code(const Vec3& place) {
+  constexpr int kBits = 21;
+  uint64_t code = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto cube = static_cast<uint64_t>(place[axis]);
+    for (int bit = 0; bit < kBits; ++bit) code |= ((cube >> bit) & 1) << (3 * bit + axis);
+  }
+  return code;
+}
 
 /// Of the side of the normal, and of the other.
 using Sides = std::array<Rgb, 2>;
@@ -73,7 +89,7 @@ class Solver {
       Work work;
       for (int64_t i = first; i < last; ++i) add_direct(dark_[static_cast<size_t>(i)], &work);
     });
-    draw_senders();
+    choose_senders();
     const std::vector<Sides> reflected = bounce();
     parallel_for(static_cast<int64_t>(dark_.size()), kGrain, [&](int64_t first, int64_t last) {
       Work work;
@@ -138,7 +154,9 @@ class Solver {
   /// Brings luminaires into the order of their clusters. Each that stands outside the grid has one
   /// of its own.
   void cluster_luminaires() {
-    const GridShape cubes = GridShape::around(blockers_.position, kClusterSpacings * spacing_);
+    const double finer = std::max(1.0, static_cast<double>(count_) / kFinestClusters);
+    const GridShape cubes = GridShape::around(
+        blockers_.position, kClusterSpacings * spacing_ * static_cast<float>(std::sqrt(finer)));
     const auto alone = static_cast<int64_t>(std::numeric_limits<int32_t>::max());
     std::vector<std::pair<int64_t, size_t>> keyed;
     for (const size_t i : luminaires_) {
@@ -206,20 +224,65 @@ class Solver {
     }
   }
 
-  void draw_senders() {
-    senders_ = dark_;
-    Rng rng(0);
-    const size_t wanted = std::min(senders_.size(), static_cast<size_t>(options_.senders));
-    double area = 0;
-    for (size_t k = 0; k < wanted; ++k) {
-      std::swap(senders_[k], senders_[k + rng.below(senders_.size() - k)]);
-      area += points_.area[senders_[k]];
+  /// Chooses points that reflect light to others. Along a curve through all points each stands for
+  /// as much as any other, half of it area and half the direct light that it reflects: drawn at
+  /// random, or by area alone, too few lie where a lamp shines.
+  void choose_senders() {
+    const std::vector<double> importance = importance_of_senders();
+    const double total = std::accumulate(importance.begin(), importance.end(), 0.0);
+    const size_t wanted = std::min(dark_.size(), static_cast<size_t>(options_.senders));
+    const double step = total / static_cast<double>(std::max<size_t>(wanted, 1));
+    double before = 0, next = step / 2;
+    for (const size_t k : along_curve()) {
+      double times = 0;
+      for (before += importance[k]; next < std::min(before, total); next += step) ++times;
+      if (times == 0) continue;
+      const size_t i = dark_[k];
+      senders_.push_back(i);
+      // It stands for others as well.
+      const double share = times * step / importance[k];
+      sender_patches_.add(points_.position[i], points_.normal[i],
+                          static_cast<float>(points_.area[i] * share));
     }
-    senders_.resize(wanted);
-    // They stand for the others as well.
-    const float factor = area > 0 ? static_cast<float>(dark_area_ / area) : 0;
-    for (const size_t i : senders_)
-      sender_patches_.add(points_.position[i], points_.normal[i], points_.area[i] * factor);
+  }
+
+  /// Of each dark point; they add up to 1, or to 0 where there is no area.
+  std::vector<double> importance_of_senders() const {
+    // Groups alike: which of them is bright is not known yet.
+    std::vector<double> reflected(dark_.size());
+    double lit_groups = 0;
+    for (int64_t g = 0; g < groups_; ++g) {
+      const auto power = [&](size_t i) {
+        const auto& [front, back] = direct_[row(g) + i];
+        const Rgb light = points_.albedo[i] * (front + back);
+        return points_.area[i] * (double{light.x} + light.y + light.z);
+      };
+      double sum = 0;
+      for (const size_t i : dark_) sum += power(i);
+      if (!(sum > 0)) continue;
+      ++lit_groups;
+      for (size_t k = 0; k < dark_.size(); ++k) reflected[k] += power(dark_[k]) / sum;
+    }
+    std::vector<double> importance(dark_.size());
+    if (!(dark_area_ > 0)) return importance;
+    const double by_light = lit_groups > 0 ? kShareByLight : 0;
+    for (size_t k = 0; k < dark_.size(); ++k) {
+      importance[k] = (1 - by_light) * points_.area[dark_[k]] / dark_area_;
+      if (lit_groups > 0) importance[k] += by_light * reflected[k] / lit_groups;
+    }
+    return importance;
+  }
+
+  /// Places in `dark_` along Morton's curve.
+  std::vector<size_t> along_curve() const {
+    const GridShape cubes = GridShape::around(blockers_.position, spacing_);
+    std::vector<std::pair<uint64_t, size_t>> keyed;
+    for (size_t k = 0; k < dark_.size(); ++k)
+      keyed.emplace_back(morton_code(cubes.place(points_.position[dark_[k]])), k);
+    std::sort(keyed.begin(), keyed.end());
+    std::vector<size_t> order;
+    for (const auto& [code, k] : keyed) order.push_back(k);
+    return order;
   }
 
   /// What point `i` receives from all senders that it sees. What their areas overlap is taken off:

@@ -26,14 +26,14 @@ struct Points {
 };
 
 struct Options {
-  /// Points that reflect light to others, drawn from all: time grows with their number.
+  /// Points that reflect light to others, chosen from all: time grows with their number.
   int senders = 512;
   /// Reflections that are followed; a room of albedo 0.7 keeps a fourth of its light after 4.
   int bounces = 4;
 };
 
 /// Raised by every change after which solve() gives other values: of files that keep solutions.
-inline constexpr int kSolverVersion = 3;
+inline constexpr int kSolverVersion = 4;
 
 /// Irradiance in W/m², [groups, points] each; 0 at points that emit.
 struct PointLight {
@@ -41,8 +41,7 @@ struct PointLight {
   std::vector<Rgb> direct_back, indirect_back;  ///< of that, on the side that faces away
 };
 
-/// The result depends on the order of the points, as the senders are drawn by it, and not on
-/// threads. Points without area or in one place give finite values.
+/// The result does not depend on threads. Points without area or in one place give finite values.
 /// @throws lte::Error if the spans differ in length or a light group is not below `groups`
 PointLight solve(const Points& points, int64_t groups, const Options& options = {});
 

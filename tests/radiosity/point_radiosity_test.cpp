@@ -78,6 +78,20 @@ TEST(PointRadiosity, AnIntegratingSphereHasItsClosedForm) {
   }
 }
 
+// One bounce in a sphere lights all of it alike, by albedo · flux / 4π, wherever the flux arrives:
+// here on a hundredth of it.
+TEST(PointRadiosity, FewSendersFindASpotOfLight) {
+  constexpr int kCount = 6000;
+  constexpr float kAlbedo = 0.5f;
+  Set set = integrating_sphere(kCount, kAlbedo, 0);
+  set.add({0, 0.9f, 0}, {0, 1, 0}, 0, {100, 100, 100}, 1e-3f, 0);
+  const PointLight light = solve(set.points(), 1, {.senders = 64, .bounces = 1});
+  const double flux = mean_green(light.direct, 0, kCount) * 4 * M_PI;
+  EXPECT_NEAR(flux, 0.1 * M_PI, 0.2 * 0.1 * M_PI) << "emission · area · π";
+  const double expected = kAlbedo * flux / (4 * M_PI);
+  EXPECT_NEAR(mean_green(light.indirect, 0, kCount), expected, 0.18 * expected);
+}
+
 TEST(PointRadiosity, IsLinearInTheEmissionOfEachGroup) {
   Set set = integrating_sphere(600, 0.7f, 12);
   const PointLight once = solve(set.points(), 2);
