@@ -231,16 +231,19 @@ class Solver {
     const std::vector<double> importance = importance_of_senders();
     const double total = std::accumulate(importance.begin(), importance.end(), 0.0);
     const size_t wanted = std::min(dark_.size(), static_cast<size_t>(options_.senders));
-    const double step = total / static_cast<double>(std::max<size_t>(wanted, 1));
-    double before = 0, next = step / 2;
+    if (wanted == 0 || !(total > 0)) return;
+    const double step = total / static_cast<double>(wanted);
+    double passed = 0;
+    int64_t marks = 0;  // passed, of one in the middle of each step
     for (const size_t k : along_curve()) {
-      double times = 0;
-      for (before += importance[k]; next < std::min(before, total); next += step) ++times;
+      passed += importance[k];
+      const int64_t times = std::llround(std::floor(passed / step + 0.5)) - marks;
       if (times == 0) continue;
+      marks += times;
       const size_t i = dark_[k];
       senders_.push_back(i);
       // It stands for others as well.
-      const double share = times * step / importance[k];
+      const double share = static_cast<double>(times) * step / importance[k];
       sender_patches_.add(points_.position[i], points_.normal[i],
                           static_cast<float>(points_.area[i] * share));
     }
@@ -281,6 +284,7 @@ class Solver {
       keyed.emplace_back(morton_code(cubes.place(points_.position[dark_[k]])), k);
     std::sort(keyed.begin(), keyed.end());
     std::vector<size_t> order;
+    order.reserve(keyed.size());
     for (const auto& [code, k] : keyed) order.push_back(k);
     return order;
   }
