@@ -224,13 +224,18 @@ class Solver {
     }
   }
 
-  /// Chooses points that reflect light to others. Along a curve through all points each stands for
-  /// as much as any other, half of it area and half the direct light that it reflects: drawn at
-  /// random, or by area alone, too few lie where a lamp shines.
+  /// Chooses points that reflect light to others: all, or where those are more than are asked for,
+  /// points each of which stands for as much as any other along a curve through all, half of it
+  /// area and half the direct light that it reflects. Drawn at random, or by area alone, too few
+  /// lie where a lamp shines.
   void choose_senders() {
+    const auto wanted = static_cast<size_t>(options_.senders);
+    if (dark_.size() <= wanted) {
+      for (const size_t i : dark_) add_sender(i, 1);
+      return;
+    }
     const std::vector<double> importance = importance_of_senders();
     const double total = std::accumulate(importance.begin(), importance.end(), 0.0);
-    const size_t wanted = std::min(dark_.size(), static_cast<size_t>(options_.senders));
     if (wanted == 0 || !(total > 0)) return;
     const double step = total / static_cast<double>(wanted);
     double passed = 0;
@@ -240,13 +245,15 @@ class Solver {
       const int64_t times = std::llround(std::floor(passed / step + 0.5)) - marks;
       if (times == 0) continue;
       marks += times;
-      const size_t i = dark_[k];
-      senders_.push_back(i);
-      // It stands for others as well.
-      const double share = static_cast<double>(times) * step / importance[k];
-      sender_patches_.add(points_.position[i], points_.normal[i],
-                          static_cast<float>(points_.area[i] * share));
+      add_sender(dark_[k], static_cast<double>(times) * step / importance[k]);
     }
+  }
+
+  /// @param points  that it stands for
+  void add_sender(size_t i, double points) {
+    senders_.push_back(i);
+    sender_patches_.add(points_.position[i], points_.normal[i],
+                        static_cast<float>(points_.area[i] * points));
   }
 
   /// Of each dark point; they add up to 1, or to 0 where there is no area.
