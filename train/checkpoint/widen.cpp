@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include <ATen/TensorOperators.h>
 #include <ATen/ops/randn_like.h>
 
 namespace lte::train {
