@@ -1,12 +1,14 @@
 #include "lte/pathtrace/adaptive.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <map>
 #include <numeric>
 
 #include "lte/base/check.h"
+#include "lte/base/morton.h"
 #include "lte/base/random.h"
 #include "lte/pathtrace/transport/irradiance_kernel.h"
 
@@ -24,15 +26,13 @@ constexpr double kOwnSafety = 1.3;
 float channel_mean(const Rgb& value) { return (value.x + value.y + value.z) / 3; }
 
 /// A Morton code of 10 bits an axis.
-uint32_t morton(const Vec3& position, const Bounds& bounds) {
+uint64_t morton(const Vec3& position, const Bounds& bounds) {
   const float scale = 1023 / std::max(max_component(bounds.extent()), 1e-30f);
-  uint32_t code = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const float cell = std::clamp((position[axis] - bounds.low[axis]) * scale, 0.0f, 1023.0f);
-    const auto index = static_cast<uint32_t>(cell);
-    for (int bit = 0; bit < 10; ++bit) code |= ((index >> bit) & 1) << (3 * bit + axis);
-  }
-  return code;
+  std::array<uint32_t, 3> cell{};
+  for (int axis = 0; axis < 3; ++axis)
+    cell[static_cast<size_t>(axis)] = static_cast<uint32_t>(
+        std::clamp((position[axis] - bounds.low[axis]) * scale, 0.0f, 1023.0f));
+  return morton_code(cell);
 }
 
 /// One of six: the axis that the normal leans to, and its sign.

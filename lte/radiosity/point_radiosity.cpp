@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lte/base/check.h"
+#include "lte/base/morton.h"
 #include "lte/base/parallel.h"
 #include "lte/radiosity/occupancy_grid.h"
 #include "lte/radiosity/patches.h"
@@ -39,17 +40,6 @@ struct Link {
   float weight;     ///< irradiance here over radiosity there
   size_t from, to;  ///< sides
 };
-
-/// Of the unit cube that a place lies in, none of whose coordinates is below 0.
-uint64_t morton_code(const Vec3& place) {
-  constexpr int kBits = 21;
-  uint64_t code = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto cube = static_cast<uint64_t>(place[axis]);
-    for (int bit = 0; bit < kBits; ++bit) code |= ((cube >> bit) & 1) << (3 * bit + axis);
-  }
-  return code;
-}
 
 /// Of the side of the normal, and of the other.
 using Sides = std::array<Rgb, 2>;
@@ -242,7 +232,7 @@ class Solver {
     int64_t marks = 0;  // passed, of one in the middle of each step
     for (const size_t k : along_curve()) {
       passed += importance[k];
-      const int64_t times = std::llround(std::floor(passed / step + 0.5)) - marks;
+      const int64_t times = static_cast<int64_t>(passed / step + 0.5) - marks;
       if (times == 0) continue;
       marks += times;
       add_sender(dark_[k], static_cast<double>(times) * step / importance[k]);
@@ -269,17 +259,16 @@ class Solver {
       };
       double sum = 0;
       for (const size_t i : dark_) sum += power(i);
-      if (!(sum > 0)) continue;
+      if (!(sum > 0 && std::isfinite(sum))) continue;
       ++lit_groups;
       for (size_t k = 0; k < dark_.size(); ++k) reflected[k] += power(dark_[k]) / sum;
     }
     std::vector<double> importance(dark_.size());
     if (!(dark_area_ > 0)) return importance;
     const double by_light = lit_groups > 0 ? kShareByLight : 0;
-    for (size_t k = 0; k < dark_.size(); ++k) {
-      importance[k] = (1 - by_light) * points_.area[dark_[k]] / dark_area_;
-      if (lit_groups > 0) importance[k] += by_light * reflected[k] / lit_groups;
-    }
+    for (size_t k = 0; k < dark_.size(); ++k)
+      importance[k] = (1 - by_light) * points_.area[dark_[k]] / dark_area_ +
+                      by_light * reflected[k] / std::max(lit_groups, 1.0);
     return importance;
   }
 
@@ -287,8 +276,12 @@ class Solver {
   std::vector<size_t> along_curve() const {
     const GridShape cubes = GridShape::around(blockers_.position, spacing_);
     std::vector<std::pair<uint64_t, size_t>> keyed;
-    for (size_t k = 0; k < dark_.size(); ++k)
-      keyed.emplace_back(morton_code(cubes.place(points_.position[dark_[k]])), k);
+    for (size_t k = 0; k < dark_.size(); ++k) {
+      const Vec3 cube = cubes.place(points_.position[dark_[k]]);
+      keyed.emplace_back(morton_code({static_cast<uint32_t>(cube.x), static_cast<uint32_t>(cube.y),
+                                      static_cast<uint32_t>(cube.z)}),
+                         k);
+    }
     std::sort(keyed.begin(), keyed.end());
     std::vector<size_t> order;
     order.reserve(keyed.size());

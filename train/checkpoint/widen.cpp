@@ -1,6 +1,5 @@
 #include "train/checkpoint/widen.h"
 
-#include <algorithm>
 #include <vector>
 
 #include <ATen/TensorOperators.h>
@@ -47,7 +46,8 @@ int64_t blocks_of(const std::string& name, bool inputs) {
 }  // namespace
 
 int64_t widening(const nn::ModelConfig& model, const nn::ModelConfig& file) {
-  const bool whole = model.channels % file.channels == 0 && model.head_width == file.head_width;
+  const bool whole = model.channels % file.channels == 0 && model.head_width == file.head_width &&
+                     file.channels % file.head_width == 0;
   return whole ? model.channels / file.channels : 1;
 }
 

@@ -11,7 +11,8 @@
 namespace lte::train {
 
 /// How many times as wide as `file`'s network the model's is; 1 where that is no whole number, or
-/// where heads would be of another width.
+/// where heads would be of another width, as a network of fewer channels than a head has narrower
+/// ones.
 int64_t widening(const nn::ModelConfig& model, const nn::ModelConfig& file);
 
 /// A parameter of the wider network, with which that answers as the narrow one does, to rounding:

@@ -11,6 +11,7 @@
 #include "tests/train/run_fixture.h"
 #include "tests/train/tool_process.h"
 #include "train/checkpoint/first_model.h"
+#include "train/checkpoint/widen.h"
 #include "train/data/batch.h"
 
 namespace lte::train {
@@ -179,6 +180,13 @@ TEST_F(InitWeights, OnlyWholeTimesAsWideWillDo) {
     test::expect_error([&] { first(from(source(), "", concat("model: {", model, "}\n"))); },
                        {"do not fit the model", "of another shape"});
   }
+  nn::ModelConfig wide, narrow;
+  wide.channels = 96;
+  narrow.channels = 48;  // one head, which twice the channels would make three of
+  narrow.head_width = wide.head_width = 32;
+  EXPECT_EQ(widening(wide, narrow), 1);
+  narrow.head_width = wide.head_width = 16;
+  EXPECT_EQ(widening(wide, narrow), 2);
 }
 
 TEST_F(InitWeights, WhatTheModelIsToldBesidesCountsNothingAtFirst) {
