@@ -232,7 +232,7 @@ class Solver {
     int64_t marks = 0;  // passed, of one in the middle of each step
     for (const size_t k : along_curve()) {
       passed += importance[k];
-      const int64_t times = static_cast<int64_t>(passed / step + 0.5) - marks;
+      const int64_t times = int64_t{std::llround(passed / step)} - marks;
       if (times == 0) continue;
       marks += times;
       add_sender(dark_[k], static_cast<double>(times) * step / importance[k]);
