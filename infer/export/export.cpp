@@ -137,6 +137,17 @@ void save_archive(const torch::jit::Module& module, const torch::jit::ExtraFiles
   LTE_CHECK(error == 0, path.string(), ": cannot write: ", std::strerror(error));
 }
 
+/// The model to read, once no file of the command is another's.
+std::filesystem::path checked_model(const ExportOptions& options) {
+  std::filesystem::path path = checkpoint_or_shipped(options.model, kHybridModel);
+  CommandFiles files;
+  files.reads("--checkpoint", path);
+  files.writes("--out", options.out);
+  files.writes("--log-file", options.log_file);
+  files.check();
+  return path;
+}
+
 }  // namespace
 
 std::vector<ExportCheck> export_torchscript(const ExportOptions& options) {
@@ -144,12 +155,7 @@ std::vector<ExportCheck> export_torchscript(const ExportOptions& options) {
   const auto say = [&](const std::string& step) {
     if (options.progress) options.progress(step);
   };
-  const std::filesystem::path path = checkpoint_or_shipped(options.model, kHybridModel);
-  CommandFiles files;
-  files.reads("--checkpoint", path);
-  files.writes("--out", options.out);
-  files.writes("--log-file", options.log_file);
-  files.check();
+  const std::filesystem::path path = checked_model(options);
   say(concat("reading ", path.string()));
   nn::LightTransportModel model = nn::load_model(path);
   say("compiling the module");
@@ -179,6 +185,12 @@ std::vector<ExportCheck> export_torchscript(const ExportOptions& options) {
   }
   file.commit();
   return checks;
+}
+
+void export_rounded(const ExportOptions& options) {
+  LTE_CHECK(options.out.extension() == ".safetensors", "--out ", options.out.string(),
+            ": --bf16 writes a model file, whose name ends in .safetensors");
+  nn::save_rounded(checked_model(options), options.out);
 }
 
 }  // namespace lte::infer

@@ -1,5 +1,5 @@
 // TorchScript export: a module built from C++ that other programs load without lte's headers, and
-// if it is portable without lte at all.
+// if it is portable without lte at all. Or a model file of half the size.
 #pragma once
 
 #include <cstdint>
@@ -36,5 +36,10 @@ struct ExportCheck {
 /// @throws lte::Error if the model cannot be read, the file cannot be written, or the module
 ///         deviates by more than 1e-4, in radiance 1e-3; the file is then not there.
 std::vector<ExportCheck> export_torchscript(const ExportOptions& options);
+
+/// Writes options.model as a model file with its weights rounded to bfloat16 (nn::save_rounded).
+/// @throws lte::Error if the model cannot be read, the file cannot be written, or is not called
+///         .safetensors.
+void export_rounded(const ExportOptions& options);
 
 }  // namespace lte::infer

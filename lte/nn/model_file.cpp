@@ -101,6 +101,20 @@ void save_model(const std::filesystem::path& path, const LightTransportModel& mo
   writer.write(path);
 }
 
+void save_rounded(const std::filesystem::path& from, const std::filesystem::path& to) {
+  const LightTransportModel model = load_model(from);
+  const SafetensorsFile file(from);
+  SafetensorsWriter writer;
+  for (const auto& [key, value] : file.metadata()) {
+    if (key != kChecksumKey) writer.set_metadata(key, value);
+  }
+  std::map<std::string, at::Tensor> weights, storage;  // the writer borrows from the latter
+  for (const auto& item : model->named_parameters())
+    weights[item.key()] = item.value().detach().to(at::kBFloat16);
+  add_tensors(weights, &storage, &writer);
+  writer.write(to);
+}
+
 LightTransportModel load_model(const std::filesystem::path& path) {
   const SafetensorsFile file(path);
   file.verify();  // before its configuration decides how large a model is made

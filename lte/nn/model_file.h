@@ -15,6 +15,11 @@ namespace lte::nn {
 void save_model(const std::filesystem::path& path, const LightTransportModel& model,
                 const std::map<std::string, std::string>& extra = {});
 
+/// Writes the model file `from` with its weights rounded to bfloat16, in half the bytes,
+/// atomically. All its metadata but the checksum stay. Whoever reads it computes in float32.
+/// @throws lte::Error as load_model(), or naming a file that cannot be written.
+void save_rounded(const std::filesystem::path& from, const std::filesystem::path& to);
+
 /// A model in evaluation mode with the file's configuration and weights.
 /// Warns, in one line that names the tensor, of a weight beyond 10^6.
 /// @throws lte::Error naming the file if it is no model, of a newer format or damaged (its bytes do

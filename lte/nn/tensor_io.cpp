@@ -20,6 +20,8 @@ DType dtype_for(const std::string& name, at::ScalarType type) {
       return DType::I64;
     case at::kInt:
       return DType::I32;
+    case at::kBFloat16:
+      return DType::BF16;
     case at::kByte:
       return DType::U8;
     default:
@@ -33,6 +35,10 @@ std::string shape_text(at::IntArrayRef shape) {
   return text + "]";
 }
 
+at::Tensor borrowed(const TensorView& view, at::ScalarType type) {
+  return at::from_blob(const_cast<std::byte*>(view.data), view.shape, at::TensorOptions(type));
+}
+
 }  // namespace
 
 void add_tensors(const std::map<std::string, at::Tensor>& tensors,
@@ -44,16 +50,21 @@ void add_tensors(const std::map<std::string, at::Tensor>& tensors,
   }
 }
 
+at::Tensor float_values(const TensorView& view) {
+  LTE_CHECK(view.dtype == DType::F32 || view.dtype == DType::BF16, "expected F32 or BF16, got ",
+            dtype_name(view.dtype));
+  return borrowed(view, view.dtype == DType::BF16 ? at::kBFloat16 : at::kFloat).to(at::kFloat);
+}
+
 void read_tensor(const SafetensorsFile& file, const std::string& name, const at::Tensor& out) {
   const TensorView& view = file.at(name);
-  LTE_CHECK(view.dtype == dtype_for(name, out.scalar_type()) &&
+  const bool rounded = view.dtype == DType::BF16 && out.scalar_type() == at::kFloat;
+  LTE_CHECK((rounded || view.dtype == dtype_for(name, out.scalar_type())) &&
                 at::IntArrayRef(view.shape) == out.sizes(),
             file.path().string(), ": tensor ", name, ": expected ", shape_text(out.sizes()), " of ",
             c10::toString(out.scalar_type()), ", got ", shape_text(view.shape), " of ",
             dtype_name(view.dtype));
-  const at::Tensor source = at::from_blob(const_cast<std::byte*>(view.data), view.shape,
-                                          at::TensorOptions(out.scalar_type()));
-  out.copy_(source);
+  out.copy_(borrowed(view, rounded ? at::kBFloat16 : out.scalar_type()));
 }
 
 }  // namespace lte::nn

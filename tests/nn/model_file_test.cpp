@@ -67,6 +67,32 @@ TEST_F(ModelFile, RoundTripGivesTheSameIrradianceBitForBit) {
   }
 }
 
+TEST_F(ModelFile, RoundedWeightsTakeHalfTheBytesAndAreReadAsTheNearestFloats) {
+  save_model(file("a.safetensors"), model_, {{"step", "7"}});
+  save_rounded(file("a.safetensors"), file("b.safetensors"));
+  const SafetensorsFile whole(file("a.safetensors")), half(file("b.safetensors"));
+  half.verify();
+  for (const auto& [key, value] : whole.metadata()) {
+    if (key == kChecksumKey) continue;
+    EXPECT_EQ(half.metadata(key), value) << key;
+  }
+  const LightTransportModel loaded = load_model(file("b.safetensors"));
+  LightTransportModel other(test::tiny_config());
+  load_weights(file("b.safetensors"), other);
+  for (const auto& item : model_->named_parameters()) {
+    EXPECT_EQ(half.at(item.key()).size_bytes() * 2, whole.at(item.key()).size_bytes());
+    const at::Tensor read = loaded->named_parameters()[item.key()];
+    EXPECT_EQ(read.scalar_type(), at::kFloat);
+    // Eight bits of mantissa, the first one implied: off by half of the last at most.
+    EXPECT_TRUE((read - item.value()).abs().le(item.value().abs() * (1.0 / 256)).all().item<bool>())
+        << item.key();
+    EXPECT_FALSE(torch::equal(read, item.value()) && item.value().numel() > 8) << item.key();
+    EXPECT_TRUE(torch::equal(other->named_parameters()[item.key()], read)) << item.key();
+  }
+  save_rounded(file("b.safetensors"), file("c.safetensors"));  // what is rounded stays
+  EXPECT_EQ(read_file(file("c.safetensors")), read_file(file("b.safetensors")));
+}
+
 TEST_F(ModelFile, RefusesWhatIsNotThisModel) {
   auto load = [](const std::filesystem::path& path) { return [path] { load_model(path); }; };
   test::expect_error(load(file("absent.safetensors")), {"absent.safetensors"});

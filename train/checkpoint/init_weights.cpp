@@ -4,13 +4,13 @@
 #include <charconv>
 #include <map>
 
-#include <ATen/ops/from_blob.h>
 #include <ATen/ops/isfinite.h>
 #include <torch/types.h>
 
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/safetensors.h"
+#include "lte/nn/tensor_io.h"
 #include "train/checkpoint/checkpoint.h"
 #include "train/checkpoint/widen.h"
 #include "train/config.h"
@@ -149,7 +149,7 @@ void init_weights(const std::filesystem::path& path, const std::vector<std::stri
     return shape;
   };
   const auto fits = [&](const TensorView& view, const std::vector<int64_t>& shape) {
-    return view.dtype == DType::F32 &&
+    return (view.dtype == DType::F32 || view.dtype == DType::BF16) &&
            std::equal(shape.begin(), shape.end(), view.shape.begin(), view.shape.end(),
                       [&](int64_t here, int64_t there) {
                         return here == there || here == factor * there;
@@ -184,7 +184,7 @@ void init_weights(const std::filesystem::path& path, const std::vector<std::stri
   for (const auto& item : parameters) {
     if (starts_with_any(item.key(), except)) continue;
     const TensorView& view = weights.at(item.key());
-    at::Tensor values = at::from_blob(const_cast<std::byte*>(view.data), view.shape, at::kFloat);
+    at::Tensor values = nn::float_values(view);
     LTE_CHECK(at::isfinite(values).all().item<bool>(), name, ": tensor ", item.key(),
               " holds values that are not finite");
     if (factor > 1)

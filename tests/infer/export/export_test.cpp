@@ -14,6 +14,7 @@
 #include "infer/export/torchscript_network.h"
 #include "infer/tool/synthetic_room.h"
 #include "lte/base/check.h"
+#include "lte/nn/model_file.h"
 #include "tests/infer/export/support.h"
 #include "tests/support/temp_dir.h"
 
@@ -208,6 +209,21 @@ TEST(ExportErrors, AFullDiskIsOneLineAndLeavesNothing) {
     EXPECT_NE(error.find("model.pt: cannot write: File too large"), std::string::npos) << error;
     EXPECT_EQ(folder.count(), 1u) << "more than the model is left, room " << room;
   }
+}
+
+TEST(ExportRounded, WritesAModelFileAndRefusesAnotherName) {
+  const test::TempDir folder;
+  const std::filesystem::path model_file =
+      save_untrained(folder.path(), small_config(nn::Stem::Linear));
+  const std::filesystem::path out = folder.path() / "half.safetensors";
+  export_rounded({model_file.string(), out});
+  EXPECT_EQ(nn::load_model(out)->config().to_yaml(),
+            nn::load_model(model_file)->config().to_yaml());
+  const std::string error = test::error_of([&] {
+    export_rounded({model_file.string(), folder.path() / "half.pt"});
+  });
+  EXPECT_NE(error.find("half.pt: --bf16 writes a model file"), std::string::npos) << error;
+  EXPECT_EQ(folder.count(), 2u);
 }
 
 TEST(TorchscriptNames, HaveNoDots) {

@@ -60,6 +60,15 @@ TEST_F(InitWeights, ANewRunStartsFromThem) {
   }
 }
 
+TEST_F(InitWeights, RoundedOnesAreTakenToo) {
+  const std::string rounded = (dir_ / "rounded.safetensors").string();
+  nn::save_rounded(source(), rounded);
+  const nn::LightTransportModel model = first(from(rounded)), there = nn::load_model(rounded);
+  const auto weights = there->named_parameters();
+  for (const auto& item : model->named_parameters())
+    EXPECT_TRUE(torch::equal(item.value(), weights[item.key()])) << item.key();
+}
+
 TEST_F(InitWeights, StepOptimizerScheduleAndAverageAreFresh) {
   train(from(source()), false, 1);
   const SafetensorsFile file(checkpoint_path(dir_ / "run"));
