@@ -1,6 +1,4 @@
 // The mean of models' weights.
-#include "train/command/average_command.h"
-
 #include <gtest/gtest.h>
 
 #include "lte/base/check.h"
@@ -8,6 +6,7 @@
 #include "lte/nn/model_file.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temp_dir.h"
+#include "train/command/average_command.h"
 
 namespace lte::train {
 namespace {
@@ -61,12 +60,14 @@ TEST_F(Average, RefusesOtherShapesAndItsOwnInputs) {
   nn::ModelConfig wide = small_config();
   wide.channels = 32;
   const auto a = saved("a.safetensors", small_config(), "1"), b = saved("b.safetensors", wide, "1");
-  const std::string shape =
-      test::message_of([&] { average_models({.models = {a, b}, .out = out(), .log_file = ""}); });
+  const std::string shape = test::message_of([&] {
+    average_models({.models = {a, b}, .out = out(), .log_file = ""});
+  });
   EXPECT_NE(shape.find("b.safetensors: its width is D = 32"), std::string::npos) << shape;
   EXPECT_FALSE(std::filesystem::exists(out()));
-  const std::string same =
-      test::message_of([&] { average_models({.models = {a, a}, .out = a, .log_file = ""}); });
+  const std::string same = test::message_of([&] {
+    average_models({.models = {a, a}, .out = a, .log_file = ""});
+  });
   EXPECT_NE(same.find("--out"), std::string::npos) << same;
 }
 
