@@ -1,5 +1,6 @@
 #include "train/command/average_command.h"
 
+#include <algorithm>
 #include <map>
 
 #include <ATen/core/grad_mode.h>
@@ -29,9 +30,13 @@ std::string average_models(const AverageOptions& options) {
   files.check();
   const at::NoGradGuard no_grad;
   const std::filesystem::path& first = options.models.front();
-  const nn::LightTransportModel sum = nn::load_model(first);
+  nn::ModelConfig config = nn::load_model(first)->config();
+  for (const std::filesystem::path& model : options.models)
+    config.patch_size = std::max(config.patch_size, nn::load_model(model)->config().patch_size);
+  nn::LightTransportModel sum(config);
+  nn::load_weights(first, sum);
   for (size_t i = 1; i < options.models.size(); ++i) {
-    nn::LightTransportModel other(sum->config());
+    nn::LightTransportModel other(config);
     nn::load_weights(options.models[i], other);
     const auto weights = other->named_parameters();
     for (auto& item : sum->named_parameters()) item.value().add_(weights[item.key()]);

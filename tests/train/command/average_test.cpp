@@ -22,6 +22,12 @@ nn::ModelConfig small_config() {
   return config;
 }
 
+nn::ModelConfig with_patches(int64_t size) {
+  nn::ModelConfig config = small_config();
+  config.patch_size = size;
+  return config;
+}
+
 class Average : public ::testing::Test {
  protected:
   /// A model file with weights of its own.
@@ -38,13 +44,14 @@ class Average : public ::testing::Test {
 
 TEST_F(Average, IsTheMeanWithTheMetadataOfTheFirst) {
   const auto a = saved("a.safetensors", small_config(), "10"),
-             b = saved("b.safetensors", small_config(), "20"),
+             b = saved("b.safetensors", with_patches(2'048), "20"),
              c = saved("c.safetensors", small_config(), "30");
   average_models({.models = {a, b, c}, .out = out(), .log_file = ""});
   const SafetensorsFile file(out());
   EXPECT_EQ(file.metadata("step"), "10");
   EXPECT_EQ(file.metadata("scene_points"), "512");
   EXPECT_EQ(file.metadata("averaged"), "3");
+  EXPECT_EQ(nn::load_model(out())->config().to_yaml(), with_patches(2'048).to_yaml());
   const nn::LightTransportModel mean = nn::load_model(out()), first = nn::load_model(a),
                                 second = nn::load_model(b), third = nn::load_model(c);
   for (const auto& item : mean->named_parameters()) {
