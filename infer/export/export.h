@@ -18,6 +18,7 @@ struct ExportOptions {
   std::string log_file{};  ///< --log-file, which is open already; empty: none
   /// Told what begins, e.g. "comparing at 257 scene points and 100 queries".
   std::function<void(const std::string& step)> progress = {};
+  bool bf16 = false;  ///< a model file in the place of a module: export_rounded()
 };
 
 /// Deviations from the native model at one size.

@@ -36,7 +36,7 @@ ModelConfig read_config(const SafetensorsFile& file) {
   LTE_CHECK(version <= kFormatVersion, name, ": format version ", version,
             " is newer than this program's ", kFormatVersion, "; update lte");
   const Config yaml = Config::parse(file.metadata("model_config"), name + ": model_config");
-  const ModelConfig config = ModelConfig::read(yaml);
+  ModelConfig config = ModelConfig::read(yaml);
   yaml.finish();
   return config;
 }

@@ -7,7 +7,7 @@
 
 #include "infer/bench/bench_command.h"
 #include "infer/eval/eval_command.h"
-#include "infer/export/export.h"
+#include "infer/export/export_command.h"
 #include "infer/render/render_command.h"
 #include "lte/scene/export.h"
 #include "tests/infer/fixture.h"
@@ -61,9 +61,8 @@ class InferFiles : public test::InFolder {
       add_bench_options(app, &bench);
       return test::run_command(app, arguments, [&] { run_bench(bench); });
     }
-    app.add_option("--checkpoint", exported.model);
-    app.add_option("--out", exported.out);
-    return test::run_command(app, arguments, [&] { export_torchscript(exported); });
+    add_export_options(app, &exported);
+    return test::run_command(app, arguments, [&] { run_export(exported); });
   }
 };
 
@@ -99,6 +98,8 @@ TEST_F(InferFiles, NoOutputReplacesAnInputOrAnotherOutput) {
        "--checkpoint"},
       {"lte_export --checkpoint tiny.safetensors --out tiny.safetensors", "--out", "--checkpoint"},
       {"lte_export --checkpoint tiny.safetensors --out twin.safetensors", "--out", "--checkpoint"},
+      {"lte_export --bf16 --checkpoint tiny.safetensors --out tiny.safetensors", "--out",
+       "--checkpoint"},
   };
   const auto before = folder_files(".");
   for (const Case& c : cases) {
