@@ -3,9 +3,7 @@
 
 #include "lte/base/process_memory.h"
 #include "lte/cli/cli.h"
-#include "train/command/average_command.h"
-#include "train/command/health_command.h"
-#include "train/command/report_command.h"
+#include "train/command/subcommands.h"
 #include "train/command/train_command.h"
 
 namespace {
@@ -33,29 +31,16 @@ int main(int argc, char** argv) {
   app.footer(kExamples);
   lte::CommonOptions common;
   lte::train::RunOptions options;
-  lte::train::ReportOptions report_options;
-  lte::train::HealthOptions health_options;
-  lte::train::AverageOptions average_options;
   lte::train::add_run_options(app, &options);
   lte::add_common_options(app, &common);
-  const CLI::App* report = lte::train::add_report_command(app, &report_options);
-  const CLI::App* health = lte::train::add_health_command(app, &health_options);
-  const CLI::App* average = lte::train::add_average_command(app, &average_options);
+  lte::train::Subcommands subcommands(app);
 
   int signal = 0;
   const int status = lte::run_tool(app, argc, argv, [&] {
     lte::apply_common_options(common);
     lte::keep_freed_memory();
-    health_options.json = common.json;
-    average_options.log_file = common.log_file;
-    if (average->parsed()) {
-      std::cout << lte::train::average_models(average_options);
-      return;
-    }
-    if (report->parsed() || health->parsed()) {
-      std::cout << (report->parsed()
-                        ? lte::train::write_run_report(report_options.run, report_options.out)
-                        : lte::train::run_health(health_options));
+    if (const auto text = subcommands.run(common)) {
+      std::cout << *text;
       return;
     }
     options.json = common.json;

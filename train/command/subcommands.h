@@ -1,0 +1,32 @@
+// What lte_train does beside training: `lte_train report`, `health` and `average`.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "lte/cli/cli.h"
+#include "train/command/average_command.h"
+#include "train/command/health_command.h"
+#include "train/command/report_command.h"
+
+namespace lte::train {
+
+class Subcommands {
+ public:
+  /// Adds them to `app`, which parses into this object.
+  explicit Subcommands(CLI::App& app);
+  Subcommands(const Subcommands&) = delete;
+  Subcommands& operator=(const Subcommands&) = delete;
+
+  /// Runs the one that was given. @return its lines for the user; nothing if none was given
+  /// @throws lte::Error as its function does
+  std::optional<std::string> run(const CommonOptions& common);
+
+ private:
+  ReportOptions report_options_;
+  HealthOptions health_options_;
+  AverageOptions average_options_;
+  const CLI::App *report_, *health_, *average_;
+};
+
+}  // namespace lte::train
