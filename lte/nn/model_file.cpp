@@ -84,10 +84,8 @@ void check_same_config(const std::string& name, const ModelConfig& file, const M
   }
 }
 
-}  // namespace
-
-void save_model(const std::filesystem::path& path, const LightTransportModel& model,
-                const std::map<std::string, std::string>& extra) {
+void write_model(const std::filesystem::path& path, const LightTransportModel& model,
+                 const std::map<std::string, std::string>& extra, at::ScalarType type) {
   SafetensorsWriter writer;
   for (const auto& [key, value] : extra) writer.set_metadata(key, value);
   writer.set_metadata("format", "lte-model");
@@ -96,23 +94,21 @@ void save_model(const std::filesystem::path& path, const LightTransportModel& mo
   writer.set_metadata("lte_version", version());
   std::map<std::string, at::Tensor> weights, storage;  // the writer borrows from the latter
   for (const auto& item : model->named_parameters())
-    weights[item.key()] = item.value().detach().to(at::kFloat);
+    weights[item.key()] = item.value().detach().to(type);
   add_tensors(weights, &storage, &writer);
   writer.write(path);
 }
 
+}  // namespace
+
+void save_model(const std::filesystem::path& path, const LightTransportModel& model,
+                const std::map<std::string, std::string>& extra) {
+  write_model(path, model, extra, at::kFloat);
+}
+
 void save_rounded(const std::filesystem::path& from, const std::filesystem::path& to) {
-  const LightTransportModel model = load_model(from);
   const SafetensorsFile file(from);
-  SafetensorsWriter writer;
-  for (const auto& [key, value] : file.metadata()) {
-    if (key != kChecksumKey) writer.set_metadata(key, value);
-  }
-  std::map<std::string, at::Tensor> weights, storage;  // the writer borrows from the latter
-  for (const auto& item : model->named_parameters())
-    weights[item.key()] = item.value().detach().to(at::kBFloat16);
-  add_tensors(weights, &storage, &writer);
-  writer.write(to);
+  write_model(to, load_model(from), file.metadata(), at::kBFloat16);
 }
 
 LightTransportModel load_model(const std::filesystem::path& path) {

@@ -16,7 +16,7 @@ void save_model(const std::filesystem::path& path, const LightTransportModel& mo
                 const std::map<std::string, std::string>& extra = {});
 
 /// Writes the model file `from` with its weights rounded to bfloat16, in half the bytes,
-/// atomically. All its metadata but the checksum stay. Whoever reads it computes in float32.
+/// atomically, with all its metadata. Whoever reads it computes in float32.
 /// @throws lte::Error as load_model(), or naming a file that cannot be written.
 void save_rounded(const std::filesystem::path& from, const std::filesystem::path& to);
 

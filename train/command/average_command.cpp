@@ -44,7 +44,6 @@ std::string average_models(const AverageOptions& options) {
   const auto count = static_cast<double>(options.models.size());
   for (auto& item : sum->named_parameters()) item.value().div_(count);
   std::map<std::string, std::string> metadata = SafetensorsFile(first).metadata();
-  metadata.erase(kChecksumKey);
   metadata["averaged"] = std::to_string(options.models.size());
   nn::save_model(options.out, sum, metadata);
   return concat("wrote ", options.out.string(), ", the mean of ", options.models.size(),
