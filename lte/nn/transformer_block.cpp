@@ -165,6 +165,17 @@ at::Tensor PointNormImpl::forward(const at::Tensor& x, const StagePlan& stage) {
   return at::layer_norm(centered, {x.size(1)}, weight_, bias_, kNormEpsilon);
 }
 
+at::Tensor PointNormImpl::after(Linear& linear, const at::Tensor& x, const StagePlan& stage,
+                                const at::Tensor& residual) {
+  if (fuses(x)) {
+    std::vector<int64_t> counts;
+    for (const SceneRows& rows : stage.scenes) counts.push_back(rows.count);
+    return ops::linear_norm(x, linear->weights(), {{weight_, bias_}, share_}, counts, residual);
+  }
+  const at::Tensor normed = forward(linear->forward(x), stage);
+  return residual.defined() ? residual + normed : normed;
+}
+
 SubmanifoldConvImpl::SubmanifoldConvImpl(int64_t kernel, int64_t inputs, int64_t outputs,
                                          bool with_bias) {
   const int64_t taps = kernel * kernel * kernel;
@@ -203,7 +214,7 @@ TransformerBlockImpl::TransformerBlockImpl(int64_t channels, const ModelConfig& 
 
 at::Tensor TransformerBlockImpl::convolve(const at::Tensor& input, const StagePlan& stage) {
   const at::Tensor x = conv_->forward(input, stage.pairs, stage.tap_begin);
-  return input + conv_norm_->forward(conv_linear_->forward(x), stage);
+  return conv_norm_->after(conv_linear_, x, stage, input);
 }
 
 BlockAttention TransformerBlockImpl::record_attention(const at::Tensor& input,
@@ -215,15 +226,12 @@ BlockAttention TransformerBlockImpl::record_attention(const at::Tensor& input,
 at::Tensor TransformerBlockImpl::forward(const at::Tensor& input, const StagePlan& stage,
                                          size_t order) {
   at::Tensor x = convolve(input, stage);
-  if (!at::GradMode::is_enabled() && fuses(x) && !is_training()) {
+  if (fuses(x) && !mlp_->drops()) {
     return ops::project_feed_forward(x, attention_->attended(x, norm1_, stage, order, patch_size_),
                                      attention_->projection(), {norm2_->weight, norm2_->bias},
                                      mlp_->weights());
   }
   x = x + attention_->forward(x, norm1_, stage, order, patch_size_);
-  if (fuses(x) && !mlp_->drops()) {
-    return ops::feed_forward(x, {norm2_->weight, norm2_->bias}, mlp_->weights());
-  }
   return x + mlp_->forward(norm2_->forward(x));
 }
 
@@ -268,8 +276,8 @@ UnpoolingImpl::UnpoolingImpl(int64_t coarse, int64_t skip, int64_t outputs, Cent
 
 at::Tensor UnpoolingImpl::forward(const at::Tensor& coarse, const at::Tensor& skip,
                                   const StagePlan& below, const StagePlan& stage) {
-  const at::Tensor up = ops::gelu(coarse_norm_->forward(coarse_->forward(coarse), below));
-  const at::Tensor across = ops::gelu(skip_norm_->forward(skip_->forward(skip), stage));
+  const at::Tensor up = ops::gelu(coarse_norm_->after(coarse_, coarse, below));
+  const at::Tensor across = ops::gelu(skip_norm_->after(skip_, skip, stage));
   return up.index_select(0, below.cluster) + across;
 }
 

@@ -91,6 +91,10 @@ class PointNormImpl : public torch::nn::Module {
   /// @param stage  whose scenes the means are over
   /// @return       [n, C]
   at::Tensor forward(const at::Tensor& x, const StagePlan& stage);
+  /// forward() of linear(x), or residual + that; on the CPU one operator, unless the points are few
+  /// and nothing is differentiated.
+  at::Tensor after(Linear& linear, const at::Tensor& x, const StagePlan& stage,
+                   const at::Tensor& residual = {});
 
  private:
   at::Tensor weight_, bias_;

@@ -1,5 +1,6 @@
 #include "lte/ops/norm_layers.h"
 
+#include <optional>
 #include <tuple>
 #include <vector>
 
@@ -14,9 +15,20 @@ TORCH_LIBRARY_FRAGMENT(lte, m) {
   // bfloat16. The gradients are those by x and by each weight, float32.
   m.def("norm_linear(Tensor x, Tensor[] weights) -> Tensor");
   m.def("norm_linear_backward(Tensor grad, Tensor x, Tensor[] weights) -> (Tensor, Tensor[])");
-  m.def("feed_forward(Tensor x, Tensor[] weights) -> Tensor");
+  // Weights: gain and bias of the norm, weight and bias of hidden layer, output and projection. The
+  // gradients are those by x, by what is attended to, and by each weight.
   m.def("project_feed_forward(Tensor x, Tensor attended, Tensor[] weights) -> Tensor");
-  m.def("feed_forward_backward(Tensor grad, Tensor x, Tensor[] weights) -> (Tensor, Tensor[])");
+  m.def(
+      "project_feed_forward_backward(Tensor grad, Tensor x, Tensor attended, Tensor[] weights) -> "
+      "(Tensor, Tensor, Tensor[])");
+  // Weights: weight and bias of the layer, gain and bias of the norm, and the share of the mean
+  // that it subtracts, if any. The second result is what the layer gives.
+  m.def(
+      "linear_norm(Tensor x, Tensor? residual, Tensor[] weights, int[] counts) -> (Tensor, "
+      "Tensor)");
+  m.def(
+      "linear_norm_backward(Tensor grad, Tensor x, Tensor product, Tensor[] weights, int[] counts) "
+      "-> (Tensor, Tensor[])");
 }
 
 namespace lte::ops {
@@ -24,81 +36,142 @@ namespace {
 
 using torch::autograd::AutogradContext;
 using torch::autograd::variable_list;
-using NormLayer = at::Tensor(const at::Tensor&, at::TensorList);
-using NormLayerBackward = std::tuple<at::Tensor, std::vector<at::Tensor>>(const at::Tensor&,
-                                                                          const at::Tensor&,
-                                                                          at::TensorList);
+using Tensors = std::vector<at::Tensor>;
 
-at::Tensor call_layer(bool perceptron, const at::Tensor& x, at::TensorList weights) {
-  static const auto linear = find_operator<NormLayer>("lte::norm_linear"),
-                    feed = find_operator<NormLayer>("lte::feed_forward");
-  return perceptron ? feed.call(x, weights) : linear.call(x, weights);
+/// What a node saves: some tensors and the weights that products read.
+variable_list joined(variable_list first, at::TensorList read) {
+  first.insert(first.end(), read.begin(), read.end());
+  return first;
 }
 
-class TrainedNormLayer : public torch::autograd::Function<TrainedNormLayer> {
+/// A node's answer: gradients by the arguments before the weights, by the weights, and none by what
+/// products read of these.
+variable_list answer(variable_list first, const Tensors& by_weights) {
+  first.insert(first.end(), by_weights.begin(), by_weights.end());
+  first.resize(first.size() + by_weights.size());
+  return first;
+}
+
+class NormLinear : public torch::autograd::Function<NormLinear> {
  public:
   /// @param read  what products read in the place of `weights`
-  static at::Tensor forward(AutogradContext* context, bool perceptron, const at::Tensor& x,
+  static at::Tensor forward(AutogradContext* context, const at::Tensor& x,
                             at::TensorList /*weights*/, at::TensorList read) {
     const at::AutoDispatchBelowADInplaceOrView below;
-    variable_list saved = {x};
-    saved.insert(saved.end(), read.begin(), read.end());
-    context->save_for_backward(std::move(saved));
-    context->saved_data["perceptron"] = perceptron;
-    return call_layer(perceptron, x, read);
+    static const auto op =
+        find_operator<at::Tensor(const at::Tensor&, at::TensorList)>("lte::norm_linear");
+    context->save_for_backward(joined({x}, read));
+    return op.call(x, read);
   }
 
   static variable_list backward(AutogradContext* context, const variable_list& grads) {
-    static const auto linear = find_operator<NormLayerBackward>("lte::norm_linear_backward"),
-                      feed = find_operator<NormLayerBackward>("lte::feed_forward_backward");
+    using Signature =
+        std::tuple<at::Tensor, Tensors>(const at::Tensor&, const at::Tensor&, at::TensorList);
+    static const auto op = find_operator<Signature>("lte::norm_linear_backward");
     const variable_list saved = context->get_saved_variables();
-    const at::TensorList read = at::TensorList(saved).slice(1);
-    const auto [by_x, by_weights] = context->saved_data["perceptron"].toBool()
-                                        ? feed.call(grads[0], saved[0], read)
-                                        : linear.call(grads[0], saved[0], read);
-    variable_list out = {at::Tensor(), by_x};
-    out.insert(out.end(), by_weights.begin(), by_weights.end());
-    out.resize(out.size() + read.size());
+    const auto [by_x, by_weights] = op.call(grads[0], saved[0], at::TensorList(saved).slice(1));
+    return answer({by_x}, by_weights);
+  }
+};
+
+class ProjectFeedForward : public torch::autograd::Function<ProjectFeedForward> {
+ public:
+  static at::Tensor forward(AutogradContext* context, const at::Tensor& x,
+                            const at::Tensor& attended, at::TensorList /*weights*/,
+                            at::TensorList read) {
+    using Signature = at::Tensor(const at::Tensor&, const at::Tensor&, at::TensorList);
+    const at::AutoDispatchBelowADInplaceOrView below;
+    static const auto op = find_operator<Signature>("lte::project_feed_forward");
+    context->save_for_backward(joined({x, attended}, read));
+    return op.call(x, attended, read);
+  }
+
+  static variable_list backward(AutogradContext* context, const variable_list& grads) {
+    using Signature = std::tuple<at::Tensor, at::Tensor, Tensors>(
+        const at::Tensor&, const at::Tensor&, const at::Tensor&, at::TensorList);
+    static const auto op = find_operator<Signature>("lte::project_feed_forward_backward");
+    const variable_list saved = context->get_saved_variables();
+    const auto [by_x, by_attended, by_weights] =
+        op.call(grads[0], saved[0], saved[1], at::TensorList(saved).slice(2));
+    return answer({by_x, by_attended}, by_weights);
+  }
+};
+
+class LinearNorm : public torch::autograd::Function<LinearNorm> {
+ public:
+  static at::Tensor forward(AutogradContext* context, const at::Tensor& x,
+                            const std::optional<at::Tensor>& residual, at::TensorList /*weights*/,
+                            at::TensorList read, const std::vector<int64_t>& counts) {
+    using Signature = std::tuple<at::Tensor, at::Tensor>(
+        const at::Tensor&, const std::optional<at::Tensor>&, at::TensorList, at::IntArrayRef);
+    const at::AutoDispatchBelowADInplaceOrView below;
+    static const auto op = find_operator<Signature>("lte::linear_norm");
+    const auto [out, product] = op.call(x, residual, read, counts);
+    context->save_for_backward(joined({x, product}, read));
+    context->saved_data["counts"] = counts;
+    context->saved_data["adds"] = residual.has_value();
+    return out;
+  }
+
+  static variable_list backward(AutogradContext* context, const variable_list& grads) {
+    using Signature = std::tuple<at::Tensor, Tensors>(
+        const at::Tensor&, const at::Tensor&, const at::Tensor&, at::TensorList, at::IntArrayRef);
+    static const auto op = find_operator<Signature>("lte::linear_norm_backward");
+    const variable_list saved = context->get_saved_variables();
+    const auto [by_x, by_weights] =
+        op.call(grads[0], saved[0], saved[1], at::TensorList(saved).slice(2),
+                context->saved_data["counts"].toIntVector());
+    const bool adds = context->saved_data["adds"].toBool();
+    variable_list out = answer({by_x, adds ? grads[0] : at::Tensor()}, by_weights);
+    out.emplace_back();  // by the counts
     return out;
   }
 };
 
-/// Weights of a norm and what follows it, and what products read of them.
+/// Weights, and what products read of them.
 struct LayerLists {
-  std::vector<at::Tensor> weights, read;
+  Tensors weights, read;
 
-  LayerLists(const NormWeights& norm, const std::vector<LinearWeights>& layers)
-      : weights{norm.gain, norm.bias}, read(weights) {
-    for (const LinearWeights& layer : layers) {
-      weights.insert(weights.end(), {layer.weight, layer.bias});
-      read.insert(read.end(), {layer.as_read(), layer.bias});
-    }
+  void add(const NormWeights& norm) {
+    for (Tensors* list : {&weights, &read}) list->insert(list->end(), {norm.gain, norm.bias});
   }
-
-  at::Tensor apply(bool perceptron, const at::Tensor& x) const {
-    return TrainedNormLayer::apply(perceptron, x, at::TensorList(weights), at::TensorList(read));
+  void add(const LinearWeights& layer) {
+    weights.insert(weights.end(), {layer.weight, layer.bias});
+    read.insert(read.end(), {layer.as_read(), layer.bias});
   }
 };
 
 }  // namespace
 
 at::Tensor norm_linear(const at::Tensor& x, const NormWeights& norm, const LinearWeights& linear) {
-  return LayerLists(norm, {linear}).apply(false, x);
-}
-
-at::Tensor feed_forward(const at::Tensor& x, const NormWeights& norm,
-                        const PerceptronWeights& perceptron) {
-  return LayerLists(norm, {perceptron.hidden, perceptron.output}).apply(true, x);
+  LayerLists lists;
+  lists.add(norm);
+  lists.add(linear);
+  return NormLinear::apply(x, at::TensorList(lists.weights), at::TensorList(lists.read));
 }
 
 at::Tensor project_feed_forward(const at::Tensor& x, const at::Tensor& attended,
                                 const LinearWeights& projection, const NormWeights& norm,
                                 const PerceptronWeights& perceptron) {
-  using Signature = at::Tensor(const at::Tensor&, const at::Tensor&, at::TensorList);
-  static const auto op = find_operator<Signature>("lte::project_feed_forward");
-  const LayerLists lists(norm, {perceptron.hidden, perceptron.output, projection});
-  const at::AutoDispatchBelowADInplaceOrView below;
-  return op.call(x, attended, lists.read);
+  LayerLists lists;
+  lists.add(norm);
+  lists.add(perceptron.hidden);
+  lists.add(perceptron.output);
+  lists.add(projection);
+  return ProjectFeedForward::apply(x, attended, at::TensorList(lists.weights),
+                                   at::TensorList(lists.read));
+}
+
+at::Tensor linear_norm(const at::Tensor& x, const LinearWeights& linear, const CenteredNorm& norm,
+                       const std::vector<int64_t>& counts, const at::Tensor& residual) {
+  LayerLists lists;
+  lists.add(linear);
+  lists.add(norm.norm);
+  if (norm.share.defined()) {
+    for (Tensors* list : {&lists.weights, &lists.read}) list->push_back(norm.share);
+  }
+  return LinearNorm::apply(x, residual.defined() ? std::optional(residual) : std::nullopt,
+                           at::TensorList(lists.weights), at::TensorList(lists.read), counts);
 }
 
 }  // namespace lte::ops

@@ -2,6 +2,9 @@
 // no intermediate: the backward pass makes them again, tile by tile, in the caches.
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include <ATen/core/Tensor.h>
 
 #include "lte/ops/decoder_weights.h"
@@ -23,15 +26,27 @@ inline bool suits_norm_layers(const at::Tensor& x) {
 /// @note The same bits for any number of threads, gradients included.
 at::Tensor norm_linear(const at::Tensor& x, const NormWeights& norm, const LinearWeights& linear);
 
-/// x + W2 GELU(W1 LN(x) + b1) + b2, otherwise as norm_linear().
-at::Tensor feed_forward(const at::Tensor& x, const NormWeights& norm,
-                        const PerceptronWeights& perceptron);
-
-/// feed_forward() of x + W a + b, W and b those of `projection`. Not differentiable.
+/// h + W2 GELU(W1 LN(h) + b1) + b2, where h = x + W a + b, W and b those of `projection`; otherwise
+/// as norm_linear().
 ///
 /// @param attended  a, [n, inputs of the projection] float32 on the CPU
 at::Tensor project_feed_forward(const at::Tensor& x, const at::Tensor& attended,
                                 const LinearWeights& projection, const NormWeights& norm,
                                 const PerceptronWeights& perceptron);
+
+/// LayerNorm of what is left when a share of each channel's mean over a scene's points has been
+/// subtracted.
+struct CenteredNorm {
+  NormWeights norm;
+  at::Tensor share;  ///< [C]; undefined: plain LayerNorm
+};
+
+/// N(W x + b), or r + N(W x + b), otherwise as norm_linear().
+///
+/// @param residual  r, [n, C] float32 on the CPU, or undefined
+/// @param counts    rows of each scene, one after the other; n in all
+/// @throws c10::Error also if the counts do not add up to n
+at::Tensor linear_norm(const at::Tensor& x, const LinearWeights& linear, const CenteredNorm& norm,
+                       const std::vector<int64_t>& counts, const at::Tensor& residual = {});
 
 }  // namespace lte::ops

@@ -186,6 +186,13 @@ TEST(ProjectFeedForward, RefusesBadInput) {
   EXPECT_TRUE(refused(floats({5, 4}, 4), square, "attended must be [6, 4]"));
   EXPECT_TRUE(refused(floats({6, 3}, 4), square, "attended must be [6, 4]"));
   EXPECT_TRUE(refused(x, floats({5, 4}, 5), "bias"));
+  EXPECT_TRUE(test::throws_saying(
+      [&] {
+        project_feed_forward(
+            x, x, {square, v}, {v, v},
+            {{floats({8, 4}, 3), floats({8}, 4)}, {floats({5, 8}, 5), floats({5}, 6)}});
+      },
+      "must have 4 outputs"));
 }
 
 TEST(SpatialOrder, IsAPermutationThatKeepsNeighboursTogether) {

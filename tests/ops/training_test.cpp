@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <vector>
 
 #include "lte/ops/neighbour_max.h"
@@ -236,14 +237,16 @@ TEST(TrainedQueryDecoder, InMixedPrecisionAnswersAsInferenceInBfloat16) {
   }
 }
 
-/// Weights of a norm, of a layer after it, and of one after that.
+/// Weights of a norm, of a layer after it, of one after that, and of a projection.
 std::vector<at::Tensor> block_weights(int64_t C, int64_t width, int64_t outputs) {
   return {test::normal({C}, 22, at::kFloat),
           test::normal({C}, 23, at::kFloat),
           test::normal({width, C}, 24, at::kFloat),
           test::normal({width}, 25, at::kFloat),
           test::normal({outputs, width}, 26, at::kFloat),
-          test::normal({outputs}, 27, at::kFloat)};
+          test::normal({outputs}, 27, at::kFloat),
+          test::normal({outputs, C}, 29, at::kFloat),
+          test::normal({outputs}, 30, at::kFloat)};
 }
 
 using Formula = std::function<at::Tensor(const std::vector<at::Tensor>&)>;
@@ -266,6 +269,16 @@ double worst_error(const std::vector<at::Tensor>& in, const Formula& got, const 
   return worst;
 }
 
+at::Tensor normed_rows(const at::Tensor& x, const at::Tensor& gain, const at::Tensor& bias) {
+  return at::layer_norm(x, {x.size(1)}, gain, bias);
+}
+
+/// project_feed_forward() of x, its eight weights, and what is attended to.
+at::Tensor exact_feed_forward(const std::vector<at::Tensor>& t) {
+  const at::Tensor h = t[0] + at::linear(t[9], t[7], t[8]);
+  return h + at::linear(at::gelu(at::linear(normed_rows(h, t[1], t[2]), t[3], t[4])), t[5], t[6]);
+}
+
 TEST(TrainedNormLayers, HaveTheGradientsOfTheirDefinitions) {
   for (const auto& [n, C, width] : {std::array<int64_t, 3>{1, 16, 64},
                                     {97, 48, 144},
@@ -274,42 +287,107 @@ TEST(TrainedNormLayers, HaveTheGradientsOfTheirDefinitions) {
                                     {1100, 16, 20}}) {
     std::vector<at::Tensor> in = {test::normal({n, C}, 21, at::kFloat)};
     for (const at::Tensor& t : block_weights(C, width, C)) in.push_back(t);
+    in.push_back(test::normal({n, C}, 31, at::kFloat));
     const Formula feed = [](const std::vector<at::Tensor>& t) {
-      return feed_forward(t[0], {t[1], t[2]}, {{t[3], t[4]}, {t[5], t[6]}});
+      return project_feed_forward(t[0], t[9], {t[7], t[8]}, {t[1], t[2]},
+                                  {{t[3], t[4]}, {t[5], t[6]}});
     };
-    const auto normed = [](const std::vector<at::Tensor>& t) {
-      return at::layer_norm(t[0], {t[0].size(1)}, t[1], t[2]);
-    };
-    const Formula feed_exact = [&](const std::vector<at::Tensor>& t) {
-      return t[0] + at::linear(at::gelu(at::linear(normed(t), t[3], t[4])), t[5], t[6]);
-    };
-    EXPECT_LT(worst_error(in, feed, feed_exact), 5e-6) << "n " << n << ", C " << C;
+    EXPECT_LT(worst_error(in, feed, exact_feed_forward), 5e-6) << "n " << n << ", C " << C;
     in.resize(5);
     const Formula linear = [](const std::vector<at::Tensor>& t) {
       return norm_linear(t[0], {t[1], t[2]}, {t[3], t[4]});
     };
-    const Formula linear_exact = [&](const std::vector<at::Tensor>& t) {
-      return at::linear(normed(t), t[3], t[4]);
+    const Formula linear_exact = [](const std::vector<at::Tensor>& t) {
+      return at::linear(normed_rows(t[0], t[1], t[2]), t[3], t[4]);
     };
     EXPECT_LT(worst_error(in, linear, linear_exact), 5e-6) << "n " << n << ", C " << C;
   }
+}
+
+/// r + N(W x + b) of x, W, b, gain, bias, share and r, where r and then share may be left out.
+at::Tensor exact_linear_norm(const std::vector<at::Tensor>& t, const std::vector<int64_t>& counts) {
+  at::Tensor y = at::linear(t[0], t[1], t[2]);
+  if (t.size() > 5) {
+    std::vector<at::Tensor> means;
+    for (const at::Tensor& scene : y.split_with_sizes(counts))
+      means.push_back(scene.mean(0, /*keepdim=*/true).expand_as(scene));
+    y = y - at::cat(means) * t[5];
+  }
+  const at::Tensor normed = normed_rows(y, t[3], t[4]);
+  return t.size() > 6 ? t[6] + normed : normed;
+}
+
+TEST(TrainedLinearNorm, HasTheGradientsOfItsDefinition) {
+  struct Case {
+    std::vector<int64_t> counts;
+    int64_t C, O;
+  };
+  for (const auto& [counts, C, O] : {Case{{1}, 16, 16},
+                                     {{97}, 48, 32},
+                                     {{40, 0, 130}, 13, 29},
+                                     {{96, 192}, 130, 144},
+                                     {{1100, 300}, 16, 20}}) {
+    const int64_t n = std::accumulate(counts.begin(), counts.end(), int64_t{0});
+    std::vector<at::Tensor> in = {
+        test::normal({n, C}, 41, at::kFloat), test::normal({O, C}, 42, at::kFloat),
+        test::normal({O}, 43, at::kFloat),    test::normal({O}, 44, at::kFloat),
+        test::normal({O}, 45, at::kFloat),    test::normal({O}, 46, at::kFloat),
+        test::normal({n, O}, 47, at::kFloat)};
+    if (n == 1) in[5].fill_(0.25);  // a row that is its own mean would be nothing
+    for (const size_t arguments : {7, 6, 5}) {
+      in.resize(arguments);
+      const Formula got = [&](const std::vector<at::Tensor>& t) {
+        return linear_norm(t[0], {t[1], t[2]}, {{t[3], t[4]}, t.size() > 5 ? t[5] : at::Tensor()},
+                           counts, t.size() > 6 ? t[6] : at::Tensor());
+      };
+      const Formula exact = [&](const std::vector<at::Tensor>& t) {
+        return exact_linear_norm(t, counts);
+      };
+      EXPECT_LT(worst_error(in, got, exact), 1e-5) << "n " << n << ", C " << C << ", " << arguments;
+    }
+  }
+}
+
+TEST(TrainedLinearNorm, DoesNotDependOnThreadsAndRoundsInMixedPrecision) {
+  const std::vector<int64_t> counts = {700, 430};
+  const std::vector<at::Tensor> in = {
+      test::normal({1130, 48}, 41, at::kFloat), test::normal({32, 48}, 42, at::kFloat),
+      test::normal({32}, 43, at::kFloat),       test::normal({32}, 44, at::kFloat),
+      test::normal({32}, 45, at::kFloat),       test::normal({32}, 46, at::kFloat),
+      test::normal({1130, 32}, 47, at::kFloat)};
+  const auto layer = [&](const std::vector<at::Tensor>& t, bool rounds) {
+    const LinearWeights linear = {t[1], t[2]};
+    return linear_norm(t[0], rounds ? with_rounding(linear) : linear, {{t[3], t[4]}, t[5]}, counts,
+                       t[6]);
+  };
+  const auto gradients = [&](int threads) {
+    return test::with_threads(threads, [&] {
+      std::vector<at::Tensor> all;
+      for (const at::Tensor& t : in) all.push_back(leaf(t));
+      layer(all, false).square().sum().backward();
+      for (at::Tensor& t : all) t = t.grad().flatten();
+      return at::cat(all);
+    });
+  };
+  EXPECT_TRUE(at::equal(gradients(1), gradients(3)));
+  const Formula rounded = [&](const std::vector<at::Tensor>& t) { return layer(t, true); };
+  const Formula exact = [&](const std::vector<at::Tensor>& t) {
+    return exact_linear_norm(t, counts);
+  };
+  EXPECT_TRUE(is_of_rounding(worst_error(in, rounded, exact)));
 }
 
 TEST(TrainedNormLayers, InMixedPrecisionRoundWhatProductsRead) {
   for (const auto& [n, C] : {std::array<int64_t, 2>{97, 48}, {40, 16}, {1100, 32}, {30, 144}}) {
     std::vector<at::Tensor> in = {test::normal({n, C}, 21, at::kFloat)};
     for (const at::Tensor& t : block_weights(C, 4 * C, C)) in.push_back(t);
-    const auto normed = [](const std::vector<at::Tensor>& t) {
-      return at::layer_norm(t[0], {t[0].size(1)}, t[1], t[2]);
-    };
+    in.push_back(test::normal({n, C}, 31, at::kFloat));
     const Formula feed = [](const std::vector<at::Tensor>& t) {
-      return feed_forward(t[0], {t[1], t[2]},
-                          {with_rounding({t[3], t[4]}), with_rounding({t[5], t[6]})});
+      return project_feed_forward(t[0], t[9], with_rounding({t[7], t[8]}), {t[1], t[2]},
+                                  {with_rounding({t[3], t[4]}), with_rounding({t[5], t[6]})});
     };
-    const Formula feed_exact = [&](const std::vector<at::Tensor>& t) {
-      return t[0] + at::linear(at::gelu(at::linear(normed(t), t[3], t[4])), t[5], t[6]);
-    };
-    EXPECT_TRUE(is_of_rounding(worst_error(in, feed, feed_exact))) << "n " << n << ", C " << C;
+    EXPECT_TRUE(is_of_rounding(worst_error(in, feed, exact_feed_forward)))
+        << "n " << n << ", C " << C;
     in.resize(5);
     const Formula linear = [](const std::vector<at::Tensor>& t) {
       return norm_linear(t[0], {t[1], t[2]}, with_rounding({t[3], t[4]}));
@@ -323,7 +401,7 @@ TEST(TrainedNormLayers, InMixedPrecisionRoundWhatProductsRead) {
       wide.push_back(wide_leaf(t));
     }
     const at::Tensor grad = test::normal({n, 4 * C}, 28, at::kFloat), out = linear(single),
-                     x = normed(wide);
+                     x = normed_rows(wide[0], wide[1], wide[2]);
     const at::Tensor exact = at::linear(round(x), round(wide[3]), wide[4].detach());
     out.backward(grad);
     x.backward(at::mm(round(grad), round(wide[3])));
@@ -344,13 +422,22 @@ TEST(TrainedNormLayers, RefuseBadInput) {
         norm_linear(x, {v, v}, {test::normal({3, 5}, 3, at::kFloat), v});
       },
       "weight [O, C]"));
+  const at::Tensor square = test::normal({4, 4}, 3, at::kFloat);
   EXPECT_TRUE(test::throws_saying(
       [&] {
-        feed_forward(x, {v, v},
-                     {{test::normal({8, 4}, 3, at::kFloat), test::normal({8}, 4, at::kFloat)},
-                      {test::normal({5, 8}, 5, at::kFloat), test::normal({5}, 6, at::kFloat)}});
+        linear_norm(x, {square, v}, {{v, v}, v}, {2, 3});
       },
-      "must have 4 outputs"));
+      "scenes of 5 rows in all for 6"));
+  EXPECT_TRUE(test::throws_saying(
+      [&] {
+        linear_norm(x, {square, v}, {{v, v}, v}, {6}, x.narrow(0, 0, 5));
+      },
+      "residual must be [6, 4]"));
+  EXPECT_TRUE(test::throws_saying(
+      [&] {
+        linear_norm(x, {square, v}, {{v, v}, v.narrow(0, 0, 3)}, {6});
+      },
+      "a norm must be [4]"));
 }
 
 }  // namespace

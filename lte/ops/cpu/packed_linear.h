@@ -7,6 +7,7 @@
 
 #include <ATen/core/Tensor.h>
 
+#include "lte/base/unfilled_vector.h"
 #include "lte/ops/cpu/kernels/kernels.h"
 
 namespace lte::ops {
@@ -52,11 +53,14 @@ inline void pair_up_rows(const float* panel, int64_t rows, int64_t blocks, uint3
 }
 
 /// A tile of `rows` rows at most, each as long as `channels`: panels of kPanel columns, one after
-/// the other.
+/// the other. Values are what they happen to be, but those that fill up the last block are finite:
+/// kernels work on whole ones.
 class Tile {
  public:
   Tile(int64_t rows, int64_t channels)
-      : rows_(rows), values_(static_cast<size_t>(panels_of(channels) * rows * kPanel)) {}
+      : rows_(rows), values_(static_cast<size_t>(panels_of(channels) * rows * kPanel)) {
+    if (channels % kBlock != 0) std::fill(values_.begin(), values_.end(), 0.0f);
+  }
 
   float* panel(int64_t p) { return values_.data() + p * panel_stride(); }
   const float* panel(int64_t p) const { return values_.data() + p * panel_stride(); }
@@ -64,7 +68,7 @@ class Tile {
 
  private:
   int64_t rows_;
-  std::vector<float> values_;
+  UnfilledVector<float> values_;
 };
 
 /// Panel `p` of the outputs: to (+)= b + W x over all inputs. `to` is one panel, [rows, kPanel].

@@ -60,7 +60,7 @@ class TileReturn {
         grad_(kTile, C_),
         by_branch_(kTile, C_),
         by_hidden_(kTile, widest_hidden()),
-        geometry_(kPanel, kBlock),
+        geometry_(kPanel, work.net.gamma.hidden.forward.inputs),
         gamma_(kPanel, H_),
         pair_(kPanel, C_),
         by_activation_(kPanel, H_),
@@ -166,21 +166,13 @@ class TileReturn {
     }
     return_through(work_.net.head, answer_, normed_, head_, rows, false, sums_.head, by_hidden_,
                    &by_branch_);
-    clear(grad_, rows);
+    clear_rows(grad_, C_, rows);
     return_through_norm(work_.net.norm, last_, rows, sums_.norm);
   }
 
   /// grad_ += that through a norm of `x`, from by_branch_.
   void return_through_norm(const PackedNorm& norm, const Tile& x, int64_t rows, NormSums& sums) {
-    gradient_kernels().layer_norm_gradient({x.panel(0), rows, x.panel_stride(), C_,
-                                            norm.gain.data(), by_branch_.panel(0), grad_.panel(0),
-                                            sums.gain.data(), sums.bias.data()});
-  }
-
-  void clear(Tile& tile, int64_t rows) const {
-    for (int64_t p = 0; p < panels_of(C_); ++p) {
-      std::fill_n(tile.panel(p), rows * kPanel, 0.0f);
-    }
+    add_norm_gradient(norm, x, by_branch_, rows, C_, grad_, sums);
   }
 
   /// From the gradient by what layer l gives, in grad_, to that by what it was given.

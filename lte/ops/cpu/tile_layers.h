@@ -30,6 +30,9 @@ struct PackedNorm {
   }
 };
 
+inline constexpr int64_t kNormTile = 96;        ///< rows at a time
+inline constexpr int64_t kLeastNormPart = 512;  ///< rows below which a second thread gains nothing
+
 /// A dense layer, forwards and backwards.
 struct Layer {
   PackedLinear forward, backward;
@@ -65,6 +68,14 @@ struct NormSums {
     add(bias, to.bias);
   }
 };
+
+/// by_x += the gradient through the norm of `x`, from that by its result.
+inline void add_norm_gradient(const PackedNorm& norm, const Tile& x, const Tile& grad, int64_t rows,
+                              int64_t channels, Tile& by_x, NormSums& sums) {
+  gradient_kernels().layer_norm_gradient({x.panel(0), rows, x.panel_stride(), channels,
+                                          norm.gain.data(), grad.panel(0), by_x.panel(0),
+                                          sums.gain.data(), sums.bias.data()});
+}
 
 struct PerceptronSums {
   LinearGradient hidden, output;
@@ -112,6 +123,21 @@ inline void return_through(const Perceptron& net, const Tile& grad, const Tile& 
   deactivate(hidden, net.hidden.forward.outputs, rows, by_hidden);
   sums.hidden.add(by_hidden, input, rows);
   if (by_input != nullptr) dense(net.hidden.backward, by_hidden, rows, add, *by_input);
+}
+
+inline void clear_rows(Tile& tile, int64_t columns, int64_t rows) {
+  for (int64_t p = 0; p < panels_of(columns); ++p) std::fill_n(tile.panel(p), rows * kPanel, 0.0f);
+}
+
+/// Adds `row`, of the tile's columns to whole blocks, to each of its rows.
+inline void add_to_rows(const std::vector<float>& row, int64_t rows, Tile& tile) {
+  const auto width = static_cast<int64_t>(row.size());
+  for (int64_t c = 0; c < width; c += kPanel) {
+    for (int64_t r = 0; r < rows; ++r) {
+      dense_kernels().accumulate(row.data() + c, std::min(kPanel, width - c),
+                                 tile.panel(c / kPanel) + r * kPanel);
+    }
+  }
 }
 
 /// Rows [first, first + rows) of a matrix [., columns] as a tile, and back.

@@ -24,14 +24,40 @@ namespace lte::ops {
 /// Channels of one block of the interleaved layout below.
 inline constexpr int64_t kBlock = 16;
 
+/// Boxes around runs of points: of low x, y, z and high x, y, z an array each, `stride` long, that
+/// may be read up to 16 entries past `count`.
+struct BoxLevel {
+  const float* box;
+  int64_t stride, count;
+};
+
+/// Points in leaves, and levels of boxes over these: a box of level l + 1 is around kBoxesOfOne
+/// boxes of level l, one after the other, those of level 0 are the leaves'. The last level has
+/// kBoxesOfOne at most.
+struct PointBoxes {
+  static constexpr int64_t kBoxesOfOne = 16;
+  static constexpr int kMostLevels = 8;  ///< 2^32 leaves
+  const float *x, *y, *z;                ///< may be read up to 16 entries past a leaf
+  const int32_t *begin, *end;            ///< of each leaf among the points
+  BoxLevel level[kMostLevels];
+  int levels;  ///< at least 1
+};
+
 /// Loops over points in coordinate arrays that may be read up to 16 entries past `count`.
 struct PointKernels {
   /// out[i] = (dx² + dy²) + dz²; `out` too has room for 16 more.
   void (*distances)(const float* x, const float* y, const float* z, int64_t count,
                     const float* point, float* out);
-  /// Positions i with value[i] <= bound, ascending; returns how many. `out` has room for
-  /// count + 16.
-  int64_t (*select)(const float* value, int64_t count, float bound, int32_t* out);
+  /// The largest of distances(); 0 of none.
+  float (*farthest)(const float* x, const float* y, const float* z, int64_t count,
+                    const float* point);
+  /// Points within the squared distance `bound`: their squared distances, as distances() has them,
+  /// and where they are. Returns how many; both have room for all points and 16 more.
+  int64_t (*near)(const float* x, const float* y, const float* z, int64_t count, const float* point,
+                  float bound, float* distance, int32_t* position);
+  /// The same among the points of leaves, in no order.
+  int64_t (*within)(PointBoxes points, const float* point, float bound, float* distance,
+                    int32_t* position);
   /// rank[i]: how many (value, id) precede that of i. All three arrays have room for 16 more.
   void (*ranks)(const float* value, const int32_t* id, int64_t count, int32_t* rank);
   /// distance[i] = min(distance[i], squared distance to the point). Returns the largest afterwards,
