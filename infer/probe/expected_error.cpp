@@ -10,19 +10,19 @@ struct SharesOfModel {
 };
 
 /// lte-base.
-constexpr SharesOfModel kRadiosity = {.one_draw = {.mean = 0.014,
-                                                   .answer = 0.041,
+constexpr SharesOfModel kRadiosity = {.one_draw = {.mean = 0.017,
+                                                   .answer = 0.018,
                                                    .near = 0.32,
                                                    .change = 0.63,
-                                                   .cache = 0.14,
-                                                   .direct = 0.016},
-                                      .several_draws = {.draws = 1.4,
-                                                        .mean = 0.01,
-                                                        .answer = 0.034,
-                                                        .near = 0.29,
-                                                        .change = 0.34,
-                                                        .cache = 0.097,
-                                                        .direct = 0.013}};
+                                                   .cache = 0.077,
+                                                   .direct = 0.013},
+                                      .several_draws = {.draws = 0.82,
+                                                        .mean = 0.013,
+                                                        .answer = 0.012,
+                                                        .near = 0.27,
+                                                        .change = 0.47,
+                                                        .cache = 0.077,
+                                                        .direct = 0.011}};
 /// lte-hybrid.
 constexpr SharesOfModel kTraced = {
     .one_draw = {.mean = 0.014,
