@@ -1,6 +1,6 @@
-// A dense layer and the centered norm of what it gives, on the CPU. The means are over all rows of a
-// scene, so tiles of rows are passed through twice, forwards and backwards. Sums over rows are made
-// tile by tile and then in the order of the tiles, whatever the number of threads.
+// A dense layer and the centered norm of what it gives, on the CPU. The means are over all rows of
+// a scene, so tiles of rows are passed through twice, forwards and backwards. Sums over rows are
+// made tile by tile and then in the order of the tiles, whatever the number of threads.
 #include <algorithm>
 #include <optional>
 #include <tuple>
@@ -99,8 +99,7 @@ void check_linear_norm(const at::Tensor& x, at::TensorList w, at::IntArrayRef co
               ": x must be [n, C] float32 on the CPU, got ", x.sizes(), " ", x.scalar_type(),
               " on ", x.device());
   check_layer_args(x, w[0], w[1], op);
-  for (const at::Tensor& t : w.slice(2))
-    check_shape(t, {w[0].size(0)}, at::kFloat, op, "a norm");
+  for (const at::Tensor& t : w.slice(2)) check_shape(t, {w[0].size(0)}, at::kFloat, op, "a norm");
   int64_t rows = 0;
   for (const int64_t count : counts) {
     TORCH_CHECK(count >= 0, op, ": a scene of ", count, " rows");
@@ -296,9 +295,11 @@ class LinearNormGradient {
 };
 
 /// @param product  what linear_norm_cpu() gave second
-std::tuple<at::Tensor, std::vector<at::Tensor>> linear_norm_backward_cpu(
-    const at::Tensor& grad, const at::Tensor& x, const at::Tensor& product, at::TensorList w,
-    at::IntArrayRef counts) {
+std::tuple<at::Tensor, std::vector<at::Tensor>> linear_norm_backward_cpu(const at::Tensor& grad,
+                                                                         const at::Tensor& x,
+                                                                         const at::Tensor& product,
+                                                                         at::TensorList w,
+                                                                         at::IntArrayRef counts) {
   const char* op = "linear_norm_backward";
   check_linear_norm(x, w, counts);
   for (const auto& [name, t] : {std::pair{"grad", grad}, {"product", product}})
