@@ -114,6 +114,14 @@ TEST_P(Knn, MatchesBruteForceForManyMoreQueriesThanPoints) {
   }
 }
 
+/// Enough for boxes over boxes over boxes, some of them far from all others.
+TEST_P(Knn, MatchesBruteForceAmongManyPoints) {
+  at::Tensor points = test::uniform({70000, 3}, 6);
+  points.narrow(0, 1000, 40).add_(1e4);
+  const at::Tensor queries = at::cat({test::uniform({200, 3}, 7), points.narrow(0, 990, 60)});
+  for (const int64_t k : {1, 32, 60}) expect_exact(queries, points, k, "70000 points");
+}
+
 TEST_P(Knn, DoesNotDependOnThreadsNorOnTheOrderOfQueries) {
   const at::Tensor points = test::uniform({3000, 3}, 1), queries = test::uniform({5000, 3}, 2);
   const auto one = test::with_threads(1, [&] { return find(queries, points, 16); });
