@@ -30,7 +30,9 @@ namespace lte::ops {
 namespace {
 
 constexpr int kLeafSize = 16;
-constexpr float kLoose = 2.5f;  ///< how much farther squares may be than those before
+/// The neighbours before bound a query if the square of its bound is at most so much larger than
+/// theirs was; else points of its own leaf give a tighter one.
+constexpr float kLoose = 2.5f;
 constexpr int64_t kLeastShared = 5, kMostShared = 64;  ///< queries that share a walk
 constexpr float kSharedReach = 0.6f;                   ///< of r: how far they may be from the first
 constexpr int64_t kMaxRanked = 256;  ///< counting is quadratic: longer lists are sorted
@@ -76,8 +78,11 @@ class Search {
         farthest = std::max(farthest, d2);
       }
       const bool shares = end - i >= kLeastShared;
-      if (shares) collect(query_of(i), bound, farthest);
-      if (!shares) end = i + 1;
+      if (shares) {
+        collect(query_of(i), bound, farthest);
+      } else {
+        end = i + 1;
+      }
       for (const int64_t first = i; i < end; ++i) {
         const int64_t row = order[i];
         const float* query = query_of(i);
@@ -88,7 +93,11 @@ class Search {
           continue;
         }
         if (i > first) bound = farthest_of_previous(query);
-        shares ? find_shared(query, bound) : find(query, bound);
+        if (shares) {
+          find_shared(query, bound);
+        } else {
+          find(query, bound);
+        }
         put_out(out_index + row * k_, out_distance + row * k_);
       }
     }
