@@ -41,16 +41,4 @@ struct KdTree {
   }
 };
 
-/// Squared distance from a point to a node's bounds. Every step rounds monotonically and in the
-/// order of the point kernels, so it never exceeds the computed distance of a point inside.
-inline float box_distance2(const KdTree::Node& node, const float* point) {
-  float d[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    const float below = node.low[axis] - point[axis], above = point[axis] - node.high[axis];
-    const float outside = below > above ? below : above;
-    d[axis] = outside > 0 ? outside : 0;
-  }
-  return (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
-}
-
 }  // namespace lte::ops
