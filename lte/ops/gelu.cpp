@@ -4,7 +4,7 @@
 #include <ATen/ops/gelu.h>
 #include <torch/csrc/autograd/custom_function.h>
 
-#include "lte/ops/cpu/gelu_cpu.h"
+#include "lte/ops/cpu/dense/gelu_cpu.h"
 #include "lte/ops/gelu_args.h"
 
 namespace lte::ops {

@@ -5,7 +5,7 @@
 #include <ATen/ops/stack.h>
 #include <torch/csrc/autograd/custom_function.h>
 
-#include "lte/ops/cpu/rotary_cpu.h"
+#include "lte/ops/cpu/attention/rotary_cpu.h"
 #include "lte/ops/rotary_args.h"
 
 namespace lte::ops {

@@ -1,0 +1,109 @@
+#include "lte/ops/cpu/dense/packed_linear.h"
+
+#include <ATen/Parallel.h>
+#include <c10/util/BFloat16.h>
+
+namespace lte::ops {
+
+void pack_pairs(const at::Tensor& w, int64_t begin, int64_t end, uint32_t* out) {
+  const int64_t outputs = w.size(0), inputs = w.size(1), stride = (inputs + 1) / 2 * kBlock;
+  const auto* from = w.const_data_ptr<at::BFloat16>();
+  for (int64_t block = begin; block < end; ++block, out += stride) {
+    std::fill(out, out + stride, 0);
+    for (int64_t o = block * kBlock; o < std::min(outputs, (block + 1) * kBlock); ++o) {
+      const at::BFloat16* row = from + o * inputs;
+      uint32_t* to = out + o % kBlock;
+      int64_t i = 0;
+      for (; i + 1 < inputs; i += 2, to += kBlock) {
+        *to = row[i].x | static_cast<uint32_t>(row[i + 1].x) << 16;
+      }
+      if (i < inputs) *to = row[i].x;
+    }
+  }
+}
+
+PackedLinear::PackedLinear(const at::Tensor& w, const at::Tensor& b)
+    : inputs(w.size(1)),
+      outputs(w.size(0)),
+      blocks(blocks_of(outputs)),
+      bias(static_cast<size_t>(blocks * kBlock)) {
+  const at::Tensor rows = w.contiguous();
+  if (b.defined()) {
+    const at::Tensor offsets = b.contiguous();
+    std::copy_n(offsets.const_data_ptr<float>(), outputs, bias.begin());
+  }
+  if (w.scalar_type() == at::kBFloat16) {
+    pairs.resize(static_cast<size_t>(blocks * input_pairs() * kBlock));
+    const int64_t block = input_pairs() * kBlock;
+    at::parallel_for(0, blocks, 4, [&](int64_t begin, int64_t end) {
+      pack_pairs(rows, begin, end, pairs.data() + begin * block);
+    });
+    return;
+  }
+  weight.resize(static_cast<size_t>(blocks * inputs * kBlock));
+  const auto* from = rows.const_data_ptr<float>();
+  at::parallel_for(0, blocks, 4096 / std::max<int64_t>(1, inputs) + 1,
+                   [&](int64_t begin, int64_t end) {
+                     for (int64_t block = begin; block < end; ++block) {
+                       const int64_t count = std::min(kBlock, outputs - block * kBlock);
+                       float* to = weight.data() + block * inputs * kBlock;
+                       for (int64_t i = 0; i < inputs; ++i, to += kBlock) {
+                         for (int64_t o = 0; o < count; ++o)
+                           to[o] = from[(block * kBlock + o) * inputs + i];
+                       }
+                     }
+                   });
+}
+
+PackedLinear PackedLinear::transposed(const at::Tensor& w) {
+  if (w.scalar_type() == at::kBFloat16) return {w.t(), at::Tensor()};
+  PackedLinear out;
+  out.inputs = w.size(0);
+  out.outputs = w.size(1);
+  out.blocks = blocks_of(out.outputs);
+  out.weight.resize(static_cast<size_t>(out.blocks * out.inputs * kBlock));
+  out.bias.resize(static_cast<size_t>(out.blocks * kBlock));
+  const at::Tensor rows = w.contiguous();
+  const auto* from = rows.const_data_ptr<float>();
+  float* to = out.weight.data();
+  for (int64_t b = 0; b < out.blocks; ++b) {
+    const int64_t count = std::min(kBlock, out.outputs - b * kBlock);
+    for (int64_t i = 0; i < out.inputs; ++i, to += kBlock) {
+      std::copy_n(from + i * out.outputs + b * kBlock, count, to);
+    }
+  }
+  return out;
+}
+
+void PackedLinear::multiply(const float* x, int64_t rows, int64_t k, int64_t count,
+                            int64_t first_block, int64_t count_blocks, bool with_bias, bool add,
+                            float* out) const {
+  const float* offset = with_bias ? bias.data() + first_block * kBlock : nullptr;
+  if (in_bf16()) {
+    const uint32_t* from = pairs.data() + (first_block * input_pairs() + k / 2) * kBlock;
+    bf16_kernels().multiply(
+        {x, rows, count, from, kBlock, input_pairs() * kBlock, offset, count_blocks, add, out});
+  } else {
+    const float* from = weight.data() + (first_block * inputs + k) * kBlock;
+    dense_kernels().multiply(
+        {x, rows, count, from, kBlock, inputs * kBlock, offset, count_blocks, add, out});
+  }
+}
+
+void perceptron(const PackedLinear& first, const PackedLinear& second, const Tile& x, int64_t rows,
+                bool add, Tile& hidden, Tile& out) {
+  for (int64_t h = 0; h < panels_of(first.outputs); ++h) {
+    dense_panel(first, x, rows, h, false, hidden.panel(0));
+    const int64_t inputs = std::min(kPanel, second.inputs - h * kPanel);
+    const auto activate = second.in_bf16() ? bf16_kernels().activate : dense_kernels().activate;
+    activate(hidden.panel(0), rows, blocks_of(inputs));
+    for (int64_t p = 0; p < panels_of(second.outputs); ++p) {
+      const int64_t block = p * (kPanel / kBlock);
+      second.multiply(hidden.panel(0), rows, h * kPanel, inputs, block,
+                      std::min(second.blocks - block, kPanel / kBlock), h == 0, add || h > 0,
+                      out.panel(p));
+    }
+  }
+}
+
+}  // namespace lte::ops
