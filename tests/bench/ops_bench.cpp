@@ -21,6 +21,7 @@
 #include "lte/ops/lobe_radiance.h"
 #include "lte/ops/neighbour_sums.h"
 #include "lte/ops/patch_attention.h"
+#include "lte/ops/query_decoder.h"
 #include "lte/ops/submanifold_conv.h"
 #include "lte/ops/surfel_rays.h"
 
@@ -245,28 +246,89 @@ BENCHMARK_CAPTURE(MatrixProduct, aten, true)->Unit(benchmark::kMillisecond)->Use
 
 /// One patch of 1,024 points, three heads of 16 channels, as in the finest stage of lte-base, forth
 /// and back.
-void TrainPatchAttention(benchmark::State& state, bool aten) {
+enum class Attention : uint8_t { Aten, Single, Bf16 };
+
+void TrainPatchAttention(benchmark::State& state, Attention by) {
   constexpr int64_t kPoints = 1024, kHeads = 3, kWidth = 16;
   const at::Tensor qkv = at::randn({kPoints, 3 * kHeads * kWidth}).requires_grad_(),
                    grad = at::randn({kPoints, kHeads * kWidth});
   for (auto _ : state) {
     at::Tensor out;
-    if (aten) {
+    if (by == Attention::Aten) {
       std::vector<at::Tensor> part = qkv.view({1, kPoints, 3, kHeads, kWidth}).unbind(2);
       for (at::Tensor& t : part) t = t.transpose(1, 2);
       out = at::scaled_dot_product_attention(part[0], part[1], part[2])
                 .transpose(1, 2)
                 .reshape({kPoints, kHeads * kWidth});
     } else {
-      out = lte::ops::patch_attention(qkv, {}, {}, kHeads, 1);
+      out = lte::ops::patch_attention(qkv, {}, {}, kHeads, 1, by == Attention::Bf16);
     }
     out.backward(grad);
     benchmark::DoNotOptimize(qkv.grad().data_ptr());
     qkv.mutable_grad().reset();
   }
 }
-BENCHMARK_CAPTURE(TrainPatchAttention, lte, false)->Unit(benchmark::kMillisecond)->UseRealTime();
-BENCHMARK_CAPTURE(TrainPatchAttention, aten, true)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(TrainPatchAttention, lte, Attention::Single)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(TrainPatchAttention, lte_bf16, Attention::Bf16)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(TrainPatchAttention, aten, Attention::Aten)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+/// The decoder of lte-base with weights that mean nothing.
+DecoderWeights random_decoder(int64_t channels, bool bf16) {
+  const auto leaf = [](const at::Tensor& t) { return t.clone().requires_grad_(); };
+  const auto linear = [&](int64_t in, int64_t out, bool round) {
+    LinearWeights w{leaf(at::randn({out, in}) / std::sqrt(in)), leaf(at::zeros({out}))};
+    if (round) w.rounded = w.weight.detach().to(at::kBFloat16);
+    return w;
+  };
+  const auto norm = [&] {
+    return NormWeights{leaf(at::ones({channels})), leaf(at::zeros({channels}))};
+  };
+  const auto perceptron = [&](int64_t in, int64_t hidden, int64_t out) {
+    return PerceptronWeights{linear(in, hidden, bf16), linear(hidden, out, bf16)};
+  };
+  DecoderWeights w{perceptron(6, channels, channels),
+                   {linear(kNormalInputs, 64, false), linear(64, channels, bf16)},
+                   {},
+                   norm(),
+                   perceptron(channels, channels, 3)};
+  for (int64_t l = 0; l < 6; ++l) {
+    w.layers.push_back({norm(), linear(channels, channels, bf16), linear(channels, channels, bf16),
+                        norm(), perceptron(channels, 4 * channels, channels)});
+  }
+  return w;
+}
+
+/// 8,192 queries to 1,024 latents of 48 channels, forth and back.
+void TrainQueryDecoder(benchmark::State& state, bool bf16) {
+  constexpr int64_t kQueries = 8192, kLatents = 1024, kChannels = 48, kLayers = 6;
+  const at::Tensor anchor = room(kLatents), points = room(kQueries),
+                   position = points.index_select(0, spatial_order(points)),
+                   normal = at::randn({kQueries, 3}), anchor_normal = at::randn({kLatents, 3});
+  const QueryNeighbourhood near{position,
+                                anchor,
+                                std::get<0>(knn(position, anchor, 32)),
+                                1.0,
+                                4.0,
+                                normal / normal.norm(2, 1, true),
+                                anchor_normal / anchor_normal.norm(2, 1, true)};
+  const at::Tensor keys = at::randn({kLayers, kLatents, kChannels}), values = at::randn_like(keys),
+                   table = neighbour_table(keys, values).detach().requires_grad_(),
+                   attributes = at::randn({kQueries, 6}), grad = at::randn({kQueries, 3});
+  const DecoderWeights weights = random_decoder(kChannels, bf16);
+  for (auto _ : state) {
+    query_decoder(attributes, near, table, weights).backward(grad);
+    benchmark::DoNotOptimize(table.grad().data_ptr());
+    table.mutable_grad().reset();
+  }
+}
+BENCHMARK_CAPTURE(TrainQueryDecoder, lte, false)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(TrainQueryDecoder, lte_bf16, true)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 }  // namespace
 

@@ -52,6 +52,21 @@ TEST(DenseKernels, GeluIsTheExactOneToAFewRoundings) {
   for (size_t i = 0; i < far.size(); ++i) EXPECT_EQ(out[i], i < 4 ? 0 : far[i]) << far[i];
 }
 
+/// What bfloat16 reads next: a bfloat16 below 1 is rounded by up to 2 · 10^-3.
+TEST(Bf16Kernels, GeluAndItsSlopeAreTheFormulasWithinARounding) {
+  const int64_t rows = 97;
+  const at::Tensor x = at::linspace(-12, 12, rows * kPanel).view({rows, kPanel}),
+                   wide = x.to(at::kDouble).requires_grad_();
+  at::gelu(wide).sum().backward();
+  at::Tensor value = x.clone(), slope = at::empty_like(x), alone = x.clone();
+  bf16_kernels().activate_with_slope(value.data_ptr<float>(), rows, kPanel / kBlock,
+                                     slope.data_ptr<float>());
+  bf16_kernels().activate(alone.data_ptr<float>(), rows, kPanel / kBlock);
+  EXPECT_TRUE(value.equal(alone)) << "as without the slope";
+  EXPECT_LT((value.to(at::kDouble) - at::gelu(wide)).abs().max().item<double>(), 2e-4);
+  EXPECT_LT((slope.to(at::kDouble) - wide.grad()).abs().max().item<double>(), 3e-4);
+}
+
 TEST(DenseKernels, LayerNormIsItsFormulaInAnyWidth) {
   for (const int64_t C : {1, 5, 15, 16, 17, 33, 48, 127, 128, 129, 200, 256, 300}) {
     constexpr int64_t kRows = 7;

@@ -1,11 +1,10 @@
 // The query decoder backwards on the CPU. A thread takes a tile of queries through all layers
 // again, keeps what each of them needs in the second-level cache, and walks back. Pairs of a query
-// and a neighbour come last: their positions are made again, 128 at a time, and kept for the
-// gradient by the table, which is summed up by latent. Sums over queries are made in a few runs of
+// and a neighbour come last: their positions are made again, 128 at a time, and kept until the tile
+// has given its part of the gradient by the table. Sums over queries are made in a few runs of
 // fixed length, so that they are the same for any number of threads.
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -17,8 +16,8 @@
 
 #include "lte/ops/cpu/decoder/decoder_sums.h"
 #include "lte/ops/cpu/decoder/packed_decoder.h"
+#include "lte/ops/cpu/decoder/table_gradient.h"
 #include "lte/ops/cpu/dense/tile_layers.h"
-#include "lte/ops/cpu/neighbours/pairs_by_latent.h"
 
 namespace lte::ops {
 namespace {
@@ -27,7 +26,7 @@ constexpr int64_t kTile = 48;        ///< queries of a tile; a multiple of the k
 constexpr int64_t kLeastPart = 512;  ///< queries below which a second thread gains nothing
 constexpr int64_t kPair = 2 * kBlock;
 
-/// What all tiles read and write.
+/// What all tiles read.
 struct Work {
   const DecoderNetwork& net;
   DecoderSizes sizes;
@@ -37,16 +36,24 @@ struct Work {
   int64_t table_stride;  ///< from one latent to the next
   const int64_t* index;
   const float* sums;
-  float* by_sums;    ///< as `sums`
-  float* positions;  ///< [Q * K, blocks * kBlock]
+
+  /// Floats of a latent in the table, and of a query in the sums.
+  int64_t entry() const { return blocks_of(sizes.channels) * sizes.layers * kPair; }
+};
+
+/// What a run of queries sums up.
+struct RunSums {
+  DecoderSums weights;
+  TableGradient table;
 };
 
 /// One thread's working memory.
 class TileReturn {
  public:
-  TileReturn(const Work& work, DecoderSums& gradients)
+  TileReturn(const Work& work, RunSums& sums)
       : work_(work),
-        sums_(gradients),
+        sums_(sums.weights),
+        by_table_(sums.table),
         K_(work.sizes.neighbours),
         L_(work.sizes.layers),
         C_(work.sizes.channels),
@@ -64,6 +71,8 @@ class TileReturn {
         gamma_(kPanel, H_),
         pair_(kPanel, C_),
         by_activation_(kPanel, H_),
+        by_sums_(static_cast<size_t>(kTile * work.entry())),
+        positions_(static_cast<size_t>(kTile * K_ * blocks_ * kBlock)),
         by_position_(static_cast<size_t>(std::max(kPanel, K_) * blocks_ * kBlock)) {
     for (const DecoderBlock& block : work.net.blocks) {
       kept_.emplace_back(C_, block.ffn.hidden.forward.outputs);
@@ -79,6 +88,7 @@ class TileReturn {
     return_through(work_.net.point, grad_, input_, point_, rows, false, sums_.point, by_hidden_,
                    nullptr);
     return_to_pairs(first, rows);
+    by_table_.add(neighbours(first, rows), by_sums_.data(), positions_.data());
   }
 
  private:
@@ -106,15 +116,19 @@ class TileReturn {
     return widest;
   }
 
-  int64_t sums_stride() const { return blocks_ * L_ * kPair; }
+  int64_t width() const { return blocks_ * kBlock; }  ///< of a row of channels
+
+  NeighbourTable<float> neighbours(int64_t first, int64_t rows) const {
+    return {work_.table, work_.table_stride, blocks_, L_, work_.index + first * K_, rows, K_};
+  }
 
   Tile& features_after(int64_t l) { return l + 1 < L_ ? kept_[l + 1].input : last_; }
 
   void copy_rows(const Tile& from, int64_t rows, Tile& to) const {
-    for (int64_t p = 0; p < panels_of(C_); ++p) {
-      const int64_t columns = std::min(kPanel, blocks_ * kBlock - p * kPanel);
+    for (int64_t c = 0; c < width(); c += kPanel) {
       for (int64_t r = 0; r < rows; ++r) {
-        std::copy_n(from.panel(p) + r * kPanel, columns, to.panel(p) + r * kPanel);
+        copy_row(from.panel(c / kPanel) + r * kPanel, std::min(kPanel, width() - c),
+                 to.panel(c / kPanel) + r * kPanel);
       }
     }
   }
@@ -127,7 +141,7 @@ class TileReturn {
         input_.panel(a / kPanel)[i * kPanel + a % kPanel] = work_.attribute[(first + i) * A + a];
       }
     }
-    activate(net.point.hidden, input_, rows, point_);
+    activate(net.point, input_, rows, point_);
     dense(net.point.output.forward, point_.value, rows, false, L_ > 0 ? kept_[0].input : last_);
     for (int64_t l = 0; l < L_; ++l) {
       const DecoderBlock& block = net.blocks[l];
@@ -137,19 +151,19 @@ class TileReturn {
       for (int64_t p = 0; p < panels_of(C_); ++p) {
         const int64_t from = p * kPanelBlocks;
         dense_kernels().attend({kept.query.panel(p), rows, std::min(blocks_ - from, kPanelBlocks),
-                                work_.sums + first * sums_stride() + (from * L_ + l) * kPair,
-                                sums_stride(), L_ * kPair, 1 / static_cast<float>(K_),
+                                work_.sums + first * work_.entry() + (from * L_ + l) * kPair,
+                                work_.entry(), L_ * kPair, 1 / static_cast<float>(K_),
                                 kept.attended.panel(p)});
       }
       copy_rows(kept.input, rows, kept.middle);
       dense(block.output.forward, kept.attended, rows, true, kept.middle);
       block.norm2.apply(kept.middle, rows, C_, kept.normed2);
-      activate(block.ffn.hidden, kept.normed2, rows, kept.hidden);
+      activate(block.ffn, kept.normed2, rows, kept.hidden);
       copy_rows(kept.middle, rows, features_after(l));
       dense(block.ffn.output.forward, kept.hidden.value, rows, true, features_after(l));
     }
     net.norm.apply(last_, rows, C_, normed_);
-    activate(net.head.hidden, normed_, rows, head_);
+    activate(net.head, normed_, rows, head_);
     dense(net.head.output.forward, head_.value, rows, false, answer_);
   }
 
@@ -186,11 +200,11 @@ class TileReturn {
     sums.output.add(grad_, kept.attended, rows);
     dense(block.output.backward, grad_, rows, false, by_branch_);
     for (int64_t p = 0; p < panels_of(C_); ++p) {
-      const int64_t from = p * kPanelBlocks, at = first * sums_stride() + (from * L_ + l) * kPair;
-      gradient_kernels().attend_gradient({kept.query.panel(p), rows,
-                                          std::min(blocks_ - from, kPanelBlocks), work_.sums + at,
-                                          sums_stride(), L_ * kPair, 1 / static_cast<float>(K_),
-                                          by_branch_.panel(p), work_.by_sums + at});
+      const int64_t from = p * kPanelBlocks, at = (from * L_ + l) * kPair;
+      gradient_kernels().attend_gradient(
+          {kept.query.panel(p), rows, std::min(blocks_ - from, kPanelBlocks),
+           work_.sums + first * work_.entry() + at, work_.entry(), L_ * kPair,
+           1 / static_cast<float>(K_), by_branch_.panel(p), by_sums_.data() + at});
     }
     sums.query.add(by_branch_, kept.normed1, rows);
     dense(block.query.backward, by_branch_, rows, false, spare_);  // not where it reads
@@ -203,26 +217,27 @@ class TileReturn {
   void return_to_pairs(int64_t first, int64_t rows) {
     const int64_t group = std::max<int64_t>(1, kPanel / K_);
     for (int64_t q = 0; q < rows; q += group) {
-      return_to_group(first + q, std::min(group, rows - q));
+      return_to_group(first, q, std::min(group, rows - q));
     }
   }
 
-  void return_to_group(int64_t first, int64_t rows) {
-    const int64_t width = blocks_ * kBlock, pairs = rows * K_;
-    float* positions = work_.positions + first * K_ * width;
+  /// Queries [q, q + rows) of the tile that begins with query `tile`.
+  void return_to_group(int64_t tile, int64_t q, int64_t rows) {
+    const int64_t pairs = rows * K_, first = tile + q;
+    float* positions = positions_.data() + q * K_ * width();
     for (int64_t i = 0; i < pairs; i += kPanel) {
       const int64_t count = std::min(kPanel, pairs - i);
       place(first * K_ + i, count);
       dense(work_.net.gamma.output.forward, gamma_.value, count, false, pair_);
-      copy_panels(pair_, count, positions + i * width);
+      store_rows(pair_, width(), 0, count, positions + i * width());
     }
-    sum_kernels<float>().position_gradient(
-        {work_.table, work_.table_stride, blocks_, L_, work_.index + first * K_, rows, K_},
-        work_.by_sums + first * sums_stride(), positions, by_position_.data());
+    sum_kernels<float>().position_gradient(neighbours(first, rows),
+                                           by_sums_.data() + q * work_.entry(), positions,
+                                           by_position_.data());
     for (int64_t i = 0; i < pairs; i += kPanel) {
       const int64_t count = std::min(kPanel, pairs - i);
       if (pairs > kPanel) place(first * K_ + i, count);  // else it is there still
-      fill_panels(by_position_.data() + i * width, count, pair_);
+      load_rows(by_position_.data() + i * width(), width(), 0, count, pair_);
       return_through(work_.net.gamma, pair_, geometry_, gamma_, count, false, sums_.gamma,
                      by_activation_, nullptr);
     }
@@ -230,35 +245,21 @@ class TileReturn {
 
   /// Geometry and hidden layer of γ of `count` pairs.
   void place(int64_t pair, int64_t count) {
+    int64_t q = pair / K_, next = (q + 1) * K_;
     for (int64_t i = 0; i < count; ++i) {
-      work_.pairs.read((pair + i) / K_, work_.index[pair + i], geometry_.panel(0) + i * kPanel, 1);
-    }
-    activate(work_.net.gamma.hidden, geometry_, count, gamma_);
-  }
-
-  /// Rows of a tile of C channels one after the other, and back.
-  void copy_panels(const Tile& from, int64_t rows, float* to) const {
-    const int64_t width = blocks_ * kBlock;
-    for (int64_t c = 0; c < width; c += kPanel) {
-      for (int64_t r = 0; r < rows; ++r) {
-        std::memcpy(to + r * width + c, from.panel(c / kPanel) + r * kPanel,
-                    std::min(kPanel, width - c) * sizeof(float));
+      if (pair + i == next) {
+        ++q;
+        next += K_;
       }
+      work_.pairs.read(q, work_.index[pair + i], geometry_.panel(0) + i * kPanel, 1);
     }
-  }
-  void fill_panels(const float* from, int64_t rows, Tile& to) const {
-    const int64_t width = blocks_ * kBlock;
-    for (int64_t c = 0; c < width; c += kPanel) {
-      for (int64_t r = 0; r < rows; ++r) {
-        std::memcpy(to.panel(c / kPanel) + r * kPanel, from + r * width + c,
-                    std::min(kPanel, width - c) * sizeof(float));
-      }
-    }
+    activate(work_.net.gamma, geometry_, count, gamma_);
   }
 
   static constexpr int64_t kPanelBlocks = kPanel / kBlock;
   const Work& work_;
   DecoderSums& sums_;
+  TableGradient& by_table_;
   int64_t K_, L_, C_, H_;  ///< work's sizes
   int64_t blocks_;         ///< of channels
   Tile input_;
@@ -270,27 +271,22 @@ class TileReturn {
   Tile geometry_;  ///< a row a pair
   Hidden gamma_;
   Tile pair_, by_activation_;
+  std::vector<float> by_sums_;      ///< by the sums of the tile's queries, [kTile, entry]
+  std::vector<float> positions_;    ///< of its pairs, [kTile * K, blocks * kBlock]
   std::vector<float> by_position_;  ///< [kPanel or K, blocks * kBlock]
 };
 
-/// [m, blocks, L, 2, kBlock], from what tiles have left: each latent's sums over the pairs that
-/// read it.
-at::Tensor table_gradient(const DecoderInputs& in, const Work& work) {
-  const DecoderSizes& sizes = in.sizes;
-  const int64_t blocks = blocks_of(sizes.channels), entry = blocks * sizes.layers * kPair;
+/// The gradient by the table, laid out as that: what runs of queries have summed up.
+at::Tensor by_table(const DecoderInputs& in, int64_t entry, const std::vector<RunSums>& runs) {
   at::Tensor out = at::empty(in.table.sizes(), in.table.options());
-  const PairsByLatent pairs(work.index, sizes.queries * sizes.neighbours, sizes.latents);
-  const at::Tensor order = spatial_order(in.near.anchor);  // neighbours read the same queries
-  const auto* latents = order.const_data_ptr<int64_t>();
   auto* to = out.data_ptr<float>();
-  at::parallel_for(0, sizes.latents, 16, [&](int64_t begin, int64_t end) {
-    for (int64_t i = begin; i < end; ++i) {
-      const int64_t j = latents[i];
-      sum_kernels<float>().table_gradient(
-          {work.table + j * work.table_stride, work.by_sums, blocks, sizes.layers,
-           pairs.rows.data() + pairs.start[j], pairs.start[j + 1] - pairs.start[j],
-           sizes.neighbours, work.positions},
-          to + j * entry);
+  at::parallel_for(0, in.sizes.latents, 64, [&](int64_t begin, int64_t end) {
+    std::fill_n(to + begin * entry, (end - begin) * entry, 0.0f);
+    for (const RunSums& run : runs) {
+      for (int64_t j = begin; j < end; ++j) {
+        if (run.table.is_read(j))
+          dense_kernels().accumulate(run.table.of(j), entry, to + j * entry);
+      }
     }
   });
   return out;
@@ -306,13 +302,9 @@ std::tuple<at::Tensor, std::vector<at::Tensor>> query_decoder_backward_cpu(
                          {position, anchor, index, scale, limit, normal.value_or(at::Tensor()),
                           anchor_normal.value_or(at::Tensor())},
                          table, weights);
-  const int64_t Q = in.sizes.queries, blocks = blocks_of(in.sizes.channels);
   check_query_decoder_backward_args(any_grad, sums, in.sizes);
   const at::Tensor grad = any_grad.contiguous();
   const std::vector<at::Tensor> by_weights = zeros_of(list);
-  at::Tensor by_sums = at::empty(sums.sizes(), sums.options()),
-             positions =
-                 at::empty({Q * in.sizes.neighbours, blocks * kBlock}, attributes.options());
   const DecoderNetwork net(weights);
   const Work work{net,
                   in.sizes,
@@ -322,22 +314,23 @@ std::tuple<at::Tensor, std::vector<at::Tensor>> query_decoder_backward_cpu(
                   in.table.const_data_ptr<float>(),
                   in.table.stride(0),
                   in.near.index.const_data_ptr<int64_t>(),
-                  sums.const_data_ptr<float>(),
-                  by_sums.data_ptr<float>(),
-                  positions.data_ptr<float>()};
-  const RowParts parts(Q, kLeastPart);
-  std::vector<DecoderSums> gradients(static_cast<size_t>(parts.parts), DecoderSums(net));
+                  sums.const_data_ptr<float>()};
+  const RowParts parts(in.sizes.queries, kLeastPart);
+  std::vector<RunSums> runs;
+  for (int64_t part = 0; part < parts.parts; ++part) {
+    runs.push_back({DecoderSums(net), TableGradient(in.sizes.latents, work.entry())});
+  }
   at::parallel_for(0, parts.parts, 1, [&](int64_t begin, int64_t end) {
     for (int64_t part = begin; part < end; ++part) {
-      TileReturn tile(work, gradients[static_cast<size_t>(part)]);
+      TileReturn tile(work, runs[static_cast<size_t>(part)]);
       for (int64_t q = parts.begin(part); q < parts.begin(part + 1); q += kTile) {
         tile.run(q, std::min(kTile, parts.begin(part + 1) - q));
       }
     }
   });
   const DecoderWeights to = DecoderWeights::from_list(by_weights, in.sizes.layers);
-  for (const DecoderSums& part : gradients) part.write(to);
-  return {table_gradient(in, work), by_weights};
+  for (const RunSums& run : runs) run.weights.write(to);
+  return {by_table(in, work.entry(), runs), by_weights};
 }
 
 }  // namespace

@@ -156,7 +156,7 @@ std::tuple<at::Tensor, at::Tensor, std::vector<at::Tensor>> project_feed_forward
         load_rows(grad.const_data_ptr<float>(), C, first, rows, from);
         dense(projection.forward, taken, rows, true, input);
         norm.apply(input, rows, C, normed);
-        activate(net.hidden, normed, rows, hidden);
+        activate(net, normed, rows, hidden);
         return_through(net, from, normed, hidden, rows, false, own.net, by_hidden, &by_normed);
         add_norm_gradient(norm, input, by_normed, rows, C, from, own.norm);
         store_rows(from, C, first, rows, by_x.data_ptr<float>());

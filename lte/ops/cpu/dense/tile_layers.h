@@ -95,13 +95,16 @@ struct Hidden {
   Hidden(int64_t rows, int64_t width) : value(rows, width), slope(rows, width) {}
 };
 
-/// value = GELU(W x + b).
-inline void activate(const Layer& layer, const Tile& x, int64_t rows, Hidden& to) {
-  dense(layer.forward, x, rows, false, to.value);
-  for (int64_t p = 0; p < panels_of(layer.forward.outputs); ++p) {
-    const int64_t count = std::min(kPanel, layer.forward.outputs - p * kPanel);
-    gradient_kernels().activate_with_slope(to.value.panel(p), rows, blocks_of(count),
-                                           to.slope.panel(p));
+/// value = GELU(W x + b) of the hidden layer, with the accuracy that the output layer reads.
+inline void activate(const Perceptron& net, const Tile& x, int64_t rows, Hidden& to) {
+  dense(net.hidden.forward, x, rows, false, to.value);
+  const int64_t width = net.hidden.forward.outputs;
+  const auto activate_with_slope = net.output.forward.in_bf16()
+                                       ? bf16_kernels().activate_with_slope
+                                       : gradient_kernels().activate_with_slope;
+  for (int64_t p = 0; p < panels_of(width); ++p) {
+    activate_with_slope(to.value.panel(p), rows, blocks_of(std::min(kPanel, width - p * kPanel)),
+                        to.slope.panel(p));
   }
 }
 
@@ -140,20 +143,27 @@ inline void add_to_rows(const std::vector<float>& row, int64_t rows, Tile& tile)
   }
 }
 
+/// std::copy_n() that makes whole blocks a few registers each: rows are too short for a call.
+inline void copy_row(const float* from, int64_t columns, float* to) {
+  int64_t c = 0;
+  for (; c + kBlock <= columns; c += kBlock) std::copy_n(from + c, kBlock, to + c);
+  if (c < columns) std::copy_n(from + c, columns - c, to + c);
+}
+
 /// Rows [first, first + rows) of a matrix [., columns] as a tile, and back.
 inline void load_rows(const float* from, int64_t columns, int64_t first, int64_t rows, Tile& to) {
   for (int64_t c = 0; c < columns; c += kPanel) {
     for (int64_t r = 0; r < rows; ++r) {
-      std::copy_n(from + (first + r) * columns + c, std::min(kPanel, columns - c),
-                  to.panel(c / kPanel) + r * kPanel);
+      copy_row(from + (first + r) * columns + c, std::min(kPanel, columns - c),
+               to.panel(c / kPanel) + r * kPanel);
     }
   }
 }
 inline void store_rows(const Tile& from, int64_t columns, int64_t first, int64_t rows, float* to) {
   for (int64_t c = 0; c < columns; c += kPanel) {
     for (int64_t r = 0; r < rows; ++r) {
-      std::copy_n(from.panel(c / kPanel) + r * kPanel, std::min(kPanel, columns - c),
-                  to + (first + r) * columns + c);
+      copy_row(from.panel(c / kPanel) + r * kPanel, std::min(kPanel, columns - c),
+               to + (first + r) * columns + c);
     }
   }
 }

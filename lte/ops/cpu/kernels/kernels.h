@@ -128,6 +128,7 @@ struct LatentGradient {
   const int32_t* rows;  ///< [count], the rows q * K + i that read the latent
   int64_t count, K;
   const T* position;  ///< [rows, blocks * kBlock]
+  bool add;           ///< to what the result's place holds
 };
 
 /// Sums over neighbours.
@@ -312,6 +313,8 @@ struct Bf16Kernels {
   /// As in DenseKernels, for what a product of bfloat16 reads next: GELU to 2 · 10^-4, a tenth of a
   /// rounding.
   void (*activate)(float* x, int64_t rows, int64_t blocks);
+  /// GradientKernels::activate_with_slope(), the slope to 3 · 10^-4.
+  void (*activate_with_slope)(float* x, int64_t rows, int64_t blocks, float* slope);
   void (*activate_sum)(const float* a, const float* b, int64_t count, float* out);
   /// DenseKernels::hidden_positions() with a row a pair: out [pairs, hidden_pairs(H)]; weight
   /// [F + 1, 2 hidden_pairs(H)], the bias last, zero past H.

@@ -64,7 +64,8 @@ void position_gradient(NeighbourTable<T> near, const T* grad, const T* position,
 /// dk = −(A2 ⊙ v + B) and dv = A1 + B − A2 ⊙ k: k and v themselves are read once.
 template <typename T, int LAYERS>
 void gradient_group(const T* entry, const T* grad, int64_t stride, const int32_t* rows,
-                    int64_t count, int64_t K, const T* position, int64_t row_stride, T* out) {
+                    int64_t count, int32_t K, const T* position, int64_t row_stride, bool add,
+                    T* out) {
   Vector<T> a1[LAYERS] = {}, a2[LAYERS] = {}, b[LAYERS] = {};
   for (int64_t i = 0; i < count; ++i) {
     const T* g = grad + rows[i] / K * stride;
@@ -80,14 +81,16 @@ void gradient_group(const T* entry, const T* grad, int64_t stride, const int32_t
 #pragma GCC unroll 8
   for (int l = 0; l < LAYERS; ++l) {
     const Vector<T> k = load(entry + l * kPair), v = load(entry + l * kPair + kBlock);
-    store(out + l * kPair, -(a2[l] * v + b[l]));
-    store(out + l * kPair + kBlock, a1[l] + b[l] - a2[l] * k);
+    const Vector<T> by_k = -(a2[l] * v + b[l]), by_v = a1[l] + b[l] - a2[l] * k;
+    T *to_k = out + l * kPair, *to_v = to_k + kBlock;
+    store(to_k, add ? load(to_k) + by_k : by_k);
+    store(to_v, add ? load(to_v) + by_v : by_v);
   }
 }
 
 template <typename T>
-using GradientGroup = void (*)(const T*, const T*, int64_t, const int32_t*, int64_t, int64_t,
-                               const T*, int64_t, T*);
+using GradientGroup = void (*)(const T*, const T*, int64_t, const int32_t*, int64_t, int32_t,
+                               const T*, int64_t, bool, T*);
 template <typename T>
 constexpr GradientGroup<T> kGradientGroups[7] = {nullptr,
                                                  gradient_group<T, 1>,
@@ -99,15 +102,16 @@ constexpr GradientGroup<T> kGradientGroups[7] = {nullptr,
 
 template <typename T>
 void table_gradient(LatentGradient<T> latent, T* out) {
-  const auto [entry, grad, blocks, layers, rows, count, K, position] = latent;
+  const auto [entry, grad, blocks, layers, rows, count, K, position, add] = latent;
   const int64_t run = layers * kPair;
   for (int64_t b = 0; b < blocks; ++b) {
     for (int64_t l = 0; l < layers; l += kGradientGroup) {
       const int64_t group = layers - l < kGradientGroup ? layers - l : kGradientGroup;
       for (int64_t lane = 0; lane < kBlock; lane += kLanes<T>) {
         const int64_t at = b * run + l * kPair + lane;
-        kGradientGroups<T>[group](entry + at, grad + at, blocks * run, rows, count, K,
-                                  position + b * kBlock + lane, blocks * kBlock, out + at);
+        kGradientGroups<T>[group](entry + at, grad + at, blocks * run, rows, count,
+                                  static_cast<int32_t>(K), position + b * kBlock + lane,
+                                  blocks * kBlock, add, out + at);
       }
     }
   }

@@ -147,7 +147,7 @@ std::tuple<at::Tensor, at::Tensor, at::Tensor> neighbour_sums_backward_cpu(
       for (int64_t j = begin; j < end; ++j) {
         kernels.table_gradient(
             {entries + j * entry, g, blocks, L, pairs.rows.data() + pairs.start[j],
-             pairs.start[j + 1] - pairs.start[j], K, from},
+             pairs.start[j + 1] - pairs.start[j], K, from, false},
             gradient.data());
         deinterleave(gradient.data(), L, m, C, j, j + 1, to_keys, to_values);
       }
