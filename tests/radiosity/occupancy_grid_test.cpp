@@ -63,6 +63,36 @@ TEST(OccupancyGrid, ASegmentThatFollowsAWallIsNotHiddenByIt) {
   }
 }
 
+TEST(OccupancyGrid, WhatElseIsAskedChangesNothing) {
+  // Marches share vectors, and go on where others ended.
+  std::vector<Vec3> points, normals, others;
+  Rng rng(3);
+  for (int plane = 0; plane < 6; ++plane) {
+    for (int i = 0; i < 400; ++i) {
+      Vec3 p = {rng.uniform(), rng.uniform(), rng.uniform()}, n;
+      p[plane % 3] = 0.15f + 0.7f * static_cast<float>(plane) / 5;
+      n[plane % 3] = 1;
+      if (rng.uniform() < 0.6f) points.push_back(p), normals.push_back(n);
+    }
+  }
+  const OccupancyGrid grid(points, normals, 0.03f);
+  for (int i = 0; i < 1'300; ++i)
+    others.push_back({3 * rng.uniform() - 1, rng.uniform(), rng.uniform()});
+  others[700] = others[3] = {0.1f, 0.2f, 0.9f};
+  for (const Vec3& a : {Vec3{0.1f, 0.2f, 0.9f}, Vec3{0.5f, 0.5f, 0.5f}, Vec3{-2, 0.5f, 0.4f}}) {
+    std::vector<uint8_t> together;
+    grid.see(a, others, &together);
+    ASSERT_EQ(together.size(), others.size());
+    size_t seen = 0;
+    for (size_t i = 0; i < others.size(); ++i) {
+      EXPECT_EQ(together[i] != 0, sees(grid, a, others[i])) << i;
+      seen += together[i];
+    }
+    EXPECT_GT(seen, others.size() / 50);
+    EXPECT_LT(seen, others.size() * 49 / 50);
+  }
+}
+
 /// Points of the unit square in the plane z = 0.5 but for a slit around y = 0.5, `density` a cell.
 std::vector<Vec3> drawn_at_random(float density, float cell, float slit) {
   std::vector<Vec3> points;
