@@ -44,7 +44,7 @@ at::Tensor query_decoder_inference(const at::Tensor& attributes, const QueryNeig
 
 /// The same for training: differentiable once in table and weights, not in the queries. The
 /// backward pass computes a tile's intermediates again, so that nothing of the size of queries ×
-/// neighbours but one position each is ever in memory.
+/// neighbours is ever in memory.
 ///
 /// @param weights  float32; dense ones but that of `gamma.hidden` may have a rounding, by which
 ///                 mixed precision rounds inputs and gradients too as products read them

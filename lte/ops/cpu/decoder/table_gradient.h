@@ -1,7 +1,6 @@
 // The gradient of the query decoder by the table of what its queries read of the latents.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <vector>
 
