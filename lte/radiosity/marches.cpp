@@ -117,8 +117,8 @@ Leap leap(const MarkedGrid& grid, const Vec3& a, size_t count, Lanes* lanes) {
   const float *dx = lanes->dx.data(), *dy = lanes->dy.data(), *dz = lanes->dz.data(),
               *end = lanes->end.data();
   float* __restrict at = lanes->at.data();
-  int32_t* __restrict clearance = lanes->clearance.data(), * __restrict tested =
-                                                               lanes->tested.data();
+  int32_t* __restrict clearance = lanes->clearance.data();
+  int32_t* __restrict tested = lanes->tested.data();
   int32_t cell[kLanes], hits[kLanes], over[kLanes];
   for (size_t lane = 0; lane < count; ++lane) {
     const auto x = static_cast<int32_t>(a.x + dx[lane] * at[lane]);
