@@ -13,6 +13,15 @@
 
 namespace lte::ops {
 
+/// to = factor · from, by whole blocks as far as there are any: rows are too short for a call.
+inline void scale_row(const float* from, int64_t columns, float factor, float* to) {
+  int64_t c = 0;
+  for (; c + kBlock <= columns; c += kBlock) {
+    for (int64_t lane = 0; lane < kBlock; ++lane) to[c + lane] = from[c + lane] * factor;
+  }
+  for (; c < columns; ++c) to[c] = from[c] * factor;
+}
+
 /// Queries, keys and values of points, and the patches in which these attend to one another.
 class AttentionInput {
  public:
@@ -68,11 +77,8 @@ class AttentionInput {
   /// Queries [q, q + rows) of the patch that begins at slot `first`, times query_scale(), into one
   /// panel of a tile.
   void scaled_queries(int64_t first, int64_t q, int64_t rows, int64_t head, float* out) const {
-    const float scale = query_scale();
-    for (int64_t i = 0; i < rows; ++i) {
-      const float* from = row(first + q + i, kQuery, head);
-      for (int64_t c = 0; c < width(); ++c) out[i * kPanel + c] = from[c] * scale;
-    }
+    for (int64_t i = 0; i < rows; ++i)
+      scale_row(row(first + q + i, kQuery, head), width(), query_scale(), out + i * kPanel);
   }
 
  private:

@@ -17,7 +17,8 @@ class ChannelFactor {
       : input_(input),
         d_(input.width()),
         depth_(bf16 ? (d_ + 1) / 2 : d_),
-        block_(static_cast<size_t>(d_ * kBlock)) {
+        rows_(static_cast<size_t>(d_ * kBlock)),
+        block_(rows_.size()) {
     const auto size = static_cast<size_t>(blocks_of(input.length()) * kBlock * depth_);
     bf16 ? pairs_.resize(size) : single_.resize(size);
   }
@@ -25,11 +26,11 @@ class ChannelFactor {
   /// @param first  slot of the patch, @param part kKey or kValue
   void pack(int64_t first, int64_t part, int64_t head) {
     for (int64_t j = 0; j < input_.length(); j += kBlock) {
+      const int64_t rows = std::min(kBlock, input_.length() - j);
+      for (int64_t i = 0; i < rows; ++i)
+        std::copy_n(input_.row(first + j + i, part, head), d_, rows_.data() + i * d_);
       float* to = pairs_.empty() ? single_.data() + j * d_ : block_.data();
-      for (int64_t i = 0; i < std::min(kBlock, input_.length() - j); ++i) {
-        const float* from = input_.row(first + j + i, part, head);
-        for (int64_t c = 0; c < d_; ++c) to[c * kBlock + i] = from[c];
-      }
+      dense_kernels().transpose({rows_.data(), d_, rows, d_, to, kBlock}, 1);
       if (pairs_.empty()) continue;
       for (int64_t c = 0; c < d_; c += 2) {
         const float* even = to + c * kBlock;
@@ -54,8 +55,9 @@ class ChannelFactor {
  private:
   const AttentionInput& input_;
   int64_t d_, depth_;            ///< numbers or pairs of a slot
-  std::vector<float> block_;     ///< on the way into pairs
-  std::vector<float> single_;    ///< slots past the last of a patch are never written
+  std::vector<float> rows_;      ///< [kBlock, d] of the slots, which may lie anywhere
+  std::vector<float> block_;     ///< [d, kBlock], on the way into pairs
+  std::vector<float> single_;    ///< zero past the last slot of a patch
   std::vector<uint32_t> pairs_;  ///< empty in float32
 };
 
@@ -97,6 +99,12 @@ class SlotFactor {
       bf16_kernels().multiply({x, rows, count, pairs_.data() + j / 2 * width_, width_, kBlock,
                                nullptr, blocks, add, out});
     }
+  }
+  /// The same of an x in pairs of slots, with rows kPanel / 2 apart.
+  void multiply_pairs(const uint32_t* x, int64_t rows, int64_t j, bool add, float* out) const {
+    const int64_t pairs = (std::min(kPanel, input_.length() - j) + 1) / 2;
+    bf16_kernels().multiply_pairs({x, rows, pairs, pairs_.data() + j / 2 * width_, width_, kBlock,
+                                   nullptr, width_ / kBlock, add, out});
   }
 
  private:

@@ -35,51 +35,77 @@ struct Work {
   float* by_slot;        ///< [slots, 3C]
 };
 
+float dot(const float* a, const float* b, int64_t count) {
+  float lanes[kBlock] = {}, sum = 0;
+  int64_t c = 0;
+  for (; c + kBlock <= count; c += kBlock) {
+    for (int64_t lane = 0; lane < kBlock; ++lane) lanes[lane] += a[c + lane] * b[c + lane];
+  }
+  for (; c < count; ++c) sum += a[c] * b[c];
+  for (const float lane : lanes) sum += lane;
+  return sum;
+}
+
 /// Gradients by keys or values: sums over queries of scores times rows, for one head of a patch.
 /// They are kept as [panels of keys, d, kPanel], as scores are then the right factor, where they
-/// lie: in bfloat16 their rows become pairs at once.
+/// lie.
 class SumsByKey {
  public:
   SumsByKey(const AttentionInput& input, bool bf16)
       : d_(input.width()),
         length_(input.length()),
-        bf16_(bf16),
-        turned_(static_cast<size_t>(d_ * kPanel)),
+        turned_(bf16 ? 0 : static_cast<size_t>(d_ * kPanel)),
         pairs_(bf16 ? static_cast<size_t>(kTile / 2 * kPanel) : 0),
+        turned_pairs_(bf16 ? static_cast<size_t>(d_ * kPanel / 2) : 0),
         sums_(static_cast<size_t>(panels_of(length_) * d_ * kPanel)) {}
 
   /// The left factor of the sums to come. @param tile [rows, d], one panel
   void take(const float* tile, int64_t rows) {
     rows_ = rows;
-    for (int64_t r = 0; r < rows; ++r) {
-      for (int64_t c = 0; c < d_; ++c) turned_[c * kPanel + r] = tile[r * kPanel + c];
+    if (pairs_.empty()) {
+      for (int64_t r = 0; r < rows; r += kBlock) {
+        dense_kernels().transpose(
+            {tile + r * kPanel, kPanel, std::min(kBlock, rows - r), d_, turned_.data() + r, kPanel},
+            1);
+      }
+      return;
+    }
+    const int64_t pairs = (rows + 1) / 2;
+    pair_up_rows(tile, rows, blocks_of(d_), pairs_.data());
+    for (int64_t r = 0; r < pairs; r += kBlock) {
+      bf16_kernels().transpose({pairs_.data() + r * kPanel, kPanel, std::min(kBlock, pairs - r), d_,
+                                turned_pairs_.data() + r, kPanel / 2});
     }
   }
 
   /// Sums of keys [j, j + kPanel) (+)= the tile, transposed, times scores [rows, kPanel].
   void add(const float* scores, int64_t j, bool add) {
-    const int64_t blocks = blocks_of(std::min(kPanel, length_ - j));
-    float* to = sums_.data() + j * d_;
-    if (!bf16_) {
-      dense_kernels().multiply(
-          {turned_.data(), d_, rows_, scores, kPanel, kBlock, nullptr, blocks, add, to});
-      return;
-    }
-    pair_up_rows(scores, rows_, blocks, pairs_.data());
-    bf16_kernels().multiply(
-        {turned_.data(), d_, rows_, pairs_.data(), kPanel, kBlock, nullptr, blocks, add, to});
+    dense_kernels().multiply({turned_.data(), d_, rows_, scores, kPanel, kBlock, nullptr,
+                              blocks_from(j), add, sums_.data() + j * d_});
+  }
+  /// The same of scores in pairs of queries.
+  void add_pairs(const uint32_t* scores, int64_t j, bool add) {
+    bf16_kernels().multiply_pairs({turned_pairs_.data(), d_, (rows_ + 1) / 2, scores, kPanel,
+                                   kBlock, nullptr, blocks_from(j), add, sums_.data() + j * d_});
   }
 
-  float at(int64_t key, int64_t channel) const {
-    return sums_[(key / kPanel * d_ + channel) * kPanel + key % kPanel];
+  /// factor · the sums of keys [j, j + kBlock), as rows of d. @param out room for [kBlock, blocks]
+  void rows(int64_t j, float factor, float* out) const {
+    const float* from = sums_.data() + j / kPanel * kPanel * d_ + j % kPanel;
+    for (int64_t c = 0; c < d_; c += kBlock) {
+      dense_kernels().transpose(
+          {from + c * kPanel, kPanel, std::min(kBlock, d_ - c), kBlock, out + c, kPanel}, factor);
+    }
   }
 
  private:
+  int64_t blocks_from(int64_t j) const { return blocks_of(std::min(kPanel, length_ - j)); }
+
   int64_t d_, length_;
-  bool bf16_;
   int64_t rows_ = 0;
-  std::vector<float> turned_;    ///< [d, kPanel], a column a query
-  std::vector<uint32_t> pairs_;  ///< [kTile / 2, kPanel]
+  std::vector<float> turned_;           ///< [d, kPanel], a column a query
+  std::vector<uint32_t> pairs_;         ///< [kTile / 2, kPanel], in bfloat16
+  std::vector<uint32_t> turned_pairs_;  ///< [d, kPanel / 2], in bfloat16
   std::vector<float> sums_;
 };
 
@@ -102,7 +128,10 @@ class HeadGradient {
         by_scores_(kTile, kPanel),
         by_query_(kTile, kPanel),
         by_key_(of_, work.bf16),
-        by_value_(of_, work.bf16) {}
+        by_value_(of_, work.bf16),
+        weight_pairs_(work.bf16 ? static_cast<size_t>(kTile / 2 * kPanel) : 0),
+        by_score_pairs_(weight_pairs_.size()),
+        by_key_pairs_(weight_pairs_.size()) {}
 
   void run(int64_t patch, int64_t head) {
     first_ = patch * length_;
@@ -115,12 +144,12 @@ class HeadGradient {
       take_queries(q, rows);
       for (int64_t j = 0; j < length_; j += kPanel) add_panel(q, rows, j);
       // The scores' gradient is in units of e, so that of a query has the plain factor.
-      put(q, rows, kQuery, 1 / std::sqrt(static_cast<float>(d_)),
-          [&](int64_t i, int64_t c) { return by_query_.panel(0)[i * kPanel + c]; });
+      const float factor = 1 / std::sqrt(static_cast<float>(d_));
+      for (int64_t i = 0; i < rows; ++i)
+        scale_row(by_query_.panel(0) + i * kPanel, d_, factor, gradient_at(q + i, kQuery));
     }
-    put(0, length_, kKey, std::numbers::ln2_v<float>,  // of scaled queries
-        [&](int64_t i, int64_t c) { return by_key_.at(i, c); });
-    put(0, length_, kValue, 1, [&](int64_t i, int64_t c) { return by_value_.at(i, c); });
+    put_sums(by_key_, kKey, std::numbers::ln2_v<float>);  // of scaled queries
+    put_sums(by_value_, kValue, 1);
   }
 
  private:
@@ -131,13 +160,8 @@ class HeadGradient {
       const int64_t slot = first_ + q + i;
       const bool answers = of_.answers(slot);
       const int64_t at = of_.point(slot) * of_.channels() + head_ * d_;
-      float* grad = grad_.panel(0) + i * kPanel;
-      float mean = 0;
-      for (int64_t c = 0; c < d_; ++c) {
-        grad[c] = answers ? work_.grad[at + c] : 0;
-        mean += answers ? work_.grad[at + c] * work_.out[at + c] : 0;
-      }
-      mean_[static_cast<size_t>(i)] = mean;
+      scale_row(work_.grad + at, d_, answers ? 1.0f : 0.0f, grad_.panel(0) + i * kPanel);
+      mean_[static_cast<size_t>(i)] = answers ? dot(work_.grad + at, work_.out + at, d_) : 0.0f;
       log_sum_[static_cast<size_t>(i)] = work_.log_sum[slot * of_.heads() + head_];
     }
     by_key_.take(query_.panel(0), rows);
@@ -149,20 +173,33 @@ class HeadGradient {
     float *weights = weights_.panel(0), *by_scores = by_scores_.panel(0);
     keys_.multiply(query_.panel(0), rows, j, weights);
     values_.multiply(grad_.panel(0), rows, j, by_scores);
-    gradient_kernels().attention_gradient({weights, by_scores, rows,
-                                           blocks_of(std::min(kPanel, length_ - j)),
-                                           log_sum_.data(), mean_.data()});
-    key_slots_.multiply(by_scores, rows, j, j > 0, by_query_.panel(0));
-    by_key_.add(by_scores, j, q > 0);
-    by_value_.add(weights, j, q > 0);
+    const int64_t count = std::min(kPanel, length_ - j);
+    const AttentionGradient panel{weights,          by_scores,       rows,
+                                  blocks_of(count), log_sum_.data(), mean_.data()};
+    if (!work_.bf16) {
+      gradient_kernels().attention_gradient(panel);
+      key_slots_.multiply(by_scores, rows, j, j > 0, by_query_.panel(0));
+      by_key_.add(by_scores, j, q > 0);
+      by_value_.add(weights, j, q > 0);
+      return;
+    }
+    bf16_kernels().attention_gradient(
+        panel, {weight_pairs_.data(), by_score_pairs_.data(), by_key_pairs_.data(), count});
+    key_slots_.multiply_pairs(by_key_pairs_.data(), rows, j, j > 0, by_query_.panel(0));
+    by_key_.add_pairs(by_score_pairs_.data(), j, q > 0);
+    by_value_.add_pairs(weight_pairs_.data(), j, q > 0);
   }
 
-  /// of(row, channel) times `factor` as the gradient of slots [q, q + rows).
-  template <typename Of>
-  void put(int64_t q, int64_t rows, int64_t part, float factor, const Of& of) {
-    for (int64_t i = 0; i < rows; ++i) {
-      float* to = work_.by_slot + ((first_ + q + i) * 3 + part) * of_.channels() + head_ * d_;
-      for (int64_t c = 0; c < d_; ++c) to[c] = of(i, c) * factor;
+  /// The gradient of a slot's query, key or value.
+  float* gradient_at(int64_t slot, int64_t part) {
+    return work_.by_slot + ((first_ + slot) * 3 + part) * of_.channels() + head_ * d_;
+  }
+
+  void put_sums(const SumsByKey& sums, int64_t part, float factor) {
+    for (int64_t j = 0; j < length_; j += kBlock) {
+      sums.rows(j, factor, weights_.panel(0));
+      for (int64_t i = 0; i < std::min(kBlock, length_ - j); ++i)
+        std::copy_n(weights_.panel(0) + i * kPanel, d_, gradient_at(j + i, part));
     }
   }
 
@@ -175,6 +212,7 @@ class HeadGradient {
   std::vector<float> log_sum_, mean_;
   Tile query_, grad_, weights_, by_scores_, by_query_;
   SumsByKey by_key_, by_value_;
+  std::vector<uint32_t> weight_pairs_, by_score_pairs_, by_key_pairs_;  ///< see AttentionPairs
 };
 
 /// Sums what the slots of each point have: its own first, then those that repeat it.

@@ -172,29 +172,4 @@ inline void amx_multiply(AmxProduct p) {
   }
 }
 
-/// out[c][r] = in[r][c] of 16 × 16, rows of `in` past `rows` being zero. Rows are zipped four times
-/// with those eight further, by which an element's place (row, column), eight bits, turns by half.
-inline void transpose_pairs(const uint32_t* in, int64_t stride, int64_t rows, uint32_t* out,
-                            int64_t out_stride) {
-  constexpr int kHalf = kAmxRows / 2;
-  Bits at[kAmxRows], zipped[kAmxRows];
-#pragma GCC unroll 16
-  for (int i = 0; i < kAmxRows; ++i) at[i] = i < rows ? load(in + i * stride) : Bits{};
-#pragma GCC unroll 4
-  for (int round = 0; round < 4; ++round) {
-#pragma GCC unroll 8
-    for (int i = 0; i < kHalf; ++i) {
-      const Bits &a = at[i], &b = at[i + kHalf];
-      zipped[2 * i] =
-          __builtin_shufflevector(a, b, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
-      zipped[2 * i + 1] = __builtin_shufflevector(a, b, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13,
-                                                  29, 14, 30, 15, 31);
-    }
-#pragma GCC unroll 16
-    for (int i = 0; i < kAmxRows; ++i) at[i] = zipped[i];
-  }
-#pragma GCC unroll 16
-  for (int i = 0; i < kAmxRows; ++i) store(out + i * out_stride, at[i]);
-}
-
 }  // namespace lte::ops::LTE_ISA

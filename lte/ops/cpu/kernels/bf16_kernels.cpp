@@ -15,7 +15,9 @@
 #include "lte/ops/cpu/kernels/kernels.h"
 #include "lte/ops/cpu/kernels/product.h"
 #include "lte/ops/cpu/kernels/sum_query.h"
+#include "lte/ops/cpu/kernels/transpose.h"
 #include "lte/ops/cpu/kernels/vector.h"
+#include "lte/ops/cpu/kernels/vector_math.h"
 #if defined(__AMX_BF16__)
 #include "lte/ops/cpu/kernels/amx_product.h"
 #endif
@@ -87,9 +89,9 @@ void multiply_transposed(const uint32_t* left, int64_t rows, int64_t pairs, cons
     const int64_t count = pairs - k < kPairsAtOnce ? pairs - k : kPairsAtOnce;
     for (int64_t i = 0; i < count; i += kAmxRows) {
       for (int64_t r = 0; r < rows; r += kAmxRows) {
-        transpose_pairs(left + (k + i) * kPanel + r, kPanel,
+        transpose_block(left + (k + i) * kPanel + r, kPanel,
                         count - i < kAmxRows ? count - i : kAmxRows, turned + r * kPairsAtOnce + i,
-                        kPairsAtOnce);
+                        kPairsAtOnce, [](const Bits& block) { return block; });
       }
     }
     amx_multiply({turned,
@@ -146,6 +148,44 @@ void pair_rows(const float* even, const float* odd, int64_t count, uint32_t* out
   }
   for (; i < count; ++i) {
     out[i] = pair(splat(even[i]), odd != nullptr ? splat(odd[i]) : Float{})[0];
+  }
+}
+
+void transpose(TransposedRows<uint32_t> rows) {
+  transpose_rows(rows, [](const Bits& block) { return block; });
+}
+
+/// A vector of float32 as bfloat16, one after the other.
+void store_narrow(const Float& value, uint32_t* out) {
+  const Halves halves = narrow(value);
+  __builtin_memcpy(out, &halves, sizeof halves);
+}
+
+void attention_gradient(AttentionGradient a, AttentionPairs to) {
+  for (int64_t r = 0; r < a.rows; r += 2) {
+    const bool two = r + 1 < a.rows;
+    const int64_t odd = two ? kPanel : 0;  // else the same row again, which counts for nothing
+    const float *scores = a.scores + r * kPanel, *grad = a.grad + r * kPanel;
+    const Float log_sum = splat(a.log_sum[r]), mean = splat(a.mean[r]);
+    const Float next_log_sum = splat(a.log_sum[r + two]), next_mean = splat(a.mean[r + two]);
+    const Float present = splat(two ? 1.0f : 0.0f);
+    uint32_t *weights = to.weights + r / 2 * kPanel, *by_scores = to.by_scores + r / 2 * kPanel,
+             *by_key = to.by_key + r * (kPanel / 2);
+#pragma GCC unroll 2
+    for (int64_t i = 0; i < a.blocks * kBlock; i += kLanes<float>) {
+      const Float first = attention_weight(load(scores + i) - log_sum),
+                  second = attention_weight(load(scores + odd + i) - next_log_sum) * present;
+      const Float by_first = first * (load(grad + i) - mean),
+                  by_second = second * (load(grad + odd + i) - next_mean);
+      store(weights + i, pair(first, second));
+      store(by_scores + i, pair(by_first, by_second));
+      store_narrow(by_first, by_key + i / 2);
+      if (two) store_narrow(by_second, by_key + kPanel / 2 + i / 2);
+    }
+    if (to.keys % 2 != 0) {
+      by_key[to.keys / 2] &= 0xffff;
+      if (two) by_key[kPanel / 2 + to.keys / 2] &= 0xffff;
+    }
   }
 }
 
@@ -317,7 +357,8 @@ void projected_sums(NeighbourTable<float> near, ProjectedPositions<uint32_t, flo
 }  // namespace
 
 extern const Bf16Kernels kBf16Kernels;
-const Bf16Kernels kBf16Kernels{multiply,         multiply_transposed, pair_rows,
+const Bf16Kernels kBf16Kernels{multiply,         multiply_pairs,      multiply_transposed,
+                               pair_rows,        transpose,           attention_gradient,
                                activate,         activate_with_slope, activate_sum,
                                hidden_positions, projected_sums};
 

@@ -2,6 +2,7 @@
 #include "lte/ops/cpu/kernels/gelu_vector.h"
 #include "lte/ops/cpu/kernels/kernels.h"
 #include "lte/ops/cpu/kernels/product.h"
+#include "lte/ops/cpu/kernels/transpose.h"
 #include "lte/ops/cpu/kernels/vector.h"
 #include "lte/ops/cpu/kernels/vector_math.h"
 
@@ -182,6 +183,11 @@ void raise(float* x, int64_t rows, int64_t count, float* sum) {
   }
 }
 
+void transpose(TransposedRows<float> rows, float factor) {
+  const Float scale = splat(factor);
+  transpose_rows(rows, [&](const Float& values) { return values * scale; });
+}
+
 void activate_row(const float* x, int64_t count, float* out) {
   over_row(
       count, [&](int64_t i) { store(out + i, gelu(load(x + i))); },
@@ -268,6 +274,7 @@ const DenseKernels kDenseKernels{multiply_blocks<SingleProduct>,
                                  largest_square,
                                  raise,
                                  attend,
+                                 transpose,
                                  hidden_positions,
                                  ridges,
                                  soften};

@@ -104,13 +104,11 @@ void attend_gradient(AttendGradient arguments) {
 }
 
 void attention_gradient(AttentionGradient a) {
-  const Float least = splat(-120.0f);
   for (int64_t r = 0; r < a.rows; ++r) {
     const Float log_sum = splat(a.log_sum[r]), mean = splat(a.mean[r]);
 #pragma GCC unroll 4
     for (int64_t i = r * kPanel; i < r * kPanel + a.blocks * kBlock; i += kLanes<float>) {
-      const Float exponent = load(a.scores + i) - log_sum, power = power_of_two(exponent);
-      const Float weight = exponent > least ? power : Float{};
+      const Float weight = attention_weight(load(a.scores + i) - log_sum);
       store(a.scores + i, weight);
       store(a.grad + i, weight * (load(a.grad + i) - mean));
     }

@@ -164,6 +164,15 @@ struct MatrixProduct {
   float* out;         ///< [rows, blocks * kBlock], one panel of a tile
 };
 
+/// Rows that become columns.
+template <typename T>
+struct TransposedRows {
+  const T* from;
+  int64_t stride, rows, columns;
+  T* to;
+  int64_t to_stride;
+};
+
 /// out = (query ⊙ S1 + S2) * scale, the vector attention of a panel.
 struct AttendArguments {
   const float* query;  ///< [rows, blocks * kBlock], one panel of a tile
@@ -219,6 +228,9 @@ struct DenseKernels {
   /// to the kBlock numbers from sum + r * kBlock, whose sum it is.
   void (*raise)(float* x, int64_t rows, int64_t count, float* sum);
   void (*attend)(AttendArguments arguments);
+  /// to[c][r] = factor · from[r][c], `rows` <= kBlock; to's rows are written to a whole block, with
+  /// zeros past the last.
+  void (*transpose)(TransposedRows<float> rows, float factor);
   /// GELU of a layer F -> H, transposed: geometry [F, pairs] -> out [H, pairs]; weight [H, F + 1],
   /// the bias last; `pairs` a multiple of kBlock.
   void (*hidden_positions)(PairGeometry geometry, const float* weight, int64_t H, float* out);
@@ -273,6 +285,14 @@ struct AttentionGradient {
   const float* mean;     ///< [rows], Σ weight · grad over all keys
 };
 
+/// What products of bfloat16 read of a panel of AttentionGradient, which itself stays as it is.
+struct AttentionPairs {
+  uint32_t* weights;    ///< [⌈rows / 2⌉, kPanel], pairs of queries
+  uint32_t* by_scores;  ///< the same of the gradient by the scores
+  uint32_t* by_key;     ///< [rows, kPanel / 2], that gradient in pairs of keys
+  int64_t keys;         ///< zero has the partner of an odd last one
+};
+
 /// Gradients over tiles of rows, float32. A panel's rows are kPanel apart.
 struct GradientKernels {
   /// out[r][c] (+)= bias + Σ_k x[k][r] w[k][c]: DenseKernels::multiply() of an x that lies as
@@ -302,6 +322,8 @@ struct Bf16Kernels {
   /// `K` counts single inputs, of which (K + 1) / 2 pairs of weights are read. The partner of an
   /// odd last input must be zero in `weight`.
   void (*multiply)(MatrixProduct<float, uint32_t> product);
+  /// The same of inputs in pairs, [rows, K] with rows kPanel / 2 apart; `K` counts pairs.
+  void (*multiply_pairs)(MatrixProduct<uint32_t, uint32_t> product);
   /// out[r][c] (+)= Σ_k left[k][r] right[k][c] over `pairs` pairs, `rows` <= kPanel and `blocks`
   /// blocks of columns: the product of two matrices whose rows are what is summed over. All strides
   /// are kPanel.
@@ -310,6 +332,10 @@ struct Bf16Kernels {
   /// Two rows of `count` values as pairs, the even one in the lower half; without `odd`, zeros
   /// there.
   void (*pair_rows)(const float* even, const float* odd, int64_t count, uint32_t* out);
+  /// DenseKernels::transpose() of pairs.
+  void (*transpose)(TransposedRows<uint32_t> rows);
+  /// GradientKernels::attention_gradient(), answered in pairs.
+  void (*attention_gradient)(AttentionGradient panel, AttentionPairs out);
   /// As in DenseKernels, for what a product of bfloat16 reads next: GELU to 2 · 10^-4, a tenth of a
   /// rounding.
   void (*activate)(float* x, int64_t rows, int64_t blocks);

@@ -61,6 +61,12 @@ static inline Vector<float> power_of_two(const Vector<float>& x) {
   return p;
 }
 
+/// 2^x of a score less the logarithm of its query's sum; 0 below 2^-120.
+static inline Vector<float> attention_weight(const Vector<float>& x) {
+  const Vector<float> power = power_of_two(x);
+  return x > splat(-120.0f) ? power : Vector<float>{};
+}
+
 /// log(1 + exp(x)) to 10^-6 of the result, where that is at least 10^-30; what is not a number
 /// stays visible.
 static inline Vector<float> softplus(const Vector<float>& x) {
