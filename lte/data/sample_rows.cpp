@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
+#include <optional>
 #include <utility>
 
 #include "lte/base/check.h"
@@ -22,6 +24,34 @@ void keep_columns(std::vector<T>* values, size_t columns, const std::vector<int6
       (*values)[row * kept.size() + k] = (*values)[row * columns + static_cast<size_t>(kept[k])];
   }
   values->resize(rows * kept.size());
+}
+
+/// How many of `count` each group has: in proportion to its size, and at least one. They add up to
+/// `count`, unless there are more groups than that.
+/// @param sizes  more than `count` in all
+std::vector<int64_t> shares_of(std::span<const int64_t> sizes, int64_t count) {
+  const int64_t all = std::accumulate(sizes.begin(), sizes.end(), int64_t{0});
+  std::vector<int64_t> shares;
+  for (const int64_t size : sizes) shares.push_back(std::max<int64_t>(1, size * count / all));
+  // In units of 1 / all.
+  const auto lacks = [&](size_t i) { return sizes[i] * count - shares[i] * all; };
+  int64_t left = count - std::accumulate(shares.begin(), shares.end(), int64_t{0});
+  for (; left > 0; --left) {
+    size_t most = 0;
+    for (size_t i = 1; i < shares.size(); ++i) {
+      if (lacks(i) > lacks(most)) most = i;
+    }
+    ++shares[most];
+  }
+  for (; left < 0; ++left) {
+    std::optional<size_t> least;
+    for (size_t i = 0; i < shares.size(); ++i) {
+      if (shares[i] > 1 && (!least || lacks(i) < lacks(*least))) least = i;
+    }
+    if (!least) break;
+    --shares[*least];
+  }
+  return shares;
 }
 
 }  // namespace
@@ -50,12 +80,15 @@ std::vector<int64_t> draw_scene_rows(std::span<const int32_t> light, int64_t cou
   if (count == 0 || count >= rows) return draw_rows(rows, 0, rng);
   std::map<int32_t, std::vector<int64_t>> groups;
   for (int64_t i = 0; i < rows; ++i) groups[light[static_cast<size_t>(i)]].push_back(i);
+  std::vector<int64_t> sizes;
+  for (const auto& [group, members] : groups) sizes.push_back(static_cast<int64_t>(members.size()));
+  const std::vector<int64_t> shares = shares_of(sizes, count);
   std::vector<int64_t> drawn;
+  size_t next = 0;
   for (const auto& [group, members] : groups) {
-    const auto size = static_cast<int64_t>(members.size());
-    const int64_t share = std::max<int64_t>(1, (size * count + rows / 2) / rows);
-    for (const int64_t i : draw_rows(size, share, rng))
+    for (const int64_t i : draw_rows(sizes[next], shares[next], rng))
       drawn.push_back(members[static_cast<size_t>(i)]);
+    ++next;
   }
   std::sort(drawn.begin(), drawn.end());
   return drawn;

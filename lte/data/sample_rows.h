@@ -19,7 +19,8 @@ std::vector<int64_t> draw_rows(int64_t rows, int64_t count, Rng* rng);
 
 /// Draws the scene points that are kept of a scene with more than `count`, ascending. It calls
 /// draw_rows() within each light group and within the rest, for each in proportion and for at least
-/// one point, so that no luminaire is lost.
+/// one point, so that no luminaire is lost. There are `count`, unless there are more groups: a
+/// point too many can cost the network a whole attention patch.
 /// @param light  [M], SceneSample::scene_light
 std::vector<int64_t> draw_scene_rows(std::span<const int32_t> light, int64_t count, Rng* rng);
 
