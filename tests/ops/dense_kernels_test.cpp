@@ -1,6 +1,8 @@
 // The vector loops of dense layers, norms and softmax against plain loops in float64.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <string_view>
 #include <vector>
@@ -50,6 +52,42 @@ TEST(DenseKernels, GeluIsTheExactOneToAFewRoundings) {
   std::vector<float> out(far.size());
   dense_kernels().activate_row(far.data(), static_cast<int64_t>(far.size()), out.data());
   for (size_t i = 0; i < far.size(); ++i) EXPECT_EQ(out[i], i < 4 ? 0 : far[i]) << far[i];
+}
+
+/// Rows of whole blocks, of fewer, and of columns past a block, and nothing written beyond.
+template <typename T, typename Transpose>
+void expect_rows_become_columns(const Transpose& transpose) {
+  for (const auto& [rows, columns] :
+       {std::array<int64_t, 2>{16, 16}, {16, 48}, {3, 16}, {16, 5}, {7, 37}, {1, 1}}) {
+    const int64_t stride = columns + 3, to_stride = kBlock + 5;
+    std::vector<T> from(static_cast<size_t>(rows * stride));
+    for (size_t i = 0; i < from.size(); ++i) from[i] = static_cast<T>(i + 1);
+    std::vector<T> to(static_cast<size_t>((columns + 1) * to_stride), T{7777});
+    transpose(TransposedRows<T>{from.data(), stride, rows, columns, to.data(), to_stride});
+    for (int64_t c = 0; c <= columns; ++c) {
+      for (int64_t r = 0; r < to_stride; ++r) {
+        const T expected = c == columns || r >= kBlock ? T{7777}
+                           : r >= rows                 ? T{}
+                                                       : from[static_cast<size_t>(r * stride + c)];
+        EXPECT_EQ(to[static_cast<size_t>(c * to_stride + r)], expected)
+            << rows << " x " << columns << " at " << c << ", " << r;
+      }
+    }
+  }
+}
+
+TEST(DenseKernels, RowsBecomeColumns) {
+  expect_rows_become_columns<float>(
+      [](const TransposedRows<float>& rows) { dense_kernels().transpose(rows, 1); });
+  const float row[] = {1, 2, 3};
+  float to[3 * kBlock];
+  dense_kernels().transpose({row, 3, 1, 3, to, kBlock}, 0.5f);
+  for (int64_t c = 0; c < 3; ++c) EXPECT_EQ(to[c * kBlock], 0.5f * row[c]);
+}
+
+TEST(Bf16Kernels, RowsOfPairsBecomeColumns) {
+  expect_rows_become_columns<uint32_t>(
+      [](const TransposedRows<uint32_t>& rows) { bf16_kernels().transpose(rows); });
 }
 
 /// What bfloat16 reads next: a bfloat16 below 1 is rounded by up to 2 · 10^-3.

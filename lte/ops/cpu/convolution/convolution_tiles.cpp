@@ -145,21 +145,25 @@ class TapGradient {
   std::vector<float> product_;     ///< [input.C, kPanel]
 };
 
-/// [taps, rows, columns] -> [taps, columns, rows], for the taps that have pairs.
+void transpose(const TransposedRows<float>& rows) { dense_kernels().transpose(rows, 1); }
+void transpose(const TransposedRows<uint32_t>& rows) { bf16_kernels().transpose(rows); }
+
+/// [taps, rows, columns] -> [taps, columns, rows], whole blocks of rows, for the taps that have
+/// pairs.
 template <typename T>
 std::vector<T> transposed_taps(const void* weight, int64_t rows, int64_t columns,
                                const ConvolutionPairs& pairs) {
   std::vector<T> out(static_cast<size_t>(pairs.taps * rows * columns));
   const auto* bytes = static_cast<const char*>(weight);
   at::parallel_for(0, pairs.taps, 1, [&](int64_t begin, int64_t end) {
+    std::vector<T> block(static_cast<size_t>(kBlock * columns));
     for (int64_t tap = begin; tap < end; ++tap) {
       if (pairs.begin[tap] == pairs.begin[tap + 1]) continue;
       T* to = out.data() + tap * rows * columns;
-      for (int64_t r = 0; r < rows; ++r) {
-        const char* from = bytes + (tap * rows + r) * columns * sizeof(T);
-        for (int64_t c = 0; c < columns; ++c) {
-          std::memcpy(to + c * rows + r, from + c * sizeof(T), sizeof(T));
-        }
+      for (int64_t r = 0; r < rows; r += kBlock) {
+        const size_t size = block.size() * sizeof(T);
+        std::memcpy(block.data(), bytes + (tap * rows + r) * columns * sizeof(T), size);
+        transpose({block.data(), columns, kBlock, columns, to + r, rows});
       }
     }
   });

@@ -60,18 +60,18 @@ struct DecoderSums {
       : point(net.point), gamma(net.gamma), norm(net.norm), head(net.head) {
     for (const DecoderBlock& block : net.blocks) blocks.emplace_back(block);
   }
-  void write(const DecoderWeights& to) const {
-    point.write(to.point);
-    gamma.write(to.gamma);
+  void write(const DecoderWeights& to, bool add) const {
+    point.write(to.point, add);
+    gamma.write(to.gamma, add);
     for (size_t l = 0; l < blocks.size(); ++l) {
-      blocks[l].norm1.write(to.layers[l].norm1);
-      blocks[l].query.write(to.layers[l].query.weight, to.layers[l].query.bias);
-      blocks[l].output.write(to.layers[l].output.weight, to.layers[l].output.bias);
-      blocks[l].norm2.write(to.layers[l].norm2);
-      blocks[l].ffn.write(to.layers[l].ffn);
+      blocks[l].norm1.write(to.layers[l].norm1, add);
+      blocks[l].query.write(to.layers[l].query.weight, to.layers[l].query.bias, add);
+      blocks[l].output.write(to.layers[l].output.weight, to.layers[l].output.bias, add);
+      blocks[l].norm2.write(to.layers[l].norm2, add);
+      blocks[l].ffn.write(to.layers[l].ffn, add);
     }
-    norm.write(to.norm);
-    head.write(to.head);
+    norm.write(to.norm, add);
+    head.write(to.head, add);
   }
 };
 

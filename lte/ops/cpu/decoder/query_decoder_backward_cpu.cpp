@@ -304,7 +304,7 @@ std::tuple<at::Tensor, std::vector<at::Tensor>> query_decoder_backward_cpu(
                          table, weights);
   check_query_decoder_backward_args(any_grad, sums, in.sizes);
   const at::Tensor grad = any_grad.contiguous();
-  const std::vector<at::Tensor> by_weights = zeros_of(list);
+  const std::vector<at::Tensor> by_weights = room_for(list);
   const DecoderNetwork net(weights);
   const Work work{net,
                   in.sizes,
@@ -329,7 +329,7 @@ std::tuple<at::Tensor, std::vector<at::Tensor>> query_decoder_backward_cpu(
     }
   });
   const DecoderWeights to = DecoderWeights::from_list(by_weights, in.sizes.layers);
-  for (const RunSums& run : runs) run.weights.write(to);
+  for (const RunSums& run : runs) run.weights.write(to, &run != &runs.front());
   return {by_table(in, work.entry(), runs), by_weights};
 }
 

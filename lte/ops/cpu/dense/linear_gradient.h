@@ -1,6 +1,7 @@
 // Gradients of dense layers by their weights, summed up over tiles of rows.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include <ATen/core/Tensor.h>
@@ -8,6 +9,15 @@
 #include "lte/ops/cpu/dense/packed_linear.h"
 
 namespace lte::ops {
+
+/// to = from, or to += from.
+inline void put_row(const float* from, int64_t count, bool add, float* to) {
+  if (add) {
+    dense_kernels().accumulate(from, count, to);
+  } else {
+    copy_row(from, count, to);
+  }
+}
 
 /// What a thread has summed up of the gradients of y = x Wᵀ + b by W and b. Of a layer in bfloat16
 /// products read gradients and inputs rounded.
@@ -45,15 +55,14 @@ class LinearGradient {
     }
   }
 
-  /// Adds the sums to tensors of the shapes of W and b.
-  void write(const at::Tensor& weight, const at::Tensor& bias) const {
+  /// Writes the sums to tensors of the shapes of W and b, or adds them to what these hold.
+  void write(const at::Tensor& weight, const at::Tensor& bias, bool add) const {
+    put_row(bias_.data(), outputs_, add, bias.data_ptr<float>());
     auto* w = weight.data_ptr<float>();
-    auto* b = bias.data_ptr<float>();
     for (int64_t o = 0; o < outputs_; ++o) {
-      b[o] += bias_[static_cast<size_t>(o)];
-      for (int64_t i = 0; i < inputs_; ++i) {
-        w[o * inputs_ + i] +=
-            weight_[static_cast<size_t>((i / kPanel * outputs_ + o) * kPanel + i % kPanel)];
+      for (int64_t i = 0; i < inputs_; i += kPanel) {
+        put_row(weight_.data() + (i / kPanel * outputs_ + o) * kPanel,
+                std::min(kPanel, inputs_ - i), add, w + o * inputs_ + i);
       }
     }
   }

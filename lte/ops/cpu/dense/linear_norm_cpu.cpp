@@ -179,7 +179,7 @@ class LinearNormGradient {
         tiles_(counts),
         parts_(static_cast<int64_t>(tiles_.size()), kLeastNormPart / kNormTile),
         by_centered_(at::empty_like(product)),
-        by_weights_(zeros_of(w)) {
+        by_weights_(room_for(w)) {
     std::vector<std::vector<double>> sums;
     if (centers()) {
       sums = sums_of_product();
@@ -209,7 +209,8 @@ class LinearNormGradient {
         store_rows(to, C, first, rows, by_x.data_ptr<float>());
       }
     });
-    for (const LinearGradient& part : sums) part.write(by_weights_[0], by_weights_[1]);
+    for (const LinearGradient& part : sums)
+      part.write(by_weights_[0], by_weights_[1], &part != &sums.front());
     return by_x;
   }
 
@@ -266,7 +267,8 @@ class LinearNormGradient {
         if (centers()) sums.add(i, to);
       }
     });
-    for (const NormSums& part : of_norm) part.write({by_weights_[2], by_weights_[3]});
+    for (const NormSums& part : of_norm)
+      part.write({by_weights_[2], by_weights_[3]}, &part != &of_norm.front());
     return sums.of_scenes();
   }
 

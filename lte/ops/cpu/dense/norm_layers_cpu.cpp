@@ -78,10 +78,11 @@ std::tuple<at::Tensor, std::vector<at::Tensor>> norm_linear_backward_cpu(const a
       });
     }
   });
-  const std::vector<at::Tensor> out = zeros_of(w);
+  const std::vector<at::Tensor> out = room_for(w);
   for (const Sums& part : sums) {
-    part.norm.write({out[0], out[1]});
-    part.layer.write(out[2], out[3]);
+    const bool add = &part != &sums.front();
+    part.norm.write({out[0], out[1]}, add);
+    part.layer.write(out[2], out[3], add);
   }
   return {by_x, out};
 }
@@ -166,11 +167,12 @@ std::tuple<at::Tensor, at::Tensor, std::vector<at::Tensor>> project_feed_forward
       });
     }
   });
-  const std::vector<at::Tensor> out = zeros_of(w);
+  const std::vector<at::Tensor> out = room_for(w);
   for (const Sums& part : sums) {
-    part.norm.write({out[0], out[1]});
-    part.net.write({{out[2], out[3]}, {out[4], out[5]}});
-    part.projection.write(out[6], out[7]);
+    const bool add = &part != &sums.front();
+    part.norm.write({out[0], out[1]}, add);
+    part.net.write({{out[2], out[3]}, {out[4], out[5]}}, add);
+    part.projection.write(out[6], out[7], add);
   }
   return {by_x, by_attended, out};
 }

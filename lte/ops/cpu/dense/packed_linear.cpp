@@ -1,24 +1,23 @@
 #include "lte/ops/cpu/dense/packed_linear.h"
 
+#include <cstring>
+
 #include <ATen/Parallel.h>
-#include <c10/util/BFloat16.h>
 
 namespace lte::ops {
 
 void pack_pairs(const at::Tensor& w, int64_t begin, int64_t end, uint32_t* out) {
   const int64_t outputs = w.size(0), inputs = w.size(1), stride = (inputs + 1) / 2 * kBlock;
   const auto* from = w.const_data_ptr<at::BFloat16>();
+  std::vector<uint32_t> rows(static_cast<size_t>(stride));
   for (int64_t block = begin; block < end; ++block, out += stride) {
-    std::fill(out, out + stride, 0);
-    for (int64_t o = block * kBlock; o < std::min(outputs, (block + 1) * kBlock); ++o) {
-      const at::BFloat16* row = from + o * inputs;
-      uint32_t* to = out + o % kBlock;
-      int64_t i = 0;
-      for (; i + 1 < inputs; i += 2, to += kBlock) {
-        *to = row[i].x | static_cast<uint32_t>(row[i + 1].x) << 16;
-      }
-      if (i < inputs) *to = row[i].x;
+    // Two numbers of a row are a pair where they lie; an odd last one is alone.
+    const int64_t count = std::min(kBlock, outputs - block * kBlock);
+    for (int64_t o = 0; o < count; ++o) {
+      std::memcpy(rows.data() + o * (stride / kBlock), from + (block * kBlock + o) * inputs,
+                  static_cast<size_t>(inputs) * sizeof(at::BFloat16));
     }
+    bf16_kernels().transpose({rows.data(), stride / kBlock, count, stride / kBlock, out, kBlock});
   }
 }
 
@@ -56,14 +55,26 @@ PackedLinear::PackedLinear(const at::Tensor& w, const at::Tensor& b)
 }
 
 PackedLinear PackedLinear::transposed(const at::Tensor& w) {
-  if (w.scalar_type() == at::kBFloat16) return {w.t(), at::Tensor()};
   PackedLinear out;
   out.inputs = w.size(0);
   out.outputs = w.size(1);
   out.blocks = blocks_of(out.outputs);
-  out.weight.resize(static_cast<size_t>(out.blocks * out.inputs * kBlock));
   out.bias.resize(static_cast<size_t>(out.blocks * kBlock));
   const at::Tensor rows = w.contiguous();
+  if (rows.scalar_type() == at::kBFloat16) {
+    out.pairs.resize(static_cast<size_t>(out.blocks * out.input_pairs() * kBlock));
+    const auto* from = rows.const_data_ptr<at::BFloat16>();
+    uint32_t* to = out.pairs.data();
+    for (int64_t b = 0; b < out.blocks; ++b) {
+      const int64_t count = std::min(kBlock, out.outputs - b * kBlock);
+      for (int64_t i = 0; i < out.inputs; i += 2, to += kBlock) {
+        const at::BFloat16* even = from + i * out.outputs + b * kBlock;
+        pair_halves(even, i + 1 < out.inputs ? even + out.outputs : nullptr, count, to);
+      }
+    }
+    return out;
+  }
+  out.weight.resize(static_cast<size_t>(out.blocks * out.inputs * kBlock));
   const auto* from = rows.const_data_ptr<float>();
   float* to = out.weight.data();
   for (int64_t b = 0; b < out.blocks; ++b) {

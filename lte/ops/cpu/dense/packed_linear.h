@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <ATen/core/Tensor.h>
+#include <c10/util/BFloat16.h>
 
 #include "lte/base/unfilled_vector.h"
 #include "lte/ops/cpu/kernels/kernels.h"
@@ -42,6 +43,28 @@ struct PackedLinear {
 /// Packs blocks [begin, end) of `w`, [outputs, inputs] bfloat16, contiguous, as PackedLinear holds
 /// them.
 void pack_pairs(const at::Tensor& w, int64_t begin, int64_t end, uint32_t* out);
+
+/// std::copy_n() that makes whole blocks a few registers each: rows are too short for a call.
+inline void copy_row(const float* from, int64_t columns, float* to) {
+  int64_t c = 0;
+  for (; c + kBlock <= columns; c += kBlock) std::copy_n(from + c, kBlock, to + c);
+  if (c < columns) std::copy_n(from + c, columns - c, to + c);
+}
+
+/// Two rows of bfloat16 as pairs; without `odd`, zeros in its place.
+inline void pair_halves(const at::BFloat16* even, const at::BFloat16* odd, int64_t count,
+                        uint32_t* out) {
+  if (odd == nullptr) {
+    for (int64_t c = 0; c < count; ++c) out[c] = even[c].x;
+    return;
+  }
+  const auto pair = [&](int64_t c) { out[c] = even[c].x | static_cast<uint32_t>(odd[c].x) << 16; };
+  int64_t c = 0;
+  for (; c + kBlock <= count; c += kBlock) {  // a loop of fixed length becomes a few registers
+    for (int64_t lane = 0; lane < kBlock; ++lane) pair(c + lane);
+  }
+  for (; c < count; ++c) pair(c);
+}
 
 /// Rows of one panel of float32 as pairs of two rows, `to` [⌈rows / 2⌉, kPanel].
 inline void pair_up_rows(const float* panel, int64_t rows, int64_t blocks, uint32_t* to) {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <ATen/core/Tensor.h>
-#include <ATen/ops/zeros.h>
+#include <ATen/ops/empty.h>
 
 #include "lte/ops/cpu/dense/linear_gradient.h"
 #include "lte/ops/cpu/dense/packed_linear.h"
@@ -41,12 +41,12 @@ struct Layer {
       : forward(w.weight, w.bias), backward(PackedLinear::transposed(w.weight)) {}
 };
 
-/// What gradients by `weights` are added up in: float32, whatever products read.
-inline std::vector<at::Tensor> zeros_of(at::TensorList weights) {
-  std::vector<at::Tensor> zeros;
+/// What gradients by `weights` are written to: float32, whatever products read.
+inline std::vector<at::Tensor> room_for(at::TensorList weights) {
+  std::vector<at::Tensor> room;
   for (const at::Tensor& t : weights)
-    zeros.push_back(at::zeros(t.sizes(), t.options().dtype(at::kFloat)));
-  return zeros;
+    room.push_back(at::empty(t.sizes(), t.options().dtype(at::kFloat)));
+  return room;
 }
 
 struct Perceptron {
@@ -59,13 +59,10 @@ struct NormSums {
   std::vector<float> gain, bias;
 
   explicit NormSums(const PackedNorm& norm) : gain(norm.gain.size()), bias(norm.gain.size()) {}
-  void write(const NormWeights& to) const {
-    const auto add = [](const std::vector<float>& from, const at::Tensor& t) {
-      auto* values = t.data_ptr<float>();
-      for (int64_t c = 0; c < t.numel(); ++c) values[c] += from[static_cast<size_t>(c)];
-    };
-    add(gain, to.gain);
-    add(bias, to.bias);
+  /// As LinearGradient::write().
+  void write(const NormWeights& to, bool add) const {
+    put_row(gain.data(), to.gain.numel(), add, to.gain.data_ptr<float>());
+    put_row(bias.data(), to.bias.numel(), add, to.bias.data_ptr<float>());
   }
 };
 
@@ -82,9 +79,9 @@ struct PerceptronSums {
 
   explicit PerceptronSums(const Perceptron& p)
       : hidden(p.hidden.forward), output(p.output.forward) {}
-  void write(const PerceptronWeights& to) const {
-    hidden.write(to.hidden.weight, to.hidden.bias);
-    output.write(to.output.weight, to.output.bias);
+  void write(const PerceptronWeights& to, bool add) const {
+    hidden.write(to.hidden.weight, to.hidden.bias, add);
+    output.write(to.output.weight, to.output.bias, add);
   }
 };
 
@@ -141,13 +138,6 @@ inline void add_to_rows(const std::vector<float>& row, int64_t rows, Tile& tile)
                                  tile.panel(c / kPanel) + r * kPanel);
     }
   }
-}
-
-/// std::copy_n() that makes whole blocks a few registers each: rows are too short for a call.
-inline void copy_row(const float* from, int64_t columns, float* to) {
-  int64_t c = 0;
-  for (; c + kBlock <= columns; c += kBlock) std::copy_n(from + c, kBlock, to + c);
-  if (c < columns) std::copy_n(from + c, columns - c, to + c);
 }
 
 /// Rows [first, first + rows) of a matrix [., columns] as a tile, and back.

@@ -12,15 +12,6 @@
 namespace lte::ops {
 namespace {
 
-/// Two rows of bfloat16 as pairs; without `odd`, zeros in its place.
-void pair_halves(const at::BFloat16* even, const at::BFloat16* odd, int64_t count, uint32_t* out) {
-  if (odd == nullptr) {
-    for (int64_t c = 0; c < count; ++c) out[c] = even[c].x;
-    return;
-  }
-  for (int64_t c = 0; c < count; ++c) out[c] = even[c].x | static_cast<uint32_t>(odd[c].x) << 16;
-}
-
 /// `rows` rows from `first`, `columns` columns from `column`, as pairs.
 void pair_up(const GradientRows& from, int64_t first, int64_t rows, int64_t column, int64_t columns,
              uint32_t* out) {
