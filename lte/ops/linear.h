@@ -1,12 +1,9 @@
-// Dense layers, y = x Wᵀ + b, through the fastest matrix product that LibTorch carries.
+// Dense layers, y = x Wᵀ + b.
 //
-// ATen's linear calls MKL, which runs AVX2 code on AMD processors whatever they can do. oneDNN, in
-// the same library, takes AVX-512 on any processor that has it: 2.3 times the rate on a Zen 5, and
-// level with MKL on an Intel one. Small products, other dtypes and other devices go to ATen.
-//
-// oneDNN is reached by `mkldnn::_linear_pointwise`, an operator that is private to LibTorch: its
-// name and schema are LibTorch's to change. It is looked up when the program runs. Where it is
-// missing, or switched off (at::globalContext().setUserEnabledMkldnn), everything goes to ATen.
+// On the CPU float32 goes through the products that all operators here share. ATen's linear calls
+// MKL, which runs AVX2 code on AMD processors whatever they can do. oneDNN, in the same library, is
+// no faster than these products, and compiles code for every number of rows that it has not seen: a
+// millisecond each, and scenes hardly ever have the same. Other dtypes and devices go to ATen.
 #pragma once
 
 #include <ATen/core/Tensor.h>
@@ -19,7 +16,7 @@ namespace lte::ops {
 /// @param bias    [O] of the dtype of `x`, or undefined
 /// @return  [..., O] of the dtype of `x`; differentiable once in all three
 /// @throws c10::Error on shapes that disagree, and as at::linear on dtypes and devices that do
-/// @note Rounding may differ with the number of rows, as small products take another path.
+/// @note On the CPU each row's float32 result is the same bits whatever rows there are besides.
 at::Tensor linear(const at::Tensor& x, const at::Tensor& weight, const at::Tensor& bias = {});
 
 /// linear() of training in mixed precision. What its product and the products of its backward pass

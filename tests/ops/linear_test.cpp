@@ -4,7 +4,6 @@
 #include <vector>
 
 #include <ATen/ATen.h>
-#include <ATen/Context.h>
 #include <gtest/gtest.h>
 #include <torch/autograd.h>
 
@@ -18,7 +17,7 @@ struct Layer {
   at::Tensor x, weight, bias;
 };
 
-/// Both sides of the size at which products change their path, in double for the reference.
+/// In double, for the reference.
 Layer make_layer(std::vector<int64_t> leading, int64_t inputs, int64_t outputs) {
   const at::Generator generator = at::detail::createCPUGenerator(11);
   leading.push_back(inputs);
@@ -71,35 +70,12 @@ class Linear : public test::PerDevice {
 };
 LTE_FOR_EACH_DEVICE(Linear);
 
-/// Products without oneDNN for a while, as in a LibTorch that has no operator of that name.
-class WithoutOneDnn {
- public:
-  WithoutOneDnn() : before_(at::globalContext().userEnabledMkldnn()) {
-    at::globalContext().setUserEnabledMkldnn(false);
-  }
-  ~WithoutOneDnn() { at::globalContext().setUserEnabledMkldnn(before_); }
-  WithoutOneDnn(const WithoutOneDnn&) = delete;
-  WithoutOneDnn& operator=(const WithoutOneDnn&) = delete;
-
- private:
-  bool before_;
-};
-
 const std::vector<std::vector<int64_t>> kLeading = {{0},   {1},    {3},     {255},     {256},
                                                     {257}, {1030}, {9, 32}, {7, 5, 33}};
 
 const std::pair<int64_t, int64_t> kWidths[] = {{64, 64}, {96, 31}, {1, 130}, {128, 3}};
 
 TEST_P(Linear, EqualsThePlainProductInDouble) {
-  for (const auto& leading : kLeading) {
-    for (const auto& [inputs, outputs] : kWidths) {
-      expect_products(make_layer(leading, inputs, outputs));
-    }
-  }
-}
-
-TEST_P(Linear, EqualsThePlainProductWithoutOneDnnToo) {
-  const WithoutOneDnn without;
   for (const auto& leading : kLeading) {
     for (const auto& [inputs, outputs] : kWidths) {
       expect_products(make_layer(leading, inputs, outputs));
@@ -126,12 +102,18 @@ TEST_P(Linear, GradientsEqualThoseOfTheFormulaInDouble) {
   }
 }
 
-TEST_P(Linear, GradientsEqualThoseOfTheFormulaWithoutOneDnnToo) {
-  const WithoutOneDnn without;
-  for (const auto& leading : kLeading) {
-    const Layer exact = make_layer(leading, 64, 96);
-    if (exact.x.numel() > 0) expect_gradients(exact);
+TEST(LinearOnTheCpu, RowsDoNotSeeEachOtherAndThreadsChangeNothing) {
+  const at::NoGradGuard no_grad;
+  const at::Tensor x = test::normal({300, 70}, 4, at::kFloat),
+                   weight = test::normal({140, 70}, 5, at::kFloat);
+  const at::Tensor all = ops::linear(x, weight);
+  for (const int64_t row : {0, 95, 96, 299}) {
+    EXPECT_TRUE(at::equal(ops::linear(x.narrow(0, row, 1), weight)[0], all[row])) << row;
+    EXPECT_TRUE(at::equal(ops::linear(x[row], weight), all[row])) << row;
   }
+  EXPECT_TRUE(at::equal(test::with_threads(1, [&] { return ops::linear(x, weight); }), all));
+  EXPECT_EQ(ops::linear(x.narrow(1, 0, 0), weight.narrow(1, 0, 0)).sizes(),
+            (at::IntArrayRef{300, 140}));
 }
 
 TEST_P(Linear, AsksForNoGradientThatIsNotWanted) {

@@ -7,7 +7,7 @@
 #include <ATen/Parallel.h>
 
 #include "lte/ops/cpu/dense/packed_linear.h"
-#include "lte/ops/cpu/dense/weight_gradient_bf16.h"
+#include "lte/ops/cpu/dense/weight_gradient.h"
 
 namespace lte::ops {
 namespace {
@@ -96,55 +96,6 @@ class ReversedPairs {
   const ConvolutionPairs& pairs_;
 };
 
-/// One thread's working memory of the gradient by the weight.
-class TapGradient {
- public:
-  TapGradient(const ConvolutionRows& input, const ConvolutionRows& grad,
-              const ConvolutionPairs& pairs, float* out)
-      : input_(input),
-        grad_(grad),
-        pairs_(pairs),
-        out_(out),
-        transposed_(static_cast<size_t>(input.C * kPanel)),
-        gradient_(static_cast<size_t>(kPanel * kPanel)),
-        product_(static_cast<size_t>(input.C * kPanel)) {}
-
-  /// The columns of a tap's gradient in one panel of outputs.
-  void run(int64_t tap, int64_t panel) {
-    const int64_t column = panel * kPanel, columns = std::min(kPanel, grad_.C - column);
-    const int64_t begin = pairs_.begin[tap], end = pairs_.begin[tap + 1];
-    for (int64_t i = begin; i < end; i += kPanel) {
-      const int64_t count = std::min(kPanel, end - i);
-      gather(i, count, column, columns);
-      dense_kernels().multiply({transposed_.data(), input_.C, count, gradient_.data(), kPanel,
-                                kBlock, nullptr, columns / kBlock, i > begin, product_.data()});
-    }
-    if (begin == end) return;
-    for (int64_t c = 0; c < input_.C; ++c) {
-      dense_kernels().accumulate(product_.data() + c * kPanel, columns,
-                                 out_ + (tap * input_.C + c) * grad_.C + column);
-    }
-  }
-
- private:
-  void gather(int64_t first, int64_t count, int64_t column, int64_t columns) {
-    for (int64_t i = 0; i < count; ++i) {
-      const float* from = input_.values + pairs_.input[first + i] * input_.C;
-      for (int64_t c = 0; c < input_.C; ++c) transposed_[c * kPanel + i] = from[c];
-      std::memcpy(gradient_.data() + i * kPanel,
-                  grad_.values + pairs_.output[first + i] * grad_.C + column,
-                  columns * sizeof(float));
-    }
-  }
-
-  ConvolutionRows input_, grad_;
-  const ConvolutionPairs& pairs_;
-  float* out_;
-  std::vector<float> transposed_;  ///< [input.C, kPanel], a column a pair
-  std::vector<float> gradient_;    ///< [kPanel, kPanel], a row a pair
-  std::vector<float> product_;     ///< [input.C, kPanel]
-};
-
 void transpose(const TransposedRows<float>& rows) { dense_kernels().transpose(rows, 1); }
 void transpose(const TransposedRows<uint32_t>& rows) { bf16_kernels().transpose(rows); }
 
@@ -168,6 +119,20 @@ std::vector<T> transposed_taps(const void* weight, int64_t rows, int64_t columns
     }
   });
   return out;
+}
+
+/// out[taps, left.C, right.C] += the sums over the pairs of each tap.
+void add_weight_gradient(const GradientRows& left, const GradientRows& right,
+                         const ConvolutionPairs& pairs, bool bf16, float* out) {
+  const int64_t across = panels_of(right.C), tiles = panels_of(left.C) * across;
+  at::parallel_for(0, pairs.taps * tiles, 1, [&](int64_t begin, int64_t end) {
+    WeightGradient gradient(bf16);
+    for (int64_t i = begin; i < end; ++i) {
+      const int64_t tap = i / tiles, tile = i % tiles;
+      gradient.add(left, tile / across, right, tile % across, pairs.begin[tap],
+                   pairs.begin[tap + 1], out + tap * left.C * right.C);
+    }
+  });
 }
 
 }  // namespace
@@ -207,26 +172,14 @@ void input_gradient_tiles(const ConvolutionRows& grad, const at::BFloat16* weigh
 
 void weight_gradient_tiles(const at::BFloat16* input, int64_t inputs, const ConvolutionRows& grad,
                            const ConvolutionPairs& pairs, float* out) {
-  const int64_t across = panels_of(grad.C), tiles = panels_of(inputs) * across;
-  const GradientRows left{nullptr, input, inputs, pairs.input},
-      right{grad.values, nullptr, grad.C, pairs.output};
-  at::parallel_for(0, pairs.taps * tiles, 1, [&](int64_t begin, int64_t end) {
-    WeightGradient gradient;
-    for (int64_t i = begin; i < end; ++i) {
-      const int64_t tap = i / tiles, tile = i % tiles;
-      gradient.add(left, tile / across, right, tile % across, pairs.begin[tap],
-                   pairs.begin[tap + 1], out + tap * inputs * grad.C);
-    }
-  });
+  add_weight_gradient({nullptr, input, inputs, pairs.input},
+                      {grad.values, nullptr, grad.C, pairs.output}, pairs, true, out);
 }
 
 void weight_gradient_tiles(const ConvolutionRows& input, const ConvolutionRows& grad,
                            const ConvolutionPairs& pairs, float* out) {
-  const int64_t panels = panels_of(grad.C);
-  at::parallel_for(0, pairs.taps * panels, 1, [&](int64_t begin, int64_t end) {
-    TapGradient gradient(input, grad, pairs, out);
-    for (int64_t i = begin; i < end; ++i) gradient.run(i / panels, i % panels);
-  });
+  add_weight_gradient({input.values, nullptr, input.C, pairs.input},
+                      {grad.values, nullptr, grad.C, pairs.output}, pairs, false, out);
 }
 
 }  // namespace lte::ops

@@ -1,4 +1,4 @@
-#include "lte/ops/cpu/dense/weight_gradient_bf16.h"
+#include "lte/ops/cpu/dense/weight_gradient.h"
 
 #include <algorithm>
 
@@ -12,7 +12,6 @@
 namespace lte::ops {
 namespace {
 
-/// `rows` rows from `first`, `columns` columns from `column`, as pairs.
 void pair_up(const GradientRows& from, int64_t first, int64_t rows, int64_t column, int64_t columns,
              uint32_t* out) {
   for (int64_t i = 0; i < rows; i += 2, out += kPanel) {
@@ -32,17 +31,19 @@ void pair_up(const GradientRows& from, int64_t first, int64_t rows, int64_t colu
 /// parts are the same for any number of threads.
 constexpr int64_t kPartRows = 8192;
 
-at::Tensor weight_gradient_bf16_cpu(const at::Tensor& grad, const at::Tensor& x) {
-  check_weight_gradient_bf16_args(grad, x);
+at::Tensor weight_gradient_cpu(const at::Tensor& grad, const at::Tensor& x) {
+  check_weight_gradient_args(grad, x);
+  const bool bf16 = x.scalar_type() == at::kBFloat16;
   const int64_t N = x.size(0), O = grad.size(1), C = x.size(1);
   const int64_t parts = std::max<int64_t>(1, (N + kPartRows - 1) / kPartRows);
   const int64_t across = panels_of(C), tiles = panels_of(O) * across;
   at::Tensor sums = at::zeros({parts, O, C}, grad.options());
   const GradientRows left{grad.const_data_ptr<float>(), nullptr, O},
-      right{nullptr, x.const_data_ptr<at::BFloat16>(), C};
+      right{bf16 ? nullptr : x.const_data_ptr<float>(),
+            bf16 ? x.const_data_ptr<at::BFloat16>() : nullptr, C};
   auto* to = sums.data_ptr<float>();
   at::parallel_for(0, parts * tiles, 1, [&](int64_t begin, int64_t end) {
-    WeightGradient gradient;
+    WeightGradient gradient(bf16);
     for (int64_t i = begin; i < end; ++i) {
       const int64_t part = i / tiles, tile = i % tiles;
       gradient.add(left, tile / across, right, tile % across, part * kPartRows,
@@ -56,27 +57,43 @@ at::Tensor weight_gradient_bf16_cpu(const at::Tensor& grad, const at::Tensor& x)
 
 }  // namespace
 
+void WeightGradient::Factor::take(const GradientRows& from, int64_t first, int64_t rows,
+                                  int64_t column, int64_t columns) {
+  if (!pairs.empty()) {
+    pair_up(from, first, rows, column, columns, pairs.data());
+    return;
+  }
+  for (int64_t i = 0; i < rows; ++i) {
+    copy_row(from.single + from.row(first + i) * from.C + column, columns,
+             single.data() + i * kPanel);
+  }
+}
+
 void WeightGradient::add(const GradientRows& left, int64_t left_panel, const GradientRows& right,
                          int64_t right_panel, int64_t begin, int64_t end, float* out) {
   if (begin == end) return;
   const int64_t l = left_panel * kPanel, r = right_panel * kPanel;
   const int64_t rows = std::min(kPanel, left.C - l), columns = std::min(kPanel, right.C - r);
-  for (int64_t i = begin; i < end; i += 2 * kPairs) {
-    const int64_t count = std::min(2 * kPairs, end - i);
-    pair_up(left, i, count, l, rows, left_.data());
-    pair_up(right, i, count, r, columns, right_.data());
-    bf16_kernels().multiply_transposed(left_.data(), rows, (count + 1) / 2, right_.data(),
-                                       blocks_of(columns), i > begin, product_.data());
+  for (int64_t i = begin; i < end; i += kRows) {
+    const int64_t count = std::min(kRows, end - i);
+    left_.take(left, i, count, l, rows);
+    right_.take(right, i, count, r, columns);
+    if (bf16_) {
+      bf16_kernels().multiply_transposed(left_.pairs.data(), rows, (count + 1) / 2,
+                                         right_.pairs.data(), blocks_of(columns), i > begin,
+                                         product_.data());
+    } else {
+      gradient_kernels().multiply_transposed({left_.single.data(), rows, count,
+                                              right_.single.data(), kPanel, kBlock, nullptr,
+                                              blocks_of(columns), i > begin, product_.data()});
+    }
   }
   for (int64_t row = 0; row < rows; ++row) {
-    const float* from = product_.data() + row * kPanel;
-    float* to = out + (l + row) * right.C + r;
-    for (int64_t c = 0; c < columns; ++c) to[c] += from[c];
+    dense_kernels().accumulate(product_.data() + row * kPanel, columns,
+                               out + (l + row) * right.C + r);
   }
 }
 
 }  // namespace lte::ops
 
-TORCH_LIBRARY_IMPL(lte, CPU, m) {
-  m.impl("weight_gradient_bf16", lte::ops::weight_gradient_bf16_cpu);
-}
+TORCH_LIBRARY_IMPL(lte, CPU, m) { m.impl("weight_gradient", lte::ops::weight_gradient_cpu); }

@@ -1,9 +1,10 @@
-// CUDA twins of the products of bfloat16 operands: cuBLAS multiplies, with sums and results in
-// float32.
+// CUDA twins of dense layers and their gradients: cuBLAS multiplies, of bfloat16 operands with sums
+// and results in float32.
 #include <optional>
 #include <vector>
 
 #include <ATen/ops/gelu.h>
+#include <ATen/ops/linear.h>
 #include <ATen/ops/mm.h>
 #include <torch/library.h>
 
@@ -12,9 +13,13 @@
 namespace lte::ops {
 namespace {
 
-at::Tensor linear_bf16_cuda(const at::Tensor& x, const at::Tensor& weight,
+at::Tensor linear_rows_cuda(const at::Tensor& x, const at::Tensor& weight,
                             const std::optional<at::Tensor>& bias, bool gelu) {
-  check_linear_bf16_args(x, weight, bias);
+  check_linear_rows_args(x, weight, bias);
+  if (weight.scalar_type() == at::kFloat) {
+    at::Tensor out = at::linear(x, weight, bias);
+    return gelu ? at::gelu_(out) : out;
+  }
   const at::Tensor rows = x.reshape({-1, weight.size(1)}).to(at::kBFloat16);
   at::Tensor out = at::mm(rows, weight.t(), at::kFloat);
   if (bias.has_value() && bias->defined()) out.add_(*bias);
@@ -24,8 +29,9 @@ at::Tensor linear_bf16_cuda(const at::Tensor& x, const at::Tensor& weight,
   return out.view(sizes);
 }
 
-at::Tensor weight_gradient_bf16_cuda(const at::Tensor& grad, const at::Tensor& x) {
-  check_weight_gradient_bf16_args(grad, x);
+at::Tensor weight_gradient_cuda(const at::Tensor& grad, const at::Tensor& x) {
+  check_weight_gradient_args(grad, x);
+  if (x.scalar_type() == at::kFloat) return at::mm(grad.t(), x);
   return at::mm(grad.to(at::kBFloat16).t(), x, at::kFloat);
 }
 
@@ -33,6 +39,6 @@ at::Tensor weight_gradient_bf16_cuda(const at::Tensor& grad, const at::Tensor& x
 }  // namespace lte::ops
 
 TORCH_LIBRARY_IMPL(lte, CUDA, m) {
-  m.impl("linear_bf16", lte::ops::linear_bf16_cuda);
-  m.impl("weight_gradient_bf16", lte::ops::weight_gradient_bf16_cuda);
+  m.impl("linear_rows", lte::ops::linear_rows_cuda);
+  m.impl("weight_gradient", lte::ops::weight_gradient_cuda);
 }

@@ -1,5 +1,5 @@
-// Dense layers in bfloat16 on the CPU: float32 in and out, products of rounded operands. Threads
-// take tiles of rows and panels of outputs.
+// Dense layers on the CPU: float32 in and out, products of float32 or of operands rounded to
+// bfloat16. Threads take tiles of rows and panels of outputs.
 #include <algorithm>
 #include <cstring>
 #include <optional>
@@ -39,7 +39,10 @@ class TileLinear {
       if (C != kPanel) from = gather(from, rows, count);
       layer_.multiply(from, rows, k, count, block, blocks, k == 0, k > 0, answer_.panel(0));
     }
-    if (gelu_) bf16_kernels().activate(answer_.panel(0), rows, blocks);
+    if (gelu_) {
+      const auto activate = layer_.in_bf16() ? bf16_kernels().activate : dense_kernels().activate;
+      activate(answer_.panel(0), rows, blocks);
+    }
     const int64_t columns = std::min(kPanel, O - panel * kPanel);
     for (int64_t i = 0; i < rows; ++i) {
       std::memcpy(out_ + (first + i) * O + panel * kPanel, answer_.panel(0) + i * kPanel,
@@ -64,9 +67,9 @@ class TileLinear {
   Tile input_, answer_;
 };
 
-at::Tensor linear_bf16_cpu(const at::Tensor& any_x, const at::Tensor& weight,
+at::Tensor linear_rows_cpu(const at::Tensor& any_x, const at::Tensor& weight,
                            const std::optional<at::Tensor>& bias, bool gelu) {
-  check_linear_bf16_args(any_x, weight, bias);
+  check_linear_rows_args(any_x, weight, bias);
   const int64_t O = weight.size(0), C = weight.size(1);
   const at::Tensor x = any_x.contiguous();
   std::vector<int64_t> shape = x.sizes().vec();
@@ -90,4 +93,4 @@ at::Tensor linear_bf16_cpu(const at::Tensor& any_x, const at::Tensor& weight,
 }  // namespace
 }  // namespace lte::ops
 
-TORCH_LIBRARY_IMPL(lte, CPU, m) { m.impl("linear_bf16", lte::ops::linear_bf16_cpu); }
+TORCH_LIBRARY_IMPL(lte, CPU, m) { m.impl("linear_rows", lte::ops::linear_rows_cpu); }
