@@ -21,7 +21,7 @@
 
 #include "lte/base/check.h"
 #include "lte/nn/tensor_io.h"
-#include "train/optim/orthogonal.h"
+#include "lte/ops/orthogonal.h"
 #include "train/optim/schedule.h"
 
 namespace lte::train {
@@ -194,7 +194,7 @@ void Optimizer::update_orthogonal(double factor, double rate) {
     // Orthogonal matrices have entries of the root of 1 / the longer side (Liu et al. 2025).
     const double length =
         kUpdateRms * std::sqrt(static_cast<double>(std::max(shape.first, shape.second)));
-    std::vector<at::Tensor> turned = orthogonal(at::cat(stack)).split_with_sizes(matrices);
+    std::vector<at::Tensor> turned = ops::orthogonal(at::cat(stack)).split_with_sizes(matrices);
     for (size_t k = 0; k < members.size(); ++k) turned[k] = turned[k].reshape(targets[k].sizes());
     at::_foreach_add_(targets, turned, -rate * length);
   }

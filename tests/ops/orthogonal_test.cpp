@@ -1,17 +1,19 @@
 // Muon's step against singular value decompositions.
-#include "train/optim/orthogonal.h"
+#include "lte/ops/orthogonal.h"
 
 #include <gtest/gtest.h>
 #include <torch/types.h>
 #include <torch/utils.h>
 
-namespace lte::train {
+#include "tests/ops/fixtures.h"
+
+namespace lte::ops {
 namespace {
 
 TEST(Orthogonal, SingularValuesComeNearOneAndSingularVectorsStay) {
   torch::manual_seed(5);
-  for (const auto& [rows, columns] :
-       std::vector<std::pair<int64_t, int64_t>>{{48, 48}, {192, 48}, {48, 192}, {300, 16}}) {
+  for (const auto& [rows, columns] : std::vector<std::pair<int64_t, int64_t>>{
+           {48, 48}, {192, 48}, {48, 192}, {300, 16}, {7, 5}, {260, 200}, {1, 30}}) {
     const at::Tensor matrices = torch::randn({3, rows, columns}) * 1e-4;
     const at::Tensor found = orthogonal(matrices);
     ASSERT_EQ(found.sizes(), matrices.sizes());
@@ -33,8 +35,19 @@ TEST(Orthogonal, MatricesOfABatchDoNotTouchEachOther) {
   const at::Tensor together = orthogonal(matrices);
   for (int64_t i = 0; i < 4; ++i) {
     const at::Tensor alone = orthogonal(matrices.slice(0, i, i + 1));
-    EXPECT_TRUE(torch::allclose(together.slice(0, i, i + 1), alone, 1e-4, 1e-5));
+    EXPECT_TRUE(torch::equal(together.slice(0, i, i + 1), alone));
   }
+  EXPECT_TRUE(torch::equal(test::with_threads(1, [&] { return orthogonal(matrices); }), together));
+}
+
+TEST(Orthogonal, RefusesWhatIsNoBatchOfMatrices) {
+  EXPECT_TRUE(test::throws_saying([] { orthogonal(torch::randn({4, 4})); }, "[B, N, M]"));
+  EXPECT_TRUE(test::throws_saying(
+      [] {
+        orthogonal(torch::randn({1, 4, 4}, torch::kDouble));
+      },
+      "float32"));
+  EXPECT_EQ(orthogonal(torch::zeros({0, 4, 3})).sizes(), (at::IntArrayRef{0, 4, 3}));
 }
 
 TEST(Orthogonal, ItsLengthDoesNotCountAndZerosStay) {
@@ -46,4 +59,4 @@ TEST(Orthogonal, ItsLengthDoesNotCountAndZerosStay) {
 }
 
 }  // namespace
-}  // namespace lte::train
+}  // namespace lte::ops
