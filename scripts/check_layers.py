@@ -78,7 +78,7 @@ ALLOWED = {
     "train/config": ["lte/base", "lte/ops", "lte/nn", "lte/data"],
     "train/log": ["lte/base", "lte/image"],
     "train/distributed": ["lte/base"],
-    "train/optim": ["lte/base", "lte/nn", "train/config"],
+    "train/optim": ["lte/base", "lte/ops", "lte/nn", "train/config"],
     "train/data": ["lte/base", "lte/cli", "lte/radiosity", "lte/nn", "lte/data", "train/config",
                    "train/distributed"],
     "train/checkpoint": ["lte/base", "lte/nn", "lte/data", "train/config", "train/data",

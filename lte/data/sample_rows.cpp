@@ -18,6 +18,7 @@ constexpr uint64_t kThinningStream = 0x7468696e;
 /// that is not there.
 template <typename T>
 void keep_columns(std::vector<T>* values, size_t columns, const std::vector<int64_t>& kept) {
+  if (columns == 0) return;
   const size_t rows = values->size() / columns;
   for (size_t row = 0; row < rows; ++row) {
     for (size_t k = 0; k < kept.size(); ++k)
@@ -30,8 +31,9 @@ void keep_columns(std::vector<T>* values, size_t columns, const std::vector<int6
 /// `count`, unless there are more groups than that.
 /// @param sizes  more than `count` in all
 std::vector<int64_t> shares_of(std::span<const int64_t> sizes, int64_t count) {
-  const int64_t all = std::accumulate(sizes.begin(), sizes.end(), int64_t{0});
+  const int64_t all = std::max(count + 1, std::accumulate(sizes.begin(), sizes.end(), int64_t{0}));
   std::vector<int64_t> shares;
+  shares.reserve(sizes.size());
   for (const int64_t size : sizes) shares.push_back(std::max<int64_t>(1, size * count / all));
   // In units of 1 / all.
   const auto lacks = [&](size_t i) { return sizes[i] * count - shares[i] * all; };
@@ -81,6 +83,7 @@ std::vector<int64_t> draw_scene_rows(std::span<const int32_t> light, int64_t cou
   std::map<int32_t, std::vector<int64_t>> groups;
   for (int64_t i = 0; i < rows; ++i) groups[light[static_cast<size_t>(i)]].push_back(i);
   std::vector<int64_t> sizes;
+  sizes.reserve(groups.size());
   for (const auto& [group, members] : groups) sizes.push_back(static_cast<int64_t>(members.size()));
   const std::vector<int64_t> shares = shares_of(sizes, count);
   std::vector<int64_t> drawn;

@@ -80,7 +80,7 @@ TEST(DenseKernels, RowsBecomeColumns) {
   expect_rows_become_columns<float>(
       [](const TransposedRows<float>& rows) { dense_kernels().transpose(rows, 1); });
   const float row[] = {1, 2, 3};
-  float to[3 * kBlock];
+  float to[3 * kBlock] = {};
   dense_kernels().transpose({row, 3, 1, 3, to, kBlock}, 0.5f);
   for (int64_t c = 0; c < 3; ++c) EXPECT_EQ(to[c * kBlock], 0.5f * row[c]);
 }
