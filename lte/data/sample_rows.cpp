@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
-#include <optional>
+#include <queue>
 #include <utility>
 
 #include "lte/base/check.h"
@@ -38,20 +38,18 @@ std::vector<int64_t> shares_of(std::span<const int64_t> sizes, int64_t count) {
   // In units of 1 / all.
   const auto lacks = [&](size_t i) { return sizes[i] * count - shares[i] * all; };
   int64_t left = count - std::accumulate(shares.begin(), shares.end(), int64_t{0});
-  for (; left > 0; --left) {
-    size_t most = 0;
-    for (size_t i = 1; i < shares.size(); ++i) {
-      if (lacks(i) > lacks(most)) most = i;
-    }
-    ++shares[most];
-  }
-  for (; left < 0; ++left) {
-    std::optional<size_t> least;
-    for (size_t i = 0; i < shares.size(); ++i) {
-      if (shares[i] > 1 && (!least || lacks(i) < lacks(*least))) least = i;
-    }
-    if (!least) break;
-    --shares[*least];
+  // Who lacks most gets one more, or who lacks least gives one; of equals the first.
+  const int64_t step = left > 0 ? 1 : -1;
+  std::priority_queue<std::pair<int64_t, int64_t>> next;  // by what they lack, less their places
+  const auto enter = [&](size_t i) {
+    if (step > 0 || shares[i] > 1) next.emplace(step * lacks(i), -static_cast<int64_t>(i));
+  };
+  for (size_t i = 0; i < shares.size(); ++i) enter(i);
+  for (; left != 0 && !next.empty(); left -= step) {
+    const auto i = static_cast<size_t>(-next.top().second);
+    next.pop();
+    shares[i] += step;
+    enter(i);
   }
   return shares;
 }

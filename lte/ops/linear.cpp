@@ -79,8 +79,8 @@ class Linear : public torch::autograd::Function<Linear> {
     const at::Tensor grad = grads[0].reshape({-1, weight.size(0)}).contiguous();
     variable_list out(4);
     if (context->needs_input_grad(0)) {
-      out[0] = call_rows(grad, weight.t().contiguous(), {}, false)
-                   .view(context->saved_data["sizes"].toIntVector());
+      out[0] =
+          call_rows(grad, weight.t(), {}, false).view(context->saved_data["sizes"].toIntVector());
     }
     if (context->needs_input_grad(1)) out[1] = call_weight_gradient(grad, x);
     // Counted over tensors: without a bias there is no third.

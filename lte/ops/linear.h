@@ -2,8 +2,9 @@
 //
 // On the CPU float32 goes through the products that all operators here share. ATen's linear calls
 // MKL, which runs AVX2 code on AMD processors whatever they can do. oneDNN, in the same library, is
-// no faster than these products, and compiles code for every number of rows that it has not seen: a
-// millisecond each, and scenes hardly ever have the same. Other dtypes and devices go to ATen.
+// as fast, or a quarter faster in narrow layers, but compiles code for every number of rows that it
+// has not seen: a millisecond each, and scenes hardly ever have the same. Other dtypes and devices
+// go to ATen.
 #pragma once
 
 #include <ATen/core/Tensor.h>

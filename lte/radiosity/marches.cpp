@@ -29,15 +29,28 @@ constexpr size_t kSegments = 512;
 /// Surfels of as many cells as there are lanes.
 constexpr size_t kMostTests = 3 * kLanes;
 
-/// Segments from one point: their other ends in the world, directions in cells, and which part of
-/// each lies in the grid.
-struct Segments {
-  std::array<float, kSegments> x, y, z, dx, dy, dz, begin, end;
+/// Directions in cells, where along them marches are, and where these leave grid or segment.
+template <size_t COUNT>
+struct Rays {
+  std::array<float, COUNT> dx, dy, dz, at, end;
+
+  template <size_t OTHERS>
+  void set(size_t to, const Rays<OTHERS>& from, size_t i) {
+    dx[to] = from.dx[i];
+    dy[to] = from.dy[i];
+    dz[to] = from.dz[i];
+    at[to] = from.at[i];
+    end[to] = from.end[i];
+  }
 };
 
-/// The march of a lane is at `at` of its segment's length.
-struct Lanes {
-  std::array<float, kLanes> dx, dy, dz, at, end;
+/// Segments from one point, marches at where they enter the grid, and their other ends in the
+/// world.
+struct Segments : Rays<kSegments> {
+  std::array<float, kSegments> x, y, z;
+};
+
+struct Lanes : Rays<kLanes> {
   std::array<int32_t, kLanes> clearance;  ///< of the cell that it has come to
   std::array<int32_t, kLanes> tested;     ///< the mark that it came to last; 0: none
   std::array<size_t, kLanes> segment;
@@ -64,7 +77,7 @@ void aim(const GridShape& shape, const Vec3& a, size_t count, Segments* segments
   // Pointers, as the compiler keeps no loop over std::array in vectors.
   const float *x = segments->x.data(), *y = segments->y.data(), *z = segments->z.data();
   float *__restrict dx = segments->dx.data(), *__restrict dy = segments->dy.data(),
-                   *__restrict dz = segments->dz.data(), *__restrict begin = segments->begin.data(),
+                   *__restrict dz = segments->dz.data(), *__restrict at = segments->at.data(),
                    *__restrict end = segments->end.data();
   const Vec3 low = shape.low;
   const float inverse = shape.inverse;
@@ -75,7 +88,7 @@ void aim(const GridShape& shape, const Vec3& a, size_t count, Segments* segments
     dx[i] = distance > 0 ? wx / distance : wx;
     dy[i] = distance > 0 ? wy / distance : wy;
     dz[i] = distance > 0 ? wz / distance : wz;
-    begin[i] = 0;
+    at[i] = 0;
     end[i] = distance;
   }
   const std::array<const float*, 3> direction = {dx, dy, dz};
@@ -85,10 +98,10 @@ void aim(const GridShape& shape, const Vec3& a, size_t count, Segments* segments
     const bool outside = from < 0 || from > high;
     for (size_t i = 0; i < count; ++i) {
       const float first = -from / u[i], last = (high - from) / u[i];
-      const float near = std::max(begin[i], std::min(first, last));
+      const float near = std::max(at[i], std::min(first, last));
       const float far = std::min(end[i], std::max(first, last));
       const bool along = u[i] == 0;
-      begin[i] = along ? begin[i] : near;
+      at[i] = along ? at[i] : near;
       end[i] = along ? (outside ? -1 : end[i]) : far;
     }
   }
@@ -212,11 +225,7 @@ class Marches {
   }
 
   void start(size_t lane, size_t segment) {
-    lanes_.dx[lane] = segments_.dx[segment];
-    lanes_.dy[lane] = segments_.dy[segment];
-    lanes_.dz[lane] = segments_.dz[segment];
-    lanes_.at[lane] = segments_.begin[segment];
-    lanes_.end[lane] = segments_.end[segment];
+    lanes_.set(lane, segments_, segment);
     lanes_.tested[lane] = 0;
     lanes_.segment[lane] = segment;
   }
@@ -265,11 +274,7 @@ class Marches {
   }
 
   void move(size_t from, size_t to) {
-    lanes_.dx[to] = lanes_.dx[from];
-    lanes_.dy[to] = lanes_.dy[from];
-    lanes_.dz[to] = lanes_.dz[from];
-    lanes_.at[to] = lanes_.at[from];
-    lanes_.end[to] = lanes_.end[from];
+    lanes_.set(to, lanes_, from);
     lanes_.tested[to] = lanes_.tested[from];
     lanes_.segment[to] = lanes_.segment[from];
   }

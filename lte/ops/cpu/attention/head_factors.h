@@ -28,7 +28,7 @@ class ChannelFactor {
     for (int64_t j = 0; j < input_.length(); j += kBlock) {
       const int64_t rows = std::min(kBlock, input_.length() - j);
       for (int64_t i = 0; i < rows; ++i)
-        std::copy_n(input_.row(first + j + i, part, head), d_, rows_.data() + i * d_);
+        copy_row(input_.row(first + j + i, part, head), d_, rows_.data() + i * d_);
       float* to = pairs_.empty() ? single_.data() + j * d_ : block_.data();
       dense_kernels().transpose({rows_.data(), d_, rows, d_, to, kBlock}, 1);
       if (pairs_.empty()) continue;

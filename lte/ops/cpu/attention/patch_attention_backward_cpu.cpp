@@ -160,8 +160,13 @@ class HeadGradient {
       const int64_t slot = first_ + q + i;
       const bool answers = of_.answers(slot);
       const int64_t at = of_.point(slot) * of_.channels() + head_ * d_;
-      scale_row(work_.grad + at, d_, answers ? 1.0f : 0.0f, grad_.panel(0) + i * kPanel);
-      mean_[static_cast<size_t>(i)] = answers ? dot(work_.grad + at, work_.out + at, d_) : 0.0f;
+      float* grad = grad_.panel(0) + i * kPanel;
+      std::fill_n(grad, d_, 0.0f);
+      mean_[static_cast<size_t>(i)] = 0;
+      if (answers) {
+        copy_row(work_.grad + at, d_, grad);
+        mean_[static_cast<size_t>(i)] = dot(grad, work_.out + at, d_);
+      }
       log_sum_[static_cast<size_t>(i)] = work_.log_sum[slot * of_.heads() + head_];
     }
     by_key_.take(query_.panel(0), rows);
@@ -199,7 +204,7 @@ class HeadGradient {
     for (int64_t j = 0; j < length_; j += kBlock) {
       sums.rows(j, factor, weights_.panel(0));
       for (int64_t i = 0; i < std::min(kBlock, length_ - j); ++i)
-        std::copy_n(weights_.panel(0) + i * kPanel, d_, gradient_at(j + i, part));
+        copy_row(weights_.panel(0) + i * kPanel, d_, gradient_at(j + i, part));
     }
   }
 

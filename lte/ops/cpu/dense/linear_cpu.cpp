@@ -1,7 +1,6 @@
 // Dense layers on the CPU: float32 in and out, products of float32 or of operands rounded to
 // bfloat16. Threads take tiles of rows and panels of outputs.
 #include <algorithm>
-#include <cstring>
 #include <optional>
 #include <vector>
 
@@ -45,18 +44,15 @@ class TileLinear {
     }
     const int64_t columns = std::min(kPanel, O - panel * kPanel);
     for (int64_t i = 0; i < rows; ++i) {
-      std::memcpy(out_ + (first + i) * O + panel * kPanel, answer_.panel(0) + i * kPanel,
-                  static_cast<size_t>(columns) * sizeof(float));
+      copy_row(answer_.panel(0) + i * kPanel, columns, out_ + (first + i) * O + panel * kPanel);
     }
   }
 
  private:
   /// `count` columns of `rows` rows as a panel.
   const float* gather(const float* from, int64_t rows, int64_t count) {
-    for (int64_t i = 0; i < rows; ++i) {
-      std::memcpy(input_.panel(0) + i * kPanel, from + i * layer_.inputs,
-                  static_cast<size_t>(count) * sizeof(float));
-    }
+    for (int64_t i = 0; i < rows; ++i)
+      copy_row(from + i * layer_.inputs, count, input_.panel(0) + i * kPanel);
     return input_.panel(0);
   }
 

@@ -41,17 +41,15 @@ PackedLinear::PackedLinear(const at::Tensor& w, const at::Tensor& b)
   }
   weight.resize(static_cast<size_t>(blocks * inputs * kBlock));
   const auto* from = rows.const_data_ptr<float>();
-  at::parallel_for(0, blocks, 4096 / std::max<int64_t>(1, inputs) + 1,
-                   [&](int64_t begin, int64_t end) {
-                     for (int64_t block = begin; block < end; ++block) {
-                       const int64_t count = std::min(kBlock, outputs - block * kBlock);
-                       float* to = weight.data() + block * inputs * kBlock;
-                       for (int64_t i = 0; i < inputs; ++i, to += kBlock) {
-                         for (int64_t o = 0; o < count; ++o)
-                           to[o] = from[(block * kBlock + o) * inputs + i];
-                       }
-                     }
-                   });
+  at::parallel_for(
+      0, blocks, 4096 / std::max<int64_t>(1, inputs) + 1, [&](int64_t begin, int64_t end) {
+        for (int64_t block = begin; block < end; ++block) {
+          const int64_t count = std::min(kBlock, outputs - block * kBlock);
+          dense_kernels().transpose({from + block * kBlock * inputs, inputs, count, inputs,
+                                     weight.data() + block * inputs * kBlock, kBlock},
+                                    1);
+        }
+      });
 }
 
 PackedLinear PackedLinear::transposed(const at::Tensor& w) {
