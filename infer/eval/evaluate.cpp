@@ -24,9 +24,16 @@ namespace {
 
 constexpr double kSameScale = 1e-6;
 
-std::string few_paths_row(int paths) { return concat("path_tracing_", paths); }
+constexpr std::string_view kPathsRow = "path_tracing_";  ///< begins rows of paths
+
+std::string few_paths_row(int paths) { return concat(kPathsRow, paths); }
 
 std::string denoised_row(const std::string& row) { return row + "_denoised"; }
+
+/// The mean of the network's answer and of as many paths, denoised.
+std::string both_row(const std::string& row) {
+  return concat("neural_and_", row.substr(kPathsRow.size()), "_denoised");
+}
 
 /// The network's indirect irradiance over the emission scalar, summed over embeddings of the
 /// scene's light. A model of total irradiance is compared on the same quantity, from which the
@@ -78,12 +85,18 @@ struct Predictors {
   }
 };
 
-/// Path tracing with a denoiser: rows that views alone have.
+/// Path tracing with a denoiser, by itself and beside the network, the first row: rows that views
+/// alone have. Network and denoiser err in ways of their own, so that their mean has a quarter of
+/// the sum of both squared errors and little more.
 void add_denoised(const image::Denoiser& denoiser, const data::View& view, Predictions* rows) {
   Predictions denoised;
+  const std::vector<Rgb>& network = rows->front().second;
   for (const auto& [name, light] : *rows) {
-    if (name.starts_with("path_tracing_"))
-      denoised.emplace_back(denoised_row(name), denoised_paths(denoiser, view, light));
+    if (!name.starts_with(kPathsRow)) continue;
+    std::vector<Rgb> clean = denoised_paths(denoiser, view, light), both;
+    for (size_t i = 0; i < clean.size(); ++i) both.push_back((clean[i] + network[i]) * 0.5f);
+    denoised.emplace_back(denoised_row(name), std::move(clean));
+    denoised.emplace_back(both_row(name), std::move(both));
   }
   std::move(denoised.begin(), denoised.end(), std::back_inserter(*rows));
 }
@@ -131,7 +144,7 @@ class ViewSums {
   int views_ = 0;
 };
 
-/// Adds rows of fewer paths after that of 64, if it is there, and those of a denoiser. The former
+/// Adds rows of fewer paths after that of 64, if it is there, and those with a denoiser. The former
 /// are derived from that of 64, except for views where the data has traced ones.
 void add_fewer_paths(const ReferenceNoise& points, const ViewSums& views, Scores* scores) {
   const auto found = std::find_if(scores->begin(), scores->end(),
@@ -147,12 +160,14 @@ void add_fewer_paths(const ReferenceNoise& points, const ViewSums& views, Scores
   }
   std::vector<std::string> traced = {kPathTraced};
   for (const int paths : data::kFewPaths) traced.push_back(few_paths_row(paths));
-  for (const std::string& name : traced) {
-    const auto seen = views.mean(denoised_row(name));
-    if (!seen) continue;
-    Score score;
-    score.views = *seen;
-    rows.emplace_back(denoised_row(name), score);
+  for (const auto& row : {denoised_row, both_row}) {
+    for (const std::string& name : traced) {
+      const auto seen = views.mean(row(name));
+      if (!seen) continue;
+      Score score;
+      score.views = *seen;
+      rows.emplace_back(row(name), score);
+    }
   }
   scores->insert(found + 1, rows.begin(), rows.end());
 }

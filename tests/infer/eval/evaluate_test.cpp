@@ -306,8 +306,19 @@ TEST_F(Evaluation, PutsTheViewsOfASceneOnOneSheetAndAllOfItOnOnePage) {
   for (; std::getline(csv, line); ++lines) {
     EXPECT_EQ(std::count(line.begin(), line.end(), ','), 11) << line;
   }
-  const int denoised = image::Denoiser().is_oidn() ? 1 : 0;
+  const int denoised = image::Denoiser().is_oidn() ? 2 : 0;  // by itself, and beside the network
   EXPECT_EQ(lines, 1 + 2 * (10 + denoised));
+  if (denoised > 0) {
+    for (const SceneResult& scene : result.scenes) {
+      const auto error = [&](const char* row) {
+        return std::sqrt(find_score(scene.scores, row)->views[0]);
+      };
+      const double network = error("neural"), paths = error("path_tracing_64_denoised"),
+                   both = error("neural_and_64_denoised");
+      EXPECT_LT(both, std::hypot(network, paths) / std::sqrt(2)) << "their mean";
+      EXPECT_GE(both, std::abs(network - paths) / 2);
+    }
+  }
   const std::string table = eval_table(result);
   EXPECT_THAT(table, testing::HasSubstr("median over scenes"));
   EXPECT_THAT(table, testing::HasSubstr("worth path-traced samples"));
