@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "infer/eval/measure/drawn_to_paths.h"
 #include "infer/eval/measure/embed_sample.h"
 #include "infer/eval/measure/eval_points.h"
 #include "infer/eval/rivals/denoised_paths.h"
@@ -30,7 +31,7 @@ std::string few_paths_row(int paths) { return concat(kPathsRow, paths); }
 
 std::string denoised_row(const std::string& row) { return row + "_denoised"; }
 
-/// The mean of the network's answer and of as many paths, denoised.
+/// The network's answer, drawn towards as many paths, denoised.
 std::string both_row(const std::string& row) {
   return concat("neural_and_", row.substr(kPathsRow.size()), "_denoised");
 }
@@ -85,18 +86,19 @@ struct Predictors {
   }
 };
 
+/// The number at the end of a row of paths.
+int paths_of(const std::string& row) { return std::stoi(row.substr(kPathsRow.size())); }
+
 /// Path tracing with a denoiser, by itself and beside the network, the first row: rows that views
-/// alone have. Network and denoiser err in ways of their own, so that their mean has a quarter of
-/// the sum of both squared errors and little more.
+/// alone have.
 void add_denoised(const image::Denoiser& denoiser, const data::View& view, Predictions* rows) {
   Predictions denoised;
   const std::vector<Rgb>& network = rows->front().second;
   for (const auto& [name, light] : *rows) {
     if (!name.starts_with(kPathsRow)) continue;
-    std::vector<Rgb> clean = denoised_paths(denoiser, view, light), both;
-    for (size_t i = 0; i < clean.size(); ++i) both.push_back((clean[i] + network[i]) * 0.5f);
+    std::vector<Rgb> clean = denoised_paths(denoiser, view, light);
+    denoised.emplace_back(both_row(name), drawn_to_paths(view, network, clean, paths_of(name)));
     denoised.emplace_back(denoised_row(name), std::move(clean));
-    denoised.emplace_back(both_row(name), std::move(both));
   }
   std::move(denoised.begin(), denoised.end(), std::back_inserter(*rows));
 }

@@ -25,7 +25,7 @@ const Rows kMeanings = {
     {"worth n samples", "path tracing with n paths has the same MSE", "higher"},
     {"path_tracing_n", "n paths a point or pixel", ""},
     {"path_tracing_n_denoised", "the same in views, by Open Image Denoise where it is found", ""},
-    {"neural_and_n_denoised", "the mean of the network's view and of that", ""},
+    {"neural_and_n_denoised", "the network's view, drawn towards that", ""},
     {"neural_by_light", "the network, each luminaire encoded by itself and the answers added", ""},
     {"light_cache", "the light that the network starts from, interpolated, without the network",
      ""},

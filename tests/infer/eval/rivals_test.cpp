@@ -1,9 +1,11 @@
-// What a network is compared with at equal paths: its own light without it, and a denoiser.
+// What a network is compared with at equal paths: its own light without it, and a denoiser; and
+// both in one picture.
 #include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "infer/eval/measure/drawn_to_paths.h"
 #include "infer/eval/rivals/denoised_paths.h"
 #include "infer/light/cached_light.h"
 #include "lte/base/random.h"
@@ -83,6 +85,62 @@ TEST(DenoisedPaths, TakesNoiseFromAWallAndKeepsTheOrderOfItsPixels) {
     ASSERT_EQ(clean.size(), truth.size());
     EXPECT_LT(error(clean), 0.2 * error(noisy));
   }
+}
+
+/// A view of 9 x 7 pixels, of which some in the middle and a corner see nothing.
+data::View view_with_holes() {
+  data::View view;
+  view.width = 9;
+  view.height = 7;
+  view.mask.assign(63, 1);
+  for (const size_t hole : {0u, 30u, 31u, 40u}) view.mask[hole] = 0;
+  return view;
+}
+
+TEST(DrawnToPaths, GoesTheFartherTheMorePathsThereAre) {
+  const data::View view = view_with_holes();
+  std::vector<Rgb> network, clean;
+  Rng rng(5);
+  for (int i = 0; i < 59; ++i) {
+    network.push_back({rng.uniform(), rng.uniform(), rng.uniform()});
+    clean.push_back(network.back() + Rgb{3, 0, 1});
+  }
+  for (const int paths : {1, 2, 14}) {
+    const float share = static_cast<float>(paths) / static_cast<float>(paths + 2);
+    const std::vector<Rgb> both = drawn_to_paths(view, network, clean, paths);
+    ASSERT_EQ(both.size(), network.size());
+    for (size_t i = 0; i < both.size(); ++i) {
+      EXPECT_NEAR(both[i].x, network[i].x + 3 * share, 1e-5);
+      EXPECT_NEAR(both[i].y, network[i].y, 1e-5);
+      EXPECT_NEAR(both[i].z, network[i].z + share, 1e-5);
+    }
+  }
+}
+
+TEST(DrawnToPaths, LeavesWhatChangesFromPixelToPixelToTheNetwork) {
+  data::View view = view_with_holes();
+  view.mask.assign(63, 1);
+  std::vector<Rgb> network, clean;
+  for (int i = 0; i < 63; ++i) {  // in rows of odd length a chessboard
+    network.push_back({5, 5, 5});
+    clean.push_back(i % 2 == 0 ? Rgb{9, 9, 9} : Rgb{1, 1, 1});
+  }
+  const std::vector<Rgb> both = drawn_to_paths(view, network, clean, 64);
+  for (int y = 1; y < 6; ++y) {
+    for (int x = 1; x < 8; ++x) EXPECT_NEAR(both[static_cast<size_t>(9 * y + x)].x, 5, 1e-5);
+  }
+}
+
+TEST(DrawnToPaths, IsNotNegativeAndRefusesPicturesOfDifferentSizes) {
+  const data::View view = view_with_holes();
+  std::vector<Rgb> network(59, Rgb{1, 1, 1}), clean(59);
+  network[20] = {};
+  for (const Rgb& value : drawn_to_paths(view, network, clean, 64)) {
+    EXPECT_GE(value.x, 0);
+    EXPECT_LT(value.x, 1);
+  }
+  clean.pop_back();
+  EXPECT_THROW(drawn_to_paths(view, network, clean, 64), Error);
 }
 
 }  // namespace
