@@ -1,23 +1,35 @@
 #!/usr/bin/env bash
 # Makes a released model from nothing: its data, its training, its files.
 #
-#   scripts/train_released.sh lte-base|lte-large|lte-hybrid|lte-radiance [FOLDER]
+#   scripts/train_released.sh [--rehearse] lte-base|lte-large|lte-hybrid|lte-radiance [FOLDER]
 #
 # FOLDER (data/released by default) takes the data and the run. A run that was stopped goes on where
 # it was when the same line is given again. At its end the model, its configuration and its log are
 # in FOLDER/release, and its figures are printed: on the shipped test homes and on test boxes, and
-# of lte-radiance on glossy rooms. Many hours of two cores. All but lte-base start from the shipped
-# lte-base. lte-large wants a GPU.
+# of lte-radiance on glossy rooms. Many hours of two cores; a quarter of an hour for lte-radiance.
+# All but lte-base start from the shipped lte-base. lte-large wants a GPU.
+#
+# --rehearse goes the whole way on 16 scenes of each kind and 8 steps, in minutes (FOLDER:
+# data/rehearsed): whether a machine has what the night will need.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-usage() { sed -n '2,10s/^# \{0,1\}//p' "$0"; }
+usage() { sed -n '2,13s/^# \{0,1\}//p' "$0"; }
+default=data/released fewer_scenes=() fewer_steps=()
+if [ "${1:-}" = --rehearse ]; then
+  shift
+  default=data/rehearsed
+  fewer_scenes=(--set scenes=16)
+  fewer_steps=(--set train.steps=8 --set train.scenes_per_step=2 --set train.scenes_per_pass=1
+    --set train.warmup_steps=2 --set train.checkpoint_every=4 --set train.validate_every=4
+    --set train.log_every=1)
+fi
 case ${1:-} in
   lte-base | lte-large | lte-hybrid | lte-radiance) ;;
   -h | --help) usage; exit 0 ;;
   *) usage >&2; exit 2 ;;
 esac
-name=$1 folder=${2:-data/released}
+name=$1 folder=${2:-$default}
 bin=${LTE_BIN:-build/bin}
 for tool in lte_datagen lte_train lte_eval lte_export; do
   if [ ! -x "$bin/$tool" ]; then
@@ -30,12 +42,13 @@ mkdir -p "$folder"
 # $1: folder below $folder, $2: configuration, then flags. Quick where the data are there.
 make_data() {
   echo "train_released.sh: $folder/$1 from configs/data/$2.yaml"
-  "$bin/lte_datagen" generate --config "configs/data/$2.yaml" --out "$folder/$1" --resume "${@:3}"
+  "$bin/lte_datagen" generate --config "configs/data/$2.yaml" --out "$folder/$1" --resume \
+    "${fewer_scenes[@]}" "${@:3}"
 }
 # $1: training configuration, $2: data set, below $folder.
 train() {
   local flags=(--config "configs/train/$1.yaml" --set "data.root=$folder/$2"
-    --set "data.solved_light=$folder/solved_light/$2" --out "$folder/$name")
+    --set "data.solved_light=$folder/solved_light/$2" --out "$folder/$name" "${fewer_steps[@]}")
   if compgen -G "$folder/$name/checkpoint*.safetensors" > /dev/null; then
     flags+=(--resume)
   fi
