@@ -4,10 +4,10 @@
 #   scripts/train_released.sh [--rehearse] lte-base|lte-large|lte-hybrid|lte-radiance [FOLDER]
 #
 # FOLDER (data/released by default) takes the data and the run. A run that was stopped goes on where
-# it was when the same line is given again. At its end the model, its configuration and its log are
-# in FOLDER/release, and its figures are printed: on the shipped test homes and on test boxes, and
-# of lte-radiance on glossy rooms. Many hours of two cores; a quarter of an hour for lte-radiance.
-# All but lte-base start from the shipped lte-base. lte-large wants a GPU.
+# it was when the same line is given again. At its end the model, its configuration, its log and its
+# card are in FOLDER/release: figures on the shipped test homes and on test boxes, and of
+# lte-radiance on glossy rooms. Many hours of two cores; a quarter of an hour for lte-radiance. All
+# but lte-base start from the shipped lte-base. lte-large wants a GPU.
 #
 # --rehearse goes the whole way on 16 scenes of each kind and 8 steps, in minutes (FOLDER:
 # data/rehearsed): whether a machine has what the night will need.
@@ -30,6 +30,7 @@ case ${1:-} in
   *) usage >&2; exit 2 ;;
 esac
 name=$1 folder=${2:-$default}
+released=$folder/release/$name
 bin=${LTE_BIN:-build/bin}
 for tool in lte_datagen lte_train lte_eval lte_export; do
   if [ ! -x "$bin/$tool" ]; then
@@ -56,20 +57,28 @@ train() {
   mkdir -p "$folder/release"
   if [ "$name" = lte-large ]; then  # half as large, to the third digit the same
     "$bin/lte_export" --checkpoint "$folder/$name/model.safetensors" \
-      --out "$folder/release/$name.safetensors" --bf16
+      --out "$released.safetensors" --bf16
   else
-    cp "$folder/$name/model.safetensors" "$folder/release/$name.safetensors"
+    cp "$folder/$name/model.safetensors" "$released.safetensors"
   fi
-  cp "$folder/$name/config.yaml" "$folder/release/$name.yaml"
-  cp "$folder/$name/log.jsonl" "$folder/release/$name.log.jsonl"
+  cp "$folder/$name/config.yaml" "$released.yaml"
+  cp "$folder/$name/log.jsonl" "$released.log.jsonl"
+}
+
+# Data sets, then --test or --maps with what was measured.
+write_card() {
+  local card
+  card=$(scripts/figures/model_card.py "$name" --log "$released.log.jsonl" --data "$@")
+  echo "$card" | tee "$released.md"
 }
 
 if [ "$name" = lte-radiance ]; then
   make_data glossy glossy
   make_data glossy_test glossy_test
   train lte_radiance glossy
-  "$bin/lte_eval" incident --checkpoint "$folder/release/$name.safetensors" \
-    --data "$folder/glossy_test" --split test --report "$folder/release/$name"
+  "$bin/lte_eval" incident --checkpoint "$released.safetensors" --data "$folder/glossy_test" \
+    --split test --report "$released" --json "$released.rooms.json"
+  write_card "$folder/glossy" --maps "glossy rooms=$released.rooms.json"
   exit
 fi
 
@@ -90,7 +99,8 @@ if [ ! -f "$folder/${sets}base/dataset.json" ]; then
   "$bin/lte_datagen" join "${parts[@]}" --out "$folder/${sets}base"
 fi
 train "${name//-/_}" "${sets}base"
-"$bin/lte_eval" --fit-baselines "$folder/${sets}base" --out "$folder/release/$name.baselines.json"
-"$bin/lte_eval" --checkpoint "$folder/release/$name.safetensors" --split test
-"$bin/lte_eval" --checkpoint "$folder/release/$name.safetensors" --data "$folder/boxes_test" \
-  --split test
+"$bin/lte_eval" --fit-baselines "$folder/${sets}base" --out "$released.baselines.json"
+"$bin/lte_eval" --checkpoint "$released.safetensors" --split test --json "$released.homes.json"
+"$bin/lte_eval" --checkpoint "$released.safetensors" --data "$folder/boxes_test" --split test \
+  --json "$released.boxes.json"
+write_card "${parts[@]}" --test "homes=$released.homes.json" --test "boxes=$released.boxes.json"
