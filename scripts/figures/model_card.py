@@ -66,8 +66,9 @@ def data_line(folder):
               for split in ("train", "val", "test") if any(s["split"] == split for s in scenes)]
     points = sorted({s["scene_points"] for s in scenes})
     shown = f"{points[0]:,}" if len(points) == 1 else f"{points[0]:,} to {points[-1]:,}"
-    return (f"`{pathlib.Path(folder).name}`: {plural(len(scenes), 'scene')} ({', '.join(splits)}) of "
-            f"the seed {dataset['seed']}, {shown} scene points")
+    name = pathlib.Path(folder).name
+    return (f"`{name}`: {plural(len(scenes), 'scene')} ({', '.join(splits)}) of the "
+            f"seed {dataset['seed']}, {shown} scene points")
 
 
 def training_line(log):

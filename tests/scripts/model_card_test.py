@@ -26,7 +26,8 @@ def scores(mse):
 
 
 def worth(paths):
-    return {part: {"all": paths, "interval": [paths - 1, paths + 1]} for part in ("points", "views")}
+    of = {"all": paths, "interval": [paths - 1, paths + 1]}
+    return {"points": of, "views": of}
 
 
 class Card(unittest.TestCase):
@@ -49,8 +50,8 @@ class Card(unittest.TestCase):
         return self.folder / name
 
     def result(self):
-        per_scene = [{"name": f"home_{k}", "equal_samples": {"neural": {"points": k, "views": 10 - k}}}
-                     for k in range(5)]
+        paths = [{"neural": {"points": k, "views": 10 - k}} for k in range(5)]
+        per_scene = [{"name": f"home_{k}", "equal_samples": of} for k, of in enumerate(paths)]
         return {"scenes": 5, "metrics": {"constant_mean": scores(4), "neural": scores(0.5)},
                 "equal_samples": {"constant_mean": worth(3), "neural": worth(120)},
                 "per_scene": per_scene}
