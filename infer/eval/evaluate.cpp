@@ -9,6 +9,7 @@
 
 #include "infer/eval/measure/drawn_to_paths.h"
 #include "infer/eval/measure/embed_sample.h"
+#include "infer/eval/measure/equal_paths.h"
 #include "infer/eval/measure/eval_points.h"
 #include "infer/eval/rivals/denoised_paths.h"
 #include "infer/eval/rivals/probes.h"
@@ -26,6 +27,7 @@ namespace {
 constexpr double kSameScale = 1e-6;
 
 constexpr std::string_view kPathsRow = "path_tracing_";  ///< begins rows of paths
+constexpr const char* kEqualPathsRow = "equal_paths_denoised";
 
 std::string few_paths_row(int paths) { return concat(kPathsRow, paths); }
 
@@ -184,6 +186,27 @@ double light_paths(const data::SceneSample& sample, const data::DatasetInfo& inf
   return 2.0 * static_cast<double>(lit) * info.light_paths;
 }
 
+/// Adds the row of a denoiser that has the paths which the network's light takes, spread over one
+/// view; none where they are fewer or more than views were traced with.
+void add_equal_paths(double paths, const data::SceneSample& sample, const ViewSums& views,
+                     Scores* scores) {
+  if (paths <= 0 || sample.views.empty()) return;
+  double pixels = 0;
+  for (const data::View& view : sample.views)
+    pixels += static_cast<double>(view.mask.size()) / static_cast<double>(sample.views.size());
+  std::map<int, ViewScore> denoised;
+  std::vector<int> counts(data::kFewPaths.begin(), data::kFewPaths.end());
+  counts.push_back(static_cast<int>(kPathsStored));
+  for (const int count : counts) {
+    if (const auto seen = views.mean(denoised_row(few_paths_row(count)))) denoised[count] = *seen;
+  }
+  const std::optional<ViewScore> views_score = score_between(denoised, paths / pixels);
+  if (!views_score) return;
+  Score score;
+  score.views = *views_score;
+  scores->emplace_back(kEqualPathsRow, score);
+}
+
 /// The probes that could be baked instead of preparing the network: in the time of the encoding,
 /// and with the paths that its light estimates take.
 int64_t probe_count(const EvalSettings& settings, const data::SceneSample& sample,
@@ -210,9 +233,9 @@ SceneResult evaluate_scene(const EvalSettings& settings, const data::DatasetInfo
 
   const BaselinePredictor baselines(fitted, sample, result.radiance);
   const EvalPoints points = query_eval_points(sample, result.radiance);
-  const ProbeField probes(
-      points.queries, points.reference,
-      probe_count(settings, sample, result.encode_seconds, light_paths(sample, info, network)));
+  const double estimate_paths = light_paths(sample, info, network);
+  const ProbeField probes(points.queries, points.reference,
+                          probe_count(settings, sample, result.encode_seconds, estimate_paths));
   result.probes = probes.size();
   result.reference_noise = points.noise().mse;
   std::vector<runtime::SceneEmbedding> by_light;
@@ -237,6 +260,7 @@ SceneResult evaluate_scene(const EvalSettings& settings, const data::DatasetInfo
   sums.store(&result.scores);
   result.views_noise = sums.noise().mse;
   add_fewer_paths(points.noise(), sums, &result.scores);
+  add_equal_paths(estimate_paths, sample, sums, &result.scores);
   return result;
 }
 

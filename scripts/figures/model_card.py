@@ -20,6 +20,7 @@ ROWS = (
     ("path_tracing_64", "path tracing, 64 samples"),
     ("path_tracing_64_denoised", "64 samples, denoised"),
     ("path_tracing_4_denoised", "4 samples, denoised"),
+    ("equal_paths_denoised", "at equal paths: denoised"),
     ("irradiance_probes", "irradiance probes"),
     ("blurred_direct", "direct light, blurred"),
     ("nearest_point", "nearest scene point's training mean"),

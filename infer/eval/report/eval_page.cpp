@@ -26,6 +26,8 @@ const Rows kMeanings = {
     {"path_tracing_n", "n paths a point or pixel", ""},
     {"path_tracing_n_denoised", "the same in views, by Open Image Denoise where it is found", ""},
     {"neural_and_n_denoised", "the network's view, drawn towards that", ""},
+    {"equal_paths_denoised",
+     "as many denoised paths as a view's share of those that the network's light takes", ""},
     {"neural_by_light", "the network, each luminaire encoded by itself and the answers added", ""},
     {"light_cache", "the light that the network starts from, interpolated, without the network",
      ""},

@@ -348,19 +348,29 @@ TEST_F(Evaluation, RefusesAnotherScaleAndAnEmptySplit) {
                                         testing::HasSubstr("scale")));
 }
 
-TEST_F(Evaluation, CountsThePathsOfLightEstimatesInTheTimeOfProbes) {
+TEST_F(Evaluation, CountsThePathsOfLightEstimatesForItsRivals) {
+  constexpr int kPaths = 12;
+  data::DatasetInfo info = data::read_dataset_info(settings_.data);
+  info.light_paths = kPaths;
+  data::write_dataset_info(settings_.data, info);
   for (const char* name : {"test0", "test1"}) {
     const std::filesystem::path path = data::scene_path(settings_.data, name);
     data::SceneSample sample = data::read_scene_sample(path);
     const auto lit = std::count_if(sample.scene_emission.begin(), sample.scene_emission.end(),
                                    [](const Rgb& value) { return max_component(value) <= 0; });
     ASSERT_GT(lit, 0);
-    sample.rays = 2 * lit * data::kDefaultLightPaths / 5;  // the estimates are worth five points
+    sample.rays = 2 * lit * kPaths / 5;  // the estimates are worth five points
     const auto count = static_cast<size_t>(sample.light_groups * sample.scene_points());
     sample.scene_direct.assign(count, Rgb{1, 1, 1});
     sample.scene_indirect.assign(count, Rgb{1, 1, 1});
+    for (data::View& view : sample.views) {
+      const auto a_pixel = 2 * lit * kPaths / std::ssize(view.mask);
+      ASSERT_TRUE(a_pixel > 1 && a_pixel < 64) << a_pixel;
+      for (std::vector<Rgb>& few : view.path_traced_few) few = view.path_traced_64;
+    }
     data::write_scene_sample(path, sample);
   }
+  const bool denoises = image::Denoiser().is_oidn();
   settings_.probe_rate = 1e-9;  // next to none while the network encodes
   for (const nn::LightInput input : {nn::LightInput::Emission, nn::LightInput::Traced}) {
     test::TinyModel tiny;
@@ -368,8 +378,17 @@ TEST_F(Evaluation, CountsThePathsOfLightEstimatesInTheTimeOfProbes) {
     test::save_tiny_model(folder_ / "model.safetensors", tiny);
     const runtime::Network model(folder_ / "model.safetensors");
     const EvalResult result = evaluate(settings_, model, fit_baselines(settings_.data));
-    for (const SceneResult& scene : result.scenes)
-      EXPECT_EQ(scene.probes, input == nn::LightInput::Traced ? 5 : 1) << enum_name(input);
+    const bool reads_paths = input == nn::LightInput::Traced;
+    for (const SceneResult& scene : result.scenes) {
+      EXPECT_EQ(scene.probes, reads_paths ? 5 : 1) << enum_name(input);
+      const Score* const rival = find_score(scene.scores, "equal_paths_denoised");
+      ASSERT_EQ(rival != nullptr, reads_paths && denoises) << enum_name(input);
+      if (rival == nullptr) continue;
+      // All pictures of paths are the same here, so that any number of them has the same error.
+      EXPECT_NEAR(rival->views[0], find_score(scene.scores, "path_tracing_64_denoised")->views[0],
+                  1e-6);
+      EXPECT_TRUE(std::isnan(rival->points[0]));
+    }
   }
 }
 
