@@ -74,7 +74,10 @@ def data_line(folder):
 
 def training_line(log):
     with open(log, encoding="utf-8") as file:
-        lines = [json.loads(line) for line in file if line.strip()]
+        try:
+            lines = [json.loads(line) for line in file if line.strip()]
+        except ValueError as error:
+            raise ValueError(f"{log}: a line is no JSON: {error}") from error
     steps = [line for line in lines if "loss" in line]
     if not steps:
         raise ValueError(f"{log}: has no step")

@@ -1,6 +1,5 @@
 #include "infer/eval/measure/equal_paths.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <iterator>
@@ -17,8 +16,7 @@ double between(double a, double b, double share) { return a + share * (b - a); }
 }  // namespace
 
 std::optional<ViewScore> score_between(const std::map<int, ViewScore>& measured, double paths) {
-  const auto at_least = std::find_if(measured.begin(), measured.end(),
-                                     [=](const auto& entry) { return entry.first >= paths; });
+  const auto at_least = measured.lower_bound(static_cast<int>(std::ceil(paths)));
   if (at_least == measured.end()) return std::nullopt;
   if (at_least->first == paths) return at_least->second;
   if (at_least == measured.begin()) return std::nullopt;
