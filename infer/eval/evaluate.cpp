@@ -26,16 +26,20 @@ namespace {
 
 constexpr double kSameScale = 1e-6;
 
-constexpr std::string_view kPathsRow = "path_tracing_";  ///< begins rows of paths
 constexpr const char* kEqualPathsRow = "equal_paths_denoised";
 
-std::string few_paths_row(int paths) { return concat(kPathsRow, paths); }
+std::string few_paths_row(int paths) { return concat("path_tracing_", paths); }
 
-std::string denoised_row(const std::string& row) { return row + "_denoised"; }
+std::string denoised_row(int paths) { return few_paths_row(paths) + "_denoised"; }
 
 /// The network's answer, drawn towards as many paths, denoised.
-std::string both_row(const std::string& row) {
-  return concat("neural_and_", row.substr(kPathsRow.size()), "_denoised");
+std::string both_row(int paths) { return concat("neural_and_", paths, "_denoised"); }
+
+/// Paths a pixel of the pictures that views may have, most first.
+std::vector<int> traced_paths() {
+  std::vector<int> out{static_cast<int>(kPathsStored)};
+  out.insert(out.end(), data::kFewPaths.begin(), data::kFewPaths.end());
+  return out;
 }
 
 /// The network's indirect irradiance over the emission scalar, summed over embeddings of the
@@ -88,19 +92,18 @@ struct Predictors {
   }
 };
 
-/// The number at the end of a row of paths.
-int paths_of(const std::string& row) { return std::stoi(row.substr(kPathsRow.size())); }
-
 /// Path tracing with a denoiser, by itself and beside the network, the first row: rows that views
 /// alone have.
 void add_denoised(const image::Denoiser& denoiser, const data::View& view, Predictions* rows) {
   Predictions denoised;
   const std::vector<Rgb>& network = rows->front().second;
-  for (const auto& [name, light] : *rows) {
-    if (!name.starts_with(kPathsRow)) continue;
-    std::vector<Rgb> clean = denoised_paths(denoiser, view, light);
-    denoised.emplace_back(both_row(name), drawn_to_paths(view, network, clean, paths_of(name)));
-    denoised.emplace_back(denoised_row(name), std::move(clean));
+  for (const int paths : traced_paths()) {
+    const auto traced =
+        std::ranges::find(*rows, few_paths_row(paths), &Predictions::value_type::first);
+    if (traced == rows->end()) continue;
+    std::vector<Rgb> clean = denoised_paths(denoiser, view, traced->second);
+    denoised.emplace_back(both_row(paths), drawn_to_paths(view, network, clean, paths));
+    denoised.emplace_back(denoised_row(paths), std::move(clean));
   }
   std::move(denoised.begin(), denoised.end(), std::back_inserter(*rows));
 }
@@ -162,15 +165,13 @@ void add_fewer_paths(const ReferenceNoise& points, const ViewSums& views, Scores
     score.views = views.mean(name).value_or(score.views);
     rows.emplace_back(name, score);
   }
-  std::vector<std::string> traced = {kPathTraced};
-  for (const int paths : data::kFewPaths) traced.push_back(few_paths_row(paths));
   for (const auto& row : {denoised_row, both_row}) {
-    for (const std::string& name : traced) {
-      const auto seen = views.mean(row(name));
+    for (const int paths : traced_paths()) {
+      const auto seen = views.mean(row(paths));
       if (!seen) continue;
       Score score;
       score.views = *seen;
-      rows.emplace_back(row(name), score);
+      rows.emplace_back(row(paths), score);
     }
   }
   scores->insert(found + 1, rows.begin(), rows.end());
@@ -195,10 +196,8 @@ void add_equal_paths(double paths, const data::SceneSample& sample, const ViewSu
   for (const data::View& view : sample.views)
     pixels += static_cast<double>(view.mask.size()) / static_cast<double>(sample.views.size());
   std::map<int, ViewScore> denoised;
-  std::vector<int> counts(data::kFewPaths.begin(), data::kFewPaths.end());
-  counts.push_back(static_cast<int>(kPathsStored));
-  for (const int count : counts) {
-    if (const auto seen = views.mean(denoised_row(few_paths_row(count)))) denoised[count] = *seen;
+  for (const int count : traced_paths()) {
+    if (const auto seen = views.mean(denoised_row(count))) denoised[count] = *seen;
   }
   const std::optional<ViewScore> views_score = score_between(denoised, paths / pixels);
   if (!views_score) return;

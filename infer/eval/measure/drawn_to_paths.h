@@ -13,8 +13,8 @@ namespace lte::infer {
 /// Draws the network's picture towards one of paths without their noise. The network errs over
 /// whole surfaces, which few paths tell; a denoiser errs at edges, which the network, asked pixel
 /// by pixel, knows. So the way goes by what both differ by around a pixel, in the mean of 3 × 3
-/// with the weights 1, 2, 1, and n/(n + 2) of it: the share of least FLIP whatever n is, found on
-/// homes that nobody is measured on (docs/lab/learning.md).
+/// with the weights 1, 2, 1, and n/(n + 2) of it: about the share of least FLIP, whatever n is
+/// (docs/lab/learning.md).
 /// @param network, clean  of the pixels whose mask is set, in row order
 /// @param paths           n, behind each pixel of `clean`
 /// @return                of the same pixels, not negative where both are not
