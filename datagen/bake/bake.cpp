@@ -180,13 +180,13 @@ int64_t extra_paths(const BakeOptions& options, bool view) {
 /// Draws points where light reaches them, or all over the surface.
 scene::SurfaceSamples draw_points(const pathtrace::Bvh& bvh, const BakeOptions& options,
                                   int64_t count, const scene::SamplerOptions& sampler,
-                                  pathtrace::Sides sides, int64_t* pruned) {
-  if (!options.prune) return scene::sample_surface(bvh.scene(), count, sampler);
+                                  pathtrace::Purpose purpose, int64_t* pruned) {
+  const pathtrace::ReachOptions reach{
+      options.max_depth, stream_seed(options.seed, Stream::Reach, static_cast<int64_t>(purpose))};
+  if (!options.prune) return pathtrace::sample_turned_surface(bvh, count, sampler, reach);
   pathtrace::PruneCounts counts;
-  scene::SurfaceSamples points = pathtrace::sample_reached_surface(
-      bvh, count, sampler, sides,
-      {options.max_depth, stream_seed(options.seed, Stream::Reach, static_cast<int64_t>(sides))},
-      &counts);
+  scene::SurfaceSamples points =
+      pathtrace::sample_reached_surface(bvh, count, sampler, purpose, reach, &counts);
   *pruned = counts.pruned;
   if (points.size() < count)
     log_warning(bvh.scene().name, ": light reaches so little of the surface that only ",
@@ -204,7 +204,7 @@ void sample_points(const pathtrace::Bvh& bvh, const BakeOptions& options, data::
   sampler.seed = stream_seed(options.seed, Stream::ScenePoints);
   sampler.emissive_share = options.emissive_share;
   scene::SurfaceSamples points = draw_points(bvh, options, options.scene_points, sampler,
-                                             pathtrace::Sides::Either, &out->pruned_scene_points);
+                                             pathtrace::Purpose::Scene, &out->pruned_scene_points);
   out->scene_position = std::move(points.position);
   out->scene_normal = std::move(points.normal);
   out->scene_albedo = std::move(points.albedo);
@@ -223,7 +223,7 @@ void sample_points(const pathtrace::Bvh& bvh, const BakeOptions& options, data::
   sampler.filter_footprint = false;
   sampler.punctual_lights = false;
   sampler.environment_share = 0;
-  points = draw_points(bvh, options, options.query_points, sampler, pathtrace::Sides::Front,
+  points = draw_points(bvh, options, options.query_points, sampler, pathtrace::Purpose::Queries,
                        &out->pruned_query_points);
   out->query_position = std::move(points.position);
   out->query_normal = std::move(points.normal);
@@ -261,7 +261,7 @@ void bake_incident_points(Baker* baker, const BakeOptions& options, data::SceneS
   sampler.environment_share = 0;
   int64_t pruned = 0;
   const scene::SurfaceSamples points = draw_points(baker->bvh(), options, options.incident.points,
-                                                   sampler, pathtrace::Sides::Front, &pruned);
+                                                   sampler, pathtrace::Purpose::Queries, &pruned);
   out->incident = bake_incident(baker->bvh(), baker->lights(), points, options.incident,
                                 options.max_depth, stream_seed(options.seed, Stream::Incident),
                                 [baker](int64_t paths) { baker->count(paths); });

@@ -85,6 +85,12 @@ void visit(Io& io, C& config) {
     io("share", config.metals.share);
     io("roughness", config.metals.roughness);
   }
+  if (io.covers(config.sides.two_sided_share > 0 || config.sides.flipped_share > 0)) {
+    io.section("sides");
+    io("two_sided_share", config.sides.two_sided_share);
+    io("drop_m", config.sides.drop_m);
+    io("flipped_share", config.sides.flipped_share);
+  }
   if (io.covers(config.generator == GeneratorKind::Boxes)) visit_boxes(io, config.boxes);
   if (io.covers(config.generator == GeneratorKind::Homes)) visit_homes(io, config.homes);
 }
@@ -251,6 +257,9 @@ void check_datagen_config(const DatagenConfig& config) {
   check_bake_options(config.bake);
   in_range("metals.share", config.metals.share, 0.0, 1.0);
   range_in("metals.roughness", config.metals.roughness, 0.01, 1.0);
+  in_range("sides.two_sided_share", config.sides.two_sided_share, 0.0, 1.0);
+  range_in("sides.drop_m", config.sides.drop_m, 0.001, 0.7);
+  in_range("sides.flipped_share", config.sides.flipped_share, 0.0, 1.0);
   if (config.generator == GeneratorKind::Boxes) check_boxes(config.boxes, config.scale);
   if (config.generator == GeneratorKind::Homes) check_homes(config.homes, config.scale);
 }

@@ -10,6 +10,7 @@
 #include "datagen/bake/bake.h"
 #include "datagen/boxes/room.h"
 #include "datagen/common/metals.h"
+#include "datagen/common/sides.h"
 #include "datagen/homes/home.h"
 #include "lte/base/config.h"
 
@@ -33,6 +34,7 @@ struct DatagenConfig {
   /// Keys at the top level, under `views` and under `incident`. Each scene draws a seed of its own.
   BakeOptions bake;
   MetalConfig metals;
+  SideConfig sides;
   boxes::RoomConfig boxes;
   homes::HomeConfig homes;
 };

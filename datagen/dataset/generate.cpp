@@ -231,6 +231,7 @@ scene::Scene generate_scene(const DatagenConfig& config, uint64_t seed, const st
                            ? homes::generate_home(config.homes, seed, name).scene
                            : boxes::generate_room(config.boxes, seed, name).scene;
   add_metals(config.metals, seed, &scene);
+  vary_sides(config.sides, seed, &scene);
   return scene;
 }
 

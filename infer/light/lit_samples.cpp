@@ -21,11 +21,13 @@ scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t cou
   scene::SamplerOptions sampler;
   sampler.seed = seed;
   sampler.emissive_share = kEmissiveShare;
-  if (!prune) return scene::sample_surface(bvh.scene(), count, sampler);
+  const int max_depth = pathtrace::ReachOptions().max_depth;
+  if (!prune)
+    return pathtrace::sample_turned_surface(bvh, count, sampler, {max_depth, seed, without});
   pathtrace::PruneCounts ignored;
   const auto reached_without = [&](const std::vector<int>& groups) {
-    const pathtrace::ReachOptions reach{pathtrace::ReachOptions().max_depth, seed, groups};
-    return pathtrace::sample_reached_surface(bvh, count, sampler, pathtrace::Sides::Either, reach,
+    const pathtrace::ReachOptions reach{max_depth, seed, groups};
+    return pathtrace::sample_reached_surface(bvh, count, sampler, pathtrace::Purpose::Scene, reach,
                                              recall, counts != nullptr ? counts : &ignored);
   };
   scene::SurfaceSamples samples = reached_without(without);

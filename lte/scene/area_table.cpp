@@ -11,13 +11,30 @@ namespace {
 constexpr int64_t kGrain = 1 << 15;
 }
 
-AreaTable::AreaTable(const Scene& scene, std::vector<int> instances,
-                     const RepeatedTriangles* repeated)
-    : instances_(std::move(instances)) {
-  first_.reserve(instances_.size() + 1);
+std::vector<Face> fronts(std::span<const int> instances) {
+  std::vector<Face> faces;
+  faces.reserve(instances.size());
+  for (const int instance : instances) faces.push_back({instance});
+  return faces;
+}
+
+std::vector<Face> emitting_faces(const Scene& scene, std::span<const int> instances) {
+  std::vector<Face> faces;
+  for (const int instance : instances) {
+    const Material& material =
+        scene.materials[scene.meshes[scene.instances[instance].mesh].material];
+    faces.push_back({instance});
+    if (material.emissive() && material.double_sided) faces.push_back({instance, true});
+  }
+  return faces;
+}
+
+AreaTable::AreaTable(const Scene& scene, std::vector<Face> faces, const RepeatedTriangles* repeated)
+    : faces_(std::move(faces)) {
+  first_.reserve(faces_.size() + 1);
   first_.push_back(0);
-  for (const int instance : instances_) {
-    const Mesh& mesh = scene.meshes[scene.instances[instance].mesh];
+  for (const Face& face : faces_) {
+    const Mesh& mesh = scene.meshes[scene.instances[face.instance].mesh];
     first_.push_back(first_.back() + static_cast<int64_t>(mesh.triangles.size()));
   }
   ends_.resize(static_cast<size_t>(first_.back()));
@@ -25,7 +42,7 @@ AreaTable::AreaTable(const Scene& scene, std::vector<int> instances,
     auto slot = std::upper_bound(first_.begin(), first_.end(), begin) - first_.begin() - 1;
     for (int64_t i = begin; i < end; ++i) {
       while (i >= first_[static_cast<size_t>(slot) + 1]) ++slot;
-      const int index = instances_[static_cast<size_t>(slot)];
+      const int index = faces_[static_cast<size_t>(slot)].instance;
       const Instance& instance = scene.instances[index];
       const auto triangle = static_cast<uint32_t>(i - first_[static_cast<size_t>(slot)]);
       if (repeated != nullptr && repeated->contains(index, triangle)) continue;
@@ -51,7 +68,7 @@ AreaTable::Place AreaTable::locate(double target) const {
 
   Place place;
   const auto slot = std::upper_bound(first_.begin(), first_.end(), index) - first_.begin() - 1;
-  place.instance = instances_[static_cast<size_t>(slot)];
+  place.face = faces_[static_cast<size_t>(slot)];
   place.triangle = static_cast<uint32_t>(index - first_[static_cast<size_t>(slot)]);
   place.fraction = size > 0 ? std::clamp((target - begin) / size, 0.0, 0x1.fffffffffffffp-1) : 0.0;
   return place;

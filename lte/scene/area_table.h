@@ -1,7 +1,9 @@
 // Prefix sums of triangle areas: from a fraction of the area to the triangle there.
 #pragma once
 
+#include <compare>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "lte/scene/repeated_triangles.h"
@@ -9,18 +11,30 @@
 
 namespace lte::scene {
 
-/// The triangles of some instances of a scene in a row, in order. It keeps no reference to the
-/// scene.
+/// One side of an instance's surface.
+struct Face {
+  int instance = 0;
+  bool back = false;
+  friend auto operator<=>(const Face&, const Face&) = default;
+};
+
+/// The fronts of instances.
+std::vector<Face> fronts(std::span<const int> instances);
+/// The faces of instances that emit light, and the fronts of the others: an emissive material that
+/// is double-sided has two.
+std::vector<Face> emitting_faces(const Scene& scene, std::span<const int> instances);
+
+/// The triangles of some faces of a scene in a row, in order. It keeps no reference to the scene.
 class AreaTable {
  public:
   struct Place {
-    int instance = 0;
+    Face face;
     uint32_t triangle = 0;
     double fraction = 0;  ///< of the triangle's area that lies before the place, [0, 1)
   };
 
   /// @param repeated  triangles that count as having no area; null for none
-  AreaTable(const Scene& scene, std::vector<int> instances,
+  AreaTable(const Scene& scene, std::vector<Face> faces,
             const RepeatedTriangles* repeated = nullptr);
 
   /// Area of all triangles in m², summed in double.
@@ -31,8 +45,8 @@ class AreaTable {
   Place locate(double target) const;
 
  private:
-  std::vector<int> instances_;
-  std::vector<int64_t> first_;  ///< index of each instance's first triangle, then their number
+  std::vector<Face> faces_;
+  std::vector<int64_t> first_;  ///< index of each face's first triangle, then their number
   std::vector<double> ends_;    ///< area up to and with each triangle
   int64_t last_ = 0;            ///< last triangle that has area
 };

@@ -43,9 +43,13 @@ void append(const Vec3& position, const Vec3& normal, const Rgb& emission, float
 void append_local_lights(const Scene& scene, float area, SurfaceSamples* samples) {
   for (const PunctualLight& light : scene.lights) {
     if (light.kind == LightKind::Directional) continue;
-    // A point light has no side; straight down is as good as any, and the same for all.
-    const Vec3 normal = light.kind == LightKind::Spot ? light.direction : Vec3{0, -1, 0};
-    append(light.position, normal, power(light) / (kPi * area), area, light.light_group, samples);
+    const Rgb emission = power(light) / (kPi * area);
+    if (light.kind == LightKind::Spot) {
+      append(light.position, light.direction, emission, area, light.light_group, samples);
+      continue;
+    }
+    for (const float up : {-1.0f, 1.0f})
+      append(light.position, {0, up, 0}, emission / 2, area, light.light_group, samples);
   }
 }
 
@@ -66,7 +70,7 @@ LightPointCounts light_point_counts(const Scene& scene, int64_t count,
   LightPointCounts counts;
   for (const PunctualLight& light : scene.lights) {
     if (!options.punctual_lights) break;
-    counts.local += light.kind != LightKind::Directional ? 1 : 0;
+    counts.local += light.kind == LightKind::Point ? 2 : light.kind == LightKind::Spot ? 1 : 0;
     counts.suns += is_sun(light) ? 1 : 0;
   }
   if (scene.environment && options.environment_share > 0)

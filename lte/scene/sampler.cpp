@@ -53,10 +53,17 @@ Vec2 triangle_point(double fraction) {
   return {(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
 }
 
+struct Drawn {
+  SurfaceSamples samples;
+  std::vector<uint8_t> back;  ///< 1 for points on the back of a surface
+  double area = 0;            ///< of the faces
+};
+
 /// Fills `count` points from `begin` on with one point of each of `count` equal strata of the
 /// table's area.
 void fill(const Scene& scene, const AreaTable& table, int64_t begin, int64_t count,
-          const SamplerOptions& options, SurfaceSamples* samples) {
+          const SamplerOptions& options, Drawn* drawn) {
+  SurfaceSamples* samples = &drawn->samples;
   const double stratum = table.total() / static_cast<double>(count);
   const auto area = static_cast<float>(stratum);
   const float footprint = options.filter_footprint ? std::sqrt(area) : 0.0f;
@@ -68,9 +75,10 @@ void fill(const Scene& scene, const AreaTable& table, int64_t begin, int64_t cou
       const AreaTable::Place place = table.locate((static_cast<double>(i) + variate) * stratum);
       const Vec2 uv = triangle_point(place.fraction);
       const Surface surface =
-          evaluate_surface(scene, place.instance, place.triangle, uv.x, uv.y, footprint);
+          evaluate_surface(scene, place.face.instance, place.triangle, uv.x, uv.y, footprint);
       samples->position[at] = surface.position;
-      samples->normal[at] = surface.normal;
+      samples->normal[at] = place.face.back ? -surface.normal : surface.normal;
+      drawn->back[at] = place.face.back ? 1 : 0;
       samples->albedo[at] = surface.albedo;
       samples->emission[at] = surface.emission;
       samples->gloss[at] = surface.gloss;
@@ -81,23 +89,23 @@ void fill(const Scene& scene, const AreaTable& table, int64_t begin, int64_t cou
 }
 
 struct Split {
-  std::vector<int> emissive, other;
+  std::vector<Face> emissive, other;
 };
 
 const Material& material_of(const Scene& scene, const Instance& instance) {
   return scene.materials[scene.meshes[instance.mesh].material];
 }
 
-/// The instances but those of the luminaires `without`, by light group.
-Split split_instances(const Scene& scene, const std::set<int>& without) {
-  Split out;
+/// The faces but those of the luminaires `without`, by light group.
+Split split_faces(const Scene& scene, const std::set<int>& without) {
+  std::vector<int> emissive, other;
   for (size_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
     const bool emits = material_of(scene, instance).emissive();
     if (emits && without.contains(instance.light_group)) continue;
-    (emits ? out.emissive : out.other).push_back(static_cast<int>(i));
+    (emits ? emissive : other).push_back(static_cast<int>(i));
   }
-  return out;
+  return {emitting_faces(scene, emissive), fronts(other)};
 }
 
 std::vector<int> all_instances(const Scene& scene) {
@@ -111,9 +119,10 @@ void check_area(const Scene& scene, double area) {
   LTE_CHECK(area > 0, "scene ", scene.name, ": no surface has area, nothing to sample");
 }
 
-SurfaceSamples make_samples(int64_t count) {
+Drawn make_drawn(int64_t count, double area) {
   const auto n = static_cast<size_t>(count);
-  SurfaceSamples out;
+  Drawn drawn{{}, std::vector<uint8_t>(n), area};
+  SurfaceSamples& out = drawn.samples;
   out.position.resize(n);
   out.normal.resize(n);
   out.albedo.resize(n);
@@ -121,84 +130,107 @@ SurfaceSamples make_samples(int64_t count) {
   out.gloss.resize(n);
   out.area.resize(n);
   out.light_group.resize(n, kNone);
-  return out;
+  return drawn;
 }
 
-/// The emissive instances of each light group that have area.
-using Luminaires = std::map<int, std::vector<int>>;
+/// The faces of a light group's emissive instances.
+struct Luminaire {
+  std::vector<Face> front, back;  ///< none where it does not emit from the back
+
+  int64_t sides() const { return back.empty() ? 1 : 2; }
+};
+
+/// Those that have area, by light group.
+using Luminaires = std::map<int, Luminaire>;
 
 Luminaires find_luminaires(const Scene& scene) {
   Luminaires found;
   for (size_t i = 0; i < scene.instances.size(); ++i) {
-    if (material_of(scene, scene.instances[i]).emissive())
-      found[scene.instances[i].light_group].push_back(static_cast<int>(i));
+    const Instance& instance = scene.instances[i];
+    if (!material_of(scene, instance).emissive()) continue;
+    Luminaire& luminaire = found[instance.light_group];
+    const auto index = static_cast<int>(i);
+    for (const Face& face : emitting_faces(scene, std::span(&index, 1))) {
+      if (AreaTable(scene, {face}).total() > 0)
+        (face.back ? luminaire.back : luminaire.front).push_back(face);
+    }
   }
-  std::erase_if(found,
-                [&](const auto& entry) { return !(AreaTable(scene, entry.second).total() > 0); });
+  std::erase_if(found, [](const auto& entry) { return entry.second.front.empty(); });
   return found;
 }
 
-struct Drawn {
-  SurfaceSamples samples;
-  double area = 0;  ///< of the surfaces
-};
+/// How many points luminaires take that have one a face.
+int64_t points_alone(const Luminaires& luminaires, const std::set<int>& alone) {
+  int64_t points = 0;
+  for (const int group : alone) points += luminaires.at(group).sides();
+  return points;
+}
 
 Drawn draw_by_area(const Scene& scene, int64_t count, const RepeatedTriangles& repeated,
                    const SamplerOptions& options) {
-  const AreaTable all(scene, all_instances(scene), &repeated);
+  const AreaTable all(scene, fronts(all_instances(scene)), &repeated);
   check_area(scene, all.total());
-  Drawn out{make_samples(count), all.total()};
-  fill(scene, all, 0, count, options, &out.samples);
+  Drawn out = make_drawn(count, all.total());
+  fill(scene, all, 0, count, options, &out);
   return out;
 }
 
-/// Each of the luminaires `alone` gets one point that stands for all of it. The others share the
-/// rest by area, with emissive_share of all points for luminaires.
+/// Each of the luminaires `alone` gets one point a face that stands for all of it. The others share
+/// the rest by area, with emissive_share of all points for luminaires.
 Drawn draw_with_share(const Scene& scene, int64_t count, const Luminaires& luminaires,
                       const std::set<int>& alone, const RepeatedTriangles& repeated,
                       const SamplerOptions& options) {
-  const Split split = split_instances(scene, alone);
+  const Split split = split_faces(scene, alone);
   const AreaTable emissive(scene, split.emissive), other(scene, split.other, &repeated);
   const double shared = emissive.total() + other.total();
-  Drawn out{make_samples(count), shared};
-  const auto strata = count - static_cast<int64_t>(alone.size());
+  Drawn out = make_drawn(count, shared);
+  const int64_t single = points_alone(luminaires, alone);
+  const int64_t strata = count - single;
   int64_t next = strata;
   for (const int group : alone) {
-    const AreaTable table(scene, luminaires.at(group));
-    fill(scene, table, next++, 1, options, &out.samples);
-    out.area += table.total();
+    const Luminaire& luminaire = luminaires.at(group);
+    for (const std::vector<Face>& faces : {luminaire.front, luminaire.back}) {
+      if (faces.empty()) continue;
+      const AreaTable table(scene, faces);
+      fill(scene, table, next++, 1, options, &out);
+      out.area += table.total();
+    }
   }
   check_area(scene, out.area);
   const double by_area = static_cast<double>(strata) * emissive.total() / shared;
-  const double wanted = std::ceil(static_cast<double>(count) * options.emissive_share) -
-                        static_cast<double>(alone.size());
+  const double wanted =
+      std::ceil(static_cast<double>(count) * options.emissive_share) - static_cast<double>(single);
   if (emissive.total() > 0 && other.total() > 0 && strata >= 2 && wanted > by_area) {
     const int64_t lit = std::min(static_cast<int64_t>(wanted), strata - 1);
-    fill(scene, other, 0, strata - lit, options, &out.samples);
-    fill(scene, emissive, strata - lit, lit, options, &out.samples);
+    fill(scene, other, 0, strata - lit, options, &out);
+    fill(scene, emissive, strata - lit, lit, options, &out);
   } else {
-    std::vector<int> both = split.emissive;
+    std::vector<Face> both = split.emissive;
     both.insert(both.end(), split.other.begin(), split.other.end());
     std::sort(both.begin(), both.end());
-    fill(scene, AreaTable(scene, both, &repeated), 0, strata, options, &out.samples);
+    fill(scene, AreaTable(scene, both, &repeated), 0, strata, options, &out);
   }
   return out;
 }
 
-/// Misses no luminaire: what no stratum met, being small beside others, gets a point of its own.
-/// Only where that would take more than half of the points does chance decide.
+/// Misses no luminaire: one of which no stratum met a face, being small beside others, gets a point
+/// a face. Only where that would take more than half of the points does chance decide.
 Drawn draw_with_all_luminaires(const Scene& scene, int64_t count, const RepeatedTriangles& repeated,
                                const SamplerOptions& options) {
   const Luminaires luminaires = find_luminaires(scene);
   std::set<int> alone;
   for (;;) {
     Drawn drawn = draw_with_share(scene, count, luminaires, alone, repeated, options);
-    const std::vector<int>& groups = drawn.samples.light_group;
-    const std::set<int> met(groups.begin(), groups.end());
+    std::set<std::pair<int, bool>> met;
+    for (size_t i = 0; i < drawn.back.size(); ++i)
+      met.emplace(drawn.samples.light_group[i], drawn.back[i] != 0);
     std::set<int> more = alone;
-    for (const auto& [group, instances] : luminaires)
-      if (!met.contains(group)) more.insert(group);
-    if (more.size() == alone.size() || 2 * static_cast<int64_t>(more.size()) > count) return drawn;
+    for (const auto& [group, luminaire] : luminaires) {
+      if (!met.contains({group, false}) ||
+          (!luminaire.back.empty() && !met.contains({group, true})))
+        more.insert(group);
+    }
+    if (more.size() == alone.size() || 2 * points_alone(luminaires, more) > count) return drawn;
     alone = std::move(more);
   }
 }
@@ -246,6 +278,8 @@ int64_t surface_point_count(const Scene& scene, int64_t count, const SamplerOpti
   return surface;
 }
 
-double surface_area(const Scene& scene) { return AreaTable(scene, all_instances(scene)).total(); }
+double surface_area(const Scene& scene) {
+  return AreaTable(scene, fronts(all_instances(scene))).total();
+}
 
 }  // namespace lte::scene

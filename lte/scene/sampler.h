@@ -12,6 +12,9 @@
 namespace lte::scene {
 
 /// A structure of arrays, one entry a point, in world space.
+///
+/// Emission leaves the side of the normal. A surface that emits from both sides has points on
+/// either, if luminaires have a share: back to back, each with its own normal.
 struct SurfaceSamples {
   std::vector<Vec3> position, normal;
   std::vector<Rgb> albedo, emission;
@@ -54,7 +57,8 @@ SurfaceSamples sample_surface(const Scene& scene, int64_t count, const SamplerOp
 /// @throws lte::Error if lights that are no surface leave none.
 int64_t surface_point_count(const Scene& scene, int64_t count, const SamplerOptions& options);
 
-/// Total world area of a scene, m²; repeated triangles count each time.
+/// Total world area of a scene, m², of one side of its surfaces; repeated triangles count each
+/// time.
 double surface_area(const Scene& scene);
 
 }  // namespace lte::scene

@@ -79,8 +79,8 @@ scene::SurfaceSamples sample(const pathtrace::Bvh& bvh, bool prune) {
   sampler.emissive_share = 0.2;
   if (!prune) return scene::sample_surface(bvh.scene(), kScenePoints, sampler);
   pathtrace::PruneCounts counts;
-  return pathtrace::sample_reached_surface(bvh, kScenePoints, sampler, pathtrace::Sides::Either, {},
-                                           &counts);
+  return pathtrace::sample_reached_surface(bvh, kScenePoints, sampler, pathtrace::Purpose::Scene,
+                                           {}, &counts);
 }
 
 void render(const scene::Scene& scene, bool prune) {

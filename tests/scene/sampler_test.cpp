@@ -290,5 +290,40 @@ TEST(Sampler, RefusesWhatCannotBeSampled) {
               ::testing::HasSubstr("emissive_share"));
 }
 
+/// A 10 m² floor and a sheet of `edge`² m² that emits from both sides.
+Scene two_sided_light(float edge) {
+  Scene scene;
+  test::add_material(&scene, {0.5f, 0.5f, 0.5f});
+  test::add_material(&scene, {0, 0, 0}, {7, 7, 7}, /*double_sided=*/true);
+  test::add_quad(&scene, {0, 0, 0}, {10, 0, 0}, {0, 1, 0}, 0);
+  test::add_quad(&scene, {0, 0, 1}, {edge, 0, 0}, {0, edge, 0}, 1);
+  return scene;
+}
+
+TEST(Sampler, ASheetThatEmitsFromBothSidesHasPointsOnEitherOfItsWholePower) {
+  SamplerOptions options = plain();
+  options.emissive_share = 0.1;
+  for (const float edge : {2.0f, 0.3f, 0.01f}) {
+    for (const int64_t count : {40, 1000}) {
+      const SurfaceSamples samples = sample_surface(two_sided_light(edge), count, options);
+      ASSERT_EQ(samples.size(), count);
+      std::array<double, 2> area{};
+      for (size_t i = 0; i < samples.position.size(); ++i) {
+        if (samples.light_group[i] == kNone) continue;
+        EXPECT_NEAR(samples.position[i].z, 1, 1e-6);
+        EXPECT_EQ(samples.emission[i], (Rgb{7, 7, 7}));
+        area.at(samples.normal[i].z > 0 ? 0 : 1) += double{samples.area[i]};
+      }
+      // Strata meet a face to within one.
+      const double slack =
+          edge == 0.01f ? 1e-9 : 2.0 * edge * edge / (0.05 * static_cast<double>(count));
+      EXPECT_NEAR(area[0], edge * edge, slack) << edge << " m, " << count << " points";
+      EXPECT_NEAR(area[1], edge * edge, slack) << edge << " m, " << count << " points";
+    }
+  }
+  const SurfaceSamples queries = sample_surface(two_sided_light(2), 1000, plain());
+  for (size_t i = 0; i < queries.position.size(); ++i) EXPECT_GT(queries.normal[i].z, 0);
+}
+
 }  // namespace
 }  // namespace lte::scene

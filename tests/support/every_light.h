@@ -76,7 +76,7 @@ inline std::vector<LitScene> scenes_of_every_light() {
       [](auto* s) {
         add_lamp(s, {0.5f, 2.2f, 1}, 0.5f, 1, {8, 4, 2}, true);
       },
-      {8 * 0.5});
+      {8 * 0.5 * 2});
   add("small lamp beside a large one",
       [](auto* s) {
         add_lamp(s, {0.5f, 2.4f, 0.2f}, 3, 2, {1, 1, 1});

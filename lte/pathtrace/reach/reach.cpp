@@ -5,6 +5,8 @@
 #include <numeric>
 
 #include "lte/base/check.h"
+#include "lte/base/random.h"
+#include "lte/pathtrace/reach/orientation.h"
 #include "lte/pathtrace/reach/reach_memory.h"
 #include "lte/pathtrace/reach/reach_samples.h"
 #include "lte/pathtrace/reach/reach_search.h"
@@ -16,6 +18,7 @@ namespace {
 
 constexpr double kMaxOversampling = 8;
 constexpr int64_t kProbePoints = 256;  // they estimate the reached share of the surface
+constexpr uint64_t kSideStream = 1;    // of the seed: which of two sides a point stands on
 
 void check_search(std::span<const Vec3> positions, std::span<const Vec3> normals,
                   const ReachOptions& options) {
@@ -25,18 +28,25 @@ void check_search(std::span<const Vec3> positions, std::span<const Vec3> normals
   check_irradiance_options(check);
 }
 
+/// [count] the sides that light reaches of the first samples, as search_for_light() gives them.
+std::vector<uint8_t> lit_sides(const Bvh& bvh, const scene::SurfaceSamples& samples, int64_t count,
+                               const ReachOptions& options, const ReachRecall& recall) {
+  const auto first = static_cast<size_t>(count);
+  const auto positions = std::span(samples.position).first(first);
+  const auto normals = std::span(samples.normal).first(first);
+  check_search(positions, normals, options);
+  return search_for_light(bvh, positions, normals, Sides::Either, options, recall);
+}
+
 /// Indices of the samples to keep.
-KeptSamples kept_samples(const Bvh& bvh, const scene::SurfaceSamples& samples, Sides sides,
-                         const ReachOptions& options, const ReachRecall& recall) {
-  check_search(samples.position, samples.normal, options);
-  const std::vector<uint8_t> keep =
-      search_for_light(bvh, samples.position, samples.normal, sides, options, recall);
+KeptSamples kept_samples(std::span<const uint8_t> lit, const scene::SurfaceSamples& samples,
+                         Purpose purpose) {
   KeptSamples kept;
-  for (size_t i = 0; i < keep.size(); ++i) {
-    const bool emits = sides == Sides::Either && samples.light_group[i] != scene::kNone;
+  for (size_t i = 0; i < lit.size(); ++i) {
+    const bool emits = purpose == Purpose::Scene && samples.light_group[i] != scene::kNone;
     if (emits) {
       kept.luminaires.push_back(i);
-    } else if (keep[i]) {
+    } else if (lit[i] != 0) {
       kept.others.push_back(i);
     }
   }
@@ -45,13 +55,14 @@ KeptSamples kept_samples(const Bvh& bvh, const scene::SurfaceSamples& samples, S
 
 /// sample_reached_surface() without the lights that are no surface.
 scene::SurfaceSamples sample_surfaces(const Bvh& bvh, int64_t count,
-                                      const scene::SamplerOptions& sampler, Sides sides,
+                                      const scene::SamplerOptions& sampler, Purpose purpose,
                                       const ReachOptions& options, const ReachRecall& recall,
                                       PruneCounts* counts) {
   scene::SamplerOptions plain = sampler;
   plain.emissive_share = 0;
   const scene::SurfaceSamples probe = scene::sample_surface(bvh.scene(), kProbePoints, plain);
-  const auto found = static_cast<double>(kept_samples(bvh, probe, sides, options, recall).size());
+  const auto found = static_cast<double>(
+      kept_samples(lit_sides(bvh, probe, probe.size(), options, recall), probe, purpose).size());
   const double share = std::max(1.0, found) / kProbePoints;
   // Draws three standard errors of the share more than it asks for.
   const double error = std::sqrt((1 - share) / (share * kProbePoints));
@@ -60,7 +71,8 @@ scene::SurfaceSamples sample_surfaces(const Bvh& bvh, int64_t count,
     oversampling = std::min(oversampling, kMaxOversampling);
     const auto drawn = static_cast<int64_t>(std::ceil(static_cast<double>(count) * oversampling));
     scene::SurfaceSamples samples = scene::sample_surface(bvh.scene(), drawn, sampler);
-    KeptSamples kept = kept_samples(bvh, samples, sides, options, recall);
+    const std::vector<uint8_t> lit = lit_sides(bvh, samples, drawn, options, recall);
+    KeptSamples kept = kept_samples(lit, samples, purpose);
     const int64_t left = kept.size();
     if (left < count && oversampling < kMaxOversampling) {
       oversampling *=
@@ -70,6 +82,7 @@ scene::SurfaceSamples sample_surfaces(const Bvh& bvh, int64_t count,
     if (left == 0) return scene::sample_surface(bvh.scene(), count, sampler);
     counts->drawn = drawn;
     counts->pruned = drawn - left;
+    turn_to_light(bvh, lit, hash_combine(options.seed, kSideStream), &samples);
     reduce_samples(bvh.scene(), std::move(kept), count, &samples);
     return samples;
   }
@@ -81,17 +94,33 @@ std::vector<uint8_t> reached(const Bvh& bvh, std::span<const Vec3> positions,
                              std::span<const Vec3> normals, Sides sides,
                              const ReachOptions& options) {
   check_search(positions, normals, options);
-  return search_for_light(bvh, positions, normals, sides, options, ReachRecall{});
+  std::vector<uint8_t> keep =
+      search_for_light(bvh, positions, normals, sides, options, ReachRecall{});
+  for (uint8_t& side : keep) side = side != 0 ? 1 : 0;
+  return keep;
 }
 
 scene::SurfaceSamples sample_reached_surface(const Bvh& bvh, int64_t count,
-                                             const scene::SamplerOptions& sampler, Sides sides,
+                                             const scene::SamplerOptions& sampler, Purpose purpose,
                                              const ReachOptions& options, PruneCounts* counts) {
-  return sample_reached_surface(bvh, count, sampler, sides, options, ReachRecall{}, counts);
+  return sample_reached_surface(bvh, count, sampler, purpose, options, ReachRecall{}, counts);
+}
+
+scene::SurfaceSamples sample_turned_surface(const Bvh& bvh, int64_t count,
+                                            const scene::SamplerOptions& sampler,
+                                            const ReachOptions& options) {
+  scene::SurfaceSamples samples = scene::sample_surface(bvh.scene(), count, sampler);
+  ReachRecall once;
+  once.rounds = 1;
+  // Lights that are no surface come last.
+  const int64_t surface = scene::surface_point_count(bvh.scene(), count, sampler);
+  turn_to_light(bvh, lit_sides(bvh, samples, surface, options, once),
+                hash_combine(options.seed, kSideStream), &samples);
+  return samples;
 }
 
 scene::SurfaceSamples sample_reached_surface(const Bvh& bvh, int64_t count,
-                                             const scene::SamplerOptions& sampler, Sides sides,
+                                             const scene::SamplerOptions& sampler, Purpose purpose,
                                              const ReachOptions& options, const ReachRecall& recall,
                                              PruneCounts* counts) {
   LTE_CHECK(recall.rounds >= 1 && recall.rounds <= kReachRounds,
@@ -103,7 +132,7 @@ scene::SurfaceSamples sample_reached_surface(const Bvh& bvh, int64_t count,
   surfaces.environment_share = 0;
   surfaces.punctual_lights = false;
   scene::SurfaceSamples samples =
-      sample_surfaces(bvh, scene::surface_point_count(scene, count, sampler), surfaces, sides,
+      sample_surfaces(bvh, scene::surface_point_count(scene, count, sampler), surfaces, purpose,
                       options, recall, counts);
   const double area = std::accumulate(samples.area.begin(), samples.area.end(), 0.0);
   scene::append_light_points(scene, count,

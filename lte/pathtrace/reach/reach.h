@@ -33,8 +33,8 @@ struct ReachOptions {
 
 /// Which side of its surface makes a point worth keeping.
 enum class Sides {
-  Front,   ///< the one its normal points to: query points
-  Either,  ///< surfaces reflect on both: scene points
+  Front,   ///< the one its normal points to
+  Either,  ///< surfaces reflect on both
 };
 
 /// @return  [points]: 1 to keep, 0 for what light does not reach. All 1 in a scene without light.
@@ -49,20 +49,37 @@ struct PruneCounts {
   int64_t drawn = 0, pruned = 0;
 };
 
-/// scene::sample_surface() over the surfaces that light reaches: more points are drawn, so that
-/// `count` are left. Lights are never pruned. Those that are no surface have their points as
-/// sample_surface() gives them. So have luminaires for Sides::Either, unless theirs would be more
-/// than half: then each keeps fewer, but one at least. What is dropped to bring the number down to
-/// `count` are other surface points.
+/// What points are drawn for.
+enum class Purpose {
+  Queries,  ///< light is wanted there
+  Scene,    ///< they describe a scene: luminaires among them stay whatever light reaches them
+};
+
+/// scene::sample_surface() over the surfaces that light reaches, on either side: more points are
+/// drawn, so that `count` are left. A point's normal faces the side that light reaches, whatever
+/// the winding of the surface; where that is both, the more enclosed one, or either by chance
+/// (orientation.h).
 ///
-/// The `area` of other points sums to the area that light reaches. For Sides::Either that of a
-/// luminaire's points sums to its own, and where these are fewer than were drawn to its power over
-/// their radiance: the power of each light is that of the scene.
+/// Lights are never pruned. Those that are no surface have their points as sample_surface() gives
+/// them. So have luminaires for Purpose::Scene, unless theirs would be more than half: then each
+/// keeps fewer, but one at least. What is dropped to bring the number down to `count` are other
+/// surface points.
+///
+/// The `area` of other points sums to the area that light reaches. For Purpose::Scene that of a
+/// luminaire's points sums to its own, of both faces if it emits from both, and where these are
+/// fewer than were drawn to its power over their radiance: the power of each light is that of the
+/// scene.
 /// @throws lte::Error as sample_surface()
 /// @note Where less than an eighth of the surface is reached, fewer than `count` come back; where
 /// none is, or nothing shines, `count` unpruned ones.
 scene::SurfaceSamples sample_reached_surface(const Bvh& bvh, int64_t count,
-                                             const scene::SamplerOptions& sampler, Sides sides,
+                                             const scene::SamplerOptions& sampler, Purpose purpose,
                                              const ReachOptions& options, PruneCounts* counts);
+
+/// scene::sample_surface() with normals that face the side that light reaches, as above, of all the
+/// surface: for networks that know points in the dark too.
+scene::SurfaceSamples sample_turned_surface(const Bvh& bvh, int64_t count,
+                                            const scene::SamplerOptions& sampler,
+                                            const ReachOptions& options);
 
 }  // namespace lte::pathtrace

@@ -49,7 +49,7 @@ struct ReachRecall {
 /// @note A change that none of 84 paths from a point met, and that yet lets light through to it, is
 ///       missed.
 scene::SurfaceSamples sample_reached_surface(const Bvh& bvh, int64_t count,
-                                             const scene::SamplerOptions& sampler, Sides sides,
+                                             const scene::SamplerOptions& sampler, Purpose purpose,
                                              const ReachOptions& options, const ReachRecall& recall,
                                              PruneCounts* counts);
 

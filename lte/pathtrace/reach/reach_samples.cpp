@@ -51,7 +51,8 @@ void set_luminaire_areas(const scene::Scene& scene, const ByGroup& luminaires,
   }
   for (const auto& [group, indices] : luminaires) {
     const double drawn = area_and_power(indices, *samples).first;
-    const double whole = scene::AreaTable(scene, instances[group]).total();
+    const double whole =
+        scene::AreaTable(scene, scene::emitting_faces(scene, instances[group])).total();
     if (drawn > 0 && whole > 0) scale_areas(indices, whole / drawn, samples);
   }
 }

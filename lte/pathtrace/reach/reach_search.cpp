@@ -80,17 +80,17 @@ class ReachSearch {
   }
 
   std::vector<uint8_t> run() {
-    if (lights_.empty()) return std::vector<uint8_t>(positions_.size(), 1);
+    if (lights_.empty()) return std::vector<uint8_t>(positions_.size(), kFrontLit);
     for (int round = 0; round < recall_.rounds; ++round) {
       if (round > 0) settle_pockets();
-      for (size_t side = 0; side < sides_; ++side)
-        trace(side, kPathsOfRounds[static_cast<size_t>(round)]);
+      trace(kPathsOfRounds[static_cast<size_t>(round)]);
       spread_from_lit();
     }
     if (recall_.now != nullptr) remember();
-    std::vector<uint8_t> keep(positions_.size());
-    for (size_t i = 0; i < keep.size(); ++i) keep[i] = kept(i) ? 1 : 0;
-    return keep;
+    std::vector<uint8_t> sides(positions_.size());
+    for (size_t p = 0; p < places_.size(); ++p)
+      if (places_[p].lit) sides[point_of(p)] |= p < positions_.size() ? kFrontLit : kBackLit;
+    return sides;
   }
 
  private:
@@ -142,13 +142,11 @@ class ReachSearch {
     }
   }
 
-  /// Condition 1 for one side of all points that are not kept.
-  void trace(size_t side, int paths) {
+  /// Condition 1 for the sides of all points that are not kept.
+  void trace(int paths) {
     std::vector<uint32_t> numbers;
-    for (size_t i = 0; i < positions_.size(); ++i) {
-      const size_t p = i + side * positions_.size();
-      if (!settled_[p] && !kept(i)) numbers.push_back(static_cast<uint32_t>(p));
-    }
+    for (size_t p = 0; p < places_.size(); ++p)
+      if (!settled_[p] && !kept(point_of(p))) numbers.push_back(static_cast<uint32_t>(p));
     find_light(bvh_, lights_, options_, paths, numbers, recall_.check, &places_);
   }
 

@@ -361,7 +361,7 @@ TEST(Reach, KeepsWhatASkyReachesAndTheEnvironment) {
   PruneCounts counts;
   scene::SamplerOptions sampler;
   const scene::SurfaceSamples samples =
-      sample_reached_surface(bvh, 400, sampler, Sides::Front, {}, &counts);
+      sample_reached_surface(bvh, 400, sampler, Purpose::Queries, {}, &counts);
   ASSERT_EQ(samples.size(), 400);
   EXPECT_GT(counts.pruned, 0);
   for (size_t i = 0; i < 400; ++i) {

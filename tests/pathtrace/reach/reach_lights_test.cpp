@@ -26,7 +26,7 @@ SurfaceSamples scene_points(const scene::Scene& scene, int64_t count, uint64_t s
   PruneCounts counts;
   const Bvh bvh(scene);
   SurfaceSamples samples =
-      sample_reached_surface(bvh, count, sampler, Sides::Either, {5, seed}, &counts);
+      sample_reached_surface(bvh, count, sampler, Purpose::Scene, {5, seed}, &counts);
   if (count >= 100) {
     EXPECT_GT(counts.pruned, 0) << "else the test tells nothing";
   }
@@ -94,7 +94,7 @@ TEST(ReachLights, MoreLightsThanPointsAreRefusedByName) {
   const Bvh bvh(scene);
   PruneCounts counts;
   EXPECT_THAT(
-      test::error_of([&] { sample_reached_surface(bvh, 20, {}, Sides::Either, {}, &counts); }),
+      test::error_of([&] { sample_reached_surface(bvh, 20, {}, Purpose::Scene, {}, &counts); }),
       ::testing::AllOf(::testing::HasSubstr("20 punctual lights"), ::testing::HasSubstr("room"),
                        ::testing::HasSubstr("more points")));
 }

@@ -120,7 +120,7 @@ TEST(Reach, SamplesAreAsManyAsAskedForAndStandForTheReachedArea) {
   const Bvh bvh(scene);
   PruneCounts counts;
   const scene::SurfaceSamples samples =
-      sample_reached_surface(bvh, 500, {.seed = 4}, Sides::Front, {}, &counts);
+      sample_reached_surface(bvh, 500, {.seed = 4}, Purpose::Queries, {}, &counts);
   ASSERT_EQ(samples.size(), 500);
   EXPECT_GT(counts.pruned, 0);
   EXPECT_GE(counts.drawn, 500 + counts.pruned);
@@ -181,7 +181,7 @@ TEST(Reach, RecalledDarknessGivesThePointsOfAWholeSearch) {
   PruneCounts counts;
   {
     const Bvh bvh(scene);
-    sample_reached_surface(bvh, 400, sampler, Sides::Either, {}, {nullptr, {}, &memory}, &counts);
+    sample_reached_surface(bvh, 400, sampler, Purpose::Scene, {}, {nullptr, {}, &memory}, &counts);
   }
   const int64_t hidden = counts.pruned;
   ASSERT_GT(hidden, 50) << "the inner box is dark";
@@ -202,15 +202,97 @@ TEST(Reach, RecalledDarknessGivesThePointsOfAWholeSearch) {
     ReachMemory next;
     PruneCounts whole_counts;
     const scene::SurfaceSamples recalled = sample_reached_surface(
-        bvh, 400, sampler, Sides::Either, {}, {&memory, changed, &next}, &counts);
+        bvh, 400, sampler, Purpose::Scene, {}, {&memory, changed, &next}, &counts);
     const scene::SurfaceSamples whole =
-        sample_reached_surface(bvh, 400, sampler, Sides::Either, {}, &whole_counts);
+        sample_reached_surface(bvh, 400, sampler, Purpose::Scene, {}, &whole_counts);
     EXPECT_EQ(recalled.position, whole.position);
     EXPECT_EQ(recalled.area, whole.area);
     EXPECT_EQ(counts.pruned, whole_counts.pruned);
     memory = std::move(next);
   }
   EXPECT_EQ(counts.pruned, hidden) << "all is as it was";
+}
+
+/// A closed room with a box in it, a partition that leaves a passage, and a lamp; all surfaces but
+/// the lamp wound as `windings` says, a bit a mesh.
+scene::Scene wound_room(unsigned windings, bool double_sided, bool sky = false) {
+  scene::Scene scene;
+  scene.name = "wound";
+  const int white = add_material(&scene, {0.7f, 0.7f, 0.7f}, {}, double_sided);
+  const int light = add_material(&scene, {0.5f, 0.5f, 0.5f}, {9, 9, 9});
+  add_instance(&scene, test::box_mesh({0, 0, 0}, {4, 2.5f, 3}, white, true));
+  add_instance(&scene, test::box_mesh({0.5f, 0, 0.5f}, {1.3f, 1.1f, 1.4f}, white, false));
+  add_instance(&scene, test::quad_mesh({2.5f, 0, 0}, {0, 0, 2}, {0, 2.5f, 0}, white));
+  for (size_t m = 0; m < scene.meshes.size(); ++m) {
+    if ((windings >> m & 1) == 0) continue;
+    for (auto& triangle : scene.meshes[m].triangles) std::swap(triangle[1], triangle[2]);
+  }
+  add_quad(&scene, {1.5f, 2.4f, 1}, {1, 0, 0}, {0, 0, 1}, light);
+  if (sky) test::add_sky(&scene, {3, 3, 3});
+  return scene;
+}
+
+/// Where the room is, seen from a point of its walls or of the box; zero on the partition.
+Vec3 into_the_room(const Vec3& p) {
+  if (std::abs(p.x - 2.5f) < 1e-4f && p.z < 2) return {};
+  const auto between = [](float value, float low, float high) {
+    return value > low - 1e-4f && value < high + 1e-4f;
+  };
+  const bool box =
+      between(p.x, 0.5f, 1.3f) && between(p.y, 0, 1.1f) && between(p.z, 0.5f, 1.4f) && p.y > 1e-4f;
+  return box ? p - Vec3{0.9f, 0.55f, 0.95f} : Vec3{2, 1.25f, 1.5f} - p;
+}
+
+TEST(Reach, PointsFaceTheLightWhateverTheWinding) {
+  for (const bool sky : {false, true}) {
+    for (unsigned windings = 0; windings < 8; ++windings) {
+      const scene::Scene scene = wound_room(windings, windings % 2 == 0, sky);
+      const Bvh bvh(scene);
+      scene::SamplerOptions sampler;
+      sampler.seed = windings;
+      sampler.emissive_share = 0.1;
+      sampler.environment_share = 0.01;
+      PruneCounts counts;
+      int one_way = 0, other_way = 0;
+      for (const Purpose purpose : {Purpose::Scene, Purpose::Queries}) {
+        const scene::SurfaceSamples points =
+            sample_reached_surface(bvh, 600, sampler, purpose, {.seed = windings}, &counts);
+        for (size_t i = 0; i < points.position.size(); ++i) {
+          if (max_component(points.emission[i]) > 0) continue;
+          const Vec3 inwards = into_the_room(points.position[i]);
+          if (dot(inwards, inwards) == 0) {
+            ++(points.normal[i].x > 0 ? one_way : other_way);
+          } else {
+            EXPECT_GT(dot(points.normal[i], inwards), 0)
+                << "windings " << windings << ", sky " << sky << ", point " << i;
+          }
+        }
+      }
+      // Both sides of the partition are in the room.
+      EXPECT_NEAR(one_way, other_way, 5 * std::sqrt(one_way + other_way)) << windings;
+      EXPECT_GT(one_way, 10);
+    }
+  }
+}
+
+TEST(Reach, AllOfASurfaceIsTurnedToTheLightAndLampsAreNot) {
+  scene::Scene scene = wound_room(5, true);
+  add_point_light(&scene, {2, 1, 2.8f}, {1, 1, 1});
+  const Bvh bvh(scene);
+  scene::SamplerOptions sampler;
+  sampler.emissive_share = 0.1;
+  const scene::SurfaceSamples turned = sample_turned_surface(bvh, 400, sampler, {});
+  const scene::SurfaceSamples plain = scene::sample_surface(scene, 400, sampler);
+  EXPECT_EQ(turned.position, plain.position);
+  EXPECT_EQ(turned.area, plain.area);
+  int flipped = 0;
+  for (size_t i = 0; i < turned.position.size(); ++i) {
+    const bool same = turned.normal[i] == plain.normal[i];
+    EXPECT_TRUE(same || turned.normal[i] == -plain.normal[i]);
+    if (max_component(plain.emission[i]) > 0) EXPECT_TRUE(same);
+    flipped += same ? 0 : 1;
+  }
+  EXPECT_GT(flipped, 200) << "the walls were wound outwards";
 }
 
 }  // namespace
