@@ -166,8 +166,9 @@ typedef struct lte_float3_view {
 /** Samples of a scene's surfaces, and of lights that are none. All arrays have `count` entries and
  *  hold finite values. Lights that are no surface are black emissive points, with direct and
  *  indirect 0, and need `area`:
- *  - A point or spot light of power W stands in its place: area a, that of any other point, and
- *    emission W / (pi a).
+ *  - A point light of power W is two points in its place, normals up and down, each of area a,
+ *    that of any other point, and emission W / (2 pi a). A spot light is one whose normal is its
+ *    direction, of emission W / (pi a): the width of its cone is not among what points tell.
  *  - A sun (directional light) of irradiance E on what faces it stands on the sphere around the
  *    bounds of the surfaces (centre c, radius r, half their diagonal): position c - r d and normal
  *    d, where d is the unit direction in which its light travels. It takes the solid angle
@@ -178,13 +179,16 @@ typedef struct lte_scene_points {
   size_t struct_size;
   int64_t count;            /**< M, at least 1; lte_model_info::scene_points is best */
   lte_float3_view position; /**< world, metres */
-  lte_float3_view normal;   /**< unit, of the side that is lit */
+  lte_float3_view normal;   /**< unit, of the side that is lit, whatever the mesh's winding */
   lte_float3_view albedo;   /**< in [0, 16], usually [0, 1] */
-  lte_float3_view emission; /**< radiance, not negative */
+  lte_float3_view emission; /**< radiance towards the normal, not negative; a surface that emits
+                                 from both sides has points on either, back to back */
   /** Irradiance at the points, W/m^2, not negative, 0 on luminaires. It is the sum over both sides
    *  of the surface; the inner side of a closed body is dark. Estimates may be noisy but not
    *  biased: those of the training came from 32 paths a side. lte_model_info::light_input says
-   *  which are needed; data of the others may be NULL. */
+   *  which are needed; data of the others may be NULL. Models such as lte-base solve the light on
+   *  the points themselves; where direct and direct_back are given, by shadow rays of yours, the
+   *  solution starts from those, which know spots, textures and shadows that points do not. */
   lte_float3_view direct;   /**< from luminaires straight */
   lte_float3_view indirect; /**< after one bounce or more */
   const float* area;   /**< m^2 that each point stands for, without gaps; NULL: all the same, as

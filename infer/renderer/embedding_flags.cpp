@@ -1,5 +1,6 @@
 #include "infer/renderer/embedding_flags.h"
 
+#include "infer/light/lit_samples.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/timer.h"
@@ -84,6 +85,7 @@ runtime::EmbeddingKey embedding_key(const scene::Scene& scene, const runtime::Ne
           {"scene materials", print.materials},
           {"scene lights", print.lights},
           {"scene-points", std::to_string(points)},
+          {"drawn by rules", std::to_string(kScenePointsVersion)},
           {"prune", settings.prunes(network) ? "on" : "off"},
           {"seed", std::to_string(settings.seed)}};
 }

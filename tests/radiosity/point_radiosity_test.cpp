@@ -215,5 +215,76 @@ TEST(PointRadiosity, RefusesArraysAndGroupsThatDoNotFit) {
   EXPECT_THROW(solve(set.points(), 2), Error);
 }
 
+/// Direct irradiance at a point from a square of edge 1 and radiance 1 that lies parallel to it at
+/// distance 1, its middle above the point: π times four times the form factor of a quarter.
+double under_a_square() {
+  const double x = 0.5, a = x / std::sqrt(1 + x * x);
+  return 4 * a * std::atan(a);
+}
+
+TEST(PointRadiosity, ASheetThatShinesFromBothSidesLightsFloorAndCeilingAlike) {
+  Set set;
+  constexpr int kEdge = 24;
+  for (int i = 0; i < kEdge * kEdge; ++i) {
+    const Vec3 p{(static_cast<float>(i % kEdge) + 0.5f) / kEdge - 0.5f, 0,
+                 (static_cast<float>(i / kEdge) + 0.5f) / kEdge - 0.5f};
+    for (const float up : {-1.0f, 1.0f})
+      set.add(p, {0, up, 0}, 0, {1, 2, 4}, 1.0f / (kEdge * kEdge), 0);
+  }
+  const size_t floor = set.position.size();
+  set.add({0, -1, 0}, {0, 1, 0}, 0.5f, {}, 0.01f, -1);
+  set.add({0, 1, 0}, {0, -1, 0}, 0.5f, {}, 0.01f, -1);
+  const PointLight light = solve(set.points(), 1);
+  for (const size_t i : {floor, floor + 1}) {
+    EXPECT_NEAR(light.direct[i].x, under_a_square(), 0.01 * under_a_square());
+    EXPECT_NEAR(light.direct[i].z, 4 * under_a_square(), 0.04 * under_a_square());
+    EXPECT_EQ(light.direct_back[i].y, 0);
+  }
+}
+
+TEST(PointRadiosity, DirectLightThatIsGivenIsWhatReflectionsStartFrom) {
+  // Of an integrating sphere: without its luminaires, given what they send.
+  constexpr int kCount = 3000;
+  const Set lit = integrating_sphere(kCount, 0.5f, 30);
+  const PointLight solved = solve(lit.points(), 2);
+  Set dark = lit;
+  Points points = dark.points();
+  points.direct = solved.direct;
+  points.direct_back = solved.direct_back;
+  const PointLight given = solve(points, 2);
+  EXPECT_EQ(given.direct, solved.direct);
+  EXPECT_EQ(given.indirect, solved.indirect);
+  std::vector<Rgb> halved = solved.direct, halved_back = solved.direct_back;
+  for (Rgb& value : halved) value *= 0.5f;
+  for (Rgb& value : halved_back) value *= 0.5f;
+  points.direct = halved;
+  points.direct_back = halved_back;
+  const double whole = mean_green(solved.indirect, 0, kCount);
+  EXPECT_NEAR(mean_green(solve(points, 2).indirect, 0, kCount), 0.5 * whole, 1e-3 * whole);
+  points.direct = std::span(halved).first(10);
+  EXPECT_THROW(solve(points, 2), Error);
+}
+
+TEST(PointRadiosity, SurfacesReceiveNoMoreThanLampsSend) {
+  constexpr int kCount = 3000, kLuminaires = 30;
+  const Set lit = integrating_sphere(kCount, 0.5f, kLuminaires);
+  const PointLight solved = solve(lit.points(), 2);
+  std::vector<Rgb> direct = solved.direct;
+  // One point, near a small lamp say, for more light than there is.
+  direct[kCount - 1] = direct[kCount - 1] * 1e5f;
+  Points points = lit.points();
+  points.direct = direct;
+  points.direct_back = solved.direct_back;
+  const PointLight bounded = solve(points, 2);
+  double sent = 0, received = 0;
+  for (size_t i = 0; i < lit.position.size(); ++i) {
+    sent += double{kPi} * lit.emission[i].y * lit.area[i];
+    for (const size_t group : {size_t{0}, size_t{kCount}})
+      received += double{bounded.direct[group + i].y} * lit.area[i];
+  }
+  EXPECT_NEAR(received, sent, 1e-3 * sent);
+  EXPECT_EQ(bounded.direct[kLuminaires + 5], solved.direct[kLuminaires + 5]);
+}
+
 }  // namespace
 }  // namespace lte::radiosity

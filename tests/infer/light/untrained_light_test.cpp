@@ -140,10 +140,10 @@ TEST(UntrainedLight, TracedLayersAreTheReferencesAndDirectLightStays) {
         renderer.render(into_the_room(), settings(output, Mode::Neural, Indirect::Paths));
     const Output layers = output == Output::Full ? Output::Gi : output;
     const Frame reference =
-        renderer.render(into_the_room(), settings(layers, Mode::Reference, Indirect::Network));
+        renderer.render(into_the_room(), settings(layers, Mode::Reference, Indirect::Decoded));
     EXPECT_EQ(frame.indirect.pixels, reference.indirect.pixels) << enum_name(output);
   }
-  const RenderSettings direct = settings(Output::Direct, Mode::Neural, Indirect::Network);
+  const RenderSettings direct = settings(Output::Direct, Mode::Neural, Indirect::Decoded);
   EXPECT_EQ(renderer.render(into_the_room(), settings(Output::Full, Mode::Neural, Indirect::Paths))
                 .direct.pixels,
             renderer.render(into_the_room(), direct).direct.pixels);
