@@ -24,8 +24,11 @@ render() {
   # Path tracing of as many paths as takes about as long.
   reference "$living_room" "$out/path_traced" --spp 8 --size 640x480
   build/bin/lte_render "$living_room" --size 640x480 --exposure "$exposure" \
-    --out "$out/network.png" --json "$out/network.json"
-  printf '\nDone in %d s: open %s/network.png, and path_traced.png beside it\n' "$SECONDS" "$out"
+    --out "$out/gathered.png" --json "$out/gathered.json"
+  build/bin/lte_render "$living_room" --size 640x480 --exposure "$exposure" --indirect network \
+    --quality preview --out "$out/network.png" --json "$out/network.json"
+  printf '\nDone in %d s: open %s/gathered.png, and network.png and path_traced.png beside it\n' \
+    "$SECONDS" "$out"
 }
 
 case "${1:-}" in
@@ -68,7 +71,7 @@ for scene in home room cornell; do
   for model in shipped trained; do
     checkpoint=$run/model.safetensors
     [ $model = shipped ] && checkpoint=assets/models/lte-base.safetensors
-    "$bin/lte_render" "$out/$scene.glb" --checkpoint "$checkpoint" --size "$size" \
+    "$bin/lte_render" "$out/$scene.glb" --indirect decoded --checkpoint "$checkpoint" --size "$size" \
       --exposure "$exposure" --out "$out/${scene}_$model.png" --json "$out/${scene}_$model.json"
   done
   "$bin/lte_render" "$out/$scene.glb" --size "$size" --out "$out/$scene.exr" --quiet

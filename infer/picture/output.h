@@ -16,9 +16,9 @@ enum class Output {
   Attention  ///< what the network looks at (attention_map.h); its picture is painted on surfaces
 };
 enum class Mode { Neural, Reference };
-/// Who answers for indirect light in neural mode.
+/// How indirect light is made in neural mode.
 enum class Indirect {
-  Network,
+  Decoded,  ///< the network's decoder answers at each pixel
   Paths,
   Gather  ///< rays that read a table of the light on surfaces (light_table.h)
 };
@@ -45,7 +45,7 @@ constexpr EnumNames<Mode, 2> enum_names(Mode) {
 }
 constexpr EnumNames<Indirect, 3> enum_names(Indirect) {
   return {
-      {{Indirect::Network, "network"}, {Indirect::Gather, "gather"}, {Indirect::Paths, "paths"}}};
+      {{Indirect::Decoded, "decoded"}, {Indirect::Gather, "gather"}, {Indirect::Paths, "paths"}}};
 }
 
 constexpr EnumNames<Metal, 4> enum_names(Metal) {

@@ -21,6 +21,30 @@ PictureProgress::PictureProgress(RenderSettings* settings)
 
 PictureProgress::~PictureProgress() { settings_->done = {}; }
 
+const char* method_word(const RenderSettings& settings, TableLight table) {
+  if (settings.mode == Mode::Reference) return enum_name(Indirect::Paths);
+  if (settings.indirect == Indirect::Gather && table == TableLight::Network) return "network";
+  return enum_name(settings.indirect);
+}
+
+void say_method(const std::filesystem::path& model, const Renderer& renderer,
+                const RenderSettings& settings, const TableSettings& table) {
+  const PictureNeeds needs = renderer.needs(settings);
+  if (!needs.indirect || settings.mode == Mode::Reference) return;
+  const std::string name = model.stem().string();
+  if (settings.indirect == Indirect::Paths) {
+    log_info("indirect light: ", settings.spp, " paths a pixel");
+  } else if (settings.indirect == Indirect::Decoded) {
+    log_info("indirect light: ", name, ", decoded at each pixel");
+  } else if (table.light == TableLight::Network) {
+    log_info("indirect light: ", name, " at ", table.entries, " places, gathered by rays");
+  } else {
+    log_info("indirect light: path-traced at ", table.entries,
+             " places, gathered by rays; no "
+             "model is needed");
+  }
+}
+
 void report_metal(const std::string& scene, const RenderSettings& settings, const Frame& frame) {
   const double seen =
       static_cast<double>(int64_t{settings.width} * settings.height - frame.background);

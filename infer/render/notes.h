@@ -1,6 +1,7 @@
 // What lte_render says about a picture beside its times: progress, and what was not shown as it is.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "infer/renderer/renderer.h"
@@ -20,6 +21,14 @@ class PictureProgress {
   RenderSettings* settings_;
   Progress progress_;
 };
+
+/// The word of --indirect for how a picture's light is made.
+const char* method_word(const RenderSettings& settings, TableLight table);
+
+/// Says in a line how indirect light is made; nothing for pictures without any.
+/// @param model  the file of the network, where one is used
+void say_method(const std::filesystem::path& model, const Renderer& renderer,
+                const RenderSettings& settings, const TableSettings& table);
 
 /// Says how much of what is seen is metal, and what stands for it. A warning where that is not what
 /// paths would show.

@@ -82,7 +82,7 @@ double shadow_rays(const PicturePlan& plan) {
 
 /// What there is to say about a picture that has been written.
 nlohmann::json picture_json(const RenderRequest& request, const View& view, const PicturePlan& plan,
-                            const Frame& frame, double exposure) {
+                            TableLight table, const Frame& frame, double exposure) {
   const RenderSettings& settings = plan.settings;
   return {{"out", view.out},
           {"camera", nlohmann::json::parse(scene::camera_json(view.camera))},
@@ -93,7 +93,7 @@ nlohmann::json picture_json(const RenderRequest& request, const View& view, cons
           {"decoded_pixels", settings.indirect == Indirect::Gather  ? 0
                              : settings.sparse && frame.decoded > 0 ? frame.decoded
                                                                     : frame.queries},
-          {"indirect", enum_name(settings.indirect)},
+          {"indirect", method_word(settings, table)},
           {"gather", gather_json(settings, frame)},
           {"correction_paths", frame.correction_paths},
           {"quality", enum_name(plan.quality)},
@@ -105,7 +105,7 @@ nlohmann::json picture_json(const RenderRequest& request, const View& view, cons
 }
 
 /// The keys of one picture stand beside those of the run; several are a list of their own.
-nlohmann::json to_json(const RenderRequest& request, const Renderer& renderer,
+nlohmann::json to_json(const RenderRequest& request, const Renderer& renderer, TableLight table,
                        const nlohmann::json& pictures, const StageSeconds& s, double total) {
   const auto [width, height] = parse_picture_size(request.size);
   nlohmann::json json = {{"scene", request.scene},
@@ -121,7 +121,7 @@ nlohmann::json to_json(const RenderRequest& request, const Renderer& renderer,
   if (!request.time_budget.empty())
     json["time_budget_seconds"] = parse_time_budget(request.time_budget);
   if (renderer.has_table()) {
-    json["table"] = {{"light", request.gather.table},
+    json["table"] = {{"light", enum_name(table)},
                      {"entries", renderer.table().size()},
                      {"radius", renderer.table().radius()}};
   }
@@ -175,11 +175,7 @@ std::optional<runtime::Network> load_network(const RenderRequest& request,
   const bool may_come = request.edit.any() && settings->mode == Mode::Neural &&
                         !is_geometry(settings->output) && settings->output != Output::Direct;
   const bool gathers = needs.table || (may_come && settings->indirect == Indirect::Gather);
-  if (gathers && table->light == TableLight::Raw) {
-    log_info("indirect light is gathered from ", table->entries,
-             " path-traced estimates: no model is needed");
-    return std::nullopt;
-  }
+  if (gathers && table->light == TableLight::Raw) return std::nullopt;
   const bool looks_inside = settings->output == Output::Attention;
   if (!gathers && !needs.network && !may_come && !looks_inside) return std::nullopt;
   const c10::Device device = nn::choose_device(request.tool.device, 0, "--device");
@@ -278,8 +274,9 @@ struct PictureRun {
   std::vector<View> views;
   RenderSettings settings;  ///< but for what a time budget decides
   std::optional<FrameSet> frames;
-  EditedFrames* edited = nullptr;     ///< of --edit
-  std::optional<AttentionLook> look;  ///< of --output attention
+  TableLight table = TableLight::Raw;  ///< of gathered light
+  EditedFrames* edited = nullptr;      ///< of --edit
+  std::optional<AttentionLook> look;   ///< of --output attention
   Timer total;
   Timer work;  ///< since the scene points were drawn
 };
@@ -315,7 +312,7 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
     const float exposure = exposure_of(request, frame, settings.output, &run.frames);
     add_seconds(renderer->seconds(), &seconds);
     if (run.edited) seconds.table += renderer->seconds().table;  // each frame has one of its own
-    pictures.push_back(picture_json(request, view, plan, frame, exposure));
+    pictures.push_back(picture_json(request, view, plan, run.table, frame, exposure));
     if (run.edited) pictures.back()["edit"] = edit;
     if (run.look) pictures.back()["attention"] = run.look->json();
     writer.write({view.out, std::move(frame), settings.output, exposure, view.camera});
@@ -325,7 +322,8 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
   writer.finish();
   seconds.write += writer.seconds();
   if (!request.tool.common.json.empty()) {
-    const nlohmann::json json = to_json(request, *renderer, pictures, seconds, run.total.seconds());
+    const nlohmann::json json =
+        to_json(request, *renderer, run.table, pictures, seconds, run.total.seconds());
     write_file(request.tool.common.json, json.dump(2) + '\n');
   }
   if (run.views.size() != 1 && !request.tool.common.quiet)
@@ -345,10 +343,10 @@ void run_render(const RenderRequest& request) {
   check_edit_flags(request.edit, request.out);
   check_attention_flags(request);
   check_draws(request.embedding);
-  LTE_CHECK(!request.edit.any() || request.gather.by != Indirect::Paths,
-            "--edit and --indirect paths: expected network or gather");
-  LTE_CHECK(!request.edit.any() || request.gather.table == "raw",
-            "--edit and --table network: of an edited scene the table is path-traced (raw)");
+  const IndirectMethod method = indirect_method(request.gather);
+  LTE_CHECK(
+      !request.edit.any() || method == IndirectMethod::Gather || method == IndirectMethod::Decoded,
+      "--edit and --indirect ", request.gather.method, ": expected gather or decoded");
   CommandFiles files;
   claim_files(request, &files);
   apply_tool_options(request.tool);
@@ -383,11 +381,12 @@ void run_render(const RenderRequest& request) {
   TableSettings table = table_settings(request.gather, settings.max_depth, settings.seed);
   const std::optional<runtime::Network> network =
       load_network(request, views, renderer, &settings, &table);
+  say_method(checkpoint_or_shipped(request.checkpoint), renderer, settings, table);
   files.check_what_was_read();
   renderer.seconds().load = total.seconds();
   const runtime::MemoryLimit memory(request.tool.max_memory_mb);
   LTE_CHECK(!network || !network->predicts_total() || settings.correction_paths == 0 ||
-                settings.indirect != Indirect::Network,
+                settings.indirect != Indirect::Decoded,
             checkpoint_or_shipped(request.checkpoint).string(),
             ": predicts direct and indirect light in one, which --correction-paths does not know");
   LTE_CHECK(
@@ -442,10 +441,10 @@ void run_render(const RenderRequest& request) {
                  renderer.bvh(), renderer.shared_embedding(), all_views.front().camera.origin);
     log_info(look->text());
   }
-  render_to_files(
-      request,
-      {std::move(views), settings, std::move(frames), edited.get(), std::move(look), total, work},
-      &renderer);
+  render_to_files(request,
+                  {std::move(views), settings, std::move(frames), table.light, edited.get(),
+                   std::move(look), total, work},
+                  &renderer);
   if (edited) edited->finish(request.edit, request.out);
 }
 

@@ -42,9 +42,8 @@ std::string check_time_budget(const std::string& text) {
   }
 }
 
-/// Which flags win over the quality, and who answers for indirect light.
+/// Which flags win over the quality.
 void note_given(const CLI::App& app, RenderRequest* r) {
-  resolve_indirect(app, r->mode == "neural", &r->gather);
   r->given.direct_samples = app.count("--direct-samples") > 0;
   r->given.antialias = app.count("--aa") > 0;
   r->given.sparse = app.count("--sparse") > 0;
@@ -69,7 +68,9 @@ RenderSettings settings_of(const RenderRequest& request) {
   settings.metal = parse_enum<Metal>("--metal", request.metal);
   settings.reflections = request.reflections;
   settings.layers = keeps_layers(request.out) || settings.output == Output::Attention;
-  settings.indirect = request.gather.by;
+  // A picture of what the network attends to is painted on what it decodes.
+  settings.indirect =
+      settings.output == Output::Attention ? Indirect::Decoded : indirect_of(request.gather);
   if (request.given.gather_rays) settings.gather.rays = request.gather.rays;
   if (request.given.correction_paths) settings.correction_paths = request.gather.paths;
   return with_quality(parse_enum<Quality>("--quality", request.quality),
@@ -77,17 +78,19 @@ RenderSettings settings_of(const RenderRequest& request) {
 }
 
 void check_dial(const RenderRequest& request) {
-  check_gather_flags(request.gather, request.mode == "neural");
+  const IndirectMethod method = indirect_method(request.gather);
+  check_gather_flags(*request.flags, request.gather, request.mode == "neural",
+                     request.output == "attention");
   LTE_CHECK(request.time_budget.empty() || request.mode == "neural",
             "--time-budget needs --mode neural: a reference takes --spp paths a pixel");
-  LTE_CHECK(request.gather.paths <= 0 || request.gather.by != Indirect::Network ||
+  LTE_CHECK(request.gather.paths <= 0 || method != IndirectMethod::Decoded ||
                 (request.output == "full" && request.time_budget.empty()),
-            "--correction-paths with --indirect network needs --output full, and goes with no "
+            "--correction-paths with --indirect decoded needs --output full, and goes with no "
             "--time-budget");
   LTE_CHECK(
-      request.metal != "network" || (request.mode == "neural" &&
-                                     request.gather.by == Indirect::Network && !request.edit.any()),
-      "--metal network needs --mode neural and --indirect network, and goes with no --edit");
+      request.metal != "network" ||
+          (request.mode == "neural" && method == IndirectMethod::Decoded && !request.edit.any()),
+      "--metal network needs --mode neural and --indirect decoded, and goes with no --edit");
   LTE_CHECK(request.sparse != "on" || request.mode == "neural",
             "--sparse on needs --mode neural: a reference asks every pixel");
 }
@@ -128,13 +131,15 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
       ->expected(3)
       ->type_name("X,Y,Z");
   app.add_option("--mode", r->mode,
-                 "The network, or the path-traced reference of the same quantity")
+                 "Indirect light as --indirect says, or the path-traced reference of the same "
+                 "quantity")
       ->check(CLI::IsMember({"neural", "reference"}))
       ->capture_default_str();
-  app.add_option("--quality", r->quality,
-                 "Neural mode, flags by hand win: draft (sparse answers, 4 shadow rays), preview "
-                 "(sparse answers, 16 rays) or final (an answer a pixel, 64 rays; gathered light "
-                 "is corrected by paths)")
+  app.add_option(
+         "--quality", r->quality,
+         "Neural mode, how long a picture takes, flags by hand win: draft (8 gather rays at "
+         "a quarter of the pixels), preview (16 of them) or final (32 rays at each pixel, "
+         "corrected by paths); docs/pictures.md has what is decoded")
       ->check(CLI::IsMember({"draft", "preview", "final"}))
       ->capture_default_str();
   app.add_option("--time-budget", r->time_budget,

@@ -47,7 +47,7 @@ PictureNeeds needs_of(const RenderSettings& settings, bool has_light, bool total
   PictureNeeds needs;
   needs.light = has_light && !is_geometry(settings.output);
   needs.indirect = needs.light && settings.output != Output::Direct;
-  needs.network = neural && needs.indirect && settings.indirect == Indirect::Network;
+  needs.network = neural && needs.indirect && settings.indirect == Indirect::Decoded;
   needs.table = neural && needs.indirect && settings.indirect == Indirect::Gather;
   // A total model's full picture needs no direct light; its indirect share is what direct light
   // leaves.

@@ -34,7 +34,7 @@ struct RenderSettings {
   Output output = Output::Full;
   Mode mode = Mode::Neural;
   int width = 512, height = 512;
-  Indirect indirect = Indirect::Network;
+  Indirect indirect = Indirect::Decoded;
   GatherSettings gather;  ///< of Indirect::Gather, which takes its noise away unless `denoise` is
                           ///< off
   /// Of Indirect::Gather at few pixels (gather.step): light that earlier pictures since

@@ -160,7 +160,7 @@ Frame SessionState::Parts::render(const scene::Camera& camera, RenderSettings se
                                   StageSeconds* seconds) const {
   Renderer renderer(bvh, lights, base->denoiser);
   settings.answerer = nullptr;
-  settings.indirect = asks_network ? Indirect::Network : Indirect::Paths;
+  settings.indirect = asks_network ? Indirect::Decoded : Indirect::Paths;
   if (!layers.empty()) renderer.set_embedding(layers.front().layer->embedding);
   const bool plain = layers.size() == 1 && layers.front().scale == Rgb{1, 1, 1};
   if (asks_network && (!plain || settings.done)) {

@@ -154,7 +154,9 @@ def of_scene(arguments):
         return {k: stack(v) for k, v in layers.items() if isinstance(v, np.ndarray) or len(v) >= 3
                }, seconds
 
-    model = ["--checkpoint", arguments.checkpoint] if arguments.checkpoint else []
+    model = ["--indirect", "decoded"]
+    if arguments.checkpoint:
+        model += ["--checkpoint", arguments.checkpoint]
     network, times = render("neural", *model)
     reference, _ = render("reference", "--spp", str(arguments.spp), "--seed", "7")
     mask = luminance(np.abs(reference["normal"])) > 0

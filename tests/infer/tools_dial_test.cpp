@@ -56,15 +56,14 @@ TEST_F(Tools, TheDialSetsSwitchesAndFlagsByHandWin) {
 }
 
 TEST_F(Tools, GatheredPicturesNeedNoModelAndKeepOneTable) {
-  const std::string common =
-      at("room.glb") + " --size 24x16 --checkpoint " + at("none.safetensors");
+  const std::string common = at("room.glb") + " --size 24x16";
   const auto told = [&](const std::string& flags) {
     const Outcome done = run_tool("lte_render", common + flags + " --json " + at("g.json"));
     EXPECT_EQ(done.code, 0) << done.text;
     EXPECT_THAT(done.text, HasSubstr("no model is needed"));
     return nlohmann::json::parse(read_file(at("g.json")));
   };
-  const nlohmann::json one = told(" --indirect gather --out " + at("g.exr"));
+  const nlohmann::json one = told(" --out " + at("g.exr"));
   EXPECT_EQ(one.at("indirect"), "gather");
   EXPECT_EQ(one.at("decoded_pixels"), 0);
   EXPECT_GT(one.at("gather").at("pixels"), 100);
@@ -82,7 +81,7 @@ TEST_F(Tools, GatheredPicturesNeedNoModelAndKeepOneTable) {
     EXPECT_EQ(picture.at("gather").at("rays"), 4);
     EXPECT_EQ(picture.at("gather").at("correction_paths"), 2);
   }
-  const Outcome filled = render("--indirect gather --table network --out " + at("n.exr"));
+  const Outcome filled = render("--indirect network --out " + at("n.exr"));
   EXPECT_EQ(filled.code, 0) << filled.text;
 }
 
@@ -116,13 +115,15 @@ TEST_F(Tools, PicturesOfADraftShareTheirLight) {
 
 TEST_F(Tools, FlagsOfGatheredLightThatMakeNoSenseAreOneLineAndNoFile) {
   const std::string out = "--out " + at("never.png");
-  expect_failure(render(out + " --indirect network --gather-rays 4"), 1,
-                 HasSubstr("--gather-rays goes with --indirect gather"));
+  expect_failure(render(out + " --indirect decoded --gather-rays 4"), 1,
+                 HasSubstr("--gather-rays goes with --indirect gather or network, not decoded"));
+  expect_failure(run_tool("lte_render",
+                          at("room.glb") + " --checkpoint " + at("tiny.safetensors") + " " + out),
+                 1, HasSubstr("--checkpoint goes with --indirect network or decoded"));
   expect_failure(render(out + " --indirect gather --mode reference"), 1,
                  HasSubstr("needs --mode neural"));
   expect_failure(render(out + " --correction-paths 3"), 1, HasSubstr("an even number"));
   expect_failure(render(out + " --indirect light"), 2, HasSubstr("--indirect"));
-  expect_failure(render(out + " --table estimates"), 2, HasSubstr("--table"));
   expect_failure(render(out + " --table-points 0"), 2, HasSubstr("--table-points"));
   expect_failure(render(out + " --gather-rays -1"), 2, HasSubstr("--gather-rays"));
   expect_failure(render(out + " --indirect gather --table-points 4000000 --max-memory 500M"), 1,

@@ -44,17 +44,17 @@ TEST_F(Tools, ASunThatTheModelHasNeverSeenIsSaidInOneLine) {
                     at("sunny.glb") + " --size 24x16 --out " + at("sunny.exr") + rest);
   };
   const std::string words = "1 directional light, but the model was trained without such light";
-  const Outcome unseen = render_sunny(" --checkpoint " + at("tiny.safetensors"));
+  const Outcome unseen = render_sunny(" --indirect decoded --checkpoint " + at("tiny.safetensors"));
   EXPECT_EQ(unseen.code, 0);
   EXPECT_THAT(unseen.text, AllOf(HasSubstr(words), HasSubstr("indirect light is path-traced"),
                                  testing::Not(HasSubstr("warning"))));
   EXPECT_EQ(unseen.text.find(words), unseen.text.rfind(words));
-  const Outcome asked = render_sunny(" --untrained-light network --checkpoint " +
+  const Outcome asked = render_sunny(" --untrained-light network --indirect decoded --checkpoint " +
                                      at("tiny.safetensors") + " --json " + at("asked.json"));
   EXPECT_THAT(asked.text,
               AllOf(HasSubstr("warning"), HasSubstr(words), HasSubstr("--untrained-light trace")));
   EXPECT_EQ(asked.text.find(words), asked.text.rfind(words));
-  EXPECT_THAT(render_sunny(" --checkpoint " + at("suns.safetensors")).text,
+  EXPECT_THAT(render_sunny(" --indirect decoded --checkpoint " + at("suns.safetensors")).text,
               testing::Not(HasSubstr(words)));
   EXPECT_THAT(render_sunny(" --mode reference --spp 1").text, testing::Not(HasSubstr(words)));
   EXPECT_THAT(render_sunny(" --output direct").text, testing::Not(HasSubstr(words)));
@@ -71,8 +71,8 @@ TEST_F(Tools, LightThatReachesNothingSeenIsNamedAndLeftOut) {
   const auto left_out = [](const std::string& prune, std::string* text) {
     const Outcome done =
         run_tool("lte_render", at("boxed.glb") + " --size 24x16 --out " + at("boxed.exr") +
-                                   " --checkpoint " + at("tiny.safetensors") + " --json " +
-                                   at("boxed.json") + " --prune " + prune);
+                                   " --indirect decoded --checkpoint " + at("tiny.safetensors") +
+                                   " --json " + at("boxed.json") + " --prune " + prune);
     EXPECT_EQ(done.code, 0) << done.text;
     *text = done.text;
     return nlohmann::json::parse(read_file(at("boxed.json"))).at("left_out_lights").size();
@@ -96,8 +96,8 @@ TEST_F(Tools, LightThatTheModelHasNeverSeenIsTracedInItsPlace) {
   const auto figures = [](const std::string& rest) {
     const Outcome done =
         run_tool("lte_render", at("sunny.glb") + " --quiet --size 24x16 --aa off --out " +
-                                   at("sunny.exr") + " --checkpoint " + at("tiny.safetensors") +
-                                   " --json " + at("sunny.json") + rest);
+                                   at("sunny.exr") + " --indirect decoded --checkpoint " +
+                                   at("tiny.safetensors") + " --json " + at("sunny.json") + rest);
     EXPECT_EQ(done.code, 0) << done.text;
     return nlohmann::json::parse(read_file(at("sunny.json")));
   };
@@ -145,9 +145,10 @@ TEST_F(Tools, BadInputIsOneLineThatNamesTheFile) {
                  HasSubstr("none.json"));
   write_file(at("garbage.safetensors"),
              "not a model at all, but long enough to have a header length");
-  expect_failure(run_tool("lte_render", at("room.glb") + " " + out + " --checkpoint " +
-                                            at("garbage.safetensors")),
-                 1, HasSubstr("garbage.safetensors"));
+  expect_failure(
+      run_tool("lte_render", at("room.glb") + " " + out + " --indirect decoded --checkpoint " +
+                                 at("garbage.safetensors")),
+      1, HasSubstr("garbage.safetensors"));
   expect_failure(run_tool("lte_eval", "--quiet --split test --checkpoint " +
                                           at("garbage.safetensors") + " --data " + at("data")),
                  1, HasSubstr("garbage.safetensors"));
@@ -200,8 +201,9 @@ TEST_F(Tools, ASceneLargerThanTheModelKnowsIsShrunkUnlessRefused) {
   test::TinyModel small;
   small.scale = 2;
   test::save_tiny_model(at("small.safetensors"), small);
-  const std::string common =
-      at("room.glb") + " --quiet --size 24x16 --checkpoint " + at("small.safetensors");
+  const std::string common = at("room.glb") +
+                             " --quiet --size 24x16 --indirect decoded --checkpoint " +
+                             at("small.safetensors");
   const std::string no = " --no-rescale";
   expect_failure(run_tool("lte_render", common + no + " --out " + at("e.png")), 1,
                  HasSubstr("the model knows scenes up to 2 m"));
@@ -211,8 +213,9 @@ TEST_F(Tools, ASceneLargerThanTheModelKnowsIsShrunkUnlessRefused) {
     const Outcome done = run_tool("lte_render", common + flag + " --out " + at("e.png"));
     EXPECT_EQ(done.code, 0) << done.text;
   }
-  const Outcome said = run_tool(
-      "lte_render", at("room.glb") + " --validate-only --checkpoint " + at("small.safetensors"));
+  const Outcome said =
+      run_tool("lte_render", at("room.glb") + " --validate-only --indirect decoded --checkpoint " +
+                                 at("small.safetensors"));
   EXPECT_EQ(said.code, 0);
   EXPECT_THAT(said.text, HasSubstr("shrunk to the 2 m"));
 }
@@ -228,9 +231,11 @@ TEST_F(Tools, ValidationRefusesWhatRenderingWould) {
     EXPECT_EQ(validated.text, rendered.text) << flags;
   }
   EXPECT_EQ(render("--max-memory 1M --validate-only").code, 1);
-  expect_failure(run_tool("lte_render", at("room.glb") + " --quiet --validate-only --checkpoint " +
-                                            at("none.safetensors")),
-                 1, HasSubstr("none.safetensors"));
+  expect_failure(
+      run_tool("lte_render", at("room.glb") +
+                                 " --quiet --validate-only --indirect decoded --checkpoint " +
+                                 at("none.safetensors")),
+      1, HasSubstr("none.safetensors"));
   EXPECT_FALSE(std::filesystem::exists(at("v.png")));
 }
 
@@ -294,8 +299,8 @@ TEST_F(Tools, ALightThatIsAddedLightsADarkScene) {
     for (const char* light : {"auto", "0,1.8,0,100", "-0.5,1.5,0,40 --add-light 0.5,1.5,0,40"}) {
       const Outcome lit =
           run_tool("lte_render", at("dark.glb") + " --size 24x16 --spp 8 --mode " + mode +
-                                     " --checkpoint " + at("tiny.safetensors") + " --out " +
-                                     at("lit.exr") + " --add-light " + light);
+                                     " --indirect decoded --checkpoint " + at("tiny.safetensors") +
+                                     " --out " + at("lit.exr") + " --add-light " + light);
       ASSERT_EQ(lit.code, 0) << lit.text;
       EXPECT_THAT(lit.text, testing::Not(HasSubstr("nothing emits light")));
       const std::vector<float> pixels = image::read_exr(at("lit.exr"), "").pixels;
@@ -309,9 +314,10 @@ TEST_F(Tools, ALightThatIsAddedLightsADarkScene) {
 
 TEST_F(Tools, ALightThatIsAddedByItselfIsWhereTheCameraStands) {
   const auto added = [&](const std::string& flags) {
-    return run_tool("lte_render", at("room.glb") +
-                                      " --validate-only --add-light auto --checkpoint " +
-                                      at("tiny.safetensors") + " " + flags)
+    return run_tool("lte_render",
+                    at("room.glb") +
+                        " --validate-only --add-light auto --indirect decoded --checkpoint " +
+                        at("tiny.safetensors") + " " + flags)
         .text;
   };
   const std::string panel = "added a panel", sky = "added an environment";
@@ -329,7 +335,7 @@ TEST_F(Tools, ALightThatIsAddedByItselfIsWhereTheCameraStands) {
 
 TEST_F(Tools, APictureThatDoesNotFitIsRefusedBeforeAnyWork) {
   const auto run = [](const std::string& size, const std::string& rest) {
-    return run_tool("lte_render", at("room.glb") + " --quiet --checkpoint " +
+    return run_tool("lte_render", at("room.glb") + " --quiet --indirect decoded --checkpoint " +
                                       at("tiny.safetensors") + " --size " + size + " " + rest);
   };
   for (const std::string mode : {"neural", "reference"}) {
@@ -345,8 +351,7 @@ TEST_F(Tools, APictureThatDoesNotFitIsRefusedBeforeAnyWork) {
 }
 
 TEST_F(Tools, ProgressIsShownAndQuietIsQuiet) {
-  const std::string common = at("room.glb") + " --size 24x16 --checkpoint " +
-                             at("tiny.safetensors") + " --out " + at("q.png");
+  const std::string common = at("room.glb") + " --size 24x16 --out " + at("q.png");
   for (const char* mode : {"neural", "reference"}) {
     const Outcome shown = run_tool("lte_render", common + " --spp 4 --mode " + mode);
     EXPECT_THAT(shown.text, HasSubstr("rendering: 384 pixels")) << mode;

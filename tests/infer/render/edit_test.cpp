@@ -131,8 +131,8 @@ edits:
   static CommandOutcome render(const std::string& rest, const std::string& scene = "room.glb") {
     std::istringstream words(scene +
                              " --quiet --size 24x16 --direct-samples 2 --denoise off --camera "
-                             "camera.json --checkpoint tiny.safetensors " +
-                             rest);
+                             "camera.json" +
+                             test::decoding_flags("tiny.safetensors", rest) + rest);
     std::vector<std::string> arguments;
     for (std::string word; words >> word;) arguments.push_back(word);
     CLI::App app{"", "lte_render"};
@@ -226,8 +226,8 @@ TEST_F(EditedPictures, RefusesWhatCannotBe) {
   EXPECT_NE(render("--edit edits.yaml --out f%d.png --time-budget 1s").code, 0);
   expect_one_line(render("--edit edits.yaml --out f%d.png --indirect paths"), 1,
                   {"--edit", "--indirect paths", "gather"});
-  expect_one_line(render("--edit edits.yaml --out f%d.png --table network"), 1,
-                  {"--edit", "--table network", "raw"});
+  expect_one_line(render("--edit edits.yaml --out f%d.png --indirect network"), 1,
+                  {"--edit", "--indirect network", "gather or decoded"});
   EXPECT_NE(render("--out f.png --video v.mp4").code, 0);
   EXPECT_EQ(test::folder_files(".").size(), 6u) << "room, camera, model and three scripts";
 }

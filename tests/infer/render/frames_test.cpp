@@ -40,8 +40,9 @@ class Frames : public test::InFolder {
   }
   static CommandOutcome render(const std::string& rest, const std::string& scene = "room.glb",
                                const std::string& model = "tiny.safetensors") {
-    const std::vector<std::string> arguments = split(
-        scene + " --quiet --size 24x16 --direct-samples 2 --checkpoint " + model + " " + rest);
+    const std::vector<std::string> arguments =
+        split(scene + " --quiet --size 24x16 --direct-samples 2" +
+              test::decoding_flags(model, rest) + rest);
     CLI::App app{"", "lte_render"};
     RenderRequest request;
     add_render_options(app, &request);

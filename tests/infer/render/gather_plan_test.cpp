@@ -138,7 +138,7 @@ TEST(GatherPlan, FlagsByHandWin) {
 TEST(GatherPlan, AQualityCorrectsGatheredLightAlone) {
   RenderSettings settings = base();
   EXPECT_EQ(with_quality(Quality::Final, Sparse::Auto, {}, settings).correction_paths, 8);
-  settings.indirect = Indirect::Network;
+  settings.indirect = Indirect::Decoded;
   EXPECT_EQ(with_quality(Quality::Final, Sparse::Auto, {}, settings).correction_paths, 0);
   settings.correction_paths = 6;
   const GivenFlags given{.correction_paths = true};
@@ -174,42 +174,40 @@ struct Parsed {
       app.add_option(flag, ignored);
     add_gather_options(app, &flags);
     app.parse(line);
-    resolve_indirect(app, neural, &flags);
-    check_gather_flags(flags, neural);
+    check_gather_flags(app, flags, neural, /*attention=*/false);
   }
   GatherFlags flags;
 };
 
-TEST(GatherFlags, WhoAnswersFollowsWhatWasAskedFor) {
-  const auto by = [](const std::string& line) { return Parsed(line).flags.by; };
-  EXPECT_EQ(by(""), Indirect::Network);
-  EXPECT_EQ(by("--quality draft"), Indirect::Gather);
-  EXPECT_EQ(by("--time-budget 1s"), Indirect::Gather);
-  EXPECT_EQ(by("--quality draft --checkpoint a"), Indirect::Network);
-  EXPECT_EQ(by("--gather-rays 4 --checkpoint a"), Indirect::Gather);
-  EXPECT_EQ(by("--correction-paths 8"), Indirect::Gather);
-  EXPECT_EQ(by("--correction-paths 8 --checkpoint a"), Indirect::Network);
-  EXPECT_EQ(by("--indirect network --correction-paths 8"), Indirect::Network);
+TEST(GatherFlags, ItsOwnFlagAloneChoosesTheMethod) {
+  for (const char* line :
+       {"", "--quality draft", "--quality final", "--time-budget 1s", "--gather-rays 4",
+        "--correction-paths 0", "--correction-paths 8", "--indirect gather", "--keep-light on"})
+    EXPECT_EQ(indirect_of(Parsed(line).flags), Indirect::Gather) << line;
+  const auto by = [](const std::string& line) { return indirect_of(Parsed(line).flags); };
+  EXPECT_EQ(by("--indirect decoded --checkpoint a"), Indirect::Decoded);
+  EXPECT_EQ(by("--indirect network --checkpoint a"), Indirect::Gather);
   EXPECT_EQ(by("--indirect paths --quality draft"), Indirect::Paths);
-  EXPECT_EQ(by("--indirect network --time-budget 1s"), Indirect::Network);
-  EXPECT_EQ(Parsed("--quality draft", false).flags.by, Indirect::Network);
-  EXPECT_EQ(Parsed("--quality draft").flags.indirect, "gather");
+  EXPECT_EQ(table_settings(Parsed("").flags, 5, 0).light, TableLight::Raw);
+  EXPECT_EQ(table_settings(Parsed("--indirect network").flags, 5, 0).light, TableLight::Network);
 }
 
-TEST(GatherFlags, ContradictionsAreRefusedInOneLine) {
+TEST(GatherFlags, WhatTheMethodDoesNotUseIsRefusedInOneLine) {
   const auto refuse = [](const std::string& line, bool neural, const std::string& words) {
     EXPECT_THAT([&] { Parsed(line, neural); },
                 ThrowsMessage<Error>(AllOf(HasSubstr(words), testing::Not(HasSubstr("\n")))))
         << line;
   };
-  refuse("--indirect network --gather-rays 4", true, "--gather-rays goes with --indirect gather");
-  refuse("--indirect paths --table network", true, "--table goes with --indirect gather");
-  refuse("--indirect network --table-points 100", true, "--table-points goes with");
+  refuse("--indirect decoded --gather-rays 4", true, "--gather-rays goes with --indirect gather");
+  refuse("--indirect paths --table-points 100", true, "--table-points goes with");
+  refuse("--checkpoint a", true, "--checkpoint goes with --indirect network or decoded");
+  refuse("--indirect paths --draws 2", true, "--draws goes with --indirect network or decoded");
   refuse("--correction-paths 3", true, "--correction-paths 3: expected an even number");
   refuse("--correction-paths 8", false, "--correction-paths needs --mode neural");
-  refuse("--indirect paths --correction-paths 8", true, "gather or network, not with");
+  refuse("--indirect paths --correction-paths 8", true, "decoded, not paths");
   refuse("--gather-rays 4", false, "--gather-rays needs --mode neural");
-  refuse("--indirect gather", false, "--indirect gather needs --mode neural");
+  refuse("--checkpoint a", false, "--checkpoint needs --mode neural");
+  refuse("--indirect gather", false, "--indirect needs --mode neural");
 }
 
 }  // namespace
