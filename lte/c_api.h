@@ -186,9 +186,7 @@ typedef struct lte_scene_points {
   /** Irradiance at the points, W/m^2, not negative, 0 on luminaires. It is the sum over both sides
    *  of the surface; the inner side of a closed body is dark. Estimates may be noisy but not
    *  biased: those of the training came from 32 paths a side. lte_model_info::light_input says
-   *  which are needed; data of the others may be NULL. Models such as lte-base solve the light on
-   *  the points themselves; where direct and direct_back are given, by shadow rays of yours, the
-   *  solution starts from those, which know spots, textures and shadows that points do not. */
+   *  which are needed; data of the others may be NULL. */
   lte_float3_view direct;   /**< from luminaires straight */
   lte_float3_view indirect; /**< after one bounce or more */
   const float* area;   /**< m^2 that each point stands for, without gaps; NULL: all the same, as

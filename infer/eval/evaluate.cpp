@@ -181,8 +181,7 @@ void add_fewer_paths(const ReferenceNoise& points, const ViewSums& views, Scores
 /// that does not emit.
 double light_paths(const data::SceneSample& sample, const data::DatasetInfo& info,
                    const runtime::Network& network) {
-  const runtime::LightRequest light = network.light_request();
-  if (light.depth == 0 || light.solves) return 0;
+  if (network.light_request().depth == 0) return 0;
   const auto lit = std::count_if(sample.scene_emission.begin(), sample.scene_emission.end(),
                                  [](const Rgb& value) { return max_component(value) <= 0; });
   return 2.0 * static_cast<double>(lit) * info.light_paths;

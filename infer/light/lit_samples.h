@@ -51,6 +51,15 @@ struct LitSamples {
   }
 };
 
+/// The light on `lit->surface` of a network that solves it on its points, in scenes with lights of
+/// which points tell too little: point and spot lights, and luminaires that are textured. Their
+/// direct light is traced on both sides of every point, and the solution reflects that. Nothing
+/// where there are none, or the network solves no light: it does so by itself.
+/// @param left_out  light groups whose light is not to be among it
+void solve_traced_lights(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                         const nn::ModelConfig& model, uint64_t seed,
+                         std::span<const int> left_out, LitSamples* lit);
+
 /// Of estimates by light group, what a network of this light_request() reads; borrows from them.
 data::GroupedLight light_to_read(const pathtrace::LightEstimates& light,
                                  const runtime::LightRequest& input);

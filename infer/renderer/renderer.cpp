@@ -45,8 +45,9 @@ std::shared_ptr<const runtime::SceneEmbedding> Renderer::encode(const runtime::N
   leave_out_untrained_suns(bvh_.scene(), network.metadata(), &samples, left_out_);
   seconds_.sample += timer.seconds();
   timer.restart();
-  const LitSamples lit = add_light_estimates(bvh_, lights_, std::move(samples),
-                                             network.light_request(), settings.seed, left_out_);
+  LitSamples lit = add_light_estimates(bvh_, lights_, std::move(samples), network.light_request(),
+                                       settings.seed, left_out_);
+  solve_traced_lights(bvh_, lights_, network.config(), settings.seed, left_out_, &lit);
   seconds_.light += timer.seconds();
   timer.restart();
   auto embedding = std::make_shared<const runtime::SceneEmbedding>(

@@ -69,20 +69,17 @@ class Solver {
         count_(points.position.size()),
         blockers_(choose_roles()),
         grid_(blockers_.position, blockers_.normal, kCellSpacings * spacing_) {
+    cluster_luminaires();
     direct_.resize(static_cast<size_t>(groups) * count_);
     indirect_.resize(direct_.size());
-    if (points.direct.empty()) cluster_luminaires();
   }
 
   PointLight run() {
-    if (points_.direct.empty()) {
-      parallel_for(static_cast<int64_t>(dark_.size()), kGrain, [&](int64_t first, int64_t last) {
-        Work work;
-        for (int64_t i = first; i < last; ++i) add_direct(dark_[static_cast<size_t>(i)], &work);
-      });
-    } else {
-      take_direct();
-    }
+    parallel_for(static_cast<int64_t>(dark_.size()), kGrain, [&](int64_t first, int64_t last) {
+      Work work;
+      for (int64_t i = first; i < last; ++i) add_direct(dark_[static_cast<size_t>(i)], &work);
+    });
+    if (!points_.direct.empty()) add_given_light();
     choose_senders();
     const std::vector<Sides> reflected = bounce();
     parallel_for(static_cast<int64_t>(dark_.size()), kGrain, [&](int64_t first, int64_t last) {
@@ -109,60 +106,14 @@ class Solver {
     }
   }
 
-  /// Takes the direct light that is given.
-  void take_direct() {
+  void add_given_light() {
     for (int64_t g = 0; g < groups_; ++g) {
       for (const size_t i : dark_) {
         const Rgb& back = points_.direct_back[row(g) + i];
-        direct_[row(g) + i] = {points_.direct[row(g) + i] - back, back};
+        direct_[row(g) + i][0] += points_.direct[row(g) + i] - back;
+        direct_[row(g) + i][1] += back;
       }
-      bound_by_power(g);
     }
-  }
-
-  /// Surfaces receive no more from lamps than those send. A point close to a small lamp, in its
-  /// housing say, may stand for more area than is that bright: the brightest are dimmed to a level
-  /// at which the sum is the lamps' power. Lights of the sky send what no point tells.
-  void bound_by_power(int64_t group) {
-    double power = 0;
-    for (const size_t i : luminaires_) {
-      if (!points_.light_group.empty() && points_.light_group[i] != group) continue;
-      if (!within_surfaces(points_.position[i])) return;
-      power += double{kPi} * sum(points_.emission[i]) * points_.area[i];
-    }
-    std::vector<std::pair<double, double>> received;  // irradiance and area of each point
-    for (const size_t i : dark_) {
-      const auto& [front, back] = direct_[row(group) + i];
-      received.emplace_back(sum(front + back), points_.area[i]);
-    }
-    const double level = highest_level(std::move(received), power);
-    for (const size_t i : dark_) {
-      auto& [front, back] = direct_[row(group) + i];
-      const double here = sum(front + back);
-      if (!(here > level)) continue;
-      const auto factor = static_cast<float>(level / here);
-      front *= factor;
-      back *= factor;
-    }
-  }
-
-  static double sum(const Rgb& value) { return double{value.x} + value.y + value.z; }
-
-  /// The level above which values are cut so that Σ value · weight is at most `most`.
-  static double highest_level(std::vector<std::pair<double, double>> values, double most) {
-    std::sort(values.begin(), values.end());
-    double above = 0, below = 0;  // weights of what is cut; sum of what is not
-    for (const auto& [value, weight] : values) above += weight;
-    for (const auto& [value, weight] : values) {
-      if (below + value * above > most) return (most - below) / above;
-      below += value * weight;
-      above -= weight;
-    }
-    return std::numeric_limits<double>::infinity();
-  }
-
-  bool within_surfaces(const Vec3& p) const {
-    return min(p, surfaces_.low) == surfaces_.low && max(p, surfaces_.high) == surfaces_.high;
   }
 
   bool emits(size_t i) const { return max_component(points_.emission[i]) > 0; }
@@ -181,18 +132,21 @@ class Solver {
   /// the latter, and luminaires among them. Lights of the sky stand far outside.
   Blockers choose_roles() {
     Blockers blockers;
+    Bounds bounds;
     for (size_t i = 0; i < count_; ++i) {
       (emits(i) ? luminaires_ : dark_).push_back(i);
       if (emits(i)) continue;
       dark_area_ += points_.area[i];
       blockers.add(points_.position[i], points_.normal[i]);
-      surfaces_.extend(points_.position[i]);
+      bounds.extend(points_.position[i]);
     }
     const auto dark = static_cast<double>(std::max<size_t>(dark_.size(), 1));
     spacing_ = static_cast<float>(std::sqrt(dark_area_ / dark));
-    for (const size_t i : luminaires_)
-      if (within_surfaces(points_.position[i]))
-        blockers.add(points_.position[i], points_.normal[i]);
+    for (const size_t i : luminaires_) {
+      const Vec3& p = points_.position[i];
+      if (min(p, bounds.low) == bounds.low && max(p, bounds.high) == bounds.high)
+        blockers.add(p, points_.normal[i]);
+    }
     return blockers;
   }
 
@@ -417,7 +371,6 @@ class Solver {
   Options options_;
   size_t count_;
   std::vector<size_t> luminaires_, dark_;
-  Bounds surfaces_;  ///< of the dark points
   double dark_area_ = 0;
   float spacing_ = 0;
   Blockers blockers_;

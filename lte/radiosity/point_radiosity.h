@@ -23,9 +23,8 @@ struct Points {
   std::span<const float> area;    ///< m² that each point stands for
   /// Light group of each point that emits, −1 for the others; empty: one group.
   std::span<const int32_t> light_group = {};
-  /// Direct irradiance as PointLight has it, [groups, points], where something better is known than
-  /// the points tell: of lights that are no surface, textured, hidden or small. Of each group's sum
-  /// over the points no more is taken than its luminaires send. Empty: it is solved.
+  /// Direct irradiance of lights that no point stands for, [groups, points] as PointLight has it:
+  /// the solution takes it as it is, and reflects it. Empty: there is none.
   std::span<const Rgb> direct = {}, direct_back = {};
 };
 
@@ -46,7 +45,6 @@ struct PointLight {
 };
 
 /// The result does not depend on threads. Points without area or in one place give finite values.
-/// Direct light that is given is returned as it is.
 /// @throws lte::Error if the spans differ in length or a light group is not below `groups`
 PointLight solve(const Points& points, int64_t groups, const Options& options = {});
 

@@ -8,13 +8,6 @@
 #include "lte/nn/model_file.h"
 
 namespace lte::runtime {
-namespace {
-
-/// Rays from each side of a scene point for direct light, where it is to be solved what that makes.
-/// From 8 rays on, the solution's error is that of the points.
-constexpr int kDirectSamples = 16;
-
-}  // namespace
 
 struct Network::State {
   nn::LightTransportModel model;
@@ -51,10 +44,9 @@ std::string Network::fingerprint() const {
 }
 
 LightRequest Network::light_request() const {
-  if (config().solves_light()) return {true, 1, kDirectSamples, true, false};
   if (!config().reads_estimates()) return {};
-  return {false, metadata().light_depth_of(config()), metadata().light_paths,
-          config().parts_sides(), config().light_variance};
+  return {metadata().light_depth_of(config()), metadata().light_paths, config().parts_sides(),
+          config().light_variance};
 }
 
 void Network::check_fits(double extent_m, bool rescale) const {

@@ -28,9 +28,6 @@ struct NetworkOptions {
 
 /// What a network wants of the light on scene points, as it was estimated for its training.
 struct LightRequest {
-  /// Light is solved on the points. Direct irradiance on both sides is then optional: what rays
-  /// through a scene's triangles find is better than what the points tell of lights.
-  bool solves = false;
   /// 0: nothing; 1: direct irradiance; more: irradiance of later bounces too, by paths of so many
   /// surface hits.
   int depth = 0;

@@ -26,21 +26,16 @@ at::Tensor tensor(const std::vector<Rgb>& light) {
 }  // namespace
 
 nn::PointSet with_solved_light(nn::PointSet points, const nn::ModelConfig& config) {
-  if (!config.solves_light() || points.indirect.defined()) return points;
+  if (!config.solves_light() || points.direct.defined() || points.indirect.defined()) return points;
   nn::check_surfaces(points);
   const c10::Device device = points.position.device();
   const at::Tensor position = on_cpu(points.position), normal = on_cpu(points.normal),
                    albedo = on_cpu(points.albedo), emission = on_cpu(points.emission),
                    area = on_cpu(points.area);
-  radiosity::Points known{
-      triples(position), triples(normal), triples(albedo), triples(emission),
-      std::span(area.const_data_ptr<float>(), static_cast<size_t>(area.size(0)))};
-  at::Tensor direct, direct_back;
-  if (points.direct.defined() && points.direct_back.defined()) {
-    known.direct = triples(direct = on_cpu(points.direct));
-    known.direct_back = triples(direct_back = on_cpu(points.direct_back));
-  }
-  const radiosity::PointLight light = radiosity::solve(known, 1);
+  const radiosity::PointLight light =
+      radiosity::solve({triples(position), triples(normal), triples(albedo), triples(emission),
+                        std::span(area.const_data_ptr<float>(), static_cast<size_t>(area.size(0)))},
+                       1);
   points.direct = tensor(light.direct).to(device);
   points.indirect = tensor(light.indirect).to(device);
   if (!config.parts_sides()) return points;

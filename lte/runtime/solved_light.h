@@ -6,8 +6,7 @@
 namespace lte::runtime {
 
 /// The points with their direct and indirect irradiance by lte/radiosity, if a model of `config`
-/// reads those and indirect light is not given; else as they are. Direct light that is given on
-/// both sides is what the solution starts from. On the device of the points, float32.
+/// reads those and they are not given; else as they are. On the device of the points, float32.
 /// Rows that encode() would refuse are left to it.
 nn::PointSet with_solved_light(nn::PointSet points, const nn::ModelConfig& config);
 

@@ -53,7 +53,7 @@ std::vector<Rgb> predicted(const std::string& model) {
   std::vector<Vec3> position, normal;
   std::vector<Rgb> albedo, emission, direct, indirect;
   std::vector<float> error;
-  const bool lit = network.light_request().depth > 0 && !network.light_request().solves;
+  const bool lit = network.light_request().depth > 0;
   for (uint32_t i = 0; i < (lit ? M : 0); ++i) {
     float of_lamp[3], bounced[3];
     error.push_back(room_light(&surfels[i], kPaths, i, of_lamp, bounced));

@@ -136,8 +136,7 @@ Method light_estimates(int64_t scene_points, int neighbours) {
         sample_scene_points(bvh, scene_points, /*prune=*/true, scene.seed, nullptr);
     (*stages)["sample"] += timer.seconds();
     timer.restart();
-    const runtime::LightRequest paths{.depth = scene.max_depth,
-                                      .paths = scene.network.metadata().light_paths};
+    const runtime::LightRequest paths{scene.max_depth, scene.network.metadata().light_paths};
     const auto cache = std::make_shared<EstimateCache>(
         add_light_estimates(bvh, scene.renderer.lights(), std::move(samples), paths, scene.seed),
         std::max(max_component(bvh.bounds().extent()), 1e-6F));

@@ -14,7 +14,7 @@ namespace {
 /// What the network reads of the light on the sample's scene points.
 data::PointLight light_of(const data::SceneSample& sample, const runtime::Network& network) {
   const runtime::LightRequest wanted = network.light_request();
-  if (wanted.depth == 0 || wanted.solves) return {};
+  if (wanted.depth == 0) return {};
   LTE_CHECK(!sample.scene_direct.empty(), sample.name,
             ": has no scene_direct, which the model reads; bake the data again");
   LTE_CHECK(!wanted.sides || !sample.scene_direct_back.empty(), sample.name,
