@@ -40,7 +40,8 @@ void append(const Vec3& position, const Vec3& normal, const Rgb& emission, float
   samples->light_group.push_back(light_group);
 }
 
-void append_local_lights(const Scene& scene, float area, SurfaceSamples* samples) {
+/// @param discs  of a point light
+void append_local_lights(const Scene& scene, float area, int discs, SurfaceSamples* samples) {
   for (const PunctualLight& light : scene.lights) {
     if (light.kind == LightKind::Directional) continue;
     const Rgb emission = power(light) / (kPi * area);
@@ -48,8 +49,9 @@ void append_local_lights(const Scene& scene, float area, SurfaceSamples* samples
       append(light.position, light.direction, emission, area, light.light_group, samples);
       continue;
     }
-    for (const float up : {-1.0f, 1.0f})
-      append(light.position, {0, up, 0}, emission / 2, area, light.light_group, samples);
+    for (int disc = 0; disc < discs; ++disc)
+      append(light.position, {0, disc == 0 ? -1.0f : 1.0f, 0}, emission / static_cast<float>(discs),
+             area, light.light_group, samples);
   }
 }
 
@@ -68,11 +70,14 @@ void append_suns(const Scene& scene, double solid_angle, SurfaceSamples* samples
 LightPointCounts light_point_counts(const Scene& scene, int64_t count,
                                     const SamplerOptions& options) {
   LightPointCounts counts;
+  int64_t bulbs = 0;
   for (const PunctualLight& light : scene.lights) {
     if (!options.punctual_lights) break;
-    counts.local += light.kind == LightKind::Point ? 2 : light.kind == LightKind::Spot ? 1 : 0;
+    counts.local += light.kind != LightKind::Directional ? 1 : 0;
+    bulbs += light.kind == LightKind::Point ? 1 : 0;
     counts.suns += is_sun(light) ? 1 : 0;
   }
+  if (2 * (counts.local + bulbs) <= count) counts.local += bulbs;
   if (scene.environment && options.environment_share > 0)
     counts.environment = environment_points(count, options.environment_share);
   return counts;
@@ -87,7 +92,10 @@ double sun_solid_angle(int64_t count, const SamplerOptions& options) {
 void append_light_points(const Scene& scene, int64_t count, float area,
                          const SamplerOptions& options, SurfaceSamples* samples) {
   const LightPointCounts counts = light_point_counts(scene, count, options);
-  if (counts.local > 0) append_local_lights(scene, area, samples);
+  const int64_t lights = std::count_if(
+      scene.lights.begin(), scene.lights.end(),
+      [](const PunctualLight& light) { return light.kind != LightKind::Directional; });
+  if (counts.local > 0) append_local_lights(scene, area, counts.local > lights ? 2 : 1, samples);
   if (counts.suns > 0) append_suns(scene, sun_solid_angle(count, options), samples);
   append_environment_points(scene, counts.environment, samples);
 }

@@ -12,7 +12,9 @@ namespace lte::scene {
 
 /// How many of a scene's points stand for lights that are no surface.
 struct LightPointCounts {
-  int64_t local = 0;        ///< two for each point light, one for each spot light
+  /// Two for each point light and one for each spot light; one for each of either where that would
+  /// be more than half of all points.
+  int64_t local = 0;
   int64_t suns = 0;         ///< one for each directional light that shines
   int64_t environment = 0;  ///< SamplerOptions::environment_share of all points
 
@@ -29,8 +31,8 @@ double sun_solid_angle(int64_t count, const SamplerOptions& options);
 /// Appends the light points of a scene that has `count` points in all: point and spot lights, suns,
 /// the environment. All are black.
 ///
-/// A point light is two discs of area `area` back to back, one facing up and one down; a spot light
-/// one that faces along it. Emission · area · π, summed over the discs, is the power. Neither tells
+/// A point light is two discs of area `area` back to back, one facing up and one down, or the lower
+/// one alone where there are too many lights for two; a spot light one that faces along it. Emission · area · π, summed over the discs, is the power. Neither tells
 /// a direction as the light has it: where a scene's triangles are at hand, networks are given the
 /// direct light on scene points as well, which is exact.
 ///

@@ -207,7 +207,7 @@ TEST(Sampler, MirroredInstancesKeepTheirNormals) {
     EXPECT_NEAR(dot(samples.normal[i], samples.position[i]), 1, 1e-5);
 }
 
-TEST(Sampler, PointLightBecomesASampleOfEqualPower) {
+TEST(Sampler, PointLightBecomesTwoSamplesOfEqualPower) {
   Scene scene = staircase(4);
   test::add_point_light(&scene, {1, 2, 3}, {5, 0, 1});
   PunctualLight spot = scene.lights[0];
@@ -219,17 +219,21 @@ TEST(Sampler, PointLightBecomesASampleOfEqualPower) {
   sun.kind = LightKind::Directional;
   scene.lights.insert(scene.lights.end(), {spot, sun});
 
-  const SurfaceSamples samples = sample_surface(scene, 103, plain());
-  ASSERT_EQ(samples.size(), 103);  // 100 of surfaces, and the sun last
+  const SurfaceSamples samples = sample_surface(scene, 104, plain());
+  ASSERT_EQ(samples.size(), 104);  // 100 of surfaces, and the sun last
   EXPECT_EQ(samples.position[100], (Vec3{1, 2, 3}));
   const auto power = [&](size_t i) { return samples.emission[i] * (kPi * samples.area[i]); };
-  EXPECT_NEAR(power(100).x, 4 * kPi * 5, 1e-3);
-  EXPECT_NEAR(power(100).z, 4 * kPi, 1e-3);
-  EXPECT_NEAR(power(101).x, kPi * 5, 1e-3);
-  EXPECT_EQ(samples.normal[101], (Vec3{0, -1, 0}));
-  EXPECT_EQ(samples.light_group[100], 0);
-  EXPECT_EQ(samples.light_group[101], 1);
-  EXPECT_NEAR(samples.area[100], 10.0 / 102, 1e-6);
+  EXPECT_EQ(samples.position[101], samples.position[100]);
+  EXPECT_EQ(samples.normal[101], -samples.normal[100]);
+  for (const size_t i : {100, 101}) {
+    EXPECT_NEAR(power(i).x, 2 * kPi * 5, 1e-3);
+    EXPECT_NEAR(power(i).z, 2 * kPi, 1e-3);
+    EXPECT_EQ(samples.light_group[i], 0);
+    EXPECT_NEAR(samples.area[i], 10.0 / 103, 1e-6);
+  }
+  EXPECT_NEAR(power(102).x, kPi * 5, 1e-3);
+  EXPECT_EQ(samples.normal[102], (Vec3{0, -1, 0}));
+  EXPECT_EQ(samples.light_group[102], 1);
 
   SamplerOptions without = plain();
   without.punctual_lights = false;

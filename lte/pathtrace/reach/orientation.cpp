@@ -14,15 +14,19 @@ constexpr int kColumns = 4, kRows = 2;
 /// A side of which more rays than this meet a surface than of the other is more enclosed.
 constexpr int kAlike = 2;
 
-/// How many rays from one side of a point meet a surface.
-int enclosure(const Bvh& bvh, const Vec3& position, const Vec3& side, float half_extent, Rng* rng) {
+/// How many rays from one side of a point meet a surface that is not of a light group.
+int enclosure(const Bvh& bvh, const Vec3& position, const Vec3& side, float half_extent, Rng* rng,
+              int but_of = scene::kNone) {
   const Vec3 origin = offset_origin(position, side, half_extent);
   int met = 0;
   for (int ray = 0; ray < kColumns * kRows; ++ray) {
     const Vec2 u{(static_cast<float>(ray % kColumns) + rng->uniform()) / kColumns,
                  (static_cast<float>(ray / kColumns) + rng->uniform()) / kRows};
     float density = 0;
-    met += bvh.intersect({origin, cosine_direction(side, u, &density)}).valid() ? 1 : 0;
+    const Hit hit = bvh.intersect({origin, cosine_direction(side, u, &density)});
+    if (!hit.valid()) continue;
+    const int group = bvh.scene().instances[static_cast<size_t>(hit.instance)].light_group;
+    if (but_of == scene::kNone || group != but_of) ++met;
   }
   return met;
 }
@@ -52,6 +56,57 @@ void turn_to_light(const Bvh& bvh, std::span<const uint8_t> lit, uint64_t seed,
       if (more < -kAlike || (more <= kAlike && chance)) normal = -normal;
     }
   });
+}
+
+std::vector<size_t> lit_from_outside(const Bvh& bvh, std::span<const uint8_t> lit, uint64_t seed,
+                                     const scene::SurfaceSamples& samples) {
+  const float half_extent = 0.5f * max_component(bvh.bounds().extent());
+  std::vector<uint8_t> outside(lit.size());
+  parallel_for(static_cast<int64_t>(lit.size()), kGrain, [&](int64_t begin, int64_t end) {
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+      if (lit[i] != kFrontLit && lit[i] != kBackLit) continue;
+      const Vec3 side = lit[i] == kFrontLit ? samples.normal[i] : -samples.normal[i];
+      Rng rng(seed, i);
+      const int here = enclosure(bvh, samples.position[i], side, half_extent, &rng);
+      if (here + kAlike >= kColumns * kRows) continue;
+      outside[i] =
+          enclosure(bvh, samples.position[i], -side, half_extent, &rng) > here + kAlike ? 1 : 0;
+    }
+  });
+  std::vector<size_t> numbers;
+  for (size_t i = 0; i < outside.size(); ++i)
+    if (outside[i] != 0) numbers.push_back(i);
+  return numbers;
+}
+
+std::vector<uint8_t> shines_at_nothing(const Bvh& bvh, const scene::SurfaceSamples& samples,
+                                       int64_t count, uint64_t seed) {
+  const scene::Scene& scene = bvh.scene();
+  std::vector<uint8_t> two_sided(scene.light_groups.size()), shines = two_sided;
+  for (const scene::Instance& instance : scene.instances) {
+    const scene::Material& material = scene.materials[scene.meshes[instance.mesh].material];
+    if (material.emissive() && material.double_sided)
+      two_sided[static_cast<size_t>(instance.light_group)] = 1;
+  }
+  const auto group_of = [&](size_t i) { return static_cast<size_t>(samples.light_group[i]); };
+  const auto counts = [&](size_t i) {
+    return samples.light_group[i] != scene::kNone && two_sided[group_of(i)] != 0;
+  };
+  std::vector<uint8_t> nothing(static_cast<size_t>(count));
+  const float half_extent = 0.5f * max_component(bvh.bounds().extent());
+  parallel_for(count, kGrain, [&](int64_t begin, int64_t end) {
+    for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+      if (!counts(i)) continue;
+      Rng rng(seed, i);
+      nothing[i] = enclosure(bvh, samples.position[i], samples.normal[i], half_extent, &rng,
+                             samples.light_group[i]) == 0;
+    }
+  });
+  for (size_t i = 0; i < nothing.size(); ++i)
+    if (counts(i) && nothing[i] == 0) shines[group_of(i)] = 1;
+  for (size_t i = 0; i < nothing.size(); ++i)
+    if (nothing[i] != 0 && shines[group_of(i)] == 0) nothing[i] = 0;
+  return nothing;
 }
 
 }  // namespace lte::pathtrace

@@ -35,17 +35,35 @@ std::vector<uint8_t> lit_sides(const Bvh& bvh, const scene::SurfaceSamples& samp
   const auto positions = std::span(samples.position).first(first);
   const auto normals = std::span(samples.normal).first(first);
   check_search(positions, normals, options);
-  return search_for_light(bvh, positions, normals, Sides::Either, options, recall);
+  std::vector<uint8_t> lit =
+      search_for_light(bvh, positions, normals, Sides::Either, options, recall);
+  const std::vector<size_t> again =
+      lit_from_outside(bvh, lit, hash_combine(options.seed, kSideStream), samples);
+  if (again.empty()) return lit;
+  std::vector<Vec3> places, inner;
+  for (const size_t i : again) {
+    places.push_back(positions[i]);
+    inner.push_back(lit[i] == kFrontLit ? -normals[i] : normals[i]);
+  }
+  ReachRecall fresh;
+  fresh.check = recall.check;
+  const std::vector<uint8_t> found =
+      search_for_light(bvh, places, inner, Sides::Front, options, fresh);
+  for (size_t k = 0; k < again.size(); ++k)
+    if (found[k] != 0) lit[again[k]] = kFrontLit | kBackLit;
+  return lit;
 }
 
 /// Indices of the samples to keep.
-KeptSamples kept_samples(std::span<const uint8_t> lit, const scene::SurfaceSamples& samples,
-                         Purpose purpose) {
+KeptSamples kept_samples(const Bvh& bvh, std::span<const uint8_t> lit,
+                         const scene::SurfaceSamples& samples, Purpose purpose, uint64_t seed) {
   KeptSamples kept;
+  const std::vector<uint8_t> lost =
+      shines_at_nothing(bvh, samples, static_cast<int64_t>(lit.size()), seed);
   for (size_t i = 0; i < lit.size(); ++i) {
     const bool emits = purpose == Purpose::Scene && samples.light_group[i] != scene::kNone;
     if (emits) {
-      kept.luminaires.push_back(i);
+      (lost[i] != 0 ? kept.lost : kept.luminaires).push_back(i);
     } else if (lit[i] != 0) {
       kept.others.push_back(i);
     }
@@ -58,11 +76,14 @@ scene::SurfaceSamples sample_surfaces(const Bvh& bvh, int64_t count,
                                       const scene::SamplerOptions& sampler, Purpose purpose,
                                       const ReachOptions& options, const ReachRecall& recall,
                                       PruneCounts* counts) {
+  const uint64_t side_seed = hash_combine(options.seed, kSideStream);
   scene::SamplerOptions plain = sampler;
   plain.emissive_share = 0;
   const scene::SurfaceSamples probe = scene::sample_surface(bvh.scene(), kProbePoints, plain);
-  const auto found = static_cast<double>(
-      kept_samples(lit_sides(bvh, probe, probe.size(), options, recall), probe, purpose).size());
+  const auto found =
+      static_cast<double>(kept_samples(bvh, lit_sides(bvh, probe, probe.size(), options, recall),
+                                       probe, purpose, side_seed)
+                              .size());
   const double share = std::max(1.0, found) / kProbePoints;
   // Draws three standard errors of the share more than it asks for.
   const double error = std::sqrt((1 - share) / (share * kProbePoints));
@@ -72,7 +93,7 @@ scene::SurfaceSamples sample_surfaces(const Bvh& bvh, int64_t count,
     const auto drawn = static_cast<int64_t>(std::ceil(static_cast<double>(count) * oversampling));
     scene::SurfaceSamples samples = scene::sample_surface(bvh.scene(), drawn, sampler);
     const std::vector<uint8_t> lit = lit_sides(bvh, samples, drawn, options, recall);
-    KeptSamples kept = kept_samples(lit, samples, purpose);
+    KeptSamples kept = kept_samples(bvh, lit, samples, purpose, side_seed);
     const int64_t left = kept.size();
     if (left < count && oversampling < kMaxOversampling) {
       oversampling *=
@@ -82,7 +103,7 @@ scene::SurfaceSamples sample_surfaces(const Bvh& bvh, int64_t count,
     if (left == 0) return scene::sample_surface(bvh.scene(), count, sampler);
     counts->drawn = drawn;
     counts->pruned = drawn - left;
-    turn_to_light(bvh, lit, hash_combine(options.seed, kSideStream), &samples);
+    turn_to_light(bvh, lit, side_seed, &samples);
     reduce_samples(bvh.scene(), std::move(kept), count, &samples);
     return samples;
   }
@@ -114,8 +135,14 @@ scene::SurfaceSamples sample_turned_surface(const Bvh& bvh, int64_t count,
   once.rounds = 1;
   // Lights that are no surface come last.
   const int64_t surface = scene::surface_point_count(bvh.scene(), count, sampler);
-  turn_to_light(bvh, lit_sides(bvh, samples, surface, options, once),
-                hash_combine(options.seed, kSideStream), &samples);
+  const uint64_t side_seed = hash_combine(options.seed, kSideStream);
+  turn_to_light(bvh, lit_sides(bvh, samples, surface, options, once), side_seed, &samples);
+  std::vector<uint8_t> lost = shines_at_nothing(bvh, samples, surface, side_seed);
+  lost.resize(samples.position.size());
+  std::vector<size_t> rows;
+  for (size_t i = 0; i < lost.size(); ++i)
+    if (lost[i] == 0) rows.push_back(i);
+  samples.keep(rows);
   return samples;
 }
 

@@ -60,13 +60,14 @@ enum class Purpose {
 /// the winding of the surface; where that is both, the more enclosed one, or either by chance
 /// (orientation.h).
 ///
-/// Lights are never pruned. Those that are no surface have their points as sample_surface() gives
-/// them. So have luminaires for Purpose::Scene, unless theirs would be more than half: then each
+/// Lights are never pruned, but for faces of two-sided luminaires that shine at nothing
+/// (orientation.h). Those that are no surface have their points as sample_surface() gives them. So
+/// have luminaires for Purpose::Scene, unless theirs would be more than half: then each
 /// keeps fewer, but one at least. What is dropped to bring the number down to `count` are other
 /// surface points.
 ///
 /// The `area` of other points sums to the area that light reaches. For Purpose::Scene that of a
-/// luminaire's points sums to its own, of both faces if it emits from both, and where these are
+/// luminaire's points sums to its own, of all faces that shine at something, and where these are
 /// fewer than were drawn to its power over their radiance: the power of each light is that of the
 /// scene.
 /// @throws lte::Error as sample_surface()
@@ -77,7 +78,8 @@ scene::SurfaceSamples sample_reached_surface(const Bvh& bvh, int64_t count,
                                              const ReachOptions& options, PruneCounts* counts);
 
 /// scene::sample_surface() with normals that face the side that light reaches, as above, of all the
-/// surface: for networks that know points in the dark too.
+/// surface: for networks that know points in the dark too. Faces of luminaires that shine at
+/// nothing have no points, so fewer than `count` may come back.
 scene::SurfaceSamples sample_turned_surface(const Bvh& bvh, int64_t count,
                                             const scene::SamplerOptions& sampler,
                                             const ReachOptions& options);

@@ -41,7 +41,9 @@ std::pair<double, double> area_and_power(const std::vector<size_t>& indices,
 /// Brings the areas of each luminaire's samples to the area of its surfaces, which the number of
 /// strata that met it gives to within one only.
 void set_luminaire_areas(const scene::Scene& scene, const ByGroup& luminaires,
-                         scene::SurfaceSamples* samples) {
+                         const std::vector<size_t>& lost, scene::SurfaceSamples* samples) {
+  ByGroup lost_of;
+  for (const size_t i : lost) lost_of[samples->light_group[i]].push_back(i);
   std::map<int, std::vector<int>> instances;
   for (size_t i = 0; i < scene.instances.size(); ++i) {
     const scene::Instance& instance = scene.instances[i];
@@ -50,7 +52,8 @@ void set_luminaire_areas(const scene::Scene& scene, const ByGroup& luminaires,
       instances[instance.light_group].push_back(static_cast<int>(i));
   }
   for (const auto& [group, indices] : luminaires) {
-    const double drawn = area_and_power(indices, *samples).first;
+    const double drawn =
+        area_and_power(indices, *samples).first + area_and_power(lost_of[group], *samples).first;
     const double whole =
         scene::AreaTable(scene, scene::emitting_faces(scene, instances[group])).total();
     if (drawn > 0 && whole > 0) scale_areas(indices, whole / drawn, samples);
@@ -96,7 +99,7 @@ void reduce_samples(const scene::Scene& scene, KeptSamples kept, int64_t count,
                     scene::SurfaceSamples* samples) {
   ByGroup luminaires;
   for (const size_t i : kept.luminaires) luminaires[samples->light_group[i]].push_back(i);
-  set_luminaire_areas(scene, luminaires, samples);
+  set_luminaire_areas(scene, luminaires, kept.lost, samples);
   const auto others = static_cast<int64_t>(kept.others.size());
   const int64_t most = std::max({int64_t{1}, count / 2, count - others});
   if (static_cast<int64_t>(kept.luminaires.size()) > most)

@@ -12,7 +12,8 @@ namespace lte::pathtrace {
 
 /// Indices of samples, in order.
 struct KeptSamples {
-  std::vector<size_t> luminaires;  ///< of emissive surfaces, which always stay
+  std::vector<size_t> luminaires;  ///< of emissive surfaces, which stay
+  std::vector<size_t> lost;        ///< of those, what shines at nothing (orientation.h): they leave
   std::vector<size_t> others;
 
   int64_t size() const { return static_cast<int64_t>(luminaires.size() + others.size()); }
@@ -24,8 +25,8 @@ struct KeptSamples {
 /// Points of luminaires leave only where they would be more than half of `count` and there are
 /// others to take their place: then each luminaire keeps its share of the half, at least one point.
 ///
-/// The areas of a luminaire's points are scaled to the sum of its surfaces' area, and if some left,
-/// further so that Σ emission · area over its points stays.
+/// The areas of a luminaire's points are scaled so that, with those of its lost ones, they sum to its
+/// faces' area, and if some others left, further so that Σ emission · area over its points stays.
 void reduce_samples(const scene::Scene& scene, KeptSamples kept, int64_t count,
                     scene::SurfaceSamples* samples);
 
