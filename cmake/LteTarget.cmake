@@ -30,6 +30,7 @@ function(lte_add_library name)
   set_target_properties(lte_${name} PROPERTIES EXPORT_NAME ${name} DEFINE_SYMBOL "")
   target_include_directories(lte_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
                                                 $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_compile_features(lte_${name} INTERFACE cxx_std_20)  # the headers; CMake's default is C++17
   if(arg_FAST)
     target_compile_options(lte_${name} PRIVATE $<$<AND:$<CONFIG:Release>,$<COMPILE_LANGUAGE:CXX>>:-O3>)
   endif()

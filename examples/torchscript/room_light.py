@@ -11,7 +11,12 @@ import json
 import math
 import sys
 
-import torch
+try:
+    import torch
+except (ImportError, OSError) as error:
+    sys.exit(f"room_light.py: this Python ({sys.executable}) cannot import PyTorch: {error}. "
+             "Any PyTorch of 2.8 or newer will do: pip install torch. The wheel in lte's .venv "
+             "serves C++ alone and lacks what Python needs (docs/torchscript.md).")
 
 CELL = 0.25  # metres between samples
 # Corner, two edges (their cross product faces the room), albedo, emission.
