@@ -5,6 +5,7 @@
 #include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/pathtrace/placement/added_light.h"
+#include "lte/pathtrace/reach/lost_light.h"
 #include "lte/scene/import/environment_file.h"
 #include "lte/scene/metal.h"
 #include "lte/scene/up_axis.h"
@@ -56,6 +57,8 @@ scene::Scene load_and_report(const std::string& path, const SceneOptions& flags)
   if (scene.light_groups.empty())
     log_warning(path,
                 ": nothing emits light (--environment 1,1,1 or --add-light auto gives it some)");
+  else
+    pathtrace::warn_of_lost_light(path, pathtrace::Bvh(scene));
   const std::string metal = scene::metal_text(scene::metal_share(scene), "surface");
   if (!metal.empty())
     log_info(path, ": ", metal, "; paths reflect it, a network is shown its color as an albedo");

@@ -9,6 +9,7 @@
 #include "lte/cli/cli.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/placement/free_space.h"
+#include "lte/pathtrace/reach/lost_light.h"
 #include "lte/scene/up_axis.h"
 
 namespace lte::datagen {
@@ -22,10 +23,13 @@ struct InfoFlags {
 };
 
 /// The facts of a scene, with its unit where the height of its rooms gives that away.
-Json describe_scene(scene::Scene* scene, const scene::CleanupOptions& cleanup) {
+Json describe_scene(const std::string& path, scene::Scene* scene,
+                    const scene::CleanupOptions& cleanup) {
   Json info =
       cleanup.any() ? scene_info(*scene, scene::clean_up(scene, cleanup)) : scene_info(*scene);
-  const char* unit = pathtrace::likely_unit(pathtrace::survey(pathtrace::Bvh(*scene)).room_height);
+  const pathtrace::Bvh bvh(*scene);
+  pathtrace::warn_of_lost_light(path, bvh);
+  const char* unit = pathtrace::likely_unit(pathtrace::survey(bvh).room_height);
   if (unit != nullptr) info["likely_unit"] = unit;
   return info;
 }
@@ -44,7 +48,7 @@ Json describe(const InfoFlags& flags) {
   scene::Scene scene = load_scene(path, flags.scene.loading);
   scene::set_up_axis(flags.scene.up, flags.path, &scene);
   apply_lighting(flags.scene, &scene);
-  return describe_scene(&scene, scene::parse_cleanup(flags.scene.cleanup));
+  return describe_scene(flags.path, &scene, scene::parse_cleanup(flags.scene.cleanup));
 }
 
 void run_info(const InfoFlags& flags) {

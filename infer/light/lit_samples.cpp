@@ -65,8 +65,11 @@ scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t cou
   const auto told = [&](int group) { return std::ranges::count(without, group) == 0; };
   keep_points(told, &samples);
   if (samples.position.empty()) {  // no light is left: of any surfaces the answer is darkness
-    samples = reached_without({});
-    keep_points(told, &samples);
+    sampler.emissive_share = sampler.environment_share = 0;
+    sampler.punctual_lights = false;
+    samples = scene::sample_surface(bvh.scene(), count, sampler);
+    std::ranges::fill(samples.emission, Rgb{});
+    std::ranges::fill(samples.light_group, scene::kNone);
   }
   return samples;
 }

@@ -20,6 +20,7 @@
 #include "lte/cli/writable.h"
 #include "lte/nn/device.h"
 #include "lte/pathtrace/probe.h"
+#include "lte/pathtrace/reach/lost_light.h"
 #include "lte/scene/light_points.h"
 
 namespace lte::infer {
@@ -259,6 +260,7 @@ void run_probe(const ProbeRequest& request) {
   if (!renderer.has_light())
     log_warning(request.scene,
                 ": nothing emits light (--environment 1,1,1 or --add-light auto gives it some)");
+  pathtrace::warn_of_lost_light(request.scene, renderer.bvh());
   const std::optional<runtime::Network> network =
       load_network(request, scene, renderer.has_light());
   files.check_what_was_read();

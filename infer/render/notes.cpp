@@ -1,5 +1,7 @@
 #include "infer/render/notes.h"
 
+#include <algorithm>
+
 #include "lte/base/log.h"
 #include "lte/base/text.h"
 #include "lte/scene/metal.h"
@@ -62,6 +64,15 @@ void report_metal(const std::string& scene, const RenderSettings& settings, cons
   } else {
     log_warning(scene, ": ", share, "; shown as black (--metal trace)");
   }
+}
+
+void report_darkness(const std::string& scene, const std::string& camera, Output output,
+                     const Frame& frame) {
+  if (output != Output::Full && output != Output::Direct) return;
+  const auto& values = frame.color.pixels;
+  const bool black = std::all_of(values.begin(), values.end(), [](float v) { return !(v > 0); });
+  if (black)
+    log_warning(scene, ": no light reaches what camera ", camera, " sees; the picture is black");
 }
 
 }  // namespace lte::infer

@@ -34,4 +34,8 @@ void say_method(const std::filesystem::path& model, const Renderer& renderer,
 /// paths would show.
 void report_metal(const std::string& scene, const RenderSettings& settings, const Frame& frame);
 
+/// Warns of a picture that is black although its camera sees surfaces and the scene has light.
+void report_darkness(const std::string& scene, const std::string& camera, Output output,
+                     const Frame& frame);
+
 }  // namespace lte::infer

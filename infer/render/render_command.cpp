@@ -30,6 +30,7 @@
 #include "lte/cli/command_files.h"
 #include "lte/cli/writable.h"
 #include "lte/nn/device.h"
+#include "lte/pathtrace/reach/lost_light.h"
 #include "lte/scene/light_points.h"
 #include "lte/scene/load_camera.h"
 
@@ -308,6 +309,8 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
         !renderer->has_environment()) {
       log_warning(request.scene, ": camera ", view.camera.name,
                   " sees no surface; the picture is black");
+    } else if (renderer->has_light()) {
+      report_darkness(request.scene, view.camera.name, settings.output, frame);
     }
     const float exposure = exposure_of(request, frame, settings.output, &run.frames);
     add_seconds(renderer->seconds(), &seconds);
@@ -378,6 +381,7 @@ void run_render(const RenderRequest& request) {
     log_warning(request.scene,
                 ": nothing emits light; every output with light in it is black "
                 "(--environment 1,1,1 or --add-light auto gives it some)");
+  pathtrace::warn_of_lost_light(request.scene, renderer.bvh());
   TableSettings table = table_settings(request.gather, settings.max_depth, settings.seed);
   const std::optional<runtime::Network> network =
       load_network(request, views, renderer, &settings, &table);

@@ -12,6 +12,7 @@
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/nn/device.h"
+#include "lte/pathtrace/reach/lost_light.h"
 #include "lte/scene/light_points.h"
 
 namespace lte::infer::view {
@@ -47,6 +48,7 @@ ViewState first_view(const ViewRequest& request, const scene::Scene& scene) {
   const auto [width, height] = parse_picture_size(request.size);
   const float aspect = static_cast<float>(width) / static_cast<float>(height);
   const pathtrace::Bvh bvh(scene);
+  pathtrace::warn_of_lost_light(request.scene, bvh);
   const std::vector<View> views = choose_views(bvh, request.camera, "", request.seed, aspect);
   LTE_CHECK(views.size() == 1, "--camera ", request.camera, ": expected one camera, got ",
             views.size());

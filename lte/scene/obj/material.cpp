@@ -231,6 +231,7 @@ class MtlReader {
     }
     if (!has_ke_ && !map_ke_.file.empty()) material_.emission = {1, 1, 1};
     if (material_.emissive()) {
+      material_.double_sided = true;  // the format says nothing of sides
       material_.emission_texture = to_ref(map_ke_);
       // Without its picture an emitter would shine all over.
       if (!map_ke_.file.empty() && material_.emission_texture.texture == kNone)

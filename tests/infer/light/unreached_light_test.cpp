@@ -115,6 +115,24 @@ TEST(UnreachedLight, MayBeAll) {
   }
 }
 
+TEST(UnreachedLight, MayBeAllThereIs) {
+  // A lamp that faces away from the only other surface: no point is lit but its own.
+  scene::Scene scene;
+  scene.name = "away";
+  test::add_quad(&scene, {-2, 0, -2}, {0, 0, 4}, {4, 0, 0},
+                 test::add_material(&scene, {0.5f, 0.5f, 0.5f}));
+  test::add_quad(&scene, {-1, 1, -1}, {0, 0, 1}, {1, 0, 0},
+                 test::add_material(&scene, {0, 0, 0}, {5, 5, 5}));
+  const pathtrace::Bvh bvh(scene);
+  const scene::SurfaceSamples samples =
+      sample_scene_points(bvh, 300, /*prune=*/true, 0, nullptr, {}, {0});
+  EXPECT_EQ(samples.size(), 300);
+  for (size_t i = 0; i < samples.position.size(); ++i) {
+    EXPECT_EQ(samples.emission[i], Rgb());
+    EXPECT_EQ(samples.light_group[i], scene::kNone);
+  }
+}
+
 TEST(UnreachedLight, LeavesNoPointsThatItAloneReaches) {
   const TwoRooms rooms;
   const pathtrace::Bvh bvh(rooms.scene);

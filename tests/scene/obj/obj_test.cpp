@@ -117,7 +117,9 @@ TEST_F(Obj, PartsAreObjectsByMaterial) {
             (Rgb{1, 0, 0}));
   EXPECT_THAT(scene.light_groups, ElementsAre("chair"));
   EXPECT_EQ(scene.instances[1].light_group, 0);
-  EXPECT_EQ(evaluate_surface(scene, 1, 0, 0.3f, 0.3f, 0).emission, (Rgb{5, 6, 7}));
+  const Surface lamp = evaluate_surface(scene, 1, 0, 0.3f, 0.3f, 0);
+  EXPECT_EQ(lamp.emission, (Rgb{5, 6, 7}));
+  EXPECT_TRUE(lamp.emits_back) << "the format says nothing of sides";
 }
 
 TEST_F(Obj, GroupsNameWhatNoObjectNames) {
