@@ -72,9 +72,10 @@ Scene import(SceneFiles* files) {
     scene.materials.back().name = "default";
     scene.materials.back().metallic = 1;  // as the specification has it (3.9)
   }
+  // Before the instances: what shone through a picture that is not read has no light group.
+  scene.textures = read_textures(context, &buffers, &scene.materials);
   add_instances(context, placements, table, &scene);
   add_lights_and_cameras(context, placements, &scene);
-  scene.textures = read_textures(context, &buffers, &scene.materials);
   scene.ignored = ignored.lines();
   return scene;
 }

@@ -16,6 +16,23 @@ bool starts_with(Bytes bytes, std::string_view magic) {
       .starts_with(magic);
 }
 
+/// The name of a format that is not read, by its first bytes; "" for PNG, JPEG and WebP.
+std::string unread_format(Bytes bytes) {
+  for (const char* read : {"\x89PNG", "\xff\xd8", "RIFF"})
+    if (starts_with(bytes, read)) return "";
+  if (starts_with(bytes, "\xabKTX 20")) return "KTX2";
+  if (starts_with(bytes, "\xabKTX")) return "KTX";
+  if (starts_with(bytes, "DDS ")) return "DDS";
+  return "an unknown format";
+}
+
+/// Leaves a texture out of a material: its base color is then the factor alone; what would shine
+/// through the texture stays dark, and what would be metal by it is matt.
+void drop(const TextureRef* ref, Material* material) {
+  if (ref == &material->emission_texture) material->emission = {};
+  if (ref == &material->metallic_roughness_texture) material->metallic = 0;
+}
+
 /// The references of a material, and whether they are to colors.
 std::array<std::pair<TextureRef*, bool>, 3> references(Material* material) {
   return {{{&material->base_color_texture, true},
@@ -56,17 +73,21 @@ std::vector<std::shared_ptr<const Texture>> read_textures(const Context& context
   std::vector<EncodedPicture> pictures;
   for (auto& [use, texture] : texture_of_image) {
     const auto& [image, color] = use;
+    const Bytes bytes = buffers->image(image);
+    if (const std::string format = unread_format(bytes); !format.empty()) {
+      context.ignored.add(concat("texture in ", format, ", neither PNG nor JPEG nor WebP"),
+                          "image");
+      texture = kNone;
+      continue;
+    }
     texture = static_cast<int>(pictures.size());
-    pictures.push_back(
-        {buffers->image(image), concat(context.file.name, ": images[", image, "]"), color});
-    const Bytes bytes = pictures.back().bytes;
-    LTE_CHECK(starts_with(bytes, "\x89PNG") || starts_with(bytes, "\xff\xd8") ||
-                  starts_with(bytes, "RIFF"),
-              pictures.back().where, ": neither PNG nor JPEG nor WebP");
+    pictures.push_back({bytes, concat(context.file.name, ": images[", image, "]"), color});
   }
   for (Material& material : *materials) {
     for (const auto& [ref, color] : references(&material)) {
-      if (ref->texture != kNone) ref->texture = texture_of_image[{ref->texture, color}];
+      if (ref->texture == kNone) continue;
+      ref->texture = texture_of_image[{ref->texture, color}];
+      if (ref->texture == kNone) drop(ref, &material);
     }
   }
   return decode_textures(pictures, &context.budget);

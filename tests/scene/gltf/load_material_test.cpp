@@ -100,6 +100,32 @@ TEST_F(LoadMaterial, DecodesBaseColorFromSrgb) {
   EXPECT_NEAR(surface.albedo.z, test::decode_srgb(200), 1e-5);
 }
 
+TEST_F(LoadMaterial, PicturesInOtherFormatsAreNotedWhereTheyCount) {
+  const Json texture = {{"index", 0}};
+  builder_.json["images"] = {
+      {{"uri", "data:image/ktx2;base64," + test::base64("\xabKTX 20\xbb\r\n\x1a\n")}}};
+  builder_.json["textures"] = {{{"source", 0}}};
+  start({{"normalTexture", texture}});
+  EXPECT_THAT(load().ignored, ElementsAre("normal map (1 material)"));
+
+  builder_.json["materials"] = {{{"emissiveFactor", {1, 1, 1}},
+                                 {"emissiveTexture", texture},
+                                 {"pbrMetallicRoughness",
+                                  {{"baseColorFactor", {0.5, 1, 1, 1}},
+                                   {"baseColorTexture", texture},
+                                   {"metallicRoughnessTexture", texture}}}}};
+  const Scene scene = load();
+  EXPECT_THAT(scene.ignored,
+              ElementsAre("texture in KTX2, neither PNG nor JPEG nor WebP (2 images)"))
+      << "as a color and as a number";
+  const Material& material = scene.materials[0];
+  EXPECT_FALSE(material.emissive());
+  EXPECT_EQ(material.metallic, 0);
+  EXPECT_EQ(material.base_color_texture.texture, kNone);
+  EXPECT_EQ(material.base_color.x, 0.5f);
+  EXPECT_EQ(scene.instances[0].light_group, kNone);
+}
+
 TEST_F(LoadMaterial, EmissiveTextureScalesTheStrength) {
   start({{"emissiveFactor", {1, 1, 1}},
          {"emissiveTexture", {{"index", 0}, {"texCoord", 1}}},
