@@ -13,7 +13,7 @@ namespace lte::scene {
 /// them is a light of its own.
 class RepeatedTriangles {
  public:
-  /// O(number of instanced triangles); some 2 bytes of memory for each.
+  /// O(number of instanced triangles), most of it in parallel; some 6 bytes of memory for each.
   explicit RepeatedTriangles(const Scene& scene);
 
   int64_t count() const { return count_; }
