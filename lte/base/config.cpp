@@ -83,8 +83,17 @@ void convert_value(const std::string& key, const ConfigTree& tree, std::vector<T
 
 std::string last_component(const std::string& key) { return key.substr(key.rfind('.') + 1); }
 
-/// The nearest known key, or the one known key whose last component is near: the right name in the
-/// wrong map.
+/// Whether a word is short for a name of several words, or begins it: lr and learning_rate, weight
+/// and weight_decay.
+bool is_short_for(const std::string& word, const std::string& name) {
+  std::string initials;
+  for (size_t i = 0; i < name.size(); ++i)
+    if (i == 0 || name[i - 1] == '_') initials += name[i];
+  return word.size() >= 2 && (word == initials || name.starts_with(word));
+}
+
+/// The nearest known key; else the one known key whose last component is near: the right name in
+/// the wrong map; else one that the last component is short for, in the same map if there is one.
 std::string nearest_key(const std::string& key, const std::set<std::string>& known) {
   const std::vector<std::string> keys(known.begin(), known.end());
   std::string nearest = nearest_name(key, keys);
@@ -94,6 +103,11 @@ std::string nearest_key(const std::string& key, const std::set<std::string>& kno
   nearest = nearest_name(last_component(key), names);
   for (size_t i = 0; i < keys.size() && !nearest.empty(); ++i) {
     if (names[i] == nearest) return keys[i];
+  }
+  const std::string name = last_component(key), map = key.substr(0, key.size() - name.size());
+  for (const bool same_map : {true, false}) {
+    for (size_t i = 0; i < keys.size(); ++i)
+      if (is_short_for(name, names[i]) && (!same_map || keys[i] == map + names[i])) return keys[i];
   }
   return "";
 }

@@ -105,6 +105,11 @@ TEST(Config, UnknownKeyNamesTheNearest) {
               HasSubstr("did you mean \"model\"?"));
   EXPECT_THAT(error_of([] { read_model(Config::parse("learning_rat: 1", "cfg.yaml")); }),
               HasSubstr("did you mean \"train.learning_rate\"?"));
+  for (const char* text : {"train: {lr: 1}", "train: {learn: 1}", "lr: 1"}) {
+    EXPECT_THAT(error_of([&] { read_model(Config::parse(text, "cfg.yaml")); }),
+                HasSubstr("did you mean \"train.learning_rate\"?"))
+        << text;
+  }
   EXPECT_EQ(error_of([] { read_model(Config::parse("zzzzzzzz: 1", "cfg.yaml")); }),
             "cfg.yaml:1: unknown key \"zzzzzzzz\"");
 }
