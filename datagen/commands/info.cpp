@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "lte/base/check.h"
 #include "lte/data/dataset.h"
@@ -104,15 +105,21 @@ namespace {
 
 Json texture_list(const scene::Scene& scene) {
   std::vector<int> uses(scene.textures.size());
+  std::vector<std::string> first(scene.textures.size());  // the file's names are not kept
   for (const scene::Material& material : scene.materials) {
-    for (const scene::TextureRef* ref : {&material.base_color_texture, &material.emission_texture,
-                                         &material.metallic_roughness_texture})
-      if (ref->texture != scene::kNone) ++uses[static_cast<size_t>(ref->texture)];
+    for (const auto& [ref, what] : {std::pair{&material.base_color_texture, "base color"},
+                                    {&material.emission_texture, "emission"},
+                                    {&material.metallic_roughness_texture, "metal, roughness"}}) {
+      if (ref->texture == scene::kNone) continue;
+      const auto number = static_cast<size_t>(ref->texture);
+      if (uses[number]++ == 0) first[number] = concat(what, " of ", material.name);
+    }
   }
   Json list = Json::array();
   for (size_t i = 0; i < uses.size(); ++i) {
     const scene::Texture& texture = *scene.textures[i];
-    list.push_back({{"width", texture.width()},
+    list.push_back({{"name", first[i]},
+                    {"width", texture.width()},
                     {"height", texture.height()},
                     {"bytes", texture.size_bytes()},
                     {"uses", uses[i]}});
@@ -143,6 +150,12 @@ Json group_list(const scene::Scene& scene) {
   for (size_t g = 0; g < powers.size(); ++g)
     groups.push_back(
         {{"name", scene.light_groups[g]}, {"kind", kinds[g]}, {"power_w", vec(powers[g])}});
+  for (const scene::PunctualLight& sun : scene.lights) {  // of these power is not defined
+    if (sun.kind != scene::LightKind::Directional || sun.light_group == scene::kNone) continue;
+    Json& group = groups[static_cast<size_t>(sun.light_group)];
+    group.erase("power_w");
+    group["irradiance_w_m2"] = vec(sun.intensity);
+  }
   return groups;
 }
 
@@ -279,8 +292,15 @@ Json dataset_info(const std::filesystem::path& directory, bool deep) {
 }
 
 std::string to_text(const Json& info) {
+  // "name: lamp, kind: surface, power_w: [1.0,2.0,3.0]", as the keys above it have it.
   const auto plain = [](const Json& value) {
-    return value.is_string() ? value.get<std::string>() : value.dump();
+    if (value.is_string()) return value.get<std::string>();
+    if (!value.is_object()) return value.dump();
+    std::string text;
+    for (const auto& [name, item] : value.items())
+      text += concat(text.empty() ? "" : ", ", name, ": ",
+                     item.is_string() ? item.get<std::string>() : item.dump());
+    return text;
   };
   std::string text;
   for (const auto& [key, value] : info.items()) {

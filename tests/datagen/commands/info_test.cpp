@@ -85,12 +85,28 @@ TEST(Info, ListsTexturesCamerasUnitAndFaults) {
   EXPECT_EQ(info["texture_list"][0]["height"], 2);
   EXPECT_EQ(info["texture_list"][0]["bytes"], scene.textures[0]->size_bytes());
   EXPECT_EQ(info["texture_list"][0]["uses"], 1);
+  EXPECT_EQ(info["texture_list"][0]["name"], "base color of " + scene.materials[0].name);
   EXPECT_EQ(info["camera_list"][0]["name"], "door");
   EXPECT_EQ(info["camera_list"][0], Json::parse(scene::camera_json(scene.cameras[0])));
   EXPECT_EQ(info["light_groups"][0]["kind"], "surface");
   EXPECT_EQ(info["geometry"]["duplicate_triangles"], 12);
   EXPECT_EQ(info["geometry"]["inward_shells"], 1);
   EXPECT_THAT(to_text(info), HasSubstr("  duplicate_triangles: 12\n"));
+}
+
+TEST(Info, SunsHaveIrradiance) {
+  scene::Scene scene = furnace(2, 0.5f);
+  scene::PunctualLight sun;
+  sun.kind = scene::LightKind::Directional;
+  sun.intensity = {1, 2, 3};
+  sun.light_group = 1;
+  scene.lights = {sun};
+  scene.light_groups.push_back("sun");
+  const Json info = scene_info(scene);
+  EXPECT_FALSE(info["light_groups"][1].contains("power_w"));
+  EXPECT_EQ(info["light_groups"][1]["irradiance_w_m2"], Json::array({1.0, 2.0, 3.0}));
+  EXPECT_TRUE(info["light_groups"][0].contains("power_w"));
+  EXPECT_THAT(to_text(info), HasSubstr("  name: sun, kind: directional, irradiance_w_m2: [1"));
 }
 
 TEST(Info, SampleMeansAreOverPointsAndGroupsSummed) {
