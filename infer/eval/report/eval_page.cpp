@@ -119,10 +119,7 @@ std::string eval_html(const EvalResult& result, const std::string& checkpoint,
   body += "<h2 id=meaning>What the figures mean</h2>\n" +
           html_text_table({"name", "meaning", "better"}, kMeanings) +
           html_note("Formulas and the predictors in full: docs/metrics.md of lte.");
-  return html_page(
-      concat("Evaluation on ", result.scenes.size(),
-             result.scenes.size() == 1 ? " scene" : " scenes", " of split ", result.split),
-      body);
+  return html_page(concat("Evaluation on ", scene_count(result), " of split ", result.split), body);
 }
 
 }  // namespace lte::infer

@@ -39,7 +39,6 @@ std::string mean_block(const EvalResult& result) {
     const auto& [name, score] = result.mean[i];
     const ScoreInterval& bounds = result.mean_interval[i].second;
     out += line("  " + name, score);
-    if (result.scenes.size() < 2) continue;
     out += line(concat("    ", interval_level(result), ", from"), bounds.low);
     out += line("           to", bounds.high);
   }
@@ -67,11 +66,12 @@ std::string plain(const TextTable& table) {
 }  // namespace
 
 std::string eval_table(const EvalResult& result) {
-  std::string out = formatted(
-      "%zu scenes of split %s; indirect irradiance over the emission scalar; points | views\n\n",
-      result.scenes.size(), result.split.c_str());
+  std::string out =
+      formatted("%s of split %s; indirect irradiance over the emission scalar; points | views\n\n",
+                scene_count(result).c_str(), result.split.c_str());
   for (const SceneResult& scene : result.scenes) out += block(scene.name, scene.scores);
-  out += '\n' + block("median over scenes", result.median) + '\n' + mean_block(result);
+  if (result.scenes.size() > 1)  // the median and the mean of one scene are that scene
+    out += '\n' + block("median over scenes", result.median) + '\n' + mean_block(result);
   if (!result.equal_samples.empty())
     out += '\n' + plain(sample_table(result)) + sample_note(result) + '\n';
   out += '\n' + plain(paper_table(result)) + kPaperNote + "\n\n";

@@ -56,6 +56,9 @@ TextTable paper_table(const EvalResult& result);
 std::string sample_note(const EvalResult& result);
 extern const char* const kPaperNote;
 
+/// "1 scene" or "10 scenes".
+std::string scene_count(const EvalResult& result);
+
 /// "0.0123", or "-" for what could not be measured.
 std::string figure(double value);
 

@@ -22,6 +22,11 @@ const char* const kPaperNote =
     "own, in its own unit of light and with its own display values, none of which are published: "
     "columns of one row can be compared, rows of the paper and rows of this evaluation cannot.";
 
+std::string scene_count(const EvalResult& result) {
+  const size_t scenes = result.scenes.size();
+  return concat(scenes, scenes == 1 ? " scene" : " scenes");
+}
+
 std::string figure(double value) {
   if (!std::isfinite(value)) return "-";
   return formatted("%.4g", value);
@@ -50,11 +55,13 @@ std::string sample_note(const EvalResult& result) {
   // SSIM does not follow from that of 64 paths.
   const Score* const few = find_score(result.mean, concat("path_tracing_", data::kFewPaths[0]));
   const bool traced = few && std::isfinite(few->views[2]);
+  const double exponent = result.variance_check.exponent;  // NaN where two counts are too few
   return concat(
-      "From the MSE of path tracing with 64 paths, whose variance falls as 1/n. Here it falls as "
-      "1/n^",
-      figure(result.variance_check.exponent),
-      " between 64 paths and the reference's: one path has ", figure(result.variance_check.ratio),
+      "From the MSE of path tracing with 64 paths, whose variance falls as 1/n. Here ",
+      std::isfinite(exponent)
+          ? concat("it falls as 1/n^", figure(exponent), " between 64 paths and the reference's: ")
+          : "",
+      "one path has ", figure(result.variance_check.ratio),
       " times the variance that the spread of the reference tells. Rows of 16, 4 and 1 path are ",
       traced ? "derived at points, and traced in views." : "derived, not traced.");
 }
@@ -68,7 +75,7 @@ TextTable paper_table(const EvalResult& result) {
     return found ? *found : missing;
   };
   const Score own = score("neural"), path_traced = score(kPathTraced);
-  out.rows.push_back({concat(result.scenes.size(), " scenes here"), figure(own.views[0]),
+  out.rows.push_back({concat(scene_count(result), " here"), figure(own.views[0]),
                       figure(own.views[2]), figure(path_traced.views[0]),
                       figure(path_traced.views[2])});
   out.rows.push_back({"105 scenes of the paper", "0.048", "0.912", "0.051", "0.425"});
