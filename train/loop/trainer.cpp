@@ -144,6 +144,7 @@ void Trainer::train_step() {
   progress.window_steps += 1;
   progress.seconds = seconds_before_ + session_timer_.seconds();
   summary_.loss = loss;
+  since_validation_.add(loss);
   if (!log_) return;
   log_->add_queries(queries);
   after_step(gradient.norm, modules);
@@ -204,8 +205,8 @@ bool Trainer::validate_now() {
   for (const KindErrors& errors : summary_.validation->kinds)
     kinds += concat(kinds.empty() ? " (" : ", ", errors.kind, " ", errors.loss);
   if (!kinds.empty()) kinds += ")";
-  log_info("step ", progress.step, ": loss ", summary_.loss, ", validation loss ", loss, kinds,
-           ", PSNR ", summary_.validation->psnr, " dB", best ? ", the best so far" : "");
+  log_info("step ", progress.step, ": loss ", since_validation_.take(), ", validation loss ", loss,
+           kinds, ", PSNR ", summary_.validation->psnr, " dB", best ? ", the best so far" : "");
   if (!best) return false;
   progress.best_loss = loss;
   progress.best_step = progress.step;

@@ -36,6 +36,24 @@ struct TrainSummary {
   std::optional<ValidationResult> validation;  ///< the last of this session
 };
 
+/// Of the steps since it was last taken: one step's loss is that of a few scenes.
+class MeanLoss {
+ public:
+  void add(double loss) {
+    sum_ += loss;
+    ++steps_;
+  }
+  double take() {
+    const double mean = sum_ / static_cast<double>(steps_);
+    *this = MeanLoss();
+    return mean;
+  }
+
+ private:
+  double sum_ = 0;
+  int64_t steps_ = 0;
+};
+
 class Trainer {
  public:
   /// Opens the data, and makes the model or takes it from the run's newest whole checkpoint.
@@ -82,6 +100,7 @@ class Trainer {
   std::vector<Example> validation_;
   std::unique_ptr<Previews> previews_;  ///< of rank 0, unless switched off
   TrainSummary summary_;
+  MeanLoss since_validation_;
   double seconds_before_ = 0;  ///< of earlier sessions
   Timer session_timer_;
   int agreed_signal_ = 0;    ///< that any process of a group was sent
