@@ -28,7 +28,7 @@ struct ParetoOptions {
   int repeats = 3;
   int max_depth = 5;
   uint64_t seed = 0;
-  ReferenceSettings reference{2048, "out/reference-cache"};
+  ReferenceSettings reference{2048, ""};
 };
 
 /// Wall-clock and user + system seconds, the least of the repeats, and wall-clock by stage.

@@ -1,6 +1,7 @@
 #include "infer/bench/pareto/pareto_command.h"
 
 #include <cstdio>
+#include <filesystem>
 
 #include "infer/bench/pareto/pareto_report.h"
 #include "infer/tool/begin_command.h"
@@ -48,10 +49,9 @@ void add_pareto_options(CLI::App& command, ParetoRequest* request) {
   command.add_option("--reference-spp", options.reference.spp, "Paths a pixel of the reference")
       ->check(CLI::Range(2, 1 << 24))
       ->capture_default_str();
-  command
-      .add_option("--reference-cache", request->cache,
-                  "Folder in which references are kept from run to run")
-      ->default_str(options.reference.cache.string());
+  command.add_option("--reference-cache", request->cache,
+                     "Folder in which references are kept from run to run; by default "
+                     "reference-cache beside --out, and none without --out");
   command.add_option("--out", request->out, "Page with the charts to write (.html)");
   add_scene_flags(command, &options.loading);
 }
@@ -60,7 +60,11 @@ void run_pareto(const ParetoRequest& request, const CommonOptions& common) {
   ParetoOptions options = request.options;
   options.sizes.clear();
   for (const std::string& size : request.sizes) options.sizes.push_back(parse_picture_size(size));
-  if (!request.cache.empty()) options.reference.cache = request.cache;
+  if (!request.cache.empty()) {
+    options.reference.cache = request.cache;
+  } else if (!request.out.empty()) {
+    options.reference.cache = std::filesystem::path(request.out).parent_path() / "reference-cache";
+  }
   CommandFiles files;
   for (const std::string& scene : options.scenes) files.reads("SCENE", scene);
   files.reads("--checkpoint", options.checkpoint);

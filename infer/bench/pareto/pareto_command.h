@@ -11,7 +11,7 @@ namespace lte::infer {
 struct ParetoRequest {
   ParetoOptions options;
   std::vector<std::string> sizes = {"160x120"};
-  std::string cache;  ///< --reference-cache; empty: options.reference.cache
+  std::string cache;  ///< --reference-cache; empty: beside `out`
   std::string out;    ///< the page; empty: none
 };
 

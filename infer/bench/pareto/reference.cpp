@@ -90,6 +90,7 @@ Reference read_reference(const std::filesystem::path& path) {
 Reference find_reference(const MethodScene& scene, const scene::Camera& camera,
                          const std::string& name, const ReferenceSettings& settings) {
   const int half = (settings.spp + 1) / 2;
+  if (settings.cache.empty()) return trace_reference(scene, camera, name, half);
   const std::filesystem::path path =
       settings.cache /
       (file_words(name) + formatted("-%dx%d-%dspp-depth%d-%016llx.exr", scene.width, scene.height,

@@ -18,8 +18,8 @@ struct Reference {
 };
 
 struct ReferenceSettings {
-  int spp = 2048;  ///< paths a pixel, rounded up to an even number
-  std::filesystem::path cache;
+  int spp = 2048;               ///< paths a pixel, rounded up to an even number
+  std::filesystem::path cache;  ///< folder; empty: nothing is kept
 };
 
 /// Reads the reference of a view, or traces and keeps it. The file is named by scene, size, paths

@@ -159,26 +159,10 @@ TEST_F(Pareto, EqualSeedsGiveEqualPicturesAndOneReference) {
 }
 
 TEST_F(Pareto, CommandWritesPageAndData) {
-  const test::CommandOutcome done = run({"room.glb",
-                                         "--checkpoint",
-                                         "tiny.safetensors",
-                                         "--size",
-                                         "16x12,20x16",
-                                         "--methods",
-                                         "paths-1,paths-4,network-1",
-                                         "--views",
-                                         "2",
-                                         "--repeats",
-                                         "1",
-                                         "--reference-spp",
-                                         "64",
-                                         "--reference-cache",
-                                         "kept",
-                                         "--json",
-                                         "p.json",
-                                         "--out",
-                                         "p.html",
-                                         "--quiet"});
+  const test::CommandOutcome done =
+      run({"room.glb", "--checkpoint", "tiny.safetensors", "--size", "16x12,20x16", "--methods",
+           "paths-1,paths-4,network-1", "--views", "2", "--repeats", "1", "--reference-spp", "64",
+           "--json", "p.json", "--out", "p.html", "--quiet"});
   ASSERT_EQ(done.code, 0) << done.err;
   EXPECT_THAT(done.out, HasSubstr("network-1"));
   const nlohmann::json json = nlohmann::json::parse(read_file("p.json"));
