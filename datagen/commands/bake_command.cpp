@@ -26,6 +26,8 @@ struct BakeFlags {
 /// Gives the views the cameras of --camera, and without --views one to each of them.
 void set_cameras(const BakeFlags& flags, const scene::Scene& scene, BakeOptions* bake) {
   const std::optional<scene::CameraChoice> choice = scene::find_cameras(scene, flags.camera);
+  LTE_CHECK(choice || flags.camera == "auto", "--camera ", flags.camera,
+            ": the automatic cameras of bake follow from --seed; expected auto");
   if (!choice) return;
   bake->view_cameras = choice->cameras;
   if (!flags.has_views) bake->views.count = static_cast<int64_t>(choice->cameras.size());

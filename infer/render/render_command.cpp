@@ -44,9 +44,9 @@ std::vector<View> views_of(const RenderRequest& request, const pathtrace::Bvh& b
   const auto [width, height] = parse_picture_size(request.size);
   const float aspect = static_cast<float>(width) / static_cast<float>(height);
   std::vector<View> views =
-      request.turntable > 0 ? turntable_views(bvh, request.camera, request.turntable, request.out,
-                                              request.seed, aspect)
-                            : choose_views(bvh, request.camera, request.out, request.seed, aspect);
+      request.turntable > 0
+          ? turntable_views(bvh, request.camera, request.turntable, request.out, aspect)
+          : choose_views(bvh, request.camera, request.out, aspect);
   check_in_view(bvh.scene(), bvh.bounds(), views, aspect);
   for (const View& view : views) check_writable(view.out);
   return views;

@@ -103,7 +103,7 @@ std::string picture_name(const std::string& pattern, size_t number, const std::s
 }
 
 std::vector<View> choose_views(const pathtrace::Bvh& bvh, const std::string& camera,
-                               const std::string& out, uint64_t seed, float aspect) {
+                               const std::string& out, float aspect) {
   const scene::Scene& scene = bvh.scene();
   std::optional<scene::CameraChoice> choice;
   if (!camera.empty()) {
@@ -112,7 +112,8 @@ std::vector<View> choose_views(const pathtrace::Bvh& bvh, const std::string& cam
     choice = scene::CameraChoice{{scene.cameras.front()}, false};
   }
   if (!choice) {
-    choice = scene::CameraChoice{{pathtrace::auto_camera(bvh, seed, aspect)}, false};
+    choice = scene::CameraChoice{
+        {pathtrace::auto_camera(bvh, scene::auto_camera_seed(camera), aspect)}, false};
     log_info("camera: ", scene::camera_json(choice->cameras.front()));
   }
   std::vector<View> views;
@@ -122,9 +123,8 @@ std::vector<View> choose_views(const pathtrace::Bvh& bvh, const std::string& cam
 }
 
 std::vector<View> turntable_views(const pathtrace::Bvh& bvh, const std::string& camera, int count,
-                                  const std::string& out, uint64_t seed, float aspect) {
-  const std::vector<View> first =
-      choose_views(bvh, camera.empty() ? "auto" : camera, "", seed, aspect);
+                                  const std::string& out, float aspect) {
+  const std::vector<View> first = choose_views(bvh, camera.empty() ? "auto" : camera, "", aspect);
   LTE_CHECK(first.size() == 1, "--turntable begins with one camera, but --camera ", camera,
             " names ", first.size());
   const pathtrace::Turntable table = pathtrace::turntable(bvh, first.front().camera, count);

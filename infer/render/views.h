@@ -20,17 +20,18 @@ struct View {
 /// Where the flag may stand for several cameras, `out` is a pattern: %d or, with leading zeros,
 /// %04d becomes the number of the picture from 0, {name} the name of its camera, in which anything
 /// but letters, digits, '.', '-' and '_' becomes '_'. Otherwise it is taken as it stands.
+/// @param camera  auto:NUMBER is another automatic camera; no other seed moves it
 /// @param aspect  width over height, for the automatic camera
 /// @throws lte::Error for a camera that does not exist, a pattern that lacks where it is needed,
 ///         and two pictures of one name.
 std::vector<View> choose_views(const pathtrace::Bvh& bvh, const std::string& camera,
-                               const std::string& out, uint64_t seed, float aspect);
+                               const std::string& out, float aspect);
 
 /// The cameras of --turntable (lte/pathtrace/placement/turntable.h), which begins with that of
 /// --camera or, without it, with the automatic one. `out` is a pattern.
 /// @throws lte::Error as choose_views(), and if the flag names several cameras.
 std::vector<View> turntable_views(const pathtrace::Bvh& bvh, const std::string& camera, int count,
-                                  const std::string& out, uint64_t seed, float aspect);
+                                  const std::string& out, float aspect);
 
 /// Those of the views, in order.
 std::vector<scene::Camera> cameras_of(const std::vector<View>& views);

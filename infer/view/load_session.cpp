@@ -49,7 +49,7 @@ ViewState first_view(const ViewRequest& request, const scene::Scene& scene) {
   const float aspect = static_cast<float>(width) / static_cast<float>(height);
   const pathtrace::Bvh bvh(scene);
   pathtrace::warn_of_lost_light(request.scene, bvh);
-  const std::vector<View> views = choose_views(bvh, request.camera, "", request.seed, aspect);
+  const std::vector<View> views = choose_views(bvh, request.camera, "", aspect);
   LTE_CHECK(views.size() == 1, "--camera ", request.camera, ": expected one camera, got ",
             views.size());
   check_in_view(scene, bvh.bounds(), views, aspect);

@@ -135,6 +135,8 @@ std::string camera_names(const Scene& scene) {
   return text;
 }
 
+constexpr std::string_view kAutoSeed = "auto:";
+
 std::optional<size_t> parse_index(const std::string& word) {
   size_t index = 0;
   const char* end = word.data() + word.size();
@@ -208,7 +210,10 @@ std::string camera_json(const Camera& camera) {
 }
 
 std::optional<CameraChoice> find_cameras(const Scene& scene, const std::string& word) {
-  if (word == "auto") return std::nullopt;
+  if (word == "auto" || word.starts_with(kAutoSeed)) {
+    auto_camera_seed(word);
+    return std::nullopt;
+  }
   if (word == "all") {
     LTE_CHECK(!scene.cameras.empty(), "camera \"all\": the scene has no cameras; auto makes one");
     return CameraChoice{scene.cameras, true};
@@ -228,6 +233,13 @@ std::optional<CameraChoice> find_cameras(const Scene& scene, const std::string& 
     return read_cameras(word);
   }
   refuse(scene, word);
+}
+
+uint64_t auto_camera_seed(const std::string& word) {
+  if (!word.starts_with(kAutoSeed)) return 0;
+  const std::optional<size_t> seed = parse_index(word.substr(kAutoSeed.size()));
+  LTE_CHECK(seed, "camera \"", word, "\": expected auto, or auto: and a number such as auto:1");
+  return *seed;
 }
 
 }  // namespace lte::scene

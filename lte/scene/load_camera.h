@@ -2,6 +2,7 @@
 // format.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -39,15 +40,20 @@ struct CameraChoice {
 
 /// The help of a flag that find_cameras() reads.
 inline constexpr const char* kCameraHelp =
-    "NAME or INDEX of a camera of the scene, all of them, auto, or a FILE.json of "
+    "NAME or INDEX of a camera of the scene, all of them, auto (auto:1, auto:2, ... for other "
+    "views from inside), or a FILE.json of "
     "{\"origin\":[..],\"target\":[..],\"vfov\":degrees}, \"up\" optional (docs/cameras.md)";
 
 /// Finds what `word` stands for: "all" cameras of the scene, the one with this number (from 0) or
 /// this name, or a camera file, which is a word that ends in .json or .exr or, where no camera is
 /// called so, the name of any file.
-/// @return  nothing for "auto": pathtrace::auto_camera() makes that one
+/// @return  nothing for "auto" and "auto:NUMBER": pathtrace::auto_camera() makes that one
 /// @throws lte::Error that lists the cameras of the scene if it is none of these, and for a name
 ///         that several cameras have.
 std::optional<CameraChoice> find_cameras(const Scene& scene, const std::string& word);
+
+/// The seed that a word asks of the automatic camera: N of "auto:N", else 0.
+/// @throws lte::Error if something else than a number follows "auto:"
+uint64_t auto_camera_seed(const std::string& word);
 
 }  // namespace lte::scene

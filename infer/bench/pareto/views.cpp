@@ -31,7 +31,8 @@ std::vector<scene::Camera> pareto_views(const pathtrace::Bvh& bvh, const std::st
     choice = scene::CameraChoice{{bvh.scene().cameras.front()}, false};
   }
   std::vector<scene::Camera> views =
-      choice ? choice->cameras : std::vector{pathtrace::auto_camera(bvh, 0, aspect)};
+      choice ? choice->cameras
+             : std::vector{pathtrace::auto_camera(bvh, scene::auto_camera_seed(word), aspect)};
   const auto wanted = static_cast<size_t>(count);
   if (views.size() > wanted) views.resize(wanted);
   const scene::Camera first = views.front();

@@ -1,6 +1,8 @@
 // Cameras and file names of the pictures of one command line; exposure flags.
 #include "infer/render/views.h"
 
+#include <set>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -33,7 +35,7 @@ class Views : public testing::Test {
   }
   std::vector<std::string> names(const std::string& camera, const std::string& out) {
     std::vector<std::string> found;
-    for (const View& view : choose_views(bvh_, camera, out, 0, 1)) found.push_back(view.out);
+    for (const View& view : choose_views(bvh_, camera, out, 1)) found.push_back(view.out);
     return found;
   }
   std::string error(const std::string& camera, const std::string& out) {
@@ -48,8 +50,19 @@ TEST_F(Views, OnePictureTakesTheNameAsItStands) {
   EXPECT_THAT(names("", "a.png"), ElementsAre("a.png"));
   EXPECT_THAT(names("door", "100%d.png"), ElementsAre("100%d.png"));
   EXPECT_THAT(names("1", "a.png"), ElementsAre("a.png"));
-  EXPECT_EQ(choose_views(bvh_, "", "", 0, 1)[0].camera.name, "door") << "the first of the scene";
-  EXPECT_EQ(choose_views(bvh_, "auto", "", 0, 1)[0].camera.name, "auto");
+  EXPECT_EQ(choose_views(bvh_, "", "", 1)[0].camera.name, "door") << "the first of the scene";
+  EXPECT_EQ(choose_views(bvh_, "auto", "", 1)[0].camera.name, "auto");
+}
+
+TEST_F(Views, TheAutomaticCameraMovesByItsOwnSeedAlone) {
+  const auto origin = [&](const char* word) {
+    return choose_views(bvh_, word, "", 1)[0].camera.origin;
+  };
+  EXPECT_EQ(origin("auto"), origin("auto:0"));
+  std::set<float> places;
+  for (const char* word : {"auto:0", "auto:1", "auto:2", "auto:3"}) places.insert(origin(word).x);
+  EXPECT_GT(places.size(), 1u);
+  EXPECT_THAT(error("auto:one", "a.png"), HasSubstr("\"auto:one\": expected auto, or auto: and"));
 }
 
 TEST_F(Views, AllOfThemNeedNamesThatDiffer) {
@@ -57,7 +70,7 @@ TEST_F(Views, AllOfThemNeedNamesThatDiffer) {
   EXPECT_THAT(error("all", "f.png"), HasSubstr("3 pictures need a pattern: %d"));
   EXPECT_THAT(error("all", "{name}.png"), HasSubstr("sofa.png: two pictures"));
   EXPECT_THAT(names("all", "{name}%d.png"), ElementsAre("door0.png", "sofa1.png", "sofa2.png"));
-  EXPECT_EQ(choose_views(bvh_, "all", "", 0, 1).size(), 3u) << "nothing is to be written";
+  EXPECT_EQ(choose_views(bvh_, "all", "", 1).size(), 3u) << "nothing is to be written";
   scene_.cameras.resize(1);
   EXPECT_THAT(names("all", "f.png"), ElementsAre("f.png"));
 }
