@@ -33,6 +33,7 @@
 #include "lte/pathtrace/reach/lost_light.h"
 #include "lte/scene/light_points.h"
 #include "lte/scene/load_camera.h"
+#include "lte/scene/metal.h"
 
 namespace lte::infer {
 namespace {
@@ -178,12 +179,18 @@ std::optional<runtime::Network> load_network(const RenderRequest& request,
   const bool gathers = needs.table || (may_come && settings->indirect == Indirect::Gather);
   if (gathers && table->light == TableLight::Raw) return std::nullopt;
   const bool looks_inside = settings->output == Output::Attention;
+  const scene::Scene& scene = renderer.bvh().scene();
+  if (needs.network && needs.metal == Metal::Trace && !needs.reflects_by_network && !may_come &&
+      !request.embedding.has_file() && scene::is_all_metal(scene)) {
+    log_info("all surfaces are metal, which is path-traced: no model is needed");
+    settings->indirect = Indirect::Paths;
+    return std::nullopt;
+  }
   if (!gathers && !needs.network && !may_come && !looks_inside) return std::nullopt;
   const c10::Device device = nn::choose_device(request.tool.device, 0, "--device");
   std::optional<runtime::Network> network(
       std::in_place, checkpoint_or_shipped(request.checkpoint),
       runtime::NetworkOptions{device, choose_precision(request.tool.precision, device)});
-  const scene::Scene& scene = renderer.bvh().scene();
   if (looks_inside || !has_untrained_light(scene, network->metadata())) return network;
   const std::vector<int> left_out =
       left_out_light(request.embedding, renderer.bvh(), *network,
