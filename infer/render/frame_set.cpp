@@ -53,7 +53,9 @@ fs::path manifest_path(const std::string& pattern) {
   while (!stem.empty() && std::string("_-. ").find(stem.back()) != std::string::npos)
     stem.pop_back();
   if (!stem.empty()) stem += "_";
-  return folder / (stem + "frames" + path.extension().string() + ".json");
+  // The extension is part of the name, as frames of both kinds may lie in one folder.
+  const std::string kind = path.extension().string();
+  return folder / (stem + "frames" + (kind.empty() ? "" : "_" + kind.substr(1)) + ".json");
 }
 
 std::string name_of(const View& view) { return fs::path(view.out).lexically_normal().string(); }

@@ -1,7 +1,7 @@
 // The pictures of several cameras on disk: which of them are there already, and how they were made.
 //
 // Beside the pictures lies a manifest, named after their pattern: frames/%04d.png has
-// frames/frames.png.json. It has what the pictures were made of and the camera of each, so that a
+// frames/frames_png.json. It has what the pictures were made of and the camera of each, so that a
 // run that goes on with the work of an earlier one makes no mixture.
 #pragma once
 

@@ -5,6 +5,9 @@
 #include "lte/base/process_memory.h"
 
 namespace lte::infer {
+namespace {
+constexpr double kLeastSeconds = 0.005;  ///< less is printed as 0.00
+}
 
 nlohmann::json seconds_json(const StageSeconds& seconds, double total) {
   nlohmann::json out = {{"total", total}};
@@ -19,7 +22,10 @@ void add_seconds(const StageSeconds& picture, StageSeconds* sum) {
 
 void print_times(const StageSeconds& seconds, double total) {
   std::printf(" | seconds: ");
-  for (const Stage& stage : kStages) std::printf("%s %.2f, ", stage.name, seconds.*stage.seconds);
+  for (const Stage& stage : kStages) {
+    const double spent = seconds.*stage.seconds;
+    if (spent >= kLeastSeconds) std::printf("%s %.2f, ", stage.name, spent);
+  }
   std::printf("total %.2f | peak %.0f MiB\n", total, peak_rss_mb());
 }
 

@@ -66,7 +66,7 @@ TEST_F(Frames, ATurntableWritesItsFramesUnderOneExposure) {
   // The first is the picture of the camera that it begins with.
   ASSERT_EQ(render("--camera a --out one.png").code, 0);
   EXPECT_EQ(bytes("one.png"), bytes("f/00.png"));
-  EXPECT_TRUE(fs::exists("f/frames.png.json"));
+  EXPECT_TRUE(fs::exists("f/frames_png.json"));
   ASSERT_EQ(render("--cameras all --out f/{name}.png --json all.json").code, 0);
   EXPECT_NE(json("all.json").at("pictures")[0]["exposure"],
             json("all.json").at("pictures")[1]["exposure"]);
@@ -109,7 +109,7 @@ TEST_F(Frames, NoMixtureOfSettingsIsMade) {
     EXPECT_EQ(folder_files("f"), before);
   };
   const std::string resume = "--cameras all --out f/%d.png --resume ";
-  refused(render(resume + "--seed 7"), {"f/frames.png.json", "another --seed: 0", "is 7"});
+  refused(render(resume + "--seed 7"), {"f/frames_png.json", "another --seed: 0", "is 7"});
   refused(render(resume + "--output gi"), {"another --output"});
   refused(render(resume, "dark.glb"), {"another scene materials"});
   refused(render(resume, "room.glb", "other.safetensors"), {"another model"});
@@ -117,11 +117,11 @@ TEST_F(Frames, NoMixtureOfSettingsIsMade) {
           {"one-exposure"});
   refused(render("--turntable 2 --camera b --out f/%d.png --resume"),
           {"f/0.png", "another camera"});
-  fs::rename("f/frames.png.json", "gone.json");
-  expect_one_line(render(resume), 1, {"f/0.png: exists, but not f/frames.png.json"});
-  test::write_text("f/frames.png.json", "{\"format\": ");
-  expect_one_line(render(resume), 1, {"f/frames.png.json: not valid JSON"});
-  fs::rename("gone.json", "f/frames.png.json");
+  fs::rename("f/frames_png.json", "gone.json");
+  expect_one_line(render(resume), 1, {"f/0.png: exists, but not f/frames_png.json"});
+  test::write_text("f/frames_png.json", "{\"format\": ");
+  expect_one_line(render(resume), 1, {"f/frames_png.json: not valid JSON"});
+  fs::rename("gone.json", "f/frames_png.json");
   EXPECT_EQ(render(resume + "--threads 2").code, 0) << "threads are no setting of a picture";
 }
 
@@ -207,10 +207,10 @@ TEST(FrameSets, TheManifestIsNamedAfterThePattern) {
   const auto name = [](const std::string& pattern) {
     return FrameSet(pattern, {}).manifest().string();
   };
-  EXPECT_EQ(name("f/%04d.png"), "f/frames.png.json");
+  EXPECT_EQ(name("f/%04d.png"), "f/frames_png.json");
   EXPECT_EQ(name("f/%02d_{name}.exr"), "f/frames.exr.json");
-  EXPECT_EQ(name("room_%d.png"), "room_frames.png.json");
-  EXPECT_EQ(name("f/{name}/%d.png"), "f/frames.png.json");
+  EXPECT_EQ(name("room_%d.png"), "room_frames_png.json");
+  EXPECT_EQ(name("f/{name}/%d.png"), "f/frames_png.json");
 }
 
 }  // namespace
