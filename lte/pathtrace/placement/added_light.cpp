@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lte/base/check.h"
+#include "lte/base/log.h"
 #include "lte/base/text.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/placement/auto_camera.h"
@@ -142,6 +143,10 @@ void add_panel(const Panel& panel, scene::Scene* scene) {
 
 std::string add_automatic(std::span<const scene::Camera> cameras, scene::Scene* scene) {
   const Choice choice = choose_lights(*scene, cameras);
+  if (!scene->light_groups.empty())
+    log_warning("--add-light auto: the scene has light already, ", scene->light_groups.size(),
+                scene->light_groups.size() == 1 ? " luminaire" : " luminaires",
+                "; what is added shines beside it, and either may outshine the other");
   std::string text;
   for (const Panel& panel : choice.panels) {
     add_panel(panel, scene);
