@@ -34,6 +34,11 @@ void add_exposure_options(CLI::App& app, ExposureOptions* options) {
   app.add_option("--ev", options->ev,
                  "Stops by which to brighten beside that: +1 doubles it, -1 halves it")
       ->check(number_within(-100, 100, "from -100 to 100"));
+  app.add_option("--tone", options->tone,
+                 "Of a PNG: how light beyond white is shown: clipped (linear), rolled off by "
+                 "luminance (reinhard), or by a film's curve (filmic)")
+      ->check(CLI::IsMember({"linear", "reinhard", "filmic"}))
+      ->capture_default_str();
 }
 
 float choose_exposure(const Frame& frame, Output output, const ExposureOptions& options) {

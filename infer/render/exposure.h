@@ -1,7 +1,8 @@
-// How bright a picture is shown: --exposure and --ev.
+// How a PNG shows light: --exposure, --ev and --tone.
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include <CLI/CLI.hpp>
 
@@ -12,9 +13,10 @@ namespace lte::infer {
 struct ExposureOptions {
   std::optional<double> exposure;  ///< nothing: by the picture
   double ev = 0;                   ///< stops: factors of two beside it
+  std::string tone = "linear";     ///< a word of image::ToneCurve
 };
 
-/// Adds --exposure and --ev, which take finite numbers alone.
+/// Adds --exposure and --ev, which take finite numbers alone, and --tone.
 void add_exposure_options(CLI::App& app, ExposureOptions* options);
 
 /// The factor of the picture: the exposure that was given, else frame_exposure(), times 2^ev; 1 for

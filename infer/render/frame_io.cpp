@@ -67,13 +67,15 @@ float frame_exposure(const Frame& frame, Output output) {
 }
 
 void write_frame(const std::filesystem::path& path, const Frame& frame, Output output,
-                 float exposure, const scene::Camera* camera) {
+                 float exposure, const scene::Camera* camera, image::ToneCurve curve) {
   const std::string extension = extension_of(path);
   if (extension == ".exr") return write_layers(path, frame, camera);
   LTE_CHECK(extension == ".png", path.string(), ": expected a name that ends in .exr or .png");
   if (output == Output::Normal) return image::write_png(path, display_normal(frame));
   if (output == Output::Depth) return image::write_png(path, display_depth(frame.depth));
-  image::write_png(path, image::display(frame.color, is_geometry(output) ? 1.0f : exposure));
+  const bool light = !is_geometry(output);
+  image::write_png(path, image::display(frame.color, light ? exposure : 1.0f,
+                                        light ? curve : image::ToneCurve::Linear));
 }
 
 bool keeps_layers(const std::filesystem::path& path) { return extension_of(path) == ".exr"; }

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "infer/renderer/renderer.h"
+#include "lte/image/tone_curve.h"
 
 namespace lte::infer {
 
@@ -16,11 +17,12 @@ float frame_exposure(const Frame& frame, Output output);
 /// An .exr holds the output as R, G, B and the layers albedo, normal, depth and emission, with
 /// direct, indirect or total where the output needed them; all linear and not exposed. With a
 /// camera, its header has that as JSON too (scene/load_camera.h). In a .png light is exposed and
-/// goes through the sRGB curve, albedo goes through the curve alone, normals map [−1, 1] to [0, 1],
-/// and depth is divided by its largest value.
+/// goes through the tone curve and sRGB, albedo goes through sRGB alone, normals map [−1, 1] to
+/// [0, 1], and depth is divided by its largest value.
 /// @throws lte::Error if the extension is another or the file cannot be written.
 void write_frame(const std::filesystem::path& path, const Frame& frame, Output output,
-                 float exposure, const scene::Camera* camera = nullptr);
+                 float exposure, const scene::Camera* camera = nullptr,
+                 image::ToneCurve curve = image::ToneCurve::Linear);
 
 /// Whether write_frame() writes layers to this path: an .exr.
 bool keeps_layers(const std::filesystem::path& path);

@@ -19,7 +19,7 @@ void PictureWriter::write(FinishedPicture picture) {
   picture_ = std::move(picture);
   busy_ = std::async(std::launch::async, [&p = *picture_] {
     const Timer timer;
-    write_frame(p.out, p.frame, p.output, p.exposure, &p.camera);
+    write_frame(p.out, p.frame, p.output, p.exposure, &p.camera, p.curve);
     return timer.seconds();
   });
 }

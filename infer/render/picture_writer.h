@@ -9,6 +9,7 @@
 
 #include "infer/picture/frame.h"
 #include "infer/picture/output.h"
+#include "lte/image/tone_curve.h"
 #include "lte/scene/scene.h"
 
 namespace lte::infer {
@@ -20,6 +21,7 @@ struct FinishedPicture {
   Output output = Output::Full;
   float exposure = 1;
   scene::Camera camera;
+  image::ToneCurve curve = image::ToneCurve::Linear;  ///< of a .png
 };
 
 /// Keeps one picture at most, and writes them in their order.

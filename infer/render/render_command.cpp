@@ -325,7 +325,8 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
     pictures.push_back(picture_json(request, view, plan, run.table, frame, exposure));
     if (run.edited) pictures.back()["edit"] = edit;
     if (run.look) pictures.back()["attention"] = run.look->json();
-    writer.write({view.out, std::move(frame), settings.output, exposure, view.camera});
+    writer.write({view.out, std::move(frame), settings.output, exposure, view.camera,
+                  parse_enum<image::ToneCurve>("--tone", request.exposure.tone)});
     if (!beside) writer.finish();
     run.work.restart();  // a view after the first has the budget for itself
   }

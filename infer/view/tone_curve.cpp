@@ -5,6 +5,7 @@
 
 #include "lte/base/parallel.h"
 #include "lte/image/srgb_byte.h"
+#include "lte/image/tonemap.h"
 
 namespace lte::infer::view {
 namespace {
@@ -12,11 +13,6 @@ namespace {
 constexpr int64_t kRowsAtOnce = 32;
 // A difference of this much of the display's range has its full color.
 constexpr float kFullDifference = 0.25f;
-
-float hable(float x) {
-  constexpr float a = 0.15f, b = 0.50f, c = 0.10f, d = 0.20f, e = 0.02f, f = 0.30f;
-  return (x * (a * x + c * b) + d * e) / (x * (a * x + b) + d * f) - e / f;
-}
 
 /// Calls `pixel(rgb, bytes)` for every pixel.
 template <typename Pixel>
@@ -35,35 +31,7 @@ DisplayPicture map_pixels(const image::Image& picture, const Pixel& pixel) {
 
 }  // namespace
 
-Rgb tone_map(ToneCurve curve, const Rgb& exposed) {
-  const Rgb light = max(exposed, {0, 0, 0});
-  switch (curve) {
-    case ToneCurve::Reinhard:
-      return min(light * (1 / (1 + luminance(light))), {1, 1, 1});
-    case ToneCurve::Filmic: {
-      constexpr float kBefore = 2;  // middle grey stays about where the other curves have it
-      const float white = 1 / hable(4 * kBefore);
-      return min(
-          Rgb{hable(kBefore * light.x), hable(kBefore * light.y), hable(kBefore * light.z)} * white,
-          {1, 1, 1});
-    }
-    default:
-      return min(light, {1, 1, 1});
-  }
-}
-
-DisplayPicture display_light(const image::Image& linear, float exposure, ToneCurve curve) {
-  const image::SrgbBytes& byte_of = image::srgb_bytes();
-  return map_pixels(linear, [&](int x, int y, uint8_t* bytes) {
-    const Rgb light = linear.rgb(x, y) * exposure;
-    const Rgb shown = is_finite(light) ? tone_map(curve, light) : Rgb{1, 0, 1};
-    for (int c = 0; c < 3; ++c) bytes[c] = byte_of(shown[c]);
-  });
-}
-
-DisplayPicture display_albedo(const image::Image& albedo) {
-  return display_light(albedo, 1, ToneCurve::Linear);
-}
+DisplayPicture display_albedo(const image::Image& albedo) { return image::display(albedo, 1); }
 
 DisplayPicture display_normal(const image::Image& normal) {
   return map_pixels(normal, [&](int x, int y, uint8_t* bytes) {

@@ -1,4 +1,5 @@
-// From linear pictures to what the page shows: exposure, tone curve, signed differences.
+// From linear pictures that are no light to what the page shows: albedo, normals, signed
+// differences.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +12,6 @@
 namespace lte::infer::view {
 
 using image::DisplayPicture;
-
-/// The curve without sRGB: exposed linear light to [0, 1]. Linear: clipped. The others keep hue by
-/// scaling with luminance (Reinhard) or work by channel (Filmic, Hable 2010, white at 4).
-Rgb tone_map(ToneCurve curve, const Rgb& exposed);
-
-/// A picture of light. Pixels that are not finite become magenta, so that they are seen.
-DisplayPicture display_light(const image::Image& linear, float exposure, ToneCurve curve);
 
 /// Albedo through sRGB alone.
 DisplayPicture display_albedo(const image::Image& albedo);

@@ -200,7 +200,7 @@ DisplayPicture ViewLoop::display() {
         return display_difference(picture, progressive_.reference(), exposure());
       [[fallthrough]];
     default:
-      return display_light(picture, exposure(), view_.curve);
+      return image::display(picture, exposure(), view_.curve);
   }
 }
 

@@ -6,15 +6,14 @@
 
 #include "lte/base/enum_names.h"
 #include "lte/base/math.h"
+#include "lte/image/tone_curve.h"
 
 namespace lte::infer::view {
 
 /// What the picture shows. Difference is the network's full picture less the reference's.
 enum class Shown { Full, Indirect, Direct, Irradiance, Reference, Difference, Albedo, Normal };
 
-/// From exposed linear light to the display: clipped, rolled off by Reinhard's curve on luminance,
-/// or Hable's filmic curve; then sRGB.
-enum class ToneCurve { Linear, Reinhard, Filmic };
+using image::ToneCurve;
 
 struct PictureSize {
   int width = 640, height = 480;
@@ -71,11 +70,6 @@ constexpr EnumNames<Shown, 8> enum_names(Shown) {
            {Shown::Difference, "difference"},
            {Shown::Albedo, "albedo"},
            {Shown::Normal, "normal"}}};
-}
-constexpr EnumNames<ToneCurve, 3> enum_names(ToneCurve) {
-  return {{{ToneCurve::Linear, "linear"},
-           {ToneCurve::Reinhard, "reinhard"},
-           {ToneCurve::Filmic, "filmic"}}};
 }
 
 }  // namespace lte::infer::view

@@ -93,7 +93,7 @@ Image tonemap(const Image& linear, float exposure) {
   });
 }
 
-DisplayPicture display(const Image& linear, float exposure) {
+DisplayPicture display(const Image& linear, float exposure, ToneCurve curve) {
   check_channels(linear, "display");
   DisplayPicture out{linear.width, linear.height, {}};
   const auto row_bytes = size_t{3} * static_cast<size_t>(linear.width);
@@ -103,7 +103,8 @@ DisplayPicture display(const Image& linear, float exposure) {
     for (auto y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
       uint8_t* bytes = out.bytes.data() + static_cast<size_t>(y) * row_bytes;
       for (int x = 0; x < linear.width; ++x, bytes += 3) {
-        const Rgb color = exposed(linear, x, y, exposure);
+        const Rgb light = color_at(linear, x, y);
+        const Rgb color = is_finite(light) ? tone_map(curve, light * exposure) : kInvalid;
         for (int c = 0; c < 3; ++c) bytes[c] = byte_of(color[c]);
       }
     }

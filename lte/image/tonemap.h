@@ -7,6 +7,7 @@
 #include "lte/base/srgb.h"
 #include "lte/image/display_picture.h"
 #include "lte/image/image.h"
+#include "lte/image/tone_curve.h"
 
 namespace lte::image {
 
@@ -27,8 +28,9 @@ inline constexpr double kLeastMetered = 0.01;
 /// grey). A pixel that is not finite becomes magenta, so that it is seen.
 Image tonemap(const Image& linear, float exposure);
 
-/// tonemap() rounded to 8 bits.
-DisplayPicture display(const Image& linear, float exposure);
+/// Exposed light through a tone curve and sRGB, rounded to 8 bits. With the linear curve it is
+/// tonemap(), and magenta is the same.
+DisplayPicture display(const Image& linear, float exposure, ToneCurve curve = ToneCurve::Linear);
 
 /// False colors (black, blue, green, yellow, red) of a one-channel image over [0, max]; magenta
 /// where it is not finite.
