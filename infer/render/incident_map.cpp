@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -84,8 +85,8 @@ nlohmann::json triple(const Vec3& v) { return {v.x, v.y, v.z}; }
 void check_flags(const RenderRequest& request) {
   if (request.point.empty())
     throw CLI::ValidationError("--point", "name the place, such as 1,0.5,2, of --output incident");
-  if (request.out.empty())
-    throw CLI::ValidationError("--out", "name the picture to write (.exr or .png)");
+  LTE_CHECK(!request.named_by_scene || !std::filesystem::exists(request.out), request.out,
+            ": exists; name the picture in --out to replace it");
   LTE_CHECK(request.mode == "neural" && request.turntable == 0 && !request.edit.any(),
             "--output incident shows the network beside paths: it goes with neither --mode "
             "reference nor --turntable nor --edit");

@@ -1,6 +1,7 @@
 #include "infer/render/render_command.h"
 
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <utility>
 
@@ -17,6 +18,7 @@
 #include "infer/render/render_report.h"
 #include "infer/render/scene_size.h"
 #include "infer/render/time_budget.h"
+#include "infer/render/unused_flags.h"
 #include "infer/render/views.h"
 #include "infer/renderer/picture_memory.h"
 #include "infer/renderer/renderer.h"
@@ -300,6 +302,7 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
   // The time of a budget is the picture's alone, and large pictures fit into memory once.
   const bool beside = request.time_budget.empty() && !run.views.empty() &&
                       int64_t{run.settings.width} * run.settings.height <= kMostPixelsBeside;
+  int64_t traced_pixels = 0;
   for (const View& view : run.views) {
     PicturePlan plan = plan_of(request, run.settings, view, run.work, renderer);
     RenderSettings& settings = plan.settings;
@@ -312,6 +315,7 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
     }
     if (run.look) run.look->paint(view.camera, &frame);
     report_metal(request.scene, settings, frame);
+    traced_pixels += frame.traced_pixels;
     if (frame.background == int64_t{settings.width} * settings.height &&
         !renderer->has_environment()) {
       log_warning(request.scene, ": camera ", view.camera.name,
@@ -331,6 +335,7 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
     run.work.restart();  // a view after the first has the budget for itself
   }
   writer.finish();
+  if (!run.views.empty()) note_unused_paths(request, traced_pixels);
   seconds.write += writer.seconds();
   if (!request.tool.common.json.empty()) {
     const nlohmann::json json =
@@ -346,10 +351,8 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
 
 void run_render(const RenderRequest& request) {
   if (request.output == "incident") return run_incident_map(request);
-  if (request.out.empty() && !request.validate_only) {
-    throw CLI::ValidationError("--out",
-                               "name the picture to write (.exr or .png), or pass --validate-only");
-  }
+  LTE_CHECK(!request.named_by_scene || !std::filesystem::exists(request.out), request.out,
+            ": exists; name the picture in --out to replace it");
   check_dial(request);
   check_edit_flags(request.edit, request.out);
   check_attention_flags(request);
@@ -361,6 +364,7 @@ void run_render(const RenderRequest& request) {
   CommandFiles files;
   claim_files(request, &files);
   apply_tool_options(request.tool);
+  note_unused_flags(request);
   check_writable(request.out);
   check_writable(request.tool.common.json);
   check_writable(request.embedding.save);

@@ -10,7 +10,7 @@ int main(int argc, char** argv) {
       "lte_render"};
   app.footer(
       "Examples:\n"
-      "  lte_render room.glb --out room.png\n"
+      "  lte_render room.glb                                   # writes room.png\n"
       "  lte_render room.glb --camera auto --size 1280x720 --out room.exr --json times.json\n"
       "  lte_render home.glb --camera all --out views/%02d_{name}.png --ev +1\n"
       "  lte_render room.glb --output irradiance --out irradiance.png\n"

@@ -1,9 +1,11 @@
 #include "infer/render/render_request.h"
 
 #include <charconv>
+#include <filesystem>
 #include <tuple>
 
 #include "infer/render/frame_io.h"
+#include "infer/render/help_groups.h"
 #include "infer/render/time_budget.h"
 #include "infer/tool/picture_size.h"
 #include "lte/base/check.h"
@@ -42,8 +44,18 @@ std::string check_time_budget(const std::string& text) {
   }
 }
 
-/// Which flags win over the quality.
+/// The picture of a command line without --out: named after the scene, in the working folder.
+std::string default_picture(const RenderRequest& r) {
+  const bool several = r.turntable > 0 || r.edit.any() || r.camera == "all";
+  return std::filesystem::path(r.scene).stem().string() + (several ? "_%02d.png" : ".png");
+}
+
+/// Which flags win over the quality, and where the picture goes.
 void note_given(const CLI::App& app, RenderRequest* r) {
+  if (r->out.empty() && (!r->validate_only || r->output == "incident")) {
+    r->out = default_picture(*r);
+    r->named_by_scene = true;
+  }
   r->given.direct_samples = app.count("--direct-samples") > 0;
   r->given.antialias = app.count("--aa") > 0;
   r->given.sparse = app.count("--sparse") > 0;
@@ -101,9 +113,9 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
       ->required();
   app.add_option("--out", r->out,
                  "Picture to write: .exr (linear, with layers) or .png; with several cameras a "
-                 "pattern, %d or %04d for the number and {name} for the camera's name")
+                 "pattern, %d or %04d for the number and {name} for the camera's name. By default "
+                 "SCENE's name with .png in the working folder, where nothing may have that name")
       ->check(CLI::Validator(check_picture, "FILE.exr|FILE.png"));
-  app.add_option("--checkpoint", r->checkpoint, "Model; by default the shipped one");
   app.add_option("--camera,--cameras", r->camera,
                  concat(scene::kCameraHelp, "; by default the scene's first camera, else auto"));
   app.add_option("--turntable", r->turntable,
@@ -195,6 +207,7 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
       ->check(CLI::IsMember({"auto", "on", "off"}))
       ->capture_default_str();
   add_gather_options(app, &r->gather);
+  app.add_option("--checkpoint", r->checkpoint, "Model; by default the shipped one");
   add_embedding_flags(app, &r->embedding);
   add_edit_flags(app, &r->edit);
   add_attention_flags(app, &r->attention);
@@ -207,6 +220,7 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
                "Check scene, camera and flags, and write nothing");
   add_scene_options(app, r);
   add_tool_options(app, &r->tool);
+  group_render_flags(&app);
 }
 
 }  // namespace lte::infer

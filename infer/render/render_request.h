@@ -21,7 +21,8 @@ namespace lte::infer {
 /// The command line as it stands. The flags themselves check its words.
 struct RenderRequest : SceneSource {
   std::string checkpoint, camera, out;
-  int turntable = 0;  ///< cameras; 0: no turntable
+  bool named_by_scene = false;  ///< `out`, where --out is not given: never replaces a file
+  int turntable = 0;            ///< cameras; 0: no turntable
   bool resume = false;
   bool one_exposure = false;  ///< that of the first picture is that of all
   EmbeddingFlags embedding;
