@@ -76,9 +76,7 @@ void check_gather_flags(const CLI::App& app, const GatherFlags& flags, bool neur
   const char* const table = first_given(app, kTableFlags);
   const char* const network = first_given(app, kNetworkFlags);
   if (!neural) {
-    const char* const flag = table != nullptr     ? table
-                             : network != nullptr ? network
-                                                  : first_given(app, std::array{"--indirect"});
+    const char* const flag = table != nullptr ? table : first_given(app, std::array{"--indirect"});
     LTE_CHECK(flag == nullptr && flags.paths < 0, flag != nullptr ? flag : "--correction-paths",
               " needs --mode neural: a reference takes --spp paths a pixel");
     return;

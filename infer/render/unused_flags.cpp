@@ -12,7 +12,7 @@ struct UnusedFlag {
   const char* why;
 };
 
-constexpr std::array<UnusedFlag, 8> kUnusedByReference{{
+constexpr std::array<UnusedFlag, 11> kUnusedByReference{{
     {"--quality", "a reference takes --spp paths a pixel"},
     {"--sparse", "a reference asks every pixel"},
     {"--direct-samples", "a reference takes --spp paths a pixel"},
@@ -21,6 +21,9 @@ constexpr std::array<UnusedFlag, 8> kUnusedByReference{{
     {"--reflections", "a reference shows metal as it is"},
     {"--untrained-light", "a reference needs no model"},
     {"--checkpoint", "a reference needs no model"},
+    {"--scene-points", "a reference needs no model"},
+    {"--prune", "a reference needs no model"},
+    {"--draws", "a reference needs no model"},
 }};
 
 bool given(const RenderRequest& request, const char* name) {

@@ -206,7 +206,6 @@ TEST(GatherFlags, WhatTheMethodDoesNotUseIsRefusedInOneLine) {
   refuse("--correction-paths 8", false, "--correction-paths needs --mode neural");
   refuse("--indirect paths --correction-paths 8", true, "decoded, not paths");
   refuse("--gather-rays 4", false, "--gather-rays needs --mode neural");
-  refuse("--checkpoint a", false, "--checkpoint needs --mode neural");
   refuse("--indirect gather", false, "--indirect needs --mode neural");
 }
 
