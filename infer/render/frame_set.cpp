@@ -30,7 +30,7 @@ const std::set<std::string> kNoMatter = {
     "threads",   "quiet",   "log-file",       "json",       "checkpoint",   "embedding",
     "help",      "version", "save-embedding", "device",     "print-config", "validate-only",
     "limits",    "up",      "allow-outside",  "max-memory", "environment",  "environment-turn",
-    "add-light", "edit",    "video",          "save-scene"};
+    "add-light", "edit",    "video",          "save-scene", "check"};
 
 /// The pattern's file with nothing in the place of number and name, in a folder without any.
 fs::path manifest_path(const std::string& pattern) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "infer/renderer/check_report.h"
 #include "lte/base/log.h"
 #include "lte/base/text.h"
 #include "lte/scene/metal.h"
@@ -73,6 +74,12 @@ void report_darkness(const std::string& scene, const std::string& camera, Output
   const bool black = std::all_of(values.begin(), values.end(), [](float v) { return !(v > 0); });
   if (black)
     log_warning(scene, ": no light reaches what camera ", camera, " sees; the picture is black");
+}
+
+void report_check(const std::string& picture, bool by_network, const LightCheck& check) {
+  const std::string note =
+      check_note(check, by_network ? "the network's" : "the gathered", "the picture");
+  if (!note.empty()) log_warning(picture, ": ", note);
 }
 
 }  // namespace lte::infer

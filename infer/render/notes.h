@@ -38,4 +38,8 @@ void report_metal(const std::string& scene, const RenderSettings& settings, cons
 void report_darkness(const std::string& scene, const std::string& camera, Output output,
                      const Frame& frame);
 
+/// Warns where a picture's light was checked and found wrong.
+/// @param by_network  the network has answered, at pixels or in the table
+void report_check(const std::string& picture, bool by_network, const LightCheck& check);
+
 }  // namespace lte::infer

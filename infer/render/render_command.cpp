@@ -20,6 +20,7 @@
 #include "infer/render/time_budget.h"
 #include "infer/render/unused_flags.h"
 #include "infer/render/views.h"
+#include "infer/renderer/check_report.h"
 #include "infer/renderer/picture_memory.h"
 #include "infer/renderer/renderer.h"
 #include "infer/tool/assets.h"
@@ -288,8 +289,18 @@ struct PictureRun {
   EditedFrames* edited = nullptr;      ///< of --edit
   std::optional<AttentionLook> look;   ///< of --output attention
   Timer total;
-  Timer work;  ///< since the scene points were drawn
+  Timer work;               ///< since the scene points were drawn
+  bool by_network = false;  ///< the network answers, at pixels or in the table
 };
+
+/// @param before  seconds of work that the picture needs and that are over
+void begin_check(const RenderRequest& request, double before, LightCheck* found,
+                 RenderSettings* settings) {
+  if (request.check == "off") return;
+  settings->check = PictureCheck{found, before};
+  if (!request.time_budget.empty())
+    settings->check->budget_s = parse_time_budget(request.time_budget);
+}
 
 void render_to_files(const RenderRequest& request, PictureRun run, Renderer* renderer) {
   StageSeconds seconds = renderer->seconds();
@@ -306,6 +317,8 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
   for (const View& view : run.views) {
     PicturePlan plan = plan_of(request, run.settings, view, run.work, renderer);
     RenderSettings& settings = plan.settings;
+    LightCheck check;
+    begin_check(request, run.work.seconds(), &check, &settings);
     Frame frame;
     nlohmann::json edit;
     {
@@ -316,6 +329,7 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
     if (run.look) run.look->paint(view.camera, &frame);
     report_metal(request.scene, settings, frame);
     traced_pixels += frame.traced_pixels;
+    report_check(view.out, run.by_network, check);
     if (frame.background == int64_t{settings.width} * settings.height &&
         !renderer->has_environment()) {
       log_warning(request.scene, ": camera ", view.camera.name,
@@ -327,6 +341,7 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
     add_seconds(renderer->seconds(), &seconds);
     if (run.edited) seconds.table += renderer->seconds().table;  // each frame has one of its own
     pictures.push_back(picture_json(request, view, plan, run.table, frame, exposure));
+    pictures.back()["check"] = check_json(check);
     if (run.edited) pictures.back()["edit"] = edit;
     if (run.look) pictures.back()["attention"] = run.look->json();
     writer.write({view.out, std::move(frame), settings.output, exposure, view.camera,
@@ -459,7 +474,8 @@ void run_render(const RenderRequest& request) {
   }
   render_to_files(request,
                   {std::move(views), settings, std::move(frames), table.light, edited.get(),
-                   std::move(look), total, work},
+                   std::move(look), total, work,
+                   settings.indirect == Indirect::Decoded || table.light == TableLight::Network},
                   &renderer);
   if (edited) edited->finish(request.edit, request.out);
 }

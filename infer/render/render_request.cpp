@@ -208,6 +208,11 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
       ->capture_default_str();
   add_gather_options(app, &r->gather);
   app.add_option("--checkpoint", r->checkpoint, "Model; by default the shipped one");
+  app.add_option("--check", r->check,
+                 "Neural mode: hold the indirect light to account by a few thousand paths, and "
+                 "warn where it is off by more than they explain")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
   add_embedding_flags(app, &r->embedding);
   add_edit_flags(app, &r->edit);
   add_attention_flags(app, &r->attention);

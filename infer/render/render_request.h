@@ -41,6 +41,7 @@ struct RenderRequest : SceneSource {
   std::string untrained_light = "trace";  ///< "trace" or "network"
   std::string quality = "final", sparse = "auto";
   GatherFlags gather;
+  std::string check = "on";
   std::string time_budget;  ///< "0.5s" or "200ms"; empty: none, `quality` counts
   GivenFlags given;         ///< flags of the quality that stand on the command line
   ExposureOptions exposure;

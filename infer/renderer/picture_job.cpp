@@ -21,6 +21,8 @@ constexpr int64_t kBandPixels = int64_t{1} << 19;
 constexpr int kRowsAround = 32;
 // Paths through pixels are independent of all that the picture has used before.
 constexpr uint64_t kPixelPaths = 34;
+// And so are the pixels that are checked.
+constexpr uint64_t kCheckPixels = 35;
 
 }  // namespace
 
@@ -35,6 +37,9 @@ PictureJob::PictureJob(const PictureSources& sources, const scene::Camera& camer
             "this output needs a model: embed() comes first");
   LTE_CHECK(!needs.table || from_.table != nullptr,
             "there is no table of light: make_table() comes first");
+  if (settings.check && settings.check->found && settings.mode == Mode::Neural &&
+      (needs.network || needs.table))
+    checked_.emplace(settings.width, settings.height, hash_combine(settings.seed, kCheckPixels));
 }
 
 /// A pixel is told of once, by the first stage that has come so far.
@@ -166,6 +171,7 @@ Frame PictureJob::render_band(const PictureRows& rows, Frame* shown) {
   BandLight light;
   if (needs_.light && !needs_.radiance)
     light = settings_.mode == Mode::Neural ? neural(band) : reference(band);
+  if (checked_) checked_->take(band, rows, light, needs_.table ? &*hits_ : nullptr, first_row_);
   centre_queries_ += band.centre_queries();
   extra_queries_ += band.queries().size() - band.centre_queries();
   if (shown != nullptr && needs_.table && band.traced_pixels().empty()) {
@@ -271,6 +277,7 @@ void PictureJob::denoise_radiance(const pathtrace::RadianceLayers& layers, Frame
 }
 
 Frame PictureJob::render() {
+  const Timer timer;
   const int width = settings_.width, height = settings_.height;
   const int64_t tall = kBandPixels / width / kBandRows * kBandRows;
   const auto band_rows = static_cast<int>(std::max<int64_t>(tall, kBandRows));
@@ -300,9 +307,11 @@ Frame PictureJob::render() {
     }
     if (!needs_.corrects_pixels()) continue;
     correct(strip, &corrected);
+    if (checked_) checked_->correct(strip, corrected);
     put_band(corrected, first, settings_.layers, height, &frame);
   }
   if (needs_.radiance) add_radiance(&frame);
+  if (checked_) check(timer.seconds());
   return frame;
 }
 

@@ -11,6 +11,7 @@
 #include "infer/picture/frame.h"
 #include "infer/picture/picture_band.h"
 #include "infer/renderer/centre_light.h"
+#include "infer/renderer/checked_pixels.h"
 #include "infer/renderer/picture_needs.h"
 #include "infer/renderer/pixel_correction.h"
 #include "infer/renderer/pixel_paths.h"
@@ -57,6 +58,7 @@ class PictureJob {
   BandLight neural(const PictureBand& band);
   BandLight reference(const PictureBand& band);
   void add_radiance(Frame* frame);
+  void check(double seconds);
   void denoise_radiance(const pathtrace::RadianceLayers& layers, Frame* frame);
 
   void prepare_centres(const PictureRows& strip);
@@ -83,6 +85,7 @@ class PictureJob {
   const PictureNeeds needs_;
   StageSeconds seconds_;
   std::string denoised_by_;
+  std::optional<CheckedPixels> checked_;            ///< if their answers are to be checked
   int64_t centre_queries_ = 0, extra_queries_ = 0;  ///< of the bands before
 
   // Of a strip and the rows around it, from first_row_ on.

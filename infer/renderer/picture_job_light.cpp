@@ -8,12 +8,13 @@
 #include "infer/renderer/sparse_light.h"
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
+#include "lte/base/random.h"
 #include "lte/base/timer.h"
 #include "lte/image/rgb_view.h"
 #include "lte/pathtrace/direct_light.h"
 #include "lte/pathtrace/irradiance.h"
 
-// What answers the queries of a band.
+// What answers the queries of a band, and what checks the answers.
 namespace lte::infer {
 namespace {
 
@@ -25,6 +26,8 @@ constexpr int64_t kEstimateBlock = int64_t{1} << 21;
 constexpr int64_t kProgressBlock = int64_t{1} << 14;
 // Gather and shadow rays, at least, of hits in a denoised picture that lie on no centre's surface.
 constexpr int kLeastEdgeRays = 16;
+// Paths that check are independent of all that the picture has used.
+constexpr uint64_t kCheckPaths = 36;
 
 }  // namespace
 
@@ -218,6 +221,18 @@ void PictureJob::gather(const PictureBand& band, BandLight* light) {
   counted_ = true;
   seconds_.direct += work.direct_seconds;
   seconds_.gather += timer.seconds() - work.direct_seconds;
+}
+
+/// @param seconds  that the picture has taken
+void PictureJob::check(double seconds) {
+  seconds += settings_.check->seconds_before;
+  CheckOptions options;
+  options.seconds = std::min(kCheckShare * seconds, settings_.check->budget_s - seconds);
+  options.max_depth = settings_.max_depth;
+  options.seed = hash_combine(settings_.seed, kCheckPaths);
+  LightCheck& found = *settings_.check->found;
+  found = check_light(from_.bvh, from_.lights, checked_->answers(), options);
+  seconds_.check = found.seconds;
 }
 
 }  // namespace lte::infer

@@ -4,12 +4,14 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <vector>
 
 #include "infer/picture/output.h"
 #include "infer/picture/ray_pace.h"
 #include "infer/renderer/gathered_light.h"
+#include "infer/renderer/light_check.h"
 #include "lte/base/enum_names.h"
 #include "lte/gi/sparse_pixels.h"
 #include "lte/runtime/embedding.h"
@@ -29,6 +31,17 @@ constexpr EnumNames<Denoise, 3> enum_names(Denoise) {
 
 /// Shadow rays a pixel up to which Denoise::Auto takes noise away (docs/lab/direct-light.md).
 inline constexpr int kDenoiseUpTo = 16;
+
+/// A picture's answers are held to account by paths (light_check.h).
+struct PictureCheck {
+  LightCheck* found = nullptr;  ///< takes the outcome
+  /// Of work before the picture that it is the only one to need: it counts as the picture's time.
+  double seconds_before = 0;
+  /// What both may take together, the check included: then it is left with less.
+  double budget_s = std::numeric_limits<double>::infinity();
+};
+/// What a check takes at most of the time of the picture that it checks, but for its first paths.
+inline constexpr double kCheckShare = 0.1;
 
 struct RenderSettings {
   Output output = Output::Full;
@@ -69,6 +82,9 @@ struct RenderSettings {
   gi::Answerer answerer;
   /// Neural mode: chooses the shadow rays in the place of `direct_samples`. May be null.
   RayPace* pace = nullptr;
+  /// Neural mode: check what the network or gathered light answers, at a part of the pixels. No
+  /// pixel depends on it.
+  std::optional<PictureCheck> check;
   /// Keep the layers of the frame. Without, it has its color and depth alone, and takes a fifth of
   /// the memory.
   bool layers = true;
@@ -100,7 +116,7 @@ struct EmbedSettings {
 /// Indirect::Gather, whose correcting paths are in `reference`.
 struct StageSeconds {
   double load = 0, sample = 0, light = 0, encode = 0, table = 0, primary = 0, decode = 0;
-  double gather = 0, direct = 0, denoise = 0, reference = 0, write = 0;
+  double gather = 0, direct = 0, denoise = 0, reference = 0, check = 0, write = 0;
 };
 
 /// The stages in the order in which they run.
@@ -108,7 +124,7 @@ struct Stage {
   const char* name;
   double StageSeconds::*seconds;
 };
-inline constexpr std::array<Stage, 12> kStages = {{{"load", &StageSeconds::load},
+inline constexpr std::array<Stage, 13> kStages = {{{"load", &StageSeconds::load},
                                                    {"sample", &StageSeconds::sample},
                                                    {"light", &StageSeconds::light},
                                                    {"encode", &StageSeconds::encode},
@@ -119,10 +135,11 @@ inline constexpr std::array<Stage, 12> kStages = {{{"load", &StageSeconds::load}
                                                    {"direct", &StageSeconds::direct},
                                                    {"denoise", &StageSeconds::denoise},
                                                    {"reference", &StageSeconds::reference},
+                                                   {"check", &StageSeconds::check},
                                                    {"write", &StageSeconds::write}}};
 /// Those of Renderer::render().
-inline constexpr std::array<double StageSeconds::*, 6> kPictureStages = {
-    &StageSeconds::primary, &StageSeconds::decode,  &StageSeconds::gather,
-    &StageSeconds::direct,  &StageSeconds::denoise, &StageSeconds::reference};
+inline constexpr std::array<double StageSeconds::*, 7> kPictureStages = {
+    &StageSeconds::primary, &StageSeconds::decode,    &StageSeconds::gather, &StageSeconds::direct,
+    &StageSeconds::denoise, &StageSeconds::reference, &StageSeconds::check};
 
 }  // namespace lte::infer
