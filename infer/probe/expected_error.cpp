@@ -1,57 +1,47 @@
 #include "infer/probe/expected_error.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace lte::infer {
 namespace {
 
-struct SharesOfModel {
-  ErrorTerms one_draw, several_draws;
-};
+// The spread over all points counts as much as so many tables at the point itself.
+constexpr double kTablesOfOthers = 3;
 
-/// lte-base.
-constexpr SharesOfModel kRadiosity = {.one_draw = {.mean = 0.017,
-                                                   .answer = 0.018,
-                                                   .near = 0.32,
-                                                   .change = 0.63,
-                                                   .cache = 0.077,
-                                                   .direct = 0.013},
-                                      .several_draws = {.draws = 0.82,
-                                                        .mean = 0.013,
-                                                        .answer = 0.012,
-                                                        .near = 0.27,
-                                                        .change = 0.47,
-                                                        .cache = 0.077,
-                                                        .direct = 0.011}};
-/// lte-hybrid.
-constexpr SharesOfModel kTraced = {
-    .one_draw = {.mean = 0.014,
-                 .answer = 0.018,
-                 .near = 0.23,
-                 .change = 0.65,
-                 .cache = 0.24,
-                 .direct = 0.012},
-    .several_draws = {
-        .draws = 1, .mean = 0.01, .answer = 0.0094, .near = 0.18, .change = 0.4, .cache = 0.29}};
-/// lte-demo.
-constexpr SharesOfModel kEmission = {
-    .one_draw = {.answer = 0.19, .near = 0.73, .change = 4.7, .direct = 0.12},
-    .several_draws = {.draws = 2.4, .answer = 0.15, .near = 0.66, .change = 4.4, .direct = 0.11}};
+double mean_square(const Rgb& value) { return double{dot(value, value)} / 3; }
+
+/// Squared, relative to the light of the region: what is left when chance is taken away.
+double squared_fault(const LightCheck& check, size_t point) {
+  if (check.region_of.empty()) return 0;
+  const CheckedRatio& region = check.regions[static_cast<size_t>(check.region_of[point])];
+  return std::max(0.0, std::pow(region.ratio - 1, 2) - std::pow(region.standard_error, 2));
+}
 
 }  // namespace
 
-const ErrorTerms& error_shares(nn::LightInput input, bool several) {
-  const SharesOfModel& shares = input == nn::LightInput::Radiosity ? kRadiosity
-                                : input == nn::LightInput::Traced  ? kTraced
-                                                                   : kEmission;
-  return several ? shares.several_draws : shares.one_draw;
-}
+double rms(const Rgb& value) { return std::sqrt(mean_square(value)); }
 
-double expected_error(const ErrorTerms& terms, const ErrorTerms& shares) {
-  const auto term = terms.values(), share = shares.values();
-  double squares = 0;
-  for (size_t i = 0; i < term.size(); ++i) squares += std::pow(share[i] * term[i], 2);
-  return std::sqrt(squares);
+std::vector<double> expected_errors(const GatheredProbe& gathered,
+                                    std::span<const Rgb> direct_error, const LightCheck& check) {
+  double squares = 0, light = 0;
+  for (size_t i = 0; i < gathered.indirect.size(); ++i) {
+    squares += mean_square(gathered.standard_error[i]);
+    light += mean_square(gathered.indirect[i]);
+  }
+  const double relative = light > 0 ? squares / light : 0;
+  const double own = gathered.tables - 1;
+  std::vector<double> out;
+  out.reserve(gathered.indirect.size());
+  for (size_t i = 0; i < gathered.indirect.size(); ++i) {
+    const double here = mean_square(gathered.indirect[i]);
+    const double spread =
+        (own * mean_square(gathered.standard_error[i]) + kTablesOfOthers * relative * here) /
+        (own + kTablesOfOthers);
+    const double fault = (squared_fault(check, i) + kUnseenShare * kUnseenShare) * here;
+    out.push_back(std::sqrt(spread + fault + mean_square(direct_error[i])));
+  }
+  return out;
 }
 
 }  // namespace lte::infer

@@ -1,6 +1,6 @@
 #include "infer/probe/probe_command.h"
 
-#include <cmath>
+#include <array>
 #include <cstdio>
 #include <optional>
 #include <utility>
@@ -9,71 +9,38 @@
 
 #include "infer/light/unreached_light.h"
 #include "infer/light/untrained_light.h"
-#include "infer/probe/neural_probe.h"
+#include "infer/probe/probe_answers.h"
+#include "infer/renderer/check_report.h"
 #include "infer/renderer/renderer.h"
 #include "infer/tool/assets.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/base/timer.h"
 #include "lte/cli/numbers.h"
-#include "lte/cli/progress.h"
 #include "lte/cli/writable.h"
 #include "lte/nn/device.h"
-#include "lte/pathtrace/probe.h"
 #include "lte/pathtrace/reach/lost_light.h"
 #include "lte/scene/light_points.h"
 
 namespace lte::infer {
 namespace {
 
-constexpr int64_t kReferenceRays = 1024, kShadowRays = 64;
-/// Cap on rays when --target-error decides how many a point needs and --rays is not given.
-constexpr int64_t kDefaultCap = 65536;
-
-/// A table in the making, and what there is to say about it.
-struct Answer {
-  pathtrace::ProbeResult light;
-  std::vector<double> expected_error;
-  std::vector<ErrorTerms> error_terms;  ///< of the network, if they are asked for
-  int64_t off_surface = 0;
-  std::vector<std::string> left_out;  ///< names of lights that the network was not told of
-};
+constexpr std::array kNetworkFlags = {"--checkpoint",   "--embedding", "--save-embedding",
+                                      "--scene-points", "--prune",     "--draws"};
 
 void check_usage(const ProbeRequest& request) {
-  const bool neural = request.mode == "neural";
-  if (neural && request.target_error > 0)
-    throw CLI::ValidationError("--target-error", "goes with --mode reference only");
-  if (!neural && request.embedding.has_file())
-    throw CLI::ValidationError("--embedding, --save-embedding", "go with --mode neural only");
-  if (!neural && request.error_terms)
-    throw CLI::ValidationError("--error-terms", "goes with --mode neural only");
+  if (request.mode == "reference" && request.indirect_given && request.indirect != "paths")
+    throw CLI::ValidationError("--indirect " + request.indirect, "goes with --mode neural only");
+  if (!request.by_paths() && request.target_error > 0)
+    throw CLI::ValidationError("--target-error",
+                               "goes with --mode reference or --indirect paths only");
+  if (!request.needs_network() && !request.network_flag.empty())
+    throw CLI::ValidationError(request.network_flag,
+                               "goes with --indirect network or decoded only");
   if (request.validate_only) return;
   if (request.points.empty())
     throw CLI::ValidationError("--points", "name a CSV file with the header px,py,pz,nx,ny,nz");
   if (request.out.empty()) throw CLI::ValidationError("--out", "name the CSV file to write");
-}
-
-pathtrace::ProbeOptions tracing_of(const ProbeRequest& request) {
-  pathtrace::ProbeOptions options;
-  const bool neural = request.mode == "neural";
-  options.rays = request.rays.value_or(neural                     ? kShadowRays
-                                       : request.target_error > 0 ? kDefaultCap
-                                                                  : kReferenceRays);
-  options.max_depth = neural ? 1 : request.max_depth;
-  options.target_error = request.target_error;
-  options.seed = request.seed;
-  return options;
-}
-
-/// Paths: all light in reference mode, direct light in neural mode.
-pathtrace::ProbeResult trace(const ProbeRequest& request, const Renderer& renderer,
-                             const scene::PointTable& points) {
-  pathtrace::ProbeOptions options = tracing_of(request);
-  const bool by_paths = options.target_error > 0;
-  Progress progress("tracing", by_paths ? 0 : static_cast<int64_t>(points.size()),
-                    by_paths ? "paths" : "points");
-  options.done = [&progress](int64_t count) { progress.advance(count); };
-  return pathtrace::probe(renderer.bvh(), renderer.lights(), points, options);
 }
 
 /// What the network is told of the scene. Warns of light in it that the network does not know.
@@ -89,106 +56,41 @@ EmbedSettings told_of(const ProbeRequest& request, const runtime::Network& netwo
   return settings;
 }
 
-/// The network's answers by as many embeddings as --draws says; by one that is read from a file,
-/// that alone.
-Draws ask(const ProbeRequest& request, const runtime::Network& network, EmbedSettings settings,
-          const scene::PointTable& points, const std::vector<Rgb>& albedo, Renderer* renderer) {
-  const int count = request.embedding.load.empty() ? request.embedding.draws : 1;
-  settings.draws = 1;  // one after the other, as their spread tells too
-  Draws draws;
-  for (int i = 0; i < count; ++i, ++settings.seed) {
-    if (i == 0) {
-      provide_embedding(request.embedding, network, settings, renderer);
-    } else {
-      renderer->embed(network, settings);
-    }
-    draws.add(ask_at(renderer->embedding(), points, albedo));
-  }
-  return draws;
-}
-
-Answer ask_network(const ProbeRequest& request, const runtime::Network& network,
-                   const EmbedSettings& settings, const scene::PointTable& points,
-                   Renderer* renderer) {
-  const PointAlbedo surface = albedo_at(renderer->bvh(), points);
-  const Draws draws = ask(request, network, settings, points, surface.albedo, renderer);
-  Answer answer{trace(request, *renderer, points),
-                {},
-                {},
-                surface.off_surface,
-                names_of(renderer->bvh().scene(), renderer->left_out())};
-  const std::vector<Rgb> mean = draws.mean();
-  const std::vector<ErrorTerms> terms =
-      draws.error_terms(nearness_at(renderer->bvh(), points, latent_spacing(renderer->embedding())),
-                        answer.light.direct);
-  const ErrorTerms& shares = error_shares(network.config().light_input, draws.count() > 1);
-  for (size_t i = 0; i < mean.size(); ++i) {
-    Rgb& total = answer.light.total[i];
-    double error = expected_error(terms[i], shares);
-    if (network.predicts_total()) {
-      total = mean[i];
-    } else {
-      total = answer.light.direct[i] + mean[i];
-      error = std::hypot(error, rms(answer.light.standard_error[i]));
-    }
-    answer.expected_error.push_back(error);
-  }
-  if (request.error_terms) answer.error_terms = terms;
-  return answer;
-}
-
-Answer ask_paths(const ProbeRequest& request, const Renderer& renderer,
-                 const scene::PointTable& points) {
-  Answer answer{trace(request, renderer, points), {}, {}, 0, {}};
-  for (const Rgb& error : answer.light.standard_error) answer.expected_error.push_back(rms(error));
-  return answer;
-}
-
-/// Black: nothing shines, so there is nothing to ask about.
-Answer darkness(const ProbeRequest& request, const scene::PointTable& points) {
-  const std::vector<Rgb> black(points.size());
-  return {{black, black, black, std::vector<int64_t>(points.size()), 0},
-          std::vector<double>(points.size()),
-          std::vector<ErrorTerms>(request.error_terms ? points.size() : 0),
-          0,
-          {}};
-}
-
-scene::PointColumns columns_of(const Answer& answer) {
+scene::PointColumns columns_of(const ProbeAnswer& answer) {
   scene::PointColumns columns = probe_columns(answer.light);
+  if (answer.expected_error.empty()) return columns;
   columns.names.push_back("expected_error");
   for (size_t i = 0; i < columns.rows.size(); ++i)
     columns.rows[i].push_back(answer.expected_error[i]);
-  if (answer.error_terms.empty()) return columns;
-  columns.names.insert(columns.names.end(), ErrorTerms::kNames.begin(), ErrorTerms::kNames.end());
-  for (size_t i = 0; i < columns.rows.size(); ++i) {
-    const auto values = answer.error_terms[i].values();
-    columns.rows[i].insert(columns.rows[i].end(), values.begin(), values.end());
-  }
   return columns;
 }
 
-void say(const ProbeRequest& request, const Answer& answer, size_t points) {
+void say(const ProbeRequest& request, const ProbeAnswer& answer, size_t points) {
   if (answer.light.missed > 0)
     log_warning(answer.light.missed, " of ", points, " points are above --target-error ",
-                request.target_error, "; raise --rays above ", tracing_of(request).rays);
+                request.target_error, "; raise --rays above ", rays_of(request));
   if (answer.off_surface > 0)
     log_warning(request.points, ": ", answer.off_surface, " of ", points,
                 " points lie on no surface; the network was trained on surfaces alone, so expect "
                 "more error there");
+  const std::string note = check_note(
+      answer.check, request.needs_network() ? "the network's" : "the gathered", "the points");
+  if (!note.empty()) log_warning(request.points, ": ", note);
 }
 
-void write(const ProbeRequest& request, const scene::PointTable& points, const Answer& answer,
+void write(const ProbeRequest& request, const scene::PointTable& points, const ProbeAnswer& answer,
            double seconds) {
   scene::write_point_table(request.out, points, columns_of(answer));
   log_info(request.out, ": ", points.size(), " points in ", seconds, " s");
   if (request.tool.common.json.empty()) return;
   const nlohmann::json json = {{"scene", request.scene},
                                {"mode", request.mode},
+                               {"indirect", request.by_paths() ? "paths" : request.indirect},
                                {"points", points.size()},
                                {"off_surface", answer.off_surface},
                                {"above_target", answer.light.missed},
                                {"left_out_lights", answer.left_out},
+                               {"check", check_json(answer.check)},
                                {"seconds", seconds}};
   write_file(request.tool.common.json, json.dump(2) + "\n");
 }
@@ -205,7 +107,7 @@ void claim_files(const ProbeRequest& request, CommandFiles* files) {
 
 std::optional<runtime::Network> load_network(const ProbeRequest& request, const scene::Scene& scene,
                                              bool has_light) {
-  if (request.mode != "neural" || !has_light) return std::nullopt;
+  if (!request.needs_network() || !has_light) return std::nullopt;
   const c10::Device device = nn::choose_device(request.tool.device, 0, "--device");
   runtime::Network network(checkpoint_or_shipped(request.checkpoint),
                            {device, choose_precision(request.tool.precision, device)});
@@ -220,25 +122,44 @@ void add_probe_options(CLI::App& app, ProbeRequest* r) {
   app.add_option("--points", r->points,
                  "CSV file with the header px,py,pz,nx,ny,nz, world space, on surfaces");
   app.add_option("--out", r->out, "CSV file to write");
-  app.add_option("--mode", r->mode, "The network, or the path-traced reference")
+  app.add_option("--mode", r->mode, "Fast answers, or the path-traced reference")
       ->check(CLI::IsMember({"neural", "reference"}))
+      ->capture_default_str();
+  app.add_option("--indirect", r->indirect,
+                 "Neural mode: who answers for indirect light: rays from the points that read "
+                 "path-traced light on surfaces (gather: the default, as it has the least error "
+                 "in its time from about a thousand points on), the same over the network's light "
+                 "(network), the network at the points themselves (decoded), or paths, as in "
+                 "reference mode")
+      ->check(CLI::IsMember({"gather", "network", "decoded", "paths"}))
       ->capture_default_str();
   app.add_option("--checkpoint", r->checkpoint, "Model; by default the shipped one");
   app.add_option("--rays", r->rays,
-                 "Reference mode: paths a point, 1024, or with --target-error their cap, 65536; "
-                 "neural mode: rays a point for direct light, 64")
-      ->check(CLI::Range(int64_t{1}, int64_t{1} << 30));
-  app.add_option("--max-depth", r->max_depth, "Reference mode: surface hits of a path")
+                 "Rays a point. Gather and network: 256 for indirect and as many for direct light; "
+                 "decoded: 64 for direct light; paths: 1024, or with --target-error their cap, "
+                 "65536")
+      ->check(CLI::Range(int64_t{1}, int64_t{1} << 20));
+  app.add_option("--max-depth", r->max_depth, "Surface hits of a path")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   app.add_option("--target-error", r->target_error,
-                 "Reference mode: relative standard error of total irradiance to reach, e.g. 0.01; "
+                 "Paths: relative standard error of total irradiance to reach, e.g. 0.01; "
                  "0: fixed --rays")
       ->check(non_negative_number());
-  app.add_flag("--error-terms", r->error_terms,
-               "Neural mode: also write the terms that the expected error is made of");
+  app.add_option("--check", r->check,
+                 "Hold the indirect light to account by a few thousand paths, and warn where it is "
+                 "off by more than they explain; paths need none")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
   add_embedding_flags(app, &r->embedding, /*draws=*/2);
   app.add_option("--seed", r->seed, "Seed of scene points and paths")->capture_default_str();
+  app.parse_complete_callback([&app, r] {
+    r->indirect_given = app.count("--indirect") > 0;
+    for (const char* name : kNetworkFlags) {
+      const CLI::Option* flag = app.get_option_no_throw(name);
+      if (flag != nullptr && flag->count() > 0) r->network_flag = name;
+    }
+  });
   app.add_flag("--validate-only", r->validate_only, "Check scene, points and flags, and stop");
   add_scene_options(app, r);
   add_tool_options(app, &r->tool);
@@ -256,6 +177,7 @@ void run_probe(const ProbeRequest& request) {
   if (!request.points.empty()) points = scene::read_point_table(request.points);
   const scene::Scene scene = load_source(request);
   describe(scene, request.scene);
+  if (!request.validate_only) log_info(request.points, ": ", who_answers(request));
   Renderer renderer(scene);
   if (!renderer.has_light())
     log_warning(request.scene,
@@ -271,9 +193,10 @@ void run_probe(const ProbeRequest& request) {
                 static_cast<long long>(scene.triangle_count()), scene.light_groups.size());
     return;
   }
-  const Answer answer = !renderer.has_light() ? darkness(request, points)
-                        : network ? ask_network(request, *network, settings, points, &renderer)
-                                  : ask_paths(request, renderer, points);
+  const ProbeAnswer answer =
+      renderer.has_light()
+          ? answer_points(request, network ? &*network : nullptr, settings, points, &renderer)
+          : darkness(request, points);
   say(request, answer, points.size());
   write(request, points, answer, timer.seconds());
 }

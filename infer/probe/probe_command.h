@@ -14,15 +14,21 @@ namespace lte::infer {
 /// The command line as it stands.
 struct ProbeRequest : SceneSource {
   std::string points, out, checkpoint;
-  std::string mode = "neural";
+  std::string mode = "neural", indirect = "gather", check = "on";
   std::optional<int64_t> rays;  ///< nothing: as many as suit the mode
   int max_depth = 5;
   double target_error = 0;
   uint64_t seed = 0;
-  bool error_terms = false;
   bool validate_only = false;
   EmbeddingFlags embedding;
   ToolOptions tool;
+  bool indirect_given = false;
+  std::string network_flag;  ///< one of the network's that stands on the command line; or empty
+
+  bool by_paths() const { return mode == "reference" || indirect == "paths"; }
+  bool needs_network() const {
+    return !by_paths() && (indirect == "network" || indirect == "decoded");
+  }
 };
 
 void add_probe_options(CLI::App& app, ProbeRequest* request);

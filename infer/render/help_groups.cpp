@@ -15,7 +15,7 @@ const std::initializer_list<Group> kGroups = {
     {"Exposure and tone", {"--exposure", "--ev", "--tone", "--one-exposure"}},
     {"Who computes the light, and how well",
      {"--mode", "--indirect", "--quality", "--time-budget", "--denoise", "--spp", "--max-depth",
-      "--metal", "--untrained-light", "--seed"}},
+      "--check", "--metal", "--untrained-light", "--seed"}},
     {"The scene and its light",
      {"--environment", "--environment-turn", "--add-light", "--up", "--allow-outside", "--limits"}},
     {"The network",
@@ -23,7 +23,7 @@ const std::initializer_list<Group> kGroups = {
       "--rescale", "--device", "--precision", "--max-memory"}},
     {"Fine control of one method",
      {"--direct-samples", "--adaptive-direct", "--aa", "--sparse", "--correction-paths",
-      "--gather-rays", "--table", "--table-points", "--keep-light", "--reflections"}},
+      "--gather-rays", "--table-points", "--keep-light", "--reflections"}},
     {"Output attention", {"--block", "--head"}}};
 
 }  // namespace
