@@ -18,44 +18,100 @@ using image::Image;
 constexpr int kPasses = 5;
 /// Half an edge of the square over which powers are estimated; at least twice the band's width.
 constexpr int kWindow = 16;
-/// Standard errors of a power's estimate that believe half of it.
-constexpr float kDoubt = 2;
+/// The same of the narrow square in which what stands out is found; at least the band's width.
+constexpr int kNear = 4;
+/// Standard errors of a power's estimate that believe half of it. There are many narrow squares, and
+/// chance stands out in some.
+constexpr float kDoubt = 2, kNearDoubt = 12;
+/// Of what lies around, the least that residuals are measured by.
+constexpr float kLeastEnergy = 0.01f;
+constexpr float kMostEnergy = 1e30f;  // sums of it stay finite
 /// Pixels of a wide surface that smoothing has made one, in each band: the sum of the squared
 /// autocorrelation of its noise.
 constexpr std::array<float, kPasses + 1> kAlike = {1.1f, 5.1f, 23, 96, 388, 2270};
 
 int window(int pass) { return std::max(kWindow, 2 << pass); }
 
-/// The share of a band that is the answer's error, per pixel.
-/// @param alike  pixels that count as one where means are taken
-std::vector<float> shares(const ResidualHalves& band, const BoxMean& mean, int radius, float alike,
-                          std::span<const float> scale) {
+/// Statistics of a band that are summed over a window.
+struct Statistics {
+  std::vector<float> power, square, noise;  ///< per pixel
+};
+
+Statistics statistics(const ResidualHalves& band, std::span<const float> scale) {
   const size_t pixels = band.a.pixels.size() / 3;
-  std::vector<float> power(pixels), square(pixels), noise(pixels), counts;
+  Statistics out;
+  out.power.resize(pixels);
+  out.square.resize(pixels);
+  out.noise.resize(pixels);
   for (size_t i = 0; i < pixels; ++i) {
     const float weight = scale.empty() ? 1 : scale[i] * scale[i];
     for (size_t k = 3 * i; k < 3 * i + 3; ++k) {
       const float a = band.a.pixels[k], b = band.b.pixels[k];
-      power[i] += weight * a * b;
-      noise[i] += weight * (a - b) * (a - b) / 4;  // of the mean of both
+      out.power[i] += weight * a * b;
+      out.noise[i] += weight * (a - b) * (a - b) / 4;  // of the mean of both
     }
-    square[i] = std::min(power[i] * power[i], std::numeric_limits<float>::max());
+    out.square[i] = std::min(out.power[i] * out.power[i], std::numeric_limits<float>::max());
   }
-  power = mean(power, radius, &counts);
-  square = mean(square, radius);
-  noise = mean(noise, radius);
-  for (size_t i = 0; i < pixels; ++i) {
+  return out;
+}
+
+/// The share of a band that is the answer's error, by the window around each pixel.
+/// @param alike   pixels that count as one where means are taken
+/// @param doubts  standard errors of a power that believe half of it
+std::vector<float> shares(const Statistics& sums, const BoxMean& mean, int radius, float alike,
+                          float doubts) {
+  std::vector<float> counts;
+  std::vector<float> power = mean(sums.power, radius, &counts);
+  const std::vector<float> square = mean(sums.square, radius);
+  const std::vector<float> noise = mean(sums.noise, radius);
+  for (size_t i = 0; i < power.size(); ++i) {
     const float variance = std::max(0.0f, noise[i]);
     // Of pure noise the product has a standard deviation of twice the mean's variance, or more
     // where some pixels are noisier than others.
     const float spread =
         std::max(2 * variance, std::sqrt(std::max(0.0f, square[i] - power[i] * power[i])));
     const float error = spread / std::sqrt(std::max(1.0f, counts[i] / alike));
-    const float doubt = power[i] > 0 ? kDoubt * error / power[i] : 0;
+    const float doubt = power[i] > 0 ? doubts * error / power[i] : 0;
     const float sure = power[i] / (1 + doubt * doubt);
     power[i] = sure > 0 ? sure / (sure + variance) : 0;
   }
   return mean(power, radius / 2);  // what chance has let through here, it has not beside
+}
+
+/// What brings the residuals of all pixels to one size, that of what lies around: the few that are
+/// wrong by far, or the noisiest, would rule a window in which they are, and grain be let in there.
+std::vector<float> scale_of(const ResidualHalves& band, const BoxMean& mean, int near, int far) {
+  std::vector<float> energy(band.a.pixels.size() / 3);
+  for (size_t i = 0; i < energy.size(); ++i) {
+    for (size_t k = 3 * i; k < 3 * i + 3; ++k) {
+      const float a = band.a.pixels[k], b = band.b.pixels[k];
+      energy[i] += std::min((a * a + b * b) / 2, kMostEnergy);
+    }
+  }
+  std::vector<float> scale = mean(energy, near);
+  const std::vector<float> around = mean(scale, far);
+  for (size_t i = 0; i < scale.size(); ++i) {
+    const float own = scale[i] + kLeastEnergy * around[i];
+    scale[i] = own > 0 ? 1 / std::sqrt(own) : 0;
+  }
+  return scale;
+}
+
+/// Shares by two windows: what stands out by far in a narrow one decides there alone, and does not
+/// count in the wide one of those around.
+std::vector<float> shares_of(const ResidualHalves& band, const BoxMean& mean, int pass) {
+  const int far = window(pass), near = std::max(kNear, 1 << pass);
+  const float alike = kAlike[static_cast<size_t>(pass)];
+  Statistics sums = statistics(band, scale_of(band, mean, near, far));
+  const std::vector<float> alone = shares(sums, mean, near, alike, kNearDoubt);
+  for (size_t i = 0; i < alone.size(); ++i) {
+    sums.power[i] *= 1 - alone[i];
+    sums.square[i] *= 1 - alone[i];
+    sums.noise[i] *= 1 - alone[i];
+  }
+  std::vector<float> out = shares(sums, mean, far, alike, kDoubt);
+  for (size_t i = 0; i < out.size(); ++i) out[i] = alone[i] + (1 - alone[i]) * out[i];
+  return out;
 }
 
 void add_share(const std::vector<float>& share, const ResidualHalves& band,
@@ -100,8 +156,7 @@ std::vector<Image> error_of(std::vector<ResidualHalves> residuals, const Residua
         subtract(coarse[r].a, &band.a);
         subtract(coarse[r].b, &band.b);
       }
-      add_share(shares(band, mean, window(pass), kAlike[static_cast<size_t>(pass)], {}), band,
-                surfaces.mask, &out[r]);
+      add_share(shares_of(band, mean, pass), band, surfaces.mask, &out[r]);
     }
     if (pass < kPasses) residuals = std::move(coarse);
   }
@@ -112,7 +167,7 @@ Image error_of_pixels(const ResidualHalves& residual, std::span<const uint8_t> m
                       std::span<const float> scale) {
   const BoxMean mean(residual.a.width, residual.a.height, mask);
   Image out(residual.a.width, residual.a.height, 3);
-  add_share(shares(residual, mean, kWindow, 1, scale), residual, mask, &out);
+  add_share(shares(statistics(residual, scale), mean, kWindow, 1, kDoubt), residual, mask, &out);
   return out;
 }
 

@@ -103,6 +103,35 @@ TEST(PathCorrection, FewPathsWithHeavyTailsDoNoHarm) {
   EXPECT_LT(sum / kSeeds, 2e-4 * kVariance);
 }
 
+/// What is wrong by far at a few pixels is no reason to take the noise of the paths beside them: no
+/// square of grain around a lamp.
+TEST(PathCorrection, AFaultOfAFewPixelsLetsNoGrainInAroundIt) {
+  constexpr int kSpot = 4, kMiddle = kSide / 4;  // half an edge of what is wrong
+  constexpr double kSigma = 0.5;
+  Image wrong = truth();
+  const auto apart = [](int x, int y) {
+    return std::max(std::abs(x - kMiddle), std::abs(y - kSide / 2));
+  };
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      if (apart(x, y) < kSpot) wrong.set_rgb(x, y, wrong.rgb(x, y) * 0.1f);
+    }
+  }
+  const Image out = corrected(wrong, kSigma);
+  const Image wanted = truth();
+  double spot = 0, around = 0, spots = 0, arounds = 0;
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide / 2; ++x) {
+      const double off = double{out.rgb(x, y).x} - double{wanted.rgb(x, y).x};
+      const int far = apart(x, y);
+      (far < kSpot ? spot : around) += far < kSpot || far > 2 * kSpot ? off * off : 0;
+      (far < kSpot ? spots : arounds) += far < kSpot || far > 2 * kSpot ? 1 : 0;
+    }
+  }
+  EXPECT_LT(around / arounds, 0.01 * kSigma * kSigma / 2) << "of what the paths' mean has";
+  EXPECT_LT(spot / spots, 0.2 * 2.7 * 2.7) << "of what the answer was wrong by";
+}
+
 TEST(PathCorrection, NothingLeavesTheMask) {
   const SurfaceGuides guides = plane();
   std::vector<uint8_t> mask(guides.mask);
