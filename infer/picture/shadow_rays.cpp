@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
@@ -21,6 +22,8 @@ constexpr int kMostShare = 16;
 constexpr double kEpsilon = 0.01;
 /// The pilot's part of all rays, and its least count: two halves tell a variance.
 constexpr int kPilotPart = 4, kLeastPilot = 2;
+/// Points between two checks: some milliseconds of two cores.
+constexpr size_t kCheckedPoints = size_t{1} << 12;
 
 /// What the pilots of the other color know around a pixel.
 struct Neighbourhood {
@@ -82,6 +85,29 @@ double scale_to_mean(const std::vector<float>& want, double mean, double most) {
   return high;
 }
 
+/// Direct light at points, a check before each block of them.
+pathtrace::DirectLight estimate_in_blocks(const pathtrace::Bvh& bvh,
+                                          const pathtrace::Lights& lights,
+                                          const SurfacePoints& points,
+                                          const std::vector<int32_t>& counts,
+                                          const pathtrace::DirectOptions& options,
+                                          const std::function<void()>& check) {
+  const size_t block = check ? kCheckedPoints : std::max<size_t>(1, counts.size());
+  pathtrace::DirectLight out;
+  for (size_t begin = 0; begin < counts.size(); begin += block) {
+    if (check) check();
+    const size_t count = std::min(block, counts.size() - begin);
+    const auto part_of = [&](const auto& all) { return std::span(all).subspan(begin, count); };
+    const pathtrace::DirectLight part = pathtrace::estimate_direct(
+        bvh, lights, {part_of(points.position), part_of(points.normal), part_of(points.pixel)},
+        part_of(counts), options);
+    out.irradiance.insert(out.irradiance.end(), part.irradiance.begin(), part.irradiance.end());
+    out.variance.insert(out.variance.end(), part.variance.begin(), part.variance.end());
+    out.rays_traced += part.rays_traced;
+  }
+  return out;
+}
+
 }  // namespace
 
 RayCounts share_rays(const SurfaceGuides& guides, const Pilot& pilot, int mean, uint64_t seed) {
@@ -140,7 +166,8 @@ RayCounts share_rays(const SurfaceGuides& guides, const Pilot& pilot, int mean, 
 }
 
 PixelLight light_pixels(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                        const SurfaceGuides& guides, const ShadowRays& wanted) {
+                        const SurfaceGuides& guides, const ShadowRays& wanted,
+                        const std::function<void()>& check) {
   LTE_CHECK(wanted.samples >= 1, "shadow rays a pixel must be at least 1, got ", wanted.samples);
   const int pilot_rays = std::max(kLeastPilot, wanted.samples / kPilotPart);
   const bool adaptive = wanted.adaptive && wanted.samples > pilot_rays;
@@ -149,9 +176,8 @@ PixelLight light_pixels(const pathtrace::Bvh& bvh, const pathtrace::Lights& ligh
   pathtrace::DirectOptions options;
   options.seed = wanted.seed;
   options.variance = wanted.variance || adaptive;
-  const pathtrace::DirectPoints asked{points.position, points.normal, points.pixel};
   const pathtrace::DirectLight first =
-      pathtrace::estimate_direct(bvh, lights, asked, counts, options);
+      estimate_in_blocks(bvh, lights, points, counts, options, check);
   std::vector<Rgb> irradiance(guides.pixels());
   std::vector<float> variance(options.variance ? guides.pixels() : 0);
   for (size_t k = 0; k < counts.size(); ++k) {
@@ -168,7 +194,7 @@ PixelLight light_pixels(const pathtrace::Bvh& bvh, const pathtrace::Lights& ligh
     options.seed = hash_combine(wanted.seed, 2);
     options.variance = false;
     const pathtrace::DirectLight second =
-        pathtrace::estimate_direct(bvh, lights, asked, counts, options);
+        estimate_in_blocks(bvh, lights, points, counts, options, check);
     out.rays_traced += second.rays_traced;
     for (size_t k = 0; k < counts.size(); ++k) {
       const size_t i = points.pixel[k];

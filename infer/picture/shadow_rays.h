@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "infer/picture/surface_guides.h"
@@ -51,7 +52,9 @@ struct PixelLight {
 };
 
 /// Direct light of a whole picture. Pixel i draws from stream i.
+/// @param check  called between blocks of pixels; what it throws ends it. May be null.
 PixelLight light_pixels(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                        const SurfaceGuides& guides, const ShadowRays& wanted);
+                        const SurfaceGuides& guides, const ShadowRays& wanted,
+                        const std::function<void()>& check = {});
 
 }  // namespace lte::infer

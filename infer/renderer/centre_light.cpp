@@ -87,7 +87,7 @@ CentreLight light_centres(const pathtrace::Bvh& bvh, const pathtrace::Lights& li
   } else if (sampled) {
     ShadowRays rays = request.shadow_rays;
     rays.variance = request.denoiser != nullptr && !request.denoiser->is_oidn();
-    PixelLight light = light_pixels(bvh, lights, guides, rays);
+    PixelLight light = light_pixels(bvh, lights, guides, rays, request.gather.check);
     out.direct = std::move(light.irradiance);
     variance = std::move(light.variance);
   }

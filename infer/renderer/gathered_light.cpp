@@ -31,6 +31,7 @@ constexpr int kAloneBlock = 2, kAloneRadius = 3;
 // What a thread takes at a time.
 constexpr int64_t kPixels = 1 << 14;
 constexpr size_t kPacedPoints = 1 << 13;  // whose rays a pace chooses at once
+constexpr size_t kCheckedPoints = 1 << 11;
 // Rays at the grid, of pixels that stand alone and of the two halves of the correcting paths are
 // independent of each other, and of direct light's.
 constexpr uint64_t kGather = 31, kAlone = 32, kHalves = 33, kStillAlone = 34;
@@ -78,7 +79,10 @@ class Gatherer {
     timer.restart();
     if (denoiser_ != nullptr) {
       const auto parts = shared_ ? shared_->noisy_parts() : std::vector<TileRect>{grid_.all()};
-      for (const TileRect& part : parts) denoise(part);
+      for (const TileRect& part : parts) {
+        if (settings_.check) settings_.check();
+        denoise(part);
+      }
       if (shared_) shared_->smooth_scattered();
     }
     out_.denoise_seconds = timer.seconds();
@@ -157,6 +161,19 @@ class Gatherer {
   /// Light at points, into their pixels.
   void sample(const LitPoints& points, const LightRays& rays, uint64_t stream,
               int64_t first_index) {
+    if (!settings_.check || points.size() <= kCheckedPoints)
+      return sample_block(points, rays, stream, first_index);
+    std::vector<size_t> block;
+    for (size_t begin = 0; begin < points.size(); begin += kCheckedPoints) {
+      settings_.check();
+      block.resize(std::min(kCheckedPoints, points.size() - begin));
+      std::iota(block.begin(), block.end(), begin);
+      sample_block(points.some(block), rays, stream, first_index + static_cast<int64_t>(begin));
+    }
+  }
+
+  void sample_block(const LitPoints& points, const LightRays& rays, uint64_t stream,
+                    int64_t first_index) {
     GatherScene scene = scene_;
     scene.seed = hash_combine(scene_.seed, stream);
     const PointLight light = light_points(scene, points, rays, first_index, &out_.work);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 
 #include "infer/picture/projection.h"
@@ -24,6 +25,9 @@ struct GatherSettings {
   bool direct = false;
   /// Chooses the rays near `rays`, and in a full picture the paths. May be null.
   PicturePace* pace = nullptr;
+  /// Called between blocks of points, by the thread that gathers; what it throws ends the picture.
+  /// May be null.
+  std::function<void()> check = {};
 };
 
 /// @throws lte::Error naming what is out of range.

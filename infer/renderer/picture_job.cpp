@@ -46,6 +46,7 @@ PictureJob::PictureJob(const PictureSources& sources, const scene::Camera& camer
 void PictureJob::advance(int64_t pixels) {
   pixels = std::min(pixels, band_pixels_ - done_);
   done_ += pixels;
+  if (settings_.done && centres_) settings_.done(0);  // whether the picture is still wanted
   if (!settings_.done || pixels <= 0 || centres_) return;
   const int64_t told = needs_.corrects_pixels() ? pixels / 2 : pixels;  // paths are the other half
   settings_.done(told);
@@ -79,6 +80,7 @@ CentreRequest PictureJob::centre_request(const PictureRows& strip) {
   request.gather = settings_.gather;
   request.gather.direct = needs_.gathers_direct;
   request.quality = settings_.gather.quality;
+  if (settings_.done && !request.gather.check) request.gather.check = [this] { settings_.done(0); };
   if (needs_.denoises_gathered) request.gather_denoiser = denoiser();
   request.pixel_size = pathtrace::pixel_size(camera_, settings_.height);
   request.skip_metal = needs_.metal == Metal::Trace;

@@ -61,12 +61,18 @@ void Renderer::make_table(const TableSettings& settings) {
   const Timer timer;
   table_.reset();  // two at a time would need twice the memory
   kept_.reset();
-  table_.emplace(make_light_table(bvh_, lights_, draws_, settings));
+  table_ =
+      std::make_shared<const gi::RadiosityTable>(make_light_table(bvh_, lights_, draws_, settings));
   seconds_.table = timer.seconds();
 }
 
+void Renderer::set_table(std::shared_ptr<const gi::RadiosityTable> table) {
+  table_ = std::move(table);
+  kept_.reset();
+}
+
 const gi::RadiosityTable& Renderer::table() const {
-  LTE_CHECK(table_.has_value(), "there is no table of light: make_table() comes first");
+  LTE_CHECK(table_ != nullptr, "there is no table of light: make_table() comes first");
   return *table_;
 }
 
@@ -88,9 +94,8 @@ PictureNeeds Renderer::needs(const RenderSettings& settings) const {
 Frame Renderer::render(const scene::Camera& camera, const RenderSettings& settings) {
   const PictureNeeds needs = this->needs(settings);
   if (needs.keeps_light && !kept_) kept_.emplace();
-  PictureJob job(
-      {bvh_, lights_, draws_, table_ ? &*table_ : nullptr, kept_ ? &*kept_ : nullptr, *denoiser_},
-      camera, settings, needs);
+  PictureJob job({bvh_, lights_, draws_, table_.get(), kept_ ? &*kept_ : nullptr, *denoiser_},
+                 camera, settings, needs);
   Frame frame = job.render();
   for (double StageSeconds::*stage : kPictureStages) seconds_.*stage = job.seconds().*stage;
   denoised_by_ = job.denoised_by();

@@ -48,9 +48,11 @@ class Renderer {
   /// Makes the table that Indirect::Gather reads, in the place of the last one.
   /// @throws lte::Error if the network is to fill it and embed() has not been called.
   void make_table(const TableSettings& settings);
+  /// Takes a table of this scene that others hold too.
+  void set_table(std::shared_ptr<const gi::RadiosityTable> table);
   /// @throws lte::Error without one.
   const gi::RadiosityTable& table() const;
-  bool has_table() const { return table_.has_value(); }
+  bool has_table() const { return table_ != nullptr; }
 
   /// @throws lte::Error if the network or the table is needed and embed() or make_table() has not
   ///         been called.
@@ -81,7 +83,7 @@ class Renderer {
   const pathtrace::Bvh& bvh_;
   const pathtrace::Lights& lights_;
   EmbeddingDraws draws_;
-  std::optional<gi::RadiosityTable> table_;
+  std::shared_ptr<const gi::RadiosityTable> table_;
   std::optional<KeptViews> kept_;  ///< of RenderSettings::keep_light
   StageSeconds seconds_;
   std::shared_ptr<SharedDenoiser> denoiser_;

@@ -20,8 +20,8 @@ constexpr int kPasses = 5;
 constexpr int kWindow = 16;
 /// The same of the narrow square in which what stands out is found; at least the band's width.
 constexpr int kNear = 4;
-/// Standard errors of a power's estimate that believe half of it. There are many narrow squares, and
-/// chance stands out in some.
+/// Standard errors of a power's estimate that believe half of it. There are many narrow squares,
+/// and chance stands out in some.
 constexpr float kDoubt = 2, kNearDoubt = 12;
 /// Of what lies around, the least that residuals are measured by.
 constexpr float kLeastEnergy = 0.01f;

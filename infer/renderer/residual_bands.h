@@ -7,8 +7,8 @@
 // at all where paths are few or the answer is right, wholly where they are many. A power is
 // believed by how far it stands out of its own standard error, or few paths would add what chance
 // has made of them. So what is left is never much more than the lesser of the answer's error and
-// the paths' noise, and it has no floor. A fault of a few pixels, such as the rim of a lamp, decides
-// for itself: it says nothing of the pixels around, where it would let the paths' grain in.
+// the paths' noise, and it has no floor. A fault of a few pixels, such as the rim of a lamp,
+// decides for itself: it says nothing of the pixels around, where it would let the paths' grain in.
 #pragma once
 
 #include <cstdint>

@@ -48,6 +48,9 @@ std::shared_ptr<const SessionState::Parts> layer_alone(const SessionState::Parts
   alone->lights = traced.lights;
   alone->asks_network = state.asks_network;  // decided for the whole picture
   if (auto encoding = encoding_of(state, groups)) alone->layers = {{std::move(encoding)}};
+  alone->answered_by = state.answered_by;
+  alone->records = state.records;
+  if (alone->records) alone->table = alone->make_table();
   return alone;
 }
 
@@ -88,7 +91,8 @@ DimmablePicture::DimmablePicture(StatePtr state, Output output, int64_t pixels)
 bool DimmablePicture::fits(const SessionState& state) const {
   if (!apart_) return state.version() == made_for_->version();
   const SessionState::Parts &a = made_for_->parts(), &b = state.parts();
-  return a.base == b.base && a.asks_network == b.asks_network && b.accuracy == Accuracy::Full &&
+  return a.base == b.base && a.asks_network == b.asks_network && a.answered_by == b.answered_by &&
+         a.records == b.records && b.accuracy == Accuracy::Full &&
          same_points(*a.draft, *b.draft) && layers_apart(*a.draft) == layers_apart(*b.draft) &&
          same_layers(a.layers, b.layers);
 }
@@ -99,6 +103,7 @@ void DimmablePicture::add(const scene::Camera& camera, RenderSettings settings, 
   settings.layers = false;
   settings.direct_samples = std::max(1, settings.direct_samples / layers());
   settings.spp = std::max(1, settings.spp / layers());
+  settings.gather.rays = std::max(1, settings.gather.rays / layers());
   while (unfinished_.size() < layers_.size()) {
     StageSeconds part;
     unfinished_.push_back(layers_[unfinished_.size()].alone->render(camera, settings, &part));

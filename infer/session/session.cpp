@@ -286,6 +286,7 @@ SessionMemory Session::memory() const {
   out.scene_bytes = scene_bytes(*parts.scene);
   for (const ScaledLayer& each : parts.layers)
     out.embedding_bytes += each.layer->embedding->info().bytes;
+  if (parts.records) out.record_bytes = parts.records->traced.bytes();
   out.states = own.alive.use_count() - 1;
   const std::lock_guard lock(own.mutex);
   out.undo_steps = static_cast<int64_t>(own.before.size());

@@ -41,11 +41,27 @@
 
 namespace lte::infer {
 
+/// What answers for indirect light in a session's pictures.
+enum class PictureLight {
+  Decoded,  ///< the network at every point that is asked about
+  Network,  ///< rays whose hits read the network's light, kept at points of the surfaces
+  Gather,   ///< rays whose hits read traced light, kept likewise: no network is needed
+};
+constexpr EnumNames<PictureLight, 3> enum_names(PictureLight) {
+  return {{{PictureLight::Decoded, "decoded"},
+           {PictureLight::Network, "network"},
+           {PictureLight::Gather, "gather"}}};
+}
+
 struct SessionSettings {
   EmbedSettings embedding;  ///< of every encoding; `unreached` is not read
   /// Ask the network for indirect light in a scene with a sun that it was not trained with;
-  /// without, paths answer there (RenderSettings::spp of them a pixel).
+  /// without, paths answer there (RenderSettings::spp of them a pixel), or traced light where
+  /// pictures are gathered.
   bool untrained_light = false;
+  PictureLight pictures = PictureLight::Decoded;
+  /// Whom SessionState::record_attention() asks in a session without a network. May be null.
+  std::function<runtime::Network()> attention_of = {};
   int undo_steps = 100;                     ///< that are kept
   std::vector<scene::Camera> cameras = {};  ///< as of Session::look_from()
 };
@@ -68,7 +84,7 @@ struct EditReport {
   double scene_ms = 0;   ///< the copy of the scene, and the list of its lights
   double bvh_ms = 0;     ///< the tree over the instances
   double points_ms = 0;  ///< scene points, and what light reaches
-  double light_ms = 0;   ///< estimates of the light on them
+  double light_ms = 0;   ///< estimates of the light on them; light that gathered pictures read
   double encode_ms = 0;  ///< the network
   double total_ms = 0;
   int encodings = 0;         ///< how often the network encoded: once a layer
@@ -142,6 +158,8 @@ class SessionState {
   bool has_light() const;
   /// Whether the network answers for indirect light: there is one, and it knows such light.
   bool has_network() const;
+  /// Who answers for indirect light in pictures; nothing: paths do.
+  std::optional<PictureLight> answered_by() const;
 
   /// Light groups of scene() that the network is not told of, in order: those that did not reach
   /// what the cameras see when light was last found.
@@ -158,7 +176,7 @@ class SessionState {
   int find_material(const std::string& name) const;
 
   /// A picture, as Renderer::render() gives it; `answerer` and `indirect` of the settings are set
-  /// here. Without a network, indirect light is that of paths.
+  /// here, as answered_by() has it.
   /// @param seconds  set to the times of its stages; may be null
   Frame render(const scene::Camera& camera, RenderSettings settings,
                StageSeconds* seconds = nullptr) const;
@@ -169,8 +187,9 @@ class SessionState {
   std::vector<Rgb> irradiance(const runtime::QueryPoints& queries) const;
 
   /// An embedding that keeps what the encoder attends to (lte/runtime/attention.h): the scene is
-  /// encoded once more. Of luminaires that are encoded apart it has the others, or else the first.
-  /// @throws lte::Error where the network does not answer
+  /// encoded once more. Of luminaires that are encoded apart it has the others, or else the first;
+  /// where traced light answers, all at their gains.
+  /// @throws lte::Error where the network does not answer and is none that could be asked
   std::shared_ptr<const runtime::SceneEmbedding> record_attention() const;
 
   /// What lies under the image point (x, y) in [0, 1]², (0, 0) top left; nothing for background.
@@ -202,6 +221,7 @@ struct AnswerChange {
 struct SessionMemory {
   int64_t scene_bytes = 0;      ///< meshes of the state of now
   int64_t embedding_bytes = 0;  ///< of all its layers
+  int64_t record_bytes = 0;     ///< light that gathered pictures read
   int64_t undo_steps = 0, redo_steps = 0;
   int64_t undo_bytes = 0;
   int64_t states = 0;  ///< of this session that are alive, those that readers hold included

@@ -31,6 +31,11 @@ LuminaireKind kind_of(scene::LightKind kind) {
 /// Answers between two looks at whether a picture is still wanted: some 10 ms of two cores.
 constexpr size_t kAnswersAtOnce = 1024;
 
+Indirect indirect_of(const std::optional<PictureLight>& answered_by) {
+  if (!answered_by) return Indirect::Paths;
+  return *answered_by == PictureLight::Decoded ? Indirect::Decoded : Indirect::Gather;
+}
+
 Rgb color_of(const LightSetting& setting) {
   return setting.color ? *setting.color : setting.hue.value_or(Rgb{1, 1, 1});
 }
@@ -66,6 +71,7 @@ const scene::Scene& SessionState::scene() const { return *parts_->scene; }
 const pathtrace::Bvh& SessionState::bvh() const { return *parts_->bvh; }
 bool SessionState::has_light() const { return !parts_->lights->empty(); }
 bool SessionState::has_network() const { return parts_->asks_network; }
+std::optional<PictureLight> SessionState::answered_by() const { return parts_->answered_by; }
 
 std::vector<int> SessionState::left_out() const {
   if (parts_->unreached == nullptr) return {};
@@ -160,10 +166,13 @@ Frame SessionState::Parts::render(const scene::Camera& camera, RenderSettings se
                                   StageSeconds* seconds) const {
   Renderer renderer(bvh, lights, base->denoiser);
   settings.answerer = nullptr;
-  settings.indirect = asks_network ? Indirect::Decoded : Indirect::Paths;
-  if (!layers.empty()) renderer.set_embedding(layers.front().layer->embedding);
+  settings.indirect = indirect_of(answered_by);
+  if (settings.indirect == Indirect::Gather && renderer.needs(settings).table)
+    renderer.set_table(table->get());
+  const bool decodes = settings.indirect == Indirect::Decoded;
+  if (decodes && !layers.empty()) renderer.set_embedding(layers.front().layer->embedding);
   const bool plain = layers.size() == 1 && layers.front().scale == Rgb{1, 1, 1};
-  if (asks_network && (!plain || settings.done)) {
+  if (decodes && (!plain || settings.done)) {
     // Blocks, between which a picture that nobody waits for can be ended.
     settings.answerer = [this, &told = settings.done](std::span<const gi::Query> queries) {
       std::vector<Rgb> answers;
@@ -198,16 +207,26 @@ std::vector<Rgb> SessionState::irradiance(const runtime::QueryPoints& queries) c
 }
 
 std::shared_ptr<const runtime::SceneEmbedding> SessionState::record_attention() const {
-  LTE_CHECK(!parts_->layers.empty(),
-            "there is no attention to look at: the network answers for no light of this scene");
-  const LightLayer& first = *parts_->layers.front().layer;
-  LightGroups wanted{.groups = {}, .as_dimmed = !first.gains.empty()};
-  for (const int light : first.lights)
-    wanted.groups.push_back(static_cast<int>(group_of(*parts_->draft, light)));
+  const Draft& draft = *parts_->draft;
   EmbedSettings settings = parts_->base->settings.embedding;
   settings.record_attention = true;
-  return encode_layer(*parts_->draft, first.points, wanted, *parts_->base->network, settings)
-      ->embedding;
+  if (!parts_->layers.empty()) {
+    const LightLayer& first = *parts_->layers.front().layer;
+    LightGroups wanted{.groups = {}, .as_dimmed = !first.gains.empty()};
+    for (const int light : first.lights)
+      wanted.groups.push_back(static_cast<int>(group_of(draft, light)));
+    return encode_layer(draft, first.points, wanted, *parts_->base->network, settings)->embedding;
+  }
+  const std::vector<LightGroups> all = layers_together(draft);
+  const auto& network_of = parts_->base->settings.attention_of;
+  LTE_CHECK(parts_->answered_by == PictureLight::Gather && network_of && !all.empty(),
+            "there is no attention to look at: the network answers for no light of this scene");
+  const runtime::Network network = network_of();
+  EditReport ignored;
+  const Traced scene = trace(*parts_->base, draft, /*lit=*/false, &ignored);
+  const auto points = std::make_shared<const GroupedPoints>(
+      draw_points(*scene.bvh, *scene.lights, network, settings, {}, Accuracy::Full, {}, &ignored));
+  return encode_layer(draft, points, all.front(), network, settings)->embedding;
 }
 
 std::optional<Pick> SessionState::pick(const scene::Camera& camera, float x, float y,

@@ -32,12 +32,23 @@ std::shared_ptr<const LightLayer> find_layer(const SessionState::Parts* before,
   return nullptr;
 }
 
+std::vector<Rgb> sum_of(const std::vector<ScaledLayer>& layers,
+                        const runtime::QueryPoints& queries) {
+  std::vector<Rgb> sum(queries.position.size());
+  for (const ScaledLayer& each : layers) {
+    if (max_component(each.scale) <= 0) continue;
+    const std::vector<Rgb> part = each.layer->embedding->decode(queries);
+    for (size_t i = 0; i < sum.size(); ++i) sum[i] += part[i] * each.scale;
+  }
+  return sum;
+}
+
 /// Of states of one draft.
 bool same_answers(const SessionState::Parts& a, const SessionState::Parts& b) {
   const auto same = [](const ScaledLayer& s, const ScaledLayer& t) {
     return s.layer == t.layer && s.scale == t.scale;
   };
-  return a.asks_network == b.asks_network && a.accuracy == b.accuracy &&
+  return a.asks_network == b.asks_network && a.accuracy == b.accuracy && a.records == b.records &&
          std::equal(a.layers.begin(), a.layers.end(), b.layers.begin(), b.layers.end(), same);
 }
 
@@ -217,6 +228,35 @@ class Lighting {
   std::optional<Traced> at_gain_1_;
 };
 
+/// The light that gathered pictures read: what it was before where that is enough or still right.
+void find_records(const SessionState::Parts* before, const Wanted& wanted,
+                  SessionState::Parts* parts, EditReport* report) {
+  const SessionBase& base = *parts->base;
+  if (!parts->answered_by || *parts->answered_by == PictureLight::Decoded) return;
+  const bool by_network = *parts->answered_by == PictureLight::Network;
+  const TableLight by = by_network ? TableLight::Network : TableLight::Raw;
+  const bool has = before != nullptr && before->records && before->records->filled_by == by;
+  if (has && before->records->fit(*parts->draft, by)) {
+    parts->records = before->records;
+  } else if (has && (by_network ? parts->accuracy : wanted.least) == Accuracy::Kept) {
+    parts->records = before->records;
+    parts->accuracy = Accuracy::Kept;
+  } else {
+    if (wanted.check) wanted.check();
+    const Traced at_gain_1 = is_scaled(*parts->draft)
+                                 ? trace(base, *parts->draft, /*lit=*/false, report)
+                                 : Traced{parts->scene, parts->bvh, parts->lights};
+    const Timer timer;
+    parts->records = std::make_shared<const LightRecords>(
+        trace_light_records(*at_gain_1.bvh, *at_gain_1.lights, parts->draft, by,
+                            base.settings.embedding.seed, wanted.check));
+    report->light_ms += 1e3 * timer.seconds();
+  }
+  const bool same = before != nullptr && before->table && before->records == parts->records &&
+                    same_answers(*before, *parts) && same_scene(*before->draft, *parts->draft);
+  parts->table = same ? before->table : parts->make_table();
+}
+
 }  // namespace
 
 int64_t scene_bytes(const scene::Scene& scene) {
@@ -248,7 +288,9 @@ SessionBase::SessionBase(scene::Scene first, std::optional<runtime::Network> wit
     : scene(std::move(first)),
       trees(pathtrace::Bvh::with_own_meshes(scene)),
       network(std::move(with)),
-      settings(std::move(how)) {}
+      settings(std::move(how)) {
+  if (settings.pictures != PictureLight::Decoded) denoiser->prepare(image::OidnQuality::Fast);
+}
 
 std::unique_ptr<SessionState::Parts> make_parts(std::shared_ptr<const SessionBase> base,
                                                 std::shared_ptr<const Draft> draft,
@@ -270,7 +312,18 @@ std::unique_ptr<SessionState::Parts> make_parts(std::shared_ptr<const SessionBas
   parts->cameras = wanted.cameras      ? without_repeats(*wanted.cameras)
                    : before != nullptr ? before->cameras
                                        : without_repeats(parts->base->settings.cameras);
-  if (parts->base->network) Lighting(before, wanted, parts.get(), report).run();
+  const SessionBase& all = *parts->base;
+  parts->answered_by = all.settings.pictures == PictureLight::Gather
+                           ? std::optional(PictureLight::Gather)
+                           : std::nullopt;
+  if (!parts->answered_by && all.network) {
+    Lighting(before, wanted, parts.get(), report).run();
+    parts->answered_by = parts->asks_network ? std::optional(all.settings.pictures)
+                         : all.settings.pictures == PictureLight::Network
+                             ? std::optional(PictureLight::Gather)
+                             : std::nullopt;
+  }
+  find_records(before, wanted, parts.get(), report);
   const bool same = wanted.cameras && refines && same_answers(*before, *parts);
   parts->version = (before != nullptr ? before->version : 0) + (same ? 0 : 1);
   report->version = parts->version;
@@ -279,14 +332,23 @@ std::unique_ptr<SessionState::Parts> make_parts(std::shared_ptr<const SessionBas
   return parts;
 }
 
-std::vector<Rgb> SessionState::Parts::answer(const runtime::QueryPoints& queries) const {
-  std::vector<Rgb> sum(queries.position.size());
-  for (const ScaledLayer& each : layers) {
-    if (max_component(each.scale) <= 0) continue;
-    const std::vector<Rgb> part = each.layer->embedding->decode(queries);
-    for (size_t i = 0; i < sum.size(); ++i) sum[i] += part[i] * each.scale;
+std::shared_ptr<LazyTable> SessionState::Parts::make_table() const {
+  if (answered_by == PictureLight::Gather) {
+    return std::make_shared<LazyTable>(records, bvh,
+                                       [from = records, now = draft] { return from->total(*now); });
   }
-  return sum;
+  return std::make_shared<LazyTable>(records, bvh, [from = records, now = draft, by = layers] {
+    const gi::TableEntries& entries = from->traced.entries;
+    std::vector<Rgb> light = sum_of(by, {entries.position, entries.normal, entries.albedo});
+    if (by.empty() || by.front().layer->embedding->network().predicts_total()) return light;
+    const std::vector<Rgb> direct = from->direct(*now);
+    for (size_t i = 0; i < light.size(); ++i) light[i] += direct[i];
+    return light;
+  });
+}
+
+std::vector<Rgb> SessionState::Parts::answer(const runtime::QueryPoints& queries) const {
+  return sum_of(layers, queries);
 }
 
 }  // namespace lte::infer

@@ -10,6 +10,7 @@
 #include "infer/renderer/shared_denoiser.h"
 #include "infer/session/draft.h"
 #include "infer/session/light_layer.h"
+#include "infer/session/light_records.h"
 #include "infer/session/session.h"
 #include "infer/session/unreached_lights.h"
 #include "lte/pathtrace/bvh.h"
@@ -50,12 +51,18 @@ struct SessionState::Parts {
   /// None unless the network answers, and where no light reaches what the cameras see.
   std::vector<ScaledLayer> layers;
   bool asks_network = false;
+  std::optional<PictureLight> answered_by;  ///< SessionState::answered_by()
+  /// Of gathered pictures, perhaps of a scene before this one; null for others.
+  std::shared_ptr<const LightRecords> records;
+  std::shared_ptr<LazyTable> table;  ///< of the records, with the gains of now
   Accuracy accuracy = Accuracy::Full;
   uint64_t version = 0, geometry_version = 0;
   std::shared_ptr<const int> alive;  ///< counts the states of a session
 
   /// Sums over the layers.
   std::vector<Rgb> answer(const runtime::QueryPoints& queries) const;
+  /// The table of what answers now, from the records.
+  std::shared_ptr<LazyTable> make_table() const;
   /// SessionState::render()
   Frame render(const scene::Camera& camera, RenderSettings settings, StageSeconds* seconds) const;
 };

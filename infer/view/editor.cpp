@@ -115,7 +115,7 @@ void Editor::publish(const std::map<int, int64_t>* handled) {
 Editor::Next Editor::next_after(const SessionState& state) const {
   if (state.accuracy() == Accuracy::Kept) return Next::DraftLight;
   if (state.accuracy() == Accuracy::Draft) return Next::FullLight;
-  if (!state.has_network()) return Next::Nothing;
+  if (!state.answered_by()) return Next::Nothing;  // paths: no lamp is dimmed sooner for it
   const std::vector<LuminaireInfo> lights = state.luminaires();
   const auto shines = [](const LuminaireInfo& light) { return light.brightness > 0; };
   const auto open = [&](const LuminaireInfo& light) { return shines(light) && !light.touched; };

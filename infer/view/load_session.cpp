@@ -38,6 +38,12 @@ void warn_of_light(const ViewRequest& request, const SessionState& state,
                    const nn::ModelMetadata& model) {
   const std::vector<int> left_out = state.left_out();
   if (!has_untrained_light(state.scene(), model, left_out)) return;
+  if (state.answered_by() == PictureLight::Gather) {
+    log_warning(request.scene,
+                ": the model was trained without a sun or sky: indirect light is gathered from "
+                "traced light (--untrained-light network asks the network)");
+    return;
+  }
   log_warning(request.untrained_light == "network"
                   ? untrained_light_note(state.scene(), model, left_out)
                   : traced_light_note(state.scene(), Progressive::kPaths, left_out));
@@ -71,11 +77,19 @@ SessionSettings settings_of(const ViewRequest& request,
   return settings;
 }
 
+/// Nobody but who looks at its attention waits for the network of a gathered picture.
+void show_attention_of(const ViewRequest& request, const std::optional<runtime::Network>& network,
+                       SessionSettings* settings) {
+  settings->attention_of = [request, network] {
+    return network ? *network : load_network(request);
+  };
+  if (!network) settings->embedding.scene_points = request.scene_points.value_or(kMostLivePoints);
+}
+
 }  // namespace
 
 int64_t live_scene_points(const std::optional<int64_t>& asked, int64_t trained) {
-  constexpr int64_t kMost = 4096;
-  const int64_t points = asked.value_or(std::min(trained, kMost));
+  const int64_t points = asked.value_or(std::min(trained, kMostLivePoints));
   return points > 0 ? points : trained;
 }
 
@@ -87,9 +101,14 @@ LoadedSession load_session(const ViewRequest& request, const CommandFiles& files
     log_warning(request.scene,
                 ": nothing emits light; there is nothing to see but surfaces "
                 "(--environment 1,1,1 or --add-light auto gives it some)");
+  const auto by = parse_enum<PictureLight>("--indirect", request.indirect);
   std::optional<runtime::Network> network;
-  if (lit) network = load_network(request);
+  if (lit && (by != PictureLight::Gather || !request.checkpoint.empty()))
+    network = load_network(request);
   SessionSettings settings = settings_of(request, network);
+  settings.pictures = by;
+  if (lit && by == PictureLight::Gather) show_attention_of(request, network, &settings);
+  if (by == PictureLight::Gather) network.reset();
   if (network) check_network(request, scene, *network, settings);
   files.check_what_was_read();
   LoadedSession out;

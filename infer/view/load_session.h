@@ -17,6 +17,9 @@ struct LoadedSession {
   ViewState first;
 };
 
+/// Scene points that a live scene is shown by at most, unless more are asked for.
+inline constexpr int64_t kMostLivePoints = 4096;
+
 /// How many scene points a live scene is shown by: as many as `asked`, or, where that is 0, as many
 /// as the model was trained on. By default these, but 4,096 at most: an edit traces light on all of
 /// them anew.

@@ -51,7 +51,7 @@ struct RemoveObject {
 struct AddLamp {
   scene::LightKind kind = scene::LightKind::Point;
   Vec3 position, direction{0, -1, 0};
-  std::optional<Rgb> intensity;  ///< W/sr; by default what lights a room of the scene's size
+  std::optional<Rgb> intensity;  ///< W/sr; by default as strong as the scene's own lamps
 };
 struct RemoveLamp {
   int light = 0;

@@ -119,7 +119,11 @@ double Progressive::paths() const { return traces() ? reference_sum_.weight : re
 bool Progressive::corrects() const {
   const bool indirect =
       shown_ == Shown::Full || shown_ == Shown::Indirect || shown_ == Shown::Irradiance;
-  return indirect && state_ != nullptr && state_->has_network() && state_->has_light();
+  return indirect && state_ != nullptr && state_->answered_by() && state_->has_light();
+}
+
+bool Progressive::gathers() const {
+  return state_->answered_by() && state_->answered_by() != PictureLight::Decoded;
 }
 
 PictureSize Progressive::draft_size() const {
@@ -136,8 +140,12 @@ RenderSettings Progressive::settings(const PictureSize& size, bool few) const {
   out.width = size.width;
   out.height = size.height;
   out.direct_samples = few ? quality.direct_samples : 2 * quality.direct_samples;
-  // Opening a filter and running it takes longer than a draft may, and nothing can interrupt it.
-  out.denoise = Denoise::Off;
+  // Gathered light has no grain to speak of, and nobody waits for the filter: it runs at a quarter
+  // of a draft's pixels. On all of them it would take longer than a draft may.
+  out.gather = pass_ == 0 ? quality.gather : quality_settings(Quality::Preview).gather;
+  out.gather.quality = image::OidnQuality::Fast;
+  if (pass_ == 0 && gathers()) out.direct_samples = quality.gather_direct_samples;
+  out.denoise = gathers() ? Denoise::Auto : Denoise::Off;
   out.spp = kPaths;
   out.antialias = 0;
   const bool rests = averaged_ >= kLeastMean;

@@ -73,6 +73,7 @@ class Progressive {
   PictureSize draft_size() const;
   bool traces() const { return shown_ == Shown::Reference || shown_ == Shown::Difference; }
   bool corrects() const;
+  bool gathers() const;
   RenderSettings settings(const PictureSize& size, bool few) const;
   Frame render(const scene::Camera& camera, RenderSettings settings,
                const std::function<bool()>& interrupted);

@@ -163,6 +163,7 @@ std::string picture_frame(const PictureHeader& header, const std::string& jpeg) 
                    {"passes", header.passes},
                    {"done", header.done},
                    {"light", enum_name(header.light)},
+                   {"answered_by", header.answered_by},
                    {"paths", header.paths},
                    {"elapsed", header.elapsed_ms},
                    {"path", header.path_ms},

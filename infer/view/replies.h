@@ -54,6 +54,7 @@ struct PictureHeader {
   int passes = 0;                   ///< when it is done
   bool done = false;                ///< no better one comes
   Accuracy light = Accuracy::Full;  ///< how much its indirect light knows of the last edits
+  std::string answered_by;          ///< a word of PictureLight, or "paths"
   double paths = 0;                 ///< a pixel, by now, where paths are traced
   double elapsed_ms = 0;            ///< of all passes of this picture
   double path_ms = 0;               ///< what a path a pixel takes at this size; 0: not known

@@ -5,11 +5,15 @@
 #include <utility>
 
 #include "infer/renderer/path_correction.h"
+#include "lte/base/random.h"
 
 namespace lte::infer::view {
 namespace {
 
 using image::Image;
+
+// Independent of all that pictures draw.
+constexpr uint64_t kAnswers = 51;
 
 Image scaled(const Image& sum, float factor) {
   Image out = sum;
@@ -19,7 +23,7 @@ Image scaled(const Image& sum, float factor) {
 
 }  // namespace
 
-/// The network's answer at every pixel, and where it stands for a surface's light.
+/// What answers at every pixel, and where it stands for a surface's light.
 void Residual::begin(const SessionState& state, const scene::Camera& camera,
                      const RenderSettings& settings) {
   SurfaceGuides guides = trace_guides(state.bvh(), camera, settings.width, settings.height);
@@ -28,7 +32,16 @@ void Residual::begin(const SessionState& state, const scene::Camera& camera,
   network.sparse.reset();
   network.antialias = 0;
   network.layers = false;
-  answer_ = state.render(camera, network).color;
+  const bool gathers = state.answered_by() && state.answered_by() != PictureLight::Decoded;
+  const int answers = gathers ? kGathered : 1;
+  Image sum;
+  for (int k = 0; k < answers; ++k) {
+    network.seed = hash_combine(kAnswers, static_cast<uint64_t>(k));
+    Image one = state.render(camera, network).color;
+    if (sum.width == 0) sum = Image(one.width, one.height, one.channels);
+    for (size_t i = 0; i < one.pixels.size(); ++i) sum.pixels[i] += one.pixels[i];
+  }
+  answer_ = scaled(sum, 1 / static_cast<float>(answers));
   guides_ = std::move(guides);
   reflects_.resize(guides_.pixels());
   for (size_t i = 0; i < reflects_.size(); ++i) {

@@ -21,6 +21,8 @@ class Residual {
   /// doubled.
   static constexpr int kPaths = 4, kMostPaths = 64;
   static constexpr int kSteps = kMostPaths / kPaths;
+  /// Gathered answers whose mean is corrected: one has noise of its own.
+  static constexpr int kGathered = 4;
 
   void clear() { *this = {}; }
   bool done() const { return paths_ >= kMostPaths; }

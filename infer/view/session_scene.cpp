@@ -5,6 +5,7 @@
 #include <optional>
 #include <set>
 
+#include "infer/session/luminaire_power.h"
 #include "lte/base/check.h"
 
 namespace lte::infer::view {
@@ -93,10 +94,13 @@ Affine shifted(const Affine& to_world, const Vec3& move) {
   return out;
 }
 
-/// Watts by which a lamp that is added lights a scene: those that a panel of --add-light auto has.
-float usual_power(const Bounds& bounds) {
+/// Watts by which a lamp that is added lights a scene: the median of the lamps that shine in it.
+/// Where none does, those that a panel of --add-light auto has.
+float usual_power(const SessionState& state) {
+  const float median = median_power(luminaire_powers(state.scene()));
+  if (median > 0) return median;
   constexpr float kWattsPerFloor = 10;  // W/m²
-  const Vec3 size = bounds.extent();
+  const Vec3 size = state.bvh().bounds().extent();
   return kWattsPerFloor * std::max(size.x * size.z, 1e-3f);
 }
 
@@ -236,7 +240,7 @@ std::vector<infer::Edit> session_edits(const Request& request, const SessionStat
     light.kind = lamp->kind;
     light.position = lamp->position;
     light.direction = lamp->direction;
-    const float intensity = usual_power(state.bvh().bounds()) / (4 * kPi);
+    const float intensity = usual_power(state) / (4 * kPi);
     light.intensity = lamp->intensity.value_or(Rgb{intensity, intensity, intensity});
     out.push_back(AddLight{light});
   } else if (const auto* dark = std::get_if<RemoveLamp>(&request)) {

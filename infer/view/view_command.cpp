@@ -59,6 +59,18 @@ Listen listen_of(const ViewRequest& request) {
   return listen;
 }
 
+/// Who answers, for people.
+const char* words_of(PictureLight by) {
+  switch (by) {
+    case PictureLight::Gather:
+      return "gathered from traced light, no network";
+    case PictureLight::Network:
+      return "gathered from the network's light";
+    default:
+      return "the network at every pixel";
+  }
+}
+
 /// The server from its first connection to its last.
 class Run {
  public:
@@ -73,7 +85,8 @@ class Run {
 
   /// @throws what loading threw
   void serve() {
-    std::printf("lte_view: %s\n", server_.address().c_str());
+    std::printf("lte_view: %s (indirect light: %s)\n", server_.address().c_str(),
+                words_of(parse_enum<PictureLight>("--indirect", request_.indirect)));
     std::fflush(stdout);
     std::thread loader([this] { load(); });
     io_.run();
@@ -148,7 +161,10 @@ class Run {
 
 void add_view_options(CLI::App& app, ViewRequest* r) {
   app.add_option("scene", r->scene, "Scene to show: .gltf, .glb, .pbrt, .obj or .ply")->required();
-  app.add_option("--checkpoint", r->checkpoint, "Model; by default lte-hybrid");
+  app.add_option(
+      "--checkpoint", r->checkpoint,
+      "Model that answers with --indirect network or decoded, and whose attention is shown; by "
+      "default lte-hybrid");
   app.add_option("--host", r->host,
                  "Address to listen to: by default this machine alone; any other, such as 0.0.0.0, "
                  "asks pages for a token")
@@ -165,6 +181,13 @@ void add_view_options(CLI::App& app, ViewRequest* r) {
                  concat(scene::kCameraHelp, "; by default the scene's first camera, else auto"));
   app.add_option("--size", r->size, "Size of the picture, which pages may change")
       ->check(CLI::Validator(check_view_size, "WxH"))
+      ->capture_default_str();
+  app.add_option("--indirect", r->indirect,
+                 "How indirect light is made. gather: rays from the pixels read light that paths "
+                 "have found at places of the scene, the least error and the first picture "
+                 "soonest; network: they read the network's light there; decoded: the network "
+                 "answers at each pixel")
+      ->check(CLI::IsMember({"gather", "network", "decoded"}))
       ->capture_default_str();
   app.add_option("--untrained-light", r->untrained_light,
                  "Who answers for indirect light in a scene with directional lights or an "

@@ -20,6 +20,7 @@ struct ViewRequest : SceneSource {
   std::optional<int64_t> scene_points;
   uint64_t seed = 0;
   bool rescale = true, validate_only = false;
+  std::string indirect = "gather";        ///< a word of PictureLight
   std::string untrained_light = "trace";  ///< "trace" or "network"
   ToolOptions tool;
 };

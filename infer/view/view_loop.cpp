@@ -224,6 +224,8 @@ void ViewLoop::publish() {
   header.passes = progressive_.passes();
   header.done = progressive_.done() && made_.settled;
   header.light = made_.state->accuracy();
+  const std::optional<PictureLight> by = made_.state->answered_by();
+  header.answered_by = by ? enum_name(*by) : "paths";
   header.paths = progressive_.paths();
   for (const Stage& stage : kStages) {
     if (seconds.*stage.seconds > 0) header.milliseconds[stage.name] = 1e3 * seconds.*stage.seconds;
@@ -236,12 +238,28 @@ void ViewLoop::publish() {
   pages_->show(picture_, std::make_shared<const std::string>(picture_frame(header, jpeg)));
 }
 
+/// A draft is no picture to keep: makes the whole one of now, whatever waits.
+void ViewLoop::finish_whole() {
+  if (std::exchange(restart_, false)) {
+    relit_ = false;
+    redisplay_ = true;
+    progressive_.restart(made_.state, view_.camera, view_.shown, view_.size);
+  }
+  while (progressive_.pass() < 2 && !stopping_) {
+    const int64_t before = progressive_.rendered();
+    progressive_.step([this] { return stopping_.load(); });
+    passes_ += progressive_.rendered() - before;
+    redisplay_ = true;
+  }
+  LTE_CHECK(progressive_.pass() >= 2, "there is no picture: the server ends");
+}
+
 void ViewLoop::save(int client, SaveFormat format) {
   const std::string& name = made_.scene->name;
   if (format == SaveFormat::Camera)
     return pages_->give(client, shared_file(name + "_camera.json", "application/json",
                                             scene::camera_json(view_.camera) + '\n'));
-  LTE_CHECK(progressive_.pass() > 0 && !restart_, "there is no picture yet");
+  finish_whole();
   if (format == SaveFormat::Png)
     return pages_->give(client, shared_file(name + ".png", "image/png", png_of(display())));
   pages_->give(client, shared_file(name + ".exr", "image/x-exr",

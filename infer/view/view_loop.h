@@ -69,6 +69,7 @@ class ViewLoop {
   void handle(const Pending& pending);
   void change(const ChangeView& change);
   void save(int client, SaveFormat format);
+  void finish_whole();
   void render();
   void publish();
   float exposure();

@@ -1,11 +1,14 @@
 // Where the time goes: the stages of the last pass, the picture so far, the answer to the last move.
 import { byId, make, short } from "./dom.js";
 
-const COLORS = { primary: "#6d8fb8", decode: "#e8b04b", direct: "#c9825b", denoise: "#8d7fb3",
+const COLORS = { primary: "#6d8fb8", decode: "#e8b04b", gather: "#e8b04b", direct: "#c9825b", denoise: "#8d7fb3",
                  reference: "#7fb98b", jpeg: "#8d959f", scene: "#6d8fb8", bvh: "#7fb98b",
                  points: "#8d7fb3", light: "#c9825b", encode: "#e8b04b" };
-const NAMES = { primary: "hits", decode: "network", direct: "shadow rays", denoise: "denoise",
+const NAMES = { primary: "hits", decode: "network", gather: "gather rays", direct: "shadow rays", denoise: "denoise",
                 reference: "paths", jpeg: "picture", bvh: "tree", light: "light at points" };
+const ANSWERED = { gather: "gathered from traced light", network: "gathered from the network's light",
+                   decoded: "by the network at every pixel", paths: "by paths" };
+const DARK = new Set(["direct", "reference", "albedo", "normal"]);  // outputs without answered light
 const time = (ms) => (ms < 1000 ? `${short(ms, 0)} ms` : `${short(ms / 1000, 1)} s`);
 
 function bar(stages) {
@@ -47,6 +50,9 @@ export class Meter {
     if (header.paths > 0) facts.push(`${header.paths} paths a pixel`);
     else if (header.path > 0) facts.push(`the time of ${short(header.elapsed / header.path, 1)} paths a pixel`);
     this.picture.replaceChildren(line, ...bar(header.ms), make("div", { textContent: facts.join(" · ") }));
+    if (DARK.has(header.shown)) return;
+    this.picture.append(make("div", { className: "answered",
+      textContent: `Indirect light ${ANSWERED[header.answered_by] ?? header.answered_by}` }));
   }
 
   refreshEdit(cost) {

@@ -5,11 +5,11 @@ const LABELS = { full: "Full", indirect: "Indirect", direct: "Direct", irradianc
                  reference: "Reference", difference: "Difference", albedo: "Albedo", normal: "Normal" };
 const HINTS = {
   full: "Direct and indirect light",
-  indirect: "Reflected indirect light alone, by the network",
+  indirect: "Light that surfaces have reflected, alone",
   direct: "Light that comes straight from the lamps",
   irradiance: "Indirect irradiance, without textures",
   reference: "Path tracing, better and better",
-  difference: "Network less reference: red is too bright, blue too dark",
+  difference: "Full less reference: red is too bright, blue too dark",
   albedo: "The surfaces' own color", normal: "Directions of the surfaces" };
 const CURVES = { linear: "sRGB, clipped", reinhard: "Reinhard", filmic: "Filmic" };
 const HEIGHTS = [240, 360, 480, 720, 960];

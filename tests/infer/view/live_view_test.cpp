@@ -147,11 +147,17 @@ TEST_F(Edited, ALampThatIsAddedLightsWhatIsUnderIt) {
   EXPECT_TRUE(editor_->made().state->scene().lights.empty());
   ask(RemoveLamp{lamp});
   EXPECT_NE(pages_.wait_for_text("error"), nullptr);
-  // Ten watts for each square metre of the floor, of 16.
+  // As strong as the scene's own lamp, a square metre that sends out π times its radiance.
   ask(AddLamp{scene::LightKind::Spot, {0, 1, 0}, {1, 0, 0}, {}});
   const scene::PunctualLight& spot = editor_->made().state->scene().lights.at(0);
-  EXPECT_NEAR(spot.intensity.x, 160 / (4 * kPi), 1e-3);
+  EXPECT_NEAR(spot.intensity.x, luminance(test::kLitFloorRadiance) / 4, 1e-4);
+  EXPECT_EQ(spot.intensity.x, spot.intensity.z);
   EXPECT_EQ(spot.direction, (Vec3{1, 0, 0}));
+  // Where no lamp shines, ten watts for each square metre of the floor, of 16.
+  ask(RemoveLamp{editor_->made().scene->lights.back().id});
+  gain(1, 5, 0);
+  ask(AddLamp{scene::LightKind::Point, {0, 1, 0}, {0, -1, 0}, {}});
+  EXPECT_NEAR(editor_->made().state->scene().lights.at(0).intensity.x, 160 / (4 * kPi), 1e-3);
 }
 
 TEST_F(Edited, WhatCannotComeBackIsForgotten) {

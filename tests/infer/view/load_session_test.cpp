@@ -7,6 +7,7 @@
 #include "tests/infer/fixture.h"
 #include "tests/infer/light/two_rooms.h"
 #include "tests/support/captured_log.h"
+#include "tests/support/scenes.h"
 #include "tests/support/temp_dir.h"
 
 namespace lte::infer::view {
@@ -32,6 +33,7 @@ TEST(LoadSession, LeavesOutWhatDoesNotReachTheFirstView) {
     request.scene = (folder / "rooms.glb").string();
     request.checkpoint = (folder / "tiny.safetensors").string();
     request.environment = "1,1,1";
+    request.indirect = "decoded";
     LoadedSession loaded;
     *said =
         test::stderr_of(LogLevel::Warning, [&] { loaded = load_session(request, CommandFiles()); });
@@ -45,6 +47,25 @@ TEST(LoadSession, LeavesOutWhatDoesNotReachTheFirstView) {
   const LoadedSession outside = loaded_from(test::TwoRooms::outside(), &said);
   EXPECT_FALSE(outside.session->state()->has_network());
   EXPECT_THAT(said, testing::HasSubstr("the model was trained without such light"));
+}
+
+TEST(LoadSession, ByDefaultTracedLightAnswersAndNoModelIsAsked) {
+  const test::TempDir folder;
+  scene::write_glb(folder / "room.glb", test::furnished_room());
+  ViewRequest request;
+  request.scene = (folder / "room.glb").string();
+  const LoadedSession loaded = load_session(request, CommandFiles());
+  EXPECT_EQ(loaded.session->state()->answered_by(), PictureLight::Gather);
+  EXPECT_FALSE(loaded.session->state()->has_network());
+  EXPECT_EQ(loaded.session->first_report().encodings, 0);
+  // A network is loaded for who looks at its attention, and where it is to answer.
+  test::save_tiny_model(folder / "tiny.safetensors", {.scene_points = 120});
+  request.checkpoint = (folder / "tiny.safetensors").string();
+  EXPECT_NE(load_session(request, CommandFiles()).session->state()->record_attention(), nullptr);
+  request.indirect = "network";
+  const LoadedSession by_network = load_session(request, CommandFiles());
+  EXPECT_EQ(by_network.session->state()->answered_by(), PictureLight::Network);
+  EXPECT_TRUE(by_network.session->state()->has_network());
 }
 
 }  // namespace

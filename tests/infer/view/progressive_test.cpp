@@ -148,6 +148,60 @@ TEST(Progressive, WhatRestsIsCorrectedByPaths) {
   EXPECT_EQ(picture.paths(), 0);
 }
 
+SessionSettings gathered() {
+  SessionSettings settings;
+  settings.pictures = PictureLight::Gather;
+  return settings;
+}
+
+double error_of(const image::Image& picture, const image::Image& reference) {
+  double off = 0, sum = 0;
+  for (size_t i = 0; i < picture.pixels.size(); ++i) {
+    off += std::abs(picture.pixels[i] - reference.pixels[i]);
+    sum += reference.pixels[i];
+  }
+  return off / sum;
+}
+
+/// Without any network: from the draft to the corrected mean, and by lamp.
+TEST(Progressive, GatheredLightGetsBetterUntilItIsThatOfPaths) {
+  Session session(test::furnished_room(), std::nullopt, gathered());
+  session.separate();
+  RenderSettings paths;
+  paths.output = Output::Irradiance;
+  paths.mode = Mode::Reference;
+  paths.width = kSize.width;
+  paths.height = kSize.height;
+  paths.spp = 1024;
+  paths.antialias = 0;
+  const image::Image reference = session.state()->render(session_test::camera(), paths).color;
+  Progressive picture;
+  picture.restart(session.state(), session_test::camera(), Shown::Irradiance, kSize);
+  picture.step(kNever);
+  EXPECT_EQ(picture.seconds().decode, 0);
+  EXPECT_GT(picture.seconds().gather, 0);
+  const double draft = error_of(picture.picture(), reference);
+  for (int i = 0; i < 100 && !picture.done(); ++i) picture.step(kNever);
+  EXPECT_EQ(picture.paths(), Residual::kMostPaths);
+  const double last = error_of(picture.picture(), reference);
+  EXPECT_LT(last, 0.08);
+  EXPECT_LT(last, draft);
+  const int64_t passes = picture.rendered();
+  session.apply(SetLight{0, 0.5, {}});
+  ASSERT_TRUE(picture.relight(session.state()));
+  EXPECT_EQ(picture.rendered(), passes);
+}
+
+TEST(Progressive, AGatheredPassIsInterrupted) {
+  const Session session(test::furnished_room(), std::nullopt, gathered());
+  Progressive picture;
+  picture.restart(session.state(), session_test::camera(), Shown::Full, {320, 240});
+  picture.step(kNever);
+  const int pass = picture.pass();
+  EXPECT_FALSE(picture.step([] { return true; }));
+  EXPECT_EQ(picture.pass(), pass);
+}
+
 /// Paths take away most of what an untrained network is wrong by, in every output.
 TEST(Residual, BringsAPictureNearToThatOfPaths) {
   const Session session(test::furnished_room(), session_test::network());

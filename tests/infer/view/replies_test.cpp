@@ -66,8 +66,10 @@ TEST(Replies, AFrameIsHeaderAndBytes) {
   PictureHeader header;
   header.picture = 7;
   header.handled[3] = {12, 11};
+  header.answered_by = "gather";
   const std::string frame = picture_frame(header, std::string("\0\xffjpeg", 6));
   EXPECT_EQ(test::frame_header(frame).at("picture"), 7);
+  EXPECT_EQ(test::frame_header(frame).at("answered_by"), "gather");
   EXPECT_EQ(test::frame_header(frame).at("handled").at("3"), json({12, 11}));
   EXPECT_EQ(test::frame_bytes(frame), std::string("\0\xffjpeg", 6));
 }

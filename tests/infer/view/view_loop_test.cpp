@@ -214,6 +214,31 @@ TEST(ViewLoop, SavesWhatItShows) {
   EXPECT_NEAR(linear.rgb(12, 9).y / linear.rgb(12, 9).z, 4.0 / 3, 1e-4);
 }
 
+/// A draft is no picture to keep: what is saved while the camera moves has the size of the view and
+/// shows what the camera then saw.
+TEST(ViewLoop, WhatIsSavedWhileTheCameraMovesIsTheWholePicture) {
+  Viewed viewed;
+  const auto loop = viewed.loop();
+  ChangeView larger;
+  larger.size = PictureSize{480, 360};  // of which a draft is a part
+  loop->post(1, 1, larger);
+  for (int i = 2; i <= 10; ++i) {
+    loop->post(1, i, camera_at(1 + 0.01f * static_cast<float>(i)));
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  loop->post(1, 11, Save{SaveFormat::Png});
+  loop->post(1, 12, Save{SaveFormat::Exr});
+  for (int i = 13; i <= 20; ++i) loop->post(1, i, camera_at(1.3f));
+  const image::Image png =
+      image::decode_png(test::frame_bytes(viewed.pages()->wait_for_file()), "saved", 1 << 20);
+  EXPECT_EQ(png.width, 480);
+  EXPECT_EQ(png.height, 360);
+  const test::TempDir folder;
+  std::ofstream(folder / "a.exr", std::ios::binary)
+      << test::frame_bytes(viewed.pages()->wait_for_file());
+  EXPECT_EQ(image::read_exr(folder / "a.exr").width, 480);
+}
+
 TEST(ViewLoop, PicksWhatIsSeen) {
   Viewed viewed;
   const auto loop = viewed.loop();

@@ -3,6 +3,7 @@
 picture that shows what it asked for. Prints a row a kind of change.
 
 usage: latency.py BUILD SCENE [--size WxH] [--moves N] [--edits N] [--object NAME] [--pages N]
+                  [--indirect gather|network|decoded]
 
 Processor seconds of the server stand beside the wall clock, as that depends on what else runs.
 """
@@ -111,12 +112,20 @@ def main():
     parser.add_argument("--edits", type=int, default=20)
     parser.add_argument("--object", default="lamp", help="part of the name of what is moved")
     parser.add_argument("--pages", type=int, default=20)
+    parser.add_argument("--indirect", default="gather", help="as for lte_view")
     args = parser.parse_args()
-    server = ViewServer(pathlib.Path(args.build) / "bin/lte_view", args.scene, "--size", args.size)
+    start = time.monotonic()
+    server = ViewServer(pathlib.Path(args.build) / "bin/lte_view", args.scene, "--size", args.size,
+                        "--indirect", args.indirect)
     pid = server.process.pid
     try:
         page = Client(server)
         page.wait(lambda: page.header is not None and page.scene is not None)
+        print(f"first picture {time.monotonic() - start:.2f} s after the start, "
+              f"answered by {page.header['answered_by']}", flush=True)
+        page.wait(lambda: page.header["pass"] >= 2)
+        print(f"whole picture {time.monotonic() - start:.2f} s after the start: "
+              f"{json.dumps(page.header['ms'])}", flush=True)
         choose = random.Random(1)
         camera = page.header["camera"]
 

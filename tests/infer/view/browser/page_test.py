@@ -76,6 +76,8 @@ def loads(page, server):
     check(page.evaluate("document.querySelectorAll('#outputs button').length") == 8,
           "eight outputs are offered")
     check(page.evaluate("document.querySelectorAll('.light').length") == 1, "one light is listed")
+    check("gathered from traced light" in page.evaluate(
+        "document.querySelector('#meter .answered').textContent"), "the meter says who answers")
 
 
 def moves_the_camera(page):
@@ -175,7 +177,8 @@ def adds_and_removes(page):
     page.wait(f"{count.format('lights')} === {lights + 1}", what="a lamp more")
     settled(page)
     bright = sum(linear(value) for value in page.evaluate(PIXELS))
-    check(bright > 1.02 * dark, f"a lamp that is added gives light ({bright / dark:.2f} times)")
+    check(1.02 * dark < bright < 4 * dark,
+          f"a lamp that is added gives light as the others do ({bright / dark:.2f} times)")
     page.evaluate("[...document.querySelectorAll('.light .remove')].pop().click()")
     page.wait(f"{count.format('lights')} === {lights}", what="the lamp is gone")
     settled(page)
@@ -186,6 +189,37 @@ def adds_and_removes(page):
     page.key("KeyZ", "z", modifiers=2)
     page.wait(f"{count.format('lights')} === {lights}", what="undo takes it away again")
     check(True, "lamps and objects come and go by undo, too")
+
+
+def saves_whole_pictures(page):
+    """Also while the camera moves, when a draft is on the screen."""
+    page.evaluate("""(() => {
+      globalThis.saved = [];
+      const address = URL.createObjectURL;
+      URL.createObjectURL = (blob) => {
+        blob.arrayBuffer().then((bytes) => {
+          const header = new DataView(bytes);
+          saved.push([header.getUint32(16), header.getUint32(20)]);  // of a PNG
+        });
+        return address(blob);
+      };
+      lteView.send({ type: "view", size: [640, 480] });
+    })()""")
+    page.wait("lteView.store.header.size[0] === 640", what="a larger view")
+    page.evaluate("""(() => {
+      const { origin, target, up, vfov } = lteView.store.camera;
+      for (let i = 1; i <= 5; ++i) {
+        lteView.send({ type: "camera", origin, target, up, vfov: vfov - 0.1 * i });
+        if (i === 3) document.querySelector('[data-save=png]').click();
+      }
+    })()""")
+    page.wait("saved.length === 1", what="a saved picture", seconds=120)
+    check(page.evaluate("saved[0].join('x')") == "640x480",
+          "a picture that is saved while the camera moves has the size of the view")
+    width, height = SIZE.split("x")
+    page.evaluate(f"lteView.send({{ type: 'view', size: [{width}, {height}] }})")
+    page.key("Home", "Home")
+    settled(page)
 
 
 def shows_outputs(page):
@@ -275,6 +309,7 @@ def main():
         shines_as_linear_light_says(page)
         selects_and_moves(page)
         adds_and_removes(page)
+        saves_whole_pictures(page)
         shows_outputs(page)
         looks_inside(page)
         fits(page)

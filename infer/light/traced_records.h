@@ -1,0 +1,35 @@
+// Light on surfaces by light group, traced at unit gain: what tables are filled from while lamps
+// are dimmed. Light is linear, so a table of any gains is a sum of these records, exactly.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "infer/light/light_table.h"
+
+namespace lte::infer {
+
+struct TracedRecords {
+  gi::TableEntries entries;
+  int64_t groups = 0;
+  std::vector<Rgb> direct;    ///< [groups, entries], W/m²: depth 1
+  std::vector<Rgb> indirect;  ///< [groups, entries]: depths from 2 on; 0 where none were traced
+
+  /// The light of some groups, each times its gain by channel, an entry each.
+  /// @throws lte::Error for a group that there is not, or another number of gains.
+  std::vector<Rgb> direct_of(std::span<const int> of_groups, std::span<const Rgb> gains) const;
+  std::vector<Rgb> total_of(std::span<const int> of_groups, std::span<const Rgb> gains) const;
+  int64_t bytes() const;
+};
+
+/// Traces what make_light_table() of these settings has in its entries: with TableLight::Raw at the
+/// places that any light reaches, to the bit; for a network's table the direct light alone, at all
+/// places.
+/// @param lights  each as bright as gain 1 has it
+/// @param check   called now and then; what it throws ends it. May be null.
+TracedRecords trace_records(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                            const TableSettings& settings, const std::function<void()>& check = {});
+
+}  // namespace lte::infer

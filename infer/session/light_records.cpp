@@ -1,0 +1,51 @@
+#include "infer/session/light_records.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace lte::infer {
+
+bool LightRecords::fit(const Draft& draft, TableLight by) const {
+  return filled_by == by && same_points(*drawn_for, draft);
+}
+
+LightRecords::Gains LightRecords::gains(const Draft& draft) const {
+  Gains out;
+  for (size_t g = 0; g < drawn_for->settings.size(); ++g) {
+    const int light = drawn_for->settings[g].label.id;
+    const auto now = std::find_if(draft.settings.begin(), draft.settings.end(),
+                                  [&](const LightSetting& s) { return s.label.id == light; });
+    if (now == draft.settings.end() || max_component(now->scale()) <= 0) continue;
+    out.groups.push_back(static_cast<int>(g));
+    out.scales.push_back(now->scale());
+  }
+  return out;
+}
+
+std::vector<Rgb> LightRecords::direct(const Draft& draft) const {
+  const Gains some = gains(draft);
+  return traced.direct_of(some.groups, some.scales);
+}
+
+std::vector<Rgb> LightRecords::total(const Draft& draft) const {
+  const Gains some = gains(draft);
+  return traced.total_of(some.groups, some.scales);
+}
+
+LightRecords trace_light_records(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                                 std::shared_ptr<const Draft> draft, TableLight by, uint64_t seed,
+                                 const std::function<void()>& check) {
+  TableSettings settings;
+  settings.light = by;
+  settings.seed = seed;
+  return {std::move(draft), by, trace_records(bvh, lights, settings, check)};
+}
+
+std::shared_ptr<const gi::RadiosityTable> LazyTable::get() {
+  std::call_once(made_, [this] {
+    table_ = std::make_shared<const gi::RadiosityTable>(*bvh_, records_->traced.entries, light_());
+  });
+  return table_;
+}
+
+}  // namespace lte::infer

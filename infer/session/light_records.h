@@ -1,0 +1,65 @@
+// What a session's gathered pictures read: light on surfaces by luminaire, and tables of some gains
+// that are made from it when a picture first needs them.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "infer/light/traced_records.h"
+#include "infer/session/draft.h"
+#include "lte/gi/radiosity_table.h"
+#include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/lights/lights.h"
+
+namespace lte::infer {
+
+/// Records of a scene whose luminaires all have gain 1.
+struct LightRecords {
+  std::shared_ptr<const Draft> drawn_for;
+  TableLight filled_by = TableLight::Raw;  ///< Network: direct light alone, at all entries
+  TracedRecords traced;
+
+  /// Whether they hold for a draft: that differs from theirs by gains and colours alone.
+  bool fit(const Draft& draft, TableLight by) const;
+  /// The light on the entries with the gains that luminaires of these numbers have in a draft. Those
+  /// that the draft has not are dark; those that the records have not bring nothing.
+  std::vector<Rgb> direct(const Draft& draft) const;
+  std::vector<Rgb> total(const Draft& draft) const;
+
+ private:
+  struct Gains {
+    std::vector<int> groups;
+    std::vector<Rgb> scales;
+  };
+  Gains gains(const Draft& draft) const;
+};
+
+/// @param seed   of the places and their light
+/// @param check  called now and then; what it throws ends it. May be null.
+LightRecords trace_light_records(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                                 std::shared_ptr<const Draft> draft, TableLight by, uint64_t seed,
+                                 const std::function<void()>& check);
+
+/// A table that is made when it is first read: of the states that a slider passes through, few are
+/// rendered. Thread-safe.
+class LazyTable {
+ public:
+  /// @param light  the irradiance at the entries of the records
+  LazyTable(std::shared_ptr<const LightRecords> records, std::shared_ptr<const pathtrace::Bvh> bvh,
+            std::function<std::vector<Rgb>()> light)
+      : records_(std::move(records)), bvh_(std::move(bvh)), light_(std::move(light)) {}
+
+  std::shared_ptr<const gi::RadiosityTable> get();
+
+ private:
+  std::shared_ptr<const LightRecords> records_;
+  std::shared_ptr<const pathtrace::Bvh> bvh_;
+  std::function<std::vector<Rgb>()> light_;
+  std::once_flag made_;
+  std::shared_ptr<const gi::RadiosityTable> table_;
+};
+
+}  // namespace lte::infer

@@ -1,0 +1,98 @@
+#include "infer/light/traced_records.h"
+
+#include <array>
+
+#include <gtest/gtest.h>
+
+#include "lte/base/check.h"
+#include "tests/infer/fixture.h"
+#include "tests/support/scenes.h"
+
+namespace lte::infer {
+namespace {
+
+/// A furnished room with a third lamp.
+scene::Scene three_lamps() {
+  scene::Scene room = test::furnished_room();
+  test::add_point_light(&room, {1, 2, 1}, {1, 2, 3});
+  return room;
+}
+
+struct Lit {
+  scene::Scene scene = three_lamps();
+  pathtrace::Bvh bvh{scene};
+  pathtrace::Lights lights{scene};
+};
+
+constexpr std::array<int, 3> kAll = {0, 1, 2};
+const std::array<Rgb, 3> kOne = {Rgb{1, 1, 1}, Rgb{1, 1, 1}, Rgb{1, 1, 1}};
+
+TEST(TracedRecords, AtGainOneTheyFillTheTableThatPicturesRead) {
+  const Lit lit;
+  const TableSettings settings{.entries = 1024};
+  const TracedRecords records = trace_records(lit.bvh, lit.lights, settings);
+  const gi::RadiosityTable mine(lit.bvh, records.entries, records.total_of(kAll, kOne));
+  const gi::RadiosityTable table = make_light_table(lit.bvh, lit.lights, {}, settings);
+  ASSERT_EQ(mine.size(), table.size());
+  EXPECT_LT(mine.size(), 1024) << "places without light are left out";
+  int found = 0;
+  for (size_t i = 0; i < records.entries.position.size(); ++i) {
+    const Vec3 &at = records.entries.position[i], &side = records.entries.normal[i];
+    Rgb a, b;
+    ASSERT_EQ(mine.lookup(at, side, &a), table.lookup(at, side, &b));
+    found += max_component(a) > 0;
+    for (int c = 0; c < 3; ++c) ASSERT_NEAR(a[c], b[c], 1e-5f * b[c]);
+  }
+  EXPECT_GT(found, mine.size() / 2);
+}
+
+TEST(TracedRecords, LightIsTheSumOfLampsTimesTheirGains) {
+  const Lit lit;
+  const TracedRecords records = trace_records(lit.bvh, lit.lights, {.entries = 512});
+  const std::array<Rgb, 3> gains = {Rgb{0.5f, 1, 2}, Rgb{0, 0, 0}, Rgb{0.1f, 0.2f, 0}};
+  const std::vector<Rgb> sum = records.total_of(kAll, gains);
+  const std::array<int, 1> first = {0}, second = {2};
+  const std::array<Rgb, 1> one = {Rgb{1, 1, 1}};
+  const std::vector<Rgb> a = records.total_of(first, one), b = records.total_of(second, one);
+  double of_a = 0, of_b = 0;
+  for (size_t i = 0; i < sum.size(); ++i) {
+    for (int c = 0; c < 3; ++c)
+      ASSERT_NEAR(sum[i][c], a[i][c] * gains[0][c] + b[i][c] * gains[2][c], 1e-5f * sum[i][c]);
+    of_a += double{a[i].y};
+    of_b += double{b[i].y};
+  }
+  EXPECT_GT(of_a, 0);
+  EXPECT_GT(of_b, 0);
+  EXPECT_EQ(records.total_of({}, {}), std::vector<Rgb>(sum.size())) << "all lamps are off";
+  EXPECT_THROW(records.total_of(kAll, one), Error);
+  const std::array<int, 1> none = {3};
+  EXPECT_THROW(records.total_of(none, one), Error);
+}
+
+TEST(TracedRecords, ForANetworkTheyAreTheDirectLightOfAllPlaces) {
+  const Lit lit;
+  TableSettings settings{.entries = 512};
+  settings.light = TableLight::Network;
+  const TracedRecords records = trace_records(lit.bvh, lit.lights, settings);
+  EXPECT_EQ(records.entries.size(), 512);
+  for (const Rgb& bounced : records.indirect) EXPECT_EQ(bounced, Rgb());
+  int calls = 0;
+  EXPECT_THROW(trace_records(lit.bvh, lit.lights, settings,
+                             [&] {
+                               ++calls;
+                               throw Error("enough");
+                             }),
+               Error);
+  EXPECT_EQ(calls, 1);
+}
+
+TEST(TracedRecords, WithoutLightThereAreNone) {
+  scene::Scene dark = test::furnished_room();
+  for (scene::Material& material : dark.materials) material.emission = {};
+  const pathtrace::Bvh bvh(dark);
+  const pathtrace::Lights lights(dark);
+  EXPECT_EQ(trace_records(bvh, lights, {.entries = 64}).entries.size(), 0);
+}
+
+}  // namespace
+}  // namespace lte::infer
