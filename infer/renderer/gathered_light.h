@@ -28,6 +28,8 @@ struct GatherSettings {
   /// Called between blocks of points, by the thread that gathers; what it throws ends the picture.
   /// May be null.
   std::function<void()> check = {};
+  /// Take its noise away even where RenderSettings::denoise is off.
+  bool denoise = false;
 };
 
 /// @throws lte::Error naming what is out of range.

@@ -59,7 +59,7 @@ PictureNeeds needs_of(const RenderSettings& settings, bool has_light, bool total
   needs.correction_paths = correction_paths(settings, needs, total);
   needs.radiance = !neural && full;
   needs.denoises_sampled = denoises_sampled(settings);
-  needs.denoises_gathered = settings.denoise != Denoise::Off;
+  needs.denoises_gathered = settings.denoise != Denoise::Off || settings.gather.denoise;
   needs.metal = metal_of(settings, has_light);
   needs.reflects_by_network = needs.network && settings.metal == Metal::Network;
   needs.centres = samples_centres(settings, needs);

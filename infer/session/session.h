@@ -35,6 +35,7 @@
 #include "infer/session/edit.h"
 #include "lte/base/enum_names.h"
 #include "lte/pathtrace/bvh.h"
+#include "lte/pathtrace/lights/lights.h"
 #include "lte/runtime/network.h"
 #include "lte/runtime/points.h"
 #include "lte/scene/scene.h"
@@ -155,6 +156,7 @@ class SessionState {
   /// The scene as edited, gains and colours included. Its indices are not the session's numbers.
   const scene::Scene& scene() const;
   const pathtrace::Bvh& bvh() const;
+  const pathtrace::Lights& lights() const;
   bool has_light() const;
   /// Whether the network answers for indirect light: there is one, and it knows such light.
   bool has_network() const;

@@ -69,6 +69,7 @@ uint64_t SessionState::geometry_version() const { return parts_->geometry_versio
 Accuracy SessionState::accuracy() const { return parts_->accuracy; }
 const scene::Scene& SessionState::scene() const { return *parts_->scene; }
 const pathtrace::Bvh& SessionState::bvh() const { return *parts_->bvh; }
+const pathtrace::Lights& SessionState::lights() const { return *parts_->lights; }
 bool SessionState::has_light() const { return !parts_->lights->empty(); }
 bool SessionState::has_network() const { return parts_->asks_network; }
 std::optional<PictureLight> SessionState::answered_by() const { return parts_->answered_by; }

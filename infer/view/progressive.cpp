@@ -94,6 +94,7 @@ void Progressive::restart(StatePtr state, const scene::Camera& camera, Shown sho
   size_ = size;
   averaged_ = 0;
   residual_.clear();
+  check_.reset();
   reference_sum_ = {};
   reference_ = {};
   pass_ = 0;
@@ -102,14 +103,14 @@ void Progressive::restart(StatePtr state, const scene::Camera& camera, Shown sho
 
 int Progressive::passes() const {
   const int neural =
-      (shown_ == Shown::Reference ? 0 : kMeanPasses) + (corrects() ? Residual::kSteps : 0);
+      (shown_ == Shown::Reference ? 0 : kMeanPasses) + (corrects() ? Residual::kSteps + 1 : 0);
   return 2 + neural + (traces() ? kReferencePaths / kMostPathsAtOnce : 0);
 }
 
 bool Progressive::done() const {
   const bool summed = shown_ == Shown::Reference || averaged_ >= kMeanPasses;
   const bool traced = !traces() || reference_sum_.weight >= kReferencePaths;
-  return pass_ >= 2 && summed && traced && (!corrects() || residual_.done());
+  return pass_ >= 2 && summed && traced && (!corrects() || (check_ && residual_.done()));
 }
 
 double Progressive::paths() const { return traces() ? reference_sum_.weight : residual_.paths(); }
@@ -126,6 +127,8 @@ bool Progressive::gathers() const {
   return state_->answered_by() && state_->answered_by() != PictureLight::Decoded;
 }
 
+int Progressive::least_mean() const { return gathers() ? kLeastGathered : kLeastMean; }
+
 PictureSize Progressive::draft_size() const {
   const double share = std::sqrt(kDraftSeconds / (draft_pixel_seconds_ * pixels()));
   const int step = std::clamp(static_cast<int>(std::ceil(1 / share)), 1, kDraftSteps);
@@ -140,15 +143,22 @@ RenderSettings Progressive::settings(const PictureSize& size, bool few) const {
   out.width = size.width;
   out.height = size.height;
   out.direct_samples = few ? quality.direct_samples : 2 * quality.direct_samples;
-  // Gathered light has no grain to speak of, and nobody waits for the filter: it runs at a quarter
-  // of a draft's pixels. On all of them it would take longer than a draft may.
-  out.gather = pass_ == 0 ? quality.gather : quality_settings(Quality::Preview).gather;
-  out.gather.quality = image::OidnQuality::Fast;
-  if (pass_ == 0 && gathers()) out.direct_samples = quality.gather_direct_samples;
-  out.denoise = gathers() ? Denoise::Auto : Denoise::Off;
+  if (gathers()) {
+    // A filter cannot be interrupted: that of direct light, which sees all pixels, runs once, in
+    // the first whole picture. Gathered light's sees a quarter of them.
+    const bool draft = pass_ == 0, first = pass_ <= 1;
+    out.gather = draft ? quality.gather : quality_settings(Quality::Preview).gather;
+    out.gather.quality = image::OidnQuality::Fast;
+    out.gather.denoise = true;
+    if (draft) out.direct_samples = quality.gather_direct_samples;
+    out.denoise = first ? Denoise::Auto : Denoise::Off;
+  } else {
+    // Opening a filter and running it takes longer than a draft may.
+    out.denoise = Denoise::Off;
+  }
   out.spp = kPaths;
   out.antialias = 0;
-  const bool rests = averaged_ >= kLeastMean;
+  const bool rests = averaged_ >= least_mean();
   out.sparse = rests ? quality_settings(Quality::Preview).answers : quality.answers;
   out.layers = false;
   out.seed = static_cast<uint64_t>(pass_);
@@ -196,6 +206,7 @@ bool Progressive::relight(const StatePtr& state) {
   if (traces() || sum == nullptr || !sum->fits(*state)) return false;
   state_ = state;
   residual_.clear();  // it was of other light
+  check_.reset();
   picture_ = sum->color(*state_);
   return true;
 }
@@ -243,9 +254,9 @@ bool Progressive::mean(const std::function<bool()>& interrupted) {
   const int number = averaged_ + 1;
   const scene::Camera camera =
       jittered(camera_, size_, halton(number, 2) - 0.5f, halton(number, 3) - 0.5f);
-  add_light(camera, settings(size_, /*few=*/averaged_ < kLeastMean), /*anew=*/averaged_ == 0,
-            interrupted);
-  if (++averaged_ < kLeastMean) return false;
+  const bool few = !gathers() && averaged_ < kLeastMean;  // they are waited for
+  add_light(camera, settings(size_, few), /*anew=*/averaged_ == 0, interrupted);
+  if (++averaged_ < least_mean()) return false;
   show_light();
   return true;
 }
@@ -255,6 +266,18 @@ bool Progressive::correct(const std::function<bool()>& interrupted) {
   what.done = throwing(interrupted);
   if (!residual_.step(*state_, camera_, std::move(what), &seconds_)) return false;
   show_light();
+  return true;
+}
+
+/// A few thousand paths hold what answers to account.
+bool Progressive::check_answers(const std::function<bool()>& interrupted) {
+  RenderSettings what = settings(size_, /*few=*/false);
+  what.done = throwing(interrupted);
+  residual_.answer(*state_, camera_, what);
+  if (interrupted && interrupted()) throw Interrupted();
+  CheckOptions options;
+  options.seconds = kCheckSeconds;
+  check_ = check_light(state_->bvh(), state_->lights(), residual_.answered(), options);
   return true;
 }
 
@@ -303,6 +326,8 @@ bool Progressive::step(const std::function<bool()>& interrupted) {
       whole(interrupted);
     } else if (shown_ != Shown::Reference && averaged_ < kMeanPasses) {
       shows = mean(interrupted);
+    } else if (corrects() && !check_) {
+      shows = check_answers(interrupted);
     } else if (corrects()) {
       shows = correct(interrupted);
     } else {

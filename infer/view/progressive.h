@@ -25,10 +25,14 @@ class Progressive {
   static constexpr double kDraftSeconds = 0.06;
   /// Passes whose mean the picture is in the end. The mean is shown from kLeastMean of them on.
   static constexpr int kMeanPasses = 24, kLeastMean = 2;
+  /// The same behind a whole picture without noise: its direct light has grain for a while.
+  static constexpr int kLeastGathered = 6;
   /// Paths a pixel and pass, where paths stand for metal or for light unknown to the network.
   static constexpr int kPaths = 4;
   /// Paths a pixel of a reference that is done.
   static constexpr int kReferencePaths = 1024;
+  /// Seconds that the check may take, about.
+  static constexpr double kCheckSeconds = 0.5;
 
   /// Begins anew.
   void restart(StatePtr state, const scene::Camera& camera, Shown shown, const PictureSize& size);
@@ -47,6 +51,8 @@ class Progressive {
 
   /// What there is to show, linear.
   const image::Image& picture() const { return picture_; }
+  /// What paths say of the indirect light that is shown, once it has rested; nothing before.
+  const std::optional<LightCheck>& check() const { return check_; }
   /// Of Shown::Difference: what `picture` is held against, empty while there is none.
   const image::Image& reference() const { return reference_; }
   /// 1 where a surface is seen, a byte a pixel of the picture.
@@ -74,6 +80,7 @@ class Progressive {
   bool traces() const { return shown_ == Shown::Reference || shown_ == Shown::Difference; }
   bool corrects() const;
   bool gathers() const;
+  int least_mean() const;
   RenderSettings settings(const PictureSize& size, bool few) const;
   Frame render(const scene::Camera& camera, RenderSettings settings,
                const std::function<bool()>& interrupted);
@@ -84,6 +91,7 @@ class Progressive {
   void whole(const std::function<bool()>& interrupted);
   bool mean(const std::function<bool()>& interrupted);
   bool correct(const std::function<bool()>& interrupted);
+  bool check_answers(const std::function<bool()>& interrupted);
   void trace(const std::function<bool()>& interrupted);
   void measure_path(const std::function<bool()>& interrupted);
   void show(image::Image picture, const image::Image& depth);
@@ -101,6 +109,7 @@ class Progressive {
   std::optional<DimmablePicture> light_, draft_;
   int averaged_ = 0;
   Residual residual_;
+  std::optional<LightCheck> check_;
   Sum reference_sum_;
   int pass_ = 0;
   StageSeconds seconds_;

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "infer/renderer/check_report.h"
+
 namespace lte::infer::view {
 namespace {
 
@@ -146,6 +148,19 @@ std::string error_reply(const std::string& line) { return text_of(line_json("err
 
 std::string failed_reply(const std::string& line) { return text_of(line_json("failed", line)); }
 
+namespace {
+
+/// Nothing before the check, and where nothing was compared.
+json check_json_of(const PictureHeader& header) {
+  if (!header.check || header.check->regions.empty()) return nullptr;
+  const std::string who = header.answered_by == "gather" ? "the gathered" : "the network's";
+  json out = check_json(*header.check);
+  out["note"] = check_note(*header.check, who, "the picture");
+  return out;
+}
+
+}  // namespace
+
 std::string picture_frame(const PictureHeader& header, const std::string& jpeg) {
   json handled = json::object();
   for (const auto& [client, numbers] : header.handled)
@@ -164,6 +179,7 @@ std::string picture_frame(const PictureHeader& header, const std::string& jpeg) 
                    {"done", header.done},
                    {"light", enum_name(header.light)},
                    {"answered_by", header.answered_by},
+                   {"check", check_json_of(header)},
                    {"paths", header.paths},
                    {"elapsed", header.elapsed_ms},
                    {"path", header.path_ms},

@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "infer/renderer/light_check.h"
 #include "infer/view/messages.h"
 #include "infer/view/scene_description.h"
 
@@ -55,6 +57,7 @@ struct PictureHeader {
   bool done = false;                ///< no better one comes
   Accuracy light = Accuracy::Full;  ///< how much its indirect light knows of the last edits
   std::string answered_by;          ///< a word of PictureLight, or "paths"
+  std::optional<LightCheck> check;  ///< of its indirect light, before paths correct it
   double paths = 0;                 ///< a pixel, by now, where paths are traced
   double elapsed_ms = 0;            ///< of all passes of this picture
   double path_ms = 0;               ///< what a path a pixel takes at this size; 0: not known

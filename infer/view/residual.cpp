@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <utility>
 
 #include "infer/renderer/path_correction.h"
@@ -14,6 +15,7 @@ using image::Image;
 
 // Independent of all that pictures draw.
 constexpr uint64_t kAnswers = 51;
+constexpr float kChecked = 1 << 14;  // pixels whose answers are checked, about
 
 Image scaled(const Image& sum, float factor) {
   Image out = sum;
@@ -24,8 +26,9 @@ Image scaled(const Image& sum, float factor) {
 }  // namespace
 
 /// What answers at every pixel, and where it stands for a surface's light.
-void Residual::begin(const SessionState& state, const scene::Camera& camera,
-                     const RenderSettings& settings) {
+void Residual::answer(const SessionState& state, const scene::Camera& camera,
+                      const RenderSettings& settings) {
+  if (answer_.width > 0) return;
   SurfaceGuides guides = trace_guides(state.bvh(), camera, settings.width, settings.height);
   RenderSettings network = settings;
   network.output = Output::Irradiance;
@@ -41,7 +44,6 @@ void Residual::begin(const SessionState& state, const scene::Camera& camera,
     if (sum.width == 0) sum = Image(one.width, one.height, one.channels);
     for (size_t i = 0; i < one.pixels.size(); ++i) sum.pixels[i] += one.pixels[i];
   }
-  answer_ = scaled(sum, 1 / static_cast<float>(answers));
   guides_ = std::move(guides);
   reflects_.resize(guides_.pixels());
   for (size_t i = 0; i < reflects_.size(); ++i) {
@@ -49,11 +51,28 @@ void Residual::begin(const SessionState& state, const scene::Camera& camera,
     const bool matt = std::max({albedo[0], albedo[1], albedo[2]}) > 0 && !guides_.metal[i];
     reflects_[i] = guides_.mask[i] && matt ? 1 : 0;
   }
+  answer_ = scaled(sum, 1 / static_cast<float>(answers));
+}
+
+AnsweredLight Residual::answered() const {
+  AnsweredLight out;
+  const auto pixels = static_cast<float>(guides_.pixels());
+  const int square = std::max(1, static_cast<int>(std::sqrt(pixels / kChecked)));
+  Rng rng(kAnswers, 1);
+  for (int y = 0; y + square <= guides_.height(); y += square) {
+    for (int x = 0; x + square <= guides_.width(); x += square) {
+      const int within_x = static_cast<int>(rng.uniform() * static_cast<float>(square));
+      const int within_y = static_cast<int>(rng.uniform() * static_cast<float>(square));
+      const size_t i = guides_.index(x + within_x, y + within_y);
+      if (reflects_[i]) out.add(guides_.position.rgb(i), guides_.normal.rgb(i), answer_.rgb(i));
+    }
+  }
+  return out;
 }
 
 bool Residual::step(const SessionState& state, const scene::Camera& camera, RenderSettings settings,
                     StageSeconds* seconds) {
-  if (answer_.width == 0) begin(state, camera, settings);
+  answer(state, camera, settings);
   const Output output = std::exchange(settings.output, Output::Irradiance);
   settings.mode = Mode::Reference;
   settings.spp = kPaths;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "infer/picture/surface_guides.h"
+#include "infer/renderer/light_check.h"
 #include "infer/renderer/renderer.h"
 #include "infer/session/session.h"
 #include "infer/view/view_state.h"
@@ -25,6 +26,13 @@ class Residual {
   static constexpr int kGathered = 4;
 
   void clear() { *this = {}; }
+  /// Finds the answers at all pixels, unless they are there. What an exception of `settings.done`
+  /// ends has not happened.
+  /// @param settings  as of step()
+  void answer(const SessionState& state, const scene::Camera& camera,
+              const RenderSettings& settings);
+  /// Of them one in each square of so many pixels that there are some thousands.
+  AnsweredLight answered() const;
   bool done() const { return paths_ >= kMostPaths; }
   int paths() const { return paths_; }  ///< a pixel, by now
 
@@ -38,8 +46,6 @@ class Residual {
   void add_to(image::Image* picture) const;
 
  private:
-  void begin(const SessionState& state, const scene::Camera& camera,
-             const RenderSettings& settings);
   image::Image correction(const image::Image& half_a, const image::Image& half_b, Output output,
                           const std::function<void(int64_t)>& done) const;
 

@@ -226,6 +226,7 @@ void ViewLoop::publish() {
   header.light = made_.state->accuracy();
   const std::optional<PictureLight> by = made_.state->answered_by();
   header.answered_by = by ? enum_name(*by) : "paths";
+  header.check = progressive_.check();
   header.paths = progressive_.paths();
   for (const Stage& stage : kStages) {
     if (seconds.*stage.seconds > 0) header.milliseconds[stage.name] = 1e3 * seconds.*stage.seconds;

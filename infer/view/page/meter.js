@@ -53,6 +53,12 @@ export class Meter {
     if (DARK.has(header.shown)) return;
     this.picture.append(make("div", { className: "answered",
       textContent: `Indirect light ${ANSWERED[header.answered_by] ?? header.answered_by}` }));
+    const check = header.check;
+    if (!check) return;
+    const { ratio, standard_error: error } = check.whole;
+    this.picture.append(make("div", { className: check.note ? "check off" : "check",
+      title: `${check.paths} paths in ${check.regions.length} regions of what is seen`,
+      textContent: check.note || `Indirect light ${ratio.toFixed(2)} ± ${error.toFixed(2)} of traced` }));
   }
 
   refreshEdit(cost) {

@@ -141,11 +141,14 @@ TEST(Progressive, WhatRestsIsCorrectedByPaths) {
   for (int i = 0; i < 100 && !picture.done(); ++i) picture.step(kNever);
   EXPECT_EQ(picture.paths(), Residual::kMostPaths);
   EXPECT_NE(picture.picture().pixels, before);
+  ASSERT_TRUE(picture.check());
+  EXPECT_TRUE(picture.check()->off()) << "a network without training";
   // Another gain has another residual.
   session.apply(SetLight{0, 0.5, {}});
   ASSERT_TRUE(picture.relight(session.state()));
   EXPECT_FALSE(picture.done());
   EXPECT_EQ(picture.paths(), 0);
+  EXPECT_FALSE(picture.check()) << "nor has it been checked";
 }
 
 SessionSettings gathered() {
@@ -185,6 +188,9 @@ TEST(Progressive, GatheredLightGetsBetterUntilItIsThatOfPaths) {
   EXPECT_EQ(picture.paths(), Residual::kMostPaths);
   const double last = error_of(picture.picture(), reference);
   EXPECT_LT(last, 0.08);
+  ASSERT_TRUE(picture.check());
+  EXPECT_NEAR(picture.check()->whole.ratio, 1, 0.08);
+  EXPECT_FALSE(picture.check()->whole.off);
   EXPECT_LT(last, draft);
   const int64_t passes = picture.rendered();
   session.apply(SetLight{0, 0.5, {}});

@@ -72,6 +72,16 @@ TEST(Replies, AFrameIsHeaderAndBytes) {
   EXPECT_EQ(test::frame_header(frame).at("answered_by"), "gather");
   EXPECT_EQ(test::frame_header(frame).at("handled").at("3"), json({12, 11}));
   EXPECT_EQ(test::frame_bytes(frame), std::string("\0\xffjpeg", 6));
+  EXPECT_TRUE(test::frame_header(frame).at("check").is_null());
+  header.check.emplace();
+  header.check->paths = 8192;
+  header.check->whole = {.ratio = 0.5, .standard_error = 0.02, .off = true};
+  header.check->regions = {header.check->whole};
+  const json check = test::frame_header(picture_frame(header, "jpeg")).at("check");
+  EXPECT_EQ(check.at("whole").at("ratio"), 0.5);
+  EXPECT_EQ(check.at("note"), "the gathered indirect light is 0.50 (+-0.02) of the traced");
+  header.check->whole.off = header.check->regions[0].off = false;
+  EXPECT_EQ(test::frame_header(picture_frame(header, "jpeg")).at("check").at("note"), "");
 }
 
 }  // namespace

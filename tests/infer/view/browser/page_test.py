@@ -78,6 +78,8 @@ def loads(page, server):
     check(page.evaluate("document.querySelectorAll('.light').length") == 1, "one light is listed")
     check("gathered from traced light" in page.evaluate(
         "document.querySelector('#meter .answered').textContent"), "the meter says who answers")
+    check("of traced" in page.evaluate("document.querySelector('#meter .check').textContent"),
+          "the meter says how far it is from traced light")
 
 
 def moves_the_camera(page):
