@@ -106,7 +106,7 @@ for tool in ("render", "probe", "eval", "export", "bench", "bench/guiding", "ben
 # The rooms of eval, each on those before it: how errors are measured, what the network is compared
 # with, the comparison, and what is said of it.
 EVAL = ["infer/eval/measure", "infer/eval/rivals", "infer/eval/evaluate", "infer/eval/report",
-        "infer/eval/incident"]
+        "infer/eval/incident", "infer/eval/scenes"]
 for depth, room in enumerate(EVAL):
     ALLOWED[room] = ALLOWED["infer/eval"] + EVAL[:depth]
 ALLOWED["infer/eval"] += EVAL

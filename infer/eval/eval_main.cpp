@@ -5,6 +5,7 @@
 #include "infer/eval/flicker_command.h"
 #include "infer/eval/incident_command.h"
 #include "infer/eval/pictures_command.h"
+#include "infer/eval/scenes_command.h"
 
 int main(int argc, char** argv) {
   CLI::App app{
@@ -16,7 +17,8 @@ int main(int argc, char** argv) {
       "  lte_eval --checkpoint run/model.safetensors --data homes --split test --report report "
       "--json eval.json\n"
       "  lte_eval --fit-baselines homes --out run/model.baselines.json\n"
-      "  lte_eval flicker frames/*.exr --reference reference/*.exr");
+      "  lte_eval flicker frames/*.exr --reference reference/*.exr\n"
+      "  lte_eval scenes assets/scenes --report out/scenes");
   lte::infer::EvalRequest request;
   lte::infer::add_eval_options(app, &request);
   lte::infer::FlickerRequest flicker;
@@ -25,10 +27,13 @@ int main(int argc, char** argv) {
   const CLI::App* incident_command = lte::infer::add_incident_command(app, &incident);
   lte::infer::PicturesRequest pictures;
   const CLI::App* pictures_command = lte::infer::add_pictures_command(app, &pictures);
+  lte::infer::ScenesRequest scenes;
+  const CLI::App* scenes_command = lte::infer::add_scenes_command(app, &scenes);
   return lte::infer::run_network_tool(app, argc, argv, [&] {
     if (app.got_subcommand(flicker_command)) return run_flicker(flicker, request.tool.common);
     if (app.got_subcommand(incident_command)) return run_incident(incident, request);
     if (app.got_subcommand(pictures_command)) return run_pictures(pictures, request.tool.common);
+    if (app.got_subcommand(scenes_command)) return run_scenes(scenes, request.tool);
     lte::infer::read_run_config(&request);
     if (request.tool.print_config) {
       std::cout << lte::config_text(app);

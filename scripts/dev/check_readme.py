@@ -36,8 +36,8 @@ TINY = {
     "lte_datagen bake": "--view-rays 1",
     "lte_train": "--set train.validate_every=1000 --set data.queries_per_scene=32 "
                  "--set data.scene_points=128",
+    "lte_eval scenes": "--size 16x12 --reference-spp 2 --methods network,paths-2",
     "lte_eval": "--resamples 20",
-    "real_scenes.py": "--size 16x12 --spp 4",
 }
 DROPPED = ("--verify", )  # flags that take a minute whatever the size
 LONG = ("lte_eval --split test", "lte_bench", "lte_view")  # commands that do, which are not run
@@ -100,9 +100,11 @@ class Checker:
             yield f"{words[0]} is no program of {self.bin}"
             return
         sub = words[1] if len(words) > 1 and words[0] in ("lte_datagen", "lte_bench") else ""
-        if words[:2] == ["lte_train", "report"]:
-            sub = "report"
+        if words[:2] in (["lte_train", "report"], ["lte_eval", "scenes"]):
+            sub = words[1]
         text = self.help_of(program, sub)
+        if words[0] == "lte_eval" and sub:  # its commands take the common flags of the tool
+            text += self.help_of(program, "")
         outputs = []
         for i, word in enumerate(words[1:], 1):
             before = words[i - 1]

@@ -81,15 +81,3 @@ def read_exr(path):
         layer: list(zip(*(planes[name] for name in sorted(names, key=order))))
         for layer, names in layers.items()
     }
-
-
-def png(rgb, width, height):
-    """The bytes of an 8-bit PNG; `rgb` has three bytes a pixel, rows from the top."""
-    def chunk(kind, data):
-        body = kind + data
-        return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
-
-    rows = b"".join(b"\0" + bytes(rgb[3 * width * y:3 * width * (y + 1)]) for y in range(height))
-    head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows, 9)) +
-            chunk(b"IEND", b""))

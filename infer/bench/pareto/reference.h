@@ -1,5 +1,4 @@
-// What pictures of the chart are compared with: a path-traced picture of each view, kept in a
-// folder from one run to the next.
+// What pictures of the chart are compared with: the mean of both pictures of a reference_pair.h.
 #pragma once
 
 #include <filesystem>
@@ -22,10 +21,9 @@ struct ReferenceSettings {
   std::filesystem::path cache;  ///< folder; empty: nothing is kept
 };
 
-/// Reads the reference of a view, or traces and keeps it. The file is named by scene, size, paths
-/// and a fingerprint: a hash of the same view with one path a pixel, in which any change of scene,
-/// camera, depth or path tracer shows.
+/// Reads the reference of a view, or traces and keeps it.
 /// @param name  of scene and view, for the file
+/// @throws ReferenceFault
 Reference find_reference(const MethodScene& scene, const scene::Camera& camera,
                          const std::string& name, const ReferenceSettings& settings);
 

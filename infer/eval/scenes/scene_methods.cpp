@@ -1,0 +1,186 @@
+#include "infer/eval/scenes/scene_methods.h"
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+#include "infer/light/untrained_light.h"
+#include "infer/renderer/left_out_light.h"
+#include "lte/base/check.h"
+#include "lte/base/timer.h"
+#include "lte/scene/light_points.h"
+
+namespace lte::infer {
+namespace {
+
+constexpr int kMostPaths = 1 << 20;
+/// As --quality final gathers, but for its correction by paths.
+constexpr int kGatherRays = 32, kGatherStep = 2;
+
+/// N of "paths-N" and "paths-N-denoised".
+std::optional<std::pair<int, bool>> parse_paths(const std::string& word) {
+  const std::string head = "paths-", tail = "-denoised";
+  if (!word.starts_with(head)) return std::nullopt;
+  const bool denoised = word.ends_with(tail);
+  const char* const first = word.data() + head.size();
+  const char* const last = word.data() + word.size() - (denoised ? tail.size() : 0);
+  int paths = 0;
+  const auto [at, error] = std::from_chars(first, std::max(first, last), paths);
+  if (error != std::errc() || at != last || paths < 1 || paths > kMostPaths) return std::nullopt;
+  return std::pair(paths, denoised);
+}
+
+std::string gather_words(const char* table) {
+  return concat(kGatherRays, " gather rays at a quarter of the pixels that read ", table,
+                ", denoised; 64 shadow rays a pixel; no correction by paths");
+}
+
+SceneMethod method_of(const std::string& word, const SceneModel* model) {
+  SceneMethod out;
+  out.name = model != nullptr ? word + " " + model->name : word;
+  out.model = model;
+  if (word == "network") {
+    out.kind = SceneMethodKind::Network;
+    out.settings = gather_words("a table of the network's light");
+  } else if (word == "decoded") {
+    out.kind = SceneMethodKind::Decoded;
+    out.settings = "the network decoded at every pixel; 64 shadow rays a pixel";
+  } else if (word == "gather") {
+    out.kind = SceneMethodKind::Gather;
+    out.settings = gather_words("a table of path-traced light");
+  } else {
+    const auto paths = parse_paths(word);
+    LTE_CHECK(paths.has_value(), "--methods: \"", word,
+              "\" is no method: expected network, decoded, gather, paths-N or paths-N-denoised, "
+              "such as paths-16");
+    out.paths = paths->first;
+    out.kind = paths->second ? SceneMethodKind::DenoisedPaths : SceneMethodKind::Paths;
+    out.settings = concat(out.paths, " paths a pixel", paths->second ? ", denoised" : "");
+  }
+  return out;
+}
+
+class Stopwatch {
+ public:
+  PictureSeconds seconds() const { return {timer_.seconds(), processor_seconds() - began_}; }
+
+ private:
+  Timer timer_;
+  double began_ = processor_seconds();
+};
+
+bool asks_model(const std::string& word) { return word == "network" || word == "decoded"; }
+
+RenderSettings settings_of(const SceneMethod& method) {
+  RenderSettings out;
+  out.denoise = Denoise::Auto;
+  out.layers = false;
+  switch (method.kind) {
+    case SceneMethodKind::Network:
+    case SceneMethodKind::Gather:
+      out.indirect = Indirect::Gather;
+      out.gather.rays = kGatherRays;
+      out.gather.step = kGatherStep;
+      break;
+    case SceneMethodKind::Decoded:
+      out.indirect = Indirect::Network;
+      break;
+    case SceneMethodKind::Paths:
+    case SceneMethodKind::DenoisedPaths:
+      out.mode = Mode::Reference;
+      out.spp = method.paths;
+      out.denoise = method.kind == SceneMethodKind::Paths ? Denoise::Off : Denoise::On;
+      break;
+  }
+  return out;
+}
+
+}  // namespace
+
+bool asks_models(const std::vector<std::string>& words) {
+  return std::any_of(words.begin(), words.end(), asks_model);
+}
+
+std::vector<SceneMethod> scene_methods(const std::vector<std::string>& words,
+                                       const std::vector<SceneModel>& models) {
+  std::vector<SceneMethod> out;
+  const auto add = [&](SceneMethod method) {
+    const bool known = std::any_of(out.begin(), out.end(), [&](const SceneMethod& other) {
+      return other.name == method.name;
+    });
+    if (!known) out.push_back(std::move(method));
+  };
+  // Those of a model stand together, as they share its embedding of a scene.
+  bool asked = false;
+  for (const std::string& word : words) {
+    if (!asks_model(word)) add(method_of(word, nullptr));
+    if (!asks_model(word) || std::exchange(asked, true)) continue;
+    for (const SceneModel& model : models) {
+      for (const std::string& other : words) {
+        if (asks_model(other)) add(method_of(other, &model));
+      }
+    }
+  }
+  return out;
+}
+
+std::string ScenePainter::not_for(const SceneMethod& method) const {
+  if (method.model == nullptr) return "";
+  const nn::ModelMetadata& model = method.model->network.metadata();
+  return has_untrained_light(*view_.scene, model) ? untrained_light_note(*view_.scene, model) : "";
+}
+
+PictureSeconds ScenePainter::embed(const SceneModel& model) {
+  if (embedded_ == &model) return embedding_seconds_;
+  const Stopwatch watch;
+  EmbedSettings settings;
+  settings.seed = settings_.seed;
+  settings.rescale = true;
+  settings.memory = settings_.memory;
+  settings.unreached = left_out_light(view_.renderer->bvh(), model.network, settings,
+                                      std::vector<scene::Camera>{view_.camera});
+  view_.renderer->embed(model.network, settings);
+  embedded_ = &model;
+  embedding_seconds_ = watch.seconds();
+  return embedding_seconds_;
+}
+
+ScenePictures ScenePainter::paint(const SceneMethod& method) {
+  ScenePictures out;
+  Renderer& renderer = *view_.renderer;
+  if (method.model != nullptr) out.seconds = embed(*method.model);
+  RenderSettings settings = settings_of(method);
+  settings.width = settings_.width;
+  settings.height = settings_.height;
+  settings.max_depth = settings_.max_depth;
+  settings.seed = settings_.seed;
+  const Stopwatch watch;
+  if (settings.indirect == Indirect::Gather) {
+    TableSettings table;
+    table.light = method.model != nullptr ? TableLight::Network : TableLight::Raw;
+    table.max_depth = settings_.max_depth;
+    table.seed = settings_.seed;
+    renderer.make_table(table);
+  }
+  out.whole = renderer.render(view_.camera, settings).color;
+  const PictureSeconds own = watch.seconds();
+  out.seconds = {out.seconds.wall + own.wall, out.seconds.processor + own.processor};
+  settings.output = Output::Irradiance;
+  settings.antialias = 0;
+  out.irradiance = renderer.render(view_.camera, settings).color;
+  return out;
+}
+
+std::vector<std::string> size_notes(const SceneView& view, const std::vector<SceneModel>& models) {
+  const double extent = double{max_component(scene::point_bounds(*view.scene).extent())};
+  std::vector<std::string> out;
+  for (const SceneModel& model : models) {
+    const double known = model.network.config().scale;
+    if (extent > known)
+      out.push_back(concat("spans ", extent, " m: shrunk to the ", known, " m that ", model.name,
+                           " knows, for the network alone"));
+  }
+  return out;
+}
+
+}  // namespace lte::infer
