@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "infer/eval/scenes/kept_results.h"
@@ -34,11 +35,7 @@ class ScenesRun {
         options_(options),
         methods_(scene_methods(words, models)),
         kept_(options.report),
-        aspect_(static_cast<float>(options.width) / static_cast<float>(options.height)),
-        progress_("scenes",
-                  static_cast<int64_t>(files.scenes.size()) *
-                      (kReferenceSteps + static_cast<int64_t>(methods_.size())),
-                  "steps") {
+        aspect_(static_cast<float>(options.width) / static_cast<float>(options.height)) {
     for (const SceneModel& model : models) prints_.push_back(model.network.fingerprint());
   }
 
@@ -62,20 +59,21 @@ class ScenesRun {
     out.methods = methods_;
     out.parts = files_.parts;
     const int64_t steps = kReferenceSteps + static_cast<int64_t>(methods_.size());
+    progress_.emplace("scenes", steps * static_cast<int64_t>(files_.scenes.size()), "steps");
     for (size_t i = 0; i < files_.scenes.size(); ++i) {
       steps_ = 0;
       SceneOutcome scene = outcome_of(files_.scenes[i]);
-      progress_.advance(steps - steps_);
+      progress_->advance(steps - steps_);
       log_info(i + 1, "/", files_.scenes.size(), " ", line_of(scene));
       out.scenes.push_back(std::move(scene));
     }
-    progress_.finish();
+    progress_->finish();
     return out;
   }
 
  private:
   void advance(int64_t steps) {
-    progress_.advance(steps);
+    progress_->advance(steps);
     steps_ += steps;
   }
 
@@ -202,7 +200,7 @@ class ScenesRun {
   const std::vector<SceneMethod> methods_;
   const KeptResults kept_;
   const float aspect_;
-  Progress progress_;
+  std::optional<Progress> progress_;
   int64_t steps_ = 0;  ///< of the scene that is worked on
   std::shared_ptr<SharedDenoiser> denoiser_ = std::make_shared<SharedDenoiser>();
   std::vector<std::string> prints_;  ///< of the models
