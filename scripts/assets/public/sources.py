@@ -39,7 +39,7 @@ SOURCES = [
            ((-2.93, 2.2, -1.89), (0.9, 1.9, 1.6), 51.0),
            (((2.0, 3.19, 0.0), BULB), ((-2.0, 3.19, 0.0), BULB))),
     Source("godot_occlusion_room", GODOT, "3d/occlusion_culling_mesh_lod/room.glb", "glb", 1.0,
-           ((3.6, 1.9, 3.2), (-2.0, 1.3, -1.6), 60.0), (((0.0, 3.4, 0.0), (30.0, 30.0, 30.0)),)),
+           ((0.0, 1.9, 4.3), (0.0, 1.5, -2.0), 70.0), (((0.0, 3.4, 0.0), (30.0, 30.0, 30.0)),)),
     *[Source(f"renderformer_{name}", RENDERFORMER, f"examples/{file}.json", "renderformer", 4.0)
       for name, file in (("cornell_box", "cbox"), ("cornell_bunny", "cbox-bunny"),
                          ("cornell_teapot", "cbox-teapot"), ("room", "room"),
