@@ -23,6 +23,7 @@
 #include "lte/base/log.h"
 #include "lte/base/safetensors.h"
 #include "lte/data/dataset.h"
+#include "lte/data/held_out.h"
 #include "lte/data/scene_sample.h"
 #include "lte/gi/gather.h"
 #include "lte/gi/residual.h"

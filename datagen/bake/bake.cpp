@@ -18,6 +18,7 @@
 #include "lte/pathtrace/placement/auto_camera.h"
 #include "lte/pathtrace/reach/reach.h"
 #include "lte/pathtrace/render.h"
+#include "lte/scene/fingerprint.h"
 #include "lte/scene/sampler.h"
 #include "lte/scene/surface.h"
 
@@ -343,6 +344,7 @@ data::SceneSample bake_scene(const scene::Scene& scene, const BakeOptions& optio
   check_bake_options(options);
   data::SceneSample sample;
   sample.name = scene.name;
+  sample.geometry = scene::fingerprint(scene).geometry;
   sample.seed = options.seed;
   sample.rays = options.rays;
   sample.max_depth = options.max_depth;

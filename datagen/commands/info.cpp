@@ -7,6 +7,7 @@
 #include "lte/base/check.h"
 #include "lte/data/dataset.h"
 #include "lte/scene/environment_points.h"
+#include "lte/scene/fingerprint.h"
 #include "lte/scene/load_camera.h"
 #include "lte/scene/metal.h"
 #include "lte/scene/sampler.h"
@@ -159,6 +160,11 @@ Json group_list(const scene::Scene& scene) {
   return groups;
 }
 
+Json fingerprint_info(const scene::Scene& scene) {
+  const scene::Fingerprint print = fingerprint(scene);
+  return {{"geometry", print.geometry}, {"materials", print.materials}, {"lights", print.lights}};
+}
+
 Json scene_info_without_geometry(const scene::Scene& scene) {
   size_t texture_bytes = 0;
   for (const auto& texture : scene.textures) texture_bytes += texture->size_bytes();
@@ -168,6 +174,7 @@ Json scene_info_without_geometry(const scene::Scene& scene) {
   const Bounds bounds = scene.bounds();
   return {{"kind", "scene"},
           {"name", scene.name},
+          {"fingerprint", fingerprint_info(scene)},
           {"triangles", scene.triangle_count()},
           {"stored_triangles", stored},
           {"meshes", scene.meshes.size()},
@@ -231,6 +238,7 @@ Json sample_info(const data::SceneSample& sample) {
   for (const data::View& view : sample.views) views.push_back(concat(view.width, "x", view.height));
   return {{"kind", "sample"},
           {"name", sample.name},
+          {"scene_geometry", sample.geometry},
           {"scene_points", sample.scene_points()},
           {"query_points", sample.query_points()},
           {"pruned_scene_points", sample.pruned_scene_points},

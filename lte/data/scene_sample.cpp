@@ -143,6 +143,7 @@ void read_sizes(const SafetensorsFile& file, SceneSample* sample) {
 
 void read_metadata(const SafetensorsFile& file, SceneSample* sample) {
   sample->name = file.metadata("name");
+  if (file.metadata().contains("geometry")) sample->geometry = file.metadata("geometry");
   sample->seed = metadata_integer(file, "seed");
   const uint64_t rays = metadata_integer(file, "rays"),
                  max_depth = metadata_integer(file, "max_depth");
@@ -164,6 +165,7 @@ void write_metadata(const SceneSample& sample, SafetensorsWriter* writer) {
   writer->set_metadata("format", kFormat);
   writer->set_metadata("version", std::to_string(kSceneSampleVersion));
   writer->set_metadata("name", sample.name);
+  if (!sample.geometry.empty()) writer->set_metadata("geometry", sample.geometry);
   writer->set_metadata("seed", std::to_string(sample.seed));
   writer->set_metadata("rays", std::to_string(sample.rays));
   if (sample.target_error > 0)

@@ -68,6 +68,8 @@ struct SceneSample {
   std::vector<View> views;
   IncidentField incident;  ///< at points of its own; may be empty
   // Where it came from
+  /// scene::Fingerprint::geometry of the scene; empty in files of earlier versions.
+  std::string geometry;
   uint64_t seed = 0;
   int64_t rays = 0;         ///< paths a query point; their mean where they differ
   double target_error = 0;  ///< that decided them, relative to the mean; 0 for a fixed number

@@ -101,6 +101,7 @@ inline SceneSample make_sample(int64_t scene_points = 8, int64_t query_points = 
   const auto G = static_cast<size_t>(groups);
   SceneSample sample;
   sample.name = "room";
+  sample.geometry = "00c0ffee00c0ffee";
   sample.scene_position = random_vectors(&rng, M, -2, 2);
   sample.scene_normal = random_units(&rng, M);
   sample.scene_albedo = random_vectors(&rng, M, 0, 1);
@@ -140,6 +141,7 @@ inline void expect_equal(const View& a, const View& b) {
 
 inline void expect_equal(const SceneSample& a, const SceneSample& b) {
   EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.geometry, b.geometry);
   EXPECT_EQ(a.scene_position, b.scene_position);
   EXPECT_EQ(a.scene_normal, b.scene_normal);
   EXPECT_EQ(a.scene_albedo, b.scene_albedo);

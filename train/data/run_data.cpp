@@ -5,6 +5,7 @@
 #include "lte/base/check.h"
 #include "lte/base/random.h"
 #include "lte/cli/progress.h"
+#include "lte/data/held_out.h"
 
 namespace lte::train {
 namespace {
@@ -35,6 +36,9 @@ RunData open_run_data(const TrainConfig& config) {
   std::vector<data::DatasetEntry> train = data::entries_of(info, data::Split::Train);
   LTE_CHECK(!train.empty(), (root / "dataset.json").string(),
             ": no scene is in the split \"train\"");
+  std::vector<data::DatasetEntry> val = data::entries_of(info, data::Split::Val);
+  data::refuse_held_out(root, train);
+  data::refuse_held_out(root, val);
   LTE_CHECK(!config.model.light_variance || info.light_paths >= kLeastPathsOfError,
             "model.light_variance: the light estimates of ", root.string(), " come from ",
             info.light_paths, " paths, and the spread of fewer than ", kLeastPathsOfError,
@@ -48,7 +52,7 @@ RunData open_run_data(const TrainConfig& config) {
                             config.data.solved_light};
   SceneStore train_store(root, std::move(train), options);
   options.cache_bytes = 0;  // each is read once
-  SceneStore val_store(root, data::entries_of(info, data::Split::Val), options);
+  SceneStore val_store(root, std::move(val), options);
   return {info.scale,
           info.pruned,
           info.suns,

@@ -22,8 +22,9 @@ struct RunData {
   uint64_t fingerprint = 0;
 };
 
-/// @throws lte::Error if data.root is missing or is no data set, if its training split is empty, or
-/// if model.scale is given and is not the data set's.
+/// @throws lte::Error if data.root is missing or is no data set, if its training split is empty, if
+/// a scene of either split is a held-out one (lte/data/held_out.h), or if model.scale is given and
+/// is not the data set's.
 RunData open_run_data(const TrainConfig& config);
 
 /// Reads every scene of both splits once, with all checks.

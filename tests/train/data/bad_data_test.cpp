@@ -6,6 +6,7 @@
 
 #include "lte/base/file.h"
 #include "lte/base/safetensors.h"
+#include "lte/data/held_out.h"
 #include "tests/train/run_fixture.h"
 #include "train/data/batch.h"
 
@@ -87,6 +88,25 @@ TEST_F(BadData, IsRefusedWithTheFileAndTheWayOn) {
         {"room2.safetensors", fault.message, missing ? "is missing" : "data.on_bad_scene=skip"});
     EXPECT_FALSE(fs::exists(checkpoint_path(dir_ / "run")));
   }
+}
+
+TEST_F(BadData, ASceneOfTheOutsideTestSetIsRefused) {
+  test::write_dataset(root(), 6, 2);
+  const data::HeldOutScene& outside = data::held_out_scenes().front();
+  for (const char* room : {"room2", "room6"}) {  // to train on, and to validate on
+    const fs::path file = data::scene_path(root(), room);
+    const auto check = [&](const char* key, const std::string& value) {
+      const std::string before = read_file(file);
+      rewrite(file, "", 0, {{key, value}});
+      for (const char* extra : {"", kSkip})
+        test::expect_error([&] { open_run_data(config("run", extra)); },
+                           {root().string(), room, outside.name, "assets/scenes/outside"});
+      write_file(file, before);
+    };
+    check("name", outside.name);
+    check("geometry", outside.geometry);
+  }
+  EXPECT_NO_THROW(open_run_data(config("run")));
 }
 
 TEST_F(BadData, IsSkippedAndCounted) {
