@@ -1,8 +1,6 @@
 #include "infer/light/light_table.h"
 
 #include <algorithm>
-#include <utility>
-#include <vector>
 
 #include "infer/light/network_table.h"
 #include "lte/base/check.h"
@@ -35,13 +33,7 @@ gi::RadiosityTable make_light_table(const pathtrace::Bvh& bvh, const pathtrace::
   const gi::EntryLight light =
       gi::estimate_entries(bvh, lights, entries, settings.paths, settings.max_depth - 1,
                            hash_combine(settings.seed, kLight));
-  const std::vector<uint8_t> keep = gi::lit(light);
-  const std::vector<Rgb> total = light.total();
-  std::vector<Rgb> kept;
-  for (size_t i = 0; i < keep.size(); ++i) {
-    if (keep[i]) kept.push_back(total[i]);
-  }
-  return {bvh, entries.kept(keep), std::move(kept)};
+  return {bvh, entries, light.total(), light.direct};
 }
 
 double table_mb(const TableSettings& settings, int64_t groups) {

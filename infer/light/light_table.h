@@ -22,13 +22,13 @@ constexpr EnumNames<TableLight, 2> enum_names(TableLight) {
 
 struct TableSettings {
   TableLight light = TableLight::Raw;
-  int64_t entries = 4096;  ///< both sides of as many places count apart
-  int paths = 16;          ///< of each entry; from the network: its shadow rays
+  int64_t entries = 4096;  ///< where surfaces are level (gi::sample_entries())
+  int paths = 16;          ///< of each entry there; from the network: its shadow rays
   int max_depth = 5;       ///< of the picture: surface hits after the primary one
   uint64_t seed = 0;
 };
 
-/// Entries that any light reaches, with their light.
+/// Entries with their light, direct light apart: where that is uneven the table does not know it.
 /// @param draws  embeddings of this scene; TableLight::Raw needs none
 /// @throws lte::Error without an embedding that is needed
 gi::RadiosityTable make_light_table(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,

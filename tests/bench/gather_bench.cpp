@@ -195,20 +195,12 @@ class Experiments {
     double seconds = 0;
   };
 
-  /// Estimates at `count` entries, of which those that are lit stay.
+  /// Estimates at `count` entries.
   Lit lit_entries(int64_t count, int paths) const {
     Lit out;
     const double start = processor_seconds();
-    const gi::TableEntries all = gi::sample_entries(bvh_.scene(), count, 11);
-    const gi::EntryLight light = gi::estimate_entries(bvh_, lights_, all, paths, kModelDepth, 12);
-    const std::vector<uint8_t> keep = gi::lit(light);
-    out.entries = all.kept(keep);
-    for (size_t i = 0; i < keep.size(); ++i) {
-      if (!keep[i]) continue;
-      out.light.direct.push_back(light.direct[i]);
-      out.light.indirect.push_back(light.indirect[i]);
-    }
-    out.light.rays_traced = light.rays_traced;
+    out.entries = gi::sample_entries(bvh_.scene(), count, 11);
+    out.light = gi::estimate_entries(bvh_, lights_, out.entries, paths, kModelDepth, 12);
     out.seconds = processor_seconds() - start;
     return out;
   }
@@ -293,7 +285,7 @@ class Experiments {
       const std::string size = std::to_string(count);
       {
         const Lit best = lit_entries(count, count > 5000 ? 256 : 512);
-        const gi::RadiosityTable table(bvh_, best.entries, best.light.total());
+        const gi::RadiosityTable table(bvh_, best.entries, best.light.total(), best.light.direct);
         time_lookups(table);
         gather_rows("gather, reference at " + size + " entries", table, 0, 0, count < 5000);
         notes_.push_back(concat("misses at ", count, " entries: ", 100 * misses_, " %"));
@@ -302,7 +294,7 @@ class Experiments {
       const Lit raw = lit_entries(count, paths);
       {
         const double start = processor_seconds();
-        const gi::RadiosityTable table(bvh_, raw.entries, raw.light.total());
+        const gi::RadiosityTable table(bvh_, raw.entries, raw.light.total(), raw.light.direct);
         gather_rows("gather, " + std::to_string(paths) + " paths at " + size + " entries", table,
                     raw.seconds + processor_seconds() - start, raw.light.rays_traced, false);
       }
@@ -344,7 +336,7 @@ class Experiments {
       }
     }
     const Lit raw = lit_entries(4096, 64);
-    const gi::RadiosityTable by_paths(bvh_, raw.entries, raw.light.total());
+    const gi::RadiosityTable by_paths(bvh_, raw.entries, raw.light.total(), raw.light.direct);
     const gi::RadiosityTable by_network =
         infer::network_table(bvh_, lights_, embedding_, {.entries = 4096, .seed = 11});
     for (const int gather_rays : {2, 4, 16}) {

@@ -109,13 +109,7 @@ struct Room {
   RadiosityTable table(int64_t count, int paths, int max_depth) const {
     const TableEntries entries = sample_entries(scene, count, 3);
     const EntryLight light = estimate_entries(bvh, lights, entries, paths, max_depth, 4);
-    const std::vector<uint8_t> keep = lit(light);
-    const std::vector<Rgb> total = light.total();
-    std::vector<Rgb> kept;
-    for (size_t i = 0; i < keep.size(); ++i) {
-      if (keep[i]) kept.push_back(total[i]);
-    }
-    return RadiosityTable(bvh, entries.kept(keep), kept);
+    return RadiosityTable(bvh, entries, light.total(), light.direct);
   }
 
   scene::Scene scene;

@@ -1,0 +1,149 @@
+#include "lte/gi/table_entries.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "lte/base/check.h"
+#include "lte/gi/gather.h"
+#include "lte/pathtrace/direct_light.h"
+#include "lte/scene/sampler.h"
+
+namespace lte::gi {
+namespace {
+
+constexpr double kEmissiveShare = 0.1;
+// Points of an entry lie so near each other, in edges of the square that all of them stand for, and
+// so near the plane of its first; their normals differ by less than 26 degrees.
+constexpr float kApart = 2, kOffPlane = 0.15f, kLeastCosine = 0.9f;
+
+/// Whether point `b` lies on the same level piece of surface as point `a`.
+bool joins(const scene::SurfaceSamples& samples, size_t a, size_t b) {
+  if (samples.area[a] != samples.area[b]) return false;
+  if (dot(samples.normal[a], samples.normal[b]) < kLeastCosine) return false;
+  const float edge = std::sqrt(kEntryPoints * samples.area[a]);
+  const Vec3 between = samples.position[b] - samples.position[a];
+  return dot(between, between) < kApart * kApart * edge * edge &&
+         std::fabs(dot(between, samples.normal[a])) < kOffPlane * edge;
+}
+
+bool usable(const scene::SurfaceSamples& samples, size_t i) {
+  return dot(samples.normal[i], samples.normal[i]) > 0.5f && samples.area[i] > 0;
+}
+
+/// Adds both sides of points `begin` to `end` − 1. The entry stands at the one nearest their middle.
+void add_entries(const scene::SurfaceSamples& samples, size_t begin, size_t end,
+                 TableEntries* out) {
+  Vec3 middle;
+  Rgb albedo;
+  const float scale = 1 / static_cast<float>(end - begin);
+  for (size_t i = begin; i < end; ++i) {
+    middle += samples.position[i] * scale;
+    albedo += samples.albedo[i] * scale;
+  }
+  const auto far = [&](size_t i) {
+    const Vec3 d = samples.position[i] - middle;
+    return dot(d, d);
+  };
+  size_t nearest = begin;
+  for (size_t i = begin; i < end; ++i) nearest = far(i) < far(nearest) ? i : nearest;
+  for (const float side : {1.0f, -1.0f}) {
+    out->position.push_back(samples.position[nearest]);
+    out->normal.push_back(samples.normal[nearest] * side);
+    out->albedo.push_back(albedo);
+    out->area.push_back(samples.area[nearest] * static_cast<float>(end - begin));
+    for (size_t i = begin; i < end; ++i) {
+      out->start.push_back(samples.position[i]);
+      out->start_normal.push_back(samples.normal[i] * side);
+    }
+    out->first.push_back(out->start.size());
+  }
+}
+
+/// Over the points of each entry.
+std::vector<Rgb> means(const TableEntries& entries, std::span<const Rgb> of_point) {
+  std::vector<Rgb> out(entries.position.size());
+  for (size_t i = 0; i < out.size(); ++i) {
+    const size_t begin = entries.first[i], end = entries.first[i + 1];
+    for (size_t k = begin; k < end; ++k) out[i] += of_point[k];
+    out[i] = out[i] / static_cast<float>(end - begin);
+  }
+  return out;
+}
+
+}  // namespace
+
+void TableEntries::add(const Vec3& at, const Vec3& side, const Rgb& color, float stands_for) {
+  position.push_back(at);
+  normal.push_back(side);
+  albedo.push_back(color);
+  area.push_back(stands_for);
+  start.push_back(at);
+  start_normal.push_back(side);
+  first.push_back(start.size());
+}
+
+TableEntries sample_entries(const scene::Scene& scene, int64_t count, uint64_t seed) {
+  LTE_CHECK(count >= 1, "a table needs at least one entry, got ", count);
+  scene::SamplerOptions options;
+  options.seed = seed;
+  options.emissive_share = kEmissiveShare;
+  options.environment_share = 0;
+  options.punctual_lights = false;
+  const scene::SurfaceSamples samples =
+      scene::sample_surface(scene, (count + 1) / 2 * kEntryPoints, options);
+  TableEntries out;
+  const size_t size = samples.position.size();
+  for (size_t begin = 0; begin < size;) {
+    size_t end = begin + 1;
+    if (usable(samples, begin)) {
+      while (end < size && end - begin < kEntryPoints && usable(samples, end) &&
+             joins(samples, begin, end)) {
+        ++end;
+      }
+      add_entries(samples, begin, end, &out);
+    }
+    begin = end;
+  }
+  return out;
+}
+
+std::vector<Rgb> EntryLight::total() const {
+  std::vector<Rgb> sum(direct);
+  for (size_t i = 0; i < sum.size(); ++i) sum[i] += indirect[i];
+  return sum;
+}
+
+EntryLight estimate_entries(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                            const TableEntries& entries, int paths, int max_depth, uint64_t seed) {
+  EntryLight out;
+  const size_t points = entries.start.size();
+  const int rays = std::max(1, paths / kEntryPoints);
+  Gathered found;  // without a table: by whole paths, side by side as one point has few
+  if (max_depth > 1) {
+    GatherOptions options;
+    options.rays = rays;
+    options.max_depth = max_depth;
+    options.seed = seed;
+    found = gather_irradiance(bvh, lights, RadiosityTable(bvh, {}, {}), entries.start,
+                              entries.start_normal, options);
+  }
+  std::vector<uint64_t> streams(points);
+  std::iota(streams.begin(), streams.end(), uint64_t{0});
+  pathtrace::DirectOptions options;
+  options.seed = seed;
+  options.hemisphere_share = 1;
+  options.hemisphere_elsewhere = max_depth > 1;
+  pathtrace::DirectLight direct =
+      pathtrace::estimate_direct(bvh, lights, {entries.start, entries.start_normal, streams},
+                                 std::vector<int32_t>(points, rays), options);
+  for (size_t k = 0; k < found.met.size(); ++k) direct.irradiance[k] += found.met[k];
+  found.indirect.resize(points);
+  out.direct = means(entries, direct.irradiance);
+  out.indirect = means(entries, found.indirect);
+  out.rays_traced = found.rays_traced + direct.rays_traced;
+  return out;
+}
+
+}  // namespace lte::gi

@@ -1,0 +1,131 @@
+// Gathered light of whole rooms against brute-force paths: where light is bright and uneven in
+// small places, a table of it must not carry it elsewhere.
+#include <algorithm>
+#include <cmath>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "lte/gi/gather.h"
+#include "lte/pathtrace/gbuffer.h"
+#include "lte/pathtrace/irradiance.h"
+#include "tests/gi/rooms.h"
+
+namespace lte::gi {
+namespace {
+
+constexpr int kWidth = 64, kHeight = 48, kBlock = 8, kReference = 128;
+// Tables, whose chance is that of few paths in few places, are several.
+constexpr uint64_t kTables = 4;
+
+struct RoomCase {
+  const char* name;
+  scene::Scene (*make)();
+  double ratio, blocks;  ///< how far the mean may be off, and 8 x 8 means, over the mean
+};
+void PrintTo(const RoomCase& room, std::ostream* out) { *out << room.name; }
+
+/// What a view of a room shows.
+struct View {
+  explicit View(scene::Scene made) : scene(std::move(made)), bvh(scene), lights(scene) {
+    const pathtrace::GBuffer hits =
+        pathtrace::trace_gbuffer(bvh, scene.cameras.at(0), kWidth, kHeight);
+    for (size_t i = 0; i < hits.mask.size(); ++i) {
+      if (!hits.mask[i]) continue;
+      positions.push_back(hits.position[i]);
+      normals.push_back(hits.normal[i]);
+      const auto x = static_cast<int>(i) % kWidth, y = static_cast<int>(i) / kWidth;
+      block.push_back(y / kBlock * (kWidth / kBlock) + x / kBlock);
+    }
+  }
+  std::vector<Rgb> reference(uint64_t seed) const {
+    pathtrace::IrradianceOptions options;
+    options.rays = kReference;
+    options.seed = seed;
+    options.variance = false;
+    const auto light = pathtrace::estimate_irradiance(bvh, lights, positions, normals, options);
+    std::vector<Rgb> out;
+    for (int64_t i = 0; i < light.points; ++i) out.push_back(light.indirect_sum(i));
+    return out;
+  }
+  std::vector<Rgb> gathered(uint64_t seed) const {
+    const TableEntries entries = sample_entries(scene, 4096, seed);
+    const EntryLight light = estimate_entries(bvh, lights, entries, 16, 4, seed);
+    const RadiosityTable table(bvh, entries, light.total(), light.direct);
+    GatherOptions options;
+    options.rays = 32;
+    options.seed = seed;
+    return gather_irradiance(bvh, lights, table, positions, normals, options).indirect;
+  }
+  /// Sums over the channels by block of pixels.
+  std::vector<double> means(const std::vector<Rgb>& light) const {
+    std::vector<double> sum(kWidth * kHeight / kBlock / kBlock), count(sum.size());
+    for (size_t i = 0; i < light.size(); ++i) {
+      const auto at = static_cast<size_t>(block[i]);
+      sum[at] += double{light[i].x} + double{light[i].y} + double{light[i].z};
+      count[at] += 1;
+    }
+    for (size_t i = 0; i < sum.size(); ++i) sum[i] /= std::max(1.0, count[i]);
+    return sum;
+  }
+
+  scene::Scene scene;
+  pathtrace::Bvh bvh;
+  pathtrace::Lights lights;
+  std::vector<Vec3> positions, normals;
+  std::vector<int> block;
+};
+
+double sum(const std::vector<double>& values) {
+  double out = 0;
+  for (const double value : values) out += value;
+  return out;
+}
+
+class RoomLight : public testing::TestWithParam<RoomCase> {};
+
+/// The noise of two references cancels in the product of the differences to both.
+TEST_P(RoomLight, IsThatOfPaths) {
+  const View view(GetParam().make());
+  const std::vector<double> a = view.means(view.reference(1)), b = view.means(view.reference(2));
+  const double reference = (sum(a) + sum(b)) / 2;
+  const auto count = static_cast<double>(a.size());
+  double ratio = 0, error = 0;
+  for (uint64_t seed = 0; seed < kTables; ++seed) {
+    const std::vector<double> x = view.means(view.gathered(seed));
+    ratio += sum(x) / reference / kTables;
+    for (size_t i = 0; i < x.size(); ++i) error += (x[i] - a[i]) * (x[i] - b[i]) / kTables;
+  }
+  EXPECT_NEAR(ratio, 1, GetParam().ratio);
+  EXPECT_LT(std::sqrt(std::max(0.0, error / count)) / (reference / count), GetParam().blocks);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, RoomLight,
+    testing::Values(
+        RoomCase{"Panel", [] { return test::panel_room(true); }, 0.03, 0.08},
+        RoomCase{"PanelWalledOutwards",
+                 [] { return test::panel_room(true, test::Winding::Outwards); }, 0.03, 0.08},
+        RoomCase{"PanelOfOneSide", [] { return test::panel_room(false); }, 0.03, 0.03},
+        RoomCase{"Dark", test::dark_room, 0.05, 0.12},
+        RoomCase{"DoorAjar", [] { return test::door_ajar(); }, 0.08, 0.2},
+        RoomCase{"Corridor", [] { return test::corridor(test::Winding::Outwards); }, 0.1, 0.3},
+        RoomCase{"Shelves", test::shelves, 0.04, 0.1},
+        RoomCase{"OpenFront", test::open_front, 0.04, 0.08},
+        RoomCase{"SunThroughBars", test::sun_through_bars, 0.05, 0.12},
+        RoomCase{"Cups", [] { return test::cups(); }, 0.12, 0.35}),
+    [](const testing::TestParamInfo<RoomCase>& at) { return std::string(at.param.name); });
+
+TEST(RoomLight, OfAFurnaceIsExact) {
+  const View view(test::furnace());
+  double expected = 0;
+  for (int k = 1; k <= 5; ++k) expected += std::pow(0.6, k - 1);
+  expected = double{kPi} * (expected - 1);  // depths 2 to 5
+  for (const double block : view.means(view.gathered(3)))
+    EXPECT_NEAR(block / 3, expected, 0.02 * expected);
+}
+
+}  // namespace
+}  // namespace lte::gi
