@@ -1,0 +1,108 @@
+#!/usr/bin/env python3
+"""Makes rooms of Infinigen Indoors (the generator of the paper's own training data) as test scenes:
+generates a home with one furnished room, keeps its .blend, and exports the room as a .glb.
+
+usage: out/infinigen-venv/bin/python scripts/assets/infinigen/make_rooms.py [KIND ...] [flags]
+
+KIND is one of bathroom, bedroom, dining_room, kitchen, living_room; all of them by default.
+  --out DIR           where infinigen_KIND.glb goes (default assets/scenes/outside)
+  --work DIR          where the .blend files and logs are kept (default out/infinigen)
+  --generate-only     stops before the export
+  --export-only       never generates; a room without .blend is an error
+  --triangles N       budget of a room (default 200000)
+
+scripts/assets/infinigen/setup.sh makes the environment. A room takes minutes of one core to
+generate. The same seeds and versions give the same home.
+"""
+import argparse
+import os
+import pathlib
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+# Kind: Infinigen's name for the room, seed of the home.
+ROOMS = {
+    "bathroom": ("Bathroom", 1),
+    "bedroom": ("Bedroom", 2),
+    "dining_room": ("DiningRoom", 0),
+    "kitchen": ("Kitchen", 3),
+    "living_room": ("LivingRoom", 4),
+}
+# Fewer steps than fast_solve.gin has: these are a test set, not a product.
+OVERRIDES = [
+    "compose_indoors.terrain_enabled=False",
+    "compose_indoors.nature_backdrop_enabled=False",
+    "compose_indoors.lights_off_enabled=False",
+    "compose_indoors.pose_cameras_enabled=False",
+    "compose_indoors.solve_steps_large=40",
+    "compose_indoors.solve_steps_medium=15",
+    "compose_indoors.solve_steps_small=2",
+]
+
+
+def site_packages():
+    """The folder that holds Infinigen: the only one from which gin resolves its includes."""
+    for folder in map(pathlib.Path, sys.path):
+        if (folder / "infinigen_examples" / "generate_indoors.py").is_file():
+            return folder
+    sys.exit("make_rooms: no Infinigen here: run scripts/assets/infinigen/setup.sh and use "
+             "out/infinigen-venv/bin/python")
+
+
+def run(command, log, folder):
+    """Runs a command on one thread, its output in `log`; exits when it fails."""
+    environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1",
+                   "MKL_NUM_THREADS": "1", "PYTHONHASHSEED": "0"}
+    with log.open("w") as output:
+        done = subprocess.run(command, cwd=folder, env=environment, stdout=output,
+                              stderr=subprocess.STDOUT, check=False)
+    if done.returncode:
+        sys.exit(f"make_rooms: {command[1:4]} failed with {done.returncode}: see {log}")
+
+
+def generate(kind, folder):
+    room, seed = ROOMS[kind]
+    command = [sys.executable, "-m", "infinigen_examples.generate_indoors", "--seed", str(seed),
+               "--task", "coarse", "--output_folder", str(folder), "-g", "fast_solve.gin",
+               "singleroom.gin", "-p", *OVERRIDES,
+               f'restrict_solving.restrict_parent_rooms=["{room}"]']
+    run(command, folder.with_suffix(".log"), site_packages())
+
+
+def main():
+    parser = argparse.ArgumentParser(description="rooms of Infinigen as .glb")
+    parser.add_argument("kinds", nargs="*", metavar="KIND")
+    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "assets/scenes/outside")
+    parser.add_argument("--work", type=pathlib.Path, default=ROOT / "out/infinigen")
+    parser.add_argument("--generate-only", action="store_true")
+    parser.add_argument("--export-only", action="store_true")
+    parser.add_argument("--triangles", type=int, default=200000)
+    args = parser.parse_args()
+    for kind in args.kinds:
+        if kind not in ROOMS:
+            parser.error(f"no kind {kind!r}; there are {', '.join(sorted(ROOMS))}")
+    out, work = args.out.resolve(), args.work.resolve()
+    work.mkdir(parents=True, exist_ok=True)
+    for kind in args.kinds or ROOMS:
+        start, blend = time.time(), work / kind / "scene.blend"
+        if not blend.is_file():
+            if args.export_only:
+                sys.exit(f"make_rooms: {blend} is missing")
+            generate(kind, work / kind)
+            print(f"{kind}: generated in {time.time() - start:.0f} s", flush=True)
+        if args.generate_only:
+            continue
+        start = time.time()
+        out.mkdir(parents=True, exist_ok=True)
+        room, seed = ROOMS[kind]
+        script = pathlib.Path(__file__).with_name("export_room.py")
+        run([sys.executable, str(script), str(blend), str(out / f"infinigen_{kind}.glb"), "--room",
+             room, "--seed", str(seed), "--triangles", str(args.triangles)],
+            work / f"{kind}_export.log", ROOT)
+        print(f"{kind}: exported in {time.time() - start:.0f} s", flush=True)
+
+
+if __name__ == "__main__":
+    main()
