@@ -64,10 +64,10 @@ def run(command, log, folder):
 
 def generate(kind, folder):
     room, seed = ROOMS[kind]
-    command = [sys.executable, "-m", "infinigen_examples.generate_indoors", "--seed", str(seed),
-               "--task", "coarse", "--output_folder", str(folder), "-g", "fast_solve.gin",
-               "singleroom.gin", "-p", *OVERRIDES,
-               f'restrict_solving.restrict_parent_rooms=["{room}"]']
+    script = pathlib.Path(__file__).resolve().with_name("generate_home.py")
+    command = [sys.executable, str(script), "--seed", str(seed), "--task", "coarse",
+               "--output_folder", str(folder), "-g", "fast_solve.gin", "singleroom.gin", "-p",
+               *OVERRIDES, f'restrict_solving.restrict_parent_rooms=["{room}"]']
     run(command, folder.with_suffix(".log"), site_packages())
 
 
@@ -97,7 +97,7 @@ def main():
         start = time.time()
         out.mkdir(parents=True, exist_ok=True)
         room, seed = ROOMS[kind]
-        script = pathlib.Path(__file__).with_name("export_room.py")
+        script = pathlib.Path(__file__).resolve().with_name("export_room.py")
         run([sys.executable, str(script), str(blend), str(out / f"infinigen_{kind}.glb"), "--room",
              room, "--seed", str(seed), "--triangles", str(args.triangles)],
             work / f"{kind}_export.log", ROOT)
