@@ -21,6 +21,8 @@ import subprocess
 import sys
 import time
 
+import rooms_table
+
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 # Kind: Infinigen's name for the room, seed of the home.
 ROOMS = {
@@ -52,14 +54,16 @@ def site_packages():
 
 
 def run(command, log, folder):
-    """Runs a command on one thread, its output in `log`; exits when it fails."""
+    """Runs a command on one thread, its output in `log`; says and returns whether it succeeded."""
     environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1",
                    "MKL_NUM_THREADS": "1", "PYTHONHASHSEED": "0"}
     with log.open("w") as output:
         done = subprocess.run(command, cwd=folder, env=environment, stdout=output,
                               stderr=subprocess.STDOUT, check=False)
     if done.returncode:
-        sys.exit(f"make_rooms: {command[1:4]} failed with {done.returncode}: see {log}")
+        print(f"make_rooms: {pathlib.Path(command[1]).name} failed with {done.returncode}: see "
+              f"{log}", file=sys.stderr, flush=True)
+    return done.returncode == 0
 
 
 def generate(kind, folder):
@@ -68,7 +72,35 @@ def generate(kind, folder):
     command = [sys.executable, str(script), "--seed", str(seed), "--task", "coarse",
                "--output_folder", str(folder), "-g", "fast_solve.gin", "singleroom.gin", "-p",
                *OVERRIDES, f'restrict_solving.restrict_parent_rooms=["{room}"]']
-    run(command, folder.with_suffix(".log"), site_packages())
+    return run(command, folder.with_suffix(".log"), site_packages())
+
+
+def export(kind, blend, out, work, triangles):
+    room, seed = ROOMS[kind]
+    script = pathlib.Path(__file__).resolve().with_name("export_room.py")
+    out.mkdir(parents=True, exist_ok=True)
+    return run([sys.executable, str(script), str(blend), str(out / f"infinigen_{kind}.glb"),
+                "--room", room, "--seed", str(seed), "--triangles", str(triangles)],
+               work / f"{kind}_export.log", ROOT)
+
+
+def make(kind, out, work, args):
+    """Whether the room of a kind was generated, where that was missing, and exported."""
+    start, blend = time.time(), work / kind / "scene.blend"
+    if not blend.is_file():
+        if args.export_only:
+            print(f"make_rooms: {blend} is missing", file=sys.stderr)
+            return False
+        if not generate(kind, work / kind):
+            return False
+        print(f"{kind}: generated in {time.time() - start:.0f} s", flush=True)
+    if args.generate_only:
+        return True
+    start = time.time()
+    if not export(kind, blend, out, work, args.triangles):
+        return False
+    print(f"{kind}: exported in {time.time() - start:.0f} s", flush=True)
+    return True
 
 
 def main():
@@ -85,23 +117,10 @@ def main():
             parser.error(f"no kind {kind!r}; there are {', '.join(sorted(ROOMS))}")
     out, work = args.out.resolve(), args.work.resolve()
     work.mkdir(parents=True, exist_ok=True)
-    for kind in args.kinds or ROOMS:
-        start, blend = time.time(), work / kind / "scene.blend"
-        if not blend.is_file():
-            if args.export_only:
-                sys.exit(f"make_rooms: {blend} is missing")
-            generate(kind, work / kind)
-            print(f"{kind}: generated in {time.time() - start:.0f} s", flush=True)
-        if args.generate_only:
-            continue
-        start = time.time()
-        out.mkdir(parents=True, exist_ok=True)
-        room, seed = ROOMS[kind]
-        script = pathlib.Path(__file__).resolve().with_name("export_room.py")
-        run([sys.executable, str(script), str(blend), str(out / f"infinigen_{kind}.glb"), "--room",
-             room, "--seed", str(seed), "--triangles", str(args.triangles)],
-            work / f"{kind}_export.log", ROOT)
-        print(f"{kind}: exported in {time.time() - start:.0f} s", flush=True)
+    failed = [k for k in args.kinds or ROOMS if not make(k, out, work, args)]
+    rooms_table.write(out)
+    if failed:
+        sys.exit(f"make_rooms: not made: {', '.join(failed)}")
 
 
 if __name__ == "__main__":
