@@ -1,5 +1,5 @@
-"""Base colors of Infinigen's procedural materials, by Cycles: a texture where triangles are large, a
-color a vertex where they are small, one color where the surface has one. Needs bpy."""
+"""Base colors of Infinigen's procedural materials, by Cycles: a texture where triangles are large,
+a color a vertex where they are small, one color where the surface has one. Needs bpy."""
 import bpy
 import numpy as np
 
@@ -13,8 +13,8 @@ DARKEST, BRIGHTEST = 0.01, 0.9  # linear; base colors outside are no albedo of a
 class Surface:
     """The triangles of one material of an object, in the object's frame.
 
-    positions [V, 3], triangles [T, 3]; color [3] linear; `uvs` [V, 2] with `image` [H, W, 3] sRGB in
-    [0, 1], or `tints` [V, 3] linear, or neither.
+    positions [V, 3], triangles [T, 3]; color [3] linear; `uvs` [V, 2] with `image` [H, W, 3] sRGB
+    in [0, 1], or `tints` [V, 3] linear, or neither.
     """
     def __init__(self, positions, triangles, color):
         self.positions, self.triangles, self.color = positions, triangles, color
@@ -77,7 +77,8 @@ def default_material():
     if name not in bpy.data.materials:
         material = bpy.data.materials.new(name)
         material.use_nodes = True
-        material.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value[:3] = [.5] * 3
+        shader = material.node_tree.nodes["Principled BSDF"]
+        shader.inputs["Base Color"].default_value = (0.5, 0.5, 0.5, 1)
         emit_base_color(material.node_tree)
     return bpy.data.materials[name]
 

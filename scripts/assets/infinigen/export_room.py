@@ -45,7 +45,7 @@ def cap_for(counts, budget):
 
 
 def keep_reached(objects, room, bounds, rng):
-    """The objects that paths from the room meet; of other rooms and their doors, those met often."""
+    """The objects that paths from the room meet; of other rooms and of doors, those met often."""
     world = room_view.World([world_mesh(o) for o in objects])
     hits = room_view.reached(world, room, bounds, rng)
     kept = []

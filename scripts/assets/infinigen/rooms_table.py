@@ -1,4 +1,4 @@
-"""The page beside the rooms: what each file holds, of which seed and versions, by its own header."""
+"""The page beside the rooms: what each file holds, its seed and versions, from its own header."""
 import json
 import struct
 
