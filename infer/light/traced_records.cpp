@@ -9,8 +9,8 @@
 namespace lte::infer {
 namespace {
 
-// Entries between two checks: some 10 ms of two cores.
-constexpr int64_t kBlock = 512;
+// Points between two checks: some 10 ms of two cores.
+constexpr size_t kBlock = 2048;
 // As those of make_light_table().
 constexpr uint64_t kPlaces = 21, kLight = 22;
 
@@ -22,51 +22,26 @@ void add_groups(const std::vector<Rgb>& values, size_t entries, std::span<const 
   }
 }
 
-/// [groups, entries] values of the entries to keep.
-std::vector<Rgb> kept(const std::vector<Rgb>& values, std::span<const uint8_t> keep) {
-  std::vector<Rgb> out;
-  for (size_t i = 0; i < values.size(); ++i) {
-    if (keep[i % keep.size()]) out.push_back(values[i]);
-  }
-  return out;
-}
-
-void drop_dark(TracedRecords* records) {
-  std::vector<uint8_t> lit(records->entries.position.size());
-  for (const std::vector<Rgb>* values : {&records->direct, &records->indirect}) {
-    for (size_t i = 0; i < values->size(); ++i) {
-      if (max_component((*values)[i]) > 0) lit[i % lit.size()] = 1;
-    }
-  }
-  records->direct = kept(records->direct, lit);
-  records->indirect = kept(records->indirect, lit);
-  records->entries = records->entries.kept(lit);
-}
-
 }  // namespace
 
-std::vector<Rgb> TracedRecords::direct_of(std::span<const int> of_groups,
-                                          std::span<const Rgb> gains) const {
+gi::EntryLight TracedRecords::light_of(std::span<const int> of_groups,
+                                       std::span<const Rgb> gains) const {
   LTE_CHECK(of_groups.size() == gains.size(), "records of light: ", of_groups.size(),
             " groups but ", gains.size(), " gains");
   for (const int group : of_groups)
     LTE_CHECK(group >= 0 && group < groups, "records of light: there is no group ", group);
-  std::vector<Rgb> sum(entries.position.size());
-  add_groups(direct, sum.size(), of_groups, gains, &sum);
-  return sum;
-}
-
-std::vector<Rgb> TracedRecords::total_of(std::span<const int> of_groups,
-                                         std::span<const Rgb> gains) const {
-  std::vector<Rgb> sum = direct_of(of_groups, gains), bounced(sum.size());
-  add_groups(indirect, sum.size(), of_groups, gains, &bounced);
-  for (size_t i = 0; i < sum.size(); ++i) sum[i] += bounced[i];
-  return sum;
+  gi::EntryLight out;
+  out.direct.resize(entries.position.size());
+  out.indirect.resize(out.direct.size());
+  add_groups(direct, out.direct.size(), of_groups, gains, &out.direct);
+  add_groups(indirect, out.direct.size(), of_groups, gains, &out.indirect);
+  return out;
 }
 
 int64_t TracedRecords::bytes() const {
-  constexpr size_t kEntry = 2 * sizeof(Vec3) + sizeof(Rgb) + sizeof(float);
+  constexpr size_t kEntry = 2 * sizeof(Vec3) + sizeof(Rgb) + sizeof(float) + sizeof(size_t);
   return static_cast<int64_t>(entries.position.size() * kEntry +
+                              2 * entries.start.size() * sizeof(Vec3) +
                               (direct.size() + indirect.size()) * sizeof(Rgb));
 }
 
@@ -86,27 +61,35 @@ TracedRecords trace_records(const pathtrace::Bvh& bvh, const pathtrace::Lights& 
   out.indirect.resize(groups * count);
   if (lights.empty()) return out;
   pathtrace::IrradianceOptions options;
-  options.rays = settings.paths;
+  options.rays = std::max(1, settings.paths / gi::kEntryPoints);
   options.max_depth = raw ? settings.max_depth - 1 : 1;
   options.seed = raw ? hash_combine(settings.seed, kLight) : places;
   options.variance = false;
   options.direct_only = options.max_depth == 1;
-  for (int64_t first = 0; first < out.entries.size(); first += kBlock) {
+  const std::vector<Vec3>&start = out.entries.start, &normal = out.entries.start_normal;
+  std::vector<Rgb> direct(groups * start.size()), indirect(direct.size());
+  for (size_t first = 0; first < start.size(); first += kBlock) {
     if (check) check();
-    const auto begin = static_cast<size_t>(first);
-    const auto size = static_cast<size_t>(std::min(kBlock, out.entries.size() - first));
+    const size_t size = std::min(kBlock, start.size() - first);
     const pathtrace::Irradiance light = pathtrace::estimate_irradiance(
-        bvh, lights, std::span(out.entries.position).subspan(begin, size),
-        std::span(out.entries.normal).subspan(begin, size), options, first);
+        bvh, lights, std::span(start).subspan(first, size), std::span(normal).subspan(first, size),
+        options, static_cast<int64_t>(first));
     const auto take = [&](const std::vector<Rgb>& from, std::vector<Rgb>* to) {
       for (size_t g = 0; g < from.size() / size; ++g)
         std::copy_n(from.begin() + static_cast<ptrdiff_t>(g * size), size,
-                    to->begin() + static_cast<ptrdiff_t>(g * count + begin));
+                    to->begin() + static_cast<ptrdiff_t>(g * start.size() + first));
     };
-    take(light.direct, &out.direct);
-    take(light.indirect, &out.indirect);
+    take(light.direct, &direct);
+    take(light.indirect, &indirect);
   }
-  if (raw) drop_dark(&out);
+  for (size_t g = 0; g < groups; ++g) {
+    const auto of_group = [&](const std::vector<Rgb>& values) {
+      return gi::entry_means(out.entries,
+                             std::span(values).subspan(g * start.size(), start.size()));
+    };
+    std::ranges::copy(of_group(direct), out.direct.begin() + static_cast<ptrdiff_t>(g * count));
+    std::ranges::copy(of_group(indirect), out.indirect.begin() + static_cast<ptrdiff_t>(g * count));
+  }
   return out;
 }
 

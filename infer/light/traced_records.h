@@ -19,14 +19,12 @@ struct TracedRecords {
 
   /// The light of some groups, each times its gain by channel, an entry each.
   /// @throws lte::Error for a group that there is not, or another number of gains.
-  std::vector<Rgb> direct_of(std::span<const int> of_groups, std::span<const Rgb> gains) const;
-  std::vector<Rgb> total_of(std::span<const int> of_groups, std::span<const Rgb> gains) const;
+  gi::EntryLight light_of(std::span<const int> of_groups, std::span<const Rgb> gains) const;
   int64_t bytes() const;
 };
 
-/// Traces what make_light_table() of these settings has in its entries: with TableLight::Raw at the
-/// places that any light reaches, to the bit; for a network's table the direct light alone, at all
-/// places.
+/// Traces what make_light_table() of these settings has in its entries, by light group: with
+/// TableLight::Raw all light, by as many paths; for a network's table the direct light alone.
 /// @param lights  each as bright as gain 1 has it
 /// @param check   called now and then; what it throws ends it. May be null.
 TracedRecords trace_records(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,

@@ -1,5 +1,5 @@
-// What pictures are compared with: two independent path-traced pictures A and B of a view, kept in a
-// folder from one run to the next. The mean of (x - A)(x - B) is the squared error of a picture x
+// What pictures are compared with: two independent path-traced pictures A and B of a view, kept in
+// a folder from one run to the next. The mean of (x - A)(x - B) is the squared error of a picture x
 // without their noise, and half the mean of (A - B)^2 is the variance of either.
 #pragma once
 

@@ -22,14 +22,9 @@ LightRecords::Gains LightRecords::gains(const Draft& draft) const {
   return out;
 }
 
-std::vector<Rgb> LightRecords::direct(const Draft& draft) const {
+gi::EntryLight LightRecords::light(const Draft& draft) const {
   const Gains some = gains(draft);
-  return traced.direct_of(some.groups, some.scales);
-}
-
-std::vector<Rgb> LightRecords::total(const Draft& draft) const {
-  const Gains some = gains(draft);
-  return traced.total_of(some.groups, some.scales);
+  return traced.light_of(some.groups, some.scales);
 }
 
 LightRecords trace_light_records(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
@@ -43,7 +38,9 @@ LightRecords trace_light_records(const pathtrace::Bvh& bvh, const pathtrace::Lig
 
 std::shared_ptr<const gi::RadiosityTable> LazyTable::get() {
   std::call_once(made_, [this] {
-    table_ = std::make_shared<const gi::RadiosityTable>(*bvh_, records_->traced.entries, light_());
+    const gi::EntryLight light = light_();
+    table_ = std::make_shared<const gi::RadiosityTable>(*bvh_, records_->traced.entries,
+                                                        light.total(), light.direct);
   });
   return table_;
 }

@@ -24,10 +24,9 @@ struct LightRecords {
 
   /// Whether they hold for a draft: that differs from theirs by gains and colours alone.
   bool fit(const Draft& draft, TableLight by) const;
-  /// The light on the entries with the gains that luminaires of these numbers have in a draft. Those
-  /// that the draft has not are dark; those that the records have not bring nothing.
-  std::vector<Rgb> direct(const Draft& draft) const;
-  std::vector<Rgb> total(const Draft& draft) const;
+  /// The light on the entries with the gains that luminaires of these numbers have in a draft.
+  /// Those that the draft has not are dark; those that the records have not bring nothing.
+  gi::EntryLight light(const Draft& draft) const;
 
  private:
   struct Gains {
@@ -47,9 +46,9 @@ LightRecords trace_light_records(const pathtrace::Bvh& bvh, const pathtrace::Lig
 /// rendered. Thread-safe.
 class LazyTable {
  public:
-  /// @param light  the irradiance at the entries of the records
+  /// @param light  at the entries of the records
   LazyTable(std::shared_ptr<const LightRecords> records, std::shared_ptr<const pathtrace::Bvh> bvh,
-            std::function<std::vector<Rgb>()> light)
+            std::function<gi::EntryLight()> light)
       : records_(std::move(records)), bvh_(std::move(bvh)), light_(std::move(light)) {}
 
   std::shared_ptr<const gi::RadiosityTable> get();
@@ -57,7 +56,7 @@ class LazyTable {
  private:
   std::shared_ptr<const LightRecords> records_;
   std::shared_ptr<const pathtrace::Bvh> bvh_;
-  std::function<std::vector<Rgb>()> light_;
+  std::function<gi::EntryLight()> light_;
   std::once_flag made_;
   std::shared_ptr<const gi::RadiosityTable> table_;
 };

@@ -8,7 +8,8 @@
 namespace lte::infer {
 namespace {
 
-/// π times area times mean radiance. A texture is looked up once a triangle, averaged over its size.
+/// π times area times mean radiance. A texture is looked up once a triangle, averaged over its
+/// size.
 Rgb instance_power(const scene::Scene& scene, int index) {
   const scene::Instance& instance = scene.instances[static_cast<size_t>(index)];
   const scene::Mesh& mesh = scene.meshes[static_cast<size_t>(instance.mesh)];

@@ -7,8 +7,9 @@
 
 namespace lte::infer {
 
-/// Radiant power by light group, W, by channel, as bright as the scene has them: of surfaces, points
-/// and spots. Suns and environments count 0, since what they send into a scene hangs on its size.
+/// Radiant power by light group, W, by channel, as bright as the scene has them: of surfaces,
+/// points and spots. Suns and environments count 0, since what they send into a scene hangs on its
+/// size.
 std::vector<Rgb> luminaire_powers(const scene::Scene& scene);
 
 /// The median of the luminances of those powers that are not 0; 0 where all are.

@@ -335,14 +335,20 @@ std::unique_ptr<SessionState::Parts> make_parts(std::shared_ptr<const SessionBas
 std::shared_ptr<LazyTable> SessionState::Parts::make_table() const {
   if (answered_by == PictureLight::Gather) {
     return std::make_shared<LazyTable>(records, bvh,
-                                       [from = records, now = draft] { return from->total(*now); });
+                                       [from = records, now = draft] { return from->light(*now); });
   }
   return std::make_shared<LazyTable>(records, bvh, [from = records, now = draft, by = layers] {
     const gi::TableEntries& entries = from->traced.entries;
-    std::vector<Rgb> light = sum_of(by, {entries.position, entries.normal, entries.albedo});
-    if (by.empty() || by.front().layer->embedding->network().predicts_total()) return light;
-    const std::vector<Rgb> direct = from->direct(*now);
-    for (size_t i = 0; i < light.size(); ++i) light[i] += direct[i];
+    std::vector<Rgb> answered = sum_of(by, {entries.position, entries.normal, entries.albedo});
+    const bool total = by.empty() || by.front().layer->embedding->network().predicts_total();
+    gi::EntryLight light;
+    if (total) {
+      light.indirect.resize(answered.size());
+      light.direct = std::move(answered);
+    } else {
+      light = from->light(*now);
+      light.indirect = std::move(answered);
+    }
     return light;
   });
 }

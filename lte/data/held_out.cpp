@@ -32,7 +32,8 @@ Source source_of(const std::filesystem::path& sample) {
 const std::vector<HeldOutScene>& held_out_scenes() {
   static const std::vector<HeldOutScene> scenes = [] {
     std::vector<HeldOutScene> list;
-    for (const auto& [name, geometry] : nlohmann::json::parse(kHeldOutJson).items())
+    const nlohmann::json known = nlohmann::json::parse(kHeldOutJson);
+    for (const auto& [name, geometry] : known.items())
       list.push_back({name, geometry.get<std::string>()});
     return list;
   }();

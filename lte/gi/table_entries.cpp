@@ -32,7 +32,8 @@ bool usable(const scene::SurfaceSamples& samples, size_t i) {
   return dot(samples.normal[i], samples.normal[i]) > 0.5f && samples.area[i] > 0;
 }
 
-/// Adds both sides of points `begin` to `end` − 1. The entry stands at the one nearest their middle.
+/// Adds both sides of points `begin` to `end` − 1. The entry stands at the one nearest their
+/// middle.
 void add_entries(const scene::SurfaceSamples& samples, size_t begin, size_t end,
                  TableEntries* out) {
   Vec3 middle;
@@ -59,17 +60,6 @@ void add_entries(const scene::SurfaceSamples& samples, size_t begin, size_t end,
     }
     out->first.push_back(out->start.size());
   }
-}
-
-/// Over the points of each entry.
-std::vector<Rgb> means(const TableEntries& entries, std::span<const Rgb> of_point) {
-  std::vector<Rgb> out(entries.position.size());
-  for (size_t i = 0; i < out.size(); ++i) {
-    const size_t begin = entries.first[i], end = entries.first[i + 1];
-    for (size_t k = begin; k < end; ++k) out[i] += of_point[k];
-    out[i] = out[i] / static_cast<float>(end - begin);
-  }
-  return out;
 }
 
 }  // namespace
@@ -115,6 +105,16 @@ std::vector<Rgb> EntryLight::total() const {
   return sum;
 }
 
+std::vector<Rgb> entry_means(const TableEntries& entries, std::span<const Rgb> of_point) {
+  std::vector<Rgb> out(entries.position.size());
+  for (size_t i = 0; i < out.size(); ++i) {
+    const size_t begin = entries.first[i], end = entries.first[i + 1];
+    for (size_t k = begin; k < end; ++k) out[i] += of_point[k];
+    out[i] = out[i] / static_cast<float>(end - begin);
+  }
+  return out;
+}
+
 EntryLight estimate_entries(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                             const TableEntries& entries, int paths, int max_depth, uint64_t seed) {
   EntryLight out;
@@ -140,8 +140,8 @@ EntryLight estimate_entries(const pathtrace::Bvh& bvh, const pathtrace::Lights& 
                                  std::vector<int32_t>(points, rays), options);
   for (size_t k = 0; k < found.met.size(); ++k) direct.irradiance[k] += found.met[k];
   found.indirect.resize(points);
-  out.direct = means(entries, direct.irradiance);
-  out.indirect = means(entries, found.indirect);
+  out.direct = entry_means(entries, direct.irradiance);
+  out.indirect = entry_means(entries, found.indirect);
   out.rays_traced = found.rays_traced + direct.rays_traced;
   return out;
 }

@@ -45,8 +45,11 @@ struct EntryLight {
   std::vector<Rgb> total() const;
 };
 
-/// Path-traced estimates. With max_depth 1 `indirect` is 0. Where paths find nothing light is 0, and
-/// that counts: a table of the others alone would be too bright where light is rare.
+/// Of values at all points of the entries, [entries.start], the mean over those of each.
+std::vector<Rgb> entry_means(const TableEntries& entries, std::span<const Rgb> of_point);
+
+/// Path-traced estimates. With max_depth 1 `indirect` is 0. Where paths find nothing light is 0,
+/// and that counts: a table of the others alone would be too bright where light is rare.
 /// @param paths  of an entry of kEntryPoints points; each point has its share, at least one
 EntryLight estimate_entries(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                             const TableEntries& entries, int paths, int max_depth, uint64_t seed);

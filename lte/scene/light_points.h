@@ -32,9 +32,9 @@ double sun_solid_angle(int64_t count, const SamplerOptions& options);
 /// the environment. All are black.
 ///
 /// A point light is two discs of area `area` back to back, one facing up and one down, or the lower
-/// one alone where there are too many lights for two; a spot light one that faces along it. Emission · area · π, summed over the discs, is the power. Neither tells
-/// a direction as the light has it: where a scene's triangles are at hand, networks are given the
-/// direct light on scene points as well, which is exact.
+/// one alone where there are too many lights for two; a spot light one that faces along it.
+/// Emission · area · π, summed over the discs, is the power. Neither tells a direction as the light
+/// has it: networks that solve light are given the direct light of both where there are triangles.
 ///
 /// A sun of irradiance E is a patch of the sphere where its light comes from, as the environment
 /// has them: of solid angle Ω = sun_solid_angle() seen from the middle, so of area Ω r² and

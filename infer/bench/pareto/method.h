@@ -73,7 +73,7 @@ Method network_everywhere(int direct_samples);
 /// `--quality draft` has it.
 Method network_sparsely(int direct_samples);
 Method network_draft();
-/// lte_render --indirect network --correction-paths.
+/// lte_render --indirect decoded --correction-paths.
 Method network_corrected(int paths);
 /// Denoised path tracing of one pixel in step², upsampled as sparse answers are.
 Method reduced_paths(int step, int paths);

@@ -83,7 +83,7 @@ RenderSettings settings_of(const SceneMethod& method) {
       out.gather.step = kGatherStep;
       break;
     case SceneMethodKind::Decoded:
-      out.indirect = Indirect::Network;
+      out.indirect = Indirect::Decoded;
       break;
     case SceneMethodKind::Paths:
     case SceneMethodKind::DenoisedPaths:

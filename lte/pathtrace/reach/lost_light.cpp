@@ -49,7 +49,7 @@ class RayCount {
 
 Fate fate_of_surfaces(const Bvh& bvh, int group, const std::vector<int>& instances) {
   const scene::Scene& scene = bvh.scene();
-  const scene::AreaTable table(scene, instances);
+  const scene::AreaTable table(scene, scene::fronts(instances));
   if (!(table.total() > 0)) return Fate::Reaches;
   const float magnitude = 0.5f * max_component(bvh.bounds().extent());
   RayCount rays(bvh, static_cast<float>(kNearbyShare * std::sqrt(table.total())));
@@ -62,7 +62,7 @@ Fate fate_of_surfaces(const Bvh& bvh, int group, const std::vector<int>& instanc
       v = 1 - v;
     }
     const scene::Surface lamp =
-        scene::evaluate_surface(scene, place.instance, place.triangle, u, v, 0);
+        scene::evaluate_surface(scene, place.face.instance, place.triangle, u, v, 0);
     if (!(max_component(lamp.emission) > 0)) continue;
     const bool back = lamp.emits_back && rng.uniform() < 0.5f;
     const Vec3 side = back ? lamp.normal * -1.0f : lamp.normal;

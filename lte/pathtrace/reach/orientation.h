@@ -20,8 +20,8 @@ namespace lte::pathtrace {
 void turn_to_light(const Bvh& bvh, std::span<const uint8_t> lit, uint64_t seed,
                    scene::SurfaceSamples* samples);
 
-/// Points of which light has been found on one side alone, while the other is more enclosed: worth a
-/// longer look, as a wall in the sun is a wall of the room behind it.
+/// Points of which light has been found on one side alone, while the other is more enclosed: worth
+/// a longer look, as a wall in the sun is a wall of the room behind it.
 /// @param lit  a point: bits kFrontLit and kBackLit
 /// @return  their numbers, in order
 std::vector<size_t> lit_from_outside(const Bvh& bvh, std::span<const uint8_t> lit, uint64_t seed,

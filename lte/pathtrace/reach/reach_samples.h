@@ -25,8 +25,9 @@ struct KeptSamples {
 /// Points of luminaires leave only where they would be more than half of `count` and there are
 /// others to take their place: then each luminaire keeps its share of the half, at least one point.
 ///
-/// The areas of a luminaire's points are scaled so that, with those of its lost ones, they sum to its
-/// faces' area, and if some others left, further so that Σ emission · area over its points stays.
+/// The areas of a luminaire's points are scaled so that, with those of its lost ones, they sum to
+/// its faces' area, and if some others left, further so that Σ emission · area over its points
+/// stays.
 void reduce_samples(const scene::Scene& scene, KeptSamples kept, int64_t count,
                     scene::SurfaceSamples* samples);
 

@@ -102,7 +102,8 @@ def cube_inside_out(doc):
     """A plain cube whose fronts are outside; a one-sided panel, a box, a table."""
     m = Palette(doc, wall=(0.7, 0.7, 0.7))
     doc.add("cube", box((-2, 0, -2), (2, 2.6, 2)), m["wall"])
-    doc.add("panel", panel(-0.6, -0.6, 0.6, 0.6, 2.55), lamp(doc, "panel", (9, 9, 8.5), double_sided=False))
+    doc.add("panel", panel(-0.6, -0.6, 0.6, 0.6, 2.55),
+            lamp(doc, "panel", (9, 9, 8.5), double_sided=False))
     doc.add("box", block((0.8, 0.8, 0.8)).turned(25).moved(-1.0, 0, -1.0), m["terracotta"])
     f.table(doc, "table", m["oak"], (0.8, -0.6), (1.2, 0.75, 0.7), -12)
     doc.add("ball", sphere(0.16, (0.7, 0.91, -0.55)), m["blue"])
