@@ -134,12 +134,11 @@ ReferencePicture trace(Renderer* renderer, const scene::Camera& camera,
 /// As a file would give it back, so that kept ones are the same to the last bit.
 KeptPair trace_pair(Renderer* renderer, const scene::Camera& camera, const std::string& name,
                     const PairSettings& settings) {
-  const int64_t pixels = int64_t{settings.width} * settings.height;
   std::optional<Progress> progress;
-  if (settings.progress)
-    progress.emplace("reference of " + name, (settings.irradiance ? 4 : 2) * pixels, "pixels");
+  if (settings.progress) progress.emplace("reference of " + name, settings.pair_pixels(), "pixels");
   const auto done = [&](int64_t count) {
     if (progress) progress->advance(count);
+    if (settings.done) settings.done(count);
   };
   const uint64_t seeds = hash_combine(kSeeds, settings.seed);
   ReferencePair pair;

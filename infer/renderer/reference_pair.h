@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "infer/renderer/renderer.h"
@@ -30,6 +31,11 @@ struct PairSettings {
   bool irradiance = false;
   std::filesystem::path folder;  ///< where pairs are kept; empty: nowhere
   bool progress = true;          ///< show it while paths are traced
+  /// Given numbers of traced pixels by the threads that traced them, pair_pixels() in all. May be
+  /// null.
+  std::function<void(int64_t pixels)> done;
+
+  int64_t pair_pixels() const { return int64_t{width} * height * (irradiance ? 4 : 2); }
 };
 
 /// A kept reference that is damaged or was made by another version.

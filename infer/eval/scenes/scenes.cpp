@@ -1,6 +1,7 @@
 #include "infer/eval/scenes/scenes.h"
 
 #include <algorithm>
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -20,7 +21,7 @@ namespace lte::infer {
 namespace {
 
 namespace fs = std::filesystem;
-/// Steps of progress that both references take, a method taking one.
+/// Steps of progress that both references take, a method taking one: about as their times are.
 constexpr int64_t kReferenceSteps = 8;
 /// Of the key of a kept result: another one wherever the figures mean something else than before.
 constexpr int kFigures = 1;
@@ -164,9 +165,16 @@ class ScenesRun {
   }
 
   SceneReference find_reference(SceneView* view, SceneOutcome* out) {
+    PairSettings settings = pair_settings();
+    const int64_t all = settings.pair_pixels();
+    std::atomic<int64_t> traced{0};
+    settings.done = [&](int64_t pixels) {
+      const int64_t before = traced.fetch_add(pixels);
+      advance(kReferenceSteps * (before + pixels) / all - kReferenceSteps * before / all);
+    };
     ReferencePair pair =
-        find_reference_pair(view->renderer.get(), view->camera, view->name, pair_settings());
-    advance(kReferenceSteps);
+        find_reference_pair(view->renderer.get(), view->camera, view->name, settings);
+    advance(kReferenceSteps - kReferenceSteps * traced / all);
     SceneReference reference(std::move(pair),
                              irradiance_mask(*view, options_.width, options_.height),
                              options_.reference_paths);
@@ -201,7 +209,7 @@ class ScenesRun {
   const KeptResults kept_;
   const float aspect_;
   std::optional<Progress> progress_;
-  int64_t steps_ = 0;  ///< of the scene that is worked on
+  std::atomic<int64_t> steps_{0};  ///< of the scene that is worked on
   std::shared_ptr<SharedDenoiser> denoiser_ = std::make_shared<SharedDenoiser>();
   std::vector<std::string> prints_;  ///< of the models
   std::vector<std::string> warm_;
