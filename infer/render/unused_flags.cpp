@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "infer/render/frame_io.h"
 #include "lte/base/log.h"
 
 namespace lte::infer {
