@@ -18,6 +18,7 @@ using ::testing::HasSubstr;
 class HeldOut : public Folder {
  protected:
   void SetUp() override {
+    make_directory(folder_ / "scenes");
     for (const DatasetEntry& entry : entries_)
       write_scene_sample(scene_path(folder_, entry.name), make_sample());
   }

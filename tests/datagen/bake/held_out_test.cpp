@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "datagen/bake/bake.h"
+#include "lte/base/file.h"
 #include "lte/scene/fingerprint.h"
 #include "lte/scene/load.h"
 #include "tests/data/sample_fixture.h"
@@ -41,6 +42,7 @@ TEST(HeldOutScenes, ASampleOfACopyUnderAnotherNameIsRefused) {
   const data::SceneSample sample =
       bake_scene(scene::load_scene(own.path() / "my_room.glb"), tiny_bake(), false);
   EXPECT_EQ(sample.name, "my_room");
+  make_directory(own.path() / "scenes");
   data::write_scene_sample(data::scene_path(own.path(), "room_0"), sample);
   EXPECT_THAT(
       data::test::error_of([&] { data::refuse_held_out(own.path(), {{.name = "room_0"}}); }),
