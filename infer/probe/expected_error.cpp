@@ -23,7 +23,8 @@ double squared_fault(const LightCheck& check, size_t point) {
 double rms(const Rgb& value) { return std::sqrt(mean_square(value)); }
 
 std::vector<double> expected_errors(const GatheredProbe& gathered,
-                                    std::span<const Rgb> direct_error, const LightCheck& check) {
+                                    std::span<const Rgb> direct_error, const LightCheck& check,
+                                    double unseen_share) {
   double squares = 0, light = 0;
   for (size_t i = 0; i < gathered.indirect.size(); ++i) {
     squares += mean_square(gathered.standard_error[i]);
@@ -38,7 +39,7 @@ std::vector<double> expected_errors(const GatheredProbe& gathered,
     const double spread =
         (own * mean_square(gathered.standard_error[i]) + kTablesOfOthers * relative * here) /
         (own + kTablesOfOthers);
-    const double fault = (squared_fault(check, i) + kUnseenShare * kUnseenShare) * here;
+    const double fault = (squared_fault(check, i) + unseen_share * unseen_share) * here;
     out.push_back(std::sqrt(spread + fault + mean_square(direct_error[i])));
   }
   return out;

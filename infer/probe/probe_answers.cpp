@@ -144,7 +144,9 @@ ProbeAnswer answer_points(const ProbeRequest& request, const runtime::Network* n
   if (request.check == "on")
     answer.check = check(request, points, found.indirect, total, timer.seconds(), *renderer);
   if (!decoded) {
-    answer.expected_error = expected_errors(found, answer.light.standard_error, answer.check);
+    answer.expected_error =
+        expected_errors(found, answer.light.standard_error, answer.check,
+                        network != nullptr ? kUnseenShareOfNetwork : kUnseenShare);
   }
   for (size_t i = 0; i < found.indirect.size(); ++i) {
     answer.light.total[i] = total ? found.indirect[i] : answer.light.direct[i] + found.indirect[i];

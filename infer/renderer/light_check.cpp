@@ -22,6 +22,9 @@ constexpr int64_t kLeastPaths = int64_t{1} << 13;
 constexpr double kRegionError = 0.04;
 // An error below this share of all light that reaches the surfaces is not seen.
 constexpr double kSeen = 0.01;
+// What regions are off by counts by their share of the places: a fiftieth of a picture that is off
+// by a tenth is nothing to warn of.
+constexpr double kLeastFault = 0.01;
 // Estimates keep two colors a place and light group: blocks bound that memory.
 constexpr int64_t kEstimateBlock = int64_t{1} << 20;
 // Streams of what suspects and of what confirms.
@@ -76,6 +79,8 @@ class Checker {
         out.region_of[place] = static_cast<int32_t>(out.regions.size()) - 1;
     }
     if (!wrong.empty()) out.fault = fault_of(wrong);
+    if (out.fault && out.fault->share * std::fabs(out.fault->ratio - 1) < kLeastFault)
+      out.fault.reset();
     out.paths = paths_;
     out.seconds = timer_.seconds();
     return out;

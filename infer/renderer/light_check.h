@@ -60,7 +60,7 @@ struct LightCheck {
   std::vector<CheckedRatio> regions;  ///< disjoint; at least one where anything was compared
   std::vector<int32_t> region_of;     ///< of each place: a number of `regions`
   /// Of all regions that are off to the same side, the side that is off by more light; `centre` is
-  /// that of the one which is off by the most.
+  /// that of the one which is off by the most. Nothing if that is little for so few places.
   std::optional<CheckedRatio> fault;
   bool total = false;  ///< AnsweredLight::total
   int64_t paths = 0;

@@ -188,8 +188,10 @@ TEST_F(ProbeTool, ExpectedErrorsAreThoseThatAreMade) {
     within_one += std::sqrt(squares) <= expected ? 1 : 0;
     within_two += std::sqrt(squares) <= 2 * expected ? 1 : 0;
   }
-  EXPECT_NEAR(within_one / 150.0, 0.67, 0.15);
-  EXPECT_GT(within_two / 150.0, 0.88);
+  // More in a room as plain as this one: the share of what is unseen is that of harder ones.
+  EXPECT_GT(within_one / 150.0, 0.6);
+  EXPECT_LT(within_one / 150.0, 0.92);
+  EXPECT_GT(within_two / 150.0, 0.92);
 }
 
 TEST_F(ProbeTool, OfTheNetworksOwnAnswersNoErrorIsExpected) {
