@@ -57,8 +57,8 @@ struct LitSamples {
 /// where there are none, or the network solves no light: it does so by itself.
 /// @param left_out  light groups whose light is not to be among it
 void solve_traced_lights(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                         const nn::ModelConfig& model, uint64_t seed,
-                         std::span<const int> left_out, LitSamples* lit);
+                         const nn::ModelConfig& model, uint64_t seed, std::span<const int> left_out,
+                         LitSamples* lit);
 
 /// Of estimates by light group, what a network of this light_request() reads; borrows from them.
 data::GroupedLight light_to_read(const pathtrace::LightEstimates& light,

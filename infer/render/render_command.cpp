@@ -472,11 +472,11 @@ void run_render(const RenderRequest& request) {
                  renderer.bvh(), renderer.shared_embedding(), all_views.front().camera.origin);
     log_info(look->text());
   }
-  render_to_files(request,
-                  {std::move(views), settings, std::move(frames), table.light, edited.get(),
-                   std::move(look), total, work,
-                   settings.indirect == Indirect::Decoded || table.light == TableLight::Network},
-                  &renderer);
+  render_to_files(
+      request,
+      {std::move(views), settings, std::move(frames), table.light, edited.get(), std::move(look),
+       total, work, settings.indirect == Indirect::Decoded || table.light == TableLight::Network},
+      &renderer);
   if (edited) edited->finish(request.edit, request.out);
 }
 
