@@ -50,7 +50,9 @@ double sum(const std::vector<Rgb>& light) {
 double ratio(const runtime::Network& network, const Sides& sides) {
   const scene::Scene scene = room(sides);
   Renderer renderer(scene);
-  renderer.embed(network, {.scene_points = 4096});
+  EmbedSettings settings;
+  settings.scene_points = 4096;
+  renderer.embed(network, settings);
   pathtrace::PruneCounts counts;
   const scene::SurfaceSamples queries = pathtrace::sample_reached_surface(
       renderer.bvh(), 1500, {.seed = 9}, pathtrace::Purpose::Queries, {}, &counts);
