@@ -123,7 +123,6 @@ TEST_F(Tools, TheSameSeedGivesTheSamePictureAndExposureIsRespected) {
 TEST_F(Tools, AWrongCommandLineIsUsage) {
   expect_failure(render("--out " + at("c.png") + " --size 0x16"), 2, HasSubstr("--size"));
   expect_failure(render("--out " + at("c.jpg")), 2, HasSubstr("--out"));
-  expect_failure(render(""), 2, HasSubstr("--out"));
   expect_failure(render("--out " + at("c.png") + " --output glow"), 2, HasSubstr("--output"));
   expect_failure(render("--out " + at("c.png") + " --exposure -1"), 2, HasSubstr("--exposure"));
   expect_failure(eval("--split all"), 2, HasSubstr("--split"));
