@@ -29,7 +29,7 @@ gi::RadiosityTable make_light_table(const pathtrace::Bvh& bvh, const pathtrace::
   }
   // A gather adds a bounce to the table's light, so light of depth 1 is all that none has.
   if (lights.empty() || settings.max_depth < 2) return {bvh, {}, {}};
-  const gi::TableEntries entries = gi::sample_entries(bvh.scene(), settings.entries, places);
+  const gi::TableEntries entries = gi::sample_entries(bvh, settings.entries, places);
   const gi::EntryLight light =
       gi::estimate_entries(bvh, lights, entries, settings.paths, settings.max_depth - 1,
                            hash_combine(settings.seed, kLight));

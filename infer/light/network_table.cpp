@@ -4,7 +4,7 @@ namespace lte::infer {
 
 gi::RadiosityTable network_table(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                                  const EmbeddingDraws& draws, const NetworkTableOptions& options) {
-  const gi::TableEntries entries = gi::sample_entries(bvh.scene(), options.entries, options.seed);
+  const gi::TableEntries entries = gi::sample_entries(bvh, options.entries, options.seed);
   std::vector<Rgb> total = draws.decode({entries.position, entries.normal, entries.albedo});
   if (draws.network().predicts_total()) return {bvh, entries, total, total};
   const gi::EntryLight light = gi::estimate_entries(bvh, lights, entries, options.direct_rays,

@@ -72,6 +72,37 @@ RadiosityTable::RadiosityTable(const pathtrace::Bvh& bvh, const TableEntries& en
     entries_[i].walls = static_cast<uint32_t>(walls_.size());
     walls_.push_back(around[i]);
   }
+  silence_dark_sheets(entries);
+}
+
+bool RadiosityTable::speaks(uint32_t entry, const Vec3& offset) const {
+  const uint32_t walls = entries_[entry].walls;
+  return walls == kNone || (walls != kSilent && !walls_[walls].hides(offset));
+}
+
+/// Entries that paths have found no light at say so beside lit ones: without them the table would be
+/// too bright where light is rare. Those that no lit one leads to, from entry to entry along
+/// surfaces, lie inside of things and below them, or in the dark: nothing is known there.
+void RadiosityTable::silence_dark_sheets(const TableEntries& entries) {
+  std::vector<uint8_t> reached(entries_.size());
+  std::vector<uint32_t> open;
+  for (uint32_t i = 0; i < entries_.size(); ++i) {
+    reached[i] = grey(entries_[i].irradiance) > 0;
+    if (reached[i]) open.push_back(i);
+  }
+  while (!open.empty()) {
+    const uint32_t from = open.back();
+    open.pop_back();
+    index_.for_each(entries.position[from], entries.normal[from],
+                    [&](uint32_t i, float, const Vec3& offset) {
+                      if (reached[i] || !speaks(i, offset) || !speaks(from, -offset)) return;
+                      reached[i] = 1;
+                      open.push_back(i);
+                    });
+  }
+  for (uint32_t i = 0; i < entries_.size(); ++i) {
+    if (!reached[i]) entries_[i].walls = kSilent;
+  }
 }
 
 /// Traces a ray into each octant. What it meets counts as a plane wall.
@@ -119,8 +150,8 @@ bool RadiosityTable::lookup(const Vec3& position, const Vec3& normal, Rgb* irrad
   Rgb sum;
   float weights = 0, direct = 0, squares = 0;
   index_.for_each(position, normal, [&](uint32_t i, float weight, const Vec3& offset) {
+    if (!speaks(i, offset)) return;
     const Entry& entry = entries_[i];
-    if (entry.walls != kNone && walls_[entry.walls].hides(offset)) return;
     sum += entry.irradiance * weight;
     weights += weight;
     direct += entry.direct * weight;

@@ -66,15 +66,18 @@ class RadiosityTable {
 
     bool hides(const Vec3& offset) const;
   };
-  static constexpr uint32_t kNone = ~0u;
+  static constexpr uint32_t kNone = ~0u, kSilent = kNone - 1;
   /// @return  whether there are any within `radius`
   static bool find_walls(const pathtrace::Bvh& bvh, const Vec3& position, const Vec3& normal,
                          float radius, Walls* walls);
 
+  bool speaks(uint32_t entry, const Vec3& offset) const;
+  void silence_dark_sheets(const TableEntries& entries);
+
   struct Entry {
     Rgb irradiance;
     float direct = 0;        ///< of it, sum over the channels
-    uint32_t walls = kNone;  ///< index into walls_
+    uint32_t walls = kNone;  ///< index into walls_; kSilent for an entry that says nothing
   };
   SurfaceIndex index_;
   std::vector<Entry> entries_;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lte/base/check.h"
+#include "lte/base/parallel.h"
 #include "lte/gi/gather.h"
 #include "lte/pathtrace/direct_light.h"
 #include "lte/scene/sampler.h"
@@ -14,18 +15,33 @@ namespace lte::gi {
 namespace {
 
 constexpr double kEmissiveShare = 0.1;
-// Points of an entry lie so near each other, in edges of the square that all of them stand for, and
-// so near the plane of its first; their normals differ by less than 26 degrees.
-constexpr float kApart = 2, kOffPlane = 0.15f, kLeastCosine = 0.9f;
+constexpr int64_t kRuns = 64;  ///< of points that a thread takes at a time
+// Points of an entry lie so near its first, in edges of the square that all of them stand for, and so
+// near its plane; their normals differ by less than 26 degrees. Farther ones would darken what lies
+// open by what lies in corners.
+constexpr float kApart = 1, kOffPlane = 0.05f, kLeastCosine = 0.9f;
+
+/// Whether a straight line over the surface leads from `a` to `b`: floors go on below what stands on
+/// them, where no light comes.
+bool sees(const pathtrace::Bvh& bvh, const Vec3& a, const Vec3& b, const Vec3& normal) {
+  const float magnitude = 0.5f * max_component(bvh.bounds().extent());
+  pathtrace::Ray ray;
+  ray.origin = pathtrace::offset_origin(a, normal, magnitude);
+  ray.direction = pathtrace::offset_origin(b, normal, magnitude) - ray.origin;
+  ray.t_max = 1;
+  return !bvh.occluded(ray);
+}
 
 /// Whether point `b` lies on the same level piece of surface as point `a`.
-bool joins(const scene::SurfaceSamples& samples, size_t a, size_t b) {
+bool joins(const pathtrace::Bvh& bvh, const scene::SurfaceSamples& samples, size_t a, size_t b) {
   if (samples.area[a] != samples.area[b]) return false;
   if (dot(samples.normal[a], samples.normal[b]) < kLeastCosine) return false;
   const float edge = std::sqrt(kEntryPoints * samples.area[a]);
   const Vec3 between = samples.position[b] - samples.position[a];
   return dot(between, between) < kApart * kApart * edge * edge &&
-         std::fabs(dot(between, samples.normal[a])) < kOffPlane * edge;
+         std::fabs(dot(between, samples.normal[a])) < kOffPlane * edge &&
+         sees(bvh, samples.position[a], samples.position[b], samples.normal[a]) &&
+         sees(bvh, samples.position[a], samples.position[b], -samples.normal[a]);
 }
 
 bool usable(const scene::SurfaceSamples& samples, size_t i) {
@@ -74,7 +90,7 @@ void TableEntries::add(const Vec3& at, const Vec3& side, const Rgb& color, float
   first.push_back(start.size());
 }
 
-TableEntries sample_entries(const scene::Scene& scene, int64_t count, uint64_t seed) {
+TableEntries sample_entries(const pathtrace::Bvh& bvh, int64_t count, uint64_t seed) {
   LTE_CHECK(count >= 1, "a table needs at least one entry, got ", count);
   scene::SamplerOptions options;
   options.seed = seed;
@@ -82,19 +98,25 @@ TableEntries sample_entries(const scene::Scene& scene, int64_t count, uint64_t s
   options.environment_share = 0;
   options.punctual_lights = false;
   const scene::SurfaceSamples samples =
-      scene::sample_surface(scene, (count + 1) / 2 * kEntryPoints, options);
-  TableEntries out;
-  const size_t size = samples.position.size();
-  for (size_t begin = 0; begin < size;) {
-    size_t end = begin + 1;
-    if (usable(samples, begin)) {
-      while (end < size && end - begin < kEntryPoints && usable(samples, end) &&
-             joins(samples, begin, end)) {
-        ++end;
+      scene::sample_surface(bvh.scene(), (count + 1) / 2 * kEntryPoints, options);
+  // Points of the same run of kEntryPoints may be joined; each begins an entry or goes on with it.
+  const auto size = static_cast<int64_t>(samples.position.size());
+  std::vector<uint8_t> begins(samples.position.size(), 1);
+  parallel_for((size + kEntryPoints - 1) / kEntryPoints, kRuns, [&](int64_t low, int64_t high) {
+    for (int64_t run = low; run < high; ++run) {
+      auto begin = static_cast<size_t>(run * kEntryPoints);
+      const auto end = static_cast<size_t>(std::min((run + 1) * kEntryPoints, size));
+      for (size_t i = begin + 1; i < end; ++i) {
+        begins[i] =
+            !usable(samples, begin) || !usable(samples, i) || !joins(bvh, samples, begin, i);
+        if (begins[i]) begin = i;
       }
-      add_entries(samples, begin, end, &out);
     }
-    begin = end;
+  });
+  TableEntries out;
+  for (size_t begin = 0, end = 0; begin < begins.size(); begin = end) {
+    for (end = begin + 1; end < begins.size() && !begins[end];) ++end;
+    if (usable(samples, begin)) add_entries(samples, begin, end, &out);
   }
   return out;
 }

@@ -32,9 +32,9 @@ struct TableEntries {
 inline constexpr int kEntryPoints = 4;
 
 /// Draws points by area, a tenth of them on luminaires at least, joins neighbours that lie in one
-/// plane, and makes two entries of what they are then: `count` where surfaces are level, up to
-/// kEntryPoints times as many of smaller areas where they are not.
-TableEntries sample_entries(const scene::Scene& scene, int64_t count, uint64_t seed);
+/// plane and see each other along it, and makes two entries of what they are then: `count` where
+/// surfaces are level, up to kEntryPoints times as many of smaller areas where they are not.
+TableEntries sample_entries(const pathtrace::Bvh& bvh, int64_t count, uint64_t seed);
 
 /// Light at entries, summed over light groups, W/m².
 struct EntryLight {

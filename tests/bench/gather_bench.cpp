@@ -199,7 +199,7 @@ class Experiments {
   Lit lit_entries(int64_t count, int paths) const {
     Lit out;
     const double start = processor_seconds();
-    out.entries = gi::sample_entries(bvh_.scene(), count, 11);
+    out.entries = gi::sample_entries(bvh_, count, 11);
     out.light = gi::estimate_entries(bvh_, lights_, out.entries, paths, kModelDepth, 12);
     out.seconds = processor_seconds() - start;
     return out;
@@ -356,7 +356,7 @@ class Experiments {
                      });
       }
     }
-    const gi::TableEntries all = gi::sample_entries(bvh_.scene(), 8192, 21);
+    const gi::TableEntries all = gi::sample_entries(bvh_, 8192, 21);
     const std::vector<Rgb> at_points = embedding_.decode({all.position, all.normal, all.albedo});
     std::vector<float> spacing;
     for (const float area : all.area) spacing.push_back(std::sqrt(area));

@@ -32,7 +32,7 @@ class Furnace : public testing::Test {
   Gathered gather(int table_depth, const GatherOptions& options) {
     const pathtrace::Bvh bvh(scene_);
     const pathtrace::Lights lights(scene_);
-    const TableEntries entries = sample_entries(scene_, 2000, 1);
+    const TableEntries entries = sample_entries(bvh, 2000, 1);
     const float e = kPi * static_cast<float>(test::geometric_sum(double{kAlbedo}, table_depth));
     const RadiosityTable table(bvh, entries,
                                std::vector<Rgb>(static_cast<size_t>(entries.size()), Rgb{e, e, e}));
@@ -107,7 +107,7 @@ struct Room {
     return out;
   }
   RadiosityTable table(int64_t count, int paths, int max_depth) const {
-    const TableEntries entries = sample_entries(scene, count, 3);
+    const TableEntries entries = sample_entries(bvh, count, 3);
     const EntryLight light = estimate_entries(bvh, lights, entries, paths, max_depth, 4);
     return RadiosityTable(bvh, entries, light.total(), light.direct);
   }

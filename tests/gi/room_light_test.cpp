@@ -51,7 +51,7 @@ struct View {
     return out;
   }
   std::vector<Rgb> gathered(uint64_t seed) const {
-    const TableEntries entries = sample_entries(scene, 4096, seed);
+    const TableEntries entries = sample_entries(bvh, 4096, seed);
     const EntryLight light = estimate_entries(bvh, lights, entries, 16, 4, seed);
     const RadiosityTable table(bvh, entries, light.total(), light.direct);
     GatherOptions options;
