@@ -54,7 +54,7 @@ TracedRecords trace_records(const pathtrace::Bvh& bvh, const pathtrace::Lights& 
   out.groups = lights.groups();
   // A gather adds a bounce to the table's light, so light of depth 1 is all that none has.
   if (raw && (lights.empty() || settings.max_depth < 2)) return out;
-  out.entries = gi::sample_entries(bvh.scene(), settings.entries, places);
+  out.entries = gi::sample_entries(bvh, settings.entries, places);
   const auto count = static_cast<size_t>(out.entries.size());
   const auto groups = static_cast<size_t>(out.groups);
   out.direct.resize(groups * count);
