@@ -80,8 +80,8 @@ bool RadiosityTable::speaks(uint32_t entry, const Vec3& offset) const {
   return walls == kNone || (walls != kSilent && !walls_[walls].hides(offset));
 }
 
-/// Entries that paths have found no light at say so beside lit ones: without them the table would be
-/// too bright where light is rare. Those that no lit one leads to, from entry to entry along
+/// Entries that paths have found no light at say so beside lit ones: without them the table would
+/// be too bright where light is rare. Those that no lit one leads to, from entry to entry along
 /// surfaces, lie inside of things and below them, or in the dark: nothing is known there.
 void RadiosityTable::silence_dark_sheets(const TableEntries& entries) {
   std::vector<uint8_t> reached(entries_.size());

@@ -16,13 +16,13 @@ namespace {
 
 constexpr double kEmissiveShare = 0.1;
 constexpr int64_t kRuns = 64;  ///< of points that a thread takes at a time
-// Points of an entry lie so near its first, in edges of the square that all of them stand for, and so
-// near its plane; their normals differ by less than 26 degrees. Farther ones would darken what lies
-// open by what lies in corners.
+// Points of an entry lie so near its first, in edges of the square that all of them stand for, and
+// so near its plane; their normals differ by less than 26 degrees. Farther ones would darken what
+// lies open by what lies in corners.
 constexpr float kApart = 1, kOffPlane = 0.05f, kLeastCosine = 0.9f;
 
-/// Whether a straight line over the surface leads from `a` to `b`: floors go on below what stands on
-/// them, where no light comes.
+/// Whether a straight line over the surface leads from `a` to `b`: floors go on below what stands
+/// on them, where no light comes.
 bool sees(const pathtrace::Bvh& bvh, const Vec3& a, const Vec3& b, const Vec3& normal) {
   const float magnitude = 0.5f * max_component(bvh.bounds().extent());
   pathtrace::Ray ray;
