@@ -73,8 +73,7 @@ class Shapes(unittest.TestCase):
                                     (shapes.sphere(1, segments=96), 4.18879, 0.003),
                                     (shapes.cylinder(1, 2, segments=96), 6.28319, 0.001),
                                     (shapes.rounded((1, 2, 3), 0.2, steps=8), 5.806, 0.002),
-                                    (shapes.extruded([(0, 0), (0, 1), (1, 1), (1, 0)], 2), 2,
-                                     1e-9)):
+                                    (shapes.extruded([(0, 0), (0, 1), (1, 1)], 6), 3, 1e-9)):
             self.assertAlmostEqual(volume(mesh), wanted, delta=share * wanted)
 
     def test_an_l_shaped_room_faces_inwards_and_is_closed(self):
