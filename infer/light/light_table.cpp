@@ -37,7 +37,8 @@ gi::RadiosityTable make_light_table(const pathtrace::Bvh& bvh, const pathtrace::
 }
 
 double table_mb(const TableSettings& settings, int64_t groups) {
-  const auto entries = static_cast<double>(settings.entries);
+  // As many as there are where no surface is level.
+  const auto entries = static_cast<double>(settings.entries) * gi::kEntryPoints;
   const double estimates =
       std::min(entries * static_cast<double>(std::max<int64_t>(groups, 1)), kMostEstimates);
   return (entries * kEntryBytes + estimates * kEstimateBytes) / (1 << 20);

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lte/base/file.h"
+#include "lte/gi/table_entries.h"
 #include "lte/image/exr.h"
 #include "lte/image/png.h"
 #include "tests/infer/tools_fixture.h"
@@ -76,7 +77,7 @@ TEST_F(Tools, GatheredPicturesNeedNoModelAndKeepOneTable) {
       "--camera inside --out " +
       at("turn%d.png"));
   ASSERT_EQ(many.at("pictures").size(), 3u);
-  EXPECT_LE(many.at("table").at("entries"), 500);
+  EXPECT_LE(many.at("table").at("entries"), 500 * gi::kEntryPoints);
   for (const nlohmann::json& picture : many.at("pictures")) {
     EXPECT_EQ(picture.at("gather").at("rays"), 4);
     EXPECT_EQ(picture.at("gather").at("correction_paths"), 2);

@@ -96,8 +96,9 @@ TEST_F(Tools, LightThatTheModelHasNeverSeenIsTracedInItsPlace) {
   const auto figures = [](const std::string& rest) {
     const Outcome done =
         run_tool("lte_render", at("sunny.glb") + " --quiet --size 24x16 --aa off --out " +
-                                   at("sunny.exr") + " --indirect decoded --checkpoint " +
-                                   at("tiny.safetensors") + " --json " + at("sunny.json") + rest);
+                                   at("sunny.exr") +
+                                   test::decoding_flags(at("tiny.safetensors"), rest) + "--json " +
+                                   at("sunny.json") + rest);
     EXPECT_EQ(done.code, 0) << done.text;
     return nlohmann::json::parse(read_file(at("sunny.json")));
   };
