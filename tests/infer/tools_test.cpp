@@ -94,11 +94,10 @@ TEST_F(Tools, LightThatTheModelHasNeverSeenIsTracedInItsPlace) {
   test::add_punctual(&sunny, scene::LightKind::Directional, {5, 5, 5});
   scene::write_glb(at("sunny.glb"), sunny);
   const auto figures = [](const std::string& rest) {
-    const Outcome done =
-        run_tool("lte_render", at("sunny.glb") + " --quiet --size 24x16 --aa off --out " +
-                                   at("sunny.exr") +
-                                   test::decoding_flags(at("tiny.safetensors"), rest) + "--json " +
-                                   at("sunny.json") + rest);
+    const Outcome done = run_tool(
+        "lte_render", at("sunny.glb") + " --quiet --size 24x16 --aa off --out " + at("sunny.exr") +
+                          test::decoding_flags(at("tiny.safetensors"), rest) + "--json " +
+                          at("sunny.json") + rest);
     EXPECT_EQ(done.code, 0) << done.text;
     return nlohmann::json::parse(read_file(at("sunny.json")));
   };

@@ -75,7 +75,8 @@ TEST(Replies, AFrameIsHeaderAndBytes) {
   EXPECT_TRUE(test::frame_header(frame).at("check").is_null());
   header.check.emplace();
   header.check->paths = 8192;
-  header.check->whole = {.ratio = 0.5, .standard_error = 0.02, .share = 1, .centre = {}, .off = true};
+  header.check->whole = {
+      .ratio = 0.5, .standard_error = 0.02, .share = 1, .centre = {}, .off = true};
   header.check->regions = {header.check->whole};
   const json check = test::frame_header(picture_frame(header, "jpeg")).at("check");
   EXPECT_EQ(check.at("whole").at("ratio"), 0.5);
