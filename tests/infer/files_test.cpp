@@ -78,7 +78,8 @@ TEST_F(InferFiles, NoOutputReplacesAnInputOrAnotherOutput) {
        "--camera"},
       {"lte_render room.glb --out sky.png --environment sky.png", "--out", "--environment"},
       {"lte_render room.glb --out link.png --environment sky.png", "--out", "--environment"},
-      {"lte_render room.glb --out a.png --checkpoint tiny.safetensors --json twin.safetensors",
+      {"lte_render room.glb --out a.png --indirect network --checkpoint tiny.safetensors --json "
+       "twin.safetensors",
        "--json", "--checkpoint"},
       {"lte_render room.glb --validate-only --json room.glb", "--json", "SCENE"},
       {"lte_eval --split test --data homes --csv e --json e", "--json", "--csv"},

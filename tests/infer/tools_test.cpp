@@ -296,10 +296,10 @@ TEST_F(Tools, ValidateOnlyWritesNothingAndADarkSceneIsAWarning) {
 TEST_F(Tools, ALightThatIsAddedLightsADarkScene) {
   for (const char* mode : {"neural", "reference"}) {
     for (const char* light : {"auto", "0,1.8,0,100", "-0.5,1.5,0,40 --add-light 0.5,1.5,0,40"}) {
-      const Outcome lit =
-          run_tool("lte_render", at("dark.glb") + " --size 24x16 --spp 8 --mode " + mode +
-                                     " --indirect decoded --checkpoint " + at("tiny.safetensors") +
-                                     " --out " + at("lit.exr") + " --add-light " + light);
+      const Outcome lit = run_tool(
+          "lte_render", at("dark.glb") + " --size 24x16 --spp 8 --mode " + mode +
+                            test::decoding_flags(at("tiny.safetensors"), concat("--mode ", mode)) +
+                            " --out " + at("lit.exr") + " --add-light " + light);
       ASSERT_EQ(lit.code, 0) << lit.text;
       EXPECT_THAT(lit.text, testing::Not(HasSubstr("nothing emits light")));
       const std::vector<float> pixels = image::read_exr(at("lit.exr"), "").pixels;
@@ -334,8 +334,9 @@ TEST_F(Tools, ALightThatIsAddedByItselfIsWhereTheCameraStands) {
 
 TEST_F(Tools, APictureThatDoesNotFitIsRefusedBeforeAnyWork) {
   const auto run = [](const std::string& size, const std::string& rest) {
-    return run_tool("lte_render", at("room.glb") + " --quiet --indirect decoded --checkpoint " +
-                                      at("tiny.safetensors") + " --size " + size + " " + rest);
+    return run_tool("lte_render", at("room.glb") + " --quiet" +
+                                      test::decoding_flags(at("tiny.safetensors"), rest) +
+                                      "--size " + size + " " + rest);
   };
   for (const std::string mode : {"neural", "reference"}) {
     const std::string limited = "--max-memory 1G --mode " + mode;
@@ -352,9 +353,9 @@ TEST_F(Tools, APictureThatDoesNotFitIsRefusedBeforeAnyWork) {
 TEST_F(Tools, ProgressIsShownAndQuietIsQuiet) {
   const std::string common = at("room.glb") + " --size 24x16 --out " + at("q.png");
   for (const char* mode : {"neural", "reference"}) {
-    const Outcome shown = run_tool("lte_render", common + " --spp 4 --mode " + mode);
+    const Outcome shown = run_tool("lte_render", common + " --mode " + mode);
     EXPECT_THAT(shown.text, HasSubstr("rendering: 384 pixels")) << mode;
-    EXPECT_EQ(run_tool("lte_render", common + " --quiet --spp 4 --mode " + mode).text, "");
+    EXPECT_EQ(run_tool("lte_render", common + " --quiet --mode " + mode).text, "");
   }
   const std::string exporting = "--checkpoint " + at("tiny.safetensors") + " --out " + at("q.pt");
   EXPECT_THAT(run_tool("lte_export", exporting + " --verify").text,
