@@ -13,11 +13,15 @@
 namespace lte::infer {
 namespace {
 
+/// A panel under the ceiling that shines down; one that hangs and shines up and down, as a sheet
+/// that emits from both sides, or as two that emit from one.
+enum class Lamp { Flush, TwoSided, BackToBack };
+
 /// How a room is modelled.
 struct Sides {
   unsigned windings = 0;  ///< a bit a mesh that is wound the other way
   bool double_sided = false;
-  bool hanging = false;  ///< the lamp hangs in the middle and shines from both sides
+  Lamp lamp = Lamp::Flush;
 };
 
 /// A room with two boxes. Its lamp has the same power however it shines.
@@ -33,10 +37,13 @@ scene::Scene room(const Sides& sides) {
     if ((sides.windings >> m & 1) == 0) continue;
     for (auto& triangle : scene.meshes[m].triangles) std::swap(triangle[1], triangle[2]);
   }
-  const Rgb radiance = Rgb{16, 14, 11} * (sides.hanging ? 0.5f : 1.0f);
-  const int lamp = test::add_material(&scene, {0.5f, 0.5f, 0.5f}, radiance, sides.hanging);
-  test::add_quad(&scene, {1.7f, sides.hanging ? 1.9f : 2.58f, 1.4f}, {0.8f, 0, 0}, {0, 0, 0.7f},
-                 lamp);
+  const bool hangs = sides.lamp != Lamp::Flush;
+  const Rgb radiance = Rgb{16, 14, 11} * (hangs ? 0.5f : 1.0f);
+  const int lamp =
+      test::add_material(&scene, {0.5f, 0.5f, 0.5f}, radiance, sides.lamp == Lamp::TwoSided);
+  const Vec3 x{0.8f, 0, 0}, z{0, 0, 0.7f};
+  test::add_quad(&scene, {1.7f, hangs ? 1.9f : 2.58f, 1.4f}, x, z, lamp);
+  if (sides.lamp == Lamp::BackToBack) test::add_quad(&scene, {1.7f, 1.902f, 1.4f}, z, x, lamp);
   return scene;
 }
 
@@ -73,7 +80,11 @@ TEST(SidesOfSurfaces, TheNetworksLightIsThatOfEveryWindingAndOfLampsThatShineFro
           << "windings " << windings << ", double-sided " << double_sided;
     }
   }
-  EXPECT_NEAR(ratio(network, {.hanging = true}), plain, 0.05);
+  // Lamps that hang in a room are not among those that the network has learnt from; that half of
+  // their light were missing would show.
+  const double two_sided = ratio(network, {0, false, Lamp::TwoSided});
+  EXPECT_NEAR(two_sided, 1, 0.2);
+  EXPECT_NEAR(two_sided, ratio(network, {0, false, Lamp::BackToBack}), 0.05);
 }
 
 }  // namespace
