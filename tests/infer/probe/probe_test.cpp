@@ -218,7 +218,11 @@ TEST_F(ProbeTool, TheFirstLineSaysWhoAnswers) {
 
 TEST_F(ProbeTool, WrongLightIsSaidUnlessTheCheckIsOff) {
   // An untrained network is off by far.
-  const std::string line = "room.glb --points points.csv --json c.json --out a.csv";
+  std::string rows = "px,py,pz,nx,ny,nz\n";
+  for (int i = 0; i < 24; ++i)
+    rows += concat(0.3 + 0.6 * (i % 6), ",2.5,", 0.4 + 0.7 * (i / 6), ",0,-1,0\n");
+  test::write_text("ceiling.csv", rows);
+  const std::string line = "room.glb --points ceiling.csv --json c.json --out a.csv";
   const CommandOutcome wrong = ask(line, "--threads 1");
   EXPECT_THAT(wrong.err + wrong.out, testing::HasSubstr("the network's indirect light is "));
   EXPECT_TRUE(nlohmann::json::parse(read_file("c.json"))["check"]["whole"]["off"]);
