@@ -57,14 +57,14 @@ class CheckedPictures : public Tools {
 TEST_F(CheckedPictures, AModelThatIsMadeWrongIsSaidAndTheShippedOneIsNot) {
   const std::string wrong = at("wrong.safetensors");
   write_scaled_model(wrong, 0.5f);
-  const Outcome said = living_room("--indirect network --checkpoint " + wrong);
+  const Outcome said = living_room("--indirect decoded --checkpoint " + wrong);
   ASSERT_EQ(said.code, 0) << said.text;
   EXPECT_THAT(said.text, AllOf(HasSubstr("warning"),
                                HasSubstr("check.png: the network's indirect "
                                          "light is "),
                                HasSubstr(" of the traced")));
   EXPECT_TRUE(found().at("whole").at("off").get<bool>() || found().at("fault").is_object());
-  const Outcome right = living_room("--indirect network");
+  const Outcome right = living_room("--indirect decoded");
   ASSERT_EQ(right.code, 0) << right.text;
   EXPECT_FALSE(found().at("whole").at("off").get<bool>()) << found().dump();
   EXPECT_NEAR(found().at("whole").at("ratio").get<double>(), 1, 0.05);

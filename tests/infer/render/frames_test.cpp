@@ -208,7 +208,7 @@ TEST(FrameSets, TheManifestIsNamedAfterThePattern) {
     return FrameSet(pattern, {}).manifest().string();
   };
   EXPECT_EQ(name("f/%04d.png"), "f/frames_png.json");
-  EXPECT_EQ(name("f/%02d_{name}.exr"), "f/frames.exr.json");
+  EXPECT_EQ(name("f/%02d_{name}.exr"), "f/frames_exr.json");
   EXPECT_EQ(name("room_%d.png"), "room_frames_png.json");
   EXPECT_EQ(name("f/{name}/%d.png"), "f/frames_png.json");
 }
