@@ -54,7 +54,8 @@ TEST(Sides, WindingsChangeNoLight) {
   const auto light = [&](const scene::Scene& scene) {
     const pathtrace::Bvh bvh(scene);
     const pathtrace::Lights lights(scene);
-    return pathtrace::estimate_irradiance(bvh, lights, positions, normals, {.rays = 4096}).total(0);
+    return pathtrace::estimate_irradiance(bvh, lights, positions, normals, {.rays = 65536})
+        .total(0);
   };
   const Rgb a = light(plain), b = light(flipped);
   EXPECT_GT(a.y, 0);
