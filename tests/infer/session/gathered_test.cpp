@@ -58,7 +58,7 @@ void expect_same(const image::Image& a, const image::Image& b) {
   const double mean = mean_of(b);
   EXPECT_GT(mean, 0);
   EXPECT_NEAR(mean_of(a), mean, 0.03 * mean);
-  EXPECT_LT(off / static_cast<double>(a.pixels.size()), 0.1 * mean);
+  EXPECT_LT(off / static_cast<double>(a.pixels.size()), 0.2 * mean);
 }
 
 TEST(GatheredSession, ItsPictureIsThatOfARendererWithATable) {
@@ -133,7 +133,8 @@ TEST(GatheredSession, ALampThatIsAddedAndOneThatGoesAreSeenAtOnce) {
   expect_same(session.state()->render(camera(), gathered_picture()).color,
               by_renderer(exported(*session.state()), nullptr));
   session.apply(RemoveLight{added.added_lights.at(0)}, false, Accuracy::Kept);
-  session.apply(RemoveLight{0}, false, Accuracy::Kept);
+  for (const LuminaireInfo& left : session.state()->luminaires())
+    session.apply(RemoveLight{left.id}, false, Accuracy::Kept);
   EXPECT_FALSE(session.state()->has_light());
   EXPECT_EQ(session.state()->render(camera(), gathered_picture()).color.width, 24);
 }
