@@ -116,8 +116,9 @@ TEST_F(Pareto, OwnErrorsAreWithoutTheReferencesNoise) {
   options_.methods = {"paths-64"};
   const ParetoChart chart = measure_pareto(options_).at(0);
   const ParetoRow& row = chart.rows.at(0);
+  // The noise of 64 stratified paths is less than that of the mean of twice 32.
   const auto even = [](double raw, double noise) {
-    EXPECT_GT(raw - noise, 0.6 * noise);
+    EXPECT_GT(raw - noise, 0.3 * noise);
     EXPECT_LT(raw - noise, 1.7 * noise);
   };
   even(row.whole.mse, chart.whole_noise.mse);
@@ -192,7 +193,7 @@ TEST_F(Pareto, CommandWritesPageAndData) {
   const std::string page = read_file("p.html");
   EXPECT_THAT(page, HasSubstr("<svg"));
   EXPECT_THAT(page, HasSubstr("relative MSE, 100 views"));
-  EXPECT_TRUE(fs::is_directory("kept"));
+  EXPECT_TRUE(fs::is_directory("reference-cache")) << "beside the page";
 }
 
 TEST_F(Pareto, BadInputIsOneLineAndWritesNothing) {
