@@ -1,9 +1,9 @@
 // Prefix sums of triangle areas: from a fraction of the area to the triangle there.
 #pragma once
 
-#include <compare>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "lte/scene/repeated_triangles.h"
@@ -15,7 +15,9 @@ namespace lte::scene {
 struct Face {
   int instance = 0;
   bool back = false;
-  friend auto operator<=>(const Face&, const Face&) = default;
+  friend bool operator<(const Face& a, const Face& b) {
+    return std::pair(a.instance, a.back) < std::pair(b.instance, b.back);
+  }
 };
 
 /// The fronts of instances.

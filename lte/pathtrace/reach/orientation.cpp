@@ -20,8 +20,9 @@ int enclosure(const Bvh& bvh, const Vec3& position, const Vec3& side, float half
   const Vec3 origin = offset_origin(position, side, half_extent);
   int met = 0;
   for (int ray = 0; ray < kColumns * kRows; ++ray) {
-    const Vec2 u{(static_cast<float>(ray % kColumns) + rng->uniform()) / kColumns,
-                 (static_cast<float>(ray / kColumns) + rng->uniform()) / kRows};
+    const int column = ray % kColumns, row = ray / kColumns;
+    const Vec2 u{(static_cast<float>(column) + rng->uniform()) / kColumns,
+                 (static_cast<float>(row) + rng->uniform()) / kRows};
     float density = 0;
     const Hit hit = bvh.intersect({origin, cosine_direction(side, u, &density)});
     if (!hit.valid()) continue;
