@@ -9,6 +9,7 @@
 #include "lte/scene/environment_points.h"
 #include "lte/scene/fingerprint.h"
 #include "lte/scene/load_camera.h"
+#include "lte/scene/luminaire_power.h"
 #include "lte/scene/metal.h"
 #include "lte/scene/sampler.h"
 #include "lte/scene/surface.h"
@@ -28,37 +29,6 @@ Rgb mean(const std::vector<Rgb>& values, double divisor) {
     for (int c = 0; c < 3; ++c) sum[c] += v[c];
   const auto part = [&](int c) { return static_cast<float>(divisor > 0 ? sum[c] / divisor : 0); };
   return {part(0), part(1), part(2)};
-}
-
-/// π times area times mean radiance. A texture is looked up once a triangle, at its centre,
-/// averaged over the triangle's size.
-Rgb instance_power(const scene::Scene& scene, int index) {
-  const scene::Instance& instance = scene.instances[static_cast<size_t>(index)];
-  const scene::Mesh& mesh = scene.meshes[static_cast<size_t>(instance.mesh)];
-  const scene::Material& material = scene.materials[static_cast<size_t>(mesh.material)];
-  Rgb power;
-  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
-    Vec3 p[3];
-    for (size_t k = 0; k < 3; ++k)
-      p[k] = instance.to_world.point(mesh.positions[mesh.triangles[t][k]]);
-    const float area = 0.5f * length(cross(p[1] - p[0], p[2] - p[0]));
-    if (!(area > 0)) continue;
-    Rgb albedo, emission;
-    scene::evaluate_appearance(scene, index, static_cast<uint32_t>(t), 1.0f / 3, 1.0f / 3,
-                               std::sqrt(area), &albedo, &emission);
-    power += emission * (kPi * area * (material.double_sided ? 2.0f : 1.0f));
-  }
-  return power;
-}
-
-/// The intensity integrated over directions. A spot light of KHR_lights_punctual is at full
-/// intensity inside the inner cone and falls off as ((cos − cos_o)/(cos_i − cos_o))² between the
-/// cones.
-Rgb light_power(const scene::PunctualLight& light) {
-  if (light.kind == scene::LightKind::Directional) return {};
-  if (light.kind == scene::LightKind::Point) return light.intensity * (4 * kPi);
-  const float inner = std::cos(light.inner_cone), outer = std::cos(light.outer_cone);
-  return light.intensity * (2 * kPi * ((1 - inner) + (inner - outer) / 3));
 }
 
 /// What enters the sphere around the scene.
@@ -88,15 +58,7 @@ data::DatasetInfo read_info(const std::filesystem::path& directory) {
 }  // namespace
 
 std::vector<Rgb> group_powers(const scene::Scene& scene) {
-  std::vector<Rgb> powers(scene.light_groups.size());
-  for (size_t i = 0; i < scene.instances.size(); ++i) {
-    const int group = scene.instances[i].light_group;
-    if (group != scene::kNone)
-      powers[static_cast<size_t>(group)] += instance_power(scene, static_cast<int>(i));
-  }
-  for (const scene::PunctualLight& light : scene.lights)
-    if (light.light_group != scene::kNone)
-      powers[static_cast<size_t>(light.light_group)] += light_power(light);
+  std::vector<Rgb> powers = scene::luminaire_powers(scene);
   if (scene.environment && scene.environment->light_group != scene::kNone)
     powers[static_cast<size_t>(scene.environment->light_group)] += environment_power(scene);
   return powers;

@@ -5,8 +5,8 @@
 #include <optional>
 #include <set>
 
-#include "infer/session/luminaire_power.h"
 #include "lte/base/check.h"
+#include "lte/scene/luminaire_power.h"
 
 namespace lte::infer::view {
 namespace {
@@ -97,7 +97,7 @@ Affine shifted(const Affine& to_world, const Vec3& move) {
 /// Watts by which a lamp that is added lights a scene: the median of the lamps that shine in it.
 /// Where none does, those that a panel of --add-light auto has.
 float usual_power(const SessionState& state) {
-  const float median = median_power(luminaire_powers(state.scene()));
+  const float median = scene::median_power(scene::luminaire_powers(state.scene()));
   if (median > 0) return median;
   constexpr float kWattsPerFloor = 10;  // W/m²
   const Vec3 size = state.bvh().bounds().extent();

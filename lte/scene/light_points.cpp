@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lte/scene/environment_points.h"
+#include "lte/scene/luminaire_power.h"
 
 namespace lte::scene {
 namespace {
@@ -21,14 +22,6 @@ int64_t environment_points(int64_t count, double share) {
   return std::max<int64_t>(1, std::llround(static_cast<double>(count) * share));
 }
 
-/// The power of a light in W. A spot's falloff is that of KHR_lights_punctual, the square of a ramp
-/// in the cosine, which has a closed integral.
-Rgb power(const PunctualLight& light) {
-  if (light.kind == LightKind::Point) return light.intensity * (4 * kPi);
-  const float inner = std::cos(light.inner_cone), outer = std::cos(light.outer_cone);
-  return light.intensity * (2 * kPi * ((1 - inner) + (inner - outer) / 3));
-}
-
 void append(const Vec3& position, const Vec3& normal, const Rgb& emission, float area,
             int light_group, SurfaceSamples* samples) {
   samples->position.push_back(position);
@@ -44,7 +37,7 @@ void append(const Vec3& position, const Vec3& normal, const Rgb& emission, float
 void append_local_lights(const Scene& scene, float area, int discs, SurfaceSamples* samples) {
   for (const PunctualLight& light : scene.lights) {
     if (light.kind == LightKind::Directional) continue;
-    const Rgb emission = power(light) / (kPi * area);
+    const Rgb emission = punctual_power(light) / (kPi * area);
     if (light.kind == LightKind::Spot) {
       append(light.position, light.direction, emission, area, light.light_group, samples);
       continue;

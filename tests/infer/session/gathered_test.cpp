@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include "infer/session/dimmable_picture.h"
-#include "infer/session/luminaire_power.h"
 #include "infer/session/session.h"
 #include "infer/session/state.h"
 #include "lte/base/check.h"
+#include "lte/scene/luminaire_power.h"
 #include "tests/infer/session/session_fixture.h"
 #include "tests/support/every_light.h"
 #include "tests/support/scenes.h"
@@ -162,7 +162,7 @@ TEST(LuminairePower, IsThatOfSurfacesPointsAndSpots) {
   scene::Scene floor = test::lit_floor();  // a square of 1 m² under a front of (π, …) W/m²
   test::add_point_light(&floor, {0, 1, 0}, {1, 2, 3});
   test::add_punctual(&floor, scene::LightKind::Directional, {5, 5, 5});
-  const std::vector<Rgb> powers = luminaire_powers(floor);
+  const std::vector<Rgb> powers = scene::luminaire_powers(floor);
   ASSERT_EQ(powers.size(), 3u);
   for (int c = 0; c < 3; ++c) {
     EXPECT_NEAR(powers[0][c], kPi * test::kLitFloorRadiance[c], 1e-4f);
@@ -170,8 +170,8 @@ TEST(LuminairePower, IsThatOfSurfacesPointsAndSpots) {
   }
   EXPECT_EQ(powers[2], Rgb());
   const std::vector<Rgb> four = {{9, 9, 9}, {0, 0, 0}, {1, 1, 1}, {3, 3, 3}};
-  EXPECT_NEAR(median_power(four), 3, 1e-6);
-  EXPECT_EQ(median_power({}), 0);
+  EXPECT_NEAR(scene::median_power(four), 3, 1e-6);
+  EXPECT_EQ(scene::median_power({}), 0);
 }
 
 }  // namespace

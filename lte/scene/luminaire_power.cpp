@@ -1,18 +1,18 @@
-#include "infer/session/luminaire_power.h"
+#include "lte/scene/luminaire_power.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "lte/scene/surface.h"
 
-namespace lte::infer {
+namespace lte::scene {
 namespace {
 
 /// π times area times mean radiance. A texture is looked up once a triangle, averaged over its
 /// size.
-Rgb instance_power(const scene::Scene& scene, int index) {
-  const scene::Instance& instance = scene.instances[static_cast<size_t>(index)];
-  const scene::Mesh& mesh = scene.meshes[static_cast<size_t>(instance.mesh)];
+Rgb instance_power(const Scene& scene, int index) {
+  const Instance& instance = scene.instances[static_cast<size_t>(index)];
+  const Mesh& mesh = scene.meshes[static_cast<size_t>(instance.mesh)];
   const bool both = scene.materials[static_cast<size_t>(mesh.material)].double_sided;
   Rgb power;
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -22,32 +22,31 @@ Rgb instance_power(const scene::Scene& scene, int index) {
     const float area = 0.5f * length(cross(p[1] - p[0], p[2] - p[0]));
     if (!(area > 0)) continue;
     Rgb albedo, emission;
-    scene::evaluate_appearance(scene, index, static_cast<uint32_t>(t), 1.0f / 3, 1.0f / 3,
-                               std::sqrt(area), &albedo, &emission);
+    evaluate_appearance(scene, index, static_cast<uint32_t>(t), 1.0f / 3, 1.0f / 3, std::sqrt(area),
+                        &albedo, &emission);
     power += emission * (kPi * area * (both ? 2.0f : 1.0f));
   }
   return power;
 }
 
-/// The intensity over all directions; between the cones of a spot it falls off as a square.
-Rgb punctual_power(const scene::PunctualLight& light) {
-  if (light.kind == scene::LightKind::Directional) return {};
-  if (light.kind == scene::LightKind::Point) return light.intensity * (4 * kPi);
+}  // namespace
+
+Rgb punctual_power(const PunctualLight& light) {
+  if (light.kind == LightKind::Directional) return {};
+  if (light.kind == LightKind::Point) return light.intensity * (4 * kPi);
   const float inner = std::cos(light.inner_cone), outer = std::cos(light.outer_cone);
   return light.intensity * (2 * kPi * ((1 - inner) + (inner - outer) / 3));
 }
 
-}  // namespace
-
-std::vector<Rgb> luminaire_powers(const scene::Scene& scene) {
+std::vector<Rgb> luminaire_powers(const Scene& scene) {
   std::vector<Rgb> powers(scene.light_groups.size());
   for (size_t i = 0; i < scene.instances.size(); ++i) {
     const int group = scene.instances[i].light_group;
-    if (group != scene::kNone)
+    if (group != kNone)
       powers[static_cast<size_t>(group)] += instance_power(scene, static_cast<int>(i));
   }
-  for (const scene::PunctualLight& light : scene.lights) {
-    if (light.light_group != scene::kNone)
+  for (const PunctualLight& light : scene.lights) {
+    if (light.light_group != kNone)
       powers[static_cast<size_t>(light.light_group)] += punctual_power(light);
   }
   return powers;
@@ -64,4 +63,4 @@ float median_power(const std::vector<Rgb>& powers) {
   return *middle;
 }
 
-}  // namespace lte::infer
+}  // namespace lte::scene
