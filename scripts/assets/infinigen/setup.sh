@@ -13,7 +13,8 @@ readonly python=${PYTHON:-python3.11} venv=out/infinigen-venv
 "$python" -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' ||
   { echo "setup: Infinigen needs Python 3.11; set PYTHON to one" >&2; exit 1; }
 [ -x "$venv/bin/python" ] || "$python" -m venv "$venv"
-"$venv/bin/python" -m pip install --quiet bpy==4.2.0 coacd 'gin_config>=0.5.0' 'imageio<2.32.0' \
+"$venv/bin/python" -m pip install --quiet bpy==4.2.0 coacd \
+  DracoPy==2.2.0 'gin_config>=0.5.0' 'imageio<2.32.0' \
   matplotlib networkx 'numpy<2' 'opencv-python<4.9.0' pandas psutil scikit-image==0.20.0 \
   'scikit-learn<1.4.0' scipy 'shapely<=2.0.5' tqdm 'trimesh<3.23.0' OpenEXR submitit geomdl \
   python-fcl rtree

@@ -1,12 +1,17 @@
-"""Writes surfaces, lamps and a camera as one .glb: NumPy and OpenCV alone. In the file y is up."""
+"""Writes surfaces, lamps and a camera as one .glb, its meshes by Draco. In the file y is up."""
 import json
 import math
 import struct
 
 import cv2
+import DracoPy
 import numpy as np
 
 JPEG_QUALITY = 85
+POSITION_BITS, UV_BITS = 16, 14  # a step of 0.1 mm in a wall of 7 m
+BYTE, UINT, FLOAT = 5121, 5125, 5126
+DRACO = "KHR_draco_mesh_compression"
+DRACO_KINDS = {0: "POSITION", 2: "COLOR_0", 3: "TEXCOORD_0"}  # GeometryAttribute::Type
 Y_UP = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]], np.float64)
 
 
@@ -51,6 +56,8 @@ class Glb:
     def __init__(self, extras):
         self.binary = bytearray()
         self.json = {
+            "extensionsUsed": [DRACO, "KHR_materials_emissive_strength"],
+            "extensionsRequired": [DRACO],
             "asset": {"version": "2.0", "generator": "lte make_rooms.py", "extras": extras},
             "scene": 0, "scenes": [{"nodes": []}], "nodes": [], "meshes": [], "materials": [],
             "accessors": [], "bufferViews": [], "cameras": []}
@@ -69,30 +76,35 @@ class Glb:
         self.binary.extend(data)
         return self.add("bufferViews", view)
 
-    def accessor(self, values, kind, target, **extra):
-        component = {"float32": 5126, "uint32": 5125, "uint16": 5123, "uint8": 5121}
-        return self.add("accessors", {
-            "bufferView": self.view(values.tobytes(), target=target),
-            "componentType": component[values.dtype.name], "type": kind,
-            "count": values.size if kind == "SCALAR" else len(values), **extra})
+    def accessor(self, component, kind, count, **extra):
+        return self.add("accessors", {"componentType": component, "type": kind, "count": count,
+                                      **extra})
 
     def primitive(self, positions, triangles, material, uvs=None, tints=None):
-        p = positions.astype(np.float32)
-        attributes = {"POSITION": self.accessor(p, "VEC3", 34962, min=p.min(0).tolist(),
-                                                max=p.max(0).tolist())}
+        """Of KHR_draco_mesh_compression: accessors have a type and a count, and no bytes."""
+        more = {}
         if uvs is not None:
             flipped = np.stack([uvs[:, 0], 1 - uvs[:, 1]], 1)
-            attributes["TEXCOORD_0"] = self.accessor(
-                np.round(np.clip(flipped, 0, 1) * 65535).astype(np.uint16), "VEC2", 34962,
-                normalized=True)
+            more.update(tex_coord=np.clip(flipped, 0, 1).astype(np.float64),
+                        tex_coord_quantization_bits=UV_BITS)
         if tints is not None:
             rgba = np.concatenate([tints, np.ones((len(tints), 1))], 1)
-            attributes["COLOR_0"] = self.accessor(
-                np.round(np.clip(rgba, 0, 1) * 255).astype(np.uint8), "VEC4", 34962,
-                normalized=True)
-        small = np.uint16 if len(p) < 65535 else np.uint32
-        indices = self.accessor(triangles.reshape(-1).astype(small), "SCALAR", 34963)
-        return {"attributes": attributes, "indices": indices, "material": material}
+            more["colors"] = np.round(np.clip(rgba, 0, 1) * 255).astype(np.uint8)
+        data = DracoPy.encode(positions.astype(np.float32), triangles.astype(np.uint32),
+                              quantization_bits=POSITION_BITS, compression_level=7, **more)
+        mesh = DracoPy.decode(data)
+        points, count = np.asarray(mesh.points), len(mesh.points)
+        attributes = {"POSITION": self.accessor(FLOAT, "VEC3", count, min=points.min(0).tolist(),
+                                                max=points.max(0).tolist())}
+        if uvs is not None:
+            attributes["TEXCOORD_0"] = self.accessor(FLOAT, "VEC2", count)
+        if tints is not None:
+            attributes["COLOR_0"] = self.accessor(BYTE, "VEC4", count, normalized=True)
+        ids = {DRACO_KINDS[a["attribute_type"]]: a["unique_id"] for a in mesh.attributes}
+        packed = {"bufferView": self.view(data), "attributes": {k: ids[k] for k in attributes}}
+        indices = self.accessor(UINT, "SCALAR", np.asarray(mesh.faces).size)
+        return {"attributes": attributes, "indices": indices, "material": material,
+                "extensions": {DRACO: packed}}
 
     def material(self, color, **extra):
         """A matt material, seen from both sides; equal ones are shared."""
@@ -139,7 +151,6 @@ class Glb:
         positions, triangles = sphere(radius)
         color = blackbody(kelvin)
         strength = watts / (math.pi * area(positions, triangles)) * color.max()
-        self.json["extensionsUsed"] = ["KHR_materials_emissive_strength"]
         material = self.add("materials", {
             "name": name, "emissiveFactor": [round(float(c), 4) for c in color / color.max()],
             "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1], "metallicFactor": 0},
