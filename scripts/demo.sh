@@ -81,6 +81,6 @@ step "5/6 exporting TorchScript"
 "$bin/lte_export" --checkpoint "$run/model.safetensors" --out "$out/model.pt" --portable --verify
 
 step "6/6 writing the report"
-"$bin/lte_train" report "$run"
+python3 scripts/figures/learning_curves.py "demo=$run" --out "$run/curves.svg"
 python3 scripts/figures/report.py "$out"
 printf '\nDone in %d s: open %s/report.html\n' "$SECONDS" "$out"

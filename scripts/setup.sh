@@ -79,7 +79,7 @@ make_environment() {
 
 # An environment of its own: LibTorch's holds the wheel without what the wheel depends on, of which
 # pip would complain.
-install_witnesses() {
+install_tensorboard() {
   local marker=.venv/tests/lte-tensorboard-2
   if [ -e "$marker" ]; then say "TensorBoard: in .venv/tests"; return; fi
   say "TensorBoard: installing into .venv/tests"
@@ -100,5 +100,5 @@ esac
 if command -v dpkg-query >/dev/null; then install_packages; else say "packages: not Debian, see README for the list"; fi
 install_torch
 install_oidn
-[ -z "$tests" ] || install_witnesses
+[ -z "$tests" ] || install_tensorboard
 say "done"

@@ -1,6 +1,5 @@
 #include "datagen/commands/commands.h"
 
-#include "datagen/commands/info.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
@@ -13,9 +12,6 @@
 namespace lte::datagen {
 
 void add_scene_options(CLI::App& app, SceneOptions* options) {
-  app.add_option("--cleanup", options->cleanup,
-                 "What of a scene's geometry to put right first: a list of degenerate, duplicates, "
-                 "shells, vertices, meshes; or all; by default none");
   app.add_option("--environment", options->environment,
                  "Light from all around, in the place of the scene's own: constant radiance R,G,B, "
                  "or an equirectangular picture (.exr, .hdr, .pfm; .png, .jpg), Y up, +X in its "
@@ -49,7 +45,6 @@ void apply_lighting(const SceneOptions& options, scene::Scene* scene) {
 }
 
 scene::Scene load_and_report(const std::string& path, const SceneOptions& flags) {
-  const scene::CleanupOptions options = scene::parse_cleanup(flags.cleanup);
   scene::Scene scene = load_scene(path, flags.loading);
   for (const std::string& what : scene.ignored) log_warning(path, ": ignored: ", what);
   scene::set_up_axis(flags.up, path, &scene);
@@ -62,11 +57,6 @@ scene::Scene load_and_report(const std::string& path, const SceneOptions& flags)
   const std::string metal = scene::metal_text(scene::metal_share(scene), "surface");
   if (!metal.empty())
     log_info(path, ": ", metal, "; paths reflect it, a network is shown its color as an albedo");
-  if (options.any()) {
-    const scene::CleanupReport report = scene::clean_up(&scene, options);
-    log_info(path, ": clean-up took ", report.removed_triangles, " triangles; found ",
-             cleanup_info(report).dump());
-  }
   return scene;
 }
 

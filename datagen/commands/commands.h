@@ -21,15 +21,13 @@ inline constexpr const char* kSceneFormats = ".gltf, .glb, .pbrt, .obj or .ply";
 /// How to load a scene, and what to do with it before use.
 struct SceneOptions {
   SceneFlags loading;
-  std::string cleanup;              ///< faults of its geometry to put right, separated by commas
   std::string environment;          ///< "R,G,B" or a picture; empty: the scene's own
   double environment_turn = 0;      ///< degrees about +Y
   std::vector<std::string> lights;  ///< "auto" or "x,y,z,power": luminaires to add
   std::string up = "y";             ///< axis that points up in the file
 };
 
-/// Adds --cleanup, --environment, --environment-turn, --add-light, --up and the flags of
-/// scene_flags.h.
+/// Adds --environment, --environment-turn, --add-light, --up and the flags of scene_flags.h.
 void add_scene_options(CLI::App& app, SceneOptions* options);
 
 /// Notes the scene and the environment of `options` as what a command reads.

@@ -8,6 +8,7 @@
 #include "lte/data/dataset.h"
 #include "lte/scene/environment_points.h"
 #include "lte/scene/fingerprint.h"
+#include "lte/scene/inspect/inspect.h"
 #include "lte/scene/load_camera.h"
 #include "lte/scene/luminaire_power.h"
 #include "lte/scene/metal.h"
@@ -155,9 +156,7 @@ Json scene_info_without_geometry(const scene::Scene& scene) {
           {"ignored", scene.ignored}};
 }
 
-}  // namespace
-
-Json cleanup_info(const scene::CleanupReport& report) {
+Json geometry_info(const scene::GeometryFaults& report) {
   if (!report.inspected)
     return {{"not_inspected", concat("more than ", scene::kMaxInspected, " triangles")}};
   return {{"degenerate_triangles", report.degenerate_triangles},
@@ -165,17 +164,17 @@ Json cleanup_info(const scene::CleanupReport& report) {
           {"opposite_triangles", report.opposite_triangles},
           {"conflicting_triangles", report.conflicting_triangles},
           {"near_duplicate_vertices", report.near_duplicate_vertices},
-          {"duplicate_meshes", report.duplicate_meshes},
           {"open_edges", report.open_edges},
           {"open_edge_length_m", report.open_edge_length_m},
           {"branching_edges", report.branching_edges},
           {"flipped_edges", report.flipped_edges},
           {"closed_shells", report.closed_shells},
-          {"inward_shells", report.inward_shells},
-          {"removed_triangles", report.removed_triangles}};
+          {"inward_shells", report.inward_shells}};
 }
 
-Json scene_info(const scene::Scene& scene, const scene::CleanupReport& report) {
+}  // namespace
+
+Json scene_info(const scene::Scene& scene) {
   Json info = scene_info_without_geometry(scene);
   const scene::MetalShare metal = scene::metal_share(scene);
   if (metal.metal > 0) {
@@ -184,11 +183,9 @@ Json scene_info(const scene::Scene& scene, const scene::CleanupReport& report) {
                      {"note", scene::metal_text(metal, "surface")}};
   }
   if (scene.environment) info["environment"] = environment_info(*scene.environment);
-  info["geometry"] = cleanup_info(report);
+  info["geometry"] = geometry_info(scene::inspect(scene));
   return info;
 }
-
-Json scene_info(const scene::Scene& scene) { return scene_info(scene, scene::inspect(scene)); }
 
 Json sample_info(const data::SceneSample& sample) {
   double area = 0;

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "lte/data/scene_sample.h"
-#include "lte/scene/cleanup/cleanup.h"
 #include "lte/scene/scene.h"
 
 namespace lte::datagen {
@@ -17,12 +16,8 @@ using Json = nlohmann::ordered_json;
 /// "texture_list": [{"width", "height", "bytes", "uses"}], "camera_list",
 /// "light_groups": [{"name", "kind", "power_w": [r, g, b]}], "bounds", "unit", "ignored", "metal":
 /// {"share_of_area", "by_gltf_default", "note"} where there is any,
-/// "geometry": cleanup_info(report)}.
-Json scene_info(const scene::Scene& scene, const scene::CleanupReport& report);
-/// The same with a report that scene::inspect() makes.
+/// "geometry": what scene::inspect() counts, {"degenerate_triangles", "duplicate_triangles", ..}}.
 Json scene_info(const scene::Scene& scene);
-/// The fields of a report: {"degenerate_triangles", "duplicate_triangles", ..}.
-Json cleanup_info(const scene::CleanupReport& report);
 /// Describes a baked scene: {"kind": "sample", "name", "scene_points", "query_points", ..}.
 Json sample_info(const data::SceneSample& sample);
 /// Describes a data set: {"kind": "dataset", "scenes", "splits": {..}, ..}. Reads dataset.json

@@ -23,11 +23,9 @@ struct InfoFlags {
 };
 
 /// The facts of a scene, with its unit where the height of its rooms gives that away.
-Json describe_scene(const std::string& path, scene::Scene* scene,
-                    const scene::CleanupOptions& cleanup) {
-  Json info =
-      cleanup.any() ? scene_info(*scene, scene::clean_up(scene, cleanup)) : scene_info(*scene);
-  const pathtrace::Bvh bvh(*scene);
+Json describe_scene(const std::string& path, const scene::Scene& scene) {
+  Json info = scene_info(scene);
+  const pathtrace::Bvh bvh(scene);
   pathtrace::warn_of_lost_light(path, bvh);
   const char* unit = pathtrace::likely_unit(pathtrace::survey(bvh).room_height);
   if (unit != nullptr) info["likely_unit"] = unit;
@@ -48,7 +46,7 @@ Json describe(const InfoFlags& flags) {
   scene::Scene scene = load_scene(path, flags.scene.loading);
   scene::set_up_axis(flags.scene.up, flags.path, &scene);
   apply_lighting(flags.scene, &scene);
-  return describe_scene(flags.path, &scene, scene::parse_cleanup(flags.scene.cleanup));
+  return describe_scene(flags.path, scene);
 }
 
 void run_info(const InfoFlags& flags) {
@@ -86,7 +84,7 @@ void add_info_command(CLI::App& app, CommandBody* body) {
   command->footer(
       "Examples:\n"
       "  lte_datagen info room.glb\n"
-      "  lte_datagen info room.obj --cleanup degenerate,duplicates\n"
+      "  lte_datagen info room.obj\n"
       "  lte_datagen info house.glb --environment sky.exr\n"
       "  lte_datagen info homes/scenes/home_00000.safetensors --json info.json\n"
       "  lte_datagen info homes --deep");

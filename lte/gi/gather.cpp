@@ -171,13 +171,4 @@ Gathered gather_irradiance(const pathtrace::Bvh& bvh, const pathtrace::Lights& l
   return out;
 }
 
-std::vector<Rgb> GatherAnswer::operator()(std::span<const Vec3> positions,
-                                          std::span<const Vec3> normals,
-                                          std::span<const Rgb> /*albedo*/) {
-  Gathered gathered =
-      gather_irradiance(bvh_, lights_, table_, positions, normals, options_, asked_);
-  asked_ += static_cast<int64_t>(positions.size());
-  return std::move(gathered.indirect);
-}
-
 }  // namespace lte::gi

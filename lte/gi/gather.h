@@ -47,24 +47,4 @@ Gathered gather_irradiance(const pathtrace::Bvh& bvh, const pathtrace::Lights& l
                            std::span<const Vec3> normals, const GatherOptions& options,
                            int64_t first_index = 0);
 
-/// gather_irradiance() as something that answers queries, in place of a network. Queries are
-/// numbered through all calls. The scene's things must outlive it.
-class GatherAnswer {
- public:
-  GatherAnswer(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-               const RadiosityTable& table, const GatherOptions& options)
-      : bvh_(bvh), lights_(lights), table_(table), options_(options) {}
-
-  /// Indirect irradiance, one a query. @param albedo  is not looked at
-  std::vector<Rgb> operator()(std::span<const Vec3> positions, std::span<const Vec3> normals,
-                              std::span<const Rgb> albedo);
-
- private:
-  const pathtrace::Bvh& bvh_;
-  const pathtrace::Lights& lights_;
-  const RadiosityTable& table_;
-  GatherOptions options_;
-  int64_t asked_ = 0;
-};
-
 }  // namespace lte::gi

@@ -5,7 +5,7 @@ usage: scripts/figures/model_card.py NAME --log LOG --data DATA [DATA ...]
            [--test TITLE=EVAL.json ...] [--maps TITLE=INCIDENT.json ...]
 
 LOG is the log.jsonl of a training, each DATA a data set that it read, EVAL.json and INCIDENT.json
-what `lte_eval --json` and `lte_eval incident --json` have written. It needs Python's standard
+what `lte_eval --json` and `experiment_directions --json` have written. It needs Python's standard
 library alone.
 """
 import argparse
@@ -20,10 +20,6 @@ ROWS = (
     ("path_tracing_64", "path tracing, 64 samples"),
     ("path_tracing_64_denoised", "64 samples, denoised"),
     ("path_tracing_4_denoised", "4 samples, denoised"),
-    ("equal_paths_denoised", "at equal paths: denoised"),
-    ("irradiance_probes", "irradiance probes"),
-    ("blurred_direct", "direct light, blurred"),
-    ("nearest_point", "nearest scene point's training mean"),
     ("constant_mean", "constant mean"),
 )
 MAP_ROWS = (

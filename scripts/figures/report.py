@@ -4,7 +4,7 @@
 usage: scripts/figures/report.py OUT_DIR
 
 OUT_DIR is what scripts/demo.sh leaves. The page needs Python's standard library alone. It links the
-curves of the training, run/report.html, which `lte_train report` writes.
+curves of the training, run/curves.svg, which scripts/figures/learning_curves.py draws.
 """
 import base64
 import html
@@ -17,8 +17,6 @@ METHODS = {
     "neural": "lte (this run)",
     "path_tracing_64": "path tracing, 64 samples",
     "constant_mean": "constant mean",
-    "nearest_point": "nearest scene point's training mean",
-    "blurred_direct": "direct light, blurred",
 }
 MODELS = (("shipped", "shipped model"), ("trained", "model of this run"))
 STAGES = ("load", "sample", "light", "encode", "primary", "decode", "direct", "write", "total")
@@ -109,7 +107,7 @@ def page_of(out):
            "with path tracing at 64 samples.</p>")
     for sheet in sorted((out / "eval").glob("*.png"))[:6]:
         yield picture(sheet, f"{sheet.stem}: indirect irradiance")
-    yield '<p>Training: <a href="run/report.html">curves, worst scenes and times</a>.</p>'
+    yield '<p>Training: <a href="run/curves.svg">curves of the validation error</a>.</p>'
 
 
 def main():

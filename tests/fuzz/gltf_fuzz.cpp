@@ -6,6 +6,6 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   lte::fuzz::write("scene.glb", {reinterpret_cast<const char*>(data), size});
-  lte::fuzz::load_and_clean_up("scene.glb");
+  lte::fuzz::load_and_inspect("scene.glb");
   return 0;
 }

@@ -13,7 +13,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
-#include "lte/scene/cleanup/cleanup.h"
+#include "lte/scene/inspect/inspect.h"
 #include "lte/scene/load.h"
 
 namespace lte::fuzz {
@@ -73,9 +73,8 @@ inline std::optional<scene::Scene> load(const std::string& name, const scene::Lo
 }
 
 /// What the targets of the importers do with a file.
-inline void load_and_clean_up(const std::string& name) {
-  std::optional<scene::Scene> scene = load(name, small_limits());
-  if (scene) scene::clean_up(&*scene, scene::parse_cleanup("all"));
+inline void load_and_inspect(const std::string& name) {
+  if (const auto scene = load(name, small_limits())) scene::inspect(*scene);
 }
 
 }  // namespace lte::fuzz

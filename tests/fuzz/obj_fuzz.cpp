@@ -10,6 +10,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const size_t cut = std::min(bytes.find('\xff'), size);
   lte::fuzz::write("scene.obj", bytes.substr(0, cut));
   lte::fuzz::write("m.mtl", bytes.substr(std::min(cut + 1, size)));
-  lte::fuzz::load_and_clean_up("scene.obj");
+  lte::fuzz::load_and_inspect("scene.obj");
   return 0;
 }

@@ -17,6 +17,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   }();
   static_cast<void>(written);
   lte::fuzz::write("scene.pbrt", {reinterpret_cast<const char*>(data), size});
-  lte::fuzz::load_and_clean_up("scene.pbrt");
+  lte::fuzz::load_and_inspect("scene.pbrt");
   return 0;
 }

@@ -201,9 +201,14 @@ TEST(Gather, DoesNotDependOnHowQueriesAreCutIntoCalls) {
   options.rays = 24;
   const std::vector<Rgb> whole =
       gather_irradiance(room.bvh, room.lights, table, p, n, options).indirect;
-  GatherAnswer answer(room.bvh, room.lights, table, options);
-  std::vector<Rgb> parts = answer(std::span(p).first(37), std::span(n).first(37), {});
-  const std::vector<Rgb> rest = answer(std::span(p).subspan(37), std::span(n).subspan(37), {});
+  const auto part = [&](size_t first, size_t count) {
+    return gather_irradiance(room.bvh, room.lights, table, std::span(p).subspan(first, count),
+                             std::span(n).subspan(first, count), options,
+                             static_cast<int64_t>(first))
+        .indirect;
+  };
+  std::vector<Rgb> parts = part(0, 37);
+  const std::vector<Rgb> rest = part(37, p.size() - 37);
   parts.insert(parts.end(), rest.begin(), rest.end());
   EXPECT_EQ(parts, whole);
 }

@@ -1,5 +1,5 @@
 // FLIP against the error maps that its authors' own program gives
-// (scripts/witnesses/check_flip.py), and its laws.
+// (scripts/validation/check_flip.py), and its laws.
 #include "lte/image/flip.h"
 
 #include <algorithm>

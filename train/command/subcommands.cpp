@@ -3,14 +3,12 @@
 namespace lte::train {
 
 Subcommands::Subcommands(CLI::App& app)
-    : report_(add_report_command(app, &report_options_)),
-      health_(add_health_command(app, &health_options_)),
+    : health_(add_health_command(app, &health_options_)),
       average_(add_average_command(app, &average_options_)) {}
 
 std::optional<std::string> Subcommands::run(const CommonOptions& common) {
   health_options_.json = common.json;
   average_options_.log_file = common.log_file;
-  if (report_->parsed()) return write_run_report(report_options_.run, report_options_.out);
   if (health_->parsed()) return run_health(health_options_);
   if (average_->parsed()) return average_models(average_options_);
   return std::nullopt;

@@ -1,4 +1,4 @@
-// What lte_train does beside training: `lte_train report`, `health` and `average`.
+// What lte_train does beside training: `lte_train health` and `average`.
 #pragma once
 
 #include <optional>
@@ -7,7 +7,6 @@
 #include "lte/cli/cli.h"
 #include "train/command/average_command.h"
 #include "train/command/health_command.h"
-#include "train/command/report_command.h"
 
 namespace lte::train {
 
@@ -23,10 +22,9 @@ class Subcommands {
   std::optional<std::string> run(const CommonOptions& common);
 
  private:
-  ReportOptions report_options_;
   HealthOptions health_options_;
   AverageOptions average_options_;
-  const CLI::App *report_, *health_, *average_;
+  const CLI::App *health_, *average_;
 };
 
 }  // namespace lte::train

@@ -224,22 +224,16 @@ TEST_F(Command, InfoSaysWhichUnitARoomMustBeIn) {
   EXPECT_THAT(run("info cm.glb").output, HasSubstr("likely_unit: centimetres"));
 }
 
-TEST_F(Command, ReadsObjAndCleansUp) {
+TEST_F(Command, ReadsObjAndCountsItsFaults) {
   write_file(folder_ / "two.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 2 3 1\nf 1 2 2\n");
   EXPECT_THAT(run("info two.obj").output,
               AllOf(HasSubstr("triangles: 3\n"), HasSubstr("unit: metre, assumed"),
                     HasSubstr("  duplicate_triangles: 1\n"), HasSubstr("degenerate_triangles: 1")));
-  EXPECT_THAT(run("info two.obj --cleanup all").output,
-              AllOf(HasSubstr("triangles: 1\n"), HasSubstr("removed_triangles: 2")));
   for (const char* command : {"bake", "probe", "info"}) {
     EXPECT_THAT(run(concat(command, " two.obj --validate-only")).output, HasSubstr("valid scene"));
-    expect_failure(1, "\"everything\"",
-                   run(concat(command, " two.obj --validate-only --cleanup everything")));
     write_file(folder_ / "bad.obj", "v 0 0 0\nf 1 2 3\n");
     expect_failure(1, "bad.obj: line 2", run(concat(command, " bad.obj --validate-only --quiet")));
   }
-  EXPECT_THAT(run("probe two.obj --validate-only --cleanup duplicates,degenerate").output,
-              HasSubstr("valid scene, 1 triangles"));
 }
 
 TEST_F(Command, FullDiskIsAnErrorAndLeavesNothing) {

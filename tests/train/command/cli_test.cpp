@@ -127,7 +127,7 @@ TEST_F(TrainTool, WrongUsageIsTwo) {
   expect_failure({"--config", config_, "--device", "tpu"}, 2, {"--device"});
   expect_failure({"--config", config_, "--seed", "x"}, 2, {"--seed"});
   expect_failure({"--config", config_, "--seed", "-1"}, 2, {"--seed"});
-  expect_failure({"nonsense", "--help"}, 2, {"unknown command", "report"});
+  expect_failure({"nonsense", "--help"}, 2, {"unknown command", "health"});
   expect_failure({"--config", config_, "--dry-run", "--resume"}, 2, {"--dry-run"});
 }
 

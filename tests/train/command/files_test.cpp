@@ -11,7 +11,6 @@
 #include "tests/support/command_line.h"
 #include "tests/support/folder_files.h"
 #include "tests/train/support.h"
-#include "train/command/report_command.h"
 #include "train/command/train_command.h"
 
 namespace lte::train {
@@ -26,12 +25,10 @@ struct Tool {
   CLI::App app{"", "lte_train"};
   CommonOptions common;
   RunOptions options;
-  ReportOptions report;
 
   Tool() {
     add_run_options(app, &options);
     add_common_options(app, &common);
-    add_report_command(app, &report);
   }
 };
 
@@ -60,10 +57,6 @@ class TrainFiles : public testing::Test {
     for (std::string word; words >> word;) arguments.push_back(word);
     return test::run_command(tool.app, arguments, [&tool] {
       apply_common_options(tool.common);
-      if (tool.app.got_subcommand("report")) {
-        write_run_report(tool.report.run, tool.report.out);
-        return;
-      }
       tool.options.json = tool.common.json;
       tool.options.log_file = tool.common.log_file;
       run(tool.options);
@@ -92,8 +85,6 @@ TEST_F(TrainFiles, NoOutputReplacesAnInputOrAnotherOutput) {
       {"--config old/config.yaml --out old --set data.root=rooms", "--out", "--config"},
       {"--config link.yaml --out old --set data.root=rooms", "--out", "--config"},
       {"--config cfg.yaml --json both --log-file both", "--log-file", "--json"},
-      {"report old --out old/log.jsonl", "--out", "RUN"},
-      {"report old --out link.yaml", "--out", "RUN"},
   };
   const auto before = folder_files(".");
   for (const Case& c : cases) {
@@ -128,10 +119,8 @@ TEST(TrainFlags, WhatIsNoNumberIsRefusedByEveryFlag) {
       [](CLI::App& app) {
         static RunOptions options;
         static CommonOptions common;
-        static ReportOptions report;
         add_run_options(app, &options);
         add_common_options(app, &common);
-        add_report_command(app, &report);
       },
       {"--seed", "--threads", "--stop-after"});
   Tool tool;

@@ -1,4 +1,4 @@
-// Pictures of validation views, and the page that shows them.
+// Pictures of validation views.
 #include "train/loop/preview.h"
 
 #include <fstream>
@@ -7,7 +7,6 @@
 #include "lte/base/srgb.h"
 #include "lte/image/png.h"
 #include "tests/train/support.h"
-#include "train/command/report_command.h"
 #include "train/data/batch.h"
 #include "train/data/run_data.h"
 #include "train/loop/trainer.h"
@@ -94,7 +93,7 @@ TEST_F(PreviewTest, ShowsTheReferenceOfTheViewExposedAndEncoded) {
   EXPECT_EQ(shown.rgb(kWidth - 1, kHeight - 1), (Rgb{1, 1, 1})) << "background";
 }
 
-TEST_F(PreviewTest, ARunDrawsThemAndItsReportShowsThem) {
+TEST_F(PreviewTest, ARunDrawsThem) {
   const TrainConfig config = test::tiny_config(
       data_.path(), dir_ / "run",
       "train: {steps: 4, validate_every: 2, log_every: 1, preview_every: 3, preview_scenes: 1}");
@@ -103,15 +102,6 @@ TEST_F(PreviewTest, ARunDrawsThemAndItsReportShowsThem) {
   EXPECT_TRUE(std::filesystem::exists(dir_ / "run/previews/step_000000003/room2.png"));
   EXPECT_TRUE(std::filesystem::exists(dir_ / "run/previews/step_000000004/room2.png"));
   EXPECT_FALSE(std::filesystem::is_empty(dir_ / "run/tensorboard"));
-  const std::string said = write_run_report(dir_ / "run");
-  EXPECT_NE(said.find("report.html"), std::string::npos);
-  const std::string page = read_file(dir_ / "run/report.html");
-  for (const char* part :
-       {"<svg", "learning rate", "gradient norm", ">whole gradient<", ">encoder_down0<",
-        ">decoder<", "room2", "room3", "data:image/png;base64,", "queries a second"}) {
-    EXPECT_NE(page.find(part), std::string::npos) << part;
-  }
-  EXPECT_EQ(page.find("http"), std::string::npos) << "the page stands alone";
 }
 
 TEST_F(PreviewTest, CanBeSwitchedOff) {
@@ -120,42 +110,6 @@ TEST_F(PreviewTest, CanBeSwitchedOff) {
   Trainer(config, "", at::kCPU, false).run();
   EXPECT_FALSE(std::filesystem::exists(dir_ / "run/previews"));
   EXPECT_FALSE(std::filesystem::exists(dir_ / "run/tensorboard"));
-}
-
-TEST(RunReport, TakesLogsWithoutNormsOfModules) {
-  const test::TempDir dir;
-  std::ofstream(dir / "log.jsonl") << "{\"step\":1,\"loss\":3,\"grad_norm\":0.5}\n"
-                                      "{\"step\":2,\"loss\":2,\"grad_norm\":0.25}\n";
-  std::ofstream(dir / "config.yaml") << "train: {steps: 2}\n";
-  write_run_report(dir.path());
-  EXPECT_NE(read_file(dir / "report.html").find(">whole gradient<"), std::string::npos);
-}
-
-TEST(RunReport, LeadsWithFiguresAndWarnsOfARisingLoss) {
-  const test::TempDir dir;
-  std::ofstream(dir / "config.yaml") << "train: {steps: 20}\n";
-  const auto page_of = [&](const char* last) {
-    std::ofstream(dir / "log.jsonl")
-        << "{\"step\":1,\"loss\":3,\"val_loss\":0.5,\"val_psnr\":20,\"val_scenes\":{\"a\":0.5}}\n"
-        << "{\"step\":9,\"loss\":2,\"val_loss\":" << last << ",\"val_psnr\":21.5}\n";
-    write_run_report(dir.path());
-    return read_file(dir / "report.html");
-  };
-  const std::string risen = page_of("0.75");
-  const size_t headline = risen.find("Validation loss 0.75, PSNR 21.5 dB, at step 9 of 20");
-  ASSERT_NE(headline, std::string::npos);
-  EXPECT_LT(headline, risen.find("<h2>Pictures"));
-  EXPECT_LT(risen.find("<h2>Pictures"), risen.find("<svg"));
-  EXPECT_NE(risen.find("lowest at step 1 (0.5) and has risen by 50 %"), std::string::npos);
-  EXPECT_EQ(page_of("0.51").find("class=warning"), std::string::npos);
-}
-
-TEST(RunReport, NamesWhatIsMissing) {
-  const test::TempDir dir;
-  test::expect_error([] { write_run_report("/nonexistent/run"); }, {"/nonexistent/run"});
-  test::expect_error([&] { write_run_report(dir.path()); }, {"log.jsonl"});
-  std::ofstream(dir / "log.jsonl") << "no JSON\n";
-  test::expect_error([&] { write_run_report(dir.path()); }, {"log.jsonl", "nothing"});
 }
 
 }  // namespace

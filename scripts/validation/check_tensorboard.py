@@ -3,7 +3,7 @@
 crashes past its checkpoint in the middle of a record and is resumed must show every step once, with
 the values of log.jsonl, and its previews.
 
-usage: scripts/witnesses/check_tensorboard.py [BUILD]
+usage: scripts/validation/check_tensorboard.py [BUILD]
 
 It needs PyPI's tensorboard; without it the exit code is 77, skipped.
 """

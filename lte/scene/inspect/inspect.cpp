@@ -1,18 +1,14 @@
-#include "lte/scene/cleanup/cleanup.h"
+#include "lte/scene/inspect/inspect.h"
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <utility>
 #include <vector>
 
-#include "lte/base/check.h"
 #include "lte/base/parallel.h"
-#include "lte/scene/cleanup/apply.h"
-#include "lte/scene/cleanup/buckets.h"
-#include "lte/scene/cleanup/duplicates.h"
-#include "lte/scene/cleanup/shells.h"
-#include "lte/scene/cleanup/topology.h"
+#include "lte/scene/inspect/buckets.h"
+#include "lte/scene/inspect/shells.h"
+#include "lte/scene/inspect/topology.h"
 #include "lte/scene/triangle.h"
 
 namespace lte::scene {
@@ -50,25 +46,20 @@ bool is_even(const std::array<uint32_t, 3>& p) {
   return (p[0] < p[1]) + (p[1] < p[2]) + (p[2] < p[0]) == 2;
 }
 
-/// Looks at every triangle once, and marks those that a switch removes and those that stand for
-/// others at the same places.
+/// Counts the faults of every triangle once, and marks those that edges and shells leave out.
 class Inspection {
  public:
-  Inspection(const Scene& scene, const CleanupOptions& options)
+  Inspection(const Scene& scene, double tolerance)
       : scene_(scene),
-        options_(options),
-        topology_(build_topology(scene, options.tolerance)),
-        remove_(topology_.triangles.size()),
+        topology_(build_topology(scene, tolerance)),
         covered_(topology_.triangles.size()) {
-    report_.near_duplicate_vertices = topology_.near_duplicates;
+    faults_.near_duplicate_vertices = topology_.near_duplicates;
     find_degenerate();
     find_coincident();
-    count_shells(topology_, covered_, &report_);
+    count_shells(topology_, covered_, &faults_);
   }
 
-  const WorldTopology& topology() const { return topology_; }
-  const CleanupReport& report() const { return report_; }
-  const std::vector<bool>& removed() const { return remove_; }
+  const GeometryFaults& faults() const { return faults_; }
 
  private:
   /// Marks triangles without area. Those with two corners in one place are left out of edges and
@@ -83,9 +74,8 @@ class Inspection {
       const auto& [a, b, c] = topology_.triangles[i].place;
       covered_[i] = a == b || b == c || c == a;
       if (thin[i] == 0) continue;
-      ++report_.degenerate_triangles;
+      ++faults_.degenerate_triangles;
       covered_[i] = true;
-      remove_[i] = options_.degenerate;
     }
   }
 
@@ -112,85 +102,34 @@ class Inspection {
     }
   }
 
-  /// Counts a pair of triangles in one place, and decides whether the second one goes. `duplicate`
-  /// lies on `first`, which comes before it in the scene.
+  /// Counts a pair of triangles in one place. `duplicate` lies on `first`, which comes before it in
+  /// the scene.
   void classify_coincident(uint32_t first, uint32_t duplicate) {
     const PlacedTriangle &a = topology_.triangles[first], &b = topology_.triangles[duplicate];
     const Material &one = material_of(scene_, a), &other = material_of(scene_, b);
     covered_[duplicate] = true;
     const bool same_winding = is_even(a.place) == is_even(b.place);
     if (&one != &other) {
-      ++report_.conflicting_triangles;
-      remove_[duplicate] = options_.shells && !one.emissive() && !other.emissive();
+      ++faults_.conflicting_triangles;
     } else if (same_winding) {
-      ++report_.duplicate_triangles;
-      remove_[duplicate] = options_.duplicates || options_.shells;
+      ++faults_.duplicate_triangles;
     } else {
-      // Two fronts, back to back, of an emitter light both sides.
-      ++report_.opposite_triangles;
-      remove_[duplicate] = options_.shells && (!one.emissive() || one.double_sided);
+      ++faults_.opposite_triangles;
     }
   }
 
   const Scene& scene_;
-  const CleanupOptions& options_;
   WorldTopology topology_;
-  std::vector<bool> remove_, covered_;
-  CleanupReport report_;
+  std::vector<bool> covered_;
+  GeometryFaults faults_;
 };
 
 }  // namespace
 
-CleanupOptions parse_cleanup(const std::string& list) {
-  CleanupOptions out;
-  const std::map<std::string, bool*> switches{{"degenerate", &out.degenerate},
-                                              {"duplicates", &out.duplicates},
-                                              {"shells", &out.shells},
-                                              {"vertices", &out.vertices},
-                                              {"meshes", &out.meshes}};
-  for (size_t begin = 0; begin <= list.size();) {
-    const size_t end = std::min(list.find(',', begin), list.size());
-    const std::string word = list.substr(begin, end - begin);
-    begin = end + 1;
-    if (word == "none" || word.empty()) continue;
-    if (word == "all") {
-      for (const auto& [name, value] : switches) *value = true;
-      continue;
-    }
-    const auto found = switches.find(word);
-    LTE_CHECK(found != switches.end(), "cleanup list: \"", word,
-              "\" is none of degenerate, duplicates, shells, vertices, meshes, all, none");
-    *found->second = true;
-  }
-  return out;
-}
-
-CleanupReport inspect(const Scene& scene, double tolerance) {
-  CleanupReport report;
-  report.inspected = scene.triangle_count() <= kMaxInspected;
-  if (!report.inspected) return report;
-  CleanupOptions options;
-  options.tolerance = tolerance;
-  report = Inspection(scene, options).report();
-  report.duplicate_meshes = count_duplicate_meshes(find_duplicate_meshes(scene, tolerance));
-  return report;
-}
-
-CleanupReport clean_up(Scene* scene, const CleanupOptions& options) {
-  LTE_CHECK(scene->triangle_count() <= kMaxInspected, scene->name, ": cleanup can hold ",
-            kMaxInspected, " triangles, got ", scene->triangle_count());
-  CleanupReport report;
-  {
-    const Inspection inspection(*scene, options);
-    report = inspection.report();
-    report.duplicate_meshes =
-        count_duplicate_meshes(find_duplicate_meshes(*scene, options.tolerance));
-    if (options.vertices) snap_vertices(inspection.topology(), scene);
-    report.removed_triangles = remove_triangles(inspection.removed(), scene);
-  }
-  if (options.meshes)
-    merge_duplicate_meshes(find_duplicate_meshes(*scene, options.tolerance), scene);
-  return report;
+GeometryFaults inspect(const Scene& scene, double tolerance) {
+  GeometryFaults faults;
+  faults.inspected = scene.triangle_count() <= kMaxInspected;
+  return faults.inspected ? Inspection(scene, tolerance).faults() : faults;
 }
 
 }  // namespace lte::scene

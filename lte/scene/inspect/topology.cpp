@@ -1,4 +1,4 @@
-#include "lte/scene/cleanup/topology.h"
+#include "lte/scene/inspect/topology.h"
 
 #include <algorithm>
 #include <array>
@@ -19,7 +19,7 @@
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/base/parallel_sort.h"
-#include "lte/scene/cleanup/disjoint_sets.h"
+#include "lte/scene/inspect/disjoint_sets.h"
 
 namespace lte::scene {
 namespace {

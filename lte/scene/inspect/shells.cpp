@@ -1,11 +1,11 @@
-#include "lte/scene/cleanup/shells.h"
+#include "lte/scene/inspect/shells.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "lte/scene/cleanup/buckets.h"
-#include "lte/scene/cleanup/disjoint_sets.h"
+#include "lte/scene/inspect/buckets.h"
+#include "lte/scene/inspect/disjoint_sets.h"
 
 namespace lte::scene {
 namespace {
@@ -54,7 +54,7 @@ double volume(const WorldTopology& topology, const PlacedTriangle& t, const Vec3
 }  // namespace
 
 void count_shells(const WorldTopology& topology, const std::vector<bool>& covered,
-                  CleanupReport* report) {
+                  GeometryFaults* report) {
   DisjointSets sets(topology.triangles.size());          // connected by edges
   std::vector<bool> spoiled(topology.triangles.size());  // a triangle of no closed shell
   {

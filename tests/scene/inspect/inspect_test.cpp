@@ -1,22 +1,14 @@
-// Clean-up: cubes whose faults are put there one by one, so that every count is known.
-#include "lte/scene/cleanup/cleanup.h"
+// Faults of geometry: cubes with faults added one by one, so that every count is known.
+#include "lte/scene/inspect/inspect.h"
 
 #include <algorithm>
 #include <cmath>
 #include <random>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include "lte/scene/sampler.h"
-#include "tests/support/temp_dir.h"
 
 namespace lte::scene {
 namespace {
-
-using ::testing::AllOf;
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 /// A cube of edge 1, fronts outward, 12 triangles over 8 vertices.
 Mesh cube(int material = 0) {
@@ -46,33 +38,27 @@ Scene one(Mesh mesh) {
   return scene;
 }
 
-/// Cleans up by a list of switches and returns what was found.
-CleanupReport cleaned(Scene* scene, const std::string& list) {
-  return clean_up(scene, parse_cleanup(list));
-}
-
-TEST(Cleanup, ASoundCubeHasNoFaults) {
-  const CleanupReport report = inspect(one(cube()));
+TEST(Inspect, ASoundCubeHasNoFaults) {
+  const GeometryFaults report = inspect(one(cube()));
   EXPECT_TRUE(report.inspected);
   EXPECT_EQ(report.degenerate_triangles + report.duplicate_triangles + report.opposite_triangles +
-                report.conflicting_triangles + report.near_duplicate_vertices +
-                report.duplicate_meshes + report.open_edges + report.branching_edges +
-                report.flipped_edges,
+                report.conflicting_triangles + report.near_duplicate_vertices + report.open_edges +
+                report.branching_edges + report.flipped_edges,
             0);
   EXPECT_EQ(report.closed_shells, 1);
   EXPECT_EQ(report.inward_shells, 0);
 }
 
-TEST(Cleanup, CountsOpenEdgesAndTheirLength) {
+TEST(Inspect, CountsOpenEdgesAndTheirLength) {
   Mesh mesh = cube();
   mesh.triangles.erase(mesh.triangles.begin(), mesh.triangles.begin() + 2);  // a face of edge 1
-  const CleanupReport report = inspect(one(mesh));
+  const GeometryFaults report = inspect(one(mesh));
   EXPECT_EQ(report.open_edges, 4);
   EXPECT_NEAR(report.open_edge_length_m, 4, 1e-6);
   EXPECT_EQ(report.closed_shells, 0);
 }
 
-TEST(Cleanup, MeshesThatMeetCloseEachOthersEdges) {
+TEST(Inspect, MeshesThatMeetCloseEachOthersEdges) {
   Mesh box = cube(), lid = cube();
   lid.triangles = {box.triangles[0], box.triangles[1]};
   box.triangles.erase(box.triangles.begin(), box.triangles.begin() + 2);
@@ -85,7 +71,7 @@ TEST(Cleanup, MeshesThatMeetCloseEachOthersEdges) {
   EXPECT_EQ(inspect(scene).open_edges, 8);
 }
 
-TEST(Cleanup, CountsFlippedTrianglesAndInwardShells) {
+TEST(Inspect, CountsFlippedTrianglesAndInwardShells) {
   Mesh mesh = cube();
   std::swap(mesh.triangles[5][0], mesh.triangles[5][1]);
   EXPECT_EQ(inspect(one(mesh)).flipped_edges, 3);
@@ -98,110 +84,64 @@ TEST(Cleanup, CountsFlippedTrianglesAndInwardShells) {
   EXPECT_EQ(inspect(mirrored).inward_shells, 0) << "a mirroring instance keeps the front outside";
 }
 
-TEST(Cleanup, BranchingEdgesAreCounted) {
+TEST(Inspect, BranchingEdgesAreCounted) {
   Mesh mesh = cube();
   mesh.positions.push_back({0.5f, -1, -1});
   mesh.triangles.push_back({0, 1, 8});  // a fin on the edge 0-1
-  const CleanupReport report = inspect(one(mesh));
+  const GeometryFaults report = inspect(one(mesh));
   EXPECT_EQ(report.branching_edges, 1);
   EXPECT_EQ(report.open_edges, 2);
 }
 
-TEST(Cleanup, RemovesTrianglesWithoutArea) {
+TEST(Inspect, CountsTrianglesWithoutArea) {
   Mesh mesh = cube();
   mesh.positions.push_back({0.5f, 0, 0});
   mesh.triangles.push_back({0, 8, 1});  // on a line
   mesh.triangles.push_back({3, 3, 5});
-  Scene scene = one(mesh);
-  EXPECT_EQ(cleaned(&scene, "none").degenerate_triangles, 2);
-  EXPECT_EQ(scene.triangle_count(), 14) << "nothing goes unasked";
-  EXPECT_EQ(cleaned(&scene, "degenerate").removed_triangles, 2);
-  EXPECT_EQ(scene.triangle_count(), 12);
-  EXPECT_EQ(inspect(scene).degenerate_triangles, 0);
-  EXPECT_NEAR(surface_area(scene), 6, 1e-6);
+  EXPECT_EQ(inspect(one(mesh)).degenerate_triangles, 2);
+  EXPECT_EQ(inspect(one(cube())).degenerate_triangles, 0);
 }
 
-TEST(Cleanup, RemovesDuplicatesOfOneWindingAndMaterial) {
+TEST(Inspect, CountsDuplicatesByWinding) {
   Mesh mesh = cube();
   mesh.triangles.push_back({2, 1, 0});  // triangle 0 from another corner
   mesh.triangles.push_back({0, 1, 2});  // and turned over
-  Scene scene = one(mesh);
-  const CleanupReport report = cleaned(&scene, "duplicates");
+  const GeometryFaults report = inspect(one(mesh));
   EXPECT_EQ(report.duplicate_triangles, 1);
   EXPECT_EQ(report.opposite_triangles, 1);
   EXPECT_EQ(report.open_edges, 0) << "coincident triangles count once for edges";
-  EXPECT_EQ(scene.triangle_count(), 13);
-  EXPECT_EQ(cleaned(&scene, "shells").removed_triangles, 1);
-  EXPECT_EQ(scene.triangle_count(), 12);
 }
 
-TEST(Cleanup, RemovesInstancesThatStandInOthersAndTheirLightGroups) {
-  Scene scene = one(cube());
-  scene.materials[0].emission = {1, 1, 1};
-  scene.instances[0].light_group = 0;
-  scene.instances.push_back({0, moved(5), 1});
-  scene.instances.push_back({0, {}, 2});
-  scene.instances.push_back({0, moved(9), 3});
-  scene.light_groups = {"a", "b", "twin of a", "c"};
-  const CleanupReport report = cleaned(&scene, "duplicates");
-  EXPECT_EQ(report.duplicate_triangles, 12);
-  EXPECT_EQ(scene.instances.size(), 3u);
-  EXPECT_THAT(scene.light_groups, ElementsAre("a", "b", "c"));
-  EXPECT_EQ(scene.instances[2].light_group, 2);
-  EXPECT_EQ(scene.meshes.size(), 1u);
-}
-
-TEST(Cleanup, ASharedMeshIsCopiedForTheInstanceThatLoses) {
+TEST(Inspect, CountsFacesOfNeighboursBackToBack) {
   // Two cubes side by side: the face between them is there twice, back to back.
   Scene scene = one(cube());
   scene.instances.push_back({0, moved(1), kNone});
   EXPECT_EQ(inspect(scene).opposite_triangles, 2);
-  EXPECT_EQ(cleaned(&scene, "duplicates").removed_triangles, 0);
-  EXPECT_EQ(cleaned(&scene, "shells").removed_triangles, 2);
-  ASSERT_EQ(scene.meshes.size(), 2u);
-  EXPECT_EQ(scene.meshes[static_cast<size_t>(scene.instances[0].mesh)].triangles.size(), 12u);
-  EXPECT_EQ(scene.meshes[static_cast<size_t>(scene.instances[1].mesh)].triangles.size(), 10u);
+  EXPECT_EQ(inspect(scene).duplicate_triangles, 0);
 }
 
-TEST(Cleanup, EmittersBackToBackStay) {
-  Scene scene = one(cube());
-  scene.instances.push_back({0, moved(1), kNone});
-  scene.materials[0].emission = {1, 1, 1};
-  EXPECT_EQ(cleaned(&scene, "all").removed_triangles, 0);
-  scene.materials[0].double_sided = true;
-  EXPECT_EQ(cleaned(&scene, "all").removed_triangles, 2);
-}
-
-TEST(Cleanup, OfTwoMaterialsInOnePlaceShellsKeepsTheFirst) {
+TEST(Inspect, CountsTwoMaterialsInOnePlace) {
   Scene scene = one(cube(0));
   scene.meshes.push_back(cube(1));
   scene.instances.push_back({1, {}, kNone});
   EXPECT_EQ(inspect(scene).conflicting_triangles, 12);
-  EXPECT_EQ(cleaned(&scene, "duplicates").removed_triangles, 0);
-  EXPECT_EQ(cleaned(&scene, "shells").removed_triangles, 12);
-  ASSERT_EQ(scene.instances.size(), 1u);
-  EXPECT_EQ(scene.meshes.at(0).material, 0);
 }
 
-TEST(Cleanup, NearVerticesCloseCracksAndMayBeSnapped) {
+TEST(Inspect, NearVerticesCloseCracks) {
   Mesh mesh = cube();
   // Triangle 5 gets vertices of its own, a millionth of the diagonal off.
   for (uint32_t& corner : mesh.triangles[5]) {
     mesh.positions.push_back(mesh.positions[corner] + Vec3{5e-7f, 0, 0});
     corner = static_cast<uint32_t>(mesh.positions.size() - 1);
   }
-  Scene scene = one(mesh);
-  CleanupReport report = inspect(scene);
+  const Scene scene = one(mesh);
+  const GeometryFaults report = inspect(scene);
   EXPECT_EQ(report.near_duplicate_vertices, 3);
   EXPECT_EQ(report.open_edges, 0);
   EXPECT_EQ(inspect(scene, 0).open_edges, 6) << "identical positions alone";
-  cleaned(&scene, "vertices");
-  EXPECT_EQ(inspect(scene, 0).open_edges, 0);
-  EXPECT_EQ(inspect(scene, 0).near_duplicate_vertices, 0);
-  EXPECT_EQ(scene.triangle_count(), 12);
 }
 
-TEST(Cleanup, NearVerticesAgreeWithBruteForce) {
+TEST(Inspect, NearVerticesAgreeWithBruteForce) {
   // Points without triangles of their own but one: only their distances matter.
   Mesh mesh;
   uint64_t state = 5;
@@ -229,47 +169,16 @@ TEST(Cleanup, NearVerticesAgreeWithBruteForce) {
   EXPECT_EQ(inspect(one(mesh), kTolerance).near_duplicate_vertices, 602 - sets);
 }
 
-TEST(Cleanup, MeshesThatDifferByATranslationAreStoredOnce) {
-  Scene scene = one(cube());
-  Mesh far = cube();
-  for (Vec3& p : far.positions) p += Vec3{4, -2, 8};
-  scene.meshes.push_back(far);
-  Mesh other = cube();
-  other.positions[3].x += 0.25f;
-  scene.meshes.push_back(other);
-  scene.instances.push_back({1, moved(100), kNone});
-  scene.instances.push_back({2, moved(50), kNone});
-  const Vec3 before = scene.instances[1].to_world.point(scene.meshes[1].positions[7]);
-  EXPECT_EQ(inspect(scene).duplicate_meshes, 1);
-  EXPECT_EQ(cleaned(&scene, "meshes").duplicate_meshes, 1);
-  ASSERT_EQ(scene.meshes.size(), 2u);
-  EXPECT_EQ(scene.instances[1].mesh, 0);
-  EXPECT_EQ(scene.instances[2].mesh, 1);
-  EXPECT_EQ(scene.instances[1].to_world.point(scene.meshes[0].positions[7]), before);
-}
-
-TEST(Cleanup, FarOffAndHugeScenesAndSinglePoints) {
+TEST(Inspect, FarOffAndHugeScenesAndSinglePoints) {
   Scene scene = one(cube());
   for (Vec3& p : scene.meshes[0].positions) p = p * 1e30f;
   EXPECT_EQ(inspect(scene).closed_shells, 1);
   scene = one(cube());
   for (Vec3& p : scene.meshes[0].positions) p = Vec3{0, 0, 0};
   EXPECT_EQ(inspect(scene).degenerate_triangles, 12);
-  EXPECT_EQ(cleaned(&scene, "all").removed_triangles, 12);
-  EXPECT_TRUE(scene.instances.empty());
 }
 
-TEST(Cleanup, ReadsItsSwitches) {
-  EXPECT_FALSE(parse_cleanup("").any());
-  EXPECT_FALSE(parse_cleanup("none").any());
-  const CleanupOptions some = parse_cleanup("shells,meshes");
-  EXPECT_TRUE(some.shells && some.meshes);
-  EXPECT_FALSE(some.degenerate || some.duplicates || some.vertices);
-  EXPECT_THAT(test::error_of([] { parse_cleanup("degenerate,shels"); }),
-              AllOf(HasSubstr("cleanup list"), HasSubstr("\"shels\""), HasSubstr("shells")));
-}
-
-TEST(Cleanup, FindsNearVerticesWhereverTheyLie) {
+TEST(Inspect, FindsNearVerticesWhereverTheyLie) {
   // Each of many vertices has one partner half a tolerance away, across whatever boundary.
   constexpr double kTolerance = 1e-5;
   std::mt19937 random(5);

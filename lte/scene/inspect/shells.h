@@ -4,14 +4,14 @@
 
 #include <vector>
 
-#include "lte/scene/cleanup/cleanup.h"
-#include "lte/scene/cleanup/topology.h"
+#include "lte/scene/inspect/inspect.h"
+#include "lte/scene/inspect/topology.h"
 
 namespace lte::scene {
 
 /// Fills the counts of edges and shells.
 /// @param covered  triangles that do not count: without area, or standing where another one stands
 void count_shells(const WorldTopology& topology, const std::vector<bool>& covered,
-                  CleanupReport* report);
+                  GeometryFaults* report);
 
 }  // namespace lte::scene

@@ -7,7 +7,7 @@ Mitsuba's compiler. Mitsuba 3.5.2 runs with LLVM 15, which Debian 12 has (libllv
 aborts with it and wants a newer one. Where LLVM is not found, set DRJIT_LIBLLVM_PATH to its file.
 
     python3 -m venv mi && mi/bin/pip install mitsuba==3.5.2 'numpy<2'
-    mi/bin/python scripts/witnesses/validate_against_mitsuba.py --datagen build/bin/lte_datagen \\
+    mi/bin/python scripts/validation/validate_against_mitsuba.py --datagen build/bin/lte_datagen \\
         assets/scenes/cornell_box.glb
 
 Reads .glb files by itself (the subset that lte writes: one buffer, float attributes, embedded

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Holds FLIP and HDR-FLIP against their authors' own program, NVIDIA's flip-evaluator.
 
-usage: scripts/witnesses/check_flip.py [--write] [--build build]
+usage: scripts/validation/check_flip.py [--write] [--build build]
 
 It needs PyPI's flip-evaluator and numpy.
 
