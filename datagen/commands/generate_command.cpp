@@ -106,7 +106,7 @@ void run_generate(GenerateFlags* flags) {
 void add_generate_command(CLI::App& app, CommandBody* body) {
   auto flags = std::make_shared<GenerateFlags>();
   CLI::App* command =
-      app.add_subcommand("generate", "Make a data set of procedural boxes or homes");
+      app.add_subcommand("generate", "Make a data set of procedural boxes, homes or wild rooms");
   CLI::Option* config = command->add_option(
       "--config", flags->config,
       "YAML file; see configs/data/. With --resume the data set's own unless given");

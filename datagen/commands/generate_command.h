@@ -5,7 +5,7 @@
 
 namespace lte::datagen {
 
-/// Makes a data set of procedural boxes or homes.
+/// Makes a data set of procedural scenes.
 void add_generate_command(CLI::App& app, CommandBody* body);
 
 }  // namespace lte::datagen

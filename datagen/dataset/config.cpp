@@ -11,6 +11,9 @@
 namespace lte::datagen {
 namespace {
 
+constexpr GeneratorKind kGenerators[] = {GeneratorKind::Boxes, GeneratorKind::Homes,
+                                         GeneratorKind::Wild, GeneratorKind::Mixed};
+
 template <typename Io, typename B>
 void visit_boxes(Io& io, B& boxes) {
   io.section("boxes", "rooms");
@@ -44,6 +47,17 @@ void visit_homes(Io& io, H& homes) {
   io("lit_share", homes.lit_share);
   io("clutter", homes.clutter);
   io("texture_sizes", homes.texture_sizes);
+}
+
+template <typename Io, typename W>
+void visit_wild(Io& io, W& wild) {
+  io.section("wild");
+  io("cells", wild.cells);
+  io("extent_m", wild.extent_m);
+  io("lamps", wild.lamps);
+  io("sky_share", wild.sky_share);
+  io("detail", wild.detail);
+  io("texture_sizes", wild.texture_sizes);
 }
 
 /// Calls `io` with every key and the field behind it: the one list that reading and writing share.
@@ -91,8 +105,15 @@ void visit(Io& io, C& config) {
     io("drop_m", config.sides.drop_m);
     io("flipped_share", config.sides.flipped_share);
   }
-  if (io.covers(config.generator == GeneratorKind::Boxes)) visit_boxes(io, config.boxes);
-  if (io.covers(config.generator == GeneratorKind::Homes)) visit_homes(io, config.homes);
+  if (io.covers(config.generator == GeneratorKind::Mixed)) {
+    io.section("mixed");
+    io("boxes", config.mixed.boxes);
+    io("homes", config.mixed.homes);
+    io("wild", config.mixed.wild);
+  }
+  if (io.covers(config.makes(GeneratorKind::Boxes))) visit_boxes(io, config.boxes);
+  if (io.covers(config.makes(GeneratorKind::Homes))) visit_homes(io, config.homes);
+  if (io.covers(config.makes(GeneratorKind::Wild))) visit_wild(io, config.wild);
 }
 
 class Reader {
@@ -116,9 +137,10 @@ class Reader {
   void operator()(const std::string& key, GeneratorKind& kind) {
     std::string word = generator_name(kind);
     (*this)(key, word);
-    LTE_CHECK(word == "boxes" || word == "homes", key, ": expected boxes or homes, got \"", word,
-              "\"");
-    kind = word == "homes" ? GeneratorKind::Homes : GeneratorKind::Boxes;
+    for (const GeneratorKind each : kGenerators)
+      if (word == generator_name(each)) kind = each;
+    LTE_CHECK(word == generator_name(kind), key, ": expected boxes, homes, wild or mixed, got \"",
+              word, "\"");
   }
 
  private:
@@ -237,10 +259,47 @@ void check_homes(const homes::HomeConfig& homes, double scale) {
             " m, on which a sun (homes.sun_share) stands");
 }
 
+void check_wild(const wild::WildConfig& wild, double scale) {
+  range_in<CountRange, int64_t>("wild.cells", wild.cells, 1, 5);
+  range_in("wild.extent_m", wild.extent_m, wild::kLeastExtent, 1e3);
+  range_in<CountRange, int64_t>("wild.lamps", wild.lamps, 1, 40);
+  in_range("wild.sky_share", wild.sky_share, 0.0, 1.0);
+  range_in("wild.detail", wild.detail, 0.3, 4.0);
+  check_texture_sizes("wild.texture_sizes", wild.texture_sizes);
+  LTE_CHECK(wild.extent_m.high <= scale, "scale: ", scale,
+            " m is less than the largest scene that wild.extent_m allows, ", wild.extent_m.high,
+            " m");
+}
+
+void check_mixed(const MixedConfig& mixed) {
+  in_range("mixed.boxes", mixed.boxes, 0.0, 1e6);
+  in_range("mixed.homes", mixed.homes, 0.0, 1e6);
+  in_range("mixed.wild", mixed.wild, 0.0, 1e6);
+  LTE_CHECK(mixed.boxes + mixed.homes + mixed.wild > 0, "mixed: all shares are 0");
+}
+
 }  // namespace
 
 const char* generator_name(GeneratorKind kind) {
-  return kind == GeneratorKind::Homes ? "homes" : "boxes";
+  switch (kind) {
+    case GeneratorKind::Homes:
+      return "homes";
+    case GeneratorKind::Wild:
+      return "wild";
+    case GeneratorKind::Mixed:
+      return "mixed";
+    default:
+      return "boxes";
+  }
+}
+
+bool DatagenConfig::makes(GeneratorKind kind) const {
+  if (generator != GeneratorKind::Mixed) return generator == kind;
+  const double share = kind == GeneratorKind::Boxes   ? mixed.boxes
+                       : kind == GeneratorKind::Homes ? mixed.homes
+                       : kind == GeneratorKind::Wild  ? mixed.wild
+                                                      : 1;
+  return share > 0;
 }
 
 void check_datagen_config(const DatagenConfig& config) {
@@ -260,8 +319,10 @@ void check_datagen_config(const DatagenConfig& config) {
   in_range("sides.two_sided_share", config.sides.two_sided_share, 0.0, 1.0);
   range_in("sides.drop_m", config.sides.drop_m, 0.001, 0.7);
   in_range("sides.flipped_share", config.sides.flipped_share, 0.0, 1.0);
-  if (config.generator == GeneratorKind::Boxes) check_boxes(config.boxes, config.scale);
-  if (config.generator == GeneratorKind::Homes) check_homes(config.homes, config.scale);
+  check_mixed(config.mixed);
+  if (config.makes(GeneratorKind::Boxes)) check_boxes(config.boxes, config.scale);
+  if (config.makes(GeneratorKind::Homes)) check_homes(config.homes, config.scale);
+  if (config.makes(GeneratorKind::Wild)) check_wild(config.wild, config.scale);
 }
 
 DatagenConfig read_datagen_config(const Config& yaml) {

@@ -1,4 +1,4 @@
-// What `lte_datagen generate` makes: how many boxes or homes, of which kind, and how each is baked.
+// What `lte_datagen generate` makes: how many scenes, of which generator, and how each is baked.
 // Read strictly from YAML.
 #pragma once
 
@@ -12,17 +12,23 @@
 #include "datagen/common/metals.h"
 #include "datagen/common/sides.h"
 #include "datagen/homes/home.h"
+#include "datagen/wild/wild.h"
 #include "lte/base/config.h"
 
 namespace lte::datagen {
 
-/// What makes the scenes: datagen/boxes, configured by `boxes:`, or datagen/homes, by `homes:`.
-enum class GeneratorKind { Boxes, Homes };
+/// What makes the scenes: a folder of datagen, configured by the section of its name, or all three.
+enum class GeneratorKind { Boxes, Homes, Wild, Mixed };
 
-/// "boxes" or "homes".
+/// "boxes", "homes", "wild" or "mixed".
 const char* generator_name(GeneratorKind kind);
 
-/// The names match the YAML keys, which configs/data/{base,homes,boxes}.yaml explain.
+/// `mixed:` in the YAML config: shares of scenes, of which at least one is above 0.
+struct MixedConfig {
+  double boxes = 1, homes = 1, wild = 1;
+};
+
+/// The names match the YAML keys, which configs/data/{base,boxes,homes,wild,mixed}.yaml explain.
 struct DatagenConfig {
   int64_t scenes = 1000;
   uint64_t seed = 1;
@@ -37,6 +43,11 @@ struct DatagenConfig {
   SideConfig sides;
   boxes::RoomConfig boxes;
   homes::HomeConfig homes;
+  wild::WildConfig wild;
+  MixedConfig mixed;
+
+  /// Whether some of the scenes are of this generator.
+  bool makes(GeneratorKind kind) const;
 };
 
 /// Reads every key, checks ranges, and refuses unknown keys. `rooms:`, the former name of `boxes:`,

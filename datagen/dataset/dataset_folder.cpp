@@ -60,6 +60,15 @@ bool has_scenes_named_rooms(const fs::path& out) {
   return false;
 }
 
+bool has_suns(const DatagenConfig& config) {
+  const boxes::RoomConfig& rooms = config.boxes;
+  const bool boxes = (rooms.open_share > 0 && rooms.sky_share > 0) ||
+                     (rooms.open_share < 1 && rooms.shut_sky_share > 0);
+  return (config.makes(GeneratorKind::Boxes) && boxes) ||
+         (config.makes(GeneratorKind::Homes) && config.homes.sun_share > 0) ||
+         (config.makes(GeneratorKind::Wild) && config.wild.sky_share > 0);
+}
+
 }  // namespace
 
 DatasetFolder::DatasetFolder(const DatagenConfig& config, fs::path out)
@@ -182,11 +191,7 @@ int64_t DatasetFolder::write_index(const FolderState& state) const {
   info.seed = config_.seed;
   info.scale = config_.scale;
   info.pruned = config_.bake.prune;
-  const boxes::RoomConfig& rooms = config_.boxes;
-  info.suns = config_.generator == GeneratorKind::Homes
-                  ? config_.homes.sun_share > 0
-                  : (rooms.open_share > 0 && rooms.sky_share > 0) ||
-                        (rooms.open_share < 1 && rooms.shut_sky_share > 0);
+  info.suns = has_suns(config_);
   info.light_paths = config_.bake.light_paths;
   info.light_depth = config_.bake.max_depth;
   info.planned = planned_;
@@ -200,7 +205,16 @@ int64_t DatasetFolder::write_index(const FolderState& state) const {
 fs::path config_path(const fs::path& out) { return out / "config.yaml"; }
 
 std::string scene_name(GeneratorKind kind, int64_t index) {
-  return numbered(kind == GeneratorKind::Homes ? "home" : "box", index);
+  switch (kind) {
+    case GeneratorKind::Homes:
+      return numbered("home", index);
+    case GeneratorKind::Wild:
+      return numbered("wild", index);
+    case GeneratorKind::Mixed:
+      return numbered("scene", index);
+    default:
+      return numbered("box", index);
+  }
 }
 
 uint64_t scene_seed(uint64_t dataset_seed, int64_t index) {

@@ -9,6 +9,7 @@
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
+#include "lte/base/random.h"
 #include "lte/base/timer.h"
 #include "lte/cli/progress.h"
 #include "lte/image/exr.h"
@@ -21,6 +22,8 @@ namespace lte::datagen {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr uint64_t kMixedStream = 0x6d69786564;  // "mixed"
 
 /// Writes the environment of a scene, which glTF has no place for, as `--environment` reads it.
 void export_sky(const fs::path& path, const scene::Environment& sky) {
@@ -226,12 +229,28 @@ GenerateResult merge_dataset(const fs::path& out) {
   return result;
 }
 
+GeneratorKind generator_of(const DatagenConfig& config, uint64_t seed) {
+  if (config.generator != GeneratorKind::Mixed) return config.generator;
+  const MixedConfig& mixed = config.mixed;
+  const double at = Rng(seed, kMixedStream).uniform() * (mixed.boxes + mixed.homes + mixed.wild);
+  if (at < mixed.boxes) return GeneratorKind::Boxes;
+  return at < mixed.boxes + mixed.homes ? GeneratorKind::Homes : GeneratorKind::Wild;
+}
+
 scene::Scene generate_scene(const DatagenConfig& config, uint64_t seed, const std::string& name) {
-  scene::Scene scene = config.generator == GeneratorKind::Homes
-                           ? homes::generate_home(config.homes, seed, name).scene
-                           : boxes::generate_room(config.boxes, seed, name).scene;
+  const GeneratorKind kind = generator_of(config, seed);
+  scene::Scene scene;
+  SideConfig sides = config.sides;
+  if (kind == GeneratorKind::Wild) {
+    scene = wild::generate_wild(config.wild, seed, name).scene;
+    sides.two_sided_share = 0;  // it has two-sided lamps of its own
+  } else if (kind == GeneratorKind::Homes) {
+    scene = homes::generate_home(config.homes, seed, name).scene;
+  } else {
+    scene = boxes::generate_room(config.boxes, seed, name).scene;
+  }
   add_metals(config.metals, seed, &scene);
-  vary_sides(config.sides, seed, &scene);
+  vary_sides(sides, seed, &scene);
   return scene;
 }
 

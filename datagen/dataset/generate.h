@@ -1,4 +1,4 @@
-// A data set of procedural boxes or homes: generated, baked and listed, in shards if wanted, and
+// A data set of procedural scenes: generated, baked and listed, in shards if wanted, and
 // resumed after a stop.
 #pragma once
 
@@ -55,7 +55,10 @@ inline constexpr int kFailuresInARow = 5;
 /// @throws lte::Error if `out` is no data set of generate_dataset().
 GenerateResult merge_dataset(const std::filesystem::path& out);
 
-/// Makes the scene of a seed with the configured generator.
+/// The generator of a seed's scene: the configured one, or of mixed ones that which the seed draws.
+GeneratorKind generator_of(const DatagenConfig& config, uint64_t seed);
+
+/// Makes the scene of a seed with that generator.
 scene::Scene generate_scene(const DatagenConfig& config, uint64_t seed, const std::string& name);
 
 }  // namespace lte::datagen

@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
-"""Makes the picture of docs/dataset.md from what lte_home_pictures rendered: denoised, tone mapped,
-four by four.
+"""Makes a sheet of what lte_scene_pictures rendered: denoised, tone mapped, side by side.
 
-usage: scripts/figures/home_pictures.py FOLDER OUT.jpg|.png
+usage: scripts/figures/scene_pictures.py FOLDER OUT.jpg|.png [COLUMNS]
 
 It needs PyPI's numpy, Pillow and pyoidn.
 """
@@ -34,18 +33,19 @@ def display(linear):
 
 
 def main():
-    if len(sys.argv) != 3:
+    if len(sys.argv) not in (3, 4):
         sys.exit(__doc__)
+    columns = int(sys.argv[3]) if len(sys.argv) == 4 else 4
     views = []
     for path in sorted(glob.glob(f"{sys.argv[1]}/*_color.pfm")):
         color, albedo, normal = (
             read_pfm(path.replace("color", kind)) for kind in ("color", "albedo", "normal"))
         views.append(display(pyoidn.denoise(color, albedo=albedo, normal=normal, hdr=True)))
     if not views:
-        sys.exit(f"{sys.argv[1]}: no *_color.pfm; lte_home_pictures writes them")
+        sys.exit(f"{sys.argv[1]}: no *_color.pfm; lte_scene_pictures writes them")
     rows = [
-        np.concatenate(views[i:i + 4], axis=1) for i in range(0,
-                                                              len(views) - len(views) % 4, 4)
+        np.concatenate(views[i:i + columns], axis=1)
+        for i in range(0, len(views) - len(views) % columns, columns)
     ]
     Image.fromarray(np.concatenate(rows)).save(
         sys.argv[2], **({"quality": 90} if sys.argv[2].endswith(".jpg") else {}))

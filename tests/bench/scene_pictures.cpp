@@ -1,8 +1,9 @@
-// Rooms of the generator `homes`, seen by their own cameras: what scripts/figures/home_pictures.py
-// makes the picture of docs/dataset.md from.
+// Scenes of a generator, seen by their own cameras: what scripts/figures/scene_pictures.py makes the
+// pictures of docs/dataset.md from.
 //
-// usage: lte_home_pictures FOLDER [PATHS_A_PIXEL] [WIDTH OF A VIEW] [FIRST SCENE] writes
-// FOLDER/NN_{color,albedo,normal}.pfm, linear
+// usage: lte_scene_pictures CONFIG.yaml FOLDER [COUNT] [PATHS_A_PIXEL] [WIDTH OF A VIEW] writes
+// FOLDER/NNN_{color,albedo,normal}.pfm, linear. Homes show so many rooms of each kind; of other
+// scenes one camera each is taken.
 #include <cstdio>
 #include <cstdlib>
 #include <map>
@@ -10,10 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "datagen/homes/home.h"
+#include "datagen/dataset/dataset_folder.h"
+#include "datagen/dataset/generate.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
-#include "lte/base/random.h"
+#include "lte/base/text.h"
 #include "lte/image/image.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights/lights.h"
@@ -70,23 +72,29 @@ void render(const scene::Scene& scene, const scene::Camera& camera, int width, i
             pathtrace::render_reference(bvh, lights, camera, width, height, options));
 }
 
-void run(const std::string& folder, int paths, int width, int64_t next) {
-  const int height = width * 9 / 16;
-  const datagen::homes::HomeConfig config;
+/// The cameras of other scenes in turn.
+const scene::Camera* next_camera(const scene::Scene& scene, int64_t index) {
+  if (scene.cameras.empty()) return nullptr;
+  return &scene.cameras[static_cast<size_t>(index) % scene.cameras.size()];
+}
+
+void run(const std::string& file, const std::string& folder, int count, int paths, int width) {
+  const datagen::DatagenConfig config = datagen::load_datagen_config(file);
+  const bool homes = config.generator == datagen::GeneratorKind::Homes;
+  const int height = homes ? width * 9 / 16 : width * 3 / 4;
   make_directory(folder);
   std::map<std::string, int> left = wanted();
-  int views = 0, i = 0;
-  for (const auto& [name, count] : left) views += count;
-  for (; i < views; ++next) {
-    const datagen::homes::Home home =
-        datagen::homes::generate_home(config, hash_combine(1, static_cast<uint64_t>(next)));
-    const scene::Camera* camera = camera_of(home.scene, &left);
+  int i = 0;
+  for (int64_t next = 0; i < count; ++next) {
+    const scene::Scene scene =
+        datagen::generate_scene(config, datagen::scene_seed(config.seed, next),
+                                formatted("%lld", static_cast<long long>(next)));
+    const scene::Camera* camera = homes ? camera_of(scene, &left) : next_camera(scene, next);
     if (camera == nullptr) continue;
     std::printf("%d: scene %lld, %s, %lld triangles\n", i, static_cast<long long>(next),
-                camera->name.c_str(), static_cast<long long>(home.scene.triangle_count()));
+                camera->name.c_str(), static_cast<long long>(scene.triangle_count()));
     std::fflush(stdout);
-    render(home.scene, *camera, width, height, paths,
-           concat(folder, "/", i < 10 ? "0" : "", i, "_"));
+    render(scene, *camera, width, height, paths, formatted("%s/%03d_", folder.c_str(), i));
     ++i;
   }
 }
@@ -95,13 +103,13 @@ void run(const std::string& folder, int paths, int width, int64_t next) {
 
 int main(int argc, char** argv) {
   try {
-    LTE_CHECK(argc >= 2 && argc <= 5,
-              "usage: lte_home_pictures FOLDER [PATHS_A_PIXEL] [WIDTH] [FIRST SCENE]");
-    run(argv[1], argc > 2 ? std::atoi(argv[2]) : 64, argc > 3 ? std::atoi(argv[3]) : 400,
-        argc > 4 ? std::atoll(argv[4]) : 0);
+    LTE_CHECK(argc >= 3 && argc <= 6,
+              "usage: lte_scene_pictures CONFIG.yaml FOLDER [COUNT] [PATHS_A_PIXEL] [WIDTH]");
+    run(argv[1], argv[2], argc > 3 ? std::atoi(argv[3]) : 16, argc > 4 ? std::atoi(argv[4]) : 64,
+        argc > 5 ? std::atoi(argv[5]) : 400);
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "lte_home_pictures: %s\n", error.what());
+    std::fprintf(stderr, "lte_scene_pictures: %s\n", error.what());
     return EXIT_FAILURE;
   }
 }
