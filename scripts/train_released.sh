@@ -4,10 +4,10 @@
 #   scripts/train_released.sh [--rehearse] lte-base|lte-large|lte-hybrid|lte-radiance [FOLDER]
 #
 # FOLDER (data/released by default) takes the data and the run. A run that was stopped goes on where
-# it was when the same line is given again. At its end the model, its configuration, its log and its
-# card are in FOLDER/release: figures on the shipped test homes and on test boxes, and of
-# lte-radiance on glossy rooms. Many hours of two cores; a quarter of an hour for lte-radiance. All
-# but lte-base start from the shipped lte-base. lte-large wants a GPU.
+# it was when the same line is given again. At its end the model, its configuration, its log, its
+# card and its provenance are in FOLDER/release: figures on the shipped test homes and on test boxes,
+# and of lte-radiance on glossy rooms. Many hours of two cores; a quarter of an hour for
+# lte-radiance. All but lte-base start from the shipped lte-base. lte-large wants a GPU.
 #
 # --rehearse goes the whole way on 16 scenes of each kind and 8 steps, in minutes (FOLDER:
 # data/rehearsed): whether a machine has what the night will need.
@@ -68,7 +68,8 @@ train() {
 # Data sets, then --test or --maps with what was measured.
 write_card() {
   local card
-  card=$(scripts/figures/model_card.py "$name" --log "$released.log.jsonl" --data "$@")
+  card=$(scripts/figures/model_card.py "$name" --log "$released.log.jsonl" \
+    --provenance "$released.provenance.json" --command "scripts/train_released.sh $name" --data "$@")
   echo "$card" | tee "$released.md"
 }
 

@@ -1,16 +1,19 @@
 #!/usr/bin/env python3
-"""Prints a model's card, in Markdown: what it has learnt from, how long, and what it is worth.
+"""Prints a model's card, in Markdown: its data, its training, and its errors.
 
 usage: scripts/figures/model_card.py NAME --log LOG --data DATA [DATA ...]
            [--test TITLE=EVAL.json ...] [--maps TITLE=INCIDENT.json ...]
+           [--provenance OUT.json --command COMMAND]
 
 LOG is the log.jsonl of a training, each DATA a data set that it read, EVAL.json and INCIDENT.json
-what `lte_eval --json` and `experiment_directions --json` have written. It needs Python's standard
+what `lte_eval --json` and `experiment_directions --json` have written. OUT.json takes how the model
+was made: COMMAND, the commit, data sets with their seeds, and runs. It needs Python's standard
 library alone.
 """
 import argparse
 import json
 import pathlib
+import subprocess
 import sys
 
 ROWS = (
@@ -55,28 +58,58 @@ def plural(count, noun):
     return f"{count:,} {noun}{'' if count == 1 else 's'}"
 
 
-def data_line(folder):
-    """A data set in words."""
+def read_data(folder):
+    """A data set: its name, seed, scenes by split, and scene points from least to most."""
     dataset = read_json(pathlib.Path(folder) / "dataset.json")
     scenes = dataset["scenes"]
-    splits = [f"{sum(s['split'] == split for s in scenes):,} {split}"
-              for split in ("train", "val", "test") if any(s["split"] == split for s in scenes)]
-    points = sorted({s["scene_points"] for s in scenes})
-    shown = f"{points[0]:,}" if len(points) == 1 else f"{points[0]:,} to {points[-1]:,}"
-    name = pathlib.Path(folder).name
-    return (f"`{name}`: {plural(len(scenes), 'scene')} ({', '.join(splits)}) of the "
-            f"seed {dataset['seed']}, {shown} scene points")
+    splits = {split: sum(s["split"] == split for s in scenes) for split in ("train", "val", "test")}
+    points = [s["scene_points"] for s in scenes]
+    return {"name": pathlib.Path(folder).name, "seed": dataset["seed"],
+            "scenes": {split: count for split, count in splits.items() if count},
+            "scene_points": [min(points), max(points)]}
 
 
-def training_line(log):
+def data_line(data):
+    """A data set in words."""
+    splits = ", ".join(f"{count:,} {split}" for split, count in data["scenes"].items())
+    least, most = data["scene_points"]
+    shown = f"{least:,}" if least == most else f"{least:,} to {most:,}"
+    return (f"`{data['name']}`: {plural(sum(data['scenes'].values()), 'scene')} ({splits}) of the "
+            f"seed {data['seed']}, {shown} scene points")
+
+
+def read_log(log):
     with open(log, encoding="utf-8") as file:
         try:
             lines = [json.loads(line) for line in file if line.strip()]
         except ValueError as error:
             raise ValueError(f"{log}: a line is no JSON: {error}") from error
-    steps = [line for line in lines if "loss" in line]
-    if not steps:
+    if not any("loss" in line for line in lines):
         raise ValueError(f"{log}: has no step")
+    return lines
+
+
+def training_runs(lines):
+    """Steps and last losses of each run in a log: a step below the one before begins another."""
+    runs, last = [], None
+    for line in lines:
+        if last is None or line["step"] < last:
+            runs.append({})
+        last = line["step"]
+        runs[-1].update({key: line[key] for key in ("step", "loss", "val_loss") if key in line})
+    return [{"steps": run.pop("step"), **run} for run in runs]
+
+
+def commit():
+    """The revision of the sources, or None outside of a repository."""
+    root = pathlib.Path(__file__).resolve().parents[2]
+    git = subprocess.run(["git", "-C", root, "rev-parse", "HEAD"], capture_output=True, text=True,
+                         check=False)
+    return git.stdout.strip() if git.returncode == 0 else None
+
+
+def training_line(lines):
+    steps = [line for line in lines if "loss" in line]
     validations = [line["val_loss"] for line in lines if "val_loss" in line]
     out = f"{plural(steps[-1]['step'], 'step')}, training loss {number(steps[-1]['loss'])}"
     if validations:
@@ -102,7 +135,7 @@ def test_table(name, title, result):
         errors = [number(points["mse"]), *(number(views[k]) for k in ("mse", "ssim", "flip"))]
         rows.append([f"**{name}, {title}**" if label is None else label, *errors, *paths])
     head = [f"mean over {plural(result['scenes'], 'scene')} (95 %)", "MSE points", "MSE views",
-            "SSIM views", "FLIP views", "worth samples a point", "a pixel"]
+            "SSIM views", "FLIP views", "spp, points", "spp, views"]
     scenes = [(s["equal_samples"]["neural"], s["name"]) for s in result["per_scene"]]
     scenes = sorted((s for s in scenes if s[0]["views"] is not None), key=lambda s: s[0]["views"])
     worst = "; ".join(f"`{scene}` {number(of['views'])} a pixel, {number(of['points'])} a point"
@@ -136,8 +169,13 @@ def main():
     parser.add_argument("--data", nargs="+", required=True)
     parser.add_argument("--test", type=titled, action="append", default=[])
     parser.add_argument("--maps", type=titled, action="append", default=[])
+    parser.add_argument("--provenance")
+    parser.add_argument("--command")
     args = parser.parse_args()
-    facts = [["data", "; ".join(map(data_line, args.data))], ["training", training_line(args.log)]]
+    if (args.provenance is None) != (args.command is None):
+        parser.error("--provenance and --command go together")
+    data, log = [read_data(folder) for folder in args.data], read_log(args.log)
+    facts = [["data", "; ".join(map(data_line, data))], ["training", training_line(log)]]
     parts = [f"# {args.name}", table(["", ""], facts)]
     for make, results in ((test_table, args.test), (map_table, args.maps)):
         for title, path in results:
@@ -145,6 +183,11 @@ def main():
                 parts.append(make(args.name, title, read_json(path)))
             except KeyError as missing:
                 raise ValueError(f"{path}: has no {missing}") from missing
+    if args.provenance:
+        made = {"model": args.name, "made_by": "one script", "command": args.command,
+                "commit": commit(), "data": data, "runs": training_runs(log)}
+        pathlib.Path(args.provenance).write_text(json.dumps(made, indent=2) + "\n",
+                                                 encoding="utf-8")
     print("\n\n".join(parts))
 
 

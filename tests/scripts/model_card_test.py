@@ -83,6 +83,20 @@ class Card(unittest.TestCase):
         self.assertIn("| **lte-x, rooms** | 0.500 | 0.250 | 128 |", card)
         self.assertEqual(card.count("spherical harmonics"), 2)
 
+    def test_writes_how_the_model_was_made(self):
+        with open(self.folder / "log.jsonl", "a", encoding="utf-8") as log:
+            log.write('\n{"step": 600, "loss": 0.2}')
+        out = self.folder / "made.json"
+        run(*self.given, "--provenance", out, "--command", "make it")
+        made = json.loads(out.read_text())
+        self.assertEqual((made["model"], made["command"]), ("lte-x", "make it"))
+        self.assertEqual(made["data"], [{"name": "boxes", "seed": 17,
+                                         "scenes": {"train": 2, "val": 1},
+                                         "scene_points": [4096, 8192]}])
+        self.assertEqual(made["runs"], [{"steps": 2000, "loss": 0.4, "val_loss": 0.3},
+                                        {"steps": 600, "loss": 0.2}])
+        self.assertIn("--command", run(*self.given, "--provenance", out, code=2))
+
     def test_refuses_what_is_missing_in_one_line(self):
         result = self.result()
         del result["per_scene"]
