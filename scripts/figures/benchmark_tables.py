@@ -1,0 +1,183 @@
+"""The tables of docs/benchmarks.md: the commands behind each, the rows that their JSON gives, and
+the columns. scripts/figures/benchmarks.py runs the commands and writes the page."""
+import dataclasses
+import typing
+
+LIVING_ROOM = "assets/scenes/living_room.glb"
+CORNELL_BOX = "assets/scenes/cornell_box.glb"
+MODELS = "assets/models"
+
+
+@dataclasses.dataclass(frozen=True)
+class Command:
+    """A command line. {json} is the file that it writes, {work} a folder that is kept; a command
+    without {json} prepares the others. `json` names another file that holds its result."""
+    line: str
+    label: str = ""
+    json: str = "{work}/{table}-{label}.json"
+
+
+@dataclasses.dataclass(frozen=True)
+class Table:
+    name: str
+    commands: tuple[Command, ...]
+    rows: typing.Callable[[dict], list[dict]]  # results by label -> what the table's file keeps
+    columns: tuple[tuple[str, str], ...]  # heading, dotted key of a row
+
+
+def outside_rows(results):
+    scenes = results["scenes"]["scenes"]
+    rows = []
+    for method in results["scenes"]["methods"]:
+        ratios = [scene["methods"][method["name"]]["irradiance"]["mean_ratio"]
+                  for scene in scenes if method["name"] in scene["methods"]]
+        rows.append({"method": method["name"], "rooms": method["of"], "right": method["right"],
+                     "mean_within": sum(r is not None and abs(r - 1) <= 0.05 for r in ratios),
+                     "worth": method["worth"]["geometric_mean"],
+                     "least": method["worth"]["least"],
+                     "cpu_seconds": method["processor_seconds_median"]})
+    return rows
+
+
+def picture_rows(results):
+    """A row a method, with the figures of each scene under its name."""
+    rows = {}
+    for label, result in results.items():
+        for chart in result["charts"]:
+            for row in chart["rows"]:
+                name = row["name"] if label == "plain" else f"{row['name']}, {label}"
+                figures = {"first": row["seconds_of_views"]["1"],
+                           "further": row["view"]["seconds"],
+                           "relmse": row["whole"]["own_relmse"], "flip": row["whole"]["flip"]}
+                rows.setdefault(name, {"method": name})[chart["scene"]] = figures
+    return list(rows.values())
+
+
+def network_rows(results):
+    words = {"encode": "encode a scene", "decode": "decode a picture"}
+    return [{"work": words.get(run["name"], run["name"]), "items": run["n"],
+             "precision": run["precision"], "seconds": run["seconds_min"],
+             "gflops": run["gemm_gflops_measured"], "multiple": run["times_gemm_limit"],
+             "mib": run["rss_above_model_mb"]}
+            for result in results.values() for run in result]
+
+
+OPERATORS = {
+    "Knn/camera_262144_in_5000/real_time": "kNN, k = 32, 262,144 camera hits in 5,000 points",
+    "Flann/camera_262144_in_5000/real_time": "the same by FLANN",
+    "Knn/shuffled_262144_in_5000/real_time": "kNN, 262,144 points in random order in 5,000",
+    "Knn/scene_20000_in_20000/real_time": "kNN, 20,000 in 20,000",
+    "Flann/scene_20000_in_20000/real_time": "the same by FLANN",
+    "FarthestPoint/20000/real_time": "farthest point sampling, 20,000 to 10,000",
+    "FarthestPoint/200000/real_time": "farthest point sampling, 200,000 to 100,000",
+    "SubmanifoldConv/forward/3/real_time": "submanifold convolution 3³, 128 to 128, 5,000 points",
+    "SubmanifoldConv/forward/5/real_time": "the same, 5³",
+}
+TO_MS = {"ns": 1e-6, "us": 1e-3, "ms": 1.0, "s": 1e3}
+
+
+def operator_rows(results):
+    found = {run["name"]: run["real_time"] * TO_MS[run["time_unit"]]
+             for run in results["ops"]["benchmarks"]}
+    return [{"work": words, "ms": found[name]} for name, words in OPERATORS.items()
+            if name in found]
+
+
+def path_rows(results):
+    rows = []
+    for scene, runs in results.items():
+        rates = {run["name"]: run["mrays_per_s"] for run in runs}
+        own = rates.pop("pathtrace irradiance")
+        packets = max(rate for name, rate in rates.items() if "sorted" not in name)
+        rows.append({"scene": scene.replace("_", " "), "rate": own, "packets": packets,
+                     "share": own / packets})
+    return rows
+
+
+def training_rows(results):
+    rows = []
+    for label, log in results.items():
+        first = next(line for line in log if "queries_per_s" in line)
+        rows.append({"run": label, "queries": first["queries_per_s"], "mib": first["rss_mb"]})
+    return rows
+
+
+def scene_columns(scenes, keys):
+    return tuple((f"{title}: {head}", f"{scene}.{key}")
+                 for scene, title in scenes for key, head in keys)
+
+
+def training(label, flags):
+    return Command(
+        "lte_train --config configs/train/demo.yaml --set data.root={work}/training-data "
+        "--set data.solved_light={work}/training-light --set train.steps=42 "
+        "--set train.warmup_steps=2 --set train.log_every=40 --threads 2 "
+        f"--out {{work}}/training-{label} {flags}".rstrip(),
+        label, "{work}/training-{label}/log.jsonl")
+
+
+def pareto(label, scenes, size, methods, model=None):
+    line = (f"lte_bench pareto {scenes} --size {size} --views 1 --repeats 1 --reference-spp 512 "
+            f"--reference-cache {{work}}/references --methods {methods} --json {{json}}")
+    return Command(line + (f" --checkpoint {MODELS}/{model}.safetensors" if model else ""), label)
+
+
+TABLES = (
+    Table("outside", (
+        Command("lte_eval scenes assets/scenes/outside --size 128x96 --report {work}/outside "
+                f"--checkpoint {MODELS}/lte-base.safetensors "
+                f"--checkpoint {MODELS}/lte-hybrid.safetensors --json {{json}}", "scenes"),),
+          outside_rows,
+          (("method", "method"), ("rooms", "rooms"), ("right", "right"),
+           ("mean within 5 %", "mean_within"), ("spp, geometric mean", "worth"),
+           ("least", "least"), ("CPU s", "cpu_seconds"))),
+    Table("pictures", (
+        pareto("plain", f"{LIVING_ROOM} {CORNELL_BOX}", "320x240", "denoised,network-16,gather"),
+        pareto("lte-hybrid", f"{LIVING_ROOM} {CORNELL_BOX}", "320x240",
+               "network-16,gather-network-16", "lte-hybrid")),
+          picture_rows,
+          (("method", "method"),) + scene_columns(
+              (("living_room", "living room"), ("cornell_box", "Cornell box")),
+              (("first", "first view, s"), ("further", "further, s"), ("relmse", "relMSE"),
+               ("flip", "FLIP")))),
+    Table("budgets", (
+        Command("lte_datagen generate --config assets/data/homes-test/config.yaml --scenes 2 "
+                "--glb --resume --out {work}/homes"),
+        pareto("plain",
+               f"{LIVING_ROOM} {CORNELL_BOX} {{work}}/homes/scenes/home_00000.glb "
+               "{work}/homes/scenes/home_00001.glb", "640x480",
+               "gather-draft,budget-1s,budget-5s,budget-30s,denoised-1,denoised-4,denoised-16,"
+               "denoised-64")),
+          picture_rows,
+          (("method", "method"),) + scene_columns(
+              (("living_room", "living room"), ("cornell_box", "Cornell box"),
+               ("home_00000", "home 0"), ("home_00001", "home 1")),
+              (("first", "s"), ("relmse", "relMSE")))),
+    Table("network", (
+        Command("lte_bench encoder --repeats 5 --json {json}", "encode"),
+        Command("lte_bench encoder --repeats 5 --precision bf16 --json {json}", "encode-bf16"),
+        Command("lte_bench decoder --repeats 3 --json {json}", "decode"),
+        Command("lte_bench decoder --repeats 3 --precision bf16 --json {json}", "decode-bf16")),
+          network_rows,
+          (("work", "work"), ("points", "items"), ("precision", "precision"),
+           ("seconds", "seconds"), ("products, GFLOP/s", "gflops"),
+           ("times the products alone", "multiple"), ("MiB above the model", "mib"))),
+    Table("operators", (
+        Command("lte_ops_microbench --benchmark_filter=Knn|Flann|FarthestPoint|SubmanifoldConv "
+                "--benchmark_out={json} --benchmark_out_format=json", "ops"),),
+          operator_rows, (("work", "work"), ("ms", "ms"))),
+    Table("paths", (
+        Command("lte_bench pathtrace --json {json}", "Cornell_box"),
+        Command(f"lte_bench pathtrace --scene {LIVING_ROOM} --json {{json}}", "living_room")),
+          path_rows,
+          (("scene", "scene"), ("path tracer, million rays/s", "rate"),
+           ("bare Embree, best packets", "packets"), ("share", "share"))),
+    Table("training", (
+        Command("lte_datagen generate --config configs/data/demo.yaml --scenes 40 "
+                "--resume --out {work}/training-data"),
+        training("solve", ""),  # finds the light that the others read
+        training("float32", ""),
+        training("bfloat16", "--set train.autocast=bf16")),
+          lambda results: training_rows({k: v for k, v in results.items() if k != "solve"}),
+          (("run", "run"), ("queries/s", "queries"), ("peak, MiB", "mib"))),
+)
