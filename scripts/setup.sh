@@ -4,6 +4,7 @@
 #
 #   scripts/setup.sh            packages, LibTorch, Open Image Denoise
 #   scripts/setup.sh --tests    and what tests are held against besides: PyPI's tensorboard
+#   scripts/setup.sh --packages the packages alone, for -DLTE_TORCH=OFF
 #   LTE_SKIP_APT=1 ...          never touch the system's packages
 #   Torch_ROOT=/opt/libtorch .. use this LibTorch instead of the wheel
 set -euo pipefail
@@ -91,13 +92,15 @@ install_tensorboard() {
   fi
 }
 
-tests=
+tests='' packages_alone=''
 case "${1:-}" in
   --tests) tests=1 ;;
+  --packages) packages_alone=1 ;;
   "") ;;
   *) fail "unknown argument $1 (see the head of scripts/setup.sh)" ;;
 esac
 if command -v dpkg-query >/dev/null; then install_packages; else say "packages: not Debian, see README for the list"; fi
+if [ -n "$packages_alone" ]; then say "done"; exit; fi
 install_torch
 install_oidn
 [ -z "$tests" ] || install_tensorboard

@@ -3,7 +3,8 @@
 
 usage: scripts/dev/check_docs.py [ROOT]
 
-Looked at are README.md, CHANGELOG.md, docs/ and assets/models/README.md:
+Looked at are README.md, CHANGELOG.md, CONTRIBUTING.md, SECURITY.md, docs/ and
+assets/models/README.md:
 - every relative link leads to a file, and its #anchor to a heading of it;
 - every path in `code` that begins with a folder of the repository exists, * and {a,b} expanded;
 - every page of docs/ is in the index of its folder;
@@ -26,8 +27,9 @@ PLACEHOLDER = re.compile(r"NAME|\.\.\.|\bscenes/[a-z]*\*|manifest|scene/fbx|trai
 
 
 def pages(root: pathlib.Path) -> list[pathlib.Path]:
-    out = [root / "README.md", root / "CHANGELOG.md", root / "assets/models/README.md"]
-    return out + sorted((root / "docs").rglob("*.md"))
+    names = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md",
+             "assets/models/README.md")
+    return [root / name for name in names] + sorted((root / "docs").rglob("*.md"))
 
 
 def without_code(text: str) -> str:

@@ -1,24 +1,29 @@
 #!/usr/bin/env bash
 # clang-tidy on the sources that are named, or that differ from a base revision; fails on findings.
 #
-# usage: scripts/dev/tidy.sh [--base REVISION] [--all] [--build DIR] [FILE.cpp ...]
+# usage: scripts/dev/tidy.sh [--base REVISION] [--all] [--without-torch] [--most N] [--build DIR]
+#                            [FILE.cpp ...]
 #
 #   (nothing)          what differs from main, uncommitted changes included
 #   --base REVISION    what differs from REVISION
 #   --all              every source of the build: about a minute a LibTorch file, so hours
+#   --without-torch    no source that includes LibTorch, which takes a minute
+#   --most N           N sources at most; a line says how many are left out
 #   --build DIR        configured build folder with compile_commands.json (default: build)
 #
 # A header is looked at through the sources that include it: name one of them. Checks: .clang-tidy.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
-base=main build=build all=0
+base=main build=build all=0 torch=1 most=0
 declare -a files=()
 while [ $# -gt 0 ]; do
   case "$1" in
     --base) base=$2; shift 2 ;;
     --build) build=$2; shift 2 ;;
     --all) all=1; shift ;;
-    --help | -h) sed -n '2,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    --without-torch) torch=0; shift ;;
+    --most) most=$2; shift 2 ;;
+    --help | -h) sed -n '2,15s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     -*) echo "tidy: unknown flag $1; see --help" >&2; exit 2 ;;
     *) files+=("$1"); shift ;;
   esac
@@ -40,9 +45,9 @@ fi
 commands=$(mktemp -d)
 trap 'rm -rf "$commands"' EXIT
 filtered=$commands/compile_commands.json
-mapfile -t files < <(python3 - "$database" "$filtered" "${files[@]}" <<'PYTHON'
+mapfile -t files < <(python3 - "$database" "$filtered" "$torch" "$most" "${files[@]}" <<'PYTHON'
 import json, os, shlex, sys
-database, out, *wanted = sys.argv[1:]
+database, out, torch, most, *wanted = sys.argv[1:]
 wanted = {os.path.realpath(name) for name in wanted}
 kept = {}
 for entry in json.load(open(database)):
@@ -60,10 +65,20 @@ for entry in json.load(open(database)):
             words.append(word)
     words.append("-Wno-unknown-warning-option")
     kept[path] = {"directory": entry["directory"], "file": path, "arguments": words}
-json.dump(list(kept.values()), open(out, "w"))
 for path in sorted(wanted - kept.keys()):
     print(f"tidy: {os.path.relpath(path)} is in no target of {database}: left out", file=sys.stderr)
-print("\n".join(sorted(kept)))
+if torch == "0":
+    without = {path: entry for path, entry in kept.items()
+               if not any("site-packages/torch" in word or "libtorch" in word
+                          for word in entry["arguments"])}
+    if len(without) < len(kept):
+        print(f"tidy: {len(kept) - len(without)} files with LibTorch: left out", file=sys.stderr)
+    kept = without
+chosen = sorted(kept)[:int(most) or None]
+if len(chosen) < len(kept):
+    print(f"tidy: {len(kept) - len(chosen)} more files: left out", file=sys.stderr)
+json.dump([kept[path] for path in chosen], open(out, "w"))
+print("\n".join(chosen))
 PYTHON
 )
 if [ -z "${files[0]:-}" ]; then

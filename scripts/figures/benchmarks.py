@@ -53,14 +53,15 @@ def field(row, key):
 
 
 def wrapped(command):
-    """A command in lines; a flag stays beside its value."""
+    """A command in lines; a flag stays beside its value where that has room."""
+    room = COLUMNS - 10  # four columns before each line, four more before later ones, " \\"
     lines = [""]
-    for part in re.split(r" (?=--)", command):
-        if lines[-1] and len(lines[-1]) + len(part) > COLUMNS - 8:
-            lines[-1] += " \\"
-            lines.append("   ")
-        lines[-1] += f" {part}" if lines[-1] else part
-    return lines
+    for flag in re.split(r" (?=--)", command):
+        for part in [flag] if len(flag) <= room else flag.split(" "):
+            if lines[-1] and len(lines[-1]) + len(part) >= room:
+                lines.append("")
+            lines[-1] += f" {part}" if lines[-1] else part
+    return " \\\n    ".join(lines).split("\n")
 
 
 def markdown(table, file):
@@ -145,7 +146,7 @@ def measure(table, args):
         run_command([str(args.bin / words[0]), *words[1:]])
         if command.label:
             results[command.label] = read_json(ROOT / path)
-        shown.append(shlex.join(words))
+        shown.append(shlex.join(word for word in words if word not in ("--json", str(path))))
     try:
         rows = table.rows(results)
     except (KeyError, StopIteration) as missing:
