@@ -143,7 +143,7 @@ void add_generate_command(CLI::App& app, CommandBody* body) {
       "  lte_datagen generate --config configs/data/homes.yaml --out homes --shard 0/4 --resume\n"
       "  lte_datagen generate --out homes --resume\n"
       "  lte_datagen generate --out homes --merge\n"
-      "docs/scale-out.md has scripts for SLURM and for shells.");
+      "docs/dataset.md has scripts for SLURM and for shells.");
   command->callback([=] {
     if (config->count() == 0 && !flags->merge && !flags->options.resume)
       throw CLI::RequiredError("--config");
