@@ -1,0 +1,152 @@
+#!/usr/bin/env python3
+"""Draws error against time of the methods of `lte_eval scenes`, and prints what each is worth.
+
+  lte_eval scenes assets/scenes/outside --size 128x96 --json outside.json \\
+      --methods gather,network,paths-4,paths-16,paths-64,paths-4-denoised,paths-16-denoised
+  scripts/figures/error_time.py outside.json --out docs/images/error_time.svg
+
+A dot is a method: median processor seconds of a picture, and the geometric mean over the scenes of
+the error of indirect irradiance (root mean square, relative to its mean). Rows of the same paths
+are joined. The table on standard output has the geometric mean of the equal-error samples a pixel
+with 95 % intervals (bootstrap over the scenes).
+"""
+import argparse
+import html
+import json
+import math
+import pathlib
+import random
+import re
+import statistics
+import sys
+
+WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 760, 330, 64, 190, 14, 44
+COLORS = {"path": "#777777", "denoised": "#1f6fb4", "gather": "#2b9348", "network": "#d9541e"}
+RESAMPLES = 2000
+
+
+def fail(message):
+    print(f"error_time.py: {message}", file=sys.stderr)
+    raise SystemExit(1)
+
+
+def geometric_mean(values):
+    return math.exp(statistics.fmean(map(math.log, values)))
+
+
+def interval(values):
+    """Bounds of 95 % of the geometric means of resampled scenes."""
+    draw = random.Random(1)
+    means = sorted(geometric_mean(draw.choices(values, k=len(values))) for _ in range(RESAMPLES))
+    return means[int(0.025 * RESAMPLES)], means[int(0.975 * RESAMPLES)]
+
+
+def kind_of(name):
+    if name.startswith("paths"):
+        return "denoised" if name.endswith("denoised") else "path"
+    return "gather" if name.startswith("gather") else "network"
+
+
+def read(path):
+    """By method: errors, worths and seconds over the scenes in which it was measured."""
+    try:
+        scenes = json.loads(path.read_text())["scenes"]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        fail(f"{path}: no result of lte_eval scenes --json ({error})")
+    methods = {}
+    for scene in scenes:
+        for name, figures in scene["methods"].items():
+            if "not_measured" in figures:
+                continue
+            light = figures["irradiance"]
+            # An error below the reference's noise counts as that noise.
+            mse = max(light["mse"], light["mse_stderr"])
+            row = methods.setdefault(name, {"error": [], "worth": [], "seconds": []})
+            row["error"].append(math.sqrt(mse) / light["mean"])
+            row["worth"].append(light["path_variance"] / mse)
+            row["seconds"].append(figures["processor_seconds"])
+    if not methods:
+        fail(f"{path}: no method was measured in any scene")
+    return methods
+
+
+def table(methods):
+    lines = ["| method | scenes | CPU s | error | equal-error samples a pixel |", "|---|---:|---:|---:|---:|"]
+    for name, row in methods.items():
+        low, high = interval(row["worth"])
+        lines.append(f"| {name} | {len(row['worth'])} | {statistics.median(row['seconds']):.2f} "
+                     f"| {100 * geometric_mean(row['error']):.1f} % "
+                     f"| {geometric_mean(row['worth']):.0f} ({low:.0f}–{high:.0f}) |")
+    return "\n".join(lines)
+
+
+class Axis:
+    """A logarithmic axis from the least to the largest value, with room at both ends."""
+
+    def __init__(self, values, first, last):
+        self.low, self.high = math.log(min(values) / 1.25), math.log(max(values) * 1.25)
+        self.first, self.last = first, last
+
+    def __call__(self, value):
+        share = (math.log(value) - self.low) / (self.high - self.low)
+        return self.first + share * (self.last - self.first)
+
+    def ticks(self):
+        for power in range(-4, 5):
+            for digit in (1, 2, 5):
+                value = digit * 10.0**power
+                if self.low <= math.log(value) <= self.high:
+                    yield value
+
+
+def text(x, y, words, anchor="start", color="#222222"):
+    return (f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" fill="{color}">'
+            f"{html.escape(words)}</text>")
+
+
+def chart(methods):
+    points = {name: (statistics.median(row["seconds"]), geometric_mean(row["error"]))
+              for name, row in methods.items()}
+    across = Axis([x for x, _ in points.values()], LEFT, WIDTH - RIGHT)
+    up = Axis([y for _, y in points.values()], HEIGHT - BOTTOM, TOP)
+    out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" '
+           'font-family="sans-serif" font-size="12">', '<rect width="100%" height="100%" fill="#fff"/>']
+    for value in across.ticks():
+        x = across(value)
+        out.append(f'<path d="M{x:.1f} {TOP}V{HEIGHT - BOTTOM}" stroke="#ddd"/>')
+        out.append(text(x, HEIGHT - BOTTOM + 16, f"{value:g}", "middle"))
+    for value in up.ticks():
+        y = up(value)
+        out.append(f'<path d="M{LEFT} {y:.1f}H{WIDTH - RIGHT}" stroke="#ddd"/>')
+        out.append(text(LEFT - 6, y + 4, f"{100 * value:g} %", "end"))
+    out.append(text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 8, "processor seconds a picture", "middle"))
+    for kind in ("path", "denoised"):
+        line = sorted((int(re.search(r"\d+", name)[0]), points[name])
+                      for name in points if kind_of(name) == kind)
+        path = " L".join(f"{across(x):.1f} {up(y):.1f}" for _, (x, y) in line)
+        if line:
+            out.append(f'<path d="M{path}" fill="none" stroke="{COLORS[kind]}"/>')
+    for name, (x, y) in points.items():
+        color = COLORS[kind_of(name)]
+        out.append(f'<circle cx="{across(x):.1f}" cy="{up(y):.1f}" r="4" fill="{color}"/>')
+        out.append(text(across(x) + 7, up(y) - 5, name.replace("-", " "), color=color))
+    return "\n".join([*out, "</svg>", ""])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("result", type=pathlib.Path, help="what lte_eval scenes --json wrote")
+    parser.add_argument("--only", help="methods to draw, a regular expression")
+    parser.add_argument("--out", type=pathlib.Path, help="chart, .svg")
+    arguments = parser.parse_args()
+    methods = read(arguments.result)
+    if arguments.only:
+        methods = {k: v for k, v in methods.items() if re.fullmatch(arguments.only, k)}
+    print(table(methods))
+    if arguments.out:
+        arguments.out.write_text(chart(methods))
+
+
+if __name__ == "__main__":
+    main()
