@@ -35,12 +35,13 @@ TINY = {
                             "--set homes.rooms=[1,1] --set homes.detail=[0.5,0.5] "
                             "--set boxes.texture_sizes=[64]",
     "lte_datagen bake": "--view-rays 1",
-    "lte_train": "--set train.validate_every=1000 --set data.queries_per_scene=32 "
-                 "--set data.scene_points=128",
+    "lte_train": "--set train.steps=STEPS --set train.validate_every=1000 "
+                 "--set data.queries_per_scene=32 --set data.scene_points=128",
     "lte_eval scenes": "--methods gather,paths-2",
+    "--split test": "--resamples 20",
     "lte_view": "--validate-only",  # which serves nothing, and ends
 }
-STEPS = 2  # of a training; a run that goes on has as many more
+STEPS = 2  # of a training; a command further down the page has as many more
 PLAIN = ("report", "health", "average")  # commands of lte_train without a configuration
 WHOLE_FILE = re.compile(r"\s*#include")
 
@@ -160,7 +161,7 @@ def small(command, steps):
         if start not in line:
             continue
         have = {words[i + 1].partition("=")[0] for i, word in enumerate(words) if word == "--set"}
-        extra = shlex.split(more)
+        extra = shlex.split(more.replace("STEPS", str(steps)))
         for i, word in enumerate(extra):
             if word != "--set" and extra[i - 1] != "--set":
                 line += " " + word
