@@ -8,10 +8,12 @@
 #include <string>
 #include <vector>
 
-#include <c10/core/Device.h>
-
 #include "lte/cli/scene_flags.h"
 #include "lte/nn/precision.h"
+
+namespace c10 {
+struct Device;
+}
 
 namespace lte::infer {
 

@@ -4,16 +4,19 @@
 
 #include "infer/bench/bench.h"
 #include "infer/tool/memory.h"
-#include "infer/tool/synthetic_room.h"
 #include "infer/tool/tool_options.h"
 #include "lte/base/process_memory.h"
 #include "lte/nn/cost.h"
 #include "lte/nn/device.h"
+#include "lte/nn/encoder_plan.h"
+#include "lte/nn/model.h"
+#include "lte/nn/synthetic_room.h"
 #include "lte/ops/curve_codes.h"
 #include "lte/ops/farthest_point.h"
 #include "lte/ops/knn.h"
 #include "lte/ops/neighbour_sums.h"
 #include "lte/ops/submanifold_conv.h"
+#include "lte/runtime/torch_parts.h"
 
 namespace lte::infer {
 namespace {
@@ -51,9 +54,9 @@ std::vector<BenchResult> bench_ops(const BenchOptions& options) {
   };
   const int64_t M = options.scene_points, m = std::max<int64_t>(1, M / 4), Q = options.queries,
                 D = options.channels;
-  const at::Tensor points = synthetic_room(M, 1).to(device).position;
+  const at::Tensor points = nn::synthetic_room(M, 1).to(device).position;
   const at::Tensor latents = points.slice(0, 0, m).contiguous();
-  const at::Tensor queries = synthetic_room(Q, 2).to(device).position;
+  const at::Tensor queries = nn::synthetic_room(Q, 2).to(device).position;
   const at::Tensor cells = cells_of(latents, 0.15);
 
   run("farthest_point_sampling M -> M/2", M, [&] { ops::farthest_point_sampling(points, M / 2); });
@@ -95,7 +98,7 @@ void add_network_figures(BenchResult& result, const BenchOptions& options, c10::
 
 BenchResult time_encoder(const BenchOptions& options, c10::Device device,
                          nn::LightTransportModel& model, nn::Precision precision) {
-  const nn::PointSet points = synthetic_room(options.scene_points, 1).to(device);
+  const nn::PointSet points = nn::synthetic_room(options.scene_points, 1).to(device);
   reset_peak_rss();
   const double before_mb = current_rss_mb();
   BenchResult result = time_repeats("encode", options.scene_points, options.repeats, device,
@@ -112,8 +115,9 @@ BenchResult time_encoder(const BenchOptions& options, c10::Device device,
 
 BenchResult time_decoder(const BenchOptions& options, c10::Device device,
                          nn::LightTransportModel& model, nn::Precision precision) {
-  const nn::Embedding embedding = model->encode(synthetic_room(options.scene_points, 1).to(device));
-  const nn::PointSet surface = synthetic_room(options.queries, 2).to(device);
+  const nn::Embedding embedding =
+      model->encode(nn::synthetic_room(options.scene_points, 1).to(device));
+  const nn::PointSet surface = nn::synthetic_room(options.queries, 2).to(device);
   const nn::QuerySet queries{surface.position, surface.normal, surface.albedo};
   const int64_t block =
       MemoryLimit(options.max_memory_mb).query_block(model->config(), options.queries, kQueryBlock);
@@ -153,7 +157,7 @@ at::Tensor fan(const nn::QuerySet& queries, int64_t count) {
 BenchResult time_radiance(const BenchOptions& options, c10::Device device,
                           nn::LightTransportModel& model, const nn::Embedding& embedding,
                           const char* name, int64_t directions) {
-  const nn::PointSet surface = synthetic_room(options.queries, 2).to(device);
+  const nn::PointSet surface = nn::synthetic_room(options.queries, 2).to(device);
   const nn::QuerySet queries{surface.position, surface.normal, surface.albedo};
   const at::Tensor ways = fan(queries, directions);
   const int64_t block =
@@ -180,7 +184,7 @@ std::vector<BenchResult> bench_radiance(const BenchOptions& options) {
       {"early and rays", nn::RadianceHead::Early, 1, nn::RadianceBase::Points, 7}};
   const at::NoGradGuard no_grad;
   const c10::Device device = device_of(options);
-  const nn::Precision precision = choose_precision(options.precision, device);
+  const nn::Precision precision = choose_precision(options.precision, runtime::device_of(device));
   std::vector<BenchResult> results;
   for (const RadianceKind& kind : kKinds) {
     nn::ModelConfig config;
@@ -191,7 +195,7 @@ std::vector<BenchResult> bench_radiance(const BenchOptions& options) {
     nn::LightTransportModel model = untrained_model(device, options.channels, precision, config);
     MemoryLimit(options.max_memory_mb).check_encoding(model->config(), options.scene_points);
     const nn::Embedding embedding =
-        model->encode(synthetic_room(options.scene_points, 1).to(device));
+        model->encode(nn::synthetic_room(options.scene_points, 1).to(device));
     results.push_back(time_radiance(options, device, model, embedding, kind.name, 1));
     results.push_back(time_radiance(options, device, model, embedding, kind.name, 1 + kind.more));
     const double first = results[results.size() - 2].seconds_min;
@@ -204,7 +208,7 @@ std::vector<BenchResult> bench_radiance(const BenchOptions& options) {
 std::vector<BenchResult> bench_encoder(const BenchOptions& options) {
   const at::NoGradGuard no_grad;
   const c10::Device device = device_of(options);
-  const nn::Precision precision = choose_precision(options.precision, device);
+  const nn::Precision precision = choose_precision(options.precision, runtime::device_of(device));
   nn::LightTransportModel model = untrained_model(device, options.channels, precision);
   const int64_t M = options.scene_points;
   MemoryLimit(options.max_memory_mb).check_encoding(model->config(), M);
@@ -217,7 +221,7 @@ std::vector<BenchResult> bench_encoder(const BenchOptions& options) {
 std::vector<BenchResult> bench_decoder(const BenchOptions& options) {
   const at::NoGradGuard no_grad;
   const c10::Device device = device_of(options);
-  const nn::Precision precision = choose_precision(options.precision, device);
+  const nn::Precision precision = choose_precision(options.precision, runtime::device_of(device));
   nn::LightTransportModel model = untrained_model(device, options.channels, precision);
   const int64_t Q = options.queries;
   return {runtime::explain_out_of_memory(

@@ -11,6 +11,7 @@
 #include "infer/session/state.h"
 #include "lte/base/check.h"
 #include "lte/nn/model.h"
+#include "lte/runtime/torch_parts.h"
 
 namespace lte::infer {
 namespace {
@@ -41,7 +42,7 @@ Values light_by_place(const GroupedPoints& points) {
 }
 
 Values latents_by_place(const LightLayer& layer) {
-  const nn::Embedding parts = layer.embedding->parts();
+  const nn::Embedding parts = runtime::TorchParts::embedding(*layer.embedding);
   const at::Tensor position = parts.position.cpu().contiguous(),
                    features = parts.features.cpu().to(at::kFloat).contiguous();
   const auto* p = position.const_data_ptr<float>();

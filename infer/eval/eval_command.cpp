@@ -13,7 +13,6 @@
 #include "lte/cli/command_files.h"
 #include "lte/cli/numbers.h"
 #include "lte/cli/writable.h"
-#include "lte/nn/device.h"
 
 namespace lte::infer {
 namespace {
@@ -148,9 +147,7 @@ void run_eval(const EvalRequest& request) {
   files.reads("--checkpoint", checkpoint);
   files.reads_parts("--data", data, data::kDatasetParts);
   files.check();
-  const c10::Device device = nn::choose_device(request.tool.device, 0, "--device");
-  const runtime::Network network(checkpoint,
-                                 {device, choose_precision(request.tool.precision, device)});
+  const runtime::Network network(checkpoint, network_options(request.tool));
   const runtime::MemoryLimit memory(request.tool.max_memory_mb);
   const Baselines baselines = find_baselines(request, checkpoint, data);
   files.check_what_was_read();

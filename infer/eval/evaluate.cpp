@@ -13,7 +13,6 @@
 #include "infer/eval/measure/eval_points.h"
 #include "infer/eval/rivals/denoised_paths.h"
 #include "infer/eval/rivals/probes.h"
-#include "infer/light/cached_light.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/timer.h"
@@ -79,7 +78,7 @@ struct Predictors {
       if (!points.path_traced_few[i].empty())
         out.emplace_back(few_paths_row(data::kFewPaths[i]), points.path_traced_few[i]);
     }
-    if (auto light = cached_light(network, points.queries); !light.empty()) {
+    if (auto light = network.cached_light(points.queries); !light.empty()) {
       out.emplace_back("light_cache", data::sum_groups(light, 1, 1 / network.mean_emission()));
     }
     out.emplace_back("constant_mean", baselines.constant_mean(points.queries));

@@ -8,7 +8,6 @@
 #include "lte/base/file.h"
 #include "lte/cli/command_files.h"
 #include "lte/cli/writable.h"
-#include "lte/nn/device.h"
 
 namespace lte::infer {
 namespace {
@@ -51,9 +50,7 @@ void run_incident(const IncidentRequest& request, const EvalRequest& eval) {
   apply_tool_options(eval.tool);
   check_writable(eval.tool.common.json);
   const std::filesystem::path folder = make_report_folder(eval.report, kPage);
-  const c10::Device device = nn::choose_device(eval.tool.device, 0, "--device");
-  const runtime::Network network(eval.checkpoint,
-                                 {device, choose_precision(eval.tool.precision, device)});
+  const runtime::Network network(eval.checkpoint, network_options(eval.tool));
   IncidentSettings settings;
   settings.data = eval.data;
   settings.split = data::parse_split(eval.split);

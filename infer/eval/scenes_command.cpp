@@ -15,7 +15,6 @@
 #include "lte/base/log.h"
 #include "lte/cli/command_files.h"
 #include "lte/cli/writable.h"
-#include "lte/nn/device.h"
 
 namespace lte::infer {
 namespace {
@@ -54,15 +53,14 @@ void check_other_flags(const CLI::App& command) {
 }
 
 std::vector<SceneModel> load_models(const std::vector<fs::path>& files, const ToolOptions& tool) {
-  const c10::Device device = nn::choose_device(tool.device, 0, "--device");
+  const runtime::NetworkOptions options = network_options(tool);
   std::vector<SceneModel> out;
   for (const fs::path& file : files) {
     std::string name = file.stem().string();
     const bool taken = std::any_of(out.begin(), out.end(),
                                    [&](const SceneModel& model) { return model.name == name; });
     if (taken) name = file.string();
-    out.push_back({name, file.string(),
-                   runtime::Network(file, {device, choose_precision(tool.precision, device)})});
+    out.push_back({name, file.string(), runtime::Network(file, options)});
   }
   return out;
 }

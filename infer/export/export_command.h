@@ -3,17 +3,25 @@
 
 #include <string>
 
-#include "infer/export/export.h"
 #include "lte/cli/cli.h"
 
 namespace lte::infer {
 
-/// Adds --checkpoint, --out, --portable, --verify and --bf16.
-void add_export_options(CLI::App& app, ExportOptions* options);
+struct ExportRequest {
+  CommonOptions common;
+  std::string model;  ///< empty: lte-hybrid, whose module needs no solver beside it
+  std::string out;
+  bool portable = false, verify = false;
+  bool bf16 = false;  ///< a model file in the place of a module
+};
 
-/// Writes the module or, with options.bf16, the model file.
+/// Adds the common options, --checkpoint, --out, --portable, --verify and --bf16.
+void add_export_options(CLI::App& app, ExportRequest* request);
+
+/// Writes the module or, with --bf16, the model file.
 /// @return lines for the user
-/// @throws lte::Error as export_torchscript() and export_rounded()
-std::string run_export(const ExportOptions& options);
+/// @throws lte::Error for two files that are one, a model file that is not called .safetensors, and
+///         as lte::torchscript
+std::string run_export(const ExportRequest& request);
 
 }  // namespace lte::infer

@@ -2,7 +2,6 @@
 #include <cstdio>
 
 #include "infer/export/export_command.h"
-#include "lte/base/log.h"
 
 int main(int argc, char** argv) {
   using namespace lte;
@@ -15,14 +14,10 @@ int main(int argc, char** argv) {
       "Examples:\n  lte_export --out model.pt\n  lte_export --checkpoint runs/a/model.safetensors "
       "--out a.pt --portable --verify\n  lte_export --checkpoint runs/a/model.safetensors "
       "--out half.safetensors --bf16");
-  infer::ExportOptions options;
-  CommonOptions common;
-  add_common_options(app, &common, /*with_json=*/false);
-  infer::add_export_options(app, &options);
+  infer::ExportRequest request;
+  infer::add_export_options(app, &request);
   return run_tool(app, argc, argv, [&] {
-    apply_common_options(common);
-    options.log_file = common.log_file;
-    options.progress = [](const std::string& step) { log_info("export: ", step); };
-    std::fputs(infer::run_export(options).c_str(), stdout);
+    apply_common_options(request.common);
+    std::fputs(infer::run_export(request).c_str(), stdout);
   });
 }

@@ -18,7 +18,6 @@
 #include "lte/base/timer.h"
 #include "lte/cli/numbers.h"
 #include "lte/cli/writable.h"
-#include "lte/nn/device.h"
 #include "lte/pathtrace/reach/lost_light.h"
 #include "lte/scene/light_points.h"
 
@@ -108,9 +107,8 @@ void claim_files(const ProbeRequest& request, CommandFiles* files) {
 std::optional<runtime::Network> load_network(const ProbeRequest& request, const scene::Scene& scene,
                                              bool has_light) {
   if (!request.needs_network() || !has_light) return std::nullopt;
-  const c10::Device device = nn::choose_device(request.tool.device, 0, "--device");
   runtime::Network network(checkpoint_or_shipped(request.checkpoint),
-                           {device, choose_precision(request.tool.precision, device)});
+                           network_options(request.tool));
   network.check_fits(max_component(scene::point_bounds(scene).extent()), request.embedding.rescale);
   return network;
 }

@@ -19,7 +19,6 @@
 #include "lte/image/exr.h"
 #include "lte/image/png.h"
 #include "lte/image/tonemap.h"
-#include "lte/nn/device.h"
 #include "lte/pathtrace/incident/hemisphere_bins.h"
 #include "lte/pathtrace/incident/incident.h"
 #include "lte/scene/closest_point.h"
@@ -127,10 +126,8 @@ void run_incident_map(const RenderRequest& request) {
   check_writable(request.tool.common.json);
   const scene::Scene scene = load_source(request, request.camera);
   describe(scene, request.scene);
-  const c10::Device device = nn::choose_device(request.tool.device, 0, "--device");
   const std::filesystem::path checkpoint = checkpoint_or_shipped(request.checkpoint);
-  const runtime::Network network(checkpoint,
-                                 {device, choose_precision(request.tool.precision, device)});
+  const runtime::Network network(checkpoint, network_options(request.tool));
   files.check_what_was_read();
   LTE_CHECK(network.config().predicts_radiance(), checkpoint.string(),
             ": has no radiance decoder (its model.radiance_lobes is 0)");

@@ -32,7 +32,6 @@
 #include "lte/base/timer.h"
 #include "lte/cli/command_files.h"
 #include "lte/cli/writable.h"
-#include "lte/nn/device.h"
 #include "lte/pathtrace/reach/lost_light.h"
 #include "lte/scene/light_points.h"
 #include "lte/scene/load_camera.h"
@@ -190,10 +189,8 @@ std::optional<runtime::Network> load_network(const RenderRequest& request,
     return std::nullopt;
   }
   if (!gathers && !needs.network && !may_come && !looks_inside) return std::nullopt;
-  const c10::Device device = nn::choose_device(request.tool.device, 0, "--device");
-  std::optional<runtime::Network> network(
-      std::in_place, checkpoint_or_shipped(request.checkpoint),
-      runtime::NetworkOptions{device, choose_precision(request.tool.precision, device)});
+  std::optional<runtime::Network> network(std::in_place, checkpoint_or_shipped(request.checkpoint),
+                                          network_options(request.tool));
   if (looks_inside || !has_untrained_light(scene, network->metadata())) return network;
   const std::vector<int> left_out =
       left_out_light(request.embedding, renderer.bvh(), *network,

@@ -8,7 +8,6 @@
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/process_memory.h"
-#include "lte/nn/device.h"
 #include "lte/runtime/device.h"
 #include "lte/runtime/refusal.h"
 
@@ -70,10 +69,15 @@ void add_network_options(CLI::App& app, std::string* precision, double* max_memo
       ->group(group);
 }
 
-nn::Precision choose_precision(const std::string& word, c10::Device device) {
+nn::Precision choose_precision(const std::string& word, runtime::Device device) {
   const auto precision = parse_enum<nn::Precision>("--precision", word);
-  if (precision == nn::Precision::Bf16) nn::warn_of_slow_bf16("--precision bf16", device);
+  if (precision == nn::Precision::Bf16) runtime::warn_of_slow_bf16("--precision bf16", device);
   return precision;
+}
+
+runtime::NetworkOptions network_options(const ToolOptions& options) {
+  const runtime::Device device = runtime::choose_device(options.device, "--device");
+  return {device, choose_precision(options.precision, device)};
 }
 
 void add_tool_options(CLI::App& app, ToolOptions* options) {

@@ -4,10 +4,9 @@
 #include <functional>
 #include <string>
 
-#include <c10/core/Device.h>
-
 #include "lte/cli/cli.h"
 #include "lte/nn/precision.h"
+#include "lte/runtime/network.h"
 
 namespace lte::infer {
 
@@ -27,7 +26,10 @@ void add_tool_options(CLI::App& app, ToolOptions* options);
 
 /// Reads "fp32" or "bf16". Warns if the device is a processor that has to compute bfloat16 from
 /// float32.
-nn::Precision choose_precision(const std::string& word, c10::Device device = c10::kCPU);
+nn::Precision choose_precision(const std::string& word, runtime::Device device = {});
+
+/// The device, which is logged, and the precision that were chosen.
+runtime::NetworkOptions network_options(const ToolOptions& options);
 
 /// Applies the common options, and the threads of LibTorch.
 void apply_tool_options(const ToolOptions& options);

@@ -11,7 +11,6 @@
 #include "infer/tool/picture_size.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
-#include "lte/nn/device.h"
 #include "lte/pathtrace/reach/lost_light.h"
 #include "lte/scene/light_points.h"
 
@@ -19,10 +18,8 @@ namespace lte::infer::view {
 namespace {
 
 runtime::Network load_network(const ViewRequest& request) {
-  const c10::Device device = nn::choose_device(request.tool.device, 0, "--device");
-  return runtime::Network(
-      checkpoint_or_shipped(request.checkpoint, kHybridModel),
-      runtime::NetworkOptions{device, choose_precision(request.tool.precision, device)});
+  return runtime::Network(checkpoint_or_shipped(request.checkpoint, kHybridModel),
+                          network_options(request.tool));
 }
 
 /// Says what the network makes of the scene.

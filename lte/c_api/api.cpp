@@ -1,23 +1,20 @@
 // The functions of lte/c_api.h: null checks, structs in and out, and nothing past the boundary.
 #include <atomic>
 
-#include <ATen/Parallel.h>
-
 #include "lte/base/parallel.h"
 #include "lte/base/passive_waiting.h"
 #include "lte/c_api.h"
 #include "lte/c_api/arguments.h"
 #include "lte/c_api/error.h"
-#include "lte/c_api/network.h"
-#include "lte/c_api/stream.h"
-#include "lte/nn/cost.h"
+#include "lte/c_api/scene.h"
 #include "lte/runtime/device.h"
 
 using lte::c_api::guarded;
 using lte::c_api::read_struct;
 using lte::c_api::require;
-using lte::c_api::StreamScope;
 using lte::c_api::write_struct;
+using lte::runtime::Device;
+using lte::runtime::StreamScope;
 
 struct lte_model {
   lte::runtime::Network network;
@@ -41,14 +38,14 @@ void apply_threads() {
   applied = wanted;
 }
 
-lte_embedding* encode(const lte_model* model, const lte_scene_points* points, c10::Device memory) {
+lte_embedding* encode(const lte_model* model, const lte_scene_points* points, Device memory) {
   apply_threads();
   return new lte_embedding{lte::c_api::encode(
       model->network,
       read_struct(points, "lte_scene_points", offsetof(lte_scene_points, direct_back)), memory)};
 }
 
-void decode(const lte_embedding* embedding, const lte_queries* queries, c10::Device memory,
+void decode(const lte_embedding* embedding, const lte_queries* queries, Device memory,
             float* irradiance, int64_t stride) {
   apply_threads();
   lte::c_api::decode(embedding->scene, read_struct(queries, "lte_queries"), memory, irradiance,
@@ -56,7 +53,7 @@ void decode(const lte_embedding* embedding, const lte_queries* queries, c10::Dev
 }
 
 void decode_radiance(const lte_embedding* embedding, const lte_queries* queries,
-                     const lte::c_api::Directions& directions, c10::Device memory, float* radiance,
+                     const lte::c_api::Directions& directions, Device memory, float* radiance,
                      int64_t stride) {
   apply_threads();
   lte::c_api::decode_radiance(embedding->scene, read_struct(queries, "lte_queries"), directions,
@@ -73,7 +70,7 @@ lte_model_info info_of(const lte::runtime::Network& network) {
   info.scene_points_pruned = network.metadata().scene_points_pruned;
   info.target = network.predicts_total() ? LTE_TARGET_TOTAL : LTE_TARGET_INDIRECT;
   info.scale = config.scale;
-  info.device = network.device().is_cpu() ? LTE_DEVICE_CPU : network.device().index();
+  info.device = network.device().is_cpu() ? LTE_DEVICE_CPU : network.device().gpu;
   info.light_input = !config.reads_estimates() ? LTE_LIGHT_EMISSION
                      : config.reads_indirect() ? LTE_LIGHT_TRACED
                      : config.reads_direct()   ? LTE_LIGHT_DIRECT
@@ -114,7 +111,7 @@ int32_t lte_threads(void) {
   int32_t threads = 0;
   guarded([&] {
     apply_threads();
-    threads = at::get_num_threads();
+    threads = lte::runtime::torch_threads();
   });
   return threads;
 }
@@ -149,7 +146,7 @@ lte_status lte_model_encode(const lte_model* model, const lte_scene_points* poin
   return guarded([&] {
     require(embedding != nullptr, "embedding is null");
     require(model != nullptr, "model is null");
-    *embedding = encode(model, points, c10::kCPU);
+    *embedding = encode(model, points, Device{});
   });
 }
 
@@ -159,7 +156,7 @@ lte_status lte_model_encode_cuda(const lte_model* model, const lte_scene_points*
   return guarded([&] {
     require(embedding != nullptr, "embedding is null");
     require(model != nullptr, "model is null");
-    const c10::Device device = model->network.device();
+    const Device device = model->network.device();
     const StreamScope scope(device, stream);
     *embedding = encode(model, points, device);
   });
@@ -209,7 +206,7 @@ lte_status lte_embedding_decode(const lte_embedding* embedding, const lte_querie
                                 float* irradiance, int64_t irradiance_stride) {
   return guarded([&] {
     require(embedding != nullptr, "embedding is null");
-    decode(embedding, queries, c10::kCPU, irradiance, irradiance_stride);
+    decode(embedding, queries, Device{}, irradiance, irradiance_stride);
   });
 }
 
@@ -217,7 +214,7 @@ lte_status lte_embedding_decode_cuda(const lte_embedding* embedding, const lte_q
                                      void* stream, float* irradiance, int64_t irradiance_stride) {
   return guarded([&] {
     require(embedding != nullptr, "embedding is null");
-    const c10::Device device = embedding->scene.network().device();
+    const Device device = embedding->scene.network().device();
     const StreamScope scope(device, stream);
     decode(embedding, queries, device, irradiance, irradiance_stride);
   });
@@ -229,7 +226,7 @@ lte_status lte_embedding_decode_radiance(const lte_embedding* embedding, const l
                                          int64_t radiance_stride) {
   return guarded([&] {
     require(embedding != nullptr, "embedding is null");
-    decode_radiance(embedding, queries, {directions, directions_a_query}, c10::kCPU, radiance,
+    decode_radiance(embedding, queries, {directions, directions_a_query}, Device{}, radiance,
                     radiance_stride);
   });
 }
@@ -241,7 +238,7 @@ lte_status lte_embedding_decode_radiance_cuda(const lte_embedding* embedding,
                                               float* radiance, int64_t radiance_stride) {
   return guarded([&] {
     require(embedding != nullptr, "embedding is null");
-    const c10::Device device = embedding->scene.network().device();
+    const Device device = embedding->scene.network().device();
     const StreamScope scope(device, stream);
     decode_radiance(embedding, queries, {directions, directions_a_query}, device, radiance,
                     radiance_stride);

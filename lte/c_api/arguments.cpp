@@ -4,13 +4,6 @@
 #include <cstdint>
 #include <limits>
 
-#include <ATen/ops/from_blob.h>
-#include <ATen/ops/ne.h>
-#include <ATen/ops/ones.h>
-
-#include "lte/nn/model.h"
-#include "lte/runtime/device.h"
-
 namespace lte::c_api {
 namespace {
 
@@ -27,78 +20,79 @@ void check_span(int64_t count, int64_t stride, const char* name) {
           " entries of stride ", stride, " are more than there are addresses");
 }
 
-}  // namespace
-
-c10::Device device_of(int32_t number) {
-  if (number == LTE_DEVICE_CPU) return c10::kCPU;
-  require(number >= 0, "device is ", number, ", expected LTE_DEVICE_CPU or a CUDA device's number");
-  return runtime::cuda_device(number);
-}
-
-at::Tensor borrow_output(float* data, int64_t stride, int64_t count, at::Device device,
-                         const char* name) {
+/// @return  the bytes from one triple to the next
+int64_t check_triples(const float* data, int64_t stride, int64_t count, const char* name) {
   check_pointer(data, alignof(float), name);
   const int64_t bytes = stride == 0 ? kTriple : stride;
   require(bytes >= kTriple && bytes % kFloat == 0, name, ": stride is ", stride,
           " bytes, expected 0 or a multiple of 4 that is at least 12");
   check_span(count, bytes, name);
-  return at::from_blob(data, {count, 3}, {bytes / kFloat, 1},
-                       at::TensorOptions(at::kFloat).device(device));
+  return bytes;
 }
 
-at::Tensor borrow_triples(const lte_float3_view& view, int64_t count, at::Device device,
-                          const char* name) {
-  return borrow_output(const_cast<float*>(view.data), view.stride, count, device, name);
-}
-
-at::Tensor borrow_floats(const float* data, int64_t count, at::Device device, const char* name) {
+/// Without gaps. Null stays null.
+const float* read_floats(const float* data, int64_t count, const char* name) {
+  if (data == nullptr) return nullptr;
   check_pointer(data, alignof(float), name);
   check_span(count, kFloat, name);
-  return at::from_blob(const_cast<float*>(data), {count},
-                       at::TensorOptions(at::kFloat).device(device));
+  return data;
 }
 
-nn::PointSet borrow_points(const lte_scene_points& p, at::Device memory) {
+}  // namespace
+
+runtime::Device device_of(int32_t number) {
+  if (number == LTE_DEVICE_CPU) return {};
+  require(number >= 0, "device is ", number, ", expected LTE_DEVICE_CPU or a CUDA device's number");
+  return runtime::cuda_device(number);
+}
+
+runtime::TriplesIn read_triples(const lte_float3_view& view, int64_t count, const char* name) {
+  return {view.data, check_triples(view.data, view.stride, count, name)};
+}
+
+runtime::TriplesOut read_output(float* data, int64_t stride, int64_t count, const char* name) {
+  return {data, check_triples(data, stride, count, name)};
+}
+
+runtime::ScenePointsIn read_points(const lte_scene_points& p, runtime::Device memory) {
   const int64_t M = p.count;
   require(M >= 1, "scene points: count is ", M, ", expected at least 1");
   require(M < std::numeric_limits<int32_t>::max(), "scene points: count is ", M,
           ", more than 2^31 - 2");
-  nn::PointSet points;
-  points.position = borrow_triples(p.position, M, memory, "scene points: position");
-  points.normal = borrow_triples(p.normal, M, memory, "scene points: normal");
-  points.albedo = borrow_triples(p.albedo, M, memory, "scene points: albedo");
-  points.emission = borrow_triples(p.emission, M, memory, "scene points: emission");
-  const auto borrow_light = [&](const lte_float3_view& view, const char* name) {
-    return view.data == nullptr ? at::Tensor() : borrow_triples(view, M, memory, name);
+  runtime::ScenePointsIn points = {.memory = memory, .count = M};
+  points.position = read_triples(p.position, M, "scene points: position");
+  points.normal = read_triples(p.normal, M, "scene points: normal");
+  points.albedo = read_triples(p.albedo, M, "scene points: albedo");
+  points.emission = read_triples(p.emission, M, "scene points: emission");
+  points.area = read_floats(p.area, M, "scene points: area");
+  const auto light = [&](const lte_float3_view& view, const char* name) {
+    return view.data == nullptr ? runtime::TriplesIn() : read_triples(view, M, name);
   };
-  points.direct = borrow_light(p.direct, "scene points: direct");
-  points.indirect = borrow_light(p.indirect, "scene points: indirect");
-  points.direct_back = borrow_light(p.direct_back, "scene points: direct_back");
-  points.indirect_back = borrow_light(p.indirect_back, "scene points: indirect_back");
-  const auto borrow_pairs = [&](const float* data, const char* name) {
-    return data == nullptr ? at::Tensor() : borrow_floats(data, 2 * M, memory, name).view({M, 2});
-  };
-  points.indirect_error = borrow_pairs(p.indirect_error, "scene points: indirect_error");
-  points.gloss = borrow_pairs(p.gloss, "scene points: gloss");
-  points.area = p.area == nullptr ? at::ones({M}, points.position.options())
-                                  : borrow_floats(p.area, M, memory, "scene points: area");
+  points.direct = light(p.direct, "scene points: direct");
+  points.indirect = light(p.indirect, "scene points: indirect");
+  points.direct_back = light(p.direct_back, "scene points: direct_back");
+  points.indirect_back = light(p.indirect_back, "scene points: indirect_back");
+  points.indirect_error = read_floats(p.indirect_error, 2 * M, "scene points: indirect_error");
+  points.gloss = read_floats(p.gloss, 2 * M, "scene points: gloss");
   return points;
 }
 
-nn::QuerySet borrow_queries(const lte_queries& q, at::Device memory) {
-  return {borrow_triples(q.position, q.count, memory, "queries: position"),
-          borrow_triples(q.normal, q.count, memory, "queries: normal"),
-          borrow_triples(q.albedo, q.count, memory, "queries: albedo")};
-}
-
-at::Tensor read_mask(const uint8_t* mask, int64_t stride, int64_t count, at::Device device) {
-  check_pointer(mask, 1, "mask");
-  const int64_t bytes = stride == 0 ? 1 : stride;
-  require(bytes >= 1, "mask: stride is ", stride, " bytes, expected 0 or more");
-  check_span(count, bytes, "mask");
-  return at::from_blob(const_cast<uint8_t*>(mask), {count}, {bytes},
-                       at::TensorOptions(at::kByte).device(device))
-      .ne(0);
+runtime::QueriesIn read_queries(const lte_queries& q, runtime::Device memory) {
+  require(q.count >= 0, "queries: count is ", q.count, ", expected 0 or more");
+  require((q.flags & ~LTE_QUERIES_TRUSTED) == 0, "queries: unknown flags ", q.flags);
+  runtime::QueriesIn queries = {.memory = memory, .count = q.count};
+  if (q.count == 0) return queries;  // and no arrays
+  queries.position = read_triples(q.position, q.count, "queries: position");
+  queries.normal = read_triples(q.normal, q.count, "queries: normal");
+  queries.albedo = read_triples(q.albedo, q.count, "queries: albedo");
+  queries.trusted = (q.flags & LTE_QUERIES_TRUSTED) != 0;
+  if (q.mask == nullptr) return queries;
+  queries.mask = q.mask;
+  queries.mask_stride = q.mask_stride == 0 ? 1 : q.mask_stride;
+  require(queries.mask_stride >= 1, "mask: stride is ", q.mask_stride,
+          " bytes, expected 0 or more");
+  check_span(q.count, queries.mask_stride, "mask");
+  return queries;
 }
 
 void check_finite_triple(const float* values, const char* name) {

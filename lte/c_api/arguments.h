@@ -1,18 +1,12 @@
-// Pointers and sizes of a C program, checked and made tensors.
+// Pointers and sizes of a C program, checked, as lte::runtime takes them.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
 
-#include <ATen/core/Tensor.h>
-
 #include "lte/c_api/error.h"
-
-namespace lte::nn {
-struct PointSet;
-struct QuerySet;
-}  // namespace lte::nn
+#include "lte/runtime/device_memory.h"
 
 namespace lte::c_api {
 
@@ -57,27 +51,18 @@ void write_struct(T values, T* to, const char* name, size_t first = sizeof(T)) {
 
 /// @param number  LTE_DEVICE_CPU or a CUDA device's number
 /// @throws ApiError if it is neither, runtime::NoDevice if there is no such device.
-c10::Device device_of(int32_t number);
+runtime::Device device_of(int32_t number);
 
-/// [count, 3] float32 that borrows the view's memory on `device`; do not write to it.
 /// @throws ApiError naming `name` for null, misaligned, a bad stride, or more than there are
 ///         addresses.
-at::Tensor borrow_triples(const lte_float3_view& view, int64_t count, at::Device device,
-                          const char* name);
+runtime::TriplesIn read_triples(const lte_float3_view& view, int64_t count, const char* name);
 
 /// The same to be written to.
-at::Tensor borrow_output(float* data, int64_t stride, int64_t count, at::Device device,
-                         const char* name);
-
-/// [count] float32, without gaps.
-at::Tensor borrow_floats(const float* data, int64_t count, at::Device device, const char* name);
+runtime::TriplesOut read_output(float* data, int64_t stride, int64_t count, const char* name);
 
 /// @param memory  where the arrays are
-nn::PointSet borrow_points(const lte_scene_points& points, at::Device memory);
-nn::QuerySet borrow_queries(const lte_queries& queries, at::Device memory);
-
-/// [count] bool: which entries of a mask are not 0.
-at::Tensor read_mask(const uint8_t* mask, int64_t stride, int64_t count, at::Device device);
+runtime::ScenePointsIn read_points(const lte_scene_points& points, runtime::Device memory);
+runtime::QueriesIn read_queries(const lte_queries& queries, runtime::Device memory);
 
 /// @throws ApiError naming `name` unless all three are finite.
 void check_finite_triple(const float* values, const char* name);

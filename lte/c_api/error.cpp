@@ -6,9 +6,7 @@
 #include <new>
 #include <string_view>
 
-#include <c10/util/Exception.h>
-
-#include "lte/nn/one_line_errors.h"
+#include "lte/base/text.h"
 #include "lte/runtime/device.h"
 #include "lte/runtime/refusal.h"
 
@@ -25,15 +23,6 @@ lte_status keep(lte_status status, std::string_view message) noexcept {
   return status;
 }
 
-/// LibTorch's errors have few types: only their words tell them apart.
-lte_status status_of(std::string_view message) {
-  const auto has = [&](const char* words) { return message.find(words) != message.npos; };
-  if (has("CUDA out of memory") || has("can't allocate memory") || has("not enough memory")) {
-    return LTE_ERROR_OUT_OF_MEMORY;
-  }
-  return has("CUDA error") || has("CUBLAS_STATUS") ? LTE_ERROR_CUDA : LTE_ERROR_INVALID_ARGUMENT;
-}
-
 }  // namespace
 
 const char* last_error() noexcept { return last_message.data(); }
@@ -48,16 +37,16 @@ lte_status record(const std::exception_ptr& error, lte_status of_ours) noexcept 
       return keep(LTE_ERROR_SCENE_TOO_LARGE, concat("scene points: ", e.what()));
     } catch (const runtime::NoDevice& e) {
       return keep(LTE_ERROR_NO_CUDA, e.what());
+    } catch (const runtime::NotEnoughMemory& e) {
+      return keep(LTE_ERROR_OUT_OF_MEMORY, e.what());
+    } catch (const runtime::GpuFailure& e) {
+      return keep(LTE_ERROR_CUDA, e.what());
     } catch (const Error& e) {
       return keep(of_ours, e.what());
-    } catch (const c10::Error& e) {
-      const std::string message = nn::first_line(e);
-      const lte_status status = status_of(message);
-      return keep(status == LTE_ERROR_INVALID_ARGUMENT ? of_ours : status, message);
     } catch (const std::bad_alloc&) {
       return keep(LTE_ERROR_OUT_OF_MEMORY, "out of memory");
     } catch (const std::exception& e) {
-      return keep(LTE_ERROR_INTERNAL, e.what());
+      return keep(LTE_ERROR_INTERNAL, first_line(e.what()));
     }
   } catch (...) {  // no std::exception, or no memory for the words of one
     return keep(LTE_ERROR_INTERNAL, "an unknown error");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "lte/nn/encoder_plan.h"
 #include "lte/nn/model.h"
 #include "lte/nn/radiance_decoder.h"
 #include "lte/nn/recompute.h"

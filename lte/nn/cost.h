@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "lte/nn/config.h"
-#include "lte/nn/encoder_plan.h"
 
 namespace lte::nn {
 
 class LightTransportModel;  // lte/nn/model.h
+struct EncoderPlan;         // lte/nn/encoder_plan.h
 
 // Parameters
 

@@ -12,6 +12,7 @@
 #include "lte/nn/one_line_errors.h"
 #include "lte/ops/knn.h"
 #include "lte/runtime/tensors.h"
+#include "lte/runtime/torch_parts.h"
 
 namespace lte::runtime {
 namespace {
@@ -53,10 +54,10 @@ struct SceneAttention::Parts {
 SceneAttention::SceneAttention(std::shared_ptr<const SceneEmbedding> embedding) {
   auto parts = std::make_unique<Parts>();
   parts->embedding = std::move(embedding);
-  parts->record = parts->embedding->attention();
+  parts->record = TorchParts::attention(*parts->embedding);
   LTE_CHECK(parts->record != nullptr,
             "the encoder's attention was not recorded when this embedding was made");
-  const nn::Embedding latents = parts->embedding->parts();
+  const nn::Embedding latents = TorchParts::embedding(*parts->embedding);
   parts->position = vectors(latents.position * latents.scale + latents.origin);
   parts->normal = vectors(parts->record->normal);
   for (const nn::BlockAttention& block : parts->record->blocks)
@@ -93,12 +94,13 @@ double SceneAttention::entropy(size_t block) const {
 LatentsRead SceneAttention::read(const Vec3& position, const Vec3& normal,
                                  const Rgb& albedo) const {
   const SceneEmbedding& embedding = *parts_->embedding;
-  const c10::Device device = embedding.network().device();
+  const c10::Device device = torch_device(embedding.network().device());
   const nn::QuerySet query = {borrow(std::span(&position, 1)).to(device),
                               borrow(std::span(&normal, 1)).to(device),
                               borrow(std::span(&albedo, 1)).to(device)};
-  const nn::DecoderReading reading = nn::one_line_errors(
-      [&] { return embedding.network().model()->read(embedding.parts(), query); });
+  const nn::DecoderReading reading = nn::one_line_errors([&] {
+    return TorchParts::model(embedding.network())->read(TorchParts::embedding(embedding), query);
+  });
   const at::Tensor shares = reading.shares().select(1, 0);  // [L, κ]
   LatentsRead out;
   const at::Tensor index = reading.index[0].to(at::kCPU).contiguous();

@@ -1,7 +1,5 @@
 // Looking inside an embedding: which latents a query reads and how much each counts, and from where
 // on the scene's surfaces each block of the encoder took what a latent knows.
-//
-// This header does not include LibTorch.
 #pragma once
 
 #include <cstdint>

@@ -14,9 +14,10 @@
 #include "lte/base/check.h"
 #include "lte/nn/attention_record.h"
 #include "lte/nn/model.h"
-#include "lte/nn/one_line_errors.h"
 #include "lte/runtime/solved_light.h"
 #include "lte/runtime/tensors.h"
+#include "lte/runtime/torch_errors.h"
+#include "lte/runtime/torch_parts.h"
 
 namespace lte::runtime {
 namespace {
@@ -60,6 +61,14 @@ std::vector<at::Tensor> tensors_of(const nn::Embedding& embedding) {
   return tensors;
 }
 
+/// The rows of [..., 3] on whatever device.
+std::vector<Rgb> triples_of(const at::Tensor& values) {
+  const at::Tensor host = values.to(at::kCPU, at::kFloat).contiguous();
+  std::vector<Rgb> out(static_cast<size_t>(host.numel() / 3));
+  std::memcpy(static_cast<void*>(out.data()), host.const_data_ptr<float>(), host.nbytes());
+  return out;
+}
+
 MemoryNeed encoding_need(const Network& network, int64_t scene_points) {
   return {concat("encoding ", scene_points, " scene points"),
           encode_mb(network.config(), scene_points),
@@ -74,19 +83,30 @@ MemoryNeed decoding_need(const Network& network, int64_t queries, int64_t block)
           {Remedy::FewerQueries, Remedy::MemoryLimit}};
 }
 
+EmbeddingInfo info_of(const nn::Embedding& embedding, int64_t scene_points) {
+  EmbeddingInfo info;
+  info.scene_points = scene_points;
+  info.latents = embedding.position.size(0);
+  for (const at::Tensor& t : tensors_of(embedding)) {
+    if (t.defined()) info.bytes += static_cast<int64_t>(t.nbytes());
+  }
+  const at::Tensor origin = embedding.origin.to(at::kCPU, at::kDouble);
+  for (size_t i = 0; i < 3; ++i) {
+    info.origin[i] = origin[static_cast<int64_t>(i)].item<double>();
+    info.emission[i] = embedding.emission_scale[static_cast<int64_t>(i)].item<double>();
+  }
+  info.scale = embedding.scale;
+  return info;
+}
+
 /// The triples that `decode` answers, which takes as many queries at a time as memory allows.
 template <typename Decode>
 std::vector<Rgb> decode_on_host(const Network& network, const MemoryLimit& memory, int64_t queries,
                                 const Decode& decode) {
   const int64_t block = memory.query_block(network.config(), queries, kQueryBlock);
-  const at::Tensor answer = explain_out_of_memory(decoding_need(network, queries, block), [&] {
-    return nn::one_line_errors([&] {
-      return decode(nn::DecodeOptions{true, block}).to(at::kCPU, at::kFloat).contiguous();
-    });
+  return explain_out_of_memory(decoding_need(network, queries, block), [&] {
+    return own_errors([&] { return triples_of(decode(nn::DecodeOptions{true, block})); });
   });
-  std::vector<Rgb> out(static_cast<size_t>(answer.numel() / 3));
-  std::memcpy(static_cast<void*>(out.data()), answer.const_data_ptr<float>(), answer.nbytes());
-  return out;
 }
 
 }  // namespace
@@ -96,10 +116,31 @@ struct SceneEmbedding::State {
 
   /// On a GPU: notes that what has been put on this stream makes the embedding.
   void mark_ready() {
-    const c10::Device device = network.device();
-    if (device.is_cpu()) return;
+    if (network.device().is_cpu()) return;
+    const c10::Device device = torch_device(network.device());
     ready.emplace(device.type());
     ready->record(current_stream(device));
+  }
+
+  /// At gain 1, ready on the current stream.
+  nn::Embedding parts() const {
+    if (!ready) return embedding;
+    const c10::Stream stream = current_stream(torch_device(network.device()));
+    ready->block(stream);
+    // The allocator must not give this memory to another stream while this one reads it.
+    for (const at::Tensor& t : tensors_of(embedding)) {
+      if (t.defined()) t.record_stream(stream);
+    }
+    return embedding;
+  }
+
+  /// The same under the gain of this moment.
+  nn::Embedding snapshot() const {
+    nn::Embedding now = parts();
+    const std::lock_guard lock(mutex);
+    const auto& [r, g, b] = gain;
+    now.emission_scale = now.emission_scale * at::tensor({r, g, b}, at::kDouble);
+    return now;
   }
 
   Network network;
@@ -120,28 +161,28 @@ SceneEmbedding::~SceneEmbedding() = default;
 SceneEmbedding::SceneEmbedding(const Network& network, const ScenePoints& points,
                                const EncodeOptions& options)
     : SceneEmbedding(explain_out_of_memory(encoding_need(network, points.size()), [&] {
-        return nn::one_line_errors([&] { return from_tensors(network, borrow(points), options); });
+        return own_errors([&] { return TorchParts::encode(network, borrow(points), options); });
       })) {}
 
-SceneEmbedding SceneEmbedding::from_tensors(const Network& network, const nn::PointSet& points,
-                                            const EncodeOptions& options) {
+SceneEmbedding TorchParts::encode(const Network& network, const nn::PointSet& points,
+                                  const EncodeOptions& options) {
   const at::NoGradGuard no_grad;
-  const c10::Device device = network.device();
+  const c10::Device device = torch_device(network.device());
   const c10::DeviceGuard guard(device);
   const nn::PointSet set = with_solved_light(points, network.config()).to(device);
   const nn::Frame frame = frame_of(network, set.position, options);
-  auto state = std::make_unique<State>(network, options.memory);
+  auto state = std::make_unique<SceneEmbedding::State>(network, options.memory);
   state->scene_points = set.position.size(0);
   state->memory.check_encoding(network.config(), state->scene_points);
   if (options.record_attention) state->attention = std::make_unique<nn::EncoderAttention>();
-  state->embedding = network.model()->encode(set, 0, frame, state->attention.get());
+  state->embedding = model(network)->encode(set, 0, frame, state->attention.get());
   state->mark_ready();
   return SceneEmbedding(std::move(state));
 }
 
-SceneEmbedding SceneEmbedding::from_parts(const Network& network, const nn::Embedding& parts,
-                                          int64_t scene_points, const MemoryLimit& memory) {
-  auto state = std::make_unique<State>(network, memory);
+SceneEmbedding TorchParts::from(const Network& network, const nn::Embedding& parts,
+                                int64_t scene_points, const MemoryLimit& memory) {
+  auto state = std::make_unique<SceneEmbedding::State>(network, memory);
   state->scene_points = scene_points;
   state->embedding = parts;
   state->mark_ready();
@@ -151,24 +192,11 @@ SceneEmbedding SceneEmbedding::from_parts(const Network& network, const nn::Embe
 const Network& SceneEmbedding::network() const { return state_->network; }
 
 EmbeddingInfo SceneEmbedding::info() const {
-  const nn::Embedding embedding = snapshot();
-  EmbeddingInfo info;
-  info.scene_points = state_->scene_points;
-  info.latents = embedding.position.size(0);
-  for (const at::Tensor& t : tensors_of(embedding)) {
-    if (t.defined()) info.bytes += static_cast<int64_t>(t.nbytes());
-  }
-  const at::Tensor origin = embedding.origin.to(at::kCPU, at::kDouble);
-  for (size_t i = 0; i < 3; ++i) {
-    info.origin[i] = origin[static_cast<int64_t>(i)].item<double>();
-    info.emission[i] = embedding.emission_scale[static_cast<int64_t>(i)].item<double>();
-  }
-  info.scale = embedding.scale;
-  return info;
+  return own_errors([&] { return info_of(state_->snapshot(), state_->scene_points); });
 }
 
 double SceneEmbedding::mean_emission() const {
-  const double mean = snapshot().emission_scale.mean().item<double>();
+  const double mean = state_->snapshot().emission_scale.mean().item<double>();
   return mean > 0 ? mean : 1;
 }
 
@@ -177,44 +205,32 @@ void SceneEmbedding::set_emission_gain(const std::array<double, 3>& gain) {
   state_->gain = gain;
 }
 
-nn::Embedding SceneEmbedding::snapshot() const {
-  nn::Embedding embedding = parts();
-  const std::lock_guard lock(state_->mutex);
-  const auto& [r, g, b] = state_->gain;
-  embedding.emission_scale = embedding.emission_scale * at::tensor({r, g, b}, at::kDouble);
-  return embedding;
+nn::Embedding TorchParts::embedding(const SceneEmbedding& embedding) {
+  return embedding.state_->parts();
 }
 
-const nn::EncoderAttention* SceneEmbedding::attention() const { return state_->attention.get(); }
-
-nn::Embedding SceneEmbedding::parts() const {
-  nn::Embedding embedding = state_->embedding;
-  if (!state_->ready) return embedding;
-  const c10::Stream stream = current_stream(network().device());
-  state_->ready->block(stream);
-  // The allocator must not give this memory to another stream while this one reads it.
-  for (const at::Tensor& t : tensors_of(embedding)) {
-    if (t.defined()) t.record_stream(stream);
-  }
-  return embedding;
+const nn::EncoderAttention* TorchParts::attention(const SceneEmbedding& embedding) {
+  return embedding.state_->attention.get();
 }
 
-at::Tensor SceneEmbedding::decode_tensors(const nn::QuerySet& queries,
-                                          const nn::DecodeOptions& options) const {
+at::Tensor TorchParts::decode(const SceneEmbedding& embedding, const nn::QuerySet& queries,
+                              const nn::DecodeOptions& options) {
   const at::NoGradGuard no_grad;
-  const c10::Device device = network().device();
+  const c10::Device device = torch_device(embedding.network().device());
   const c10::DeviceGuard guard(device);
-  return network().model()->decode(snapshot(), queries.to(device), options);
+  return model(embedding.network())
+      ->decode(embedding.state_->snapshot(), queries.to(device), options);
 }
 
-at::Tensor SceneEmbedding::decode_radiance_tensors(const nn::QuerySet& queries,
-                                                   const at::Tensor& directions,
-                                                   const nn::DecodeOptions& options) const {
+at::Tensor TorchParts::decode_radiance(const SceneEmbedding& embedding, const nn::QuerySet& queries,
+                                       const at::Tensor& directions,
+                                       const nn::DecodeOptions& options) {
   const at::NoGradGuard no_grad;
-  const c10::Device device = network().device();
+  const c10::Device device = torch_device(embedding.network().device());
   const c10::DeviceGuard guard(device);
-  return network().model()->decode_radiance(snapshot(), queries.to(device), directions.to(device),
-                                            options);
+  return model(embedding.network())
+      ->decode_radiance(embedding.state_->snapshot(), queries.to(device), directions.to(device),
+                        options);
 }
 
 std::vector<Rgb> SceneEmbedding::decode_radiance(const QueryPoints& queries,
@@ -226,7 +242,7 @@ std::vector<Rgb> SceneEmbedding::decode_radiance(const QueryPoints& queries,
             " queries, expected as many of each");
   const at::Tensor ways = borrow(directions).view({Q, all / Q, 3});
   return decode_on_host(network(), state_->memory, Q, [&](const nn::DecodeOptions& options) {
-    return decode_radiance_tensors(set, ways, options);
+    return TorchParts::decode_radiance(*this, set, ways, options);
   });
 }
 
@@ -235,7 +251,19 @@ std::vector<Rgb> SceneEmbedding::decode(const QueryPoints& queries) const {
   if (queries.size() == 0) return {};
   return decode_on_host(
       network(), state_->memory, queries.size(),
-      [&](const nn::DecodeOptions& options) { return decode_tensors(set, options); });
+      [&](const nn::DecodeOptions& options) { return TorchParts::decode(*this, set, options); });
+}
+
+std::vector<Rgb> SceneEmbedding::cached_light(const QueryPoints& queries) const {
+  return own_errors([&]() -> std::vector<Rgb> {
+    const at::NoGradGuard no_grad;
+    const nn::Embedding parts = state_->parts();
+    if (!parts.cache.defined() || queries.size() == 0) return {};
+    const nn::QuerySet set = borrow(queries).to(parts.position.device());
+    const at::Tensor position = (set.position - parts.origin).div(parts.scale);
+    return triples_of(parts.cache.read(position, set.normal).irradiance *
+                      parts.emission_scale.to(position.options()));
+  });
 }
 
 }  // namespace lte::runtime

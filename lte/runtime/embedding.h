@@ -16,15 +16,6 @@
 #include "lte/runtime/network.h"
 #include "lte/runtime/points.h"
 
-namespace at {
-class Tensor;
-}
-namespace lte::nn {
-struct DecodeOptions;
-struct Embedding;
-struct EncoderAttention;
-}  // namespace lte::nn
-
 namespace lte::runtime {
 
 struct EncodeOptions {
@@ -59,9 +50,6 @@ class SceneEmbedding {
   ///         light that the network reads and that is missing; SceneTooLarge; NotEnoughMemory.
   SceneEmbedding(const Network& network, const ScenePoints& points,
                  const EncodeOptions& options = {});
-  /// The same from tensors, on whatever device they are. @throws c10::Error for bad values.
-  static SceneEmbedding from_tensors(const Network& network, const nn::PointSet& points,
-                                     const EncodeOptions& options = {});
   SceneEmbedding(SceneEmbedding&&) noexcept;
   SceneEmbedding& operator=(SceneEmbedding&&) noexcept;
   ~SceneEmbedding();
@@ -81,10 +69,12 @@ class SceneEmbedding {
   /// @throws lte::Error of one line for arrays of different lengths and values that are not finite;
   ///         NotEnoughMemory.
   std::vector<Rgb> decode(const QueryPoints& queries) const;
-  /// The same from tensors on whatever device, [Q, 3] on the network's. On a GPU the kernels are
-  /// put on this thread's stream, which waits for those of the encoder by itself.
-  /// @throws c10::Error for bad values.
-  at::Tensor decode_tensors(const nn::QuerySet& queries, const nn::DecodeOptions& options) const;
+
+  /// Irradiance in W/m² that the network's answer is a factor on: the light on the scene points,
+  /// path-traced estimates or a radiosity solution, interpolated (nn::LightCache). Empty for a
+  /// network without such a cache.
+  /// @throws lte::Error as decode()
+  std::vector<Rgb> cached_light(const QueryPoints& queries) const;
 
   /// Incident radiance in W sr^-1 m^-2 from so many directions of each query: of the light that the
   /// model answers for, as irradiance is. Those of one query share what is gathered around it.
@@ -95,25 +85,11 @@ class SceneEmbedding {
   ///         directions that are not as many for each query, not unit or point into the surface.
   std::vector<Rgb> decode_radiance(const QueryPoints& queries,
                                    std::span<const Vec3> directions) const;
-  /// The same from tensors, as decode_tensors(): [Q, N, 3] of directions [Q, N, 3].
-  /// @throws c10::Error for bad values, and for a model without a radiance decoder.
-  at::Tensor decode_radiance_tensors(const nn::QuerySet& queries, const at::Tensor& directions,
-                                     const nn::DecodeOptions& options) const;
-
-  /// What EncodeOptions::record_attention keeps; null without it, and for an embedding from a file.
-  const nn::EncoderAttention* attention() const;
-
-  /// The parts, for embedding_file.h: at gain 1, ready on the current stream.
-  nn::Embedding parts() const;
-  /// From the parts of an embedding that this network has made, on the network's device.
-  static SceneEmbedding from_parts(const Network& network, const nn::Embedding& parts,
-                                   int64_t scene_points, const MemoryLimit& memory);
 
  private:
+  friend struct TorchParts;
   struct State;
   explicit SceneEmbedding(std::unique_ptr<State> state);
-  /// The embedding under the gain of this moment, ready on the current stream.
-  nn::Embedding snapshot() const;
 
   std::unique_ptr<State> state_;
 };

@@ -15,6 +15,8 @@
 #include "lte/nn/cost.h"
 #include "lte/nn/model.h"
 #include "lte/nn/tensor_io.h"
+#include "lte/runtime/torch_errors.h"
+#include "lte/runtime/torch_parts.h"
 
 namespace lte::runtime {
 namespace {
@@ -131,7 +133,7 @@ nn::Embedding on_device(nn::Embedding parts, c10::Device device) {
 void save_embedding(const std::filesystem::path& path, const SceneEmbedding& embedding,
                     const EmbeddingKey& key) {
   const Network& network = embedding.network();
-  const nn::Embedding parts = embedding.parts();
+  const nn::Embedding parts = TorchParts::embedding(embedding);
   std::map<std::string, at::Tensor> tensors = {{"position", parts.position},
                                                {"features", parts.features},
                                                {"origin", parts.origin},
@@ -169,12 +171,15 @@ SceneEmbedding load_embedding(const std::filesystem::path& path, const Network& 
   check_entry(name, "precision", file.metadata("precision"), enum_name(network.precision()));
   check_key(file, key);
   const at::NoGradGuard no_grad;
-  const c10::DeviceGuard guard(network.device());
-  nn::Embedding parts = on_device(
-      read_parts(file, network.config(), nn::latent_width(network.config())), network.device());
-  network.model()->make_tables(&parts);
-  return SceneEmbedding::from_parts(
-      network, parts, parse_count(name, "scene_points", file.metadata("scene_points")), memory);
+  const int64_t scene_points = parse_count(name, "scene_points", file.metadata("scene_points"));
+  const c10::Device device = torch_device(network.device());
+  return own_errors([&] {
+    const c10::DeviceGuard guard(device);
+    nn::Embedding parts =
+        on_device(read_parts(file, network.config(), nn::latent_width(network.config())), device);
+    TorchParts::model(network)->make_tables(&parts);
+    return TorchParts::from(network, parts, scene_points, memory);
+  });
 }
 
 }  // namespace lte::runtime

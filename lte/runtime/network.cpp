@@ -6,30 +6,31 @@
 #include "lte/nn/cost.h"
 #include "lte/nn/model.h"
 #include "lte/nn/model_file.h"
+#include "lte/runtime/torch_errors.h"
+#include "lte/runtime/torch_parts.h"
 
 namespace lte::runtime {
 
 struct Network::State {
   nn::LightTransportModel model;
   nn::ModelMetadata metadata;
-  c10::Device device;
+  Device device;
   nn::Precision precision;
 };
 
 Network::Network(const std::filesystem::path& path, const NetworkOptions& options)
     : state_(std::make_shared<State>(State{nn::load_model(path), nn::read_model_metadata(path),
                                            options.device, options.precision})) {
-  state_->model->to(options.device);
+  own_errors([&] { state_->model->to(torch_device(options.device)); });
   state_->model->eval();
   state_->model->set_precision(options.precision);
 }
 
 const nn::ModelConfig& Network::config() const { return state_->model->config(); }
 const nn::ModelMetadata& Network::metadata() const { return state_->metadata; }
-c10::Device Network::device() const { return state_->device; }
+Device Network::device() const { return state_->device; }
 nn::Precision Network::precision() const { return state_->precision; }
 int64_t Network::parameters() const { return nn::count_parameters(state_->model).total; }
-nn::LightTransportModel& Network::model() const { return state_->model; }
 bool Network::predicts_total() const { return config().predicts_total(); }
 
 std::string Network::fingerprint() const {
@@ -42,6 +43,8 @@ std::string Network::fingerprint() const {
   }
   return formatted("%016llx", static_cast<unsigned long long>(sum.value()));
 }
+
+nn::LightTransportModel& TorchParts::model(const Network& network) { return network.state_->model; }
 
 LightRequest Network::light_request() const {
   if (!config().reads_estimates()) return {};

@@ -1,6 +1,4 @@
 // A trained network that is ready to use: loaded, on its device, in its precision.
-//
-// This header and embedding.h do not include LibTorch but for its name of a device.
 #pragma once
 
 #include <cstdint>
@@ -8,21 +6,16 @@
 #include <memory>
 #include <string>
 
-#include <c10/core/Device.h>
-
 #include "lte/nn/config.h"
 #include "lte/nn/model_metadata.h"
 #include "lte/nn/precision.h"
+#include "lte/runtime/device.h"
 #include "lte/runtime/refusal.h"
-
-namespace lte::nn {
-class LightTransportModel;
-}
 
 namespace lte::runtime {
 
 struct NetworkOptions {
-  c10::Device device = c10::kCPU;
+  Device device = {};
   nn::Precision precision = nn::Precision::Fp32;
 };
 
@@ -40,13 +33,13 @@ struct LightRequest {
 /// threads and scenes may use it at the same time.
 class Network {
  public:
-  /// @throws lte::Error naming the file if it is no model of this version; c10::Error if the
-  ///         device has no room for it.
+  /// @throws lte::Error naming the file if it is no model of this version; NotEnoughMemory
+  ///         if the device has no room for it.
   explicit Network(const std::filesystem::path& path, const NetworkOptions& options = {});
 
   const nn::ModelConfig& config() const;
   const nn::ModelMetadata& metadata() const;
-  c10::Device device() const;
+  Device device() const;
   nn::Precision precision() const;
   /// 16 hexadecimal digits of its configuration and of every weight, whatever file they came from.
   /// Reads all weights.
@@ -61,10 +54,8 @@ class Network {
   /// Metres, a quarter of the model's scale: few scenes of training are narrower at their widest.
   double least_extent() const { return config().scale / 4; }
 
-  /// In evaluation mode; for those that include lte/nn/model.h.
-  nn::LightTransportModel& model() const;
-
  private:
+  friend struct TorchParts;
   struct State;
   std::shared_ptr<State> state_;
 };

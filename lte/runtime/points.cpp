@@ -3,6 +3,7 @@
 #include "lte/base/check.h"
 #include "lte/nn/model.h"
 #include "lte/runtime/tensors.h"
+#include "lte/runtime/torch_parts.h"
 
 namespace lte::runtime {
 namespace {

@@ -1,16 +1,10 @@
 // Borrowed point arrays, so that sampled scenes and baked files go into the network by one door.
-// This header does not include LibTorch.
 #pragma once
 
 #include <cstdint>
 #include <span>
 
 #include "lte/base/math.h"
-
-namespace lte::nn {
-struct PointSet;
-struct QuerySet;
-}  // namespace lte::nn
 
 namespace lte::runtime {
 
@@ -44,14 +38,9 @@ inline std::span<const float> floats(std::span<const Vec3> triples) {
   return {reinterpret_cast<const float*>(triples.data()), 3 * triples.size()};
 }
 
-/// Tensors on the CPU that borrow the arrays: do not write to them, and keep the arrays alive.
-/// @throws lte::Error if the arrays differ in length, or there are no scene points.
-nn::PointSet borrow(const ScenePoints& points);
-nn::QuerySet borrow(const QueryPoints& queries);
-
 /// Area-weighted mean emission over points and channels, 1 without emission: what irradiance is
 /// divided by in training.
-/// @throws lte::Error as borrow()
+/// @throws lte::Error if the arrays differ in length, or there are no scene points.
 double mean_emission(const ScenePoints& points);
 
 }  // namespace lte::runtime

@@ -36,4 +36,10 @@ class NotEnoughMemory : public Refusal {
   using Refusal::Refusal;
 };
 
+/// A kernel failed, or the driver did.
+class GpuFailure : public Error {
+ public:
+  using Error::Error;
+};
+
 }  // namespace lte::runtime

@@ -11,11 +11,11 @@
 #include <CLI/CLI.hpp>
 
 #include "infer/bench/bench.h"
-#include "infer/tool/synthetic_room.h"
 #include "infer/tool/tool_options.h"
 #include "lte/base/file.h"
 #include "lte/base/timer.h"
 #include "lte/cli/cli.h"
+#include "lte/nn/synthetic_room.h"
 #include "lte/runtime/device.h"
 #include "tests/bench/eager_network.h"
 
@@ -66,8 +66,8 @@ std::vector<infer::BenchResult> run(const Options& options) {
   model->eval();
   model->set_precision(infer::choose_precision(options.precision));
   const EagerNetwork eager(model);
-  const nn::PointSet points = infer::synthetic_room(options.scene_points, 1);
-  const nn::PointSet surface = infer::synthetic_room(options.queries, 2);
+  const nn::PointSet points = nn::synthetic_room(options.scene_points, 1);
+  const nn::PointSet surface = nn::synthetic_room(options.queries, 2);
   const nn::QuerySet queries{surface.position, surface.normal, surface.albedo};
   const at::Tensor position =
       ((points.position - std::get<0>(points.position.min(0))) / config.scale).contiguous();

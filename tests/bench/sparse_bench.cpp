@@ -15,7 +15,6 @@
 #include "lte/base/timer.h"
 #include "lte/cli/scene_flags.h"
 #include "lte/gi/upsample.h"
-#include "lte/nn/device.h"
 #include "lte/pathtrace/gbuffer.h"
 #include "lte/pathtrace/placement/auto_camera.h"
 
@@ -182,8 +181,7 @@ int main(int argc, char** argv) {
     LTE_CHECK(argc >= 4 && std::sscanf(argv[1], "%dx%d", &width, &height) == 2,
               "usage: lte_sparse_bench WxH PATHS SCENE[:CAMERA] ...");
     const char* model = std::getenv("LTE_MODEL");
-    const runtime::Network network(infer::checkpoint_or_shipped(model != nullptr ? model : ""),
-                                   {nn::choose_device("cpu", 0, "--device"), nn::Precision::Fp32});
+    const runtime::Network network(infer::checkpoint_or_shipped(model != nullptr ? model : ""));
     for (int i = 3; i < argc; ++i) measure(argv[i], network, width, height, std::atoi(argv[2]));
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {

@@ -1,4 +1,5 @@
 // What the C functions compute: the C++ network's answers, in whatever layout, from any thread.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -6,38 +7,42 @@
 #include <thread>
 #include <vector>
 
-#include <ATen/ATen.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "lte/c_api.h"
-#include "lte/nn/cost.h"
-#include "lte/nn/model_file.h"
 #include "tests/c_api/support.h"
-#include "tests/nn/support.h"
 #include "tests/support/temp_dir.h"
 #include "tests/support/worker_sleeps.h"
 
 namespace lte {
 namespace {
 
-using test::box_queries;
-using test::box_scene;
-using test::c_points;
-using test::c_queries;
+using test::BoxQueries;
+using test::BoxScene;
+using test::Rgbs;
 
-/// What the C++ model from the same file answers.
-at::Tensor expected(const nn::PointSet& points, const nn::QuerySet& queries) {
-  const at::NoGradGuard no_grad;
-  nn::LightTransportModel model = nn::load_model(test::tiny_model_file());
-  return model->decode(model->encode(points), queries);
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+/// What the C++ library answers from the same file.
+Rgbs expected(const BoxScene& scene, const BoxQueries& queries,
+              const runtime::EncodeOptions& options = {}) {
+  const runtime::Network network(test::tiny_model_file());
+  return runtime::SceneEmbedding(network, scene.arrays(), options).decode(queries.arrays());
+}
+
+/// The coordinates of triples with others beside them, row by row.
+std::vector<float> interleaved(const std::vector<const std::vector<Vec3>*>& columns) {
+  std::vector<float> out;
+  for (size_t i = 0; i < columns.front()->size(); ++i)
+    for (const auto* column : columns)
+      for (int c = 0; c < 3; ++c) out.push_back((*column)[i][c]);
+  return out;
 }
 
 TEST(CApi, TellsTheModelsProperties) {
   const test::Model model;
-  lte_model_info info = {};
-  info.struct_size = sizeof info;
-  ASSERT_EQ(lte_model_get_info(model.handle, &info), LTE_OK);
+  const lte_model_info info = model.info();
   EXPECT_EQ(info.channels, 16);
   EXPECT_EQ(info.query_neighbours, 5);
   EXPECT_EQ(info.scene_points, 300);
@@ -47,45 +52,45 @@ TEST(CApi, TellsTheModelsProperties) {
   EXPECT_EQ(info.scale, 16);
   EXPECT_EQ(info.device, LTE_DEVICE_CPU);
   EXPECT_EQ(info.light_input, LTE_LIGHT_EMISSION);
-  const nn::LightTransportModel loaded = nn::load_model(test::tiny_model_file());
-  EXPECT_EQ(info.parameters, nn::count_parameters(loaded).total);
+  EXPECT_EQ(info.parameters, runtime::Network(test::tiny_model_file()).parameters());
   EXPECT_EQ(lte_abi_version(), uint32_t{LTE_C_API_VERSION});
   EXPECT_STREQ(lte_version_string(), "0.1.0");
 }
 
 TEST(CApi, AnswersAreTheCppNetworks) {
-  const nn::PointSet points = box_scene(300, 1);
-  const nn::QuerySet queries = box_queries(500, 2);
+  const BoxScene scene(300, 1);
+  const BoxQueries queries(500, 2);
   const test::Model model;
-  const test::Embedding embedding(model.handle, c_points(points));
-  EXPECT_TRUE(
-      at::equal(test::decode(embedding.handle, c_queries(queries)), expected(points, queries)));
-  lte_embedding_info info = {};
-  info.struct_size = sizeof info;
-  ASSERT_EQ(lte_embedding_get_info(embedding.handle, &info), LTE_OK);
+  const test::Embedding embedding(model.handle, scene.in_c());
+  EXPECT_EQ(test::decode(embedding.handle, queries.in_c()), expected(scene, queries));
+  const lte_embedding_info info = embedding.info();
   EXPECT_EQ(info.scene_points, 300);
   EXPECT_EQ(info.latents, 75);
   EXPECT_EQ(info.scale, 16);
   EXPECT_GE(info.bytes, 75 * 16 * 4);
-  const at::Tensor radiance = nn::emission_scale(points);
-  for (int i = 0; i < 3; ++i) {
-    EXPECT_EQ(info.origin[i], points.position.select(1, i).min().item<double>());
-    EXPECT_DOUBLE_EQ(info.radiance[i], radiance[i].item<double>());
+  const auto cpp =
+      runtime::SceneEmbedding(runtime::Network(test::tiny_model_file()), scene.arrays()).info();
+  for (size_t i = 0; i < 3; ++i) {
+    float least = INFINITY;
+    for (const Vec3& p : scene.position) least = std::min(least, p[static_cast<int>(i)]);
+    EXPECT_EQ(info.origin[i], least);
+    EXPECT_EQ(info.radiance[i], cpp.emission[i]);
+    EXPECT_GT(info.radiance[i], 0);
   }
 }
 
 TEST(CApi, AnEmbeddingIsSavedAndReadBack) {
   const test::TempDir folder;
   const std::string path = (folder / "scene.safetensors").string();
-  const nn::QuerySet queries = box_queries(500, 2);
+  const BoxQueries queries(500, 2);
+  const BoxScene box(300, 1);
   const test::Model model;
-  const test::Embedding made(model.handle, c_points(box_scene(300, 1)));
+  const test::Embedding made(model.handle, box.in_c());
   ASSERT_EQ(lte_embedding_save(made.handle, path.c_str(), "kitchen"), LTE_OK) << lte_last_error();
   lte_embedding* read = nullptr;
   ASSERT_EQ(lte_embedding_load(model.handle, path.c_str(), "kitchen", &read), LTE_OK)
       << lte_last_error();
-  EXPECT_TRUE(at::equal(test::decode(read, c_queries(queries)),
-                        test::decode(made.handle, c_queries(queries))));
+  EXPECT_EQ(test::decode(read, queries.in_c()), test::decode(made.handle, queries.in_c()));
   lte_embedding_release(read);
 
   const auto refused = [&](const char* file, const char* scene, lte_status status) {
@@ -112,31 +117,20 @@ TEST(CApi, AnEmbeddingIsSavedAndReadBack) {
 TEST(CApi, AModelThatReadsLightSaysSoAndIsGivenIt) {
   nn::ModelConfig config = test::tiny_config();
   config.light_input = nn::LightInput::Traced;
-  nn::LightTransportModel model(config);
-  test::randomize(*model, 5);
-  model->eval();
-  const std::filesystem::path file = test::tiny_model_file().string() + ".traced";
-  nn::save_model(file, model);
-  lte_model* handle = nullptr;
-  ASSERT_EQ(lte_model_open(file.c_str(), nullptr, &handle), LTE_OK) << lte_last_error();
-  std::filesystem::remove(file);
-  lte_model_info info = {};
-  info.struct_size = sizeof info;
-  ASSERT_EQ(lte_model_get_info(handle, &info), LTE_OK);
-  EXPECT_EQ(info.light_input, LTE_LIGHT_TRACED);
-  const nn::PointSet points = box_scene(300, 1);
-  const nn::QuerySet queries = box_queries(50, 2);
-  {
-    const at::NoGradGuard no_grad;
-    const test::Embedding embedding(handle, c_points(points, /*light=*/true));
-    EXPECT_TRUE(at::equal(test::decode(embedding.handle, c_queries(queries)),
-                          model->decode(model->encode(points), queries)));
-  }
-  const lte_scene_points dark = c_points(points);
-  lte_embedding* embedding = nullptr;
-  EXPECT_NE(lte_model_encode(handle, &dark, &embedding), LTE_OK);
+  const test::TempDir folder;
+  test::save_random_model(folder / "traced.safetensors", config);
+  const test::Model model(folder / "traced.safetensors");
+  EXPECT_EQ(model.info().light_input, LTE_LIGHT_TRACED);
+  const BoxScene scene(300, 1);
+  const BoxQueries queries(50, 2);
+  const test::Embedding embedding(model.handle, scene.in_c(/*light=*/true));
+  const runtime::Network network(folder / "traced.safetensors");
+  EXPECT_EQ(test::decode(embedding.handle, queries.in_c()),
+            runtime::SceneEmbedding(network, scene.arrays(true)).decode(queries.arrays()));
+  const lte_scene_points dark = scene.in_c();
+  lte_embedding* none = nullptr;
+  EXPECT_NE(lte_model_encode(model.handle, &dark, &none), LTE_OK);
   EXPECT_THAT(lte_last_error(), testing::HasSubstr("direct irradiance is missing"));
-  lte_model_release(handle);
 }
 
 TEST(CApi, AModelThatReadsSidesAndErrorsIsGivenThem) {
@@ -144,129 +138,126 @@ TEST(CApi, AModelThatReadsSidesAndErrorsIsGivenThem) {
   config.light_input = nn::LightInput::Traced;
   config.light_sides = nn::LightSides::Apart;
   config.light_variance = true;
-  nn::LightTransportModel model(config);
-  test::randomize(*model, 5);
-  model->eval();
-  const std::filesystem::path file = test::tiny_model_file().string() + ".apart";
-  nn::save_model(file, model, {{"light_paths", "16"}, {"light_depth", "3"}});
-  lte_model* handle = nullptr;
-  ASSERT_EQ(lte_model_open(file.c_str(), nullptr, &handle), LTE_OK) << lte_last_error();
-  std::filesystem::remove(file);
-  lte_model_info info = {};
-  info.struct_size = sizeof info;
-  ASSERT_EQ(lte_model_get_info(handle, &info), LTE_OK);
+  const test::TempDir folder;
+  const std::filesystem::path file = folder / "apart.safetensors";
+  test::save_random_model(file, config, {{"light_paths", "16"}, {"light_depth", "3"}});
+  const test::Model model(file);
+  const lte_model_info info = model.info();
   EXPECT_EQ(info.light_sides, LTE_SIDES_APART);
   EXPECT_EQ(info.light_variance, 1);
   EXPECT_EQ(info.light_paths, 16);
   EXPECT_EQ(info.light_depth, 3);
-  const nn::PointSet points = box_scene(300, 1);
-  const nn::QuerySet queries = box_queries(50, 2);
-  {
-    const at::NoGradGuard no_grad;
-    const test::Embedding embedding(handle, c_points(points, /*light=*/true));
-    EXPECT_TRUE(at::equal(test::decode(embedding.handle, c_queries(queries)),
-                          model->decode(model->encode(points), queries)));
-  }
-  lte_embedding* embedding = nullptr;
-  const auto refused = [&](const lte_scene_points& scene, const char* words) {
-    EXPECT_NE(lte_model_encode(handle, &scene, &embedding), LTE_OK);
+  const BoxScene box(300, 1);
+  const BoxQueries queries(50, 2);
+  lte_scene_points scene = box.in_c(/*light=*/true);
+  const test::Embedding embedding(model.handle, scene);
+  EXPECT_EQ(
+      test::decode(embedding.handle, queries.in_c()),
+      runtime::SceneEmbedding(runtime::Network(file), box.arrays(true)).decode(queries.arrays()));
+  lte_embedding* none = nullptr;
+  const auto refused = [&](const lte_scene_points& points, const char* words) {
+    EXPECT_NE(lte_model_encode(model.handle, &points, &none), LTE_OK);
     EXPECT_THAT(lte_last_error(), testing::HasSubstr(words));
   };
-  lte_scene_points scene = c_points(points, /*light=*/true);
   scene.indirect_error = nullptr;
   refused(scene, "standard error of indirect irradiance is missing");
   scene.struct_size = offsetof(lte_scene_points, direct_back);  // of an older program
   refused(scene, "direct irradiance of the back is missing");
-  lte_model_release(handle);
 }
 
 TEST(CApi, ReadsAndWritesInterleavedArrays) {
-  const nn::PointSet points = box_scene(300, 1);
-  const nn::QuerySet queries = box_queries(200, 2);
+  const BoxScene box(300, 1);
+  const BoxQueries queries(200, 2);
   const test::Model model;
-  const at::Tensor all =
-      at::cat({points.albedo, points.emission, points.position, points.normal}, 1);
-  lte_scene_points scene = c_points(points);
-  scene.albedo = {all.const_data_ptr<float>(), 48};
-  scene.emission = {all.const_data_ptr<float>() + 3, 48};
-  scene.position = {all.const_data_ptr<float>() + 6, 48};
-  scene.normal = {all.const_data_ptr<float>() + 9, 48};
+  const std::vector<float> all =
+      interleaved({&box.albedo, &box.emission, &box.position, &box.normal});
+  lte_scene_points scene = box.in_c();
+  scene.albedo = {all.data(), 48};
+  scene.emission = {all.data() + 3, 48};
+  scene.position = {all.data() + 6, 48};
+  scene.normal = {all.data() + 9, 48};
   const test::Embedding embedding(model.handle, scene);
 
-  const at::Tensor gap = at::full({200, 1}, std::numeric_limits<float>::quiet_NaN());
-  const at::Tensor pixels =
-      at::cat({gap, queries.position, gap, queries.normal, queries.albedo}, 1).contiguous();
-  lte_queries q = c_queries(queries);
-  q.position = {pixels.const_data_ptr<float>() + 1, 44};
-  q.normal = {pixels.const_data_ptr<float>() + 5, 44};
-  q.albedo = {pixels.const_data_ptr<float>() + 8, 44};
-  at::Tensor out = at::full({200, 5}, 7.0f);
-  ASSERT_EQ(lte_embedding_decode(embedding.handle, &q, out.data_ptr<float>() + 1, 20), LTE_OK)
+  const std::vector<Vec3> gap(200, Vec3{kNan, kNan, kNan});
+  const std::vector<float> pixels =
+      interleaved({&queries.position, &gap, &queries.normal, &queries.albedo});
+  lte_queries q = queries.in_c();
+  q.position = {pixels.data(), 48};
+  q.normal = {pixels.data() + 6, 48};
+  q.albedo = {pixels.data() + 9, 48};
+  std::vector<float> out(5 * 200, 7);
+  ASSERT_EQ(lte_embedding_decode(embedding.handle, &q, out.data() + 1, 20), LTE_OK)
       << lte_last_error();
-  EXPECT_TRUE(at::equal(out.narrow(1, 1, 3), expected(points, queries)));
-  EXPECT_TRUE(at::equal(out.select(1, 0), at::full({200}, 7.0f)));
-  EXPECT_TRUE(at::equal(out.select(1, 4), at::full({200}, 7.0f)));
+  const Rgbs right = expected(box, queries);
+  for (size_t i = 0; i < right.size(); ++i) {
+    const float* row = out.data() + 5 * i;
+    EXPECT_EQ((Rgb{row[1], row[2], row[3]}), right[i]) << i;
+    EXPECT_EQ(row[0], 7) << "what lies between the answers";
+    EXPECT_EQ(row[4], 7);
+  }
 }
 
 TEST(CApi, WithoutAreasAllPointsCountTheSame) {
-  nn::PointSet points = box_scene(300, 1);
-  const nn::QuerySet queries = box_queries(50, 2);
+  BoxScene box(300, 1);
+  const BoxQueries queries(50, 2);
   const test::Model model;
-  lte_scene_points scene = c_points(points);
+  lte_scene_points scene = box.in_c();
   scene.area = nullptr;
   const test::Embedding embedding(model.handle, scene);
-  points.area = at::full({300}, 0.25f);
-  EXPECT_LT(test::relative_difference(test::decode(embedding.handle, c_queries(queries)),
-                                      expected(points, queries)),
+  box.area.assign(300, 0.25f);
+  EXPECT_LT(test::relative_difference(test::decode(embedding.handle, queries.in_c()),
+                                      expected(box, queries)),
             1e-6);
 }
 
 TEST(CApi, MaskedQueriesAreNeitherReadNorAnsweredOtherThanZero) {
-  const nn::PointSet points = box_scene(300, 1);
-  nn::QuerySet queries = box_queries(90, 2);
-  const at::Tensor full = expected(points, queries);
-  const at::Tensor mask = at::arange(90).remainder(3).ne(0);
-  for (at::Tensor* t : {&queries.position, &queries.normal, &queries.albedo}) {
-    t->masked_fill_(mask.logical_not().unsqueeze(1), std::numeric_limits<double>::quiet_NaN());
+  const BoxScene scene(300, 1);
+  BoxQueries queries(90, 2);
+  Rgbs right = expected(scene, queries);
+  std::vector<uint8_t> mask(2 * 90);
+  for (size_t i = 0; i < 90; ++i) {
+    mask[2 * i] = i % 3 == 0 ? 0 : 200;
+    if (i % 3 != 0) continue;
+    right[i] = {};
+    for (auto* values : {&queries.position, &queries.normal, &queries.albedo})
+      (*values)[i] = {kNan, kNan, kNan};
   }
-  const at::Tensor bytes = mask.to(at::kByte).mul(200).repeat_interleave(2);
   const test::Model model;
-  const test::Embedding embedding(model.handle, c_points(points));
-  lte_queries q = c_queries(queries);
-  q.mask = bytes.const_data_ptr<uint8_t>();
+  const test::Embedding embedding(model.handle, scene.in_c());
+  lte_queries q = queries.in_c();
+  q.mask = mask.data();
   q.mask_stride = 2;
-  const at::Tensor keep = mask.unsqueeze(1);
   for (const uint32_t flags : {0u, LTE_QUERIES_TRUSTED}) {
     q.flags = flags;
-    EXPECT_TRUE(at::equal(test::decode(embedding.handle, q), at::where(keep, full, 0)));
+    EXPECT_EQ(test::decode(embedding.handle, q), right);
   }
   q.flags = 0;
   const std::vector<uint8_t> none(90, 0);
   q.mask = none.data();
   q.mask_stride = 1;
-  EXPECT_TRUE(at::equal(test::decode(embedding.handle, q), at::zeros({90, 3})));
+  EXPECT_EQ(test::decode(embedding.handle, q), Rgbs(90));
   q.mask = nullptr;
   float out[3 * 90];
   EXPECT_EQ(lte_embedding_decode(embedding.handle, &q, out, 0), LTE_ERROR_INVALID_ARGUMENT);
-  queries.albedo[4][1] = 20;  // seen by the mask: named by its own row
-  q.mask = bytes.const_data_ptr<uint8_t>();
+  queries.albedo[4].y = 20;  // seen by the mask: named by its own row
+  q.mask = mask.data();
   q.mask_stride = 2;
   EXPECT_EQ(lte_embedding_decode(embedding.handle, &q, out, 0), LTE_ERROR_INVALID_ARGUMENT);
   EXPECT_NE(std::string(lte_last_error()).find("albedo of row 4"), std::string::npos);
 }
 
 TEST(CApi, EmissionGainIsTheEncodingOfScaledEmission) {
-  const nn::PointSet points = box_scene(300, 1);
-  const nn::QuerySet queries = box_queries(60, 2);
+  const BoxScene scene(300, 1);
+  const BoxQueries queries(60, 2);
   const test::Model model;
-  const test::Embedding embedding(model.handle, c_points(points));
-  const lte_queries q = c_queries(queries);
+  const test::Embedding embedding(model.handle, scene.in_c());
+  const lte_queries q = queries.in_c();
   const float doubled[3] = {2, 0.5f, 0};
   ASSERT_EQ(lte_embedding_set_emission_gain(embedding.handle, doubled), LTE_OK);
-  const at::Tensor gain = at::tensor({2.0f, 0.5f, 0.0f});
-  EXPECT_TRUE(at::equal(test::decode(embedding.handle, q), expected(points, queries) * gain));
-  nn::PointSet brighter = points;
-  brighter.emission = points.emission * at::tensor({3.0f, 0.7f, 1.0f});
+  EXPECT_EQ(test::decode(embedding.handle, q),
+            test::scaled(expected(scene, queries), {2, 0.5f, 0}));
+  BoxScene brighter = scene;
+  brighter.emission = test::scaled(scene.emission, {3, 0.7f, 1});
   const float tint[3] = {3, 0.7f, 1};  // over the first emission, not over the doubled
   ASSERT_EQ(lte_embedding_set_emission_gain(embedding.handle, tint), LTE_OK);
   EXPECT_LT(
@@ -274,15 +265,19 @@ TEST(CApi, EmissionGainIsTheEncodingOfScaledEmission) {
       1e-6);
   const float none[3] = {0, 0, 0};
   ASSERT_EQ(lte_embedding_set_emission_gain(embedding.handle, none), LTE_OK);
-  EXPECT_TRUE(at::equal(test::decode(embedding.handle, q), at::zeros({60, 3})));
+  EXPECT_EQ(test::decode(embedding.handle, q), Rgbs(60));
 }
 
 TEST(CApi, ASceneTooLargeIsRefusedOrShrunk) {
-  nn::PointSet points = box_scene(300, 1);
-  nn::QuerySet queries = box_queries(60, 2);
+  BoxScene box(300, 1);
+  BoxQueries queries(60, 2);
   const test::Model model;
-  for (at::Tensor* p : {&points.position, &queries.position}) *p = (*p * 8).contiguous();
-  lte_scene_points scene = c_points(points);
+  const auto scale = [&](float by) {
+    for (auto* positions : {&box.position, &queries.position})
+      *positions = test::scaled(*positions, {by, by, by});
+  };
+  scale(8);
+  lte_scene_points scene = box.in_c();
   lte_embedding* refused = nullptr;
   EXPECT_EQ(lte_model_encode(model.handle, &scene, &refused), LTE_ERROR_SCENE_TOO_LARGE);
   EXPECT_EQ(refused, nullptr);
@@ -291,37 +286,27 @@ TEST(CApi, ASceneTooLargeIsRefusedOrShrunk) {
                "to shrink it for the network");
   scene.rescale = 1;
   const test::Embedding embedding(model.handle, scene);
-  const at::Tensor got = test::decode(embedding.handle, c_queries(queries));
-  lte_embedding_info info = {};
-  info.struct_size = sizeof info;
-  ASSERT_EQ(lte_embedding_get_info(embedding.handle, &info), LTE_OK);
-  EXPECT_NEAR(info.scale, 40, 1e-3);
-  const at::NoGradGuard no_grad;
-  nn::LightTransportModel cpp = nn::load_model(test::tiny_model_file());
-  EXPECT_TRUE(at::equal(got, cpp->decode(cpp->encode(points, 0, {{}, info.scale}), queries)));
+  const Rgbs got = test::decode(embedding.handle, queries.in_c());
+  EXPECT_NEAR(embedding.info().scale, 40, 1e-3);
+  EXPECT_EQ(got, expected(box, queries, {.rescale = true}));
   // As a scene that was made that small; ties between lattice points break otherwise.
-  for (at::Tensor* p : {&points.position, &queries.position}) *p = (*p * 0.4).contiguous();
-  EXPECT_LT(test::relative_difference(got, expected(points, queries)), 0.02);
+  scale(0.4f);
+  EXPECT_LT(test::relative_difference(got, expected(box, queries)), 0.02);
 }
 
 TEST(CApi, AGivenLeastCornerKeepsNetworkSpaceInPlace) {
-  const nn::PointSet points = box_scene(300, 1);
-  const nn::QuerySet queries = box_queries(60, 2);
+  const BoxScene box(300, 1);
+  const BoxQueries queries(60, 2);
   const test::Model model;
-  lte_scene_points scene = c_points(points);
+  lte_scene_points scene = box.in_c();
   const float corner[3] = {-0.5f, -0.25f, -1};
   scene.origin = corner;
   const test::Embedding embedding(model.handle, scene);
-  lte_embedding_info info = {};
-  info.struct_size = sizeof info;
-  ASSERT_EQ(lte_embedding_get_info(embedding.handle, &info), LTE_OK);
+  const lte_embedding_info info = embedding.info();
   for (int i = 0; i < 3; ++i) EXPECT_EQ(info.origin[i], corner[i]);
-  const at::NoGradGuard no_grad;
-  nn::LightTransportModel cpp = nn::load_model(test::tiny_model_file());
-  const nn::Embedding encoded = cpp->encode(points, 0, {at::tensor({-0.5f, -0.25f, -1.0f}), 0});
-  const at::Tensor got = test::decode(embedding.handle, c_queries(queries));
-  EXPECT_TRUE(at::equal(got, cpp->decode(encoded, queries)));
-  EXPECT_FALSE(at::equal(got, expected(points, queries)));
+  const Rgbs got = test::decode(embedding.handle, queries.in_c());
+  EXPECT_EQ(got, expected(box, queries, {.origin = Vec3{-0.5f, -0.25f, -1}}));
+  EXPECT_NE(got, expected(box, queries));
   const float above[3] = {0.5f, 0, 0};
   scene.origin = above;
   lte_embedding* refused = nullptr;
@@ -330,28 +315,27 @@ TEST(CApi, AGivenLeastCornerKeepsNetworkSpaceInPlace) {
 }
 
 TEST(CApi, HandlesServeManyThreadsAndOutliveTheirModel) {
-  const nn::PointSet points = box_scene(300, 1);
-  const nn::QuerySet queries = box_queries(300, 2);
-  const at::Tensor alone = expected(points, queries);
+  const BoxScene box(300, 1);
+  const BoxQueries queries(300, 2);
+  const Rgbs alone = expected(box, queries);
   lte_embedding* embedding = nullptr;
   {
     const test::Model model;
-    const lte_scene_points scene = c_points(points);
+    const lte_scene_points scene = box.in_c();
     ASSERT_EQ(lte_model_encode(model.handle, &scene, &embedding), LTE_OK) << lte_last_error();
   }
   ASSERT_EQ(lte_set_threads(2), LTE_OK);
   EXPECT_EQ(lte_threads(), 2);
-  const lte_queries q = c_queries(queries);
-  std::vector<at::Tensor> answers(4);
+  std::vector<Rgbs> answers(4);
   std::vector<std::thread> threads;
-  for (at::Tensor& answer : answers) {
+  for (Rgbs& answer : answers) {
     threads.emplace_back([&] {
       EXPECT_EQ(lte_threads(), 2);
-      for (int i = 0; i < 3; ++i) answer = test::decode(embedding, q);
+      for (int i = 0; i < 3; ++i) answer = test::decode(embedding, queries.in_c());
     });
   }
   for (std::thread& thread : threads) thread.join();
-  for (const at::Tensor& answer : answers) EXPECT_TRUE(at::equal(answer, alone));
+  for (const Rgbs& answer : answers) EXPECT_EQ(answer, alone);
   ASSERT_EQ(lte_set_threads(1), LTE_OK);
   EXPECT_EQ(lte_threads(), 1);
   lte_embedding_release(embedding);
@@ -360,8 +344,14 @@ TEST(CApi, HandlesServeManyThreadsAndOutliveTheirModel) {
 /// The threads of a program that uses the library, which this test is but for its environment.
 TEST(CApi, ThreadsSleepBetweenCalls) {
   if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "one processor: nobody spins";
+  const BoxScene scene(300, 1);
+  const BoxQueries queries(2000, 2);
   const test::Model model;
-  EXPECT_GE(test::worker_sleeps(100), 90);
+  const test::Embedding embedding(model.handle, scene.in_c());
+  ASSERT_EQ(lte_set_threads(2), LTE_OK);
+  const auto decode = [&] { test::decode(embedding.handle, queries.in_c()); };
+  EXPECT_GE(test::worker_sleeps(50, decode), 45);
+  ASSERT_EQ(lte_set_threads(1), LTE_OK);
 }
 
 }  // namespace

@@ -14,13 +14,11 @@
 #include <thread>
 #include <vector>
 
-#include <ATen/ATen.h>
 #include <gtest/gtest.h>
 
 #include "lte/base/check.h"
 #include "lte/c_api.h"
 #include "tests/c_api/support.h"
-#include "tests/nn/support.h"
 
 namespace lte {
 namespace {
@@ -72,12 +70,12 @@ static_assert(sizeof(lte_float3_view) == 16 && sizeof(lte_model_options) == 16 &
               sizeof(lte_queries) == 88);
 
 TEST(CApiErrors, StructsMayGrowButNotUnknowingly) {
-  const nn::PointSet points = test::box_scene(60, 1);
+  const test::BoxScene points(60, 1);
   const test::Model model;
   struct Later {
     lte_scene_points known;
     int64_t added;
-  } later = {test::c_points(points), 0};
+  } later = {points.in_c(), 0};
   later.known.struct_size = sizeof later;
   lte_embedding* embedding = nullptr;
   EXPECT_EQ(lte_model_encode(model.handle, &later.known, &embedding), LTE_OK) << lte_last_error();
@@ -107,7 +105,7 @@ TEST(CApiErrors, StructsMayGrowButNotUnknowingly) {
 TEST(CApiErrors, BadScenePoints) {
   const test::Model model;
   struct Case {
-    std::function<void(lte_scene_points&, nn::PointSet&)> spoil;
+    std::function<void(lte_scene_points&, test::BoxScene&)> spoil;
     const char* words;
   };
   static const float infinite[3] = {0, INFINITY, 0};
@@ -137,8 +135,8 @@ TEST(CApiErrors, BadScenePoints) {
       {[](auto&, auto& p) { p.area[6] = -1; }, "area of row 6"},
   };
   for (const Case& c : cases) {
-    nn::PointSet points = test::box_scene(60, 1);
-    lte_scene_points scene = test::c_points(points);
+    test::BoxScene points(60, 1);
+    lte_scene_points scene = points.in_c();
     c.spoil(scene, points);
     lte_embedding* embedding = reinterpret_cast<lte_embedding*>(&scene);
     expect_status(lte_model_encode(model.handle, &scene, &embedding), LTE_ERROR_INVALID_ARGUMENT,
@@ -146,8 +144,8 @@ TEST(CApiErrors, BadScenePoints) {
     EXPECT_EQ(embedding, nullptr);
   }
   lte_embedding* embedding = nullptr;
-  const nn::PointSet points = test::box_scene(60, 1);
-  const lte_scene_points scene = test::c_points(points);
+  const test::BoxScene points(60, 1);
+  const lte_scene_points scene = points.in_c();
   expect_status(lte_model_encode(model.handle, nullptr, &embedding), LTE_ERROR_INVALID_ARGUMENT,
                 "lte_scene_points is null");
   expect_status(lte_model_encode(nullptr, &scene, &embedding), LTE_ERROR_INVALID_ARGUMENT,
@@ -157,11 +155,11 @@ TEST(CApiErrors, BadScenePoints) {
 }
 
 TEST(CApiErrors, BadQueries) {
-  const nn::PointSet points = test::box_scene(60, 1);
+  const test::BoxScene points(60, 1);
   const test::Model model;
-  const test::Embedding embedding(model.handle, test::c_points(points));
+  const test::Embedding embedding(model.handle, points.in_c());
   struct Case {
-    std::function<void(lte_queries&, nn::QuerySet&)> spoil;
+    std::function<void(lte_queries&, test::BoxQueries&)> spoil;
     const char* words;
   };
   static const uint8_t byte = 1;
@@ -182,14 +180,14 @@ TEST(CApiErrors, BadQueries) {
   };
   std::vector<float> out(3 * 20);
   for (const Case& c : cases) {
-    nn::QuerySet set = test::box_queries(20, 2);
-    lte_queries queries = test::c_queries(set);
+    test::BoxQueries set(20, 2);
+    lte_queries queries = set.in_c();
     c.spoil(queries, set);
     expect_status(lte_embedding_decode(embedding.handle, &queries, out.data(), 0),
                   LTE_ERROR_INVALID_ARGUMENT, c.words);
   }
-  const nn::QuerySet set = test::box_queries(20, 2);
-  lte_queries queries = test::c_queries(set);
+  const test::BoxQueries set(20, 2);
+  lte_queries queries = set.in_c();
   const auto decode = [&](const lte_embedding* e, const lte_queries* q, float* to, int64_t stride) {
     return lte_embedding_decode(e, q, to, stride);
   };
@@ -207,9 +205,9 @@ TEST(CApiErrors, BadQueries) {
 }
 
 TEST(CApiErrors, BadSettings) {
-  const nn::PointSet points = test::box_scene(60, 1);
+  const test::BoxScene points(60, 1);
   const test::Model model;
-  const test::Embedding embedding(model.handle, test::c_points(points));
+  const test::Embedding embedding(model.handle, points.in_c());
   const float negative[3] = {1, -1, 1}, nan[3] = {1, 1, kNan};
   const auto gain = [&](const float* rgb) {
     return lte_embedding_set_emission_gain(embedding.handle, rgb);
@@ -233,12 +231,12 @@ TEST(CApiErrors, BadSettings) {
 }
 
 TEST(CApiErrors, DeviceMemoryNeedsCuda) {
-  const nn::PointSet points = test::box_scene(60, 1);
-  const nn::QuerySet set = test::box_queries(20, 2);
+  const test::BoxScene points(60, 1);
+  const test::BoxQueries set(20, 2);
   const test::Model model;  // on the CPU
-  const lte_scene_points scene = test::c_points(points);
+  const lte_scene_points scene = points.in_c();
   const test::Embedding embedding(model.handle, scene);
-  const lte_queries queries = test::c_queries(set);
+  const lte_queries queries = set.in_c();
   std::vector<float> out(3 * 20);
   lte_embedding* none = nullptr;
   const lte_status status = lte_built_with_cuda() ? LTE_ERROR_INVALID_ARGUMENT : LTE_ERROR_NO_CUDA;

@@ -1,11 +1,7 @@
 #include "tests/infer/fixture.h"
 
-#include <ATen/Context.h>
-
 #include "lte/base/half.h"
 #include "lte/base/random.h"
-#include "lte/nn/model.h"
-#include "lte/nn/model_file.h"
 #include "lte/pathtrace/incident/hemisphere_bins.h"
 #include "tests/support/scenes.h"
 
@@ -63,38 +59,6 @@ data::View random_view(Rng* rng, int64_t groups) {
 }
 
 }  // namespace
-
-void save_tiny_model(const fs::path& path, const TinyModel& tiny) {
-  nn::ModelConfig config;
-  config.channels = tiny.channels;
-  config.nne_neighbours = 8;
-  config.encoder_depths = {1, 1, 1, 1, 1};
-  config.encoder_widths = {1, 1, 1, 1, 1};
-  config.decoder_depths = {1, 1, 1, 1};
-  config.decoder_widths = {1, 1, 1, 1};
-  config.patch_size = 64;
-  config.stem = nn::Stem::Conv3;
-  config.query_neighbours = 8;
-  config.query_layers = 2;
-  config.gamma_hidden = 16;
-  config.target = tiny.target;
-  config.light_input = tiny.light_input;
-  config.light_sides = tiny.light_sides;
-  config.scale = tiny.scale;
-  config.radiance_lobes = tiny.radiance_lobes;
-  config.gloss = tiny.gloss;
-  at::manual_seed(tiny.seed);
-  const nn::LightTransportModel model(config);
-  if (tiny.even_radiance) {
-    const at::NoGradGuard no_grad;
-    model->named_parameters()["radiance.color.weight"].zero_();
-    model->named_parameters()["radiance.color.bias"].fill_(*tiny.even_radiance);
-  }
-  nn::save_model(path, model,
-                 {{"scene_points", std::to_string(tiny.scene_points)},
-                  {"scene_points_pruned", tiny.pruned ? "true" : "false"},
-                  {"suns", tiny.suns ? "true" : "false"}});
-}
 
 std::vector<Vec3> lit_floor_light() {
   return {{-0.5f, 2, -0.5f}, {0.5f, 2, -0.5f}, {0.5f, 2, 0.5f}, {-0.5f, 2, 0.5f}};

@@ -3,37 +3,16 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "lte/data/dataset.h"
 #include "lte/data/scene_sample.h"
-#include "lte/nn/config.h"
 #include "lte/scene/scene.h"
+#include "tests/nn/tiny_model.h"
 #include "tests/support/temp_dir.h"
 
 namespace lte::test {
-
-struct TinyModel {
-  int64_t channels = 32;
-  nn::Target target = nn::Target::Indirect;
-  double scale = 16;
-  int64_t scene_points = 300;
-  bool pruned = false;
-  bool suns = false;
-  nn::LightInput light_input = nn::LightInput::Emission;
-  nn::LightSides light_sides = nn::LightSides::Sum;
-  uint64_t seed = 1;
-  int64_t radiance_lobes = 0;
-  bool gloss = false;
-  /// Of a radiance decoder that answers the same for all directions: softplus of it, over π, times
-  /// the emission scale, is the radiance. Nothing: random weights.
-  std::optional<double> even_radiance = {};
-};
-
-/// Saves a model of random weights as the trainer does.
-void save_tiny_model(const std::filesystem::path& path, const TinyModel& tiny = {});
 
 /// A floor [−2, 2]² at y = 0 with albedo 0.5, under a black 1 m² light at y = 2 of radiance (5, 4,
 /// 3) that looks down.

@@ -363,6 +363,9 @@ TEST_F(Tools, ProgressIsShownAndQuietIsQuiet) {
                     HasSubstr("export: comparing at 257 scene points")));
   EXPECT_THAT(run_tool("lte_export", exporting + " --quiet").text,
               testing::Not(HasSubstr("export: ")));
+  const Outcome half = run_tool("lte_export", exporting + " --bf16");
+  EXPECT_EQ(half.code, 1);
+  EXPECT_THAT(half.text, HasSubstr("q.pt: --bf16 writes a model file"));
 }
 
 TEST_F(Tools, EvalWritesItsJsonAndReport) {

@@ -16,32 +16,6 @@ const ::testing::Environment* const kOneThread =
 
 }  // namespace
 
-nn::ModelConfig tiny_config() {
-  nn::ModelConfig config;
-  config.channels = 16;
-  config.nne_neighbours = 4;
-  config.encoder_depths = {1, 1, 2};
-  config.encoder_widths = {1, 1, 2};
-  config.decoder_depths = {2, 1};
-  config.decoder_widths = {1, 2};
-  config.head_width = 8;
-  config.patch_size = 8;
-  config.stem = nn::Stem::Conv3;
-  config.dropout = 0;
-  config.query_neighbours = 5;
-  config.query_layers = 2;
-  config.gamma_hidden = 8;
-  return config;
-}
-
-nn::ModelConfig tiny_geometric_config() {
-  nn::ModelConfig config = tiny_config();
-  config.attention_positions = nn::AttentionPositions::Rotary;
-  config.centering = nn::Centering::Learned;
-  config.pair_geometry = nn::PairGeometry::Normals;
-  return config;
-}
-
 namespace {
 
 void random_surface(int64_t rows, uint64_t seed, at::Tensor* position, at::Tensor* normal,
@@ -97,15 +71,6 @@ nn::QuerySet as_double(nn::QuerySet queries) {
     *t = t->to(at::kDouble);
   }
   return queries;
-}
-
-void randomize(torch::nn::Module& module, uint64_t seed) {
-  const at::NoGradGuard no_grad;
-  torch::manual_seed(seed);
-  for (at::Tensor parameter : module.parameters()) {
-    const double fan = parameter.dim() > 1 ? static_cast<double>(parameter.size(-1)) : 4.0;
-    parameter.normal_(0, 1 / std::sqrt(fan));
-  }
 }
 
 double relative_difference(const at::Tensor& a, const at::Tensor& b) {

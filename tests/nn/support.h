@@ -8,15 +8,9 @@
 #include <torch/nn/module.h>
 
 #include "lte/nn/model.h"
+#include "tests/nn/tiny_model.h"
 
 namespace lte::test {
-
-/// Three stages, patches of 8: every path of the network runs on a few dozen points.
-nn::ModelConfig tiny_config();
-
-/// The same, and geometry wherever a configuration can ask for it: in attention, in γ, and in the
-/// norms.
-nn::ModelConfig tiny_geometric_config();
 
 /// M points on the walls of a 4 x 3 x 5 m box, a tenth of them emitting. Positions are multiples of
 /// 1/16 m.

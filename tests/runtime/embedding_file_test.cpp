@@ -11,6 +11,7 @@
 #include "lte/base/file.h"
 #include "lte/base/safetensors.h"
 #include "lte/nn/model_file.h"
+#include "lte/runtime/torch_parts.h"
 #include "tests/nn/support.h"
 #include "tests/support/temp_dir.h"
 
@@ -63,14 +64,16 @@ TEST_F(EmbeddingFile, GivesTheSameAnswersBitForBit) {
   for (const nn::ModelConfig& config : {plain, traced, normals, softmax, apart, errors, casts}) {
     for (const nn::Precision precision : {nn::Precision::Fp32, nn::Precision::Bf16}) {
       const Network net = network(config, 5, {.precision = precision});
-      const SceneEmbedding made = SceneEmbedding::from_tensors(net, points(config));
+      const SceneEmbedding made = TorchParts::encode(net, points(config));
       save_embedding(file(), made, {{"scene", "box"}});
       const SceneEmbedding read = load_embedding(file(), net, {{"scene", "box"}});
-      EXPECT_TRUE(at::equal(made.decode_tensors(queries, {}), read.decode_tensors(queries, {})));
+      EXPECT_TRUE(
+          at::equal(TorchParts::decode(made, queries, {}), TorchParts::decode(read, queries, {})));
       if (config.predicts_radiance()) {
         const at::Tensor up = queries.normal.unsqueeze(1);
-        EXPECT_TRUE(at::equal(net.model()->decode_radiance(made.parts(), queries, up, {}),
-                              net.model()->decode_radiance(read.parts(), queries, up, {})));
+        EXPECT_TRUE(at::equal(
+            TorchParts::model(net)->decode_radiance(TorchParts::embedding(made), queries, up, {}),
+            TorchParts::model(net)->decode_radiance(TorchParts::embedding(read), queries, up, {})));
       }
       EXPECT_EQ(read.info().scene_points, 300);
       EXPECT_EQ(read.info().latents, made.info().latents);
@@ -84,18 +87,18 @@ TEST_F(EmbeddingFile, GivesTheSameAnswersBitForBit) {
 
 TEST_F(EmbeddingFile, AGainIsNoPartOfIt) {
   const Network net = network(test::tiny_config(), 5);
-  SceneEmbedding made = SceneEmbedding::from_tensors(net, points(net.config()));
+  SceneEmbedding made = TorchParts::encode(net, points(net.config()));
   const nn::QuerySet queries = test::box_queries(20, 2);
-  const at::Tensor before = made.decode_tensors(queries, {});
+  const at::Tensor before = TorchParts::decode(made, queries, {});
   made.set_emission_gain({2, 3, 4});
   save_embedding(file(), made, {});
   const SceneEmbedding read = load_embedding(file(), net, {});
-  EXPECT_TRUE(at::equal(read.decode_tensors(queries, {}), before));
+  EXPECT_TRUE(at::equal(TorchParts::decode(read, queries, {}), before));
 }
 
 TEST_F(EmbeddingFile, WhatDiffersIsNamed) {
   const Network net = network(test::tiny_config(), 5);
-  const SceneEmbedding made = SceneEmbedding::from_tensors(net, points(net.config()));
+  const SceneEmbedding made = TorchParts::encode(net, points(net.config()));
   save_embedding(file(), made, {{"scene", "box"}, {"seed", "3"}});
   EXPECT_THAT(load_error(net, {{"scene", "ball"}, {"seed", "3"}}),
               AllOf(HasSubstr("scene.safetensors"), HasSubstr("another scene: box"),
@@ -118,7 +121,7 @@ TEST_F(EmbeddingFile, WhatDiffersIsNamed) {
 
 TEST_F(EmbeddingFile, NoDamagedFileIsRead) {
   const Network net = network(test::tiny_config(), 5);
-  save_embedding(file(), SceneEmbedding::from_tensors(net, points(net.config())), {});
+  save_embedding(file(), TorchParts::encode(net, points(net.config())), {});
   const std::string whole = read_file(file());
   for (size_t size = 0; size < whole.size(); size += 1 + whole.size() / 40) {
     test::write_text(file(), whole.substr(0, size));
@@ -135,9 +138,9 @@ TEST_F(EmbeddingFile, NoDamagedFileIsRead) {
 /// Files of other versions and other hands, whole by their checksum.
 TEST_F(EmbeddingFile, NoOtherVersionAndNoNonsenseIsRead) {
   const Network net = network(test::tiny_config(), 5);
-  save_embedding(file(), SceneEmbedding::from_tensors(net, points(net.config())), {});
+  save_embedding(file(), TorchParts::encode(net, points(net.config())), {});
   const auto rewrite = [&](const auto& change) {
-    save_embedding(file(), SceneEmbedding::from_tensors(net, points(net.config())), {});
+    save_embedding(file(), TorchParts::encode(net, points(net.config())), {});
     const std::string bytes = read_file(file());
     test::write_text(folder_ / "from", bytes);
     const SafetensorsFile from(folder_ / "from");

@@ -15,6 +15,7 @@
 #include "lte/nn/model_file.h"
 #include "lte/radiosity/point_radiosity.h"
 #include "lte/runtime/device.h"
+#include "lte/runtime/torch_parts.h"
 #include "tests/nn/support.h"
 #include "tests/support/message_of.h"
 
@@ -68,7 +69,7 @@ TEST(Network, TellsWhatItsFileSays) {
   EXPECT_EQ(network.metadata().scene_points, 300);
   EXPECT_TRUE(network.metadata().scene_points_pruned);
   EXPECT_EQ(network.config().channels, test::tiny_config().channels);
-  EXPECT_EQ(network.parameters(), nn::count_parameters(network.model()).total);
+  EXPECT_EQ(network.parameters(), nn::count_parameters(TorchParts::model(network)).total);
   EXPECT_TRUE(network.device().is_cpu());
   EXPECT_FALSE(network.predicts_total());
   EXPECT_THROW(Network("/nonexistent/none.safetensors"), Error);
@@ -120,11 +121,12 @@ TEST(SceneEmbedding, ArraysAndTensorsGiveTheModelsAnswers) {
   const nn::PointSet points = test::box_scene(300, 1);
   const nn::QuerySet queries = test::box_queries(500, 2);
   const at::NoGradGuard no_grad;
-  const at::Tensor expected = network.model()->decode(network.model()->encode(points), queries);
+  const at::Tensor expected =
+      TorchParts::model(network)->decode(TorchParts::model(network)->encode(points), queries);
   const SceneEmbedding embedding(network, arrays(points));
   EXPECT_TRUE(at::equal(tensor(embedding.decode(arrays(queries))), expected));
-  const SceneEmbedding same = SceneEmbedding::from_tensors(network, points);
-  EXPECT_TRUE(at::equal(same.decode_tensors(queries, {}), expected));
+  const SceneEmbedding same = TorchParts::encode(network, points);
+  EXPECT_TRUE(at::equal(TorchParts::decode(same, queries, {}), expected));
   EXPECT_TRUE(embedding.decode({}).empty());
   EXPECT_EQ(embedding.info().scene_points, 300);
   EXPECT_EQ(embedding.info().scale, network.config().scale);
@@ -134,12 +136,13 @@ TEST(SceneEmbedding, ArraysAndTensorsGiveTheModelsAnswers) {
 
 TEST(SceneEmbedding, DoesNotDependOnTheBlock) {
   const Network network = tiny_network();
-  const SceneEmbedding embedding = SceneEmbedding::from_tensors(network, test::box_scene(300, 1));
+  const SceneEmbedding embedding = TorchParts::encode(network, test::box_scene(300, 1));
   const nn::QuerySet queries = test::box_queries(500, 2);
-  const at::Tensor whole = embedding.decode_tensors(queries, {});
+  const at::Tensor whole = TorchParts::decode(embedding, queries, {});
   for (const int64_t block : {37, 499, 500}) {
-    EXPECT_LT(test::relative_difference(embedding.decode_tensors(queries, {true, block}), whole),
-              1e-5);
+    EXPECT_LT(
+        test::relative_difference(TorchParts::decode(embedding, queries, {true, block}), whole),
+        1e-5);
   }
 }
 
@@ -176,9 +179,9 @@ TEST(SceneEmbedding, ASceneTooLargeIsRefusedOrShrunk) {
   const double scale = shrunk.info().scale;
   EXPECT_NEAR(scale, 40, 1e-3);
   const at::NoGradGuard no_grad;
-  const nn::Embedding expected = network.model()->encode(points, 0, {{}, scale});
+  const nn::Embedding expected = TorchParts::model(network)->encode(points, 0, {{}, scale});
   EXPECT_TRUE(at::equal(tensor(shrunk.decode(arrays(queries))),
-                        network.model()->decode(expected, queries)));
+                        TorchParts::model(network)->decode(expected, queries)));
   EXPECT_NO_THROW(network.check_fits(40, true));
   EXPECT_NO_THROW(network.check_fits(16, false));
   EXPECT_THROW(network.check_fits(16.1, false), SceneTooLarge);

@@ -1,15 +1,14 @@
-// Whether threads of LibTorch's team sleep or spin between pieces of work, by the kernel's count.
+// Whether threads of a team sleep or spin between pieces of work, by the kernel's count.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <string>
 #include <thread>
 
-#include <ATen/ATen.h>
-#include <ATen/Parallel.h>
 #include <unistd.h>
 
 namespace lte::test {
@@ -28,21 +27,16 @@ inline int64_t sleeps_of_other_threads() {
   return sum;
 }
 
-/// How often a team of two went to sleep while it was given work `times` times, with pauses that
-/// are shorter than its spinning would be by default.
-inline int64_t worker_sleeps(int times) {
-  const int before = at::get_num_threads();
-  at::set_num_threads(2);
-  at::Tensor work = at::zeros({1 << 20});
-  work.add_(1);  // the team is there
+/// How often the other threads went to sleep while `work`, which a team does, was done `times`
+/// times, with pauses that are shorter than the team's spinning would be by default.
+inline int64_t worker_sleeps(int times, const std::function<void()>& work) {
+  work();  // the team is there
   const int64_t first = sleeps_of_other_threads();
   for (int i = 0; i < times; ++i) {
-    work.add_(1);
+    work();
     std::this_thread::sleep_for(std::chrono::microseconds(200));
   }
-  const int64_t sleeps = sleeps_of_other_threads() - first;
-  at::set_num_threads(before);
-  return sleeps;
+  return sleeps_of_other_threads() - first;
 }
 
 }  // namespace lte::test

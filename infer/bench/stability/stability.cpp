@@ -170,7 +170,7 @@ class Measurement {
 
   void arithmetic() {
     const runtime::Network half(checkpoint_or_shipped(options_.checkpoint),
-                                {c10::kCPU, nn::Precision::Bf16});
+                                {.precision = nn::Precision::Bf16});
     const StressAnswers rounded = answer({}, questions_, half, {.paths = false});
     add_both("arithmetic", "bf16", "fp32", rounded, base_, {{}, {Figure::Mean, 0.02}});
     const int threads = num_threads();

@@ -14,6 +14,7 @@
 #include "lte/cli/progress.h"
 #include "lte/data/scene_sample.h"
 #include "lte/nn/model.h"
+#include "lte/runtime/torch_parts.h"
 
 namespace lte::infer {
 namespace {
@@ -69,7 +70,7 @@ data::SceneSample read_incident(const std::filesystem::path& folder, const std::
 /// What rays see of the scene points, in the form of reference_maps(); `even` where they meet none.
 at::Tensor seen_maps(const runtime::SceneEmbedding& embedding, const data::IncidentField& field,
                      const std::vector<Vec3>& directions, const at::Tensor& even) {
-  const nn::Embedding parts = embedding.parts();
+  const nn::Embedding parts = runtime::TorchParts::embedding(embedding);
   const auto tensor = [](const std::vector<Vec3>& of) {
     return at::from_blob(const_cast<Vec3*>(of.data()), {static_cast<int64_t>(of.size()), 3},
                          at::TensorOptions(at::kFloat));

@@ -8,8 +8,7 @@
 #include "infer/eval/rivals/blur.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
-#include "lte/ops/knn.h"
-#include "lte/runtime/tensors.h"
+#include "lte/runtime/nearest.h"
 
 namespace lte::infer {
 namespace {
@@ -169,13 +168,11 @@ std::vector<Rgb> BaselinePredictor::constant_mean(const QueryPoints& queries) co
 
 std::vector<Rgb> BaselinePredictor::nearest_point(const QueryPoints& queries) const {
   std::vector<Rgb> out(queries.position.size());
-  if (out.empty()) return out;
-  const at::Tensor nearest = std::get<0>(
-      ops::knn(runtime::borrow(queries.position), runtime::borrow(sample_.scene_position), 1));
-  const auto* index = nearest.const_data_ptr<int64_t>();
+  const std::vector<int64_t> nearest =
+      runtime::nearest_points(queries.position, sample_.scene_position);
   const Bounds bounds = bounds_of(sample_);
   for (size_t i = 0; i < out.size(); ++i) {
-    const auto p = static_cast<size_t>(index[i]);
+    const auto p = static_cast<size_t>(nearest[i]);
     out[i] = baselines_.table[static_cast<size_t>(bin_of(
         sample_.scene_position[p], sample_.scene_normal[p], sample_.scene_albedo[p], bounds))];
   }

@@ -7,7 +7,6 @@
 
 #include "infer/eval/measure/drawn_to_paths.h"
 #include "infer/eval/rivals/denoised_paths.h"
-#include "infer/light/cached_light.h"
 #include "lte/base/random.h"
 #include "tests/infer/fixture.h"
 
@@ -33,8 +32,8 @@ TEST(CachedLight, OfEqualEstimatesIsTheirValueWhateverTheNetwork) {
   const std::vector<Rgb> light(sample.scene_position.size(), Rgb{2, 3, 4});
   points.direct = points.indirect = light;
   const runtime::Network network = network_reading(nn::LightInput::Traced, folder);
-  const std::vector<Rgb> found = cached_light(runtime::SceneEmbedding(network, points),
-                                              {points.position, points.normal, points.albedo});
+  const std::vector<Rgb> found = runtime::SceneEmbedding(network, points)
+                                     .cached_light({points.position, points.normal, points.albedo});
   ASSERT_EQ(found.size(), light.size());
   for (const Rgb& value : found) {  // the cache adds 2 % of the mean everywhere
     EXPECT_NEAR(value.x, 2 * 1.02, 0.01);
@@ -48,8 +47,8 @@ TEST(CachedLight, IsNothingWhereTheNetworkIsGivenNone) {
   const data::SceneSample sample = test::random_sample("room", 1);
   const ScenePoints points = points_of(sample);
   const runtime::Network network = network_reading(nn::LightInput::Emission, folder);
-  EXPECT_TRUE(cached_light(runtime::SceneEmbedding(network, points),
-                           {points.position, points.normal, points.albedo})
+  EXPECT_TRUE(runtime::SceneEmbedding(network, points)
+                  .cached_light({points.position, points.normal, points.albedo})
                   .empty());
 }
 

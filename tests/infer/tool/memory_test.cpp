@@ -7,8 +7,8 @@
 #include "infer/eval/measure/scores.h"
 #include "infer/eval/rivals/baselines.h"
 #include "infer/tool/assets.h"
-#include "infer/tool/synthetic_room.h"
 #include "lte/base/process_memory.h"
+#include "lte/base/random.h"
 #include "lte/data/dataset.h"
 #include "lte/runtime/embedding.h"
 #include "tests/infer/fixture.h"
@@ -31,38 +31,42 @@ TEST(Memory, SizesAreReadWithTheirUnits) {
     EXPECT_THAT(message_of([&] { parse_memory(bad); }), HasSubstr("--max-memory")) << bad;
 }
 
-/// Scene points and queries of the synthetic room as spans.
-struct Room {
-  nn::PointSet points, queries;
-  Room(int64_t M, int64_t Q) : points(synthetic_room(M, 1)), queries(synthetic_room(Q, 2)) {}
+/// Random points on the floor of a room, under a lamp.
+struct Floor {
+  std::vector<Vec3> position, normal;
+  std::vector<Rgb> albedo, emission;
+  std::vector<float> area;
 
-  template <typename T>
-  static std::span<const T> span(const at::Tensor& t) {
-    return {static_cast<const T*>(t.const_data_ptr()), static_cast<size_t>(t.size(0))};
+  Floor(int64_t count, uint64_t seed) {
+    Rng rng(seed);
+    for (int64_t i = 0; i < count; ++i) {
+      const bool lamp = i % 20 == 0;
+      const float x = rng.uniform(0, 6), z = rng.uniform(0, 4);
+      position.push_back({x, lamp ? 2.7f : 0, z});
+      normal.push_back({0, lamp ? -1.0f : 1.0f, 0});
+      albedo.push_back({0.5f, 0.6f, 0.7f});
+      emission.push_back(lamp ? Rgb{15, 15, 15} : Rgb{});
+      area.push_back(24 / static_cast<float>(count));
+    }
   }
-  ScenePoints scene() const {
-    return {span<Vec3>(points.position), span<Vec3>(points.normal), span<Rgb>(points.albedo),
-            span<Rgb>(points.emission), span<float>(points.area)};
-  }
-  QueryPoints asked() const {
-    return {span<Vec3>(queries.position), span<Vec3>(queries.normal), span<Rgb>(queries.albedo)};
-  }
+  ScenePoints points() const { return {position, normal, albedo, emission, area}; }
+  QueryPoints queries() const { return {position, normal, albedo}; }
 };
 
 TEST(Memory, AnEmbeddingKeepsToItsLimitAndAnswersTheSame) {
   const test::TempDir folder;
   test::save_tiny_model(folder / "tiny.safetensors");
   const runtime::Network network(folder / "tiny.safetensors");
-  const Room room(400, 150'000);
+  const Floor scene(400, 1), asked(150'000, 2);
   const std::vector<Rgb> expected =
-      runtime::SceneEmbedding(network, room.scene()).decode(room.asked());
+      runtime::SceneEmbedding(network, scene.points()).decode(asked.queries());
   const double limit_mb = encode_mb(nn::ModelConfig(), 400) + 8;
   reset_peak_rss();
   const double before_mb = current_rss_mb();
-  const runtime::SceneEmbedding limited(network, room.scene(), {.memory = MemoryLimit(limit_mb)});
-  EXPECT_EQ(limited.decode(room.asked()), expected);
+  const runtime::SceneEmbedding limited(network, scene.points(), {.memory = MemoryLimit(limit_mb)});
+  EXPECT_EQ(limited.decode(asked.queries()), expected);
   EXPECT_LE(peak_rss_mb() - before_mb, limit_mb);
-  EXPECT_THROW(runtime::SceneEmbedding(network, room.scene(), {.memory = MemoryLimit(2)}),
+  EXPECT_THROW(runtime::SceneEmbedding(network, scene.points(), {.memory = MemoryLimit(2)}),
                runtime::NotEnoughMemory);
 }
 

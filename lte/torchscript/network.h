@@ -1,0 +1,30 @@
+// TorchScript source of the network of lte/nn for one configuration.
+#pragma once
+
+#include <string>
+
+#include "lte/nn/config.h"
+
+namespace lte::torchscript {
+
+/// The attribute that holds a parameter: "encoder.down0.1.mlp.hidden.weight" ->
+/// "encoder_down0_1_mlp_hidden_weight".
+std::string attribute_of(const std::string& parameter);
+
+/// Methods of the exported module besides those of ops_source():
+///
+///     encode(points: Tensor) -> Dict[str, Tensor]
+///         points [M, 13]: position, normal, albedo, emission, area; then as the model's
+///         light_input asks, direct irradiance [M, 16], and indirect irradiance [M, 19]; then if
+///         its light_sides are apart, that of the back of each kind [M, 25]; then if it reads
+///         light_variance, the errors of front and back [M, 27]
+///     decode(embedding: Dict[str, Tensor], queries: Tensor) -> Tensor
+///         queries [Q, 9]: position, normal, albedo; result [Q, 3] irradiance, W/m²
+///     forward(points: Tensor, queries: Tensor) -> Tensor
+///
+/// Positions are in world space; dtype and units are those of nn::PointSet, float32. The embedding
+/// has position [m, 3], features [m, D], table, origin [3], spacing [] and radiance [3], which is
+/// nn::Embedding::emission_scale.
+std::string network_source(const nn::ModelConfig& config);
+
+}  // namespace lte::torchscript
