@@ -187,14 +187,6 @@ train::TrainConfig tiny_config(const std::filesystem::path& root,
   return train::TrainConfig::read(Config::load(file));
 }
 
-std::vector<Vec3> triples_of(const at::Tensor& tensor) {
-  std::vector<Vec3> out;
-  const float* values = tensor.const_data_ptr<float>();
-  for (int64_t i = 0; i < tensor.size(0); ++i)
-    out.push_back({values[3 * i], values[3 * i + 1], values[3 * i + 2]});
-  return out;
-}
-
 void expect_error(const std::function<void()>& body, const std::vector<std::string>& parts) {
   try {
     body();

@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "lte/data/dataset.h"
-#include "lte/nn/model.h"
 #include "tests/support/temp_dir.h"
 #include "train/config.h"
 #include "train/data/scene_store.h"
@@ -44,9 +43,6 @@ void add_incident(data::SceneSample* sample, int64_t points = 60);
 std::string tiny_yaml(const std::filesystem::path& root, const std::filesystem::path& output);
 train::TrainConfig tiny_config(const std::filesystem::path& root,
                                const std::filesystem::path& output, const std::string& extra = "");
-
-/// [N] triples of a [N, 3] float tensor.
-std::vector<Vec3> triples_of(const at::Tensor& tensor);
 
 /// Expects lte::Error (or any exception) whose message contains every one of `parts`.
 void expect_error(const std::function<void()>& body, const std::vector<std::string>& parts);

@@ -190,18 +190,19 @@ TEST(LightCheck, AFaultInAnEighthOfTheRoomIsOneOfARegion) {
 }
 
 TEST(LightCheck, RightLightIsSilentOverSeeds) {
+  constexpr uint64_t kSeeds = 100;
   for (const bool cup : {false, true}) {
     const test::Room room(cup ? lamp_in_cup() : test::furnished_room());
     const AnsweredLight light = traced_light(room, 600, 2048);
     int said = 0;
     size_t regions = 0;
-    for (uint64_t seed = 0; seed < 250; ++seed) {
+    for (uint64_t seed = 0; seed < kSeeds; ++seed) {
       const LightCheck check = check_light(room.bvh, room.lights, light, with_seed(seed));
       said += check.off() ? 1 : 0;
       regions += check.regions.size();
     }
     EXPECT_EQ(said, 0) << "cup " << cup;
-    EXPECT_GE(regions, cup ? 250u : 250 * 4u);
+    EXPECT_GE(regions, cup ? kSeeds : 4 * kSeeds);
   }
 }
 

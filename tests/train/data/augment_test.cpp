@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tests/train/support.h"
+#include "tests/train/tensors.h"
 #include "train/data/example.h"
 
 namespace lte::train {

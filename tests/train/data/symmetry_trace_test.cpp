@@ -8,6 +8,7 @@
 #include "lte/pathtrace/irradiance.h"
 #include "tests/support/scenes.h"
 #include "tests/train/support.h"
+#include "tests/train/tensors.h"
 #include "train/data/augment.h"
 #include "train/data/example.h"
 
