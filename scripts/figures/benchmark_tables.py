@@ -55,11 +55,11 @@ def picture_rows(results):
 
 def network_rows(results):
     words = {"encode": "encode a scene", "decode": "decode a picture"}
-    return [{"work": words.get(run["name"], run["name"]), "items": run["n"],
+    return [{"work": words[run["name"]], "items": run["n"],
              "precision": run["precision"], "seconds": run["seconds_min"],
              "gflops": run["gemm_gflops_measured"], "multiple": run["times_gemm_limit"],
              "mib": run["rss_above_model_mb"]}
-            for result in results.values() for run in result]
+            for result in results.values() for run in result if run["name"] in words]
 
 
 OPERATORS = {
@@ -84,14 +84,9 @@ def operator_rows(results):
 
 
 def path_rows(results):
-    rows = []
-    for scene, runs in results.items():
-        rates = {run["name"]: run["mrays_per_s"] for run in runs}
-        own = rates.pop("pathtrace irradiance")
-        packets = max(rate for name, rate in rates.items() if "sorted" not in name)
-        rows.append({"scene": scene.replace("_", " "), "rate": own, "packets": packets,
-                     "share": own / packets})
-    return rows
+    return [{"scene": scene.replace("_", " "), "rate": run["mrays_per_s"]}
+            for scene, runs in results.items()
+            for run in runs if run["name"] == "pathtrace irradiance"]
 
 
 def training_rows(results):
@@ -118,7 +113,7 @@ def training(label, flags):
 
 def pareto(label, scenes, size, methods, model=None):
     line = (f"lte_bench pareto {scenes} --size {size} --views 1 --repeats 1 --reference-spp 512 "
-            f"--reference-cache {{work}}/references --methods {methods} --json {{json}}")
+            f"--methods {methods} --out {{work}}/{label}-{size}.html --json {{json}}")
     return Command(line + (f" --checkpoint {MODELS}/{model}.safetensors" if model else ""), label)
 
 
@@ -132,9 +127,8 @@ TABLES = (
            ("mean within 5 %", "mean_within"), ("spp, geometric mean", "worth"),
            ("least", "least"), ("CPU s", "cpu_seconds"))),
     Table("pictures", (
-        pareto("plain", f"{LIVING_ROOM} {CORNELL_BOX}", "320x240", "denoised,network-16,gather"),
-        pareto("lte-hybrid", f"{LIVING_ROOM} {CORNELL_BOX}", "320x240",
-               "network-16,gather-network-16", "lte-hybrid")),
+        pareto("plain", f"{LIVING_ROOM} {CORNELL_BOX}", "320x240", "denoised,gather,network"),
+        pareto("lte-hybrid", f"{LIVING_ROOM} {CORNELL_BOX}", "320x240", "network", "lte-hybrid")),
           picture_rows,
           (("method", "method"),) + scene_columns(
               (("living_room", "living room"), ("cornell_box", "Cornell box")),
@@ -146,8 +140,7 @@ TABLES = (
         pareto("plain",
                f"{LIVING_ROOM} {CORNELL_BOX} {{work}}/homes/scenes/home_00000.glb "
                "{work}/homes/scenes/home_00001.glb", "640x480",
-               "gather-draft,budget-1s,budget-5s,budget-30s,denoised-1,denoised-4,denoised-16,"
-               "denoised-64")),
+               "gather-draft,budget,denoised-1,denoised-4,denoised-16,denoised-64")),
           picture_rows,
           (("method", "method"),) + scene_columns(
               (("living_room", "living room"), ("cornell_box", "Cornell box"),
@@ -170,8 +163,7 @@ TABLES = (
         Command("lte_bench pathtrace --json {json}", "Cornell_box"),
         Command(f"lte_bench pathtrace --scene {LIVING_ROOM} --json {{json}}", "living_room")),
           path_rows,
-          (("scene", "scene"), ("path tracer, million rays/s", "rate"),
-           ("bare Embree, best packets", "packets"), ("share", "share"))),
+          (("scene", "scene"), ("million rays/s", "rate"))),
     Table("training", (
         Command("lte_datagen generate --config configs/data/demo.yaml --scenes 40 "
                 "--resume --out {work}/training-data"),
