@@ -5,8 +5,8 @@
 #
 # FOLDER (data/released by default) takes the data and the run. A run that was stopped goes on where
 # it was when the same line is given again. At its end the model, its configuration, its log, its
-# card and its provenance are in FOLDER/release: figures on the shipped test homes and on test boxes,
-# and of lte-radiance on glossy rooms. Many hours of two cores; a quarter of an hour for
+# card and its provenance are in FOLDER/release: figures on the shipped test homes and on test
+# boxes, and of lte-radiance on glossy rooms. Many hours of two cores; a quarter of an hour for
 # lte-radiance. All but lte-base start from the shipped lte-base. lte-large wants a GPU.
 #
 # --rehearse goes the whole way on 16 scenes of each kind and 8 steps, in minutes (FOLDER:

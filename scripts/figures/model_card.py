@@ -6,9 +6,9 @@ usage: scripts/figures/model_card.py NAME --log LOG --data DATA [DATA ...]
            [--provenance OUT.json --command COMMAND]
 
 LOG is the log.jsonl of a training, each DATA a data set that it read, EVAL.json and INCIDENT.json
-what `lte_eval --json` and `experiment_directions --json` have written. OUT.json takes how the model was
-made: COMMAND, the commit, data sets with their seeds, and runs. It needs Python's standard library
-alone.
+what `lte_eval --json` and `experiment_directions --json` have written. OUT.json takes how the model
+was made: COMMAND, the commit, data sets with their seeds, and runs. It needs Python's standard
+library alone.
 """
 import argparse
 import json
