@@ -91,11 +91,21 @@ function(lte_add_tool name source)
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endfunction()
 
-# lte_add_test(FOLDER SOURCES ... DEPS ... [LABELS ...] [OWN_WAITING]): one executable and one ctest
-# entry a folder. Threads of OpenMP wait as in the tools, but with OWN_WAITING.
+# lte_add_test(FOLDER SOURCES ... DEPS ... [LABELS ...] [PCH TARGET] [OWN_WAITING]): one executable
+# and one ctest entry a folder. PCH names another precompiled header than that of tests, NONE for one
+# of its own. Threads of OpenMP wait as in the tools, but with OWN_WAITING.
 function(lte_add_test folder)
-  cmake_parse_arguments(arg "OWN_WAITING" "" "SOURCES;DEPS;LABELS" ${ARGN})
+  cmake_parse_arguments(arg "OWN_WAITING" "PCH" "SOURCES;DEPS;LABELS" ${ARGN})
   set(name lte_${folder}_test)
+  if(NOT arg_PCH)
+    set(arg_PCH lte_test_pch)
+    if(NOT TARGET lte_test_pch)
+      add_library(lte_test_pch OBJECT ${PROJECT_SOURCE_DIR}/tests/support/pch.cpp)
+      target_compile_options(lte_test_pch PRIVATE $<$<CONFIG:Release>:-O1>)
+      target_link_libraries(lte_test_pch PRIVATE GTest::gtest GTest::gmock lte::warnings)
+      target_precompile_headers(lte_test_pch PRIVATE ${PROJECT_SOURCE_DIR}/tests/support/pch.h)
+    endif()
+  endif()
   add_executable(${name} ${arg_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE lte::warnings ${arg_DEPS} GTest::gtest GTest::gmock GTest::gtest_main)
@@ -103,6 +113,9 @@ function(lte_add_test folder)
     target_sources(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/support/passive_waiting.cpp)
     set_source_files_properties(${PROJECT_SOURCE_DIR}/tests/support/passive_waiting.cpp
                                 PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
+  endif()
+  if(NOT arg_PCH STREQUAL "NONE")
+    target_precompile_headers(${name} REUSE_FROM ${arg_PCH})
   endif()
   # Tests are compiled for every build and run for seconds.
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
