@@ -32,7 +32,7 @@ ALLOWED = {
     "lte/scene/ply": ["lte/base", "lte/image", "lte/scene", "lte/scene/import"],
     "lte/scene/pbrt": ["lte/base", "lte/image", "lte/scene", "lte/scene/import", "lte/scene/ply"],
     "lte/scene/load": ["lte/base", "lte/scene/*"],
-    "lte/scene/cleanup": ["lte/base", "lte/scene"],
+    "lte/scene/inspect": ["lte/base", "lte/scene"],
     "lte/pathtrace": ["lte/base", "lte/image", "lte/scene/*", "lte/pathtrace/*"],
     "lte/pathtrace/materials": ["lte/base", "lte/scene/*", "lte/pathtrace"],
     "lte/pathtrace/blocks": ["lte/base", "lte/scene/*", "lte/pathtrace",
@@ -73,9 +73,10 @@ ALLOWED = {
     "datagen/homes/furniture": LIBRARY_WITHOUT_TORCH + ["datagen/common", "datagen/homes/*"],
     "datagen/homes/mesh": LIBRARY_WITHOUT_TORCH + ["datagen/common"],
     "datagen/homes/textures": LIBRARY_WITHOUT_TORCH + ["datagen/common"],
+    "datagen/wild": LIBRARY_WITHOUT_TORCH + ["datagen/common", "datagen/homes/*"],
     "datagen/bake": LIBRARY_WITHOUT_TORCH + ["lte/cli"],
     "datagen/dataset": LIBRARY_WITHOUT_TORCH + ["lte/cli", "datagen/common", "datagen/bake",
-                                                "datagen/boxes", "datagen/homes"],
+                                                "datagen/boxes", "datagen/homes", "datagen/wild"],
     "datagen/commands": LIBRARY_WITHOUT_TORCH + ["lte/cli/*", "datagen/bake", "datagen/dataset"],
     "datagen": LIBRARY_WITHOUT_TORCH + ["lte/cli", "datagen/commands"],
     "train/config": ["lte/base", "lte/ops", "lte/nn", "lte/data"],
@@ -136,7 +137,7 @@ TORCH_INCLUDE = re.compile(r"^\s*#\s*include\s*<(torch|ATen|c10)/([^>]+)>")
 CLI_INCLUDE = re.compile(r"^\s*#\s*include\s*<CLI/")
 # What a scene names is opened in lte/scene/import/scene_files.cpp and nowhere else, as that alone
 # holds it against the scene's folder: importers have no other way to a file.
-IMPORTER = re.compile(r"lte/scene/(?!import$|cleanup$|load$)\w+$")
+IMPORTER = re.compile(r"lte/scene/(?!import$|inspect$|load$)\w+$")
 FILE_ACCESS = re.compile(
     r"<(fstream|cstdio|stdio\.h|fcntl\.h|unistd\.h|sys/\w+\.h)>|lte/base/(locked_)?file\.h|"
     r"\b(MappedFile|read_file|[io]?fstream|fopen|freopen|opendir|read_picture|read_png|read_exr)"
