@@ -3,7 +3,8 @@
 
 The order is the contract of the repository (docs/architecture.md). A room, that is a folder or a
 single unit that has rules of its own, may include itself and the rooms that its line names; a
-name that ends in /* stands for a folder and all below it.
+name that ends in /* stands for a folder and all below it. The folder experiments may include
+everything, and nothing includes it.
 
 Fails, too, where LibTorch comes in, through however many headers, above the .cpp files of
 lte/runtime; where an importer of scenes opens a file by itself; and where a tool loads a scene
@@ -90,7 +91,7 @@ ALLOWED = {
     "train/loop": ["lte/base", "lte/cli", "lte/image", "lte/ops", "lte/nn", "lte/data",
                    "train/config", "train/log", "train/distributed", "train/optim", "train/data",
                    "train/checkpoint"],
-    "train/command": ["lte/base", "lte/cli", "lte/report", "lte/ops", "lte/nn", "lte/data",
+    "train/command": ["lte/base", "lte/cli", "lte/ops", "lte/nn", "lte/data",
                       "train/config", "train/log", "train/distributed", "train/optim",
                       "train/loop"],
     "train": ["lte/base", "lte/cli", "train/command"],
@@ -103,32 +104,29 @@ for depth, room in enumerate(INFER_SHARED):
     ALLOWED[room] = INFER + INFER_SHARED[:depth]
 # A scene in memory that takes edits: for the tools that show one.
 ALLOWED["infer/session"] = INFER + INFER_SHARED
-# Render, probe, eval, export and bench never include one another.
-for tool in ("render", "probe", "eval", "export", "bench", "bench/guiding", "bench/pareto",
-             "bench/stability"):
+# Render, probe, eval and export never include one another.
+for tool in ("render", "probe", "eval", "export"):
     ALLOWED[f"infer/{tool}"] = INFER + INFER_SHARED + ["lte/report"]
 # The rooms of eval, each on those before it: how errors are measured, what the network is compared
 # with, the comparison, and what is said of it.
-EVAL = ["infer/eval/measure", "infer/eval/rivals", "infer/eval/evaluate", "infer/eval/report",
-        "infer/eval/incident", "infer/eval/scenes"]
+EVAL = ["infer/eval/measure", "infer/eval/baselines", "infer/eval/evaluate", "infer/eval/report",
+        "infer/eval/scenes"]
 for depth, room in enumerate(EVAL):
     ALLOWED[room] = ALLOWED["infer/eval"] + EVAL[:depth]
 ALLOWED["infer/eval"] += EVAL
 ALLOWED["infer/export"] += ["lte/torchscript"]
 ALLOWED["infer/render"] += ["infer/session"]
-# A row of the chart is what lte_render makes of a time.
-ALLOWED["infer/bench/pareto"] += ["infer/render"]
-ALLOWED["infer/bench"] += ["infer/bench/*", "infer/session"]
+# lte_bench times everything below it, and draws the chart of lte_render's pictures.
+ALLOWED["bench"] = INFER + INFER_SHARED + ["lte/report", "infer/render", "bench/*"]
+ALLOWED["bench/pareto"] = ALLOWED["bench"]
 # A live view shows a session in the qualities of lte_render.
 ALLOWED["infer/view"] = ALLOWED["infer/render"] + ["infer/render"]
 
 NO_TORCH = ("lte/base/", "lte/cli/", "lte/report/", "lte/image/", "lte/scene/", "lte/pathtrace/",
             "lte/gi/", "lte/data/", "lte/radiosity/", "lte/render/", "lte/c_api/", "lte/c_api.h",
             "datagen/", "infer/", "tests/infer/", "tests/c_api/")
-# Stages of the network alone, fits of radiance by tensors, and memory on a GPU.
-TORCH_AFTER_ALL = ("infer/bench/", "infer/eval/incident", "tests/infer/eval/incident_eval_test.cpp",
-                   "tests/infer/eval/spherical_gaussians_test.cpp",
-                   "tests/c_api/cuda_test.cpp")
+# Memory on a GPU.
+TORCH_AFTER_ALL = ("tests/c_api/cuda_test.cpp",)
 # lte/runtime is the door: of its headers these are for what is LibTorch's itself.
 BEHIND_THE_DOOR = ("lte/runtime/solved_light.h", "lte/runtime/tensors.h",
                    "lte/runtime/torch_errors.h", "lte/runtime/torch_parts.h")
@@ -195,7 +193,7 @@ def torch_violations(root: pathlib.Path):
 
 def violations(root: pathlib.Path):
     yield from torch_violations(root)
-    for top in ("lte", "datagen", "train", "infer"):
+    for top in ("lte", "datagen", "train", "infer", "bench"):
         for file in sorted(p for p in (root / top).rglob("*") if p.suffix in SUFFIXES):
             name = file.relative_to(root).as_posix()
             if name == "lte/lte.h":
@@ -220,12 +218,14 @@ def violations_of(file: pathlib.Path, name: str, room: str):
             yield f"{where}: CLI11 is known to lte/cli and the tools alone"
         if not (own := OWN_INCLUDE.match(line)):
             continue
-        if own.group(1) == "lte/scene/load.h" and name.startswith(("datagen/", "infer/")):
+        if own.group(1) == "lte/scene/load.h" and name.startswith(("datagen/", "infer/", "bench/")):
             yield f"{where}: tools load scenes through lte/cli/scene_flags.h"
         target = room_of(own.group(1))
-        if target is None:
+        if own.group(1).startswith("experiments/"):
+            yield f"{where}: nothing outside experiments includes them"
+        elif target is None:
             yield (f'{where}: "{own.group(1)}" is not root-relative '
-                   "(start with lte/, datagen/, train/ or infer/)")
+                   "(start with lte/, datagen/, train/, infer/ or bench/)")
         elif re.match(r"lte/ops/(cpu|cuda)/", own.group(1)) and not room.startswith("lte/ops"):
             yield f"{where}: operators are reached through the dispatcher, not {own.group(1)}"
         elif not may_include(room, target):

@@ -3,7 +3,7 @@
 #
 #   scripts/test.sh [ctest arguments ...]
 #   scripts/test.sh --sanitize ...   under the address and undefined-behaviour sanitizers
-#   scripts/test.sh --ci ...         and compiles the benchmark programs too
+#   scripts/test.sh --ci ...         with the benchmark programs and the experiments
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 preset=release

@@ -32,7 +32,9 @@ esac
 name=$1 folder=${2:-$default}
 released=$folder/release/$name
 bin=${LTE_BIN:-build/bin}
-for tool in lte_datagen lte_train lte_eval lte_export; do
+tools=(lte_datagen lte_train lte_eval lte_export)
+[ "$name" != lte-radiance ] || tools+=(experiment_directions)  # needs -DLTE_EXPERIMENTS=ON
+for tool in "${tools[@]}"; do
   if [ ! -x "$bin/$tool" ]; then
     echo "train_released.sh: $bin/$tool is missing: run scripts/build.sh first" >&2
     exit 1
@@ -77,8 +79,8 @@ if [ "$name" = lte-radiance ]; then
   make_data glossy glossy
   make_data glossy_test glossy_test
   train lte_radiance glossy
-  "$bin/lte_eval" incident --checkpoint "$released.safetensors" --data "$folder/glossy_test" \
-    --split test --report "$released" --json "$released.rooms.json"
+  "$bin/experiment_directions" --checkpoint "$released.safetensors" --data "$folder/glossy_test" \
+    --out "$released.rooms.html" --json "$released.rooms.json"
   write_card "$folder/glossy" --maps "glossy rooms=$released.rooms.json"
   exit
 fi

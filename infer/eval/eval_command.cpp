@@ -56,8 +56,7 @@ void claim_files(const EvalRequest& request, CommandFiles* files) {
   files->reads("--baselines", request.baselines);
   files->reads_parts("--data", request.data, data::kDatasetParts);
   files->reads_parts("--fit-baselines", request.fit_baselines, data::kDatasetParts);
-  files->writes_parts("--report", request.report, {"report.html", "metrics.csv"});
-  files->writes("--csv", request.csv);
+  files->writes_parts("--report", request.report, {"report.html"});
   files->writes("--out", request.out);
   files->writes_common(request.tool.common);
   files->check();
@@ -82,41 +81,32 @@ fs::path make_report_folder(const std::string& report, const char* file) {
 }
 
 void add_eval_options(CLI::App& app, EvalRequest* r) {
-  app.add_option("--config", r->config, "Training configuration: its data set and its run's model");
-  app.add_option("--checkpoint", r->checkpoint, "Model; by default the shipped one");
-  app.add_option("--split", r->split, "train, val or test")
+  const auto option = [&app](const char* group, const char* flag, auto* value, const char* help) {
+    return app.add_option(flag, *value, help)->group(group);
+  };
+  const char* const model = "Model and data";
+  option(model, "--config", &r->config, "Training configuration: its data set and its run's model");
+  option(model, "--checkpoint", &r->checkpoint, "Model; by default the shipped one");
+  option(model, "--data", &r->data, "Data-set folder; by default the shipped homes");
+  option(model, "--split", &r->split, "train, val or test")
       ->check(CLI::IsMember({"train", "val", "test"}));
-  app.add_option("--data", r->data, "Data-set folder; by default the shipped homes");
-  app.add_option("--baselines", r->baselines,
-                 "Fitted baselines; by default CHECKPOINT's stem + .baselines.json");
-  app.add_option("--scene-points", r->scene_points,
-                 "Scene points shown to the network, drawn from those of the data; 0 for as many "
-                 "as in training")
+  option(model, "--scene-points", &r->scene_points,
+         "Scene points of the network, drawn from those of the data; 0 for as many as in training")
       ->check(non_negative_number());
-  app.add_flag("--light-by-light", r->light_by_light,
-               "Also encode each luminaire by itself and add up the answers (row neural_by_light)");
-  app.add_option("--report", r->report,
-                 "Folder for report.html, metrics.csv and a contact sheet of each scene");
-  app.add_option("--csv", r->csv, "Every metric by scene and predictor, as CSV");
-  app.add_option("--resamples", r->bootstrap.resamples,
-                 "Bootstrap resamples of the scenes behind the 95 % confidence intervals")
+  const char* const baselines = "Baselines";
+  option(baselines, "--baselines", &r->baselines,
+         "Fitted baselines; by default CHECKPOINT's stem + .baselines.json");
+  option(baselines, "--fit-baselines", &r->fit_baselines,
+         "Fit the baselines on this data set's training split and stop")
+      ->excludes("--split");
+  option(baselines, "--out", &r->out, "Baselines file to write with --fit-baselines");
+  const char* const results = "Results";
+  option(results, "--report", &r->report,
+         "Folder for report.html and a contact sheet of each scene");
+  option(results, "--resamples", &r->bootstrap.resamples,
+         "Bootstrap resamples of the scenes behind the 95 % confidence intervals")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
-  app.add_option("--seed", r->bootstrap.seed, "Seed of the resamples")->capture_default_str();
-  auto* probes = app.add_option("--probes", r->probes,
-                                "Probes a scene of irradiance_probes; 0: without that predictor")
-                     ->check(non_negative_number())
-                     ->capture_default_str();
-  app.add_option(
-         "--probe-rate", r->probe_rate,
-         "Paths a second of a path tracer: as many probes as it bakes while a scene is encoded, "
-         "and with the paths of the network's light estimates")
-      ->check(positive_number())
-      ->excludes(probes);
-  app.add_option("--fit-baselines", r->fit_baselines,
-                 "Fit the baselines on this data set's training split and stop")
-      ->excludes("--split");
-  app.add_option("--out", r->out, "Baselines file to write with --fit-baselines");
   add_tool_options(app, &r->tool);
 }
 
@@ -139,7 +129,6 @@ void run_eval(const EvalRequest& request) {
   apply_tool_options(request.tool);
   if (!request.fit_baselines.empty()) return fit_to_file(request);
   check_writable(request.tool.common.json);
-  check_writable(request.csv);
 
   const fs::path checkpoint = checkpoint_or_shipped(request.checkpoint);
   const fs::path data =
@@ -151,28 +140,22 @@ void run_eval(const EvalRequest& request) {
   const runtime::MemoryLimit memory(request.tool.max_memory_mb);
   const Baselines baselines = find_baselines(request, checkpoint, data);
   files.check_what_was_read();
-  const fs::path folder = make_report_folder(request.report, "metrics.csv");
+  const fs::path folder = make_report_folder(request.report, "report.html");
 
   EvalSettings settings;
   settings.data = data;
   settings.split = data::parse_split(request.split);
   settings.scene_points = request.scene_points;
-  settings.light_by_light = request.light_by_light;
   settings.bootstrap = request.bootstrap;
-  settings.probes = request.probes;
-  settings.probe_rate = request.probe_rate;
   settings.memory = memory;
   settings.on_scene = [&] { memory.check("a scene"); };
   ContactSheets sheets(folder);
   if (!folder.empty()) settings.on_view = [&](const ViewPicture& picture) { sheets.add(picture); };
   const EvalResult result = evaluate(settings, network, baselines);
 
-  if (!folder.empty()) {
-    write_file(folder / "metrics.csv", eval_csv(result));
+  if (!folder.empty())
     write_file(folder / "report.html",
                eval_html(result, checkpoint.string(), data.string(), sheets));
-  }
-  if (!request.csv.empty()) write_file(request.csv, eval_csv(result));
   if (!request.tool.common.json.empty()) {
     write_file(request.tool.common.json, eval_json(result, checkpoint.string(), data.string()));
   }

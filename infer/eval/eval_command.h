@@ -13,12 +13,8 @@ namespace lte::infer {
 struct EvalRequest {
   std::string config, checkpoint, data, split, baselines, report;
   std::string fit_baselines, out;
-  std::string csv;
   int64_t scene_points = 0;
-  bool light_by_light = false;
   BootstrapSettings bootstrap;
-  int64_t probes = 128;
-  double probe_rate = 0;  ///< paths a second; 0: `probes` decides
   ToolOptions tool;
 };
 

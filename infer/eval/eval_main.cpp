@@ -3,7 +3,6 @@
 
 #include "infer/eval/eval_command.h"
 #include "infer/eval/flicker_command.h"
-#include "infer/eval/incident_command.h"
 #include "infer/eval/pictures_command.h"
 #include "infer/eval/scenes_command.h"
 
@@ -23,15 +22,12 @@ int main(int argc, char** argv) {
   lte::infer::add_eval_options(app, &request);
   lte::infer::FlickerRequest flicker;
   const CLI::App* flicker_command = lte::infer::add_flicker_command(app, &flicker);
-  lte::infer::IncidentRequest incident;
-  const CLI::App* incident_command = lte::infer::add_incident_command(app, &incident);
   lte::infer::PicturesRequest pictures;
   const CLI::App* pictures_command = lte::infer::add_pictures_command(app, &pictures);
   lte::infer::ScenesRequest scenes;
   const CLI::App* scenes_command = lte::infer::add_scenes_command(app, &scenes);
   return lte::infer::run_network_tool(app, argc, argv, [&] {
     if (app.got_subcommand(flicker_command)) return run_flicker(flicker, request.tool.common);
-    if (app.got_subcommand(incident_command)) return run_incident(incident, request);
     if (app.got_subcommand(pictures_command)) return run_pictures(pictures, request.tool.common);
     if (app.got_subcommand(scenes_command)) return run_scenes(scenes, request.tool);
     lte::infer::read_run_config(&request);

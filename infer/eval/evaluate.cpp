@@ -7,16 +7,15 @@
 #include <optional>
 #include <utility>
 
-#include "infer/eval/measure/drawn_to_paths.h"
+#include "infer/eval/baselines/denoised_paths.h"
+#include "infer/eval/measure/combine.h"
 #include "infer/eval/measure/embed_sample.h"
-#include "infer/eval/measure/equal_paths.h"
 #include "infer/eval/measure/eval_points.h"
-#include "infer/eval/rivals/denoised_paths.h"
-#include "infer/eval/rivals/probes.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/timer.h"
 #include "lte/cli/progress.h"
+#include "lte/data/light_groups.h"
 #include "lte/data/sample_rows.h"
 #include "lte/runtime/embedding.h"
 
@@ -25,13 +24,11 @@ namespace {
 
 constexpr double kSameScale = 1e-6;
 
-constexpr const char* kEqualPathsRow = "equal_paths_denoised";
-
 std::string few_paths_row(int paths) { return concat("path_tracing_", paths); }
 
 std::string denoised_row(int paths) { return few_paths_row(paths) + "_denoised"; }
 
-/// The network's answer, drawn towards as many paths, denoised.
+/// The network's answer combined with as many paths, denoised.
 std::string both_row(int paths) { return concat("neural_and_", paths, "_denoised"); }
 
 /// Paths a pixel of the pictures that views may have, most first.
@@ -41,38 +38,28 @@ std::vector<int> traced_paths() {
   return out;
 }
 
-/// The network's indirect irradiance over the emission scalar, summed over embeddings of the
-/// scene's light. A model of total irradiance is compared on the same quantity, from which the
-/// reference's direct light is subtracted.
-std::vector<Rgb> neural(std::span<const runtime::SceneEmbedding> lights, double mean_emission,
-                        const EvalPoints& points) {
-  std::vector<Rgb> out(points.queries.position.size());
-  for (const runtime::SceneEmbedding& light : lights) {
-    const std::vector<Rgb> part =
-        data::sum_groups(light.decode(points.queries), 1, 1 / mean_emission);
-    for (size_t i = 0; i < out.size(); ++i) out[i] += part[i];
-    if (!light.network().predicts_total() || &light != &lights.back()) continue;
-    for (size_t i = 0; i < out.size(); ++i) out[i] = max(out[i] - points.direct[i], Vec3{});
-  }
+/// The network's indirect irradiance over the emission scalar. A model of total irradiance is
+/// compared on the same quantity, from which the reference's direct light is subtracted.
+std::vector<Rgb> neural(const runtime::SceneEmbedding& network, const EvalPoints& points) {
+  std::vector<Rgb> out =
+      data::sum_groups(network.decode(points.queries), 1, 1 / network.mean_emission());
+  if (!network.network().predicts_total()) return out;
+  for (size_t i = 0; i < out.size(); ++i) out[i] = max(out[i] - points.direct[i], Vec3{});
   return out;
 }
 
 using Predictions = std::vector<std::pair<std::string, std::vector<Rgb>>>;
 
-/// Everything that predicts in one scene.
+/// All predictors of one scene.
 struct Predictors {
   const runtime::SceneEmbedding& network;
-  const BaselinePredictor& baselines;
-  const ProbeField& probes;
-  std::span<const runtime::SceneEmbedding> by_light;  ///< luminaires apart; may be empty
+  const Baselines& baselines;
 
   Predictions predict(const EvalPoints& points, double* decode_seconds) const {
     Predictions out;
     const Timer timer;
-    out.emplace_back("neural", neural({&network, 1}, network.mean_emission(), points));
+    out.emplace_back("neural", neural(network, points));
     *decode_seconds += timer.seconds();
-    if (!by_light.empty())
-      out.emplace_back("neural_by_light", neural(by_light, network.mean_emission(), points));
     if (!points.path_traced.empty()) out.emplace_back(kPathTraced, points.path_traced);
     for (size_t i = 0; i < data::kFewPaths.size(); ++i) {
       if (!points.path_traced_few[i].empty())
@@ -81,18 +68,15 @@ struct Predictors {
     if (auto light = network.cached_light(points.queries); !light.empty()) {
       out.emplace_back("light_cache", data::sum_groups(light, 1, 1 / network.mean_emission()));
     }
-    out.emplace_back("constant_mean", baselines.constant_mean(points.queries));
-    out.emplace_back("nearest_point", baselines.nearest_point(points.queries));
-    out.emplace_back("blurred_direct", baselines.blurred_direct(points.queries));
-    if (probes.size() > 0)
-      out.emplace_back("irradiance_probes", probes.interpolate(points.queries));
-    out.emplace_back("direct_only", std::vector<Rgb>(points.queries.position.size()));
+    const auto mean = static_cast<float>(baselines.mean);
+    out.emplace_back("constant_mean",
+                     std::vector<Rgb>(points.queries.position.size(), {mean, mean, mean}));
     return out;
   }
 };
 
-/// Path tracing with a denoiser, by itself and beside the network, the first row: rows that views
-/// alone have.
+/// Path tracing with a denoiser, by itself and combined with the network, the first row: rows that
+/// views alone have.
 void add_denoised(const image::Denoiser& denoiser, const data::View& view, Predictions* rows) {
   Predictions denoised;
   const std::vector<Rgb>& network = rows->front().second;
@@ -101,7 +85,7 @@ void add_denoised(const image::Denoiser& denoiser, const data::View& view, Predi
         std::ranges::find(*rows, few_paths_row(paths), &Predictions::value_type::first);
     if (traced == rows->end()) continue;
     std::vector<Rgb> clean = denoised_paths(denoiser, view, traced->second);
-    denoised.emplace_back(both_row(paths), drawn_to_paths(view, network, clean, paths));
+    denoised.emplace_back(both_row(paths), combine(view, network, clean, paths));
     denoised.emplace_back(denoised_row(paths), std::move(clean));
   }
   std::move(denoised.begin(), denoised.end(), std::back_inserter(*rows));
@@ -176,48 +160,9 @@ void add_fewer_paths(const ReferenceNoise& points, const ViewSums& views, Scores
   scores->insert(found + 1, rows.begin(), rows.end());
 }
 
-/// Paths that a renderer traces for the light that the network reads: on both sides of every point
-/// that does not emit.
-double light_paths(const data::SceneSample& sample, const data::DatasetInfo& info,
-                   const runtime::Network& network) {
-  if (network.light_request().depth == 0) return 0;
-  const auto lit = std::count_if(sample.scene_emission.begin(), sample.scene_emission.end(),
-                                 [](const Rgb& value) { return max_component(value) <= 0; });
-  return 2.0 * static_cast<double>(lit) * info.light_paths;
-}
-
-/// Adds the row of a denoiser that has the paths which the network's light takes, spread over one
-/// view; none where they are fewer or more than views were traced with.
-void add_equal_paths(double paths, const data::SceneSample& sample, const ViewSums& views,
-                     Scores* scores) {
-  if (paths <= 0 || sample.views.empty()) return;
-  double pixels = 0;
-  for (const data::View& view : sample.views)
-    pixels += static_cast<double>(view.mask.size()) / static_cast<double>(sample.views.size());
-  std::map<int, ViewScore> denoised;
-  for (const int count : traced_paths()) {
-    if (const auto seen = views.mean(denoised_row(count))) denoised[count] = *seen;
-  }
-  const std::optional<ViewScore> views_score = score_between(denoised, paths / pixels);
-  if (!views_score) return;
-  Score score;
-  score.views = *views_score;
-  scores->emplace_back(kEqualPathsRow, score);
-}
-
-/// The probes that could be baked instead of preparing the network: in the time of the encoding,
-/// and with the paths that its light estimates take.
-int64_t probe_count(const EvalSettings& settings, const data::SceneSample& sample,
-                    double encode_seconds, double estimate_paths) {
-  if (settings.probe_rate <= 0) return settings.probes;
-  const auto paths = static_cast<double>(std::max<int64_t>(1, sample.rays));
-  return std::max<int64_t>(
-      1, std::llround((encode_seconds * settings.probe_rate + estimate_paths) / paths));
-}
-
-SceneResult evaluate_scene(const EvalSettings& settings, const data::DatasetInfo& info,
-                           const data::SceneSample& sample, const runtime::Network& network,
-                           const Baselines& fitted, const image::Denoiser& denoiser) {
+SceneResult evaluate_scene(const EvalSettings& settings, const data::SceneSample& sample,
+                           const runtime::Network& network, const Baselines& baselines,
+                           const image::Denoiser& denoiser) {
   SceneResult result;
   result.name = sample.name;
   result.points = sample.query_points();
@@ -229,16 +174,9 @@ SceneResult evaluate_scene(const EvalSettings& settings, const data::DatasetInfo
   result.path_variance = single_path_variance(sample, result.radiance);
   result.paths = static_cast<double>(sample.rays);
 
-  const BaselinePredictor baselines(fitted, sample, result.radiance);
   const EvalPoints points = query_eval_points(sample, result.radiance);
-  const double estimate_paths = light_paths(sample, info, network);
-  const ProbeField probes(points.queries, points.reference,
-                          probe_count(settings, sample, result.encode_seconds, estimate_paths));
-  result.probes = probes.size();
   result.reference_noise = points.noise().mse;
-  std::vector<runtime::SceneEmbedding> by_light;
-  if (settings.light_by_light) by_light = embed_by_light(sample, network, settings.memory);
-  const Predictors predictors{embedding, baselines, probes, by_light};
+  const Predictors predictors{embedding, baselines};
   for (const auto& [name, values] : predictors.predict(points, &result.decode_seconds)) {
     result.scores.emplace_back(name, Score());
     result.scores.back().second.points = score_points(values, points.reference);
@@ -258,7 +196,6 @@ SceneResult evaluate_scene(const EvalSettings& settings, const data::DatasetInfo
   sums.store(&result.scores);
   result.views_noise = sums.noise().mse;
   add_fewer_paths(points.noise(), sums, &result.scores);
-  add_equal_paths(estimate_paths, sample, sums, &result.scores);
   return result;
 }
 
@@ -279,7 +216,7 @@ VarianceCheck check_variance(const std::vector<SceneResult>& scenes) {
           std::abs(span) > kLeastSpan ? std::log(at_64 / at_reference) / span : std::nan("")};
 }
 
-/// What is said of all scenes together.
+/// Fills in the figures over all scenes.
 void summarize(EvalResult* result) {
   std::vector<Scores> scores;
   std::vector<SceneErrors> errors;
@@ -332,7 +269,7 @@ EvalResult evaluate(const EvalSettings& settings, const runtime::Network& networ
     data::drop_idle_queries(&sample);
     thin_for(network, settings.scene_points, &sample);
     sample.name = entry.name;
-    result.scenes.push_back(evaluate_scene(settings, info, sample, network, baselines, denoiser));
+    result.scenes.push_back(evaluate_scene(settings, sample, network, baselines, denoiser));
     if (settings.on_scene) settings.on_scene();
     progress.advance();
   }

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "infer/eval/baselines/baselines.h"
 #include "infer/eval/measure/bootstrap.h"
 #include "infer/eval/measure/equal_samples.h"
 #include "infer/eval/measure/scores.h"
-#include "infer/eval/rivals/baselines.h"
 #include "lte/data/dataset.h"
 #include "lte/runtime/memory_limit.h"
 #include "lte/runtime/network.h"
@@ -27,7 +27,6 @@ struct SceneResult {
   double path_variance = 0;  ///< of a single path at the points, by the spread of the reference
   double paths = 0;          ///< number behind a point of the reference
   int64_t points = 0, views = 0;
-  int64_t probes = 0;  ///< that irradiance_probes interpolates
   double encode_seconds = 0, decode_seconds = 0;
   Scores scores;
 };
@@ -66,12 +65,6 @@ struct EvalSettings {
   data::Split split = data::Split::Test;
   int64_t scene_points = 0;  ///< shown to the model; 0: as many as in training
   BootstrapSettings bootstrap;
-  int64_t probes = 128;  ///< of irradiance_probes, a scene; 0: without that predictor
-  /// Paths a second that a path tracer is known to trace. If positive, there are as many probes,
-  /// each with the paths of the data's points, as it would bake while the network is prepared: in
-  /// the time of the encoding, and with the paths of the light estimates that the network reads.
-  double probe_rate = 0;
-  bool light_by_light = false;  ///< also encode each luminaire by itself, and add up the answers
   runtime::MemoryLimit memory;
   ViewSink on_view;                ///< may be empty
   std::function<void()> on_scene;  ///< after each scene; may be empty

@@ -25,7 +25,8 @@ TAG = re.compile(r"^@\w+")
 # `Units: metres ...`, as a glossary has them: its continuation may be indented.
 LABEL = re.compile(r"^[A-Z][\w /]{0,40}:")
 SENTENCE_END = re.compile(r"[.:;?!)\]>»”\"]$|\.\.\.$|^$")
-FOLDERS = "assets|cmake|configs|datagen|docs|examples|infer|lte|scripts|tests|train"
+FOLDERS = ("assets|bench|cmake|configs|datagen|docs|examples|experiments|infer|lte|scripts|tests|"
+           "train")
 SUFFIXES = "h|cpp|cu|c|md|py|sh|yaml|json|glb|pbrt|txt|cmake"
 PATH = re.compile(rf"(?<![\w/.$-])((?:{FOLDERS})/[\w./-]*\w\.(?:{SUFFIXES}))\b")
 # A formula, a shape or a sample of code is set as its author likes.

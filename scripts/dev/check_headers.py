@@ -34,7 +34,7 @@ OWN_INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.M)
 # A third party that this machine lacks, and whose users it does not build either.
 MISSING = re.compile(r"fatal error: '?((?!torch/|ATen/|c10/)[\w./+-]+?)'?(?: file not|: No such)")
 TORCH_INCLUDE = re.compile(r"^\s*#\s*include\s*<(torch|ATen|c10)/", re.M)
-FOLDERS = ("lte", "datagen", "train", "infer", "tests")
+FOLDERS = ("lte", "datagen", "train", "infer", "bench", "experiments", "tests")
 # What clang does not take, or what would set the precompiled header's macros apart from the rest's.
 GCC_ALONE = re.compile(
     r"-fpch-preprocess|-Winvalid-pch|-fopenmp|-Werror|-O\d|-W.*psabi|-ffp-.*|-fno-math-errno|"

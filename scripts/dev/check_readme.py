@@ -25,7 +25,7 @@ import tempfile
 import time
 
 FOLDERS = ("assets", "configs", "scripts", "examples", "docs")
-OUTPUTS = ("--out", "--report", "--json", "--csv", "--save-embedding")
+OUTPUTS = ("--out", "--report", "--json", "--save-embedding")
 # Flags with small values, for --run; and what is appended to a command unless it has the key.
 SMALL = {"--size": "16x12", "--scenes": "6", "--rays": "8", "--spp": "2", "--queries": "50",
          "--reference-spp": "2", "--time": "0.2s", "--quality": "draft"}

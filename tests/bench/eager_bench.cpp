@@ -10,7 +10,6 @@
 #include <ATen/core/grad_mode.h>
 #include <CLI/CLI.hpp>
 
-#include "infer/bench/bench.h"
 #include "infer/tool/tool_options.h"
 #include "lte/base/file.h"
 #include "lte/base/timer.h"
@@ -18,6 +17,8 @@
 #include "lte/nn/synthetic_room.h"
 #include "lte/runtime/device.h"
 #include "tests/bench/eager_network.h"
+
+#include "bench/bench.h"
 
 namespace lte::bench {
 namespace {
@@ -112,7 +113,7 @@ int main(int argc, char** argv) {
     lte::apply_common_options(common);
     lte::runtime::set_torch_threads(common.threads);
     const auto rows = lte::bench::run(options);
-    std::fputs(lte::infer::bench_table(rows).c_str(), stdout);
-    if (!common.json.empty()) lte::write_file(common.json, lte::infer::bench_json(rows));
+    std::fputs(lte::bench::bench_table(rows).c_str(), stdout);
+    if (!common.json.empty()) lte::write_file(common.json, lte::bench::bench_json(rows));
   });
 }

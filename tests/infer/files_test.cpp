@@ -5,7 +5,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "infer/bench/bench_command.h"
 #include "infer/eval/eval_command.h"
 #include "infer/export/export_command.h"
 #include "infer/render/render_command.h"
@@ -15,6 +14,8 @@
 #include "tests/support/folder_files.h"
 #include "tests/support/in_folder.h"
 #include "tests/support/temp_dir.h"
+
+#include "bench/bench_command.h"
 
 namespace lte::infer {
 namespace {
@@ -47,7 +48,7 @@ class InferFiles : public test::InFolder {
     CLI::App app{"", tool};
     RenderRequest render;
     EvalRequest eval;
-    BenchRequest bench;
+    bench::BenchRequest bench;
     ExportOptions exported;
     if (tool == "lte_render") {
       add_render_options(app, &render);
@@ -58,8 +59,8 @@ class InferFiles : public test::InFolder {
       return test::run_command(app, arguments, [&] { run_eval(eval); });
     }
     if (tool == "lte_bench") {
-      add_bench_options(app, &bench);
-      return test::run_command(app, arguments, [&] { run_bench(bench); });
+      bench::add_bench_options(app, &bench);
+      return test::run_command(app, arguments, [&] { bench::run_bench(bench); });
     }
     add_export_options(app, &exported);
     return test::run_command(app, arguments, [&] { run_export(exported); });
@@ -82,18 +83,16 @@ TEST_F(InferFiles, NoOutputReplacesAnInputOrAnotherOutput) {
        "twin.safetensors",
        "--json", "--checkpoint"},
       {"lte_render room.glb --validate-only --json room.glb", "--json", "SCENE"},
-      {"lte_eval --split test --data homes --csv e --json e", "--json", "--csv"},
-      {"lte_eval --split test --data homes --csv houses/dataset.json", "--csv", "--data"},
+      {"lte_eval --split test --data homes --json houses/dataset.json", "--json", "--data"},
       {"lte_eval --split test --data houses --json homes/scenes/test0.safetensors", "--json",
        "--data"},
-      {"lte_eval --split test --checkpoint tiny.safetensors --csv tiny.safetensors", "--csv",
+      {"lte_eval --split test --checkpoint tiny.safetensors --json tiny.safetensors", "--json",
        "--checkpoint"},
-      {"lte_eval --split test --data homes --report r --csv r/metrics.csv", "--csv", "--report"},
       {"lte_eval --split test --data homes --report r --json r/report.html", "--json", "--report"},
       {"lte_eval --fit-baselines homes --out homes/dataset.json", "--out", "--fit-baselines"},
       {"lte_eval --split test --data homes --baselines camera.json --json camera.json", "--json",
        "--baselines"},
-      {"lte_eval --split test --config camera.json --csv camera.json", "--csv", "--config"},
+      {"lte_eval --split test --config camera.json --json camera.json", "--json", "--config"},
       {"lte_bench pathtrace --scene room.glb --json room.glb", "--json", "--scene"},
       {"lte_bench pareto --checkpoint tiny.safetensors --json twin.safetensors", "--json",
        "--checkpoint"},
@@ -130,13 +129,13 @@ TEST(InferFlags, WhatIsNoNumberIsRefusedByEveryFlag) {
         static EvalRequest request;
         add_eval_options(app, &request);
       },
-      {"--seed", "--probe-rate", "--probes", "--resamples"});
+      {"--scene-points", "--resamples"});
   test::expect_numbers_refused(
       [](CLI::App& app) {
-        static BenchRequest request;
-        add_bench_options(app, &request);
+        static bench::BenchRequest request;
+        bench::add_bench_options(app, &request);
       },
-      {"--repeats", "--queries", "--reference-spp", "--views", "--triangles"});
+      {"--repeats", "--queries", "--reference-spp", "--views"});
 }
 
 }  // namespace

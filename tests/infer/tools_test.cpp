@@ -373,7 +373,7 @@ TEST_F(Tools, EvalWritesItsJsonAndReport) {
   ASSERT_EQ(done.code, 0) << done.text;
   EXPECT_THAT(done.text, AllOf(HasSubstr("neural"), HasSubstr("mean over scenes")));
   EXPECT_TRUE(nlohmann::json::parse(read_file(at("eval.json"))).at("metrics").contains("neural"));
-  EXPECT_TRUE(std::filesystem::exists(at("report/metrics.csv")));
+  EXPECT_TRUE(std::filesystem::exists(at("report/report.html")));
   EXPECT_TRUE(std::filesystem::exists(at("report/test0.png")));
 }
 

@@ -37,30 +37,6 @@ std::vector<float> gloss_of(const data::SceneSample& sample) {
   return gloss;
 }
 
-/// Keeps the values of one light group of [G, M].
-template <typename T>
-void keep_group(int64_t group, size_t points, std::vector<T>* values) {
-  if (values->empty()) return;
-  const auto first = values->begin() + group * static_cast<int64_t>(points);
-  *values = std::vector<T>(first, first + static_cast<int64_t>(points));
-}
-
-/// The scene points as one luminaire lights them.
-data::SceneSample lit_by(int64_t group, const data::SceneSample& sample) {
-  data::SceneSample out = sample;
-  out.light_groups = 1;
-  for (size_t i = 0; i < out.scene_light.size(); ++i) {
-    if (out.scene_light[i] != group) out.scene_emission[i] = {};
-  }
-  const size_t points = sample.scene_position.size();
-  for (std::vector<Rgb>* light :
-       {&out.scene_direct, &out.scene_indirect, &out.scene_direct_back, &out.scene_indirect_back})
-    keep_group(group, points, light);
-  keep_group(group, points, &out.scene_error);
-  keep_group(group, points, &out.scene_error_back);
-  return out;
-}
-
 }  // namespace
 
 void thin_for(const runtime::Network& network, int64_t count, data::SceneSample* sample) {
@@ -78,20 +54,6 @@ runtime::SceneEmbedding embed_sample(const data::SceneSample& sample,
        sample.scene_area, light.direct, light.indirect, light.direct_back, light.indirect_back,
        light.error, gloss},
       {.memory = memory});
-}
-
-std::vector<runtime::SceneEmbedding> embed_by_light(const data::SceneSample& sample,
-                                                    const runtime::Network& network,
-                                                    const runtime::MemoryLimit& memory) {
-  std::vector<runtime::SceneEmbedding> out;
-  for (int64_t group = 0; group < sample.light_groups; ++group) {
-    const data::SceneSample lit = lit_by(group, sample);
-    const bool shines =
-        std::any_of(lit.scene_emission.begin(), lit.scene_emission.end(),
-                    [](const Rgb& emission) { return max_component(emission) > 0; });
-    if (shines) out.push_back(embed_sample(lit, network, memory));
-  }
-  return out;
 }
 
 }  // namespace lte::infer

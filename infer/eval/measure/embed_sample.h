@@ -1,7 +1,5 @@
-// The embedding of a baked scene, of what its file says of the scene points.
+// The embedding of a baked scene, from the scene points of its file.
 #pragma once
-
-#include <vector>
 
 #include "lte/data/scene_sample.h"
 #include "lte/runtime/embedding.h"
@@ -16,11 +14,5 @@ void thin_for(const runtime::Network& network, int64_t count, data::SceneSample*
 runtime::SceneEmbedding embed_sample(const data::SceneSample& sample,
                                      const runtime::Network& network,
                                      const runtime::MemoryLimit& memory);
-
-/// The same for each luminaire that has scene points by itself, all others out: as light is linear,
-/// their answers add up.
-std::vector<runtime::SceneEmbedding> embed_by_light(const data::SceneSample& sample,
-                                                    const runtime::Network& network,
-                                                    const runtime::MemoryLimit& memory);
 
 }  // namespace lte::infer

@@ -63,7 +63,6 @@ Json scene_json(const EvalResult& result, size_t index) {
           {"views_noise_mse", number(scene.views_noise)},
           {"points", scene.points},
           {"views", scene.views},
-          {"probes", scene.probes},
           {"encode_seconds", scene.encode_seconds},
           {"decode_seconds", scene.decode_seconds},
           {"metrics", to_json(scene.scores)},

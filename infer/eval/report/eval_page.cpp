@@ -25,17 +25,10 @@ const Rows kMeanings = {
     {"worth n samples", "path tracing with n paths has the same MSE", "higher"},
     {"path_tracing_n", "n paths a point or pixel", ""},
     {"path_tracing_n_denoised", "the same in views, by Open Image Denoise where it is found", ""},
-    {"neural_and_n_denoised", "the network's view, drawn towards that", ""},
-    {"equal_paths_denoised",
-     "as many denoised paths as a view's share of those that the network's light takes", ""},
-    {"neural_by_light", "the network, each luminaire encoded by itself and the answers added", ""},
+    {"neural_and_n_denoised", "the network's view combined with that", ""},
     {"light_cache", "the light that the network starts from, interpolated, without the network",
      ""},
-    {"constant_mean", "the mean irradiance of the training scenes, everywhere", ""},
-    {"nearest_point", "the mean of training points of like height, facing and albedo", ""},
-    {"blurred_direct", "direct light, reflected once and blurred", ""},
-    {"irradiance_probes", "interpolated from a few baked points", ""},
-    {"direct_only", "no indirect light at all", ""}};
+    {"constant_mean", "the mean irradiance of the training scenes, everywhere", ""}};
 
 /// One table of point metrics or of view metrics.
 template <typename Metrics, typename Member>

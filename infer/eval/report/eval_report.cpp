@@ -1,6 +1,6 @@
 #include "infer/eval/report/eval_report.h"
 
-#include <cmath>
+#include <algorithm>
 
 #include "lte/base/check.h"
 #include "lte/base/text.h"
@@ -76,25 +76,6 @@ std::string eval_table(const EvalResult& result) {
     out += '\n' + plain(sample_table(result)) + sample_note(result) + '\n';
   out += '\n' + plain(paper_table(result)) + kPaperNote + "\n\n";
   return out + eval_headline(result) + '\n' + eval_verdict(result) + '\n';
-}
-
-std::string eval_csv(const EvalResult& result) {
-  std::string out = "scene,predictor";
-  for (const char* name : kPointMetrics) out += formatted(",points_%s", name);
-  for (const char* name : kViewMetrics) out += formatted(",views_%s", name);
-  out += '\n';
-  const auto field = [](double value) {
-    return std::isfinite(value) ? formatted(",%.9g", value) : std::string(",");
-  };
-  for (const SceneResult& scene : result.scenes) {
-    for (const auto& [name, score] : scene.scores) {
-      out += scene.name + ',' + name;
-      for (const double value : score.points) out += field(value);
-      for (const double value : score.views) out += field(value);
-      out += '\n';
-    }
-  }
-  return out;
 }
 
 }  // namespace lte::infer

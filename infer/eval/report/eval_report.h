@@ -19,10 +19,7 @@ std::string eval_json(const EvalResult& result, const std::string& checkpoint,
 /// table, and last the headline and the verdict.
 std::string eval_table(const EvalResult& result);
 
-/// Makes CSV with one line for each scene and predictor.
-std::string eval_csv(const EvalResult& result);
-
-/// Makes a self-contained page of what eval_table() says: headline, verdict, sheets, then figures.
+/// Makes a self-contained page: headline, verdict, sheets, then the tables of eval_table().
 /// @throws lte::Error if a sheet cannot be read.
 std::string eval_html(const EvalResult& result, const std::string& checkpoint,
                       const std::string& data, const ContactSheets& sheets);
@@ -52,7 +49,7 @@ TextTable sample_table(const EvalResult& result);
 /// Table 1 of the paper beside the same figures here.
 TextTable paper_table(const EvalResult& result);
 
-/// What has to be said below those two tables.
+/// Notes below those two tables.
 std::string sample_note(const EvalResult& result);
 extern const char* const kPaperNote;
 

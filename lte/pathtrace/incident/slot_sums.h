@@ -1,4 +1,4 @@
-// Internal: what incident.h and incident_sampler.h share.
+// Internal: sums of light by group and slot, for incident.h.
 #pragma once
 
 #include <algorithm>

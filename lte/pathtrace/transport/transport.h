@@ -20,6 +20,7 @@
 #include "lte/pathtrace/embree_scene.h"
 #include "lte/pathtrace/lights/lights.h"
 #include "lte/pathtrace/materials/glossy_bsdf.h"
+#include "lte/pathtrace/transport/direction_sampler.h"
 
 namespace lte::pathtrace {
 
@@ -46,12 +47,6 @@ class LightSink {
 /// `distance` from where the ray began, for the irradiance on this side of it. Where it knows it,
 /// the path ends there and brings that light, in light group kNone.
 ///
-/// It may guide paths, by a function `int32_t guide(int depth, const Vec3& position, const Vec3&
-/// side) const`, which is asked at every diffuse hit for the number of what guides the path there,
-/// or kNone. `Vec3 guided_direction(int32_t guide, const Vec3& normal, const Vec2& u) const` then
-/// draws its next direction, and `float guided_pdf(int32_t guide, float cosine, const Vec3&
-/// direction) const` says how densely.
-///
 /// It may end paths unasked, by a function `bool wanted(int32_t path) const`, which is asked before
 /// each of their rays.
 ///
@@ -65,11 +60,11 @@ struct NoObserver {
 
 /// One for each thread; large, so not for the stack. Defined in transport_impl.h, which only the
 /// files that bring an observer of their own include.
-template <typename Observer>
+template <typename Observer, DirectionSampler Directions = CosineDirections>
 class BasicTransport {
  public:
   BasicTransport(const Bvh& bvh, const Lights& lights, int max_depth, int roulette_depth,
-                 LightSink& sink, Observer observer = {});
+                 LightSink& sink, Observer observer = {}, const Directions& directions = {});
 
   /// Rays from here on go to this one.
   void observe(const Observer& observer) { observer_ = observer; }
@@ -94,11 +89,6 @@ class BasicTransport {
   PathBlock& start() { return paths_; }
 
  private:
-  /// Whether the observer guides paths.
-  static constexpr bool kGuides = requires(const Observer& observer, const Vec3& v) {
-    observer.guide(1, v, v);
-  };
-
   void start_at_surfaces(const PathSampler& sampler);
   void follow(PathSampler& sampler);
   void end_unwanted();
@@ -111,12 +101,10 @@ class BasicTransport {
   void add_environment(int lane);
   void sample_lights(int vertex, PathSampler& sampler);
   void weigh_metal();
-  void weigh_guided();
   void cast_shadows(int depth);
   void russian_roulette(int vertex, PathSampler& sampler);
   void scatter(int vertex, PathSampler& sampler);
   void scatter_one_by_one();
-  bool scatter_guided(int lane, Vec3* direction, Rgb* throughput, float* pdf) const;
   void move_lane(int from, int to);
   void deliver(int depth);
 
@@ -131,8 +119,7 @@ class BasicTransport {
   PathBlock paths_;
   std::vector<GlossyBsdf> metal_;         ///< metallic vertices where paths stand
   alignas(64) int32_t metal_of_[kBlock];  ///< lane's index into metal_, kNone if it is diffuse
-  alignas(64) int32_t guide_[kBlock];     ///< of a lane, by the observer; kNone without
-  bool guided_ = false;                   ///< some lane has a guide
+  [[no_unique_address]] SampledLanes<Directions> sampled_;
   HitBlock hits_;
   LightBlock light_samples_;
   ShadowBlock shadows_;

@@ -19,20 +19,24 @@ namespace lte::pathtrace {
 /// Light samples stand off their surface already; this only covers rounding of the distance.
 inline constexpr float kShadowLength = 1 - 0x1p-20f;
 
-template <typename Observer>
-BasicTransport<Observer>::BasicTransport(const Bvh& bvh, const Lights& lights, int max_depth,
-                                         int roulette_depth, LightSink& sink, Observer observer)
+template <typename Observer, DirectionSampler Directions>
+BasicTransport<Observer, Directions>::BasicTransport(const Bvh& bvh, const Lights& lights,
+                                                     int max_depth, int roulette_depth,
+                                                     LightSink& sink, Observer observer,
+                                                     const Directions& directions)
     : handles_(bvh.handles()),
       scene_(bvh.scene()),
       lights_(lights),
       max_depth_(max_depth),
       roulette_depth_(roulette_depth),
       sink_(sink),
-      observer_(std::move(observer)) {}
+      observer_(std::move(observer)),
+      sampled_(directions) {}
 
-template <typename Observer>
-void BasicTransport<Observer>::trace_from_surface(const Vec3& position, const Vec3& normal,
-                                                  PathSampler& sampler) {
+template <typename Observer, DirectionSampler Directions>
+void BasicTransport<Observer, Directions>::trace_from_surface(const Vec3& position,
+                                                              const Vec3& normal,
+                                                              PathSampler& sampler) {
   for (int lane = 0; lane < sampler.paths(); ++lane) {
     paths_.origin.put(lane, position);
     paths_.normal.put(lane, normal);
@@ -40,34 +44,34 @@ void BasicTransport<Observer>::trace_from_surface(const Vec3& position, const Ve
   trace_from_surfaces(sampler);
 }
 
-template <typename Observer>
-void BasicTransport<Observer>::trace_from_surfaces(PathSampler& sampler) {
+template <typename Observer, DirectionSampler Directions>
+void BasicTransport<Observer, Directions>::trace_from_surfaces(PathSampler& sampler) {
   start_at_surfaces(sampler);
   sample_lights(0, sampler);
   scatter(0, sampler);
   follow(sampler);
 }
 
-template <typename Observer>
-void BasicTransport<Observer>::trace_indirect(PathSampler& sampler) {
+template <typename Observer, DirectionSampler Directions>
+void BasicTransport<Observer, Directions>::trace_indirect(PathSampler& sampler) {
   start_at_surfaces(sampler);
   scatter(0, sampler);
   follow(sampler);
 }
 
-template <typename Observer>
-void BasicTransport<Observer>::start_at_surfaces(const PathSampler& sampler) {
+template <typename Observer, DirectionSampler Directions>
+void BasicTransport<Observer, Directions>::start_at_surfaces(const PathSampler& sampler) {
   paths_.size = sampler.paths();
   metal_.clear();
-  guided_ = false;
+  sampled_.clear();
   for (int lane = 0; lane < paths_.size; ++lane) {
     paths_.throughput.put(lane, {1, 1, 1});
     paths_.path[lane] = lane;
   }
 }
 
-template <typename Observer>
-void BasicTransport<Observer>::trace_from_camera(PathSampler& sampler) {
+template <typename Observer, DirectionSampler Directions>
+void BasicTransport<Observer, Directions>::trace_from_camera(PathSampler& sampler) {
   paths_.size = sampler.paths();
   for (int lane = 0; lane < paths_.size; ++lane) {
     paths_.normal.put(lane, {});
@@ -79,8 +83,8 @@ void BasicTransport<Observer>::trace_from_camera(PathSampler& sampler) {
 }
 
 /// Follows the paths of the block from hit to hit; the first hit has depth 1.
-template <typename Observer>
-void BasicTransport<Observer>::follow(PathSampler& sampler) {
+template <typename Observer, DirectionSampler Directions>
+void BasicTransport<Observer, Directions>::follow(PathSampler& sampler) {
   for (int depth = 1; depth <= max_depth_; ++depth) {
     end_unwanted();
     if (paths_.size == 0) return;
@@ -100,8 +104,8 @@ void BasicTransport<Observer>::follow(PathSampler& sampler) {
 }
 
 /// Ends the paths that the observer does not want any more, and closes up their lanes.
-template <typename Observer>
-void BasicTransport<Observer>::end_unwanted() {
+template <typename Observer, DirectionSampler Directions>
+void BasicTransport<Observer, Directions>::end_unwanted() {
   if constexpr (requires { observer_.wanted(0); }) {
     int kept = 0;
     for (int lane = 0; lane < paths_.size; ++lane) {
@@ -116,12 +120,11 @@ void BasicTransport<Observer>::end_unwanted() {
 
 /// Asks the observer for the light on a diffuse hit, and adds it if it is known.
 /// @param throughput  albedo of the hit included
-template <typename Observer>
-bool BasicTransport<Observer>::end_where_known([[maybe_unused]] int lane,
-                                               [[maybe_unused]] int depth,
-                                               [[maybe_unused]] const SurfacePoint& point,
-                                               [[maybe_unused]] const Vec3& side,
-                                               [[maybe_unused]] const Rgb& throughput) {
+template <typename Observer, DirectionSampler Directions>
+bool BasicTransport<Observer, Directions>::end_where_known(
+    [[maybe_unused]] int lane, [[maybe_unused]] int depth,
+    [[maybe_unused]] const SurfacePoint& point, [[maybe_unused]] const Vec3& side,
+    [[maybe_unused]] const Rgb& throughput) {
   if constexpr (requires(Rgb * e) { observer_.known_irradiance(1, 1.0f, side, side, e); }) {
     Rgb irradiance;
     if (!observer_.known_irradiance(depth, hits_.t[lane], point.position, side, &irradiance))
@@ -134,19 +137,19 @@ bool BasicTransport<Observer>::end_where_known([[maybe_unused]] int lane,
 }
 
 /// Metres that a ray stands for where it meets a surface: textures are filtered over them.
-template <typename Observer>
-float BasicTransport<Observer>::footprint([[maybe_unused]] float distance) const {
+template <typename Observer, DirectionSampler Directions>
+float BasicTransport<Observer, Directions>::footprint([[maybe_unused]] float distance) const {
   if constexpr (requires { observer_.footprint(distance); }) return observer_.footprint(distance);
   return 0;
 }
 
 /// Adds emission where rays have met something, and moves the paths on to their hits: origin, side,
 /// and throughput with the albedo of diffuse vertices. Closes up the lanes of paths that end.
-template <typename Observer>
-void BasicTransport<Observer>::shade(int depth) {
+template <typename Observer, DirectionSampler Directions>
+void BasicTransport<Observer, Directions>::shade(int depth) {
   int kept = 0;
   metal_.clear();
-  guided_ = false;
+  sampled_.clear();
   for (int lane = 0; lane < paths_.size; ++lane) {
     const int instance = hits_.instance[lane];
     if (instance == scene::kNone) {
@@ -184,10 +187,10 @@ void BasicTransport<Observer>::shade(int depth) {
     }
     if (!(max_component(throughput) > 0)) continue;
     if (gloss.metallic <= 0 && end_where_known(lane, depth, point, side, throughput)) continue;
-    if constexpr (kGuides) {
-      guide_[kept] =
-          gloss.metallic > 0 ? scene::kNone : observer_.guide(depth, point.position, side);
-      guided_ |= guide_[kept] != scene::kNone;
+    if (gloss.metallic > 0) {
+      sampled_.leave(kept);
+    } else {
+      sampled_.put(kept, depth, point.position, side);
     }
     paths_.origin.put(kept, point.position + side * point.offset);
     paths_.normal.put(kept, side);
@@ -199,8 +202,8 @@ void BasicTransport<Observer>::shade(int depth) {
 }
 
 /// Adds emission at the last depth, where nothing else counts.
-template <typename Observer>
-void BasicTransport<Observer>::collect_emission(int depth) {
+template <typename Observer, DirectionSampler Directions>
+void BasicTransport<Observer, Directions>::collect_emission(int depth) {
   for (int lane = 0; lane < paths_.size; ++lane) {
     const int instance = hits_.instance[lane];
     if (instance == scene::kNone) {
@@ -221,8 +224,9 @@ void BasicTransport<Observer>::collect_emission(int depth) {
 }
 
 /// Adds the light of a surface that a ray has hit, weighted by the balance heuristic.
-template <typename Observer>
-void BasicTransport<Observer>::add_emission(int lane, const Rgb& emission, float cos_front) {
+template <typename Observer, DirectionSampler Directions>
+void BasicTransport<Observer, Directions>::add_emission(int lane, const Rgb& emission,
+                                                        float cos_front) {
   const int instance = hits_.instance[lane];
   const InstanceRecord& record = handles_.instances[static_cast<size_t>(instance)];
   if (!(cos_front > 0 || record.two_sided)) return;
@@ -239,8 +243,8 @@ void BasicTransport<Observer>::add_emission(int lane, const Rgb& emission, float
 }
 
 /// Adds what a ray that leaves the scene brings, weighted by the balance heuristic.
-template <typename Observer>
-void BasicTransport<Observer>::add_environment(int lane) {
+template <typename Observer, DirectionSampler Directions>
+void BasicTransport<Observer, Directions>::add_environment(int lane) {
   const EnvironmentSampler& environment = lights_.environment();
   const EnvironmentSample seen =
       environment.evaluate(paths_.normal.at(lane), paths_.direction.at(lane));
@@ -251,21 +255,21 @@ void BasicTransport<Observer>::add_environment(int lane) {
 }
 
 /// Next-event estimation at the vertex where the paths stand.
-template <typename Observer>
-void BasicTransport<Observer>::sample_lights(int vertex, PathSampler& sampler) {
+template <typename Observer, DirectionSampler Directions>
+void BasicTransport<Observer, Directions>::sample_lights(int vertex, PathSampler& sampler) {
   sampler.light(vertex, paths_.path, paths_.size, &light_numbers_);
   sample_light_lanes(lights_, paths_.origin, paths_.normal, light_numbers_, paths_.size,
                      &light_samples_);
   weigh_diffuse(paths_.normal, light_samples_.direction, light_samples_.pdf, paths_.size,
                 light_weight_);
   if (!metal_.empty()) weigh_metal();
-  if (guided_) weigh_guided();
+  if (sampled_.any()) sampled_.weigh(paths_, light_samples_, light_weight_);
   cast_shadows(vertex + 1);
 }
 
 /// Weighs the light samples at metallic vertices anew: their reflectance has a color of its own.
-template <typename Observer>
-void BasicTransport<Observer>::weigh_metal() {
+template <typename Observer, DirectionSampler Directions>
+void BasicTransport<Observer, Directions>::weigh_metal() {
   for (int lane = 0; lane < paths_.size; ++lane) {
     if (metal_of_[lane] == scene::kNone || light_weight_[lane] == 0) continue;
     const Scattering to_light =
@@ -276,23 +280,9 @@ void BasicTransport<Observer>::weigh_metal() {
   }
 }
 
-/// Weighs the light samples at guided vertices anew: paths meet these lights with another density.
-template <typename Observer>
-void BasicTransport<Observer>::weigh_guided() {
-  if constexpr (kGuides) {
-    for (int lane = 0; lane < paths_.size; ++lane) {
-      if (guide_[lane] == scene::kNone || light_weight_[lane] == 0) continue;
-      const Vec3 direction = light_samples_.direction.at(lane);
-      const float cosine = dot(paths_.normal.at(lane), direction), pdf = light_samples_.pdf[lane];
-      const float guided = observer_.guided_pdf(guide_[lane], cosine, direction);
-      light_weight_[lane] = lambert_pdf(cosine) / (pdf < 0 ? -pdf : pdf + guided);
-    }
-  }
-}
-
 /// Traces the light samples that bring something, and delivers those that arrive.
-template <typename Observer>
-void BasicTransport<Observer>::cast_shadows(int depth) {
+template <typename Observer, DirectionSampler Directions>
+void BasicTransport<Observer, Directions>::cast_shadows(int depth) {
   int kept = 0;
   for (int lane = 0; lane < paths_.size; ++lane) {
     // Without a branch: half of the samples may lie behind a surface.
@@ -319,8 +309,8 @@ void BasicTransport<Observer>::cast_shadows(int depth) {
 }
 
 /// Ends paths by Russian roulette, and closes up their lanes.
-template <typename Observer>
-void BasicTransport<Observer>::russian_roulette(int vertex, PathSampler& sampler) {
+template <typename Observer, DirectionSampler Directions>
+void BasicTransport<Observer, Directions>::russian_roulette(int vertex, PathSampler& sampler) {
   sampler.roulette(vertex, paths_.path, paths_.size, roulette_numbers_);
   pathtrace::russian_roulette(roulette_numbers_, paths_.size, &paths_.throughput, flags_);
   int kept = 0;
@@ -332,58 +322,40 @@ void BasicTransport<Observer>::russian_roulette(int vertex, PathSampler& sampler
 }
 
 /// Moves what a path has before its direction is chosen.
-template <typename Observer>
-void BasicTransport<Observer>::move_lane(int from, int to) {
+template <typename Observer, DirectionSampler Directions>
+void BasicTransport<Observer, Directions>::move_lane(int from, int to) {
   paths_.origin.put(to, paths_.origin.at(from));
   paths_.normal.put(to, paths_.normal.at(from));
   paths_.throughput.put(to, paths_.throughput.at(from));
   paths_.path[to] = paths_.path[from];
   metal_of_[to] = metal_of_[from];
-  if constexpr (kGuides) guide_[to] = guide_[from];
+  sampled_.move(from, to);
 }
 
 /// Draws the next directions.
-template <typename Observer>
-void BasicTransport<Observer>::scatter(int vertex, PathSampler& sampler) {
+template <typename Observer, DirectionSampler Directions>
+void BasicTransport<Observer, Directions>::scatter(int vertex, PathSampler& sampler) {
   sampler.direction(vertex, paths_.path, paths_.size, &direction_numbers_);
   cosine_directions(direction_numbers_.x, direction_numbers_.y, paths_.size, paths_.normal,
                     &paths_.direction, paths_.pdf);
-  if (guided_ || !metal_.empty()) scatter_one_by_one();
+  if (sampled_.any() || !metal_.empty()) scatter_one_by_one();
 }
 
-/// Draws the direction of a guided vertex anew. False: it goes below the surface.
-template <typename Observer>
-bool BasicTransport<Observer>::scatter_guided([[maybe_unused]] int lane,
-                                              [[maybe_unused]] Vec3* direction,
-                                              [[maybe_unused]] Rgb* throughput,
-                                              [[maybe_unused]] float* pdf) const {
-  if constexpr (kGuides) {
-    const Vec3 normal = paths_.normal.at(lane);
-    *direction = observer_.guided_direction(
-        guide_[lane], normal,
-        {to_unit(direction_numbers_.x[lane]), to_unit(direction_numbers_.y[lane])});
-    const float cosine = dot(normal, *direction);
-    if (!(cosine > 0)) return false;
-    *pdf = observer_.guided_pdf(guide_[lane], cosine, *direction);
-    *throughput *= lambert_pdf(cosine) / *pdf;
-  }
-  return true;
-}
-
-/// Draws the directions at metallic and guided vertices anew, and closes up the lanes of paths that
-/// are lost there.
-template <typename Observer>
-void BasicTransport<Observer>::scatter_one_by_one() {
+/// Draws the directions at metallic vertices and at those of another sampler anew, and closes up
+/// the lanes of paths that end there.
+template <typename Observer, DirectionSampler Directions>
+void BasicTransport<Observer, Directions>::scatter_one_by_one() {
   int kept = 0;
   for (int lane = 0; lane < paths_.size; ++lane) {
     Vec3 direction = paths_.direction.at(lane);
     Rgb throughput = paths_.throughput.at(lane);
     float pdf = paths_.pdf[lane];
-    if (guided_ && guide_[lane] != scene::kNone) {
-      if (!scatter_guided(lane, &direction, &throughput, &pdf)) continue;
+    const Vec2 u{to_unit(direction_numbers_.x[lane]), to_unit(direction_numbers_.y[lane])};
+    if (sampled_.has(lane)) {
+      if (!sampled_.scatter(lane, paths_.normal.at(lane), u, &direction, &throughput, &pdf))
+        continue;
     } else if (!metal_.empty() && metal_of_[lane] != scene::kNone) {
-      const ScatteringSample next = metal_[static_cast<size_t>(metal_of_[lane])].sample(
-          {to_unit(direction_numbers_.x[lane]), to_unit(direction_numbers_.y[lane])});
+      const ScatteringSample next = metal_[static_cast<size_t>(metal_of_[lane])].sample(u);
       direction = next.direction;
       pdf = next.pdf;
       throughput *= next.weight;
@@ -397,8 +369,8 @@ void BasicTransport<Observer>::scatter_one_by_one() {
   paths_.size = kept;
 }
 
-template <typename Observer>
-void BasicTransport<Observer>::deliver(int depth) {
+template <typename Observer, DirectionSampler Directions>
+void BasicTransport<Observer, Directions>::deliver(int depth) {
   if (contribution_count_ > 0)
     sink_.add(depth, {contributions_, static_cast<size_t>(contribution_count_)});
   contribution_count_ = 0;

@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "infer/eval/baselines/baselines.h"
 #include "infer/eval/measure/embed_sample.h"
 #include "infer/eval/measure/scores.h"
-#include "infer/eval/rivals/baselines.h"
 #include "infer/tool/assets.h"
 #include "lte/base/process_memory.h"
 #include "lte/base/random.h"

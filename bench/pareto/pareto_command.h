@@ -1,0 +1,23 @@
+// The command line of lte_bench pareto.
+#pragma once
+
+#include <string>
+
+#include "lte/cli/cli.h"
+
+#include "bench/pareto/pareto.h"
+
+namespace lte::bench {
+
+struct ParetoRequest {
+  ParetoOptions options;
+  std::vector<std::string> sizes = {"160x120"};
+  std::string out;  ///< the page; empty: none
+};
+
+void add_pareto_options(CLI::App& command, ParetoRequest* request);
+
+/// @param repeats  timed runs of a method
+void run_pareto(const ParetoRequest& request, int repeats, const CommonOptions& common);
+
+}  // namespace lte::bench

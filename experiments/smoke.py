@@ -1,0 +1,117 @@
+#!/usr/bin/env python3
+"""Runs the program of one experiment on a tiny input and checks a number that it writes.
+
+usage: experiments/smoke.py BUILD SUBJECT
+"""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+SCENES, MODELS = ROOT / "assets/scenes", ROOT / "assets/models"
+BOX = SCENES / "cornell_box.glb"
+
+
+class Subject:
+    def __init__(self, build, name, folder):
+        self.bin, self.name, self.folder = build / "bin", name, folder
+
+    def tool(self, name, *arguments):
+        words = [self.bin / name, *map(str, arguments), "--quiet"]
+        done = subprocess.run(words, capture_output=True, text=True)
+        if done.returncode != 0:
+            sys.exit(f"{name} ended with {done.returncode}: {done.stderr.strip()}")
+        return done.stdout
+
+    def run(self, *arguments):
+        """The JSON that the program of this subject writes."""
+        out = self.folder / "out.json"
+        self.tool(f"experiment_{self.name}", *arguments, "--json", out)
+        return json.loads(out.read_text())
+
+
+def check(holds, what):
+    if not holds:
+        sys.exit(f"smoke.py: {what}")
+    print(f"holds: {what}")
+
+
+def attention(subject):
+    picture = subject.folder / "attention.png"
+    result = subject.run(BOX, "--point", "2.5,0,-2.5", "--size", "32x24", "--out", picture)
+    check(abs(result["sum"] - result["read"]) < 1e-3 * result["read"],
+          f"weights of {result['read']} latents have mean 1 (sum {result['sum']})")
+    check(picture.stat().st_size > 200, "there is a picture")
+
+
+def consistency(subject):
+    result = subject.run(BOX, "--size", "24x16", "--frames", 2, "--degrees", 3, "--spp", 2)
+    check(result["answers"] > result["points"] > 0, f"{result['answers']} answers are compared")
+    check(result["largest_change"] == 0, "the network's answers at a point do not change")
+
+
+def directions(subject):
+    data = subject.folder / "data"
+    subject.tool("lte_datagen", "generate", "--config", ROOT / "configs/data/glossy_test.yaml",
+                 "--out", data, "--scenes", 1, "--set", "incident.points=4", "--set",
+                 "incident.samples=32", "--set", "rays=16")
+    result = subject.run("--checkpoint", MODELS / "lte-radiance.safetensors", "--data", data,
+                         "--traced", data)
+    check(result["traced"]["mse"] == 0, "a data set has no error against itself")
+    fits = result["harmonics"]["least_squares"]
+    errors = [fit["mse"] for fit in fits]
+    check(all(b < a for a, b in zip(errors, errors[1:])),
+          f"error of {len(fits)} fits by harmonics falls with the degree")
+    check(0 < result["neural"]["logrel"] < result["even"]["logrel"],
+          "the network's maps are closer than its irradiance from everywhere")
+
+
+def guiding(subject):
+    rows = subject.run(SCENES / "guiding_screen.glb", "--checkpoint",
+                       MODELS / "lte-radiance.safetensors", "--size", "16x12", "--columns", 4,
+                       "--rows", 3, "--paths", 2048, "--points", 128, "--radius", 1)
+    plain = rows[0]["mean"]
+    for row in rows:
+        if "irradiance" in row["name"]:
+            continue
+        error = 5 * (row["relative_variance_8"] * 8 / 2048 / 12) ** 0.5 + 0.02
+        check(abs(row["mean"] / plain - 1) < error,
+              f"{row['name']}: mean within {100 * error:.1f} % of unguided paths")
+
+
+def replay(subject):
+    rows = subject.run(BOX, "--points", 50, "--paths", 32, "--seconds", 0.01)
+    stopped = {row["stopped"] for row in rows if "stopped" in row}
+    check(len(rows) == 11 and len(stopped) == 1 and stopped.pop() > 1000,
+          "every entry point stops the same rays")
+
+
+def sampling(subject):
+    table = subject.tool("experiment_sampling", BOX, "--rays", 64, "--points", 8, "--repeats", 4,
+                         "--reference-rays", 1024)
+    gains = [float(line.split("|")[6]) for line in table.splitlines()
+             if line.startswith("| stratification")]
+    check(len(gains) == 1 and gains[0] > 1,
+          f"stratified paths are worth {gains} times as many independent ones")
+
+
+def stability(subject):
+    result = subject.run("--quick")
+    check(result["holds"] and len(result["rows"]) > 20, "every row keeps its bound")
+    check(all(row["non_finite"] == 0 for row in result["rows"]), "every answer is finite")
+
+
+def main():
+    subjects = {f.__name__: f for f in (attention, consistency, directions, guiding, replay,
+                                        sampling, stability)}
+    if len(sys.argv) != 3 or sys.argv[2] not in subjects:
+        sys.exit(f"{__doc__.strip()}\nsubjects: {', '.join(subjects)}")
+    with tempfile.TemporaryDirectory() as folder:
+        build = pathlib.Path(sys.argv[1]).resolve()
+        subjects[sys.argv[2]](Subject(build, sys.argv[2], pathlib.Path(folder)))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,55 @@
+// Whether answers stay finite, and how much they change, in scenes that strain numbers.
+#include <cstdio>
+#include <string>
+
+#include "infer/tool/tool_options.h"
+#include "lte/base/check.h"
+#include "lte/base/file.h"
+
+#include "bench/begin_command.h"
+#include "experiments/stability/stability.h"
+#include "experiments/stability/stability_report.h"
+
+namespace lte::experiments {
+namespace {
+
+struct Request {
+  StabilityOptions options;
+  std::string out;  ///< the page; empty: none
+  CommonOptions common;
+};
+
+void add_options(CLI::App& app, Request* request) {
+  app.add_flag("--quick", request->options.quick, "Small sizes, for a few seconds");
+  app.add_option("--triangles", request->options.triangles,
+                 "Without --quick: triangles of the largest scene; two others have 3/10 and 1/10")
+      ->check(CLI::Range(int64_t{1000}, int64_t{200'000'000}))
+      ->capture_default_str();
+  app.add_option("--checkpoint", request->options.checkpoint, "Model; by default the shipped one");
+  app.add_option("--out", request->out, "Page to write (.html)");
+  add_common_options(app, &request->common);
+}
+
+void run(const Request& request) {
+  CommandFiles files;
+  files.reads("--checkpoint", request.options.checkpoint);
+  bench::begin_command(request.common, &files, request.out);
+  const std::vector<StabilityRow> rows = measure_stability(request.options);
+  std::fputs(stability_table(rows).c_str(), stdout);
+  files.check_what_was_read();
+  if (!request.common.json.empty())
+    write_file(request.common.json, stability_json(request.options, rows));
+  if (!request.out.empty()) write_file(request.out, stability_html(request.options, rows));
+  if (!all_hold(rows)) throw Error(stability_verdict(rows));
+}
+
+}  // namespace
+}  // namespace lte::experiments
+
+int main(int argc, char** argv) {
+  CLI::App app{"Finite answers, and how little they change, in scenes that strain numbers.",
+               "experiment_stability"};
+  lte::experiments::Request request;
+  lte::experiments::add_options(app, &request);
+  return lte::infer::run_network_tool(app, argc, argv, [&] { lte::experiments::run(request); });
+}
