@@ -1,14 +1,21 @@
 #include "bench/pareto/methods.h"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
+#include "infer/picture/picture_band.h"
+#include "infer/picture/surface_guides.h"
 #include "infer/render/gather_plan.h"
 #include "infer/render/quality.h"
 #include "infer/render/time_budget.h"
+#include "infer/renderer/denoised_paths.h"
 #include "lte/base/check.h"
 #include "lte/base/text.h"
 #include "lte/base/timer.h"
+#include "lte/image/denoise.h"
+#include "lte/pathtrace/gbuffer.h"
+#include "lte/pathtrace/render.h"
 
 namespace lte::bench {
 namespace {
@@ -48,29 +55,67 @@ RenderSettings settings_of(const MethodScene& scene, Indirect indirect) {
 MethodPicture render(const MethodScene& scene, const scene::Camera& camera,
                      const RenderSettings& settings) {
   infer::Frame frame = scene.renderer.render(camera, settings);
-  MethodPicture out{std::move(frame.color), std::move(frame.indirect)};
-  // The layers of a denoised reference are those of its paths.
-  if (settings.mode == infer::Mode::Reference && settings.denoise != infer::Denoise::Off)
-    out.indirect = {};
-  for (size_t i = 0; i < out.indirect.pixels.size(); ++i)
-    out.indirect.pixels[i] *= frame.albedo.pixels[i] / kPi;
-  return out;
+  return {std::move(frame.color),
+          [indirect = std::move(frame.indirect), albedo = std::move(frame.albedo)]() mutable {
+            for (size_t i = 0; i < indirect.pixels.size(); ++i)
+              indirect.pixels[i] *= albedo.pixels[i] / kPi;
+            return std::move(indirect);
+          }};
 }
 
-/// lte_render --mode reference --spp N [--denoise on].
-Method paths(int count, bool denoised) {
+/// lte_render --mode reference --spp N.
+Method paths(int count) {
   Method method;
-  method.family = denoised ? "denoised" : "paths";
-  method.name = concat(method.family, "-", count);
-  method.settings =
-      concat(count, count == 1 ? " path a pixel" : " paths a pixel", denoised ? ", denoised" : "");
+  method.family = "paths";
+  method.name = concat("paths-", count);
+  method.settings = concat(count, count == 1 ? " path a pixel" : " paths a pixel");
   method.prepare = [](const MethodScene&) {};
-  method.render = [count, denoised](const MethodScene& scene, const scene::Camera& camera, double) {
+  method.render = [count](const MethodScene& scene, const scene::Camera& camera, double) {
     RenderSettings settings = settings_of(scene, Indirect::Paths);
     settings.mode = infer::Mode::Reference;
     settings.spp = count;
-    settings.denoise = denoised ? infer::Denoise::On : infer::Denoise::Off;
+    settings.denoise = infer::Denoise::Off;
     return render(scene, camera, settings);
+  };
+  return method;
+}
+
+/// Paths and a denoiser that has albedo, normals and emission of whole pixels, as renderers give
+/// them to denoisers.
+MethodPicture render_denoised(const MethodScene& scene, const scene::Camera& camera, int count,
+                              const std::shared_ptr<const image::Denoiser>& denoiser) {
+  const pathtrace::Bvh& bvh = scene.renderer.bvh();
+  pathtrace::RadianceLayers layers;
+  pathtrace::render_reference(bvh, scene.renderer.lights(), camera, scene.width, scene.height,
+                              {count, scene.max_depth + 1, scene.seed}, {}, &layers);
+  const pathtrace::GBuffer hits = pathtrace::trace_gbuffer(bvh, camera, scene.width, scene.height);
+  const auto guides = std::make_shared<const infer::SurfaceGuides>(infer::guides_of(hits));
+  const infer::PictureBand band(bvh, camera, {scene.width, scene.height, 0, scene.height},
+                                {.antialias = infer::kAntialias, .mean_normal = true}, &hits);
+  const auto seen = std::make_shared<const infer::Frame>(band.resolve({}));
+  const auto denoise = [denoiser, guides, seen](const image::Image& light) {
+    return infer::denoise_reflected(*denoiser, *guides, light, {seen->albedo, seen->mean_normal});
+  };
+  image::Image reflected = std::move(layers.direct);
+  for (size_t i = 0; i < reflected.pixels.size(); ++i)
+    reflected.pixels[i] += layers.indirect.pixels[i];
+  image::Image whole = denoise(reflected);
+  for (size_t i = 0; i < whole.pixels.size(); ++i) whole.pixels[i] += seen->emission.pixels[i];
+  return {std::move(whole),
+          [denoise, indirect = std::move(layers.indirect)] { return denoise(indirect); }};
+}
+
+Method denoised_paths(int count) {
+  Method method = paths(count);
+  method.family = "denoised";
+  method.name = concat("denoised-", count);
+  method.settings += ", denoised: Open Image Denoise where it is found";
+  const auto denoiser = std::make_shared<std::shared_ptr<const image::Denoiser>>();
+  method.prepare = [denoiser](const MethodScene&) {
+    *denoiser = std::make_shared<const image::Denoiser>();
+  };
+  method.render = [denoiser, count](const MethodScene& scene, const scene::Camera& camera, double) {
+    return render_denoised(scene, camera, count, *denoiser);
   };
   return method;
 }
@@ -115,8 +160,8 @@ Method by_time(double seconds) {
 
 std::vector<Method> all_methods() {
   std::vector<Method> out;
-  for (const int count : {1, 4, 16, 64, 256, 1024}) out.push_back(paths(count, false));
-  for (const int count : {1, 4, 16, 64}) out.push_back(paths(count, true));
+  for (const int count : {1, 4, 16, 64, 256, 1024}) out.push_back(paths(count));
+  for (const int count : {1, 4, 16, 64}) out.push_back(denoised_paths(count));
   for (const char* family : {"network", "decoded", "gather"}) {
     for (const Quality quality : {Quality::Draft, Quality::Preview, Quality::Final})
       out.push_back(by_quality(family, quality));

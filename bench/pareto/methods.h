@@ -28,7 +28,9 @@ struct MethodScene {
 /// Radiance towards the camera.
 struct MethodPicture {
   image::Image whole;
-  image::Image indirect;  ///< of that, reflected more than once; empty where a method cannot tell
+  /// Of that, light reflected more than once; called when no time is taken. Null where a method
+  /// cannot tell.
+  std::function<image::Image()> indirect;
 };
 
 struct Method {
