@@ -3,11 +3,10 @@
 #include <cstdio>
 #include <memory>
 
+#include "bench/begin_command.h"
 #include "infer/tool/tool_options.h"
 #include "lte/base/file.h"
 #include "lte/cli/numbers.h"
-
-#include "bench/begin_command.h"
 
 #ifndef LTE_HAS_SCENE
 #define LTE_HAS_SCENE 0

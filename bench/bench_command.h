@@ -4,9 +4,8 @@
 #include <functional>
 #include <vector>
 
-#include "lte/cli/cli.h"
-
 #include "bench/bench.h"
+#include "lte/cli/cli.h"
 
 namespace lte::bench {
 

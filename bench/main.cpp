@@ -1,7 +1,6 @@
 // lte_bench: times of every stage, and time against error.
-#include "infer/tool/tool_options.h"
-
 #include "bench/bench_command.h"
+#include "infer/tool/tool_options.h"
 
 int main(int argc, char** argv) {
   CLI::App app{"Measure run time, and run time against error.", "lte_bench"};

@@ -2,6 +2,7 @@
 #include <ATen/ATen.h>
 #include <ATen/core/grad_mode.h>
 
+#include "bench/bench.h"
 #include "infer/tool/memory.h"
 #include "infer/tool/tool_options.h"
 #include "lte/base/process_memory.h"
@@ -16,8 +17,6 @@
 #include "lte/ops/neighbour_sums.h"
 #include "lte/ops/submanifold_conv.h"
 #include "lte/runtime/torch_parts.h"
-
-#include "bench/bench.h"
 
 namespace lte::bench {
 

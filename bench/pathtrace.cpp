@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/bench.h"
 #include "infer/tool/assets.h"
 #include "lte/base/parallel.h"
 #include "lte/base/process_memory.h"
@@ -9,8 +10,6 @@
 #include "lte/cli/scene_flags.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/scene/sampler.h"
-
-#include "bench/bench.h"
 
 namespace lte::bench {
 

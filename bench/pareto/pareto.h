@@ -7,11 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "infer/picture/picture_score.h"
-#include "lte/cli/scene_flags.h"
-
 #include "bench/pareto/methods.h"
 #include "bench/pareto/reference.h"
+#include "infer/picture/picture_score.h"
+#include "lte/cli/scene_flags.h"
 
 namespace lte::bench {
 

@@ -3,14 +3,13 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "bench/begin_command.h"
+#include "bench/pareto/pareto_report.h"
 #include "infer/tool/picture_size.h"
 #include "infer/tool/tool_options.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/scene/load_camera.h"
-
-#include "bench/begin_command.h"
-#include "bench/pareto/pareto_report.h"
 
 namespace lte::bench {
 

@@ -3,9 +3,8 @@
 
 #include <string>
 
-#include "lte/cli/cli.h"
-
 #include "bench/pareto/pareto.h"
+#include "lte/cli/cli.h"
 
 namespace lte::bench {
 

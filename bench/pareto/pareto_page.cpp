@@ -1,13 +1,12 @@
 #include <algorithm>
 #include <functional>
 
+#include "bench/pareto/pareto_report.h"
 #include "lte/base/check.h"
 #include "lte/base/parallel.h"
 #include "lte/base/text.h"
 #include "lte/report/chart.h"
 #include "lte/report/html.h"
-
-#include "bench/pareto/pareto_report.h"
 
 namespace lte::bench {
 

@@ -4,9 +4,8 @@
 #include <filesystem>
 #include <string>
 
-#include "infer/picture/picture_score.h"
-
 #include "bench/pareto/methods.h"
+#include "infer/picture/picture_score.h"
 
 namespace lte::bench {
 

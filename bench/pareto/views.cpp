@@ -1,10 +1,9 @@
 #include <cmath>
 #include <optional>
 
+#include "bench/pareto/pareto.h"
 #include "lte/pathtrace/placement/auto_camera.h"
 #include "lte/scene/load_camera.h"
-
-#include "bench/pareto/pareto.h"
 
 namespace lte::bench {
 namespace {

@@ -11,6 +11,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "bench/begin_command.h"
+#include "bench/pareto/pareto.h"
 #include "infer/renderer/renderer.h"
 #include "infer/tool/assets.h"
 #include "infer/tool/picture_size.h"
@@ -25,9 +27,6 @@
 #include "lte/runtime/attention.h"
 #include "lte/scene/closest_point.h"
 #include "lte/scene/load_camera.h"
-
-#include "bench/begin_command.h"
-#include "bench/pareto/pareto.h"
 
 namespace lte::experiments {
 namespace {

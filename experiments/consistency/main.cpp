@@ -5,6 +5,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "bench/begin_command.h"
+#include "bench/pareto/pareto.h"
+#include "experiments/consistency/consistency.h"
 #include "infer/light/untrained_light.h"
 #include "infer/tool/assets.h"
 #include "infer/tool/picture_size.h"
@@ -13,10 +16,6 @@
 #include "lte/base/file.h"
 #include "lte/cli/scene_flags.h"
 #include "lte/scene/load_camera.h"
-
-#include "bench/begin_command.h"
-#include "bench/pareto/pareto.h"
-#include "experiments/consistency/consistency.h"
 
 namespace lte::experiments {
 

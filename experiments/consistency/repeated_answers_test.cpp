@@ -3,9 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/scenes.h"
-
 #include "experiments/consistency/consistency.h"
+#include "tests/support/scenes.h"
 
 namespace lte::experiments {
 namespace {

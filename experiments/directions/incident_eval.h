@@ -8,11 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "experiments/directions/map_baselines.h"
 #include "lte/data/dataset.h"
 #include "lte/runtime/memory_limit.h"
 #include "lte/runtime/network.h"
-
-#include "experiments/directions/map_baselines.h"
 
 namespace lte::experiments {
 

@@ -4,13 +4,12 @@
 #include <iostream>
 #include <string>
 
+#include "experiments/directions/incident_eval.h"
+#include "experiments/directions/incident_page.h"
 #include "infer/tool/tool_options.h"
 #include "lte/base/file.h"
 #include "lte/cli/command_files.h"
 #include "lte/cli/writable.h"
-
-#include "experiments/directions/incident_eval.h"
-#include "experiments/directions/incident_page.h"
 
 namespace lte::experiments {
 namespace {

@@ -8,10 +8,9 @@
 
 #include <ATen/core/Tensor.h>
 
-#include "lte/data/incident_field.h"
-
 #include "experiments/directions/spherical_gaussians.h"
 #include "experiments/directions/spherical_harmonics.h"
+#include "lte/data/incident_field.h"
 
 namespace lte::experiments {
 

@@ -6,9 +6,8 @@
 
 #include <ATen/ATen.h>
 
-#include "lte/base/check.h"
-
 #include "experiments/directions/nonnegative.h"
+#include "lte/base/check.h"
 
 namespace lte::experiments {
 namespace {

@@ -5,10 +5,9 @@
 #include <ATen/ATen.h>
 #include <gtest/gtest.h>
 
+#include "experiments/directions/nonnegative.h"
 #include "lte/base/check.h"
 #include "lte/pathtrace/incident/hemisphere_bins.h"
-
-#include "experiments/directions/nonnegative.h"
 
 namespace lte::experiments {
 namespace {

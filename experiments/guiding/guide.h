@@ -8,10 +8,9 @@
 
 #include <memory>
 
-#include "lte/base/math.h"
-
 #include "experiments/guiding/guide_table.h"
 #include "experiments/guiding/incident_sampler.h"
+#include "lte/base/math.h"
 
 namespace lte::experiments {
 

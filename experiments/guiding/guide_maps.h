@@ -6,15 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "experiments/guiding/guide.h"
+#include "experiments/guiding/guide_field.h"
+#include "experiments/guiding/shared_places.h"
 #include "lte/base/text.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights/lights.h"
 #include "lte/runtime/embedding.h"
 #include "lte/scene/sampler.h"
-
-#include "experiments/guiding/guide.h"
-#include "experiments/guiding/guide_field.h"
-#include "experiments/guiding/shared_places.h"
 
 namespace lte::experiments {
 

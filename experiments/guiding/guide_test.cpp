@@ -7,14 +7,13 @@
 
 #include <gtest/gtest.h>
 
+#include "experiments/guiding/guide_field.h"
 #include "lte/base/check.h"
 #include "lte/base/random.h"
 #include "lte/pathtrace/incident/hemisphere_bins.h"
 #include "lte/pathtrace/incident/incident.h"
 #include "lte/scene/sampler.h"
 #include "tests/support/scenes.h"
-
-#include "experiments/guiding/guide_field.h"
 
 namespace lte::experiments {
 

@@ -5,12 +5,11 @@
 #include <optional>
 #include <utility>
 
+#include "experiments/guiding/guide_maps.h"
+#include "experiments/guiding/sights.h"
 #include "lte/base/text.h"
 #include "lte/base/timer.h"
 #include "lte/scene/sampler.h"
-
-#include "experiments/guiding/guide_maps.h"
-#include "experiments/guiding/sights.h"
 
 namespace lte::experiments {
 

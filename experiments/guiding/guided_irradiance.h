@@ -4,9 +4,8 @@
 
 #include <vector>
 
-#include "infer/renderer/renderer.h"
-
 #include "experiments/guiding/guiding_row.h"
+#include "infer/renderer/renderer.h"
 
 namespace lte::experiments {
 

@@ -6,11 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "lte/base/timer.h"
-
 #include "experiments/guiding/guide_maps.h"
 #include "experiments/guiding/guiding_row.h"
 #include "experiments/guiding/sights.h"
+#include "lte/base/timer.h"
 
 namespace lte::experiments {
 

@@ -5,10 +5,9 @@
 
 #include <vector>
 
+#include "experiments/guiding/guiding_row.h"
 #include "infer/renderer/renderer.h"
 #include "lte/scene/scene.h"
-
-#include "experiments/guiding/guiding_row.h"
 
 namespace lte::experiments {
 

@@ -4,15 +4,14 @@
 #include <array>
 #include <functional>
 
+#include "experiments/guiding/guide.h"
+#include "experiments/guiding/guide_field.h"
 #include "lte/base/check.h"
 #include "lte/pathtrace/incident/slot_sums.h"
 #include "lte/pathtrace/materials/glossy_bsdf.h"
 #include "lte/pathtrace/materials/lambert.h"
 #include "lte/pathtrace/transport/irradiance_kernel.h"
 #include "lte/pathtrace/transport/transport_impl.h"
-
-#include "experiments/guiding/guide.h"
-#include "experiments/guiding/guide_field.h"
 
 namespace lte::experiments {
 

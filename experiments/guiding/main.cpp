@@ -6,6 +6,10 @@
 #include <tuple>
 #include <vector>
 
+#include "bench/begin_command.h"
+#include "bench/bench.h"
+#include "experiments/guiding/guided_irradiance.h"
+#include "experiments/guiding/guided_pixels.h"
 #include "infer/renderer/renderer.h"
 #include "infer/tool/picture_size.h"
 #include "infer/tool/tool_options.h"
@@ -14,11 +18,6 @@
 #include "lte/cli/numbers.h"
 #include "lte/cli/scene_flags.h"
 #include "lte/pathtrace/placement/auto_camera.h"
-
-#include "bench/begin_command.h"
-#include "bench/bench.h"
-#include "experiments/guiding/guided_irradiance.h"
-#include "experiments/guiding/guided_pixels.h"
 
 namespace lte::experiments {
 namespace {

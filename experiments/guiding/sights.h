@@ -4,13 +4,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "experiments/guiding/guide.h"
 #include "lte/base/random.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/incident/incident.h"
 #include "lte/pathtrace/lights/lights.h"
 #include "lte/scene/scene.h"
-
-#include "experiments/guiding/guide.h"
 
 namespace lte::experiments {
 

@@ -4,6 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "bench/begin_command.h"
+#include "bench/bench.h"
+#include "experiments/replay/trace_rates.h"
 #include "infer/tool/assets.h"
 #include "infer/tool/tool_options.h"
 #include "lte/base/file.h"
@@ -11,10 +14,6 @@
 #include "lte/cli/numbers.h"
 #include "lte/cli/scene_flags.h"
 #include "lte/scene/sampler.h"
-
-#include "bench/begin_command.h"
-#include "bench/bench.h"
-#include "experiments/replay/trace_rates.h"
 
 namespace lte::experiments {
 namespace {

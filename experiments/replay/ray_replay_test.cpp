@@ -3,11 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include "experiments/replay/trace_rates.h"
 #include "lte/pathtrace/transport/irradiance_kernel.h"
 #include "lte/pathtrace/transport/transport_impl.h"
 #include "tests/support/scenes.h"
-
-#include "experiments/replay/trace_rates.h"
 
 namespace lte::experiments {
 namespace {

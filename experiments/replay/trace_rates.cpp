@@ -5,12 +5,11 @@
 #include <functional>
 #include <vector>
 
+#include "experiments/replay/ray_replay.h"
 #include "lte/base/parallel.h"
 #include "lte/base/timer.h"
 #include "lte/pathtrace/transport/irradiance_kernel.h"
 #include "lte/pathtrace/transport/transport_impl.h"
-
-#include "experiments/replay/ray_replay.h"
 
 namespace lte::experiments {
 namespace {

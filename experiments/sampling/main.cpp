@@ -6,13 +6,12 @@
 
 #include <CLI/CLI.hpp>
 
+#include "experiments/sampling/error_gain.h"
 #include "lte/cli/cli.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/scene/load.h"
 #include "lte/scene/sampler.h"
 #include "tests/support/scenes.h"
-
-#include "experiments/sampling/error_gain.h"
 
 namespace lte::experiments {
 

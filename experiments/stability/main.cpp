@@ -2,13 +2,12 @@
 #include <cstdio>
 #include <string>
 
-#include "infer/tool/tool_options.h"
-#include "lte/base/check.h"
-#include "lte/base/file.h"
-
 #include "bench/begin_command.h"
 #include "experiments/stability/stability.h"
 #include "experiments/stability/stability_report.h"
+#include "infer/tool/tool_options.h"
+#include "lte/base/check.h"
+#include "lte/base/file.h"
 
 namespace lte::experiments {
 namespace {

@@ -7,14 +7,13 @@
 #include <optional>
 #include <utility>
 
+#include "experiments/stability/stress_answers.h"
 #include "infer/tool/assets.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/parallel.h"
 #include "lte/base/random.h"
 #include "lte/runtime/device.h"
-
-#include "experiments/stability/stress_answers.h"
 
 namespace lte::experiments {
 

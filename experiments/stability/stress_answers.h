@@ -5,11 +5,10 @@
 #include <functional>
 #include <vector>
 
+#include "experiments/stability/stress_scene.h"
 #include "infer/light/lit_samples.h"
 #include "infer/light/points.h"
 #include "lte/runtime/network.h"
-
-#include "experiments/stability/stress_scene.h"
 
 namespace lte::experiments {
 

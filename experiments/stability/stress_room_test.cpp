@@ -4,11 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "lte/scene/sampler.h"
-
 #include "experiments/stability/stability.h"
 #include "experiments/stability/stability_report.h"
 #include "experiments/stability/stress_scene.h"
+#include "lte/scene/sampler.h"
 
 namespace lte::experiments {
 

@@ -10,6 +10,7 @@
 #include <ATen/core/grad_mode.h>
 #include <CLI/CLI.hpp>
 
+#include "bench/bench.h"
 #include "infer/tool/tool_options.h"
 #include "lte/base/file.h"
 #include "lte/base/timer.h"
@@ -17,8 +18,6 @@
 #include "lte/nn/synthetic_room.h"
 #include "lte/runtime/device.h"
 #include "tests/bench/eager_network.h"
-
-#include "bench/bench.h"
 
 namespace lte::bench {
 namespace {

@@ -10,6 +10,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "bench/bench_command.h"
+#include "bench/pareto/pareto_report.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/scene/export.h"
@@ -19,9 +21,6 @@
 #include "tests/support/in_folder.h"
 #include "tests/support/room.h"
 #include "tests/support/temp_dir.h"
-
-#include "bench/bench_command.h"
-#include "bench/pareto/pareto_report.h"
 
 namespace lte::bench {
 namespace {

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "bench/bench_command.h"
 #include "infer/eval/eval_command.h"
 #include "infer/export/export_command.h"
 #include "infer/render/render_command.h"
@@ -14,8 +15,6 @@
 #include "tests/support/folder_files.h"
 #include "tests/support/in_folder.h"
 #include "tests/support/temp_dir.h"
-
-#include "bench/bench_command.h"
 
 namespace lte::infer {
 namespace {
