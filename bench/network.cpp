@@ -140,9 +140,8 @@ BenchResult time_decoder(const BenchOptions& options, c10::Device device,
 BenchResult time_radiance(const BenchOptions& options, c10::Device device,
                           nn::Precision precision) {
   nn::ModelConfig config;
-  config.light_input = nn::LightInput::Traced;
+  config.light_input = nn::LightInput::Radiosity;
   config.radiance_lobes = 48;
-  config.radiance_base = nn::RadianceBase::Points;
   nn::LightTransportModel model = untrained_model(device, options.channels, precision, config);
   const nn::Embedding embedding =
       model->encode(nn::synthetic_room(options.scene_points, 1).to(device));

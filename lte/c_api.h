@@ -105,23 +105,12 @@ typedef struct lte_model_options {
 LTE_API lte_status lte_model_open(const char* path, const lte_model_options* options,
                                   lte_model** model);
 
-typedef enum lte_target {
-  LTE_TARGET_INDIRECT = 0, /**< light after one bounce or more: the renderer adds direct light */
-  LTE_TARGET_TOTAL = 1     /**< direct light included */
-} lte_target;
-
-/** What the network wants to be told of light on scene points, beside their emission. */
+/** The light on scene points that is input of the network, beside their emission. */
 typedef enum lte_light_input {
-  LTE_LIGHT_EMISSION = 0, /**< nothing */
-  LTE_LIGHT_DIRECT = 1,   /**< lte_scene_points::direct */
-  LTE_LIGHT_TRACED = 2    /**< lte_scene_points::direct and indirect */
+  LTE_LIGHT_EMISSION = 0, /**< none */
+  LTE_LIGHT_TRACED = 2    /**< lte_scene_points::direct and indirect, those of the back, and
+                               indirect_error */
 } lte_light_input;
-
-/** How it wants the light on the two sides of a surface. */
-typedef enum lte_light_sides {
-  LTE_SIDES_SUM = 0,  /**< together */
-  LTE_SIDES_APART = 1 /**< lte_scene_points::direct_back, and indirect_back if it reads indirect */
-} lte_light_sides;
 
 typedef struct lte_model_info {
   size_t struct_size;
@@ -130,17 +119,17 @@ typedef struct lte_model_info {
   int64_t query_neighbours;    /**< latents that a query reads */
   int64_t scene_points;        /**< how many the model was trained with: what it wants */
   int32_t scene_points_pruned; /**< 1: all of them were points that light can reach */
-  int32_t target;              /**< lte_target */
+  int32_t unused;              /**< 0 */
   double scale;                /**< s, metres: the widest scene that it knows */
   int32_t device;              /**< as in lte_model_options */
   int32_t light_input;         /**< lte_light_input */
   int32_t suns;                /**< 1: training saw directional lights; 0: answers about them are
                                     those of a network that never met one */
   int32_t reserved;            /**< 0 */
-  int32_t light_sides;         /**< lte_light_sides */
-  int32_t light_variance;      /**< 1: it reads lte_scene_points::indirect_error */
-  int32_t light_paths;         /**< paths a side behind the estimates of the training, if it reads
-                                    light */
+  int32_t light_sides;         /**< 1 with LTE_LIGHT_TRACED: it reads direct_back, indirect_back */
+  int32_t light_variance;      /**< 1 with LTE_LIGHT_TRACED: it reads indirect_error */
+  int32_t light_paths;         /**< paths a side behind the estimates of the training, with
+                                    LTE_LIGHT_TRACED */
   int32_t light_depth;         /**< surface hits of those paths */
   int32_t needs_area;          /**< 1: it works on the points' own areas, so that
                                     lte_scene_points::area must be given, in m^2 */
@@ -199,13 +188,13 @@ typedef struct lte_scene_points {
                             shrunk, and one narrower than a quarter of it enlarged; exact for light
                             that comes from surfaces */
   int32_t reserved;    /**< 0 */
-  /** Of direct and indirect, what falls on the side that the normal leaves behind, no more than
-   *  they; where lte_model_info::light_sides asks for it, else data may be NULL. */
+  /** The share of direct and indirect that falls on the side that the normal leaves behind; with
+   *  LTE_LIGHT_TRACED, else data may be NULL. */
   lte_float3_view direct_back;
   lte_float3_view indirect_back;
   /** Two floats a point, without gaps: the standard error of the indirect irradiance that falls on
    *  the front, and on the back, over its value, of the mean over the channels, in [0, 1] and 0
-   *  where there is no light. Where lte_model_info::light_variance is 1; else it may be NULL. */
+   *  where there is no light. With LTE_LIGHT_TRACED; else it may be NULL. */
   const float* indirect_error;
   /** Two floats a point, without gaps, in [0, 1]: how metallic it is, and how rough (the square is
    *  GGX's alpha). Of metal, albedo is the reflectance at normal incidence. Read where
@@ -280,7 +269,8 @@ typedef struct lte_queries {
   int32_t reserved;         /**< 0 */
 } lte_queries;
 
-/** Computes irradiance at every query.
+/** Computes irradiance at every query, of light after one bounce or more: the renderer adds direct
+ *  light.
  *
  *  @param irradiance         [N, 3] float32, W/m^2; overlaps none of the queries' arrays
  *  @param irradiance_stride  bytes from one triple to the next, a multiple of 4, at least 12; 0: 12
@@ -291,9 +281,8 @@ typedef struct lte_queries {
 LTE_API lte_status lte_embedding_decode(const lte_embedding* embedding, const lte_queries* queries,
                                         float* irradiance, int64_t irradiance_stride);
 
-/** Computes incident radiance at every query from directions of its own: of the light that
- *  lte_embedding_decode() tells of (lte_model_info::target), so a lamp is seen in metal but not at
- *  once where that is LTE_TARGET_INDIRECT. Wants lte_model_info::predicts_radiance.
+/** Computes incident radiance at every query from directions of its own, of light after one bounce
+ *  or more: a lamp is seen in metal but not at once. Needs lte_model_info::predicts_radiance.
  *
  *  @param directions          [N, D] triples, the first query's, then the second's and so on: unit,
  *                             world, away from the surface, to where the light comes from. Lengths

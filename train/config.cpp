@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "lte/base/check.h"
-#include "lte/base/log.h"
 #include "lte/nn/constants.h"
 
 namespace lte::train {
@@ -23,7 +22,6 @@ DataConfig read_data(const Config& config) {
   config.read("scene_points", &data.scene_points);
   config.read("queries_per_scene", &data.queries_per_scene);
   config.read("cache_mb", &data.cache_mb);
-  config.read("query_sampling", &data.query_sampling);
   config.read("on_bad_scene", &data.on_bad_scene);
   config.read("solved_light", &data.solved_light);
   config.read("radiance_points", &data.radiance_points);
@@ -41,46 +39,21 @@ DataConfig read_data(const Config& config) {
   return data;
 }
 
-/// The key had another name once, and runs that are resumed still have it. Configurations inherit
-/// the new name from configs/base.yaml, so the old one, where it is given, is what was meant.
-void read_old_permutation(const Config& config, AugmentConfig* augment) {
-  constexpr const char* kOldName = "permute_colours";
-  if (!config.has(kOldName)) return;
-  config.read(kOldName, &augment->permute_colors);
-  log_info("augment.", kOldName, " is called augment.permute_colors now; its value is taken");
-}
-
 AugmentConfig read_augment(const Config& config) {
   AugmentConfig augment;
-  // Until there was a choice of axes it was a switch, and run folders of then still say so.
-  std::string rotate;
-  config.read("rotate", &rotate);
-  if (rotate == "true") {
-    augment.rotate = Rotation::Vertical;
-  } else if (rotate == "false") {
-    augment.rotate = Rotation::None;
-  } else {
-    config.read("rotate", &augment.rotate);
-  }
+  config.read("rotate", &augment.rotate);
   config.read("mirror", &augment.mirror);
   config.read("permute_colors", &augment.permute_colors);
-  read_old_permutation(config, &augment);
   config.read("gain", &augment.gain);
   config.read("tint", &augment.tint);
-  config.read("single_light", &augment.single_light);
-  config.read("thinning", &augment.thinning);
-  config.read("subsample", &augment.subsample);
+  config.read("point_dropout", &augment.point_dropout);
   constexpr double kMost = 1e3;  // keeps products of both within float32 for any sane radiance
   LTE_CHECK(augment.gain >= 1 && augment.gain <= kMost, "augment.gain: expected 1 (off) to ", kMost,
             ", got ", augment.gain);
   LTE_CHECK(augment.tint >= 1 && augment.tint <= kMost, "augment.tint: expected 1 (off) to ", kMost,
             ", got ", augment.tint);
-  LTE_CHECK(augment.single_light >= 0 && augment.single_light <= 1,
-            "augment.single_light: expected a probability, 0 to 1, got ", augment.single_light);
-  LTE_CHECK(augment.thinning >= 1 && augment.thinning <= kMost,
-            "augment.thinning: expected 1 (off) to ", kMost, ", got ", augment.thinning);
-  LTE_CHECK(augment.thinning == 1 || augment.subsample,
-            "augment.thinning: draws points afresh, so augment.subsample must be true");
+  LTE_CHECK(augment.point_dropout >= 1 && augment.point_dropout <= kMost,
+            "augment.point_dropout: expected 1 (off) to ", kMost, ", got ", augment.point_dropout);
   return augment;
 }
 
@@ -102,7 +75,6 @@ void check_optim(const OptimConfig& train) {
   check_at_least("train.validation_scenes", train.validation_scenes, 0);
   check_at_least("train.validation_queries", train.validation_queries, 0);
   check_at_least("train.preview_every", train.preview_every, 0);
-  check_at_least("train.preview_scenes", train.preview_scenes, 0);
   check_at_least("train.timeout_s", train.timeout_s, 1);
   LTE_CHECK(train.learning_rate > 0, "train.learning_rate: expected a positive number, got ",
             train.learning_rate);
@@ -111,12 +83,6 @@ void check_optim(const OptimConfig& train) {
             "), got ", train.min_learning_rate);
   LTE_CHECK(train.weight_decay >= 0, "train.weight_decay: expected 0 or more, got ",
             train.weight_decay);
-  LTE_CHECK(train.beta1 >= 0 && train.beta1 < 1, "train.beta1: expected 0 to below 1, got ",
-            train.beta1);
-  LTE_CHECK(train.beta2 >= 0 && train.beta2 < 1, "train.beta2: expected 0 to below 1, got ",
-            train.beta2);
-  LTE_CHECK(train.muon_momentum >= 0 && train.muon_momentum < 1,
-            "train.muon_momentum: expected 0 to below 1, got ", train.muon_momentum);
   LTE_CHECK(train.adam_epsilon > 0, "train.adam_epsilon: expected a positive number, got ",
             train.adam_epsilon);
   LTE_CHECK(train.decay_share > 0 && train.decay_share <= 1,
@@ -128,7 +94,7 @@ void check_optim(const OptimConfig& train) {
   LTE_CHECK(train.init_except.empty() || !train.init_weights.empty(),
             "train.init_except: has no meaning without train.init_weights (--init-weights)");
   LTE_CHECK(train.init_rate >= 0 && train.init_rate <= 1,
-            "train.init_rate: expected 0 (they stand still) to 1, got ", train.init_rate);
+            "train.init_rate: expected 0 (they are frozen) to 1, got ", train.init_rate);
   LTE_CHECK(train.init_rate == 1 || !train.init_weights.empty(),
             "train.init_rate: has no meaning without train.init_weights (--init-weights)");
 }
@@ -143,11 +109,8 @@ OptimConfig read_optim(const Config& config) {
   config.read("warmup_steps", &train.warmup_steps);
   config.read("decay_share", &train.decay_share);
   config.read("weight_decay", &train.weight_decay);
-  config.read("beta1", &train.beta1);
-  config.read("beta2", &train.beta2);
   config.read("adam_epsilon", &train.adam_epsilon);
   config.read("optimizer", &train.optimizer, kOptimizerNames);
-  config.read("muon_momentum", &train.muon_momentum);
   config.read("clip_norm", &train.clip_norm);
   config.read("ema_decay", &train.ema_decay);
   config.read("log_every", &train.log_every);
@@ -157,9 +120,7 @@ OptimConfig read_optim(const Config& config) {
   config.read("validation_scenes", &train.validation_scenes);
   config.read("validation_queries", &train.validation_queries);
   config.read("autocast", &train.autocast, kAutocastNames);
-  config.read("tensorboard", &train.tensorboard);
   config.read("preview_every", &train.preview_every);
-  config.read("preview_scenes", &train.preview_scenes);
   config.read("timeout_s", &train.timeout_s);
   config.read("init_weights", &train.init_weights);
   config.read("init_except", &train.init_except);
@@ -188,9 +149,6 @@ TrainConfig TrainConfig::read(const Config& config) {
   out.train = read_optim(config.at("train"));
   const Config loss = config.at("loss");
   out.loss = read_loss(loss);
-  loss.read("noise_weight", &out.noise_weight);
-  LTE_CHECK(out.noise_weight >= 0 && std::isfinite(out.noise_weight),
-            "loss.noise_weight: expected 0 (off) or more, got ", out.noise_weight);
   const Config model = config.at("model");
   out.has_scale = model.has("scale");
   out.has_output_mean = model.has("output_mean");

@@ -14,54 +14,41 @@
 
 namespace lte::train {
 
-/// What decides how often a query point is drawn: nothing; how noisy its reference is; or how fast
-/// irradiance changes around it.
-enum class QuerySampling { Uniform, Variance, Gradient };
-
-/// What a scene that cannot be used does to a run: it ends it, or is left out.
+/// A scene that cannot be used ends a run, or is skipped.
 enum class BadScene { Fail, Skip };
 
 struct DataConfig {
   std::string root;                  ///< directory with dataset.json
   int64_t scene_points = 20'000;     ///< M; a file with more is subsampled afresh each step; 0: all
   int64_t queries_per_scene = 8192;  ///< drawn afresh each step; 0: all
-  QuerySampling query_sampling = QuerySampling::Uniform;  ///< uniform | variance | gradient
-  int64_t cache_mb = 4096;                                ///< memory for scenes kept between steps
-  BadScene on_bad_scene = BadScene::Fail;                 ///< fail | skip
+  int64_t cache_mb = 4096;           ///< memory for scenes kept between steps
+  BadScene on_bad_scene = BadScene::Fail;  ///< fail | skip
   std::string solved_light;  ///< folder that keeps light solved on scene points; empty: none
   // Of models with a radiance decoder.
   int64_t radiance_points = 128;     ///< points of a scene with incident radiance; 0: all
   int64_t radiance_directions = 64;  ///< of each of them; 0: all
 };
 
-/// The axes about which scenes are turned; Y is the vertical.
-enum class Rotation { None, Vertical, Any };
+/// The axis about which scenes are turned; Y is the vertical.
+enum class Rotation { None, Vertical };
 
-constexpr EnumNames<QuerySampling, 3> enum_names(QuerySampling) {
-  return {{{QuerySampling::Uniform, "uniform"},
-           {QuerySampling::Variance, "variance"},
-           {QuerySampling::Gradient, "gradient"}}};
-}
 constexpr EnumNames<BadScene, 2> enum_names(BadScene) {
   return {{{BadScene::Fail, "fail"}, {BadScene::Skip, "skip"}}};
 }
-constexpr EnumNames<Rotation, 3> enum_names(Rotation) {
-  return {{{Rotation::None, "none"}, {Rotation::Vertical, "vertical"}, {Rotation::Any, "any"}}};
+constexpr EnumNames<Rotation, 2> enum_names(Rotation) {
+  return {{{Rotation::None, "none"}, {Rotation::Vertical, "vertical"}}};
 }
 
 /// Exact symmetries of light transport (augment.h); each is off at the value in brackets.
 struct AugmentConfig {
-  Rotation rotate = Rotation::Vertical;  ///< none | vertical | any [none]
+  Rotation rotate = Rotation::Vertical;  ///< none | vertical [none]
   bool mirror = true;                    ///< across a vertical plane [false]
   bool permute_colors = true;            ///< permutes R, G and B [false]
   double gain = 4.0;  ///< each luminaire's brightness times g, log-uniform in [1/gain, gain] [1]
   double tint = 2.0;  ///< the same for each channel of each luminaire by itself [1]
-  /// How often all luminaires but one, drawn afresh, are out [0].
-  double single_light = 0.0;
-  /// A scene's points over a divisor that is log-uniform in [1, thinning], drawn afresh [1].
-  double thinning = 1.0;
-  /// Whether a scene's points are drawn afresh each time, rather than the same ones always [false].
-  bool subsample = true;
+  /// Point dropout: the number of a scene's points is divided by a number drawn log-uniformly from
+  /// [1, point_dropout] [1].
+  double point_dropout = 1.0;
 };
 
 enum class OptimizerKind { AdamW, Muon };  ///< of matrices between features; AdamW moves all else
@@ -77,10 +64,8 @@ struct OptimConfig {
   /// after warm-up.
   double decay_share = 1.0;
   double weight_decay = 1e-4;  ///< of matrices and filters; biases and norms have none
-  double beta1 = 0.9, beta2 = 0.999;
   double adam_epsilon = 1e-8;  ///< added to the root of the second moment
   OptimizerKind optimizer = OptimizerKind::AdamW;
-  double muon_momentum = 0.95;
   double clip_norm = 1.0;             ///< limit of the whole gradient's norm; 0: no clipping
   double ema_decay = 0.0;             ///< of the averaged weights; 0: none are kept
   int64_t log_every = 50;             ///< steps between lines of log.jsonl
@@ -89,13 +74,11 @@ struct OptimConfig {
   int64_t validate_every = 1000;      ///< steps
   int64_t validation_scenes = 32;     ///< the first ones of the split; 0: all
   int64_t validation_queries = 8192;  ///< of each scene, the same every time; 0: all
-  bool tensorboard = true;            ///< event files in RUN/tensorboard
   int64_t preview_every = 5000;       ///< steps between pictures of validation views; 0: none
-  int64_t preview_scenes = 4;         ///< the scenes of which every picture is kept
   int64_t timeout_s = 600;            ///< how long one process may keep the others waiting
   std::string init_weights;           ///< file whose weights a new run starts from; empty: none
   std::vector<std::string> init_except;  ///< prefixes of parameters that stay fresh all the same
-  /// Factor on the learning rate of parameters that init_weights gave; 0: they stay as they are.
+  /// Factor on the learning rate of parameters that init_weights gave; 0: they are frozen.
   double init_rate = 1.0;
   nn::Precision autocast = nn::Precision::Fp32;  ///< of products in training steps: none | bf16
 };
@@ -107,8 +90,6 @@ struct TrainConfig {
   AugmentConfig augment;
   OptimConfig train;
   nn::LossConfig loss;
-  /// The key loss.noise_weight: how much less queries of a noisy reference count; 0: all alike.
-  double noise_weight = 0;
   /// The key loss.irradiance_weight: of the irradiance loss where the model predicts radiance too,
   /// whose loss has the weight 1. 0: irradiance is not computed.
   double irradiance_weight = 1;

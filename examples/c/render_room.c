@@ -31,10 +31,9 @@ typedef struct Light {
   float direct[3], indirect[3], behind[3];
 } Light;
 
-/* What the model asks to be told of the light at the points; `light` and `error` have as many
- * entries and twice as many. Nothing comes to the walls from behind. */
-static void add_light(const lte_model_info* info, const Surfel* points, Light* light, float* error,
-                      lte_scene_points* scene) {
+/* The light at the points; `light` and `error` have as many entries and twice as many. Nothing
+ * comes to the walls from behind. */
+static void add_light(const Surfel* points, Light* light, float* error, lte_scene_points* scene) {
   for (int64_t i = 0; i < scene->count; ++i) {
     const Light none = {{0}, {0}, {0}};
     light[i] = none;
@@ -43,7 +42,6 @@ static void add_light(const lte_model_info* info, const Surfel* points, Light* l
   }
   scene->direct = view(light->direct, sizeof *light);
   scene->direct_back = view(light->behind, sizeof *light);
-  if (info->light_input != LTE_LIGHT_TRACED) return;
   scene->indirect = view(light->indirect, sizeof *light);
   scene->indirect_back = view(light->behind, sizeof *light);
   scene->indirect_error = error;
@@ -75,7 +73,7 @@ static lte_status encode_room(const lte_model* model, lte_embedding** embedding)
   scene.albedo = view(points->albedo, sizeof *points);
   scene.emission = view(points->emission, sizeof *points);
   scene.area = area;
-  if (info.light_input != LTE_LIGHT_EMISSION) add_light(&info, points, light, error, &scene);
+  if (info.light_input == LTE_LIGHT_TRACED) add_light(points, light, error, &scene);
   status = lte_model_encode(model, &scene, embedding);
   free(area);
   free(error);
@@ -108,15 +106,15 @@ static int write_pfm(const char* path, const float* rgb, int width, int height) 
   return fclose(file) == 0 && good;
 }
 
-static int write_ppm(const char* path, const Pixel* pixels, const float* irradiance, int total,
-                     int width, int height) {
+static int write_ppm(const char* path, const Pixel* pixels, const float* irradiance, int width,
+                     int height) {
   FILE* file = fopen(path, "wb");
   if (file == NULL) return 0;
   int good = fprintf(file, "P6\n%d %d\n255\n", width, height) > 0;
   for (size_t i = 0; i < (size_t)width * (size_t)height; ++i) {
     const Surfel* hit = &pixels[i].hit;
     float direct[3] = {0, 0, 0};
-    if (!total && pixels[i].reflects) room_direct(hit, direct);
+    if (pixels[i].reflects) room_direct(hit, direct);
     unsigned char bytes[3];
     for (int c = 0; c < 3; ++c) {
       const float all = irradiance[3 * i + (size_t)c] + direct[c];
@@ -145,8 +143,7 @@ static int render(const lte_model* model, const char* ppm, const char* pfm, int 
         decode_pixels(embedding, pixels, count, irradiance) != LTE_OK) {
       code = fail("decoding");
     } else if ((pfm != NULL && !write_pfm(pfm, irradiance, width, height)) ||
-               !write_ppm(ppm, pixels, irradiance, info.target == LTE_TARGET_TOTAL, width,
-                          height)) {
+               !write_ppm(ppm, pixels, irradiance, width, height)) {
       perror("render_room: writing the picture");
       code = EXIT_FAILURE;
     }

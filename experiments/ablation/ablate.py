@@ -5,7 +5,7 @@ their validation errors.
   experiments/ablation/ablate.py --config configs/train/demo.yaml --data data/demo --seconds 300 \\
       --seeds 1 2 3 --out out/ablation \\
       --variant "as it is" --variant "no rotation: augment.rotate=none" \\
-      --variant "any axis: augment.rotate=any"
+      --variant "no mirror: augment.mirror=false"
 
 A variant is a name, and after a colon the keys it sets. Equal time is equal training time on this
 machine: the first steps of each variant are timed, and train.steps is what fits into --seconds, so

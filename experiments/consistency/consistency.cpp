@@ -173,8 +173,6 @@ std::vector<scene::Camera> consistency_cameras(const pathtrace::Bvh& bvh,
 
 Consistency measure_consistency(Renderer* renderer, std::span<const scene::Camera> cameras,
                                 const ConsistencyOptions& options) {
-  LTE_CHECK(!renderer->embedding().network().predicts_total(),
-            "consistency is measured of models that predict indirect light");
   Consistency out;
   repeat_answers(*renderer, cameras, options, &out);
   for (const Method& method : methods_of(options))

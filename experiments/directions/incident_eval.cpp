@@ -22,9 +22,9 @@ using namespace infer;
 
 namespace {
 
-/// π L over the scene's mean emission, [cells, points, 3] float64, of the light that the model
-/// answers for.
-at::Tensor reference_maps(const data::SceneSample& sample, bool total, double emission) {
+/// π L over the scene's mean emission, [cells, points, 3] float64, of light that bounced at least
+/// once.
+at::Tensor reference_maps(const data::SceneSample& sample, double emission) {
   const data::IncidentField& field = sample.incident;
   const int64_t P = field.points(), cells = static_cast<int64_t>(field.direction.size());
   at::Tensor out = at::zeros({P, cells, 3}, at::kDouble);
@@ -33,9 +33,7 @@ at::Tensor reference_maps(const data::SceneSample& sample, bool total, double em
   for (int64_t i = 0; i < sample.light_groups * count; ++i) {
     const auto at = static_cast<size_t>(i);
     const double scale = field.scale[static_cast<size_t>(i % count / (cells * 3))];
-    double value = to_float(field.indirect[at]);
-    if (total) value += to_float(field.direct[at]);
-    values[i % count] += std::numbers::pi / emission * scale * value;
+    values[i % count] += std::numbers::pi / emission * scale * to_float(field.indirect[at]);
   }
   return out.transpose(0, 1).contiguous();
 }
@@ -103,17 +101,16 @@ void add_network(const data::SceneSample& sample, const runtime::SceneEmbedding&
   const at::Tensor even = maps_of(uniform, field.points(), emission).expand_as(reference);
   result->even.add(errors_of(even, reference), share);
   if (row != nullptr) row->maps.emplace_back("network", first_of(neural));
-  if (!result->casts_rays) return;
   const at::Tensor seen = seen_maps(embedding, field, directions, even);
   result->seen.add(errors_of(seen, reference), share);
   if (row != nullptr) row->maps.emplace_back("seen of the points", first_of(seen));
 }
 
-void add_traced(const IncidentSettings& settings, const data::SceneSample& sample, bool total,
+void add_traced(const IncidentSettings& settings, const data::SceneSample& sample,
                 const at::Tensor& reference, double emission, double share, IncidentResult* result,
                 MapRow* row) {
   const data::SceneSample rival = read_incident(settings.traced, sample.name);
-  const at::Tensor maps = reference_maps(rival, total, emission);
+  const at::Tensor maps = reference_maps(rival, emission);
   const bool same = maps.sizes() == reference.sizes() &&
                     std::equal(rival.incident.position.begin(), rival.incident.position.end(),
                                sample.incident.position.begin());
@@ -146,7 +143,6 @@ IncidentResult evaluate_incident(const IncidentSettings& settings,
   LTE_CHECK(!entries.empty(), settings.data.string(), ": no scene is in the split \"",
             data::split_name(settings.split), "\"");
   IncidentResult result;
-  result.casts_rays = network.config().casts_rays();
   std::optional<HarmonicBaselines> harmonics;
   std::optional<GaussianBaselines> gaussians;
   const double share = 1 / static_cast<double>(entries.size());
@@ -156,8 +152,7 @@ IncidentResult evaluate_incident(const IncidentSettings& settings,
     thin_for(network, settings.scene_points, &sample);
     const runtime::SceneEmbedding embedding = embed_sample(sample, network, settings.memory);
     const double emission = embedding.mean_emission();
-    const bool total = network.predicts_total();
-    const at::Tensor reference = reference_maps(sample, total, emission);
+    const at::Tensor reference = reference_maps(sample, emission);
     if (!harmonics) {
       result.cells = reference.size(0);
       harmonics.emplace(sample.incident, settings.highest_degree, &result.harmonics);
@@ -169,7 +164,7 @@ IncidentResult evaluate_incident(const IncidentSettings& settings,
     MapRow* shown = result.pictures.size() < kMapRows ? &row : nullptr;
     add_network(sample, embedding, reference, share, &result, shown);
     if (!settings.traced.empty())
-      add_traced(settings, sample, total, reference, emission, share, &result, shown);
+      add_traced(settings, sample, reference, emission, share, &result, shown);
     harmonics->add_scene(reference, share, shown);
     gaussians->add_scene(reference, share, shown);
     if (shown != nullptr) result.pictures.push_back(row);
@@ -186,7 +181,7 @@ std::string incident_table(const IncidentResult& result) {
       static_cast<long long>(result.points), static_cast<long long>(result.cells));
   text += formatted("  %-34s %10s %10s %12s\n", "", "logrel", "log_mse", "mse");
   text += row("neural", result.neural);
-  if (result.casts_rays) text += row("seen of the points", result.seen);
+  text += row("seen of the points", result.seen);
   text += row("even (the model's irradiance)", result.even);
   if (result.traced_paths > 0)
     text += row(formatted("traced, %.0f paths a direction", result.traced_paths), result.traced);
@@ -208,7 +203,7 @@ std::string incident_json(const IncidentResult& result, const std::string& model
                          {"cells", result.cells},
                          {"neural", to_json(result.neural)},
                          {"even", to_json(result.even)}};
-  if (result.casts_rays) json["seen"] = to_json(result.seen);
+  json["seen"] = to_json(result.seen);
   if (result.traced_paths > 0) {
     json["traced"] = to_json(result.traced);
     json["traced"]["paths"] = result.traced_paths;

@@ -36,7 +36,6 @@ struct IncidentResult {
   MapErrors even;
   /// Of models that cast rays: what these see of the scene points, and the model's irradiance where
   /// they meet none.
-  bool casts_rays = false;
   MapErrors seen;
   MapErrors traced;         ///< of IncidentSettings::traced
   double traced_paths = 0;  ///< a direction; 0 without

@@ -27,7 +27,7 @@ const Rgb kBelowZero{0.1f, 0.2f, 1};
 /// Rows that do not depend on a degree.
 std::vector<std::pair<std::string, MapErrors>> flat_rows(const IncidentResult& result) {
   std::vector<std::pair<std::string, MapErrors>> rows = {{"neural", result.neural}};
-  if (result.casts_rays) rows.emplace_back("what rays see of the points", result.seen);
+  rows.emplace_back("what rays see of the points", result.seen);
   rows.emplace_back("the model's irradiance from everywhere", result.even);
   if (result.traced_paths > 0)
     rows.emplace_back(concat("traced, ", result.traced_paths, " paths a direction"), result.traced);

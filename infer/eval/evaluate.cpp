@@ -38,13 +38,10 @@ std::vector<int> traced_paths() {
   return out;
 }
 
-/// The network's indirect irradiance over the emission scalar. A model of total irradiance is
-/// compared on the same quantity, from which the reference's direct light is subtracted.
+/// The network's indirect irradiance over the emission scalar.
 std::vector<Rgb> neural(const runtime::SceneEmbedding& network, const EvalPoints& points) {
   std::vector<Rgb> out =
       data::sum_groups(network.decode(points.queries), 1, 1 / network.mean_emission());
-  if (!network.network().predicts_total()) return out;
-  for (size_t i = 0; i < out.size(); ++i) out[i] = max(out[i] - points.direct[i], Vec3{});
   return out;
 }
 

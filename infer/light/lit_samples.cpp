@@ -76,16 +76,13 @@ scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t cou
 
 data::GroupedLight light_to_read(const pathtrace::LightEstimates& light,
                                  const runtime::LightRequest& input) {
-  const bool indirect = input.depth > 1;
-  data::GroupedLight read{.direct = light.direct};
-  if (indirect) read.indirect = light.indirect;
-  if (input.sides) read.direct_back = light.direct_back;
-  if (input.sides && indirect) read.indirect_back = light.indirect_back;
-  if (input.errors) {
-    read.error = light.error;
-    read.error_back = light.error_back;
-  }
-  return read;
+  if (input.depth == 0) return {};
+  return {.direct = light.direct,
+          .indirect = light.indirect,
+          .direct_back = light.direct_back,
+          .indirect_back = light.indirect_back,
+          .error = light.error,
+          .error_back = light.error_back};
 }
 
 LitSamples add_light_estimates(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
@@ -93,15 +90,12 @@ LitSamples add_light_estimates(const pathtrace::Bvh& bvh, const pathtrace::Light
                                uint64_t seed, std::span<const int> left_out) {
   LitSamples out{std::move(surface), {}};
   if (input.depth == 0) return out;
-  const bool indirect = input.depth > 1;
   const scene::SurfaceSamples& s = out.surface;
   if (lights.empty()) {
     const std::vector<Rgb> dark(s.position.size());
-    out.light.direct = dark;
-    if (indirect) out.light.indirect = dark;
-    if (input.sides) out.light.direct_back = dark;
-    if (input.sides && indirect) out.light.indirect_back = dark;
-    if (input.errors) out.light.error.resize(2 * dark.size());
+    out.light.direct = out.light.indirect = dark;
+    out.light.direct_back = out.light.indirect_back = dark;
+    out.light.error.resize(2 * dark.size());
     return out;
   }
   pathtrace::LightEstimates light =
@@ -148,7 +142,6 @@ void solve_traced_lights(const pathtrace::Bvh& bvh, const pathtrace::Lights& lig
   };
   lit->light.direct = spread(solved.direct);
   lit->light.indirect = spread(solved.indirect);
-  if (!model.parts_sides()) return;
   lit->light.direct_back = spread(solved.direct_back);
   lit->light.indirect_back = spread(solved.indirect_back);
 }

@@ -88,9 +88,8 @@ GatheredProbe gather(const ProbeRequest& request, const std::vector<EmbeddingDra
 }
 
 LightCheck check(const ProbeRequest& request, const scene::PointTable& points,
-                 const std::vector<Rgb>& light, bool total, double seconds,
-                 const Renderer& renderer) {
-  AnsweredLight answered{points.position, points.normal, light, total};
+                 const std::vector<Rgb>& light, double seconds, const Renderer& renderer) {
+  AnsweredLight answered{points.position, points.normal, light};
   CheckOptions options;
   options.seconds = kCheckShare * seconds;
   options.max_depth = request.max_depth;
@@ -134,7 +133,6 @@ ProbeAnswer answer_points(const ProbeRequest& request, const runtime::Network* n
   answer.light = trace(request, *renderer, points);
   answer.left_out = names_of(renderer->bvh().scene(), renderer->left_out());
   const bool decoded = request.indirect == "decoded";
-  const bool total = decoded && network->predicts_total();
   GatheredProbe found;
   if (decoded) {
     decode(draws, points, *renderer, &answer, &found.indirect);
@@ -142,14 +140,14 @@ ProbeAnswer answer_points(const ProbeRequest& request, const runtime::Network* n
     found = gather(request, draws, points, *renderer);
   }
   if (request.check == "on")
-    answer.check = check(request, points, found.indirect, total, timer.seconds(), *renderer);
+    answer.check = check(request, points, found.indirect, timer.seconds(), *renderer);
   if (!decoded) {
     answer.expected_error =
         expected_errors(found, answer.light.standard_error, answer.check,
                         network != nullptr ? kUnseenShareOfNetwork : kUnseenShare);
   }
   for (size_t i = 0; i < found.indirect.size(); ++i) {
-    answer.light.total[i] = total ? found.indirect[i] : answer.light.direct[i] + found.indirect[i];
+    answer.light.total[i] = answer.light.direct[i] + found.indirect[i];
     if (decoded) continue;
     answer.light.rays[i] += found.rays;
     Rgb& error = answer.light.standard_error[i];

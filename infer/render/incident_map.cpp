@@ -31,9 +31,9 @@ using image::Image;
 constexpr int kBins = 32;
 constexpr int kZoom = 8;  ///< pixels of a .png for a cell
 
-/// By paths, of the light that the model answers for.
+/// By paths, of light that bounced at least once.
 std::vector<Rgb> traced_map(const Renderer& renderer, const scene::Surface& at,
-                            const RenderRequest& request, bool total) {
+                            const RenderRequest& request) {
   pathtrace::IncidentOptions options;
   options.bins = kBins;
   options.samples = request.spp;
@@ -42,10 +42,7 @@ std::vector<Rgb> traced_map(const Renderer& renderer, const scene::Surface& at,
   const pathtrace::IncidentRadiance traced = pathtrace::estimate_incident(
       renderer.bvh(), renderer.lights(), {&at.position, 1}, {&at.normal, 1}, options);
   std::vector<Rgb> out(static_cast<size_t>(traced.cells()));
-  for (size_t i = 0; i < traced.indirect.size(); ++i) {
-    out[i % out.size()] += traced.indirect[i];
-    if (total) out[i % out.size()] += traced.direct[i];
-  }
+  for (size_t i = 0; i < traced.indirect.size(); ++i) out[i % out.size()] += traced.indirect[i];
   return out;
 }
 
@@ -141,7 +138,7 @@ void run_incident_map(const RenderRequest& request) {
   const std::vector<Vec3> directions = pathtrace::bin_centres(kBins, at.normal);
   const std::vector<Rgb> neural = renderer.draws().decode_radiance(
       {{&at.position, 1}, {&at.normal, 1}, {&at.albedo, 1}}, directions);
-  const std::vector<Rgb> traced = traced_map(renderer, at, request, network.predicts_total());
+  const std::vector<Rgb> traced = traced_map(renderer, at, request);
   write_maps(request, maps_side_by_side(neural, traced, kBins));
   const double error = log_relative_error(neural, traced, renderer.embedding().mean_emission());
   if (!request.tool.common.json.empty()) {

@@ -413,10 +413,6 @@ void run_render(const RenderRequest& request) {
   files.check_what_was_read();
   renderer.seconds().load = total.seconds();
   const runtime::MemoryLimit memory(request.tool.max_memory_mb);
-  LTE_CHECK(!network || !network->predicts_total() || settings.correction_paths == 0 ||
-                settings.indirect != Indirect::Decoded,
-            checkpoint_or_shipped(request.checkpoint).string(),
-            ": predicts direct and indirect light in one, which --correction-paths does not know");
   LTE_CHECK(
       !network || settings.metal != Metal::Network || network->config().predicts_radiance(),
       checkpoint_or_shipped(request.checkpoint).string(),

@@ -62,8 +62,7 @@ void PictureJob::decode(const PictureBand& band, BandLight* light) {
   SparseLight answers = settings_.sparse ? light_sparsely(band, *settings_.sparse, answerer)
                                          : light_everywhere(band, answerer);
   light->decoded = answers.answers;
-  const bool total = !from_.draws.empty() && from_.draws.network().predicts_total();
-  (total ? light->total : light->indirect) = std::move(answers.irradiance);
+  light->indirect = std::move(answers.irradiance);
   seconds_.decode += timer.seconds();
 }
 

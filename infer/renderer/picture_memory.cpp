@@ -62,7 +62,7 @@ double picture_mb(const RenderSettings& settings) {
                       (settings.sparse ? kSparseBytes : 0);
   // The last band is gone when the picture is written.
   const double bands = (pixels * frame + std::max(pixels * writing, band * work)) / kMib;
-  const PictureNeeds needs = needs_of(settings, /*has_light=*/true, /*total=*/false);
+  const PictureNeeds needs = needs_of(settings, /*has_light=*/true);
   if (!needs.centres && !needs.corrects_pixels()) return bands;
   const bool corrects_points = settings.correction_paths > 0 && !needs.corrects_pixels();
   const double gather = !needs.table      ? 0

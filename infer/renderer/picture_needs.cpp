@@ -13,10 +13,10 @@ Metal metal_of(const RenderSettings& settings, bool has_light) {
   return settings.output == Output::Full ? Metal::Diffuse : Metal::Trace;
 }
 
-/// None of a total model's pictures, which have no layer of indirect light.
-int correction_paths(const RenderSettings& settings, const PictureNeeds& needs, bool total) {
-  if (settings.output != Output::Full) return 0;
-  return needs.table || (needs.network && !total) ? settings.correction_paths : 0;
+int correction_paths(const RenderSettings& settings, const PictureNeeds& needs) {
+  return settings.output == Output::Full && (needs.table || needs.network)
+             ? settings.correction_paths
+             : 0;
 }
 
 bool samples_centres(const RenderSettings& settings, const PictureNeeds& needs) {
@@ -41,7 +41,7 @@ bool denoises_sampled(const RenderSettings& settings) {
   return settings.denoise == Denoise::On || (settings.denoise == Denoise::Auto && few);
 }
 
-PictureNeeds needs_of(const RenderSettings& settings, bool has_light, bool total) {
+PictureNeeds needs_of(const RenderSettings& settings, bool has_light) {
   const bool neural = settings.mode == Mode::Neural;
   const bool full = settings.output == Output::Full;
   PictureNeeds needs;
@@ -49,14 +49,11 @@ PictureNeeds needs_of(const RenderSettings& settings, bool has_light, bool total
   needs.indirect = needs.light && settings.output != Output::Direct;
   needs.network = neural && needs.indirect && settings.indirect == Indirect::Decoded;
   needs.table = neural && needs.indirect && settings.indirect == Indirect::Gather;
-  // A total model's full picture needs no direct light; its indirect share is what direct light
-  // leaves.
-  needs.direct =
-      neural && (needs.network && total ? !full : full || settings.output == Output::Direct);
+  needs.direct = neural && (full || settings.output == Output::Direct);
   needs.gathers_direct =
       needs.table && needs.direct && settings.gather.direct && !settings.adaptive_direct;
   needs.keeps_light = needs.table && settings.keep_light && settings.gather.step > 1;
-  needs.correction_paths = correction_paths(settings, needs, total);
+  needs.correction_paths = correction_paths(settings, needs);
   needs.radiance = !neural && full;
   needs.denoises_sampled = denoises_sampled(settings);
   needs.denoises_gathered = settings.denoise != Denoise::Off || settings.gather.denoise;

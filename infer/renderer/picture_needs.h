@@ -30,8 +30,7 @@ struct PictureNeeds {
   int strip_rows = 0;  ///< worked on at once
 };
 
-/// @param total  the model that answers predicts direct and indirect light in one
-PictureNeeds needs_of(const RenderSettings& settings, bool has_light, bool total);
+PictureNeeds needs_of(const RenderSettings& settings, bool has_light);
 
 /// Whether noise is taken out of sampled light.
 bool denoises_sampled(const RenderSettings& settings);

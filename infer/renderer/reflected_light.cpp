@@ -20,8 +20,6 @@ std::vector<Rgb> reflected_light(const pathtrace::Bvh& bvh, const EmbeddingDraws
                                  std::span<const int64_t> pixels) {
   LTE_CHECK(draws.network().config().predicts_radiance(),
             "--metal network: the model has no radiance decoder (its model.radiance_lobes is 0)");
-  LTE_CHECK(!draws.network().predicts_total(),
-            "--metal network: the model predicts direct light too, which paths add");
   pathtrace::ReflectionOptions options;
   options.points = std::min(kPlaces, settings.directions);
   options.directions = settings.directions / options.points;

@@ -88,7 +88,7 @@ void Renderer::set_embedding(std::shared_ptr<const runtime::SceneEmbedding> embe
 }
 
 PictureNeeds Renderer::needs(const RenderSettings& settings) const {
-  return needs_of(settings, has_light(), !draws_.empty() && draws_.network().predicts_total());
+  return needs_of(settings, has_light());
 }
 
 Frame Renderer::render(const scene::Camera& camera, const RenderSettings& settings) {

@@ -340,9 +340,8 @@ std::shared_ptr<LazyTable> SessionState::Parts::make_table() const {
   return std::make_shared<LazyTable>(records, bvh, [from = records, now = draft, by = layers] {
     const gi::TableEntries& entries = from->traced.entries;
     std::vector<Rgb> answered = sum_of(by, {entries.position, entries.normal, entries.albedo});
-    const bool total = by.empty() || by.front().layer->embedding->network().predicts_total();
     gi::EntryLight light;
-    if (total) {
+    if (by.empty()) {
       light.indirect.resize(answered.size());
       light.direct = std::move(answered);
     } else {

@@ -68,23 +68,17 @@ lte_model_info info_of(const lte::runtime::Network& network) {
   info.query_neighbours = config.query_neighbours;
   info.scene_points = network.metadata().scene_points;
   info.scene_points_pruned = network.metadata().scene_points_pruned;
-  info.target = network.predicts_total() ? LTE_TARGET_TOTAL : LTE_TARGET_INDIRECT;
   info.scale = config.scale;
   info.device = network.device().is_cpu() ? LTE_DEVICE_CPU : network.device().gpu;
-  info.light_input = !config.reads_estimates() ? LTE_LIGHT_EMISSION
-                     : config.reads_indirect() ? LTE_LIGHT_TRACED
-                     : config.reads_direct()   ? LTE_LIGHT_DIRECT
-                                               : LTE_LIGHT_EMISSION;
+  info.light_input = config.reads_estimates() ? LTE_LIGHT_TRACED : LTE_LIGHT_EMISSION;
   info.suns = network.metadata().suns;
-  info.light_sides =
-      config.parts_sides() && config.reads_estimates() ? LTE_SIDES_APART : LTE_SIDES_SUM;
-  info.light_variance = config.light_variance;
+  info.light_sides = info.light_variance = config.reads_estimates();
   info.needs_area = lte::c_api::needs_area(config);
-  info.gloss = config.gloss;
+  info.gloss = config.predicts_radiance();
   info.predicts_radiance = config.predicts_radiance();
-  if (config.reads_direct()) {
+  if (config.reads_estimates()) {
     info.light_paths = network.metadata().light_paths;
-    info.light_depth = network.metadata().light_depth_of(config);
+    info.light_depth = network.metadata().light_depth;
   }
   return info;
 }

@@ -39,7 +39,7 @@ lte_embedding_info info_of(const runtime::SceneEmbedding& scene) {
 }
 
 bool needs_area(const nn::ModelConfig& config) {
-  return config.solves_light() || config.casts_rays();
+  return config.solves_light() || config.predicts_radiance();
 }
 
 runtime::SceneEmbedding encode(const runtime::Network& network, const lte_scene_points& points,

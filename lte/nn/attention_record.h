@@ -45,7 +45,7 @@ struct EncoderAttention {
   at::Tensor weights(size_t block, int64_t latent) const;
 };
 
-/// Is told of a pass of one scene through the encoder as it happens.
+/// Receives a pass of one scene through the encoder as it happens.
 class EncoderRecorder {
  public:
   virtual ~EncoderRecorder() = default;
@@ -74,9 +74,8 @@ class AttentionRecorder : public EncoderRecorder {
 /// What the query decoder's layers took from which latent.
 struct DecoderReading {
   at::Tensor index;  ///< [Q, κ] int64, the latents near each query, nearest first
-  /// [L, Q, κ, D], by layer: the weight of each neighbour in each channel. Of the paper's sum
-  /// (W_q G − k + P) / κ, which may be negative and adds up to nothing in particular; with softmax
-  /// in [0, 1], and the sum over κ is 1.
+  /// [L, Q, κ, D], by layer: the weight of each neighbour in each channel, (W_q G − k + P) / κ,
+  /// which may be negative and adds up to nothing in particular.
   at::Tensor weights;
   at::Tensor values;  ///< [L, Q, κ, D], v + P: Σ weight ⊙ value is what a layer attends to
   at::Tensor answer;  ///< [Q, 3], what the layers come to, as decode_normalized() has it

@@ -16,8 +16,6 @@ std::string text(double value) {
   return {digits.data(), end};
 }
 
-std::string text(bool value) { return value ? "true" : "false"; }
-
 std::string text(int64_t value) { return std::to_string(value); }
 
 template <EnumClass Enum>
@@ -47,36 +45,19 @@ void check_list(const char* key, const std::vector<int64_t>& values, size_t size
 /// head has at least one pair of channels for each axis.
 void check_rotary(const ModelConfig& c) {
   LTE_CHECK(c.head_width % 2 == 0 && c.head_width >= 6,
-            "model.attention_positions rotary: model.head_width must be even and at least 6, got ",
-            c.head_width);
+            "model.preset lte: model.head_width must be even and at least 6, got ", c.head_width);
   for (const auto* widths : {&c.encoder_widths, &c.decoder_widths}) {
     for (const int64_t width : *widths) {
-      LTE_CHECK(width * c.channels % c.head_width == 0,
-                "model.attention_positions rotary: model.head_width ", c.head_width,
-                " does not divide the stage width ", width * c.channels);
+      LTE_CHECK(width * c.channels % c.head_width == 0, "model.preset lte: model.head_width ",
+                c.head_width, " does not divide the stage width ", width * c.channels);
     }
   }
 }
 
-void check_light(const ModelConfig& c) {
-  LTE_CHECK(!c.parts_sides() || c.reads_direct(),
-            "model.light_sides apart: model.light_input must not be emission, got ",
-            enum_name(c.light_input));
-  LTE_CHECK(!c.light_variance || (c.parts_sides() && c.light_input == LightInput::Traced),
-            "model.light_variance: model.light_input must be traced and model.light_sides apart, "
-            "got ",
-            enum_name(c.light_input), " and ", enum_name(c.light_sides));
-}
-
 void check_radiance(const ModelConfig& c) {
   check_at_least("radiance_lobes", c.radiance_lobes, 0);
-  if (c.radiance_base == RadianceBase::Irradiance) return;
-  LTE_CHECK(c.reads_indirect(),
-            "model.radiance_base points: model.light_input must be traced or radiosity, got ",
-            enum_name(c.light_input));
-  LTE_CHECK(c.radiance_head == RadianceHead::Directions || c.enters_early(),
-            "model.radiance_base points: model.radiance_head must be directions or early, got ",
-            enum_name(c.radiance_head));
+  LTE_CHECK(!c.predicts_radiance() || c.reads_light(), "model.radiance_lobes ", c.radiance_lobes,
+            ": model.light_input must be traced or radiosity, got ", enum_name(c.light_input));
 }
 
 void check(const ModelConfig& c) {
@@ -86,8 +67,6 @@ void check(const ModelConfig& c) {
   check_at_least("patch_size", c.patch_size, 1);
   check_at_least("query_neighbours", c.query_neighbours, 1);
   check_at_least("query_layers", c.query_layers, 1);
-  check_at_least("gamma_hidden", c.gamma_hidden, 1);
-  check_at_least("ffn_ratio", c.ffn_ratio, 1);
   check_radiance(c);
   const size_t stages = c.encoder_depths.size();
   LTE_CHECK(stages >= 1 && stages <= 12, "model.encoder_depths must have 1 to 12 entries, got ",
@@ -104,9 +83,6 @@ void check(const ModelConfig& c) {
     }
   }
   if (c.rotates_attention()) check_rotary(c);
-  check_light(c);
-  LTE_CHECK(c.grid_per_spacing > 0, "model.grid_per_spacing must be positive, got ",
-            c.grid_per_spacing);
   LTE_CHECK(c.dropout >= 0 && c.dropout < 1, "model.dropout must be in [0, 1), got ", c.dropout);
   LTE_CHECK(c.scale > 0 && c.scale < 1e12, "model.scale must be positive metres, got ", c.scale);
   LTE_CHECK(c.output_mean > 0 && c.output_mean < 1e12, "model.output_mean must be positive, got ",
@@ -118,6 +94,7 @@ void check(const ModelConfig& c) {
 /// @param config  ModelConfig, const or not
 template <typename Configuration, typename Visit>
 void for_each_field(Configuration& config, const Visit& visit) {
+  visit("preset", config.preset);
   visit("channels", config.channels);
   visit("nne_neighbours", config.nne_neighbours);
   visit("encoder_depths", config.encoder_depths);
@@ -126,33 +103,40 @@ void for_each_field(Configuration& config, const Visit& visit) {
   visit("decoder_widths", config.decoder_widths);
   visit("head_width", config.head_width);
   visit("patch_size", config.patch_size);
-  visit("stem", config.stem);
-  visit("attention_positions", config.attention_positions);
-  visit("centering", config.centering);
-  visit("grid_per_spacing", config.grid_per_spacing);
   visit("dropout", config.dropout);
   visit("query_neighbours", config.query_neighbours);
   visit("query_layers", config.query_layers);
-  visit("gamma_hidden", config.gamma_hidden);
-  visit("pair_geometry", config.pair_geometry);
-  visit("query_attention", config.query_attention);
-  visit("ffn_ratio", config.ffn_ratio);
   visit("light_input", config.light_input);
-  visit("light_sides", config.light_sides);
-  visit("light_variance", config.light_variance);
-  visit("gloss", config.gloss);
   visit("radiance_lobes", config.radiance_lobes);
-  visit("radiance_head", config.radiance_head);
-  visit("radiance_base", config.radiance_base);
-  visit("target", config.target);
   visit("scale", config.scale);
   visit("output_mean", config.output_mean);
 }
 
 }  // namespace
 
-ModelConfig ModelConfig::read(const Config& config) {
+ModelConfig ModelConfig::of(Preset preset) {
   ModelConfig c;
+  c.preset = preset;
+  if (preset == Preset::Paper) return c;
+  c.channels = 48;
+  // A patch of 4,096 sees all latents of 16,384 points: further stages bring no more context.
+  c.patch_size = 4096;
+  c.encoder_depths = {2, 2, 6};
+  c.encoder_widths = {1, 1, 2};
+  c.decoder_depths = {2, 2};
+  c.decoder_widths = {1, 1};
+  c.head_width = 16;
+  c.dropout = 0;
+  c.query_neighbours = 16;
+  c.query_layers = 4;
+  c.light_input = LightInput::Radiosity;
+  return c;
+}
+
+ModelConfig ModelConfig::read(const Config& config) {
+  Preset preset = Preset::Paper;
+  config.read("preset", &preset);
+  ModelConfig c = of(preset);
   for_each_field(c, [&](const char* key, auto& field) { config.read(key, &field); });
   check(c);
   return c;

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "lte/ops/cache_columns.h"
+#include "lte/ops/prior_columns.h"
 
 namespace lte::nn {
 
@@ -13,8 +13,8 @@ namespace lte::nn {
 /// puts them on a par for the MLPs.
 inline constexpr double kPositionGain = 4;
 
-/// Queries are meant to lie in the scene. The query MLP is not told how much farther out than this
-/// a query is, in network space.
+/// Queries are meant to lie in the scene. The query MLP does not see how much farther out than
+/// this a query is, in network space.
 inline constexpr double kPositionLimit = 4;
 
 /// Offsets to neighbours beyond this many spacings say "far" and no more, so that a query far
@@ -34,8 +34,12 @@ inline constexpr double kNormEpsilon = 1e-5;
 /// Every GELU is x Φ(x) with the error function, which ATen calls this, and no approximation.
 inline constexpr const char* kGeluForm = "none";
 
-/// Edge in cells of the convolutions of transformer blocks; the stem's is ModelConfig::stem.
+/// Edge in cells of the convolutions of transformer blocks; the stem's is
+/// ModelConfig::stem_kernel().
 inline constexpr int64_t kBlockKernel = 3;
+
+/// h, the hidden width of γ, and the hidden width of the query decoder's MLPs in units of D.
+inline constexpr int64_t kGammaHidden = 64, kFfnRatio = 4;
 
 /// Rotary positions: the i-th of an axis's angles is kRotaryTurn 2^i a cell of the stage, so that
 /// the slowest goes round once in 40 cells.
@@ -49,35 +53,31 @@ inline constexpr int64_t kMostScenes = 16, kSceneCells = 4096;
 /// and y exchanged.
 inline constexpr int64_t kCurves = 4;
 
-// The irradiance cache that queries of `traced` models read (light_cache.h). Found on homes by
-// search: more neighbours blur, fewer let noise through.
+// The light prior (light_prior.h). Found on homes by search: more neighbours blur, fewer let noise
+// through.
 
-inline constexpr int64_t kCacheNeighbours = 32;
+inline constexpr int64_t kPriorNeighbours = 32;
 
 /// Falloff with distance, falloff with height above the query's plane, least weight, and least mean
 /// squared distance.
-inline constexpr ops::CacheWeights kCacheWeights = {2, 64, 1e-4F, 1e-16F};
+inline constexpr ops::PriorWeights kPriorWeights = {1.5F, 256, 1e-3F, 1e-16F};
 
-/// The same where the sides of a surface are apart (docs/lab/light-cache.md). Models that are told
-/// the sum were trained with those above.
-inline constexpr ops::CacheWeights kApartWeights = {1.5F, 256, 1e-3F, 1e-16F};
+/// Length of the normal of a surface's back. The normals' product is raised to the fourth power, so
+/// a back counts for a tenth of a front. Most surfaces are those of closed bodies, whose backs are
+/// dark: a query on one face of a board, which is thinner than the points are apart, must not read
+/// the inside of the other. Behind a curtain, where nothing but backs faces the query, they still
+/// outweigh the least weight thirty times.
+inline constexpr double kPriorBack = 0.5623413251903491;
 
-/// Length of the normal of a surface's back, where sides are apart. The normals' product is raised
-/// to the fourth power, so a back counts for a tenth of a front. Most surfaces are those of closed
-/// bodies, whose backs are dark: a query on one face of a board, which is thinner than the points
-/// are apart, must not read the inside of the other. Behind a curtain, where nothing but backs
-/// faces the query, they still outweigh the least weight thirty times.
-inline constexpr double kCacheBack = 0.5623413251903491;
-
-/// This share of the mean irradiance is added everywhere, so that a factor can lift what the cache
+/// This share of the mean irradiance is added everywhere, so that a factor can lift what the prior
 /// calls dark.
-inline constexpr double kCacheFloor = 0.02;
+inline constexpr double kPriorFloor = 0.02;
 
 /// Added to the mean that the spread of the estimates is divided by, so that darkness has none.
-inline constexpr double kCacheLeastMean = 1e-3;
+inline constexpr double kPriorLeastMean = 1e-3;
 
-/// log(Σ w) / kCacheLogScale and (log(d̄²) + kCacheLogShift) / kCacheLogScale are of order one.
-inline constexpr double kCacheLogScale = 4;
-inline constexpr double kCacheLogShift = 8;
+/// log(Σ w) / kPriorLogScale and (log(d̄²) + kPriorLogShift) / kPriorLogScale are of order one.
+inline constexpr double kPriorLogScale = 4;
+inline constexpr double kPriorLogShift = 8;
 
 }  // namespace lte::nn

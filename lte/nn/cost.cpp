@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "lte/nn/constants.h"
 #include "lte/nn/encoder_plan.h"
 #include "lte/nn/model.h"
-#include "lte/nn/radiance_decoder.h"
 #include "lte/nn/recompute.h"
 #include "lte/nn/surfels.h"
 
@@ -97,10 +97,9 @@ double decoder_floats(const ModelConfig& config, double m, double Q) {
                K = real(config.query_neighbours);
   const double tables = 4 * L * m * D;  // keys and values, and stacked
   const double pairs = Q * K * real(config.pair_inputs()) +
-                       pair_floats(Q * K * real(config.gamma_hidden), 2) +
-                       pair_floats(Q * K * D, 2) +  // γ, its output and that one's gradient
-                       (config.normalizes_attention() ? pair_floats(Q * K * D, 8) : 0);
-  const double layers = L * Q * D * (14 + 3 * real(config.ffn_ratio));
+                       pair_floats(Q * K * real(kGammaHidden), 2) +
+                       pair_floats(Q * K * D, 2);  // γ, its output and that one's gradient
+  const double layers = L * Q * D * (14 + 3 * real(kFfnRatio));
   return tables + pairs + layers;
 }
 
@@ -146,8 +145,7 @@ int64_t latent_width(const ModelConfig& config) {
 double encode_flops(const ModelConfig& config, const EncoderPlan& plan, int64_t M) {
   const double D = real(config.channels), m = real(plan.position.size(0));
   double products = embedding_products(config, plan, M);
-  products += D * D * real(config.encoder_widths[0]) *
-              (plan.stem_pairs.defined() ? real(plan.stem_pairs.size(1)) : m);
+  products += D * D * real(config.encoder_widths[0]) * real(plan.stem_pairs.size(1));
   for (size_t s = 0; s < plan.stages.size(); ++s) products += down_products(config, plan, s);
   for (size_t s = 0; s + 1 < plan.stages.size(); ++s) products += up_products(config, plan, s);
   products += 2 * real(config.query_layers) * m * real(latent_width(config)) * D;  // the table
@@ -158,13 +156,11 @@ namespace {
 
 /// Multiply-adds of a query decoder's features or answers.
 double query_products(const ModelConfig& config, int64_t m, int64_t inputs, int64_t answers) {
-  const double D = real(config.channels), L = real(config.query_layers),
-               h = real(config.gamma_hidden), ratio = real(config.ffn_ratio),
-               near = real(std::min(config.query_neighbours, m));
+  const double D = real(config.channels), L = real(config.query_layers), h = real(kGammaHidden),
+               ratio = real(kFfnRatio), near = real(std::min(config.query_neighbours, m));
   const double point = real(inputs) * D + D * D, head = D * D + real(answers) * D;
   const double gamma = near * (real(config.pair_inputs()) * h + h * D), sums = 2 * near * L * D;
-  const double weights = config.normalizes_attention() ? near * 2 * D * D : 0;
-  const double layers = L * ((2 + 2 * ratio) * D * D + weights);
+  const double layers = L * (2 + 2 * ratio) * D * D;
   return point + gamma + sums + layers + head;
 }
 
@@ -175,31 +171,20 @@ double decode_flops(const ModelConfig& config, int64_t m) {
 }
 
 double radiance_flops(const ModelConfig& config, int64_t m) {
-  if (config.enters_early()) return 0;
-  const double K = real(config.radiance_lobes);
-  const double per_feature = config.radiance_head == RadianceHead::Map         ? 3 * K * K
-                             : config.radiance_head == RadianceHead::Gaussians ? 7 * K
-                                                                               : 5 * K;
-  const double lobes = per_feature * real(config.channels);
+  const double lobes = 5 * real(config.radiance_lobes) * real(config.channels);
   return 2 * (query_products(config, m, config.query_inputs(), config.channels) + lobes);
 }
 
-double direction_flops(const ModelConfig& config, int64_t m) {
+double direction_flops(const ModelConfig& config) {
   const double K = real(config.radiance_lobes);
-  const int64_t factors = config.casts_rays() ? 6 : 3;
-  if (config.enters_early())
-    return 2 * query_products(config, m, config.query_inputs() + direction_inputs(config), factors);
-  if (config.radiance_head == RadianceHead::Map) return 0;  // a cell is looked up
-  if (config.radiance_head == RadianceHead::Gaussians) return 2 * (3 * K + 3 * K);
-  const double seen = config.casts_rays() ? real(kSeenFeatures) : 0;
-  return 2 * (3 * K + (K + seen) * K + real(factors) * K);
+  return 2 * (3 * K + (K + real(kSeenFeatures)) * K + 6 * K);
 }
 
 double encode_mb(const ModelConfig& config, int64_t M) {
   const double D = real(config.channels);
-  const double sides = config.parts_sides() ? 300 : 0;  // bytes of what is told of the back
-  const double discs = config.casts_rays() ? 500 : 0;   // bytes of what rays meet
-  const double per_point = 600 + sides + discs + 40 * D;
+  const double light = config.reads_light() ? 300 : 0;        // bytes of that of both sides
+  const double discs = config.predicts_radiance() ? 500 : 0;  // bytes of what rays meet
+  const double per_point = 600 + light + discs + 40 * D;
   const double base = 20 + 0.45 * D;  // MiB, whatever the number of points
   return base + 1.1 * per_point * real(M) / kMiB;
 }

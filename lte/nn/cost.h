@@ -53,7 +53,7 @@ double decode_flops(const ModelConfig& config, int64_t m);
 /// The features and lobes of one point in the radiance decoder, and one direction from it. What all
 /// directions share is nothing where they enter early.
 double radiance_flops(const ModelConfig& config, int64_t m);
-double direction_flops(const ModelConfig& config, int64_t m);
+double direction_flops(const ModelConfig& config);
 
 // Memory of inference: the peak above the weights in MiB, as measured (docs/benchmarks.md), with a
 // tenth to spare.

@@ -129,7 +129,7 @@ ScenePart make_part(const at::Tensor& position, const at::Tensor& picks,
   part.first_neighbours = std::get<0>(ops::knn(halved, position, config.nne_neighbours));
   part.second_neighbours = std::get<0>(ops::knn(part.position, halved, config.nne_neighbours));
   part.spacing = spacing_of(distance2, m);
-  part.grid = config.grid_per_spacing * part.spacing;
+  part.grid = config.grid_per_spacing() * part.spacing;
   part.cells = grid_cells(part.position, &part.grid);
   return part;
 }
@@ -253,7 +253,7 @@ EncoderPlan make_encoder_plan(const std::vector<at::Tensor>& positions, const Mo
   if (kernel == kBlockKernel) {
     plan.stem_pairs = plan.stages[0].pairs;
     plan.stem_tap_begin = plan.stages[0].tap_begin;
-  } else if (kernel > 0) {
+  } else {
     std::tie(plan.stem_pairs, plan.stem_tap_begin) = ops::convolution_pairs(all, kernel);
   }
   return plan;

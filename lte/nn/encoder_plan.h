@@ -51,12 +51,12 @@ struct EncoderPlan {
   /// [m] int64 among the m1, m = ceil(m1/2): those that stay after the second. Of one scene the
   /// first m of them.
   at::Tensor second_picks;
-  at::Tensor first_neighbours;            ///< [m1, min(k, M)] int64, among all M
-  at::Tensor second_neighbours;           ///< [m, min(k, m1)] int64, among the m1
-  at::Tensor position;                    ///< [m, 3] float32, network space
-  std::vector<double> spacing;            ///< of each scene's points, network space, > 0
-  std::vector<double> grid;               ///< edge of each scene's cells, network space
-  at::Tensor stem_pairs, stem_tap_begin;  ///< undefined for a linear stem
+  at::Tensor first_neighbours;   ///< [m1, min(k, M)] int64, among all M
+  at::Tensor second_neighbours;  ///< [m, min(k, m1)] int64, among the m1
+  at::Tensor position;           ///< [m, 3] float32, network space
+  std::vector<double> spacing;   ///< of each scene's points, network space, > 0
+  std::vector<double> grid;      ///< edge of each scene's cells, network space
+  at::Tensor stem_pairs, stem_tap_begin;
   std::vector<StagePlan> stages;
 };
 

@@ -5,7 +5,7 @@
 namespace lte::nn {
 
 at::Tensor relative_loss(const at::Tensor& predicted, const at::Tensor& target,
-                         const LossConfig& config, const at::Tensor& weight) {
+                         const LossConfig& config) {
   TORCH_CHECK(predicted.sizes() == target.sizes(), "loss: predicted is ", predicted.sizes(),
               " but target is ", target.sizes());
   TORCH_CHECK(predicted.numel() > 0, "loss: no samples");
@@ -14,11 +14,7 @@ at::Tensor relative_loss(const at::Tensor& predicted, const at::Tensor& target,
   const at::Tensor got = logarithmic ? at::log1p(predicted) : predicted;
   const at::Tensor wanted = logarithmic ? at::log1p(target) : target;
   const at::Tensor denominator = (config.detach_denominator ? got.detach() : got) + config.epsilon;
-  const at::Tensor errors = ((got - wanted) / denominator).square();
-  if (!weight.defined()) return errors.mean();
-  TORCH_CHECK(weight.dim() == 1 && weight.size(0) == predicted.size(0), "loss: weight is ",
-              weight.sizes(), " but predicted is ", predicted.sizes());
-  return (errors * weight.unsqueeze(1)).mean();
+  return ((got - wanted) / denominator).square().mean();
 }
 
 }  // namespace lte::nn

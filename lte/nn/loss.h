@@ -7,8 +7,8 @@
 
 namespace lte::nn {
 
-/// What f of relative_loss() is: log(x + 1), as in the paper, or x. Of noisy references the mean of
-/// x is the truth, and that of its logarithm is not. With `detach_denominator` the linear form is
+/// f of relative_loss(): log(x + 1), as in the paper, or x. The mean of noisy references x is the
+/// truth, and that of their logarithms is not. With `detach_denominator` the linear form is
 /// least where the prediction is the mean (Müller et al. 2021, "Real-time Neural Radiance Caching",
 /// section 3.2).
 enum class LossSpace { Log, Linear };
@@ -23,13 +23,12 @@ struct LossConfig {
   LossSpace space = LossSpace::Log;
 };
 
-/// mean(w ((f(Î) − f(I)) / (f(Î) + ε))²).
+/// mean(((f(Î) − f(I)) / (f(Î) + ε))²).
 ///
 /// @param predicted  [Q, 3], non-negative: irradiance over the emission scale
 /// @param target     the same of the reference
-/// @param weight     w, [Q]; undefined: 1
 /// @return scalar, differentiable in `predicted`
 at::Tensor relative_loss(const at::Tensor& predicted, const at::Tensor& target,
-                         const LossConfig& config, const at::Tensor& weight = {});
+                         const LossConfig& config);
 
 }  // namespace lte::nn

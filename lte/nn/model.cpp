@@ -1,6 +1,7 @@
 #include "lte/nn/model.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "lte/nn/attention_record.h"
@@ -18,8 +19,8 @@ at::Tensor compressed(const at::Tensor& light, const at::Tensor& emission_scale)
   return at::log1p(light.to(at::kDouble).div(at::where(a > 0, a, 1))).to(light.scalar_type());
 }
 
-/// What F reads of gloss: how metallic a point is, and of that how smooth, so that what is no metal
-/// reads the same however rough it is said to be.
+/// The columns of F for gloss: how metallic a point is, and that times how smooth, so that what is
+/// no metal reads the same however rough it is said to be.
 at::Tensor gloss_columns(const PointSet& points) {
   if (!points.gloss.defined())
     return at::zeros({points.position.size(0), 2}, points.position.options());
@@ -46,35 +47,31 @@ void LightTransportModelImpl::make_tables(Embedding* embedding) {
     embedding->radiance_table = parts_->radiance->query()->table(embedding->features);
 }
 
-/// What F reads of the light on scene points, and the cache of it.
+/// The columns of F for the light on scene points, and the prior made of it.
 void LightTransportModelImpl::add_light(const PointSet& points, const at::Tensor& position,
                                         std::vector<at::Tensor>* columns,
                                         Embedding* embedding) const {
-  if (!config_.reads_direct()) return;
-  const auto sides = [&](const at::Tensor& both, const at::Tensor& back) {
-    if (!config_.parts_sides()) return std::vector{both};
-    return std::vector{both - back, back};
-  };
-  const std::vector<at::Tensor> direct = sides(points.direct, points.direct_back);
-  for (const at::Tensor& side : direct)
-    columns->push_back(compressed(side, embedding->emission_scale));
-  if (!config_.reads_indirect()) return;
-  const std::vector<at::Tensor> indirect = sides(points.indirect, points.indirect_back);
+  if (!config_.reads_light()) return;
+  using Sides = std::array<at::Tensor, 2>;
+  const Sides direct = {points.direct - points.direct_back, points.direct_back},
+              indirect = {points.indirect - points.indirect_back, points.indirect_back};
+  for (const Sides* light : {&direct, &indirect}) {
+    for (const at::Tensor& side : *light)
+      columns->push_back(compressed(side, embedding->emission_scale));
+  }
   const at::Tensor a = embedding->emission_scale.to(points.indirect.options());
   const at::Tensor scale = at::where(a > 0, a, 1).repeat({2});
-  std::vector<at::Tensor> light;
-  for (size_t side = 0; side < indirect.size(); ++side) {
-    columns->push_back(compressed(indirect[side], embedding->emission_scale));
-    light.push_back(at::cat({indirect[side], direct[side]}, 1).div(scale));
-  }
-  const at::Tensor error = config_.light_variance ? points.indirect_error : at::Tensor();
+  const auto of_side = [&](size_t side) {
+    return at::cat({indirect[side], direct[side]}, 1).div(scale);
+  };
+  const at::Tensor error = config_.reads_estimates() ? points.indirect_error : at::Tensor();
   if (error.defined()) columns->push_back(error);
-  embedding->cache =
-      make_light_cache(position, points.normal, points.emission, at::cat(light, 1), error);
+  embedding->prior = make_light_prior(position, points.normal, points.emission,
+                                      at::cat({of_side(0), of_side(1)}, 1), error);
 }
 
-/// A scene's place in network space and the scale of its light; what F reads of its points goes to
-/// `attributes`, where they lie to `position`.
+/// A scene's place in network space and the scale of its light. The columns of F for its points go
+/// to `attributes`, their positions to `position`.
 Embedding LightTransportModelImpl::place(const PointSet& points, const Frame& frame, Values values,
                                          at::Tensor* position, at::Tensor* attributes) const {
   if (values == Values::Checked) check_points(points, config_);
@@ -95,13 +92,12 @@ Embedding LightTransportModelImpl::place(const PointSet& points, const Frame& fr
   std::vector<at::Tensor> columns = {surface_attributes(*position, points.normal, points.albedo),
                                      compressed(points.emission, embedding.emission_scale)};
   add_light(points, *position, &columns, &embedding);
-  if (config_.gloss) columns.push_back(gloss_columns(points));
+  if (config_.predicts_radiance()) columns.push_back(gloss_columns(points));
   *attributes = at::cat(columns, 1);
   return embedding;
 }
 
-/// What rays see of the scene, without gradients. Where none are asked for, the table that this
-/// takes stays.
+/// The discs that rays see, without gradients. Outside training the table that this makes stays.
 void LightTransportModelImpl::add_surfels(const PointSet& points, const at::Tensor& position,
                                           Embedding* embedding) {
   const bool keeps_table = !at::GradMode::is_enabled();
@@ -109,18 +105,18 @@ void LightTransportModelImpl::add_surfels(const PointSet& points, const at::Tens
   QueryDecoder& decoder = parts_->decoder;
   const bool was_training = decoder->is_training();
   decoder->eval();  // the operator of inference, whatever is trained
-  Embedding still = *embedding;
-  still.features = embedding->features.detach();
+  Embedding frozen = *embedding;
+  frozen.features = embedding->features.detach();
   const QuerySet fronts{points.position, points.normal, points.albedo};
-  const bool fused = still.features.scalar_type() == at::kFloat;
-  if (fused) still.table = decoder->table(still.features);
+  const bool fused = frozen.features.scalar_type() == at::kFloat;
+  if (fused) frozen.table = decoder->table(frozen.features);
   const at::Tensor irradiance =
-      fused ? parts_->decode_ordered(still, fronts)
-            : parts_->decode({still}, {fronts}, decoder->latent_tables(still.features))[0];
+      fused ? parts_->decode_ordered(frozen, fronts)
+            : parts_->decode({frozen}, {fronts}, decoder->latent_tables(frozen.features))[0];
   decoder->train(was_training);
-  if (keeps_table) embedding->table = still.table;
-  embedding->surfels = make_surfels(points, position, embedding->scale, embedding->emission_scale,
-                                    irradiance, config_);
+  if (keeps_table) embedding->table = frozen.table;
+  embedding->surfels =
+      make_surfels(points, position, embedding->scale, embedding->emission_scale, irradiance);
 }
 
 SceneBatch LightTransportModelImpl::encode(const std::vector<PointSet>& scenes,
@@ -153,7 +149,7 @@ SceneBatch LightTransportModelImpl::encode(const std::vector<PointSet>& scenes,
     embedding.spacing = plan.spacing[i];
     embedding.features = own(batch.features);
     if (normal.defined()) embedding.normal = own(normal);
-    if (config_.casts_rays()) add_surfels(scenes[i], positions[i], &embedding);
+    if (config_.predicts_radiance()) add_surfels(scenes[i], positions[i], &embedding);
   }
   return batch;
 }
@@ -210,10 +206,10 @@ void LightTransportModelImpl::set_precision(Precision precision) {
 DecoderReading LightTransportModelImpl::read(const Embedding& embedding, const QuerySet& queries) {
   check_queries(queries);
   const at::NoGradGuard no_grad;
-  const Parts::Asked asked = Parts::ask(embedding, queries);
+  const Parts::Input input = Parts::input_of(embedding, queries);
   DecoderReading reading =
-      parts_->decoder->read(asked.attributes, asked.queries, embedding.features);
-  if (asked.light.defined()) reading.answer = asked.light * reading.answer;
+      parts_->decoder->read(input.attributes, input.queries, embedding.features);
+  if (input.light.defined()) reading.answer = input.light * reading.answer;
   return reading;
 }
 

@@ -10,7 +10,7 @@
 #include <torch/nn/pimpl.h>
 
 #include "lte/nn/config.h"
-#include "lte/nn/light_cache.h"
+#include "lte/nn/light_prior.h"
 #include "lte/nn/point_set.h"
 #include "lte/nn/precision.h"
 #include "lte/nn/stage_health.h"
@@ -24,7 +24,7 @@ struct EncoderAttention;
 /// The light transport embedding of one scene: everything decode() needs.
 struct Embedding {
   at::Tensor position;  ///< [m, 3] network space
-  at::Tensor normal;    ///< [m, 3] of models that read normals (PairGeometry); else undefined
+  at::Tensor normal;    ///< [m, 3] of models that read normals; else undefined
   at::Tensor features;  ///< [m, D]
   at::Tensor origin;    ///< [3] world, b_min
   double scale = 1;     ///< s, metres
@@ -37,8 +37,8 @@ struct Embedding {
   /// ops::neighbour_table() of all layers, which encode() makes outside training; else undefined.
   at::Tensor table;
   at::Tensor radiance_table;  ///< the same of the radiance decoder, of models that have one
-  LightCache cache;           ///< of models whose `light_input` is traced
-  Surfels surfels;            ///< of models whose `radiance_base` is points
+  LightPrior prior;           ///< of models that read light
+  Surfels surfels;            ///< of models that predict radiance
 };
 
 /// Several scenes that were embedded in one pass.
@@ -126,8 +126,8 @@ class LightTransportModelImpl : public torch::nn::Module {
                                                      const std::vector<QuerySet>& queries,
                                                      const std::vector<at::Tensor>& directions);
 
-  /// Incident radiance in W sr^-1 m^-2, [Q, N, 3]: of light that bounced at least once, unless the
-  /// model predicts the total. Works through queries in blocks.
+  /// Incident radiance in W sr^-1 m^-2, [Q, N, 3], of light that bounced at least once. Works
+  /// through queries in blocks.
   /// @param directions  [Q, N, 3] world, unit, away from the surface
   /// @throws c10::Error as decode_radiance_normalized()
   at::Tensor decode_radiance(const Embedding& embedding, const QuerySet& queries,
@@ -160,8 +160,8 @@ TORCH_MODULE(LightTransportModel);
 /// LightTransportModel::set_precision().
 void set_precision(torch::nn::Module& network, Precision precision);
 
-/// The arithmetic of all of a network's dense layers and convolutions where gradients are asked
-/// for, from now on: Bf16 rounds what their products read, forward and backward, and leaves
+/// The arithmetic of all of a network's dense layers and convolutions where gradients are computed,
+/// from now on: Bf16 rounds what their products read, forward and backward, and leaves
 /// weights, sums, results and gradients in float32. On CUDA attention too. Without gradients
 /// nothing changes.
 void set_autocast(torch::nn::Module& network, Precision precision);

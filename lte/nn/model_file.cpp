@@ -13,15 +13,13 @@
 namespace lte::nn {
 namespace {
 
-constexpr int64_t kFormatVersion = 1;
-
-/// Weights of the shipped models stay below 4. One beyond this bound makes nonsense of what the
-/// network answers; training under weight decay and clipping does not get there.
+/// Weights of the shipped models stay below 4. One beyond this bound makes nonsense of the
+/// network's answers; training under weight decay and clipping does not get there.
 constexpr float kLargestWeight = 1e6f;
 
 /// Keys that may differ between a file and the model that takes its weights: the same weights mean
 /// the same under them, or are meant to be tuned further.
-const std::vector<std::string> kTunable = {"dropout", "target", "output_mean", "patch_size"};
+const std::vector<std::string> kTunable = {"dropout", "output_mean", "patch_size"};
 
 ModelConfig read_config(const SafetensorsFile& file) {
   const std::string name = file.path().string();
@@ -29,12 +27,7 @@ ModelConfig read_config(const SafetensorsFile& file) {
   const auto format = metadata.find("format");
   LTE_CHECK(format != metadata.end() && format->second == "lte-model", name,
             ": not a model (its metadata has no format \"lte-model\")");
-  int64_t version = 0;
-  std::istringstream(file.metadata("format_version")) >> version;
-  LTE_CHECK(version >= 1, name, ": format_version \"", file.metadata("format_version"),
-            "\" is not a positive number");
-  LTE_CHECK(version <= kFormatVersion, name, ": format version ", version,
-            " is newer than this program's ", kFormatVersion, "; update lte");
+  check_format_version(file);
   const Config yaml = Config::parse(file.metadata("model_config"), name + ": model_config");
   ModelConfig config = ModelConfig::read(yaml);
   yaml.finish();
@@ -89,7 +82,7 @@ void write_model(const std::filesystem::path& path, const LightTransportModel& m
   SafetensorsWriter writer;
   for (const auto& [key, value] : extra) writer.set_metadata(key, value);
   writer.set_metadata("format", "lte-model");
-  writer.set_metadata("format_version", std::to_string(kFormatVersion));
+  writer.set_metadata("format_version", std::to_string(kModelFormatVersion));
   writer.set_metadata("model_config", model->config().to_yaml());
   writer.set_metadata("lte_version", version());
   std::map<std::string, at::Tensor> weights, storage;  // the writer borrows from the latter
@@ -100,6 +93,20 @@ void write_model(const std::filesystem::path& path, const LightTransportModel& m
 }
 
 }  // namespace
+
+void check_format_version(const SafetensorsFile& file) {
+  const std::string name = file.path().string();
+  const std::string& text = file.metadata("format_version");
+  int64_t version = 0;
+  std::istringstream(text) >> version;
+  LTE_CHECK(version >= 1, name, ": format_version \"", text, "\" is not a positive number");
+  LTE_CHECK(version <= kModelFormatVersion, name, ": format version ", version,
+            " is newer than this program's ", kModelFormatVersion, "; update lte");
+  LTE_CHECK(version == kModelFormatVersion, name, ": format version ", version,
+            " is older than this program's ", kModelFormatVersion,
+            "; scripts/convert_model.py makes a new file of a model, and a new run starts from "
+            "that (lte_train --init-weights)");
+}
 
 void save_model(const std::filesystem::path& path, const LightTransportModel& model,
                 const std::map<std::string, std::string>& extra) {

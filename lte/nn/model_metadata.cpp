@@ -41,11 +41,6 @@ bool switch_of(const SafetensorsFile& file, const char* key, bool otherwise) {
 
 }  // namespace
 
-int ModelMetadata::light_depth_of(const ModelConfig& config) const {
-  if (!config.reads_estimates()) return 0;
-  return config.reads_indirect() ? light_depth : 1;
-}
-
 std::map<std::string, std::string> ModelMetadata::entries() const {
   return {{"scene_points", std::to_string(scene_points)},
           {"scene_points_pruned", scene_points_pruned ? "true" : "false"},

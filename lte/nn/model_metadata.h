@@ -1,4 +1,4 @@
-// What a model file says beside its weights and shape: the scene points of its training, and how
+// Metadata of a model file beside its weights and shape: the scene points of its training, and how
 // their light was estimated.
 #pragma once
 
@@ -18,16 +18,12 @@ struct ModelMetadata {
   bool scene_points_pruned = false;  ///< training saw scene points only where light reaches them
   bool suns = false;                 ///< training saw scenes with directional lights
   /// Paths a side of each scene point, and their largest number of bounces, behind the light
-  /// estimates that a `traced` model was trained with. It must be fed such light: fewer paths are
-  /// noisier and fewer bounces darker than all it has seen.
+  /// estimates that a `traced` model was trained with. Its input must be such light: fewer paths
+  /// are noisier and fewer bounces darker than all it has seen.
   int light_paths = 32;
   int light_depth = 5;
 
-  /// Bounces of the light that a model of `config` reads: 0 where it reads none, and 1 where direct
-  /// light alone.
-  int light_depth_of(const ModelConfig& config) const;
-
-  /// What save_model() takes to write these fields.
+  /// Metadata for save_model() that hold these fields.
   std::map<std::string, std::string> entries() const;
 };
 

@@ -49,68 +49,50 @@ struct LightTransportModelImpl::Parts {
   QueryDecoder decoder{nullptr};
   RadianceDecoder radiance{nullptr};  ///< null where the model has none
 
-  /// What the decoder reads of queries of one scene, and the light that its answer is a factor on,
+  /// The input of a decoder for queries of one scene, and the light that its answer is a factor on,
   /// if it is one.
-  struct Asked {
+  struct Input {
     at::Tensor attributes, light;
     SceneQueries queries;
   };
-  static Asked ask(const Embedding& embedding, const QuerySet& queries) {
-    Asked asked;
+  static Input input_of(const Embedding& embedding, const QuerySet& queries) {
+    Input input;
     const at::Tensor position = (queries.position - embedding.origin).div(embedding.scale);
-    asked.attributes = surface_attributes(position, queries.normal, queries.albedo);
-    asked.queries = {
+    input.attributes = surface_attributes(position, queries.normal, queries.albedo);
+    input.queries = {
         {position, queries.normal}, {embedding.position, embedding.normal}, embedding.spacing};
-    if (embedding.cache.defined()) {
-      const LightReading reading = embedding.cache.read(position, queries.normal);
-      asked.attributes = at::cat({asked.attributes, reading.features}, 1);
-      asked.light = reading.irradiance;
+    if (embedding.prior.defined()) {
+      const LightReading reading = embedding.prior.read(position, queries.normal);
+      input.attributes = at::cat({input.attributes, reading.features}, 1);
+      input.light = reading.irradiance;
     }
-    return asked;
+    return input;
   }
 
   /// [Q, 3] over the emission scale, from the embedding's table.
   at::Tensor decode(const Embedding& embedding, const QuerySet& queries) {
-    const Asked asked = ask(embedding, queries);
+    const Input input = input_of(embedding, queries);
     const at::Tensor answer =
-        decoder->infer(asked.attributes, asked.queries.query, asked.queries.anchor,
+        decoder->infer(input.attributes, input.queries.query, input.queries.anchor,
                        embedding.spacing, embedding.table);
-    return asked.light.defined() ? asked.light * answer : answer;
+    return input.light.defined() ? input.light * answer : answer;
   }
 
-  /// Each direction of the queries as a query of its own, which is told the direction and, of
-  /// models that cast rays, what the ray sees. The light stays that of the points, [Q, 3].
-  static Asked by_direction(const Asked& asked, const at::Tensor& directions,
-                            const at::Tensor& seen) {
-    const int64_t N = directions.size(1);
-    const auto each = [N](const at::Tensor& of) {
-      return of.unsqueeze(1).expand({-1, N, -1}).flatten(0, 1);
-    };
-    const auto dtype = asked.attributes.scalar_type();
-    std::vector<at::Tensor> columns = {each(asked.attributes), directions.flatten(0, 1).to(dtype)};
-    if (seen.defined())
-      columns.push_back(seen.narrow(2, kSeenLog, kSeenFeatures).flatten(0, 1).to(dtype));
-    const auto& [query, anchor, spacing] = asked.queries;
-    return {at::cat(columns, 1),
-            asked.light,
-            {{each(query.position), each(query.normal)}, anchor, spacing}};
-  }
-
-  /// What a decoder reads of the queries of several scenes, one after the other.
-  struct AskedOfAll {
+  /// The input of a decoder for the queries of several scenes, one after the other.
+  struct BatchInput {
     at::Tensor attributes;
     std::vector<at::Tensor> light;  ///< of each scene; empty where answers are no factors
     std::vector<SceneQueries> queries;
     std::vector<int64_t> counts;
   };
-  static AskedOfAll together(const std::vector<Asked>& scenes) {
-    AskedOfAll all;
+  static BatchInput joined(const std::vector<Input>& scenes) {
+    BatchInput all;
     std::vector<at::Tensor> attributes;
-    for (const Asked& asked : scenes) {
-      attributes.push_back(asked.attributes);
-      all.queries.push_back(asked.queries);
-      if (asked.light.defined()) all.light.push_back(asked.light);
-      all.counts.push_back(asked.attributes.size(0));
+    for (const Input& input : scenes) {
+      attributes.push_back(input.attributes);
+      all.queries.push_back(input.queries);
+      if (input.light.defined()) all.light.push_back(input.light);
+      all.counts.push_back(input.attributes.size(0));
     }
     all.attributes = at::cat(attributes);
     return all;
@@ -121,12 +103,12 @@ struct LightTransportModelImpl::Parts {
   std::vector<at::Tensor> decode(const std::vector<Embedding>& scenes,
                                  const std::vector<QuerySet>& queries,
                                  const LatentTables& latents) {
-    std::vector<Asked> each;
-    for (size_t i = 0; i < queries.size(); ++i) each.push_back(ask(scenes[i], queries[i]));
-    const AskedOfAll asked = together(each);
-    at::Tensor answer = decoder->forward(asked.attributes, asked.queries, latents);
-    if (!asked.light.empty()) answer = answer * at::cat(asked.light);
-    return answer.split_with_sizes(asked.counts);
+    std::vector<Input> each;
+    for (size_t i = 0; i < queries.size(); ++i) each.push_back(input_of(scenes[i], queries[i]));
+    const BatchInput input = joined(each);
+    at::Tensor answer = decoder->forward(input.attributes, input.queries, latents);
+    if (!input.light.empty()) answer = answer * at::cat(input.light);
+    return answer.split_with_sizes(input.counts);
   }
 
   /// decode() from the table, on the CPU with the queries in an order in which neighbours share

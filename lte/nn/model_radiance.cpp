@@ -6,8 +6,7 @@
 namespace lte::nn {
 namespace {
 
-/// Directions that are decoded at a time: their lobes are 32 MB at 64 a point. Early ones are as
-/// many queries as run fast.
+/// Directions that are decoded at a time: their lobes are 32 MB at 64 a point.
 constexpr int64_t kDirectionBlock = int64_t{1} << 17;
 
 void check_radiance(const ModelConfig& config) {
@@ -15,19 +14,10 @@ void check_radiance(const ModelConfig& config) {
               "radiance: the model has no radiance decoder (its model.radiance_lobes is 0)");
 }
 
-/// What rays from the queries see of the scene points; undefined in models that cast none.
-at::Tensor seen(const Embedding& embedding, const SceneQueries& queries,
-                const at::Tensor& directions) {
-  return embedding.surfels.defined() ? embedding.surfels.see(queries.query.position, directions)
-                                     : at::Tensor();
-}
-
-/// Queries that are taken at a time. Those of early directions are queries in the count of `most`,
-/// which is 0 for as many as run fast.
-int64_t query_block(const ModelConfig& config, int64_t most, int64_t directions) {
-  const int64_t N = std::max<int64_t>(1, directions);
-  const int64_t allowed = most == 0 ? kDirectionBlock : config.enters_early() ? most / N : most;
-  return std::max<int64_t>(1, std::min(allowed, kDirectionBlock / N));
+/// Queries that are taken at a time, at most `most`; 0: as many as run fast.
+int64_t query_block(int64_t most, int64_t directions) {
+  const int64_t fast = kDirectionBlock / std::max<int64_t>(1, directions);
+  return std::max<int64_t>(1, most == 0 ? fast : std::min(most, fast));
 }
 
 }  // namespace
@@ -39,30 +29,28 @@ std::vector<at::Tensor> LightTransportModelImpl::decode_radiance_normalized(
   TORCH_CHECK(queries.size() == batch.scenes.size() && directions.size() == queries.size(),
               "radiance: queries of ", queries.size(), " scenes and directions of ",
               directions.size(), " for ", batch.scenes.size());
-  std::vector<Parts::Asked> each;
-  std::vector<at::Tensor> sights;
+  std::vector<Parts::Input> each;
+  std::vector<at::Tensor> seen;
   for (size_t i = 0; i < queries.size(); ++i) {
     check_queries(queries[i]);
     check_directions(queries[i], directions[i]);
-    each.push_back(Parts::ask(batch.scenes[i], queries[i]));
-    sights.push_back(seen(batch.scenes[i], each[i].queries, directions[i]));
-    if (config_.enters_early()) each[i] = Parts::by_direction(each[i], directions[i], sights[i]);
+    each.push_back(Parts::input_of(batch.scenes[i], queries[i]));
+    seen.push_back(batch.scenes[i].surfels.see(each[i].queries.query.position, directions[i]));
   }
-  const Parts::AskedOfAll asked = Parts::together(each);
+  const Parts::BatchInput input = Parts::joined(each);
   QueryDecoder& query = parts_->radiance->query();
   const std::vector<at::Tensor> features =
-      query->forward(asked.attributes, asked.queries, query->latent_tables(batch.features))
-          .split_with_sizes(asked.counts);
+      query->forward(input.attributes, input.queries, query->latent_tables(batch.features))
+          .split_with_sizes(input.counts);
   std::vector<at::Tensor> answers;
   for (size_t i = 0; i < queries.size(); ++i) {
     answers.push_back(
-        parts_->radiance->radiance(features[i], directions[i],
-                                   asked.light.empty() ? at::Tensor() : asked.light[i], sights[i]));
+        parts_->radiance->radiance(features[i], directions[i], input.light[i], seen[i]));
   }
   return answers;
 }
 
-/// What decode_radiance_normalized() says of one scene, without gradients.
+/// decode_radiance_normalized() of one scene, without gradients.
 at::Tensor LightTransportModelImpl::radiance_of_block(const Embedding& embedding,
                                                       const QuerySet& queries,
                                                       const at::Tensor& directions) {
@@ -72,14 +60,14 @@ at::Tensor LightTransportModelImpl::radiance_of_block(const Embedding& embedding
   const bool ordered = queries.position.device().is_cpu();
   const at::Tensor order =
       ordered ? ops::spatial_order(queries.position.contiguous()) : at::Tensor();
-  Parts::Asked asked = Parts::ask(embedding, ordered ? rows_of(queries, order) : queries);
+  const Parts::Input input =
+      Parts::input_of(embedding, ordered ? rows_of(queries, order) : queries);
   const at::Tensor ways = ordered ? directions.index_select(0, order) : directions;
-  const at::Tensor sight = seen(embedding, asked.queries, ways);
-  if (config_.enters_early()) asked = Parts::by_direction(asked, ways, sight);
+  const at::Tensor seen = embedding.surfels.see(input.queries.query.position, ways);
   const at::Tensor features =
-      parts_->radiance->query()->infer(asked.attributes, asked.queries.query, asked.queries.anchor,
+      parts_->radiance->query()->infer(input.attributes, input.queries.query, input.queries.anchor,
                                        embedding.spacing, embedding.radiance_table);
-  const at::Tensor answer = parts_->radiance->radiance(features, ways, asked.light, sight);
+  const at::Tensor answer = parts_->radiance->radiance(features, ways, input.light, seen);
   return ordered ? at::empty_like(answer).index_copy_(0, order, answer) : answer;
 }
 
@@ -98,7 +86,7 @@ at::Tensor LightTransportModelImpl::decode_radiance(const Embedding& embedding,
   at::Tensor out = at::zeros({Q, N, 3}, embedding.features.options());
   // Light is linear: without emission there is none, whatever the network would say.
   if (embedding.emission_scale.max().item<double>() == 0) return out;
-  const int64_t size = query_block(config_, options.block, N);
+  const int64_t size = query_block(options.block, N);
   for (int64_t begin = 0; begin < Q; begin += size) {
     const int64_t count = std::min(size, Q - begin);
     out.narrow(0, begin, count)

@@ -93,15 +93,14 @@ void check_surfaces(const PointSet& points) {
 
 void check_points(const PointSet& points, const ModelConfig& config) {
   check_surfaces(points);
-  if (config.gloss && points.gloss.defined())
+  if (config.predicts_radiance() && points.gloss.defined())
     check_shares(points.gloss, points, "gloss (metallic, roughness)");
-  if (config.reads_direct()) check_light(points.direct, points, "direct irradiance");
-  if (config.reads_indirect()) check_light(points.indirect, points, "indirect irradiance");
-  if (!config.parts_sides()) return;
+  if (!config.reads_light()) return;
+  check_light(points.direct, points, "direct irradiance");
+  check_light(points.indirect, points, "indirect irradiance");
   check_back(points.direct_back, points.direct, points, "direct irradiance of the back");
-  if (config.reads_indirect())
-    check_back(points.indirect_back, points.indirect, points, "indirect irradiance of the back");
-  if (config.light_variance) check_error(points);
+  check_back(points.indirect_back, points.indirect, points, "indirect irradiance of the back");
+  if (config.reads_estimates()) check_error(points);
 }
 
 void check_queries(const QuerySet& queries) {

@@ -1,5 +1,5 @@
-// What the network reads: points on the surfaces of a scene, and points at which irradiance is
-// asked for; and what light is measured in between the two.
+// The network's input: points on the surfaces of a scene, and the query points at which it answers
+// irradiance; and the unit of light between the two.
 #pragma once
 
 #include <array>
@@ -18,17 +18,16 @@ struct PointSet {
   at::Tensor albedo;    ///< [M, 3]
   at::Tensor emission;  ///< [M, 3] radiance, W sr^-1 m^-2
   at::Tensor area;      ///< [M] m² each point stands for; weighs the emission scale only
-  /// [M, 3] W/m², irradiance on both sides of the surface together, 0 at luminaires: direct, and an
-  /// estimate of all later bounces. Read as the model's `light_input` says, else undefined will do.
+  /// [M, 3] W/m², irradiance on both sides of the surface together, 0 at luminaires: direct, and of
+  /// all later bounces. For models that read light; else undefined will do.
   at::Tensor direct, indirect;
-  /// [M, 3] of these, what falls on the side that the normal leaves behind; of models whose
-  /// `light_sides` is apart, else undefined will do.
+  /// [M, 3] the share of these that falls on the side that the normal leaves behind; likewise.
   at::Tensor direct_back, indirect_back;
   /// [M, 2] standard error of indirect irradiance on the front and on the back over its value, of
-  /// the mean over the channels, in [0, 1]; of models with `light_variance`.
+  /// the mean over the channels, in [0, 1]; for models that read estimates.
   at::Tensor indirect_error;
-  /// [M, 2] how metallic and how rough, in [0, 1]; read by models with `gloss`. Undefined: nothing
-  /// is metal.
+  /// [M, 2] how metallic and how rough, in [0, 1]; for models that predict radiance. Undefined:
+  /// nothing is metal.
   at::Tensor gloss;
 
   /// All fields, of which some may be undefined.
@@ -43,7 +42,7 @@ struct PointSet {
 /// Query points in world space.
 struct QuerySet {
   at::Tensor position;  ///< [Q, 3] metres
-  at::Tensor normal;    ///< [Q, 3] unit, towards the side asked about
+  at::Tensor normal;    ///< [Q, 3] unit, towards the side in question
   at::Tensor albedo;    ///< [Q, 3]
 
   /// The same on a device; what is there already is shared.
@@ -51,7 +50,7 @@ struct QuerySet {
 };
 
 /// @throws c10::Error naming the first row that is not finite or out of range (docs/model.md), or
-///         what a model of `config` reads and is missing
+///         the input of a model of `config` that is missing
 void check_points(const PointSet& points, const ModelConfig& config);
 /// The same of all but the light on them.
 void check_surfaces(const PointSet& points);

@@ -27,18 +27,14 @@ PointTransformerImpl::PointTransformerImpl(const ModelConfig& config) {
   const auto up_width = [&](size_t s) { return config.decoder_widths[s] * D; };
   const size_t stages = config.encoder_depths.size();
 
-  const int64_t kernel = config.stem_kernel();
-  if (kernel == 0) {
-    stem_linear_ = register_module("stem", Linear(D, down_width(0)));
-  } else {
-    stem_conv_ = register_module("stem", SubmanifoldConv(kernel, D, down_width(0), false));
-  }
-  stem_norm_ = register_module("stem_norm", PointNorm(down_width(0), config.centering));
+  const bool centers = config.centers_norms();
+  stem_ = register_module("stem", SubmanifoldConv(config.stem_kernel(), D, down_width(0), false));
+  stem_norm_ = register_module("stem_norm", PointNorm(down_width(0), centers));
   for (size_t s = 0; s < stages; ++s) {
     const std::string number = std::to_string(s);
     if (s > 0) {
-      pool_.push_back(register_module("pool" + number,
-                                      Pooling(down_width(s - 1), down_width(s), config.centering)));
+      pool_.push_back(
+          register_module("pool" + number, Pooling(down_width(s - 1), down_width(s), centers)));
     }
     down_.push_back(
         register_module("down" + number, Stage(config.encoder_depths[s], down_width(s), config)));
@@ -46,8 +42,8 @@ PointTransformerImpl::PointTransformerImpl(const ModelConfig& config) {
   for (size_t s = 0; s + 1 < stages; ++s) {
     const std::string number = std::to_string(s);
     const int64_t below = s + 2 < stages ? up_width(s + 1) : down_width(s + 1);
-    unpool_.push_back(register_module(
-        "unpool" + number, Unpooling(below, down_width(s), up_width(s), config.centering)));
+    unpool_.push_back(
+        register_module("unpool" + number, Unpooling(below, down_width(s), up_width(s), centers)));
     up_.push_back(
         register_module("up" + number, Stage(config.decoder_depths[s], up_width(s), config)));
   }
@@ -60,8 +56,7 @@ at::Tensor PointTransformerImpl::forward(const at::Tensor& x, const EncoderPlan&
     if (recorder != nullptr) recorder->stage(stage, level, features);
   };
   if (recorder != nullptr) recorder->plan(plan);
-  const at::Tensor stem = stem_conv_ ? stem_conv_->forward(x, plan.stem_pairs, plan.stem_tap_begin)
-                                     : stem_linear_->forward(x);
+  const at::Tensor stem = stem_->forward(x, plan.stem_pairs, plan.stem_tap_begin);
   std::vector<at::Tensor> skip = {ops::gelu(stem_norm_->forward(stem, plan.stages[0]))};
   record("stem", 0, skip[0]);
   for (size_t s = 0; s < down_.size(); ++s) {

@@ -13,7 +13,7 @@ class StageImpl : public torch::nn::Module {
  public:
   StageImpl(int64_t depth, int64_t channels, const ModelConfig& config);
 
-  /// @param recorder  is told of each block's attention; null: nobody asks
+  /// @param recorder  receives each block's attention; may be null
   at::Tensor forward(at::Tensor x, const StagePlan& plan, EncoderRecorder* recorder);
 
  private:
@@ -28,14 +28,13 @@ class PointTransformerImpl : public torch::nn::Module {
   explicit PointTransformerImpl(const ModelConfig& config);
 
   /// @param x         [m, D]
-  /// @param recorder  is told of all blocks and stages; null: nobody asks
+  /// @param recorder  receives all blocks and stages; may be null
   /// @return          [m, latent_width()] (lte/nn/cost.h)
   at::Tensor forward(const at::Tensor& x, const EncoderPlan& plan,
                      EncoderRecorder* recorder = nullptr);
 
  private:
-  SubmanifoldConv stem_conv_{nullptr};  ///< either this
-  Linear stem_linear_{nullptr};         ///< or this
+  SubmanifoldConv stem_{nullptr};
   PointNorm stem_norm_{nullptr};
   torch::nn::LayerNorm norm_{nullptr};
   std::vector<Stage> down_, up_;

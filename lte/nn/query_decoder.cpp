@@ -5,7 +5,6 @@
 #include <string>
 
 #include "lte/nn/constants.h"
-#include "lte/nn/query_attention.h"
 #include "lte/nn/recompute.h"
 #include "lte/nn/transformer_block.h"
 #include "lte/ops/knn.h"
@@ -66,8 +65,7 @@ QueryLayerImpl::QueryLayerImpl(int64_t latent, const ModelConfig& config)
   const int64_t D = config.channels;
   for (Linear* linear : {&query_, &key_, &value_}) initialize(*linear, 1);
   initialize(output_, branch);
-  ffn_ = register_module("ffn", Mlp(D, config.ffn_ratio * D, D, config.dropout, branch));
-  if (config.normalizes_attention()) weight_ = register_module("weight", Mlp(D, D, D));
+  ffn_ = register_module("ffn", Mlp(D, kFfnRatio * D, D, config.dropout, branch));
 }
 
 std::tuple<at::Tensor, at::Tensor> QueryLayerImpl::keys_and_values(const at::Tensor& latent) {
@@ -97,18 +95,16 @@ double softplus_inverse(double value) {
   return value + std::log(-std::expm1(-value));  // the form that does not overflow
 }
 
-double first_gain(const ModelConfig& config) { return config.reads_indirect() ? 0.01 : 0.1; }
+double first_gain(const ModelConfig& config) { return config.reads_light() ? 0.01 : 0.1; }
 
-QueryDecoderImpl::QueryDecoderImpl(int64_t latent, const ModelConfig& config, int64_t features,
-                                   int64_t more_inputs)
+QueryDecoderImpl::QueryDecoderImpl(int64_t latent, const ModelConfig& config, int64_t features)
     : neighbours_(config.query_neighbours),
       dropout_(config.dropout),
-      normalizes_(config.normalizes_attention()),
       reads_normals_(config.reads_normals()) {
   const int64_t D = config.channels;
-  point_ = register_module("point", Mlp(config.query_inputs() + more_inputs, D, D));
+  point_ = register_module("point", Mlp(config.query_inputs(), D, D));
   point_->hidden()->keep_float32();
-  gamma_ = register_module("gamma", Mlp(config.pair_inputs(), config.gamma_hidden, D));
+  gamma_ = register_module("gamma", Mlp(config.pair_inputs(), kGammaHidden, D));
   for (int64_t i = 0; i < config.query_layers; ++i) {
     layers_.push_back(register_module("layer" + std::to_string(i), QueryLayer(latent, config)));
   }
@@ -133,10 +129,6 @@ std::tuple<at::Tensor, at::Tensor> QueryDecoderImpl::keys_and_values(const at::T
 }
 
 at::Tensor QueryDecoderImpl::table(const at::Tensor& latent) {
-  if (normalizes_) {
-    const auto [keys, values] = keys_and_values(latent);
-    return at::stack({keys, values});
-  }
   if (latent.device().is_cpu() && fills_table_blocks(layers_)) {
     return arranged_table(layers_, latent, ops::kTableGap);
   }
@@ -190,14 +182,13 @@ QueryDecoderImpl::Neighbourhood QueryDecoderImpl::neighbourhood(const Surface& q
 
 at::Tensor QueryDecoderImpl::forward(const at::Tensor& attributes, const Neighbourhood& near,
                                      const at::Tensor& keys, const at::Tensor& values) {
-  if (normalizes_) return run_softmax_layers(attributes, near, keys, values);
   const auto [S1, S2] = neighbour_sums(near, keys, values);
   return run_layers(attributes, S1, S2, near.index.size(1));
 }
 
 bool QueryDecoderImpl::trains_fused(const at::Tensor& latent) const {
   return at::GradMode::is_enabled() && latent.device().is_cpu() &&
-         latent.scalar_type() == at::kFloat && !normalizes_ && (dropout_ == 0 || !is_training()) &&
+         latent.scalar_type() == at::kFloat && (dropout_ == 0 || !is_training()) &&
          fills_table_blocks(layers_);
 }
 
@@ -295,10 +286,6 @@ ops::DecoderWeights QueryDecoderImpl::weights() const {
 
 at::Tensor QueryDecoderImpl::infer(const at::Tensor& attributes, const Surface& query,
                                    const Surface& anchor, double spacing, const at::Tensor& table) {
-  if (normalizes_) {
-    const Neighbourhood near = neighbourhood(query, anchor, spacing);
-    return run_softmax_layers(attributes, near, table[0], table[1]);
-  }
   if (!is_training()) {  // dropout needs the layers one by one
     ops::QueryNeighbourhood near{query.position, anchor.position,
                                  nearest(query.position, anchor.position), 1 / spacing,
@@ -327,40 +314,6 @@ at::Tensor QueryDecoderImpl::run_layers(const at::Tensor& attributes, const at::
   return answer(G);
 }
 
-at::Tensor QueryDecoderImpl::run_softmax_layers(const at::Tensor& attributes,
-                                                const Neighbourhood& near, const at::Tensor& keys,
-                                                const at::Tensor& values) {
-  at::Tensor G = point_->forward(attributes);
-  const std::vector<at::Tensor> key = keys.unbind(0), value = values.unbind(0);
-  for (size_t l = 0; l < layers_.size(); ++l) {
-    QueryLayer& layer = layers_[l];
-    G = layer->advance(G, attend(layer->omega(), layer->query(G), key[l], value[l], near));
-  }
-  return answer(G);
-}
-
-at::Tensor QueryDecoderImpl::attend(Mlp& omega, const at::Tensor& query, const at::Tensor& key,
-                                    const at::Tensor& value, const Neighbourhood& near) {
-  const int64_t Q = near.index.size(0), K = near.index.size(1);
-  const int64_t rows =
-      rows_of_a_block(K * std::max(gamma_->hidden()->weight.size(0), key.size(1)), key.device());
-  std::vector<at::Tensor> parameters = gamma_->parameters();
-  for (const at::Tensor& parameter : omega->parameters()) parameters.push_back(parameter);
-  std::vector<at::Tensor> attended;
-  for (int64_t begin = 0; begin == 0 || begin < Q; begin += rows) {
-    const int64_t count = std::min(rows, Q - begin);
-    const at::Tensor geometry = near.geometry.narrow(0, begin, count),
-                     index = near.index.narrow(0, begin, count);
-    const auto of_block = [this, &omega, geometry, index](const std::vector<at::Tensor>& in) {
-      return std::vector<at::Tensor>{
-          softmax_attention(omega, in[0], in[1], in[2], gamma_->forward(geometry), index)};
-    };
-    attended.push_back(
-        recompute(of_block, {query.narrow(0, begin, count), key, value}, parameters)[0]);
-  }
-  return attended.size() == 1 ? attended[0] : at::cat(attended);
-}
-
 DecoderReading QueryDecoderImpl::read(const at::Tensor& attributes, const SceneQueries& queries,
                                       const at::Tensor& latent) {
   const Neighbourhood near = neighbourhood(queries.query, queries.anchor, queries.spacing);
@@ -372,8 +325,7 @@ DecoderReading QueryDecoderImpl::read(const at::Tensor& attributes, const SceneQ
   for (QueryLayer& layer : layers_) {
     const auto [key, value] = layer->keys_and_values(rows);
     const at::Tensor relation = layer->query(G).unsqueeze(1) - key.view(place.sizes()) + place;
-    weights.push_back(normalizes_ ? softmax_weights(layer->omega(), relation)
-                                  : relation.div(neighbours));
+    weights.push_back(relation.div(neighbours));
     values.push_back(value.view(place.sizes()) + place);
     G = layer->advance(G, (weights.back() * values.back()).sum(1));
   }

@@ -3,8 +3,7 @@
 //
 // A layer's vector cross-attention is Σ_κ (W_q G − k_κ + P_κ) ⊙ (v_κ + P_κ) = W_q G ⊙ S1 + S2 with
 // sums S1 and S2 that no query feature enters (docs/model.md, identity 1), so one pass over the
-// neighbours serves all layers. With `query_attention: softmax` (lte/nn/query_attention.h) each
-// layer passes over the neighbours itself.
+// neighbours serves all layers.
 #pragma once
 
 #include <cstdint>
@@ -22,9 +21,8 @@
 
 namespace lte::nn {
 
-/// One layer: G += W_o A with A = (W_q LN(G) ⊙ S1 + S2) / κ or softmax_attention(); G +=
-/// FFN(LN(G)). Parameters: `norm1.*`, `query.*`, `key.*`, `value.*`, `output.*`, `norm2.*`,
-/// `ffn.*`, and with softmax `weight.*` (ω).
+/// One layer: G += W_o A with A = (W_q LN(G) ⊙ S1 + S2) / κ; G += FFN(LN(G)). Parameters:
+/// `norm1.*`, `query.*`, `key.*`, `value.*`, `output.*`, `norm2.*` and `ffn.*`.
 class QueryLayerImpl : public torch::nn::Module {
  public:
   QueryLayerImpl(int64_t latent, const ModelConfig& config);
@@ -41,7 +39,6 @@ class QueryLayerImpl : public torch::nn::Module {
   /// W_q LN(G), [Q, D], and what follows the attention: forward() in two steps.
   at::Tensor query(const at::Tensor& G) { return query_->forward(norm1_->forward(G)); }
   at::Tensor advance(const at::Tensor& G, const at::Tensor& attended);
-  Mlp& omega() { return weight_; }
 
   /// What forward() reads, in the precision of inference.
   ops::LayerWeights weights() const;
@@ -53,14 +50,14 @@ class QueryLayerImpl : public torch::nn::Module {
   double dropout_;
   torch::nn::LayerNorm norm1_{nullptr}, norm2_{nullptr};
   Linear query_{nullptr}, key_{nullptr}, value_{nullptr}, output_{nullptr};
-  Mlp ffn_{nullptr}, weight_{nullptr};
+  Mlp ffn_{nullptr};
 };
 TORCH_MODULE(QueryLayer);
 
 /// Where points of surfaces lie and which way they face.
 struct Surface {
   at::Tensor position;  ///< [n, 3] network space
-  at::Tensor normal;    ///< [n, 3] unit; read by models with PairGeometry::Normals alone
+  at::Tensor normal;    ///< [n, 3] unit; of models that read normals; else undefined will do
 };
 
 /// Queries of one scene, the latents of that scene, and the unit of the offsets between them.
@@ -91,16 +88,13 @@ class QueryDecoderImpl : public torch::nn::Module {
   /// @param latent    width of the latents
   /// @param features  0: it answers irradiance, [Q, 3]; else so many features of a query, which
   ///                  another module reads
-  /// @param more_inputs  columns of the attributes after ModelConfig::query_inputs()
-  QueryDecoderImpl(int64_t latent, const ModelConfig& config, int64_t features = 0,
-                   int64_t more_inputs = 0);
+  QueryDecoderImpl(int64_t latent, const ModelConfig& config, int64_t features = 0);
 
   /// Keys and values of all layers, each [L, m, D].
   std::tuple<at::Tensor, at::Tensor> keys_and_values(const at::Tensor& latent);
 
   /// What infer() reads of the latents, without gradients: ops::neighbour_table() of keys and
-  /// values, made for some latents at a time, so that it exists once. With softmax both as they
-  /// are, [2, L, m, D].
+  /// values, made for some latents at a time, so that it exists once.
   at::Tensor table(const at::Tensor& latent);
 
   /// The latents nearest to each query: what no gradient passes through.
@@ -114,8 +108,8 @@ class QueryDecoderImpl : public torch::nn::Module {
   /// @param anchor  the m latents, positions in float32
   Neighbourhood neighbourhood(const Surface& query, const Surface& anchor, double spacing) const;
 
-  /// @param attributes  [Q, ModelConfig::query_inputs() + more_inputs]: position (network space),
-  ///                    normal, albedo, of `traced` models what the light cache says, and more
+  /// @param attributes  [Q, ModelConfig::query_inputs()]: position (network space), normal, albedo,
+  ///                    and of models that read light the features of the light prior
   /// @return  [Q, 3] or [Q, features], non-negative, differentiable
   at::Tensor forward(const at::Tensor& attributes, const Neighbourhood& near,
                      const at::Tensor& keys, const at::Tensor& values);
@@ -129,8 +123,7 @@ class QueryDecoderImpl : public torch::nn::Module {
   at::Tensor forward(const at::Tensor& attributes, const std::vector<SceneQueries>& scenes,
                      const LatentTables& latents);
 
-  /// forward() from table(); float32, no gradients. Outside training everything is one operator,
-  /// unless attention is normalized.
+  /// forward() from table(); float32, no gradients. Outside training everything is one operator.
   /// `query`, `anchor` and `spacing` are those of neighbourhood().
   at::Tensor infer(const at::Tensor& attributes, const Surface& query, const Surface& anchor,
                    double spacing, const at::Tensor& table);
@@ -140,9 +133,6 @@ class QueryDecoderImpl : public torch::nn::Module {
   /// @param latent  [m, D]
   DecoderReading read(const at::Tensor& attributes, const SceneQueries& queries,
                       const at::Tensor& latent);
-
-  /// What answers, before its softplus.
-  Mlp& head() { return head_; }
 
  private:
   /// Whether ops::query_decoder() differentiates what is computed from `latent`.
@@ -159,16 +149,11 @@ class QueryDecoderImpl : public torch::nn::Module {
   ops::DecoderWeights weights() const;
   at::Tensor run_layers(const at::Tensor& attributes, const at::Tensor& S1, const at::Tensor& S2,
                         int64_t neighbours);
-  at::Tensor run_softmax_layers(const at::Tensor& attributes, const Neighbourhood& near,
-                                const at::Tensor& keys, const at::Tensor& values);
-  /// softmax_attention() in blocks of queries that training recomputes.
-  at::Tensor attend(Mlp& omega, const at::Tensor& query, const at::Tensor& key,
-                    const at::Tensor& value, const Neighbourhood& near);
   at::Tensor answer(const at::Tensor& G);
 
   int64_t neighbours_;
   double dropout_;
-  bool normalizes_, reads_normals_;
+  bool reads_normals_;
   Mlp point_{nullptr}, gamma_{nullptr}, head_{nullptr};
   torch::nn::LayerNorm norm_{nullptr};
   std::vector<QueryLayer> layers_;

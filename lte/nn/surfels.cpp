@@ -18,33 +18,27 @@ at::Tensor Surfels::see(const at::Tensor& position, const at::Tensor& directions
   const auto prepared = [&](const at::Tensor& of) {
     return of.detach().to(table().device(), at::kFloat);
   };
-  return ops::see_surfels(prepared(position), prepared(directions), grid_, total_)
-      .to(directions.options());
+  return ops::see_surfels(prepared(position), prepared(directions), grid_).to(directions.options());
 }
 
 Surfels make_surfels(const PointSet& points, const at::Tensor& position, double scale,
-                     const at::Tensor& emission_scale, const at::Tensor& irradiance,
-                     const ModelConfig& config) {
+                     const at::Tensor& emission_scale, const at::Tensor& irradiance) {
   const at::NoGradGuard no_grad;
   const at::Tensor a = emission_scale.to(points.emission.options());
   const at::Tensor unit = at::where(a > 0, a, 1);
   const at::Tensor none = at::zeros_like(points.albedo).narrow(1, 0, 1);
-  const bool gloss = config.gloss && points.gloss.defined();
+  const bool gloss = points.gloss.defined();
   const at::Tensor metallic = gloss ? points.gloss.narrow(1, 0, 1) : none,
                    roughness = gloss ? points.gloss.narrow(1, 1, 1) : none + 1;
-  const bool apart = config.parts_sides();
-  const at::Tensor back =
-      apart ? (points.direct_back + points.indirect_back).div(unit) : at::zeros_like(irradiance);
-  const at::Tensor direct =
-      (apart ? points.direct - points.direct_back : points.direct).div(unit).clamp_min(0);
-  const at::Tensor front = config.predicts_total() ? irradiance : direct + irradiance;
+  const at::Tensor back = (points.direct_back + points.indirect_back).div(unit);
+  const at::Tensor front = (points.direct - points.direct_back).div(unit).clamp_min(0) + irradiance;
   const at::Tensor matt = points.albedo * (1 - metallic);
   const at::Tensor radius = points.area.div(std::numbers::pi).sqrt().mul(kOverlap / scale);
   const at::Tensor table = at::cat({position, points.normal, radius.unsqueeze(1), matt * front,
                                     matt * back, points.emission.div(unit).mul(std::numbers::pi),
                                     points.albedo * metallic, metallic, roughness},
                                    1);
-  return {table.to(at::kFloat), config.predicts_total()};
+  return Surfels(table.to(at::kFloat));
 }
 
 }  // namespace lte::nn

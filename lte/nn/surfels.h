@@ -1,7 +1,7 @@
 // Scene points as discs that rays meet (surfels: Pfister et al. 2000; for light: Christensen 2008,
-// "Point-Based Approximate Global Illumination"). What a ray sees of them, by the light that the
-// points are told of, is what the radiance decoder starts from: coarse, without a surface or a
-// traced path, and it follows metals from disc to disc.
+// "Point-Based Approximate Global Illumination"). The radiance decoder starts from what a ray sees
+// of them by the light that the points carry: coarse, without a surface or a traced path, and it
+// follows metals from disc to disc.
 #pragma once
 
 #include <array>
@@ -27,35 +27,32 @@ class Surfels {
 
   Surfels() = default;
   /// @param table  [M, kColumns] float32
-  /// @param total  whether rays see emission too, not only what bounced
-  Surfels(const at::Tensor& table, bool total)
-      : grid_(ops::make_surfel_grid(table)), total_(total) {}
+  explicit Surfels(const at::Tensor& table) : grid_(ops::make_surfel_grid(table)) {}
 
   bool defined() const { return grid_.defined(); }
   const at::Tensor& table() const { return grid_.discs; }
   std::array<at::Tensor, 4> tensors() const { return grid_.tensors(); }
-  Surfels to(c10::Device device) const { return {table().to(device), total_}; }
+  Surfels to(c10::Device device) const { return Surfels(table().to(device)); }
 
   /// @param position    [Q, 3] network space, on a surface
   /// @param directions  [Q, N, 3] unit
-  /// @return            [Q, N, kSeenColumns] on their device and in their dtype; no gradients
+  /// @return            [Q, N, kSeenColumns] on their device and in their dtype; no gradients. Of
+  ///                    light that bounced at least once: emission is seen in metal alone
   at::Tensor see(const at::Tensor& position, const at::Tensor& directions) const;
 
  private:
   ops::SurfelGrid grid_;
-  bool total_ = false;
 };
 
-/// The discs of scene points. What their fronts send out is of direct light that they are told of,
-/// and of what the irradiance decoder answers there; that of their backs is of what they are told.
+/// The discs of scene points. Their fronts send out the direct light that they carry and what the
+/// irradiance decoder answers there; their backs, the light that they carry.
 ///
+/// @param points    with light and, where anything is metal, gloss
 /// @param position  [M, 3] network space
 /// @param scale     metres of a unit of network space
 /// @param emission_scale  [3]
 /// @param irradiance  [M, 3] the decoder's answers on the fronts, over the emission scale
-/// @param config    of a model that reads bounced light
 Surfels make_surfels(const PointSet& points, const at::Tensor& position, double scale,
-                     const at::Tensor& emission_scale, const at::Tensor& irradiance,
-                     const ModelConfig& config);
+                     const at::Tensor& emission_scale, const at::Tensor& irradiance);
 
 }  // namespace lte::nn

@@ -148,10 +148,10 @@ at::Tensor PatchAttentionImpl::attend(const at::Tensor& points, const PatchMap& 
   return one_patch ? out : out.index_select(0, map.inverse);
 }
 
-PointNormImpl::PointNormImpl(int64_t channels, Centering centering)
+PointNormImpl::PointNormImpl(int64_t channels, bool centers)
     : weight_(register_parameter("weight", at::ones({channels}))),
       bias_(register_parameter("bias", at::zeros({channels}))) {
-  if (centering == Centering::Learned) share_ = register_parameter("share", at::ones({channels}));
+  if (centers) share_ = register_parameter("share", at::ones({channels}));
 }
 
 at::Tensor PointNormImpl::forward(const at::Tensor& x, const StagePlan& stage) {
@@ -204,7 +204,7 @@ TransformerBlockImpl::TransformerBlockImpl(int64_t channels, const ModelConfig& 
     : patch_size_(config.patch_size),
       conv_(register_module("conv", SubmanifoldConv(kBlockKernel, channels, channels, true))),
       conv_linear_(register_module("conv_linear", Linear(channels, channels))),
-      conv_norm_(register_module("conv_norm", PointNorm(channels, config.centering))),
+      conv_norm_(register_module("conv_norm", PointNorm(channels, config.centers_norms()))),
       norm1_(register_module("norm1", layer_norm(channels))),
       norm2_(register_module("norm2", layer_norm(channels))) {
   const int64_t heads = std::max<int64_t>(1, channels / config.head_width);
@@ -235,9 +235,9 @@ at::Tensor TransformerBlockImpl::forward(const at::Tensor& input, const StagePla
   return x + mlp_->forward(norm2_->forward(x));
 }
 
-PoolingImpl::PoolingImpl(int64_t inputs, int64_t outputs, Centering centering)
+PoolingImpl::PoolingImpl(int64_t inputs, int64_t outputs, bool centers)
     : linear_(register_module("linear", Linear(inputs, outputs))),
-      norm_(register_module("norm", PointNorm(outputs, centering))) {}
+      norm_(register_module("norm", PointNorm(outputs, centers))) {}
 
 at::Tensor cluster_max(const at::Tensor& x, const at::Tensor& cluster, int64_t clusters) {
   const at::Tensor target = cluster.unsqueeze(1).expand_as(x);
@@ -268,11 +268,11 @@ at::Tensor PoolingImpl::forward(const at::Tensor& fine, const StagePlan& stage) 
   return ops::gelu(norm_->forward(pooled, stage));
 }
 
-UnpoolingImpl::UnpoolingImpl(int64_t coarse, int64_t skip, int64_t outputs, Centering centering)
+UnpoolingImpl::UnpoolingImpl(int64_t coarse, int64_t skip, int64_t outputs, bool centers)
     : coarse_(register_module("coarse", Linear(coarse, outputs))),
       skip_(register_module("skip", Linear(skip, outputs))),
-      coarse_norm_(register_module("coarse_norm", PointNorm(outputs, centering))),
-      skip_norm_(register_module("skip_norm", PointNorm(outputs, centering))) {}
+      coarse_norm_(register_module("coarse_norm", PointNorm(outputs, centers))),
+      skip_norm_(register_module("skip_norm", PointNorm(outputs, centers))) {}
 
 at::Tensor UnpoolingImpl::forward(const at::Tensor& coarse, const at::Tensor& skip,
                                   const StagePlan& below, const StagePlan& stage) {

@@ -81,11 +81,11 @@ TORCH_MODULE(SubmanifoldConv);
 
 /// LayerNorm of what is left when a learnt share of each channel's mean over the points has been
 /// subtracted: what all points have in common says nothing about any of them, and LayerNorm alone,
-/// which sees one point at a time, cannot remove it. Plain LayerNorm with Centering::None.
-/// Parameters: `weight`, `bias` [C], as LayerNorm's, and `share` [C], at first 1.
+/// which sees one point at a time, cannot remove it. Plain LayerNorm if it does not center.
+/// Parameters: `weight`, `bias` [C], as LayerNorm's, and where it centers `share` [C], at first 1.
 class PointNormImpl : public torch::nn::Module {
  public:
-  PointNormImpl(int64_t channels, Centering centering);
+  PointNormImpl(int64_t channels, bool centers);
 
   /// @param x      [n, C]
   /// @param stage  whose scenes the means are over
@@ -131,7 +131,7 @@ TORCH_MODULE(TransformerBlock);
 /// Linear, maximum over the members of each cluster, PN, GELU. Parameters: `linear.*`, `norm.*`.
 class PoolingImpl : public torch::nn::Module {
  public:
-  PoolingImpl(int64_t inputs, int64_t outputs, Centering centering);
+  PoolingImpl(int64_t inputs, int64_t outputs, bool centers);
 
   /// @param fine   [n, Cin]
   /// @param stage  the coarser one, whose clusters n points fall into
@@ -148,7 +148,7 @@ TORCH_MODULE(Pooling);
 /// Parameters: `coarse.*`, `coarse_norm.*`, `skip.*`, `skip_norm.*`.
 class UnpoolingImpl : public torch::nn::Module {
  public:
-  UnpoolingImpl(int64_t coarse, int64_t skip, int64_t outputs, Centering centering);
+  UnpoolingImpl(int64_t coarse, int64_t skip, int64_t outputs, bool centers);
 
   /// @param below  the stage that `coarse` has the points of
   /// @param stage  the one that `skip` has the points of

@@ -16,7 +16,7 @@
 TORCH_LIBRARY_FRAGMENT(lte, m) {
   m.def(
       "see_surfels(Tensor position, Tensor directions, Tensor discs, Tensor geometry, "
-      "Tensor first, Tensor member, float[] numbers, int[] size, bool emission) -> Tensor");
+      "Tensor first, Tensor member, float[] numbers, int[] size) -> Tensor");
 }
 
 namespace lte::ops {
@@ -159,13 +159,13 @@ SurfelGrid make_surfel_grid(const at::Tensor& discs) {
 }
 
 at::Tensor see_surfels(const at::Tensor& position, const at::Tensor& directions,
-                       const SurfelGrid& grid, bool emission) {
+                       const SurfelGrid& grid) {
   using Signature =
       at::Tensor(const at::Tensor&, const at::Tensor&, const at::Tensor&, const at::Tensor&,
-                 const at::Tensor&, const at::Tensor&, at::ArrayRef<double>, at::IntArrayRef, bool);
+                 const at::Tensor&, const at::Tensor&, at::ArrayRef<double>, at::IntArrayRef);
   static const auto op = find_operator<Signature>("lte::see_surfels");
   return op.call(position, directions, grid.discs, grid.geometry, grid.first, grid.member,
-                 numbers_of(grid), grid.size, emission);
+                 numbers_of(grid), grid.size);
 }
 
 }  // namespace lte::ops

@@ -39,16 +39,15 @@ SurfelGrid make_surfel_grid(const at::Tensor& discs);
 
 /// Discs whose middle a ray meets at nearly the nearest distance share the answer, by how near
 /// their middles are. Metals reflect the ray: four GGX half vectors at the first, the mirror's
-/// direction behind it, at most two bounces.
+/// direction behind it, at most two bounces. Emission is seen in metal alone.
 ///
 /// @param position    [Q, 3] float32, where rays start: on a surface, whose own discs are passed
 /// @param directions  [Q, N, 3] float32, unit
-/// @param emission    whether rays see emission at once, not only in metal
 /// @return  [Q, N, kSeenColumns] float32
 /// @throws c10::Error on a wrong shape, dtype or device
 /// @note Not differentiable. The 24 nearest discs of a ray count at most; each ray's answer depends
 ///       on no other.
 at::Tensor see_surfels(const at::Tensor& position, const at::Tensor& directions,
-                       const SurfelGrid& grid, bool emission);
+                       const SurfelGrid& grid);
 
 }  // namespace lte::ops

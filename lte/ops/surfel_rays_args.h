@@ -29,7 +29,7 @@ inline void check_see_surfels_args(const at::Tensor& position, const at::Tensor&
 }
 
 /// @param grid  of contiguous tensors
-inline SurfelView view_of(const SurfelGrid& grid, bool emission) {
+inline SurfelView view_of(const SurfelGrid& grid) {
   SurfelView view{};
   view.discs = grid.discs.const_data_ptr<float>();
   view.geometry = grid.geometry.const_data_ptr<float>();
@@ -43,7 +43,6 @@ inline SurfelView view_of(const SurfelGrid& grid, bool emission) {
     view.size[axis] = static_cast<int>(grid.size[axis]);
   }
   view.ambient = {number(grid.ambient[0]), number(grid.ambient[1]), number(grid.ambient[2])};
-  view.emission = emission;
   return view;
 }
 

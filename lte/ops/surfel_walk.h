@@ -39,7 +39,6 @@ struct SurfelView {
   float cell;
   int size[3];
   Triple ambient;
-  bool emission;
 };
 
 struct SurfelRay {
@@ -263,7 +262,6 @@ C10_HOST_DEVICE void see(const SurfelView& grid, const Cells& cells, const Surfe
   SurfelLayer layer;
   if (!meet(grid, cells, ray, &layer)) return;
   Triple radiance = layer.sent;
-  if (grid.emission) radiance = radiance + layer.emission;
   if (layer.metallic > kLeastMetal)
     radiance = radiance + reflected(grid, cells, layer, ray.direction);
   const float channels[3] = {radiance.x, radiance.y, radiance.z};

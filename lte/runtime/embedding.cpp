@@ -54,7 +54,7 @@ nn::Frame frame_of(const Network& network, const at::Tensor& position,
 
 /// Those on the network's device; some may be undefined.
 std::vector<at::Tensor> tensors_of(const nn::Embedding& embedding) {
-  std::vector<at::Tensor> tensors = embedding.cache.tensors();
+  std::vector<at::Tensor> tensors = embedding.prior.tensors();
   tensors.insert(tensors.end(), {embedding.position, embedding.normal, embedding.features,
                                  embedding.origin, embedding.table, embedding.radiance_table});
   for (const at::Tensor& t : embedding.surfels.tensors()) tensors.push_back(t);
@@ -258,10 +258,10 @@ std::vector<Rgb> SceneEmbedding::cached_light(const QueryPoints& queries) const 
   return own_errors([&]() -> std::vector<Rgb> {
     const at::NoGradGuard no_grad;
     const nn::Embedding parts = state_->parts();
-    if (!parts.cache.defined() || queries.size() == 0) return {};
+    if (!parts.prior.defined() || queries.size() == 0) return {};
     const nn::QuerySet set = borrow(queries).to(parts.position.device());
     const at::Tensor position = (set.position - parts.origin).div(parts.scale);
-    return triples_of(parts.cache.read(position, set.normal).irradiance *
+    return triples_of(parts.prior.read(position, set.normal).irradiance *
                       parts.emission_scale.to(position.options()));
   });
 }

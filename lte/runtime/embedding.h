@@ -71,7 +71,7 @@ class SceneEmbedding {
   std::vector<Rgb> decode(const QueryPoints& queries) const;
 
   /// Irradiance in W/m² that the network's answer is a factor on: the light on the scene points,
-  /// path-traced estimates or a radiosity solution, interpolated (nn::LightCache). Empty for a
+  /// path-traced estimates or a radiosity solution, interpolated (nn::LightPrior). Empty for a
   /// network without such a cache.
   /// @throws lte::Error as decode()
   std::vector<Rgb> cached_light(const QueryPoints& queries) const;

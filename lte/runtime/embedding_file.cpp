@@ -22,7 +22,7 @@ namespace lte::runtime {
 namespace {
 
 constexpr const char* kFormat = "lte-embedding";
-constexpr int64_t kFormatVersion = 1;
+constexpr int64_t kFormatVersion = 2;
 constexpr const char* kKeyPrefix = "key ";
 
 at::Tensor one_number(double value) { return at::tensor({value}, at::kDouble); }
@@ -46,6 +46,8 @@ void check_format(const SafetensorsFile& file) {
   const int64_t version = parse_count(name, "format_version", file.metadata("format_version"));
   LTE_CHECK(version <= kFormatVersion, name, ": format version ", version,
             " is newer than this program's ", kFormatVersion, "; update lte");
+  LTE_CHECK(version == kFormatVersion, name, ": format version ", version,
+            " is older than this program's ", kFormatVersion, "; save it again");
   LTE_CHECK(metadata.contains(kChecksumKey), name, ": has no checksum; save it again");
   file.verify();
 }
@@ -104,24 +106,22 @@ nn::Embedding read_parts(const SafetensorsFile& file, const nn::ModelConfig& con
             ": scale must be more than 0 and spacing not negative, got ", parts.scale, " and ",
             parts.spacing);
   parts.emission_scale = read(file, "emission_scale", at::kDouble, {3});
-  if (config.casts_rays())
-    parts.surfels = nn::Surfels(read(file, "surfels", at::kFloat, {-1, nn::Surfels::kColumns}),
-                                config.predicts_total());
-  if (!config.reads_indirect()) return parts;
-  parts.cache.position = read(file, "cache.position", at::kFloat, {-1, 3});
-  const int64_t S = parts.cache.position.size(0);
-  const int64_t sides = config.light_columns();
-  parts.cache.normal = read(file, "cache.normal", at::kFloat, {S, 3 * sides});
-  parts.cache.light = read(file, "cache.light", at::kFloat, {S, 6 * sides});
-  if (config.light_variance) parts.cache.error = read(file, "cache.error", at::kFloat, {S, sides});
-  parts.cache.floor = read(file, "cache.floor", at::kFloat, {3});
+  if (config.predicts_radiance())
+    parts.surfels = nn::Surfels(read(file, "surfels", at::kFloat, {-1, nn::Surfels::kColumns}));
+  if (!config.reads_light()) return parts;
+  parts.prior.position = read(file, "prior.position", at::kFloat, {-1, 3});
+  const int64_t S = parts.prior.position.size(0);
+  parts.prior.normal = read(file, "prior.normal", at::kFloat, {S, 6});
+  parts.prior.light = read(file, "prior.light", at::kFloat, {S, 12});
+  if (config.reads_estimates()) parts.prior.error = read(file, "prior.error", at::kFloat, {S, 2});
+  parts.prior.floor = read(file, "prior.floor", at::kFloat, {3});
   return parts;
 }
 
 nn::Embedding on_device(nn::Embedding parts, c10::Device device) {
   for (at::Tensor* t :
-       {&parts.position, &parts.normal, &parts.features, &parts.origin, &parts.cache.position,
-        &parts.cache.normal, &parts.cache.light, &parts.cache.error, &parts.cache.floor}) {
+       {&parts.position, &parts.normal, &parts.features, &parts.origin, &parts.prior.position,
+        &parts.prior.normal, &parts.prior.light, &parts.prior.error, &parts.prior.floor}) {
     if (t->defined()) *t = t->to(device);
   }
   if (parts.surfels.defined() && !device.is_cpu()) parts.surfels = parts.surfels.to(device);
@@ -142,12 +142,12 @@ void save_embedding(const std::filesystem::path& path, const SceneEmbedding& emb
                                                {"emission_scale", parts.emission_scale}};
   if (parts.normal.defined()) tensors["normal"] = parts.normal;
   if (parts.surfels.defined()) tensors["surfels"] = parts.surfels.table();
-  if (parts.cache.defined()) {
-    tensors["cache.position"] = parts.cache.position;
-    tensors["cache.normal"] = parts.cache.normal;
-    tensors["cache.light"] = parts.cache.light;
-    if (parts.cache.error.defined()) tensors["cache.error"] = parts.cache.error;
-    tensors["cache.floor"] = parts.cache.floor;
+  if (parts.prior.defined()) {
+    tensors["prior.position"] = parts.prior.position;
+    tensors["prior.normal"] = parts.prior.normal;
+    tensors["prior.light"] = parts.prior.light;
+    if (parts.prior.error.defined()) tensors["prior.error"] = parts.prior.error;
+    tensors["prior.floor"] = parts.prior.floor;
   }
   SafetensorsWriter writer;
   std::map<std::string, at::Tensor> storage;

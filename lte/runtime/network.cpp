@@ -31,7 +31,6 @@ const nn::ModelMetadata& Network::metadata() const { return state_->metadata; }
 Device Network::device() const { return state_->device; }
 nn::Precision Network::precision() const { return state_->precision; }
 int64_t Network::parameters() const { return nn::count_parameters(state_->model).total; }
-bool Network::predicts_total() const { return config().predicts_total(); }
 
 std::string Network::fingerprint() const {
   Checksum sum;
@@ -48,8 +47,7 @@ nn::LightTransportModel& TorchParts::model(const Network& network) { return netw
 
 LightRequest Network::light_request() const {
   if (!config().reads_estimates()) return {};
-  return {metadata().light_depth_of(config()), metadata().light_paths, config().parts_sides(),
-          config().light_variance};
+  return {metadata().light_depth, metadata().light_paths};
 }
 
 void Network::check_fits(double extent_m, bool rescale) const {

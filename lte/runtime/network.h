@@ -19,14 +19,11 @@ struct NetworkOptions {
   nn::Precision precision = nn::Precision::Fp32;
 };
 
-/// What a network wants of the light on scene points, as it was estimated for its training.
+/// The estimates of light on either side of scene points that a network reads, as they were made
+/// for its training.
 struct LightRequest {
-  /// 0: nothing; 1: direct irradiance; more: irradiance of later bounces too, by paths of so many
-  /// surface hits.
-  int depth = 0;
-  int paths = 0;        ///< a side of each point
-  bool sides = false;   ///< that of the back by itself too
-  bool errors = false;  ///< standard errors of the indirect light too
+  int depth = 0;  ///< surface hits of their paths; 0: it reads none
+  int paths = 0;  ///< a side of each point
 };
 
 /// A handle: copies share the weights. Nothing about it changes once it is made, so any number of
@@ -46,7 +43,6 @@ class Network {
   std::string fingerprint() const;
   int64_t parameters() const;
   LightRequest light_request() const;
-  bool predicts_total() const;  ///< the output is total irradiance, not indirect
 
   /// @param extent_m  the widest side of a scene's bounds
   /// @throws SceneTooLarge if that is more than the model knows and `rescale` is false.

@@ -38,7 +38,6 @@ nn::PointSet with_solved_light(nn::PointSet points, const nn::ModelConfig& confi
                        1);
   points.direct = tensor(light.direct).to(device);
   points.indirect = tensor(light.indirect).to(device);
-  if (!config.parts_sides()) return points;
   points.direct_back = tensor(light.direct_back).to(device);
   points.indirect_back = tensor(light.indirect_back).to(device);
   return points;

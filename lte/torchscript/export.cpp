@@ -47,24 +47,23 @@ torch::jit::Module build_module(const nn::LightTransportModel& model, bool porta
 /// Names of the columns that encode() takes; see point_rows().
 std::vector<std::string> point_columns(const nn::ModelConfig& config) {
   std::vector<std::string> out = {"position", "normal", "albedo", "emission", "area"};
-  if (config.reads_direct()) out.emplace_back("direct");
-  if (config.reads_indirect()) out.emplace_back("indirect");
-  if (config.parts_sides()) out.emplace_back("direct_back");
-  if (config.parts_sides() && config.reads_indirect()) out.emplace_back("indirect_back");
-  if (config.light_variance) out.emplace_back("indirect_error");
-  if (config.gloss) out.emplace_back("gloss");
+  if (config.reads_light())
+    out.insert(out.end(), {"direct", "indirect", "direct_back", "indirect_back"});
+  if (config.reads_estimates()) out.emplace_back("indirect_error");
+  if (config.predicts_radiance()) out.emplace_back("gloss");
   return out;
 }
 
 std::string normalization_json(const nn::ModelConfig& config) {
   nlohmann::json json{{"scale_m", config.scale},
-                      {"target", enum_name(config.target)},
                       {"points", point_columns(config)},
                       {"queries", {"position", "normal", "albedo"}},
                       {"position",
                        "network space is (p - min over scene points) / scale_m; encode() and "
                        "decode() do it"},
-                      {"irradiance", "W/m^2, linear Rec.709, not divided by pi"}};
+                      {"irradiance",
+                       "W/m^2 of light that bounced at least once, linear Rec.709, not divided by "
+                       "pi"}};
   if (config.predicts_radiance()) json["radiance"] = "W sr^-1 m^-2, linear Rec.709";
   return json.dump(1) + "\n";
 }
@@ -73,12 +72,11 @@ std::string normalization_json(const nn::ModelConfig& config) {
 at::Tensor point_rows(const nn::PointSet& points, const nn::ModelConfig& config) {
   std::vector<at::Tensor> columns = {points.position, points.normal, points.albedo, points.emission,
                                      points.area.unsqueeze(1)};
-  if (config.reads_direct()) columns.push_back(points.direct);
-  if (config.reads_indirect()) columns.push_back(points.indirect);
-  if (config.parts_sides()) columns.push_back(points.direct_back);
-  if (config.parts_sides() && config.reads_indirect()) columns.push_back(points.indirect_back);
-  if (config.light_variance) columns.push_back(points.indirect_error);
-  if (config.gloss) columns.push_back(points.gloss);
+  if (config.reads_light())
+    columns.insert(columns.end(),
+                   {points.direct, points.indirect, points.direct_back, points.indirect_back});
+  if (config.reads_estimates()) columns.push_back(points.indirect_error);
+  if (config.predicts_radiance()) columns.push_back(points.gloss);
   return at::cat(columns, 1);
 }
 

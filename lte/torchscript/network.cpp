@@ -123,9 +123,9 @@ std::string common() {
                         {"rows", std::to_string(kPairRows)}});
 }
 
-/// Joins to x what F reads of gloss.
+/// Joins the columns of F for gloss to x.
 std::string read_gloss(const nn::ModelConfig& config) {
-  if (!config.gloss) return "";
+  if (!config.predicts_radiance()) return "";
   const int64_t from = kPointColumns + light_columns(config);
   return fill(kReadGloss, {{"from", std::to_string(from)},
                            {"next", std::to_string(from + 1)},
@@ -140,13 +140,14 @@ std::string encode(const nn::ModelConfig& config) {
        {"largest_position", number(nn::kLargestPosition)},
        {"least_spacing", number(nn::kLeastSpacing)},
        {"columns", std::to_string(kPointColumns + light_columns(config) +
-                                  (config.gloss ? nn::kGlossColumns : 0))},
-       {"light", light_column_names(config) + (config.gloss ? ", metallic, roughness" : "")},
+                                  (config.predicts_radiance() ? nn::kGlossColumns : 0))},
+       {"light",
+        light_column_names(config) + (config.predicts_radiance() ? ", metallic, roughness" : "")},
        {"irradiance", read_light_source(config) + read_gloss(config)},
        {"fill_cache", fill_cache_source(config)},
        {"make_surfels", make_surfels_source(config)},
        {"k", std::to_string(config.nne_neighbours)},
-       {"grid", number(config.grid_per_spacing)},
+       {"grid", number(config.grid_per_spacing())},
        {"last_cell", number(kLastCell)},
        {"normals",
         config.reads_normals() ? "    embedding['normal'] = points[:, 3:6][picks[:count]]\n" : ""},

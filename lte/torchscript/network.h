@@ -14,10 +14,10 @@ std::string attribute_of(const std::string& parameter);
 /// Methods of the exported module besides those of ops_source():
 ///
 ///     encode(points: Tensor) -> Dict[str, Tensor]
-///         points [M, 13]: position, normal, albedo, emission, area; then as the model's
-///         light_input asks, direct irradiance [M, 16], and indirect irradiance [M, 19]; then if
-///         its light_sides are apart, that of the back of each kind [M, 25]; then if it reads
-///         light_variance, the errors of front and back [M, 27]
+///         points [M, 13]: position, normal, albedo, emission, area; of models that read light
+///         then direct and indirect irradiance, and that of the back of each [M, 25]; of those
+///         that read estimates, the errors of front and back [M, 27]; of those that predict
+///         radiance, metallic and roughness
 ///     decode(embedding: Dict[str, Tensor], queries: Tensor) -> Tensor
 ///         queries [Q, 9]: position, normal, albedo; result [Q, 3] irradiance, W/m²
 ///     forward(points: Tensor, queries: Tensor) -> Tensor

@@ -23,14 +23,14 @@ constexpr int64_t kPairs = int64_t{1} << 20;
 // Columns of a disc are those of nn::Surfels.
 constexpr const char* kMakeSurfels =
     R"SCRIPT(    bounced = self.decode_normalized(embedding, points[:, 0:9])
-    sent = {front}
+    sent = torch.clamp_min(direct_sides[0] / scale, 0.0) + bounced
     albedo = points[:, 6:9] * (1.0 - {metallic})
     embedding['surfels'] = torch.cat([
         position,
         points[:, 3:6],
         torch.sqrt(points[:, 12:13] / {pi}) * {radius},
         albedo * sent,
-        albedo * {back},
+        albedo * ((direct_sides[1] + indirect_sides[1]) / scale),
         points[:, 9:12] / scale * {pi},
         points[:, 6:9] * {metallic},
         {metallic},
@@ -202,29 +202,21 @@ std::string look(int bounce, bool shine, bool last) {
 }  // namespace
 
 std::string make_surfels_source(const nn::ModelConfig& config) {
-  if (!config.casts_rays()) return "";
+  if (!config.predicts_radiance()) return "";
   const int64_t gloss = kPointColumns + light_columns(config);
   const std::string at = std::to_string(gloss), next = std::to_string(gloss + 1),
                     end = std::to_string(gloss + 2);
-  return fill(kMakeSurfels,
-              {{"front", config.predicts_total()
-                             ? "bounced"
-                             : "torch.clamp_min(direct_sides[0] / scale, 0.0) + bounced"},
-               {"back", config.parts_sides() ? "((direct_sides[1] + indirect_sides[1]) / scale)"
-                                             : "torch.zeros_like(position)"},
-               {"metallic", config.gloss ? "points[:, " + at + ":" + next + "]"
-                                         : "torch.zeros_like(position[:, 0:1])"},
-               {"roughness", config.gloss ? "points[:, " + next + ":" + end + "]"
-                                          : "torch.ones_like(position[:, 0:1])"},
-               {"radius", number(kOverlap / config.scale)},
-               {"pi", number(std::numbers::pi)}});
+  return fill(kMakeSurfels, {{"metallic", "points[:, " + at + ":" + next + "]"},
+                             {"roughness", "points[:, " + next + ":" + end + "]"},
+                             {"radius", number(kOverlap / config.scale)},
+                             {"pi", number(std::numbers::pi)}});
 }
 
 std::string rays_source(const nn::ModelConfig& config) {
-  if (!config.casts_rays()) return "";
+  if (!config.predicts_radiance()) return "";
   const std::string source = std::string(kMet) + look(2, true, true) + reflected(1, 1) +
                              look(1, true, false) + reflected(0, kReflections) +
-                             look(0, config.predicts_total(), false) + kSeen;
+                             look(0, false, false) + kSeen;
   return fill(source, {{"slack", number(4e-6)},
                        {"inside", number(kInside)},
                        {"own", number(kOwn)},

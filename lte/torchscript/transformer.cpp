@@ -115,7 +115,7 @@ constexpr const char* kUnpool = R"SCRIPT(
 
 /// The learnt share of a PointNorm's mean, or nothing.
 std::string share_of(const nn::ModelConfig& config, const std::string& norm) {
-  return config.centering == nn::Centering::Learned ? "self." + norm + "_share" : "None";
+  return config.centers_norms() ? "self." + norm + "_share" : "None";
 }
 
 std::string blocks_of(const nn::ModelConfig& config, const std::string& stage, int64_t depth,
@@ -182,15 +182,11 @@ std::string transformer_source(const nn::ModelConfig& config) {
   std::string methods;
   std::string body = "\ndef transformer(self, x: Tensor, cells0: Tensor) -> Tensor:\n";
   body += plan_lines(config);
-  if (config.stem_kernel() == 0) {
-    body += "    stem = torch.linear(x, self.encoder_stem_weight, self.encoder_stem_bias)\n";
-  } else {
-    body += fill(
-        "    stem_pairs, stem_taps = self.convolution_pairs(cells0, {k})\n"
-        "    stem = self.submanifold_conv(x, self.encoder_stem_weight, None, stem_pairs, "
-        "stem_taps)\n",
-        {{"k", std::to_string(config.stem_kernel())}});
-  }
+  body += fill(
+      "    stem_pairs, stem_taps = self.convolution_pairs(cells0, {k})\n"
+      "    stem = self.submanifold_conv(x, self.encoder_stem_weight, None, stem_pairs, "
+      "stem_taps)\n",
+      {{"k", std::to_string(config.stem_kernel())}});
   body += fill(
       "    x0 = self.gelu(self.point_norm(\n"
       "        stem, {share}, self.encoder_stem_norm_weight, self.encoder_stem_norm_bias))\n",

@@ -140,10 +140,7 @@ at::Tensor EagerNetwork::point_transformer(const at::Tensor& x, const nn::Encode
     return "encoder." + (part + std::to_string(s));
   };
   const at::Tensor stem =
-      config_.stem == nn::Stem::Linear
-          ? linear("encoder.stem", x)
-          : convolution("encoder.stem", x,
-                        find_pairs(plan.stages[0].cells, config_.stem == nn::Stem::Conv5 ? 5 : 3));
+      convolution("encoder.stem", x, find_pairs(plan.stages[0].cells, config_.stem_kernel()));
   std::vector<at::Tensor> skip = {at::gelu(norm("encoder.stem_norm", stem))};
   std::vector<Pairs> pairs;
   for (size_t s = 0; s < plan.stages.size(); ++s) {

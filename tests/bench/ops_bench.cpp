@@ -229,7 +229,7 @@ void SeeSurfels(benchmark::State& state) {
   const at::Tensor ways = at::randn({Q, N, 3}), normal = inwards(from).unsqueeze(1);
   const at::Tensor unit = ways / ways.norm(2, 2, true);
   const at::Tensor above = unit - 2 * (unit * normal).sum(2, true).clamp_max(0) * normal;
-  for (auto _ : state) benchmark::DoNotOptimize(see_surfels(from, above, grid, false));
+  for (auto _ : state) benchmark::DoNotOptimize(see_surfels(from, above, grid));
   state.SetItemsProcessed(state.iterations() * Q * N);
 }
 BENCHMARK(SeeSurfels)->Arg(4096)->Arg(32768)->Unit(benchmark::kMillisecond)->UseRealTime();

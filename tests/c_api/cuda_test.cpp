@@ -33,10 +33,7 @@ class CApiCuda : public testing::Test {
     }
     nn::ModelConfig config = test::tiny_geometric_config();
     config.light_input = nn::LightInput::Traced;
-    config.light_sides = nn::LightSides::Apart;
-    config.gloss = true;
     config.radiance_lobes = 6;
-    config.radiance_base = nn::RadianceBase::Points;
     test::save_random_model(folder_ / "model.safetensors", config);
     for (const int32_t device : {LTE_DEVICE_CPU, 0}) {
       lte_model_options options = {};

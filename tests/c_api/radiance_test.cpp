@@ -30,10 +30,7 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 nn::ModelConfig radiance_config() {
   nn::ModelConfig config = test::tiny_geometric_config();
   config.light_input = nn::LightInput::Traced;
-  config.light_sides = nn::LightSides::Apart;
-  config.gloss = true;
   config.radiance_lobes = 6;
-  config.radiance_base = nn::RadianceBase::Points;
   return config;
 }
 

@@ -30,7 +30,7 @@ for file in LICENSE README.md CHANGELOG.md docs/README.md view/index.html view/m
   [ -e "$file" ] || { echo "install: share/lte/$file is missing"; exit 1; }
 done
 "$bin/lte_datagen" generate --config configs/data/boxes.yaml --print-config >/dev/null
-"$bin/lte_train" --config configs/train/small.yaml --dry-run >/dev/null
+"$bin/lte_train" --config configs/train/demo.yaml --dry-run >/dev/null
 "$bin/lte_render" assets/scenes/cornell_box.glb --size 16x12 --out "$scratch/cornell.png"
 # The model that the tool takes by itself is the installed one: without it that is what is missed.
 echo damaged >assets/models/lte-base.safetensors

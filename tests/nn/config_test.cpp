@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lte/nn/constants.h"
 #include "tests/nn/support.h"
 
 namespace lte::nn {
@@ -19,49 +20,80 @@ ModelConfig parse(const std::string& yaml) {
 TEST(ModelConfig, YamlRoundTripKeepsEveryField) {
   ModelConfig config = test::tiny_geometric_config();
   config.nne_neighbours = 7;
-  config.grid_per_spacing = 1.0 / 3;
   config.dropout = 0.125;
-  config.ffn_ratio = 3;
   config.light_input = LightInput::Traced;
-  config.light_sides = LightSides::Apart;
-  config.light_variance = true;
-  config.target = Target::Total;
+  config.radiance_lobes = 3;
   config.scale = 12.345678901234567;
   config.output_mean = 1e-3;
   const std::string yaml = config.to_yaml();
   const ModelConfig back = parse(yaml);
   EXPECT_EQ(back.to_yaml(), yaml);
+  EXPECT_EQ(back.preset, Preset::Lte);
   EXPECT_EQ(back.scale, config.scale);
-  EXPECT_EQ(back.grid_per_spacing, config.grid_per_spacing);
   EXPECT_EQ(back.encoder_depths, config.encoder_depths);
-  EXPECT_EQ(back.target, Target::Total);
+  EXPECT_EQ(back.light_input, LightInput::Traced);
   EXPECT_NE(yaml, ModelConfig{}.to_yaml());
+}
+
+/// Table 1 of the paper's supplement, and its section 3.
+TEST(ModelConfig, ThePresetPaperIsThePapersTable) {
+  const ModelConfig paper = parse("preset: paper");
+  EXPECT_EQ(paper.channels, 128);
+  EXPECT_EQ(paper.nne_neighbours, 32);
+  EXPECT_EQ(paper.encoder_depths, (std::vector<int64_t>{2, 2, 2, 6, 2}));
+  std::vector<int64_t> channels;
+  for (const int64_t width : paper.encoder_widths) channels.push_back(width * paper.channels);
+  EXPECT_EQ(channels, (std::vector<int64_t>{128, 128, 128, 256, 256}));
+  EXPECT_EQ(paper.patch_size, 1024);
+  EXPECT_EQ(paper.channels / paper.head_width, 4);
+  EXPECT_EQ(paper.query_layers, 6);
+  EXPECT_EQ(paper.query_neighbours, 32);
+  EXPECT_EQ(kFfnRatio * paper.channels, 512);
+  EXPECT_EQ(paper.dropout, 0.1);
+  // Its points carry emission alone, γ reads the offset, and PTv3's attention sees no positions.
+  EXPECT_EQ(paper.point_inputs(), 12);
+  EXPECT_EQ(paper.query_inputs(), 9);
+  EXPECT_EQ(paper.pair_inputs(), 3);
+  EXPECT_EQ(paper.stem_kernel(), 5);
+  EXPECT_FALSE(paper.rotates_attention());
+  EXPECT_FALSE(paper.centers_norms());
+  EXPECT_FALSE(paper.predicts_radiance());
+  EXPECT_EQ(paper.to_yaml(), ModelConfig{}.to_yaml());
+  EXPECT_EQ(paper.to_yaml(), parse("{}").to_yaml()) << "it is the default";
+}
+
+TEST(ModelConfig, ThePresetIsTheDefaultOfEveryOtherKey) {
+  const ModelConfig lte = parse("preset: lte"), wide = parse("{channels: 96, preset: lte}");
+  EXPECT_EQ(lte.to_yaml(), ModelConfig::of(Preset::Lte).to_yaml());
+  EXPECT_EQ(lte.channels, 48);
+  EXPECT_EQ(lte.encoder_depths, (std::vector<int64_t>{2, 2, 6}));
+  EXPECT_EQ(lte.light_input, LightInput::Radiosity);
+  EXPECT_EQ(wide.channels, 96);
+  EXPECT_EQ(wide.query_layers, lte.query_layers);
+  EXPECT_EQ(differences(wide, lte).size(), 1u);
 }
 
 TEST(ModelConfig, DifferencesAreInTheOrderOfTheKeys) {
   ModelConfig a, b;
   EXPECT_TRUE(differences(a, b).empty());
-  b.target = Target::Total;
+  b.light_input = LightInput::Traced;
   b.encoder_depths = {1, 1};
   const std::vector<ConfigDifference> found = differences(a, b);
   ASSERT_EQ(found.size(), 2u);
   EXPECT_EQ(found[0].key, "encoder_depths");
   EXPECT_EQ(found[0].first, "[2, 2, 2, 6, 2]");
   EXPECT_EQ(found[0].second, "[1, 1]");
-  EXPECT_EQ(found[1].key, "target");
-  EXPECT_EQ(found[1].second, "total");
+  EXPECT_EQ(found[1].key, "light_input");
+  EXPECT_EQ(found[1].second, "traced");
 }
 
-TEST(ModelConfig, LightIsAsManyColumnsAsItIsTold) {
+TEST(ModelConfig, LightErrorsAndGlossAreColumns) {
   for (const auto& [yaml, point, query] : std::vector<std::tuple<std::string, int64_t, int64_t>>{
            {"{}", 12, 9},
-           {"light_input: direct", 15, 9},
-           {"light_input: traced", 18, 21},
-           {"{light_input: direct, light_sides: apart}", 18, 9},
-           {"{light_input: traced, light_sides: apart}", 24, 21},
-           {"{light_input: traced, light_sides: apart, light_variance: true}", 26, 22},
-           {"gloss: true", 14, 9},
-           {"{light_input: traced, light_sides: apart, gloss: true}", 26, 21}}) {
+           {"light_input: traced", 26, 22},
+           {"light_input: radiosity", 24, 21},
+           {"preset: lte", 24, 21},
+           {"{preset: lte, radiance_lobes: 8}", 26, 21}}) {
     const ModelConfig config = parse(yaml);
     EXPECT_EQ(config.point_inputs(), point) << yaml;
     EXPECT_EQ(config.query_inputs(), query) << yaml;
@@ -76,35 +108,18 @@ TEST(ModelConfig, ErrorsNameTheKey) {
            {"patch_size: -1", "patch_size"},
            {"query_neighbours: 0", "query_neighbours"},
            {"query_layers: 0", "query_layers"},
-           {"gamma_hidden: 0", "gamma_hidden"},
-           {"query_attention: mean", "query_attention"},
-           {"ffn_ratio: 0", "ffn_ratio"},
            {"radiance_lobes: -1", "radiance_lobes"},
-           {"radiance_head: disc", "radiance_head"},
-           {"{radiance_lobes: 4, radiance_base: points}",
-            "radiance_base points: model.light_input"},
-           {"{radiance_lobes: 4, radiance_base: points, light_input: traced, radiance_head: map}",
-            "radiance_head must be directions or early, got map"},
+           {"radiance_lobes: 4", "light_input must be traced or radiosity, got emission"},
            {"encoder_depths: []", "encoder_depths"},
            {"encoder_depths: [1, -1, 1, 1, 1]", "encoder_depths"},
            {"encoder_widths: [1, 2]", "encoder_widths"},
            {"decoder_depths: [1]", "decoder_depths"},
            {"decoder_widths: [1, 1, 0, 1]", "decoder_widths"},
            {"channels: 100", "head_width"},
-           {"stem: conv7", "stem: expected conv5 | conv3 | linear, got \"conv7\"; did you mean"},
+           {"preset: ltee", "preset: expected paper | lte, got \"ltee\"; did you mean"},
            {"light_input: trace", "did you mean \"traced\"?"},
-           {"light_sides: apart", "light_sides apart: model.light_input must not be emission"},
-           {"{light_input: traced, light_sides: both}", "light_sides: expected sum | apart"},
-           {"{light_input: traced, light_variance: true}", "light_sides apart, got traced and sum"},
-           {"{light_input: direct, light_sides: apart, light_variance: true}", "got direct"},
-           {"{light_input: traced, light_variance: maybe}", "light_variance"},
-           {"target: direct", "target"},
-           {"grid_per_spacing: 0", "grid_per_spacing"},
-           {"attention_positions: cells", "attention_positions"},
-           {"{attention_positions: rotary, head_width: 4}", "head_width must be even"},
-           {"{attention_positions: rotary, channels: 16, head_width: 32}", "does not divide"},
-           {"centering: batch", "centering"},
-           {"pair_geometry: distance", "pair_geometry"},
+           {"{preset: lte, head_width: 4}", "head_width must be even"},
+           {"{preset: lte, channels: 16, head_width: 32}", "does not divide"},
            {"dropout: 1", "dropout"},
            {"scale: -1", "scale"},
            {"output_mean: 0", "output_mean"},

@@ -28,14 +28,9 @@ std::vector<Network> networks() {
                               {"Paper", {}}};
   ModelConfig& traced = all[2].config;
   traced.light_input = LightInput::Traced;
-  traced.light_sides = LightSides::Apart;
-  traced.light_variance = true;
   ModelConfig& radiance = all[3].config;
   radiance.light_input = LightInput::Traced;
-  radiance.light_sides = LightSides::Apart;
-  radiance.gloss = true;
   radiance.radiance_lobes = 6;
-  radiance.radiance_base = RadianceBase::Points;
   all[4].config.channels = 32;
   all[4].config.dropout = 0;
   return all;

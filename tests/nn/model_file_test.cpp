@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 
 #include <gtest/gtest.h>
 
@@ -98,8 +99,8 @@ TEST_F(ModelFile, RefusesWhatIsNotThisModel) {
   test::expect_error(load(file("absent.safetensors")), {"absent.safetensors"});
   test::expect_error(load(edited([](auto&, auto& m) { m["format"] = "lte-scene"; })),
                      {"edited.safetensors", "not a model"});
-  test::expect_error(load(edited([](auto&, auto& m) { m["format_version"] = "2"; })),
-                     {"edited.safetensors", "newer"});
+  test::expect_error(load(edited([](auto&, auto& m) { m["format_version"] = "3"; })),
+                     {"edited.safetensors", "format version 3", "newer", "update lte"});
   test::expect_error(load(edited([](auto& t, auto&) { t.erase(kName); })),
                      {"edited.safetensors", kName});
   test::expect_error(load(edited([](auto& t, auto&) { t["decoder.extra"] = t[kName]; })),
@@ -115,6 +116,29 @@ TEST_F(ModelFile, RefusesWhatIsNotThisModel) {
                        t[kName].data = reinterpret_cast<const std::byte*>(bad.data());
                      })),
                      {"edited.safetensors", kName, "not finite"});
+}
+
+TEST_F(ModelFile, RefusesEarlierFormatsInOneLineWithTheRemedy) {
+  // A configuration of that version: keys that are gone must not be the complaint.
+  const auto path = edited([](auto&, auto& m) {
+    m["format_version"] = "1";
+    m["model_config"] = "channels: 16\nstem: conv3\ntarget: indirect\n";
+  });
+  for (const auto& read : std::vector<std::function<void()>>{
+           [&] { load_model(path); }, [&] { load_weights(path, model_); },
+           [&] { save_rounded(path, file("rounded.safetensors")); }}) {
+    try {
+      read();
+      ADD_FAILURE() << "it was read";
+    } catch (const Error& error) {
+      const std::string line = error.what();
+      EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 0) << line;
+      for (const char* part :
+           {"edited.safetensors", "format version 1", "program's 2", "scripts/convert_model.py"})
+        EXPECT_NE(line.find(part), std::string::npos) << line;
+    }
+  }
+  EXPECT_FALSE(std::filesystem::exists(file("rounded.safetensors")));
 }
 
 /// A thousand bits of header and weights. What reads at all has the same weights.
@@ -217,17 +241,6 @@ TEST_F(ModelFile, MetadataAreWrittenAndReadBack) {
     test::expect_error([&] { read_model_metadata(file("c.safetensors")); },
                        {"c.safetensors", key, value});
   }
-}
-
-TEST(ModelMetadata, LightIsTracedAsDeepAsTheModelReadsIt) {
-  ModelMetadata metadata;
-  metadata.light_depth = 3;
-  ModelConfig config;
-  EXPECT_EQ(metadata.light_depth_of(config), 0);
-  config.light_input = LightInput::Direct;
-  EXPECT_EQ(metadata.light_depth_of(config), 1);
-  config.light_input = LightInput::Traced;
-  EXPECT_EQ(metadata.light_depth_of(config), 3);
 }
 
 }  // namespace

@@ -76,13 +76,15 @@ TEST(Model, IrradianceIsLinearInEmission) {
 TEST(Model, ReadsTheLightOnScenePointsThatItsConfigurationNames) {
   const QuerySet queries = test::box_queries(40, 2);
   const PointSet points = test::box_scene(120, 1);
-  PointSet more_direct = points, more_indirect = points, gained = points;
+  PointSet more_direct = points, more_indirect = points, gained = points, noisy = points;
   more_direct.direct = points.direct * 2;
   more_indirect.indirect = points.indirect * 2;
-  gained.emission = points.emission * 0.5;
-  gained.direct = points.direct * 0.5;
-  gained.indirect = points.indirect * 0.5;
-  for (const LightInput input : {LightInput::Emission, LightInput::Direct, LightInput::Traced}) {
+  noisy.indirect_error = points.indirect_error * 0.5;
+  for (at::Tensor* t : {&gained.emission, &gained.direct, &gained.indirect, &gained.direct_back,
+                        &gained.indirect_back})
+    *t = *t * 0.5;
+  for (const LightInput input : {LightInput::Emission, LightInput::Traced, LightInput::Radiosity}) {
+    SCOPED_TRACE(enum_name(input));
     ModelConfig config = test::tiny_config();
     config.light_input = input;
     LightTransportModel model = random_model(config);
@@ -90,72 +92,47 @@ TEST(Model, ReadsTheLightOnScenePointsThatItsConfigurationNames) {
     const auto changes = [&](const PointSet& other) {
       return !torch::equal(irradiance(model, other, queries), answer);
     };
-    EXPECT_EQ(changes(more_direct), input != LightInput::Emission) << enum_name(input);
-    EXPECT_EQ(changes(more_indirect), input == LightInput::Traced) << enum_name(input);
-    EXPECT_TRUE(torch::equal(irradiance(model, gained, queries), answer * 0.5)) << enum_name(input);
-    PointSet without = points;
+    EXPECT_EQ(changes(more_direct), config.reads_light());
+    EXPECT_EQ(changes(more_indirect), config.reads_light());
+    EXPECT_EQ(changes(noisy), input == LightInput::Traced);
+    EXPECT_TRUE(torch::equal(irradiance(model, gained, queries), answer * 0.5));
+    PointSet without = points, bad = points;
     without.indirect = at::Tensor();
-    if (input == LightInput::Traced) {
-      test::expect_error([&] { irradiance(model, without, queries); },
-                         {"scene points", "indirect irradiance is missing"});
-    } else {
-      EXPECT_FALSE(changes(without)) << enum_name(input);
-    }
-    without.direct = at::Tensor();
-    if (input != LightInput::Emission) {
-      test::expect_error([&] { irradiance(model, without, queries); },
-                         {"scene points", "direct irradiance is missing"});
-    }
-    PointSet bad = points;
     bad.direct = points.direct.clone();
     bad.direct[7][1] = -1;
     if (input == LightInput::Emission) {
+      without.direct = without.direct_back = without.indirect_back = at::Tensor();
+      EXPECT_FALSE(changes(without));
       EXPECT_FALSE(changes(bad));
-    } else {
-      test::expect_error([&] { irradiance(model, bad, queries); }, {"direct irradiance", "row 7"});
+      continue;
     }
+    test::expect_error([&] { irradiance(model, without, queries); },
+                       {"scene points", "indirect irradiance is missing"});
+    without.direct = at::Tensor();
+    test::expect_error([&] { irradiance(model, without, queries); },
+                       {"scene points", "direct irradiance is missing"});
+    test::expect_error([&] { irradiance(model, bad, queries); }, {"direct irradiance", "row 7"});
   }
 }
 
-/// A sheet lit from below is not one lit from above, to a network that is told the sides.
+/// A sheet lit from below is not one lit from above.
 TEST(Model, KnowsWhichSideOfASurfaceIsLit) {
   const QuerySet queries = test::box_queries(40, 2);
   const PointSet front = test::box_scene(120, 1);
   PointSet back = front;
   back.direct_back = front.direct - front.direct_back;
   back.indirect_back = front.indirect - front.indirect_back;
-  PointSet noisy = front;
-  noisy.indirect_error = front.indirect_error * 0.5;
-  for (const LightInput input : {LightInput::Direct, LightInput::Traced}) {
-    for (const LightSides sides : {LightSides::Sum, LightSides::Apart}) {
-      for (const bool variance : {false, true}) {
-        if (variance && (input == LightInput::Direct || sides == LightSides::Sum)) continue;
-        ModelConfig config = test::tiny_config();
-        config.light_input = input;
-        config.light_sides = sides;
-        config.light_variance = variance;
-        LightTransportModel model = random_model(config);
-        const at::Tensor answer = irradiance(model, front, queries);
-        const auto changes = [&](const PointSet& other) {
-          return !torch::equal(irradiance(model, other, queries), answer);
-        };
-        EXPECT_EQ(changes(back), sides == LightSides::Apart) << config.to_yaml();
-        EXPECT_EQ(changes(noisy), variance) << config.to_yaml();
-        PointSet gained = front;
-        for (at::Tensor* t : {&gained.emission, &gained.direct, &gained.indirect,
-                              &gained.direct_back, &gained.indirect_back})
-          *t = *t * 0.5;
-        EXPECT_TRUE(torch::equal(irradiance(model, gained, queries), answer * 0.5));
-      }
-    }
+  for (const LightInput input : {LightInput::Traced, LightInput::Radiosity}) {
+    ModelConfig config = test::tiny_config();
+    config.light_input = input;
+    LightTransportModel model = random_model(config);
+    EXPECT_FALSE(torch::equal(irradiance(model, back, queries), irradiance(model, front, queries)));
   }
 }
 
 TEST(Model, RefusesSidesAndErrorsThatAreMissingOrImpossible) {
   ModelConfig config = test::tiny_config();
   config.light_input = LightInput::Traced;
-  config.light_sides = LightSides::Apart;
-  config.light_variance = true;
   LightTransportModel model = random_model(config);
   const QuerySet queries = test::box_queries(5, 2);
   const auto refused = [&](const auto& edit, const std::vector<std::string>& words) {
@@ -259,9 +236,9 @@ TEST(Model, DecodeIsTheNormalizedAnswerTimesTheScalar) {
 }
 
 TEST(Model, AnyNumberAndArrangementOfPointsGivesFiniteIrradiance) {
-  for (const Stem stem : {Stem::Conv5, Stem::Conv3, Stem::Linear}) {
+  for (const Preset preset : {Preset::Paper, Preset::Lte}) {
     ModelConfig config = test::tiny_config();
-    config.stem = stem;
+    config.preset = preset;
     config.encoder_depths = {1, 1, 1, 1, 1};
     config.encoder_widths = {1, 1, 1, 2, 2};
     config.decoder_depths = {1, 1, 1, 0};
@@ -278,7 +255,7 @@ TEST(Model, AnyNumberAndArrangementOfPointsGivesFiniteIrradiance) {
     for (const PointSet& points : scenes) {
       const at::Tensor out = irradiance(model, points, queries);
       EXPECT_TRUE(out.isfinite().all().item<bool>())
-          << enum_name(stem) << " " << points.position.size(0);
+          << enum_name(preset) << " " << points.position.size(0);
       EXPECT_GE(out.min().item<float>(), 0);
     }
   }

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <torch/csrc/autograd/autograd.h>
 
+#include "lte/nn/constants.h"
 #include "lte/nn/model.h"
 #include "lte/nn/nearest_neighbour_embedding.h"
 #include "lte/nn/query_decoder.h"
@@ -58,9 +59,6 @@ TEST(Recompute, LeavesOutWhatNeedsNoGradient) {
 }
 
 /// The gradients of each layer together, all of it flattened, by the layer's name.
-///
-/// A softmax cancels the gradient of ω's last bias: all that is left of it is rounding, which
-/// differs from processor to processor, and only the weight beside it says how large that may be.
 std::map<std::string, at::Tensor> by_layer(const std::vector<std::string>& names,
                                            const std::vector<at::Tensor>& gradients) {
   std::map<std::string, at::Tensor> layers;
@@ -72,18 +70,15 @@ std::map<std::string, at::Tensor> by_layer(const std::vector<std::string>& names
   return layers;
 }
 
-class RecomputedQueries : public testing::TestWithParam<std::tuple<QueryAttention, Precision>> {};
+class RecomputedQueries : public testing::TestWithParam<Precision> {};
 
 TEST_P(RecomputedQueries, ManyHaveTheGradientsOfFewAtATime) {
   ModelConfig config = test::tiny_config();
   config.query_neighbours = 32;
-  config.gamma_hidden = 16;  // whole blocks, which bfloat16 rounds
-  config.query_attention = std::get<0>(GetParam());
   QueryDecoder decoder(config.channels, config);
   test::randomize(*decoder, 12);
-  set_autocast(*decoder, std::get<1>(GetParam()));
-  const int64_t rows =
-      rows_of_a_block(32 * std::max(config.gamma_hidden, config.channels), at::kCPU);
+  set_autocast(*decoder, GetParam());
+  const int64_t rows = rows_of_a_block(32 * std::max(kGammaHidden, config.channels), at::kCPU);
   const int64_t Q = 2 * rows + 7;
   const at::Tensor position = torch::rand({Q, 3}), anchor = torch::rand({50, 3}),
                    attributes = torch::randn({Q, 9}), weight = torch::randn({Q, 3}),
@@ -110,17 +105,15 @@ TEST_P(RecomputedQueries, ManyHaveTheGradientsOfFewAtATime) {
   const auto parts = torch::autograd::grad({sum}, wanted);
   // Sums in another order may round to the other bfloat16. Blocks whose first run is not rounded as
   // the second one is would differ by 7e-3.
-  const double tolerance = std::get<1>(GetParam()) == Precision::Bf16 ? 1e-3 : 1e-5;
+  const double tolerance = GetParam() == Precision::Bf16 ? 1e-3 : 1e-5;
   const auto layers = by_layer(names, whole), layers_of_parts = by_layer(names, parts);
   for (const auto& [name, gradient] : layers) {
     EXPECT_LT(test::relative_difference(gradient, layers_of_parts.at(name)), tolerance) << name;
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Decoders, RecomputedQueries,
-                         testing::Combine(testing::Values(QueryAttention::Sum,
-                                                          QueryAttention::Softmax),
-                                          testing::Values(Precision::Fp32, Precision::Bf16)));
+INSTANTIATE_TEST_SUITE_P(Precisions, RecomputedQueries,
+                         testing::Values(Precision::Fp32, Precision::Bf16));
 
 TEST(Recompute, ManyPointsHaveTheGradientsOfFewAtATime) {
   const int64_t D = 64, k = 32, rows = rows_of_a_block(k * D, at::kCPU), m = rows + 5;

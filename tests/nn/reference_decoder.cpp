@@ -38,7 +38,7 @@ at::Tensor reference_decoder(const Parameters& p, const nn::ModelConfig& config,
   const at::Tensor KV = latent.index({nearest});  // [Q, k, D]
 
   at::Tensor pair = near_offset / spacing;
-  if (config.pair_geometry == nn::PairGeometry::Normals) {
+  if (config.reads_normals()) {
     const at::Tensor n = query.normal, n_k = anchor.normal.index({nearest});
     pair = torch::cat({pair, torch::einsum("qx,qkx->qk", {n, n_k}).unsqueeze(2),
                        torch::einsum("qx,qkx->qk", {n, pair}).unsqueeze(2),
@@ -52,11 +52,7 @@ at::Tensor reference_decoder(const Parameters& p, const nn::ModelConfig& config,
     const at::Tensor q = linear(p, layer + "query", normalize(p, layer + "norm1", G));
     const at::Tensor key = linear(p, layer + "key", KV), value = linear(p, layer + "value", KV);
     const at::Tensor A = q.unsqueeze(1) - key + P;
-    at::Tensor weight = A / static_cast<double>(k);
-    if (config.normalizes_attention()) {
-      weight = torch::exp(perceptron(p, layer + "weight", A));
-      weight = weight / weight.sum(1, true);
-    }
+    const at::Tensor weight = A / static_cast<double>(k);
     G = G + linear(p, layer + "output", (weight * (value + P)).sum(1));
     G = G + perceptron(p, layer + "ffn", normalize(p, layer + "norm2", G));
   }

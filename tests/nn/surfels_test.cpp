@@ -122,8 +122,6 @@ TEST(Surfels, OfScenePointsSendOutWhatTheDecoderSaysOfThem) {
   ModelConfig config = test::tiny_geometric_config();
   config.light_input = LightInput::Traced;
   config.radiance_lobes = 6;
-  config.gloss = true;
-  config.radiance_base = RadianceBase::Points;
   PointSet points = test::box_scene(400, 1);
   const int64_t M = points.position.size(0);
   points.gloss = torch::zeros({M, 2});
@@ -137,7 +135,8 @@ TEST(Surfels, OfScenePointsSendOutWhatTheDecoderSaysOfThem) {
   const at::Tensor unit = embedding.emission_scale.to(at::kFloat);
   const at::Tensor bounced =
       model->decode(embedding, {points.position, points.normal, points.albedo}) / unit;
-  const at::Tensor expected = points.albedo * (points.direct / unit + bounced);
+  const at::Tensor expected =
+      points.albedo * ((points.direct - points.direct_back) / unit + bounced);
   const at::Tensor table = embedding.surfels.table();
   const at::Tensor sent = table.narrow(1, Surfels::kFront, 3);
   EXPECT_EQ(sent.narrow(0, 0, 50).abs().max().item<float>(), 0) << "metal scatters nothing";

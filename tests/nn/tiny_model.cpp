@@ -20,19 +20,15 @@ nn::ModelConfig tiny_config() {
   config.decoder_widths = {1, 2};
   config.head_width = 8;
   config.patch_size = 8;
-  config.stem = nn::Stem::Conv3;
   config.dropout = 0;
   config.query_neighbours = 5;
   config.query_layers = 2;
-  config.gamma_hidden = 8;
   return config;
 }
 
 nn::ModelConfig tiny_geometric_config() {
   nn::ModelConfig config = tiny_config();
-  config.attention_positions = nn::AttentionPositions::Rotary;
-  config.centering = nn::Centering::Learned;
-  config.pair_geometry = nn::PairGeometry::Normals;
+  config.preset = nn::Preset::Lte;
   return config;
 }
 
@@ -61,22 +57,21 @@ void save_tiny_model(const std::filesystem::path& path, const TinyModel& tiny) {
   config.decoder_depths = {1, 1, 1, 1};
   config.decoder_widths = {1, 1, 1, 1};
   config.patch_size = 64;
-  config.stem = nn::Stem::Conv3;
   config.query_neighbours = 8;
   config.query_layers = 2;
-  config.gamma_hidden = 16;
-  config.target = tiny.target;
   config.light_input = tiny.light_input;
-  config.light_sides = tiny.light_sides;
   config.scale = tiny.scale;
   config.radiance_lobes = tiny.radiance_lobes;
-  config.gloss = tiny.gloss;
+  if (config.predicts_radiance() && !config.reads_light())
+    config.light_input = nn::LightInput::Radiosity;
   at::manual_seed(tiny.seed);
   const nn::LightTransportModel model(config);
   if (tiny.even_radiance) {
     const at::NoGradGuard no_grad;
     model->named_parameters()["radiance.color.weight"].zero_();
-    model->named_parameters()["radiance.color.bias"].fill_(*tiny.even_radiance);
+    at::Tensor bias = model->named_parameters()["radiance.color.bias"];
+    bias.narrow(0, 0, 3).fill_(*tiny.even_radiance);
+    bias.narrow(0, 3, 3).fill_(-80);  // a factor of 0 on what rays see
   }
   nn::save_model(path, model,
                  {{"scene_points", std::to_string(tiny.scene_points)},

@@ -14,8 +14,7 @@ namespace lte::test {
 /// Three stages, patches of 8: every path of the network runs on a few dozen points.
 nn::ModelConfig tiny_config();
 
-/// The same, and geometry wherever a configuration can ask for it: in attention, in γ, and in the
-/// norms.
+/// The same in the form of the preset lte: with geometry in attention, in γ, and in the norms.
 nn::ModelConfig tiny_geometric_config();
 
 /// Saves a model all of whose parameters are random, so that none is at a special value such as a
@@ -26,18 +25,15 @@ void save_random_model(const std::filesystem::path& path, const nn::ModelConfig&
 
 struct TinyModel {
   int64_t channels = 32;
-  nn::Target target = nn::Target::Indirect;
   double scale = 16;
   int64_t scene_points = 300;
   bool pruned = false;
   bool suns = false;
   nn::LightInput light_input = nn::LightInput::Emission;
-  nn::LightSides light_sides = nn::LightSides::Sum;
   uint64_t seed = 1;
-  int64_t radiance_lobes = 0;
-  bool gloss = false;
-  /// Of a radiance decoder that answers the same for all directions: softplus of it, over π, times
-  /// the emission scale, is the radiance. Nothing: random weights.
+  int64_t radiance_lobes = 0;  ///< above 0 it reads radiosity in place of emission alone
+  /// Of a radiance decoder that answers the same for all directions of a point: softplus of it
+  /// times the light prior there, over π, is the radiance. Nothing: random weights.
   std::optional<double> even_radiance = {};
 };
 

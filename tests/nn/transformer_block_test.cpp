@@ -96,7 +96,7 @@ TEST(PatchAttention, WithRotaryPositionsIsSoftmaxOverTurnedQueriesAndKeys) {
   const at::NoGradGuard no_grad;
   torch::manual_seed(9);
   ModelConfig config = test::tiny_config();
-  config.attention_positions = AttentionPositions::Rotary;
+  config.preset = Preset::Lte;
   config.head_width = 14;  // two angles an axis and a pair that does not turn
   config.channels = 28;
   constexpr int64_t n = 6, C = 28, H = 2;
@@ -177,8 +177,7 @@ StagePlan some_stage(int64_t n, const ModelConfig& config) {
 
 TEST(TransformerBlock, GradientsMatchFiniteDifferences) {
   ModelConfig config = test::tiny_config();
-  config.attention_positions = AttentionPositions::Rotary;
-  config.centering = Centering::Learned;
+  config.preset = Preset::Lte;
   const StagePlan stage = some_stage(19, config);  // three patches, some points in one cell
   TransformerBlock block(8, config);
   test::randomize(*block, 7);
@@ -194,7 +193,7 @@ TEST(TransformerBlock, GradientsMatchFiniteDifferences) {
 TEST(TransformerBlock, InferenceIsThatOfFloat64ForFewPointsAndForMany) {
   const at::NoGradGuard no_grad;
   ModelConfig config = test::tiny_config();
-  config.centering = Centering::Learned;
+  config.preset = Preset::Lte;
   for (const int64_t n : {40, 511, 512, 1300}) {
     const StagePlan stage = some_stage(n, config);
     TransformerBlock block(24, config);
@@ -207,7 +206,7 @@ TEST(TransformerBlock, InferenceIsThatOfFloat64ForFewPointsAndForMany) {
   }
 }
 
-class PoolingWith : public testing::TestWithParam<Centering> {};
+class PoolingWith : public testing::TestWithParam<bool> {};
 
 TEST_P(PoolingWith, GradientsMatchFiniteDifferencesDownAndUp) {
   Pooling pool(6, 8, GetParam());
@@ -233,12 +232,11 @@ TEST_P(PoolingWith, GradientsMatchFiniteDifferencesDownAndUp) {
       inputs);
 }
 
-INSTANTIATE_TEST_SUITE_P(Centerings, PoolingWith,
-                         testing::Values(Centering::None, Centering::Learned));
+INSTANTIATE_TEST_SUITE_P(Centerings, PoolingWith, testing::Bool());
 
 TEST(PointNorm, SubtractsItsShareOfWhatPointsHaveInCommon) {
   const at::NoGradGuard no_grad;
-  PointNorm centered(6, Centering::Learned), plain(6, Centering::None);
+  PointNorm centered(6, true), plain(6, false);
   centered->to(at::kDouble);
   plain->to(at::kDouble);
   const at::Tensor x = torch::randn({9, 6}, at::kDouble), common = torch::randn({6}, at::kDouble);
@@ -255,7 +253,7 @@ TEST(PointNorm, SubtractsItsShareOfWhatPointsHaveInCommon) {
 
 TEST(PointNorm, OfOnePointIsItsBias) {
   const at::NoGradGuard no_grad;
-  PointNorm norm(4, Centering::Learned);
+  PointNorm norm(4, true);
   const at::Tensor bias = torch::randn({4});
   norm->named_parameters()["bias"].copy_(bias);
   EXPECT_TRUE(

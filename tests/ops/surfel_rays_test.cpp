@@ -44,7 +44,7 @@ struct Rays {
 
 /// What a ray sees of discs without metal, by looking at all of them.
 std::vector<double> look_at_all(const at::Tensor& discs, const at::Tensor& from,
-                                const at::Tensor& along, bool emission) {
+                                const at::Tensor& along) {
   struct Met {
     double distance, weight;
     const double* disc;
@@ -89,7 +89,6 @@ std::vector<double> look_at_all(const at::Tensor& discs, const at::Tensor& from,
     for (size_t c = 0; c < 3; ++c) {
       const double* side = met.disc + (met.front ? Column::kFront : Column::kBack);
       seen[c] += met.weight * side[c];
-      if (emission && met.front) seen[c] += met.weight * met.disc[Column::kEmission + c];
       normal[c] += met.weight * met.disc[Column::kNormal + c] * (met.front ? 1 : -1);
     }
   }
@@ -120,21 +119,18 @@ LTE_FOR_EACH_DEVICE(SurfelRays);
 TEST_P(SurfelRays, SeeWhatASearchThroughAllDiscsFinds) {
   const Rays rays(60, 8);
   for (const int64_t M : {1, 15, 400}) {
-    for (const bool emission : {false, true}) {
-      const at::Tensor discs = soup(M, M > 100 ? 0.09 : 0.3, 0);
-      const SurfelGrid grid = make_surfel_grid(put(discs));
-      const at::Tensor seen =
-          see_surfels(put(rays.position), put(rays.directions), grid, emission).cpu();
-      at::Tensor expected = at::zeros({60, 8, kSeenColumns}, at::kDouble);
-      for (int64_t q = 0; q < 60; ++q)
-        for (int64_t n = 0; n < 8; ++n)
-          expected[q][n].copy_(at::tensor(
-              look_at_all(discs, rays.position[q], rays.directions[q][n], emission), at::kDouble));
-      EXPECT_LT(share_apart(seen, expected), 0.005) << M << " discs, emission " << emission;
-      if (M == 400) {
-        EXPECT_GT(seen.select(2, kSeenHit).mean().item<double>(), 0.3);
-        EXPECT_LT(seen.select(2, kSeenHit).mean().item<double>(), 0.99);
-      }
+    const at::Tensor discs = soup(M, M > 100 ? 0.09 : 0.3, 0);
+    const SurfelGrid grid = make_surfel_grid(put(discs));
+    const at::Tensor seen = see_surfels(put(rays.position), put(rays.directions), grid).cpu();
+    at::Tensor expected = at::zeros({60, 8, kSeenColumns}, at::kDouble);
+    for (int64_t q = 0; q < 60; ++q)
+      for (int64_t n = 0; n < 8; ++n)
+        expected[q][n].copy_(
+            at::tensor(look_at_all(discs, rays.position[q], rays.directions[q][n]), at::kDouble));
+    EXPECT_LT(share_apart(seen, expected), 0.005) << M << " discs";
+    if (M == 400) {
+      EXPECT_GT(seen.select(2, kSeenHit).mean().item<double>(), 0.3);
+      EXPECT_LT(seen.select(2, kSeenHit).mean().item<double>(), 0.99);
     }
   }
 }
@@ -149,21 +145,20 @@ TEST_P(SurfelRays, ANearDiscIsSeenBeforeMoreThanCount) {
   discs[40][2] = 1;
   discs[40][Column::kRadius] = 0.4f;
   discs[40].narrow(0, Column::kFront, 3).fill_(2);
-  const at::Tensor seen = see_surfels(put(at::tensor({0.5f, 0.5f, 0.0f}).view({1, 3})),
-                                      put(at::tensor({0.0f, 0.0f, 1.0f}).view({1, 1, 3})),
-                                      make_surfel_grid(put(discs)), false)
-                              .cpu();
+  const at::Tensor seen =
+      see_surfels(put(at::tensor({0.5f, 0.5f, 0.0f}).view({1, 3})),
+                  put(at::tensor({0.0f, 0.0f, 1.0f}).view({1, 1, 3})), make_surfel_grid(put(discs)))
+          .cpu();
   EXPECT_FLOAT_EQ(seen[0][0][kSeenRadiance].item<float>(), 2);
 }
 
 TEST_P(SurfelRays, OfNoDiscsAndNoRaysAreNothing) {
   const Rays rays(3, 2);
   const SurfelGrid empty = make_surfel_grid(put(at::zeros({0, kSurfelColumns})));
-  EXPECT_EQ(
-      see_surfels(put(rays.position), put(rays.directions), empty, true).abs().sum().item<float>(),
-      0);
+  EXPECT_EQ(see_surfels(put(rays.position), put(rays.directions), empty).abs().sum().item<float>(),
+            0);
   const SurfelGrid grid = make_surfel_grid(put(soup(9, 0.3, 0)));
-  EXPECT_EQ(see_surfels(put(at::zeros({0, 3})), put(at::zeros({0, 2, 3})), grid, true).sizes(),
+  EXPECT_EQ(see_surfels(put(at::zeros({0, 3})), put(at::zeros({0, 2, 3})), grid).sizes(),
             (at::IntArrayRef{0, 2, kSeenColumns}));
 }
 
@@ -174,9 +169,9 @@ TEST(SurfelRaysOnTheCpu, LanesSeeWhatThePlainWalkOfTheCudaTwinSees) {
        {soup(500, 0.05, 1),
         soup(300, 0.02, 0.5).mul_(at::cat({at::full({3}, 0.2f), at::ones({18})}))}) {
     const SurfelGrid grid = make_surfel_grid(discs);
-    const at::Tensor seen = see_surfels(rays.position, rays.directions, grid, true);
+    const at::Tensor seen = see_surfels(rays.position, rays.directions, grid);
     at::Tensor plain = at::empty_like(seen);
-    const SurfelView view = view_of(grid, true);
+    const SurfelView view = view_of(grid);
     for (int64_t i = 0; i < 200 * 20; ++i)
       see(view, PlainCells(),
           {triple_at(rays.position.const_data_ptr<float>() + i / 20 * 3),
@@ -190,7 +185,7 @@ TEST(SurfelRaysOnTheCpu, LanesSeeWhatThePlainWalkOfTheCudaTwinSees) {
 TEST(SurfelRaysOnTheCpu, AreTheSameForAnyNumberOfThreads) {
   const Rays rays(200, 20);
   const SurfelGrid grid = make_surfel_grid(soup(500, 0.05, 1));
-  const auto seen = [&] { return see_surfels(rays.position, rays.directions, grid, false); };
+  const auto seen = [&] { return see_surfels(rays.position, rays.directions, grid); };
   EXPECT_TRUE(at::equal(seen(), test::with_threads(3, seen)));
 }
 
@@ -201,13 +196,13 @@ TEST(SurfelRaysOnTheCpu, RefuseWhatDoesNotFit) {
   EXPECT_TRUE(test::throws_saying([&] { make_surfel_grid(discs.narrow(1, 0, 20)); },
                                   "discs must be [9, 21]"));
   EXPECT_TRUE(test::throws_saying(
-      [&] { see_surfels(rays.position.narrow(0, 0, 2), rays.directions, grid, false); },
+      [&] { see_surfels(rays.position.narrow(0, 0, 2), rays.directions, grid); },
       "position must be [3, 3]"));
   EXPECT_TRUE(test::throws_saying(
-      [&] { see_surfels(rays.position, rays.directions.to(at::kDouble), grid, false); },
+      [&] { see_surfels(rays.position, rays.directions.to(at::kDouble), grid); },
       "directions must be [3, 2, 3]"));
   grid.first = grid.first.narrow(0, 1, grid.first.size(0) - 1);
-  EXPECT_TRUE(test::throws_saying([&] { see_surfels(rays.position, rays.directions, grid, false); },
+  EXPECT_TRUE(test::throws_saying([&] { see_surfels(rays.position, rays.directions, grid); },
                                   "first must be"));
 }
 

@@ -32,7 +32,7 @@ class EmbeddingFile : public testing::Test {
   }
   static nn::PointSet points(const nn::ModelConfig& config) {
     nn::PointSet set = test::box_scene(300, 1);
-    if (!config.reads_indirect()) return set;
+    if (!config.reads_light()) return set;
     set.direct = set.emission * 0.1 + set.albedo;
     set.indirect = set.albedo * 0.5 + 0.1;
     set.direct_back = 0.25 * set.direct;
@@ -48,20 +48,13 @@ class EmbeddingFile : public testing::Test {
 };
 
 TEST_F(EmbeddingFile, GivesTheSameAnswersBitForBit) {
-  nn::ModelConfig plain = test::tiny_config(), traced = plain, normals = plain, softmax = plain,
-                  apart, errors, casts;
+  nn::ModelConfig plain = test::tiny_config(), traced = plain,
+                  geometric = test::tiny_geometric_config(), radiance = geometric;
   traced.light_input = nn::LightInput::Traced;
-  apart = traced;
-  apart.light_sides = nn::LightSides::Apart;
-  errors = apart;
-  errors.light_variance = true;
-  casts = apart;
-  casts.radiance_lobes = 4;
-  casts.radiance_base = nn::RadianceBase::Points;
-  normals.pair_geometry = nn::PairGeometry::Normals;
-  softmax.query_attention = nn::QueryAttention::Softmax;
+  radiance.light_input = nn::LightInput::Radiosity;
+  radiance.radiance_lobes = 4;
   const nn::QuerySet queries = test::box_queries(500, 2);
-  for (const nn::ModelConfig& config : {plain, traced, normals, softmax, apart, errors, casts}) {
+  for (const nn::ModelConfig& config : {plain, traced, geometric, radiance}) {
     for (const nn::Precision precision : {nn::Precision::Fp32, nn::Precision::Bf16}) {
       const Network net = network(config, 5, {.precision = precision});
       const SceneEmbedding made = TorchParts::encode(net, points(config));
@@ -158,9 +151,9 @@ TEST_F(EmbeddingFile, NoOtherVersionAndNoNonsenseIsRead) {
   };
   EXPECT_THAT(rewrite([&](const auto& from, auto* to) {
                 copy_but(from, "", to);
-                to->set_metadata("format_version", "2");
+                to->set_metadata("format_version", "3");
               }),
-              AllOf(HasSubstr("version 2 is newer"), HasSubstr("update lte")));
+              AllOf(HasSubstr("version 3 is newer"), HasSubstr("update lte")));
   EXPECT_THAT(rewrite([&](const auto& from, auto* to) { copy_but(from, "features", to); }),
               HasSubstr("features"));
   const std::vector<float> few(3, 1.0f), odd = {0, NAN, 0};

@@ -71,7 +71,6 @@ TEST(Network, TellsWhatItsFileSays) {
   EXPECT_EQ(network.config().channels, test::tiny_config().channels);
   EXPECT_EQ(network.parameters(), nn::count_parameters(TorchParts::model(network)).total);
   EXPECT_TRUE(network.device().is_cpu());
-  EXPECT_FALSE(network.predicts_total());
   EXPECT_THROW(Network("/nonexistent/none.safetensors"), Error);
   EXPECT_THROW(cuda_device(100), NoDevice);
 }
@@ -79,18 +78,9 @@ TEST(Network, TellsWhatItsFileSays) {
 TEST(Network, AsksForTheLightThatItsModelReads) {
   nn::ModelConfig config = test::tiny_config();
   EXPECT_EQ(tiny_network(config).light_request().depth, 0);
-  config.light_input = nn::LightInput::Direct;
-  EXPECT_EQ(tiny_network(config).light_request().depth, 1);
   config.light_input = nn::LightInput::Traced;
   EXPECT_EQ(tiny_network(config).light_request().depth, 5);
   EXPECT_EQ(tiny_network(config).light_request().paths, 32);
-  EXPECT_FALSE(tiny_network(config).light_request().sides);
-  config.light_sides = nn::LightSides::Apart;
-  config.light_variance = true;
-  EXPECT_TRUE(tiny_network(config).light_request().sides);
-  EXPECT_TRUE(tiny_network(config).light_request().errors);
-  config.light_sides = nn::LightSides::Sum;
-  config.light_variance = false;
   config.light_input = nn::LightInput::Radiosity;
   EXPECT_EQ(tiny_network(config).light_request().depth, 0) << "which it has solved";
 }
@@ -108,6 +98,8 @@ TEST(SceneEmbedding, SolvesTheLightOfModelsThatReadRadiosity) {
   ScenePoints given = scene;
   given.direct = light.direct;
   given.indirect = indirect;
+  given.direct_back = light.direct_back;
+  given.indirect_back = light.indirect_back;
   const nn::QuerySet queries = test::box_queries(50, 2);
   const std::vector<Rgb> answers = SceneEmbedding(network, scene).decode(arrays(queries));
   EXPECT_EQ(answers, SceneEmbedding(network, given).decode(arrays(queries)));

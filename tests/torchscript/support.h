@@ -11,8 +11,9 @@
 
 namespace lte::test {
 
-inline nn::ModelConfig small_config(nn::Stem stem) {
+inline nn::ModelConfig small_config(nn::Preset preset) {
   nn::ModelConfig config;
+  config.preset = preset;
   config.channels = 32;
   config.encoder_depths = {2, 1, 1};
   config.encoder_widths = {1, 1, 2};
@@ -20,7 +21,6 @@ inline nn::ModelConfig small_config(nn::Stem stem) {
   config.decoder_widths = {1, 2};
   config.patch_size = 64;  // so that the first stages are cut into patches
   config.query_layers = 2;
-  config.stem = stem;
   return config;
 }
 

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <map>
 #include <regex>
+#include <sstream>
 
 #include "tests/train/support.h"
 
@@ -40,8 +41,7 @@ TEST(TrainConfig, BaseYamlHoldsTheDefaultsOfTheCode) {
   EXPECT_EQ(file.train.autocast, code.train.autocast);
   EXPECT_EQ(file.train.validation_scenes, code.train.validation_scenes);
   EXPECT_EQ(file.loss.epsilon, code.loss.epsilon);
-  EXPECT_EQ(file.noise_weight, code.noise_weight);
-  EXPECT_EQ(file.data.query_sampling, code.data.query_sampling);
+  EXPECT_EQ(file.augment.point_dropout, code.augment.point_dropout);
   EXPECT_FALSE(file.has_scale) << "the data set decides";
 }
 
@@ -103,13 +103,33 @@ TEST(TrainConfig, ThePageOfKeysIsThatOfTheBaseYaml) {
     EXPECT_TRUE(base.contains(key)) << key << " is not in configs/base.yaml";
 }
 
+/// The keys of a configuration's YAML with their values.
+std::map<std::string, std::string> keys_of(const nn::ModelConfig& model) {
+  std::map<std::string, std::string> keys;
+  std::istringstream yaml(model.to_yaml());
+  for (std::string line; std::getline(yaml, line);)
+    keys["model." + line.substr(0, line.find(':'))] = line.substr(line.find(':') + 2);
+  return keys;
+}
+
+TEST(TrainConfig, ThePageHasTheDefaultsOfBothPresets) {
+  const auto page = keys_of_page(), paper = keys_of(nn::ModelConfig::of(nn::Preset::Paper)),
+             lte = keys_of(nn::ModelConfig::of(nn::Preset::Lte));
+  for (const auto& [key, value] : paper) {
+    if (key == "model.preset" || key == "model.scale" || key == "model.output_mean") continue;
+    const std::string& other = lte.at(key);
+    EXPECT_EQ(page.at(key),
+              value == other ? concat('`', value, '`') : concat('`', value, "`; lte `", other, '`'))
+        << key;
+  }
+}
+
 TEST(TrainConfig, UnknownKeysNameTheNearest) {
   test::expect_error([] { parsed("train: {learing_rate: 1}\n"); },
                      {"cfg.yaml:1", "train.learing_rate", "train.learning_rate"});
   test::expect_error([] { parsed("model: {chanels: 1}\n"); }, {"model.chanels", "model.channels"});
   test::expect_error([] { parsed("traim: {steps: 1}\n"); }, {"traim", "train"});
-  test::expect_error([] { parsed("data: {query_samplin: uniform}\n"); },
-                     {"data.query_samplin", "data.query_sampling"});
+  test::expect_error([] { parsed("model: {prest: lte}\n"); }, {"model.prest", "model.preset"});
 }
 
 TEST(TrainConfig, ValuesOutOfRangeNameTheKey) {
@@ -120,8 +140,6 @@ TEST(TrainConfig, ValuesOutOfRangeNameTheKey) {
                           "train: {min_learning_rate: 1}",
                           "train: {ema_decay: 1}",
                           "train: {autocast: fp16}",
-                          "train: {beta1: 1}",
-                          "train: {beta2: -0.1}",
                           "train: {weight_decay: -1}",
                           "train: {log_every: 0}",
                           "train: {checkpoint_every: 0}",
@@ -135,12 +153,9 @@ TEST(TrainConfig, ValuesOutOfRangeNameTheKey) {
                           "data: {cache_mb: -1}",
                           "data: {on_bad_scene: ignore}",
                           "augment: {rotate: sideways}",
-                          "data: {query_sampling: random}",
-                          "loss: {noise_weight: -1}",
                           "augment: {gain: 0.5}",
                           "augment: {tint: 1e9}",
-                          "augment: {thinning: 0.5}",
-                          "augment: {thinning: 2, subsample: false}",
+                          "augment: {point_dropout: 0.5}",
                           "loss: {epsilon: 0}"}) {
     const std::string text = bad;
     const size_t brace = text.find('{');
@@ -148,28 +163,6 @@ TEST(TrainConfig, ValuesOutOfRangeNameTheKey) {
                             text.substr(brace + 1, text.find(':', brace) - brace - 1);
     test::expect_error([&] { parsed(text + "\n"); }, {key});
   }
-}
-
-TEST(TrainConfig, RotationIsOfThreeKindsAndWasOnceASwitch) {
-  EXPECT_EQ(parsed("augment: {rotate: none}\n").augment.rotate, Rotation::None);
-  EXPECT_EQ(parsed("augment: {rotate: vertical}\n").augment.rotate, Rotation::Vertical);
-  EXPECT_EQ(parsed("augment: {rotate: any}\n").augment.rotate, Rotation::Any);
-  EXPECT_EQ(parsed("augment: {rotate: true}\n").augment.rotate, Rotation::Vertical);
-  EXPECT_EQ(parsed("augment: {rotate: false}\n").augment.rotate, Rotation::None);
-  EXPECT_EQ(parsed("{}\n").augment.rotate, Rotation::Vertical);
-}
-
-TEST(TrainConfig, TheOldNameOfThePermutationIsStillRead) {
-  EXPECT_TRUE(parsed("{}\n").augment.permute_colors);
-  EXPECT_FALSE(parsed("augment: {permute_colors: false}\n").augment.permute_colors);
-  EXPECT_FALSE(parsed("augment: {permute_colours: false}\n").augment.permute_colors);
-  // An old file inherits the new name from the base; what it says itself counts.
-  EXPECT_FALSE(
-      parsed("augment: {permute_colors: true, permute_colours: false}\n").augment.permute_colors);
-  testing::internal::CaptureStderr();
-  parsed("augment: {permute_colours: true}\n");
-  EXPECT_NE(testing::internal::GetCapturedStderr().find("augment.permute_colors"),
-            std::string::npos);
 }
 
 TEST(TrainConfig, AutocastIsOffUnlessBf16IsAskedFor) {

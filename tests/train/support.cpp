@@ -172,8 +172,8 @@ std::string tiny_yaml(const std::filesystem::path& root, const std::filesystem::
       "seed: 5\noutput: ", output.string(), "\ndata: {root: ", root.string(),
       ", scene_points: 192, queries_per_scene: 96}\n",
       "model: {channels: 32, nne_neighbours: 6, encoder_depths: [1, 1], encoder_widths: [1, 1], ",
-      "decoder_depths: [1], decoder_widths: [1], patch_size: 16, stem: conv3, dropout: 0.1, ",
-      "query_neighbours: 6, query_layers: 2, gamma_hidden: 16}\n",
+      "decoder_depths: [1], decoder_widths: [1], patch_size: 16, dropout: 0.1, ",
+      "query_neighbours: 6, query_layers: 2}\n",
       "train: {steps: 8, scenes_per_step: 2, learning_rate: 2.0e-3, min_learning_rate: 1.0e-4, ",
       "warmup_steps: 2, ema_decay: 0.9, log_every: 2, checkpoint_every: 3, validate_every: 4}\n");
 }

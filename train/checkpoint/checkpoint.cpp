@@ -1,7 +1,6 @@
 #include "train/checkpoint/checkpoint.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 
 #include <ATen/ops/empty.h>
@@ -9,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "lte/base/check.h"
-#include "lte/base/checksum.h"
 #include "lte/base/safetensors.h"
 #include "lte/base/version.h"
+#include "lte/nn/model_file.h"
 #include "lte/nn/tensor_io.h"
 
 namespace lte::train {
@@ -21,34 +20,7 @@ using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "lte-checkpoint";
-constexpr int kVersion = 1;
 constexpr const char* kLog = "log";
-
-/// Metadata that the checksum covers, beside all tensors in the order of their names. The container
-/// has one of its own now, over every byte; this one is for checkpoints of earlier builds, and for
-/// such builds.
-constexpr std::array<const char*, 3> kCovered = {"progress", "model_config", "config"};
-
-std::string checksum_of(const SafetensorsFile& file) {
-  Checksum checksum;
-  for (const char* key : kCovered) checksum.add(file.metadata(key));
-  for (const auto& [name, tensor] : file.tensors()) {
-    checksum.add(name);
-    checksum.add(tensor.data, tensor.size_bytes());
-  }
-  return checksum.text();
-}
-
-std::string checksum_of(const std::map<std::string, std::string>& metadata,
-                        const std::map<std::string, at::Tensor>& tensors) {
-  Checksum checksum;
-  for (const char* key : kCovered) checksum.add(metadata.at(key));
-  for (const auto& [name, tensor] : tensors) {
-    checksum.add(name);
-    checksum.add(tensor.const_data_ptr(), tensor.nbytes());
-  }
-  return checksum.text();
-}
 
 std::string progress_json(const RunProgress& progress) {
   Json json = {{"step", progress.step},
@@ -78,9 +50,8 @@ RunProgress parse_progress(const fs::path& path, const std::string& text) {
     progress.data_fingerprint = json.at("data_fingerprint").get<uint64_t>();
     progress.best_loss = json.value("best_loss", std::numeric_limits<double>::infinity());
     progress.best_step = json.value("best_step", int64_t{-1});
-    // Files of earlier builds lack them; those had no other data.
-    progress.light.paths = json.value("light_paths", progress.light.paths);
-    progress.light.depth = json.value("light_depth", progress.light.depth);
+    progress.light.paths = json.at("light_paths").get<int>();
+    progress.light.depth = json.at("light_depth").get<int>();
     return progress;
   } catch (const Json::exception& error) {
     throw Error(concat(path.string(), ": metadata \"progress\" is damaged: ", error.what()));
@@ -101,15 +72,9 @@ void check_is_checkpoint(const SafetensorsFile& file) {
             format == file.metadata().end() ? "missing" : "\"" + format->second + "\"", ")");
 }
 
-void check_version(const SafetensorsFile& file) {
-  const std::string& version = file.metadata("format_version");
-  LTE_CHECK(version == std::to_string(kVersion), file.path().string(), ": format_version ", version,
-            " is not supported; this build reads ", kVersion, ": update lte");
-}
-
 void check_format(const SafetensorsFile& file) {
   check_is_checkpoint(file);
-  check_version(file);
+  nn::check_format_version(file);
 }
 
 }  // namespace
@@ -129,14 +94,12 @@ void save_checkpoint(const fs::path& path, const nn::LightTransportModel& model,
   const at::Tensor bytes = at::empty({static_cast<int64_t>(log.size())}, at::kByte);
   std::copy(log.begin(), log.end(), bytes.data_ptr<uint8_t>());
   nn::add_tensors({{kLog, bytes}}, &storage, &writer);
-  std::map<std::string, std::string> metadata = {{"format", kFormat},
-                                                 {"format_version", std::to_string(kVersion)},
-                                                 {"lte_version", version()},
-                                                 {"progress", progress_json(progress)},
-                                                 {"model_config", model->config().to_yaml()},
-                                                 {"config", config}};
-  metadata["checksum"] = checksum_of(metadata, storage);
-  for (const auto& [key, value] : metadata) writer.set_metadata(key, value);
+  writer.set_metadata("format", kFormat);
+  writer.set_metadata("format_version", std::to_string(nn::kModelFormatVersion));
+  writer.set_metadata("lte_version", version());
+  writer.set_metadata("progress", progress_json(progress));
+  writer.set_metadata("model_config", model->config().to_yaml());
+  writer.set_metadata("config", config);
   writer.write(path);
 }
 
@@ -148,13 +111,10 @@ std::optional<std::string> checkpoint_damage(const fs::path& path) {
   } catch (const Error& error) {
     return error.what();
   }
-  check_version(*file);
+  nn::check_format_version(*file);
   try {
     file->verify();
     parse_progress(path, file->metadata("progress"));
-    const auto checksum = file->metadata().find("checksum");  // files of earlier builds lack it
-    LTE_CHECK(checksum == file->metadata().end() || checksum->second == checksum_of(*file),
-              path.string(), ": its bytes do not give its checksum");
   } catch (const Error& error) {
     return error.what();
   }

@@ -46,17 +46,17 @@ std::filesystem::path start_path(const std::filesystem::path& run);
 
 /// Writes the file in one piece or not at all. Its tensors are "model.NAME", Optimizer::state() and
 /// "log" (the bytes of log.jsonl). Its metadata are format "lte-checkpoint", format_version,
-/// progress (JSON), model_config and config (YAML), lte_version and checksum.
+/// progress (JSON), model_config and config (YAML), and lte_version.
 void save_checkpoint(const std::filesystem::path& path, const nn::LightTransportModel& model,
                      const Optimizer& optimizer, const RunProgress& progress,
                      const std::string& config, const std::string& log);
 
 /// Reads the whole file against its checksum.
 /// @return what is wrong with it (truncated, empty, foreign, bytes changed); nothing if it is whole
-/// @throws lte::Error if it is of a newer format, which is no damage
+/// @throws lte::Error if it is of another format version, which is no damage
 std::optional<std::string> checkpoint_damage(const std::filesystem::path& path);
 
-/// @throws lte::Error naming the file: unreadable, not a checkpoint, of a newer format.
+/// @throws lte::Error naming the file: unreadable, not a checkpoint, of another format version.
 CheckpointHeader read_checkpoint_header(const std::filesystem::path& path);
 
 /// Reads weights and optimizer state into a model built from the header's configuration.

@@ -49,7 +49,7 @@ nn::LightTransportModel first_model(TrainConfig* config, RunData* data) {
   // A split that is all but black must not push the output's bias to −infinity.
   constexpr double kLeastMean = 1e-3;
   config->model.scale = data->scale;
-  if (config->model.reads_indirect()) {
+  if (config->model.reads_light()) {
     config->model.output_mean = 1;  // such a network answers with a factor
   } else if (!config->has_output_mean) {
     config->model.output_mean = std::max(mean_target(*config, &data->train), kLeastMean);

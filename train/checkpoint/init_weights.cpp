@@ -10,6 +10,7 @@
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/safetensors.h"
+#include "lte/nn/model_file.h"
 #include "lte/nn/tensor_io.h"
 #include "train/checkpoint/checkpoint.h"
 #include "train/checkpoint/widen.h"
@@ -25,6 +26,7 @@ std::map<std::string, TensorView> weights_in(const SafetensorsFile& file) {
   LTE_CHECK(format == "lte-model" || format == "lte-checkpoint", file.path().string(),
             ": neither a model nor a checkpoint of lte_train (metadata \"format\" is ",
             found == file.metadata().end() ? "missing" : "\"" + format + "\"", ")");
+  nn::check_format_version(file);
   if (format == "lte-model") return file.tensors();
   const std::string kWeights = "model.", kAverage = "average.";
   std::map<std::string, TensorView> weights;
@@ -100,18 +102,18 @@ nn::ModelConfig config_in(const SafetensorsFile& file) {
       Config::parse(file.metadata("model_config"), file.path().string() + ": model_config"));
 }
 
-/// What F reads of points, and what a query tells of itself.
+/// The first layers of F and of the query's MLP.
 constexpr const char* kPointWeight = "nne.point.hidden.weight";
 constexpr const char* kQueryWeight = "decoder.point.hidden.weight";
 
-/// The last columns of a layer that reads what the file's model is not told of: gloss, and before
-/// it the errors of light estimates.
+/// The last columns of a layer, for input that the file's model does not have: gloss, and before it
+/// the errors of light estimates.
 int64_t fresh_columns(const nn::ModelConfig& model, const nn::ModelConfig& file,
                       const std::string& parameter) {
-  const bool gloss = model.gloss && !file.gloss;
-  const bool errors = model.light_variance && !file.light_variance && !file.gloss;
-  if (parameter == kPointWeight)
-    return (gloss ? nn::kGlossColumns : 0) + (errors ? model.light_columns() : 0);
+  const bool gloss = model.predicts_radiance() && !file.predicts_radiance();
+  const bool errors =
+      model.reads_estimates() && !file.reads_estimates() && !file.predicts_radiance();
+  if (parameter == kPointWeight) return (gloss ? nn::kGlossColumns : 0) + (errors ? 2 : 0);
   return parameter == kQueryWeight && errors ? 1 : 0;
 }
 

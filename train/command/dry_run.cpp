@@ -75,7 +75,7 @@ MemoryEstimate estimate_memory(const TrainConfig& config, const nn::LightTranspo
   for (const auto& item : model->named_parameters()) {
     const int64_t count = item.value().numel();
     parameters += count;
-    moments += moved_by_muon(config.train, item.key(), item.value()) ? count : 2 * count;
+    moments += uses_muon(config.train, item.key(), item.value()) ? count : 2 * count;
   }
   const double weights = nn::weight_bytes(parameters);
   MemoryEstimate memory;

@@ -39,8 +39,7 @@ struct Symmetry {
 Symmetry identity_symmetry(int64_t light_groups);
 
 /// Draws what `config` switches on. A rotation by which `bounds` would outgrow `largest_extent`
-/// (the network's cube of side s) is replaced by the nearest one that maps axes to axes, a quarter
-/// turn about the vertical or one of the 24 of the cube, which never does.
+/// (the network's cube of side s) is replaced by the nearest quarter turn, which never does.
 Symmetry draw_symmetry(const AugmentConfig& config, int64_t light_groups, const Bounds& bounds,
                        double largest_extent, Rng* rng);
 

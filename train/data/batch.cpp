@@ -17,7 +17,7 @@ namespace {
 
 // Streams of random numbers that must not meet.
 constexpr uint64_t kOrderStream = 1, kExampleStream = 2, kValidationStream = 3, kMeanStream = 4,
-                   kReplacementStream = 5, kPointStream = 6;
+                   kReplacementStream = 5;
 
 /// Points and directions of each that are validated.
 constexpr int64_t kValidationRadiancePoints = 64, kValidationDirections = 256;
@@ -63,22 +63,14 @@ std::vector<std::shared_ptr<const TrainingScene>> BatchLoader::scenes_at(
   return scenes;
 }
 
-/// Drawn afresh, or always the same ones: then they depend on the seed and the scene's name alone.
 std::vector<int64_t> BatchLoader::scene_rows(const TrainingScene& scene, Rng* rng) const {
-  if (config_.augment.subsample) {
-    int64_t count = config_.data.scene_points;
-    if (config_.augment.thinning > 1) {
-      const int64_t most =
-          count == 0 ? scene.scene_points() : std::min(count, scene.scene_points());
-      const double divisor = std::pow(config_.augment.thinning, rng->uniform());
-      count = std::max<int64_t>(1, std::llround(static_cast<double>(most) / divisor));
-    }
-    return data::draw_scene_rows(scene.light, count, rng);
+  int64_t count = config_.data.scene_points;
+  if (config_.augment.point_dropout > 1) {
+    const int64_t most = count == 0 ? scene.scene_points() : std::min(count, scene.scene_points());
+    const double divisor = std::pow(config_.augment.point_dropout, rng->uniform());
+    count = std::max<int64_t>(1, std::llround(static_cast<double>(most) / divisor));
   }
-  uint64_t stream = kPointStream;
-  for (const char letter : scene.name) stream = hash_combine(stream, static_cast<uint8_t>(letter));
-  Rng always(config_.seed, stream);
-  return data::draw_scene_rows(scene.light, config_.data.scene_points, &always);
+  return data::draw_scene_rows(scene.light, count, rng);
 }
 
 Example BatchLoader::make_one(uint64_t position, const TrainingScene& scene) const {

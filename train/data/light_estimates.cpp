@@ -7,9 +7,7 @@ namespace lte::train {
 void check_light_estimates(const std::string& file, const nn::ModelConfig& model,
                            const LightEstimates& seen, const LightEstimates& data) {
   if (!model.reads_estimates()) return;
-  // Direct light is the first bounce alone, however far the paths went on.
-  const bool same_depth = !model.reads_indirect() || seen.depth == data.depth;
-  LTE_CHECK(seen.paths == data.paths && same_depth, file,
+  LTE_CHECK(seen.paths == data.paths && seen.depth == data.depth, file,
             ": its model was trained with light estimates of ", seen.paths, " paths of depth ",
             seen.depth, ", but those of the data set have ", data.paths, " of depth ", data.depth);
 }

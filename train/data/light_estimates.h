@@ -8,7 +8,7 @@
 
 namespace lte::train {
 
-/// Fewest paths a side from whose spread a standard error is told.
+/// Fewest paths a side whose spread gives a standard error.
 inline constexpr int kLeastPathsOfError = 4;
 
 /// The default is that of files that do not say.

@@ -39,17 +39,13 @@ RunData open_run_data(const TrainConfig& config) {
   std::vector<data::DatasetEntry> val = data::entries_of(info, data::Split::Val);
   data::refuse_held_out(root, train);
   data::refuse_held_out(root, val);
-  LTE_CHECK(!config.model.light_variance || info.light_paths >= kLeastPathsOfError,
-            "model.light_variance: the light estimates of ", root.string(), " come from ",
+  LTE_CHECK(!config.model.reads_estimates() || info.light_paths >= kLeastPathsOfError,
+            "model.light_input traced: the light estimates of ", root.string(), " come from ",
             info.light_paths, " paths, and the spread of fewer than ", kLeastPathsOfError,
             " says nothing");
   const uint64_t fingerprint = names_fingerprint(train);
-  SceneStoreOptions options{config.model.target,
-                            static_cast<size_t>(config.data.cache_mb) << 20,
-                            info.scale,
-                            skip,
-                            LightKeys(config.model),
-                            config.data.solved_light};
+  SceneStoreOptions options{static_cast<size_t>(config.data.cache_mb) << 20, info.scale, skip,
+                            LightKeys(config.model), config.data.solved_light};
   SceneStore train_store(root, std::move(train), options);
   options.cache_bytes = 0;  // each is read once
   SceneStore val_store(root, std::move(val), options);

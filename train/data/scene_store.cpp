@@ -18,23 +18,24 @@ size_t bytes_of(const std::vector<T>& values) {
 
 void check_light(const std::filesystem::path& path, const data::SceneSample& sample,
                  const LightKeys& light) {
-  if (light.input == nn::LightInput::Radiosity) return;
-  LTE_CHECK(light.input == nn::LightInput::Emission || !sample.scene_direct.empty(), path.string(),
-            ": has no scene_direct, which model.light_input ", enum_name(light.input),
-            " reads; bake the data again");
-  LTE_CHECK(light.sides == nn::LightSides::Sum || !sample.scene_direct_back.empty(), path.string(),
-            ": has no scene_direct_back, which model.light_sides ", enum_name(light.sides),
-            " reads; bake the data again");
+  if (light.input != nn::LightInput::Traced) return;
+  const auto check = [&](bool empty, const char* tensor) {
+    LTE_CHECK(!empty, path.string(), ": has no ", tensor,
+              ", which model.light_input traced reads; bake the data again");
+  };
+  check(sample.scene_direct.empty(), "scene_direct");
+  check(sample.scene_direct_back.empty(), "scene_direct_back");
+  check(sample.scene_error.empty(), "scene_error");
 }
 
-/// Keeps what of incident radiance a model of the target learns.
-void take_incident(const std::filesystem::path& path, nn::Target target, data::SceneSample* sample,
+/// Keeps the incident radiance of light that bounced at least once.
+void take_incident(const std::filesystem::path& path, data::SceneSample* sample,
                    TrainingScene* scene) {
   LTE_CHECK(!sample->incident.empty(), path.string(),
             ": has no incident radiance, which a model with model.radiance_lobes learns; bake the "
             "data with incident.points");
   scene->incident = std::move(sample->incident);
-  if (target == nn::Target::Indirect) scene->incident.direct = {};
+  scene->incident.direct = {};
 }
 
 /// Puts light that is solved on the points into the place of the sample's estimates.
@@ -54,14 +55,11 @@ void take_light(data::SceneSample* sample, const LightKeys& light,
                 const std::filesystem::path& solved, TrainingScene* scene) {
   if (light.input == nn::LightInput::Emission) return;
   if (light.input == nn::LightInput::Radiosity) solve_light(*scene, solved, sample);
-  const bool direct_alone = light.input == nn::LightInput::Direct,
-             apart = light.sides == nn::LightSides::Apart;
   scene->direct = std::move(sample->scene_direct);
-  if (apart) scene->direct_back = std::move(sample->scene_direct_back);
-  if (direct_alone) return;
+  scene->direct_back = std::move(sample->scene_direct_back);
   scene->indirect = std::move(sample->scene_indirect);
-  if (apart) scene->indirect_back = std::move(sample->scene_indirect_back);
-  if (!light.variance) return;
+  scene->indirect_back = std::move(sample->scene_indirect_back);
+  if (light.input != nn::LightInput::Traced) return;
   scene->error = std::move(sample->scene_error);
   scene->error_back = std::move(sample->scene_error_back);
 }
@@ -73,19 +71,16 @@ size_t TrainingScene::size_bytes() const {
          bytes_of(area) + bytes_of(light) + bytes_of(direct) + bytes_of(indirect) +
          bytes_of(direct_back) + bytes_of(indirect_back) + bytes_of(error) + bytes_of(error_back) +
          bytes_of(query_position) + bytes_of(query_normal) + bytes_of(query_albedo) +
-         bytes_of(target) + bytes_of(scores.noise) + bytes_of(scores.slope) + bytes_of(metallic) +
-         bytes_of(roughness) + incident.size_bytes();
+         bytes_of(target) + bytes_of(metallic) + bytes_of(roughness) + incident.size_bytes();
 }
 
 TrainingScene read_training_scene(const std::filesystem::path& path, const std::string& name,
-                                  nn::Target target, const LightKeys& light,
-                                  const std::filesystem::path& solved) {
+                                  const LightKeys& light, const std::filesystem::path& solved) {
   data::SceneSample sample = data::read_scene_sample(path);
   check_light(path, sample, light);
   data::drop_idle_queries(&sample);
   TrainingScene scene;
   scene.name = name;
-  scene.scores.noise = query_noise(sample);  // while the sample is whole
   scene.position = std::move(sample.scene_position);
   scene.normal = std::move(sample.scene_normal);
   scene.albedo = std::move(sample.scene_albedo);
@@ -95,16 +90,12 @@ TrainingScene read_training_scene(const std::filesystem::path& path, const std::
   scene.metallic = std::move(sample.scene_metallic);
   scene.roughness = std::move(sample.scene_roughness);
   take_light(&sample, light, solved, &scene);
-  if (light.radiance) take_incident(path, target, &sample, &scene);
+  if (light.radiance) take_incident(path, &sample, &scene);
   scene.query_position = std::move(sample.query_position);
   scene.query_normal = std::move(sample.query_normal);
   scene.query_albedo = std::move(sample.query_albedo);
   scene.light_groups = sample.light_groups;
   scene.target = std::move(sample.indirect);
-  if (target == nn::Target::Total) {
-    for (size_t i = 0; i < scene.target.size(); ++i) scene.target[i] += sample.direct[i];
-  }
-  scene.scores.slope = query_slope(scene.query_position, scene.query_normal, scene.target);
   for (const Vec3& p : scene.position) scene.bounds.extend(p);
   return scene;
 }
@@ -117,7 +108,7 @@ std::shared_ptr<const TrainingScene> SceneStore::read(size_t index) const {
   const std::string& name = entries_.at(index).name;
   const std::filesystem::path path = data::scene_path(root_, name);
   auto scene = std::make_shared<const TrainingScene>(
-      read_training_scene(path, name, options_.target, options_.light, options_.solved));
+      read_training_scene(path, name, options_.light, options_.solved));
   const float extent = max_component(scene->bounds.extent());
   LTE_CHECK(extent <= static_cast<float>(options_.scale), path.string(), ": scene ", name, ": ",
             extent, " m wide, which exceeds the data set's scale of ", options_.scale, " m");

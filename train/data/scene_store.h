@@ -18,12 +18,10 @@
 #include "lte/data/dataset.h"
 #include "lte/data/incident_field.h"
 #include "lte/nn/config.h"
-#include "train/data/query_scores.h"
 
 namespace lte::train {
 
-/// What training needs of a baked scene: not the views, and of direct and indirect irradiance only
-/// what the target is made of.
+/// The part of a baked scene that training needs: not the views, nor direct irradiance at queries.
 struct TrainingScene {
   std::string name;
   std::vector<Vec3> position, normal;              ///< [M]
@@ -37,43 +35,35 @@ struct TrainingScene {
   std::vector<Vec3> query_position, query_normal;  ///< [N]
   std::vector<Rgb> query_albedo;                   ///< [N]
   int64_t light_groups = 0;                        ///< G
-  std::vector<Rgb> target;                         ///< [G, N] irradiance at unit gain, W/m²
-  /// Of models that predict radiance; its `direct` is empty unless they predict the total.
-  data::IncidentField incident;
-  QueryScores scores;  ///< [N] each
-  Bounds bounds;       ///< of the scene points
+  std::vector<Rgb> target;       ///< [G, N] indirect irradiance at unit gain, W/m²
+  data::IncidentField incident;  ///< for models that predict radiance; without `direct`
+  Bounds bounds;                 ///< of the scene points
 
   int64_t scene_points() const { return static_cast<int64_t>(position.size()); }
   int64_t query_points() const { return static_cast<int64_t>(query_position.size()); }
   size_t size_bytes() const;
 };
 
-/// What a model reads of the light on scene points, and which radiance it predicts: keys of its
+/// The light on scene points that a model reads, and whether it predicts radiance: keys of its
 /// configuration.
 struct LightKeys {
   nn::LightInput input = nn::LightInput::Emission;
-  nn::LightSides sides = nn::LightSides::Sum;
-  bool variance = false, radiance = false;
+  bool radiance = false;
 
   LightKeys() = default;
   LightKeys(nn::LightInput light_input) : input(light_input) {}  // NOLINT(*explicit*)
   explicit LightKeys(const nn::ModelConfig& model)
-      : input(model.light_input),
-        sides(model.light_sides),
-        variance(model.light_variance),
-        radiance(model.predicts_radiance()) {}
+      : input(model.light_input), radiance(model.predicts_radiance()) {}
 };
 
-/// @param target  the model's
 /// @param light   the model's: what else is kept
 /// @param solved  folder of solved_light()
-/// @throws lte::Error as data::read_scene_sample(), or if the file lacks what the model reads.
+/// @throws lte::Error as data::read_scene_sample(), or if the file lacks input of the model.
 TrainingScene read_training_scene(const std::filesystem::path& path, const std::string& name,
-                                  nn::Target target, const LightKeys& light = {},
+                                  const LightKeys& light = {},
                                   const std::filesystem::path& solved = {});
 
 struct SceneStoreOptions {
-  nn::Target target = nn::Target::Indirect;
   size_t cache_bytes = 0;   ///< memory for scenes that are not in use
   double scale = INFINITY;  ///< s, metres: a scene must fit into a cube of this side
   bool skip_bad = false;    ///< go on without scenes that cannot be used

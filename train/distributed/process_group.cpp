@@ -131,10 +131,10 @@ struct ProcessGroup::State {
 
 ProcessGroup::ProcessGroup(const Rank& rank, at::Device device, seconds timeout)
     : rank_(rank), device_(device), state_(std::make_shared<State>()) {
-  // A failure is told once, in a line, not by every layer of LibTorch with its backtrace.
+  // A failure is logged once, in a line, not by every layer of LibTorch with its backtrace.
   setenv("TORCH_CPP_LOG_LEVEL", "ERROR", /*overwrite=*/0);
   c10::initLogging();
-  // What is sent to a process that has just died fails with an error that is told, not with the
+  // What is sent to a process that has just died fails with an error that is logged, not with the
   // end of this one.
   std::signal(SIGPIPE, SIG_IGN);
   try {

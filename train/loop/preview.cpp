@@ -44,14 +44,12 @@ at::Tensor to_tensor(const std::vector<Vec3>& values) {
       .clone();
 }
 
-/// The irradiance of all light groups together at unit gain, at the pixels whose mask is set.
-std::vector<Rgb> reference_of(const data::View& view, int64_t groups, bool total) {
+/// Indirect irradiance of all light groups together at unit gain, at the pixels whose mask is set.
+std::vector<Rgb> reference_of(const data::View& view, int64_t groups) {
   const size_t pixels = view.mask.size();
   std::vector<Rgb> out(pixels);
-  for (size_t i = 0; i < static_cast<size_t>(groups) * pixels; ++i) {
+  for (size_t i = 0; i < static_cast<size_t>(groups) * pixels; ++i)
     out[i % pixels] += view.indirect[i];
-    if (total) out[i % pixels] += view.direct[i];
-  }
   return masked(out, view.mask);
 }
 
@@ -107,8 +105,7 @@ Previews::Previews(const TrainConfig& config, const std::vector<Example>& valida
                                to_tensor(masked(view.albedo, view.mask))};
     if (queries.position.size(0) == 0) continue;
     views_.push_back({example.scene, view.width, view.height, view.mask, example.points, queries,
-                      reference_of(view, sample.light_groups, config.model.predicts_total()),
-                      example.seed});
+                      reference_of(view, sample.light_groups), example.seed});
   }
 }
 
@@ -151,7 +148,7 @@ std::vector<PreviewPicture> Previews::draw(nn::LightTransportModel& model,
   return out;
 }
 
-void write_previews(const std::filesystem::path& run, int64_t step, int64_t history,
+void write_previews(const std::filesystem::path& run, int64_t step,
                     const std::vector<PreviewPicture>& pictures) {
   const std::filesystem::path newest = run / "previews", kept = newest / step_folder(step);
   make_directory(newest);
@@ -159,7 +156,7 @@ void write_previews(const std::filesystem::path& run, int64_t step, int64_t hist
     const auto& [scene, width, height, png] = pictures[i];
     const std::string_view bytes(reinterpret_cast<const char*>(png.data()), png.size());
     write_file(newest / (scene + ".png"), bytes);
-    if (static_cast<int64_t>(i) >= history) continue;
+    if (i >= kKeptPreviews) continue;
     make_directory(kept);
     write_file(kept / (scene + ".png"), bytes);
   }

@@ -46,10 +46,13 @@ class Previews {
   std::vector<ViewExample> views_;
 };
 
-/// Writes <run>/previews/<scene>.png, the newest picture of each scene, and the first `history`
-/// pictures a second time as <run>/previews/step_<step>/<scene>.png, where they stay.
+/// The scenes, first of the validation, of which every picture stays; of others the newest alone.
+inline constexpr size_t kKeptPreviews = 4;
+
+/// Writes <run>/previews/<scene>.png, the newest picture of each scene, and the first kKeptPreviews
+/// a second time as <run>/previews/step_<step>/<scene>.png, where they stay.
 /// @throws lte::Error naming the file that cannot be written.
-void write_previews(const std::filesystem::path& run, int64_t step, int64_t history,
+void write_previews(const std::filesystem::path& run, int64_t step,
                     const std::vector<PreviewPicture>& pictures);
 
 }  // namespace lte::train

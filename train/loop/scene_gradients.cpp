@@ -48,7 +48,7 @@ SceneGradients::SceneGradients(const TrainConfig& config, const nn::LightTranspo
       device_(device),
       models_({model}) {
   const int threads = at::get_num_threads();
-  freeze_still_parameters(config.train, models_.front());
+  freeze_parameters(config.train, models_.front());
   trains_encoder_ = trains_encoder(model);
   if (group) {
     processes_ = group->rank().count;
@@ -62,7 +62,7 @@ SceneGradients::SceneGradients(const TrainConfig& config, const nn::LightTranspo
   const int beside = one_by_one ? 1 : std::min(threads, static_cast<int>(passes));
   threads_per_scene_ = std::max(1, threads / beside);
   for (int i = 1; i < beside; ++i)
-    freeze_still_parameters(config.train, models_.emplace_back(replica_of(model)));
+    freeze_parameters(config.train, models_.emplace_back(replica_of(model)));
   for (nn::LightTransportModel& each : models_) nn::set_autocast(*each, config.train.autocast);
   if (config.train.autocast == nn::Precision::Bf16)
     nn::warn_of_slow_bf16("train.autocast bf16", device);

@@ -16,8 +16,7 @@ std::vector<at::Tensor> scene_losses(nn::LightTransportModel& model, const nn::S
     for (const Example& example : examples) queries.push_back(example.queries);
     const std::vector<at::Tensor> predicted = model->decode_normalized(batch, queries, values);
     for (size_t i = 0; i < examples.size(); ++i) {
-      const at::Tensor loss =
-          nn::relative_loss(predicted[i], examples[i].target, config.loss, examples[i].weight);
+      const at::Tensor loss = nn::relative_loss(predicted[i], examples[i].target, config.loss);
       add(i, config.irradiance_weight == 1 ? loss : loss * config.irradiance_weight);
     }
   }
@@ -43,7 +42,7 @@ bool trains_encoder(const nn::LightTransportModel& model) {
   });
 }
 
-void freeze_still_parameters(const OptimConfig& config, nn::LightTransportModel& model) {
+void freeze_parameters(const OptimConfig& config, nn::LightTransportModel& model) {
   for (auto& item : model->named_parameters())
     item.value().requires_grad_(rate_factor(config, item.key()) > 0);
 }

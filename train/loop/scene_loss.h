@@ -30,7 +30,7 @@ std::vector<at::Tensor> scene_losses(nn::LightTransportModel& model, const nn::S
 /// Whether gradients go to any parameter of what makes latents.
 bool trains_encoder(const nn::LightTransportModel& model);
 
-/// Keeps parameters whose rate_factor() is 0 out of the backward pass.
-void freeze_still_parameters(const OptimConfig& config, nn::LightTransportModel& model);
+/// Freezes parameters whose rate_factor() is 0: the backward pass leaves them out.
+void freeze_parameters(const OptimConfig& config, nn::LightTransportModel& model);
 
 }  // namespace lte::train

@@ -1,5 +1,6 @@
 #include "train/loop/session_log.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "lte/base/check.h"
@@ -13,8 +14,7 @@ SessionLog::SessionLog(const TrainConfig& config, const RunProgress& progress,
                        const std::optional<std::string>& saved)
     : config_(config.train),
       log_(std::filesystem::path(config.output) / "log.jsonl", progress.step, saved) {
-  if (config_.tensorboard)
-    log_.add_events(std::filesystem::path(config.output) / "tensorboard", progress.step);
+  log_.add_events(std::filesystem::path(config.output) / "tensorboard", progress.step);
 }
 
 bool SessionLog::writes_at(int64_t step) const {
@@ -66,8 +66,7 @@ NamedValues health_fields(const std::vector<nn::StageHealth>& stages, const Name
 
 void SessionLog::add_pictures(int64_t step, const std::vector<PreviewPicture>& pictures) {
   if (!log_.events()) return;
-  for (size_t i = 0; i < pictures.size(); ++i) {
-    if (static_cast<int64_t>(i) >= config_.preview_scenes) break;
+  for (size_t i = 0; i < std::min(pictures.size(), kKeptPreviews); ++i) {
     const auto& [scene, width, height, png] = pictures[i];
     log_.events()->image(step, "preview/" + scene, width, height, png);
   }

@@ -29,7 +29,7 @@ NamedValues health_fields(const std::vector<nn::StageHealth>& stages, const Name
 
 class SessionLog {
  public:
-  /// Opens the log of the run directory, and its event files if `train.tensorboard` says so.
+  /// Opens the log of the run directory, and its event files.
   /// @param saved  the log as the checkpoint has it (RunLog)
   SessionLog(const TrainConfig& config, const RunProgress& progress,
              const std::optional<std::string>& saved);
@@ -51,7 +51,7 @@ class SessionLog {
   /// @param health   health_fields(), in the same line
   void write_validation(int64_t step, const ValidationResult& result, double seconds,
                         const NamedValues& health);
-  /// Adds the pictures of the first `train.preview_scenes` to the event files.
+  /// Adds the pictures of the first kKeptPreviews scenes to the event files.
   void add_pictures(int64_t step, const std::vector<PreviewPicture>& pictures);
   /// @param seconds  that drawing and writing the pictures took
   void write_previews(int64_t step, double seconds);

@@ -184,7 +184,7 @@ void Trainer::draw_previews() {
     const AverageScope averaged(state_.optimizer.get());
     pictures = previews_->draw(state_.model, device_);
   }
-  write_previews(output_, step, config_.train.preview_scenes, pictures);
+  write_previews(output_, step, pictures);
   log_->add_pictures(step, pictures);
   log_->write_previews(step, timer.seconds());
 }

@@ -40,6 +40,8 @@ namespace {
 
 /// Root mean square of an entry of Muon's update at a rate of 1, about that of AdamW's.
 constexpr double kUpdateRms = 0.2;
+/// Momentum of Muon's gradient, and AdamW's decays of the first and the second moment.
+constexpr double kMuonMomentum = 0.95, kBeta1 = 0.9, kBeta2 = 0.999;
 /// Layers of fewer inputs or outputs, which read offsets or write an answer, are AdamW's.
 constexpr int64_t kLeastSide = 16;
 
@@ -52,8 +54,7 @@ at::Tensor matrices_of(const std::string& name, const at::Tensor& weights) {
 
 }  // namespace
 
-bool moved_by_muon(const OptimConfig& config, const std::string& parameter,
-                   const at::Tensor& weights) {
+bool uses_muon(const OptimConfig& config, const std::string& parameter, const at::Tensor& weights) {
   if (config.optimizer != OptimizerKind::Muon || weights.dim() < 2) return false;
   const at::Tensor matrices = matrices_of(parameter, weights.detach());
   return std::min(matrices.size(1), matrices.size(2)) >= kLeastSide;
@@ -67,7 +68,7 @@ Optimizer::Optimizer(const OptimConfig& config, const nn::LightTransportModel& m
     parameters_.push_back(parameter);
     rate_factors_.push_back(rate_factor(config, item.key()));
     first_moments_.push_back(at::zeros_like(parameter.detach()));
-    by_muon_.push_back(moved_by_muon(config, item.key(), parameter));
+    by_muon_.push_back(uses_muon(config, item.key(), parameter));
     second_moments_.push_back(by_muon_.back() ? at::Tensor() : at::zeros_like(parameter.detach()));
     updates_.push_back(at::zeros({}, parameter.options().requires_grad(false)));
     if (config_.ema_decay > 0) average_.push_back(parameter.detach().clone());
@@ -157,8 +158,8 @@ void Optimizer::update_group(double factor, bool matrices, double rate) {
   }
   if (weights.empty()) return;
   at::_foreach_add_(updates, 1);
-  at::_fused_adamw_(weights, gradients, first, second, {}, updates, rate, config_.beta1,
-                    config_.beta2, matrices ? config_.weight_decay : 0, config_.adam_epsilon,
+  at::_fused_adamw_(weights, gradients, first, second, {}, updates, rate, kBeta1, kBeta2,
+                    matrices ? config_.weight_decay : 0, config_.adam_epsilon,
                     /*amsgrad=*/false, /*maximize=*/false);
 }
 
@@ -175,8 +176,8 @@ void Optimizer::update_orthogonal(double factor, double rate) {
     counts.push_back(updates_[i]);
   }
   if (moved.empty()) return;
-  at::_foreach_lerp_(moments, gradients, 1 - config_.muon_momentum);
-  std::vector<at::Tensor> steps = at::_foreach_lerp(gradients, moments, config_.muon_momentum);
+  at::_foreach_lerp_(moments, gradients, 1 - kMuonMomentum);
+  std::vector<at::Tensor> steps = at::_foreach_lerp(gradients, moments, kMuonMomentum);
   std::map<std::pair<int64_t, int64_t>, std::vector<size_t>> shapes;  // places in `moved`
   for (size_t k = 0; k < moved.size(); ++k) {
     steps[k] = matrices_of(names_[moved[k]], steps[k]);

@@ -22,12 +22,11 @@ std::string gradient_module(const std::string& parameter);
 
 /// Whether Muon moves a parameter, which then has one moment: a matrix between features, or a
 /// convolution's. What reads offsets or writes an answer, biases and norms are AdamW's.
-bool moved_by_muon(const OptimConfig& config, const std::string& parameter,
-                   const at::Tensor& weights);
+bool uses_muon(const OptimConfig& config, const std::string& parameter, const at::Tensor& weights);
 
 class Optimizer {
  public:
-  /// Each parameter's rate is the schedule's times its rate_factor(); with 0 it stands still.
+  /// Each parameter's rate is the schedule's times its rate_factor(); with 0 it is frozen.
   /// Weight decay applies to parameters of two dimensions or more; biases and norms are left alone.
   /// The averaged weights start as the model's present ones.
   Optimizer(const OptimConfig& config, const nn::LightTransportModel& model);

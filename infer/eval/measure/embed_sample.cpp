@@ -13,11 +13,10 @@ namespace {
 
 /// What the network reads of the light on the sample's scene points.
 data::PointLight light_of(const data::SceneSample& sample, const runtime::Network& network) {
-  const runtime::LightRequest wanted = network.light_request();
-  if (wanted.depth == 0) return {};
+  if (network.light_request().depth == 0) return {};
   LTE_CHECK(!sample.scene_direct.empty(), sample.name,
             ": has no scene_direct, which the model reads; bake the data again");
-  LTE_CHECK(!wanted.sides || !sample.scene_direct_back.empty(), sample.name,
+  LTE_CHECK(!sample.scene_direct_back.empty(), sample.name,
             ": has no scene_direct_back, the light on each side of a surface, which the model "
             "reads; bake the data again");
   const std::vector<float> error = data::to_floats(sample.scene_error),

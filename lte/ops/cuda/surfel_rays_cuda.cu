@@ -27,7 +27,7 @@ __global__ void __launch_bounds__(kRayThreads)
 at::Tensor see_surfels_cuda(const at::Tensor& any_position, const at::Tensor& any_directions,
                             const at::Tensor& discs, const at::Tensor& geometry,
                             const at::Tensor& first, const at::Tensor& member,
-                            at::ArrayRef<double> numbers, at::IntArrayRef size, bool emission) {
+                            at::ArrayRef<double> numbers, at::IntArrayRef size) {
   const c10::cuda::CUDAGuard guard(any_position.device());
   const at::Tensor position = any_position.contiguous(), directions = any_directions.contiguous();
   const SurfelGrid grid = grid_of(discs, geometry, first, member, numbers, size);
@@ -36,9 +36,9 @@ at::Tensor see_surfels_cuda(const at::Tensor& any_position, const at::Tensor& an
   at::Tensor out = at::empty({Q, N, kSeenColumns}, position.options());
   if (rays == 0) return out;
   see_kernel<<<static_cast<unsigned>((rays + kRayThreads - 1) / kRayThreads), kRayThreads, 0,
-               c10::cuda::getCurrentCUDAStream()>>>(
-      view_of(grid, emission), position.const_data_ptr<float>(), directions.const_data_ptr<float>(),
-      rays, N, out.data_ptr<float>());
+               c10::cuda::getCurrentCUDAStream()>>>(view_of(grid), position.const_data_ptr<float>(),
+                                                    directions.const_data_ptr<float>(), rays, N,
+                                                    out.data_ptr<float>());
   C10_CUDA_KERNEL_LAUNCH_CHECK();
   return out;
 }

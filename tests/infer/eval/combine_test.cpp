@@ -31,7 +31,11 @@ TEST(CachedLight, OfEqualEstimatesIsTheirValueWhateverTheNetwork) {
   const data::SceneSample sample = test::random_sample("room", 1);
   ScenePoints points = points_of(sample);
   const std::vector<Rgb> light(sample.scene_position.size(), Rgb{2, 3, 4});
+  const std::vector<Rgb> dark(light.size());
+  const std::vector<float> exact(2 * light.size());
   points.direct = points.indirect = light;
+  points.direct_back = points.indirect_back = dark;
+  points.indirect_error = exact;
   const runtime::Network network = network_reading(nn::LightInput::Traced, folder);
   const std::vector<Rgb> found = runtime::SceneEmbedding(network, points)
                                      .cached_light({points.position, points.normal, points.albedo});

@@ -312,11 +312,9 @@ TEST_F(Evaluation, RefusesDataWithoutTheLightThatTheModelReads) {
   }
 }
 
-/// Data sets of before the sides were told apart serve models of then alone.
 TEST_F(Evaluation, RefusesDataWithoutTheSidesThatTheModelReads) {
   test::TinyModel tiny;
   tiny.light_input = nn::LightInput::Traced;
-  tiny.light_sides = nn::LightSides::Apart;
   test::save_tiny_model(folder_ / "apart.safetensors", tiny);
   const runtime::Network model(folder_ / "apart.safetensors");
   for (const char* name : {"test0", "test1"}) {

@@ -117,10 +117,11 @@ TEST_F(InitWeights, WhatIsMissingOrSuperfluousIsListedInOneLine) {
   has(fewer, "superfluous (");
   has(fewer, "decoder.layer1.");
   EXPECT_EQ(fewer.find("missing"), std::string::npos) << fewer;
-  const std::string wider = message("gamma_hidden: 24");
+  const std::string wider = message("radiance_lobes: 4, light_input: radiosity");
   has(wider, "of another shape (");
-  has(wider, "decoder.gamma.");
-  has(wider, "[24, 3]");
+  has(wider, "nne.point.hidden.weight");
+  has(wider, "missing (");
+  has(wider, "radiance.");
 }
 
 TEST_F(InitWeights, ExceptionsKeepTheirFreshValues) {
@@ -142,8 +143,9 @@ TEST_F(InitWeights, ExceptionsKeepTheirFreshValues) {
 }
 
 TEST_F(InitWeights, ExceptionsAllowAnotherShape) {
-  const std::string model = "model: {query_layers: 3, gamma_hidden: 24}\n";
-  EXPECT_NO_THROW(first(from(source(), ", init_except: [decoder.layer2, decoder.gamma]", model)));
+  const std::string model = "model: {query_layers: 3, light_input: radiosity}\n";
+  EXPECT_NO_THROW(
+      first(from(source(), ", init_except: [decoder.layer2, decoder.point, nne.point]", model)));
   EXPECT_NO_THROW(
       first(from(source(), ", init_except: [decoder.layer1]", "model: {query_layers: 1}\n")));
 }
@@ -151,8 +153,7 @@ TEST_F(InitWeights, ExceptionsAllowAnotherShape) {
 /// With all that the released models are made of, so that every kind of layer is widened.
 constexpr const char* kRichModel =
     "encoder_depths: [1, 1, 1], encoder_widths: [1, 1, 2], decoder_depths: [1, 1], "
-    "decoder_widths: [1, 1], head_width: 8, stem: conv3, attention_positions: rotary, "
-    "pair_geometry: normals, centering: learned, light_input: radiosity, light_sides: apart";
+    "decoder_widths: [1, 1], head_width: 8, preset: lte, light_input: radiosity";
 
 at::Tensor answers_of(nn::LightTransportModel model, const Example& example) {
   model->eval();
@@ -198,7 +199,7 @@ TEST_F(InitWeights, OnlyWholeTimesAsWideWillDo) {
   EXPECT_EQ(widening(wide, narrow), 2);
 }
 
-TEST_F(InitWeights, WhatTheModelIsToldBesidesCountsNothingAtFirst) {
+TEST_F(InitWeights, InputThatIsNewCountsNothingAtFirst) {
   const test::TempDir lit;
   test::write_dataset(lit.path(), 2, 0, [](int, data::SceneSample* sample) {
     const size_t rows = static_cast<size_t>(sample->light_groups * sample->scene_points());
@@ -210,11 +211,9 @@ TEST_F(InitWeights, WhatTheModelIsToldBesidesCountsNothingAtFirst) {
     sample->scene_error_back = sample->scene_error;
   });
   // Light that is solved comes in the columns of light that is traced.
-  train(config("told", "model: {light_input: radiosity, light_sides: apart}\n"));
-  const std::string known = model_path(dir_ / "told").string();
-  TrainConfig run = from(known, "",
-                         "model: {light_input: traced, light_sides: apart, "
-                         "light_variance: true}\n");
+  train(config("solved", "model: {light_input: radiosity}\n"));
+  const std::string known = model_path(dir_ / "solved").string();
+  TrainConfig run = from(known, "", "model: {light_input: traced}\n");
   run.data.root = lit.path().string();
   const nn::LightTransportModel model = first(run);
   const SafetensorsFile file(known);
@@ -228,7 +227,21 @@ TEST_F(InitWeights, WhatTheModelIsToldBesidesCountsNothingAtFirst) {
     EXPECT_TRUE(same(value.narrow(1, 0, before.shape.back()).contiguous(), before)) << item.key();
     EXPECT_EQ(value.narrow(1, before.shape.back(), fresh).abs().max().item<float>(), 0);
   }
-  EXPECT_EQ(wider, 2) << "what scene points are told, and what queries are";
+  EXPECT_EQ(wider, 2) << "the first layers of scene points and of queries";
+}
+
+TEST_F(InitWeights, EarlierFormatsAreRefusedInOneLine) {
+  for (const std::string& path : {source(), checkpoint_path(*runs_ / "first").string()}) {
+    const SafetensorsFile file(path);
+    SafetensorsWriter writer;
+    for (const auto& [name, tensor] : file.tensors()) writer.add(name, tensor);
+    for (const auto& [key, value] : file.metadata()) writer.set_metadata(key, value);
+    writer.set_metadata("format_version", "1");
+    const std::string old = dir_ / "old.safetensors";
+    writer.write(old);
+    test::expect_error([&] { first(from(old)); },
+                       {"old.safetensors", "format version 1", "scripts/convert_model.py"});
+  }
 }
 
 TEST_F(InitWeights, APrefixOfNothingIsRefused) {

@@ -17,11 +17,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Three stages with points enough to collapse, and geometry wherever it can be asked for.
+/// Three stages with points enough to collapse, in the form of lte.
 constexpr const char* kNetwork =
     "model: {encoder_depths: [1, 1, 1], encoder_widths: [1, 1, 2], decoder_depths: [1, 1], "
-    "decoder_widths: [1, 1], dropout: 0, attention_positions: rotary, centering: learned, "
-    "pair_geometry: normals, grid_per_spacing: 1.6}\n";
+    "decoder_widths: [1, 1], dropout: 0, preset: lte, light_input: emission}\n";
 
 class Health : public test::RunFixture {
  protected:

@@ -93,9 +93,9 @@ TEST_F(BatchLoaderTest, DrawsAsManyPointsAndQueriesAsAskedAfreshEachEpoch) {
   }
 }
 
-TEST_F(BatchLoaderTest, ThinningDrawsCountsOverItsWholeRange) {
+TEST_F(BatchLoaderTest, PointDropoutDrawsCountsOverItsWholeRange) {
   const TrainConfig config =
-      test::tiny_config(dir_.path(), dir_ / "run", "augment: {thinning: 4}\n");
+      test::tiny_config(dir_.path(), dir_ / "run", "augment: {point_dropout: 4}\n");
   RunData data = open_run_data(config);
   BatchLoader loader(config, data.scale, &data.train);
   std::vector<double> halvings;  // of the 192 points that are asked for
@@ -110,31 +110,6 @@ TEST_F(BatchLoaderTest, ThinningDrawsCountsOverItsWholeRange) {
   const double mean =
       std::accumulate(halvings.begin(), halvings.end(), 0.0) / static_cast<double>(halvings.size());
   EXPECT_NEAR(mean, 1, 0.3) << "log-uniform between none and two, some eighty draws";
-}
-
-TEST_F(BatchLoaderTest, WithoutSubsamplingASceneHasTheSamePointsInEveryEpoch) {
-  const auto taken = [&](const std::string& seed) {
-    const TrainConfig config = test::tiny_config(
-        dir_.path(), dir_ / "run",
-        "seed: " + seed + "\naugment: {rotate: none, mirror: false, gain: 1, subsample: false}\n");
-    RunData data = open_run_data(config);
-    BatchLoader loader(config, data.scale, &data.train);
-    std::map<std::string, std::vector<Example>> out;
-    for (int64_t step = 0; step < 6; ++step) {
-      for (Example& example : loader.take(step)) out[example.scene].push_back(std::move(example));
-    }
-    return out;
-  };
-  const auto first = taken("1"), second = taken("2");
-  EXPECT_EQ(first.size(), 3u);
-  for (const auto& [scene, examples] : first) {
-    ASSERT_EQ(examples.size(), 4u);
-    for (size_t i = 1; i < examples.size(); ++i) {
-      EXPECT_TRUE(at::equal(examples[i].points.position, examples[0].points.position));
-      EXPECT_FALSE(at::equal(examples[i].queries.position, examples[0].queries.position));
-    }
-    EXPECT_FALSE(at::equal(examples[0].points.position, second.at(scene)[0].points.position));
-  }
 }
 
 TEST_F(BatchLoaderTest, AnUnreadableSceneIsNamedByTheStepThatNeedsIt) {

@@ -1,6 +1,6 @@
 #include "train/data/example.h"
 
-#include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -8,7 +8,6 @@
 #include <gmock/gmock.h>
 
 #include "lte/base/check.h"
-#include "lte/nn/loss.h"
 #include "lte/radiosity/point_radiosity.h"
 #include "tests/train/support.h"
 
@@ -64,139 +63,25 @@ TEST(MakeExample, ABlackSceneHasATargetOfZero) {
       make_example(scene, identity_symmetry(2), 50, 0, &rng).target.abs().max().item<double>(), 0);
 }
 
-/// A room whose reference is noisy in every fourth query.
-TrainingScene noisy_scene() {
+TEST(MakeExample, QueriesAreDistinctAndEquallyLikely) {
   const test::TempDir dir;
   data::SceneSample sample = test::box_sample(7);
   sample.name = "room";
-  for (size_t i = 0; i < sample.variance.size(); ++i) {
-    float mean = 0;
-    for (int c = 0; c < 3; ++c)
-      mean += (sample.indirect[i][c] + sample.indirect[sample.variance.size() + i][c]) / 3;
-    sample.variance[i] = i % 4 == 0 ? mean * mean : 0.0f;  // as large as the value itself
-  }
   data::write_scene_sample(dir / "room.safetensors", sample);
-  return read_training_scene(dir / "room.safetensors", "room", nn::Target::Indirect);
-}
-
-TEST(QueryScores, NoiseIsTheRelativeVariance) {
-  const TrainingScene scene = noisy_scene();
-  for (size_t i = 0; i < scene.scores.noise.size(); ++i)
-    EXPECT_NEAR(scene.scores.noise[i], i % 4 == 0 ? 1.0f : 0.0f, 1e-5f);
-}
-
-TEST(QueryScores, SlopeIsWhereIrradianceChanges) {
-  // A floor in the dark for x < 0 and in the light for x > 0, in rows of a centimetre.
-  std::vector<Vec3> position, normal;
-  std::vector<Rgb> target;
-  for (int i = 0; i < 100; ++i) {
-    const float x = 0.01f * (static_cast<float>(i) - 49.5f);
-    position.push_back({x, 0, 0});
-    normal.push_back({0, 1, 0});
-    target.push_back(x < 0 ? Rgb{} : Rgb{2, 2, 2});
-  }
-  const std::vector<float> slope = query_slope(position, normal, target);
-  for (int i = 0; i < 100; ++i) {
-    const bool edge = i >= 47 && i < 53;
-    EXPECT_EQ(slope[static_cast<size_t>(i)] > 0, edge) << i;
-  }
-  EXPECT_NEAR(slope[49], std::log(3.0f) / 0.01f, 1.0f);
-  std::fill(normal.begin() + 50, normal.end(), Vec3{1, 0, 0});  // an edge of the surface itself
-  for (const float value : query_slope(position, normal, target)) EXPECT_EQ(value, 0);
-}
-
-/// Means over many draws of f of the drawn queries, each with its weight, and of how often noisy
-/// ones come.
-struct DrawnMeans {
-  double value = 0, error = 0, noisy = 0, most = 0;
-};
-DrawnMeans means_of_draws(const TrainingScene& scene, QuerySampling sampling) {
-  constexpr int kDraws = 3000;
-  QueryOptions options;
-  options.count = 32;
-  options.sampling = sampling;
+  const TrainingScene scene = read_training_scene(dir / "room.safetensors", "room");
+  constexpr int kDraws = 2000, kQueries = 32;
+  std::map<std::array<float, 3>, int> times;
   Rng rng(17);
-  DrawnMeans means;
-  double square = 0;
   for (int draw = 0; draw < kDraws; ++draw) {
-    const std::vector<int64_t> rows = data::draw_scene_rows(scene.light, 64, &rng);
-    const Example example = make_example(scene, identity_symmetry(2), rows, options, &rng);
-    const auto* x = example.queries.position.const_data_ptr<float>();
-    const float* weights =
-        example.weight.defined() ? example.weight.const_data_ptr<float>() : nullptr;
-    EXPECT_EQ(example.target.size(0), 32);
-    double sum = 0;
-    for (int64_t i = 0; i < example.target.size(0); ++i) {
-      const double weight = weights ? weights[i] : 1;
-      sum += weight * x[3 * i] * x[3 * i] / 32;  // any function of the query will do
-      means.most = std::max(means.most, weight);
-      const Vec3 drawn{x[3 * i], x[3 * i + 1], x[3 * i + 2]};
-      for (size_t q = 0; q < scene.query_position.size(); q += 4)
-        means.noisy += scene.query_position[q] == drawn ? 1.0 / 32 / kDraws : 0;
-    }
-    means.value += sum / kDraws;
-    square += sum * sum / kDraws;
+    const Example example = make_example(scene, identity_symmetry(2), 64, kQueries, &rng);
+    std::set<std::array<float, 3>> drawn;
+    for (const Vec3& p : test::triples_of(example.queries.position)) drawn.insert({p.x, p.y, p.z});
+    ASSERT_EQ(drawn.size(), size_t{kQueries});
+    for (const auto& query : drawn) ++times[query];
   }
-  means.error = std::sqrt((square - means.value * means.value) / kDraws);
-  return means;
-}
-
-TEST(QuerySampling, LeavesTheMeanOfTheLossWhateverItPrefers) {
-  const TrainingScene scene = noisy_scene();
-  double mean = 0;
-  for (const Vec3& p : scene.query_position)
-    mean += p.x * p.x / static_cast<double>(scene.query_position.size());
-  for (const QuerySampling sampling :
-       {QuerySampling::Uniform, QuerySampling::Variance, QuerySampling::Gradient}) {
-    const DrawnMeans means = means_of_draws(scene, sampling);
-    EXPECT_NEAR(means.value, mean, 4 * means.error);
-    EXPECT_LT(means.error, 0.02 * mean);
-    EXPECT_LE(means.most, 2.0001);
-    // A quarter is noisy: half of 1/4 and half of all.
-    if (sampling == QuerySampling::Gradient) continue;
-    EXPECT_NEAR(means.noisy, sampling == QuerySampling::Uniform ? 0.25 : 0.625, 0.01);
-  }
-}
-
-TEST(NoiseWeight, CountsNoisyQueriesLessAndKeepsTheMean) {
-  const TrainingScene scene = noisy_scene();
-  QueryOptions options;
-  options.noise_weight = 2;
-  options.epsilon = 0.1;
-  Rng rng(18);
-  const std::vector<int64_t> all = data::draw_scene_rows(scene.light, 0, &rng);
-  const Example example = make_example(scene, identity_symmetry(2), all, options, &rng);
-  ASSERT_EQ(example.weight.size(0), scene.query_points());
-  EXPECT_NEAR(example.weight.mean().item<double>(), 1, 1e-5);
-  const double plain = example.weight[1].item<double>();
-  for (int64_t i = 0; i < scene.query_points(); ++i) {
-    // Variance of the relative log error, by a finite difference of the loss's own terms.
-    double n = 0;
-    for (int64_t c = 0; c < 3 && i % 4 == 0; ++c) {
-      const double value = example.target[i][c].item<double>(), h = 1e-4;
-      const double slope = (std::log1p(value * (1 + h)) - std::log1p(value * (1 - h))) / (2 * h);
-      n += std::pow(slope / (std::log1p(value) + options.epsilon), 2) / 3;
-    }
-    EXPECT_NEAR(example.weight[i].item<double>(), plain / (1 + 2 * n), 1e-4 * plain) << i;
-  }
-}
-
-TEST(NoiseWeight, OffThereAreNoWeights) {
-  Rng rng(19);
-  EXPECT_FALSE(make_example(noisy_scene(), identity_symmetry(2), 0, 50, &rng).weight.defined());
-}
-
-TEST(NoiseWeight, WeightsEnterTheLossByQuery) {
-  const at::Tensor predicted = at::tensor({0.5f, 1.0f, 2.0f, 0.1f, 0.2f, 0.4f}).view({2, 3});
-  const at::Tensor target = at::tensor({0.6f, 0.9f, 2.5f, 0.3f, 0.1f, 0.4f}).view({2, 3});
-  const nn::LossConfig config;
-  const double first =
-      nn::relative_loss(predicted.slice(0, 0, 1), target.slice(0, 0, 1), config).item<double>();
-  const double second =
-      nn::relative_loss(predicted.slice(0, 1, 2), target.slice(0, 1, 2), config).item<double>();
-  const double both =
-      nn::relative_loss(predicted, target, config, at::tensor({1.5f, 0.25f})).item<double>();
-  EXPECT_NEAR(both, (1.5 * first + 0.25 * second) / 2, 1e-6);
+  ASSERT_EQ(times.size(), scene.query_position.size());
+  const double mean = double{kDraws} * kQueries / static_cast<double>(times.size());
+  for (const auto& [query, count] : times) EXPECT_NEAR(count, mean, 5 * std::sqrt(mean));
 }
 
 TEST(MakeExample, RadiosityIsSolvedByLightGroup) {
@@ -204,8 +89,8 @@ TEST(MakeExample, RadiosityIsSolvedByLightGroup) {
   data::SceneSample sample = test::box_sample(7);
   sample.name = "room";
   data::write_scene_sample(dir / "room.safetensors", sample);
-  const TrainingScene scene = read_training_scene(dir / "room.safetensors", "room",
-                                                  nn::Target::Indirect, nn::LightInput::Radiosity);
+  const TrainingScene scene =
+      read_training_scene(dir / "room.safetensors", "room", nn::LightInput::Radiosity);
   Symmetry symmetry = identity_symmetry(2);
   symmetry.gains = {{2, 1, 0}, {0, 0.5f, 4}};
   Rng rng(6);
@@ -238,7 +123,7 @@ TEST(MakeExample, LightOnScenePointsIsSummedOverGroupsUnderTheirGains) {
   const std::filesystem::path path = dir / "room.safetensors";
   data::write_scene_sample(path, sample);
   try {
-    read_training_scene(path, "room", nn::Target::Indirect, nn::LightInput::Traced);
+    read_training_scene(path, "room", nn::LightInput::Traced);
     ADD_FAILURE() << "read light that is not there";
   } catch (const Error& error) {
     EXPECT_THAT(error.what(),
@@ -251,12 +136,12 @@ TEST(MakeExample, LightOnScenePointsIsSummedOverGroupsUnderTheirGains) {
     light->resize(2 * M);
     for (Rgb& value : *light) value = {random.uniform(), random.uniform(), random.uniform()};
   }
+  sample.scene_direct_back.assign(2 * M, Rgb{});
+  sample.scene_indirect_back.assign(2 * M, Rgb{});
+  sample.scene_error.assign(2 * M, to_half(0.25f));
+  sample.scene_error_back.assign(2 * M, to_half(0.0f));
   data::write_scene_sample(path, sample);
-  const TrainingScene direct =
-      read_training_scene(path, "room", nn::Target::Indirect, nn::LightInput::Direct);
-  EXPECT_TRUE(direct.indirect.empty());
-  const TrainingScene scene =
-      read_training_scene(path, "room", nn::Target::Indirect, nn::LightInput::Traced);
+  const TrainingScene scene = read_training_scene(path, "room", nn::LightInput::Traced);
   Symmetry symmetry = identity_symmetry(2);
   symmetry.gains = {{2, 1, 0}, {0, 0.5f, 3}};
   Rng rng(6);
@@ -276,14 +161,6 @@ TEST(MakeExample, LightOnScenePointsIsSummedOverGroupsUnderTheirGains) {
                       a[c] * sample.scene_indirect[i][c] + b[c] * sample.scene_indirect[M + i][c]);
     }
   }
-}
-
-nn::ModelConfig model_of_sides() {
-  nn::ModelConfig model;
-  model.light_input = nn::LightInput::Traced;
-  model.light_sides = nn::LightSides::Apart;
-  model.light_variance = true;
-  return model;
 }
 
 /// The channels' mean of the light of a row.
@@ -306,15 +183,19 @@ TEST(MakeExample, SymmetriesActOnBothSidesOfTheLight) {
     old.scene_direct_back.clear();
     old.scene_indirect_back.clear();
     data::write_scene_sample(path, old);
-    read_training_scene(path, "room", nn::Target::Indirect, LightKeys(model_of_sides()));
+    read_training_scene(path, "room", nn::LightInput::Traced);
   };
-  test::expect_error(refused, {"room.safetensors", "no scene_direct_back", "light_sides apart"});
+  test::expect_error(refused, {"room.safetensors", "no scene_direct_back", "light_input traced"});
+  const auto refused_without_errors = [&] {
+    data::write_scene_sample(path, sample);
+    read_training_scene(path, "room", nn::LightInput::Traced);
+  };
+  test::expect_error(refused_without_errors, {"room.safetensors", "no scene_error"});
   for (Rgb& value : sample.scene_indirect) value += Rgb{1, 2, 3};  // the front, in every group
   sample.scene_error.assign(2 * M, to_half(0.25f));
   sample.scene_error_back.assign(2 * M, to_half(1.0f));
   data::write_scene_sample(path, sample);
-  const TrainingScene scene =
-      read_training_scene(path, "room", nn::Target::Indirect, LightKeys(model_of_sides()));
+  const TrainingScene scene = read_training_scene(path, "room", nn::LightInput::Traced);
   Symmetry symmetry = identity_symmetry(2);
   symmetry.mirror = true;
   symmetry.channels = {2, 0, 1};
@@ -346,9 +227,9 @@ TEST(MakeExample, SymmetriesActOnBothSidesOfTheLight) {
       }
       const at::Tensor back = example.points.indirect_back[row],
                        front = example.points.indirect[row] - back,
-                       told = example.points.indirect_error[row];
-      EXPECT_NEAR(told[0].item<double>() * grey(front), std::sqrt(error[0]), 1e-4);
-      EXPECT_NEAR(told[1].item<double>() * grey(back), std::sqrt(error[1]), 1e-4);
+                       given = example.points.indirect_error[row];
+      EXPECT_NEAR(given[0].item<double>() * grey(front), std::sqrt(error[0]), 1e-4);
+      EXPECT_NEAR(given[1].item<double>() * grey(back), std::sqrt(error[1]), 1e-4);
     }
   }
 }
@@ -359,7 +240,7 @@ TEST(SceneStore, DropsTheLeastRecentlyUsed) {
   const auto entries = data::entries_of(data::read_dataset_info(dir.path()), data::Split::Train);
   SceneStore probe(dir.path(), entries, {});
   const size_t one = probe.get(0)->size_bytes();
-  SceneStore store(dir.path(), entries, {nn::Target::Indirect, 2 * one});
+  SceneStore store(dir.path(), entries, {2 * one});
   const auto first = store.get(0);
   store.get(1);
   EXPECT_EQ(store.get(0), first) << "still kept";
@@ -374,7 +255,7 @@ TEST(SceneStore, GivesSeveralAsItGivesOneByOne) {
   test::write_dataset(dir.path(), 4, 0);
   const auto entries = data::entries_of(data::read_dataset_info(dir.path()), data::Split::Train);
   std::filesystem::remove(data::scene_path(dir.path(), entries[1].name));
-  SceneStoreOptions options{nn::Target::Indirect, size_t{1} << 30};
+  SceneStoreOptions options{size_t{1} << 30};
   options.skip_bad = true;
   SceneStore store(dir.path(), entries, options), each(dir.path(), entries, options);
   const auto kept = store.get(3);
@@ -393,22 +274,15 @@ TEST(SceneStore, GivesSeveralAsItGivesOneByOne) {
   EXPECT_EQ(scenes[0], scenes[4]) << "asked for twice at once";
   EXPECT_EQ(store.bad(), std::set<size_t>{1});
   EXPECT_EQ(store.cached_bytes(), each.cached_bytes());
-  SceneStore strict(dir.path(), entries, {nn::Target::Indirect, size_t{1} << 30});
+  SceneStore strict(dir.path(), entries, {size_t{1} << 30});
   EXPECT_THROW(strict.get(wanted), Error);
 }
 
-TEST(SceneStore, TotalIsDirectPlusIndirect) {
+TEST(SceneStore, TheTargetIsIndirect) {
   const test::TempDir dir;
   test::write_dataset(dir.path(), 1, 0);
-  const data::SceneSample sample = data::read_scene_sample(data::scene_path(dir.path(), "room0"));
-  const TrainingScene total =
-      read_training_scene(data::scene_path(dir.path(), "room0"), "room0", nn::Target::Total);
-  const TrainingScene indirect =
-      read_training_scene(data::scene_path(dir.path(), "room0"), "room0", nn::Target::Indirect);
-  for (size_t i = 0; i < sample.direct.size(); ++i) {
-    EXPECT_EQ(total.target[i], sample.direct[i] + sample.indirect[i]);
-    EXPECT_EQ(indirect.target[i], sample.indirect[i]);
-  }
+  const std::filesystem::path path = data::scene_path(dir.path(), "room0");
+  EXPECT_EQ(read_training_scene(path, "room0").target, data::read_scene_sample(path).indirect);
 }
 
 }  // namespace

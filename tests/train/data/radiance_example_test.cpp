@@ -18,13 +18,13 @@ LightKeys radiance_keys() {
   return keys;
 }
 
-TrainingScene scene_with_incident(nn::Target target = nn::Target::Indirect) {
+TrainingScene scene_with_incident() {
   const test::TempDir dir;
   data::SceneSample sample = test::box_sample(1);
   sample.name = "room";
   test::add_incident(&sample);
   data::write_scene_sample(dir / "room.safetensors", sample);
-  return read_training_scene(dir / "room.safetensors", "room", target, radiance_keys());
+  return read_training_scene(dir / "room.safetensors", "room", radiance_keys());
 }
 
 Vec3 row(const at::Tensor& t, int64_t i) {
@@ -77,17 +77,6 @@ TEST(RadianceExample, IsTheFieldUnderTheSymmetryOverTheEmissionScale) {
   }
 }
 
-TEST(RadianceExample, DirectRadianceCountsWhereTheTotalIsLearnt) {
-  const TrainingScene indirect = scene_with_incident(),
-                      total = scene_with_incident(nn::Target::Total);
-  Rng one(3), other(3);
-  const Symmetry symmetry = identity_symmetry(2);
-  const at::Tensor a = make_radiance_example(indirect, symmetry, {1, 1, 1}, {0, 0}, &one).target;
-  const at::Tensor b = make_radiance_example(total, symmetry, {1, 1, 1}, {0, 0}, &other).target;
-  EXPECT_LT(((b - 1.5 * a).abs().max() / a.max()).item<double>(), 1e-3)
-      << "half as much, in halves";
-}
-
 TEST(RadianceExample, DrawsDistinctPointsAndDirections) {
   const TrainingScene scene = scene_with_incident();
   Rng rng(3);
@@ -129,10 +118,7 @@ TEST(RadianceExample, AFileWithoutIncidentRadianceIsRefusedByName) {
   sample.name = "room";
   data::write_scene_sample(dir / "room.safetensors", sample);
   test::expect_error(
-      [&] {
-        read_training_scene(dir / "room.safetensors", "room", nn::Target::Indirect,
-                            radiance_keys());
-      },
+      [&] { read_training_scene(dir / "room.safetensors", "room", radiance_keys()); },
       {(dir / "room.safetensors").string(), "no incident radiance", "incident.points"});
 }
 

@@ -91,10 +91,8 @@ TEST(SolvedLight, GivesTheSameTrainingSceneKeptOrNot) {
   const test::TempDir dir;
   test::write_dataset(dir.path(), 1, 0);
   const std::filesystem::path path = data::scene_path(dir.path(), "room0");
-  LightKeys light(nn::LightInput::Radiosity);
-  light.sides = nn::LightSides::Apart;
   const auto read = [&](const std::filesystem::path& solved) {
-    return read_training_scene(path, "room0", nn::Target::Indirect, light, solved);
+    return read_training_scene(path, "room0", nn::LightInput::Radiosity, solved);
   };
   const TrainingScene fresh = read({});
   ASSERT_FALSE(fresh.direct_back.empty());

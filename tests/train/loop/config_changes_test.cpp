@@ -20,8 +20,8 @@ TEST(ConfigChanges, NamesEveryKeyWithBothValues) {
 
 TEST(ConfigChanges, AKeyThatIsMissingHasItsDefault) {
   EXPECT_THAT(
-      config_changes("train: {steps: 6, beta1: 0.8}\n", "train: {steps: 6, ema_decay: 0}\n"),
-      ElementsAre("train.ema_decay: its default -> 0", "train.beta1: 0.8 -> its default"));
+      config_changes("train: {steps: 6, clip_norm: 0.8}\n", "train: {steps: 6, ema_decay: 0}\n"),
+      ElementsAre("train.ema_decay: its default -> 0", "train.clip_norm: 0.8 -> its default"));
 }
 
 TEST(ConfigChanges, TheSameInOtherWordsIsNoChange) {

@@ -94,9 +94,9 @@ TEST_F(PreviewTest, ShowsTheReferenceOfTheViewExposedAndEncoded) {
 }
 
 TEST_F(PreviewTest, ARunDrawsThem) {
-  const TrainConfig config = test::tiny_config(
-      data_.path(), dir_ / "run",
-      "train: {steps: 4, validate_every: 2, log_every: 1, preview_every: 3, preview_scenes: 1}");
+  const TrainConfig config =
+      test::tiny_config(data_.path(), dir_ / "run",
+                        "train: {steps: 4, validate_every: 2, log_every: 1, preview_every: 3}");
   Trainer(config, test::tiny_yaml(data_.path(), dir_ / "run"), at::kCPU, false).run();
   EXPECT_TRUE(std::filesystem::exists(dir_ / "run/previews/room2.png"));
   EXPECT_TRUE(std::filesystem::exists(dir_ / "run/previews/step_000000003/room2.png"));
@@ -105,11 +105,10 @@ TEST_F(PreviewTest, ARunDrawsThem) {
 }
 
 TEST_F(PreviewTest, CanBeSwitchedOff) {
-  const TrainConfig config = test::tiny_config(
-      data_.path(), dir_ / "run", "train: {steps: 1, preview_every: 0, tensorboard: false}");
+  const TrainConfig config =
+      test::tiny_config(data_.path(), dir_ / "run", "train: {steps: 1, preview_every: 0}");
   Trainer(config, "", at::kCPU, false).run();
   EXPECT_FALSE(std::filesystem::exists(dir_ / "run/previews"));
-  EXPECT_FALSE(std::filesystem::exists(dir_ / "run/tensorboard"));
 }
 
 }  // namespace

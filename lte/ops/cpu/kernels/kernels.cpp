@@ -20,7 +20,7 @@
   extern const DenseKernels kDenseKernels;       \
   extern const GradientKernels kGradientKernels; \
   extern const Bf16Kernels kBf16Kernels;         \
-  extern const CacheKernels kCacheKernels;       \
+  extern const PriorKernels kPriorKernels;       \
   extern const SurfelKernels kSurfelKernels;     \
   extern const SumKernels<float> kFloatSums;     \
   extern const SumKernels<double> kDoubleSums;   \
@@ -48,7 +48,7 @@ struct Isa {
   const DenseKernels* dense;
   const GradientKernels* gradients;
   const Bf16Kernels* bf16;
-  const CacheKernels* cache;
+  const PriorKernels* prior;
   const SurfelKernels* surfels;
   const SumKernels<float>* float_sums;
   const SumKernels<double>* double_sums;
@@ -99,7 +99,7 @@ Isa choose() {
             &avx512::kDenseKernels,
             &avx512::kGradientKernels,
             bf16.kernels,
-            &avx512::kCacheKernels,
+            &avx512::kPriorKernels,
             &avx512::kSurfelKernels,
             &avx512::kFloatSums,
             &avx512::kDoubleSums};
@@ -111,7 +111,7 @@ Isa choose() {
             &avx2::kDenseKernels,
             &avx2::kGradientKernels,
             &avx2::kBf16Kernels,
-            &avx2::kCacheKernels,
+            &avx2::kPriorKernels,
             &avx2::kSurfelKernels,
             &avx2::kFloatSums,
             &avx2::kDoubleSums};
@@ -123,7 +123,7 @@ Isa choose() {
           &baseline::kDenseKernels,
           &baseline::kGradientKernels,
           &baseline::kBf16Kernels,
-          &baseline::kCacheKernels,
+          &baseline::kPriorKernels,
           &baseline::kSurfelKernels,
           &baseline::kFloatSums,
           &baseline::kDoubleSums};
@@ -141,7 +141,7 @@ const CurveKernels& curve_kernels() { return *isa().curves; }
 const DenseKernels& dense_kernels() { return *isa().dense; }
 const GradientKernels& gradient_kernels() { return *isa().gradients; }
 const Bf16Kernels& bf16_kernels() { return *isa().bf16; }
-const CacheKernels& cache_kernels() { return *isa().cache; }
+const PriorKernels& prior_kernels() { return *isa().prior; }
 const SurfelKernels& surfel_kernels() { return *isa().surfels; }
 bool has_bf16_products() {
   const std::string_view isa = cpu_isa();

@@ -15,8 +15,8 @@
 
 #include <cstdint>
 
-#include "lte/ops/cache_columns.h"
 #include "lte/ops/pair_geometry.h"
+#include "lte/ops/prior_columns.h"
 #include "lte/ops/surfel_columns.h"
 
 namespace lte::ops {
@@ -350,27 +350,26 @@ struct Bf16Kernels {
                          float* out);
 };
 
-/// The points of an irradiance cache.
-struct CachePoints {
+/// The points of a light prior.
+struct PriorPoints {
   const float* position;  ///< [S, 3]
-  const float* normal;    ///< [S, 3 sides]
-  const float* light;     ///< [S, kCacheLight sides]
-  const float* error;     ///< [S, sides], or null
-  int64_t sides;          ///< 1 to kMostCacheSides
+  const float* normal;    ///< [S, 6]
+  const float* light;     ///< [S, 2 kPriorLight]
+  const float* error;     ///< [S, 2], or null
 };
 
 /// Queries and the points near them.
-struct CacheQueries {
+struct PriorQueries {
   const float* position;  ///< [count, 3]
   const float* normal;    ///< [count, 3]
   const int64_t* index;   ///< [count, K], rows of the points
-  int64_t count, K;       ///< 1 <= K <= kMostCacheNeighbours
+  int64_t count, K;       ///< 1 <= K <= kMaxPriorNeighbours
 };
 
 /// Weighted means over a query's neighbours.
-struct CacheKernels {
-  /// irradiance_cache_means() (lte/ops/irradiance_cache.h): out [count, columns].
-  void (*means)(CachePoints points, CacheQueries queries, CacheWeights weights, float* out);
+struct PriorKernels {
+  /// light_prior_means() (lte/ops/light_prior.h): out [count, columns].
+  void (*means)(PriorPoints points, PriorQueries queries, PriorWeights weights, float* out);
 };
 
 /// Discs that a ray may meet in a cell: some columns of SurfelGrid::geometry, of which up to 16
@@ -404,7 +403,7 @@ const CurveKernels& curve_kernels();
 const DenseKernels& dense_kernels();
 const GradientKernels& gradient_kernels();
 const Bf16Kernels& bf16_kernels();
-const CacheKernels& cache_kernels();
+const PriorKernels& prior_kernels();
 const SurfelKernels& surfel_kernels();
 template <typename T>
 const SumKernels<T>& sum_kernels();

@@ -42,13 +42,13 @@ struct LaneCells {
 at::Tensor see_surfels_cpu(const at::Tensor& any_position, const at::Tensor& any_directions,
                            const at::Tensor& discs, const at::Tensor& geometry,
                            const at::Tensor& first, const at::Tensor& member,
-                           at::ArrayRef<double> numbers, at::IntArrayRef size, bool emission) {
+                           at::ArrayRef<double> numbers, at::IntArrayRef size) {
   const at::Tensor position = any_position.contiguous(), directions = any_directions.contiguous();
   const SurfelGrid grid = grid_of(discs, geometry, first, member, numbers, size);
   check_see_surfels_args(position, directions, grid);
   const int64_t Q = directions.size(0), N = directions.size(1);
   at::Tensor out = at::empty({Q, N, kSeenColumns}, position.options());
-  const SurfelView view = view_of(grid, emission);
+  const SurfelView view = view_of(grid);
   const auto *from = position.const_data_ptr<float>(), *along = directions.const_data_ptr<float>();
   auto* seen = out.data_ptr<float>();
   at::parallel_for(0, Q * N, kRays, [&](int64_t begin, int64_t end) {

@@ -1,4 +1,4 @@
-#include "lte/nn/light_cache.h"
+#include "lte/nn/light_prior.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lte/nn/constants.h"
 #include "tests/nn/support.h"
 
 namespace lte::nn {
@@ -14,41 +15,43 @@ namespace {
 
 /// A floor at z = 0 lit with 1 + x, and below it, a hundredth of its width away, its dark
 /// underside.
-LightCache floor_cache(int64_t count) {
+LightPrior lit_floor(int64_t count) {
   const at::Tensor xy = at::rand({count, 2});
   const at::Tensor zero = at::zeros({count, 1}), one = at::ones({count, 1});
   const at::Tensor above = at::cat({xy, zero}, 1), below = at::cat({xy, zero - 0.01}, 1);
   const at::Tensor up = at::cat({zero, zero, one}, 1);
   const at::Tensor light = (1 + xy.narrow(1, 0, 1)).expand({-1, 3});
-  return make_light_cache(at::cat({above, below}), at::cat({up, -up}), at::zeros({2 * count, 3}),
-                          at::cat({light, at::zeros({count, 3})}).repeat({1, 2}));
+  return make_light_prior(
+      at::cat({above, below}), at::cat({up, -up}), at::zeros({2 * count, 3}),
+      at::cat({at::cat({light, at::zeros({count, 3})}).repeat({1, 2}), at::zeros({2 * count, 6})},
+              1));
 }
 
-TEST(LightCache, ReadsASmoothFieldOnTheSideThatIsAskedAbout) {
+TEST(LightPrior, ReadsASmoothFieldOnTheSideOfTheQuery) {
   torch::manual_seed(3);
-  const LightCache cache = floor_cache(4000);
+  const LightPrior prior = lit_floor(4000);
   const at::Tensor query = at::cat({at::rand({500, 2}) * 0.8 + 0.1, at::zeros({500, 1})}, 1);
   const at::Tensor up = at::tensor({0.0f, 0.0f, 1.0f}).expand({500, 3});
-  const at::Tensor floor = cache.floor[0];
-  const at::Tensor lit = cache.read(query, up).irradiance - floor;
+  const at::Tensor floor = prior.floor[0];
+  const at::Tensor lit = prior.read(query, up).irradiance - floor;
   const at::Tensor expected = (1 + query.narrow(1, 0, 1)).expand({-1, 3});
   EXPECT_LT((lit - expected).abs().max().item<double>(), 0.05);
   const at::Tensor below = query - 0.01 * up;
-  const at::Tensor dark = cache.read(below, -up).irradiance - floor;
+  const at::Tensor dark = prior.read(below, -up).irradiance - floor;
   EXPECT_LT(dark.abs().max().item<double>(), 0.05);
 }
 
-TEST(LightCache, AgreesWithItsFormulaInDoublePrecision) {
+TEST(LightPrior, AgreesWithItsFormulaInDoublePrecision) {
   torch::manual_seed(4);
   const int64_t S = 40, Q = 9;
   const auto unit = [](int64_t rows) {
     const at::Tensor v = at::randn({rows, 3});
     return v / v.norm(2, 1, true);
   };
-  const at::Tensor p = at::rand({S, 3}), n = unit(S), e = at::rand({S, 6});
-  const LightCache cache = make_light_cache(p, n, at::zeros({S, 3}), e);
+  const at::Tensor p = at::rand({S, 3}), n = unit(S), e = at::rand({S, 12});
+  const LightPrior prior = make_light_prior(p, n, at::zeros({S, 3}), e);
   const at::Tensor q = at::rand({Q, 3}), up = unit(Q);
-  const LightReading reading = cache.read(q, up);
+  const LightReading reading = prior.read(q, up);
   const at::Tensor got = reading.irradiance;
   for (int64_t i = 0; i < Q; ++i) {
     std::vector<std::pair<double, int64_t>> near;
@@ -59,12 +62,19 @@ TEST(LightCache, AgreesWithItsFormulaInDoublePrecision) {
     double scale = 0, sum = 0, light = 0, direct = 0, heights = 0;
     for (const auto& [d2, j] : near) scale += d2 / 32;
     for (const auto& [d2, j] : near) {
-      const double facing = std::max(0.0, n[j].dot(up[i]).item<double>());
+      const double cosine = n[j].dot(up[i]).item<double>();
+      const double facing = cosine < 0 ? -kPriorBack * cosine : cosine;
       const double height = (p[j] - q[i]).dot(up[i]).item<double>();
-      const double weight =
-          std::pow(facing, 4) * std::exp(-(2 * d2 + 64 * height * height) / scale) + 1e-4;
-      sum += weight, light += weight * e[j][1].item<double>();
-      direct += weight * e[j][5].item<double>(), heights += height / 32;
+      const double counted =
+          std::pow(facing, 4) * std::exp(-(1.5 * d2 + 256 * height * height) / scale);
+      const auto lit = [&, side = j, back = cosine < 0](int64_t c) {
+        const double front = e[side][c].item<double>(), behind = e[side][6 + c].item<double>();
+        return counted * (back ? behind : front) + 1e-3 * (front + behind);
+      };
+      sum += counted + 1e-3;
+      light += lit(1);
+      direct += lit(5);
+      heights += height / 32;
     }
     const at::Tensor features = reading.features[i];
     EXPECT_NEAR(features[1].item<double>(), std::log1p(light / sum), 1e-5);
@@ -72,7 +82,8 @@ TEST(LightCache, AgreesWithItsFormulaInDoublePrecision) {
     EXPECT_NEAR(features[7].item<double>(), std::log(sum) / 4, 1e-4);
     EXPECT_NEAR(features[9].item<double>(), heights / std::sqrt(scale), 1e-5);
     EXPECT_NEAR(features[11].item<double>(), (std::log(scale) + 8) / 4, 1e-5);
-    EXPECT_NEAR(got[i][1].item<double>(), light / sum + 0.02 * e.mean(0)[1].item<double>(), 1e-5);
+    EXPECT_NEAR(got[i][1].item<double>(),
+                light / sum + 0.02 * (e.mean(0)[1] + e.mean(0)[7]).item<double>(), 1e-5);
   }
 }
 
@@ -84,15 +95,15 @@ LightReading read_curtain(double behind, double side) {
                    n = at::tensor({0.0f, 0.0f, 1.0f}).expand({S, 3});
   const at::Tensor light =
       at::cat({at::full({S, 6}, 5.0), at::full({S, 6}, behind)}, 1).to(at::kFloat);
-  const LightCache cache = make_light_cache(p, n, at::zeros({S, 3}), light, at::full({S, 2}, 0.5f));
+  const LightPrior prior = make_light_prior(p, n, at::zeros({S, 3}), light, at::full({S, 2}, 0.5f));
   const at::Tensor query = at::cat({at::rand({Q, 2}), at::zeros({Q, 1})}, 1);
-  LightReading reading = cache.read(query, n.narrow(0, 0, Q) * side);
-  reading.irradiance = reading.irradiance - cache.floor;
+  LightReading reading = prior.read(query, n.narrow(0, 0, Q) * side);
+  reading.irradiance = reading.irradiance - prior.floor;
   return reading;
 }
 
-/// Of the other side a query reads what the least weight is beside that of a front, or of a back.
-TEST(LightCache, ACurtainTellsEachSideItsOwnLight) {
+/// A query reads the other side by the least weight beside that of a front, or of a back.
+TEST(LightPrior, EachSideOfACurtainHasItsOwnLight) {
   for (const double behind : {0.0, 0.25, 40.0}) {
     for (const double side : {1.0, -1.0}) {
       const double own = side > 0 ? 5 : behind, other = side > 0 ? behind : 5;
@@ -106,25 +117,15 @@ TEST(LightCache, ACurtainTellsEachSideItsOwnLight) {
   }
 }
 
-/// Told the sum, as networks of `light_sides: sum` are, both sides of the curtain read it.
-TEST(LightCache, TheSumTellsTheFrontOfACurtainTheLightOfItsBack) {
-  const at::Tensor p = at::cat({at::rand({300, 2}), at::zeros({300, 1})}, 1),
-                   n = at::tensor({0.0f, 0.0f, 1.0f}).expand({300, 3});
-  const LightCache cache =
-      make_light_cache(p, n, at::zeros({300, 3}), at::full({300, 6}, 5.0f + 40.0f));
-  const at::Tensor read = cache.read(p, n).irradiance - cache.floor;
-  EXPECT_LT((read - 45).abs().max().item<double>(), 1e-3);
-}
-
-/// Of n estimates of relative error r that count alike the mean has the error r / sqrt(n); here
+/// The mean of n estimates of relative error r that count alike has the error r / sqrt(n). Here
 /// some count for less, so that it is more, but less than that of one.
-TEST(LightCache, TellsTheErrorOfItsMean) {
+TEST(LightPrior, KnowsTheErrorOfItsMean) {
   const at::Tensor error = read_curtain(0, 1).features.select(1, kLightFeatures);
   EXPECT_GT(error.min().item<double>(), 0.5 / std::sqrt(32.0));
   EXPECT_LT(error.max().item<double>(), 0.5 / std::sqrt(8.0));
 }
 
-TEST(LightCache, TwoSidesAgreeInSingleAndDoublePrecision) {
+TEST(LightPrior, EstimatesWithErrorsAgreeInSingleAndDoublePrecision) {
   torch::manual_seed(7);
   for (const int64_t S : {1, 20, 700}) {
     at::Tensor n = at::randn({S, 3}), up = at::randn({50, 3});
@@ -132,45 +133,45 @@ TEST(LightCache, TwoSidesAgreeInSingleAndDoublePrecision) {
     const at::Tensor p = at::rand({S, 3}), e = at::rand({S, 12}), dark = at::zeros({S, 3}),
                      r = at::rand({S, 2}), q = at::rand({50, 3});
     const auto exact = [](const at::Tensor& t) { return t.to(at::kDouble); };
-    const LightReading got = make_light_cache(p, n, dark, e, r).read(q, up);
+    const LightReading got = make_light_prior(p, n, dark, e, r).read(q, up);
     const LightReading expected =
-        make_light_cache(exact(p), exact(n), exact(dark), exact(e), exact(r))
+        make_light_prior(exact(p), exact(n), exact(dark), exact(e), exact(r))
             .read(exact(q), exact(up));
-    EXPECT_EQ(got.features.size(1), kMostLightFeatures);
+    EXPECT_EQ(got.features.size(1), kLightFeatures + 1);
     EXPECT_LT((got.irradiance - expected.irradiance).abs().max().item<double>(), 1e-5) << S;
     EXPECT_LT((got.features - expected.features).abs().max().item<double>(), 1e-3) << S;
   }
 }
 
-TEST(LightCache, SinglePrecisionReadsWhatDoublePrecisionDoes) {
+TEST(LightPrior, SinglePrecisionReadsWhatDoublePrecisionDoes) {
   torch::manual_seed(6);
   for (const int64_t S : {1, 20, 700}) {  // fewer points than neighbours, and more
     at::Tensor n = at::randn({S, 3}), up = at::randn({50, 3});
     n.div_(n.norm(2, 1, true)), up.div_(up.norm(2, 1, true));
-    const at::Tensor p = at::rand({S, 3}), e = at::rand({S, 6}), dark = at::zeros({S, 3}),
+    const at::Tensor p = at::rand({S, 3}), e = at::rand({S, 12}), dark = at::zeros({S, 3}),
                      q = at::rand({50, 3});
     const auto exact = [](const at::Tensor& t) { return t.to(at::kDouble); };
-    const LightReading got = make_light_cache(p, n, dark, e).read(q, up);
+    const LightReading got = make_light_prior(p, n, dark, e).read(q, up);
     const LightReading expected =
-        make_light_cache(exact(p), exact(n), exact(dark), exact(e)).read(exact(q), exact(up));
+        make_light_prior(exact(p), exact(n), exact(dark), exact(e)).read(exact(q), exact(up));
     EXPECT_LT((got.irradiance - expected.irradiance).abs().max().item<double>(), 1e-5) << S;
     // The spread is a root: of one point, that of a rounding.
     EXPECT_LT((got.features - expected.features).abs().max().item<double>(), 1e-3) << S;
   }
 }
 
-TEST(LightCache, AnswersDoNotDependOnBlocksAndLuminairesDoNotCount) {
+TEST(LightPrior, AnswersDoNotDependOnBlocksAndLuminairesDoNotCount) {
   torch::manual_seed(5);
   const at::Tensor p = at::rand({300, 3}), n = at::zeros({300, 3});
   n.select(1, 2).fill_(1);
-  at::Tensor emission = at::zeros({300, 3}), light = at::rand({300, 6});
+  at::Tensor emission = at::zeros({300, 3}), light = at::rand({300, 12});
   emission.narrow(0, 0, 20).fill_(1);
-  const LightCache cache = make_light_cache(p, n, emission, light);
-  EXPECT_EQ(cache.position.size(0), 280);
+  const LightPrior prior = make_light_prior(p, n, emission, light);
+  EXPECT_EQ(prior.position.size(0), 280);
   const at::Tensor q = at::rand({9000, 3}), up = n.narrow(0, 0, 1).expand({9000, 3});
-  const LightReading all = cache.read(q, up);
+  const LightReading all = prior.read(q, up);
   for (const int64_t begin : {0, 4000, 8999}) {
-    const LightReading one = cache.read(q.narrow(0, begin, 1), up.narrow(0, begin, 1));
+    const LightReading one = prior.read(q.narrow(0, begin, 1), up.narrow(0, begin, 1));
     const auto difference = [&](const at::Tensor& a, const at::Tensor& b) {
       return (a - b.narrow(0, begin, 1)).abs().max().item<double>();
     };
@@ -178,7 +179,7 @@ TEST(LightCache, AnswersDoNotDependOnBlocksAndLuminairesDoNotCount) {
     EXPECT_LT(difference(one.features, all.features), 1e-5);
   }
   light.narrow(0, 0, 20).fill_(1e6);
-  const auto read = [&] { return make_light_cache(p, n, emission, light).read(q, up); };
+  const auto read = [&] { return make_light_prior(p, n, emission, light).read(q, up); };
   EXPECT_TRUE(at::equal(read().irradiance, all.irradiance));
   EXPECT_TRUE(at::equal(read().features, all.features));
   emission.fill_(1);

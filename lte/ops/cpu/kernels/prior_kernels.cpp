@@ -8,27 +8,26 @@ namespace lte::ops::LTE_ISA {
 namespace {
 
 using Float = Vector<float>;
-constexpr int64_t kMost = kMostCacheNeighbours, kChannels = kCacheLight;
+constexpr int64_t kMost = kMaxPriorNeighbours, kChannels = kPriorLight;
 
 /// The neighbours of one query, by column; lanes past the last neighbour hold zeros.
 struct Neighbours {
   float offset[3][kMost], normal[3][kMost], light[kChannels][kMost];
   float counted[kMost];    ///< 1 for a neighbour
   float error[kMost];      ///< relative, where points have one
-  float other[kChannels];  ///< sum of the light on sides that are not read; 0 of one side
+  float other[kChannels];  ///< sum of the light on sides that are not read
   float distance2[kMost], height[kMost], facing[kMost], grey[kMost], weight[kMost];
 };
 
 /// The row of the side of point j that faces as `normal` does.
-int64_t side_of(const CachePoints& points, int64_t j, const float* normal) {
-  if (points.sides == 1) return j;
-  const float* const n = points.normal + 3 * points.sides * j;
+int64_t side_of(const PriorPoints& points, int64_t j, const float* normal) {
+  const float* const n = points.normal + 6 * j;
   const float front = n[0] * normal[0] + n[1] * normal[1] + n[2] * normal[2],
               back = n[3] * normal[0] + n[4] * normal[1] + n[5] * normal[2];
   return 2 * j + (back > front ? 1 : 0);
 }
 
-void gather(const CachePoints& points, const int64_t* index, int64_t K, const float* position,
+void gather(const PriorPoints& points, const int64_t* index, int64_t K, const float* position,
             const float* normal, Neighbours& near) {
   for (int64_t c = 0; c < kChannels; ++c) near.other[c] = 0;
   for (int64_t i = 0; i < K; ++i) {
@@ -39,13 +38,12 @@ void gather(const CachePoints& points, const int64_t* index, int64_t K, const fl
     }
     for (int64_t c = 0; c < kChannels; ++c) near.light[c][i] = points.light[kChannels * side + c];
     if (points.error != nullptr) near.error[i] = points.error[side];
-    if (points.sides == 1) continue;
     const float* const other = points.light + kChannels * (4 * j + 1 - side);
     for (int64_t c = 0; c < kChannels; ++c) near.other[c] += other[c];
   }
 }
 
-/// CacheColumn::kNoise from the weights that are there.
+/// PriorColumn::kNoise from the weights that are there.
 float noise_of(const Neighbours& near, int64_t K, float part) {
   Float squares{};
   for (int64_t i = 0; i < K; i += kLanes<float>) {
@@ -59,7 +57,7 @@ Float dot(const float (*a)[kMost], int64_t i, const float* b) {
   return load(a[0] + i) * splat(b[0]) + load(a[1] + i) * splat(b[1]) + load(a[2] + i) * splat(b[2]);
 }
 
-void means_of_query(Neighbours& near, int64_t K, const float* normal, const CacheWeights& weights,
+void means_of_query(Neighbours& near, int64_t K, const float* normal, const PriorWeights& weights,
                     float* out) {
   constexpr int kStep = kLanes<float>;
   const float share = 1.0f / static_cast<float>(K);
@@ -95,7 +93,7 @@ void means_of_query(Neighbours& near, int64_t K, const float* normal, const Cach
     for (int64_t c = 0; c < kChannels; ++c) sum[c] += weight * load(near.light[c] + i);
   }
   const float weight = horizontal_sum(total), part = 1.0f / weight;
-  static_assert(CacheColumn::kLight == 0);
+  static_assert(PriorColumn::kLight == 0);
   for (int64_t c = 0; c < kChannels; ++c)
     out[c] = (horizontal_sum(sum[c]) + weights.least * near.other[c]) * part;
   const Float mean = splat((out[0] + out[1] + out[2]) * (1.0f / 3));
@@ -104,16 +102,16 @@ void means_of_query(Neighbours& near, int64_t K, const float* normal, const Cach
     const Float d = load(near.grey + i) - mean;
     variance += load(near.weight + i) * d * d;
   }
-  out[CacheColumn::kVariance] = horizontal_sum(variance) * part;
-  out[CacheColumn::kWeight] = weight;
-  out[CacheColumn::kFacing] = horizontal_sum(facing) * share;
-  out[CacheColumn::kHeight] = horizontal_sum(height) * share / __builtin_sqrtf(scale);
-  out[CacheColumn::kGrey] = horizontal_sum(grey) * share;
-  out[CacheColumn::kDistance2] = scale;
+  out[PriorColumn::kVariance] = horizontal_sum(variance) * part;
+  out[PriorColumn::kWeight] = weight;
+  out[PriorColumn::kFacing] = horizontal_sum(facing) * share;
+  out[PriorColumn::kHeight] = horizontal_sum(height) * share / __builtin_sqrtf(scale);
+  out[PriorColumn::kGrey] = horizontal_sum(grey) * share;
+  out[PriorColumn::kDistance2] = scale;
 }
 
-void means(CachePoints points, CacheQueries queries, CacheWeights weights, float* out) {
-  const int64_t K = queries.K, columns = kCacheMeans + (points.error != nullptr ? 1 : 0);
+void means(PriorPoints points, PriorQueries queries, PriorWeights weights, float* out) {
+  const int64_t K = queries.K, columns = kPriorMeans + (points.error != nullptr ? 1 : 0);
   Neighbours near = {};
   for (int64_t i = 0; i < K; ++i) near.counted[i] = 1;
   for (int64_t q = 0; q < queries.count; ++q) {
@@ -122,13 +120,13 @@ void means(CachePoints points, CacheQueries queries, CacheWeights weights, float
     gather(points, queries.index + q * K, K, queries.position + 3 * q, normal, near);
     means_of_query(near, K, normal, weights, row);
     if (points.error != nullptr)
-      row[CacheColumn::kNoise] = noise_of(near, K, 1.0f / row[CacheColumn::kWeight]);
+      row[PriorColumn::kNoise] = noise_of(near, K, 1.0f / row[PriorColumn::kWeight]);
   }
 }
 
 }  // namespace
 
-extern const CacheKernels kCacheKernels;
-const CacheKernels kCacheKernels{means};
+extern const PriorKernels kPriorKernels;
+const PriorKernels kPriorKernels{means};
 
 }  // namespace lte::ops::LTE_ISA

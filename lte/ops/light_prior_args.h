@@ -1,8 +1,8 @@
-// What irradiance_cache_means() accepts.
+// What light_prior_means() accepts.
 #pragma once
 
 #include "lte/ops/arguments.h"
-#include "lte/ops/irradiance_cache.h"
+#include "lte/ops/light_prior.h"
 
 namespace lte::ops {
 
@@ -15,11 +15,11 @@ inline void check_columns(const at::Tensor& t, int64_t rows, int64_t columns, co
               t.sizes(), " ", t.scalar_type(), " on ", t.device());
 }
 
-inline void check_irradiance_cache_args(const at::Tensor& position, const at::Tensor& normal,
-                                        const at::Tensor& points, const at::Tensor& normals,
-                                        const at::Tensor& light, const at::Tensor& errors,
-                                        const at::Tensor& index) {
-  const char* op = "irradiance_cache_means";
+inline void check_light_prior_args(const at::Tensor& position, const at::Tensor& normal,
+                                   const at::Tensor& points, const at::Tensor& normals,
+                                   const at::Tensor& light, const at::Tensor& errors,
+                                   const at::Tensor& index) {
+  const char* op = "light_prior_means";
   TORCH_CHECK(position.dim() == 2 && points.dim() == 2, op,
               ": position and points must be [., 3], got ", position.sizes(), " and ",
               points.sizes());
@@ -27,14 +27,13 @@ inline void check_irradiance_cache_args(const at::Tensor& position, const at::Te
   check_columns(position, Q, 3, op, "position");
   check_columns(normal, Q, 3, op, "normal");
   check_columns(points, S, 3, op, "points");
-  const int64_t sides = normals.dim() == 2 && normals.size(1) == 6 ? 2 : 1;
-  check_columns(normals, S, 3 * sides, op, "normals");
-  check_columns(light, S, kCacheLight * sides, op, "light");
-  if (errors.defined()) check_columns(errors, S, sides, op, "errors");
+  check_columns(normals, S, 6, op, "normals");
+  check_columns(light, S, 2 * kPriorLight, op, "light");
+  if (errors.defined()) check_columns(errors, S, 2, op, "errors");
   check_device(index, "indices", position, "positions", op);
   check_neighbours(index, Q, S, op);
   const int64_t K = index.size(1);
-  TORCH_CHECK(K >= 1 && K <= kMostCacheNeighbours, op, ": 1 to ", kMostCacheNeighbours,
+  TORCH_CHECK(K >= 1 && K <= kMaxPriorNeighbours, op, ": 1 to ", kMaxPriorNeighbours,
               " neighbours, got ", K);
 }
 

@@ -1,5 +1,5 @@
-// Means over the neighbours in a cache of irradiance against their formulas in double precision.
-#include "lte/ops/irradiance_cache.h"
+// Means over the neighbours of a light prior against their formulas in double precision.
+#include "lte/ops/light_prior.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,33 +10,28 @@
 namespace lte::ops {
 namespace {
 
-using Column = CacheColumn;
+using Column = PriorColumn;
 
-constexpr CacheWeights kWeights = {2, 64, 1e-4F, 1e-16F};
+constexpr PriorWeights kWeights = {2, 64, 1e-4F, 1e-16F};
 
-struct Cache {
+struct Prior {
   at::Tensor position, normal, points, normals, light, errors, index;
-  int64_t sides;
 
-  /// @param of_sides  how many each point has; those of two sides have errors
-  Cache(int64_t Q, int64_t S, int64_t K, int64_t of_sides = 1)
+  Prior(int64_t Q, int64_t S, int64_t K, bool with_errors = true)
       : position(test::normal({Q, 3}, 1, at::kFloat)),
         normal(unit(test::normal({Q, 3}, 2, at::kFloat))),
         points(test::normal({S, 3}, 3, at::kFloat)),
         normals(unit(test::normal({S, 3}, 4, at::kFloat))),
-        light(test::normal({S, 6 * of_sides}, 5, at::kFloat).abs()),
-        index(test::integers(S, {Q, K}, 6, at::kLong)),
-        sides(of_sides) {
-    if (sides == 1) return;
+        light(test::normal({S, 12}, 5, at::kFloat).abs()),
+        index(test::integers(S, {Q, K}, 6, at::kLong)) {
     normals = at::cat({normals, normals * -0.5}, 1);
-    errors = test::normal({S, 2}, 7, at::kFloat).abs().clamp_max(1);
+    if (with_errors) errors = test::normal({S, 2}, 7, at::kFloat).abs().clamp_max(1);
   }
 
   static at::Tensor unit(const at::Tensor& v) { return v / v.norm(2, 1, true); }
 
   at::Tensor means() const {
-    return irradiance_cache_means(position, normal, points, normals, light, errors, index,
-                                  kWeights);
+    return light_prior_means(position, normal, points, normals, light, errors, index, kWeights);
   }
 
   std::vector<double> exact(int64_t q) const {
@@ -44,7 +39,7 @@ struct Cache {
       return double{t.const_data_ptr<float>()[row * t.size(1) + c]};
     };
     const int64_t K = index.size(1);
-    std::vector<double> d2, height, facing, grey, weight, error, out(kCacheMeans + 1, 0);
+    std::vector<double> d2, height, facing, grey, weight, error, out(kPriorMeans + 1, 0);
     std::vector<int64_t> side;
     for (int64_t k = 0; k < K; ++k) {
       const int64_t j = index.const_data_ptr<int64_t>()[q * K + k];
@@ -54,16 +49,16 @@ struct Cache {
         square += offset * offset;
         above += offset * value(normal, q, c);
         cosine += value(normals, j, c) * value(normal, q, c);
-        if (sides == 2) behind += value(normals, j, 3 + c) * value(normal, q, c);
+        behind += value(normals, j, 3 + c) * value(normal, q, c);
       }
-      side.push_back(sides == 2 && behind > cosine ? 1 : 0);
-      cosine = std::max(cosine, sides == 2 ? behind : cosine);
+      side.push_back(behind > cosine ? 1 : 0);
+      cosine = std::max(cosine, behind);
       d2.push_back(square);
       height.push_back(above);
       facing.push_back(std::max(0.0, cosine));
       const int64_t c = 6 * side.back();
       grey.push_back((value(light, j, c) + value(light, j, c + 1) + value(light, j, c + 2)) / 3);
-      error.push_back(sides == 2 ? value(errors, j, side.back()) * grey.back() : 0);
+      error.push_back(errors.defined() ? value(errors, j, side.back()) * grey.back() : 0);
       out[Column::kDistance2] += square / static_cast<double>(K);
     }
     const double scale = std::max(out[Column::kDistance2], 1e-16);
@@ -78,8 +73,7 @@ struct Cache {
       for (int64_t c = 0; c < 6; ++c) {
         out[static_cast<size_t>(c)] += w * value(light, j, c + 6 * side[k]);
         // The least weight is for the light of both sides.
-        if (sides == 2)
-          out[static_cast<size_t>(c)] += 1e-4 * value(light, j, c + 6 * (1 - side[k]));
+        out[static_cast<size_t>(c)] += 1e-4 * value(light, j, c + 6 * (1 - side[k]));
       }
       out[Column::kFacing] += facing[k] / static_cast<double>(K);
       out[Column::kHeight] += height[k] / std::sqrt(scale) / static_cast<double>(K);
@@ -96,78 +90,61 @@ struct Cache {
   }
 };
 
-TEST(IrradianceCacheMeans, AreTheirFormulas) {
-  for (const int64_t sides : {1, 2}) {
+TEST(LightPriorMeans, AreTheirFormulas) {
+  for (const bool errors : {false, true}) {
     for (const int64_t K : {1, 5, 16, 31, 32, 33, 64}) {
-      const Cache cache(70, 200, K, sides);
-      const at::Tensor got = cache.means();
-      ASSERT_EQ(got.sizes(), (at::IntArrayRef{70, kCacheMeans + sides - 1}));
+      const Prior prior(70, 200, K, errors);
+      const at::Tensor got = prior.means();
+      ASSERT_EQ(got.sizes(), (at::IntArrayRef{70, kPriorMeans + (errors ? 1 : 0)}));
       for (int64_t q = 0; q < 70; ++q) {
-        const std::vector<double> expected = cache.exact(q);
+        const std::vector<double> expected = prior.exact(q);
         for (int64_t c = 0; c < got.size(1); ++c) {
           const double exact = expected[static_cast<size_t>(c)];
           EXPECT_NEAR(got[q][c].item<double>(), exact, 2e-5 * std::abs(exact) + 1e-6)
-              << "sides = " << sides << ", K = " << K << ", query " << q << ", column " << c;
+              << "errors " << errors << ", K = " << K << ", query " << q << ", column " << c;
         }
       }
     }
   }
 }
 
-/// Two sides of which nobody faces the back, and whose backs are dark, are one side.
-TEST(IrradianceCacheMeans, DarkBacksThatNobodyFacesChangeNothing) {
-  Cache one(20, 100, 32);
-  one.normal = one.normal.select(0, 0).expand({20, 3}).contiguous();
-  const at::Tensor facing = at::matmul(one.normals, one.normal[0]).ge(0).unsqueeze(1);
-  one.normals = at::where(facing, one.normals, -one.normals);
-  Cache two = one;
-  two.normals = at::cat({one.normals, -one.normals}, 1);
-  two.light = at::cat({one.light, at::zeros_like(one.light)}, 1);
-  EXPECT_TRUE(at::equal(one.means(), two.means()));
-}
-
-TEST(IrradianceCacheMeans, CoincidentPointsAreReadAsTheyAre) {
-  Cache cache(3, 10, 4);
-  cache.points.zero_();
-  cache.position.zero_();
-  cache.light.fill_(7);
-  const at::Tensor got = cache.means();
+TEST(LightPriorMeans, CoincidentPointsAreReadAsTheyAre) {
+  Prior prior(3, 10, 4);
+  prior.points.zero_();
+  prior.position.zero_();
+  prior.light.fill_(7);
+  const at::Tensor got = prior.means();
   EXPECT_TRUE(got.isfinite().all().item<bool>());
   EXPECT_LT((got.narrow(1, 0, 6) - 7).abs().max().item<float>(), 1e-5);
   EXPECT_EQ(got[0][Column::kDistance2].item<float>(), 1e-16F);
 }
 
-TEST(IrradianceCacheMeans, QueriesDoNotSeeEachOtherAndThreadsChangeNothing) {
-  const Cache cache(1000, 300, 32);
-  const auto run = [&] { return cache.means(); };
+TEST(LightPriorMeans, QueriesDoNotSeeEachOtherAndThreadsChangeNothing) {
+  const Prior prior(1000, 300, 32);
+  const auto run = [&] { return prior.means(); };
   const at::Tensor one = test::with_threads(1, run);
   EXPECT_TRUE(at::equal(one, test::with_threads(3, run)));
-  Cache last = cache;
+  Prior last = prior;
   for (at::Tensor* t : {&last.position, &last.normal, &last.index}) *t = t->narrow(0, 999, 1);
   EXPECT_TRUE(at::equal(last.means(), one.narrow(0, 999, 1)));
   for (at::Tensor* t : {&last.position, &last.normal, &last.index}) *t = t->narrow(0, 0, 0);
-  EXPECT_EQ(last.means().sizes(), (at::IntArrayRef{0, kCacheMeans}));
+  EXPECT_EQ(last.means().sizes(), (at::IntArrayRef{0, kPriorMeans + 1}));
 }
 
-TEST(IrradianceCacheMeans, RefusesBadInput) {
+TEST(LightPriorMeans, RefusesBadInput) {
   const auto refused = [](const auto& edit, const char* words) {
-    Cache cache(4, 10, 5);
-    edit(cache);
-    return test::throws_saying([&] { cache.means(); }, words);
+    Prior prior(4, 10, 5);
+    edit(prior);
+    return test::throws_saying([&] { prior.means(); }, words);
   };
-  EXPECT_TRUE(refused([](Cache& c) { c.index[2][3] = 10; }, "query 2, neighbour 3 is 10"));
+  EXPECT_TRUE(refused([](Prior& c) { c.index[2][3] = 10; }, "query 2, neighbour 3 is 10"));
   EXPECT_TRUE(
-      refused([](Cache& c) { c.light = c.light.narrow(1, 0, 3); }, "light must be [10, 6]"));
-  EXPECT_TRUE(refused(
-      [](Cache& c) {
-        c.normals = c.normals.repeat({1, 2});
-      },
-      "light must be [10, 12]"));
+      refused([](Prior& c) { c.light = c.light.narrow(1, 0, 3); }, "light must be [10, 12]"));
   EXPECT_TRUE(
-      refused([](Cache& c) { c.errors = c.light.narrow(1, 0, 2); }, "errors must be [10, 1]"));
-  EXPECT_TRUE(refused([](Cache& c) { c.normal = c.normal.to(at::kDouble); }, "normal must be"));
-  EXPECT_TRUE(refused([](Cache& c) { c.normals = c.normals.narrow(0, 0, 9); }, "normals must be"));
-  EXPECT_TRUE(refused([](Cache& c) { c.index = c.index.repeat({1, 13}); }, "1 to 64 neighbours"));
+      refused([](Prior& c) { c.errors = c.light.narrow(1, 0, 1); }, "errors must be [10, 2]"));
+  EXPECT_TRUE(refused([](Prior& c) { c.normal = c.normal.to(at::kDouble); }, "normal must be"));
+  EXPECT_TRUE(refused([](Prior& c) { c.normals = c.normals.narrow(0, 0, 9); }, "normals must be"));
+  EXPECT_TRUE(refused([](Prior& c) { c.index = c.index.repeat({1, 13}); }, "1 to 64 neighbours"));
 }
 
 }  // namespace

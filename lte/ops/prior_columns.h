@@ -1,5 +1,5 @@
-// What is read from an irradiance cache near a query: the weights of its points, and the columns of
-// the means over them.
+// The light prior near a query: the weights of the points around it, and the columns of the means
+// over them.
 #pragma once
 
 #include <cstdint>
@@ -10,25 +10,24 @@ namespace lte::ops {
 /// w = max(0, n·n_j)⁴ exp(−(near d² + plane h²) / d̄²) + least,
 /// where d is the distance from the query, h that from the query's plane, and d̄² the mean of d²
 /// over the query's neighbours, or `least_distance2` if that is more.
-struct CacheWeights {
+struct PriorWeights {
   float near, plane, least, least_distance2;
 };
 
-/// Channels of irradiance that a side of a point holds: indirect and direct, three each.
-inline constexpr int64_t kCacheLight = 6;
-/// Sides that a point may have. Of two a query reads one: that whose normal has the larger product
-/// with its own, the first where they are equal. Below, n_j and light_j are those of that side. The
-/// least weight has the light of both sides: where no point near faces as the query does, what is
-/// around is all that is known.
-inline constexpr int64_t kMostCacheSides = 2;
+/// Channels of irradiance that each of the two sides of a point holds: indirect and direct, three
+/// each. A query reads one side: that whose normal has the larger product with its own, the first
+/// where they are equal. Below, n_j and light_j are those of that side. The least weight has the
+/// light of both sides: where no point near faces as the query does, what is around is all that is
+/// known.
+inline constexpr int64_t kPriorLight = 6;
 /// Neighbours that a query may have.
-inline constexpr int64_t kMostCacheNeighbours = 64;
+inline constexpr int64_t kMaxPriorNeighbours = 64;
 
-/// Columns of irradiance_cache_means(). Sums and means are over the neighbours j of a query; g_j is
+/// Columns of light_prior_means(). Sums and means are over the neighbours j of a query; g_j is
 /// the mean of the first three channels of point j.
-struct CacheColumn {
+struct PriorColumn {
   static constexpr int64_t kLight =
-      0;  ///< kCacheLight columns: Σ w_j light_j / Σ w_j, and `least` times
+      0;  ///< kPriorLight columns: Σ w_j light_j / Σ w_j, and `least` times
           ///< the light of the other sides in that sum
   static constexpr int64_t kVariance = 6;  ///< Σ w_j (g_j − g)² / Σ w_j, g of the first 3 columns
   static constexpr int64_t kWeight = 7;      ///< Σ w_j
@@ -40,6 +39,6 @@ struct CacheColumn {
   /// variance of g that they make.
   static constexpr int64_t kNoise = 12;
 };
-inline constexpr int64_t kCacheMeans = 12;  ///< columns of points without errors; one more with
+inline constexpr int64_t kPriorMeans = 12;  ///< columns of points without errors; one more with
 
 }  // namespace lte::ops
