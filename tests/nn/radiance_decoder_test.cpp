@@ -96,8 +96,8 @@ TEST(RadianceDecoder, MixesTheLobesOfItsFeaturesWithWhatRaysSee) {
           sum += own[static_cast<size_t>(3 * k + axis)] * directions[q][n][axis].item<double>();
         lobes.push_back(gelu(sum));
       }
-      for (int64_t f = 0; f < kSeenFeatures; ++f)
-        lobes.push_back(seen[q][n][kSeenLog + f].item<double>());
+      for (int64_t column = 0; column < kSeenFeatures; ++column)
+        lobes.push_back(seen[q][n][kSeenLog + column].item<double>());
       const std::vector<double> mixtures = dense("mix", lobes);
       for (int64_t k = 0; k < K; ++k)
         mixed.push_back(
