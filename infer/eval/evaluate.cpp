@@ -40,9 +40,7 @@ std::vector<int> traced_paths() {
 
 /// The network's indirect irradiance over the emission scalar.
 std::vector<Rgb> neural(const runtime::SceneEmbedding& network, const EvalPoints& points) {
-  std::vector<Rgb> out =
-      data::sum_groups(network.decode(points.queries), 1, 1 / network.mean_emission());
-  return out;
+  return data::sum_groups(network.decode(points.queries), 1, 1 / network.mean_emission());
 }
 
 using Predictions = std::vector<std::pair<std::string, std::vector<Rgb>>>;

@@ -121,8 +121,7 @@ std::string table(const Decoder& decoder, const nn::ModelConfig& config) {
 }  // namespace
 
 std::string decoder_source(const nn::ModelConfig& config) {
-  return (config.reads_light() ? read_cache_source(config) : "") +
-         gather(kIrradiance, config) +
+  return (config.reads_light() ? read_cache_source(config) : "") + gather(kIrradiance, config) +
          (config.predicts_radiance() ? gather(kRadiance, config) : "") +
          fill(kDecode, {{"rows", std::to_string(kQueryRows)}});
 }

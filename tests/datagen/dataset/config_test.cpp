@@ -74,7 +74,7 @@ TEST(DatagenConfig, ShippedFilesOfBoxesAreValidAndNameEveryKey) {
 }
 
 TEST(DatagenConfig, GlossyFilesHaveMetalsAndMaps) {
-  for (const char* name : {"glossy", "glossy_homes", "glossy_test"}) {
+  for (const char* name : {"glossy", "glossy_test"}) {
     const DatagenConfig config = shipped(name);
     EXPECT_GT(config.metals.share, 0) << name;
     EXPECT_EQ(config.metals.roughness.low, 0.05) << name;
@@ -89,8 +89,7 @@ TEST(DatagenConfig, GlossyFilesHaveMetalsAndMaps) {
 
 TEST(DatagenConfig, ShippedFilesOfHomesAreValidAndNameEveryKey) {
   const DatagenConfig homes = shipped("homes");
-  for (const char* child : {"glossy_homes", "homes", "homes_small", "homes_small_suns",
-                            "homes_suns", "homes_test", "paper"}) {
+  for (const char* child : {"homes", "homes_small", "homes_test", "paper"}) {
     const DatagenConfig config = shipped(child);
     EXPECT_EQ(config.generator, GeneratorKind::Homes) << child;
     EXPECT_TRUE(config.bake.prune) << child;
@@ -109,7 +108,6 @@ TEST(DatagenConfig, ShippedFilesOfHomesAreValidAndNameEveryKey) {
 }
 
 TEST(DatagenConfig, FormerNamesAreRead) {
-  EXPECT_EQ(to_yaml(shipped("rooms")), to_yaml(shipped("homes")));
   DatagenConfig config = read_datagen_config(
       Config::parse("boxes: {lights: [1, 1], furniture: [2, 3]}\nrooms: {lights: [2, 2]}", "test"));
   EXPECT_EQ(config.boxes.lights.low, 2) << "a child's `rooms:` goes before its parent's `boxes:`";
@@ -163,10 +161,10 @@ TEST(DatagenConfig, IncidentIsWrittenOnlyWhereItIsAskedFor) {
 
 TEST(DatagenConfig, SunsAreWrittenOnlyWhereThereAreAny) {
   EXPECT_EQ(to_yaml(shipped("homes")).find("sun_share"), std::string::npos);
-  const DatagenConfig suns = shipped("homes_suns");
-  EXPECT_EQ(suns.homes.sun_share, 0.5);
+  const DatagenConfig suns = shipped("homes_daylight");
+  EXPECT_EQ(suns.homes.sun_share, 0.8);
   const std::string text = to_yaml(suns);
-  EXPECT_NE(text.find("  sun_share: 0.5\n"), std::string::npos);
+  EXPECT_NE(text.find("  sun_share: 0.8\n"), std::string::npos);
   EXPECT_EQ(to_yaml(read_datagen_config(Config::parse(text, "test.yaml"))), text);
   EXPECT_THAT(error_in("generator: homes\nhomes: {sun_share: 2}"), HasSubstr("homes.sun_share"));
   EXPECT_THAT(error_in("generator: homes\nhomes: {sky_picture_share: 2}"),
