@@ -179,7 +179,7 @@ void weigh_diffuse(const Lanes3& __restrict normal, const Lanes3& __restrict dir
     const float bsdf_pdf = lambert_pdf(cosine);
     const float density = pdf[i] < 0 ? -pdf[i] : pdf[i] + bsdf_pdf;
     const float ratio = bsdf_pdf / density;
-    weight[i] = (pdf[i] != 0) & (cosine > 0) ? ratio : 0.0f;
+    weight[i] = ((pdf[i] != 0) & (cosine > 0)) ? ratio : 0.0f;
   }
 }
 
