@@ -84,10 +84,12 @@ void Furnisher::living_room() {
   if (sofa) {
     const Affine at = placer_.where(*sofa);
     const auto [side, along] = wall_of(*sofa);
+    const Side across_room = opposite(side);
+    const float along_wall = along;  // Clang 14 captures no structured bindings.
     put(make_media_bench(kit_), [&](const Asset& a) -> std::optional<int> {
-      if (const auto index = placer_.try_at(a, placer_.at_wall(a, opposite(side), along), {}))
+      if (const auto index = placer_.try_at(a, placer_.at_wall(a, across_room, along_wall), {}))
         return index;
-      return placer_.against_wall(a, {opposite(side)}, true, {});
+      return placer_.against_wall(a, {across_room}, true, {});
     });
     const float across = along_z(side) ? r.width() : r.depth();
     const float deep = std::clamp(across - 2.1f, 0.9f, 1.7f);
