@@ -1,31 +1,38 @@
 #!/usr/bin/env bash
 # Makes a released model from nothing: its data, its training, its files.
 #
-#   scripts/train_released.sh [--rehearse] lte-base|lte-large|lte-hybrid|lte-radiance [FOLDER]
+#   scripts/train_released.sh [--rehearse] MODEL [FOLDER]
 #
-# FOLDER (data/released by default) takes the data and the run. A run that was stopped goes on where
-# it was when the same line is given again. At its end the model, its configuration, its log, its
-# card and its provenance are in FOLDER/release: figures on the shipped test homes and on test
-# boxes, and of lte-radiance on glossy rooms. Many hours of two cores; a quarter of an hour for
-# lte-radiance. All but lte-base start from the shipped lte-base. lte-large wants a GPU.
+# MODEL is lte, lte-base, lte-large, lte-hybrid or lte-radiance. FOLDER (data/released by default)
+# takes the data and the run. A run that was stopped goes on where it was when the same line is given
+# again. At its end the model, its configuration, its log, its card and its provenance are in
+# FOLDER/release: figures on the shipped test homes and on test boxes, and of lte-radiance on glossy
+# rooms. Many hours of two cores; a quarter of an hour for lte-radiance. All but lte and lte-base start from the shipped
+# lte-base. lte-large wants a GPU.
+#
+# lte makes its data, wild rooms, homes and boxes, beside its training, which begins with the first
+# 600 scenes. FOLDER/release then also has its curves, and its test tables on wild rooms and on
+# assets/scenes/outside.
 #
 # --rehearse goes the whole way on 16 scenes of each kind and 8 steps, in minutes (FOLDER:
 # data/rehearsed): whether a machine has what the night will need.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-usage() { sed -n '2,13s/^# \{0,1\}//p' "$0"; }
+usage() { sed -n '2,20s/^# \{0,1\}//p' "$0"; }
 default=data/released fewer_scenes=() fewer_steps=()
+first_scenes=600 session_steps=400
 if [ "${1:-}" = --rehearse ]; then
   shift
   default=data/rehearsed
   fewer_scenes=(--set scenes=16)
+  first_scenes=4 session_steps=3
   fewer_steps=(--set train.steps=8 --set train.scenes_per_step=2 --set train.scenes_per_pass=1
     --set train.warmup_steps=2 --set train.checkpoint_every=4 --set train.validate_every=4
     --set train.log_every=1)
 fi
 case ${1:-} in
-  lte-base | lte-large | lte-hybrid | lte-radiance) ;;
+  lte | lte-base | lte-large | lte-hybrid | lte-radiance) ;;
   -h | --help) usage; exit 0 ;;
   *) usage >&2; exit 2 ;;
 esac
@@ -48,14 +55,18 @@ make_data() {
   "$bin/lte_datagen" generate --config "configs/data/$2.yaml" --out "$folder/$1" --resume \
     "${fewer_scenes[@]}" "${@:3}"
 }
-# $1: training configuration, $2: data set, below $folder.
-train() {
+# $1: training configuration, $2: data set, below $folder, then flags.
+session() {
   local flags=(--config "configs/train/$1.yaml" --set "data.root=$folder/$2"
     --set "data.solved_light=$folder/solved_light/$2" --out "$folder/$name" "${fewer_steps[@]}")
   if compgen -G "$folder/$name/checkpoint*.safetensors" > /dev/null; then
     flags+=(--resume)
   fi
-  "$bin/lte_train" "${flags[@]}"
+  "$bin/lte_train" "${flags[@]}" "${@:3}"
+}
+# The same, to the end.
+train() {
+  session "$@"
   mkdir -p "$folder/release"
   if [ "$name" = lte-large ]; then  # half as large, to the third digit the same
     "$bin/lte_export" --checkpoint "$folder/$name/model.safetensors" \
@@ -82,6 +93,54 @@ if [ "$name" = lte-radiance ]; then
   "$bin/experiment_directions" --checkpoint "$released.safetensors" --data "$folder/glossy_test" \
     --out "$released.rooms.html" --json "$released.rooms.json"
   write_card "$folder/glossy" --maps "glossy rooms=$released.rooms.json"
+  exit
+fi
+
+# $1: data set below $folder that is being made. Its finished scenes and the clean ones that validate
+# become the data set `lte`; names of scenes stay the same as it grows.
+join_what_is_there() {
+  "$bin/lte_datagen" generate --out "$folder/$1" --merge --quiet
+  rm -rf "$folder/lte_data"
+  "$bin/lte_datagen" join "$folder/clean" "$folder/$1" --out "$folder/lte_data" --quiet
+}
+all_steps_done() {
+  local steps
+  steps=$(sed -n 's/^  steps: *//p' "$folder/lte/config.yaml")
+  grep -q "\"step\": *$steps[,}]" "$folder/lte/log.jsonl"
+}
+finished_scenes() { find "$folder/mixed/scenes" -name '*.safetensors' 2> /dev/null | wc -l; }
+
+if [ "$name" = lte ]; then
+  fewer_scenes=("${fewer_scenes[@]/scenes=16/scenes=6}") # six take as long as sixteen boxes
+  make_data clean mixed --seed 391001 --set scenes=48 --set rays=512 --set val_share=1
+  make_data mixed mixed --quiet &
+  baker=$!
+  trap 'kill "$baker" 2> /dev/null || true' EXIT
+  while kill -0 "$baker" 2> /dev/null && [ "$(finished_scenes)" -lt "$first_scenes" ]; do
+    sleep 5
+  done
+  while kill -0 "$baker" 2> /dev/null; do
+    join_what_is_there mixed
+    session lte lte_data --stop-after "$session_steps"
+    all_steps_done && break  # before all of the data are there
+  done
+  all_steps_done || wait "$baker"
+  join_what_is_there mixed
+  train lte lte_data
+  make_data wild_test wild_test
+  make_data boxes_test boxes_test
+  "$bin/lte_train" report "$folder/lte" --out "$released.html"
+  "$bin/lte_eval" --fit-baselines "$folder/lte_data" --out "$released.baselines.json"
+  tests=()
+  for test in homes: boxes:boxes_test wild:wild_test; do
+    data=${test#*:}
+    "$bin/lte_eval" --checkpoint "$released.safetensors" ${data:+--data "$folder/$data"} \
+      --split test --json "$released.${test%%:*}.json"
+    tests+=(--test "${test%%:*}=$released.${test%%:*}.json")
+  done
+  "$bin/lte_eval" scenes assets/scenes/outside --checkpoint "$released.safetensors" \
+    --methods network,decoded,gather --json "$released.outside.json" | tee "$released.outside.txt"
+  write_card "$folder/clean" "$folder/mixed" "${tests[@]}"
   exit
 fi
 

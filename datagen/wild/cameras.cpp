@@ -13,37 +13,42 @@
 namespace lte::datagen::wild {
 namespace {
 
-constexpr int kCandidates = 12, kDirections = 16;
+constexpr int kCandidates = 20, kDirections = 16;
 constexpr int kWidth = 16, kHeight = 12, kPaths = 8, kDepth = 5;
 constexpr int64_t kPoints = 256;
+constexpr float kLitShare = 0.5f;  // of a camera's pixels, at least
 
 struct Place {
   Vec3 eye, target;
   float score = 0;
 };
 
-/// Looks around from a point: the best direction is that of the longest free ways.
+/// Looks around from a point: the best direction is that of the longest free ways to a surface.
 Place look_around(const pathtrace::Bvh& bvh, const Vec3& eye, float size) {
   std::array<float, kDirections> free{};
   float nearest = INFINITY, sum = 0;
   for (int i = 0; i < kDirections; ++i) {
     const float a = 2 * kPi * static_cast<float>(i) / kDirections;
     const pathtrace::Hit hit = bvh.intersect({eye, {std::cos(a), -0.1f, std::sin(a)}});
-    free[static_cast<size_t>(i)] = std::min(hit.t, 2 * size);
+    free[static_cast<size_t>(i)] = hit.valid() ? std::min(hit.t, 2 * size) : 0.1f * size;
     nearest = std::min(nearest, hit.t);
     sum += free[static_cast<size_t>(i)];
   }
   Place best;
   for (int i = 0; i < kDirections; ++i) {
-    float ahead = 0;
-    for (int k = -2; k <= 2; ++k)
-      ahead += free[static_cast<size_t>((i + k + kDirections) % kDirections)];
-    const float score = ahead + 0.2f * sum + 4 * std::min(nearest, 0.15f * size);
+    float ahead = 0, closest = INFINITY;
+    for (int k = -2; k <= 2; ++k) {
+      const float way = free[static_cast<size_t>((i + k + kDirections) % kDirections)];
+      ahead += way;
+      closest = std::min(closest, way);
+    }
+    const float score = ahead + 0.2f * sum + 4 * std::min(nearest, 0.15f * size) +
+                        5 * std::min(closest, 0.4f * size);
     if (score <= best.score) continue;
     const float a = 2 * kPi * static_cast<float>(i) / kDirections;
     best = {eye, eye + Vec3{std::cos(a), -0.18f, std::sin(a)}, score};
   }
-  return nearest < 0.02f * size ? Place{} : best;
+  return nearest < 0.03f * size ? Place{} : best;
 }
 
 /// The share of a camera's pixels that show a surface which light reaches; negative where values
@@ -98,7 +103,7 @@ std::vector<scene::Camera> place_cameras(const Plan& plan, const Affine& to_worl
     }
     if (best.score > 0)
       cameras.push_back(
-          {concat("cell ", index), best.eye, best.target, {0, 1, 0}, dice->draw(50, 80)});
+          {concat("cell ", index), best.eye, best.target, {0, 1, 0}, dice->draw(55, 85)});
   }
   return cameras;
 }
@@ -115,7 +120,7 @@ std::string check_scene(const pathtrace::Bvh& bvh, uint64_t seed, scene::Scene* 
   for (const scene::Camera& camera : scene->cameras) {
     const float share = lit_share(bvh, lights, camera, seed);
     if (share < 0) return "light that is not finite";
-    if (share > 0.1f) lit.push_back(camera);
+    if (share > kLitShare) lit.push_back(camera);
   }
   if (lit.empty()) return "no camera that sees light";
   scene->cameras = std::move(lit);

@@ -70,7 +70,8 @@ bool LampMaker::claim(const Bounds& bounds, const Affine& at, float margin) {
 }
 
 void LampMaker::shine(Mesh&& mesh, const Affine& at, int faces) {
-  const int material = builder_->materials->emitter("lamp", lamp_color(dice_), faces == 2);
+  const int material =
+      builder_->materials->emitter("lamp", builder_->materials->lamp_color(dice_), faces == 2);
   lamp_.materials.push_back(material);
   lamp_.power += kPi * area_of(mesh) * static_cast<float>(faces);
   builder_->add(std::move(mesh), material, at, "lamp");
@@ -241,7 +242,7 @@ bool LampMaker::punctual(bool spot) {
     light.outer_cone = dice_->log_draw(0.2f, 1.3f);
     light.inner_cone = light.outer_cone * dice_->draw(0, 0.9f);
   }
-  light.intensity = lamp_color(dice_);
+  light.intensity = builder_->materials->lamp_color(dice_);
   light.light_group = builder_->group;
   lamp_.power += luminance(scene::punctual_power(light));
   lamp_.lights.push_back(builder_->scene->lights.size());

@@ -35,7 +35,8 @@ bool LampMaker::screen() {
   if (!claim({{0, 0, -0.005f * scale_}, {w, h, 0.005f * scale_}}, at, 0.002f)) return false;
   float mean = 0;
   const bool both = dice_->chance(0.3f);
-  const int material = builder_->materials->screen(lamp_color(dice_), both, &mean);
+  const int material =
+      builder_->materials->screen(builder_->materials->lamp_color(dice_), both, &mean);
   lamp_.materials.push_back(material);
   lamp_.power += kPi * w * h * mean * (both ? 2.0f : 1.0f);
   builder_->add(homes::panel({}, {w, 0, 0}, {0, h, 0}), material, at, "screen");
@@ -104,7 +105,7 @@ bool LampMaker::pane() {
     for (Hole& hole : room.holes[e]) {
       if (hole.other >= 0 || hole.kind == OpeningKind::Missing || hole.closed) continue;
       hole.closed = true;
-      shine(pane_mesh(edge_of(room.outline, e), hole, hole.depth + 0.002f * scale_), {}, 1);
+      shine(pane_mesh(edge_of(room.outline, e), hole), {}, 1);
       return true;
     }
   }

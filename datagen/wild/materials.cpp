@@ -26,14 +26,16 @@ Materials::Materials(scene::Scene* scene, std::vector<int64_t> texture_sizes, ui
     : scene_(scene),
       sizes_(std::move(texture_sizes)),
       dice_{Rng(seed, kMaterialStream)},
-      key_(dice_.pick(kShares.keys)) {}
+      key_(dice_.pick(kShares.keys)),
+      muted_(dice_.chance(kShares.muted)) {}
 
 /// The value of the brightest channel is uniform in the range of the scene's key.
 Rgb Materials::color() {
   const float* range = kShares.albedo[key_];
   const float value = dice_.draw(range[0], range[1]);
-  const float saturation =
-      dice_.chance(kShares.saturated) ? dice_.draw(0.5f, 1) : dice_.draw(0, 0.4f);
+  const float saturation = muted_                            ? dice_.draw(0, 0.2f)
+                           : dice_.chance(kShares.saturated) ? dice_.draw(0.5f, 1)
+                                                             : dice_.draw(0, 0.4f);
   return clamp_albedo(hue_color(dice_.draw(0, 1), saturation, value), {0.02f, 0.97f});
 }
 
@@ -112,8 +114,8 @@ int Materials::screen(const Rgb& radiance, bool two_sided, float* mean) {
   return material;
 }
 
-Rgb lamp_color(Dice* dice) {
-  if (!dice->chance(kShares.colored_lamp)) return light_tint(dice->draw(0, 1));
+Rgb Materials::lamp_color(Dice* dice) const {
+  if (muted_ || !dice->chance(kShares.colored_lamp)) return light_tint(dice->draw(0, 1));
   const Rgb color = hue_color(dice->draw(0, 1), dice->draw(0.5f, 0.95f), 1);
   return color / luminance(color);
 }

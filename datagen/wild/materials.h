@@ -18,6 +18,8 @@ class Materials {
 
   int shell();  ///< new at every call
   int thing();  ///< of furniture: one of at most eight
+  /// White from cool to warm, or, now and then, saturated; of luminance 1.
+  Rgb lamp_color(Dice* dice) const;
   /// Of the given radiance; albedo as any other surface.
   int emitter(const std::string& name, const Rgb& radiance, bool two_sided);
   /// Whose radiance is the texture times `radiance`; UVs in [0, 1]².
@@ -33,10 +35,8 @@ class Materials {
   std::vector<int64_t> sizes_;
   Dice dice_;
   int key_;
+  bool muted_;
   std::vector<int> things_;
 };
-
-/// White from cool to warm, or, now and then, saturated; of luminance 1.
-Rgb lamp_color(Dice* dice);
 
 }  // namespace lte::datagen::wild

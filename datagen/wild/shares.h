@@ -64,8 +64,9 @@ struct Shares {
   // Albedo of a surface: uniform in a range that its scene draws: dark, mid, bright or any.
   std::array<float, 4> keys{0.12f, 0.33f, 0.15f, 0.4f};
   float albedo[4][2] = {{0.02f, 0.25f}, {0.2f, 0.7f}, {0.75f, 0.97f}, {0.02f, 0.97f}};
-  float plain = 0.6f;            // of surfaces: one color; the others have a texture
-  float saturated = 0.25f;       // of colors: saturation 0.5 to 1, else 0 to 0.4
+  float plain = 0.6f;       // of surfaces: one color; the others have a texture
+  float muted = 0.35f;      // of scenes: no color is more saturated than 0.2, all lamps are white
+  float saturated = 0.25f;  // of colors elsewhere: saturation 0.5 to 1, else 0 to 0.4
   float power_m2[2] = {2, 120};  // W of all lamps a square metre of floor, log-uniform
   float unequal = 8;             // a lamp's share of it is log-uniform in [1/8, 8], then normalized
   float colored_lamp = 0.15f;    // of lamps: saturated light, else white from cool to warm

@@ -123,10 +123,10 @@ Mesh wall_mesh(const Edge& edge, float floor, const std::vector<Vec2>& top,
   return mesh;
 }
 
-Mesh pane_mesh(const Edge& edge, const Hole& hole, float outwards) {
+Mesh pane_mesh(const Edge& edge, const Hole& hole) {
   std::vector<Vec3> corners;
   for (const Vec2& p : ring_of(hole))
-    corners.push_back(in_space(edge.at(p.x) - edge.inward * outwards, p.y));
+    corners.push_back(in_space(edge.at(p.x) - edge.inward * hole.depth, p.y));
   Mesh mesh;
   add_fan(corners, &mesh);
   return mesh;

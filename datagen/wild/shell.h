@@ -14,7 +14,7 @@ void build_shell(Builder* builder, Dice* dice, int emitter);
 Mesh wall_mesh(const Edge& edge, float floor, const std::vector<Vec2>& top,
                const std::vector<Hole>& holes);
 
-/// What fills a hole, `outwards` metres outside the wall; its front faces inwards.
-Mesh pane_mesh(const Edge& edge, const Hole& hole, float outwards);
+/// What fills a hole at the far end of its depth; its front faces inwards.
+Mesh pane_mesh(const Edge& edge, const Hole& hole);
 
 }  // namespace lte::datagen::wild

@@ -96,7 +96,7 @@ void WildMaker::build() {
   int emitter = scene::kNone;
   if (furnace_) {
     builder.next_group();
-    emitter = materials.emitter("furnace", lamp_color(&dice_), false);
+    emitter = materials.emitter("furnace", materials.lamp_color(&dice_), false);
     builder.lamps.push_back({LampKind::Shell, {}, {}, 0});
   }
   build_shell(&builder, &dice_, emitter);

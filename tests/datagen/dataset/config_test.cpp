@@ -107,6 +107,30 @@ TEST(DatagenConfig, ShippedFilesOfHomesAreValidAndNameEveryKey) {
   EXPECT_EQ(to_yaml(read_datagen_config(Config::parse(text, "test.yaml"))), text);
 }
 
+TEST(DatagenConfig, ShippedFilesOfWildRoomsAreValidAndNameEveryKey) {
+  for (const char* name : {"wild", "wild_test", "mixed"}) {
+    const DatagenConfig config = shipped(name);
+    const Config yaml = shipped_yaml(name);
+    EXPECT_TRUE(config.bake.prune) << name;
+    EXPECT_TRUE(config.makes(GeneratorKind::Wild)) << name;
+    for (const char* key : kCommonKeys) EXPECT_TRUE(yaml.has(key)) << key;
+    for (const char* key : {"cells", "extent_m", "lamps", "sky_share", "detail", "texture_sizes"})
+      EXPECT_TRUE(yaml.at("wild").has(key)) << key;
+    const std::string text = to_yaml(config);
+    EXPECT_EQ(to_yaml(read_datagen_config(Config::parse(text, "test.yaml"))), text);
+  }
+  EXPECT_NE(shipped("wild").seed, shipped("wild_test").seed);
+  EXPECT_EQ(shipped("wild_test").test_share, 1);
+  const DatagenConfig mixed = shipped("mixed");
+  EXPECT_TRUE(mixed.makes(GeneratorKind::Homes) && mixed.makes(GeneratorKind::Boxes));
+  EXPECT_THAT(error_in("generator: wold"), HasSubstr("expected boxes, homes, wild or mixed"));
+  EXPECT_THAT(error_in("generator: wild\nwild: {cells: [1, 6]}"), HasSubstr("wild.cells"));
+  EXPECT_THAT(error_in("generator: wild\nwild: {extent_m: [2, 20]}"), HasSubstr("wild.extent_m"));
+  EXPECT_THAT(error_in("generator: wild\nwild: {extend_m: [2, 3]}"), HasSubstr("extend_m"));
+  EXPECT_THAT(error_in("generator: mixed\nmixed: {boxes: 0, homes: 0, wild: 0}"),
+              HasSubstr("mixed"));
+}
+
 TEST(DatagenConfig, FormerNamesAreRead) {
   DatagenConfig config = read_datagen_config(
       Config::parse("boxes: {lights: [1, 1], furniture: [2, 3]}\nrooms: {lights: [2, 2]}", "test"));

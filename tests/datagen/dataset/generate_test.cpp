@@ -424,6 +424,25 @@ TEST_F(Generate, RefusesForeignUsedAndDifferentDirectories) {
               AllOf(HasSubstr("rays: 8 there"), HasSubstr("rays: 9 now")));
 }
 
+TEST_F(Generate, MixedScenesComeFromAllGeneratorsInTheirShares) {
+  DatagenConfig config = tiny_config();
+  config.generator = GeneratorKind::Mixed;
+  config.mixed = {.boxes = 1, .homes = 1, .wild = 2};
+  std::map<GeneratorKind, int> counts;
+  for (uint64_t seed = 0; seed < 4000; ++seed) ++counts[generator_of(config, seed)];
+  EXPECT_EQ(counts.size(), 3u);
+  EXPECT_NEAR(counts[GeneratorKind::Wild], 2000, 100);
+  EXPECT_NEAR(counts[GeneratorKind::Homes], 1000, 90);
+  config.mixed = {.boxes = 1, .homes = 0, .wild = 1};
+  config.wild.texture_sizes = {8};
+  config.scenes = 4;
+  generate("mixed", config);
+  const data::DatasetInfo info = data::read_dataset_info(folder_ / "mixed");
+  EXPECT_EQ(info.scenes.size(), 4u);
+  EXPECT_EQ(info.scenes[0].name, "scene_00000");
+  EXPECT_TRUE(info.suns) << "skies of wild rooms";
+}
+
 TEST_F(Generate, BadShardsAreRefused) {
   EXPECT_THAT(error_of([&] { generate("a", tiny_config(), false, 2, 2); }), HasSubstr("--shard"));
   EXPECT_THAT(error_of([&] { generate("a", tiny_config(), false, -1, 2); }), HasSubstr("--shard"));
