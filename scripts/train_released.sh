@@ -7,8 +7,8 @@
 # takes the data and the run. A run that was stopped goes on where it was when the same line is given
 # again. At its end the model, its configuration, its log, its card and its provenance are in
 # FOLDER/release: figures on the shipped test homes and on test boxes, and of lte-radiance on glossy
-# rooms. Many hours of two cores; a quarter of an hour for lte-radiance. All but lte and lte-base start from the shipped
-# lte-base. lte-large wants a GPU.
+# rooms. Many hours of two cores; a quarter of an hour for lte-radiance. All but lte and lte-base
+# start from the shipped lte-base. lte-large wants a GPU.
 #
 # lte makes its data, wild rooms, homes and boxes, beside its training, which begins with the first
 # 600 scenes. FOLDER/release then also has its curves, and its test tables on wild rooms and on
