@@ -55,7 +55,7 @@ Surfels surfels_of(const std::vector<Plate>& plates) {
       rows.insert(rows.end(), row.begin(), row.end());
     }
   }
-  return {torch::tensor(rows).view({-1, Surfels::kColumns}), false};
+  return Surfels(torch::tensor(rows).view({-1, Surfels::kColumns}));
 }
 
 std::vector<float> look(const Surfels& surfels, const Vec3& from, const Vec3& to) {
