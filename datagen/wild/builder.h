@@ -28,9 +28,9 @@ class Builder {
 
   /// Adds a mesh; one that emits joins the light group.
   void add(Mesh&& mesh, int material, const Affine& at, const std::string& name);
-  /// Adds a piece of furniture, without its lights. @return  area of what emits, m², at scale 1
+  /// Adds a piece of furniture, without its point lights.
   void add(homes::Piece&& piece, const Affine& at);
-  /// Makes `group` the one of the next lamp: kMostGroups at most, which further lamps share in turn.
+  /// Makes `group` that of the next lamp: kMostGroups at most, which further lamps share in turn.
   void next_group();
   /// Takes back a group that no lamp came to use.
   void drop_group();

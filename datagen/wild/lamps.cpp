@@ -66,9 +66,8 @@ void close_windows(Builder* builder, Dice* dice) {
         if (hole.other >= 0 || hole.kind == OpeningKind::Missing || hole.closed) continue;
         if (!dice->chance(0.7f)) continue;
         hole.closed = true;
-        builder->add(
-            pane_mesh(edge_of(cell.outline, e), hole, hole.depth + 5e-4f * builder->plan->unit),
-            builder->materials->thing(), {}, "pane");
+        builder->add(pane_mesh(edge_of(cell.outline, e), hole), builder->materials->thing(), {},
+                     "pane");
       }
     }
   }

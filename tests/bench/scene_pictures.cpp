@@ -1,5 +1,5 @@
-// Scenes of a generator, seen by their own cameras: what scripts/figures/scene_pictures.py makes the
-// pictures of docs/dataset.md from.
+// Scenes of a generator, seen by their own cameras: what scripts/figures/scene_pictures.py makes
+// the pictures of docs/dataset.md from.
 //
 // usage: lte_scene_pictures CONFIG.yaml FOLDER [COUNT] [PATHS_A_PIXEL] [WIDTH OF A VIEW] writes
 // FOLDER/NNN_{color,albedo,normal}.pfm, linear. Homes show so many rooms of each kind; of other
