@@ -25,7 +25,6 @@ void check_light(const std::filesystem::path& path, const data::SceneSample& sam
   };
   check(sample.scene_direct.empty(), "scene_direct");
   check(sample.scene_direct_back.empty(), "scene_direct_back");
-  check(sample.scene_error.empty(), "scene_error");
 }
 
 /// Keeps the incident radiance of light that bounced at least once.
