@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "lte/base/check.h"
 #include "lte/runtime/embedding.h"
 
 #include "examples/c/room.h"
@@ -94,8 +95,8 @@ TEST_P(CExample, ItsPictureIsTheCppLibrarys) {
   const fs::path stem =
       fs::temp_directory_path() / ("lte_render_room_" + std::to_string(::getpid()));
   const std::string ppm = stem.string() + ".ppm", pfm = stem.string() + ".pfm";
-  const std::string command = std::string(LTE_RENDER_ROOM) + ' ' + model + ' ' + ppm + ' ' + pfm +
-                              ' ' + std::to_string(kWidth) + ' ' + std::to_string(kHeight);
+  const std::string command =
+      concat(LTE_RENDER_ROOM, ' ', model, ' ', ppm, ' ', pfm, ' ', kWidth, ' ', kHeight);
   ASSERT_EQ(std::system(command.c_str()), 0) << command;
   EXPECT_EQ(fs::file_size(ppm), std::string("P6\n64 48\n255\n").size() + 3 * kPixels);
   const std::vector<Rgb> got = read_pfm(pfm), expected = predicted(model);
@@ -110,9 +111,7 @@ TEST_P(CExample, ItsPictureIsTheCppLibrarys) {
   EXPECT_LE(difference, 1e-6f * largest);
   fs::remove(ppm);
   fs::remove(pfm);
-  EXPECT_NE(
-      std::system((std::string(LTE_RENDER_ROOM) + " README.md " + ppm + " 2>/dev/null").c_str()),
-      0);
+  EXPECT_NE(std::system(concat(LTE_RENDER_ROOM, " README.md ", ppm, " 2>/dev/null").c_str()), 0);
   EXPECT_FALSE(fs::exists(ppm));
 }
 

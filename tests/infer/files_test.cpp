@@ -48,7 +48,7 @@ class InferFiles : public test::InFolder {
     RenderRequest render;
     EvalRequest eval;
     bench::BenchRequest bench;
-    ExportOptions exported;
+    ExportRequest exported;
     if (tool == "lte_render") {
       add_render_options(app, &render);
       return test::run_command(app, arguments, [&] { run_render(render); });

@@ -8,7 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "infer/eval/baselines/denoised_paths.h"
+#include "infer/light/points.h"
 #include "lte/base/random.h"
+#include "lte/runtime/embedding.h"
 #include "tests/infer/fixture.h"
 
 namespace lte::infer {

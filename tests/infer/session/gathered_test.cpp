@@ -7,6 +7,8 @@
 #include "infer/session/session.h"
 #include "infer/session/state.h"
 #include "lte/base/check.h"
+#include "lte/base/check.h"
+#include "lte/runtime/attention.h"
 #include "lte/scene/luminaire_power.h"
 #include "tests/infer/session/session_fixture.h"
 #include "tests/support/every_light.h"
@@ -155,7 +157,7 @@ TEST(GatheredSession, AttentionIsThatOfANetworkThatIsLoadedForIt) {
                Error);
   settings.attention_of = [] { return network(); };
   const Session session(furnished_room(), std::nullopt, settings);
-  EXPECT_NE(session.state()->record_attention()->attention(), nullptr);
+  EXPECT_NO_THROW(runtime::SceneAttention(session.state()->record_attention()));
 }
 
 TEST(LuminairePower, IsThatOfSurfacesPointsAndSpots) {
