@@ -7,7 +7,6 @@
 #include "infer/session/session.h"
 #include "infer/session/state.h"
 #include "lte/base/check.h"
-#include "lte/base/check.h"
 #include "lte/runtime/attention.h"
 #include "lte/scene/luminaire_power.h"
 #include "tests/infer/session/session_fixture.h"
