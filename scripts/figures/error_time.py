@@ -2,7 +2,7 @@
 """Draws error against time of the methods of `lte_eval scenes`, and prints what each is worth.
 
   lte_eval scenes assets/scenes/outside --size 128x96 --json outside.json \\
-      --methods gather,network,paths-4,paths-16,paths-64,paths-4-denoised,paths-16-denoised
+      --methods gather,network,paths-4-denoised,paths-16-denoised,paths-64-denoised
   scripts/figures/error_time.py outside.json --out docs/images/error_time.svg
 
 A dot is a method: median processor seconds of a picture, and the geometric mean over the scenes of
@@ -71,7 +71,8 @@ def read(path):
 
 
 def table(methods):
-    lines = ["| method | scenes | CPU s | error | equal-error samples a pixel |", "|---|---:|---:|---:|---:|"]
+    lines = ["| method | scenes | CPU s | error | equal-error samples a pixel |",
+             "|---|---:|---:|---:|---:|"]
     for name, row in methods.items():
         low, high = interval(row["worth"])
         lines.append(f"| {name} | {len(row['worth'])} | {statistics.median(row['seconds']):.2f} "
@@ -110,7 +111,8 @@ def chart(methods):
     across = Axis([x for x, _ in points.values()], LEFT, WIDTH - RIGHT)
     up = Axis([y for _, y in points.values()], HEIGHT - BOTTOM, TOP)
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" '
-           'font-family="sans-serif" font-size="12">', '<rect width="100%" height="100%" fill="#fff"/>']
+           'font-family="sans-serif" font-size="12">',
+           '<rect width="100%" height="100%" fill="#fff"/>']
     for value in across.ticks():
         x = across(value)
         out.append(f'<path d="M{x:.1f} {TOP}V{HEIGHT - BOTTOM}" stroke="#ddd"/>')
@@ -119,7 +121,8 @@ def chart(methods):
         y = up(value)
         out.append(f'<path d="M{LEFT} {y:.1f}H{WIDTH - RIGHT}" stroke="#ddd"/>')
         out.append(text(LEFT - 6, y + 4, f"{100 * value:g} %", "end"))
-    out.append(text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 8, "processor seconds a picture", "middle"))
+    middle = (LEFT + WIDTH - RIGHT) / 2
+    out.append(text(middle, HEIGHT - 8, "processor seconds a picture", "middle"))
     for kind in ("path", "denoised"):
         line = sorted((int(re.search(r"\d+", name)[0]), points[name])
                       for name in points if kind_of(name) == kind)
@@ -129,7 +132,9 @@ def chart(methods):
     for name, (x, y) in points.items():
         color = COLORS[kind_of(name)]
         out.append(f'<circle cx="{across(x):.1f}" cy="{up(y):.1f}" r="4" fill="{color}"/>')
-        out.append(text(across(x) + 7, up(y) - 5, name.replace("-", " "), color=color))
+        # Labels of neighbours on two sides, so that they stay legible.
+        below = 16 if kind_of(name) in ("path", "denoised") else -5
+        out.append(text(across(x) + 7, up(y) + below, name.replace("-", " "), color=color))
     return "\n".join([*out, "</svg>", ""])
 
 
