@@ -52,6 +52,8 @@ ALLOWED = {
                             "lte/pathtrace/transport"],
     "lte/pathtrace/placement": ["lte/base", "lte/scene/*", "lte/pathtrace"],
     "lte/gi": ["lte/base", "lte/image", "lte/scene/*", "lte/pathtrace/*"],
+    # Pictures: integrators, films, passes.
+    "lte/render": ["lte/base", "lte/image", "lte/scene/*", "lte/pathtrace/*", "lte/gi"],
     "lte/data": ["lte/base"],
     "lte/radiosity": ["lte/base"],
     "lte/ops": ["lte/base", "lte/ops/cpu/*"],
@@ -97,9 +99,9 @@ ALLOWED = {
     "train": ["lte/base", "lte/cli", "train/command"],
 }
 # What the tools with a network stand on, each room on those before it.
-INFER = LIBRARY_WITHOUT_TORCH + ["lte/gi", "lte/radiosity", "lte/cli/*", "lte/ops", "lte/nn",
+INFER = LIBRARY_WITHOUT_TORCH + ["lte/gi", "lte/render", "lte/radiosity", "lte/cli/*", "lte/ops", "lte/nn",
                                  "lte/runtime"]
-INFER_SHARED = ["infer/tool", "infer/light", "infer/picture", "infer/renderer"]
+INFER_SHARED = ["infer/tool", "infer/light", "infer/check", "infer/picture", "infer/renderer"]
 for depth, room in enumerate(INFER_SHARED):
     ALLOWED[room] = INFER + INFER_SHARED[:depth]
 # A scene in memory that takes edits: for the tools that show one.
@@ -118,7 +120,7 @@ ALLOWED["infer/export"] += ["lte/torchscript"]
 ALLOWED["infer/render"] += ["infer/session"]
 # lte_bench times everything below it, and draws the chart of lte_render's pictures.
 ALLOWED["bench"] = INFER + INFER_SHARED + ["lte/report", "infer/render", "bench/*"]
-ALLOWED["bench/pareto"] = ALLOWED["bench"]
+ALLOWED["bench/pareto"] = ALLOWED["bench"] + ["infer/eval/measure"]
 # A live view shows a session in the qualities of lte_render.
 ALLOWED["infer/view"] = ALLOWED["infer/render"] + ["infer/render"]
 

@@ -1,55 +1,40 @@
 #include "bench/pareto/methods.h"
 
 #include <algorithm>
-#include <memory>
 #include <utility>
 
-#include "infer/picture/picture_band.h"
-#include "infer/picture/surface_guides.h"
-#include "infer/render/gather_plan.h"
-#include "infer/render/quality.h"
-#include "infer/render/time_budget.h"
-#include "infer/renderer/denoised_paths.h"
 #include "lte/base/check.h"
 #include "lte/base/text.h"
-#include "lte/base/timer.h"
-#include "lte/image/denoise.h"
-#include "lte/pathtrace/gbuffer.h"
-#include "lte/pathtrace/render.h"
 
 namespace lte::bench {
 namespace {
 
-using infer::Indirect;
 using infer::Quality;
 using infer::RenderSettings;
-using infer::Sparse;
-using infer::TableLight;
+using By = render::Method;  // how light is computed; a Method is a row of the chart
 
-void embed(const MethodScene& scene) {
-  infer::EmbedSettings settings;
-  settings.seed = scene.seed;
-  settings.rescale = true;
-  scene.renderer.embed(scene.network, settings);
-}
-
-void make_table(const MethodScene& scene, TableLight light) {
-  infer::TableSettings settings;
-  settings.light = light;
-  settings.max_depth = scene.max_depth;
-  settings.seed = scene.seed;
-  scene.renderer.make_table(settings);
-}
-
-RenderSettings settings_of(const MethodScene& scene, Indirect indirect) {
+RenderSettings settings_of(const MethodScene& scene, By by) {
   RenderSettings settings;
-  settings.indirect = indirect;
-  settings.denoise = infer::Denoise::Auto;
+  settings.method = by;
   settings.width = scene.width;
   settings.height = scene.height;
   settings.max_depth = scene.max_depth;
   settings.seed = scene.seed;
   return settings;
+}
+
+void prepare(const MethodScene& scene, By by) {
+  if (by == By::Path) return;
+  if (by == By::Network) {
+    infer::EmbedSettings settings;
+    settings.seed = scene.seed;
+    settings.rescale = true;
+    scene.renderer.embed(scene.network, settings);
+  }
+  render::CacheSettings cache;
+  cache.max_depth = scene.max_depth;
+  cache.seed = scene.seed;
+  scene.renderer.make_cache(by, cache);
 }
 
 MethodPicture render(const MethodScene& scene, const scene::Camera& camera,
@@ -63,95 +48,45 @@ MethodPicture render(const MethodScene& scene, const scene::Camera& camera,
           }};
 }
 
-/// lte_render --mode reference --spp N.
-Method paths(int count) {
+/// lte_render --integrator path --spp N.
+Method paths(int count, bool denoised) {
   Method method;
-  method.family = "paths";
-  method.name = concat("paths-", count);
-  method.settings = concat(count, count == 1 ? " path a pixel" : " paths a pixel");
-  method.prepare = [](const MethodScene&) {};
-  method.render = [count](const MethodScene& scene, const scene::Camera& camera, double) {
-    RenderSettings settings = settings_of(scene, Indirect::Paths);
-    settings.mode = infer::Mode::Reference;
-    settings.spp = count;
-    settings.denoise = infer::Denoise::Off;
+  method.family = denoised ? "denoised" : "paths";
+  method.name = concat(method.family, "-", count);
+  method.settings = concat(count, count == 1 ? " path a pixel" : " paths a pixel",
+                           denoised ? ", denoised: Open Image Denoise where it is found" : "");
+  method.prepare = [](const MethodScene& scene) { prepare(scene, By::Path); };
+  method.render = [count, denoised](const MethodScene& scene, const scene::Camera& camera, double) {
+    RenderSettings settings = infer::with_paths(count, settings_of(scene, By::Path));
+    settings.denoise = denoised;
     return render(scene, camera, settings);
   };
   return method;
 }
 
-/// Paths and a denoiser that has albedo, normals and emission of whole pixels, as renderers give
-/// them to denoisers.
-MethodPicture render_denoised(const MethodScene& scene, const scene::Camera& camera, int count,
-                              const std::shared_ptr<const image::Denoiser>& denoiser) {
-  const pathtrace::Bvh& bvh = scene.renderer.bvh();
-  pathtrace::RadianceLayers layers;
-  pathtrace::render_reference(bvh, scene.renderer.lights(), camera, scene.width, scene.height,
-                              {count, scene.max_depth + 1, scene.seed}, {}, &layers);
-  const pathtrace::GBuffer hits = pathtrace::trace_gbuffer(bvh, camera, scene.width, scene.height);
-  const auto guides = std::make_shared<const infer::SurfaceGuides>(infer::guides_of(hits));
-  const infer::PictureBand band(bvh, camera, {scene.width, scene.height, 0, scene.height},
-                                {.antialias = infer::kAntialias, .mean_normal = true}, &hits);
-  const auto seen = std::make_shared<const infer::Frame>(band.resolve({}));
-  const auto denoise = [denoiser, guides, seen](const image::Image& light) {
-    return infer::denoise_reflected(*denoiser, *guides, light, {seen->albedo, seen->mean_normal});
-  };
-  image::Image reflected = std::move(layers.direct);
-  for (size_t i = 0; i < reflected.pixels.size(); ++i)
-    reflected.pixels[i] += layers.indirect.pixels[i];
-  image::Image whole = denoise(reflected);
-  for (size_t i = 0; i < whole.pixels.size(); ++i) whole.pixels[i] += seen->emission.pixels[i];
-  return {std::move(whole),
-          [denoise, indirect = std::move(layers.indirect)] { return denoise(indirect); }};
-}
-
-Method denoised_paths(int count) {
-  Method method = paths(count);
-  method.family = "denoised";
-  method.name = concat("denoised-", count);
-  method.settings += ", denoised: Open Image Denoise where it is found";
-  const auto denoiser = std::make_shared<std::shared_ptr<const image::Denoiser>>();
-  method.prepare = [denoiser](const MethodScene&) {
-    *denoiser = std::make_shared<const image::Denoiser>();
-  };
-  method.render = [denoiser, count](const MethodScene& scene, const scene::Camera& camera, double) {
-    return render_denoised(scene, camera, count, *denoiser);
-  };
-  return method;
-}
-
-/// lte_render --indirect FAMILY --quality Q.
-Method by_quality(const std::string& family, Quality quality) {
-  const bool decodes = family == "decoded", gathers = family == "gather";
+/// lte_render --integrator FAMILY --quality Q.
+Method by_quality(By by, Quality quality) {
   Method method;
-  method.family = family;
-  method.name = concat(family, "-", enum_name(quality));
-  method.settings = concat("as --indirect ", family, " --quality ", enum_name(quality));
-  method.prepare = [decodes, gathers](const MethodScene& scene) {
-    if (!gathers) embed(scene);
-    if (!decodes) make_table(scene, gathers ? TableLight::Raw : TableLight::Network);
-  };
-  method.render = [decodes, quality](const MethodScene& scene, const scene::Camera& camera,
-                                     double) {
-    const RenderSettings base = settings_of(scene, decodes ? Indirect::Decoded : Indirect::Gather);
-    return render(scene, camera, infer::with_quality(quality, Sparse::Auto, {}, base));
+  method.family = enum_name(by);
+  method.name = concat(method.family, "-", enum_name(quality));
+  method.settings = concat("as --integrator ", method.family, " --quality ", enum_name(quality));
+  method.prepare = [by](const MethodScene& scene) { prepare(scene, by); };
+  method.render = [by, quality](const MethodScene& scene, const scene::Camera& camera, double) {
+    return render(scene, camera, infer::with_quality(quality, settings_of(scene, by)));
   };
   return method;
 }
 
-/// lte_render --time-budget: work before the first view and one view together take this time.
+/// lte_render --time: work before the first view and one view together take this time.
 Method by_time(double seconds) {
   Method method;
-  method.family = "budget";
-  method.name = formatted("budget-%gs", seconds);
-  method.settings = formatted("as --time-budget %gs", seconds);
-  method.prepare = [](const MethodScene& scene) { make_table(scene, TableLight::Raw); };
+  method.family = "time";
+  method.name = formatted("time-%gs", seconds);
+  method.settings = formatted("as --time %gs", seconds);
+  method.prepare = [](const MethodScene& scene) { prepare(scene, By::Gather); };
   method.render = [seconds](const MethodScene& scene, const scene::Camera& camera, double spent_s) {
-    const Timer clock;
-    const infer::PicturePlan plan =
-        infer::plan_gathered(seconds - spent_s, clock, Sparse::Auto, {},
-                             settings_of(scene, Indirect::Gather), camera, &scene.renderer);
-    return render(scene, camera, plan.settings);
+    return render(scene, camera,
+                  infer::with_time(seconds - spent_s, settings_of(scene, By::Gather)));
   };
   return method;
 }
@@ -160,11 +95,11 @@ Method by_time(double seconds) {
 
 std::vector<Method> all_methods() {
   std::vector<Method> out;
-  for (const int count : {1, 4, 16, 64, 256, 1024}) out.push_back(paths(count));
-  for (const int count : {1, 4, 16, 64}) out.push_back(denoised_paths(count));
-  for (const char* family : {"network", "decoded", "gather"}) {
+  for (const int count : {1, 4, 16, 64, 256, 1024}) out.push_back(paths(count, false));
+  for (const int count : {1, 4, 16, 64}) out.push_back(paths(count, true));
+  for (const By by : {By::Network, By::Gather}) {
     for (const Quality quality : {Quality::Draft, Quality::Preview, Quality::Final})
-      out.push_back(by_quality(family, quality));
+      out.push_back(by_quality(by, quality));
   }
   for (const double seconds : {0.5, 1.0, 2.0, 5.0, 10.0, 30.0}) out.push_back(by_time(seconds));
   return out;

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "infer/renderer/reference_pair.h"
+#include "infer/eval/measure/reference_pair.h"
 #include "lte/image/metrics.h"
 
 namespace lte::bench {

@@ -107,17 +107,18 @@ std::vector<Method> methods_of(const ConsistencyOptions& options) {
   RenderSettings base;
   base.width = options.width;
   base.height = options.height;
-  base.antialias = 0;  // a pixel is a point
-  base.metal = Metal::Diffuse;
-  base.spp = options.spp;
+  base.edge_rays = 0;
+  base.passes = 1;
+  base.denoise = false;
   base.max_depth = options.max_depth;
-  Method network{concat("network at every pixel, ", kShadowRays, " shadow rays"), base};
-  network.settings.direct_samples = kShadowRays;
-  Method paths{concat(options.spp, " paths a pixel"), base};
-  paths.settings.mode = Mode::Reference;
-  paths.settings.output = Output::Irradiance;
+  Method network{concat("gathered from the network, ", kShadowRays, " rays and light samples"),
+                 base};
+  network.settings.method = render::Method::Network;
+  network.settings.gather_rays = network.settings.light_samples = kShadowRays;
+  Method paths{concat(options.spp, " paths a pixel"), with_paths(options.spp, base)};
+  paths.settings.method = render::Method::Path;
   Method denoised{concat(options.spp, " paths a pixel, denoised"), paths.settings};
-  denoised.settings.denoise = Denoise::On;
+  denoised.settings.denoise = true;
   return {network, paths, denoised};
 }
 
@@ -130,6 +131,7 @@ Image sum(Image a, const Image& b) {
 ConsistencyRow measure(const Method& method, std::span<const scene::Camera> cameras, uint64_t seed,
                        Renderer* renderer, std::string* denoiser) {
   std::vector<FlickerFrame> indirect, total;
+  if (renderer->needs_cache(method.settings)) renderer->make_cache(method.settings.method, {});
   RenderSettings settings = method.settings;
   for (const scene::Camera& camera : cameras) {
     settings.seed = seed++;

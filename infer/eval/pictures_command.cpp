@@ -31,9 +31,9 @@ CLI::App* add_pictures_command(CLI::App& app, PicturesRequest* request) {
                       "What to compare: a layer such as indirect; by default the picture");
   command->footer(
       "Example:\n"
-      "  lte_render room.glb --mode reference --spp 1024 --out reference.exr\n"
-      "  lte_render room.glb --metal network --out network.exr\n"
-      "  lte_eval pictures network.exr --reference reference.exr");
+      "  lte_render room.glb --integrator path --spp 1024 --set denoise=off --out reference.exr\n"
+      "  lte_render room.glb --out gathered.exr\n"
+      "  lte_eval pictures gathered.exr --reference reference.exr");
   return command;
 }
 

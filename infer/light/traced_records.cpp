@@ -11,7 +11,7 @@ namespace {
 
 // Points between two checks: some 10 ms of two cores.
 constexpr size_t kBlock = 2048;
-// As those of make_light_table().
+// As those of render::make_cache().
 constexpr uint64_t kPlaces = 21, kLight = 22;
 
 void add_groups(const std::vector<Rgb>& values, size_t entries, std::span<const int> groups,
@@ -46,15 +46,16 @@ int64_t TracedRecords::bytes() const {
 }
 
 TracedRecords trace_records(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                            const TableSettings& settings, const std::function<void()>& check) {
-  LTE_CHECK(settings.paths >= 1, "a table needs a path an entry, got ", settings.paths);
-  const bool raw = settings.light == TableLight::Raw;
+                            const render::CacheSettings& settings, render::Method method,
+                            const std::function<void()>& check) {
+  LTE_CHECK(settings.paths >= 1, "an irradiance cache needs a path a record, got ", settings.paths);
+  const bool raw = method != render::Method::Network;
   const uint64_t places = hash_combine(settings.seed, kPlaces);
   TracedRecords out;
   out.groups = lights.groups();
   // A gather adds a bounce to the table's light, so light of depth 1 is all that none has.
   if (raw && (lights.empty() || settings.max_depth < 2)) return out;
-  out.entries = gi::sample_entries(bvh, settings.entries, places);
+  out.entries = gi::sample_entries(bvh, settings.records, places);
   const auto count = static_cast<size_t>(out.entries.size());
   const auto groups = static_cast<size_t>(out.groups);
   out.direct.resize(groups * count);

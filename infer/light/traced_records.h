@@ -1,5 +1,5 @@
-// Light on surfaces by light group, traced at unit gain: what tables are filled from while lamps
-// are dimmed. Light is linear, so a table of any gains is a sum of these records, exactly.
+// Light on surfaces by light group, traced at unit gain: what caches are filled from while lamps
+// are dimmed. Light is linear, so a cache of any gains is a sum of these records, exactly.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "infer/light/light_table.h"
+#include "lte/gi/table_entries.h"
+#include "lte/render/integrator.h"
 
 namespace lte::infer {
 
@@ -23,11 +24,12 @@ struct TracedRecords {
   int64_t bytes() const;
 };
 
-/// Traces what make_light_table() of these settings has in its entries, by light group: with
-/// TableLight::Raw all light, by as many paths; for a network's table the direct light alone.
+/// Traces what render::make_cache() of these settings has in its records, by light group: for
+/// Method::Gather all light, by as many paths; for Method::Network the direct light alone.
 /// @param lights  each as bright as gain 1 has it
 /// @param check   called now and then; what it throws ends it. May be null.
 TracedRecords trace_records(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                            const TableSettings& settings, const std::function<void()>& check = {});
+                            const render::CacheSettings& settings, render::Method method,
+                            const std::function<void()>& check = {});
 
 }  // namespace lte::infer

@@ -107,7 +107,7 @@ std::string left_out_note(const scene::Scene& scene, std::span<const int> groups
   const bool places = std::holds_alternative<SurfacePlaces>(asked);
   return concat("the network is not told of light that does not reach ",
                 places ? "the points" : "what is seen", " (", names,
-                "); --prune off tells it of all");
+                "); --set prune=off tells it of all");
 }
 
 void keep_points(const std::function<bool(int group)>& keeps, scene::SurfaceSamples* samples) {

@@ -49,14 +49,14 @@ std::string untrained_light_note(const scene::Scene& scene, const nn::ModelMetad
                                  std::span<const int> left_out) {
   if (!has_untrained_light(scene, model, left_out)) return "";
   return concat(lights_text(scene, left_out),
-                ", but the model was trained without such light: its indirect light is wrong here; "
-                "lte_render --untrained-light trace finds it by paths");
+                ", but the model was trained without such light: its indirect light is wrong "
+                "here");
 }
 
-std::string traced_light_note(const scene::Scene& scene, int spp, std::span<const int> left_out) {
+std::string traced_light_note(const scene::Scene& scene, std::span<const int> left_out) {
   return concat(lights_text(scene, left_out),
-                ", but the model was trained without such light: indirect light is path-traced, ",
-                spp, " paths a pixel (--untrained-light network asks the network)");
+                ", but the model was trained without such light: indirect light is path-traced at "
+                "the places that rays gather it from");
 }
 
 void leave_out_untrained_suns(const scene::Scene& scene, const nn::ModelMetadata& model,

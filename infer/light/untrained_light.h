@@ -20,10 +20,8 @@ bool has_untrained_light(const scene::Scene& scene, const nn::ModelMetadata& mod
 std::string untrained_light_note(const scene::Scene& scene, const nn::ModelMetadata& model,
                                  std::span<const int> left_out = {});
 
-/// The line for people whose picture has indirect light by paths instead.
-/// @param spp  paths a pixel
-std::string traced_light_note(const scene::Scene& scene, int spp,
-                              std::span<const int> left_out = {});
+/// The line for people whose picture gathers traced light instead.
+std::string traced_light_note(const scene::Scene& scene, std::span<const int> left_out = {});
 
 /// Takes the points of suns out of the scene points of a network that has never seen one, if other
 /// light shines. A sun's point stands for all the power that falls on the scene, of which a room

@@ -2,12 +2,13 @@
 
 #include <algorithm>
 
-#include "infer/picture/picture_band.h"
 #include "lte/base/parallel.h"
 
 namespace lte::infer {
 namespace {
 
+/// A surface above this counts as metal.
+constexpr float kMetallic = 0.05f;
 constexpr int kTile = 8;
 /// Pixels whose hits are there at once: a G-buffer takes more than its pictures.
 constexpr int kPixelsAtOnce = 1 << 18;
@@ -33,7 +34,7 @@ void put_hits(const pathtrace::GBuffer& hits, int first, SurfaceGuides* guides) 
         const size_t to = out.index(x, first + y);
         if (!hits.mask[from]) continue;
         out.mask[to] = 1;
-        out.metal[to] = !hits.metallic.empty() && is_metal(hits.metallic[from]) ? 1 : 0;
+        out.metal[to] = !hits.metallic.empty() && hits.metallic[from] > kMetallic ? 1 : 0;
         out.depth[to] = hits.depth[from];
         out.normal.set_rgb(x, first + y, hits.normal[from]);
         out.position.set_rgb(x, first + y, hits.position[from]);

@@ -14,7 +14,7 @@ namespace lte::infer {
 struct SurfaceGuides {
   image::Image normal, position, albedo;
   std::vector<uint8_t> mask;   ///< [height * width] 1 where a surface is seen
-  std::vector<uint8_t> metal;  ///< likewise, 1 where it is metal (is_metal())
+  std::vector<uint8_t> metal;  ///< likewise, 1 where it is metal
   std::vector<float> depth;    ///< likewise, along the camera's axis; 0 in the background
 
   int width() const { return normal.width; }

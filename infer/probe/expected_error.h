@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "infer/check/light_check.h"
 #include "infer/probe/gathered_probe.h"
-#include "infer/renderer/light_check.h"
 #include "lte/base/math.h"
 
 namespace lte::infer {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "infer/check/light_check.h"
 #include "infer/probe/probe_command.h"
-#include "infer/renderer/light_check.h"
 #include "infer/renderer/renderer.h"
 #include "lte/pathtrace/probe.h"
 #include "lte/runtime/network.h"
@@ -18,7 +18,6 @@ struct ProbeAnswer {
   pathtrace::ProbeResult light;
   /// W/m², root mean square over the channels; empty where nothing is known of it.
   std::vector<double> expected_error;
-  int64_t off_surface = 0;            ///< of the network's own answers: points on no surface
   std::vector<std::string> left_out;  ///< names of lights that the network was not told of
   LightCheck check;                   ///< without paths: none
 };
@@ -36,6 +35,6 @@ ProbeAnswer answer_points(const ProbeRequest& request, const runtime::Network* n
                           Renderer* renderer);
 
 /// Black: nothing shines, so there is nothing to ask about.
-ProbeAnswer darkness(const ProbeRequest& request, const scene::PointTable& points);
+ProbeAnswer darkness(const scene::PointTable& points);
 
 }  // namespace lte::infer

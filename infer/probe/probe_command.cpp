@@ -1,18 +1,19 @@
 #include "infer/probe/probe_command.h"
 
-#include <array>
 #include <cstdio>
 #include <optional>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include "infer/check/check_report.h"
 #include "infer/light/unreached_light.h"
 #include "infer/light/untrained_light.h"
 #include "infer/probe/probe_answers.h"
-#include "infer/renderer/check_report.h"
 #include "infer/renderer/renderer.h"
 #include "infer/tool/assets.h"
+#include "infer/tool/tool_keys.h"
+#include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/base/timer.h"
@@ -24,22 +25,25 @@
 namespace lte::infer {
 namespace {
 
-constexpr std::array kNetworkFlags = {"--checkpoint",   "--embedding", "--save-embedding",
-                                      "--scene-points", "--prune",     "--draws"};
-
-void check_usage(const ProbeRequest& request) {
-  if (request.mode == "reference" && request.indirect_given && request.indirect != "paths")
-    throw CLI::ValidationError("--indirect " + request.indirect, "goes with --mode neural only");
-  if (!request.by_paths() && request.target_error > 0)
-    throw CLI::ValidationError("--target-error",
-                               "goes with --mode reference or --indirect paths only");
-  if (!request.needs_network() && !request.network_flag.empty())
-    throw CLI::ValidationError(request.network_flag,
-                               "goes with --indirect network or decoded only");
-  if (request.validate_only) return;
-  if (request.points.empty())
-    throw CLI::ValidationError("--points", "name a CSV file with the header px,py,pz,nx,ny,nz");
-  if (request.out.empty()) throw CLI::ValidationError("--out", "name the CSV file to write");
+void check_usage(const ProbeRequest& r) {
+  const CLI::App& app = *r.flags;
+  LTE_CHECK(r.error == 0 || r.by_paths(), "--error goes with --integrator path, not ",
+            r.integrator);
+  for (const char* flag : {"--checkpoint", "--embedding", "--save-embedding"}) {
+    LTE_CHECK(app.count(flag) == 0 || r.needs_network(), flag,
+              " goes with --integrator network: ", r.integrator, " needs no model");
+  }
+  for (const char* key : {"scene_points", "prune", "rescale", "device", "precision"}) {
+    LTE_CHECK(!r.keys.is_given(key) || r.needs_network(), "--set ", key,
+              " goes with --integrator network: ", r.integrator, " needs no model");
+  }
+  for (const char* key : {"records", "check"}) {
+    LTE_CHECK(!r.keys.is_given(key) || !r.by_paths(), "--set ", key,
+              " goes with --integrator gather or network, not path");
+  }
+  if (r.validate_only) return;
+  LTE_CHECK(!r.points.empty(), "--points: name a CSV file with the header px,py,pz,nx,ny,nz");
+  LTE_CHECK(!r.out.empty(), "--out: name the CSV file to write");
 }
 
 /// What the network is told of the scene. Warns of light in it that the network does not know.
@@ -66,12 +70,8 @@ scene::PointColumns columns_of(const ProbeAnswer& answer) {
 
 void say(const ProbeRequest& request, const ProbeAnswer& answer, size_t points) {
   if (answer.light.missed > 0)
-    log_warning(answer.light.missed, " of ", points, " points are above --target-error ",
-                request.target_error, "; raise --rays above ", rays_of(request));
-  if (answer.off_surface > 0)
-    log_warning(request.points, ": ", answer.off_surface, " of ", points,
-                " points lie on no surface; the network was trained on surfaces alone, so expect "
-                "more error there");
+    log_warning(answer.light.missed, " of ", points, " points are above --error ", request.error,
+                "; raise --spp above ", rays_of(request));
   const std::string note = check_note(
       answer.check, request.needs_network() ? "the network's" : "the gathered", "the points");
   if (!note.empty()) log_warning(request.points, ": ", note);
@@ -83,10 +83,8 @@ void write(const ProbeRequest& request, const scene::PointTable& points, const P
   log_info(request.out, ": ", points.size(), " points in ", seconds, " s");
   if (request.tool.common.json.empty()) return;
   const nlohmann::json json = {{"scene", request.scene},
-                               {"mode", request.mode},
-                               {"indirect", request.by_paths() ? "paths" : request.indirect},
+                               {"integrator", request.integrator},
                                {"points", points.size()},
-                               {"off_surface", answer.off_surface},
                                {"above_target", answer.light.missed},
                                {"left_out_lights", answer.left_out},
                                {"check", check_json(answer.check)},
@@ -120,47 +118,40 @@ void add_probe_options(CLI::App& app, ProbeRequest* r) {
   app.add_option("--points", r->points,
                  "CSV file with the header px,py,pz,nx,ny,nz, world space, on surfaces");
   app.add_option("--out", r->out, "CSV file to write");
-  app.add_option("--mode", r->mode, "Fast answers, or the path-traced reference")
-      ->check(CLI::IsMember({"neural", "reference"}))
+  app.add_option("--integrator", r->integrator,
+                 "How light is computed. gather: rays from the points read path-traced light in an "
+                 "irradiance cache on surfaces, the least error for its time from about a thousand "
+                 "points on; network: the same rays read light that the network knows there; path: "
+                 "path tracing alone, without bias")
+      ->check(CLI::IsMember({"gather", "network", "path"}))
       ->capture_default_str();
-  app.add_option("--indirect", r->indirect,
-                 "Neural mode: who answers for indirect light: rays from the points that read "
-                 "path-traced light on surfaces (gather: the default, as it has the least error "
-                 "in its time from about a thousand points on), the same over the network's light "
-                 "(network), the network at the points themselves (decoded), or paths, as in "
-                 "reference mode")
-      ->check(CLI::IsMember({"gather", "network", "decoded", "paths"}))
-      ->capture_default_str();
-  app.add_option("--checkpoint", r->checkpoint, "Model; by default the shipped one");
-  app.add_option("--rays", r->rays,
-                 "Rays a point. Gather and network: 256 for indirect and as many for direct light; "
-                 "decoded: 64 for direct light; paths: 1024, or with --target-error their cap, "
-                 "65536")
+  app.add_option("--spp", r->spp,
+                 "Rays a point, and as many samples of direct light, or paths: by default 256, of "
+                 "path 1024, or with --error their cap, 65536")
       ->check(CLI::Range(int64_t{1}, int64_t{1} << 20));
-  app.add_option("--max-depth", r->max_depth, "Surface hits of a path")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app.add_option("--target-error", r->target_error,
-                 "Paths: relative standard error of total irradiance to reach, e.g. 0.01; "
-                 "0: fixed --rays")
-      ->check(non_negative_number());
-  app.add_option("--check", r->check,
-                 "Hold the indirect light to account by a few thousand paths, and warn where it is "
-                 "off by more than they explain; paths need none")
-      ->check(CLI::IsMember({"on", "off"}))
-      ->capture_default_str();
-  add_embedding_flags(app, &r->embedding, /*draws=*/2);
-  app.add_option("--seed", r->seed, "Seed of scene points and paths")->capture_default_str();
-  app.parse_complete_callback([&app, r] {
-    r->indirect_given = app.count("--indirect") > 0;
-    for (const char* name : kNetworkFlags) {
-      const CLI::Option* flag = app.get_option_no_throw(name);
-      if (flag != nullptr && flag->count() > 0) r->network_flag = name;
-    }
-  });
+  app.add_option("--error", r->error,
+                 "With --integrator path: relative standard error of total irradiance to reach, "
+                 "e.g. 0.01")
+      ->check(positive_number());
+  app.add_option("--checkpoint", r->checkpoint,
+                 "Model, with --integrator network; by default the shipped one");
+  add_embedding_flags(app, &r->embedding);
+  app.add_option("--seed", r->seed, "Seed of all samples")->capture_default_str();
+  r->flags = &app;
+  r->keys.add("depth", &r->max_depth, 1, 1000, "surface hits of light's path after the point");
+  r->keys.add("records", &r->records, 2, int64_t{1} << 22,
+              "of gather and network: places that the irradiance cache knows");
+  r->keys.add("check", &r->check,
+              "of gather and network: hold the indirect light to account by a few thousand paths, "
+              "and warn where it is off by more than they explain");
+  add_scene_keys(&r->keys, r);
+  add_embedding_keys(&r->keys, &r->embedding);
+  add_network_keys(&r->keys, &r->tool);
+  r->keys.add_to(&app);
+  app.parse_complete_callback([r] { r->keys.read(); });
   app.add_flag("--validate-only", r->validate_only, "Check scene, points and flags, and stop");
   add_scene_options(app, r);
-  add_tool_options(app, &r->tool);
+  add_plain_tool_options(app, &r->tool);
 }
 
 void run_probe(const ProbeRequest& request) {
@@ -194,7 +185,7 @@ void run_probe(const ProbeRequest& request) {
   const ProbeAnswer answer =
       renderer.has_light()
           ? answer_points(request, network ? &*network : nullptr, settings, points, &renderer)
-          : darkness(request, points);
+          : darkness(points);
   say(request, answer, points.size());
   write(request, points, answer, timer.seconds());
 }

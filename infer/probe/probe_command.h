@@ -2,39 +2,40 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 
 #include "infer/renderer/embedding_flags.h"
 #include "infer/tool/scene_source.h"
 #include "infer/tool/tool_options.h"
+#include "lte/cli/set_keys.h"
+#include "lte/render/integrator.h"
 
 namespace lte::infer {
 
 /// The command line as it stands.
 struct ProbeRequest : SceneSource {
   std::string points, out, checkpoint;
-  std::string mode = "neural", indirect = "gather", check = "on";
-  std::optional<int64_t> rays;  ///< nothing: as many as suit the mode
+  std::string integrator = "gather";
+  int64_t spp = 0;   ///< 0: as many as suit the integrator
+  double error = 0;  ///< relative standard error that paths are to reach; 0: none
   int max_depth = 5;
-  double target_error = 0;
+  int64_t records = render::CacheSettings().records;
+  bool check = true;
   uint64_t seed = 0;
   bool validate_only = false;
   EmbeddingFlags embedding;
   ToolOptions tool;
-  bool indirect_given = false;
-  std::string network_flag;  ///< one of the network's that stands on the command line; or empty
+  SetKeys keys;
+  CLI::App* flags = nullptr;  ///< that it was read from
 
-  bool by_paths() const { return mode == "reference" || indirect == "paths"; }
-  bool needs_network() const {
-    return !by_paths() && (indirect == "network" || indirect == "decoded");
-  }
+  bool by_paths() const { return integrator == "path"; }
+  bool needs_network() const { return integrator == "network"; }
 };
 
 void add_probe_options(CLI::App& app, ProbeRequest* request);
 
-/// Loads, asks, writes the table, and prints a line.
-/// @throws lte::Error for bad input, CLI::ValidationError for flags that do not go together.
+/// Loads, computes, writes the table, and prints a line.
+/// @throws lte::Error for bad input, also for flags that would be ignored.
 void run_probe(const ProbeRequest& request);
 
 }  // namespace lte::infer

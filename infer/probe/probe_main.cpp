@@ -11,9 +11,11 @@ int main(int argc, char** argv) {
   app.footer(
       "Examples:\n"
       "  lte_probe room.glb --points points.csv --out light.csv\n"
-      "  lte_probe room.glb --points points.csv --out light.csv --save-embedding room.safetensors\n"
-      "  lte_probe room.glb --points more.csv --out more_light.csv --embedding room.safetensors\n"
-      "  lte_probe room.glb --points points.csv --out reference.csv --mode reference --rays 4096");
+      "  lte_probe room.glb --points points.csv --out light.csv --integrator network "
+      "--save-embedding room.safetensors\n"
+      "  lte_probe room.glb --points more.csv --out more_light.csv --integrator network "
+      "--embedding room.safetensors\n"
+      "  lte_probe room.glb --points points.csv --out reference.csv --integrator path --spp 4096");
   lte::infer::ProbeRequest request;
   lte::infer::add_probe_options(app, &request);
   return lte::infer::run_network_tool(app, argc, argv, [&] {

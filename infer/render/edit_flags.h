@@ -10,17 +10,13 @@
 namespace lte::infer {
 
 struct EditFlags {
-  std::string script, video, save_scene;
+  std::string script;
 
   bool any() const { return !script.empty(); }
 };
 
-/// Adds --edit, --video and --save-scene.
+/// Adds --edit.
 void add_edit_flags(CLI::App& app, EditFlags* flags);
-
-/// Refuses flags that do not go together.
-/// @param out  --out
-void check_edit_flags(const EditFlags& flags, const std::string& out);
 
 void claim_edits(const EditFlags& flags, CommandFiles* files);
 

@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "infer/light/unreached_light.h"
-#include "infer/render/video.h"
 #include "infer/session/state.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
@@ -46,11 +45,10 @@ std::vector<View> edit_views(const EditScript& script, const scene::Scene& scene
 
 EditedFrames::EditedFrames(EditScript script, const std::vector<View>& all,
                            const scene::Scene& scene, std::optional<runtime::Network> network,
-                           SessionSettings settings, const TableSettings& table)
+                           SessionSettings settings)
     : script_(std::move(script)),
       session_(scene, std::move(network), seen_from(std::move(settings), all)),
-      player_(script_, &session_),
-      table_(table) {
+      player_(script_, &session_) {
   for (size_t i = 0; i < all.size(); ++i) frame_of_[all[i].out] = static_cast<int>(i);
 }
 
@@ -59,7 +57,6 @@ Frame EditedFrames::render(const View& view, const RenderSettings& settings, nlo
   *report = edit_json(player_.go_to(frame_of_.at(view.out)));
   say_left_out();
   (*report)["left_out_lights"] = left_out_;
-  if (settings.indirect == Indirect::Gather) return gather(view, settings, seconds);
   return session_.state()->render(view.camera, settings, seconds);
 }
 
@@ -71,28 +68,6 @@ void EditedFrames::say_left_out() {
   if (names == left_out_) return;
   left_out_ = std::move(names);
   if (!groups.empty()) log_info(left_out_note(state->scene(), groups, state->parts().cameras));
-}
-
-Frame EditedFrames::gather(const View& view, const RenderSettings& settings,
-                           StageSeconds* seconds) {
-  const StatePtr state = session_.state();
-  if (state != gathered_) {  // otherwise the camera alone has moved
-    const SessionState::Parts& parts = state->parts();
-    gatherer_.emplace(parts.bvh, parts.lights, parts.base->denoiser);
-    gathered_ = state;
-    if (gatherer_->needs(settings).table) gatherer_->make_table(table_);
-  }
-  Frame frame = gatherer_->render(view.camera, settings);
-  *seconds = std::exchange(gatherer_->seconds(), {});
-  return frame;
-}
-
-void EditedFrames::finish(const EditFlags& flags, const std::string& pattern) {
-  if (!flags.save_scene.empty()) {
-    player_.go_to(script_.frames - 1);
-    session_.state()->write_glb(flags.save_scene);
-  }
-  if (!flags.video.empty()) make_video(pattern, script_.fps, flags.video);
 }
 
 }  // namespace lte::infer

@@ -29,14 +29,12 @@ std::vector<View> edit_views(const EditScript& script, const scene::Scene& scene
 /// Renders the frames of a script, in order.
 class EditedFrames {
  public:
-  /// Encodes the scene, without light that reaches nothing that any frame sees: so a frame does not
-  /// depend on which others are made, and a camera that moves has nothing encoded anew.
+  /// Makes the light of the scene, without light that reaches nothing that any frame sees: so a
+  /// frame does not depend on which others are made, and a camera that moves has nothing made anew.
   /// @param all      the views of every frame, in order
-  /// @param network  none for Indirect::Gather
-  /// @param table    of Indirect::Gather; made anew for each frame that an edit has changed
+  /// @param network  of Method::Network, none otherwise
   EditedFrames(EditScript script, const std::vector<View>& all, const scene::Scene& scene,
-               std::optional<runtime::Network> network, SessionSettings settings,
-               const TableSettings& table);
+               std::optional<runtime::Network> network, SessionSettings settings);
 
   /// Plays the script up to the frame of `view` and renders it.
   /// @param report   the edits as JSON: what was redone, milliseconds
@@ -44,21 +42,17 @@ class EditedFrames {
   Frame render(const View& view, const RenderSettings& settings, nlohmann::json* report,
                StageSeconds* seconds);
 
-  /// Writes what the flags want beside the frames: the scene as the last frame has it, a video.
-  void finish(const EditFlags& flags, const std::string& pattern);
+  /// The scene as the last frame had it.
+  StatePtr state() const { return session_.state(); }
 
  private:
   void say_left_out();
-  Frame gather(const View& view, const RenderSettings& settings, StageSeconds* seconds);
 
   EditScript script_;
   Session session_;
   EditPlayer player_;
-  TableSettings table_;
   std::map<std::string, int> frame_of_;  ///< by file name
   std::vector<std::string> left_out_;    ///< that a line has named last
-  std::optional<Renderer> gatherer_;     ///< of the state `gathered_`, which its table is of
-  StatePtr gathered_;
 };
 
 }  // namespace lte::infer

@@ -12,37 +12,43 @@
 namespace lte::infer {
 namespace {
 
-/// Refuses what is no finite number of [low, high] in one short line.
-CLI::Validator number_within(double low, double high, const std::string& range) {
-  const auto check = [=](const std::string& text) -> std::string {
-    const char *begin = text.data(), *end = begin + text.size();
-    if (begin != end && *begin == '+') ++begin;  // from_chars takes no plus
-    double value = 0;
-    const auto read = std::from_chars(begin, end, value);
-    const bool good = read.ec == std::errc() && read.ptr == end && value >= low && value <= high;
-    return good ? "" : concat("expected a number ", range, ", got \"", text.substr(0, 40), "\"");
-  };
-  return CLI::Validator(check, "FLOAT");
+constexpr double kMinExposure = 1e-30, kMaxExposure = 1e30, kMaxStops = 100;
+
+/// "auto", "first" or a factor.
+std::string read_exposure(const std::string& text, ExposureOptions* options) {
+  options->first = text == "first";
+  options->exposure.reset();
+  if (text == "auto" || options->first) return "";
+  double value = 0;
+  const auto [at, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || at != text.data() + text.size() || !(value >= kMinExposure) ||
+      value > kMaxExposure)
+    return "expected auto, first or a factor from 1e-30 to 1e30";
+  options->exposure = value;
+  return "";
 }
 
 }  // namespace
 
-void add_exposure_options(CLI::App& app, ExposureOptions* options) {
-  app.add_option("--exposure", options->exposure,
-                 "Factor before the display curve of a PNG; by default from the picture's surfaces")
-      ->check(number_within(1e-30, 1e30, "from 1e-30 to 1e30"));
-  app.add_option("--ev", options->ev,
-                 "Stops by which to brighten beside that: +1 doubles it, -1 halves it")
-      ->check(number_within(-100, 100, "from -100 to 100"));
-  app.add_option("--tone", options->tone,
-                 "Of a PNG: how light beyond white is shown: clipped (linear), rolled off by "
-                 "luminance (reinhard), or by a film's curve (filmic)")
-      ->check(CLI::IsMember({"linear", "reinhard", "filmic"}))
-      ->capture_default_str();
+void add_exposure_keys(SetKeys* keys, ExposureOptions* options) {
+  keys->add(
+      "exposure", "auto|first|F",
+      [options](const std::string& text) { return read_exposure(text, options); },
+      [options] {
+        if (options->exposure) return concat(*options->exposure);
+        return std::string(options->first ? "first" : "auto");
+      },
+      "factor before the display curve of a PNG; auto: by each picture's surfaces; first: "
+      "all pictures take the first one's, as with --turntable and --edit");
+  keys->add("ev", &options->ev, -kMaxStops, kMaxStops,
+            "stops by which to brighten beside that: +1 doubles it, -1 halves it");
+  keys->add("tone", &options->tone, {"linear", "reinhard", "filmic"},
+            "of a PNG, light beyond white: clipped (linear), rolled off by luminance (reinhard), "
+            "or by a film's curve (filmic)");
 }
 
 float choose_exposure(const Frame& frame, Output output, const ExposureOptions& options) {
-  if (is_geometry(output)) return 1;
+  if (render::is_geometry(output)) return 1;
   const double base = options.exposure ? *options.exposure : double{frame_exposure(frame, output)};
   using Limits = std::numeric_limits<float>;
   return static_cast<float>(

@@ -27,9 +27,8 @@ void write_layers(const std::filesystem::path& path, const Frame& frame,
                   const scene::Camera* camera) {
   std::vector<image::Layer> layers{{"", &frame.color}};
   const std::pair<const char*, const Image*> named[] = {
-      {"albedo", &frame.albedo},     {"normal", &frame.normal},      {"depth", &frame.depth},
-      {"emission", &frame.emission}, {"direct", &frame.direct},      {"indirect", &frame.indirect},
-      {"total", &frame.total},       {"attention", &frame.attention}};
+      {"albedo", &frame.albedo},     {"normal", &frame.normal}, {"depth", &frame.depth},
+      {"emission", &frame.emission}, {"direct", &frame.direct}, {"indirect", &frame.indirect}};
   for (const auto& [name, picture] : named) {
     if (picture->width > 0) layers.push_back({name, picture});
   }
@@ -59,7 +58,7 @@ Image display_depth(const Image& depth) {
 }  // namespace
 
 float frame_exposure(const Frame& frame, Output output) {
-  if (is_geometry(output)) return 1;
+  if (render::is_geometry(output)) return 1;
   std::vector<uint8_t> surfaces;
   surfaces.reserve(frame.depth.pixels.size());
   for (const float depth : frame.depth.pixels) surfaces.push_back(depth > 0 ? 1 : 0);
@@ -73,7 +72,7 @@ void write_frame(const std::filesystem::path& path, const Frame& frame, Output o
   LTE_CHECK(extension == ".png", path.string(), ": expected a name that ends in .exr or .png");
   if (output == Output::Normal) return image::write_png(path, display_normal(frame));
   if (output == Output::Depth) return image::write_png(path, display_depth(frame.depth));
-  const bool light = !is_geometry(output);
+  const bool light = !render::is_geometry(output);
   image::write_png(path, image::display(frame.color, light ? exposure : 1.0f,
                                         light ? curve : image::ToneCurve::Linear));
 }

@@ -3,8 +3,9 @@
 
 #include <filesystem>
 
-#include "infer/renderer/renderer.h"
+#include "infer/renderer/render_settings.h"
 #include "lte/image/tone_curve.h"
+#include "lte/scene/scene.h"
 
 namespace lte::infer {
 
@@ -15,7 +16,7 @@ float frame_exposure(const Frame& frame, Output output);
 /// Writes a frame by the extension of `path`.
 ///
 /// An .exr holds the output as R, G, B and the layers albedo, normal, depth and emission, with
-/// direct, indirect or total where the output needed them; all linear and not exposed. With a
+/// direct and indirect where the output needed them; all linear and not exposed. With a
 /// camera, its header has that as JSON too (scene/load_camera.h). In a .png light is exposed and
 /// goes through the tone curve and sRGB, albedo goes through sRGB alone, normals map [−1, 1] to
 /// [0, 1], and depth is divided by its largest value.

@@ -26,11 +26,10 @@ constexpr size_t kMostBytes = size_t{64} << 20;
 
 /// Flags that change no pixel, or whose effect is in the fingerprints and the cameras.
 const std::set<std::string> kNoMatter = {
-    "scene",     "out",     "camera",         "cameras",    "turntable",    "resume",
-    "threads",   "quiet",   "log-file",       "json",       "checkpoint",   "embedding",
-    "help",      "version", "save-embedding", "device",     "print-config", "validate-only",
-    "limits",    "up",      "allow-outside",  "max-memory", "environment",  "environment-turn",
-    "add-light", "edit",    "video",          "save-scene", "check"};
+    "scene",   "out",           "camera",         "cameras",      "turntable",     "resume",
+    "threads", "quiet",         "log-file",       "json",         "checkpoint",    "embedding",
+    "help",    "version",       "save-embedding", "print-config", "validate-only", "limits",
+    "up",      "allow-outside", "environment",    "add-light",    "edit"};
 
 /// The pattern's file with nothing in the place of number and name, in a folder without any.
 fs::path manifest_path(const std::string& pattern) {

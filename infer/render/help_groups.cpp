@@ -11,23 +11,11 @@ struct Group {
 };
 
 std::vector<Group> groups() {
-  return {{"Picture", {"--out", "--size", "--output", "--point", "--validate-only"}},
-          {"Cameras and sequences",
-           {"--camera", "--turntable", "--resume", "--edit", "--video", "--save-scene"}},
-          {"Exposure and tone", {"--exposure", "--ev", "--tone", "--one-exposure"}},
-          {"Who computes the light, and how well",
-           {"--mode", "--indirect", "--quality", "--time-budget", "--denoise", "--spp",
-            "--max-depth", "--check", "--metal", "--untrained-light", "--seed"}},
-          {"The scene and its light",
-           {"--environment", "--environment-turn", "--add-light", "--up", "--allow-outside",
-            "--limits"}},
-          {"The network",
-           {"--checkpoint", "--scene-points", "--prune", "--draws", "--embedding",
-            "--save-embedding", "--rescale", "--device", "--precision", "--max-memory"}},
-          {"Fine control of one method",
-           {"--direct-samples", "--adaptive-direct", "--aa", "--sparse", "--correction-paths",
-            "--gather-rays", "--table-points", "--keep-light", "--reflections"}},
-          {"Output attention", {"--block", "--head"}}};
+  return {{"Picture", {"--out", "--size", "--output", "--validate-only"}},
+          {"Cameras and sequences", {"--camera", "--turntable", "--edit", "--resume"}},
+          {"Light", {"--integrator", "--quality", "--time", "--spp", "--seed", "--set"}},
+          {"The network", {"--checkpoint", "--embedding", "--save-embedding"}},
+          {"The scene", {"--up", "--environment", "--add-light", "--allow-outside", "--limits"}}};
 }
 
 }  // namespace

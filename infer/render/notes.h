@@ -4,12 +4,13 @@
 #include <filesystem>
 #include <string>
 
+#include "infer/check/light_check.h"
 #include "infer/renderer/renderer.h"
 #include "lte/cli/progress.h"
 
 namespace lte::infer {
 
-/// Lets `settings` tell of the pixels that are done, until it is destroyed. Nothing under --quiet.
+/// Shows how far a picture is, until it is destroyed. Nothing under --quiet.
 class PictureProgress {
  public:
   explicit PictureProgress(RenderSettings* settings);
@@ -20,18 +21,15 @@ class PictureProgress {
  private:
   RenderSettings* settings_;
   Progress progress_;
+  int64_t shown_ = 0;
 };
 
-/// The word of --indirect for how a picture's light is made.
-const char* method_word(const RenderSettings& settings, TableLight table);
-
-/// Says in a line how indirect light is made; nothing for pictures without any.
+/// Says in a line how indirect light is computed; nothing for pictures without any.
 /// @param model  the file of the network, where one is used
 void say_method(const std::filesystem::path& model, const Renderer& renderer,
-                const RenderSettings& settings, const TableSettings& table);
+                const RenderSettings& settings, Method records, int64_t count);
 
-/// Says how much of what is seen is metal, and what stands for it. A warning where that is not what
-/// paths would show.
+/// Says how much of what is seen is metal, which is path-traced.
 void report_metal(const std::string& scene, const RenderSettings& settings, const Frame& frame);
 
 /// Warns of a picture that is black although its camera sees surfaces and the scene has light.
@@ -39,7 +37,6 @@ void report_darkness(const std::string& scene, const std::string& camera, Output
                      const Frame& frame);
 
 /// Warns where a picture's light was checked and found wrong.
-/// @param by_network  the network has answered, at pixels or in the table
-void report_check(const std::string& picture, bool by_network, const LightCheck& check);
+void report_check(const std::string& picture, Method records, const LightCheck& check);
 
 }  // namespace lte::infer

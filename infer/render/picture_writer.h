@@ -7,8 +7,7 @@
 #include <future>
 #include <optional>
 
-#include "infer/picture/frame.h"
-#include "infer/picture/output.h"
+#include "infer/renderer/render_settings.h"
 #include "lte/image/tone_curve.h"
 #include "lte/scene/scene.h"
 

@@ -1,43 +1,27 @@
 #include "infer/render/render_request.h"
 
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <tuple>
 
 #include "infer/render/frame_io.h"
 #include "infer/render/help_groups.h"
-#include "infer/render/time_budget.h"
 #include "infer/tool/picture_size.h"
+#include "infer/tool/tool_keys.h"
 #include "lte/base/check.h"
-#include "lte/cli/numbers.h"
 #include "lte/scene/load_camera.h"
 
 namespace lte::infer {
 namespace {
 
-constexpr int kMostSubHits = 256;
-
-std::string check_picture(const std::string& path) {
+std::string check_picture_name(const std::string& path) {
   return is_picture_path(path) ? "" : concat("\"", path, "\" ends neither in .exr nor in .png");
 }
 
-/// "off" -> 0, "8" -> 8; -1 if it is anything else.
-int parse_antialias(const std::string& text) {
-  if (text == "off") return 0;
-  int hits = 0;
-  const auto [at, error] = std::from_chars(text.data(), text.data() + text.size(), hits);
-  const bool whole = error == std::errc() && at == text.data() + text.size();
-  return whole && hits >= 1 && hits <= kMostSubHits ? hits : -1;
-}
-
-std::string check_antialias(const std::string& text) {
-  if (parse_antialias(text) >= 0) return "";
-  return concat("\"", text, "\": expected off, or hits a pixel from 1 to ", kMostSubHits);
-}
-
-std::string check_time_budget(const std::string& text) {
+std::string check_time(const std::string& text) {
   try {
-    parse_time_budget(text);
+    parse_time(text);
     return "";
   } catch (const Error& error) {
     return error.what();
@@ -50,181 +34,173 @@ std::string default_picture(const RenderRequest& r) {
   return std::filesystem::path(r.scene).stem().string() + (several ? "_%02d.png" : ".png");
 }
 
-/// Which flags win over the quality, and where the picture goes.
-void note_given(const CLI::App& app, RenderRequest* r) {
-  if (r->out.empty() && (!r->validate_only || r->output == "incident")) {
-    r->out = default_picture(*r);
-    r->named_by_scene = true;
-  }
-  r->given.direct_samples = app.count("--direct-samples") > 0;
-  r->given.antialias = app.count("--aa") > 0;
-  r->given.sparse = app.count("--sparse") > 0;
-  r->given.gather_rays = r->gather.rays != 0;
-  r->given.correction_paths = r->gather.paths >= 0;
-}
-
-}  // namespace
-
-RenderSettings settings_of(const RenderRequest& request) {
-  RenderSettings settings;
-  settings.output = parse_enum<Output>("--output", request.output);
-  settings.mode = parse_enum<Mode>("--mode", request.mode);
-  std::tie(settings.width, settings.height) = parse_picture_size(request.size);
-  settings.direct_samples = request.direct_samples;
-  settings.adaptive_direct = request.adaptive_direct;
-  settings.denoise = parse_enum<Denoise>("--denoise", request.denoise);
-  settings.spp = request.spp;
-  settings.max_depth = request.max_depth;
-  settings.seed = request.seed;
-  settings.antialias = parse_antialias(request.antialias);
-  settings.metal = parse_enum<Metal>("--metal", request.metal);
-  settings.reflections = request.reflections;
-  settings.layers = keeps_layers(request.out) || settings.output == Output::Attention;
-  // A picture of what the network attends to is painted on what it decodes.
-  settings.indirect =
-      settings.output == Output::Attention ? Indirect::Decoded : indirect_of(request.gather);
-  if (request.given.gather_rays) settings.gather.rays = request.gather.rays;
-  if (request.given.correction_paths) settings.correction_paths = request.gather.paths;
-  return with_quality(parse_enum<Quality>("--quality", request.quality),
-                      parse_enum<Sparse>("--sparse", request.sparse), request.given, settings);
-}
-
-void check_dial(const RenderRequest& request) {
-  const IndirectMethod method = indirect_method(request.gather);
-  check_gather_flags(*request.flags, request.gather, request.mode == "neural",
-                     request.output == "attention");
-  LTE_CHECK(request.time_budget.empty() || request.mode == "neural",
-            "--time-budget needs --mode neural: a reference takes --spp paths a pixel");
-  LTE_CHECK(request.gather.paths <= 0 || method != IndirectMethod::Decoded ||
-                (request.output == "full" && request.time_budget.empty()),
-            "--correction-paths with --indirect decoded needs --output full, and goes with no "
-            "--time-budget");
-  LTE_CHECK(
-      request.metal != "network" ||
-          (request.mode == "neural" && method == IndirectMethod::Decoded && !request.edit.any()),
-      "--metal network needs --mode neural and --indirect decoded, and goes with no --edit");
-  LTE_CHECK(request.sparse != "on" || request.mode == "neural",
-            "--sparse on needs --mode neural: a reference asks every pixel");
-}
-
-void add_render_options(CLI::App& app, RenderRequest* r) {
-  r->flags = &app;
+void add_picture_options(CLI::App& app, RenderRequest* r) {
   app.add_option("scene", r->scene, "Scene to render: .gltf, .glb, .pbrt, .obj or .ply")
       ->required();
   app.add_option("--out", r->out,
                  "Picture to write: .exr (linear, with layers) or .png; with several cameras a "
                  "pattern, %d or %04d for the number and {name} for the camera's name. By default "
                  "SCENE's name with .png in the working folder, where nothing may have that name")
-      ->check(CLI::Validator(check_picture, "FILE.exr|FILE.png"));
-  app.add_option("--camera,--cameras", r->camera,
+      ->check(CLI::Validator(check_picture_name, "FILE.exr|FILE.png"));
+  app.add_option("--size", r->size, "Picture size")
+      ->check(CLI::Validator(check_picture_size, "WxH"))
+      ->capture_default_str();
+  app.add_option("--output", r->output,
+                 "What to show; gi is reflected indirect light, irradiance is it untextured")
+      ->check(CLI::IsMember({"full", "gi", "irradiance", "direct", "albedo", "normal", "depth"}))
+      ->capture_default_str();
+  app.add_flag("--validate-only", r->validate_only,
+               "Check scene, camera and flags, and write nothing");
+  app.add_option("--camera", r->camera,
                  concat(scene::kCameraHelp, "; by default the scene's first camera, else auto"));
   app.add_option("--turntable", r->turntable,
                  "So many cameras that turn around the scene, or in place inside a room, from the "
                  "one of --camera (by default auto) on; --out is a pattern")
       ->check(CLI::Range(1, 100'000));
+  add_edit_flags(app, &r->edit);
   app.add_flag("--resume", r->resume,
                "Several pictures: keep those that exist and make the rest, if they were made with "
                "the same settings; without it a picture that exists is an error");
-  app.add_option("--size", r->size, "Picture size")
-      ->check(CLI::Validator(check_picture_size, "WxH"))
+}
+
+void add_light_options(CLI::App& app, RenderRequest* r) {
+  app.add_option("--integrator", r->integrator,
+                 "How indirect light is computed. gather: rays from each pixel read path-traced "
+                 "light in an irradiance cache on surfaces, the least error for its time; "
+                 "network: the same rays read light that the network knows there; path: path "
+                 "tracing alone, without bias")
+      ->check(CLI::IsMember({"gather", "network", "path"}))
       ->capture_default_str();
-  app.add_option(
-         "--output", r->output,
-         "What to show; gi is reflected indirect light, irradiance is it untextured, "
-         "attention what the network looks at for --point, incident is radiance by direction "
-         "at --point, the network's beside the traced")
-      ->check(CLI::IsMember({"full", "gi", "irradiance", "direct", "albedo", "normal", "depth",
-                             "attention", "incident"}))
-      ->capture_default_str();
-  app.add_option("--point", r->point,
-                 "Of --output attention and incident: a place in metres, of which the nearest "
-                 "surface point is shown")
-      ->delimiter(',')
-      ->expected(3)
-      ->type_name("X,Y,Z");
-  app.add_option("--mode", r->mode,
-                 "Indirect light as --indirect says, or the path-traced reference of the same "
-                 "quantity")
-      ->check(CLI::IsMember({"neural", "reference"}))
-      ->capture_default_str();
-  app.add_option(
-         "--quality", r->quality,
-         "Neural mode, how long a picture takes, flags by hand win: draft (8 gather rays at "
-         "a quarter of the pixels), preview (16 of them) or final (32 rays at each pixel, "
-         "corrected by paths); docs/pictures.md has what is decoded")
-      ->check(CLI::IsMember({"draft", "preview", "final"}))
-      ->capture_default_str();
-  app.add_option("--time-budget", r->time_budget,
-                 "Neural mode: instead of --quality, the best that is ready in a time such as 0.5s "
-                 "or 200ms, encoding included; reading the scene and writing the picture are not")
-      ->check(CLI::Validator(check_time_budget, "TIME"))
-      ->excludes("--quality");
-  app.add_option("--sparse", r->sparse,
-                 "Neural mode: ask the network at few pixels and interpolate between them (on), at "
-                 "every pixel (off), or as the quality has it (auto)")
-      ->check(CLI::IsMember({"auto", "off", "on"}))
-      ->capture_default_str();
-  app.parse_complete_callback([&app, r] { note_given(app, r); });
-  app.add_option(
-         "--aa", r->antialias,
-         "Hits a pixel at edges, which share the answers of pixels; or off. A full reference "
-         "spreads its paths over the pixel instead")
-      ->check(CLI::Validator(check_antialias, "off|N"))
-      ->capture_default_str();
-  app.add_option("--metal", r->metal,
-                 "Neural mode: what stands for metal: paths (--spp a pixel), a matt surface of its "
-                 "color, black, or network: paths for direct light, and a model with a radiance "
-                 "decoder for what has bounced")
-      ->check(CLI::IsMember({"diffuse", "black", "trace", "network"}))
-      ->capture_default_str();
-  app.add_option("--reflections", r->reflections,
-                 "Of --metal network: directions a pixel that radiance is asked from")
-      ->check(CLI::Range(1, 4096))
-      ->capture_default_str();
-  app.add_option("--untrained-light", r->untrained_light,
-                 "Neural mode: who answers for indirect light in a scene with directional lights "
-                 "or an environment if the model was trained without any: paths (--spp a pixel), "
-                 "or the network, wrongly")
-      ->check(CLI::IsMember({"trace", "network"}))
-      ->capture_default_str();
-  app.add_option("--spp", r->spp,
-                 "Paths a pixel: in reference mode, for metal, and for untrained light")
+  CLI::Option* const quality =
+      app.add_option("--quality", r->quality,
+                     "How long it takes: draft (1 pass), preview (4) or final (16, with paths that "
+                     "correct gathered light)")
+          ->check(CLI::IsMember({"draft", "preview", "final"}))
+          ->capture_default_str();
+  CLI::Option* const time =
+      app.add_option("--time", r->time,
+                     "Passes until such a time is over, as 0.5s or 200ms: cache, encoding and "
+                     "denoising included, reading the scene and writing the picture not")
+          ->check(CLI::Validator(check_time, "TIME"))
+          ->excludes(quality);
+  app.add_option("--spp", r->spp, "With --integrator path: so many paths a pixel")
       ->check(CLI::Range(1, 1 << 24))
-      ->capture_default_str();
-  app.add_option("--max-depth", r->max_depth, "Of these paths: surface hits after the first")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app.add_option("--direct-samples", r->direct_samples, "Neural mode: shadow rays a pixel")
-      ->check(CLI::Range(1, 1 << 20))
-      ->capture_default_str();
-  app.add_flag("--adaptive-direct", r->adaptive_direct,
-               "Neural mode: share the shadow rays out, more where penumbrae are; "
-               "--direct-samples is their mean");
-  app.add_option("--denoise", r->denoise,
-                 "Take noise out of direct light, or with --mode reference out of all light, by "
-                 "Open Image Denoise where it is found ($LTE_OIDN), else by a filter of lte's; "
-                 "auto: in neural mode up to 16 shadow rays a pixel")
-      ->check(CLI::IsMember({"auto", "on", "off"}))
-      ->capture_default_str();
-  add_gather_options(app, &r->gather);
-  app.add_option("--checkpoint", r->checkpoint, "Model; by default the shipped one");
-  app.add_option("--check", r->check,
-                 "Neural mode: hold the indirect light to account by a few thousand paths, and "
-                 "warn where it is off by more than they explain")
-      ->check(CLI::IsMember({"on", "off"}))
-      ->capture_default_str();
+      ->excludes(quality)
+      ->excludes(time);
+  app.add_option("--seed", r->seed, "Seed of all samples")->capture_default_str();
+  app.add_option("--checkpoint", r->checkpoint,
+                 "Model, with --integrator network; by default the shipped one");
   add_embedding_flags(app, &r->embedding);
-  add_edit_flags(app, &r->edit);
-  add_attention_flags(app, &r->attention);
-  add_exposure_options(app, &r->exposure);
-  app.add_flag("--one-exposure", r->one_exposure,
-               "Several pictures: all take the exposure of the first, as with --turntable");
-  app.add_option("--seed", r->seed, "Seed of scene points and light samples")
-      ->capture_default_str();
-  app.add_flag("--validate-only", r->validate_only,
-               "Check scene, camera and flags, and write nothing");
+  app.get_option("--edit")->excludes("--embedding")->excludes("--save-embedding");
+}
+
+void add_keys(RenderRequest* r) {
+  SetKeys& keys = r->keys;
+  RenderSettings& s = r->settings;
+  keys.add("denoise", &s.denoise,
+           "take noise out, by Open Image Denoise where it is found ($LTE_OIDN), else by a filter "
+           "of lte's");
+  keys.add("depth", &s.max_depth, 1, 1000,
+           "surface hits of light's path after the first one that the camera sees");
+  keys.add("gather_rays", &s.gather_rays, 1, 1 << 14,
+           "of gather and network: rays a pixel, a pass");
+  keys.add("light_samples", &s.light_samples, 1, 1 << 14,
+           "of gather and network: samples of direct light a pixel, a pass");
+  keys.add("records", &r->records, 2, int64_t{1} << 22,
+           "of gather and network: places that the irradiance cache knows");
+  keys.add("correct", &s.correct,
+           "of gather and network: paths correct what they say, from the ninth pass on");
+  keys.add("check", &r->check,
+           "of gather and network: hold the indirect light to account by a few thousand paths, and "
+           "warn where it is off by more than they explain");
+  add_exposure_keys(&keys, &r->exposure);
+  add_scene_keys(&keys, r);
+  add_embedding_keys(&keys, &r->embedding);
+  add_network_keys(&keys, &r->tool);
+}
+
+/// The first of these flags that stands on the command line; null if none does.
+const char* first_given(const CLI::App& app, std::initializer_list<const char*> flags) {
+  for (const char* name : flags) {
+    if (app.count(name) > 0) return name;
+  }
+  return nullptr;
+}
+
+const char* first_set(const SetKeys& keys, std::initializer_list<const char*> names) {
+  for (const char* name : names) {
+    if (keys.is_given(name)) return name;
+  }
+  return nullptr;
+}
+
+/// Whatever is given has an effect.
+void check_used(const RenderRequest& r, Method method, Output output) {
+  const CLI::App& app = *r.flags;
+  const bool lit = !render::is_geometry(output);
+  if (!lit) {
+    const char* const flag = first_given(app, {"--integrator", "--quality", "--time", "--spp"});
+    LTE_CHECK(flag == nullptr, flag, " goes with a picture of light, not --output ", r.output);
+  }
+  const char* const network = first_given(app, {"--checkpoint", "--embedding", "--save-embedding"});
+  LTE_CHECK(network == nullptr || method == Method::Network, network,
+            " goes with --integrator network: ", r.integrator, " needs no model");
+  const char* const network_key =
+      first_set(r.keys, {"scene_points", "prune", "rescale", "device", "precision"});
+  LTE_CHECK(network_key == nullptr || method == Method::Network, "--set ", network_key,
+            " goes with --integrator network: ", r.integrator, " needs no model");
+  const char* const gather_key =
+      first_set(r.keys, {"gather_rays", "light_samples", "records", "correct", "check"});
+  LTE_CHECK(gather_key == nullptr || method != Method::Path, "--set ", gather_key,
+            " goes with --integrator gather or network, not path");
+  LTE_CHECK(r.spp == 0 || method == Method::Path,
+            "--spp goes with --integrator path: gather and network take --quality or --time");
+  const bool png = !keeps_layers(r.out);
+  const char* const shown = first_set(r.keys, {"exposure", "ev", "tone"});
+  LTE_CHECK(shown == nullptr || png || r.out.empty(), "--set ", shown,
+            " goes with a .png: an .exr has linear light");
+}
+
+}  // namespace
+
+double parse_time(const std::string& text) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [at, error] = std::from_chars(text.data(), end, value);
+  const std::string unit(at, end);
+  const bool known = error == std::errc() && (unit == "s" || unit == "ms");
+  LTE_CHECK(known && std::isfinite(value) && value > 0, "\"", text,
+            "\": expected a time such as 0.5s or 200ms");
+  return unit == "s" ? value : value / 1000;
+}
+
+RenderSettings settings_of(const RenderRequest& request) {
+  RenderSettings settings = request.settings;
+  settings.output = parse_enum<Output>("--output", request.output);
+  settings.method = parse_enum<Method>("--integrator", request.integrator);
+  check_used(request, settings.method, settings.output);
+  std::tie(settings.width, settings.height) = parse_picture_size(request.size);
+  settings.seed = request.seed;
+  settings = with_quality(parse_enum<Quality>("--quality", request.quality), settings);
+  if (!request.time.empty()) settings = with_time(parse_time(request.time), settings);
+  if (request.spp > 0) settings = with_paths(request.spp, settings);
+  return settings;
+}
+
+void add_render_options(CLI::App& app, RenderRequest* r) {
+  r->flags = &app;
+  add_picture_options(app, r);
+  add_light_options(app, r);
+  add_keys(r);
+  r->keys.add_to(&app);
+  app.parse_complete_callback([r] {
+    r->keys.read();
+    if (!r->out.empty() || r->validate_only) return;
+    r->out = default_picture(*r);
+    r->named_by_scene = true;
+  });
   add_scene_options(app, r);
-  add_tool_options(app, &r->tool);
+  add_plain_tool_options(app, &r->tool);
   group_render_flags(&app);
 }
 

@@ -2,19 +2,18 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
-#include "infer/render/attention_flags.h"
 #include "infer/render/edit_flags.h"
 #include "infer/render/exposure.h"
-#include "infer/render/gather_flags.h"
-#include "infer/render/quality.h"
 #include "infer/renderer/embedding_flags.h"
 #include "infer/renderer/renderer.h"
 #include "infer/tool/scene_source.h"
 #include "infer/tool/tool_options.h"
+#include "lte/cli/set_keys.h"
 
 namespace lte::infer {
 
@@ -24,37 +23,30 @@ struct RenderRequest : SceneSource {
   bool named_by_scene = false;  ///< `out`, where --out is not given: never replaces a file
   int turntable = 0;            ///< cameras; 0: no turntable
   bool resume = false;
-  bool one_exposure = false;  ///< that of the first picture is that of all
   EmbeddingFlags embedding;
   EditFlags edit;
-  AttentionFlags attention;
   std::string size = "512x512";
-  std::string output = "full", mode = "neural";
-  std::vector<float> point;  ///< X, Y, Z of outputs "attention" and "incident"; empty: not given
-  int spp = 64, max_depth = 5, direct_samples = 64;
+  std::string output = "full", integrator = "gather", quality = "final";
+  std::string time;  ///< "0.5s" or "200ms"; empty: the quality's passes
+  int spp = 0;       ///< 0: the quality's passes
   uint64_t seed = 0;
   bool validate_only = false;
-  bool adaptive_direct = false;
-  std::string denoise = "auto";
-  std::string antialias = std::to_string(kAntialias), metal = "trace";
-  int reflections = kReflections;
-  std::string untrained_light = "trace";  ///< "trace" or "network"
-  std::string quality = "final", sparse = "auto";
-  GatherFlags gather;
-  std::string check = "on";
-  std::string time_budget;  ///< "0.5s" or "200ms"; empty: none, `quality` counts
-  GivenFlags given;         ///< flags of the quality that stand on the command line
+  RenderSettings settings;  ///< what keys set
+  int64_t records = render::CacheSettings().records;
+  bool check = true;
   ExposureOptions exposure;
   ToolOptions tool;
+  SetKeys keys;
   CLI::App* flags = nullptr;  ///< that it was read from: frames remember their flags
 };
 
 void add_render_options(CLI::App& app, RenderRequest* request);
 
-/// What it asks of a picture, but for what a time budget decides.
+/// What it asks of a picture.
+/// @throws lte::Error of one line for flags and keys that would be ignored
 RenderSettings settings_of(const RenderRequest& request);
 
-/// @throws lte::Error naming a flag that needs --mode neural, or --indirect gather
-void check_dial(const RenderRequest& request);
+/// "0.5s" -> 0.5, "200ms" -> 0.2. @throws lte::Error for anything else.
+double parse_time(const std::string& text);
 
 }  // namespace lte::infer

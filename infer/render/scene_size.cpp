@@ -23,11 +23,12 @@ void check_size(const std::string& name, const scene::Scene& scene, const runtim
   network.check_fits(extent, rescale);
   if (rescale && extent < network.least_extent()) {
     log_info(name, ": spans ", extent, " m; for the network alone it is enlarged to ",
-             network.least_extent(), " m, as the least that it knows (--no-rescale: as it is)");
+             network.least_extent(),
+             " m, as the least that it knows (--set rescale=off: as it is)");
   }
   if (extent <= known) return;
   log_info(name, ": spans ", extent, " m; for the network alone it is shrunk to the ", known,
-           " m that the model knows (--no-rescale refuses instead)");
+           " m that the model knows (--set rescale=off refuses instead)");
 }
 
 }  // namespace lte::infer

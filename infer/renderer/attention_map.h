@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "infer/picture/frame.h"
 #include "lte/base/math.h"
 #include "lte/runtime/attention.h"
 #include "lte/scene/scene.h"
@@ -58,14 +57,5 @@ struct AttentionMap {
 ///         it has
 AttentionMap attention_map(const runtime::SceneAttention& inside, const SurfacePoint& point,
                            const AttentionChoice& choice);
-
-/// Paints surfaces by what lies between the latents' values, and a ring around `mark`. Sets `color`
-/// and `attention` of the frame.
-///
-/// Grey is 0; from violet over red and yellow to near white goes the value, up to the map's most.
-/// Darker is what is seen at a slant.
-/// @param frame  with normals and depth
-void paint_attention(const runtime::SceneAttention& inside, const AttentionMap& map,
-                     const Vec3& mark, const scene::Camera& camera, Frame* frame);
 
 }  // namespace lte::infer

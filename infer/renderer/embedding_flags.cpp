@@ -8,26 +8,7 @@
 
 namespace lte::infer {
 
-void add_embedding_flags(CLI::App& app, EmbeddingFlags* flags, int draws) {
-  flags->draws = draws;
-  app.add_option("--scene-points", flags->scene_points,
-                 "Scene points shown to the network; 0 for as many as in training")
-      ->check(CLI::Range(int64_t{0}, int64_t{1} << 28));
-  app.add_option(
-         "--prune", flags->prune,
-         "Show the network only surfaces that light reaches, and only light that reaches what is "
-         "seen or asked about; auto: as in its training")
-      ->check(CLI::IsMember({"auto", "on", "off"}))
-      ->capture_default_str();
-  app.add_flag(
-      "--rescale,!--no-rescale", flags->rescale,
-      "Shrink a scene larger than the model knows and enlarge one that is much smaller, for "
-      "the network only (the default), or refuse the first and leave the second");
-  app.add_option("--draws", flags->draws,
-                 "Embeddings to ask, each of scene points and light estimates of its own, in as "
-                 "many times the time: the answer is their mean")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
+void add_embedding_flags(CLI::App& app, EmbeddingFlags* flags) {
   CLI::Option* load = app.add_option(
       "--embedding", flags->load,
       "Read the scene's embedding from this file of --save-embedding instead of making it; one of "
@@ -36,9 +17,15 @@ void add_embedding_flags(CLI::App& app, EmbeddingFlags* flags, int draws) {
       ->excludes(load);
 }
 
-void check_draws(const EmbeddingFlags& flags) {
-  LTE_CHECK(flags.draws == 1 || !flags.has_file(), "--draws ", flags.draws,
-            " and --embedding or --save-embedding: a file holds one embedding");
+void add_embedding_keys(SetKeys* keys, EmbeddingFlags* flags) {
+  keys->add("scene_points", &flags->scene_points, 0, int64_t{1} << 28,
+            "scene points shown to the network; 0: as many as in training");
+  keys->add("prune", &flags->prune, {"auto", "on", "off"},
+            "show the network only surfaces that light reaches, and only light that reaches what "
+            "is seen; auto: as in its training");
+  keys->add("rescale", &flags->rescale,
+            "shrink a scene larger than the model knows and enlarge one that is much smaller, for "
+            "the network only; off: refuse the first, leave the second");
 }
 
 void claim_embedding(const EmbeddingFlags& flags, CommandFiles* files) {
@@ -52,7 +39,6 @@ EmbedSettings embed_settings(const EmbeddingFlags& flags, uint64_t seed,
   settings.scene_points = flags.scene_points;
   settings.seed = seed;
   settings.rescale = flags.rescale;
-  settings.draws = flags.draws;
   if (flags.prune != "auto") settings.prune = flags.prune == "on";
   settings.memory = memory;
   return settings;

@@ -1,6 +1,5 @@
-// Flags of a scene's embedding: what it is made of (--scene-points, --prune, --rescale), how many
-// there are (--draws), and a file that keeps one from one run to the next (--embedding,
-// --save-embedding).
+// A scene's embedding as command lines have it: what it is made of (keys scene_points, prune and
+// rescale), and a file that keeps it from one run to the next (--embedding, --save-embedding).
 #pragma once
 
 #include <cstdint>
@@ -12,6 +11,7 @@
 #include "infer/renderer/left_out_light.h"
 #include "infer/renderer/renderer.h"
 #include "lte/cli/command_files.h"
+#include "lte/cli/set_keys.h"
 #include "lte/runtime/embedding_file.h"
 
 namespace lte::infer {
@@ -20,19 +20,15 @@ struct EmbeddingFlags {
   int64_t scene_points = 0;  ///< 0: as many as in the model's training
   std::string prune = "auto";
   bool rescale = true;
-  int draws = 1;
   std::string load, save;  ///< files; empty: none
 
   bool has_file() const { return !load.empty() || !save.empty(); }
 };
 
-/// Adds the flags. The two of files exclude each other.
-/// @param draws  the default of --draws
-void add_embedding_flags(CLI::App& app, EmbeddingFlags* flags, int draws = 1);
-
-/// For tools that show one answer: a file holds one embedding.
-/// @throws lte::Error for several draws and a file.
-void check_draws(const EmbeddingFlags& flags);
+/// Adds the flags, which exclude each other.
+void add_embedding_flags(CLI::App& app, EmbeddingFlags* flags);
+/// Adds the keys.
+void add_embedding_keys(SetKeys* keys, EmbeddingFlags* flags);
 
 void claim_embedding(const EmbeddingFlags& flags, CommandFiles* files);
 

@@ -1,14 +1,63 @@
 #include "infer/renderer/renderer.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "infer/light/lit_samples.h"
 #include "infer/light/untrained_light.h"
-#include "infer/renderer/picture_job.h"
 #include "lte/base/check.h"
 #include "lte/base/timer.h"
+#include "lte/render/picture.h"
+#include "lte/render/progressive.h"
+#include "lte/runtime/refusal.h"
 
 namespace lte::infer {
+namespace {
+
+/// Bytes a pixel of the picture's layers, and of the denoiser's copies of them.
+constexpr double kFrameBytes = 76, kDenoiserBytes = 100;
+/// Open Image Denoise, which works in tiles beyond its limit (image/oidn.cpp).
+constexpr double kOidnBytes = 600, kMaxOidnMib = 768;
+
+/// A picture in a given time is corrected by paths, which takes denoising twice more, where it may
+/// take so many times as long as denoising once.
+constexpr double kCorrectedFrom = 12;
+/// A side of the picture that a denoiser is timed by.
+constexpr int kTimedSide = 128;
+
+}  // namespace
+
+RenderSettings with_quality(Quality quality, RenderSettings settings) {
+  switch (quality) {
+    case Quality::Draft:
+      settings.passes = 1;
+      settings.denoise_quality = image::OidnQuality::Fast;
+      break;
+    case Quality::Preview:
+      settings.passes = 4;
+      settings.denoise_quality = image::OidnQuality::Balanced;
+      break;
+    case Quality::Final:
+      settings.passes = 16;
+      settings.denoise_quality = image::OidnQuality::High;
+      break;
+  }
+  return settings;
+}
+
+RenderSettings with_time(double seconds, RenderSettings settings) {
+  settings.passes = std::numeric_limits<int>::max();
+  settings.seconds = seconds;
+  settings.denoise_quality = image::OidnQuality::Balanced;
+  return settings;
+}
+
+RenderSettings with_paths(int spp, RenderSettings settings) {
+  settings.passes = std::min(spp, 2);
+  settings.path_samples = (spp + 1) / 2;
+  return settings;
+}
 
 Renderer::Renderer(const scene::Scene& scene)
     : Renderer(std::make_shared<pathtrace::Bvh>(scene), std::make_shared<pathtrace::Lights>(scene),
@@ -24,56 +73,26 @@ Renderer::Renderer(std::shared_ptr<const pathtrace::Bvh> bvh,
       denoiser_(std::move(denoiser)) {}
 
 void Renderer::embed(const runtime::Network& network, const EmbedSettings& settings) {
-  draws_.clear();  // those of before and the new ones would need twice the memory
-  seconds_.sample = seconds_.light = seconds_.encode = 0;
-  pruned_points_ = {};
+  embedding_.reset();  // that of before and the new one would need twice the memory
   left_out_ = settings.prunes(network) ? settings.unreached : std::vector<int>();
-  EmbedSettings draw = settings;
-  for (int k = 0; k < settings.draws; ++k, ++draw.seed) draws_.add(encode(network, draw));
-}
-
-std::shared_ptr<const runtime::SceneEmbedding> Renderer::encode(const runtime::Network& network,
-                                                                const EmbedSettings& settings) {
   Timer timer;
   const int64_t count =
       settings.scene_points > 0 ? settings.scene_points : network.metadata().scene_points;
-  pathtrace::PruneCounts pruned;
-  scene::SurfaceSamples samples = sample_scene_points(bvh_, count, settings.prunes(network),
-                                                      settings.seed, &pruned, {}, left_out_);
-  pruned_points_.drawn += pruned.drawn;
-  pruned_points_.pruned += pruned.pruned;
+  pruned_points_ = {};
+  scene::SurfaceSamples samples = sample_scene_points(
+      bvh_, count, settings.prunes(network), settings.seed, &pruned_points_, {}, left_out_);
   leave_out_untrained_suns(bvh_.scene(), network.metadata(), &samples, left_out_);
-  seconds_.sample += timer.seconds();
+  seconds_.sample = timer.seconds();
   timer.restart();
   LitSamples lit = add_light_estimates(bvh_, lights_, std::move(samples), network.light_request(),
                                        settings.seed, left_out_);
   solve_traced_lights(bvh_, lights_, network.config(), settings.seed, left_out_, &lit);
-  seconds_.light += timer.seconds();
+  seconds_.light = timer.seconds();
   timer.restart();
-  auto embedding = std::make_shared<const runtime::SceneEmbedding>(
+  embedding_ = std::make_shared<const runtime::SceneEmbedding>(
       network, lit.points(),
       runtime::EncodeOptions{settings.rescale, {}, settings.memory, settings.record_attention});
-  seconds_.encode += timer.seconds();
-  return embedding;
-}
-
-void Renderer::make_table(const TableSettings& settings) {
-  const Timer timer;
-  table_.reset();  // two at a time would need twice the memory
-  kept_.reset();
-  table_ =
-      std::make_shared<const gi::RadiosityTable>(make_light_table(bvh_, lights_, draws_, settings));
-  seconds_.table = timer.seconds();
-}
-
-void Renderer::set_table(std::shared_ptr<const gi::RadiosityTable> table) {
-  table_ = std::move(table);
-  kept_.reset();
-}
-
-const gi::RadiosityTable& Renderer::table() const {
-  LTE_CHECK(table_ != nullptr, "there is no table of light: make_table() comes first");
-  return *table_;
+  seconds_.encode = timer.seconds();
 }
 
 void Renderer::set_embedding(runtime::SceneEmbedding embedding) {
@@ -83,23 +102,126 @@ void Renderer::set_embedding(runtime::SceneEmbedding embedding) {
 void Renderer::set_embedding(std::shared_ptr<const runtime::SceneEmbedding> embedding) {
   pruned_points_ = {};
   left_out_.clear();
-  draws_.clear();
-  draws_.add(std::move(embedding));
+  embedding_ = std::move(embedding);
 }
 
-PictureNeeds Renderer::needs(const RenderSettings& settings) const {
-  return needs_of(settings, has_light());
+const std::shared_ptr<const runtime::SceneEmbedding>& Renderer::shared_embedding() const {
+  LTE_CHECK(embedding_ != nullptr, "the network has no embedding of the scene yet");
+  return embedding_;
+}
+
+render::IrradianceSource Renderer::source() const {
+  return [embedding = shared_embedding()](std::span<const Vec3> positions,
+                                          std::span<const Vec3> normals,
+                                          std::span<const Rgb> albedos) {
+    return embedding->decode({positions, normals, albedos});
+  };
+}
+
+void Renderer::make_cache(Method method, const render::CacheSettings& settings) {
+  const Timer timer;
+  cache_.reset();  // two at a time would need twice the memory
+  cache_ = std::make_shared<const gi::RadiosityTable>(
+      render::make_cache({bvh_, lights_}, settings,
+                         method == Method::Network ? source() : render::IrradianceSource()));
+  seconds_.cache = timer.seconds();
+}
+
+void Renderer::set_cache(std::shared_ptr<const gi::RadiosityTable> cache) {
+  cache_ = std::move(cache);
+}
+
+const gi::RadiosityTable& Renderer::cache() const {
+  LTE_CHECK(cache_ != nullptr, "there is no irradiance cache: make_cache() comes first");
+  return *cache_;
+}
+
+bool Renderer::needs_cache(const RenderSettings& settings) const {
+  return settings.method != Method::Path && has_light() && !render::is_geometry(settings.output) &&
+         settings.output != Output::Direct;
+}
+
+std::unique_ptr<render::Integrator> Renderer::integrator(const RenderSettings& settings) const {
+  const render::TracedScene scene{bvh_, lights_};
+  if (settings.method == Method::Path) return render::make_path(scene, settings.max_depth);
+  if (needs_cache(settings)) cache();  // throws where there is none
+  // Direct light needs no records.
+  auto records = needs_cache(settings) ? cache_
+                                       : std::make_shared<const gi::RadiosityTable>(
+                                             bvh_, gi::TableEntries(), std::span<const Rgb>());
+  return render::make_gather(scene, std::move(records), settings.max_depth, settings.method);
+}
+
+/// What denoising such a picture will take, by what it takes for a small one.
+double Renderer::denoising_seconds(const RenderSettings& settings) {
+  const image::Image grey(kTimedSide, kTimedSide, 3);
+  image::Image ones = grey;
+  for (float& value : ones.pixels) value = 1;
+  const Timer timer;
+  denoiser_->get().denoise({&ones, &ones, &grey, nullptr, nullptr}, settings.denoise_quality);
+  return timer.seconds() * (double{1} * settings.width * settings.height) /
+         (double{1} * kTimedSide * kTimedSide);
 }
 
 Frame Renderer::render(const scene::Camera& camera, const RenderSettings& settings) {
-  const PictureNeeds needs = this->needs(settings);
-  if (needs.keeps_light && !kept_) kept_.emplace();
-  PictureJob job({bvh_, lights_, draws_, table_.get(), kept_ ? &*kept_ : nullptr, *denoiser_},
-                 camera, settings, needs);
-  Frame frame = job.render();
-  for (double StageSeconds::*stage : kPictureStages) seconds_.*stage = job.seconds().*stage;
-  denoised_by_ = job.denoised_by();
+  Timer timer;
+  const std::unique_ptr<render::Integrator> integrator = this->integrator(settings);
+  const bool lit = has_light() && !render::is_geometry(settings.output);
+  const bool denoises = lit && settings.denoise;
+  render::RenderSettings what;
+  what.direct = lit && settings.output != Output::Gi && settings.output != Output::Irradiance;
+  what.indirect = lit && settings.output != Output::Direct;
+  what.irradiance = settings.output == Output::Irradiance;
+  what.rays = settings.gather_rays;
+  what.light_samples = settings.light_samples;
+  what.edge_rays = settings.edge_rays;
+  what.path_samples = settings.method == Method::Path ? settings.path_samples : 1;
+  what.correct = settings.correct && denoises;
+  what.max_depth = settings.max_depth;
+  what.seed = settings.seed;
+  if (settings.method == Method::Path && what.irradiance) {
+    what.rays = settings.path_samples;
+    what.light_samples = settings.path_samples;
+  }
+  render::Until until;
+  until.passes = render::is_geometry(settings.output) ? 1 : settings.passes;
+  until.seconds = settings.seconds;
+  if (denoises && std::isfinite(until.seconds)) {
+    const double once = denoising_seconds(settings);
+    what.correct = what.correct && until.seconds >= kCorrectedFrom * once;
+    until.seconds -= (what.correct ? 3 : 1) * once;  // both halves of the paths, too
+  }
+  until.stop = settings.stop;
+  if (settings.progress)
+    until.pass_done = [&](const render::Film&, double share) { settings.progress(share); };
+  render::Film film(settings.width, settings.height);
+  render::RenderSeconds spent;
+  until.seconds -= timer.seconds();
+  render::render({bvh_, lights_}, *integrator, camera, what, until, &film, &spent);
+  if (settings.stop && settings.stop()) throw PictureStopped();
+  timer.restart();
+  const image::Denoiser* denoiser = denoises ? &denoiser_->get() : nullptr;
+  Frame frame = render::make_picture(film, {settings.output, denoiser, settings.denoise_quality});
+  seconds_.hits = spent.hits;
+  seconds_.irradiance = spent.light;
+  seconds_.paths = spent.paths;
+  seconds_.denoise = timer.seconds();
+  seconds_.check = 0;
+  denoised_by_ = denoiser != nullptr ? denoiser->description() : "";
+  passes_ = film.passes;
+  path_passes_ = film.path_passes;
   return frame;
+}
+
+double picture_mb(int width, int height) {
+  const double pixels = double{1} * width * height;
+  return (pixels * (render::kFilmBytes + kFrameBytes + kDenoiserBytes)) / (1 << 20) +
+         std::min(kMaxOidnMib, pixels * kOidnBytes / (1 << 20));
+}
+
+void check_picture_fits(int width, int height, const runtime::MemoryLimit& limit) {
+  limit.check_ahead(picture_mb(width, height), concat("a picture of ", width, "x", height),
+                    "take a smaller one", {runtime::Remedy::FewerQueries});
 }
 
 }  // namespace lte::infer

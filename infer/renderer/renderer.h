@@ -1,28 +1,25 @@
-// Pictures of a scene: the network's indirect light and sampled direct light at primary hits, or
-// the path-traced reference of the same quantities.
+// A scene with what its pictures share: BVH, lights, the embedding of a network, an irradiance
+// cache; and pictures of it, by lte/render.
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "infer/light/embedding_draws.h"
-#include "infer/light/light_table.h"
-#include "infer/picture/frame.h"
-#include "infer/renderer/picture_needs.h"
 #include "infer/renderer/render_settings.h"
-#include "infer/renderer/shared_denoiser.h"
+#include "lte/gi/radiosity_table.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights/lights.h"
 #include "lte/pathtrace/reach/reach.h"
+#include "lte/render/shared_denoiser.h"
 #include "lte/runtime/embedding.h"
 #include "lte/scene/scene.h"
 
 namespace lte::infer {
 
-/// The BVH, the lights and the embeddings, if any, of a scene, which must outlive it. Camera moves
-/// re-encode nothing.
+using render::SharedDenoiser;
+
+/// The scene must outlive it. Camera moves re-encode nothing.
 class Renderer {
  public:
   explicit Renderer(const scene::Scene& scene);
@@ -31,7 +28,7 @@ class Renderer {
            std::shared_ptr<const pathtrace::Lights> lights,
            std::shared_ptr<SharedDenoiser> denoiser);
 
-  /// Samples scene points and encodes them, as often as settings.draws says.
+  /// Samples scene points and encodes them.
   /// @throws runtime::Refusal for a scene wider than the model knows, unless settings.rescale, and
   ///         where memory lacks.
   void embed(const runtime::Network& network, const EmbedSettings& settings);
@@ -39,30 +36,33 @@ class Renderer {
   /// Takes an embedding of this scene that was made before, in the place of embed().
   void set_embedding(runtime::SceneEmbedding embedding);
   void set_embedding(std::shared_ptr<const runtime::SceneEmbedding> embedding);
-  /// The first one. @throws lte::Error without any.
-  const runtime::SceneEmbedding& embedding() const { return *draws_.first(); }
-  std::shared_ptr<const runtime::SceneEmbedding> shared_embedding() const { return draws_.first(); }
-  /// What answers: all that embed() made.
-  const EmbeddingDraws& draws() const { return draws_; }
-
-  /// Makes the table that Indirect::Gather reads, in the place of the last one.
-  /// @throws lte::Error if the network is to fill it and embed() has not been called.
-  void make_table(const TableSettings& settings);
-  /// Takes a table of this scene that others hold too.
-  void set_table(std::shared_ptr<const gi::RadiosityTable> table);
   /// @throws lte::Error without one.
-  const gi::RadiosityTable& table() const;
-  bool has_table() const { return table_ != nullptr; }
+  const runtime::SceneEmbedding& embedding() const { return *shared_embedding(); }
+  const std::shared_ptr<const runtime::SceneEmbedding>& shared_embedding() const;
+  /// The embedding's answers, as records of a cache take them.
+  render::IrradianceSource source() const;
 
-  /// @throws lte::Error if the network or the table is needed and embed() or make_table() has not
-  ///         been called.
+  /// Makes the irradiance cache that Method::Gather and Method::Network read, in the place of the
+  /// last one.
+  /// @throws lte::Error if the network is to fill it and embed() has not been called.
+  void make_cache(Method method, const render::CacheSettings& settings);
+  /// Takes a cache of this scene that others hold too.
+  void set_cache(std::shared_ptr<const gi::RadiosityTable> cache);
+  bool has_cache() const { return cache_ != nullptr; }
+  /// @throws lte::Error without one.
+  const gi::RadiosityTable& cache() const;
+
+  /// @throws lte::Error if make_cache() is needed and has not been called; PictureStopped.
   Frame render(const scene::Camera& camera, const RenderSettings& settings);
 
-  /// What a picture of this scene by the embedding that stands needs.
-  PictureNeeds needs(const RenderSettings& settings) const;
+  /// Whether a picture reads an irradiance cache.
+  bool needs_cache(const RenderSettings& settings) const;
 
   /// What took noise away in the last render(): image::Denoiser::description(), or nothing.
   const std::string& denoised_by() const { return denoised_by_; }
+  /// Passes of the last render(): by the integrator, and of paths.
+  int passes() const { return passes_; }
+  int path_passes() const { return path_passes_; }
 
   bool has_light() const { return !lights_.empty(); }
   bool has_environment() const { return lights_.has_environment(); }
@@ -75,21 +75,26 @@ class Renderer {
   const std::vector<int>& left_out() const { return left_out_; }
 
  private:
-  std::shared_ptr<const runtime::SceneEmbedding> encode(const runtime::Network& network,
-                                                        const EmbedSettings& settings);
+  std::unique_ptr<render::Integrator> integrator(const RenderSettings& settings) const;
+  double denoising_seconds(const RenderSettings& settings);
 
   std::shared_ptr<const pathtrace::Bvh> held_bvh_;
   std::shared_ptr<const pathtrace::Lights> held_lights_;
   const pathtrace::Bvh& bvh_;
   const pathtrace::Lights& lights_;
-  EmbeddingDraws draws_;
-  std::shared_ptr<const gi::RadiosityTable> table_;
-  std::optional<KeptViews> kept_;  ///< of RenderSettings::keep_light
+  std::shared_ptr<const runtime::SceneEmbedding> embedding_;
+  std::shared_ptr<const gi::RadiosityTable> cache_;
   StageSeconds seconds_;
   std::shared_ptr<SharedDenoiser> denoiser_;
   std::string denoised_by_;
+  int passes_ = 0, path_passes_ = 0;
   pathtrace::PruneCounts pruned_points_;
   std::vector<int> left_out_;
 };
+
+/// What the film and the picture take in memory, in MiB.
+double picture_mb(int width, int height);
+/// @throws runtime::NotEnoughMemory where that does not fit
+void check_picture_fits(int width, int height, const runtime::MemoryLimit& limit);
 
 }  // namespace lte::infer

@@ -50,7 +50,7 @@ std::shared_ptr<const SessionState::Parts> layer_alone(const SessionState::Parts
   if (auto encoding = encoding_of(state, groups)) alone->layers = {{std::move(encoding)}};
   alone->answered_by = state.answered_by;
   alone->records = state.records;
-  if (alone->records) alone->table = alone->make_table();
+  if (alone->records) alone->cache = alone->make_cache();
   return alone;
 }
 
@@ -77,7 +77,7 @@ DimmablePicture::DimmablePicture(StatePtr state, Output output, int64_t pixels)
   const SessionState::Parts& parts = made_for_->parts();
   const std::vector<LightGroups> groups = layers_apart(*parts.draft);
   const int64_t bytes = scene_bytes(*parts.scene) + pixels * int64_t{sizeof(Rgb)};
-  apart_ = !is_geometry(output) && parts.accuracy == Accuracy::Full && !groups.empty() &&
+  apart_ = !render::is_geometry(output) && parts.accuracy == Accuracy::Full && !groups.empty() &&
            std::ssize(groups) * bytes <= kMostBytes;
   if (!apart_) {
     // The state keeps its parts.
@@ -100,10 +100,9 @@ bool DimmablePicture::fits(const SessionState& state) const {
 void DimmablePicture::add(const scene::Camera& camera, RenderSettings settings, bool anew,
                           StageSeconds* seconds) {
   LTE_CHECK(settings.output == output_, "a picture of another output than the sum's");
-  settings.layers = false;
-  settings.direct_samples = std::max(1, settings.direct_samples / layers());
-  settings.spp = std::max(1, settings.spp / layers());
-  settings.gather.rays = std::max(1, settings.gather.rays / layers());
+  settings.light_samples = std::max(1, settings.light_samples / layers());
+  settings.path_samples = std::max(1, settings.path_samples / layers());
+  settings.gather_rays = std::max(1, settings.gather_rays / layers());
   while (unfinished_.size() < layers_.size()) {
     StageSeconds part;
     unfinished_.push_back(layers_[unfinished_.size()].alone->render(camera, settings, &part));

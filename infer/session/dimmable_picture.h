@@ -7,7 +7,6 @@
 #include <memory>
 #include <vector>
 
-#include "infer/picture/frame.h"
 #include "infer/renderer/renderer.h"
 #include "infer/session/session.h"
 #include "infer/session/state.h"
@@ -32,10 +31,10 @@ class DimmablePicture {
   bool fits(const SessionState& state) const;
   int layers() const { return static_cast<int>(layers_.size()); }
 
-  /// Renders a picture a layer and adds it to the sums; shadow rays and paths are shared out among
+  /// Renders a picture a layer and adds it to the sums; rays and paths are shared out among
   /// the layers.
   ///
-  /// What an exception of `settings.done` ends has not happened, but the layers that were done by
+  /// What `settings.stop` ends has not happened, but the layers that were done by
   /// then are kept: the next add() must be for the same picture, and goes on with the others.
   /// @param settings  of the output and the number of pixels given before
   /// @param anew      drop the pictures before

@@ -5,7 +5,7 @@
 
 namespace lte::infer {
 
-bool LightRecords::fit(const Draft& draft, TableLight by) const {
+bool LightRecords::fit(const Draft& draft, Method by) const {
   return filled_by == by && same_points(*drawn_for, draft);
 }
 
@@ -28,21 +28,19 @@ gi::EntryLight LightRecords::light(const Draft& draft) const {
 }
 
 LightRecords trace_light_records(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                                 std::shared_ptr<const Draft> draft, TableLight by, uint64_t seed,
+                                 std::shared_ptr<const Draft> draft, Method by,
+                                 const render::CacheSettings& settings,
                                  const std::function<void()>& check) {
-  TableSettings settings;
-  settings.light = by;
-  settings.seed = seed;
-  return {std::move(draft), by, trace_records(bvh, lights, settings, check)};
+  return {std::move(draft), by, trace_records(bvh, lights, settings, by, check)};
 }
 
-std::shared_ptr<const gi::RadiosityTable> LazyTable::get() {
+std::shared_ptr<const gi::RadiosityTable> LazyCache::get() {
   std::call_once(made_, [this] {
     const gi::EntryLight light = light_();
-    table_ = std::make_shared<const gi::RadiosityTable>(*bvh_, records_->traced.entries,
+    cache_ = std::make_shared<const gi::RadiosityTable>(*bvh_, records_->traced.entries,
                                                         light.total(), light.direct);
   });
-  return table_;
+  return cache_;
 }
 
 }  // namespace lte::infer

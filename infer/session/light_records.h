@@ -1,4 +1,4 @@
-// What a session's gathered pictures read: light on surfaces by luminaire, and tables of some gains
+// What a session's gathered pictures read: light on surfaces by luminaire, and caches of some gains
 // that are made from it when a picture first needs them.
 #pragma once
 
@@ -19,11 +19,11 @@ namespace lte::infer {
 /// Records of a scene whose luminaires all have gain 1.
 struct LightRecords {
   std::shared_ptr<const Draft> drawn_for;
-  TableLight filled_by = TableLight::Raw;  ///< Network: direct light alone, at all entries
+  Method filled_by = Method::Gather;  ///< Network: direct light alone, at all entries
   TracedRecords traced;
 
   /// Whether they hold for a draft: that differs from theirs by gains and colours alone.
-  bool fit(const Draft& draft, TableLight by) const;
+  bool fit(const Draft& draft, Method by) const;
   /// The light on the entries with the gains that luminaires of these numbers have in a draft.
   /// Those that the draft has not are dark; those that the records have not bring nothing.
   gi::EntryLight light(const Draft& draft) const;
@@ -36,18 +36,19 @@ struct LightRecords {
   Gains gains(const Draft& draft) const;
 };
 
-/// @param seed   of the places and their light
+/// @param settings  with the seed of the places and their light
 /// @param check  called now and then; what it throws ends it. May be null.
 LightRecords trace_light_records(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                                 std::shared_ptr<const Draft> draft, TableLight by, uint64_t seed,
+                                 std::shared_ptr<const Draft> draft, Method by,
+                                 const render::CacheSettings& settings,
                                  const std::function<void()>& check);
 
-/// A table that is made when it is first read: of the states that a slider passes through, few are
+/// A cache that is made when it is first read: of the states that a slider passes through, few are
 /// rendered. Thread-safe.
-class LazyTable {
+class LazyCache {
  public:
   /// @param light  at the entries of the records
-  LazyTable(std::shared_ptr<const LightRecords> records, std::shared_ptr<const pathtrace::Bvh> bvh,
+  LazyCache(std::shared_ptr<const LightRecords> records, std::shared_ptr<const pathtrace::Bvh> bvh,
             std::function<gi::EntryLight()> light)
       : records_(std::move(records)), bvh_(std::move(bvh)), light_(std::move(light)) {}
 
@@ -58,7 +59,7 @@ class LazyTable {
   std::shared_ptr<const pathtrace::Bvh> bvh_;
   std::function<gi::EntryLight()> light_;
   std::once_flag made_;
-  std::shared_ptr<const gi::RadiosityTable> table_;
+  std::shared_ptr<const gi::RadiosityTable> cache_;
 };
 
 }  // namespace lte::infer

@@ -30,7 +30,6 @@
 #include <string>
 #include <vector>
 
-#include "infer/picture/frame.h"
 #include "infer/renderer/renderer.h"
 #include "infer/session/edit.h"
 #include "lte/base/enum_names.h"
@@ -42,25 +41,12 @@
 
 namespace lte::infer {
 
-/// What answers for indirect light in a session's pictures.
-enum class PictureLight {
-  Decoded,  ///< the network at every point that is asked about
-  Network,  ///< rays whose hits read the network's light, kept at points of the surfaces
-  Gather,   ///< rays whose hits read traced light, kept likewise: no network is needed
-};
-constexpr EnumNames<PictureLight, 3> enum_names(PictureLight) {
-  return {{{PictureLight::Decoded, "decoded"},
-           {PictureLight::Network, "network"},
-           {PictureLight::Gather, "gather"}}};
-}
-
 struct SessionSettings {
   EmbedSettings embedding;  ///< of every encoding; `unreached` is not read
-  /// Ask the network for indirect light in a scene with a sun that it was not trained with;
-  /// without, paths answer there (RenderSettings::spp of them a pixel), or traced light where
-  /// pictures are gathered.
-  bool untrained_light = false;
-  PictureLight pictures = PictureLight::Decoded;
+  /// How pictures get their indirect light. Gather takes over from Network in a scene with light
+  /// that the network was not trained with. Path: no cache is kept.
+  Method pictures = Method::Path;
+  render::CacheSettings cache = {};  ///< of gather and network; the seed is the embedding's
   /// Whom SessionState::record_attention() asks in a session without a network. May be null.
   std::function<runtime::Network()> attention_of = {};
   int undo_steps = 100;                     ///< that are kept
@@ -161,7 +147,7 @@ class SessionState {
   /// Whether the network answers for indirect light: there is one, and it knows such light.
   bool has_network() const;
   /// Who answers for indirect light in pictures; nothing: paths do.
-  std::optional<PictureLight> answered_by() const;
+  std::optional<Method> answered_by() const;
 
   /// Light groups of scene() that the network is not told of, in order: those that did not reach
   /// what the cameras see when light was last found.
@@ -177,8 +163,8 @@ class SessionState {
   int find_instance(const std::string& name) const;
   int find_material(const std::string& name) const;
 
-  /// A picture, as Renderer::render() gives it; `answerer` and `indirect` of the settings are set
-  /// here, as answered_by() has it.
+  /// A picture, as Renderer::render() gives it; `method` of the settings is set here, as
+  /// answered_by() has it, but for Method::Path, which stays.
   /// @param seconds  set to the times of its stages; may be null
   Frame render(const scene::Camera& camera, RenderSettings settings,
                StageSeconds* seconds = nullptr) const;

@@ -28,14 +28,6 @@ LuminaireKind kind_of(scene::LightKind kind) {
   }
 }
 
-/// Answers between two looks at whether a picture is still wanted: some 10 ms of two cores.
-constexpr size_t kAnswersAtOnce = 1024;
-
-Indirect indirect_of(const std::optional<PictureLight>& answered_by) {
-  if (!answered_by) return Indirect::Paths;
-  return *answered_by == PictureLight::Decoded ? Indirect::Decoded : Indirect::Gather;
-}
-
 Rgb color_of(const LightSetting& setting) {
   return setting.color ? *setting.color : setting.hue.value_or(Rgb{1, 1, 1});
 }
@@ -72,7 +64,7 @@ const pathtrace::Bvh& SessionState::bvh() const { return *parts_->bvh; }
 const pathtrace::Lights& SessionState::lights() const { return *parts_->lights; }
 bool SessionState::has_light() const { return !parts_->lights->empty(); }
 bool SessionState::has_network() const { return parts_->asks_network; }
-std::optional<PictureLight> SessionState::answered_by() const { return parts_->answered_by; }
+std::optional<Method> SessionState::answered_by() const { return parts_->answered_by; }
 
 std::vector<int> SessionState::left_out() const {
   if (parts_->unreached == nullptr) return {};
@@ -166,35 +158,8 @@ Frame SessionState::render(const scene::Camera& camera, RenderSettings settings,
 Frame SessionState::Parts::render(const scene::Camera& camera, RenderSettings settings,
                                   StageSeconds* seconds) const {
   Renderer renderer(bvh, lights, base->denoiser);
-  settings.answerer = nullptr;
-  settings.indirect = indirect_of(answered_by);
-  if (settings.indirect == Indirect::Gather && renderer.needs(settings).table)
-    renderer.set_table(table->get());
-  const bool decodes = settings.indirect == Indirect::Decoded;
-  if (decodes && !layers.empty()) renderer.set_embedding(layers.front().layer->embedding);
-  const bool plain = layers.size() == 1 && layers.front().scale == Rgb{1, 1, 1};
-  if (decodes && (!plain || settings.done)) {
-    // Blocks, between which a picture that nobody waits for can be ended.
-    settings.answerer = [this, &told = settings.done](std::span<const gi::Query> queries) {
-      std::vector<Rgb> answers;
-      answers.reserve(queries.size());
-      while (!queries.empty()) {
-        const size_t block =
-            told ? std::min<size_t>(kAnswersAtOnce, queries.size()) : queries.size();
-        QuerySet set;
-        for (const gi::Query& query : queries.first(block)) {
-          set.position.push_back(query.position);
-          set.normal.push_back(query.normal);
-          set.albedo.push_back(query.albedo);
-        }
-        const std::vector<Rgb> part = answer({set.position, set.normal, set.albedo});
-        answers.insert(answers.end(), part.begin(), part.end());
-        queries = queries.subspan(block);
-        if (told) told(0);
-      }
-      return answers;
-    };
-  }
+  if (settings.method != Method::Path) settings.method = answered_by.value_or(Method::Path);
+  if (renderer.needs_cache(settings)) renderer.set_cache(cache->get());
   Frame frame = renderer.render(camera, settings);
   if (seconds != nullptr) *seconds = renderer.seconds();
   return frame;
@@ -220,7 +185,7 @@ std::shared_ptr<const runtime::SceneEmbedding> SessionState::record_attention() 
   }
   const std::vector<LightGroups> all = layers_together(draft);
   const auto& network_of = parts_->base->settings.attention_of;
-  LTE_CHECK(parts_->answered_by == PictureLight::Gather && network_of && !all.empty(),
+  LTE_CHECK(parts_->answered_by == Method::Gather && network_of && !all.empty(),
             "there is no attention to look at: the network answers for no light of this scene");
   const runtime::Network network = network_of();
   EditReport ignored;

@@ -78,8 +78,7 @@ class Lighting {
   /// Whether the network was trained with all kinds of light that it is told of.
   bool knows_light() {
     const nn::ModelMetadata& model = network_.metadata();
-    if (parts_.base->settings.untrained_light || !has_untrained_light(*parts_.scene, model))
-      return true;
+    if (!has_untrained_light(*parts_.scene, model)) return true;
     if (!looks()) return false;
     find_unreached();  // before anything is kept: paths may have to answer
     return !has_untrained_light(*parts_.scene, model, unreached_groups());
@@ -228,13 +227,19 @@ class Lighting {
   std::optional<Traced> at_gain_1_;
 };
 
+render::CacheSettings cache_settings(const SessionBase& base) {
+  render::CacheSettings out = base.settings.cache;
+  out.seed = base.settings.embedding.seed;
+  return out;
+}
+
 /// The light that gathered pictures read: what it was before where that is enough or still right.
 void find_records(const SessionState::Parts* before, const Wanted& wanted,
                   SessionState::Parts* parts, EditReport* report) {
   const SessionBase& base = *parts->base;
-  if (!parts->answered_by || *parts->answered_by == PictureLight::Decoded) return;
-  const bool by_network = *parts->answered_by == PictureLight::Network;
-  const TableLight by = by_network ? TableLight::Network : TableLight::Raw;
+  if (!parts->answered_by) return;
+  const Method by = *parts->answered_by;
+  const bool by_network = by == Method::Network;
   const bool has = before != nullptr && before->records && before->records->filled_by == by;
   if (has && before->records->fit(*parts->draft, by)) {
     parts->records = before->records;
@@ -247,14 +252,13 @@ void find_records(const SessionState::Parts* before, const Wanted& wanted,
                                  ? trace(base, *parts->draft, /*lit=*/false, report)
                                  : Traced{parts->scene, parts->bvh, parts->lights};
     const Timer timer;
-    parts->records = std::make_shared<const LightRecords>(
-        trace_light_records(*at_gain_1.bvh, *at_gain_1.lights, parts->draft, by,
-                            base.settings.embedding.seed, wanted.check));
+    parts->records = std::make_shared<const LightRecords>(trace_light_records(
+        *at_gain_1.bvh, *at_gain_1.lights, parts->draft, by, cache_settings(base), wanted.check));
     report->light_ms += 1e3 * timer.seconds();
   }
-  const bool same = before != nullptr && before->table && before->records == parts->records &&
+  const bool same = before != nullptr && before->cache && before->records == parts->records &&
                     same_answers(*before, *parts) && same_scene(*before->draft, *parts->draft);
-  parts->table = same ? before->table : parts->make_table();
+  parts->cache = same ? before->cache : parts->make_cache();
 }
 
 }  // namespace
@@ -289,7 +293,7 @@ SessionBase::SessionBase(scene::Scene first, std::optional<runtime::Network> wit
       trees(pathtrace::Bvh::with_own_meshes(scene)),
       network(std::move(with)),
       settings(std::move(how)) {
-  if (settings.pictures != PictureLight::Decoded) denoiser->prepare(image::OidnQuality::Fast);
+  if (settings.pictures != Method::Path) denoiser->prepare(image::OidnQuality::Fast);
 }
 
 std::unique_ptr<SessionState::Parts> make_parts(std::shared_ptr<const SessionBase> base,
@@ -313,15 +317,12 @@ std::unique_ptr<SessionState::Parts> make_parts(std::shared_ptr<const SessionBas
                    : before != nullptr ? before->cameras
                                        : without_repeats(parts->base->settings.cameras);
   const SessionBase& all = *parts->base;
-  parts->answered_by = all.settings.pictures == PictureLight::Gather
-                           ? std::optional(PictureLight::Gather)
-                           : std::nullopt;
-  if (!parts->answered_by && all.network) {
+  const Method pictures = all.settings.pictures;
+  if (pictures == Method::Gather) parts->answered_by = Method::Gather;
+  if (pictures != Method::Gather && all.network) {
     Lighting(before, wanted, parts.get(), report).run();
-    parts->answered_by = parts->asks_network ? std::optional(all.settings.pictures)
-                         : all.settings.pictures == PictureLight::Network
-                             ? std::optional(PictureLight::Gather)
-                             : std::nullopt;
+    if (pictures == Method::Network)
+      parts->answered_by = parts->asks_network ? Method::Network : Method::Gather;
   }
   find_records(before, wanted, parts.get(), report);
   const bool same = wanted.cameras && refines && same_answers(*before, *parts);
@@ -332,22 +333,15 @@ std::unique_ptr<SessionState::Parts> make_parts(std::shared_ptr<const SessionBas
   return parts;
 }
 
-std::shared_ptr<LazyTable> SessionState::Parts::make_table() const {
-  if (answered_by == PictureLight::Gather) {
-    return std::make_shared<LazyTable>(records, bvh,
+std::shared_ptr<LazyCache> SessionState::Parts::make_cache() const {
+  if (answered_by == Method::Gather) {
+    return std::make_shared<LazyCache>(records, bvh,
                                        [from = records, now = draft] { return from->light(*now); });
   }
-  return std::make_shared<LazyTable>(records, bvh, [from = records, now = draft, by = layers] {
+  return std::make_shared<LazyCache>(records, bvh, [from = records, now = draft, by = layers] {
     const gi::TableEntries& entries = from->traced.entries;
-    std::vector<Rgb> answered = sum_of(by, {entries.position, entries.normal, entries.albedo});
-    gi::EntryLight light;
-    if (by.empty()) {
-      light.indirect.resize(answered.size());
-      light.direct = std::move(answered);
-    } else {
-      light = from->light(*now);
-      light.indirect = std::move(answered);
-    }
+    gi::EntryLight light = from->light(*now);
+    light.indirect = sum_of(by, {entries.position, entries.normal, entries.albedo});
     return light;
   });
 }

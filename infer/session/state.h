@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "infer/renderer/shared_denoiser.h"
+#include "infer/renderer/renderer.h"
 #include "infer/session/draft.h"
 #include "infer/session/light_layer.h"
 #include "infer/session/light_records.h"
@@ -51,18 +51,18 @@ struct SessionState::Parts {
   /// None unless the network answers, and where no light reaches what the cameras see.
   std::vector<ScaledLayer> layers;
   bool asks_network = false;
-  std::optional<PictureLight> answered_by;  ///< SessionState::answered_by()
+  std::optional<Method> answered_by;  ///< SessionState::answered_by()
   /// Of gathered pictures, perhaps of a scene before this one; null for others.
   std::shared_ptr<const LightRecords> records;
-  std::shared_ptr<LazyTable> table;  ///< of the records, with the gains of now
+  std::shared_ptr<LazyCache> cache;  ///< of the records, with the gains of now
   Accuracy accuracy = Accuracy::Full;
   uint64_t version = 0, geometry_version = 0;
   std::shared_ptr<const int> alive;  ///< counts the states of a session
 
   /// Sums over the layers.
   std::vector<Rgb> answer(const runtime::QueryPoints& queries) const;
-  /// The table of what answers now, from the records.
-  std::shared_ptr<LazyTable> make_table() const;
+  /// The cache of what answers now, from the records.
+  std::shared_ptr<LazyCache> make_cache() const;
   /// SessionState::render()
   Frame render(const scene::Camera& camera, RenderSettings settings, StageSeconds* seconds) const;
 };

@@ -29,8 +29,6 @@ void add_scene_options(CLI::App& app, SceneSource* source) {
                  "Light from all around, in the place of the scene's own: constant radiance R,G,B, "
                  "or an equirectangular picture (.exr, .hdr, .pfm; .png, .jpg), Y up, +X in its "
                  "middle");
-  app.add_option("--environment-turn", source->environment_turn,
-                 "Degrees by which to turn it about +Y, counter-clockwise from above");
   app.add_option("--add-light", source->lights,
                  "A luminaire more: x,y,z,power, a point light of so many watts; or auto, a panel "
                  "under the ceiling of each room, or an environment for what is seen from outside. "
@@ -49,7 +47,7 @@ scene::Scene load_source(const SceneSource& source, const std::string& camera) {
   scene::Scene scene = load_scene(source.scene, source.loading);
   scene::set_up_axis(source.up, source.scene, &scene);
   LTE_CHECK(!source.environment.empty() || source.environment_turn == 0,
-            "--environment-turn needs --environment");
+            "--set environment_turn needs --environment");
   if (!source.environment.empty())
     scene::set_environment(source.environment, source.environment_turn, &scene);
   for (const std::string& light : source.lights) {

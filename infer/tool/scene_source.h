@@ -21,7 +21,7 @@ struct SceneSource {
   SceneFlags loading;
 };
 
-/// Adds --up, --environment, --environment-turn, --add-light and the flags of scene_flags.h.
+/// Adds --up, --environment, --add-light and the flags of scene_flags.h.
 void add_scene_options(CLI::App& app, SceneSource* source);
 
 /// Notes the scene and the picture of its environment as what a command reads.

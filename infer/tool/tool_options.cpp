@@ -22,6 +22,11 @@ constexpr std::pair<Remedy, const char*> kFlags[] = {
     {Remedy::MemoryLimit, "--max-memory"},
 };
 
+constexpr std::pair<Remedy, const char*> kKeys[] = {
+    {Remedy::Rescale, "--set rescale=on"},
+    {Remedy::FewerScenePoints, "--set scene_points"},
+    {Remedy::MemoryLimit, "--set max_memory"}};
+
 /// Whether `app` or a command of it that was given has this flag.
 bool has_flag(const CLI::App& app, const char* flag) {
   if (app.get_option_no_throw(flag) != nullptr) return true;
@@ -33,10 +38,12 @@ bool has_flag(const CLI::App& app, const char* flag) {
 /// " (--scene-points, --max-memory)", or nothing where `app` has no flag for any of the remedies.
 std::string flags_for(const CLI::App& app, const std::vector<Remedy>& remedies) {
   std::string list;
-  for (const auto& [remedy, flag] : kFlags) {
+  const auto add = [&](Remedy remedy, const char* flag, bool there) {
     const bool helps = std::find(remedies.begin(), remedies.end(), remedy) != remedies.end();
-    if (helps && has_flag(app, flag)) list += (list.empty() ? "" : ", ") + std::string(flag);
-  }
+    if (helps && there) list += (list.empty() ? "" : ", ") + std::string(flag);
+  };
+  for (const auto& [remedy, flag] : kFlags) add(remedy, flag, has_flag(app, flag));
+  for (const auto& [remedy, key] : kKeys) add(remedy, key, has_flag(app, "--set"));
   return list.empty() ? "" : " (" + list + ")";
 }
 

@@ -35,15 +35,9 @@ void warn_of_light(const ViewRequest& request, const SessionState& state,
                    const nn::ModelMetadata& model) {
   const std::vector<int> left_out = state.left_out();
   if (!has_untrained_light(state.scene(), model, left_out)) return;
-  if (state.answered_by() == PictureLight::Gather) {
-    log_warning(request.scene,
-                ": the model was trained without a sun or sky: indirect light is gathered from "
-                "traced light (--untrained-light network asks the network)");
-    return;
-  }
-  log_warning(request.untrained_light == "network"
-                  ? untrained_light_note(state.scene(), model, left_out)
-                  : traced_light_note(state.scene(), Progressive::kPaths, left_out));
+  log_warning(request.scene,
+              ": the model was trained without a sun or sky: indirect light is gathered from "
+              "traced light");
 }
 
 /// What is seen until a page asks for anything else.
@@ -64,30 +58,29 @@ ViewState first_view(const ViewRequest& request, const scene::Scene& scene) {
 
 SessionSettings settings_of(const ViewRequest& request,
                             const std::optional<runtime::Network>& network) {
-  const int64_t trained = network ? network->metadata().scene_points : 0;
   SessionSettings settings;
-  settings.embedding.scene_points = live_scene_points(request.scene_points, trained);
+  settings.embedding.scene_points =
+      live_scene_points(request.scene_points, network ? network->metadata().scene_points : 0);
   settings.embedding.seed = request.seed;
   settings.embedding.rescale = request.rescale;
   settings.embedding.memory = runtime::MemoryLimit(request.tool.max_memory_mb);
-  settings.untrained_light = request.untrained_light == "network";
+  settings.pictures = parse_enum<Method>("--integrator", request.integrator);
+  settings.cache.records = request.records;
   return settings;
 }
 
 /// Nobody but who looks at its attention waits for the network of a gathered picture.
-void show_attention_of(const ViewRequest& request, const std::optional<runtime::Network>& network,
-                       SessionSettings* settings) {
-  settings->attention_of = [request, network] {
-    return network ? *network : load_network(request);
-  };
-  if (!network) settings->embedding.scene_points = request.scene_points.value_or(kMostLivePoints);
+void show_attention_of(const ViewRequest& request, SessionSettings* settings) {
+  settings->attention_of = [request] { return load_network(request); };
+  settings->embedding.scene_points =
+      request.scene_points > 0 ? request.scene_points : kMaxLivePoints;
 }
 
 }  // namespace
 
-int64_t live_scene_points(const std::optional<int64_t>& asked, int64_t trained) {
-  const int64_t points = asked.value_or(std::min(trained, kMostLivePoints));
-  return points > 0 ? points : trained;
+int64_t live_scene_points(int64_t wanted, int64_t trained) {
+  if (wanted > 0) return wanted;
+  return wanted == 0 || trained == 0 ? trained : std::min(trained, kMaxLivePoints);
 }
 
 LoadedSession load_session(const ViewRequest& request, const CommandFiles& files) {
@@ -98,14 +91,10 @@ LoadedSession load_session(const ViewRequest& request, const CommandFiles& files
     log_warning(request.scene,
                 ": nothing emits light; there is nothing to see but surfaces "
                 "(--environment 1,1,1 or --add-light auto gives it some)");
-  const auto by = parse_enum<PictureLight>("--indirect", request.indirect);
   std::optional<runtime::Network> network;
-  if (lit && (by != PictureLight::Gather || !request.checkpoint.empty()))
-    network = load_network(request);
+  if (lit && request.integrator == "network") network = load_network(request);
   SessionSettings settings = settings_of(request, network);
-  settings.pictures = by;
-  if (lit && by == PictureLight::Gather) show_attention_of(request, network, &settings);
-  if (by == PictureLight::Gather) network.reset();
+  if (lit && !network) show_attention_of(request, &settings);
   if (network) check_network(request, scene, *network, settings);
   files.check_what_was_read();
   LoadedSession out;

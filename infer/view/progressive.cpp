@@ -4,25 +4,20 @@
 #include <cmath>
 #include <utility>
 
-#include "infer/render/quality.h"
+#include "infer/check/checked_pixels.h"
+#include "lte/base/random.h"
 #include "lte/base/timer.h"
 
 namespace lte::infer::view {
 namespace {
 
 constexpr int kMostPathsAtOnce = 8;
+constexpr int kEdgeRays = 16;      // of the first whole picture
 constexpr int kDraftSteps = 8;     // a draft has at least an eighth of the sides
 constexpr int kMeasuredShare = 4;  // of the sides, when a path a pixel is measured
-
-/// A pass that nobody waits for any more.
-struct Interrupted {};
-
-std::function<void(int64_t)> throwing(const std::function<bool()>& interrupted) {
-  if (!interrupted) return {};
-  return [&interrupted](int64_t) {
-    if (interrupted()) throw Interrupted();
-  };
-}
+/// What is checked is a picture of its own, of so many passes.
+constexpr int kCheckedPasses = 4;
+constexpr uint64_t kCheckedPlaces = 51;  // independent of all that pictures draw
 
 /// The element `index` of Halton's sequence in this base, in [0, 1).
 float halton(int index, int base) {
@@ -93,7 +88,6 @@ void Progressive::restart(StatePtr state, const scene::Camera& camera, Shown sho
   shown_ = shown;
   size_ = size;
   averaged_ = 0;
-  residual_.clear();
   check_.reset();
   reference_sum_ = {};
   reference_ = {};
@@ -102,32 +96,22 @@ void Progressive::restart(StatePtr state, const scene::Camera& camera, Shown sho
 }
 
 int Progressive::passes() const {
-  const int neural =
-      (shown_ == Shown::Reference ? 0 : kMeanPasses) + (corrects() ? Residual::kSteps + 1 : 0);
-  return 2 + neural + (traces() ? kReferencePaths / kMostPathsAtOnce : 0);
+  const int gathered = (shown_ == Shown::Reference ? 0 : kMeanPasses) + (checks() ? 1 : 0);
+  return 2 + gathered + (traces() ? kReferencePaths / kMostPathsAtOnce : 0);
 }
 
 bool Progressive::done() const {
   const bool summed = shown_ == Shown::Reference || averaged_ >= kMeanPasses;
   const bool traced = !traces() || reference_sum_.weight >= kReferencePaths;
-  return pass_ >= 2 && summed && traced && (!corrects() || (check_ && residual_.done()));
+  return pass_ >= 2 && summed && traced && (!checks() || check_);
 }
 
-double Progressive::paths() const { return traces() ? reference_sum_.weight : residual_.paths(); }
-
-/// Whether paths have something to say of the network's light. A difference shows the network as it
-/// is.
-bool Progressive::corrects() const {
+/// Whether paths have something to say of the light that is shown. A difference shows it as it is.
+bool Progressive::checks() const {
   const bool indirect =
       shown_ == Shown::Full || shown_ == Shown::Indirect || shown_ == Shown::Irradiance;
   return indirect && state_ != nullptr && state_->answered_by() && state_->has_light();
 }
-
-bool Progressive::gathers() const {
-  return state_->answered_by() && state_->answered_by() != PictureLight::Decoded;
-}
-
-int Progressive::least_mean() const { return gathers() ? kLeastGathered : kLeastMean; }
 
 PictureSize Progressive::draft_size() const {
   const double share = std::sqrt(kDraftSeconds / (draft_pixel_seconds_ * pixels()));
@@ -135,42 +119,23 @@ PictureSize Progressive::draft_size() const {
   return {std::max(1, size_.width / step), std::max(1, size_.height / step)};
 }
 
-/// @param few  shadow rays: of the first whole pictures, which are waited for
-RenderSettings Progressive::settings(const PictureSize& size, bool few) const {
-  const QualitySettings quality = quality_settings(Quality::Draft);
-  RenderSettings out;
+RenderSettings Progressive::settings(const PictureSize& size) const {
+  RenderSettings out = with_quality(Quality::Draft, {});
   out.output = output_of(shown_);
   out.width = size.width;
   out.height = size.height;
-  out.direct_samples = few ? quality.direct_samples : 2 * quality.direct_samples;
-  if (gathers()) {
-    // A filter cannot be interrupted: that of direct light, which sees all pixels, runs once, in
-    // the first whole picture. Gathered light's sees a quarter of them.
-    const bool draft = pass_ == 0, first = pass_ <= 1;
-    out.gather = draft ? quality.gather : quality_settings(Quality::Preview).gather;
-    out.gather.quality = image::OidnQuality::Fast;
-    out.gather.denoise = true;
-    if (draft) out.direct_samples = quality.gather_direct_samples;
-    out.denoise = first ? Denoise::Auto : Denoise::Off;
-  } else {
-    // Opening a filter and running it takes longer than a draft may.
-    out.denoise = Denoise::Off;
-  }
-  out.spp = kPaths;
-  out.antialias = 0;
-  const bool rests = averaged_ >= least_mean();
-  out.sparse = rests ? quality_settings(Quality::Preview).answers : quality.answers;
-  out.layers = false;
+  // A filter cannot be interrupted: it runs in the first pictures alone, whose noise shows.
+  out.denoise = pass_ <= 1;
+  out.edge_rays = pass_ == 1 ? kEdgeRays : 0;
+  out.correct = false;
   out.seed = static_cast<uint64_t>(pass_);
   return out;
 }
 
 Frame Progressive::render(const scene::Camera& camera, RenderSettings settings,
                           const std::function<bool()>& interrupted) {
-  settings.done = throwing(interrupted);
-  Frame frame = state_->render(camera, settings, &seconds_);
-  if (interrupted && interrupted()) throw Interrupted();
-  return frame;
+  settings.stop = interrupted;
+  return state_->render(camera, settings, &seconds_);
 }
 
 void Progressive::prepare_sums() {
@@ -182,7 +147,7 @@ void Progressive::prepare_sums() {
 void Progressive::add_light(const scene::Camera& camera, RenderSettings settings, bool anew,
                             const std::function<bool()>& interrupted) {
   prepare_sums();
-  settings.done = throwing(interrupted);
+  settings.stop = interrupted;
   light_->add(camera, std::move(settings), anew, &seconds_);
 }
 
@@ -196,17 +161,14 @@ const DimmablePicture* Progressive::sum_shown() const {
 
 void Progressive::show_light() {
   const DimmablePicture& sum = *sum_shown();
-  image::Image picture = sum.color(*state_);
-  residual_.add_to(&picture);
-  show(std::move(picture), sum.depth());
+  show(sum.color(*state_), sum.depth());
 }
 
 bool Progressive::relight(const StatePtr& state) {
   const DimmablePicture* sum = sum_shown();
   if (traces() || sum == nullptr || !sum->fits(*state)) return false;
   state_ = state;
-  residual_.clear();  // it was of other light
-  check_.reset();
+  check_.reset();  // it was of other light
   picture_ = sum->color(*state_);
   return true;
 }
@@ -220,22 +182,14 @@ void Progressive::show(image::Image picture, const image::Image& depth) {
 
 void Progressive::draft() {
   const PictureSize size = draft_size();
-  RenderSettings what = settings(size, /*few=*/false);
+  RenderSettings what = settings(size);
   Timer timer;
   if (shown_ == Shown::Reference) {
-    what.mode = Mode::Reference;
-    what.spp = 1;
-    Frame frame = render(camera_, what, nullptr);
+    Frame frame = render(camera_, traced(size, 1), nullptr);
     show(std::move(frame.color), frame.depth);
   } else {
     prepare_sums();
     timer.restart();  // the next draft need not prepare them
-    const int layers = draft_->layers();
-    if (layers > 1) {
-      what = settings(size, /*few=*/true);
-      // Each has its share of the light: an error in one is so much less in the sum.
-      if (what.sparse) what.sparse->tolerance *= static_cast<float>(layers);
-    }
     const bool whole = size == size_;
     (whole ? light_ : draft_)->add(camera_, what, /*anew=*/true, &seconds_);
     if (whole) ++pass_;
@@ -246,7 +200,7 @@ void Progressive::draft() {
 
 void Progressive::whole(const std::function<bool()>& interrupted) {
   if (shown_ == Shown::Reference) return trace(interrupted);
-  add_light(camera_, settings(size_, /*few=*/true), /*anew=*/true, interrupted);
+  add_light(camera_, settings(size_), /*anew=*/true, interrupted);
   show_light();
 }
 
@@ -254,46 +208,45 @@ bool Progressive::mean(const std::function<bool()>& interrupted) {
   const int number = averaged_ + 1;
   const scene::Camera camera =
       jittered(camera_, size_, halton(number, 2) - 0.5f, halton(number, 3) - 0.5f);
-  const bool few = !gathers() && averaged_ < kLeastMean;  // they are waited for
-  add_light(camera, settings(size_, few), /*anew=*/averaged_ == 0, interrupted);
-  if (++averaged_ < least_mean()) return false;
+  add_light(camera, settings(size_), /*anew=*/averaged_ == 0, interrupted);
+  // One without a filter has more noise than the picture that is shown.
+  if (++averaged_ < kMinMean) return false;
   show_light();
   return true;
 }
 
-bool Progressive::correct(const std::function<bool()>& interrupted) {
-  RenderSettings what = settings(size_, /*few=*/false);
-  what.done = throwing(interrupted);
-  if (!residual_.step(*state_, camera_, std::move(what), &seconds_)) return false;
-  show_light();
-  return true;
-}
-
-/// A few thousand paths hold what answers to account.
+/// A few thousand paths hold what is shown to account.
 bool Progressive::check_answers(const std::function<bool()>& interrupted) {
-  RenderSettings what = settings(size_, /*few=*/false);
-  what.done = throwing(interrupted);
-  residual_.answer(*state_, camera_, what);
-  if (interrupted && interrupted()) throw Interrupted();
+  RenderSettings what = settings(size_);
+  what.output = Output::Irradiance;
+  what.passes = kCheckedPasses;
+  what.denoise = true;
+  const Frame frame = render(camera_, what, interrupted);
   CheckOptions options;
   options.seconds = kCheckSeconds;
-  check_ = check_light(state_->bvh(), state_->lights(), residual_.answered(), options);
+  check_ = check_light(state_->bvh(), state_->lights(),
+                       checked_pixels(state_->bvh(), camera_, frame, kCheckedPlaces), options);
   return true;
+}
+
+RenderSettings Progressive::traced(const PictureSize& size, int paths) const {
+  RenderSettings out = with_paths(paths, {});
+  out.method = Method::Path;
+  out.width = size.width;
+  out.height = size.height;
+  out.denoise = false;
+  out.edge_rays = 0;
+  out.seed = static_cast<uint64_t>(pass_);
+  return out;
 }
 
 /// Adds paths to the reference: one a pixel at first, then as many as there are, up to a limit.
 void Progressive::trace(const std::function<bool()>& interrupted) {
-  RenderSettings what;
-  what.mode = Mode::Reference;
-  what.width = size_.width;
-  what.height = size_.height;
-  what.spp = std::clamp(static_cast<int>(reference_sum_.weight), 1, kMostPathsAtOnce);
-  what.seed = static_cast<uint64_t>(pass_);
-  what.layers = false;
+  const int paths = std::clamp(static_cast<int>(reference_sum_.weight), 1, kMostPathsAtOnce);
   const Timer timer;
-  Frame frame = render(camera_, what, interrupted);
-  path_pixel_seconds_ = timer.seconds() / (pixels() * what.spp);
-  reference_sum_.add(frame.color, what.spp);
+  Frame frame = render(camera_, traced(size_, paths), interrupted);
+  path_pixel_seconds_ = timer.seconds() / (pixels() * paths);
+  reference_sum_.add(frame.color, paths);
   if (shown_ == Shown::Reference) {
     show(reference_sum_.mean(), frame.depth);
   } else {
@@ -302,17 +255,13 @@ void Progressive::trace(const std::function<bool()>& interrupted) {
 }
 
 void Progressive::measure_path(const std::function<bool()>& interrupted) {
-  RenderSettings what;
-  what.mode = Mode::Reference;
-  what.width = std::max(1, size_.width / kMeasuredShare);
-  what.height = std::max(1, size_.height / kMeasuredShare);
-  what.spp = 1;
-  what.layers = false;
+  const PictureSize size{std::max(1, size_.width / kMeasuredShare),
+                         std::max(1, size_.height / kMeasuredShare)};
   const Timer timer;
   const StageSeconds seconds = seconds_;
-  render(camera_, what, interrupted);
+  render(camera_, traced(size, 1), interrupted);
   seconds_ = seconds;
-  path_pixel_seconds_ = timer.seconds() / (double(what.width) * what.height);
+  path_pixel_seconds_ = timer.seconds() / (double(size.width) * size.height);
 }
 
 bool Progressive::step(const std::function<bool()>& interrupted) {
@@ -326,10 +275,8 @@ bool Progressive::step(const std::function<bool()>& interrupted) {
       whole(interrupted);
     } else if (shown_ != Shown::Reference && averaged_ < kMeanPasses) {
       shows = mean(interrupted);
-    } else if (corrects() && !check_) {
+    } else if (checks()) {
       shows = check_answers(interrupted);
-    } else if (corrects()) {
-      shows = correct(interrupted);
     } else {
       trace(interrupted);
     }
@@ -337,7 +284,7 @@ bool Progressive::step(const std::function<bool()>& interrupted) {
     ++rendered_;
     elapsed_ += timer.seconds();
     if (path_pixel_seconds_ == 0 && done() && state_->has_light()) measure_path(interrupted);
-  } catch (const Interrupted&) {
+  } catch (const PictureStopped&) {
     elapsed_ += timer.seconds();
     return false;
   }

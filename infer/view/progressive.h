@@ -9,10 +9,10 @@
 #include <optional>
 #include <vector>
 
+#include "infer/check/light_check.h"
 #include "infer/renderer/renderer.h"
 #include "infer/session/dimmable_picture.h"
 #include "infer/session/session.h"
-#include "infer/view/residual.h"
 #include "infer/view/view_state.h"
 #include "lte/image/image.h"
 
@@ -23,12 +23,8 @@ class Progressive {
  public:
   /// Seconds that a draft may take; its size is chosen by what the last ones took.
   static constexpr double kDraftSeconds = 0.06;
-  /// Passes whose mean the picture is in the end. The mean is shown from kLeastMean of them on.
-  static constexpr int kMeanPasses = 24, kLeastMean = 2;
-  /// The same behind a whole picture without noise: its direct light has grain for a while.
-  static constexpr int kLeastGathered = 6;
-  /// Paths a pixel and pass, where paths stand for metal or for light unknown to the network.
-  static constexpr int kPaths = 4;
+  /// Passes whose mean the picture is in the end. The mean is shown from kMinMean of them on.
+  static constexpr int kMeanPasses = 24, kMinMean = 2;
   /// Paths a pixel of a reference that is done.
   static constexpr int kReferencePaths = 1024;
   /// Seconds that the check may take, about.
@@ -60,7 +56,7 @@ class Progressive {
 
   int pass() const { return pass_; }  ///< of those done; 1 after the draft
   int passes() const;
-  double paths() const;                                     ///< a pixel, of all that were traced
+  double paths() const { return reference_sum_.weight; }    ///< a pixel, of all that were traced
   const StageSeconds& seconds() const { return seconds_; }  ///< of the last pass
   double elapsed() const { return elapsed_; }               ///< seconds of all since restart()
   /// Seconds of a path a pixel for this size, measured when one was traced; 0 before.
@@ -78,10 +74,9 @@ class Progressive {
   double pixels() const { return double(size_.width) * size_.height; }
   PictureSize draft_size() const;
   bool traces() const { return shown_ == Shown::Reference || shown_ == Shown::Difference; }
-  bool corrects() const;
-  bool gathers() const;
-  int least_mean() const;
-  RenderSettings settings(const PictureSize& size, bool few) const;
+  bool checks() const;
+  RenderSettings settings(const PictureSize& size) const;
+  RenderSettings traced(const PictureSize& size, int paths) const;
   Frame render(const scene::Camera& camera, RenderSettings settings,
                const std::function<bool()>& interrupted);
   void prepare_sums();
@@ -90,7 +85,6 @@ class Progressive {
   void draft();
   void whole(const std::function<bool()>& interrupted);
   bool mean(const std::function<bool()>& interrupted);
-  bool correct(const std::function<bool()>& interrupted);
   bool check_answers(const std::function<bool()>& interrupted);
   void trace(const std::function<bool()>& interrupted);
   void measure_path(const std::function<bool()>& interrupted);
@@ -108,7 +102,6 @@ class Progressive {
   /// both for this state and, perhaps, still without a picture.
   std::optional<DimmablePicture> light_, draft_;
   int averaged_ = 0;
-  Residual residual_;
   std::optional<LightCheck> check_;
   Sum reference_sum_;
   int pass_ = 0;

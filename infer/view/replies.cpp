@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "infer/renderer/check_report.h"
+#include "infer/check/check_report.h"
 
 namespace lte::infer::view {
 namespace {

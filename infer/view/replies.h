@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "infer/renderer/light_check.h"
+#include "infer/check/light_check.h"
 #include "infer/view/messages.h"
 #include "infer/view/scene_description.h"
 
@@ -56,8 +56,8 @@ struct PictureHeader {
   int passes = 0;                   ///< when it is done
   bool done = false;                ///< no better one comes
   Accuracy light = Accuracy::Full;  ///< how much its indirect light knows of the last edits
-  std::string answered_by;          ///< a word of PictureLight, or "paths"
-  std::optional<LightCheck> check;  ///< of its indirect light, before paths correct it
+  std::string answered_by;          ///< a word of --integrator, or "paths"
+  std::optional<LightCheck> check;  ///< of its indirect light
   double paths = 0;                 ///< a pixel, by now, where paths are traced
   double elapsed_ms = 0;            ///< of all passes of this picture
   double path_ms = 0;               ///< what a path a pixel takes at this size; 0: not known

@@ -1,5 +1,6 @@
 #include "infer/view/view_command.h"
 
+#include <charconv>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -16,11 +17,13 @@
 #include <nlohmann/json.hpp>
 
 #include "infer/tool/picture_size.h"
+#include "infer/tool/tool_keys.h"
 #include "infer/view/live_view.h"
 #include "infer/view/load_session.h"
 #include "infer/view/page_files.h"
 #include "infer/view/replies.h"
 #include "infer/view/server.h"
+#include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/base/log.h"
 #include "lte/base/process_memory.h"
@@ -45,6 +48,19 @@ std::string check_token(const std::string& text) {
              : "expected auto, or 8 to 128 letters, digits, '-' and '_'";
 }
 
+std::string read_points(const std::string& text, int64_t* points) {
+  if (text == "auto") {
+    *points = kAutoPoints;
+    return "";
+  }
+  int64_t value = 0;
+  const auto [at, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || at != text.data() + text.size() || value < 0 || value > 1 << 28)
+    return "expected auto or a whole number";
+  *points = value;
+  return "";
+}
+
 std::string check_view_size(const std::string& text) {
   const auto [width, height] = parse_picture_size(text);
   const bool good = std::min(width, height) >= kLeastSide && std::max(width, height) <= kMostSide;
@@ -59,16 +75,10 @@ Listen listen_of(const ViewRequest& request) {
   return listen;
 }
 
-/// Who answers, for people.
-const char* words_of(PictureLight by) {
-  switch (by) {
-    case PictureLight::Gather:
-      return "gathered from traced light, no network";
-    case PictureLight::Network:
-      return "gathered from the network's light";
-    default:
-      return "the network at every pixel";
-  }
+/// How light is computed, for people.
+const char* words_of(const std::string& integrator) {
+  return integrator == "network" ? "gathered from the network's light"
+                                 : "gathered from traced light, no network";
 }
 
 /// The server from its first connection to its last.
@@ -86,7 +96,7 @@ class Run {
   /// @throws what loading threw
   void serve() {
     std::printf("lte_view: %s (indirect light: %s)\n", server_.address().c_str(),
-                words_of(parse_enum<PictureLight>("--indirect", request_.indirect)));
+                words_of(request_.integrator));
     std::fflush(stdout);
     std::thread loader([this] { load(); });
     io_.run();
@@ -161,10 +171,14 @@ class Run {
 
 void add_view_options(CLI::App& app, ViewRequest* r) {
   app.add_option("scene", r->scene, "Scene to show: .gltf, .glb, .pbrt, .obj or .ply")->required();
-  app.add_option(
-      "--checkpoint", r->checkpoint,
-      "Model that answers with --indirect network or decoded, and whose attention is shown; by "
-      "default lte-hybrid");
+  app.add_option("--integrator", r->integrator,
+                 "How indirect light is computed. gather: rays from the pixels read light that "
+                 "paths have found at places of the scene, the least error and the first picture "
+                 "soonest; network: they read the network's light there")
+      ->check(CLI::IsMember({"gather", "network"}))
+      ->capture_default_str();
+  app.add_option("--checkpoint", r->checkpoint,
+                 "Model, with --integrator network; by default lte-hybrid");
   app.add_option("--host", r->host,
                  "Address to listen to: by default this machine alone; any other, such as 0.0.0.0, "
                  "asks pages for a token")
@@ -182,35 +196,32 @@ void add_view_options(CLI::App& app, ViewRequest* r) {
   app.add_option("--size", r->size, "Size of the picture, which pages may change")
       ->check(CLI::Validator(check_view_size, "WxH"))
       ->capture_default_str();
-  app.add_option("--indirect", r->indirect,
-                 "How indirect light is made. gather: rays from the pixels read light that paths "
-                 "have found at places of the scene, the least error and the first picture "
-                 "soonest; network: they read the network's light there; decoded: the network "
-                 "answers at each pixel")
-      ->check(CLI::IsMember({"gather", "network", "decoded"}))
-      ->capture_default_str();
-  app.add_option("--untrained-light", r->untrained_light,
-                 "Who answers for indirect light in a scene with directional lights or an "
-                 "environment if the model was trained without any: paths, or the network, "
-                 "wrongly")
-      ->check(CLI::IsMember({"trace", "network"}))
-      ->capture_default_str();
-  app.add_option(
-         "--scene-points", r->scene_points,
-         "Scene points shown to the network; 0 for as many as in training, by default 4,096 "
-         "of them at most, as an edit traces light on all of them")
-      ->check(CLI::Range(int64_t{0}, int64_t{1} << 28));
-  app.add_flag("--rescale,!--no-rescale", r->rescale,
-               "Shrink a scene larger than the model knows, for the network only (the default), or "
-               "refuse it");
   app.add_option("--seed", r->seed, "Seed of scene points")->capture_default_str();
   app.add_flag("--validate-only", r->validate_only,
                "Load scene, camera and model, and serve nothing");
+  r->keys.add("records", &r->records, 2, int64_t{1} << 22,
+              "places that the irradiance cache knows");
+  r->keys.add(
+      "scene_points", "auto|N",
+      [r](const std::string& text) { return read_points(text, &r->scene_points); },
+      [r] {
+        return r->scene_points == kAutoPoints ? std::string("auto") : concat(r->scene_points);
+      },
+      "of network: scene points shown to it; 0: as many as in training; auto: these, but "
+      "4,096 at most");
+  r->keys.add("rescale", &r->rescale,
+              "of network: shrink a scene larger than the model knows, for it only");
+  add_scene_keys(&r->keys, r);
+  add_network_keys(&r->keys, &r->tool);
+  r->keys.add_to(&app);
+  app.parse_complete_callback([r] { r->keys.read(); });
   add_scene_options(app, r);
-  add_tool_options(app, &r->tool);
+  add_plain_tool_options(app, &r->tool);
 }
 
 void run_view(const ViewRequest& request) {
+  LTE_CHECK(request.checkpoint.empty() || request.integrator == "network",
+            "--checkpoint goes with --integrator network: ", request.integrator, " needs no model");
   CommandFiles files;
   claim_scene(request, &files);
   files.reads("--checkpoint", request.checkpoint);

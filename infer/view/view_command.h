@@ -2,13 +2,19 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 
 #include "infer/tool/scene_source.h"
 #include "infer/tool/tool_options.h"
+#include "lte/cli/set_keys.h"
+#include "lte/render/integrator.h"
 
 namespace lte::infer::view {
+
+/// Scene points of a live scene unless others are given: those of the model's training, but this
+/// many at most, as an edit traces light on all of them anew.
+inline constexpr int64_t kMaxLivePoints = 4096;
+inline constexpr int64_t kAutoPoints = -1;
 
 /// The command line as it stands. The flags themselves check its words.
 struct ViewRequest : SceneSource {
@@ -17,11 +23,12 @@ struct ViewRequest : SceneSource {
   int port = 8420;
   std::string token;  ///< "auto" for one by chance; empty: none on this machine, else by chance
   std::string size = "640x480";
-  std::optional<int64_t> scene_points;
+  int64_t scene_points = kAutoPoints;  ///< 0: as many as in the model's training
   uint64_t seed = 0;
   bool rescale = true, validate_only = false;
-  std::string indirect = "gather";        ///< a word of PictureLight
-  std::string untrained_light = "trace";  ///< "trace" or "network"
+  std::string integrator = "gather";  ///< a word of Method
+  int64_t records = render::CacheSettings().records;
+  SetKeys keys;
   ToolOptions tool;
 };
 

@@ -224,8 +224,8 @@ void ViewLoop::publish() {
   header.passes = progressive_.passes();
   header.done = progressive_.done() && made_.settled;
   header.light = made_.state->accuracy();
-  const std::optional<PictureLight> by = made_.state->answered_by();
-  header.answered_by = by ? enum_name(*by) : "paths";
+  const std::optional<Method> by = made_.state->answered_by();
+  header.answered_by = by ? enum_name(*by) : "path";
   header.check = progressive_.check();
   header.paths = progressive_.paths();
   for (const Stage& stage : kStages) {

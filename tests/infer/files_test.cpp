@@ -78,7 +78,7 @@ TEST_F(InferFiles, NoOutputReplacesAnInputOrAnotherOutput) {
        "--camera"},
       {"lte_render room.glb --out sky.png --environment sky.png", "--out", "--environment"},
       {"lte_render room.glb --out link.png --environment sky.png", "--out", "--environment"},
-      {"lte_render room.glb --out a.png --indirect network --checkpoint tiny.safetensors --json "
+      {"lte_render room.glb --out a.png --integrator network --checkpoint tiny.safetensors --json "
        "twin.safetensors",
        "--json", "--checkpoint"},
       {"lte_render room.glb --validate-only --json room.glb", "--json", "SCENE"},
@@ -110,9 +110,10 @@ TEST_F(InferFiles, NoOutputReplacesAnInputOrAnotherOutput) {
 
 TEST_F(InferFiles, FilesThatASceneNamesAreInputs) {
   const auto before = folder_files(".");
-  expect_one_line(run_line("lte_render red.obj --environment 1,1,1 --mode reference --spp 1 --size "
-                           "8x8 --quiet --out a.png --json red.mtl"),
-                  1, {"--json", "input"});
+  expect_one_line(
+      run_line("lte_render red.obj --environment 1,1,1 --integrator path --spp 1 --size "
+               "8x8 --quiet --out a.png --json red.mtl"),
+      1, {"--json", "input"});
   EXPECT_EQ(folder_files("."), before);
 }
 
@@ -122,7 +123,7 @@ TEST(InferFlags, WhatIsNoNumberIsRefusedByEveryFlag) {
         static RenderRequest request;
         add_render_options(app, &request);
       },
-      {"--exposure", "--seed", "--spp", "--threads", "--environment-turn"});
+      {"--seed", "--spp", "--threads"});
   test::expect_numbers_refused(
       [](CLI::App& app) {
         static EvalRequest request;

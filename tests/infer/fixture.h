@@ -35,11 +35,11 @@ void add_random_incident(data::SceneSample* sample, size_t points, uint64_t seed
 void write_random_dataset(const std::filesystem::path& folder, double scale = 16,
                           bool with_test = true);
 
-/// Flags by which lte_render decodes by a model, unless `rest` has it made otherwise.
-inline std::string decoding_flags(const std::string& model, const std::string& rest) {
+/// Flags by which lte_render gathers a model's light, unless `rest` names another integrator.
+inline std::string network_flags(const std::string& model, const std::string& rest) {
   const auto has = [&](const char* words) { return rest.find(words) != std::string::npos; };
-  if (has("--mode reference") || has("--indirect gather") || has("--indirect paths")) return " ";
-  return (has("--indirect ") ? " --checkpoint " : " --indirect decoded --checkpoint ") + model +
+  if (has("--integrator gather") || has("--integrator path")) return " ";
+  return (has("--integrator") ? " --checkpoint " : " --integrator network --checkpoint ") + model +
          " ";
 }
 

@@ -64,7 +64,7 @@ class Tools : public testing::Test {
   static std::string at(const std::string& name) { return (*folder_ / name).string(); }
   static Outcome render(const std::string& rest) {
     return run_tool("lte_render", at("room.glb") + " --quiet --size 24x16" +
-                                      test::decoding_flags(at("tiny.safetensors"), rest) + rest);
+                                      test::network_flags(at("tiny.safetensors"), rest) + rest);
   }
   static Outcome eval(const std::string& rest) {
     return run_tool("lte_eval", "--quiet --checkpoint " + at("tiny.safetensors") + " --data " +

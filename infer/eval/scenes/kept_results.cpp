@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "infer/eval/measure/reference_pair.h"
 #include "infer/eval/scenes/figures_json.h"
-#include "infer/renderer/reference_pair.h"
 #include "lte/base/checksum.h"
 #include "lte/base/file.h"
 #include "lte/base/text.h"

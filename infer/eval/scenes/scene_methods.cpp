@@ -5,18 +5,17 @@
 #include <utility>
 
 #include "infer/light/untrained_light.h"
+#include "infer/picture/surface_guides.h"
 #include "infer/renderer/left_out_light.h"
 #include "lte/base/check.h"
 #include "lte/base/timer.h"
+#include "lte/render/picture.h"
 #include "lte/scene/light_points.h"
 
 namespace lte::infer {
 namespace {
 
 constexpr int kMostPaths = 1 << 20;
-/// As --quality final gathers, but for its correction by paths.
-constexpr int kGatherRays = 32, kGatherStep = 2;
-
 /// N of "paths-N" and "paths-N-denoised".
 std::optional<std::pair<int, bool>> parse_paths(const std::string& word) {
   const std::string head = "paths-", tail = "-denoised";
@@ -30,9 +29,8 @@ std::optional<std::pair<int, bool>> parse_paths(const std::string& word) {
   return std::pair(paths, denoised);
 }
 
-std::string gather_words(const char* table) {
-  return concat(kGatherRays, " gather rays at a quarter of the pixels that read ", table,
-                ", denoised; 64 shadow rays a pixel; no correction by paths");
+std::string gather_words(const char* light) {
+  return concat("as --quality preview: rays that read ", light, ", denoised");
 }
 
 SceneMethod method_of(const std::string& word, const SceneModel* model) {
@@ -41,13 +39,13 @@ SceneMethod method_of(const std::string& word, const SceneModel* model) {
   out.model = model;
   if (word == "network") {
     out.kind = SceneMethodKind::Network;
-    out.settings = gather_words("a table of the network's light");
+    out.settings = gather_words("a cache of the network's light");
   } else if (word == "decoded") {
     out.kind = SceneMethodKind::Decoded;
-    out.settings = "the network decoded at every pixel; 64 shadow rays a pixel";
+    out.settings = "the network decoded at every pixel; direct light as --quality preview";
   } else if (word == "gather") {
     out.kind = SceneMethodKind::Gather;
-    out.settings = gather_words("a table of path-traced light");
+    out.settings = gather_words("a cache of path-traced light");
   } else {
     const auto paths = parse_paths(word);
     LTE_CHECK(paths.has_value(), "--methods: \"", word,
@@ -72,26 +70,37 @@ class Stopwatch {
 bool asks_model(const std::string& word) { return word == "network" || word == "decoded"; }
 
 RenderSettings settings_of(const SceneMethod& method) {
-  RenderSettings out;
-  out.denoise = Denoise::Auto;
-  out.layers = false;
+  RenderSettings out = with_quality(Quality::Preview, {});
   switch (method.kind) {
     case SceneMethodKind::Network:
-    case SceneMethodKind::Gather:
-      out.indirect = Indirect::Gather;
-      out.gather.rays = kGatherRays;
-      out.gather.step = kGatherStep;
+      out.method = Method::Network;
       break;
+    case SceneMethodKind::Gather:
     case SceneMethodKind::Decoded:
-      out.indirect = Indirect::Decoded;
       break;
     case SceneMethodKind::Paths:
     case SceneMethodKind::DenoisedPaths:
-      out.mode = Mode::Reference;
-      out.spp = method.paths;
-      out.denoise = method.kind == SceneMethodKind::Paths ? Denoise::Off : Denoise::On;
+      out = with_paths(method.paths, out);
+      out.method = Method::Path;
+      out.denoise = method.kind == SceneMethodKind::DenoisedPaths;
+      out.denoise_quality = image::OidnQuality::High;
       break;
   }
+  return out;
+}
+
+/// Indirect irradiance that the network decodes at what pixel centres see.
+image::Image decoded(const Renderer& renderer, const scene::Camera& camera,
+                     const RenderSettings& settings) {
+  const SurfaceGuides guides =
+      trace_guides(renderer.bvh(), camera, settings.width, settings.height);
+  const SurfacePoints points = points_of(guides);
+  std::vector<Rgb> albedo;
+  for (const uint64_t pixel : points.pixel) albedo.push_back(guides.albedo.rgb(pixel));
+  const std::vector<Rgb> light =
+      renderer.embedding().decode({points.position, points.normal, albedo});
+  image::Image out(settings.width, settings.height, 3);
+  for (size_t i = 0; i < light.size(); ++i) out.set_rgb(points.pixel[i], light[i]);
   return out;
 }
 
@@ -154,20 +163,27 @@ ScenePictures ScenePainter::paint(const SceneMethod& method) {
   settings.height = settings_.height;
   settings.max_depth = settings_.max_depth;
   settings.seed = settings_.seed;
+  const bool decodes = method.kind == SceneMethodKind::Decoded;
   const Stopwatch watch;
-  if (settings.indirect == Indirect::Gather) {
-    TableSettings table;
-    table.light = method.model != nullptr ? TableLight::Network : TableLight::Raw;
-    table.max_depth = settings_.max_depth;
-    table.seed = settings_.seed;
-    renderer.make_table(table);
+  if (decodes) settings.output = Output::Direct;
+  if (renderer.needs_cache(settings)) {
+    render::CacheSettings cache;
+    cache.max_depth = settings_.max_depth;
+    cache.seed = settings_.seed;
+    renderer.make_cache(settings.method, cache);
   }
-  out.whole = renderer.render(view_.camera, settings).color;
+  Frame frame = renderer.render(view_.camera, settings);
+  if (decodes) {
+    frame.indirect = decoded(renderer, view_.camera, settings);
+    out.whole = render::compose(frame, Output::Full);
+  } else {
+    out.whole = std::move(frame.color);
+  }
   const PictureSeconds own = watch.seconds();
   out.seconds = {out.seconds.wall + own.wall, out.seconds.processor + own.processor};
   settings.output = Output::Irradiance;
-  settings.antialias = 0;
-  out.irradiance = renderer.render(view_.camera, settings).color;
+  out.irradiance =
+      decodes ? std::move(frame.indirect) : renderer.render(view_.camera, settings).color;
   return out;
 }
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "infer/eval/measure/reference_pair.h"
 #include "infer/eval/scenes/scenes.h"
-#include "infer/renderer/reference_pair.h"
 
 namespace lte::infer {
 

@@ -6,9 +6,9 @@
 #include <optional>
 #include <utility>
 
+#include "infer/eval/measure/reference_pair.h"
 #include "infer/eval/scenes/kept_results.h"
 #include "infer/eval/scenes/scene_reference.h"
-#include "infer/renderer/reference_pair.h"
 #include "lte/base/check.h"
 #include "lte/base/checksum.h"
 #include "lte/base/file.h"

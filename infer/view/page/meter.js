@@ -1,13 +1,11 @@
 // Where the time goes: the stages of the last pass, the picture so far, the answer to the last move.
 import { byId, make, short } from "./dom.js";
 
-const COLORS = { primary: "#6d8fb8", decode: "#e8b04b", gather: "#e8b04b", direct: "#c9825b", denoise: "#8d7fb3",
-                 reference: "#7fb98b", jpeg: "#8d959f", scene: "#6d8fb8", bvh: "#7fb98b",
+const COLORS = { hits: "#6d8fb8", irradiance: "#e8b04b", denoise: "#8d7fb3", paths: "#7fb98b", jpeg: "#8d959f", scene: "#6d8fb8", bvh: "#7fb98b",
                  points: "#8d7fb3", light: "#c9825b", encode: "#e8b04b" };
-const NAMES = { primary: "hits", decode: "network", gather: "gather rays", direct: "shadow rays", denoise: "denoise",
-                reference: "paths", jpeg: "picture", bvh: "tree", light: "light at points" };
+const NAMES = { irradiance: "light", jpeg: "picture", bvh: "tree", light: "light at points" };
 const ANSWERED = { gather: "gathered from traced light", network: "gathered from the network's light",
-                   decoded: "by the network at every pixel", paths: "by paths" };
+                   path: "by paths" };
 const DARK = new Set(["direct", "reference", "albedo", "normal"]);  // outputs without answered light
 const time = (ms) => (ms < 1000 ? `${short(ms, 0)} ms` : `${short(ms / 1000, 1)} s`);
 

@@ -27,13 +27,14 @@ struct Lit {
 constexpr std::array<int, 3> kAll = {0, 1, 2};
 const std::array<Rgb, 3> kOne = {Rgb{1, 1, 1}, Rgb{1, 1, 1}, Rgb{1, 1, 1}};
 
-TEST(TracedRecords, AtGainOneTheyFillTheTableThatPicturesRead) {
+TEST(TracedRecords, AtGainOneTheyFillTheCacheThatPicturesRead) {
   const Lit lit;
-  const TableSettings settings{.entries = 1024};
-  const TracedRecords records = trace_records(lit.bvh, lit.lights, settings);
+  const render::CacheSettings settings{.records = 1024};
+  const TracedRecords records =
+      trace_records(lit.bvh, lit.lights, settings, render::Method::Gather);
   const gi::EntryLight light = records.light_of(kAll, kOne);
   const gi::RadiosityTable mine(lit.bvh, records.entries, light.total(), light.direct);
-  const gi::RadiosityTable table = make_light_table(lit.bvh, lit.lights, {}, settings);
+  const gi::RadiosityTable table = render::make_cache({lit.bvh, lit.lights}, settings);
   ASSERT_EQ(mine.size(), table.size());
   double a = 0, b = 0;
   int found = 0;
@@ -51,7 +52,8 @@ TEST(TracedRecords, AtGainOneTheyFillTheTableThatPicturesRead) {
 
 TEST(TracedRecords, LightIsTheSumOfLampsTimesTheirGains) {
   const Lit lit;
-  const TracedRecords records = trace_records(lit.bvh, lit.lights, {.entries = 512});
+  const TracedRecords records =
+      trace_records(lit.bvh, lit.lights, {.records = 512}, render::Method::Gather);
   const std::array<Rgb, 3> gains = {Rgb{0.5f, 1, 2}, Rgb{0, 0, 0}, Rgb{0.1f, 0.2f, 0}};
   const std::vector<Rgb> sum = records.light_of(kAll, gains).total();
   const std::array<int, 1> first = {0}, second = {2};
@@ -75,13 +77,13 @@ TEST(TracedRecords, LightIsTheSumOfLampsTimesTheirGains) {
 
 TEST(TracedRecords, ForANetworkTheyAreTheDirectLightOfAllPlaces) {
   const Lit lit;
-  TableSettings settings{.entries = 512};
-  settings.light = TableLight::Network;
-  const TracedRecords records = trace_records(lit.bvh, lit.lights, settings);
+  const render::CacheSettings settings{.records = 512};
+  const TracedRecords records =
+      trace_records(lit.bvh, lit.lights, settings, render::Method::Network);
   EXPECT_GE(records.entries.size(), 512);
   for (const Rgb& bounced : records.indirect) EXPECT_EQ(bounced, Rgb());
   int calls = 0;
-  EXPECT_THROW(trace_records(lit.bvh, lit.lights, settings,
+  EXPECT_THROW(trace_records(lit.bvh, lit.lights, settings, render::Method::Network,
                              [&] {
                                ++calls;
                                throw Error("enough");
@@ -95,7 +97,7 @@ TEST(TracedRecords, WithoutLightThereAreNone) {
   for (scene::Material& material : dark.materials) material.emission = {};
   const pathtrace::Bvh bvh(dark);
   const pathtrace::Lights lights(dark);
-  EXPECT_EQ(trace_records(bvh, lights, {.entries = 64}).entries.size(), 0);
+  EXPECT_EQ(trace_records(bvh, lights, {.records = 64}, render::Method::Gather).entries.size(), 0);
 }
 
 }  // namespace

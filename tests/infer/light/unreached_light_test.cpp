@@ -71,7 +71,7 @@ TEST(UnreachedLight, HasNames) {
   EXPECT_THAT(names_of(rooms.scene, groups), ElementsAre("light1", "the sky"));
   EXPECT_EQ(left_out_note(rooms.scene, groups, SurfacePlaces{}),
             "the network is not told of light that does not reach the points (light1, the sky); "
-            "--prune off tells it of all");
+            "--set prune=off tells it of all");
   EXPECT_THAT(left_out_note(rooms.scene, groups, std::vector{TwoRooms::inside()}),
               testing::HasSubstr("does not reach what is seen (light1, the sky)"));
 }
@@ -103,7 +103,7 @@ TEST(UnreachedLight, IsNothingThatTheNetworkIsToldOf) {
     };
     EXPECT_EQ(red(1, sky, true), red(1000, sky, true)) << enum_name(input);
     EXPECT_NE(red(1, {}, true), red(1000, {}, true)) << enum_name(input);
-    EXPECT_NE(red(1, sky, false), red(1000, sky, false)) << "--prune off tells it of all";
+    EXPECT_NE(red(1, sky, false), red(1000, sky, false)) << "without pruning it is told of all";
   }
 }
 

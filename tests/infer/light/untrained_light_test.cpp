@@ -47,9 +47,9 @@ TEST(UntrainedLight, AnEnvironmentIsNamedUntilAModelHasSeenSkies) {
               testing::AllOf(testing::HasSubstr("attic: an environment,"),
                              testing::HasSubstr("--untrained-light trace")));
   test::add_punctual(&scene, scene::LightKind::Directional, {1, 1, 1});
-  EXPECT_THAT(traced_light_note(scene, 64),
+  EXPECT_THAT(traced_light_note(scene),
               testing::AllOf(testing::HasSubstr("1 directional light and an environment,"),
-                             testing::HasSubstr("64 paths a pixel")));
+                             testing::HasSubstr("path-traced at the places")));
   model.suns = true;
   EXPECT_FALSE(has_untrained_light(scene, model));
 }
@@ -90,73 +90,6 @@ TEST(UntrainedLight, SunsLeaveThePointsOfAModelThatKnowsNoneWhereOtherLightShine
   EXPECT_EQ(points_of_the_sun(), 0);
   model.suns = true;
   EXPECT_EQ(points_of_the_sun(), 1);
-}
-
-/// The room by a sun and a lamp that hangs behind the box.
-scene::Scene sunny_room() {
-  scene::Scene scene = test::dark_room();
-  test::add_punctual(&scene, scene::LightKind::Point, {1, 1, 2}, {0.5f, 1.25f, 1.5f});
-  test::add_punctual(&scene, scene::LightKind::Directional, {5, 4, 3});
-  return scene;
-}
-
-scene::Camera into_the_room() { return {"in", {3.8f, 1.2f, 0.2f}, {0, 1, 0.2f}, {0, 1, 0}, 70}; }
-
-RenderSettings settings(Output output, Mode mode, Indirect indirect) {
-  RenderSettings out;
-  out.output = output;
-  out.mode = mode;
-  out.indirect = indirect;
-  out.width = 32;
-  out.height = 24;
-  out.spp = 64;
-  return out;
-}
-
-double mean(const image::Image& picture) {
-  return std::accumulate(picture.pixels.begin(), picture.pixels.end(), 0.0) /
-         static_cast<double>(picture.pixels.size());
-}
-
-TEST(UntrainedLight, PathsAnswerWithoutANetworkAsThePathTracerOfPicturesDoes) {
-  const scene::Scene scene = sunny_room();
-  Renderer renderer(scene);
-  const RenderSettings paths = settings(Output::Full, Mode::Neural, Indirect::Paths);
-  EXPECT_FALSE(renderer.needs(paths).network);
-  const Frame frame = renderer.render(into_the_room(), paths);
-  EXPECT_EQ(frame.traced_pixels, int64_t{32} * 24 - frame.background);
-  EXPECT_EQ(frame.queries, 0);
-  const image::Image reference = pathtrace::render_reference(
-      renderer.bvh(), renderer.lights(), into_the_room(), 32, 24, {256, paths.max_depth + 1, 7});
-  EXPECT_NEAR(mean(frame.color) / mean(reference), 1, 0.04);
-  EXPECT_GT(mean(frame.indirect), 0.1 * mean(frame.direct)) << "there is something to compare";
-}
-
-TEST(UntrainedLight, TracedLayersAreTheReferencesAndDirectLightStays) {
-  const scene::Scene scene = sunny_room();
-  Renderer renderer(scene);
-  for (const Output output : {Output::Full, Output::Gi, Output::Irradiance}) {
-    const Frame frame =
-        renderer.render(into_the_room(), settings(output, Mode::Neural, Indirect::Paths));
-    const Output layers = output == Output::Full ? Output::Gi : output;
-    const Frame reference =
-        renderer.render(into_the_room(), settings(layers, Mode::Reference, Indirect::Decoded));
-    EXPECT_EQ(frame.indirect.pixels, reference.indirect.pixels) << enum_name(output);
-  }
-  const RenderSettings direct = settings(Output::Direct, Mode::Neural, Indirect::Decoded);
-  EXPECT_EQ(renderer.render(into_the_room(), settings(Output::Full, Mode::Neural, Indirect::Paths))
-                .direct.pixels,
-            renderer.render(into_the_room(), direct).direct.pixels);
-}
-
-TEST(UntrainedLight, EveryPixelIsToldOfOnce) {
-  const scene::Scene scene = sunny_room();
-  Renderer renderer(scene);
-  RenderSettings paths = settings(Output::Full, Mode::Neural, Indirect::Paths);
-  int64_t told = 0;
-  paths.done = [&](int64_t pixels) { told += pixels; };
-  renderer.render(into_the_room(), paths);
-  EXPECT_EQ(told, int64_t{32} * 24);
 }
 
 }  // namespace

@@ -46,8 +46,8 @@ class CheckedPictures : public Tools {
  protected:
   static Outcome living_room(const std::string& rest) {
     return run_tool("lte_render", std::string(kShipped) + "/scenes/living_room.glb" +
-                                      " --size 128x96 --aa off --json " + at("check.json") +
-                                      " --out " + at("check.png") + " " + rest);
+                                      " --size 128x96 --quality preview --json " +
+                                      at("check.json") + " --out " + at("check.png") + " " + rest);
   }
   static nlohmann::json found() {
     return nlohmann::json::parse(read_file(at("check.json"))).at("check");
@@ -57,14 +57,14 @@ class CheckedPictures : public Tools {
 TEST_F(CheckedPictures, AModelThatIsMadeWrongIsSaidAndTheShippedOneIsNot) {
   const std::string wrong = at("wrong.safetensors");
   write_scaled_model(wrong, 0.5f);
-  const Outcome said = living_room("--indirect decoded --checkpoint " + wrong);
+  const Outcome said = living_room("--integrator network --checkpoint " + wrong);
   ASSERT_EQ(said.code, 0) << said.text;
   EXPECT_THAT(said.text, AllOf(HasSubstr("warning"),
                                HasSubstr("check.png: the network's indirect "
                                          "light is "),
                                HasSubstr(" of the traced")));
   EXPECT_TRUE(found().at("whole").at("off").get<bool>() || found().at("fault").is_object());
-  const Outcome right = living_room("--indirect decoded");
+  const Outcome right = living_room("--integrator network");
   ASSERT_EQ(right.code, 0) << right.text;
   EXPECT_FALSE(found().at("whole").at("off").get<bool>()) << found().dump();
   EXPECT_NEAR(found().at("whole").at("ratio").get<double>(), 1, 0.05);
@@ -72,58 +72,34 @@ TEST_F(CheckedPictures, AModelThatIsMadeWrongIsSaidAndTheShippedOneIsNot) {
 }
 
 TEST_F(CheckedPictures, GatheredLightPasses) {
-  for (const std::string quality : {"draft", "final"}) {
-    const Outcome run = living_room("--indirect gather --quality " + quality);
-    ASSERT_EQ(run.code, 0) << run.text;
-    EXPECT_THAT(run.text, Not(HasSubstr("of the traced"))) << quality << found().dump();
-    EXPECT_EQ(found().at("light"), quality == "draft" ? "total" : "indirect");
-    EXPECT_NEAR(found().at("whole").at("ratio").get<double>(), 1, 0.05);
-  }
+  const Outcome run = living_room("--integrator gather");
+  ASSERT_EQ(run.code, 0) << run.text;
+  EXPECT_THAT(run.text, Not(HasSubstr("of the traced"))) << found().dump();
+  EXPECT_NEAR(found().at("whole").at("ratio").get<double>(), 1, 0.05);
 }
 
 TEST_F(CheckedPictures, TheCheckChangesNoPixel) {
-  for (const std::string how : {"--indirect network", "--indirect gather --quality preview"}) {
+  for (const std::string how : {"--integrator network", "--integrator gather"}) {
     ASSERT_EQ(living_room(how).code, 0);
     const std::string checked = read_file(at("check.png"));
     EXPECT_TRUE(found().is_object());
-    ASSERT_EQ(living_room(how + " --check off").code, 0);
+    ASSERT_EQ(living_room(how + " --set check=off").code, 0);
     EXPECT_EQ(read_file(at("check.png")), checked) << how;
     EXPECT_FALSE(found().is_object());
   }
-  ASSERT_EQ(living_room("--mode reference --spp 2").code, 0);
+  ASSERT_EQ(living_room("--integrator path").code, 0);
   EXPECT_FALSE(found().is_object()) << "paths are what others are held against";
 }
 
 TEST_F(CheckedPictures, EachOfSeveralPicturesIsChecked) {
   const Outcome run =
-      run_tool("lte_render", at("room.glb") +
-                                 " --size 48x32 --indirect gather --quality draft --camera all" +
+      run_tool("lte_render", at("room.glb") + " --size 48x32 --quality draft --camera all" +
                                  " --out " + at("view_%d.png") + " --json " + at("views.json"));
   ASSERT_EQ(run.code, 0) << run.text;
   const nlohmann::json json = nlohmann::json::parse(read_file(at("views.json")));
   for (const nlohmann::json& picture : json.at("pictures"))
     EXPECT_TRUE(picture.at("check").is_object());
   EXPECT_GT(json.at("seconds").at("check").get<double>(), 0);
-}
-
-TEST(CheckedFrames, CorrectedLightIsCheckedAsItIsShown) {
-  const scene::Scene room = test::furnished_room();
-  Renderer renderer(room);
-  renderer.make_table({});
-  RenderSettings settings;
-  settings.indirect = Indirect::Gather;
-  settings.width = 64;
-  settings.height = 48;
-  LightCheck check;
-  settings.check = PictureCheck{&check};
-  const scene::Camera camera{"in", {3.8f, 1.2f, 0.2f}, {0, 1, 2}, {0, 1, 0}, 70};
-  for (const int paths : {0, 8}) {
-    settings.correction_paths = paths;
-    renderer.render(camera, settings);
-    EXPECT_FALSE(check.total);
-    EXPECT_GE(check.paths, 1 << 13);
-    EXPECT_NEAR(check.whole.ratio, 1, 0.05 + 4 * check.whole.standard_error);
-  }
 }
 
 }  // namespace

@@ -41,8 +41,9 @@ class Frames : public test::InFolder {
   static CommandOutcome render(const std::string& rest, const std::string& scene = "room.glb",
                                const std::string& model = "tiny.safetensors") {
     const std::vector<std::string> arguments =
-        split(scene + " --quiet --size 24x16 --direct-samples 2" +
-              test::decoding_flags(model, rest) + rest);
+        split(scene + " --quiet --size 24x16" +
+              (rest.find("--output depth") == std::string::npos ? " --quality draft" : "") +
+              test::network_flags(model, rest) + rest);
     CLI::App app{"", "lte_render"};
     RenderRequest request;
     add_render_options(app, &request);
@@ -67,17 +68,17 @@ TEST_F(Frames, ATurntableWritesItsFramesUnderOneExposure) {
   ASSERT_EQ(render("--camera a --out one.png").code, 0);
   EXPECT_EQ(bytes("one.png"), bytes("f/00.png"));
   EXPECT_TRUE(fs::exists("f/frames_png.json"));
-  ASSERT_EQ(render("--cameras all --out f/{name}.png --json all.json").code, 0);
+  ASSERT_EQ(render("--camera all --out f/{name}.png --json all.json").code, 0);
   EXPECT_NE(json("all.json").at("pictures")[0]["exposure"],
             json("all.json").at("pictures")[1]["exposure"]);
 }
 
 TEST_F(Frames, AListOfOneCameraIsAListToo) {
   test::write_text("list.json", R"([{"origin":[2,1.6,2.8],"target":[2,1,0],"vfov":70}])");
-  ASSERT_EQ(render("--cameras list.json --out f/%04d.png").code, 0);
+  ASSERT_EQ(render("--camera list.json --out f/%04d.png").code, 0);
   EXPECT_TRUE(fs::exists("f/0000.png"));
   test::write_text("none.json", "[]");
-  expect_one_line(render("--cameras none.json --out f/n%d.png"), 1, {"none.json", "got 0"});
+  expect_one_line(render("--camera none.json --out f/n%d.png"), 1, {"none.json", "got 0"});
 }
 
 TEST_F(Frames, FramesThatExistAreRefusedAndResumed) {
@@ -101,20 +102,20 @@ TEST_F(Frames, FramesThatExistAreRefusedAndResumed) {
 }
 
 TEST_F(Frames, NoMixtureOfSettingsIsMade) {
-  ASSERT_EQ(render("--cameras all --out f/%d.png").code, 0);
+  ASSERT_EQ(render("--camera all --out f/%d.png").code, 0);
   fs::remove("f/1.png");
   const auto before = folder_files("f");
   const auto refused = [&](const CommandOutcome& run, const std::vector<std::string>& words) {
     expect_one_line(run, 1, words);
     EXPECT_EQ(folder_files("f"), before);
   };
-  const std::string resume = "--cameras all --out f/%d.png --resume ";
+  const std::string resume = "--camera all --out f/%d.png --resume ";
   refused(render(resume + "--seed 7"), {"f/frames_png.json", "another --seed: 0", "is 7"});
   refused(render(resume + "--output gi"), {"another --output"});
   refused(render(resume, "dark.glb"), {"another scene materials"});
   refused(render(resume, "room.glb", "other.safetensors"), {"another model"});
-  refused(render("--turntable 2 --camera b --one-exposure --out f/%d.png --resume"),
-          {"one-exposure"});
+  refused(render("--turntable 2 --camera b --set exposure=first --out f/%d.png --resume"),
+          {"another --set"});
   refused(render("--turntable 2 --camera b --out f/%d.png --resume"),
           {"f/0.png", "another camera"});
   fs::rename("f/frames_png.json", "gone.json");
@@ -145,7 +146,7 @@ TEST_F(Frames, AnEmbeddingFromAFileMakesTheSamePictureAndSkipsTheWork) {
   EXPECT_EQ(seconds.at("sample"), 0);
   EXPECT_EQ(seconds.at("light"), 0);
   // Cameras are free, as is all that does not change the points.
-  EXPECT_EQ(render("--camera b --aa off --embedding room.emb --out b.png").code, 0);
+  EXPECT_EQ(render("--camera b --embedding room.emb --out b.png").code, 0);
 }
 
 TEST_F(Frames, AnotherEmbeddingIsRefusedByWhatDiffers) {
@@ -159,27 +160,24 @@ TEST_F(Frames, AnotherEmbeddingIsRefusedByWhatDiffers) {
   refused(render(use, "dark.glb"), {"room.emb", "another scene materials"});
   refused(render(use + "--add-light 1,1,1,5"), {"another scene lights"});
   refused(render(use, "room.glb", "other.safetensors"), {"another model"});
-  CommandOutcome bf16 = render(use + "--precision bf16");
+  CommandOutcome bf16 = render(use + "--set precision=bf16");
   bf16.err.erase(0, bf16.err.find("lte_render: "));  // some processors draw a warning first
   refused(bf16, {"another precision", "bf16"});
-  refused(render(use + "--scene-points 200"), {"another scene-points: 300", "200"});
+  refused(render(use + "--set scene_points=200"), {"another scene-points: 300", "200"});
   refused(render(use + "--seed 4"), {"another seed"});
-  refused(render(use + "--prune on"), {"another prune"});
+  refused(render(use + "--set prune=on"), {"another prune"});
   refused(render("--camera a --out x.png --embedding tiny.safetensors"), {"not an embedding"});
   refused(render("--camera a --out x.png --embedding none.emb"), {"none.emb"});
   refused(render(use + "--output depth"), {"room.emb", "needs no embedding"});
   refused(render("--camera a --out x.png --save-embedding room.glb"),
           {"--save-embedding", "SCENE"});
-  refused(render(use + "--draws 2"), {"--draws 2", "one embedding"});
-  refused(render("--camera a --out x.png --draws 2 --save-embedding y.emb"), {"--draws 2"});
-  refused(render("--camera a --out x.png --draws 2 --output attention --point 1,1,1"),
-          {"--output attention", "--draws"});
   EXPECT_EQ(render(use + "--save-embedding y.emb").code, 2) << "they exclude each other";
 }
 
 TEST_F(Frames, FlickerIsMeasuredOnTheFramesOfARender) {
   ASSERT_EQ(
-      render("--turntable 24 --camera a --output irradiance --scene-points 100 --out f/%02d.exr")
+      render(
+          "--turntable 24 --camera a --output irradiance --set scene_points=100 --out f/%02d.exr")
           .code,
       0);
   FlickerRequest request;

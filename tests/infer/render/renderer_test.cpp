@@ -24,16 +24,17 @@ namespace {
 using test::downward_camera;
 using test::kLitFloorRadiance;
 using test::lit_floor;
-using test::outside_camera;
 
-RenderSettings settings(Output output, Mode mode = Mode::Neural) {
+/// One camera ray a pixel, so that a pixel is a point.
+RenderSettings settings(Output output, Method method = Method::Gather) {
   RenderSettings out;
   out.output = output;
-  out.mode = mode;
+  out.method = method;
   out.width = 24;
   out.height = 16;
-  out.antialias =
-      0;  // one hit a pixel, so that a pixel is a point: antialias_test.cpp has the rest
+  out.passes = 1;
+  out.edge_rays = 0;
+  out.denoise = false;
   return out;
 }
 
@@ -89,7 +90,7 @@ TEST(Renderer, DirectLightOfAQuadAgreesWithTheClosedForm) {
       pathtrace::trace_gbuffer(renderer.bvh(), downward_camera(), 24, 16);
   const std::vector<float> expected = closed_form(hits);
   RenderSettings wanted = settings(Output::Direct);
-  wanted.direct_samples = 256;
+  wanted.light_samples = 256;
   const Frame frame = renderer.render(downward_camera(), wanted);
   double sum = 0, wanted_sum = 0;
   for (size_t i = 0; i < 3 * expected.size(); ++i) {
@@ -100,154 +101,6 @@ TEST(Renderer, DirectLightOfAQuadAgreesWithTheClosedForm) {
     wanted_sum += irradiance;
   }
   EXPECT_NEAR(sum, wanted_sum, 0.005 * wanted_sum);
-}
-
-TEST(Renderer, ReferenceAgreesWithTheClosedFormAndHasNoIndirectLightOverABlackCeiling) {
-  const scene::Scene scene = lit_floor();
-  Renderer renderer(scene);
-  const std::vector<float> expected =
-      closed_form(pathtrace::trace_gbuffer(renderer.bvh(), downward_camera(), 24, 16));
-  RenderSettings wanted = settings(Output::Full, Mode::Reference);
-  wanted.spp = 256;
-  const Frame full = renderer.render(downward_camera(), wanted);
-  wanted.output = Output::Gi;
-  const Frame gi = renderer.render(downward_camera(), wanted);
-  double radiance = 0, irradiance = 0, wanted_irradiance = 0;
-  for (size_t i = 0; i < expected.size(); ++i) {
-    radiance += full.color.pixels[3 * i];
-    irradiance += gi.direct.pixels[3 * i];
-    wanted_irradiance += expected[i] * kLitFloorRadiance.x;
-  }
-  EXPECT_NEAR(irradiance, wanted_irradiance, 0.01 * wanted_irradiance);
-  EXPECT_NEAR(radiance, 0.5 / kPi * wanted_irradiance, 0.01 * 0.5 / kPi * wanted_irradiance);
-  EXPECT_THAT(gi.color.pixels, testing::Each(0.0f));
-  double layer = 0;
-  for (size_t i = 0; i < expected.size(); ++i) layer += full.direct.pixels[3 * i];
-  EXPECT_NEAR(layer, wanted_irradiance, 0.01 * wanted_irradiance);
-  EXPECT_THAT(full.indirect.pixels, testing::Each(0.0f));
-}
-
-TEST(Renderer, LayersOfAFullReferenceAddUpToIt) {
-  const scene::Scene scene = test::furnished_room();
-  Renderer renderer(scene);
-  const scene::Camera camera = pathtrace::auto_camera(renderer.bvh());
-  RenderSettings wanted = settings(Output::Full, Mode::Reference);
-  const Frame full = renderer.render(camera, wanted);
-  double direct = 0, indirect = 0;
-  for (size_t i = 0; i < full.color.pixels.size(); ++i) {
-    const float sum =
-        full.emission.pixels[i] +
-        full.albedo.pixels[i] / kPi * (full.direct.pixels[i] + full.indirect.pixels[i]);
-    EXPECT_NEAR(full.color.pixels[i], sum, 1e-5f * (1 + sum));
-    direct += full.albedo.pixels[i] * full.direct.pixels[i];
-    indirect += full.albedo.pixels[i] * full.indirect.pixels[i];
-  }
-  wanted.layers = false;
-  const Frame bare = renderer.render(camera, wanted);
-  EXPECT_EQ(bare.color.pixels, full.color.pixels);
-  EXPECT_EQ(bare.direct.width, 0);
-  // The same light, asked for at points in the middle of pixels.
-  wanted.layers = true;
-  wanted.output = Output::Gi;
-  wanted.spp = 256;
-  const Frame points = renderer.render(camera, wanted);
-  double at_points[2] = {0, 0};
-  for (size_t i = 0; i < points.albedo.pixels.size(); ++i) {
-    at_points[0] += points.albedo.pixels[i] * points.direct.pixels[i];
-    at_points[1] += points.albedo.pixels[i] * points.indirect.pixels[i];
-  }
-  EXPECT_NEAR(direct, at_points[0], 0.1 * at_points[0]);
-  EXPECT_NEAR(indirect, at_points[1], 0.1 * at_points[1]);
-}
-
-TEST(Renderer, FullIsReflectedDirectAndIndirectLightAndEmission) {
-  Embedded room(test::furnished_room());
-  const scene::Camera camera = pathtrace::auto_camera(room.renderer.bvh());
-  const Frame full = room.renderer.render(camera, settings(Output::Full));
-  const Frame gi = room.renderer.render(camera, settings(Output::Gi));
-  const Frame direct = room.renderer.render(camera, settings(Output::Direct));
-  const Frame irradiance = room.renderer.render(camera, settings(Output::Irradiance));
-  ASSERT_EQ(gi.direct.width, 0) << "an output without direct light must not pay for it";
-  double sum = 0;
-  for (size_t i = 0; i < full.color.pixels.size(); ++i) {
-    const float parts = gi.color.pixels[i] + direct.color.pixels[i] + full.emission.pixels[i];
-    EXPECT_NEAR(full.color.pixels[i], parts, 1e-5f * (1 + parts));
-    EXPECT_NEAR(gi.color.pixels[i], full.albedo.pixels[i] / kPi * irradiance.color.pixels[i],
-                1e-5f * (1 + parts));
-    sum += irradiance.color.pixels[i];
-  }
-  EXPECT_GT(sum, 0)
-      << "an untrained network must still answer something, or this test sees nothing";
-}
-
-TEST(Renderer, BackgroundAndPureEmittersAreNotDecoded) {
-  Embedded floor(lit_floor());
-  const Frame frame = floor.renderer.render(outside_camera(), settings(Output::Full));
-  int64_t background = 0, emitters = 0;
-  for (int y = 0; y < 16; ++y) {
-    for (int x = 0; x < 24; ++x) {
-      if (*frame.depth.at(x, y) == 0) {
-        ++background;
-        EXPECT_EQ(frame.color.rgb(x, y), Rgb{});
-      } else if (max_component(frame.albedo.rgb(x, y)) == 0) {
-        ++emitters;
-        EXPECT_EQ(frame.color.rgb(x, y), frame.emission.rgb(x, y));
-        EXPECT_EQ(frame.indirect.rgb(x, y), Rgb{});
-      }
-    }
-  }
-  EXPECT_GT(background, 0);
-  EXPECT_GT(emitters, 0);
-  EXPECT_EQ(frame.background, background);
-  EXPECT_EQ(frame.queries, 24 * 16 - background - emitters);
-}
-
-TEST(Renderer, RescaleShowsTheNetworkTheSceneThatItKnows) {
-  scene::Scene large = test::furnished_room();
-  for (scene::Instance& instance : large.instances) {
-    instance.to_world = test::scaling({10, 10, 10}) * instance.to_world;
-  }
-  test::TinyModel tiny;
-  tiny.scale = 4 * (1 - 1e-5);  // the small room's own extent, and what the large one is shrunk to
-  EmbedSettings embed;
-  EXPECT_THROW(Embedded(large, tiny, embed), Error);
-  embed.rescale = true;
-  Embedded shrunk(large, tiny, embed), small(test::furnished_room(), tiny, embed);
-  scene::Camera camera = pathtrace::auto_camera(small.renderer.bvh());
-  const Frame expected = small.renderer.render(camera, settings(Output::Irradiance));
-  camera.origin *= 10;
-  camera.target *= 10;
-  const Frame frame = shrunk.renderer.render(camera, settings(Output::Irradiance));
-  double error = 0, power = 0;
-  for (size_t i = 0; i < frame.color.pixels.size(); ++i) {
-    error += std::abs(frame.color.pixels[i] - expected.color.pixels[i]);
-    power += expected.color.pixels[i];
-  }
-  EXPECT_GT(power, 0);
-  EXPECT_LT(error, 0.02 * power);
-}
-
-TEST(Renderer, DrawsOfScenePointsAreAveraged) {
-  EmbedSettings embed;
-  embed.seed = 5;
-  embed.draws = 2;
-  Embedded both(test::furnished_room(), {}, embed);
-  EXPECT_EQ(both.renderer.draws().count(), 2u);
-  std::vector<Frame> draws;
-  for (embed.draws = 1; embed.seed < 7; ++embed.seed) {
-    Embedded one(test::furnished_room(), {}, embed);
-    const scene::Camera camera = pathtrace::auto_camera(one.renderer.bvh());
-    draws.push_back(one.renderer.render(camera, settings(Output::Irradiance)));
-  }
-  const scene::Camera camera = pathtrace::auto_camera(both.renderer.bvh());
-  const Frame mean = both.renderer.render(camera, settings(Output::Irradiance));
-  float apart = 0;
-  for (size_t i = 0; i < mean.color.pixels.size(); ++i) {
-    const float a = draws[0].color.pixels[i], b = draws[1].color.pixels[i];
-    EXPECT_NEAR(mean.color.pixels[i], (a + b) / 2, 1e-6f * (a + b));
-    apart = std::max(apart, std::abs(a - b) / (a + b + 1e-6f));
-  }
-  EXPECT_GT(apart, 1e-3f) << "each draw has points of its own";
 }
 
 TEST(Renderer, PrunesScenePointsAsInTrainingUnlessToldOtherwise) {
@@ -273,43 +126,6 @@ TEST(Renderer, PrunesScenePointsAsInTrainingUnlessToldOtherwise) {
   }
 }
 
-/// Irradiance of a frame's queries by an embedding of the same scene points under this light.
-std::vector<Rgb> answers(const Embedded& embedded, const runtime::Network& network,
-                         const LitSamples& lit, const scene::Camera& camera) {
-  const pathtrace::GBuffer hits = pathtrace::trace_gbuffer(embedded.renderer.bvh(), camera, 24, 16);
-  return runtime::SceneEmbedding(network, lit.points())
-      .decode({hits.position, hits.normal, hits.albedo});
-}
-
-TEST(Renderer, GivesModelsTheLightThatTheyRead) {
-  for (const auto input : {nn::LightInput::Emission, nn::LightInput::Traced}) {
-    test::TinyModel tiny;
-    tiny.light_input = input;
-    Embedded room(test::furnished_room(), tiny);
-    const scene::Camera camera = pathtrace::auto_camera(room.renderer.bvh());
-    const Frame frame = room.renderer.render(camera, settings(Output::Irradiance));
-    const runtime::Network network = tiny_network(tiny);
-    const LitSamples lit = add_light_estimates(
-        room.renderer.bvh(), room.renderer.lights(),
-        sample_scene_points(room.renderer.bvh(), tiny.scene_points, /*prune=*/false,
-                            /*seed=*/0, nullptr),
-        network.light_request(), 0);
-    EXPECT_EQ(lit.light.direct.empty(), input == nn::LightInput::Emission);
-    EXPECT_EQ(lit.light.indirect.empty(), input == nn::LightInput::Emission);
-    const std::vector<Rgb> expected = answers(room, network, lit, camera);
-    double sum = 0, difference = 0;
-    for (int y = 0; y < 16; ++y) {
-      for (int x = 0; x < 24; ++x) {
-        const Rgb& e = expected[static_cast<size_t>(y) * 24 + static_cast<size_t>(x)];
-        sum += luminance(e);
-        difference += std::abs(luminance(frame.indirect.rgb(x, y) - e));
-      }
-    }
-    EXPECT_GT(sum, 0) << enum_name(input);
-    EXPECT_LT(difference, 1e-5 * sum) << enum_name(input) << ": not the light of these estimates";
-  }
-}
-
 /// lte_bench pareto draws its points by the same function.
 TEST(Renderer, EveryKindOfLightReachesTheNetwork) {
   for (const test::LitScene& lit : test::scenes_of_every_light()) {
@@ -321,20 +137,6 @@ TEST(Renderer, EveryKindOfLightReachesTheNetwork) {
         EXPECT_NEAR(found[g], lit.strength[g], std::max(1e-4, lit.tolerance) * lit.strength[g])
             << lit.light << ", pruned " << pruned;
     }
-  }
-}
-
-TEST(Renderer, AScenePrunedToItsOnlyPointLightOrSunIsLit) {
-  for (const scene::LightKind kind : {scene::LightKind::Point, scene::LightKind::Directional}) {
-    scene::Scene scene = test::dark_room();
-    test::add_punctual(&scene, kind, {3, 2, 1});
-    test::TinyModel tiny;
-    tiny.pruned = true;
-    Embedded room(scene, tiny);
-    EXPECT_GT(room.renderer.pruned_points().pruned, 0);
-    const Frame frame = room.renderer.render(
-        {"in", {3.8f, 1.2f, 0.2f}, {0, 1, 0.2f}, {0, 1, 0}, 70}, settings(Output::Irradiance));
-    EXPECT_GT(*std::max_element(frame.indirect.pixels.begin(), frame.indirect.pixels.end()), 0);
   }
 }
 
@@ -419,21 +221,100 @@ TEST(LitSamples, HoldTheIrradianceOfManyPathsWhereSurfacesReflect) {
   EXPECT_GT(indirect, 0.1 * direct);
 }
 
-TEST(Renderer, WithoutLightAllLightIsBlackAndNoModelIsNeeded) {
+/// What the embedding decodes at what pixel centres see.
+std::vector<Rgb> decoded(const Renderer& renderer, const scene::Camera& camera) {
+  const pathtrace::GBuffer hits = pathtrace::trace_gbuffer(renderer.bvh(), camera, 24, 16);
+  return renderer.embedding().decode({hits.position, hits.normal, hits.albedo});
+}
+
+double sum_of(const std::vector<Rgb>& values) {
+  double sum = 0;
+  for (const Rgb& value : values) sum += double{luminance(value)};
+  return sum;
+}
+
+double difference(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += double{std::abs(luminance(a[i] - b[i]))};
+  return sum;
+}
+
+TEST(Renderer, RescaleShowsTheNetworkTheSceneThatItKnows) {
+  scene::Scene large = test::furnished_room();
+  for (scene::Instance& instance : large.instances)
+    instance.to_world = test::scaling({10, 10, 10}) * instance.to_world;
+  test::TinyModel tiny;
+  tiny.scale = 4 * (1 - 1e-5);  // the small room's own extent, and what the large one is shrunk to
+  EmbedSettings embed;
+  EXPECT_THROW(Embedded(large, tiny, embed), Error);
+  embed.rescale = true;
+  Embedded shrunk(large, tiny, embed), small(test::furnished_room(), tiny, embed);
+  scene::Camera camera = pathtrace::auto_camera(small.renderer.bvh());
+  const std::vector<Rgb> expected = decoded(small.renderer, camera);
+  camera.origin *= 10;
+  camera.target *= 10;
+  EXPECT_GT(sum_of(expected), 0);
+  EXPECT_LT(difference(decoded(shrunk.renderer, camera), expected), 0.02 * sum_of(expected));
+}
+
+TEST(Renderer, GivesModelsTheLightThatTheyRead) {
+  for (const auto input : {nn::LightInput::Emission, nn::LightInput::Traced}) {
+    test::TinyModel tiny;
+    tiny.light_input = input;
+    Embedded room(test::furnished_room(), tiny);
+    const scene::Camera camera = pathtrace::auto_camera(room.renderer.bvh());
+    const runtime::Network network = tiny_network(tiny);
+    const LitSamples lit = add_light_estimates(
+        room.renderer.bvh(), room.renderer.lights(),
+        sample_scene_points(room.renderer.bvh(), tiny.scene_points, /*prune=*/false,
+                            /*seed=*/0, nullptr),
+        network.light_request(), 0);
+    EXPECT_EQ(lit.light.direct.empty(), input == nn::LightInput::Emission);
+    const pathtrace::GBuffer hits = pathtrace::trace_gbuffer(room.renderer.bvh(), camera, 24, 16);
+    const std::vector<Rgb> expected = runtime::SceneEmbedding(network, lit.points())
+                                          .decode({hits.position, hits.normal, hits.albedo});
+    EXPECT_GT(sum_of(expected), 0) << enum_name(input);
+    EXPECT_LT(difference(decoded(room.renderer, camera), expected), 1e-5 * sum_of(expected))
+        << enum_name(input) << ": not the light of these estimates";
+  }
+}
+
+TEST(Renderer, TheNetworksLightIsGathered) {
+  Embedded room(test::furnished_room());
+  const scene::Camera camera = pathtrace::auto_camera(room.renderer.bvh());
+  const RenderSettings gi = settings(Output::Gi, Method::Network);
+  EXPECT_THROW(room.renderer.render(camera, gi), Error) << "no cache yet";
+  room.renderer.make_cache(Method::Network, {.records = 512});
+  const Frame network = room.renderer.render(camera, gi);
+  room.renderer.make_cache(Method::Gather, {.records = 512});
+  const Frame gathered = room.renderer.render(camera, settings(Output::Gi));
+  EXPECT_NE(network.color.pixels, gathered.color.pixels);
+  EXPECT_GT(*std::max_element(network.color.pixels.begin(), network.color.pixels.end()), 0);
+}
+
+TEST(Renderer, WithoutLightAllLightIsBlackAndNothingIsNeeded) {
   scene::Scene scene;
   const int grey = test::add_material(&scene, {0.5f, 0.5f, 0.5f});
   test::add_instance(&scene, test::box_mesh({0, 0, 0}, {2, 2, 2}, grey, true));
   Renderer renderer(scene);
   EXPECT_FALSE(renderer.has_light());
   const scene::Camera camera = pathtrace::auto_camera(renderer.bvh());
-  for (const Mode mode : {Mode::Neural, Mode::Reference}) {
+  for (const Method method : {Method::Gather, Method::Network, Method::Path}) {
     for (const Output output : {Output::Full, Output::Gi, Output::Irradiance, Output::Direct}) {
-      EXPECT_THAT(renderer.render(camera, settings(output, mode)).color.pixels,
+      EXPECT_THAT(renderer.render(camera, settings(output, method)).color.pixels,
                   testing::Each(0.0f));
     }
   }
   EXPECT_EQ(renderer.render(camera, settings(Output::Albedo)).color.rgb(0, 0),
             (Rgb{0.5f, 0.5f, 0.5f}));
+}
+
+TEST(Renderer, APictureThatIsStoppedIsNone) {
+  const scene::Scene scene = test::furnished_room();
+  Renderer renderer(scene);
+  RenderSettings stopped = settings(Output::Direct);
+  stopped.stop = [] { return true; };
+  EXPECT_THROW(renderer.render(pathtrace::auto_camera(renderer.bvh()), stopped), PictureStopped);
 }
 
 TEST(Renderer, RefusesWhatItCannotDo) {
@@ -442,9 +323,9 @@ TEST(Renderer, RefusesWhatItCannotDo) {
   RenderSettings empty = settings(Output::Albedo);
   empty.width = 0;
   EXPECT_THROW(renderer.render(downward_camera(), empty), Error);
-  EXPECT_THROW(renderer.render(downward_camera(), settings(Output::Full)), Error) << "no model";
+  EXPECT_THROW(renderer.render(downward_camera(), settings(Output::Full)), Error) << "no cache";
   EXPECT_THROW(parse_enum<Output>("--output", "fulll"), Error);
-  EXPECT_THROW(parse_enum<Mode>("--mode", "path"), Error);
+  EXPECT_THROW(parse_enum<Method>("--integrator", "neural"), Error);
 }
 
 }  // namespace

@@ -84,31 +84,33 @@ TEST_F(Views, AFileMayHoldAList) {
               ElementsAre("path_0.png", "end.png"));
 }
 
-/// Parses the exposure flags of a command line.
+/// Reads --set of a command line.
 ExposureOptions parse(std::vector<std::string> words) {
   CLI::App app;
   ExposureOptions options;
-  add_exposure_options(app, &options);
+  SetKeys keys;
+  add_exposure_keys(&keys, &options);
+  keys.add_to(&app);
+  for (size_t i = 0; i < words.size(); i += 2)
+    words.insert(words.begin() + static_cast<long>(i), "--set");
   std::reverse(words.begin(), words.end());
   app.parse(words);
+  keys.read();
   return options;
 }
 
 TEST(Exposure, RefusesWhatIsNoFiniteNumberShortly) {
   for (const std::string bad : {"nan", "inf", "-inf", "1e400", "-1", "0", "2x", ""}) {
-    try {
-      parse({"--exposure=" + bad});
-      ADD_FAILURE() << bad;
-    } catch (const CLI::ParseError& error) {
-      EXPECT_THAT(error.what(), HasSubstr("--exposure")) << bad;
-      EXPECT_LT(std::string(error.what()).size(), 120u) << error.what();
-    }
+    const std::string error = test::error_of([&] { parse({"exposure=" + bad}); });
+    EXPECT_THAT(error, HasSubstr("--set exposure: expected auto, first or a factor")) << bad;
+    EXPECT_LT(error.size(), 120u) << error;
   }
-  for (const char* bad : {"nan", "inf", "1e9", "one"})
-    EXPECT_THROW(parse({std::string("--ev=") + bad}), CLI::ParseError) << bad;
-  EXPECT_EQ(parse({"--ev", "+1.5"}).ev, 1.5);
-  EXPECT_EQ(parse({"--ev", "-2"}).ev, -2);
-  EXPECT_EQ(parse({"--exposure", "0.25"}).exposure, 0.25);
+  for (const std::string bad : {"nan", "inf", "1e9", "one"})
+    EXPECT_THROW(parse({"ev=" + bad}), Error) << bad;
+  EXPECT_EQ(parse({"ev=+1.5"}).ev, 1.5);
+  EXPECT_EQ(parse({"ev=-2"}).ev, -2);
+  EXPECT_EQ(parse({"exposure=0.25"}).exposure, 0.25);
+  EXPECT_TRUE(parse({"exposure=0.25", "exposure=first"}).first) << "later ones win";
 }
 
 TEST(Exposure, StopsMultiplyTheGivenOrTheAutomaticFactor) {
@@ -118,11 +120,11 @@ TEST(Exposure, StopsMultiplyTheGivenOrTheAutomaticFactor) {
   frame.depth = image::Image(2, 1, 1);
   frame.depth.pixels = {3, 0};
   EXPECT_NEAR(choose_exposure(frame, Output::Full, {}), 8, 1e-5);
-  EXPECT_NEAR(choose_exposure(frame, Output::Full, {{}, 1}), 16, 1e-5);
-  EXPECT_NEAR(choose_exposure(frame, Output::Full, {{}, -3}), 1, 1e-5);
-  EXPECT_NEAR(choose_exposure(frame, Output::Gi, {0.5, 2}), 2, 1e-6);
-  EXPECT_EQ(choose_exposure(frame, Output::Normal, {0.5, 2}), 1);
-  EXPECT_TRUE(std::isfinite(choose_exposure(frame, Output::Full, {1e30, 100})));
+  EXPECT_NEAR(choose_exposure(frame, Output::Full, {.ev = 1}), 16, 1e-5);
+  EXPECT_NEAR(choose_exposure(frame, Output::Full, {.ev = -3}), 1, 1e-5);
+  EXPECT_NEAR(choose_exposure(frame, Output::Gi, {.exposure = 0.5, .ev = 2}), 2, 1e-6);
+  EXPECT_EQ(choose_exposure(frame, Output::Normal, {.exposure = 0.5, .ev = 2}), 1);
+  EXPECT_TRUE(std::isfinite(choose_exposure(frame, Output::Full, {.exposure = 1e30, .ev = 100})));
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "infer/picture/projection.h"
 #include "tests/infer/session/session_fixture.h"
 #include "tests/support/scenes.h"
 
@@ -80,45 +79,6 @@ TEST(AttentionMap, ABlockOrHeadThatIsNotThereIsNamed) {
   EXPECT_THAT(error("up7.0", -1), testing::HasSubstr("down0.0, "));
   EXPECT_THAT(error("decoder", 0), testing::HasSubstr("the decoder has none"));
   EXPECT_THAT(error("down0.0", 99), testing::HasSubstr("head 99: block down0.0 has"));
-}
-
-TEST(AttentionMap, IsPaintedWhereItsLatentsLie) {
-  constexpr int kWidth = 96, kHeight = 64;
-  Room room;
-  const runtime::SceneAttention inside(room.renderer.shared_embedding());
-  RenderSettings settings = session_test::picture(Output::Attention);
-  settings.width = kWidth;
-  settings.height = kHeight;
-  Frame frame = room.renderer.render(camera(), settings);
-  const Projection projection(camera(), kWidth, kHeight);
-  AttentionMap map;
-  for (size_t i = 0; i < inside.positions().size(); ++i) map.values.push_back(i % 2 == 0 ? 3 : 0);
-  map.most = 3;
-  paint_attention(inside, map, {0, 50, 0}, camera(), &frame);
-  int high = 0, low = 0;
-  for (size_t i = 0; i < inside.positions().size(); ++i) {
-    const auto place = projection.place(inside.positions()[i]);
-    if (!place || !(place->x > 1 && place->x < kWidth - 1 && place->y > 1)) continue;
-    if (!(place->y < kHeight - 1)) continue;
-    const int x = static_cast<int>(place->x), y = static_cast<int>(place->y);
-    const Vec3 there = projection.point(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f,
-                                        *frame.depth.at(x, y));
-    const bool seen = length(there - inside.positions()[i]) < 0.06f &&
-                      dot(frame.normal.rgb(x, y), inside.normals()[i]) > 0.9f;
-    if (!seen) continue;
-    const float value = *frame.attention.at(x, y);
-    const Rgb color = frame.color.rgb(x, y);
-    if (map.values[i] > 0) {
-      EXPECT_GT(value, 2.2f) << "latent " << i;
-      EXPECT_GT(color.x, 1.5f * color.z) << "hot";
-      ++high;
-    } else {
-      EXPECT_LT(value, 0.8f) << "latent " << i;
-      ++low;
-    }
-  }
-  EXPECT_GT(high, 1);
-  EXPECT_GT(low, 1);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Sessions whose pictures are gathered: against renderers with a table, and themselves after edits.
+// Sessions whose pictures are gathered: against renderers with a cache, and themselves after edits.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ using namespace session_test;
 using test::furnished_room;
 using test::translation;
 
-SessionSettings gathered(PictureLight by) {
+SessionSettings gathered(Method by) {
   SessionSettings settings;
   settings.pictures = by;
   return settings;
@@ -28,20 +28,18 @@ SessionSettings gathered(PictureLight by) {
 
 RenderSettings gathered_picture(Output output = Output::Full) {
   RenderSettings settings = picture(output);
-  settings.gather.rays = 8;
+  settings.gather_rays = settings.light_samples = 8;
   return settings;
 }
 
 image::Image by_renderer(const scene::Scene& scene, const runtime::Network* network) {
   Renderer renderer(scene);
-  TableSettings table;
+  RenderSettings settings = gathered_picture();
   if (network != nullptr) {
     renderer.embed(*network, {});
-    table.light = TableLight::Network;
+    settings.method = Method::Network;
   }
-  renderer.make_table(table);
-  RenderSettings settings = gathered_picture();
-  settings.indirect = Indirect::Gather;
+  renderer.make_cache(settings.method, {});
   return renderer.render(camera(), settings).color;
 }
 
@@ -51,7 +49,7 @@ double mean_of(const image::Image& image) {
   return sum / static_cast<double>(image.pixels.size());
 }
 
-/// But for the noise of the tables, each of paths of its own.
+/// But for the noise of the caches, each of paths of its own.
 void expect_same(const image::Image& a, const image::Image& b) {
   ASSERT_EQ(a.pixels.size(), b.pixels.size());
   double off = 0;
@@ -62,10 +60,10 @@ void expect_same(const image::Image& a, const image::Image& b) {
   EXPECT_LT(off / static_cast<double>(a.pixels.size()), 0.2 * mean);
 }
 
-TEST(GatheredSession, ItsPictureIsThatOfARendererWithATable) {
+TEST(GatheredSession, ItsPictureIsThatOfARendererWithACache) {
   const runtime::Network net = network();
-  for (const PictureLight by : {PictureLight::Gather, PictureLight::Network}) {
-    const bool asks = by == PictureLight::Network;
+  for (const Method by : {Method::Gather, Method::Network}) {
+    const bool asks = by == Method::Network;
     Session session(furnished_room(), asks ? std::optional(net) : std::nullopt, gathered(by));
     EXPECT_EQ(session.state()->answered_by(), by);
     EXPECT_EQ(session.first_report().encodings, asks ? 1 : 0);
@@ -81,16 +79,16 @@ TEST(GatheredSession, ItsPictureIsThatOfARendererWithATable) {
 TEST(GatheredSession, ADimmedLampTracesNothingAndItsLightFollows) {
   scene::Scene room = furnished_room();
   test::add_point_light(&room, {1, 2, 1}, {1, 2, 3});
-  Session session(room, std::nullopt, gathered(PictureLight::Gather));
+  Session session(room, std::nullopt, gathered(Method::Gather));
   const auto records = session.state()->parts().records;
   const EditReport report = session.apply(SetLight{1, 0.25, {}});
   EXPECT_EQ(report.light_ms, 0);
   EXPECT_EQ(report.accuracy, Accuracy::Full);
   EXPECT_EQ(session.state()->parts().records, records);
-  // Sums by lamp are those of the table of the gains: the noise of a lamp's own rays apart.
+  // Sums by lamp are those of the cache of the gains: the noise of a lamp's own rays apart.
   session.separate();
   RenderSettings settings = gathered_picture(Output::Irradiance);
-  settings.gather.rays = 256;
+  settings.gather_rays = settings.light_samples = 256;
   DimmablePicture sums(session.state(), Output::Irradiance, 24 * 16);
   ASSERT_EQ(sums.layers(), 3);
   StageSeconds seconds;
@@ -104,7 +102,7 @@ TEST(GatheredSession, ADimmedLampTracesNothingAndItsLightFollows) {
 }
 
 TEST(GatheredSession, KeptLightIsThatOfBeforeUntilItIsRefined) {
-  Session session(furnished_room(), std::nullopt, gathered(PictureLight::Gather));
+  Session session(furnished_room(), std::nullopt, gathered(Method::Gather));
   const auto records = session.state()->parts().records;
   const MoveInstance move{session.state()->find_instance("box#2"), translation({1, 0.1f, 1})};
   EXPECT_EQ(session.apply(move, false, Accuracy::Kept).accuracy, Accuracy::Kept);
@@ -124,7 +122,7 @@ TEST(GatheredSession, KeptLightIsThatOfBeforeUntilItIsRefined) {
 }
 
 TEST(GatheredSession, ALampThatIsAddedAndOneThatGoesAreSeenAtOnce) {
-  Session session(furnished_room(), std::nullopt, gathered(PictureLight::Gather));
+  Session session(furnished_room(), std::nullopt, gathered(Method::Gather));
   scene::PunctualLight lamp;
   lamp.position = {2, 1.5f, 1};
   lamp.intensity = {5, 5, 5};
@@ -143,15 +141,15 @@ TEST(GatheredSession, ALampThatIsAddedAndOneThatGoesAreSeenAtOnce) {
 TEST(GatheredSession, LightThatNoNetworkKnowsIsGathered) {
   scene::Scene room = furnished_room();
   test::add_punctual(&room, scene::LightKind::Directional, {5, 5, 5});
-  Session session(room, network(), gathered(PictureLight::Network));
-  EXPECT_EQ(session.state()->answered_by(), PictureLight::Gather);
+  Session session(room, network(), gathered(Method::Network));
+  EXPECT_EQ(session.state()->answered_by(), Method::Gather);
   EXPECT_FALSE(session.state()->has_network());
   expect_same(session.state()->render(camera(), gathered_picture()).color,
               by_renderer(room, nullptr));
 }
 
 TEST(GatheredSession, AttentionIsThatOfANetworkThatIsLoadedForIt) {
-  SessionSettings settings = gathered(PictureLight::Gather);
+  SessionSettings settings = gathered(Method::Gather);
   EXPECT_THROW(Session(furnished_room(), std::nullopt, settings).state()->record_attention(),
                Error);
   settings.attention_of = [] { return network(); };

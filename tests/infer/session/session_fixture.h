@@ -25,15 +25,15 @@ inline runtime::Network network(nn::LightInput input = nn::LightInput::Traced, b
 
 inline scene::Camera camera() { return {"", {2, 1.6f, 2.8f}, {2, 1, 0}, {0, 1, 0}, 70}; }
 
-inline RenderSettings picture(Output output = Output::Full, Mode mode = Mode::Neural) {
+inline RenderSettings picture(Output output = Output::Full, Method method = Method::Gather) {
   RenderSettings out;
   out.output = output;
-  out.mode = mode;
+  out.method = method;
   out.width = 24;
   out.height = 16;
-  out.direct_samples = 2;
-  out.spp = 2;
-  out.antialias = 0;
+  out.passes = 1;
+  out.edge_rays = 0;
+  out.denoise = false;
   return out;
 }
 
@@ -59,7 +59,8 @@ inline scene::Scene exported(const SessionState& state) {
 inline Frame rendered(const scene::Scene& scene, const runtime::Network& network,
                       const RenderSettings& settings) {
   Renderer renderer(scene);
-  if (renderer.needs(settings).network) renderer.embed(network, {});
+  if (settings.method == Method::Network) renderer.embed(network, {});
+  if (renderer.needs_cache(settings)) renderer.make_cache(settings.method, {});
   return renderer.render(camera(), settings);
 }
 

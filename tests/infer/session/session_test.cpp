@@ -26,8 +26,8 @@ TEST(Session, BeginsWithThePictureThatARendererGives) {
   for (const nn::LightInput input : {nn::LightInput::Emission, nn::LightInput::Traced}) {
     const runtime::Network net = network(input);
     const Session session(room, net);
-    EXPECT_EQ(session.state()->render(camera(), picture()).color.pixels,
-              rendered(room, net, picture()).color.pixels);
+    EXPECT_EQ(session.state()->render(camera(), picture(Output::Full, Method::Path)).color.pixels,
+              rendered(room, net, picture(Output::Full, Method::Path)).color.pixels);
     EXPECT_EQ(session.first_report().encodings, 1);
   }
 }
@@ -42,10 +42,9 @@ TEST(Session, AMovedObjectGivesThePictureOfTheMovedScene) {
   EXPECT_EQ(report.encodings, 1);
   const scene::Scene moved = exported(*session.state());
   EXPECT_EQ(moved.instances[2].to_world.m, place.m);
-  for (const Mode mode : {Mode::Neural, Mode::Reference}) {
-    EXPECT_EQ(session.state()->render(camera(), picture(Output::Full, mode)).color.pixels,
-              rendered(moved, net, picture(Output::Full, mode)).color.pixels);
-  }
+  const RenderSettings paths = picture(Output::Full, Method::Path);
+  EXPECT_EQ(session.state()->render(camera(), paths).color.pixels,
+            rendered(moved, net, paths).color.pixels);
 }
 
 TEST(Session, ANewAlbedoGivesThePictureOfTheRepaintedScene) {
@@ -54,8 +53,8 @@ TEST(Session, ANewAlbedoGivesThePictureOfTheRepaintedScene) {
   session.apply(SetMaterial{session.state()->find_material("material1"), {0.1f, 0.2f, 0.7f}});
   scene::Scene painted = furnished_room();
   painted.materials[1].base_color = {0.1f, 0.2f, 0.7f};
-  EXPECT_EQ(session.state()->render(camera(), picture()).color.pixels,
-            rendered(painted, net, picture()).color.pixels);
+  EXPECT_EQ(session.state()->render(camera(), picture(Output::Full, Method::Path)).color.pixels,
+            rendered(painted, net, picture(Output::Full, Method::Path)).color.pixels);
 }
 
 TEST(Session, AnswersAreThoseOfAFreshSession) {
@@ -63,9 +62,8 @@ TEST(Session, AnswersAreThoseOfAFreshSession) {
   test::add_point_light(&room, {1, 2, 1}, {1, 2, 3});
   const Points points(room);
   for (const nn::LightInput input : {nn::LightInput::Emission, nn::LightInput::Traced}) {
-    SessionSettings settings;
-    settings.untrained_light = true;  // the network is asked under a sky, too
-    Session session(room, network(input, /*pruned=*/input == nn::LightInput::Traced), settings);
+    Session session(room, network(input, /*pruned=*/input == nn::LightInput::Traced,
+                                  /*suns=*/true));  // the network is asked under a sky, too
     const auto expect_fresh = [&](const char* what) {
       EXPECT_EQ(session.change_against_fresh(points.queries()).largest, 0) << what;
     };

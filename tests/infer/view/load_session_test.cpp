@@ -14,11 +14,11 @@ namespace lte::infer::view {
 namespace {
 
 TEST(LiveScenePoints, AreThoseAskedForOrOfTrainingButFewByDefault) {
-  EXPECT_EQ(live_scene_points({}, 2048), 2048);
-  EXPECT_EQ(live_scene_points({}, 8192), 4096);
+  EXPECT_EQ(live_scene_points(kAutoPoints, 2048), 2048);
+  EXPECT_EQ(live_scene_points(kAutoPoints, 8192), 4096);
   EXPECT_EQ(live_scene_points(0, 8192), 8192);
   EXPECT_EQ(live_scene_points(6000, 8192), 6000);
-  EXPECT_EQ(live_scene_points({}, 0), 0) << "no network";
+  EXPECT_EQ(live_scene_points(kAutoPoints, 0), 0) << "no network";
 }
 
 /// A model that has seen no sky, in a room under one.
@@ -33,7 +33,7 @@ TEST(LoadSession, LeavesOutWhatDoesNotReachTheFirstView) {
     request.scene = (folder / "rooms.glb").string();
     request.checkpoint = (folder / "tiny.safetensors").string();
     request.environment = "1,1,1";
-    request.indirect = "decoded";
+    request.integrator = "network";
     LoadedSession loaded;
     *said =
         test::stderr_of(LogLevel::Warning, [&] { loaded = load_session(request, CommandFiles()); });
@@ -46,7 +46,7 @@ TEST(LoadSession, LeavesOutWhatDoesNotReachTheFirstView) {
   EXPECT_EQ(said, "");
   const LoadedSession outside = loaded_from(test::TwoRooms::outside(), &said);
   EXPECT_FALSE(outside.session->state()->has_network());
-  EXPECT_THAT(said, testing::HasSubstr("the model was trained without such light"));
+  EXPECT_THAT(said, testing::HasSubstr("the model was trained without a sun or sky"));
 }
 
 TEST(LoadSession, ByDefaultTracedLightAnswersAndNoModelIsAsked) {
@@ -55,16 +55,16 @@ TEST(LoadSession, ByDefaultTracedLightAnswersAndNoModelIsAsked) {
   ViewRequest request;
   request.scene = (folder / "room.glb").string();
   const LoadedSession loaded = load_session(request, CommandFiles());
-  EXPECT_EQ(loaded.session->state()->answered_by(), PictureLight::Gather);
+  EXPECT_EQ(loaded.session->state()->answered_by(), Method::Gather);
   EXPECT_FALSE(loaded.session->state()->has_network());
   EXPECT_EQ(loaded.session->first_report().encodings, 0);
   // A network is loaded for who looks at its attention, and where it is to answer.
   test::save_tiny_model(folder / "tiny.safetensors", {.scene_points = 120});
   request.checkpoint = (folder / "tiny.safetensors").string();
   EXPECT_NE(load_session(request, CommandFiles()).session->state()->record_attention(), nullptr);
-  request.indirect = "network";
+  request.integrator = "network";
   const LoadedSession by_network = load_session(request, CommandFiles());
-  EXPECT_EQ(by_network.session->state()->answered_by(), PictureLight::Network);
+  EXPECT_EQ(by_network.session->state()->answered_by(), Method::Network);
   EXPECT_TRUE(by_network.session->state()->has_network());
 }
 
