@@ -125,6 +125,10 @@ TEST_P(RecordOf, AnEncodingHasEveryBlockOverTheSameLatents) {
       ++count;
     }
     if (count == 0) continue;
+    if (std::isnan(sum)) {  // a stage of one point has nothing to choose from
+      EXPECT_TRUE(std::isnan(stage.entropy)) << stage.stage;
+      continue;
+    }
     EXPECT_NEAR(stage.entropy, sum / count, 1e-9) << stage.stage;
   }
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lte/nn/constants.h"
 #include "lte/nn/model.h"
 #include "tests/nn/support.h"
 
@@ -41,7 +42,7 @@ TEST(Cost, AQueryCostsTwoOperationsAWeightBesidesItsNeighbours) {
                           name.find(".value.") == std::string::npos;
     if (of_query && item.value().dim() == 2) weights += static_cast<double>(item.value().numel());
   }
-  const double D = 16, h = 8, K = 5, L = 2;
+  const double D = 16, h = kGammaHidden, K = 5, L = 2;
   EXPECT_EQ(decode_flops(config, 100), 2 * (weights + K * (3 * h + h * D) + 2 * K * L * D));
   EXPECT_LT(decode_flops(config, 3), decode_flops(config, 5)) << "no more neighbours than latents";
   EXPECT_EQ(decode_flops(config, 5), decode_flops(config, 100));

@@ -182,7 +182,8 @@ TEST_F(ModelFile, FilesWithoutAChecksumAreRead) {
 
 TEST_F(ModelFile, AWeightBeyondTheBoundIsNamed) {
   const auto said = [&](float weight) {
-    std::vector<float> weights(24, 0.5f);
+    std::vector<float> weights(static_cast<size_t>(model_->named_parameters()[kName].numel()),
+                               0.5f);
     weights[7] = -weight;
     const auto path = edited([&](auto& t, auto&) {
       t[kName].data = reinterpret_cast<const std::byte*>(weights.data());

@@ -113,6 +113,8 @@ TEST(LightPriorMeans, CoincidentPointsAreReadAsTheyAre) {
   prior.points.zero_();
   prior.position.zero_();
   prior.light.fill_(7);
+  prior.normals.narrow(1, 3, 3).copy_(prior.normals.narrow(1, 0, 3));  // no query faces a back
+  prior.light.narrow(1, 6, 6).zero_();
   const at::Tensor got = prior.means();
   EXPECT_TRUE(got.isfinite().all().item<bool>());
   EXPECT_LT((got.narrow(1, 0, 6) - 7).abs().max().item<float>(), 1e-5);
