@@ -14,7 +14,7 @@ readonly living_room=assets/scenes/living_room.glb
 
 # Renders by path tracing and takes over its exposure for the pictures beside it.
 reference() {  # SCENE PICTURE [OPTION ...]
-  build/bin/lte_render "$1" --mode reference --out "$2.png" --json "$2.json" "${@:3}"
+  build/bin/lte_render "$1" --integrator path --out "$2.png" --json "$2.json" "${@:3}"
   exposure=$(sed -n 's/.*"exposure": *\([0-9.e+-]*\).*/\1/p' "$2.json")
 }
 
@@ -23,10 +23,10 @@ render() {
   mkdir -p "$out"
   # Path tracing of as many paths as takes about as long.
   reference "$living_room" "$out/path_traced" --spp 8 --size 640x480
-  build/bin/lte_render "$living_room" --size 640x480 --exposure "$exposure" \
+  build/bin/lte_render "$living_room" --size 640x480 --set "exposure=$exposure" \
     --out "$out/gathered.png" --json "$out/gathered.json"
-  build/bin/lte_render "$living_room" --size 640x480 --exposure "$exposure" --indirect network \
-    --quality preview --out "$out/network.png" --json "$out/network.json"
+  build/bin/lte_render "$living_room" --size 640x480 --set "exposure=$exposure" \
+    --integrator network --quality preview --out "$out/network.png" --json "$out/network.json"
   printf '\nDone in %d s: open %s/gathered.png, and network.png and path_traced.png beside it\n' \
     "$SECONDS" "$out"
 }
@@ -71,8 +71,10 @@ for scene in home room cornell; do
   for model in shipped trained; do
     checkpoint=$run/model.safetensors
     [ $model = shipped ] && checkpoint=assets/models/lte-base.safetensors
-    "$bin/lte_render" "$out/$scene.glb" --indirect decoded --checkpoint "$checkpoint" --size "$size" \
-      --exposure "$exposure" --out "$out/${scene}_$model.png" --json "$out/${scene}_$model.json"
+    # Without correction by paths, so that the picture shows what the network knows.
+    "$bin/lte_render" "$out/$scene.glb" --integrator network --checkpoint "$checkpoint" \
+      --size "$size" --set "exposure=$exposure" --set correct=off \
+      --out "$out/${scene}_$model.png" --json "$out/${scene}_$model.json"
   done
   "$bin/lte_render" "$out/$scene.glb" --size "$size" --out "$out/$scene.exr" --quiet
 done

@@ -272,7 +272,7 @@ def main():
             lit = path.suffix in (".glb", ".pbrt") or "lamp\n" in path.read_text(errors="ignore")
             if not lit:
                 flags += ["--environment", sky]
-            said = run("lte_render", path, "--mode", "reference", "--spp", 20, "--camera", "auto",
+            said = run("lte_render", path, "--integrator", "path", "--spp", 20, "--camera", "auto",
                        "--size", f"{2 * SIZE[0]}x{2 * SIZE[1]}", "--out", picture, *flags)
             print(f"{title}:", " ".join(line for line in said.splitlines() if "camera:" in line))
             tile = Image.open(io.BytesIO(picture.read_bytes())).convert("RGB").resize(
