@@ -19,7 +19,7 @@ class Subject:
         self.bin, self.name, self.folder = build / "bin", name, folder
 
     def tool(self, name, *arguments):
-        words = [self.bin / name, *map(str, arguments), "--quiet"]
+        words = [self.bin / name, *map(str, arguments)]
         done = subprocess.run(words, capture_output=True, text=True)
         if done.returncode != 0:
             sys.exit(f"{name} ended with {done.returncode}: {done.stderr.strip()}")
@@ -28,7 +28,7 @@ class Subject:
     def run(self, *arguments):
         """The JSON that the program of this subject writes."""
         out = self.folder / "out.json"
-        self.tool(f"experiment_{self.name}", *arguments, "--json", out)
+        self.tool(f"experiment_{self.name}", *arguments, "--quiet", "--json", out)
         return json.loads(out.read_text())
 
 
@@ -40,7 +40,7 @@ def check(holds, what):
 
 def attention(subject):
     picture = subject.folder / "attention.png"
-    result = subject.run(BOX, "--point", "2.5,0,-2.5", "--size", "32x24", "--out", picture)
+    result = subject.run(BOX, "--point", "0.28,0,0.28", "--size", "32x24", "--out", picture)
     check(abs(result["sum"] - result["read"]) < 1e-3 * result["read"],
           f"weights of {result['read']} latents have mean 1 (sum {result['sum']})")
     check(picture.stat().st_size > 200, "there is a picture")
@@ -48,7 +48,7 @@ def attention(subject):
 
 def consistency(subject):
     result = subject.run(BOX, "--size", "24x16", "--frames", 2, "--degrees", 3, "--spp", 2)
-    check(result["answers"] > result["points"] > 0, f"{result['answers']} answers are compared")
+    check(result["answers"] > 10, f"{result['answers']} answers are compared")
     check(result["largest_change"] == 0, "the network's answers at a point do not change")
 
 
@@ -56,7 +56,7 @@ def directions(subject):
     data = subject.folder / "data"
     subject.tool("lte_datagen", "generate", "--config", ROOT / "configs/data/glossy_test.yaml",
                  "--out", data, "--scenes", 1, "--set", "incident.points=4", "--set",
-                 "incident.samples=32", "--set", "rays=16")
+                 "incident.samples=32", "--set", "rays=16", "--quiet")
     result = subject.run("--checkpoint", MODELS / "lte-radiance.safetensors", "--data", data,
                          "--traced", data)
     check(result["traced"]["mse"] == 0, "a data set has no error against itself")

@@ -36,6 +36,7 @@ using runtime::SceneAttention;
 const std::string kDecoder = "decoder";
 constexpr float kReach = 0.05f;       // of the scene's widest side, from --point to a surface
 constexpr float kLeastShade = 0.35f;  // of surfaces seen at a slant
+constexpr float kGrey = 0.25f;        // display value of surfaces without attention
 
 struct Request {
   std::string scene, checkpoint, camera, size = "640x480", out;
@@ -138,12 +139,13 @@ image::Image paint(const SceneAttention& inside, const std::vector<float>& value
   const std::vector<float> shown = inside.interpolate(values, position, normal);
   image::Image scalar(hits.width, hits.height, 1);
   for (size_t k = 0; k < pixels.size(); ++k) scalar.pixels[pixels[k]] = shown[k];
-  image::Image picture =
-      image::heat_map(scalar, std::max(1e-6f, *std::max_element(values.begin(), values.end())));
+  const float most = std::max(1e-6f, *std::max_element(values.begin(), values.end()));
+  image::Image picture = image::heat_map(scalar, most);
   for (size_t k = 0; k < pixels.size(); ++k) {
     const float slant = std::abs(dot(normal[k], normalize(camera.origin - position[k])));
     const float shade = kLeastShade + (1 - kLeastShade) * slant;
-    picture.set_rgb(pixels[k], picture.rgb(pixels[k]) * shade);
+    const float grey = kGrey * std::max(0.0f, 1 - 10 * shown[k] / most);
+    picture.set_rgb(pixels[k], (picture.rgb(pixels[k]) + Rgb{grey, grey, grey}) * shade);
   }
   return picture;
 }
