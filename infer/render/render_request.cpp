@@ -57,6 +57,7 @@ void add_picture_options(CLI::App& app, RenderRequest* r) {
                  "So many cameras that turn around the scene, or in place inside a room, from the "
                  "one of --camera (by default auto) on; --out is a pattern")
       ->check(CLI::Range(1, 100'000));
+  add_edit_flags(app, &r->edit);
   app.add_flag("--resume", r->resume,
                "Several pictures: keep those that exist and make the rest, if they were made with "
                "the same settings; without it a picture that exists is an error");
@@ -190,7 +191,6 @@ void add_render_options(CLI::App& app, RenderRequest* r) {
   r->flags = &app;
   add_picture_options(app, r);
   add_light_options(app, r);
-  add_edit_flags(app, &r->edit);  // which names flags of those before
   add_keys(r);
   r->keys.add_to(&app);
   app.parse_complete_callback([r] {
