@@ -92,8 +92,8 @@ function(lte_add_tool name source)
 endfunction()
 
 # lte_add_test(FOLDER SOURCES ... DEPS ... [LABELS ...] [PCH TARGET] [OWN_WAITING]): one executable
-# and one ctest entry a folder. PCH names another precompiled header than that of tests, NONE for one
-# of its own. Threads of OpenMP wait as in the tools, but with OWN_WAITING.
+# and one ctest entry a folder. PCH names another precompiled header than that of tests, NONE for
+# one of its own. Threads of OpenMP wait as in the tools, but with OWN_WAITING.
 function(lte_add_test folder)
   cmake_parse_arguments(arg "OWN_WAITING" "PCH" "SOURCES;DEPS;LABELS" ${ARGN})
   set(name lte_${folder}_test)

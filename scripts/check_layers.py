@@ -99,8 +99,8 @@ ALLOWED = {
     "train": ["lte/base", "lte/cli", "train/command"],
 }
 # What the tools with a network stand on, each room on those before it.
-INFER = LIBRARY_WITHOUT_TORCH + ["lte/gi", "lte/render", "lte/radiosity", "lte/cli/*", "lte/ops", "lte/nn",
-                                 "lte/runtime"]
+INFER = LIBRARY_WITHOUT_TORCH + ["lte/gi", "lte/render", "lte/radiosity", "lte/cli/*", "lte/ops",
+                                 "lte/nn", "lte/runtime"]
 INFER_SHARED = ["infer/tool", "infer/light", "infer/check", "infer/picture", "infer/renderer"]
 for depth, room in enumerate(INFER_SHARED):
     ALLOWED[room] = INFER + INFER_SHARED[:depth]

@@ -4,8 +4,8 @@
 #   scripts/train_released.sh [--rehearse] MODEL [FOLDER]
 #
 # MODEL is lte, lte-base, lte-large, lte-hybrid or lte-radiance. FOLDER (data/released by default)
-# takes the data and the run. A run that was stopped goes on where it was when the same line is given
-# again. At its end the model, its configuration, its log, its card and its provenance are in
+# takes the data and the run. A run that was stopped goes on where it was when the same line is
+# given again. At its end the model, its configuration, its log, its card and its provenance are in
 # FOLDER/release: figures on the shipped test homes and on test boxes, and of lte-radiance on glossy
 # rooms. Many hours of two cores; a quarter of an hour for lte-radiance. All but lte and lte-base
 # start from the shipped lte-base. lte-large wants a GPU.
@@ -96,8 +96,8 @@ if [ "$name" = lte-radiance ]; then
   exit
 fi
 
-# $1: data set below $folder that is being made. Its finished scenes and the clean ones that validate
-# become the data set `lte`; names of scenes stay the same as it grows.
+# $1: data set below $folder that is being made. Its finished scenes and the clean ones that
+# validate become the data set `lte`; names of scenes stay the same as it grows.
 join_what_is_there() {
   "$bin/lte_datagen" generate --out "$folder/$1" --merge --quiet
   rm -rf "$folder/lte_data"

@@ -29,8 +29,8 @@ constexpr float kMetallic = 0.05f;
 // Streams of random numbers: light at points, whole paths in pixels with metal, path passes.
 constexpr uint64_t kPoints = 41, kMetalPaths = 42, kPaths = 43;
 
-/// Where in its pixel a camera ray goes: the middle, then the R2 sequence (Roberts 2018), fractional
-/// parts of multiples of the plastic number's inverses.
+/// Where in its pixel a camera ray goes: the middle, then the R2 sequence (Roberts 2018), the
+/// fractional parts of multiples of the plastic number's inverses.
 Vec2 jitter(int number) {
   const auto part = [&](double step) {
     const double at = 0.5 + step * number;

@@ -16,7 +16,7 @@
 namespace lte::render {
 
 /// Radiance towards the camera that surfaces reflect, by the bounces of its light; and, of paths
-/// alone, what they met at once. Sums over samples, [height, width, 3] each; empty before the first.
+/// alone, what they met at once. Sums over samples, [height, width, 3]; empty before the first.
 struct LightSums {
   image::Image emission, direct, indirect;
   std::vector<int32_t> samples;  ///< [height * width]

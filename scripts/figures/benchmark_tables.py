@@ -140,7 +140,7 @@ TABLES = (
         pareto("plain",
                f"{LIVING_ROOM} {CORNELL_BOX} {{work}}/homes/scenes/home_00000.glb "
                "{work}/homes/scenes/home_00001.glb", "640x480",
-               "gather-draft,budget,denoised-1,denoised-4,denoised-16,denoised-64")),
+               "gather-draft,time,denoised-1,denoised-4,denoised-16,denoised-64")),
           picture_rows,
           (("method", "method"),) + scene_columns(
               (("living_room", "living room"), ("cornell_box", "Cornell box"),

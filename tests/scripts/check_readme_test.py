@@ -57,8 +57,8 @@ class CheckReadme(unittest.TestCase):
 
     def test_a_flag_that_does_not_exist_is_named(self):
         out = self.check(page("lte_tool assets/in.txt --oat copy.txt"), code=1)
-        self.assertIn("README.md: lte_tool assets/in.txt --oat copy.txt: lte_tool has no flag --oat",
-                      out)
+        self.assertIn("README.md: lte_tool assets/in.txt --oat copy.txt: "
+                      "lte_tool has no flag --oat", out)
 
     def test_a_file_that_nothing_wrote_is_named(self):
         self.assertIn("assets/gone.txt is neither",
