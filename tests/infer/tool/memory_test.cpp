@@ -10,6 +10,8 @@
 #include "lte/base/process_memory.h"
 #include "lte/base/random.h"
 #include "lte/data/dataset.h"
+#include "lte/data/light_groups.h"
+#include "lte/nn/cost.h"
 #include "lte/runtime/embedding.h"
 #include "tests/infer/fixture.h"
 #include "tests/support/message_of.h"
@@ -49,8 +51,8 @@ struct Floor {
       area.push_back(24 / static_cast<float>(count));
     }
   }
-  ScenePoints points() const { return {position, normal, albedo, emission, area}; }
-  QueryPoints queries() const { return {position, normal, albedo}; }
+  runtime::ScenePoints points() const { return {position, normal, albedo, emission, area}; }
+  runtime::QueryPoints queries() const { return {position, normal, albedo}; }
 };
 
 TEST(Memory, AnEmbeddingKeepsToItsLimitAndAnswersTheSame) {
