@@ -53,7 +53,7 @@ TEST(CApi, TellsTheModelsProperties) {
   EXPECT_EQ(info.light_input, LTE_LIGHT_EMISSION);
   EXPECT_EQ(info.parameters, runtime::Network(test::tiny_model_file()).parameters());
   EXPECT_EQ(lte_abi_version(), uint32_t{LTE_C_API_VERSION});
-  EXPECT_STREQ(lte_version_string(), "0.1.0");
+  EXPECT_STREQ(lte_version_string(), "0.2.0");
 }
 
 TEST(CApi, AnswersAreTheCppNetworks) {
