@@ -10,10 +10,10 @@
 namespace lte::infer {
 
 struct ExposureOptions {
-  std::optional<double> exposure;  ///< nothing: by the picture
-  bool first = false;              ///< all pictures of a run take that of the first one
-  double ev = 0;                   ///< stops: factors of two beside it
-  std::string tone = "linear";     ///< a word of image::ToneCurve
+  std::optional<double> exposure = {};  ///< nothing: by the picture
+  bool first = false;                   ///< all pictures of a run take that of the first one
+  double ev = 0;                        ///< stops: factors of two beside it
+  std::string tone = "linear";          ///< a word of image::ToneCurve
 };
 
 /// Adds the keys.

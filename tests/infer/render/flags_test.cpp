@@ -51,7 +51,7 @@ std::string config(std::vector<std::string> words) {
 
 TEST_F(RenderFlags, ADefaultThatIsSpelledOutChangesNothing) {
   const std::string plain = config({"room.glb"});
-  for (const std::vector<std::string> given :
+  for (const std::vector<std::string>& given :
        {std::vector<std::string>{"--integrator", "gather"},
         {"--quality", "final"},
         {"--size", "512x512"},

@@ -228,14 +228,12 @@ TEST(DimmablePicture, APictureThatIsEndedHasNotHappened) {
   DimmablePicture dimmable(session.state(), Output::Gi, 24 * 16);
   dimmable.add(camera(), settings, true, &seconds);
   const std::vector<float> before = dimmable.color(*session.state()).pixels;
-  int told = 0;
-  settings.done = [&](int64_t) {
-    if (++told > 2) throw Error("ended");
-  };
-  EXPECT_THROW(dimmable.add(camera(), settings, true, &seconds), Error);
+  int asked = 0;
+  settings.stop = [&] { return ++asked > 1; };
+  EXPECT_THROW(dimmable.add(camera(), settings, true, &seconds), PictureStopped);
   EXPECT_EQ(dimmable.pictures(), 1);
   EXPECT_EQ(dimmable.color(*session.state()).pixels, before);
-  settings.done = nullptr;
+  settings.stop = nullptr;
   dimmable.add(camera(), settings, false, &seconds);  // the same once more: so is the mean
   EXPECT_EQ(dimmable.pictures(), 2);
   const std::vector<float> mean = dimmable.color(*session.state()).pixels;
@@ -249,32 +247,28 @@ TEST(DimmablePicture, APictureThatIsEndedGoesOnWithTheLayersThatItLacks) {
   StageSeconds seconds;
   DimmablePicture at_once(session.state(), Output::Full, 24 * 16);
   at_once.add(camera(), settings, true, &seconds);
-  int64_t told = 0;
-  settings.done = [&](int64_t pixels) {
-    told += pixels;
-    if (told > 24 * 16) throw Error("ended");  // in the second of two layers
-  };
+  int finished = 0, asked = 0;  // layers; whether to stop after the first of them
+  settings.progress = [&](double share) { finished += share >= 1 ? 1 : 0; };
+  const auto in_second_layer = [&] { return finished == 1 && ++asked > 1; };
+  settings.stop = in_second_layer;
   DimmablePicture ended(session.state(), Output::Full, 24 * 16);
   EXPECT_EQ(ended.layers(), 2);
-  EXPECT_THROW(ended.add(camera(), settings, true, &seconds), Error);
+  EXPECT_THROW(ended.add(camera(), settings, true, &seconds), PictureStopped);
   session.apply(SetLight{0, 0.5, {}});  // meanwhile a luminaire is dimmed
-  int64_t left = 0;
-  settings.done = [&](int64_t pixels) { left += pixels; };
+  finished = 0;
+  settings.stop = nullptr;
   ended.add(camera(), settings, true, &seconds);
-  EXPECT_EQ(left, 24 * 16) << "one layer";
+  EXPECT_EQ(finished, 1) << "one layer";
   EXPECT_EQ(ended.color(*session.state()).pixels, at_once.color(*session.state()).pixels);
   // What clear() drops is rendered anew.
-  settings.done = [&](int64_t pixels) {
-    told += pixels;
-    if (told > 24 * 16) throw Error("ended");
-  };
-  told = 0;
-  EXPECT_THROW(ended.add(camera(), settings, true, &seconds), Error);
+  finished = asked = 0;
+  settings.stop = in_second_layer;
+  EXPECT_THROW(ended.add(camera(), settings, true, &seconds), PictureStopped);
   ended.clear();
-  left = 0;
-  settings.done = [&](int64_t pixels) { left += pixels; };
+  finished = 0;
+  settings.stop = nullptr;
   ended.add(camera(), settings, true, &seconds);
-  EXPECT_EQ(left, 2 * 24 * 16);
+  EXPECT_EQ(finished, 2);
 }
 
 }  // namespace
