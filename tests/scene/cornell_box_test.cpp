@@ -20,7 +20,7 @@ Vec3 mean(const std::vector<Vec3>& points) {
 
 class CornellBox : public ::testing::Test {
  protected:
-  const Scene scene_ = load_scene(std::string(LTE_SOURCE_DIR) + "/assets/scenes/cornell_box.glb");
+  const Scene scene_ = load_scene(LTE_SOURCE_DIR "/assets/scenes/cornell_box.glb");
 
   const Instance& find(const std::string& mesh) const {
     for (const Instance& instance : scene_.instances) {
@@ -105,7 +105,7 @@ TEST_F(CornellBox, CameraLooksIntoTheOpenSide) {
 
 /// The same numbers in another format: triangle by triangle, in the order of the file.
 TEST_F(CornellBox, PbrtTwinIsTheSameScene) {
-  const Scene twin = load_scene(std::string(LTE_SOURCE_DIR) + "/assets/scenes/cornell_box.pbrt");
+  const Scene twin = load_scene(LTE_SOURCE_DIR "/assets/scenes/cornell_box.pbrt");
   EXPECT_THAT(twin.ignored, ::testing::IsEmpty());
   ASSERT_EQ(twin.instances.size(), scene_.instances.size());
   for (size_t i = 0; i < scene_.instances.size(); ++i) {
