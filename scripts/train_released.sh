@@ -19,7 +19,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-usage() { sed -n '2,20s/^# \{0,1\}//p' "$0"; }
+usage() { sed -n '2,18s/^# \{0,1\}//p' "$0"; }
 default=data/released fewer_scenes=() fewer_steps=() smaller_pictures=()
 first_scenes=600 session_steps=400
 if [ "${1:-}" = --rehearse ]; then
@@ -96,8 +96,8 @@ if [ "$name" = lte-radiance ]; then
   exit
 fi
 
-# $1: data set below $folder that is being made. Its finished scenes and the clean ones that
-# validate become the data set `lte`; names of scenes stay the same as it grows.
+# $1: data set below $folder that is being made. Its finished scenes and the clean ones, which
+# validate, become the data set `lte_data`; names of scenes stay the same as it grows.
 join_what_is_there() {
   "$bin/lte_datagen" generate --out "$folder/$1" --merge --quiet
   rm -rf "$folder/lte_data"
