@@ -44,6 +44,10 @@ AnsweredLight checked_pixels(const pathtrace::Bvh& bvh, const scene::Camera& cam
     if (!hits.mask[i] || metal || max_component(hits.albedo[i]) < kMinAlbedo ||
         dot(hits.normal[i], frame.normal.rgb(pixels[i])) < kSameNormal)
       continue;
+    if (frame.gathered_indirect.width > 0) {
+      out.add(hits.position[i], hits.normal[i], frame.gathered_indirect.rgb(pixels[i]));
+      continue;
+    }
     const Rgb direct = frame.direct.width > 0 ? frame.direct.rgb(pixels[i]) : Rgb{};
     out.total = out.total || max_component(direct) > 0;
     out.add(hits.position[i], hits.normal[i], direct + frame.indirect.rgb(pixels[i]));

@@ -7,6 +7,7 @@
 #include "infer/light/lit_samples.h"
 #include "infer/light/untrained_light.h"
 #include "lte/base/check.h"
+#include "lte/base/process_memory.h"
 #include "lte/base/timer.h"
 #include "lte/render/picture.h"
 #include "lte/render/progressive.h"
@@ -220,8 +221,14 @@ double picture_mb(int width, int height) {
 }
 
 void check_picture_fits(int width, int height, const runtime::MemoryLimit& limit) {
-  limit.check_ahead(picture_mb(width, height), concat("a picture of ", width, "x", height),
-                    "take a smaller one", {runtime::Remedy::FewerQueries});
+  const double need = picture_mb(width, height), free = available_memory_mb();
+  const std::string what = concat("a picture of ", width, "x", height);
+  limit.check_ahead(need, what, "take a smaller one", {runtime::Remedy::FewerQueries});
+  if (need <= free) return;
+  throw runtime::NotEnoughMemory(
+      concat(what, " needs ", runtime::memory_text(need), " and ", runtime::memory_text(free),
+             " are free: take a smaller one"),
+      {runtime::Remedy::FewerQueries});
 }
 
 }  // namespace lte::infer

@@ -94,7 +94,7 @@ class Renderer {
 
 /// What the film and the picture take in memory, in MiB.
 double picture_mb(int width, int height);
-/// @throws runtime::NotEnoughMemory where that does not fit
+/// @throws runtime::NotEnoughMemory where that fits neither the limit nor what is free
 void check_picture_fits(int width, int height, const runtime::MemoryLimit& limit);
 
 }  // namespace lte::infer

@@ -87,8 +87,9 @@ void share_out(const Image& total, RadianceLayers* layers) {
 
 /// What an integrator found. Its light is that of points, whose texture it has: divided by it and
 /// multiplied by the pixel's albedo it is the pixel's.
+/// @param noisy_indirect  takes indirect irradiance as it is before denoising
 RadianceLayers gathered_light(const Film& film, const Frame& frame, const DenoisingGuides* guides,
-                              const PictureSettings& settings) {
+                              const PictureSettings& settings, Image* noisy_indirect) {
   RadianceLayers out = film.gathered.mean();
   const Image points = film.gathered_albedo;
   std::vector<float> samples(film.pixels());
@@ -109,6 +110,10 @@ RadianceLayers gathered_light(const Film& film, const Frame& frame, const Denois
     out.direct.set_rgb(i, out.direct.rgb(i) * scale);
     out.indirect.set_rgb(i, out.indirect.rgb(i) * scale);
   });
+  *noisy_indirect = out.indirect;
+  if (!irradiance) {
+    for_pixels(noisy_indirect->pixels.size(), [&](size_t k) { noisy_indirect->pixels[k] *= kPi; });
+  }
   if (guides != nullptr) {
     const Image noisy = sum(out.direct, out.indirect);
     share_out(settings.denoiser->denoise(
@@ -202,10 +207,13 @@ Frame make_picture(const Film& film, const PictureSettings& settings) {
       guides = guides_of(film, out, *settings.denoiser);
       denoised = &guides;
     }
-    RadianceLayers light = gathers ? gathered_light(film, out, denoised, settings)
-                                   : path_light(film, denoised, settings);
-    if (gathers && traces && denoised != nullptr && film.path_passes > 1)
+    RadianceLayers light =
+        gathers ? gathered_light(film, out, denoised, settings, &out.gathered_indirect)
+                : path_light(film, denoised, settings);
+    if (gathers && traces && denoised != nullptr && film.path_passes > 1) {
       correct_by_paths(film, guides, *settings.denoiser, &light);
+      out.gathered_indirect = {};
+    }
     if (traces) add_emission_of_paths(film, &out.emission);
     if (settings.output == Output::Irradiance) {
       out.direct = std::move(light.direct);

@@ -35,8 +35,7 @@ double difference(const at::Tensor& a, const at::Tensor& b) {
 }
 
 /// Runs `work` once, without a warm-up: the peer takes minutes.
-infer::BenchResult time_once(const std::string& name, int64_t n,
-                             const std::function<void()>& work) {
+BenchResult time_once(const std::string& name, int64_t n, const std::function<void()>& work) {
   const Timer timer;
   work();
   const double seconds = timer.seconds();
@@ -44,20 +43,20 @@ infer::BenchResult time_once(const std::string& name, int64_t n,
 }
 
 /// Adds ours and the peer's row, with the ratio of their times and the difference of their results.
-void add_pair(std::vector<infer::BenchResult>& rows, const char* name, int64_t n, int repeats,
+void add_pair(std::vector<BenchResult>& rows, const char* name, int64_t n, int repeats,
               const std::string& precision, const std::function<at::Tensor()>& ours,
               const std::function<at::Tensor()>& eager) {
   at::Tensor a, b;
-  rows.push_back(infer::time_repeats(name, n, repeats, [&] { a = ours(); }));
+  rows.push_back(time_repeats(name, n, repeats, [&] { a = ours(); }));
   const double seconds = rows.back().seconds_min;
   rows.back().precision = precision;
-  infer::BenchResult peer = time_once(std::string(name) + ", eager", n, [&] { b = eager(); });
+  BenchResult peer = time_once(std::string(name) + ", eager", n, [&] { b = eager(); });
   peer.figures["times_slower"] = peer.seconds_min / seconds;
   peer.figures["max_relative_difference"] = difference(a, b);
   rows.push_back(peer);
 }
 
-std::vector<infer::BenchResult> run(const Options& options) {
+std::vector<BenchResult> run(const Options& options) {
   const at::NoGradGuard no_grad;
   at::manual_seed(1);
   nn::ModelConfig config;
@@ -73,7 +72,7 @@ std::vector<infer::BenchResult> run(const Options& options) {
       ((points.position - std::get<0>(points.position.min(0))) / config.scale).contiguous();
   const nn::EncoderPlan plan = nn::make_encoder_plan(position, config, false, 0);
 
-  std::vector<infer::BenchResult> rows;
+  std::vector<BenchResult> rows;
   nn::Embedding embedding;
   add_pair(
       rows, "encode", options.scene_points, options.repeats, options.precision,

@@ -28,7 +28,7 @@ TEST(UntrainedLight, IsNamedUntilAModelHasSeenSuns) {
   test::add_punctual(&scene, scene::LightKind::Directional, {1, 1, 1});
   EXPECT_THAT(untrained_light_note(scene, model),
               testing::AllOf(testing::HasSubstr("attic: 1 directional light,"),
-                             testing::HasSubstr("--untrained-light trace")));
+                             testing::HasSubstr("its indirect light is wrong here")));
   model.suns = true;
   EXPECT_EQ(untrained_light_note(scene, model), "");
 }
@@ -45,7 +45,7 @@ TEST(UntrainedLight, AnEnvironmentIsNamedUntilAModelHasSeenSkies) {
   EXPECT_TRUE(has_untrained_light(scene, model));
   EXPECT_THAT(untrained_light_note(scene, model),
               testing::AllOf(testing::HasSubstr("attic: an environment,"),
-                             testing::HasSubstr("--untrained-light trace")));
+                             testing::HasSubstr("its indirect light is wrong here")));
   test::add_punctual(&scene, scene::LightKind::Directional, {1, 1, 1});
   EXPECT_THAT(traced_light_note(scene),
               testing::AllOf(testing::HasSubstr("1 directional light and an environment,"),
