@@ -168,7 +168,7 @@ TEST_F(Frames, AnotherEmbeddingIsRefusedByWhatDiffers) {
   refused(render(use + "--set prune=on"), {"another prune"});
   refused(render("--camera a --out x.png --embedding tiny.safetensors"), {"not an embedding"});
   refused(render("--camera a --out x.png --embedding none.emb"), {"none.emb"});
-  refused(render(use + "--output depth"), {"room.emb", "needs no embedding"});
+  refused(render(use + "--output depth"), {"--integrator", "picture of light"});
   refused(render("--camera a --out x.png --save-embedding room.glb"),
           {"--save-embedding", "SCENE"});
   EXPECT_EQ(render(use + "--save-embedding y.emb").code, 2) << "they exclude each other";
