@@ -24,6 +24,11 @@ cc -std=c99 -I "$scratch/prefix/include" "$example/render_room.c" "$example/room
 "$scratch/render_room" "$model" "$scratch/cc.ppm" "$scratch/cc.pfm" 32 24
 cmp "$scratch/cmake.pfm" "$scratch/cc.pfm"
 
+cmake -S "$source/../../examples/cpp" -B "$scratch/picture" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$scratch/prefix" >/dev/null
+cmake --build "$scratch/picture" >/dev/null
+"$scratch/picture/render_picture" "$scratch/prefix/share/lte/assets/scenes/cornell_box.glb" "$scratch/picture.png" >/dev/null
+[ -s "$scratch/picture.png" ]
+
 bin=$scratch/prefix/bin
 cd "$scratch/prefix/share/lte"
 for file in LICENSE README.md CHANGELOG.md docs/README.md view/index.html view/main.js examples/c/render_room.c configs/data/boxes.yaml; do
@@ -34,7 +39,7 @@ done
 "$bin/lte_render" assets/scenes/cornell_box.glb --size 16x12 --out "$scratch/cornell.png"
 # The model that the tool takes by itself is the installed one: without it that is what is missed.
 echo damaged >assets/models/lte-base.safetensors
-if "$bin/lte_render" assets/scenes/cornell_box.glb --size 16x12 --indirect network \
+if "$bin/lte_render" assets/scenes/cornell_box.glb --size 16x12 --integrator network \
     --out "$scratch/none.png" 2>"$scratch/said"; then
   echo "install: lte_render does not read the installed model"; exit 1
 fi
