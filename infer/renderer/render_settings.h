@@ -52,7 +52,8 @@ struct RenderSettings {
 RenderSettings with_quality(Quality quality, RenderSettings settings);
 /// The same with passes until a time is over, denoising included.
 RenderSettings with_time(double seconds, RenderSettings settings);
-/// The same with so many paths a pixel, in two passes: one for each half of the film.
+/// The same with so many paths a pixel; beyond 256 of them in passes of equally many, whose sum may
+/// be a few more.
 RenderSettings with_paths(int spp, RenderSettings settings);
 
 /// A picture that RenderSettings::stop has ended.

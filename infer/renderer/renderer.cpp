@@ -21,6 +21,10 @@ constexpr double kFrameBytes = 76, kDenoiserBytes = 100;
 /// Open Image Denoise, which works in tiles beyond its limit (image/oidn.cpp).
 constexpr double kOidnBytes = 600, kMaxOidnMib = 768;
 
+/// Paths of a pixel that a pass has at most: they are stratified together, and progress is shown
+/// between passes.
+constexpr int kPathsAPass = 256;
+
 /// A picture in a given time is corrected by paths, which takes denoising twice more, where it may
 /// take so many times as long as denoising once.
 constexpr double kCorrectedFrom = 12;
@@ -55,8 +59,8 @@ RenderSettings with_time(double seconds, RenderSettings settings) {
 }
 
 RenderSettings with_paths(int spp, RenderSettings settings) {
-  settings.passes = std::min(spp, 2);
-  settings.path_samples = (spp + 1) / 2;
+  settings.passes = (spp + kPathsAPass - 1) / kPathsAPass;
+  settings.path_samples = (spp + settings.passes - 1) / settings.passes;
   return settings;
 }
 

@@ -12,7 +12,9 @@ namespace lte::infer::view {
 namespace {
 
 constexpr int kMostPathsAtOnce = 8;
-constexpr int kEdgeRays = 16;      // of the first whole picture
+constexpr int kEdgeRays = 16;  // of the first whole picture
+/// Rays and light samples a pixel of the passes at rest, which nobody waits for.
+constexpr int kRestingRays = 8, kRestingLightSamples = 64;
 constexpr int kDraftSteps = 8;     // a draft has at least an eighth of the sides
 constexpr int kMeasuredShare = 4;  // of the sides, when a path a pixel is measured
 /// What is checked is a picture of its own, of so many passes.
@@ -127,6 +129,10 @@ RenderSettings Progressive::settings(const PictureSize& size) const {
   // A filter cannot be interrupted: it runs in the first pictures alone, whose noise shows.
   out.denoise = pass_ <= 1;
   out.edge_rays = pass_ == 1 ? kEdgeRays : 0;
+  if (pass_ > 1) {
+    out.gather_rays = kRestingRays;
+    out.light_samples = kRestingLightSamples;
+  }
   out.correct = false;
   out.seed = static_cast<uint64_t>(pass_);
   return out;

@@ -90,7 +90,6 @@ def main():
         crash(out, folder / "at4.safetensors")
         run(*train, "--resume")
         run(*train, "--resume")  # nothing left to do, and nothing must be added
-        run(tools / "lte_train", "report", out)
         lines = [json.loads(line) for line in (out / "log.jsonl").read_text().splitlines()]
         files = sorted((out / "tensorboard").iterdir())
         accumulator = EventAccumulator(str(out / "tensorboard"),

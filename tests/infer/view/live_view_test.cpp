@@ -178,7 +178,9 @@ TEST(EditedByNetwork, TheLightOfAMoveFollows) {
   test::FakePages pages;
   const scene::Scene room = test::furnished_room();
   const session_test::Points points(room);
-  Session session(room, session_test::network());
+  SessionSettings settings;
+  settings.pictures = Method::Network;
+  Session session(room, session_test::network(), settings);
   std::unique_ptr<ViewLoop> loop;
   Editor editor(&session, &pages, [&] { loop->wake(); });
   ViewState first;

@@ -17,7 +17,9 @@ constexpr PictureSize kSize{32, 24};
 const auto kNever = [] { return false; };
 
 TEST(Progressive, GetsBetterUntilItIsDone) {
-  const Session session(test::lit_floor(), std::nullopt);
+  SessionSettings gathered;
+  gathered.pictures = Method::Gather;
+  const Session session(test::lit_floor(), std::nullopt, gathered);
   Progressive picture;
   picture.restart(session.state(), test::downward_camera(), Shown::Direct, kSize);
   int steps = 0;
