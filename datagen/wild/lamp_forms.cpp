@@ -11,7 +11,6 @@ namespace {
 
 using homes::rotation;
 using homes::scaling;
-using homes::translation;
 
 /// A cone or drum without ends, a single sheet.
 Mesh frustum(float low_radius, float top_radius, float height, int turn) {

@@ -105,8 +105,9 @@ int Materials::screen(const Rgb& radiance, bool two_sided, float* mean) {
   double sum = 0;
   constexpr int kSteps = 16;
   for (int i = 0; i < kSteps * kSteps; ++i) {
-    const Vec2 uv{(static_cast<float>(i % kSteps) + 0.5f) / kSteps,
-                  (static_cast<float>(i / kSteps) + 0.5f) / kSteps};
+    const int column = i % kSteps, row = i / kSteps;
+    const Vec2 uv{(static_cast<float>(column) + 0.5f) / kSteps,
+                  (static_cast<float>(row) + 0.5f) / kSteps};
     sum += luminance(picture->sample(uv, scene::Wrap::Repeat, scene::Wrap::Repeat, 4));
   }
   *mean = std::max(0.01f, static_cast<float>(sum / (kSteps * kSteps)));
