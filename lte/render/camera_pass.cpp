@@ -86,8 +86,9 @@ class Batch {
     const auto rays = static_cast<size_t>(rays_.count);
     std::vector<Vec2> points(pixels_.size() * rays);
     for_pixels([&](size_t i) {
-      const auto x = static_cast<float>(pixels_[i] % static_cast<size_t>(film_.width)),
-                 y = static_cast<float>(pixels_[i] / static_cast<size_t>(film_.width));
+      const auto width = static_cast<size_t>(film_.width);
+      const size_t column = pixels_[i] % width, row = pixels_[i] / width;
+      const auto x = static_cast<float>(column), y = static_cast<float>(row);
       for (size_t k = 0; k < rays; ++k) {
         const Vec2 in_pixel = jitter(film_.rays[pixels_[i]] + static_cast<int>(k));
         points[i * rays + k] = {x + in_pixel.x, y + in_pixel.y};
