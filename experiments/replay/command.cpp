@@ -1,6 +1,10 @@
 // Rays of the path tracer, replayed through each of Embree's entry points and nothing else: what
 // the path tracer itself costs.
+#include "experiments/command.h"
+
 #include <cstdio>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -83,11 +87,13 @@ void run(const Request& request) {
 }
 
 }  // namespace
-}  // namespace lte::experiments
 
-int main(int argc, char** argv) {
-  CLI::App app{"The path tracer beside bare Embree calls on the same rays.", "experiment_replay"};
-  lte::experiments::Request request;
-  lte::experiments::add_options(app, &request);
-  return lte::infer::run_network_tool(app, argc, argv, [&] { lte::experiments::run(request); });
+std::function<void()> add_command(CLI::App* app) {
+  const auto request = std::make_shared<Request>();
+  app->name("experiment_replay");
+  app->description("The path tracer beside bare Embree calls on the same rays.");
+  add_options(*app, request.get());
+  return [request] { run(*request); };
 }
+
+}  // namespace lte::experiments

@@ -1,7 +1,11 @@
 // Error of a model's radiance by direction on a baked data set, beside spherical harmonics and
 // Gaussians fitted to the traced maps (the paper's section 5.3 and supplement, section 4).
+#include "experiments/command.h"
+
 #include <filesystem>
+#include <functional>
 #include <iostream>
+#include <memory>
 #include <string>
 
 #include "experiments/directions/incident_eval.h"
@@ -62,19 +66,20 @@ void run(const Request& request) {
 }
 
 }  // namespace
-}  // namespace lte::experiments
 
-int main(int argc, char** argv) {
-  CLI::App app{
+std::function<void()> add_command(CLI::App* app) {
+  const auto request = std::make_shared<Request>();
+  app->name("experiment_directions");
+  app->description(
       "Error of a model's radiance by direction, beside spherical harmonics and Gaussians fitted "
-      "to the traced maps.",
-      "experiment_directions"};
-  app.footer(
+      "to the traced maps.");
+  app->footer(
       "Example:\n"
       "  lte_datagen generate --config configs/data/glossy_test.yaml --out glossy_test\n"
       "  experiment_directions --checkpoint assets/models/lte-radiance.safetensors \\\n"
       "    --data glossy_test --out directions.html");
-  lte::experiments::Request request;
-  lte::experiments::add_options(app, &request);
-  return lte::infer::run_network_tool(app, argc, argv, [&] { lte::experiments::run(request); });
+  add_options(*app, request.get());
+  return [request] { run(*request); };
 }
+
+}  // namespace lte::experiments

@@ -1,7 +1,11 @@
 // Variance of indirect light by paths that a radiance decoder guides, beside paths drawn by the
 // material alone: at pixels of a picture, and as irradiance at points over the surfaces (the
 // paper's supplement, section 4).
+#include "experiments/command.h"
+
 #include <cstdio>
+#include <functional>
+#include <memory>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -89,12 +93,13 @@ void run(const Request& request) {
 }
 
 }  // namespace
-}  // namespace lte::experiments
 
-int main(int argc, char** argv) {
-  CLI::App app{"Variance of indirect light by paths that a radiance decoder guides.",
-               "experiment_guiding"};
-  lte::experiments::Request request;
-  lte::experiments::add_options(app, &request);
-  return lte::infer::run_network_tool(app, argc, argv, [&] { lte::experiments::run(request); });
+std::function<void()> add_command(CLI::App* app) {
+  const auto request = std::make_shared<Request>();
+  app->name("experiment_guiding");
+  app->description("Variance of indirect light by paths that a radiance decoder guides.");
+  add_options(*app, request.get());
+  return [request] { run(*request); };
 }
+
+}  // namespace lte::experiments

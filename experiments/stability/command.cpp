@@ -1,5 +1,9 @@
 // Whether answers stay finite, and how much they change, in scenes that strain numbers.
+#include "experiments/command.h"
+
 #include <cstdio>
+#include <functional>
+#include <memory>
 #include <string>
 
 #include "bench/begin_command.h"
@@ -43,12 +47,13 @@ void run(const Request& request) {
 }
 
 }  // namespace
-}  // namespace lte::experiments
 
-int main(int argc, char** argv) {
-  CLI::App app{"Finite answers, and how little they change, in scenes that strain numbers.",
-               "experiment_stability"};
-  lte::experiments::Request request;
-  lte::experiments::add_options(app, &request);
-  return lte::infer::run_network_tool(app, argc, argv, [&] { lte::experiments::run(request); });
+std::function<void()> add_command(CLI::App* app) {
+  const auto request = std::make_shared<Request>();
+  app->name("experiment_stability");
+  app->description("Finite answers, and how little they change, in scenes that strain numbers.");
+  add_options(*app, request.get());
+  return [request] { run(*request); };
 }
+
+}  // namespace lte::experiments

@@ -1,7 +1,11 @@
 // What the path tracer's sampling saves: error with and without it, and paths at equal error, as
 // Markdown tables.
+#include "experiments/command.h"
+
 #include <cstdio>
 #include <ctime>
+#include <functional>
+#include <memory>
 #include <numeric>
 
 #include <CLI/CLI.hpp>
@@ -105,19 +109,26 @@ void run(const Flags& flags) {
   }
 }
 
-}  // namespace
-}  // namespace lte::experiments
-
-int main(int argc, char** argv) {
-  CLI::App app{"Measures what the path tracer's sampling saves.", "experiment_sampling"};
-  lte::experiments::Flags flags;
-  app.add_option("scenes", flags.scenes, "Scenes: .gltf or .glb");
-  app.add_option("--rays", flags.gain.rays, "Paths a point to compare at")->capture_default_str();
-  app.add_option("--points", flags.points, "Points over the surfaces")->capture_default_str();
-  app.add_option("--repeats", flags.gain.repeats, "Runs with other seeds")->capture_default_str();
-  app.add_flag("--roulette", flags.roulette, "What Russian roulette saves instead");
-  app.add_option("--roulette-points", flags.roulette_points, "Points of --roulette, 256 paths each")
+void add_options(CLI::App& app, Flags* flags) {
+  app.add_option("scenes", flags->scenes, "Scenes: .gltf or .glb");
+  app.add_option("--rays", flags->gain.rays, "Paths a point to compare at")->capture_default_str();
+  app.add_option("--points", flags->points, "Points over the surfaces")->capture_default_str();
+  app.add_option("--repeats", flags->gain.repeats, "Runs with other seeds")->capture_default_str();
+  app.add_flag("--roulette", flags->roulette, "What Russian roulette saves instead");
+  app.add_option("--roulette-points", flags->roulette_points,
+                 "Points of --roulette, 256 paths each")
       ->capture_default_str();
-  app.add_option("--reference-rays", flags.gain.reference_rays)->capture_default_str();
-  return lte::run_tool(app, argc, argv, [&flags] { lte::experiments::run(flags); });
+  app.add_option("--reference-rays", flags->gain.reference_rays)->capture_default_str();
 }
+
+}  // namespace
+
+std::function<void()> add_command(CLI::App* app) {
+  const auto request = std::make_shared<Flags>();
+  app->name("experiment_sampling");
+  app->description("Measures what the path tracer's sampling saves.");
+  add_options(*app, request.get());
+  return [request] { run(*request); };
+}
+
+}  // namespace lte::experiments

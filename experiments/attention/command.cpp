@@ -1,10 +1,14 @@
 // Pictures of a network's attention: how much each latent counts in the answer at a surface point,
 // or where a block of the encoder found what the latent at that point knows. Values are multiples
 // of an even share, painted on the surfaces that the camera sees.
+#include "experiments/command.h"
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <functional>
+#include <memory>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -194,11 +198,13 @@ void run(const Request& request) {
 }
 
 }  // namespace
-}  // namespace lte::experiments
 
-int main(int argc, char** argv) {
-  CLI::App app{"Pictures of a network's attention.", "experiment_attention"};
-  lte::experiments::Request request;
-  lte::experiments::add_options(app, &request);
-  return lte::infer::run_network_tool(app, argc, argv, [&] { lte::experiments::run(request); });
+std::function<void()> add_command(CLI::App* app) {
+  const auto request = std::make_shared<Request>();
+  app->name("experiment_attention");
+  app->description("Pictures of a network's attention.");
+  add_options(*app, request.get());
+  return [request] { run(*request); };
 }
+
+}  // namespace lte::experiments

@@ -1,5 +1,9 @@
 // Change of light between frames of a moving camera, beside path tracing.
+#include "experiments/command.h"
+
 #include <cstdio>
+#include <functional>
+#include <memory>
 #include <string>
 #include <tuple>
 
@@ -126,12 +130,13 @@ void run(const Request& request) {
 }
 
 }  // namespace
-}  // namespace lte::experiments
 
-int main(int argc, char** argv) {
-  CLI::App app{"Change of light between frames of a moving camera, beside path tracing.",
-               "experiment_consistency"};
-  lte::experiments::Request request;
-  lte::experiments::add_options(app, &request);
-  return lte::infer::run_network_tool(app, argc, argv, [&] { lte::experiments::run(request); });
+std::function<void()> add_command(CLI::App* app) {
+  const auto request = std::make_shared<Request>();
+  app->name("experiment_consistency");
+  app->description("Change of light between frames of a moving camera, beside path tracing.");
+  add_options(*app, request.get());
+  return [request] { run(*request); };
 }
+
+}  // namespace lte::experiments
