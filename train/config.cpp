@@ -47,13 +47,13 @@ AugmentConfig read_augment(const Config& config) {
   config.read("gain", &augment.gain);
   config.read("tint", &augment.tint);
   config.read("point_dropout", &augment.point_dropout);
-  constexpr double kMost = 1e3;  // keeps products of both within float32 for any sane radiance
-  LTE_CHECK(augment.gain >= 1 && augment.gain <= kMost, "augment.gain: expected 1 (off) to ", kMost,
+  constexpr double kMax = 1e3;  // keeps products of both within float32 for any sane radiance
+  LTE_CHECK(augment.gain >= 1 && augment.gain <= kMax, "augment.gain: expected 1 (off) to ", kMax,
             ", got ", augment.gain);
-  LTE_CHECK(augment.tint >= 1 && augment.tint <= kMost, "augment.tint: expected 1 (off) to ", kMost,
+  LTE_CHECK(augment.tint >= 1 && augment.tint <= kMax, "augment.tint: expected 1 (off) to ", kMax,
             ", got ", augment.tint);
-  LTE_CHECK(augment.point_dropout >= 1 && augment.point_dropout <= kMost,
-            "augment.point_dropout: expected 1 (off) to ", kMost, ", got ", augment.point_dropout);
+  LTE_CHECK(augment.point_dropout >= 1 && augment.point_dropout <= kMax,
+            "augment.point_dropout: expected 1 (off) to ", kMax, ", got ", augment.point_dropout);
   return augment;
 }
 
@@ -64,8 +64,8 @@ void check_at_least(const char* key, int64_t value, int64_t least) {
 void check_optim(const OptimConfig& train) {
   check_at_least("train.steps", train.steps, 1);
   check_at_least("train.scenes_per_step", train.scenes_per_step, 1);
-  LTE_CHECK(train.scenes_per_pass >= 1 && train.scenes_per_pass <= nn::kMostScenes,
-            "train.scenes_per_pass: expected 1 to ", nn::kMostScenes, ", got ",
+  LTE_CHECK(train.scenes_per_pass >= 1 && train.scenes_per_pass <= nn::kMaxScenes,
+            "train.scenes_per_pass: expected 1 to ", nn::kMaxScenes, ", got ",
             train.scenes_per_pass);
   check_at_least("train.warmup_steps", train.warmup_steps, 0);
   check_at_least("train.log_every", train.log_every, 1);

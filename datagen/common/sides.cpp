@@ -11,7 +11,7 @@ namespace {
 
 constexpr uint64_t kSideStream = 0x73696465;
 constexpr float kStripShare = 1.0f / 3;
-constexpr float kLeastStrip = 0.04f, kMostStrip = 0.12f;  // metres across
+constexpr float kMinStrip = 0.04f, kMaxStrip = 0.12f;  // metres across
 
 Bounds bounds_of(const scene::Mesh& mesh) {
   Bounds bounds;
@@ -23,7 +23,7 @@ Bounds bounds_of(const scene::Mesh& mesh) {
 bool is_panel(const scene::Scene& scene, const scene::Mesh& mesh) {
   if (!scene.materials[mesh.material].emissive() || mesh.positions.empty()) return false;
   const Vec3 extent = bounds_of(mesh).extent();
-  return extent.y < 1e-4f && std::min(extent.x, extent.z) > kMostStrip;
+  return extent.y < 1e-4f && std::min(extent.x, extent.z) > kMaxStrip;
 }
 
 /// Brings the shorter side of a panel to `width` metres.
@@ -38,7 +38,7 @@ void narrow(float width, scene::Mesh* mesh) {
 void hang(const Range& drop, Rng* rng, int mesh_index, scene::Scene* scene) {
   const double by = drop.low * std::pow(drop.high / drop.low, double{rng->uniform()});
   const bool strip = rng->uniform() < kStripShare;
-  const float width = rng->uniform(kLeastStrip, kMostStrip);
+  const float width = rng->uniform(kMinStrip, kMaxStrip);
   scene::Mesh& mesh = scene->meshes[mesh_index];
   if (strip) narrow(width, &mesh);
   scene::Material both = scene->materials[mesh.material];

@@ -253,7 +253,7 @@ void check_homes(const homes::HomeConfig& homes, double scale) {
   check_texture_sizes("homes.texture_sizes", homes.texture_sizes);
   LTE_CHECK(homes::kMaxHomeExtent <= scale, "scale: ", scale, " m is less than the largest home, ",
             homes::kMaxHomeExtent, " m");
-  const bool large = homes.rooms.high > homes::kMostRoomsOfSmallHomes;
+  const bool large = homes.rooms.high > homes::kMaxRoomsOfSmallHomes;
   LTE_CHECK(homes.sun_share == 0 || !large || homes::kMaxHomeSphere <= scale, "scale: ", scale,
             " m is less than the sphere around the largest home, ", homes::kMaxHomeSphere,
             " m, on which a sun (homes.sun_share) stands");
@@ -261,7 +261,7 @@ void check_homes(const homes::HomeConfig& homes, double scale) {
 
 void check_wild(const wild::WildConfig& wild, double scale) {
   range_in<CountRange, int64_t>("wild.cells", wild.cells, 1, 5);
-  range_in("wild.extent_m", wild.extent_m, wild::kLeastExtent, 1e3);
+  range_in("wild.extent_m", wild.extent_m, wild::kMinExtent, 1e3);
   range_in<CountRange, int64_t>("wild.lamps", wild.lamps, 1, 40);
   in_range("wild.sky_share", wild.sky_share, 0.0, 1.0);
   range_in("wild.detail", wild.detail, 0.3, 4.0);

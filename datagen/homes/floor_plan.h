@@ -61,7 +61,7 @@ inline constexpr float kMaxHomeExtent = 15.5f;  ///< of a home along x and z, re
 /// The sphere around a home of any size, on which its sun stands: its diameter.
 inline constexpr float kMaxHomeSphere = 22.4f;
 /// Homes of no more rooms have spheres within kMaxHomeExtent.
-inline constexpr int kMostRoomsOfSmallHomes = 2;
+inline constexpr int kMaxRoomsOfSmallHomes = 2;
 inline constexpr float kRecess = 0.16f;  ///< of windows and the entrance into outer walls
 
 /// Draws a floor plan.

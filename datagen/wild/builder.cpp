@@ -23,8 +23,8 @@ void Builder::add(homes::Piece&& piece, const Affine& at) {
 
 void Builder::next_group() {
   const int groups = static_cast<int>(scene->light_groups.size());
-  new_group_ = groups < kMostGroups;
-  group = new_group_ ? groups : shared_++ % kMostGroups;
+  new_group_ = groups < kMaxGroups;
+  group = new_group_ ? groups : shared_++ % kMaxGroups;
   if (new_group_) scene->light_groups.push_back("lamps " + std::to_string(groups));
 }
 

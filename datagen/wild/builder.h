@@ -30,7 +30,7 @@ class Builder {
   void add(Mesh&& mesh, int material, const Affine& at, const std::string& name);
   /// Adds a piece of furniture, without its point lights.
   void add(homes::Piece&& piece, const Affine& at);
-  /// Makes `group` that of the next lamp: kMostGroups at most, which further lamps share in turn.
+  /// Makes `group` that of the next lamp: kMaxGroups at most, which further lamps share in turn.
   void next_group();
   /// Takes back a group that no lamp came to use.
   void drop_group();

@@ -27,7 +27,7 @@ class Furnishing {
         if (hole.kind == OpeningKind::Window && dice_->chance(0.25f)) curtains(e, hole);
     const float density = dice_->draw(kShares.pieces_m2[0], kShares.pieces_m2[1]);
     const float wanted = density * area_of(cell().outline) / (scale_ * scale_);
-    const int pieces = std::min(kMostPieces, static_cast<int>(wanted + dice_->draw(0, 1)));
+    const int pieces = std::min(kMaxPieces, static_cast<int>(wanted + dice_->draw(0, 1)));
     for (int i = 0; i < pieces; ++i) put(draw_piece());
   }
 

@@ -10,7 +10,7 @@ namespace lte::datagen::wild {
 namespace {
 
 constexpr uint64_t kMaterialStream = 0x77696c646d;  // "wildm"
-constexpr size_t kMostThings = 8;
+constexpr size_t kMaxThings = 8;
 
 Rgb hue_color(float hue, float saturation, float value) {
   const auto channel = [&](float offset) {
@@ -80,7 +80,7 @@ int Materials::surface(const std::string& name) {
 int Materials::shell() { return surface("shell"); }
 
 int Materials::thing() {
-  if (things_.size() < kMostThings && (things_.empty() || dice_.chance(0.5f))) {
+  if (things_.size() < kMaxThings && (things_.empty() || dice_.chance(0.5f))) {
     things_.push_back(surface("thing"));
     return things_.back();
   }

@@ -77,8 +77,8 @@ struct Shares {
 };
 
 inline constexpr Shares kShares;
-inline constexpr int kMostGroups = 8;          ///< light groups; lamps beyond share them in turn
-inline constexpr int kMostTriangles = 300000;  ///< of a scene; one with more is drawn again
-inline constexpr int kMostPieces = 40;         ///< things in a cell
+inline constexpr int kMaxGroups = 8;          ///< light groups; lamps beyond share them in turn
+inline constexpr int kMaxTriangles = 300000;  ///< of a scene; one with more is drawn again
+inline constexpr int kMaxPieces = 40;         ///< things in a cell
 
 }  // namespace lte::datagen::wild

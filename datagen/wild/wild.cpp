@@ -34,7 +34,7 @@ class WildMaker {
     lay_out();
     build();
     move_to_world();
-    if (wild_.scene.triangle_count() > kMostTriangles) return "too many triangles";
+    if (wild_.scene.triangle_count() > kMaxTriangles) return "too many triangles";
     const pathtrace::Bvh bvh(wild_.scene);
     wild_.scene.cameras = place_cameras(wild_.plan.plan, wild_.plan.to_world, bvh, &dice_);
     std::string fault = check_scene(bvh, seed_, &wild_.scene);
@@ -155,7 +155,7 @@ void WildMaker::move_to_world() {
 
 Wild generate_wild(const WildConfig& config, uint64_t seed, const std::string& name) {
   std::vector<std::string> rejected;
-  for (int draw = 0; draw < kMostDraws; ++draw) {
+  for (int draw = 0; draw < kMaxDraws; ++draw) {
     const uint64_t own = draw == 0 ? seed : hash_combine(seed, static_cast<uint64_t>(draw));
     Wild wild;
     std::string fault = WildMaker(config, own, name).make(&wild);
@@ -165,7 +165,7 @@ Wild generate_wild(const WildConfig& config, uint64_t seed, const std::string& n
     }
     rejected.push_back(std::move(fault));
   }
-  throw Error(concat(name, ": ", kMostDraws, " draws of seed ", seed,
+  throw Error(concat(name, ": ", kMaxDraws, " draws of seed ", seed,
                      " failed, the last one by: ", rejected.back()));
 }
 

@@ -23,7 +23,7 @@ struct WildConfig {
   std::vector<int64_t> texture_sizes{64, 128};
 };
 
-inline constexpr double kLeastExtent = 0.5;  ///< metres, of any scene
+inline constexpr double kMinExtent = 0.5;  ///< metres, of any scene
 
 /// How a scene came about, for tests and tables.
 struct WildPlan {
@@ -39,12 +39,12 @@ struct Wild {
   WildPlan plan;
 };
 
-/// Makes a scene with one to kMostGroups light groups of lamps, one more for a sun and a sky each,
+/// Makes a scene with one to kMaxGroups light groups of lamps, one more for a sun and a sky each,
 /// and a camera in each cell that light reaches. Y is up, units are metres. The same (config, seed)
 /// gives the same bytes: a draw that fails a check is followed by the next of the same seed.
-/// @throws lte::Error if kMostDraws of them fail.
+/// @throws lte::Error if kMaxDraws of them fail.
 Wild generate_wild(const WildConfig& config, uint64_t seed, const std::string& name = "wild");
 
-inline constexpr int kMostDraws = 30;
+inline constexpr int kMaxDraws = 30;
 
 }  // namespace lte::datagen::wild

@@ -17,7 +17,7 @@ namespace {
 
 /// A lobe narrower than this is smeared over as much where the map's cells are weighed: a cell has
 /// one direction to stand for all of its own, and would miss the lobe.
-constexpr float kLeastCellRoughness = 0.25f;
+constexpr float kMinCellRoughness = 0.25f;
 
 /// Cosine between normals of one hemisphere.
 constexpr float kSameWay = 0.99999f;
@@ -52,8 +52,7 @@ class Surface {
 /// Cells in proportion to radiance times what the surface reflects.
 std::shared_ptr<const GuideTable> product_table(const DirectionMap& map, const Vec3& normal,
                                                 const Reflector& reflector, float even_share) {
-  const Surface smeared(normal, reflector,
-                        std::max(reflector.gloss.roughness, kLeastCellRoughness));
+  const Surface smeared(normal, reflector, std::max(reflector.gloss.roughness, kMinCellRoughness));
   return std::make_shared<GuideTable>(map, even_share, [&](const Vec3& direction) {
     // f per projected solid angle, as cells have equal ones.
     return smeared.evaluate(direction).value / dot(direction, map.normal);

@@ -41,7 +41,7 @@ struct PlaceList {
 /// Points that stand for what is near them.
 class JoinedPlaces {
  public:
-  explicit JoinedPlaces(double radius_m) : grid_(static_cast<float>(radius_m), kLeastCosine) {}
+  explicit JoinedPlaces(double radius_m) : grid_(static_cast<float>(radius_m), kMinCosine) {}
 
   /// @return  the place of a point, which may be the point itself
   size_t join(const Vec3& position, const Vec3& normal, const Rgb& albedo) {
@@ -54,7 +54,7 @@ class JoinedPlaces {
 
  private:
   /// Cosine between the normals of points that share a map.
-  static constexpr float kLeastCosine = 0.9f;
+  static constexpr float kMinCosine = 0.9f;
 
   SharedPlaces grid_;
   std::vector<Rgb> albedo_;

@@ -36,9 +36,9 @@ struct RayRecorder {
 
 /// How Embree is asked.
 enum class EntryPoint { One, Packet4, Packet8, Packet16, Stream };
-inline constexpr EntryPoint kEntryPoints[] = {EntryPoint::One, EntryPoint::Packet4,
-                                              EntryPoint::Packet8, EntryPoint::Packet16,
-                                              EntryPoint::Stream};
+inline constexpr EntryPoint kRecordPoints[] = {EntryPoint::One, EntryPoint::Packet4,
+                                               EntryPoint::Packet8, EntryPoint::Packet16,
+                                               EntryPoint::Stream};
 
 /// E.g. "rtcIntersect8".
 std::string name_of(EntryPoint entry);

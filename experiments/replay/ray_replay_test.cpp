@@ -42,10 +42,10 @@ TEST(RayReplay, EveryEntryPointFindsTheSame) {
     }
   }
   EXPECT_GT(expected, 300);
-  for (const EntryPoint entry : kEntryPoints)
+  for (const EntryPoint entry : kRecordPoints)
     EXPECT_EQ(replay(r.bvh, r.logs, entry), expected) << name_of(entry);
   sort_rays(r.bvh.bounds(), &r.logs);
-  for (const EntryPoint entry : kEntryPoints)
+  for (const EntryPoint entry : kRecordPoints)
     EXPECT_EQ(replay(r.bvh, r.logs, entry), expected) << name_of(entry) << ", sorted";
 }
 
@@ -59,7 +59,7 @@ TEST(TraceRates, CountTheRaysOfTheEstimate) {
   for (const RayLog& log : r.logs) recorded += log.nearest_rays.size() + log.shadow_rays.size();
   EXPECT_EQ(rates.rays, static_cast<int64_t>(recorded));
   EXPECT_GT(rates.path_rays_per_s, 0);
-  EXPECT_EQ(rates.bare.size(), 2 * std::size(kEntryPoints));
+  EXPECT_EQ(rates.bare.size(), 2 * std::size(kRecordPoints));
   for (const BareRate& rate : rates.bare) EXPECT_GT(rate.rays_per_s, 0);
 }
 

@@ -57,9 +57,9 @@ TraceRates measure_trace_rates(const pathtrace::Bvh& bvh, const pathtrace::Light
   std::vector<Timed> calls;
   calls.push_back(
       {[&] { pathtrace::estimate_irradiance(bvh, lights, positions, normals, options); }});
-  rates.bare.reserve(2 * std::size(kEntryPoints));  // calls keep their addresses
+  rates.bare.reserve(2 * std::size(kRecordPoints));  // calls keep their addresses
   for (const auto* order : {&logs, &sorted}) {
-    for (const EntryPoint entry : kEntryPoints) {
+    for (const EntryPoint entry : kRecordPoints) {
       rates.bare.push_back({name_of(entry), order == &sorted});
       BareRate* rate = &rates.bare.back();
       calls.push_back({[rate, &bvh, order, entry] { rate->stopped = replay(bvh, *order, entry); }});

@@ -8,7 +8,7 @@ namespace lte::infer {
 
 PlaceTree::PlaceTree(std::span<const Vec3> places) : order_(places.size()) {
   std::iota(order_.begin(), order_.end(), uint32_t{0});
-  while (depth_ < kMostDepth && (places.size() >> (depth_ + 1)) >= kLeastPlaces) ++depth_;
+  while (depth_ < kMaxDepth && (places.size() >> (depth_ + 1)) >= kMinPlaces) ++depth_;
   cut(places, 1, 0);
 }
 

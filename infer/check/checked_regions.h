@@ -13,8 +13,8 @@ namespace lte::infer {
 /// of depth d has 1/2^d of the places. Node 1 is the root, 2k and 2k + 1 are the halves of node k.
 class PlaceTree {
  public:
-  static constexpr int kMostDepth = 6;
-  static constexpr size_t kLeastPlaces = 8;  ///< of a cell, the tree's smallest nodes
+  static constexpr int kMaxDepth = 6;
+  static constexpr size_t kMinPlaces = 8;  ///< of a cell, the tree's smallest nodes
 
   explicit PlaceTree(std::span<const Vec3> places);
 

@@ -17,14 +17,14 @@ namespace {
 
 // Few, so that the paths come from many places.
 constexpr int kPathsAtOnce = 4;
-constexpr int64_t kLeastPaths = int64_t{1} << 13;
+constexpr int64_t kMinPaths = int64_t{1} << 13;
 // Regions are cut in two as long as both halves know their ratio to this.
 constexpr double kRegionError = 0.04;
 // An error below this share of all light that reaches the surfaces is not seen.
 constexpr double kSeen = 0.01;
 // What regions are off by counts by their share of the places: a fiftieth of a picture that is off
 // by a tenth is nothing to warn of.
-constexpr double kLeastFault = 0.01;
+constexpr double kMinFault = 0.01;
 // Estimates keep two colors a place and light group: blocks bound that memory.
 constexpr int64_t kEstimateBlock = int64_t{1} << 20;
 // Streams of what suspects and of what confirms.
@@ -79,7 +79,7 @@ class Checker {
         out.region_of[place] = static_cast<int32_t>(out.regions.size()) - 1;
     }
     if (!wrong.empty()) out.fault = fault_of(wrong);
-    if (out.fault && out.fault->share * std::fabs(out.fault->ratio - 1) < kLeastFault)
+    if (out.fault && out.fault->share * std::fabs(out.fault->ratio - 1) < kMinFault)
       out.fault.reset();
     out.paths = paths_;
     out.seconds = timer_.seconds();
@@ -98,7 +98,7 @@ class Checker {
     std::vector<uint32_t> ranks(answered_.size());
     std::iota(ranks.begin(), ranks.end(), uint32_t{0});
     for (uint64_t round = 0; paths_ == 0 || may_go_on(); ++round)
-      trace(ranks, std::max(kLeastPaths, paths_), hash_combine(kSuspect, round), &first_);
+      trace(ranks, std::max(kMinPaths, paths_), hash_combine(kSuspect, round), &first_);
   }
 
   /// Whether twice the paths would still be of use, and leave time to confirm what they suspect.
@@ -123,7 +123,7 @@ class Checker {
     }
     const double left = std::max(0.0, options_.seconds - timer_.seconds()) / timer_.seconds();
     const auto paths = static_cast<double>(paths_) * std::min(left, 1.0);
-    trace(ranks, std::max(kLeastPaths, static_cast<int64_t>(paths)), kConfirm, &second_);
+    trace(ranks, std::max(kMinPaths, static_cast<int64_t>(paths)), kConfirm, &second_);
   }
 
   /// @param ranks  of the places in the tree's order

@@ -204,11 +204,11 @@ VarianceCheck check_variance(const std::vector<SceneResult>& scenes) {
     single += scene.path_variance;
     paths += scene.paths / static_cast<double>(scenes.size());
   }
-  constexpr double kLeastSpan = 1e-6;
+  constexpr double kMinSpan = 1e-6;
   // NaN without such scenes, and an exponent of NaN where the reference has 64 paths too.
   const double span = std::log(paths / kPathsStored);
   return {kPathsStored * at_64 / single,
-          std::abs(span) > kLeastSpan ? std::log(at_64 / at_reference) / span : std::nan("")};
+          std::abs(span) > kMinSpan ? std::log(at_64 / at_reference) / span : std::nan("")};
 }
 
 /// Fills in the figures over all scenes.

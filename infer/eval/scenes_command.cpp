@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 constexpr std::array<const char*, 3> kShippedModels = {kBaseModel, kHybridModel,
                                                        "models/lte-large.safetensors"};
 /// SSIM's window.
-constexpr int kLeastSide = 11;
+constexpr int kMinSide = 11;
 
 std::vector<std::string> words_of(const ScenesRequest& request) {
   if (!request.methods.empty()) return request.methods;
@@ -138,8 +138,8 @@ void run_scenes(const ScenesRequest& request, const ToolOptions& tool) {
   apply_tool_options(tool);
   ScenesOptions options = request.options;
   std::tie(options.width, options.height) = parse_picture_size(request.size);
-  LTE_CHECK(options.width >= kLeastSide && options.height >= kLeastSide, "--size ", request.size,
-            ": SSIM needs ", kLeastSide, " pixels a side or more");
+  LTE_CHECK(options.width >= kMinSide && options.height >= kMinSide, "--size ", request.size,
+            ": SSIM needs ", kMinSide, " pixels a side or more");
   scene_methods(words_of(request), {});
   const SceneFiles scenes = find_scenes(request.places);
   const std::vector<fs::path> checkpoints = checkpoints_of(request);

@@ -14,24 +14,24 @@ constexpr size_t kBlock = 2048;
 // As those of render::make_cache().
 constexpr uint64_t kPlaces = 21, kLight = 22;
 
-void add_groups(const std::vector<Rgb>& values, size_t entries, std::span<const int> groups,
+void add_groups(const std::vector<Rgb>& values, size_t records, std::span<const int> groups,
                 std::span<const Rgb> gains, std::vector<Rgb>* sum) {
   for (size_t g = 0; g < groups.size(); ++g) {
-    const Rgb* row = values.data() + entries * static_cast<size_t>(groups[g]);
-    for (size_t i = 0; i < entries; ++i) (*sum)[i] += row[i] * gains[g];
+    const Rgb* row = values.data() + records * static_cast<size_t>(groups[g]);
+    for (size_t i = 0; i < records; ++i) (*sum)[i] += row[i] * gains[g];
   }
 }
 
 }  // namespace
 
-gi::EntryLight TracedRecords::light_of(std::span<const int> of_groups,
-                                       std::span<const Rgb> gains) const {
+gi::RecordLight TracedRecords::light_of(std::span<const int> of_groups,
+                                        std::span<const Rgb> gains) const {
   LTE_CHECK(of_groups.size() == gains.size(), "records of light: ", of_groups.size(),
             " groups but ", gains.size(), " gains");
   for (const int group : of_groups)
     LTE_CHECK(group >= 0 && group < groups, "records of light: there is no group ", group);
-  gi::EntryLight out;
-  out.direct.resize(entries.position.size());
+  gi::RecordLight out;
+  out.direct.resize(records.position.size());
   out.indirect.resize(out.direct.size());
   add_groups(direct, out.direct.size(), of_groups, gains, &out.direct);
   add_groups(indirect, out.direct.size(), of_groups, gains, &out.indirect);
@@ -40,8 +40,8 @@ gi::EntryLight TracedRecords::light_of(std::span<const int> of_groups,
 
 int64_t TracedRecords::bytes() const {
   constexpr size_t kEntry = 2 * sizeof(Vec3) + sizeof(Rgb) + sizeof(float) + sizeof(size_t);
-  return static_cast<int64_t>(entries.position.size() * kEntry +
-                              2 * entries.start.size() * sizeof(Vec3) +
+  return static_cast<int64_t>(records.position.size() * kEntry +
+                              2 * records.start.size() * sizeof(Vec3) +
                               (direct.size() + indirect.size()) * sizeof(Rgb));
 }
 
@@ -55,19 +55,19 @@ TracedRecords trace_records(const pathtrace::Bvh& bvh, const pathtrace::Lights& 
   out.groups = lights.groups();
   // A gather adds a bounce to the table's light, so light of depth 1 is all that none has.
   if (raw && (lights.empty() || settings.max_depth < 2)) return out;
-  out.entries = gi::sample_entries(bvh, settings.records, places);
-  const auto count = static_cast<size_t>(out.entries.size());
+  out.places = gi::sample_records(bvh, settings.records, places);
+  const auto count = static_cast<size_t>(out.places.size());
   const auto groups = static_cast<size_t>(out.groups);
   out.direct.resize(groups * count);
   out.indirect.resize(groups * count);
   if (lights.empty()) return out;
   pathtrace::IrradianceOptions options;
-  options.rays = std::max(1, settings.paths / gi::kEntryPoints);
+  options.rays = std::max(1, settings.paths / gi::kRecordPoints);
   options.max_depth = raw ? settings.max_depth - 1 : 1;
   options.seed = raw ? hash_combine(settings.seed, kLight) : places;
   options.variance = false;
   options.direct_only = options.max_depth == 1;
-  const std::vector<Vec3>&start = out.entries.start, &normal = out.entries.start_normal;
+  const std::vector<Vec3>&start = out.places.start, &normal = out.places.start_normal;
   std::vector<Rgb> direct(groups * start.size()), indirect(direct.size());
   for (size_t first = 0; first < start.size(); first += kBlock) {
     if (check) check();
@@ -85,8 +85,8 @@ TracedRecords trace_records(const pathtrace::Bvh& bvh, const pathtrace::Lights& 
   }
   for (size_t g = 0; g < groups; ++g) {
     const auto of_group = [&](const std::vector<Rgb>& values) {
-      return gi::entry_means(out.entries,
-                             std::span(values).subspan(g * start.size(), start.size()));
+      return gi::record_means(out.places,
+                              std::span(values).subspan(g * start.size(), start.size()));
     };
     std::ranges::copy(of_group(direct), out.direct.begin() + static_cast<ptrdiff_t>(g * count));
     std::ranges::copy(of_group(indirect), out.indirect.begin() + static_cast<ptrdiff_t>(g * count));

@@ -7,20 +7,20 @@
 #include <span>
 #include <vector>
 
-#include "lte/gi/table_entries.h"
+#include "lte/gi/cache_records.h"
 #include "lte/render/integrator.h"
 
 namespace lte::infer {
 
 struct TracedRecords {
-  gi::TableEntries entries;
+  gi::CacheRecords places;
   int64_t groups = 0;
-  std::vector<Rgb> direct;    ///< [groups, entries], W/m²: depth 1
-  std::vector<Rgb> indirect;  ///< [groups, entries]: depths from 2 on; 0 where none were traced
+  std::vector<Rgb> direct;    ///< [groups, records], W/m²: depth 1
+  std::vector<Rgb> indirect;  ///< [groups, records]: depths from 2 on; 0 where none were traced
 
   /// The light of some groups, each times its gain by channel, an entry each.
   /// @throws lte::Error for a group that there is not, or another number of gains.
-  gi::EntryLight light_of(std::span<const int> of_groups, std::span<const Rgb> gains) const;
+  gi::RecordLight light_of(std::span<const int> of_groups, std::span<const Rgb> gains) const;
   int64_t bytes() const;
 };
 

@@ -13,11 +13,11 @@ namespace lte::infer {
 namespace {
 
 constexpr int kWidth = 24, kHeight = 18;  ///< places of one camera
-constexpr size_t kMostCameras = 24;       ///< of a turntable say, evenly spread
+constexpr size_t kMaxCameras = 24;        ///< of a turntable say, evenly spread
 constexpr int kPaths = 64;                ///< from a place that a camera sees
 constexpr int kAllPaths = kPaths * kWidth * kHeight;
 constexpr size_t kBlock = 4096;  ///< places of one search
-constexpr int kLeastPaths = 4;   ///< from a place, however many there are
+constexpr int kMinPaths = 4;     ///< from a place, however many there are
 constexpr int kNoRoulette = 1 << 20;
 
 struct Places {
@@ -25,7 +25,7 @@ struct Places {
 };
 
 Places seen_places(const pathtrace::Bvh& bvh, std::span<const scene::Camera> cameras) {
-  const size_t views = std::min(cameras.size(), kMostCameras);
+  const size_t views = std::min(cameras.size(), kMaxCameras);
   const double shrink = 1 / std::sqrt(static_cast<double>(std::max<size_t>(views, 1)));
   const auto edge = [&](int of_one) { return std::max(4, static_cast<int>(of_one * shrink)); };
   Places places;
@@ -90,7 +90,7 @@ std::vector<int> unreached_groups(const pathtrace::Bvh& bvh, const Asked& asked,
   }
   const auto& [position, normal] = std::get<SurfacePlaces>(asked);
   const auto share = static_cast<int>(kAllPaths / std::max<size_t>(position.size(), 1));
-  return unreached_by(bvh, position, normal, std::max(kLeastPaths, share), seed);
+  return unreached_by(bvh, position, normal, std::max(kMinPaths, share), seed);
 }
 
 std::vector<std::string> names_of(const scene::Scene& scene, std::span<const int> groups) {

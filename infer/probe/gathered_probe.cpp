@@ -23,7 +23,7 @@ struct Spread {
 
 GatheredProbe gather_at(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                         const scene::PointTable& points, const GatheredProbeOptions& options,
-                        const std::function<gi::RadiosityTable(int)>& make_table) {
+                        const std::function<gi::IrradianceCache(int)>& make_cache) {
   LTE_CHECK(options.tables >= 2, "gathered points: expected two tables at least, got ",
             options.tables);
   if (options.max_depth < 2)
@@ -33,7 +33,7 @@ GatheredProbe gather_at(const pathtrace::Bvh& bvh, const pathtrace::Lights& ligh
   gather.max_depth = options.max_depth;
   std::vector<Spread> spread(points.size());
   for (int k = 0; k < options.tables; ++k) {
-    const gi::RadiosityTable table = make_table(k);
+    const gi::IrradianceCache table = make_cache(k);
     gather.seed = hash_combine(hash_combine(options.seed, kTableRays), static_cast<uint64_t>(k));
     for (size_t begin = 0; begin < points.size(); begin += kBlock) {
       const size_t count = std::min(kBlock, points.size() - begin);

@@ -9,7 +9,7 @@
 #include <functional>
 #include <vector>
 
-#include "lte/gi/radiosity_table.h"
+#include "lte/gi/irradiance_cache.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights/lights.h"
 #include "lte/scene/point_table.h"
@@ -30,10 +30,10 @@ struct GatheredProbe {
   int64_t rays = 0;  ///< behind each
 };
 
-/// @param make_table  the table of a number, from 0 on
+/// @param make_cache  the table of a number, from 0 on
 /// @throws lte::Error as gi::gather_irradiance(), and without two tables
 GatheredProbe gather_at(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                         const scene::PointTable& points, const GatheredProbeOptions& options,
-                        const std::function<gi::RadiosityTable(int)>& make_table);
+                        const std::function<gi::IrradianceCache(int)>& make_cache);
 
 }  // namespace lte::infer

@@ -17,8 +17,8 @@
 namespace lte::infer {
 namespace {
 
-constexpr size_t kMostScriptBytes = size_t{16} << 20;
-constexpr int kMostFrames = 1'000'000;
+constexpr size_t kMaxScriptBytes = size_t{16} << 20;
+constexpr int kMaxFrames = 1'000'000;
 
 struct PropertyRow {
   const char* key;
@@ -266,7 +266,7 @@ EditScript parse_edit_script(const std::string& text, const std::string& name) {
   EditScript script;
   const ConfigTree* frames = root.find("frames");
   LTE_CHECK(frames != nullptr, name, ": frames is missing: the number of pictures");
-  script.frames = integer_of(*frames, "frames", 1, kMostFrames);
+  script.frames = integer_of(*frames, "frames", 1, kMaxFrames);
   if (const ConfigTree* fps = root.find("fps"))
     script.fps = numbers_of(*fps, "fps", 1, 0.01, 1000)[0];
   const ConfigTree* edits = root.find("edits");
@@ -281,7 +281,7 @@ EditScript parse_edit_script(const std::string& text, const std::string& name) {
 }
 
 EditScript load_edit_script(const std::filesystem::path& path) {
-  return parse_edit_script(read_file(path, kMostScriptBytes), path.string());
+  return parse_edit_script(read_file(path, kMaxScriptBytes), path.string());
 }
 
 }  // namespace lte::infer

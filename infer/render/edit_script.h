@@ -1,4 +1,4 @@
-// Edits with frames, as --edit reads them: an animation of a scene's lamps, objects and colours.
+// Edits with frames, as --edit reads them: an animation of a scene's lamps, objects and colors.
 // docs/editing.md has the format.
 #pragma once
 

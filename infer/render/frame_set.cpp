@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kFormat = "lte-frames";
 constexpr int kFormatVersion = 1;
-constexpr size_t kMostBytes = size_t{64} << 20;
+constexpr size_t kMaxBytes = size_t{64} << 20;
 
 /// Flags that change no pixel, or whose effect is in the fingerprints and the cameras.
 const std::set<std::string> kNoMatter = {
@@ -62,7 +62,7 @@ std::string name_of(const View& view) { return fs::path(view.out).lexically_norm
 Json read_manifest(const fs::path& path) {
   Json json;
   try {
-    json = Json::parse(read_file(path, kMostBytes));
+    json = Json::parse(read_file(path, kMaxBytes));
   } catch (const Json::exception&) {
     throw Error(concat(path.string(), ": not valid JSON; remove it and the frames beside it"));
   }

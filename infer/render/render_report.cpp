@@ -6,7 +6,7 @@
 
 namespace lte::infer {
 namespace {
-constexpr double kLeastSeconds = 0.005;  ///< less is printed as 0.00
+constexpr double kMinSeconds = 0.005;  ///< less is printed as 0.00
 }
 
 nlohmann::json seconds_json(const StageSeconds& seconds, double total) {
@@ -24,7 +24,7 @@ void print_times(const StageSeconds& seconds, double total) {
   std::printf(" | seconds: ");
   for (const Stage& stage : kStages) {
     const double spent = seconds.*stage.seconds;
-    if (spent >= kLeastSeconds) std::printf("%s %.2f, ", stage.name, spent);
+    if (spent >= kMinSeconds) std::printf("%s %.2f, ", stage.name, spent);
   }
   std::printf("total %.2f | peak %.0f MiB\n", total, peak_rss_mb());
 }

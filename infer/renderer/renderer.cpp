@@ -126,17 +126,17 @@ render::IrradianceSource Renderer::source() const {
 void Renderer::make_cache(Method method, const render::CacheSettings& settings) {
   const Timer timer;
   cache_.reset();  // two at a time would need twice the memory
-  cache_ = std::make_shared<const gi::RadiosityTable>(
+  cache_ = std::make_shared<const gi::IrradianceCache>(
       render::make_cache({bvh_, lights_}, settings,
                          method == Method::Network ? source() : render::IrradianceSource()));
   seconds_.cache = timer.seconds();
 }
 
-void Renderer::set_cache(std::shared_ptr<const gi::RadiosityTable> cache) {
+void Renderer::set_cache(std::shared_ptr<const gi::IrradianceCache> cache) {
   cache_ = std::move(cache);
 }
 
-const gi::RadiosityTable& Renderer::cache() const {
+const gi::IrradianceCache& Renderer::cache() const {
   LTE_CHECK(cache_ != nullptr, "there is no irradiance cache: make_cache() comes first");
   return *cache_;
 }
@@ -152,8 +152,8 @@ std::unique_ptr<render::Integrator> Renderer::integrator(const RenderSettings& s
   if (needs_cache(settings)) cache();  // throws where there is none
   // Direct light needs no records.
   auto records = needs_cache(settings) ? cache_
-                                       : std::make_shared<const gi::RadiosityTable>(
-                                             bvh_, gi::TableEntries(), std::span<const Rgb>());
+                                       : std::make_shared<const gi::IrradianceCache>(
+                                             bvh_, gi::CacheRecords(), std::span<const Rgb>());
   return render::make_gather(scene, std::move(records), settings.max_depth, settings.method);
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "infer/renderer/render_settings.h"
-#include "lte/gi/radiosity_table.h"
+#include "lte/gi/irradiance_cache.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights/lights.h"
 #include "lte/pathtrace/reach/reach.h"
@@ -47,10 +47,10 @@ class Renderer {
   /// @throws lte::Error if the network is to fill it and embed() has not been called.
   void make_cache(Method method, const render::CacheSettings& settings);
   /// Takes a cache of this scene that others hold too.
-  void set_cache(std::shared_ptr<const gi::RadiosityTable> cache);
+  void set_cache(std::shared_ptr<const gi::IrradianceCache> cache);
   bool has_cache() const { return cache_ != nullptr; }
   /// @throws lte::Error without one.
-  const gi::RadiosityTable& cache() const;
+  const gi::IrradianceCache& cache() const;
 
   /// @throws lte::Error if make_cache() is needed and has not been called; PictureStopped.
   Frame render(const scene::Camera& camera, const RenderSettings& settings);
@@ -83,7 +83,7 @@ class Renderer {
   const pathtrace::Bvh& bvh_;
   const pathtrace::Lights& lights_;
   std::shared_ptr<const runtime::SceneEmbedding> embedding_;
-  std::shared_ptr<const gi::RadiosityTable> cache_;
+  std::shared_ptr<const gi::IrradianceCache> cache_;
   StageSeconds seconds_;
   std::shared_ptr<SharedDenoiser> denoiser_;
   std::string denoised_by_;

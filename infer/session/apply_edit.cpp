@@ -14,7 +14,7 @@ namespace {
 
 using scene::kNone;
 
-constexpr double kMostGain = 1e6;
+constexpr double kMaxGain = 1e6;
 
 std::string text_of(const Vec3& v) { return concat(v.x, " ", v.y, " ", v.z); }
 
@@ -65,8 +65,8 @@ class Editor {
     LTE_CHECK(setting.brightness > 0, "light ", name,
               ": it is black in the file, and stays so at any gain");
     if (edit.gain) {
-      LTE_CHECK(*edit.gain >= 0 && *edit.gain <= kMostGain, "light ", name, ": gain ", *edit.gain,
-                ": expected a number from 0 to ", kMostGain);
+      LTE_CHECK(*edit.gain >= 0 && *edit.gain <= kMaxGain, "light ", name, ": gain ", *edit.gain,
+                ": expected a number from 0 to ", kMaxGain);
       setting.gain = *edit.gain;
     }
     if (edit.color) set_color(group, *edit.color);
@@ -187,7 +187,7 @@ class Editor {
     setting.color = color / peak;
   }
 
-  /// No factor brings a colour to a channel that is dark: such a luminaire is white at gain 1 from
+  /// No factor brings a color to a channel that is dark: such a luminaire is white at gain 1 from
   /// now on, as bright as before.
   void make_white(int group) {
     const auto white = [](Rgb* emission) {

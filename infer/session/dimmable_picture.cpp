@@ -78,7 +78,7 @@ DimmablePicture::DimmablePicture(StatePtr state, Output output, int64_t pixels)
   const std::vector<LightGroups> groups = layers_apart(*parts.draft);
   const int64_t bytes = scene_bytes(*parts.scene) + pixels * int64_t{sizeof(Rgb)};
   apart_ = !render::is_geometry(output) && parts.accuracy == Accuracy::Full && !groups.empty() &&
-           std::ssize(groups) * bytes <= kMostBytes;
+           std::ssize(groups) * bytes <= kMaxBytes;
   if (!apart_) {
     // The state keeps its parts.
     layers_.push_back({std::shared_ptr<const SessionState::Parts>(made_for_, &parts), 0, {}});

@@ -1,4 +1,4 @@
-// A picture as a sum by luminaire, in which they are dimmed and recoloured without rendering: light
+// A picture as a sum by luminaire, in which they are dimmed and recolored without rendering: light
 // is linear in each, and so is a picture before its exposure. It gets better picture by picture;
 // what has been rendered stays good whatever the gains.
 #pragma once
@@ -17,7 +17,7 @@ namespace lte::infer {
 class DimmablePicture {
  public:
   /// Sums of more bytes than this, scenes by luminaire included, are not kept apart.
-  static constexpr int64_t kMostBytes = int64_t{256} << 20;
+  static constexpr int64_t kMaxBytes = int64_t{256} << 20;
 
   /// Begins without a picture. A layer is a touched luminaire or all the others together.
   ///
@@ -27,7 +27,7 @@ class DimmablePicture {
   DimmablePicture(StatePtr state, Output output, int64_t pixels);
 
   /// Whether it can be the picture of `state`: that differs from the one it was made for by gains
-  /// and colours of touched luminaires alone.
+  /// and colors of touched luminaires alone.
   bool fits(const SessionState& state) const;
   int layers() const { return static_cast<int>(layers_.size()); }
 

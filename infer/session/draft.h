@@ -1,7 +1,7 @@
 // What a session may change about a scene, apart from the meshes and textures, which it never does:
 // small enough that every step of undo keeps one.
 //
-// A draft has each luminaire as bright as in its file. Gains and colours are factors beside it, so
+// A draft has each luminaire as bright as in its file. Gains and colors are factors beside it, so
 // that light by luminaire, which is linear, is found once.
 #pragma once
 
@@ -36,7 +36,7 @@ struct LightSetting {
   std::optional<Rgb> color = {};  ///< largest component 1; that of the file without
   bool touched = false;           ///< encoded apart
   float brightness = 0;           ///< largest component of its emission at gain 1
-  /// Its colour at gain 1, if all its parts have the same; nothing otherwise.
+  /// Its color at gain 1, if all its parts have the same; nothing otherwise.
   std::optional<Rgb> hue = {};
 
   /// By channel, over its emission at gain 1. @note `color` goes with a `hue` without zeros.
@@ -66,22 +66,22 @@ struct NextIds {
 Draft make_draft(const scene::Scene& scene, NextIds* ids);
 
 /// The scene of a draft. @param base  has the meshes, textures and cameras
-/// @param lit  with gains and colours; otherwise each luminaire as its file has it
+/// @param lit  with gains and colors; otherwise each luminaire as its file has it
 scene::Scene make_scene(const scene::Scene& base, const Draft& draft, bool lit);
 
 /// Makes an edit; adds the numbers of what is new to the report.
 /// @throws lte::Error naming what does not exist or is out of range; `draft` is then half edited
 void apply_edit(const Edit& edit, Draft* draft, NextIds* ids, EditReport* report);
 
-/// Whether surfaces are the same and in the same places, under whatever colour.
+/// Whether surfaces are the same and in the same places, under whatever color.
 bool same_geometry(const Draft& a, const Draft& b);
-/// Whether, in addition, colours and unscaled light are the same: what scene points depend on.
+/// Whether, in addition, colors and unscaled light are the same: what scene points depend on.
 bool same_points(const Draft& a, const Draft& b);
 
-/// Whether gains and colours of luminaires are the same, too: everything that one sees.
+/// Whether gains and colors of luminaires are the same, too: everything that one sees.
 bool same_scene(const Draft& a, const Draft& b);
 
-/// Where surfaces are gone or new, world, if nothing but that and colours differs: no luminaire has
+/// Where surfaces are gone or new, world, if nothing but that and colors differs: no luminaire has
 /// moved, come or gone, and no surface has become black or ceased to be.
 std::optional<std::vector<Bounds>> changed_places(const scene::Scene& base, const Draft& before,
                                                   const Draft& now);

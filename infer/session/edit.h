@@ -20,7 +20,7 @@ struct MoveInstance {
   Affine to_world;  ///< finite, and not singular
 };
 
-/// Dims or recolours a luminaire. What is not given stays.
+/// Dims or recolors a luminaire. What is not given stays.
 struct SetLight {
   int light = scene::kNone;
   /// Over the brightness that the luminaire had in the file; 0 switches it off.
@@ -38,7 +38,7 @@ struct MoveLight {
   std::optional<Vec3> direction = {};  ///< the way light travels; spot lights and suns; any length
 };
 
-/// Changes the base colour of a material, the factor beside its texture: the albedo of what is no
+/// Changes the base color of a material, the factor beside its texture: the albedo of what is no
 /// metal.
 struct SetMaterial {
   int material = scene::kNone;

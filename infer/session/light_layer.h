@@ -32,7 +32,7 @@ struct GroupedPoints {
   pathtrace::ReachMemory reach;  ///< of points that light does not reach
 };
 
-/// Points from before a change that moved surfaces and left light and colours alone.
+/// Points from before a change that moved surfaces and left light and colors alone.
 struct PointsBefore {
   const GroupedPoints* points = nullptr;  ///< null: none
   std::vector<Bounds> changed;            ///< where surfaces are gone or new

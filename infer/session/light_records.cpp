@@ -22,7 +22,7 @@ LightRecords::Gains LightRecords::gains(const Draft& draft) const {
   return out;
 }
 
-gi::EntryLight LightRecords::light(const Draft& draft) const {
+gi::RecordLight LightRecords::light(const Draft& draft) const {
   const Gains some = gains(draft);
   return traced.light_of(some.groups, some.scales);
 }
@@ -34,11 +34,11 @@ LightRecords trace_light_records(const pathtrace::Bvh& bvh, const pathtrace::Lig
   return {std::move(draft), by, trace_records(bvh, lights, settings, by, check)};
 }
 
-std::shared_ptr<const gi::RadiosityTable> LazyCache::get() {
+std::shared_ptr<const gi::IrradianceCache> LazyCache::get() {
   std::call_once(made_, [this] {
-    const gi::EntryLight light = light_();
-    cache_ = std::make_shared<const gi::RadiosityTable>(*bvh_, records_->traced.entries,
-                                                        light.total(), light.direct);
+    const gi::RecordLight light = light_();
+    cache_ = std::make_shared<const gi::IrradianceCache>(*bvh_, records_->traced.places,
+                                                         light.total(), light.direct);
   });
   return cache_;
 }

@@ -10,7 +10,7 @@
 
 #include "infer/light/traced_records.h"
 #include "infer/session/draft.h"
-#include "lte/gi/radiosity_table.h"
+#include "lte/gi/irradiance_cache.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights/lights.h"
 
@@ -19,14 +19,14 @@ namespace lte::infer {
 /// Records of a scene whose luminaires all have gain 1.
 struct LightRecords {
   std::shared_ptr<const Draft> drawn_for;
-  Method filled_by = Method::Gather;  ///< Network: direct light alone, at all entries
+  Method filled_by = Method::Gather;  ///< Network: direct light alone, at all records
   TracedRecords traced;
 
-  /// Whether they hold for a draft: that differs from theirs by gains and colours alone.
+  /// Whether they hold for a draft: that differs from theirs by gains and colors alone.
   bool fit(const Draft& draft, Method by) const;
-  /// The light on the entries with the gains that luminaires of these numbers have in a draft.
+  /// The light on the records with the gains that luminaires of these numbers have in a draft.
   /// Those that the draft has not are dark; those that the records have not bring nothing.
-  gi::EntryLight light(const Draft& draft) const;
+  gi::RecordLight light(const Draft& draft) const;
 
  private:
   struct Gains {
@@ -47,19 +47,19 @@ LightRecords trace_light_records(const pathtrace::Bvh& bvh, const pathtrace::Lig
 /// rendered. Thread-safe.
 class LazyCache {
  public:
-  /// @param light  at the entries of the records
+  /// @param light  at the records of the records
   LazyCache(std::shared_ptr<const LightRecords> records, std::shared_ptr<const pathtrace::Bvh> bvh,
-            std::function<gi::EntryLight()> light)
+            std::function<gi::RecordLight()> light)
       : records_(std::move(records)), bvh_(std::move(bvh)), light_(std::move(light)) {}
 
-  std::shared_ptr<const gi::RadiosityTable> get();
+  std::shared_ptr<const gi::IrradianceCache> get();
 
  private:
   std::shared_ptr<const LightRecords> records_;
   std::shared_ptr<const pathtrace::Bvh> bvh_;
-  std::function<gi::EntryLight()> light_;
+  std::function<gi::RecordLight()> light_;
   std::once_flag made_;
-  std::shared_ptr<const gi::RadiosityTable> cache_;
+  std::shared_ptr<const gi::IrradianceCache> cache_;
 };
 
 }  // namespace lte::infer

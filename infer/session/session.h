@@ -1,7 +1,7 @@
 // A scene in memory that takes edits and answers pictures and points.
 //
 // What an edit needs is decided here:
-// - A dimmed or recoloured luminaire needs no encoding, as light is linear. The luminaire and the
+// - A dimmed or recolored luminaire needs no encoding, as light is linear. The luminaire and the
 //   others are encoded apart when it is first touched; from then on a gain by channel is all.
 // - A new albedo leaves every point in its place; the light there and the encoding are made anew.
 // - A moved, added or removed object leaves the meshes' trees as they are and builds that of the
@@ -17,7 +17,7 @@
 //
 // Light that does not reach what the cameras see (the sky outside a closed room) is not told to the
 // network, which would let a little of it through walls. Which that is, is found anew for other
-// cameras and after edits of anything but gains and colours; only where it is other light than
+// cameras and after edits of anything but gains and colors; only where it is other light than
 // before is the scene encoded anew.
 #pragma once
 
@@ -95,7 +95,7 @@ struct LuminaireInfo {
   std::string name;  ///< unique
   LuminaireKind kind = LuminaireKind::Surface;
   double gain = 1;
-  Rgb color;             ///< largest component 1; {1, 1, 1} for one whose parts differ in colour
+  Rgb color;             ///< largest component 1; {1, 1, 1} for one whose parts differ in color
   float brightness = 0;  ///< largest component of what it emits at gain 1, in its unit
   Vec3 position;         ///< middle of its bounds; zero for a sun or an environment
   Vec3 direction;        ///< of a spot or sun; zero for others
@@ -139,7 +139,7 @@ class SessionState {
   /// States of equal numbers have the same surfaces in the same places.
   uint64_t geometry_version() const;
   Accuracy accuracy() const;
-  /// The scene as edited, gains and colours included. Its indices are not the session's numbers.
+  /// The scene as edited, gains and colors included. Its indices are not the session's numbers.
   const scene::Scene& scene() const;
   const pathtrace::Bvh& bvh() const;
   const pathtrace::Lights& lights() const;

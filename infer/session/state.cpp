@@ -138,7 +138,7 @@ class Lighting {
   }
 
   /// Whether points describe what the network is to be told: drawn for this scene or one that
-  /// differs by gains and colours alone, and without the same luminaires.
+  /// differs by gains and colors alone, and without the same luminaires.
   bool fit(const std::shared_ptr<const GroupedPoints>& points) const {
     return points != nullptr && same_points(*points->drawn_for, draft_) &&
            points->without == unreached_lights();
@@ -339,9 +339,9 @@ std::shared_ptr<LazyCache> SessionState::Parts::make_cache() const {
                                        [from = records, now = draft] { return from->light(*now); });
   }
   return std::make_shared<LazyCache>(records, bvh, [from = records, now = draft, by = layers] {
-    const gi::TableEntries& entries = from->traced.entries;
-    gi::EntryLight light = from->light(*now);
-    light.indirect = sum_of(by, {entries.position, entries.normal, entries.albedo});
+    const gi::CacheRecords& records = from->traced.places;
+    gi::RecordLight light = from->light(*now);
+    light.indirect = sum_of(by, {records.position, records.normal, records.albedo});
     return light;
   });
 }

@@ -38,7 +38,7 @@ struct ScaledLayer {
 struct SessionState::Parts {
   std::shared_ptr<const SessionBase> base;
   std::shared_ptr<const Draft> draft;
-  std::shared_ptr<const scene::Scene> scene;  ///< with gains and colours
+  std::shared_ptr<const scene::Scene> scene;  ///< with gains and colors
   std::shared_ptr<const pathtrace::Bvh> bvh;
   std::shared_ptr<const pathtrace::Lights> lights;
   /// The last that were drawn of each accuracy, perhaps for a scene before this one; null at first

@@ -27,7 +27,7 @@ Message Conversation::next(std::string_view text) {
   try {
     return checked(text);
   } catch (const Error&) {
-    if (!greeted_ || ++faults_ >= kMostFaults) over_ = true;
+    if (!greeted_ || ++faults_ >= kMaxFaults) over_ = true;
     throw;
   }
 }

@@ -13,7 +13,7 @@ namespace lte::infer::view {
 class Conversation {
  public:
   /// Faults, one after another or not, after which a page is sent away.
-  static constexpr int kMostFaults = 20;
+  static constexpr int kMaxFaults = 20;
 
   /// Reads the next message.
   /// @throws lte::Error in one line if it is refused. The page may go on, unless over().

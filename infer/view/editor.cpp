@@ -17,7 +17,7 @@ namespace lte::infer::view {
 namespace {
 
 /// What a page can be sent at most.
-constexpr size_t kMostSceneBytes = size_t{256} << 20;
+constexpr size_t kMaxSceneBytes = size_t{256} << 20;
 /// Without a request, before all light of an edit is found.
 constexpr std::chrono::milliseconds kEditsRest(150);
 /// While edits follow one another, the light follows at least so often.
@@ -119,7 +119,7 @@ Editor::Next Editor::next_after(const SessionState& state) const {
   const std::vector<LuminaireInfo> lights = state.luminaires();
   const auto shines = [](const LuminaireInfo& light) { return light.brightness > 0; };
   const auto open = [&](const LuminaireInfo& light) { return shines(light) && !light.touched; };
-  return std::count_if(lights.begin(), lights.end(), shines) <= kMostApart &&
+  return std::count_if(lights.begin(), lights.end(), shines) <= kMaxApart &&
                  std::any_of(lights.begin(), lights.end(), open)
              ? Next::Separation
              : Next::Nothing;
@@ -273,7 +273,7 @@ void Editor::save(int client) {
   session_->state()->write_glb(file);
   pages_->give(client, std::make_shared<const std::string>(
                            file_frame(made().scene->name + "_edited.glb", "model/gltf-binary",
-                                      read_file(file, kMostSceneBytes))));
+                                      read_file(file, kMaxSceneBytes))));
 }
 
 }  // namespace lte::infer::view

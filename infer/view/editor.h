@@ -32,7 +32,7 @@ class Editor {
   /// Luminaires that are encoded apart before anybody dims them, at most: each layer costs an
   /// encoding after every move, and answers in every picture, so that with four a camera's draft
   /// took three times as long.
-  static constexpr int kMostApart = 2;
+  static constexpr int kMaxApart = 2;
 
   /// Both must outlive the editor.
   /// @param changed  called by the editor's thread when there is a new state

@@ -16,7 +16,7 @@ namespace {
 namespace beast = boost::beast;
 namespace http = beast::http;
 
-constexpr uint32_t kMostHeaderBytes = 8192;
+constexpr uint32_t kMaxHeaderBytes = 8192;
 constexpr std::chrono::seconds kPatience(20);
 // The page loads nothing from elsewhere, runs no code of its own text, and stands in no frame.
 constexpr const char* kPolicy =
@@ -41,7 +41,7 @@ HttpConnection::~HttpConnection() { --*open_; }
 
 void HttpConnection::read() {
   parser_.emplace();
-  parser_->header_limit(kMostHeaderBytes);
+  parser_->header_limit(kMaxHeaderBytes);
   stream_.expires_after(kPatience);
   http::async_read_header(
       stream_, buffer_, *parser_,

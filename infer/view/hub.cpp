@@ -47,7 +47,7 @@ void Hub::give(int client, const std::shared_ptr<const std::string>& frame) {
 }
 
 int Hub::join(const std::shared_ptr<WebSocketSession>& session) {
-  if (sessions_.size() >= kMostPages) return 0;
+  if (sessions_.size() >= kMaxPages) return 0;
   sessions_[++last_client_] = session;
   return last_client_;
 }

@@ -28,7 +28,7 @@ struct PageEvents {
 class Hub : public Pages {
  public:
   /// Pages at a time.
-  static constexpr size_t kMostPages = 64;
+  static constexpr size_t kMaxPages = 64;
 
   Hub(boost::asio::io_context* io, PageEvents events);
 

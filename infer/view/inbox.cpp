@@ -59,7 +59,7 @@ bool Inbox::post(int client, int64_t number, const Request& request) {
     if (!is_barrier(request) && replace(pending)) {
       last_number_[client] = number;
     } else {
-      if (pending_.size() >= kMostPending) return false;
+      if (pending_.size() >= kMaxPending) return false;
       pending_.push_back(pending);
       last_number_[client] = number;
     }

@@ -22,7 +22,7 @@ struct Pending {
 class Inbox {
  public:
   /// Requests, other than those that a later one replaces, that may wait at a time.
-  static constexpr size_t kMostPending = 1024;
+  static constexpr size_t kMaxPending = 1024;
 
   /// Takes a message. A camera replaces one that waits; so does a view, key by key. A page's look
   /// at attention replaces its last one, and an edit one of the same light, material or object,

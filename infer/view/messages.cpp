@@ -14,11 +14,11 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kFarthest = 1e7;                  // units of the scene
-constexpr double kMostGain = 1e6;                  // of a light
-constexpr double kMostIntensity = 1e9;             // of a lamp that is added, W/sr
-constexpr int kMostIndex = 1 << 30;                // of anything in a scene
-constexpr int64_t kMostNumber = int64_t{1} << 53;  // what JavaScript counts exactly
+constexpr double kFarthest = 1e7;                 // units of the scene
+constexpr double kMaxGain = 1e6;                  // of a light
+constexpr double kMaxIntensity = 1e9;             // of a lamp that is added, W/sr
+constexpr int kMaxIndex = 1 << 30;                // of anything in a scene
+constexpr int64_t kMaxNumber = int64_t{1} << 53;  // what JavaScript counts exactly
 
 enum class LampKind { Point, Spot };
 constexpr EnumNames<LampKind, 2> enum_names(LampKind) {
@@ -47,7 +47,7 @@ class Fields {
     return found.get<int64_t>();
   }
 
-  int index(const char* key) { return static_cast<int>(integer(key, 0, kMostIndex)); }
+  int index(const char* key) { return static_cast<int>(integer(key, 0, kMaxIndex)); }
 
   Vec3 vector(const char* key, double low, double high) {
     const json& found = value(key);
@@ -66,7 +66,7 @@ class Fields {
   /// A word of any letters, printable where it comes back in an answer.
   std::string text(const char* key) {
     const json& found = value(key);
-    LTE_CHECK(found.is_string() && found.get_ref<const std::string&>().size() <= kMostWordBytes,
+    LTE_CHECK(found.is_string() && found.get_ref<const std::string&>().size() <= kMaxWordBytes,
               where(key), "expected a word");
     return printable(found.get<std::string>());
   }
@@ -76,8 +76,8 @@ class Fields {
     LTE_CHECK(found.is_array() && found.size() == 2 && found[0].is_number_integer() &&
                   found[1].is_number_integer(),
               where(key), "expected width and height");
-    const double width = number_of(found[0], key, kLeastSide, kMostSide);
-    const double height = number_of(found[1], key, kLeastSide, kMostSide);
+    const double width = number_of(found[0], key, kMinSide, kMaxSide);
+    const double height = number_of(found[1], key, kMinSide, kMaxSide);
     return {static_cast<int>(width), static_cast<int>(height)};
   }
 
@@ -94,7 +94,7 @@ class Fields {
 
   /// At most 40 bytes of a text, with what is no printable ASCII as '?'.
   static std::string printable(const std::string& text) {
-    std::string out = text.substr(0, kMostWordBytes);
+    std::string out = text.substr(0, kMaxWordBytes);
     std::replace_if(
         out.begin(), out.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
     return out;
@@ -155,7 +155,7 @@ Vec3 read_direction(const char* type, Fields* fields) {
 LightSetting read_light(Fields* fields) {
   LightSetting light;
   light.light = fields->index("light");
-  light.gain = static_cast<float>(fields->number("gain", 0, kMostGain));
+  light.gain = static_cast<float>(fields->number("gain", 0, kMaxGain));
   light.color = fields->vector("color", 0, 1);
   LTE_CHECK(max_component(light.color) > 0,
             "message light: color: expected one that is not black (gain 0 switches a light off)");
@@ -170,7 +170,7 @@ LookInside read_look(Fields* fields) {
   look.normal = normalize(fields->vector("normal", -1, 1));
   LTE_CHECK(length(look.normal) > 0.5f, "message look: normal: expected a direction");
   look.block = fields->text("block");
-  look.head = static_cast<int>(fields->integer("head", -1, kMostIndex));
+  look.head = static_cast<int>(fields->integer("head", -1, kMaxIndex));
   return look;
 }
 
@@ -180,7 +180,7 @@ AddLamp read_lamp(Fields* fields) {
   lamp.kind = kind == LampKind::Spot ? scene::LightKind::Spot : scene::LightKind::Point;
   lamp.position = fields->vector("position", -kFarthest, kFarthest);
   if (fields->has("direction")) lamp.direction = read_direction("add_light", fields);
-  if (fields->has("intensity")) lamp.intensity = fields->vector("intensity", 0, kMostIntensity);
+  if (fields->has("intensity")) lamp.intensity = fields->vector("intensity", 0, kMaxIntensity);
   return lamp;
 }
 
@@ -195,11 +195,11 @@ PageEdit read_edit(const std::string& type, Fields* fields) {
 }
 
 Request read_request(const std::string& type, Fields* fields) {
-  if (type == "hello") return Hello{static_cast<int>(fields->integer("protocol", 0, kMostIndex))};
+  if (type == "hello") return Hello{static_cast<int>(fields->integer("protocol", 0, kMaxIndex))};
   if (type == "camera") return read_camera(fields);
   if (type == "view") return read_view(fields);
   if (type == "light" || type == "material" || type == "object") {
-    const int64_t gesture = fields->integer("gesture", 0, kMostNumber);
+    const int64_t gesture = fields->integer("gesture", 0, kMaxNumber);
     return MakeEdit{read_edit(type, fields), gesture};
   }
   if (type == "copy_object")
@@ -216,15 +216,15 @@ Request read_request(const std::string& type, Fields* fields) {
   if (type == "undo") return Undo{};
   if (type == "redo") return Redo{};
   if (type == "reset") return Reset{};
-  if (type == "shows") return Shows{fields->integer("picture", 0, kMostNumber)};
+  if (type == "shows") return Shows{fields->integer("picture", 0, kMaxNumber)};
   throw Error(concat("unknown message type \"", Fields::printable(type), "\""));
 }
 
 }  // namespace
 
 Message parse_message(std::string_view text) {
-  LTE_CHECK(text.size() <= kMostMessageBytes, "message of ", text.size(), " bytes: expected ",
-            kMostMessageBytes, " at most");
+  LTE_CHECK(text.size() <= kMaxMessageBytes, "message of ", text.size(), " bytes: expected ",
+            kMaxMessageBytes, " at most");
   const json object = json::parse(text, nullptr, /*allow_exceptions=*/false);
   LTE_CHECK(object.is_object(), "expected a JSON object");
   const auto type = object.find("type");
@@ -232,7 +232,7 @@ Message parse_message(std::string_view text) {
   Fields fields(object, Fields::printable(type->get<std::string>()));
   Message message;
   message.request = read_request(type->get<std::string>(), &fields);
-  message.number = fields.integer("n", 1, kMostNumber);
+  message.number = fields.integer("n", 1, kMaxNumber);
   fields.finish();
   return message;
 }

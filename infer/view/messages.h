@@ -15,9 +15,9 @@ namespace lte::infer::view {
 /// Of the messages; a page of another version is told to reload.
 inline constexpr int kProtocol = 1;
 /// A frame above this is refused before it is read to its end.
-inline constexpr size_t kMostMessageBytes = 16 * 1024;
+inline constexpr size_t kMaxMessageBytes = 16 * 1024;
 /// Of a word in a message.
-inline constexpr size_t kMostWordBytes = 40;
+inline constexpr size_t kMaxWordBytes = 40;
 
 /// The first message of every page.
 struct Hello {

@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMostBytes = size_t{4} << 20;  // of a file
+constexpr size_t kMaxBytes = size_t{4} << 20;  // of a file
 
 /// nullptr for what is no part of a page.
 const char* media_type(const fs::path& file) {
@@ -32,7 +32,7 @@ PageFiles::PageFiles(const fs::path& folder) {
     const char* type = media_type(entry.path());
     if (type == nullptr || !entry.is_regular_file()) continue;
     const std::string name = '/' + fs::relative(entry.path(), folder).generic_string();
-    files_[name] = {type, read_file(entry.path(), kMostBytes)};
+    files_[name] = {type, read_file(entry.path(), kMaxBytes)};
   }
   LTE_CHECK(files_.count("/index.html") > 0, folder.string(),
             ": expected the page of lte_view, with index.html");

@@ -11,7 +11,7 @@
 namespace lte::infer::view {
 namespace {
 
-constexpr int kMostPathsAtOnce = 8;
+constexpr int kMaxPathsAtOnce = 8;
 constexpr int kEdgeRays = 16;  // of the first whole picture
 /// Rays and light samples a pixel of the passes at rest, which nobody waits for.
 constexpr int kRestingRays = 8, kRestingLightSamples = 64;
@@ -99,7 +99,7 @@ void Progressive::restart(StatePtr state, const scene::Camera& camera, Shown sho
 
 int Progressive::passes() const {
   const int gathered = (shown_ == Shown::Reference ? 0 : kMeanPasses) + (checks() ? 1 : 0);
-  return 2 + gathered + (traces() ? kReferencePaths / kMostPathsAtOnce : 0);
+  return 2 + gathered + (traces() ? kReferencePaths / kMaxPathsAtOnce : 0);
 }
 
 bool Progressive::done() const {
@@ -248,7 +248,7 @@ RenderSettings Progressive::traced(const PictureSize& size, int paths) const {
 
 /// Adds paths to the reference: one a pixel at first, then as many as there are, up to a limit.
 void Progressive::trace(const std::function<bool()>& interrupted) {
-  const int paths = std::clamp(static_cast<int>(reference_sum_.weight), 1, kMostPathsAtOnce);
+  const int paths = std::clamp(static_cast<int>(reference_sum_.weight), 1, kMaxPathsAtOnce);
   const Timer timer;
   Frame frame = render(camera_, traced(size_, paths), interrupted);
   path_pixel_seconds_ = timer.seconds() / (pixels() * paths);

@@ -33,7 +33,7 @@ class Progressive {
   /// Begins anew.
   void restart(StatePtr state, const scene::Camera& camera, Shown shown, const PictureSize& size);
 
-  /// Takes a state that differs by gains and colours alone: the picture is as it would be if all
+  /// Takes a state that differs by gains and colors alone: the picture is as it would be if all
   /// its passes had been rendered with it. A pass that was interrupted goes on.
   /// @return  false, and nothing has changed, if it must begin anew
   bool relight(const StatePtr& state);

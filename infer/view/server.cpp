@@ -55,7 +55,7 @@ void Server::stop() {
 void Server::accept() {
   acceptor_.async_accept([this](boost::system::error_code error, tcp::socket socket) {
     if (error == boost::asio::error::operation_aborted || !acceptor_.is_open()) return;
-    if (!error && *open_ < kMostConnections) {
+    if (!error && *open_ < kMaxConnections) {
       boost::system::error_code ignored;
       socket.set_option(tcp::no_delay(true), ignored);
       std::make_shared<HttpConnection>(std::move(socket), &access_, files_, hub_, open_)->read();

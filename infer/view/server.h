@@ -26,7 +26,7 @@ boost::asio::ip::address parse_host(const std::string& host);
 class Server {
  public:
   /// Connections at a time, pages included; more are closed at once.
-  static constexpr int kMostConnections = 256;
+  static constexpr int kMaxConnections = 256;
 
   /// Begins to listen; connections are served while the io_context runs.
   /// @throws lte::Error naming --host or --port if it cannot listen there

@@ -63,8 +63,8 @@ std::string read_points(const std::string& text, int64_t* points) {
 
 std::string check_view_size(const std::string& text) {
   const auto [width, height] = parse_picture_size(text);
-  const bool good = std::min(width, height) >= kLeastSide && std::max(width, height) <= kMostSide;
-  return good ? "" : concat("expected WIDTHxHEIGHT, each ", kLeastSide, " to ", kMostSide);
+  const bool good = std::min(width, height) >= kMinSide && std::max(width, height) <= kMaxSide;
+  return good ? "" : concat("expected WIDTHxHEIGHT, each ", kMinSide, " to ", kMaxSide);
 }
 
 Listen listen_of(const ViewRequest& request) {

@@ -5,7 +5,7 @@
 
 int main(int argc, char** argv) {
   CLI::App app{
-      "Serves a live view of a scene to browsers: fly, dim and colour lights, move objects, and "
+      "Serves a live view of a scene to browsers: fly, dim and color lights, move objects, and "
       "the "
       "light follows.",
       "lte_view"};

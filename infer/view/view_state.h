@@ -19,7 +19,7 @@ struct PictureSize {
   int width = 640, height = 480;
   friend bool operator==(const PictureSize&, const PictureSize&) = default;
 };
-inline constexpr int kLeastSide = 16, kMostSide = 2048;
+inline constexpr int kMinSide = 16, kMaxSide = 2048;
 
 /// Where an object stands, relative to its place in the file: scaled and turned about the vertical
 /// through its foot, then moved.

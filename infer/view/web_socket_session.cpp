@@ -21,7 +21,7 @@ namespace websocket = beast::websocket;
 WebSocketSession::WebSocketSession(beast::tcp_stream&& stream, Hub* hub, std::shared_ptr<int> open)
     : socket_(std::move(stream)), hub_(hub), open_(std::move(open)) {
   ++*open_;
-  socket_.read_message_max(kMostMessageBytes);
+  socket_.read_message_max(kMaxMessageBytes);
   websocket::stream_base::timeout timeout{};
   timeout.handshake_timeout = std::chrono::seconds(10);
   timeout.idle_timeout = std::chrono::seconds(30);  // a ping goes out after half of it
@@ -38,7 +38,7 @@ void WebSocketSession::run(const Upgrade& request) {
     self->client_ = self->hub_->join(self);
     if (self->client_ == 0) {
       self->send_text(std::make_shared<const std::string>(
-          failed_reply(concat("there are ", Hub::kMostPages, " pages already"))));
+          failed_reply(concat("there are ", Hub::kMaxPages, " pages already"))));
       return self->close();
     }
     self->read();
@@ -100,7 +100,7 @@ void WebSocketSession::send_picture(int64_t picture,
 void WebSocketSession::enqueue(Outgoing outgoing) {
   if (closing_) return;
   waiting_.push_back(std::move(outgoing));
-  if (waiting_.size() > kMostWaiting) {
+  if (waiting_.size() > kMaxWaiting) {
     beast::get_lowest_layer(socket_).cancel();
     return;
   }

@@ -28,7 +28,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   using Upgrade = boost::beast::http::request<boost::beast::http::empty_body>;
   static constexpr int64_t kAhead = 2;
   /// Texts and files that may wait; a page that reads none of them is disconnected.
-  static constexpr size_t kMostWaiting = 4096;
+  static constexpr size_t kMaxWaiting = 4096;
 
   /// @param open  counts connections; this is one while it lives
   WebSocketSession(boost::beast::tcp_stream&& stream, Hub* hub, std::shared_ptr<int> open);

@@ -241,10 +241,10 @@ void install_signal_cleanup() {
 }
 
 SignalNote::SignalNote(std::string_view line) {
-  constexpr size_t kMost = 500;
+  constexpr size_t kMax = 500;
   // A progress bar may stand on the terminal's last line.
   const std::string text =
-      concat(::isatty(STDERR_FILENO) == 1 ? "\r\033[K" : "", line.substr(0, kMost), "\n");
+      concat(::isatty(STDERR_FILENO) == 1 ? "\r\033[K" : "", line.substr(0, kMax), "\n");
   std::memcpy(g_note.data(), text.data(), text.size());
   g_note_size = text.size();
 }

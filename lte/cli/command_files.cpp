@@ -16,9 +16,9 @@ namespace fs = std::filesystem;
 /// Where writing to `path` would put a file: absolute, and every link followed, that of a file
 /// which does not exist yet too.
 fs::path place_of(fs::path path) {
-  constexpr int kMostLinks = 40;  // as the kernel
+  constexpr int kMaxLinks = 40;  // as the kernel
   std::error_code error;
-  for (int i = 0; i < kMostLinks && fs::is_symlink(path, error); ++i) {
+  for (int i = 0; i < kMaxLinks && fs::is_symlink(path, error); ++i) {
     const fs::path target = fs::read_symlink(path, error);
     if (error) break;
     path = path.parent_path() / target;  // an absolute target replaces all before it

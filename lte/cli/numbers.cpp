@@ -18,8 +18,8 @@ namespace {
 
 /// The text as a message shows it: a line of digits is nothing to read.
 std::string shown(const std::string& text) {
-  constexpr size_t kMost = 40;
-  return concat("\"", text.size() <= kMost ? text : text.substr(0, kMost - 3) + "...", "\"");
+  constexpr size_t kMax = 40;
+  return concat("\"", text.size() <= kMax ? text : text.substr(0, kMax - 3) + "...", "\"");
 }
 
 /// The number of a text that is one and nothing else; NaN otherwise.

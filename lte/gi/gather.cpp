@@ -25,9 +25,9 @@ constexpr int64_t kGrain = 64;  // points
 constexpr float kFiltered = 0.25f;
 
 /// Metres a metre of a ray's length. A coarse texture has less noise and lies in the cache. Paths
-/// that no table ends are to converge to those of the path tracer, which filters nothing.
-float spread_of(const RadiosityTable& table, int rays) {
-  if (table.size() == 0) return 0;
+/// that no cache ends are to converge to those of the path tracer, which filters nothing.
+float spread_of(const IrradianceCache& cache, int rays) {
+  if (cache.size() == 0) return 0;
   return kFiltered * std::sqrt(2 * kPi / static_cast<float>(rays));
 }
 
@@ -35,22 +35,22 @@ struct Counts {
   int64_t lookups = 0, misses = 0;
 };
 
-/// Ends paths where the table knows the light.
-struct TableReader {
+/// Ends paths where the cache knows the light.
+struct CacheReader {
   void nearest(int, const pathtrace::PathBlock&) {}
   void shadow(const pathtrace::ShadowBlock&) {}
   bool known_irradiance(int depth, float distance, const Vec3& position, const Vec3& side,
                         Rgb* irradiance) {
     if (depth == 1 && distance < near_m) return false;
     ++counts->lookups;
-    if (table->lookup(position + frame, side, irradiance)) return true;
+    if (cache->lookup(position + frame, side, irradiance)) return true;
     ++counts->misses;
     return false;
   }
 
   float footprint(float distance) const { return spread * distance; }
 
-  const RadiosityTable* table;
+  const IrradianceCache* cache;
   Vec3 frame;
   float near_m;
   float spread;
@@ -61,15 +61,15 @@ struct TableReader {
 /// Gathers for points in blocks of paths that hold several points or a part of one.
 class Gatherer : public pathtrace::LightSink {
  public:
-  Gatherer(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights, const RadiosityTable& table,
+  Gatherer(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights, const IrradianceCache& cache,
            const GatherOptions& options)
       : options_(options),
         frame_(bvh.handles().origin),
         half_extent_(0.5f * max_component(bvh.bounds().extent())),
         sampler_(pathtrace::Sampling::Sobol, options.rays),
         transport_(bvh, lights, options.max_depth, kRouletteDepth, *this,
-                   TableReader{&table, frame_, options.near * table.radius(),
-                               spread_of(table, options.rays), &texels_, &counts_}) {}
+                   CacheReader{&cache, frame_, options.near * cache.radius(),
+                               spread_of(cache, options.rays), &texels_, &counts_}) {}
 
   /// @param first_stream  the number of the first point
   void gather(std::span<const Vec3> positions, std::span<const Vec3> normals, int64_t first_stream,
@@ -101,7 +101,7 @@ class Gatherer : public pathtrace::LightSink {
   void add(int depth, std::span<const pathtrace::Contribution> contributions) override {
     for (const pathtrace::Contribution& c : contributions) {
       // What an emitter sends out by itself to the point is direct light there. What it or another
-      // surface reflects comes from the table.
+      // surface reflects comes from the cache.
       std::vector<Sum>& kind = depth == 1 && c.light_group != scene::kNone ? met_ : sums_;
       Sum& sum = kind[point_[static_cast<size_t>(c.path)]];
       sum[0] += double{c.value.x};
@@ -132,7 +132,7 @@ class Gatherer : public pathtrace::LightSink {
   Counts counts_;
   scene::TexelDensities texels_;
   pathtrace::PathSampler sampler_;
-  pathtrace::BasicTransport<TableReader> transport_;
+  pathtrace::BasicTransport<CacheReader> transport_;
   std::array<size_t, kBlock> point_;
   std::vector<Sum> sums_, met_;
 };
@@ -140,7 +140,7 @@ class Gatherer : public pathtrace::LightSink {
 }  // namespace
 
 Gathered gather_irradiance(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                           const RadiosityTable& table, std::span<const Vec3> positions,
+                           const IrradianceCache& cache, std::span<const Vec3> positions,
                            std::span<const Vec3> normals, const GatherOptions& options,
                            int64_t first_index) {
   LTE_CHECK(&bvh.scene() == &lights.scene(), "the BVH and the lights are of two scenes");
@@ -156,7 +156,7 @@ Gathered gather_irradiance(const pathtrace::Bvh& bvh, const pathtrace::Lights& l
   if (lights.empty()) return out;
   std::atomic<int64_t> rays_traced{0}, lookups{0}, misses{0};
   parallel_for(static_cast<int64_t>(positions.size()), kGrain, [&](int64_t begin, int64_t end) {
-    const auto gatherer = std::make_unique<Gatherer>(bvh, lights, table, options);
+    const auto gatherer = std::make_unique<Gatherer>(bvh, lights, cache, options);
     const auto first = static_cast<size_t>(begin), count = static_cast<size_t>(end - begin);
     gatherer->gather(positions.subspan(first, count), normals.subspan(first, count),
                      first_index + begin, std::span(out.indirect).subspan(first, count),

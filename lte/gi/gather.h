@@ -1,4 +1,4 @@
-// Final gather: indirect irradiance by one bounce of rays whose hits read a radiosity table.
+// Final gather: indirect irradiance by one bounce of rays whose hits read an irradiance cache.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lte/base/math.h"
-#include "lte/gi/radiosity_table.h"
+#include "lte/gi/irradiance_cache.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights/lights.h"
 
@@ -14,11 +14,11 @@ namespace lte::gi {
 
 struct GatherOptions {
   int rays = 16;  ///< cosine-stratified, a point
-  /// A hit nearer than this many radii of the table goes on by another segment, since the table
+  /// A hit nearer than this many radii of the cache goes on by another segment, since the cache
   /// knows nothing finer than its radius: its direct light is one light sample, and its next hit
-  /// reads the table. Infinite: all do.
+  /// reads the cache. Infinite: all do.
   float near = 0.5f;
-  /// Surface hits of paths that the table does not end: those along metal, and those that leave the
+  /// Surface hits of paths that the cache does not end: those along metal, and those that leave the
   /// surfaces it knows.
   int max_depth = 5;
   uint64_t seed = 0;
@@ -30,20 +30,20 @@ struct Gathered {
   /// samples (pathtrace::DirectOptions::hemisphere_elsewhere with a share of 1). Both sum up to it.
   std::vector<Rgb> met;
   int64_t rays_traced = 0;          ///< nearest and shadow rays
-  int64_t lookups = 0, misses = 0;  ///< of the table; a miss makes the path go on
+  int64_t lookups = 0, misses = 0;  ///< of the cache; a miss makes the path go on
 };
 
 /// Estimates indirect irradiance at points: what light brings that at least one surface has
 /// reflected. Emitters and environments that rays meet at once are direct light, and apart.
-/// Unbiased but for what the table's values are wrong by, for textures, which are filtered over a
-/// part of what a ray stands for, and for paths cut at max_depth. Where the table's light has depth
+/// Unbiased but for what the cache's values are wrong by, for textures, which are filtered over a
+/// part of what a ray stands for, and for paths cut at max_depth. Where the cache's light has depth
 /// d, the result has depth d + 1.
 ///
 /// Point i draws from stream (seed, first_index + i): the result depends neither on threads nor on
 /// how a set is cut into calls.
 /// @throws lte::Error as pathtrace::estimate_irradiance()
 Gathered gather_irradiance(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                           const RadiosityTable& table, std::span<const Vec3> positions,
+                           const IrradianceCache& cache, std::span<const Vec3> positions,
                            std::span<const Vec3> normals, const GatherOptions& options,
                            int64_t first_index = 0);
 

@@ -10,8 +10,8 @@
 namespace lte::gi {
 namespace {
 
-constexpr float kMostRadii = 8;   // of the mean
-constexpr float kMostCells = 6;   // edges of a cell in the largest radius
+constexpr float kMaxRadii = 8;    // of the mean
+constexpr float kMaxCells = 6;    // edges of a cell in the largest radius
 constexpr double kAxisBits = 20;  // of a cell's coordinate
 constexpr float kSlack = 1e-4f;   // of a cosine
 
@@ -62,14 +62,14 @@ SurfaceIndex::SurfaceIndex(std::span<const Vec3> positions, std::span<const Vec3
   float largest = 0;
   points_.reserve(positions.size());
   for (size_t i = 0; i < positions.size(); ++i) {
-    const float radius = std::min(radii[i], kMostRadii * mean);
+    const float radius = std::min(radii[i], kMaxRadii * mean);
     largest = std::max(largest, radius);
     points_.push_back({positions[i], 1 / (radius * radius), normals[i], radius});
   }
   low_ = bounds.low - Vec3{largest, largest, largest};
   const float extent = max_component(bounds.extent()) + 2 * largest;
   const float finest = extent * static_cast<float>(std::exp2(1 - kAxisBits));
-  inverse_edge_ = 1 / std::max({cell_edge * mean, largest / kMostCells, finest});
+  inverse_edge_ = 1 / std::max({cell_edge * mean, largest / kMaxCells, finest});
 
   cells_.assign(64, {});
   size_t used = 0;
@@ -147,7 +147,7 @@ void SurfaceIndex::for_each_list(const Point& point, const Use& use) const {
         std::clamp<int64_t>(static_cast<int64_t>((p + reach) * inverse_edge_), 0, kCells - 1);
   }
   for (int bin = 0; bin < 6; ++bin) {
-    if (cosine_to_bin(point.normal, bin) < kLeastCosine - kSlack) continue;
+    if (cosine_to_bin(point.normal, bin) < kMinCosine - kSlack) continue;
     for (int64_t z = first[2]; z <= last[2]; ++z) {
       for (int64_t y = first[1]; y <= last[1]; ++y) {
         for (int64_t x = first[0]; x <= last[0]; ++x)

@@ -21,7 +21,7 @@ class SurfaceIndex {
  public:
   /// Least cosine between the normals of a point and a place that it speaks for: 37 degrees. The
   /// other side of a wall never counts.
-  static constexpr float kLeastCosine = 0.8f;
+  static constexpr float kMinCosine = 0.8f;
   /// How far off each other's tangent plane they may be, in radii.
   static constexpr float kPlane = 0.2f;
 
@@ -55,13 +55,13 @@ class SurfaceIndex {
       const Vec3 offset = position - point.position;
       const float far = dot(offset, offset) * point.inverse_radius2;
       const float cosine = dot(normal, point.normal);
-      if (!(far < 1) || !(cosine > kLeastCosine)) continue;
+      if (!(far < 1) || !(cosine > kMinCosine)) continue;
       const float off =
           std::max(std::fabs(dot(offset, point.normal)), std::fabs(dot(offset, normal)));
       const float off2 = off * off * point.inverse_radius2 * (1 / (kPlane * kPlane));
       if (!(off2 < 1)) continue;
       const float near = 1 - far;
-      const float turned = (cosine - kLeastCosine) * (1 / (1 - kLeastCosine));
+      const float turned = (cosine - kMinCosine) * (1 / (1 - kMinCosine));
       use(index, near * near * (1 - off2) * turned, offset);
     }
   }

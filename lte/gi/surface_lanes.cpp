@@ -10,7 +10,7 @@ namespace lte::gi {
 LTE_VECTOR_CLONES
 void weigh_lanes(const SurfaceLanes* __restrict lanes, int count, const Vec3& position,
                  const Vec3& normal, float* __restrict weights) {
-  constexpr float kLeast = SurfaceIndex::kLeastCosine;
+  constexpr float kMin = SurfaceIndex::kMinCosine;
   constexpr float kFlat = 1 / (SurfaceIndex::kPlane * SurfaceIndex::kPlane);
   const Vec3 p = position, n = normal;
   for (int block = 0; block < count; ++block) {
@@ -25,7 +25,7 @@ void weigh_lanes(const SurfaceLanes* __restrict lanes, int count, const Vec3& po
       const float off_place = std::fabs(dx * n.x + dy * n.y + dz * n.z);
       const float off = off_point > off_place ? off_point : off_place;
       const float flat = 1 - off * off * at.inverse_radius2[i] * kFlat;
-      const float turned = (cosine - kLeast) * (1 / (1 - kLeast));
+      const float turned = (cosine - kMin) * (1 / (1 - kMin));
       const float weight = near * near * flat * turned;
       const bool speaks = (near > 0) & (flat > 0) & (turned > 0);
       out[i] = speaks ? weight : 0.0f;

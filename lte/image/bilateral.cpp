@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kRowsAtOnce = 8;
 /// Cosine of the largest angle between normals that are mixed, 18°.
-constexpr float kLeastCosine = 0.95f;
+constexpr float kMinCosine = 0.95f;
 /// Sine of the largest angle under which a point may stand above the other's plane, 6°.
 constexpr float kLargestSlope = 0.1f;
 /// The B3 spline.
@@ -155,7 +155,7 @@ class Filter {
 
 bool same_surface(const Vec3& position_a, const Vec3& normal_a, const Vec3& position_b,
                   const Vec3& normal_b) {
-  if (!(dot(normal_a, normal_b) >= kLeastCosine)) return false;
+  if (!(dot(normal_a, normal_b) >= kMinCosine)) return false;
   const Vec3 between = position_b - position_a;
   const float above_a = dot(between, normal_a), above_b = dot(between, normal_b);
   const float limit = kLargestSlope * kLargestSlope * dot(between, between);

@@ -13,8 +13,8 @@ int64_t number(std::string_view bytes, size_t at, size_t count) {
 }
 
 std::optional<DeclaredSize> checked(int64_t width, int64_t height) {
-  constexpr int64_t kMost = (int64_t{1} << 31) - 1;  // of PNG; other formats have less
-  if (width < 1 || height < 1 || width > kMost || height > kMost) return std::nullopt;
+  constexpr int64_t kMax = (int64_t{1} << 31) - 1;  // of PNG; other formats have less
+  if (width < 1 || height < 1 || width > kMax || height > kMax) return std::nullopt;
   return DeclaredSize{width, height};
 }
 

@@ -10,7 +10,7 @@ namespace lte::image {
 namespace {
 
 /// Albedo below which a surface's light is not divided by it.
-constexpr float kLeastAlbedo = 1e-3f;
+constexpr float kMinAlbedo = 1e-3f;
 constexpr int64_t kPixels = 1 << 14;  // that a thread takes at a time
 
 bool is_background(const Image& normal, size_t pixel) {
@@ -52,7 +52,7 @@ Image white_surfaces(const Image& normal) {
 void multiply(const Image& albedo, bool inverse, Image* light) {
   for (size_t i = 0; i < light->pixels.size(); ++i) {
     const float a = albedo.pixels[i];
-    if (a >= kLeastAlbedo) light->pixels[i] *= inverse ? 1 / a : a;
+    if (a >= kMinAlbedo) light->pixels[i] *= inverse ? 1 / a : a;
   }
 }
 

@@ -40,10 +40,10 @@ FlipExposures flip_exposures(const Image& reference, std::span<const uint8_t> ma
   }
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
-  constexpr double kLeast = 1e-37;      // of a black picture, so that logarithms stay finite
+  constexpr double kMin = 1e-37;        // of a black picture, so that logarithms stay finite
   constexpr double kDarkest = 0x1p-24;  // of the brightest: a picture that is black by half
   const double median = values[values.size() / 2];  // the upper of two, as the authors take it
-  const double brightest = std::max(values.back(), kLeast);
+  const double brightest = std::max(values.back(), kMin);
   // The exposures are those at which the curve reaches 0.85.
   constexpr double kTarget = 0.85;
   const double qa = kAces[0] - kTarget * kAces[2], qb = kAces[1] - kTarget * kAces[3],

@@ -18,7 +18,7 @@ namespace {
 
 constexpr const char* kFile = "libOpenImageDenoise.so.2";
 // OIDN_QUALITY_FAST is there from 2.3 on.
-constexpr int kMajor = 2, kLeastVersion = 20300;
+constexpr int kMajor = 2, kMinVersion = 20300;
 // Larger pictures are denoised in tiles; the library's default takes gigabytes at 4K.
 constexpr int kMaxMemoryMb = 768;
 // The library's enumerations.
@@ -111,7 +111,7 @@ struct Oidn::Api {
   void load(const char* name, Function** function) {
     *function = reinterpret_cast<Function*>(dlsym(library_, name));
     LTE_CHECK(*function != nullptr, path_.string(), ": has no ", name,
-              ": expected Open Image Denoise ", version_text(kLeastVersion), " or later");
+              ": expected Open Image Denoise ", version_text(kMinVersion), " or later");
   }
 
   void* library_;
@@ -147,9 +147,9 @@ struct Oidn::Device {
 Oidn::Oidn(const fs::path& library) : device_(std::make_unique<Device>(library)) {
   const Api& api = device_->api;
   const int version = api.get_device_int(device_->handle, "version");
-  LTE_CHECK(version >= kLeastVersion && version / 10000 == kMajor, library.string(),
+  LTE_CHECK(version >= kMinVersion && version / 10000 == kMajor, library.string(),
             ": is Open Image Denoise ", version_text(version), ": expected ",
-            version_text(kLeastVersion), " or later of version ", kMajor);
+            version_text(kMinVersion), " or later of version ", kMajor);
   api.set_device_int(device_->handle, "numThreads", num_threads());
   api.set_device_bool(device_->handle, "setAffinity", false);  // others may be running
   api.commit_device(device_->handle);

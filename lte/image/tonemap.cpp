@@ -75,7 +75,7 @@ float auto_exposure(const Image& linear, float percentile, float target,
             " pixels, got ", mask.size());
   std::vector<float> values = luminances(linear, mask);
   if (!mask.empty() &&
-      static_cast<double>(values.size()) < kLeastMetered * static_cast<double>(pixels)) {
+      static_cast<double>(values.size()) < kMinMetered * static_cast<double>(pixels)) {
     values = luminances(linear, {});
   }
   if (values.empty()) return 1;

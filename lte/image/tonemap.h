@@ -17,12 +17,12 @@ using lte::srgb_to_linear;
 /// The exposure that brings the `percentile` of luminance over positive finite pixels to `target`;
 /// 1 for a black image.
 /// @param mask  [width * height], 0 for pixels that are not to be metered, such as sky; empty: all
-///              are. It is passed over where it leaves less than kLeastMetered of the picture.
+///              are. It is passed over where it leaves less than kMinMetered of the picture.
 float auto_exposure(const Image& linear, float percentile = 0.95f, float target = 0.8f,
                     std::span<const uint8_t> mask = {});
 
 /// A thing that is smaller in the picture does not rule its exposure.
-inline constexpr double kLeastMetered = 0.01;
+inline constexpr double kMinMetered = 0.01;
 
 /// Puts clamp(exposure * linear) through the sRGB curve, into 3 channels (a one-channel image gives
 /// grey). A pixel that is not finite becomes magenta, so that it is seen.

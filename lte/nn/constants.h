@@ -26,7 +26,7 @@ inline constexpr double kLargestPosition = 1.001;
 
 /// The least spacing of the latents in network space. Below it (16 µm at s = 16 m) relative
 /// positions are noise of float32 coordinates.
-inline constexpr double kLeastSpacing = 1e-6;
+inline constexpr double kMinSpacing = 1e-6;
 
 /// ε of every LayerNorm, LibTorch's default. The fused operators of lte/ops assume it too.
 inline constexpr double kNormEpsilon = 1e-5;
@@ -47,7 +47,7 @@ inline constexpr double kRotaryTurn = 0.157;
 
 /// The most scenes of one pass, and the cells along an axis that each may have if there are
 /// several: together they fill the range of the curves.
-inline constexpr int64_t kMostScenes = 16, kSceneCells = 4096;
+inline constexpr int64_t kMaxScenes = 16, kSceneCells = 4096;
 
 /// Space-filling curves that the blocks of a stage take turns with: Z and Hilbert, each also with x
 /// and y exchanged.

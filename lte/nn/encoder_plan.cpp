@@ -25,7 +25,7 @@ double spacing_of(const at::Tensor& distance2, int64_t count) {
   const at::Tensor host = distance2.narrow(0, 0, count).to(at::kCPU, at::kDouble);
   const auto* d2 = host.const_data_ptr<double>();
   for (int64_t i = count - 1; i >= 1; --i) {
-    if (d2[i] > 0) return std::max(std::sqrt(d2[i]), kLeastSpacing);
+    if (d2[i] > 0) return std::max(std::sqrt(d2[i]), kMinSpacing);
   }
   return 1;
 }
@@ -214,9 +214,9 @@ EncoderPlan make_encoder_plan(const at::Tensor& position, const ModelConfig& con
 EncoderPlan make_encoder_plan(const std::vector<at::Tensor>& positions, const ModelConfig& config,
                               bool shuffle, const std::vector<uint64_t>& order_seeds) {
   LTE_CHECK(!positions.empty() && positions.size() == order_seeds.size() &&
-                static_cast<int64_t>(positions.size()) <= kMostScenes,
+                static_cast<int64_t>(positions.size()) <= kMaxScenes,
             "a plan of ", positions.size(), " scenes with ", order_seeds.size(),
-            " seeds; expected 1 to ", kMostScenes, " and as many");
+            " seeds; expected 1 to ", kMaxScenes, " and as many");
   const bool several = positions.size() > 1;
   EncoderPlan plan;
   std::vector<at::Tensor> first_picks, second_picks, first_neighbours, second_neighbours, places,

@@ -66,7 +66,7 @@ struct EncoderPlan {
 EncoderPlan make_encoder_plan(const at::Tensor& position, const ModelConfig& config, bool shuffle,
                               uint64_t order_seed);
 
-/// A plan of several scenes, at most kMostScenes, with an order_seed for each.
+/// A plan of several scenes, at most kMaxScenes, with an order_seed for each.
 /// @throws lte::Error if a scene has more than kSceneCells cells along an axis, or fewer points
 ///         than the configuration has neighbours
 EncoderPlan make_encoder_plan(const std::vector<at::Tensor>& positions, const ModelConfig& config,

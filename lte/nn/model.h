@@ -82,7 +82,7 @@ class LightTransportModelImpl : public torch::nn::Module {
   Embedding encode(const PointSet& points, uint64_t order_seed = 0, const Frame& frame = {},
                    EncoderAttention* attention = nullptr);
 
-  /// Embeds several scenes, at most kMostScenes, in one pass, in which no scene sees another: what
+  /// Embeds several scenes, at most kMaxScenes, in one pass, in which no scene sees another: what
   /// encode() gives for each, to rounding, in fewer and larger operations.
   /// @throws c10::Error as encode(); lte::Error if a scene is too fine (make_encoder_plan())
   SceneBatch encode_batch(const std::vector<PointSet>& scenes,

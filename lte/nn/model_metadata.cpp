@@ -9,8 +9,8 @@ namespace lte::nn {
 namespace {
 
 // What more would take no machine has.
-constexpr int64_t kMostScenePoints = int64_t{1} << 40, kMostLightPaths = int64_t{1} << 26,
-                  kMostLightDepth = 1024;
+constexpr int64_t kMaxScenePoints = int64_t{1} << 40, kMaxLightPaths = int64_t{1} << 26,
+                  kMaxLightDepth = 1024;
 
 /// The metadata `key` if the file has it.
 const std::string* find(const SafetensorsFile& file, const char* key) {
@@ -53,17 +53,16 @@ ModelMetadata read_model_metadata(const std::filesystem::path& path) {
   const SafetensorsFile file(path);
   const ModelMetadata defaults;
   ModelMetadata metadata;
-  metadata.scene_points =
-      count_of(file, "scene_points", defaults.scene_points, 0, kMostScenePoints);
+  metadata.scene_points = count_of(file, "scene_points", defaults.scene_points, 0, kMaxScenePoints);
   // Runs that took all the points of each file wrote 0.
   if (metadata.scene_points == 0) metadata.scene_points = defaults.scene_points;
   metadata.scene_points_pruned =
       switch_of(file, "scene_points_pruned", defaults.scene_points_pruned);
   metadata.suns = switch_of(file, "suns", defaults.suns);
   metadata.light_paths =
-      static_cast<int>(count_of(file, "light_paths", defaults.light_paths, 1, kMostLightPaths));
+      static_cast<int>(count_of(file, "light_paths", defaults.light_paths, 1, kMaxLightPaths));
   metadata.light_depth =
-      static_cast<int>(count_of(file, "light_depth", defaults.light_depth, 1, kMostLightDepth));
+      static_cast<int>(count_of(file, "light_depth", defaults.light_depth, 1, kMaxLightDepth));
   return metadata;
 }
 

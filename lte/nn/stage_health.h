@@ -25,10 +25,10 @@ struct StageHealth {
 
   /// Whether the stage says nearly the same of all points. Of fewer than kFewPoints points that is
   /// no fault.
-  bool collapsed() const { return points >= kFewPoints && varying < kLeastVarying; }
+  bool collapsed() const { return points >= kFewPoints && varying < kMinVarying; }
 
   /// Stages as initialized have 0.6 to 0.8.
-  static constexpr double kLeastVarying = 0.25;
+  static constexpr double kMinVarying = 0.25;
   static constexpr int64_t kFewPoints = 8;
 };
 

@@ -24,11 +24,11 @@ const PatchMap& patch_map(const SceneRows& rows, size_t order) {
 }
 
 /// Points below which it costs more to arrange the weights of a norm's layers than it gains.
-constexpr int64_t kLeastFused = 512;
+constexpr int64_t kMinFused = 512;
 
 /// Whether a norm of x and the layers that follow it are one operator.
 bool fuses(const at::Tensor& x) {
-  return ops::suits_norm_layers(x) && (at::GradMode::is_enabled() || x.size(0) >= kLeastFused);
+  return ops::suits_norm_layers(x) && (at::GradMode::is_enabled() || x.size(0) >= kMinFused);
 }
 
 /// Keeps LibTorch from taking cuDNN's attention, which it prefers for bfloat16 on Hopper and which

@@ -15,7 +15,7 @@ at::Tensor orthogonal_of_batch(const at::Tensor& matrices) {
   using Step = NewtonSchulz;
   at::Tensor gram = at::bmm(matrices.mT(), matrices);
   const at::Tensor square =
-      gram.diagonal(0, 1, 2).sum(-1).clamp_min(Step::kLeastSquare).view({-1, 1, 1});  // Frobenius
+      gram.diagonal(0, 1, 2).sum(-1).clamp_min(Step::kMinSquare).view({-1, 1, 1});  // Frobenius
   gram = gram / square;
   const at::Tensor one = at::eye(gram.size(1), gram.options()).expand_as(gram);
   at::Tensor factor = one / square.sqrt();

@@ -24,7 +24,7 @@ namespace {
 
 using Column = SurfelColumn;
 
-constexpr int kMostCells = 128;  ///< along an axis
+constexpr int kMaxCells = 128;  ///< along an axis
 /// A back that sends out less than this share of the front's light is the inside of a body: rays
 /// come to it through gaps between discs only.
 constexpr float kInside = 0.1f;
@@ -75,14 +75,14 @@ class GridMaker {
     }
     const Vec3 extent = bounds.extent();
     cell_ = std::max({2 * static_cast<float>(radius / static_cast<double>(discs_.size())),
-                      max_component(extent) / kMostCells, 1e-6f});
+                      max_component(extent) / kMaxCells, 1e-6f});
     low_ = bounds.low;
     grid_.cell = cell_;
     for (int axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<size_t>(axis);
       grid_.low[a] = low_[axis];
       grid_.ambient[a] = sent[axis] / std::max(area, 1e-30);
-      grid_.size[a] = std::clamp(static_cast<int>(extent[axis] / cell_) + 1, 1, kMostCells + 1);
+      grid_.size[a] = std::clamp(static_cast<int>(extent[axis] / cell_) + 1, 1, kMaxCells + 1);
     }
   }
 

@@ -53,11 +53,11 @@ inline constexpr float kSurfelSpread = 0.35f;
 
 /// The discs that a ray has met so far.
 struct Meetings {
-  static constexpr int kMost = 24;
+  static constexpr int kMax = 24;
 
-  float distance[kMost], weight[kMost];
-  int32_t disc[kMost];
-  bool front[kMost];
+  float distance[kMax], weight[kMax];
+  int32_t disc[kMax];
+  bool front[kMax];
   int count = 0;
   float limit = INFINITY;  ///< discs behind it belong to no surface that is seen
 
@@ -66,7 +66,7 @@ struct Meetings {
     if (at > limit) return;
     limit = fminf(limit, at + kSurfelLayer * radius);
     int place = count;
-    if (count < kMost) {
+    if (count < kMax) {
       ++count;
     } else {  // the nearest are kept, so that those that are seen are among them
       place = farthest();
@@ -81,7 +81,7 @@ struct Meetings {
  private:
   C10_HOST_DEVICE int farthest() const {
     int out = 0;
-    for (int i = 1; i < kMost; ++i) out = distance[i] > distance[out] ? i : out;
+    for (int i = 1; i < kMax; ++i) out = distance[i] > distance[out] ? i : out;
     return out;
   }
 };
@@ -217,7 +217,7 @@ C10_HOST_DEVICE inline Triple start_of(const SurfelLayer& layer) {
 }
 
 /// Less metal than this reflects nothing.
-inline constexpr float kLeastMetal = 0.02f;
+inline constexpr float kMinMetal = 0.02f;
 inline constexpr int kReflections = 4, kBounces = 2;
 
 /// What a ray that metal has reflected sees.
@@ -228,7 +228,7 @@ C10_HOST_DEVICE Triple follow(const SurfelView& grid, const Cells& cells, Surfel
     SurfelLayer layer;
     if (!meet(grid, cells, ray, &layer)) break;
     sum = sum + share * (layer.sent + layer.emission);
-    if (!(layer.metallic > kLeastMetal)) return sum;
+    if (!(layer.metallic > kMinMetal)) return sum;
     share = share * layer.metal;
     if (bounce == kBounces) break;
     ray = {start_of(layer), mirrored(ray.direction, layer.normal)};
@@ -257,12 +257,12 @@ template <typename Cells>
 C10_HOST_DEVICE void see(const SurfelView& grid, const Cells& cells, const SurfelRay& ray,
                          float* columns) {
   // The logarithm of distances, about centred: rooms lie around a fifth of network space.
-  constexpr float kDistanceShift = 1.6f, kLeastDistance = 1e-4f;
+  constexpr float kDistanceShift = 1.6f, kMinDistance = 1e-4f;
   for (int64_t c = 0; c < kSeenColumns; ++c) columns[c] = 0;
   SurfelLayer layer;
   if (!meet(grid, cells, ray, &layer)) return;
   Triple radiance = layer.sent;
-  if (layer.metallic > kLeastMetal)
+  if (layer.metallic > kMinMetal)
     radiance = radiance + reflected(grid, cells, layer, ray.direction);
   const float channels[3] = {radiance.x, radiance.y, radiance.z};
   for (int c = 0; c < 3; ++c) {
@@ -270,7 +270,7 @@ C10_HOST_DEVICE void see(const SurfelView& grid, const Cells& cells, const Surfe
     columns[kSeenLog + c] = log1pf(channels[c]);
   }
   columns[kSeenHit] = 1;
-  columns[kSeenDistance] = logf(fmaxf(layer.distance, kLeastDistance)) + kDistanceShift;
+  columns[kSeenDistance] = logf(fmaxf(layer.distance, kMinDistance)) + kDistanceShift;
   columns[kSeenMetal] = layer.metallic;
   columns[kSeenCosine] = -dot(ray.direction, layer.normal);
 }

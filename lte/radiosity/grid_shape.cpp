@@ -5,7 +5,7 @@
 namespace lte::radiosity {
 namespace {
 
-constexpr int64_t kMostCells = int64_t{1} << 24;
+constexpr int64_t kMaxCells = int64_t{1} << 24;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ GridShape GridShape::around(std::span<const Vec3> positions, float cell) {
   };
   grid.cell = std::max(grid.cell, 1e-4f * max_component(extent));
   if (grid.cell <= 0) grid.cell = 1;  // all points in one place
-  while (count(0) * count(1) * count(2) > kMostCells) grid.cell *= 1.26f;
+  while (count(0) * count(1) * count(2) > kMaxCells) grid.cell *= 1.26f;
   grid.inverse = 1 / grid.cell;
   grid.low = bounds.low - Vec3{grid.cell, grid.cell, grid.cell};
   for (int axis = 0; axis < 3; ++axis)

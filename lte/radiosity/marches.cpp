@@ -27,7 +27,7 @@ static_assert(kLanes == 64 && kLanes % kWord == 0, "Leap has a bit a lane");
 /// Segments that are made ready at once.
 constexpr size_t kSegments = 512;
 /// Surfels of as many cells as there are lanes.
-constexpr size_t kMostTests = 3 * kLanes;
+constexpr size_t kMaxTests = 3 * kLanes;
 
 /// Directions in cells, where along them marches are, and where these leave grid or segment.
 template <size_t COUNT>
@@ -64,9 +64,9 @@ struct Leap {
 
 /// Surfels that segments have come to, and the segments' ends.
 struct Tests {
-  std::array<float, kMostTests> x, y, z, nx, ny, nz, to_x, to_y, to_z;
-  std::array<size_t, kMostTests> lane;
-  std::array<int32_t, kMostTests> blocked;
+  std::array<float, kMaxTests> x, y, z, nx, ny, nz, to_x, to_y, to_z;
+  std::array<size_t, kMaxTests> lane;
+  std::array<int32_t, kMaxTests> blocked;
   size_t count;
 };
 

@@ -27,7 +27,7 @@ constexpr float kClusterSpacings = 0.9f;
 constexpr double kFinestClusters = 8192;
 // What weighs less is left out: emission and radiosity times these. A small lamp of many points
 // weighs little by each of them.
-constexpr float kLeastDirect = 1e-9f, kLeastTransfer = 2e-4f;
+constexpr float kMinDirect = 1e-9f, kMinTransfer = 2e-4f;
 /// Of what senders stand for, the share that is reflected light; the other is area.
 constexpr double kShareByLight = 0.5;
 /// Normals are alike that agree, axis by axis, on being above it, below −it or between.
@@ -199,7 +199,7 @@ class Solver {
     const std::vector<float>& weight = work->transfers.weight;
     const std::vector<int32_t>& sides = work->transfers.sides;
     const auto counts = [&](size_t k) {
-      return weight[k] >= kLeastDirect && (sides[k] & Transfers::kFromBack) == 0;
+      return weight[k] >= kMinDirect && (sides[k] & Transfers::kFromBack) == 0;
     };
     work->asked.clear();
     work->ends.clear();
@@ -308,7 +308,7 @@ class Solver {
     work->links.clear();
     work->ends.clear();
     for (size_t k = 0; k < senders_.size(); ++k) {
-      if (!(weight[k] >= kLeastTransfer)) continue;
+      if (!(weight[k] >= kMinTransfer)) continue;
       const size_t from = (sides[k] & Transfers::kFromBack) != 0 ? 1 : 0;
       work->links.push_back(
           {k, weight[k], from, (sides[k] & Transfers::kToBack) != 0 ? size_t{1} : 0});

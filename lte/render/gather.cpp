@@ -24,7 +24,7 @@
 
 #include "lte/base/check.h"
 #include "lte/base/random.h"
-#include "lte/gi/table_entries.h"
+#include "lte/gi/cache_records.h"
 #include "lte/pathtrace/direct_light.h"
 #include "lte/render/gathered_points.h"
 #include "lte/render/integrator.h"
@@ -44,7 +44,7 @@ class Gather : public Integrator {
  public:
   Gather(const TracedScene& scene, const CacheSettings& settings, IrradianceSource source)
       : scene_(scene), settings_(settings), source_(std::move(source)) {}
-  Gather(const TracedScene& scene, std::shared_ptr<const gi::RadiosityTable> cache, int max_depth,
+  Gather(const TracedScene& scene, std::shared_ptr<const gi::IrradianceCache> cache, int max_depth,
          Method method)
       : scene_(scene), cache_(std::move(cache)), given_(method) {
     settings_.max_depth = max_depth;
@@ -54,7 +54,7 @@ class Gather : public Integrator {
 
   void prepare() override {
     if (!cache_)
-      cache_ = std::make_shared<const gi::RadiosityTable>(make_cache(scene_, settings_, source_));
+      cache_ = std::make_shared<const gi::IrradianceCache>(make_cache(scene_, settings_, source_));
   }
 
   PointIrradiance irradiance(const SurfacePoints& points,
@@ -67,23 +67,23 @@ class Gather : public Integrator {
   TracedScene scene_;
   CacheSettings settings_;
   IrradianceSource source_;
-  std::shared_ptr<const gi::RadiosityTable> cache_;
+  std::shared_ptr<const gi::IrradianceCache> cache_;
   Method given_ = Method::Gather;
 };
 
 }  // namespace
 
-gi::RadiosityTable make_cache(const TracedScene& scene, const CacheSettings& settings,
-                              const IrradianceSource& source) {
+gi::IrradianceCache make_cache(const TracedScene& scene, const CacheSettings& settings,
+                               const IrradianceSource& source) {
   LTE_CHECK(settings.paths >= 1, "an irradiance cache needs a path a record, got ", settings.paths);
   const auto& [bvh, lights] = scene;
   const uint64_t places = hash_combine(settings.seed, kPlaces);
   // A gather adds a bounce to the records' light, so light of depth 1 is all that none has.
   if (!source && (lights.empty() || settings.max_depth < 2)) return {bvh, {}, {}};
-  const gi::TableEntries records = gi::sample_entries(bvh, settings.records, places);
+  const gi::CacheRecords records = gi::sample_records(bvh, settings.records, places);
   const int depth = source ? 1 : settings.max_depth - 1;
-  gi::EntryLight light =
-      gi::estimate_entries(bvh, lights, records, settings.paths, depth,
+  gi::RecordLight light =
+      gi::estimate_records(bvh, lights, records, settings.paths, depth,
                            source ? places : hash_combine(settings.seed, kLight));
   if (source) light.indirect = source(records.position, records.normal, records.albedo);
   LTE_CHECK(light.indirect.size() == light.direct.size(), "an irradiance source gave ",
@@ -93,13 +93,13 @@ gi::RadiosityTable make_cache(const TracedScene& scene, const CacheSettings& set
 
 double cache_mb(const CacheSettings& settings, int64_t groups) {
   // As many as there are where no surface is level.
-  const auto records = static_cast<double>(settings.records) * gi::kEntryPoints;
+  const auto records = static_cast<double>(settings.records) * gi::kRecordPoints;
   const double estimates =
       std::min(records * static_cast<double>(std::max<int64_t>(groups, 1)), kMaxEstimates);
   return (records * kRecordBytes + estimates * kEstimateBytes) / (1 << 20);
 }
 
-PointIrradiance gather_points(const TracedScene& scene, const gi::RadiosityTable& cache,
+PointIrradiance gather_points(const TracedScene& scene, const gi::IrradianceCache& cache,
                               const SurfacePoints& points, const PointSampling& sampling,
                               int max_depth) {
   PointIrradiance out;
@@ -142,7 +142,7 @@ std::unique_ptr<Integrator> make_gather(const TracedScene& scene, const CacheSet
 }
 
 std::unique_ptr<Integrator> make_gather(const TracedScene& scene,
-                                        std::shared_ptr<const gi::RadiosityTable> cache,
+                                        std::shared_ptr<const gi::IrradianceCache> cache,
                                         int max_depth, Method method) {
   LTE_CHECK(cache != nullptr, "gather: there is no irradiance cache");
   return std::make_unique<Gather>(scene, std::move(cache), max_depth, method);

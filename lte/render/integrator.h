@@ -16,7 +16,7 @@
 
 #include "lte/base/enum_names.h"
 #include "lte/base/math.h"
-#include "lte/gi/radiosity_table.h"
+#include "lte/gi/irradiance_cache.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights/lights.h"
 
@@ -84,8 +84,8 @@ double cache_mb(const CacheSettings& settings, int64_t groups);
 
 /// Fills a cache of the scene.
 /// @param source  of indirect light at the records; none: paths trace it
-gi::RadiosityTable make_cache(const TracedScene& scene, const CacheSettings& settings,
-                              const IrradianceSource& source = {});
+gi::IrradianceCache make_cache(const TracedScene& scene, const CacheSettings& settings,
+                               const IrradianceSource& source = {});
 
 /// Gather, or network where there is a source. What is borrowed must outlive it.
 std::unique_ptr<Integrator> make_gather(const TracedScene& scene, const CacheSettings& settings,
@@ -93,7 +93,7 @@ std::unique_ptr<Integrator> make_gather(const TracedScene& scene, const CacheSet
 /// The same over a cache that is there, for those who share one; prepare() then does nothing.
 /// @param method  Gather or Network
 std::unique_ptr<Integrator> make_gather(const TracedScene& scene,
-                                        std::shared_ptr<const gi::RadiosityTable> cache,
+                                        std::shared_ptr<const gi::IrradianceCache> cache,
                                         int max_depth, Method method = Method::Gather);
 /// @param max_depth  surface hits of a path after the point
 std::unique_ptr<Integrator> make_path(const TracedScene& scene, int max_depth);

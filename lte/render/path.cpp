@@ -28,7 +28,7 @@ class Path : public Integrator {
  private:
   TracedScene scene_;
   int max_depth_;
-  gi::RadiosityTable no_records_;
+  gi::IrradianceCache no_records_;
 };
 
 }  // namespace

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kWanted = 5;  // intervals of a linear axis
 constexpr size_t kEnough = 3;  // ticks of a logarithmic one
-constexpr double kMostDecades = 8;
+constexpr double kMaxDecades = 8;
 // A tick may lie outside the axis by as much as rounding moves it.
 constexpr double kSlack = 1e-9;
 
@@ -48,7 +48,7 @@ std::vector<double> linear_ticks(double low, double high) {
 }
 
 std::vector<double> log_ticks(double low, double high) {
-  const double stride = std::ceil(std::log10(high / low) / kMostDecades);
+  const double stride = std::ceil(std::log10(high / low) / kMaxDecades);
   std::vector<double> out = decade_ticks(low, high, {1.0}, stride);
   if (out.size() < kEnough) out = decade_ticks(low, high, {1.0, 2.0, 5.0}, 1);
   return out.size() < kEnough ? linear_ticks(low, high) : out;

@@ -14,7 +14,7 @@
 namespace lte::runtime {
 namespace {
 
-constexpr int64_t kLeastBlock = 1024;  ///< queries: fewer at a time are slow
+constexpr int64_t kMinBlock = 1024;  ///< queries: fewer at a time are slow
 
 }  // namespace
 
@@ -68,12 +68,12 @@ int64_t MemoryLimit::query_block(const nn::ModelConfig& config, int64_t queries,
                                  int64_t most) const {
   const double left = left_mb();
   if (decode_mb(config, queries, most) <= left) return most;
-  const double least = decode_mb(config, queries, kLeastBlock);
-  check_ahead(least, concat("decoding ", queries, " queries, ", kLeastBlock, " at a time,"),
+  const double least = decode_mb(config, queries, kMinBlock);
+  check_ahead(least, concat("decoding ", queries, " queries, ", kMinBlock, " at a time,"),
               "ask for fewer at once", {Remedy::FewerQueries});
   const double per_query = (decode_mb(config, queries, most) - least) /
-                           static_cast<double>(std::min(queries, most) - kLeastBlock);
-  return kLeastBlock + static_cast<int64_t>((left - least) / per_query);
+                           static_cast<double>(std::min(queries, most) - kMinBlock);
+  return kMinBlock + static_cast<int64_t>((left - least) / per_query);
 }
 
 bool is_out_of_memory(const std::exception& error) {

@@ -23,7 +23,7 @@ constexpr size_t kMaxBytes = 16 << 20;  // an `info` of a scene with many textur
 constexpr size_t kMaxCameras = 100'000;
 const std::vector<std::string> kKeys = {"name", "origin", "target", "up", "vfov", "mirrored"};
 /// Shorter, `up` is taken for parallel to the view.
-constexpr float kLeastSine = 1e-5f;
+constexpr float kMinSine = 1e-5f;
 
 float read_number(const Json& value, const std::string& where) {
   LTE_CHECK(value.is_number() && std::isfinite(value.get<float>()), where,
@@ -73,7 +73,7 @@ Camera read_camera(const Json& json, const std::string& file, const std::string&
   const Vec3 view = camera.target - camera.origin;
   LTE_CHECK(length(view) > 0 && is_finite(view), file, ": \"target\" must differ from \"origin\"");
   camera.up = json.contains("up") ? read_vector(json, "up", file) : default_up(view);
-  LTE_CHECK(sine(view, camera.up) > kLeastSine, file,
+  LTE_CHECK(sine(view, camera.up) > kMinSine, file,
             ": \"up\" must not be zero or parallel to the view direction");
   LTE_CHECK(json.contains("vfov"), file, ": key \"vfov\" is missing");
   camera.vfov = read_number(json["vfov"], concat(file, ": \"vfov\""));
@@ -184,7 +184,7 @@ std::vector<size_t> called(const Scene& scene, const std::string& name) {
 
 Vec3 default_up(const Vec3& view) {
   const Vec3 up{0, 1, 0};
-  if (sine(view, up) > kLeastSine) return up;
+  if (sine(view, up) > kMinSine) return up;
   return {0, 0, view.y < 0 ? -1.0f : 1.0f};
 }
 

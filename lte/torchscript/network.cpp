@@ -138,7 +138,7 @@ std::string encode(const nn::ModelConfig& config) {
       kEncode,
       {{"scale", number(config.scale)},
        {"largest_position", number(nn::kLargestPosition)},
-       {"least_spacing", number(nn::kLeastSpacing)},
+       {"least_spacing", number(nn::kMinSpacing)},
        {"columns", std::to_string(kPointColumns + light_columns(config) +
                                   (config.predicts_radiance() ? nn::kGlossColumns : 0))},
        {"light",

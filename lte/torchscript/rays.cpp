@@ -12,8 +12,8 @@ namespace {
 
 // The numbers of lte/nn/surfels.cpp and lte/ops/surfel_walk.h, which say what they are for. A test
 // holds the module's rays to those.
-constexpr double kOverlap = 1.6, kDistanceShift = 1.6, kLeastDistance = 1e-4;
-constexpr double kOwn = 0.1, kLayer = 0.5, kSpread = 0.35, kInside = 0.1, kLeastMetal = 0.02;
+constexpr double kOverlap = 1.6, kDistanceShift = 1.6, kMinDistance = 1e-4;
+constexpr double kOwn = 0.1, kLayer = 0.5, kSpread = 0.35, kInside = 0.1, kMinMetal = 0.02;
 constexpr double kGoldenAngle = 2.3999632;
 constexpr int kReflections = 4;
 
@@ -222,9 +222,9 @@ std::string rays_source(const nn::ModelConfig& config) {
                        {"own", number(kOwn)},
                        {"layer", number(kLayer)},
                        {"sharpness", number(1 / kSpread)},
-                       {"least_metal", number(kLeastMetal)},
+                       {"least_metal", number(kMinMetal)},
                        {"pairs", std::to_string(kPairs)},
-                       {"least_distance", number(kLeastDistance)},
+                       {"least_distance", number(kMinDistance)},
                        {"distance_shift", number(kDistanceShift)}});
 }
 

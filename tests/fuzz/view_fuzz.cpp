@@ -26,12 +26,12 @@ bool is_sound(const Message& message) {
   }
   if (const auto* view = std::get_if<ChangeView>(&message.request)) {
     if (view->ev && !std::isfinite(*view->ev)) return false;
-    return !view->size || (view->size->width >= kLeastSide && view->size->width <= kMostSide &&
-                           view->size->height >= kLeastSide && view->size->height <= kMostSide);
+    return !view->size || (view->size->width >= kMinSide && view->size->width <= kMaxSide &&
+                           view->size->height >= kMinSide && view->size->height <= kMaxSide);
   }
   if (const auto* look = std::get_if<LookInside>(&message.request)) {
     return finite(look->position) && std::fabs(lte::length(look->normal) - 1) < 1e-3f &&
-           look->block.size() <= kMostWordBytes && look->head >= -1;
+           look->block.size() <= kMaxWordBytes && look->head >= -1;
   }
   if (const auto* copy = std::get_if<CopyObject>(&message.request))
     return copy->object >= 0 && finite(copy->move);

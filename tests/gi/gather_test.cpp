@@ -29,14 +29,14 @@ class Furnace : public testing::Test {
     const int wall = add_material(&scene_, {kAlbedo, kAlbedo, kAlbedo}, {1, 1, 1});
     add_instance(&scene_, test::box_mesh({-1, -1, -1}, {1, 1, 1}, wall, true));
   }
-  Gathered gather(int table_depth, const GatherOptions& options) {
+  Gathered gather(int cache_depth, const GatherOptions& options) {
     const pathtrace::Bvh bvh(scene_);
     const pathtrace::Lights lights(scene_);
-    const TableEntries entries = sample_entries(bvh, 2000, 1);
-    const float e = kPi * static_cast<float>(test::geometric_sum(double{kAlbedo}, table_depth));
-    const RadiosityTable table(bvh, entries,
-                               std::vector<Rgb>(static_cast<size_t>(entries.size()), Rgb{e, e, e}));
-    return gather_irradiance(bvh, lights, table, positions_, normals_, options);
+    const CacheRecords records = sample_records(bvh, 2000, 1);
+    const float e = kPi * static_cast<float>(test::geometric_sum(double{kAlbedo}, cache_depth));
+    const IrradianceCache cache(
+        bvh, records, std::vector<Rgb>(static_cast<size_t>(records.size()), Rgb{e, e, e}));
+    return gather_irradiance(bvh, lights, cache, positions_, normals_, options);
   }
   scene::Scene scene_;
   const std::vector<Vec3> positions_{{0, 0, -1}, {0.3f, 1, -0.2f}, {-1, 0.9f, 0.95f}};
@@ -84,7 +84,7 @@ TEST_F(Furnace, ASecondSegmentCountsNoLightTwice) {
   for (const Rgb& e : gathered.indirect) EXPECT_NEAR(double{e.x}, expected, 0.01 * expected);
 }
 
-/// Points of a room, with the reference and a table that paths have filled.
+/// Points of a room, with the reference and a cache that paths have filled.
 struct Room {
   explicit Room(scene::Scene made)
       : scene(std::move(made)), bvh(scene), lights(scene), points(visible_points()) {}
@@ -106,10 +106,10 @@ struct Room {
     for (int64_t i = 0; i < e.points; ++i) out.push_back(e.indirect_sum(i));
     return out;
   }
-  RadiosityTable table(int64_t count, int paths, int max_depth) const {
-    const TableEntries entries = sample_entries(bvh, count, 3);
-    const EntryLight light = estimate_entries(bvh, lights, entries, paths, max_depth, 4);
-    return RadiosityTable(bvh, entries, light.total(), light.direct);
+  IrradianceCache cache(int64_t count, int paths, int max_depth) const {
+    const CacheRecords records = sample_records(bvh, count, 3);
+    const RecordLight light = estimate_records(bvh, lights, records, paths, max_depth, 4);
+    return IrradianceCache(bvh, records, light.total(), light.direct);
   }
 
   scene::Scene scene;
@@ -138,10 +138,10 @@ Errors errors(const std::vector<Rgb>& values, const std::vector<Rgb>& reference)
 
 TEST(Gather, MatchesPathsOfOneBounceMoreThanItsTable) {
   const Room room(test::furnished_room());
-  const RadiosityTable table = room.table(3000, 128, 3);
+  const IrradianceCache cache = room.cache(3000, 128, 3);
   GatherOptions options;
   options.rays = 256;
-  const Gathered gathered = gather_irradiance(room.bvh, room.lights, table, room.points.position,
+  const Gathered gathered = gather_irradiance(room.bvh, room.lights, cache, room.points.position,
                                               room.points.normal, options);
   const Errors e = errors(gathered.indirect, room.reference(4));
   EXPECT_LT(std::fabs(e.bias), 0.02);
@@ -155,7 +155,7 @@ TEST(Gather, WithoutATableItIsPathTracing) {
   options.rays = 1024;
   options.max_depth = 4;
   const Gathered gathered =
-      gather_irradiance(room.bvh, room.lights, RadiosityTable(room.bvh, {}, {}),
+      gather_irradiance(room.bvh, room.lights, IrradianceCache(room.bvh, {}, {}),
                         room.points.position, room.points.normal, options);
   const Errors e = errors(gathered.indirect, room.reference(4));
   EXPECT_LT(std::fabs(e.bias), 0.01);
@@ -167,11 +167,11 @@ TEST(Gather, FollowsMetalToTheSurfaceThatItMirrors) {
   add_quad(&scene, {3.9f, 0.2f, 0.2f}, {0, 0, 2.5f}, {0, 2, 0},
            test::add_metal(&scene, {0.9f, 0.8f, 0.7f}, 0.2f));
   const Room room(std::move(scene));
-  const RadiosityTable table = room.table(3000, 128, 5);
+  const IrradianceCache cache = room.cache(3000, 128, 5);
   GatherOptions options;
   options.rays = 256;
   options.max_depth = 6;
-  const Gathered gathered = gather_irradiance(room.bvh, room.lights, table, room.points.position,
+  const Gathered gathered = gather_irradiance(room.bvh, room.lights, cache, room.points.position,
                                               room.points.normal, options);
   const Errors e = errors(gathered.indirect, room.reference(6));
   EXPECT_LT(std::fabs(e.bias), 0.03);  // what metal shows has one bounce more
@@ -188,21 +188,21 @@ TEST(Gather, LightThatArrivesAtOnceIsNotIndirect) {
   const pathtrace::Lights lights(scene);
   const std::vector<Vec3> positions{{0, 0, 0}}, normals{{0, 0, 1}};
   const Gathered gathered =
-      gather_irradiance(bvh, lights, RadiosityTable(bvh, {}, {}), positions, normals, {});
+      gather_irradiance(bvh, lights, IrradianceCache(bvh, {}, {}), positions, normals, {});
   EXPECT_EQ(gathered.indirect[0], Rgb{});
 }
 
 TEST(Gather, DoesNotDependOnHowQueriesAreCutIntoCalls) {
   const Room room(test::furnished_room());
-  const RadiosityTable table = room.table(500, 16, 3);
+  const IrradianceCache cache = room.cache(500, 16, 3);
   const auto& p = room.points.position;
   const auto& n = room.points.normal;
   GatherOptions options;
   options.rays = 24;
   const std::vector<Rgb> whole =
-      gather_irradiance(room.bvh, room.lights, table, p, n, options).indirect;
+      gather_irradiance(room.bvh, room.lights, cache, p, n, options).indirect;
   const auto part = [&](size_t first, size_t count) {
-    return gather_irradiance(room.bvh, room.lights, table, std::span(p).subspan(first, count),
+    return gather_irradiance(room.bvh, room.lights, cache, std::span(p).subspan(first, count),
                              std::span(n).subspan(first, count), options,
                              static_cast<int64_t>(first))
         .indirect;
@@ -217,9 +217,9 @@ TEST(Gather, RefusesOptionsOutOfRange) {
   const scene::Scene scene = test::furnished_room();
   const pathtrace::Bvh bvh(scene);
   const pathtrace::Lights lights(scene);
-  const RadiosityTable table(bvh, {}, {});
+  const IrradianceCache cache(bvh, {}, {});
   const auto gather = [&](const GatherOptions& options) {
-    gather_irradiance(bvh, lights, table, {}, {}, options);
+    gather_irradiance(bvh, lights, cache, {}, {}, options);
   };
   GatherOptions options;
   gather(options);

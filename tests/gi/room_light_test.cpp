@@ -1,5 +1,5 @@
 // Gathered light of whole rooms against brute-force paths: where light is bright and uneven in
-// small places, a table of it must not carry it elsewhere.
+// small places, a cache of it must not carry it elsewhere.
 #include <algorithm>
 #include <cmath>
 #include <ostream>
@@ -51,13 +51,13 @@ struct View {
     return out;
   }
   std::vector<Rgb> gathered(uint64_t seed) const {
-    const TableEntries entries = sample_entries(bvh, 4096, seed);
-    const EntryLight light = estimate_entries(bvh, lights, entries, 16, 4, seed);
-    const RadiosityTable table(bvh, entries, light.total(), light.direct);
+    const CacheRecords records = sample_records(bvh, 4096, seed);
+    const RecordLight light = estimate_records(bvh, lights, records, 16, 4, seed);
+    const IrradianceCache cache(bvh, records, light.total(), light.direct);
     GatherOptions options;
     options.rays = 32;
     options.seed = seed;
-    return gather_irradiance(bvh, lights, table, positions, normals, options).indirect;
+    return gather_irradiance(bvh, lights, cache, positions, normals, options).indirect;
   }
   /// Sums over the channels by block of pixels.
   std::vector<double> means(const std::vector<Rgb>& light) const {

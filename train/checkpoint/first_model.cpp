@@ -47,12 +47,12 @@ void begin_radiance_as_irradiance(const nn::LightTransportModel& model) {
 
 nn::LightTransportModel first_model(TrainConfig* config, RunData* data) {
   // A split that is all but black must not push the output's bias to −infinity.
-  constexpr double kLeastMean = 1e-3;
+  constexpr double kMinMean = 1e-3;
   config->model.scale = data->scale;
   if (config->model.reads_light()) {
     config->model.output_mean = 1;  // such a network answers with a factor
   } else if (!config->has_output_mean) {
-    config->model.output_mean = std::max(mean_target(*config, &data->train), kLeastMean);
+    config->model.output_mean = std::max(mean_target(*config, &data->train), kMinMean);
   }
   LTE_CHECK(std::isfinite(config->model.output_mean), config->data.root,
             ": the mean of the normalized reference is not finite; are there absurd radiances?");

@@ -9,7 +9,7 @@
 namespace lte::train {
 
 /// Fewest paths a side whose spread gives a standard error.
-inline constexpr int kLeastPathsOfError = 4;
+inline constexpr int kMinPathsOfError = 4;
 
 /// The default is that of files that do not say.
 struct LightEstimates {

@@ -39,9 +39,9 @@ RunData open_run_data(const TrainConfig& config) {
   std::vector<data::DatasetEntry> val = data::entries_of(info, data::Split::Val);
   data::refuse_held_out(root, train);
   data::refuse_held_out(root, val);
-  LTE_CHECK(!config.model.reads_estimates() || info.light_paths >= kLeastPathsOfError,
+  LTE_CHECK(!config.model.reads_estimates() || info.light_paths >= kMinPathsOfError,
             "model.light_input traced: the light estimates of ", root.string(), " come from ",
-            info.light_paths, " paths, and the spread of fewer than ", kLeastPathsOfError,
+            info.light_paths, " paths, and the spread of fewer than ", kMinPathsOfError,
             " says nothing");
   const uint64_t fingerprint = names_fingerprint(train);
   SceneStoreOptions options{static_cast<size_t>(config.data.cache_mb) << 20, info.scale, skip,

@@ -40,16 +40,16 @@ std::optional<int> number(const char* name, int low, int high) {
   return value;
 }
 
-constexpr int kMostProcesses = 1 << 16;
+constexpr int kMaxProcesses = 1 << 16;
 
 Rank read_rank(const Names& names) {
   Rank rank;
-  const std::optional<int> count = number(names.count, 1, kMostProcesses);
+  const std::optional<int> count = number(names.count, 1, kMaxProcesses);
   LTE_CHECK(count, "environment variable ", names.index, " is set and ", names.count,
             " is not; start through scripts/launch.sh, torchrun, srun or mpirun");
   rank.count = *count;
   rank.index = *number(names.index, 0, rank.count - 1);
-  rank.local = number(names.local, 0, kMostProcesses).value_or(rank.index);
+  rank.local = number(names.local, 0, kMaxProcesses).value_or(rank.index);
   if (const auto address = variable("MASTER_ADDR")) rank.address = *address;
   if (const auto port = number("MASTER_PORT", 1, 65535)) rank.port = static_cast<uint16_t>(*port);
   return rank;
@@ -59,7 +59,7 @@ Rank read_rank(const Names& names) {
 
 Rank rank_from_environment() {
   if (variable(kTorchrun.index)) return read_rank(kTorchrun);
-  LTE_CHECK(number(kTorchrun.count, 1, kMostProcesses).value_or(1) == 1, "environment variable ",
+  LTE_CHECK(number(kTorchrun.count, 1, kMaxProcesses).value_or(1) == 1, "environment variable ",
             kTorchrun.count, " is set and ", kTorchrun.index,
             " is not; start through scripts/launch.sh, torchrun, srun or mpirun");
   if (!variable("MASTER_ADDR")) return {};

@@ -43,7 +43,7 @@ constexpr double kUpdateRms = 0.2;
 /// Momentum of Muon's gradient, and AdamW's decays of the first and the second moment.
 constexpr double kMuonMomentum = 0.95, kBeta1 = 0.9, kBeta2 = 0.999;
 /// Layers of fewer inputs or outputs, which read offsets or write an answer, are AdamW's.
-constexpr int64_t kLeastSide = 16;
+constexpr int64_t kMinSide = 16;
 
 /// [B, N, M] of a layer's weights: queries, keys and values apart, a convolution's taps together.
 at::Tensor matrices_of(const std::string& name, const at::Tensor& weights) {
@@ -57,7 +57,7 @@ at::Tensor matrices_of(const std::string& name, const at::Tensor& weights) {
 bool uses_muon(const OptimConfig& config, const std::string& parameter, const at::Tensor& weights) {
   if (config.optimizer != OptimizerKind::Muon || weights.dim() < 2) return false;
   const at::Tensor matrices = matrices_of(parameter, weights.detach());
-  return std::min(matrices.size(1), matrices.size(2)) >= kLeastSide;
+  return std::min(matrices.size(1), matrices.size(2)) >= kMinSide;
 }
 
 Optimizer::Optimizer(const OptimConfig& config, const nn::LightTransportModel& model)

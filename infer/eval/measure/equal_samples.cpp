@@ -8,7 +8,7 @@ namespace lte::infer {
 namespace {
 
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
-constexpr double kMostPsnr = 100;
+constexpr double kMaxPsnr = 100;
 constexpr size_t kMse = 0;  // in both lists of metrics
 
 /// The error a/n + r of `paths` paths, with a from the error of 64 paths. Where that error is below
@@ -19,7 +19,7 @@ double at_paths(double at_64, double noise, double paths) {
 
 double derived_psnr(double psnr_64, double mse_64, double mse) {
   if (!(mse_64 > 0)) return psnr_64;
-  return std::min(psnr_64 + 10 * std::log10(mse_64 / mse), kMostPsnr);
+  return std::min(psnr_64 + 10 * std::log10(mse_64 / mse), kMaxPsnr);
 }
 
 /// The errors of a predictor and of path tracing in each scene, all at points or all in views.

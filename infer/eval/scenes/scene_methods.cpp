@@ -15,7 +15,7 @@
 namespace lte::infer {
 namespace {
 
-constexpr int kMostPaths = 1 << 20;
+constexpr int kMaxPaths = 1 << 20;
 /// N of "paths-N" and "paths-N-denoised".
 std::optional<std::pair<int, bool>> parse_paths(const std::string& word) {
   const std::string head = "paths-", tail = "-denoised";
@@ -25,7 +25,7 @@ std::optional<std::pair<int, bool>> parse_paths(const std::string& word) {
   const char* const last = word.data() + word.size() - (denoised ? tail.size() : 0);
   int paths = 0;
   const auto [at, error] = std::from_chars(first, std::max(first, last), paths);
-  if (error != std::errc() || at != last || paths < 1 || paths > kMostPaths) return std::nullopt;
+  if (error != std::errc() || at != last || paths < 1 || paths > kMaxPaths) return std::nullopt;
   return std::pair(paths, denoised);
 }
 

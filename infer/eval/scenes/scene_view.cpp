@@ -16,11 +16,11 @@ namespace {
 /// Of a look at what a camera sees at all.
 constexpr int kLookWidth = 32, kLookHeight = 24, kLookPaths = 16;
 /// Share of the picture that has to be a surface.
-constexpr double kLeastSeen = 0.01;
+constexpr double kMinSeen = 0.01;
 /// Diagonals of the bounds beyond which a camera belongs to another scene.
 constexpr float kFarthest = 3;
 /// Share of the picture that has to be left without emitters.
-constexpr double kLeastUnlit = 0.05;
+constexpr double kMinUnlit = 0.05;
 
 bool is_far(const scene::Camera& camera, const Bounds& bounds) {
   const float margin = kFarthest * length(bounds.extent());
@@ -73,7 +73,7 @@ void check_camera_file(const SceneFile& file, const SceneView& view, float aspec
   const int rows = std::clamp(height, kLookHeight / 2, 2 * kLookWidth);
   const pathtrace::GBuffer hits = pathtrace::trace_gbuffer(bvh, view.camera, kLookWidth, rows);
   const auto seen = std::count(hits.mask.begin(), hits.mask.end(), uint8_t{1});
-  if (static_cast<double>(seen) < kLeastSeen * kLookWidth * rows) fail("sees nothing of");
+  if (static_cast<double>(seen) < kMinSeen * kLookWidth * rows) fail("sees nothing of");
   const image::Image look =
       pathtrace::render_reference(bvh, view.renderer->lights(), view.camera, kLookWidth, rows,
                                   {kLookPaths, RenderSettings().max_depth + 1, 0});
@@ -91,8 +91,7 @@ std::vector<uint8_t> irradiance_mask(const SceneView& view, int width, int heigh
     unlit[i] = matt[i] && !(max_component(hits.emission[i]) > 0);
   }
   const auto left = std::count(unlit.begin(), unlit.end(), uint8_t{1});
-  return static_cast<double>(left) >= kLeastUnlit * static_cast<double>(unlit.size()) ? unlit
-                                                                                      : matt;
+  return static_cast<double>(left) >= kMinUnlit * static_cast<double>(unlit.size()) ? unlit : matt;
 }
 
 }  // namespace lte::infer

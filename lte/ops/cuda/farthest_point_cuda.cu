@@ -21,8 +21,8 @@ namespace {
 constexpr int kThreads = 1024, kWarp = 32;
 static_assert(kThreads == kWarp * kWarp, "one warp reads what all warps have found");
 /// Points whose distances the threads hold in registers, and those held with their positions.
-constexpr int64_t kMostInRegisters = 32 * kThreads, kMostHeld = 8 * kThreads;
-constexpr size_t kMostSets = 16;  ///< of a launch, which has them among its arguments
+constexpr int64_t kMaxInRegisters = 32 * kThreads, kMaxHeld = 8 * kThreads;
+constexpr size_t kMaxSets = 16;  ///< of a launch, which has them among its arguments
 
 struct Set {
   const float* points;  ///< [N, 3]
@@ -33,7 +33,7 @@ struct Set {
 };
 
 struct Sets {
-  Set set[kMostSets];
+  Set set[kMaxSets];
 };
 
 /// Distances must not be contracted to fused multiply-adds: the CPU's are not, and ties depend on
@@ -87,7 +87,7 @@ __device__ __forceinline__ void note_first(const Set& set) {
 /// Each thread has the points i with i % kThreads = its number, kItems of them.
 template <int kItems>
 __global__ void __launch_bounds__(kThreads) sample_in_registers(const Sets sets) {
-  constexpr bool kHolds = kItems * kThreads <= kMostHeld;
+  constexpr bool kHolds = kItems * kThreads <= kMaxHeld;
   const Set& set = sets.set[blockIdx.x];
   const int thread = static_cast<int>(threadIdx.x);
   if (set.count == 0) return;
@@ -164,7 +164,7 @@ void launch(const Sets& sets, size_t count, int64_t most) {
     sample_in_registers<8><<<blocks, kThreads, 0, stream>>>(sets);
   } else if (most <= 16 * kThreads) {
     sample_in_registers<16><<<blocks, kThreads, 0, stream>>>(sets);
-  } else if (most <= kMostInRegisters) {
+  } else if (most <= kMaxInRegisters) {
     sample_in_registers<32><<<blocks, kThreads, 0, stream>>>(sets);
   } else {
     sample_in_memory<<<blocks, kThreads, 0, stream>>>(sets);
@@ -180,15 +180,15 @@ std::tuple<std::vector<at::Tensor>, std::vector<at::Tensor>> farthest_point_samp
   const c10::cuda::CUDAGuard guard(sets[0].device());
   int64_t most = 0;
   for (const at::Tensor& points : sets) most = std::max(most, points.size(0));
-  for (size_t first = 0; first < sets.size(); first += kMostSets) {
-    const size_t count = std::min(kMostSets, sets.size() - first);
+  for (size_t first = 0; first < sets.size(); first += kMaxSets) {
+    const size_t count = std::min(kMaxSets, sets.size() - first);
     Sets arguments{};
     for (size_t i = 0; i < count; ++i) {
       const at::Tensor& points = sets[first + i];
       const int64_t of = counts[first + i];
       picks.push_back(at::empty({of}, points.options().dtype(at::kLong)));
       insertions.push_back(at::empty({of}, points.options()));
-      const bool in_memory = most > kMostInRegisters;
+      const bool in_memory = most > kMaxInRegisters;
       if (in_memory) nearest.push_back(at::full({points.size(0)}, INFINITY, points.options()));
       arguments.set[i] = {
           points.const_data_ptr<float>(),   in_memory ? nearest.back().data_ptr<float>() : nullptr,

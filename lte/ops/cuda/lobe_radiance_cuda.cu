@@ -19,7 +19,7 @@ namespace lte::ops {
 namespace {
 
 constexpr int kThreads = 128;
-constexpr int64_t kMostRows = 16;                 ///< directions of a block
+constexpr int64_t kMaxRows = 16;                  ///< directions of a block
 constexpr int64_t kSharedFloats = 48 * 1024 / 4;  ///< that any device has for a block
 
 struct LobeArguments {
@@ -112,7 +112,7 @@ at::Tensor lobe_radiance_inference_cuda(const at::Tensor& any_own, const at::Ten
   const at::Tensor mix = mix_weight.to(at::kFloat).t().contiguous(),
                    mix_bias = any_mix_bias.contiguous(), color = any_color_weight.contiguous(),
                    color_bias = any_color_bias.contiguous();
-  const int64_t rows = std::min(kMostRows, kSharedFloats / floats);
+  const int64_t rows = std::min(kMaxRows, kSharedFloats / floats);
   const LobeArguments arguments{own.const_data_ptr<float>(),
                                 directions.const_data_ptr<float>(),
                                 light.defined() ? light.const_data_ptr<float>() : nullptr,

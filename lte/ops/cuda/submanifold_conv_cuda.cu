@@ -59,7 +59,7 @@ void for_each_tap(const TapRun& run, const at::Tensor& tap_begin, const Function
 /// Whether the products are tap_products.h's.
 bool in_one_launch(const at::Tensor& rows, const at::Tensor& weight) {
   return rows.scalar_type() == at::kFloat && weight.scalar_type() == at::kFloat &&
-         weight.size(0) <= kMostTaps;
+         weight.size(0) <= kMaxTaps;
 }
 
 /// A factor as the kernels read it: in float32 with the values of bfloat16 where the weights are

@@ -9,14 +9,14 @@
 namespace lte::ops {
 
 /// Kernels of more taps than 7³ go tap by tap: theirs no longer fit among a launch's arguments.
-inline constexpr int64_t kMostTaps = 343;
+inline constexpr int64_t kMaxTaps = 343;
 
 /// products[p] = rows[row[p]] W[tap of p], or W's transpose.
 ///
 /// @param rows        [N, A] float32, contiguous, on CUDA
 /// @param row         [P] int32, contiguous, in [0, N)
 /// @param weight      [taps, A, B] float32, contiguous; `transposed`: [taps, B, A]
-/// @param tap_begin   [taps + 1] int64 on the CPU, of P; at most kMostTaps taps
+/// @param tap_begin   [taps + 1] int64 on the CPU, of P; at most kMaxTaps taps
 /// @return [P, B]
 at::Tensor products_by_tap(const at::Tensor& rows, const at::Tensor& row, const at::Tensor& weight,
                            const at::Tensor& tap_begin, bool transposed);

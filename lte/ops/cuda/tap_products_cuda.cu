@@ -19,8 +19,8 @@ static_assert(kThreads * kEach * kEach == kEdge * kEdge);
 /// The taps' pairs in runs of at most `length`, for blocks to find what is theirs.
 struct Taps {
   int count, length;
-  int begin[kMostTaps + 1];  ///< first pairs
-  int run[kMostTaps + 1];    ///< first runs
+  int begin[kMaxTaps + 1];  ///< first pairs
+  int run[kMaxTaps + 1];    ///< first runs
 };
 
 Taps taps_of(const at::Tensor& tap_begin, int length) {

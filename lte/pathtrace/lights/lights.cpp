@@ -25,7 +25,7 @@ constexpr size_t kTreeThreshold = 32;
 constexpr double kTextureFloor = 0.1;
 
 /// Limits of the share of draws that an environment gets beside other lights.
-constexpr double kLeastShare = 0.1, kMostShare = 0.5;
+constexpr double kMinShare = 0.1, kMaxShare = 0.5;
 
 double mean_textured_luminance(const scene::Scene& scene, int instance, uint32_t triangle,
                                double area) {
@@ -104,7 +104,7 @@ void Lights::add_environment(const Bounds& bounds, LightChoice choice,
     const double radius = length(bounds.extent()) / 2;
     const double power = kPi * radius * radius * environment_.luminance();
     environment_share_ =
-        static_cast<float>(std::clamp(power / (power + others), kLeastShare, kMostShare));
+        static_cast<float>(std::clamp(power / (power + others), kMinShare, kMaxShare));
   }
 }
 

@@ -20,7 +20,7 @@ namespace lte::pathtrace {
 namespace {
 
 constexpr int kEnoughPlaces = 256;  ///< so that a cupboard of 1 % of a house has some
-constexpr size_t kMostPanels = 64;
+constexpr size_t kMaxPanels = 64;
 constexpr float kPanelSide = 0.3f, kPanelGap = 0.02f;
 constexpr float kWattsPerSquareMetre = 10;
 /// Of a room's height: what is open to a side counts as so far, or as far as the scene reaches.
@@ -99,7 +99,7 @@ Choice choose_lights(const scene::Scene& scene, std::span<const scene::Camera> c
   if (!cameras.empty() && inside.empty() && !open_box) return out;
 
   const auto add = [&](const Vec3& eye, float lowest) {
-    if (out.panels.size() == kMostPanels) return;
+    if (out.panels.size() == kMaxPanels) return;
     for (const Panel& panel : out.panels)
       if (sees(bvh, eye, panel.center)) return;
     if (const std::optional<Panel> panel = hang_panel(bvh, eye, lowest))

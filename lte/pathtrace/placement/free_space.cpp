@@ -18,7 +18,7 @@ constexpr float kLevel = 0.98f;
 /// Units.
 constexpr float kRoomHeight = 2.5f, kHighestCeiling = 20, kHighestRoom = 60;
 constexpr float kElbows = 0.3f;
-constexpr int kMostLayers = 64;
+constexpr int kMaxLayers = 64;
 
 Vec3 axis_direction(int side) {
   Vec3 direction{};
@@ -66,7 +66,7 @@ std::vector<Layer> layers_at(const Bvh& bvh, float x, float z) {
   const Bounds& bounds = bvh.bounds();
   const float step = 1e-5f * std::max(bounds.extent().y, std::fabs(bounds.high.y));
   std::vector<Layer> layers;
-  for (float y = bounds.high.y + step; layers.size() < kMostLayers;) {
+  for (float y = bounds.high.y + step; layers.size() < kMaxLayers;) {
     const Hit hit = bvh.intersect({{x, y, z}, {0, -1, 0}});
     if (!hit.valid()) break;
     y -= hit.t;

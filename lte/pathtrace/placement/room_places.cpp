@@ -9,7 +9,7 @@ namespace lte::pathtrace {
 namespace {
 
 constexpr int kCandidates = 256;  ///< in one go
-constexpr int kMostGoes = 16;     ///< until enough of them are indoors: a small house in a field
+constexpr int kMaxGoes = 16;      ///< until enough of them are indoors: a small house in a field
 /// Share of probes that must hit in a room with all its walls.
 constexpr float kIndoors = 0.85f;
 constexpr float kMostlyFronts = 0.5f;
@@ -113,7 +113,7 @@ std::vector<RoomPlace> find_room_places(const Bvh& bvh, const FreeSpace& space, 
   const auto indoors = [](const RoomPlace& place) {
     return place.surroundings == Surroundings::Indoors;
   };
-  for (int go = 0; go < kMostGoes; ++go) {
+  for (int go = 0; go < kMaxGoes; ++go) {
     add_places(search, &rng, &places);
     if (std::count_if(places.begin(), places.end(), indoors) >= enough) break;
   }

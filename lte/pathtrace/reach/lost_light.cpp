@@ -20,7 +20,7 @@ constexpr int kEnough = 8;            ///< rays that get away
 constexpr int kNearAMeeting = 10;     ///< rays that end nearby, for each that gets away: enclosed
 constexpr double kNearbyShare = 0.1;  ///< of the edge of a square of the lamp's area
 constexpr double kGolden = 0.6180339887498949;  ///< its multiples are spread evenly over [0, 1)
-constexpr size_t kMostNames = 4;
+constexpr size_t kMaxNames = 4;
 
 enum class Fate { Reaches, Misses, Enclosed };
 
@@ -96,9 +96,9 @@ Fate fate_of_light(const Bvh& bvh, int group, const scene::PunctualLight& light)
 
 std::string names_of(const scene::Scene& scene, std::span<const int> groups) {
   std::string names;
-  for (size_t i = 0; i < std::min(groups.size(), kMostNames); ++i)
+  for (size_t i = 0; i < std::min(groups.size(), kMaxNames); ++i)
     names += concat(i == 0 ? "" : ", ", quote(scene.light_groups[static_cast<size_t>(groups[i])]));
-  if (groups.size() > kMostNames) names += concat(" and ", groups.size() - kMostNames, " more");
+  if (groups.size() > kMaxNames) names += concat(" and ", groups.size() - kMaxNames, " more");
   return names;
 }
 

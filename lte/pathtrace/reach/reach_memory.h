@@ -33,7 +33,7 @@ struct ReachMemory {
 /// What is known of a scene from before a change, and what the search may take.
 struct ReachRecall {
   const ReachMemory* before = nullptr;  ///< null: nothing
-  /// Where surfaces have been taken away or put since. Light and colours are the same.
+  /// Where surfaces have been taken away or put since. Light and colors are the same.
   std::span<const Bounds> changed = {};
   ReachMemory* now = nullptr;  ///< gets what this search finds; may be null
   /// Of condition 1 (reach.h): 1 to 3, for 4, 20 or 84 paths at most. Fewer take some points for

@@ -21,7 +21,7 @@ constexpr std::array<int, kReachRounds> kPathsOfRounds{4, 16, 64};
 /// those of a place that is alone.
 constexpr int64_t kPathsOfPocket = 256;
 constexpr int64_t kGrain = 64;
-constexpr int kMostRays = 3;         // from a vertex to places nearby
+constexpr int kMaxRays = 3;          // from a vertex to places nearby
 constexpr size_t kLinkVertices = 5;  // of a place, from which others in the same pocket are sought
 constexpr double kSearchRadius = 2;  // in units of the spacing of points
 constexpr float kSamePlace = 1e-3f;  // of the scene's extent, to recall what was dark
@@ -215,7 +215,7 @@ class ReachSearch {
       if (number == except) return false;
       const Vec3 way = places_[number].origin - vertex.position;
       if (!occluded(bvh_.handles().top, vertex.position, way, 1)) seen = number;
-      return seen != scene::kNone || ++rays == kMostRays;
+      return seen != scene::kNone || ++rays == kMaxRays;
     });
     return seen;
   }

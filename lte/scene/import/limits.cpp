@@ -12,7 +12,7 @@
 namespace lte::scene {
 namespace {
 
-constexpr double kMost = 1e18;
+constexpr double kMax = 1e18;
 
 constexpr struct {
   std::string_view name;
@@ -40,7 +40,7 @@ int64_t parse_value(const std::string& part, std::string_view text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   const std::optional<double> factor =
       factor_of(text.substr(static_cast<size_t>(end - text.data())));
-  LTE_CHECK(error == std::errc() && factor && value >= 0 && value * *factor <= kMost, "limit \"",
+  LTE_CHECK(error == std::errc() && factor && value >= 0 && value * *factor <= kMax, "limit \"",
             part, "\": expected a number behind the =, such as 500000, 500MB or 4GB");
   return static_cast<int64_t>(value * *factor);
 }

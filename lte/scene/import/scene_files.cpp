@@ -90,8 +90,8 @@ Descriptor open_for_reading(int looked, const fs::path& path) {
 /// Where an absolute path that leads to no file would lead, links to nowhere followed too, which
 /// fs::weakly_canonical() leaves alone. Empty for links that go round in circles.
 fs::path resolve_missing(fs::path path, std::error_code& error) {
-  constexpr int kMostLinks = 40;  // as many as the kernel follows
-  for (int links = 0; links < kMostLinks; ++links) {
+  constexpr int kMaxLinks = 40;  // as many as the kernel follows
+  for (int links = 0; links < kMaxLinks; ++links) {
     path = fs::weakly_canonical(path, error);
     if (error) return {};
     std::error_code ignored;

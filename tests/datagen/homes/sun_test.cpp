@@ -77,7 +77,7 @@ TEST(Homes, SunAndSkyComeInThroughWindowsAlone) {
     }
     const Vec3 extent = home.scene.bounds().extent();
     EXPECT_LE(length(extent), kMaxHomeSphere);
-    if (home.plan.floor.rooms.size() <= kMostRoomsOfSmallHomes) {
+    if (home.plan.floor.rooms.size() <= kMaxRoomsOfSmallHomes) {
       EXPECT_LE(length(extent), kMaxHomeExtent);
     }
   }

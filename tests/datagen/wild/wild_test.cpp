@@ -61,9 +61,9 @@ TEST(Wild, NumbersAreWithinTheirBounds) {
     smallest = std::min(smallest, max_component(scene.bounds().extent()));
     largest = std::max(largest, max_component(size));
     EXPECT_LE(max_component(size), 15.51f);
-    EXPECT_LE(scene.triangle_count(), kMostTriangles);
+    EXPECT_LE(scene.triangle_count(), kMaxTriangles);
     EXPECT_GE(scene.light_groups.size(), 1u);
-    EXPECT_LE(scene.light_groups.size(), kMostGroups + 2u);
+    EXPECT_LE(scene.light_groups.size(), kMaxGroups + 2u);
     EXPECT_FALSE(scene.cameras.empty());
     EXPECT_LE(scene.cameras.size(), wild.plan.plan.cells.size());
     most_lamps = std::max(most_lamps, wild.plan.lamps.size());

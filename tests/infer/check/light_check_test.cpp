@@ -100,7 +100,7 @@ TEST(PlaceTree, CellsPartThePlacesInto64AndHalvesLieApart) {
   for (const size_t count : {size_t{1}, size_t{15}, size_t{16}, size_t{131}}) {
     const PlaceTree small(std::span<const Vec3>{places}.first(count));
     EXPECT_EQ(small.places(1).size(), count);
-    EXPECT_GE(small.places(small.cells()).size(), std::min(count, PlaceTree::kLeastPlaces));
+    EXPECT_GE(small.places(small.cells()).size(), std::min(count, PlaceTree::kMinPlaces));
   }
 }
 

@@ -32,19 +32,19 @@ TEST(TracedRecords, AtGainOneTheyFillTheCacheThatPicturesRead) {
   const render::CacheSettings settings{.records = 1024};
   const TracedRecords records =
       trace_records(lit.bvh, lit.lights, settings, render::Method::Gather);
-  const gi::EntryLight light = records.light_of(kAll, kOne);
-  const gi::RadiosityTable mine(lit.bvh, records.entries, light.total(), light.direct);
-  const gi::RadiosityTable table = render::make_cache({lit.bvh, lit.lights}, settings);
+  const gi::RecordLight light = records.light_of(kAll, kOne);
+  const gi::IrradianceCache mine(lit.bvh, records.places, light.total(), light.direct);
+  const gi::IrradianceCache table = render::make_cache({lit.bvh, lit.lights}, settings);
   ASSERT_EQ(mine.size(), table.size());
   double a = 0, b = 0;
   int found = 0;
-  for (size_t i = 0; i < records.entries.position.size(); ++i) {
-    const Vec3 &at = records.entries.position[i], &side = records.entries.normal[i];
+  for (size_t i = 0; i < records.places.position.size(); ++i) {
+    const Vec3 &at = records.places.position[i], &side = records.places.normal[i];
     Rgb of_mine, of_table;
     if (!mine.lookup(at, side, &of_mine) || !table.lookup(at, side, &of_table)) continue;
     found += max_component(of_mine) > 0;
-    a += double{of_mine.y} * records.entries.area[i];
-    b += double{of_table.y} * records.entries.area[i];
+    a += double{of_mine.y} * records.places.area[i];
+    b += double{of_table.y} * records.places.area[i];
   }
   EXPECT_GT(found, mine.size() / 4);
   EXPECT_NEAR(a, b, 0.03 * b) << "paths of other numbers, of the same light";
@@ -80,7 +80,7 @@ TEST(TracedRecords, ForANetworkTheyAreTheDirectLightOfAllPlaces) {
   const render::CacheSettings settings{.records = 512};
   const TracedRecords records =
       trace_records(lit.bvh, lit.lights, settings, render::Method::Network);
-  EXPECT_GE(records.entries.size(), 512);
+  EXPECT_GE(records.places.size(), 512);
   for (const Rgb& bounced : records.indirect) EXPECT_EQ(bounced, Rgb());
   int calls = 0;
   EXPECT_THROW(trace_records(lit.bvh, lit.lights, settings, render::Method::Network,
@@ -97,7 +97,7 @@ TEST(TracedRecords, WithoutLightThereAreNone) {
   for (scene::Material& material : dark.materials) material.emission = {};
   const pathtrace::Bvh bvh(dark);
   const pathtrace::Lights lights(dark);
-  EXPECT_EQ(trace_records(bvh, lights, {.records = 64}, render::Method::Gather).entries.size(), 0);
+  EXPECT_EQ(trace_records(bvh, lights, {.records = 64}, render::Method::Gather).places.size(), 0);
 }
 
 }  // namespace

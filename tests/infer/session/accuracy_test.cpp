@@ -121,7 +121,7 @@ TEST(Accuracy, WhatIsStoppedHasNotHappened) {
 
 /// docs/editing.md has these bounds.
 TEST(Accuracy, ADraftByTheShippedModelIsNearAFreshSession) {
-  constexpr double kMostRms = 0.5, kMostChange = 10;
+  constexpr double kMaxRms = 0.5, kMaxChange = 10;
   scene::Scene room = scene::load_scene(LTE_SOURCE_DIR "/assets/scenes/living_room.glb");
   const Points points(room);
   Session session(std::move(room),
@@ -137,8 +137,8 @@ TEST(Accuracy, ADraftByTheShippedModelIsNearAFreshSession) {
   session.refine(Accuracy::Draft);
   const AnswerChange change = session.change_against_fresh(points.queries());
   EXPECT_GT(change.rms, 0);
-  EXPECT_LT(change.rms, kMostRms);
-  EXPECT_LT(change.relative, kMostChange);
+  EXPECT_LT(change.rms, kMaxRms);
+  EXPECT_LT(change.relative, kMaxChange);
 }
 
 TEST(Accuracy, AResetLeadsToTheBeginningAndCanBeUndone) {

@@ -1,4 +1,4 @@
-// Luminaires of a live scene: dimmed, recoloured, moved, added, by closed forms and linearity.
+// Luminaires of a live scene: dimmed, recolored, moved, added, by closed forms and linearity.
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -59,7 +59,7 @@ TEST(Session, DirectLightOfADimmedLampIsItsClosedForm) {
   EXPECT_NEAR(sum, expected, 0.01 * expected);
 }
 
-/// Light is linear in each luminaire: every gain and colour follows from darkness and full light.
+/// Light is linear in each luminaire: every gain and color follows from darkness and full light.
 TEST(Session, AnswersAreLinearInGainAndColorByChannel) {
   const scene::Scene room = furnished_room();
   const Points points(room);
@@ -123,7 +123,7 @@ TEST(Session, LampsThatShareAMeshAreDimmedOneByOne) {
   EXPECT_EQ(emission(3), (Rgb{12, 9, 6}));
   EXPECT_EQ(emission(5), (Rgb{0, 0, 0}));
   EXPECT_EQ(state->materials().size(), room.materials.size());
-  // Both have the base colour of the one material that people know.
+  // Both have the base color of the one material that people know.
   session.apply(SetMaterial{3, {0.2f, 0.2f, 0.2f}});
   for (const InstanceInfo& info : session.state()->instances()) {
     if (info.material != 3) continue;
@@ -216,7 +216,7 @@ TEST(DimmablePicture, SumsWhatLuminairesGiveOneByOne) {
 TEST(DimmablePicture, WhatHasNoLightOrTakesTooMuchMemoryIsOneLayer) {
   Session session(furnished_room(), network());
   session.separate();
-  const int64_t many = DimmablePicture::kMostBytes / 12;
+  const int64_t many = DimmablePicture::kMaxBytes / 12;
   EXPECT_EQ(DimmablePicture(session.state(), Output::Full, 100).layers(), 2);
   EXPECT_EQ(DimmablePicture(session.state(), Output::Full, many).layers(), 1);
   const DimmablePicture normals(session.state(), Output::Normal, 100);

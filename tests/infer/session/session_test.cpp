@@ -74,7 +74,7 @@ TEST(Session, AnswersAreThoseOfAFreshSession) {
     session.apply(SetMaterial{0, {0.3f, 0.6f, 0.2f}});
     expect_fresh("painted");
     session.apply(SetLight{2, 3, Rgb{1, 0.2f, 0.1f}});
-    expect_fresh("recoloured");
+    expect_fresh("recolored");
     const EditReport added = session.apply(AddInstance{3, translation({0.5f, 0, 1})});
     expect_fresh("another lamp");
     session.apply(RemoveLight{1});

@@ -39,7 +39,7 @@ TEST(Conversation, MessagesOutOfOrderAreRefused) {
 TEST(Conversation, EndsAfterFaultUponFault) {
   Conversation talk;
   talk.next(kHello);
-  for (int i = 0; i < Conversation::kMostFaults; ++i) {
+  for (int i = 0; i < Conversation::kMaxFaults; ++i) {
     EXPECT_FALSE(talk.over());
     EXPECT_THROW(talk.next("x"), Error);
   }

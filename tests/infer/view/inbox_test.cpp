@@ -91,12 +91,11 @@ TEST(Inbox, APickKeepsTheCameraItWasMadeWith) {
 
 TEST(Inbox, IsBounded) {
   Inbox inbox;
-  for (size_t i = 0; i < Inbox::kMostPending; ++i)
+  for (size_t i = 0; i < Inbox::kMaxPending; ++i)
     ASSERT_TRUE(inbox.post(1, static_cast<int64_t>(i) + 1, PickAt{}));
   EXPECT_FALSE(inbox.post(1, 5000, PickAt{}));
   EXPECT_FALSE(inbox.post(2, 1, Undo{}));
-  EXPECT_EQ(inbox.take(Inbox::kNoWait).last_number.at(1),
-            static_cast<int64_t>(Inbox::kMostPending));
+  EXPECT_EQ(inbox.take(Inbox::kNoWait).last_number.at(1), static_cast<int64_t>(Inbox::kMaxPending));
 }
 
 TEST(Inbox, APageThatHasGoneIsToldNothing) {

@@ -164,7 +164,7 @@ TEST(Messages, RefusesWhatIsNoMessageInOneLine) {
 }
 
 TEST(Messages, DepthAndLengthAreBounded) {
-  EXPECT_THAT(fault_of(std::string(kMostMessageBytes + 1, ' ')), HasSubstr("16384 at most"));
+  EXPECT_THAT(fault_of(std::string(kMaxMessageBytes + 1, ' ')), HasSubstr("16384 at most"));
   const std::string deep =
       "{\"type\":\"undo\",\"n\":1,\"x\":" + std::string(8000, '[') + std::string(8000, ']') + "}";
   EXPECT_THAT(fault_of(deep), HasSubstr("unknown key \"x\""));

@@ -227,7 +227,7 @@ TEST(Server, FramesTooLargeAndBinaryOnesEndAPage) {
   Socket large(&served);
   large.send(kHello);
   large.read_text("welcome");
-  large.send(std::string(kMostMessageBytes + 1, 'x'));
+  large.send(std::string(kMaxMessageBytes + 1, 'x'));
   EXPECT_EQ(large.read_text("nothing"), nullptr);
   Socket binary(&served);
   binary.send(std::string("\0\1\2", 3), /*is_text=*/false);

@@ -166,7 +166,7 @@ TEST(ViewLoop, ATouchedLightIsDimmedWithoutRendering) {
   const std::string dim = wait(test::frame_header(bright).at("picture"));
   ASSERT_FALSE(dim.empty());
   EXPECT_EQ(loop->counts().passes, passes);
-  // By channel: the luminaire's own colour is (1, 0.8, 0.6).
+  // By channel: the luminaire's own color is (1, 0.8, 0.6).
   const auto channel = [](const std::string& frame, size_t c) {
     const image::Image picture = test::frame_picture(frame);
     double sum = 0;

@@ -22,8 +22,8 @@
 namespace lte::ops {
 namespace {
 
-constexpr int64_t kTile = 48;        ///< queries of a tile; a multiple of the kernels' rows
-constexpr int64_t kLeastPart = 512;  ///< queries below which a second thread gains nothing
+constexpr int64_t kTile = 48;      ///< queries of a tile; a multiple of the kernels' rows
+constexpr int64_t kMinPart = 512;  ///< queries below which a second thread gains nothing
 constexpr int64_t kPair = 2 * kBlock;
 
 /// What all tiles read.
@@ -315,7 +315,7 @@ std::tuple<at::Tensor, std::vector<at::Tensor>> query_decoder_backward_cpu(
                   in.table.stride(0),
                   in.near.index.const_data_ptr<int64_t>(),
                   sums.const_data_ptr<float>()};
-  const RowParts parts(in.sizes.queries, kLeastPart);
+  const RowParts parts(in.sizes.queries, kMinPart);
   std::vector<RunSums> runs;
   for (int64_t part = 0; part < parts.parts; ++part) {
     runs.push_back({DecoderSums(net), TableGradient(in.sizes.latents, work.entry())});

@@ -83,13 +83,13 @@ class LinearGradient {
 };
 
 /// Runs of `count` rows that are worked off by themselves, so that sums over rows are the same for
-/// any number of threads: kMostParts at most, of at least `least` rows.
+/// any number of threads: kMaxParts at most, of at least `least` rows.
 struct RowParts {
-  static constexpr int64_t kMostParts = 4;
+  static constexpr int64_t kMaxParts = 4;
   int64_t count, parts;
 
   RowParts(int64_t rows, int64_t least)
-      : count(rows), parts(std::clamp<int64_t>(rows / least, 1, kMostParts)) {}
+      : count(rows), parts(std::clamp<int64_t>(rows / least, 1, kMaxParts)) {}
   int64_t begin(int64_t part) const { return count * part / parts; }
 };
 

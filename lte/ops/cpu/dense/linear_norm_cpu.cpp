@@ -177,7 +177,7 @@ class LinearNormGradient {
         layer_({w[0], w[1]}),
         norm_(w[2], w[3]),
         tiles_(counts),
-        parts_(static_cast<int64_t>(tiles_.size()), kLeastNormPart / kNormTile),
+        parts_(static_cast<int64_t>(tiles_.size()), kMinNormPart / kNormTile),
         by_centered_(at::empty_like(product)),
         by_weights_(room_for(w)) {
     std::vector<std::vector<double>> sums;

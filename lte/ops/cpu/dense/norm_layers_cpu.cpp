@@ -32,7 +32,7 @@ at::Tensor norm_linear_cpu(const at::Tensor& any_x, at::TensorList w) {
   const PackedNorm norm(w[0], w[1]);
   const PackedLinear layer(w[2], w[3]);
   at::Tensor out = at::empty({n, layer.outputs}, x.options());
-  at::parallel_for(0, n, kLeastNormPart, [&](int64_t begin, int64_t end) {
+  at::parallel_for(0, n, kMinNormPart, [&](int64_t begin, int64_t end) {
     Tile input(kNormTile, C), normed(kNormTile, C), product(kNormTile, layer.outputs);
     over_tiles(begin, end, [&](int64_t first, int64_t rows) {
       load_rows(x.const_data_ptr<float>(), C, first, rows, input);
@@ -54,7 +54,7 @@ std::tuple<at::Tensor, std::vector<at::Tensor>> norm_linear_backward_cpu(const a
   const Layer layer({w[2], w[3]});
   const int64_t outputs = layer.forward.outputs;
   at::Tensor by_x = at::empty_like(x);
-  const RowParts parts(n, kLeastNormPart);
+  const RowParts parts(n, kMinNormPart);
   struct Sums {
     NormSums norm;
     LinearGradient layer;
@@ -109,7 +109,7 @@ at::Tensor project_feed_forward_cpu(const at::Tensor& any_x, const at::Tensor& a
   const PackedNorm norm(w[0], w[1]);
   const PackedLinear hidden(w[2], w[3]), output(w[4], w[5]), projection(w[6], w[7]);
   at::Tensor out = at::empty_like(x);
-  at::parallel_for(0, n, kLeastNormPart / 4, [&](int64_t begin, int64_t end) {
+  at::parallel_for(0, n, kMinNormPart / 4, [&](int64_t begin, int64_t end) {
     Tile from(kNormTile, A), input(kNormTile, C), normed(kNormTile, C),
         activation(kNormTile, kPanel);
     over_tiles(begin, end, [&](int64_t first, int64_t rows) {
@@ -137,7 +137,7 @@ std::tuple<at::Tensor, at::Tensor, std::vector<at::Tensor>> project_feed_forward
   const Layer projection({w[6], w[7]});
   const int64_t width = net.hidden.forward.outputs;
   at::Tensor by_x = at::empty_like(x), by_attended = at::empty_like(attended);
-  const RowParts parts(n, kLeastNormPart);
+  const RowParts parts(n, kMinNormPart);
   struct Sums {
     NormSums norm;
     PerceptronSums net;

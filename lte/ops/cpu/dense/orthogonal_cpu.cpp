@@ -35,7 +35,7 @@ class OrthogonalFactor {
     make_gram(from, N);
     float square = 0;  // of the Frobenius norm
     for (int64_t i = 0; i < M_; ++i) square += diagonal(gram_, i);
-    square = std::max(square, NewtonSchulz::kLeastSquare);
+    square = std::max(square, NewtonSchulz::kMinSquare);
     const float inverse = 1 / square, inverse_length = 1 / std::sqrt(square);
     over_rows([&](int64_t row, int64_t columns) {
       float* x = gram_.panel(0) + row;

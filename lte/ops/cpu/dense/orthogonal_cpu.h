@@ -10,7 +10,7 @@ namespace lte::ops {
 struct NewtonSchulz {
   static constexpr int kSteps = 5;
   static constexpr float kA = 3.4445f, kB = -4.7750f, kC = 2.0315f;
-  static constexpr float kLeastSquare = 1e-30f;  ///< of a Frobenius norm
+  static constexpr float kMinSquare = 1e-30f;  ///< of a Frobenius norm
 };
 
 /// @param matrices  [B, N, M] float32, contiguous, N >= M

@@ -30,8 +30,8 @@ struct PackedNorm {
   }
 };
 
-inline constexpr int64_t kNormTile = 96;        ///< rows at a time
-inline constexpr int64_t kLeastNormPart = 512;  ///< rows below which a second thread gains nothing
+inline constexpr int64_t kNormTile = 96;      ///< rows at a time
+inline constexpr int64_t kMinNormPart = 512;  ///< rows below which a second thread gains nothing
 
 /// A dense layer, forwards and backwards.
 struct Layer {

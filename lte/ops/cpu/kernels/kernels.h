@@ -36,10 +36,10 @@ struct BoxLevel {
 /// kBoxesOfOne at most.
 struct PointBoxes {
   static constexpr int64_t kBoxesOfOne = 16;
-  static constexpr int kMostLevels = 8;  ///< 2^32 leaves
-  const float *x, *y, *z;                ///< may be read up to 16 entries past a leaf
-  const int32_t *begin, *end;            ///< of each leaf among the points
-  BoxLevel level[kMostLevels];
+  static constexpr int kMaxLevels = 8;  ///< 2^32 leaves
+  const float *x, *y, *z;               ///< may be read up to 16 entries past a leaf
+  const int32_t *begin, *end;           ///< of each leaf among the points
+  BoxLevel level[kMaxLevels];
   int levels;  ///< at least 1
 };
 
@@ -376,18 +376,18 @@ struct PriorKernels {
 /// past `count` may be read.
 struct SurfelProbe {
   const float* geometry;  ///< a row is `stride` after the one before
-  int64_t stride, count;  ///< count <= kMostSurfels
+  int64_t stride, count;  ///< count <= kMaxSurfels
   float origin[3], direction[3];
   float near, far;  ///< distances of the cell along the ray
   float limit;      ///< the largest distance that counts
 };
-inline constexpr int64_t kMostSurfels = 64;
+inline constexpr int64_t kMaxSurfels = 64;
 
 /// Where a ray meets the planes of discs: the distance along it, the square of that to the middle,
 /// and the ray's share of the normal, which is negative on fronts. Only discs that are met have
 /// them.
 struct SurfelTests {
-  float distance[kMostSurfels], square[kMostSurfels], toward[kMostSurfels];
+  float distance[kMaxSurfels], square[kMaxSurfels], toward[kMaxSurfels];
 };
 
 struct SurfelKernels {

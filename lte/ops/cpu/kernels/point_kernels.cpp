@@ -109,7 +109,7 @@ int64_t within(PointBoxes points, const float* point, float bound, float* distan
     int64_t begin, end;  ///< boxes
     int level;
   };
-  Run stack[PointBoxes::kBoxesOfOne * PointBoxes::kMostLevels];
+  Run stack[PointBoxes::kBoxesOfOne * PointBoxes::kMaxLevels];
   stack[0] = {0, points.level[points.levels - 1].count, points.levels - 1};
   int64_t found = 0;
   for (int depth = 1; depth > 0;) {

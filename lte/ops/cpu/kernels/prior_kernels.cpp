@@ -8,15 +8,15 @@ namespace lte::ops::LTE_ISA {
 namespace {
 
 using Float = Vector<float>;
-constexpr int64_t kMost = kMaxPriorNeighbours, kChannels = kPriorLight;
+constexpr int64_t kMax = kMaxPriorNeighbours, kChannels = kPriorLight;
 
 /// The neighbours of one query, by column; lanes past the last neighbour hold zeros.
 struct Neighbours {
-  float offset[3][kMost], normal[3][kMost], light[kChannels][kMost];
-  float counted[kMost];    ///< 1 for a neighbour
-  float error[kMost];      ///< relative, where points have one
+  float offset[3][kMax], normal[3][kMax], light[kChannels][kMax];
+  float counted[kMax];     ///< 1 for a neighbour
+  float error[kMax];       ///< relative, where points have one
   float other[kChannels];  ///< sum of the light on sides that are not read
-  float distance2[kMost], height[kMost], facing[kMost], grey[kMost], weight[kMost];
+  float distance2[kMax], height[kMax], facing[kMax], grey[kMax], weight[kMax];
 };
 
 /// The row of the side of point j that faces as `normal` does.
@@ -53,7 +53,7 @@ float noise_of(const Neighbours& near, int64_t K, float part) {
   return horizontal_sum(squares) * part * part;
 }
 
-Float dot(const float (*a)[kMost], int64_t i, const float* b) {
+Float dot(const float (*a)[kMax], int64_t i, const float* b) {
   return load(a[0] + i) * splat(b[0]) + load(a[1] + i) * splat(b[1]) + load(a[2] + i) * splat(b[2]);
 }
 

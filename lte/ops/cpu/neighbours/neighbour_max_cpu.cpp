@@ -15,8 +15,8 @@
 namespace lte::ops {
 namespace {
 
-constexpr int64_t kTile = 96;        ///< pairs at a time
-constexpr int64_t kLeastPart = 512;  ///< centres below which a second thread gains nothing
+constexpr int64_t kTile = 96;      ///< pairs at a time
+constexpr int64_t kMinPart = 512;  ///< centres below which a second thread gains nothing
 
 struct Work {
   const PackedLinear& layer;
@@ -128,7 +128,7 @@ std::tuple<at::Tensor, at::Tensor, at::Tensor, at::Tensor> neighbour_max_backwar
                    center = any_center.contiguous(), neighbour = any_neighbour.contiguous(),
                    weight = any_weight.to(at::kFloat).contiguous();
   const int64_t m = center.size(0), k = neighbour.size(1), C = weight.size(1), O = weight.size(0);
-  const RowParts parts(m, kLeastPart);
+  const RowParts parts(m, kMinPart);
   at::Tensor by_dense = at::zeros({parts.parts, dense.size(0), C}, dense.options()),
              by_center = at::zeros_like(center),
              by_weight = at::zeros({parts.parts, O, C}, weight.options());

@@ -33,8 +33,8 @@ constexpr int kLeafSize = 16;
 /// The neighbours before bound a query if the square of its bound is at most so much larger than
 /// theirs was; else points of its own leaf give a tighter one.
 constexpr float kLoose = 2.5f;
-constexpr int64_t kLeastShared = 5, kMostShared = 64;  ///< queries that share a walk
-constexpr float kSharedReach = 0.6f;                   ///< of r: how far they may be from the first
+constexpr int64_t kMinShared = 5, kMaxShared = 64;  ///< queries that share a walk
+constexpr float kSharedReach = 0.6f;                ///< of r: how far they may be from the first
 constexpr int64_t kMaxRanked = 256;  ///< counting is quadratic: longer lists are sorted
 constexpr int64_t kChunk = 512;      ///< queries a thread takes at once
 
@@ -72,12 +72,12 @@ class Search {
       float bound = bound_of(query_of(i), leaf[order[i]]);
       float farthest = 0;  // squared, from the first to those that share its walk
       int64_t end = i + 1;
-      for (const int64_t last = std::min(count, i + kMostShared); end < last; ++end) {
+      for (const int64_t last = std::min(count, i + kMaxShared); end < last; ++end) {
         const float d2 = distance2(query_of(end), query_of(i));
         if (!(d2 <= bound * (kSharedReach * kSharedReach))) break;
         farthest = std::max(farthest, d2);
       }
-      const bool shares = end - i >= kLeastShared;
+      const bool shares = end - i >= kMinShared;
       if (shares) {
         collect(query_of(i), bound, farthest);
       } else {

@@ -19,8 +19,8 @@ struct LaneCells {
   void test(const SurfelView& grid, int32_t begin, int32_t end, const SurfelRay& ray, float near,
             float far, Meetings& met) const {
     SurfelTests tests;
-    for (int32_t k = begin; k < end; k += kMostSurfels) {
-      const int64_t count = std::min<int64_t>(end - k, kMostSurfels);
+    for (int32_t k = begin; k < end; k += kMaxSurfels) {
+      const int64_t count = std::min<int64_t>(end - k, kMaxSurfels);
       const SurfelProbe probe{grid.geometry + k,
                               grid.stride,
                               count,

@@ -1,4 +1,4 @@
-#include "lte/gi/radiosity_table.h"
+#include "lte/gi/irradiance_cache.h"
 
 #include <algorithm>
 #include <cmath>
@@ -32,82 +32,82 @@ Vec2 octant_middle(int octant) {
 
 }  // namespace
 
-RadiosityTable::RadiosityTable(const pathtrace::Bvh& bvh, const TableEntries& entries,
-                               std::span<const Rgb> irradiance, std::span<const Rgb> direct,
-                               const TableOptions& options)
+IrradianceCache::IrradianceCache(const pathtrace::Bvh& bvh, const CacheRecords& records,
+                                 std::span<const Rgb> irradiance, std::span<const Rgb> direct,
+                                 const CacheOptions& options)
     : least_weight_(options.least_weight), uneven_(options.uneven) {
-  LTE_CHECK(irradiance.size() == entries.position.size(), "radiosity table: ", entries.size(),
-            " entries but ", irradiance.size(), " irradiances");
+  LTE_CHECK(irradiance.size() == records.position.size(), "irradiance cache: ", records.size(),
+            " records but ", irradiance.size(), " irradiances");
   LTE_CHECK(direct.empty() || direct.size() == irradiance.size(),
-            "radiosity table: ", irradiance.size(), " irradiances but ", direct.size(),
+            "irradiance cache: ", irradiance.size(), " irradiances but ", direct.size(),
             " of direct light");
-  LTE_CHECK(options.radius > 0, "radiosity table: radius must be positive, got ", options.radius);
+  LTE_CHECK(options.radius > 0, "irradiance cache: radius must be positive, got ", options.radius);
   std::vector<float> radii;
   double sum = 0, light = 0, lit = 0;
   for (size_t i = 0; i < irradiance.size(); ++i) {
-    LTE_CHECK(is_finite(irradiance[i]), "radiosity table: irradiance ", i, " is not finite");
-    LTE_CHECK(direct.empty() || is_finite(direct[i]), "radiosity table: direct light ", i,
+    LTE_CHECK(is_finite(irradiance[i]), "irradiance cache: irradiance ", i, " is not finite");
+    LTE_CHECK(direct.empty() || is_finite(direct[i]), "irradiance cache: direct light ", i,
               " is not finite");
-    radii.push_back(options.radius * std::sqrt(entries.area[i]));
+    radii.push_back(options.radius * std::sqrt(records.area[i]));
     sum += radii.back();
-    light += double{grey(irradiance[i])} * double{entries.area[i]};
-    lit += grey(irradiance[i]) > 0 ? double{entries.area[i]} : 0;
+    light += double{grey(irradiance[i])} * double{records.area[i]};
+    lit += grey(irradiance[i]) > 0 ? double{records.area[i]} : 0;
   }
   if (irradiance.empty()) return;
   radius_ = static_cast<float>(sum / static_cast<double>(radii.size()));
   even_below_ = lit > 0 ? options.even_below * static_cast<float>(light / lit) : 0;
-  index_ = SurfaceIndex(entries.position, entries.normal, radii, kCell);
+  index_ = SurfaceIndex(records.position, records.normal, radii, kCell);
   index_.pack();
-  entries_.resize(irradiance.size());
+  records_.resize(irradiance.size());
   std::vector<Walls> around(irradiance.size());
   std::vector<uint8_t> has_walls(irradiance.size());
-  parallel_for(entries.size(), kGrain, [&](int64_t begin, int64_t end) {
+  parallel_for(records.size(), kGrain, [&](int64_t begin, int64_t end) {
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
-      has_walls[i] = find_walls(bvh, entries.position[i], entries.normal[i], radii[i], &around[i]);
+      has_walls[i] = find_walls(bvh, records.position[i], records.normal[i], radii[i], &around[i]);
   });
   for (size_t i = 0; i < irradiance.size(); ++i) {
-    entries_[i].irradiance = irradiance[i];
-    if (!direct.empty()) entries_[i].direct = grey(direct[i]);
+    records_[i].irradiance = irradiance[i];
+    if (!direct.empty()) records_[i].direct = grey(direct[i]);
     if (!has_walls[i]) continue;
-    entries_[i].walls = static_cast<uint32_t>(walls_.size());
+    records_[i].walls = static_cast<uint32_t>(walls_.size());
     walls_.push_back(around[i]);
   }
-  silence_dark_sheets(entries);
+  silence_dark_sheets(records);
 }
 
-bool RadiosityTable::speaks(uint32_t entry, const Vec3& offset) const {
-  const uint32_t walls = entries_[entry].walls;
+bool IrradianceCache::speaks(uint32_t record, const Vec3& offset) const {
+  const uint32_t walls = records_[record].walls;
   return walls == kNone || (walls != kSilent && !walls_[walls].hides(offset));
 }
 
-/// Entries that paths have found no light at say so beside lit ones: without them the table would
-/// be too bright where light is rare. Those that no lit one leads to, from entry to entry along
+/// Records that paths have found no light at say so beside lit ones: without them the cache would
+/// be too bright where light is rare. Those that no lit one leads to, from record to record along
 /// surfaces, lie inside of things and below them, or in the dark: nothing is known there.
-void RadiosityTable::silence_dark_sheets(const TableEntries& entries) {
-  std::vector<uint8_t> reached(entries_.size());
+void IrradianceCache::silence_dark_sheets(const CacheRecords& records) {
+  std::vector<uint8_t> reached(records_.size());
   std::vector<uint32_t> open;
-  for (uint32_t i = 0; i < entries_.size(); ++i) {
-    reached[i] = grey(entries_[i].irradiance) > 0;
+  for (uint32_t i = 0; i < records_.size(); ++i) {
+    reached[i] = grey(records_[i].irradiance) > 0;
     if (reached[i]) open.push_back(i);
   }
   while (!open.empty()) {
     const uint32_t from = open.back();
     open.pop_back();
-    index_.for_each(entries.position[from], entries.normal[from],
+    index_.for_each(records.position[from], records.normal[from],
                     [&](uint32_t i, float, const Vec3& offset) {
                       if (reached[i] || !speaks(i, offset) || !speaks(from, -offset)) return;
                       reached[i] = 1;
                       open.push_back(i);
                     });
   }
-  for (uint32_t i = 0; i < entries_.size(); ++i) {
-    if (!reached[i]) entries_[i].walls = kSilent;
+  for (uint32_t i = 0; i < records_.size(); ++i) {
+    if (!reached[i]) records_[i].walls = kSilent;
   }
 }
 
 /// Traces a ray into each octant. What it meets counts as a plane wall.
-bool RadiosityTable::find_walls(const pathtrace::Bvh& bvh, const Vec3& position, const Vec3& normal,
-                                float radius, Walls* walls) {
+bool IrradianceCache::find_walls(const pathtrace::Bvh& bvh, const Vec3& position,
+                                 const Vec3& normal, float radius, Walls* walls) {
   make_frame(normal, &walls->tangent, &walls->bitangent);
   pathtrace::Ray ray;
   ray.origin =
@@ -139,23 +139,23 @@ bool RadiosityTable::find_walls(const pathtrace::Bvh& bvh, const Vec3& position,
   return any;
 }
 
-bool RadiosityTable::Walls::hides(const Vec3& offset) const {
+bool IrradianceCache::Walls::hides(const Vec3& offset) const {
   const float x = dot(offset, tangent), y = dot(offset, bitangent), z = dot(offset, normal);
   if (z > above || z < -below) return true;
   const Plane& wall = plane[static_cast<size_t>(octant(x, y))];
   return x * wall.x + y * wall.y > wall.distance;
 }
 
-bool RadiosityTable::lookup(const Vec3& position, const Vec3& normal, Rgb* irradiance) const {
+bool IrradianceCache::lookup(const Vec3& position, const Vec3& normal, Rgb* irradiance) const {
   Rgb sum;
   float weights = 0, direct = 0, squares = 0;
   index_.for_each(position, normal, [&](uint32_t i, float weight, const Vec3& offset) {
     if (!speaks(i, offset)) return;
-    const Entry& entry = entries_[i];
-    sum += entry.irradiance * weight;
+    const Record& record = records_[i];
+    sum += record.irradiance * weight;
     weights += weight;
-    direct += entry.direct * weight;
-    squares += entry.direct * entry.direct * weight;
+    direct += record.direct * weight;
+    squares += record.direct * record.direct * weight;
   });
   if (!(weights >= least_weight_)) return false;
   const float scale = 1 / weights, mean = direct * scale;

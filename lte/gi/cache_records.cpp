@@ -1,4 +1,4 @@
-#include "lte/gi/table_entries.h"
+#include "lte/gi/cache_records.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,10 +16,10 @@ namespace {
 
 constexpr double kEmissiveShare = 0.1;
 constexpr int64_t kRuns = 64;  ///< of points that a thread takes at a time
-// Points of an entry lie so near its first, in edges of the square that all of them stand for, and
+// Points of a record lie so near its first, in edges of the square that all of them stand for, and
 // so near its plane; their normals differ by less than 26 degrees. Farther ones would darken what
 // lies open by what lies in corners.
-constexpr float kApart = 1, kOffPlane = 0.05f, kLeastCosine = 0.9f;
+constexpr float kApart = 1, kOffPlane = 0.05f, kMinCosine = 0.9f;
 
 /// Whether a straight line over the surface leads from `a` to `b`: floors go on below what stands
 /// on them, where no light comes.
@@ -35,8 +35,8 @@ bool sees(const pathtrace::Bvh& bvh, const Vec3& a, const Vec3& b, const Vec3& n
 /// Whether point `b` lies on the same level piece of surface as point `a`.
 bool joins(const pathtrace::Bvh& bvh, const scene::SurfaceSamples& samples, size_t a, size_t b) {
   if (samples.area[a] != samples.area[b]) return false;
-  if (dot(samples.normal[a], samples.normal[b]) < kLeastCosine) return false;
-  const float edge = std::sqrt(kEntryPoints * samples.area[a]);
+  if (dot(samples.normal[a], samples.normal[b]) < kMinCosine) return false;
+  const float edge = std::sqrt(kRecordPoints * samples.area[a]);
   const Vec3 between = samples.position[b] - samples.position[a];
   return dot(between, between) < kApart * kApart * edge * edge &&
          std::fabs(dot(between, samples.normal[a])) < kOffPlane * edge &&
@@ -48,10 +48,10 @@ bool usable(const scene::SurfaceSamples& samples, size_t i) {
   return dot(samples.normal[i], samples.normal[i]) > 0.5f && samples.area[i] > 0;
 }
 
-/// Adds both sides of points `begin` to `end` − 1. The entry stands at the one nearest their
+/// Adds both sides of points `begin` to `end` − 1. The record stands at the one nearest their
 /// middle.
-void add_entries(const scene::SurfaceSamples& samples, size_t begin, size_t end,
-                 TableEntries* out) {
+void add_records(const scene::SurfaceSamples& samples, size_t begin, size_t end,
+                 CacheRecords* out) {
   Vec3 middle;
   Rgb albedo;
   const float scale = 1 / static_cast<float>(end - begin);
@@ -80,7 +80,7 @@ void add_entries(const scene::SurfaceSamples& samples, size_t begin, size_t end,
 
 }  // namespace
 
-void TableEntries::add(const Vec3& at, const Vec3& side, const Rgb& color, float stands_for) {
+void CacheRecords::add(const Vec3& at, const Vec3& side, const Rgb& color, float stands_for) {
   position.push_back(at);
   normal.push_back(side);
   albedo.push_back(color);
@@ -90,22 +90,22 @@ void TableEntries::add(const Vec3& at, const Vec3& side, const Rgb& color, float
   first.push_back(start.size());
 }
 
-TableEntries sample_entries(const pathtrace::Bvh& bvh, int64_t count, uint64_t seed) {
-  LTE_CHECK(count >= 1, "a table needs at least one entry, got ", count);
+CacheRecords sample_records(const pathtrace::Bvh& bvh, int64_t count, uint64_t seed) {
+  LTE_CHECK(count >= 1, "a cache needs at least one record, got ", count);
   scene::SamplerOptions options;
   options.seed = seed;
   options.emissive_share = kEmissiveShare;
   options.environment_share = 0;
   options.punctual_lights = false;
   const scene::SurfaceSamples samples =
-      scene::sample_surface(bvh.scene(), (count + 1) / 2 * kEntryPoints, options);
-  // Points of the same run of kEntryPoints may be joined; each begins an entry or goes on with it.
+      scene::sample_surface(bvh.scene(), (count + 1) / 2 * kRecordPoints, options);
+  // Points of the same run of kRecordPoints may be joined; each begins a record or goes on with it.
   const auto size = static_cast<int64_t>(samples.position.size());
   std::vector<uint8_t> begins(samples.position.size(), 1);
-  parallel_for((size + kEntryPoints - 1) / kEntryPoints, kRuns, [&](int64_t low, int64_t high) {
+  parallel_for((size + kRecordPoints - 1) / kRecordPoints, kRuns, [&](int64_t low, int64_t high) {
     for (int64_t run = low; run < high; ++run) {
-      auto begin = static_cast<size_t>(run * kEntryPoints);
-      const auto end = static_cast<size_t>(std::min((run + 1) * kEntryPoints, size));
+      auto begin = static_cast<size_t>(run * kRecordPoints);
+      const auto end = static_cast<size_t>(std::min((run + 1) * kRecordPoints, size));
       for (size_t i = begin + 1; i < end; ++i) {
         begins[i] =
             !usable(samples, begin) || !usable(samples, i) || !joins(bvh, samples, begin, i);
@@ -113,43 +113,43 @@ TableEntries sample_entries(const pathtrace::Bvh& bvh, int64_t count, uint64_t s
       }
     }
   });
-  TableEntries out;
+  CacheRecords out;
   for (size_t begin = 0, end = 0; begin < begins.size(); begin = end) {
     for (end = begin + 1; end < begins.size() && !begins[end];) ++end;
-    if (usable(samples, begin)) add_entries(samples, begin, end, &out);
+    if (usable(samples, begin)) add_records(samples, begin, end, &out);
   }
   return out;
 }
 
-std::vector<Rgb> EntryLight::total() const {
+std::vector<Rgb> RecordLight::total() const {
   std::vector<Rgb> sum(direct);
   for (size_t i = 0; i < sum.size(); ++i) sum[i] += indirect[i];
   return sum;
 }
 
-std::vector<Rgb> entry_means(const TableEntries& entries, std::span<const Rgb> of_point) {
-  std::vector<Rgb> out(entries.position.size());
+std::vector<Rgb> record_means(const CacheRecords& records, std::span<const Rgb> of_point) {
+  std::vector<Rgb> out(records.position.size());
   for (size_t i = 0; i < out.size(); ++i) {
-    const size_t begin = entries.first[i], end = entries.first[i + 1];
+    const size_t begin = records.first[i], end = records.first[i + 1];
     for (size_t k = begin; k < end; ++k) out[i] += of_point[k];
     out[i] = out[i] / static_cast<float>(end - begin);
   }
   return out;
 }
 
-EntryLight estimate_entries(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                            const TableEntries& entries, int paths, int max_depth, uint64_t seed) {
-  EntryLight out;
-  const size_t points = entries.start.size();
-  const int rays = std::max(1, paths / kEntryPoints);
-  Gathered found;  // without a table: by whole paths, side by side as one point has few
+RecordLight estimate_records(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                             const CacheRecords& records, int paths, int max_depth, uint64_t seed) {
+  RecordLight out;
+  const size_t points = records.start.size();
+  const int rays = std::max(1, paths / kRecordPoints);
+  Gathered found;  // without a cache: by whole paths, side by side as one point has few
   if (max_depth > 1) {
     GatherOptions options;
     options.rays = rays;
     options.max_depth = max_depth;
     options.seed = seed;
-    found = gather_irradiance(bvh, lights, RadiosityTable(bvh, {}, {}), entries.start,
-                              entries.start_normal, options);
+    found = gather_irradiance(bvh, lights, IrradianceCache(bvh, {}, {}), records.start,
+                              records.start_normal, options);
   }
   std::vector<uint64_t> streams(points);
   std::iota(streams.begin(), streams.end(), uint64_t{0});
@@ -158,12 +158,12 @@ EntryLight estimate_entries(const pathtrace::Bvh& bvh, const pathtrace::Lights& 
   options.hemisphere_share = 1;
   options.hemisphere_elsewhere = max_depth > 1;
   pathtrace::DirectLight direct =
-      pathtrace::estimate_direct(bvh, lights, {entries.start, entries.start_normal, streams},
+      pathtrace::estimate_direct(bvh, lights, {records.start, records.start_normal, streams},
                                  std::vector<int32_t>(points, rays), options);
   for (size_t k = 0; k < found.met.size(); ++k) direct.irradiance[k] += found.met[k];
   found.indirect.resize(points);
-  out.direct = entry_means(entries, direct.irradiance);
-  out.indirect = entry_means(entries, found.indirect);
+  out.direct = record_means(records, direct.irradiance);
+  out.indirect = record_means(records, found.indirect);
   out.rays_traced = found.rays_traced + direct.rays_traced;
   return out;
 }

@@ -1,8 +1,8 @@
 // What surfaces send out, kept at points of a scene: a cache that rays read where they would
 // otherwise become longer paths.
 //
-// The table keeps irradiance and not radiosity: a reader multiplies by the albedo of its own hit,
-// whose texture is finer than any table. Entries belong to one side of a surface; both sides of a
+// The cache keeps irradiance and not radiosity: a reader multiplies by the albedo of its own hit,
+// whose texture is finer than any cache. Records belong to one side of a surface; both sides of a
 // wall are two.
 #pragma once
 
@@ -12,47 +12,47 @@
 #include <vector>
 
 #include "lte/base/math.h"
+#include "lte/gi/cache_records.h"
 #include "lte/gi/surface_index.h"
-#include "lte/gi/table_entries.h"
 #include "lte/pathtrace/bvh.h"
 
 namespace lte::gi {
 
-struct TableOptions {
-  /// How far an entry speaks for its surroundings, in the edges of the square that it stands for.
+struct CacheOptions {
+  /// How far a record speaks for its surroundings, in the edges of the square that it stands for.
   float radius = 1.5f;
-  /// Least sum of weights for an answer; a single entry at its own place has 1.
+  /// Least sum of weights for an answer; a single record at its own place has 1.
   float least_weight = 0.4f;
-  /// Standard deviation of direct irradiance between the entries around a place beyond which the
-  /// table does not know the light there, over their mean total irradiance: smoothing would carry
+  /// Standard deviation of direct irradiance between the records around a place beyond which the
+  /// cache does not know the light there, over their mean total irradiance: smoothing would carry
   /// light past edges of shadows, gaps and walls. Paths go on there without bias.
   float uneven = 0.35f;
-  /// Added to that bound, over the mean total irradiance of all lit entries by area.
+  /// Added to that bound, over the mean total irradiance of all lit records by area.
   float even_below = 0.05f;
 };
 
-/// Irradiance at any place of the surfaces, interpolated between entries. Thread-safe.
-class RadiosityTable {
+/// Irradiance at any place of the surfaces, interpolated between records. Thread-safe.
+class IrradianceCache {
  public:
-  /// @param irradiance  total (direct and indirect) at the entries
+  /// @param irradiance  total (direct and indirect) at the records
   /// @param direct      its direct part; empty where light is taken to be even everywhere. What is
   ///                    indirect does not decide: noise of paths would then choose what they say.
   /// @throws lte::Error if sizes differ or a value is not finite.
-  RadiosityTable(const pathtrace::Bvh& bvh, const TableEntries& entries,
-                 std::span<const Rgb> irradiance, std::span<const Rgb> direct = {},
-                 const TableOptions& options = {});
+  IrradianceCache(const pathtrace::Bvh& bvh, const CacheRecords& records,
+                  std::span<const Rgb> irradiance, std::span<const Rgb> direct = {},
+                  const CacheOptions& options = {});
 
   /// Irradiance on the side `normal` of the surface at `position`.
-  /// @return  false where no entries near enough stand on the same side, in sight along the
-  ///          surface, and where these differ by more than TableOptions::uneven
+  /// @return  false where no records near enough stand on the same side, in sight along the
+  ///          surface, and where these differ by more than CacheOptions::uneven
   bool lookup(const Vec3& position, const Vec3& normal, Rgb* irradiance) const;
 
   int64_t size() const { return index_.size(); }
-  /// Mean radius of the entries, metres.
+  /// Mean radius of the records, metres.
   float radius() const { return radius_; }
 
  private:
-  /// What stands on the surface around an entry, by octant around its normal: a wall on a floor
+  /// What stands on the surface around a record, by octant around its normal: a wall on a floor
   /// ends what the floor on this side of it has to say.
   struct Walls {
     Vec3 normal, tangent, bitangent;
@@ -71,16 +71,16 @@ class RadiosityTable {
   static bool find_walls(const pathtrace::Bvh& bvh, const Vec3& position, const Vec3& normal,
                          float radius, Walls* walls);
 
-  bool speaks(uint32_t entry, const Vec3& offset) const;
-  void silence_dark_sheets(const TableEntries& entries);
+  bool speaks(uint32_t record, const Vec3& offset) const;
+  void silence_dark_sheets(const CacheRecords& records);
 
-  struct Entry {
+  struct Record {
     Rgb irradiance;
     float direct = 0;        ///< of it, sum over the channels
-    uint32_t walls = kNone;  ///< index into walls_; kSilent for an entry that says nothing
+    uint32_t walls = kNone;  ///< index into walls_; kSilent for a record that says nothing
   };
   SurfaceIndex index_;
-  std::vector<Entry> entries_;
+  std::vector<Record> records_;
   std::vector<Walls> walls_;
   float radius_ = 0, least_weight_ = 0, uneven_ = 0, even_below_ = 0;
 };
