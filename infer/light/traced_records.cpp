@@ -31,7 +31,7 @@ gi::RecordLight TracedRecords::light_of(std::span<const int> of_groups,
   for (const int group : of_groups)
     LTE_CHECK(group >= 0 && group < groups, "records of light: there is no group ", group);
   gi::RecordLight out;
-  out.direct.resize(records.position.size());
+  out.direct.resize(places.position.size());
   out.indirect.resize(out.direct.size());
   add_groups(direct, out.direct.size(), of_groups, gains, &out.direct);
   add_groups(indirect, out.direct.size(), of_groups, gains, &out.indirect);
@@ -40,8 +40,8 @@ gi::RecordLight TracedRecords::light_of(std::span<const int> of_groups,
 
 int64_t TracedRecords::bytes() const {
   constexpr size_t kEntry = 2 * sizeof(Vec3) + sizeof(Rgb) + sizeof(float) + sizeof(size_t);
-  return static_cast<int64_t>(records.position.size() * kEntry +
-                              2 * records.start.size() * sizeof(Vec3) +
+  return static_cast<int64_t>(places.position.size() * kEntry +
+                              2 * places.start.size() * sizeof(Vec3) +
                               (direct.size() + indirect.size()) * sizeof(Rgb));
 }
 

@@ -339,9 +339,9 @@ std::shared_ptr<LazyCache> SessionState::Parts::make_cache() const {
                                        [from = records, now = draft] { return from->light(*now); });
   }
   return std::make_shared<LazyCache>(records, bvh, [from = records, now = draft, by = layers] {
-    const gi::CacheRecords& records = from->traced.places;
+    const gi::CacheRecords& places = from->traced.places;
     gi::RecordLight light = from->light(*now);
-    light.indirect = sum_of(by, {records.position, records.normal, records.albedo});
+    light.indirect = sum_of(by, {places.position, places.normal, places.albedo});
     return light;
   });
 }
