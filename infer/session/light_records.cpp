@@ -35,11 +35,7 @@ LightRecords trace_light_records(const pathtrace::Bvh& bvh, const pathtrace::Lig
 }
 
 std::shared_ptr<const gi::IrradianceCache> LazyCache::get() {
-  std::call_once(made_, [this] {
-    const gi::RecordLight light = light_();
-    cache_ = std::make_shared<const gi::IrradianceCache>(*bvh_, records_->traced.places,
-                                                         light.total(), light.direct);
-  });
+  std::call_once(made_, [this] { cache_ = std::make_shared<const gi::IrradianceCache>(make_()); });
   return cache_;
 }
 

@@ -47,17 +47,12 @@ LightRecords trace_light_records(const pathtrace::Bvh& bvh, const pathtrace::Lig
 /// rendered. Thread-safe.
 class LazyCache {
  public:
-  /// @param light  at the records of the records
-  LazyCache(std::shared_ptr<const LightRecords> records, std::shared_ptr<const pathtrace::Bvh> bvh,
-            std::function<gi::RecordLight()> light)
-      : records_(std::move(records)), bvh_(std::move(bvh)), light_(std::move(light)) {}
+  explicit LazyCache(std::function<gi::IrradianceCache()> make) : make_(std::move(make)) {}
 
   std::shared_ptr<const gi::IrradianceCache> get();
 
  private:
-  std::shared_ptr<const LightRecords> records_;
-  std::shared_ptr<const pathtrace::Bvh> bvh_;
-  std::function<gi::RecordLight()> light_;
+  std::function<gi::IrradianceCache()> make_;
   std::once_flag made_;
   std::shared_ptr<const gi::IrradianceCache> cache_;
 };

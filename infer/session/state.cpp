@@ -335,14 +335,16 @@ std::unique_ptr<SessionState::Parts> make_parts(std::shared_ptr<const SessionBas
 
 std::shared_ptr<LazyCache> SessionState::Parts::make_cache() const {
   if (answered_by == Method::Gather) {
-    return std::make_shared<LazyCache>(records, bvh,
-                                       [from = records, now = draft] { return from->light(*now); });
+    return std::make_shared<LazyCache>([from = records, now = draft, rays = bvh] {
+      const gi::RecordLight light = from->light(*now);
+      return gi::IrradianceCache(*rays, from->traced.places, light.total(), light.direct);
+    });
   }
-  return std::make_shared<LazyCache>(records, bvh, [from = records, now = draft, by = layers] {
+  return std::make_shared<LazyCache>([from = records, now = draft, by = layers, rays = bvh,
+                                      lit = lights, settings = cache_settings(*base)] {
     const gi::CacheRecords& places = from->traced.places;
-    gi::RecordLight light = from->light(*now);
-    light.indirect = sum_of(by, {places.position, places.normal, places.albedo});
-    return light;
+    return render::make_cache({*rays, *lit}, settings, places, from->light(*now).direct,
+                              sum_of(by, {places.position, places.normal, places.albedo}));
   });
 }
 

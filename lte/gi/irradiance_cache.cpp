@@ -35,49 +35,75 @@ Vec2 octant_middle(int octant) {
 IrradianceCache::IrradianceCache(const pathtrace::Bvh& bvh, const CacheRecords& records,
                                  std::span<const Rgb> irradiance, std::span<const Rgb> direct,
                                  const CacheOptions& options)
-    : least_weight_(options.least_weight), uneven_(options.uneven) {
-  LTE_CHECK(irradiance.size() == records.position.size(), "irradiance cache: ", records.size(),
-            " records but ", irradiance.size(), " irradiances");
-  LTE_CHECK(direct.empty() || direct.size() == irradiance.size(),
-            "irradiance cache: ", irradiance.size(), " irradiances but ", direct.size(),
-            " of direct light");
+    : records_(records.position.size()), options_(options) {
   LTE_CHECK(options.radius > 0, "irradiance cache: radius must be positive, got ", options.radius);
   std::vector<float> radii;
-  double sum = 0, light = 0, lit = 0;
-  for (size_t i = 0; i < irradiance.size(); ++i) {
-    LTE_CHECK(is_finite(irradiance[i]), "irradiance cache: irradiance ", i, " is not finite");
-    LTE_CHECK(direct.empty() || is_finite(direct[i]), "irradiance cache: direct light ", i,
-              " is not finite");
-    radii.push_back(options.radius * std::sqrt(records.area[i]));
+  double sum = 0;
+  for (const float area : records.area) {
+    radii.push_back(options.radius * std::sqrt(area));
     sum += radii.back();
-    light += double{grey(irradiance[i])} * double{records.area[i]};
-    lit += grey(irradiance[i]) > 0 ? double{records.area[i]} : 0;
   }
-  if (irradiance.empty()) return;
-  radius_ = static_cast<float>(sum / static_cast<double>(radii.size()));
-  even_below_ = lit > 0 ? options.even_below * static_cast<float>(light / lit) : 0;
-  index_ = SurfaceIndex(records.position, records.normal, radii, kCell);
-  index_.pack();
-  records_.resize(irradiance.size());
-  std::vector<Walls> around(irradiance.size());
-  std::vector<uint8_t> has_walls(irradiance.size());
+  if (!radii.empty()) {
+    radius_ = static_cast<float>(sum / static_cast<double>(radii.size()));
+    index_ = SurfaceIndex(records.position, records.normal, radii, kCell);
+    index_.pack();
+  }
+  std::vector<Walls> around(records_.size());
+  std::vector<uint8_t> has_walls(records_.size());
   parallel_for(records.size(), kGrain, [&](int64_t begin, int64_t end) {
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
       has_walls[i] = find_walls(bvh, records.position[i], records.normal[i], radii[i], &around[i]);
   });
-  for (size_t i = 0; i < irradiance.size(); ++i) {
-    records_[i].irradiance = irradiance[i];
-    if (!direct.empty()) records_[i].direct = grey(direct[i]);
+  for (size_t i = 0; i < records_.size(); ++i) {
     if (!has_walls[i]) continue;
     records_[i].walls = static_cast<uint32_t>(walls_.size());
     walls_.push_back(around[i]);
   }
+  set_light(records, irradiance, direct);
+}
+
+IrradianceCache IrradianceCache::relit(const CacheRecords& records, std::span<const Rgb> irradiance,
+                                       std::span<const Rgb> direct) const {
+  IrradianceCache out(*this);
+  out.set_light(records, irradiance, direct);
+  return out;
+}
+
+IrradianceCache IrradianceCache::answering(std::span<const Rgb> irradiance) const {
+  LTE_CHECK(irradiance.size() == records_.size(), "irradiance cache: ", records_.size(),
+            " records but ", irradiance.size(), " irradiances");
+  IrradianceCache out(*this);
+  for (size_t i = 0; i < irradiance.size(); ++i) out.records_[i].irradiance = irradiance[i];
+  return out;
+}
+
+void IrradianceCache::set_light(const CacheRecords& records, std::span<const Rgb> irradiance,
+                                std::span<const Rgb> direct) {
+  LTE_CHECK(records.position.size() == records_.size() && irradiance.size() == records_.size(),
+            "irradiance cache: ", records.size(), " records but ", irradiance.size(),
+            " irradiances");
+  LTE_CHECK(direct.empty() || direct.size() == irradiance.size(),
+            "irradiance cache: ", irradiance.size(), " irradiances but ", direct.size(),
+            " of direct light");
+  double light = 0, lit = 0;
+  for (size_t i = 0; i < irradiance.size(); ++i) {
+    LTE_CHECK(is_finite(irradiance[i]), "irradiance cache: irradiance ", i, " is not finite");
+    LTE_CHECK(direct.empty() || is_finite(direct[i]), "irradiance cache: direct light ", i,
+              " is not finite");
+    records_[i].irradiance = irradiance[i];
+    records_[i].total = grey(irradiance[i]);
+    records_[i].direct = direct.empty() ? 0 : grey(direct[i]);
+    records_[i].silent = false;
+    light += double{grey(irradiance[i])} * double{records.area[i]};
+    lit += grey(irradiance[i]) > 0 ? double{records.area[i]} : 0;
+  }
+  even_below_ = lit > 0 ? options_.even_below * static_cast<float>(light / lit) : 0;
   silence_dark_sheets(records);
 }
 
 bool IrradianceCache::speaks(uint32_t record, const Vec3& offset) const {
-  const uint32_t walls = records_[record].walls;
-  return walls == kNone || (walls != kSilent && !walls_[walls].hides(offset));
+  const Record& r = records_[record];
+  return !r.silent && (r.walls == kNone || !walls_[r.walls].hides(offset));
 }
 
 /// Records that paths have found no light at say so beside lit ones: without them the cache would
@@ -101,7 +127,7 @@ void IrradianceCache::silence_dark_sheets(const CacheRecords& records) {
                     });
   }
   for (uint32_t i = 0; i < records_.size(); ++i) {
-    if (!reached[i]) records_[i].walls = kSilent;
+    records_[i].silent = !reached[i];
   }
 }
 
@@ -148,19 +174,20 @@ bool IrradianceCache::Walls::hides(const Vec3& offset) const {
 
 bool IrradianceCache::lookup(const Vec3& position, const Vec3& normal, Rgb* irradiance) const {
   Rgb sum;
-  float weights = 0, direct = 0, squares = 0;
+  float weights = 0, total = 0, direct = 0, squares = 0;
   index_.for_each(position, normal, [&](uint32_t i, float weight, const Vec3& offset) {
     if (!speaks(i, offset)) return;
     const Record& record = records_[i];
     sum += record.irradiance * weight;
     weights += weight;
+    total += record.total * weight;
     direct += record.direct * weight;
     squares += record.direct * record.direct * weight;
   });
-  if (!(weights >= least_weight_)) return false;
+  if (!(weights >= options_.least_weight)) return false;
   const float scale = 1 / weights, mean = direct * scale;
   *irradiance = sum * scale;
-  const float bound = uneven_ * grey(*irradiance) + even_below_;
+  const float bound = options_.uneven * total * scale + even_below_;
   return squares * scale - mean * mean <= bound * bound;
 }
 

@@ -42,12 +42,22 @@ class IrradianceCache {
                   std::span<const Rgb> irradiance, std::span<const Rgb> direct = {},
                   const CacheOptions& options = {});
 
+  /// The same records with other light, for a fraction of what making a cache takes.
+  /// @param records  those that the cache was made of
+  IrradianceCache relit(const CacheRecords& records, std::span<const Rgb> irradiance,
+                        std::span<const Rgb> direct) const;
+  /// With other light in the answers of lookup(), which it gives for the same places as this one:
+  /// a gather then is linear in the light.
+  IrradianceCache answering(std::span<const Rgb> irradiance) const;
+
   /// Irradiance on the side `normal` of the surface at `position`.
   /// @return  false where no records near enough stand on the same side, in sight along the
   ///          surface, and where these differ by more than CacheOptions::uneven
   bool lookup(const Vec3& position, const Vec3& normal, Rgb* irradiance) const;
 
   int64_t size() const { return index_.size(); }
+  /// Whether a record says nothing, as no lit one leads to it along surfaces.
+  bool silent(int64_t record) const { return records_[static_cast<size_t>(record)].silent; }
   /// Mean radius of the records, metres.
   float radius() const { return radius_; }
 
@@ -66,23 +76,28 @@ class IrradianceCache {
 
     bool hides(const Vec3& offset) const;
   };
-  static constexpr uint32_t kNone = ~0u, kSilent = kNone - 1;
+  static constexpr uint32_t kNone = ~0u;
   /// @return  whether there are any within `radius`
   static bool find_walls(const pathtrace::Bvh& bvh, const Vec3& position, const Vec3& normal,
                          float radius, Walls* walls);
 
+  void set_light(const CacheRecords& records, std::span<const Rgb> irradiance,
+                 std::span<const Rgb> direct);
   bool speaks(uint32_t record, const Vec3& offset) const;
   void silence_dark_sheets(const CacheRecords& records);
 
   struct Record {
     Rgb irradiance;
-    float direct = 0;        ///< of it, sum over the channels
-    uint32_t walls = kNone;  ///< index into walls_; kSilent for a record that says nothing
+    float total = 0, direct = 0;  ///< sums over the channels, of all light and of direct light
+    uint32_t walls = kNone;       ///< index into walls_
+    bool silent = false;          ///< says nothing
   };
   SurfaceIndex index_;
   std::vector<Record> records_;
   std::vector<Walls> walls_;
-  float radius_ = 0, least_weight_ = 0, uneven_ = 0, even_below_ = 0;
+  CacheOptions options_;
+  float radius_ = 0;      ///< mean
+  float even_below_ = 0;  ///< CacheOptions::even_below of this light, W/m²
 };
 
 }  // namespace lte::gi

@@ -15,7 +15,8 @@
 // It fails where the records' light is wrong over a wide area: light that only few bright paths
 // find (a slit, a lamp around two corners) makes blotches of the size of what a ray sees, which
 // more rays do not cure; more records and paths from them do, and so do the picture's own paths
-// (combine.h). A network's records are as wrong as the network is, smoothly.
+// (combine.h). A network's records take their level from the scene and are reflected once by
+// gathered rays (lte/gi/reflected_guess.h); what is left of its error is smooth.
 #include "lte/gi/gather.h"
 
 #include <algorithm>
@@ -25,6 +26,7 @@
 #include "lte/base/check.h"
 #include "lte/base/random.h"
 #include "lte/gi/cache_records.h"
+#include "lte/gi/reflected_guess.h"
 #include "lte/pathtrace/direct_light.h"
 #include "lte/render/gathered_points.h"
 #include "lte/render/integrator.h"
@@ -85,10 +87,18 @@ gi::IrradianceCache make_cache(const TracedScene& scene, const CacheSettings& se
   gi::RecordLight light =
       gi::estimate_records(bvh, lights, records, settings.paths, depth,
                            source ? places : hash_combine(settings.seed, kLight));
-  if (source) light.indirect = source(records.position, records.normal, records.albedo);
-  LTE_CHECK(light.indirect.size() == light.direct.size(), "an irradiance source gave ",
-            light.indirect.size(), " values for ", light.direct.size(), " records");
-  return {bvh, records, light.total(), light.direct};
+  if (!source) return {bvh, records, light.total(), light.direct};
+  return make_cache(scene, settings, records, light.direct,
+                    source(records.position, records.normal, records.albedo));
+}
+
+gi::IrradianceCache make_cache(const TracedScene& scene, const CacheSettings& settings,
+                               const gi::CacheRecords& records, std::span<const Rgb> direct,
+                               std::span<const Rgb> indirect) {
+  gi::ReflectionOptions options;
+  options.max_depth = settings.max_depth;
+  options.seed = hash_combine(settings.seed, kLight);
+  return gi::reflect_guess(scene.bvh, scene.lights, records, direct, indirect, options);
 }
 
 double cache_mb(const CacheSettings& settings, int64_t groups) {

@@ -56,7 +56,7 @@ class CheckedPictures : public Tools {
 
 TEST_F(CheckedPictures, AModelThatIsMadeWrongIsSaidAndTheShippedOneIsNot) {
   const std::string wrong = at("wrong.safetensors");
-  write_scaled_model(wrong, 0.5f);
+  write_scaled_model(wrong, -4.0f);
   const Outcome said = living_room("--integrator network --checkpoint " + wrong);
   ASSERT_EQ(said.code, 0) << said.text;
   EXPECT_THAT(said.text, AllOf(HasSubstr("warning"),

@@ -1,0 +1,119 @@
+#include "lte/gi/reflected_guess.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "lte/base/check.h"
+#include "lte/gi/gather.h"
+
+namespace lte::gi {
+namespace {
+
+// One record in so many is sampled for the share of its light that the scene passes on.
+constexpr size_t kSampled = 4;
+// Light in the housing of a lamp is many times what any guess of a room has there, and nobody sees
+// it: ratios beyond so many medians do not count.
+constexpr float kOutlier = 4;
+
+/// Of records, every kSampled-th.
+CacheRecords picked(const CacheRecords& records) {
+  CacheRecords out;
+  for (size_t i = 0; i < records.position.size(); i += kSampled) {
+    out.add(records.position[i], records.normal[i], records.albedo[i], records.area[i]);
+    const auto begin = static_cast<std::ptrdiff_t>(records.first[i] + 1);
+    const auto end = static_cast<std::ptrdiff_t>(records.first[i + 1]);
+    out.start.insert(out.start.end(), records.start.begin() + begin, records.start.begin() + end);
+    out.start_normal.insert(out.start_normal.end(), records.start_normal.begin() + begin,
+                            records.start_normal.begin() + end);
+    out.first.back() = out.start.size();
+  }
+  return out;
+}
+
+std::vector<Rgb> sum_of(std::span<const Rgb> a, std::span<const Rgb> b) {
+  std::vector<Rgb> out(a.begin(), a.end());
+  for (size_t i = 0; i < out.size(); ++i) out[i] += b[i];
+  return out;
+}
+
+std::vector<Rgb> picked(std::span<const Rgb> of_all) {
+  std::vector<Rgb> out;
+  for (size_t i = 0; i < of_all.size(); i += kSampled) out.push_back(of_all[i]);
+  return out;
+}
+
+/// The median of values, by the area of their records.
+float median(std::vector<std::pair<float, float>> value_and_area) {
+  std::sort(value_and_area.begin(), value_and_area.end());
+  double all = 0, below = 0;
+  for (const auto& [value, area] : value_and_area) all += double{area};
+  for (const auto& [value, area] : value_and_area) {
+    below += double{area};
+    if (2 * below >= all) return value;
+  }
+  return 0;
+}
+
+/// How bright the guess has to be in a channel.
+/// @param both, direct  a reflection of direct light with the guess and without it, [records]
+float level_of(const CacheRecords& records, std::span<const Rgb> guess, std::span<const Rgb> both,
+               std::span<const Rgb> direct, int channel, int bounces) {
+  std::vector<std::pair<float, float>> ratios;
+  for (size_t i = 0; i < guess.size(); ++i) {
+    if (guess[i][channel] > 0)
+      ratios.emplace_back(direct[i][channel] / guess[i][channel], records.area[i]);
+  }
+  const float most = kOutlier * median(std::move(ratios));
+  double guessed = 0, once = 0, more = 0;
+  for (size_t i = 0; i < guess.size(); ++i) {
+    const float f = guess[i][channel];
+    if (!(f > 0) || direct[i][channel] > most * f) continue;
+    const double area{records.area[i]};
+    guessed += area * double{f};
+    once += area * double{direct[i][channel]};
+    more += area * double{both[i][channel] - direct[i][channel]};
+  }
+  if (!(guessed > 0)) return 0;
+  const double passed = std::clamp(more / guessed, 0.0, 1.0);
+  double series = 0;
+  for (int bounce = 1; bounce < bounces; ++bounce) series = 1 + passed * series;
+  return static_cast<float>(once * series / guessed);
+}
+
+}  // namespace
+
+IrradianceCache reflect_guess(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
+                              const CacheRecords& records, std::span<const Rgb> direct,
+                              std::span<const Rgb> guess, const ReflectionOptions& options) {
+  LTE_CHECK(guess.size() == direct.size(), "a guess of light has ", guess.size(), " records, not ",
+            direct.size());
+  GatherOptions gather;
+  gather.rays = options.rays;
+  gather.max_depth = std::max(options.max_depth, 2);
+  gather.seed = options.seed;
+  // A gather over the cache adds a bounce to the last.
+  const int bounces = options.max_depth - 2;
+  std::vector<Rgb> indirect(direct.size());
+  const auto gathered = [&](const IrradianceCache& cache, const CacheRecords& at) {
+    return record_means(
+        at, gather_irradiance(bvh, lights, cache, at.start, at.start_normal, gather).indirect);
+  };
+  const IrradianceCache cache(bvh, records, direct, direct);
+  if (bounces < 1 || direct.empty()) return cache;
+  // A guess is a guess inside of things, too, where no light comes.
+  std::vector<Rgb> reached(guess.begin(), guess.end());
+  for (size_t i = 0; i < reached.size(); ++i) {
+    if (cache.silent(static_cast<int64_t>(i))) reached[i] = {};
+  }
+  const IrradianceCache both = cache.relit(records, sum_of(direct, reached), direct);
+  const CacheRecords some = picked(records);
+  const std::vector<Rgb> f = picked(reached), of_both = gathered(both, some),
+                         of_direct = gathered(both.answering(direct), some);
+  Rgb level;
+  for (int c = 0; c < 3; ++c) level[c] = level_of(some, f, of_both, of_direct, c, bounces);
+  for (size_t i = 0; i < indirect.size(); ++i) indirect[i] = reached[i] * level;
+  indirect = gathered(cache.relit(records, sum_of(direct, indirect), direct), records);
+  return cache.relit(records, sum_of(direct, indirect), direct);
+}
+
+}  // namespace lte::gi

@@ -1,0 +1,105 @@
+// A guess of light gets its level from the scene: closed forms, and the path tracer's light.
+#include "lte/gi/reflected_guess.h"
+
+#include <gtest/gtest.h>
+
+#include "lte/base/check.h"
+#include "lte/pathtrace/irradiance.h"
+#include "tests/support/closed_forms.h"
+#include "tests/support/scenes.h"
+
+namespace lte::gi {
+namespace {
+
+using test::add_instance;
+using test::add_material;
+
+constexpr float kAlbedo = 0.6f;
+
+Rgb mean(const IrradianceCache& cache, std::span<const Vec3> positions,
+         std::span<const Vec3> normals) {
+  Rgb sum;
+  for (size_t i = 0; i < positions.size(); ++i) {
+    Rgb here;
+    EXPECT_TRUE(cache.lookup(positions[i], normals[i], &here));
+    sum += here / static_cast<float>(positions.size());
+  }
+  return sum;
+}
+
+/// In a closed box of radiance 1 and albedo ρ, light of depth 1 to d is π Σ_{k<d} ρ^k.
+class EvenlyLitBox : public testing::Test {
+ protected:
+  EvenlyLitBox() {
+    const int wall = add_material(&scene_, {kAlbedo, kAlbedo, kAlbedo}, {1, 1, 1});
+    add_instance(&scene_, test::box_mesh({-1, -1, -1}, {1, 1, 1}, wall, true));
+  }
+  Rgb light(float guess, int max_depth) {
+    const pathtrace::Bvh bvh(scene_);
+    const pathtrace::Lights lights(scene_);
+    const CacheRecords records = sample_records(bvh, 1000, 1);
+    const auto count = static_cast<size_t>(records.size());
+    ReflectionOptions options;
+    options.max_depth = max_depth;
+    return mean(reflect_guess(bvh, lights, records, std::vector<Rgb>(count, Rgb{kPi, kPi, kPi}),
+                              std::vector<Rgb>(count, {guess, 2 * guess, 0.5f * guess}), options),
+                std::vector<Vec3>{{0, 0, -1}, {0.3f, 1, -0.2f}, {-1, 0.1f, 0.4f}},
+                std::vector<Vec3>{{0, 0, 1}, {0, -1, 0}, {1, 0, 0}});
+  }
+  scene::Scene scene_;
+};
+
+TEST_F(EvenlyLitBox, AnyEvenGuessGivesTheSeries) {
+  for (const int depth : {3, 5, 8}) {
+    const double expected = double{kPi} * test::geometric_sum(double{kAlbedo}, depth - 1);
+    for (const float guess : {0.1f, 3.0f, 40.0f}) {
+      const Rgb found = light(guess, depth);
+      for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(double{found[c]}, expected, 0.01 * expected) << depth << ", guess " << guess;
+    }
+  }
+}
+
+TEST_F(EvenlyLitBox, WithoutAGuessLightIsReflectedOnce) {
+  EXPECT_NEAR(light(0, 5).x, kPi * (1 + kAlbedo), 0.01f * kPi);
+}
+
+TEST_F(EvenlyLitBox, DepthTwoLeavesDirectLightAlone) { EXPECT_NEAR(light(7, 2).x, kPi, 1e-4f); }
+
+TEST(ReflectedGuess, AGuessOfThreeTimesTheLightIsMended) {
+  const scene::Scene scene = test::furnished_room();
+  const pathtrace::Bvh bvh(scene);
+  const pathtrace::Lights lights(scene);
+  const CacheRecords records = sample_records(bvh, 1000, 1);
+  const RecordLight truth = estimate_records(bvh, lights, records, 512, 4, 2);
+  std::vector<Rgb> guess = truth.indirect;
+  for (Rgb& value : guess) value = value * 3;
+  const IrradianceCache mended =
+      reflect_guess(bvh, lights, records, truth.direct, guess, ReflectionOptions());
+  const IrradianceCache right(bvh, records, truth.total(), truth.direct);
+  double sum = 0, expected = 0;
+  int64_t known = 0;
+  for (size_t i = 0; i < records.position.size(); ++i) {
+    Rgb a, b;
+    if (!mended.lookup(records.position[i], records.normal[i], &a) ||
+        !right.lookup(records.position[i], records.normal[i], &b))
+      continue;
+    ++known;
+    sum += double{a.y} * double{records.area[i]};
+    expected += double{b.y} * double{records.area[i]};
+  }
+  EXPECT_GT(known, records.size() / 3);
+  EXPECT_NEAR(sum, expected, 0.15 * expected);
+}
+
+TEST(ReflectedGuess, AnotherNumberOfRecordsIsRefused) {
+  const scene::Scene scene = test::furnished_room();
+  const pathtrace::Bvh bvh(scene);
+  const pathtrace::Lights lights(scene);
+  const CacheRecords records = sample_records(bvh, 100, 1);
+  const std::vector<Rgb> direct(static_cast<size_t>(records.size())), guess(3);
+  EXPECT_THROW(reflect_guess(bvh, lights, records, direct, guess, ReflectionOptions()), Error);
+}
+
+}  // namespace
+}  // namespace lte::gi
