@@ -68,6 +68,21 @@ def directions(subject):
           "the network's maps are closer than its irradiance from everywhere")
 
 
+def gathered_base(subject):
+    arrays = subject.folder / "arrays.safetensors"
+    result = subject.run(BOX, "--points", 200, "--paths", 64, "--records", 500, "--rays", "4,64",
+                         "--arrays", arrays)
+    worth = {(row["name"], row["rays"]): row["worth"] for row in result["answers"]}
+    for table in result["tables"]:
+        name = table["name"]
+        check(worth[name, 64] > 2 * worth[name, 4] > 0, f"{name}: more rays have less error")
+    ratio = {(row["name"], row["rays"]): row["mean_ratio"] for row in result["answers"]}
+    sweeps = [ratio[f"swept-{count}", 64] for count in (1, 2, 3)]
+    check(sweeps == sorted(sweeps) and sweeps[0] < 0.95, "each sweep adds the next reflection")
+    check(abs(ratio["raw", 64] - 1) < 0.05, "rays that read traced light have the paths' mean")
+    check(arrays.stat().st_size > 200 * 16 * 12, "the rays are written")
+
+
 def guiding(subject):
     rows = subject.run(SCENES / "guiding_screen.glb", "--checkpoint",
                        MODELS / "lte-radiance.safetensors", "--size", "16x12", "--columns", 4,
@@ -104,8 +119,8 @@ def stability(subject):
 
 
 def main():
-    subjects = {f.__name__: f for f in (attention, consistency, directions, guiding, replay,
-                                        sampling, stability)}
+    subjects = {f.__name__: f for f in (attention, consistency, directions, gathered_base,
+                                        guiding, replay, sampling, stability)}
     if len(sys.argv) != 3 or sys.argv[2] not in subjects:
         sys.exit(f"{__doc__.strip()}\nsubjects: {', '.join(subjects)}")
     with tempfile.TemporaryDirectory() as folder:
