@@ -20,7 +20,7 @@ import struct
 import numpy
 
 BOUND, CAP_QUANTILE, CAP_FACTOR, FEW = 1.1, 0.999, 4, 64
-STEPS, RATE, HIDDEN = 400, 1e-2, 24
+STEPS, RATE, HIDDEN = 240, 1e-2, 24
 FLOOR, LIKELIHOOD = 1e-2, 0.1  # of deviations, over the room's mean; share of the second loss
 
 
@@ -87,7 +87,7 @@ class Room:
             log(gathered / f), numpy.abs(log(gathered / f))], 2)
         shape = (*of_channel.shape[:2], of_point.shape[1])
         both = [numpy.broadcast_to(of_point[:, None, :], shape), of_channel]
-        return numpy.concatenate(both, 2).clip(-6, 6)
+        return numpy.concatenate(both, 2).clip(-6, 6).astype("f4")
 
     def mse(self, answer):
         return float(((answer - self.a) * (answer - self.b)).mean())
@@ -127,7 +127,8 @@ class Head:
         sizes = [inputs.shape[1], HIDDEN, HIDDEN, 2]
         self.weights = []
         for rows, columns in zip(sizes, sizes[1:]):
-            self.weights += [random.normal(0, rows ** -0.5, (rows, columns)), numpy.zeros(columns)]
+            self.weights += [random.normal(0, rows ** -0.5, (rows, columns)).astype("f4"),
+                             numpy.zeros(columns, "f4")]
         self.weights[-2] *= 0.1
         self.weights[-1][1] = -1.5
 
@@ -167,7 +168,7 @@ class Batch:
         self.a, self.b, self.gathered, self.f = column.values()
 
         def of_room(value):
-            return numpy.concatenate([numpy.full(room.a.size, value(room)) for room in rooms])
+            return numpy.concatenate([numpy.full(room.a.size, value(room), "f4") for room in rooms])
 
         self.weight = of_room(lambda room: 1 / (len(rooms) * room.a.size))
         self.unit = of_room(lambda room: 1 / units[room.name])
