@@ -99,6 +99,9 @@ void add_options(CLI::App& app, Request* r) {
   app.add_option("--records", r->tables.records, "Places that a table of light knows")
       ->check(CLI::Range(2, 1 << 20))
       ->capture_default_str();
+  app.add_option("--direct", r->tables.direct_paths, "Paths of direct light at each of them")
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
   app.add_option("--truth", r->tables.reference_paths,
                  "Paths a record of a table of path-traced light without much noise; 0: none")
       ->check(CLI::Range(0, 1 << 20))

@@ -20,7 +20,7 @@ LightTables::LightTables(const render::TracedScene& scene, const TableOptions& o
     : scene_(scene), options_(options) {
   const double start = processor_seconds();
   places_ = gi::sample_records(scene.bvh, options.records, hash_combine(options.seed, kPlaces));
-  direct_ = gi::estimate_records(scene.bvh, scene.lights, places_, options.paths, 1,
+  direct_ = gi::estimate_records(scene.bvh, scene.lights, places_, options.direct_paths, 1,
                                  hash_combine(options.seed, kDirect))
                 .direct;
   direct_seconds_ = processor_seconds() - start;
@@ -82,6 +82,7 @@ std::vector<LightTable> LightTables::make(const runtime::SceneEmbedding& embeddi
   sweep(LightTable(out.back()), more);
   sweep(table("", std::vector<Rgb>(direct_.size()), 0), options_.sweeps);
   out.push_back(traced("raw", options_.paths));
+  out.back().light.direct = direct_;
   if (options_.reference_paths > 0) out.push_back(traced("truth", options_.reference_paths));
   return out;
 }

@@ -20,14 +20,15 @@ struct LightTable {
 
 struct TableOptions {
   int64_t records = 4096;
-  int paths = 16;           ///< a record: of its direct light, of a sweep and of `raw`
+  int paths = 16;           ///< a record: of a sweep and of `raw`
+  int direct_paths = 16;    ///< a record: of its direct light
   int reference_paths = 0;  ///< a record: of `truth`, which is left out with 0
   int sweeps = 3;           ///< from darkness; from other light two at most
   int max_depth = 5;        ///< surface hits of light's path after a gathered point
   uint64_t seed = 0;
 };
 
-/// The records of one scene. Direct light is traced once, for all tables but `raw` and `truth`.
+/// The records of one scene. Direct light is traced once, for all tables but `truth`.
 class LightTables {
  public:
   LightTables(const render::TracedScene& scene, const TableOptions& options);

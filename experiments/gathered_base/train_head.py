@@ -5,11 +5,12 @@ combination has; prints what that is worth beside the best constant share.
   experiment_gathered_base ROOM.glb --paths 1024 --arrays rooms/ROOM.safetensors    # a room
   experiments/gathered_base/train_head.py --train rooms --report other_rooms --table network
 
-The answer is s B + (1 - s) f by channel: B the mean of 16 rays that read --table, f the network at
-the point, no further than e^1.1 from the light that it starts from. Each fourth room of --train is
-held out: of the steps the one with the least error there counts. Rooms of --report only appear in
-the last table. Errors are mean((x - A)(x - B)) of two references, as equal-error paths a point, and
-their geometric means over rooms. Needs NumPy.
+The answer is s B + (1 - s) f by channel: B the mean of 16 rays that read --table, and f --second:
+network, asked at the point and kept within e^1.1 of the light that it starts from; solved, that
+light itself; or rays, the middle half of the rays, which needs neither. Each fourth room of --train
+is held out: of the steps the one with the least error there counts. Rooms of --report only appear
+in the last table. Errors are mean((x - A)(x - B)) of two references, as equal-error paths a point,
+and their geometric means over rooms. Needs NumPy.
 """
 import argparse
 import json
@@ -39,7 +40,7 @@ def read_arrays(path):
 class Room:
     """A room's points: answers, inputs of the head, references."""
 
-    def __init__(self, path, table):
+    def __init__(self, path, table, second):
         arrays = read_arrays(path)
         self.name = path.stem
         mean = 0.5 * (arrays["a"] + arrays["b"])
@@ -53,8 +54,12 @@ class Room:
         self.noise = numpy.square(self.a - self.b).mean() / 4  # variance of (A + B)/2
         rays, distance = arrays["rays/" + table], arrays["distance"]
         prior, least = arrays["prior"], 1e-4 * self.level
-        factor = numpy.log((arrays["decoded"] + least) / (prior + least))
-        self.decoded = capped(arrays["decoded"])
+        if second == "rays":
+            quarter = rays.shape[1] // 4
+            prior = numpy.sort(rays, 1)[:, quarter:-quarter].mean(1) + 1e-3 * self.level
+        decoded = arrays["decoded"] if second == "network" else prior
+        factor = numpy.log((decoded + least) / (prior + least))
+        self.decoded = capped(decoded)
         self.gathered = capped(rays.mean(1))
         self.f = capped((prior + least) * numpy.exp(factor.clip(-BOUND, BOUND)))
         self.few_mse = self.mse(capped(arrays["few"]))
@@ -227,18 +232,20 @@ def print_within(name, shares):
 
 
 def report(title, rooms, constant, kappa, heads):
-    rows = {"decoded": lambda r: r.decoded, "f, bounded": lambda r: r.f, "B": lambda r: r.gathered,
+    rows = {"second": lambda r: r.decoded, "bounded": lambda r: r.f, "B": lambda r: r.gathered,
             f"constant share {constant:.2f}": lambda r: r.mixed(constant),
             f"by spread, {kappa:.2f}": lambda r: r.mixed(by_spread(r, kappa))}
     for seed, head in heads.items():
         rows[f"head, seed {seed}"] = lambda r, head=head: head.answer(r)[0]
     table = {}
-    print(f"\n{title}, {len(rooms)} rooms: geometric mean, least; mean ratio: worst")
+    print(f"\n{title}, {len(rooms)} rooms: geometric mean, least; rooms whose mean is"
+          " within 5 %, farthest ratio")
     for name, answer in rows.items():
         worth = [room.worth(answer(room)) for room in rooms]
         ratio = [float(answer(room).mean() / room.level) for room in rooms]
         table[name] = {"worth": dict(zip([r.name for r in rooms], worth))}
         print(f"  {name:22s} {geometric_mean(worth):8.1f} {min(worth):8.1f}"
+              f" {sum(abs(v - 1) <= 0.05 for v in ratio):5d}"
               f" {max(ratio, key=lambda v: abs(v - 1)):7.2f}")
     best = [room.best_share() for room in rooms]
     print(f"  {'best shares, a bound':22s} {geometric_mean(best):8.1f} {min(best):8.1f}")
@@ -263,12 +270,13 @@ def main():
     parser.add_argument("--train", nargs="+", required=True, type=pathlib.Path)
     parser.add_argument("--report", nargs="*", default=[], type=pathlib.Path)
     parser.add_argument("--table", default="network")
+    parser.add_argument("--second", choices=["network", "solved", "rays"], default="network")
     parser.add_argument("--seeds", nargs="+", type=int, default=[1, 2])
     parser.add_argument("--json", type=pathlib.Path)
     arguments = parser.parse_args()
 
     def rooms_of(folders):
-        return [Room(path, arguments.table) for folder in folders
+        return [Room(path, arguments.table, arguments.second) for folder in folders
                 for path in sorted(folder.glob("*.safetensors"))]
 
     rooms = rooms_of(arguments.train)
