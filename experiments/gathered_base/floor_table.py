@@ -25,7 +25,8 @@ def rows_of(result):
 def main():
     if len(sys.argv) < 2:
         sys.exit(__doc__.strip())
-    paths = [path for folder in sys.argv[1:] for path in sorted(pathlib.Path(folder).glob("*.json"))]
+    folders = map(pathlib.Path, sys.argv[1:])
+    paths = [path for folder in folders for path in sorted(folder.glob("*.json"))]
     rooms = [dict(rows_of(json.loads(path.read_text()))) for path in paths]
     print(f"| {len(rooms)} rooms | rays | paths a point | least | floor | mean ratio | farthest |"
           " µs | table, s |\n|---|---:|---:|---:|---:|---:|---:|---:|---:|")
