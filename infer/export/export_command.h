@@ -9,7 +9,7 @@ namespace lte::infer {
 
 struct ExportRequest {
   CommonOptions common;
-  std::string model;  ///< empty: lte-hybrid, whose module needs no solver beside it
+  std::string model;  ///< empty: the default one
   std::string out;
   bool portable = false, verify = false;
   bool bf16 = false;  ///< a model file in the place of a module

@@ -134,7 +134,7 @@ void add_probe_options(CLI::App& app, ProbeRequest* r) {
                  "e.g. 0.01")
       ->check(positive_number());
   app.add_option("--checkpoint", r->checkpoint,
-                 "Model, with --integrator network; by default the shipped one");
+                 "Model, with --integrator network; by default lte-hybrid");
   add_embedding_flags(app, &r->embedding);
   app.add_option("--seed", r->seed, "Seed of all samples")->capture_default_str();
   r->flags = &app;

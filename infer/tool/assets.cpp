@@ -30,8 +30,8 @@ fs::path asset_path(const std::string& relative, const std::string& instead) {
                      instead, ", or set LTE_ASSETS to lte's assets folder"));
 }
 
-fs::path checkpoint_or_shipped(const std::string& checkpoint, const char* shipped) {
-  return checkpoint.empty() ? asset_path(shipped, "--checkpoint") : fs::path(checkpoint);
+fs::path checkpoint_or_shipped(const std::string& checkpoint) {
+  return checkpoint.empty() ? asset_path(kDefaultModel, "--checkpoint") : fs::path(checkpoint);
 }
 
 }  // namespace lte::infer

@@ -14,14 +14,11 @@ namespace lte::infer {
 /// @throws lte::Error that lists where it looked.
 std::filesystem::path asset_path(const std::string& relative, const std::string& instead);
 
-/// The shipped models that tools take by themselves.
-inline constexpr const char* kBaseModel = "models/lte-base.safetensors";
-/// Told of path-traced light: what live edits are answered by, and its module needs no solver
-/// beside it.
-inline constexpr const char* kHybridModel = "models/lte-hybrid.safetensors";
+/// The model of every tool without --checkpoint: the shipped one with the least error, at home and
+/// outside.
+inline constexpr const char* kDefaultModel = "models/lte-hybrid.safetensors";
 
-/// Returns `checkpoint`, or the shipped model if it is empty.
-std::filesystem::path checkpoint_or_shipped(const std::string& checkpoint,
-                                            const char* shipped = kBaseModel);
+/// Returns `checkpoint`, or kDefaultModel where it lies if that is empty.
+std::filesystem::path checkpoint_or_shipped(const std::string& checkpoint);
 
 }  // namespace lte::infer

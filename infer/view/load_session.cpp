@@ -18,8 +18,7 @@ namespace lte::infer::view {
 namespace {
 
 runtime::Network load_network(const ViewRequest& request) {
-  return runtime::Network(checkpoint_or_shipped(request.checkpoint, kHybridModel),
-                          network_options(request.tool));
+  return runtime::Network(checkpoint_or_shipped(request.checkpoint), network_options(request.tool));
 }
 
 /// Says what the network makes of the scene.

@@ -74,7 +74,7 @@ TEST(Memory, AnEmbeddingKeepsToItsLimitAndAnswersTheSame) {
 
 TEST(Precision, Bf16KeepsTheShippedModelsErrorWithinAPercent) {
   const std::filesystem::path data = asset_path("data/homes-test", "--data");
-  const std::filesystem::path model = checkpoint_or_shipped("", kHybridModel);
+  const std::filesystem::path model = checkpoint_or_shipped("");
   double mse[2] = {0, 0};
   const data::DatasetInfo info = data::read_dataset_info(data);
   const auto entries = data::entries_of(info, data::Split::Test);
