@@ -84,6 +84,9 @@ Image Denoiser::denoise(const NoisyPicture& picture, OidnQuality quality) const 
   check(picture.normal, "normals");
   if (picture.albedo != nullptr) check(picture.albedo, "albedo");
   Image light = cleaned(picture);
+  // Open Image Denoise makes some 1e-6 of nothing, which an automatic exposure would show.
+  if (std::all_of(light.pixels.begin(), light.pixels.end(), [](float v) { return v == 0; }))
+    return light;
   if (oidn_) {
     const Image albedo = picture.albedo ? *picture.albedo : white_surfaces(*picture.normal);
     light = oidn_->denoise(light, {&albedo, picture.normal}, quality);

@@ -182,5 +182,11 @@ TEST_F(OidnLibrary, MovesAndNamesWhatIsWrong) {
       ThrowsMessage<Error>(HasSubstr("no normals without albedo")));
 }
 
+TEST(Denoiser, MakesNoLightOfNothing) {
+  Corner corner(24, 16, 0.1f);
+  corner.light = Image(24, 16, 3);
+  for (const float value : Denoiser().denoise(corner.picture()).pixels) EXPECT_EQ(value, 0);
+}
+
 }  // namespace
 }  // namespace lte::image
