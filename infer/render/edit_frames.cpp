@@ -34,7 +34,7 @@ std::vector<View> edit_views(const EditScript& script, const scene::Scene& scene
   if (views.size() == count && count > 1) return views;
   LTE_CHECK(count == 1 || picture_name(pattern, 0, "") != picture_name(pattern, 1, ""), pattern,
             ": the frames of --edit need a pattern: %d or %04d for their number, as in "
-            "frame_%04d.png");
+            "frame_%04d.png; or a video's name");
   std::vector<View> out;
   for (size_t i = 0; i < count; ++i) {
     const scene::Camera& camera = views.front().camera;

@@ -72,9 +72,22 @@ void write_frame(const std::filesystem::path& path, const Frame& frame, Output o
   LTE_CHECK(extension == ".png", path.string(), ": expected a name that ends in .exr or .png");
   if (output == Output::Normal) return image::write_png(path, display_normal(frame));
   if (output == Output::Depth) return image::write_png(path, display_depth(frame.depth));
-  const bool light = !render::is_geometry(output);
-  image::write_png(path, image::display(frame.color, light ? exposure : 1.0f,
-                                        light ? curve : image::ToneCurve::Linear));
+  image::write_png(path, display_frame(frame, output, exposure, curve));
+}
+
+image::DisplayPicture display_frame(const Frame& frame, Output output, float exposure,
+                                    image::ToneCurve curve) {
+  if (output != Output::Normal && output != Output::Depth) {
+    const bool light = !render::is_geometry(output);
+    return image::display(frame.color, light ? exposure : 1.0f,
+                          light ? curve : image::ToneCurve::Linear);
+  }
+  const Image shown = output == Output::Normal ? display_normal(frame) : display_depth(frame.depth);
+  const std::vector<uint8_t> bytes = image::to_bytes(shown);
+  image::DisplayPicture out{shown.width, shown.height, {}};
+  const auto repeats = static_cast<size_t>(3 / shown.channels);
+  for (const uint8_t byte : bytes) out.bytes.insert(out.bytes.end(), repeats, byte);
+  return out;
 }
 
 bool keeps_layers(const std::filesystem::path& path) { return extension_of(path) == ".exr"; }

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "infer/renderer/render_settings.h"
+#include "lte/image/display_picture.h"
 #include "lte/image/tone_curve.h"
 #include "lte/scene/scene.h"
 
@@ -24,6 +25,10 @@ float frame_exposure(const Frame& frame, Output output);
 void write_frame(const std::filesystem::path& path, const Frame& frame, Output output,
                  float exposure, const scene::Camera* camera = nullptr,
                  image::ToneCurve curve = image::ToneCurve::Linear);
+
+/// What a .png of the frame shows, in three channels.
+image::DisplayPicture display_frame(const Frame& frame, Output output, float exposure,
+                                    image::ToneCurve curve);
 
 /// Whether write_frame() writes layers to this path: an .exr.
 bool keeps_layers(const std::filesystem::path& path);

@@ -7,8 +7,8 @@
 
 namespace lte::infer {
 
-PictureWriter::PictureWriter(std::function<void(const FinishedPicture&)> written)
-    : written_(std::move(written)) {}
+PictureWriter::PictureWriter(std::function<void(const FinishedPicture&)> written, Video* video)
+    : written_(std::move(written)), video_(video) {}
 
 PictureWriter::~PictureWriter() {
   if (busy_.valid()) busy_.wait();
@@ -17,9 +17,13 @@ PictureWriter::~PictureWriter() {
 void PictureWriter::write(FinishedPicture picture) {
   finish();
   picture_ = std::move(picture);
-  busy_ = std::async(std::launch::async, [&p = *picture_] {
+  busy_ = std::async(std::launch::async, [&p = *picture_, video = video_] {
     const Timer timer;
-    write_frame(p.out, p.frame, p.output, p.exposure, &p.camera, p.curve);
+    if (video != nullptr) {
+      video->add(display_frame(p.frame, p.output, p.exposure, p.curve));
+    } else {
+      write_frame(p.out, p.frame, p.output, p.exposure, &p.camera, p.curve);
+    }
     return timer.seconds();
   });
 }

@@ -7,6 +7,7 @@
 #include <future>
 #include <optional>
 
+#include "infer/render/video.h"
 #include "infer/renderer/render_settings.h"
 #include "lte/image/tone_curve.h"
 #include "lte/scene/scene.h"
@@ -26,8 +27,10 @@ struct FinishedPicture {
 /// Keeps one picture at most, and writes them in their order.
 class PictureWriter {
  public:
-  /// @param written  told of each picture once its file is there, in the caller's thread
-  explicit PictureWriter(std::function<void(const FinishedPicture&)> written);
+  /// @param written  told of each picture once it is written, in the caller's thread
+  /// @param video    where pictures go, borrowed; null: each into the file that it names
+  explicit PictureWriter(std::function<void(const FinishedPicture&)> written,
+                         Video* video = nullptr);
   /// Waits. What goes wrong here is lost: finish() says it.
   ~PictureWriter();
   PictureWriter(const PictureWriter&) = delete;
@@ -45,6 +48,7 @@ class PictureWriter {
 
  private:
   std::function<void(const FinishedPicture&)> written_;
+  Video* video_;
   std::optional<FinishedPicture> picture_;
   std::future<double> busy_;  ///< the seconds that it takes
   double seconds_ = 0;

@@ -17,6 +17,7 @@
 #include "infer/render/picture_writer.h"
 #include "infer/render/render_report.h"
 #include "infer/render/scene_size.h"
+#include "infer/render/video.h"
 #include "infer/render/views.h"
 #include "infer/renderer/renderer.h"
 #include "infer/tool/assets.h"
@@ -51,7 +52,9 @@ std::vector<View> views_of(const RenderRequest& request, const pathtrace::Bvh& b
           ? turntable_views(bvh, request.camera, request.turntable, request.out, aspect)
           : choose_views(bvh, request.camera, request.out, aspect);
   check_in_view(bvh.scene(), bvh.bounds(), views, aspect);
-  for (const View& view : views) check_writable(view.out);
+  for (const View& view : views) {
+    if (!is_video_path(request.out)) check_writable(view.out);
+  }
   return views;
 }
 
@@ -132,8 +135,11 @@ void claim_files(const RenderRequest& request, CommandFiles* files) {
 /// The same of the files of several views, whose names are made from --out.
 void claim_views(const RenderRequest& request, const std::vector<View>& views,
                  CommandFiles* files) {
+  LTE_CHECK(
+      views.size() > 1 || !is_video_path(request.out), request.out,
+      ": a video needs several pictures: --turntable, --edit, or --camera with all or a list");
   for (const View& view : views) {
-    if (view.out != request.out) files->writes("--out", view.out);
+    if (view.out != request.out && !is_video_path(request.out)) files->writes("--out", view.out);
   }
   files->check();
 }
@@ -190,7 +196,7 @@ std::optional<FrameSet> frames_of(const RenderRequest& request, const std::vecto
                                   const scene::Scene& scene,
                                   const std::optional<runtime::Network>& network) {
   const bool named = views.front().out == request.out;
-  if (request.validate_only) return std::nullopt;
+  if (request.validate_only || is_video_path(request.out)) return std::nullopt;
   LTE_CHECK(!named || !request.resume,
             "--resume goes with several pictures: --turntable, or --camera with a list or all");
   if (named) return std::nullopt;
@@ -204,13 +210,18 @@ std::optional<FrameSet> frames_of(const RenderRequest& request, const std::vecto
 }
 
 /// The exposure of a picture; of the first one for all frames that share it.
+/// @param of_video  the exposure that its pictures share, none before the first
 float exposure_of(const RenderRequest& request, const Frame& frame, Output output,
-                  std::optional<FrameSet>* frames) {
+                  std::optional<FrameSet>* frames, std::optional<double>* of_video) {
   ExposureOptions options = request.exposure;
   const bool shared =
       *frames && (request.exposure.first || request.turntable > 0 || request.edit.any());
   if (shared && !options.exposure)
     options.exposure = (*frames)->shared_exposure(double{frame_exposure(frame, output)});
+  if (is_video_path(request.out) && !options.exposure) {
+    if (!*of_video) *of_video = double{frame_exposure(frame, output)};
+    options.exposure = *of_video;
+  }
   return choose_exposure(frame, output, options);
 }
 
@@ -258,9 +269,15 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
   nlohmann::json pictures = nlohmann::json::array();
   if (run.frames && !run.views.empty()) run.frames->write_manifest();
   const char* const end = run.views.size() > 1 ? "\n" : "";
-  PictureWriter writer([&](const FinishedPicture& picture) {
-    print_exposure(request, picture.out.string(), picture.exposure, end);
-  });
+  std::optional<Video> video;
+  std::optional<double> of_video;
+  if (is_video_path(request.out))
+    video.emplace(request.out, run.settings.width, run.settings.height, request.fps);
+  PictureWriter writer(
+      [&](const FinishedPicture& picture) {
+        print_exposure(request, picture.out.string(), picture.exposure, end);
+      },
+      video ? &*video : nullptr);
   // A given time is the picture's alone, and large pictures fit into memory once.
   const bool beside =
       request.time.empty() && int64_t{run.settings.width} * run.settings.height <= kMaxPixelsBeside;
@@ -280,7 +297,7 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
     renderer->seconds().check = check.seconds;
     report(request, view, settings, *renderer, frame);
     report_check(view.out, run.records, check);
-    const float exposure = exposure_of(request, frame, settings.output, &run.frames);
+    const float exposure = exposure_of(request, frame, settings.output, &run.frames, &of_video);
     add_seconds(renderer->seconds(), &seconds);
     pictures.push_back(picture_json(request, view, settings, *renderer, frame, exposure));
     pictures.back()["check"] = check_json(check);
@@ -291,6 +308,7 @@ void render_to_files(const RenderRequest& request, PictureRun run, Renderer* ren
     run.work.restart();  // a view after the first has the time for itself
   }
   writer.finish();
+  if (video) video->finish();
   seconds.write += writer.seconds();
   if (!request.tool.common.json.empty()) {
     const nlohmann::json json =
@@ -310,6 +328,10 @@ void check_command(const RenderRequest& request, CommandFiles* files) {
   claim_files(request, files);
   apply_tool_options(request.tool);
   check_writable(request.out);
+  if (is_video_path(request.out)) {
+    const auto [width, height] = parse_picture_size(request.size);
+    check_video(request.out, width, height);
+  }
   check_writable(request.tool.common.json);
   check_writable(request.embedding.save);
 }

@@ -15,7 +15,8 @@ int main(int argc, char** argv) {
       "  lte_render home.glb --camera all --out views/%02d_{name}.png --set ev=+1\n"
       "  lte_render room.glb --integrator network --quality preview --out room.png\n"
       "  lte_render room.glb --integrator path --spp 1024 --set denoise=off --out reference.exr\n"
-      "  lte_render room.glb --edit edits.yaml --quality draft --out frames/%04d.png");
+      "  lte_render room.glb --edit edits.yaml --quality draft --out frames/%04d.png\n"
+      "  lte_render room.glb --turntable 96 --quality preview --out turn.mp4   # by ffmpeg");
   lte::infer::RenderRequest request;
   lte::infer::add_render_options(app, &request);
   return lte::infer::run_network_tool(app, argc, argv, [&] {

@@ -7,6 +7,7 @@
 
 #include "infer/render/frame_io.h"
 #include "infer/render/help_groups.h"
+#include "infer/render/video.h"
 #include "infer/tool/picture_size.h"
 #include "infer/tool/tool_keys.h"
 #include "lte/base/check.h"
@@ -16,7 +17,9 @@ namespace lte::infer {
 namespace {
 
 std::string check_picture_name(const std::string& path) {
-  return is_picture_path(path) ? "" : concat("\"", path, "\" ends neither in .exr nor in .png");
+  if (is_picture_path(path) || is_video_path(path)) return "";
+  return concat("\"", path,
+                "\" ends neither in .exr or .png nor, for a video, in .mp4, .webm or .gif");
 }
 
 std::string check_time(const std::string& text) {
@@ -55,7 +58,7 @@ void add_picture_options(CLI::App& app, RenderRequest* r) {
                  concat(scene::kCameraHelp, "; by default the scene's first camera, else auto"));
   app.add_option("--turntable", r->turntable,
                  "So many cameras that turn around the scene, or in place inside a room, from the "
-                 "one of --camera (by default auto) on; --out is a pattern")
+                 "one of --camera (by default auto) on; --out is a pattern or a video")
       ->check(CLI::Range(1, 100'000));
   add_edit_flags(app, &r->edit);
   app.add_flag("--resume", r->resume,
@@ -89,7 +92,7 @@ void add_light_options(CLI::App& app, RenderRequest* r) {
       ->excludes(time);
   app.add_option("--seed", r->seed, "Seed of all samples")->capture_default_str();
   app.add_option("--checkpoint", r->checkpoint,
-                 "Model, with --integrator network; by default the shipped one");
+                 "Model, with --integrator network; by default lte-hybrid");
   add_embedding_flags(app, &r->embedding);
   app.get_option("--edit")->excludes("--embedding")->excludes("--save-embedding");
 }
@@ -114,6 +117,7 @@ void add_keys(RenderRequest* r) {
            "of gather and network: hold the indirect light to account by a few thousand paths, and "
            "warn where it is off by more than they explain");
   add_exposure_keys(&keys, &r->exposure);
+  keys.add("fps", &r->fps, 1, 240, "of a video: pictures a second");
   add_scene_keys(&keys, r);
   add_embedding_keys(&keys, &r->embedding);
   add_network_keys(&keys, &r->tool);
@@ -155,6 +159,10 @@ void check_used(const RenderRequest& r, Method method, Output output) {
             " goes with --integrator gather or network, not path");
   LTE_CHECK(r.spp == 0 || method == Method::Path,
             "--spp goes with --integrator path: gather and network take --quality or --time");
+  LTE_CHECK(!r.keys.is_given("fps") || is_video_path(r.out),
+            "--set fps goes with a video: --out turn.mp4, .webm or .gif");
+  LTE_CHECK(!r.resume || !is_video_path(r.out),
+            "--resume goes with pictures: a video is made in one go");
   const bool png = !keeps_layers(r.out);
   const char* const shown = first_set(r.keys, {"exposure", "ev", "tone"});
   LTE_CHECK(shown == nullptr || png || r.out.empty(), "--set ", shown,

@@ -35,6 +35,7 @@ struct RenderRequest : SceneSource {
   int64_t records = render::CacheSettings().records;
   bool check = true;
   ExposureOptions exposure;
+  int fps = 24;  ///< of a video
   ToolOptions tool;
   SetKeys keys;
   CLI::App* flags = nullptr;  ///< that it was read from: frames remember their flags

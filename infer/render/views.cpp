@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 
+#include "infer/render/video.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/pathtrace/placement/auto_camera.h"
@@ -43,10 +44,11 @@ std::string file_name(const std::string& name) {
 }
 
 void name_pictures(const std::string& pattern, std::vector<View>* views) {
-  const bool is_pattern = find_number(pattern) || pattern.find("{name}") != std::string::npos;
+  const bool is_pattern =
+      is_video_path(pattern) || find_number(pattern) || pattern.find("{name}") != std::string::npos;
   LTE_CHECK(is_pattern || views->size() == 1, pattern, ": ", views->size(),
             " pictures need a pattern: %d or %04d for their number, or {name}, as in "
-            "picture_%04d.png");
+            "picture_%04d.png; or a video's name, as turn.mp4");
   std::map<std::string, std::string> taken;
   for (size_t i = 0; i < views->size(); ++i) {
     View& view = (*views)[i];
@@ -90,6 +92,7 @@ bool may_see(const scene::Camera& camera, const Bounds& box, float aspect) {
 }  // namespace
 
 std::string picture_name(const std::string& pattern, size_t number, const std::string& name) {
+  if (is_video_path(pattern)) return concat(pattern, "#", number);
   std::string out = pattern;
   if (const std::optional<NumberField> field = find_number(out)) {
     std::string digits = std::to_string(number);

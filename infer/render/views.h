@@ -11,7 +11,9 @@ namespace lte::infer {
 
 struct View {
   scene::Camera camera;
-  std::string out;  ///< the picture's file; empty if none is to be written
+  /// The picture's file, or the video's with the picture's number behind it: "turn.mp4#3"; empty if
+  /// none is to be written.
+  std::string out;
 };
 
 /// The cameras of the flag --camera (scene::find_cameras(); without it the scene's first camera,
@@ -19,7 +21,8 @@ struct View {
 ///
 /// Where the flag may stand for several cameras, `out` is a pattern: %d or, with leading zeros,
 /// %04d becomes the number of the picture from 0, {name} the name of its camera, in which anything
-/// but letters, digits, '.', '-' and '_' becomes '_'. Otherwise it is taken as it stands.
+/// but letters, digits, '.', '-' and '_' becomes '_'. Otherwise it is taken as it stands, and so is
+/// the name of a video.
 /// @param camera  auto:NUMBER is another automatic camera; no other seed moves it
 /// @param aspect  width over height, for the automatic camera
 /// @throws lte::Error for a camera that does not exist, a pattern that lacks where it is needed,
@@ -42,7 +45,7 @@ std::vector<scene::Camera> cameras_of(const std::vector<View>& views);
 void check_in_view(const scene::Scene& scene, const Bounds& bounds, const std::vector<View>& views,
                    float aspect);
 
-/// `pattern` with the number and the name put in.
+/// `pattern` with the number and the name put in; a video's name with the number behind it.
 std::string picture_name(const std::string& pattern, size_t number, const std::string& name);
 
 }  // namespace lte::infer

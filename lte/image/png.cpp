@@ -109,12 +109,16 @@ Image to_image(const T* samples, int width, int height, int channels) {
 
 }  // namespace
 
+std::vector<uint8_t> to_bytes(const Image& display) {
+  std::vector<uint8_t> bytes(display.pixels.size());
+  std::transform(display.pixels.begin(), display.pixels.end(), bytes.begin(), to_byte);
+  return bytes;
+}
+
 std::vector<unsigned char> encode_png(const Image& display) {
   LTE_CHECK(display.channels == 1 || display.channels == 3, "PNG: expected 1 or 3 channels, got ",
             display.channels);
-  std::vector<uint8_t> bytes(display.pixels.size());
-  std::transform(display.pixels.begin(), display.pixels.end(), bytes.begin(), to_byte);
-  return encode(bytes, display.width, display.height, display.channels);
+  return encode(to_bytes(display), display.width, display.height, display.channels);
 }
 
 std::vector<unsigned char> encode_png(const DisplayPicture& picture) {

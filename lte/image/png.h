@@ -17,7 +17,10 @@ namespace lte::image {
 void write_png(const std::filesystem::path& path, const Image& display);
 void write_png(const std::filesystem::path& path, const DisplayPicture& picture);
 
-/// The same bytes in memory, for reports and logs that embed pictures.
+/// Values as a PNG holds them: [0, 1] rounded to 8 bits.
+std::vector<uint8_t> to_bytes(const Image& display);
+
+/// The same file in memory, for reports and logs that embed pictures.
 /// @throws lte::Error unless the picture has 1 or 3 channels and at most 2^28 pixels.
 std::vector<unsigned char> encode_png(const Image& display);
 std::vector<unsigned char> encode_png(const DisplayPicture& picture);

@@ -19,6 +19,7 @@ WARRANTED = {
     "CanStartThreads.*": "the sanitizer takes all addresses",
     "CApi.ThreadsSleepBetweenCalls": "one processor",
     "OidnLibrary.*": "no Open Image Denoise",  # scripts/setup.sh installs it
+    "Videos.Ffmpeg*": "no ffmpeg",
     "TorchscriptExample.PythonGivesTheAnswersOfCpp": "no Python with PyTorch (LTE_TORCH_PYTHON)",
 }
 
