@@ -293,7 +293,7 @@ data::View bake_view(Baker* baker, const BakeOptions& options, int64_t index) {
     if (!hits.mask[i]) continue;
     slots.push_back(i);
     position.push_back(hits.position[i]);
-    normal.push_back(hits.normal[i]);
+    normal.push_back(hits.geometric(i));
   }
   data::View view;
   view.width = hits.width;

@@ -73,7 +73,8 @@ Json texture_list(const scene::Scene& scene) {
   for (const scene::Material& material : scene.materials) {
     for (const auto& [ref, what] : {std::pair{&material.base_color_texture, "base color"},
                                     {&material.emission_texture, "emission"},
-                                    {&material.metallic_roughness_texture, "metal, roughness"}}) {
+                                    {&material.metallic_roughness_texture, "metal, roughness"},
+                                    {&material.normal_texture, "normals"}}) {
       if (ref->texture == scene::kNone) continue;
       const auto number = static_cast<size_t>(ref->texture);
       if (uses[number]++ == 0) first[number] = concat(what, " of ", material.name);

@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kMaxPixels = 1 << 16;
 constexpr float kMetallic = 0.05f, kMinAlbedo = 1e-3f;
-/// Cosine between the normal through a pixel's middle and the pixel's mean, below which several
-/// surfaces share it.
+/// Cosine between the geometric normal through a pixel's middle and the pixel's mean shading normal,
+/// below which several surfaces share it or a normal map bends it.
 constexpr float kSameNormal = 0.99f;
 
 }  // namespace
@@ -42,15 +42,15 @@ AnsweredLight checked_pixels(const pathtrace::Bvh& bvh, const scene::Camera& cam
   for (size_t i = 0; i < pixels.size(); ++i) {
     const bool metal = !hits.metallic.empty() && hits.metallic[i] > kMetallic;
     if (!hits.mask[i] || metal || max_component(hits.albedo[i]) < kMinAlbedo ||
-        dot(hits.normal[i], frame.normal.rgb(pixels[i])) < kSameNormal)
+        dot(hits.geometric(i), frame.normal.rgb(pixels[i])) < kSameNormal)
       continue;
     if (frame.gathered_indirect.width > 0) {
-      out.add(hits.position[i], hits.normal[i], frame.gathered_indirect.rgb(pixels[i]));
+      out.add(hits.position[i], hits.geometric(i), frame.gathered_indirect.rgb(pixels[i]));
       continue;
     }
     const Rgb direct = frame.direct.width > 0 ? frame.direct.rgb(pixels[i]) : Rgb{};
     out.total = out.total || max_component(direct) > 0;
-    out.add(hits.position[i], hits.normal[i], direct + frame.indirect.rgb(pixels[i]));
+    out.add(hits.position[i], hits.geometric(i), direct + frame.indirect.rgb(pixels[i]));
   }
   return out;
 }

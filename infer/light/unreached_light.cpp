@@ -35,7 +35,7 @@ Places seen_places(const pathtrace::Bvh& bvh, std::span<const scene::Camera> cam
     for (size_t i = 0; i < hits.mask.size(); ++i) {
       if (hits.mask[i] == 0) continue;
       places.position.push_back(hits.position[i]);
-      places.normal.push_back(hits.normal[i]);
+      places.normal.push_back(hits.geometric(i));
     }
   }
   return places;

@@ -71,14 +71,17 @@ class Gatherer : public pathtrace::LightSink {
                    CacheReader{&cache, frame_, options.near * cache.radius(),
                                spread_of(cache, options.rays), &texels_, &counts_}) {}
 
+  /// @param geometric     may be empty
   /// @param first_stream  the number of the first point
-  void gather(std::span<const Vec3> positions, std::span<const Vec3> normals, int64_t first_stream,
-              std::span<Rgb> out, std::span<Rgb> met) {
+  void gather(std::span<const Vec3> positions, std::span<const Vec3> normals,
+              std::span<const Vec3> geometric, int64_t first_stream, std::span<Rgb> out,
+              std::span<Rgb> met) {
     sums_.assign(positions.size(), {});
     met_.assign(positions.size(), {});
     for (size_t i = 0; i < positions.size(); ++i) {
       // The offset follows the world coordinates, as that of irradiance does.
-      const Vec3 origin = pathtrace::offset_origin(positions[i], normals[i], half_extent_) - frame_;
+      const Vec3& side = geometric.empty() ? normals[i] : geometric[i];
+      const Vec3 origin = pathtrace::offset_origin(positions[i], side, half_extent_) - frame_;
       sampler_.start_stream(options_.seed, static_cast<uint64_t>(first_stream) + i);
       sampler_.start_set();
       for (int k = 0; k < options_.rays; ++k) {
@@ -86,6 +89,7 @@ class Gatherer : public pathtrace::LightSink {
         const int lane = sampler_.paths();
         transport_.start().origin.put(lane, origin);
         transport_.start().normal.put(lane, normals[i]);
+        if (!geometric.empty()) geometric_.push_back(side);
         point_[static_cast<size_t>(lane)] = i;
         sampler_.add_path();
       }
@@ -122,7 +126,8 @@ class Gatherer : public pathtrace::LightSink {
   }
 
   void flush() {
-    transport_.trace_indirect(sampler_);
+    transport_.trace_indirect(sampler_, geometric_);
+    geometric_.clear();
     sampler_.clear();
   }
 
@@ -134,6 +139,7 @@ class Gatherer : public pathtrace::LightSink {
   pathtrace::PathSampler sampler_;
   pathtrace::BasicTransport<CacheReader> transport_;
   std::array<size_t, kBlock> point_;
+  std::vector<Vec3> geometric_;  ///< normals of the paths' surfaces; empty as they are given
   std::vector<Sum> sums_, met_;
 };
 
@@ -142,7 +148,7 @@ class Gatherer : public pathtrace::LightSink {
 Gathered gather_irradiance(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                            const IrradianceCache& cache, std::span<const Vec3> positions,
                            std::span<const Vec3> normals, const GatherOptions& options,
-                           int64_t first_index) {
+                           int64_t first_index, std::span<const Vec3> geometric_normals) {
   LTE_CHECK(&bvh.scene() == &lights.scene(), "the BVH and the lights are of two scenes");
   LTE_CHECK(options.rays >= 1 && options.rays <= kMaxRays, "gather: rays must be 1 to ", kMaxRays,
             ", got ", options.rays);
@@ -150,6 +156,7 @@ Gathered gather_irradiance(const pathtrace::Bvh& bvh, const pathtrace::Lights& l
             options.max_depth);
   LTE_CHECK(options.near >= 0, "gather: near must not be negative, got ", options.near);
   pathtrace::check_points(positions, normals);
+  if (!geometric_normals.empty()) pathtrace::check_points(positions, geometric_normals);
   Gathered out;
   out.indirect.resize(positions.size());
   out.met.resize(positions.size());
@@ -158,7 +165,9 @@ Gathered gather_irradiance(const pathtrace::Bvh& bvh, const pathtrace::Lights& l
   parallel_for(static_cast<int64_t>(positions.size()), kGrain, [&](int64_t begin, int64_t end) {
     const auto gatherer = std::make_unique<Gatherer>(bvh, lights, cache, options);
     const auto first = static_cast<size_t>(begin), count = static_cast<size_t>(end - begin);
-    gatherer->gather(positions.subspan(first, count), normals.subspan(first, count),
+    const auto geometric =
+        geometric_normals.empty() ? geometric_normals : geometric_normals.subspan(first, count);
+    gatherer->gather(positions.subspan(first, count), normals.subspan(first, count), geometric,
                      first_index + begin, std::span(out.indirect).subspan(first, count),
                      std::span(out.met).subspan(first, count));
     rays_traced += gatherer->rays_traced();

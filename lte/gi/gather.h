@@ -41,10 +41,12 @@ struct Gathered {
 ///
 /// Point i draws from stream (seed, first_index + i): the result depends neither on threads nor on
 /// how a set is cut into calls.
+/// @param geometric_normals  of the surfaces, where `normals` are shading normals: no light arrives
+///                           from below them. Empty where they are the same.
 /// @throws lte::Error as pathtrace::estimate_irradiance()
 Gathered gather_irradiance(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                            const IrradianceCache& cache, std::span<const Vec3> positions,
                            std::span<const Vec3> normals, const GatherOptions& options,
-                           int64_t first_index = 0);
+                           int64_t first_index = 0, std::span<const Vec3> geometric_normals = {});
 
 }  // namespace lte::gi

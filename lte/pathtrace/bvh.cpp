@@ -12,6 +12,7 @@
 #include "lte/pathtrace/embree_scene.h"
 #include "lte/scene/inverse_transpose.h"
 #include "lte/scene/number_check.h"
+#include "lte/scene/shading_normal.h"
 #include "lte/scene/surface.h"
 
 namespace lte::pathtrace {
@@ -141,6 +142,7 @@ InstanceRecord make_record(const scene::Scene& scene, int index, const Vec3& ori
                    material.metallic_roughness_texture.texture == scene::kNone &&
                    mesh.colors.empty();
   record.glossy = material.metallic > 0;
+  record.normal_mapped = scene::has_normal_map(scene, instance);
   record.emissive = material.emissive();
   record.two_sided = material.double_sided;
   record.light_group = instance.light_group;

@@ -100,8 +100,9 @@ class DirectEstimator {
         options_.hemisphere_elsewhere
             ? 0
             : static_cast<int32_t>(std::floor(share_ * static_cast<float>(count) + rounding));
-    const Vec3 origin =
-        offset_origin(points_.positions[at], points_.normals[at], half_extent_) - handles_.origin;
+    const Vec3& side =
+        points_.geometric_normals.empty() ? points_.normals[at] : points_.geometric_normals[at];
+    const Vec3 origin = offset_origin(points_.positions[at], side, half_extent_) - handles_.origin;
     const auto add = [&](Samples* block, int32_t k) {
       if (block->size == kBlock) {
         flush();
@@ -141,6 +142,13 @@ class DirectEstimator {
     (halves_[static_cast<size_t>(half)].*kind).add(value.x, value.y, value.z);
   }
 
+  bool from_below(const Samples& samples, int lane, const Vec3& direction) const {
+    if (points_.geometric_normals.empty()) return false;
+    const int32_t half = half_of_slot_[static_cast<size_t>(samples.set[lane])];
+    const auto point = static_cast<size_t>(halves_[static_cast<size_t>(half)].point);
+    return !(dot(points_.geometric_normals[point], direction) > 0);
+  }
+
   void sample_lights() {
     draw(light_, 0, 0, numbers_.point_x);
     draw(light_, 1, 1, numbers_.point_y);
@@ -150,7 +158,7 @@ class DirectEstimator {
     for (int lane = 0; lane < light_.size; ++lane) {
       const Vec3 direction = drawn_.direction.at(lane);
       const float pdf = drawn_.pdf[lane], cosine = dot(light_.normal.at(lane), direction);
-      if (pdf == 0 || !(cosine > 0)) continue;
+      if (pdf == 0 || !(cosine > 0) || from_below(light_, lane, direction)) continue;
       const float density = pdf < 0 ? -pdf : pdf + share_ * cosine / kPi;
       const Rgb value = drawn_.radiance.at(lane) * (light_.scale[lane] * cosine / density);
       if (!(max_component(value) > 0)) continue;
@@ -178,6 +186,7 @@ class DirectEstimator {
     intersect(handles_.top, handles_.packet_width, sky_.position, directions_, sky_.size, &hits_);
     for (int lane = 0; lane < sky_.size; ++lane) {
       float light_pdf = 0;
+      if (from_below(sky_, lane, directions_.at(lane))) continue;
       const Rgb radiance = seen(lane, &light_pdf);
       if (!(max_component(radiance) > 0)) continue;
       // The cosine over π is the density of the direction.
@@ -275,6 +284,7 @@ DirectLight estimate_direct(const Bvh& bvh, const Lights& lights, const DirectPo
       points.streams.size() == points.positions.size() && samples.size() == points.positions.size(),
       "direct light needs a stream and a count a point: got ", points.positions.size(),
       " positions, ", points.streams.size(), " streams and ", samples.size(), " counts");
+  if (!points.geometric_normals.empty()) check_points(points.positions, points.geometric_normals);
   LTE_CHECK(options.hemisphere_share >= 0 && options.hemisphere_share <= 1,
             "hemisphere_share must be 0 to 1, got ", options.hemisphere_share);
   for (size_t i = 0; i < samples.size(); ++i) {

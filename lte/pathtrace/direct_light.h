@@ -19,6 +19,9 @@ namespace lte::pathtrace {
 struct DirectPoints {
   std::span<const Vec3> positions, normals;  ///< normals are unit
   std::span<const uint64_t> streams;         ///< random numbers of a point: distinct ones
+  /// Of the surfaces, where `normals` are shading normals: no light arrives from below them. Empty
+  /// where they are the same.
+  std::span<const Vec3> geometric_normals{};
 };
 
 struct DirectOptions {

@@ -45,6 +45,7 @@ struct InstanceRecord {
   scene::Gloss gloss;                ///< likewise
   bool uniform = false;              ///< no texture and no vertex colors
   bool glossy = false;               ///< metal, at least in places
+  bool normal_mapped = false;        ///< its shading normals are not the geometric ones
   bool emissive = false, two_sided = false;
   int light_group = scene::kNone;
 };

@@ -11,6 +11,7 @@
 #include "lte/pathtrace/embree_scene.h"
 #include "lte/scene/camera_rays.h"
 #include "lte/scene/number_check.h"
+#include "lte/scene/shading_normal.h"
 #include "lte/scene/surface.h"
 #include "lte/scene/texel_densities.h"
 
@@ -94,6 +95,12 @@ class PrimaryTracer {
     }
     out_->position[i] = point.position + bvh_.handles().origin;
     out_->normal[i] = cos_front >= 0 ? point.normal : -point.normal;
+    if (!out_->geometric_normal.empty()) out_->geometric_normal[i] = out_->normal[i];
+    if (record.normal_mapped) {
+      const Vec3 bent = scene::shading_normal(bvh_.scene(), instance, hit.primID[lane], hit.u[lane],
+                                              hit.v[lane], footprint, point.normal);
+      out_->normal[i] = cos_front >= 0 ? bent : -bent;
+    }
     out_->depth[i] = packet.ray.tfar[lane] * dot(d, axis_);
     out_->mask[i] = 1;
     out_->instance[i] = instance;
@@ -116,6 +123,7 @@ class PrimaryTracer {
     out_->mask[i] = 0;
     out_->instance[i] = scene::kNone;
     if (!out_->metallic.empty()) out_->metallic[i] = 0;
+    if (!out_->geometric_normal.empty()) out_->geometric_normal[i] = Vec3{};
   }
 
   const Bvh& bvh_;
@@ -133,14 +141,17 @@ void resize(const Bvh& bvh, int width, int height, GBuffer* hits) {
   out.height = height;
   const auto count = static_cast<size_t>(width) * static_cast<size_t>(height);
   const auto& instances = bvh.handles().instances;
-  const bool glossy = std::any_of(instances.begin(), instances.end(),
-                                  [](const InstanceRecord& record) { return record.glossy; });
+  const auto any = [&](bool InstanceRecord::*what) {
+    return std::any_of(instances.begin(), instances.end(),
+                       [&](const InstanceRecord& record) { return record.*what; });
+  };
   for (UnfilledVector<Vec3>* values : {&out.position, &out.normal, &out.albedo, &out.emission})
     values->resize(count);
   out.depth.resize(count);
   out.mask.resize(count);
   out.instance.resize(count);
-  if (glossy) out.metallic.resize(count);
+  if (any(&InstanceRecord::glossy)) out.metallic.resize(count);
+  if (any(&InstanceRecord::normal_mapped)) out.geometric_normal.resize(count);
 }
 
 }  // namespace
@@ -220,6 +231,7 @@ GBuffer rows_of(const GBuffer& hits, int first, int last) {
   out.mask = part(hits.mask);
   out.instance = part(hits.instance);
   if (!hits.metallic.empty()) out.metallic = part(hits.metallic);
+  if (!hits.geometric_normal.empty()) out.geometric_normal = part(hits.geometric_normal);
   return out;
 }
 

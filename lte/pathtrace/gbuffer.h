@@ -11,7 +11,8 @@
 
 namespace lte::pathtrace {
 
-/// Primary hits, in rows. Normals face the camera: irradiance is that of the visible side.
+/// Primary hits, in rows. Normals are of the side that faces the camera: irradiance is that of the
+/// visible side. They are shading normals (scene/shading_normal.h).
 struct GBuffer {
   int width = 0, height = 0;
   UnfilledVector<Vec3> position, normal;  ///< [height * width]; zero for background
@@ -20,9 +21,14 @@ struct GBuffer {
   UnfilledVector<float> depth;   ///< distance along the camera's axis; INFINITY for background
   UnfilledVector<uint8_t> mask;  ///< 1 where a surface was hit
   UnfilledVector<int32_t> instance;  ///< scene::kNone for background
+  /// Empty for a scene without normal maps, whose normals are geometric.
+  UnfilledVector<Vec3> geometric_normal;
   /// How metallic the surface is, [0, 1]; empty for a scene without metal.
   UnfilledVector<float> metallic;
 
+  const Vec3& geometric(size_t i) const {
+    return geometric_normal.empty() ? normal[i] : geometric_normal[i];
+  }
   /// Room for so many hits, of which what is not needed costs no memory.
   void reserve(size_t count);
 };

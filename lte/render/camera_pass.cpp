@@ -110,7 +110,7 @@ class Batch {
   void light(const Integrator& integrator, int64_t* next_point) {
     LightSums& sums = film_.gathered.halves[static_cast<size_t>(film_.passes % 2)];
     begin(film_, &sums);
-    std::vector<Vec3> position, normal;
+    std::vector<Vec3> position, normal, geometric_normal;
     std::vector<size_t> lit;    // hits
     std::vector<size_t> metal;  // pixels
     for (size_t i = 0; i < pixels_.size(); ++i) {
@@ -128,6 +128,7 @@ class Batch {
         }
         position.push_back(hits_.position[hit]);
         normal.push_back(hits_.normal[hit]);
+        if (!hits_.geometric_normal.empty()) geometric_normal.push_back(hits_.geometric(hit));
         lit.push_back(hit);
       }
     }
@@ -138,7 +139,8 @@ class Batch {
         hash_combine(hash_combine(settings_.seed, kPoints), static_cast<uint64_t>(film_.passes));
     sampling.first_index = *next_point;
     *next_point += static_cast<int64_t>(lit.size());
-    const PointIrradiance light = integrator.irradiance({position, normal}, sampling);
+    const PointIrradiance light =
+        integrator.irradiance({position, normal, geometric_normal}, sampling);
     for (size_t k = 0; k < lit.size(); ++k) add_light(lit[k], k, light, &sums);
     if (!metal.empty()) trace_metal(metal, &sums);
   }

@@ -121,8 +121,9 @@ PointIrradiance gather_points(const TracedScene& scene, const gi::IrradianceCach
     options.rays = sampling.rays;
     options.max_depth = max_depth;
     options.seed = sampling.seed;
-    gi::Gathered gathered = gi::gather_irradiance(scene.bvh, scene.lights, cache, points.position,
-                                                  points.normal, options, sampling.first_index);
+    gi::Gathered gathered =
+        gi::gather_irradiance(scene.bvh, scene.lights, cache, points.position, points.normal,
+                              options, sampling.first_index, points.geometric_normal);
     out.indirect = std::move(gathered.indirect);
     met = std::move(gathered.met);
   }
@@ -139,7 +140,8 @@ PointIrradiance gather_points(const TracedScene& scene, const gi::IrradianceCach
   }
   out.direct =
       std::move(pathtrace::estimate_direct(
-                    scene.bvh, scene.lights, {points.position, points.normal, streams},
+                    scene.bvh, scene.lights,
+                    {points.position, points.normal, streams, points.geometric_normal},
                     std::vector<int32_t>(points.position.size(), sampling.light_samples), options)
                     .irradiance);
   for (size_t i = 0; both && i < met.size(); ++i) out.direct[i] += met[i];

@@ -36,6 +36,9 @@ struct TracedScene {
 /// Points on surfaces: world space, unit normals on the side whose irradiance is wanted. [points]
 struct SurfacePoints {
   std::span<const Vec3> position, normal;
+  /// Where `normal` is for shading: that of the surface, below which nothing arrives. Empty where
+  /// they are the same.
+  std::span<const Vec3> geometric_normal{};
 };
 
 /// How irradiance is sampled at each point.

@@ -103,7 +103,7 @@ class Exporter {
     std::set<int> colors, others;
     for (const Material& material : scene_.materials) {
       colors.insert({material.base_color_texture.texture, material.emission_texture.texture});
-      others.insert(material.metallic_roughness_texture.texture);
+      others.insert({material.metallic_roughness_texture.texture, material.normal_texture.texture});
     }
     others.erase(kNone);
     for (size_t i = 0; i < scene_.textures.size(); ++i) {
@@ -157,6 +157,10 @@ class Exporter {
     if (const TextureRef& ref = material.metallic_roughness_texture; ref.texture != kNone)
       pbr["metallicRoughnessTexture"] = to_json_ref(ref, linear_image_.at(ref.texture));
     Json out{{"name", material.name}, {"pbrMetallicRoughness", std::move(pbr)}};
+    if (const TextureRef& ref = material.normal_texture; ref.texture != kNone) {
+      out["normalTexture"] = to_json_ref(ref, linear_image_.at(ref.texture));
+      if (material.normal_scale != 1) out["normalTexture"]["scale"] = material.normal_scale;
+    }
     if (material.double_sided) out["doubleSided"] = true;
     if (!material.emissive()) return out;
     // A power of two as strength: factor * strength gives back the very same floats.
@@ -179,6 +183,8 @@ class Exporter {
         attributes[concat("TEXCOORD_", set)] = writer_.add_vectors(mesh.uvs[set]);
     }
     if (!mesh.colors.empty()) attributes["COLOR_0"] = writer_.add_vectors(mesh.colors);
+    if (!mesh.normals.empty()) attributes["NORMAL"] = writer_.add_vectors(mesh.normals);
+    if (!mesh.tangents.empty()) attributes["TANGENT"] = writer_.add_vectors(mesh.tangents);
     json()["meshes"].push_back({{"name", mesh.name},
                                 {"primitives",
                                  {{{"attributes", std::move(attributes)},

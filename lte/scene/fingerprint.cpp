@@ -45,6 +45,11 @@ std::string geometry_of(const Scene& scene) {
     add_all(&sum, mesh.triangles);
     for (const std::vector<Vec2>& uvs : mesh.uvs) add_all(&sum, uvs);
     add_all(&sum, mesh.colors);
+    add_all(&sum, mesh.normals);
+    for (const Tangent& tangent : mesh.tangents) {
+      add(&sum, tangent.direction);
+      add(&sum, tangent.sign);
+    }
     add(&sum, mesh.material);
   }
   for (const Instance& instance : scene.instances) {
@@ -65,6 +70,8 @@ std::string materials_of(const Scene& scene) {
     add(&sum, material.metallic);
     add(&sum, material.roughness);
     add(&sum, material.metallic_roughness_texture);
+    add(&sum, material.normal_texture);
+    add(&sum, material.normal_scale);
   }
   for (const auto& texture : scene.textures) {
     add(&sum, texture != nullptr);

@@ -55,6 +55,10 @@ int GlbWriter::add_vectors(const std::vector<Vec2>& values) {
   return add_accessor(values.data(), values.size(), sizeof(Vec2), kFloat, "VEC2");
 }
 
+int GlbWriter::add_vectors(const std::vector<Tangent>& values) {
+  return add_accessor(values.data(), values.size(), sizeof(Tangent), kFloat, "VEC4");
+}
+
 int GlbWriter::add_indices(const std::vector<std::array<uint32_t, 3>>& triangles) {
   return add_accessor(triangles.data(), 3 * triangles.size(), sizeof(uint32_t), kUnsignedInt,
                       "SCALAR");

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lte/base/math.h"
+#include "lte/scene/scene.h"
 
 namespace lte::scene {
 
@@ -25,6 +26,7 @@ class GlbWriter {
   int add_positions(const std::vector<Vec3>& values);
   int add_vectors(const std::vector<Vec3>& values);
   int add_vectors(const std::vector<Vec2>& values);
+  int add_vectors(const std::vector<Tangent>& values);
   int add_indices(const std::vector<std::array<uint32_t, 3>>& triangles);
   int add_bytes(const void* bytes, size_t size);
 

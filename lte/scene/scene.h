@@ -48,8 +48,18 @@ struct Material {
   float roughness = 1;  ///< [0, 1], of the conductor: α = roughness²
   /// Linear: G times `roughness`, B times `metallic`.
   TextureRef metallic_roughness_texture;
+  /// Linear: directions that stand in for the normal (shading_normal.h), x along the picture's
+  /// columns, y up its rows, z outwards, each from [−1, 1] to [0, 1].
+  TextureRef normal_texture;
+  float normal_scale = 1;  ///< of x and y
 
   bool emissive() const { return max_component(emission) > 0; }
+};
+
+/// Where a normal map's x points, at a vertex.
+struct Tangent {
+  Vec3 direction;  ///< of any length
+  float sign = 1;  ///< y is this times normal × tangent
 };
 
 /// Triangles of one material, in their own frame.
@@ -59,7 +69,11 @@ struct Mesh {
   std::vector<std::array<uint32_t, 3>> triangles;  ///< counter-clockwise seen from the front
   std::array<std::vector<Vec2>, kUvSets> uvs;      ///< each empty or one a vertex
   std::vector<Rgb> colors;                         ///< COLOR_0, linear; empty or one a vertex
-  int material = 0;                                ///< index into Scene::materials; always valid
+  /// What a normal map bends, and along which directions: empty, or one a vertex. Without, the
+  /// geometric normal and the UV's directions. Meshes without a normal map have none.
+  std::vector<Vec3> normals;
+  std::vector<Tangent> tangents;
+  int material = 0;  ///< index into Scene::materials; always valid
 };
 
 /// A mesh placed in the world. A mirroring transform flips the winding, so that front stays front.

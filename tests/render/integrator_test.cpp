@@ -85,6 +85,26 @@ TEST(Gather, ANetworksLightTakesItsLevelFromTheScene) {
   EXPECT_NEAR(mean(light.indirect).x, expected, 0.03f * expected);
 }
 
+/// In a furnace a normal that leans by θ loses what lies below the surface: (1 + cos θ) / 2 is left.
+TEST(Integrators, AShadingNormalSeesWhatIsAboveTheSurface) {
+  const test::Traced room(test::furnace(kAlbedo, kRadiance));
+  CacheSettings settings;
+  settings.records = 256;
+  settings.paths = 64;
+  const auto gather = make_gather(room.view(), settings), path = make_path(room.view(), 5);
+  const Vec3 leaning = normalize({1, 1, 0});
+  const std::vector<Vec3> position(256, {1, 0, 1}), shading(256, leaning),
+      geometric(256, {0, 1, 0});
+  const float left = (1 + leaning.y) / 2;
+  for (Integrator* const integrator : {gather.get(), path.get()}) {
+    integrator->prepare();
+    const PointIrradiance light =
+        integrator->irradiance({position, shading, geometric}, {16, 16, 0, 0});
+    EXPECT_NEAR(mean(light.direct).x, left * kPi * kRadiance, 0.02f * kPi * kRadiance);
+    EXPECT_NEAR(mean(light.indirect).y, left * furnace_indirect(4), 0.03f * furnace_indirect(4));
+  }
+}
+
 TEST(Gather, ASourceOfAnotherLengthIsRefused) {
   const test::Traced room(test::furnace(kAlbedo, kRadiance));
   EXPECT_THROW(make_cache(room.view(), {}, [](auto, auto, auto) { return std::vector<Rgb>(3); }),

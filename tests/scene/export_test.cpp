@@ -28,6 +28,12 @@ void expect_equal(const Mesh& a, const Mesh& b) {
   EXPECT_EQ(a.positions, b.positions);
   EXPECT_EQ(a.triangles, b.triangles);
   EXPECT_EQ(a.colors, b.colors);
+  EXPECT_EQ(a.normals, b.normals);
+  ASSERT_EQ(a.tangents.size(), b.tangents.size());
+  for (size_t i = 0; i < a.tangents.size(); ++i) {
+    EXPECT_EQ(a.tangents[i].direction, b.tangents[i].direction);
+    EXPECT_EQ(a.tangents[i].sign, b.tangents[i].sign);
+  }
   EXPECT_EQ(a.material, b.material);
   for (size_t set = 0; set < 2; ++set) {
     ASSERT_EQ(a.uvs[set].size(), b.uvs[set].size());
@@ -55,6 +61,8 @@ void expect_equal(const Scene& a, const Scene& b) {
     EXPECT_EQ(a.materials[i].double_sided, b.materials[i].double_sided);
     expect_equal(a.materials[i].base_color_texture, b.materials[i].base_color_texture);
     expect_equal(a.materials[i].emission_texture, b.materials[i].emission_texture);
+    expect_equal(a.materials[i].normal_texture, b.materials[i].normal_texture);
+    EXPECT_EQ(a.materials[i].normal_scale, b.materials[i].normal_scale);
     EXPECT_EQ(a.materials[i].metallic, b.materials[i].metallic);
     EXPECT_EQ(a.materials[i].roughness, b.materials[i].roughness);
     expect_equal(a.materials[i].metallic_roughness_texture,
@@ -107,6 +115,13 @@ Scene rich_scene() {
   scene.materials[2].metallic = 1;
   scene.materials[2].roughness = 0;
   scene.materials[2].metallic_roughness_texture.texture = 2;
+  scene.materials[1].normal_texture.texture = 2;
+  scene.materials[1].normal_scale = 0.7f;
+  for (Mesh& mesh : scene.meshes) {
+    if (mesh.material != 1) continue;
+    mesh.normals.assign(mesh.positions.size(), {0, 0.6f, 0.8f});
+    mesh.tangents.assign(mesh.positions.size(), {{1, 0, 0}, -1});
+  }
   TextureRef ref;
   ref.texture = 1;
   ref.uv_set = 1;

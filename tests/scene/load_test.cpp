@@ -321,7 +321,9 @@ TEST_F(Load, NotesWhatItLeavesOut) {
                   "alphaMode MASK (1 material)", "animations (1 animation)",
                   "extension EXT_something (1 file)",
                   "metallic-roughness texture without metallicFactor (1 material)",
-                  "normal map (1 material)", "occlusion texture (1 material)"));
+                  "occlusion texture (1 material)",
+                  "picture of a normal map that is not there "
+                  "(1 image)"));
 }
 
 TEST_F(Load, TakesFilesThatRequireAppearanceItDrops) {

@@ -18,14 +18,14 @@ class GlossyBsdf {
  public:
   /// @param color     [0, 1]
   /// @param metallic  (0, 1]
-  /// @param normal    unit, of the side that `outgoing` is on
+  /// @param normal    unit, of the side that `outgoing` is on; a shading normal may face away
   /// @param outgoing  unit, away from the surface: where the light goes
   GlossyBsdf(const Rgb& color, float metallic, float roughness, const Vec3& normal,
              const Vec3& outgoing)
       : color_(color), metallic_(metallic), alpha_(ggx_alpha(roughness)), normal_(normal) {
     make_frame(normal, &tangent_, &bitangent_);
     outgoing_ = to_local(outgoing);
-    outgoing_.z = std::max(0.0f, outgoing_.z);
+    if (outgoing_.z < 0) outgoing_ = normalize({outgoing_.x, outgoing_.y, 0});  // grazing
   }
 
   /// @param incident  unit, away from the surface: where the light comes from

@@ -81,7 +81,9 @@ class BasicTransport {
 
   /// The same, but no light is sampled at these points themselves: contributions of depth 1 are not
   /// whole.
-  void trace_indirect(PathSampler& sampler);
+  /// @param geometric  normals of the surfaces, a path each, where those of `start()` are shading
+  ///                   normals; empty where they are the same
+  void trace_indirect(PathSampler& sampler, std::span<const Vec3> geometric = {});
 
   /// Traces the paths of the sampler's block along rays that the caller has put into its lanes of
   /// `start()`: origin relative to the frame origin, and unit direction.
@@ -95,12 +97,17 @@ class BasicTransport {
   bool end_where_known(int lane, int depth, const SurfacePoint& point, const Vec3& side,
                        const Rgb& throughput);
   float footprint(float distance) const;
+  bool leaves_below(int lane, const Vec3& direction) const {
+    const int32_t at = geometric_of_[lane];
+    return at != scene::kNone && !(dot(geometric_[static_cast<size_t>(at)], direction) > 0);
+  }
   void shade(int depth);
   void collect_emission(int depth);
   void add_emission(int lane, const Rgb& emission, float cos_front);
   void add_environment(int lane);
   void sample_lights(int vertex, PathSampler& sampler);
   void weigh_metal();
+  void drop_light_from_below();
   void cast_shadows(int depth);
   void russian_roulette(int vertex, PathSampler& sampler);
   void scatter(int vertex, PathSampler& sampler);
@@ -119,6 +126,10 @@ class BasicTransport {
   PathBlock paths_;
   std::vector<GlossyBsdf> metal_;         ///< metallic vertices where paths stand
   alignas(64) int32_t metal_of_[kBlock];  ///< lane's index into metal_, kNone if it is diffuse
+  /// Geometric normals where paths stand on surfaces with a normal map: nothing arrives from below
+  /// those, whatever the shading normal, and nothing leaves there.
+  std::vector<Vec3> geometric_;
+  alignas(64) int32_t geometric_of_[kBlock];  ///< lane's index into geometric_, or kNone
   [[no_unique_address]] SampledLanes<Directions> sampled_;
   HitBlock hits_;
   LightBlock light_samples_;

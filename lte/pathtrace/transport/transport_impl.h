@@ -11,6 +11,7 @@
 #include "lte/pathtrace/lights/light_lanes.h"
 #include "lte/pathtrace/materials/lambert.h"
 #include "lte/pathtrace/transport/transport.h"
+#include "lte/scene/shading_normal.h"
 #include "lte/scene/surface.h"
 #include "lte/scene/texel_densities.h"
 
@@ -53,8 +54,11 @@ void BasicTransport<Observer, Directions>::trace_from_surfaces(PathSampler& samp
 }
 
 template <typename Observer, DirectionSampler Directions>
-void BasicTransport<Observer, Directions>::trace_indirect(PathSampler& sampler) {
+void BasicTransport<Observer, Directions>::trace_indirect(PathSampler& sampler,
+                                                          std::span<const Vec3> geometric) {
   start_at_surfaces(sampler);
+  geometric_.assign(geometric.begin(), geometric.end());
+  for (int lane = 0; lane < static_cast<int>(geometric.size()); ++lane) geometric_of_[lane] = lane;
   scatter(0, sampler);
   follow(sampler);
 }
@@ -63,6 +67,7 @@ template <typename Observer, DirectionSampler Directions>
 void BasicTransport<Observer, Directions>::start_at_surfaces(const PathSampler& sampler) {
   paths_.size = sampler.paths();
   metal_.clear();
+  geometric_.clear();
   sampled_.clear();
   for (int lane = 0; lane < paths_.size; ++lane) {
     paths_.throughput.put(lane, {1, 1, 1});
@@ -149,6 +154,7 @@ template <typename Observer, DirectionSampler Directions>
 void BasicTransport<Observer, Directions>::shade(int depth) {
   int kept = 0;
   metal_.clear();
+  geometric_.clear();
   sampled_.clear();
   for (int lane = 0; lane < paths_.size; ++lane) {
     const int instance = hits_.instance[lane];
@@ -176,10 +182,19 @@ void BasicTransport<Observer, Directions>::shade(int depth) {
     const scene::Gloss gloss = record.uniform || !record.glossy
                                    ? record.gloss
                                    : scene::evaluate_gloss(scene_, instance, triangle, u, v, 0);
+    Vec3 normal = side;
+    geometric_of_[kept] = scene::kNone;
+    if (record.normal_mapped) {
+      normal = scene::shading_normal(scene_, instance, triangle, u, v, footprint(hits_.t[lane]),
+                                     point.normal);
+      if (cos_front < 0) normal = -normal;
+      geometric_of_[kept] = static_cast<int32_t>(geometric_.size());
+      geometric_.push_back(side);
+    }
     Rgb throughput = paths_.throughput.at(lane);
     if (gloss.metallic > 0) {
       metal_of_[kept] = static_cast<int32_t>(metal_.size());
-      metal_.emplace_back(albedo, gloss.metallic, gloss.roughness, side,
+      metal_.emplace_back(albedo, gloss.metallic, gloss.roughness, normal,
                           -paths_.direction.at(lane));
     } else {
       metal_of_[kept] = scene::kNone;
@@ -187,13 +202,13 @@ void BasicTransport<Observer, Directions>::shade(int depth) {
     }
     if (!(max_component(throughput) > 0)) continue;
     if (gloss.metallic <= 0 && end_where_known(lane, depth, point, side, throughput)) continue;
-    if (gloss.metallic > 0) {
+    if (gloss.metallic > 0 || record.normal_mapped) {
       sampled_.leave(kept);
     } else {
       sampled_.put(kept, depth, point.position, side);
     }
     paths_.origin.put(kept, point.position + side * point.offset);
-    paths_.normal.put(kept, side);
+    paths_.normal.put(kept, normal);
     paths_.throughput.put(kept, throughput);
     paths_.path[kept++] = paths_.path[lane];
   }
@@ -264,6 +279,7 @@ void BasicTransport<Observer, Directions>::sample_lights(int vertex, PathSampler
                 light_weight_);
   if (!metal_.empty()) weigh_metal();
   if (sampled_.any()) sampled_.weigh(paths_, light_samples_, light_weight_);
+  if (!geometric_.empty()) drop_light_from_below();
   cast_shadows(vertex + 1);
 }
 
@@ -277,6 +293,14 @@ void BasicTransport<Observer, Directions>::weigh_metal() {
     const float pdf = light_samples_.pdf[lane];
     light_weight_[lane] = 1 / (pdf < 0 ? -pdf : pdf + to_light.pdf);
     light_samples_.radiance.put(lane, light_samples_.radiance.at(lane) * to_light.value);
+  }
+}
+
+/// Light samples above a shading normal's horizon may lie below the surface's own.
+template <typename Observer, DirectionSampler Directions>
+void BasicTransport<Observer, Directions>::drop_light_from_below() {
+  for (int lane = 0; lane < paths_.size; ++lane) {
+    if (leaves_below(lane, light_samples_.direction.at(lane))) light_weight_[lane] = 0;
   }
 }
 
@@ -329,6 +353,7 @@ void BasicTransport<Observer, Directions>::move_lane(int from, int to) {
   paths_.throughput.put(to, paths_.throughput.at(from));
   paths_.path[to] = paths_.path[from];
   metal_of_[to] = metal_of_[from];
+  geometric_of_[to] = geometric_of_[from];
   sampled_.move(from, to);
 }
 
@@ -338,11 +363,11 @@ void BasicTransport<Observer, Directions>::scatter(int vertex, PathSampler& samp
   sampler.direction(vertex, paths_.path, paths_.size, &direction_numbers_);
   cosine_directions(direction_numbers_.x, direction_numbers_.y, paths_.size, paths_.normal,
                     &paths_.direction, paths_.pdf);
-  if (sampled_.any() || !metal_.empty()) scatter_one_by_one();
+  if (sampled_.any() || !metal_.empty() || !geometric_.empty()) scatter_one_by_one();
 }
 
 /// Draws the directions at metallic vertices and at those of another sampler anew, and closes up
-/// the lanes of paths that end there.
+/// the lanes of paths that end there or would go on below the surface.
 template <typename Observer, DirectionSampler Directions>
 void BasicTransport<Observer, Directions>::scatter_one_by_one() {
   int kept = 0;
@@ -361,6 +386,7 @@ void BasicTransport<Observer, Directions>::scatter_one_by_one() {
       throughput *= next.weight;
       if (!(pdf > 0 && max_component(throughput) > 0)) continue;
     }
+    if (!geometric_.empty() && leaves_below(lane, direction)) continue;
     move_lane(lane, kept);
     paths_.throughput.put(kept, throughput);
     paths_.direction.put(kept, direction);

@@ -68,7 +68,6 @@ void ignore_unsupported(const tinygltf::Material& material, IgnoredFeatures* ign
   ignore_unknown_extensions(material.extensions, "material", ignored);
   if (pbr.metallicRoughnessTexture.index >= 0 && !(pbr.metallicFactor > 0))
     ignored->add("metallic-roughness texture without metallicFactor", "material");
-  if (material.normalTexture.index >= 0) ignored->add("normal map", "material");
   if (material.occlusionTexture.index >= 0) ignored->add("occlusion texture", "material");
   if (material.alphaMode != "OPAQUE") ignored->add("alphaMode " + material.alphaMode, "material");
 }
@@ -93,6 +92,17 @@ void read_metal(const Context& context, const tinygltf::PbrMetallicRoughness& so
   material->roughness = unit(source.roughnessFactor);
   if (material->metallic > 0)
     material->metallic_roughness_texture = to_ref(context, source.metallicRoughnessTexture);
+}
+
+/// tinygltf has a type of its own for normal maps.
+void read_normal_map(const Context& context, const tinygltf::NormalTextureInfo& source,
+                     Material* material) {
+  tinygltf::TextureInfo info;
+  info.index = source.index;
+  info.texCoord = source.texCoord;
+  info.extensions = source.extensions;
+  material->normal_texture = to_ref(context, info);
+  material->normal_scale = static_cast<float>(source.scale);
 }
 
 /// The older specular-glossiness model keeps the color of a surface apart; it comes first, as it
@@ -125,6 +135,7 @@ std::vector<Material> read_materials(const Context& context) {
     Material material;
     material.name = source.name.empty() ? concat("material ", i) : source.name;
     read_surface(context, source, &material);
+    read_normal_map(context, source.normalTexture, &material);
     material.double_sided = source.doubleSided;
     material.emission = to_rgb(source.emissiveFactor, {0, 0, 0});
     const auto strength = source.extensions.find("KHR_materials_emissive_strength");

@@ -106,6 +106,8 @@ class MeshReader {
     if (mesh.triangles.empty()) return;
     mesh.positions = gather<Vec3>(*positions, 3, kept);
     read_attributes(source, primitive, vertices, kept, &mesh);
+    if (shape.weights.empty() && shape.skin == kNone && has_normal_map(primitive))
+      read_tangent_frames(source, vertices, kept, &mesh);
     const Deformation deformation{context_, primitive, source, vertices, kept};
     if (!shape.weights.empty()) apply_morph(deformation, shape.weights, &mesh);
     if (shape.skin != kNone) apply_skin(deformation, joints_, &mesh);
@@ -124,6 +126,28 @@ class MeshReader {
       } else {
         mesh->colors = gather_vertices<Rgb>(*accessor, 3, vertices, kept);
       }
+    }
+  }
+
+  bool has_normal_map(const tinygltf::Primitive& primitive) const {
+    return primitive.material >= 0 &&
+           context_.model.materials[static_cast<size_t>(primitive.material)].normalTexture.index >=
+               0;
+  }
+
+  /// What a normal map bends. Morphed and skinned meshes go without, as their vertices have moved.
+  static void read_tangent_frames(const PrimitiveSource& source, size_t vertices,
+                                  const std::vector<uint32_t>& kept, Mesh* mesh) {
+    if (!source.has("NORMAL")) return;
+    mesh->normals = gather_vertices<Vec3>(*source.attribute("NORMAL"), 3, vertices, kept);
+    if (!source.has("TANGENT")) return;
+    const std::unique_ptr<Accessor> tangents = source.attribute("TANGENT");
+    LTE_CHECK(tangents->components() == 4, tangents->what(), " has ", tangents->components(),
+              " components, expected 4");
+    const std::vector<Vec3> directions = gather_vertices<Vec3>(*tangents, 3, vertices, kept);
+    for (size_t i = 0; i < directions.size(); ++i) {
+      const float sign = tangents->value(kept.empty() ? i : kept[i], 3);
+      mesh->tangents.push_back({directions[i], sign < 0 ? -1.0f : 1.0f});
     }
   }
 

@@ -103,16 +103,46 @@ std::shared_ptr<const Texture> decode(const EncodedPicture& picture) {
 std::vector<std::shared_ptr<const Texture>> decode_textures(
     const std::vector<EncodedPicture>& pictures, LoadBudget* budget) {
   std::vector<DeclaredPicture> sizes;
-  for (const EncodedPicture& picture : pictures) sizes.push_back(read_size(picture));
+  std::vector<uint8_t> damaged(pictures.size());
+  for (size_t i = 0; i < pictures.size(); ++i) {
+    try {
+      sizes.push_back(read_size(pictures[i]));
+    } catch (const Error&) {
+      if (!pictures[i].optional) throw;
+      damaged[i] = 1;
+    }
+  }
   budget->add_pictures(sizes, kTextureBytes);
   std::vector<std::shared_ptr<const Texture>> textures(pictures.size());
   parallel_for(static_cast<int64_t>(pictures.size()), 1, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
       const auto k = static_cast<size_t>(i);
-      textures[k] = decode(pictures[k]);
+      if (damaged[k]) continue;
+      try {
+        textures[k] = decode(pictures[k]);
+      } catch (const Error&) {
+        if (!pictures[k].optional) throw;
+      }
     }
   });
   return textures;
+}
+
+void drop_damaged(std::vector<std::shared_ptr<const Texture>>* textures,
+                  std::vector<Material>* materials, IgnoredFeatures* ignored) {
+  std::vector<int> place;
+  int kept = 0;
+  for (const auto& texture : *textures) place.push_back(texture != nullptr ? kept++ : kNone);
+  if (static_cast<size_t>(kept) == textures->size()) return;
+  for (Material& material : *materials) {
+    for (TextureRef* ref : {&material.base_color_texture, &material.emission_texture,
+                            &material.metallic_roughness_texture, &material.normal_texture}) {
+      if (ref->texture != kNone) ref->texture = place[static_cast<size_t>(ref->texture)];
+    }
+  }
+  ignored->add("damaged picture of a normal map", "image",
+               static_cast<int64_t>(textures->size()) - kept);
+  std::erase(*textures, nullptr);
 }
 
 }  // namespace lte::scene

@@ -127,10 +127,12 @@ void add_part(const Part& part, int material, VertexTable* vertices, Scene* scen
   scene->meshes.push_back(std::move(mesh));
 }
 
-std::vector<std::shared_ptr<const Texture>> read_pictures(const std::vector<SceneFilePtr>& files,
+/// What is not of colors is a normal map.
+std::vector<std::shared_ptr<const Texture>> read_pictures(const MaterialLibrary& library,
                                                           LoadBudget* budget) {
   std::vector<EncodedPicture> pictures;
-  for (const SceneFilePtr& file : files) pictures.push_back({file->bytes(), file->name()});
+  for (const auto& [file, color] : library.pictures)
+    pictures.push_back({file->bytes(), file->name(), color, /*optional=*/!color});
   return decode_textures(pictures, budget);
 }
 
@@ -147,13 +149,14 @@ Scene import(SceneFiles* files) {
 
   Scene scene;
   scene.unit = "metre, assumed: OBJ has no unit";
+  scene.textures = read_pictures(library, &files->budget());
+  drop_damaged(&scene.textures, &library.materials, &ignored);
   scene.materials = std::move(library.materials);
   VertexTable vertices(file);
   for (size_t i = 0; i < file.parts.size(); ++i) {
     add_part(file.parts[i], material[i], &vertices, &scene);
     file.parts[i] = {};
   }
-  scene.textures = read_pictures(library.pictures, &files->budget());
   scene.ignored = ignored.lines();
   return scene;
 }

@@ -20,14 +20,13 @@ constexpr float kRoughness = 0.5f;  ///< of a metal without Pr
 struct Lost {
   std::string_view keyword, what;
 };
-constexpr std::array<Lost, 14> kLost{{{"Ks", "Ks, specular color"},
+constexpr std::array<Lost, 13> kLost{{{"Ks", "Ks, specular color"},
                                       {"map_Ks", "map_Ks, specular map"},
                                       {"map_Ns", "map_Ns, gloss map"},
                                       {"map_d", "map_d, opacity map (surfaces are opaque)"},
                                       {"map_bump", "bump map"},
                                       {"map_Bump", "bump map"},
                                       {"bump", "bump map"},
-                                      {"norm", "normal map"},
                                       {"disp", "displacement map"},
                                       {"refl", "reflection map"},
                                       {"map_Pm", "map_Pm, metallic map"},
@@ -40,10 +39,9 @@ struct MapOption {
   std::string_view name;
   int words;
 };
-constexpr std::array<MapOption, 8> kSkippedOptions{{{"-blendu", 1},
+constexpr std::array<MapOption, 7> kSkippedOptions{{{"-blendu", 1},
                                                     {"-blendv", 1},
                                                     {"-boost", 1},
-                                                    {"-bm", 1},
                                                     {"-cc", 1},
                                                     {"-imfchan", 1},
                                                     {"-mm", 2},
@@ -58,6 +56,7 @@ bool is_number(std::string_view word) {
 struct MapLine {
   std::string file, where;
   Vec2 offset{0, 0}, scale{1, 1};
+  float multiplier = 1;
   bool clamp = false;
 };
 
@@ -90,7 +89,7 @@ class MtlReader {
     material_ = Material{};
     material_.name = std::move(name);
     has_kd_ = has_ke_ = has_pr_ = false;
-    map_kd_ = map_ke_ = MapLine{};
+    map_kd_ = map_ke_ = map_normal_ = MapLine{};
     lost_.clear();
   }
 
@@ -105,6 +104,8 @@ class MtlReader {
       map_kd_ = read_map();
     } else if (keyword == "map_Ke") {
       map_ke_ = read_map();
+    } else if (keyword == "norm" || keyword == "map_Kn") {
+      map_normal_ = read_map();
     } else if (keyword == "Pm" || keyword == "Pr") {
       const float value = std::clamp(statements_.number(keyword == "Pm" ? "Pm" : "Pr"), 0.0f, 1.0f);
       (keyword == "Pm" ? material_.metallic : material_.roughness) = value;
@@ -163,6 +164,9 @@ class MtlReader {
         const Vec2 pair = read_pair(option == "-s" ? Vec2{1, 1} : Vec2{0, 0});
         if (option == "-s") map.scale = pair;
         if (option == "-o") map.offset = pair;
+      } else if (option == "-bm") {
+        statements_.word();
+        map.multiplier = statements_.number("-bm");
       } else if (option == "-clamp") {
         statements_.word();
         map.clamp = statements_.word() == "on";
@@ -190,7 +194,7 @@ class MtlReader {
     return pair;
   }
 
-  TextureRef to_ref(const MapLine& map) {
+  TextureRef to_ref(const MapLine& map, bool color = true) {
     TextureRef ref;
     if (map.file.empty()) return ref;
     const SceneFilePtr file = find_beside(file_, map.file, map.where, files_);
@@ -202,9 +206,10 @@ class MtlReader {
       return ref;
     }
     auto& pictures = library_->pictures;
+    const std::pair picture{file, color};
     ref.texture =
-        static_cast<int>(std::find(pictures.begin(), pictures.end(), file) - pictures.begin());
-    if (static_cast<size_t>(ref.texture) == pictures.size()) pictures.push_back(file);
+        static_cast<int>(std::find(pictures.begin(), pictures.end(), picture) - pictures.begin());
+    if (static_cast<size_t>(ref.texture) == pictures.size()) pictures.push_back(picture);
     if (map.clamp) ref.wrap_u = ref.wrap_v = Wrap::ClampToEdge;
     // The file's V points up: o + s v becomes 1 - (o + s (1 - v)).
     ref.scale = map.scale;
@@ -229,6 +234,8 @@ class MtlReader {
       material_.roughness = kRoughness;
       lost_.insert("Pm without Pr (roughness 0.5 taken)");
     }
+    material_.normal_texture = to_ref(map_normal_, /*color=*/false);
+    material_.normal_scale = map_normal_.multiplier;
     if (!has_ke_ && !map_ke_.file.empty()) material_.emission = {1, 1, 1};
     if (material_.emissive()) {
       material_.double_sided = true;  // the format says nothing of sides
@@ -248,7 +255,7 @@ class MtlReader {
   MaterialLibrary* library_;
   bool open_ = false, has_kd_ = false, has_ke_ = false, has_pr_ = false;
   Material material_;
-  MapLine map_kd_, map_ke_;
+  MapLine map_kd_, map_ke_, map_normal_;
   std::set<std::string> lost_;
 };
 

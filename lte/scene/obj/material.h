@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lte/scene/import/ignored_features.h"
@@ -16,7 +17,8 @@ namespace lte::scene::obj {
 struct MaterialLibrary {
   std::vector<Material> materials;
   std::map<std::string, int> by_name;
-  std::vector<SceneFilePtr> pictures;  ///< each once
+  /// Each once, and once more if it serves both as colors (true) and as they stand.
+  std::vector<std::pair<SceneFilePtr, bool>> pictures;
 };
 
 /// Opens a file that `from` names: where the name leads from there, else beside it. Backslashes

@@ -82,6 +82,10 @@ TextureRef ImageTable::light_image(const std::string& file, const Location& at) 
   return reference(plain(file, "sRGB", at), {}, Wrap::ClampToEdge, 1);
 }
 
+TextureRef ImageTable::normal_map(const std::string& file, const Location& at) {
+  return reference(plain(file, "linear", at), {}, Wrap::Repeat, 1);
+}
+
 Appearance ImageTable::resolve(const TexturePtr& texture) {
   if (texture->kind == Kind::Constant) return {texture->value, {}};
   if (texture->kind == Kind::Image && !texture->invert) {
@@ -278,6 +282,8 @@ std::vector<std::shared_ptr<const Texture>> ImageTable::finish(std::vector<Mater
   for (Material& material : *materials) {
     place(&material.base_color_texture, &material.base_color);
     place(&material.emission_texture, &material.emission);
+    Rgb unused;  // directions have no factor
+    place(&material.normal_texture, &unused);
   }
   return out;
 }

@@ -26,6 +26,9 @@ class ImageTable {
   /// The picture of an area light, which spans the unit square of uv.
   TextureRef light_image(const std::string& file, const Location& at);
 
+  /// A material's normal map: a picture of linear texels over uv.
+  TextureRef normal_map(const std::string& file, const Location& at);
+
   /// Counts the pictures, then decodes and bakes them in parallel, each once, and turns the
   /// materials' references into indices of the result. A picture with values above 1 is stored
   /// divided by its maximum, which the materials' factors take over.

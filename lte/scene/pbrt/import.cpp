@@ -107,8 +107,9 @@ class Importer {
     const int index = material_of(*shape, albedo, to_world);
     const Material& material = scene_.materials[static_cast<size_t>(index)];
     shape->mesh.material = index;
-    const bool textured =
-        material.base_color_texture.texture != kNone || material.emission_texture.texture != kNone;
+    const bool textured = material.base_color_texture.texture != kNone ||
+                          material.emission_texture.texture != kNone ||
+                          material.normal_texture.texture != kNone;
     if (textured && shape->mesh.uvs[0].empty()) {
       world_.ignored.add("texture on a shape without uv: (0,0) (1,0) (1,1) on each triangle",
                          shape->at);
@@ -134,12 +135,24 @@ class Importer {
     const Gloss gloss = materials_.gloss(shape.material);
     material.metallic = gloss.metallic;
     material.roughness = gloss.roughness;
+    read_normal_map(def, &material);
     bool shareable = true;
     if (shape.area_light != kNone) shareable = add_emission(shape, to_world, &material);
     const int index = static_cast<int>(scene_.materials.size());
     scene_.materials.push_back(std::move(material));
     if (shareable) shared_[key] = index;
     return index;
+  }
+
+  void read_normal_map(const MaterialDef& def, Material* material) {
+    if (!def.params || !def.params->has("normalmap")) return;
+    try {
+      material->normal_texture = images_.normal_map(def.params->text("normalmap", ""), def.at);
+    } catch (const Refusal&) {
+      throw;
+    } catch (const Error&) {
+      world_.ignored.add("normal map that is not there", def.at);
+    }
   }
 
   /// False if the emission belongs to this shape alone.

@@ -62,6 +62,8 @@ MaterialTable::Built MaterialTable::follow(int index, int depth) {
   if (found != built_.end()) return found->second;
   if (depth > kMaxDepth) fail(def.at, "mixtures of materials nested deeper than ", kMaxDepth);
   const Built out = build(def, depth);
+  if (def.params->has("normalmap") && depth > 0)  // the importer reads that of whole materials
+    ignored_->add("normal map of a part of a mix", def.at);
   ignore_unused(*def.params, ignored_);
   built_[index] = out;
   return out;

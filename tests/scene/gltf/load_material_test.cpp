@@ -23,6 +23,7 @@ namespace {
 using test::GltfBuilder;
 using test::Json;
 using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 /// A picture of 2x1 texels with the given 8-bit codes.
 std::string png(const std::array<int, 6>& codes) {
@@ -106,7 +107,8 @@ TEST_F(LoadMaterial, PicturesInOtherFormatsAreNotedWhereTheyCount) {
       {{"uri", "data:image/ktx2;base64," + test::base64("\xabKTX 20\xbb\r\n\x1a\n")}}};
   builder_.json["textures"] = {{{"source", 0}}};
   start({{"normalTexture", texture}});
-  EXPECT_THAT(load().ignored, ElementsAre("normal map (1 material)"));
+  EXPECT_THAT(load().ignored,
+              ElementsAre("texture in KTX2, neither PNG nor JPEG nor WebP (1 image)"));
 
   builder_.json["materials"] = {{{"emissiveFactor", {1, 1, 1}},
                                  {"emissiveTexture", texture},
@@ -166,7 +168,6 @@ TEST_F(LoadMaterial, DecodesAnImageOnceAndOnlyIfUsed) {
           {{"baseColorTexture", {{"index", 0}}},
            {"metallicFactor", 0},
            {"metallicRoughnessTexture", {{"index", 2}}}}},
-         {"normalTexture", {{"index", 2}}},
          {"emissiveTexture", {{"index", 2}}}});  // without emissiveFactor it has no effect
   builder_.json["materials"].push_back(
       {{"emissiveFactor", {1, 1, 1}}, {"emissiveTexture", {{"index", 1}}}});
@@ -180,6 +181,46 @@ TEST_F(LoadMaterial, DecodesAnImageOnceAndOnlyIfUsed) {
   EXPECT_EQ(scene.materials[1].emission_texture.texture, 0);
   EXPECT_EQ(scene.materials[1].emission_texture.wrap_u, Wrap::ClampToEdge);
   EXPECT_EQ(scene.materials[0].emission_texture.texture, kNone);
+}
+
+TEST_F(LoadMaterial, ReadsNormalMapsAndWhatTheyBend) {
+  add_png({128, 128, 255, 255, 0, 128});
+  start({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}},
+         {"normalTexture", {{"index", 0}, {"texCoord", 1}, {"scale", 0.5}}}});
+  builder_.json["textures"] = {{{"source", 0}}};
+  Json& attributes = test::first_primitive(builder_)["attributes"];
+  attributes["NORMAL"] = builder_.floats({0, 0, 1, 0, 0, 1, 0, 1, 0});
+  attributes["TANGENT"] = builder_.floats({1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, -1}, "VEC4");
+  const Scene scene = load();
+  EXPECT_THAT(scene.ignored, IsEmpty());
+  const Material& material = scene.materials[0];
+  EXPECT_EQ(material.normal_texture.uv_set, 1);
+  EXPECT_EQ(material.normal_scale, 0.5f);
+  ASSERT_EQ(scene.textures.size(), 2u) << "one picture as colors and as it stands";
+  EXPECT_NE(material.normal_texture.texture, material.base_color_texture.texture);
+  EXPECT_FALSE(scene.textures[static_cast<size_t>(material.normal_texture.texture)]->srgb());
+  EXPECT_THAT(scene.meshes[0].normals, ElementsAre(Vec3{0, 0, 1}, Vec3{0, 0, 1}, Vec3{0, 1, 0}));
+  ASSERT_EQ(scene.meshes[0].tangents.size(), 3u);
+  EXPECT_EQ(scene.meshes[0].tangents[1].direction, (Vec3{1, 0, 0}));
+  EXPECT_EQ(scene.meshes[0].tangents[2].sign, -1);
+
+  builder_.json["materials"][0].erase("normalTexture");
+  EXPECT_THAT(load().meshes[0].normals, IsEmpty()) << "surfaces without a map are flat";
+}
+
+TEST_F(LoadMaterial, GoesWithoutADamagedNormalMap) {
+  start({{"normalTexture", {{"index", 0}}},
+         {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 1}}}}}});
+  builder_.json["textures"] = {{{"source", 0}}, {{"source", 1}}};
+  builder_.json["images"] = {{{"uri", "data:image/png;base64," + test::base64("\x89PNG, once")}}};
+  add_png({1, 2, 3, 4, 5, 6});
+  const Scene scene = load();
+  EXPECT_THAT(scene.ignored, ElementsAre("damaged picture of a normal map (1 image)"));
+  EXPECT_EQ(scene.textures.size(), 1u);
+  EXPECT_EQ(scene.materials[0].normal_texture.texture, kNone);
+  EXPECT_EQ(scene.materials[0].base_color_texture.texture, 0);
+  builder_.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"] = 0;
+  EXPECT_THAT(error(builder_), ::testing::HasSubstr("images[0]")) << "it is needed now";
 }
 
 TEST_F(LoadMaterial, DecodesAPictureOnceThatIsListedTwice) {

@@ -182,6 +182,26 @@ TEST_F(Obj, ReadsMetalAndRoughness) {
                                          "map_Pr, roughness map (1 material)"));
 }
 
+TEST_F(Obj, ReadsNormalMapsAndNotesHeights) {
+  image::write_png(dir_ / "n.png", image::Image(1, 1, 3));
+  write("bad.png", "no picture");
+  write("m.mtl",
+        "newmtl a\nKd 1 1 1\nmap_Kd n.png\nnorm -bm 0.5 n.png\n"
+        "newmtl b\nmap_Kn bad.png\nnewmtl c\nmap_Kn gone.png\nbump n.png\n");
+  const Scene scene = load(std::string("mtllib m.mtl\n") + kTriangle +
+                           "vt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n"
+                           "usemtl b\nf 1/1 2/2 3/3\nusemtl c\nf 1/1 2/2 3/3\n");
+  EXPECT_THAT(scene.ignored,
+              ElementsAre("bump map (1 material)", "damaged picture of a normal map (1 image)",
+                          "texture \"gone.png\", which is not there (1 use)"));
+  ASSERT_EQ(scene.textures.size(), 2u) << "as colors and as it stands";
+  const Material& a = scene.materials[0];
+  EXPECT_TRUE(scene.textures[static_cast<size_t>(a.base_color_texture.texture)]->srgb());
+  EXPECT_FALSE(scene.textures[static_cast<size_t>(a.normal_texture.texture)]->srgb());
+  EXPECT_EQ(a.normal_scale, 0.5f);
+  EXPECT_EQ(scene.materials[1].normal_texture.texture, kNone);
+}
+
 TEST_F(Obj, NotesWhatItLeavesOut) {
   write("m.mtl",
         "newmtl a\nKd 1\nKs 0 0 0\nd 1.0\nTr 0\nillum 2\n"

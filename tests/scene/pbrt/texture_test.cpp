@@ -2,6 +2,7 @@
 #include "lte/image/exr.h"
 #include "lte/image/png.h"
 #include "lte/image/tonemap.h"
+#include "lte/scene/shading_normal.h"
 #include "lte/scene/surface.h"
 #include "tests/scene/pbrt/fixture.h"
 
@@ -51,6 +52,20 @@ class PbrtTexture : public test::PbrtTest {
 
   Scene scene_;
 };
+
+TEST_F(PbrtTexture, NormalMapsOfMaterials) {
+  scene_ = load_world("Material \"diffuse\" \"string normalmap\" \"four.png\"\n" + kSquare +
+                      "Material \"diffuse\" \"string normalmap\" \"gone.png\"\n" + kSquare);
+  EXPECT_THAT(ignored(scene_), ElementsAre(HasSubstr("normal map that is not there")));
+  ASSERT_EQ(scene_.textures.size(), 1u);
+  EXPECT_FALSE(scene_.textures[0]->srgb());
+  EXPECT_EQ(test::material_of(scene_, 0).normal_texture.texture, 0);
+  EXPECT_EQ(test::material_of(scene_, 1).normal_texture.texture, kNone);
+  // Rows upwards are +y of the square: (51, 51, 51) is code 128 − 77 in x and y, z below 0.
+  const Vec3 n = shading_normal(scene_, 0, 1, 0.25f, 0.5f, 0, {0, 0, 1});
+  EXPECT_LT(n.x, 0);
+  EXPECT_LT(n.y, 0);
+}
 
 TEST_F(PbrtTexture, PicturesStandUprightInUv) {
   use_image("\"string encoding\" \"linear\"");
