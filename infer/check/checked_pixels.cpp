@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kMaxPixels = 1 << 16;
 constexpr float kMetallic = 0.05f, kMinAlbedo = 1e-3f;
-/// Cosine between the geometric normal through a pixel's middle and the pixel's mean shading normal,
-/// below which several surfaces share it or a normal map bends it.
+/// Cosine between the geometric normal through a pixel's middle and the mean shading normal of the
+/// pixel, below which several surfaces share it or a normal map bends it.
 constexpr float kSameNormal = 0.99f;
 
 }  // namespace

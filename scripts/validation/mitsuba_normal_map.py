@@ -77,7 +77,9 @@ def write_gltf(path, kind, png):
     indices = add(FACES.reshape(-1), 5125, "SCALAR")
     meshes = [{
         "primitives": [{
-            "attributes": {"POSITION": add(floor, 5126, "VEC3"), "TEXCOORD_0": add(uv, 5126, "VEC2")},
+            "attributes": {
+                "POSITION": add(floor, 5126, "VEC3"), "TEXCOORD_0": add(uv, 5126, "VEC2")
+            },
             "indices": indices, "material": 0
         }]
     }]
@@ -94,7 +96,8 @@ def write_gltf(path, kind, png):
     }
     red = {"baseColorFactor": [*RED, 1], "metallicFactor": 0}
     document = {
-        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": list(range(len(meshes) + 1))}],
+        "asset": {"version": "2.0"}, "scene": 0,
+        "scenes": [{"nodes": list(range(len(meshes) + 1))}],
         "nodes": [{"mesh": i} for i in range(len(meshes))] + [{
             "translation": LIGHT, "extensions": {"KHR_lights_punctual": {"light": 0}}
         }],

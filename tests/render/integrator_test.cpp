@@ -85,7 +85,8 @@ TEST(Gather, ANetworksLightTakesItsLevelFromTheScene) {
   EXPECT_NEAR(mean(light.indirect).x, expected, 0.03f * expected);
 }
 
-/// In a furnace a normal that leans by θ loses what lies below the surface: (1 + cos θ) / 2 is left.
+/// In a furnace a normal that leans by θ loses what lies below the surface: (1 + cos θ) / 2 of the
+/// light is left.
 TEST(Integrators, AShadingNormalSeesWhatIsAboveTheSurface) {
   const test::Traced room(test::furnace(kAlbedo, kRadiance));
   CacheSettings settings;

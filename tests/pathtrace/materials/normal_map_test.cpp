@@ -141,7 +141,7 @@ TEST(NormalMap, InAFurnaceNoLightIsMade) {
     test::add_instance(&box, test::box_mesh({0, 0, 0}, {2, 2, 2}, wall, true));
     box.cameras.push_back({"inside", {1, 1, 1}, {1, 0.4f, 0}, {0, 1, 0}, 80});
     constexpr int kHits = 4;
-    add_map(&box, {250, 30, 200});
+    add_map(&box, {200, 90, 230});
     const image::Image bumpy = picture(box, 64, 8, kHits);
     double mean = 0;
     for (const float value : bumpy.pixels) {
