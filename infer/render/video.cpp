@@ -44,8 +44,7 @@ std::optional<fs::path> find_ffmpeg() {
 
 /// Players take 8-bit YUV at half the resolution of color; a gif has 256 colors of its own.
 std::vector<std::string> encoding_of(const std::string& format) {
-  if (format == "gif")
-    return {"-vf", "split[a][b];[a]palettegen[p];[b][p]paletteuse"};
+  if (format == "gif") return {"-vf", "split[a][b];[a]palettegen[p];[b][p]paletteuse"};
   std::vector<std::string> out{"-vf",
                                "scale=out_color_matrix=bt709:out_range=tv",
                                "-pix_fmt",
