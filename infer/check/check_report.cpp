@@ -24,7 +24,7 @@ nlohmann::json ratio_json(const CheckedRatio& ratio) {
 
 std::string check_note(const LightCheck& check, std::string_view who, std::string_view where) {
   if (!check.off()) return "";
-  const std::string light = concat(who, check.total ? " light is " : " indirect light is ");
+  const std::string light = concat(who, " indirect light is ");
   // A fault that is nearly everywhere is that of the whole.
   const bool everywhere = !check.fault || (check.whole.off && check.fault->share > 0.9);
   if (everywhere) return concat(light, text_of(check.whole), " of the traced");
@@ -42,8 +42,7 @@ nlohmann::json check_json(const LightCheck& check) {
   if (check.paths == 0) return false;
   nlohmann::json regions = nlohmann::json::array();
   for (const CheckedRatio& region : check.regions) regions.push_back(ratio_json(region));
-  return {{"light", check.total ? "total" : "indirect"},
-          {"whole", ratio_json(check.whole)},
+  return {{"whole", ratio_json(check.whole)},
           {"fault", check.fault ? ratio_json(*check.fault) : nlohmann::json()},
           {"regions", regions},
           {"paths", check.paths},

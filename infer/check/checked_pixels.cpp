@@ -22,7 +22,7 @@ AnsweredLight checked_pixels(const pathtrace::Bvh& bvh, const scene::Camera& cam
                              const render::Frame& frame, uint64_t seed) {
   AnsweredLight out;
   const int width = frame.albedo.width, height = frame.albedo.height;
-  if (frame.indirect.width != width || width == 0) return out;
+  if (frame.gathered_indirect.width != width || width == 0) return out;
   const int square = static_cast<int>(
       std::ceil(std::sqrt(std::max(1.0, double{1} * width * height / kMaxPixels))));
   std::vector<Vec2> points;
@@ -44,13 +44,7 @@ AnsweredLight checked_pixels(const pathtrace::Bvh& bvh, const scene::Camera& cam
     if (!hits.mask[i] || metal || max_component(hits.albedo[i]) < kMinAlbedo ||
         dot(hits.geometric(i), frame.normal.rgb(pixels[i])) < kSameNormal)
       continue;
-    if (frame.gathered_indirect.width > 0) {
-      out.add(hits.position[i], hits.geometric(i), frame.gathered_indirect.rgb(pixels[i]));
-      continue;
-    }
-    const Rgb direct = frame.direct.width > 0 ? frame.direct.rgb(pixels[i]) : Rgb{};
-    out.total = out.total || max_component(direct) > 0;
-    out.add(hits.position[i], hits.geometric(i), direct + frame.indirect.rgb(pixels[i]));
+    out.add(hits.position[i], hits.geometric(i), frame.gathered_indirect.rgb(pixels[i]));
   }
   return out;
 }

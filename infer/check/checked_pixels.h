@@ -9,11 +9,10 @@
 
 namespace lte::infer {
 
-/// Irradiance that a picture shows at one pixel at random in each square of so many: some 2^16 at
-/// most, however large the picture is. Without pixels at edges, metal and black surfaces. It is
-/// indirect light as it was gathered; of a picture that paths have corrected the total, whose noise
-/// is taken out as a whole.
-/// @param frame  with its layers, of full, gi or irradiance output
+/// Indirect irradiance as it was gathered for a picture, before anything corrected it, at one pixel
+/// at random in each square of so many: some 2^16 at most, however large the picture is. Without
+/// pixels at edges, metal and black surfaces.
+/// @param frame  of full, gi or irradiance output
 AnsweredLight checked_pixels(const pathtrace::Bvh& bvh, const scene::Camera& camera,
                              const render::Frame& frame, uint64_t seed);
 

@@ -56,7 +56,6 @@ class Checker {
 
   LightCheck run() {
     LightCheck out;
-    out.total = answered_.total;
     suspect();
     std::vector<Region> regions;
     divide(1, &regions);
@@ -141,8 +140,7 @@ class Checker {
         const double direct = mean(traced.direct_sum(static_cast<int64_t>(i)));
         const double indirect = mean(traced.indirect_sum(static_cast<int64_t>(i)));
         sums->at(tree_.cell_of_rank(rank), (begin + i) / in_batch) +=
-            {mean(answered_.irradiance[tree_.order()[rank]]),
-             answered_.total ? direct + indirect : indirect, direct + indirect};
+            {mean(answered_.irradiance[tree_.order()[rank]]), indirect, direct + indirect};
       }
     }
     paths_ += static_cast<int64_t>(drawn.size()) * kPathsAtOnce;

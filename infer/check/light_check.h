@@ -27,7 +27,6 @@ namespace lte::infer {
 struct AnsweredLight {
   std::vector<Vec3> position, normal;  ///< world space; unit normals, on the side that was asked
   std::vector<Rgb> irradiance;         ///< indirect, W/m²
-  bool total = false;                  ///< direct light is in it too
 
   size_t size() const { return position.size(); }
   void add(const Vec3& at, const Vec3& side, const Rgb& light);
@@ -62,7 +61,6 @@ struct LightCheck {
   /// Of all regions that are off to the same side, the side that is off by more light; `centre` is
   /// that of the one which is off by the most. Nothing if that is little for so few places.
   std::optional<CheckedRatio> fault;
-  bool total = false;  ///< AnsweredLight::total
   int64_t paths = 0;
   double seconds = 0;
 

@@ -71,7 +71,8 @@ nlohmann::json picture_json(const RenderRequest& request, const View& view,
                          {"passes", renderer.passes()},
                          {"path_passes", renderer.path_passes()}};
   if (settings.method == Method::Path) {
-    json["paths"] = renderer.path_passes() * settings.path_samples;
+    json["paths"] = std::min<int64_t>(settings.max_samples,
+                                      int64_t{renderer.path_passes()} * settings.path_samples);
   } else {
     json["gather_rays"] = renderer.passes() * settings.gather_rays;
     json["light_samples"] = renderer.passes() * settings.light_samples;

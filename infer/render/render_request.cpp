@@ -189,6 +189,7 @@ RenderSettings settings_of(const RenderRequest& request) {
   check_used(request, settings.method, settings.output);
   std::tie(settings.width, settings.height) = parse_picture_size(request.size);
   settings.seed = request.seed;
+  settings.layers = keeps_layers(request.out);
   settings = with_quality(parse_enum<Quality>("--quality", request.quality), settings);
   if (!request.time.empty()) settings = with_time(parse_time(request.time), settings);
   if (request.spp > 0) settings = with_paths(request.spp, settings);

@@ -36,9 +36,11 @@ struct RenderSettings {
   int passes = 16;
   double seconds = std::numeric_limits<double>::infinity();  ///< denoising included
   bool denoise = true;
+  bool layers = true;  ///< render::PictureSettings::layers
   image::OidnQuality denoise_quality = image::OidnQuality::High;
   /// render::RenderSettings has these.
   int gather_rays = 2, light_samples = 2, edge_rays = 16, path_samples = 4;
+  int64_t max_samples = std::numeric_limits<int>::max();
   bool correct = true;
   int max_depth = 5;
   uint64_t seed = 0;
@@ -52,8 +54,7 @@ struct RenderSettings {
 RenderSettings with_quality(Quality quality, RenderSettings settings);
 /// The same with passes until a time is over, denoising included.
 RenderSettings with_time(double seconds, RenderSettings settings);
-/// The same with so many paths a pixel; beyond 256 of them in passes of equally many, whose sum may
-/// be a few more.
+/// The same with so many paths a pixel; beyond 256 of them in passes of equally many, but the last.
 RenderSettings with_paths(int spp, RenderSettings settings);
 
 /// A picture that RenderSettings::stop has ended.

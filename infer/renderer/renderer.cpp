@@ -40,7 +40,10 @@ RenderSettings with_quality(Quality quality, RenderSettings settings) {
       settings.denoise_quality = image::OidnQuality::Fast;
       break;
     case Quality::Preview:
-      settings.passes = 4;
+      // One pass: what samples of a point are stratified together is worth more than jitter.
+      settings.passes = 1;
+      settings.gather_rays *= 2;
+      settings.light_samples *= 8;
       settings.denoise_quality = image::OidnQuality::Balanced;
       break;
     case Quality::Final:
@@ -61,6 +64,7 @@ RenderSettings with_time(double seconds, RenderSettings settings) {
 RenderSettings with_paths(int spp, RenderSettings settings) {
   settings.passes = (spp + kPathsAPass - 1) / kPathsAPass;
   settings.path_samples = (spp + settings.passes - 1) / settings.passes;
+  settings.max_samples = spp;
   return settings;
 }
 
@@ -181,6 +185,7 @@ Frame Renderer::render(const scene::Camera& camera, const RenderSettings& settin
   what.light_samples = settings.light_samples;
   what.edge_rays = settings.edge_rays;
   what.path_samples = settings.method == Method::Path ? settings.path_samples : 1;
+  what.max_samples = settings.max_samples;
   what.correct = settings.correct && denoises;
   what.max_depth = settings.max_depth;
   what.seed = settings.seed;
@@ -206,7 +211,8 @@ Frame Renderer::render(const scene::Camera& camera, const RenderSettings& settin
   if (settings.stop && settings.stop()) throw PictureStopped();
   timer.restart();
   const image::Denoiser* denoiser = denoises ? &denoiser_->get() : nullptr;
-  Frame frame = render::make_picture(film, {settings.output, denoiser, settings.denoise_quality});
+  Frame frame = render::make_picture(
+      film, {settings.output, denoiser, settings.denoise_quality, settings.layers});
   seconds_.hits = spent.hits;
   seconds_.irradiance = spent.light;
   seconds_.paths = spent.paths;

@@ -133,7 +133,7 @@ RenderSettings Progressive::settings(const PictureSize& size) const {
     out.gather_rays = kRestingRays;
     out.light_samples = kRestingLightSamples;
   }
-  out.correct = false;
+  out.correct = out.layers = false;
   out.seed = static_cast<uint64_t>(pass_);
   return out;
 }

@@ -17,8 +17,16 @@ struct Edges {
   std::vector<size_t> lamp;
 };
 
-/// @param film        with one camera ray a pixel
-/// @param pixel_size  edge of what a pixel covers at depth 1 (pathtrace::pixel_size())
-Edges find_edges(const Film& film, float pixel_size);
+/// @param film  with one camera ray a pixel
+Edges find_edges(const Film& film);
+
+/// Whether an eye sees both as one surface.
+bool same_surface(const SurfacePlace& a, const SurfacePlace& b);
+/// Whether the irradiance at one is about that at the other, if they are near each other.
+bool shares_light(const SurfacePlace& a, const SurfacePlace& b);
+
+/// The pixel whose light stands for that of a hit in a pixel: of those near it the one whose center
+/// is the nearest on the same surface, by its place in kNearPixels; -1 if there is none.
+int light_source(const Film& film, size_t pixel, const SurfacePlace& hit);
 
 }  // namespace lte::render

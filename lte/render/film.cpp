@@ -49,6 +49,12 @@ void put(RadianceLayers* layers, size_t pixel, const PixelRadiance& sum, int32_t
 
 }  // namespace
 
+LightSums::LightSums(int width, int height)
+    : emission(width, height, 3),
+      direct(width, height, 3),
+      indirect(width, height, 3),
+      samples(emission.pixels.size() / 3) {}
+
 void LightSums::add(size_t pixel, const PixelRadiance& sum, int32_t count) {
   add_rgb(&emission, pixel, sum.emission);
   add_rgb(&direct, pixel, sum.direct);
@@ -86,6 +92,14 @@ RadianceLayers LightEstimate::mean_of(size_t half) const {
   return out;
 }
 
+int64_t LightEstimate::samples(size_t pixel) const {
+  int64_t sum = 0;
+  for (const LightSums& half : halves) {
+    if (!half.empty()) sum += half.samples[pixel];
+  }
+  return sum;
+}
+
 void LightEstimate::forget(size_t pixel) {
   for (LightSums& half : halves) {
     if (half.empty()) continue;
@@ -119,15 +133,30 @@ double LightEstimate::relative_error() const {
 Film::Film(int w, int h)
     : width(w),
       height(h),
-      gathered_albedo(w, h, 3),
       albedo(w, h, 3),
       normal(w, h, 3),
       emission(w, h, 3),
-      position(w, h, 3) {
+      center_position(w, h, 3),
+      center_normal(w, h, 3) {
   const size_t count = albedo.pixels.size() / 3;
   depth.resize(count);
+  center_tolerance.resize(count);
   rays.resize(count);
   surface_hits.resize(count);
+}
+
+void Film::forget_rays(size_t pixel) {
+  for (Image* sum : {&albedo, &normal, &emission}) sum->set_rgb(pixel, {0, 0, 0});
+  depth[pixel] = 0;
+  rays[pixel] = surface_hits[pixel] = 0;
+  if (!metal.empty()) metal[pixel] = default_metal[pixel] = 0;
+}
+
+size_t Film::near_pixel(size_t pixel, size_t which) const {
+  const auto row = static_cast<size_t>(width);
+  const int x = static_cast<int>(pixel % row) + kNearPixels[which].first,
+            y = static_cast<int>(pixel / row) + kNearPixels[which].second;
+  return x < 0 || x >= width || y < 0 || y >= height ? kNoPixel : number(x, y);
 }
 
 Image Film::mean(const Image& sum) const {

@@ -36,10 +36,11 @@ struct Frame {
   image::Image normal;  ///< unit; 0 in the background
   image::Image depth;   ///< [height, width, 1], metres along the camera's axis
   image::Image emission;
-  image::Image direct;    ///< irradiance, W/m²
-  image::Image indirect;  ///< irradiance by all later bounces
-  /// `indirect` as an integrator found it, noisy and without bias by the denoiser, which shares
-  /// out direct and indirect light by their noisy ratio. Empty where paths have corrected it.
+  image::Image direct;  ///< irradiance, W/m²; empty without PictureSettings::layers
+  /// Irradiance by all later bounces; without PictureSettings::layers all reflected light.
+  image::Image indirect;
+  /// Indirect irradiance as an integrator found it, noisy, at the surface that each pixel's center
+  /// sees: without bias by the denoiser, other surfaces in the pixel, or paths that correct it.
   image::Image gathered_indirect;
   int64_t background = 0;    ///< pixels that see no surface
   int64_t metal_pixels = 0;  ///< that whole paths have rendered as some of them is metal

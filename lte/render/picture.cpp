@@ -5,6 +5,7 @@
 
 #include "lte/base/parallel.h"
 #include "lte/render/combine.h"
+#include "lte/render/half_size.h"
 
 namespace lte::render {
 namespace {
@@ -21,10 +22,6 @@ void for_pixels(size_t count, const Use& use) {
   parallel_for(static_cast<int64_t>(count), kPixelsAtOnce, [&](int64_t begin, int64_t end) {
     for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) use(i);
   });
-}
-
-Rgb quotient(const Rgb& a, const Rgb& b) {
-  return {b.x > 0 ? a.x / b.x : 0, b.y > 0 ? a.y / b.y : 0, b.z > 0 ? a.z / b.z : 0};
 }
 
 /// Albedo, normals, depth and emission as means over pixels, and counts.
@@ -52,14 +49,13 @@ Frame surfaces_of(const Film& film) {
   return out;
 }
 
+/// Of whole pixels.
 DenoisingGuides guides_of(const Film& film, const Frame& frame, const image::Denoiser& denoiser) {
-  DenoisingGuides out{frame.albedo, film.mean(film.normal), film.position};
+  DenoisingGuides out{frame.albedo, film.mean(film.normal), film.center_position};
   // Open Image Denoise sees how much of a pixel a surface covers; the other filter tells surfaces
   // apart by unit normals.
   if (!denoiser.is_oidn()) out.normal = frame.normal;
   for_pixels(film.pixels(), [&](size_t i) {
-    if (film.sees_surface(i))
-      out.position.set_rgb(i, out.position.rgb(i) * (1 / static_cast<float>(film.surface_hits[i])));
     if (film.sees_metal(i)) out.albedo.set_rgb(i, {1, 1, 1});
   });
   return out;
@@ -71,71 +67,106 @@ Image sum(const Image& a, const Image& b) {
   return out;
 }
 
+bool any(const Image& image) {
+  return std::ranges::any_of(image.pixels, [](float value) { return value != 0; });
+}
+
 /// Scales both layers so that their sum is `total`.
 void share_out(const Image& total, RadianceLayers* layers) {
+  const bool indirect_alone = !any(layers->direct), direct_alone = !any(layers->indirect);
   for_pixels(total.pixels.size(), [&](size_t k) {
     float &direct = layers->direct.pixels[k], &indirect = layers->indirect.pixels[k];
     const float before = direct + indirect;
-    if (before > 0) {
-      direct *= total.pixels[k] / before;
-      indirect *= total.pixels[k] / before;
-    } else {
-      indirect = total.pixels[k];
-    }
+    const float share = indirect_alone ? 0 : direct_alone ? 1 : before > 0 ? direct / before : 0;
+    direct = share * total.pixels[k];
+    indirect = total.pixels[k] - direct;
   });
 }
 
-/// What an integrator found. Its light is that of points, whose texture it has: divided by it and
-/// multiplied by the pixel's albedo it is the pixel's.
-/// @param noisy_indirect  takes indirect irradiance as it is before denoising
-RadianceLayers gathered_light(const Film& film, const Frame& frame, const DenoisingGuides* guides,
-                              const PictureSettings& settings, Image* noisy_indirect) {
-  RadianceLayers out = film.gathered.mean();
-  const Image points = film.gathered_albedo;
-  std::vector<float> samples(film.pixels());
-  for (const LightSums& half : film.gathered.halves) {
-    for (size_t i = 0; i < half.samples.size(); ++i)
-      samples[i] += static_cast<float>(half.samples[i]);
-  }
-  const auto of_points = [&](size_t i) {
-    return film.sees_metal(i) ? Rgb{1, 1, 1} : points.rgb(i) * (1 / std::max(1.0f, samples[i]));
+/// Takes noise out of the sum of both layers. Their shares in it are those of the layers denoised
+/// by themselves, as the noisy ratio would put its noise into both.
+/// @param guides  without light
+void denoise(image::NoisyPicture guides, const PictureSettings& settings, RadianceLayers* light) {
+  const auto without_noise = [&](const Image& noisy) {
+    guides.light = &noisy;
+    return settings.denoiser->denoise(guides, settings.quality);
   };
-  const bool irradiance = settings.output == Output::Irradiance;
-  const auto of_pixel = [&](size_t i) {
-    return irradiance || film.sees_metal(i) ? Rgb{1, 1, 1} : frame.albedo.rgb(i);
+  const Image total = without_noise(sum(light->direct, light->indirect));
+  if (settings.layers && any(light->direct) && any(light->indirect)) {
+    light->direct = without_noise(light->direct);
+    light->indirect = without_noise(light->indirect);
+  }
+  share_out(total, light);
+}
+
+/// Takes noise out of light at surfaces: of direct light, which has shadows, pixel by pixel; of
+/// indirect light at half size but in pixels with metal, whose light is that of whole pixels.
+void denoise_gathered(const Film& film, const PictureSettings& settings, RadianceLayers* light) {
+  const auto whole = [&](const Image& noisy) {
+    return settings.denoiser->denoise(
+        {&noisy, &film.center_normal, &film.center_position, nullptr, nullptr}, settings.quality);
+  };
+  if (any(light->direct)) light->direct = whole(light->direct);
+  if (!any(light->indirect)) return;
+  Image indirect =
+      denoise_at_half_size(film, light->indirect, *settings.denoiser, settings.quality);
+  if (std::ranges::count(film.has_metal, 1) > 0) {
+    const Image of_metal = whole(light->indirect);
+    for_pixels(film.pixels(), [&](size_t i) {
+      if (film.sees_metal(i)) indirect.set_rgb(i, of_metal.rgb(i));
+    });
+  }
+  light->indirect = std::move(indirect);
+}
+
+/// What pixels show of light at surfaces.
+/// @param centers  Film::gathered
+/// @param albedo   of pixels; null: irradiance is wanted
+RadianceLayers seen_light(const Film& film, const RadianceLayers& centers, const Image* albedo) {
+  RadianceLayers out = centers;
+  const auto put = [&](size_t i, const Rgb& direct, const Rgb& indirect, float scale) {
+    out.direct.set_rgb(i, direct * scale);
+    out.indirect.set_rgb(i, indirect * scale);
   };
   for_pixels(film.pixels(), [&](size_t i) {
-    const Rgb scale =
-        irradiance ? quotient({kPi, kPi, kPi}, of_points(i)) : quotient({1, 1, 1}, of_points(i));
-    out.direct.set_rgb(i, out.direct.rgb(i) * scale);
-    out.indirect.set_rgb(i, out.indirect.rgb(i) * scale);
-  });
-  *noisy_indirect = out.indirect;
-  if (!irradiance) {
-    for_pixels(noisy_indirect->pixels.size(), [&](size_t k) { noisy_indirect->pixels[k] *= kPi; });
-  }
-  if (guides != nullptr) {
-    const Image noisy = sum(out.direct, out.indirect);
-    share_out(settings.denoiser->denoise(
-                  {&noisy, &guides->normal, &guides->position, nullptr, nullptr}, settings.quality),
-              &out);
-  }
-  for_pixels(film.pixels(), [&](size_t i) {
-    out.direct.set_rgb(i, out.direct.rgb(i) * of_pixel(i));
-    out.indirect.set_rgb(i, out.indirect.rgb(i) * of_pixel(i));
+    if (film.sees_metal(i)) return;
+    const EdgePixel* const edge = film.edge(i);
+    if (edge == nullptr) {
+      const Rgb reflected = albedo == nullptr ? Rgb{kPi, kPi, kPi} : albedo->rgb(i);
+      put(i, reflected * centers.direct.rgb(i), reflected * centers.indirect.rgb(i), 1 / kPi);
+      return;
+    }
+    Rgb direct = edge->direct * kPi, indirect = edge->indirect * kPi;
+    for (size_t k = 0; k < kNearPixels.size(); ++k) {
+      if (!(max_component(edge->albedo[k]) > 0)) continue;
+      size_t source = film.near_pixel(i, k);
+      if (film.sees_metal(source)) source = i;  // since a later pass, and its light is radiance
+      direct += edge->albedo[k] * centers.direct.rgb(source);
+      indirect += edge->albedo[k] * centers.indirect.rgb(source);
+    }
+    put(i, direct, indirect, 1 / (kPi * static_cast<float>(std::max(1, edge->rays))));
   });
   return out;
 }
 
-RadianceLayers path_light(const Film& film, const DenoisingGuides* guides,
+/// What an integrator found.
+/// @param noisy_indirect  takes indirect irradiance as it is before denoising
+RadianceLayers gathered_light(const Film& film, const Frame& frame, const PictureSettings& settings,
+                              Image* noisy_indirect) {
+  RadianceLayers light = film.gathered.mean();
+  *noisy_indirect = light.indirect;
+  for_pixels(film.pixels(), [&](size_t i) {
+    if (film.sees_metal(i)) noisy_indirect->set_rgb(i, noisy_indirect->rgb(i) * kPi);
+  });
+  if (settings.denoiser != nullptr) denoise_gathered(film, settings, &light);
+  return seen_light(film, light, settings.output == Output::Irradiance ? nullptr : &frame.albedo);
+}
+
+RadianceLayers path_light(const Film& film, const DenoisingGuides& guides,
                           const PictureSettings& settings) {
   RadianceLayers out = film.paths.mean();
-  if (guides == nullptr) return out;
-  const Image noisy = sum(out.direct, out.indirect);
-  share_out(
-      settings.denoiser->denoise(
-          {&noisy, &guides->normal, &guides->position, &guides->albedo, nullptr}, settings.quality),
-      &out);
+  if (settings.denoiser != nullptr)
+    denoise({nullptr, &guides.normal, &guides.position, &guides.albedo, nullptr}, settings, &out);
   return out;
 }
 
@@ -164,17 +195,20 @@ void add_emission_of_paths(const Film& film, Image* emission) {
 }
 
 /// Irradiance layers under which the frame's parts are its light.
-void put_light(RadianceLayers light, Frame* frame) {
-  for_pixels(light.direct.pixels.size(), [&](size_t k) {
-    float &direct = light.direct.pixels[k], &indirect = light.indirect.pixels[k];
-    if (!(direct + indirect > 0)) return;
+void put_light(RadianceLayers light, const PictureSettings& settings, Frame* frame) {
+  if (!settings.layers) light.indirect = sum(light.direct, light.indirect);
+  frame->indirect = std::move(light.indirect);
+  if (settings.layers) frame->direct = std::move(light.direct);
+  if (settings.output == Output::Irradiance) return;
+  for_pixels(frame->indirect.pixels.size(), [&](size_t k) {
+    float* const direct = settings.layers ? &frame->direct.pixels[k] : nullptr;
+    float& indirect = frame->indirect.pixels[k];
+    if (!(indirect + (direct ? *direct : 0) > 0)) return;
     float& albedo = frame->albedo.pixels[k];
     albedo = std::max(albedo, kMinAlbedo);
-    direct *= kPi / albedo;
     indirect *= kPi / albedo;
+    if (direct) *direct *= kPi / albedo;
   });
-  frame->direct = std::move(light.direct);
-  frame->indirect = std::move(light.indirect);
 }
 
 }  // namespace
@@ -197,30 +231,20 @@ Image compose(const Frame& frame, Output output) {
   return out;
 }
 
-Frame make_picture(const Film& film, const PictureSettings& settings) {
+Frame make_picture(const Film& film, const PictureSettings& wanted) {
+  PictureSettings settings = wanted;
+  if (settings.output != Output::Full) settings.layers = true;  // which are those wanted
   Frame out = surfaces_of(film);
   const bool gathers = !film.gathered.empty(), traces = !film.paths.empty();
   if (gathers || traces) {
     DenoisingGuides guides;
-    const DenoisingGuides* denoised = nullptr;
-    if (settings.denoiser != nullptr) {
-      guides = guides_of(film, out, *settings.denoiser);
-      denoised = &guides;
-    }
-    RadianceLayers light =
-        gathers ? gathered_light(film, out, denoised, settings, &out.gathered_indirect)
-                : path_light(film, denoised, settings);
-    if (gathers && traces && denoised != nullptr && film.path_passes > 1) {
+    if (traces && settings.denoiser != nullptr) guides = guides_of(film, out, *settings.denoiser);
+    RadianceLayers light = gathers ? gathered_light(film, out, settings, &out.gathered_indirect)
+                                   : path_light(film, guides, settings);
+    if (gathers && settings.denoiser != nullptr && film.path_passes > 1)
       correct_by_paths(film, guides, *settings.denoiser, &light);
-      out.gathered_indirect = {};
-    }
     if (traces) add_emission_of_paths(film, &out.emission);
-    if (settings.output == Output::Irradiance) {
-      out.direct = std::move(light.direct);
-      out.indirect = std::move(light.indirect);
-    } else {
-      put_light(std::move(light), &out);
-    }
+    put_light(std::move(light), settings, &out);
   }
   out.color = compose(out, settings.output);
   return out;

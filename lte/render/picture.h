@@ -9,10 +9,11 @@ namespace lte::render {
 
 struct PictureSettings {
   Output output = Output::Full;
-  /// Takes noise out of light, direct and indirect together, whose ratio in a pixel stays; null:
-  /// noise stays.
-  const image::Denoiser* denoiser = nullptr;
+  const image::Denoiser* denoiser = nullptr;  ///< of light; null: noise stays
   image::OidnQuality quality = image::OidnQuality::High;
+  /// Output::Full: direct and indirect light are wanted apart (Frame). Where there is noise to take
+  /// out of both, this takes two runs of the denoiser more.
+  bool layers = true;
 };
 
 /// The film as it is now, which may go on afterwards.

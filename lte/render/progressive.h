@@ -21,11 +21,14 @@ struct RenderSettings {
   bool irradiance = false;
   int rays = 2;           ///< PointSampling::rays of the hit of a pixel's camera ray, a pass
   int light_samples = 2;  ///< PointSampling::light_samples of it
-  /// Camera rays more that pixels at edges get in the first pass (edges.h), of which every second
-  /// one's hit is lit, by one ray and one light sample. 0: none.
+  /// Camera rays more that pixels at edges get in the first pass (edges.h): half of them where those
+  /// meet one surface alone. 0: none.
   int edge_rays = 16;
   /// Paths through each whole pixel that a path pass has.
   int path_samples = 1;
+  /// Rays, light samples and paths a pixel, each in all passes together: the last pass has what is
+  /// left.
+  int64_t max_samples = std::numeric_limits<int>::max();
   /// Paths beside an integrator that is not Method::Path: what it is wrong by, they correct
   /// (combine.h). From kCorrectFrom passes on, one path pass a pass.
   bool correct = true;

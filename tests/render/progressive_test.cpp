@@ -88,6 +88,16 @@ TEST(Progressive, PathsAreTheReferenceOfThePathTracer) {
   EXPECT_NEAR(mean_of(frame.color) / mean_of(traced), 1, 0.01);
 }
 
+TEST(Progressive, TheLastPassHasWhatIsLeftOfThePaths) {
+  const Room room(test::furnished_room());
+  RenderSettings settings;
+  settings.path_samples = 3;
+  settings.max_samples = 7;
+  const Film film = room.film(*make_path(room.traced.view(), 5), settings, passes(3));
+  EXPECT_EQ(film.path_passes, 3);
+  for (size_t i = 0; i < film.pixels(); ++i) ASSERT_EQ(film.paths.samples(i), 7);
+}
+
 TEST(Progressive, InAFurnaceEveryPixelShowsTheSum) {
   const test::Traced furnace(test::furnace(0.5f, 2));
   const auto path = make_path(furnace.view(), 5);
@@ -233,6 +243,38 @@ TEST(Picture, TheLayersAreThePicture) {
         frame.albedo.pixels[k] / kPi * (frame.direct.pixels[k] + frame.indirect.pixels[k]);
     ASSERT_NEAR(frame.color.pixels[k], sum, 1e-4f + 1e-4f * sum);
   }
+}
+
+TEST(Picture, LayersAreNearerToTheTruthThanTheNoisyOnes) {
+  const Room room(test::furnished_room());
+  const image::Denoiser denoiser(image::DenoiseBy::Bilateral);
+  RenderSettings many;
+  many.correct = false;
+  many.rays = many.light_samples = 64;
+  const Frame truth =
+      make_picture(room.film(*room.gather, many, passes(8)), {Output::Full, nullptr, {}});
+  for (const int count : {2, kCorrectFrom + 2}) {  // without paths and with them
+    const Film film = room.film(*room.gather, {}, passes(count));
+    const Frame noisy = make_picture(film, {Output::Full, nullptr, {}}),
+                smooth = make_picture(film, {Output::Full, &denoiser, image::OidnQuality::Fast});
+    EXPECT_LT(difference(smooth.direct, truth.direct), difference(noisy.direct, truth.direct));
+    EXPECT_LT(difference(smooth.indirect, truth.indirect),
+              0.7 * difference(noisy.indirect, truth.indirect));
+    EXPECT_EQ(smooth.gathered_indirect.pixels, noisy.gathered_indirect.pixels)
+        << "as it was gathered";
+  }
+}
+
+TEST(Picture, WithoutLayersThePictureIsTheSame) {
+  const Room room(test::furnished_room());
+  const image::Denoiser denoiser(image::DenoiseBy::Bilateral);
+  const Film film = room.film(*room.gather, {}, passes(2));
+  PictureSettings settings{Output::Full, &denoiser, image::OidnQuality::Fast};
+  const image::Image with = make_picture(film, settings).color;
+  settings.layers = false;
+  const Frame without = make_picture(film, settings);
+  EXPECT_TRUE(without.direct.pixels.empty());
+  EXPECT_LT(difference(without.color, with), 1e-5);
 }
 
 TEST(Picture, DenoisingBringsItNearerToTheTruth) {

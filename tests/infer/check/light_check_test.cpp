@@ -26,7 +26,7 @@ namespace {
 using testing::HasSubstr;
 
 /// The truth at random places of a scene, from so many paths a place.
-AnsweredLight traced_light(const test::Room& room, int64_t places, int paths, bool total = false) {
+AnsweredLight traced_light(const test::Room& room, int64_t places, int paths) {
   const scene::SurfaceSamples samples = scene::sample_surface(room.scene, places, {});
   pathtrace::IrradianceOptions options;
   options.rays = paths;
@@ -34,11 +34,9 @@ AnsweredLight traced_light(const test::Room& room, int64_t places, int paths, bo
   const pathtrace::Irradiance traced = pathtrace::estimate_irradiance(
       room.bvh, room.lights, samples.position, samples.normal, options);
   AnsweredLight out;
-  out.total = total;
   for (int64_t i = 0; i < traced.points; ++i) {
     const auto at = static_cast<size_t>(i);
-    out.add(samples.position[at], samples.normal[at],
-            total ? traced.total(i) : traced.indirect_sum(i));
+    out.add(samples.position[at], samples.normal[at], traced.indirect_sum(i));
   }
   return out;
 }
@@ -204,17 +202,6 @@ TEST(LightCheck, RightLightIsSilentOverSeeds) {
     EXPECT_EQ(said, 0) << "cup " << cup;
     EXPECT_GE(regions, cup ? kSeeds : 4 * kSeeds);
   }
-}
-
-TEST(LightCheck, TotalLightIsHeldAgainstTotalLight) {
-  const test::Room room;
-  const AnsweredLight light = traced_light(room, 500, 1024, /*total=*/true);
-  const LightCheck right = check_light(room.bvh, room.lights, light, with_seed(1));
-  EXPECT_NEAR(right.whole.ratio, 1, 4 * right.whole.standard_error);
-  const LightCheck wrong =
-      check_light(room.bvh, room.lights, scaled_below(light, 9, 0.8f), with_seed(1));
-  EXPECT_THAT(check_note(wrong, "the network's", "the points"),
-              HasSubstr("the network's light is 0."));
 }
 
 TEST(LightCheck, AFewPointsAreComparedAsTheyAre) {

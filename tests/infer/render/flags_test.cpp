@@ -77,6 +77,18 @@ TEST_F(RenderFlags, AQualityChoosesNoMethod) {
   }
 }
 
+TEST_F(RenderFlags, AsManyPathsAreTracedAsWanted) {
+  for (const int spp : {1, 255, 257, 511, 1000, 76801}) {
+    const RenderSettings settings =
+        this->settings({"room.glb", "--integrator", "path", "--spp", std::to_string(spp)});
+    EXPECT_LE(settings.path_samples, 256);
+    EXPECT_EQ(settings.max_samples, spp);
+    const int64_t before = int64_t{settings.passes - 1} * settings.path_samples;
+    EXPECT_LT(before, spp) << "a path is left for the last pass";
+    EXPECT_LE(spp - before, settings.path_samples);
+  }
+}
+
 TEST_F(RenderFlags, PathsAPixelAreSharedByTwoHalves) {
   const RenderSettings settings =
       this->settings({"room.glb", "--integrator", "path", "--spp", "64"});
