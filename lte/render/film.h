@@ -21,8 +21,9 @@
 
 namespace lte::render {
 
-/// Light that surfaces reflect, by its bounces; and, of paths alone, what they met at once: radiance
-/// towards the camera, or irradiance (Film::gathered). Sums over samples, [height, width, 3]; empty before the first.
+/// Light that surfaces reflect, by its bounces; and, of paths alone, what they met at once:
+/// radiance towards the camera, or irradiance (Film::gathered). Sums over samples,
+/// [height, width, 3]; empty before the first.
 struct LightSums {
   image::Image emission, direct, indirect;
   std::vector<int32_t> samples;  ///< [height * width]

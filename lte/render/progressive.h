@@ -21,8 +21,8 @@ struct RenderSettings {
   bool irradiance = false;
   int rays = 2;           ///< PointSampling::rays of the hit of a pixel's camera ray, a pass
   int light_samples = 2;  ///< PointSampling::light_samples of it
-  /// Camera rays more that pixels at edges get in the first pass (edges.h): half of them where those
-  /// meet one surface alone. 0: none.
+  /// Camera rays of pixels at edges in the first pass (edges.h), in place of the one through the
+  /// center: half as many where those meet one surface alone. 0: none.
   int edge_rays = 16;
   /// Paths through each whole pixel that a path pass has.
   int path_samples = 1;
