@@ -99,18 +99,24 @@ void denoise(image::NoisyPicture guides, const PictureSettings& settings, Radian
   share_out(total, light);
 }
 
-/// Takes noise out of light at surfaces: of direct light, which has shadows, pixel by pixel; of
-/// indirect light at half size but in pixels with metal, whose light is that of whole pixels.
+/// Takes noise out of light at surfaces: of direct light, which has shadows, pixel by pixel unless
+/// it is to be fast; of indirect light at half size. Metal's light is that of whole pixels.
 void denoise_gathered(const Film& film, const PictureSettings& settings, RadianceLayers* light) {
+  const bool metal = std::ranges::count(film.has_metal, 1) > 0;
   const auto whole = [&](const Image& noisy) {
     return settings.denoiser->denoise(
         {&noisy, &film.center_normal, &film.center_position, nullptr, nullptr}, settings.quality);
   };
-  if (any(light->direct)) light->direct = whole(light->direct);
+  if (any(light->direct)) {
+    light->direct =
+        settings.quality == image::OidnQuality::Fast && !metal
+            ? denoise_at_half_size(film, light->direct, *settings.denoiser, settings.quality)
+            : whole(light->direct);
+  }
   if (!any(light->indirect)) return;
   Image indirect =
       denoise_at_half_size(film, light->indirect, *settings.denoiser, settings.quality);
-  if (std::ranges::count(film.has_metal, 1) > 0) {
+  if (metal) {
     const Image of_metal = whole(light->indirect);
     for_pixels(film.pixels(), [&](size_t i) {
       if (film.sees_metal(i)) indirect.set_rgb(i, of_metal.rgb(i));

@@ -34,7 +34,8 @@ class PixelRays {
   void light(const Integrator& integrator, int64_t* next_point);
 
  private:
-  /// A hit that is lit, and the pixel whose irradiance it adds to; Film::kNoPixel: its own radiance.
+  /// A hit that is lit, and the pixel whose irradiance it adds to; Film::kNoPixel: its own
+  /// radiance counts.
   struct LitHit {
     size_t hit, source;
   };
