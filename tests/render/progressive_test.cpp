@@ -256,7 +256,7 @@ TEST(Picture, LayersAreNearerToTheTruthThanTheNoisyOnes) {
   for (const int count : {2, kCorrectFrom + 2}) {  // without paths and with them
     const Film film = room.film(*room.gather, {}, passes(count));
     const Frame noisy = make_picture(film, {Output::Full, nullptr, {}}),
-                smooth = make_picture(film, {Output::Full, &denoiser, image::OidnQuality::Fast});
+                smooth = make_picture(film, {Output::Full, &denoiser, image::OidnQuality::High});
     EXPECT_LT(difference(smooth.direct, truth.direct), difference(noisy.direct, truth.direct));
     EXPECT_LT(difference(smooth.indirect, truth.indirect),
               0.7 * difference(noisy.indirect, truth.indirect));
