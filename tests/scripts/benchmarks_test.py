@@ -42,11 +42,28 @@ class Rows(unittest.TestCase):
         rows = benchmark_tables.outside_rows({"scenes": OUTPUTS["scenes"]})
         self.assertEqual([row["method"] for row in rows], ["gather", "paths-16"])
         self.assertEqual([row["mean_within"] for row in rows], [1, 1])
-        self.assertAlmostEqual(rows[0]["worth"], 47.888, 3)
+        self.assertAlmostEqual(rows[0]["worth"], 70.833, 3)
         other = copy.deepcopy(OUTPUTS["scenes"])
         other["scenes"][0]["methods"]["gather"]["irradiance"]["mean_ratio"] = 1.06
         rows = benchmark_tables.outside_rows({"scenes": other})
         self.assertEqual([row["mean_within"] for row in rows], [0, 1])
+
+    def test_whole_pictures_have_means_over_rooms(self):
+        dark = copy.deepcopy(OUTPUTS["scenes"])
+        [room] = dark["scenes"]
+        first = room["methods"]["gather"]["whole"]
+        other = copy.deepcopy(room)
+        other["methods"]["gather"]["whole"].update(
+            flip=first["flip"] + 0.2, ssim=first["ssim"] - 0.4, mean=2 * first["mean"], mse=-1,
+            mse_stderr=4 * first["mse"])
+        unlit = copy.deepcopy(room)
+        unlit["methods"]["gather"] = {"not_measured": "has a sun"}
+        dark["scenes"] += [other, unlit]
+        whole = benchmark_tables.outside_rows({"scenes": dark})[0]["whole"]
+        self.assertAlmostEqual(whole["flip"], first["flip"] + 0.1)
+        self.assertAlmostEqual(whole["ssim"], first["ssim"] - 0.2)
+        # Below noise, four times the error of a picture twice as bright: the same again.
+        self.assertAlmostEqual(whole["mse"], first["mse"] / first["mean"] ** 2)
 
     def test_a_first_view_holds_what_is_done_once(self):
         rows = benchmark_tables.picture_rows({"plain": OUTPUTS["pareto"], "m": OUTPUTS["pareto"]})
