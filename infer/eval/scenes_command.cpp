@@ -94,10 +94,12 @@ CLI::App* add_scenes_command(CLI::App& app, ScenesRequest* r) {
       ->required()
       ->type_name("FOLDER|FILE");
   command
-      ->add_option("--methods", r->methods,
-                   concat("Any of network (rays gather its light), decoded (its answer at every "
-                          "pixel), gather, paths-N, paths-N-denoised; default: ",
-                          kDefaultSceneMethods))
+      ->add_option(
+          "--methods", r->methods,
+          concat("Any of network (rays gather its light), decoded (its answer at every pixel "
+                 "without rays, as programs without a BVH get it from the C interface), "
+                 "gather, paths-N, paths-N-denoised; default: ",
+                 kDefaultSceneMethods))
       ->delimiter(',')
       ->allow_extra_args(false);
   command

@@ -343,8 +343,9 @@ std::shared_ptr<LazyCache> SessionState::Parts::make_cache() const {
   return std::make_shared<LazyCache>([from = records, now = draft, by = layers, rays = bvh,
                                       lit = lights, settings = cache_settings(*base)] {
     const gi::CacheRecords& places = from->traced.places;
-    return render::make_cache({*rays, *lit}, settings, places, from->light(*now).direct,
-                              sum_of(by, {places.position, places.normal, places.albedo}));
+    gi::RecordLight light = from->light(*now);
+    light.indirect = sum_of(by, {places.position, places.normal, places.albedo});
+    return render::make_cache({*rays, *lit}, settings, places, light);
   });
 }
 

@@ -78,6 +78,24 @@ void add_records(const scene::SurfaceSamples& samples, size_t begin, size_t end,
   }
 }
 
+/// Of the sums over channels of record_means().
+std::vector<float> record_variances(const CacheRecords& records,
+                                    const pathtrace::DirectLight& direct) {
+  std::vector<float> out(records.position.size());
+  for (size_t i = 0; i < out.size(); ++i) {
+    const size_t begin = records.first[i], end = records.first[i + 1];
+    for (size_t k = begin; k < end; ++k) {
+      const Rgb& light = direct.irradiance[k];
+      if (!(luminance(light) > 0)) continue;
+      const float channels = (light.x + light.y + light.z) / luminance(light);
+      out[i] += direct.variance[k] * channels * channels;
+    }
+    const auto count = static_cast<float>(end - begin);
+    out[i] /= count * count;
+  }
+  return out;
+}
+
 }  // namespace
 
 void CacheRecords::add(const Vec3& at, const Vec3& side, const Rgb& color, float stands_for) {
@@ -157,9 +175,11 @@ RecordLight estimate_records(const pathtrace::Bvh& bvh, const pathtrace::Lights&
   options.seed = seed;
   options.hemisphere_share = 1;
   options.hemisphere_elsewhere = max_depth > 1;
+  options.variance = rays > 1;
   pathtrace::DirectLight direct =
       pathtrace::estimate_direct(bvh, lights, {records.start, records.start_normal, streams},
                                  std::vector<int32_t>(points, rays), options);
+  if (options.variance) out.direct_variance = record_variances(records, direct);
   for (size_t k = 0; k < found.met.size(); ++k) direct.irradiance[k] += found.met[k];
   found.indirect.resize(points);
   out.direct = record_means(records, direct.irradiance);

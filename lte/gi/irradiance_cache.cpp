@@ -34,8 +34,15 @@ Vec2 octant_middle(int octant) {
 
 IrradianceCache::IrradianceCache(const pathtrace::Bvh& bvh, const CacheRecords& records,
                                  std::span<const Rgb> irradiance, std::span<const Rgb> direct,
+                                 std::span<const float> direct_variance,
                                  const CacheOptions& options)
     : records_(records.position.size()), options_(options) {
+  LTE_CHECK(direct.empty() || direct.size() == records_.size(),
+            "irradiance cache: ", records_.size(), " records but ", direct.size(),
+            " of direct light");
+  LTE_CHECK(direct_variance.empty() || direct_variance.size() == direct.size(),
+            "irradiance cache: ", direct.size(), " of direct light but ", direct_variance.size(),
+            " variances");
   LTE_CHECK(options.radius > 0, "irradiance cache: radius must be positive, got ", options.radius);
   std::vector<float> radii;
   double sum = 0;
@@ -55,17 +62,21 @@ IrradianceCache::IrradianceCache(const pathtrace::Bvh& bvh, const CacheRecords& 
       has_walls[i] = find_walls(bvh, records.position[i], records.normal[i], radii[i], &around[i]);
   });
   for (size_t i = 0; i < records_.size(); ++i) {
+    LTE_CHECK(direct.empty() || is_finite(direct[i]), "irradiance cache: direct light ", i,
+              " is not finite");
+    if (!direct.empty()) records_[i].direct = grey(direct[i]);
+    if (!direct_variance.empty()) records_[i].noise = direct_variance[i];
     if (!has_walls[i]) continue;
     records_[i].walls = static_cast<uint32_t>(walls_.size());
     walls_.push_back(around[i]);
   }
-  set_light(records, irradiance, direct);
+  set_light(records, irradiance);
 }
 
-IrradianceCache IrradianceCache::relit(const CacheRecords& records, std::span<const Rgb> irradiance,
-                                       std::span<const Rgb> direct) const {
+IrradianceCache IrradianceCache::relit(const CacheRecords& records,
+                                       std::span<const Rgb> irradiance) const {
   IrradianceCache out(*this);
-  out.set_light(records, irradiance, direct);
+  out.set_light(records, irradiance);
   return out;
 }
 
@@ -77,22 +88,15 @@ IrradianceCache IrradianceCache::answering(std::span<const Rgb> irradiance) cons
   return out;
 }
 
-void IrradianceCache::set_light(const CacheRecords& records, std::span<const Rgb> irradiance,
-                                std::span<const Rgb> direct) {
+void IrradianceCache::set_light(const CacheRecords& records, std::span<const Rgb> irradiance) {
   LTE_CHECK(records.position.size() == records_.size() && irradiance.size() == records_.size(),
             "irradiance cache: ", records.size(), " records but ", irradiance.size(),
             " irradiances");
-  LTE_CHECK(direct.empty() || direct.size() == irradiance.size(),
-            "irradiance cache: ", irradiance.size(), " irradiances but ", direct.size(),
-            " of direct light");
   double light = 0, lit = 0;
   for (size_t i = 0; i < irradiance.size(); ++i) {
     LTE_CHECK(is_finite(irradiance[i]), "irradiance cache: irradiance ", i, " is not finite");
-    LTE_CHECK(direct.empty() || is_finite(direct[i]), "irradiance cache: direct light ", i,
-              " is not finite");
     records_[i].irradiance = irradiance[i];
     records_[i].total = grey(irradiance[i]);
-    records_[i].direct = direct.empty() ? 0 : grey(direct[i]);
     records_[i].silent = false;
     light += double{grey(irradiance[i])} * double{records.area[i]};
     lit += grey(irradiance[i]) > 0 ? double{records.area[i]} : 0;
@@ -174,7 +178,7 @@ bool IrradianceCache::Walls::hides(const Vec3& offset) const {
 
 bool IrradianceCache::lookup(const Vec3& position, const Vec3& normal, Rgb* irradiance) const {
   Rgb sum;
-  float weights = 0, total = 0, direct = 0, squares = 0;
+  float weights = 0, total = 0, direct = 0, squares = 0, noise = 0;
   index_.for_each(position, normal, [&](uint32_t i, float weight, const Vec3& offset) {
     if (!speaks(i, offset)) return;
     const Record& record = records_[i];
@@ -182,13 +186,15 @@ bool IrradianceCache::lookup(const Vec3& position, const Vec3& normal, Rgb* irra
     weights += weight;
     total += record.total * weight;
     direct += record.direct * weight;
-    squares += record.direct * record.direct * weight;
+    squares += (record.direct * record.direct - record.noise) * weight;
+    noise += record.noise * weight * weight;
   });
   if (!(weights >= options_.least_weight)) return false;
   const float scale = 1 / weights, mean = direct * scale;
   *irradiance = sum * scale;
   const float bound = options_.uneven * total * scale + even_below_;
-  return squares * scale - mean * mean <= bound * bound;
+  // Expected squares hold the variance of each record, that of the mean what is left in the mean.
+  return squares * scale - mean * mean + noise * scale * scale <= bound * bound;
 }
 
 }  // namespace lte::gi

@@ -25,7 +25,8 @@ struct CacheOptions {
   float least_weight = 0.4f;
   /// Standard deviation of direct irradiance between the records around a place beyond which the
   /// cache does not know the light there, over their mean total irradiance: smoothing would carry
-  /// light past edges of shadows, gaps and walls. Paths go on there without bias.
+  /// light past edges of shadows, gaps and walls. Paths go on there without bias. Noise of the
+  /// records is no such difference: its variance is taken off.
   float uneven = 0.35f;
   /// Added to that bound, over the mean total irradiance of all lit records by area.
   float even_below = 0.05f;
@@ -37,15 +38,16 @@ class IrradianceCache {
   /// @param irradiance  total (direct and indirect) at the records
   /// @param direct      its direct part; empty where light is taken to be even everywhere. What is
   ///                    indirect does not decide: noise of paths would then choose what they say.
+  /// @param direct_variance  RecordLight::direct_variance; empty where direct light is exact
   /// @throws lte::Error if sizes differ or a value is not finite.
   IrradianceCache(const pathtrace::Bvh& bvh, const CacheRecords& records,
                   std::span<const Rgb> irradiance, std::span<const Rgb> direct = {},
-                  const CacheOptions& options = {});
+                  std::span<const float> direct_variance = {}, const CacheOptions& options = {});
 
-  /// The same records with other light, for a fraction of what making a cache takes.
+  /// The same records and direct light with other light in all, for a fraction of what making a
+  /// cache takes.
   /// @param records  those that the cache was made of
-  IrradianceCache relit(const CacheRecords& records, std::span<const Rgb> irradiance,
-                        std::span<const Rgb> direct) const;
+  IrradianceCache relit(const CacheRecords& records, std::span<const Rgb> irradiance) const;
   /// With other light in the answers of lookup(), which it gives for the same places as this one:
   /// a gather then is linear in the light.
   IrradianceCache answering(std::span<const Rgb> irradiance) const;
@@ -81,14 +83,14 @@ class IrradianceCache {
   static bool find_walls(const pathtrace::Bvh& bvh, const Vec3& position, const Vec3& normal,
                          float radius, Walls* walls);
 
-  void set_light(const CacheRecords& records, std::span<const Rgb> irradiance,
-                 std::span<const Rgb> direct);
+  void set_light(const CacheRecords& records, std::span<const Rgb> irradiance);
   bool speaks(uint32_t record, const Vec3& offset) const;
   void silence_dark_sheets(const CacheRecords& records);
 
   struct Record {
     Rgb irradiance;
     float total = 0, direct = 0;  ///< sums over the channels, of all light and of direct light
+    float noise = 0;              ///< variance of `direct`
     uint32_t walls = kNone;       ///< index into walls_
     bool silent = false;          ///< says nothing
   };

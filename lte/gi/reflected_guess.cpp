@@ -83,10 +83,11 @@ float level_of(const CacheRecords& records, std::span<const Rgb> guess, std::spa
 }  // namespace
 
 IrradianceCache reflect_guess(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                              const CacheRecords& records, std::span<const Rgb> direct,
-                              std::span<const Rgb> guess, const ReflectionOptions& options) {
-  LTE_CHECK(guess.size() == direct.size(), "a guess of light has ", guess.size(), " records, not ",
-            direct.size());
+                              const CacheRecords& records, const RecordLight& light,
+                              const ReflectionOptions& options) {
+  const std::vector<Rgb>&direct = light.direct, &guess = light.indirect;
+  LTE_CHECK(guess.size() == direct.size(), "a guess of indirect light has ", guess.size(),
+            " values for ", direct.size(), " records");
   GatherOptions gather;
   gather.rays = options.rays;
   gather.max_depth = std::max(options.max_depth, 2);
@@ -98,22 +99,22 @@ IrradianceCache reflect_guess(const pathtrace::Bvh& bvh, const pathtrace::Lights
     return record_means(
         at, gather_irradiance(bvh, lights, cache, at.start, at.start_normal, gather).indirect);
   };
-  const IrradianceCache cache(bvh, records, direct, direct);
+  const IrradianceCache cache(bvh, records, direct, direct, light.direct_variance);
   if (bounces < 1 || direct.empty()) return cache;
   // A guess is a guess inside of things, too, where no light comes.
   std::vector<Rgb> reached(guess.begin(), guess.end());
   for (size_t i = 0; i < reached.size(); ++i) {
     if (cache.silent(static_cast<int64_t>(i))) reached[i] = {};
   }
-  const IrradianceCache both = cache.relit(records, sum_of(direct, reached), direct);
+  const IrradianceCache both = cache.relit(records, sum_of(direct, reached));
   const CacheRecords some = picked(records);
   const std::vector<Rgb> f = picked(reached), of_both = gathered(both, some),
                          of_direct = gathered(both.answering(direct), some);
   Rgb level;
   for (int c = 0; c < 3; ++c) level[c] = level_of(some, f, of_both, of_direct, c, bounces);
   for (size_t i = 0; i < indirect.size(); ++i) indirect[i] = reached[i] * level;
-  indirect = gathered(cache.relit(records, sum_of(direct, indirect), direct), records);
-  return cache.relit(records, sum_of(direct, indirect), direct);
+  indirect = gathered(cache.relit(records, sum_of(direct, indirect)), records);
+  return cache.relit(records, sum_of(direct, indirect));
 }
 
 }  // namespace lte::gi

@@ -32,12 +32,11 @@ struct ReflectionOptions {
 /// f is scaled to that, by channel. In a closed room whose walls shine evenly the result is exact
 /// for any even guess.
 ///
-/// @param direct  [records], W/m²
-/// @param guess   [records], W/m², of light that surfaces have reflected; not negative
-/// @return        the cache of direct light and what became of the guess
+/// @param light  of the records: direct light, and the guess in the place of indirect light
+/// @return       the cache of direct light and what became of the guess
 /// @throws lte::Error if sizes differ, a value is not finite, or a count is out of range.
 IrradianceCache reflect_guess(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                              const CacheRecords& records, std::span<const Rgb> direct,
-                              std::span<const Rgb> guess, const ReflectionOptions& options);
+                              const CacheRecords& records, const RecordLight& light,
+                              const ReflectionOptions& options);
 
 }  // namespace lte::gi

@@ -87,18 +87,17 @@ gi::IrradianceCache make_cache(const TracedScene& scene, const CacheSettings& se
   gi::RecordLight light =
       gi::estimate_records(bvh, lights, records, settings.paths, depth,
                            source ? places : hash_combine(settings.seed, kLight));
-  if (!source) return {bvh, records, light.total(), light.direct};
-  return make_cache(scene, settings, records, light.direct,
-                    source(records.position, records.normal, records.albedo));
+  if (!source) return {bvh, records, light.total(), light.direct, light.direct_variance};
+  light.indirect = source(records.position, records.normal, records.albedo);
+  return make_cache(scene, settings, records, light);
 }
 
 gi::IrradianceCache make_cache(const TracedScene& scene, const CacheSettings& settings,
-                               const gi::CacheRecords& records, std::span<const Rgb> direct,
-                               std::span<const Rgb> indirect) {
+                               const gi::CacheRecords& records, const gi::RecordLight& light) {
   gi::ReflectionOptions options;
   options.max_depth = settings.max_depth;
   options.seed = hash_combine(settings.seed, kLight);
-  return gi::reflect_guess(scene.bvh, scene.lights, records, direct, indirect, options);
+  return gi::reflect_guess(scene.bvh, scene.lights, records, light, options);
 }
 
 double cache_mb(const CacheSettings& settings, int64_t groups) {

@@ -89,11 +89,10 @@ double cache_mb(const CacheSettings& settings, int64_t groups);
 /// @param source  of indirect light at the records; none: paths trace it
 gi::IrradianceCache make_cache(const TracedScene& scene, const CacheSettings& settings,
                                const IrradianceSource& source = {});
-/// The same of direct light that is known and what a network says of indirect light, both at
-/// records of the scene, W/m².
+/// The same where the light of records is known: direct light, and what a network says of indirect
+/// light.
 gi::IrradianceCache make_cache(const TracedScene& scene, const CacheSettings& settings,
-                               const gi::CacheRecords& records, std::span<const Rgb> direct,
-                               std::span<const Rgb> indirect);
+                               const gi::CacheRecords& records, const gi::RecordLight& light);
 
 /// Gather, or network where there is a source. What is borrowed must outlive it.
 std::unique_ptr<Integrator> make_gather(const TracedScene& scene, const CacheSettings& settings,

@@ -109,7 +109,7 @@ struct Room {
   IrradianceCache cache(int64_t count, int paths, int max_depth) const {
     const CacheRecords records = sample_records(bvh, count, 3);
     const RecordLight light = estimate_records(bvh, lights, records, paths, max_depth, 4);
-    return IrradianceCache(bvh, records, light.total(), light.direct);
+    return IrradianceCache(bvh, records, light.total(), light.direct, light.direct_variance);
   }
 
   scene::Scene scene;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "lte/base/check.h"
+#include "lte/base/random.h"
 #include "tests/support/closed_forms.h"
 #include "tests/support/scenes.h"
 
@@ -204,6 +205,71 @@ TEST(IrradianceCache, DoesNotKnowTheLightWhereDirectLightIsUneven) {
   const std::vector<Rgb> none(light.size());
   EXPECT_TRUE(
       IrradianceCache(bvh, records, light, none).lookup({0.4f, 0.5f, 0}, {0, 0, 1}, &found));
+}
+
+/// Noise of few light samples is no edge of a shadow, which is one in spite of it.
+TEST(IrradianceCache, TakesNoiseOfDirectLightForNoDifference) {
+  const scene::Scene scene = sheet();
+  const pathtrace::Bvh bvh(scene);
+  const auto misses = [&](float beyond, bool variance_known) {
+    CacheRecords records;
+    std::vector<Rgb> light;
+    const auto edge = [&](float, float y) {
+      const float value = y < 0.5f ? 1 : beyond;
+      return Rgb{value, value, value};
+    };
+    add_grid(20, 0, {0, 0, 1}, edge, &records, &light);
+    Rng random(1, 1);
+    std::vector<float> variance;
+    for (Rgb& value : light) {
+      variance.push_back(value.x * value.x * 9 / 3);  // of the sum, evenly spread from 0 to 2
+      value = value * (2 * random.uniform());
+    }
+    if (!variance_known) variance.clear();
+    const IrradianceCache cache(bvh, records, light, light, variance);
+    int missed = 0;
+    for (int i = 0; i < 100; ++i) {
+      Rgb found;
+      const float x = 0.1f + 0.008f * static_cast<float>(i);
+      missed += cache.lookup({x, 0.5f, 0}, {0, 0, 1}, &found) ? 0 : 1;
+    }
+    return missed;
+  };
+  EXPECT_GT(misses(1, false), 80) << "noise alone";
+  EXPECT_LT(misses(1, true), 20);
+  EXPECT_GT(misses(0.02f, true), 2 * misses(1, true));
+}
+
+/// The witness: the spread of estimates of other seeds. Small lamps, so that light samples alone
+/// matter.
+TEST(CacheRecords, TellHowWellTheyKnowDirectLight) {
+  scene::Scene scene = sheet();
+  for (const float x : {0.2f, 0.5f, 0.9f})
+    test::add_point_light(&scene, {x, 0.4f, 0.6f}, {1, 0.5f, 0.2f});
+  const pathtrace::Bvh bvh(scene);
+  const pathtrace::Lights lights(scene);
+  const CacheRecords records = sample_records(bvh, 64, 3);
+  constexpr int kSeeds = 64;
+  const auto count = static_cast<size_t>(records.size());
+  std::vector<double> sum(count), squares(count);
+  double told = 0, spread = 0;
+  for (uint64_t seed = 0; seed < kSeeds; ++seed) {
+    const RecordLight light = estimate_records(bvh, lights, records, 16, 1, seed);
+    ASSERT_EQ(light.direct_variance.size(), count);
+    for (size_t i = 0; i < count; ++i) {
+      const double value =
+          double{light.direct[i].x} + double{light.direct[i].y} + double{light.direct[i].z};
+      sum[i] += value;
+      squares[i] += value * value;
+      told += double{light.direct_variance[i]} / kSeeds;
+    }
+  }
+  for (size_t i = 0; i < count; ++i)
+    spread += (squares[i] - sum[i] * sum[i] / kSeeds) / (kSeeds - 1);
+  EXPECT_GT(spread, 0);
+  EXPECT_NEAR(told, spread, 0.25 * spread);
+  EXPECT_TRUE(estimate_records(bvh, lights, records, 4, 1, 0).direct_variance.empty())
+      << "a sample a point";
 }
 
 /// A lamp that hangs 5 cm below a ceiling faces down as the ceiling does.

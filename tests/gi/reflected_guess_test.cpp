@@ -41,8 +41,12 @@ class EvenlyLitBox : public testing::Test {
     const auto count = static_cast<size_t>(records.size());
     ReflectionOptions options;
     options.max_depth = max_depth;
-    return mean(reflect_guess(bvh, lights, records, std::vector<Rgb>(count, Rgb{kPi, kPi, kPi}),
-                              std::vector<Rgb>(count, {guess, 2 * guess, 0.5f * guess}), options),
+    return mean(reflect_guess(bvh, lights, records,
+                              {std::vector<Rgb>(count, Rgb{kPi, kPi, kPi}),
+                               std::vector<Rgb>(count, Rgb{guess, 2 * guess, 0.5f * guess}),
+                               {},
+                               0},
+                              options),
                 std::vector<Vec3>{{0, 0, -1}, {0.3f, 1, -0.2f}, {-1, 0.1f, 0.4f}},
                 std::vector<Vec3>{{0, 0, 1}, {0, -1, 0}, {1, 0, 0}});
   }
@@ -72,10 +76,9 @@ TEST(ReflectedGuess, AGuessOfThreeTimesTheLightIsMended) {
   const pathtrace::Lights lights(scene);
   const CacheRecords records = sample_records(bvh, 1000, 1);
   const RecordLight truth = estimate_records(bvh, lights, records, 512, 4, 2);
-  std::vector<Rgb> guess = truth.indirect;
-  for (Rgb& value : guess) value = value * 3;
-  const IrradianceCache mended =
-      reflect_guess(bvh, lights, records, truth.direct, guess, ReflectionOptions());
+  RecordLight guess = truth;
+  for (Rgb& value : guess.indirect) value = value * 3;
+  const IrradianceCache mended = reflect_guess(bvh, lights, records, guess, ReflectionOptions());
   const IrradianceCache right(bvh, records, truth.total(), truth.direct);
   double sum = 0, expected = 0;
   int64_t known = 0;
@@ -97,8 +100,10 @@ TEST(ReflectedGuess, AnotherNumberOfRecordsIsRefused) {
   const pathtrace::Bvh bvh(scene);
   const pathtrace::Lights lights(scene);
   const CacheRecords records = sample_records(bvh, 100, 1);
-  const std::vector<Rgb> direct(static_cast<size_t>(records.size())), guess(3);
-  EXPECT_THROW(reflect_guess(bvh, lights, records, direct, guess, ReflectionOptions()), Error);
+  RecordLight light;
+  light.direct.resize(static_cast<size_t>(records.size()));
+  light.indirect.resize(3);
+  EXPECT_THROW(reflect_guess(bvh, lights, records, light, ReflectionOptions()), Error);
 }
 
 }  // namespace

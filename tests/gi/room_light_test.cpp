@@ -53,7 +53,7 @@ struct View {
   std::vector<Rgb> gathered(uint64_t seed) const {
     const CacheRecords records = sample_records(bvh, 4096, seed);
     const RecordLight light = estimate_records(bvh, lights, records, 16, 4, seed);
-    const IrradianceCache cache(bvh, records, light.total(), light.direct);
+    const IrradianceCache cache(bvh, records, light.total(), light.direct, light.direct_variance);
     GatherOptions options;
     options.rays = 32;
     options.seed = seed;

@@ -16,7 +16,7 @@ namespace lte::infer {
 /// What answers for indirect light.
 enum class SceneMethodKind {
   Network,       ///< rays that read a table of the network's light, and its noise taken away
-  Decoded,       ///< the network, at every pixel
+  Decoded,       ///< the network, at every pixel: as the C interface answers, without rays
   Gather,        ///< rays that read a table of path-traced light, likewise
   Paths,         ///< path tracing
   DenoisedPaths  ///< the same and a denoiser
