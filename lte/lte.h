@@ -52,6 +52,7 @@
 #include "lte/scene/point_table.h"
 #include "lte/scene/sampler.h"
 #if __has_include(<ATen/core/Tensor.h>)
+#include "lte/embed/embed.h"
 #include "lte/nn/loss.h"
 #include "lte/nn/model.h"
 #include "lte/nn/model_file.h"

@@ -68,8 +68,13 @@ ALLOWED = {
     "lte/ops/cuda": ["lte/base", "lte/ops"],
     "lte/nn": ["lte/base", "lte/ops"],
     "lte/runtime": ["lte/base", "lte/radiosity", "lte/ops", "lte/nn", "lte/data"],
+    # Scene files to embeddings.
+    "lte/embed": ["lte/base", "lte/scene/*", "lte/pathtrace/*", "lte/data", "lte/radiosity",
+                  "lte/runtime"],
     "lte/torchscript": ["lte/base", "lte/ops", "lte/nn"],
-    "lte/c_api": ["lte/base", "lte/nn", "lte/runtime"],
+    "lte/c_render": ["lte/c_api"],
+    "lte/c_api": ["lte/c_render", "lte/base", "lte/image", "lte/scene/*", "lte/pathtrace/*",
+                  "lte/render", "lte/runtime", "lte/embed"],
     "datagen/common": LIBRARY_WITHOUT_TORCH,
     "datagen/boxes": LIBRARY_WITHOUT_TORCH + ["datagen/common"],
     "datagen/homes": LIBRARY_WITHOUT_TORCH + ["datagen/common", "datagen/homes/*"],
@@ -99,9 +104,9 @@ ALLOWED = {
     "train": ["lte/base", "lte/cli", "train/command"],
 }
 # What the tools with a network stand on, each room on those before it.
-INFER = LIBRARY_WITHOUT_TORCH + ["lte/gi", "lte/render", "lte/radiosity", "lte/cli/*", "lte/ops",
-                                 "lte/nn", "lte/runtime"]
-INFER_SHARED = ["infer/tool", "infer/light", "infer/check", "infer/picture", "infer/renderer"]
+INFER = LIBRARY_WITHOUT_TORCH + ["lte/gi", "lte/render", "lte/radiosity", "lte/cli/*",
+                                 "lte/runtime", "lte/embed"]
+INFER_SHARED = ["infer/tool", "infer/check", "infer/picture", "infer/renderer"]
 for depth, room in enumerate(INFER_SHARED):
     ALLOWED[room] = INFER + INFER_SHARED[:depth]
 # A scene in memory that takes edits: for the tools that show one.
@@ -116,16 +121,18 @@ EVAL = ["infer/eval/measure", "infer/eval/baselines", "infer/eval/evaluate", "in
 for depth, room in enumerate(EVAL):
     ALLOWED[room] = ALLOWED["infer/eval"] + EVAL[:depth]
 ALLOWED["infer/eval"] += EVAL
-ALLOWED["infer/export"] += ["lte/torchscript"]
+ALLOWED["infer/export"] += ["lte/torchscript", "lte/nn"]
 ALLOWED["infer/render"] += ["infer/session"]
 # lte_bench times everything below it, and draws the chart of lte_render's pictures.
-ALLOWED["bench"] = INFER + INFER_SHARED + ["lte/report", "infer/render", "bench/*"]
+ALLOWED["bench"] = (INFER + INFER_SHARED +
+                    ["lte/nn", "lte/ops", "lte/report", "infer/render", "bench/*"])
 ALLOWED["bench/pareto"] = ALLOWED["bench"] + ["infer/eval/measure"]
 # A live view shows a session in the qualities of lte_render.
 ALLOWED["infer/view"] = ALLOWED["infer/render"] + ["infer/render"]
 
 NO_TORCH = ("lte/base/", "lte/cli/", "lte/report/", "lte/image/", "lte/scene/", "lte/pathtrace/",
             "lte/gi/", "lte/data/", "lte/radiosity/", "lte/render/", "lte/c_api/", "lte/c_api.h",
+            "lte/c_render.h", "lte/embed/",
             "datagen/", "infer/", "tests/infer/", "tests/c_api/")
 # Memory on a GPU.
 TORCH_AFTER_ALL = ("tests/c_api/cuda_test.cpp",)

@@ -6,12 +6,12 @@
 #include <numeric>
 #include <set>
 
-#include "infer/light/untrained_light.h"
 #include "infer/tool/assets.h"
 #include "lte/base/check.h"
 #include "lte/base/checksum.h"
 #include "lte/base/log.h"
 #include "lte/base/timer.h"
+#include "lte/embed/untrained_light.h"
 
 namespace lte::bench {
 
@@ -158,7 +158,7 @@ std::vector<ParetoChart> measure_pareto(const ParetoOptions& options) {
     const scene::Scene scene = load_scene(file, options.loading);
     Renderer renderer(scene);
     LTE_CHECK(renderer.has_light(), file, ": nothing emits light, so there is no error to measure");
-    const std::string note = untrained_light_note(scene, network.metadata());
+    const std::string note = embed::untrained_light_note(scene, network.metadata());
     if (!note.empty()) log_warning(note);
     for (const auto& [width, height] : options.sizes) {
       charts.push_back(measure_chart(

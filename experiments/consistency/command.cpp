@@ -12,13 +12,13 @@
 #include "bench/begin_command.h"
 #include "bench/pareto/pareto.h"
 #include "experiments/consistency/consistency.h"
-#include "infer/light/untrained_light.h"
 #include "infer/tool/assets.h"
 #include "infer/tool/picture_size.h"
 #include "infer/tool/tool_options.h"
 #include "lte/base/check.h"
 #include "lte/base/file.h"
 #include "lte/cli/scene_flags.h"
+#include "lte/embed/untrained_light.h"
 #include "lte/scene/load_camera.h"
 
 namespace lte::experiments {
@@ -116,7 +116,7 @@ void run(const Request& request) {
   const scene::Camera first =
       bench::pareto_views(renderer.bvh(), request.camera, 1, aspect).front();
   const runtime::Network network(checkpoint_or_shipped(request.checkpoint));
-  LTE_CHECK(!has_untrained_light(scene, network.metadata()), scene.name,
+  LTE_CHECK(!embed::has_untrained_light(scene, network.metadata()), scene.name,
             ": the model knows no light from outside, so there is nothing of it to measure");
   EmbedSettings embedding;
   embedding.rescale = true;

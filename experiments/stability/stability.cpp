@@ -199,7 +199,7 @@ class Measurement {
              {{}, {Figure::Max, 1e-5}});
   }
 
-  static void shuffle(LitSamples* lit) {
+  static void shuffle(embed::LitSamples* lit) {
     std::vector<size_t> order(lit->surface.position.size());
     std::iota(order.begin(), order.end(), size_t{0});
     Rng rng(kShuffle);
@@ -259,7 +259,7 @@ double Change::of(Figure figure) const {
 Change compare(std::span<const Rgb> answers, std::span<const Rgb> base, double factor) {
   LTE_CHECK(answers.size() == base.size(), "stability: ", answers.size(), " answers against ",
             base.size());
-  const std::span<const float> a = floats(answers), b = floats(base);
+  const std::span<const float> a = runtime::floats(answers), b = runtime::floats(base);
   Change out;
   out.values = static_cast<int64_t>(a.size());
   double sum = 0, size = 0, signed_sum = 0;

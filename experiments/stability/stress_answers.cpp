@@ -5,10 +5,10 @@
 #include <span>
 #include <utility>
 
-#include "infer/light/lit_samples.h"
-#include "infer/light/untrained_light.h"
 #include "infer/renderer/renderer.h"
 #include "lte/base/timer.h"
+#include "lte/embed/scene_points.h"
+#include "lte/embed/untrained_light.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/runtime/embedding.h"
 #include "lte/scene/sampler.h"
@@ -47,11 +47,11 @@ std::vector<Rgb> ask_network(const pathtrace::Bvh& bvh, const pathtrace::Lights&
                              const StressVariation& variation) {
   const int64_t count =
       asked.scene_points > 0 ? asked.scene_points : network.metadata().scene_points;
-  scene::SurfaceSamples samples = sample_scene_points(
+  scene::SurfaceSamples samples = embed::sample_scene_points(
       bvh, count, network.metadata().scene_points_pruned, variation.seed, nullptr);
-  leave_out_untrained_suns(bvh.scene(), network.metadata(), &samples);
-  LitSamples lit =
-      add_light_estimates(bvh, lights, std::move(samples), network.light_request(), variation.seed);
+  embed::drop_untrained_suns(bvh.scene(), network.metadata(), &samples);
+  embed::LitSamples lit = embed::add_light_estimates(bvh, lights, std::move(samples),
+                                                     network.light_request(), variation.seed);
   if (variation.edit) variation.edit(&lit);
   runtime::EncodeOptions encoding;
   encoding.rescale = true;

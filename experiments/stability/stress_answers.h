@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "experiments/stability/stress_scene.h"
-#include "infer/light/lit_samples.h"
-#include "infer/light/points.h"
+#include "lte/embed/scene_points.h"
 #include "lte/runtime/network.h"
+#include "lte/runtime/points.h"
 
 namespace lte::experiments {
 
@@ -39,7 +39,7 @@ struct StressAnswers {
 struct StressVariation {
   uint64_t seed = 0;  ///< of paths, scene points and their light
   /// Changes the scene points once they are lit; empty: leaves them.
-  std::function<void(infer::LitSamples*)> edit = {};
+  std::function<void(embed::LitSamples*)> edit = {};
   bool reverse_queries = false;  ///< ask the network from the last to the first
   bool paths = true, network = true;
 };

@@ -4,13 +4,13 @@
 #include <memory>
 #include <utility>
 
-#include "infer/light/unreached_light.h"
 #include "infer/probe/expected_error.h"
 #include "infer/probe/gathered_probe.h"
 #include "lte/base/check.h"
 #include "lte/base/random.h"
 #include "lte/base/timer.h"
 #include "lte/cli/progress.h"
+#include "lte/embed/culled_lights.h"
 
 namespace lte::infer {
 namespace {
@@ -116,7 +116,7 @@ ProbeAnswer answer_points(const ProbeRequest& request, const runtime::Network* n
   if (network != nullptr) sources = sources_of(request, *network, settings, renderer);
   ProbeAnswer answer;
   answer.light = trace(request, *renderer, points);
-  answer.left_out = names_of(renderer->bvh().scene(), renderer->left_out());
+  answer.culled_lights = embed::names_of(renderer->bvh().scene(), renderer->culled_lights());
   const GatheredProbe found = gather(request, sources, points, *renderer);
   if (request.check)
     answer.check = check(request, points, found.indirect, timer.seconds(), *renderer);

@@ -18,8 +18,8 @@ struct ProbeAnswer {
   pathtrace::ProbeResult light;
   /// W/m², root mean square over the channels; empty where nothing is known of it.
   std::vector<double> expected_error;
-  std::vector<std::string> left_out;  ///< names of lights that the network was not told of
-  LightCheck check;                   ///< without paths: none
+  std::vector<std::string> culled_lights;  ///< by name
+  LightCheck check;                        ///< without paths: none
 };
 
 /// Rays a point, as the flags or the method have them.

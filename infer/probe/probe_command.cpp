@@ -7,8 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "infer/check/check_report.h"
-#include "infer/light/unreached_light.h"
-#include "infer/light/untrained_light.h"
 #include "infer/probe/probe_answers.h"
 #include "infer/renderer/renderer.h"
 #include "infer/tool/assets.h"
@@ -19,6 +17,8 @@
 #include "lte/base/timer.h"
 #include "lte/cli/numbers.h"
 #include "lte/cli/writable.h"
+#include "lte/embed/culled_lights.h"
+#include "lte/embed/untrained_light.h"
 #include "lte/pathtrace/reach/lost_light.h"
 #include "lte/scene/light_points.h"
 
@@ -51,10 +51,10 @@ EmbedSettings told_of(const ProbeRequest& request, const runtime::Network& netwo
                       const scene::PointTable& points, const Renderer& renderer) {
   EmbedSettings settings = embed_settings(request.embedding, request.seed,
                                           runtime::MemoryLimit(request.tool.max_memory_mb));
-  leave_out_unreached(request.embedding, renderer.bvh(), network,
-                      SurfacePlaces{points.position, points.normal}, &settings);
-  const std::string note =
-      untrained_light_note(renderer.bvh().scene(), network.metadata(), settings.unreached);
+  cull_lights(request.embedding, renderer.bvh(), network,
+              embed::SurfacePlaces{points.position, points.normal}, &settings);
+  const std::string note = embed::untrained_light_note(renderer.bvh().scene(), network.metadata(),
+                                                       settings.culled_lights);
   if (!note.empty()) log_warning(note);
   return settings;
 }
@@ -86,7 +86,7 @@ void write(const ProbeRequest& request, const scene::PointTable& points, const P
                                {"integrator", request.integrator},
                                {"points", points.size()},
                                {"above_target", answer.light.missed},
-                               {"left_out_lights", answer.left_out},
+                               {"left_out_lights", answer.culled_lights},
                                {"check", check_json(answer.check)},
                                {"seconds", seconds}};
   write_file(request.tool.common.json, json.dump(2) + "\n");

@@ -2,10 +2,10 @@
 
 #include <utility>
 
-#include "infer/light/unreached_light.h"
 #include "infer/session/state.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
+#include "lte/embed/culled_lights.h"
 
 namespace lte::infer {
 namespace {
@@ -55,19 +55,20 @@ EditedFrames::EditedFrames(EditScript script, const std::vector<View>& all,
 Frame EditedFrames::render(const View& view, const RenderSettings& settings, nlohmann::json* report,
                            StageSeconds* seconds) {
   *report = edit_json(player_.go_to(frame_of_.at(view.out)));
-  say_left_out();
-  (*report)["left_out_lights"] = left_out_;
+  report_culled_lights();
+  (*report)["left_out_lights"] = culled_lights_;
   return session_.state()->render(view.camera, settings, seconds);
 }
 
 /// Where that has changed, a line names the light that the network is not told of.
-void EditedFrames::say_left_out() {
+void EditedFrames::report_culled_lights() {
   const StatePtr state = session_.state();
-  const std::vector<int> groups = state->left_out();
-  std::vector<std::string> names = names_of(state->scene(), groups);
-  if (names == left_out_) return;
-  left_out_ = std::move(names);
-  if (!groups.empty()) log_info(left_out_note(state->scene(), groups, state->parts().cameras));
+  const std::vector<int> groups = state->culled_lights();
+  std::vector<std::string> names = embed::names_of(state->scene(), groups);
+  if (names == culled_lights_) return;
+  culled_lights_ = std::move(names);
+  if (!groups.empty())
+    log_info(embed::culled_lights_note(state->scene(), groups, state->parts().cameras));
 }
 
 }  // namespace lte::infer

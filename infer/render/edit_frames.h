@@ -46,13 +46,13 @@ class EditedFrames {
   StatePtr state() const { return session_.state(); }
 
  private:
-  void say_left_out();
+  void report_culled_lights();
 
   EditScript script_;
   Session session_;
   EditPlayer player_;
-  std::map<std::string, int> frame_of_;  ///< by file name
-  std::vector<std::string> left_out_;    ///< that a line has named last
+  std::map<std::string, int> frame_of_;     ///< by file name
+  std::vector<std::string> culled_lights_;  ///< that a line has named last
 };
 
 }  // namespace lte::infer

@@ -9,7 +9,6 @@
 
 #include "infer/check/check_report.h"
 #include "infer/check/checked_pixels.h"
-#include "infer/light/untrained_light.h"
 #include "infer/render/edit_frames.h"
 #include "infer/render/frame_io.h"
 #include "infer/render/frame_set.h"
@@ -30,6 +29,7 @@
 #include "lte/base/timer.h"
 #include "lte/cli/command_files.h"
 #include "lte/cli/writable.h"
+#include "lte/embed/untrained_light.h"
 #include "lte/pathtrace/reach/lost_light.h"
 #include "lte/scene/light_points.h"
 #include "lte/scene/load_camera.h"
@@ -93,7 +93,7 @@ nlohmann::json to_json(const RenderRequest& request, const Renderer& renderer, M
       {"precision", request.tool.precision},
       {"size", {width, height}},
       {"pruned_scene_points", renderer.pruned_points().pruned},
-      {"left_out_lights", names_of(renderer.bvh().scene(), renderer.left_out())},
+      {"left_out_lights", embed::names_of(renderer.bvh().scene(), renderer.culled_lights())},
       {"denoiser", renderer.denoised_by()},
       {"seconds", seconds_json(s, total)},
       {"peak_rss_mb", peak_rss_mb()}};
@@ -159,12 +159,12 @@ std::optional<runtime::Network> load_network(const RenderRequest& request,
   const scene::Scene& scene = renderer.bvh().scene();
   std::optional<runtime::Network> network(std::in_place, checkpoint_or_shipped(request.checkpoint),
                                           network_options(request.tool));
-  if (!has_untrained_light(scene, network->metadata())) return network;
-  const std::vector<int> left_out =
-      left_out_light(request.embedding, renderer.bvh(), *network,
-                     embed_settings(request.embedding, request.seed, {}), cameras_of(views));
-  if (!has_untrained_light(scene, network->metadata(), left_out)) return network;
-  log_info(traced_light_note(scene, left_out));
+  if (!embed::has_untrained_light(scene, network->metadata())) return network;
+  const std::vector<int> culled =
+      culled_lights(request.embedding, renderer.bvh(), *network,
+                    embed_settings(request.embedding, request.seed, {}), cameras_of(views));
+  if (!embed::has_untrained_light(scene, network->metadata(), culled)) return network;
+  log_info(embed::traced_light_note(scene, culled));
   *records = Method::Gather;
   return std::nullopt;
 }
@@ -178,8 +178,8 @@ void embed(const RenderRequest& request, const std::vector<View>& views,
            const runtime::Network& network, const runtime::MemoryLimit& memory,
            Renderer* renderer) {
   EmbedSettings settings = embed_settings(request.embedding, request.seed, memory);
-  const double search = leave_out_unreached(request.embedding, renderer->bvh(), network,
-                                            cameras_of(views), &settings);
+  const double search =
+      cull_lights(request.embedding, renderer->bvh(), network, cameras_of(views), &settings);
   provide_embedding(request.embedding, network, settings, renderer);
   renderer->seconds().sample += search;
   memory.check("encoding the scene", {runtime::Remedy::FewerScenePoints});

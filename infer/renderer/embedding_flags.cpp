@@ -1,9 +1,9 @@
 #include "infer/renderer/embedding_flags.h"
 
-#include "infer/light/lit_samples.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
 #include "lte/base/timer.h"
+#include "lte/embed/scene_points.h"
 #include "lte/scene/fingerprint.h"
 
 namespace lte::infer {
@@ -44,21 +44,21 @@ EmbedSettings embed_settings(const EmbeddingFlags& flags, uint64_t seed,
   return settings;
 }
 
-std::vector<int> left_out_light(const EmbeddingFlags& flags, const pathtrace::Bvh& bvh,
-                                const runtime::Network& network, const EmbedSettings& settings,
-                                const Asked& asked) {
+std::vector<int> culled_lights(const EmbeddingFlags& flags, const pathtrace::Bvh& bvh,
+                               const runtime::Network& network, const EmbedSettings& settings,
+                               const embed::Receivers& receivers) {
   if (flags.has_file()) return {};
-  return left_out_light(bvh, network, settings, asked);
+  return embed::culled_lights(bvh, network, settings, receivers);
 }
 
-double leave_out_unreached(const EmbeddingFlags& flags, const pathtrace::Bvh& bvh,
-                           const runtime::Network& network, const Asked& asked,
-                           EmbedSettings* settings) {
+double cull_lights(const EmbeddingFlags& flags, const pathtrace::Bvh& bvh,
+                   const runtime::Network& network, const embed::Receivers& receivers,
+                   EmbedSettings* settings) {
   const Timer timer;
-  settings->unreached = left_out_light(flags, bvh, network, *settings, asked);
+  settings->culled_lights = culled_lights(flags, bvh, network, *settings, receivers);
   const double seconds = flags.has_file() ? 0 : timer.seconds();
-  if (!settings->unreached.empty())
-    log_info(left_out_note(bvh.scene(), settings->unreached, asked));
+  if (!settings->culled_lights.empty())
+    log_info(embed::culled_lights_note(bvh.scene(), settings->culled_lights, receivers));
   return seconds;
 }
 
@@ -71,7 +71,7 @@ runtime::EmbeddingKey embedding_key(const scene::Scene& scene, const runtime::Ne
           {"scene materials", print.materials},
           {"scene lights", print.lights},
           {"scene-points", std::to_string(points)},
-          {"drawn by rules", std::to_string(kScenePointsVersion)},
+          {"drawn by rules", std::to_string(embed::kScenePointsVersion)},
           {"prune", settings.prunes(network) ? "on" : "off"},
           {"seed", std::to_string(settings.seed)}};
 }

@@ -8,10 +8,10 @@
 
 #include <CLI/CLI.hpp>
 
-#include "infer/renderer/left_out_light.h"
 #include "infer/renderer/renderer.h"
 #include "lte/cli/command_files.h"
 #include "lte/cli/set_keys.h"
+#include "lte/embed/embed.h"
 #include "lte/runtime/embedding_file.h"
 
 namespace lte::infer {
@@ -35,17 +35,17 @@ void claim_embedding(const EmbeddingFlags& flags, CommandFiles* files);
 EmbedSettings embed_settings(const EmbeddingFlags& flags, uint64_t seed,
                              const runtime::MemoryLimit& memory);
 
-/// left_out_light() of an embedding of these flags: nothing where a file has it, as that answers
+/// culled_lights() of an embedding of these flags: nothing where a file has it, as that answers
 /// whatever another command asks.
-std::vector<int> left_out_light(const EmbeddingFlags& flags, const pathtrace::Bvh& bvh,
-                                const runtime::Network& network, const EmbedSettings& settings,
-                                const Asked& asked);
+std::vector<int> culled_lights(const EmbeddingFlags& flags, const pathtrace::Bvh& bvh,
+                               const runtime::Network& network, const EmbedSettings& settings,
+                               const embed::Receivers& receivers);
 
 /// Has the settings leave that light out, and says so in a line.
 /// @return  seconds that it was looked for
-double leave_out_unreached(const EmbeddingFlags& flags, const pathtrace::Bvh& bvh,
-                           const runtime::Network& network, const Asked& asked,
-                           EmbedSettings* settings);
+double cull_lights(const EmbeddingFlags& flags, const pathtrace::Bvh& bvh,
+                   const runtime::Network& network, const embed::Receivers& receivers,
+                   EmbedSettings* settings);
 
 /// Everything but network and precision that an embedding of Renderer::embed() depends on: the
 /// fingerprint of the scene, and how its points are drawn.

@@ -5,18 +5,16 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
-#include <optional>
-#include <vector>
 
 #include "lte/base/enum_names.h"
+#include "lte/embed/embed.h"
 #include "lte/image/oidn.h"
 #include "lte/render/frame.h"
 #include "lte/render/integrator.h"
-#include "lte/runtime/memory_limit.h"
-#include "lte/runtime/network.h"
 
 namespace lte::infer {
 
+using embed::EmbedSettings;
 using render::Frame;
 using render::Method;
 using render::Output;
@@ -44,7 +42,7 @@ struct RenderSettings {
   bool correct = true;
   int max_depth = 5;
   uint64_t seed = 0;
-  /// Asked now and then by the thread that renders; true ends the picture. May be null.
+  /// Called now and then by the thread that renders; true ends the picture. May be null.
   std::function<bool()> stop;
   /// Told of the share of the work that is done. May be null.
   std::function<void(double share)> progress;
@@ -59,24 +57,6 @@ RenderSettings with_paths(int spp, RenderSettings settings);
 
 /// A picture that RenderSettings::stop has ended.
 struct PictureStopped {};
-
-struct EmbedSettings {
-  int64_t scene_points = 0;  ///< M; 0 for that of the model's training
-  uint64_t seed = 0;
-  bool rescale = false;
-  /// Draw scene points only where light reaches them (lte/pathtrace/reach/reach.h); by default as
-  /// in the model's training.
-  std::optional<bool> prune;
-  /// Light groups that bring no light to what will be asked about (left_out_light()). Where
-  /// points are pruned, the network is not told of them.
-  std::vector<int> unreached;
-  runtime::MemoryLimit memory;    ///< of encoding, and of every later picture's decoding
-  bool record_attention = false;  ///< keep what the encoder's blocks attend to
-
-  bool prunes(const runtime::Network& network) const {
-    return prune.value_or(network.metadata().scene_points_pruned);
-  }
-};
 
 /// Wall-clock seconds by stage; `load` and `write` belong to the caller. `light` is the time of the
 /// estimates on scene points, for models that read them; `cache` that of the irradiance cache.

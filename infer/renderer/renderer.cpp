@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "infer/light/lit_samples.h"
-#include "infer/light/untrained_light.h"
 #include "lte/base/check.h"
 #include "lte/base/process_memory.h"
 #include "lte/base/timer.h"
@@ -83,25 +81,13 @@ Renderer::Renderer(std::shared_ptr<const pathtrace::Bvh> bvh,
 
 void Renderer::embed(const runtime::Network& network, const EmbedSettings& settings) {
   embedding_.reset();  // that of before and the new one would need twice the memory
-  left_out_ = settings.prunes(network) ? settings.unreached : std::vector<int>();
-  Timer timer;
-  const int64_t count =
-      settings.scene_points > 0 ? settings.scene_points : network.metadata().scene_points;
-  pruned_points_ = {};
-  scene::SurfaceSamples samples = sample_scene_points(
-      bvh_, count, settings.prunes(network), settings.seed, &pruned_points_, {}, left_out_);
-  leave_out_untrained_suns(bvh_.scene(), network.metadata(), &samples, left_out_);
-  seconds_.sample = timer.seconds();
-  timer.restart();
-  LitSamples lit = add_light_estimates(bvh_, lights_, std::move(samples), network.light_request(),
-                                       settings.seed, left_out_);
-  solve_traced_lights(bvh_, lights_, network.config(), settings.seed, left_out_, &lit);
-  seconds_.light = timer.seconds();
-  timer.restart();
-  embedding_ = std::make_shared<const runtime::SceneEmbedding>(
-      network, lit.points(),
-      runtime::EncodeOptions{settings.rescale, {}, settings.memory, settings.record_attention});
-  seconds_.encode = timer.seconds();
+  embed::Embedded made = embed::embed(bvh_, lights_, network, settings);
+  embedding_ = std::make_shared<const runtime::SceneEmbedding>(std::move(made.embedding));
+  pruned_points_ = made.pruned;
+  culled_lights_ = std::move(made.culled_lights);
+  seconds_.sample = made.sample_s;
+  seconds_.light = made.light_s;
+  seconds_.encode = made.encode_s;
 }
 
 void Renderer::set_embedding(runtime::SceneEmbedding embedding) {
@@ -110,7 +96,7 @@ void Renderer::set_embedding(runtime::SceneEmbedding embedding) {
 
 void Renderer::set_embedding(std::shared_ptr<const runtime::SceneEmbedding> embedding) {
   pruned_points_ = {};
-  left_out_.clear();
+  culled_lights_.clear();
   embedding_ = std::move(embedding);
 }
 

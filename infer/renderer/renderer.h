@@ -71,8 +71,8 @@ class Renderer {
   StageSeconds& seconds() { return seconds_; }
   /// Counts of the last embed(); zeros if it did not prune.
   const pathtrace::PruneCounts& pruned_points() const { return pruned_points_; }
-  /// Light groups that the last embed() did not tell the network of, as they reach nothing.
-  const std::vector<int>& left_out() const { return left_out_; }
+  /// Light groups that the network of the last embed() does not read, as they reach nothing.
+  const std::vector<int>& culled_lights() const { return culled_lights_; }
 
  private:
   std::unique_ptr<render::Integrator> integrator(const RenderSettings& settings) const;
@@ -89,7 +89,7 @@ class Renderer {
   std::string denoised_by_;
   int passes_ = 0, path_passes_ = 0;
   pathtrace::PruneCounts pruned_points_;
-  std::vector<int> left_out_;
+  std::vector<int> culled_lights_;
 };
 
 /// What the film and the picture take in memory, in MiB.

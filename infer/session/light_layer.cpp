@@ -5,8 +5,8 @@
 #include <tuple>
 #include <utility>
 
-#include "infer/light/lit_samples.h"
 #include "lte/base/timer.h"
+#include "lte/embed/scene_points.h"
 
 namespace lte::infer {
 namespace {
@@ -25,7 +25,7 @@ std::set<int> shining_suns(const Draft& draft) {
 }
 
 /// The points that a network sees beside the light of `groups`. Those of a sun that it was not
-/// trained with are left out unless nothing else shines, as leave_out_untrained_suns() has it.
+/// trained with are left out unless nothing else shines, as drop_untrained_suns() has it.
 std::vector<size_t> rows_of(const Draft& draft, const scene::SurfaceSamples& surface,
                             const std::vector<int>& groups, const runtime::Network& network) {
   std::set<int> seen(groups.begin(), groups.end());
@@ -101,7 +101,7 @@ data::PointLight sum_of(const pathtrace::LightEstimates& light, size_t points,
          {&some.direct, &some.indirect, &some.direct_back, &some.indirect_back})
       scale_rows(gains, points, values);
   }
-  return data::sum_groups(light_to_read(some, input), static_cast<int64_t>(groups.size()));
+  return data::sum_groups(embed::light_to_read(some, input), static_cast<int64_t>(groups.size()));
 }
 
 }  // namespace
@@ -110,7 +110,7 @@ GroupedPoints draw_points(const pathtrace::Bvh& bvh, const pathtrace::Lights& li
                           const runtime::Network& network, const EmbedSettings& settings,
                           const PointsBefore& before, Accuracy accuracy,
                           const std::function<void()>& check, EditReport* report) {
-  const nn::ModelMetadata& model = network.metadata();
+  const runtime::ModelMetadata& model = network.metadata();
   const bool whole = accuracy == Accuracy::Full;
   const int64_t all = settings.scene_points > 0 ? settings.scene_points : model.scene_points;
   const int64_t count = whole ? all : std::max<int64_t>(1, all / kDraftShare);
@@ -121,8 +121,8 @@ GroupedPoints draw_points(const pathtrace::Bvh& bvh, const pathtrace::Lights& li
                                 before.changed, &out.reach};
   if (!whole) recall.rounds = kDraftRounds;
   recall.check = check;
-  out.surface = sample_scene_points(bvh, count, prune, settings.seed, &out.pruned, recall,
-                                    settings.unreached);
+  out.surface = embed::sample_scene_points(bvh, count, prune, settings.seed, &out.pruned, recall,
+                                           settings.culled_lights);
   report->points_ms += 1e3 * timer.seconds();
   report->points_drawn += std::max(out.surface.size(), out.pruned.drawn);
   const runtime::LightRequest input = network.light_request();
@@ -196,7 +196,7 @@ std::shared_ptr<const LightLayer> encode_layer(const Draft& draft,
   const std::vector<int>& groups = wanted.groups;
   const size_t count = points.surface.position.size();
   const std::vector<size_t> rows = rows_of(draft, points.surface, groups, network);
-  LitSamples lit;
+  embed::LitSamples lit;
   if (points.light)
     lit.light = sum_of(*points.light, count, groups, layer->gains, network.light_request());
   runtime::EncodeOptions options{settings.rescale, {}, settings.memory, settings.record_attention};

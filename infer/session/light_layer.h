@@ -24,7 +24,7 @@ namespace lte::infer {
 /// The points that describe a scene whose luminaires all have gain 1.
 struct GroupedPoints {
   std::shared_ptr<const Draft> drawn_for;
-  std::vector<int> without;  ///< luminaires that count as none, by their numbers
+  std::vector<int> culled;  ///< luminaires that count as none, by their numbers
   scene::SurfaceSamples surface;
   /// By light group; nothing for a network that reads no light.
   std::optional<pathtrace::LightEstimates> light;
@@ -39,7 +39,7 @@ struct PointsBefore {
 };
 
 /// Draws the points and estimates the light on them, as Renderer::embed() does.
-/// @param settings  `unreached` of this draft
+/// @param settings  `culled_lights` of this draft
 /// @param accuracy  Draft or Full
 /// @param check     called now and then by any thread; what it throws ends it. May be null.
 /// @param report    gets points_ms, light_ms and points_drawn

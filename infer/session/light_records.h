@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "infer/light/traced_records.h"
 #include "infer/session/draft.h"
+#include "infer/session/traced_records.h"
 #include "lte/gi/irradiance_cache.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights/lights.h"

@@ -42,7 +42,7 @@
 namespace lte::infer {
 
 struct SessionSettings {
-  EmbedSettings embedding;  ///< of every encoding; `unreached` is not read
+  EmbedSettings embedding;  ///< of every encoding; `culled_lights` is not read
   /// How pictures get their indirect light. Gather takes over from Network in a scene with light
   /// that the network was not trained with. Path: no cache is kept.
   Method pictures = Method::Path;
@@ -151,7 +151,7 @@ class SessionState {
 
   /// Light groups of scene() that the network is not told of, in order: those that did not reach
   /// what the cameras see when light was last found.
-  std::vector<int> left_out() const;
+  std::vector<int> culled_lights() const;
 
   std::vector<LuminaireInfo> luminaires() const;
   std::vector<InstanceInfo> instances() const;
@@ -254,7 +254,7 @@ class Session {
   /// Whether an instance is in the scene of now, or comes back by undo(), redo() or reset().
   bool remembers(int instance) const;
 
-  /// Asked now and then by any thread; true ends what is under way, and nothing has changed.
+  /// Called now and then by any thread; true ends what is under way, and nothing has changed.
   using Stop = std::function<bool()>;
 
   /// Makes the light of now more accurate: `to` at least. No step of undo().

@@ -66,9 +66,9 @@ bool SessionState::has_light() const { return !parts_->lights->empty(); }
 bool SessionState::has_network() const { return parts_->asks_network; }
 std::optional<Method> SessionState::answered_by() const { return parts_->answered_by; }
 
-std::vector<int> SessionState::left_out() const {
-  if (parts_->unreached == nullptr) return {};
-  return groups_of(*parts_->draft, parts_->unreached->lights);
+std::vector<int> SessionState::culled_lights() const {
+  if (parts_->culled_lights == nullptr) return {};
+  return groups_of(*parts_->draft, parts_->culled_lights->lights);
 }
 
 std::vector<LuminaireInfo> SessionState::luminaires() const {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "infer/light/untrained_light.h"
-#include "infer/renderer/left_out_light.h"
 #include "lte/base/check.h"
 #include "lte/base/timer.h"
+#include "lte/embed/embed.h"
+#include "lte/embed/untrained_light.h"
 
 namespace lte::infer {
 namespace {
@@ -68,7 +68,7 @@ class Lighting {
     if (before_ != nullptr) {
       parts_.full_points = before_->full_points;
       parts_.draft_points = before_->draft_points;
-      if (looks()) parts_.unreached = before_->unreached;
+      if (looks()) parts_.culled_lights = before_->culled_lights;
     }
     parts_.asks_network = knows_light();
     if (parts_.asks_network) find_light();
@@ -77,22 +77,22 @@ class Lighting {
  private:
   /// Whether the network was trained with all kinds of light that it is told of.
   bool knows_light() {
-    const nn::ModelMetadata& model = network_.metadata();
-    if (!has_untrained_light(*parts_.scene, model)) return true;
+    const runtime::ModelMetadata& model = network_.metadata();
+    if (!embed::has_untrained_light(*parts_.scene, model)) return true;
     if (!looks()) return false;
-    find_unreached();  // before anything is kept: paths may have to answer
-    return !has_untrained_light(*parts_.scene, model, unreached_groups());
+    find_culled_lights();  // before anything is kept: paths may have to answer
+    return !embed::has_untrained_light(*parts_.scene, model, culled_lights());
   }
 
   void find_light() {
     if (layers_apart(draft_).empty()) return;
     const bool keeps = before_ != nullptr && !before_->layers.empty();
-    if (looks() && !knows_unreached()) {
+    if (looks() && !knows_culled_lights()) {
       if (wanted_.least == Accuracy::Kept && keeps) return keep_layers();
-      find_unreached();
+      find_culled_lights();
     }
     const std::vector<LightGroups> apart =
-        without(layers_apart(draft_), draft_, unreached_groups());
+        without_groups(layers_apart(draft_), draft_, culled_lights());
     if (apart.empty()) return;  // nothing that reaches what is seen
     const bool known = fit(parts_.full_points);
     const bool free = known && std::all_of(apart.begin(), apart.end(), [&](const auto& layer) {
@@ -107,41 +107,42 @@ class Lighting {
     }
   }
 
-  /// Whether anything is left out where it does not reach what is seen.
+  /// Whether lights that do not reach what is seen are culled.
   bool looks() const {
     return !parts_.cameras.empty() && parts_.base->settings.embedding.prunes(network_);
   }
 
-  bool knows_unreached() const {
-    return parts_.unreached != nullptr && parts_.unreached->fits(draft_, parts_.cameras);
+  bool knows_culled_lights() const {
+    return parts_.culled_lights != nullptr && parts_.culled_lights->fits(draft_, parts_.cameras);
   }
 
-  void find_unreached() {
-    if (knows_unreached()) return;
+  void find_culled_lights() {
+    if (knows_culled_lights()) return;
     if (wanted_.check) wanted_.check();
     const Traced& scene = at_gain_1();
     const Timer timer;
-    UnreachedLights found{parts_.draft, parts_.cameras, {}};
-    for (const int group :
-         left_out_light(*scene.bvh, network_, parts_.base->settings.embedding, parts_.cameras))
+    CulledLights found{parts_.draft, parts_.cameras, {}};
+    for (const int group : embed::culled_lights(*scene.bvh, network_,
+                                                parts_.base->settings.embedding, parts_.cameras))
       found.lights.push_back(draft_.settings[static_cast<size_t>(group)].label.id);
-    parts_.unreached = std::make_shared<const UnreachedLights>(std::move(found));
+    parts_.culled_lights = std::make_shared<const CulledLights>(std::move(found));
     report_.points_ms += 1e3 * timer.seconds();
   }
 
-  std::vector<int> unreached_groups() const {
-    return parts_.unreached ? groups_of(draft_, parts_.unreached->lights) : std::vector<int>();
+  std::vector<int> culled_lights() const {
+    return parts_.culled_lights ? groups_of(draft_, parts_.culled_lights->lights)
+                                : std::vector<int>();
   }
 
-  std::vector<int> unreached_lights() const {
-    return parts_.unreached ? parts_.unreached->lights : std::vector<int>();
+  std::vector<int> culled_numbers() const {
+    return parts_.culled_lights ? parts_.culled_lights->lights : std::vector<int>();
   }
 
-  /// Whether points describe what the network is to be told: drawn for this scene or one that
+  /// Whether points describe what the network should read: drawn for this scene or one that
   /// differs by gains and colors alone, and without the same luminaires.
   bool fit(const std::shared_ptr<const GroupedPoints>& points) const {
     return points != nullptr && same_points(*points->drawn_for, draft_) &&
-           points->without == unreached_lights();
+           points->culled == culled_numbers();
   }
 
   const Traced& at_gain_1() {
@@ -153,7 +154,7 @@ class Lighting {
   }
 
   void make_draft() {
-    make(Accuracy::Draft, without(layers_together(draft_), draft_, unreached_groups()),
+    make(Accuracy::Draft, without_groups(layers_together(draft_), draft_, culled_lights()),
          &parts_.draft_points);
   }
 
@@ -180,10 +181,10 @@ class Lighting {
                                             const std::shared_ptr<const GroupedPoints>& last) {
     const Traced& scene = at_gain_1();
     EmbedSettings settings = parts_.base->settings.embedding;
-    settings.unreached = unreached_groups();
+    settings.culled_lights = culled_lights();
     PointsBefore recalled;
     // What was dark may not be so to other luminaires.
-    if (last != nullptr && last->without == unreached_lights()) {
+    if (last != nullptr && last->culled == culled_numbers()) {
       if (auto changed = changed_places(parts_.base->scene, *last->drawn_for, draft_))
         recalled = {last.get(), std::move(*changed)};
     }
@@ -191,7 +192,7 @@ class Lighting {
         std::make_shared<GroupedPoints>(draw_points(*scene.bvh, *scene.lights, network_, settings,
                                                     recalled, accuracy, wanted_.check, &report_));
     points->drawn_for = parts_.draft;
-    points->without = unreached_lights();
+    points->culled = culled_numbers();
     return points;
   }
 
@@ -214,7 +215,7 @@ class Lighting {
       parts_.layers.push_back(std::move(kept));
     }
     if (!parts_.layers.empty()) return;
-    if (looks()) find_unreached();
+    if (looks()) find_culled_lights();
     make_draft();
   }
 

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "infer/renderer/renderer.h"
+#include "infer/session/culled_lights.h"
 #include "infer/session/draft.h"
 #include "infer/session/light_layer.h"
 #include "infer/session/light_records.h"
 #include "infer/session/session.h"
-#include "infer/session/unreached_lights.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/lights/lights.h"
 
@@ -47,7 +47,7 @@ struct SessionState::Parts {
   std::vector<scene::Camera> cameras;  ///< of Session::look_from()
   /// What was last found, perhaps for a scene or cameras before these; null where nothing is
   /// looked for.
-  std::shared_ptr<const UnreachedLights> unreached;
+  std::shared_ptr<const CulledLights> culled_lights;
   /// None unless the network answers, and where no light reaches what the cameras see.
   std::vector<ScaledLayer> layers;
   bool asks_network = false;

@@ -76,9 +76,9 @@ void add_network_options(CLI::App& app, std::string* precision, double* max_memo
       ->group(group);
 }
 
-nn::Precision choose_precision(const std::string& word, runtime::Device device) {
-  const auto precision = parse_enum<nn::Precision>("--precision", word);
-  if (precision == nn::Precision::Bf16) runtime::warn_of_slow_bf16("--precision bf16", device);
+runtime::Precision choose_precision(const std::string& word, runtime::Device device) {
+  const auto precision = parse_enum<runtime::Precision>("--precision", word);
+  if (precision == runtime::Precision::Bf16) runtime::warn_of_slow_bf16("--precision bf16", device);
   return precision;
 }
 

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "lte/cli/cli.h"
-#include "lte/nn/precision.h"
 #include "lte/runtime/network.h"
 
 namespace lte::infer {
@@ -26,7 +25,7 @@ void add_tool_options(CLI::App& app, ToolOptions* options);
 
 /// Reads "fp32" or "bf16". Warns if the device is a processor that has to compute bfloat16 from
 /// float32.
-nn::Precision choose_precision(const std::string& word, runtime::Device device = {});
+runtime::Precision choose_precision(const std::string& word, runtime::Device device = {});
 
 /// The device, which is logged, and the precision that were chosen.
 runtime::NetworkOptions network_options(const ToolOptions& options);

@@ -4,13 +4,13 @@
 #include <optional>
 #include <utility>
 
-#include "infer/light/untrained_light.h"
 #include "infer/render/scene_size.h"
 #include "infer/render/views.h"
 #include "infer/tool/assets.h"
 #include "infer/tool/picture_size.h"
 #include "lte/base/check.h"
 #include "lte/base/log.h"
+#include "lte/embed/untrained_light.h"
 #include "lte/pathtrace/reach/lost_light.h"
 #include "lte/scene/light_points.h"
 
@@ -31,9 +31,9 @@ void check_network(const ViewRequest& request, const scene::Scene& scene,
 
 /// Warns of light that the network is told of and does not know, or that is traced for that.
 void warn_of_light(const ViewRequest& request, const SessionState& state,
-                   const nn::ModelMetadata& model) {
-  const std::vector<int> left_out = state.left_out();
-  if (!has_untrained_light(state.scene(), model, left_out)) return;
+                   const runtime::ModelMetadata& model) {
+  const std::vector<int> culled = state.culled_lights();
+  if (!embed::has_untrained_light(state.scene(), model, culled)) return;
   log_warning(request.scene,
               ": the model was trained without a sun or sky: indirect light is gathered from "
               "traced light");
@@ -99,7 +99,7 @@ LoadedSession load_session(const ViewRequest& request, const CommandFiles& files
   LoadedSession out;
   out.first = first_view(request, scene);
   settings.cameras = {out.first.camera};
-  std::optional<nn::ModelMetadata> model;
+  std::optional<runtime::ModelMetadata> model;
   if (network) model = network->metadata();
   out.session = std::make_unique<Session>(std::move(scene), std::move(network), settings);
   if (model) warn_of_light(request, *out.session->state(), *model);

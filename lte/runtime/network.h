@@ -14,9 +14,13 @@
 
 namespace lte::runtime {
 
+using nn::ModelConfig;
+using nn::ModelMetadata;
+using nn::Precision;
+
 struct NetworkOptions {
   Device device = {};
-  nn::Precision precision = nn::Precision::Fp32;
+  Precision precision = Precision::Fp32;
 };
 
 /// The estimates of light on either side of scene points that a network reads, as they were made
@@ -34,10 +38,10 @@ class Network {
   ///         if the device has no room for it.
   explicit Network(const std::filesystem::path& path, const NetworkOptions& options = {});
 
-  const nn::ModelConfig& config() const;
-  const nn::ModelMetadata& metadata() const;
+  const ModelConfig& config() const;
+  const ModelMetadata& metadata() const;
   Device device() const;
-  nn::Precision precision() const;
+  Precision precision() const;
   /// 16 hexadecimal digits of its configuration and of every weight, whatever file they came from.
   /// Reads all weights.
   std::string fingerprint() const;

@@ -62,7 +62,7 @@ TEST_F(Tools, LightThatReachesNothingSeenIsNamedAndLeftOut) {
   test::add_punctual(&scene, scene::LightKind::Point, {5, 5, 5}, {8.5f, 0.5f, 0.5f});
   scene.cameras.push_back({"inside", {2, 1.6f, 2.8f}, {2, 1, 0}, {0, 1, 0}, 70});
   scene::write_glb(at("boxed.glb"), scene);
-  const auto left_out = [](const std::string& prune, std::string* text) {
+  const auto culled = [](const std::string& prune, std::string* text) {
     const Outcome done =
         run_tool("lte_render", at("boxed.glb") + " --size 24x16 --out " + at("boxed.exr") +
                                    " --integrator network --checkpoint " + at("tiny.safetensors") +
@@ -72,14 +72,14 @@ TEST_F(Tools, LightThatReachesNothingSeenIsNamedAndLeftOut) {
     return nlohmann::json::parse(read_file(at("boxed.json"))).at("left_out_lights").size();
   };
   std::string text;
-  EXPECT_EQ(left_out("on", &text), 1u);
-  EXPECT_THAT(text, AllOf(HasSubstr("is not told of light"), HasSubstr("--set prune=off")));
-  EXPECT_EQ(left_out("off", &text), 0u);
-  EXPECT_THAT(text, testing::Not(HasSubstr("is not told of light")));
+  EXPECT_EQ(culled("on", &text), 1u);
+  EXPECT_THAT(text, AllOf(HasSubstr("does not read light"), HasSubstr("--set prune=off")));
+  EXPECT_EQ(culled("off", &text), 0u);
+  EXPECT_THAT(text, testing::Not(HasSubstr("does not read light")));
   const std::string unknown = "the model was trained without such light";
-  EXPECT_EQ(left_out("on --environment 1,1,1", &text), 2u);
+  EXPECT_EQ(culled("on --environment 1,1,1", &text), 2u);
   EXPECT_THAT(text, testing::Not(HasSubstr(unknown))) << "the network does not meet the sky";
-  EXPECT_EQ(left_out("off --environment 1,1,1", &text), 0u);
+  EXPECT_EQ(culled("off --environment 1,1,1", &text), 0u);
   EXPECT_THAT(text, HasSubstr(unknown));
 }
 

@@ -6,14 +6,14 @@
 #include <vector>
 
 #include "infer/eval/measure/equal_samples.h"
-#include "infer/light/points.h"
 #include "lte/data/scene_sample.h"
+#include "lte/runtime/points.h"
 
 namespace lte::infer {
 
 /// Points with what is known of the light there.
 struct EvalPoints {
-  QueryPoints queries;
+  runtime::QueryPoints queries;
   std::vector<Rgb> reference, direct;
   std::vector<Rgb> path_traced;  ///< with 64 paths; empty if the data has none
   /// With data::kFewPaths paths; empty at query points, and in views if the data has none.

@@ -4,11 +4,11 @@
 #include <charconv>
 #include <utility>
 
-#include "infer/light/untrained_light.h"
 #include "infer/picture/surface_guides.h"
-#include "infer/renderer/left_out_light.h"
 #include "lte/base/check.h"
 #include "lte/base/timer.h"
+#include "lte/embed/embed.h"
+#include "lte/embed/untrained_light.h"
 #include "lte/render/picture.h"
 #include "lte/scene/light_points.h"
 
@@ -135,8 +135,10 @@ std::vector<SceneMethod> scene_methods(const std::vector<std::string>& words,
 
 std::string ScenePainter::not_for(const SceneMethod& method) const {
   if (method.model == nullptr) return "";
-  const nn::ModelMetadata& model = method.model->network.metadata();
-  return has_untrained_light(*view_.scene, model) ? untrained_light_note(*view_.scene, model) : "";
+  const runtime::ModelMetadata& model = method.model->network.metadata();
+  return embed::has_untrained_light(*view_.scene, model)
+             ? embed::untrained_light_note(*view_.scene, model)
+             : "";
 }
 
 PictureSeconds ScenePainter::embed(const SceneModel& model) {
@@ -146,8 +148,8 @@ PictureSeconds ScenePainter::embed(const SceneModel& model) {
   settings.seed = settings_.seed;
   settings.rescale = true;
   settings.memory = settings_.memory;
-  settings.unreached = left_out_light(view_.renderer->bvh(), model.network, settings,
-                                      std::vector<scene::Camera>{view_.camera});
+  settings.culled_lights = embed::culled_lights(view_.renderer->bvh(), model.network, settings,
+                                                std::vector<scene::Camera>{view_.camera});
   view_.renderer->embed(model.network, settings);
   embedded_ = &model;
   embedding_seconds_ = watch.seconds();

@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "infer/eval/baselines/denoised_paths.h"
-#include "infer/light/points.h"
 #include "lte/base/random.h"
 #include "lte/runtime/embedding.h"
+#include "lte/runtime/points.h"
 #include "tests/infer/fixture.h"
 
 namespace lte::infer {
@@ -23,7 +23,7 @@ runtime::Network network_reading(nn::LightInput input, const test::TempDir& fold
   return runtime::Network(folder / "model.safetensors");
 }
 
-ScenePoints points_of(const data::SceneSample& sample) {
+runtime::ScenePoints points_of(const data::SceneSample& sample) {
   return {sample.scene_position, sample.scene_normal, sample.scene_albedo, sample.scene_emission,
           sample.scene_area};
 }
@@ -31,7 +31,7 @@ ScenePoints points_of(const data::SceneSample& sample) {
 TEST(CachedLight, OfEqualEstimatesIsTheirValueWhateverTheNetwork) {
   const test::TempDir folder;
   const data::SceneSample sample = test::random_sample("room", 1);
-  ScenePoints points = points_of(sample);
+  runtime::ScenePoints points = points_of(sample);
   const std::vector<Rgb> light(sample.scene_position.size(), Rgb{2, 3, 4});
   const std::vector<Rgb> dark(light.size());
   const std::vector<float> exact(2 * light.size());
@@ -52,7 +52,7 @@ TEST(CachedLight, OfEqualEstimatesIsTheirValueWhateverTheNetwork) {
 TEST(CachedLight, IsNothingWhereTheNetworkIsGivenNone) {
   const test::TempDir folder;
   const data::SceneSample sample = test::random_sample("room", 1);
-  const ScenePoints points = points_of(sample);
+  const runtime::ScenePoints points = points_of(sample);
   const runtime::Network network = network_reading(nn::LightInput::Emission, folder);
   EXPECT_TRUE(runtime::SceneEmbedding(network, points)
                   .cached_light({points.position, points.normal, points.albedo})

@@ -168,17 +168,17 @@ TEST_F(EditedPictures, HaveNoLightOfASkyOutside) {
   const auto mean = [](const std::vector<float>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
   };
-  const auto left_out = [] {
+  const auto culled = [] {
     return nlohmann::json::parse(read_file("run.json"))["pictures"][1]["edit"]["left_out_lights"];
   };
   const std::vector<float> dim = second("--environment 1,1,1");
-  EXPECT_EQ(left_out(), nlohmann::json({"environment"}));
+  EXPECT_EQ(culled(), nlohmann::json({"environment"}));
   fs::remove("f0.exr"), fs::remove("f1.exr"), fs::remove("f2.exr");
   // Which light a sample goes to depends on the sky; how much light there is does not.
   EXPECT_NEAR(mean(second("--environment 1000,1000,1000")), mean(dim), 0.2 * mean(dim));
   fs::remove("f0.exr"), fs::remove("f1.exr"), fs::remove("f2.exr");
   EXPECT_GT(mean(second("--environment 1000,1000,1000 --set prune=off")), 2 * mean(dim));
-  EXPECT_TRUE(left_out().empty());
+  EXPECT_TRUE(culled().empty());
 }
 
 TEST_F(EditedPictures, LightThatComesWithAnEditIsGathered) {

@@ -8,8 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "infer/light/lit_samples.h"
 #include "lte/base/check.h"
+#include "lte/embed/scene_points.h"
 #include "lte/pathtrace/irradiance.h"
 #include "lte/pathtrace/placement/auto_camera.h"
 #include "lte/pathtrace/render.h"
@@ -131,7 +131,8 @@ TEST(Renderer, EveryKindOfLightReachesTheNetwork) {
   for (const test::LitScene& lit : test::scenes_of_every_light()) {
     const pathtrace::Bvh bvh(lit.scene);
     for (const bool pruned : {false, true}) {
-      const scene::SurfaceSamples samples = sample_scene_points(bvh, 1000, pruned, 0, nullptr);
+      const scene::SurfaceSamples samples =
+          embed::sample_scene_points(bvh, 1000, pruned, 0, nullptr);
       const std::vector<double> found = test::strengths(samples, lit.strength.size());
       for (size_t g = 0; g < found.size(); ++g)
         EXPECT_NEAR(found[g], lit.strength[g], std::max(1e-4, lit.tolerance) * lit.strength[g])
@@ -145,11 +146,12 @@ TEST(LitSamples, HoldTheIrradianceOfTheClosedForm) {
   const pathtrace::Bvh bvh(scene);
   const pathtrace::Lights lights(scene);
   const scene::SurfaceSamples surface =
-      sample_scene_points(bvh, 2000, /*prune=*/false, /*seed=*/1, nullptr);
-  EXPECT_TRUE(add_light_estimates(bvh, lights, surface, {0, 0}, 1).light.direct.empty());
-  for (const Rgb& light : add_light_estimates(bvh, lights, surface, {1, 32}, 1).light.indirect)
+      embed::sample_scene_points(bvh, 2000, /*prune=*/false, /*seed=*/1, nullptr);
+  EXPECT_TRUE(embed::add_light_estimates(bvh, lights, surface, {0, 0}, 1).light.direct.empty());
+  for (const Rgb& light :
+       embed::add_light_estimates(bvh, lights, surface, {1, 32}, 1).light.indirect)
     EXPECT_EQ(light, Rgb{}) << "paths of one hit have no indirect light";
-  const LitSamples lit = add_light_estimates(bvh, lights, surface, {5, 32}, 1);
+  const embed::LitSamples lit = embed::add_light_estimates(bvh, lights, surface, {5, 32}, 1);
   ASSERT_EQ(lit.light.direct.size(), surface.position.size());
   ASSERT_EQ(lit.light.indirect.size(), surface.position.size());
   double traced = 0, expected = 0;
@@ -168,15 +170,15 @@ TEST(LitSamples, HaveBothSidesAndTheirErrors) {
   const pathtrace::Bvh bvh(scene);
   const pathtrace::Lights lights(scene);
   const scene::SurfaceSamples surface =
-      sample_scene_points(bvh, 500, /*prune=*/false, /*seed=*/1, nullptr);
-  const data::PointLight light = add_light_estimates(bvh, lights, surface, {5, 32}, 1).light;
+      embed::sample_scene_points(bvh, 500, /*prune=*/false, /*seed=*/1, nullptr);
+  const data::PointLight light = embed::add_light_estimates(bvh, lights, surface, {5, 32}, 1).light;
   ASSERT_EQ(light.direct_back.size(), surface.position.size());
   ASSERT_EQ(light.indirect_back.size(), surface.position.size());
   ASSERT_EQ(light.error.size(), 2 * surface.position.size());
   // With normals turned over, the back is what the front was, under other random numbers.
   scene::SurfaceSamples turned = surface;
   for (Vec3& normal : turned.normal) normal = -normal;
-  const data::PointLight other = add_light_estimates(bvh, lights, turned, {5, 32}, 1).light;
+  const data::PointLight other = embed::add_light_estimates(bvh, lights, turned, {5, 32}, 1).light;
   double front = 0, back = 0;
   for (size_t i = 0; i < light.direct.size(); ++i) {
     front += luminance(light.direct[i] - light.direct_back[i]);
@@ -191,8 +193,8 @@ TEST(LitSamples, HoldTheIrradianceOfManyPathsWhereSurfacesReflect) {
   const pathtrace::Bvh bvh(scene);
   const pathtrace::Lights lights(scene);
   const scene::SurfaceSamples surface =
-      sample_scene_points(bvh, 2000, /*prune=*/false, /*seed=*/1, nullptr);
-  const LitSamples lit = add_light_estimates(bvh, lights, surface, {5, 32}, 1);
+      embed::sample_scene_points(bvh, 2000, /*prune=*/false, /*seed=*/1, nullptr);
+  const embed::LitSamples lit = embed::add_light_estimates(bvh, lights, surface, {5, 32}, 1);
   pathtrace::IrradianceOptions many;
   many.rays = 512;
   const pathtrace::Irradiance front =
@@ -257,10 +259,10 @@ TEST(Renderer, GivesModelsTheLightThatTheyRead) {
     Embedded room(test::furnished_room(), tiny);
     const scene::Camera camera = pathtrace::auto_camera(room.renderer.bvh());
     const runtime::Network network = tiny_network(tiny);
-    const LitSamples lit = add_light_estimates(
+    const embed::LitSamples lit = embed::add_light_estimates(
         room.renderer.bvh(), room.renderer.lights(),
-        sample_scene_points(room.renderer.bvh(), tiny.scene_points, /*prune=*/false,
-                            /*seed=*/0, nullptr),
+        embed::sample_scene_points(room.renderer.bvh(), tiny.scene_points, /*prune=*/false,
+                                   /*seed=*/0, nullptr),
         network.light_request(), 0);
     EXPECT_EQ(lit.light.direct.empty(), input == nn::LightInput::Emission);
     const pathtrace::GBuffer hits = pathtrace::trace_gbuffer(room.renderer.bvh(), camera, 24, 16);

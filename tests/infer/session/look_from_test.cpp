@@ -8,7 +8,7 @@
 
 #include "infer/session/dimmable_picture.h"
 #include "infer/session/session.h"
-#include "tests/infer/light/two_rooms.h"
+#include "tests/infer/renderer/two_rooms.h"
 #include "tests/infer/session/session_fixture.h"
 
 namespace lte::infer {
@@ -54,9 +54,9 @@ TEST(LookFrom, ASkyOutsideARoomIsNoneOfItsLight) {
       << "of a session that does not know what is seen";
   const TwoRooms rooms(1000);
   Renderer renderer(rooms.scene);
-  EmbedSettings left_out;
-  left_out.unreached = {rooms.other_lamp, rooms.sky};
-  renderer.embed(net, left_out);
+  EmbedSettings culled;
+  culled.culled_lights = {rooms.other_lamp, rooms.sky};
+  renderer.embed(net, culled);
   renderer.make_cache(Method::Network, {});
   EXPECT_GT(renderer.render(TwoRooms::inside(), picture(Output::Gi)).color.pixels.size(), 0u);
 }
@@ -65,21 +65,21 @@ TEST(LookFrom, OtherCamerasBringOtherLight) {
   const TwoRooms rooms(10);
   const Points points(rooms.scene);
   Session session(rooms.scene, pruned_network(), seen_from({TwoRooms::inside()}));
-  EXPECT_THAT(session.state()->left_out(), ElementsAre(rooms.other_lamp, rooms.sky));
+  EXPECT_THAT(session.state()->culled_lights(), ElementsAre(rooms.other_lamp, rooms.sky));
   const auto inside = session.state()->irradiance(points.queries());
   const std::optional<EditReport> out = session.look_from({TwoRooms::outside()});
   ASSERT_TRUE(out);
   EXPECT_EQ(out->encodings, 1);
-  EXPECT_THAT(session.state()->left_out(), ElementsAre(rooms.lamp, rooms.other_lamp));
+  EXPECT_THAT(session.state()->culled_lights(), ElementsAre(rooms.lamp, rooms.other_lamp));
   EXPECT_NE(session.state()->irradiance(points.queries()), inside);
   EXPECT_EQ(session.change_against_fresh(points.queries()).largest, 0);
   EXPECT_FALSE(session.can_undo()) << "nothing has been edited";
   ASSERT_TRUE(session.look_from({TwoRooms::inside(), TwoRooms::outside()}));
-  EXPECT_THAT(session.state()->left_out(), ElementsAre(rooms.other_lamp));
+  EXPECT_THAT(session.state()->culled_lights(), ElementsAre(rooms.other_lamp));
   ASSERT_TRUE(session.look_from({TwoRooms::inside()}));
   EXPECT_EQ(session.state()->irradiance(points.queries()), inside);
   ASSERT_TRUE(session.look_from({}));
-  EXPECT_THAT(session.state()->left_out(), IsEmpty());
+  EXPECT_THAT(session.state()->culled_lights(), IsEmpty());
 }
 
 TEST(LookFrom, ACameraThatMovesWithinARoomChangesNothing) {
@@ -87,7 +87,7 @@ TEST(LookFrom, ACameraThatMovesWithinARoomChangesNothing) {
   const StatePtr before = session.state();
   EXPECT_FALSE(session.look_from({elsewhere_inside()}));
   EXPECT_EQ(session.state()->version(), before->version());
-  EXPECT_EQ(session.state()->left_out(), before->left_out());
+  EXPECT_EQ(session.state()->culled_lights(), before->culled_lights());
   // What has been found is known to the next edit.
   session.separate();
   EXPECT_EQ(session.apply(SetLight{0, 0.5, {}}, false, Accuracy::Kept).accuracy, Accuracy::Full);
@@ -99,7 +99,7 @@ TEST(LookFrom, ALampThatIsSwitchedOffIsNotLeftOut) {
   session.separate();
   session.apply(SetLight{rooms.lamp, 0, {}});
   EXPECT_FALSE(session.look_from({elsewhere_inside()}));
-  EXPECT_THAT(session.state()->left_out(), ElementsAre(rooms.other_lamp, rooms.sky));
+  EXPECT_THAT(session.state()->culled_lights(), ElementsAre(rooms.other_lamp, rooms.sky));
   EXPECT_EQ(session.apply(SetLight{rooms.lamp, 1, {}}).encodings, 0);
 }
 
@@ -107,16 +107,16 @@ TEST(LookFrom, AnEditThatLetsLightInIsSeenAndTakenBack) {
   TwoRooms rooms(10, /*roof=*/false);
   const int lid = rooms.add_lid();
   Session session(rooms.scene, pruned_network(), seen_from({TwoRooms::inside()}));
-  EXPECT_THAT(session.state()->left_out(), ElementsAre(rooms.other_lamp, rooms.sky));
+  EXPECT_THAT(session.state()->culled_lights(), ElementsAre(rooms.other_lamp, rooms.sky));
   const std::vector<float> closed = reflected(session, TwoRooms::inside());
   session.apply(RemoveInstance{lid}, false, Accuracy::Kept);
   ASSERT_TRUE(session.refine(Accuracy::Draft));
-  EXPECT_THAT(session.state()->left_out(), ElementsAre(rooms.other_lamp));
+  EXPECT_THAT(session.state()->culled_lights(), ElementsAre(rooms.other_lamp));
   ASSERT_TRUE(session.refine());
-  EXPECT_THAT(session.state()->left_out(), ElementsAre(rooms.other_lamp));
+  EXPECT_THAT(session.state()->culled_lights(), ElementsAre(rooms.other_lamp));
   EXPECT_NE(reflected(session, TwoRooms::inside()), closed);
   session.undo();
-  EXPECT_THAT(session.state()->left_out(), ElementsAre(rooms.other_lamp, rooms.sky));
+  EXPECT_THAT(session.state()->culled_lights(), ElementsAre(rooms.other_lamp, rooms.sky));
   EXPECT_EQ(reflected(session, TwoRooms::inside()), closed);
 }
 
@@ -125,7 +125,7 @@ TEST(LookFrom, ARoomThatNoLightReachesIsBlack) {
   Session session(rooms.scene, pruned_network(), seen_from({TwoRooms::inside()}));
   ASSERT_FALSE(reflected(session, TwoRooms::inside()).empty());
   session.apply(RemoveLight{rooms.lamp});
-  EXPECT_EQ(session.state()->left_out().size(), 2u);
+  EXPECT_EQ(session.state()->culled_lights().size(), 2u);
   const std::vector<float> dark = reflected(session, TwoRooms::inside());
   EXPECT_EQ(dark, std::vector<float>(dark.size()));
   ASSERT_TRUE(session.undo());

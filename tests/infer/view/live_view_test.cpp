@@ -12,7 +12,7 @@
 #include "lte/cli/scene_flags.h"
 #include "lte/scene/scene.h"
 #include "tests/infer/fixture.h"
-#include "tests/infer/light/two_rooms.h"
+#include "tests/infer/renderer/two_rooms.h"
 #include "tests/infer/session/session_fixture.h"
 #include "tests/infer/view/fake_pages.h"
 #include "tests/support/scenes.h"
@@ -221,10 +221,10 @@ TEST(EditedByNetwork, WhatTheCameraSeesDecidesWhichLightIsLeftOut) {
   loop = std::make_unique<ViewLoop>([&] { return editor.made(); }, &pages, first,
                                     [&](const auto& camera) { editor.look_from(camera); });
   editor.start();
-  const auto comes_to = [&](const std::vector<int>& left_out) {
+  const auto comes_to = [&](const std::vector<int>& culled) {
     for (int i = 0; i < 60'000; ++i) {
       const Editor::Made made = editor.made();
-      if (made.settled && made.state->left_out() == left_out) return true;
+      if (made.settled && made.state->culled_lights() == culled) return true;
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     return false;

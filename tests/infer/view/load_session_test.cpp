@@ -5,7 +5,7 @@
 
 #include "lte/scene/export.h"
 #include "tests/infer/fixture.h"
-#include "tests/infer/light/two_rooms.h"
+#include "tests/infer/renderer/two_rooms.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/scenes.h"
 #include "tests/support/temp_dir.h"
@@ -41,7 +41,7 @@ TEST(LoadSession, LeavesOutWhatDoesNotReachTheFirstView) {
   };
   std::string said;
   const LoadedSession inside = loaded_from(test::TwoRooms::inside(), &said);
-  EXPECT_EQ(inside.session->state()->left_out().size(), 2u);
+  EXPECT_EQ(inside.session->state()->culled_lights().size(), 2u);
   EXPECT_TRUE(inside.session->state()->has_network());
   EXPECT_EQ(said, "");
   const LoadedSession outside = loaded_from(test::TwoRooms::outside(), &said);

@@ -1,4 +1,4 @@
-// Luminaires that bring no light to what a session's cameras see: its network is not told of them.
+// Luminaires that bring no light to what a session's cameras see: its network does not read them.
 #pragma once
 
 #include <memory>
@@ -18,9 +18,9 @@ bool same_cameras(const std::vector<scene::Camera>& a, const std::vector<scene::
 /// places are looked at as of a single picture's.
 std::vector<scene::Camera> without_repeats(std::vector<scene::Camera> cameras);
 
-/// What left_out_light() has found for a draft whose luminaires all have gain 1, so that one which
-/// is switched off counts as it will when it is on.
-struct UnreachedLights {
+/// What embed::culled_lights() has found for a draft whose luminaires all have gain 1, so that one
+/// which is switched off counts as it will when it is on.
+struct CulledLights {
   std::shared_ptr<const Draft> found_for;
   std::vector<scene::Camera> cameras;
   std::vector<int> lights;  ///< their numbers, by light group
@@ -33,7 +33,7 @@ struct UnreachedLights {
 std::vector<int> groups_of(const Draft& draft, const std::vector<int>& lights);
 
 /// Layers without some light groups; those in which nothing that shines is left are gone.
-std::vector<LightGroups> without(std::vector<LightGroups> layers, const Draft& draft,
-                                 const std::vector<int>& groups);
+std::vector<LightGroups> without_groups(std::vector<LightGroups> layers, const Draft& draft,
+                                        const std::vector<int>& groups);
 
 }  // namespace lte::infer

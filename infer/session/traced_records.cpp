@@ -1,4 +1,4 @@
-#include "infer/light/traced_records.h"
+#include "infer/session/traced_records.h"
 
 #include <algorithm>
 

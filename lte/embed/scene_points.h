@@ -1,11 +1,10 @@
-// Samples of a scene's surfaces with the light on them that a network asks for.
+// Scene points: samples of a scene's surfaces with the light on them that a network reads.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "infer/light/points.h"
 #include "lte/data/light_groups.h"
 #include "lte/pathtrace/bvh.h"
 #include "lte/pathtrace/light_estimates.h"
@@ -13,9 +12,10 @@
 #include "lte/pathtrace/reach/reach.h"
 #include "lte/pathtrace/reach/reach_memory.h"
 #include "lte/runtime/network.h"
+#include "lte/runtime/points.h"
 #include "lte/scene/sampler.h"
 
-namespace lte::infer {
+namespace lte::embed {
 
 /// Raised by every change after which the same seed draws other points, or other light is estimated
 /// on them: of embeddings that are kept.
@@ -25,17 +25,17 @@ inline constexpr int kScenePointsVersion = 2;
 /// @param prune   draw them only where light reaches
 /// @param counts  what was pruned; may be null
 /// @param recall  what is known of where light reaches
-/// @param without  light groups of which, where points are pruned, there are none, nor points that
-///                 they alone reach
+/// @param culled  light groups that count as dark where points are pruned: no point is theirs, and
+///                none stands where they alone shine
 scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t count, bool prune,
                                           uint64_t seed, pathtrace::PruneCounts* counts,
                                           const pathtrace::ReachRecall& recall = {},
-                                          const std::vector<int>& without = {});
+                                          const std::vector<int>& culled = {});
 
 /// Owns what ScenePoints borrows.
 struct LitSamples {
   scene::SurfaceSamples surface;
-  /// W/m²: pathtrace::LightEstimates summed over light groups; what nobody reads is empty.
+  /// W/m²: pathtrace::LightEstimates summed over light groups; what is not read is empty.
   data::PointLight light;
 
   /// Metallic and roughness of each point; borrows from this.
@@ -44,30 +44,31 @@ struct LitSamples {
     return {reinterpret_cast<const float*>(surface.gloss.data()), 2 * surface.gloss.size()};
   }
   /// Borrows from this.
-  ScenePoints points() const {
+  runtime::ScenePoints points() const {
     return {surface.position,    surface.normal, surface.albedo, surface.emission,
             surface.area,        light.direct,   light.indirect, light.direct_back,
             light.indirect_back, light.error,    gloss()};
   }
 };
 
-/// The light on `lit->surface` of a network that solves it on its points, in scenes with lights of
-/// which points tell too little: point and spot lights, and luminaires that are textured. Their
-/// direct light is traced on both sides of every point, and the solution reflects that. Nothing
-/// where there are none, or the network solves no light: it does so by itself.
-/// @param left_out  light groups whose light is not to be among it
+/// For a network that solves light on its points: the light on `lit->surface` in scenes with lights
+/// that points describe badly, which are point and spot lights and textured luminaires. Their
+/// direct light is traced on both sides of every point, and the solution reflects it. Does nothing
+/// for other networks and scenes.
+/// @param culled  light groups whose light is left out
 void solve_traced_lights(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                         const nn::ModelConfig& model, uint64_t seed, std::span<const int> left_out,
-                         LitSamples* lit);
+                         const runtime::ModelConfig& model, uint64_t seed,
+                         std::span<const int> culled, LitSamples* lit);
 
-/// Of estimates by light group, what a network of this light_request() reads; borrows from them.
+/// The part of estimates by light group that a network of this light_request() reads; borrows from
+/// them.
 data::GroupedLight light_to_read(const pathtrace::LightEstimates& light,
                                  const runtime::LightRequest& input);
 
 /// Estimates the light on `surface` that a network of this light_request() reads.
-/// @param left_out  light groups whose light is not to be among it
+/// @param culled  light groups whose light is left out
 LitSamples add_light_estimates(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                                scene::SurfaceSamples surface, const runtime::LightRequest& input,
-                               uint64_t seed, std::span<const int> left_out = {});
+                               uint64_t seed, std::span<const int> culled = {});
 
-}  // namespace lte::infer
+}  // namespace lte::embed

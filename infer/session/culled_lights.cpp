@@ -1,4 +1,4 @@
-#include "infer/session/unreached_lights.h"
+#include "infer/session/culled_lights.h"
 
 #include <algorithm>
 #include <tuple>
@@ -27,7 +27,7 @@ std::vector<scene::Camera> without_repeats(std::vector<scene::Camera> cameras) {
   return cameras;
 }
 
-bool UnreachedLights::fits(const Draft& draft, const std::vector<scene::Camera>& seen_by) const {
+bool CulledLights::fits(const Draft& draft, const std::vector<scene::Camera>& seen_by) const {
   return same_cameras(cameras, seen_by) && same_points(*found_for, draft);
 }
 
@@ -39,8 +39,8 @@ std::vector<int> groups_of(const Draft& draft, const std::vector<int>& lights) {
   return groups;
 }
 
-std::vector<LightGroups> without(std::vector<LightGroups> layers, const Draft& draft,
-                                 const std::vector<int>& groups) {
+std::vector<LightGroups> without_groups(std::vector<LightGroups> layers, const Draft& draft,
+                                        const std::vector<int>& groups) {
   for (LightGroups& layer : layers)
     std::erase_if(layer.groups, [&](const int group) { return contains(groups, group); });
   std::erase_if(layers, [&](const LightGroups& layer) {

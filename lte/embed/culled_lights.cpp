@@ -1,4 +1,4 @@
-#include "infer/light/unreached_light.h"
+#include "lte/embed/culled_lights.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "lte/pathtrace/irradiance.h"
 #include "lte/pathtrace/lights/lights.h"
 
-namespace lte::infer {
+namespace lte::embed {
 namespace {
 
 constexpr int kWidth = 24, kHeight = 18;  ///< places of one camera
@@ -56,11 +56,11 @@ void note_arrivals(const pathtrace::Irradiance& found, std::vector<uint8_t>* arr
 /// A block of places at a time, as what is found has a value for each group and place; no more of
 /// them when all light has been found.
 /// @param paths  from each place
-std::vector<int> unreached_by(const pathtrace::Bvh& bvh, std::span<const Vec3> position,
-                              std::span<const Vec3> normal, int paths, uint64_t seed) {
+std::vector<int> without_arrivals(const pathtrace::Bvh& bvh, std::span<const Vec3> position,
+                                  std::span<const Vec3> normal, int paths, uint64_t seed) {
   const pathtrace::Lights lights(bvh.scene(), pathtrace::LightChoice::EachGroup);
-  std::vector<int> unreached;
-  if (lights.empty() || position.empty()) return unreached;
+  std::vector<int> culled;
+  if (lights.empty() || position.empty()) return culled;
   pathtrace::IrradianceOptions options;
   options.rays = paths;
   options.seed = seed;
@@ -73,24 +73,25 @@ std::vector<int> unreached_by(const pathtrace::Bvh& bvh, std::span<const Vec3> p
                                                  normal.subspan(first, count), options,
                                                  static_cast<int64_t>(first)),
                   &arrived);
-    if (std::ranges::count(arrived, 0) == 0) return unreached;
+    if (std::ranges::count(arrived, 0) == 0) return culled;
   }
   for (size_t group = 0; group < arrived.size(); ++group) {
-    if (!arrived[group]) unreached.push_back(static_cast<int>(group));
+    if (!arrived[group]) culled.push_back(static_cast<int>(group));
   }
-  return unreached;
+  return culled;
 }
 
 }  // namespace
 
-std::vector<int> unreached_groups(const pathtrace::Bvh& bvh, const Asked& asked, uint64_t seed) {
-  if (const auto* cameras = std::get_if<std::vector<scene::Camera>>(&asked)) {
+std::vector<int> culled_lights(const pathtrace::Bvh& bvh, const Receivers& receivers,
+                               uint64_t seed) {
+  if (const auto* cameras = std::get_if<std::vector<scene::Camera>>(&receivers)) {
     const Places seen = seen_places(bvh, *cameras);
-    return unreached_by(bvh, seen.position, seen.normal, kPaths, seed);
+    return without_arrivals(bvh, seen.position, seen.normal, kPaths, seed);
   }
-  const auto& [position, normal] = std::get<SurfacePlaces>(asked);
+  const auto& [position, normal] = std::get<SurfacePlaces>(receivers);
   const auto share = static_cast<int>(kAllPaths / std::max<size_t>(position.size(), 1));
-  return unreached_by(bvh, position, normal, std::max(kMinPaths, share), seed);
+  return without_arrivals(bvh, position, normal, std::max(kMinPaths, share), seed);
 }
 
 std::vector<std::string> names_of(const scene::Scene& scene, std::span<const int> groups) {
@@ -99,15 +100,15 @@ std::vector<std::string> names_of(const scene::Scene& scene, std::span<const int
   return names;
 }
 
-std::string left_out_note(const scene::Scene& scene, std::span<const int> groups,
-                          const Asked& asked) {
+std::string culled_lights_note(const scene::Scene& scene, std::span<const int> groups,
+                               const Receivers& receivers) {
   std::string names;
   for (const std::string& name : names_of(scene, groups))
     names += concat(names.empty() ? "" : ", ", name);
-  const bool places = std::holds_alternative<SurfacePlaces>(asked);
-  return concat("the network is not told of light that does not reach ",
+  const bool places = std::holds_alternative<SurfacePlaces>(receivers);
+  return concat("the network does not read light that does not reach ",
                 places ? "the points" : "what is seen", " (", names,
-                "); --set prune=off tells it of all");
+                "); with --set prune=off it reads all");
 }
 
 void keep_points(const std::function<bool(int group)>& keeps, scene::SurfaceSamples* samples) {
@@ -118,7 +119,7 @@ void keep_points(const std::function<bool(int group)>& keeps, scene::SurfaceSamp
   samples->keep(rows);
 }
 
-void leave_out(std::span<const int> groups, int64_t all_groups, pathtrace::LightEstimates* light) {
+void darken(std::span<const int> groups, int64_t all_groups, pathtrace::LightEstimates* light) {
   const auto darken = [&](auto* values) {
     const auto points = static_cast<int64_t>(values->size()) / all_groups;
     for (const int group : groups)
@@ -132,4 +133,4 @@ void leave_out(std::span<const int> groups, int64_t all_groups, pathtrace::Light
   darken(&light->error_back);
 }
 
-}  // namespace lte::infer
+}  // namespace lte::embed

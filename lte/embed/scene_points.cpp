@@ -1,14 +1,13 @@
-#include "infer/light/lit_samples.h"
+#include "lte/embed/scene_points.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "infer/light/unreached_light.h"
 #include "lte/data/light_groups.h"
-#include "lte/nn/config.h"
+#include "lte/embed/culled_lights.h"
 #include "lte/radiosity/point_radiosity.h"
 
-namespace lte::infer {
+namespace lte::embed {
 namespace {
 
 // As in baked training data, so that the network sees luminaires as densely as it has learnt to.
@@ -16,8 +15,8 @@ constexpr double kEmissiveShare = 0.1;
 /// Rays from each side of a point for direct light that is traced for a solution.
 constexpr int kDirectRays = 16;
 
-/// 1 for the light groups of which points tell too little.
-std::vector<uint8_t> hardly_told(const scene::Scene& scene, std::span<const int> left_out) {
+/// 1 for the light groups that points describe badly.
+std::vector<uint8_t> needs_tracing(const scene::Scene& scene, std::span<const int> culled) {
   std::vector<uint8_t> groups(scene.light_groups.size());
   for (const scene::PunctualLight& light : scene.lights)
     if (light.kind != scene::LightKind::Directional)
@@ -27,11 +26,11 @@ std::vector<uint8_t> hardly_told(const scene::Scene& scene, std::span<const int>
     if (material.emissive() && material.emission_texture.texture != scene::kNone)
       groups[static_cast<size_t>(instance.light_group)] = 1;
   }
-  for (const int group : left_out) groups[static_cast<size_t>(group)] = 0;
+  for (const int group : culled) groups[static_cast<size_t>(group)] = 0;
   return groups;
 }
 
-/// Of [G, points] values the sum over the groups of the mask, at some points.
+/// Sums [G, points] values over the groups of the mask, at some points.
 std::vector<Rgb> sum_over(const std::vector<uint8_t>& groups, std::span<const size_t> rows,
                           size_t points, const std::vector<Rgb>& values) {
   std::vector<Rgb> sum(rows.size());
@@ -47,23 +46,23 @@ std::vector<Rgb> sum_over(const std::vector<uint8_t>& groups, std::span<const si
 scene::SurfaceSamples sample_scene_points(const pathtrace::Bvh& bvh, int64_t count, bool prune,
                                           uint64_t seed, pathtrace::PruneCounts* counts,
                                           const pathtrace::ReachRecall& recall,
-                                          const std::vector<int>& without) {
+                                          const std::vector<int>& culled) {
   scene::SamplerOptions sampler;
   sampler.seed = seed;
   sampler.emissive_share = kEmissiveShare;
   const int max_depth = pathtrace::ReachOptions().max_depth;
   if (!prune)
-    return pathtrace::sample_turned_surface(bvh, count, sampler, {max_depth, seed, without});
+    return pathtrace::sample_turned_surface(bvh, count, sampler, {max_depth, seed, culled});
   pathtrace::PruneCounts ignored;
-  const auto reached_without = [&](const std::vector<int>& groups) {
+  const auto reached = [&](const std::vector<int>& groups) {
     const pathtrace::ReachOptions reach{max_depth, seed, groups};
     return pathtrace::sample_reached_surface(bvh, count, sampler, pathtrace::Purpose::Scene, reach,
                                              recall, counts != nullptr ? counts : &ignored);
   };
-  scene::SurfaceSamples samples = reached_without(without);
-  if (without.empty()) return samples;
-  const auto told = [&](int group) { return std::ranges::count(without, group) == 0; };
-  keep_points(told, &samples);
+  scene::SurfaceSamples samples = reached(culled);
+  if (culled.empty()) return samples;
+  const auto kept = [&](int group) { return std::ranges::count(culled, group) == 0; };
+  keep_points(kept, &samples);
   if (samples.position.empty()) {  // no light is left: of any surfaces the answer is darkness
     sampler.emissive_share = sampler.environment_share = 0;
     sampler.punctual_lights = false;
@@ -87,7 +86,7 @@ data::GroupedLight light_to_read(const pathtrace::LightEstimates& light,
 
 LitSamples add_light_estimates(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
                                scene::SurfaceSamples surface, const runtime::LightRequest& input,
-                               uint64_t seed, std::span<const int> left_out) {
+                               uint64_t seed, std::span<const int> culled) {
   LitSamples out{std::move(surface), {}};
   if (input.depth == 0) return out;
   const scene::SurfaceSamples& s = out.surface;
@@ -101,15 +100,15 @@ LitSamples add_light_estimates(const pathtrace::Bvh& bvh, const pathtrace::Light
   pathtrace::LightEstimates light =
       pathtrace::estimate_light(bvh, lights, s.position, s.normal, s.emission,
                                 {.paths = input.paths, .max_depth = input.depth, .seed = seed});
-  leave_out(left_out, lights.groups(), &light);
+  darken(culled, lights.groups(), &light);
   out.light = data::sum_groups(light_to_read(light, input), lights.groups());
   return out;
 }
 
 void solve_traced_lights(const pathtrace::Bvh& bvh, const pathtrace::Lights& lights,
-                         const nn::ModelConfig& model, uint64_t seed, std::span<const int> left_out,
-                         LitSamples* lit) {
-  const std::vector<uint8_t> traced = hardly_told(bvh.scene(), left_out);
+                         const runtime::ModelConfig& model, uint64_t seed,
+                         std::span<const int> culled, LitSamples* lit) {
+  const std::vector<uint8_t> traced = needs_tracing(bvh.scene(), culled);
   if (!model.solves_light() || std::ranges::count(traced, 1) == 0) return;
   const scene::SurfaceSamples& s = lit->surface;
   const pathtrace::LightEstimates light =
@@ -118,10 +117,10 @@ void solve_traced_lights(const pathtrace::Bvh& bvh, const pathtrace::Lights& lig
   scene::SurfaceSamples solved_on = s;
   std::vector<size_t> rows;  // lights that are no surface are in nobody's way
   for (size_t i = 0; i < s.position.size(); ++i) {
-    const bool told =
+    const bool solved_here =
         s.light_group[i] == scene::kNone || traced[static_cast<size_t>(s.light_group[i])] == 0;
-    if (!told) solved_on.emission[i] = {};
-    if (told || max_component(s.albedo[i]) > 0) rows.push_back(i);
+    if (!solved_here) solved_on.emission[i] = {};
+    if (solved_here || max_component(s.albedo[i]) > 0) rows.push_back(i);
   }
   solved_on.keep(rows);
   const std::vector<Rgb> direct = sum_over(traced, rows, s.position.size(), light.direct),
@@ -146,4 +145,4 @@ void solve_traced_lights(const pathtrace::Bvh& bvh, const pathtrace::Lights& lig
   lit->light.indirect_back = spread(solved.indirect_back);
 }
 
-}  // namespace lte::infer
+}  // namespace lte::embed
