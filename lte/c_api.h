@@ -1,6 +1,6 @@
 /* The network for renderers, in C: scene points in, a light transport embedding, irradiance at any
- * surface point out, and of some models radiance from any direction.
- * docs/embedding-in-a-renderer.md tells how to use it.
+ * surface point out, and of some models radiance from any direction. lte/c_render.h renders scene
+ * files. docs/embedding-in-a-renderer.md shows how to use both.
  *
  *   lte_model* model;
  *   lte_embedding* embedding;
@@ -55,7 +55,8 @@ typedef enum lte_status {
   LTE_ERROR_NO_CUDA = 4,          /**< built without CUDA, or there is no such GPU */
   LTE_ERROR_CUDA = 5,             /**< CUDA says so; the GPU's state may be lost */
   LTE_ERROR_OUT_OF_MEMORY = 6,
-  LTE_ERROR_INTERNAL = 7 /**< a fault of this library */
+  LTE_ERROR_INTERNAL = 7, /**< a fault of this library */
+  LTE_STOPPED = 8         /**< the caller's progress function has ended the call (lte/c_render.h) */
 } lte_status;
 
 /** A loaded network. */

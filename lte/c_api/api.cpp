@@ -1,14 +1,12 @@
 // The functions of lte/c_api.h: null checks, structs in and out, and nothing past the boundary.
-#include <atomic>
-
-#include "lte/base/parallel.h"
-#include "lte/base/passive_waiting.h"
 #include "lte/c_api.h"
 #include "lte/c_api/arguments.h"
 #include "lte/c_api/error.h"
+#include "lte/c_api/handles.h"
 #include "lte/c_api/scene.h"
 #include "lte/runtime/device.h"
 
+using lte::c_api::apply_threads;
 using lte::c_api::guarded;
 using lte::c_api::read_struct;
 using lte::c_api::require;
@@ -16,27 +14,7 @@ using lte::c_api::write_struct;
 using lte::runtime::Device;
 using lte::runtime::StreamScope;
 
-struct lte_model {
-  lte::runtime::Network network;
-};
-
-struct lte_embedding {
-  lte::runtime::SceneEmbedding scene;
-};
-
 namespace {
-
-std::atomic<int32_t> wanted_threads{0};  ///< 0: LibTorch's default
-
-/// LibTorch keeps the number by thread, so each thread takes it over when it calls.
-void apply_threads() {
-  thread_local int32_t applied = -1;  // nothing yet
-  const int32_t wanted = wanted_threads.load();
-  if (wanted == applied) return;
-  lte::wait_passively();
-  lte::runtime::set_torch_threads(wanted);
-  applied = wanted;
-}
 
 lte_embedding* encode(const lte_model* model, const lte_scene_points* points, Device memory) {
   apply_threads();
@@ -61,7 +39,7 @@ void decode_radiance(const lte_embedding* embedding, const lte_queries* queries,
 }
 
 lte_model_info info_of(const lte::runtime::Network& network) {
-  const lte::nn::ModelConfig& config = network.config();
+  const lte::runtime::ModelConfig& config = network.config();
   lte_model_info info = {};
   info.channels = config.channels;
   info.parameters = network.parameters();
@@ -91,14 +69,7 @@ int32_t lte_built_with_cuda(void) { return LTE_WITH_CUDA; }
 const char* lte_last_error(void) { return lte::c_api::last_error(); }
 
 lte_status lte_set_threads(int32_t threads) {
-  return guarded([&] {
-    require(threads >= 1 && threads <= lte::max_threads(), "threads is ", threads,
-            ", expected 1 to ", lte::max_threads(), ", four times the processors here or 64");
-    // OpenMP's library ends the process where it gets none.
-    require(lte::can_start_threads(threads), "threads is ", threads,
-            ", but the system does not give so many");
-    wanted_threads = threads;
-  });
+  return guarded([&] { lte::c_api::set_threads(threads); });
 }
 
 int32_t lte_threads(void) {

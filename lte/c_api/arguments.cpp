@@ -77,14 +77,14 @@ runtime::ScenePointsIn read_points(const lte_scene_points& p, runtime::Device me
   return points;
 }
 
-runtime::QueriesIn read_queries(const lte_queries& q, runtime::Device memory) {
+runtime::QueriesIn read_queries(const lte_queries& q, runtime::Device memory, bool albedo) {
   require(q.count >= 0, "queries: count is ", q.count, ", expected 0 or more");
   require((q.flags & ~LTE_QUERIES_TRUSTED) == 0, "queries: unknown flags ", q.flags);
   runtime::QueriesIn queries = {.memory = memory, .count = q.count};
   if (q.count == 0) return queries;  // and no arrays
   queries.position = read_triples(q.position, q.count, "queries: position");
   queries.normal = read_triples(q.normal, q.count, "queries: normal");
-  queries.albedo = read_triples(q.albedo, q.count, "queries: albedo");
+  if (albedo) queries.albedo = read_triples(q.albedo, q.count, "queries: albedo");
   queries.trusted = (q.flags & LTE_QUERIES_TRUSTED) != 0;
   if (q.mask == nullptr) return queries;
   queries.mask = q.mask;

@@ -31,7 +31,8 @@ T read_struct(const T* from, const char* name, size_t first = sizeof(T)) {
           " of the interface, does not know");
   T values = {};
   std::memcpy(&values, from, std::min(size, sizeof(T)));
-  require(values.reserved == 0, name, ": reserved is ", values.reserved, ", expected 0");
+  if constexpr (requires { values.reserved; })
+    require(values.reserved == 0, name, ": reserved is ", values.reserved, ", expected 0");
   return values;
 }
 
@@ -62,7 +63,9 @@ runtime::TriplesOut read_output(float* data, int64_t stride, int64_t count, cons
 
 /// @param memory  where the arrays are
 runtime::ScenePointsIn read_points(const lte_scene_points& points, runtime::Device memory);
-runtime::QueriesIn read_queries(const lte_queries& queries, runtime::Device memory);
+/// @param albedo  whether it is read
+runtime::QueriesIn read_queries(const lte_queries& queries, runtime::Device memory,
+                                bool albedo = true);
 
 /// @throws ApiError naming `name` unless all three are finite.
 void check_finite_triple(const float* values, const char* name);

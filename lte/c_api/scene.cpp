@@ -38,7 +38,7 @@ lte_embedding_info info_of(const runtime::SceneEmbedding& scene) {
   return info;
 }
 
-bool needs_area(const nn::ModelConfig& config) {
+bool needs_area(const runtime::ModelConfig& config) {
   return config.solves_light() || config.predicts_radiance();
 }
 

@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "lte/c_api.h"
-#include "lte/nn/config.h"
 #include "lte/runtime/embedding.h"
 
 namespace lte::c_api {
@@ -13,7 +12,7 @@ lte_embedding_info info_of(const runtime::SceneEmbedding& scene);
 
 /// Whether a model needs the points' areas in m², not only their ratios: light that is solved on
 /// the points, and the discs that rays meet, have the size that they say.
-bool needs_area(const nn::ModelConfig& config);
+bool needs_area(const runtime::ModelConfig& config);
 
 /// @param memory  where the arrays of `points` are
 /// @throws ApiError, lte::Error
